@@ -1,0 +1,71 @@
+// What crosses the line to the haptic device, both ways, once per tick.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "lumbrical/hand.h"
+#include "lumbrical/math.h"
+
+namespace lumbrical {
+
+enum class InputKind : std::uint8_t { joint_poses, joint_angles };
+
+/// As in OpenXR: float is what trackers deliver; far from the origin the frame's base carries the distance.
+struct JointPose {
+  std::array<float, 3> position{};               ///< [m] in B
+  std::array<float, 4> orientation{0, 0, 0, 1};  ///< x y z w, of the joint in B
+  friend bool operator==(const JointPose&, const JointPose&) = default;
+};
+
+enum DeviceFlag : std::uint32_t {
+  kTrackingLost = 1u << 0,  ///< the source does not trust this frame: forces fade to zero
+  kExtrapolated = 1u << 1,  ///< held or continued beyond the last sample; used all the same
+};
+
+/// What the device says. Recorded as received; replay needs nothing else.
+struct DeviceFrame {
+  Pose base;  ///< X_WB. Joint poses are given in B; for joint angles B is the wrist
+  InputKind kind = InputKind::joint_poses;
+  std::uint32_t flags = 0;                        ///< DeviceFlag bits
+  std::uint32_t valid = (1u << kJointCount) - 1;  ///< bit j: joint j is tracked (joint_poses only)
+  std::array<JointPose, kJointCount> joint{};     ///< for joint_poses
+  std::array<float, kAngleCount> angle{};         ///< [rad] for joint_angles, in the order of hand.h
+  friend bool operator==(const DeviceFrame&, const DeviceFrame&) = default;
+};
+
+/// What happened inside a tick. Each bit names its remedy.
+enum TickFlag : std::uint32_t {
+  kInputNotFinite = 1u << 0,  ///< NaN or infinity in the device frame. Check the driver; forces fade to zero
+  kInputImplausible =
+      1u << 1,           ///< a joint farther than 1 m from its wrist, or a zero quaternion. Check units
+  kInputLost = 1u << 2,  ///< kTrackingLost was set. Forces fade to zero
+  kInputExtrapolated = 1u << 3,  ///< kExtrapolated was set. Raise the tracking rate
+  kSegmentMissing = 1u << 4,     ///< a joint is not valid: the segments it bounds feel nothing
+  kSegmentDegenerate = 1u << 5,  ///< a phalanx of zero length was felt as a sphere
+  kAngleClamped = 1u << 6,       ///< a joint angle exceeded the hand's limits. Calibrate or widen the limits
+  kCandidateOverflow =
+      1u << 7,  ///< more candidate pairs than Settings::max_candidates: forces fade to zero. Raise it
+  kForceLimited = 1u << 8,  ///< a segment's force exceeded Settings::max_force and was scaled down
+  kFading = 1u << 9,        ///< output is a fading or rising mixture, see limits
+};
+
+/// Forces and torques of the whole hand, in the world frame W.
+struct HandForces {
+  std::array<Wrench, kSegmentCount>
+      segment{};  ///< felt by each segment: [N], [N m] about the joint at its base
+  std::array<Vec3, kSegmentCount>
+      joint_torque{};  ///< [N m] Eq. 5 about each segment's base joint, of all it carries
+  std::array<double, kSegmentCount>
+      flexion_torque{};  ///< [N m] of it along the flexion axis; > 0 opens the hand
+};
+
+/// What the device is told.
+struct ActuatorFrame : HandForces {
+  std::uint64_t tick = 0;
+  std::uint32_t flags = 0;          ///< TickFlag bits
+  std::uint32_t contact_count = 0;  ///< contacts behind this frame, before limits
+};
+
+}  // namespace lumbrical

@@ -1,0 +1,72 @@
+// Triangle meshes: what the hand touches, how they are read from files, and what can be wrong with them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lumbrical/math.h"
+#include "lumbrical/status.h"
+
+namespace lumbrical {
+
+using Triangle = std::array<std::uint32_t, 3>;  ///< vertex indices, counter-clockwise seen from outside
+
+struct Mesh {
+  std::vector<Vec3> vertices;       ///< [m]
+  std::vector<Triangle> triangles;  ///< in the file's order; polygons become fans from their first corner
+};
+
+enum class Unit : std::uint8_t { metre, centimetre, millimetre };
+
+/// "m", "cm" or "mm"; nothing for any other text.
+std::optional<Unit> parse_unit(std::string_view text);
+
+/// Reads OBJ, STL (binary or ASCII, whatever its header claims), PLY (ASCII, both endians) or OFF; the
+/// format is told by the content first and the file name second. Vertices of STL files at exactly the same
+/// position are merged (-0 equals +0). Triangles keep the order of the file and none is dropped, not even a
+/// degenerate one. At most 8 GiB, 2^32 - 2 vertices and as many triangles; at least one triangle.
+/// `unit` is the unit of the file's numbers; the mesh is in metres and all its coordinates are finite.
+/// On error `mesh` is unchanged and the message starts with "path:line:column:" or "path: byte N:" (from 0),
+/// or with "path:" alone where the fault has no place in the file.
+Status load_mesh(const std::string& path, Unit unit, Mesh& mesh);
+
+/// The same for a file already in memory; `name` stands in for the path in messages and in the choice of
+/// format.
+Status parse_mesh(std::string_view content, const std::string& name, Unit unit, Mesh& mesh);
+
+/// What is wrong with a mesh. Vertices are compared by exact position (merged first, -0 equals +0), triangles
+/// by their merged vertices. Triangles of which corners coincide have no edges to speak of: they count in
+/// `degenerate`, but in no edge count and in no component.
+struct MeshReport {
+  std::size_t triangles = 0;
+  std::size_t vertices = 0;         ///< as stored in the file
+  std::size_t merged_vertices = 0;  ///< distinct positions
+  std::size_t unused_vertices = 0;  ///< stored vertices no triangle names
+  std::size_t degenerate = 0;       ///< triangles of zero area (two corners coincide or three are collinear)
+  std::size_t sliver = 0;           ///< triangles not degenerate whose smallest angle is below 1 degree
+  std::size_t duplicate = 0;        ///< triangles whose three corners already occurred, in any order
+  std::size_t boundary_edges = 0;   ///< edges of exactly one triangle
+  std::size_t non_manifold_edges = 0;  ///< edges of more than two triangles
+  std::size_t misoriented_edges = 0;   ///< edges of exactly two triangles that run through it the same way
+  std::size_t components = 0;          ///< parts connected through shared edges
+  bool watertight = false;             ///< no boundary, non-manifold or misoriented edge, and not empty
+  double area = 0;                     ///< [m^2]
+  /// [m^3] signed: negative where a closed mesh is inside out. Of an open mesh, the volume of the cones from
+  /// the middle of the bounding box to its triangles.
+  double volume = 0;
+  double shortest_edge = 0;  ///< [m] longer than 0; 0 where there is none
+  double longest_edge = 0;   ///< [m]
+  Vec3 lower, upper;         ///< [m] bounding box of the vertices that triangles name
+  /// First few offenders of each kind, named by their indices (from 0) in `Mesh`, for a person to look at:
+  /// "triangle 17 is degenerate (corners 3 and 4 coincide)".
+  std::vector<std::string> examples;
+};
+
+/// O(n log n). The triangles' indices must be in range and the vertices finite.
+MeshReport inspect_mesh(const Mesh& mesh);
+
+}  // namespace lumbrical

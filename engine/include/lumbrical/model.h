@@ -1,0 +1,112 @@
+// Everything about a session that never changes while it runs: hand, world, settings, and the search
+// structure.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lumbrical/hand.h"
+#include "lumbrical/mesh.h"
+#include "lumbrical/status.h"
+
+namespace lumbrical {
+
+/// How a contacted triangle pushes back; see contact_force.h for the formulas.
+enum class Law : std::uint8_t {
+  field,      ///< K_s times the integral of the pressure field: exact, mesh-independent, conservative
+  column,     ///< K_s times the integral of the paper's depth: exact, mesh-independent on planes
+  max_depth,  ///< the paper: K_s dl_max A_C along the normal (Eq. 3-4)
+  centroid,   ///< K_s A_C times the depth at the centroid
+  point,      ///< K_s times the deepest point's depth times a fixed area: what point-based libraries do
+};
+
+/// Where candidate triangles come from. Never changes a result, only the time it takes.
+enum class Broadphase : std::uint8_t { tree, brute };
+
+std::optional<Law> parse_law(std::string_view text);                ///< "field", "column", "max-depth", ...
+std::optional<Broadphase> parse_broadphase(std::string_view text);  ///< "tree", "brute"
+std::string_view law_name(Law law);
+std::string_view broadphase_name(Broadphase broadphase);
+
+/// What decides the result of a tick, besides hand and world. Travels inside a recording.
+struct Settings {
+  std::array<Law, kSegmentCount> law{};  ///< per hand segment
+  double stiffness = 2e7;                ///< [N/m^3] K_s, > 0
+  double rate = 1000;                    ///< [Hz] ticks per second of session time, 1 .. 100000
+  double point_area = 1e-4;              ///< [m^2] stands in for the area in Law::point
+  double max_force = 20;    ///< [N] largest force of one segment; above it the wrench is scaled down
+  double fade_time = 0.02;  ///< [s] in which forces that can't be trusted fade to zero, and return
+  std::uint32_t max_candidates = 1u << 16;  ///< pairs (primitive, triangle) a tick can hold
+};
+
+/// How the work is done. Any choice gives the same bits; a replay may choose anew.
+struct Execution {
+  Broadphase broadphase = Broadphase::tree;
+  std::uint32_t tree_levels =
+      0;  ///< levels of bounding spheres above the leaves (paper, Table 2); 0: as many as it takes
+  std::uint32_t leaf_size = 8;  ///< triangles per leaf sphere, 1 .. 64
+  std::uint32_t threads = 1;    ///< 1 .. 64
+};
+
+struct SceneObject {
+  std::string name;
+  Mesh mesh;  ///< already in the world frame [m]
+};
+
+/// What a user puts together; build_model turns it into a Model.
+struct Scene {
+  Hand hand;
+  std::vector<SceneObject> objects;
+  Settings settings;
+};
+
+/// All triangles of the world in the order of the scene, structure of arrays.
+struct Triangles {
+  std::vector<double> x, y, z;         ///< [m] vertex coordinates in W
+  std::vector<std::uint32_t> a, b, c;  ///< vertex indices per triangle
+  [[nodiscard]] std::size_t size() const { return a.size(); }
+  [[nodiscard]] Vec3 vertex(std::uint32_t i) const { return {x[i], y[i], z[i]}; }
+};
+
+/// Bounding spheres in groups of eight, structure of arrays; no pointers, children are found by index
+/// arithmetic. Level 0 bounds the leaves; every further level bounds groups of eight of the level below.
+struct SphereTree {
+  static constexpr std::uint32_t kWidth = 8;
+  struct Level {
+    std::vector<float> x, y, z,
+        r;  ///< [m] relative to `origin`, padded to a multiple of kWidth by spheres never hit
+    std::uint32_t count = 0;  ///< spheres without the padding
+  };
+  Vec3 origin;                          ///< [m] in W
+  std::uint32_t leaf_size = 0;          ///< triangles per leaf
+  std::vector<std::uint32_t> triangle;  ///< triangle indices in leaf order (spatial order)
+  std::vector<Level> levels;            ///< [0]: one sphere per leaf
+};
+
+/// Immutable once built; may be shared by any number of sessions and threads.
+struct Model {
+  Hand hand;
+  Settings settings;
+  Execution execution;
+  Triangles triangles;
+  SphereTree tree;  ///< empty for Broadphase::brute
+  struct Object {
+    std::string name;
+    std::uint32_t first_triangle = 0, triangle_count = 0;
+    std::uint32_t first_vertex = 0, vertex_count = 0;
+  };
+  std::vector<Object> objects;
+};
+
+/// Checks the scene and builds what the ticks need. Refuses settings out of range, non-finite vertices and
+/// triangle indices out of range, naming the field or object; on error `model` is unchanged.
+Status build_model(const Scene& scene, const Execution& execution, Model& model);
+
+/// The scene a model was built from, equal bit for bit: what a recording carries.
+Scene scene_of(const Model& model);
+
+}  // namespace lumbrical

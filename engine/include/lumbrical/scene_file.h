@@ -1,0 +1,36 @@
+// Scene files: everything a session needs, in one JSON text (schemas/scene.fbs says which fields there are,
+// their units, ranges and defaults).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lumbrical/model.h"
+#include "lumbrical/motion.h"
+#include "lumbrical/status.h"
+
+namespace lumbrical {
+
+struct SceneFile {
+  Scene scene;  ///< meshes placed in the world, the hand fitted to the motion
+  Execution execution;
+  Motion motion;                   ///< placed in the world
+  double seconds = 0;              ///< [s] length of the session, > 0
+  std::vector<std::string> files;  ///< every file that was read, the scene file first
+};
+
+/// What takes the place of the file's own motion.
+struct MotionOverride {
+  std::string file;  ///< a motion file; empty: the scene's own motion
+  double rate = 0;   ///< [Hz] of files without time stamps; 0: the scene's
+  std::optional<Side> side;
+  double unit = 0;  ///< [m] per number of the motion file; 0: the scene's
+};
+
+/// Reads a scene file and every mesh and motion it names (paths relative to the scene file;
+/// MotionOverride::file as it stands). On error `scene_file` is unchanged and the message starts with
+/// "path:line:column:" of whatever file is at fault.
+Status load_scene_file(const std::string& path, SceneFile& scene_file, const MotionOverride& motion = {});
+
+}  // namespace lumbrical

@@ -1,0 +1,73 @@
+// The engine's one verb: a device frame goes in, an actuator frame comes out.
+//
+//   Model model;    build_model(scene, execution, model)
+//   State state;    what one tick leaves for the next
+//   Scratch scratch = make_scratch(model);
+//   ActuatorFrame out = tick(model, state, scratch, frame);
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "lumbrical/device.h"
+#include "lumbrical/model.h"
+
+namespace lumbrical {
+
+/// The little that survives from one tick to the next. Copy it to take a snapshot. No padding: hashed as it
+/// stands.
+struct State {
+  std::uint64_t tick = 0;  ///< number of the next tick: the engine's only clock
+  double rise = 0;         ///< share of the fresh forces in the output, 0 .. 1
+  double fall = 0;         ///< share of the held forces in the output, 0 .. 1
+  HandForces last;         ///< the last output
+  HandForces held;         ///< the output when trust was lost
+};
+
+/// The stages of a tick, in order; a divergence between recording and replay names one of them.
+enum class Stage : std::uint8_t { input, hand_pose, broadphase, narrowphase, contact_force, limits };
+inline constexpr int kStageCount = 6;
+std::string_view stage_name(Stage stage);
+
+/// One contacted triangle of one primitive. No padding: contacts are hashed as they stand.
+struct Contact {
+  std::uint32_t primitive = 0;  ///< index of the posed primitive
+  std::uint32_t triangle = 0;   ///< index into Model::triangles
+  double depth = 0;             ///< [m] dl_max: the largest depth, through the whole finger
+  double area = 0;              ///< [m^2] A_C: the part of the triangle inside the primitive
+  double volume = 0;            ///< [m^3] the law's depth summed over that part; K_s times it is the force
+  Vec3 centroid;                ///< [m] W, of that part
+  Vec3 centre;                  ///< [m] W, centre of pressure: the force acts here
+  Vec3 normal;                  ///< W, unit, outward from the triangle
+};
+
+struct Primitives;  // posed spheres, cylinders and palm; primitive.h inside the engine
+
+/// Everything derived inside a tick. Sized once for a model; a tick allocates nothing.
+struct Scratch {
+  std::shared_ptr<Primitives> primitives;
+  std::vector<std::uint64_t>
+      candidates;                 ///< primitive << 32 | triangle, ascending; `candidate_count` of them
+  std::vector<Contact> contacts;  ///< sorted by primitive, then triangle; `contact_count` of them
+  std::array<std::vector<std::uint32_t>, 2> frontier;  ///< of the tree's traversal
+  std::uint32_t candidate_count = 0;
+  std::uint32_t contact_count = 0;
+  bool hash_stages = true;                              ///< compute stage_hash (recording and replay need it)
+  std::array<std::uint64_t, kStageCount> stage_hash{};  ///< of each stage's results in the last tick
+};
+
+Scratch make_scratch(const Model& model);
+
+/// Computes one tick. A pure function of model, state and frame: no clock, input or output, allocation, lock
+/// or exception; the same bits on every machine, instruction set, thread count and broadphase. Whatever can
+/// go wrong is told in ActuatorFrame::flags; forces that can't be trusted fade to zero.
+ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame);
+
+/// Hash of everything in the state, for recordings and tests.
+std::uint64_t hash_state(const State& state);
+
+}  // namespace lumbrical

@@ -1,0 +1,147 @@
+// dl_max in closed form. The surface below the plane is swept by spheres at parameter 0 <= t <= 1 along the
+// axis, of radius R(t), height h(t) and abscissa x(t); depth is the maximum over t of  sqrt(R(t)^2 -
+// distance(t)^2) - h(t).
+#include "depth.h"
+
+#include <cmath>
+
+namespace lumbrical {
+namespace {
+
+// sqrt(a t^2 + 2 b t + c) - h1 - t dh on 0 <= t <= 1, concave where the root is real.
+struct SweptDepth {
+  double a, b, c, h1, dh;
+};
+
+double value_at(const SweptDepth& f, double t) {
+  const double q = f.c + t * (2 * f.b + t * f.a);
+  return q >= 0 ? std::sqrt(q) - f.h1 - t * f.dh : -1e300;
+}
+
+// The t of the largest value. Its stationary point solves (a t + b) / sqrt(q) = dh; the form is chosen so
+// that nothing cancels whatever the sign of b. A wrong candidate does no harm: the ends are tried as well.
+double best_parameter(const SweptDepth& f) {
+  double best = value_at(f, 0) >= value_at(f, 1) ? 0 : 1;
+  const double g = f.dh * f.dh - f.a;
+  if (!(g > 0)) return best;
+  const double root = std::sqrt(max(0, (f.b * f.b - f.a * f.c) / g));
+  const double with = f.b + f.dh * root, against = f.b - f.dh * root;
+  const double t = f.b * f.dh >= 0 ? (f.b * f.b - f.dh * f.dh * f.c) / (g * with) : -against / f.a;
+  if (t > 0 && t < 1 && value_at(f, t) > value_at(f, best)) best = t;
+  return best;
+}
+
+double round_depth(const Section& section, Point2 p) {
+  const double dr = section.radius2 - section.radius1, r1 = section.radius1;
+  const double y2 = p.y * p.y;
+  const SweptDepth f{dr * dr - section.x2 * section.x2, r1 * dr + p.x * section.x2, r1 * r1 - p.x * p.x - y2,
+                     section.h1, section.h2 - section.h1};
+  return value_at(f, section.length > 0 ? best_parameter(f) : 0);
+}
+
+// Below this sine of the axis' angle only a strip of that share of the depth along the rim leaves a flat
+// cylinder through its side; dividing by the sine there would bring up nothing but rounding.
+constexpr double kUpright = 1e-6;
+
+// Side or lower base, whichever comes first.
+double flat_depth(const Section& section, Point2 p) {
+  const double s = section.s, c = section.c;
+  const double side = std::sqrt(max(0, (section.radius1 - p.y) * (section.radius1 + p.y)));
+  const double through_side = s > kUpright ? s * side - c * (p.x - c * side) / s - section.h1 : 1e300;
+  const double through_base = c > 0 ? (s * p.x - c * section.h1) / c : 1e300;
+  return max(0, min(through_side, through_base));
+}
+
+// The deepest point of the whole section; it lies on y = 0 by symmetry.
+Point2 deepest_of_section(const Section& section) {
+  double x = section.c * section.radius1;  // flat: under the lowest point of the rim
+  if (section.shape == Shape::round) {
+    x = section.radius1 - section.h1 >= section.radius2 - section.h2 ? 0 : section.x2;
+  }
+  if (inside_section(section, {x, 0})) return {x, 0};
+  const double reach = 2 * (section.length + section.radius1 + std::fabs(section.h1));
+  const Interval range = inside_interval(section, {0, 0}, {1, 0}, -reach, reach);
+  return {clamp(x, range.first, range.second), 0};
+}
+
+bool polygon_holds(const Polygon2& polygon, Point2 p) {
+  for (int i = 0; i < polygon.count; ++i) {
+    const Point2 a = polygon.corner[static_cast<std::size_t>(i)];
+    const Point2 b = polygon.corner[static_cast<std::size_t>(i + 1 == polygon.count ? 0 : i + 1)];
+    if (cross(b - a, p - a) < 0) return false;
+  }
+  return true;
+}
+
+// Among all points of a line and all spheres, the sphere that reaches deepest; the answer is the line's
+// parameter.
+double deepest_on_line(const Section& section, Point2 base, Point2 unit) {
+  const Point2 normal{-unit.y, unit.x};
+  const double distance = -dot(base, normal), slope = section.x2 * normal.x;
+  const double dr = section.radius2 - section.radius1, r1 = section.radius1;
+  const SweptDepth f{dr * dr - slope * slope, r1 * dr - distance * slope, r1 * r1 - distance * distance,
+                     section.h1, section.h2 - section.h1};
+  const double t = section.length > 0 ? best_parameter(f) : 0;
+  return dot(Point2{t * section.x2, 0} - base, unit);
+}
+
+void consider(const Section& section, Point2 p, Deepest& best) {
+  const double depth = depth_at(section, p);
+  if (depth > best.depth) best = {depth, p};
+}
+
+// A flat cylinder along a line: deepest of the side alone, and where side and base meet (x = c sqrt(R^2 -
+// y^2)).
+void consider_flat_line(const Section& section, Point2 base, Point2 unit, Interval inside, Deepest& best) {
+  const double radius = section.radius1, c = section.c;
+  const double denominator = std::sqrt(unit.y * unit.y + c * c * unit.x * unit.x);
+  if (std::fabs(unit.y) > 0 && denominator > 0) {
+    const double y = -radius * c * unit.x * (unit.y < 0 ? -1 : 1) / denominator;
+    consider(section, base + clamp((y - base.y) / unit.y, inside.first, inside.second) * unit, best);
+  }
+  const double qa = unit.x * unit.x + c * c * unit.y * unit.y;
+  const double qb = base.x * unit.x + c * c * base.y * unit.y;
+  const double qc = base.x * base.x + c * c * (base.y * base.y - radius * radius);
+  const double discriminant = qb * qb - qa * qc;
+  if (!(discriminant > 0) || !(qa > 0)) return;
+  for (const double sign : {-1.0, 1.0}) {
+    const double t = (-qb + sign * std::sqrt(discriminant)) / qa;
+    consider(section, base + clamp(t, inside.first, inside.second) * unit, best);
+  }
+}
+
+void consider_edge(const Section& section, Point2 p, Point2 q, Deepest& best) {
+  const Point2 d = q - p;
+  const double length = std::sqrt(dot(d, d));
+  if (!(length > 0)) return;
+  const Point2 unit = (1 / length) * d;
+  const double nearest = clamp(-dot(p, unit), 0, length);
+  const Point2 base = nearest == 0 ? p : p + nearest * unit;
+  const Interval inside = inside_interval(section, base, unit, -nearest, length - nearest);
+  if (!(inside.first < inside.second)) return;
+  consider(section, base + inside.first * unit, best);
+  consider(section, base + inside.second * unit, best);
+  if (section.shape == Shape::flat) return consider_flat_line(section, base, unit, inside, best);
+  const double t = clamp(deepest_on_line(section, base, unit), inside.first, inside.second);
+  consider(section, base + t * unit, best);
+}
+
+}  // namespace
+
+double depth_at(const Section& section, Point2 p) {
+  return section.shape == Shape::flat ? flat_depth(section, p) : round_depth(section, p);
+}
+
+Deepest largest_depth(const Section& section) {
+  const Point2 deepest = deepest_of_section(section);
+  if (polygon_holds(section.polygon, deepest)) return {max(0, depth_at(section, deepest)), deepest};
+  Deepest best{0, section.polygon.corner[0]};
+  for (int i = 0; i < section.polygon.count; ++i) {
+    const int next = i + 1 == section.polygon.count ? 0 : i + 1;
+    consider_edge(section, section.polygon.corner[static_cast<std::size_t>(i)],
+                  section.polygon.corner[static_cast<std::size_t>(next)], best);
+  }
+  return best;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,70 @@
+// JSON files read through a FlatBuffers schema. The schema's parser refuses what is not JSON, unknown fields
+// and wrong types; what it can't know (ranges, names, lengths) FieldReader checks. All messages name file,
+// line and column.
+#pragma once
+
+#include <flatbuffers/flatbuffers.h>
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lumbrical/math.h"
+#include "lumbrical/status.h"
+
+namespace lumbrical {
+
+struct JsonFile {
+  std::string name;  ///< as the caller spelled it
+  std::string text;
+  std::vector<std::uint8_t> buffer;  ///< the same as a FlatBuffer; empty before it is parsed
+};
+
+/// Reads a file of at most 16 MiB and parses it as the table `root` of the binary schema.
+Status read_json_file(const std::string& path, std::span<const std::uint8_t> schema, const char* root,
+                      JsonFile& file);
+
+struct TextPlace {
+  std::size_t line = 1, column = 1;
+};
+
+/// Where the value at `path` ("objects[1].fit.size") starts in a JSON text, or the innermost part of the path
+/// that is there. Never fails: text that is not JSON gives some place inside it.
+TextPlace find_json_value(std::string_view text, std::string_view path);
+
+struct Range {
+  double low = std::numeric_limits<double>::lowest();
+  double high = std::numeric_limits<double>::max();
+};
+
+/// Copies fields out of a parsed file, one call per field. Absent fields leave their target alone, and so do
+/// bad ones. The first error is kept, so that a reader can read on and ask once.
+class FieldReader {
+ public:
+  explicit FieldReader(const JsonFile& file) : file_(file) {}
+
+  void number(flatbuffers::Optional<double> value, const std::string& path, Range range, double& target);
+  void count(flatbuffers::Optional<std::uint32_t> value, const std::string& path, std::uint32_t low,
+             std::uint32_t high, std::uint32_t& target);
+  /// Exactly target.size() numbers within the range.
+  void numbers(const flatbuffers::Vector<double>* values, const std::string& path, Range range,
+               std::span<double> target);
+  void vector(const flatbuffers::Vector<double>* values, const std::string& path, Range range, Vec3& target);
+  /// Position [m] and orientation [w, x, y, z], which is normalised.
+  void pose(const flatbuffers::Vector<double>* position, const std::string& position_path,
+            const flatbuffers::Vector<double>* orientation, const std::string& orientation_path,
+            Pose& target);
+
+  void error(const std::string& path, const std::string& what);
+  [[nodiscard]] bool ok() const { return status_.ok(); }
+  [[nodiscard]] const Status& status() const { return status_; }
+
+ private:
+  const JsonFile& file_;
+  Status status_;
+};
+
+}  // namespace lumbrical

@@ -1,0 +1,45 @@
+// The readers behind load_mesh, one per file format, and what they share.
+//
+// All readers fill an empty mesh with the numbers of the file as they stand (no unit), answer errors with the
+// place in the file, and allocate no more than a small multiple of the file's size.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lumbrical/mesh.h"
+#include "lumbrical/status.h"
+
+namespace lumbrical {
+
+Status parse_obj(std::string_view content, const std::string& name, Mesh& mesh);
+Status parse_stl(std::string_view content, const std::string& name, Mesh& mesh);
+Status parse_ply(std::string_view content, const std::string& name, Mesh& mesh);
+Status parse_off(std::string_view content, const std::string& name, Mesh& mesh);
+
+/// Is this certainly STL: a binary file of exactly the size its count asks for, or text that begins with
+/// "solid"?
+bool is_stl_content(std::string_view content);
+
+/// OFF with any of the prefixes ST (texture), C (colour), N (normal), possibly with the first count glued on.
+bool is_off_keyword(std::string_view word);
+
+/// Vertex indices are 32 bits wide, and the largest one is left free for "none".
+constexpr std::size_t kMaxVertexCount = 0xFFFFFFFEu;
+
+/// "name: byte N: what" for binary files; byte counts from 0.
+inline Status byte_error(const std::string& name, std::size_t byte, const std::string& what) {
+  return Status::error(name + ": byte " + std::to_string(byte) + ": " + what);
+}
+
+/// Cuts a polygon of at least three corners into a fan from its first corner.
+inline void append_fan(const std::vector<std::uint32_t>& polygon, Mesh& mesh) {
+  for (std::size_t i = 2; i < polygon.size(); ++i) {
+    mesh.triangles.push_back({polygon[0], polygon[i - 1], polygon[i]});
+  }
+}
+
+}  // namespace lumbrical

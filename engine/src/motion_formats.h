@@ -1,0 +1,66 @@
+// What the readers of the motion formats share: JSON with positions in its errors, checked numbers, and
+// samples in the order of time. Internal to the motion_*.cpp files.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+
+#include "lumbrical/motion.h"
+
+namespace lumbrical {
+
+// One reader per format. `name` opens every message. They fill side, radius, samples and format of an empty
+// motion; times may start anywhere and lost samples may be without poses: parse_motion completes both.
+Status parse_webxr(const nlohmann::json& root, const std::string& name, const MotionOptions& options,
+                   Motion& motion);
+Status parse_leap(const nlohmann::json& root, const std::string& name, const MotionOptions& options,
+                  Motion& motion);
+Status parse_angles(const nlohmann::json& root, const std::string& name, const MotionOptions& options,
+                    Motion& motion);
+Status parse_landmarks(std::string_view content, const std::string& name, const MotionOptions& options,
+                       Motion& motion);
+
+/// Parses JSON nested at most 32 deep.
+Status parse_json(std::string_view content, const std::string& name, nlohmann::json& root);
+
+/// The member of an object; null where `object` is no object or has no such member.
+const nlohmann::json* find_member(const nlohmann::json& object, std::string_view key);
+
+/// A finite number. `value` may be null.
+bool read_number(const nlohmann::json* value, double& number);
+
+/// Three numbers, multiplied by `unit`, none beyond kFarthest. `value` may be null.
+bool read_position(const nlohmann::json* value, double unit, Vec3& position);
+
+/// Four numbers that make a unit quaternion to within 5 %, normalised; `first_is_w` tells the order. `value`
+/// may be null.
+bool read_quaternion(const nlohmann::json* value, bool first_is_w, Quat& quaternion);
+
+inline constexpr double kFarthest = 1e4;  ///< [m] from the origin: beyond, a float cannot carry millimetres
+inline constexpr double kLargestRadius = 0.2;  ///< [m] of a joint
+
+/// "name: " and what follows it.
+Status refuse(const std::string& name, const std::string& what);
+
+/// Text from a file, fit to be shown: in quotes, printable, and cut after 40 characters.
+std::string in_quotes(std::string_view text);
+
+/// Appends a sample unless its time equals the last one's. Refuses one that goes back in time; `where`
+/// ("frame 7") names it in the message.
+Status append_sample(const std::string& name, const std::string& where, double time, const DeviceFrame& frame,
+                     Motion& motion);
+
+/// A frame without a hand, to be completed by parse_motion.
+DeviceFrame lost_frame();
+
+JointPose to_joint_pose(const Pose& pose);
+
+std::string_view side_name(Side side);
+
+/// Where the little finger's knuckle lies as seen from the index's: the mean over all good frames of the
+/// direction's component along the wrist's x. Near 1 on a right hand, near -1 on a left one, 0 if it cannot
+/// be told. Says something only where the source told the orientation.
+double right_handedness(const Motion& motion);
+
+}  // namespace lumbrical

@@ -1,0 +1,24 @@
+// Integrals of depth over the contacted area: what the exact laws multiply with the stiffness.
+#pragma once
+
+#include "section.h"
+
+namespace lumbrical {
+
+/// Integral of a depth d over the region: of d, and of d times the plane coordinates.
+struct PressureMoments {
+  double volume = 0;   ///< [m^3]
+  Point2 first{0, 0};  ///< [m^4]
+};
+
+/// phi(p) = R - distance(p, axis): how far p is inside the primitive. For two radii the largest over all
+/// spheres between the ends; for a flat cylinder the distance to its side. [m]
+double field_at(const Section& section, Point2 p);
+
+/// Integral of phi over what polygon and section have in common, of which area and boundary are known.
+PressureMoments field_moments(const Section& section, const AreaMoments& area, const Boundary& boundary);
+
+/// Integral of the paper's depth (along -n to the primitive's surface) over the same region.
+PressureMoments column_moments(const Section& section, const Boundary& boundary);
+
+}  // namespace lumbrical

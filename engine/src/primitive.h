@@ -1,0 +1,62 @@
+// The shapes a posed hand is made of, and the one they are all cases of.
+//
+// A round shape is the convex hull of two spheres: a sphere when both coincide, a capsule when the radii
+// agree, a rounded cone otherwise. Half-spaces cut away what a neighbour feels. The paper's cylinder inside a
+// finger is a capsule cut flat at both ends, its joint and fingertip spheres are spheres cut by the ends of
+// the cylinders.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lumbrical/math.h"
+#include "lumbrical/model.h"
+
+namespace lumbrical {
+
+enum class Shape : std::uint8_t {
+  round,  ///< convex hull of two spheres
+  flat,   ///< cylinder with flat ends that stands alone (probe)
+  prism,  ///< the palm: a convex polygon with thickness
+};
+
+/// The part of space where dot(normal, p - point) <= 0.
+struct HalfSpace {
+  Vec3 normal;  ///< unit, W
+  Vec3 point;   ///< [m] W, on the bounding plane
+};
+
+struct Primitive {
+  Shape shape = Shape::round;
+  std::uint8_t segment = 0;  ///< the hand segment whose force it adds to
+  Law law = Law::field;
+  std::uint8_t cut_count = 0;
+  Vec3 end1, end2;                  ///< [m] W; of a prism both are the centre of its bounding sphere
+  double radius1 = 0, radius2 = 0;  ///< [m]; of a prism both are the radius of its bounding sphere
+  std::array<HalfSpace, 2> cut{};
+  /// The phalanges this primitive is a part of: the paper measures depth through them. Empty (-1): through
+  /// itself.
+  std::array<std::int8_t, 2> phalanx{-1, -1};
+};
+
+/// A convex polyhedron: the palm as a polygon with thickness.
+struct Prism {
+  static constexpr int kMaxFaces = 18;  ///< 16 sides, palmar and dorsal face
+  int face_count = 0;
+  std::array<HalfSpace, kMaxFaces> face{};  ///< outward normals; [0] is the palmar face
+};
+
+/// All primitives of one posed hand.
+struct Primitives {
+  static constexpr int kMaxCount = 40;  ///< 15 phalanges, 15 joints, 5 tips, 1 palm, some spare
+  int count = 0;
+  std::array<Primitive, kMaxCount> primitive{};
+  std::array<Primitive, kPhalanxCount> capsule{};  ///< whole phalanges, uncut, for the paper's depth
+  std::array<bool, kPhalanxCount> present{};       ///< which of them this pose has
+  Prism palm;
+  std::array<Vec3, kSegmentCount> base_joint{};    ///< [m] W, the joint that moves each segment
+  std::array<Vec3, kSegmentCount> flexion_axis{};  ///< W, unit; turning about it opens the hand
+};
+
+}  // namespace lumbrical

@@ -1,0 +1,264 @@
+// The command line as users' scripts rely on it: exit codes, JSON keys, and what happens to bad input and
+// files.
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "program.h"
+
+namespace lumbrical::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kDemo = LUMBRICAL_SOURCE_DIR "/examples/demo.json";
+
+// A folder with the demo at 100 ticks per second in demo.json: the whole motion, in a tenth of the ticks.
+fs::path folder_with_demo() {
+  const fs::path folder = fresh_folder();
+  nlohmann::json demo = nlohmann::json::parse(read_file(kDemo));
+  demo["settings"]["rate"] = 100;
+  std::ofstream(folder / "demo.json") << demo.dump(1);
+  return folder;
+}
+
+// The square of side 2 m in z = 0, facing up, in two triangles.
+fs::path folder_with_square() {
+  const fs::path folder = fresh_folder();
+  std::ofstream(folder / "square.obj") << "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
+  return folder;
+}
+
+void expect_keys(const nlohmann::json& json, const std::vector<std::string>& keys) {
+  for (const std::string& key : keys)
+    EXPECT_TRUE(json.contains(key)) << key << " is missing in " << json.dump();
+}
+
+TEST(CommandLine, HelpAndVersionSucceed) {
+  const fs::path folder = fresh_folder();
+  EXPECT_EQ(shell("lumbrical --version", folder).exit_code, 0);
+  EXPECT_EQ(shell("lumbrical --help", folder).exit_code, 0);
+  for (const char* const command :
+       {"run", "replay", "diff", "info", "verify", "recover", "export", "probe", "inspect"}) {
+    const Outcome outcome = shell("lumbrical " + std::string(command) + " --help", folder);
+    EXPECT_EQ(outcome.exit_code, 0) << command;
+    EXPECT_FALSE(outcome.output.empty());
+  }
+}
+
+TEST(CommandLine, MistakesInItExitWith2AndNameTheSwitch) {
+  const fs::path folder = folder_with_square();
+  const std::pair<std::string, std::string> mistakes[] = {
+      {"", "subcommand"},
+      {"feel", "feel"},
+      {"inspect square.obj", "--unit"},
+      {"inspect square.obj --unit inch", "--unit"},
+      {"inspect --unit m", "mesh"},
+      {"probe --mesh square.obj --unit m", "--sphere"},
+      {"probe --mesh square.obj --unit m --sphere 1,2,3", "--sphere"},
+      {"probe --mesh square.obj --unit m --sphere 1,2,3,x", "--sphere"},
+      {"probe --mesh square.obj --unit m --sphere 1,2,3,nan", "--sphere"},
+      {"probe --mesh square.obj --unit m --sphere 1,2,3,-1", "--sphere"},
+      {"probe --mesh square.obj --unit m --sphere 1,2,3,1e999", "--sphere"},
+      {"probe --mesh square.obj --unit m --cylinder 0,0,0,0,0,1", "--cylinder"},
+      {"probe --mesh square.obj --unit m --capsule 0,0,0,0,0,1,1,1,1", "--capsule"},
+      {"probe --mesh square.obj --unit m --sphere 0,0,0,1 --stiffness 0", "--stiffness"},
+      {"probe --mesh square.obj --unit m --sphere 0,0,0,1 --stiffness nan", "--stiffness"},
+      {"probe --mesh square.obj --unit m --sphere 0,0,0,1 --law hard", "--law"},
+      {"run", "scene"},
+      {"run '" + kDemo + "' --ticks 0", "--ticks"},
+      {"run '" + kDemo + "' --ticks 1e3x", "--ticks"},
+      {"run '" + kDemo + "' --rate 0", "--rate"},
+      {"run '" + kDemo + "' --threads 65", "--threads"},
+      {"run '" + kDemo + "' --broadphase voxel", "not built yet"},
+      {"run '" + kDemo + "' --isa avx2", "--isa"},
+      {"run '" + kDemo + "' --sink tcp://there", "not part of this version"},
+      {"run '" + kDemo + "' --sideways", "--sideways"},
+  };
+  for (const auto& [arguments, named] : mistakes) {
+    const Outcome outcome = shell("lumbrical " + arguments, folder);
+    EXPECT_EQ(outcome.exit_code, 2) << arguments;
+    EXPECT_NE(outcome.error.find(named), std::string::npos) << arguments << "\n" << outcome.error;
+    EXPECT_TRUE(outcome.output.empty()) << arguments << "\n" << outcome.output;
+  }
+}
+
+TEST(CommandLine, BadFilesExitWith2AndAreNamed) {
+  const fs::path folder = folder_with_square();
+  std::ofstream(folder / "bad.obj") << "v 0 0 0\nf 1 2 3\n";
+  std::ofstream(folder / "bad.json") << "{\n  \"objects\": 7\n}\n";
+  std::ofstream(folder / "bad.mcap") << "not a recording";
+  std::ofstream(folder / "empty");
+  const std::pair<std::string, std::string> cases[] = {
+      {"inspect bad.obj --unit m", "bad.obj:2:"},
+      {"inspect gone.obj --unit m", "gone.obj"},
+      {"inspect empty --unit m", "empty"},
+      {"probe --mesh bad.obj --unit m --sphere 0,0,0,1", "bad.obj:2:"},
+      {"run bad.json", "bad.json:2:"},
+      {"run gone.json", "gone.json"},
+      {"run empty", "empty"},
+      {"replay bad.mcap", "bad.mcap"},
+      {"replay gone.mcap", "gone.mcap"},
+      {"info bad.mcap", "bad.mcap"},
+      {"verify empty", "empty"},
+      {"diff bad.mcap bad.mcap", "bad.mcap"},
+  };
+  for (const auto& [arguments, named] : cases) {
+    const Outcome outcome = shell("lumbrical " + arguments, folder);
+    EXPECT_EQ(outcome.exit_code, 2) << arguments;
+    EXPECT_NE(outcome.error.find(named), std::string::npos) << arguments << "\n" << outcome.error;
+  }
+}
+
+TEST(CommandLine, InspectReportsASquare) {
+  const Outcome outcome = shell("lumbrical inspect square.obj --unit cm --json", folder_with_square());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const nlohmann::json json = outcome.json();
+  EXPECT_EQ(json["triangles"], 2);
+  EXPECT_EQ(json["vertices"], 4);
+  EXPECT_EQ(json["degenerate"], 0);
+  EXPECT_EQ(json["duplicate"], 0);
+  EXPECT_EQ(json["boundary_edges"], 4);
+  EXPECT_EQ(json["non_manifold_edges"], 0);
+  EXPECT_EQ(json["watertight"], false);
+  ASSERT_EQ(json["extent"].size(), 3u);
+  EXPECT_NEAR(json["extent"][0].get<double>(), 0.02, 1e-15);
+}
+
+TEST(CommandLine, ProbeFeelsTheDiscASphereCutsFromAPlane) {
+  const Outcome outcome =
+      shell("lumbrical probe --mesh square.obj --unit m --sphere 0.5,-0.25,0.006,0.008 --json",
+            folder_with_square());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const nlohmann::json json = outcome.json();
+  expect_keys(json, {"contacts", "total"});
+  ASSERT_EQ(json["contacts"].size(), 1u);
+  const nlohmann::json& contact = json["contacts"][0];
+  expect_keys(contact, {"triangle", "primitive", "depth", "area", "centroid", "volume", "force"});
+  const double area = 4 * std::atan(1.0) * (0.008 * 0.008 - 0.006 * 0.006);
+  EXPECT_EQ(contact["triangle"], 0);
+  EXPECT_NEAR(contact["area"].get<double>(), area, 1e-9 * area);
+  EXPECT_NEAR(contact["depth"].get<double>(), 0.002, 1e-12);
+  EXPECT_NEAR(contact["centroid"][0].get<double>(), 0.5, 1e-12);
+  EXPECT_NEAR(contact["centroid"][1].get<double>(), -0.25, 1e-12);
+  EXPECT_GT(contact["force"][2].get<double>(), 0);
+  EXPECT_EQ(json["total"]["area"], contact["area"]);
+  EXPECT_EQ(json["total"]["force"], contact["force"]);
+  EXPECT_EQ(json["total"]["volume"], contact["volume"]);
+}
+
+TEST(CommandLine, ProbeNumbersPrimitivesInTheOrderGiven) {
+  const Outcome outcome = shell(
+      "lumbrical probe --mesh square.obj --unit m --capsule 0.5,-0.2,0.006,0.53,-0.2,0.006,0.008 "
+      "--sphere -0.5,0.2,0.007,0.008 --cylinder 0.5,-0.5,-0.01,0.5,-0.5,0.02,0.003 --sphere "
+      "-0.5,0.5,0.006,0.008 --json",
+      folder_with_square());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const nlohmann::json json = outcome.json();
+  ASSERT_EQ(json["contacts"].size(), 4u);
+  const double disc = 4 * std::atan(1.0);
+  const double areas[] = {28e-6 * disc + 2 * std::sqrt(28e-6) * 0.03, 15e-6 * disc, 9e-6 * disc,
+                          28e-6 * disc};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(json["contacts"][i]["primitive"], i);
+    EXPECT_NEAR(json["contacts"][i]["area"].get<double>(), areas[i], 1e-9 * areas[i]) << i;
+  }
+}
+
+TEST(CommandLine, RunPrintsTheContractsKeysAndReplayFindsTheRecordingIdentical) {
+  const fs::path folder = folder_with_demo();
+  const Outcome run = shell("lumbrical run demo.json --record a.mcap --json", folder);
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const nlohmann::json json = run.json();
+  expect_keys(json, {"ticks", "rate_hz", "tick_us", "contacts", "deadline_misses", "isa", "threads",
+                     "broadphase", "law", "recording"});
+  expect_keys(json["tick_us"], {"p50", "p99", "p999", "max"});
+  expect_keys(json["contacts"], {"mean", "max"});
+  EXPECT_EQ(json["ticks"], 1000);
+  EXPECT_GT(json["contacts"]["max"], 10);
+  EXPECT_GT(json["peak_force"]["index"], 0.01);
+  EXPECT_GT(json["peak_force"]["thumb"], 0.01);
+  EXPECT_EQ(json["recording"], "a.mcap");
+  EXPECT_LE(json["tick_us"]["p50"], json["tick_us"]["p99"]);
+  EXPECT_LE(json["tick_us"]["p999"], json["tick_us"]["max"]);
+
+  const Outcome replay = shell("lumbrical replay a.mcap --json", folder);
+  EXPECT_EQ(replay.exit_code, 0) << replay.error;
+  EXPECT_EQ(replay.json()["identical"], true);
+  EXPECT_EQ(replay.json()["ticks"], 1000);
+  EXPECT_TRUE(replay.json()["first_divergence"].is_null());
+}
+
+TEST(CommandLine, ReplayWithAnotherLawDivergesWith3) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 400 --record a.mcap", folder).exit_code, 0);
+  const Outcome replay = shell("lumbrical replay a.mcap --law max-depth --json", folder);
+  EXPECT_EQ(replay.exit_code, 3) << replay.error;
+  const nlohmann::json divergence = replay.json()["first_divergence"];
+  EXPECT_EQ(replay.json()["identical"], false);
+  expect_keys(divergence, {"tick", "stage", "field", "recorded", "replayed"});
+}
+
+TEST(CommandLine, NeitherThreadsNorBroadphaseChangeARecording) {
+  const fs::path folder = folder_with_demo();
+  const std::string run = "lumbrical run demo.json --ticks 300 ";
+  ASSERT_EQ(shell(run + "--record a.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell(run + "--threads 2 --record b.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell(run + "--broadphase brute --record c.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("lumbrical diff a.mcap b.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("lumbrical diff a.mcap c.mcap", folder).exit_code, 0);
+}
+
+TEST(CommandLine, PacedRunKeepsItsRate) {
+  const Outcome run = shell("lumbrical run demo.json --rate 500 --ticks 250 --json", folder_with_demo());
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_GT(run.json()["rate_hz"], 300);
+  EXPECT_LT(run.json()["rate_hz"], 510);
+}
+
+TEST(CommandLine, FullDiskIsAnError) {
+  const fs::path folder = folder_with_demo();
+  std::ofstream(folder / "square.obj") << "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
+  EXPECT_EQ(shell("lumbrical inspect square.obj --unit m --json >/dev/full", folder).exit_code, 2);
+  EXPECT_EQ(shell("lumbrical run demo.json --ticks 10 --json >/dev/full", folder).exit_code, 2);
+}
+
+TEST(CommandLine, RunDoesNotTouchItsInputs) {
+  const fs::path folder = folder_with_demo();
+  const std::string scene = read_file((folder / "demo.json").string());
+  const Outcome run = shell("lumbrical run demo.json --ticks 10 --record ./demo.json", folder);
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(read_file((folder / "demo.json").string()), scene);
+  EXPECT_EQ(shell("lumbrical run demo.json --ticks 10 --record no/such/folder.mcap", folder).exit_code, 2);
+}
+
+TEST(CommandLine, AFailedRunLeavesTheGoodRecordingAlone) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 100 --record a.mcap", folder).exit_code, 0);
+  const std::string good = read_file((folder / "a.mcap").string());
+  // A file-size limit stands in for the full disk.
+  const Outcome run = shell("( ulimit -f 8; lumbrical run demo.json --ticks 500 --record a.mcap )", folder);
+  EXPECT_EQ(run.exit_code, 2) << run.error;
+  EXPECT_NE(run.error.find("a.mcap"), std::string::npos) << run.error;
+  EXPECT_EQ(read_file((folder / "a.mcap").string()), good);
+}
+
+TEST(CommandLine, ASignalEndsARunWithAWholeRecording) {
+  const fs::path folder = folder_with_demo();
+  const Outcome run = shell(
+      "timeout --preserve-status --signal INT 1.5 lumbrical run demo.json --rate 100 --record a.mcap --json",
+      folder);
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_EQ(run.json()["interrupted"], true);
+  EXPECT_LT(run.json()["ticks"], 1000);
+  const Outcome replay = shell("lumbrical replay a.mcap --json", folder);
+  EXPECT_EQ(replay.exit_code, 0) << replay.error;
+  EXPECT_EQ(replay.json()["ticks"], run.json()["ticks"]);
+  EXPECT_EQ(shell("lumbrical verify a.mcap", folder).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace lumbrical::test

@@ -1,0 +1,16 @@
+# Copies the files of SOURCE to FOLDER and runs `npm ci` there, unless that was done with the same lock file before.
+file(SHA256 ${SOURCE}/package-lock.json lock)
+set(stamp ${FOLDER}/installed)
+set(done "")
+if(EXISTS ${stamp})
+  file(READ ${stamp} done)
+endif()
+file(COPY ${SOURCE}/ DESTINATION ${FOLDER})
+if(NOT done STREQUAL lock)
+  execute_process(COMMAND ${NPM} ci --no-fund --no-audit --prefix ${FOLDER} WORKING_DIRECTORY ${FOLDER}
+                  RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "npm ci failed; it needs the network once:\n${output}")
+  endif()
+  file(WRITE ${stamp} ${lock})
+endif()

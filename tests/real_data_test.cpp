@@ -1,0 +1,72 @@
+// Real meshes and a real hand capture through the whole program: run, record, replay. Skipped where the data
+// is not.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "program.h"
+
+namespace lumbrical::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path data_folder() {
+  const char* const folder = std::getenv("LUMBRICAL_DATA");
+  return folder != nullptr ? fs::path(folder) : fs::path(LUMBRICAL_SOURCE_DIR) / "../shared/data";
+}
+
+// The unit only matters to inspect: the scene fits every mesh to a graspable size.
+TEST(RealData, ALeapGrabOnEveryMeshReplaysIdentical) {
+  const fs::path data = data_folder();
+  if (!fs::exists(data / "meshes")) GTEST_SKIP() << "no real meshes at " << data << "; set LUMBRICAL_DATA";
+  const fs::path folder = fresh_folder();
+  std::vector<fs::path> meshes;
+  for (const fs::directory_entry& entry : fs::directory_iterator(data / "meshes"))
+    meshes.push_back(entry.path());
+  std::sort(meshes.begin(), meshes.end());
+  int accepted = 0;
+  for (const fs::path& mesh : meshes) {
+    const std::string path = fs::absolute(mesh).string();
+    if (shell("lumbrical inspect '" + path + "' --unit m", folder).exit_code != 0) continue;
+    ++accepted;
+    const nlohmann::json scene = {
+        {"objects", {{{"mesh", path}, {"fit", {{"size", 0.08}}}, {"position", {0.075, 0.16, 0.0}}}}},
+        {"motion", {{"file", fs::absolute(data / "hands/leap_grab.json").string()}}},
+        {"settings", {{"rate", 100}, {"max_candidates", 1000000}}}};
+    std::ofstream(folder / "scene.json") << scene;
+    const Outcome run = shell("lumbrical run scene.json --ticks 120 --record a.mcap --json", folder);
+    ASSERT_EQ(run.exit_code, 0) << mesh << "\n" << run.error;
+    const Outcome replay = shell("lumbrical replay a.mcap --threads 2 --json", folder);
+    EXPECT_EQ(replay.exit_code, 0) << mesh << "\n" << replay.output << replay.error;
+    const nlohmann::json json = run.json();
+    EXPECT_GT(json["contacts"]["max"], 0) << mesh;
+    std::cout << mesh.filename().string() << ": contacts mean " << json["contacts"]["mean"] << " max "
+              << json["contacts"]["max"] << ", tick [us] p50 " << json["tick_us"]["p50"] << " p99 "
+              << json["tick_us"]["p99"] << "\n";
+  }
+  EXPECT_GE(accepted, 14);
+}
+
+TEST(RealData, EveryHandCaptureRunsAndReplaysIdentical) {
+  const fs::path data = data_folder();
+  if (!fs::exists(data / "hands")) GTEST_SKIP() << "no real hands at " << data << "; set LUMBRICAL_DATA";
+  const fs::path folder = fresh_folder();
+  std::ofstream(folder / "scene.json") << R"({"objects": [{"sphere": {"radius": 0.1}}]})";
+  for (const fs::directory_entry& entry : fs::directory_iterator(data / "hands")) {
+    const std::string path = fs::absolute(entry.path()).string();
+    const Outcome run = shell(
+        "lumbrical run scene.json --motion '" + path + "' --side right --ticks 150 --record a.mcap --json",
+        folder);
+    ASSERT_EQ(run.exit_code, 0) << path << "\n" << run.error;
+    EXPECT_EQ(shell("lumbrical replay a.mcap", folder).exit_code, 0) << path;
+  }
+}
+
+}  // namespace
+}  // namespace lumbrical::test

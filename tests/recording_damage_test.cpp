@@ -1,0 +1,177 @@
+// A small recording torn at every length and flipped at every byte: nothing crashes, nothing false is read as
+// true, verify notices all of it, recover keeps what is whole.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "recording_fixture.h"
+
+namespace lumbrical {
+namespace {
+
+using test::random_records;
+using test::read_bytes;
+using test::read_records;
+using test::small_scene;
+using test::temporary_path;
+using test::write_bytes;
+using test::write_recording;
+
+// A file of three chunks of four ticks.
+class DamagedRecording : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    records_ = random_records(12, 11);
+    RecorderOptions options;
+    options.chunk_seconds = 0.004;
+    write_recording(good_path_, small_scene(), records_, options);
+    good_ = read_bytes(good_path_);
+    InputFile file;
+    Summary summary;
+    bool present = false;
+    ASSERT_TRUE(file.open(good_path_).ok());
+    ASSERT_TRUE(read_summary(file, summary, present).ok());
+    for (const mcap::ChunkIndex& chunk : summary.chunks) chunk_ends_.push_back(chunk.offset + chunk.length);
+    ASSERT_EQ(chunk_ends_.size(), 3u);
+    session_end_ = summary.attachments.at(0).offset + summary.attachments.at(0).length;
+  }
+
+  std::uint64_t ticks_before(std::uint64_t size) const {
+    std::uint64_t ticks = 0;
+    for (const std::uint64_t end : chunk_ends_) ticks += end <= size ? 4 : 0;
+    return ticks;
+  }
+
+  /// Reads to the first error. Whatever was read must be true.
+  Status read(RecordingInfo& info, std::size_t& count) {
+    RecordingReader reader;
+    if (Status status = reader.open(path_); !status.ok()) return status;
+    info = reader.info();
+    std::vector<TickRecord> read;
+    const Status status = read_records(reader, read);
+    count = read.size();
+    EXPECT_LE(read.size(), records_.size());
+    for (std::size_t i = 0; i < read.size(); ++i) EXPECT_TRUE(test::is_same(read[i], records_[i])) << i;
+    return status;
+  }
+
+  /// Every tick of the recovered file must be one of the originals.
+  void expect_truth(const std::string& path, std::uint64_t count) {
+    RecordingInfo info;
+    const Status status = verify_recording(path, info);
+    EXPECT_TRUE(status.ok()) << status.message();
+    RecordingReader reader;
+    ASSERT_TRUE(reader.open(path).ok());
+    std::vector<TickRecord> read;
+    ASSERT_TRUE(read_records(reader, read).ok());
+    EXPECT_EQ(read.size(), count);
+    for (const TickRecord& record : read) {
+      ASSERT_LT(record.output.tick, records_.size());
+      EXPECT_TRUE(test::is_same(record, records_[record.output.tick]));
+    }
+  }
+
+  // Reading and verifying meet every byte; recovery, which writes a file each time, every few.
+  static constexpr std::size_t kRecoverEvery = 7;
+  std::string good_path_ = temporary_path("good.mcap"), path_ = temporary_path("damaged.mcap"),
+              output_ = temporary_path("output.mcap");
+  std::vector<TickRecord> records_;
+  std::vector<std::uint8_t> good_;
+  std::vector<std::uint64_t> chunk_ends_;
+  std::uint64_t session_end_ = 0;
+};
+
+TEST_F(DamagedRecording, IsReadUpToWhereItIsTornAtEveryLength) {
+  write_bytes(path_, good_);
+  for (std::size_t size = good_.size(); size-- > 0;) {
+    ASSERT_EQ(::truncate(path_.c_str(), static_cast<off_t>(size)), 0);
+    RecordingInfo info;
+    std::size_t count = 0;
+    const Status status = read(info, count);
+    EXPECT_EQ(status.ok(), size >= session_end_) << size << ' ' << status.message();
+    EXPECT_FALSE(info.complete) << size;
+    if (status.ok()) {
+      EXPECT_EQ(count, ticks_before(size)) << size;
+    }
+    EXPECT_FALSE(verify_recording(path_, info).ok()) << size;
+    if (::testing::Test::HasFailure()) break;
+    if (size % kRecoverEvery != 0) continue;
+    std::uint64_t recovered = 0, lost = 0;
+    std::filesystem::remove(output_);
+    EXPECT_EQ(recover_recording(path_, output_, recovered, lost).ok(), size >= session_end_) << size;
+    EXPECT_EQ(recovered, size >= session_end_ ? ticks_before(size) : 0) << size;
+    EXPECT_EQ(lost, 0u) << size;
+  }
+  EXPECT_FALSE(std::filesystem::exists(output_ + ".part"));
+}
+
+TEST_F(DamagedRecording, IsFoundOutAndRecoveredWhereverABitIsFlipped) {
+  write_bytes(path_, good_);
+  std::FILE* const file = std::fopen(path_.c_str(), "r+b");
+  ASSERT_NE(file, nullptr);
+  const auto put = [&](std::size_t at, std::uint8_t byte) {
+    std::fseek(file, static_cast<long>(at), SEEK_SET);
+    std::fputc(byte, file);
+    std::fflush(file);
+  };
+  std::uint64_t whole_recoveries = 0;
+  for (std::size_t at = 0; at < good_.size(); ++at) {
+    put(at, static_cast<std::uint8_t>(good_[at] ^ (1u << (at % 8))));
+    RecordingInfo info;
+    EXPECT_FALSE(verify_recording(path_, info).ok()) << "bit of byte " << at << " went unnoticed";
+    std::size_t count = 0;
+    info = {};
+    if (read(info, count).ok()) {
+      EXPECT_TRUE(count == records_.size() || !info.complete) << at;
+    }
+    std::uint64_t recovered = 0, lost = 0;
+    const bool recover = at % kRecoverEvery == 0;
+    std::filesystem::remove(output_);
+    const Status status = recover ? recover_recording(path_, output_, recovered, lost) : Status{};
+    if (recover && status.ok()) {
+      EXPECT_GE(recovered, 8u) << "byte " << at << ": more than one chunk lost";
+      EXPECT_EQ(recovered + lost, records_.size()) << at;
+      whole_recoveries += lost == 0 ? 1 : 0;
+      expect_truth(output_, recovered);
+    } else if (!status.ok()) {
+      EXPECT_LT(at, session_end_) << status.message();
+    }
+    put(at, good_[at]);
+    if (::testing::Test::HasFailure()) break;
+  }
+  std::fclose(file);
+  EXPECT_GT(whole_recoveries, good_.size() / kRecoverEvery / 4) << "damage outside chunks must cost nothing";
+}
+
+TEST_F(DamagedRecording, IsCopiedByteForByteWhenItIsWhole) {
+  write_recording(good_path_, small_scene(), random_records(700, 12));
+  std::uint64_t recovered = 0, lost = 0;
+  ASSERT_TRUE(recover_recording(good_path_, output_, recovered, lost).ok());
+  EXPECT_EQ(recovered, 700u);
+  EXPECT_EQ(read_bytes(output_), read_bytes(good_path_));
+}
+
+TEST_F(DamagedRecording, KeepsWhatComesBehindAHoleOfZeros) {
+  std::vector<std::uint8_t> damaged = good_;
+  const auto begin = damaged.begin() + static_cast<std::ptrdiff_t>(session_end_);
+  std::fill(begin, begin + static_cast<std::ptrdiff_t>(chunk_ends_[0] - session_end_) / 2, std::uint8_t{0});
+  write_bytes(path_, std::span(damaged).first(damaged.size() - 100));  // no footer either
+  std::uint64_t recovered = 0, lost = 0;
+  ASSERT_TRUE(recover_recording(path_, output_, recovered, lost).ok());
+  EXPECT_EQ(recovered, 8u);
+  expect_truth(output_, 8);
+}
+
+TEST_F(DamagedRecording, IsNotReplacedByItsOwnRecovery) {
+  std::uint64_t recovered = 0, lost = 0;
+  EXPECT_FALSE(recover_recording(good_path_, good_path_, recovered, lost).ok());
+  EXPECT_EQ(read_bytes(good_path_), good_);
+  EXPECT_FALSE(recover_recording(temporary_path("absent"), output_, recovered, lost).ok());
+  EXPECT_FALSE(std::filesystem::exists(output_));
+}
+
+}  // namespace
+}  // namespace lumbrical

@@ -1,0 +1,269 @@
+// Scene files: what they give, and that every mistake in one is told with its line and column.
+#include "lumbrical/scene_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <sstream>
+#include <string>
+
+#include "json_file.h"
+
+namespace lumbrical {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string write(const std::string& name, const std::string& text) {
+  // A folder per test: CTest runs them side by side.
+  const std::string test = ::testing::UnitTest::GetInstance()->current_test_info()->name();
+  const fs::path folder = fs::path(::testing::TempDir()) / ("scene_file_test_" + test);
+  fs::create_directories(folder);
+  const std::string path = (folder / name).string();
+  std::ofstream(path, std::ios::binary) << text;
+  return path;
+}
+
+std::string read(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+// A tetrahedron from the origin along the axes, with an unused vertex far away.
+const char* const kTetrahedron =
+    "v 0 0 0\nv 2 0 0\nv 0 4 0\nv 0 0 1\nv 900 0 0\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+const char* const kGrasp = R"("motion": {"grasp": {}})";
+
+SceneFile load(const std::string& text) {
+  write("tetrahedron.obj", kTetrahedron);
+  SceneFile scene_file;
+  const Status status = load_scene_file(write("scene.json", text), scene_file);
+  EXPECT_TRUE(status.ok()) << status.message();
+  return scene_file;
+}
+
+std::string error_of(const std::string& text) {
+  write("tetrahedron.obj", kTetrahedron);
+  SceneFile scene_file;
+  scene_file.seconds = -1;
+  const Status status = load_scene_file(write("scene.json", text), scene_file);
+  EXPECT_FALSE(status.ok()) << text;
+  EXPECT_EQ(scene_file.seconds, -1) << "an error must leave the target alone";
+  return status.message();
+}
+
+TEST(SceneFile, NeedsOnlyAnObjectAndAMotion) {
+  const SceneFile scene_file = load("{\n\"objects\": [{\"mesh\": \"tetrahedron.obj\", \"unit\": \"cm\"}],\n" +
+                                    std::string(kGrasp) + "\n}");
+  ASSERT_EQ(scene_file.scene.objects.size(), 1u);
+  const SceneObject& object = scene_file.scene.objects[0];
+  EXPECT_EQ(object.name, "tetrahedron");
+  EXPECT_EQ(object.mesh.triangles.size(), 4u);
+  EXPECT_EQ(object.mesh.vertices[1], (Vec3{2 * 0.01, 0, 0}));
+  EXPECT_EQ(scene_file.scene.settings.stiffness, Settings{}.stiffness);
+  EXPECT_EQ(scene_file.scene.settings.rate, Settings{}.rate);
+  EXPECT_EQ(scene_file.execution.broadphase, Broadphase::tree);
+  EXPECT_NEAR(scene_file.seconds, 10, 1e-9);
+  EXPECT_EQ(scene_file.scene.hand.side, Side::right);
+  EXPECT_EQ(scene_file.files.size(), 2u);
+}
+
+TEST(SceneFile, FitsAnObjectWithoutUnitToItsSizeAndPosition) {
+  const SceneFile scene_file =
+      load(R"({"objects": [{"mesh": "tetrahedron.obj", "fit": {"size": 0.1}, "position": [1, 2, 3]}], )" +
+           std::string(kGrasp) + "}");
+  const std::vector<Vec3>& v = scene_file.scene.objects[0].mesh.vertices;
+  EXPECT_NEAR(v[0].x, 1 - 0.025, 1e-15);
+  EXPECT_NEAR(v[2].y, 2 + 0.05, 1e-15);
+  EXPECT_NEAR(v[0].y, 2 - 0.05, 1e-15);
+  EXPECT_NEAR(v[3].z, 3 + 0.0125, 1e-15);
+}
+
+TEST(SceneFile, AppliesScaleThenOrientationThenPosition) {
+  const SceneFile scene_file = load(
+      R"({"objects": [{"mesh": "tetrahedron.obj", "unit": "m", "scale": 0.5, "orientation": [5, 0, 0, 5],
+                       "position": [10, 0, 0]}], )" +
+      std::string(kGrasp) + "}");
+  const Vec3 v =
+      scene_file.scene.objects[0].mesh.vertices[1];  // (2, 0, 0): halved, turned by 90 degrees, moved
+  EXPECT_NEAR(v.x, 10, 1e-15);
+  EXPECT_NEAR(v.y, 1, 1e-15);
+}
+
+TEST(SceneFile, BuildsEveryShape) {
+  const SceneFile scene_file = load(
+      R"({"objects": [{"mug": {"segments": 48}}, {"plane": {"cells": 2}}, {"box": {"size": [1, 2, 3], "cells": 1}},
+                      {"sphere": {"radius": 0.02}}, {"height_field": {"cells": 9}, "name": "hills"}], )" +
+      std::string(kGrasp) + "}");
+  ASSERT_EQ(scene_file.scene.objects.size(), 5u);
+  EXPECT_EQ(scene_file.scene.objects[0].name, "mug");
+  EXPECT_EQ(scene_file.scene.objects[1].mesh.triangles.size(), 8u);
+  EXPECT_EQ(scene_file.scene.objects[2].mesh.triangles.size(), 12u);
+  EXPECT_EQ(scene_file.scene.objects[4].mesh.triangles.size(), 162u);
+  EXPECT_EQ(scene_file.scene.objects[4].name, "hills");
+}
+
+TEST(SceneFile, ReadsSettingsAndLawsPerSegment) {
+  const SceneFile scene_file =
+      load(R"({"objects": [{"plane": {}}], "settings": {"rate": 2500, "stiffness": 1e6, "seconds": 0.5,
+               "law": "max-depth", "segment_laws": [{"segment": "palm", "law": "point"}]},
+               "execution": {"broadphase": "brute", "leaf_size": 4, "threads": 2}, )" +
+           std::string(kGrasp) + "}");
+  const Settings& settings = scene_file.scene.settings;
+  EXPECT_EQ(settings.rate, 2500);
+  EXPECT_EQ(settings.stiffness, 1e6);
+  EXPECT_EQ(scene_file.seconds, 0.5);
+  EXPECT_EQ(settings.law[0], Law::max_depth);
+  EXPECT_EQ(settings.law[kPalmSegment - 1], Law::max_depth);
+  EXPECT_EQ(settings.law[kPalmSegment], Law::point);
+  EXPECT_EQ(scene_file.execution.broadphase, Broadphase::brute);
+  EXPECT_EQ(scene_file.execution.leaf_size, 4u);
+  EXPECT_EQ(scene_file.execution.threads, 2u);
+}
+
+TEST(SceneFile, TakesTheHandFromItsOwnFile) {
+  write("hand.json", R"({"side": "left", "length": 0.2, "radii": [{"joint": "index tip", "radius": 0.009}],
+      "fingers": [{"name": "index", "bone_length": [0.07, 0.04, 0.03, 0.02], "upper": [0.2, 1.5, 1.6, 1.2]}],
+      "palm": {"thickness": 0.03, "polygon": [{"x": 0, "z": 0}, {"x": 0.08, "z": 0}, {"x": 0, "z": 0.08}]}})");
+  const SceneFile scene_file =
+      load(R"({"objects": [{"plane": {}}], "hand_file": "hand.json", )" + std::string(kGrasp) + "}");
+  const Hand& hand = scene_file.scene.hand;
+  EXPECT_EQ(hand.side, Side::left);
+  EXPECT_EQ(hand.radius[kIndexTip], 0.009);
+  EXPECT_EQ(hand.finger[1].bone_length[2], 0.03);
+  EXPECT_EQ(hand.finger[1].limit[3].upper, 1.2);
+  EXPECT_EQ(hand.palm.thickness, 0.03);
+  EXPECT_EQ(hand.palm.polygon.size(), 3u);
+  EXPECT_EQ(scene_file.files.size(), 2u);
+}
+
+TEST(SceneFile, NamesTheFileAtFault) {
+  write("hand.json", "{\n  \"side\": \"both\"\n}");
+  EXPECT_NE(error_of(R"({"objects": [{"plane": {}}], "hand_file": "hand.json", "motion": {"grasp": {}}})")
+                .find("hand.json:2:11: side must be"),
+            std::string::npos);
+  EXPECT_NE(error_of(R"({"objects": [{"mesh": "gone.obj", "unit": "m"}], "motion": {"grasp": {}}})")
+                .find("gone.obj"),
+            std::string::npos);
+  EXPECT_NE(error_of(R"({"objects": [{"plane": {}}], "motion": {"file": "gone.csv"}})").find("gone.csv"),
+            std::string::npos);
+}
+
+struct Mistake {
+  const char* text;
+  const char* message;  // behind the path
+};
+
+TEST(SceneFile, TellsEveryMistakeWithItsPlace) {
+  const Mistake mistakes[] = {
+      {"", ":1:1: input file is empty"},
+      {"{}", ":1:1: motion is missing"},
+      {"[]", ":1:1: expecting: {"},
+      {"{\n \"objcts\": []}", ":2:12: unknown field: objcts"},
+      {R"({"motion": {"grasp": {}}})", ":1:1: objects is missing or empty"},
+      {R"({"motion": {"grasp": {}}, "objects": []})", ":1:38: objects is missing or empty"},
+      {"{\"motion\": {\"grasp\": {}}, \"objects\": [\n{\"plane\": {}},\n{}]}",
+       ":3:1: objects[1] must be exactly one"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}, "mug": {}}]})",
+       ":1:39: objects[0] must be exactly one"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"mesh": "tetrahedron.obj"}]})",
+       ":1:39: objects[0] has no unit"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"mesh": "tetrahedron.obj", "unit": "inch"}]})",
+       ":1:75: objects[0].unit must be \"m\", \"cm\" or \"mm\""},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}, "position": [1, 2]}]})",
+       ":1:65: objects[0].position holds 2 numbers but needs 3"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}, "position": [1, nan, 2]}]})",
+       ":1:69: objects[0].position[1] is nan"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}, "position": [1, 1e999, 2]}]})",
+       ":1:69: objects[0].position[1] is inf"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}, "orientation": [0, 0, 0, 0]}]})",
+       ":1:68: objects[0].orientation is zero"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {"extent": -1}}]})",
+       ":1:60: objects[0].plane.extent is -1 but must lie in"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {"cells": 4000000000}}]})",
+       ":1:59: objects[0].plane.cells is 4000000000 but must lie in 1 .. 2000"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"mug": {"wall": 0.03}}]})",
+       ":1:47: objects[0].mug has a wall"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"law": "hard"}})",
+       ":1:75: settings.law is not a law"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"rate": 0}})",
+       ":1:76: settings.rate is 0 but must lie in 1 .. 100000"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"segment_laws": [{"segment": "toe"}]}})",
+       ":1:97: settings.segment_laws[0].segment is not a hand segment"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "execution": {"broadphase": "grid"}})",
+       ":1:83: execution.broadphase is no search"},
+      {R"({"motion": {"grasp": {}, "file": "a.csv"}, "objects": [{"plane": {}}]})",
+       ":1:12: motion names a file and"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "hand": {"radii": [{"joint": "index tip", "radius": -1}]}})",
+       ":1:107: hand.radii[0].radius is -1"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "hand": {}, "hand_file": "a.json"})",
+       ":1:80: hand_file stands beside a hand"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"rate": 1, "rate": 2}})",
+       "field set more than once: rate"},
+      {"{\"motion\": {\"grasp\": {}}, \"objects\": [{\"plane\": {}}]} x", "expecting: end of file"},
+  };
+  for (const Mistake& mistake : mistakes) {
+    const std::string message = error_of(mistake.text);
+    EXPECT_NE(message.find(std::string("scene.json") + (mistake.message[0] == ':' ? mistake.message : ":")),
+              std::string::npos)
+        << mistake.text << "\n  " << message;
+    if (mistake.message[0] != ':') {
+      EXPECT_NE(message.find(mistake.message), std::string::npos) << message;
+    }
+  }
+}
+
+TEST(SceneFile, RefusesWhatIsNoTextFile) {
+  SceneFile scene_file;
+  EXPECT_FALSE(load_scene_file(::testing::TempDir(), scene_file).ok());
+  EXPECT_FALSE(load_scene_file("/dev/zero", scene_file).ok());
+  EXPECT_FALSE(load_scene_file(::testing::TempDir() + "no such file.json", scene_file).ok());
+  EXPECT_NE(error_of(std::string("{\n\0}", 4)).find("scene.json:2:1: holds a zero byte"), std::string::npos);
+  EXPECT_NE(error_of(std::string(17u << 20, ' ')).find("larger than 16 MiB"), std::string::npos);
+  EXPECT_FALSE(error_of("{\"objects\": " + std::string(100000, '[')).empty());
+}
+
+TEST(SceneFile, ReadsTheDemoAndNoTruncationOfIt) {
+  const std::string demo = read(LUMBRICAL_SOURCE_DIR "/examples/demo.json");
+  ASSERT_FALSE(demo.empty());
+  load(demo);
+  const std::size_t end = demo.find_last_of('}');
+  for (std::size_t length = 0; length < end; length += 3) error_of(demo.substr(0, length));
+}
+
+TEST(SceneFile, SurvivesDamagedFiles) {
+  const std::string demo =
+      R"({"objects": [{"plane": {"cells": 2}, "position": [0, 0, 0]}], "hand": {"side": "left"},
+      "motion": {"grasp": {"seconds": 0.5}}, "settings": {"law": "field"}})";
+  std::mt19937 random(1);
+  SceneFile scene_file;
+  for (int round = 0; round < 300; ++round) {
+    std::string text = demo;
+    for (int i = 0; i < 3; ++i) text[random() % text.size()] = static_cast<char>(random() % 256);
+    const Status status = load_scene_file(write("damaged.json", text), scene_file);
+    EXPECT_TRUE(status.ok() || status.message().find(".json") != std::string::npos) << status.message();
+  }
+}
+
+TEST(JsonPlace, FindsValuesBehindStringsCommentsAndNesting) {
+  const std::string text = "{ // x: {\n \"a\\\"b\": [1, {\"c\": \"}\"}],\n /* [ */ \"d\": {\"e\": [[], 7]}}";
+  const auto place = [&](const std::string& path) {
+    const TextPlace found = find_json_value(text, path);
+    return std::to_string(found.line) + ":" + std::to_string(found.column);
+  };
+  EXPECT_EQ(place(""), "1:1");
+  EXPECT_EQ(place("d.e[1]"), "3:26");
+  EXPECT_EQ(place("d.e[0]"), "3:22");
+  EXPECT_EQ(place("d.e[2]"), "3:21") << "the innermost part that is there";
+  EXPECT_EQ(place("nothing.here"), "1:1");
+  for (std::size_t length = 0; length < text.size(); ++length)
+    find_json_value(text.substr(0, length), "d.e[1]");
+}
+
+}  // namespace
+}  // namespace lumbrical

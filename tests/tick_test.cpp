@@ -1,0 +1,263 @@
+// The whole tick: the same bits every way it can be run, no allocation, and forces that never step.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <new>
+
+#include "hash.h"
+#include "random.h"
+#include "session.h"
+
+namespace {
+std::atomic<bool> trap_allocations{false};
+std::atomic<int> allocations{0};
+
+void* allocate(std::size_t size) {
+  if (trap_allocations) ++allocations;
+  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
+  throw std::bad_alloc();
+}
+}  // namespace
+
+void* operator new(std::size_t size) { return allocate(size); }
+void* operator new[](std::size_t size) { return allocate(size); }
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace lumbrical {
+namespace {
+
+std::uint64_t hash_run(const Model& model, const std::vector<DeviceFrame>& frames,
+                       std::uint32_t* contacts = nullptr) {
+  State state;
+  Scratch scratch = make_scratch(model);
+  Hasher hasher;
+  for (const DeviceFrame& frame : frames) {
+    const ActuatorFrame output = tick(model, state, scratch, frame);
+    if (contacts != nullptr) *contacts += output.contact_count;
+    for (const std::uint64_t hash : scratch.stage_hash) hasher.value(hash);
+    hasher.value(hash_state(state));
+  }
+  return hasher.digest();
+}
+
+// Regenerate: run this test and take the value it reports. Change it only on purpose, in a commit that says
+// why.
+struct Golden {
+  Law law;
+  std::uint64_t hash;
+};
+constexpr Golden kGolden[] = {
+    {Law::field, 0xa4fd990cdcc14bf0},     {Law::column, 0x1a902ad76da8e5b4},
+    {Law::max_depth, 0x1da1f231f73d8207}, {Law::centroid, 0x3b2c4a10b25d5bca},
+    {Law::point, 0xab1800e65a804018},
+};
+
+TEST(Tick, GivesTheGoldenBitsForEveryLaw) {
+  for (const Golden& golden : kGolden) {
+    const Scene scene = test::mug_scene(golden.law);
+    std::uint32_t contacts = 0;
+    const std::uint64_t hash =
+        hash_run(test::model_of(scene), test::grasp_frames(scene.hand, 100), &contacts);
+    EXPECT_GT(contacts, 1000u);
+    EXPECT_EQ(hash, golden.hash) << law_name(golden.law) << ": 0x" << std::hex << hash;
+  }
+}
+
+TEST(Tick, TreeAndBruteForceGiveTheSameBits) {
+  const Scene scene = test::mug_scene(Law::field);
+  const auto frames = test::grasp_frames(scene.hand, 20);
+  Execution brute;
+  brute.broadphase = Broadphase::brute;
+  const std::uint64_t expected = hash_run(test::model_of(scene, brute), frames);
+  for (const std::uint32_t levels : {0u, 1u, 2u, 3u, 5u}) {
+    for (const std::uint32_t leaf_size : {1u, 3u, 8u, 64u}) {
+      Execution tree;
+      tree.tree_levels = levels;
+      tree.leaf_size = leaf_size;
+      EXPECT_EQ(hash_run(test::model_of(scene, tree), frames), expected)
+          << levels << " levels of " << leaf_size;
+    }
+  }
+}
+
+TEST(Tick, AnyNumberOfThreadsGivesTheSameBits) {
+  const Scene scene = test::mug_scene(Law::field);
+  const auto frames = test::grasp_frames(scene.hand, 40);
+  const std::uint64_t expected = hash_run(test::model_of(scene), frames);
+  for (const std::uint32_t threads : {2u, 4u, 8u}) {
+    Execution execution;
+    execution.threads = threads;
+    EXPECT_EQ(hash_run(test::model_of(scene, execution), frames), expected) << threads;
+  }
+}
+
+TEST(Tick, AllocatesNothing) {
+  for (const Law law : {Law::field, Law::column, Law::max_depth, Law::centroid, Law::point}) {
+    const Scene scene = test::mug_scene(law);
+    const Model model = test::model_of(scene);
+    const auto frames = test::grasp_frames(scene.hand, 50);
+    State state;
+    Scratch scratch = make_scratch(model);
+    allocations = 0;
+    trap_allocations = true;
+    for (const DeviceFrame& frame : frames) tick(model, state, scratch, frame);
+    trap_allocations = false;
+    EXPECT_EQ(allocations, 0) << law_name(law);
+  }
+}
+
+TEST(Tick, DoesNotCareAboutTheCallersRoundingMode) {
+  const Scene scene = test::mug_scene(Law::field);
+  const Model model = test::model_of(scene);
+  const auto frames = test::grasp_frames(scene.hand, 20);
+  const std::uint64_t expected = hash_run(model, frames);
+#if defined(__SSE2__)
+  const unsigned before = __builtin_ia32_stmxcsr();
+  const unsigned odd = before | 0x8040u | 0x6000u;  // flush to zero, denormals are zero, round towards zero
+  State state;
+  Scratch scratch = make_scratch(model);
+  Hasher hasher;
+  for (const DeviceFrame& frame : frames) {
+    __builtin_ia32_ldmxcsr(odd);
+    tick(model, state, scratch, frame);
+    EXPECT_EQ(__builtin_ia32_stmxcsr() & ~0x3fu, odd & ~0x3fu);  // the caller's modes are back
+    __builtin_ia32_ldmxcsr(before);
+    for (const std::uint64_t hash : scratch.stage_hash) hasher.value(hash);
+    hasher.value(hash_state(state));
+  }
+  EXPECT_EQ(hasher.digest(), expected);
+#endif
+}
+
+double largest_step(const ActuatorFrame& a, const ActuatorFrame& b) {
+  double step = 0;
+  for (std::size_t i = 0; i < kSegmentCount; ++i)
+    step = std::fmax(step, norm(a.segment[i].force - b.segment[i].force));
+  return step;
+}
+
+double largest_force(const ActuatorFrame& a) { return largest_step(a, ActuatorFrame{}); }
+
+TEST(Tick, BadInputFadesForcesToZeroAndBackWithoutAStep) {
+  const Scene scene = test::mug_scene(Law::field);
+  const Model model = test::model_of(scene);
+  const DeviceFrame held = test::grasp_frames(scene.hand, 100)[50];  // amid the grasp
+  struct Fault {
+    const char* name;
+    std::uint32_t flag;
+    void (*spoil)(DeviceFrame&);
+  };
+  const Fault faults[] = {
+      {"NaN angle", kInputNotFinite, [](DeviceFrame& f) { f.angle[7] = NAN; }},
+      {"infinite position", kInputNotFinite, [](DeviceFrame& f) { f.base.position.x = INFINITY; }},
+      {"zero quaternion", kInputImplausible,
+       [](DeviceFrame& f) {
+         f.base.orientation = {0, 0, 0, 0};
+       }},
+      {"lost tracking", kInputLost, [](DeviceFrame& f) { f.flags |= kTrackingLost; }},
+  };
+  for (const Fault& fault : faults) {
+    SCOPED_TRACE(fault.name);
+    State state;
+    Scratch scratch = make_scratch(model);
+    const std::uint32_t fade = static_cast<std::uint32_t>(scene.settings.fade_time * scene.settings.rate);
+    ActuatorFrame last, settled;
+    double worst = 0;
+    std::uint32_t flags = 0;
+    const auto run = [&](const DeviceFrame& frame, std::uint32_t ticks) {
+      for (std::uint32_t i = 0; i < ticks; ++i) {
+        const ActuatorFrame output = tick(model, state, scratch, frame);
+        worst = std::fmax(worst, largest_step(output, last));
+        flags |= output.flags;
+        last = output;
+      }
+    };
+    DeviceFrame spoilt = held;
+    fault.spoil(spoilt);
+    run(held, fade + 5);
+    settled = last;
+    ASSERT_GT(largest_force(settled), 0.1);
+    flags = 0;
+    run(spoilt, fade / 2);
+    EXPECT_NE(flags & fault.flag, 0u);
+    run(held, fade / 4);  // back and lost again in the middle of fading
+    run(spoilt, fade + 5);
+    EXPECT_EQ(largest_force(last), 0);
+    run(held, fade + 5);
+    EXPECT_EQ(largest_step(last, settled), 0);  // exactly the force of before
+    EXPECT_LE(worst, 2.001 * largest_force(settled) / fade);
+  }
+}
+
+TEST(Tick, OverflowOfCandidatesIsFlaggedAndFades) {
+  Scene scene = test::mug_scene(Law::field);
+  scene.settings.max_candidates = 10;
+  const Model model = test::model_of(scene);
+  State state;
+  Scratch scratch = make_scratch(model);
+  ActuatorFrame output;
+  for (int i = 0; i < 30; ++i) output = tick(model, state, scratch, test::grasp_frames(scene.hand, 100)[50]);
+  EXPECT_NE(output.flags & kCandidateOverflow, 0u);
+  EXPECT_EQ(largest_force(output), 0);
+}
+
+TEST(Tick, ForceAboveTheLimitIsScaledDownForTheWholeHand) {
+  Scene scene = test::mug_scene(Law::field);
+  const DeviceFrame held = test::grasp_frames(scene.hand, 100)[50];
+  const auto settle = [&](double limit) {
+    scene.settings.max_force = limit;
+    const Model model = test::model_of(scene);
+    State state;
+    Scratch scratch = make_scratch(model);
+    ActuatorFrame output;
+    for (int i = 0; i < 40; ++i) output = tick(model, state, scratch, held);
+    return output;
+  };
+  const ActuatorFrame all = settle(1000), limited = settle(0.5 * largest_force(all));
+  EXPECT_EQ(all.flags & kForceLimited, 0u);
+  EXPECT_NE(limited.flags & kForceLimited, 0u);
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    EXPECT_LT(norm(limited.segment[i].force - 0.5 * all.segment[i].force), 1e-12);
+    EXPECT_LT(norm(limited.joint_torque[i] - 0.5 * all.joint_torque[i]), 1e-12);
+  }
+}
+
+TEST(Tick, MissingJointsSilenceOnlyTheirSegments) {
+  Scene scene = test::mug_scene(Law::max_depth);
+  scene.objects = {{"plane", make_plane(0.6, 40, 1)}};
+  const Model model = test::model_of(scene);
+  std::array<Pose, kJointCount> pose;
+  const std::array<double, kAngleCount> flat{};
+  // Palm down, a little into the plane.
+  forward_kinematics(scene.hand, {{0, 0, 0.005}, {std::sqrt(0.5), std::sqrt(0.5), 0, 0}}, flat, pose);
+  DeviceFrame frame;
+  for (std::size_t i = 0; i < kJointCount; ++i) {
+    const Vec3 p = pose[i].position;
+    const Quat q = pose[i].orientation;
+    frame.joint[i].position = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+    frame.joint[i].orientation = {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z),
+                                  static_cast<float>(q.w)};
+  }
+  const auto settle = [&](std::uint32_t valid) {
+    frame.valid = valid;
+    State state;
+    Scratch scratch = make_scratch(model);
+    ActuatorFrame output;
+    for (int i = 0; i < 40; ++i) output = tick(model, state, scratch, frame);
+    return output;
+  };
+  const std::uint32_t all = (1u << kJointCount) - 1;
+  const ActuatorFrame whole = settle(all), without = settle(all & ~(1u << kIndexTip));
+  EXPECT_GT(norm(whole.segment[5].force), 0);
+  EXPECT_EQ(norm(without.segment[5].force), 0);
+  EXPECT_NE(without.flags & kSegmentMissing, 0u);
+  EXPECT_EQ(without.segment[8].force, whole.segment[8].force);
+}
+
+}  // namespace
+}  // namespace lumbrical

@@ -1,0 +1,91 @@
+// lumbrical inspect: what is wrong with a mesh.
+#include <memory>
+#include <string>
+
+#include "commands.h"
+#include "lumbrical/mesh.h"
+#include "output.h"
+#include "switches.h"
+
+namespace lumbrical::tool {
+namespace {
+
+struct InspectOptions {
+  std::string mesh, unit;
+  bool json = false;
+};
+
+Json report_json(const MeshReport& report) {
+  Json json;
+  json["triangles"] = report.triangles;
+  json["vertices"] = report.vertices;
+  json["merged_vertices"] = report.merged_vertices;
+  json["unused_vertices"] = report.unused_vertices;
+  json["degenerate"] = report.degenerate;
+  json["sliver"] = report.sliver;
+  json["duplicate"] = report.duplicate;
+  json["boundary_edges"] = report.boundary_edges;
+  json["non_manifold_edges"] = report.non_manifold_edges;
+  json["misoriented_edges"] = report.misoriented_edges;
+  json["components"] = report.components;
+  json["watertight"] = report.watertight;
+  json["area"] = report.area;
+  json["volume"] = report.volume;
+  json["shortest_edge"] = report.shortest_edge;
+  json["longest_edge"] = report.longest_edge;
+  json["extent"] = to_json(report.upper - report.lower);
+  json["lower"] = to_json(report.lower);
+  json["upper"] = to_json(report.upper);
+  json["examples"] = report.examples;
+  return json;
+}
+
+std::string millimetres(double metres) { return brief(1000 * metres) + " mm"; }
+
+std::string report_text(const MeshReport& report) {
+  const Vec3 extent = report.upper - report.lower;
+  Table table;
+  table.add("triangles", grouped(report.triangles));
+  table.add("vertices", grouped(report.vertices) + " stored, " + grouped(report.merged_vertices) +
+                            " distinct, " + grouped(report.unused_vertices) + " unused");
+  table.add("degenerate triangles", grouped(report.degenerate));
+  table.add("sliver triangles", grouped(report.sliver) + " (smallest angle below 1 degree)");
+  table.add("duplicate triangles", grouped(report.duplicate));
+  table.add("boundary edges", grouped(report.boundary_edges));
+  table.add("non-manifold edges", grouped(report.non_manifold_edges));
+  table.add("misoriented edges", grouped(report.misoriented_edges));
+  table.add("components", grouped(report.components));
+  table.add("watertight", report.watertight ? "yes" : "no");
+  table.add("extent", millimetres(extent.x) + " x " + millimetres(extent.y) + " x " + millimetres(extent.z));
+  table.add("edges", millimetres(report.shortest_edge) + " to " + millimetres(report.longest_edge));
+  table.add("area", brief(1e4 * report.area) + " cm^2");
+  if (report.watertight) {
+    const std::string inside_out = report.volume < 0 ? " (inside out)" : "";
+    table.add("volume", brief(1e6 * report.volume) + " cm^3" + inside_out);
+  }
+  std::string text = table.text();
+  for (const std::string& example : report.examples) text += "  " + example + '\n';
+  return text;
+}
+
+int inspect(const InspectOptions& options) {
+  Mesh mesh;
+  if (Status status = load_mesh(options.mesh, *parse_unit(options.unit), mesh); !status.ok()) {
+    return fail(status);
+  }
+  const MeshReport report = inspect_mesh(mesh);
+  return options.json ? print_json(report_json(report)) : print_text(report_text(report));
+}
+
+}  // namespace
+
+void add_inspect(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<InspectOptions>();
+  CLI::App* const command = app.add_subcommand("inspect", "Report what is wrong with a mesh");
+  command->add_option("mesh", options->mesh, "OBJ, STL, PLY or OFF file")->required();
+  command->add_option("--unit", options->unit, "Unit of the file's numbers")->required()->check(is_unit());
+  command->add_flag("--json", options->json, "Print one JSON object");
+  command->callback([options, &exit_code] { exit_code = inspect(*options); });
+}
+
+}  // namespace lumbrical::tool

@@ -1,0 +1,193 @@
+// lumbrical info, verify, recover, export: what is in a recording, whether it is whole, and how to get it
+// out.
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "commands.h"
+#include "lumbrical/recording.h"
+#include "output.h"
+
+namespace lumbrical::tool {
+namespace {
+
+struct RecordingOptions {
+  std::string recording, output, format = "csv";
+  bool json = false;
+};
+
+Json info_json(const RecordingInfo& info) {
+  Json json;
+  json["recording"] = info.path;
+  json["complete"] = info.complete;
+  json["ticks"] = info.ticks;
+  json["first_tick"] = info.first_tick;
+  json["last_tick"] = info.last_tick;
+  json["missing_ticks"] = info.missing_ticks;
+  json["seconds"] = info.seconds;
+  json["bytes"] = info.bytes;
+  json["chunks"] = info.chunks;
+  json["compression"] = info.compression;
+  json["library"] = info.library;
+  json["metadata"] = Json::object();
+  for (const auto& [key, value] : info.metadata) json["metadata"][key] = value;
+  return json;
+}
+
+Json scene_json(const Scene& scene) {
+  Json json;
+  json["hand"] = scene.hand.side == Side::left ? "left" : "right";
+  json["rate_hz"] = scene.settings.rate;
+  json["stiffness"] = scene.settings.stiffness;
+  json["law"] = Json::object();
+  for (int s = 0; s < kSegmentCount; ++s)
+    json["law"][std::string(segment_name(s))] = law_name(scene.settings.law[s]);
+  json["objects"] = Json::array();
+  for (const SceneObject& object : scene.objects)
+    json["objects"].push_back({{"name", object.name},
+                               {"vertices", object.mesh.vertices.size()},
+                               {"triangles", object.mesh.triangles.size()}});
+  return json;
+}
+
+std::string laws(const Settings& settings) {
+  for (const Law law : settings.law)
+    if (law != settings.law[0]) return "mixed";
+  return std::string(law_name(settings.law[0]));
+}
+
+void add_info_rows(const RecordingInfo& info, Table& table) {
+  table.add("recording", info.path + ", " + grouped(info.bytes) + " bytes");
+  table.add("written by", info.library);
+  table.add("complete", info.complete ? "yes" : "no: its writer was killed; recover completes it");
+  table.add("ticks", info.ticks == 0 ? "none"
+                                     : grouped(info.ticks) + ", from " + grouped(info.first_tick) + " to " +
+                                           grouped(info.last_tick) + ", " + grouped(info.missing_ticks) +
+                                           " missing in between");
+  table.add("session time", brief(info.seconds, 6) + " s");
+  table.add("chunks",
+            grouped(info.chunks) + (info.compression.empty() ? ", not compressed" : ", " + info.compression));
+  for (const auto& [key, value] : info.metadata) table.add(key, value);
+}
+
+void add_scene_rows(const Scene& scene, Table& table) {
+  table.add("hand", scene.hand.side == Side::left ? "left" : "right");
+  table.add("rate", brief(scene.settings.rate, 6) + " Hz");
+  table.add("law", laws(scene.settings) + ", stiffness " + brief(scene.settings.stiffness) + " N/m^3");
+  for (const SceneObject& object : scene.objects)
+    table.add("object", object.name + ", " + grouped(object.mesh.triangles.size()) + " triangles");
+}
+
+int info(const RecordingOptions& options) {
+  RecordingReader reader;
+  if (Status status = reader.open(options.recording); !status.ok()) return fail(status);
+  if (options.json) {
+    Json json = info_json(reader.info());
+    json["scene"] = scene_json(reader.scene());
+    return print_json(json);
+  }
+  Table table;
+  add_info_rows(reader.info(), table);
+  add_scene_rows(reader.scene(), table);
+  return print_text(table.text());
+}
+
+int verify(const RecordingOptions& options) {
+  RecordingInfo info;
+  const Status status = verify_recording(options.recording, info);
+  if (options.json) {
+    Json json;
+    json["whole"] = status.ok();
+    json["error"] = status.ok() ? Json(nullptr) : Json(status.message());
+    json.update(info_json(info));
+    json["recording"] = options.recording;
+    const int printed = print_json(json);
+    if (printed != kDone) return printed;
+  }
+  if (!status.ok()) return fail(status);
+  if (options.json) return kDone;
+  return print_text("Whole: " + grouped(info.ticks) + " ticks in " + grouped(info.chunks) +
+                    " chunks; every checksum, length and index is right.\n");
+}
+
+/// grasp.mcap becomes grasp.recovered.mcap.
+std::string recovered_name(const std::string& recording) {
+  const std::filesystem::path path(recording);
+  return (path.parent_path() / (path.stem().string() + ".recovered.mcap")).string();
+}
+
+int recover(const RecordingOptions& options) {
+  const std::string output = options.output.empty() ? recovered_name(options.recording) : options.output;
+  std::uint64_t recovered = 0, lost = 0;
+  const Status status = recover_recording(options.recording, output, recovered, lost);
+  if (!status.ok()) return fail(status);
+  if (options.json) {
+    Json json;
+    json["recovered"] = recovered;
+    json["lost"] = lost;
+    json["output"] = output;
+    return print_json(json);
+  }
+  return print_text(grouped(recovered) + " ticks recovered to " + output + ", " + grouped(lost) +
+                    " known to be lost.\n");
+}
+
+int export_as_text(const RecordingOptions& options) {
+  RecordingReader reader;
+  if (Status status = reader.open(options.recording); !status.ok()) return fail(status);
+  const ExportFormat format = options.format == "json" ? ExportFormat::json : ExportFormat::csv;
+  const Status status = export_recording(reader, format, options.output);
+  return status.ok() ? kDone : fail(status);
+}
+
+using Run = int (*)(const RecordingOptions&);
+
+/// A subcommand with the one argument they all have.
+CLI::App* add_command(CLI::App& app, int& exit_code, const char* name, const char* what,
+                      const std::shared_ptr<RecordingOptions>& options, Run run) {
+  CLI::App* const command = app.add_subcommand(name, what);
+  command->add_option("recording", options->recording, "Recording to read")
+      ->required()
+      ->type_name("REC.mcap");
+  command->callback([options, run, &exit_code] { exit_code = run(*options); });
+  return command;
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<RecordingOptions>();
+  CLI::App* const command = add_command(app, exit_code, "info", "Tell what a recording holds", options, info);
+  command->add_flag("--json", options->json, "Print one JSON object");
+}
+
+void add_verify(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<RecordingOptions>();
+  CLI::App* const command =
+      add_command(app, exit_code, "verify", "Check every checksum, length and index (exit code 2: damaged)",
+                  options, verify);
+  command->add_flag("--json", options->json, "Print one JSON object");
+}
+
+void add_recover(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<RecordingOptions>();
+  CLI::App* const command = add_command(
+      app, exit_code, "recover", "Rewrite what is whole of a torn or damaged recording", options, recover);
+  command->add_option("--output,-o", options->output, "Recording to write; default: REC.recovered.mcap")
+      ->type_name("OUT.mcap");
+  command->add_flag("--json", options->json, "Print one JSON object");
+}
+
+void add_export(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<RecordingOptions>();
+  options->output = "-";
+  CLI::App* const command = add_command(
+      app, exit_code, "export", "Write a recording as text, one line per tick", options, export_as_text);
+  command->add_option("--format", options->format, "csv, or json: one object per line")
+      ->check(CLI::IsMember({"csv", "json"}))
+      ->capture_default_str();
+  command->add_option("--output,-o", options->output, "File to write; -: standard output")
+      ->capture_default_str();
+}
+
+}  // namespace lumbrical::tool

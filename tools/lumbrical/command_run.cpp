@@ -1,0 +1,263 @@
+// lumbrical run: a hand motion meets a scene, tick by tick.
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "commands.h"
+#include "lumbrical/recording.h"
+#include "lumbrical/scene_file.h"
+#include "output.h"
+#include "run_session.h"
+#include "switches.h"
+
+namespace lumbrical::tool {
+namespace {
+
+struct RunOptions {
+  std::string scene, motion, side, unit, record, law, broadphase;
+  std::string rate = "max";
+  std::optional<double> motion_rate, stiffness;
+  std::optional<std::uint64_t> ticks;
+  std::optional<std::uint32_t> threads;
+  bool json = false;
+};
+
+struct FlagText {
+  TickFlag flag;
+  const char* name;
+  const char* remedy;
+};
+
+constexpr FlagText kFlagTexts[] = {
+    {kInputNotFinite, "input not finite", "NaN or infinity in the device frame; check the driver"},
+    {kInputImplausible, "input implausible", "a joint far from its wrist; check the motion's unit"},
+    {kInputLost, "input lost", "no tracking, or the motion has ended; use fewer ticks"},
+    {kInputExtrapolated, "input extrapolated", "beyond or far between samples; track at a higher rate"},
+    {kSegmentMissing, "segment missing", "some joints are not tracked: those segments feel nothing"},
+    {kSegmentDegenerate, "segment degenerate", "a phalanx of zero length was felt as a sphere"},
+    {kAngleClamped, "angle clamped", "a joint angle beyond the hand's limits; widen them"},
+    {kCandidateOverflow, "candidate overflow", "raise settings.max_candidates"},
+    {kForceLimited, "force limited", "a segment reached settings.max_force"},
+    {kFading, "fading", "forces were rising or fading, as after a loss of tracking"},
+};
+
+std::optional<Side> parse_side(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  return text == "left" ? Side::left : Side::right;
+}
+
+double parse_metres(const std::string& unit) {
+  return unit.empty() ? 0 : unit == "mm" ? 0.001 : unit == "cm" ? 0.01 : 1;
+}
+
+Status load(const RunOptions& options, SceneFile& scene_file) {
+  MotionOverride motion;
+  motion.file = options.motion;
+  motion.rate = options.motion_rate.value_or(0);
+  motion.side = parse_side(options.side);
+  motion.unit = parse_metres(options.unit);
+  if (Status status = load_scene_file(options.scene, scene_file, motion); !status.ok()) return status;
+  Settings& settings = scene_file.scene.settings;
+  if (!options.law.empty()) settings.law.fill(*parse_law(options.law));
+  if (options.stiffness) settings.stiffness = *options.stiffness;
+  if (options.rate != "max") settings.rate = std::stod(options.rate);
+  if (!options.broadphase.empty()) scene_file.execution.broadphase = *parse_broadphase(options.broadphase);
+  if (options.threads) scene_file.execution.threads = *options.threads;
+  for (const std::string& file : scene_file.files) {
+    std::error_code ignored;
+    if (!options.record.empty() && std::filesystem::equivalent(file, options.record, ignored)) {
+      return Status::error(options.record + ": is an input of this run; record to another file");
+    }
+  }
+  return {};
+}
+
+std::string law_of(const Settings& settings) {
+  for (const Law law : settings.law) {
+    if (law != settings.law[0]) return "mixed";
+  }
+  return std::string(law_name(settings.law[0]));
+}
+
+double microseconds(const TickTimes& times, double share) { return times.percentile(share) / 1000; }
+
+double rate_reached(const RunStatistics& run) {
+  return run.wall_seconds > 0 ? static_cast<double>(run.ticks) / run.wall_seconds : 0;
+}
+
+double mean_contacts(const RunStatistics& run) {
+  return run.ticks > 0 ? static_cast<double>(run.contacts) / static_cast<double>(run.ticks) : 0;
+}
+
+// The joint that moves segment s: the one at its base.
+std::string moving_joint(int s) {
+  return std::string(
+      joint_name(s == kPalmSegment ? kWrist : kPhalanxJoints[static_cast<std::size_t>(s)].base));
+}
+
+std::string finger_or_palm(int f) { return f < kFingerCount ? std::string(finger_name(f)) : "palm"; }
+
+std::uint64_t ticks_with(const RunStatistics& run, TickFlag flag) {
+  std::size_t bit = 0;
+  while ((1u << bit) != flag) ++bit;
+  return run.flag_ticks[bit];
+}
+
+Json run_json(const RunOptions& options, const Model& model, const RunStatistics& run) {
+  const TickTimes& times = run.tick_times;
+  Json json;
+  json["ticks"] = run.ticks;
+  json["rate_hz"] = rate_reached(run);
+  json["tick_us"] = {{"p50", microseconds(times, 0.5)},
+                     {"p99", microseconds(times, 0.99)},
+                     {"p999", microseconds(times, 0.999)},
+                     {"max", times.max() / 1000.0}};
+  json["contacts"] = {{"mean", mean_contacts(run)}, {"max", run.max_contacts}};
+  json["deadline_misses"] = run.deadline_misses;
+  json["isa"] = isa_name();
+  json["threads"] = model.execution.threads;
+  json["broadphase"] = broadphase_name(model.execution.broadphase);
+  json["law"] = law_of(model.settings);
+  json["recording"] = options.record.empty() ? Json(nullptr) : Json(options.record);
+  json["not_recorded"] = run.not_recorded;
+  json["session_rate_hz"] = model.settings.rate;
+  json["triangles"] = model.triangles.size();
+  for (int f = 0; f <= kFingerCount; ++f) {
+    json["peak_force"][finger_or_palm(f)] = run.peak_force[static_cast<std::size_t>(f)];
+  }
+  for (int s = 0; s < kSegmentCount; ++s) {
+    json["peak_torque"][moving_joint(s)] = run.peak_torque[static_cast<std::size_t>(s)];
+  }
+  json["flags"] = Json::object();
+  for (const FlagText& text : kFlagTexts) {
+    if (const std::uint64_t count = ticks_with(run, text.flag)) json["flags"][text.name] = count;
+  }
+  json["interrupted"] = run.interrupted;
+  return json;
+}
+
+void add_peaks(const RunStatistics& run, Table& table) {
+  std::string forces;
+  for (int f = 0; f <= kFingerCount; ++f) {
+    forces +=
+        (f > 0 ? "   " : "") + finger_or_palm(f) + " " + brief(run.peak_force[static_cast<std::size_t>(f)]);
+  }
+  table.add("peak force [N]", forces);
+  for (int first = 0; first < kSegmentCount; first += 3) {
+    std::string torques;
+    for (int s = first; s < std::min(first + 3, kSegmentCount); ++s) {
+      const double torque = 1e3 * run.peak_torque[static_cast<std::size_t>(s)];
+      torques += (s > first ? "   " : "") + moving_joint(s) + " " + brief(torque);
+    }
+    table.add(first == 0 ? "peak torque [N mm]" : "", torques);
+  }
+}
+
+void add_flags(const RunStatistics& run, Table& table) {
+  for (const FlagText& text : kFlagTexts) {
+    const std::uint64_t count = ticks_with(run, text.flag);
+    if (count > 0) table.add(text.name, "in " + grouped(count) + " ticks: " + text.remedy);
+  }
+}
+
+std::string run_text(const RunOptions& options, const Model& model, const RunStatistics& run) {
+  const TickTimes& times = run.tick_times;
+  Table table;
+  table.add("ticks", grouped(run.ticks) + " of " + brief(1e3 / model.settings.rate) + " ms" +
+                         (run.interrupted ? ", stopped by a signal" : ""));
+  table.add("rate", grouped(static_cast<std::uint64_t>(rate_reached(run))) + " Hz reached, " +
+                        grouped(run.deadline_misses) + " ticks missed their deadline");
+  table.add("tick time", "p50 " + brief(microseconds(times, 0.5)) + "   p99 " +
+                             brief(microseconds(times, 0.99)) + "   p99.9 " +
+                             brief(microseconds(times, 0.999)) + "   max " + brief(times.max() / 1000.0) +
+                             " us");
+  table.add("contacts", "mean " + brief(mean_contacts(run)) + "   max " + grouped(run.max_contacts) +
+                            "   of " + grouped(model.triangles.size()) + " triangles");
+  table.add("computed with", std::string(broadphase_name(model.execution.broadphase)) + ", law " +
+                                 law_of(model.settings) + ", " + isa_name() + ", " +
+                                 std::to_string(model.execution.threads) + " thread(s)");
+  add_peaks(run, table);
+  add_flags(run, table);
+  if (!options.record.empty()) {
+    std::error_code error;
+    const std::uintmax_t size = std::filesystem::file_size(options.record, error);
+    table.add("recording", options.record + (error ? "" : ", " + grouped(size) + " bytes"));
+    if (run.not_recorded > 0)
+      table.add("", grouped(run.not_recorded) + " ticks not kept: the disk is too slow");
+  }
+  return table.text();
+}
+
+int run(const RunOptions& options) {
+  SceneFile scene_file;
+  if (Status status = load(options, scene_file); !status.ok()) return fail(status);
+  Model model;
+  Status status = build_model(scene_file.scene, scene_file.execution, model);
+  if (!status.ok()) return fail(options.scene + ": " + status.message());
+
+  const bool paced = options.rate != "max";
+  const double planned = std::ceil(scene_file.seconds * model.settings.rate - 1e-6);
+  const std::uint64_t ticks = options.ticks.value_or(static_cast<std::uint64_t>(std::max(planned, 1.0)));
+  Recorder recorder;
+  const bool recording = !options.record.empty();
+  if (recording) {
+    RecorderOptions recorder_options;
+    recorder_options.wait_when_full = !paced;
+    recorder_options.metadata = {{"scene_file", options.scene}, {"program", "lumbrical " LUMBRICAL_VERSION}};
+    status = recorder.open(options.record, scene_of(model), recorder_options);
+    if (!status.ok()) return fail(status);
+  }
+  const RunStatistics statistics =
+      run_session(model, scene_file.motion, ticks, paced, recording ? &recorder : nullptr);
+  if (recording) {
+    if (status = recorder.close(); !status.ok()) return fail(status);
+  }
+  return options.json ? print_json(run_json(options, model, statistics))
+                      : print_text(run_text(options, model, statistics));
+}
+
+std::string check_rate(std::string& text) {
+  return text == "max" ? std::string() : number_in(1, 100000)(text);
+}
+
+std::string check_sink(std::string& text) {
+  return text == "null" ? std::string() : "\"" + text + "\" is not part of this version; use null";
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<RunOptions>();
+  CLI::App* const command =
+      app.add_subcommand("run", "Let a hand motion meet a scene; print figures, record ticks");
+  command->add_option("scene", options->scene, "Scene file (JSON, see schemas/scene.fbs)")->required();
+  command->add_option("--motion", options->motion, "Hand motion in the place of the scene's")
+      ->type_name("FILE");
+  command->add_option("--motion-rate", options->motion_rate, "Of motion files without time stamps [Hz]")
+      ->check(number_in(1e-3, 1e6));
+  command->add_option("--side", options->side, "Of motion files that don't say")
+      ->check(CLI::IsMember({"left", "right"}));
+  command->add_option("--unit", options->unit, "Of the motion file's numbers")->check(is_unit());
+  command->add_option("--ticks", options->ticks, "Length of the session; default: the motion's")
+      ->check(number_in(1, 1e9));
+  command->add_option("--rate", options->rate, "Ticks per second by the clock, or max: as fast as it goes")
+      ->check(CLI::Validator(check_rate, "HZ|max"))
+      ->capture_default_str();
+  command->add_option("--record", options->record, "Recording to write")->type_name("OUT.mcap");
+  command->add_option("--sink", "Where forces go; this version has null")
+      ->check(CLI::Validator(check_sink, "URI"));
+  command->add_option("--broadphase", options->broadphase, "Search for candidate triangles")
+      ->check(is_broadphase());
+  command->add_option("--law", options->law, "Contact law of the whole hand")->check(is_law());
+  command->add_option("--stiffness", options->stiffness, "K_s [N/m^3]")->check(number_in(1e-6, 1e15));
+  command->add_option("--isa", "Instruction set")->check(is_isa());
+  command->add_option("--threads", options->threads, "1 .. 64; never changes a result")
+      ->check(number_in(1, 64));
+  command->add_flag("--json", options->json, "Print one JSON object");
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace lumbrical::tool

@@ -1,0 +1,105 @@
+// See output.h.
+#include "output.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+
+#include "commands.h"
+
+namespace lumbrical::tool {
+
+int fail(std::string_view message) {
+  std::fprintf(stderr, "%.*s\n", static_cast<int>(message.size()), message.data());
+  return kUnreadable;
+}
+
+int fail(const Status& status) { return fail(status.message()); }
+
+int print_text(std::string_view text) {
+  const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+  if (std::fflush(stdout) == 0 && written) return kDone;
+  return fail("standard output: can't write the result; is the disk full or the pipe closed?");
+}
+
+int print_json(const Json& object) {
+  // Names may come from files in any encoding; bytes that are not UTF-8 are replaced instead of throwing.
+  return print_text(object.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n');
+}
+
+Json to_json(Vec3 v) { return Json::array({v.x, v.y, v.z}); }
+
+std::string Table::text() const {
+  std::size_t width = 0;
+  for (const auto& [name, value] : rows) width = std::max(width, name.size());
+  std::string text;
+  for (const auto& [name, value] : rows)
+    text += name + std::string(width - name.size() + 2, ' ') + value + '\n';
+  return text;
+}
+
+std::string grouped(std::uint64_t number) {
+  std::string digits = std::to_string(number);
+  for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
+  return digits;
+}
+
+std::string brief(double number, int digits) {
+  std::array<char, 64> text{};
+  const double size = std::fabs(number);
+  if (size != 0 && !(size >= 1e-4 && size < 1e9)) {
+    std::snprintf(text.data(), text.size(), "%.*g", digits, number);
+    return text.data();
+  }
+  const int whole = size < 1e-4 ? 0 : static_cast<int>(std::floor(std::log10(size)));
+  std::snprintf(text.data(), text.size(), "%.*f", std::max(0, digits - 1 - whole), number);
+  return text.data();
+}
+
+Progress::Progress(std::string what) : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) == 1) {}
+
+Progress::~Progress() {
+  if (terminal_) std::fputs("\r\033[K", stderr);
+}
+
+void Progress::update(std::uint64_t done, std::uint64_t all) {
+  if (!terminal_ || all == 0) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_draw_) return;
+  next_draw_ = now + std::chrono::milliseconds(100);
+  constexpr int kWidth = 30;
+  const double share = static_cast<double>(std::min(done, all)) / static_cast<double>(all);
+  const int filled = static_cast<int>(share * kWidth);
+  std::fprintf(stderr, "\r%s [%s%s] %3d %%\033[K", what_.c_str(), std::string(filled, '#').c_str(),
+               std::string(kWidth - filled, ' ').c_str(), static_cast<int>(share * 100));
+  std::fflush(stderr);
+}
+
+void TickTimes::add(std::uint32_t nanoseconds) {
+  // Below 2^kSubclassBits every value has its own class; above, the leading bits choose it.
+  const int shift = std::max(0, static_cast<int>(std::bit_width(nanoseconds)) - 1 - kSubclassBits);
+  const std::size_t index = (static_cast<std::size_t>(shift) << kSubclassBits) + (nanoseconds >> shift);
+  ++count_[index];
+  ++total_;
+  max_ = std::max(max_, nanoseconds);
+}
+
+double TickTimes::percentile(double share) const {
+  if (total_ == 0) return 0;
+  const double wanted = share * static_cast<double>(total_);
+  std::uint64_t seen = 0;
+  for (std::size_t index = 0; index < count_.size(); ++index) {
+    seen += count_[index];
+    if (static_cast<double>(seen) < wanted) continue;
+    const std::size_t octave = index >> kSubclassBits;
+    const std::size_t shift = octave == 0 ? 0 : octave - 1;
+    const std::uint64_t above = (index - (shift << kSubclassBits) + 1) << shift;
+    return std::min(static_cast<double>(above - 1), static_cast<double>(max_));
+  }
+  return max_;
+}
+
+}  // namespace lumbrical::tool

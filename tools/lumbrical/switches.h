@@ -1,0 +1,66 @@
+// Checks that several subcommands make on their switches. A check's message is printed behind the switch's
+// name.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <string>
+
+namespace lumbrical::tool {
+
+/// A number, the whole of it, within low .. high. Unlike CLI::Range it refuses NaN and doesn't ask the
+/// locale.
+inline CLI::Validator number_in(double low, double high) {
+  return {[low, high](std::string& text) -> std::string {
+            double number = 0;
+            const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+            if (error == std::errc() && end == text.data() + text.size() && number >= low && number <= high) {
+              return {};
+            }
+            return "\"" + text + "\" is not a number in " + CLI::detail::to_string(low) + " .. " +
+                   CLI::detail::to_string(high);
+          },
+          "NUMBER"};
+}
+
+inline CLI::Validator is_unit() { return CLI::IsMember({"m", "cm", "mm"}); }
+inline CLI::Validator is_law() {
+  return CLI::IsMember({"field", "column", "max-depth", "centroid", "point"});
+}
+
+/// Searches that the command line knows but this version has not.
+inline CLI::Validator is_broadphase() {
+  return {[](std::string& text) -> std::string {
+            if (text == "tree" || text == "brute") return {};
+            if (text == "grid" || text == "voxel") return text + " is not built yet; use tree or brute";
+            return "\"" + text + "\" is not a search; use tree or brute";
+          },
+          "tree|brute"};
+}
+
+/// Instruction sets: so far every build uses the baseline of its processor.
+inline CLI::Validator is_isa() {
+  return {[](std::string& text) -> std::string {
+#if defined(__x86_64__)
+            if (text == "auto" || text == "sse2") return {};
+            return text + " is not built yet; use auto or sse2";
+#else
+            if (text == "auto") return {};
+            return text + " is not built for this processor; use auto";
+#endif
+          },
+          "auto|sse2"};
+}
+
+/// What the engine's loops are compiled for.
+inline const char* isa_name() {
+#if defined(__x86_64__)
+  return "sse2";
+#elif defined(__aarch64__)
+  return "neon";
+#else
+  return "scalar";
+#endif
+}
+
+}  // namespace lumbrical::tool
