@@ -26,9 +26,9 @@ const Rule kRules[] = {
     {Layer::base, "engine/include/lumbrical", "math status"},
     {Layer::base, "engine/src", "math elementary floating_point parallel hash text_cursor"},
 
-    {Layer::model, "engine/include/lumbrical", "mesh shapes hand model"},
+    {Layer::model, "engine/include/lumbrical", "mesh shapes hand model contact"},
     {Layer::model, "engine/src", "mesh_* ply_header vertex_merge shapes shape_mug hand hand_from_positions"},
-    {Layer::model, "engine/src", "forward_kinematics primitive model sphere_tree"},
+    {Layer::model, "engine/src", "forward_kinematics primitive model sphere_tree triangle_bound"},
 
     {Layer::motion, "engine/include/lumbrical", "device motion"},
     {Layer::motion, "engine/src", "resampler grasp_motion"},

@@ -60,9 +60,11 @@ TEST(RealData, EveryHandCaptureRunsAndReplaysIdentical) {
   std::ofstream(folder / "scene.json") << R"({"objects": [{"sphere": {"radius": 0.1}}]})";
   for (const fs::directory_entry& entry : fs::directory_iterator(data / "hands")) {
     const std::string path = fs::absolute(entry.path()).string();
-    const Outcome run = shell(
-        "lumbrical run scene.json --motion '" + path + "' --side right --ticks 150 --record a.mcap --json",
-        folder);
+    const std::string command =
+        "lumbrical run scene.json --motion '" + path + "' --ticks 150 --record a.mcap";
+    Outcome run = shell(command + " --side right", folder);
+    if (run.exit_code != 0)
+      run = shell(command + " --side left", folder);  // a capture that shows it is of a left hand
     ASSERT_EQ(run.exit_code, 0) << path << "\n" << run.error;
     EXPECT_EQ(shell("lumbrical replay a.mcap", folder).exit_code, 0) << path;
   }

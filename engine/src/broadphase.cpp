@@ -38,14 +38,6 @@ bool try_tree(const Model& model, const Primitive& primitive, std::uint64_t inde
 
 }  // namespace
 
-TriangleBound bound_triangle(const Triangles& triangles, std::uint32_t triangle) {
-  const Vec3 a = triangles.vertex(triangles.a[triangle]), b = triangles.vertex(triangles.b[triangle]),
-             c = triangles.vertex(triangles.c[triangle]);
-  const Vec3 centre = a + ((b - a) + (c - a)) / 3.0;
-  const Vec3 pa = a - centre, pb = b - centre, pc = c - centre;
-  return {centre, std::sqrt(max(dot(pa, pa), max(dot(pb, pb), dot(pc, pc))))};
-}
-
 bool may_touch(const Primitive& primitive, const TriangleBound& bound) {
   const Vec3 axis = primitive.end2 - primitive.end1, from = bound.centre - primitive.end1;
   const double square = dot(axis, axis);

@@ -3,15 +3,9 @@
 
 #include "lumbrical/tick.h"
 #include "primitive.h"
+#include "triangle_bound.h"
 
 namespace lumbrical {
-
-/// A sphere round a triangle: its centroid and the farthest corner. The one test every broadphase ends with.
-struct TriangleBound {
-  Vec3 centre;        ///< [m] W
-  double radius = 0;  ///< [m]
-};
-TriangleBound bound_triangle(const Triangles& triangles, std::uint32_t triangle);
 
 /// Does the triangle's bound reach the primitive's hull (ignoring cuts)?
 bool may_touch(const Primitive& primitive, const TriangleBound& bound);

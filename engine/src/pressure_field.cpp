@@ -65,43 +65,67 @@ Strip strip_to(const Section& section, const Slant& slant, double x, double y) {
   return strip;
 }
 
-// The field has a kink on the axis and at the end centres. Psi has one for every y above the point where the
-// axis pierces the plane, and where edges come close to axis or centres. On a cone it has a weak one where
-// the nearest sphere changes.
-Singularities kinks_of(const Section& section, const Slant& slant, const Piece& piece) {
-  Singularities kinks;
-  const double x = piece.from_x, y = piece.from_y, dx = piece.to_x - x, dy = piece.to_y - y;
-  const double scale = 1 / std::fabs(dx);
-  const bool edge = piece.kind == Piece::edge;
-  const double e = section.c * x + section.s * section.h1, de = section.c * dx;
-  kinks.add(-x / dx, std::fabs(section.h1) * scale);
-  if (edge)
-    add_closest_approach(dx * dx + dy * dy, x * dx + y * dy, x * x + y * y + section.h1 * section.h1, kinks);
-  if (section.length == 0) return kinks;
-  const double x2 = x - section.x2;
-  kinks.add(-x2 / dx, std::fabs(section.h2) * scale);
+// A piece as a line from (x, y) by (dx, dy), and how distances change along it.
+struct Run {
+  double x, y, dx, dy;
+  bool edge;
+};
+
+// Above a centre at (centre, h) Psi is singular for every y, and an edge that comes close to it is singular
+// there.
+void add_centre(const Run& run, double centre, double h, Singularities& kinks) {
+  const double x = run.x - centre;
+  kinks.add(-x / run.dx, std::fabs(h / run.dx));
+  if (!run.edge) return;
+  add_closest_approach(run.dx * run.dx + run.dy * run.dy, x * run.dx + run.y * run.dy,
+                       x * x + run.y * run.y + h * h, kinks);
+}
+
+// The same for the axis line, whose distance from a plane point is the root of e^2 + y^2.
+void add_axis(const Run& run, double e, double de, Singularities& kinks) {
   if (de != 0) kinks.add(-e / de);
-  if (edge) {
-    add_closest_approach(dx * dx + dy * dy, x2 * dx + y * dy, x2 * x2 + y * y + section.h2 * section.h2,
-                         kinks);
-    add_closest_approach(de * de + dy * dy, e * de + y * dy, e * e + y * y, kinks);
+  if (run.edge)
+    add_closest_approach(de * de + run.dy * run.dy, e * de + run.y * run.dy, e * e + run.y * run.y, kinks);
+}
+
+// Where the nearest sphere changes, cosine q = sine sqrt(e^2 + y^2), the field has a weak kink: q is the
+// axial coordinate from where the change starts. Psi has it where that curve meets y = 0, and where edges
+// cross it.
+void add_change(const Run& run, const Slant& slant, double q, double dq, double e, double de,
+                Singularities& kinks) {
+  for (const double sine : {slant.sine, -slant.sine}) {
+    kinks.add((sine * e - slant.cosine * q) / (slant.cosine * dq - sine * de));
   }
+  if (!run.edge) return;
+  const double cc = slant.cosine * slant.cosine, ss = slant.sine * slant.sine;
+  const double a = cc * dq * dq - ss * (de * de + run.dy * run.dy),
+               b = cc * q * dq - ss * (e * de + run.y * run.dy);
+  const double c = cc * q * q - ss * (e * e + run.y * run.y), discriminant = b * b - a * c;
+  if (!(discriminant > 0) || a == 0) return;
+  kinks.add((-b - std::sqrt(discriminant)) / a);
+  kinks.add((-b + std::sqrt(discriminant)) / a);
+}
+
+// Going out from y = 0 the field belongs to the second end, then to the side, then to the first end. So where
+// the section's curve belongs to the second end, all below it does; where it belongs to the side, the first
+// end is never met.
+Singularities kinks_of(const Section& section, const Slant& slant, const Piece& piece, Zone::Part part) {
+  const Run run{piece.from_x, piece.from_y, piece.to_x - piece.from_x, piece.to_y - piece.from_y,
+                piece.kind == Piece::edge};
+  Singularities kinks;
+  if (part == Zone::first_end) add_centre(run, 0, section.h1, kinks);
+  if (section.length == 0) return kinks;
+  const double q = section.s * run.x - section.c * section.h1, dq = section.s * run.dx;
+  const double e = section.c * run.x + section.s * section.h1, de = section.c * run.dx;
+  const double farthest = max(q, q + dq);
+  const bool side = part == Zone::side || (part == Zone::first_end && farthest > 0);
+  const bool second = part == Zone::second_end || (side && farthest > section.length);
+  if (side) add_axis(run, e, de, kinks);
+  if (section.shape == Shape::flat) return kinks;
+  if (second) add_centre(run, section.x2, section.h2, kinks);
   if (slant.sine == 0) return kinks;
-  for (const double start : {0.0, section.length}) {
-    // cosine (q - start) = +- sine |e| on y = 0, and along an edge cosine^2 (q - start)^2 = sine^2 (e^2 +
-    // y^2).
-    const double q = section.s * x - section.c * section.h1 - start, dq = section.s * dx;
-    for (const double sine : {slant.sine, -slant.sine}) {
-      kinks.add((sine * e - slant.cosine * q) / (slant.cosine * dq - sine * de));
-    }
-    if (!edge) continue;
-    const double cc = slant.cosine * slant.cosine, ss = slant.sine * slant.sine;
-    const double a = cc * dq * dq - ss * (de * de + dy * dy), b = cc * q * dq - ss * (e * de + y * dy);
-    const double c = cc * q * q - ss * (e * e + y * y), discriminant = b * b - a * c;
-    if (!(discriminant > 0) || a == 0) continue;
-    kinks.add((-b - std::sqrt(discriminant)) / a);
-    kinks.add((-b + std::sqrt(discriminant)) / a);
-  }
+  if (side && part == Zone::first_end) add_change(run, slant, q, dq, e, de, kinks);
+  if (side && second) add_change(run, slant, q - section.length, dq, e, de, kinks);
   return kinks;
 }
 
@@ -111,12 +135,13 @@ PressureMoments field_by_boundary(const Section& section, const Slant& slant, co
     const Piece& piece = boundary.piece[static_cast<std::size_t>(i)];
     if (piece.kind == Piece::none || piece.from_x == piece.to_x) continue;
     const Zone& zone = section.zone[piece.zone];
-    piece_nodes(piece, zone, kinks_of(section, slant, piece), [&](double x, double y, double weight) {
-      const Strip strip = strip_to(section, slant, x, y);
-      sum.volume -= weight * strip.zeroth;
-      sum.first.x -= weight * x * strip.zeroth;
-      sum.first.y -= weight * strip.first;
-    });
+    piece_nodes(piece, zone, kinks_of(section, slant, piece, zone.part),
+                [&](double x, double y, double weight) {
+                  const Strip strip = strip_to(section, slant, x, y);
+                  sum.volume -= weight * strip.zeroth;
+                  sum.first.x -= weight * x * strip.zeroth;
+                  sum.first.y -= weight * strip.first;
+                });
   }
   return sum;
 }

@@ -1,7 +1,7 @@
 // Contact of the palm, a convex polyhedron, with a triangle: polygons only, everything exact.
 #pragma once
 
-#include "lumbrical/tick.h"
+#include "lumbrical/contact.h"
 #include "primitive.h"
 
 namespace lumbrical {

@@ -63,10 +63,10 @@ bool plane_misses(const Primitive& primitive, Vec3 point, Vec3 n) {
   return !(min(h1 - reach1, h2 - reach2) <= 0 && max(h1 + reach1, h2 + reach2) >= 0);
 }
 
-void add_zone(double lower, double upper, double x0, double alpha, double beta, double gamma,
+void add_zone(Zone::Part part, double lower, double upper, double x0, double alpha, double beta, double gamma,
               Section& section) {
   if (!(lower < upper)) return;
-  Zone zone{lower, upper, x0, alpha, beta, gamma, 0, 0};
+  Zone zone{part, lower, upper, x0, alpha, beta, gamma, 0, 0};
   const Interval real = positive_interval(-gamma, beta, alpha, lower - x0, upper - x0);
   if (real.first < real.second) {
     // Exactly the border where the curve goes on beyond it: eta() tells the curve's own ends by that.
@@ -76,8 +76,9 @@ void add_zone(double lower, double upper, double x0, double alpha, double beta, 
   section.zone[static_cast<std::size_t>(section.zone_count++)] = zone;
 }
 
-void add_sphere_zone(double lower, double upper, double x0, double radius, double h, Section& section) {
-  add_zone(lower, upper, x0, (radius - h) * (radius + h), 0, 1, section);
+void add_sphere_zone(Zone::Part part, double lower, double upper, double x0, double radius, double h,
+                     Section& section) {
+  add_zone(part, lower, upper, x0, (radius - h) * (radius + h), 0, 1, section);
 }
 
 // A cylinder with flat ends: the side only, over the x-range in which the axial coordinate s x - c h1 is in
@@ -91,14 +92,14 @@ void set_flat_zone(Section& section) {
   } else if (!(h1 <= 0 && section.h2 >= 0)) {
     return;
   }
-  add_zone(lower, upper, 0, (radius - s * h1) * (radius + s * h1), -c * s * h1, c * c, section);
+  add_zone(Zone::side, lower, upper, 0, (radius - s * h1) * (radius + s * h1), -c * s * h1, c * c, section);
 }
 
 // The hull of two spheres. At abscissa x the sphere that reaches farthest in y is the one at parameter
 // t(x) = (g + x x2) / G along the axis, linear in x and clamped to [0, 1]: that makes the three zones.
 void set_round_zones(Section& section) {
   const double r1 = section.radius1, h1 = section.h1, x2 = section.x2;
-  if (section.length == 0) return add_sphere_zone(-kInfinity, kInfinity, 0, r1, h1, section);
+  if (section.length == 0) return add_sphere_zone(Zone::first_end, -kInfinity, kInfinity, 0, r1, h1, section);
   const double dr = section.radius2 - r1, dh = section.h2 - h1;
   const double G = (section.length - dr) * (section.length + dr);
   const double g = r1 * dr - h1 * dh;
@@ -107,10 +108,10 @@ void set_round_zones(Section& section) {
     border1 = -g / x2;
     border2 = (G - g) / x2;
   }
-  add_sphere_zone(-kInfinity, border1, 0, r1, h1, section);
-  add_zone(border1, border2, 0, (r1 - h1) * (r1 + h1) + g * g / G, g * x2 / G, (dh - dr) * (dh + dr) / G,
-           section);
-  add_sphere_zone(border2, kInfinity, x2, section.radius2, section.h2, section);
+  add_sphere_zone(Zone::first_end, -kInfinity, border1, 0, r1, h1, section);
+  add_zone(Zone::side, border1, border2, 0, (r1 - h1) * (r1 + h1) + g * g / G, g * x2 / G,
+           (dh - dr) * (dh + dr) / G, section);
+  add_sphere_zone(Zone::second_end, border2, kInfinity, x2, section.radius2, section.h2, section);
 }
 
 void set_polygon(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& section) {

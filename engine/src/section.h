@@ -33,6 +33,7 @@ struct Polygon2 {
 
 /// On lower <= x <= upper the section is |y| <= eta, eta^2 = alpha + 2 beta (x - x0) - gamma (x - x0)^2.
 struct Zone {
+  enum Part : std::uint8_t { first_end, side, second_end } part = side;  ///< whose surface the curve lies on
   double lower = 0, upper = 0;
   double x0 = 0, alpha = 0, beta = 0, gamma = 0;
   double real_lower = 0, real_upper = 0;  ///< the part of [lower, upper] where eta is real; equal: none

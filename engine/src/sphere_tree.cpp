@@ -1,9 +1,10 @@
 #include "sphere_tree.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
-#include "broadphase.h"
+#include "triangle_bound.h"
 
 namespace lumbrical {
 namespace {

@@ -1,9 +1,9 @@
-// The human hand as the engine knows it: 26 joints (the order of OpenXR's XR_EXT_hand_tracking), 15 phalanges and
-// a palm, and the forward kinematics from joint angles to joint poses.
+// The human hand as the engine knows it: 26 joints (the order of OpenXR's XR_EXT_hand_tracking), 15 phalanges
+// and a palm, and the forward kinematics from joint angles to joint poses.
 //
-// Joint frames follow OpenXR for both hands: -z points along the bone to the fingertip, +y to the back of the hand,
-// x = y cross z, so that +x is to the person's right when the palm faces down (away from the thumb on a right hand,
-// towards the thumb on a left hand). A tip has the orientation of the joint before it.
+// Joint frames follow OpenXR for both hands: -z points along the bone to the fingertip, +y to the back of the
+// hand, x = y cross z, so that +x is to the person's right when the palm faces down (away from the thumb on a
+// right hand, towards the thumb on a left hand). A tip has the orientation of the joint before it.
 #pragma once
 
 #include <array>
@@ -17,6 +17,7 @@
 
 namespace lumbrical {
 
+// clang-format off
 enum Joint : std::uint8_t {
   kPalm, kWrist,
   kThumbMetacarpal, kThumbProximal, kThumbDistal, kThumbTip,
@@ -25,16 +26,21 @@ enum Joint : std::uint8_t {
   kRingMetacarpal, kRingProximal, kRingIntermediate, kRingDistal, kRingTip,
   kLittleMetacarpal, kLittleProximal, kLittleIntermediate, kLittleDistal, kLittleTip,
 };
+// clang-format on
 inline constexpr int kJointCount = 26;
 inline constexpr int kFingerCount = 5;  ///< thumb, index, middle, ring, little
 
 /// Segments 3f, 3f+1, 3f+2 are finger f's phalanges from base to tip (for the thumb: metacarpal, proximal,
-/// distal); segment 15 is the palm. Each segment is moved by one joint, the one at its base; the palm by the wrist.
+/// distal); segment 15 is the palm. Each segment is moved by one joint, the one at its base; the palm by the
+/// wrist.
 inline constexpr int kPhalanxCount = 15;
 inline constexpr int kPalmSegment = 15;
 inline constexpr int kSegmentCount = 16;
 
-struct PhalanxJoints { Joint base, tip; };
+struct PhalanxJoints {
+  Joint base, tip;
+};
+// clang-format off
 inline constexpr std::array<PhalanxJoints, kPhalanxCount> kPhalanxJoints = {{
     {kThumbMetacarpal, kThumbProximal},   {kThumbProximal, kThumbDistal},             {kThumbDistal, kThumbTip},
     {kIndexProximal, kIndexIntermediate}, {kIndexIntermediate, kIndexDistal},         {kIndexDistal, kIndexTip},
@@ -42,6 +48,7 @@ inline constexpr std::array<PhalanxJoints, kPhalanxCount> kPhalanxJoints = {{
     {kRingProximal, kRingIntermediate},   {kRingIntermediate, kRingDistal},           {kRingDistal, kRingTip},
     {kLittleProximal, kLittleIntermediate}, {kLittleIntermediate, kLittleDistal},     {kLittleDistal, kLittleTip},
 }};
+// clang-format on
 
 /// "thumb metacarpal", "index tip", ...; the engine's only spelling.
 std::string_view joint_name(int joint);
@@ -50,53 +57,59 @@ std::string_view segment_name(int segment);
 /// "thumb", "index", "middle", "ring", "little".
 std::string_view finger_name(int finger);
 
-/// Joint angles of the kinematic hand: per finger 4f+0 abduction and 4f+1..4f+3 flexion of its three joints from base
-/// to tip, all [rad]. Flexion by a turns the bones beyond the joint about the joint's x axis by -a, towards the palm.
-/// Abduction turns them about the y axis of the finger's first moving joint before that joint flexes; positive is away
-/// from the middle finger, for the middle finger towards the ring finger, for the thumb away from the index (towards the
-/// palmar side). Its sense about y is therefore opposite on the two hands.
+/// Joint angles of the kinematic hand: per finger 4f+0 abduction and 4f+1..4f+3 flexion of its three joints
+/// from base to tip, all [rad]. Flexion by a turns the bones beyond the joint about the joint's x axis by -a,
+/// towards the palm. Abduction turns them about the y axis of the finger's first moving joint before that
+/// joint flexes; positive is away from the middle finger, for the middle finger towards the ring finger, for
+/// the thumb away from the index (towards the palmar side). Its sense about y is therefore opposite on the
+/// two hands.
 inline constexpr int kAngleCount = 20;
 
-struct AngleLimit { double lower = 0, upper = 0; };  ///< [rad]
+struct AngleLimit {
+  double lower = 0, upper = 0;
+};  ///< [rad]
 
 struct Finger {
-  Pose base;                                ///< X_HM: the metacarpal joint in the wrist frame, angles zero
-  std::array<double, 4> bone_length{};      ///< [m] metacarpal (0 for the thumb), then the three phalanges
-  std::array<AngleLimit, 4> limit{};        ///< of the finger's four angles
+  Pose base;                            ///< X_HM: the metacarpal joint in the wrist frame, angles zero
+  std::array<double, 4> bone_length{};  ///< [m] metacarpal (0 for the thumb), then the three phalanges
+  std::array<AngleLimit, 4> limit{};    ///< of the finger's four angles
 };
 
-/// The palm: a convex polygon in the xz-plane of the palm joint's frame, `height` below the joint (towards the
-/// palmar side, -y), backed by flesh of the given thickness.
+/// The palm: a convex polygon in the xz-plane of the palm joint's frame, `height` below the joint (towards
+/// the palmar side, -y), backed by flesh of the given thickness.
 struct Palm {
-  std::vector<Vec3> polygon;  ///< [m] 3 to 16 corners (y = 0), convex, either sense of rotation; empty: no palm
-  double height = 0.012;      ///< [m]
-  double thickness = 0.024;   ///< [m]
+  std::vector<Vec3>
+      polygon;            ///< [m] 3 to 16 corners (y = 0), convex, either sense of rotation; empty: no palm
+  double height = 0.012;  ///< [m]
+  double thickness = 0.024;  ///< [m]
 };
 
 enum class Side : std::uint8_t { left, right };
 
 struct Hand {
   Side side = Side::right;
-  std::array<double, kJointCount> radius{};  ///< [m] from the joint to the skin, > 0
-  std::array<Finger, kFingerCount> finger{}; ///< needed for joint-angle input only
+  std::array<double, kJointCount> radius{};   ///< [m] from the joint to the skin, > 0
+  std::array<Finger, kFingerCount> finger{};  ///< needed for joint-angle input only
   Palm palm;
-  Pose palm_joint;                           ///< X_HP: the palm joint in the wrist frame (joint-angle input)
+  Pose palm_joint;  ///< X_HP: the palm joint in the wrist frame (joint-angle input)
 };
 
-/// An adult hand whose wrist and middle fingertip are `length` [m] apart when all angles are zero. Radii are Quest's
-/// defaults at 0.19 m and scale with the length. The left hand is the exact mirror image of the right one.
+/// An adult hand whose wrist and middle fingertip are `length` [m] apart when all angles are zero. Radii are
+/// Quest's defaults at 0.19 m and scale with the length. The left hand is the exact mirror image of the right
+/// one.
 Hand default_hand(Side side, double length = 0.19);
 
 /// The same hand for the other side: reflected in the yz-plane of the wrist.
 Hand mirrored_hand(const Hand& hand);
 
-/// Refuses what the engine cannot feel with: radii not finite or not > 0, bone lengths not finite or negative,
-/// limits the wrong way round, poses that are not finite and of unit quaternion, a palm polygon that is not flat, convex
-/// and of 3 to 16 corners. Names the field.
+/// Refuses what the engine cannot feel with: radii not finite or not > 0, bone lengths not finite or
+/// negative, limits the wrong way round, poses that are not finite and of unit quaternion, a palm polygon
+/// that is not flat, convex and of 3 to 16 corners. Names the field.
 Status check_hand(const Hand& hand);
 
-/// Poses of all 26 joints in the wrist's parent frame B. Angles outside the limits are clamped; returns how many were.
-/// Deterministic (own sine and cosine); allocates nothing. `angles` holds kAngleCount finite values [rad].
+/// Poses of all 26 joints in the wrist's parent frame B. Angles outside the limits are clamped; returns how
+/// many were. Deterministic (own sine and cosine); allocates nothing. `angles` holds kAngleCount finite
+/// values [rad].
 int forward_kinematics(const Hand& hand, const Pose& X_BH, std::span<const double, kAngleCount> angles,
                        std::array<Pose, kJointCount>& X_BJ);
 
