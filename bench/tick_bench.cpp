@@ -51,7 +51,7 @@ void run(benchmark::State& state, const Session& session) {
   }
   std::sort(times.begin(), times.end());
   const auto percentile = [&](double share) {
-    return times[static_cast<std::size_t>(share * (times.size() - 1))];
+    return times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
   };
   state.counters["p50_us"] = percentile(0.5);
   state.counters["p99_us"] = percentile(0.99);

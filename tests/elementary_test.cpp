@@ -47,7 +47,8 @@ TEST(Elementary, ArcTangentOfTwoIsRightInAllQuadrants) {
   double result = 0;
   for (int i = 0; i < 200000; ++i) {
     const double x = random.between(-1, 1) * std::pow(10.0, random.between(-5, 5)), y = random.between(-1, 1);
-    result = std::fmax(result, ulps(arc_tan2(y, x), std::atan2(static_cast<long double>(y), static_cast<long double>(x))));
+    result = std::fmax(
+        result, ulps(arc_tan2(y, x), std::atan2(static_cast<long double>(y), static_cast<long double>(x))));
   }
   EXPECT_LE(result, 4);
   EXPECT_EQ(arc_tan2(0, 0), 0);
@@ -66,7 +67,8 @@ TEST(Elementary, InverseHyperbolicSineIsWithinSixUlp) {
 }
 
 TEST(Elementary, NothingTurnsIntoNaN) {
-  const double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity(),
+               nan = std::numeric_limits<double>::quiet_NaN();
   for (const double x : {infinity, -infinity, nan}) {
     EXPECT_TRUE(std::isfinite(sin_cos(x).sin));
     EXPECT_TRUE(std::isfinite(arc_tan(x)));

@@ -2,7 +2,6 @@
 // zero.
 #pragma once
 
-#include "contact_force.h"
 #include "lumbrical/tick.h"
 
 namespace lumbrical {
