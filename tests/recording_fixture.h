@@ -7,6 +7,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <cstdio>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -30,7 +31,16 @@ inline std::string temporary_path(const std::string& name) {
   std::string test = info != nullptr ? info->name() : "";
   for (char& c : test)
     if (c == '/') c = '_';
-  return ::testing::TempDir() + "lumbrical_" + std::to_string(::getpid()) + "_" + test + "_" + name;
+  const std::string path =
+      ::testing::TempDir() + "lumbrical_" + std::to_string(::getpid()) + "_" + test + "_" + name;
+  static struct Cleaner {  // takes the files away again when the program ends
+    std::vector<std::string> paths;
+    ~Cleaner() {
+      for (const std::string& old : paths) std::remove(old.c_str());
+    }
+  } cleaner;
+  cleaner.paths.push_back(path);
+  return path;
 }
 
 inline std::vector<std::uint8_t> read_bytes(const std::string& path) {

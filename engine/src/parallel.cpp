@@ -1,7 +1,10 @@
 #include "parallel.h"
 
+#include <algorithm>
+
 #ifdef LUMBRICAL_TBB
 #include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
@@ -14,6 +17,9 @@ void run_chunks(std::size_t count, std::size_t chunk, std::size_t threads,
                 void (*work)(const void* context, std::size_t first, std::size_t last), const void* context) {
   if (count == 0) return;
 #ifdef LUMBRICAL_TBB
+  // Asking for more than the machine has would make the library print a warning.
+  threads =
+      std::min(threads, tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
   if (threads > 1 && count > chunk) {
     tbb::task_arena arena(static_cast<int>(threads));
     arena.execute([&] {
