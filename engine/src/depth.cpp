@@ -39,29 +39,34 @@ double round_depth(const Section& section, Point2 p) {
   return value_at(f, section.length > 0 ? best_parameter(f) : 0);
 }
 
-// Below this sine of the axis' angle only a strip of that share of the depth along the rim leaves a flat
-// cylinder through its side; dividing by the sine there would bring up nothing but rounding.
-constexpr double kUpright = 1e-6;
-
 // Side or lower base, whichever comes first.
 double flat_depth(const Section& section, Point2 p) {
   const double s = section.s, c = section.c;
   const double side = std::sqrt(max(0, (section.radius1 - p.y) * (section.radius1 + p.y)));
-  const double through_side = s > kUpright ? s * side - c * (p.x - c * side) / s - section.h1 : 1e300;
+  const double through_side = s > 0 ? s * side - c * (p.x - c * side) / s - section.h1 : 1e300;
   const double through_base = c > 0 ? (s * p.x - c * section.h1) / c : 1e300;
   return max(0, min(through_side, through_base));
 }
 
+// On the rim, where x = c sqrt(R^2 - y^2), side and base are the same way out. There depth must not be had
+// from either: if the axis lies nearly in the plane or stands nearly upright, one of the two is a cliff, and
+// the last digit of x decides which side of it one is on.
+double rim_depth(const Section& section, double y) {
+  return section.s * std::sqrt(max(0, (section.radius1 - y) * (section.radius1 + y))) - section.h1;
+}
+
 // The deepest point of the whole section; it lies on y = 0 by symmetry.
-Point2 deepest_of_section(const Section& section) {
+Deepest deepest_of_section(const Section& section) {
+  const bool flat = section.shape == Shape::flat;
   double x = section.c * section.radius1;  // flat: under the lowest point of the rim
-  if (section.shape == Shape::round) {
-    x = section.radius1 - section.h1 >= section.radius2 - section.h2 ? 0 : section.x2;
+  if (!flat) x = section.radius1 - section.h1 >= section.radius2 - section.h2 ? 0 : section.x2;
+  if (inside_section(section, {x, 0})) {
+    return {max(0, flat ? rim_depth(section, 0) : depth_at(section, {x, 0})), {x, 0}};
   }
-  if (inside_section(section, {x, 0})) return {x, 0};
   const double reach = 2 * (section.length + section.radius1 + std::fabs(section.h1));
   const Interval range = inside_interval(section, {0, 0}, {1, 0}, -reach, reach);
-  return {clamp(x, range.first, range.second), 0};
+  const Point2 nearest{clamp(x, range.first, range.second), 0};
+  return {max(0, depth_at(section, nearest)), nearest};
 }
 
 bool polygon_holds(const Polygon2& polygon, Point2 p) {
@@ -99,14 +104,26 @@ void consider_flat_line(const Section& section, Point2 base, Point2 unit, Interv
     const double y = -radius * c * unit.x * (unit.y < 0 ? -1 : 1) / denominator;
     consider(section, base + clamp((y - base.y) / unit.y, inside.first, inside.second) * unit, best);
   }
-  const double qa = unit.x * unit.x + c * c * unit.y * unit.y;
-  const double qb = base.x * unit.x + c * c * base.y * unit.y;
-  const double qc = base.x * base.x + c * c * (base.y * base.y - radius * radius);
-  const double discriminant = qb * qb - qa * qc;
-  if (!(discriminant > 0) || !(qa > 0)) return;
-  for (const double sign : {-1.0, 1.0}) {
-    const double t = (-qb + sign * std::sqrt(discriminant)) / qa;
-    consider(section, base + clamp(t, inside.first, inside.second) * unit, best);
+  // Where the line meets the rim, x^2 = c^2 (R^2 - y^2), counted from where it meets x = 0 or y = 0,
+  // whichever it runs across: then nothing cancels, however small c is.
+  const double scaled = c * unit.y, qa = unit.x * unit.x + scaled * scaled;
+  if (!(qa > 0)) return;
+  const bool across = std::fabs(unit.x) > std::fabs(scaled);
+  const double start = across ? -base.x / unit.x : -base.y / unit.y;
+  const double x = across ? 0 : base.x + start * unit.x, y0 = across ? base.y + start * unit.y : 0;
+  const double square =
+      across ? scaled * scaled * radius * radius + unit.x * unit.x * (radius - y0) * (radius + y0)
+             : unit.x * unit.x * radius * radius + unit.y * unit.y * (c * radius - x) * (c * radius + x);
+  if (!(square >= 0)) return;
+  const double middle = -(x * unit.x + c * c * y0 * unit.y) / qa, half = c * std::sqrt(square) / qa;
+  for (const double offset : {middle - half, middle + half}) {
+    const double t = start + offset;
+    const Point2 p{x + offset * unit.x, y0 + offset * unit.y};
+    // Seen from above the rim is half an ellipse, x >= 0. What rounding puts beside it or beside the edge
+    // still counts: the rim may run along the section's border.
+    const double slack = 1e-13 * radius;
+    if (t < inside.first - slack || t > inside.second + slack || p.x < -slack) continue;
+    if (rim_depth(section, p.y) > best.depth) best = {rim_depth(section, p.y), p};
   }
 }
 
@@ -133,8 +150,8 @@ double depth_at(const Section& section, Point2 p) {
 }
 
 Deepest largest_depth(const Section& section) {
-  const Point2 deepest = deepest_of_section(section);
-  if (polygon_holds(section.polygon, deepest)) return {max(0, depth_at(section, deepest)), deepest};
+  const Deepest deepest = deepest_of_section(section);
+  if (polygon_holds(section.polygon, deepest.point)) return deepest;
   Deepest best{0, section.polygon.corner[0]};
   for (int i = 0; i < section.polygon.count; ++i) {
     const int next = i + 1 == section.polygon.count ? 0 : i + 1;

@@ -17,10 +17,10 @@ void run_chunks(std::size_t count, std::size_t chunk, std::size_t threads,
                 void (*work)(const void* context, std::size_t first, std::size_t last), const void* context) {
   if (count == 0) return;
 #ifdef LUMBRICAL_TBB
-  // Asking for more than the machine has would make the library print a warning.
-  threads =
-      std::min(threads, tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
   if (threads > 1 && count > chunk) {
+    // Asking for more than the machine has would make the library print a warning.
+    threads =
+        std::min(threads, tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
     tbb::task_arena arena(static_cast<int>(threads));
     arena.execute([&] {
       tbb::parallel_for(
