@@ -1,6 +1,8 @@
 // The tick: one stage after the other, each a function of the data before it.
 #include "lumbrical/tick.h"
 
+#include <algorithm>
+
 #include "broadphase.h"
 #include "contact_force.h"
 #include "floating_point.h"
@@ -95,8 +97,10 @@ std::string_view stage_name(Stage stage) {
 Scratch make_scratch(const Model& model) {
   Scratch scratch;
   scratch.primitives = std::make_shared<Primitives>();
-  scratch.candidates.resize(model.settings.max_candidates);
-  scratch.contacts.resize(model.settings.max_candidates);
+  const std::size_t all_pairs = Primitives::kMaxCount * model.triangles.size();
+  const std::size_t capacity = std::min<std::size_t>(model.settings.max_candidates, all_pairs);
+  scratch.candidates.resize(capacity);
+  scratch.contacts.resize(capacity);
   for (auto& frontier : scratch.frontier) frontier.resize(frontier_capacity(model.tree));
   return scratch;
 }

@@ -40,7 +40,7 @@ struct Settings {
   double point_area = 1e-4;              ///< [m^2] stands in for the area in Law::point
   double max_force = 20;    ///< [N] largest force of one segment; above it the wrench is scaled down
   double fade_time = 0.02;  ///< [s] in which forces that can't be trusted fade to zero, and return
-  std::uint32_t max_candidates = 1u << 16;  ///< pairs (primitive, triangle) a tick can hold
+  std::uint32_t max_candidates = 1u << 18;  ///< pairs (primitive, triangle) a tick can hold, 1 .. 2^24
 };
 
 /// How the work is done. Any choice gives the same bits; a replay may choose anew.
