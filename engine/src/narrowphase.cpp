@@ -57,14 +57,10 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
   contact.centre = contact.centroid;
   contact.normal = section.n;
   switch (query.law) {
-    case Law::field: {
-      const PressureMoments moments = field_moments(section, area, boundary);
-      contact.volume = max(0, moments.volume);
-      contact.centre = centre_of(section, moments, contact.centroid);
-      break;
-    }
+    case Law::field:
     case Law::column: {
-      const PressureMoments moments = column_moments(section, boundary);
+      const PressureMoments moments = query.law == Law::field ? field_moments(section, area, boundary)
+                                                              : column_moments(section, boundary);
       contact.volume = max(0, moments.volume);
       contact.centre = centre_of(section, moments, contact.centroid);
       break;

@@ -121,19 +121,12 @@ void set_polygon(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& se
     section.polygon.corner[static_cast<std::size_t>(i)] = {dot(corner[i], section.u),
                                                            dot(corner[i], section.v)};
   }
-  section.polygon_is_triangle = true;
   for (int i = 0; i < primitive.cut_count; ++i) {
     const HalfSpace& cut = primitive.cut[static_cast<std::size_t>(i)];
     const Point2 direction{dot(cut.normal, section.u), dot(cut.normal, section.v)};
     const double offset =
         dot(cut.normal, cut.point - section.origin) + section.h1 * dot(cut.normal, section.n);
     cut_polygon(direction, offset, section.polygon);
-  }
-  for (int i = 0; i < section.polygon.count && primitive.cut_count > 0; ++i) {
-    const Point2 p = section.polygon.corner[static_cast<std::size_t>(i)];
-    if (section.polygon.count != 3 || p.x != dot(corner[i], section.u) || p.y != dot(corner[i], section.v)) {
-      section.polygon_is_triangle = false;
-    }
   }
 }
 

@@ -53,7 +53,6 @@ struct Section {
   int zone_count = 0;
   std::array<Zone, 3> zone{};
   Polygon2 polygon;  ///< the triangle, cut by the primitive's half-spaces
-  bool polygon_is_triangle = true;
 };
 
 /// Outward unit normal of a triangle; false where it has no area to speak of or isn't finite.

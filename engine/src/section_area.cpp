@@ -95,27 +95,13 @@ void add_bulge(const Piece& piece, double gamma, Point2 base, Moments& sum) {
   sum.y += k * delta / 12 - base.y * area;
 }
 
-// Small polygons are measured from their own corner: what they share with the section's scale would drown
-// them.
-Point2 base_point(const Section& section) {
-  const Point2 p = section.polygon.corner[0];
+double extent_of(const Polygon2& polygon) {
   double extent = 0;
-  for (int i = 1; i < section.polygon.count; ++i) {
-    const Point2 d = section.polygon.corner[static_cast<std::size_t>(i)] - p;
+  for (int i = 1; i < polygon.count; ++i) {
+    const Point2 d = polygon.corner[static_cast<std::size_t>(i)] - polygon.corner[0];
     extent = max(extent, max(std::fabs(d.x), std::fabs(d.y)));
   }
-  return extent < 0.5 * section.radius1 ? p : Point2{};
-}
-
-// Smaller than this an area is what rounding leaves of nothing.
-double least_area(const Section& section) {
-  const Point2 p = section.polygon.corner[0];
-  double extent = 0;
-  for (int i = 1; i < section.polygon.count; ++i) {
-    const Point2 d = section.polygon.corner[static_cast<std::size_t>(i)] - p;
-    extent = max(extent, max(std::fabs(d.x), std::fabs(d.y)));
-  }
-  return 1e-15 * min(extent, section.radius1) * (extent < 0.5 * section.radius1 ? extent : section.radius1);
+  return extent;
 }
 
 }  // namespace
@@ -136,7 +122,11 @@ AreaMoments polygon_area(const Polygon2& polygon) {
 }
 
 AreaMoments section_area(const Section& section, const Boundary& boundary) {
-  const Point2 base = base_point(section);
+  // Small polygons are measured from their own corner: what they share with the section's scale would drown
+  // them.
+  const double extent = extent_of(section.polygon);
+  const bool small = extent < 0.5 * section.radius1;
+  const Point2 base = small ? section.polygon.corner[0] : Point2{0, 0};
   Moments sum;
   for (int i = 0; i < boundary.count; ++i) {
     const Piece& piece = boundary.piece[static_cast<std::size_t>(i)];
@@ -147,7 +137,9 @@ AreaMoments section_area(const Section& section, const Boundary& boundary) {
     if (piece.kind == Piece::arc) add_bulge(piece, section.zone[piece.zone].gamma, base, sum);
   }
   const double area = -sum.area;
-  if (!(area > least_area(section))) return {};
+  // Smaller than this an area is what rounding leaves of nothing.
+  const double least = 1e-15 * min(extent, section.radius1) * (small ? extent : section.radius1);
+  if (!(area > least)) return {};
   return {area, {base.x - sum.x / area, base.y - sum.y / area}};
 }
 
