@@ -2,8 +2,10 @@
 #include "run_session.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <ctime>
 #include <limits>
 #include <thread>
 
@@ -15,16 +17,32 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 volatile std::sig_atomic_t stop_requested = 0;
-extern "C" void request_stop(int) { stop_requested = 1; }
+volatile std::time_t asked_at = 0;  // s, monotonic
 
-// While it lives, SIGINT and SIGTERM only ask for a stop. A second one kills as usual.
+// One Ctrl-C often arrives twice (once for the process, once for its group): only a signal that comes a
+// second or more after the first is somebody losing patience, and kills as usual.
+extern "C" void request_stop(int signal) {
+  const int error = errno;
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  if (stop_requested == 0) {
+    asked_at = now.tv_sec;
+    stop_requested = 1;
+  } else if (now.tv_sec - asked_at > 1) {
+    std::signal(signal, SIG_DFL);
+    raise(signal);
+  }
+  errno = error;
+}
+
+// While it lives, SIGINT and SIGTERM only ask for a stop.
 class StopSignals {
  public:
   StopSignals() {
     stop_requested = 0;
     struct sigaction action {};
     action.sa_handler = request_stop;
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    action.sa_flags = SA_RESTART;
     sigaction(SIGINT, &action, &previous_interrupt_);
     sigaction(SIGTERM, &action, &previous_terminate_);
   }
