@@ -73,7 +73,7 @@ TEST(CommandLine, MistakesInItExitWith2AndNameTheSwitch) {
       {"run '" + kDemo + "' --rate 0", "--rate"},
       {"run '" + kDemo + "' --threads 65", "--threads"},
       {"run '" + kDemo + "' --broadphase voxel", "not built yet"},
-      {"run '" + kDemo + "' --isa avx2", "--isa"},
+      {"run '" + kDemo + "' --isa avx3", "--isa"},
       {"run '" + kDemo + "' --sink tcp://there", "not part of this version"},
       {"run '" + kDemo + "' --sideways", "--sideways"},
   };

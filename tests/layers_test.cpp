@@ -28,13 +28,13 @@ const Rule kRules[] = {
 
     {Layer::model, "engine/include/lumbrical", "mesh shapes hand model contact"},
     {Layer::model, "engine/src", "mesh_* ply_header vertex_merge shapes shape_mug hand hand_from_positions"},
-    {Layer::model, "engine/src", "forward_kinematics primitive model sphere_tree triangle_bound"},
+    {Layer::model, "engine/src", "forward_kinematics primitive model isa sphere_tree triangle_bound"},
 
     {Layer::motion, "engine/include/lumbrical", "device motion"},
     {Layer::motion, "engine/src", "resampler grasp_motion"},
 
     {Layer::kernels, "engine/src",
-     "section* depth finger_depth gauss boundary_integral field pressure* prism"},
+     "section* depth finger_depth gauss boundary_integral field pressure* prism field_* disc_integrals wide"},
 
     {Layer::stages, "engine/src", "hand_pose broadphase narrowphase contact_force force_limits"},
 
@@ -87,6 +87,7 @@ struct Outside {
 
 const Outside kOutside[] = {
     {"(oneapi/)?tbb/.*", "engine/src/parallel[.]cpp"},
+    {"xsimd/.*", "engine/src/wide[.]h"},
     {"(xmmintrin|immintrin|cfenv)([.]h)?", "engine/src/floating_point[.].*"},
     {"flatbuffers/.*",
      "engine/src/"

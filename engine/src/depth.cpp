@@ -149,9 +149,16 @@ double depth_at(const Section& section, Point2 p) {
   return section.shape == Shape::flat ? flat_depth(section, p) : round_depth(section, p);
 }
 
+bool deepest_in_polygon(const Section& section, Deepest& deepest) {
+  const Deepest all = deepest_of_section(section);
+  if (!polygon_holds(section.polygon, all.point)) return false;
+  deepest = all;
+  return true;
+}
+
 Deepest largest_depth(const Section& section) {
-  const Deepest deepest = deepest_of_section(section);
-  if (polygon_holds(section.polygon, deepest.point)) return deepest;
+  Deepest deepest;
+  if (deepest_in_polygon(section, deepest)) return deepest;
   Deepest best{0, section.polygon.corner[0]};
   for (int i = 0; i < section.polygon.count; ++i) {
     const int next = i + 1 == section.polygon.count ? 0 : i + 1;

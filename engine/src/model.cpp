@@ -21,6 +21,14 @@ constexpr std::array<std::pair<std::string_view, Broadphase>, 2> kBroadphaseName
     {"tree", Broadphase::tree},
     {"brute", Broadphase::brute},
 }};
+constexpr std::array<std::pair<std::string_view, Isa>, 6> kIsaNames = {{
+    {"auto", Isa::automatic},
+    {"scalar", Isa::scalar},
+    {"sse2", Isa::sse2},
+    {"avx2", Isa::avx2},
+    {"avx512", Isa::avx512},
+    {"neon", Isa::neon},
+}};
 
 template <class Names, class T = typename Names::value_type::second_type>
 std::optional<T> value_named(const Names& names, std::string_view text) {
@@ -68,6 +76,10 @@ Status check_execution(const Execution& execution) {
   if (execution.tree_levels > 32) return out_of_range("execution.tree_levels", "0 to 32");
   if (name_valued(kBroadphaseNames, execution.broadphase) == "unknown") {
     return out_of_range("execution.broadphase", "tree or brute");
+  }
+  if (!available(execution.isa)) {
+    return Status::error("execution.isa " + std::string(isa_name(execution.isa)) +
+                         " is not available on this machine or in this build; use auto");
   }
   return {};
 }
@@ -119,6 +131,8 @@ std::optional<Law> parse_law(std::string_view text) { return value_named(kLawNam
 std::optional<Broadphase> parse_broadphase(std::string_view text) {
   return value_named(kBroadphaseNames, text);
 }
+std::optional<Isa> parse_isa(std::string_view text) { return value_named(kIsaNames, text); }
+std::string_view isa_name(Isa isa) { return name_valued(kIsaNames, isa); }
 std::string_view law_name(Law law) { return name_valued(kLawNames, law); }
 std::string_view broadphase_name(Broadphase broadphase) { return name_valued(kBroadphaseNames, broadphase); }
 
@@ -139,6 +153,7 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   built.hand = scene.hand;
   built.settings = scene.settings;
   built.execution = execution;
+  if (execution.isa == Isa::automatic) built.execution.isa = widest_isa();
   for (auto* numbers : {&built.triangles.x, &built.triangles.y, &built.triangles.z})
     numbers->reserve(vertices);
   for (auto* corners : {&built.triangles.a, &built.triangles.b, &built.triangles.c})

@@ -1,6 +1,7 @@
 #include "narrowphase.h"
 
 #include "depth.h"
+#include "field_batch.h"
 #include "finger_depth.h"
 #include "parallel.h"
 #include "pressure.h"
@@ -11,7 +12,7 @@ namespace {
 
 // Pairs one thread takes at a time, and the number below which threads cost more than they bring (measured,
 // bench).
-constexpr std::size_t kChunk = 32;
+constexpr std::size_t kChunk = 128;
 constexpr std::size_t kSerialBelow = 256;
 
 Vec3 centre_of(const Section& section, const PressureMoments& moments, Vec3 otherwise) {
@@ -19,27 +20,15 @@ Vec3 centre_of(const Section& section, const PressureMoments& moments, Vec3 othe
   return to_world(section, (1 / moments.volume) * moments.first);
 }
 
-bool collide_pair(const Model& model, const Primitives& hand, std::uint64_t pair, Boundary& boundary,
-                  Contact& contact) {
-  const auto index = static_cast<std::uint32_t>(pair >> 32), triangle = static_cast<std::uint32_t>(pair);
-  const Primitive& primitive = hand.primitive[index];
-  const Triangles& world = model.triangles;
-  const Vec3 a = world.vertex(world.a[triangle]), b = world.vertex(world.b[triangle]),
-             c = world.vertex(world.c[triangle]);
-  contact.primitive = index;
-  contact.triangle = triangle;
-  if (primitive.shape == Shape::prism) {
-    return collide_prism(hand.palm, primitive.law, model.settings.point_area, a, b, c, contact);
-  }
-  return collide(primitive, {primitive.law, model.settings.point_area, &hand}, a, b, c, boundary, contact);
+// Spheres and capsules under the field law: phi is made of discs. Two radii make it a cone.
+bool made_of_discs(const Primitive& primitive) {
+  return primitive.law == Law::field && primitive.shape == Shape::round &&
+         primitive.radius1 == primitive.radius2;
 }
 
-}  // namespace
-
-bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3 b, Vec3 c,
-             Boundary& boundary, Contact& contact) {
-  Section section;
-  if (!look_from_plane(primitive, a, b, c, section)) return false;
+// One pair by the laws in general. False where there is no common area.
+bool collide_section(const Primitive& primitive, const ContactQuery& query, const Section& section,
+                     Boundary& boundary, Contact& contact) {
   const Overlap overlap = classify(section);
   if (overlap == Overlap::apart) return false;
   const bool exact = query.law == Law::field || query.law == Law::column;
@@ -82,15 +71,54 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
   return true;
 }
 
+// Computes a pair at once or leaves it in the batch; an area of zero marks that there is no contact.
+void collide_pair(const Model& model, const Primitives& hand, std::uint64_t pair, FieldBatch& batch,
+                  Boundary& boundary, Contact& contact) {
+  const auto index = static_cast<std::uint32_t>(pair >> 32), triangle = static_cast<std::uint32_t>(pair);
+  const Primitive& primitive = hand.primitive[index];
+  const Triangles& world = model.triangles;
+  const Vec3 a = world.vertex(world.a[triangle]), b = world.vertex(world.b[triangle]),
+             c = world.vertex(world.c[triangle]);
+  contact.primitive = index;
+  contact.triangle = triangle;
+  contact.area = 0;
+  if (primitive.shape == Shape::prism) {
+    if (!collide_prism(hand.palm, primitive.law, model.settings.point_area, a, b, c, contact))
+      contact.area = 0;
+    return;
+  }
+  Section section;
+  if (!look_from_plane(primitive, a, b, c, section)) return;
+  if (made_of_discs(primitive) && add_to_batch(section, contact, batch)) return;
+  const ContactQuery query{primitive.law, model.settings.point_area, &hand};
+  if (!collide_section(primitive, query, section, boundary, contact)) contact.area = 0;
+}
+
+}  // namespace
+
+bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3 b, Vec3 c,
+             Boundary& boundary, Contact& contact) {
+  Section section;
+  if (!look_from_plane(primitive, a, b, c, section)) return false;
+  FieldBatch batch(field_kernels(Isa::scalar));
+  if (made_of_discs(primitive) && query.law == Law::field && add_to_batch(section, contact, batch)) {
+    finish_batch(batch);
+    return contact.area > 0;
+  }
+  return collide_section(primitive, query, section, boundary, contact);
+}
+
 std::uint32_t find_contacts(const Model& model, const Primitives& hand,
                             std::span<const std::uint64_t> candidates, std::span<Contact> contacts) {
-  // Every pair has a slot of its own, so the order of the work doesn't matter; an area of zero marks an empty
-  // slot.
+  // Every pair has a slot of its own, so the order of the work doesn't matter.
+  const FieldKernels& kernels = field_kernels(model.execution.isa);
   const auto work = [&](std::size_t first, std::size_t last) {
     Boundary boundary;
+    FieldBatch batch(kernels);
     for (std::size_t i = first; i < last; ++i) {
-      if (!collide_pair(model, hand, candidates[i], boundary, contacts[i])) contacts[i].area = 0;
+      collide_pair(model, hand, candidates[i], batch, boundary, contacts[i]);
     }
+    finish_batch(batch);
   };
   const std::uint32_t threads = candidates.size() < kSerialBelow ? 1 : model.execution.threads;
   parallel_chunks(candidates.size(), kChunk, threads, work);

@@ -17,6 +17,7 @@ struct ReplaySwitches {
   std::string recording, law, broadphase;
   std::optional<double> stiffness;
   std::uint32_t threads = 1;
+  std::string isa = "auto";
   bool json = false;
 };
 
@@ -26,6 +27,7 @@ ReplayOptions replay_options(const ReplaySwitches& switches) {
   if (!switches.broadphase.empty()) options.execution.broadphase = *parse_broadphase(switches.broadphase);
   options.stiffness = switches.stiffness;
   options.execution.threads = switches.threads;
+  options.execution.isa = *parse_isa(switches.isa);
   return options;
 }
 
@@ -44,7 +46,7 @@ int replay_recording(const ReplaySwitches& switches) {
 
   Json json = divergence_json(result);
   json["complete"] = reader.info().complete;
-  json["isa"] = isa_name();
+  json["isa"] = isa_name(options.execution.isa == Isa::automatic ? widest_isa() : options.execution.isa);
   json["threads"] = options.execution.threads;
   json["broadphase"] = broadphase_name(options.execution.broadphase);
   json["recording"] = switches.recording;
@@ -72,7 +74,7 @@ void add_replay(CLI::App& app, int& exit_code) {
       ->add_option("--broadphase", switches->broadphase,
                    "Search for candidate triangles; never changes a result")
       ->check(is_broadphase());
-  command->add_option("--isa", "Instruction set; never changes a result")->check(is_isa());
+  command->add_option("--isa", switches->isa, "Instruction set; never changes a result")->check(is_isa());
   command->add_option("--threads", switches->threads, "1 .. 64; never changes a result")
       ->check(number_in(1, 64));
   command->add_flag("--json", switches->json, "Print one JSON object");

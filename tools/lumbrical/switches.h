@@ -4,7 +4,10 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <optional>
 #include <string>
+
+#include "lumbrical/model.h"
 
 namespace lumbrical::tool {
 
@@ -38,29 +41,15 @@ inline CLI::Validator is_broadphase() {
           "tree|brute"};
 }
 
-/// Instruction sets: so far every build uses the baseline of its processor.
+/// Instruction sets that this build on this machine has.
 inline CLI::Validator is_isa() {
   return {[](std::string& text) -> std::string {
-#if defined(__x86_64__)
-            if (text == "auto" || text == "sse2") return {};
-            return text + " is not built yet; use auto or sse2";
-#else
-            if (text == "auto") return {};
-            return text + " is not built for this processor; use auto";
-#endif
+            const std::optional<Isa> isa = parse_isa(text);
+            if (!isa) return "\"" + text + "\" is not an instruction set; use auto";
+            if (!available(*isa)) return text + " is not available on this machine; use auto";
+            return {};
           },
-          "auto|sse2"};
-}
-
-/// What the engine's loops are compiled for.
-inline const char* isa_name() {
-#if defined(__x86_64__)
-  return "sse2";
-#elif defined(__aarch64__)
-  return "neon";
-#else
-  return "scalar";
-#endif
+          "auto|scalar|sse2|avx2|avx512|neon"};
 }
 
 }  // namespace lumbrical::tool

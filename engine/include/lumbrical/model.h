@@ -27,10 +27,19 @@ enum class Law : std::uint8_t {
 /// Where candidate triangles come from. Never changes a result, only the time it takes.
 enum class Broadphase : std::uint8_t { tree, brute };
 
+/// What the kernels are compiled for. Never changes a result, only the time it takes.
+enum class Isa : std::uint8_t { automatic, scalar, sse2, avx2, avx512, neon };
+
+/// Can this build on this machine run the kernels of `isa`?
+bool available(Isa isa);
+Isa widest_isa();  ///< that is available
+
 std::optional<Law> parse_law(std::string_view text);                ///< "field", "column", "max-depth", ...
 std::optional<Broadphase> parse_broadphase(std::string_view text);  ///< "tree", "brute"
+std::optional<Isa> parse_isa(std::string_view text);                ///< "auto", "scalar", "sse2", "avx2", ...
 std::string_view law_name(Law law);
 std::string_view broadphase_name(Broadphase broadphase);
+std::string_view isa_name(Isa isa);
 
 /// What decides the result of a tick, besides hand and world. Travels inside a recording.
 struct Settings {
@@ -50,6 +59,7 @@ struct Execution {
       0;  ///< levels of bounding spheres above the leaves (paper, Table 2); 0: as many as it takes
   std::uint32_t leaf_size = 8;  ///< triangles per leaf sphere, 1 .. 64
   std::uint32_t threads = 1;    ///< 1 .. 64
+  Isa isa = Isa::automatic;     ///< automatic: the widest that is available; a Model holds which one that is
 };
 
 struct SceneObject {

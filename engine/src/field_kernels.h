@@ -1,0 +1,34 @@
+// The field law's kernels, one table per instruction set.
+#pragma once
+
+#include "field_terms.h"
+#include "lumbrical/model.h"
+
+namespace lumbrical {
+
+/// Each computes the results of all terms; arrays are padded to a multiple of 16 with harmless copies. Every
+/// table gives the same bits.
+struct FieldKernels {
+  void (*closed_terms)(DiscTerms<double>&);
+};
+
+namespace scalar {
+extern const FieldKernels kFieldKernels;
+}
+namespace sse2 {
+extern const FieldKernels kFieldKernels;
+}
+namespace avx2 {
+extern const FieldKernels kFieldKernels;
+}
+namespace avx512 {
+extern const FieldKernels kFieldKernels;
+}
+namespace neon {
+extern const FieldKernels kFieldKernels;
+}
+
+/// The table of an instruction set that is available.
+const FieldKernels& field_kernels(Isa isa);
+
+}  // namespace lumbrical

@@ -1,0 +1,11 @@
+// The field law's kernels for avx2. Nothing else may be compiled with this file's flags.
+#define LUMBRICAL_ISA avx2
+#include "disc_integrals.h"
+#include "field_kernels.h"
+
+namespace lumbrical::avx2 {
+
+using Double = xsimd::batch<double, xsimd::avx2>;
+const FieldKernels kFieldKernels{closed_terms<Double>};
+
+}  // namespace lumbrical::avx2

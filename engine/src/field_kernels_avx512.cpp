@@ -1,0 +1,11 @@
+// The field law's kernels for avx512. Nothing else may be compiled with this file's flags.
+#define LUMBRICAL_ISA avx512
+#include "disc_integrals.h"
+#include "field_kernels.h"
+
+namespace lumbrical::avx512 {
+
+using Double = xsimd::batch<double, xsimd::avx512bw>;
+const FieldKernels kFieldKernels{closed_terms<Double>};
+
+}  // namespace lumbrical::avx512

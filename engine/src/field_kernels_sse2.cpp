@@ -1,0 +1,11 @@
+// The field law's kernels for sse2. Nothing else may be compiled with this file's flags.
+#define LUMBRICAL_ISA sse2
+#include "disc_integrals.h"
+#include "field_kernels.h"
+
+namespace lumbrical::sse2 {
+
+using Double = xsimd::batch<double, xsimd::sse2>;
+const FieldKernels kFieldKernels{closed_terms<Double>};
+
+}  // namespace lumbrical::sse2
