@@ -55,11 +55,16 @@ double rim_depth(const Section& section, double y) {
   return section.s * std::sqrt(max(0, (section.radius1 - y) * (section.radius1 + y))) - section.h1;
 }
 
+// Of a round shape: the abscissa of the end that reaches deepest.
+double deeper_end(const Section& section) {
+  return section.radius1 - section.h1 >= section.radius2 - section.h2 ? 0 : section.x2;
+}
+
 // The deepest point of the whole section; it lies on y = 0 by symmetry.
 Deepest deepest_of_section(const Section& section) {
   const bool flat = section.shape == Shape::flat;
   double x = section.c * section.radius1;  // flat: under the lowest point of the rim
-  if (!flat) x = section.radius1 - section.h1 >= section.radius2 - section.h2 ? 0 : section.x2;
+  if (!flat) x = deeper_end(section);
   if (inside_section(section, {x, 0})) {
     return {max(0, flat ? rim_depth(section, 0) : depth_at(section, {x, 0})), {x, 0}};
   }
@@ -150,6 +155,11 @@ double depth_at(const Section& section, Point2 p) {
 }
 
 bool deepest_in_polygon(const Section& section, Deepest& deepest) {
+  if (section.shape == Shape::round) {
+    const double x = deeper_end(section);
+    const bool own = inside_section(section, {x, 0});
+    if (own && !polygon_holds(section.polygon, {x, 0})) return false;
+  }
   const Deepest all = deepest_of_section(section);
   if (!polygon_holds(section.polygon, all.point)) return false;
   deepest = all;

@@ -8,9 +8,11 @@
 // strips, and no arc of the section is ever traced.
 #include "field_batch.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "depth.h"
+#include "pressure_rules.h"
 
 namespace lumbrical {
 namespace {
@@ -30,19 +32,41 @@ struct Corners {
   }
 };
 
+struct Extent {
+  double low, high;  // of x
+};
+
+Extent extent_of(const Polygon2& polygon) {
+  Extent extent{polygon.corner[0].x, polygon.corner[0].x};
+  for (int i = 1; i < polygon.count; ++i) {
+    extent.low = min(extent.low, polygon.corner[static_cast<std::size_t>(i)].x);
+    extent.high = max(extent.high, polygon.corner[static_cast<std::size_t>(i)].x);
+  }
+  return extent;
+}
+
 // y of the line through p and q at abscissa x, from the end nearer to the origin.
 double height_at(double x, Point2 p, Point2 q) {
   const Point2 base = dot(p, p) < dot(q, q) ? p : q;
   return base.y + (x - base.x) * ((q.y - p.y) / (q.x - p.x));
 }
 
+Corners all_of(const Polygon2& polygon) {
+  Corners corners;
+  for (int i = 0; i < polygon.count; ++i) corners.add(polygon.corner[static_cast<std::size_t>(i)]);
+  return corners;
+}
+
 // The part of the polygon with lower <= x <= upper.
-Corners strip_of(const Polygon2& polygon, double lower, double upper) {
+Corners strip_of(const Polygon2& polygon, Extent extent, double lower, double upper) {
+  if (extent.low >= lower && extent.high <= upper) return all_of(polygon);
   Corners strip;
+  if (extent.high < lower || extent.low > upper) return strip;
   for (int i = 0; i < polygon.count; ++i) {
     const Point2 p = polygon.corner[static_cast<std::size_t>(i)];
     const Point2 q = polygon.corner[static_cast<std::size_t>(i + 1 == polygon.count ? 0 : i + 1)];
     if (p.x >= lower && p.x <= upper) strip.add(p);
+    if ((p.x < lower) == (q.x < lower) && (p.x < upper) == (q.x < upper)) continue;
     const bool forward = p.x < q.x;
     const double first = forward ? lower : upper, second = forward ? upper : lower;
     for (const double x : {first, second}) {
@@ -56,34 +80,30 @@ struct Disc {
   double scale, shift, radius, height;
 };
 
+template <class T>
 void add_terms(const Section& section, const Disc& disc, const Corners& corners, std::uint16_t pair,
-               DiscTerms<double>& terms) {
+               DiscTerms<T>& terms) {
+  const auto number = [](double value) { return static_cast<T>(value); };
   for (int i = 0; i < corners.count; ++i) {
     const Point2 p = corners.corner[static_cast<std::size_t>(i)];
     const Point2 q = corners.corner[static_cast<std::size_t>(i + 1 == corners.count ? 0 : i + 1)];
     const std::size_t k = terms.count++;
-    terms.x1[k] = p.x;
-    terms.y1[k] = p.y;
-    terms.x2[k] = q.x;
-    terms.y2[k] = q.y;
-    terms.scale[k] = disc.scale;
-    terms.shift[k] = disc.shift;
-    terms.per_scale[k] = 1 / disc.scale;
-    terms.radius[k] = disc.radius;
-    terms.height[k] = disc.height;
-    terms.h1[k] = section.h1;
-    terms.span[k] = section.x2;
-    terms.rise[k] = section.h2 - section.h1;
-    terms.cosine[k] = section.c;
-    terms.per_span[k] = section.x2 > 0 ? 1 / section.x2 : 0;
+    terms.x1[k] = number(p.x);
+    terms.y1[k] = number(p.y);
+    terms.x2[k] = number(q.x);
+    terms.y2[k] = number(q.y);
+    terms.scale[k] = number(disc.scale);
+    terms.shift[k] = number(disc.shift);
+    terms.per_scale[k] = number(1 / disc.scale);
+    terms.radius[k] = number(disc.radius);
+    terms.height[k] = number(disc.height);
+    terms.h1[k] = number(section.h1);
+    terms.span[k] = number(section.x2);
+    terms.rise[k] = number(section.h2 - section.h1);
+    terms.cosine[k] = number(section.c);
+    terms.per_span[k] = number(section.x2 > 0 ? 1 / section.x2 : 0);
     terms.pair[k] = pair;
   }
-}
-
-Corners all_of(const Polygon2& polygon) {
-  Corners corners;
-  for (int i = 0; i < polygon.count; ++i) corners.add(polygon.corner[static_cast<std::size_t>(i)]);
-  return corners;
 }
 
 // |distance of the axis from the plane| over the whole primitive, at least.
@@ -92,7 +112,8 @@ double least_height(const Section& section) {
   return min(std::fabs(section.h1), std::fabs(section.h2));
 }
 
-void add_discs(const Section& section, std::uint16_t pair, DiscTerms<double>& terms) {
+template <class T>
+void add_discs(const Section& section, std::uint16_t pair, DiscTerms<T>& terms) {
   const double r = section.radius1;
   const auto end = [&](double shift, double h, const Corners& corners) {
     if (corners.count >= 3 && std::fabs(h) < r)
@@ -109,12 +130,26 @@ void add_discs(const Section& section, std::uint16_t pair, DiscTerms<double>& te
   } else if (section.h2 < 0) {
     upper = -kFar;
   }
-  end(0, section.h1, strip_of(section.polygon, -kFar, lower));
-  const Corners side = strip_of(section.polygon, lower, upper);
+  const Extent extent = extent_of(section.polygon);
+  end(0, section.h1, strip_of(section.polygon, extent, -kFar, lower));
+  const Corners side = strip_of(section.polygon, extent, lower, upper);
   if (side.count >= 3) {
     add_terms(section, {section.c, section.s * section.h1, r, 0}, side, pair, terms);
   }
-  end(-section.x2, section.h2, strip_of(section.polygon, upper, kFar));
+  end(-section.x2, section.h2, strip_of(section.polygon, extent, upper, kFar));
+}
+
+// A triangle wholly inside, computed by points.
+void write_contact(const Section& section, const AreaMoments& area, const PressureMoments& moments,
+                   Contact& contact) {
+  contact.area = area.area;
+  contact.depth = largest_depth(section).depth;
+  contact.centroid = to_world(section, area.centroid);
+  contact.volume = max(0, moments.volume);
+  contact.centre =
+      contact.volume > 0 ? to_world(section, (1 / contact.volume) * moments.first) : contact.centroid;
+  contact.normal = section.n;
+  contact.error = moments.error;
 }
 
 void write_contact(const FieldBatch::Pair& pair) {
@@ -132,7 +167,8 @@ void write_contact(const FieldBatch::Pair& pair) {
       contact.volume > 0 ? world(pair.volume_x / pair.volume, pair.volume_y / pair.volume) : contact.centroid;
 }
 
-void pad(DiscTerms<double>& terms) {
+template <class T>
+void pad(DiscTerms<T>& terms) {
   const std::size_t last = terms.count - 1;
   for (std::size_t k = terms.count; k % 16 != 0; ++k) {
     for (auto* array :
@@ -143,11 +179,11 @@ void pad(DiscTerms<double>& terms) {
   }
 }
 
-void compute_terms(FieldBatch& batch) {
-  DiscTerms<double>& terms = batch.closed;
+template <class T>
+void compute_terms(void (*kernel)(DiscTerms<T>&), DiscTerms<T>& terms, FieldBatch& batch) {
   if (terms.count == 0) return;
   pad(terms);
-  batch.kernels.closed_terms(terms);
+  kernel(terms);
   for (std::size_t k = 0; k < terms.count; ++k) {
     FieldBatch::Pair& pair = batch.pair[terms.pair[k]];
     if (!pair.whole) {
@@ -163,9 +199,21 @@ void compute_terms(FieldBatch& batch) {
   terms.count = 0;
 }
 
+void compute_terms(FieldBatch& batch) {
+  compute_terms(batch.kernels.closed_terms, batch.closed, batch);
+  compute_terms(batch.kernels.closed_terms_single, batch.single, batch);
+}
+
+// Single precision where its error is within the tolerance: for regions that are not small, and not for
+// axes that lie nearly in the plane.
+bool single_will_do(const Section& section, double area, double tolerance) {
+  const double radius2 = section.radius1 * section.radius1;
+  return (section.length == 0 || section.c >= 0.2) && kDiscErrorSingle * radius2 <= tolerance * area;
+}
+
 }  // namespace
 
-bool add_to_batch(const Section& section, Contact& contact, FieldBatch& batch) {
+bool add_to_batch(const Section& section, double tolerance, Contact& contact, FieldBatch& batch) {
   if (section.length > 0 && section.c < kLeastCosine) return false;
   if (least_height(section) > (1 - kShallow) * section.radius1) return false;
   const Overlap overlap = classify(section);
@@ -173,9 +221,16 @@ bool add_to_batch(const Section& section, Contact& contact, FieldBatch& batch) {
     contact.area = 0;
     return true;
   }
+  const AreaMoments area = polygon_area(section.polygon);
+  const bool whole = overlap == Overlap::inside;
+  PressureMoments moments;
+  if (whole && field_by_points(section, area, true, tolerance, moments)) {
+    write_contact(section, area, moments, contact);
+    return true;
+  }
   constexpr std::size_t kMostTerms = 3 * 12;
   if (batch.pair_count == kBatchPairs) finish_batch(batch);
-  if (batch.closed.count + kMostTerms > kTermCapacity) compute_terms(batch);
+  if (std::max(batch.closed.count, batch.single.count) + kMostTerms > kTermCapacity) compute_terms(batch);
   const auto index = static_cast<std::uint16_t>(batch.pair_count++);
   FieldBatch::Pair& pair = batch.pair[index];
   pair = {};
@@ -184,8 +239,7 @@ bool add_to_batch(const Section& section, Contact& contact, FieldBatch& batch) {
   pair.u = section.u;
   pair.v = section.v;
   contact.normal = section.n;
-  if (overlap == Overlap::inside) {
-    const AreaMoments area = polygon_area(section.polygon);
+  if (whole) {
     pair.whole = true;
     pair.area = area.area;
     pair.area_x = area.area * area.centroid.x;
@@ -194,7 +248,14 @@ bool add_to_batch(const Section& section, Contact& contact, FieldBatch& batch) {
   Deepest deepest;
   pair.depth_known = deepest_in_polygon(section, deepest);
   pair.depth = deepest.depth;
-  add_discs(section, index, batch.closed);
+  const double radius3 = section.radius1 * section.radius1 * section.radius1;
+  if (whole && single_will_do(section, area.area, tolerance)) {
+    contact.error = kDiscErrorSingle * radius3;
+    add_discs(section, index, batch.single);
+  } else {
+    contact.error = kDiscError * radius3;
+    add_discs(section, index, batch.closed);
+  }
   return true;
 }
 

@@ -27,12 +27,13 @@ struct FieldBatch {
   std::size_t pair_count = 0;
   std::array<Pair, kBatchPairs> pair;
   DiscTerms<double> closed;
+  DiscTerms<float> single;
 };
 
 /// Adds a pair whose contact is to be written when the batch is computed. False where the closed form would
 /// lose digits (axis nearly in the plane, shallow contact): the pair is then for `collide`. Sets the
-/// contact's area to 0 where there is none.
-bool add_to_batch(const Section& section, Contact& contact, FieldBatch& batch);
+/// contact's area to 0 where there is none. `tolerance` is Settings::tolerance.
+bool add_to_batch(const Section& section, double tolerance, Contact& contact, FieldBatch& batch);
 
 /// Computes what is in the batch and empties it.
 void finish_batch(FieldBatch& batch);

@@ -3,6 +3,7 @@
 
 #include "field_terms.h"
 #include "lumbrical/model.h"
+#include "strip_terms.h"
 
 namespace lumbrical {
 
@@ -10,6 +11,8 @@ namespace lumbrical {
 /// table gives the same bits.
 struct FieldKernels {
   void (*closed_terms)(DiscTerms<double>&);
+  void (*closed_terms_single)(DiscTerms<float>&);
+  void (*strip_nodes)(const StripSection&, StripNodes&);
 };
 
 namespace scalar {

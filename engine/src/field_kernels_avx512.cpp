@@ -2,10 +2,12 @@
 #define LUMBRICAL_ISA avx512
 #include "disc_integrals.h"
 #include "field_kernels.h"
+#include "strip_integrals.h"
 
 namespace lumbrical::avx512 {
 
 using Double = xsimd::batch<double, xsimd::avx512bw>;
-const FieldKernels kFieldKernels{closed_terms<Double>};
+using Single = xsimd::batch<float, xsimd::avx512bw>;
+const FieldKernels kFieldKernels{closed_terms<Double>, closed_terms<Single>, strip_nodes<Double>};
 
 }  // namespace lumbrical::avx512

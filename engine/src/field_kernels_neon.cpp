@@ -2,10 +2,12 @@
 #define LUMBRICAL_ISA neon
 #include "disc_integrals.h"
 #include "field_kernels.h"
+#include "strip_integrals.h"
 
 namespace lumbrical::neon {
 
 using Double = xsimd::batch<double, xsimd::neon64>;
-const FieldKernels kFieldKernels{closed_terms<Double>};
+using Single = xsimd::batch<float, xsimd::neon64>;
+const FieldKernels kFieldKernels{closed_terms<Double>, closed_terms<Single>, strip_nodes<Double>};
 
 }  // namespace lumbrical::neon

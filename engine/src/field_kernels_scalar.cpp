@@ -2,10 +2,12 @@
 #define LUMBRICAL_ISA scalar
 #include "disc_integrals.h"
 #include "field_kernels.h"
+#include "strip_integrals.h"
 
 namespace lumbrical::scalar {
 
 using Double = double;
-const FieldKernels kFieldKernels{closed_terms<Double>};
+using Single = float;
+const FieldKernels kFieldKernels{closed_terms<Double>, closed_terms<Single>, strip_nodes<Double>};
 
 }  // namespace lumbrical::scalar

@@ -2,10 +2,12 @@
 #define LUMBRICAL_ISA sse2
 #include "disc_integrals.h"
 #include "field_kernels.h"
+#include "strip_integrals.h"
 
 namespace lumbrical::sse2 {
 
 using Double = xsimd::batch<double, xsimd::sse2>;
-const FieldKernels kFieldKernels{closed_terms<Double>};
+using Single = xsimd::batch<float, xsimd::sse2>;
+const FieldKernels kFieldKernels{closed_terms<Double>, closed_terms<Single>, strip_nodes<Double>};
 
 }  // namespace lumbrical::sse2

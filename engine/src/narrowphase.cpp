@@ -5,6 +5,7 @@
 #include "finger_depth.h"
 #include "parallel.h"
 #include "pressure.h"
+#include "pressure_rules.h"
 #include "prism.h"
 
 namespace lumbrical {
@@ -26,13 +27,22 @@ bool made_of_discs(const Primitive& primitive) {
          primitive.radius1 == primitive.radius2;
 }
 
+PressureMoments exact_moments(const Section& section, const ContactQuery& query, const AreaMoments& area,
+                              bool whole, Boundary& boundary) {
+  PressureMoments moments;
+  const bool field = query.law == Law::field && section.shape == Shape::round;
+  if (field && field_by_points(section, area, whole, query.tolerance, moments)) return moments;
+  trace_boundary(section, boundary);
+  return query.law == Law::field ? field_moments(query.kernels, section, area, boundary)
+                                 : column_moments(section, boundary);
+}
+
 // One pair by the laws in general. False where there is no common area.
 bool collide_section(const Primitive& primitive, const ContactQuery& query, const Section& section,
                      Boundary& boundary, Contact& contact) {
   const Overlap overlap = classify(section);
   if (overlap == Overlap::apart) return false;
-  const bool exact = query.law == Law::field || query.law == Law::column;
-  if (overlap == Overlap::partial || exact) trace_boundary(section, boundary);
+  if (overlap == Overlap::partial) trace_boundary(section, boundary);
   const AreaMoments area =
       overlap == Overlap::inside ? polygon_area(section.polygon) : section_area(section, boundary);
   if (!(area.area > 0)) return false;
@@ -45,11 +55,13 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
   contact.centroid = to_world(section, area.centroid);
   contact.centre = contact.centroid;
   contact.normal = section.n;
+  contact.error = 0;
   switch (query.law) {
     case Law::field:
     case Law::column: {
-      const PressureMoments moments = query.law == Law::field ? field_moments(section, area, boundary)
-                                                              : column_moments(section, boundary);
+      const bool whole = overlap == Overlap::inside;
+      const PressureMoments moments = exact_moments(section, query, area, whole, boundary);
+      contact.error = moments.error;
       contact.volume = max(0, moments.volume);
       contact.centre = centre_of(section, moments, contact.centroid);
       break;
@@ -89,8 +101,9 @@ void collide_pair(const Model& model, const Primitives& hand, std::uint64_t pair
   }
   Section section;
   if (!look_from_plane(primitive, a, b, c, section)) return;
-  if (made_of_discs(primitive) && add_to_batch(section, contact, batch)) return;
-  const ContactQuery query{primitive.law, model.settings.point_area, &hand};
+  const ContactQuery query{primitive.law, model.settings.point_area, &hand, model.settings.tolerance,
+                           batch.kernels};
+  if (made_of_discs(primitive) && add_to_batch(section, query.tolerance, contact, batch)) return;
   if (!collide_section(primitive, query, section, boundary, contact)) contact.area = 0;
 }
 
@@ -100,8 +113,9 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
              Boundary& boundary, Contact& contact) {
   Section section;
   if (!look_from_plane(primitive, a, b, c, section)) return false;
-  FieldBatch batch(field_kernels(Isa::scalar));
-  if (made_of_discs(primitive) && query.law == Law::field && add_to_batch(section, contact, batch)) {
+  FieldBatch batch(query.kernels);
+  if (made_of_discs(primitive) && query.law == Law::field &&
+      add_to_batch(section, query.tolerance, contact, batch)) {
     finish_batch(batch);
     return contact.area > 0;
   }

@@ -2,6 +2,7 @@
 // the slim bulges between arcs and their chords take a few nodes each, and no logarithm.
 #include "boundary_integral.h"
 #include "field.h"
+#include "pressure_rules.h"
 
 namespace lumbrical {
 namespace {
@@ -113,6 +114,7 @@ bool field_of_small_region(const Section& section, const Slant& slant, const Are
   } else {
     return false;
   }
+  moments.error = kDiscError * section.radius1 * section.radius1 * section.radius1;
   return true;
 }
 

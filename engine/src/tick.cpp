@@ -81,9 +81,9 @@ std::uint64_t hash_items(std::span<const T> items) {
   return hasher.digest();
 }
 
-static_assert(sizeof(Contact) == 2 * sizeof(std::uint32_t) + 12 * sizeof(double));
+static_assert(sizeof(Contact) == 2 * sizeof(std::uint32_t) + 13 * sizeof(double));
 static_assert(sizeof(HandForces) == 10 * kSegmentCount * sizeof(double));
-static_assert(sizeof(ActuatorFrame) == sizeof(HandForces) + 2 * sizeof(double));
+static_assert(sizeof(ActuatorFrame) == sizeof(HandForces) + 3 * sizeof(double));
 static_assert(sizeof(State) == 3 * sizeof(double) + 2 * sizeof(HandForces));
 
 }  // namespace
@@ -124,6 +124,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   const HandForces forces = sum_forces(model.settings, hand, contacts);
   ActuatorFrame output = limit_forces(model.settings, forces, (flags & kUntrusted) == 0, flags, state);
   output.contact_count = scratch.contact_count;
+  output.force_error = force_error(model.settings, contacts);
 
   if (scratch.hash_stages) {
     stage_hash(scratch, Stage::input) = hash_of(frame);

@@ -29,6 +29,7 @@ inline void put(double* at, double value) { *at = value; }
 inline void put(float* at, float value) { *at = value; }
 inline double choose(bool which, double yes, double no) { return which ? yes : no; }
 inline float choose(bool which, float yes, float no) { return which ? yes : no; }
+inline bool some(bool which) { return which; }
 inline double root(double value) { return std::sqrt(value); }
 inline float root(float value) { return std::sqrt(value); }
 inline double magnitude(double value) { return std::fabs(value); }
@@ -53,6 +54,10 @@ template <class T, class A>
 inline xsimd::batch<T, A> choose(xsimd::batch_bool<T, A> which, xsimd::batch<T, A> yes,
                                  xsimd::batch<T, A> no) {
   return xsimd::select(which, yes, no);
+}
+template <class T, class A>
+inline bool some(xsimd::batch_bool<T, A> which) {
+  return xsimd::any(which);
 }
 template <class T, class A>
 inline xsimd::batch<T, A> magnitude(xsimd::batch<T, A> value) {

@@ -16,6 +16,7 @@ namespace {
 struct ReplaySwitches {
   std::string recording, law, broadphase;
   std::optional<double> stiffness;
+  std::string precision;
   std::uint32_t threads = 1;
   std::string isa = "auto";
   bool json = false;
@@ -26,6 +27,7 @@ ReplayOptions replay_options(const ReplaySwitches& switches) {
   if (!switches.law.empty()) options.law = parse_law(switches.law);
   if (!switches.broadphase.empty()) options.execution.broadphase = *parse_broadphase(switches.broadphase);
   options.stiffness = switches.stiffness;
+  if (!switches.precision.empty()) options.tolerance = parse_precision(switches.precision);
   options.execution.threads = switches.threads;
   options.execution.isa = *parse_isa(switches.isa);
   return options;
@@ -68,6 +70,8 @@ void add_replay(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("REC.mcap");
   command->add_option("--law", switches->law, "What if: contact law of the whole hand")->check(is_law());
+  command->add_option("--precision", switches->precision, std::string("What if: ") + kPrecisionHelp)
+      ->check(is_precision());
   command->add_option("--stiffness", switches->stiffness, "What if: K_s [N/m^3]")
       ->check(number_in(1e-6, 1e15));
   command

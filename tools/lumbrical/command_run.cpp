@@ -17,7 +17,7 @@ namespace lumbrical::tool {
 namespace {
 
 struct RunOptions {
-  std::string scene, motion, side, unit, record, law, broadphase;
+  std::string scene, motion, side, unit, record, law, broadphase, precision;
   std::string rate = "max";
   std::optional<double> motion_rate, stiffness;
   std::optional<std::uint64_t> ticks;
@@ -62,6 +62,7 @@ Status load(const RunOptions& options, SceneFile& scene_file) {
   motion.unit = parse_metres(options.unit);
   if (Status status = load_scene_file(options.scene, scene_file, motion); !status.ok()) return status;
   Settings& settings = scene_file.scene.settings;
+  if (!options.precision.empty()) settings.tolerance = *parse_precision(options.precision);
   if (!options.law.empty()) settings.law.fill(*parse_law(options.law));
   if (options.stiffness) settings.stiffness = *options.stiffness;
   if (options.rate != "max") settings.rate = std::stod(options.rate);
@@ -254,6 +255,7 @@ void add_run(CLI::App& app, int& exit_code) {
   command->add_option("--broadphase", options->broadphase, "Search for candidate triangles")
       ->check(is_broadphase());
   command->add_option("--law", options->law, "Contact law of the whole hand")->check(is_law());
+  command->add_option("--precision", options->precision, kPrecisionHelp)->check(is_precision());
   command->add_option("--stiffness", options->stiffness, "K_s [N/m^3]")->check(number_in(1e-6, 1e15));
   command->add_option("--isa", options->isa, "Instruction set; never changes a result")->check(is_isa());
   command->add_option("--threads", options->threads, "1 .. 64; never changes a result")

@@ -41,6 +41,25 @@ inline CLI::Validator is_broadphase() {
           "tree|brute"};
 }
 
+/// Settings::tolerance by name or number.
+inline std::optional<double> parse_precision(const std::string& text) {
+  if (text == "exact" || text == "double") return 0.0;
+  if (text == "float") return 1e-4;
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  return whole && number >= 0 && number <= 0.1 ? std::optional(number) : std::nullopt;
+}
+inline CLI::Validator is_precision() {
+  return {[](std::string& text) -> std::string {
+            if (parse_precision(text)) return {};
+            return "\"" + text + "\" is no precision; use exact, float (1e-4), or a share of R, 0 .. 0.1";
+          },
+          "exact|float|SHARE"};
+}
+inline const char* const kPrecisionHelp =
+    "How far a contact's mean depth may be off, as a share of R (field law)";
+
 /// Instruction sets that this build on this machine has.
 inline CLI::Validator is_isa() {
   return {[](std::string& text) -> std::string {

@@ -47,6 +47,8 @@ struct Settings {
   double stiffness = 2e7;                ///< [N/m^3] K_s, > 0
   double rate = 1000;                    ///< [Hz] ticks per second of session time, 1 .. 100000
   double point_area = 1e-4;              ///< [m^2] stands in for the area in Law::point
+  double tolerance = 0;  ///< 0 .. 0.1; by how much of R a contact's mean depth may be off in Law::field. 0:
+                         ///< exact to rounding. What it comes to is told in ActuatorFrame::force_error
   double max_force = 20;    ///< [N] largest force of one segment; above it the wrench is scaled down
   double fade_time = 0.02;  ///< [s] in which forces that can't be trusted fade to zero, and return
   std::uint32_t max_candidates = 1u << 18;  ///< pairs (primitive, triangle) a tick can hold, 1 .. 2^24
