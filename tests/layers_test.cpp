@@ -34,7 +34,7 @@ const Rule kRules[] = {
     {Layer::motion, "engine/src", "resampler grasp_motion"},
 
     {Layer::kernels, "engine/src",
-     "section* strip_* wide_functions depth finger_depth gauss boundary_integral field pressure* prism field_* disc_integrals wide"},
+     "section* strip_* wide_functions miss_terms certain_misses depth finger_depth gauss boundary_integral field pressure* prism field_* disc_integrals wide"},
 
     {Layer::stages, "engine/src", "hand_pose broadphase narrowphase contact_force force_limits"},
 

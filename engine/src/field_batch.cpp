@@ -23,6 +23,9 @@ constexpr double kLeastCosine = 1e-2;
 // Where no point of the region has more than this share of R, closed forms cancel.
 constexpr double kShallow = 0.05;
 
+// Of the section's scale times the polygon's: rounding leaves less of nothing.
+constexpr double kLeastArea = 1e-14;
+
 // A convex polygon small enough for a triangle cut by two half-planes and two borders.
 struct Corners {
   int count = 0;
@@ -43,6 +46,15 @@ Extent extent_of(const Polygon2& polygon) {
     extent.high = max(extent.high, polygon.corner[static_cast<std::size_t>(i)].x);
   }
   return extent;
+}
+
+double size_of(const Polygon2& polygon) {
+  double square = 0;
+  for (int i = 1; i < polygon.count; ++i) {
+    const Point2 d = polygon.corner[static_cast<std::size_t>(i)] - polygon.corner[0];
+    square = max(square, dot(d, d));
+  }
+  return std::sqrt(square);
 }
 
 // y of the line through p and q at abscissa x, from the end nearer to the origin.
@@ -155,7 +167,7 @@ void write_contact(const Section& section, const AreaMoments& area, const Pressu
 void write_contact(const FieldBatch::Pair& pair) {
   Contact& contact = *pair.contact;
   const auto world = [&](double x, double y) { return pair.base + x * pair.u + y * pair.v; };
-  if (!(pair.area > 0)) {
+  if (!(pair.area > pair.least)) {
     contact.area = 0;
     return;
   }
@@ -239,6 +251,7 @@ bool add_to_batch(const Section& section, double tolerance, Contact& contact, Fi
   pair.u = section.u;
   pair.v = section.v;
   contact.normal = section.n;
+  pair.least = whole ? 0 : kLeastArea * section.radius1 * min(section.radius1, size_of(section.polygon));
   if (whole) {
     pair.whole = true;
     pair.area = area.area;

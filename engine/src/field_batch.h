@@ -18,6 +18,7 @@ struct FieldBatch {
   struct Pair {
     Contact* contact;
     Vec3 base, u, v;  ///< frame of the triangle's plane, base under the primitive's first end
+    double least;     ///< [m^2] smaller than this an area is what rounding leaves of nothing
     double area, area_x, area_y, volume, volume_x, volume_y, depth;
     bool whole;        ///< the triangle is wholly inside: its area is known without terms
     bool depth_known;  ///< the section's deepest point lies in the triangle

@@ -3,6 +3,7 @@
 
 #include "field_terms.h"
 #include "lumbrical/model.h"
+#include "miss_terms.h"
 #include "strip_terms.h"
 
 namespace lumbrical {
@@ -13,6 +14,7 @@ struct FieldKernels {
   void (*closed_terms)(DiscTerms<double>&);
   void (*closed_terms_single)(DiscTerms<float>&);
   void (*strip_nodes)(const StripSection&, StripNodes&);
+  void (*certain_misses)(MissTerms&);
 };
 
 namespace scalar {

@@ -1,5 +1,6 @@
 // The field law's kernels for avx2. Nothing else may be compiled with this file's flags.
 #define LUMBRICAL_ISA avx2
+#include "certain_misses.h"
 #include "disc_integrals.h"
 #include "field_kernels.h"
 #include "strip_integrals.h"
@@ -8,6 +9,7 @@ namespace lumbrical::avx2 {
 
 using Double = xsimd::batch<double, xsimd::avx2>;
 using Single = xsimd::batch<float, xsimd::avx2>;
-const FieldKernels kFieldKernels{closed_terms<Double>, closed_terms<Single>, strip_nodes<Double>};
+const FieldKernels kFieldKernels{closed_terms<Double>, closed_terms<Single>, strip_nodes<Double>,
+                                 certain_misses<Double>};
 
 }  // namespace lumbrical::avx2

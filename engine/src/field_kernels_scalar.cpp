@@ -1,5 +1,6 @@
 // The field law's kernels for scalar. Nothing else may be compiled with this file's flags.
 #define LUMBRICAL_ISA scalar
+#include "certain_misses.h"
 #include "disc_integrals.h"
 #include "field_kernels.h"
 #include "strip_integrals.h"
@@ -8,6 +9,7 @@ namespace lumbrical::scalar {
 
 using Double = double;
 using Single = float;
-const FieldKernels kFieldKernels{closed_terms<Double>, closed_terms<Single>, strip_nodes<Double>};
+const FieldKernels kFieldKernels{closed_terms<Double>, closed_terms<Single>, strip_nodes<Double>,
+                                 certain_misses<Double>};
 
 }  // namespace lumbrical::scalar
