@@ -141,9 +141,12 @@ void consider_edge(const Section& section, Point2 p, Point2 q, Deepest& best) {
   const Point2 base = nearest == 0 ? p : p + nearest * unit;
   const Interval inside = inside_interval(section, base, unit, -nearest, length - nearest);
   if (!(inside.first < inside.second)) return;
-  consider(section, base + inside.first * unit, best);
-  consider(section, base + inside.second * unit, best);
-  if (section.shape == Shape::flat) return consider_flat_line(section, base, unit, inside, best);
+  if (section.shape == Shape::flat) {
+    consider(section, base + inside.first * unit, best);
+    consider(section, base + inside.second * unit, best);
+    return consider_flat_line(section, base, unit, inside, best);
+  }
+  // Concave along the line: nothing is deeper than the part inside that is nearest to the line's deepest point.
   const double t = clamp(deepest_on_line(section, base, unit), inside.first, inside.second);
   consider(section, base + t * unit, best);
 }
