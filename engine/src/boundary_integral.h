@@ -58,7 +58,7 @@ void graded_nodes(double lower, double upper, const Singularities& singularities
     for (const GaussNode& node : rule) f(lower + length * node.at, length * node.weight);
   };
   // n nodes leave about (2 + 4 d / length)^(-2 n) with d the distance to the nearest singularity.
-  const double near = 1.5 * length, nearest = min(left, right);
+  const double near = 1.0 * length, nearest = min(left, right);
   if (left < near && right < near) {
     const double middle = 0.5 * (lower + upper);
     graded_nodes(lower, middle, singularities, f);
@@ -69,9 +69,9 @@ void graded_nodes(double lower, double upper, const Singularities& singularities
       const double step = span * node.at, along = step * (2 * w1 + step);
       f(left < right ? lower + along : upper - along, 2 * (w1 + step) * span * node.weight);
     }
-  } else if (nearest < 4 * length) {
+  } else if (nearest < 2.5 * length) {
     plain(kGauss8);
-  } else if (nearest < 16 * length) {
+  } else if (nearest < 8 * length) {
     plain(kGauss6);
   } else {
     plain(kGauss4);
