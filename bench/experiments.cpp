@@ -173,11 +173,14 @@ BendResult bend(const Mesh& mesh, const Bend& bend, Law law) {
       displacement = std::max(displacement, norm(Vec3{q[0], q[1], q[2]} - Vec3{p[0], p[1], p[2]}));
     }
     if (displacement > farthest) throw std::logic_error("a joint moved farther than the finger is long");
-    thick.frame.joint = rig.frame.joint;
-    const double area = feel(thick, X_WF).area;
     const double change = norm(here.force - result.series[static_cast<std::size_t>(i - 1)].force);
-    const double share = change == 0 ? 0 : change / (rig.model.settings.stiffness * area * displacement);
+    const double per_area = change == 0 ? 0 : change / (rig.model.settings.stiffness * displacement);
     result.largest_step = std::max(result.largest_step, change);
+    // The finger's own area is less than the thicker one's, and may tell already that this step is not the
+    // worst.
+    if (per_area <= result.share_of_bound * here.felt.area) continue;
+    thick.frame.joint = rig.frame.joint;
+    const double share = per_area / feel(thick, X_WF).area;
     if (share > result.share_of_bound) {
       result.share_of_bound = share;
       result.worst_at = here.at;

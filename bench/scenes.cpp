@@ -237,7 +237,9 @@ Rig make_rig(const Mesh& mesh, const PosedFinger& finger, Law law) {
   scene.settings.law.fill(law);
   scene.settings.fade_time = 0;
   scene.settings.max_force = 1e6;
-  scene.settings.max_candidates = 1u << 20;
+  // Needles as long as the scene are all candidates of every phalanx.
+  scene.settings.max_candidates =
+      static_cast<std::uint32_t>(std::clamp<std::size_t>(4 * mesh.triangles.size(), 1u << 12, 1u << 24));
   scene.objects.push_back({"mesh", mesh});
   Rig rig;
   if (Status status = build_model(scene, {}, rig.model); !status.ok())

@@ -143,7 +143,7 @@ std::vector<Include> includes_of(const fs::path& file) {
 // The path from the source root of a header of ours; empty for generated ones.
 std::string resolve(const std::string& name, const std::string& includer, const fs::path& root) {
   const std::string beside = (fs::path(includer).parent_path() / name).generic_string();
-  for (const std::string& path : {beside, "engine/include/" + name, "engine/src/" + name}) {
+  for (const std::string& path : {beside, "engine/include/" + name, "engine/src/" + name, "bench/" + name}) {
     if (fs::exists(root / path)) return path;
   }
   return {};
