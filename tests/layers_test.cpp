@@ -34,7 +34,8 @@ const Rule kRules[] = {
     {Layer::motion, "engine/src", "resampler grasp_motion"},
 
     {Layer::kernels, "engine/src",
-     "section* strip_* wide_functions miss_terms certain_misses depth finger_depth gauss boundary_integral field pressure* prism field_* disc_integrals wide"},
+     "section* strip_* wide_functions miss_terms certain_misses depth finger_depth gauss boundary_integral "
+     "field pressure* prism field_* disc_integrals wide"},
 
     {Layer::stages, "engine/src", "hand_pose broadphase narrowphase contact_force force_limits"},
 
@@ -144,7 +145,8 @@ std::vector<Include> includes_of(const fs::path& file) {
 // The path from the source root of a header of ours; empty for generated ones.
 std::string resolve(const std::string& name, const std::string& includer, const fs::path& root) {
   const std::string beside = (fs::path(includer).parent_path() / name).generic_string();
-  for (const std::string& path : {beside, "engine/include/" + name, "engine/src/" + name, "tests/" + name}) {
+  for (const std::string& path :
+       {beside, "engine/include/" + name, "engine/src/" + name, "tests/" + name, "bench/" + name}) {
     if (fs::exists(root / path)) return path;
   }
   return {};

@@ -34,15 +34,20 @@ inline void add_closest_approach(double a, double b, double c, Singularities& si
   if (a > 0) singularities.add(-b / a, std::sqrt(max(0, c / a - b / a * (b / a))));
 }
 
+/// Intervals of t this short are not divided: two singularities that differ by rounding would ask for halves
+/// without end, and what lies between them is nothing.
+constexpr double kShortest = 1e-13;
+
 /// Calls f(t, weight) at nodes for the integral over lower <= t <= upper.
 template <class F>
 void graded_nodes(double lower, double upper, const Singularities& singularities, F&& f) {
   const double length = upper - lower;
   if (!(length > 0)) return;
   double left = 1e300, right = 1e300;
+  const bool divisible = length > kShortest;
   for (int i = 0; i < singularities.count; ++i) {
     const Singularity point = singularities.point[static_cast<std::size_t>(i)];
-    const bool inside = point.at > lower + 1e-9 * length && point.at < upper - 1e-9 * length;
+    const bool inside = divisible && point.at > lower + 1e-9 * length && point.at < upper - 1e-9 * length;
     if (inside && point.blur < length) {
       graded_nodes(lower, point.at, singularities, f);
       graded_nodes(point.at, upper, singularities, f);
@@ -58,8 +63,8 @@ void graded_nodes(double lower, double upper, const Singularities& singularities
     for (const GaussNode& node : rule) f(lower + length * node.at, length * node.weight);
   };
   // n nodes leave about (2 + 4 d / length)^(-2 n) with d the distance to the nearest singularity.
-  const double near = 1.0 * length, nearest = min(left, right);
-  if (left < near && right < near) {
+  const double near = 1.5 * length, nearest = min(left, right);
+  if (left < near && right < near && divisible) {
     const double middle = 0.5 * (lower + upper);
     graded_nodes(lower, middle, singularities, f);
     graded_nodes(middle, upper, singularities, f);
@@ -69,9 +74,9 @@ void graded_nodes(double lower, double upper, const Singularities& singularities
       const double step = span * node.at, along = step * (2 * w1 + step);
       f(left < right ? lower + along : upper - along, 2 * (w1 + step) * span * node.weight);
     }
-  } else if (nearest < 2.5 * length) {
+  } else if (nearest < 4 * length) {
     plain(kGauss8);
-  } else if (nearest < 8 * length) {
+  } else if (nearest < 16 * length) {
     plain(kGauss6);
   } else {
     plain(kGauss4);

@@ -23,6 +23,9 @@ constexpr double kLeastCosine = 1e-2;
 // Where no point of the region has more than this share of R, closed forms cancel.
 constexpr double kShallow = 0.05;
 
+// Triangles of less than this share of R drown in the disc's scale; points do as well to rounding.
+constexpr double kSmall = 0.006, kPointwise = 1e-13;
+
 // Of the section's scale times the polygon's: rounding leaves less of nothing.
 constexpr double kLeastArea = 1e-14;
 
@@ -235,11 +238,15 @@ bool add_to_batch(const Section& section, double tolerance, Contact& contact, Fi
   }
   const AreaMoments area = polygon_area(section.polygon);
   const bool whole = overlap == Overlap::inside;
+  const double size = size_of(section.polygon);
+  const bool small = size < kSmall * section.radius1;
   PressureMoments moments;
-  if (whole && field_by_points(section, area, true, tolerance, moments)) {
+  if (whole &&
+      field_by_points(section, area, true, small ? max(tolerance, kPointwise) : tolerance, moments)) {
     write_contact(section, area, moments, contact);
     return true;
   }
+  if (small) return false;
   constexpr std::size_t kMostTerms = 3 * 12;
   if (batch.pair_count == kBatchPairs) finish_batch(batch);
   if (std::max(batch.closed.count, batch.single.count) + kMostTerms > kTermCapacity) compute_terms(batch);
@@ -251,7 +258,7 @@ bool add_to_batch(const Section& section, double tolerance, Contact& contact, Fi
   pair.u = section.u;
   pair.v = section.v;
   contact.normal = section.n;
-  pair.least = whole ? 0 : kLeastArea * section.radius1 * min(section.radius1, size_of(section.polygon));
+  pair.least = whole ? 0 : kLeastArea * section.radius1 * min(section.radius1, size);
   if (whole) {
     pair.whole = true;
     pair.area = area.area;

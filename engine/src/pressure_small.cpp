@@ -56,7 +56,7 @@ void add_region(const Integrand& integrand, const GaussNode (&rule)[N], Point2 c
     const Zone& zone = integrand.section.zone[piece.zone];
     const double dx = piece.to_x - piece.from_x, dy = piece.to_y - piece.from_y;
     if (dx * dx + dy * dy < 0.25 * integrand.section.radius2 * integrand.section.radius2) {
-      add_bulge(integrand, kGauss4, piece, zone);
+      add_bulge(integrand, kGauss6, piece, zone);
     } else {
       add_bulge(integrand, rule, piece, zone);
     }
@@ -105,11 +105,11 @@ bool field_of_small_region(const Section& section, const Slant& slant, const Are
   const double size = clearance > 0 ? reach_from(corner, boundary) / clearance : 1e300;
   moments = {};
   const Integrand integrand{section, slant, here.zone, moments};
-  if (size < 0.12) {
+  if (size < 0.03) {
     add_region(integrand, kGauss4, corner, boundary);
-  } else if (size < 0.5) {
+  } else if (size < 0.2) {
     add_region(integrand, kGauss6, corner, boundary);
-  } else if (size < 1.4) {
+  } else if (size < 0.7) {
     add_region(integrand, kGauss8, corner, boundary);
   } else {
     return false;
