@@ -59,8 +59,9 @@ void graded_nodes(double lower, double upper, const Singularities& singularities
   };
   // n nodes leave about (2 + 4 d / length)^(-2 n) with d the distance to the nearest singularity.
   const double near = 1.5 * length, nearest = min(left, right);
-  if (left < near && right < near) {
-    const double middle = 0.5 * (lower + upper);
+  const double middle = 0.5 * (lower + upper);
+  // Between singularities a last digit apart there is no middle.
+  if (left < near && right < near && lower < middle && middle < upper) {
     graded_nodes(lower, middle, singularities, f);
     graded_nodes(middle, upper, singularities, f);
   } else if (nearest < near) {
