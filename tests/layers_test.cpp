@@ -34,12 +34,13 @@ const Rule kRules[] = {
     {Layer::motion, "engine/src", "resampler grasp_motion"},
 
     {Layer::kernels, "engine/src",
-     "section* depth finger_depth gauss boundary_integral field pressure* prism"},
+     "section* depth finger_depth gauss boundary_integral small_region field pressure* prism "
+     "contact_jacobian"},
 
     {Layer::stages, "engine/src", "hand_pose broadphase narrowphase contact_force force_limits"},
 
-    {Layer::engine, "engine/include/lumbrical", "tick probe"},
-    {Layer::engine, "engine/src", "tick probe"},
+    {Layer::engine, "engine/include/lumbrical", "tick probe jacobian"},
+    {Layer::engine, "engine/src", "tick probe jacobian"},
 
     {Layer::session, "engine/include/lumbrical", "recording scene_file"},
     {Layer::session, "engine/src", "motion_* json_file scene_file scene_parts"},
@@ -96,7 +97,7 @@ const Outside kOutside[] = {
     {"(lz4frame|zstd|zlib)[.]h", "(engine/src/mcap_\\w+[.]cpp|tests/.*)"},
     {"(unistd|fcntl|sys/\\w+)[.]h", "(engine/src/(output_file|mcap_reader)[.]cpp|tools/.*|tests/.*)"},
     {"CLI/.*", "tools/.*"},
-    {"gtest/.*", "tests/.*"},
+    {"(gtest|boost)/.*", "tests/.*"},
     {"benchmark/.*", "bench/.*"},
 };
 
