@@ -137,6 +137,22 @@ TEST(HardCase, PhalanxOfNoLengthIsFeltAsASphere) {
   }
 }
 
+// The cut is an edge of the polygon on which two places where the field is not smooth are a last digit apart.
+TEST(HardCase, AxisInThePlaneAlongACutIsFinite) {
+  const Vec3 a{-0.01, -0.01, 0}, b{0.01, -0.01, 0}, c{0, 0.01, 0};
+  Primitive cone = round({0, 0, 0}, {0.02, 0, 0}, kRadius, 0.5 * kRadius);
+  cone.cut_count = 1;
+  cone.cut[0] = {{0, 1, 0}, {0, 0, 0}};
+  Primitive beside = cone;
+  beside.end1.z = beside.end2.z = 1e-9;
+  beside.cut[0].point.y = 1e-9;
+  for (const Law law : kLaws) {
+    const Answer on = ask(cone, law, a, b, c), near = ask(beside, law, a, b, c);
+    ASSERT_TRUE(on.touches && near.touches);
+    EXPECT_NEAR(on.contact.volume / near.contact.volume, 1, 1e-6) << law_name(law);
+  }
+}
+
 TEST(HardCase, VertexOnTheBoundaryAndEdgeThroughTheCentre) {
   const double rho = std::sqrt(kRadius * kRadius - 0.006 * 0.006);
   const Primitive sphere = round({0, 0, 0.006}, {0, 0, 0.006}, kRadius, kRadius);

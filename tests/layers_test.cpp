@@ -35,12 +35,12 @@ const Rule kRules[] = {
 
     {Layer::kernels, "engine/src",
      "section* strip_* wide_functions miss_terms certain_misses depth finger_depth gauss boundary_integral "
-     "field pressure* prism field_* disc_integrals wide"},
+     "small_region field pressure* prism field_* disc_integrals wide contact_jacobian"},
 
     {Layer::stages, "engine/src", "hand_pose broadphase narrowphase contact_force force_limits"},
 
-    {Layer::engine, "engine/include/lumbrical", "tick probe"},
-    {Layer::engine, "engine/src", "tick probe"},
+    {Layer::engine, "engine/include/lumbrical", "tick probe jacobian"},
+    {Layer::engine, "engine/src", "tick probe jacobian"},
 
     {Layer::session, "engine/include/lumbrical", "recording scene_file"},
     {Layer::session, "engine/src", "motion_* json_file scene_file scene_parts"},
@@ -98,7 +98,7 @@ const Outside kOutside[] = {
     {"(lz4frame|zstd|zlib)[.]h", "(engine/src/mcap_\\w+[.]cpp|tests/.*)"},
     {"(unistd|fcntl|sys/\\w+)[.]h", "(engine/src/(output_file|mcap_reader)[.]cpp|tools/.*|tests/.*)"},
     {"CLI/.*", "tools/.*"},
-    {"gtest/.*", "tests/.*"},
+    {"(gtest|boost)/.*", "tests/.*"},
     {"benchmark/.*", "bench/.*"},
 };
 

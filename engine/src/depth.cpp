@@ -146,7 +146,8 @@ void consider_edge(const Section& section, Point2 p, Point2 q, Deepest& best) {
     consider(section, base + inside.second * unit, best);
     return consider_flat_line(section, base, unit, inside, best);
   }
-  // Concave along the line: nothing is deeper than the part inside that is nearest to the line's deepest point.
+  // Concave along the line: nothing is deeper than the part inside that is nearest to the line's deepest
+  // point.
   const double t = clamp(deepest_on_line(section, base, unit), inside.first, inside.second);
   consider(section, base + t * unit, best);
 }

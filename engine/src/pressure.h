@@ -21,6 +21,13 @@ double field_at(const Section& section, Point2 p);
 PressureMoments field_moments(const FieldKernels& kernels, const Section& section, const AreaMoments& area,
                               const Boundary& boundary);
 
+/// Integral of d phi / dn, how fast phi changes along the normal of the plane, over the same region: of
+/// itself [m^2], and times x, y [m^3], x^2, x y, y^2 [m^4].
+struct SlopeMoments {
+  double one = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+};
+SlopeMoments slope_moments(const Section& section, const AreaMoments& area, const Boundary& boundary);
+
 /// Integral of the paper's depth (along -n to the primitive's surface) over the same region.
 PressureMoments column_moments(const Section& section, const Boundary& boundary);
 

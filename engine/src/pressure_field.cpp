@@ -38,23 +38,30 @@ void add_axis(const Run& run, double e, double de, Singularities& kinks) {
     add_closest_approach(de * de + run.dy * run.dy, e * de + run.y * run.dy, e * e + run.y * run.y, kinks);
 }
 
+// Where a line crosses the curve cosine q = sine sqrt(e^2 + y^2) on which the nearest sphere changes.
+void add_crossings(const Run& run, const Slant& slant, double q, double dq, double e, double de,
+                   Singularities& kinks) {
+  const double cc = slant.cosine * slant.cosine, ss = slant.sine * slant.sine;
+  const double a = cc * dq * dq - ss * (de * de + run.dy * run.dy),
+               b = cc * q * dq - ss * (e * de + run.y * run.dy);
+  const double c = cc * q * q - ss * (e * e + run.y * run.y), discriminant = b * b - a * c;
+  if (!(discriminant > 0) || a == 0) return;
+  kinks.add((-b - std::sqrt(discriminant)) / a, 0, true);
+  kinks.add((-b + std::sqrt(discriminant)) / a, 0, true);
+}
+
 // Where the nearest sphere changes, cosine q = sine sqrt(e^2 + y^2), the field has a weak kink: q is the
 // axial coordinate from where the change starts. Psi has it where that curve meets y = 0, and where edges
 // cross it.
 void add_change(const Run& run, const Slant& slant, double q, double dq, double e, double de,
                 Singularities& kinks) {
   for (const double sine : {slant.sine, -slant.sine}) {
-    kinks.add((sine * e - slant.cosine * q) / (slant.cosine * dq - sine * de));
+    kinks.add((sine * e - slant.cosine * q) / (slant.cosine * dq - sine * de), 0, true);
   }
-  if (!run.edge) return;
-  const double cc = slant.cosine * slant.cosine, ss = slant.sine * slant.sine;
-  const double a = cc * dq * dq - ss * (de * de + run.dy * run.dy),
-               b = cc * q * dq - ss * (e * de + run.y * run.dy);
-  const double c = cc * q * q - ss * (e * e + run.y * run.y), discriminant = b * b - a * c;
-  if (!(discriminant > 0) || a == 0) return;
-  kinks.add((-b - std::sqrt(discriminant)) / a);
-  kinks.add((-b + std::sqrt(discriminant)) / a);
+  if (run.edge) add_crossings(run, slant, q, dq, e, de, kinks);
 }
+
+}  // namespace
 
 // Going out from y = 0 the field belongs to the second end, then to the side, then to the first end. So where
 // the section's curve belongs to the second end, all below it does; where it belongs to the side, the first
@@ -78,6 +85,32 @@ Singularities kinks_of(const Section& section, const Slant& slant, const Piece& 
   if (side && second) add_change(run, slant, q - section.length, dq, e, de, kinks);
   return kinks;
 }
+
+Singularities line_kinks(const Section& section, const Slant& slant, Point2 from, Point2 to) {
+  const Run run{from.x, from.y, to.x - from.x, to.y - from.y, true};
+  const double length2 = run.dx * run.dx + run.dy * run.dy;
+  Singularities kinks;
+  kinks.refine = true;
+  add_closest_approach(length2, run.x * run.dx + run.y * run.dy,
+                       run.x * run.x + run.y * run.y + section.h1 * section.h1, kinks);
+  if (section.length == 0) return kinks;
+  const double x2 = run.x - section.x2;
+  add_closest_approach(length2, x2 * run.dx + run.y * run.dy,
+                       x2 * x2 + run.y * run.y + section.h2 * section.h2, kinks);
+  const double q = section.s * run.x - section.c * section.h1, dq = section.s * run.dx;
+  const double e = section.c * run.x + section.s * section.h1, de = section.c * run.dx;
+  add_closest_approach(de * de + run.dy * run.dy, e * de + run.y * run.dy, e * e + run.y * run.y, kinks);
+  for (const double axial : {q, q - section.length}) {
+    if (slant.sine > 1e-6) {
+      add_crossings(run, slant, axial, dq, e, de, kinks);
+    } else {
+      kinks.add(-axial / dq, 0, true);  // where the crossings of a capsule coincide, or nearly so
+    }
+  }
+  return kinks;
+}
+
+namespace {
 
 StripSection strip_section(const Section& section, const Slant& slant) {
   const auto kind = section.length == 0            ? StripSection::sphere
