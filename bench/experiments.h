@@ -110,6 +110,12 @@ inline constexpr Obstacle kObstacles[] = {Obstacle::edge_30,         Obstacle::e
 const char* obstacle_name(Obstacle obstacle);
 LoopWork work_over(Obstacle obstacle, const PosedFinger& finger, Law law, double tolerance, int levels);
 
+/// Work of segment forces and torques while a finger of three phalanges whose middle joint lies on a 90
+/// degree edge bends both joints round a closed loop, 30 and 25 degrees to both sides of `first` and `second`
+/// [rad], and moves a little. Joints reach the engine in single precision, which leaves about 1e-7 of F_max
+/// L; `error` is 0.
+LoopWork work_of_bending(double first, double second, bool tapered, Law law, int ticks);
+
 /// A finger of three phalanges bends both its joints while it lies on a mesh.
 struct Bend {
   double roll = 0;          ///< [rad] 0: it bends into the plane below; pi/2: beside it, within the plane

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180;
+constexpr std::size_t kIndexSegment = 3;  // of the index finger's first phalanx
 
 Quat turned_by(Vec3 turn) {
   const double angle = norm(turn);
@@ -165,6 +166,37 @@ LoopWork work_over(Obstacle obstacle, const PosedFinger& finger, Law law, double
   }
   Rig rig = make_rig(mesh, finger, law);
   return work_round(rig, path, tolerance, levels);
+}
+
+LoopWork work_of_bending(double first, double second, bool tapered, Law law, int ticks) {
+  PosedFinger finger = bent_finger(first, second);
+  if (tapered) finger.radius = {0.0105, 0.0085, 0.0076, 0.0066};
+  Rig rig = make_rig(bent_plane(90 * kDegree, 0.2, 0.006, 0.006, 61), finger, law);
+  const Vec3 start = Vec3{0, 0, 0.0055} - finger.joints[1];
+  LoopWork result;
+  result.nodes = ticks;
+  // The trapezoidal rule, which for periodic motion is all one needs.
+  const double step = 2 * kPi / ticks;
+  for (int i = 0; i < ticks; ++i) {
+    const double t = step * i;
+    const double first_rate = -30 * kDegree * std::sin(t), second_rate = 25 * kDegree * std::cos(t);
+    const PosedFinger posed =
+        bent_finger(first + 30 * kDegree * std::cos(t), second + 25 * kDegree * std::sin(t));
+    set_joints(posed, rig);
+    feel(rig, {start + Vec3{0.004 * std::cos(t + 1), 0, 0.0025 * std::sin(t)}, {}});
+    const double rate[3] = {0, first_rate, first_rate + second_rate};
+    Vec3 velocity{-0.004 * std::sin(t + 1), 0, 0.0025 * std::cos(t)}, force;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Wrench& wrench = rig.output.segment[kIndexSegment + k];
+      const Vec3 spin{0, rate[k], 0};
+      result.work += step * (dot(wrench.force, velocity) + dot(wrench.torque, spin));
+      force += wrench.force;
+      velocity += cross(spin, posed.joints[k + 1] - posed.joints[k]);
+    }
+    result.length += step * norm(velocity);
+    result.largest_force = std::max(result.largest_force, norm(force));
+  }
+  return result;
 }
 
 }  // namespace lumbrical::bench

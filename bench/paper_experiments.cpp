@@ -1,6 +1,7 @@
 // The paper's experiments, under every law: writes one CSV file per experiment and a summary in Markdown.
 //
-//   paper_experiments FOLDER [triangles] [ridge] [slide] [slope] [fingertip] [poke] [hook] [loop] [bend]
+//   paper_experiments FOLDER [triangles] [ridge] [slide] [slope] [fingertip] [poke] [hook] [loop]
+//                           [bending_loop] [bend]
 //
 // The folder must exist; without names all experiments run. bench/experiments.h says what each of them is.
 #include <cmath>
@@ -218,6 +219,26 @@ void run_loop(Output& output) {
   }
 }
 
+void run_bending_loop(Output& output) {
+  output.row("first_deg,second_deg,finger,law,work_J,largest_force_N,length_m");
+  output.say(
+      "Work of segment forces and torques while the joints bend round a closed loop, |W| over F_max L\n");
+  output.say("| joints about, finger | field | column | max-depth |\n|---|---|---|---|");
+  for (const double first : {0.0, 40.0, 80.0}) {
+    for (const bool tapered : {false, true}) {
+      const char* finger = tapered ? "tapered" : "even";
+      std::string line = text("| %g and %g deg, %s |", first, 0.9 * first, finger);
+      for (const Law law : {Law::field, Law::column, Law::max_depth}) {
+        const LoopWork w = work_of_bending(first * kDegree, 0.9 * first * kDegree, tapered, law, 2048);
+        output.row(text("%g,%g,%s,%s,%.6e,%.6g,%.6g", first, 0.9 * first, finger, name_of(law), w.work,
+                        w.largest_force, w.length));
+        line += text(" %.1e |", std::fabs(w.relative()));
+      }
+      output.say(line);
+    }
+  }
+}
+
 void run_bend(Output& output) {
   output.row(std::string("mesh;roll_deg;ratio") + kSeriesHead);
   output.say(
@@ -258,9 +279,9 @@ struct Experiment {
 };
 
 constexpr Experiment kExperiments[] = {
-    {"triangles", run_triangles}, {"ridge", run_ridge},         {"slide", run_slide},
-    {"slope", run_slope},         {"fingertip", run_fingertip}, {"poke", run_poke},
-    {"hook", run_hook},           {"loop", run_loop},           {"bend", run_bend},
+    {"triangles", run_triangles},       {"ridge", run_ridge}, {"slide", run_slide}, {"slope", run_slope},
+    {"fingertip", run_fingertip},       {"poke", run_poke},   {"hook", run_hook},   {"loop", run_loop},
+    {"bending_loop", run_bending_loop}, {"bend", run_bend},
 };
 
 int run(const std::string& folder, const std::vector<std::string>& wanted) {

@@ -264,7 +264,7 @@ void set_joints(const PosedFinger& finger, Rig& rig) {
 Felt feel(Rig& rig, const Pose& X_WF) {
   rig.frame.base = X_WF;
   State state;
-  const ActuatorFrame output = tick(rig.model, state, rig.scratch, rig.frame);
+  const ActuatorFrame& output = rig.output = tick(rig.model, state, rig.scratch, rig.frame);
   Felt felt;
   felt.contacts = output.contact_count;
   felt.flags = output.flags;

@@ -68,6 +68,7 @@ struct Rig {
   Model model;
   Scratch scratch;
   DeviceFrame frame;
+  ActuatorFrame output;  ///< of the last tick
 };
 
 /// Throws where the scene can't be built. All segments follow `law`; forces are neither limited nor faded.

@@ -94,7 +94,7 @@ Spread spread_over(Cut cut, Law law, const std::vector<Posed>& fingers) {
     for (const Pose& X : {Pose{}, random.pose(0.5)}) {
       if (only_here && !(X == Pose{})) continue;
       if (cut == Cut::slivers && !(X == Pose{}))
-        spread.input = 1e-16 / (2 * kExtent / static_cast<double>(count));
+        spread.input = 2e-16 / (2 * kExtent / static_cast<double>(count));
       Rig rig = make_rig(moved(mesh, X), fingers[0].finger, law);
       for (std::size_t i = 0; i < fingers.size(); ++i) {
         const Felt felt = feel_at(rig, fingers[i], X);
