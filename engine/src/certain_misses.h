@@ -44,7 +44,7 @@ inline auto beyond_edge(Wide3<V> p, Wide3<V> q, Wide3<V> end1, Wide3<V> end2, Wi
   const Wide3<V> edge = q - p, outward = cross(edge, raw);  // |outward|^2 = |edge|^2 raw2
   const V limit = reach2 * (dot(edge, edge) * raw2);
   const V first = dot(outward, end1 - p), second = dot(outward, end2 - p);
-  return (first > zero) & (second > zero) & (first * first > limit) & (second * second > limit);
+  return both(both(first > zero, second > zero), both(first * first > limit, second * second > limit));
 }
 
 template <class V>
@@ -63,20 +63,20 @@ void certain_misses(MissTerms& terms) {
     const V raw2 = dot(raw, raw);
     const V area = root(raw2), per = quotient(one, choose(area > zero, area, one));
     const V h1 = dot(raw, end1 - a) * per, h2 = dot(raw, end2 - a) * per;
-    const auto above = (h1 > r1) & (h2 > r2);
-    const auto below = (h1 < zero - r1) & (h2 < zero - r2);
+    const auto above = both(h1 > r1, h2 > r2);
+    const auto below = both(h1 < zero - r1, h2 < zero - r2);
     const V lesser_height = lesser(magnitude(h1), magnitude(h2));
     const V least = choose(h1 * h2 > zero, lesser_height, zero) * number<V>(1 - kSlack);
     const V reach2 = greater((most - least) * (most + least), zero);
-    const auto beyond = beyond_edge(a, b, end1, end2, raw, raw2, reach2) |
-                        beyond_edge(b, c, end1, end2, raw, raw2, reach2) |
-                        beyond_edge(c, a, end1, end2, raw, raw2, reach2);
+    const auto beyond = either(beyond_edge(a, b, end1, end2, raw, raw2, reach2),
+                               either(beyond_edge(b, c, end1, end2, raw, raw2, reach2),
+                                      beyond_edge(c, a, end1, end2, raw, raw2, reach2)));
     // A thin triangle's normal is too uncertain for verdicts: twice its area against its longest edge.
     const Wide3<V> ab = b - a, ac = c - a, bc = c - b;
     const V longest = greater(dot(ab, ab), greater(dot(ac, ac), dot(bc, bc)));
     const auto sure =
-        (area > number<V>(1e-6) * longest) & (longest < number<V>(1e6)) & (area > number<V>(1e-18));
-    put(terms.miss + i, choose(sure & (above | below | beyond), one, zero));
+        both(area > number<V>(1e-6) * longest, both(longest<number<V>(1e6), area> number<V>(1e-18)));
+    put(terms.miss + i, choose(both(sure, either(either(above, below), beyond)), one, zero));
   }
 }
 

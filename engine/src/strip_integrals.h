@@ -57,16 +57,17 @@ void add_strip(const StripField<V>& f, V from, V to, StripSum<V>& sum) {
   const V zero = number<V>(0);
   const auto wanted = from < to;
   if (!some(wanted)) return;
-  const auto shallow = f.gap < number<V>(kShallowStrip) * f.level * f.level;
-  if (some(wanted & !shallow)) {
+  const auto limit = number<V>(kShallowStrip) * f.level * f.level;
+  const auto deep = f.gap >= limit, shallow = f.gap < limit;
+  if (some(both(wanted, deep))) {
     const StripSum<V> closed = closed_strip(f, from, to);
-    const auto use = wanted & !shallow;
+    const auto use = both(wanted, deep);
     sum.zeroth = sum.zeroth + choose(use, closed.zeroth, zero);
     sum.first = sum.first + choose(use, closed.first, zero);
   }
-  if (some(wanted & shallow)) {
+  if (some(both(wanted, shallow))) {
     const StripSum<V> small = shallow_strip(f, from, to);
-    const auto use = wanted & shallow;
+    const auto use = both(wanted, shallow);
     sum.zeroth = sum.zeroth + choose(use, small.zeroth, zero);
     sum.first = sum.first + choose(use, small.first, zero);
   }

@@ -30,6 +30,8 @@ inline void put(float* at, float value) { *at = value; }
 inline double choose(bool which, double yes, double no) { return which ? yes : no; }
 inline float choose(bool which, float yes, float no) { return which ? yes : no; }
 inline bool some(bool which) { return which; }
+inline bool both(bool a, bool b) { return a && b; }
+inline bool either(bool a, bool b) { return a || b; }
 inline double root(double value) { return std::sqrt(value); }
 inline float root(float value) { return std::sqrt(value); }
 inline double magnitude(double value) { return std::fabs(value); }
@@ -58,6 +60,14 @@ inline xsimd::batch<T, A> choose(xsimd::batch_bool<T, A> which, xsimd::batch<T, 
 template <class T, class A>
 inline bool some(xsimd::batch_bool<T, A> which) {
   return xsimd::any(which);
+}
+template <class T, class A>
+inline xsimd::batch_bool<T, A> both(xsimd::batch_bool<T, A> a, xsimd::batch_bool<T, A> b) {
+  return a & b;
+}
+template <class T, class A>
+inline xsimd::batch_bool<T, A> either(xsimd::batch_bool<T, A> a, xsimd::batch_bool<T, A> b) {
+  return a | b;
 }
 template <class T, class A>
 inline xsimd::batch<T, A> magnitude(xsimd::batch<T, A> value) {

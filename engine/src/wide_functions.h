@@ -7,7 +7,9 @@
 namespace lumbrical::LUMBRICAL_ISA {
 
 using wide::between;
+using wide::both;
 using wide::choose;
+using wide::either;
 using wide::get;
 using wide::greater;
 using wide::lesser;
