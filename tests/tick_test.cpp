@@ -53,7 +53,7 @@ TEST(Tick, GivesTheGoldenBitsForEveryLaw) {
   }
 }
 
-TEST(Tick, TreeAndBruteForceGiveTheSameBits) {
+TEST(Tick, TreeGridAndBruteForceGiveTheSameBits) {
   const Scene scene = test::mug_scene(Law::field);
   const auto frames = test::grasp_frames(scene.hand, 20);
   Execution brute;
@@ -67,6 +67,12 @@ TEST(Tick, TreeAndBruteForceGiveTheSameBits) {
       EXPECT_EQ(test::hash_run(test::model_of(scene, tree), frames), expected)
           << levels << " levels of " << leaf_size;
     }
+  }
+  for (const double cell_size : {0.001, 0.01, 0.1, 1.0}) {
+    Execution grid;
+    grid.broadphase = Broadphase::grid;
+    grid.cell_size = cell_size;
+    EXPECT_EQ(test::hash_run(test::model_of(scene, grid), frames), expected) << "cells of " << cell_size;
   }
 }
 
