@@ -22,24 +22,36 @@ inline Scene pressed_scene(double extent, std::uint32_t cells) {
   return scene;
 }
 
-/// Palm down, fingers straight, the lowest joint's skin `depth` [m] below z = 0. `time` 0 .. 1 moves the hand
-/// once round a small circle, so that ticks differ.
+inline double skin_height(const Hand& hand, const DeviceFrame& frame, std::size_t joint) {
+  std::array<double, kAngleCount> angles;
+  std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
+  std::array<Pose, kJointCount> pose;
+  forward_kinematics(hand, frame.base, angles, pose);
+  return pose[joint].position.z - hand.radius[joint];
+}
+
+/// Palm down, the middle knuckle's skin `depth` [m] below z = 0 and the fingers bent so that the skin of
+/// their joints is as deep, as far as the joints' limits allow. `time` 0 .. 1 moves the hand once round a
+/// small circle, so that ticks differ.
 inline DeviceFrame pressed_frame(const Hand& hand, double depth, double time) {
   DeviceFrame frame;
   frame.kind = InputKind::joint_angles;
   frame.base.orientation = {std::sqrt(0.5), std::sqrt(0.5), 0, 0};
-  const std::array<double, kAngleCount> straight{};
-  std::array<Pose, kJointCount> joint;
-  forward_kinematics(hand, frame.base, straight, joint);
-  double lowest = 1e300;
-  Vec3 middle;
-  for (std::size_t i = kThumbMetacarpal; i < kJointCount; ++i) {
-    lowest = std::min(lowest, joint[i].position.z - hand.radius[i]);
-    middle += (1.0 / (kJointCount - kThumbMetacarpal)) * joint[i].position;
+  frame.base.position.z = -depth - skin_height(hand, frame, kMiddleProximal);
+  for (std::size_t finger = 1; finger < kFingerCount; ++finger) {
+    for (std::size_t k = 1; k <= 3; ++k) {
+      const std::size_t joint = kIndexProximal + 5 * (finger - 1) + k;
+      float& flexion = frame.angle[4 * finger + k];
+      float low = -0.7f, high = 0.7f;  // bending lowers the next joint
+      for (int step = 0; step < 20; ++step) {
+        flexion = 0.5f * (low + high);
+        (skin_height(hand, frame, joint) > -depth ? low : high) = flexion;
+      }
+    }
   }
   const double angle = 2 * 3.14159265358979323846 * time;
-  frame.base.position = {0.01 * std::cos(angle) - middle.x, 0.01 * std::sin(angle) - middle.y,
-                         -depth - lowest};
+  frame.base.position.x = 0.01 * std::cos(angle);
+  frame.base.position.y = 0.01 * std::sin(angle) - 0.08;  // the fingers point along +y
   return frame;
 }
 

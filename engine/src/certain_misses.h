@@ -105,10 +105,12 @@ void certain_misses(MissTerms& terms) {
     // A thin triangle's normal is too uncertain for verdicts: twice its area against its longest edge.
     const Wide3<V> ab = b - a, ac = c - a, bc = c - b;
     const V longest = greater(dot(ab, ab), greater(dot(ac, ac), dot(bc, bc)));
-    const auto small = longest < number<V>(1e6);
-    const auto sure = (area > number<V>(1e-6) * longest) & small & (area > number<V>(1e-18));
+    const auto thick = area > number<V>(1e-6) * longest,
+               small = longest<number<V>(1e6), sizeable = area> number<V>(1e-18);
+    const auto sure = thick & small & sizeable;
     const Wide3<V> ra = a - end1, rb = b - end1, rc = c - end1;
-    const auto apart = sphere_misses(terms, ra, rb, rc) | (small & (beyond_planes(terms, ra, rb, rc) > zero));
+    const auto far = sphere_misses(terms, ra, rb, rc), cut = beyond_planes(terms, ra, rb, rc) > zero;
+    const auto apart = far | (small & cut);
     put(terms.miss + i, choose(apart | (sure & (above | below | beyond)), one, zero));
   }
 }

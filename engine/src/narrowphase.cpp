@@ -94,6 +94,7 @@ void collide_pair(const Model& model, const Primitives& hand, std::uint64_t pair
   contact.primitive = index;
   contact.triangle = triangle;
   contact.area = 0;
+  contact.error = 0;
   if (primitive.shape == Shape::prism) {
     if (!collide_prism(hand.palm, primitive.law, model.settings.point_area, a, b, c, contact))
       contact.area = 0;
