@@ -24,18 +24,20 @@ struct Rule {
 
 const Rule kRules[] = {
     {Layer::base, "engine/include/lumbrical", "math status"},
-    {Layer::base, "engine/src", "math elementary floating_point parallel hash text_cursor"},
+    {Layer::base, "engine/src", "math elementary floating_point parallel hash radix_sort text_cursor"},
 
     {Layer::model, "engine/include/lumbrical", "mesh shapes hand model contact"},
     {Layer::model, "engine/src", "mesh_* ply_header vertex_merge shapes shape_mug hand hand_from_positions"},
-    {Layer::model, "engine/src", "forward_kinematics primitive model isa sphere_tree triangle_bound"},
+    {Layer::model, "engine/src",
+     "forward_kinematics primitive model isa sphere_tree sphere_grid triangle_bound"},
 
     {Layer::motion, "engine/include/lumbrical", "device motion"},
     {Layer::motion, "engine/src", "resampler grasp_motion"},
 
     {Layer::kernels, "engine/src",
-     "section* strip_* wide_functions miss_terms certain_misses depth finger_depth gauss boundary_integral "
-     "small_region field pressure* prism field_* disc_integrals wide contact_jacobian"},
+     "sphere_query sphere_hits tree_search section* strip_* wide_functions miss_terms certain_misses depth "
+     "finger_depth gauss boundary_integral small_region field pressure* prism field_* disc_integrals wide "
+     "contact_jacobian"},
 
     {Layer::stages, "engine/src", "hand_pose broadphase narrowphase contact_force force_limits"},
 
@@ -144,7 +146,7 @@ std::vector<Include> includes_of(const fs::path& file) {
 
 // The path from the source root of a header of ours; empty for generated ones.
 std::string resolve(const std::string& name, const std::string& includer, const fs::path& root) {
-  const std::string beside = (fs::path(includer).parent_path() / name).generic_string();
+  const std::string beside = (fs::path(includer).parent_path() / name).lexically_normal().generic_string();
   for (const std::string& path :
        {beside, "engine/include/" + name, "engine/src/" + name, "tests/" + name, "bench/" + name}) {
     if (fs::exists(root / path)) return path;

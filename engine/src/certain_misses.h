@@ -1,8 +1,10 @@
-// Which triangles certainly miss a round primitive, one source for every instruction set: the plane passes it
-// by (Eq. 2 of the paper, corrected: docs/mechanics.md), or in the plane an edge or the extent of the
-// triangle separates it from the section.
+// Which triangles certainly miss a primitive, one source for every instruction set: the triangle's bounding
+// sphere is too far from the primitive's hull, all of it lies beyond one of the primitive's planes, its plane
+// passes the hull by (Eq. 2 of the paper, corrected: docs/mechanics.md), or in that plane one of its edges
+// separates it from the section.
 //
-// In doubt the answer is no: what is not finite or has no normal is left to the closer look.
+// In doubt the answer is no: what has no certain normal is left to the closer look. The answer depends on the
+// pair alone, and in double precision: every broadphase gives it the last word.
 #pragma once
 
 #include "miss_terms.h"
@@ -47,6 +49,35 @@ inline auto beyond_edge(Wide3<V> p, Wide3<V> q, Wide3<V> end1, Wide3<V> end2, Wi
   return both(both(first > zero, second > zero), both(first * first > limit, second * second > limit));
 }
 
+// Corners are relative to the first end: far from the origin nothing else keeps their digits.
+template <class V>
+inline auto sphere_misses(const MissTerms& terms, Wide3<V> a, Wide3<V> b, Wide3<V> c) {
+  const V third = number<V>(1.0 / 3), zero = number<V>(0);
+  const Wide3<V> ab = b - a, ac = c - a;
+  const Wide3<V> centre{a.x + (ab.x + ac.x) * third, a.y + (ab.y + ac.y) * third,
+                        a.z + (ab.z + ac.z) * third};
+  const Wide3<V> pa = a - centre, pb = b - centre, pc = c - centre;
+  const V radius = root(greater(dot(pa, pa), greater(dot(pb, pb), dot(pc, pc))));
+  const Wide3<V> axis{number<V>(terms.axis.x), number<V>(terms.axis.y), number<V>(terms.axis.z)};
+  const V along = between(dot(centre, axis), zero, number<V>(terms.length));
+  const Wide3<V> gap{centre.x - along * axis.x, centre.y - along * axis.y, centre.z - along * axis.z};
+  const V reach = (radius + number<V>(terms.most)) * number<V>(1 + kSlack);
+  return dot(gap, gap) > reach * reach;
+}
+
+// Is all of the triangle beyond one of the planes? The result is positive if so.
+template <class V>
+inline V beyond_planes(const MissTerms& terms, Wide3<V> a, Wide3<V> b, Wide3<V> c) {
+  V beyond = number<V>(0);
+  for (int i = 0; i < terms.plane_count; ++i) {
+    const MissTerms::Plane& plane = terms.plane[i];
+    const Wide3<V> normal{number<V>(plane.normal.x), number<V>(plane.normal.y), number<V>(plane.normal.z)};
+    const V lowest = lesser(dot(normal, a), lesser(dot(normal, b), dot(normal, c)));
+    beyond = greater(beyond, lowest - number<V>(plane.height + kSlack * terms.most));
+  }
+  return beyond;
+}
+
 template <class V>
 void certain_misses(MissTerms& terms) {
   const V zero = number<V>(0), one = number<V>(1);
@@ -74,9 +105,13 @@ void certain_misses(MissTerms& terms) {
     // A thin triangle's normal is too uncertain for verdicts: twice its area against its longest edge.
     const Wide3<V> ab = b - a, ac = c - a, bc = c - b;
     const V longest = greater(dot(ab, ab), greater(dot(ac, ac), dot(bc, bc)));
-    const auto sure =
-        both(area > number<V>(1e-6) * longest, both(longest<number<V>(1e6), area> number<V>(1e-18)));
-    put(terms.miss + i, choose(both(sure, either(either(above, below), beyond)), one, zero));
+    const auto small = longest < number<V>(1e6);
+    const auto sure = both(area > number<V>(1e-6) * longest, both(small, area > number<V>(1e-18)));
+    const Wide3<V> ra = a - end1, rb = b - end1, rc = c - end1;
+    const auto far = sphere_misses(terms, ra, rb, rc), cut = beyond_planes(terms, ra, rb, rc) > zero;
+    const auto apart = either(far, both(small, cut));
+    const auto separate = both(sure, either(either(above, below), beyond));
+    put(terms.miss + i, choose(either(apart, separate), one, zero));
   }
 }
 

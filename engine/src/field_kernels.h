@@ -4,6 +4,7 @@
 #include "field_terms.h"
 #include "lumbrical/model.h"
 #include "miss_terms.h"
+#include "sphere_query.h"
 #include "strip_terms.h"
 
 namespace lumbrical {
@@ -15,6 +16,8 @@ struct FieldKernels {
   void (*closed_terms_single)(DiscTerms<float>&);
   void (*strip_nodes)(const StripSection&, StripNodes&);
   void (*certain_misses)(MissTerms&);
+  std::size_t (*sphere_hits)(const SphereBlock* spheres, const SphereQuery&, const std::uint32_t* blocks,
+                             std::size_t block_count, std::uint32_t* hits);
 };
 
 namespace scalar {

@@ -3,6 +3,7 @@
 #include "certain_misses.h"
 #include "disc_integrals.h"
 #include "field_kernels.h"
+#include "sphere_hits.h"
 #include "strip_integrals.h"
 
 namespace lumbrical::avx512 {
@@ -10,6 +11,6 @@ namespace lumbrical::avx512 {
 using Double = xsimd::batch<double, xsimd::avx512bw>;
 using Single = xsimd::batch<float, xsimd::avx512bw>;
 const FieldKernels kFieldKernels{closed_terms<Double>, closed_terms<Single>, strip_nodes<Double>,
-                                 certain_misses<Double>};
+                                 certain_misses<Double>, sphere_hits<Single>};
 
 }  // namespace lumbrical::avx512

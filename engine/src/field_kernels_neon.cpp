@@ -3,6 +3,7 @@
 #include "certain_misses.h"
 #include "disc_integrals.h"
 #include "field_kernels.h"
+#include "sphere_hits.h"
 #include "strip_integrals.h"
 
 namespace lumbrical::neon {
@@ -10,6 +11,6 @@ namespace lumbrical::neon {
 using Double = xsimd::batch<double, xsimd::neon64>;
 using Single = xsimd::batch<float, xsimd::neon64>;
 const FieldKernels kFieldKernels{closed_terms<Double>, closed_terms<Single>, strip_nodes<Double>,
-                                 certain_misses<Double>};
+                                 certain_misses<Double>, sphere_hits<Single>};
 
 }  // namespace lumbrical::neon

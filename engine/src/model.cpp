@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "sphere_grid.h"
 #include "sphere_tree.h"
 
 namespace lumbrical {
@@ -17,8 +18,9 @@ constexpr std::array<std::pair<std::string_view, Law>, 5> kLawNames = {{
     {"centroid", Law::centroid},
     {"point", Law::point},
 }};
-constexpr std::array<std::pair<std::string_view, Broadphase>, 2> kBroadphaseNames = {{
+constexpr std::array<std::pair<std::string_view, Broadphase>, 3> kBroadphaseNames = {{
     {"tree", Broadphase::tree},
+    {"grid", Broadphase::grid},
     {"brute", Broadphase::brute},
 }};
 constexpr std::array<std::pair<std::string_view, Isa>, 6> kIsaNames = {{
@@ -74,9 +76,10 @@ Status check_execution(const Execution& execution) {
   if (execution.leaf_size < 1 || execution.leaf_size > 64)
     return out_of_range("execution.leaf_size", "1 to 64");
   if (execution.threads < 1 || execution.threads > 64) return out_of_range("execution.threads", "1 to 64");
+  if (!within(execution.cell_size, 1e-3, 1e6)) return out_of_range("execution.cell_size", "0.001 to 1e6 m");
   if (execution.tree_levels > 32) return out_of_range("execution.tree_levels", "0 to 32");
   if (name_valued(kBroadphaseNames, execution.broadphase) == "unknown") {
-    return out_of_range("execution.broadphase", "tree or brute");
+    return out_of_range("execution.broadphase", "tree, grid or brute");
   }
   if (!available(execution.isa)) {
     return Status::error("execution.isa " + std::string(isa_name(execution.isa)) +
@@ -161,7 +164,9 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
     corners->reserve(triangles);
   for (const SceneObject& object : scene.objects) add_object(object, built);
   if (execution.broadphase == Broadphase::tree) {
-    built.tree = build_tree(built.triangles, execution.leaf_size, execution.tree_levels);
+    built.tree = build_tree(built.triangles, execution);
+  } else if (execution.broadphase == Broadphase::grid) {
+    built.grid = build_grid(built.triangles, execution);
   }
   model = std::move(built);
   return {};

@@ -94,6 +94,7 @@ void collide_pair(const Model& model, const Primitives& hand, std::uint64_t pair
   contact.primitive = index;
   contact.triangle = triangle;
   contact.area = 0;
+  contact.error = 0;
   if (primitive.shape == Shape::prism) {
     if (!collide_prism(hand.palm, primitive.law, model.settings.point_area, a, b, c, contact))
       contact.area = 0;
@@ -122,45 +123,6 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
   return collide_section(primitive, query, section, boundary, contact);
 }
 
-namespace {
-
-// The triangles of candidates [first, last), which share a round primitive.
-void fill_misses(const Triangles& world, const Primitive& primitive, std::span<const std::uint64_t> pairs,
-                 MissTerms& terms) {
-  const Vec3 span = primitive.end2 - primitive.end1;
-  terms.length = norm(span);
-  terms.end1 = primitive.end1;
-  terms.axis = terms.length > 0 ? span / terms.length : Vec3{};
-  terms.radius1 = primitive.radius1;
-  terms.radius2 = primitive.radius2;
-  terms.most = max(primitive.radius1, primitive.radius2);
-  terms.count = pairs.size();
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const auto triangle = static_cast<std::uint32_t>(pairs[k]);
-    const auto set = [&](double(&corner)[3][MissTerms::kCapacity], std::uint32_t vertex) {
-      corner[0][k] = world.x[vertex];
-      corner[1][k] = world.y[vertex];
-      corner[2][k] = world.z[vertex];
-    };
-    set(terms.a, world.a[triangle]);
-    set(terms.b, world.b[triangle]);
-    set(terms.c, world.c[triangle]);
-  }
-  for (std::size_t k = pairs.size(); k % 16 != 0; ++k) {
-    for (auto* corner : {terms.a, terms.b, terms.c}) corner[0][k] = corner[1][k] = corner[2][k] = 0;
-  }
-}
-
-// Candidates from `first` on that share its primitive, up to `last` and to what the kernels take at a time.
-std::size_t run_length(std::span<const std::uint64_t> candidates, std::size_t first, std::size_t last) {
-  std::size_t end = first;
-  while (end < last && end - first < MissTerms::kCapacity && candidates[end] >> 32 == candidates[first] >> 32)
-    ++end;
-  return end - first;
-}
-
-}  // namespace
-
 std::uint32_t find_contacts(const Model& model, const Primitives& hand,
                             std::span<const std::uint64_t> candidates, std::span<Contact> contacts) {
   // Every pair has a slot of its own, so the order of the work doesn't matter.
@@ -168,24 +130,8 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
   const auto work = [&](std::size_t first, std::size_t last) {
     Boundary boundary;
     FieldBatch batch(kernels);
-    MissTerms misses;
-    for (std::size_t i = first; i < last;) {
-      const std::size_t length = run_length(candidates, i, last);
-      const Primitive& primitive = hand.primitive[candidates[i] >> 32];
-      const bool round = primitive.shape == Shape::round;
-      if (round) {
-        fill_misses(model.triangles, primitive, candidates.subspan(i, length), misses);
-        kernels.certain_misses(misses);
-      }
-      for (std::size_t k = 0; k < length; ++k) {
-        if (round && misses.miss[k] != 0) {
-          contacts[i + k].area = 0;
-        } else {
-          collide_pair(model, hand, candidates[i + k], batch, boundary, contacts[i + k]);
-        }
-      }
-      i += length;
-    }
+    for (std::size_t i = first; i < last; ++i)
+      collide_pair(model, hand, candidates[i], batch, boundary, contacts[i]);
     finish_batch(batch);
   };
   const std::uint32_t threads = candidates.size() < kSerialBelow ? 1 : model.execution.threads;

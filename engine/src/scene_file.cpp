@@ -68,12 +68,13 @@ void read_execution(const format::Execution* table, FieldReader& read, Execution
   if (table == nullptr) return;
   read.count(table->tree_levels(), "execution.tree_levels", 0, 32, execution.tree_levels);
   read.count(table->leaf_size(), "execution.leaf_size", 1, 64, execution.leaf_size);
+  read.number(table->cell_size(), "execution.cell_size", {1e-3, 1e6}, execution.cell_size);
   read.count(table->threads(), "execution.threads", 1, 64, execution.threads);
   if (table->broadphase() == nullptr) return;
   if (const auto parsed = parse_broadphase(table->broadphase()->string_view())) {
     execution.broadphase = *parsed;
   } else {
-    read.error("execution.broadphase", "is no search this version has; use \"tree\" or \"brute\"");
+    read.error("execution.broadphase", "is no search this version has; use \"tree\", \"grid\" or \"brute\"");
   }
 }
 

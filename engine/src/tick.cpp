@@ -1,8 +1,6 @@
 // The tick: one stage after the other, each a function of the data before it.
 #include "lumbrical/tick.h"
 
-#include <algorithm>
-
 #include "broadphase.h"
 #include "contact_force.h"
 #include "floating_point.h"
@@ -10,7 +8,6 @@
 #include "hand_pose.h"
 #include "hash.h"
 #include "narrowphase.h"
-#include "sphere_tree.h"
 
 namespace lumbrical {
 namespace {
@@ -97,11 +94,8 @@ std::string_view stage_name(Stage stage) {
 Scratch make_scratch(const Model& model) {
   Scratch scratch;
   scratch.primitives = std::make_shared<Primitives>();
-  const std::size_t all_pairs = Primitives::kMaxCount * model.triangles.size();
-  const std::size_t capacity = std::min<std::size_t>(model.settings.max_candidates, all_pairs);
-  scratch.candidates.resize(capacity);
-  scratch.contacts.resize(capacity);
-  for (auto& frontier : scratch.frontier) frontier.resize(frontier_capacity(model.tree));
+  size_candidates(model, scratch);
+  scratch.contacts.resize(scratch.candidates.size());
   return scratch;
 }
 

@@ -32,6 +32,7 @@ inline float choose(bool which, float yes, float no) { return which ? yes : no; 
 inline bool some(bool which) { return which; }
 inline bool both(bool a, bool b) { return a && b; }
 inline bool either(bool a, bool b) { return a || b; }
+inline unsigned bits_of(bool which, float) { return which ? 1u : 0u; }
 inline double root(double value) { return std::sqrt(value); }
 inline float root(float value) { return std::sqrt(value); }
 inline double magnitude(double value) { return std::fabs(value); }
@@ -60,6 +61,31 @@ inline xsimd::batch<T, A> choose(xsimd::batch_bool<T, A> which, xsimd::batch<T, 
 template <class T, class A>
 inline bool some(xsimd::batch_bool<T, A> which) {
   return xsimd::any(which);
+}
+// One bit per lane of floats, the first the lowest.
+template <class A>
+inline unsigned bits_of(xsimd::batch_bool<float, A> which, xsimd::batch<float, A> zero) {
+#if defined(__x86_64__)
+  if constexpr (Lanes<xsimd::batch<float, A>>::kCount == 4) {
+    return static_cast<unsigned>(_mm_movemask_ps(which.data));
+#if defined(__AVX__)
+  } else if constexpr (Lanes<xsimd::batch<float, A>>::kCount == 8) {
+    return static_cast<unsigned>(_mm256_movemask_ps(which.data));
+#endif
+#if defined(__AVX512F__)
+  } else {
+    return static_cast<unsigned>(which.data);
+#endif
+  }
+  static_cast<void>(zero);
+#else
+  constexpr std::size_t kCount = Lanes<xsimd::batch<float, A>>::kCount;
+  alignas(64) float lane[kCount];
+  xsimd::select(which, zero + 1.0f, zero).store_aligned(lane);
+  unsigned bits = 0;
+  for (std::size_t k = 0; k < kCount; ++k) bits |= static_cast<unsigned>(lane[k] != 0) << k;
+  return bits;
+#endif
 }
 template <class T, class A>
 inline xsimd::batch_bool<T, A> both(xsimd::batch_bool<T, A> a, xsimd::batch_bool<T, A> b) {

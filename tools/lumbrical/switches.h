@@ -34,11 +34,11 @@ inline CLI::Validator is_law() {
 /// Searches that the command line knows but this version has not.
 inline CLI::Validator is_broadphase() {
   return {[](std::string& text) -> std::string {
-            if (text == "tree" || text == "brute") return {};
-            if (text == "grid" || text == "voxel") return text + " is not built yet; use tree or brute";
-            return "\"" + text + "\" is not a search; use tree or brute";
+            if (parse_broadphase(text)) return {};
+            if (text == "voxel") return text + " is not built yet; use tree, grid or brute";
+            return "\"" + text + "\" is not a search; use tree, grid or brute";
           },
-          "tree|brute"};
+          "tree|grid|brute"};
 }
 
 /// Settings::tolerance by name or number.
