@@ -34,6 +34,10 @@ inline void add_closest_approach(double a, double b, double c, Singularities& si
   if (a > 0) singularities.add(-b / a, std::sqrt(max(0, c / a - b / a * (b / a))));
 }
 
+/// Shorter than this, in t, an interval holds too little to be worth cutting up; and between two singularities that are
+/// neighbours in floating point there would be no end of it.
+inline constexpr double kShortest = 1e-13;
+
 /// Calls f(t, weight) at nodes for the integral over lower <= t <= upper.
 template <class F>
 void graded_nodes(double lower, double upper, const Singularities& singularities, F&& f) {
@@ -59,7 +63,7 @@ void graded_nodes(double lower, double upper, const Singularities& singularities
   };
   // n nodes leave about (2 + 4 d / length)^(-2 n) with d the distance to the nearest singularity.
   const double near = 1.5 * length, nearest = min(left, right);
-  if (left < near && right < near) {
+  if (left < near && right < near && length > kShortest) {
     const double middle = 0.5 * (lower + upper);
     graded_nodes(lower, middle, singularities, f);
     graded_nodes(middle, upper, singularities, f);
