@@ -49,6 +49,7 @@ const Rule kRules[] = {
     {Layer::program, "tools/lumbrical", "*"},
     {Layer::program, "examples", "*"},
     {Layer::test, "tests", "*"},
+    {Layer::test, "tests/reference", "*"},
     {Layer::test, "bench", "*"},
 };
 
@@ -98,6 +99,7 @@ const Outside kOutside[] = {
     {"CLI/.*", "tools/.*"},
     {"gtest/.*", "tests/.*"},
     {"benchmark/.*", "bench/.*"},
+    {"boost/(multiprecision|math)/.*", "tests/reference/.*"},
 };
 
 bool matches(const std::string& text, const char* pattern) {
@@ -143,7 +145,7 @@ std::vector<Include> includes_of(const fs::path& file) {
 // The path from the source root of a header of ours; empty for generated ones.
 std::string resolve(const std::string& name, const std::string& includer, const fs::path& root) {
   const std::string beside = (fs::path(includer).parent_path() / name).generic_string();
-  for (const std::string& path : {beside, "engine/include/" + name, "engine/src/" + name}) {
+  for (const std::string& path : {beside, "engine/include/" + name, "engine/src/" + name, "tests/" + name}) {
     if (fs::exists(root / path)) return path;
   }
   return {};
