@@ -1,5 +1,5 @@
 // The hard cases with their physical values: closed forms worked out by hand, or the brute-force reference of
-// contact_reference.h. tests/hard_cases_test.cpp asks of more of them that they stay finite.
+// reference/contact.h. tests/hard_cases_test.cpp asks of more of them that they stay finite.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "contact_reference.h"
+#include "contact_pairs.h"
 #include "lumbrical/probe.h"
 #include "lumbrical/shapes.h"
 #include "scenes.h"
@@ -42,6 +42,11 @@ Seen see(const Mesh& mesh, const ProbePrimitive& primitive, Law law) {
   }
   seen.contacts = contacts.size();
   return seen;
+}
+
+reference::Contact<long double> in_reference(const ProbePrimitive& primitive, Vec3 a, Vec3 b, Vec3 c) {
+  return reference::contact<long double>(test::to_reference(primitive),
+                                         test::to_reference(std::array<Vec3, 3>{a, b, c}));
 }
 
 Mesh triangle(Vec3 a, Vec3 b, Vec3 c) { return {{a, b, c}, {{0, 1, 2}}}; }
@@ -85,7 +90,8 @@ TEST(HardValue, TrianglesOfAMicrometreFeelTheFieldWhereTheyAre) {
       const Mesh mesh = triangle(at, at + Vec3{size, 0, 0}, at + Vec3{0, size, 0});
       const Vec3 centre = at + Vec3{size / 3, size / 3, 0};
       for (const ProbePrimitive& p : {sphere(), capsule({0, 0, kH}, {kLong, 0, 2 * kH})}) {
-        const double phi = test::reference_field(p, centre);
+        const double phi = static_cast<double>(
+            reference::field_at<long double>(test::to_reference(p), test::to_reference(centre)));
         const Seen seen = see(mesh, p, Law::field);
         const auto& v = mesh.vertices;  // as rounded
         EXPECT_NEAR(seen.area / (0.5 * norm(cross(v[1] - v[0], v[2] - v[0]))), 1, 1e-12);
@@ -168,8 +174,9 @@ TEST(HardValue, EdgesThroughTheCentreVerticesOnTheBoundaryAndTangentEdges) {
     EXPECT_NEAR(seen.area, c.area, 1e-12 * disc) << c.name;
     const auto& v = c.mesh.vertices;
     const double expected = c.volume > 0 ? c.volume
-                            : c.area > 0 ? test::contact_reference(sphere(), v[0], v[1], v[2]).field
-                                         : 0;
+                            : c.area > 0
+                                ? static_cast<double>(in_reference(sphere(), v[0], v[1], v[2]).field.amount)
+                                : 0;
     EXPECT_NEAR(seen.volume, expected, 1e-12 * volume) << c.name;
   }
   // A whole turn of triangles round the centre, at any number of them and any start.
@@ -276,10 +283,10 @@ TEST(HardValue, ApexOfAConeOfTheMesh) {
       EXPECT_EQ(seen.contacts, static_cast<std::size_t>(sides));
       double expected = 0;  // all sides are alike
       const auto& v = cone.vertices;
-      const auto one = test::contact_reference(p, v[0], v[1], v[2]);
-      expected = sides * one.field;
+      const auto one = in_reference(p, v[0], v[1], v[2]);
+      expected = sides * static_cast<double>(one.field.amount);
       EXPECT_NEAR(seen.volume / expected, 1, 1e-10) << sides;
-      EXPECT_NEAR(seen.force.z / (expected * one.normal.z), 1, 1e-10);
+      EXPECT_NEAR(seen.force.z / (expected * static_cast<double>(one.normal.z)), 1, 1e-10);
       EXPECT_LT(std::hypot(seen.force.x, seen.force.y), 1e-12 * seen.force.z);
     }
   }
@@ -302,10 +309,10 @@ TEST(HardValue, ApexOfAConeOfTheFinger) {
   const auto& v = plane.vertices;
   const Vec3 tip{0.0005, 0.0003, -0.001};
   const ProbePrimitive oblique = capsule(tip + kLong * Vec3{0.8, 0.36, 0.48}, tip, kR, 1e-9);
-  const auto expected = test::contact_reference(oblique, v[0], v[1], v[2]);
+  const auto expected = in_reference(oblique, v[0], v[1], v[2]);
   const Seen seen = see(plane, oblique, Law::field);
-  EXPECT_NEAR(seen.area, expected.area, 1e-12 * kR * kR);
-  EXPECT_NEAR(seen.volume, expected.field, 1e-11 * kR * kR * kR);
+  EXPECT_NEAR(seen.area, static_cast<double>(expected.area.amount), 1e-12 * kR * kR);
+  EXPECT_NEAR(seen.volume, static_cast<double>(expected.field.amount), 1e-11 * kR * kR * kR);
 }
 
 TEST(HardValue, NumbersThatAreNotFiniteAreRefusedOrFlagged) {

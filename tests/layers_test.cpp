@@ -52,6 +52,7 @@ const Rule kRules[] = {
     {Layer::program, "tools/lumbrical", "*"},
     {Layer::program, "examples", "*"},
     {Layer::test, "tests", "*"},
+    {Layer::test, "tests/reference", "*"},
     {Layer::test, "bench", "*"},
 };
 
