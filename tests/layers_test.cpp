@@ -36,7 +36,8 @@ const Rule kRules[] = {
 
     {Layer::kernels, "engine/src",
      "sphere_query sphere_hits tree_search section* strip_* wide_functions miss_terms certain_misses depth "
-     "finger_depth gauss boundary_integral small_region field pressure* prism field_* disc_integrals wide "
+     "finger_depth gauss boundary_integral small_region field pressure* prism field_* stated_errors "
+     "triangle_rules point_rules round_* disc_integrals cone_integrals cone_slivers wide wide_geometry "
      "contact_jacobian"},
 
     {Layer::stages, "engine/src", "hand_pose broadphase narrowphase contact_force force_limits"},
