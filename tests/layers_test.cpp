@@ -104,6 +104,7 @@ const Outside kOutside[] = {
     {"CLI/.*", "tools/.*"},
     {"(gtest|boost)/.*", "tests/.*"},
     {"benchmark/.*", "bench/.*"},
+    {"(btBulletCollisionCommon[.]h|fcl/.*|ode/ode[.]h|embree3/.*)", "bench/peer_\\w+[.]cpp"},
 };
 
 bool matches(const std::string& text, const char* pattern) {
