@@ -26,9 +26,10 @@ struct VoxelReport {
 /// Nothing, unless the model's broadphase is voxel.
 std::optional<VoxelReport> voxel_report(const Model& model);
 
-/// [m] from the point to the nearest triangle, negative inside: to rounding within a voxel of the surface, then off by up to
-/// 0.6 voxels, and no more than three voxels. Where solids overlap, the sign within a voxel of a surface is that surface's
-/// own. Nothing where the index has no distance or there is no index. `p` [m] in W, finite.
+/// [m] from the point to the nearest triangle, negative inside: to rounding within a voxel of the surface,
+/// then off by up to 0.6 voxels, and no more than three voxels. Where solids overlap, the sign within a voxel
+/// of a surface is that surface's own. Nothing where the index has no distance or there is no index. `p` [m]
+/// in W, finite.
 std::optional<double> signed_distance(const Model& model, Vec3 p);
 
 }  // namespace lumbrical
