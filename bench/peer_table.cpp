@@ -42,14 +42,15 @@ std::string to_markdown(const PeerReport& report) {
       report.cpu.c_str(), report.compiler.c_str(), report.flags.c_str(), report.isa.c_str());
   text += report.command + "\n```\n\n";
   text += print(
-      "Every contender does each of %d poses in turn, all in one run; a sample is one tick. Ours is "
+      "Every contender does each of %d poses in turn, all in one run; a sample is one tick, in %s time. Ours "
+      "is "
       "the whole tick: hand pose, search, exact area, volume and moments, forces, torques. The others "
       "are given posed capsules and only find contacts; \"+ scalar area\" adds the exact area, its "
       "centroid and the depth there. Missed and extra are triangles, against brute force; those within"
       " 1 um of touching count as neither. Errors are of the hand's whole area and force in the worst "
       "pose, relative to the exact pressure field's. What has no area gets the sum of depth times "
       "normal, scaled by the constant that fits the scene's poses best.\n\n",
-      report.poses);
+      report.poses, report.processor_time ? "processor" : "wall-clock");
   text +=
       "| scene | triangles | touched | contender | median us | p99 us | times ours | contacts | missed "
       "| extra | area error | force error | build ms |\n"
@@ -59,10 +60,11 @@ std::string to_markdown(const PeerReport& report) {
 }
 
 std::string to_json(const PeerReport& report) {
-  std::string text = "{\n  \"cpu\": " + quoted(report.cpu) + ",\n  \"compiler\": " + quoted(report.compiler) +
-                     ",\n  \"flags\": " + quoted(report.flags) + ",\n  \"isa\": " + quoted(report.isa) +
-                     ",\n  \"command\": " + quoted(report.command) +
-                     ",\n  \"poses\": " + std::to_string(report.poses) + ",\n  \"rows\": [";
+  std::string text =
+      "{\n  \"cpu\": " + quoted(report.cpu) + ",\n  \"compiler\": " + quoted(report.compiler) +
+      ",\n  \"flags\": " + quoted(report.flags) + ",\n  \"isa\": " + quoted(report.isa) +
+      ",\n  \"command\": " + quoted(report.command) + ",\n  \"poses\": " + std::to_string(report.poses) +
+      ",\n  \"clock\": " + quoted(report.processor_time ? "processor" : "wall") + ",\n  \"rows\": [";
   const char* separator = "\n";
   for (const PeerRow& row : report.rows) {
     text += separator;

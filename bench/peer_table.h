@@ -25,6 +25,7 @@ struct PeerRow {
 struct PeerReport {
   std::string cpu, compiler, flags, isa, command;
   int poses = 0;
+  bool processor_time = false;  ///< else by the clock on the wall
   std::vector<PeerRow> rows;
 };
 

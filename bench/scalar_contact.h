@@ -110,11 +110,30 @@ inline double depth_in(const Primitive& phalanx, Vec3 p) {
   return phalanx.radius1 - norm(from - (square > 0 ? clamp(dot(from, axis) / square, 0, 1) : 0) * axis);
 }
 
+inline bool is_cut(const Primitive& phalanx, Vec3 a, Vec3 b, Vec3 c) {
+  for (int k = 0; k < phalanx.cut_count; ++k) {
+    const HalfSpace& cut = phalanx.cut[static_cast<std::size_t>(k)];
+    for (const Vec3 p : {a, b, c}) {
+      if (dot(cut.normal, p - cut.point) > 0) return true;
+    }
+  }
+  return false;
+}
+
 /// False where they have no area in common. The cut planes bound the phalanx' share of the finger.
 inline bool scalar_contact(const Primitive& phalanx, Vec3 a, Vec3 b, Vec3 c, ScalarContact& contact) {
+  const Vec3 middle = (a + b + c) / 3.0;
+  const double depth = depth_in(phalanx, middle);
+  const Vec3 to_a = a - middle, to_b = b - middle, to_c = c - middle;
+  const double square = max(dot(to_a, to_a), max(dot(to_b, to_b), dot(to_c, to_c)));
+  if (depth < 0 && depth * depth > square) return false;
   const Vec3 raw = cross(b - a, c - a);
   const double doubled = norm(raw);
   if (!(doubled > 0)) return false;
+  if (depth > 0 && depth * depth >= square && !is_cut(phalanx, a, b, c)) {
+    contact = {0.5 * doubled, depth};
+    return true;
+  }
   const Vec3 n = raw / doubled;
   const double radius = phalanx.radius1, length = norm(phalanx.end2 - phalanx.end1);
   Vec3 end = phalanx.end1, axis = length > 0 ? (phalanx.end2 - phalanx.end1) / length : Vec3{};
