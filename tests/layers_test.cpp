@@ -26,10 +26,10 @@ const Rule kRules[] = {
     {Layer::base, "engine/include/lumbrical", "math status"},
     {Layer::base, "engine/src", "math elementary floating_point parallel hash radix_sort text_cursor"},
 
-    {Layer::model, "engine/include/lumbrical", "mesh shapes hand model contact"},
+    {Layer::model, "engine/include/lumbrical", "mesh shapes hand model contact voxel"},
     {Layer::model, "engine/src", "mesh_* ply_header vertex_merge shapes shape_mug hand hand_from_positions"},
     {Layer::model, "engine/src",
-     "forward_kinematics primitive model isa sphere_tree sphere_grid triangle_bound"},
+     "forward_kinematics primitive model isa sphere_tree sphere_grid triangle_* voxel_*"},
 
     {Layer::motion, "engine/include/lumbrical", "device motion"},
     {Layer::motion, "engine/src", "resampler grasp_motion"},
@@ -93,6 +93,7 @@ struct Outside {
 const Outside kOutside[] = {
     {"(oneapi/)?tbb/.*", "engine/src/parallel[.]cpp"},
     {"xsimd/.*", "engine/src/wide[.]h"},
+    {"openvdb/.*", "engine/src/voxel_grid_openvdb[.]cpp"},
     {"(xmmintrin|immintrin|cfenv)([.]h)?", "engine/src/floating_point[.].*"},
     {"flatbuffers/.*",
      "engine/src/"
@@ -104,6 +105,7 @@ const Outside kOutside[] = {
     {"CLI/.*", "tools/.*"},
     {"(gtest|boost)/.*", "tests/.*"},
     {"benchmark/.*", "bench/.*"},
+    {"(btBulletCollisionCommon[.]h|fcl/.*|ode/ode[.]h|embree3/.*)", "bench/peer_\\w+[.]cpp"},
 };
 
 bool matches(const std::string& text, const char* pattern) {

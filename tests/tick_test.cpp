@@ -91,19 +91,24 @@ TEST(Tick, AnyNumberOfThreadsGivesTheSameBits) {
 TEST(Tick, AllocatesNothing) {
   for (const Law law : {Law::field, Law::column, Law::max_depth, Law::centroid, Law::point}) {
     const Scene scene = test::mug_scene(law);
-    const Model model = test::model_of(scene);
     const auto frames = test::grasp_frames(scene.hand, 50);
-    State state;
-    Scratch scratch = make_scratch(model);
-    allocations = 0;
-    trap_allocations = true;
-    std::array<SegmentJacobian, kSegmentCount> jacobians;
-    for (const DeviceFrame& frame : frames) {
-      tick(model, state, scratch, frame);
-      segment_jacobians(model, scratch, jacobians);
+    for (const Broadphase broadphase : {Broadphase::tree, Broadphase::grid, Broadphase::voxel}) {
+      if (!available(broadphase)) continue;
+      Execution execution;
+      execution.broadphase = broadphase;
+      const Model model = test::model_of(scene, execution);
+      State state;
+      Scratch scratch = make_scratch(model);
+      allocations = 0;
+      trap_allocations = true;
+      std::array<SegmentJacobian, kSegmentCount> jacobians;
+      for (const DeviceFrame& frame : frames) {
+        tick(model, state, scratch, frame);
+        segment_jacobians(model, scratch, jacobians);
+      }
+      trap_allocations = false;
+      EXPECT_EQ(allocations, 0) << law_name(law) << ", " << broadphase_name(broadphase);
     }
-    trap_allocations = false;
-    EXPECT_EQ(allocations, 0) << law_name(law);
   }
 }
 
