@@ -53,6 +53,7 @@ const Rule kRules[] = {
     {Layer::program, "examples", "*"},
     {Layer::test, "tests", "*"},
     {Layer::test, "tests/reference", "*"},
+    {Layer::test, "tests/golden", "*"},
     {Layer::test, "bench", "*"},
 };
 
