@@ -42,12 +42,12 @@ const Rule kRules[] = {
     {Layer::stages, "engine/src", "hand_pose broadphase narrowphase contact_force force_limits"},
 
     {Layer::engine, "engine/include/lumbrical", "tick probe jacobian"},
-    {Layer::engine, "engine/src", "tick probe jacobian"},
+    {Layer::engine, "engine/src", "tick tick_trace probe jacobian"},
 
     {Layer::session, "engine/include/lumbrical", "recording scene_file"},
     {Layer::session, "engine/src", "motion_* json_file scene_file scene_parts"},
-    {Layer::session, "engine/src", "mcap_* ring recorder recording_* record_fields replay output_file"},
-    {Layer::session, "engine/src", "session_message tick_message"},
+    {Layer::session, "engine/src", "mcap_* ring recorder recording_* record_fields replay* output_file text_output"},
+    {Layer::session, "engine/src", "session_message tick_message build_text what_if"},
 
     {Layer::program, "tools/lumbrical", "*"},
     {Layer::program, "examples", "*"},

@@ -125,8 +125,10 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   McapWriterOptions mcap_options;
   mcap_options.compression = options.compression;
   mcap_options.chunk_time = static_cast<std::uint64_t>(options.chunk_seconds * 1e9);
+  std::map<std::string, std::string> metadata = options.metadata;
+  metadata.emplace("build", build_text());
   Status status = open_recording(path, OutputFile::Place::beside_existing, scene.settings.rate, session,
-                                 options.metadata, mcap_options, writer->mcap);
+                                 metadata, mcap_options, writer->mcap);
   if (!status.ok()) return status;
   try {
     writer->thread = std::thread([raw = writer.get()] { raw->run(); });

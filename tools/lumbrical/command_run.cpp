@@ -166,6 +166,11 @@ void add_flags(const RunStatistics& run, Table& table) {
   }
 }
 
+std::string execution_text(const Execution& execution) {
+  return std::string(isa_name(execution.isa)) + ", " + std::string(broadphase_name(execution.broadphase)) +
+         ", " + std::to_string(execution.threads) + " thread(s)";
+}
+
 std::string run_text(const RunOptions& options, const Model& model, const RunStatistics& run) {
   const TickTimes& times = run.tick_times;
   Table table;
@@ -209,7 +214,9 @@ int run(const RunOptions& options) {
   if (recording) {
     RecorderOptions recorder_options;
     recorder_options.wait_when_full = !paced;
-    recorder_options.metadata = {{"scene_file", options.scene}, {"program", "lumbrical " LUMBRICAL_VERSION}};
+    recorder_options.metadata = {{"scene_file", options.scene},
+                                 {"program", "lumbrical " LUMBRICAL_VERSION},
+                                 {"execution", execution_text(model.execution)}};
     status = recorder.open(options.record, scene_of(model), recorder_options);
     if (!status.ok()) return fail(status);
   }

@@ -38,7 +38,7 @@ struct RecorderOptions {
   bool wait_when_full =
       true;  ///< lockstep waits for the writer; otherwise (live) the gap is marked in the file
   std::map<std::string, std::string>
-      metadata;  ///< free text for the file's metadata record, e.g. start time, build
+      metadata;  ///< free text for the file's metadata record, e.g. start time; "build" is added
 };
 
 /// Writes ticks to a file from a thread of its own. The tick thread only copies into a ring.
@@ -86,7 +86,17 @@ struct Divergence {
       field;  ///< e.g. "joint[7].position[1]", "segment[3].force.x", or "hash" where only a hash differs
   std::string recorded;  ///< the value as text, exact (floats round-trip)
   std::string replayed;
+  /// The pair or primitive the field is of. Known where this machine, computing in the plainest way, still
+  /// gives what was recorded; so not for what went wrong elsewhere (see ReplayOptions::trace).
+  std::optional<std::uint32_t> primitive{}, triangle{};
+  /// How many representable numbers one value is away from the other; none for whole numbers and NaNs.
+  std::optional<std::uint64_t> ulp{};
+  std::string recorded_build{};  ///< build_text of who recorded, as far as the file tells
+  std::string replayed_build{};
 };
+
+/// Which build of the library this is: version, compiler, optimised or not, processor.
+std::string build_text();
 
 /// Reads a recording chunk by chunk: memory stays bounded however long the session was. Every byte is
 /// distrusted: lengths, offsets and checksums are verified before use.
@@ -131,18 +141,53 @@ struct ReplayOptions {
   std::optional<Law> law;           ///< "what if": replaces the recorded law of every segment
   std::optional<double> stiffness;  ///< [N/m^3]
   std::optional<double> tolerance;  ///< Settings::tolerance
+  /// "What if": objects by their names in the scene; other meshes take their places, in the world frame [m].
+  std::map<std::string, Mesh> mesh;
+  /// Writes the intermediate values of a tick as text, a line per number, to this file ("-": standard
+  /// output), for comparison with the same on another machine: of `trace_tick`, or where none is given of the
+  /// first tick that differs (none, nothing is written).
+  std::string trace;
+  std::optional<std::uint64_t> trace_tick;
+  std::optional<Stage> trace_stage;  ///< this one only; none: all of a given tick, the one that differs
   std::function<void(std::uint64_t done, std::uint64_t all)> progress;  ///< may be empty
 };
 
 struct ReplayResult {
   std::uint64_t ticks = 0;                     ///< compared
   std::optional<Divergence> first_divergence;  ///< none: identical, bit for bit
+  double recorded_time = 0;  ///< [s] of all those ticks, as recorded on whatever machine that was
+  double replayed_time = 0;  ///< [s] of all those ticks here; 0 where no engine runs
 };
 
 /// Runs the recorded inputs through the engine again, from the file alone, and compares every output bit, up
 /// to the first divergence. An error where ticks are missing (live recordings with gaps), since the state
 /// behind a gap is unknown, and where the file holds none.
 Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResult& result);
+
+/// By how much one quantity of a what-if replay is off the recording, over all ticks.
+struct Change {
+  double max = 0;
+  double rms = 0;
+  std::uint64_t max_tick = 0;  ///< where the largest was
+};
+
+/// What another law, stiffness, mesh, precision or search would have changed.
+struct WhatIfResult {
+  std::uint64_t ticks = 0;
+  std::array<Change, kFingerCount + 1> force;  ///< [N] |difference| per finger (its segments' sum) and palm
+  /// The same in just-noticeable differences of the recorded force: 7 % of it, and never less than 7 % of
+  /// 0.5 N, since of smaller forces people notice only larger shares. Above 1 it may be felt.
+  std::array<Change, kFingerCount + 1> force_jnd;
+  std::array<std::uint64_t, kFingerCount + 1> felt_ticks{};  ///< in which it is above 1
+  std::array<Change, kSegmentCount> torque;                  ///< [N m] about each segment's base joint
+  double recorded_time = 0;  ///< [s] mean per tick as recorded, on whatever machine that was
+  double baseline_time = 0;  ///< [s] mean per tick of the recorded scene here, searched by the default
+  double changed_time = 0;   ///< [s] mean per tick of the changed scene here
+};
+
+/// Runs the recorded inputs through the changed scene, and through the recorded one for the time it takes
+/// here. Errors as of replay.
+Status what_if(RecordingReader& reader, const ReplayOptions& options, WhatIfResult& result);
 
 /// Compares two recordings tick by tick without running the engine, up to the first divergence: `recorded` is
 /// from a, `replayed` from b, "none" where b or a has ended. Measured durations are not compared.
