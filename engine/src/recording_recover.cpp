@@ -13,6 +13,7 @@
 #include "mcap_reader.h"
 #include "recorder.h"
 #include "session_message.h"
+#include "state_message.h"
 #include "tick_message.h"
 
 namespace lumbrical {
@@ -44,7 +45,8 @@ bool begins_record(Bytes head, std::uint64_t room, RecordPlace& place) {
     payload = fields.u64();
   } else if (place.opcode == Opcode::attachment) {
     fields.take(2 * sizeof(std::uint64_t));  // times
-    if (fields.text() != kSessionAttachment) return false;
+    const std::string name = fields.text();
+    if (name != kSessionAttachment && name != kStateAttachment) return false;
     fields.text();  // media type
     payload = fields.u64();
     behind = sizeof(std::uint32_t);  // checksum
@@ -92,7 +94,7 @@ class Recovery {
 
   InputFile file_;
   Scene scene_;
-  std::vector<std::uint8_t> session_;
+  std::vector<std::uint8_t> session_, state_;
   std::map<std::string, std::string> metadata_;
   std::optional<Compression> compression_;
   std::vector<std::uint8_t> content_;
@@ -112,11 +114,15 @@ Status Recovery::find_session() {
     if (Status status = find_next(file_, offset, place, found); !status.ok()) return status;
     if (!found) break;
     offset = place.end();
-    if (place.opcode == Opcode::attachment && session_.empty()) {
+    if (place.opcode == Opcode::attachment) {
       Attachment attachment;
-      const bool whole = load_attachment(file_, place, content_, attachment).ok() &&
-                         decode_session(attachment.data, scene_).ok();
-      if (whole) session_.assign(attachment.data.begin(), attachment.data.end());
+      State state;
+      if (!load_attachment(file_, place, content_, attachment).ok()) continue;
+      const Bytes data = attachment.data;
+      if (attachment.name == kStateAttachment && decode_state(data, state).ok())
+        state_.assign(data.begin(), data.end());
+      if (attachment.name == kSessionAttachment && session_.empty() && decode_session(data, scene_).ok())
+        session_.assign(data.begin(), data.end());
     } else if (place.opcode == Opcode::metadata) {
       Metadata metadata;
       if (read_content(file_, place, content_).ok() && parse(content_, metadata))
@@ -177,8 +183,8 @@ Status Recovery::copy_ticks(const std::string& output) {
   McapWriter writer;
   McapWriterOptions options;
   options.compression = compression_.value_or(Compression::lz4);
-  Status status = open_recording(output, OutputFile::Place::beside, scene_.settings.rate, session_, metadata_,
-                                 options, writer);
+  Status status = open_recording(output, OutputFile::Place::beside, scene_.settings.rate, session_, state_,
+                                 metadata_, options, writer);
   bool found = true;
   for (std::uint64_t offset = 0; status.ok() && found;) {
     RecordPlace place;

@@ -151,6 +151,7 @@ Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResul
   if (reader.info().ticks == 0)
     return broken(reader, "the recording holds no tick; there is nothing to replay");
 
+  run.state = reader.initial_state();
   run.scratch = make_scratch(run.model);
   TickRecord recorded;
   for (;;) {

@@ -66,6 +66,7 @@ class WhatIf {
     plain.broadphase = Execution{}.broadphase;
     Status status = changed_.build(scene, options.execution);
     if (status.ok()) status = baseline_.build(reader.scene(), plain);
+    changed_.state = baseline_.state = reader.initial_state();
     return status.ok() ? status : Status::error(reader.info().path + ": " + status.message());
   }
 

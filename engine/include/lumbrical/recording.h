@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -111,8 +112,12 @@ class RecordingReader {
   Status open(const std::string& path);
   [[nodiscard]] const RecordingInfo& info() const;
   [[nodiscard]] const Scene& scene() const;
+  /// The state before the first tick: not the default only where the file is a later part of a session.
+  [[nodiscard]] const State& initial_state() const;
   /// The next record in the order of the file. `end` tells that there is none; an error names the byte.
   Status next(TickRecord& record, bool& end);
+  /// The message next() has read the record from, byte for byte; valid until the next call.
+  [[nodiscard]] std::span<const std::uint8_t> message() const;
   /// Whether the input of the record next() has just returned (device frame, tick number) was changed after
   /// it was recorded: `recorded` is then the original value of the field, `replayed` the present one. Every
   /// message carries a check that finds any change and names the field if it was the only one ("several"
@@ -135,6 +140,27 @@ Status verify_recording(const std::string& path, RecordingInfo& info);
 /// be whole; `output` must be another file and appears only when it is complete.
 Status recover_recording(const std::string& path, const std::string& output, std::uint64_t& recovered,
                          std::uint64_t& lost);
+
+/// What copy_recordings takes over, and how.
+struct CopyOptions {
+  std::uint64_t from = 0;                  ///< first tick
+  std::uint64_t to = UINT64_MAX;           ///< tick behind the last
+  std::optional<Compression> compression;  ///< none: the first input's
+};
+struct CopyResult {
+  std::uint64_t ticks = 0;
+  /// Whether the copy can be replayed from its first tick on: where that is not the first of a session, the
+  /// state before it must have been found again.
+  bool replayable = true;
+};
+
+/// Copies the ticks of one or more recordings of the same scene, each later than the one before, to a new
+/// file, without changing a message: trimmed, merged, compressed otherwise. The state before the first tick
+/// is computed anew from the ticks before it and held against the recorded hash. Metadata are the first
+/// input's; what other tools have added to a file (channels, attachments) is left out. `output` must be
+/// another file and appears only when it is complete.
+Status copy_recordings(const std::vector<std::string>& inputs, const std::string& output,
+                       const CopyOptions& options, CopyResult& result);
 
 struct ReplayOptions {
   Execution execution;
