@@ -161,6 +161,11 @@ bool Recorder::record(const TickRecord& record) noexcept {
   return true;
 }
 
+Status Recorder::failure() const {
+  if (!writer_ || !writer_->failed.load(std::memory_order_acquire)) return {};
+  return writer_->status;
+}
+
 Status Recorder::close() {
   if (!writer_) return {};
   const std::unique_ptr<Writer> writer = std::move(writer_);

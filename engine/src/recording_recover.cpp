@@ -85,7 +85,8 @@ class Recovery {
   /// Copies the ticks of all whole chunks.
   Status copy_ticks(const std::string& output);
   [[nodiscard]] std::uint64_t recovered() const { return recovered_; }
-  [[nodiscard]] std::uint64_t lost() const;
+  /// Tick numbers there once were, or that lie between such, and are not kept.
+  [[nodiscard]] std::vector<TickRange> missing() const;
 
  private:
   Status copy_chunk(McapWriter& writer);
@@ -103,6 +104,7 @@ class Recovery {
   std::uint64_t recovered_ = 0;
   std::uint64_t first_ = 0, last_ = 0;                     // ticks kept
   std::optional<std::uint64_t> first_known_, last_known_;  // ticks there once were, kept or not
+  std::vector<TickRange> gaps_;                            // between ticks kept
 };
 
 Status Recovery::open(const std::string& path) { return file_.open(path); }
@@ -161,6 +163,7 @@ Status Recovery::copy_message(Bytes bytes, McapWriter& writer) {
   if (!parse(bytes, message) || !decode_tick(message.data, record, check).ok()) return {};
   const std::uint64_t tick = record.output.tick;
   if (recovered_ > 0 && tick <= last_) return {};
+  if (recovered_ > 0 && tick > last_ + 1) gaps_.push_back({last_ + 1, tick - 1});
   if (recovered_++ == 0) first_ = tick;
   last_ = tick;
   // The message is copied as it is: its input check must go on telling what happened to it.
@@ -211,17 +214,22 @@ Status Recovery::copy_ticks(const std::string& output) {
   return {};
 }
 
-std::uint64_t Recovery::lost() const {
-  if (recovered_ == 0) return first_known_ ? *last_known_ - *first_known_ + 1 : 0;
-  const std::uint64_t first = std::min(first_known_.value_or(first_), first_);
-  const std::uint64_t last = std::max(last_known_.value_or(last_), last_);
-  return last - first + 1 - recovered_;
+std::vector<TickRange> Recovery::missing() const {
+  std::vector<TickRange> ranges;
+  if (recovered_ == 0) {
+    if (first_known_) ranges.push_back({*first_known_, *last_known_});
+    return ranges;
+  }
+  if (first_known_ && *first_known_ < first_) ranges.push_back({*first_known_, first_ - 1});
+  ranges.insert(ranges.end(), gaps_.begin(), gaps_.end());
+  if (last_known_ && *last_known_ > last_) ranges.push_back({last_ + 1, *last_known_});
+  return ranges;
 }
 
 }  // namespace
 
 Status recover_recording(const std::string& path, const std::string& output, std::uint64_t& recovered,
-                         std::uint64_t& lost) try {
+                         std::uint64_t& lost, std::vector<TickRange>* missing) try {
   std::error_code ignored;
   if (std::filesystem::equivalent(path, output, ignored))
     return Status::error(output + ": is the damaged file itself; name another to write to");
@@ -230,7 +238,10 @@ Status recover_recording(const std::string& path, const std::string& output, std
   if (Status status = recovery.find_session(); !status.ok()) return status;
   if (Status status = recovery.copy_ticks(output); !status.ok()) return status;
   recovered = recovery.recovered();
-  lost = recovery.lost();
+  lost = 0;
+  const std::vector<TickRange> ranges = recovery.missing();
+  for (const TickRange& range : ranges) lost += range.last - range.first + 1;
+  if (missing != nullptr) *missing = ranges;
   return {};
 } catch (const std::bad_alloc&) {
   return Status::error(path + ": not enough memory to recover the recording");

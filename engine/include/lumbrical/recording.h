@@ -57,6 +57,9 @@ class Recorder {
   /// live mode, tick number not above the last one, device.kind out of range, or the writer failed: see
   /// close()).
   bool record(const TickRecord& record) noexcept;
+  /// The error that ended the recording, as soon as the writer has met it (disk full, say); from then on
+  /// record() keeps nothing. For the thread that calls record().
+  [[nodiscard]] Status failure() const;
   /// Writes the rest, index and summary. Returns the first error of the whole recording, if any.
   Status close();
 
@@ -135,11 +138,18 @@ class RecordingReader {
 /// against its check. An error for a torn file too: it names the byte where the file stops being whole.
 Status verify_recording(const std::string& path, RecordingInfo& info);
 
+/// Tick numbers first .. last.
+struct TickRange {
+  std::uint64_t first = 0, last = 0;
+  friend bool operator==(const TickRange&, const TickRange&) = default;
+};
+
 /// Rewrites what is whole of a torn or damaged file: `recovered` ticks kept, `lost` tick numbers missing, as
-/// far as they can be known (those behind the last whole chunk of a torn file can't). The session itself must
-/// be whole; `output` must be another file and appears only when it is complete.
+/// far as they can be known (those behind the last whole chunk of a torn file can't), and which those are
+/// (`missing`, ascending; may be null). The session itself must be whole; `output` must be another file and
+/// appears only when it is complete.
 Status recover_recording(const std::string& path, const std::string& output, std::uint64_t& recovered,
-                         std::uint64_t& lost);
+                         std::uint64_t& lost, std::vector<TickRange>* missing = nullptr);
 
 /// What copy_recordings takes over, and how.
 struct CopyOptions {
