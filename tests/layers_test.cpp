@@ -54,6 +54,7 @@ const Rule kRules[] = {
     {Layer::test, "tests", "*"},
     {Layer::test, "tests/reference", "*"},
     {Layer::test, "tests/golden", "*"},
+    {Layer::test, "tests/fuzz", "*"},
     {Layer::test, "bench", "*"},
 };
 

@@ -73,13 +73,14 @@ Status scene_for(const RecordingReader& reader, const ReplayOptions& options, Sc
   if (options.law) scene.settings.law.fill(*options.law);
   if (options.tolerance) scene.settings.tolerance = *options.tolerance;
   if (options.stiffness) scene.settings.stiffness = *options.stiffness;
-  for (const auto& [name, mesh] : options.mesh) {
+  for (const auto& other : options.mesh) {
+    const std::string& name = other.first;  // no structured binding: clang 14 does not capture those
     const auto object = std::find_if(scene.objects.begin(), scene.objects.end(),
                                      [&name](const SceneObject& o) { return o.name == name; });
     if (object == scene.objects.end())
       return Status::error(reader.info().path + ": the scene has no object \"" + name +
                            "\"; lumbrical info lists them");
-    object->mesh = mesh;
+    object->mesh = other.second;
   }
   return {};
 }
