@@ -101,7 +101,7 @@ const Outside kOutside[] = {
      ".*"},
     {"nlohmann/.*", "(engine/src/motion_\\w+[.].*|tools/.*|tests/.*)"},
     {"(lz4frame|zstd|zlib)[.]h", "(engine/src/mcap_\\w+[.]cpp|tests/.*)"},
-    {"(unistd|fcntl|sys/\\w+)[.]h", "(engine/src/(output_file|mcap_reader)[.]cpp|tools/.*|tests/.*)"},
+    {"(unistd|fcntl|sys/\\w+)[.]h", "(engine/src/(output_file|mcap_reader)[.]cpp|tools/.*|tests/.*|bench/.*)"},
     {"CLI/.*", "tools/.*"},
     {"(gtest|boost)/.*", "tests/.*"},
     {"benchmark/.*", "bench/.*"},
