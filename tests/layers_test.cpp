@@ -46,8 +46,10 @@ const Rule kRules[] = {
 
     {Layer::session, "engine/include/lumbrical", "recording scene_file"},
     {Layer::session, "engine/src", "motion_* json_file scene_file scene_parts"},
-    {Layer::session, "engine/src", "mcap_* ring recorder recording_* record_fields replay* output_file text_output"},
-    {Layer::session, "engine/src", "session_message state_message tick_message build_text what_if"},
+    {Layer::session, "engine/src",
+     "mcap_* ring recorder recording_* record_fields replay* output_file text_output"},
+    {Layer::session, "engine/src",
+     "session_message state_message message_alignment tick_message build_text what_if"},
 
     {Layer::program, "tools/lumbrical", "*"},
     {Layer::program, "examples", "*"},
@@ -97,11 +99,14 @@ const Outside kOutside[] = {
     {"(xmmintrin|immintrin|cfenv)([.]h)?", "engine/src/floating_point[.].*"},
     {"flatbuffers/.*",
      "engine/src/"
-     "(json_file|scene_file|scene_parts|session_message|state_message|tick_message|record\\w*|mcap_\\w+|replay)[.].*|tests/"
+     "(json_file|scene_file|scene_parts|session_message|state_message|message_alignment|tick_message|"
+     "record\\w*|mcap_\\w+|"
+     "replay)[.].*|tests/"
      ".*"},
     {"nlohmann/.*", "(engine/src/motion_\\w+[.].*|tools/.*|tests/.*)"},
     {"(lz4frame|zstd|zlib)[.]h", "(engine/src/mcap_\\w+[.]cpp|tests/.*)"},
-    {"(unistd|fcntl|sys/\\w+)[.]h", "(engine/src/(output_file|mcap_reader)[.]cpp|tools/.*|tests/.*|bench/.*)"},
+    {"(unistd|fcntl|sys/\\w+)[.]h",
+     "(engine/src/(output_file|mcap_reader)[.]cpp|tools/.*|tests/.*|bench/.*)"},
     {"CLI/.*", "tools/.*"},
     {"(gtest|boost)/.*", "tests/.*"},
     {"benchmark/.*", "bench/.*"},

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "message_alignment.h"
 #include "recording_generated.h"
 
 namespace lumbrical {
@@ -26,7 +27,7 @@ Numbers numbers_of(const HandForces& forces) {
 }
 
 bool to_forces(const flatbuffers::Vector<double>* numbers, HandForces& forces) {
-  if (numbers == nullptr || numbers->size() != kNumbers) return false;
+  if (numbers == nullptr || numbers->size() != kNumbers || !is_aligned(numbers)) return false;
   std::uint32_t next = 0;
   bool finite = true;
   const auto take = [&] {
@@ -52,7 +53,8 @@ bool is_share(double value) { return value >= 0 && value <= 1; }
 }  // namespace
 
 std::vector<std::uint8_t> encode_state(const State& state) {
-  flatbuffers::FlatBufferBuilder builder(4096);
+  flatbuffers::FlatBufferBuilder builder(8192);
+  builder.ForceDefaults(true);  // a number left out because it equals its default might have been -0
   const Numbers last = numbers_of(state.last), held = numbers_of(state.held);
   const auto last_numbers = builder.CreateVector(last.data(), last.size());
   const auto held_numbers = builder.CreateVector(held.data(), held.size());
