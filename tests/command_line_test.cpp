@@ -266,6 +266,54 @@ TEST(CommandLine, AFailedRunLeavesTheGoodRecordingAlone) {
   EXPECT_EQ(read_file((folder / "a.mcap").string()), good);
 }
 
+TEST(CommandLine, AFailedRecordingEndsTheSessionOrNotAsAsked) {
+  const fs::path folder = folder_with_demo();
+  // A file-size limit stands in for the full disk.
+  const std::string run = "( ulimit -f 200; lumbrical run demo.json --ticks 3000 --record a.mcap --json";
+  const Outcome stopped = shell(run + " )", folder);
+  EXPECT_EQ(stopped.exit_code, 2);
+  EXPECT_NE(stopped.error.find("a.mcap: cannot be written: File too large"), std::string::npos)
+      << stopped.error;
+  const Outcome continued = shell(run + " --on-record-error continue )", folder);
+  EXPECT_EQ(continued.exit_code, 2);
+  EXPECT_NE(continued.error.find("cannot be written: File too large"), std::string::npos) << continued.error;
+  EXPECT_EQ(continued.json()["ticks"], 3000);
+  EXPECT_GT(continued.json()["not_recorded"], 0);
+  EXPECT_LT(continued.json()["not_recorded"], 3000);
+}
+
+TEST(CommandLine, PartsOfARecordingReplayAndMakeTheWhole) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 900 --record a.mcap", folder).exit_code, 0);
+  const Outcome trim = shell("lumbrical trim a.mcap --from 3 --to 5 -o part.mcap --json", folder);
+  ASSERT_EQ(trim.exit_code, 0) << trim.error;
+  EXPECT_EQ(trim.json()["ticks"], 200);
+  EXPECT_EQ(trim.json()["replayable"], true);
+  EXPECT_EQ(shell("lumbrical replay part.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical split a.mcap --ticks 400 -o p.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical merge p.001.mcap p.002.mcap p.003.mcap -o m.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("cmp a.mcap m.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical compress a.mcap -o z.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical compress z.mcap --with lz4 -o b.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("cmp a.mcap b.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("lumbrical trim a.mcap --from 20 -o none.mcap", folder).exit_code, 2);
+  EXPECT_FALSE(fs::exists(folder / "none.mcap"));
+}
+
+TEST(CommandLine, ReplayTracesAndWeighsAChange) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 500 --record a.mcap", folder).exit_code, 0);
+  const Outcome what_if = shell("lumbrical replay a.mcap --stiffness 1e7 --trace t.txt --json", folder);
+  EXPECT_EQ(what_if.exit_code, 3);
+  expect_keys(what_if.json()["first_divergence"], {"primitive", "triangle", "ulp", "recorded_build"});
+  expect_keys(what_if.json()["what_if"], {"ticks", "force", "torque", "tick_us"});
+  expect_keys(what_if.json()["what_if"]["force"]["index"],
+              {"max", "rms", "max_jnd", "rms_jnd", "felt_ticks"});
+  EXPECT_NE(read_file((folder / "t.txt").string()).find(" contact_force segment"), std::string::npos);
+  EXPECT_EQ(shell("lumbrical replay a.mcap --mesh bowl=x.obj", folder).exit_code, 2);
+  EXPECT_EQ(shell("lumbrical replay a.mcap --mesh x.obj", folder).exit_code, 2);
+}
+
 TEST(CommandLine, ASignalEndsARunWithAWholeRecording) {
   const fs::path folder = folder_with_demo();
   // The signal comes when the first ticks are in the file, and twice, as from a terminal that sends it to

@@ -43,17 +43,21 @@ const Rule kRules[] = {
     {Layer::stages, "engine/src", "hand_pose broadphase narrowphase contact_force force_limits"},
 
     {Layer::engine, "engine/include/lumbrical", "tick probe jacobian"},
-    {Layer::engine, "engine/src", "tick probe jacobian"},
+    {Layer::engine, "engine/src", "tick tick_trace probe jacobian"},
 
     {Layer::session, "engine/include/lumbrical", "recording scene_file"},
     {Layer::session, "engine/src", "motion_* json_file scene_file scene_parts"},
-    {Layer::session, "engine/src", "mcap_* ring recorder recording_* record_fields replay output_file"},
-    {Layer::session, "engine/src", "session_message tick_message"},
+    {Layer::session, "engine/src",
+     "mcap_* ring recorder recording_* record_fields replay* output_file text_output"},
+    {Layer::session, "engine/src",
+     "session_message state_message message_alignment tick_message build_text what_if"},
 
     {Layer::program, "tools/lumbrical", "*"},
     {Layer::program, "examples", "*"},
     {Layer::test, "tests", "*"},
     {Layer::test, "tests/reference", "*"},
+    {Layer::test, "tests/golden", "*"},
+    {Layer::test, "tests/fuzz", "*"},
     {Layer::test, "bench", "*"},
 };
 
@@ -97,11 +101,14 @@ const Outside kOutside[] = {
     {"(xmmintrin|immintrin|cfenv)([.]h)?", "engine/src/floating_point[.].*"},
     {"flatbuffers/.*",
      "engine/src/"
-     "(json_file|scene_file|scene_parts|session_message|tick_message|record\\w*|mcap_\\w+|replay)[.].*|tests/"
+     "(json_file|scene_file|scene_parts|session_message|state_message|message_alignment|tick_message|"
+     "record\\w*|mcap_\\w+|"
+     "replay)[.].*|tests/"
      ".*"},
     {"nlohmann/.*", "(engine/src/motion_\\w+[.].*|tools/.*|tests/.*)"},
     {"(lz4frame|zstd|zlib)[.]h", "(engine/src/mcap_\\w+[.]cpp|tests/.*)"},
-    {"(unistd|fcntl|sys/\\w+)[.]h", "(engine/src/(output_file|mcap_reader)[.]cpp|tools/.*|tests/.*)"},
+    {"(unistd|fcntl|sys/\\w+)[.]h",
+     "(engine/src/(output_file|mcap_reader)[.]cpp|tools/.*|tests/.*|bench/.*)"},
     {"CLI/.*", "tools/.*"},
     {"(gtest|boost)/.*", "tests/.*"},
     {"benchmark/.*", "bench/.*"},

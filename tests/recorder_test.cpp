@@ -178,6 +178,7 @@ TEST_P(Recording, BringsEveryTickBack) {
   EXPECT_EQ(info.missing_ticks, 0u);
   EXPECT_DOUBLE_EQ(info.seconds, 1.3);
   EXPECT_GE(info.chunks, 6u);
+  options.metadata["build"] = build_text();
   EXPECT_EQ(info.metadata, options.metadata);
   EXPECT_EQ(info.bytes, std::filesystem::file_size(path));
   std::vector<TickRecord> read;

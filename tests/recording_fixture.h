@@ -172,7 +172,7 @@ inline void alter_recording(const std::string& from, const std::string& to,
   ASSERT_TRUE(encode_session(reader.scene(), session).ok());
   McapWriter writer;
   const double rate = reader.scene().settings.rate;
-  Status status = open_recording(to, OutputFile::Place::beside_existing, rate, session,
+  Status status = open_recording(to, OutputFile::Place::beside_existing, rate, session, {},
                                  reader.info().metadata, {}, writer);
   ASSERT_TRUE(status.ok()) << status.message();
   flatbuffers::FlatBufferBuilder builder;

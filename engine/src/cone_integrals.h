@@ -106,21 +106,34 @@ inline void add_along(const RoundPart<V>& part, const SideView<V>& side, Wide2<V
   moments.volume_y = number<V>(0.25) * (weight * (t.y * first - p * t.x * zeroth));
 }
 
-// The part of an edge inside the rim of the lanes whose rim is a circle in (scale x + shift, y).
+// A unit direction of the plane after stretching by `scale` along x.
+template <class V>
+struct Stretched {
+  Wide2<V> t;
+  V length, per_length;  // of what was unit length
+};
+template <class V>
+inline Stretched<V> stretch(Wide2<V> t, V scale) {
+  const Wide2<V> d{scale * t.x, t.y};
+  const V length = root(dot(d, d)), per = one_over(length);
+  return {per * d, length, per};
+}
+
+// The part of an edge inside the rim of the lanes whose rim is a circle in (scale x + shift, y), as
+// coordinates along it from the foot of (0, 0).
 template <class V, class M>
-inline Span<V> add_circle_edge(const SideView<V>& side, const Edge<V>& edge, Wide2<V> along, M here,
-                               Moments<V>& sum) {
+inline Span<V> add_circle_edge(const SideView<V>& side, const Edge<V>& edge, Wide2<V> along,
+                               const Stretched<V>& about_centre, M here, Moments<V>& sum) {
   const Wide2<V> from{side.scale * edge.p.x + side.shift, edge.p.y};
   const Wide2<V> to{side.scale * edge.q.x + side.shift, edge.q.y};
-  const Wide2<V> d = to - from, t = one_over(root(dot(d, d))) * d;
-  const Chord<V> chord = chord_of(from, to, t, side.rho2);
+  const Chord<V> chord = chord_of(from, to, about_centre.t, side.rho2);
   Moments<V> moments = no_moments<V>();
   area_of(chord, side.rho2, moments);
   add_where(here, moments, sum);
-  // Back to the plane from the end nearer to the origin; what both directions say of the stretch.
+  // Counted from the end nearer to the origin: a far one would bring its own rounding along.
   const auto nearer = dot(edge.p, edge.p) < dot(edge.q, edge.q);
   const V start = choose(nearer, chord.x1, chord.x2), offset = dot(choose(nearer, edge.p, edge.q), along);
-  const V ratio = one_over(side.scale * along.x * t.x + along.y * t.y);
+  const V ratio = about_centre.per_length;
   return {offset + ratio * (chord.xa - start), offset + ratio * (chord.xb - start)};
 }
 
@@ -141,22 +154,23 @@ auto add_side(const RoundPart<V>& part, const SideView<V>& side, const Polygon<V
       const auto here = both(real, has_length(edge));
       if (!some(here)) continue;
       const Wide2<V> t = lines.line[i].t;
+      const Stretched<V> about_foot = stretch(t, side.c);
       Span<V> part_in{zero, zero};
-      if (some(both(round, here))) part_in = add_circle_edge(side, edge, t, both(round, here), by_circle);
+      if (some(both(round, here))) {
+        const Stretched<V> about_centre = part.cone ? stretch(t, side.scale) : about_foot;
+        part_in = add_circle_edge(side, edge, t, about_centre, both(round, here), by_circle);
+      }
       if (some(both(strip, here))) {
         const Span<V> other = add_strip_edge(edge, t, both(strip, here), rim, by_strip);
         part_in = {choose(strip, other.lower, part_in.lower), choose(strip, other.upper, part_in.upper)};
       }
-      // About F, in coordinates stretched by c.
       const Wide2<V> near = choose(dot(edge.p, edge.p) < dot(edge.q, edge.q), edge.p, edge.q);
-      const Wide2<V> about{side.c * near.x + side.foot, near.y};
-      const Wide2<V> stretched{side.c * t.x, t.y};
-      const V stretch = root(dot(stretched, stretched));
-      const Wide2<V> direction = one_over(stretch) * stretched;
+      const Wide2<V> about{side.c * near.x + side.foot, near.y}, direction = about_foot.t;
       const V start = dot(near, t), offset = dot(about, direction), p = cross(about, direction);
+      const V length = about_foot.length;
       Moments<V> moments = no_moments<V>();
-      add_along(part, side, direction, p, offset + stretch * (part_in.lower - start),
-                offset + stretch * (part_in.upper - start), per_c, moments);
+      add_along(part, side, direction, p, offset + length * (part_in.lower - start),
+                offset + length * (part_in.upper - start), per_c, moments);
       add_where(both(here, part_in.lower < part_in.upper), moments, along);
       inside.add(i, both(here, part_in.lower < part_in.upper), part_in.lower, part_in.upper);
     }

@@ -80,35 +80,32 @@ Status McapWriter::open(const std::string& path, OutputFile::Place place, const 
   append(first, Metadata{metadata_.name, *start.metadata});
   metadata_.length = first.size() - metadata_.offset;
   if (Status status = write(first.bytes()); !status.ok()) return status;
-  return write_attachment(start);
+  for (const Start::Content& content : start.attachments)
+    if (Status status = write_attachment(content); !status.ok()) return status;
+  return {};
 }
 
 // In three pieces: a world of millions of triangles is not copied once more.
-Status McapWriter::write_attachment(const Start& start) {
+Status McapWriter::write_attachment(const Start::Content& attached) {
   ByteWriter before;
   const std::size_t begun = before.begin_record(Opcode::attachment);
   before.u64(
       0);  // logged and created at the beginning of session time; no clock, so that runs stay comparable
   before.u64(0);
-  before.text(start.attachment_name);
+  before.text(attached.name);
   before.text("application/octet-stream");
-  before.u64(start.attachment.size());
-  const std::uint64_t content_size = before.size() - begun + start.attachment.size() + sizeof(std::uint32_t);
+  before.u64(attached.bytes.size());
+  const std::uint64_t content_size = before.size() - begun + attached.bytes.size() + sizeof(std::uint32_t);
   ByteWriter head;
   head.u8(static_cast<std::uint8_t>(Opcode::attachment));
   head.u64(content_size);
   head.raw(before.bytes().subspan(begun));
 
   ByteWriter after;
-  after.u32(crc32(crc32(0, before.bytes().subspan(begun)), start.attachment));
-  attachment_ = {file_.size(),
-                 kRecordHeaderSize + content_size,
-                 0,
-                 0,
-                 start.attachment.size(),
-                 std::string(start.attachment_name),
-                 "application/octet-stream"};
-  for (const Bytes piece : {head.bytes(), start.attachment, after.bytes()})
+  after.u32(crc32(crc32(0, before.bytes().subspan(begun)), attached.bytes));
+  attachments_.push_back({file_.size(), kRecordHeaderSize + content_size, 0, 0, attached.bytes.size(),
+                          std::string(attached.name), "application/octet-stream"});
+  for (const Bytes piece : {head.bytes(), attached.bytes, after.bytes()})
     if (Status status = write(piece); !status.ok()) return status;
   return {};
 }
@@ -183,7 +180,9 @@ void McapWriter::append_summary(ByteWriter& out) {
   group(Opcode::chunk_index, [&] {
     for (const ChunkIndex& chunk : chunks_) append(out, chunk);
   });
-  group(Opcode::attachment_index, [&] { append(out, attachment_); });
+  group(Opcode::attachment_index, [&] {
+    for (const AttachmentIndex& attachment : attachments_) append(out, attachment);
+  });
   group(Opcode::metadata_index, [&] { append(out, metadata_); });
 
   const std::uint64_t offsets_start = summary_start + out.size();
@@ -204,7 +203,7 @@ Status McapWriter::close() {
   const std::uint64_t whole = file_.size();
   statistics_.schema_count = 1;
   statistics_.channel_count = 1;
-  statistics_.attachment_count = 1;
+  statistics_.attachment_count = static_cast<std::uint32_t>(attachments_.size());
   statistics_.metadata_count = 1;
   statistics_.chunk_count = static_cast<std::uint32_t>(chunks_.size());
   if (statistics_.message_count > 0)

@@ -28,8 +28,11 @@ class McapWriter {
     std::string_view schema_name;  ///< FlatBuffers: the table's qualified name
     mcap::Bytes schema;            ///< FlatBuffers: the binary schema
     std::string_view topic;
-    std::string_view attachment_name;
-    mcap::Bytes attachment;
+    struct Content {
+      std::string_view name;
+      mcap::Bytes bytes;
+    };
+    std::vector<Content> attachments;
     std::string_view metadata_name;
     const std::map<std::string, std::string>* metadata = nullptr;
   };
@@ -47,7 +50,7 @@ class McapWriter {
 
  private:
   Status write(mcap::Bytes bytes);
-  Status write_attachment(const Start& start);
+  Status write_attachment(const Start::Content& content);
   Status write_chunk();
   Status append_chunk(mcap::ByteWriter& out);
   void append_summary(mcap::ByteWriter& out);
@@ -64,7 +67,7 @@ class McapWriter {
 
   mcap::Statistics statistics_;
   std::vector<mcap::ChunkIndex> chunks_;
-  mcap::AttachmentIndex attachment_;
+  std::vector<mcap::AttachmentIndex> attachments_;
   mcap::MetadataIndex metadata_;
 };
 

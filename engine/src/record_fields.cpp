@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "hash.h"
+#include "tick_trace.h"
 
 namespace lumbrical {
 namespace {
@@ -13,6 +14,7 @@ namespace {
 // Places in InputFields; the order of the names below.
 enum : int { kTick, kBase, kKind = kBase + 7, kFlags, kValid, kJoints, kAngles = kJoints + 7 * kJointCount };
 static_assert(kAngles + kAngleCount == kInputFieldCount);
+constexpr int kFirstRealOutput = 2;  // behind flags and contact count
 
 constexpr std::array<const char*, 7> kBaseNames = {"position.x",    "position.y",    "position.z",
                                                    "orientation.w", "orientation.x", "orientation.y",
@@ -77,8 +79,11 @@ std::optional<Divergence> first_output_difference(const TickRecord& recorded, co
   const OutputFields a = output_fields(recorded.output), b = output_fields(replayed.output);
   for (int i = 0; i < kOutputFieldCount; ++i) {
     if (a[i] == b[i]) continue;
-    return Divergence{recorded.output.tick, "output", output_field_name(i), output_field_text(i, a[i]),
-                      output_field_text(i, b[i])};
+    Divergence divergence{recorded.output.tick, "output", output_field_name(i), output_field_text(i, a[i]),
+                          output_field_text(i, b[i])};
+    const bool whole = i < kFirstRealOutput;
+    divergence.ulp = ulps_between(whole ? TraceValue::Type::whole : TraceValue::Type::real, a[i], b[i]);
+    return divergence;
   }
   return std::nullopt;
 }
@@ -154,7 +159,7 @@ std::string output_field_name(int field) {
 }
 
 std::string output_field_text(int field, std::uint64_t bits) {
-  return field < 2 ? std::to_string(bits) : double_text(bits);
+  return field < kFirstRealOutput ? std::to_string(bits) : double_text(bits);
 }
 
 InputCheck make_input_check(const InputFields& fields) {
@@ -186,6 +191,11 @@ std::optional<Divergence> find_altered_input(const TickRecord& record, const Inp
     altered.recorded = input_field_text(field, original[field]);
     altered.replayed = input_field_text(field, fields[field]);
     altered.tick = original[kTick];
+    const bool real = (field >= kBase && field < kKind) || field >= kJoints;
+    const auto type = !real              ? TraceValue::Type::whole
+                      : field >= kJoints ? TraceValue::Type::real32
+                                         : TraceValue::Type::real;
+    altered.ulp = ulps_between(type, original[field], fields[field]);
   }
   return altered;
 }

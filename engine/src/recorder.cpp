@@ -14,6 +14,7 @@
 #include "record_fields.h"
 #include "ring.h"
 #include "session_message.h"
+#include "state_message.h"
 #include "tick_message.h"
 
 namespace lumbrical {
@@ -41,7 +42,7 @@ Status check_options(const Scene& scene, const RecorderOptions& options) {
 }  // namespace
 
 Status open_recording(const std::string& path, OutputFile::Place place, double rate,
-                      const std::vector<std::uint8_t>& session,
+                      const std::vector<std::uint8_t>& session, const std::vector<std::uint8_t>& state,
                       const std::map<std::string, std::string>& metadata, McapWriterOptions options,
                       McapWriter& writer) {
   options.period = tick_time(1, 1e9 / rate);
@@ -50,8 +51,8 @@ Status open_recording(const std::string& path, OutputFile::Place place, double r
   start.schema_name = kTickSchemaName;
   start.schema = tick_schema();
   start.topic = "tick";
-  start.attachment_name = kSessionAttachment;
-  start.attachment = session;
+  start.attachments.push_back({kSessionAttachment, session});
+  if (!state.empty()) start.attachments.push_back({kStateAttachment, state});
   start.metadata_name = kMetadataName;
   start.metadata = &metadata;
   Status status = writer.open(path, place, options, start);
@@ -125,8 +126,10 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   McapWriterOptions mcap_options;
   mcap_options.compression = options.compression;
   mcap_options.chunk_time = static_cast<std::uint64_t>(options.chunk_seconds * 1e9);
-  Status status = open_recording(path, OutputFile::Place::beside_existing, scene.settings.rate, session,
-                                 options.metadata, mcap_options, writer->mcap);
+  std::map<std::string, std::string> metadata = options.metadata;
+  metadata.emplace("build", build_text());
+  Status status = open_recording(path, OutputFile::Place::beside_existing, scene.settings.rate, session, {},
+                                 metadata, mcap_options, writer->mcap);
   if (!status.ok()) return status;
   try {
     writer->thread = std::thread([raw = writer.get()] { raw->run(); });
@@ -156,6 +159,11 @@ bool Recorder::record(const TickRecord& record) noexcept {
   writer_->ring.publish();
   writer_->last_tick = tick;
   return true;
+}
+
+Status Recorder::failure() const {
+  if (!writer_ || !writer_->failed.load(std::memory_order_acquire)) return {};
+  return writer_->status;
 }
 
 Status Recorder::close() {

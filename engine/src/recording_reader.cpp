@@ -8,6 +8,7 @@
 #include "record_fields.h"
 #include "recorder.h"
 #include "session_message.h"
+#include "state_message.h"
 #include "tick_message.h"
 
 namespace lumbrical {
@@ -27,6 +28,7 @@ struct RecordingReader::File {
   RecordingInfo info;
   Scene scene;
   bool has_scene = false;
+  State initial_state;
   std::uint64_t data_start = 0;
   std::uint64_t data_end = 0;           // where walking stops at the latest
   std::vector<ChunkIndex> chunks;       // of a complete file; every chunk met must be the next of these
@@ -43,6 +45,7 @@ struct RecordingReader::File {
   std::size_t inner_offset = 0;       // of the next record in the chunk
   std::uint64_t skip_below = 0;       // ticks that seek() passes over
   std::optional<Divergence> altered;  // what was changed in the last record handed out
+  Bytes message;                      // that the last record was read from; in the chunk or in `content`
   std::vector<std::uint8_t> content;  // room that is used again and again
 
   Status open(const std::string& path);
@@ -90,13 +93,14 @@ bool RecordingReader::File::take_channel(Bytes bytes) {
 }
 
 Status RecordingReader::File::take_message(Bytes bytes, std::uint64_t at, TickRecord& record, bool& found) {
-  Message message;
-  if (!parse(bytes, message)) return file.broken(at, "a message is shorter than it declares");
-  if (!contains(channels, message.channel_id)) return {};
+  Message parsed;
+  if (!parse(bytes, parsed)) return file.broken(at, "a message is shorter than it declares");
+  if (!contains(channels, parsed.channel_id)) return {};
   InputCheck check;
-  if (Status status = decode_tick(message.data, record, check); !status.ok())
+  if (Status status = decode_tick(parsed.data, record, check); !status.ok())
     return file.broken(at, status.message() + "; the file is damaged or of another version");
   altered = find_altered_input(record, check);
+  message = parsed.data;
   found = true;
   return {};
 }
@@ -201,6 +205,10 @@ void RecordingReader::File::go_to_chunk(std::size_t number) {
 Status RecordingReader::File::take_attachment(const RecordPlace& place) {
   Attachment attachment;
   if (Status status = load_attachment(file, place, content, attachment); !status.ok()) return status;
+  if (attachment.name == kStateAttachment) {
+    const Status status = decode_state(attachment.data, initial_state);
+    return status.ok() ? status : file.broken(place.offset, status.message());
+  }
   if (attachment.name != kSessionAttachment || has_scene) return {};
   if (Status status = decode_session(attachment.data, scene); !status.ok())
     return file.broken(place.offset, status.message());
@@ -235,7 +243,8 @@ Status RecordingReader::File::take_indexed(const Summary& summary) {
   RecordPlace place;
   for (const AttachmentIndex& index : summary.attachments) {
     Status status = find(index.offset, index.length, Opcode::attachment, place);
-    if (status.ok() && index.name == kSessionAttachment) status = take_attachment(place);
+    const bool ours = index.name == kSessionAttachment || index.name == kStateAttachment;
+    if (status.ok() && ours) status = take_attachment(place);
     if (!status.ok()) return status;
   }
   for (const MetadataIndex& index : summary.metadata) {
@@ -342,6 +351,15 @@ const RecordingInfo& RecordingReader::info() const {
 const Scene& RecordingReader::scene() const {
   static const Scene kNothing;
   return file_ ? file_->scene : kNothing;
+}
+
+const State& RecordingReader::initial_state() const {
+  static const State kNothing;
+  return file_ ? file_->initial_state : kNothing;
+}
+
+std::span<const std::uint8_t> RecordingReader::message() const {
+  return file_ ? file_->message : std::span<const std::uint8_t>{};
 }
 
 Status RecordingReader::next(TickRecord& record, bool& end) try {

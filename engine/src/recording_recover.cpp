@@ -13,6 +13,7 @@
 #include "mcap_reader.h"
 #include "recorder.h"
 #include "session_message.h"
+#include "state_message.h"
 #include "tick_message.h"
 
 namespace lumbrical {
@@ -44,7 +45,8 @@ bool begins_record(Bytes head, std::uint64_t room, RecordPlace& place) {
     payload = fields.u64();
   } else if (place.opcode == Opcode::attachment) {
     fields.take(2 * sizeof(std::uint64_t));  // times
-    if (fields.text() != kSessionAttachment) return false;
+    const std::string name = fields.text();
+    if (name != kSessionAttachment && name != kStateAttachment) return false;
     fields.text();  // media type
     payload = fields.u64();
     behind = sizeof(std::uint32_t);  // checksum
@@ -83,7 +85,8 @@ class Recovery {
   /// Copies the ticks of all whole chunks.
   Status copy_ticks(const std::string& output);
   [[nodiscard]] std::uint64_t recovered() const { return recovered_; }
-  [[nodiscard]] std::uint64_t lost() const;
+  /// Tick numbers there once were, or that lie between such, and are not kept.
+  [[nodiscard]] std::vector<TickRange> missing() const;
 
  private:
   Status copy_chunk(McapWriter& writer);
@@ -92,7 +95,7 @@ class Recovery {
 
   InputFile file_;
   Scene scene_;
-  std::vector<std::uint8_t> session_;
+  std::vector<std::uint8_t> session_, state_;
   std::map<std::string, std::string> metadata_;
   std::optional<Compression> compression_;
   std::vector<std::uint8_t> content_;
@@ -101,6 +104,7 @@ class Recovery {
   std::uint64_t recovered_ = 0;
   std::uint64_t first_ = 0, last_ = 0;                     // ticks kept
   std::optional<std::uint64_t> first_known_, last_known_;  // ticks there once were, kept or not
+  std::vector<TickRange> gaps_;                            // between ticks kept
 };
 
 Status Recovery::open(const std::string& path) { return file_.open(path); }
@@ -112,11 +116,15 @@ Status Recovery::find_session() {
     if (Status status = find_next(file_, offset, place, found); !status.ok()) return status;
     if (!found) break;
     offset = place.end();
-    if (place.opcode == Opcode::attachment && session_.empty()) {
+    if (place.opcode == Opcode::attachment) {
       Attachment attachment;
-      const bool whole = load_attachment(file_, place, content_, attachment).ok() &&
-                         decode_session(attachment.data, scene_).ok();
-      if (whole) session_.assign(attachment.data.begin(), attachment.data.end());
+      State state;
+      if (!load_attachment(file_, place, content_, attachment).ok()) continue;
+      const Bytes data = attachment.data;
+      if (attachment.name == kStateAttachment && decode_state(data, state).ok())
+        state_.assign(data.begin(), data.end());
+      if (attachment.name == kSessionAttachment && session_.empty() && decode_session(data, scene_).ok())
+        session_.assign(data.begin(), data.end());
     } else if (place.opcode == Opcode::metadata) {
       Metadata metadata;
       if (read_content(file_, place, content_).ok() && parse(content_, metadata))
@@ -155,6 +163,7 @@ Status Recovery::copy_message(Bytes bytes, McapWriter& writer) {
   if (!parse(bytes, message) || !decode_tick(message.data, record, check).ok()) return {};
   const std::uint64_t tick = record.output.tick;
   if (recovered_ > 0 && tick <= last_) return {};
+  if (recovered_ > 0 && tick > last_ + 1) gaps_.push_back({last_ + 1, tick - 1});
   if (recovered_++ == 0) first_ = tick;
   last_ = tick;
   // The message is copied as it is: its input check must go on telling what happened to it.
@@ -177,8 +186,8 @@ Status Recovery::copy_ticks(const std::string& output) {
   McapWriter writer;
   McapWriterOptions options;
   options.compression = compression_.value_or(Compression::lz4);
-  Status status = open_recording(output, OutputFile::Place::beside, scene_.settings.rate, session_, metadata_,
-                                 options, writer);
+  Status status = open_recording(output, OutputFile::Place::beside, scene_.settings.rate, session_, state_,
+                                 metadata_, options, writer);
   bool found = true;
   for (std::uint64_t offset = 0; status.ok() && found;) {
     RecordPlace place;
@@ -205,17 +214,22 @@ Status Recovery::copy_ticks(const std::string& output) {
   return {};
 }
 
-std::uint64_t Recovery::lost() const {
-  if (recovered_ == 0) return first_known_ ? *last_known_ - *first_known_ + 1 : 0;
-  const std::uint64_t first = std::min(first_known_.value_or(first_), first_);
-  const std::uint64_t last = std::max(last_known_.value_or(last_), last_);
-  return last - first + 1 - recovered_;
+std::vector<TickRange> Recovery::missing() const {
+  std::vector<TickRange> ranges;
+  if (recovered_ == 0) {
+    if (first_known_) ranges.push_back({*first_known_, *last_known_});
+    return ranges;
+  }
+  if (first_known_ && *first_known_ < first_) ranges.push_back({*first_known_, first_ - 1});
+  ranges.insert(ranges.end(), gaps_.begin(), gaps_.end());
+  if (last_known_ && *last_known_ > last_) ranges.push_back({last_ + 1, *last_known_});
+  return ranges;
 }
 
 }  // namespace
 
 Status recover_recording(const std::string& path, const std::string& output, std::uint64_t& recovered,
-                         std::uint64_t& lost) try {
+                         std::uint64_t& lost, std::vector<TickRange>* missing) try {
   std::error_code ignored;
   if (std::filesystem::equivalent(path, output, ignored))
     return Status::error(output + ": is the damaged file itself; name another to write to");
@@ -224,7 +238,10 @@ Status recover_recording(const std::string& path, const std::string& output, std
   if (Status status = recovery.find_session(); !status.ok()) return status;
   if (Status status = recovery.copy_ticks(output); !status.ok()) return status;
   recovered = recovery.recovered();
-  lost = recovery.lost();
+  lost = 0;
+  const std::vector<TickRange> ranges = recovery.missing();
+  for (const TickRange& range : ranges) lost += range.last - range.first + 1;
+  if (missing != nullptr) *missing = ranges;
   return {};
 } catch (const std::bad_alloc&) {
   return Status::error(path + ": not enough memory to recover the recording");

@@ -1,12 +1,15 @@
 // Replay and comparison: the recording is the device, the recorded output is what the engine has to give
 // again.
 #include <algorithm>
+#include <chrono>
 #include <string>
 #include <vector>
 
 #include "hash.h"
 #include "lumbrical/recording.h"
 #include "record_fields.h"
+#include "replay.h"
+#include "replay_trace.h"
 #include "session_message.h"
 
 namespace lumbrical {
@@ -14,32 +17,24 @@ namespace {
 
 constexpr std::uint64_t kProgressInterval = 1000;  // ticks between reports
 
-Scene scene_for(const RecordingReader& reader, const ReplayOptions& options) {
-  Scene scene = reader.scene();
-  if (options.law) scene.settings.law.fill(*options.law);
-  if (options.tolerance) scene.settings.tolerance = *options.tolerance;
-  if (options.stiffness) scene.settings.stiffness = *options.stiffness;
-  return scene;
-}
-
 Status broken(const RecordingReader& reader, const std::string& what) {
   return Status::error(reader.info().path + ": " + what);
 }
 
-Status missing(const RecordingReader& reader, std::uint64_t expected, std::uint64_t found) {
-  return broken(reader, "tick " + std::to_string(expected) + " is missing (the next one recorded is " +
-                            std::to_string(found) +
-                            "): what the engine carried over from it is unknown, so no tick from " +
-                            "there on can be replayed; record without gaps (not paced by the clock)");
-}
-
-TickRecord run_tick(const Model& model, State& state, Scratch& scratch, const DeviceFrame& device) {
-  TickRecord result;
-  result.device = device;
-  result.output = tick(model, state, scratch, device);
+void run_tick(const Model& model, State& state, Scratch& scratch, TickRecord& result) {
+  result.output = tick(model, state, scratch, result.device);
   result.stage_hash = scratch.stage_hash;
   result.state_hash = hash_state(state);
-  return result;
+}
+
+std::string build_of(const RecordingReader& reader) {
+  const auto build = reader.info().metadata.find("build");
+  return build == reader.info().metadata.end() ? "unknown" : build->second;
+}
+
+void name_builds(const RecordingReader& reader, Divergence& divergence) {
+  divergence.recorded_build = build_of(reader);
+  divergence.replayed_build = build_text();
 }
 
 /// The first input field in which two records differ.
@@ -73,30 +68,103 @@ Status compare_scenes(const RecordingReader& a, const RecordingReader& b, Replay
 
 }  // namespace
 
+Status scene_for(const RecordingReader& reader, const ReplayOptions& options, Scene& scene) {
+  scene = reader.scene();
+  if (options.law) scene.settings.law.fill(*options.law);
+  if (options.tolerance) scene.settings.tolerance = *options.tolerance;
+  if (options.stiffness) scene.settings.stiffness = *options.stiffness;
+  for (const auto& other : options.mesh) {
+    const std::string& name = other.first;  // no structured binding: clang 14 does not capture those
+    const auto object = std::find_if(scene.objects.begin(), scene.objects.end(),
+                                     [&name](const SceneObject& o) { return o.name == name; });
+    if (object == scene.objects.end())
+      return Status::error(reader.info().path + ": the scene has no object \"" + name +
+                           "\"; lumbrical info lists them");
+    object->mesh = other.second;
+  }
+  return {};
+}
+
+Status missing_tick(const RecordingReader& reader, std::uint64_t expected, std::uint64_t found) {
+  return Status::error(reader.info().path + ": tick " + std::to_string(expected) +
+                       " is missing (the next one recorded is " + std::to_string(found) +
+                       "): what the engine carried over from it is unknown, so no tick from " +
+                       "there on can be replayed; record without gaps (not paced by the clock)");
+}
+
+namespace {
+
+/// One replay: what stays the same from tick to tick.
+struct Run {
+  RecordingReader& reader;
+  const ReplayOptions& options;
+  ReplayResult& result;
+  Model model;
+  State state;
+  Scratch scratch;
+  bool traced = false;
+
+  Status tick_of(const TickRecord& recorded);
+};
+
+// Compares one tick; what differs is named in the result, and traced where that was asked for.
+Status Run::tick_of(const TickRecord& recorded) {
+  // An altered input is named as such, before its consequences: a changed tick number, for one, looks like
+  // a gap.
+  std::optional<Divergence>& divergence = result.first_divergence;
+  divergence = reader.altered_input();
+  if (divergence) return {};
+  if (recorded.output.tick != state.tick) return missing_tick(reader, state.tick, recorded.output.tick);
+  const State before = state;
+  TickRecord replayed;
+  replayed.device = recorded.device;
+  const auto start = std::chrono::steady_clock::now();
+  run_tick(model, state, scratch, replayed);
+  result.replayed_time += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.recorded_time += 1e-9 * recorded.duration_ns;
+  divergence = compare_results(recorded, replayed);
+  const TickRun run{model, state, scratch, replayed.device, replayed.output};
+  if (divergence)
+    if (Status status = name_difference(reader.scene(), before, recorded, run, *divergence); !status.ok())
+      return status;
+  const bool wanted =
+      options.trace_tick ? *options.trace_tick == recorded.output.tick : divergence.has_value();
+  if (options.trace.empty() || !wanted) return {};
+  traced = true;
+  const bool whole = options.trace_tick.has_value();
+  const std::string stage = options.trace_stage ? std::string(stage_name(*options.trace_stage))
+                            : whole             ? std::string()
+                                                : divergence->stage;
+  return write_trace(options.trace, run, stage);
+}
+
+}  // namespace
+
 Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResult& result) {
   result = {};
-  Model model;
-  if (Status status = build_model(scene_for(reader, options), options.execution, model); !status.ok())
-    return broken(reader, status.message());
-  if (Status status = reader.seek(0); !status.ok()) return status;
+  Run run{reader, options, result, {}, {}, {}};
+  Scene scene;
+  Status status = scene_for(reader, options, scene);
+  if (!status.ok()) return status;
+  status = build_model(scene, options.execution, run.model);
+  if (!status.ok()) return broken(reader, status.message());
+  if (status = reader.seek(0); !status.ok()) return status;
   if (reader.info().ticks == 0)
     return broken(reader, "the recording holds no tick; there is nothing to replay");
 
-  State state;
-  Scratch scratch = make_scratch(model);
+  run.state = reader.initial_state();
+  run.scratch = make_scratch(run.model);
   TickRecord recorded;
   for (;;) {
     bool end = false;
-    if (Status status = reader.next(recorded, end); !status.ok()) return status;
+    if (status = reader.next(recorded, end); !status.ok()) return status;
     if (end) break;
     ++result.ticks;
-    // An altered input is named as such, before its consequences: a changed tick number, for one, looks like
-    // a gap.
-    result.first_divergence = reader.altered_input();
-    if (result.first_divergence) return {};
-    if (recorded.output.tick != state.tick) return missing(reader, state.tick, recorded.output.tick);
-    result.first_divergence = compare_results(recorded, run_tick(model, state, scratch, recorded.device));
-    if (result.first_divergence) return {};
+    if (status = run.tick_of(recorded); !status.ok()) return status;
+    if (result.first_divergence) {
+      name_builds(reader, *result.first_divergence);
+      return {};
+    }
     if (options.progress && result.ticks % kProgressInterval == 0)
       options.progress(result.ticks, reader.info().ticks);
   }
@@ -104,11 +172,15 @@ Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResul
     return broken(reader, "the recording declares " + std::to_string(reader.info().ticks) +
                               " ticks but holds " + std::to_string(result.ticks) +
                               "; the file is damaged, run recover");
+  if (!options.trace.empty() && options.trace_tick && !run.traced)
+    return broken(reader,
+                  "tick " + std::to_string(*options.trace_tick) + " is not in it; nothing was traced");
   return {};
 }
 
-Status diff_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& result) {
-  result = {};
+namespace {
+
+Status compare_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& result) {
   if (Status status = a.seek(0); !status.ok()) return status;
   if (Status status = b.seek(0); !status.ok()) return status;
   for (;;) {
@@ -128,6 +200,18 @@ Status diff_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& res
     if (!result.first_divergence) result.first_divergence = compare_results(record_a, record_b);
     if (result.first_divergence) return {};
   }
+}
+
+}  // namespace
+
+Status diff_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& result) {
+  result = {};
+  Status status = compare_recordings(a, b, result);
+  if (result.first_divergence) {
+    result.first_divergence->recorded_build = build_of(a);
+    result.first_divergence->replayed_build = build_of(b);
+  }
+  return status;
 }
 
 }  // namespace lumbrical

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "message_alignment.h"
 #include "recording_generated.h"
 
 namespace lumbrical {
@@ -94,7 +95,7 @@ Status decode_finger(const fb::Finger* message, Finger& finger) {
   const auto* const lengths = message != nullptr ? message->bone_lengths() : nullptr;
   const auto* const limits = message != nullptr ? message->limits() : nullptr;
   if (lengths == nullptr || lengths->size() != 4 || limits == nullptr || limits->size() != 4 ||
-      message->base() == nullptr)
+      message->base() == nullptr || !is_aligned(lengths) || !is_aligned(limits))
     return Status::error("a finger of the session's hand is incomplete");
   finger.base = from_fb(*message->base());
   for (std::uint32_t i = 0; i < 4; ++i) {
@@ -107,7 +108,7 @@ Status decode_finger(const fb::Finger* message, Finger& finger) {
 Status decode_hand(const fb::Hand* message, Hand& hand) {
   if (message == nullptr || message->radii() == nullptr || message->radii()->size() != kJointCount ||
       message->fingers() == nullptr || message->fingers()->size() != kFingerCount ||
-      message->palm_joint() == nullptr)
+      message->palm_joint() == nullptr || !is_aligned(message->radii()))
     return Status::error("the session's hand is incomplete");
   if (message->side() > fb::Side::MAX) return Status::error("the session's hand is neither left nor right");
   hand.side = static_cast<Side>(message->side());

@@ -103,6 +103,9 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   const FloatingPointGuard guard;
   Primitives& hand = *scratch.primitives;
   hand.count = 0;
+  // What this frame does not tell must not be left from another: a tick, hashes included, is a function of
+  // model, state and frame.
+  hand.base_joint = hand.flexion_axis = {};
   scratch.candidate_count = scratch.contact_count = 0;
 
   std::uint32_t flags = check_input(frame);

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <vector>
 
+#include "message_alignment.h"
 #include "recording_bfbs_generated.h"
 #include "recording_generated.h"
 
@@ -86,6 +87,7 @@ Status decode_output(const fb::Tick& message, ActuatorFrame& output) {
   output.contact_count = message.contact_count();
   output.force_error = message.force_error();
   if (message.segments() == nullptr) return {};
+  if (!is_aligned(message.segments())) return Status::error("the tick message's segments are misplaced");
   std::uint32_t least = 0;
   for (const fb::SegmentOutput* const segment : *message.segments()) {
     const std::uint32_t s = segment->segment();

@@ -75,7 +75,8 @@ inline V twice_atanh(V difference, V sum) {
   V q = quotient(sum + difference, safe), logarithm = zero;
   constexpr double kStep[] = {18446744073709551616.0, 4294967296.0, 65536, 256, 16, 4, 2};
   constexpr double kBits[] = {64, 32, 16, 8, 4, 2, 1};
-  for (std::size_t i = 0; i < 7; ++i) {
+  // The larger steps are seldom anybody's.
+  for (std::size_t i = some(q >= number<V>(256)) ? 0 : 4; i < 7; ++i) {
     const auto large = q >= number<V>(kStep[i]);
     q = choose(large, q * number<V>(1 / kStep[i]), q);
     logarithm = logarithm + choose(large, number<V>(kBits[i] * kLn2), zero);

@@ -1,8 +1,10 @@
 // lumbrical info, verify, recover, export: what is in a recording, whether it is whole, and how to get it
 // out.
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "commands.h"
 #include "lumbrical/recording.h"
@@ -116,20 +118,32 @@ std::string recovered_name(const std::string& recording) {
   return (path.parent_path() / (path.stem().string() + ".recovered.mcap")).string();
 }
 
+/// ": ticks 5 to 9, 20 to 31"; the first few.
+std::string ranges_text(const std::vector<TickRange>& ranges) {
+  constexpr std::size_t kMost = 20;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(ranges.size(), kMost); ++i)
+    text += (i == 0 ? ": ticks " : ", ") + grouped(ranges[i].first) + " to " + grouped(ranges[i].last);
+  return ranges.size() > kMost ? text + " ..." : text;
+}
+
 int recover(const RecordingOptions& options) {
   const std::string output = options.output.empty() ? recovered_name(options.recording) : options.output;
   std::uint64_t recovered = 0, lost = 0;
-  const Status status = recover_recording(options.recording, output, recovered, lost);
+  std::vector<TickRange> missing;
+  const Status status = recover_recording(options.recording, output, recovered, lost, &missing);
   if (!status.ok()) return fail(status);
   if (options.json) {
     Json json;
     json["recovered"] = recovered;
     json["lost"] = lost;
+    json["missing"] = Json::array();
+    for (const TickRange& range : missing) json["missing"].push_back({range.first, range.last});
     json["output"] = output;
     return print_json(json);
   }
   return print_text(grouped(recovered) + " ticks recovered to " + output + ", " + grouped(lost) +
-                    " known to be lost.\n");
+                    " known to be lost" + ranges_text(missing) + ".\n");
 }
 
 int export_as_text(const RecordingOptions& options) {

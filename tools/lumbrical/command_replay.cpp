@@ -1,14 +1,17 @@
 // lumbrical replay: a recording once more through the engine, every bit compared; "what if" with other
 // switches.
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "commands.h"
 #include "divergence.h"
 #include "lumbrical/recording.h"
 #include "output.h"
 #include "switches.h"
+#include "what_if.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -16,14 +19,33 @@ namespace {
 struct ReplaySwitches {
   std::string recording, law, broadphase, voxel_cache;
   std::optional<double> stiffness;
-  std::string precision;
+  std::string precision, unit = "m", trace, trace_stage;
+  std::vector<std::string> meshes;  // NAME=FILE
+  std::optional<std::uint64_t> trace_tick;
   std::uint32_t threads = 1;
   std::string isa = "auto";
   bool json = false;
 };
 
-ReplayOptions replay_options(const ReplaySwitches& switches) {
-  ReplayOptions options;
+std::optional<Stage> parse_stage(const std::string& text) {
+  for (int stage = 0; stage < kStageCount; ++stage)
+    if (text == stage_name(static_cast<Stage>(stage))) return static_cast<Stage>(stage);
+  return std::nullopt;
+}
+
+Status load_meshes(const ReplaySwitches& switches, ReplayOptions& options) {
+  for (const std::string& text : switches.meshes) {
+    const std::size_t at = text.find('=');
+    if (at == std::string::npos || at == 0)
+      return Status::error("--mesh: \"" + text + "\" is not NAME=FILE; lumbrical info lists the names");
+    Mesh& mesh = options.mesh[text.substr(0, at)];
+    if (Status status = load_mesh(text.substr(at + 1), *parse_unit(switches.unit), mesh); !status.ok())
+      return status;
+  }
+  return {};
+}
+
+Status replay_options(const ReplaySwitches& switches, ReplayOptions& options) {
   if (!switches.law.empty()) options.law = parse_law(switches.law);
   if (!switches.broadphase.empty()) options.execution.broadphase = *parse_broadphase(switches.broadphase);
   options.execution.voxel_cache = switches.voxel_cache;
@@ -31,19 +53,31 @@ ReplayOptions replay_options(const ReplaySwitches& switches) {
   if (!switches.precision.empty()) options.tolerance = parse_precision(switches.precision);
   options.execution.threads = switches.threads;
   options.execution.isa = *parse_isa(switches.isa);
-  return options;
+  options.trace = switches.trace;
+  options.trace_tick = switches.trace_tick;
+  options.trace_stage = parse_stage(switches.trace_stage);
+  return load_meshes(switches, options);
+}
+
+/// Whether something was changed that may change a force.
+bool asks_what_if(const ReplaySwitches& switches) {
+  return !switches.law.empty() || switches.stiffness || !switches.precision.empty() ||
+         !switches.meshes.empty();
 }
 
 int replay_recording(const ReplaySwitches& switches) {
   RecordingReader reader;
   if (Status status = reader.open(switches.recording); !status.ok()) return fail(status);
-  ReplayOptions options = replay_options(switches);
+  ReplayOptions options;
+  if (Status status = replay_options(switches, options); !status.ok()) return fail(status);
   ReplayResult result;
+  WhatIfResult changes;
   Status status;
   {
     Progress progress("replaying");
     options.progress = [&progress](std::uint64_t done, std::uint64_t all) { progress.update(done, all); };
     status = replay(reader, options, result);
+    if (status.ok() && asks_what_if(switches)) status = what_if(reader, options, changes);
   }
   if (!status.ok()) return fail(status);
 
@@ -53,7 +87,17 @@ int replay_recording(const ReplaySwitches& switches) {
   json["threads"] = options.execution.threads;
   json["broadphase"] = broadphase_name(options.execution.broadphase);
   json["recording"] = switches.recording;
+  const double per_tick = 1e6 / static_cast<double>(std::max<std::uint64_t>(result.ticks, 1));
+  json["mean_tick_us"] = {{"recorded", per_tick * result.recorded_time},
+                          {"replayed", per_tick * result.replayed_time}};
   std::string text = divergence_text(result, "replayed");
+  if (!result.first_divergence)
+    text += "Mean tick time " + brief(per_tick * result.replayed_time) + " us, when recorded " +
+            brief(per_tick * result.recorded_time) + " us.\n";
+  if (asks_what_if(switches)) {
+    json["what_if"] = what_if_json(changes);
+    text += "\n" + what_if_text(changes);
+  }
   if (!reader.info().complete)
     text += "The recording has no end (its writer was killed): all whole ticks were replayed.\n";
   const int printed = switches.json ? print_json(json) : print_text(text);
@@ -75,6 +119,11 @@ void add_replay(CLI::App& app, int& exit_code) {
       ->check(is_precision());
   command->add_option("--stiffness", switches->stiffness, "What if: K_s [N/m^3]")
       ->check(number_in(1e-6, 1e15));
+  command->add_option("--mesh", switches->meshes, "What if: another mesh, placed in the world, for an object")
+      ->type_name("NAME=FILE");
+  command->add_option("--unit", switches->unit, "Of the meshes' numbers")
+      ->check(is_unit())
+      ->capture_default_str();
   command
       ->add_option("--broadphase", switches->broadphase,
                    "Search for candidate triangles; never changes a result")
@@ -83,6 +132,18 @@ void add_replay(CLI::App& app, int& exit_code) {
   command->add_option("--isa", switches->isa, "Instruction set; never changes a result")->check(is_isa());
   command->add_option("--threads", switches->threads, "1 .. 64; never changes a result")
       ->check(number_in(1, 64));
+  command
+      ->add_option("--trace", switches->trace,
+                   "Write all intermediate values of the first tick and stage that differ, as text")
+      ->type_name("FILE|-");
+  command->add_option("--trace-tick", switches->trace_tick, "Of this tick instead, whether it differs or not")
+      ->type_name("TICK")
+      ->needs("--trace");
+  command
+      ->add_option("--trace-stage", switches->trace_stage,
+                   "This stage only; default: the one that differs, or all")
+      ->check(CLI::IsMember({"input", "hand_pose", "broadphase", "narrowphase", "contact_force", "limits"}))
+      ->needs("--trace");
   command->add_flag("--json", switches->json, "Print one JSON object");
   command->callback([switches, &exit_code] { exit_code = replay_recording(*switches); });
 }

@@ -18,7 +18,7 @@ namespace {
 
 struct RunOptions {
   std::string scene, motion, side, unit, record, law, broadphase, voxel_cache, precision;
-  std::string rate = "max";
+  std::string rate = "max", on_record_error = "stop";
   std::optional<double> motion_rate, stiffness;
   std::optional<std::uint64_t> ticks;
   std::optional<std::uint32_t> threads;
@@ -168,6 +168,11 @@ void add_flags(const RunStatistics& run, Table& table) {
   }
 }
 
+std::string execution_text(const Execution& execution) {
+  return std::string(isa_name(execution.isa)) + ", " + std::string(broadphase_name(execution.broadphase)) +
+         ", " + std::to_string(execution.threads) + " thread(s)";
+}
+
 std::string run_text(const RunOptions& options, const Model& model, const RunStatistics& run) {
   const TickTimes& times = run.tick_times;
   Table table;
@@ -192,7 +197,9 @@ std::string run_text(const RunOptions& options, const Model& model, const RunSta
     const std::uintmax_t size = std::filesystem::file_size(options.record, error);
     table.add("recording", options.record + (error ? "" : ", " + grouped(size) + " bytes"));
     if (run.not_recorded > 0)
-      table.add("", grouped(run.not_recorded) + " ticks not kept: the disk is too slow");
+      table.add("", grouped(run.not_recorded) + (run.recording_error.ok()
+                                                     ? " ticks not kept: the disk is too slow"
+                                                     : " ticks not kept: the recording failed"));
   }
   return table.text();
 }
@@ -212,17 +219,24 @@ int run(const RunOptions& options) {
   if (recording) {
     RecorderOptions recorder_options;
     recorder_options.wait_when_full = !paced;
-    recorder_options.metadata = {{"scene_file", options.scene}, {"program", "lumbrical " LUMBRICAL_VERSION}};
+    recorder_options.metadata = {{"scene_file", options.scene},
+                                 {"program", "lumbrical " LUMBRICAL_VERSION},
+                                 {"execution", execution_text(model.execution)}};
     status = recorder.open(options.record, scene_of(model), recorder_options);
     if (!status.ok()) return fail(status);
   }
+  const bool unrecorded = options.on_record_error == "continue";
   const RunStatistics statistics =
-      run_session(model, scene_file.motion, ticks, paced, recording ? &recorder : nullptr);
+      run_session(model, scene_file.motion, ticks, paced, recording ? &recorder : nullptr, unrecorded);
+  const bool told = !statistics.recording_error.ok();
   if (recording) {
-    if (status = recorder.close(); !status.ok()) return fail(status);
+    status = recorder.close();
+    if (!status.ok() && !told) return fail(status);
+    if (!status.ok() && !unrecorded) return kUnreadable;
   }
-  return options.json ? print_json(run_json(options, model, statistics))
-                      : print_text(run_text(options, model, statistics));
+  const int printed = options.json ? print_json(run_json(options, model, statistics))
+                                   : print_text(run_text(options, model, statistics));
+  return printed == kDone && told ? kUnreadable : printed;
 }
 
 std::string check_rate(std::string& text) {
@@ -253,6 +267,12 @@ void add_run(CLI::App& app, int& exit_code) {
       ->check(CLI::Validator(check_rate, "HZ|max"))
       ->capture_default_str();
   command->add_option("--record", options->record, "Recording to write")->type_name("OUT.mcap");
+  command
+      ->add_option(
+          "--on-record-error", options->on_record_error,
+          "When the recording fails (disk full): stop, or continue unrecorded; exit code 2 either way")
+      ->check(CLI::IsMember({"stop", "continue"}))
+      ->capture_default_str();
   command->add_option("--sink", "Where forces go; this version has null")
       ->check(CLI::Validator(check_sink, "URI"));
   command->add_option("--broadphase", options->broadphase, "Search for candidate triangles")

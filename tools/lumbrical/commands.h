@@ -16,6 +16,10 @@ void add_info(CLI::App& app, int& exit_code);
 void add_verify(CLI::App& app, int& exit_code);
 void add_recover(CLI::App& app, int& exit_code);
 void add_export(CLI::App& app, int& exit_code);
+void add_trim(CLI::App& app, int& exit_code);
+void add_split(CLI::App& app, int& exit_code);
+void add_merge(CLI::App& app, int& exit_code);
+void add_compress(CLI::App& app, int& exit_code);
 void add_probe(CLI::App& app, int& exit_code);
 void add_inspect(CLI::App& app, int& exit_code);
 

@@ -3,6 +3,15 @@
 
 namespace lumbrical::tool {
 
+namespace {
+
+template <class Number>
+Json number_or_null(const std::optional<Number>& number) {
+  return number ? Json(*number) : Json(nullptr);
+}
+
+}  // namespace
+
 Json divergence_json(const ReplayResult& result) {
   Json json;
   json["identical"] = !result.first_divergence.has_value();
@@ -14,7 +23,12 @@ Json divergence_json(const ReplayResult& result) {
                                 {"stage", first.stage},
                                 {"field", first.field},
                                 {"recorded", first.recorded},
-                                {"replayed", first.replayed}};
+                                {"replayed", first.replayed},
+                                {"primitive", number_or_null(first.primitive)},
+                                {"triangle", number_or_null(first.triangle)},
+                                {"ulp", number_or_null(first.ulp)},
+                                {"recorded_build", first.recorded_build},
+                                {"replayed_build", first.replayed_build}};
   }
   return json;
 }
@@ -27,9 +41,18 @@ std::string divergence_text(const ReplayResult& result, const std::string& verb)
   table.add("diverged at",
             "tick " + grouped(first.tick) + " (" + grouped(result.ticks) + " ticks " + verb + ")");
   table.add("stage", first.stage);
+  if (first.primitive) table.add("primitive", std::to_string(*first.primitive));
+  if (first.triangle) table.add("triangle", std::to_string(*first.triangle));
+  const std::string other = verb == "compared" ? "the other" : verb;
   table.add("field", first.field);
   table.add("recorded", first.recorded);
-  table.add(verb == "compared" ? "the other" : verb, first.replayed);
+  table.add(other, first.replayed);
+  if (first.ulp) table.add("distance", grouped(*first.ulp) + " ulp");
+  table.add("recorded by", first.recorded_build);
+  table.add(other + " by", first.replayed_build);
+  if (first.field == "hash" && verb == "replayed")
+    table.add("", "what was recorded cannot be computed here: run replay --trace FILE --trace-tick " +
+                      std::to_string(first.tick) + " on both machines and compare the files");
   return table.text();
 }
 

@@ -26,6 +26,10 @@ int main(int argc, char** argv) {
     add_verify(app, exit_code);
     add_recover(app, exit_code);
     add_export(app, exit_code);
+    add_trim(app, exit_code);
+    add_split(app, exit_code);
+    add_merge(app, exit_code);
+    add_compress(app, exit_code);
     add_probe(app, exit_code);
     add_inspect(app, exit_code);
     app.parse(argc, argv);

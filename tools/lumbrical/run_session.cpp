@@ -91,7 +91,7 @@ void add_output(const ActuatorFrame& output, RunStatistics& statistics) {
 }  // namespace
 
 RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_t ticks, bool paced,
-                          Recorder* recorder) {
+                          Recorder* recorder, bool unrecorded) {
   RunStatistics statistics;
   State state;
   Scratch scratch = make_scratch(model);
@@ -120,10 +120,12 @@ RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_
     if (recorder != nullptr) {
       record.stage_hash = scratch.stage_hash;
       record.state_hash = hash_state(state);
-      if (!recorder->record(record)) {
-        ++statistics.not_recorded;
-        if (!paced) break;  // in lockstep only a failed writer refuses; closing it tells why
+      if (!recorder->record(record)) ++statistics.not_recorded;
+      if (statistics.recording_error.ok()) {
+        statistics.recording_error = recorder->failure();
+        if (!statistics.recording_error.ok()) fail(statistics.recording_error);
       }
+      if (!statistics.recording_error.ok() && !unrecorded) break;
     }
     progress.update(i + 1, ticks);
     statistics.interrupted = stop_requested != 0;

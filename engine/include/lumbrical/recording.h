@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,7 +39,7 @@ struct RecorderOptions {
   bool wait_when_full =
       true;  ///< lockstep waits for the writer; otherwise (live) the gap is marked in the file
   std::map<std::string, std::string>
-      metadata;  ///< free text for the file's metadata record, e.g. start time, build
+      metadata;  ///< free text for the file's metadata record, e.g. start time; "build" is added
 };
 
 /// Writes ticks to a file from a thread of its own. The tick thread only copies into a ring.
@@ -56,6 +57,9 @@ class Recorder {
   /// live mode, tick number not above the last one, device.kind out of range, or the writer failed: see
   /// close()).
   bool record(const TickRecord& record) noexcept;
+  /// The error that ended the recording, as soon as the writer has met it (disk full, say); from then on
+  /// record() keeps nothing. For the thread that calls record().
+  [[nodiscard]] Status failure() const;
   /// Writes the rest, index and summary. Returns the first error of the whole recording, if any.
   Status close();
 
@@ -86,7 +90,17 @@ struct Divergence {
       field;  ///< e.g. "joint[7].position[1]", "segment[3].force.x", or "hash" where only a hash differs
   std::string recorded;  ///< the value as text, exact (floats round-trip)
   std::string replayed;
+  /// The pair or primitive the field is of. Known where this machine, computing in the plainest way, still
+  /// gives what was recorded; so not for what went wrong elsewhere (see ReplayOptions::trace).
+  std::optional<std::uint32_t> primitive{}, triangle{};
+  /// How many representable numbers one value is away from the other; none for whole numbers and NaNs.
+  std::optional<std::uint64_t> ulp{};
+  std::string recorded_build{};  ///< build_text of who recorded, as far as the file tells
+  std::string replayed_build{};
 };
+
+/// Which build of the library this is: version, compiler, optimised or not, processor.
+std::string build_text();
 
 /// Reads a recording chunk by chunk: memory stays bounded however long the session was. Every byte is
 /// distrusted: lengths, offsets and checksums are verified before use.
@@ -101,8 +115,12 @@ class RecordingReader {
   Status open(const std::string& path);
   [[nodiscard]] const RecordingInfo& info() const;
   [[nodiscard]] const Scene& scene() const;
+  /// The state before the first tick: not the default only where the file is a later part of a session.
+  [[nodiscard]] const State& initial_state() const;
   /// The next record in the order of the file. `end` tells that there is none; an error names the byte.
   Status next(TickRecord& record, bool& end);
+  /// The message next() has read the record from, byte for byte; valid until the next call.
+  [[nodiscard]] std::span<const std::uint8_t> message() const;
   /// Whether the input of the record next() has just returned (device frame, tick number) was changed after
   /// it was recorded: `recorded` is then the original value of the field, `replayed` the present one. Every
   /// message carries a check that finds any change and names the field if it was the only one ("several"
@@ -120,29 +138,92 @@ class RecordingReader {
 /// against its check. An error for a torn file too: it names the byte where the file stops being whole.
 Status verify_recording(const std::string& path, RecordingInfo& info);
 
+/// Tick numbers first .. last.
+struct TickRange {
+  std::uint64_t first = 0, last = 0;
+  friend bool operator==(const TickRange&, const TickRange&) = default;
+};
+
 /// Rewrites what is whole of a torn or damaged file: `recovered` ticks kept, `lost` tick numbers missing, as
-/// far as they can be known (those behind the last whole chunk of a torn file can't). The session itself must
-/// be whole; `output` must be another file and appears only when it is complete.
+/// far as they can be known (those behind the last whole chunk of a torn file can't), and which those are
+/// (`missing`, ascending; may be null). The session itself must be whole; `output` must be another file and
+/// appears only when it is complete.
 Status recover_recording(const std::string& path, const std::string& output, std::uint64_t& recovered,
-                         std::uint64_t& lost);
+                         std::uint64_t& lost, std::vector<TickRange>* missing = nullptr);
+
+/// What copy_recordings takes over, and how.
+struct CopyOptions {
+  std::uint64_t from = 0;                  ///< first tick
+  std::uint64_t to = UINT64_MAX;           ///< tick behind the last
+  std::optional<Compression> compression;  ///< none: the first input's
+};
+struct CopyResult {
+  std::uint64_t ticks = 0;
+  /// Whether the copy can be replayed from its first tick on: where that is not the first of a session, the
+  /// state before it must have been found again.
+  bool replayable = true;
+};
+
+/// Copies the ticks of one or more recordings of the same scene, each later than the one before, to a new
+/// file, without changing a message: trimmed, merged, compressed otherwise. The state before the first tick
+/// is computed anew from the ticks before it and held against the recorded hash. Metadata are the first
+/// input's; what other tools have added to a file (channels, attachments) is left out. `output` must be
+/// another file and appears only when it is complete.
+Status copy_recordings(const std::vector<std::string>& inputs, const std::string& output,
+                       const CopyOptions& options, CopyResult& result);
 
 struct ReplayOptions {
   Execution execution;
   std::optional<Law> law;           ///< "what if": replaces the recorded law of every segment
   std::optional<double> stiffness;  ///< [N/m^3]
   std::optional<double> tolerance;  ///< Settings::tolerance
+  /// "What if": objects by their names in the scene; other meshes take their places, in the world frame [m].
+  std::map<std::string, Mesh> mesh;
+  /// Writes the intermediate values of a tick as text, a line per number, to this file ("-": standard
+  /// output), for comparison with the same on another machine: of `trace_tick`, or where none is given of the
+  /// first tick that differs (none, nothing is written).
+  std::string trace;
+  std::optional<std::uint64_t> trace_tick;
+  std::optional<Stage> trace_stage;  ///< this one only; none: all of a given tick, the one that differs
   std::function<void(std::uint64_t done, std::uint64_t all)> progress;  ///< may be empty
 };
 
 struct ReplayResult {
   std::uint64_t ticks = 0;                     ///< compared
   std::optional<Divergence> first_divergence;  ///< none: identical, bit for bit
+  double recorded_time = 0;  ///< [s] of all those ticks, as recorded on whatever machine that was
+  double replayed_time = 0;  ///< [s] of all those ticks here; 0 where no engine runs
 };
 
 /// Runs the recorded inputs through the engine again, from the file alone, and compares every output bit, up
 /// to the first divergence. An error where ticks are missing (live recordings with gaps), since the state
 /// behind a gap is unknown, and where the file holds none.
 Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResult& result);
+
+/// By how much one quantity of a what-if replay is off the recording, over all ticks.
+struct Change {
+  double max = 0;
+  double rms = 0;
+  std::uint64_t max_tick = 0;  ///< where the largest was
+};
+
+/// What another law, stiffness, mesh, precision or search would have changed.
+struct WhatIfResult {
+  std::uint64_t ticks = 0;
+  std::array<Change, kFingerCount + 1> force;  ///< [N] |difference| per finger (its segments' sum) and palm
+  /// The same in just-noticeable differences of the recorded force: 7 % of it, and never less than 7 % of
+  /// 0.5 N, since of smaller forces people notice only larger shares. Above 1 it may be felt.
+  std::array<Change, kFingerCount + 1> force_jnd;
+  std::array<std::uint64_t, kFingerCount + 1> felt_ticks{};  ///< in which it is above 1
+  std::array<Change, kSegmentCount> torque;                  ///< [N m] about each segment's base joint
+  double recorded_time = 0;  ///< [s] mean per tick as recorded, on whatever machine that was
+  double baseline_time = 0;  ///< [s] mean per tick of the recorded scene here, searched by the default
+  double changed_time = 0;   ///< [s] mean per tick of the changed scene here
+};
+
+/// Runs the recorded inputs through the changed scene, and through the recorded one for the time it takes
+/// here. Errors as of replay.
+Status what_if(RecordingReader& reader, const ReplayOptions& options, WhatIfResult& result);
 
 /// Compares two recordings tick by tick without running the engine, up to the first divergence: `recorded` is
 /// from a, `replayed` from b, "none" where b or a has ended. Measured durations are not compared.

@@ -1,0 +1,210 @@
+// What recording costs: time of the tick thread, bytes per tick, and how fast a long file is searched.
+//
+//   recording_cost cost SCENE.json     the scene's session, recorded and not in turns
+//   recording_cost long HOURS          a file as long as that, made by repeating one, and seeks in it
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lumbrical/recording.h"
+#include "lumbrical/scene_file.h"
+
+namespace {
+
+using namespace lumbrical;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Of this thread alone [s]: what other programs do meanwhile does not count.
+double thread_time() {
+  timespec now{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+int fail(const std::string& message) {
+  std::fprintf(stderr, "%s\n", message.c_str());
+  return 2;
+}
+
+/// The session's ticks, one after the other, each way in turns of `kTurn` ticks.
+class Session {
+ public:
+  explicit Session(const SceneFile& file) : file_(file) {}
+  Status build() {
+    Execution single = file_.execution;
+    single.threads = 1;  // so that the tick thread's time is all of it
+    Status status = build_model(file_.scene, single, model_);
+    if (status.ok()) scratch_ = make_scratch(model_);
+    return status;
+  }
+  [[nodiscard]] std::uint64_t ticks() const {
+    return static_cast<std::uint64_t>(file_.seconds * model_.settings.rate);
+  }
+  [[nodiscard]] DeviceFrame frame(std::uint64_t tick_number) const {
+    return resample(file_.motion, static_cast<double>(tick_number % ticks()) / model_.settings.rate);
+  }
+  void run(const DeviceFrame& frame, Recorder* recorder) {
+    TickRecord& record = record_;
+    scratch_.hash_stages = recorder != nullptr;
+    record.output = tick(model_, state_, scratch_, frame);
+    if (recorder == nullptr) return;
+    record.device = frame;
+    record.stage_hash = scratch_.stage_hash;
+    record.state_hash = hash_state(state_);
+    if (!recorder->record(record)) std::abort();
+  }
+
+ private:
+  const SceneFile& file_;
+  Model model_;
+  State state_;
+  Scratch scratch_;
+  TickRecord record_;
+};
+
+// The whole session twice over: every tick is once recorded and once not, in turns that are short against
+// anything that changes the processor's speed.
+Status measure_time(const SceneFile& file, const std::string& path) {
+  constexpr std::uint64_t kTurn = 20;
+  Session session(file);
+  if (Status status = session.build(); !status.ok()) return status;
+  double time[2] = {0, 0};
+  for (int round = 0; round < 2; ++round) {
+    Recorder recorder;
+    if (Status status = recorder.open(path, file.scene, {}); !status.ok()) return status;
+    std::vector<DeviceFrame> frames;
+    for (std::uint64_t first = 0; first < session.ticks(); first += kTurn) {
+      frames.clear();
+      for (std::uint64_t i = 0; i < kTurn; ++i) frames.push_back(session.frame(first + i));
+      const bool recorded = (first / kTurn + static_cast<std::uint64_t>(round)) % 2 == 0;
+      const double start = thread_time();
+      for (const DeviceFrame& frame : frames) session.run(frame, recorded ? &recorder : nullptr);
+      time[recorded ? 1 : 0] += thread_time() - start;
+    }
+    if (Status status = recorder.close(); !status.ok()) return status;
+  }
+  const auto ticks = static_cast<double>(session.ticks());
+  std::printf("tick thread: %.2f us per tick, recorded %.2f us: %+.2f %%\n", 1e6 * time[0] / ticks,
+              1e6 * time[1] / ticks, 100 * (time[1] / time[0] - 1));
+  return {};
+}
+
+Status measure_size(const SceneFile& file, const std::string& path) {
+  for (const auto& [name, compression] :
+       {std::pair("none", Compression::none), std::pair("lz4", Compression::lz4),
+        std::pair("zstd", Compression::zstd)}) {
+    Session session(file);
+    if (Status status = session.build(); !status.ok()) return status;
+    Recorder recorder;
+    RecorderOptions options;
+    options.compression = compression;
+    if (Status status = recorder.open(path, file.scene, options); !status.ok()) return status;
+    for (std::uint64_t i = 0; i < session.ticks(); ++i) session.run(session.frame(i), &recorder);
+    if (Status status = recorder.close(); !status.ok()) return status;
+    const auto bytes = static_cast<double>(std::filesystem::file_size(path));
+    std::printf("%-5s %.0f bytes per tick\n", name, bytes / static_cast<double>(session.ticks()));
+  }
+  return {};
+}
+
+// A session of ten seconds again and again, with the ticks' numbers going on.
+Status write_long(const std::string& path, double hours) {
+  Scene scene;
+  scene.hand = default_hand(Side::right);
+  scene.objects.push_back({"triangle", {{{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}}, {{0, 1, 2}}}});
+  const auto ticks = static_cast<std::uint64_t>(3600 * hours * scene.settings.rate);
+  Recorder recorder;
+  if (Status status = recorder.open(path, scene, {}); !status.ok()) return status;
+  TickRecord record;
+  record.device.kind = InputKind::joint_angles;
+  for (std::uint64_t i = 0; i < ticks; ++i) {
+    const std::uint64_t phase = i % 10000;
+    record.output.tick = i;
+    for (std::size_t a = 0; a < kAngleCount; ++a)
+      record.device.angle[a] = 1e-4f * static_cast<float>(phase + 17 * a);
+    for (std::size_t s = 0; s < 6; ++s)
+      record.output.segment[s].force = {1e-3 * static_cast<double>(phase),
+                                        1.0 / (1.0 + static_cast<double>(phase)), 1};
+    record.state_hash = i * 0x9e3779b97f4a7c15u;
+    record.stage_hash.fill(i * 0xbf58476d1ce4e5b9u);
+    if (!recorder.record(record)) return recorder.close();
+  }
+  return recorder.close();
+}
+
+Status measure_seeks(const std::string& path) {
+  auto start = Clock::now();
+  RecordingReader reader;
+  if (Status status = reader.open(path); !status.ok()) return status;
+  const RecordingInfo& info = reader.info();
+  std::printf("%llu ticks, %.2f hours, %.2f GB, %llu chunks; opened in %.0f ms\n",
+              static_cast<unsigned long long>(info.ticks), info.seconds / 3600,
+              1e-9 * static_cast<double>(info.bytes), static_cast<unsigned long long>(info.chunks),
+              1e3 * seconds_since(start));
+  std::vector<double> times;
+  std::uint64_t number = 12345;
+  for (int i = 0; i < 500; ++i) {
+    number = number * 6364136223846793005u + 1442695040888963407u;
+    const std::uint64_t wanted = (number >> 20) % info.ticks;
+    start = Clock::now();
+    TickRecord record;
+    bool end = false;
+    if (Status status = reader.seek(wanted); !status.ok()) return status;
+    if (Status status = reader.next(record, end); !status.ok()) return status;
+    times.push_back(1e3 * seconds_since(start));
+    if (record.output.tick != wanted) return Status::error("seek found another tick");
+  }
+  std::sort(times.begin(), times.end());
+  std::printf("500 seeks to random ticks: median %.2f ms, 99 %% %.2f ms, longest %.2f ms\n", times[250],
+              times[495], times[499]);
+  return {};
+}
+
+void print_memory(const char* when) {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  std::printf("most memory so far, %s: %.0f MB\n", when, static_cast<double>(usage.ru_maxrss) / 1024);
+}
+
+Status measure_long(const std::string& path, double hours) {
+  const auto start = Clock::now();
+  if (Status status = write_long(path, hours); !status.ok()) return status;
+  std::printf("written in %.0f s\n", seconds_since(start));
+  print_memory("written");
+  if (Status status = measure_seeks(path); !status.ok()) return status;
+  print_memory("read");
+  return {};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 3) return fail("recording_cost cost SCENE.json | long HOURS");
+  const std::string command = argv[1];
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("lumbrical_cost_" + std::to_string(::getpid()) + ".mcap"))
+          .string();
+  Status status = Status::error("recording_cost: \"" + command + "\" is neither cost nor long");
+  if (command == "cost") {
+    SceneFile file;
+    status = load_scene_file(argv[2], file);
+    if (status.ok()) status = measure_time(file, path);
+    if (status.ok()) status = measure_size(file, path);
+  } else if (command == "long") {
+    status = measure_long(path, std::atof(argv[2]));
+  }
+  std::filesystem::remove(path);
+  return status.ok() ? 0 : fail(status.message());
+}

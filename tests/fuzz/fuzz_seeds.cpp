@@ -1,0 +1,197 @@
+// Writes the fuzzers' first inputs to a folder: fuzz_seeds tests/fuzz/corpus
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string>
+
+#include "flatbuffers/flatbuffers.h"
+#include "lumbrical/recording.h"
+#include "lumbrical/shapes.h"
+#include "mcap_reader.h"
+#include "record_fields.h"
+#include "session_message.h"
+#include "state_message.h"
+#include "tick_message.h"
+
+namespace {
+
+using namespace lumbrical;
+namespace fs = std::filesystem;
+using ByteVector = std::vector<std::uint8_t>;
+
+void write(const fs::path& path, std::span<const std::uint8_t> bytes) {
+  fs::create_directories(path.parent_path());
+  std::ofstream out(path, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+void write(const fs::path& path, const std::string& text) {
+  write(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+Scene seed_scene() {
+  Scene scene;
+  scene.hand = default_hand(Side::right);
+  scene.settings.max_candidates = 1000;
+  scene.objects.push_back({"triangle", {{{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}}, {{0, 1, 2}}}});
+  return scene;
+}
+
+TickRecord seed_record(std::uint64_t tick) {
+  TickRecord record;
+  record.device.kind = tick % 2 == 0 ? InputKind::joint_angles : InputKind::joint_poses;
+  record.device.angle[3] = 0.25f;
+  record.device.joint[7].position[1] = tick % 2 == 0 ? 0 : 0.125f;
+  record.output.tick = tick;
+  record.output.contact_count = 2;
+  record.output.segment[4].force.z = 1.5;
+  record.stage_hash = {1, 2, 3, 4, 5, 6};
+  record.state_hash = 7;
+  return record;
+}
+
+ByteVector read(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Checksums of 0 mean "not computed", so a fuzzer gets past them.
+void clear_checksums(const fs::path& path, ByteVector& bytes) {
+  InputFile file;
+  mcap::Header header;
+  std::uint64_t at = 0;
+  if (!file.open(path.string()).ok() || !read_start(file, header, at).ok()) return;
+  const auto clear = [&](std::uint64_t offset) {
+    std::fill_n(bytes.begin() + static_cast<long>(offset), 4, 0);
+  };
+  for (bool whole = true; whole;) {
+    RecordPlace place;
+    if (!find_record(file, at, file.size(), place, whole).ok() || !whole) return;
+    if (place.opcode == mcap::Opcode::chunk) clear(place.content() + 24);
+    if (place.opcode == mcap::Opcode::attachment || place.opcode == mcap::Opcode::data_end ||
+        place.opcode == mcap::Opcode::footer)
+      clear(place.end() - 4);
+    if (place.opcode == mcap::Opcode::footer) return;
+    at = place.end();
+  }
+}
+
+bool write_recordings(const fs::path& folder) {
+  for (const auto& [name, compression] :
+       {std::pair("none", Compression::none), std::pair("lz4", Compression::lz4),
+        std::pair("zstd", Compression::zstd)}) {
+    const fs::path path = folder / name;
+    fs::create_directories(folder);
+    RecorderOptions options;
+    options.compression = compression;
+    options.chunk_seconds = 0.003;
+    options.metadata = {{"build", "seed"}};
+    Recorder recorder;
+    if (!recorder.open(path.string(), seed_scene(), options).ok()) return false;
+    for (std::uint64_t tick = 0; tick < 6; ++tick)
+      if (!recorder.record(seed_record(tick))) return false;
+    if (!recorder.close().ok()) return false;
+    ByteVector bytes = read(path);
+    write(folder / (std::string(name) + "_torn"), std::span(bytes).first(bytes.size() * 4 / 5));
+    clear_checksums(path, bytes);
+    write(folder / (std::string(name) + "_unchecked"), bytes);
+  }
+  return true;
+}
+
+bool write_messages(const fs::path& folder) {
+  const auto seed = [&](const char* name, std::uint8_t kind, std::span<const std::uint8_t> bytes) {
+    ByteVector all{kind};
+    all.insert(all.end(), bytes.begin(), bytes.end());
+    write(folder / name, all);
+  };
+  flatbuffers::FlatBufferBuilder builder;
+  for (const std::uint64_t tick : {0u, 1u}) {
+    const TickRecord record = seed_record(tick);
+    encode_tick(record, make_input_check(input_fields(record)), builder);
+    seed(tick == 0 ? "tick_angles" : "tick_poses", 0, {builder.GetBufferPointer(), builder.GetSize()});
+  }
+  ByteVector session;
+  if (!encode_session(seed_scene(), session).ok()) return false;
+  seed("session", 1, session);
+  State state;
+  state.tick = 5;
+  state.rise = 0.5;
+  seed("state", 2, encode_state(state));
+  return true;
+}
+
+void write_meshes(const fs::path& folder) {
+  write(folder / "mesh_obj" / "a",
+        "# tetrahedron\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1.5e0\nvn 0 0 1\nf 1 3 2\n"
+        "f 1//1 2//1 4//1\nf 2/1 3/2 4/3\nf -1 -2 -4\n");
+  write(folder / "mesh_obj" / "b",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\ng square\nusemtl none\nf 1 2 \\\n3 4\n");
+  write(folder / "mesh_off" / "a",
+        "OFF\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n");
+  write(folder / "mesh_off" / "b",
+        "COFF # colours\n3 1 0\n0 0 0 1 0 0 1\n1 0 0 0 1 0 1\n0 1 0 0 0 1 1\n3 0 1 2 255 0 0\n");
+  write(folder / "mesh_stl" / "ascii",
+        "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+        "vertex 0 1 0\nendloop\nendfacet\nendsolid a\n");
+  std::string binary(80, ' ');
+  binary += std::string("\x01\0\0\0", 4) + std::string(12, '\0');
+  for (const float value : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f})
+    binary.append(reinterpret_cast<const char*>(&value), 4);
+  write(folder / "mesh_stl" / "binary", binary + std::string(2, '\0'));
+  const std::string body =
+      "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  write(folder / "mesh_ply" / "ascii",
+        "ply\nformat ascii 1.0\ncomment c\n" + body + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  std::string little = "ply\nformat binary_little_endian 1.0\n" + body;
+  for (const float value : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f})
+    little.append(reinterpret_cast<const char*>(&value), 4);
+  little += std::string("\x03\0\0\0\0\x01\0\0\0\x02\0\0\0", 13);
+  write(folder / "mesh_ply" / "little", little);
+  const std::size_t at = little.find("little");
+  write(folder / "mesh_ply" / "big", little.replace(at, 6, "big"));
+}
+
+void write_scenes(const fs::path& folder) {
+  write(folder / "scene" / "a", R"({"objects": [{"name": "m", "mug": {"segments": 12}, "position": [0, 0, 1]},
+{"plane": {"cells": 2}}, {"box": {"size": [0.1, 0.2, 0.1], "cells": 1}}, {"sphere": {"cells": 2}}],
+"hand": {"side": "left", "length": 0.19}, "motion": {"grasp": {"radius": 0.037, "height": 0.095, "seconds": 1}},
+"settings": {"rate": 100, "stiffness": 2e7, "law": "column"}, "execution": {"threads": 2, "broadphase": "grid"}})");
+  write(folder / "scene" / "b", R"({"objects": [{"mesh": "x.obj", "unit": "mm"}], "hand_file": "hand.json",
+"motion": {"file": "m.json"}, "settings": {"max_force": 5, "fade_time": 0.1, "tolerance": 0.01}})");
+}
+
+void write_motions(const fs::path& folder) {
+  std::string angles;
+  for (int i = 0; i < 20; ++i) angles += i == 0 ? "0.1" : ", 0.1";
+  write(
+      folder / "motion" / "angles",
+      R"({"format": "lumbrical-angles", "side": "right", "samples": [{"time": 0, "wrist": {"position": [0,0,0],
+"orientation": [1,0,0,0]}, "angles": [)" +
+          angles + "]}]}");
+  std::string row, header = "time";
+  for (int i = 0; i < 21; ++i) {
+    const std::string number = std::to_string(i);
+    header += ",x" + number + ",y" + number + ",z" + number;
+    row += ",0.0" + number + ",0.1,0.00" + number;
+  }
+  write(folder / "motion" / "landmarks", header + "\n0" + row + "\n0.1" + row + "\n");
+  write(folder / "motion" / "webxr", R"([{"time": 0, "joints": {"wrist": {"position": [0,0,0],
+"orientation": [0,0,0,1], "radius": 0.02}, "index_proximal": {"position": [0.1,0,0], "orientation": [0,0,0,1]}}}])");
+  write(folder / "motion" / "leap",
+        R"({"frames": [{"id": 1, "timestamp": 1000, "hands": [{"id": 5, "type": "right",
+"palmPosition": [0,100,0]}], "pointables": [{"handId": 5, "type": 1, "carpPosition": [0,0,0], "mcpPosition": [1,0,0],
+"pipPosition": [2,0,0], "dipPosition": [3,0,0], "btipPosition": [4,0,0]}]}]})");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) return 2;
+  const fs::path folder = argv[1];
+  write_meshes(folder);
+  write_scenes(folder);
+  write_motions(folder);
+  return write_recordings(folder / "recording") && write_messages(folder / "messages") ? 0 : 1;
+}

@@ -1,0 +1,241 @@
+// See golden_sessions.h.
+#include "golden_sessions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include "golden_hashes.h"
+#include "lumbrical/jacobian.h"
+#include "narrowphase.h"
+#include "pressed_hand.h"
+#include "random.h"
+
+namespace lumbrical::test {
+namespace {
+
+GoldenSession grasp(const std::string& name, Law law, std::size_t count) {
+  GoldenSession session{name, mug_scene(law), {}};
+  session.frames = grasp_frames(session.scene.hand, count);
+  return session;
+}
+
+/// A flat hand that comes down on the scene and wanders over it, so that ticks differ.
+GoldenSession press(const std::string& name, Scene scene, double depth, std::size_t count) {
+  GoldenSession session{name, std::move(scene), {}};
+  const DeviceFrame pressed = pressed_frame(session.scene.hand, depth, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double share = static_cast<double>(i) / static_cast<double>(count);
+    DeviceFrame frame = pressed;
+    frame.base.position = pressed.base.position + Vec3{0.007 * share, -0.011 * share, 0.002 * (1 - share)};
+    session.frames.push_back(frame);
+  }
+  return session;
+}
+
+GoldenSession crowd() { return press("crowd", pressed_scene(0.3, 130), 0.006, 6); }
+
+/// Two sides of a sheet 0.1 mm thick, through which fingers pass.
+GoldenSession thin_sheets(Law law) {
+  Scene scene = pressed_scene(0.3, 1);
+  scene.settings.law.fill(law);
+  const Mesh upper = make_plane(0.3, 50, 0.7, 3);
+  Mesh lower = upper;
+  for (Vec3& vertex : lower.vertices) vertex.z -= 1e-4;
+  for (auto& triangle : lower.triangles) std::swap(triangle[1], triangle[2]);
+  scene.objects = {{"upper", upper}, {"lower", lower}};
+  return press("thin." + std::string(law_name(law)), scene, 0.003, 8);
+}
+
+std::array<float, 3> narrowed(Vec3 v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+/// The same hand told by the poses of its joints.
+DeviceFrame as_joint_poses(const Hand& hand, const DeviceFrame& frame) {
+  std::array<double, kAngleCount> angles;
+  std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
+  std::array<Pose, kJointCount> poses;
+  forward_kinematics(hand, Pose{}, angles, poses);
+  DeviceFrame result;
+  result.base = frame.base;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const auto& [p, q] = poses[j];
+    result.joint[j] = {
+        narrowed(p),
+        {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z), static_cast<float>(q.w)}};
+  }
+  return result;
+}
+
+/// Tracking comes and goes, as a whole and joint by joint.
+GoldenSession lost_tracking() {
+  GoldenSession session = grasp("lost", Law::field, 90);
+  for (std::size_t i = 0; i < session.frames.size(); ++i) {
+    DeviceFrame& frame = session.frames[i];
+    if (i % 2 == 0) frame = as_joint_poses(session.scene.hand, frame);
+    if (i % 30 >= 18 && i % 30 < 23) frame.flags |= kTrackingLost;
+    if (i % 7 == 0) frame.flags |= kExtrapolated;
+    if (i % 5 == 0) frame.valid &= ~(1u << (i % kJointCount));
+  }
+  return session;
+}
+
+GoldenSession not_finite() {
+  GoldenSession session = grasp("not_finite", Law::field, 90);
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < session.frames.size(); ++i) {
+    DeviceFrame& frame = session.frames[i];
+    switch (i % 30) {
+      case 14:
+        frame.angle[i % kAngleCount] = kNan;
+        break;
+      case 15:
+        frame.base.position.y = -kInfinity;
+        break;
+      case 16:
+        frame.base.orientation = {-0.0, 0.0, -0.0, 0.0};
+        break;
+      case 17:
+        frame.base.position.z = std::numeric_limits<double>::denorm_min();
+        break;
+      case 18:
+        frame.angle[3] = -0.0f;
+        break;
+      case 19:
+        frame.base.orientation.x = std::numeric_limits<double>::quiet_NaN();
+        break;
+      default:
+        break;
+    }
+  }
+  return session;
+}
+
+GoldenSession overflow() {
+  GoldenSession session = grasp("overflow", Law::field, 80);
+  session.scene.settings.max_candidates = 250;
+  return session;
+}
+
+/// Capsules, whose integrals may be computed in single precision.
+GoldenSession coarse(const std::string& name, double tolerance) {
+  GoldenSession session = grasp(name, Law::field, 40);
+  session.scene.hand.radius.fill(0.008);
+  session.scene.settings.tolerance = tolerance;
+  return session;
+}
+
+/// Large triangles under capsules in single precision: the float kernels.
+GoldenSession large_triangles() {
+  Scene scene = pressed_scene(0.3, 1);
+  scene.hand.radius.fill(0.008);
+  scene.settings.tolerance = 1e-2;
+  scene.objects = {{"plane", make_plane(0.4, 16, 0.8, 5)}};
+  return press("large", scene, 0.004, 20);
+}
+
+GoldenSession far_away() {
+  GoldenSession session = grasp("far", Law::field, 40);
+  const Vec3 away{1234.5, -987.25, 33.125};
+  for (SceneObject& object : session.scene.objects) {
+    for (Vec3& vertex : object.mesh.vertices) vertex = vertex + away;
+  }
+  for (DeviceFrame& frame : session.frames) frame.base.position = frame.base.position + away;
+  return session;
+}
+
+GoldenSession mixed_laws() {
+  GoldenSession session = grasp("mixed", Law::field, 50);
+  for (std::size_t s = 0; s < kSegmentCount; ++s) session.scene.settings.law[s] = static_cast<Law>(s % 5);
+  return session;
+}
+
+/// Sphere, capsule or rounded cone.
+Primitive random_primitive(Random& random, std::uint64_t shape) {
+  constexpr double kRadius = 0.008;
+  Primitive primitive;
+  primitive.law = Law::field;
+  primitive.radius1 = kRadius;
+  primitive.radius2 = shape == 2 ? random.between(0.7, 1.0) * kRadius : kRadius;
+  primitive.end1 = random.in_box(0.1);
+  // One number per statement: compilers are free in the order of operands.
+  const double length = shape == 0 ? 0.0 : random.between(0.5, 4) * kRadius;
+  const Vec3 axis = random.direction();
+  primitive.end2 = primitive.end1 + length * axis;
+  return primitive;
+}
+
+}  // namespace
+
+std::vector<GoldenSession> golden_sessions() {
+  std::vector<GoldenSession> sessions;
+  for (const Law law : {Law::field, Law::column, Law::max_depth, Law::centroid, Law::point})
+    sessions.push_back(grasp("mug." + std::string(law_name(law)), law, 100));
+  sessions.push_back(crowd());
+  sessions.push_back(thin_sheets(Law::field));
+  sessions.push_back(thin_sheets(Law::column));
+  sessions.push_back(lost_tracking());
+  sessions.push_back(not_finite());
+  sessions.push_back(overflow());
+  sessions.push_back(coarse("coarse.1e-4", 1e-4));
+  sessions.push_back(coarse("coarse.1e-2", 1e-2));
+  sessions.push_back(large_triangles());
+  sessions.push_back(far_away());
+  sessions.push_back(mixed_laws());
+  return sessions;
+}
+
+std::uint64_t hash_jacobians(const Execution& execution) {
+  Scene scene = mug_scene(Law::field);
+  scene.settings.fade_time = 0;
+  scene.settings.max_force = 1e6;
+  const Model model = model_of(scene, execution);
+  State state;
+  Scratch scratch = make_scratch(model);
+  std::array<SegmentJacobian, kSegmentCount> jacobians;
+  Hasher hasher;
+  for (const DeviceFrame& frame : grasp_frames(scene.hand, 20)) {
+    tick(model, state, scratch, frame);
+    segment_jacobians(model, scratch, jacobians);
+    for (const SegmentJacobian& jacobian : jacobians) {
+      for (const auto& row : jacobian.value) hasher.array(row);
+    }
+  }
+  return hasher.digest();
+}
+
+std::uint64_t hash_pairs(Isa isa) {
+  Random random(17);
+  Boundary boundary;
+  Hasher hasher;
+  for (std::uint64_t i = 0; i < 900; ++i) {
+    const Primitive primitive = random_primitive(random, i % 3);
+    double size = 3e-4;  // to 30 R
+    for (std::uint64_t k = random.bits() % 4; k > 0; --k) size *= random.between(3, 9);
+    const double along = random.between(0, 1), out = random.between(0, 1) * primitive.radius1;
+    const Vec3 aside = random.direction();
+    const Vec3 near = primitive.end1 + along * (primitive.end2 - primitive.end1) + out * aside;
+    const Vec3 a = near + size * random.direction(), b = near + size * random.direction(),
+               c = near + size * random.direction();
+    for (const double tolerance : {0.0, 1e-9, 1e-6, 1e-4, 1e-2}) {
+      Contact contact{};
+      const ContactQuery query{Law::field, 1e-4, nullptr, tolerance, field_kernels(isa)};
+      hasher.value(collide(primitive, query, a, b, c, boundary, contact));
+      hasher.bytes(&contact, sizeof contact);
+    }
+  }
+  return hasher.digest();
+}
+
+std::uint64_t golden_hash(const std::string& name) {
+  for (const auto& [golden_name, hash] : kGolden) {
+    if (name == golden_name) return hash;
+  }
+  return 0;
+}
+
+}  // namespace lumbrical::test

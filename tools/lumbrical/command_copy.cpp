@@ -1,0 +1,170 @@
+// lumbrical trim, split, merge, compress: copies of recordings in which no message is changed.
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commands.h"
+#include "lumbrical/recording.h"
+#include "output.h"
+#include "switches.h"
+
+namespace lumbrical::tool {
+namespace {
+
+struct CopySwitches {
+  std::vector<std::string> recordings;
+  std::string output, with = "zstd";
+  std::optional<std::uint64_t> from_tick, to_tick, ticks;
+  std::optional<double> from_second, to_second, seconds;
+  bool json = false;
+};
+
+constexpr double kLatest = 1e12;  // s or ticks, of switches
+
+std::string numbered(const std::string& output, std::size_t number) {
+  const std::filesystem::path path(output);
+  const std::string digits = std::to_string(number);
+  const std::string name =
+      path.stem().string() + "." + std::string(digits.size() < 3 ? 3 - digits.size() : 0, '0') + digits;
+  return (path.parent_path() / (name + path.extension().string())).string();
+}
+
+Json copied_json(const std::string& output, const CopyResult& result) {
+  return {{"output", output}, {"ticks", result.ticks}, {"replayable", result.replayable}};
+}
+
+std::string copied_text(const std::string& output, const CopyResult& result) {
+  return grouped(result.ticks) + " ticks to " + output +
+         (result.replayable ? ".\n"
+                            : ". They cannot be replayed: the state before them is unknown (a gap, or a "
+                              "build that computes otherwise).\n");
+}
+
+int copy(const CopySwitches& switches, const CopyOptions& options) {
+  CopyResult result;
+  const Status status = copy_recordings(switches.recordings, switches.output, options, result);
+  if (!status.ok()) return fail(status);
+  return switches.json ? print_json(copied_json(switches.output, result))
+                       : print_text(copied_text(switches.output, result));
+}
+
+std::uint64_t tick_at(double second, const RecordingReader& reader) {
+  return static_cast<std::uint64_t>(std::ceil(second * reader.scene().settings.rate - 1e-6));
+}
+
+int trim(const CopySwitches& switches) {
+  RecordingReader reader;
+  if (Status status = reader.open(switches.recordings.front()); !status.ok()) return fail(status);
+  CopyOptions options;
+  if (switches.from_tick) options.from = *switches.from_tick;
+  if (switches.to_tick) options.to = *switches.to_tick;
+  if (switches.from_second) options.from = tick_at(*switches.from_second, reader);
+  if (switches.to_second) options.to = tick_at(*switches.to_second, reader);
+  const RecordingInfo& info = reader.info();
+  if (info.ticks == 0 || options.from > info.last_tick || options.to <= info.first_tick ||
+      options.from >= options.to)
+    return fail(info.path + ": no tick is in that range; it holds " + std::to_string(info.first_tick) +
+                " to " + std::to_string(info.last_tick));
+  return copy(switches, options);
+}
+
+int split(const CopySwitches& switches) {
+  RecordingReader reader;
+  if (Status status = reader.open(switches.recordings.front()); !status.ok()) return fail(status);
+  const std::uint64_t ticks = switches.ticks     ? *switches.ticks
+                              : switches.seconds ? tick_at(*switches.seconds, reader)
+                                                 : 0;
+  if (ticks == 0) return fail("split: say how long a part is, by --ticks or --seconds");
+  Json parts = Json::array();
+  std::string text;
+  const RecordingInfo& info = reader.info();
+  for (std::uint64_t from = info.first_tick; info.ticks > 0 && from <= info.last_tick; from += ticks) {
+    const std::string output = numbered(switches.output, parts.size() + 1);
+    CopyResult result;
+    const Status status =
+        copy_recordings(switches.recordings, output, {from, from + ticks, std::nullopt}, result);
+    if (!status.ok()) return fail(status);
+    parts.push_back(copied_json(output, result));
+    text += copied_text(output, result);
+  }
+  return switches.json ? print_json({{"parts", parts}}) : print_text(text);
+}
+
+int merge(const CopySwitches& switches) { return copy(switches, {}); }
+
+int compress(const CopySwitches& switches) {
+  CopyOptions options;
+  options.compression = switches.with == "zstd"  ? Compression::zstd
+                        : switches.with == "lz4" ? Compression::lz4
+                                                 : Compression::none;
+  return copy(switches, options);
+}
+
+CLI::App* add_command(CLI::App& app, int& exit_code, const char* name, const char* what,
+                      const std::shared_ptr<CopySwitches>& switches, int (*run)(const CopySwitches&)) {
+  CLI::App* const command = app.add_subcommand(name, what);
+  command->add_option("--output,-o", switches->output, "Recording to write")
+      ->required()
+      ->type_name("OUT.mcap");
+  command->add_flag("--json", switches->json, "Print one JSON object");
+  command->callback([switches, run, &exit_code] { exit_code = run(*switches); });
+  return command;
+}
+
+CLI::Option* add_recordings(CLI::App* command, const std::shared_ptr<CopySwitches>& switches, int count) {
+  return command->add_option("recording", switches->recordings, "Recording to read")
+      ->required()
+      ->expected(count)
+      ->type_name("REC.mcap");
+}
+
+}  // namespace
+
+void add_trim(CLI::App& app, int& exit_code) {
+  const auto switches = std::make_shared<CopySwitches>();
+  CLI::App* const command = add_command(app, exit_code, "trim",
+                                        "Copy a part of a recording, which can be replayed", switches, trim);
+  add_recordings(command, switches, 1);
+  command->add_option("--from-tick", switches->from_tick, "First tick")->check(number_in(0, kLatest));
+  command->add_option("--to-tick", switches->to_tick, "Tick behind the last")->check(number_in(0, kLatest));
+  command->add_option("--from", switches->from_second, "First moment [s of session time]")
+      ->check(number_in(0, kLatest))
+      ->excludes("--from-tick");
+  command->add_option("--to", switches->to_second, "Moment behind the last [s]")
+      ->check(number_in(0, kLatest))
+      ->excludes("--to-tick");
+}
+
+void add_split(CLI::App& app, int& exit_code) {
+  const auto switches = std::make_shared<CopySwitches>();
+  CLI::App* const command = add_command(
+      app, exit_code, "split", "Copy a recording in parts: OUT.001.mcap, OUT.002.mcap ...", switches, split);
+  add_recordings(command, switches, 1);
+  command->add_option("--ticks", switches->ticks, "Of a part")->check(number_in(1, kLatest));
+  command->add_option("--seconds", switches->seconds, "Of a part")
+      ->check(number_in(1e-6, kLatest))
+      ->excludes("--ticks");
+}
+
+void add_merge(CLI::App& app, int& exit_code) {
+  const auto switches = std::make_shared<CopySwitches>();
+  CLI::App* const command =
+      add_command(app, exit_code, "merge", "Put parts of a session, named in their order, into one file",
+                  switches, merge);
+  add_recordings(command, switches, -1);
+}
+
+void add_compress(CLI::App& app, int& exit_code) {
+  const auto switches = std::make_shared<CopySwitches>();
+  CLI::App* const command = add_command(
+      app, exit_code, "compress", "Compress a recording otherwise: zstd for archives", switches, compress);
+  add_recordings(command, switches, 1);
+  command->add_option("--with", switches->with, "zstd, lz4 or none")
+      ->check(CLI::IsMember({"zstd", "lz4", "none"}))
+      ->capture_default_str();
+}
+
+}  // namespace lumbrical::tool
