@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-enum class Layer { base, model, motion, kernels, stages, engine, session, program, test };
+enum class Layer { base, model, motion, kernels, stages, engine, device, session, program, test };
 
 struct Rule {
   Layer layer;
@@ -44,8 +44,11 @@ const Rule kRules[] = {
     {Layer::engine, "engine/include/lumbrical", "tick probe jacobian"},
     {Layer::engine, "engine/src", "tick probe jacobian"},
 
+    {Layer::device, "engine/include/lumbrical", "device_profile"},
+    {Layer::device, "engine/src", "device_profile profile_check registers"},
+
     {Layer::session, "engine/include/lumbrical", "recording scene_file"},
-    {Layer::session, "engine/src", "motion_* json_file scene_file scene_parts"},
+    {Layer::session, "engine/src", "motion_* json_file scene_file scene_parts device_profile_file"},
     {Layer::session, "engine/src", "mcap_* ring recorder recording_* record_fields replay output_file"},
     {Layer::session, "engine/src", "session_message tick_message"},
 
@@ -70,6 +73,8 @@ bool may_include(Layer from, Layer to) {
       return to <= Layer::stages && to != Layer::motion;
     case Layer::engine:
       return to <= Layer::engine;
+    case Layer::device:
+      return to <= Layer::device && to != Layer::kernels && to != Layer::stages;
     case Layer::session:
       return to <= Layer::session && to != Layer::kernels && to != Layer::stages;
     case Layer::program:
@@ -95,7 +100,8 @@ const Outside kOutside[] = {
     {"(xmmintrin|immintrin|cfenv)([.]h)?", "engine/src/floating_point[.].*"},
     {"flatbuffers/.*",
      "engine/src/"
-     "(json_file|scene_file|scene_parts|session_message|tick_message|record\\w*|mcap_\\w+|replay)[.].*|tests/"
+     "(json_file|device_profile_file|scene_file|scene_parts|session_message|tick_message|record\\w*|mcap_\\w+"
+     "|replay)[.].*|tests/"
      ".*"},
     {"nlohmann/.*", "(engine/src/motion_\\w+[.].*|tools/.*|tests/.*)"},
     {"(lz4frame|zstd|zlib)[.]h", "(engine/src/mcap_\\w+[.]cpp|tests/.*)"},
