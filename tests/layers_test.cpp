@@ -44,8 +44,10 @@ const Rule kRules[] = {
     {Layer::engine, "engine/include/lumbrical", "tick probe jacobian"},
     {Layer::engine, "engine/src", "tick probe jacobian"},
 
-    {Layer::device, "engine/include/lumbrical", "device_profile actuator_model safety passivity"},
-    {Layer::device, "engine/src", "actuator_model device_profile profile_check registers safety passivity"},
+    {Layer::device, "engine/include/lumbrical",
+     "device_profile actuator_model safety passivity local_model device_simulation"},
+    {Layer::device, "engine/src",
+     "actuator_model device_profile profile_check registers safety passivity device_simulation"},
 
     {Layer::session, "engine/include/lumbrical", "recording scene_file"},
     {Layer::session, "engine/src", "motion_* json_file scene_file scene_parts device_profile_file"},
