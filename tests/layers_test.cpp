@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-enum class Layer { base, model, motion, kernels, stages, engine, device, session, program, test };
+enum class Layer { base, model, motion, kernels, stages, engine, device, session, wire, program, test };
 
 struct Rule {
   Layer layer;
@@ -24,7 +24,8 @@ struct Rule {
 
 const Rule kRules[] = {
     {Layer::base, "engine/include/lumbrical", "math status"},
-    {Layer::base, "engine/src", "math elementary floating_point parallel hash radix_sort text_cursor"},
+    {Layer::base, "engine/src",
+     "math elementary floating_point parallel hash radix_sort text_cursor ring newest"},
 
     {Layer::model, "engine/include/lumbrical", "mesh shapes hand model contact"},
     {Layer::model, "engine/src", "mesh_* ply_header vertex_merge shapes shape_mug hand hand_from_positions"},
@@ -51,8 +52,11 @@ const Rule kRules[] = {
 
     {Layer::session, "engine/include/lumbrical", "recording scene_file"},
     {Layer::session, "engine/src", "motion_* json_file scene_file scene_parts device_profile_file"},
-    {Layer::session, "engine/src", "mcap_* ring recorder recording_* record_fields replay output_file"},
+    {Layer::session, "engine/src", "mcap_* recorder recording_* record_fields replay output_file"},
     {Layer::session, "engine/src", "session_message tick_message"},
+
+    {Layer::wire, "engine/include/lumbrical", "modbus_sink modbus_server"},
+    {Layer::wire, "engine/src", "exchange_words modbus_*"},
 
     {Layer::program, "tools/lumbrical", "*"},
     {Layer::program, "examples", "*"},
@@ -77,6 +81,8 @@ bool may_include(Layer from, Layer to) {
       return to <= Layer::engine;
     case Layer::device:
       return to <= Layer::device && to != Layer::kernels && to != Layer::stages;
+    case Layer::wire:
+      return (to <= Layer::device && to != Layer::kernels && to != Layer::stages) || to == Layer::wire;
     case Layer::session:
       return to <= Layer::session && to != Layer::kernels && to != Layer::stages;
     case Layer::program:
@@ -107,7 +113,11 @@ const Outside kOutside[] = {
      ".*"},
     {"nlohmann/.*", "(engine/src/motion_\\w+[.].*|tools/.*|tests/.*)"},
     {"(lz4frame|zstd|zlib)[.]h", "(engine/src/mcap_\\w+[.]cpp|tests/.*)"},
-    {"(unistd|fcntl|sys/\\w+)[.]h", "(engine/src/(output_file|mcap_reader)[.]cpp|tools/.*|tests/.*)"},
+    {"(unistd|fcntl|sys/\\w+)[.]h",
+     "(engine/src/(output_file|mcap_reader|modbus_server)[.]cpp|tools/.*|tests/.*)"},
+    {"modbus/.*", "engine/src/modbus_link[.]cpp"},
+    {"(poll|sched|pthread|termios|errno|time|arpa/\\w+|netinet/\\w+)[.]h",
+     "(engine/src/modbus_\\w+[.]cpp|tools/.*|tests/.*)"},
     {"CLI/.*", "tools/.*"},
     {"(gtest|boost)/.*", "tests/.*"},
     {"benchmark/.*", "bench/.*"},

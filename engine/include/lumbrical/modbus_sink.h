@@ -1,0 +1,105 @@
+// The sink that carries commands to a device and its angles back: Modbus on a thread of its own, behind the
+// safety envelope, newest value only. Never holds up the thread that ticks.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lumbrical/safety.h"
+#include "lumbrical/status.h"
+
+namespace lumbrical {
+
+/// Times are nanoseconds of the steady clock.
+struct DeviceCommand {
+  std::uint64_t tick = 0;
+  std::int64_t feedback_time = 0;                ///< DeviceFeedback::time of the angles behind it; 0: none
+  ActuatorArray wanted{};                        ///< in the actuators' units
+  ActuatorArray angle{}, stiffness{}, radius{};  ///< local model, for actuators that have one
+};
+
+struct DeviceFeedback {
+  std::int64_t time = 0;                        ///< when the reply came
+  std::array<float, 4 * kFingerCount> angle{};  ///< [rad] in the order of hand.h
+  std::uint32_t valid = 0;                      ///< bit i: angle i was measured and is plausible
+};
+
+/// What became of one cycle: what was sent, when, and when the device said so.
+struct SentCommand {
+  std::uint64_t cycle = 0;
+  std::uint64_t tick = 0;         ///< of the newest command behind it
+  std::int64_t sent = 0;          ///< when the request left
+  std::int64_t acknowledged = 0;  ///< when its reply came; 0: never
+  std::int64_t loop_delay = 0;    ///< [ns] from reading the angles behind it to its reply; 0: unknown
+  SafetyState state = SafetyState::disconnected;
+  std::uint32_t flags = 0;  ///< SafetyFlag bits
+  std::uint32_t actuator_count = 0;
+  ActuatorArray value{};  ///< as sent
+};
+
+struct SinkEvent {
+  double time = 0;  ///< [s] since the sink was opened
+  std::string text;
+};
+
+struct SinkReport {
+  SafetyState state = SafetyState::disconnected;
+  std::uint32_t flags = 0;
+  double rate = 0;           ///< [Hz] acknowledged commands in the last second
+  double age = 0;            ///< [s] since the last acknowledged command; infinite before the first
+  std::uint64_t cycles = 0;  ///< commands sent
+  std::uint64_t acknowledged = 0;
+  std::uint64_t refused = 0;      ///< answered by an exception
+  std::uint64_t broken = 0;       ///< not answered, or not by a reply one could trust
+  std::uint64_t connections = 0;  ///< opened so far
+};
+
+struct SinkOptions {
+  bool arm = true;                  ///< arm by itself when the device is first ready
+  bool continue_after_loss = true;  ///< and again after a lost link; otherwise stay idle until request_arm
+  bool dry_run = false;             ///< everything but forces: only safe values are written
+  int priority = 0;                 ///< SCHED_FIFO of the sink's thread, 0: leave it alone
+  int cpu = -1;                     ///< to pin it to, -1: any
+};
+
+class ModbusSink {
+ public:
+  ModbusSink();
+  ~ModbusSink();  ///< closes
+  ModbusSink(const ModbusSink&) = delete;
+  ModbusSink& operator=(const ModbusSink&) = delete;
+
+  /// Starts the thread. A device that is not there (yet) is no error: the sink keeps trying.
+  Status open(const DeviceProfile& profile, const SinkOptions& options);
+  /// Forces to their safe values, tells the device so if it can be reached, ends the thread. True: the device
+  /// acknowledged safe values. Takes at most fade, answer and response times and a little.
+  bool close();
+
+  // For the thread that ticks (one thread): no lock, allocation or system call but the clock.
+  void publish(const DeviceCommand& command) noexcept;
+  bool feedback(DeviceFeedback& feedback) noexcept;  ///< false: nothing newer than last time
+  bool sent(SentCommand& command) noexcept;          ///< the next one not yet asked for; false: none
+
+  // From any thread.
+  void request_arm() noexcept;
+  void request_disarm() noexcept;
+  void request_reset() noexcept;
+  void press_stop(bool pressed) noexcept;       ///< safe in a signal handler
+  void hold_dead_man(bool held) noexcept;       ///< counts where the device has no such switch; held at first
+  [[nodiscard]] bool is_safe() const noexcept;  ///< the device has acknowledged safe values last
+  [[nodiscard]] SinkReport report() const;
+  /// What happened since the last call: connections, losses, transitions. At most 1000 are kept.
+  std::vector<SinkEvent> events();
+
+ private:
+  struct Worker;
+  std::unique_ptr<Worker> worker_;
+};
+
+/// [s] one cycle of the profile takes on its serial line at best; 0 for TCP.
+double bus_cycle(const DeviceProfile& profile);
+
+}  // namespace lumbrical
