@@ -46,7 +46,7 @@ const Rule kRules[] = {
     {Layer::engine, "engine/src", "tick probe jacobian"},
 
     {Layer::device, "engine/include/lumbrical",
-     "device_profile actuator_model safety passivity local_model device_simulation"},
+     "device_profile actuator_model safety passivity local_model device_simulation device_link"},
     {Layer::device, "engine/src",
      "actuator_model device_profile profile_check registers safety passivity device_simulation"},
 

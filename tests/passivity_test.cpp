@@ -143,34 +143,83 @@ TEST(StiffnessLimiter, ScalesAnyFingerUnderItsBounds) {
 TEST(PassivityObserver, KeepsTheBooksOfAHeldTorqueExactly) {
   PassivityObserver observer;
   PassivityLimits limits;
-  observe_passivity(limits, 0.001, 0.10, 0.2, observer);
-  observe_passivity(limits, 0.001, 0.13, 0.5, observer);  // 0.2 held over 0.03
+  observe_passivity(limits, {0.001, 0.10, 0, 0.2, 0}, observer);
+  observe_passivity(limits, {0.001, 0.13, 0.2, 0.5, 0}, observer);  // 0.2 held over 0.03
   EXPECT_NEAR(observer.energy, 0.006, 1e-15);
-  observe_passivity(limits, 0.001, 0.12, 0.5, observer);  // 0.5 held over -0.01
+  observe_passivity(limits, {0.001, 0.12, 0.5, 0.5, 0}, observer);  // 0.5 held over -0.01
   EXPECT_NEAR(observer.energy, 0.001, 1e-15);
+  observe_passivity(limits, {0.001, 0.12, 0.5, 0.5, 0.002}, observer);  // the arm has pressed
+  EXPECT_NEAR(observer.energy, 0.003, 1e-15);
   EXPECT_EQ(observer.generated, 0);
-  observe_passivity(limits, 0.001, 0.12, 0, observer);
-  EXPECT_EQ(observer.energy, 0) << "no touch, no store";
+  observe_passivity(limits, {0.001, 0.12, 0, 0, 0}, observer);
+  EXPECT_EQ(observer.energy, 0) << "no touch, no account";
 }
 
 TEST(PassivityObserver, AddsDampingOnlyAgainstMotionAndNeverMoreThanAllowed) {
   test::Random random(12);
   PassivityLimits limits;
   PassivityObserver observer;
-  double angle = 0;
+  double angle = 0, acted = 0;
   int damped = 0;
   for (int i = 0; i < 20000; ++i) {
     const double moved = random.between(-0.002, 0.002);
     angle += moved;
     const double torque = random.between(0, 0.3);
-    const double command = observe_passivity(limits, 0.001, angle, torque, observer);
+    const double command = observe_passivity(limits, {0.001, angle, acted, torque, 0}, observer);
+    acted = command;
     ASSERT_LE(std::fabs(command - torque), limits.damping * std::fabs(moved) / 0.001 * (1 + 1e-9) + 1e-15);
     ASSERT_GE((command - torque) * moved, 0);
     damped += command != torque ? 1 : 0;
   }
   EXPECT_GT(damped, 100);
   EXPECT_GT(observer.bled, 0);
-  EXPECT_EQ(observe_passivity(limits, 0.001, std::nan(""), 0.1, observer), 0);
+  EXPECT_EQ(observe_passivity(limits, {0.001, std::nan(""), 0, 0.1, 0}, observer), 0);
+}
+
+// Joints and wrist of a finger that touches move to and fro: what joints take and what the arm gives must add
+// up to what the touch holds, and that comes back to nothing with the hand.
+TEST(PassivityObserver, TheArmsWorkPaysForWhatTheJointsGet) {
+  Scene scene = test::pressed_scene(test::kWidthA, 40);
+  scene.settings.fade_time = 1e-6;
+  scene.settings.max_force = 1e6;
+  for (Finger& finger : scene.hand.finger) finger.limit.fill({-1, 2});
+  const Model model = test::model_of(scene);
+  State state;
+  Scratch scratch = make_scratch(model);
+  const DeviceFrame start = test::pressed_frame(model.hand, 0.002, 0);
+  const int steps = 400;
+  DeviceFrame frame, before = start;
+  ActuatorFrame output = tick(model, state, scratch, start), last = output;
+  double joints = 0, arm = 0, size = 0;
+  for (int i = 1; i <= steps; ++i) {
+    const double phase = 2 * 3.14159265358979323846 * i / steps;
+    frame = start;
+    frame.base.position.z -= 0.001 * std::sin(phase);
+    frame.base.orientation =
+        normalized(Quat{1, 0.01 * std::sin(phase), 0, 0.01 * (1 - std::cos(phase))} * start.base.orientation);
+    for (std::size_t k = 5; k < 8; ++k) frame.angle[k] += static_cast<float>(0.03 * (1 - std::cos(phase)));
+    output = tick(model, state, scratch, frame);
+    std::array<double, kAngleCount> angles;
+    std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
+    std::array<Pose, kJointCount> X_WJ;
+    forward_kinematics(model.hand, frame.base, angles, X_WJ);
+    HandForces mean = output;
+    for (std::size_t s = 0; s < kSegmentCount; ++s) {
+      mean.segment[s].force = 0.5 * (output.segment[s].force + last.segment[s].force);
+      mean.segment[s].torque = 0.5 * (output.segment[s].torque + last.segment[s].torque);
+    }
+    const double given = arm_work(before.base, frame.base, X_WJ, mean)[1];
+    arm += given;
+    size += std::fabs(given);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double moved = static_cast<double>(frame.angle[5 + k]) - static_cast<double>(before.angle[5 + k]);
+      joints += 0.5 * (output.flexion_torque[3 + k] + last.flexion_torque[3 + k]) * moved;
+    }
+    before = frame;
+    last = output;
+  }
+  EXPECT_GT(std::fabs(joints), 0.01 * size) << "the cycle should move energy from arm to joints";
+  EXPECT_NEAR(joints + arm, 0, 0.02 * std::fabs(joints) + 0.002 * size);
 }
 
 }  // namespace

@@ -204,6 +204,17 @@ Status check_profile(const DeviceProfile& profile) {
   return Status::error(profile.name + ": " + fault.path + " " + fault.what);
 }
 
+void set_unit(DeviceProfile& profile, std::uint8_t unit) {
+  for (Actuator& actuator : profile.actuators) {
+    actuator.field.unit = actuator.local.angle.unit = unit;
+    actuator.local.stiffness.unit = actuator.local.radius.unit = unit;
+  }
+  for (Sensor& sensor : profile.sensors) sensor.field.unit = unit;
+  for (RegisterWrite& write : profile.handshake) write.unit = unit;
+  for (RegisterCheck& check : profile.expected) check.unit = unit;
+  profile.control.unit = profile.heartbeat.unit = profile.status.unit = unit;
+}
+
 ExchangePlan plan_exchange(const DeviceProfile& profile) {
   ExchangePlan plan;
   const std::vector<NamedField> written = written_fields(profile);

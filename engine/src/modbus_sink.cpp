@@ -54,7 +54,7 @@ struct ModbusSink::Worker {
   Newest<DeviceFeedback> feedbacks;
   Ring<SentCommand> history{kSentCapacity};
   std::atomic<unsigned> requests{0};
-  std::atomic<bool> stop{false}, dead_man{true}, closing{false}, safe{false};
+  std::atomic<bool> auto_arm{false}, stop{false}, dead_man{true}, closing{false}, safe{false};
   mutable std::mutex mutex;  // of `report` and `events`; the ticking thread never asks for it
   SinkReport report;
   std::vector<SinkEvent> events;
@@ -64,16 +64,17 @@ struct ModbusSink::Worker {
   Published newest;
   std::int64_t opened = 0, last_step = 0, last_answer = 0, next_try = 0, last_echo_change = 0;
   double retry = 0;
-  bool any_answer = false, handshaken = false, armed_once = false, complained = false;
+  bool any_answer = false, handshaken = false, complained = false;
   DeviceStatus device;
   std::uint16_t last_echo = 0;
+  ActuatorArray commanded{}, acting{};  // by this cycle's request, and by the last one acknowledged
   std::uint64_t cycle = 0;
   std::array<std::int64_t, 2> rate_start{};
   std::array<std::uint64_t, 2> rate_count{};
   const char* last_problem = nullptr;
 
   explicit Worker(const DeviceProfile& wanted, const SinkOptions& chosen)
-      : profile(wanted), options(chosen), words(wanted), safety(start_safety(wanted)) {}
+      : profile(wanted), options(chosen), words(wanted), safety(start_safety(wanted)), auto_arm(chosen.arm) {}
 
   void run();
   void set_up_thread();
@@ -190,14 +191,12 @@ SafetyOutput ModbusSink::Worker::decide(std::int64_t now) {
   inputs.continue_after_loss = options.continue_after_loss && !closing;
   inputs.tick_age = newest.time == 0 ? std::numeric_limits<double>::infinity() : seconds(now - newest.time);
   inputs.wanted = newest.command.wanted;
-  if (options.arm && !armed_once && safety.state == SafetyState::idle && inputs.device_ready &&
-      newest.time != 0) {
-    inputs.arm = true;
-  }
+  const bool can_arm = safety.state == SafetyState::idle && inputs.device_ready && newest.time != 0;
+  inputs.arm = inputs.arm || (auto_arm && can_arm);
   const SafetyState before = safety.state;
   const std::uint32_t causes = safety.causes;
   const SafetyOutput output = step_safety(profile, inputs, safety);
-  armed_once = armed_once || safety.state == SafetyState::armed;
+  if (safety.state == SafetyState::armed) auto_arm = false;
   if (safety.state != before || safety.causes != causes) {
     std::string text =
         std::string(safety_state_name(before)) + " -> " + std::string(safety_state_name(safety.state));
@@ -252,6 +251,7 @@ void ModbusSink::Worker::take_feedback(std::int64_t now) {
   if (profile.sensors.empty()) return;
   DeviceFeedback feedback;
   feedback.time = now;
+  feedback.acted = std::exchange(acting, commanded);
   words.angles(profile, feedback.angle, feedback.valid);
   feedbacks.put(feedback);
 }
@@ -301,6 +301,7 @@ bool ModbusSink::Worker::step() {
   const std::int64_t sent = now_ns();
   bool acknowledged = false;
   if (link.is_open() && handshaken) {
+    commanded = output.command;
     words.write(profile, output, newest.command, static_cast<std::uint16_t>(cycle + 1));
     ++cycle;
     if (!output.at_safe_values && !options.dry_run) safe = false;  // it may arrive even if its reply does not
@@ -392,6 +393,9 @@ bool ModbusSink::sent(SentCommand& command) noexcept {
   return true;
 }
 
+void ModbusSink::arm_when_ready() noexcept {
+  if (worker_) worker_->auto_arm = true;
+}
 void ModbusSink::request_arm() noexcept {
   if (worker_) worker_->requests |= kArm;
 }

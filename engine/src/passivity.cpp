@@ -116,29 +116,42 @@ void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffnes
   }
 }
 
-double observe_passivity(const PassivityLimits& limits, double dt, double angle, double torque,
+double observe_passivity(const PassivityLimits& limits, const PassivityStep& step,
                          PassivityObserver& observer) {
-  if (!is_finite(angle) || !is_finite(torque)) {
+  if (!is_finite(step.angle) || !is_finite(step.acted) || !is_finite(step.torque) || !is_finite(step.given)) {
     observer = {};
     return 0;
   }
-  const double moved = observer.started ? angle - observer.angle : 0;
-  observer.energy += observer.torque * moved;
+  const double moved = observer.started ? step.angle - observer.angle : 0;
+  observer.energy += step.acted * moved + step.given;
   observer.generated = max(observer.generated, -observer.energy);
-  observer.angle = angle;
+  observer.angle = step.angle;
   observer.started = true;
-  if (torque == 0 && observer.energy > 0) observer.energy = 0;
+  if (step.torque == 0 && step.acted == 0) observer.energy = 0;
 
-  double command = torque;
-  if (observer.energy < -limits.tolerance && moved != 0 && dt > 0) {
-    // Takes the deficit back over the next sample, should the joint go on as fast as now.
-    const double speed = moved / dt;
-    const double damping = min(limits.damping, (-limits.tolerance - observer.energy) / (dt * speed * speed));
-    command += damping * speed;
-    observer.bled += damping * speed * moved;
+  const double deficit = -limits.tolerance - observer.energy;
+  if (!(deficit > 0) || moved == 0 || !(step.dt > 0)) return step.torque;
+  // Takes the deficit back over the next sample, should the joint go on as fast as now.
+  const double speed = moved / step.dt;
+  const double damping = min(limits.damping, deficit / (step.dt * speed * speed));
+  observer.bled += damping * speed * moved;
+  return step.torque + damping * speed;
+}
+
+std::array<double, kFingerCount> arm_work(const Pose& before, const Pose& after,
+                                          const std::array<Pose, kJointCount>& X_WJ,
+                                          const HandForces& forces) {
+  const Vec3 moved = after.position - before.position;
+  const Quat turn = after.orientation * conjugate(before.orientation);
+  // Twice the vector part is the rotation vector to second order, and a tick turns little.
+  const Vec3 turned = (turn.w < 0 ? -2.0 : 2.0) * Vec3{turn.x, turn.y, turn.z};
+  std::array<double, kFingerCount> work{};
+  for (std::size_t s = 0; s < kPhalanxCount; ++s) {
+    const Vec3 lever = X_WJ[kPhalanxJoints[s].base].position - after.position;
+    const Wrench& wrench = forces.segment[s];
+    work[s / 3] -= dot(wrench.force, moved + cross(turned, lever)) + dot(wrench.torque, turned);
   }
-  observer.torque = command;
-  return command;
+  return work;
 }
 
 }  // namespace lumbrical

@@ -18,5 +18,6 @@ void add_recover(CLI::App& app, int& exit_code);
 void add_export(CLI::App& app, int& exit_code);
 void add_probe(CLI::App& app, int& exit_code);
 void add_inspect(CLI::App& app, int& exit_code);
+void add_sim_device(CLI::App& app, int& exit_code);
 
 }  // namespace lumbrical::tool

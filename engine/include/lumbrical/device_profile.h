@@ -188,6 +188,9 @@ ExchangePlan plan_exchange(const DeviceProfile& profile);
 /// value outside the limits, more registers than Modbus allows. Names the field by its path in the file.
 Status check_profile(const DeviceProfile& profile);
 
+/// Makes every register of the profile one of the given unit (slave) id.
+void set_unit(DeviceProfile& profile, std::uint8_t unit);
+
 /// Reads a profile. Messages name file, line and column; on error `profile` is unchanged.
 Status load_device_profile(const std::string& path, DeviceProfile& profile);
 

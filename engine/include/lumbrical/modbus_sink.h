@@ -8,37 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "lumbrical/safety.h"
+#include "lumbrical/device_link.h"
 #include "lumbrical/status.h"
 
 namespace lumbrical {
-
-/// Times are nanoseconds of the steady clock.
-struct DeviceCommand {
-  std::uint64_t tick = 0;
-  std::int64_t feedback_time = 0;                ///< DeviceFeedback::time of the angles behind it; 0: none
-  ActuatorArray wanted{};                        ///< in the actuators' units
-  ActuatorArray angle{}, stiffness{}, radius{};  ///< local model, for actuators that have one
-};
-
-struct DeviceFeedback {
-  std::int64_t time = 0;                        ///< when the reply came
-  std::array<float, 4 * kFingerCount> angle{};  ///< [rad] in the order of hand.h
-  std::uint32_t valid = 0;                      ///< bit i: angle i was measured and is plausible
-};
-
-/// What became of one cycle: what was sent, when, and when the device said so.
-struct SentCommand {
-  std::uint64_t cycle = 0;
-  std::uint64_t tick = 0;         ///< of the newest command behind it
-  std::int64_t sent = 0;          ///< when the request left
-  std::int64_t acknowledged = 0;  ///< when its reply came; 0: never
-  std::int64_t loop_delay = 0;    ///< [ns] from reading the angles behind it to its reply; 0: unknown
-  SafetyState state = SafetyState::disconnected;
-  std::uint32_t flags = 0;  ///< SafetyFlag bits
-  std::uint32_t actuator_count = 0;
-  ActuatorArray value{};  ///< as sent
-};
 
 struct SinkEvent {
   double time = 0;  ///< [s] since the sink was opened
@@ -58,7 +31,7 @@ struct SinkReport {
 };
 
 struct SinkOptions {
-  bool arm = true;                  ///< arm by itself when the device is first ready
+  bool arm = true;                  ///< arm by itself when the device is first ready (arm_when_ready)
   bool continue_after_loss = true;  ///< and again after a lost link; otherwise stay idle until request_arm
   bool dry_run = false;             ///< everything but forces: only safe values are written
   int priority = 0;                 ///< SCHED_FIFO of the sink's thread, 0: leave it alone
@@ -84,6 +57,7 @@ class ModbusSink {
   bool sent(SentCommand& command) noexcept;          ///< the next one not yet asked for; false: none
 
   // From any thread.
+  void arm_when_ready() noexcept;  ///< as soon as there is a device that is ready and a tick; once
   void request_arm() noexcept;
   void request_disarm() noexcept;
   void request_reset() noexcept;

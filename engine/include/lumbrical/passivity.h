@@ -63,11 +63,10 @@ void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffnes
 /// Time-domain passivity observer and controller of one joint (Hannaford and Ryu, 2002). The energy is exact
 /// for a torque that is held between two samples (Stramigioli): what is observed is what the device did.
 struct PassivityObserver {
-  double energy = 0;     ///< [J] taken from the hand and not yet given back; < 0: generated
+  double energy = 0;     ///< [J] taken from the hand in this touch and not yet given back; < 0: generated
   double generated = 0;  ///< [J] the lowest `energy` ever was, as a positive number
   double bled = 0;       ///< [J] taken back by the controller's damping
   double angle = 0;      ///< [rad] last
-  double torque = 0;     ///< [N m] last commanded
   bool started = false;
 };
 
@@ -76,10 +75,24 @@ struct PassivityLimits {
   double tolerance = 1e-6;  ///< [J] of generated energy that is let pass: encoder steps make some
 };
 
-/// One step: `angle` [rad] is the newest, `torque` [N m] what the touch asks for. Returns what to command:
-/// the same, plus damping while more energy than the tolerance has been generated. Without touch (torque 0)
-/// the store is emptied: what an earlier touch has taken must not pay for what a later one gives.
-double observe_passivity(const PassivityLimits& limits, double dt, double angle, double torque,
+struct PassivityStep {
+  double dt = 0.001;  ///< [s] since the last step
+  double angle = 0;   ///< [rad] the newest
+  double acted = 0;   ///< [N m] the torque the device made since the last step
+  double torque = 0;  ///< [N m] what the touch asks for now
+  double given = 0;   ///< [J] what the touch has taken elsewhere since the last step: see arm_work
+};
+
+/// Returns what to command: the torque, plus damping while more energy than the tolerance has been generated.
+/// Without touch (both torques 0) the account is closed: what an earlier touch has taken must not pay for
+/// what a later one gives.
+double observe_passivity(const PassivityLimits& limits, const PassivityStep& step,
                          PassivityObserver& observer);
+
+/// [J] what each finger's touch takes from the arm when the wrist moves from one pose to another [both X_WH].
+/// The arm feels none of it, but it comes back through the joints, and the observers must know.
+std::array<double, kFingerCount> arm_work(const Pose& before, const Pose& after,
+                                          const std::array<Pose, kJointCount>& X_WJ,
+                                          const HandForces& forces);
 
 }  // namespace lumbrical
