@@ -21,9 +21,9 @@
 namespace lumbrical::tool {
 namespace {
 
-// A local model is trusted as far as it changes the torque by half.
-constexpr double kLocalShare = 0.5, kLargestRadius = 0.1;  // [1], [rad]
-constexpr double kLocalPeriod = 0.001;                     // [s] of the device's own loop, at least as fast
+// A local model is trusted as far as it takes to make the torque nothing, or twice what it is.
+constexpr double kLocalShare = 1, kLargestRadius = 0.1;  // [1], [rad]
+constexpr double kLocalPeriod = 0.001;                   // [s] of the device's own loop, at least as fast
 // Of the joint's own damping: what the passivity controller may add.
 constexpr double kControllerShare = 0.5;
 
