@@ -55,6 +55,7 @@ struct ModbusSink::Worker {
   Ring<SentCommand> history{kSentCapacity};
   std::atomic<unsigned> requests{0};
   std::atomic<bool> auto_arm{false}, stop{false}, dead_man{true}, closing{false}, safe{false};
+  std::atomic<SafetyState> state{SafetyState::disconnected};
   mutable std::mutex mutex;  // of `report` and `events`; the ticking thread never asks for it
   SinkReport report;
   std::vector<SinkEvent> events;
@@ -197,6 +198,7 @@ SafetyOutput ModbusSink::Worker::decide(std::int64_t now) {
   const std::uint32_t causes = safety.causes;
   const SafetyOutput output = step_safety(profile, inputs, safety);
   if (safety.state == SafetyState::armed) auto_arm = false;
+  state = safety.state;
   if (safety.state != before || safety.causes != causes) {
     std::string text =
         std::string(safety_state_name(before)) + " -> " + std::string(safety_state_name(safety.state));
@@ -410,6 +412,9 @@ void ModbusSink::press_stop(bool pressed) noexcept {
 }
 void ModbusSink::hold_dead_man(bool held) noexcept {
   if (worker_) worker_->dead_man = held;
+}
+SafetyState ModbusSink::state() const noexcept {
+  return worker_ ? worker_->state.load() : SafetyState::disconnected;
 }
 bool ModbusSink::is_safe() const noexcept { return worker_ && worker_->safe; }
 

@@ -11,6 +11,7 @@
 #include "lumbrical/motion.h"
 #include "lumbrical/scene_file.h"
 #include "output.h"
+#include "real_time.h"
 #include "switches.h"
 
 namespace lumbrical::tool {
@@ -62,8 +63,32 @@ Status open_wire(const SimOptions& options, ModbusServer& server) {
   return server.open_line(options.line, options.baud);
 }
 
+// Below the priority of what drives it: a device of its own would not be in the way either.
+constexpr int kPriority = 70;
+// Turning round by more than this [rad] sooner than this [s] after the last time is no intended motion.
+constexpr double kShake = 0.002, kShakeTime = 0.1;
+
+// One joint's turning points.
+struct Turns {
+  double extreme = 0, turned = -1;
+  int sense = 1;
+  std::uint64_t shakes = 0;
+
+  void look(double time, double angle) {
+    if (sense * (angle - extreme) >= 0) {
+      extreme = angle;
+    } else if (sense * (extreme - angle) > kShake) {
+      shakes += turned >= 0 && time - turned < kShakeTime ? 1 : 0;
+      turned = time;
+      extreme = angle;
+      sense = -sense;
+    }
+  }
+};
+
 // What the wearer went through.
 struct Felt {
+  std::array<Turns, kPhalanxCount> turns{};
   JointArray peak{}, last{};
   double largest_change = 0;  // [N m] between two looks, at most a few ms apart
   double taken = 0;           // [J] energy the device has taken from the joints: negative means it gave
@@ -78,12 +103,19 @@ struct Felt {
         largest_change = std::max(largest_change, std::fabs(torque - last[j]));
         taken += 0.5 * (torque + last[j]) * (at - angle[j]);
       }
+      turns[j].look(device.time(), at);
       last[j] = torque;
       angle[j] = at;
     }
     started = true;
   }
 };
+
+std::uint64_t shakes_of(const Felt& felt) {
+  std::uint64_t count = 0;
+  for (const Turns& turns : felt.turns) count += turns.shakes;
+  return count;
+}
 
 Json felt_json(const SimulatedDevice& device, const ModbusServer& server, const Felt& felt) {
   Json json;
@@ -92,6 +124,7 @@ Json felt_json(const SimulatedDevice& device, const ModbusServer& server, const 
   json["requests"] = server.requests();
   json["largest_torque_change"] = felt.largest_change;
   json["energy_taken"] = felt.taken;
+  json["shakes"] = shakes_of(felt);
   json["joints"] = Json::array();
   for (std::size_t j = 0; j < kPhalanxCount; ++j) {
     json["joints"].push_back({{"joint", segment_name(static_cast<int>(j))},
@@ -112,6 +145,7 @@ std::string felt_text(const SimulatedDevice& device, const ModbusServer& server,
   }
   table.add("peak torque [N mm]", peaks + " (first joints)");
   table.add("largest change", brief(1e3 * felt.largest_change) + " N mm between two looks");
+  table.add("shakes", grouped(shakes_of(felt)) + " turns of more than 2 mrad within 0.1 s");
   table.add("energy", brief(1e3 * felt.taken) + " mJ taken from the hand");
   double left = 0;
   for (const double torque : felt.last) left = std::max(left, std::fabs(torque));
@@ -135,11 +169,13 @@ int simulate(SimOptions options) {
   std::signal(SIGINT, end_simulation);
   std::signal(SIGTERM, end_simulation);
   std::fprintf(stderr, "%s: listening on %s\n", profile.name.c_str(), server.name().c_str());
+  const RealTime real_time = enter_real_time(kPriority, Pinning::none);
   Felt felt;
   server.serve(
       device, faults,
       [&] { return ending != 0 || (options.seconds > 0 && device.time() >= options.seconds); },
       [&](const SimulatedDevice& now) { felt.look(now); });
+  leave_real_time(real_time);
   server.close();
   return options.json ? print_json(felt_json(device, server, felt))
                       : print_text(felt_text(device, server, felt));

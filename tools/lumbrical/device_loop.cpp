@@ -89,7 +89,6 @@ struct DeviceLoop::Loop {
   // Figures.
   TickTimes loop_delays, intervals;
   std::int64_t sent_before = 0, last_acknowledged = 0;
-  SentCommand newest;
   bool was_active = false;
   double largest_lost = 0, oldest = 0;
   std::array<double, kFingerCount> least_factor = {1, 1, 1, 1, 1};
@@ -191,7 +190,6 @@ void DeviceLoop::Loop::note(const SentCommand& sent) {
   sent_before = sent.sent;
   if (sent.loop_delay > 0)
     loop_delays.add(static_cast<std::uint32_t>(std::min<std::int64_t>(sent.loop_delay, 4000000000)));
-  newest = sent;
   if (sent.acknowledged != 0) last_acknowledged = sent.acknowledged;
 }
 
@@ -291,7 +289,7 @@ bool DeviceLoop::after(const Scratch& scratch, const DeviceFrame& frame, const A
   for (std::size_t f = 0; f < kFingerCount; ++f) {
     loop.least_factor[f] = min(loop.least_factor[f], loop.limiter.factor[f]);
   }
-  const SafetyState state = loop.newest.state;
+  const SafetyState state = loop.sink.state();
   loop.was_active = loop.was_active || state == SafetyState::active;
   if (loop.certified && loop.any_feedback && loop.was_active) {
     loop.oldest = max(loop.oldest, static_cast<double>(clock_ns() - loop.last_acknowledged) * 1e-9);

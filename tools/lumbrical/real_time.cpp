@@ -13,8 +13,6 @@
 namespace lumbrical::tool {
 namespace {
 
-// Above ordinary work, below the kernel's own threads for clocks and migration.
-constexpr int kPriority = 80;
 constexpr std::size_t kStackTouched = std::size_t{256} << 10;
 
 // Stack that ticks will need is mapped now rather than in a tick.
@@ -36,7 +34,7 @@ int last_cpu() {
 
 }  // namespace
 
-RealTime enter_real_time() {
+RealTime enter_real_time(int priority, Pinning pinning) {
   RealTime real_time;
   real_time.memory_locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
   if (!real_time.memory_locked) {
@@ -44,13 +42,15 @@ RealTime enter_real_time() {
                                 "): ticks may wait for pages; raise ulimit -l");
   }
   sched_param parameter{};
-  parameter.sched_priority = kPriority;
+  parameter.sched_priority = priority;
   if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter); error == 0) {
-    real_time.priority = kPriority;
+    real_time.priority = priority;
   } else {
     real_time.refused.push_back(std::string("no real-time priority (") + std::strerror(error) +
                                 "): other programs may delay ticks; raise ulimit -r");
   }
+  touch_stack();
+  if (pinning == Pinning::none) return real_time;
   const int cpu = last_cpu();
   if (cpu >= 0) {
     cpu_set_t set;
@@ -59,7 +59,6 @@ RealTime enter_real_time() {
     if (pthread_setaffinity_np(pthread_self(), sizeof set, &set) == 0) real_time.cpu = cpu;
   }
   if (real_time.cpu < 0) real_time.refused.push_back("not pinned: there is no second processor");
-  touch_stack();
   return real_time;
 }
 

@@ -15,9 +15,10 @@ struct RealTime {
   std::vector<std::string> refused;  ///< what was not allowed, and what would help
 };
 
-/// For the calling thread; memory is locked for the whole process. Threads started later inherit neither
-/// priority nor processor.
-RealTime enter_real_time();
+enum class Pinning { none, last_processor };
+
+/// For the calling thread, with SCHED_FIFO at `priority`; memory is locked for the whole process.
+RealTime enter_real_time(int priority, Pinning pinning);
 /// Undoes enter_real_time for the calling thread and the process.
 void leave_real_time(const RealTime& real_time);
 

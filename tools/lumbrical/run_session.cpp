@@ -12,6 +12,9 @@
 namespace lumbrical::tool {
 namespace {
 
+// Above ordinary work, below the kernel's own threads for clocks and migration.
+constexpr int kTickPriority = 80;
+
 volatile std::sig_atomic_t stop_requested = 0;
 volatile std::time_t asked_at = 0;  // s, monotonic
 
@@ -112,7 +115,7 @@ RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_
   TickRecord record;
   Progress progress("running");
   const StopSignals stop_signals;
-  if (parts.paced) statistics.real_time = enter_real_time();
+  if (parts.paced) statistics.real_time = enter_real_time(kTickPriority, Pinning::last_processor);
   const std::uint64_t faults_before = page_faults();
   const std::int64_t begin = clock_ns();
   std::int64_t first = begin;  // moves on where a device's session has fallen behind

@@ -61,8 +61,9 @@ class ModbusSink {
   void request_arm() noexcept;
   void request_disarm() noexcept;
   void request_reset() noexcept;
-  void press_stop(bool pressed) noexcept;       ///< safe in a signal handler
-  void hold_dead_man(bool held) noexcept;       ///< counts where the device has no such switch; held at first
+  void press_stop(bool pressed) noexcept;  ///< safe in a signal handler
+  void hold_dead_man(bool held) noexcept;  ///< counts where the device has no such switch; held at first
+  [[nodiscard]] SafetyState state() const noexcept;
   [[nodiscard]] bool is_safe() const noexcept;  ///< the device has acknowledged safe values last
   [[nodiscard]] SinkReport report() const;
   /// What happened since the last call: connections, losses, transitions. At most 1000 are kept.
