@@ -1,8 +1,8 @@
-/* The device's side of a slow bus: a torque, its stiffness and how far both may be trusted, so that the
- * device closes a fast loop of its own between two commands. Plain C (C89 with inline), no dependencies: copy
- * it into a firmware.
- *
- * Angles [rad] close the joint, torques [N m] open it. */
+// The device's side of a slow bus: a torque, its stiffness and how far both may be trusted, so that the
+// device closes a fast loop of its own between two commands. Plain C99, no dependencies: copy it into a
+// firmware.
+//
+// Angles [rad] close the joint, torques [N m] open it.
 #ifndef LUMBRICAL_LOCAL_MODEL_H
 #define LUMBRICAL_LOCAL_MODEL_H
 
@@ -10,24 +10,24 @@
 extern "C" {
 #endif
 
-/* What a command says of one joint. */
+// What a command says of one joint.
 typedef struct lumbrical_local_model {
-  double torque;    /* [N m] at `angle` */
-  double angle;     /* [rad] */
-  double stiffness; /* [N m/rad] by which the torque grows as the joint closes; >= 0 */
-  double radius;    /* [rad] beyond angle -/+ radius the torque stays what it is there */
+  double torque;     // [N m] at `angle`
+  double angle;      // [rad]
+  double stiffness;  // [N m/rad] by which the torque grows as the joint closes; >= 0
+  double radius;     // [rad] beyond angle -/+ radius the torque stays what it is there
 } lumbrical_local_model;
 
-/* What the device itself will not exceed, whatever the commands say. */
+// What the device itself will not exceed, whatever the commands say.
 typedef struct lumbrical_local_limits {
-  double torque;    /* [N m] largest, either way */
-  double stiffness; /* [N m/rad] largest that its own loop renders without shaking: 2 damping / period */
-  double hold;      /* [s] age of a command up to which it counts in full */
-  double fade;      /* [s] in which it then fades to nothing */
+  double torque;     // [N m] largest, either way
+  double stiffness;  // [N m/rad] largest that its own loop renders without shaking: 2 damping / period
+  double hold;       // [s] age of a command up to which it counts in full
+  double fade;       // [s] in which it then fades to nothing
 } lumbrical_local_limits;
 
-/* Torque for the joint at `angle`, `age` seconds after the command came. A touch only pushes: the torque
- * never changes its sign away from that at the command's angle. Anything that is not a number gives 0. */
+// Torque for the joint at `angle`, `age` seconds after the command came. A touch only pushes: the torque
+// never changes its sign away from that at the command's angle. Anything that is not a number gives 0.
 static inline double lumbrical_local_torque(const lumbrical_local_model* model,
                                             const lumbrical_local_limits* limits, double angle, double age) {
   double moved = angle - model->angle;
