@@ -93,6 +93,25 @@ TEST(JointStiffness, IsWhatTicksOfABentFingerSay) {
   EXPECT_EQ(compared, 3 * 4 * 9);
 }
 
+TEST(JointStiffness, FingerByFingerGivesTheSameBitsAsAllAtOnce) {
+  const Model model = test::model_of(test::pressed_scene(test::kWidthA, 40));
+  State state;
+  Scratch scratch = make_scratch(model);
+  tick(model, state, scratch, test::pressed_frame(model.hand, 0.002, 0.2));
+  std::array<SegmentJacobian, kSegmentCount> all, turns;
+  segment_jacobians(model, scratch, all);
+  for (std::uint32_t finger = 0; finger < kFingerCount; ++finger) {
+    segment_jacobians(model, scratch, turns, 7u << 3 * finger);
+  }
+  double size = 0;
+  for (std::size_t s = 0; s < kPhalanxCount; ++s) {
+    EXPECT_EQ(turns[s].value, all[s].value) << s;
+    size += std::fabs(all[s].value[2][2]);
+  }
+  EXPECT_GT(size, 1);
+  EXPECT_FALSE(turns[kPalmSegment].known) << "no one asked";
+}
+
 TEST(StiffnessLimiter, HoldsWhatIsTooStiffAndLetsTheRestBe) {
   const DeviceProfile profile = test::shipped_profile("exoskeleton");
   const StiffnessCertificate certificate = make_certificate(profile, {0.001, 0, 0.001});

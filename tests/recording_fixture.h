@@ -117,7 +117,9 @@ inline TickRecord random_record(RandomBits& random, std::uint64_t tick) {
   for (std::uint64_t& hash : record.stage_hash) hash = random.coin() ? random.word() : 0;
   record.state_hash = random.word();
   record.duration_ns = static_cast<std::uint32_t>(random.word());
-  record.sent_count = static_cast<std::uint32_t>(random.word() % (kMaxSentPerTick + 1));
+  if (random.word() % 16 == 0) {
+    record.sent_count = static_cast<std::uint32_t>(random.word() % (kMaxSentPerTick + 1));
+  }
   for (std::uint32_t i = 0; i < record.sent_count; ++i) {
     SentCommand& sent = record.sent[i];
     sent.cycle = random.word();

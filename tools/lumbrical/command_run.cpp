@@ -244,7 +244,9 @@ int run(const RunOptions& options) {
   DeviceLoop device;
   if (with_device) {
     if (status = device.open(options.sink, model); !status.ok()) return fail(status);
-    measure_device(model, scene_file.motion, kMeasuring, device);
+    if (!measure_device(model, scene_file.motion, kMeasuring, device)) {
+      return fail(options.scene + ": stopped by a signal before the first tick");
+    }
     device.certify();
   }
   const double planned = std::ceil(scene_file.seconds * model.settings.rate - 1e-6);

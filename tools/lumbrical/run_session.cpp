@@ -87,7 +87,7 @@ void add_output(const ActuatorFrame& output, RunStatistics& statistics) {
 
 }  // namespace
 
-void measure_device(const Model& model, const Motion& motion, double seconds, DeviceLoop& device) {
+bool measure_device(const Model& model, const Motion& motion, double seconds, DeviceLoop& device) {
   State state;
   Scratch scratch = make_scratch(model);
   scratch.hash_stages = false;
@@ -102,6 +102,7 @@ void measure_device(const Model& model, const Motion& motion, double seconds, De
     record.output = tick(model, state, scratch, record.device);
     device.after(scratch, record.device, record.output, record);
   }
+  return stop_requested == 0;
 }
 
 RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_t ticks,

@@ -47,7 +47,7 @@ RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_
                           const SessionParts& parts);
 
 /// Lets device and ticks exchange for `seconds` without forces, so that the device can be certified. The hand
-/// is as at the session's start.
-void measure_device(const Model& model, const Motion& motion, double seconds, DeviceLoop& device);
+/// is as at the session's start. False: a signal came.
+bool measure_device(const Model& model, const Motion& motion, double seconds, DeviceLoop& device);
 
 }  // namespace lumbrical::tool
