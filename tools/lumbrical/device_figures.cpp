@@ -16,6 +16,11 @@ Json events_json(const std::vector<SinkEvent>& events) {
 // Infinity is no JSON number.
 Json finite_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
+bool limiter_knows(const Settings& settings) {
+  return std::all_of(settings.law.begin(), settings.law.begin() + kPhalanxCount,
+                     [](Law law) { return law == Law::field; });
+}
+
 }  // namespace
 
 Json DeviceLoop::json() const {
@@ -37,6 +42,7 @@ Json DeviceLoop::json() const {
                            {"p99", loop.loop_delays.percentile(0.99) / 1000},
                            {"max", loop.loop_delays.max() / 1000.0}};
   json["largest_lost_torque"] = loop.largest_lost;
+  json["limiter_knows_law"] = limiter_knows(loop.model->settings);
   json["least_stiffness_factor"] = loop.least_factor;
   double generated = 0, bled = 0;
   for (const PassivityObserver& observer : loop.observer) {
@@ -88,6 +94,10 @@ void DeviceLoop::add_rows(Table& table) const {
   } else {
     table.add("",
               "the profile does not say the joints' damping: nothing can be promised, nothing is limited");
+  }
+  if (!limiter_knows(loop.model->settings)) {
+    table.add("",
+              "the limiter knows the stiffness of the field law only: what follows another law may shake");
   }
   std::string factors;
   for (int f = 0; f < kFingerCount; ++f) {
