@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "simulated_loop.h"
+#include "z_width_plot.h"
 
 namespace {
 
@@ -110,14 +111,37 @@ void print_local() {
   }
 }
 
+SweepCurve sweep(double delay) {
+  SimulatedLoop loop;
+  loop.delay = delay;
+  SweepCurve curve;
+  char name[64];
+  std::snprintf(name, sizeof name, "%.0f ms of delay; dashed: predicted limit", 1e3 * delay);
+  curve.name = name;
+  curve.limit = stiffness_bound({kFast, 0, delay}, loop.dynamics).largest;
+  for (double stiffness = 0.2; stiffness < 100; stiffness *= 1.08) {
+    loop.start = 1.2 * loop.push / stiffness;
+    curve.points.push_back({stiffness, simulate(loop, linear_wall(stiffness)).swing});
+  }
+  return curve;
+}
+
+int draw(const char* path) {
+  std::FILE* const file = std::fopen(path, "w");
+  if (file == nullptr) return std::fprintf(stderr, "%s: can't be written\n", path), 2;
+  const std::string svg = plot_sweep({sweep(0.001), sweep(0.004), sweep(0.009)});
+  const bool written = std::fwrite(svg.data(), 1, svg.size(), file) == svg.size();
+  return std::fclose(file) == 0 && written ? 0 : 2;
+}
+
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
   std::printf(
       "# How stiff a joint may be rendered\n\nSimulated time: repeat with "
-      "`build/release/bench/z_width`.\n\n");
+      "`build/release/bench/z_width z_width.svg`.\n\n![sweep](z_width.svg)\n\n");
   print_limits();
   print_limiter();
   print_local();
-  return 0;
+  return argc > 1 ? draw(argv[1]) : 0;
 }
