@@ -143,6 +143,30 @@ TEST(DeviceProgram, KilledOutrightItLeavesTheFadingToTheDevicesWatchdog) {
   EXPECT_EQ(largest(sim_figures(folder), "torque"), 0);
 }
 
+TEST(DeviceProgram, StopsAndArmsAgainBySignals) {
+  const auto folder = fresh_folder();
+  write_inputs(folder);
+  const std::string wait =
+      "for i in $(seq 600); do [ $(grep -c \"$text\" run.err) -ge $count ] && break; sleep 0.05; done; ";
+  const std::string body = kRun +
+                           "--ticks 1000000 >run.out 2>run.err & run=$!; "
+                           "text='armed -> active'; count=1; " +
+                           wait +
+                           "kill -USR2 $run; "
+                           "text='active -> fault: emergency stop'; " +
+                           wait +
+                           "kill -USR1 $run; "
+                           "text='armed -> active'; count=2; " +
+                           wait + "kill -INT $run; wait $run";
+  shell(with_device("--tcp 0", body), folder);
+  const std::string error = test::read_file((folder / "run.err").string());
+  const std::size_t stop = error.find("active -> fault: emergency stop");
+  ASSERT_NE(stop, std::string::npos) << error;
+  EXPECT_NE(error.find("fault -> idle", stop), std::string::npos) << error;
+  EXPECT_NE(error.find("armed -> active", stop), std::string::npos) << error;
+  EXPECT_NE(error.find("closed: the device has acknowledged safe values"), std::string::npos) << error;
+}
+
 Outcome lose_device(const std::string& choice, const std::filesystem::path& folder) {
   write_inputs(folder);
   const std::string body =

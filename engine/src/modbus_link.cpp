@@ -36,6 +36,8 @@ Status check_baud(int file, const Transport& transport) {
                        "; use a rate that libmodbus and the driver know");
 }
 
+constexpr LinkResult kNoSuchUnit = {LinkOutcome::broken, "a unit id that this transport can't address"};
+
 int character_bits(const Transport& transport) {
   return 9 + transport.stop_bits + (transport.parity == Parity::none ? 0 : 1);
 }
@@ -81,6 +83,13 @@ Status ModbusLink::open(const Transport& transport, double timeout) {
 
 void ModbusLink::close() { context_.reset(); }
 
+// False: a unit that no request can be sent to; the one before must not get it instead.
+bool ModbusLink::address(std::uint8_t unit) {
+  if (modbus_set_slave(context_.get(), unit) != 0) return false;
+  keep_silence();
+  return true;
+}
+
 void ModbusLink::keep_silence() const {
   if (silence_ <= 0) return;
   timespec pause{0, static_cast<long>(silence_ * 1e9)};
@@ -96,14 +105,12 @@ LinkResult ModbusLink::result(int answer, int count) {
 }
 
 LinkResult ModbusLink::write(const RegisterBlock& block, const std::uint16_t* words) {
-  keep_silence();
-  modbus_set_slave(context_.get(), block.unit);
+  if (!address(block.unit)) return kNoSuchUnit;
   return result(modbus_write_registers(context_.get(), block.address, block.count, words), block.count);
 }
 
 LinkResult ModbusLink::read(int function, const RegisterBlock& block, std::uint16_t* words) {
-  keep_silence();
-  modbus_set_slave(context_.get(), block.unit);
+  if (!address(block.unit)) return kNoSuchUnit;
   const int answer = function == 4
                          ? modbus_read_input_registers(context_.get(), block.address, block.count, words)
                          : modbus_read_registers(context_.get(), block.address, block.count, words);
@@ -112,8 +119,7 @@ LinkResult ModbusLink::read(int function, const RegisterBlock& block, std::uint1
 
 LinkResult ModbusLink::exchange(const RegisterBlock& write, const std::uint16_t* sent,
                                 const RegisterBlock& read, std::uint16_t* words) {
-  keep_silence();
-  modbus_set_slave(context_.get(), write.unit);
+  if (!address(write.unit)) return kNoSuchUnit;
   return result(modbus_write_and_read_registers(context_.get(), write.address, write.count, sent,
                                                 read.address, read.count, words),
                 read.count);

@@ -44,6 +44,7 @@ class ModbusLink {
 
  private:
   LinkResult result(int answer, int count);
+  bool address(std::uint8_t unit);
   void keep_silence() const;
   struct Free {
     void operator()(_modbus* context) const;

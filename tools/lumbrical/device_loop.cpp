@@ -36,6 +36,22 @@ extern "C" void fade_and_die(int signal) {
   raise(signal);  // the handler was for once: now as usual
 }
 
+// SIGUSR2 is an emergency stop; SIGUSR1 releases it, resets whatever fault there is and arms again.
+extern "C" void stop_device(int) {
+  if (ModbusSink* const sink = crash_sink) sink->press_stop(true);
+}
+std::atomic<bool> arm_asked{false};
+extern "C" void ask_to_arm(int) { arm_asked = true; }
+
+void listen_to_operator() {
+  struct sigaction action {};
+  action.sa_flags = SA_RESTART;
+  action.sa_handler = stop_device;
+  sigaction(SIGUSR2, &action, nullptr);
+  action.sa_handler = ask_to_arm;
+  sigaction(SIGUSR1, &action, nullptr);
+}
+
 void watch_for_crashes(ModbusSink* sink) {
   crash_sink = sink;
   struct sigaction action {};
@@ -48,6 +64,11 @@ void watch_for_crashes(ModbusSink* sink) {
 
 void DeviceLoop::Loop::report() {
   while (!ending) {
+    if (arm_asked.exchange(false)) {
+      sink.press_stop(false);
+      sink.request_reset();
+      sink.arm_when_ready();
+    }
     for (SinkEvent& event : sink.events()) {
       std::fprintf(stderr, "device %8.3f s: %s\n", event.time, event.text.c_str());
       events.push_back(std::move(event));
@@ -152,6 +173,7 @@ Status DeviceLoop::open(const std::string& text, const Model& model) {
   options.priority = 81;  // its cycles are short, and a late command is worse than a late tick
   if (Status status = loop->sink.open(loop->profile, options); !status.ok()) return status;
   watch_for_crashes(&loop->sink);
+  listen_to_operator();
   loop_ = std::move(loop);
   loop_->reporter = std::thread([raw = loop_.get()] { raw->report(); });
   return {};
