@@ -82,10 +82,11 @@ void DeviceLoop::add_rows(Table& table) const {
                               brief(loop.loop_delays.percentile(0.99) / 1000) + "   max " +
                               brief(loop.loop_delays.max() / 1000.0) + " us from angle to torque");
   const LoopTiming& timing = loop.certificate.timing;
-  table.add("stiffness certificate", std::string(loop.measured ? "measured" : "assumed") + " period " +
-                                         brief(1e3 * timing.period) + " ms, jitter " +
-                                         brief(1e3 * timing.jitter) + " ms, delay " +
-                                         brief(1e3 * timing.delay) + " ms");
+  const bool measured = loop.measured && !loop.local_loop;
+  table.add("stiffness certificate",
+            std::string(measured ? "measured" : "assumed") + " period " + brief(1e3 * timing.period) +
+                " ms, jitter " + brief(1e3 * timing.jitter) + " ms, delay " + brief(1e3 * timing.delay) +
+                " ms" + (loop.local_loop ? " of the device's own loop" : ""));
   const StiffnessBound& bound = loop.certificate.joint[3];
   if (loop.certificate.known[3]) {
     table.add("", "index proximal: 2b/T " + brief(bound.sampled) + ", with delay " + brief(bound.delayed) +

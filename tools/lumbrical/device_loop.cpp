@@ -274,6 +274,7 @@ void DeviceLoop::certify() {
   for (const Actuator& actuator : loop.profile.actuators) local = local && actuator.local.present;
   // With a local model the fast loop is the device's own; the bus only tells it where the touch has moved to.
   if (local) timing = {kLocalPeriod, 0, 0};
+  loop.local_loop = local;
   loop.certificate = make_certificate(loop.profile, timing);
   loop.certified = true;
   loop.sink.arm_when_ready();

@@ -27,7 +27,7 @@ struct DeviceLoop::Loop {
   std::int64_t feedback_before = 0;
   JointArray speed{};
 
-  bool certified = false, measured = false;
+  bool certified = false, measured = false, local_loop = false;
   StiffnessCertificate certificate;
   StiffnessLimiter limiter;
   std::size_t turn = 0;  // the finger whose stiffness is computed in this tick
