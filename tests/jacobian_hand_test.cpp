@@ -75,7 +75,7 @@ void compare_with_ticks(Session& session, const DeviceFrame& frame, test::Random
       for (std::size_t k = 0; k < 3; ++k) scale = std::fmax(scale, std::fabs(row[k]));
     }
     EXPECT_LE(norm(said.force - force), 1e-7 * scale + 1e-12) << segment_name(static_cast<int>(i));
-    EXPECT_LE(norm(said.torque - torque), 1e-9 * scale + 1e-14) << segment_name(static_cast<int>(i));
+    EXPECT_LE(norm(said.torque - torque), 1e-8 * scale + 1e-14) << segment_name(static_cast<int>(i));
     touches[i] += scale > 0 ? 1 : 0;
   }
 }
@@ -99,7 +99,7 @@ TEST(HandJacobian, PredictsHowTicksOfAMovedHandChange) {
 
 // Regenerate: run this test and take the value it reports. Change it only on purpose, in a commit that says
 // why.
-constexpr std::uint64_t kGolden = 0xa5a06c6f755eb8b0;
+constexpr std::uint64_t kGolden = 0xf79dc6dae5c8aafb;
 
 TEST(HandJacobian, HasTheSameBitsEverywhere) {
   const Scene scene = grasp_scene();
