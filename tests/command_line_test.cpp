@@ -75,7 +75,7 @@ TEST(CommandLine, MistakesInItExitWith2AndNameTheSwitch) {
       {"run '" + kDemo + "' --threads 65", "--threads"},
       {"run '" + kDemo + "' --broadphase cubes", "tree, grid, voxel or brute"},
       {"run '" + kDemo + "' --isa avx3", "--isa"},
-      {"run '" + kDemo + "' --sink tcp://there", "not part of this version"},
+      {"run '" + kDemo + "' --sink tcp://there", "--sink"},
       {"run '" + kDemo + "' --sideways", "--sideways"},
   };
   for (const auto& [arguments, named] : mistakes) {

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-enum class Layer { base, model, motion, kernels, stages, engine, session, program, test };
+enum class Layer { base, model, motion, kernels, stages, engine, device, session, wire, program, test };
 
 struct Rule {
   Layer layer;
@@ -24,7 +24,8 @@ struct Rule {
 
 const Rule kRules[] = {
     {Layer::base, "engine/include/lumbrical", "math status"},
-    {Layer::base, "engine/src", "math elementary floating_point parallel hash radix_sort text_cursor"},
+    {Layer::base, "engine/src",
+     "math elementary floating_point parallel hash radix_sort text_cursor ring newest"},
 
     {Layer::model, "engine/include/lumbrical", "mesh shapes hand model contact voxel"},
     {Layer::model, "engine/src", "mesh_* ply_header vertex_merge shapes shape_mug hand hand_from_positions"},
@@ -45,12 +46,20 @@ const Rule kRules[] = {
     {Layer::engine, "engine/include/lumbrical", "tick probe jacobian"},
     {Layer::engine, "engine/src", "tick tick_trace probe jacobian"},
 
+    {Layer::device, "engine/include/lumbrical",
+     "device_profile actuator_model safety passivity local_model device_simulation device_link"},
+    {Layer::device, "engine/src",
+     "actuator_model device_profile profile_check registers safety passivity device_simulation"},
+
     {Layer::session, "engine/include/lumbrical", "recording scene_file"},
-    {Layer::session, "engine/src", "motion_* json_file scene_file scene_parts"},
+    {Layer::session, "engine/src", "motion_* json_file scene_file scene_parts device_profile_file"},
     {Layer::session, "engine/src",
-     "mcap_* ring recorder recording_* record_fields replay* output_file text_output"},
+     "mcap_* recorder recording_* record_fields replay* output_file text_output"},
     {Layer::session, "engine/src",
      "session_message state_message message_alignment tick_message build_text what_if"},
+
+    {Layer::wire, "engine/include/lumbrical", "modbus_sink modbus_server"},
+    {Layer::wire, "engine/src", "exchange_words modbus_*"},
 
     {Layer::program, "tools/lumbrical", "*"},
     {Layer::program, "examples", "*"},
@@ -75,6 +84,10 @@ bool may_include(Layer from, Layer to) {
       return to <= Layer::stages && to != Layer::motion;
     case Layer::engine:
       return to <= Layer::engine;
+    case Layer::device:
+      return to <= Layer::device && to != Layer::kernels && to != Layer::stages;
+    case Layer::wire:
+      return (to <= Layer::device && to != Layer::kernels && to != Layer::stages) || to == Layer::wire;
     case Layer::session:
       return to <= Layer::session && to != Layer::kernels && to != Layer::stages;
     case Layer::program:
@@ -101,14 +114,17 @@ const Outside kOutside[] = {
     {"(xmmintrin|immintrin|cfenv)([.]h)?", "engine/src/floating_point[.].*"},
     {"flatbuffers/.*",
      "engine/src/"
-     "(json_file|scene_file|scene_parts|session_message|state_message|message_alignment|tick_message|"
-     "record\\w*|mcap_\\w+|"
+     "(json_file|device_profile_file|scene_file|scene_parts|session_message|state_message|"
+     "message_alignment|tick_message|record\\w*|mcap_\\w+|"
      "replay)[.].*|tests/"
      ".*"},
     {"nlohmann/.*", "(engine/src/motion_\\w+[.].*|tools/.*|tests/.*)"},
     {"(lz4frame|zstd|zlib)[.]h", "(engine/src/mcap_\\w+[.]cpp|tests/.*)"},
     {"(unistd|fcntl|sys/\\w+)[.]h",
-     "(engine/src/(output_file|mcap_reader)[.]cpp|tools/.*|tests/.*|bench/.*)"},
+     "(engine/src/(output_file|mcap_reader|modbus_server)[.]cpp|tools/.*|tests/.*|bench/.*)"},
+    {"modbus/.*", "engine/src/modbus_link[.]cpp"},
+    {"(poll|sched|pthread|termios|errno|time|arpa/\\w+|netinet/\\w+)[.]h",
+     "(engine/src/modbus_\\w+[.]cpp|tools/.*|tests/.*)"},
     {"CLI/.*", "tools/.*"},
     {"(gtest|boost)/.*", "tests/.*"},
     {"benchmark/.*", "bench/.*"},

@@ -14,6 +14,7 @@
 #include <iterator>
 #include <random>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "flatbuffers/flatbuffers.h"
@@ -116,6 +117,21 @@ inline TickRecord random_record(RandomBits& random, std::uint64_t tick) {
   for (std::uint64_t& hash : record.stage_hash) hash = random.coin() ? random.word() : 0;
   record.state_hash = random.word();
   record.duration_ns = static_cast<std::uint32_t>(random.word());
+  if (random.word() % 16 == 0) {
+    record.sent_count = static_cast<std::uint32_t>(random.word() % (kMaxSentPerTick + 1));
+  }
+  for (std::uint32_t i = 0; i < record.sent_count; ++i) {
+    SentCommand& sent = record.sent[i];
+    sent.cycle = random.word();
+    sent.tick = random.word();
+    sent.sent = static_cast<std::int64_t>(random.word());
+    sent.acknowledged = static_cast<std::int64_t>(random.word());
+    sent.loop_delay = static_cast<std::int64_t>(random.word());
+    sent.state = static_cast<SafetyState>(random.word() % 5);
+    sent.flags = static_cast<std::uint32_t>(random.word());
+    sent.actuator_count = static_cast<std::uint32_t>(random.word() % (kMaxActuators + 1));
+    for (std::uint32_t k = 0; k < sent.actuator_count; ++k) sent.value[k] = random.real();
+  }
   return record;
 }
 
@@ -127,6 +143,16 @@ inline void expect_same(const TickRecord& a, const TickRecord& b) {
   EXPECT_EQ(a.stage_hash, b.stage_hash);
   EXPECT_EQ(a.state_hash, b.state_hash);
   EXPECT_EQ(a.duration_ns, b.duration_ns);
+  ASSERT_EQ(a.sent_count, b.sent_count);
+  for (std::uint32_t i = 0; i < a.sent_count; ++i) {
+    const SentCommand &x = a.sent[i], &y = b.sent[i];
+    EXPECT_EQ(
+        std::tie(x.cycle, x.tick, x.sent, x.acknowledged, x.loop_delay, x.state, x.flags, x.actuator_count),
+        std::tie(y.cycle, y.tick, y.sent, y.acknowledged, y.loop_delay, y.state, y.flags, y.actuator_count));
+    for (std::uint32_t k = 0; k < x.actuator_count; ++k) {
+      EXPECT_EQ(std::bit_cast<std::uint64_t>(x.value[k]), std::bit_cast<std::uint64_t>(y.value[k]));
+    }
+  }
 }
 
 inline bool is_same(const TickRecord& a, const TickRecord& b) {

@@ -6,16 +6,19 @@
 namespace lumbrical {
 
 void segment_jacobians(const Model& model, const Scratch& scratch,
-                       std::array<SegmentJacobian, kSegmentCount>& jacobians) {
+                       std::array<SegmentJacobian, kSegmentCount>& jacobians, std::uint32_t segments) {
   const FloatingPointGuard guard;
-  for (std::size_t i = 0; i < kSegmentCount; ++i) jacobians[i] = {{}, model.settings.law[i] == Law::field};
+  const auto asked = [segments](std::size_t segment) { return (segments >> segment & 1u) != 0; };
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    if (asked(i)) jacobians[i] = {{}, model.settings.law[i] == Law::field};
+  }
   const Primitives& hand = *scratch.primitives;
   const Triangles& world = model.triangles;
   for (std::size_t i = 0; i < scratch.contact_count; ++i) {
     const Contact& contact = scratch.contacts[i];
     const Primitive& primitive = hand.primitive[contact.primitive];
     SegmentJacobian& jacobian = jacobians[primitive.segment];
-    if (!jacobian.known) continue;
+    if (!asked(primitive.segment) || !jacobian.known) continue;
     const Vec3 joint = hand.base_joint[primitive.segment];
     const Vec3 a = world.vertex(world.a[contact.triangle]), b = world.vertex(world.b[contact.triangle]),
                c = world.vertex(world.c[contact.triangle]);
@@ -25,8 +28,9 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
       add_contact_jacobian(primitive, contact, joint, a, b, c, jacobian.value);
     }
   }
-  for (SegmentJacobian& jacobian : jacobians) {
-    for (auto& row : jacobian.value) {
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    if (!asked(i)) continue;
+    for (auto& row : jacobians[i].value) {
       for (double& entry : row) entry *= model.settings.stiffness;
     }
   }

@@ -101,6 +101,37 @@ Status decode_output(const fb::Tick& message, ActuatorFrame& output) {
   return {};
 }
 
+flatbuffers::Offset<fb::Sent> to_fb(const SentCommand& sent, flatbuffers::FlatBufferBuilder& builder) {
+  const auto values = builder.CreateVector(sent.value.data(), sent.actuator_count);
+  return fb::CreateSent(builder, sent.cycle, sent.tick, sent.sent, sent.acknowledged, sent.loop_delay,
+                        static_cast<std::uint8_t>(sent.state), sent.flags, values);
+}
+
+Status decode_sent(const fb::Tick& message, TickRecord& record) {
+  record.sent_count = 0;
+  record.sent = {};
+  if (message.sent() == nullptr) return {};
+  for (const fb::Sent* const from : *message.sent()) {
+    const std::uint32_t count = from->values() == nullptr ? 0 : from->values()->size();
+    if (record.sent_count == kMaxSentPerTick || count > kMaxActuators ||
+        from->state() > static_cast<std::uint8_t>(SafetyState::fault)) {
+      return Status::error("the tick message has a command to the device that can't be one");
+    }
+    SentCommand& sent = record.sent[record.sent_count++];
+    sent = {from->cycle(),
+            from->tick(),
+            from->sent(),
+            from->acknowledged(),
+            from->loop_delay(),
+            static_cast<SafetyState>(from->state()),
+            from->flags(),
+            count,
+            {}};
+    for (std::uint32_t i = 0; i < count; ++i) sent.value[i] = from->values()->Get(i);
+  }
+  return {};
+}
+
 }  // namespace
 
 std::span<const std::uint8_t> tick_schema() {
@@ -125,6 +156,13 @@ void encode_tick(const TickRecord& record, const InputCheck& check, flatbuffers:
   flatbuffers::Offset<flatbuffers::Vector<const fb::SegmentOutput*>> outputs;
   if (segment_count > 0) outputs = builder.CreateVectorOfStructs(segments.data(), segment_count);
 
+  flatbuffers::Offset<flatbuffers::Vector<flatbuffers::Offset<fb::Sent>>> sent;
+  if (record.sent_count > 0) {
+    std::array<flatbuffers::Offset<fb::Sent>, kMaxSentPerTick> offsets;
+    for (std::uint32_t i = 0; i < record.sent_count; ++i) offsets[i] = to_fb(record.sent[i], builder);
+    sent = builder.CreateVector(offsets.data(), record.sent_count);
+  }
+
   const Quat q = device.base.orientation;
   const fb::Pose base(to_fb(device.base.position), fb::Quat(q.w, q.x, q.y, q.z));
   const auto& hash = record.stage_hash;
@@ -135,7 +173,7 @@ void encode_tick(const TickRecord& record, const InputCheck& check, flatbuffers:
   builder.Finish(fb::CreateTick(builder, record.output.tick, record.duration_ns, &base,
                                 static_cast<fb::InputKind>(device.kind), device.flags, device.valid, joints,
                                 angles, record.output.flags, record.output.contact_count, outputs, &hashes,
-                                record.state_hash, &input_check, record.output.force_error));
+                                record.state_hash, &input_check, record.output.force_error, sent));
 }
 
 Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, InputCheck& check) {
@@ -150,6 +188,7 @@ Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, Inpu
 
   if (Status status = decode_device(message, record.device); !status.ok()) return status;
   if (Status status = decode_output(message, record.output); !status.ok()) return status;
+  if (Status status = decode_sent(message, record); !status.ok()) return status;
   const fb::StageHashes* const hashes = message.stage_hashes();
   const fb::InputCheck* const input_check = message.input_check();
   if (hashes == nullptr || input_check == nullptr) return Status::error("the tick message has no hashes");

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "commands.h"
+#include "device_loop.h"
 #include "lumbrical/recording.h"
 #include "lumbrical/scene_file.h"
 #include "output.h"
@@ -18,13 +19,16 @@ namespace {
 
 struct RunOptions {
   std::string scene, motion, side, unit, record, law, broadphase, voxel_cache, precision;
-  std::string rate = "max", on_record_error = "stop";
+  std::string rate = "max", on_record_error = "stop", sink = "null";
   std::optional<double> motion_rate, stiffness;
   std::optional<std::uint64_t> ticks;
   std::optional<std::uint32_t> threads;
   std::string isa = "auto";
   bool json = false;
 };
+
+// How long a device and the ticks exchange before forces are let through [s].
+constexpr double kMeasuring = 0.5;
 
 struct FlagText {
   TickFlag flag;
@@ -68,6 +72,8 @@ Status load(const RunOptions& options, SceneFile& scene_file) {
   if (options.rate != "max") settings.rate = std::stod(options.rate);
   if (!options.broadphase.empty()) scene_file.execution.broadphase = *parse_broadphase(options.broadphase);
   scene_file.execution.voxel_cache = options.voxel_cache;
+  // Helpers of a real-time thread have no real-time priority: it would wait for them.
+  if (options.sink != "null") scene_file.execution.threads = 1;
   if (options.threads) scene_file.execution.threads = *options.threads;
   scene_file.execution.isa = *parse_isa(options.isa);
   for (const std::string& file : scene_file.files) {
@@ -110,15 +116,24 @@ std::uint64_t ticks_with(const RunStatistics& run, TickFlag flag) {
   return run.flag_ticks[bit];
 }
 
-Json run_json(const RunOptions& options, const Model& model, const RunStatistics& run) {
-  const TickTimes& times = run.tick_times;
+Json times_json(const TickTimes& times) {
+  return {{"p50", microseconds(times, 0.5)},
+          {"p99", microseconds(times, 0.99)},
+          {"p999", microseconds(times, 0.999)},
+          {"max", times.max() / 1000.0}};
+}
+
+std::string times_text(const TickTimes& times) {
+  return "p50 " + brief(microseconds(times, 0.5)) + "   p99 " + brief(microseconds(times, 0.99)) +
+         "   p99.9 " + brief(microseconds(times, 0.999)) + "   max " + brief(times.max() / 1000.0) + " us";
+}
+
+Json run_json(const RunOptions& options, const Model& model, const RunStatistics& run,
+              const DeviceLoop* device) {
   Json json;
   json["ticks"] = run.ticks;
   json["rate_hz"] = rate_reached(run);
-  json["tick_us"] = {{"p50", microseconds(times, 0.5)},
-                     {"p99", microseconds(times, 0.99)},
-                     {"p999", microseconds(times, 0.999)},
-                     {"max", times.max() / 1000.0}};
+  json["tick_us"] = times_json(run.tick_times);
   json["contacts"] = {{"mean", mean_contacts(run)}, {"max", run.max_contacts}};
   json["deadline_misses"] = run.deadline_misses;
   json["isa"] = isa_name(model.execution.isa);
@@ -141,6 +156,18 @@ Json run_json(const RunOptions& options, const Model& model, const RunStatistics
     if (const std::uint64_t count = ticks_with(run, text.flag)) json["flags"][text.name] = count;
   }
   json["interrupted"] = run.interrupted;
+  if (options.rate != "max") {
+    json["wake_up_us"] = times_json(run.wake_ups);
+    json["page_faults"] = run.page_faults;
+    json["real_time"] = {{"memory_locked", run.real_time.memory_locked},
+                         {"priority", run.real_time.priority},
+                         {"cpu", run.real_time.cpu},
+                         {"refused", run.real_time.refused}};
+  }
+  if (device != nullptr) {
+    json["loop_us"] = times_json(run.loop_times);
+    json["device"] = device->json();
+  }
   return json;
 }
 
@@ -173,17 +200,27 @@ std::string execution_text(const Execution& execution) {
          ", " + std::to_string(execution.threads) + " thread(s)";
 }
 
-std::string run_text(const RunOptions& options, const Model& model, const RunStatistics& run) {
-  const TickTimes& times = run.tick_times;
+void add_real_time(const RunStatistics& run, Table& table) {
+  const RealTime& real_time = run.real_time;
+  table.add("wake-up late by", times_text(run.wake_ups));
+  std::string got = real_time.memory_locked ? "memory locked" : "memory not locked";
+  got +=
+      real_time.priority > 0 ? ", SCHED_FIFO " + std::to_string(real_time.priority) : ", ordinary priority";
+  if (real_time.cpu >= 0) got += ", on processor " + std::to_string(real_time.cpu);
+  table.add("real time", got + ", " + grouped(run.page_faults) + " page faults");
+  for (const std::string& line : real_time.refused) table.add("", line);
+}
+
+std::string run_text(const RunOptions& options, const Model& model, const RunStatistics& run,
+                     const DeviceLoop* device) {
   Table table;
   table.add("ticks", grouped(run.ticks) + " of " + brief(1e3 / model.settings.rate) + " ms" +
                          (run.interrupted ? ", stopped by a signal" : ""));
   table.add("rate", grouped(static_cast<std::uint64_t>(rate_reached(run))) + " Hz reached, " +
                         grouped(run.deadline_misses) + " ticks missed their deadline");
-  table.add("tick time", "p50 " + brief(microseconds(times, 0.5)) + "   p99 " +
-                             brief(microseconds(times, 0.99)) + "   p99.9 " +
-                             brief(microseconds(times, 0.999)) + "   max " + brief(times.max() / 1000.0) +
-                             " us");
+  table.add("tick time", times_text(run.tick_times));
+  if (device != nullptr) table.add("with the device", times_text(run.loop_times));
+  if (options.rate != "max") add_real_time(run, table);
   table.add("contacts", "mean " + brief(mean_contacts(run)) + "   max " + grouped(run.max_contacts) +
                             "   of " + grouped(model.triangles.size()) + " triangles");
   table.add("computed with", std::string(broadphase_name(model.execution.broadphase)) + ", law " +
@@ -192,6 +229,7 @@ std::string run_text(const RunOptions& options, const Model& model, const RunSta
   if (const auto report = voxel_report(model)) add_voxels(*report, table);
   add_peaks(run, table);
   add_flags(run, table);
+  if (device != nullptr) device->add_rows(table);
   if (!options.record.empty()) {
     std::error_code error;
     const std::uintmax_t size = std::filesystem::file_size(options.record, error);
@@ -212,6 +250,15 @@ int run(const RunOptions& options) {
   if (!status.ok()) return fail(options.scene + ": " + status.message());
 
   const bool paced = options.rate != "max";
+  const bool with_device = options.sink != "null";
+  DeviceLoop device;
+  if (with_device) {
+    if (status = device.open(options.sink, model); !status.ok()) return fail(status);
+    if (!measure_device(model, scene_file.motion, kMeasuring, device)) {
+      return fail(options.scene + ": stopped by a signal before the first tick");
+    }
+    device.certify();
+  }
   const double planned = std::ceil(scene_file.seconds * model.settings.rate - 1e-6);
   const std::uint64_t ticks = options.ticks.value_or(static_cast<std::uint64_t>(std::max(planned, 1.0)));
   Recorder recorder;
@@ -222,29 +269,29 @@ int run(const RunOptions& options) {
     recorder_options.metadata = {{"scene_file", options.scene},
                                  {"program", "lumbrical " LUMBRICAL_VERSION},
                                  {"execution", execution_text(model.execution)}};
+    if (with_device) recorder_options.metadata["certificate"] = device.certificate_text();
     status = recorder.open(options.record, scene_of(model), recorder_options);
     if (!status.ok()) return fail(status);
   }
   const bool unrecorded = options.on_record_error == "continue";
   const RunStatistics statistics =
-      run_session(model, scene_file.motion, ticks, paced, recording ? &recorder : nullptr, unrecorded);
+      run_session(model, scene_file.motion, ticks,
+                  {paced, recording ? &recorder : nullptr, unrecorded, with_device ? &device : nullptr});
+  device.close();  // forces end before anything else is done
   const bool told = !statistics.recording_error.ok();
   if (recording) {
     status = recorder.close();
     if (!status.ok() && !told) return fail(status);
     if (!status.ok() && !unrecorded) return kUnreadable;
   }
-  const int printed = options.json ? print_json(run_json(options, model, statistics))
-                                   : print_text(run_text(options, model, statistics));
+  const DeviceLoop* const shown = with_device ? &device : nullptr;
+  const int printed = options.json ? print_json(run_json(options, model, statistics, shown))
+                                   : print_text(run_text(options, model, statistics, shown));
   return printed == kDone && told ? kUnreadable : printed;
 }
 
 std::string check_rate(std::string& text) {
   return text == "max" ? std::string() : number_in(1, 100000)(text);
-}
-
-std::string check_sink(std::string& text) {
-  return text == "null" ? std::string() : "\"" + text + "\" is not part of this version; use null";
 }
 
 }  // namespace
@@ -273,8 +320,11 @@ void add_run(CLI::App& app, int& exit_code) {
           "When the recording fails (disk full): stop, or continue unrecorded; exit code 2 either way")
       ->check(CLI::IsMember({"stop", "continue"}))
       ->capture_default_str();
-  command->add_option("--sink", "Where forces go; this version has null")
-      ->check(CLI::Validator(check_sink, "URI"));
+  command
+      ->add_option(
+          "--sink", options->sink,
+          "Where forces go: null, modbus-tcp://HOST:PORT?profile=FILE, modbus-rtu:///dev/ttyX?profile=FILE")
+      ->check(CLI::Validator(check_sink_uri, "URI"));
   command->add_option("--broadphase", options->broadphase, "Search for candidate triangles")
       ->check(is_broadphase());
   command->add_option("--voxel-cache", options->voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");

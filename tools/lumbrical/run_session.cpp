@@ -3,18 +3,17 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <csignal>
 #include <ctime>
 #include <limits>
-#include <thread>
 
 #include "lumbrical/tick.h"
 
 namespace lumbrical::tool {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+// Above ordinary work, below the kernel's own threads for clocks and migration.
+constexpr int kTickPriority = 80;
 
 volatile std::sig_atomic_t stop_requested = 0;
 volatile std::time_t asked_at = 0;  // s, monotonic
@@ -58,16 +57,14 @@ class StopSignals {
   struct sigaction previous_terminate_ {};
 };
 
-std::uint32_t nanoseconds_between(Clock::time_point start, Clock::time_point end) {
-  const auto elapsed = std::chrono::duration_cast<std::chrono::nanoseconds>(end - start).count();
+std::uint32_t nanoseconds_between(std::int64_t start, std::int64_t end) {
   constexpr std::int64_t kMost = std::numeric_limits<std::uint32_t>::max();
-  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(elapsed, 0, kMost));
+  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(end - start, 0, kMost));
 }
 
 // Every period is counted from the first one, so that rounding never adds up.
-Clock::duration session_time(std::uint64_t tick, double rate) {
-  return std::chrono::duration_cast<Clock::duration>(
-      std::chrono::duration<double>(static_cast<double>(tick) / rate));
+std::int64_t session_ns(std::uint64_t tick, double rate) {
+  return static_cast<std::int64_t>(static_cast<double>(tick) * 1e9 / rate);
 }
 
 void add_output(const ActuatorFrame& output, RunStatistics& statistics) {
@@ -90,47 +87,84 @@ void add_output(const ActuatorFrame& output, RunStatistics& statistics) {
 
 }  // namespace
 
-RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_t ticks, bool paced,
-                          Recorder* recorder, bool unrecorded) {
+bool measure_device(const Model& model, const Motion& motion, double seconds, DeviceLoop& device) {
+  State state;
+  Scratch scratch = make_scratch(model);
+  scratch.hash_stages = false;
+  const auto ticks = static_cast<std::uint64_t>(seconds * model.settings.rate);
+  const StopSignals stop_signals;
+  const std::int64_t first = clock_ns();
+  TickRecord record;
+  for (std::uint64_t i = 0; i < ticks && stop_requested == 0; ++i) {
+    sleep_until_ns(first + session_ns(i, model.settings.rate));
+    record.device = resample(motion, motion.samples[0].time);
+    device.before(record.device);
+    record.output = tick(model, state, scratch, record.device);
+    device.after(scratch, record.device, record.output, record);
+  }
+  return stop_requested == 0;
+}
+
+RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_t ticks,
+                          const SessionParts& parts) {
   RunStatistics statistics;
   State state;
   Scratch scratch = make_scratch(model);
-  scratch.hash_stages = recorder != nullptr;
+  scratch.hash_stages = parts.recorder != nullptr;
   const double rate = model.settings.rate;
   const bool still = motion.samples.size() == 1;  // a single pose is held for the whole session
   TickRecord record;
   Progress progress("running");
   const StopSignals stop_signals;
-  const Clock::time_point first = Clock::now();
-  const std::uint32_t period = nanoseconds_between({}, Clock::time_point(session_time(1, rate)));
+  if (parts.paced) statistics.real_time = enter_real_time(kTickPriority, Pinning::last_processor);
+  const std::uint64_t faults_before = page_faults();
+  const std::int64_t begin = clock_ns();
+  std::int64_t first = begin;  // moves on where a device's session has fallen behind
+  const std::int64_t period = session_ns(1, rate);
+  bool stopped = false;
 
-  for (std::uint64_t i = 0; i < ticks && !statistics.interrupted; ++i) {
-    if (paced) std::this_thread::sleep_until(first + session_time(i, rate));
+  for (std::uint64_t i = 0; i < ticks && !statistics.interrupted && !stopped; ++i) {
+    const std::int64_t moment = first + session_ns(i, rate);
+    if (parts.paced) {
+      sleep_until_ns(moment);
+      statistics.wake_ups.add(nanoseconds_between(moment, clock_ns()));
+    }
+    const std::int64_t start = clock_ns();
     record.device = resample(motion, still ? motion.samples[0].time : static_cast<double>(i) / rate);
-    const Clock::time_point start = Clock::now();
+    if (parts.device != nullptr) parts.device->before(record.device);
+    const std::int64_t tick_start = clock_ns();
     record.output = tick(model, state, scratch, record.device);
-    const Clock::time_point end = Clock::now();
+    const std::int64_t tick_end = clock_ns();
+    record.duration_ns = nanoseconds_between(tick_start, tick_end);
+    if (parts.device != nullptr)
+      stopped = !parts.device->after(scratch, record.device, record.output, record);
 
-    record.duration_ns = nanoseconds_between(start, end);
-    const bool late = paced ? end > first + session_time(i + 1, rate) : record.duration_ns > period;
+    const std::int64_t end = clock_ns();
+    const bool late = parts.paced ? end > moment + period : record.duration_ns > period;
     statistics.deadline_misses += late ? 1 : 0;
+    if (parts.device != nullptr) {
+      statistics.loop_times.add(nanoseconds_between(start, end));
+      if (parts.paced && end > moment + 2 * period) first += end - (moment + period);
+    }
     statistics.tick_times.add(record.duration_ns);
     add_output(record.output, statistics);
     ++statistics.ticks;
-    if (recorder != nullptr) {
+    if (parts.recorder != nullptr) {
       record.stage_hash = scratch.stage_hash;
       record.state_hash = hash_state(state);
-      if (!recorder->record(record)) ++statistics.not_recorded;
+      if (!parts.recorder->record(record)) ++statistics.not_recorded;
       if (statistics.recording_error.ok()) {
-        statistics.recording_error = recorder->failure();
+        statistics.recording_error = parts.recorder->failure();
         if (!statistics.recording_error.ok()) fail(statistics.recording_error);
       }
-      if (!statistics.recording_error.ok() && !unrecorded) break;
+      if (!statistics.recording_error.ok() && !parts.unrecorded) break;
     }
-    progress.update(i + 1, ticks);
+    if (parts.device == nullptr) progress.update(i + 1, ticks);
     statistics.interrupted = stop_requested != 0;
   }
-  statistics.wall_seconds = std::chrono::duration<double>(Clock::now() - first).count();
+  statistics.page_faults = page_faults() - faults_before;
+  statistics.wall_seconds = static_cast<double>(clock_ns() - begin) * 1e-9;
+  leave_real_time(statistics.real_time);
   return statistics;
 }
 

@@ -4,17 +4,23 @@
 #include <array>
 #include <cstdint>
 
+#include "device_loop.h"
 #include "lumbrical/model.h"
 #include "lumbrical/motion.h"
 #include "lumbrical/recording.h"
 #include "output.h"
+#include "real_time.h"
 
 namespace lumbrical::tool {
 
 struct RunStatistics {
   std::uint64_t ticks = 0;
-  double wall_seconds = 0;  ///< of the whole loop
-  TickTimes tick_times;     ///< of tick() alone
+  double wall_seconds = 0;        ///< of the whole loop
+  TickTimes tick_times;           ///< of tick() alone
+  TickTimes loop_times;           ///< with a device: of everything done for a tick
+  TickTimes wake_ups;             ///< paced: how late after its moment a tick began
+  RealTime real_time;             ///< paced: what the system allowed
+  std::uint64_t page_faults = 0;  ///< of the ticking thread during the session
   std::uint64_t deadline_misses =
       0;                       ///< paced: results later than their period's end; else ticks longer than one
   std::uint64_t contacts = 0;  ///< sum over all ticks
@@ -27,11 +33,23 @@ struct RunStatistics {
   bool interrupted = false;                           ///< by SIGINT or SIGTERM
 };
 
-/// Runs `ticks` ticks, tick i at session time i / settings.rate. Paced: tick i starts that long after the
-/// first by the wall clock. Otherwise as fast as it goes. `recorder` may be null. SIGINT and SIGTERM end the
-/// loop after the tick at hand. A recording that fails (disk full) is told on standard error at once and ends
-/// the session, or where `unrecorded` not.
-RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_t ticks, bool paced,
-                          Recorder* recorder, bool unrecorded);
+/// What a session has besides a model and a motion; each may be absent.
+struct SessionParts {
+  bool paced = false;            ///< tick i starts i / settings.rate after the first by the clock
+  Recorder* recorder = nullptr;  ///< open
+  bool unrecorded = false;       ///< goes on when the recording fails; else that ends the session
+  DeviceLoop* device = nullptr;  ///< open and certified
+};
+
+/// Runs `ticks` ticks, tick i at session time i / settings.rate, paced or as fast as it goes. SIGINT and
+/// SIGTERM end the loop after the tick at hand. A recording that fails (disk full) is told on standard error
+/// at once. A paced session with a device that has fallen behind by more than one period does not catch up by
+/// a burst of ticks: the clock of the session stands still for what was missed.
+RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_t ticks,
+                          const SessionParts& parts);
+
+/// Lets device and ticks exchange for `seconds` without forces, so that the device can be certified. The hand
+/// is as at the session's start. False: a signal came.
+bool measure_device(const Model& model, const Motion& motion, double seconds, DeviceLoop& device);
 
 }  // namespace lumbrical::tool

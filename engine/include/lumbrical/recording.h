@@ -15,11 +15,15 @@
 #include <vector>
 
 #include "lumbrical/device.h"
+#include "lumbrical/device_link.h"
 #include "lumbrical/model.h"
 #include "lumbrical/status.h"
 #include "lumbrical/tick.h"
 
 namespace lumbrical {
+
+/// Commands to a device that one tick's record can hold; what is more waits for the next.
+inline constexpr std::uint32_t kMaxSentPerTick = 4;
 
 /// One tick as it stands in a file.
 struct TickRecord {
@@ -28,6 +32,8 @@ struct TickRecord {
   std::array<std::uint64_t, kStageCount> stage_hash{};  ///< Scratch::stage_hash
   std::uint64_t state_hash = 0;                         ///< hash_state after the tick
   std::uint32_t duration_ns = 0;                        ///< measured time of the tick; never compared
+  std::uint32_t sent_count = 0;                         ///< of `sent`, at most kMaxSentPerTick
+  std::array<SentCommand, kMaxSentPerTick> sent{};      ///< to a device, since the last tick; never compared
 };
 
 enum class Compression : std::uint8_t { none, lz4, zstd };

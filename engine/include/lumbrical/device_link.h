@@ -1,0 +1,39 @@
+// What crosses between the thread that ticks and a device's sink. Times are nanoseconds of the steady clock.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "lumbrical/safety.h"
+
+namespace lumbrical {
+
+struct DeviceCommand {
+  std::uint64_t tick = 0;
+  std::int64_t feedback_time = 0;                ///< DeviceFeedback::time of the angles behind it; 0: none
+  ActuatorArray wanted{};                        ///< in the actuators' units
+  ActuatorArray angle{}, stiffness{}, radius{};  ///< local model, for actuators that have one
+};
+
+struct DeviceFeedback {
+  std::int64_t time = 0;                        ///< when the reply came
+  std::array<float, 4 * kFingerCount> angle{};  ///< [rad] in the order of hand.h
+  std::uint32_t valid = 0;                      ///< bit i: angle i was measured and is plausible
+  ActuatorArray
+      acted{};  ///< what the device did while it came to these angles: the command acknowledged before
+};
+
+/// What became of one cycle: what was sent, when, and when the device said so.
+struct SentCommand {
+  std::uint64_t cycle = 0;        ///< counts from 1
+  std::uint64_t tick = 0;         ///< of the newest command behind it
+  std::int64_t sent = 0;          ///< when the request left
+  std::int64_t acknowledged = 0;  ///< when its reply came; 0: never
+  std::int64_t loop_delay = 0;    ///< [ns] from reading the angles behind it to its reply; 0: unknown
+  SafetyState state = SafetyState::disconnected;
+  std::uint32_t flags = 0;  ///< SafetyFlag bits
+  std::uint32_t actuator_count = 0;
+  ActuatorArray value{};  ///< as sent
+};
+
+}  // namespace lumbrical

@@ -1,0 +1,197 @@
+// Device profiles: what a haptic device can do, where its registers are, and how far it may go. Read from
+// JSON (schemas/device.fbs says which fields there are).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lumbrical/hand.h"
+#include "lumbrical/status.h"
+
+namespace lumbrical {
+
+/// Bounds of a profile: everything the loop carries lives in arrays of these sizes.
+inline constexpr int kMaxActuators = 32;
+inline constexpr int kMaxSensors = 32;
+
+/// The joints a device may load: those at the base of each phalanx, in the order of the segments.
+using JointArray = std::array<double, kPhalanxCount>;
+
+enum class RegisterType : std::uint8_t {
+  u16,
+  s16,
+  u8_high,  ///< the upper byte of a register; the lower may belong to another field
+  u8_low,
+  s32,  ///< two registers
+  f32,  ///< two registers, IEEE 754
+};
+
+/// A number in a device's registers: value = raw * scale + offset.
+struct RegisterField {
+  std::uint8_t unit = 1;      ///< Modbus unit (slave) id
+  std::uint16_t address = 0;  ///< 0-based, of the first register
+  RegisterType type = RegisterType::s16;
+  bool low_word_first = false;  ///< of the two registers of s32 and f32
+  double scale = 1;             ///< units per count, not 0
+  double offset = 0;            ///< units at raw 0
+};
+
+/// Registers of type u8 share one; all others have theirs alone.
+int register_count(RegisterType type);
+
+/// What an actuator can do to the joints it is tied to.
+enum class Drive : std::uint8_t {
+  motor,  ///< anything between lower and upper
+  wire,   ///< pulls only: between its preload and upper while the device is active
+  brake,  ///< resists motion only
+};
+
+/// What the device needs to close a fast loop of its own round a joint (local_model.h): three more numbers.
+struct LocalFields {
+  bool present = false;
+  RegisterField angle;      ///< [rad] where `command` holds exactly
+  RegisterField stiffness;  ///< [N m/rad] by which the torque grows as the joint closes
+  RegisterField radius;     ///< [rad] how far from `angle` it may be trusted
+};
+
+/// One number the device is told. Its unit is the device's (N, N m, a share ...): `arm` translates.
+struct Actuator {
+  std::string name;
+  Drive drive = Drive::motor;
+  RegisterField field;
+  double lower = 0, upper = 0;  ///< never exceeded
+  double safe = 0;              ///< written whenever the device is not active; within lower .. upper
+  double preload = 0;           ///< of a wire: least tension while active
+  double slew = 0;              ///< largest rise away from `safe` [unit/s], > 0
+  JointArray arm{};             ///< [N m per unit] opening torque about each joint; 0: not tied to it
+  LocalFields local;
+};
+
+/// One joint angle the device reports.
+struct Sensor {
+  int angle = 0;  ///< in the order of hand.h
+  RegisterField field;
+  double lower = 0, upper = 0;  ///< [rad] anything outside is not believed
+};
+
+struct RegisterWrite {
+  std::uint8_t unit = 1;
+  std::uint16_t address = 0, value = 0;
+};
+
+/// A register must hold `value` in the bits of `mask` before the device counts as ready.
+struct RegisterCheck {
+  std::uint8_t unit = 1;
+  std::uint16_t address = 0, mask = 0xFFFF, value = 0;
+};
+
+/// A register by which the device is switched on and off; written with every command.
+struct ControlWord {
+  bool present = false;
+  std::uint8_t unit = 1;
+  std::uint16_t address = 0;
+  std::uint16_t idle = 0, active = 1;
+};
+
+/// A counter written with every command, and what the device echoes of it.
+struct Heartbeat {
+  bool present = false, echoed = false;
+  std::uint8_t unit = 1;
+  std::uint16_t address = 0;
+  std::uint16_t echo_address = 0;  ///< in the feedback registers of the same unit
+};
+
+struct StatusBits {
+  bool present = false;
+  std::uint8_t unit = 1;
+  std::uint16_t address = 0;
+  std::uint16_t fault = 0;     ///< any of these set: fault
+  std::uint16_t stop = 0;      ///< any of these set: emergency stop
+  std::uint16_t dead_man = 0;  ///< set while the operator holds the dead-man switch; 0: there is none
+  std::uint16_t ready = 0;     ///< all of these must be set before the device may be armed
+};
+
+enum class Parity : char { none = 'N', even = 'E', odd = 'O' };
+
+struct Transport {
+  bool serial = false;  ///< RTU; otherwise TCP
+  std::string host = "127.0.0.1";
+  std::uint16_t port = 502;
+  std::string line;  ///< "/dev/ttyUSB0"
+  std::uint32_t baud = 115200;
+  Parity parity = Parity::none;
+  std::uint8_t stop_bits = 1;
+};
+
+/// Times of the safety envelope [s].
+struct SafetyTimes {
+  double fade = 0.05;           ///< from any output to safe values
+  double soft_start = 0.5;      ///< from zero to full output after arming
+  double tick_hold = 0.005;     ///< no new tick for longer: the output fades
+  double tick_timeout = 0.1;    ///< no new tick for longer: fault
+  double answer_timeout = 0.1;  ///< nothing acknowledged for longer: disconnected, link closed and reopened
+};
+
+/// What one joint of the device is like: decides how stiff it may be rendered.
+struct JointDynamics {
+  double inertia = 0;       ///< [kg m^2] about the joint, of device and finger
+  double damping = 0;       ///< [N m s/rad]
+  double friction = 0;      ///< [N m] Coulomb
+  double encoder_step = 0;  ///< [rad]
+};
+
+struct DeviceProfile {
+  std::string name;
+  std::string source;     ///< where the register map comes from
+  bool verified = false;  ///< on hardware
+  Transport transport;
+  double rate = 100;                         ///< [Hz] largest number of exchanges per second
+  double response_timeout = 0.05;            ///< [s] for the answer to one request
+  double first_retry = 0.1, last_retry = 2;  ///< [s] pause before reconnecting; doubles in between
+  bool read_write = false;  ///< FC23 in the place of FC16 and a read, where both are one block of one unit
+  int read_function = 3;    ///< 3 holding registers or 4 input registers
+  std::vector<Actuator> actuators;
+  std::vector<Sensor> sensors;
+  std::vector<RegisterWrite> handshake;  ///< written once after connecting, in this order
+  std::vector<RegisterCheck> expected;   ///< then read until they hold
+  ControlWord control;
+  Heartbeat heartbeat;
+  StatusBits status;
+  SafetyTimes safety;
+  std::array<JointDynamics, kPhalanxCount> dynamics{};
+};
+
+/// One Modbus request of a cycle.
+struct RegisterBlock {
+  std::uint8_t unit = 1;
+  std::uint16_t address = 0;
+  std::uint16_t count = 0;
+  friend bool operator==(const RegisterBlock&, const RegisterBlock&) = default;
+};
+
+inline constexpr int kMaxWriteRegisters = 123;     ///< FC16
+inline constexpr int kMaxExchangeRegisters = 121;  ///< written by FC23
+inline constexpr int kMaxReadRegisters = 125;      ///< FC3, FC4
+
+/// What one cycle writes and reads. Written blocks have no gaps: a register no one named is never written.
+/// Read blocks may span up to 16 registers that no one asked for.
+struct ExchangePlan {
+  std::vector<RegisterBlock> writes, reads;
+  bool combined = false;  ///< one write and one read in one FC23
+};
+ExchangePlan plan_exchange(const DeviceProfile& profile);
+
+/// Whether the parts of a profile agree: limits that its registers can't hold, fields that overlap, a safe
+/// value outside the limits, more registers than Modbus allows. Names the field by its path in the file.
+Status check_profile(const DeviceProfile& profile);
+
+/// Makes every register of the profile one of the given unit (slave) id.
+void set_unit(DeviceProfile& profile, std::uint8_t unit);
+
+/// Reads a profile. Messages name file, line and column; on error `profile` is unchanged.
+Status load_device_profile(const std::string& path, DeviceProfile& profile);
+
+}  // namespace lumbrical

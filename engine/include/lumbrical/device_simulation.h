@@ -1,0 +1,95 @@
+// A simulated exoskeleton: joints with inertia, damping, Coulomb friction and encoders, a human hand that
+// moves them, and a firmware that speaks a device profile's registers. Deterministic in simulated time.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "lumbrical/actuator_model.h"
+#include "lumbrical/device_profile.h"
+
+namespace lumbrical {
+
+/// A human's hold on one joint: a spring and damper towards an intended angle. Measured fingers: 0.2 to 2
+/// N m/rad and 0.004 to 0.04 N m s/rad (Hajian and Howe, 1997).
+struct HumanJoint {
+  double stiffness = 0.5;  ///< [N m/rad]
+  double damping = 0.01;   ///< [N m s/rad]
+};
+
+struct JointState {
+  double angle = 0;  ///< [rad] closing
+  double speed = 0;  ///< [rad/s]
+};
+
+/// Moves a joint by `dt` [s] under the device's opening torque [N m] and the human's hold towards `target`
+/// [rad]. Implicit in springs, damping and friction: stable at any step, and friction stops the joint dead.
+void step_joint(const JointDynamics& dynamics, const HumanJoint& human, double target, double torque,
+                double dt, JointState& joint);
+
+/// The angle as an encoder with steps reports it.
+double read_encoder(const JointDynamics& dynamics, double angle);
+
+struct SimulationOptions {
+  HumanJoint human;
+  double step = 1e-4;     ///< [s] of the mechanics and of the firmware's own loop
+  double watchdog = 0.1;  ///< [s] without a command, or with a heartbeat that stands still: torques fade
+  double fade = 0.05;     ///< [s]
+  /// What the human intends: closing angles [rad] at `time` [s] since the device was first switched on.
+  /// Empty: opens and closes the hand slowly.
+  std::function<void(double time, JointArray& target)> intention;
+};
+
+class SimulatedDevice {
+ public:
+  SimulatedDevice(const DeviceProfile& profile, SimulationOptions options);
+
+  /// Lets simulated time pass [s]; whole steps are made, the rest is kept.
+  void advance(double seconds);
+
+  /// Registers by unit and address. Answers 0, or Modbus' exception code 2 (illegal data address) with
+  /// nothing read or written.
+  int write(std::uint8_t unit, std::uint16_t address, std::span<const std::uint16_t> words);
+  int read(std::uint8_t unit, std::uint16_t address, std::span<std::uint16_t> words) const;
+  [[nodiscard]] bool has_unit(std::uint8_t unit) const;
+
+  void press_stop(bool pressed) { stop_ = pressed; }
+  void hold_dead_man(bool held) { dead_man_ = held; }
+  void break_down(bool broken) { broken_ = broken; }  ///< its fault bits
+  void hang(bool hung) { hung_ = hung; }              ///< answers, but its program stands still
+
+  [[nodiscard]] double time() const { return time_; }
+  [[nodiscard]] const std::array<JointState, kPhalanxCount>& joints() const { return joints_; }
+  [[nodiscard]] const JointArray& torque() const { return torque_; }       ///< [N m] opening, acting now
+  [[nodiscard]] const ActuatorArray& command() const { return command_; }  ///< acting now, in commands' units
+  [[nodiscard]] bool switched_on() const;
+  [[nodiscard]] double silence() const {
+    return silence_;
+  }  ///< [s] since the last command with a new heartbeat
+
+ private:
+  using Place = std::pair<std::uint8_t, std::uint16_t>;
+  void step(double dt);
+  void read_commands();
+  void write_feedback();
+  double field(const RegisterField& place) const;
+  void put(const RegisterField& place, double value);
+
+  DeviceProfile profile_;
+  SimulationOptions options_;
+  std::map<Place, std::uint16_t> registers_;
+  std::array<JointState, kPhalanxCount> joints_{};
+  JointArray torque_{};
+  ActuatorArray command_{};
+  double time_ = 0, left_ = 0, silence_ = 1e9, on_since_ = -1;
+  std::uint16_t last_heartbeat_ = 0;
+  bool stop_ = false, dead_man_ = true, broken_ = false, hung_ = false;
+};
+
+}  // namespace lumbrical

@@ -1,0 +1,80 @@
+// The sink that carries commands to a device and its angles back: Modbus on a thread of its own, behind the
+// safety envelope, newest value only. Never holds up the thread that ticks.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lumbrical/device_link.h"
+#include "lumbrical/status.h"
+
+namespace lumbrical {
+
+struct SinkEvent {
+  double time = 0;  ///< [s] since the sink was opened
+  std::string text;
+};
+
+struct SinkReport {
+  SafetyState state = SafetyState::disconnected;
+  std::uint32_t flags = 0;
+  double rate = 0;           ///< [Hz] acknowledged commands in the last second
+  double age = 0;            ///< [s] since the last acknowledged command; infinite before the first
+  std::uint64_t cycles = 0;  ///< commands sent
+  std::uint64_t acknowledged = 0;
+  std::uint64_t refused = 0;      ///< answered by an exception
+  std::uint64_t broken = 0;       ///< not answered, or not by a reply one could trust
+  std::uint64_t connections = 0;  ///< opened so far
+};
+
+struct SinkOptions {
+  bool arm = true;                  ///< arm by itself when the device is first ready (arm_when_ready)
+  bool continue_after_loss = true;  ///< and again after a lost link; otherwise stay idle until request_arm
+  bool dry_run = false;             ///< everything but forces: only safe values are written
+  int priority = 0;                 ///< SCHED_FIFO of the sink's thread, 0: leave it alone
+  int cpu = -1;                     ///< to pin it to, -1: any
+};
+
+class ModbusSink {
+ public:
+  ModbusSink();
+  ~ModbusSink();  ///< closes
+  ModbusSink(const ModbusSink&) = delete;
+  ModbusSink& operator=(const ModbusSink&) = delete;
+
+  /// Starts the thread. A device that is not there (yet) is no error: the sink keeps trying.
+  Status open(const DeviceProfile& profile, const SinkOptions& options);
+  /// Forces to their safe values, tells the device so if it can be reached, ends the thread. True: the device
+  /// acknowledged safe values. Takes at most fade, answer and response times and a little.
+  bool close();
+
+  // For the thread that ticks (one thread): no lock, allocation or system call but the clock.
+  void publish(const DeviceCommand& command) noexcept;
+  bool feedback(DeviceFeedback& feedback) noexcept;  ///< false: nothing newer than last time
+  bool sent(SentCommand& command) noexcept;          ///< the next one not yet asked for; false: none
+
+  // From any thread.
+  void arm_when_ready() noexcept;  ///< as soon as there is a device that is ready and a tick; once
+  void request_arm() noexcept;
+  void request_disarm() noexcept;
+  void request_reset() noexcept;
+  void press_stop(bool pressed) noexcept;  ///< safe in a signal handler
+  void hold_dead_man(bool held) noexcept;  ///< counts where the device has no such switch; held at first
+  [[nodiscard]] SafetyState state() const noexcept;
+  [[nodiscard]] bool is_safe() const noexcept;  ///< the device has acknowledged safe values last
+  [[nodiscard]] SinkReport report() const;
+  /// What happened since the last call: connections, losses, transitions. At most 1000 are kept.
+  std::vector<SinkEvent> events();
+
+ private:
+  struct Worker;
+  std::unique_ptr<Worker> worker_;
+};
+
+/// [s] one cycle of the profile takes on its serial line at best; 0 for TCP.
+double bus_cycle(const DeviceProfile& profile);
+
+}  // namespace lumbrical

@@ -1,0 +1,87 @@
+// The safety envelope between forces and a device: a visible state machine and limits that hold whatever
+// comes in. A pure function of its inputs: no clock, no input or output, no allocation.
+//
+// Software limits do not replace hardware safety.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "lumbrical/actuator_model.h"
+#include "lumbrical/device_profile.h"
+
+namespace lumbrical {
+
+enum class SafetyState : std::uint8_t {
+  disconnected,  ///< no device that answers
+  idle,          ///< connected, switched off
+  armed,         ///< switched on, output safe: waiting for the dead-man switch and fresh ticks
+  active,        ///< forces reach the device
+  fault,         ///< output safe until the cause is gone and someone says so
+};
+std::string_view safety_state_name(SafetyState state);
+
+/// Why the output is, or was, not what the ticks want. Those of kLatchedFaults lead to SafetyState::fault.
+enum SafetyFlag : std::uint32_t {
+  kStopPressed = 1u << 0,  ///< emergency stop, from either side. Release it, then reset and arm again
+  kDeviceFault = 1u << 1,  ///< the device's own fault bits. See its manual
+  kTickStopped =
+      1u << 2,  ///< no new tick for SafetyTimes::tick_timeout. The loop has died or is far too slow
+  kCommandNotFinite = 1u << 3,  ///< NaN or infinity among the commands. A bug in whatever makes them
+  kHeartbeatLost = 1u << 4,  ///< the device answers but no longer repeats the heartbeat. Its program has hung
+  kAnswerLost = 1u << 5,     ///< nothing acknowledged for SafetyTimes::answer_timeout. Check cable and power
+  kTickLate = 1u << 6,       ///< no new tick for SafetyTimes::tick_hold: output fades until one comes
+  kDeadManReleased = 1u << 7,  ///< hold the dead-man switch
+  kClamped = 1u << 8,          ///< a command lay outside an actuator's limits
+  kSlewLimited = 1u << 9,      ///< a command rose faster than the actuator's slew limit
+  kSoftStart = 1u << 10,       ///< the output is still growing after arming
+};
+inline constexpr std::uint32_t kLatchedFaults =
+    kStopPressed | kDeviceFault | kTickStopped | kCommandNotFinite | kHeartbeatLost;
+
+/// What the outside says in one step. Requests are edges: true once.
+struct SafetyInputs {
+  double dt = 0.001;         ///< [s] since the last step; anything but 0 .. 1 counts as 0 or 1
+  bool connected = false;    ///< handshake done, and the last command was acknowledged in time
+  bool device_ready = true;  ///< its status bits allow arming
+  bool device_fault = false;
+  bool stop = false;     ///< an emergency stop is pressed
+  bool dead_man = true;  ///< held, or there is none
+  bool heartbeat_lost = false;
+  bool arm = false, disarm = false, reset = false;
+  bool continue_after_loss = false;  ///< arm by itself when the link is back, if it was armed when it broke
+  double tick_age = 0;               ///< [s] since the last new command from the tick thread
+  ActuatorArray wanted{};            ///< commands the ticks want
+};
+
+/// What survives from one step to the next. Starts disconnected with nothing but safe values (start_safety).
+struct SafetyMemory {
+  SafetyState state = SafetyState::disconnected;
+  std::uint32_t causes = 0;  ///< latched faults that no one has reset yet
+  bool arm_again = false;    ///< was armed when the link broke
+  double gain = 0;           ///< share of the wanted command, 0 .. 1 (soft start)
+  ActuatorArray output{};    ///< last commands
+};
+
+struct SafetyOutput {
+  ActuatorArray command{};  ///< what the device may be told now
+  bool device_on =
+      false;  ///< the control word says active: while armed, active, and until the output is safe
+  bool at_safe_values = false;  ///< every command is exactly its safe value
+  std::uint32_t flags = 0;      ///< SafetyFlag bits of this step, with the latched ones
+};
+
+SafetyMemory start_safety(const DeviceProfile& profile);
+
+/// One step. Whatever the inputs:
+/// - every command is finite and within its actuator's lower .. upper;
+/// - away from the safe value none moves faster than the actuator's slew; towards it none faster than slew or
+///   the whole range per SafetyTimes::fade, whichever is faster;
+/// - unless the state is active, and while ticks are late, all commands move to their safe values and reach
+/// them within
+///   SafetyTimes::fade;
+/// - a latched fault is left only by `reset` with its cause gone, and then only to idle.
+SafetyOutput step_safety(const DeviceProfile& profile, const SafetyInputs& inputs, SafetyMemory& memory);
+
+}  // namespace lumbrical

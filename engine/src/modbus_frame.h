@@ -1,0 +1,43 @@
+// Modbus frames as a server sees them (MODBUS Application Protocol V1.1b3; Messaging on TCP/IP V1.0b; Serial
+// Line V1.02): cut out of a stream, checked, answered.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace lumbrical {
+
+using Bytes = std::vector<std::uint8_t>;
+
+std::uint16_t modbus_crc(std::span<const std::uint8_t> bytes);
+
+/// The registers behind a server. Both answer 0 or an exception code.
+struct RegisterAccess {
+  std::function<bool(std::uint8_t unit)> has_unit;
+  std::function<int(std::uint8_t unit, std::uint16_t address, std::span<std::uint16_t> words)> read;
+  std::function<int(std::uint8_t unit, std::uint16_t address, std::span<const std::uint16_t> words)> write;
+};
+
+/// Answers a request of functions 3, 4, 6, 16 and 23; an exception for any other, and for counts that are
+/// wrong. Both are function code and data, without address or checksum. Writes come before reads (FC23).
+Bytes answer_request(const RegisterAccess& access, std::uint8_t unit, std::span<const std::uint8_t> request);
+
+struct ModbusRequest {
+  std::uint16_t transaction = 0;  ///< TCP only
+  std::uint8_t unit = 0;
+  Bytes body;  ///< function code and data
+};
+
+enum class Cut : std::uint8_t { request, incomplete, broken };
+
+/// Takes the first request out of the bytes received so far. TCP: `broken` (close the connection) where the
+/// bytes are no Modbus header. RTU: garbage is skipped byte by byte until a frame's checksum is right.
+Cut cut_tcp(Bytes& received, ModbusRequest& request);
+Cut cut_rtu(Bytes& received, ModbusRequest& request);
+
+Bytes frame_tcp(const ModbusRequest& request, const Bytes& answer);
+Bytes frame_rtu(const ModbusRequest& request, const Bytes& answer);
+
+}  // namespace lumbrical

@@ -1,0 +1,157 @@
+// See lumbrical/passivity.h.
+#include "lumbrical/passivity.h"
+
+#include <cmath>
+#include <limits>
+
+#include "lumbrical/math.h"
+
+namespace lumbrical {
+namespace {
+
+// What a limiter's factor recovers with; slow against anything that shakes [s].
+constexpr double kRecovery = 1;
+
+double quotient(double a, double b) { return b > 0 ? a / b : std::numeric_limits<double>::infinity(); }
+
+struct JointAxis {
+  Vec3 at;    // [m] in W
+  Vec3 axis;  // about which it opens; closing turns about -axis
+};
+
+// How wrench and lever of segment s turn with joint k of the same finger, k at or before s.
+struct Turned {
+  Vec3 force, torque, base;
+};
+
+Turned turn_segment(const JointAxis& joint, Vec3 base, const SegmentJacobian& jacobian) {
+  const Vec3 turn = -joint.axis;  // one radian of closing
+  const Vec3 move = cross(turn, base - joint.at);
+  const std::array<double, 6> twist = {move.x, move.y, move.z, turn.x, turn.y, turn.z};
+  std::array<double, 6> change{};
+  for (std::size_t row = 0; row < 6; ++row) {
+    for (std::size_t column = 0; column < 6; ++column)
+      change[row] += jacobian.value[row][column] * twist[column];
+  }
+  return {{change[0], change[1], change[2]}, {change[3], change[4], change[5]}, move};
+}
+
+FingerStiffness finger_stiffness(std::size_t finger, const std::array<JointAxis, 3>& joints,
+                                 const HandForces& forces,
+                                 const std::array<SegmentJacobian, kSegmentCount>& jacobians) {
+  FingerStiffness stiffness{};
+  for (std::size_t s = 0; s < 3; ++s) {
+    const Wrench& wrench = forces.segment[3 * finger + s];
+    for (std::size_t k = 0; k <= s; ++k) {
+      const Turned d = turn_segment(joints[k], joints[s].at, jacobians[3 * finger + s]);
+      for (std::size_t i = 0; i <= s; ++i) {
+        const JointAxis& joint = joints[i];
+        const Vec3 turn = -joints[k].axis;
+        const Vec3 joint_moves = i > k ? cross(turn, joint.at - joints[k].at) : Vec3{};
+        const Vec3 axis_turns = i > k ? cross(turn, joint.axis) : Vec3{};
+        const Vec3 lever = joints[s].at - joint.at;
+        const Vec3 torque = wrench.torque + cross(lever, wrench.force);
+        const Vec3 change = d.torque + cross(d.base - joint_moves, wrench.force) + cross(lever, d.force);
+        stiffness[i][k] += dot(joint.axis, change) + dot(axis_turns, torque);
+      }
+    }
+  }
+  return stiffness;
+}
+
+}  // namespace
+
+StiffnessBound stiffness_bound(const LoopTiming& timing, const JointDynamics& joint) {
+  const double period = timing.period + timing.jitter;
+  StiffnessBound bound;
+  bound.sampled = quotient(2 * joint.damping, period);
+  bound.delayed = quotient(joint.damping, 0.5 * period + timing.delay);
+  bound.friction = quotient(2 * joint.friction, joint.encoder_step);
+  bound.largest = min(min(bound.sampled, bound.delayed), bound.friction);
+  return bound;
+}
+
+StiffnessCertificate make_certificate(const DeviceProfile& profile, const LoopTiming& timing) {
+  StiffnessCertificate certificate;
+  certificate.timing = timing;
+  for (std::size_t j = 0; j < kPhalanxCount; ++j) {
+    certificate.joint[j] = stiffness_bound(timing, profile.dynamics[j]);
+    certificate.known[j] = profile.dynamics[j].damping > 0;
+  }
+  return certificate;
+}
+
+HandStiffness joint_stiffness(const std::array<Pose, kJointCount>& X_WJ, const HandForces& forces,
+                              const std::array<SegmentJacobian, kSegmentCount>& jacobians) {
+  HandStiffness stiffness{};
+  for (std::size_t finger = 0; finger < kFingerCount; ++finger) {
+    std::array<JointAxis, 3> joints;
+    for (std::size_t s = 0; s < 3; ++s) {
+      const Pose& pose = X_WJ[kPhalanxJoints[3 * finger + s].base];
+      joints[s] = {pose.position, rotate(pose.orientation, {1, 0, 0})};
+    }
+    stiffness[finger] = finger_stiffness(finger, joints, forces, jacobians);
+  }
+  return stiffness;
+}
+
+void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffness& stiffness, double dt,
+                     StiffnessLimiter& limiter) {
+  for (std::size_t finger = 0; finger < kFingerCount; ++finger) {
+    double squares = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t a = 3 * finger + i, b = 3 * finger + k;
+        if (!certificate.known[a] || !certificate.known[b]) continue;
+        const double allowed = certificate.margin * std::sqrt(certificate.joint[a].largest) *
+                               std::sqrt(certificate.joint[b].largest);
+        const double share = stiffness[finger][i][k] / allowed;
+        squares += share * share;
+      }
+    }
+    const double gain = std::sqrt(squares);
+    const double wanted = gain > 1 ? 1 / gain : gain <= 1 ? 1 : 0;  // NaN: nothing can be promised
+    double& factor = limiter.factor[finger];
+    factor = wanted < factor ? wanted : factor + (wanted - factor) * min(1, max(0, dt) / kRecovery);
+  }
+}
+
+double observe_passivity(const PassivityLimits& limits, const PassivityStep& step,
+                         PassivityObserver& observer) {
+  if (!is_finite(step.angle) || !is_finite(step.acted) || !is_finite(step.torque) || !is_finite(step.given)) {
+    observer = {};
+    return 0;
+  }
+  const double moved = observer.started ? step.angle - observer.angle : 0;
+  observer.energy += step.acted * moved + step.given;
+  observer.generated = max(observer.generated, -observer.energy);
+  observer.angle = step.angle;
+  observer.started = true;
+  if (step.torque == 0 && step.acted == 0) observer.energy = 0;
+
+  const double deficit = -limits.tolerance - observer.energy;
+  if (!(deficit > 0) || moved == 0 || !(step.dt > 0)) return step.torque;
+  // Takes the deficit back over the next sample, should the joint go on as fast as now.
+  const double speed = moved / step.dt;
+  const double damping = min(limits.damping, deficit / (step.dt * speed * speed));
+  observer.bled += damping * speed * moved;
+  return step.torque + damping * speed;
+}
+
+std::array<double, kFingerCount> arm_work(const Pose& before, const Pose& after,
+                                          const std::array<Pose, kJointCount>& X_WJ,
+                                          const HandForces& forces) {
+  const Vec3 moved = after.position - before.position;
+  const Quat turn = after.orientation * conjugate(before.orientation);
+  // Twice the vector part is the rotation vector to second order, and a tick turns little.
+  const Vec3 turned = (turn.w < 0 ? -2.0 : 2.0) * Vec3{turn.x, turn.y, turn.z};
+  std::array<double, kFingerCount> work{};
+  for (std::size_t s = 0; s < kPhalanxCount; ++s) {
+    const Vec3 lever = X_WJ[kPhalanxJoints[s].base].position - after.position;
+    const Wrench& wrench = forces.segment[s];
+    work[s / 3] -= dot(wrench.force, moved + cross(turned, lever)) + dot(wrench.torque, turned);
+  }
+  return work;
+}
+
+}  // namespace lumbrical

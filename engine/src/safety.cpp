@@ -1,0 +1,135 @@
+// See lumbrical/safety.h.
+#include "lumbrical/safety.h"
+
+#include <cmath>
+
+#include "lumbrical/math.h"
+
+namespace lumbrical {
+namespace {
+
+std::uint32_t causes_now(const DeviceProfile& profile, const SafetyInputs& inputs,
+                         const SafetyMemory& memory) {
+  std::uint32_t causes = 0;
+  if (inputs.stop) causes |= kStopPressed;
+  // A device that does not answer says nothing about itself.
+  if (inputs.connected && inputs.device_fault) causes |= kDeviceFault;
+  if (inputs.connected && inputs.heartbeat_lost) causes |= kHeartbeatLost;
+  const bool on = memory.state == SafetyState::armed || memory.state == SafetyState::active;
+  if (on && !(inputs.tick_age <= profile.safety.tick_timeout)) causes |= kTickStopped;
+  for (std::size_t i = 0; i < profile.actuators.size(); ++i) {
+    if (!is_finite(inputs.wanted[i])) causes |= kCommandNotFinite;
+  }
+  return causes;
+}
+
+bool ticks_fresh(const DeviceProfile& profile, const SafetyInputs& inputs) {
+  return inputs.tick_age <= profile.safety.tick_hold;  // false for NaN
+}
+
+SafetyState next_state(const DeviceProfile& profile, const SafetyInputs& inputs, std::uint32_t causes,
+                       SafetyMemory& memory) {
+  if (memory.causes != 0) {
+    const bool gone = (causes & kLatchedFaults) == 0;
+    if (!(inputs.reset && gone)) return SafetyState::fault;
+    memory.causes = 0;
+    memory.arm_again = false;
+    return inputs.connected ? SafetyState::idle : SafetyState::disconnected;
+  }
+  if (!inputs.connected) {
+    memory.arm_again =
+        inputs.continue_after_loss && !inputs.disarm &&
+        (memory.arm_again || memory.state == SafetyState::armed || memory.state == SafetyState::active);
+    return SafetyState::disconnected;
+  }
+  if (inputs.disarm) {
+    memory.arm_again = false;
+    return SafetyState::idle;
+  }
+  switch (memory.state) {
+    case SafetyState::disconnected:
+    case SafetyState::fault:
+      return SafetyState::idle;
+    case SafetyState::idle: {
+      const bool wanted = inputs.arm || memory.arm_again;
+      if (!wanted || !inputs.device_ready) return SafetyState::idle;
+      memory.arm_again = false;
+      return SafetyState::armed;
+    }
+    case SafetyState::armed:
+      return inputs.dead_man && ticks_fresh(profile, inputs) ? SafetyState::active : SafetyState::armed;
+    case SafetyState::active:
+      return inputs.dead_man ? SafetyState::active : SafetyState::armed;
+  }
+  return SafetyState::fault;
+}
+
+// Towards the safe value the output may move fast, away from it only as fast as the actuator's slew; a step
+// across the safe value is both, one after the other.
+double limit_slew(const Actuator& actuator, double fade, double dt, double now, double target) {
+  const double rise = actuator.slew * dt;
+  const double fall = max(actuator.slew, (actuator.upper - actuator.lower) / fade) * dt;
+  const double from = now - actuator.safe, to = target - actuator.safe;
+  const bool same_side = from * to > 0;
+  if (same_side && std::fabs(to) <= std::fabs(from)) {
+    return std::fabs(from - to) <= fall ? target : actuator.safe + (from > 0 ? from - fall : from + fall);
+  }
+  if (!same_side && std::fabs(from) > 0) {  // first back to safe; what is left of the step rises from there
+    if (std::fabs(from) >= fall) return actuator.safe + (from > 0 ? from - fall : from + fall);
+    const double left = rise * (1 - std::fabs(from) / fall);
+    return actuator.safe + clamp(to, -left, left);
+  }
+  return actuator.safe + clamp(to, from - rise, from + rise);
+}
+
+}  // namespace
+
+std::string_view safety_state_name(SafetyState state) {
+  constexpr std::array<std::string_view, 5> kNames = {"disconnected", "idle", "armed", "active", "fault"};
+  return kNames[static_cast<std::size_t>(state)];
+}
+
+SafetyMemory start_safety(const DeviceProfile& profile) {
+  SafetyMemory memory;
+  for (std::size_t i = 0; i < profile.actuators.size(); ++i) memory.output[i] = profile.actuators[i].safe;
+  return memory;
+}
+
+SafetyOutput step_safety(const DeviceProfile& profile, const SafetyInputs& inputs, SafetyMemory& memory) {
+  const double dt = is_finite(inputs.dt) ? clamp(inputs.dt, 0, 1) : 0;
+  const std::uint32_t causes = causes_now(profile, inputs, memory);
+  memory.causes |= causes & kLatchedFaults;
+  memory.state = next_state(profile, inputs, causes, memory);
+
+  SafetyOutput output;
+  output.flags = memory.causes;
+  if (!inputs.connected) output.flags |= kAnswerLost;
+  const bool active = memory.state == SafetyState::active;
+  const bool late = active && !ticks_fresh(profile, inputs);
+  if (late) output.flags |= kTickLate;
+  if (!inputs.dead_man) output.flags |= kDeadManReleased;
+  const double soft_start = profile.safety.soft_start;
+  memory.gain = !active ? 0 : soft_start > 0 ? min(1, memory.gain + dt / soft_start) : 1;
+  if (active && memory.gain < 1) output.flags |= kSoftStart;
+
+  output.at_safe_values = true;
+  for (std::size_t i = 0; i < profile.actuators.size(); ++i) {
+    const Actuator& actuator = profile.actuators[i];
+    double target = actuator.safe;
+    if (active && !late) {
+      const double within = clamp(inputs.wanted[i], actuator.lower, actuator.upper);
+      if (within != inputs.wanted[i]) output.flags |= kClamped;
+      target = actuator.safe + memory.gain * (within - actuator.safe);
+    }
+    const double next = limit_slew(actuator, profile.safety.fade, dt, memory.output[i], target);
+    if (active && !late && next != target) output.flags |= kSlewLimited;
+    memory.output[i] = clamp(next, actuator.lower, actuator.upper);
+    output.command[i] = memory.output[i];
+    output.at_safe_values = output.at_safe_values && memory.output[i] == actuator.safe;
+  }
+  const bool on = memory.state == SafetyState::armed || active;
+  output.device_on = on || !output.at_safe_values;
+  return output;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,146 @@
+// The simulated device: mechanics with known answers, a firmware that protects its wearer, the local model's
+// C header.
+#include "lumbrical/device_simulation.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "device_fixture.h"
+#include "lumbrical/local_model.h"
+
+namespace lumbrical {
+namespace {
+
+TEST(SimulatedJoint, SwingsAndDecaysAsASpringMassDamper) {
+  const JointDynamics dynamics{2e-5, 0.0002, 0, 0};
+  const HumanJoint human{0.5, 0};
+  JointState joint{0.1, 0};
+  const double w = std::sqrt(0.5 / 2e-5), decay = 0.0002 / (2 * 2e-5);
+  const double dt = 1e-6;
+  for (int i = 0; i < 50000; ++i) step_joint(dynamics, human, 0, 0, dt, joint);
+  const double t = 0.05, wd = std::sqrt(w * w - decay * decay);
+  const double expected = 0.1 * std::exp(-decay * t) * (std::cos(wd * t) + decay / wd * std::sin(wd * t));
+  EXPECT_NEAR(joint.angle, expected, 2e-3);
+}
+
+TEST(SimulatedJoint, FrictionStopsItDeadWithinItsBand) {
+  const JointDynamics dynamics{2e-5, 0.001, 0.05, 0};
+  const HumanJoint human{0.5, 0.01};
+  JointState joint{0.3, 5};
+  for (int i = 0; i < 20000; ++i) step_joint(dynamics, human, 0, 0, 1e-4, joint);
+  EXPECT_NEAR(joint.speed, 0, 1e-9);
+  EXPECT_LE(std::fabs(joint.angle), 0.05 / 0.5 + 1e-9);
+}
+
+TEST(SimulatedJoint, AnOpeningTorqueOpens) {
+  JointState joint;
+  for (int i = 0; i < 20000; ++i) step_joint({2e-5, 0.002, 0, 0}, {0.5, 0.01}, 0, 0.1, 1e-4, joint);
+  EXPECT_NEAR(joint.angle, -0.2, 1e-6);
+}
+
+// Sends commands to a simulated exoskeleton at 1 kHz.
+struct Host {
+  DeviceProfile profile = test::shipped_profile("exoskeleton");
+  SimulatedDevice device;
+  std::uint16_t beat = 0;
+
+  explicit Host(SimulationOptions options = {}) : device(profile, std::move(options)) {}
+  void send(std::uint16_t control, std::int16_t torque) {
+    std::array<std::uint16_t, 17> words{};
+    words[0] = control;
+    words[1] = ++beat;
+    for (std::size_t j = 0; j < 15; ++j) words[2 + j] = static_cast<std::uint16_t>(torque);
+    ASSERT_EQ(device.write(1, 0, words), 0);
+  }
+  void run(int ticks, std::uint16_t control, std::int16_t torque) {
+    for (int i = 0; i < ticks; ++i) {
+      send(control, torque);
+      device.advance(0.001);
+    }
+  }
+};
+
+TEST(SimulatedDevice, TurnsCommandsIntoTorqueOnlyWhileSwitchedOn) {
+  Host host;
+  host.run(20, 0, 1000);
+  EXPECT_EQ(host.device.torque()[3], 0);
+  host.run(20, 1, 1000);
+  EXPECT_NEAR(host.device.torque()[3], 0.1, 1e-12);
+  std::array<std::uint16_t, 22> feedback{};
+  ASSERT_EQ(host.device.read(1, 100, feedback), 0);
+  EXPECT_EQ(feedback[0], 4 + 8);  // dead-man held, ready
+  EXPECT_EQ(feedback[1], host.beat);
+  EXPECT_NEAR(static_cast<std::int16_t>(feedback[5]) * 1e-4, host.device.joints()[3].angle, 2e-4);
+}
+
+TEST(SimulatedDevice, FadesWhenNoOneSpeaksToIt) {
+  Host host;
+  host.run(50, 1, 1000);
+  host.device.advance(0.09);
+  EXPECT_NEAR(host.device.torque()[3], 0.1, 1e-12);
+  host.device.advance(0.0125);  // the whole range, ten times as much, takes 50 ms
+  EXPECT_GT(host.device.torque()[3], 0);
+  EXPECT_LT(host.device.torque()[3], 0.1);
+  host.device.advance(0.06);
+  EXPECT_EQ(host.device.torque()[3], 0);
+}
+
+TEST(SimulatedDevice, FadesWhenTheHeartbeatStandsStill) {
+  Host host;
+  host.run(50, 1, 1000);
+  for (int i = 0; i < 200; ++i) {
+    --host.beat;
+    host.send(1, 1000);
+    host.device.advance(0.001);
+  }
+  EXPECT_EQ(host.device.torque()[3], 0);
+}
+
+TEST(SimulatedDevice, RefusesRegistersItDoesNotHave) {
+  Host host;
+  std::array<std::uint16_t, 4> words{};
+  EXPECT_EQ(host.device.write(1, 15, words), 2);
+  EXPECT_EQ(host.device.write(2, 0, words), 2);
+  EXPECT_EQ(host.device.read(1, 65534, words), 2);
+  EXPECT_EQ(host.device.read(1, 100, words), 0);
+  EXPECT_TRUE(host.device.has_unit(1));
+  EXPECT_FALSE(host.device.has_unit(2));
+}
+
+TEST(SimulatedDevice, GivesTheSameBitsEveryTime) {
+  Host a, b;
+  a.run(500, 1, 300);
+  b.run(500, 1, 300);
+  for (std::size_t j = 0; j < kPhalanxCount; ++j)
+    EXPECT_EQ(a.device.joints()[j].angle, b.device.joints()[j].angle);
+}
+
+TEST(LocalModel, FollowsTheStiffnessWithinItsRadiusAndNeverPulls) {
+  const lumbrical_local_model model = {0.1, 0.5, 2, 0.01};
+  const lumbrical_local_limits limits = {0.3, 100, 0.02, 0.05};
+  EXPECT_NEAR(lumbrical_local_torque(&model, &limits, 0.505, 0), 0.11, 1e-15);
+  EXPECT_NEAR(lumbrical_local_torque(&model, &limits, 0.9, 0), 0.12, 1e-15);
+  EXPECT_NEAR(lumbrical_local_torque(&model, &limits, 0.1, 0), 0.08, 1e-15);
+  const lumbrical_local_model wide = {0.1, 0.5, 2, 1};
+  EXPECT_EQ(lumbrical_local_torque(&wide, &limits, 0.1, 0), 0);
+  EXPECT_EQ(lumbrical_local_torque(&wide, &limits, 0.9, 0), 0.3) << "limit";
+  EXPECT_NEAR(lumbrical_local_torque(&model, &limits, 0.5, 0.045), 0.05, 1e-15) << "half faded";
+  EXPECT_EQ(lumbrical_local_torque(&model, &limits, 0.5, 1), 0);
+}
+
+TEST(LocalModel, IsFiniteAndWithinLimitsWhateverTheCommand) {
+  test::Random random(13);
+  const double bad[] = {std::nan(""), 1 / 0.0, -1 / 0.0, 1e308, 0.0};
+  const lumbrical_local_limits limits = {0.3, 100, 0.02, 0.05};
+  for (int i = 0; i < 20000; ++i) {
+    const auto any = [&] { return random.bits() % 4 == 0 ? bad[random.bits() % 5] : random.between(-2, 2); };
+    const lumbrical_local_model model = {any(), any(), any(), any()};
+    const double torque = lumbrical_local_torque(&model, &limits, any(), any());
+    ASSERT_TRUE(std::fabs(torque) <= 0.3) << torque;
+  }
+}
+
+}  // namespace
+}  // namespace lumbrical

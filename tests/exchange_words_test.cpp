@@ -1,0 +1,65 @@
+// What goes into a device's registers, cycle by cycle: other people's maps, word for word.
+#include "exchange_words.h"
+
+#include <gtest/gtest.h>
+
+#include "device_fixture.h"
+
+namespace lumbrical {
+namespace {
+
+TEST(ExchangeWords, WriteTheRobotiqGrippersRegisters) {
+  const DeviceProfile profile = test::shipped_profile("robotiq_2f");
+  ExchangeWords words(profile);
+  ASSERT_EQ(words.plan.writes, (std::vector<RegisterBlock>{{9, 0x3E8, 1}, {9, 0x3EA, 1}}));
+  SafetyOutput output;
+  output.command[0] = 255;
+  output.device_on = true;
+  words.write(profile, output, {}, 1);
+  EXPECT_EQ(words.written, (std::vector<std::uint16_t>{0x0900, 0xFFFF})) << "as in the frame of its manual";
+  words.write(profile, SafetyOutput{}, {}, 2);
+  EXPECT_EQ(words.written, (std::vector<std::uint16_t>{0x0100, 0xFF00})) << "the speed is the handshake's";
+}
+
+TEST(ExchangeWords, WriteAndReadTheInspireHandsRegisters) {
+  const DeviceProfile profile = test::shipped_profile("inspire_rh56");
+  ExchangeWords words(profile);
+  ASSERT_EQ(words.plan.writes, (std::vector<RegisterBlock>{{1, 1498, 5}}));
+  ASSERT_EQ(words.plan.reads, (std::vector<RegisterBlock>{{1, 1546, 5}}));
+  SafetyOutput output;
+  output.command[3] = 400;  // index
+  words.write(profile, output, {}, 1);
+  EXPECT_EQ(words.written, (std::vector<std::uint16_t>{0, 0, 0, 400, 0}));
+  words.read = {0, 1000, 500, 65535, 0};
+  std::array<float, kAngleCount> angle{};
+  std::uint32_t valid = 0;
+  words.angles(profile, angle, valid);
+  EXPECT_NEAR(angle[4 * 4 + 1], 1.5, 1e-6);  // little, closed
+  EXPECT_NEAR(angle[4 * 3 + 1], 0, 1e-6);    // ring, open
+  EXPECT_NEAR(angle[4 * 2 + 1], 0.75, 1e-6);
+  EXPECT_EQ(valid >> (4 * 1 + 1) & 1u, 0u) << "65535 is no angle";
+  EXPECT_EQ(valid >> (4 * 0 + 1) & 1u, 1u);
+}
+
+TEST(ExchangeWords, SendTheLocalModelOnlyWithTheTorqueItBelongsTo) {
+  const DeviceProfile profile = test::shipped_profile("exoskeleton_serial");
+  ExchangeWords words(profile);
+  ASSERT_EQ(words.plan.writes, (std::vector<RegisterBlock>{{1, 0, 62}}));
+  DeviceCommand command;
+  command.wanted[0] = 0.1;
+  command.angle[0] = 0.5;
+  command.stiffness[0] = 2;
+  command.radius[0] = 0.05;
+  SafetyOutput output;
+  output.command[0] = 0.1;
+  words.write(profile, output, command, 7);
+  EXPECT_EQ(std::vector<std::uint16_t>(words.written.begin(), words.written.begin() + 6),
+            (std::vector<std::uint16_t>{0, 7, 1000, 5000, 2000, 500}));
+  output.command[0] = 0.05;  // the envelope has cut it
+  words.write(profile, output, command, 8);
+  EXPECT_EQ(std::vector<std::uint16_t>(words.written.begin(), words.written.begin() + 6),
+            (std::vector<std::uint16_t>{0, 8, 500, 5000, 0, 0}));
+}
+
+}  // namespace
+}  // namespace lumbrical

@@ -1,0 +1,245 @@
+// Stiffness bounds against the published numbers, joint stiffness against ticks of a moved finger, the
+// limiter and the energy observer against what they promise.
+#include "lumbrical/passivity.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "device_fixture.h"
+#include "pressed_hand.h"
+#include "session.h"
+
+namespace lumbrical {
+namespace {
+
+TEST(StiffnessBound, GivesThePublishedNumbers) {
+  const JointDynamics joint{0, 0.1, 0.05, 1e-3};  // b = 0.1
+  EXPECT_NEAR(stiffness_bound({0.001, 0, 0}, joint).sampled, 200, 1e-9);
+  EXPECT_NEAR(stiffness_bound({0.009, 0, 0}, joint).largest, 22.2, 0.03);
+  const StiffnessBound delayed = stiffness_bound({0.001, 0, 0.004}, joint);
+  EXPECT_NEAR(delayed.delayed, 0.1 / 0.0045, 1e-9);
+  EXPECT_EQ(delayed.largest, delayed.delayed);
+  EXPECT_NEAR(stiffness_bound({0.0005, 0, 0}, joint).friction, 100, 1e-9);
+  EXPECT_EQ(stiffness_bound({0.0005, 0, 0}, joint).largest, 100);
+  EXPECT_NEAR(stiffness_bound({0.001, 0.001, 0}, joint).sampled, 100, 1e-9)
+      << "jitter makes the period longer";
+  EXPECT_EQ(stiffness_bound({0.001, 0, 0}, {0, 0.1, 0, 0}).friction, std::numeric_limits<double>::infinity());
+}
+
+HandStiffness stiffness_of(const Model& model, const Scratch& scratch, const DeviceFrame& frame,
+                           const ActuatorFrame& output) {
+  std::array<double, kAngleCount> angles;
+  std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
+  std::array<Pose, kJointCount> X_WJ;
+  forward_kinematics(model.hand, frame.base, angles, X_WJ);
+  std::array<SegmentJacobian, kSegmentCount> jacobians;
+  segment_jacobians(model, scratch, jacobians);
+  return joint_stiffness(X_WJ, output, jacobians);
+}
+
+// The opening torques' growth when joint `angle` closes, by central differences of ticks.
+std::array<double, 3> ticked(const Model& model, const DeviceFrame& frame, std::size_t finger,
+                             std::size_t joint) {
+  std::array<double, 3> growth{};
+  const float step = 1e-4f;
+  double width = 0;
+  for (const float sign : {1.0f, -1.0f}) {
+    DeviceFrame moved = frame;
+    float& angle = moved.angle[4 * finger + 1 + joint];
+    angle += sign * step;
+    width += static_cast<double>(sign) * static_cast<double>(angle);
+    State state;
+    Scratch scratch = make_scratch(model);
+    const ActuatorFrame output = tick(model, state, scratch, moved);
+    for (std::size_t i = 0; i < 3; ++i)
+      growth[i] += static_cast<double>(sign) * output.flexion_torque[3 * finger + i];
+  }
+  for (double& value : growth) value /= width;
+  return growth;
+}
+
+TEST(JointStiffness, IsWhatTicksOfABentFingerSay) {
+  Scene scene = test::pressed_scene(test::kWidthA, 40);
+  scene.settings.fade_time = 1e-6;
+  scene.settings.max_force = 1e6;
+  for (Finger& finger : scene.hand.finger) finger.limit.fill({-1, 2});
+  const Model model = test::model_of(scene);
+  Scratch scratch = make_scratch(model);
+  int compared = 0;
+  for (const double time : {0.0, 0.37, 0.71}) {
+    const DeviceFrame frame = test::pressed_frame(model.hand, 0.002, time);
+    State state;
+    const ActuatorFrame output = tick(model, state, scratch, frame);
+    const HandStiffness stiffness = stiffness_of(model, scratch, frame, output);
+    for (std::size_t finger = 1; finger < kFingerCount; ++finger) {
+      double scale = 0;
+      for (const auto& row : stiffness[finger]) {
+        for (const double entry : row) scale = std::max(scale, std::fabs(entry));
+      }
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::array<double, 3> growth = ticked(model, frame, finger, k);
+        for (std::size_t i = 0; i < 3; ++i) {
+          // What is left: borders between phalanges that turn, which the Jacobian leaves out, and the steps'
+          // width.
+          EXPECT_NEAR(stiffness[finger][i][k], growth[i], 0.02 * scale) << finger << " " << i << " " << k;
+          ++compared;
+        }
+      }
+      EXPECT_GT(scale, 0.1);
+    }
+  }
+  EXPECT_EQ(compared, 3 * 4 * 9);
+}
+
+TEST(JointStiffness, FingerByFingerGivesTheSameBitsAsAllAtOnce) {
+  const Model model = test::model_of(test::pressed_scene(test::kWidthA, 40));
+  State state;
+  Scratch scratch = make_scratch(model);
+  tick(model, state, scratch, test::pressed_frame(model.hand, 0.002, 0.2));
+  std::array<SegmentJacobian, kSegmentCount> all, turns;
+  segment_jacobians(model, scratch, all);
+  for (std::uint32_t finger = 0; finger < kFingerCount; ++finger) {
+    segment_jacobians(model, scratch, turns, 7u << 3 * finger);
+  }
+  double size = 0;
+  for (std::size_t s = 0; s < kPhalanxCount; ++s) {
+    EXPECT_EQ(turns[s].value, all[s].value) << s;
+    size += std::fabs(all[s].value[2][2]);
+  }
+  EXPECT_GT(size, 1);
+  EXPECT_FALSE(turns[kPalmSegment].known) << "no one asked";
+}
+
+TEST(StiffnessLimiter, HoldsWhatIsTooStiffAndLetsTheRestBe) {
+  const DeviceProfile profile = test::shipped_profile("exoskeleton");
+  const StiffnessCertificate certificate = make_certificate(profile, {0.001, 0, 0.001});
+  const double allowed = certificate.margin * certificate.joint[3].largest;
+  HandStiffness stiffness{};
+  stiffness[1][0][0] = 4 * allowed;
+  stiffness[2][0][0] = 0.9 * allowed;
+  StiffnessLimiter limiter;
+  limit_stiffness(certificate, stiffness, 0.001, limiter);
+  EXPECT_NEAR(limiter.factor[1], 0.25, 1e-12);
+  EXPECT_EQ(limiter.factor[2], 1);
+  stiffness = {};
+  limit_stiffness(certificate, stiffness, 0.001, limiter);
+  EXPECT_LT(limiter.factor[1], 0.2512) << "recovers slowly";
+  for (int i = 0; i < 10000; ++i) limit_stiffness(certificate, stiffness, 0.001, limiter);
+  EXPECT_GT(limiter.factor[1], 0.999);
+  stiffness[1][2][0] = std::nan("");
+  limit_stiffness(certificate, stiffness, 0.001, limiter);
+  EXPECT_EQ(limiter.factor[1], 0);
+}
+
+TEST(StiffnessLimiter, ScalesAnyFingerUnderItsBounds) {
+  // x' K x <= margin * sum of bound_i x_i^2 for whatever motion x, after scaling by the factor.
+  test::Random random(11);
+  StiffnessCertificate certificate;
+  for (int round = 0; round < 2000; ++round) {
+    HandStiffness stiffness{};
+    certificate.known.fill(true);
+    for (std::size_t j = 0; j < kPhalanxCount; ++j) certificate.joint[j].largest = random.between(0.1, 10);
+    for (auto& row : stiffness[0]) {
+      for (double& entry : row) entry = random.between(-20, 20);
+    }
+    StiffnessLimiter limiter;
+    limit_stiffness(certificate, stiffness, 0.001, limiter);
+    for (int trial = 0; trial < 20; ++trial) {
+      const Vec3 v = random.direction();
+      const double x[] = {v.x, v.y, v.z};
+      double made = 0, allowed = 0;
+      for (std::size_t i = 0; i < 3; ++i) {
+        allowed += certificate.margin * certificate.joint[i].largest * x[i] * x[i];
+        for (std::size_t k = 0; k < 3; ++k) made += limiter.factor[0] * x[i] * stiffness[0][i][k] * x[k];
+      }
+      ASSERT_LE(made, allowed * (1 + 1e-9));
+    }
+  }
+}
+
+TEST(PassivityObserver, KeepsTheBooksOfAHeldTorqueExactly) {
+  PassivityObserver observer;
+  PassivityLimits limits;
+  observe_passivity(limits, {0.001, 0.10, 0, 0.2, 0}, observer);
+  observe_passivity(limits, {0.001, 0.13, 0.2, 0.5, 0}, observer);  // 0.2 held over 0.03
+  EXPECT_NEAR(observer.energy, 0.006, 1e-15);
+  observe_passivity(limits, {0.001, 0.12, 0.5, 0.5, 0}, observer);  // 0.5 held over -0.01
+  EXPECT_NEAR(observer.energy, 0.001, 1e-15);
+  observe_passivity(limits, {0.001, 0.12, 0.5, 0.5, 0.002}, observer);  // the arm has pressed
+  EXPECT_NEAR(observer.energy, 0.003, 1e-15);
+  EXPECT_EQ(observer.generated, 0);
+  observe_passivity(limits, {0.001, 0.12, 0, 0, 0}, observer);
+  EXPECT_EQ(observer.energy, 0) << "no touch, no account";
+}
+
+TEST(PassivityObserver, AddsDampingOnlyAgainstMotionAndNeverMoreThanAllowed) {
+  test::Random random(12);
+  PassivityLimits limits;
+  PassivityObserver observer;
+  double angle = 0, acted = 0;
+  int damped = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const double moved = random.between(-0.002, 0.002);
+    angle += moved;
+    const double torque = random.between(0, 0.3);
+    const double command = observe_passivity(limits, {0.001, angle, acted, torque, 0}, observer);
+    acted = command;
+    ASSERT_LE(std::fabs(command - torque), limits.damping * std::fabs(moved) / 0.001 * (1 + 1e-9) + 1e-15);
+    ASSERT_GE((command - torque) * moved, 0);
+    damped += command != torque ? 1 : 0;
+  }
+  EXPECT_GT(damped, 100);
+  EXPECT_GT(observer.bled, 0);
+  EXPECT_EQ(observe_passivity(limits, {0.001, std::nan(""), 0, 0.1, 0}, observer), 0);
+}
+
+// Joints and wrist of a finger that touches move to and fro: what joints take and what the arm gives must add
+// up to what the touch holds, and that comes back to nothing with the hand.
+TEST(PassivityObserver, TheArmsWorkPaysForWhatTheJointsGet) {
+  Scene scene = test::pressed_scene(test::kWidthA, 40);
+  scene.settings.fade_time = 1e-6;
+  scene.settings.max_force = 1e6;
+  for (Finger& finger : scene.hand.finger) finger.limit.fill({-1, 2});
+  const Model model = test::model_of(scene);
+  State state;
+  Scratch scratch = make_scratch(model);
+  const DeviceFrame start = test::pressed_frame(model.hand, 0.002, 0);
+  const int steps = 400;
+  DeviceFrame frame, before = start;
+  ActuatorFrame output = tick(model, state, scratch, start), last = output;
+  double joints = 0, arm = 0, size = 0;
+  for (int i = 1; i <= steps; ++i) {
+    const double phase = 2 * 3.14159265358979323846 * i / steps;
+    frame = start;
+    frame.base.position.z -= 0.001 * std::sin(phase);
+    frame.base.orientation =
+        normalized(Quat{1, 0.01 * std::sin(phase), 0, 0.01 * (1 - std::cos(phase))} * start.base.orientation);
+    for (std::size_t k = 5; k < 8; ++k) frame.angle[k] += static_cast<float>(0.03 * (1 - std::cos(phase)));
+    output = tick(model, state, scratch, frame);
+    std::array<double, kAngleCount> angles;
+    std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
+    std::array<Pose, kJointCount> X_WJ;
+    forward_kinematics(model.hand, frame.base, angles, X_WJ);
+    HandForces mean = output;
+    for (std::size_t s = 0; s < kSegmentCount; ++s) {
+      mean.segment[s].force = 0.5 * (output.segment[s].force + last.segment[s].force);
+      mean.segment[s].torque = 0.5 * (output.segment[s].torque + last.segment[s].torque);
+    }
+    const double given = arm_work(before.base, frame.base, X_WJ, mean)[1];
+    arm += given;
+    size += std::fabs(given);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double moved = static_cast<double>(frame.angle[5 + k]) - static_cast<double>(before.angle[5 + k]);
+      joints += 0.5 * (output.flexion_torque[3 + k] + last.flexion_torque[3 + k]) * moved;
+    }
+    before = frame;
+    last = output;
+  }
+  EXPECT_GT(std::fabs(joints), 0.01 * size) << "the cycle should move energy from arm to joints";
+  EXPECT_NEAR(joints + arm, 0, 0.02 * std::fabs(joints) + 0.002 * size);
+}
+
+}  // namespace
+}  // namespace lumbrical

@@ -1,0 +1,175 @@
+// A simulated device behind a real socket or terminal, a sink in front of it, and a thread that ticks.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "device_fixture.h"
+#include "lumbrical/modbus_server.h"
+#include "lumbrical/modbus_sink.h"
+
+namespace lumbrical::test {
+
+using namespace std::chrono_literals;
+
+/// The exoskeleton with time-outs for machines that are slow and busy.
+inline DeviceProfile patient_profile() {
+  DeviceProfile profile = shipped_profile("exoskeleton");
+  profile.rate = 200;
+  profile.response_timeout = 0.4;
+  profile.first_retry = 0.02;
+  profile.last_retry = 0.1;
+  profile.safety.soft_start = 0.05;
+  profile.safety.tick_hold = 0.5;
+  profile.safety.tick_timeout = 2;
+  profile.safety.answer_timeout = 1;
+  return profile;
+}
+
+/// Waits until it holds; 30 s are more than anything here takes on the slowest machine.
+inline bool eventually(const std::function<bool()>& holds) {
+  for (int i = 0; i < 6000; ++i) {
+    if (holds()) return true;
+    std::this_thread::sleep_for(5ms);
+  }
+  return false;
+}
+
+/// A simulated device that a thread serves. What the test reads of it is copied after each step.
+class ServedDevice {
+ public:
+  explicit ServedDevice(const DeviceProfile& profile) : profile_(profile) {
+    options_.watchdog = 1.5;
+    fresh();
+  }
+  ~ServedDevice() { stop(); }
+
+  void listen(std::uint16_t port = 0) {
+    const Status status = server_->listen("127.0.0.1", port);
+    ASSERT_TRUE(status.ok()) << status.message();
+    start();
+  }
+  void open_terminal() {
+    const Status status = server_->open_terminal("");
+    ASSERT_TRUE(status.ok()) << status.message();
+    start();
+  }
+  void open_line(const std::string& path) {
+    const Status status = server_->open_line(path, 115200);
+    ASSERT_TRUE(status.ok()) << status.message();
+    start();
+  }
+  void stop() {
+    stopping_ = true;
+    if (thread_.joinable()) thread_.join();
+    server_->close();
+  }
+  /// As after a power cut: a new device on the same port.
+  void restart() {
+    const std::uint16_t port = server_->port();
+    stop();
+    fresh();
+    listen(port);
+  }
+  [[nodiscard]] double torque() const { return torque_; }    ///< of the index' first joint
+  [[nodiscard]] double largest() const { return largest_; }  ///< ever
+  [[nodiscard]] std::uint16_t port() const { return server_->port(); }
+  [[nodiscard]] const std::string& name() const { return server_->name(); }
+  [[nodiscard]] std::uint64_t requests() const { return server_->requests(); }
+  std::atomic<bool> press_stop{false}, break_down{false}, hang{false}, release_dead_man{false};
+  ServerFaults faults;
+
+ private:
+  void fresh() {
+    server_ = std::make_unique<ModbusServer>();
+    device_ = std::make_unique<SimulatedDevice>(profile_, options_);
+    stopping_ = false;
+    torque_ = 0;
+  }
+  void start() {
+    thread_ = std::thread([this] {
+      server_->serve(
+          *device_, faults, [this] { return stopping_.load(); },
+          [this](SimulatedDevice& device) {
+            device.press_stop(press_stop);
+            device.break_down(break_down);
+            device.hang(hang);
+            device.hold_dead_man(!release_dead_man);
+            torque_ = device.torque()[3];
+            largest_ = std::max(largest_.load(), device.torque()[3]);
+          });
+    });
+  }
+  DeviceProfile profile_;
+  SimulationOptions options_;
+  std::unique_ptr<ModbusServer> server_;
+  std::unique_ptr<SimulatedDevice> device_;
+  std::thread thread_;
+  std::atomic<bool> stopping_{false};
+  std::atomic<double> torque_{0}, largest_{0};
+};
+
+/// A sink and a thread that publishes 0.1 N m for every joint, a thousand times a second.
+class TickingSink {
+ public:
+  void open(const DeviceProfile& profile, const SinkOptions& options = {}) {
+    const Status status = sink.open(profile, options);
+    ASSERT_TRUE(status.ok()) << status.message();
+    thread_ = std::thread([this] {
+      DeviceCommand command;
+      DeviceFeedback feedback;
+      SentCommand sent;
+      while (!ending_) {
+        if (!stalled) {
+          ++command.tick;
+          if (sink.feedback(feedback)) command.feedback_time = feedback.time;
+          command.wanted.fill(wanted);
+          sink.publish(command);
+          while (sink.sent(sent)) {
+            ++cycles;
+            if (sent.acknowledged != 0) ++acknowledged;
+          }
+        }
+        std::this_thread::sleep_for(1ms);
+      }
+    });
+  }
+  ~TickingSink() { close(); }
+  bool close() {
+    const bool safe = sink.close();
+    ending_ = true;
+    if (thread_.joinable()) thread_.join();
+    return safe;
+  }
+  /// Everything the sink has told so far, one line each.
+  std::string log() {
+    const std::lock_guard lock(mutex_);
+    for (const SinkEvent& event : sink.events()) log_ += event.text + "\n";
+    return log_;
+  }
+  bool told(const std::string& text) {
+    return eventually([&] { return log().find(text) != std::string::npos; });
+  }
+  bool reaches(SafetyState state) {
+    return eventually([&] { return sink.report().state == state; });
+  }
+
+  ModbusSink sink;
+  std::atomic<bool> stalled{false};
+  std::atomic<double> wanted{0.1};
+  std::atomic<int> cycles{0}, acknowledged{0};
+
+ private:
+  std::thread thread_;
+  std::mutex mutex_;
+  std::string log_;
+  std::atomic<bool> ending_{false};
+};
+
+}  // namespace lumbrical::test

@@ -1,0 +1,222 @@
+// lumbrical sim-device: a simulated exoskeleton that speaks Modbus, with a human hand in it.
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include "commands.h"
+#include "lumbrical/modbus_server.h"
+#include "lumbrical/motion.h"
+#include "lumbrical/scene_file.h"
+#include "output.h"
+#include "real_time.h"
+#include "switches.h"
+
+namespace lumbrical::tool {
+namespace {
+
+struct SimOptions {
+  std::string profile, tcp, rtu, line, scene;
+  std::uint32_t baud = 115200;
+  double seconds = 0, delay = 0, jitter = 0;
+  SimulationOptions simulation;
+  bool json = false;
+};
+
+volatile std::sig_atomic_t ending = 0;
+extern "C" void end_simulation(int) { ending = 1; }
+
+// The joints as the scene's hand means to move them, from the moment the device is switched on.
+Status intend_scene(const std::string& path, SimulationOptions& simulation) {
+  SceneFile scene;
+  if (Status status = load_scene_file(path, scene); !status.ok()) return status;
+  if (scene.motion.samples[0].frame.kind != InputKind::joint_angles) {
+    return Status::error(path + ": its motion has no joint angles; use a grasp or an angles file");
+  }
+  simulation.intention = [motion = scene.motion](double time, JointArray& target) {
+    const DeviceFrame frame = resample(motion, std::min(time, duration(motion)));
+    for (std::size_t j = 0; j < kPhalanxCount; ++j) {
+      target[j] = static_cast<double>(frame.angle[4 * (j / 3) + 1 + j % 3]);
+    }
+  };
+  return {};
+}
+
+// "[HOST:]PORT"
+Status listen(const std::string& text, ModbusServer& server) {
+  const std::size_t colon = text.rfind(':');
+  const std::string host = colon == std::string::npos ? "127.0.0.1" : text.substr(0, colon);
+  const std::string digits = colon == std::string::npos ? text : text.substr(colon + 1);
+  int port = -1;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
+  if (error != std::errc() || end != digits.data() + digits.size() || port < 0 || port > 65535) {
+    return Status::error("--tcp: \"" + text + "\" is no port; write 1502 or 127.0.0.1:1502");
+  }
+  return server.listen(host, static_cast<std::uint16_t>(port));
+}
+
+Status open_wire(const SimOptions& options, ModbusServer& server) {
+  if (!options.tcp.empty()) return listen(options.tcp, server);
+  if (!options.rtu.empty()) return server.open_terminal(options.rtu);
+  return server.open_line(options.line, options.baud);
+}
+
+// Below the priority of what drives it: a device of its own would not be in the way either.
+constexpr int kPriority = 70;
+// Turning round by more than this [rad] sooner than this [s] after the last time is no intended motion.
+constexpr double kShake = 0.002, kShakeTime = 0.1;
+
+// One joint's turning points.
+struct Turns {
+  double extreme = 0, turned = -1;
+  int sense = 1;
+  std::uint64_t shakes = 0;
+
+  void look(double time, double angle) {
+    if (sense * (angle - extreme) >= 0) {
+      extreme = angle;
+    } else if (sense * (extreme - angle) > kShake) {
+      shakes += turned >= 0 && time - turned < kShakeTime ? 1 : 0;
+      turned = time;
+      extreme = angle;
+      sense = -sense;
+    }
+  }
+};
+
+// What the wearer went through.
+struct Felt {
+  std::array<Turns, kPhalanxCount> turns{};
+  JointArray peak{}, last{};
+  double largest_change = 0;  // [N m] between two looks, at most a few ms apart
+  double taken = 0;           // [J] energy the device has taken from the joints: negative means it gave
+  JointArray angle{};
+  bool started = false;
+
+  void look(const SimulatedDevice& device) {
+    for (std::size_t j = 0; j < kPhalanxCount; ++j) {
+      const double torque = device.torque()[j], at = device.joints()[j].angle;
+      peak[j] = std::max(peak[j], std::fabs(torque));
+      if (started) {
+        largest_change = std::max(largest_change, std::fabs(torque - last[j]));
+        taken += 0.5 * (torque + last[j]) * (at - angle[j]);
+      }
+      turns[j].look(device.time(), at);
+      last[j] = torque;
+      angle[j] = at;
+    }
+    started = true;
+  }
+};
+
+std::uint64_t shakes_of(const Felt& felt) {
+  std::uint64_t count = 0;
+  for (const Turns& turns : felt.turns) count += turns.shakes;
+  return count;
+}
+
+Json felt_json(const SimulatedDevice& device, const ModbusServer& server, const Felt& felt) {
+  Json json;
+  json["address"] = server.name();
+  json["seconds"] = device.time();
+  json["requests"] = server.requests();
+  json["largest_torque_change"] = felt.largest_change;
+  json["energy_taken"] = felt.taken;
+  json["shakes"] = shakes_of(felt);
+  json["joints"] = Json::array();
+  for (std::size_t j = 0; j < kPhalanxCount; ++j) {
+    json["joints"].push_back({{"joint", segment_name(static_cast<int>(j))},
+                              {"angle", felt.angle[j]},
+                              {"torque", felt.last[j]},
+                              {"peak_torque", felt.peak[j]}});
+  }
+  return json;
+}
+
+std::string felt_text(const SimulatedDevice& device, const ModbusServer& server, const Felt& felt) {
+  Table table;
+  table.add("simulated", brief(device.time()) + " s, " + grouped(server.requests()) + " requests");
+  std::string peaks;
+  for (std::size_t f = 0; f < kFingerCount; ++f) {
+    peaks += (f > 0 ? "   " : "") + std::string(finger_name(static_cast<int>(f))) + " " +
+             brief(1e3 * felt.peak[3 * f]);
+  }
+  table.add("peak torque [N mm]", peaks + " (first joints)");
+  table.add("largest change", brief(1e3 * felt.largest_change) + " N mm between two looks");
+  table.add("shakes", grouped(shakes_of(felt)) + " turns of more than 2 mrad within 0.1 s");
+  table.add("energy", brief(1e3 * felt.taken) + " mJ taken from the hand");
+  double left = 0;
+  for (const double torque : felt.last) left = std::max(left, std::fabs(torque));
+  table.add("at the end", left == 0 ? "no torque" : "torques up to " + brief(1e3 * left) + " N mm");
+  return table.text();
+}
+
+int simulate(SimOptions options) {
+  DeviceProfile profile;
+  if (Status status = load_device_profile(options.profile, profile); !status.ok()) return fail(status);
+  if (!options.scene.empty()) {
+    if (Status status = intend_scene(options.scene, options.simulation); !status.ok()) return fail(status);
+  }
+  ModbusServer server;
+  if (Status status = open_wire(options, server); !status.ok()) return fail(status);
+  SimulatedDevice device(profile, options.simulation);
+  ServerFaults faults;
+  faults.delay = options.delay;
+  faults.jitter = options.jitter;
+  ending = 0;
+  std::signal(SIGINT, end_simulation);
+  std::signal(SIGTERM, end_simulation);
+  std::fprintf(stderr, "%s: listening on %s\n", profile.name.c_str(), server.name().c_str());
+  const RealTime real_time = enter_real_time(kPriority, Pinning::none);
+  Felt felt;
+  server.serve(
+      device, faults,
+      [&] { return ending != 0 || (options.seconds > 0 && device.time() >= options.seconds); },
+      [&](const SimulatedDevice& now) { felt.look(now); });
+  leave_real_time(real_time);
+  server.close();
+  return options.json ? print_json(felt_json(device, server, felt))
+                      : print_text(felt_text(device, server, felt));
+}
+
+}  // namespace
+
+void add_sim_device(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<SimOptions>();
+  CLI::App* const command =
+      app.add_subcommand("sim-device", "A simulated exoskeleton that speaks Modbus, with a human hand in it");
+  command->add_option("--profile", options->profile, "Device profile (JSON, see schemas/device.fbs)")
+      ->required();
+  CLI::Option_group* const wire = command->add_option_group("wire", "Where it listens; one of");
+  wire->add_option("--tcp", options->tcp, "TCP; port 0 takes a free one")->type_name("[HOST:]PORT");
+  wire->add_option("--rtu", options->rtu, "A pseudo-terminal with a symbolic link of this name")
+      ->type_name("LINK");
+  wire->add_option("--line", options->line, "An existing serial line")->type_name("DEVICE");
+  wire->require_option(1);
+  command->add_option("--baud", options->baud, "Of --line")
+      ->check(number_in(300, 10000000))
+      ->capture_default_str();
+  command->add_option("--scene", options->scene, "Scene whose hand motion (joint angles) the human intends")
+      ->type_name("FILE");
+  command->add_option("--seconds", options->seconds, "End after this time; 0: on a signal")
+      ->check(number_in(0, 1e9));
+  command->add_option("--delay", options->delay, "Of every reply [s]")->check(number_in(0, 10));
+  command->add_option("--jitter", options->jitter, "Of every reply, up to this much more [s]")
+      ->check(number_in(0, 10));
+  SimulationOptions& simulation = options->simulation;
+  command->add_option("--watchdog", simulation.watchdog, "Without commands for longer, torques fade [s]")
+      ->check(number_in(0.001, 100))
+      ->capture_default_str();
+  command->add_option("--human-stiffness", simulation.human.stiffness, "Of the hand in it [N m/rad]")
+      ->check(number_in(0, 100))
+      ->capture_default_str();
+  command->add_option("--human-damping", simulation.human.damping, "Of the hand in it [N m s/rad]")
+      ->check(number_in(0, 10))
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Print one JSON object at the end");
+  command->callback([options, &exit_code] { exit_code = simulate(*options); });
+}
+
+}  // namespace lumbrical::tool

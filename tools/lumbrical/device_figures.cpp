@@ -1,0 +1,119 @@
+// What is told of a device loop after a session: figures, certificate, events.
+#include <algorithm>
+#include <cmath>
+
+#include "device_loop_state.h"
+
+namespace lumbrical::tool {
+namespace {
+
+Json events_json(const std::vector<SinkEvent>& events) {
+  Json list = Json::array();
+  for (const SinkEvent& event : events) list.push_back({{"time", event.time}, {"text", event.text}});
+  return list;
+}
+
+// Infinity is no JSON number.
+Json finite_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+bool limiter_knows(const Settings& settings) {
+  return std::all_of(settings.law.begin(), settings.law.begin() + kPhalanxCount,
+                     [](Law law) { return law == Law::field; });
+}
+
+}  // namespace
+
+Json DeviceLoop::json() const {
+  const Loop& loop = *loop_;
+  const SinkReport& report = loop.last;
+  Json json;
+  json["profile"] = loop.profile.name;
+  json["verified_on_hardware"] = loop.profile.verified;
+  json["state"] = safety_state_name(report.state);
+  json["rate_hz"] = report.rate;
+  json["oldest_command_ms"] = 1e3 * loop.oldest;
+  json["cycles"] = report.cycles;
+  json["acknowledged"] = report.acknowledged;
+  json["refused"] = report.refused;
+  json["broken"] = report.broken;
+  json["connections"] = report.connections;
+  json["safe_at_end"] = loop.safe_at_end;
+  json["loop_delay_us"] = {{"p50", loop.loop_delays.percentile(0.5) / 1000},
+                           {"p99", loop.loop_delays.percentile(0.99) / 1000},
+                           {"max", loop.loop_delays.max() / 1000.0}};
+  json["largest_lost_torque"] = loop.largest_lost;
+  json["limiter_knows_law"] = limiter_knows(loop.model->settings);
+  json["least_stiffness_factor"] = loop.least_factor;
+  double generated = 0, bled = 0;
+  for (const PassivityObserver& observer : loop.observer) {
+    generated = std::max(generated, observer.generated);
+    bled += observer.bled;
+  }
+  json["energy"] = {{"generated_most", generated}, {"bled", bled}};
+  const StiffnessCertificate& certificate = loop.certificate;
+  Json& text = json["certificate"];
+  text = {{"device", loop.profile.name},         {"measured", loop.measured},
+          {"period", certificate.timing.period}, {"jitter", certificate.timing.jitter},
+          {"delay", certificate.timing.delay},   {"margin", certificate.margin}};
+  text["joints"] = Json::array();
+  for (std::size_t j = 0; j < kPhalanxCount; ++j) {
+    if (!certificate.known[j]) continue;
+    const StiffnessBound& bound = certificate.joint[j];
+    text["joints"].push_back({{"joint", segment_name(static_cast<int>(j))},
+                              {"sampled", finite_or_null(bound.sampled)},
+                              {"delayed", finite_or_null(bound.delayed)},
+                              {"friction", finite_or_null(bound.friction)},
+                              {"largest", finite_or_null(bound.largest)}});
+  }
+  json["events"] = events_json(loop.events);
+  return json;
+}
+
+void DeviceLoop::add_rows(Table& table) const {
+  const Loop& loop = *loop_;
+  const SinkReport& report = loop.last;
+  table.add("device",
+            loop.profile.name + (loop.profile.verified ? "" : " (profile not verified on hardware)"));
+  table.add("", grouped(report.acknowledged) + " of " + grouped(report.cycles) + " commands acknowledged, " +
+                    brief(report.rate) + " Hz, oldest " + brief(1e3 * loop.oldest) + " ms; ended " +
+                    std::string(safety_state_name(report.state)) +
+                    (loop.safe_at_end ? ", at safe values" : ", NOT known to be at safe values"));
+  table.add("loop delay", "p50 " + brief(loop.loop_delays.percentile(0.5) / 1000) + "   p99 " +
+                              brief(loop.loop_delays.percentile(0.99) / 1000) + "   max " +
+                              brief(loop.loop_delays.max() / 1000.0) + " us from angle to torque");
+  const LoopTiming& timing = loop.certificate.timing;
+  const bool measured = loop.measured && !loop.local_loop;
+  table.add("stiffness certificate",
+            std::string(measured ? "measured" : "assumed") + " period " + brief(1e3 * timing.period) +
+                " ms, jitter " + brief(1e3 * timing.jitter) + " ms, delay " + brief(1e3 * timing.delay) +
+                " ms" + (loop.local_loop ? " of the device's own loop" : ""));
+  const StiffnessBound& bound = loop.certificate.joint[3];
+  if (loop.certificate.known[3]) {
+    table.add("", "index proximal: 2b/T " + brief(bound.sampled) + ", with delay " + brief(bound.delayed) +
+                      ", friction " + brief(bound.friction) + "; allowed " +
+                      brief(loop.certificate.margin * bound.largest) + " N m/rad");
+  } else {
+    table.add("",
+              "the profile does not say the joints' damping: nothing can be promised, nothing is limited");
+  }
+  if (!limiter_knows(loop.model->settings)) {
+    table.add("",
+              "the limiter knows the stiffness of the field law only: what follows another law may shake");
+  }
+  std::string factors;
+  for (int f = 0; f < kFingerCount; ++f) {
+    factors += (f > 0 ? "   " : "") + std::string(finger_name(f)) + " " +
+               brief(loop.least_factor[static_cast<std::size_t>(f)]);
+  }
+  table.add("least stiffness factor", factors);
+  double generated = 0, bled = 0;
+  for (const PassivityObserver& observer : loop.observer) {
+    generated = std::max(generated, observer.generated);
+    bled += observer.bled;
+  }
+  table.add("energy observer", brief(1e3 * generated) + " mJ generated at most by one joint, " +
+                                   brief(1e3 * bled) + " mJ bled off");
+  if (loop.largest_lost > 0) table.add("lost torque", brief(1e3 * loop.largest_lost) + " N mm at most");
+}
+
+}  // namespace lumbrical::tool

@@ -1,0 +1,55 @@
+// A device in the loop of `lumbrical run`: its angles in, torques out, limited to what the certificate
+// allows.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "lumbrical/recording.h"
+#include "lumbrical/tick.h"
+#include "output.h"
+
+namespace lumbrical::tool {
+
+/// What is wrong with a sink's URI; empty if nothing is.
+///   null
+///   modbus-tcp://HOST[:PORT]?profile=FILE&...
+///   modbus-rtu:///dev/ttyX?profile=FILE&baud=N&...
+/// with feedback=on|off (do the device's angles move the hand?), on-loss=continue|stop, dry-run=on|off,
+/// limiter=on|off, observer=on|off, local=on|off (where the device has a local model), rate=HZ, unit=ID.
+std::string check_sink_uri(std::string& uri);
+
+class DeviceLoop {
+ public:
+  DeviceLoop();
+  ~DeviceLoop();
+  DeviceLoop(const DeviceLoop&) = delete;
+  DeviceLoop& operator=(const DeviceLoop&) = delete;
+
+  /// Reads the profile, starts the sink. Does not wait for the device.
+  Status open(const std::string& uri, const Model& model);
+
+  /// Before a tick: `frame` comes from the motion; the device's angles take the place of the motion's.
+  void before(DeviceFrame& frame);
+  /// After it: forces to the device, and what was sent meanwhile into the record. False: the session shall
+  /// end (on-loss=stop). Neither locks, allocates nor calls the system except for the clock.
+  bool after(const Scratch& scratch, const DeviceFrame& frame, const ActuatorFrame& output,
+             TickRecord& record);
+
+  /// Makes the certificate of what was measured since open(), or assumed if no device answered, and lets the
+  /// device be armed.
+  void certify();
+  /// The certificate and the profile's name as text for a recording's metadata.
+  [[nodiscard]] std::string certificate_text() const;
+
+  /// Fades, tells the device, ends the sink's thread. Call before json() and add_rows().
+  void close();
+  [[nodiscard]] Json json() const;
+  void add_rows(Table& table) const;
+
+ private:
+  struct Loop;
+  std::unique_ptr<Loop> loop_;
+};
+
+}  // namespace lumbrical::tool

@@ -1,0 +1,99 @@
+// See sink_uri.h.
+#include "sink_uri.h"
+
+#include <algorithm>
+#include <charconv>
+#include <string_view>
+
+namespace lumbrical::tool {
+namespace {
+
+constexpr std::string_view kTcp = "modbus-tcp://", kRtu = "modbus-rtu://";
+
+template <class Number>
+bool parse(std::string_view text, Number low, Number high, Number& number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size() && number >= low && number <= high;
+}
+
+bool parse_switch(std::string_view text, std::string_view yes, std::string_view no, bool& value) {
+  if (text != yes && text != no) return false;
+  value = text == yes;
+  return true;
+}
+
+bool parse_parameter(std::string_view name, std::string_view value, SinkUri& uri) {
+  if (name == "profile") {
+    uri.profile = value;
+    return !value.empty();
+  }
+  if (name == "baud") return parse(value, 300, 10000000, uri.baud);
+  if (name == "unit") return parse(value, 0, 247, uri.unit);
+  if (name == "rate") return parse(value, 0.1, 20000.0, uri.rate);
+  if (name == "feedback") return parse_switch(value, "on", "off", uri.feedback);
+  if (name == "on-loss") return parse_switch(value, "stop", "continue", uri.stop_on_loss);
+  if (name == "dry-run") return parse_switch(value, "on", "off", uri.dry_run);
+  if (name == "limiter") return parse_switch(value, "on", "off", uri.limiter);
+  if (name == "observer") return parse_switch(value, "on", "off", uri.observer);
+  if (name == "local") return parse_switch(value, "on", "off", uri.local);
+  return false;
+}
+
+bool parse_place(std::string_view place, SinkUri& uri) {
+  if (uri.serial) {
+    uri.line = place;
+    return !place.empty() && place.front() == '/';
+  }
+  const std::size_t colon = place.rfind(':');
+  uri.host = place.substr(0, colon);
+  if (uri.host.empty()) return false;
+  return colon == std::string_view::npos || parse(place.substr(colon + 1), 1, 65535, uri.port);
+}
+
+}  // namespace
+
+Status parse_sink_uri(const std::string& text, SinkUri& uri) {
+  std::string_view rest = text;
+  uri.serial = rest.starts_with(kRtu);
+  if (!uri.serial && !rest.starts_with(kTcp)) {
+    return Status::error("\"" + text + "\" is no sink; use null, modbus-tcp://HOST:PORT?profile=FILE or " +
+                         "modbus-rtu:///dev/ttyX?profile=FILE");
+  }
+  rest.remove_prefix(kTcp.size());
+  static_assert(kTcp.size() == kRtu.size());
+  const std::size_t question = rest.find('?');
+  if (!parse_place(rest.substr(0, question), uri)) {
+    return Status::error("\"" + text + "\" names no " +
+                         (uri.serial ? "line such as /dev/ttyUSB0" : "host and port"));
+  }
+  rest = question == std::string_view::npos ? std::string_view() : rest.substr(question + 1);
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find('&'), rest.size());
+    const std::string_view one = rest.substr(0, end);
+    const std::size_t equals = std::min(one.find('='), one.size());
+    if (equals == one.size() || !parse_parameter(one.substr(0, equals), one.substr(equals + 1), uri)) {
+      return Status::error("\"" + std::string(one) +
+                           "\" is no parameter of a sink; there are profile, baud, unit, " +
+                           "rate, feedback, on-loss, dry-run, limiter, observer and local");
+    }
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  if (uri.profile.empty())
+    return Status::error("\"" + text + "\" names no device profile; add ?profile=FILE");
+  return {};
+}
+
+Status load_profile(const SinkUri& uri, DeviceProfile& profile) {
+  if (Status status = load_device_profile(uri.profile, profile); !status.ok()) return status;
+  Transport& transport = profile.transport;
+  transport.serial = uri.serial;
+  if (!uri.host.empty()) transport.host = uri.host;
+  if (!uri.line.empty()) transport.line = uri.line;
+  if (uri.port >= 0) transport.port = static_cast<std::uint16_t>(uri.port);
+  if (uri.baud >= 0) transport.baud = static_cast<std::uint32_t>(uri.baud);
+  if (uri.rate > 0) profile.rate = uri.rate;
+  if (uri.unit >= 0) set_unit(profile, static_cast<std::uint8_t>(uri.unit));
+  return check_profile(profile);
+}
+
+}  // namespace lumbrical::tool

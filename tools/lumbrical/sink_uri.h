@@ -1,0 +1,25 @@
+// The address of a device as users write it.
+#pragma once
+
+#include <string>
+
+#include "lumbrical/device_profile.h"
+#include "lumbrical/status.h"
+
+namespace lumbrical::tool {
+
+struct SinkUri {
+  std::string profile;  ///< file
+  bool serial = false;
+  std::string host, line;
+  int port = -1, baud = -1, unit = -1;  ///< -1: the profile's
+  double rate = 0;                      ///< [Hz] 0: the profile's
+  bool feedback = true, stop_on_loss = false, dry_run = false, limiter = true, observer = true, local = true;
+};
+
+Status parse_sink_uri(const std::string& text, SinkUri& uri);
+
+/// Reads the profile and puts in what the URI says.
+Status load_profile(const SinkUri& uri, DeviceProfile& profile);
+
+}  // namespace lumbrical::tool

@@ -1,0 +1,35 @@
+// What the program says about devices where it was built without libmodbus.
+#include "commands.h"
+#include "device_loop.h"
+
+namespace lumbrical::tool {
+
+struct DeviceLoop::Loop {};
+
+namespace {
+const char* const kRemedy =
+    "this program was built without libmodbus; install libmodbus-dev and build it again";
+}
+
+std::string check_sink_uri(std::string& text) { return text == "null" ? std::string() : kRemedy; }
+
+DeviceLoop::DeviceLoop() = default;
+DeviceLoop::~DeviceLoop() = default;
+Status DeviceLoop::open(const std::string&, const Model&) { return Status::error(kRemedy); }
+void DeviceLoop::before(DeviceFrame&) {}
+bool DeviceLoop::after(const Scratch&, const DeviceFrame&, const ActuatorFrame&, TickRecord&) {
+  return false;
+}
+void DeviceLoop::certify() {}
+std::string DeviceLoop::certificate_text() const { return {}; }
+void DeviceLoop::close() {}
+Json DeviceLoop::json() const { return {}; }
+void DeviceLoop::add_rows(Table&) const {}
+
+void add_sim_device(CLI::App& app, int& exit_code) {
+  CLI::App* const command = app.add_subcommand("sim-device", kRemedy);
+  command->allow_extras();
+  command->callback([&exit_code] { exit_code = fail(kRemedy); });
+}
+
+}  // namespace lumbrical::tool
