@@ -1,5 +1,7 @@
 #include "narrowphase.h"
 
+#include <array>
+
 #include "cone_slivers.h"
 #include "depth.h"
 #include "finger_depth.h"
@@ -104,6 +106,57 @@ void collide_pair(const Model& model, const Primitives& hand, const FieldKernels
   if (!collide_section(primitive, query, section, boundary, contact)) contact.area = 0;
 }
 
+// Which parts of a primitive a triangle reaches: bits for its cuts, beyond the first end, beyond the second.
+unsigned kind_of(const Primitive& primitive, const Corners& corners) {
+  const Vec3 from[3] = {corners.a - primitive.end1, corners.b - primitive.end1, corners.c - primitive.end1};
+  const Vec3 axis = primitive.end2 - primitive.end1;
+  const double square = dot(axis, axis);
+  unsigned kind = 0;
+  for (const Vec3 p : from) {
+    const double q = dot(p, axis);
+    if (q < 0) kind |= 2;
+    if (q > square) kind |= 4;
+  }
+  for (std::size_t i = 0; i < primitive.cut_count; ++i) {
+    const HalfSpace& cut = primitive.cut[i];
+    const double offset = dot(cut.normal, cut.point - primitive.end1);
+    for (const Vec3 p : from) {
+      if (dot(cut.normal, p) > offset) kind |= 1;
+    }
+  }
+  return kind;
+}
+
+// Pairs of one primitive that the kernel knows, up to kChunk. Those of one kind go side by side, so that few
+// registers hold lanes with different needs.
+void collide_in_lanes(const Model& model, const Primitives& hand, std::span<Contact> pairs, RoundBatch& batch,
+                      Boundary& boundary) {
+  constexpr std::size_t kKinds = 8;
+  const Primitive& primitive = hand.primitive[pairs[0].primitive];
+  std::array<unsigned, kChunk> kind;
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    kind[i] = kind_of(primitive, corners_of(model.triangles, pairs[i].triangle));
+  const auto finish = [&] {
+    const RoundRest rest = finish_batch(batch);
+    for (Contact* contact : rest.unsure) collide_pair(model, hand, batch.kernels, boundary, *contact);
+    for (Contact* contact : rest.slivers) {
+      const auto [a, b, c] = corners_of(model.triangles, contact->triangle);
+      Section section;
+      if (look_from_plane(primitive, a, b, c, section)) add_slivers(batch.kernels, section, *contact);
+    }
+  };
+  begin_batch(primitive, model.settings.tolerance, batch);
+  for (unsigned wanted = 0; wanted < kKinds; ++wanted) {
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (kind[i] != wanted) continue;
+      if (is_full(batch)) finish();
+      const auto [a, b, c] = corners_of(model.triangles, pairs[i].triangle);
+      add_to_batch(a, b, c, pairs[i], batch);
+    }
+  }
+  finish();
+}
+
 }  // namespace
 
 bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3 b, Vec3 c,
@@ -130,35 +183,24 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
   // Every pair has a slot of its own, so the order of the work doesn't matter.
   const FieldKernels& kernels = field_kernels(model.execution.isa);
   const auto work = [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      contacts[i].primitive = static_cast<std::uint32_t>(candidates[i] >> 32);
+      contacts[i].triangle = static_cast<std::uint32_t>(candidates[i]);
+    }
     Boundary boundary;
     RoundBatch batch(kernels);
-    const auto finish = [&] {
-      const RoundRest rest = finish_batch(batch);
-      for (Contact* contact : rest.unsure) collide_pair(model, hand, kernels, boundary, *contact);
-      for (Contact* contact : rest.slivers) {
-        const auto [a, b, c] = corners_of(model.triangles, contact->triangle);
-        Section section;
-        if (look_from_plane(hand.primitive[contact->primitive], a, b, c, section))
-          add_slivers(kernels, section, *contact);
+    while (first < last) {
+      const std::uint32_t primitive = contacts[first].primitive;
+      std::size_t end = first + 1;
+      while (end < last && end < first + kChunk && contacts[end].primitive == primitive) ++end;
+      const std::span<Contact> pairs = contacts.subspan(first, end - first);
+      if (suits_batch(hand.primitive[primitive])) {
+        collide_in_lanes(model, hand, pairs, batch, boundary);
+      } else {
+        for (Contact& contact : pairs) collide_pair(model, hand, kernels, boundary, contact);
       }
-    };
-    std::uint32_t open = Primitives::kMaxCount;  // the primitive whose batch is being filled
-    for (std::size_t i = first; i < last; ++i) {
-      Contact& contact = contacts[i];
-      contact.primitive = static_cast<std::uint32_t>(candidates[i] >> 32);
-      contact.triangle = static_cast<std::uint32_t>(candidates[i]);
-      const Primitive& primitive = hand.primitive[contact.primitive];
-      if (!suits_batch(primitive)) {
-        collide_pair(model, hand, kernels, boundary, contact);
-        continue;
-      }
-      if (contact.primitive != open || is_full(batch)) finish();
-      if (contact.primitive != open) begin_batch(primitive, model.settings.tolerance, batch);
-      open = contact.primitive;
-      const auto [a, b, c] = corners_of(model.triangles, contact.triangle);
-      add_to_batch(a, b, c, contact, batch);
+      first = end;
     }
-    finish();
   };
   const std::uint32_t threads = candidates.size() < kSerialBelow ? 1 : model.execution.threads;
   parallel_chunks(candidates.size(), kChunk, threads, work);
