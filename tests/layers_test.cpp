@@ -35,6 +35,7 @@ const Rule kRules[] = {
 
     {Layer::kernels, "engine/src",
      "section* depth finger_depth gauss boundary_integral field pressure* prism"},
+    {Layer::kernels, "engine/src", "joint_border tile_rival root border_bulge shared_contact"},
 
     {Layer::stages, "engine/src", "hand_pose broadphase narrowphase contact_force force_limits"},
 

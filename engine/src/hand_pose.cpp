@@ -1,10 +1,12 @@
 // The paper's Figure 1 and 2 and their repair. Under the paper's laws a phalanx is a cylinder, and of the
 // spheres at joints and tips only the part counts that the cylinders don't cover. Under the exact laws a
 // phalanx is one tile, the hull of its end spheres, and neighbouring tiles share out space along the
-// bisecting plane of their joint.
+// bisecting plane of their joint; where that is not exact, joint_border.h says so.
 #include "hand_pose.h"
 
 #include <cmath>
+
+#include "joint_border.h"
 
 namespace lumbrical {
 namespace {
@@ -214,6 +216,7 @@ std::uint32_t pose_hand(const Hand& hand, const Settings& settings, const Device
   std::uint32_t flags = find_joints(hand, frame, joints);
   primitives.count = 0;
   flags |= set_capsules(hand, settings, joints, primitives);
+  set_joint_borders(primitives);
   for (std::size_t i = 0; i < kPhalanxCount; ++i) {
     if (primitives.present[i]) add_phalanx(i, primitives);
   }

@@ -2,9 +2,11 @@
 
 #include "depth.h"
 #include "finger_depth.h"
+#include "joint_border.h"
 #include "parallel.h"
 #include "pressure.h"
 #include "prism.h"
+#include "shared_contact.h"
 
 namespace lumbrical {
 namespace {
@@ -31,6 +33,8 @@ bool collide_pair(const Model& model, const Primitives& hand, std::uint64_t pair
   if (primitive.shape == Shape::prism) {
     return collide_prism(hand.palm, primitive.law, model.settings.point_area, a, b, c, contact);
   }
+  if (border_matters(hand, primitive, a, b, c))
+    return collide_shared(hand, primitive, a, b, c, boundary, contact);
   return collide(primitive, {primitive.law, model.settings.point_area, &hand}, a, b, c, boundary, contact);
 }
 

@@ -47,13 +47,25 @@ struct Prism {
   std::array<HalfSpace, kMaxFaces> face{};  ///< outward normals; [0] is the palmar face
 };
 
+/// The joint between a phalanx and the next one out, where the two tiles share out space (joint_border.h).
+struct JointBorder {
+  bool shared = false;  ///< the border is not the bisecting plane everywhere
+  bool near = false;    ///< neither tile's far end has a part in it
+  Vec3 centre;          ///< [m] W, the joint
+  Vec3 normal;          ///< W, unit, of the bisecting plane, away from the wrist
+  double reach = 0;     ///< [m] farther from the joint plane and border agree
+  double slab = 0;      ///< [m] farther from the plane plane and border agree
+};
+
 /// All primitives of one posed hand.
 struct Primitives {
   static constexpr int kMaxCount = 40;  ///< 15 phalanges, 15 joints, 5 tips, 1 palm, some spare
   int count = 0;
   std::array<Primitive, kMaxCount> primitive{};
-  std::array<Primitive, kPhalanxCount> capsule{};  ///< whole phalanges, uncut, for the paper's depth
-  std::array<bool, kPhalanxCount> present{};       ///< which of them this pose has
+  std::array<Primitive, kPhalanxCount> capsule{};   ///< whole phalanges, uncut, for the paper's depth
+  std::array<bool, kPhalanxCount> present{};        ///< which of them this pose has
+  std::array<JointBorder, kPhalanxCount> border{};  ///< of the joint beyond each phalanx
+  std::array<bool, kFingerCount> folded{};          ///< first and last phalanx of the finger may overlap
   Prism palm;
   std::array<Vec3, kSegmentCount> base_joint{};    ///< [m] W, the joint that moves each segment
   std::array<Vec3, kSegmentCount> flexion_axis{};  ///< W, unit; turning about it opens the hand

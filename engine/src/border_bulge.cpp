@@ -1,0 +1,254 @@
+// Between a border and its chord the field is integrated along the chord, with nodes crowded towards where
+// border or field are not smooth, and across it from the chord to the border, a root at every node.
+#include "border_bulge.h"
+
+#include <array>
+
+#include "boundary_integral.h"
+#include "field.h"
+#include "root.h"
+
+namespace lumbrical {
+namespace {
+
+// A border farther from its chord than this share of the chord is split.
+constexpr double kFlat = 0.4;
+
+// A chord shorter than this share of the joint's radius is the border itself: what lies between has an area
+// of a twelfth of its cube or less.
+constexpr double kShort = 1e-5;
+
+// The border as a height over its chord.
+struct Border {
+  const Rival& rival;
+  const Chord& chord;
+  double slope = 0;   // of precedence across the chord, < 0
+  double height = 0;  // found last, the first guess for the next
+  bool good = true;   // every root was found
+
+  Border(const Rival& r, const Chord& c) : rival(r), chord(c) {
+    if (is_short()) return;
+    const double step = 0.01 * chord.length, middle = 0.5 * chord.length;
+    slope = (at(middle, step) - at(middle, -step)) / (2 * step);
+    good = slope < 0;
+  }
+  [[nodiscard]] bool is_short() const { return chord.length < kShort * rival.first.radius; }
+  [[nodiscard]] double at(double s, double y) const { return precedence(rival, chord.at(s, y)); }
+  // A Newton step with the last slope, then secant steps, whose error is about the product of the last two.
+  double height_at(double s) {
+    if (!good || is_short()) return 0;
+    const double limit = 2 * kFlat * chord.length, radius = rival.first.radius;
+    double y0 = height, g0 = at(s, y0), y = y0 - g0 / slope, close = 1e-15 * radius;
+    for (int i = 0; i < 20 && std::fabs(y) <= limit; ++i) {
+      const double step = y - y0;
+      if (!(std::fabs(step) > close)) return height = y;
+      const double g = at(s, y), change = g - g0;
+      if (!(change / step < 0)) break;  // not falling towards the rival
+      if (std::fabs(step) > 1e-6 * radius) slope = change / step;
+      y0 = y;
+      g0 = g;
+      y = y - g * (step / change);
+      close = 1e-10 * radius;
+    }
+    good = false;
+    return 0;
+  }
+  Point2 point(double s) { return chord.at(s, height_at(s)); }
+};
+
+constexpr int kProbes = 5;
+
+// Where along the border the field has its maximum, of which only the sign is asked: parabolas through the
+// best of three points, ended where it is positive or no longer grows.
+double find_inside(const Section& section, Border& border) {
+  const double length = border.chord.length;
+  const auto field = [&](double s) { return field_at(section, border.point(s)); };
+  std::array<double, 3> s{0.25 * length, 0.5 * length, 0.75 * length}, f{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    f[i] = field(s[i]);
+    if (f[i] > 0) return s[i];
+  }
+  for (int step = 0; step < 12 && border.good; ++step) {
+    const double a = (s[1] - s[0]) * (f[1] - f[2]), b = (s[1] - s[2]) * (f[1] - f[0]);
+    if (!(std::fabs(a - b) > 0)) return -1;
+    double best = s[1] - 0.5 * ((s[1] - s[0]) * a - (s[1] - s[2]) * b) / (a - b);
+    best = clamp(best, 0, length);
+    const double value = field(best);
+    if (value > 0) return best;
+    const std::size_t worst = f[0] < f[1] ? (f[0] < f[2] ? 0 : 2) : (f[1] < f[2] ? 1 : 2);
+    if (!(value > f[worst]) || std::fabs(best - s[0]) < 1e-7 * length ||
+        std::fabs(best - s[1]) < 1e-7 * length || std::fabs(best - s[2]) < 1e-7 * length)
+      return -1;
+    s[worst] = best;
+    f[worst] = value;
+  }
+  return -1;
+}
+
+// Where a function of s that is known at both ends of a piece changes its sign becomes a singularity.
+template <class F>
+void add_changes(F&& f, double length, Singularities& kinks) {
+  double s0 = 0, f0 = f(0.0);
+  for (int i = 1; i < kProbes; ++i) {
+    const double s1 = length * i / (kProbes - 1), f1 = f(s1);
+    if ((f0 > 0) != (f1 > 0)) kinks.add(find_root(f, s0, f0, s1, f1, 1e-10 * length) / length);
+    s0 = s1;
+    f0 = f1;
+  }
+}
+
+// Beside a point near the border everything changes within its distance.
+void add_point(Vec3 centre, Border& border, Singularities& kinks) {
+  const Chord& chord = border.chord;
+  const double s = dot(Point2{centre.x, centre.y} - chord.from, chord.along);
+  const Point2 p = s > 0 && s < chord.length ? border.point(s) : chord.at(s, 0);
+  const Vec3 gap = Vec3{p.x, p.y, 0} - centre;
+  kinks.add(s / chord.length, norm(gap - dot(gap, Vec3{chord.along.x, chord.along.y, 0}) *
+                                             Vec3{chord.along.x, chord.along.y, 0}) /
+                                  chord.length);
+}
+
+// And near the axis of a cone.
+void add_axis(const Cone& cone, const Chord& chord, Singularities& kinks) {
+  const Vec3 from = Vec3{chord.from.x, chord.from.y, 0} - cone.joint;
+  const Vec3 step = cross(chord.length * Vec3{chord.along.x, chord.along.y, 0}, cone.axis);
+  const Vec3 start = cross(from, cone.axis);
+  add_closest_approach(dot(step, step), dot(start, step), dot(start, start), kinks);
+}
+
+Singularities kinks_of(Border& border) {
+  const Chord& chord = border.chord;
+  const Rival& rival = border.rival;
+  Singularities kinks;
+  const auto along = [&](const Cone& cone, Point2 p, double from) {
+    return sight_of(cone, p).along - from * cone.cosine * cone.length;
+  };
+  for (const double from : {0.0, 1.0}) {
+    if (rival.own().kind != Cone::hull || (rival.joined && rival.near && from > 0)) continue;
+    add_changes([&](double s) { return along(rival.own(), chord.at(s, 0), from); }, chord.length, kinks);
+  }
+  for (const Cone* cone : {&rival.first, &rival.second}) {
+    if (cone->kind != Cone::hull) continue;
+    for (const double from : {0.0, 1.0}) {
+      // Between joined tiles the border itself is smooth where the joint's sphere takes over.
+      if (rival.joined && (from > 0 ? rival.near : cone != &rival.own())) continue;
+      add_changes([&](double s) { return along(*cone, border.point(s), from); }, chord.length, kinks);
+    }
+    add_axis(*cone, chord, kinks);
+    if (!rival.near) add_point(cone->joint + cone->length * cone->axis, border, kinks);
+  }
+  add_point(rival.first.joint, border, kinks);
+  if (!rival.joined) add_point(rival.second.joint, border, kinks);
+  return kinks;
+}
+
+struct Across {
+  const Section& section;
+  const Slant& slant;
+  const Rival& rival;
+  const Chord& chord;
+};
+
+template <std::size_t N>
+void add_nodes(const Across& across, const GaussNode (&rule)[N], double s, double from, double to,
+               double weight, Bulge& bulge) {
+  const int zone = zone_of(across.section, across.slant, across.chord.at(s, 0.5 * (from + to))).zone;
+  for (const GaussNode& node : rule) {
+    const Point2 p = across.chord.at(s, from + (to - from) * node.at);
+    const double share = weight * node.weight * (to - from) * field_of(across.section, across.slant, zone, p);
+    bulge.volume += share;
+    bulge.first = bulge.first + share * p;
+  }
+}
+
+// From `from` to `to` at abscissa s, where one sphere of the own tile after the other is the nearest.
+void add_strip(const Across& across, double s, double from, double to, double weight, Bulge& bulge) {
+  const Cone& own = across.rival.own();
+  const auto sight = [&](double y) { return sight_of(own, across.chord.at(s, y)); };
+  const Sight start = sight(from), end = sight(to);
+  const int part1 = part_of(own, start), part2 = part_of(own, end);
+  if (part1 != part2) {
+    const double border = part1 + part2 == 3 ? own.cosine * own.length : 0;
+    const auto beyond = [&](double y) { return sight(y).along - border; };
+    const double change =
+        find_root(beyond, from, start.along - border, to, end.along - border, 1e-10 * own.radius);
+    // Two changes at once, over a cone next to nothing long, are left to the rule.
+    add_nodes(across, kGauss8, s, from, change, weight, bulge);
+    add_nodes(across, kGauss8, s, change, to, weight, bulge);
+    return;
+  }
+  // n nodes on a length l at a distance d from the axis leave about (2 + 4 d / l)^(-2 n).
+  const double width = std::fabs(to - from);
+  const double distance =
+      (part1 == 1   ? min(start.radial, end.radial)
+       : part1 == 0 ? min(start.distance, end.distance)
+                    : min(norm(start.from - own.length * own.axis), norm(end.from - own.length * own.axis))) -
+      width;
+  if (width < 0.12 * distance) {
+    add_nodes(across, kGauss4, s, from, to, weight, bulge);
+  } else if (width < 0.5 * distance) {
+    add_nodes(across, kGauss6, s, from, to, weight, bulge);
+  } else if (width < distance) {
+    add_nodes(across, kGauss8, s, from, to, weight, bulge);
+  } else {
+    add_nodes(across, kGauss16, s, from, to, weight, bulge);
+  }
+}
+
+}  // namespace
+
+Chord chord_between(Point2 from, Point2 to) {
+  Chord chord;
+  const Point2 d = to - from;
+  chord.from = from;
+  chord.length = std::sqrt(dot(d, d));
+  if (chord.length > 0) chord.along = (1 / chord.length) * d;
+  chord.across = {chord.along.y, -chord.along.x};
+  return chord;
+}
+
+Course follow_border(const Section& section, const Rival& rival, Chord& chord) {
+  Border border(rival, chord);
+  double peak = 0;
+  for (int i = 1; i + 1 < kProbes; ++i) {
+    peak = max(peak, std::fabs(border.height_at(chord.length * i / (kProbes - 1))));
+  }
+  if (!border.good || peak > kFlat * chord.length) return Course::unclear;
+  const auto field = [&](double s) { return field_at(section, border.point(s)); };
+  const double begin = field(0), end = field(chord.length);
+  double from = 0, to = chord.length;
+  if (begin < 0 || end < 0) {
+    const double inside = begin > 0 ? 0 : end > 0 ? chord.length : find_inside(section, border);
+    if (!border.good) return Course::unclear;
+    if (inside < 0) return Course::outside;
+    const double value = field(inside), tolerance = 1e-13 * rival.first.radius;
+    if (begin < 0) from = find_root(field, 0, begin, inside, value, tolerance);
+    if (end < 0) to = find_root(field, inside, value, chord.length, end, tolerance);
+  }
+  for (int i = 1; i + 1 < kProbes; ++i) {
+    if (field(from + (to - from) * i / (kProbes - 1)) < -1e-12 * rival.first.radius) return Course::unclear;
+  }
+  const Point2 first = border.point(from), last = border.point(to);
+  if (!border.good) return Course::unclear;
+  if (!(to - from > 1e-12 * rival.first.radius)) return Course::outside;
+  chord = chord_between(first, last);
+  return Course::inside;
+}
+
+bool integrate_bulge(const Section& section, const Rival& rival, const Chord& chord, Bulge& bulge) {
+  Border border(rival, chord);
+  bulge = {};
+  if (!border.good || border.is_short()) return border.good;
+  const Slant slant = slant_of(section);
+  const Across across{section, slant, rival, chord};
+  const Singularities kinks = kinks_of(border);
+  graded_nodes(0, 1, kinks, [&](double t, double weight) {
+    const double s = chord.length * t, y = border.height_at(s), area = weight * chord.length * y;
+    bulge.area += area;
+    bulge.area_first = bulge.area_first + area * chord.at(s, 0.5 * y);
+    add_strip(across, s, 0, y, weight * chord.length, bulge);
+  });
+  return border.good;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,401 @@
+// The part of the triangle's plane that may be the tile's is split until each part either belongs wholly to
+// one tile or is run through once by one border. Of such a part the chord of the border cuts off what is the
+// rival's, the rest goes the way of any polygon, and the bulge between chord and border is added.
+#include "shared_contact.h"
+
+#include <array>
+#include <cmath>
+
+#include "border_bulge.h"
+#include "depth.h"
+#include "joint_border.h"
+#include "pressure.h"
+#include "root.h"
+
+namespace lumbrical {
+namespace {
+
+// Parts are split no further than this share of the joint's radius: there borders are their chords. Only
+// where three tiles meet, or where a border is singular, does it come to that.
+constexpr double kLeast = 1e-4;
+
+// Nor are there more parts than this, whatever happens.
+constexpr int kMostParts = 2000;
+
+// Edges are searched for borders in steps of this share of the joint's radius.
+constexpr double kStep = 0.25;
+
+// A part through which a border runs that is more than a cone's (JointBorder::near) is no larger than this.
+constexpr double kSmall = 0.6;
+
+struct Work {
+  Section& section;  // its polygon is the part at hand
+  Boundary& boundary;
+  int rival_count = 0;
+  std::array<Rival, 3> rival{};
+  int parts = 0;
+  double area = 0, volume = 0, depth = 0;
+  Point2 area_first{0, 0}, first{0, 0};
+};
+
+Vec3 to_plane(const Section& section, Vec3 p) {
+  const Vec3 d = p - section.origin;
+  return {dot(d, section.u), dot(d, section.v), dot(d, section.n) + section.h1};
+}
+
+Cone cone_from(const Section& section, Vec3 joint, Vec3 end, double radius, double end_radius) {
+  Cone cone;
+  cone.joint = to_plane(section, joint);
+  const Vec3 axis = end - joint;
+  cone.length = norm(axis);
+  cone.axis = unit_or({dot(axis, section.u), dot(axis, section.v), dot(axis, section.n)}, {1, 0, 0});
+  cone.radius = radius;
+  cone.drop = radius - end_radius;
+  if (cone.length > std::fabs(cone.drop) && cone.length > 1e-12 * radius) {
+    cone.sine = cone.drop / cone.length;
+    cone.cosine = std::sqrt((1 - cone.sine) * (1 + cone.sine));
+  } else {
+    cone.kind = cone.drop >= 0 ? Cone::joint_only : Cone::far_only;
+  }
+  return cone;
+}
+
+Rival joined(const Section& section, const Primitives& hand, std::size_t phalanx, bool is_first) {
+  const Primitive &inner = hand.capsule[phalanx], &outer = hand.capsule[phalanx + 1];
+  return {cone_from(section, inner.end2, inner.end1, inner.radius2, inner.radius1),
+          cone_from(section, outer.end1, outer.end2, outer.radius1, outer.radius2), true,
+          hand.border[phalanx].near, is_first};
+}
+
+Rival apart(const Section& section, const Primitives& hand, std::size_t finger, bool is_first) {
+  const Primitive &inner = hand.capsule[3 * finger], &outer = hand.capsule[3 * finger + 2];
+  return {cone_from(section, inner.end1, inner.end2, inner.radius1, inner.radius2),
+          cone_from(section, outer.end1, outer.end2, outer.radius1, outer.radius2), false, false, is_first};
+}
+
+Point2 middle_of(const Polygon2& polygon) {
+  Point2 sum{0, 0};
+  for (int i = 0; i < polygon.count; ++i) sum = sum + polygon.corner[static_cast<std::size_t>(i)];
+  return (1.0 / polygon.count) * sum;
+}
+
+double reach_of(const Polygon2& polygon, Point2 middle) {
+  double square = 0;
+  for (int i = 0; i < polygon.count; ++i) {
+    const Point2 d = polygon.corner[static_cast<std::size_t>(i)] - middle;
+    square = max(square, dot(d, d));
+  }
+  return std::sqrt(square);
+}
+
+// The whole of the part at hand is the tile's, as far as it lies in the section.
+void add_all(Work& work) {
+  Section& section = work.section;
+  if (section.polygon.count < 3) return;
+  const Overlap overlap = classify(section);
+  if (overlap == Overlap::apart) return;
+  trace_boundary(section, work.boundary);
+  const AreaMoments area =
+      overlap == Overlap::inside ? polygon_area(section.polygon) : section_area(section, work.boundary);
+  if (!(area.area > 0)) return;
+  const PressureMoments field = field_moments(section, area, work.boundary);
+  work.area += area.area;
+  work.area_first = work.area_first + area.area * area.centroid;
+  work.volume += field.volume;
+  work.first = work.first + field.first;
+  work.depth = max(work.depth, largest_depth(section).depth);
+}
+
+// Where a border crosses the edge of a part, once round.
+struct Crossings {
+  static constexpr int kMaxCount = 8;
+  int count = 0;
+  std::array<Point2, kMaxCount> at;
+  bool leaving_first = false;  // the first of them leads out of the tile
+};
+
+// Values of precedence along an edge, with one more where a border seems to touch it between two of them.
+struct Samples {
+  int count = 0;
+  std::array<double, 64> t, value;
+  void add(double at, double v) {
+    if (count == static_cast<int>(t.size())) return;
+    t[static_cast<std::size_t>(count)] = at;
+    value[static_cast<std::size_t>(count++)] = v;
+  }
+};
+
+// The vertex of the parabola through three equally spaced values of one sign, where it comes close to zero.
+bool touches(double a, double b, double c, double& offset) {
+  const double bend = a - 2 * b + c, sign = b > 0 ? 1 : -1;
+  if (!(sign * bend > 0) || sign * a < sign * b || sign * c < sign * b) return false;
+  offset = 0.5 * (a - c) / bend;
+  return sign * (b - 0.25 * (a - c) * offset) < 0.3 * sign * b;
+}
+
+template <class F>
+Samples sample_edge(F&& f, double at_p, double at_q, int steps) {
+  std::array<double, 33> value{};
+  for (int i = 0; i <= steps; ++i) {
+    value[static_cast<std::size_t>(i)] = i == 0 ? at_p : i == steps ? at_q : f(1.0 * i / steps);
+  }
+  Samples samples;
+  samples.add(0, at_p);
+  for (int i = 1; i < steps; ++i) {
+    const std::size_t k = static_cast<std::size_t>(i);
+    double offset = 0;
+    const bool alike = (value[k - 1] > 0) == (value[k] > 0) && (value[k] > 0) == (value[k + 1] > 0);
+    const bool touching = alike && touches(value[k - 1], value[k], value[k + 1], offset);
+    const double t = (i + offset) / steps;
+    if (touching && offset < 0) samples.add(t, f(t));
+    samples.add(1.0 * i / steps, value[k]);
+    if (touching && offset > 0) samples.add(t, f(t));
+  }
+  samples.add(1, at_q);
+  return samples;
+}
+
+void cross_edge(const Rival& rival, Point2 p, Point2 q, double at_p, double at_q, Crossings& crossings) {
+  const Point2 d = q - p;
+  const double length = std::sqrt(dot(d, d));
+  if (at_p * at_q > 0 && std::fabs(at_p) + std::fabs(at_q) > kPrecedenceSlope * length) return;
+  const auto f = [&](double t) { return precedence(rival, p + t * d); };
+  const double wanted = length / (kStep * rival.first.radius);
+  const Samples samples = sample_edge(f, at_p, at_q,
+                                      wanted < 2    ? 2
+                                      : wanted < 31 ? static_cast<int>(wanted) + 1
+                                                    : 32);
+  for (int i = 0; i + 1 < samples.count; ++i) {
+    const std::size_t k = static_cast<std::size_t>(i);
+    const double f0 = samples.value[k], f1 = samples.value[k + 1];
+    if ((f0 > 0) == (f1 > 0)) continue;
+    if (crossings.count == Crossings::kMaxCount) return;
+    const double t = find_root(f, samples.t[k], f0, samples.t[k + 1], f1, 4e-16);
+    if (crossings.count == 0) crossings.leaving_first = f0 > 0;
+    crossings.at[static_cast<std::size_t>(crossings.count++)] = p + t * d;
+  }
+}
+
+// Can the far end of neither tile have a part in their border over this part of the plane?
+bool is_near(const Rival& rival, Point2 middle, double reach) {
+  if (rival.near) return true;
+  if (!rival.joined || rival.first.kind != Cone::hull || rival.second.kind != Cone::hull) return false;
+  for (const Cone* cone : {&rival.first, &rival.second}) {
+    if (sight_of(*cone, middle).along + reach > cone->cosine * cone->length) return false;
+  }
+  return true;
+}
+
+bool holds(const Polygon2& polygon, Point2 p) {
+  for (int i = 0; i < polygon.count; ++i) {
+    const Point2 a = polygon.corner[static_cast<std::size_t>(i)];
+    const Point2 b = polygon.corner[static_cast<std::size_t>(i + 1 == polygon.count ? 0 : i + 1)];
+    if (cross(b - a, p - a) < 0) return false;
+  }
+  return true;
+}
+
+// The plane cuts the border's cone in one curve, which may close; then the axis of one of the tiles pierces
+// the plane inside it.
+bool has_island(const Rival& rival, const Polygon2& polygon, bool mine) {
+  for (const Cone* cone : {&rival.first, &rival.second}) {
+    if (!(cone->axis.z * cone->joint.z < 0)) continue;
+    const double t = -cone->joint.z / cone->axis.z;
+    const Point2 p{cone->joint.x + t * cone->axis.x, cone->joint.y + t * cone->axis.y};
+    if (holds(polygon, p) && (precedence(rival, p) > 0) != mine) return true;
+  }
+  return false;
+}
+
+// Both fields are concave: the lower one lies below its tangent plane, the higher one over what its values at
+// the corners span. So one look at each corner can tell that a part is wholly one tile's.
+bool is_higher(const Cone& higher, const Cone& lower, const Polygon2& polygon, Point2 middle) {
+  const Sight sight = sight_of(lower, middle);
+  const double value = cone_field(lower, sight);
+  const Point2 slope = cone_slope(lower, sight);
+  for (int i = 0; i < polygon.count; ++i) {
+    const Point2 p = polygon.corner[static_cast<std::size_t>(i)];
+    if (!(cone_field(higher, sight_of(higher, p)) > value + dot(slope, p - middle))) return false;
+  }
+  return true;
+}
+
+enum class Share : std::uint8_t { all, none, crossed, unclear };
+
+Share share_with(const Rival& rival, const Polygon2& polygon, Point2 middle, double reach,
+                 Crossings& crossings) {
+  const double here = precedence(rival, middle);
+  if (std::fabs(here) > kPrecedenceSlope * reach) return here > 0 ? Share::all : Share::none;
+  std::array<double, Polygon2::kMaxCorners> value;
+  for (int i = 0; i < polygon.count; ++i) {
+    value[static_cast<std::size_t>(i)] = precedence(rival, polygon.corner[static_cast<std::size_t>(i)]);
+  }
+  for (int i = 0; i < polygon.count; ++i) {
+    const std::size_t k = static_cast<std::size_t>(i), next = i + 1 == polygon.count ? 0 : k + 1;
+    cross_edge(rival, polygon.corner[k], polygon.corner[next], value[k], value[next], crossings);
+  }
+  const bool near = is_near(rival, middle, reach);
+  if (crossings.count == 2) {
+    return near || reach < kSmall * rival.first.radius ? Share::crossed : Share::unclear;
+  }
+  if (crossings.count > 0) return Share::unclear;
+  const bool mine = value[0] > 0;
+  const bool clear = near ? !has_island(rival, polygon, mine)
+                          : is_higher(mine ? rival.own() : rival.other(), mine ? rival.other() : rival.own(),
+                                      polygon, middle);
+  if (!clear) return Share::unclear;
+  return mine ? Share::all : Share::none;
+}
+
+Chord chord_of(const Crossings& crossings) {
+  // Once round counter-clockwise the rival's part lies to the right of the way from where the edge leaves the
+  // tile to where it comes back.
+  return crossings.leaving_first ? chord_between(crossings.at[0], crossings.at[1])
+                                 : chord_between(crossings.at[1], crossings.at[0]);
+}
+
+// One border runs through the part at hand. False where the part has to be split to follow it.
+bool add_crossed(const Rival& rival, const Crossings& crossings, Work& work) {
+  Section& section = work.section;
+  Chord chord = chord_of(crossings);
+  const Course course = follow_border(section, rival, chord);
+  if (course == Course::unclear) return false;
+  if (course == Course::outside) {
+    trace_boundary(section, work.boundary);
+    const AreaMoments area = section_area(section, work.boundary);
+    if (area.area > 0 && precedence(rival, area.centroid) > 0) add_all(work);
+    return true;
+  }
+  Bulge bulge;
+  if (!integrate_bulge(section, rival, chord, bulge)) return false;
+  cut_polygon(chord.across, dot(chord.across, chord.from), section.polygon);
+  add_all(work);
+  work.area += bulge.area;
+  work.area_first = work.area_first + bulge.area_first;
+  work.volume += bulge.volume;
+  work.first = work.first + bulge.first;
+  return true;
+}
+
+// A part too small to be split: borders are their chords, and all else goes to whoever has its middle.
+void add_least(Point2 middle, double reach, Work& work) {
+  const Polygon2 whole = work.section.polygon;
+  for (int i = 0; i < work.rival_count; ++i) {
+    const Rival& rival = work.rival[static_cast<std::size_t>(i)];
+    Crossings crossings;
+    const Share share = share_with(rival, whole, middle, reach, crossings);
+    if (share == Share::crossed) {
+      const Chord chord = chord_of(crossings);
+      cut_polygon(chord.across, dot(chord.across, chord.from), work.section.polygon);
+    } else if (share == Share::none || (share == Share::unclear && !(precedence(rival, middle) > 0))) {
+      return;
+    }
+  }
+  add_all(work);
+}
+
+// Halves a polygon across its longest diagonal.
+void halve(const Polygon2& polygon, Point2 middle, Polygon2& one, Polygon2& other) {
+  Point2 longest{1, 0};
+  double square = 0;
+  for (int i = 0; i < polygon.count; ++i) {
+    for (int k = 0; k < i; ++k) {
+      const Point2 d =
+          polygon.corner[static_cast<std::size_t>(i)] - polygon.corner[static_cast<std::size_t>(k)];
+      if (dot(d, d) > square) {
+        square = dot(d, d);
+        longest = d;
+      }
+    }
+  }
+  one = other = polygon;
+  cut_polygon(longest, dot(longest, middle), one);
+  cut_polygon(-1.0 * longest, -dot(longest, middle), other);
+}
+
+void add_part(const Polygon2& polygon, int level, Work& work) {
+  if (polygon.count < 3) return;
+  work.section.polygon = polygon;
+  if (classify(work.section) == Overlap::apart) return;
+  const Point2 middle = middle_of(polygon);
+  const double reach = reach_of(polygon, middle);
+  if (reach < kLeast * work.rival[0].first.radius || level > 60 || ++work.parts > kMostParts) {
+    return add_least(middle, reach, work);
+  }
+  const Rival* crossed = nullptr;
+  Crossings where;
+  bool clear = true;
+  for (int i = 0; i < work.rival_count; ++i) {
+    const Rival& rival = work.rival[static_cast<std::size_t>(i)];
+    Crossings crossings;
+    const Share share = share_with(rival, polygon, middle, reach, crossings);
+    if (share == Share::none) return;
+    clear = clear && share != Share::unclear && !(share == Share::crossed && crossed != nullptr);
+    if (share == Share::crossed) {
+      crossed = &rival;
+      where = crossings;
+    }
+  }
+  if (clear && crossed == nullptr) return add_all(work);
+  if (clear && add_crossed(*crossed, where, work)) return;
+  Polygon2 one, other;
+  halve(polygon, middle, one, other);
+  add_part(one, level + 1, work);
+  add_part(other, level + 1, work);
+}
+
+// What of the plane the tile can reach: far corners of a large triangle would only make borders long.
+void cut_to_section(const Section& section, Polygon2& polygon) {
+  double lower = 1e300, upper = -1e300;
+  for (int i = 0; i < section.zone_count; ++i) {
+    const Zone& zone = section.zone[static_cast<std::size_t>(i)];
+    if (!(zone.real_lower < zone.real_upper)) continue;
+    lower = min(lower, zone.real_lower);
+    upper = max(upper, zone.real_upper);
+  }
+  cut_polygon({1, 0}, upper, polygon);
+  cut_polygon({-1, 0}, -lower, polygon);
+  cut_polygon({0, 1}, section.radius1, polygon);
+  cut_polygon({0, -1}, section.radius1, polygon);
+}
+
+}  // namespace
+
+bool collide_shared(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c, Boundary& boundary,
+                    Contact& contact) {
+  const std::size_t phalanx = tile.segment, place = phalanx % 3;
+  const bool before = place > 0 && joint_matters(hand.border[phalanx - 1], a, b, c);
+  const bool after = place < 2 && joint_matters(hand.border[phalanx], a, b, c);
+  // The planes of the other joints are exact here.
+  Primitive cut = tile;
+  cut.cut_count = 0;
+  if (place > 0 && !before && hand.present[phalanx - 1]) cut.cut[cut.cut_count++] = tile.cut[0];
+  if (place < 2 && !after && hand.present[phalanx + 1]) {
+    cut.cut[cut.cut_count++] = tile.cut[static_cast<std::size_t>(tile.cut_count - 1)];
+  }
+  Section section;
+  if (!look_from_plane(cut, a, b, c, section)) return false;
+  Work work{section, boundary};
+  const auto add_rival = [&](const Rival& rival) {
+    work.rival[static_cast<std::size_t>(work.rival_count++)] = rival;
+  };
+  if (before) add_rival(joined(section, hand, phalanx - 1, false));
+  if (after) add_rival(joined(section, hand, phalanx, true));
+  if (place != 1 && hand.folded[phalanx / 3]) add_rival(apart(section, hand, phalanx / 3, place == 0));
+  Polygon2 polygon = section.polygon;
+  cut_to_section(section, polygon);
+  const double extent = reach_of(polygon, middle_of(polygon));
+  add_part(polygon, 0, work);
+  // Smaller than this an area is what rounding leaves of nothing.
+  if (!(work.area > 1e-14 * extent * min(extent, section.radius1))) return false;
+
+  contact.depth = work.depth;
+  contact.area = work.area;
+  contact.volume = max(0, work.volume);
+  contact.centroid = to_world(section, (1 / work.area) * work.area_first);
+  contact.centre = work.volume > 0 ? to_world(section, (1 / work.volume) * work.first) : contact.centroid;
+  contact.normal = section.n;
+  return true;
+}
+
+}  // namespace lumbrical
