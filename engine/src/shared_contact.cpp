@@ -32,7 +32,8 @@ struct Work {
   Section& section;  // its polygon is the part at hand
   Boundary& boundary;
   int rival_count = 0;
-  std::array<Rival, 3> rival{};
+  std::array<Rival, 2> rival{};
+  Rival others{};  // of two rivals, the first against the second
   int parts = 0;
   double area = 0, volume = 0, depth = 0;
   Point2 area_first{0, 0}, first{0, 0};
@@ -322,22 +323,25 @@ void add_part(const Polygon2& polygon, int level, Work& work) {
   if (reach < kLeast * work.rival[0].first.radius || level > 60 || ++work.parts > kMostParts) {
     return add_least(middle, reach, work);
   }
-  const Rival* crossed = nullptr;
-  Crossings where;
-  bool clear = true;
+  std::array<Share, 2> share{Share::all, Share::all};
+  std::array<Crossings, 2> crossings;
   for (int i = 0; i < work.rival_count; ++i) {
-    const Rival& rival = work.rival[static_cast<std::size_t>(i)];
-    Crossings crossings;
-    const Share share = share_with(rival, polygon, middle, reach, crossings);
-    if (share == Share::none) return;
-    clear = clear && share != Share::unclear && !(share == Share::crossed && crossed != nullptr);
-    if (share == Share::crossed) {
-      crossed = &rival;
-      where = crossings;
-    }
+    const std::size_t k = static_cast<std::size_t>(i);
+    share[k] = share_with(work.rival[k], polygon, middle, reach, crossings[k]);
+    if (share[k] == Share::none) return;
   }
-  if (clear && crossed == nullptr) return add_all(work);
-  if (clear && add_crossed(*crossed, where, work)) return;
+  if (share[0] != Share::all && share[1] != Share::all) {
+    // Where one rival is ahead of the other everywhere, the other one doesn't count. Two rivals with a sphere in
+    // common may have the same border with this tile, so this must not be left to splitting.
+    Crossings ignored;
+    const Share ahead = share_with(work.others, polygon, middle, reach, ignored);
+    if (ahead == Share::all) share[1] = Share::all;
+    if (ahead == Share::none) share[0] = Share::all;
+  }
+  if (share[0] == Share::all && share[1] == Share::all) return add_all(work);
+  const std::size_t k = share[0] == Share::all ? 1 : 0;
+  const bool one_border = share[k] == Share::crossed && share[1 - k] == Share::all;
+  if (one_border && add_crossed(work.rival[k], crossings[k], work)) return;
   Polygon2 one, other;
   halve(polygon, middle, one, other);
   add_part(one, level + 1, work);
@@ -382,6 +386,12 @@ bool collide_shared(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 
   if (before) add_rival(joined(section, hand, phalanx - 1, false));
   if (after) add_rival(joined(section, hand, phalanx, true));
   if (place != 1 && hand.folded[phalanx / 3]) add_rival(apart(section, hand, phalanx / 3, place == 0));
+  if (work.rival_count == 2) {
+    // First the neighbour, then the one beyond it; of the middle phalanx the inner one, then the outer one.
+    work.others = place == 0   ? joined(section, hand, phalanx + 1, true)
+                  : place == 1 ? apart(section, hand, phalanx / 3, true)
+                               : joined(section, hand, phalanx - 2, false);
+  }
   Polygon2 polygon = section.polygon;
   cut_to_section(section, polygon);
   const double extent = reach_of(polygon, middle_of(polygon));
