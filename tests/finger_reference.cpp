@@ -82,27 +82,32 @@ struct Plane {
   Vec3 origin, u, v;
 };
 
-// Where along the line one phalanx's field, which is concave, is largest: golden section.
-double deepest_on_line(const ReferenceCapsule& capsule, const Plane& plane, double x, double low, double high) {
-  const auto field = [&](double y) {
-    return nearest_of(capsule, plane.origin + x * plane.u + y * plane.v).field;
-  };
+// Where a concave function is largest between low and high: golden section.
+template <class F>
+double peak_of(F&& f, double low, double high) {
   const double share = 0.6180339887498949;
-  double a = low, b = high, c = b - share * (b - a), d = a + share * (b - a), fc = field(c), fd = field(d);
+  double a = low, b = high, c = b - share * (b - a), d = a + share * (b - a), fc = f(c), fd = f(d);
   for (int i = 0; i < 60; ++i) {
     if (fc > fd) {
       b = d;
       d = c;
       fd = fc;
-      fc = field(c = b - share * (b - a));
+      fc = f(c = b - share * (b - a));
     } else {
       a = c;
       c = d;
       fc = fd;
-      fd = field(d = a + share * (b - a));
+      fd = f(d = a + share * (b - a));
     }
   }
   return 0.5 * (a + b);
+}
+
+// The y at which one phalanx's field, which is concave, is largest on the line of one x.
+double peak_on_line(const ReferenceCapsule& capsule, const Plane& plane, double x, double low, double high) {
+  return peak_of(
+      [&](double y) { return nearest_of(capsule, plane.origin + x * plane.u + y * plane.v).field; }, low,
+      high);
 }
 
 // Integrals along y at one x, split where another sphere takes over or the finger ends.
@@ -120,9 +125,9 @@ Sums along_line(const std::vector<ReferenceCapsule>& finger, const Plane& plane,
     if (sphere >= 0 && to > start) sum += integrate(f, start, to, 1e-13);
   };
   std::vector<double> stops = {high};
-  const int steps = 12 + static_cast<int>((high - low) / 0.05);
+  const int steps = 12 + static_cast<int>((high - low) / 0.03);
   for (int i = 1; i < steps; ++i) stops.push_back(low + (high - low) * i / steps);
-  for (const ReferenceCapsule& capsule : finger) stops.push_back(deepest_on_line(capsule, plane, x, low, high));
+  for (const ReferenceCapsule& capsule : finger) stops.push_back(peak_on_line(capsule, plane, x, low, high));
   std::sort(stops.begin(), stops.end());
   double previous = low;
   for (const double y : stops) {
@@ -193,7 +198,43 @@ FingerReference finger_reference(const std::vector<ReferenceCapsule>& posed, Vec
     return bottom < top ? along_line(finger, plane, at, bottom, top) : Sums{};
   };
   std::vector<double> ends = {x[0], x[1], x[2]};
-  for (int i = -8; i <= 8; ++i) ends.push_back(reach * i / 8);
+  for (int i = -16; i <= 16; ++i) ends.push_back(reach * i / 16);
+  // Where the phalanges begin and end.
+  for (const ReferenceCapsule& capsule : finger) {
+    const auto highest = [&](double at) {
+      const double top = peak_on_line(capsule, plane, at, -reach, reach);
+      return nearest_of(capsule, plane.origin + at * plane.u + top * plane.v).field;
+    };
+    const double peak = peak_of(highest, -reach, reach);
+    if (!(highest(peak) > 0)) continue;
+    for (const double side : {-reach, reach}) {
+      double inside = peak, outside = side;
+      for (int i = 0; i < 50; ++i) {
+        const double half = 0.5 * (inside + outside);
+        (highest(half) > 0 ? inside : outside) = half;
+      }
+      ends.push_back(inside);
+    }
+  }
+  // Where edges run into phalanges.
+  for (const ReferenceCapsule& capsule : finger) {
+    for (int i = 0; i < 3; ++i) {
+      const int k = (i + 1) % 3;
+      const auto along = [&](double t) {
+        return nearest_of(capsule, corner[i] + t * (corner[k] - corner[i])).field;
+      };
+      const double peak = peak_of(along, 0, 1);
+      for (const double side : {0.0, 1.0}) {
+        if (!(along(peak) > 0) || along(side) > 0) continue;
+        double inside = peak, outside = side;
+        for (int step = 0; step < 60; ++step) {
+          const double half = 0.5 * (inside + outside);
+          (along(half) > 0 ? inside : outside) = half;
+        }
+        ends.push_back(x[i] + inside * (x[k] - x[i]));
+      }
+    }
+  }
   std::sort(ends.begin(), ends.end());
   Sums sum;
   for (std::size_t i = 0; i + 1 < ends.size(); ++i) {

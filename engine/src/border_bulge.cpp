@@ -149,50 +149,63 @@ struct Across {
   const Chord& chord;
 };
 
+void add_node(const Across& across, int zone, double s, double y, double weight, Bulge& bulge) {
+  const Point2 p = across.chord.at(s, y);
+  const double share = weight * field_of(across.section, across.slant, zone, p);
+  bulge.volume += share;
+  bulge.first = bulge.first + share * p;
+}
+
 template <std::size_t N>
-void add_nodes(const Across& across, const GaussNode (&rule)[N], double s, double from, double to,
-               double weight, Bulge& bulge) {
-  const int zone = zone_of(across.section, across.slant, across.chord.at(s, 0.5 * (from + to))).zone;
+void add_nodes(const Across& across, const GaussNode (&rule)[N], double s, double height, double weight,
+               Bulge& bulge) {
+  const int zone = zone_of(across.section, across.slant, across.chord.at(s, 0.5 * height)).zone;
   for (const GaussNode& node : rule) {
-    const Point2 p = across.chord.at(s, from + (to - from) * node.at);
-    const double share = weight * node.weight * (to - from) * field_of(across.section, across.slant, zone, p);
-    bulge.volume += share;
-    bulge.first = bulge.first + share * p;
+    add_node(across, zone, s, height * node.at, weight * node.weight * height, bulge);
   }
 }
 
-// From `from` to `to` at abscissa s, where one sphere of the own tile after the other is the nearest.
-void add_strip(const Across& across, double s, double from, double to, double weight, Bulge& bulge) {
+// A strip that comes near to the axis, or over which another sphere becomes the nearest.
+void add_graded(const Across& across, double s, double height, double weight, Bulge& bulge) {
   const Cone& own = across.rival.own();
-  const auto sight = [&](double y) { return sight_of(own, across.chord.at(s, y)); };
-  const Sight start = sight(from), end = sight(to);
-  const int part1 = part_of(own, start), part2 = part_of(own, end);
-  if (part1 != part2) {
-    const double border = part1 + part2 == 3 ? own.cosine * own.length : 0;
-    const auto beyond = [&](double y) { return sight(y).along - border; };
-    const double change =
-        find_root(beyond, from, start.along - border, to, end.along - border, 1e-10 * own.radius);
-    // Two changes at once, over a cone next to nothing long, are left to the rule.
-    add_nodes(across, kGauss8, s, from, change, weight, bulge);
-    add_nodes(across, kGauss8, s, change, to, weight, bulge);
-    return;
+  const auto along = [&](double t) { return sight_of(own, across.chord.at(s, t * height)).along; };
+  Singularities kinks;
+  for (const double from : {0.0, own.cosine * own.length}) {
+    if (own.kind != Cone::hull) break;
+    const auto beyond = [&](double t) { return along(t) - from; };
+    const double start = beyond(0), end = beyond(1);
+    if ((start > 0) != (end > 0)) kinks.add(find_root(beyond, 0, start, 1, end, 1e-12));
   }
+  const Point2 foot = across.chord.at(s, 0);
+  const Vec3 first = Vec3{foot.x, foot.y, 0} - own.joint, second = first - own.length * own.axis;
+  const Vec3 step = height * Vec3{across.chord.across.x, across.chord.across.y, 0};
+  const Vec3 turned = cross(step, own.axis), from_axis = cross(first, own.axis);
+  add_closest_approach(dot(turned, turned), dot(from_axis, turned), dot(from_axis, from_axis), kinks);
+  add_closest_approach(dot(step, step), dot(first, step), dot(first, first), kinks);
+  add_closest_approach(dot(step, step), dot(second, step), dot(second, second), kinks);
+  graded_nodes(0, 1, kinks, [&](double t, double share) {
+    const int zone = zone_of(across.section, across.slant, across.chord.at(s, t * height)).zone;
+    add_node(across, zone, s, t * height, share * weight * height, bulge);
+  });
+}
+
+// From the chord to the border at abscissa s.
+void add_strip(const Across& across, double s, double height, double weight, Bulge& bulge) {
+  const Cone& own = across.rival.own();
+  const Sight start = sight_of(own, across.chord.at(s, 0)), end = sight_of(own, across.chord.at(s, height));
+  const int part = part_of(own, start);
+  if (part != part_of(own, end)) return add_graded(across, s, height, weight, bulge);
+  const auto distance = [&](const Sight& sight) {
+    return part == 0   ? sight.distance
+           : part == 1 ? sight.radial
+                       : norm(sight.from - own.length * own.axis);
+  };
   // n nodes on a length l at a distance d from the axis leave about (2 + 4 d / l)^(-2 n).
-  const double width = std::fabs(to - from);
-  const double distance =
-      (part1 == 1   ? min(start.radial, end.radial)
-       : part1 == 0 ? min(start.distance, end.distance)
-                    : min(norm(start.from - own.length * own.axis), norm(end.from - own.length * own.axis))) -
-      width;
-  if (width < 0.12 * distance) {
-    add_nodes(across, kGauss4, s, from, to, weight, bulge);
-  } else if (width < 0.5 * distance) {
-    add_nodes(across, kGauss6, s, from, to, weight, bulge);
-  } else if (width < distance) {
-    add_nodes(across, kGauss8, s, from, to, weight, bulge);
-  } else {
-    add_nodes(across, kGauss16, s, from, to, weight, bulge);
-  }
+  const double width = std::fabs(height), nearest = min(distance(start), distance(end)) - 0.5 * width;
+  if (width < 0.12 * nearest) return add_nodes(across, kGauss4, s, height, weight, bulge);
+  if (width < 0.5 * nearest) return add_nodes(across, kGauss6, s, height, weight, bulge);
+  if (width < nearest) return add_nodes(across, kGauss8, s, height, weight, bulge);
+  add_graded(across, s, height, weight, bulge);
 }
 
 }  // namespace
@@ -246,7 +259,7 @@ bool integrate_bulge(const Section& section, const Rival& rival, const Chord& ch
     const double s = chord.length * t, y = border.height_at(s), area = weight * chord.length * y;
     bulge.area += area;
     bulge.area_first = bulge.area_first + area * chord.at(s, 0.5 * y);
-    add_strip(across, s, 0, y, weight * chord.length, bulge);
+    add_strip(across, s, y, weight * chord.length, bulge);
   });
   return border.good;
 }
