@@ -71,13 +71,25 @@ Point2 corner_of(const Boundary& boundary) {
   return {piece.from_x, piece.from_y};
 }
 
-double reach_from(Point2 p, const Boundary& boundary) {
+double reach_from(Point2 p, const Section& section, const Boundary& boundary) {
   double square = 0;
+  const auto include = [&](double x, double y) {
+    const Point2 d{x - p.x, y - p.y};
+    square = max(square, dot(d, d));
+  };
   for (int i = 0; i < boundary.count; ++i) {
     const Piece& piece = boundary.piece[static_cast<std::size_t>(i)];
     if (piece.kind == Piece::none) continue;
-    const Point2 d{piece.from_x - p.x, piece.from_y - p.y};
-    square = max(square, dot(d, d));
+    include(piece.from_x, piece.from_y);
+    if (piece.kind != Piece::arc) continue;
+    // An arc reaches beyond its ends, as far out as the zone's curve is high between them.
+    const Zone& zone = section.zone[piece.zone];
+    const double lower = min(piece.from_x, piece.to_x), upper = max(piece.from_x, piece.to_x);
+    const double vertex = zone.gamma > 0 ? clamp(zone.x0 + zone.beta / zone.gamma, lower, upper) : lower;
+    const double height = std::sqrt(
+        max(0, max(eta_squared(zone, vertex), max(piece.from_y * piece.from_y, piece.to_y * piece.to_y))));
+    include(lower, piece.side * height);
+    include(upper, piece.side * height);
   }
   return std::sqrt(square);
 }
@@ -95,20 +107,20 @@ bool field_of_small_region(const Section& section, const Slant& slant, const Are
                            const Boundary& boundary, PressureMoments& moments) {
   if (section.shape == Shape::flat) return false;  // its flat ends are no part of the traced boundary
   const FieldZone here = zone_of(section, slant, area.centroid);
-  const double radius = reach_from(area.centroid, boundary);
+  const double radius = reach_from(area.centroid, section, boundary);
   if (!(radius < here.margin)) return false;
   const Point2 corner = corner_of(boundary);
   const double phi = field_of(section, slant, here.zone, area.centroid);
   const double clearance = max(section.radius2 - phi - radius, axis_height(section, here.zone));
   // n nodes on a length l at a distance d from the axis leave about (2 + 4 d / l)^(-2 n).
-  const double size = clearance > 0 ? reach_from(corner, boundary) / clearance : 1e300;
+  const double size = clearance > 0 ? reach_from(corner, section, boundary) / clearance : 1e300;
   moments = {};
   const Integrand integrand{section, slant, here.zone, moments};
   if (size < 0.12) {
     add_region(integrand, kGauss4, corner, boundary);
-  } else if (size < 0.5) {
+  } else if (size < 0.35) {
     add_region(integrand, kGauss6, corner, boundary);
-  } else if (size < 1.4) {
+  } else if (size < 0.7) {
     add_region(integrand, kGauss8, corner, boundary);
   } else {
     return false;
