@@ -46,6 +46,12 @@ Nearest nearest_sphere(const std::vector<ReferenceCapsule>& finger, Vec3 p) {
   return best;
 }
 
+double difference(const Sums& a, const Sums& b) {
+  double worst = 0;
+  for (std::size_t i = 0; i < 6; ++i) worst = std::fmax(worst, std::fabs(a.of[i] - b.of[i]));
+  return worst;
+}
+
 // Gauss-Kronrod 7-15 on [-1, 1].
 constexpr double kAt[8] = {0.991455371120812639206854697526329, 0.949107912342758524526189684047851,
                            0.864864423359769072789712788640926, 0.741531185599394439863864773280788,
@@ -58,9 +64,13 @@ constexpr double kKronrod[8] = {0.022935322010529224963732008058970, 0.063092092
 constexpr double kGauss[4] = {0.129484966168869693270611432679082, 0.279705391489276667901467771423780,
                               0.381830050505118944950369775488975, 0.417959183673469387755102040816327};
 
-// Halves until both rules agree to `tolerance`, which is pessimistic.
+struct Estimate {
+  Sums value;
+  double doubt = 0;
+};
+
 template <class F>
-Sums integrate(F&& f, double from, double to, double tolerance, int level = 0) {
+Estimate both_rules(F&& f, double from, double to) {
   const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
   Sums fine, coarse;
   for (int i = 0; i < 8; ++i) {
@@ -71,11 +81,25 @@ Sums integrate(F&& f, double from, double to, double tolerance, int level = 0) {
       if (i % 2 == 1) coarse += half * kGauss[i / 2] * value;
     }
   }
-  double worst = 0;
-  for (std::size_t i = 0; i < 6; ++i) worst = std::fmax(worst, std::fabs(fine.of[i] - coarse.of[i]));
-  if (worst <= tolerance || level > 40) return fine;
-  Sums sum = integrate(f, from, middle, tolerance, level + 1);
-  return sum += integrate(f, middle, to, tolerance, level + 1);
+  return {fine, difference(fine, coarse)};
+}
+
+// Halves until both rules agree to `tolerance`, which is pessimistic, and the halves with the whole.
+template <class F>
+Sums integrate(F&& f, double from, double to, double tolerance, const Estimate& whole, int level) {
+  const double middle = 0.5 * (from + to);
+  const Estimate left = both_rules(f, from, middle), right = both_rules(f, middle, to);
+  Sums sum = left.value;
+  sum += right.value;
+  const double doubt = std::fmax(whole.doubt, difference(whole.value, sum));
+  if (doubt <= tolerance || level > 18) return sum;
+  Sums halves = integrate(f, from, middle, tolerance, left, level + 1);
+  return halves += integrate(f, middle, to, tolerance, right, level + 1);
+}
+
+template <class F>
+Sums integrate(F&& f, double from, double to, double tolerance) {
+  return integrate(f, from, to, tolerance, both_rules(f, from, to), 0);
 }
 
 struct Plane {

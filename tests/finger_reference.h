@@ -11,13 +11,13 @@ namespace lumbrical::test {
 
 /// One phalanx: the hull of its end spheres.
 struct ReferenceCapsule {
-  Vec3 end1, end2;             ///< [m]
+  Vec3 end1, end2;                  ///< [m]
   double radius1 = 0, radius2 = 0;  ///< [m]
 };
 
 struct FingerReference {
-  double area = 0;    ///< [m^2] of the triangle inside the finger
-  double volume = 0;  ///< [m^3] integral of phi over it
+  double area = 0;         ///< [m^2] of the triangle inside the finger
+  double volume = 0;       ///< [m^3] integral of phi over it
   Vec3 area_first, first;  ///< [m^3], [m^4] first moments of both, about the triangle's first corner
 };
 
