@@ -146,7 +146,7 @@ Sums along_line(const std::vector<ReferenceCapsule>& finger, const Plane& plane,
   double start = low;
   int sphere = at(low).sphere;
   const auto piece = [&](double to) {
-    if (sphere >= 0 && to > start) sum += integrate(f, start, to, 1e-13);
+    if (sphere >= 0 && to > start) sum += integrate(f, start, to, 3e-14);
   };
   std::vector<double> stops = {high};
   const int steps = 12 + static_cast<int>((high - low) / 0.03);
@@ -263,7 +263,7 @@ FingerReference finger_reference(const std::vector<ReferenceCapsule>& posed, Vec
   Sums sum;
   for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
     if (ends[i] < -reach || ends[i + 1] > reach || ends[i] == ends[i + 1]) continue;
-    sum += integrate(line, ends[i], ends[i + 1], 3e-13);
+    sum += integrate(line, ends[i], ends[i + 1], 1e-12);
   }
   FingerReference result;
   const double square = unit * unit, cube = square * unit;

@@ -115,65 +115,62 @@ struct Crossings {
   bool leaving_first = false;  // the first of them leads out of the tile
 };
 
-// Values of precedence along an edge, with one more where a border seems to touch it between two of them.
-struct Samples {
-  int count = 0;
-  std::array<double, 64> t, value;
-  void add(double at, double v) {
-    if (count == static_cast<int>(t.size())) return;
-    t[static_cast<std::size_t>(count)] = at;
-    value[static_cast<std::size_t>(count++)] = v;
-  }
+// An edge p + t d and what is found along it.
+struct Edge {
+  const Rival& rival;
+  Point2 p, d;
+  double length;
+  Crossings& crossings;
+  [[nodiscard]] double at(double t) const { return precedence(rival, p + t * d); }
 };
 
-// The vertex of the parabola through three equally spaced values of one sign, where it comes close to zero.
-bool touches(double a, double b, double c, double& offset) {
-  const double bend = a - 2 * b + c, sign = b > 0 ? 1 : -1;
-  if (!(sign * bend > 0) || sign * a < sign * b || sign * c < sign * b) return false;
-  offset = 0.5 * (a - c) / bend;
-  return sign * (b - 0.25 * (a - c) * offset) < 0.3 * sign * b;
+void add_root(const Edge& edge, double t0, double f0, double t1, double f1) {
+  Crossings& crossings = edge.crossings;
+  if (crossings.count == Crossings::kMaxCount) return;
+  const double t = find_root([&](double at) { return edge.at(at); }, t0, f0, t1, f1, 4e-16);
+  if (crossings.count == 0) crossings.leaving_first = f0 > 0;
+  crossings.at[static_cast<std::size_t>(crossings.count++)] = edge.p + t * edge.d;
 }
 
-template <class F>
-Samples sample_edge(F&& f, double at_p, double at_q, int steps) {
-  std::array<double, 33> value{};
-  for (int i = 0; i <= steps; ++i) {
-    value[static_cast<std::size_t>(i)] = i == 0 ? at_p : i == steps ? at_q : f(1.0 * i / steps);
+// Both ends of t0..t1 belong to the same tile. May the other one have something in between? Then precedence
+// has a dip there; as long as it is convex it lies above its tangents at both ends, and where these meet
+// either is in the dip or parts it into smaller ones.
+void find_dip(const Edge& edge, double t0, double f0, double t1, double f1, int level) {
+  const double width = t1 - t0, sign = f0 > 0 ? 1 : -1;
+  if (level > 30 || sign * (f0 + f1) > kPrecedenceSlope * edge.length * width) return;
+  const double step = 1e-4 * width;
+  const double slope0 = sign * (edge.at(t0 + step) - f0) / step,
+               slope1 = sign * (f1 - edge.at(t1 - step)) / step;
+  if (!(slope0 < 0 && slope1 > 0)) return;
+  const double offset = (sign * (f1 - f0) - slope1 * width) / (slope0 - slope1);
+  if (!(offset > 1e-3 * width && offset < 0.999 * width) || sign * f0 + slope0 * offset > 0) return;
+  const double t = t0 + offset, f = edge.at(t);
+  if ((f > 0) == (f0 > 0)) {
+    find_dip(edge, t0, f0, t, f, level + 1);
+    find_dip(edge, t, f, t1, f1, level + 1);
+  } else {
+    add_root(edge, t0, f0, t, f);
+    add_root(edge, t, f, t1, f1);
   }
-  Samples samples;
-  samples.add(0, at_p);
-  for (int i = 1; i < steps; ++i) {
-    const std::size_t k = static_cast<std::size_t>(i);
-    double offset = 0;
-    const bool alike = (value[k - 1] > 0) == (value[k] > 0) && (value[k] > 0) == (value[k + 1] > 0);
-    const bool touching = alike && touches(value[k - 1], value[k], value[k + 1], offset);
-    const double t = (i + offset) / steps;
-    if (touching && offset < 0) samples.add(t, f(t));
-    samples.add(1.0 * i / steps, value[k]);
-    if (touching && offset > 0) samples.add(t, f(t));
-  }
-  samples.add(1, at_q);
-  return samples;
 }
 
 void cross_edge(const Rival& rival, Point2 p, Point2 q, double at_p, double at_q, Crossings& crossings) {
   const Point2 d = q - p;
-  const double length = std::sqrt(dot(d, d));
-  if (at_p * at_q > 0 && std::fabs(at_p) + std::fabs(at_q) > kPrecedenceSlope * length) return;
-  const auto f = [&](double t) { return precedence(rival, p + t * d); };
-  const double wanted = length / (kStep * rival.first.radius);
-  const Samples samples = sample_edge(f, at_p, at_q,
-                                      wanted < 2    ? 2
-                                      : wanted < 31 ? static_cast<int>(wanted) + 1
-                                                    : 32);
-  for (int i = 0; i + 1 < samples.count; ++i) {
-    const std::size_t k = static_cast<std::size_t>(i);
-    const double f0 = samples.value[k], f1 = samples.value[k + 1];
-    if ((f0 > 0) == (f1 > 0)) continue;
-    if (crossings.count == Crossings::kMaxCount) return;
-    const double t = find_root(f, samples.t[k], f0, samples.t[k + 1], f1, 4e-16);
-    if (crossings.count == 0) crossings.leaving_first = f0 > 0;
-    crossings.at[static_cast<std::size_t>(crossings.count++)] = p + t * d;
+  const Edge edge{rival, p, d, std::sqrt(dot(d, d)), crossings};
+  const bool same = (at_p > 0) == (at_q > 0);
+  if (same && std::fabs(at_p) + std::fabs(at_q) > kPrecedenceSlope * edge.length) return;
+  const double wanted = edge.length / (kStep * rival.first.radius);
+  const int steps = wanted < 1 ? 2 : wanted < 31 ? static_cast<int>(wanted) + 1 : 32;
+  double t0 = 0, f0 = at_p;
+  for (int i = 1; i <= steps; ++i) {
+    const double t1 = 1.0 * i / steps, f1 = i == steps ? at_q : edge.at(t1);
+    if ((f0 > 0) == (f1 > 0)) {
+      find_dip(edge, t0, f0, t1, f1, 0);
+    } else {
+      add_root(edge, t0, f0, t1, f1);
+    }
+    t0 = t1;
+    f0 = f1;
   }
 }
 
@@ -295,9 +292,14 @@ void add_least(Point2 middle, double reach, Work& work) {
   add_all(work);
 }
 
-// Halves a polygon across its longest diagonal.
-void halve(const Polygon2& polygon, Point2 middle, Polygon2& one, Polygon2& other) {
-  Point2 longest{1, 0};
+// A straight line to split a part along: the points where dot(normal, p - point) = 0.
+struct Split {
+  Point2 point, normal;
+};
+
+// Across the longest diagonal.
+Split split_across(const Polygon2& polygon, Point2 middle) {
+  Split split{middle, {1, 0}};
   double square = 0;
   for (int i = 0; i < polygon.count; ++i) {
     for (int k = 0; k < i; ++k) {
@@ -305,13 +307,30 @@ void halve(const Polygon2& polygon, Point2 middle, Polygon2& one, Polygon2& othe
           polygon.corner[static_cast<std::size_t>(i)] - polygon.corner[static_cast<std::size_t>(k)];
       if (dot(d, d) > square) {
         square = dot(d, d);
-        longest = d;
+        split.normal = d;
       }
     }
   }
-  one = other = polygon;
-  cut_polygon(longest, dot(longest, middle), one);
-  cut_polygon(-1.0 * longest, -dot(longest, middle), other);
+  return split;
+}
+
+// A border too curved for its chord is split in its middle, and two of them at once along the strip between.
+Split split_for(const Crossings& crossings, const Polygon2& polygon, Point2 middle) {
+  const auto half = [&](std::size_t i, std::size_t k) { return 0.5 * (crossings.at[i] + crossings.at[k]); };
+  const auto square = [&](std::size_t i, std::size_t k) {
+    const Point2 d = crossings.at[i] - crossings.at[k];
+    return dot(d, d);
+  };
+  Split split = split_across(polygon, middle);
+  if (crossings.count == 2) {
+    const Point2 chord = crossings.at[1] - crossings.at[0];
+    if (dot(chord, chord) > 0) split = {half(0, 1), chord};
+  } else if (crossings.count == 4) {
+    const bool ends = square(0, 1) + square(2, 3) < square(1, 2) + square(3, 0);
+    const Point2 from = ends ? half(0, 1) : half(1, 2), along = (ends ? half(2, 3) : half(3, 0)) - from;
+    if (dot(along, along) > 0) split = {from, {along.y, -along.x}};
+  }
+  return split;
 }
 
 void add_part(const Polygon2& polygon, int level, Work& work) {
@@ -331,8 +350,8 @@ void add_part(const Polygon2& polygon, int level, Work& work) {
     if (share[k] == Share::none) return;
   }
   if (share[0] != Share::all && share[1] != Share::all) {
-    // Where one rival is ahead of the other everywhere, the other one doesn't count. Two rivals with a sphere in
-    // common may have the same border with this tile, so this must not be left to splitting.
+    // Where one rival is ahead of the other everywhere, the other one doesn't count. Two rivals with a sphere
+    // in common may have the same border with this tile, so this must not be left to splitting.
     Crossings ignored;
     const Share ahead = share_with(work.others, polygon, middle, reach, ignored);
     if (ahead == Share::all) share[1] = Share::all;
@@ -342,8 +361,12 @@ void add_part(const Polygon2& polygon, int level, Work& work) {
   const std::size_t k = share[0] == Share::all ? 1 : 0;
   const bool one_border = share[k] == Share::crossed && share[1 - k] == Share::all;
   if (one_border && add_crossed(work.rival[k], crossings[k], work)) return;
-  Polygon2 one, other;
-  halve(polygon, middle, one, other);
+  const bool both = share[0] != Share::all && share[1] != Share::all;
+  const Split split = both ? split_across(polygon, middle) : split_for(crossings[k], polygon, middle);
+  const double offset = dot(split.normal, split.point);
+  Polygon2 one = polygon, other = polygon;
+  cut_polygon(split.normal, offset, one);
+  cut_polygon(-1.0 * split.normal, -offset, other);
   add_part(one, level + 1, work);
   add_part(other, level + 1, work);
 }
