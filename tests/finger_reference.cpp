@@ -84,22 +84,26 @@ Estimate both_rules(F&& f, double from, double to) {
   return {fine, difference(fine, coarse)};
 }
 
-// Halves until both rules agree to `tolerance`, which is pessimistic, and the halves with the whole.
+// Halves until both rules agree to `tolerance`, which is pessimistic. For smooth functions.
 template <class F>
-Sums integrate(F&& f, double from, double to, double tolerance, const Estimate& whole, int level) {
+Sums integrate_smooth(F&& f, double from, double to, double tolerance, int level = 0) {
+  const Estimate whole = both_rules(f, from, to);
+  if (whole.doubt <= tolerance || level > 30) return whole.value;
+  const double middle = 0.5 * (from + to);
+  Sums sum = integrate_smooth(f, from, middle, tolerance, level + 1);
+  return sum += integrate_smooth(f, middle, to, tolerance, level + 1);
+}
+
+// Halves until the halves agree with the whole as well, so that a corner between the nodes is seen.
+template <class F>
+Sums integrate(F&& f, double from, double to, double tolerance, const Estimate& whole, int level = 0) {
   const double middle = 0.5 * (from + to);
   const Estimate left = both_rules(f, from, middle), right = both_rules(f, middle, to);
   Sums sum = left.value;
   sum += right.value;
-  const double doubt = std::fmax(whole.doubt, difference(whole.value, sum));
-  if (doubt <= tolerance || level > 18) return sum;
+  if (std::fmax(whole.doubt, difference(whole.value, sum)) <= tolerance || level > 18) return sum;
   Sums halves = integrate(f, from, middle, tolerance, left, level + 1);
   return halves += integrate(f, middle, to, tolerance, right, level + 1);
-}
-
-template <class F>
-Sums integrate(F&& f, double from, double to, double tolerance) {
-  return integrate(f, from, to, tolerance, both_rules(f, from, to), 0);
 }
 
 struct Plane {
@@ -146,7 +150,7 @@ Sums along_line(const std::vector<ReferenceCapsule>& finger, const Plane& plane,
   double start = low;
   int sphere = at(low).sphere;
   const auto piece = [&](double to) {
-    if (sphere >= 0 && to > start) sum += integrate(f, start, to, 3e-14);
+    if (sphere >= 0 && to > start) sum += integrate_smooth(f, start, to, 3e-14);
   };
   std::vector<double> stops = {high};
   const int steps = 12 + static_cast<int>((high - low) / 0.03);
@@ -263,7 +267,7 @@ FingerReference finger_reference(const std::vector<ReferenceCapsule>& posed, Vec
   Sums sum;
   for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
     if (ends[i] < -reach || ends[i + 1] > reach || ends[i] == ends[i + 1]) continue;
-    sum += integrate(line, ends[i], ends[i + 1], 1e-12);
+    sum += integrate(line, ends[i], ends[i + 1], 1e-12, both_rules(line, ends[i], ends[i + 1]));
   }
   FingerReference result;
   const double square = unit * unit, cube = square * unit;

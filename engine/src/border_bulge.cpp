@@ -196,6 +196,7 @@ Roughness roughness_of(Border& border) {
     add_changes([&](double s) { return along(rival.own(), chord.at(s, 0), from); }, chord.length, rough);
   }
   for (const Cone* cone : {&rival.first, &rival.second}) {
+    if (!rival.near) add_point(cone->joint + cone->length * cone->axis, border, rough);
     if (cone->kind != Cone::hull) continue;
     for (const double from : {0.0, 1.0}) {
       // Between joined tiles the border itself is smooth where the joint's sphere takes over.
@@ -203,7 +204,6 @@ Roughness roughness_of(Border& border) {
       add_changes([&](double s) { return along(*cone, border.point(s), from); }, chord.length, rough);
     }
     add_axis(*cone, border, rough);
-    if (!rival.near) add_point(cone->joint + cone->length * cone->axis, border, rough);
   }
   // A curve as high as this over its chord turns back on itself so far beyond its ends, if it goes on as it
   // is.

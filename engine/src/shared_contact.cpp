@@ -68,10 +68,14 @@ Rival joined(const Section& section, const Primitives& hand, std::size_t phalanx
           hand.border[phalanx].near, is_first};
 }
 
+// The innermost and the outermost phalanx; round a middle one of no length they have a joint in common.
 Rival apart(const Section& section, const Primitives& hand, std::size_t finger, bool is_first) {
   const Primitive &inner = hand.capsule[3 * finger], &outer = hand.capsule[3 * finger + 2];
-  return {cone_from(section, inner.end1, inner.end2, inner.radius1, inner.radius2),
-          cone_from(section, outer.end1, outer.end2, outer.radius1, outer.radius2), false, false, is_first};
+  const bool same_joint =
+      norm(inner.end2 - outer.end1) < kLeast * kLeast * inner.radius2 && inner.radius2 == outer.radius1;
+  return {cone_from(section, inner.end2, inner.end1, inner.radius2, inner.radius1),
+          cone_from(section, outer.end1, outer.end2, outer.radius1, outer.radius2), same_joint, false,
+          is_first};
 }
 
 Point2 middle_of(const Polygon2& polygon) {
@@ -361,8 +365,11 @@ void add_part(const Polygon2& polygon, int level, Work& work) {
   const std::size_t k = share[0] == Share::all ? 1 : 0;
   const bool one_border = share[k] == Share::crossed && share[1 - k] == Share::all;
   if (one_border && add_crossed(work.rival[k], crossings[k], work)) return;
-  const bool both = share[0] != Share::all && share[1] != Share::all;
-  const Split split = both ? split_across(polygon, middle) : split_for(crossings[k], polygon, middle);
+  // Parts too large to be understood, or with two rivals, become smaller; those with one border flatter, but
+  // every other time smaller as well.
+  const bool flatter =
+      one_border || (share[1 - k] == Share::all && crossings[k].count == 4 && level % 2 == 0);
+  const Split split = flatter ? split_for(crossings[k], polygon, middle) : split_across(polygon, middle);
   const double offset = dot(split.normal, split.point);
   Polygon2 one = polygon, other = polygon;
   cut_polygon(split.normal, offset, one);

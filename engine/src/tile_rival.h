@@ -102,8 +102,8 @@ inline double precedence(const Rival& rival, Point2 p) {
   const Sight first = sight_of(rival.first, p), second = sight_of(rival.second, p);
   double lead = rival.joined ? lead_of(rival.first, first) - lead_of(rival.second, second)
                              : cone_field(rival.first, first) - cone_field(rival.second, second);
-  if (rival.joined && rival.first.kind == Cone::joint_only && rival.second.kind == Cone::joint_only)
-    lead = first.distance;  // two times the same sphere
+  // Two tiles in one place: not rounding decides, the first one has it.
+  if (std::fabs(lead) < 1e-14 * rival.first.radius) lead = 1e-300;
   return rival.is_first ? lead : -lead;
 }
 
