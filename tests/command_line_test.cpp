@@ -73,7 +73,7 @@ TEST(CommandLine, MistakesInItExitWith2AndNameTheSwitch) {
       {"run '" + kDemo + "' --rate 0", "--rate"},
       {"run '" + kDemo + "' --threads 65", "--threads"},
       {"run '" + kDemo + "' --broadphase voxel", "not built yet"},
-      {"run '" + kDemo + "' --isa avx2", "--isa"},
+      {"run '" + kDemo + "' --isa avx3", "--isa"},
       {"run '" + kDemo + "' --sink tcp://there", "not part of this version"},
       {"run '" + kDemo + "' --sideways", "--sideways"},
   };
@@ -207,8 +207,10 @@ TEST(CommandLine, NeitherThreadsNorBroadphaseChangeARecording) {
   ASSERT_EQ(shell(run + "--record a.mcap", folder).exit_code, 0);
   ASSERT_EQ(shell(run + "--threads 2 --record b.mcap", folder).exit_code, 0);
   ASSERT_EQ(shell(run + "--broadphase brute --record c.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell(run + "--broadphase grid --record d.mcap", folder).exit_code, 0);
   EXPECT_EQ(shell("lumbrical diff a.mcap b.mcap", folder).exit_code, 0);
   EXPECT_EQ(shell("lumbrical diff a.mcap c.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("lumbrical diff a.mcap d.mcap", folder).exit_code, 0);
 }
 
 TEST(CommandLine, PacedRunKeepsItsRate) {

@@ -1,8 +1,6 @@
-// Holds the engine's contacts against the reference of contact_reference.h, on random pairs of primitive and
+// Holds the engine's contacts against the reference (reference/contact.h), on random pairs of primitive and
 // triangle of every shape, size, depth and angle. LUMBRICAL_REFERENCE_PAIRS sets the number of pairs per
 // shape; with it, the measured errors are printed.
-#include "contact_reference.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,127 +9,20 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
-#include <numbers>
 #include <string>
 #include <vector>
 
+#include "contact_pairs.h"
 #include "lumbrical/probe.h"
-#include "random.h"
+#include "narrowphase.h"
 
 namespace lumbrical {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using test::Form, test::Pair, test::describe, test::from_reference, test::to_reference;
+
 constexpr double kStiffness = 2e7;
 constexpr double kPointArea = 1e-4;
-
-enum class Form { sphere, cylinder, capsule, cone };
-constexpr const char* kFormNames[] = {"sphere", "cylinder", "capsule", "cone"};
-
-struct Pair {
-  ProbePrimitive primitive;
-  std::array<Vec3, 3> corners;
-  double radius = 0;  // [m] of the thickest section: the scale of all errors
-};
-
-double power_of_ten(test::Random& random, double low, double high) {
-  return std::pow(10.0, random.between(low, high));
-}
-
-// A unit axis at an angle to the z axis: anything, or along or across it to within next to nothing.
-Vec3 random_axis(test::Random& random) {
-  const double turn = random.between(0, 2 * kPi);
-  const double off = random.bits() % 3 == 0 ? 0 : power_of_ten(random, -13, -2);
-  const auto at = [&](double sine, double cosine) {
-    return Vec3{sine * std::cos(turn), sine * std::sin(turn), cosine};
-  };
-  switch (random.bits() % 4) {
-    case 0:
-      return at(std::sqrt((1 - off) * (1 + off)), random.bits() % 2 == 0 ? off : -off);
-    case 1:
-      return at(off, random.bits() % 2 == 0 ? 1 : -1);
-    default:
-      return random.direction();
-  }
-}
-
-// A primitive whose lowest point is somewhere below the plane z = 0, and a triangle of that plane round a
-// point of their section; half of the pairs then go anywhere.
-Pair random_pair(Form form, test::Random& random) {
-  Pair pair;
-  ProbePrimitive& primitive = pair.primitive;
-  primitive.radius1 = random.between(0.004, 0.012);
-  primitive.radius2 = primitive.radius1;
-  pair.radius = primitive.radius1;
-  primitive.shape = form == Form::sphere     ? ProbeShape::sphere
-                    : form == Form::cylinder ? ProbeShape::cylinder
-                                             : ProbeShape::capsule;
-  const Vec3 axis = random_axis(random);
-  const double length = form == Form::sphere ? 0 : random.between(0.2, 5) * primitive.radius1;
-  if (form == Form::cone) {
-    const double most = 0.98 * std::min(length, primitive.radius1);
-    primitive.radius2 -=
-        random.bits() % 2 == 0 ? random.between(0.01, 1) * most : most * power_of_ten(random, -9, -2);
-  }
-  primitive.end2 = length * axis;
-  // The lowest points: under the ends' spheres, or on the rim of a flat end.
-  const double down = form == Form::cylinder
-                          ? primitive.radius1 * std::sqrt(axis.x * axis.x + axis.y * axis.y)
-                          : primitive.radius1;
-  const double down2 = form == Form::cone ? primitive.radius2 : down;
-  const double lowest = std::min(-down, length * axis.z - down2);
-  const double highest = std::max(down, length * axis.z + down2);
-  const double depth = random.bits() % 3 == 0
-                           ? random.between(0.01, 0.95) * (highest - lowest)
-                           : std::min(pair.radius * power_of_ten(random, -4, 0.3), 0.95 * (highest - lowest));
-  const Vec3 shift{0, 0, -depth - lowest};
-  primitive.end1 += shift;
-  primitive.end2 += shift;
-
-  // Some point of the section: tries under the axis, then straight above the lowest point.
-  const Vec3 lower = axis.z * length - down2 < -down ? primitive.end2 : primitive.end1;
-  const double size =
-      std::min(pair.radius, std::sqrt(depth * std::max(2 * pair.radius - depth, pair.radius))) *
-      power_of_ten(random, -1.5, 1.5);
-  Vec3 inside{lower.x, lower.y, 0};
-  for (int i = 0; i < 40; ++i) {
-    const Vec3 on_axis = primitive.end1 + random.between(-0.3, 1.3) * (primitive.end2 - primitive.end1);
-    const Vec3 p{on_axis.x + random.between(-1, 1) * pair.radius,
-                 on_axis.y + random.between(-1, 1) * pair.radius, 0};
-    if (test::reference_depth(primitive, {0, 0, 1}, p) > 0) {
-      inside = p;
-      break;
-    }
-  }
-  const double first = random.between(0, 2 * kPi);
-  const double angles[] = {first, first + random.between(0.2, 2.9), first + random.between(3.3, 6.0)};
-  const Vec3 middle =
-      inside + size * random.between(0, 1.2) * Vec3{std::cos(3 * first), std::sin(3 * first), 0};
-  for (int i = 0; i < 3; ++i) {
-    pair.corners[i] =
-        middle + size * random.between(0.4, 1) * Vec3{std::cos(angles[i]), std::sin(angles[i]), 0};
-  }
-  if (random.bits() % 2 == 0) {
-    const Pose anywhere = random.pose(0.5);
-    primitive.end1 = transform(anywhere, primitive.end1);
-    primitive.end2 = transform(anywhere, primitive.end2);
-    for (Vec3& corner : pair.corners) corner = transform(anywhere, corner);
-  }
-  return pair;
-}
-
-std::string describe(const Pair& pair) {
-  char text[600];
-  const ProbePrimitive& p = pair.primitive;
-  const auto& c = pair.corners;
-  std::snprintf(
-      text, sizeof text,
-      "ends {%.17g, %.17g, %.17g} {%.17g, %.17g, %.17g} radii %.17g %.17g triangle {%.17g, %.17g, %.17g} "
-      "{%.17g, %.17g, %.17g} {%.17g, %.17g, %.17g}",
-      p.end1.x, p.end1.y, p.end1.z, p.end2.x, p.end2.y, p.end2.z, p.radius1, p.radius2, c[0].x, c[0].y,
-      c[0].z, c[1].x, c[1].y, c[1].z, c[2].x, c[2].y, c[2].z);
-  return text;
-}
 
 ProbeContact ask_engine(const Pair& pair, Law law) {
   const Mesh mesh{{pair.corners.begin(), pair.corners.end()}, {{0, 1, 2}}};
@@ -186,48 +77,58 @@ double distance_outside(const Pair& pair, Vec3 normal, Vec3 p) {
 
 // Lengths over R, areas over R^2, volumes over R^3; centres weighted by what acts there, as torques feel
 // them.
-void compare(const Pair& pair, const test::ContactReference& expected, Errors& errors) {
+void compare(const Pair& pair, const reference::Contact<long double>& seen, Errors& errors) {
   const double r = pair.radius, r2 = r * r, r3 = r2 * r;
   const std::string text = describe(pair);
   const auto add = [&](const char* name, double error) { errors.add(name, std::fabs(error), text); };
-  add("reference area", expected.area_error);
-  add("reference field", expected.field_error);
-  add("reference column", expected.column_error);
+  const auto share = [](const auto& load) {
+    return load.amount > 0 ? static_cast<double>(load.error / load.amount) : 0;
+  };
+  add("reference area", share(seen.area));
+  add("reference field", share(seen.field));
+  add("reference column", share(seen.column));
+  const double area = static_cast<double>(seen.area.amount), volume = static_cast<double>(seen.field.amount),
+               column_volume = static_cast<double>(seen.column.amount),
+               deepest = static_cast<double>(seen.deepest);
+  const Vec3 normal = from_reference(seen.normal), centroid = from_reference(seen.area.centre);
 
   const ProbeContact field = ask_engine(pair, Law::field);
-  add("area", (field.area - expected.area) / r2);
-  if (expected.area > 1e-11 * r2) {
-    add("normal", norm(field.normal - expected.normal));
-    add("centroid x area", norm(field.centroid - expected.centroid) * expected.area / r3);
+  add("area", (field.area - area) / r2);
+  if (area > 1e-11 * r2) {
+    add("normal", norm(field.normal - normal));
+    add("centroid x area", norm(field.centroid - centroid) * area / r3);
   }
-  add("field volume", (field.volume - expected.field) / r3);
-  add("field centre x volume",
-      norm(field.centre - expected.field_centre) * std::fabs(expected.field) / (r3 * r));
-  add("field force", norm(field.force - kStiffness * expected.field * expected.normal) / (kStiffness * r3));
-  if (!expected.touches || expected.area < 1e-11 * r2) return;
-  add("field relative", field.volume / expected.field - 1);
+  add("field volume", (field.volume - volume) / r3);
+  if (volume > 0) {
+    add("field centre x volume", norm(field.centre - from_reference(seen.field.centre)) * volume / (r3 * r));
+  }
+  add("field force", norm(field.force - kStiffness * volume * normal) / (kStiffness * r3));
+  if (!seen.touches || area < 1e-11 * r2) return;
+  add("field relative", field.volume / volume - 1);
 
   const ProbeContact column = ask_engine(pair, Law::column);
-  add("column volume", (column.volume - expected.column) / r3);
-  add("column relative", column.volume / expected.column - 1);
-  add("column centre x volume", norm(column.centre - expected.column_centre) * expected.column / (r3 * r));
+  add("column volume", (column.volume - column_volume) / r3);
+  add("column relative", column.volume / column_volume - 1);
+  add("column centre x volume",
+      norm(column.centre - from_reference(seen.column.centre)) * column_volume / (r3 * r));
 
-  const ProbeContact deepest = ask_engine(pair, Law::max_depth);
-  add("depth", (deepest.depth - expected.deepest) / r);
-  add("max-depth volume", (deepest.volume - expected.area * expected.deepest) / r3);
-  add("max-depth centre", norm(deepest.centre - deepest.centroid) / r);
+  const ProbeContact max_depth = ask_engine(pair, Law::max_depth);
+  add("depth", (max_depth.depth - deepest) / r);
+  add("max-depth volume", (max_depth.volume - area * deepest) / r3);
+  add("max-depth centre", norm(max_depth.centre - max_depth.centroid) / r);
 
-  const ProbeContact centroid = ask_engine(pair, Law::centroid);
-  add("centroid volume", (centroid.volume - expected.area * expected.at_centroid) / r3);
+  const ProbeContact at_centroid = ask_engine(pair, Law::centroid);
+  add("centroid volume", (at_centroid.volume - area * static_cast<double>(seen.at_centroid)) / r3);
 
   const ProbeContact point = ask_engine(pair, Law::point);
-  add("point volume", (point.volume / kPointArea - expected.deepest) / r);
+  add("point volume", (point.volume / kPointArea - deepest) / r);
   // Several points may be deepest; the one named must be one of them, and of the triangle. A flat base ends
   // at a cliff that rounding may step over, hence the look a little way in.
-  const Vec3 at = point.centre + 1e-7 * (expected.centroid - point.centre);
-  add("point not deepest",
-      std::max(0.0, expected.deepest - test::reference_depth(pair.primitive, expected.normal, at)) / r);
-  add("point off the triangle", distance_outside(pair, expected.normal, point.centre) / r);
+  const Vec3 at = point.centre + 1e-7 * (centroid - point.centre);
+  const long double depth_there = reference::depth_at<long double>(
+      to_reference(pair.primitive), to_reference(normal), test::to_reference(at));
+  add("point not deepest", std::max(0.0, deepest - static_cast<double>(depth_there)) / r);
+  add("point off the triangle", distance_outside(pair, normal, point.centre) / r);
 }
 
 struct Bound {
@@ -255,13 +156,12 @@ TEST_P(ContactAgainstReference, AgreesOnRandomPairs) {
   test::Random random(2024 + static_cast<std::uint64_t>(GetParam()));
   Errors errors;
   for (int touching = 0; touching < pair_count;) {
-    const Pair pair = random_pair(GetParam(), random);
-    const test::ContactReference expected =
-        test::contact_reference(pair.primitive, pair.corners[0], pair.corners[1], pair.corners[2]);
-    compare(pair, expected, errors);
-    if (expected.touches) ++touching;
+    const Pair pair = test::random_pair(GetParam(), random);
+    const reference::Contact<long double> seen = test::ask_reference(pair);
+    compare(pair, seen, errors);
+    if (seen.touches) ++touching;
   }
-  if (asked != nullptr) errors.print(kFormNames[static_cast<int>(GetParam())]);
+  if (asked != nullptr) errors.print(test::kFormNames[static_cast<int>(GetParam())]);
   // The column law's accuracy depends on how sharply its way out changes surface; the others are alike for
   // all.
   constexpr Bound kColumn[] = {{"column volume", 1e-11, 1e-8},
@@ -292,7 +192,7 @@ TEST_P(ContactAgainstReference, AgreesOnRandomPairs) {
 
 // The deepest point of this contact lies next to the base, which is all but upright: where the depth falls
 // off a cliff.
-TEST(ContactReference, DepthOfANearlyLyingCylinderDoesNotJumpWithTheLastDigitOfItsTilt) {
+TEST(Contact, DepthOfANearlyLyingCylinderDoesNotJumpWithTheLastDigitOfItsTilt) {
   Pair pair;
   pair.primitive = {ProbeShape::cylinder,
                     {0, 0, 0.00474955264278204},
@@ -305,71 +205,56 @@ TEST(ContactReference, DepthOfANearlyLyingCylinderDoesNotJumpWithTheLastDigitOfI
   const double r = pair.primitive.radius1;
   for (const double tilt : {0.0, 1e-16, 1.2e-15, -1.2e-15, 1e-13, 1e-11, 1e-9, 1e-7, 1e-5}) {
     pair.primitive.end2.z = pair.primitive.end1.z + tilt;
-    const auto expected =
-        test::contact_reference(pair.primitive, pair.corners[0], pair.corners[1], pair.corners[2]);
-    EXPECT_NEAR(ask_engine(pair, Law::max_depth).depth, expected.deepest, 1e-12 * r) << tilt;
+    const double expected = static_cast<double>(test::ask_reference(pair).deepest);
+    EXPECT_NEAR(ask_engine(pair, Law::max_depth).depth, expected, 1e-12 * r) << tilt;
   }
 }
 
-// ---- The reference itself
-// -----------------------------------------------------------------------------------------
-
-TEST(ContactReference, KnowsTheCapOfASphere) {
-  for (const double height : {0.0079, 0.005, 0.0, -0.004}) {
-    const double r = 0.008, h = std::fabs(height);
-    const auto seen = test::contact_reference({ProbeShape::sphere, {0.001, 0.002, height}, {}, r, 0},
-                                              {-0.1, -0.1, 0}, {0.1, -0.1, 0}, {0, 0.2, 0});
-    const double disc = kPi * (r - h) * (r + h), below = height >= 0 ? r - h : r + h;
-    EXPECT_NEAR(seen.area / disc, 1, 1e-13);
-    EXPECT_NEAR(seen.deepest / below, 1, 1e-13);
-    EXPECT_NEAR(seen.field / (kPi * (r - h) * (r - h) * (r + 2 * h) / 3), 1, 1e-12);
-    // The column below the disc: a cap, and with the centre below also a cylinder of twice that height.
-    const double cap = kPi * (r - h) * (r - h) * (2 * r + h) / 3;
-    EXPECT_NEAR(seen.column / (height >= 0 ? cap : cap + 2 * h * disc), 1, 1e-12);
-    EXPECT_LT(norm(seen.centroid - Vec3{0.001, 0.002, 0}), 1e-15);
-    EXPECT_LT(norm(seen.column_centre - Vec3{0.001, 0.002, 0}), 1e-15);
-  }
-}
-
-TEST(ContactReference, FieldIsTheLargestOverTheSpheresBetweenTheEnds) {
-  test::Random random(5);
+// Phalanges share out space with half-spaces that cut the contacted area, not the depth below it.
+TEST_P(ContactAgainstReference, AgreesWhereHalfSpacesCut) {
+  test::Random random(77 + static_cast<std::uint64_t>(GetParam()));
+  int cut_through = 0;
   for (int i = 0; i < 100; ++i) {
-    const Pair pair = random_pair(Form::cone, random);
-    const ProbePrimitive& p = pair.primitive;
-    const Vec3 at = p.end1 + 2 * pair.radius * random.direction();
-    double largest = -1;
-    for (int k = 0; k <= 20000; ++k) {
-      const double t = k / 20000.0;
-      const double radius = p.radius1 + t * (p.radius2 - p.radius1);
-      largest = std::max(largest, radius - norm(at - (p.end1 + t * (p.end2 - p.end1))));
+    const Pair pair = test::random_pair(GetParam(), random);
+    reference::Solid solid = to_reference(pair.primitive);
+    const double whole = static_cast<double>(test::ask_reference(pair).area.amount);
+    Primitive primitive;
+    primitive.shape = solid.flat ? Shape::flat : Shape::round;
+    primitive.end1 = pair.primitive.end1;
+    primitive.end2 = GetParam() == Form::sphere ? primitive.end1 : pair.primitive.end2;
+    primitive.radius1 = solid.radius1, primitive.radius2 = solid.radius2;
+    for (int k = 0; k < 1 + i % 2; ++k) {
+      const Vec3 middle = (1.0 / 3) * (pair.corners[0] + pair.corners[1] + pair.corners[2]);
+      const HalfSpace cut{random.direction(), middle + 0.1 * (pair.corners[1] - pair.corners[0])};
+      primitive.cut[primitive.cut_count++] = cut;
+      solid.cuts.push_back({to_reference(cut.normal), to_reference(cut.point)});
     }
-    EXPECT_NEAR(test::reference_field(p, at), largest, 1e-6 * pair.radius);
-  }
-}
-
-TEST(ContactReference, OfAWholeTriangleIsTheSumOfItsParts) {
-  test::Random random(6);
-  for (const Form form : {Form::sphere, Form::cylinder, Form::capsule, Form::cone}) {
-    for (int i = 0; i < 12; ++i) {
-      const Pair pair = random_pair(form, random);
-      const auto& [a, b, c] = pair.corners;
-      const double t = random.between(0.1, 0.9);
-      const Vec3 middle = (1 - t) * a + t * b;
-      const auto whole = test::contact_reference(pair.primitive, a, b, c);
-      const auto one = test::contact_reference(pair.primitive, a, middle, c);
-      const auto two = test::contact_reference(pair.primitive, middle, b, c);
-      const double r = pair.radius;
-      EXPECT_NEAR(one.area + two.area, whole.area, 1e-13 * r * r) << describe(pair);
-      EXPECT_NEAR(one.field + two.field, whole.field, 1e-13 * r * r * r) << describe(pair);
-      EXPECT_NEAR(one.column + two.column, whole.column, 1e-13 * r * r * r) << describe(pair);
+    const auto expected = reference::contact<long double>(solid, to_reference(pair.corners));
+    if (expected.area.amount > 0 && expected.area.amount < 0.999L * whole) ++cut_through;
+    const double r = pair.radius;
+    for (const Law law : {Law::field, Law::column}) {
+      SCOPED_TRACE(describe(pair));
+      const auto& load = law == Law::field ? expected.field : expected.column;
+      Boundary boundary;
+      Contact contact;
+      const bool touches = collide(primitive, {law, kPointArea, nullptr}, pair.corners[0], pair.corners[1],
+                                   pair.corners[2], boundary, contact);
+      if (!touches) contact = {};
+      EXPECT_NEAR(contact.area, static_cast<double>(expected.area.amount), 1e-12 * r * r);
+      const double bound = law == Law::field ? 1e-9 : GetParam() == Form::cone ? 1e-2 : 1e-6;
+      EXPECT_NEAR(contact.volume, static_cast<double>(load.amount), bound * r * r * r);
+      if (expected.area.amount < 1e-11L * r * r) continue;
+      EXPECT_NEAR(contact.depth, static_cast<double>(expected.deepest), 1e-12 * r);
+      EXPECT_LT(norm(contact.centre - from_reference(load.centre)) * contact.volume, bound * r * r * r * r);
     }
   }
+  EXPECT_GT(cut_through, 10);
 }
 
 INSTANTIATE_TEST_SUITE_P(Forms, ContactAgainstReference,
                          testing::Values(Form::sphere, Form::cylinder, Form::capsule, Form::cone),
                          [](const auto& form) {
-                           return std::string(kFormNames[static_cast<int>(form.param)]);
+                           return std::string(test::kFormNames[static_cast<int>(form.param)]);
                          });
 
 }  // namespace

@@ -24,23 +24,27 @@ struct Rule {
 
 const Rule kRules[] = {
     {Layer::base, "engine/include/lumbrical", "math status"},
-    {Layer::base, "engine/src", "math elementary floating_point parallel hash text_cursor"},
+    {Layer::base, "engine/src", "math elementary floating_point parallel hash radix_sort text_cursor"},
 
     {Layer::model, "engine/include/lumbrical", "mesh shapes hand model contact"},
     {Layer::model, "engine/src", "mesh_* ply_header vertex_merge shapes shape_mug hand hand_from_positions"},
-    {Layer::model, "engine/src", "forward_kinematics primitive model sphere_tree triangle_bound"},
+    {Layer::model, "engine/src",
+     "forward_kinematics primitive model isa sphere_tree sphere_grid triangle_bound"},
 
     {Layer::motion, "engine/include/lumbrical", "device motion"},
     {Layer::motion, "engine/src", "resampler grasp_motion"},
 
     {Layer::kernels, "engine/src",
-     "section* depth finger_depth gauss boundary_integral field pressure* prism"},
+     "sphere_query sphere_hits tree_search section* strip_* wide_functions miss_terms certain_misses depth "
+     "finger_depth gauss boundary_integral small_region field pressure* prism field_* disc_integrals wide "
+     "contact_jacobian"},
+
     {Layer::kernels, "engine/src", "joint_border tile_rival root border_bulge shared_contact"},
 
     {Layer::stages, "engine/src", "hand_pose broadphase narrowphase contact_force force_limits"},
 
-    {Layer::engine, "engine/include/lumbrical", "tick probe"},
-    {Layer::engine, "engine/src", "tick probe"},
+    {Layer::engine, "engine/include/lumbrical", "tick probe jacobian"},
+    {Layer::engine, "engine/src", "tick probe jacobian"},
 
     {Layer::session, "engine/include/lumbrical", "recording scene_file"},
     {Layer::session, "engine/src", "motion_* json_file scene_file scene_parts"},
@@ -50,6 +54,7 @@ const Rule kRules[] = {
     {Layer::program, "tools/lumbrical", "*"},
     {Layer::program, "examples", "*"},
     {Layer::test, "tests", "*"},
+    {Layer::test, "tests/reference", "*"},
     {Layer::test, "bench", "*"},
 };
 
@@ -88,6 +93,7 @@ struct Outside {
 
 const Outside kOutside[] = {
     {"(oneapi/)?tbb/.*", "engine/src/parallel[.]cpp"},
+    {"xsimd/.*", "engine/src/wide[.]h"},
     {"(xmmintrin|immintrin|cfenv)([.]h)?", "engine/src/floating_point[.].*"},
     {"flatbuffers/.*",
      "engine/src/"
@@ -97,7 +103,7 @@ const Outside kOutside[] = {
     {"(lz4frame|zstd|zlib)[.]h", "(engine/src/mcap_\\w+[.]cpp|tests/.*)"},
     {"(unistd|fcntl|sys/\\w+)[.]h", "(engine/src/(output_file|mcap_reader)[.]cpp|tools/.*|tests/.*)"},
     {"CLI/.*", "tools/.*"},
-    {"gtest/.*", "tests/.*"},
+    {"(gtest|boost)/.*", "tests/.*"},
     {"benchmark/.*", "bench/.*"},
 };
 
@@ -143,8 +149,9 @@ std::vector<Include> includes_of(const fs::path& file) {
 
 // The path from the source root of a header of ours; empty for generated ones.
 std::string resolve(const std::string& name, const std::string& includer, const fs::path& root) {
-  const std::string beside = (fs::path(includer).parent_path() / name).generic_string();
-  for (const std::string& path : {beside, "engine/include/" + name, "engine/src/" + name}) {
+  const std::string beside = (fs::path(includer).parent_path() / name).lexically_normal().generic_string();
+  for (const std::string& path :
+       {beside, "engine/include/" + name, "engine/src/" + name, "tests/" + name, "bench/" + name}) {
     if (fs::exists(root / path)) return path;
   }
   return {};

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <cmath>
 
 #include <bit>
 #include <cstdint>
@@ -106,6 +107,7 @@ inline TickRecord random_record(RandomBits& random, std::uint64_t tick) {
   output.tick = tick;
   output.flags = static_cast<std::uint32_t>(random.word());
   output.contact_count = static_cast<std::uint32_t>(random.word());
+  output.force_error = std::fabs(random.real());
   for (std::size_t s = 0; s < kSegmentCount; ++s) {
     if (random.coin()) output.segment[s] = {random.vector(), random.vector()};
     if (random.coin()) output.joint_torque[s] = random.vector();

@@ -195,7 +195,7 @@ TEST(SceneFile, TellsEveryMistakeWithItsPlace) {
        ":1:76: settings.rate is 0 but must lie in 1 .. 100000"},
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"segment_laws": [{"segment": "toe"}]}})",
        ":1:97: settings.segment_laws[0].segment is not a hand segment"},
-      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "execution": {"broadphase": "grid"}})",
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "execution": {"broadphase": "heap"}})",
        ":1:83: execution.broadphase is no search"},
       {R"({"motion": {"grasp": {}, "file": "a.csv"}, "objects": [{"plane": {}}]})",
        ":1:12: motion names a file and"},

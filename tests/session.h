@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "hash.h"
 #include "lumbrical/motion.h"
 #include "lumbrical/shapes.h"
 #include "lumbrical/tick.h"
@@ -33,6 +34,21 @@ inline std::vector<DeviceFrame> grasp_frames(const Hand& hand, std::size_t count
     frames.push_back(resample(motion, 10.0 * static_cast<double>(i) / static_cast<double>(count)));
   }
   return frames;
+}
+
+/// Hash of all stages and states of a run.
+inline std::uint64_t hash_run(const Model& model, const std::vector<DeviceFrame>& frames,
+                              std::uint32_t* contacts = nullptr) {
+  State state;
+  Scratch scratch = make_scratch(model);
+  Hasher hasher;
+  for (const DeviceFrame& frame : frames) {
+    const ActuatorFrame output = tick(model, state, scratch, frame);
+    if (contacts != nullptr) *contacts += output.contact_count;
+    for (const std::uint64_t hash : scratch.stage_hash) hasher.value(hash);
+    hasher.value(hash_state(state));
+  }
+  return hasher.digest();
 }
 
 }  // namespace lumbrical::test

@@ -97,7 +97,7 @@ void feel(const Primitives& hand, const Corners& t, Felt& felt) {
     const Primitive& tile = hand.primitive[i];
     Contact contact;
     const bool touches = border_matters(hand, tile, t.a, t.b, t.c)
-                             ? collide_shared(hand, tile, t.a, t.b, t.c, boundary, contact)
+                             ? collide_shared(hand, tile, field_kernels(Isa::scalar), t.a, t.b, t.c, boundary, contact)
                              : collide(tile, {tile.law, 1e-4, &hand}, t.a, t.b, t.c, boundary, contact);
     if (!touches) continue;
     felt.area += contact.area;
@@ -298,7 +298,7 @@ TEST(TileBorder, PlanesAreExactWhereTheBorderDoesNotMatter) {
       Boundary boundary;
       Contact quick, slow;
       const bool touches = collide(tile, {Law::field, 1e-4, &hand}, t.a, t.b, t.c, boundary, quick);
-      if (!collide_shared(doubtful, tile, t.a, t.b, t.c, boundary, slow)) slow = {};
+      if (!collide_shared(doubtful, tile, field_kernels(Isa::scalar), t.a, t.b, t.c, boundary, slow)) slow = {};
       if (!touches) quick = {};
       EXPECT_NEAR(quick.volume / std::pow(kRadius, 3), slow.volume / std::pow(kRadius, 3), 1e-10)
           << i << ' ' << k;

@@ -16,16 +16,22 @@ namespace lumbrical {
 
 /// A parameter t in [0, 1] along a piece beside which the integrand is not smooth; a blur tells that the
 /// point is that far off the real axis, so that it only matters to intervals that are not short against it.
+/// A weak one is a square root or a step in a high derivative.
 struct Singularity {
   double at, blur;
+  bool weak;
 };
 
 struct Singularities {
   static constexpr int kMaxCount = 16;
   int count = 0;
   std::array<Singularity, kMaxCount> point;
-  void add(double at, double blur = 0) {
-    if (count < kMaxCount && at > -1e6 && at < 1e6) point[static_cast<std::size_t>(count++)] = {at, blur};
+  /// Ask for nodes in geometric steps towards those that are not weak: for derivatives of what the others
+  /// integrate, which are a degree more singular.
+  bool refine = false;
+  void add(double at, double blur = 0, bool weak = false) {
+    if (count < kMaxCount && at > -1e6 && at < 1e6)
+      point[static_cast<std::size_t>(count++)] = {at, blur, weak};
   }
 };
 
@@ -34,35 +40,47 @@ inline void add_closest_approach(double a, double b, double c, Singularities& si
   if (a > 0) singularities.add(-b / a, std::sqrt(max(0, c / a - b / a * (b / a))));
 }
 
+/// Intervals of t this short are not divided: two singularities that differ by rounding would ask for halves
+/// without end, and what lies between them is nothing.
+constexpr double kShortest = 1e-13;
+/// Where refinement ends, as a share of the whole piece.
+inline constexpr double kFinest = 2e-4;
+
 /// Calls f(t, weight) at nodes for the integral over lower <= t <= upper.
 template <class F>
 void graded_nodes(double lower, double upper, const Singularities& singularities, F&& f) {
   const double length = upper - lower;
   if (!(length > 0)) return;
-  double left = 1e300, right = 1e300;
+  double left = 1e300, right = 1e300, strong = 1e300;
+  const bool divisible = length > kShortest;
   for (int i = 0; i < singularities.count; ++i) {
     const Singularity point = singularities.point[static_cast<std::size_t>(i)];
-    const bool inside = point.at > lower + 1e-9 * length && point.at < upper - 1e-9 * length;
+    const bool inside = divisible && point.at > lower + 1e-9 * length && point.at < upper - 1e-9 * length;
     if (inside && point.blur < length) {
       graded_nodes(lower, point.at, singularities, f);
       graded_nodes(point.at, upper, singularities, f);
       return;
     }
-    if (point.at < 0.5 * (lower + upper)) {
-      left = min(left, max(0, lower - point.at) + point.blur);
-    } else {
-      right = min(right, max(0, point.at - upper) + point.blur);
-    }
+    double& side = point.at < 0.5 * (lower + upper) ? left : right;
+    const double distance = max(0, max(lower - point.at, point.at - upper)) + point.blur;
+    side = min(side, distance);
+    if (!point.weak) strong = min(strong, distance);
   }
   const auto plain = [&](const auto& rule) {
     for (const GaussNode& node : rule) f(lower + length * node.at, length * node.weight);
   };
   // n nodes leave about (2 + 4 d / length)^(-2 n) with d the distance to the nearest singularity.
   const double near = 1.5 * length, nearest = min(left, right);
-  if (left < near && right < near) {
-    const double middle = 0.5 * (lower + upper);
+  const double middle = 0.5 * (lower + upper);
+  if (left < near && right < near && divisible) {
     graded_nodes(lower, middle, singularities, f);
     graded_nodes(middle, upper, singularities, f);
+  } else if (singularities.refine && strong < 0.3 * length && length > kFinest) {
+    const double quarter = left < right ? lower + 0.25 * length : upper - 0.25 * length;
+    graded_nodes(lower, quarter, singularities, f);
+    graded_nodes(quarter, upper, singularities, f);
+  } else if (singularities.refine && nearest < near && nearest == strong && length > kFinest) {
+    plain(kGauss16);
   } else if (nearest < near) {
     const double w1 = std::sqrt(nearest), span = length / (w1 + std::sqrt(nearest + length));
     for (const GaussNode& node : kGauss16) {
@@ -98,8 +116,8 @@ void piece_nodes(const Piece& piece, const Zone& zone, Singularities singulariti
     return;
   }
   const double sign = dx > 0 ? 1 : -1, scale = 1 / std::fabs(dx);
-  singularities.add(-distance_to_end(zone, piece.from_x, -sign) * scale);
-  singularities.add(1 + distance_to_end(zone, piece.to_x, sign) * scale);
+  singularities.add(-distance_to_end(zone, piece.from_x, -sign) * scale, 0, true);
+  singularities.add(1 + distance_to_end(zone, piece.to_x, sign) * scale, 0, true);
   graded_nodes(0, 1, singularities, [&](double t, double weight) {
     const double x = piece.from_x + t * dx;
     f(x, piece.side * std::sqrt(max(0, eta_squared(zone, x))), weight * dx);

@@ -1,17 +1,19 @@
 // Broadphase: which triangles may touch which primitives.
+//
+// A pair is a candidate unless `certain_misses` discards it. That is a question to the pair alone; grid and
+// trees only spare asking it, so candidates are the same whatever the broadphase.
 #pragma once
 
 #include "lumbrical/tick.h"
 #include "primitive.h"
-#include "triangle_bound.h"
 
 namespace lumbrical {
 
-/// Does the triangle's bound reach the primitive's hull (ignoring cuts)?
-bool may_touch(const Primitive& primitive, const TriangleBound& bound);
+/// Sizes the working memory of find_candidates.
+void size_candidates(const Model& model, Scratch& scratch);
 
-/// Fills scratch.candidates with all pairs that may touch, ascending, the same whatever the broadphase.
-/// Returns false where the candidates don't fit; then they are not to be used.
+/// Fills scratch.candidates with all candidates, ascending. Returns false where they don't fit; then they are
+/// not to be used.
 bool find_candidates(const Model& model, const Primitives& hand, Scratch& scratch);
 
 }  // namespace lumbrical

@@ -31,4 +31,10 @@ HandForces sum_forces(const Settings& settings, const Primitives& hand, std::spa
   return forces;
 }
 
+double force_error(const Settings& settings, std::span<const Contact> contacts) {
+  double error = 0;
+  for (const Contact& contact : contacts) error += contact.error;
+  return settings.stiffness * error;
+}
+
 }  // namespace lumbrical

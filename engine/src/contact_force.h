@@ -14,4 +14,7 @@ namespace lumbrical {
 /// volume n for every law, and Eq. 3-4 with volume = A_C dl_max for the paper's.
 HandForces sum_forces(const Settings& settings, const Primitives& hand, std::span<const Contact> contacts);
 
+/// [N] Bound of the error of all contacts' forces together: K_s times the sum of their `error`.
+double force_error(const Settings& settings, std::span<const Contact> contacts);
+
 }  // namespace lumbrical

@@ -55,11 +55,16 @@ double rim_depth(const Section& section, double y) {
   return section.s * std::sqrt(max(0, (section.radius1 - y) * (section.radius1 + y))) - section.h1;
 }
 
+// Of a round shape: the abscissa of the end that reaches deepest.
+double deeper_end(const Section& section) {
+  return section.radius1 - section.h1 >= section.radius2 - section.h2 ? 0 : section.x2;
+}
+
 // The deepest point of the whole section; it lies on y = 0 by symmetry.
 Deepest deepest_of_section(const Section& section) {
   const bool flat = section.shape == Shape::flat;
   double x = section.c * section.radius1;  // flat: under the lowest point of the rim
-  if (!flat) x = section.radius1 - section.h1 >= section.radius2 - section.h2 ? 0 : section.x2;
+  if (!flat) x = deeper_end(section);
   if (inside_section(section, {x, 0})) {
     return {max(0, flat ? rim_depth(section, 0) : depth_at(section, {x, 0})), {x, 0}};
   }
@@ -136,9 +141,13 @@ void consider_edge(const Section& section, Point2 p, Point2 q, Deepest& best) {
   const Point2 base = nearest == 0 ? p : p + nearest * unit;
   const Interval inside = inside_interval(section, base, unit, -nearest, length - nearest);
   if (!(inside.first < inside.second)) return;
-  consider(section, base + inside.first * unit, best);
-  consider(section, base + inside.second * unit, best);
-  if (section.shape == Shape::flat) return consider_flat_line(section, base, unit, inside, best);
+  if (section.shape == Shape::flat) {
+    consider(section, base + inside.first * unit, best);
+    consider(section, base + inside.second * unit, best);
+    return consider_flat_line(section, base, unit, inside, best);
+  }
+  // Concave along the line: nothing is deeper than the part inside that is nearest to the line's deepest
+  // point.
   const double t = clamp(deepest_on_line(section, base, unit), inside.first, inside.second);
   consider(section, base + t * unit, best);
 }
@@ -149,9 +158,21 @@ double depth_at(const Section& section, Point2 p) {
   return section.shape == Shape::flat ? flat_depth(section, p) : round_depth(section, p);
 }
 
+bool deepest_in_polygon(const Section& section, Deepest& deepest) {
+  if (section.shape == Shape::round) {
+    const double x = deeper_end(section);
+    const bool own = inside_section(section, {x, 0});
+    if (own && !polygon_holds(section.polygon, {x, 0})) return false;
+  }
+  const Deepest all = deepest_of_section(section);
+  if (!polygon_holds(section.polygon, all.point)) return false;
+  deepest = all;
+  return true;
+}
+
 Deepest largest_depth(const Section& section) {
-  const Deepest deepest = deepest_of_section(section);
-  if (polygon_holds(section.polygon, deepest.point)) return deepest;
+  Deepest deepest;
+  if (deepest_in_polygon(section, deepest)) return deepest;
   Deepest best{0, section.polygon.corner[0]};
   for (int i = 0; i < section.polygon.count; ++i) {
     const int next = i + 1 == section.polygon.count ? 0 : i + 1;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "boundary_integral.h"
 #include "pressure.h"
 
 namespace lumbrical {
@@ -89,8 +90,15 @@ inline double field_of(const Section& section, const Slant& slant, int zone, Poi
   return (gap - factor * factor * p.y * p.y) / (level + factor * std::sqrt(d2 + p.y * p.y));
 }
 
+/// Where along a piece of the boundary, whose curve belongs to `part`, integrals of phi from y = 0 to the
+/// piece are not smooth.
+Singularities kinks_of(const Section& section, const Slant& slant, const Piece& piece, Zone::Part part);
+
+/// Where phi itself is not smooth along the line between two points.
+Singularities line_kinks(const Section& section, const Slant& slant, Point2 from, Point2 to);
+
 /// Integrates phi over a region that is small against its distance from the axis by product rules, and says
-/// so; false where the region is too large or phi not smooth on it. See pressure_small.cpp.
+/// so; false where the region is too large or phi not smooth on it. See small_region.h.
 bool field_of_small_region(const Section& section, const Slant& slant, const AreaMoments& area,
                            const Boundary& boundary, PressureMoments& moments);
 

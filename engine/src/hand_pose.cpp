@@ -46,7 +46,8 @@ void add(const Primitive& primitive, Primitives& hand) {
   if (hand.count < Primitives::kMaxCount) hand.primitive[static_cast<std::size_t>(hand.count++)] = primitive;
 }
 
-void add_cut(Vec3 normal, Vec3 point, Primitive& primitive) {
+void add_cut(Vec3 normal, Vec3 point, Primitive& primitive, double overhang = 0) {
+  primitive.overhang[primitive.cut_count] = overhang;
   primitive.cut[primitive.cut_count++] = {normal, point};
 }
 
@@ -95,12 +96,12 @@ void add_body(const Primitives& hand, std::size_t i, Primitives& out) {
   const Vec3 axis = direction(body);
   const bool before = i % 3 > 0 && hand.present[i - 1], after = i % 3 < 2 && hand.present[i + 1];
   if (before && !paper_joint(hand, i - 1)) {
-    add_cut(-bisector(hand, i - 1), body.end1, body);
+    add_cut(-bisector(hand, i - 1), body.end1, body, hand.border[i - 1].slab);
   } else if (is_paper(hand, i)) {
     add_cut(-axis, body.end1, body);
   }
   if (after && !paper_joint(hand, i)) {
-    add_cut(bisector(hand, i), body.end2, body);
+    add_cut(bisector(hand, i), body.end2, body, hand.border[i].slab);
   } else if (is_paper(hand, i)) {
     add_cut(axis, body.end2, body);
   }

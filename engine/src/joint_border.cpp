@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "triangle_bound.h"
-
 namespace lumbrical {
 namespace {
 
@@ -48,8 +46,7 @@ JointBorder border_of(const Primitive& before, const Primitive& after) {
   border.near = kMargin * r * nearest_cosine < nearest_sine * min(cosine1 * length1, cosine2 * length2);
   if (!border.near) return border;
   if (slope_sine < kSameSlope) {
-    border.shared = false;
-    return border;
+    return {};
   }
   // Between plane and border the owner is no nearer to its axis than half the angle plus the smaller slope.
   const bool first = sine1 < sine2;
@@ -80,8 +77,19 @@ double segment_distance(const Primitive& a, const Primitive& b) {
   return least;
 }
 
+// The sphere round the triangle's centroid.
+struct Bound {
+  Vec3 centre;
+  double radius;
+};
+
+Bound bound_of(Vec3 a, Vec3 b, Vec3 c) {
+  const Vec3 to_b = b - a, to_c = c - a, middle = (to_b + to_c) / 3.0;
+  return {a + middle, max(norm(middle), max(norm(to_b - middle), norm(to_c - middle)))};
+}
+
 bool reaches(const Primitive& capsule, Vec3 a, Vec3 b, Vec3 c) {
-  const TriangleBound bound = bound_triangle(a, b, c);
+  const Bound bound = bound_of(a, b, c);
   Primitive centre;
   centre.end1 = centre.end2 = bound.centre;
   return segment_distance(capsule, centre) <=
@@ -114,7 +122,7 @@ bool joint_matters(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
   const Vec3 n = cross(b - a, c - a);
   const double height = dot(n, pa);
   if (height * height > border.reach * border.reach * dot(n, n)) return false;
-  const TriangleBound bound = bound_triangle(a, b, c);
+  const Bound bound = bound_of(a, b, c);
   return norm(bound.centre - border.centre) <= border.reach + bound.radius;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "sphere_grid.h"
 #include "sphere_tree.h"
 
 namespace lumbrical {
@@ -17,9 +18,18 @@ constexpr std::array<std::pair<std::string_view, Law>, 5> kLawNames = {{
     {"centroid", Law::centroid},
     {"point", Law::point},
 }};
-constexpr std::array<std::pair<std::string_view, Broadphase>, 2> kBroadphaseNames = {{
+constexpr std::array<std::pair<std::string_view, Broadphase>, 3> kBroadphaseNames = {{
     {"tree", Broadphase::tree},
+    {"grid", Broadphase::grid},
     {"brute", Broadphase::brute},
+}};
+constexpr std::array<std::pair<std::string_view, Isa>, 6> kIsaNames = {{
+    {"auto", Isa::automatic},
+    {"scalar", Isa::scalar},
+    {"sse2", Isa::sse2},
+    {"avx2", Isa::avx2},
+    {"avx512", Isa::avx512},
+    {"neon", Isa::neon},
 }};
 
 template <class Names, class T = typename Names::value_type::second_type>
@@ -50,6 +60,7 @@ Status check_settings(const Settings& settings) {
     return out_of_range("settings.stiffness", "0.001 to 1e15 N/m^3");
   if (!within(settings.rate, 1, 100000)) return out_of_range("settings.rate", "1 to 100000 Hz");
   if (!within(settings.point_area, 1e-12, 1)) return out_of_range("settings.point_area", "1e-12 to 1 m^2");
+  if (!within(settings.tolerance, 0, 0.1)) return out_of_range("settings.tolerance", "0 to 0.1");
   if (!within(settings.max_force, 0, 1e6)) return out_of_range("settings.max_force", "0 to 1e6 N");
   if (!within(settings.fade_time, 0, 60)) return out_of_range("settings.fade_time", "0 to 60 s");
   if (settings.max_candidates < 1 || settings.max_candidates > (1u << 24)) {
@@ -65,9 +76,14 @@ Status check_execution(const Execution& execution) {
   if (execution.leaf_size < 1 || execution.leaf_size > 64)
     return out_of_range("execution.leaf_size", "1 to 64");
   if (execution.threads < 1 || execution.threads > 64) return out_of_range("execution.threads", "1 to 64");
+  if (!within(execution.cell_size, 1e-3, 1e6)) return out_of_range("execution.cell_size", "0.001 to 1e6 m");
   if (execution.tree_levels > 32) return out_of_range("execution.tree_levels", "0 to 32");
   if (name_valued(kBroadphaseNames, execution.broadphase) == "unknown") {
-    return out_of_range("execution.broadphase", "tree or brute");
+    return out_of_range("execution.broadphase", "tree, grid or brute");
+  }
+  if (!available(execution.isa)) {
+    return Status::error("execution.isa " + std::string(isa_name(execution.isa)) +
+                         " is not available on this machine or in this build; use auto");
   }
   return {};
 }
@@ -119,6 +135,8 @@ std::optional<Law> parse_law(std::string_view text) { return value_named(kLawNam
 std::optional<Broadphase> parse_broadphase(std::string_view text) {
   return value_named(kBroadphaseNames, text);
 }
+std::optional<Isa> parse_isa(std::string_view text) { return value_named(kIsaNames, text); }
+std::string_view isa_name(Isa isa) { return name_valued(kIsaNames, isa); }
 std::string_view law_name(Law law) { return name_valued(kLawNames, law); }
 std::string_view broadphase_name(Broadphase broadphase) { return name_valued(kBroadphaseNames, broadphase); }
 
@@ -139,13 +157,16 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   built.hand = scene.hand;
   built.settings = scene.settings;
   built.execution = execution;
+  if (execution.isa == Isa::automatic) built.execution.isa = widest_isa();
   for (auto* numbers : {&built.triangles.x, &built.triangles.y, &built.triangles.z})
     numbers->reserve(vertices);
   for (auto* corners : {&built.triangles.a, &built.triangles.b, &built.triangles.c})
     corners->reserve(triangles);
   for (const SceneObject& object : scene.objects) add_object(object, built);
   if (execution.broadphase == Broadphase::tree) {
-    built.tree = build_tree(built.triangles, execution.leaf_size, execution.tree_levels);
+    built.tree = build_tree(built.triangles, execution);
+  } else if (execution.broadphase == Broadphase::grid) {
+    built.grid = build_grid(built.triangles, execution);
   }
   model = std::move(built);
   return {};

@@ -1,6 +1,7 @@
 // Narrowphase: from a pair (primitive, triangle) to a contact, or to nothing.
 #pragma once
 
+#include "field_kernels.h"
 #include "lumbrical/tick.h"
 #include "primitive.h"
 #include "section.h"
@@ -12,7 +13,9 @@ struct ContactQuery {
   Law law = Law::field;
   double point_area = 1e-4;  ///< [m^2] Settings::point_area
   const Primitives* hand =
-      nullptr;  ///< whose phalanges the paper's depth runs through; none: the primitive alone
+      nullptr;           ///< whose phalanges the paper's depth runs through; none: the primitive alone
+  double tolerance = 0;  ///< Settings::tolerance
+  const FieldKernels& kernels = field_kernels(Isa::scalar);
 };
 
 /// Contact of a round or flat primitive with the triangle a, b, c [m, W]. Sets everything but the indices.

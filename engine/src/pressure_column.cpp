@@ -10,6 +10,7 @@
 #include "depth.h"
 #include "elementary.h"
 #include "pressure.h"
+#include "pressure_rules.h"
 
 namespace lumbrical {
 namespace {
@@ -141,6 +142,8 @@ PressureMoments column_moments(const Section& section, const Boundary& boundary)
                   sum.first.y -= weight * strip.first;
                 });
   }
+  const double r = section.radius1;
+  sum.error = (section.radius1 == section.radius2 ? kColumnError : kColumnConeError) * r * r * r;
   return sum;
 }
 

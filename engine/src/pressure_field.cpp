@@ -8,62 +8,12 @@
 #include <cmath>
 
 #include "boundary_integral.h"
-#include "elementary.h"
 #include "field.h"
+#include "field_kernels.h"
+#include "pressure_rules.h"
 
 namespace lumbrical {
 namespace {
-
-// int_0^y and int_0^y y' of sqrt(d2 + y'^2), y >= 0.
-struct RootIntegral {
-  double zeroth, first;
-};
-
-RootIntegral root_integral(double d2, double y) {
-  const double r = std::sqrt(d2 + y * y);
-  if (!(d2 > 1e-280)) return {0.5 * y * r, r * r * r / 3};
-  const double d = std::sqrt(d2);
-  // (r^3 - d^3) / 3 with r - d = y^2 / (r + d).
-  return {0.5 * (y * r + d2 * arc_sinh(y / d)), y * y / (r + d) * (r * r + r * d + d2) / 3};
-}
-
-struct Strip {
-  double zeroth, first;  // Psi and int_0^y y' phi dy'
-};
-
-// Where phi is this small a share of R along the whole strip, the closed form would cancel: its terms are of
-// order R.
-constexpr double kShallow = 0.05;
-
-void add_strip(const Distance& distance, double from, double to, Strip& strip) {
-  if (!(from < to)) return;
-  const auto [level, factor, d2, gap] = distance;
-  if (gap < kShallow * level * level) {
-    for (const GaussNode& node : kGauss6) {
-      const double y = from + (to - from) * node.at;
-      const double phi = (gap - factor * factor * y * y) / (level + factor * std::sqrt(d2 + y * y));
-      strip.zeroth += (to - from) * node.weight * phi;
-      strip.first += (to - from) * node.weight * phi * y;
-    }
-    return;
-  }
-  const RootIntegral upper = root_integral(d2, to);
-  const RootIntegral lower = from > 0 ? root_integral(d2, from) : RootIntegral{0, 0};
-  strip.zeroth += level * (to - from) - factor * (upper.zeroth - lower.zeroth);
-  strip.first += level * 0.5 * (to - from) * (to + from) - factor * (upper.first - lower.first);
-}
-
-Strip strip_to(const Section& section, const Slant& slant, double x, double y) {
-  const Abscissa a = at_abscissa(section, slant, x);
-  const double reach = std::fabs(y);
-  const double side = min(reach, a.to_side), first = min(reach, a.to_first);
-  Strip strip{0, 0};
-  add_strip(a.second, 0, side, strip);
-  add_strip(a.side, side, first, strip);
-  add_strip(a.first, max(first, side), reach, strip);
-  if (y < 0) strip.zeroth = -strip.zeroth;
-  return strip;
-}
 
 // A piece as a line from (x, y) by (dx, dy), and how distances change along it.
 struct Run {
@@ -88,23 +38,30 @@ void add_axis(const Run& run, double e, double de, Singularities& kinks) {
     add_closest_approach(de * de + run.dy * run.dy, e * de + run.y * run.dy, e * e + run.y * run.y, kinks);
 }
 
+// Where a line crosses the curve cosine q = sine sqrt(e^2 + y^2) on which the nearest sphere changes.
+void add_crossings(const Run& run, const Slant& slant, double q, double dq, double e, double de,
+                   Singularities& kinks) {
+  const double cc = slant.cosine * slant.cosine, ss = slant.sine * slant.sine;
+  const double a = cc * dq * dq - ss * (de * de + run.dy * run.dy),
+               b = cc * q * dq - ss * (e * de + run.y * run.dy);
+  const double c = cc * q * q - ss * (e * e + run.y * run.y), discriminant = b * b - a * c;
+  if (!(discriminant > 0) || a == 0) return;
+  kinks.add((-b - std::sqrt(discriminant)) / a, 0, true);
+  kinks.add((-b + std::sqrt(discriminant)) / a, 0, true);
+}
+
 // Where the nearest sphere changes, cosine q = sine sqrt(e^2 + y^2), the field has a weak kink: q is the
 // axial coordinate from where the change starts. Psi has it where that curve meets y = 0, and where edges
 // cross it.
 void add_change(const Run& run, const Slant& slant, double q, double dq, double e, double de,
                 Singularities& kinks) {
   for (const double sine : {slant.sine, -slant.sine}) {
-    kinks.add((sine * e - slant.cosine * q) / (slant.cosine * dq - sine * de));
+    kinks.add((sine * e - slant.cosine * q) / (slant.cosine * dq - sine * de), 0, true);
   }
-  if (!run.edge) return;
-  const double cc = slant.cosine * slant.cosine, ss = slant.sine * slant.sine;
-  const double a = cc * dq * dq - ss * (de * de + run.dy * run.dy),
-               b = cc * q * dq - ss * (e * de + run.y * run.dy);
-  const double c = cc * q * q - ss * (e * e + run.y * run.y), discriminant = b * b - a * c;
-  if (!(discriminant > 0) || a == 0) return;
-  kinks.add((-b - std::sqrt(discriminant)) / a);
-  kinks.add((-b + std::sqrt(discriminant)) / a);
+  if (run.edge) add_crossings(run, slant, q, dq, e, de, kinks);
 }
+
+}  // namespace
 
 // Going out from y = 0 the field belongs to the second end, then to the side, then to the first end. So where
 // the section's curve belongs to the second end, all below it does; where it belongs to the side, the first
@@ -129,20 +86,74 @@ Singularities kinks_of(const Section& section, const Slant& slant, const Piece& 
   return kinks;
 }
 
-PressureMoments field_by_boundary(const Section& section, const Slant& slant, const Boundary& boundary) {
+Singularities line_kinks(const Section& section, const Slant& slant, Point2 from, Point2 to) {
+  const Run run{from.x, from.y, to.x - from.x, to.y - from.y, true};
+  const double length2 = run.dx * run.dx + run.dy * run.dy;
+  Singularities kinks;
+  kinks.refine = true;
+  add_closest_approach(length2, run.x * run.dx + run.y * run.dy,
+                       run.x * run.x + run.y * run.y + section.h1 * section.h1, kinks);
+  if (section.length == 0) return kinks;
+  const double x2 = run.x - section.x2;
+  add_closest_approach(length2, x2 * run.dx + run.y * run.dy,
+                       x2 * x2 + run.y * run.y + section.h2 * section.h2, kinks);
+  const double q = section.s * run.x - section.c * section.h1, dq = section.s * run.dx;
+  const double e = section.c * run.x + section.s * section.h1, de = section.c * run.dx;
+  add_closest_approach(de * de + run.dy * run.dy, e * de + run.y * run.dy, e * e + run.y * run.y, kinks);
+  for (const double axial : {q, q - section.length}) {
+    if (slant.sine > 1e-6) {
+      add_crossings(run, slant, axial, dq, e, de, kinks);
+    } else {
+      kinks.add(-axial / dq, 0, true);  // where the crossings of a capsule coincide, or nearly so
+    }
+  }
+  return kinks;
+}
+
+namespace {
+
+StripSection strip_section(const Section& section, const Slant& slant) {
+  const auto kind = section.length == 0            ? StripSection::sphere
+                    : section.shape == Shape::flat ? StripSection::side_only
+                                                   : StripSection::hull;
+  return {kind,      section.radius1, section.radius2, section.h1, section.h2,  section.x2,
+          section.s, section.c,       section.length,  slant.sine, slant.cosine};
+}
+
+// Computes the nodes gathered so far and adds them up, in their order.
+void add_nodes(const FieldKernels& kernels, const StripSection& section, StripNodes& nodes,
+               PressureMoments& sum) {
+  for (std::size_t k = nodes.count; k % 16 != 0; ++k) nodes.x[k] = nodes.y[k] = 0;
+  kernels.strip_nodes(section, nodes);
+  for (std::size_t k = 0; k < nodes.count; ++k) {
+    const double share = nodes.weight[k] * nodes.zeroth[k];
+    sum.volume -= share;
+    sum.first.x -= nodes.x[k] * share;
+    sum.first.y -= nodes.weight[k] * nodes.first[k];
+  }
+  nodes.count = 0;
+}
+
+PressureMoments field_by_boundary(const FieldKernels& kernels, const Section& section, const Slant& slant,
+                                  const Boundary& boundary) {
   PressureMoments sum;
+  StripNodes nodes;
+  const StripSection strips = strip_section(section, slant);
   for (int i = 0; i < boundary.count; ++i) {
     const Piece& piece = boundary.piece[static_cast<std::size_t>(i)];
     if (piece.kind == Piece::none || piece.from_x == piece.to_x) continue;
     const Zone& zone = section.zone[piece.zone];
     piece_nodes(piece, zone, kinks_of(section, slant, piece, zone.part),
                 [&](double x, double y, double weight) {
-                  const Strip strip = strip_to(section, slant, x, y);
-                  sum.volume -= weight * strip.zeroth;
-                  sum.first.x -= weight * x * strip.zeroth;
-                  sum.first.y -= weight * strip.first;
+                  if (nodes.count == StripNodes::kCapacity) add_nodes(kernels, strips, nodes, sum);
+                  const std::size_t k = nodes.count++;
+                  nodes.x[k] = x;
+                  nodes.y[k] = y;
+                  nodes.weight[k] = weight;
                 });
   }
+  add_nodes(kernels, strips, nodes, sum);
+  sum.error = kBoundaryError * section.radius1 * section.radius1 * section.radius1;
   return sum;
 }
 
@@ -153,11 +164,12 @@ double field_at(const Section& section, Point2 p) {
   return field_of(section, slant, zone_of(section, slant, p).zone, p);
 }
 
-PressureMoments field_moments(const Section& section, const AreaMoments& area, const Boundary& boundary) {
+PressureMoments field_moments(const FieldKernels& kernels, const Section& section, const AreaMoments& area,
+                              const Boundary& boundary) {
   const Slant slant = slant_of(section);
   PressureMoments moments;
   if (field_of_small_region(section, slant, area, boundary, moments)) return moments;
-  return field_by_boundary(section, slant, boundary);
+  return field_by_boundary(kernels, section, slant, boundary);
 }
 
 }  // namespace lumbrical

@@ -35,6 +35,7 @@ struct Primitive {
   Vec3 end1, end2;                  ///< [m] W; of a prism both are the centre of its bounding sphere
   double radius1 = 0, radius2 = 0;  ///< [m]; of a prism both are the radius of its bounding sphere
   std::array<HalfSpace, 2> cut{};
+  std::array<double, 2> overhang{};  ///< [m] how far a tile may have space beyond a cut (joint_border.h)
   /// The phalanges this primitive is a part of: the paper measures depth through them. Empty (-1): through
   /// itself.
   std::array<std::int8_t, 2> phalanx{-1, -1};

@@ -134,6 +134,7 @@ OutputFields output_fields(const ActuatorFrame& frame) {
   std::size_t next = 0;
   fields[next++] = frame.flags;
   fields[next++] = frame.contact_count;
+  fields[next++] = bits_of(frame.force_error);
   for (std::size_t s = 0; s < kSegmentCount; ++s) {
     for (const Vec3 v : {frame.segment[s].force, frame.segment[s].torque, frame.joint_torque[s]})
       for (const double value : {v.x, v.y, v.z}) fields[next++] = bits_of(value);
@@ -145,7 +146,8 @@ OutputFields output_fields(const ActuatorFrame& frame) {
 std::string output_field_name(int field) {
   if (field == 0) return "flags";
   if (field == 1) return "contact_count";
-  const int segment = (field - 2) / 10, part = (field - 2) % 10;
+  if (field == 2) return "force_error";
+  const int segment = (field - 3) / 10, part = (field - 3) % 10;
   if (part == 9) return numbered("flexion_torque", segment, "");
   const char* const owner = part < 6 ? "segment" : "joint_torque";
   return numbered(owner, segment, ".") + kSegmentNames[part];

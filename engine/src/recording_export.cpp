@@ -138,7 +138,10 @@ void add_device(const DeviceFrame& device, JsonLine& json) {
 }
 
 void add_output(const ActuatorFrame& output, JsonLine& json) {
-  json.open("output", '{').number("flags", output.flags).number("contact_count", output.contact_count);
+  json.open("output", '{')
+      .number("flags", output.flags)
+      .number("contact_count", output.contact_count)
+      .number("force_error", output.force_error);
   json.open("segment", '[');
   for (const Wrench& wrench : output.segment)
     json.open("", '{').vector("force", wrench.force).vector("torque", wrench.torque).close('}');

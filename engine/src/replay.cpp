@@ -17,6 +17,7 @@ constexpr std::uint64_t kProgressInterval = 1000;  // ticks between reports
 Scene scene_for(const RecordingReader& reader, const ReplayOptions& options) {
   Scene scene = reader.scene();
   if (options.law) scene.settings.law.fill(*options.law);
+  if (options.tolerance) scene.settings.tolerance = *options.tolerance;
   if (options.stiffness) scene.settings.stiffness = *options.stiffness;
   return scene;
 }

@@ -55,6 +55,7 @@ void read_settings(const format::Settings* table, FieldReader& read, Settings& s
   read.number(table->rate(), "settings.rate", {1, 100000}, settings.rate);
   read.number(table->stiffness(), "settings.stiffness", {1e-6, 1e15}, settings.stiffness);
   read.number(table->point_area(), "settings.point_area", {1e-12, 1e6}, settings.point_area);
+  read.number(table->tolerance(), "settings.tolerance", {0, 0.1}, settings.tolerance);
   read.number(table->max_force(), "settings.max_force", {1e-6, 1e9}, settings.max_force);
   read.number(table->fade_time(), "settings.fade_time", {1e-6, 10}, settings.fade_time);
   read.count(table->max_candidates(), "settings.max_candidates", 1, 1u << 24, settings.max_candidates);
@@ -67,12 +68,13 @@ void read_execution(const format::Execution* table, FieldReader& read, Execution
   if (table == nullptr) return;
   read.count(table->tree_levels(), "execution.tree_levels", 0, 32, execution.tree_levels);
   read.count(table->leaf_size(), "execution.leaf_size", 1, 64, execution.leaf_size);
+  read.number(table->cell_size(), "execution.cell_size", {1e-3, 1e6}, execution.cell_size);
   read.count(table->threads(), "execution.threads", 1, 64, execution.threads);
   if (table->broadphase() == nullptr) return;
   if (const auto parsed = parse_broadphase(table->broadphase()->string_view())) {
     execution.broadphase = *parsed;
   } else {
-    read.error("execution.broadphase", "is no search this version has; use \"tree\" or \"brute\"");
+    read.error("execution.broadphase", "is no search this version has; use \"tree\", \"grid\" or \"brute\"");
   }
 }
 

@@ -130,6 +130,10 @@ void set_polygon(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& se
   }
 }
 
+// Two triangles that share an edge run along it in opposite senses. What is reckoned of it starts from the
+// same end for both: so it is the same to the last bit, and what they have in common cancels exactly.
+bool runs_back(Point2 p, Point2 q) { return q.x < p.x || (q.x == p.x && q.y < p.y); }
+
 }  // namespace
 
 bool normal_of(Vec3 a, Vec3 b, Vec3 c, Vec3& n) {
@@ -181,7 +185,8 @@ void cut_polygon(Point2 direction, double offset, Polygon2& polygon) {
     if (ep <= 0 && kept.count < Polygon2::kMaxCorners)
       kept.corner[static_cast<std::size_t>(kept.count++)] = p;
     if ((ep <= 0) != (eq <= 0) && kept.count < Polygon2::kMaxCorners) {
-      kept.corner[static_cast<std::size_t>(kept.count++)] = p + (ep / (ep - eq)) * (q - p);
+      kept.corner[static_cast<std::size_t>(kept.count++)] =
+          runs_back(p, q) ? q + (eq / (eq - ep)) * (p - q) : p + (ep / (ep - eq)) * (q - p);
     }
   }
   if (kept.count < 3) kept.count = 0;
@@ -265,10 +270,12 @@ struct Line {
 };
 
 Line line_through(Point2 p, Point2 q) {
-  const Point2 d = q - p;
+  const bool reverse = runs_back(p, q);
+  const Point2 from = reverse ? q : p, to = reverse ? p : q, d = to - from;
   const double length2 = dot(d, d);
-  const double t = length2 > 0 ? clamp(-dot(p, d) / length2, 0, 1) : 0;
-  return {t == 0 ? p : t == 1 ? q : p + t * d, d, -t, 1 - t};
+  const double t = length2 > 0 ? clamp(-dot(from, d) / length2, 0, 1) : 0;
+  const Point2 base = t == 0 ? from : t == 1 ? to : from + t * d;
+  return reverse ? Line{base, q - p, t - 1, t} : Line{base, d, -t, 1 - t};
 }
 
 void add_piece(Piece::Kind kind, int side, int zone, Point2 from, Point2 to, Boundary& boundary) {

@@ -75,7 +75,8 @@ Offset<fb::Settings> to_fb(FlatBufferBuilder& builder, const Settings& settings)
   for (std::size_t s = 0; s < kSegmentCount; ++s) laws[s] = static_cast<std::uint8_t>(settings.law[s]);
   const auto all_laws = builder.CreateVectorScalarCast<fb::Law>(laws.data(), laws.size());
   return fb::CreateSettings(builder, all_laws, settings.stiffness, settings.rate, settings.point_area,
-                            settings.max_force, settings.fade_time, settings.max_candidates);
+                            settings.max_force, settings.fade_time, settings.max_candidates,
+                            settings.tolerance);
 }
 
 /// Room the objects take in the message, rounded up.
@@ -134,6 +135,7 @@ Status decode_settings(const fb::Settings* message, Settings& settings) {
   settings.max_force = message->max_force();
   settings.fade_time = message->fade_time();
   settings.max_candidates = message->max_candidates();
+  settings.tolerance = message->tolerance();
   // Session time is computed from the rate before build_model sees it.
   if (!(settings.rate >= 1 && settings.rate <= 100000))
     return Status::error("the session's rate is out of range");

@@ -9,7 +9,7 @@
 #include "border_bulge.h"
 #include "depth.h"
 #include "joint_border.h"
-#include "pressure.h"
+#include "pressure_rules.h"
 #include "root.h"
 
 namespace lumbrical {
@@ -30,6 +30,7 @@ constexpr double kSmall = 0.6;
 
 struct Work {
   Section& section;  // its polygon is the part at hand
+  const FieldKernels& kernels;
   Boundary& boundary;
   int rival_count = 0;
   std::array<Rival, 2> rival{};
@@ -103,7 +104,7 @@ void add_all(Work& work) {
   const AreaMoments area =
       overlap == Overlap::inside ? polygon_area(section.polygon) : section_area(section, work.boundary);
   if (!(area.area > 0)) return;
-  const PressureMoments field = field_moments(section, area, work.boundary);
+  const PressureMoments field = field_moments(work.kernels, section, area, work.boundary);
   work.area += area.area;
   work.area_first = work.area_first + area.area * area.centroid;
   work.volume += field.volume;
@@ -395,8 +396,8 @@ void cut_to_section(const Section& section, Polygon2& polygon) {
 
 }  // namespace
 
-bool collide_shared(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c, Boundary& boundary,
-                    Contact& contact) {
+bool collide_shared(const Primitives& hand, const Primitive& tile, const FieldKernels& kernels, Vec3 a, Vec3 b,
+                    Vec3 c, Boundary& boundary, Contact& contact) {
   const std::size_t phalanx = tile.segment, place = phalanx % 3;
   const bool before = place > 0 && joint_matters(hand.border[phalanx - 1], a, b, c);
   const bool after = place < 2 && joint_matters(hand.border[phalanx], a, b, c);
@@ -409,7 +410,7 @@ bool collide_shared(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 
   }
   Section section;
   if (!look_from_plane(cut, a, b, c, section)) return false;
-  Work work{section, boundary};
+  Work work{section, kernels, boundary};
   const auto add_rival = [&](const Rival& rival) {
     work.rival[static_cast<std::size_t>(work.rival_count++)] = rival;
   };
@@ -435,6 +436,7 @@ bool collide_shared(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 
   contact.centroid = to_world(section, (1 / work.area) * work.area_first);
   contact.centre = work.volume > 0 ? to_world(section, (1 / work.volume) * work.first) : contact.centroid;
   contact.normal = section.n;
+  contact.error = kBoundaryError * section.radius1 * section.radius1 * section.radius1;
   return true;
 }
 

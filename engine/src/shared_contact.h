@@ -2,6 +2,7 @@
 // (joint_border.h): exact to quadrature, and what one tile leaves the other takes.
 #pragma once
 
+#include "field_kernels.h"
 #include "lumbrical/contact.h"
 #include "primitive.h"
 #include "section.h"
@@ -14,7 +15,7 @@ namespace lumbrical {
 ///
 /// `depth` is the largest depth in the own tile over the contact, less than the height of the border over its
 /// chord off where the deepest point lies between these two.
-bool collide_shared(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c, Boundary& boundary,
-                    Contact& contact);
+bool collide_shared(const Primitives& hand, const Primitive& tile, const FieldKernels& kernels, Vec3 a, Vec3 b,
+                    Vec3 c, Boundary& boundary, Contact& contact);
 
 }  // namespace lumbrical

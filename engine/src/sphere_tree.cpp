@@ -1,15 +1,16 @@
 #include "sphere_tree.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <limits>
+#include <numeric>
 
 #include "triangle_bound.h"
 
 namespace lumbrical {
 namespace {
 
-constexpr std::uint32_t kWidth = SphereTree::kWidth;
+constexpr std::uint32_t kWidth = SphereBlock::kWidth;
 
 // Single precision moves centres and radii by less than this share of their size; bounds are widened by it.
 constexpr double kFloatSlack = 4e-7;
@@ -36,15 +37,6 @@ struct Key {
   friend bool operator<(const Key& a, const Key& b) {
     return a.morton != b.morton ? a.morton < b.morton : a.triangle < b.triangle;
   }
-};
-
-struct Box {
-  Vec3 lower{1e300, 1e300, 1e300}, upper{-1e300, -1e300, -1e300};
-  void add(Vec3 p, double r) {
-    lower = {min(lower.x, p.x - r), min(lower.y, p.y - r), min(lower.z, p.z - r)};
-    upper = {max(upper.x, p.x + r), max(upper.y, p.y + r), max(upper.z, p.z + r)};
-  }
-  [[nodiscard]] Vec3 middle() const { return 0.5 * lower + 0.5 * upper; }
 };
 
 std::uint64_t morton_of(Vec3 p, const Box& box) {
@@ -77,124 +69,105 @@ std::vector<Sphere> bound_groups(const std::vector<Sphere>& spheres, std::size_t
   return groups;
 }
 
+SphereBlock empty_block() {
+  SphereBlock block;
+  block.r.fill(-std::numeric_limits<float>::infinity());
+  return block;
+}
+
+void put_sphere(const Sphere& sphere, std::size_t place, SphereTree::Level& level) {
+  SphereBlock& block = level[place / kWidth];
+  const std::size_t lane = place % kWidth;
+  const Vec3 c = sphere.centre;
+  block.x[lane] = static_cast<float>(c.x);
+  block.y[lane] = static_cast<float>(c.y);
+  block.z[lane] = static_cast<float>(c.z);
+  const double size = max(std::fabs(c.x), max(std::fabs(c.y), std::fabs(c.z))) + sphere.radius;
+  block.r[lane] = static_cast<float>(sphere.radius + kFloatSlack * size);
+}
+
 SphereTree::Level to_level(const std::vector<Sphere>& spheres) {
-  SphereTree::Level level;
-  level.count = static_cast<std::uint32_t>(spheres.size());
-  const std::size_t padded = (spheres.size() + kWidth - 1) / kWidth * kWidth;
-  level.x.resize(padded);
-  level.y.resize(padded);
-  level.z.resize(padded);
-  level.r.assign(padded, -1e30f);  // padding: no reach makes up for this
-  for (std::size_t i = 0; i < spheres.size(); ++i) {
-    const Vec3 c = spheres[i].centre;
-    level.x[i] = static_cast<float>(c.x);
-    level.y[i] = static_cast<float>(c.y);
-    level.z[i] = static_cast<float>(c.z);
-    const double size = max(std::fabs(c.x), max(std::fabs(c.y), std::fabs(c.z))) + spheres[i].radius;
-    level.r[i] = static_cast<float>(spheres[i].radius + kFloatSlack * size);
-  }
+  SphereTree::Level level((spheres.size() + kWidth - 1) / kWidth, empty_block());
+  for (std::size_t i = 0; i < spheres.size(); ++i) put_sphere(spheres[i], i, level);
   return level;
 }
 
-// A primitive as the traversal sees it: a thick segment in single precision, widened for its rounding.
-struct Query {
-  float x, y, z, dx, dy, dz, inverse, reach;
-};
-
-Query query_of(const SphereTree& tree, const Primitive& primitive) {
-  const Vec3 from = primitive.end1 - tree.origin, axis = primitive.end2 - primitive.end1;
-  const double square = dot(axis, axis);
-  const double size = max(std::fabs(from.x), max(std::fabs(from.y), std::fabs(from.z))) + norm(axis);
-  const double reach = 1.00001 * max(primitive.radius1, primitive.radius2) + 4 * kFloatSlack * size;
-  return {static_cast<float>(from.x),
-          static_cast<float>(from.y),
-          static_cast<float>(from.z),
-          static_cast<float>(axis.x),
-          static_cast<float>(axis.y),
-          static_cast<float>(axis.z),
-          static_cast<float>(square > 1e-20 ? 1 / square : 0),
-          static_cast<float>(reach)};
+void put_leaves(const std::vector<Sphere>& spheres, std::span<const std::uint32_t> members,
+                std::size_t leaf_size, SphereTree& tree) {
+  const std::size_t leaf_count = (spheres.size() + leaf_size - 1) / leaf_size;
+  tree.sphere.assign(leaf_count * tree.blocks_per_leaf, empty_block());
+  tree.triangle.assign(tree.sphere.size() * kWidth, 0);
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    const std::size_t place = i / leaf_size * tree.blocks_per_leaf * kWidth + i % leaf_size;
+    put_sphere(spheres[i], place, tree.sphere);
+    tree.triangle[place] = members[i];
+  }
 }
 
-// Which of eight spheres the thick segment may meet. Written so that the compiler makes it one vector
-// operation each.
-unsigned test_group(const SphereTree::Level& level, std::size_t first, const Query& q) {
-  float excess[kWidth];
-  for (std::size_t k = 0; k < kWidth; ++k) {
-    const float px = level.x[first + k] - q.x, py = level.y[first + k] - q.y, pz = level.z[first + k] - q.z;
-    float t = (px * q.dx + py * q.dy + pz * q.dz) * q.inverse;
-    t = t < 0.0f ? 0.0f : t;
-    t = t > 1.0f ? 1.0f : t;
-    const float gx = px - t * q.dx, gy = py - t * q.dy, gz = pz - t * q.dz;
-    const float reach = level.r[first + k] + q.reach;
-    const float square = reach > 0.0f ? reach * reach : -1.0f;
-    excess[k] = (gx * gx + gy * gy + gz * gz) * 0.99999f - square;
+// Puts the members in spatial order; a tie goes by the triangle's number.
+void sort_in_space(const Triangles& triangles, Vec3 origin, std::span<std::uint32_t> members) {
+  std::vector<Vec3> centres;
+  centres.reserve(members.size());
+  Box box;
+  for (const std::uint32_t triangle : members) {
+    centres.push_back(bound_triangle(triangles, triangle, origin).centre);
+    box.add(centres.back());
   }
-  unsigned mask = 0;
-  for (std::size_t k = 0; k < kWidth; ++k) mask |= static_cast<unsigned>(excess[k] <= 0.0f) << k;
-  return mask;
+  std::vector<Key> keys(members.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = {morton_of(centres[i], box), members[i]};
+  std::sort(keys.begin(), keys.end());
+  for (std::size_t i = 0; i < keys.size(); ++i) members[i] = keys[i].triangle;
 }
 
 }  // namespace
 
-SphereTree build_tree(const Triangles& triangles, std::uint32_t leaf_size, std::uint32_t levels) {
+SphereTree build_tree(const Triangles& triangles, std::span<std::uint32_t> members,
+                      const Execution& execution) {
   SphereTree tree;
-  tree.leaf_size = leaf_size;
-  const auto count = static_cast<std::uint32_t>(triangles.size());
-  if (count == 0) return tree;
-  std::vector<TriangleBound> bounds(count);
-  Box box;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    bounds[i] = bound_triangle(triangles, i);
-    box.add(bounds[i].centre, 0);
-  }
-  tree.origin = box.middle();
-  std::vector<Key> keys(count);
-  for (std::uint32_t i = 0; i < count; ++i) keys[i] = {morton_of(bounds[i].centre, box), i};
-  std::sort(keys.begin(), keys.end());
+  const std::size_t leaf_size = execution.leaf_size;
+  tree.blocks_per_leaf = (execution.leaf_size + kWidth - 1) / kWidth;
+  if (members.empty()) return tree;
+  Box corners;
+  for (const std::uint32_t triangle : members) corners.add(triangles.vertex(triangles.a[triangle]));
+  tree.origin = corners.middle();
+  sort_in_space(triangles, tree.origin, members);
 
-  std::vector<Sphere> spheres(count);
-  tree.triangle.resize(count);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    tree.triangle[i] = keys[i].triangle;
-    spheres[i] = {bounds[keys[i].triangle].centre - tree.origin, bounds[keys[i].triangle].radius};
+  std::vector<Sphere> spheres(members.size());
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const TriangleBound around = bound_triangle(triangles, members[i], tree.origin);
+    spheres[i] = {around.centre, around.radius};
   }
+  put_leaves(spheres, members, leaf_size, tree);
   spheres = bound_groups(spheres, leaf_size);
   tree.levels.push_back(to_level(spheres));
-  while (spheres.size() > kWidth && (levels == 0 || tree.levels.size() < levels)) {
+  while (spheres.size() > kWidth &&
+         (execution.tree_levels == 0 || tree.levels.size() < execution.tree_levels)) {
     spheres = bound_groups(spheres, kWidth);
     tree.levels.push_back(to_level(spheres));
   }
+  const Sphere all = bound(spheres);
+  tree.centre = all.centre;
+  tree.radius = all.radius;
   return tree;
 }
 
-std::size_t frontier_capacity(const SphereTree& tree) {
-  return tree.levels.empty() ? 0 : tree.levels.front().count + kWidth;
+SphereTree build_tree(const Triangles& triangles, const Execution& execution) {
+  std::vector<std::uint32_t> all(triangles.size());
+  std::iota(all.begin(), all.end(), 0u);
+  return build_tree(triangles, all, execution);
 }
 
-std::span<const std::uint32_t> query_tree(const SphereTree& tree, const Primitive& primitive,
-                                          std::array<std::vector<std::uint32_t>, 2>& frontier) {
-  if (tree.levels.empty()) return {};
-  const Query query = query_of(tree, primitive);
-  std::size_t level = tree.levels.size() - 1;
-  std::size_t hit_count = 0;
-  const auto test = [&](std::uint32_t group, std::vector<std::uint32_t>& hits) {
-    unsigned mask = test_group(tree.levels[level], std::size_t{group} * kWidth, query);
-    for (; mask != 0; mask &= mask - 1) {
-      hits[hit_count++] = group * kWidth + static_cast<std::uint32_t>(std::countr_zero(mask));
-    }
-  };
-  const auto groups = static_cast<std::uint32_t>(tree.levels[level].x.size() / kWidth);
-  for (std::uint32_t group = 0; group < groups; ++group) test(group, frontier[0]);
-  while (level > 0) {
-    --level;
-    // A sphere that was hit is the bound of the group of the same number one level down.
-    const std::size_t parents = hit_count;
-    hit_count = 0;
-    for (std::size_t i = 0; i < parents; ++i) test(frontier[0][i], frontier[1]);
-    std::swap(frontier[0], frontier[1]);
-  }
-  return {frontier[0].data(), hit_count};
+std::size_t frontier_capacity(const SphereTree& tree) {
+  if (tree.levels.empty()) return 0;
+  return std::max(tree.levels.front().size() * kWidth, tree.sphere.size());
+}
+
+std::size_t byte_count(const SphereTree& tree) {
+  std::size_t bytes = sizeof(tree) + tree.triangle.size() * sizeof(std::uint32_t);
+  bytes += tree.sphere.size() * sizeof(SphereBlock);
+  for (const SphereTree::Level& level : tree.levels)
+    bytes += sizeof(level) + level.size() * sizeof(SphereBlock);
+  return bytes;
 }
 
 }  // namespace lumbrical

@@ -1,25 +1,26 @@
-// Bounding sphere tree: built once, traversed breadth first, eight spheres at a time.
+// Bounding sphere trees: built once over triangles in spatial order.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "lumbrical/model.h"
-#include "primitive.h"
 
 namespace lumbrical {
 
-/// Sorts the triangles along a Morton curve, bounds every `leaf_size` of them (their bound_triangle spheres)
-/// by a leaf sphere and every eight spheres by one above, until eight or fewer are left or there are `levels`
-/// levels (0: no limit; 1: the leaves alone, a linear scan).
-SphereTree build_tree(const Triangles& triangles, std::uint32_t leaf_size, std::uint32_t levels);
+/// Sorts the triangles along a Morton curve, bounds every `leaf_size` of them by a leaf sphere and every
+/// sixteen spheres by one above, until sixteen or fewer are left or there are `tree_levels` levels (0: no
+/// limit; 1: the leaves alone, a linear scan).
+SphereTree build_tree(const Triangles& triangles, const Execution& execution);
 
-/// Leaves whose sphere may meet the primitive's hull; none that does is left out. `frontier` is working
-/// memory, each of frontier_capacity(tree), and holds the answer.
-std::span<const std::uint32_t> query_tree(const SphereTree& tree, const Primitive& primitive,
-                                          std::array<std::vector<std::uint32_t>, 2>& frontier);
+/// The same of some of the triangles only; reorders `members`.
+SphereTree build_tree(const Triangles& triangles, std::span<std::uint32_t> members,
+                      const Execution& execution);
+
+/// The most spheres of one level, or blocks of triangles, that a search can hit.
 std::size_t frontier_capacity(const SphereTree& tree);
+
+/// [bytes] a tree takes.
+std::size_t byte_count(const SphereTree& tree);
 
 }  // namespace lumbrical

@@ -1,8 +1,6 @@
 // The tick: one stage after the other, each a function of the data before it.
 #include "lumbrical/tick.h"
 
-#include <algorithm>
-
 #include "broadphase.h"
 #include "contact_force.h"
 #include "floating_point.h"
@@ -10,7 +8,6 @@
 #include "hand_pose.h"
 #include "hash.h"
 #include "narrowphase.h"
-#include "sphere_tree.h"
 
 namespace lumbrical {
 namespace {
@@ -81,9 +78,9 @@ std::uint64_t hash_items(std::span<const T> items) {
   return hasher.digest();
 }
 
-static_assert(sizeof(Contact) == 2 * sizeof(std::uint32_t) + 12 * sizeof(double));
+static_assert(sizeof(Contact) == 2 * sizeof(std::uint32_t) + 13 * sizeof(double));
 static_assert(sizeof(HandForces) == 10 * kSegmentCount * sizeof(double));
-static_assert(sizeof(ActuatorFrame) == sizeof(HandForces) + 2 * sizeof(double));
+static_assert(sizeof(ActuatorFrame) == sizeof(HandForces) + 3 * sizeof(double));
 static_assert(sizeof(State) == 3 * sizeof(double) + 2 * sizeof(HandForces));
 
 }  // namespace
@@ -97,11 +94,8 @@ std::string_view stage_name(Stage stage) {
 Scratch make_scratch(const Model& model) {
   Scratch scratch;
   scratch.primitives = std::make_shared<Primitives>();
-  const std::size_t all_pairs = Primitives::kMaxCount * model.triangles.size();
-  const std::size_t capacity = std::min<std::size_t>(model.settings.max_candidates, all_pairs);
-  scratch.candidates.resize(capacity);
-  scratch.contacts.resize(capacity);
-  for (auto& frontier : scratch.frontier) frontier.resize(frontier_capacity(model.tree));
+  size_candidates(model, scratch);
+  scratch.contacts.resize(scratch.candidates.size());
   return scratch;
 }
 
@@ -124,6 +118,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   const HandForces forces = sum_forces(model.settings, hand, contacts);
   ActuatorFrame output = limit_forces(model.settings, forces, (flags & kUntrusted) == 0, flags, state);
   output.contact_count = scratch.contact_count;
+  output.force_error = force_error(model.settings, contacts);
 
   if (scratch.hash_stages) {
     stage_hash(scratch, Stage::input) = hash_of(frame);

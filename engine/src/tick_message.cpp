@@ -84,6 +84,7 @@ Status decode_output(const fb::Tick& message, ActuatorFrame& output) {
   output.tick = message.tick();
   output.flags = message.flags();
   output.contact_count = message.contact_count();
+  output.force_error = message.force_error();
   if (message.segments() == nullptr) return {};
   std::uint32_t least = 0;
   for (const fb::SegmentOutput* const segment : *message.segments()) {
@@ -132,7 +133,7 @@ void encode_tick(const TickRecord& record, const InputCheck& check, flatbuffers:
   builder.Finish(fb::CreateTick(builder, record.output.tick, record.duration_ns, &base,
                                 static_cast<fb::InputKind>(device.kind), device.flags, device.valid, joints,
                                 angles, record.output.flags, record.output.contact_count, outputs, &hashes,
-                                record.state_hash, &input_check));
+                                record.state_hash, &input_check, record.output.force_error));
 }
 
 Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, InputCheck& check) {

@@ -20,7 +20,7 @@ namespace {
 struct ProbeOptions {
   std::string mesh, unit;
   double stiffness = Settings{}.stiffness;
-  std::string law{law_name(Law::field)};
+  std::string law{law_name(Law::field)}, precision = "exact";
   std::array<std::vector<std::string>, 3> primitives;  // as written, in the order of kSwitches
   bool json = false;
 };
@@ -116,6 +116,7 @@ Json contacts_json(const std::vector<ProbeContact>& contacts) {
     entry["area"] = contact.area;
     entry["centroid"] = to_json(contact.centroid);
     entry["volume"] = contact.volume;
+    entry["volume_error"] = contact.error;
     entry["force"] = to_json(contact.force);
     entry["normal"] = to_json(contact.normal);
     entry["centre"] = to_json(contact.centre);
@@ -158,7 +159,8 @@ int probe_mesh(const ProbeOptions& options, const std::vector<ProbePrimitive>& p
     return fail(status);
   }
   std::vector<ProbeContact> contacts;
-  Status status = probe(mesh, primitives, *parse_law(options.law), options.stiffness, contacts);
+  Status status = probe(mesh, primitives, *parse_law(options.law), options.stiffness, contacts,
+                        *parse_precision(options.precision));
   if (!status.ok()) return fail(status);
   return options.json ? print_json(contacts_json(contacts)) : print_text(contacts_text(contacts));
 }
@@ -180,8 +182,7 @@ void add_probe(CLI::App& app, int& exit_code) {
       ->check(number_in(1e-6, 1e15))
       ->capture_default_str();
   command->add_option("--law", options->law, "Contact law")->check(is_law())->capture_default_str();
-  command->add_option("--precision", "Arithmetic of the query; this version has \"double\"")
-      ->check(CLI::IsMember({"double"}));
+  command->add_option("--precision", options->precision, kPrecisionHelp)->check(is_precision());
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options, command, &exit_code] {
     exit_code = probe_mesh(*options, parse_primitives(*command, *options));

@@ -16,7 +16,9 @@ namespace {
 struct ReplaySwitches {
   std::string recording, law, broadphase;
   std::optional<double> stiffness;
+  std::string precision;
   std::uint32_t threads = 1;
+  std::string isa = "auto";
   bool json = false;
 };
 
@@ -25,7 +27,9 @@ ReplayOptions replay_options(const ReplaySwitches& switches) {
   if (!switches.law.empty()) options.law = parse_law(switches.law);
   if (!switches.broadphase.empty()) options.execution.broadphase = *parse_broadphase(switches.broadphase);
   options.stiffness = switches.stiffness;
+  if (!switches.precision.empty()) options.tolerance = parse_precision(switches.precision);
   options.execution.threads = switches.threads;
+  options.execution.isa = *parse_isa(switches.isa);
   return options;
 }
 
@@ -44,7 +48,7 @@ int replay_recording(const ReplaySwitches& switches) {
 
   Json json = divergence_json(result);
   json["complete"] = reader.info().complete;
-  json["isa"] = isa_name();
+  json["isa"] = isa_name(options.execution.isa == Isa::automatic ? widest_isa() : options.execution.isa);
   json["threads"] = options.execution.threads;
   json["broadphase"] = broadphase_name(options.execution.broadphase);
   json["recording"] = switches.recording;
@@ -66,13 +70,15 @@ void add_replay(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("REC.mcap");
   command->add_option("--law", switches->law, "What if: contact law of the whole hand")->check(is_law());
+  command->add_option("--precision", switches->precision, std::string("What if: ") + kPrecisionHelp)
+      ->check(is_precision());
   command->add_option("--stiffness", switches->stiffness, "What if: K_s [N/m^3]")
       ->check(number_in(1e-6, 1e15));
   command
       ->add_option("--broadphase", switches->broadphase,
                    "Search for candidate triangles; never changes a result")
       ->check(is_broadphase());
-  command->add_option("--isa", "Instruction set; never changes a result")->check(is_isa());
+  command->add_option("--isa", switches->isa, "Instruction set; never changes a result")->check(is_isa());
   command->add_option("--threads", switches->threads, "1 .. 64; never changes a result")
       ->check(number_in(1, 64));
   command->add_flag("--json", switches->json, "Print one JSON object");

@@ -17,11 +17,12 @@ namespace lumbrical::tool {
 namespace {
 
 struct RunOptions {
-  std::string scene, motion, side, unit, record, law, broadphase;
+  std::string scene, motion, side, unit, record, law, broadphase, precision;
   std::string rate = "max";
   std::optional<double> motion_rate, stiffness;
   std::optional<std::uint64_t> ticks;
   std::optional<std::uint32_t> threads;
+  std::string isa = "auto";
   bool json = false;
 };
 
@@ -61,11 +62,13 @@ Status load(const RunOptions& options, SceneFile& scene_file) {
   motion.unit = parse_metres(options.unit);
   if (Status status = load_scene_file(options.scene, scene_file, motion); !status.ok()) return status;
   Settings& settings = scene_file.scene.settings;
+  if (!options.precision.empty()) settings.tolerance = *parse_precision(options.precision);
   if (!options.law.empty()) settings.law.fill(*parse_law(options.law));
   if (options.stiffness) settings.stiffness = *options.stiffness;
   if (options.rate != "max") settings.rate = std::stod(options.rate);
   if (!options.broadphase.empty()) scene_file.execution.broadphase = *parse_broadphase(options.broadphase);
   if (options.threads) scene_file.execution.threads = *options.threads;
+  scene_file.execution.isa = *parse_isa(options.isa);
   for (const std::string& file : scene_file.files) {
     std::error_code ignored;
     if (!options.record.empty() && std::filesystem::equivalent(file, options.record, ignored)) {
@@ -117,7 +120,7 @@ Json run_json(const RunOptions& options, const Model& model, const RunStatistics
                      {"max", times.max() / 1000.0}};
   json["contacts"] = {{"mean", mean_contacts(run)}, {"max", run.max_contacts}};
   json["deadline_misses"] = run.deadline_misses;
-  json["isa"] = isa_name();
+  json["isa"] = isa_name(model.execution.isa);
   json["threads"] = model.execution.threads;
   json["broadphase"] = broadphase_name(model.execution.broadphase);
   json["law"] = law_of(model.settings);
@@ -177,8 +180,8 @@ std::string run_text(const RunOptions& options, const Model& model, const RunSta
   table.add("contacts", "mean " + brief(mean_contacts(run)) + "   max " + grouped(run.max_contacts) +
                             "   of " + grouped(model.triangles.size()) + " triangles");
   table.add("computed with", std::string(broadphase_name(model.execution.broadphase)) + ", law " +
-                                 law_of(model.settings) + ", " + isa_name() + ", " +
-                                 std::to_string(model.execution.threads) + " thread(s)");
+                                 law_of(model.settings) + ", " + std::string(isa_name(model.execution.isa)) +
+                                 ", " + std::to_string(model.execution.threads) + " thread(s)");
   add_peaks(run, table);
   add_flags(run, table);
   if (!options.record.empty()) {
@@ -252,8 +255,9 @@ void add_run(CLI::App& app, int& exit_code) {
   command->add_option("--broadphase", options->broadphase, "Search for candidate triangles")
       ->check(is_broadphase());
   command->add_option("--law", options->law, "Contact law of the whole hand")->check(is_law());
+  command->add_option("--precision", options->precision, kPrecisionHelp)->check(is_precision());
   command->add_option("--stiffness", options->stiffness, "K_s [N/m^3]")->check(number_in(1e-6, 1e15));
-  command->add_option("--isa", "Instruction set")->check(is_isa());
+  command->add_option("--isa", options->isa, "Instruction set; never changes a result")->check(is_isa());
   command->add_option("--threads", options->threads, "1 .. 64; never changes a result")
       ->check(number_in(1, 64));
   command->add_flag("--json", options->json, "Print one JSON object");

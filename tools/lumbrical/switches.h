@@ -4,7 +4,10 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <optional>
 #include <string>
+
+#include "lumbrical/model.h"
 
 namespace lumbrical::tool {
 
@@ -31,36 +34,41 @@ inline CLI::Validator is_law() {
 /// Searches that the command line knows but this version has not.
 inline CLI::Validator is_broadphase() {
   return {[](std::string& text) -> std::string {
-            if (text == "tree" || text == "brute") return {};
-            if (text == "grid" || text == "voxel") return text + " is not built yet; use tree or brute";
-            return "\"" + text + "\" is not a search; use tree or brute";
+            if (parse_broadphase(text)) return {};
+            if (text == "voxel") return text + " is not built yet; use tree, grid or brute";
+            return "\"" + text + "\" is not a search; use tree, grid or brute";
           },
-          "tree|brute"};
+          "tree|grid|brute"};
 }
 
-/// Instruction sets: so far every build uses the baseline of its processor.
+/// Settings::tolerance by name or number.
+inline std::optional<double> parse_precision(const std::string& text) {
+  if (text == "exact" || text == "double") return 0.0;
+  if (text == "float") return 1e-4;
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  return whole && number >= 0 && number <= 0.1 ? std::optional(number) : std::nullopt;
+}
+inline CLI::Validator is_precision() {
+  return {[](std::string& text) -> std::string {
+            if (parse_precision(text)) return {};
+            return "\"" + text + "\" is no precision; use exact, float (1e-4), or a share of R, 0 .. 0.1";
+          },
+          "exact|float|SHARE"};
+}
+inline const char* const kPrecisionHelp =
+    "How far a contact's mean depth may be off, as a share of R (field law)";
+
+/// Instruction sets that this build on this machine has.
 inline CLI::Validator is_isa() {
   return {[](std::string& text) -> std::string {
-#if defined(__x86_64__)
-            if (text == "auto" || text == "sse2") return {};
-            return text + " is not built yet; use auto or sse2";
-#else
-            if (text == "auto") return {};
-            return text + " is not built for this processor; use auto";
-#endif
+            const std::optional<Isa> isa = parse_isa(text);
+            if (!isa) return "\"" + text + "\" is not an instruction set; use auto";
+            if (!available(*isa)) return text + " is not available on this machine; use auto";
+            return {};
           },
-          "auto|sse2"};
-}
-
-/// What the engine's loops are compiled for.
-inline const char* isa_name() {
-#if defined(__x86_64__)
-  return "sse2";
-#elif defined(__aarch64__)
-  return "neon";
-#else
-  return "scalar";
-#endif
+          "auto|scalar|sse2|avx2|avx512|neon"};
 }
 
 }  // namespace lumbrical::tool

@@ -14,6 +14,7 @@ struct Contact {
   double depth = 0;             ///< [m] dl_max: the largest depth, through the whole finger
   double area = 0;              ///< [m^2] A_C: the part of the triangle inside the primitive
   double volume = 0;            ///< [m^3] the law's depth summed over that part; K_s times it is the force
+  double error = 0;             ///< [m^3] bound of |volume - exact|, exact laws; 0 for the others
   Vec3 centroid;                ///< [m] W, of that part
   Vec3 centre;                  ///< [m] W, centre of pressure: the force acts here
   Vec3 normal;                  ///< W, unit, outward from the triangle

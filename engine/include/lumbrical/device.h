@@ -66,6 +66,8 @@ struct ActuatorFrame : HandForces {
   std::uint64_t tick = 0;
   std::uint32_t flags = 0;          ///< TickFlag bits
   std::uint32_t contact_count = 0;  ///< contacts behind this frame, before limits
+  double force_error =
+      0;  ///< [N] bound of what the integrals behind all forces together may be off, before limits
 };
 
 }  // namespace lumbrical

@@ -92,4 +92,7 @@ struct Wrench {
   Vec3 torque;  ///< [N m] about the point the owner documents
 };
 
+/// Six rows of six: what relates two pairs of vectors, such as the change of a wrench to that of a pose.
+using Matrix6 = std::array<std::array<double, 6>, 6>;
+
 }  // namespace lumbrical

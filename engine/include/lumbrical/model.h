@@ -25,12 +25,25 @@ enum class Law : std::uint8_t {
 };
 
 /// Where candidate triangles come from. Never changes a result, only the time it takes.
-enum class Broadphase : std::uint8_t { tree, brute };
+enum class Broadphase : std::uint8_t {
+  tree,   ///< one tree of bounding spheres
+  grid,   ///< a tree per cell of a grid: large environments
+  brute,  ///< every triangle
+};
+
+/// What the kernels are compiled for. Never changes a result, only the time it takes.
+enum class Isa : std::uint8_t { automatic, scalar, sse2, avx2, avx512, neon };
+
+/// Can this build on this machine run the kernels of `isa`?
+bool available(Isa isa);
+Isa widest_isa();  ///< that is available
 
 std::optional<Law> parse_law(std::string_view text);                ///< "field", "column", "max-depth", ...
-std::optional<Broadphase> parse_broadphase(std::string_view text);  ///< "tree", "brute"
+std::optional<Broadphase> parse_broadphase(std::string_view text);  ///< "tree", "grid", "brute"
+std::optional<Isa> parse_isa(std::string_view text);                ///< "auto", "scalar", "sse2", "avx2", ...
 std::string_view law_name(Law law);
 std::string_view broadphase_name(Broadphase broadphase);
+std::string_view isa_name(Isa isa);
 
 /// What decides the result of a tick, besides hand and world. Travels inside a recording.
 struct Settings {
@@ -38,7 +51,9 @@ struct Settings {
   double stiffness = 2e7;                ///< [N/m^3] K_s, > 0
   double rate = 1000;                    ///< [Hz] ticks per second of session time, 1 .. 100000
   double point_area = 1e-4;              ///< [m^2] stands in for the area in Law::point
-  double max_force = 20;    ///< [N] largest force of one segment; above it the wrench is scaled down
+  double tolerance = 0;   ///< 0 .. 0.1; by how much of R a contact's mean depth may be off in Law::field. 0:
+                          ///< exact to rounding. What it comes to is told in ActuatorFrame::force_error
+  double max_force = 20;  ///< [N] largest force of one segment; above it the wrench is scaled down
   double fade_time = 0.02;  ///< [s] in which forces that can't be trusted fade to zero, and return
   std::uint32_t max_candidates = 1u << 18;  ///< pairs (primitive, triangle) a tick can hold, 1 .. 2^24
 };
@@ -48,8 +63,10 @@ struct Execution {
   Broadphase broadphase = Broadphase::tree;
   std::uint32_t tree_levels =
       0;  ///< levels of bounding spheres above the leaves (paper, Table 2); 0: as many as it takes
-  std::uint32_t leaf_size = 8;  ///< triangles per leaf sphere, 1 .. 64
-  std::uint32_t threads = 1;    ///< 1 .. 64
+  std::uint32_t leaf_size = 16;  ///< triangles per leaf sphere, 1 .. 64; a multiple of 16 wastes no memory
+  double cell_size = 0.1;        ///< [m] side of the grid's cells, 0.001 .. 1e6
+  std::uint32_t threads = 1;     ///< 1 .. 64
+  Isa isa = Isa::automatic;      ///< automatic: the widest that is available; a Model holds which one that is
 };
 
 struct SceneObject {
@@ -72,19 +89,33 @@ struct Triangles {
   [[nodiscard]] Vec3 vertex(std::uint32_t i) const { return {x[i], y[i], z[i]}; }
 };
 
-/// Bounding spheres in groups of eight, structure of arrays; no pointers, children are found by index
-/// arithmetic. Level 0 bounds the leaves; every further level bounds groups of eight of the level below.
+/// Sixteen bounding spheres [m], relative to their tree's origin. Single precision; what rounding takes away
+/// is added to the radius. Empty places hold a radius of minus infinity, which nothing reaches.
+struct alignas(64) SphereBlock {
+  static constexpr std::uint32_t kWidth = 16;
+  std::array<float, kWidth> x{}, y{}, z{}, r{};
+};
+
+/// Bounding spheres in blocks of sixteen; no pointers, children are found by index arithmetic. Sphere i of
+/// level 0 bounds leaf i, sphere i of a higher level bounds block i of the level below.
 struct SphereTree {
-  static constexpr std::uint32_t kWidth = 8;
-  struct Level {
-    std::vector<float> x, y, z,
-        r;  ///< [m] relative to `origin`, padded to a multiple of kWidth by spheres never hit
-    std::uint32_t count = 0;  ///< spheres without the padding
-  };
+  using Level = std::vector<SphereBlock>;
   Vec3 origin;                          ///< [m] in W
-  std::uint32_t leaf_size = 0;          ///< triangles per leaf
-  std::vector<std::uint32_t> triangle;  ///< triangle indices in leaf order (spatial order)
-  std::vector<Level> levels;            ///< [0]: one sphere per leaf
+  Vec3 centre;                          ///< [m] relative to `origin`: of a sphere round everything
+  double radius = 0;                    ///< [m] of that sphere
+  std::uint32_t blocks_per_leaf = 0;    ///< every leaf starts a new block
+  std::vector<std::uint32_t> triangle;  ///< by place in `sphere`; the empty places hold 0
+  Level sphere;                         ///< of the triangles, in leaf order (spatial order)
+  std::vector<Level> levels;            ///< [0]: of the leaves; the last is searched from end to end
+};
+
+/// A grid of cubes with a tree in each that is not empty. A triangle is in the cell of its centroid; those
+/// whose bounding sphere is wider than a cell are in a tree of their own.
+struct SphereGrid {
+  Vec3 origin;                      ///< [m] in W: lower corner
+  double cell_size = 0;             ///< [m]
+  std::vector<std::uint64_t> cell;  ///< z << 42 | y << 21 | x, ascending
+  std::vector<SphereTree> tree;     ///< of each cell, in the same order; then that of the wide triangles
 };
 
 /// Immutable once built; may be shared by any number of sessions and threads.
@@ -93,7 +124,8 @@ struct Model {
   Settings settings;
   Execution execution;
   Triangles triangles;
-  SphereTree tree;  ///< empty for Broadphase::brute
+  SphereTree tree;  ///< empty unless Broadphase::tree
+  SphereGrid grid;  ///< empty unless Broadphase::grid
   struct Object {
     std::string name;
     std::uint32_t first_triangle = 0, triangle_count = 0;

@@ -30,6 +30,7 @@ struct ProbeContact {
   double depth = 0;             ///< [m] dl_max, along -normal to the primitive's surface
   double area = 0;              ///< [m^2]
   double volume = 0;  ///< [m^3] the law's depth summed over the area: force = stiffness * volume * normal
+  double error = 0;   ///< [m^3] bound of what the volume may be off, exact laws
   Vec3 centroid;      ///< [m] of the contacted area
   Vec3 centre;        ///< [m] centre of pressure
   Vec3 normal;        ///< unit, outward
@@ -39,8 +40,8 @@ struct ProbeContact {
 /// Contacts in the order of primitive, then triangle. Every primitive stands alone: none shares out space
 /// with another. Refuses non-finite coordinates, radii not > 0, a stiffness not > 0, a cylinder without
 /// length, and meshes whose triangles name vertices that are not there. Uses every triangle in turn (no
-/// search structure).
+/// search structure). `tolerance` is Settings::tolerance.
 Status probe(const Mesh& mesh, std::span<const ProbePrimitive> primitives, Law law, double stiffness,
-             std::vector<ProbeContact>& contacts);
+             std::vector<ProbeContact>& contacts, double tolerance = 0);
 
 }  // namespace lumbrical

@@ -130,6 +130,7 @@ struct ReplayOptions {
   Execution execution;
   std::optional<Law> law;           ///< "what if": replaces the recorded law of every segment
   std::optional<double> stiffness;  ///< [N/m^3]
+  std::optional<double> tolerance;  ///< Settings::tolerance
   std::function<void(std::uint64_t done, std::uint64_t all)> progress;  ///< may be empty
 };
 

@@ -40,9 +40,11 @@ struct Primitives;  // posed spheres, cylinders and palm; primitive.h inside the
 struct Scratch {
   std::shared_ptr<Primitives> primitives;
   std::vector<std::uint64_t>
-      candidates;                 ///< primitive << 32 | triangle, ascending; `candidate_count` of them
-  std::vector<Contact> contacts;  ///< sorted by primitive, then triangle; `contact_count` of them
-  std::array<std::vector<std::uint32_t>, 2> frontier;  ///< of the tree's traversal
+      candidates;                      ///< primitive << 32 | triangle, ascending; `candidate_count` of them
+  std::vector<Contact> contacts;       ///< sorted by primitive, then triangle; `contact_count` of them
+  std::vector<std::uint64_t> sorting;  ///< the other array of the candidates' sort
+  std::array<std::vector<std::uint32_t>, 2> frontier;  ///< of a tree's traversal
+  std::vector<std::uint32_t> cells;                    ///< of the grid that the hand may meet
   std::uint32_t candidate_count = 0;
   std::uint32_t contact_count = 0;
   bool hash_stages = true;                              ///< compute stage_hash (recording and replay need it)

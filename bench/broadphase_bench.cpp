@@ -1,0 +1,85 @@
+// The broadphase under a pressed hand: scene A (300 mm wide, ever finer) and scene B (5 mm triangles, ever
+// wider), by sphere tree, grid and brute force. Microseconds per query of the whole hand; beside them
+// candidates, contacts, bytes per triangle of the search structure and the time it takes to build.
+#include "broadphase.h"
+
+#include <benchmark/benchmark.h>
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "../tests/pressed_hand.h"
+#include "hand_pose.h"
+#include "sphere_grid.h"
+#include "sphere_tree.h"
+
+namespace {
+
+using namespace lumbrical;
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+constexpr int kPoses = 16;
+
+// The hand at a depth of 1 to 3 mm.
+DeviceFrame frame_at(const Hand& hand, int pose) {
+  const double time = pose / double{kPoses};
+  return test::pressed_frame(hand, 0.001 + 0.002 * time, time);
+}
+
+void run(benchmark::State& state, double extent, std::uint32_t cells, Broadphase broadphase) {
+  const Scene scene = test::pressed_scene(extent, cells);
+  Execution execution;
+  execution.broadphase = broadphase;
+  Model model;
+  if (!build_model(scene, execution, model).ok()) return state.SkipWithError("the scene can't be built");
+  const double triangles = static_cast<double>(model.triangles.size());
+  std::size_t bytes = 0;
+  const auto start = Clock::now();
+  if (broadphase == Broadphase::tree) bytes = byte_count(build_tree(model.triangles, execution));
+  if (broadphase == Broadphase::grid) bytes = byte_count(build_grid(model.triangles, execution));
+  state.counters["build_ms"] = milliseconds_since(start);
+
+  State engine_state;
+  Scratch scratch = make_scratch(model);
+  std::vector<Primitives> hands(kPoses);
+  double candidates = 0, contacts = 0;
+  for (int i = 0; i < kPoses; ++i) {
+    const DeviceFrame frame = frame_at(scene.hand, i);
+    pose_hand(model.hand, model.settings, frame, hands[static_cast<std::size_t>(i)]);
+    contacts += tick(model, engine_state, scratch, frame).contact_count / double{kPoses};
+    candidates += scratch.candidate_count / double{kPoses};
+  }
+  std::size_t next = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(find_candidates(model, hands[next++ % kPoses], scratch));
+  }
+  state.counters["triangles"] = triangles;
+  state.counters["candidates"] = candidates;
+  state.counters["contacts"] = contacts;
+  state.counters["bytes_per_triangle"] = static_cast<double>(bytes) / triangles;
+}
+
+void add_all() {
+  for (const std::uint32_t cells : {9u, 29u, 49u, 69u, 224u, 708u}) {
+    for (const Broadphase broadphase : {Broadphase::tree, Broadphase::grid, Broadphase::brute}) {
+      if (broadphase == Broadphase::brute && cells > 100) continue;
+      const std::string how =
+          std::string(broadphase_name(broadphase)) + "/" + std::to_string(2 * cells * cells);
+      benchmark::RegisterBenchmark(("A/" + how).c_str(), [=](benchmark::State& state) {
+        run(state, test::kWidthA, cells, broadphase);
+      })->Unit(benchmark::kMicrosecond);
+      benchmark::RegisterBenchmark(("B/" + how).c_str(), [=](benchmark::State& state) {
+        run(state, test::kCellB * cells, cells, broadphase);
+      })->Unit(benchmark::kMicrosecond);
+    }
+  }
+}
+
+const bool added = (add_all(), true);
+
+}  // namespace

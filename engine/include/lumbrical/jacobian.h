@@ -1,0 +1,37 @@
+// The stiffness of a touch: how the wrench of each hand segment changes when the segment moves. For stiffness
+// limiters, device loops and solvers; computed on demand, never by a tick.
+#pragma once
+
+#include <array>
+
+#include "lumbrical/tick.h"
+
+namespace lumbrical {
+
+/// The derivative of a segment's wrench with respect to the segment's pose.
+///
+/// Rows: force x y z [N], torque x y z [N m] about the joint at the segment's base, both in W, before limits.
+/// Columns: translation x y z [m] and rotation x y z [rad] of the segment about that joint, both in W.
+///
+/// The world stands still. The segment moves as one rigid body, and with it the joint its torque is about and
+/// the planes that border it on its neighbours. So the rigid move of a whole finger or hand is predicted
+/// exactly, segment by segment, and a finger that slides along a plane feels no change. Not in it is how a
+/// border turns when two neighbours turn against each other: that hands force from one to the other and
+/// leaves their sum as it is, as far as their fields are equal there.
+///
+/// Over a closed surface and without borders the force is the gradient of a potential: translation block
+/// symmetric, the others by the rules of rotations. Where the axis of a phalanx has passed a surface the
+/// force falls with depth, and the stiffness has the opposite sign. A surface exactly in a border, or in a
+/// side of the palm, is felt or not as a whole: there the wrench steps, and the Jacobian leaves the step out.
+struct SegmentJacobian {
+  Matrix6 value{};     ///< [row][column]: [N/m N/rad; N m/m N m/rad]; zero where nothing is touched
+  bool known = false;  ///< false: the segment follows a law other than field, and `value` is zero
+};
+
+/// The Jacobians of the contacts that the last tick on `scratch` found; zero where it found none because its
+/// frame could not be trusted. `model` must be the one that tick ran on. Takes about as long as that tick.
+/// Deterministic like it; allocates nothing.
+void segment_jacobians(const Model& model, const Scratch& scratch,
+                       std::array<SegmentJacobian, kSegmentCount>& jacobians);
+
+}  // namespace lumbrical

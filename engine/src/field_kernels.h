@@ -1,0 +1,42 @@
+// The field law's kernels, one table per instruction set.
+#pragma once
+
+#include "field_terms.h"
+#include "lumbrical/model.h"
+#include "miss_terms.h"
+#include "sphere_query.h"
+#include "strip_terms.h"
+
+namespace lumbrical {
+
+/// Each computes the results of all terms; arrays are padded to a multiple of 16 with harmless copies. Every
+/// table gives the same bits.
+struct FieldKernels {
+  void (*closed_terms)(DiscTerms<double>&);
+  void (*closed_terms_single)(DiscTerms<float>&);
+  void (*strip_nodes)(const StripSection&, StripNodes&);
+  void (*certain_misses)(MissTerms&);
+  std::size_t (*sphere_hits)(const SphereBlock* spheres, const SphereQuery&, const std::uint32_t* blocks,
+                             std::size_t block_count, std::uint32_t* hits);
+};
+
+namespace scalar {
+extern const FieldKernels kFieldKernels;
+}
+namespace sse2 {
+extern const FieldKernels kFieldKernels;
+}
+namespace avx2 {
+extern const FieldKernels kFieldKernels;
+}
+namespace avx512 {
+extern const FieldKernels kFieldKernels;
+}
+namespace neon {
+extern const FieldKernels kFieldKernels;
+}
+
+/// The table of an instruction set that is available.
+const FieldKernels& field_kernels(Isa isa);
+
+}  // namespace lumbrical

@@ -1,0 +1,35 @@
+#include "lumbrical/jacobian.h"
+
+#include "contact_jacobian.h"
+#include "floating_point.h"
+
+namespace lumbrical {
+
+void segment_jacobians(const Model& model, const Scratch& scratch,
+                       std::array<SegmentJacobian, kSegmentCount>& jacobians) {
+  const FloatingPointGuard guard;
+  for (std::size_t i = 0; i < kSegmentCount; ++i) jacobians[i] = {{}, model.settings.law[i] == Law::field};
+  const Primitives& hand = *scratch.primitives;
+  const Triangles& world = model.triangles;
+  for (std::size_t i = 0; i < scratch.contact_count; ++i) {
+    const Contact& contact = scratch.contacts[i];
+    const Primitive& primitive = hand.primitive[contact.primitive];
+    SegmentJacobian& jacobian = jacobians[primitive.segment];
+    if (!jacobian.known) continue;
+    const Vec3 joint = hand.base_joint[primitive.segment];
+    const Vec3 a = world.vertex(world.a[contact.triangle]), b = world.vertex(world.b[contact.triangle]),
+               c = world.vertex(world.c[contact.triangle]);
+    if (primitive.shape == Shape::prism) {
+      add_contact_jacobian(hand.palm, contact, joint, a, b, c, jacobian.value);
+    } else {
+      add_contact_jacobian(primitive, contact, joint, a, b, c, jacobian.value);
+    }
+  }
+  for (SegmentJacobian& jacobian : jacobians) {
+    for (auto& row : jacobian.value) {
+      for (double& entry : row) entry *= model.settings.stiffness;
+    }
+  }
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,80 @@
+// See pressure_rules.h. Seven points: Radon's rule of degree 5.
+#include "pressure_rules.h"
+
+#include <cmath>
+
+#include "field.h"
+
+namespace lumbrical {
+namespace {
+
+struct Barycentric {
+  double a, b, c, weight;
+};
+constexpr Barycentric kThreePoints[] = {
+    {0, 0.5, 0.5, 1.0 / 3}, {0.5, 0, 0.5, 1.0 / 3}, {0.5, 0.5, 0, 1.0 / 3}};
+// (6 -+ sqrt 15) / 21 and (155 -+ sqrt 15) / 1200.
+constexpr double kNear = 0.10128650732345633880, kNearWeight = 0.12593918054482715260;
+constexpr double kFar = 0.47014206410511508977, kFarWeight = 0.13239415278850618074;
+constexpr Barycentric kSevenPoints[] = {
+    {1.0 / 3, 1.0 / 3, 1.0 / 3, 0.225},         {1 - 2 * kNear, kNear, kNear, kNearWeight},
+    {kNear, 1 - 2 * kNear, kNear, kNearWeight}, {kNear, kNear, 1 - 2 * kNear, kNearWeight},
+    {1 - 2 * kFar, kFar, kFar, kFarWeight},     {kFar, 1 - 2 * kFar, kFar, kFarWeight},
+    {kFar, kFar, 1 - 2 * kFar, kFarWeight}};
+
+template <std::size_t N>
+PressureMoments by_rule(const Section& section, const Slant& slant, int zone, double area,
+                        const Barycentric (&rule)[N]) {
+  PressureMoments sum;
+  const auto& corner = section.polygon.corner;
+  for (const Barycentric& node : rule) {
+    const Point2 p = node.a * corner[0] + node.b * corner[1] + node.c * corner[2];
+    const double share = area * node.weight * field_of(section, slant, zone, p);
+    sum.volume += share;
+    sum.first = sum.first + share * p;
+  }
+  return sum;
+}
+
+double legendre_bound(double degree, double l, double d) {
+  double power = 1;
+  const double ratio = l / d;
+  for (int i = 0; i <= static_cast<int>(degree); ++i) power *= ratio;
+  return 4 * d / (2 * degree + 1) * power / (1 - ratio);
+}
+
+}  // namespace
+
+bool field_by_points(const Section& section, const AreaMoments& area, bool whole_triangle, double tolerance,
+                     PressureMoments& moments) {
+  if (!(tolerance > 0)) return false;
+  const Slant slant = slant_of(section);
+  const FieldZone here = zone_of(section, slant, area.centroid);
+  double square = 0;
+  for (int i = 0; i < section.polygon.count; ++i) {
+    const Point2 off = section.polygon.corner[static_cast<std::size_t>(i)] - area.centroid;
+    square = max(square, dot(off, off));
+  }
+  const double reach = std::sqrt(square), allowed = tolerance * section.radius1;
+  const double phi = field_of(section, slant, here.zone, area.centroid);
+  const double distance = section.radius2 - phi;  // of the centroid from the axis, at least
+  if (!(reach < 0.9 * distance)) return false;
+  const double one = square / (2 * (distance - reach));
+  if (one <= allowed) {
+    moments = {area.area * phi, (area.area * phi) * area.centroid, area.area * one};
+    return true;
+  }
+  if (!whole_triangle || section.polygon.count != 3 || !(reach < here.margin)) return false;
+  const double three = legendre_bound(2, reach, distance), seven = legendre_bound(5, reach, distance);
+  if (three <= allowed) {
+    moments = by_rule(section, slant, here.zone, area.area, kThreePoints);
+    moments.error = area.area * three;
+    return true;
+  }
+  if (seven > allowed) return false;
+  moments = by_rule(section, slant, here.zone, area.area, kSevenPoints);
+  moments.error = area.area * seven;
+  return true;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,182 @@
+// The Jacobian of a hand's segments: what ticks of a moved hand say, the same bits everywhere, and what it
+// does not give.
+#include "lumbrical/jacobian.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "hash.h"
+#include "matrix6.h"
+#include "posed_finger.h"
+#include "primitive.h"
+#include "random.h"
+
+namespace lumbrical {
+namespace {
+
+using test::kAxes;
+using test::times;
+using Jacobians = std::array<SegmentJacobian, kSegmentCount>;
+
+struct Session {
+  Model model;
+  State state;
+  Scratch scratch;
+  explicit Session(const Scene& scene, const Execution& execution = {})
+      : model(test::model_of(scene, execution)), scratch(make_scratch(model)) {}
+  ActuatorFrame operator()(const DeviceFrame& frame) { return tick(model, state, scratch, frame); }
+};
+
+Scene grasp_scene() {
+  Scene scene = test::mug_scene(Law::field);
+  scene.settings.fade_time = 0;
+  scene.settings.max_force = 1e6;
+  return scene;
+}
+
+Jacobians jacobians_of(const Session& session) {
+  Jacobians jacobians;
+  segment_jacobians(session.model, session.scratch, jacobians);
+  return jacobians;
+}
+
+// A hand pressed flat on bumps: every segment and the palm touch.
+DeviceFrame flat_hand(const Hand& hand, double height) {
+  DeviceFrame frame;
+  frame.kind = InputKind::joint_angles;
+  frame.base = {{0.01, -0.02, height + hand.palm.height}, {std::sqrt(0.5), std::sqrt(0.5), 0, 0}};
+  return frame;
+}
+
+// Central differences of ticks against what the Jacobians say, segment by segment; counts those that touch.
+void compare_with_ticks(Session& session, const DeviceFrame& frame, test::Random& random,
+                        std::array<int, kSegmentCount>& touches) {
+  session(frame);
+  const Jacobians jacobians = jacobians_of(session);
+  const auto joints = session.scratch.primitives->base_joint;
+  const Vec3 translation = random.direction(), rotation = 20 * random.direction();
+  const double step = 2e-8;
+  const auto ahead_by = [&](double by) {
+    DeviceFrame next = frame;
+    next.base = test::turn_about(joints[kPalmSegment], by * translation, by * rotation) * frame.base;
+    next.base.orientation = normalized(next.base.orientation);
+    return session(next);
+  };
+  const ActuatorFrame ahead = ahead_by(step), behind = ahead_by(-step);
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    EXPECT_TRUE(jacobians[i].known);
+    const Vec3 own = translation + cross(rotation, joints[i] - joints[kPalmSegment]);
+    const Wrench said = times(jacobians[i].value, own, rotation);
+    const Vec3 force = (ahead.segment[i].force - behind.segment[i].force) / (2 * step),
+               torque = (ahead.segment[i].torque - behind.segment[i].torque) / (2 * step);
+    double scale = 0;
+    for (const auto& row : jacobians[i].value) {
+      for (std::size_t k = 0; k < 3; ++k) scale = std::fmax(scale, std::fabs(row[k]));
+    }
+    EXPECT_LE(norm(said.force - force), 1e-7 * scale + 1e-12) << segment_name(static_cast<int>(i));
+    EXPECT_LE(norm(said.torque - torque), 1e-9 * scale + 1e-14) << segment_name(static_cast<int>(i));
+    touches[i] += scale > 0 ? 1 : 0;
+  }
+}
+
+TEST(HandJacobian, PredictsHowTicksOfAMovedHandChange) {
+  test::Random random(9);
+  std::array<int, kSegmentCount> touches{};
+  Session grasp(grasp_scene());
+  for (const DeviceFrame& frame : test::grasp_frames(grasp.model.hand, 12)) {
+    compare_with_ticks(grasp, frame, random, touches);
+  }
+  Scene bumps = grasp_scene();
+  bumps.objects = {{"bumps", make_height_field(0.5, 60, 0.002, 0.03)}};
+  Session flat(bumps);
+  for (const double height : {-0.004, -0.002, 0.0, 0.002}) {
+    compare_with_ticks(flat, flat_hand(flat.model.hand, height), random, touches);
+  }
+  for (std::size_t i = 1; i < kSegmentCount; ++i)
+    EXPECT_GT(touches[i], 1) << segment_name(static_cast<int>(i));
+}
+
+// Regenerate: run this test and take the value it reports. Change it only on purpose, in a commit that says
+// why.
+constexpr std::uint64_t kGolden = 0xa5a06c6f755eb8b0;
+
+TEST(HandJacobian, HasTheSameBitsEverywhere) {
+  const Scene scene = grasp_scene();
+  const auto frames = test::grasp_frames(scene.hand, 20);
+  for (const Execution& execution :
+       {Execution{}, Execution{Broadphase::brute, 0, 8, 1}, Execution{Broadphase::tree, 1, 3, 3}}) {
+    Session session(scene, execution);
+    Hasher hasher;
+    for (const DeviceFrame& frame : frames) {
+      session(frame);
+      const Jacobians jacobians = jacobians_of(session);
+      for (const SegmentJacobian& jacobian : jacobians) {
+        for (const auto& row : jacobian.value) hasher.array(row);
+      }
+    }
+    EXPECT_EQ(hasher.digest(), kGolden) << "0x" << std::hex << hasher.digest();
+  }
+}
+
+TEST(HandJacobian, FingerThatSlidesAlongAPlaneFeelsNoChangeInAnySegment) {
+  Scene scene;
+  scene.hand = test::plain_hand(0.008);
+  scene.settings.fade_time = 0;
+  scene.objects.push_back({"plane", make_plane(0.4, 25, 1)});
+  Session session(scene);
+  session(test::finger_frame(
+      {Vec3{0.001, 0.002, 0.005}, {0.04, 0.004, 0.006}, {0.063, 0.001, 0.004}, {0.08, 0, 0.002}}));
+  const Jacobians jacobians = jacobians_of(session);
+  for (std::size_t i = 3; i < 6; ++i) {
+    const double stiffness = -times(jacobians[i].value, kAxes[2], {}).force.z;
+    EXPECT_GT(stiffness, 100);
+    for (const Vec3 along : {kAxes[0], kAxes[1]}) {
+      const Wrench change = times(jacobians[i].value, along, {});
+      EXPECT_LT(norm(change.force), 1e-9 * stiffness) << i;
+      EXPECT_LT(norm(change.torque), 1e-11 * stiffness) << i;
+    }
+    // Nor does turning about the plane's normal change any force.
+    EXPECT_LT(norm(times(jacobians[i].value, {}, kAxes[2]).force), 1e-11 * stiffness) << i;
+  }
+}
+
+TEST(HandJacobian, SaysWhichSegmentsItDoesNotKnow) {
+  Scene scene = grasp_scene();
+  scene.settings.law.fill(Law::max_depth);
+  scene.settings.law[4] = scene.settings.law[5] = scene.settings.law[8] = Law::field;
+  Session session(scene);
+  double known = 0;
+  for (const DeviceFrame& frame : test::grasp_frames(scene.hand, 10)) {
+    session(frame);
+    const Jacobians jacobians = jacobians_of(session);
+    for (std::size_t i = 0; i < kSegmentCount; ++i) {
+      EXPECT_EQ(jacobians[i].known, i == 4 || i == 5 || i == 8);
+      double sum = 0;
+      for (const auto& row : jacobians[i].value) {
+        for (const double entry : row) sum += std::fabs(entry);
+      }
+      if (!jacobians[i].known) {
+        EXPECT_EQ(sum, 0);
+      }
+      known += sum;
+    }
+  }
+  EXPECT_GT(known, 0);
+}
+
+TEST(HandJacobian, IsZeroWhereTheFrameCannotBeTrusted) {
+  Session session(grasp_scene());
+  DeviceFrame frame = test::grasp_frames(session.model.hand, 10)[8];
+  session(frame);
+  frame.flags |= kTrackingLost;
+  session(frame);
+  const Jacobians jacobians = jacobians_of(session);
+  for (const SegmentJacobian& jacobian : jacobians) {
+    EXPECT_TRUE(jacobian.known);
+    EXPECT_EQ(jacobian.value, Matrix6{});
+  }
+}
+
+}  // namespace
+}  // namespace lumbrical
