@@ -64,9 +64,11 @@ Cone cone_from(const Section& section, Vec3 joint, Vec3 end, double radius, doub
 
 Rival joined(const Section& section, const Primitives& hand, std::size_t phalanx, bool is_first) {
   const Primitive &inner = hand.capsule[phalanx], &outer = hand.capsule[phalanx + 1];
-  return {cone_from(section, inner.end2, inner.end1, inner.radius2, inner.radius1),
-          cone_from(section, outer.end1, outer.end2, outer.radius1, outer.radius2), true,
-          hand.border[phalanx].near, is_first};
+  Rival rival{cone_from(section, inner.end2, inner.end1, inner.radius2, inner.radius1),
+              cone_from(section, outer.end1, outer.end2, outer.radius1, outer.radius2), true,
+              hand.border[phalanx].near, is_first, {}};
+  if (rival.near) rival.border = border_cone(rival.first, rival.second);
+  return rival;
 }
 
 // The innermost and the outermost phalanx; round a middle one of no length they have a joint in common.
@@ -76,7 +78,7 @@ Rival apart(const Section& section, const Primitives& hand, std::size_t finger, 
       norm(inner.end2 - outer.end1) < kLeast * kLeast * inner.radius2 && inner.radius2 == outer.radius1;
   return {cone_from(section, inner.end2, inner.end1, inner.radius2, inner.radius1),
           cone_from(section, outer.end1, outer.end2, outer.radius1, outer.radius2), same_joint, false,
-          is_first};
+          is_first, {}};
 }
 
 Point2 middle_of(const Polygon2& polygon) {
@@ -159,11 +161,37 @@ void find_dip(const Edge& edge, double t0, double f0, double t1, double f1, int 
   }
 }
 
+// A line crosses a cone at the roots of a quadratic a t^2 + 2 b t + c: half way between them.
+double middle_of_crossings(const BorderCone& cone, Point2 p, Point2 d) {
+  const auto product = [&](const Linear& linear, double& a, double& b, double sign) {
+    const double slope = dot(linear.slope, d);
+    a += sign * slope * slope;
+    b += sign * slope * linear.at(p);
+  };
+  double a = 0, b = 0;
+  product(cone.x, a, b, 1);
+  product(cone.y, a, b, 1);
+  product(cone.height, a, b, -1);
+  return a != 0 ? -b / a : -1;
+}
+
 void cross_edge(const Rival& rival, Point2 p, Point2 q, double at_p, double at_q, Crossings& crossings) {
   const Point2 d = q - p;
   const Edge edge{rival, p, d, std::sqrt(dot(d, d)), crossings};
   const bool same = (at_p > 0) == (at_q > 0);
   if (same && std::fabs(at_p) + std::fabs(at_q) > kPrecedenceSlope * edge.length) return;
+  if (rival.near) {
+    const double t = same ? middle_of_crossings(rival.border, p, d) : 0;
+    if (!(t > 0 && t < 1)) {
+      if (!same) add_root(edge, 0, at_p, 1, at_q);
+      return;
+    }
+    const double f = edge.at(t);
+    if ((f > 0) == (at_p > 0)) return;
+    add_root(edge, 0, at_p, t, f);
+    add_root(edge, t, f, 1, at_q);
+    return;
+  }
   const double wanted = edge.length / (kStep * rival.first.radius);
   const int steps = wanted < 1 ? 2 : wanted < 31 ? static_cast<int>(wanted) + 1 : 32;
   double t0 = 0, f0 = at_p;

@@ -85,11 +85,44 @@ inline double lead_of(const Cone& cone, const Sight& sight) {
   return sum > 0 ? sight.along * std::sqrt(distance / sum) : 0;
 }
 
+/// A coordinate in space as a function of the plane's.
+struct Linear {
+  double start = 0;  ///< [m]
+  Point2 slope{0, 0};
+  [[nodiscard]] double at(Point2 p) const { return start + dot(slope, p); }
+};
+
+/// The quadric cone on which two cones with a joint in common have equal fields: height = side root(x^2 +
+/// y^2), with x and y scaled (joint_border.h). Two angles whose sum is constant mark a convex cone of
+/// directions.
+struct BorderCone {
+  double side = 1;  ///< on the side of the first (-1) or the second (+1) of the two
+  Linear x, y, height;
+};
+
+inline BorderCone border_cone(const Cone& first, const Cone& second) {
+  const Vec3 apart = second.axis - first.axis, middle = first.axis + second.axis;
+  const Vec3 z = unit_or(apart, {1, 0, 0});
+  const Vec3 some = std::fabs(z.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  Vec3 x = unit_or(middle - dot(middle, z) * z, {});
+  if (!(dot(middle, middle) > 1e-20)) x = unit_or(cross(z, some), {});  // a straight joint: round about z
+  const Vec3 y = cross(z, x);
+  const double sine = second.sine * first.cosine - second.cosine * first.sine,
+               cosine = second.cosine * first.cosine + second.sine * first.sine;
+  const double tangent = sine / (1 + cosine), square = tangent * tangent / (1 + tangent * tangent);
+  const auto linear = [&](Vec3 direction) {
+    return Linear{-dot(direction, first.joint), {direction.x, direction.y}};
+  };
+  const double gap = max(1e-300, 0.25 * dot(apart, apart) - square);
+  return {tangent < 0 ? -1.0 : 1.0, linear(tangent * x), linear(std::sqrt(square / gap) * y), linear(z)};
+}
+
 struct Rival {
   Cone first, second;    ///< the inner and the outer phalanx; compared in this order by both
   bool joined = true;    ///< they have a joint in common; otherwise their fields are compared
   bool near = false;     ///< JointBorder::near
   bool is_first = true;  ///< the tile in question is the first one
+  BorderCone border{};   ///< of a near one
   [[nodiscard]] const Cone& own() const { return is_first ? first : second; }
   [[nodiscard]] const Cone& other() const { return is_first ? second : first; }
 };
@@ -99,6 +132,12 @@ inline constexpr double kPrecedenceSlope = 3;
 
 /// Positive where p belongs to the tile in question, negative where to its rival. [m]
 inline double precedence(const Rival& rival, Point2 p) {
+  if (rival.near) {
+    const BorderCone& cone = rival.border;
+    const double x = cone.x.at(p), y = cone.y.at(p);
+    const double lead = cone.side * std::sqrt(x * x + y * y) - cone.height.at(p);
+    return rival.is_first ? lead : -lead;
+  }
   const Sight first = sight_of(rival.first, p), second = sight_of(rival.second, p);
   double lead = rival.joined ? lead_of(rival.first, first) - lead_of(rival.second, second)
                              : cone_field(rival.first, first) - cone_field(rival.second, second);
