@@ -96,8 +96,9 @@ void feel(const Primitives& hand, const Corners& t, Felt& felt) {
   for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i) {
     const Primitive& tile = hand.primitive[i];
     Contact contact;
-    const bool touches = border_matters(hand, tile, t.a, t.b, t.c)
-                             ? collide_shared(hand, tile, field_kernels(Isa::scalar), t.a, t.b, t.c, boundary, contact)
+    const TileBorders borders = borders_on(hand, tile, t.a, t.b, t.c);
+    const bool touches = borders.any()
+                             ? collide_shared(hand, tile, borders, field_kernels(Isa::scalar), t.a, t.b, t.c, boundary, contact)
                              : collide(tile, {tile.law, 1e-4, &hand}, t.a, t.b, t.c, boundary, contact);
     if (!touches) continue;
     felt.area += contact.area;
@@ -203,8 +204,9 @@ TEST(TileBorder, EveryTriangleOfAPlaneIsSharedOutWithoutRest) {
     }
     for (const auto& t : plane.triangles) {
       for (std::size_t i = 0; i < 3; ++i) {
-        shared += border_matters(hand, hand.primitive[i], plane.vertices[t[0]], plane.vertices[t[1]],
-                                 plane.vertices[t[2]]);
+        shared += borders_on(hand, hand.primitive[i], plane.vertices[t[0]], plane.vertices[t[1]],
+                             plane.vertices[t[2]])
+                      .any();
       }
     }
   }
@@ -272,8 +274,9 @@ TEST(TileBorder, EqualRadiiKeepThePlanesAndTheirBits) {
     const Primitives hand = posed(shape, joints_of(shape, 0.1));
     for (const auto& t : plane.triangles) {
       for (std::size_t i = 0; i < 3; ++i) {
-        EXPECT_FALSE(border_matters(hand, hand.primitive[i], plane.vertices[t[0]], plane.vertices[t[1]],
-                                    plane.vertices[t[2]]));
+        EXPECT_FALSE(borders_on(hand, hand.primitive[i], plane.vertices[t[0]], plane.vertices[t[1]],
+                                plane.vertices[t[2]])
+                         .any());
       }
     }
   }
@@ -291,14 +294,16 @@ TEST(TileBorder, PlanesAreExactWhereTheBorderDoesNotMatter) {
       border.near = false;
       border.reach = border.slab = 1;
     }
+    for (Primitive& tile : doubtful.primitive) tile.overhang = {1, 1};
     const Corners t = random_triangle(hand, random);
     for (std::size_t k = 0; k < 3; ++k) {
+      const TileBorders everywhere{k > 0, k < 2, k != 1 && hand.folded[1]};
       const Primitive& tile = hand.primitive[k];
-      if (border_matters(hand, tile, t.a, t.b, t.c)) continue;
+      if (borders_on(hand, tile, t.a, t.b, t.c).any()) continue;
       Boundary boundary;
       Contact quick, slow;
       const bool touches = collide(tile, {Law::field, 1e-4, &hand}, t.a, t.b, t.c, boundary, quick);
-      if (!collide_shared(doubtful, tile, field_kernels(Isa::scalar), t.a, t.b, t.c, boundary, slow)) slow = {};
+      if (!collide_shared(doubtful, doubtful.primitive[k], everywhere, field_kernels(Isa::scalar), t.a, t.b, t.c, boundary, slow)) slow = {};
       if (!touches) quick = {};
       EXPECT_NEAR(quick.volume / std::pow(kRadius, 3), slow.volume / std::pow(kRadius, 3), 1e-10)
           << i << ' ' << k;
@@ -317,7 +322,7 @@ TEST(TileBorder, OtherLawsKeepThePlanes) {
     const Primitives hand = posed(shape, joints_of(shape, 0), law);
     for (int i = 0; i < hand.count; ++i) {
       EXPECT_FALSE(
-          border_matters(hand, hand.primitive[static_cast<std::size_t>(i)], floor.a, floor.b, floor.c));
+          borders_on(hand, hand.primitive[static_cast<std::size_t>(i)], floor.a, floor.b, floor.c).any());
     }
   }
 }

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "section.h"
+
 namespace lumbrical {
 namespace {
 
@@ -114,7 +116,10 @@ void set_joint_borders(Primitives& hand) {
   }
 }
 
-bool joint_matters(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
+namespace {
+
+// Could the border beyond a phalanx pass through the triangle?
+bool comes_near(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
   if (!border.shared) return false;
   const Vec3 pa = a - border.centre, pb = b - border.centre, pc = c - border.centre;
   const double ha = dot(border.normal, pa), hb = dot(border.normal, pb), hc = dot(border.normal, pc);
@@ -126,12 +131,30 @@ bool joint_matters(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
   return norm(bound.centre - border.centre) <= border.reach + bound.radius;
 }
 
-bool border_matters(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
-  if (tile.law != Law::field || tile.shape != Shape::round) return false;
+// Has the tile anything in the triangle's plane between the two planes that hold the border?
+bool reaches_between(const JointBorder& border, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
+  Primitive between = tile;
+  between.cut_count = 2;
+  between.cut = {{{border.normal, border.centre + border.slab * border.normal},
+                  {-border.normal, border.centre - border.slab * border.normal}}};
+  Section section;
+  return look_from_plane(between, a, b, c, section) && classify(section) != Overlap::apart;
+}
+
+}  // namespace
+
+TileBorders borders_on(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
+  TileBorders borders;
+  if (tile.law != Law::field || tile.shape != Shape::round) return borders;
   const std::size_t i = tile.segment, place = i % 3;
-  if (place > 0 && joint_matters(hand.border[i - 1], a, b, c)) return true;
-  if (place < 2 && joint_matters(hand.border[i], a, b, c)) return true;
-  return place != 1 && hand.folded[i / 3] && reaches(hand.capsule[place == 0 ? i + 2 : i - 2], a, b, c);
+  const auto matters = [&](const JointBorder& border) {
+    return comes_near(border, a, b, c) && reaches_between(border, tile, a, b, c);
+  };
+  borders.inner = place > 0 && matters(hand.border[i - 1]);
+  borders.outer = place < 2 && matters(hand.border[i]);
+  borders.folded =
+      place != 1 && hand.folded[i / 3] && reaches(hand.capsule[place == 0 ? i + 2 : i - 2], a, b, c);
+  return borders;
 }
 
 }  // namespace lumbrical

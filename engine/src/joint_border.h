@@ -16,11 +16,15 @@ namespace lumbrical {
 /// field law share out space exactly.
 void set_joint_borders(Primitives& hand);
 
-/// Can the border of `tile` differ from its cutting planes anywhere on the triangle a, b, c [m, W]? Cheap,
-/// and false only where the contact with the tile cut by its planes is exact.
-bool border_matters(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c);
+/// Which of a tile's borders run through a triangle other than along its cutting planes.
+struct TileBorders {
+  bool inner = false, outer = false;  ///< with the next phalanx towards the wrist, away from it
+  bool folded = false;                ///< with the one beyond that
+  [[nodiscard]] bool any() const { return inner || outer || folded; }
+};
 
-/// The same question for one joint.
-bool joint_matters(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c);
+/// The borders of `tile` on the triangle a, b, c [m, W]. Cheap; where there are none, the contact with the
+/// tile cut by its planes is exact.
+TileBorders borders_on(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c);
 
 }  // namespace lumbrical

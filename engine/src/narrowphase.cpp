@@ -102,8 +102,9 @@ void collide_pair(const Model& model, const Primitives& hand, std::uint64_t pair
       contact.area = 0;
     return;
   }
-  if (border_matters(hand, primitive, a, b, c)) {
-    if (!collide_shared(hand, primitive, batch.kernels, a, b, c, boundary, contact)) contact.area = 0;
+  const TileBorders borders = borders_on(hand, primitive, a, b, c);
+  if (borders.any()) {
+    if (!collide_shared(hand, primitive, borders, batch.kernels, a, b, c, boundary, contact)) contact.area = 0;
     return;
   }
   Section section;

@@ -96,8 +96,9 @@ double reach_of(const Polygon2& polygon, Point2 middle) {
   return std::sqrt(square);
 }
 
-// The whole of the part at hand is the tile's, as far as it lies in the section.
-void add_all(Work& work) {
+// The whole of the part at hand is the tile's, as far as it lies in the section; with a rival only if its
+// centroid there is the tile's.
+void add_all(Work& work, const Rival* rival = nullptr) {
   Section& section = work.section;
   if (section.polygon.count < 3) return;
   const Overlap overlap = classify(section);
@@ -105,7 +106,7 @@ void add_all(Work& work) {
   trace_boundary(section, work.boundary);
   const AreaMoments area =
       overlap == Overlap::inside ? polygon_area(section.polygon) : section_area(section, work.boundary);
-  if (!(area.area > 0)) return;
+  if (!(area.area > 0) || (rival != nullptr && !(precedence(*rival, area.centroid) > 0))) return;
   const PressureMoments field = field_moments(work.kernels, section, area, work.boundary);
   work.area += area.area;
   work.area_first = work.area_first + area.area * area.centroid;
@@ -292,9 +293,7 @@ bool add_crossed(const Rival& rival, const Crossings& crossings, Work& work) {
   const Course course = follow_border(section, rival, chord);
   if (course == Course::unclear) return false;
   if (course == Course::outside) {
-    trace_boundary(section, work.boundary);
-    const AreaMoments area = section_area(section, work.boundary);
-    if (area.area > 0 && precedence(rival, area.centroid) > 0) add_all(work);
+    add_all(work, &rival);
     return true;
   }
   Bulge bulge;
@@ -424,27 +423,23 @@ void cut_to_section(const Section& section, Polygon2& polygon) {
 
 }  // namespace
 
-bool collide_shared(const Primitives& hand, const Primitive& tile, const FieldKernels& kernels, Vec3 a, Vec3 b,
-                    Vec3 c, Boundary& boundary, Contact& contact) {
+bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBorders& borders,
+                    const FieldKernels& kernels, Vec3 a, Vec3 b, Vec3 c, Boundary& boundary, Contact& contact) {
   const std::size_t phalanx = tile.segment, place = phalanx % 3;
-  const bool before = place > 0 && joint_matters(hand.border[phalanx - 1], a, b, c);
-  const bool after = place < 2 && joint_matters(hand.border[phalanx], a, b, c);
-  // The planes of the other joints are exact here.
+  // Where a border is not its plane it still has to lie near it; the others' planes are exact.
   Primitive cut = tile;
-  cut.cut_count = 0;
-  if (place > 0 && !before && hand.present[phalanx - 1]) cut.cut[cut.cut_count++] = tile.cut[0];
-  if (place < 2 && !after && hand.present[phalanx + 1]) {
-    cut.cut[cut.cut_count++] = tile.cut[static_cast<std::size_t>(tile.cut_count - 1)];
-  }
+  const auto widen = [&](std::size_t i) { cut.cut[i].point += cut.overhang[i] * cut.cut[i].normal; };
+  if (borders.inner) widen(0);
+  if (borders.outer) widen(static_cast<std::size_t>(tile.cut_count - 1));
   Section section;
   if (!look_from_plane(cut, a, b, c, section)) return false;
   Work work{section, kernels, boundary};
   const auto add_rival = [&](const Rival& rival) {
     work.rival[static_cast<std::size_t>(work.rival_count++)] = rival;
   };
-  if (before) add_rival(joined(section, hand, phalanx - 1, false));
-  if (after) add_rival(joined(section, hand, phalanx, true));
-  if (place != 1 && hand.folded[phalanx / 3]) add_rival(apart(section, hand, phalanx / 3, place == 0));
+  if (borders.inner) add_rival(joined(section, hand, phalanx - 1, false));
+  if (borders.outer) add_rival(joined(section, hand, phalanx, true));
+  if (borders.folded) add_rival(apart(section, hand, phalanx / 3, place == 0));
   if (work.rival_count == 2) {
     // First the neighbour, then the one beyond it; of the middle phalanx the inner one, then the outer one.
     work.others = place == 0   ? joined(section, hand, phalanx + 1, true)
