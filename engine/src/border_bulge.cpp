@@ -50,8 +50,15 @@ struct Border {
       y = y - g * (step / change);
       close = 1e-10 * radius;
     }
-    good = false;
-    return 0;
+    return height = enclosed_height(s);
+  }
+  // Where two tiles are all but in one place precedence may rise a little before it falls: only its sign is
+  // sure.
+  double enclosed_height(double s) {
+    const double limit = 2 * kFlat * chord.length, below = at(s, -limit), above = at(s, limit);
+    good = below > 0 && above < 0;
+    if (!good) return 0;
+    return find_root([&](double y) { return at(s, y); }, -limit, below, limit, above, 1e-12 * chord.length);
   }
   Point2 point(double s) { return chord.at(s, height_at(s)); }
 };

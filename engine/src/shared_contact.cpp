@@ -15,12 +15,14 @@
 namespace lumbrical {
 namespace {
 
-// Parts are split no further than this share of the joint's radius: there borders are their chords. Only
-// where three tiles meet, or where a border is singular, does it come to that.
-constexpr double kLeast = 1e-4;
+// Parts smaller than this share of the joint's radius are split no further where what is at stake is less
+// than this share of its cube: there borders are their chords. Only where three tiles meet, where a border is
+// singular, or where two tiles are all but in one place does it come to that.
+constexpr double kLeast = 5e-3, kLeastStake = 1e-13;
 
-// Nor are there more parts than this, whatever happens.
-constexpr int kMostParts = 2000;
+// Where that takes more parts than this, as where two tiles are all but in one place, none is halved more
+// often than so.
+constexpr int kMostParts = 1000, kFineLevel = 60, kCoarseLevel = 11;
 
 // Edges are searched for borders in steps of this share of the joint's radius.
 constexpr double kStep = 0.25;
@@ -35,7 +37,7 @@ struct Work {
   int rival_count = 0;
   std::array<Rival, 2> rival{};
   Rival others{};  // of two rivals, the first against the second
-  int parts = 0;
+  int parts = 0, level_limit = kFineLevel;
   double area = 0, volume = 0, depth = 0;
   Point2 area_first{0, 0}, first{0, 0};
 };
@@ -75,7 +77,7 @@ Rival joined(const Section& section, const Primitives& hand, std::size_t phalanx
 Rival apart(const Section& section, const Primitives& hand, std::size_t finger, bool is_first) {
   const Primitive &inner = hand.capsule[3 * finger], &outer = hand.capsule[3 * finger + 2];
   const bool same_joint =
-      norm(inner.end2 - outer.end1) < kLeast * kLeast * inner.radius2 && inner.radius2 == outer.radius1;
+      norm(inner.end2 - outer.end1) < 1e-8 * inner.radius2 && inner.radius2 == outer.radius1;
   return {cone_from(section, inner.end2, inner.end1, inner.radius2, inner.radius1),
           cone_from(section, outer.end1, outer.end2, outer.radius1, outer.radius2), same_joint, false,
           is_first, {}};
@@ -252,6 +254,22 @@ bool is_higher(const Cone& higher, const Cone& lower, const Polygon2& polygon, P
   return true;
 }
 
+// How much volume it makes, about, whose the part is.
+double stake_of(const Work& work, const Polygon2& polygon, Point2 middle, double reach) {
+  double most = 0;
+  for (int i = 0; i < work.rival_count; ++i) {
+    const Rival& rival = work.rival[static_cast<std::size_t>(i)];
+    const auto include = [&](Point2 p) {
+      const double gap =
+          cone_field(rival.first, sight_of(rival.first, p)) - cone_field(rival.second, sight_of(rival.second, p));
+      most = max(most, std::fabs(gap));
+    };
+    include(middle);
+    for (int k = 0; k < polygon.count; ++k) include(polygon.corner[static_cast<std::size_t>(k)]);
+  }
+  return most * reach * reach;
+}
+
 enum class Share : std::uint8_t { all, none, crossed, unclear };
 
 Share share_with(const Rival& rival, const Polygon2& polygon, Point2 middle, double reach,
@@ -371,9 +389,7 @@ void add_part(const Polygon2& polygon, int level, Work& work) {
   if (classify(work.section) == Overlap::apart) return;
   const Point2 middle = middle_of(polygon);
   const double reach = reach_of(polygon, middle);
-  if (reach < kLeast * work.rival[0].first.radius || level > 60 || ++work.parts > kMostParts) {
-    return add_least(middle, reach, work);
-  }
+  if (++work.parts > kMostParts && work.level_limit > kCoarseLevel) return;
   std::array<Share, 2> share{Share::all, Share::all};
   std::array<Crossings, 2> crossings;
   for (int i = 0; i < work.rival_count; ++i) {
@@ -393,6 +409,13 @@ void add_part(const Polygon2& polygon, int level, Work& work) {
   const std::size_t k = share[0] == Share::all ? 1 : 0;
   const bool one_border = share[k] == Share::crossed && share[1 - k] == Share::all;
   if (one_border && add_crossed(work.rival[k], crossings[k], work)) return;
+  const double radius = work.rival[0].first.radius;
+  const bool least = reach < kLeast * radius &&
+                     stake_of(work, polygon, middle, reach) < kLeastStake * radius * radius * radius;
+  if (least || level >= work.level_limit) {
+    work.section.polygon = polygon;
+    return add_least(middle, reach, work);
+  }
   // Parts too large to be understood, or with two rivals, become smaller; those with one border flatter, but
   // every other time smaller as well.
   const bool flatter =
@@ -450,6 +473,12 @@ bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBor
   cut_to_section(section, polygon);
   const double extent = reach_of(polygon, middle_of(polygon));
   add_part(polygon, 0, work);
+  if (work.parts > kMostParts) {
+    work.area = work.volume = work.depth = 0;
+    work.area_first = work.first = {0, 0};
+    work.level_limit = kCoarseLevel;
+    add_part(polygon, 0, work);
+  }
   // Smaller than this an area is what rounding leaves of nothing.
   if (!(work.area > 1e-14 * extent * min(extent, section.radius1))) return false;
 
