@@ -314,6 +314,31 @@ TEST(TileBorder, PlanesAreExactWhereTheBorderDoesNotMatter) {
   EXPECT_GT(plain, 50);
 }
 
+TEST(TileBorder, TriangleInThePlaneBetweenTwoTilesCountsOnce) {
+  FingerShape shape{{0.040, 0.025, 0.020}, {kRadius, kRadius, kRadius, kRadius}, 0, 0, 0};
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    test::Random random(8000 + i);
+    shape.bend1 = i % 4 == 0 ? 0 : random.between(-0.3, 1.5);
+    for (std::size_t k = 1; k < 4; ++k) shape.radius[k] = kRadius * (i % 2 == 0 ? 1 : random.between(0.8, 1.2));
+    const Primitives hand = i % 8 == 0 ? posed(shape, joints_of(shape, 0)) : posed(shape, random.pose(0.1));
+    const HalfSpace& cut = hand.primitive[0].cut[0];
+    const Vec3 u = unit_or(cross(cut.normal, random.direction()), {1, 0, 0}), v = cross(cut.normal, u);
+    Corners t{cut.point - 0.02 * u - 0.011 * v, cut.point + 0.03 * u - 0.015 * v,
+              cut.point + 0.001 * u + 0.02 * v};
+    const Felt front = feel(hand, t);
+    expect_reference(hand, t, 0.05, static_cast<int>(i));
+    std::swap(t.b, t.c);
+    const Felt back = feel(hand, t);
+    EXPECT_NEAR(back.volume / front.volume, 1, 1e-9) << i;
+    EXPECT_GT(front.area, 1.5 * kRadius * kRadius) << i;
+    // Seen from the other side it is the other tile's.
+    if (i % 8 == 0) {
+      EXPECT_EQ((front.share[0] > 0) + (front.share[1] > 0), 1) << i;
+      EXPECT_NE(front.share[0] > 0, back.share[0] > 0) << i;
+    }
+  }
+}
+
 TEST(TileBorder, OtherLawsKeepThePlanes) {
   test::Random random(3);
   const FingerShape shape = random_finger(random);

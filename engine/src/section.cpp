@@ -114,6 +114,16 @@ void set_round_zones(Section& section) {
   add_sphere_zone(Zone::second_end, border2, kInfinity, x2, section.radius2, section.h2, section);
 }
 
+// A triangle parallel to a cut to rounding, the sine of the angle between them less than this, is cut whole.
+constexpr double kSamePlane = 1e-12;
+
+// One that lies in the plane in which two tiles meet is that one's from which its outside is seen: their
+// normals are opposite to the last bit, so just one of the two keeps it.
+bool keeps_parallel(const HalfSpace& cut, Vec3 corner, Vec3 n) {
+  const double height = dot(cut.normal, corner - cut.point);
+  return height < 0 || (height == 0 && dot(cut.normal, n) > 0);
+}
+
 void set_polygon(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& section) {
   section.polygon.count = 3;
   const Vec3 corner[3] = {a - section.origin, b - section.origin, c - section.origin};
@@ -124,6 +134,10 @@ void set_polygon(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& se
   for (int i = 0; i < primitive.cut_count; ++i) {
     const HalfSpace& cut = primitive.cut[static_cast<std::size_t>(i)];
     const Point2 direction{dot(cut.normal, section.u), dot(cut.normal, section.v)};
+    if (dot(direction, direction) < kSamePlane * kSamePlane) {
+      if (!keeps_parallel(cut, a, section.n)) section.polygon.count = 0;
+      continue;
+    }
     const double offset =
         dot(cut.normal, cut.point - section.origin) + section.h1 * dot(cut.normal, section.n);
     cut_polygon(direction, offset, section.polygon);
