@@ -18,6 +18,39 @@ constexpr double kFlat = 0.15;
 // of a twelfth of its cube or less.
 constexpr double kShort = 1e-5;
 
+// A linear function of abscissa and height over a chord.
+struct OverChord {
+  double start, along, across;
+  OverChord(const Linear& linear, const Chord& chord)
+      : start(linear.at(chord.from)),
+        along(dot(linear.slope, chord.along)),
+        across(dot(linear.slope, chord.across)) {}
+  [[nodiscard]] double at(double s) const { return start + s * along; }
+};
+
+// A near border over its chord: x^2 + y^2 = height^2 is a quadratic a h^2 + 2 b h + c in the height h.
+struct NearBorder {
+  OverChord x, y, z;
+  double side, falling;  // falling: +-1, times `side` times the quadratic falls towards the rival
+  NearBorder(const Rival& rival, const Chord& chord)
+      : x(rival.border.x, chord),
+        y(rival.border.y, chord),
+        z(rival.border.height, chord),
+        side(rival.border.side),
+        falling(rival.is_first ? -rival.border.side : rival.border.side) {}
+  // The root next to the chord; false where there is none, or the rival is not above it.
+  bool height_at(double s, double& height) const {
+    const double p = x.at(s), q = y.at(s), r = z.at(s);
+    const double a = x.across * x.across + y.across * y.across - z.across * z.across;
+    const double b = p * x.across + q * y.across - r * z.across, c = p * p + q * q - r * r;
+    const double square = b * b - a * c, sign = b < 0 ? -1 : 1;
+    const double denominator = b + sign * std::sqrt(max(0, square));
+    if (!(square >= 0) || denominator == 0 || sign != falling) return false;
+    height = -c / denominator;
+    return side * (r + height * z.across) >= 0;
+  }
+};
+
 // The border as a height over its chord.
 struct Border {
   const Rival& rival;
@@ -25,9 +58,10 @@ struct Border {
   double slope = 0;   // of precedence across the chord, < 0
   double height = 0;  // found last, the first guess for the next
   bool good = true;   // every root was found
+  NearBorder near;
 
-  Border(const Rival& r, const Chord& c) : rival(r), chord(c) {
-    if (is_short()) return;
+  Border(const Rival& r, const Chord& c) : rival(r), chord(c), near(r, c) {
+    if (rival.near || is_short()) return;
     const double step = 0.01 * chord.length, middle = 0.5 * chord.length;
     slope = (at(middle, step) - at(middle, -step)) / (2 * step);
     good = slope < 0;
@@ -37,6 +71,10 @@ struct Border {
   // A Newton step with the last slope, then secant steps, whose error is about the product of the last two.
   double height_at(double s) {
     if (!good || is_short()) return 0;
+    if (rival.near) {
+      good = near.height_at(s, height) && std::fabs(height) <= chord.length;
+      return good ? height : 0;
+    }
     const double limit = chord.length, radius = rival.first.radius;
     double y0 = height, g0 = at(s, y0), y = y0 - g0 / slope, close = 1e-15 * radius;
     for (int i = 0; i < 20 && std::fabs(y) <= limit; ++i) {
