@@ -101,60 +101,6 @@ struct Border {
   Point2 point(double s) { return chord.at(s, height_at(s)); }
 };
 
-// Where on [0, 1] an integrand is not smooth: it breaks at some points, where other pieces of border or field
-// begin, and changes fast beside others, within their distance from the line.
-struct Roughness {
-  static constexpr int kMaxCount = 16;
-  struct Near {
-    double at, distance;
-  };
-  int break_count = 0, near_count = 0;
-  std::array<double, kMaxCount> breaks;
-  std::array<Near, kMaxCount> near;
-  void add_break(double at) {
-    if (break_count < kMaxCount) breaks[static_cast<std::size_t>(break_count++)] = at;
-  }
-  void add_near(double at, double distance) {
-    if (!(distance > 1e-7)) return add_break(at);  // a corner: smooth on both sides
-    if (near_count < kMaxCount) near[static_cast<std::size_t>(near_count++)] = {at, distance};
-  }
-};
-
-// Calls f(t, weight) at nodes between `from` and `to`.
-template <class F>
-void crowded_nodes(double from, double to, const Roughness& rough, F&& f) {
-  const double length = to - from;
-  const auto split_at = [&](double t) {
-    crowded_nodes(from, t, rough, f);
-    crowded_nodes(t, to, rough, f);
-  };
-  for (int i = 0; i < rough.break_count; ++i) {
-    const double at = rough.breaks[static_cast<std::size_t>(i)];
-    if (at > from + 1e-9 && at < to - 1e-9) return split_at(at);
-  }
-  double nearest = 1e300;
-  for (int i = 0; i < rough.near_count; ++i) {
-    const Roughness::Near& point = rough.near[static_cast<std::size_t>(i)];
-    const double gap = max(0, max(from - point.at, point.at - to));
-    nearest = min(nearest, std::sqrt(gap * gap + point.distance * point.distance));
-  }
-  const auto apply = [&](const auto& rule) {
-    for (const GaussNode& node : rule) f(from + length * node.at, length * node.weight);
-  };
-  // n nodes on a length l at a distance d from such a point leave about (2 d / l + sqrt(4 d^2 / l^2 + 1))^(-2
-  // n).
-  if (length < 0.08 * nearest) return apply(kGauss4);
-  if (length < 0.3 * nearest) return apply(kGauss6);
-  if (length < 0.5 * nearest) return apply(kGauss8);
-  if (length < 1.5 * nearest || length < 1e-7) return apply(kGauss16);
-  split_at(0.5 * (from + to));
-}
-
-// The distance squared from such a point is a t^2 + 2 b t + c.
-void add_nearest(double a, double b, double c, Roughness& rough) {
-  if (a > 0) rough.add_near(-b / a, std::sqrt(max(0, c / a - b / a * (b / a))));
-}
-
 constexpr int kProbes = 5;
 
 // Where along the border the field has its maximum, of which only the sign is asked: parabolas through the
@@ -186,69 +132,48 @@ double find_inside(const Section& section, Border& border) {
 
 // Where a function of s changes its sign something breaks.
 template <class F>
-void add_changes(F&& f, double length, Roughness& rough) {
+void add_changes(F&& f, double length, Singularities& kinks) {
   double s0 = 0, f0 = f(0.0);
   for (int i = 1; i < kProbes; ++i) {
     const double s1 = length * i / (kProbes - 1), f1 = f(s1);
-    if ((f0 > 0) != (f1 > 0)) rough.add_break(find_root(f, s0, f0, s1, f1, 1e-10 * length) / length);
+    if ((f0 > 0) != (f1 > 0)) kinks.add(find_root(f, s0, f0, s1, f1, 1e-10 * length) / length, 0, true);
     s0 = s1;
     f0 = f1;
   }
 }
 
-// The height at abscissa s of the strip between chord and border that is nearest to `height`.
-double nearest_height(double s, double height, Border& border) {
-  if (!(s > 0 && s < border.chord.length)) return 0;
-  const double top = border.height_at(s);
-  return clamp(height, min(0, top), max(0, top));
+// Beside a point everything changes within its distance from the chord, as it does beside the axis of a cone.
+void add_point(Vec3 point, const Chord& chord, Singularities& kinks) {
+  const Point2 from = chord.from - Point2{point.x, point.y};
+  add_closest_approach(chord.length * chord.length, chord.length * dot(from, chord.along),
+                       dot(from, from) + point.z * point.z, kinks);
 }
 
-// Beside a point near the strip everything changes within its distance.
-void add_point(Vec3 centre, Border& border, Roughness& rough) {
-  const Chord& chord = border.chord;
-  const Point2 from = Point2{centre.x, centre.y} - chord.from;
-  const double s = dot(from, chord.along), height = dot(from, chord.across);
-  const double gap = nearest_height(s, height, border) - height;
-  rough.add_near(s / chord.length, std::sqrt(gap * gap + centre.z * centre.z) / chord.length);
-}
-
-// The same beside the axis of a cone: along the chord, and at the height at which it pierces the plane.
-void add_axis(const Cone& cone, Border& border, Roughness& rough) {
-  const Chord& chord = border.chord;
+void add_axis(const Cone& cone, const Chord& chord, Singularities& kinks) {
+  const Vec3 start = cross(Vec3{chord.from.x, chord.from.y, 0} - cone.joint, cone.axis);
   const Vec3 step = cross(chord.length * Vec3{chord.along.x, chord.along.y, 0}, cone.axis);
-  const auto add_along = [&](double height) {
-    const Point2 p = chord.at(0, height);
-    const Vec3 start = cross(Vec3{p.x, p.y, 0} - cone.joint, cone.axis);
-    add_nearest(dot(step, step), dot(start, step), dot(start, start), rough);
-  };
-  add_along(0);
-  if (!(std::fabs(cone.axis.z) > 1e-9)) return;
-  const double t = -cone.joint.z / cone.axis.z;
-  const Point2 pierced = Point2{cone.joint.x + t * cone.axis.x, cone.joint.y + t * cone.axis.y} - chord.from;
-  const double height = nearest_height(dot(pierced, chord.along), dot(pierced, chord.across), border);
-  if (height != 0) add_along(height);
+  add_closest_approach(dot(step, step), dot(start, step), dot(start, start), kinks);
 }
 
-Roughness roughness_of(Border& border) {
+// Where field or border are not smooth along the chord, as shares of it.
+Singularities kinks_along(const Section& section, const Slant& slant, Border& border) {
   const Chord& chord = border.chord;
   const Rival& rival = border.rival;
-  Roughness rough;
-  const auto along = [&](const Cone& cone, Point2 p, double from) {
-    return sight_of(cone, p).along - from * cone.cosine * cone.length;
-  };
-  for (const double from : {0.0, 1.0}) {
-    if (rival.own().kind != Cone::hull || (rival.joined && rival.near && from > 0)) continue;
-    add_changes([&](double s) { return along(rival.own(), chord.at(s, 0), from); }, chord.length, rough);
-  }
+  Singularities kinks = line_kinks(section, slant, chord.from, chord.at(chord.length, 0));
+  kinks.refine = false;
+  add_point(rival.first.joint, chord, kinks);
+  if (!rival.joined) add_point(rival.second.joint, chord, kinks);
   for (const Cone* cone : {&rival.first, &rival.second}) {
-    if (!rival.near) add_point(cone->joint + cone->length * cone->axis, border, rough);
+    if (!rival.near) {
+      add_point(cone->joint + cone->length * cone->axis, chord, kinks);
+      add_axis(*cone, chord, kinks);
+    }
     if (cone->kind != Cone::hull) continue;
-    for (const double from : {0.0, 1.0}) {
+    for (const double from : {0.0, cone->cosine * cone->length}) {
       // Between joined tiles the border itself is smooth where the joint's sphere takes over.
       if (rival.joined && (from > 0 ? rival.near : cone != &rival.own())) continue;
-      add_changes([&](double s) { return along(*cone, border.point(s), from); }, chord.length, rough);
+      add_changes([&](double s) { return sight_of(*cone, border.point(s)).along - from; }, chord.length, kinks);
     }
-    add_axis(*cone, border, rough);
   }
   // A curve as high as this over its chord turns back on itself so far beyond its ends, if it goes on as it
   // is.
@@ -257,75 +182,9 @@ Roughness roughness_of(Border& border) {
     peak = max(peak, std::fabs(border.height_at(chord.length * i / (kProbes - 1))));
   }
   const double beyond = max(0.05, 0.125 * chord.length / max(peak, 1e-6 * chord.length) - 0.5);
-  rough.add_near(-beyond, 0.01);
-  rough.add_near(1 + beyond, 0.01);
-  add_point(rival.first.joint, border, rough);
-  if (!rival.joined) add_point(rival.second.joint, border, rough);
-  return rough;
-}
-
-struct Across {
-  const Section& section;
-  const Slant& slant;
-  const Rival& rival;
-  const Chord& chord;
-};
-
-void add_node(const Across& across, int zone, double s, double y, double weight, Bulge& bulge) {
-  const Point2 p = across.chord.at(s, y);
-  const double share = weight * field_of(across.section, across.slant, zone, p);
-  bulge.volume += share;
-  bulge.first = bulge.first + share * p;
-}
-
-template <std::size_t N>
-void add_nodes(const Across& across, const GaussNode (&rule)[N], double s, double height, double weight,
-               Bulge& bulge) {
-  const int zone = zone_of(across.section, across.slant, across.chord.at(s, 0.5 * height)).zone;
-  for (const GaussNode& node : rule) {
-    add_node(across, zone, s, height * node.at, weight * node.weight * height, bulge);
-  }
-}
-
-// A strip that comes near to the axis, or over which another sphere becomes the nearest.
-void add_graded(const Across& across, double s, double height, double weight, Bulge& bulge) {
-  const Cone& own = across.rival.own();
-  const auto along = [&](double t) { return sight_of(own, across.chord.at(s, t * height)).along; };
-  Roughness rough;
-  for (const double from : {0.0, own.cosine * own.length}) {
-    if (own.kind != Cone::hull) break;
-    const auto beyond = [&](double t) { return along(t) - from; };
-    const double start = beyond(0), end = beyond(1);
-    if ((start > 0) != (end > 0)) rough.add_break(find_root(beyond, 0, start, 1, end, 1e-12));
-  }
-  const Point2 foot = across.chord.at(s, 0);
-  const Vec3 first = Vec3{foot.x, foot.y, 0} - own.joint, second = first - own.length * own.axis;
-  const Vec3 step = height * Vec3{across.chord.across.x, across.chord.across.y, 0};
-  const Vec3 turned = cross(step, own.axis), from_axis = cross(first, own.axis);
-  add_nearest(dot(turned, turned), dot(from_axis, turned), dot(from_axis, from_axis), rough);
-  add_nearest(dot(step, step), dot(first, step), dot(first, first), rough);
-  add_nearest(dot(step, step), dot(second, step), dot(second, second), rough);
-  crowded_nodes(0, 1, rough, [&](double t, double share) {
-    const int zone = zone_of(across.section, across.slant, across.chord.at(s, t * height)).zone;
-    add_node(across, zone, s, t * height, share * weight * height, bulge);
-  });
-}
-
-// From the chord to the border at abscissa s.
-void add_strip(const Across& across, double s, double height, double weight, Bulge& bulge) {
-  const Cone& own = across.rival.own();
-  const Sight start = sight_of(own, across.chord.at(s, 0)), end = sight_of(own, across.chord.at(s, height));
-  const int part = part_of(own, start);
-  if (part != part_of(own, end)) return add_graded(across, s, height, weight, bulge);
-  const auto distance = [&](const Sight& sight) {
-    return part == 0 ? sight.distance : part == 1 ? sight.radial : norm(sight.from - own.length * own.axis);
-  };
-  // n nodes on a length l at a distance d from the axis leave about (2 d / l + sqrt(4 d^2 / l^2 + 1))^(-2 n).
-  const double width = std::fabs(height), nearest = min(distance(start), distance(end)) - 0.5 * width;
-  if (width < 0.12 * nearest) return add_nodes(across, kGauss4, s, height, weight, bulge);
-  if (width < 0.3 * nearest) return add_nodes(across, kGauss6, s, height, weight, bulge);
-  if (width < 0.6 * nearest) return add_nodes(across, kGauss8, s, height, weight, bulge);
-  add_graded(across, s, height, weight, bulge);
+  kinks.add(-beyond);
+  kinks.add(1 + beyond);
+  return kinks;
 }
 
 }  // namespace
@@ -373,13 +232,19 @@ bool integrate_bulge(const Section& section, const Rival& rival, const Chord& ch
   bulge = {};
   if (!border.good || border.is_short()) return border.good;
   const Slant slant = slant_of(section);
-  const Across across{section, slant, rival, chord};
-  const Roughness rough = roughness_of(border);
-  crowded_nodes(0, 1, rough, [&](double t, double weight) {
-    const double s = chord.length * t, y = border.height_at(s), area = weight * chord.length * y;
+  graded_nodes(0, 1, kinks_along(section, slant, border), [&](double t, double weight) {
+    const double s = chord.length * t, height = border.height_at(s), area = weight * chord.length * height;
+    const Point2 foot = chord.at(s, 0), top = chord.at(s, height);
     bulge.area += area;
-    bulge.area_first = bulge.area_first + area * chord.at(s, 0.5 * y);
-    add_strip(across, s, y, weight * chord.length, bulge);
+    bulge.area_first = bulge.area_first + area * (0.5 * (foot + top));
+    Singularities kinks = line_kinks(section, slant, foot, top);
+    kinks.refine = false;
+    graded_nodes(0, 1, kinks, [&](double share, double inner) {
+      const Point2 p = foot + share * (top - foot);
+      const double part = area * inner * field_of(section, slant, zone_of(section, slant, p).zone, p);
+      bulge.volume += part;
+      bulge.first = bulge.first + part * p;
+    });
   });
   return border.good;
 }
