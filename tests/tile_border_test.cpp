@@ -98,7 +98,8 @@ void feel(const Primitives& hand, const Corners& t, Felt& felt) {
     Contact contact;
     const TileBorders borders = borders_on(hand, tile, t.a, t.b, t.c);
     const bool touches = borders.any()
-                             ? collide_shared(hand, tile, borders, field_kernels(Isa::scalar), t.a, t.b, t.c, boundary, contact)
+                             ? collide_shared(hand, tile, borders, field_kernels(Isa::scalar), t.a, t.b, t.c,
+                                              boundary, contact)
                              : collide(tile, {tile.law, 1e-4, &hand}, t.a, t.b, t.c, boundary, contact);
     if (!touches) continue;
     felt.area += contact.area;
@@ -303,7 +304,9 @@ TEST(TileBorder, PlanesAreExactWhereTheBorderDoesNotMatter) {
       Boundary boundary;
       Contact quick, slow;
       const bool touches = collide(tile, {Law::field, 1e-4, &hand}, t.a, t.b, t.c, boundary, quick);
-      if (!collide_shared(doubtful, doubtful.primitive[k], everywhere, field_kernels(Isa::scalar), t.a, t.b, t.c, boundary, slow)) slow = {};
+      if (!collide_shared(doubtful, doubtful.primitive[k], everywhere, field_kernels(Isa::scalar), t.a, t.b,
+                          t.c, boundary, slow))
+        slow = {};
       if (!touches) quick = {};
       EXPECT_NEAR(quick.volume / std::pow(kRadius, 3), slow.volume / std::pow(kRadius, 3), 1e-10)
           << i << ' ' << k;
@@ -319,7 +322,8 @@ TEST(TileBorder, TriangleInThePlaneBetweenTwoTilesCountsOnce) {
   for (std::uint64_t i = 0; i < 40; ++i) {
     test::Random random(8000 + i);
     shape.bend1 = i % 4 == 0 ? 0 : random.between(-0.3, 1.5);
-    for (std::size_t k = 1; k < 4; ++k) shape.radius[k] = kRadius * (i % 2 == 0 ? 1 : random.between(0.8, 1.2));
+    for (std::size_t k = 1; k < 4; ++k)
+      shape.radius[k] = kRadius * (i % 2 == 0 ? 1 : random.between(0.8, 1.2));
     const Primitives hand = i % 8 == 0 ? posed(shape, joints_of(shape, 0)) : posed(shape, random.pose(0.1));
     const HalfSpace& cut = hand.primitive[0].cut[0];
     const Vec3 u = unit_or(cross(cut.normal, random.direction()), {1, 0, 0}), v = cross(cut.normal, u);

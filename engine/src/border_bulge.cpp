@@ -172,7 +172,8 @@ Singularities kinks_along(const Section& section, const Slant& slant, Border& bo
     for (const double from : {0.0, cone->cosine * cone->length}) {
       // Between joined tiles the border itself is smooth where the joint's sphere takes over.
       if (rival.joined && (from > 0 ? rival.near : cone != &rival.own())) continue;
-      add_changes([&](double s) { return sight_of(*cone, border.point(s)).along - from; }, chord.length, kinks);
+      add_changes([&](double s) { return sight_of(*cone, border.point(s)).along - from; }, chord.length,
+                  kinks);
     }
   }
   // A curve as high as this over its chord turns back on itself so far beyond its ends, if it goes on as it
@@ -237,11 +238,17 @@ bool integrate_bulge(const Section& section, const Rival& rival, const Chord& ch
     const Point2 foot = chord.at(s, 0), top = chord.at(s, height);
     bulge.area += area;
     bulge.area_first = bulge.area_first + area * (0.5 * (foot + top));
-    Singularities kinks = line_kinks(section, slant, foot, top);
+    // Short against its distance from the axis and from where another sphere is the nearest, all is smooth.
+    const FieldZone start = zone_of(section, slant, foot);
+    const double distance = section.radius2 - field_of(section, slant, start.zone, foot);
+    const bool is_thin = std::fabs(height) < min(start.margin, 0.1 * distance);
+    Singularities kinks;
+    if (!is_thin) kinks = line_kinks(section, slant, foot, top);
     kinks.refine = false;
     graded_nodes(0, 1, kinks, [&](double share, double inner) {
       const Point2 p = foot + share * (top - foot);
-      const double part = area * inner * field_of(section, slant, zone_of(section, slant, p).zone, p);
+      const int zone = is_thin ? start.zone : zone_of(section, slant, p).zone;
+      const double part = area * inner * field_of(section, slant, zone, p);
       bulge.volume += part;
       bulge.first = bulge.first + part * p;
     });

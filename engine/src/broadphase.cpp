@@ -40,7 +40,8 @@ void set_primitive(const Primitive& primitive, const Prism& palm, MissTerms& ter
     add_plane(primitive.cut[i], primitive.overhang[i], terms);
   }
   if (primitive.shape != Shape::prism) return;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(palm.face_count); ++i) add_plane(palm.face[i], 0, terms);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(palm.face_count); ++i)
+    add_plane(palm.face[i], 0, terms);
 }
 
 void set_corner(const Triangles& world, std::uint32_t vertex, std::size_t k,

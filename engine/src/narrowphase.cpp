@@ -104,7 +104,8 @@ void collide_pair(const Model& model, const Primitives& hand, std::uint64_t pair
   }
   const TileBorders borders = borders_on(hand, primitive, a, b, c);
   if (borders.any()) {
-    if (!collide_shared(hand, primitive, borders, batch.kernels, a, b, c, boundary, contact)) contact.area = 0;
+    if (!collide_shared(hand, primitive, borders, batch.kernels, a, b, c, boundary, contact))
+      contact.area = 0;
     return;
   }
   Section section;

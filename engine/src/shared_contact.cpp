@@ -67,8 +67,11 @@ Cone cone_from(const Section& section, Vec3 joint, Vec3 end, double radius, doub
 Rival joined(const Section& section, const Primitives& hand, std::size_t phalanx, bool is_first) {
   const Primitive &inner = hand.capsule[phalanx], &outer = hand.capsule[phalanx + 1];
   Rival rival{cone_from(section, inner.end2, inner.end1, inner.radius2, inner.radius1),
-              cone_from(section, outer.end1, outer.end2, outer.radius1, outer.radius2), true,
-              hand.border[phalanx].near, is_first, {}};
+              cone_from(section, outer.end1, outer.end2, outer.radius1, outer.radius2),
+              true,
+              hand.border[phalanx].near,
+              is_first,
+              {}};
   if (rival.near) rival.border = border_cone(rival.first, rival.second);
   return rival;
 }
@@ -79,8 +82,11 @@ Rival apart(const Section& section, const Primitives& hand, std::size_t finger, 
   const bool same_joint =
       norm(inner.end2 - outer.end1) < 1e-8 * inner.radius2 && inner.radius2 == outer.radius1;
   return {cone_from(section, inner.end2, inner.end1, inner.radius2, inner.radius1),
-          cone_from(section, outer.end1, outer.end2, outer.radius1, outer.radius2), same_joint, false,
-          is_first, {}};
+          cone_from(section, outer.end1, outer.end2, outer.radius1, outer.radius2),
+          same_joint,
+          false,
+          is_first,
+          {}};
 }
 
 Point2 middle_of(const Polygon2& polygon) {
@@ -260,8 +266,8 @@ double stake_of(const Work& work, const Polygon2& polygon, Point2 middle, double
   for (int i = 0; i < work.rival_count; ++i) {
     const Rival& rival = work.rival[static_cast<std::size_t>(i)];
     const auto include = [&](Point2 p) {
-      const double gap =
-          cone_field(rival.first, sight_of(rival.first, p)) - cone_field(rival.second, sight_of(rival.second, p));
+      const double gap = cone_field(rival.first, sight_of(rival.first, p)) -
+                         cone_field(rival.second, sight_of(rival.second, p));
       most = max(most, std::fabs(gap));
     };
     include(middle);
@@ -447,7 +453,8 @@ void cut_to_section(const Section& section, Polygon2& polygon) {
 }  // namespace
 
 bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBorders& borders,
-                    const FieldKernels& kernels, Vec3 a, Vec3 b, Vec3 c, Boundary& boundary, Contact& contact) {
+                    const FieldKernels& kernels, Vec3 a, Vec3 b, Vec3 c, Boundary& boundary,
+                    Contact& contact) {
   const std::size_t phalanx = tile.segment, place = phalanx % 3;
   // Where a border is not its plane it still has to lie near it; the others' planes are exact.
   Primitive cut = tile;

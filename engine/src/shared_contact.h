@@ -17,6 +17,7 @@ namespace lumbrical {
 /// `depth` is the largest depth in the own tile over the contact, less than the height of the border over its
 /// chord off where the deepest point lies between these two.
 bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBorders& borders,
-                    const FieldKernels& kernels, Vec3 a, Vec3 b, Vec3 c, Boundary& boundary, Contact& contact);
+                    const FieldKernels& kernels, Vec3 a, Vec3 b, Vec3 c, Boundary& boundary,
+                    Contact& contact);
 
 }  // namespace lumbrical
