@@ -39,7 +39,7 @@ const Rule kRules[] = {
      "finger_depth gauss boundary_integral small_region field pressure* prism field_* disc_integrals wide "
      "contact_jacobian"},
 
-    {Layer::kernels, "engine/src", "joint_border tile_rival root border_bulge shared_contact"},
+    {Layer::kernels, "engine/src", "joint_border tile_rival tile_share root border_bulge shared_contact"},
 
     {Layer::stages, "engine/src", "hand_pose broadphase narrowphase contact_force force_limits"},
 

@@ -171,6 +171,24 @@ TEST(TileBorder, TilesOfAnyFingerAddUpToTheLargestFieldOnAnyTriangle) {
   }
 }
 
+TEST(TileBorder, StraightAndHyperextendedJointsAndPhalangesOfNoLengthAreNoExceptions) {
+  const int count = finger_count(24);
+  const double bends[] = {0, 1e-9, 1e-4, 0.5, std::numbers::pi / 2, 2, -1, 2 * std::numbers::pi / 3};
+  const double lengths[] = {0, 1e-11, 1e-8, 1e-6};
+  for (int i = 0; i < count; ++i) {
+    test::Random random(static_cast<std::uint64_t>(70000 + i));
+    FingerShape shape = random_finger(random);
+    if (i % 4 == 0 || i % 4 == 1)
+      shape.bend1 = bends[random.bits() % 8], shape.bend2 = bends[random.bits() % 8];
+    if (i % 4 == 1 || i % 4 == 2) shape.radius.fill(kRadius);
+    if (i % 4 == 3) shape.length[random.bits() % 3] = lengths[random.bits() % 4];
+    if (random.bits() % 2 != 0) shape.sideways = 0;
+    const Primitives hand = posed(shape, random.pose(0.1));
+    const Corners t = random_triangle(hand, random);
+    expect_reference(hand, t, norm(t.b - t.a), i);
+  }
+}
+
 TEST(TileBorder, FullFistIsTheUnionOfItsPhalanges) {
   // Bent by 115 and 100 degrees the outermost phalanx lies in the innermost one.
   const FingerShape shape{
@@ -319,7 +337,7 @@ TEST(TileBorder, PlanesAreExactWhereTheBorderDoesNotMatter) {
 
 TEST(TileBorder, TriangleInThePlaneBetweenTwoTilesCountsOnce) {
   FingerShape shape{{0.040, 0.025, 0.020}, {kRadius, kRadius, kRadius, kRadius}, 0, 0, 0};
-  for (std::uint64_t i = 0; i < 40; ++i) {
+  for (std::uint64_t i = 0; i < 16; ++i) {
     test::Random random(8000 + i);
     shape.bend1 = i % 4 == 0 ? 0 : random.between(-0.3, 1.5);
     for (std::size_t k = 1; k < 4; ++k)
@@ -370,7 +388,7 @@ TEST(TileBorder, FingersNoHandHasAreSharedOutNearlyAsWell) {
   int number = 0;
   for (const FingerShape& shape : shapes) {
     const Primitives hand = posed(shape, joints_of(shape, 0.3));
-    for (const double height : {-0.004, 0.0, 0.003}) {
+    for (const double height : {0.0, 0.003}) {
       const Felt felt = feel(hand, floor_at(height));
       EXPECT_TRUE(is_finite(felt.volume) && is_finite(felt.area) && is_finite(felt.first)) << number;
       expect_reference(hand, floor_at(height), 1, number, 1e-4);

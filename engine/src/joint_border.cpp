@@ -13,6 +13,9 @@ constexpr double kSameSlope = 1e-14;
 // Sine of an angle so small that the bounds below, which divide by it, say nothing any more.
 constexpr double kFlatAngle = 0.05;
 
+// The same for slopes that differ almost as much as the axes: the cone is too narrow to follow as such.
+constexpr double kSteepest = 0.85;
+
 // Rounding must not lose a triangle.
 constexpr double kMargin = 1.000001;
 
@@ -44,7 +47,7 @@ JointBorder border_of(const Primitive& before, const Primitive& after) {
   const double mean_sine = (sine1 + sine2) / size, mean_cosine = (cosine1 + cosine2) / size;
   const double nearest_sine = half_sine * mean_cosine + half_cosine * mean_sine;
   const double nearest_cosine = half_cosine * mean_cosine - half_sine * mean_sine;
-  if (!(nearest_sine > kFlatAngle) || !(slope_sine < half_sine)) return border;
+  if (!(nearest_sine > kFlatAngle) || !(slope_sine < kSteepest * half_sine)) return border;
   border.near = kMargin * r * nearest_cosine < nearest_sine * min(cosine1 * length1, cosine2 * length2);
   if (!border.near) return border;
   if (slope_sine < kSameSlope) {
