@@ -1,6 +1,6 @@
 // The broadphase under a pressed hand: scene A (300 mm wide, ever finer) and scene B (5 mm triangles, ever
-// wider), by sphere tree, grid and brute force. Microseconds per query of the whole hand; beside them
-// candidates, contacts, bytes per triangle of the search structure and the time it takes to build.
+// wider), by sphere tree, grid, voxel index and brute force. Microseconds per query of the whole hand; beside
+// them candidates, contacts, bytes per triangle of the search structure and the time it takes to build.
 #include "broadphase.h"
 
 #include <benchmark/benchmark.h>
@@ -13,6 +13,7 @@
 #include "hand_pose.h"
 #include "sphere_grid.h"
 #include "sphere_tree.h"
+#include "voxel_index.h"
 
 namespace {
 
@@ -42,6 +43,9 @@ void run(benchmark::State& state, double extent, std::uint32_t cells, Broadphase
   const auto start = Clock::now();
   if (broadphase == Broadphase::tree) bytes = byte_count(build_tree(model.triangles, execution));
   if (broadphase == Broadphase::grid) bytes = byte_count(build_grid(model.triangles, execution));
+  std::shared_ptr<const VoxelIndex> voxels;
+  if (broadphase == Broadphase::voxel && build_voxels(model.triangles, execution, voxels).ok())
+    bytes = voxels->report.bytes;
   state.counters["build_ms"] = milliseconds_since(start);
 
   State engine_state;
@@ -66,8 +70,9 @@ void run(benchmark::State& state, double extent, std::uint32_t cells, Broadphase
 
 void add_all() {
   for (const std::uint32_t cells : {9u, 29u, 49u, 69u, 224u, 708u}) {
-    for (const Broadphase broadphase : {Broadphase::tree, Broadphase::grid, Broadphase::brute}) {
-      if (broadphase == Broadphase::brute && cells > 100) continue;
+    for (const Broadphase broadphase :
+         {Broadphase::tree, Broadphase::grid, Broadphase::voxel, Broadphase::brute}) {
+      if (!available(broadphase) || (broadphase == Broadphase::brute && cells > 100)) continue;
       const std::string how =
           std::string(broadphase_name(broadphase)) + "/" + std::to_string(2 * cells * cells);
       benchmark::RegisterBenchmark(("A/" + how).c_str(), [=](benchmark::State& state) {

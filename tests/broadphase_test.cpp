@@ -41,6 +41,12 @@ std::vector<Execution> executions(double scale) {
     grid.leaf_size = leaf_size;
     grid.cell_size = clamp(scale * std::pow(4.0, static_cast<double>(leaf_size % 5) - 3), 1e-3, 1e6);
     all.push_back(grid);
+    if (!available(Broadphase::voxel)) continue;
+    Execution voxel;
+    voxel.broadphase = Broadphase::voxel;
+    voxel.leaf_size = leaf_size;
+    voxel.voxel_size = leaf_size == 16 ? 0 : scale * std::pow(4.0, static_cast<double>(leaf_size % 5) - 4);
+    all.push_back(voxel);
   }
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Isa isas[] = {Isa::scalar, Isa::sse2, Isa::avx2, Isa::avx512, Isa::neon};
@@ -102,7 +108,8 @@ void expect_equal(const Scene& scene, const Primitives& hand, double scale, cons
     const Candidates found = candidates_of(model_of(scene, execution), hand);
     EXPECT_EQ(found, expected) << broadphase_name(execution.broadphase) << ", leaves of "
                                << execution.leaf_size << ", " << execution.tree_levels << " levels, cells of "
-                               << execution.cell_size << ", " << isa_name(execution.isa);
+                               << execution.cell_size << ", voxels of " << execution.voxel_size << ", "
+                               << isa_name(execution.isa);
   }
 }
 
@@ -168,6 +175,10 @@ TEST(Broadphase, FindsTheSameInPlacedRealMeshes) {
     const Candidates expected = candidates_of(model_of(scene, brute), hand);
     EXPECT_EQ(candidates_of(model_of(scene), hand), expected) << entry.path();
     EXPECT_EQ(candidates_of(model_of(scene, grid), hand), expected) << entry.path();
+    if (!available(Broadphase::voxel)) continue;
+    Execution voxel;
+    voxel.broadphase = Broadphase::voxel;
+    EXPECT_EQ(candidates_of(model_of(scene, voxel), hand), expected) << entry.path();
   }
   EXPECT_GT(meshes, 0);
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lumbrical/model.h"
 #include "program.h"
 
 namespace lumbrical::test {
@@ -72,7 +73,7 @@ TEST(CommandLine, MistakesInItExitWith2AndNameTheSwitch) {
       {"run '" + kDemo + "' --ticks 1e3x", "--ticks"},
       {"run '" + kDemo + "' --rate 0", "--rate"},
       {"run '" + kDemo + "' --threads 65", "--threads"},
-      {"run '" + kDemo + "' --broadphase voxel", "not built yet"},
+      {"run '" + kDemo + "' --broadphase cubes", "tree, grid, voxel or brute"},
       {"run '" + kDemo + "' --isa avx3", "--isa"},
       {"run '" + kDemo + "' --sink tcp://there", "not part of this version"},
       {"run '" + kDemo + "' --sideways", "--sideways"},
@@ -211,6 +212,23 @@ TEST(CommandLine, NeitherThreadsNorBroadphaseChangeARecording) {
   EXPECT_EQ(shell("lumbrical diff a.mcap b.mcap", folder).exit_code, 0);
   EXPECT_EQ(shell("lumbrical diff a.mcap c.mcap", folder).exit_code, 0);
   EXPECT_EQ(shell("lumbrical diff a.mcap d.mcap", folder).exit_code, 0);
+  if (!available(Broadphase::voxel)) GTEST_SKIP() << "this build has no OpenVDB";
+  ASSERT_EQ(shell(run + "--broadphase voxel --record e.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("lumbrical diff a.mcap e.mcap", folder).exit_code, 0);
+}
+
+TEST(CommandLine, VoxelIndexIsReportedAndKeptInItsFolder) {
+  if (!available(Broadphase::voxel)) GTEST_SKIP() << "this build has no OpenVDB";
+  const fs::path folder = folder_with_demo();
+  const std::string run = "lumbrical run demo.json --ticks 20 --broadphase voxel --voxel-cache kept --json";
+  const nlohmann::json first = shell(run, folder).json(), second = shell(run, folder).json();
+  expect_keys(first["voxel_index"], {"voxel_size", "voxels", "entries", "bytes", "build_seconds", "note"});
+  EXPECT_EQ(first["voxel_index"]["from_cache"], false);
+  EXPECT_EQ(second["voxel_index"]["from_cache"], true);
+  std::ofstream(folder / "square.obj") << "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
+  const Outcome inspected = shell("lumbrical inspect square.obj --unit m --broadphase voxel --json", folder);
+  ASSERT_EQ(inspected.exit_code, 0) << inspected.error;
+  EXPECT_EQ(inspected.json()["voxel_index"]["has_distance"], false);
 }
 
 TEST(CommandLine, PacedRunKeepsItsRate) {

@@ -100,7 +100,7 @@ void compare_with_ticks(Session& session, const DeviceFrame& frame, test::Random
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     const Wrench &said = change.said[i], &seen = change.seen[i];
     EXPECT_LE(norm(said.force - seen.force), 1e-7 * scale) << segment_name(static_cast<int>(i));
-    EXPECT_LE(norm(said.torque - seen.torque), 2e-9 * scale) << segment_name(static_cast<int>(i));
+    EXPECT_LE(norm(said.torque - seen.torque), 1e-8 * scale) << segment_name(static_cast<int>(i));
     touches[i] += change.scale[i] > 0 ? 1 : 0;
   }
 }
@@ -148,7 +148,7 @@ TEST(HandJacobian, WholeFingersOfAnyRadiiChangeNearlyAsItSays) {
 
 // Regenerate: run this test and take the value it reports. Change it only on purpose, in a commit that says
 // why.
-constexpr std::uint64_t kGolden = 0x70937118455f7c19;
+constexpr std::uint64_t kGolden = 0x9fd8eb5897216757;
 
 TEST(HandJacobian, HasTheSameBitsEverywhere) {
   const Scene scene = grasp_scene();

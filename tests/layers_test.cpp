@@ -26,17 +26,18 @@ const Rule kRules[] = {
     {Layer::base, "engine/include/lumbrical", "math status"},
     {Layer::base, "engine/src", "math elementary floating_point parallel hash radix_sort text_cursor"},
 
-    {Layer::model, "engine/include/lumbrical", "mesh shapes hand model contact"},
+    {Layer::model, "engine/include/lumbrical", "mesh shapes hand model contact voxel"},
     {Layer::model, "engine/src", "mesh_* ply_header vertex_merge shapes shape_mug hand hand_from_positions"},
     {Layer::model, "engine/src",
-     "forward_kinematics primitive model isa sphere_tree sphere_grid triangle_bound"},
+     "forward_kinematics primitive model isa sphere_tree sphere_grid triangle_* voxel_*"},
 
     {Layer::motion, "engine/include/lumbrical", "device motion"},
     {Layer::motion, "engine/src", "resampler grasp_motion"},
 
     {Layer::kernels, "engine/src",
      "sphere_query sphere_hits tree_search section* strip_* wide_functions miss_terms certain_misses depth "
-     "finger_depth gauss boundary_integral small_region field pressure* prism field_* disc_integrals wide "
+     "finger_depth gauss boundary_integral small_region field pressure* prism field_* stated_errors "
+     "triangle_rules point_rules round_* disc_integrals cone_integrals cone_slivers wide wide_geometry "
      "contact_jacobian"},
 
     {Layer::kernels, "engine/src", "joint_border tile_rival tile_share root border_bulge shared_contact"},
@@ -94,6 +95,7 @@ struct Outside {
 const Outside kOutside[] = {
     {"(oneapi/)?tbb/.*", "engine/src/parallel[.]cpp"},
     {"xsimd/.*", "engine/src/wide[.]h"},
+    {"openvdb/.*", "engine/src/voxel_grid_openvdb[.]cpp"},
     {"(xmmintrin|immintrin|cfenv)([.]h)?", "engine/src/floating_point[.].*"},
     {"flatbuffers/.*",
      "engine/src/"
@@ -105,6 +107,7 @@ const Outside kOutside[] = {
     {"CLI/.*", "tools/.*"},
     {"(gtest|boost)/.*", "tests/.*"},
     {"benchmark/.*", "bench/.*"},
+    {"(btBulletCollisionCommon[.]h|fcl/.*|ode/ode[.]h|embree3/.*)", "bench/peer_\\w+[.]cpp"},
 };
 
 bool matches(const std::string& text, const char* pattern) {

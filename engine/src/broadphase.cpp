@@ -7,6 +7,7 @@
 #include "sphere_grid.h"
 #include "sphere_tree.h"
 #include "tree_search.h"
+#include "voxel_index.h"
 
 namespace lumbrical {
 namespace {
@@ -112,6 +113,24 @@ bool search_cells(Search& search, const Primitive& primitive, std::span<const st
   return true;
 }
 
+// Triangles centred in the voxels near by, and the wide ones.
+bool search_voxels(Search& search, const Primitive& primitive) {
+  const VoxelIndex& index = *search.model.voxels;
+  const std::size_t count = find_voxels(index, primitive, search.scratch.cells);
+  std::array<std::uint32_t, kBatch> batch;
+  std::uint32_t size = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    for (const std::uint32_t triangle : centred_in(index, search.scratch.cells[i])) {
+      batch[size++] = triangle;
+      if (size < kBatch) continue;
+      if (!keep(search, batch)) return false;
+      size = 0;
+    }
+  }
+  if (size > 0 && !keep(search, {batch.data(), size})) return false;
+  return !may_reach(index.wide, primitive) || search_tree(search, primitive, index.wide);
+}
+
 Box box_round(const Primitives& hand) {
   Box box;
   for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i) {
@@ -133,8 +152,9 @@ void size_candidates(const Model& model, Scratch& scratch) {
   std::size_t frontier_size = frontier_capacity(model.tree);
   for (const SphereTree& tree : model.grid.tree)
     frontier_size = std::max(frontier_size, frontier_capacity(tree));
+  if (model.voxels) frontier_size = std::max(frontier_size, frontier_capacity(model.voxels->wide));
   for (auto& frontier : scratch.frontier) frontier.resize(frontier_size);
-  scratch.cells.resize(model.grid.tree.size());
+  scratch.cells.resize(model.voxels ? model.voxels->lists.voxel.size() : model.grid.tree.size());
 }
 
 bool find_candidates(const Model& model, const Primitives& hand, Scratch& scratch) {
@@ -156,6 +176,9 @@ bool find_candidates(const Model& model, const Primitives& hand, Scratch& scratc
         break;
       case Broadphase::grid:
         fits = search_cells(search, primitive, cells);
+        break;
+      case Broadphase::voxel:
+        fits = search_voxels(search, primitive);
         break;
       case Broadphase::brute:
         fits = search_all(search);

@@ -8,26 +8,10 @@
 #pragma once
 
 #include "miss_terms.h"
-#include "wide_functions.h"
+#include "wide_geometry.h"
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-template <class V>
-struct Wide3 {
-  V x, y, z;
-};
-template <class V>
-inline Wide3<V> operator-(Wide3<V> p, Wide3<V> q) {
-  return {p.x - q.x, p.y - q.y, p.z - q.z};
-}
-template <class V>
-inline V dot(Wide3<V> p, Wide3<V> q) {
-  return p.x * q.x + p.y * q.y + p.z * q.z;
-}
-template <class V>
-inline Wide3<V> cross(Wide3<V> p, Wide3<V> q) {
-  return {p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
-}
 template <class V>
 inline Wide3<V> corner_of(const double (&from)[3][MissTerms::kCapacity], std::size_t i) {
   return {get(from[0] + i, V{}), get(from[1] + i, V{}), get(from[2] + i, V{})};

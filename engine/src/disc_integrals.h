@@ -1,139 +1,178 @@
-// The field law's line integrals over disc terms, one source for every instruction set.
+// The field's integrals over the part of a polygon inside a disc: what a plane cuts out of a sphere. And the
+// area alone inside an ellipse, which is a disc after stretching.
 //
-// In disc coordinates the field is phi = R - w, w = sqrt(r^2 + h^2), and the section the disc r <= rho,
-// rho^2 = (R - h)(R + h). By Green's theorem with radial fields, for a polygon with the disc's centre
-// anywhere,
+// In coordinates about the disc's centre the field is phi = R - w, w = sqrt(r^2 + h^2), and the section r <=
+// rho, rho^2 = (R - h)(R + h). By Green's theorem with radial fields, for a polygon with the centre anywhere,
 //   area    sum over edges of  p (xb - xa) / 2 + rho^2 theta / 2
-//   volume  sum of  G theta + integral of (G - E) d(angle) over the part inside,  E(w) = phi^2 (3R - 2phi) /
-//   6
+//   volume  sum of  G theta + integral of (G - E) d(angle) over the part inside,
+//           E(w) = phi^2 (3R - 2phi) / 6
 // with x along the edge counted from the foot of the perpendicular, p the foot's signed distance (centre on
 // the left: positive), [xa, xb] the part inside the disc, theta the angle the parts outside subtend and G =
 // E(h). First moments: the potentials (rho^2 - r^2) / 2 and E vanish on the rim, so only edges contribute.
 #pragma once
 
-#include "field_terms.h"
-#include "wide_functions.h"
+#include "round_polygon.h"
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-// One term's segment in its disc's coordinates.
+// Integrals of 1 and of phi and their first moments.
+template <class V>
+struct Moments {
+  V area, area_x, area_y, volume, volume_x, volume_y;
+};
+template <class V>
+inline Moments<V> no_moments() {
+  const V zero = number<V>(0);
+  return {zero, zero, zero, zero, zero, zero};
+}
+template <class V, class M>
+inline void add_where(M which, const Moments<V>& more, Moments<V>& sum) {
+  const V zero = number<V>(0);
+  sum.area = sum.area + choose(which, more.area, zero);
+  sum.area_x = sum.area_x + choose(which, more.area_x, zero);
+  sum.area_y = sum.area_y + choose(which, more.area_y, zero);
+  sum.volume = sum.volume + choose(which, more.volume, zero);
+  sum.volume_x = sum.volume_x + choose(which, more.volume_x, zero);
+  sum.volume_y = sum.volume_y + choose(which, more.volume_y, zero);
+}
+
+// An edge against a disc about the origin.
 template <class V>
 struct Chord {
-  V tx, ty;      // unit direction
-  V p;           // signed distance of the centre, positive on the left
-  V x1, x2;      // ends, from the foot
-  V xa, xb;      // of the part inside the disc
-  V theta;       // angle subtended by the parts outside
-  V rho2, gap2;  // rho^2, and rho^2 - p^2 where positive
+  Wide2<V> t;     // unit direction
+  V p;            // signed distance of the centre, positive on the left
+  V x1, x2;       // ends, from the foot
+  V xa, xb;       // of the part inside the disc
+  V gap2, theta;  // rho^2 - p^2 where positive; angle subtended by the parts outside
 };
 
 template <class V>
-inline Chord<V> chord_of(V px, V py, V qx, V qy, V radius, V height) {
+inline Chord<V> chord_of(Wide2<V> from, Wide2<V> to, Wide2<V> t, V rho2) {
   const V zero = number<V>(0), one = number<V>(1);
   Chord<V> c;
-  const V dx = qx - px, dy = qy - py;
-  const V length = root(dx * dx + dy * dy);
-  const V inverse = quotient(choose(length > zero, one, zero), choose(length > zero, length, one));
-  c.tx = dx * inverse;
-  c.ty = dy * inverse;
-  // From the nearer end: a far one would bring its own rounding along.
-  const auto nearer = px * px + py * py < qx * qx + qy * qy;
-  const V nx = choose(nearer, px, qx), ny = choose(nearer, py, qy);
-  c.p = nx * c.ty - ny * c.tx;
-  c.x1 = px * c.tx + py * c.ty;
-  c.x2 = qx * c.tx + qy * c.ty;
-  c.rho2 = (radius - height) * (radius + height);
-  c.gap2 = greater(c.rho2 - c.p * c.p, zero);
+  c.t = t;
+  c.p = cross(choose(dot(from, from) < dot(to, to), from, to), t);
+  c.x1 = dot(from, t);
+  c.x2 = dot(to, t);
+  const V p2 = c.p * c.p;
+  c.gap2 = greater(rho2 - p2, zero);
   const V half = root(c.gap2);
   c.xa = between(c.x1, zero - half, half);
   c.xb = between(c.x2, zero - half, half);
-  const V p2 = c.p * c.p;
-  const V cos1 = c.x1 * c.xa + p2, sin1 = c.p * (c.xa - c.x1);
-  const V cos2 = c.x2 * c.xb + p2, sin2 = c.p * (c.x2 - c.xb);
+  const V sin1 = c.p * (c.xa - c.x1), sin2 = c.p * (c.x2 - c.xb);
   // Where one part is empty and its end in the centre, its cosine is 0 too.
-  const V c1 = choose(sin1 == zero, one, cos1), s1 = sin1;
-  const V c2 = choose(sin2 == zero, one, cos2), s2 = sin2;
-  c.theta = angle_of(s1 * c2 + c1 * s2, c1 * c2 - s1 * s2);
+  const V cos1 = choose(sin1 == zero, one, c.x1 * c.xa + p2);
+  const V cos2 = choose(sin2 == zero, one, c.x2 * c.xb + p2);
+  c.theta = angle_of(sin1 * cos2 + cos1 * sin2, cos1 * cos2 - sin1 * sin2);
   return c;
 }
 
-// The largest depth (along -n to the primitive's far surface) of the points at x in [xa, xb] along the
-// segment: depth is concave along it, so the best place of the whole line is clamped to the part inside. The
-// best place is above the sphere, at axial fraction t, whose foot it is.
 template <class V>
-inline V depth_on(const Chord<V>& c, V px, V py, V dx, V dy, V radius, const DiscTerms<NumberOf<V>>& terms,
-                  std::size_t i) {
-  const V zero = number<V>(0), one = number<V>(1);
-  const V h1 = get(terms.h1 + i, V{}), span = get(terms.span + i, V{}), rise = get(terms.rise + i, V{});
-  const V cosine = get(terms.cosine + i, V{}), per_span = get(terms.per_span + i, V{});
-  const V length2 = dx * dx + dy * dy, per_length2 = quotient(one, choose(length2 > zero, length2, one));
-  const V slope = zero - span * dy, steep2 = slope * slope + rise * rise * length2;
-  const V steep = root(choose(steep2 > zero, steep2, one));
-  const V pull = choose(slope < zero, radius, zero - radius) * quotient(rise * length2, steep);
-  const V moving = choose(slope == zero, one, slope);
-  const V t = choose(slope == zero, zero, between(quotient(pull - (px * dy - py * dx), moving), zero, one));
-  const V disc_length = c.x2 - c.x1, per = quotient(one, choose(disc_length > zero, disc_length, one));
-  const V foot = ((t * span - px) * dx - py * dy) * per_length2;
-  const V along = between(foot, (c.xa - c.x1) * per, (c.xb - c.x1) * per);
-  const V x = px + along * dx, y = py + along * dy;
-  const V reach2 = greater((radius - y) * (radius + y), zero);
-  const V axial = between((x - cosine * root(reach2)) * per_span, zero, one);
-  const V off = x - axial * span;
-  const V depth = root(greater(reach2 - off * off, zero)) - h1 - axial * rise;
-  return choose(c.xb > c.xa, depth, zero);
+inline void area_of(const Chord<V>& c, V rho2, Moments<V>& moments) {
+  const V delta = c.xb - c.xa, squares = c.xb * c.xb + c.xb * c.xa + c.xa * c.xa;
+  moments.area = number<V>(0.5) * (c.p * delta + rho2 * c.theta);
+  const V out = number<V>(0.5) * (delta * (c.gap2 - number<V>(1.0 / 3) * squares));
+  moments.area_x = number<V>(0) - c.t.y * out;
+  moments.area_y = c.t.x * out;
 }
 
+// Where no point of the section has more than this share of R, closed forms cancel.
+inline constexpr double kShallow = 0.05;
+
+// Integrals of phi along one edge of a polygon inside a sphere of radius R whose centre is h >= 0 away from
+// the plane. Closed form; cancels where the whole region is shallow.
 template <class V>
-inline void store_moments(DiscTerms<NumberOf<V>>& terms, std::size_t i, V shift, V area, V area_x, V area_y,
-                          V volume, V volume_x, V volume_y) {
-  const V per = get(terms.per_scale + i, V{});
-  put(terms.area + i, area * per);
-  put(terms.area_x + i, (area_x - shift * area) * per * per);
-  put(terms.area_y + i, area_y * per);
-  put(terms.volume + i, volume * per);
-  put(terms.volume_x + i, (volume_x - shift * volume) * per * per);
-  put(terms.volume_y + i, volume_y * per);
+inline void deep_disc(const Chord<V>& c, V radius, V h, Moments<V>& moments) {
+  const V zero = number<V>(0), third = number<V>(1.0 / 3), half = number<V>(0.5);
+  const V p2 = c.p * c.p, h2 = h * h, k2 = p2 + h2;
+  const V xa2 = c.xa * c.xa, xb2 = c.xb * c.xb;
+  const V wa2 = xa2 + k2, wb2 = xb2 + k2, wa = root(wa2), wb = root(wb2);
+  const V delta = c.xb - c.xa;
+  const V log = twice_atanh(delta, wa + wb);
+  const V w1 = half * (c.xb * wb - c.xa * wa + k2 * log);
+  // atan(h x / (p w)) - atan(x / p), merged so that nothing happens at p = 0, from a to b.
+  const V na = zero - c.xa * c.p * (xa2 + p2), ma = (p2 * wa + h * xa2) * (wa + h);
+  const V nb = zero - c.xb * c.p * (xb2 + p2), mb = (p2 * wb + h * xb2) * (wb + h);
+  const V turn = angle_of(nb * ma - na * mb, ma * mb + na * nb);
+  moments.volume = (half * radius) * (c.p * delta) - third * (c.p * w1 + h2 * (c.p * log) + h2 * h * turn);
+  const V cubes = third * (delta * (xb2 + c.xb * c.xa + xa2));
+  const V w2 = k2 * delta + cubes;
+  const V w3 = number<V>(0.25) * (c.xb * (wb * wb2) - c.xa * (wa * wa2)) + number<V>(0.75) * (k2 * w1);
+  const V out = number<V>(1.0 / 6) * (radius * radius * radius * delta) - half * (radius * w2) + third * w3;
+  moments.volume_x = zero - c.t.y * out;
+  moments.volume_y = c.t.x * out;
 }
 
-// Closed form; cancels where the whole region is shallow.
+// The same by quadrature, for shallow discs: the integrands are far from their singularities there, and phi
+// and (G - E) / r^2 are had without cancellation.
 template <class V>
-void closed_terms(DiscTerms<NumberOf<V>>& terms) {
-  const V zero = number<V>(0), third = number<V>(1.0 / 3);
-  for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
-    const V scale = get(terms.scale + i, V{}), shift = get(terms.shift + i, V{});
-    const V px = get(terms.x1 + i, V{}), py = get(terms.y1 + i, V{});
-    const V qx = get(terms.x2 + i, V{}), qy = get(terms.y2 + i, V{});
-    const V radius = get(terms.radius + i, V{}), h = get(terms.height + i, V{});
-    const Chord<V> c = chord_of(px * scale + shift, py, qx * scale + shift, qy, radius, h);
-
-    const V p2 = c.p * c.p, h2 = h * h, k2 = p2 + h2;
-    const V wa = root(c.xa * c.xa + k2), wb = root(c.xb * c.xb + k2);
-    const V delta = c.xb - c.xa;
-    const V log = twice_atanh(delta, wa + wb);
-    const V w1 = number<V>(0.5) * (c.xb * wb - c.xa * wa + k2 * log);
-    // atan(h x / (p w)) - atan(x / p), merged so that nothing happens at p = 0, from a to b.
-    const V ra = c.xa * c.xa + p2, rb = c.xb * c.xb + p2;
-    const V na = zero - c.xa * c.p * ra, ma = (p2 * wa + h * (c.xa * c.xa)) * (wa + h);
-    const V nb = zero - c.xb * c.p * rb, mb = (p2 * wb + h * (c.xb * c.xb)) * (wb + h);
-    const V turn = angle_of(nb * ma - na * mb, ma * mb + na * nb);
-    const V phi = radius - h;
-    const V g = phi * phi * (number<V>(3) * radius - number<V>(2) * phi) * number<V>(1.0 / 6);
-    const V volume = g * c.theta + (number<V>(0.5) * radius) * (c.p * delta) -
-                     third * (c.p * w1 + h2 * (c.p * log) + h2 * h * turn);
-
-    const V xa3 = c.xa * c.xa * c.xa, xb3 = c.xb * c.xb * c.xb;
-    const V cubes = third * (xb3 - xa3);
-    const V area = number<V>(0.5) * (c.p * delta + c.rho2 * c.theta);
-    const V area_out = number<V>(0.5) * (c.gap2 * delta - cubes);
-    const V w2 = k2 * delta + cubes;
-    const V w3 =
-        number<V>(0.25) * (c.xb * (wb * wb * wb) - c.xa * (wa * wa * wa)) + number<V>(0.75) * (k2 * w1);
-    const V r3 = radius * radius * radius;
-    const V volume_out = number<V>(1.0 / 6) * (r3 * delta) - number<V>(0.5) * (radius * w2) + third * w3;
-    store_moments(terms, i, shift, area, zero - c.ty * area_out, c.tx * area_out, volume,
-                  zero - c.ty * volume_out, c.tx * volume_out);
-    put(terms.depth + i, depth_on(c, px, py, qx - px, qy - py, radius, terms, i));
+inline void shallow_disc(const Chord<V>& c, V radius, V h, Moments<V>& moments) {
+  const V three = number<V>(3), two = number<V>(2), sixth = number<V>(1.0 / 6);
+  const V delta = c.xb - c.xa, k2 = c.p * c.p + h * h, top = radius - h;
+  V inner = number<V>(0), out = number<V>(0);
+  for (const GaussNode& node : kGauss8) {
+    const V x = c.xa + number<V>(node.at) * delta, x2 = x * x, w = root(x2 + k2),
+            weight = number<V>(node.weight);
+    const V phi = quotient(greater(c.gap2 - x2, number<V>(0)), radius + w);
+    const V squares = top * top + top * phi + phi * phi;
+    inner = inner + weight * quotient(three * radius * (top + phi) - two * squares, w + h);
+    out = out + weight * (phi * phi * (three * radius - two * phi));
   }
+  moments.volume = sixth * (c.p * delta * inner);
+  moments.volume_x = number<V>(0) - c.t.y * (sixth * (delta * out));
+  moments.volume_y = c.t.x * (sixth * (delta * out));
+}
+
+// `most` is the largest phi of the primitive's whole section.
+template <class V>
+inline Moments<V> disc_moments(const Chord<V>& c, V radius, V h, V rho2, V most) {
+  Moments<V> moments = no_moments<V>(), other = moments;
+  const V top = radius - h, limit = number<V>(kShallow) * radius;
+  const auto shallow = most < limit;
+  if (some(most >= limit)) deep_disc(c, radius, h, moments);
+  if (some(shallow)) shallow_disc(c, radius, h, other);
+  const V g = top * top * (number<V>(3) * radius - number<V>(2) * top) * number<V>(1.0 / 6);
+  moments.volume = g * c.theta + choose(shallow, other.volume, moments.volume);
+  moments.volume_x = choose(shallow, other.volume_x, moments.volume_x);
+  moments.volume_y = choose(shallow, other.volume_y, moments.volume_y);
+  area_of(c, rho2, moments);
+  return moments;
+}
+
+// What lies inside of every edge of the triangle: coordinates along it from the foot of (0, 0).
+template <class V>
+struct InsideParts {
+  std::size_t count = 0;
+  V lower[Polygon<V>::kMost], upper[Polygon<V>::kMost];
+  template <class M>
+  void add(std::size_t edge, M here, V from, V to) {
+    if (edge >= count) return;
+    lower[edge] = choose(here, lesser(lower[edge], from), lower[edge]);
+    upper[edge] = choose(here, greater(upper[edge], to), upper[edge]);
+  }
+};
+
+// What of the polygon lies in the section of the sphere about (x0, 0).
+template <class V, class M>
+void add_disc(const Polygon<V>& polygon, const Lines<V>& lines, V x0, V radius, V height, V most, M wanted,
+              Moments<V>& sum, InsideParts<V>& inside) {
+  const V zero = number<V>(0), h = magnitude(height), rho2 = (radius - h) * (radius + h);
+  const auto real = both(wanted, rho2 > zero);
+  if (!some(real)) return;
+  Moments<V> own = no_moments<V>();
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const Edge<V>& edge = polygon.edge[i];
+    const auto here = both(real, has_length(edge));
+    if (!some(here)) continue;
+    const Wide2<V> from{edge.p.x - x0, edge.p.y}, to{edge.q.x - x0, edge.q.y};
+    const Chord<V> chord = chord_of(from, to, lines.line[i].t, rho2);
+    add_where(here, disc_moments(chord, radius, h, rho2, most), own);
+    const V shift = x0 * lines.line[i].t.x;
+    inside.add(i, both(here, chord.xa < chord.xb), chord.xa + shift, chord.xb + shift);
+  }
+  own.area_x = own.area_x + x0 * own.area;
+  own.volume_x = own.volume_x + x0 * own.volume;
+  add_where(real, own, sum);
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

@@ -1,9 +1,9 @@
 // The field law's kernels, one table per instruction set.
 #pragma once
 
-#include "field_terms.h"
 #include "lumbrical/model.h"
 #include "miss_terms.h"
+#include "round_terms.h"
 #include "sphere_query.h"
 #include "strip_terms.h"
 
@@ -12,9 +12,10 @@ namespace lumbrical {
 /// Each computes the results of all terms; arrays are padded to a multiple of 16 with harmless copies. Every
 /// table gives the same bits.
 struct FieldKernels {
-  void (*closed_terms)(DiscTerms<double>&);
-  void (*closed_terms_single)(DiscTerms<float>&);
+  void (*round_contacts)(RoundTerms<double>&);
+  void (*round_contacts_single)(RoundTerms<float>&);
   void (*strip_nodes)(const StripSection&, StripNodes&);
+  void (*sliver_nodes)(const ConeEnd&, StripNodes&);
   void (*certain_misses)(MissTerms&);
   std::size_t (*sphere_hits)(const SphereBlock* spheres, const SphereQuery&, const std::uint32_t* blocks,
                              std::size_t block_count, std::uint32_t* hits);

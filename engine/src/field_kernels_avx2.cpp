@@ -1,8 +1,8 @@
 // The field law's kernels for avx2. Nothing else may be compiled with this file's flags.
 #define LUMBRICAL_ISA avx2
 #include "certain_misses.h"
-#include "disc_integrals.h"
 #include "field_kernels.h"
+#include "round_contacts.h"
 #include "sphere_hits.h"
 #include "strip_integrals.h"
 
@@ -10,7 +10,7 @@ namespace lumbrical::avx2 {
 
 using Double = xsimd::batch<double, xsimd::avx2>;
 using Single = xsimd::batch<float, xsimd::avx2>;
-const FieldKernels kFieldKernels{closed_terms<Double>, closed_terms<Single>, strip_nodes<Double>,
-                                 certain_misses<Double>, sphere_hits<Single>};
+const FieldKernels kFieldKernels{round_contacts<Double>, round_contacts<Single>, strip_nodes<Double>,
+                                 sliver_nodes<Double>,   certain_misses<Double>, sphere_hits<Single>};
 
 }  // namespace lumbrical::avx2

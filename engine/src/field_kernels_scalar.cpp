@@ -1,8 +1,8 @@
 // The field law's kernels for scalar. Nothing else may be compiled with this file's flags.
 #define LUMBRICAL_ISA scalar
 #include "certain_misses.h"
-#include "disc_integrals.h"
 #include "field_kernels.h"
+#include "round_contacts.h"
 #include "sphere_hits.h"
 #include "strip_integrals.h"
 
@@ -10,7 +10,7 @@ namespace lumbrical::scalar {
 
 using Double = double;
 using Single = float;
-const FieldKernels kFieldKernels{closed_terms<Double>, closed_terms<Single>, strip_nodes<Double>,
-                                 certain_misses<Double>, sphere_hits<Single>};
+const FieldKernels kFieldKernels{round_contacts<Double>, round_contacts<Single>, strip_nodes<Double>,
+                                 sliver_nodes<Double>,   certain_misses<Double>, sphere_hits<Single>};
 
 }  // namespace lumbrical::scalar

@@ -7,6 +7,7 @@
 
 #include "sphere_grid.h"
 #include "sphere_tree.h"
+#include "voxel_index.h"
 
 namespace lumbrical {
 namespace {
@@ -18,9 +19,10 @@ constexpr std::array<std::pair<std::string_view, Law>, 5> kLawNames = {{
     {"centroid", Law::centroid},
     {"point", Law::point},
 }};
-constexpr std::array<std::pair<std::string_view, Broadphase>, 3> kBroadphaseNames = {{
+constexpr std::array<std::pair<std::string_view, Broadphase>, 4> kBroadphaseNames = {{
     {"tree", Broadphase::tree},
     {"grid", Broadphase::grid},
+    {"voxel", Broadphase::voxel},
     {"brute", Broadphase::brute},
 }};
 constexpr std::array<std::pair<std::string_view, Isa>, 6> kIsaNames = {{
@@ -79,8 +81,12 @@ Status check_execution(const Execution& execution) {
   if (!within(execution.cell_size, 1e-3, 1e6)) return out_of_range("execution.cell_size", "0.001 to 1e6 m");
   if (execution.tree_levels > 32) return out_of_range("execution.tree_levels", "0 to 32");
   if (name_valued(kBroadphaseNames, execution.broadphase) == "unknown") {
-    return out_of_range("execution.broadphase", "tree, grid or brute");
+    return out_of_range("execution.broadphase", "tree, grid, voxel or brute");
   }
+  if (execution.voxel_size != 0 && !within(execution.voxel_size, 1e-9, 1e6))
+    return out_of_range("execution.voxel_size", "0 or 1e-9 to 1e6 m");
+  if (!within(execution.voxel_memory, 1e6, 1e12))
+    return out_of_range("execution.voxel_memory", "1e6 to 1e12 bytes");
   if (!available(execution.isa)) {
     return Status::error("execution.isa " + std::string(isa_name(execution.isa)) +
                          " is not available on this machine or in this build; use auto");
@@ -136,6 +142,7 @@ std::optional<Broadphase> parse_broadphase(std::string_view text) {
   return value_named(kBroadphaseNames, text);
 }
 std::optional<Isa> parse_isa(std::string_view text) { return value_named(kIsaNames, text); }
+bool available(Broadphase broadphase) { return broadphase != Broadphase::voxel || has_openvdb(); }
 std::string_view isa_name(Isa isa) { return name_valued(kIsaNames, isa); }
 std::string_view law_name(Law law) { return name_valued(kLawNames, law); }
 std::string_view broadphase_name(Broadphase broadphase) { return name_valued(kBroadphaseNames, broadphase); }
@@ -167,6 +174,8 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
     built.tree = build_tree(built.triangles, execution);
   } else if (execution.broadphase == Broadphase::grid) {
     built.grid = build_grid(built.triangles, execution);
+  } else if (execution.broadphase == Broadphase::voxel) {
+    if (Status status = build_voxels(built.triangles, execution, built.voxels); !status.ok()) return status;
   }
   model = std::move(built);
   return {};

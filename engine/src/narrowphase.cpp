@@ -1,13 +1,14 @@
 #include "narrowphase.h"
 
+#include "cone_slivers.h"
 #include "depth.h"
-#include "field_batch.h"
 #include "finger_depth.h"
 #include "joint_border.h"
 #include "parallel.h"
 #include "pressure.h"
 #include "pressure_rules.h"
 #include "prism.h"
+#include "round_batch.h"
 #include "shared_contact.h"
 
 namespace lumbrical {
@@ -21,12 +22,6 @@ constexpr std::size_t kSerialBelow = 256;
 Vec3 centre_of(const Section& section, const PressureMoments& moments, Vec3 otherwise) {
   if (!(moments.volume > 0)) return otherwise;
   return to_world(section, (1 / moments.volume) * moments.first);
-}
-
-// Spheres and capsules under the field law: phi is made of discs. Two radii make it a cone.
-bool made_of_discs(const Primitive& primitive) {
-  return primitive.law == Law::field && primitive.shape == Shape::round &&
-         primitive.radius1 == primitive.radius2;
 }
 
 PressureMoments exact_moments(const Section& section, const ContactQuery& query, const AreaMoments& area,
@@ -85,16 +80,18 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
   return true;
 }
 
-// Computes a pair at once or leaves it in the batch; an area of zero marks that there is no contact.
-void collide_pair(const Model& model, const Primitives& hand, std::uint64_t pair, FieldBatch& batch,
-                  Boundary& boundary, Contact& contact) {
-  const auto index = static_cast<std::uint32_t>(pair >> 32), triangle = static_cast<std::uint32_t>(pair);
-  const Primitive& primitive = hand.primitive[index];
-  const Triangles& world = model.triangles;
-  const Vec3 a = world.vertex(world.a[triangle]), b = world.vertex(world.b[triangle]),
-             c = world.vertex(world.c[triangle]);
-  contact.primitive = index;
-  contact.triangle = triangle;
+struct Corners {
+  Vec3 a, b, c;
+};
+Corners corners_of(const Triangles& world, std::uint32_t triangle) {
+  return {world.vertex(world.a[triangle]), world.vertex(world.b[triangle]), world.vertex(world.c[triangle])};
+}
+
+// One pair at a time; an area of zero marks that there is no contact.
+void collide_pair(const Model& model, const Primitives& hand, const FieldKernels& kernels, Boundary& boundary,
+                  Contact& contact) {
+  const Primitive& primitive = hand.primitive[contact.primitive];
+  const auto [a, b, c] = corners_of(model.triangles, contact.triangle);
   contact.area = 0;
   contact.error = 0;
   if (primitive.shape == Shape::prism) {
@@ -104,15 +101,14 @@ void collide_pair(const Model& model, const Primitives& hand, std::uint64_t pair
   }
   const TileBorders borders = borders_on(hand, primitive, a, b, c);
   if (borders.any()) {
-    if (!collide_shared(hand, primitive, borders, batch.kernels, a, b, c, boundary, contact))
+    if (!collide_shared(hand, primitive, borders, kernels, a, b, c, boundary, contact))
       contact.area = 0;
     return;
   }
   Section section;
   if (!look_from_plane(primitive, a, b, c, section)) return;
   const ContactQuery query{primitive.law, model.settings.point_area, &hand, model.settings.tolerance,
-                           batch.kernels};
-  if (made_of_discs(primitive) && add_to_batch(section, query.tolerance, contact, batch)) return;
+                           kernels};
   if (!collide_section(primitive, query, section, boundary, contact)) contact.area = 0;
 }
 
@@ -120,15 +116,21 @@ void collide_pair(const Model& model, const Primitives& hand, std::uint64_t pair
 
 bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3 b, Vec3 c,
              Boundary& boundary, Contact& contact) {
-  Section section;
-  if (!look_from_plane(primitive, a, b, c, section)) return false;
-  FieldBatch batch(query.kernels);
-  if (made_of_discs(primitive) && query.law == Law::field &&
-      add_to_batch(section, query.tolerance, contact, batch)) {
-    finish_batch(batch);
-    return contact.area > 0;
+  if (suits_batch(primitive) && query.law == Law::field) {
+    RoundBatch batch(query.kernels);
+    begin_batch(primitive, query.tolerance, batch);
+    add_to_batch(a, b, c, contact, batch);
+    const RoundRest rest = finish_batch(batch);
+    Section section;
+    if (rest.unsure.empty()) {
+      if (!rest.slivers.empty() && look_from_plane(primitive, a, b, c, section))
+        add_slivers(query.kernels, section, contact);
+      return contact.area > 0;
+    }
   }
-  return collide_section(primitive, query, section, boundary, contact);
+  Section section;
+  return look_from_plane(primitive, a, b, c, section) &&
+         collide_section(primitive, query, section, boundary, contact);
 }
 
 std::uint32_t find_contacts(const Model& model, const Primitives& hand,
@@ -137,10 +139,38 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
   const FieldKernels& kernels = field_kernels(model.execution.isa);
   const auto work = [&](std::size_t first, std::size_t last) {
     Boundary boundary;
-    FieldBatch batch(kernels);
-    for (std::size_t i = first; i < last; ++i)
-      collide_pair(model, hand, candidates[i], batch, boundary, contacts[i]);
-    finish_batch(batch);
+    RoundBatch batch(kernels);
+    const auto finish = [&] {
+      const RoundRest rest = finish_batch(batch);
+      for (Contact* contact : rest.unsure) collide_pair(model, hand, kernels, boundary, *contact);
+      for (Contact* contact : rest.slivers) {
+        const auto [a, b, c] = corners_of(model.triangles, contact->triangle);
+        Section section;
+        if (look_from_plane(hand.primitive[contact->primitive], a, b, c, section))
+          add_slivers(kernels, section, *contact);
+      }
+    };
+    std::uint32_t open = Primitives::kMaxCount;  // the primitive whose batch is being filled
+    for (std::size_t i = first; i < last; ++i) {
+      Contact& contact = contacts[i];
+      contact.primitive = static_cast<std::uint32_t>(candidates[i] >> 32);
+      contact.triangle = static_cast<std::uint32_t>(candidates[i]);
+      const Primitive& primitive = hand.primitive[contact.primitive];
+      if (!suits_batch(primitive)) {
+        collide_pair(model, hand, kernels, boundary, contact);
+        continue;
+      }
+      if (contact.primitive != open || is_full(batch)) finish();
+      if (contact.primitive != open) begin_batch(primitive, model.settings.tolerance, batch);
+      open = contact.primitive;
+      const auto [a, b, c] = corners_of(model.triangles, contact.triangle);
+      if (borders_on(hand, primitive, a, b, c).any()) {
+        collide_pair(model, hand, kernels, boundary, contact);
+        continue;
+      }
+      add_to_batch(a, b, c, contact, batch);
+    }
+    finish();
   };
   const std::uint32_t threads = candidates.size() < kSerialBelow ? 1 : model.execution.threads;
   parallel_chunks(candidates.size(), kChunk, threads, work);

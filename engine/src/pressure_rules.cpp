@@ -1,26 +1,13 @@
-// See pressure_rules.h. Seven points: Radon's rule of degree 5.
+// See pressure_rules.h.
 #include "pressure_rules.h"
 
 #include <cmath>
 
 #include "field.h"
+#include "triangle_rules.h"
 
 namespace lumbrical {
 namespace {
-
-struct Barycentric {
-  double a, b, c, weight;
-};
-constexpr Barycentric kThreePoints[] = {
-    {0, 0.5, 0.5, 1.0 / 3}, {0.5, 0, 0.5, 1.0 / 3}, {0.5, 0.5, 0, 1.0 / 3}};
-// (6 -+ sqrt 15) / 21 and (155 -+ sqrt 15) / 1200.
-constexpr double kNear = 0.10128650732345633880, kNearWeight = 0.12593918054482715260;
-constexpr double kFar = 0.47014206410511508977, kFarWeight = 0.13239415278850618074;
-constexpr Barycentric kSevenPoints[] = {
-    {1.0 / 3, 1.0 / 3, 1.0 / 3, 0.225},         {1 - 2 * kNear, kNear, kNear, kNearWeight},
-    {kNear, 1 - 2 * kNear, kNear, kNearWeight}, {kNear, kNear, 1 - 2 * kNear, kNearWeight},
-    {1 - 2 * kFar, kFar, kFar, kFarWeight},     {kFar, 1 - 2 * kFar, kFar, kFarWeight},
-    {kFar, kFar, 1 - 2 * kFar, kFarWeight}};
 
 template <std::size_t N>
 PressureMoments by_rule(const Section& section, const Slant& slant, int zone, double area,

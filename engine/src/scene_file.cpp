@@ -74,7 +74,8 @@ void read_execution(const format::Execution* table, FieldReader& read, Execution
   if (const auto parsed = parse_broadphase(table->broadphase()->string_view())) {
     execution.broadphase = *parsed;
   } else {
-    read.error("execution.broadphase", "is no search this version has; use \"tree\", \"grid\" or \"brute\"");
+    read.error("execution.broadphase",
+               "is no search this version has; use \"tree\", \"grid\", \"voxel\" or \"brute\"");
   }
 }
 

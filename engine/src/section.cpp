@@ -95,33 +95,36 @@ void set_flat_zone(Section& section) {
   add_zone(Zone::side, lower, upper, 0, (radius - s * h1) * (radius + s * h1), -c * s * h1, c * c, section);
 }
 
-// The hull of two spheres. At abscissa x the sphere that reaches farthest in y is the one at parameter
-// t(x) = (g + x x2) / G along the axis, linear in x and clamped to [0, 1]: that makes the three zones.
+// The hull of two spheres.
 void set_round_zones(Section& section) {
   const double r1 = section.radius1, h1 = section.h1, x2 = section.x2;
   if (section.length == 0) return add_sphere_zone(Zone::first_end, -kInfinity, kInfinity, 0, r1, h1, section);
   const double dr = section.radius2 - r1, dh = section.h2 - h1;
   const double G = (section.length - dr) * (section.length + dr);
   const double g = r1 * dr - h1 * dh;
-  double border1 = g >= 0 ? -kInfinity : kInfinity, border2 = g >= G ? -kInfinity : kInfinity;
-  if (x2 > 0) {
-    border1 = -g / x2;
-    border2 = (G - g) / x2;
-  }
-  add_sphere_zone(Zone::first_end, -kInfinity, border1, 0, r1, h1, section);
-  add_zone(Zone::side, border1, border2, 0, (r1 - h1) * (r1 + h1) + g * g / G, g * x2 / G,
+  const Borders border = zone_borders(section);
+  add_sphere_zone(Zone::first_end, -kInfinity, border.first, 0, r1, h1, section);
+  add_zone(Zone::side, border.first, border.second, 0, (r1 - h1) * (r1 + h1) + g * g / G, g * x2 / G,
            (dh - dr) * (dh + dr) / G, section);
-  add_sphere_zone(Zone::second_end, border2, kInfinity, x2, section.radius2, section.h2, section);
+  add_sphere_zone(Zone::second_end, border.second, kInfinity, x2, section.radius2, section.h2, section);
 }
 
 // A triangle parallel to a cut to rounding, the sine of the angle between them less than this, is cut whole.
 constexpr double kSamePlane = 1e-12;
 
-// One that lies in the plane in which two tiles meet is that one's from which its outside is seen: their
-// normals are opposite to the last bit, so just one of the two keeps it.
-bool keeps_parallel(const HalfSpace& cut, Vec3 corner, Vec3 n) {
-  const double height = dot(cut.normal, corner - cut.point);
-  return height < 0 || (height == 0 && dot(cut.normal, n) > 0);
+// As near to a cut as this share of the larger radius a corner lies in it.
+constexpr double kInPlane = 16e-15;
+
+// A triangle in the plane in which two tiles meet belongs to the one it faces away from: their normals are
+// opposite to the last bit, so just one of the two keeps it. The lanes do the same (round_polygon.h).
+bool lies_in_plane(const HalfSpace& cut, double tiny, Vec3 a, Vec3 b, Vec3 c) {
+  const auto is_within = [&](Vec3 p) { return std::fabs(dot(cut.normal, p - cut.point)) <= tiny; };
+  return is_within(a) && is_within(b) && is_within(c);
+}
+
+bool keeps_parallel(const HalfSpace& cut, double tiny, Vec3 a, Vec3 b, Vec3 c, Vec3 n) {
+  if (lies_in_plane(cut, tiny, a, b, c)) return dot(cut.normal, n) <= 0;
+  return dot(cut.normal, a - cut.point) <= 0;
 }
 
 void set_polygon(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& section) {
@@ -134,8 +137,9 @@ void set_polygon(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& se
   for (int i = 0; i < primitive.cut_count; ++i) {
     const HalfSpace& cut = primitive.cut[static_cast<std::size_t>(i)];
     const Point2 direction{dot(cut.normal, section.u), dot(cut.normal, section.v)};
-    if (dot(direction, direction) < kSamePlane * kSamePlane) {
-      if (!keeps_parallel(cut, a, section.n)) section.polygon.count = 0;
+    const double tiny = kInPlane * section.radius1;
+    if (dot(direction, direction) < kSamePlane * kSamePlane || lies_in_plane(cut, tiny, a, b, c)) {
+      if (!keeps_parallel(cut, tiny, a, b, c, section.n)) section.polygon.count = 0;
       continue;
     }
     const double offset =
@@ -158,6 +162,14 @@ bool normal_of(Vec3 a, Vec3 b, Vec3 c, Vec3& n) {
   if (!(length > kNoNormal * longest) || !(longest < 1e150) || !(length > 1e-290)) return false;
   n = normal / length;
   return true;
+}
+
+Borders zone_borders(const Section& section) {
+  const double dr = section.radius2 - section.radius1, dh = section.h2 - section.h1;
+  const double G = (section.length - dr) * (section.length + dr);
+  const double g = section.radius1 * dr - section.h1 * dh;
+  if (section.x2 > 0) return {-g / section.x2, (G - g) / section.x2};
+  return {g >= 0 ? -kInfinity : kInfinity, g >= G ? -kInfinity : kInfinity};
 }
 
 Interval positive_interval(double a, double b, double c, double lower, double upper) {

@@ -120,4 +120,21 @@ void strip_nodes(const StripSection& section, StripNodes& nodes) {
   }
 }
 
+// The same of what the field of the cone's side exceeds that of its end by.
+template <class V>
+void sliver_nodes(const ConeEnd& end, StripNodes& nodes) {
+  const V zero = number<V>(0), one = number<V>(1), radius = number<V>(end.radius);
+  const V h = number<V>(end.h), s = number<V>(end.s), c = number<V>(end.c);
+  for (std::size_t i = 0; i < nodes.count; i += wide::Lanes<V>::kCount) {
+    const V x = get(nodes.x + i, V{}), y = get(nodes.y + i, V{}), reach = magnitude(y);
+    const V e = c * x + s * h, q = s * x - c * h;
+    const StripField<V> ball{radius, one, x * x + h * h, zero};
+    const StripField<V> side{radius - number<V>(end.sine) * q, number<V>(end.cosine), e * e, zero};
+    const StripSum<V> on_ball = closed_strip(ball, zero, reach), on_side = closed_strip(side, zero, reach);
+    const V zeroth = on_side.zeroth - on_ball.zeroth;
+    put(nodes.zeroth + i, choose(y < zero, zero - zeroth, zeroth));
+    put(nodes.first + i, on_side.first - on_ball.first);
+  }
+}
+
 }  // namespace lumbrical::LUMBRICAL_ISA

@@ -18,14 +18,21 @@ struct StripSection {
   double sine, cosine;      ///< of the cone's half angle; 0 and 1 for a capsule
 };
 
+/// An end of a cone, for its slivers (cone_slivers.cpp): x is counted from under its centre.
+struct ConeEnd {
+  double radius, h;     ///< [m] h: height of the centre over the plane
+  double s, c;          ///< sine and cosine of the angle between axis and normal
+  double sine, cosine;  ///< of the cone's half angle
+};
+
 /// Quadrature nodes of one section, structure of arrays.
 struct StripNodes {
   static constexpr std::size_t kCapacity = 512;
   std::size_t count = 0;
   alignas(64) double x[kCapacity], y[kCapacity];  ///< [m]
   alignas(64) double weight[kCapacity];           ///< [m], along x
-  alignas(64) double zeroth[kCapacity];           ///< [m^2] out: integral of phi from y' = 0 to y
-  alignas(64) double first[kCapacity];            ///< [m^3] out: of y' phi
+  alignas(64) double zeroth[kCapacity];           ///< [m^2] out: integral from y' = 0 to y of the integrand f
+  alignas(64) double first[kCapacity];            ///< [m^3] out: of y' f
 };
 
 }  // namespace lumbrical

@@ -1,8 +1,10 @@
-// lumbrical inspect: what is wrong with a mesh.
+// lumbrical inspect: what is wrong with a mesh, and what its voxel index takes.
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "commands.h"
+#include "lumbrical/hand.h"
 #include "lumbrical/mesh.h"
 #include "output.h"
 #include "switches.h"
@@ -11,7 +13,7 @@ namespace lumbrical::tool {
 namespace {
 
 struct InspectOptions {
-  std::string mesh, unit;
+  std::string mesh, unit, broadphase, voxel_cache;
   bool json = false;
 };
 
@@ -68,13 +70,37 @@ std::string report_text(const MeshReport& report) {
   return text;
 }
 
+// What a search structure of the mesh takes; nothing but a voxel index has a report.
+Status index_report(const InspectOptions& options, const Mesh& mesh, std::optional<VoxelReport>& report) {
+  if (options.broadphase.empty()) return {};
+  Scene scene;
+  scene.hand = default_hand(Side::right);
+  scene.objects.push_back({"mesh", mesh});
+  Execution execution;
+  execution.broadphase = *parse_broadphase(options.broadphase);
+  execution.voxel_cache = options.voxel_cache;
+  Model model;
+  if (Status status = build_model(scene, execution, model); !status.ok()) return status;
+  report = voxel_report(model);
+  return {};
+}
+
 int inspect(const InspectOptions& options) {
   Mesh mesh;
   if (Status status = load_mesh(options.mesh, *parse_unit(options.unit), mesh); !status.ok()) {
     return fail(status);
   }
   const MeshReport report = inspect_mesh(mesh);
-  return options.json ? print_json(report_json(report)) : print_text(report_text(report));
+  std::optional<VoxelReport> voxels;
+  if (Status status = index_report(options, mesh, voxels); !status.ok()) return fail(status);
+  if (options.json) {
+    Json json = report_json(report);
+    if (voxels) json["voxel_index"] = to_json(*voxels);
+    return print_json(json);
+  }
+  Table table;
+  if (voxels) add_voxels(*voxels, table);
+  return print_text(report_text(report) + table.text());
 }
 
 }  // namespace
@@ -84,6 +110,10 @@ void add_inspect(CLI::App& app, int& exit_code) {
   CLI::App* const command = app.add_subcommand("inspect", "Report what is wrong with a mesh");
   command->add_option("mesh", options->mesh, "OBJ, STL, PLY or OFF file")->required();
   command->add_option("--unit", options->unit, "Unit of the file's numbers")->required()->check(is_unit());
+  command
+      ->add_option("--broadphase", options->broadphase, "With voxel: also what the mesh's voxel index takes")
+      ->check(is_broadphase());
+  command->add_option("--voxel-cache", options->voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options, &exit_code] { exit_code = inspect(*options); });
 }

@@ -14,7 +14,7 @@ namespace lumbrical::tool {
 namespace {
 
 struct ReplaySwitches {
-  std::string recording, law, broadphase;
+  std::string recording, law, broadphase, voxel_cache;
   std::optional<double> stiffness;
   std::string precision;
   std::uint32_t threads = 1;
@@ -26,6 +26,7 @@ ReplayOptions replay_options(const ReplaySwitches& switches) {
   ReplayOptions options;
   if (!switches.law.empty()) options.law = parse_law(switches.law);
   if (!switches.broadphase.empty()) options.execution.broadphase = *parse_broadphase(switches.broadphase);
+  options.execution.voxel_cache = switches.voxel_cache;
   options.stiffness = switches.stiffness;
   if (!switches.precision.empty()) options.tolerance = parse_precision(switches.precision);
   options.execution.threads = switches.threads;
@@ -78,6 +79,7 @@ void add_replay(CLI::App& app, int& exit_code) {
       ->add_option("--broadphase", switches->broadphase,
                    "Search for candidate triangles; never changes a result")
       ->check(is_broadphase());
+  command->add_option("--voxel-cache", switches->voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");
   command->add_option("--isa", switches->isa, "Instruction set; never changes a result")->check(is_isa());
   command->add_option("--threads", switches->threads, "1 .. 64; never changes a result")
       ->check(number_in(1, 64));

@@ -17,7 +17,7 @@ namespace lumbrical::tool {
 namespace {
 
 struct RunOptions {
-  std::string scene, motion, side, unit, record, law, broadphase, precision;
+  std::string scene, motion, side, unit, record, law, broadphase, voxel_cache, precision;
   std::string rate = "max";
   std::optional<double> motion_rate, stiffness;
   std::optional<std::uint64_t> ticks;
@@ -67,6 +67,7 @@ Status load(const RunOptions& options, SceneFile& scene_file) {
   if (options.stiffness) settings.stiffness = *options.stiffness;
   if (options.rate != "max") settings.rate = std::stod(options.rate);
   if (!options.broadphase.empty()) scene_file.execution.broadphase = *parse_broadphase(options.broadphase);
+  scene_file.execution.voxel_cache = options.voxel_cache;
   if (options.threads) scene_file.execution.threads = *options.threads;
   scene_file.execution.isa = *parse_isa(options.isa);
   for (const std::string& file : scene_file.files) {
@@ -123,6 +124,7 @@ Json run_json(const RunOptions& options, const Model& model, const RunStatistics
   json["isa"] = isa_name(model.execution.isa);
   json["threads"] = model.execution.threads;
   json["broadphase"] = broadphase_name(model.execution.broadphase);
+  if (const auto report = voxel_report(model)) json["voxel_index"] = to_json(*report);
   json["law"] = law_of(model.settings);
   json["recording"] = options.record.empty() ? Json(nullptr) : Json(options.record);
   json["not_recorded"] = run.not_recorded;
@@ -182,6 +184,7 @@ std::string run_text(const RunOptions& options, const Model& model, const RunSta
   table.add("computed with", std::string(broadphase_name(model.execution.broadphase)) + ", law " +
                                  law_of(model.settings) + ", " + std::string(isa_name(model.execution.isa)) +
                                  ", " + std::to_string(model.execution.threads) + " thread(s)");
+  if (const auto report = voxel_report(model)) add_voxels(*report, table);
   add_peaks(run, table);
   add_flags(run, table);
   if (!options.record.empty()) {
@@ -254,6 +257,7 @@ void add_run(CLI::App& app, int& exit_code) {
       ->check(CLI::Validator(check_sink, "URI"));
   command->add_option("--broadphase", options->broadphase, "Search for candidate triangles")
       ->check(is_broadphase());
+  command->add_option("--voxel-cache", options->voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");
   command->add_option("--law", options->law, "Contact law of the whole hand")->check(is_law());
   command->add_option("--precision", options->precision, kPrecisionHelp)->check(is_precision());
   command->add_option("--stiffness", options->stiffness, "K_s [N/m^3]")->check(number_in(1e-6, 1e15));

@@ -59,6 +59,28 @@ std::string brief(double number, int digits) {
   return text.data();
 }
 
+Json to_json(const VoxelReport& report) {
+  return {{"voxel_size", report.voxel_size},
+          {"voxels", report.voxels},
+          {"entries", report.entries},
+          {"wide", report.wide},
+          {"bytes", report.bytes},
+          {"has_distance", report.has_distance},
+          {"from_cache", report.from_cache},
+          {"build_seconds", report.build_seconds},
+          {"note", report.note}};
+}
+
+void add_voxels(const VoxelReport& report, Table& table) {
+  table.add("voxel index", grouped(report.voxels) + " voxels of " + brief(1e3 * report.voxel_size) +
+                               " mm with " + grouped(report.entries) + " entries, " + grouped(report.wide) +
+                               " wide triangles");
+  table.add("", brief(1e-6 * static_cast<double>(report.bytes)) + " MB, " +
+                    (report.from_cache ? "read in " : "built in ") + brief(1e3 * report.build_seconds) +
+                    " ms");
+  if (!report.note.empty()) table.add("", report.note);
+}
+
 Progress::Progress(std::string what) : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) == 1) {}
 
 Progress::~Progress() {

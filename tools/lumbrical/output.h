@@ -13,6 +13,7 @@
 
 #include "lumbrical/math.h"
 #include "lumbrical/status.h"
+#include "lumbrical/voxel.h"
 
 namespace lumbrical::tool {
 
@@ -37,6 +38,9 @@ struct Table {
   void add(std::string name, std::string value) { rows.emplace_back(std::move(name), std::move(value)); }
   [[nodiscard]] std::string text() const;
 };
+
+Json to_json(const VoxelReport& report);
+void add_voxels(const VoxelReport& report, Table& table);
 
 /// "1,234,567"
 std::string grouped(std::uint64_t number);

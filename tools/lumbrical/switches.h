@@ -31,15 +31,19 @@ inline CLI::Validator is_law() {
   return CLI::IsMember({"field", "column", "max-depth", "centroid", "point"});
 }
 
-/// Searches that the command line knows but this version has not.
+/// Searches that this build has.
 inline CLI::Validator is_broadphase() {
   return {[](std::string& text) -> std::string {
-            if (parse_broadphase(text)) return {};
-            if (text == "voxel") return text + " is not built yet; use tree, grid or brute";
-            return "\"" + text + "\" is not a search; use tree, grid or brute";
+            const std::optional<Broadphase> broadphase = parse_broadphase(text);
+            if (!broadphase) return "\"" + text + "\" is not a search; use tree, grid, voxel or brute";
+            if (!available(*broadphase))
+              return text + " is not in this build, which is without OpenVDB; use tree or grid";
+            return {};
           },
-          "tree|grid|brute"};
+          "tree|grid|voxel|brute"};
 }
+
+inline const char* const kVoxelCacheHelp = "Folder that keeps voxel indices from one run to the next";
 
 /// Settings::tolerance by name or number.
 inline std::optional<double> parse_precision(const std::string& text) {

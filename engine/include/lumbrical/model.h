@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -28,8 +29,12 @@ enum class Law : std::uint8_t {
 enum class Broadphase : std::uint8_t {
   tree,   ///< one tree of bounding spheres
   grid,   ///< a tree per cell of a grid: large environments
+  voxel,  ///< lists of triangles in the voxels of an OpenVDB tree: also gives the distance from the surface
   brute,  ///< every triangle
 };
+
+/// Can this build search that way? All but voxel always can; that needs OpenVDB.
+bool available(Broadphase broadphase);
 
 /// What the kernels are compiled for. Never changes a result, only the time it takes.
 enum class Isa : std::uint8_t { automatic, scalar, sse2, avx2, avx512, neon };
@@ -39,7 +44,7 @@ bool available(Isa isa);
 Isa widest_isa();  ///< that is available
 
 std::optional<Law> parse_law(std::string_view text);                ///< "field", "column", "max-depth", ...
-std::optional<Broadphase> parse_broadphase(std::string_view text);  ///< "tree", "grid", "brute"
+std::optional<Broadphase> parse_broadphase(std::string_view text);  ///< "tree", "grid", "voxel", "brute"
 std::optional<Isa> parse_isa(std::string_view text);                ///< "auto", "scalar", "sse2", "avx2", ...
 std::string_view law_name(Law law);
 std::string_view broadphase_name(Broadphase broadphase);
@@ -67,6 +72,9 @@ struct Execution {
   double cell_size = 0.1;        ///< [m] side of the grid's cells, 0.001 .. 1e6
   std::uint32_t threads = 1;     ///< 1 .. 64
   Isa isa = Isa::automatic;      ///< automatic: the widest that is available; a Model holds which one that is
+  double voxel_size = 0;  ///< [m] side of the index's voxels, 1e-9 .. 1e6; 0: by the rule in docs/voxels.md
+  double voxel_memory = 4e9;  ///< [bytes] the most that building the voxel index may take, 1e6 .. 1e12
+  std::string voxel_cache{};  ///< folder in which voxel indices are kept; empty: they are not
 };
 
 struct SceneObject {
@@ -118,14 +126,17 @@ struct SphereGrid {
   std::vector<SphereTree> tree;     ///< of each cell, in the same order; then that of the wide triangles
 };
 
+struct VoxelIndex;  // lists of triangles by voxel; voxel_index.h inside the engine, lumbrical/voxel.h outside
+
 /// Immutable once built; may be shared by any number of sessions and threads.
 struct Model {
   Hand hand;
   Settings settings;
   Execution execution;
   Triangles triangles;
-  SphereTree tree;  ///< empty unless Broadphase::tree
-  SphereGrid grid;  ///< empty unless Broadphase::grid
+  SphereTree tree;                           ///< empty unless Broadphase::tree
+  SphereGrid grid;                           ///< empty unless Broadphase::grid
+  std::shared_ptr<const VoxelIndex> voxels;  ///< null unless Broadphase::voxel
   struct Object {
     std::string name;
     std::uint32_t first_triangle = 0, triangle_count = 0;

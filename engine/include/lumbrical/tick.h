@@ -44,7 +44,7 @@ struct Scratch {
   std::vector<Contact> contacts;       ///< sorted by primitive, then triangle; `contact_count` of them
   std::vector<std::uint64_t> sorting;  ///< the other array of the candidates' sort
   std::array<std::vector<std::uint32_t>, 2> frontier;  ///< of a tree's traversal
-  std::vector<std::uint32_t> cells;                    ///< of the grid that the hand may meet
+  std::vector<std::uint32_t> cells;                    ///< of the grid, or voxels, that may be met
   std::uint32_t candidate_count = 0;
   std::uint32_t contact_count = 0;
   bool hash_stages = true;                              ///< compute stage_hash (recording and replay need it)

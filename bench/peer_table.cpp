@@ -1,0 +1,85 @@
+#include "peer_table.h"
+
+#include <cstdio>
+
+namespace lumbrical::bench {
+namespace {
+
+template <class... Values>
+std::string print(const char* format, Values... values) {
+  char text[1000];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+std::string percent(double share) { return share == 0 ? "0" : print("%.2g %%", 100 * share); }
+
+void add_row(const PeerRow& row, std::string& text) {
+  text += print("| %s | %zu | %.0f | %s | %.1f | %.1f | %s | %.0f | %s | %s | %s | %s | %.2g |\n",
+                row.scene.c_str(), row.triangles, row.touched, row.contender.c_str(), row.median_us,
+                row.p99_us, row.times_ours == 1 ? "1" : print("%.1f", row.times_ours).c_str(), row.contacts,
+                percent(row.missed).c_str(), percent(row.extra).c_str(),
+                row.area_error < 0 ? "none" : print("%.0e", row.area_error).c_str(),
+                (print("%.0e", row.force_error) + (row.fitted ? " fitted" : "")).c_str(), row.build_ms);
+}
+
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    result += c == '\n' ? ' ' : c;
+  }
+  return result + '"';
+}
+
+}  // namespace
+
+std::string to_markdown(const PeerReport& report) {
+  std::string text = "# The hand's tick beside other libraries\n\n";
+  text += print(
+      "On %s, one thread, %s with `%s`, ours with %s; the others as Debian builds them. Repeat it "
+      "with\n\n```\n",
+      report.cpu.c_str(), report.compiler.c_str(), report.flags.c_str(), report.isa.c_str());
+  text += report.command + "\n```\n\n";
+  text += print(
+      "Every contender does each of %d poses in turn, all in one run; a sample is one tick, in %s time. Ours "
+      "is "
+      "the whole tick: hand pose, search, exact area, volume and moments, forces, torques. The others "
+      "are given posed capsules and only find contacts; \"+ scalar area\" adds the exact area, its "
+      "centroid and the depth there. Missed and extra are triangles, against brute force; those within"
+      " 1 um of touching count as neither. Errors are of the hand's whole area and force in the worst "
+      "pose, relative to the exact pressure field's. What has no area gets the sum of depth times "
+      "normal, scaled by the constant that fits the scene's poses best.\n\n",
+      report.poses, report.processor_time ? "processor" : "wall-clock");
+  text +=
+      "| scene | triangles | touched | contender | median us | p99 us | times ours | contacts | missed "
+      "| extra | area error | force error | build ms |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+  for (const PeerRow& row : report.rows) add_row(row, text);
+  return text;
+}
+
+std::string to_json(const PeerReport& report) {
+  std::string text =
+      "{\n  \"cpu\": " + quoted(report.cpu) + ",\n  \"compiler\": " + quoted(report.compiler) +
+      ",\n  \"flags\": " + quoted(report.flags) + ",\n  \"isa\": " + quoted(report.isa) +
+      ",\n  \"command\": " + quoted(report.command) + ",\n  \"poses\": " + std::to_string(report.poses) +
+      ",\n  \"clock\": " + quoted(report.processor_time ? "processor" : "wall") + ",\n  \"rows\": [";
+  const char* separator = "\n";
+  for (const PeerRow& row : report.rows) {
+    text += separator;
+    text += "    {\"scene\": " + quoted(row.scene) + ", \"contender\": " + quoted(row.contender);
+    text += print(
+        ", \"triangles\": %zu, \"touched\": %.1f, \"median_us\": %.3f, \"p99_us\": %.3f, \"samples\": %zu",
+        row.triangles, row.touched, row.median_us, row.p99_us, row.samples);
+    text += print(", \"times_ours\": %.3f, \"contacts\": %.1f, \"missed\": %.3e, \"extra\": %.3e",
+                  row.times_ours, row.contacts, row.missed, row.extra);
+    text += print(", \"area_error\": %s, \"force_error\": %.3e, \"fitted\": %s, \"build_ms\": %.3f}",
+                  row.area_error < 0 ? "null" : print("%.3e", row.area_error).c_str(), row.force_error,
+                  row.fitted ? "true" : "false", row.build_ms);
+    separator = ",\n";
+  }
+  return text + "\n  ]\n}\n";
+}
+
+}  // namespace lumbrical::bench

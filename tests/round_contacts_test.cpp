@@ -1,0 +1,185 @@
+// The kernel that computes contacts of spheres, capsules and rounded cones in lanes, against the general
+// path, and instruction sets against each other.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "narrowphase.h"
+#include "random.h"
+
+namespace lumbrical::test {
+namespace {
+
+struct Pair {
+  Primitive primitive;
+  Vec3 a, b, c;
+};
+
+constexpr double kRadius = 0.008;
+
+Primitive random_part(Random& random, int shape, Vec3 direction) {
+  Primitive part;
+  part.law = Law::field;
+  part.radius1 = kRadius;
+  part.radius2 = shape == 2 ? random.between(0.6, 1.0) * kRadius : kRadius;
+  part.end1 = random.in_box(0.1);
+  part.end2 = part.end1 + (shape == 0 ? 0.0 : random.between(0.5, 4) * kRadius) * direction;
+  if (random.between(0, 1) < 0.5) return part;
+  part.cut_count = random.between(0, 1) < 0.5 ? 1 : 2;
+  for (HalfSpace& cut : part.cut) {
+    cut.normal = random.direction();
+    cut.point = &cut == part.cut.data() ? part.end1 : part.end2;
+  }
+  return part;
+}
+
+// Triangles of a hundredth of R to thirty R that lie anyhow.
+Pair any_pair(Random& random, int shape) {
+  Pair pair{random_part(random, shape, random.direction()), {}, {}, {}};
+  const Primitive& p = pair.primitive;
+  const double size = kRadius * std::pow(10.0, random.between(-2, 1.5));
+  const Vec3 near =
+      p.end1 + random.between(0, 1) * (p.end2 - p.end1) + random.between(0, 1) * kRadius * random.direction();
+  for (Vec3* corner : {&pair.a, &pair.b, &pair.c}) *corner = near + size * random.direction();
+  return pair;
+}
+
+// Planes exactly across and exactly along the axis, near either end.
+Pair square_pair(Random& random, int shape) {
+  const Vec3 axis[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}};
+  Pair pair{random_part(random, shape, axis[static_cast<std::size_t>(random.between(0, 4)) % 4]), {}, {}, {}};
+  const Primitive& p = pair.primitive;
+  const double size = kRadius * std::pow(10.0, random.between(-2, 1.5));
+  Vec3 near = random.between(0, 1) < 0.5 ? p.end1 : p.end2;
+  near += Vec3{random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)} * kRadius;
+  for (Vec3* corner : {&pair.a, &pair.b, &pair.c}) {
+    const Vec3 d = random.direction();
+    *corner = near + size * Vec3{d.x, d.y, 0};
+  }
+  return pair;
+}
+
+void expect_agreement(const Pair& pair, Isa isa, int& touching) {
+  Boundary boundary;
+  Contact contact, general;
+  ContactQuery query;
+  const bool expected = [&] {
+    Primitive aside = pair.primitive;
+    aside.law = Law::column;  // keeps it from the kernel; the law asked for stays the query's
+    return collide(aside, query, pair.a, pair.b, pair.c, boundary, general);
+  }();
+  const ContactQuery in_lanes{Law::field, 1e-4, nullptr, 0, field_kernels(isa)};
+  const bool touches = collide(pair.primitive, in_lanes, pair.a, pair.b, pair.c, boundary, contact);
+  const double r = kRadius, area = r * r, volume = r * r * r;
+  if (touches != expected) {
+    EXPECT_LT(touches ? contact.area : general.area, 1e-12 * area);
+    return;
+  }
+  if (!touches) return;
+  ++touching;
+  EXPECT_NEAR(contact.area, general.area, 1e-11 * area);
+  EXPECT_NEAR(contact.volume, general.volume, 2e-10 * volume);  // the quadrature's, mostly
+  EXPECT_LT(norm(contact.centre - general.centre) * general.volume, 2e-10 * volume * r);
+  EXPECT_LT(norm(contact.centroid - general.centroid) * general.area, 1e-11 * area * r);
+  EXPECT_NEAR(contact.depth, general.depth, 1e-11 * r);
+  EXPECT_LT(norm(contact.normal - general.normal), 1e-11);  // of slivers
+}
+
+TEST(RoundContacts, OfEveryShapeAndPoseAgreeWithTheBoundaryQuadrature) {
+  Random random(3);
+  for (int shape = 0; shape < 3; ++shape) {
+    int touching = 0;
+    for (int i = 0; i < 3000; ++i) expect_agreement(any_pair(random, shape), Isa::scalar, touching);
+    EXPECT_GT(touching, 1000);
+  }
+}
+
+TEST(RoundContacts, OfAxesExactlyAcrossAndAlongAgreeWithTheBoundaryQuadrature) {
+  Random random(4);
+  for (int shape = 0; shape < 3; ++shape) {
+    int touching = 0;
+    for (int i = 0; i < 3000; ++i) expect_agreement(square_pair(random, shape), widest_isa(), touching);
+    EXPECT_GT(touching, 300);
+  }
+}
+
+// A whole scene of pairs, so that registers hold pairs of every kind side by side.
+std::vector<Contact> contacts_of(Isa isa, double tolerance) {
+  Random random(5);
+  Model model;
+  Primitives hand;
+  std::vector<std::uint64_t> candidates;
+  model.execution.isa = isa;
+  model.settings.tolerance = tolerance;
+  for (int part = 0; part < 6; ++part) {
+    hand.primitive[static_cast<std::size_t>(hand.count++)] =
+        random_part(random, part % 3, random.direction());
+    const Primitive& p = hand.primitive[static_cast<std::size_t>(part)];
+    for (int i = 0; i < 500; ++i) {
+      const double size = kRadius * std::pow(10.0, random.between(-2.5, 1.5));
+      const Vec3 near = p.end1 + random.between(0, 1) * (p.end2 - p.end1) +
+                        random.between(0, 1) * kRadius * random.direction();
+      Triangles& world = model.triangles;
+      const auto first = static_cast<std::uint32_t>(world.x.size());
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 corner = near + size * random.direction();
+        world.x.push_back(corner.x);
+        world.y.push_back(corner.y);
+        world.z.push_back(corner.z);
+      }
+      candidates.push_back(static_cast<std::uint64_t>(part) << 32 | world.a.size());
+      world.a.push_back(first);
+      world.b.push_back(first + 1);
+      world.c.push_back(first + 2);
+    }
+  }
+  std::vector<Contact> contacts(candidates.size());
+  contacts.resize(find_contacts(model, hand, candidates, contacts));
+  return contacts;
+}
+
+TEST(RoundContacts, AreTheSameToTheLastBitWithEveryInstructionSet) {
+  for (const double tolerance : {0.0, 1e-4, 1e-2}) {
+    const std::vector<Contact> expected = contacts_of(Isa::scalar, tolerance);
+    EXPECT_GT(expected.size(), 1000u);
+    for (const Isa isa : {Isa::sse2, Isa::avx2, Isa::avx512, Isa::neon}) {
+      if (!available(isa)) continue;
+      const std::vector<Contact> got = contacts_of(isa, tolerance);
+      ASSERT_EQ(got.size(), expected.size()) << isa_name(isa);
+      EXPECT_EQ(std::memcmp(got.data(), expected.data(), got.size() * sizeof(Contact)), 0)
+          << isa_name(isa) << ", tolerance " << tolerance;
+    }
+  }
+}
+
+TEST(RoundContacts, OfATriangleBetweenTwoTilesCountOnce) {
+  Primitive left, right;
+  for (Primitive* part : {&left, &right}) {
+    part->law = Law::field;
+    part->radius1 = part->radius2 = kRadius;
+    part->end2 = {0.03, 0, 0};
+    part->cut_count = 1;
+  }
+  left.end1 = {0, 0, 0};
+  right.end1 = {0.03, 0, 0};
+  right.end2 = {0.05, 0.01, 0};
+  const Vec3 normal = Vec3{0.8, 0.6, 0};
+  left.cut[0] = {normal, {0.03, 0, 0}};
+  right.cut[0] = {-1.0 * normal, {0.03, 0, 0}};
+  const Vec3 along{-0.6, 0.8, 0}, up{0, 0, 1}, base{0.03, 0, 0};
+  const Vec3 a = base - 0.001 * along, b = base + 0.002 * along, c = base + 0.001 * up;
+  Boundary boundary;
+  for (const bool turned : {false, true}) {
+    int felt = 0;
+    for (const Primitive& part : {left, right}) {
+      Contact contact;
+      felt += collide(part, {}, a, turned ? c : b, turned ? b : c, boundary, contact) ? 1 : 0;
+    }
+    EXPECT_EQ(felt, 1);
+  }
+}
+
+}  // namespace
+}  // namespace lumbrical::test
