@@ -19,6 +19,25 @@ constexpr double kSteepest = 0.85;
 // Rounding must not lose a triangle.
 constexpr double kMargin = 1.000001;
 
+// The quadric cone of two near tiles. Two angles whose sum is constant mark a convex cone of directions.
+void set_cone(const Primitive& before, const Primitive& after, JointBorder& border) {
+  const Vec3 axis1 = unit_or(before.end1 - before.end2, {1, 0, 0}),
+             axis2 = unit_or(after.end2 - after.end1, {1, 0, 0});
+  const double r = before.radius2, sine1 = (r - before.radius1) / norm(before.end2 - before.end1),
+               sine2 = (r - after.radius2) / norm(after.end2 - after.end1);
+  const double cosine1 = std::sqrt((1 - sine1) * (1 + sine1)), cosine2 = std::sqrt((1 - sine2) * (1 + sine2));
+  const Vec3 apart = axis2 - axis1, middle = axis1 + axis2, z = border.normal;
+  const Vec3 some = std::fabs(z.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  Vec3 x = unit_or(middle - dot(middle, z) * z, {});
+  if (!(dot(middle, middle) > 1e-20)) x = unit_or(cross(z, some), {});  // a straight joint: round about z
+  const double sine = sine2 * cosine1 - cosine2 * sine1, cosine = cosine2 * cosine1 + sine2 * sine1;
+  const double tangent = sine / (1 + cosine), square = tangent * tangent / (1 + tangent * tangent);
+  const double gap = max(1e-300, 0.25 * dot(apart, apart) - square);
+  border.x = tangent * x;
+  border.y = std::sqrt(square / gap) * cross(z, x);
+  border.side = tangent < 0 ? -1 : 1;
+}
+
 // Of the joint beyond `phalanx`. Lengths follow from the spherical hyperbola theta_i - theta_j = delta: with
 // beta the angle between the two axes and Z the height over the bisecting plane,
 //   |Z| <= D sin(delta / 2) / sin(beta / 2),  theta_i + sigma_i >= (beta + sigma_i + sigma_j) / 2.
@@ -50,9 +69,8 @@ JointBorder border_of(const Primitive& before, const Primitive& after) {
   if (!(nearest_sine > kFlatAngle) || !(slope_sine < kSteepest * half_sine)) return border;
   border.near = kMargin * r * nearest_cosine < nearest_sine * min(cosine1 * length1, cosine2 * length2);
   if (!border.near) return border;
-  if (slope_sine < kSameSlope) {
-    return {};
-  }
+  if (slope_sine < kSameSlope) return {};
+  set_cone(before, after, border);
   // Between plane and border the owner is no nearer to its axis than half the angle plus the smaller slope.
   const bool first = sine1 < sine2;
   const double least_sine = half_sine * (first ? cosine1 : cosine2) + half_cosine * (first ? sine1 : sine2);
@@ -64,7 +82,8 @@ JointBorder border_of(const Primitive& before, const Primitive& after) {
   return border;
 }
 
-// Least distance of two segments: of an end from the other segment, or of the lines between their ends.
+}  // namespace
+
 double segment_distance(const Primitive& a, const Primitive& b) {
   const auto from_point = [](Vec3 p, const Primitive& s) {
     const Vec3 axis = s.end2 - s.end1;
@@ -81,6 +100,8 @@ double segment_distance(const Primitive& a, const Primitive& b) {
   if (s > 0 && s < 1 && t > 0 && t < 1) least = min(least, norm(w + t * v - s * u));
   return least;
 }
+
+namespace {
 
 // The sphere round the triangle's centroid.
 struct Bound {
@@ -119,9 +140,6 @@ void set_joint_borders(Primitives& hand) {
   }
 }
 
-namespace {
-
-// Could the border beyond a phalanx pass through the triangle?
 bool comes_near(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
   if (!border.shared) return false;
   const Vec3 pa = a - border.centre, pb = b - border.centre, pc = c - border.centre;
@@ -133,6 +151,13 @@ bool comes_near(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
   const Bound bound = bound_of(a, b, c);
   return norm(bound.centre - border.centre) <= border.reach + bound.radius;
 }
+
+bool may_meet_folded(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
+  const std::size_t i = tile.segment, place = i % 3;
+  return place != 1 && hand.folded[i / 3] && reaches(hand.capsule[place == 0 ? i + 2 : i - 2], a, b, c);
+}
+
+namespace {
 
 // Has the tile anything in the triangle's plane between the two planes that hold the border?
 bool reaches_between(const JointBorder& border, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
@@ -155,8 +180,7 @@ TileBorders borders_on(const Primitives& hand, const Primitive& tile, Vec3 a, Ve
   };
   borders.inner = place > 0 && matters(hand.border[i - 1]);
   borders.outer = place < 2 && matters(hand.border[i]);
-  borders.folded =
-      place != 1 && hand.folded[i / 3] && reaches(hand.capsule[place == 0 ? i + 2 : i - 2], a, b, c);
+  borders.folded = may_meet_folded(hand, tile, a, b, c);
   return borders;
 }
 

@@ -16,6 +16,14 @@ namespace lumbrical {
 /// field law share out space exactly.
 void set_joint_borders(Primitives& hand);
 
+/// Least distance of the axes of two primitives, of an end from the other axis or of the lines between their
+/// ends [m].
+double segment_distance(const Primitive& a, const Primitive& b);
+
+/// Could this border, or the phalanx folded upon the tile, be anything but a plane on the triangle? Cheap.
+bool comes_near(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c);
+bool may_meet_folded(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c);
+
 /// Which of a tile's borders run through a triangle other than along its cutting planes.
 struct TileBorders {
   bool inner = false, outer = false;  ///< with the next phalanx towards the wrist, away from it
@@ -23,7 +31,7 @@ struct TileBorders {
   [[nodiscard]] bool any() const { return inner || outer || folded; }
 };
 
-/// The borders of `tile` on the triangle a, b, c [m, W]. Cheap; where there are none, the contact with the
+/// The borders of `tile` on the triangle a, b, c [m, W]. Where there are none, the contact with the
 /// tile cut by its planes is exact.
 TileBorders borders_on(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c);
 

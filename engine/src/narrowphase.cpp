@@ -1,5 +1,6 @@
 #include "narrowphase.h"
 
+#include "border_cut.h"
 #include "cone_slivers.h"
 #include "depth.h"
 #include "finger_depth.h"
@@ -112,6 +113,76 @@ void collide_pair(const Model& model, const Primitives& hand, const FieldKernels
   if (!collide_section(primitive, query, section, boundary, contact)) contact.area = 0;
 }
 
+// Pairs on their way through the lanes, of one thread.
+struct PairWork {
+  const Model& model;
+  const Primitives& hand;
+  const FieldKernels& kernels;
+  RoundBatch batch{kernels};
+  std::uint32_t open = Primitives::kMaxCount;  // the primitive whose batch is being filled
+  // Pairs of the batch with cuts of their own.
+  struct Shared {
+    Contact* contact;
+    BorderCut cut;
+  };
+  std::size_t shared_count = 0;
+  std::array<Shared, RoundTerms<double>::kCapacity> shared;
+  Boundary boundary;
+  PairWork(const Model& m, const Primitives& h, const FieldKernels& k) : model(m), hand(h), kernels(k) {}
+};
+
+// What the lanes left of a cone's contact, with the cuts the lanes had.
+void finish_slivers(Contact& contact, const PairWork& work) {
+  const Primitive& primitive = work.hand.primitive[contact.primitive];
+  const auto [a, b, c] = corners_of(work.model.triangles, contact.triangle);
+  Section section;
+  const BorderCut* own = nullptr;
+  for (std::size_t k = 0; k < work.shared_count; ++k) {
+    if (work.shared[k].contact == &contact) own = &work.shared[k].cut;
+  }
+  if (look_from_plane(own != nullptr ? tile_cut_so(primitive, *own) : primitive, a, b, c, section))
+    add_slivers(work.kernels, section, contact);
+}
+
+void finish(PairWork& work) {
+  const RoundRest rest = finish_batch(work.batch);
+  for (Contact* contact : rest.slivers) finish_slivers(*contact, work);
+  for (std::size_t k = 0; k < work.shared_count; ++k) {
+    const auto& [contact, cut] = work.shared[k];
+    if (!cut.curved || !(contact->area > 0)) continue;
+    const Corners at = corners_of(work.model.triangles, contact->triangle);
+    add_bulge(work.hand, work.hand.primitive[contact->primitive], cut, work.model.settings.tolerance, at.a,
+              at.b, *contact);
+  }
+  work.shared_count = 0;
+  for (Contact* contact : rest.unsure)
+    collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
+}
+
+void take_pair(Contact& contact, PairWork& work) {
+  const Primitive& primitive = work.hand.primitive[contact.primitive];
+  if (!suits_batch(primitive)) {
+    collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
+    return;
+  }
+  const auto [a, b, c] = corners_of(work.model.triangles, contact.triangle);
+  BorderCut cut = cut_at_borders(work.hand, primitive, a, b, c);
+  if (cut.kind == BorderCut::gone) {
+    contact.area = 0;
+    return;
+  }
+  if (cut.kind == BorderCut::general) {
+    collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
+    return;
+  }
+  if (contact.primitive != work.open || is_full(work.batch)) finish(work);
+  if (contact.primitive != work.open) begin_batch(primitive, work.model.settings.tolerance, work.batch);
+  work.open = contact.primitive;
+  const bool planes = cut.kind == BorderCut::planes;
+  add_to_batch(a, b, c, planes ? primitive.cut : cut.cut, contact, work.batch);
+  if (!planes) work.shared[work.shared_count++] = {&contact, cut};
+}
+
 }  // namespace
 
 bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3 b, Vec3 c,
@@ -119,7 +190,7 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
   if (suits_batch(primitive) && query.law == Law::field) {
     RoundBatch batch(query.kernels);
     begin_batch(primitive, query.tolerance, batch);
-    add_to_batch(a, b, c, contact, batch);
+    add_to_batch(a, b, c, primitive.cut, contact, batch);
     const RoundRest rest = finish_batch(batch);
     Section section;
     if (rest.unsure.empty()) {
@@ -138,39 +209,13 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
   // Every pair has a slot of its own, so the order of the work doesn't matter.
   const FieldKernels& kernels = field_kernels(model.execution.isa);
   const auto work = [&](std::size_t first, std::size_t last) {
-    Boundary boundary;
-    RoundBatch batch(kernels);
-    const auto finish = [&] {
-      const RoundRest rest = finish_batch(batch);
-      for (Contact* contact : rest.unsure) collide_pair(model, hand, kernels, boundary, *contact);
-      for (Contact* contact : rest.slivers) {
-        const auto [a, b, c] = corners_of(model.triangles, contact->triangle);
-        Section section;
-        if (look_from_plane(hand.primitive[contact->primitive], a, b, c, section))
-          add_slivers(kernels, section, *contact);
-      }
-    };
-    std::uint32_t open = Primitives::kMaxCount;  // the primitive whose batch is being filled
+    PairWork pairs{model, hand, kernels};
     for (std::size_t i = first; i < last; ++i) {
-      Contact& contact = contacts[i];
-      contact.primitive = static_cast<std::uint32_t>(candidates[i] >> 32);
-      contact.triangle = static_cast<std::uint32_t>(candidates[i]);
-      const Primitive& primitive = hand.primitive[contact.primitive];
-      if (!suits_batch(primitive)) {
-        collide_pair(model, hand, kernels, boundary, contact);
-        continue;
-      }
-      if (contact.primitive != open || is_full(batch)) finish();
-      if (contact.primitive != open) begin_batch(primitive, model.settings.tolerance, batch);
-      open = contact.primitive;
-      const auto [a, b, c] = corners_of(model.triangles, contact.triangle);
-      if (borders_on(hand, primitive, a, b, c).any()) {
-        collide_pair(model, hand, kernels, boundary, contact);
-        continue;
-      }
-      add_to_batch(a, b, c, contact, batch);
+      contacts[i].primitive = static_cast<std::uint32_t>(candidates[i] >> 32);
+      contacts[i].triangle = static_cast<std::uint32_t>(candidates[i]);
+      take_pair(contacts[i], pairs);
     }
-    finish();
+    finish(pairs);
   };
   const std::uint32_t threads = candidates.size() < kSerialBelow ? 1 : model.execution.threads;
   parallel_chunks(candidates.size(), kChunk, threads, work);

@@ -56,6 +56,11 @@ struct JointBorder {
   Vec3 normal;          ///< W, unit, of the bisecting plane, away from the wrist
   double reach = 0;     ///< [m] farther from the joint plane and border agree
   double slab = 0;      ///< [m] farther from the plane plane and border agree
+  /// A near border is a cone with its apex at the joint: side z = sqrt(x^2 + y^2), z along `normal`, x and y
+  /// along these times their lengths. What lies inside it is the outer tile's (side 1) or the inner one's
+  /// (-1).
+  Vec3 x, y;
+  double side = 1;
 };
 
 /// All primitives of one posed hand.

@@ -36,40 +36,6 @@ struct Work {
   Point2 area_first{0, 0}, first{0, 0};
 };
 
-Vec3 to_plane(const Section& section, Vec3 p) {
-  const Vec3 d = p - section.origin;
-  return {dot(d, section.u), dot(d, section.v), dot(d, section.n) + section.h1};
-}
-
-Cone cone_from(const Section& section, Vec3 joint, Vec3 end, double radius, double end_radius) {
-  Cone cone;
-  cone.joint = to_plane(section, joint);
-  const Vec3 axis = end - joint;
-  cone.length = norm(axis);
-  cone.axis = unit_or({dot(axis, section.u), dot(axis, section.v), dot(axis, section.n)}, {1, 0, 0});
-  cone.radius = radius;
-  cone.drop = radius - end_radius;
-  if (cone.length > std::fabs(cone.drop) && cone.length > 1e-12 * radius) {
-    cone.sine = cone.drop / cone.length;
-    cone.cosine = std::sqrt((1 - cone.sine) * (1 + cone.sine));
-  } else {
-    cone.kind = cone.drop >= 0 ? Cone::joint_only : Cone::far_only;
-  }
-  return cone;
-}
-
-Rival joined(const Section& section, const Primitives& hand, std::size_t phalanx, bool is_first) {
-  const Primitive &inner = hand.capsule[phalanx], &outer = hand.capsule[phalanx + 1];
-  Rival rival{cone_from(section, inner.end2, inner.end1, inner.radius2, inner.radius1),
-              cone_from(section, outer.end1, outer.end2, outer.radius1, outer.radius2),
-              true,
-              hand.border[phalanx].near,
-              is_first,
-              {}};
-  if (rival.near) rival.border = border_cone(rival.first, rival.second);
-  return rival;
-}
-
 // The innermost and the outermost phalanx; round a middle one of no length they have a joint in common.
 Rival apart(const Section& section, const Primitives& hand, std::size_t finger, bool is_first) {
   const Primitive &inner = hand.capsule[3 * finger], &outer = hand.capsule[3 * finger + 2];
@@ -144,7 +110,8 @@ Chord chord_of(const Crossings& crossings) {
 bool add_crossed(const Rival& rival, const Crossings& crossings, Work& work) {
   Section& section = work.section;
   Chord chord = chord_of(crossings);
-  const Course course = follow_border(section, rival, chord);
+  double peak = 0;
+  const Course course = follow_border(section, rival, chord, peak);
   if (course == Course::unclear) return false;
   if (course == Course::outside) {
     add_all(work, &rival);
@@ -297,14 +264,14 @@ bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBor
   const auto add_rival = [&](const Rival& rival) {
     work.rival[static_cast<std::size_t>(work.rival_count++)] = rival;
   };
-  if (borders.inner) add_rival(joined(section, hand, phalanx - 1, false));
-  if (borders.outer) add_rival(joined(section, hand, phalanx, true));
+  if (borders.inner) add_rival(joint_rival(section, hand, phalanx - 1, false));
+  if (borders.outer) add_rival(joint_rival(section, hand, phalanx, true));
   if (borders.folded) add_rival(apart(section, hand, phalanx / 3, place == 0));
   if (work.rival_count == 2) {
     // First the neighbour, then the one beyond it; of the middle phalanx the inner one, then the outer one.
-    work.others = place == 0   ? joined(section, hand, phalanx + 1, true)
+    work.others = place == 0   ? joint_rival(section, hand, phalanx + 1, true)
                   : place == 1 ? apart(section, hand, phalanx / 3, true)
-                               : joined(section, hand, phalanx - 2, false);
+                               : joint_rival(section, hand, phalanx - 2, false);
   }
   Polygon2 polygon = section.polygon;
   cut_to_section(section, polygon);

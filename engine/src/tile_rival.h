@@ -92,30 +92,11 @@ struct Linear {
   [[nodiscard]] double at(Point2 p) const { return start + dot(slope, p); }
 };
 
-/// The quadric cone on which two cones with a joint in common have equal fields: height = side root(x^2 +
-/// y^2), with x and y scaled (joint_border.h). Two angles whose sum is constant mark a convex cone of
-/// directions.
+/// The cone of a near border, height = side root(x^2 + y^2) with x and y scaled (JointBorder).
 struct BorderCone {
   double side = 1;  ///< on the side of the first (-1) or the second (+1) of the two
   Linear x, y, height;
 };
-
-inline BorderCone border_cone(const Cone& first, const Cone& second) {
-  const Vec3 apart = second.axis - first.axis, middle = first.axis + second.axis;
-  const Vec3 z = unit_or(apart, {1, 0, 0});
-  const Vec3 some = std::fabs(z.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-  Vec3 x = unit_or(middle - dot(middle, z) * z, {});
-  if (!(dot(middle, middle) > 1e-20)) x = unit_or(cross(z, some), {});  // a straight joint: round about z
-  const Vec3 y = cross(z, x);
-  const double sine = second.sine * first.cosine - second.cosine * first.sine,
-               cosine = second.cosine * first.cosine + second.sine * first.sine;
-  const double tangent = sine / (1 + cosine), square = tangent * tangent / (1 + tangent * tangent);
-  const auto linear = [&](Vec3 direction) {
-    return Linear{-dot(direction, first.joint), {direction.x, direction.y}};
-  };
-  const double gap = max(1e-300, 0.25 * dot(apart, apart) - square);
-  return {tangent < 0 ? -1.0 : 1.0, linear(tangent * x), linear(std::sqrt(square / gap) * y), linear(z)};
-}
 
 struct Rival {
   Cone first, second;    ///< the inner and the outer phalanx; compared in this order by both
@@ -126,6 +107,48 @@ struct Rival {
   [[nodiscard]] const Cone& own() const { return is_first ? first : second; }
   [[nodiscard]] const Cone& other() const { return is_first ? second : first; }
 };
+
+/// A point of W in plane coordinates and its height.
+inline Vec3 to_plane(const Section& section, Vec3 p) {
+  const Vec3 d = p - section.origin;
+  return {dot(d, section.u), dot(d, section.v), dot(d, section.n) + section.h1};
+}
+
+/// A phalanx seen from one of its joints; the ends in W.
+inline Cone cone_from(const Section& section, Vec3 joint, Vec3 end, double radius, double end_radius) {
+  Cone cone;
+  cone.joint = to_plane(section, joint);
+  const Vec3 axis = end - joint;
+  cone.length = norm(axis);
+  cone.axis = unit_or({dot(axis, section.u), dot(axis, section.v), dot(axis, section.n)}, {1, 0, 0});
+  cone.radius = radius;
+  cone.drop = radius - end_radius;
+  if (cone.length > std::fabs(cone.drop) && cone.length > 1e-12 * radius) {
+    cone.sine = cone.drop / cone.length;
+    cone.cosine = std::sqrt((1 - cone.sine) * (1 + cone.sine));
+  } else {
+    cone.kind = cone.drop >= 0 ? Cone::joint_only : Cone::far_only;
+  }
+  return cone;
+}
+
+/// `phalanx` and the next one out, of which the tile in question is the first or the second.
+inline Rival joint_rival(const Section& section, const Primitives& hand, std::size_t phalanx, bool is_first) {
+  const Primitive &inner = hand.capsule[phalanx], &outer = hand.capsule[phalanx + 1];
+  const JointBorder& border = hand.border[phalanx];
+  Rival rival;
+  rival.first = cone_from(section, inner.end2, inner.end1, inner.radius2, inner.radius1);
+  rival.second = cone_from(section, outer.end1, outer.end2, outer.radius1, outer.radius2);
+  rival.near = border.near;
+  rival.is_first = is_first;
+  const Vec3 centre = to_plane(section, border.centre);
+  const auto linear = [&](Vec3 w) {
+    const Vec3 d{dot(w, section.u), dot(w, section.v), dot(w, section.n)};
+    return Linear{-dot(d, centre), {d.x, d.y}};
+  };
+  rival.border = {border.side, linear(border.x), linear(border.y), linear(border.normal)};
+  return rival;
+}
 
 /// Changes by no more than this per metre.
 inline constexpr double kPrecedenceSlope = 3;

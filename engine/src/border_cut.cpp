@@ -1,0 +1,222 @@
+// A near border is a convex cone (JointBorder), and g = sqrt(x^2 + y^2) - side z is a convex function,
+// negative inside. So a triangle with all corners inside is inside, one whose corners are above zero on a
+// tangent plane of g is outside, and an edge from one to the other crosses the border once, at the root of a
+// quadratic. Whatever is not as plain as that is left to `collide_shared`.
+#include "border_cut.h"
+
+#include <cmath>
+
+#include "border_bulge.h"
+#include "joint_border.h"
+#include "pressure.h"
+
+namespace lumbrical {
+namespace {
+
+// Bulges below this share of R^3 are rounding.
+constexpr double kNoBulge = 1e-16;
+
+// A point in the border's coordinates.
+struct ConePoint {
+  double x, y, z;  // z along the cone
+};
+
+ConePoint seen_from(const JointBorder& border, Vec3 p) {
+  const Vec3 d = p - border.centre;
+  return {dot(border.x, d), dot(border.y, d), border.side * dot(border.normal, d)};
+}
+double gap_of(const ConePoint& p) { return std::sqrt(p.x * p.x + p.y * p.y) - p.z; }
+
+// Is g positive on the whole straight or triangle round `middle` because its tangent plane there is?
+bool is_above(const ConePoint& middle, const ConePoint* corner, int count) {
+  const double length = std::sqrt(middle.x * middle.x + middle.y * middle.y);
+  if (!(length > 0)) return false;
+  const double gx = middle.x / length, gy = middle.y / length;
+  for (int i = 0; i < count; ++i) {
+    if (!(gx * corner[i].x + gy * corner[i].y - corner[i].z > 0)) return false;
+  }
+  return true;
+}
+
+// Where the way from a point inside the cone to one outside leaves it, as a share of the way.
+double way_out(const ConePoint& inside, const ConePoint& outside) {
+  const ConePoint d{outside.x - inside.x, outside.y - inside.y, outside.z - inside.z};
+  const double a = d.x * d.x + d.y * d.y - d.z * d.z;
+  const double b = inside.x * d.x + inside.y * d.y - inside.z * d.z;
+  const double c = inside.x * inside.x + inside.y * inside.y - inside.z * inside.z;
+  const double root = std::sqrt(max(0, b * b - a * c));
+  const double t = b >= 0 ? (b + root > 0 ? -c / (b + root) : 0) : (a != 0 ? (root - b) / a : 1);
+  return clamp(t, 0, 1);
+}
+
+enum class Verdict : std::uint8_t { mine, rivals, crossed, unclear };
+
+struct Crossed {
+  Verdict verdict = Verdict::unclear;
+  Vec3 from, to;  // where the border crosses edges; the rival's part lies to the right of the way
+};
+
+Crossed cross_border(const JointBorder& border, bool is_outer_tile, const Vec3 (&corner)[3]) {
+  ConePoint seen[3];
+  bool inside[3];
+  int count = 0;
+  for (int i = 0; i < 3; ++i) {
+    seen[i] = seen_from(border, corner[i]);
+    inside[i] = gap_of(seen[i]) < 0;
+    count += inside[i] ? 1 : 0;
+  }
+  const bool mine_inside = (border.side > 0) == is_outer_tile;
+  const auto middle = [](const ConePoint& p, const ConePoint& q) {
+    return ConePoint{0.5 * (p.x + q.x), 0.5 * (p.y + q.y), 0.5 * (p.z + q.z)};
+  };
+  if (count == 3) return {mine_inside ? Verdict::mine : Verdict::rivals, {}, {}};
+  if (count == 0) {
+    const ConePoint centre{(seen[0].x + seen[1].x + seen[2].x) / 3, (seen[0].y + seen[1].y + seen[2].y) / 3,
+                           0};
+    if (!is_above(centre, seen, 3)) return {};
+    return {mine_inside ? Verdict::rivals : Verdict::mine, {}, {}};
+  }
+  int lone = 0;  // the corner on its own side
+  while (inside[lone] != (count == 1)) ++lone;
+  const int next = (lone + 1) % 3, last = (lone + 2) % 3;
+  if (count == 1) {
+    const ConePoint edge[2] = {seen[next], seen[last]};
+    if (!is_above(middle(edge[0], edge[1]), edge, 2)) return {};
+  }
+  const auto crossing = [&](int i) {
+    const int in = count == 1 ? lone : i, out = count == 1 ? i : lone;
+    return corner[in] + way_out(seen[in], seen[out]) * (corner[out] - corner[in]);
+  };
+  // Counter-clockwise the lone corner lies between the crossings with its last and its next edge.
+  const Vec3 before = crossing(last), after = crossing(next);
+  const bool lone_is_mine = (count == 1) == mine_inside;
+  return lone_is_mine ? Crossed{Verdict::crossed, after, before} : Crossed{Verdict::crossed, before, after};
+}
+
+// Does the section keep clear of a chord and of all that may lie between it and its border?
+bool keeps_clear(const Primitive& tile, Vec3 from, Vec3 to, double peak) {
+  Primitive chord;
+  chord.end1 = from;
+  chord.end2 = to;
+  return segment_distance(tile, chord) > max(tile.radius1, tile.radius2) + peak;
+}
+
+// The cut along the part of a border inside the section; false where it is not as simple as that.
+bool cut_along(const Primitives& hand, const Primitive& tile, std::size_t phalanx, const Crossed& crossed,
+               const Vec3 (&corner)[3], HalfSpace& half_space, BorderCut& cut) {
+  Section section;
+  Vec3 n;
+  if (!normal_of(corner[0], corner[1], corner[2], n) ||
+      !look_along(tile, corner[0], n, corner[1] - corner[0], section)) {
+    cut.kind = BorderCut::gone;
+    return true;
+  }
+  const Rival rival = joint_rival(section, hand, phalanx, phalanx == tile.segment);
+  const auto flat = [&](Vec3 p) {
+    const Vec3 q = to_plane(section, p);
+    return Point2{q.x, q.y};
+  };
+  Chord chord = chord_between(flat(crossed.from), flat(crossed.to));
+  double peak = 0;
+  const Course course = follow_border(section, rival, chord, peak);
+  if (course == Course::unclear) return false;
+  if (course == Course::outside) {
+    if (!keeps_clear(tile, crossed.from, crossed.to, 2 * peak)) return false;
+  } else {
+    const double depth = max(0, field_at(section, chord.at(0.5 * chord.length, 0))) + 0.5 * chord.length;
+    cut.bulge = 2 * peak * chord.length * min(section.radius1, depth + 2 * peak);
+    cut.curved = cut.bulge > kNoBulge * section.radius1 * section.radius1 * section.radius1;
+  }
+  cut.from = to_world(section, chord.from);
+  cut.to = to_world(section, chord.at(chord.length, 0));
+  half_space = {chord.across.x * section.u + chord.across.y * section.v, cut.from};
+  return true;
+}
+
+}  // namespace
+
+BorderCut cut_at_borders(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
+  const std::size_t i = tile.segment, place = i % 3;
+  const bool inner = place > 0 && comes_near(hand.border[i - 1], a, b, c),
+             outer = place < 2 && comes_near(hand.border[i], a, b, c);
+  BorderCut cut;
+  if (may_meet_folded(hand, tile, a, b, c) || (inner && !hand.border[i - 1].near) ||
+      (outer && !hand.border[i].near)) {
+    cut.kind = BorderCut::general;
+    return cut;
+  }
+  if (!inner && !outer) return cut;
+  const Vec3 corner[3] = {a, b, c};
+  cut.cut = tile.cut;
+  Crossed crossed[2];
+  for (const bool at_outer : {false, true}) {
+    if (!(at_outer ? outer : inner)) continue;
+    Crossed& here = crossed[at_outer ? 1 : 0];
+    here = cross_border(hand.border[at_outer ? i : i - 1], !at_outer, corner);
+    if (here.verdict == Verdict::unclear) cut.kind = BorderCut::general;
+    if (here.verdict == Verdict::mine) cut.cut[at_outer ? tile.cut_count - 1u : 0u].normal = {};
+  }
+  if ((inner && crossed[0].verdict == Verdict::rivals) || (outer && crossed[1].verdict == Verdict::rivals)) {
+    cut.kind = BorderCut::gone;
+    return cut;
+  }
+  const bool crosses_inner = inner && crossed[0].verdict == Verdict::crossed,
+             crosses_outer = outer && crossed[1].verdict == Verdict::crossed;
+  if (cut.kind == BorderCut::general) return cut;
+  cut.kind = BorderCut::other;
+  if (crosses_inner && crosses_outer) {
+    cut.kind = BorderCut::general;
+  } else if (crosses_inner || crosses_outer) {
+    cut.outer = crosses_outer;
+    const std::size_t own = crosses_outer ? tile.cut_count - 1u : 0u;
+    if (!cut_along(hand, tile, crosses_outer ? i : i - 1, crossed[crosses_outer ? 1 : 0], corner,
+                   cut.cut[own], cut)) {
+      cut.kind = BorderCut::general;
+    }
+    if (tile.cut_count == 2 && cut.curved) {
+      // The bulge keeps to the tile's side of the other cut.
+      const HalfSpace& rest = cut.cut[1 - own];
+      const double size = norm(cut.to - cut.from);
+      const double most = max(dot(rest.normal, cut.from - rest.point), dot(rest.normal, cut.to - rest.point));
+      if (most > -size && dot(rest.normal, rest.normal) > 0) cut.kind = BorderCut::general;
+    }
+  }
+  return cut;
+}
+
+Primitive tile_cut_so(const Primitive& tile, const BorderCut& cut) {
+  Primitive result = tile;
+  result.cut = cut.cut;
+  return result;
+}
+
+void add_bulge(const Primitives& hand, const Primitive& tile, const BorderCut& cut, double tolerance, Vec3 a,
+               Vec3 b, Contact& contact) {
+  const double radius = max(tile.radius1, tile.radius2);
+  if (cut.bulge <= tolerance * radius * contact.area) {
+    contact.error += cut.bulge;
+    return;
+  }
+  Section section;
+  if (!look_along(tile, a, contact.normal, b - a, section)) return;
+  const Rival rival = joint_rival(section, hand, cut.outer ? tile.segment : tile.segment - 1u, cut.outer);
+  const Vec3 from = to_plane(section, cut.from), to = to_plane(section, cut.to);
+  Bulge bulge;
+  if (!integrate_bulge(section, rival, chord_between({from.x, from.y}, {to.x, to.y}), bulge)) return;
+  const double area = contact.area + bulge.area, volume = contact.volume + bulge.volume;
+  if (!(area > 0)) {
+    contact.area = 0;
+    return;
+  }
+  const Vec3 foot = to_world(section, {0, 0});
+  const auto in_space = [&](Point2 p) { return p.x * section.u + p.y * section.v; };
+  contact.centroid =
+      foot + (1 / area) * (contact.area * (contact.centroid - foot) + in_space(bulge.area_first));
+  contact.centre =
+      volume > 0 ? foot + (1 / volume) * (contact.volume * (contact.centre - foot) + in_space(bulge.first))
+                 : contact.centroid;
+  contact.area = area;
+  contact.volume = max(0, volume);
+}
+
+}  // namespace lumbrical
