@@ -200,9 +200,9 @@ Chord chord_between(Point2 from, Point2 to) {
   return chord;
 }
 
-Course follow_border(const Section& section, const Rival& rival, Chord& chord, double& peak) {
+Course follow_border(const Section& section, const Rival& rival, Chord& chord) {
   Border border(rival, chord);
-  peak = 0;
+  double peak = 0;
   for (int i = 1; i + 1 < kProbes; ++i) {
     peak = max(peak, std::fabs(border.height_at(chord.length * i / (kProbes - 1))));
   }

@@ -27,9 +27,8 @@ enum class Course : std::uint8_t {
   unclear,  ///< not one flat curve: look at smaller parts
 };
 
-/// Shortens the chord to the part of the border inside the section. Half of the border's height over it is
-/// `peak` at least [m].
-Course follow_border(const Section& section, const Rival& rival, Chord& chord, double& peak);
+/// Shortens the chord to the part of the border inside the section.
+Course follow_border(const Section& section, const Rival& rival, Chord& chord);
 
 /// Integrals over what lies between such a chord and its border. False where the border is no curve over it.
 bool integrate_bulge(const Section& section, const Rival& rival, const Chord& chord, Bulge& bulge);

@@ -16,6 +16,11 @@ namespace {
 // Bulges below this share of R^3 are rounding.
 constexpr double kNoBulge = 1e-16;
 
+// Rounding must not lose one.
+constexpr double kMargin = 1.000001;
+
+constexpr double kFar = 1e300;
+
 // A point in the border's coordinates.
 struct ConePoint {
   double x, y, z;  // z along the cone
@@ -93,21 +98,72 @@ Crossed cross_border(const JointBorder& border, bool is_outer_tile, const Vec3 (
   return lone_is_mine ? Crossed{Verdict::crossed, after, before} : Crossed{Verdict::crossed, before, after};
 }
 
-// Does the section keep clear of a chord and of all that may lie between it and its border?
-bool keeps_clear(const Primitive& tile, Vec3 from, Vec3 to, double peak) {
+// A border steeper than this against its chord is split elsewhere.
+constexpr double kSteepChord = 0.3;
+
+// How high the border rises over the chord in the plane with normal n at most, for K cuts the plane in a
+// convex curve, which stays below its tangents at both ends. Negative: too steep to tell.
+double height_bound(const JointBorder& border, Vec3 from, Vec3 to, Vec3 n) {
+  const Vec3 d = to - from;
+  const double length = norm(d);
+  if (!(length > 0)) return 0;
+  const Vec3 along = d / length, across = cross(along, n);
+  double slope[2];
+  for (int i = 0; i < 2; ++i) {
+    const ConePoint p = seen_from(border, i == 0 ? from : to);
+    const double rho = std::sqrt(p.x * p.x + p.y * p.y);
+    if (!(rho > 0)) return -1;
+    const Vec3 steepest =
+        (p.x / rho) * border.x + (p.y / rho) * border.y - border.side * border.normal;
+    const double rise = dot(steepest, along), fall = dot(steepest, across);
+    if (!(std::fabs(rise) < kSteepChord * std::fabs(fall))) return -1;
+    slope[i] = std::fabs(rise / fall);
+  }
+  const double sum = slope[0] + slope[1];
+  return sum > 0 ? kMargin * length * slope[0] * slope[1] / sum : 0;
+}
+
+// Does the tile keep clear of a chord and of all that may lie between it and its border?
+bool keeps_clear(const Primitive& tile, Vec3 from, Vec3 to, double height) {
   Primitive chord;
   chord.end1 = from;
   chord.end2 = to;
-  return segment_distance(tile, chord) > max(tile.radius1, tile.radius2) + peak;
+  return segment_distance(tile, chord) > kMargin * (max(tile.radius1, tile.radius2) + height);
+}
+
+// Where the border misses the section: does cutting along the chord give the same? Not if the chord runs
+// through the section, nor if all of that lies between chord and border.
+bool chord_will_do(const Section& section, const Chord& chord, double height) {
+  const Interval inside = inside_interval(section, chord.from, chord.along, 0, chord.length);
+  if (inside.first < inside.second) return false;
+  double lower = kFar, upper = -kFar;
+  for (int i = 0; i < section.zone_count; ++i) {
+    const Zone& zone = section.zone[static_cast<std::size_t>(i)];
+    if (!(zone.real_lower < zone.real_upper)) continue;
+    lower = min(lower, zone.real_lower);
+    upper = max(upper, zone.real_upper);
+  }
+  const Point2 within{0.5 * (lower + upper), 0};
+  return std::fabs(dot(chord.across, within - chord.from)) > height;
 }
 
 // The cut along the part of a border inside the section; false where it is not as simple as that.
 bool cut_along(const Primitives& hand, const Primitive& tile, std::size_t phalanx, const Crossed& crossed,
                const Vec3 (&corner)[3], HalfSpace& half_space, BorderCut& cut) {
-  Section section;
   Vec3 n;
-  if (!normal_of(corner[0], corner[1], corner[2], n) ||
-      !look_along(tile, corner[0], n, corner[1] - corner[0], section)) {
+  if (!normal_of(corner[0], corner[1], corner[2], n)) {
+    cut.kind = BorderCut::gone;
+    return true;
+  }
+  const double height = height_bound(hand.border[phalanx], crossed.from, crossed.to, n);
+  if (height < 0) return false;
+  cut.from = crossed.from;
+  cut.to = crossed.to;
+  half_space = {unit_or(cross(cut.to - cut.from, n), {}), cut.from};
+  const double radius = max(tile.radius1, tile.radius2);
+  if (keeps_clear(tile, cut.from, cut.to, height)) return true;
+  Section section;
+  if (!look_along(tile, corner[0], n, corner[1] - corner[0], section)) {
     cut.kind = BorderCut::gone;
     return true;
   }
@@ -116,20 +172,16 @@ bool cut_along(const Primitives& hand, const Primitive& tile, std::size_t phalan
     const Vec3 q = to_plane(section, p);
     return Point2{q.x, q.y};
   };
-  Chord chord = chord_between(flat(crossed.from), flat(crossed.to));
-  double peak = 0;
-  const Course course = follow_border(section, rival, chord, peak);
+  Chord chord = chord_between(flat(cut.from), flat(cut.to));
+  const Course course = follow_border(section, rival, chord);
   if (course == Course::unclear) return false;
-  if (course == Course::outside) {
-    if (!keeps_clear(tile, crossed.from, crossed.to, 2 * peak)) return false;
-  } else {
-    const double depth = max(0, field_at(section, chord.at(0.5 * chord.length, 0))) + 0.5 * chord.length;
-    cut.bulge = 2 * peak * chord.length * min(section.radius1, depth + 2 * peak);
-    cut.curved = cut.bulge > kNoBulge * section.radius1 * section.radius1 * section.radius1;
-  }
+  if (course == Course::outside) return chord_will_do(section, chord, height);
   cut.from = to_world(section, chord.from);
   cut.to = to_world(section, chord.at(chord.length, 0));
   half_space = {chord.across.x * section.u + chord.across.y * section.v, cut.from};
+  const double depth = max(0, field_at(section, chord.at(0.5 * chord.length, 0))) + 0.5 * chord.length;
+  cut.bulge = 0.5 * height * chord.length * min(radius, depth + height);
+  cut.curved = cut.bulge > kNoBulge * radius * radius * radius;
   return true;
 }
 

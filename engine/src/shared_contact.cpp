@@ -110,8 +110,7 @@ Chord chord_of(const Crossings& crossings) {
 bool add_crossed(const Rival& rival, const Crossings& crossings, Work& work) {
   Section& section = work.section;
   Chord chord = chord_of(crossings);
-  double peak = 0;
-  const Course course = follow_border(section, rival, chord, peak);
+  const Course course = follow_border(section, rival, chord);
   if (course == Course::unclear) return false;
   if (course == Course::outside) {
     add_all(work, &rival);
