@@ -7,6 +7,7 @@
 #include <cstring>
 #include <numbers>
 
+#include "border_cut.h"
 #include "finger_reference.h"
 #include "hand_pose.h"
 #include "joint_border.h"
@@ -91,38 +92,65 @@ struct Felt {
   std::array<double, 3> share{};  // volume of each tile
 };
 
-void feel(const Primitives& hand, const Corners& t, Felt& felt) {
-  Boundary boundary;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i) {
-    const Primitive& tile = hand.primitive[i];
-    Contact contact;
-    const TileBorders borders = borders_on(hand, tile, t.a, t.b, t.c);
-    const bool touches = borders.any()
-                             ? collide_shared(hand, tile, borders, field_kernels(Isa::scalar), t.a, t.b, t.c,
-                                              boundary, contact)
-                             : collide(tile, {tile.law, 1e-4, &hand}, t.a, t.b, t.c, boundary, contact);
-    if (!touches) continue;
-    felt.area += contact.area;
-    felt.volume += contact.volume;
-    felt.area_first += contact.area * (contact.centroid - t.a);
-    felt.first += contact.volume * (contact.centre - t.a);
-    felt.force += contact.volume * contact.normal;
-    felt.share[i] += contact.volume;
+Mesh mesh_of(const std::vector<Corners>& triangles) {
+  Mesh mesh;
+  for (const Corners& t : triangles) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), {t.a, t.b, t.c});
+    mesh.triangles.push_back({first, first + 1, first + 2});
   }
+  return mesh;
 }
 
-Felt feel(const Primitives& hand, const Corners& t) {
-  Felt felt;
-  feel(hand, t, felt);
-  return felt;
+// Of every tile with every triangle, as ticks find them.
+std::vector<Contact> contacts_of(const Primitives& hand, const Mesh& mesh, double tolerance = 0) {
+  Model model;
+  model.settings.tolerance = tolerance;
+  for (const Vec3& p : mesh.vertices) {
+    model.triangles.x.push_back(p.x);
+    model.triangles.y.push_back(p.y);
+    model.triangles.z.push_back(p.z);
+  }
+  std::vector<std::uint64_t> candidates;
+  for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(hand.count); ++i) {
+    for (std::size_t k = 0; k < mesh.triangles.size(); ++k) candidates.push_back(i << 32 | k);
+  }
+  for (const auto& t : mesh.triangles) {
+    model.triangles.a.push_back(t[0]);
+    model.triangles.b.push_back(t[1]);
+    model.triangles.c.push_back(t[2]);
+  }
+  std::vector<Contact> contacts(candidates.size());
+  contacts.resize(find_contacts(model, hand, candidates, contacts));
+  return contacts;
 }
 
 Felt feel(const Primitives& hand, const Mesh& mesh) {
   Felt felt;
-  for (const auto& t : mesh.triangles) {
-    feel(hand, {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}, felt);
+  for (const Contact& contact : contacts_of(hand, mesh)) {
+    const Vec3 corner = mesh.vertices[mesh.triangles[contact.triangle][0]];
+    felt.area += contact.area;
+    felt.volume += contact.volume;
+    felt.area_first += contact.area * (contact.centroid - corner);
+    felt.first += contact.volume * (contact.centre - corner);
+    felt.force += contact.volume * contact.normal;
+    felt.share[contact.primitive] += contact.volume;
   }
   return felt;
+}
+
+Felt feel(const Primitives& hand, const Corners& t) { return feel(hand, mesh_of({t})); }
+
+// One pair by the way that needs no lanes.
+Contact alone(const Primitives& hand, const Primitive& tile, const Corners& t) {
+  Boundary boundary;
+  Contact contact;
+  const TileBorders borders = borders_on(hand, tile, t.a, t.b, t.c);
+  const bool touches = borders.any()
+                           ? collide_shared(hand, tile, borders, field_kernels(Isa::scalar), t.a, t.b, t.c,
+                                            boundary, contact)
+                           : collide(tile, {tile.law, 1e-4, &hand}, t.a, t.b, t.c, boundary, contact);
+  return touches ? contact : Contact{};
 }
 
 FingerShape random_finger(test::Random& random) {
@@ -333,6 +361,46 @@ TEST(TileBorder, PlanesAreExactWhereTheBorderDoesNotMatter) {
     }
   }
   EXPECT_GT(plain, 50);
+}
+
+TEST(TileBorder, LanesAndBulgesGiveWhatOnePairAloneGives) {
+  int cut = 0, curved = 0, gone = 0;
+  for (std::uint64_t i = 0; i < 300; ++i) {
+    test::Random random(21000 + i);
+    FingerShape shape = random_finger(random);
+    for (double& length : shape.length) length = kRadius * random.between(1.5, 6);
+    if (i % 2 == 0) shape.bend1 *= 0.6, shape.bend2 *= 0.6;
+    const Primitives hand = posed(shape, random.pose(0.1));
+    std::vector<Corners> triangles;
+    for (int k = 0; k < 20; ++k) triangles.push_back(random_triangle(hand, random));
+    for (const double tolerance : {0.0, 1e-4, 1e-2}) {
+      std::vector<Contact> found(60);
+      for (const Contact& contact : contacts_of(hand, mesh_of(triangles), tolerance))
+        found[20 * contact.primitive + contact.triangle] = contact;
+      for (std::size_t pair = 0; pair < 60; ++pair) {
+        const Primitive& tile = hand.primitive[pair / 20];
+        const Corners& t = triangles[pair % 20];
+        const Contact& seen = found[pair];
+        const Contact expected = alone(hand, tile, t);
+        const double most = tolerance > 0 ? seen.error + 1e-2 * tolerance * std::pow(kRadius, 3) : 0;
+        EXPECT_NEAR(seen.volume, expected.volume, most + 1e-10 * std::pow(kRadius, 3)) << i << ' ' << pair;
+        if (tolerance > 0) continue;
+        EXPECT_NEAR(seen.area, expected.area, 1e-9 * std::pow(kRadius, 2)) << i << ' ' << pair;
+        const Vec3 off = seen.volume * (seen.centre - t.a) - expected.volume * (expected.centre - t.a);
+        EXPECT_LT(norm(off), 1e-9 * std::pow(kRadius, 4)) << i << ' ' << pair;
+        const BorderCut how = cut_at_borders(hand, tile, t.a, t.b, t.c);
+        // Depth is that of the part up to the chord, and the chords may be others.
+        if (seen.area > 0 && !how.curved && !borders_on(hand, tile, t.a, t.b, t.c).any())
+          EXPECT_NEAR(seen.depth, expected.depth, 1e-9 * kRadius) << i << ' ' << pair;
+        cut += how.kind == BorderCut::other;
+        curved += how.kind == BorderCut::other && how.curved;
+        gone += how.kind == BorderCut::gone;
+      }
+    }
+  }
+  EXPECT_GT(cut, 1000);
+  EXPECT_GT(curved, 300);
+  EXPECT_GT(gone, 50);
 }
 
 TEST(TileBorder, TriangleInThePlaneBetweenTwoTilesCountsOnce) {

@@ -3,6 +3,7 @@
 #include "border_bulge.h"
 
 #include <array>
+#include <span>
 
 #include "field.h"
 #include "gauss.h"
@@ -17,6 +18,10 @@ constexpr double kFlat = 0.15;
 // A chord shorter than this share of the joint's radius is the border itself: what lies between has an area
 // of a twelfth of its cube or less.
 constexpr double kShort = 1e-5;
+
+// A border nearer to its chord than this share of the distance from the axis leaves hardly a curve of the
+// field to integrate over.
+constexpr double kThin = 4e-3;
 
 // A linear function of abscissa and height over a chord.
 struct OverChord {
@@ -242,15 +247,24 @@ bool integrate_bulge(const Section& section, const Rival& rival, const Chord& ch
     const FieldZone start = zone_of(section, slant, foot);
     const double distance = section.radius2 - field_of(section, slant, start.zone, foot);
     const bool is_thin = std::fabs(height) < min(start.margin, 0.1 * distance);
-    Singularities kinks;
-    if (!is_thin) kinks = line_kinks(section, slant, foot, top);
-    kinks.refine = false;
-    graded_nodes(0, 1, kinks, [&](double share, double inner) {
+    const auto add = [&](int zone, double share, double inner) {
       const Point2 p = foot + share * (top - foot);
-      const int zone = is_thin ? start.zone : zone_of(section, slant, p).zone;
       const double part = area * inner * field_of(section, slant, zone, p);
       bulge.volume += part;
       bulge.first = bulge.first + part * p;
+    };
+    if (is_thin) {
+      // Two nodes leave less than a hundredth of the fourth power of height over distance.
+      const bool two = std::fabs(height) < kThin * distance;
+      for (const GaussNode& node : two ? std::span<const GaussNode>(kGauss2) : std::span(kGauss4))
+        add(start.zone, node.at, node.weight);
+      return;
+    }
+    Singularities kinks = line_kinks(section, slant, foot, top);
+    kinks.refine = false;
+    graded_nodes(0, 1, kinks, [&](double share, double inner) {
+      const Point2 p = foot + share * (top - foot);
+      add(zone_of(section, slant, p).zone, share, inner);
     });
   });
   return border.good;

@@ -140,13 +140,9 @@ void set_joint_borders(Primitives& hand) {
   }
 }
 
-bool comes_near(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
-  if (!border.shared) return false;
-  const Vec3 pa = a - border.centre, pb = b - border.centre, pc = c - border.centre;
-  const double ha = dot(border.normal, pa), hb = dot(border.normal, pb), hc = dot(border.normal, pc);
-  if (min(ha, min(hb, hc)) > border.slab || max(ha, max(hb, hc)) < -border.slab) return false;
+bool is_in_reach(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
   const Vec3 n = cross(b - a, c - a);
-  const double height = dot(n, pa);
+  const double height = dot(n, a - border.centre);
   if (height * height > border.reach * border.reach * dot(n, n)) return false;
   const Bound bound = bound_of(a, b, c);
   return norm(bound.centre - border.centre) <= border.reach + bound.radius;

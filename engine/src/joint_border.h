@@ -21,7 +21,14 @@ void set_joint_borders(Primitives& hand);
 double segment_distance(const Primitive& a, const Primitive& b);
 
 /// Could this border, or the phalanx folded upon the tile, be anything but a plane on the triangle? Cheap.
-bool comes_near(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c);
+bool is_in_reach(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c);
+inline bool comes_near(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
+  if (!border.shared) return false;
+  const double ha = dot(border.normal, a - border.centre), hb = dot(border.normal, b - border.centre),
+               hc = dot(border.normal, c - border.centre);
+  if (min(ha, min(hb, hc)) > border.slab || max(ha, max(hb, hc)) < -border.slab) return false;
+  return is_in_reach(border, a, b, c);
+}
 bool may_meet_folded(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c);
 
 /// Which of a tile's borders run through a triangle other than along its cutting planes.
