@@ -390,8 +390,9 @@ TEST(TileBorder, LanesAndBulgesGiveWhatOnePairAloneGives) {
         EXPECT_LT(norm(off), 1e-9 * std::pow(kRadius, 4)) << i << ' ' << pair;
         const BorderCut how = cut_at_borders(hand, tile, t.a, t.b, t.c);
         // Depth is that of the part up to the chord, and the chords may be others.
-        if (seen.area > 0 && !how.curved && !borders_on(hand, tile, t.a, t.b, t.c).any())
+        if (seen.area > 0 && !how.curved && !borders_on(hand, tile, t.a, t.b, t.c).any()) {
           EXPECT_NEAR(seen.depth, expected.depth, 1e-9 * kRadius) << i << ' ' << pair;
+        }
         cut += how.kind == BorderCut::other;
         curved += how.kind == BorderCut::other && how.curved;
         gone += how.kind == BorderCut::gone;

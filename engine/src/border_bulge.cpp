@@ -19,6 +19,9 @@ constexpr double kFlat = 0.15;
 // of a twelfth of its cube or less.
 constexpr double kShort = 1e-5;
 
+// A bulge higher than this share of its chord is integrated to all digits, lower ones to nine.
+constexpr double kSmallBulge = 0.01;
+
 // A border nearer to its chord than this share of the distance from the axis leaves hardly a curve of the
 // field to integrate over.
 constexpr double kThin = 4e-3;
@@ -187,6 +190,7 @@ Singularities kinks_along(const Section& section, const Slant& slant, Border& bo
   for (int i = 1; i + 1 < kProbes; ++i) {
     peak = max(peak, std::fabs(border.height_at(chord.length * i / (kProbes - 1))));
   }
+  kinks.coarse = peak < kSmallBulge * chord.length;
   const double beyond = max(0.05, 0.125 * chord.length / max(peak, 1e-6 * chord.length) - 0.5);
   kinks.add(-beyond);
   kinks.add(1 + beyond);
@@ -219,7 +223,7 @@ Course follow_border(const Section& section, const Rival& rival, Chord& chord) {
     const double inside = begin > 0 ? 0 : end > 0 ? chord.length : find_inside(section, border);
     if (!border.good) return Course::unclear;
     if (inside < 0) return Course::outside;
-    const double value = field(inside), tolerance = 1e-13 * rival.first.radius;
+    const double value = field(inside), tolerance = 1e-11 * rival.first.radius;
     if (begin < 0) from = find_root(field, 0, begin, inside, value, tolerance);
     if (end < 0) to = find_root(field, inside, value, chord.length, end, tolerance);
   }

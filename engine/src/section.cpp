@@ -194,7 +194,7 @@ double eta_squared(const Zone& zone, double x) {
 }
 
 void cut_polygon(Point2 direction, double offset, Polygon2& polygon) {
-  std::array<double, Polygon2::kMaxCorners> excess{};
+  std::array<double, Polygon2::kMaxCorners> excess;  // of as many as there are corners
   bool outside = false;
   for (int i = 0; i < polygon.count; ++i) {
     excess[static_cast<std::size_t>(i)] =
@@ -215,8 +215,9 @@ void cut_polygon(Point2 direction, double offset, Polygon2& polygon) {
           runs_back(p, q) ? q + (eq / (eq - ep)) * (p - q) : p + (ep / (ep - eq)) * (q - p);
     }
   }
-  if (kept.count < 3) kept.count = 0;
-  polygon = kept;
+  polygon.count = kept.count < 3 ? 0 : kept.count;
+  for (int i = 0; i < polygon.count; ++i)
+    polygon.corner[static_cast<std::size_t>(i)] = kept.corner[static_cast<std::size_t>(i)];
 }
 
 bool look_along(const Primitive& primitive, Vec3 point, Vec3 n, Vec3 along, Section& section) {
