@@ -146,10 +146,10 @@ Contact alone(const Primitives& hand, const Primitive& tile, const Corners& t) {
   Boundary boundary;
   Contact contact;
   const TileBorders borders = borders_on(hand, tile, t.a, t.b, t.c);
-  const bool touches = borders.any()
-                           ? collide_shared(hand, tile, borders, field_kernels(Isa::scalar), t.a, t.b, t.c,
-                                            boundary, contact)
-                           : collide(tile, {tile.law, 1e-4, &hand}, t.a, t.b, t.c, boundary, contact);
+  const bool touches =
+      borders.any()
+          ? collide_shared(hand, tile, borders, field_kernels(Isa::scalar), t.a, t.b, t.c, boundary, contact)
+          : collide(tile, {tile.law, 1e-4, &hand}, t.a, t.b, t.c, boundary, contact);
   return touches ? contact : Contact{};
 }
 

@@ -113,9 +113,9 @@ constexpr int kProbes = 5;
 
 // Where along the border the field has its maximum, of which only the sign is asked: parabolas through the
 // best of three points, ended where it is positive or no longer grows.
-double find_inside(const Section& section, Border& border) {
+template <class F>
+double find_inside(const F& field, const Border& border) {
   const double length = border.chord.length;
-  const auto field = [&](double s) { return field_at(section, border.point(s)); };
   std::array<double, 3> s{0.25 * length, 0.5 * length, 0.75 * length}, f{};
   for (std::size_t i = 0; i < 3; ++i) {
     f[i] = field(s[i]);
@@ -216,11 +216,15 @@ Course follow_border(const Section& section, const Rival& rival, Chord& chord) {
     peak = max(peak, std::fabs(border.height_at(chord.length * i / (kProbes - 1))));
   }
   if (!border.good || peak > kFlat * chord.length) return Course::unclear;
-  const auto field = [&](double s) { return field_at(section, border.point(s)); };
+  const Slant slant = slant_of(section);
+  const auto field = [&](double s) {
+    const Point2 p = border.point(s);
+    return field_of(section, slant, zone_of(section, slant, p).zone, p);
+  };
   const double begin = field(0), end = field(chord.length);
   double from = 0, to = chord.length;
   if (begin < 0 || end < 0) {
-    const double inside = begin > 0 ? 0 : end > 0 ? chord.length : find_inside(section, border);
+    const double inside = begin > 0 ? 0 : end > 0 ? chord.length : find_inside(field, border);
     if (!border.good) return Course::unclear;
     if (inside < 0) return Course::outside;
     const double value = field(inside), tolerance = 1e-11 * rival.first.radius;

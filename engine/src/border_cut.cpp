@@ -113,8 +113,7 @@ double height_bound(const JointBorder& border, Vec3 from, Vec3 to, Vec3 n) {
     const ConePoint p = seen_from(border, i == 0 ? from : to);
     const double rho = std::sqrt(p.x * p.x + p.y * p.y);
     if (!(rho > 0)) return -1;
-    const Vec3 steepest =
-        (p.x / rho) * border.x + (p.y / rho) * border.y - border.side * border.normal;
+    const Vec3 steepest = (p.x / rho) * border.x + (p.y / rho) * border.y - border.side * border.normal;
     const double rise = dot(steepest, along), fall = dot(steepest, across);
     if (!(std::fabs(rise) < kSteepChord * std::fabs(fall))) return -1;
     slope[i] = std::fabs(rise / fall);

@@ -30,8 +30,8 @@ BorderCut cut_at_borders(const Primitives& hand, const Primitive& tile, Vec3 a, 
 /// The tile with the cuts of one triangle.
 Primitive tile_cut_so(const Primitive& tile, const BorderCut& cut);
 
-/// Adds the bulge to the contact of the tile cut so with a triangle of which `a` and `b` are corners. `tolerance` is Settings::tolerance: where the bulge is
-/// within it, it is only added to the contact's error.
+/// Adds the bulge to the contact of the tile cut so with a triangle of which `a` and `b` are corners.
+/// `tolerance` is Settings::tolerance: where the bulge is within it, it is only added to the contact's error.
 void add_bulge(const Primitives& hand, const Primitive& tile, const BorderCut& cut, double tolerance, Vec3 a,
                Vec3 b, Contact& contact);
 

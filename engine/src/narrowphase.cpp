@@ -102,8 +102,7 @@ void collide_pair(const Model& model, const Primitives& hand, const FieldKernels
   }
   const TileBorders borders = borders_on(hand, primitive, a, b, c);
   if (borders.any()) {
-    if (!collide_shared(hand, primitive, borders, kernels, a, b, c, boundary, contact))
-      contact.area = 0;
+    if (!collide_shared(hand, primitive, borders, kernels, a, b, c, boundary, contact)) contact.area = 0;
     return;
   }
   Section section;

@@ -16,10 +16,10 @@ struct RoundTerms {
   std::size_t count = 0;
 
   // The primitive. The first end is the larger one; a sphere has length 0.
-  T axis[3] = {0, 0, 1};                        ///< W, unit, from the first end to the second
-  T length = 0;                                 ///< [m] between the ends
-  T radius1 = 0, radius2 = 0;                   ///< [m] radius1 >= radius2
-  T sine = 0, cosine = 1;                       ///< of the cone's half angle
+  T axis[3] = {0, 0, 1};       ///< W, unit, from the first end to the second
+  T length = 0;                ///< [m] between the ends
+  T radius1 = 0, radius2 = 0;  ///< [m] radius1 >= radius2
+  T sine = 0, cosine = 1;      ///< of the cone's half angle
   int cut_count = 0;           ///< half-spaces that bound it besides
   T tolerance = 0;             ///< Settings::tolerance
 
