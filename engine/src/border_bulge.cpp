@@ -278,4 +278,55 @@ bool integrate_bulge(const Section& section, const Rival& rival, const Chord& ch
   return border.good;
 }
 
+namespace {
+
+void add_slope(Point2 p, double share, SlopeMoments& slope) {
+  slope.one += share;
+  slope.x += share * p.x;
+  slope.y += share * p.y;
+  slope.xx += share * p.x * p.x;
+  slope.xy += share * p.x * p.y;
+  slope.yy += share * p.y * p.y;
+}
+
+// d phi / dn: docs/mechanics.md.
+double rise_at(const Section& section, const Slant& slant, Point2 p) {
+  const int zone = zone_of(section, slant, p).zone;
+  if (zone == 1) {
+    const double e = section.c * p.x + section.s * section.h1, rho = std::sqrt(e * e + p.y * p.y);
+    return (rho > 0 ? slant.cosine * section.s * e / rho : 0) - section.c * slant.sine;
+  }
+  const double x = zone == 0 ? p.x : p.x - section.x2, h = zone == 0 ? section.h1 : section.h2;
+  const double r = std::sqrt(x * x + p.y * p.y + h * h);
+  return r > 0 ? h / r : 0;
+}
+
+}  // namespace
+
+bool integrate_bulge_slope(const Section& section, const Rival& rival, const JointBorder& around,
+                           const Chord& chord, SlopeMoments& slope) {
+  Border border(rival, chord);
+  if (!border.good) return false;
+  const Slant slant = slant_of(section);
+  const Vec3 across = chord.across.x * section.u + chord.across.y * section.v;
+  graded_nodes(0, 1, kinks_along(section, slant, border), [&](double t, double weight) {
+    const double s = chord.length * t, height = border.height_at(s);
+    const Point2 foot = chord.at(s, 0), top = chord.at(s, height);
+    Singularities kinks = line_kinks(section, slant, foot, top);
+    kinks.refine = false;
+    graded_nodes(0, 1, kinks, [&](double share, double inner) {
+      const Point2 p = foot + share * (top - foot);
+      add_slope(p, weight * chord.length * height * inner * rise_at(section, slant, p), slope);
+    });
+    // The border's normal; over the chord an element of it is as long as |m x n| over the part of m across.
+    const double x = rival.border.x.at(top), y = rival.border.y.at(top), far = std::sqrt(x * x + y * y);
+    if (!(far > 0)) return;
+    const Vec3 m = around.normal - around.side * ((x / far) * around.x + (y / far) * around.y);
+    const double tilt = dot(m, section.n) / std::fabs(dot(m, across));
+    const double phi = field_of(section, slant, zone_of(section, slant, top).zone, top);
+    add_slope(top, -weight * chord.length * phi * (rival.is_first ? tilt : -tilt), slope);
+  });
+  return border.good;
+}
+
 }  // namespace lumbrical

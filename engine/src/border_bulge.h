@@ -2,6 +2,7 @@
 // chord.
 #pragma once
 
+#include "pressure.h"
 #include "tile_rival.h"
 
 namespace lumbrical {
@@ -32,5 +33,11 @@ Course follow_border(const Section& section, const Rival& rival, Chord& chord);
 
 /// Integrals over what lies between such a chord and its border. False where the border is no curve over it.
 bool integrate_bulge(const Section& section, const Rival& rival, const Chord& chord, Bulge& bulge);
+
+/// What a bulge adds to the integrals of d phi / dn that a contact's Jacobian is made of: the integral over
+/// the bulge, less that of phi (m n) / |m x n| along the border, m its normal out of the tile. `border` is
+/// the rival's, a near one.
+bool integrate_bulge_slope(const Section& section, const Rival& rival, const JointBorder& border,
+                           const Chord& chord, SlopeMoments& slope);
 
 }  // namespace lumbrical

@@ -180,6 +180,7 @@ bool cut_along(const Primitives& hand, const Primitive& tile, std::size_t phalan
   half_space = {chord.across.x * section.u + chord.across.y * section.v, cut.from};
   const double depth = max(0, field_at(section, chord.at(0.5 * chord.length, 0))) + 0.5 * chord.length;
   cut.bulge = 0.5 * height * chord.length * min(radius, depth + height);
+  cut.crosses = true;
   cut.curved = cut.bulge > kNoBulge * radius * radius * radius;
   return true;
 }
@@ -268,6 +269,19 @@ void add_bulge(const Primitives& hand, const Primitive& tile, const BorderCut& c
                  : contact.centroid;
   contact.area = area;
   contact.volume = max(0, volume);
+}
+
+SlopeMoments bulge_slope(const Primitives& hand, const Primitive& tile, const BorderCut& cut, Vec3 a, Vec3 b,
+                         Vec3 c) {
+  SlopeMoments slope;
+  Section section;
+  Vec3 n;
+  if (!cut.crosses || !normal_of(a, b, c, n) || !look_along(tile, a, n, b - a, section)) return {};
+  const std::size_t phalanx = cut.outer ? tile.segment : tile.segment - 1u;
+  const Rival rival = joint_rival(section, hand, phalanx, cut.outer);
+  const Vec3 from = to_plane(section, cut.from), to = to_plane(section, cut.to);
+  const Chord chord = chord_between({from.x, from.y}, {to.x, to.y});
+  return integrate_bulge_slope(section, rival, hand.border[phalanx], chord, slope) ? slope : SlopeMoments{};
 }
 
 }  // namespace lumbrical

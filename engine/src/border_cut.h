@@ -5,6 +5,7 @@
 #include <array>
 
 #include "lumbrical/contact.h"
+#include "pressure.h"
 #include "primitive.h"
 
 namespace lumbrical {
@@ -18,7 +19,8 @@ struct BorderCut {
     general,  ///< a matter for `borders_on` and `collide_shared`
   } kind = planes;
   std::array<HalfSpace, 2> cut{};  ///< in the place of the tile's; a normal of 0 cuts nothing
-  bool curved = false;             ///< one of them is a chord with a bulge
+  bool crosses = false;            ///< one of them is a chord inside the section
+  bool curved = false;             ///< it has a bulge
   bool outer = false;              ///< the chord is of the border away from the wrist
   Vec3 from, to;                   ///< [m] W, its ends
   double bulge = 0;                ///< [m^3] no more than this the volume of the bulge is
@@ -34,5 +36,10 @@ Primitive tile_cut_so(const Primitive& tile, const BorderCut& cut);
 /// `tolerance` is Settings::tolerance: where the bulge is within it, it is only added to the contact's error.
 void add_bulge(const Primitives& hand, const Primitive& tile, const BorderCut& cut, double tolerance, Vec3 a,
                Vec3 b, Contact& contact);
+
+/// The bulge's part in the contact's Jacobian, in the plane coordinates of its section
+/// (`integrate_bulge_slope`).
+SlopeMoments bulge_slope(const Primitives& hand, const Primitive& tile, const BorderCut& cut, Vec3 a, Vec3 b,
+                         Vec3 c);
 
 }  // namespace lumbrical
