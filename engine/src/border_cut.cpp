@@ -21,13 +21,13 @@ constexpr double kMargin = 1.000001;
 
 constexpr double kFar = 1e300;
 
-// A point in the border's coordinates.
+// A point in the border's coordinates. All points here are relative to the joint: far from the origin nothing
+// is lost.
 struct ConePoint {
   double x, y, z;  // z along the cone
 };
 
-ConePoint seen_from(const JointBorder& border, Vec3 p) {
-  const Vec3 d = p - border.centre;
+ConePoint seen(const JointBorder& border, Vec3 d) {
   return {dot(border.x, d), dot(border.y, d), border.side * dot(border.normal, d)};
 }
 double gap_of(const ConePoint& p) { return std::sqrt(p.x * p.x + p.y * p.y) - p.z; }
@@ -58,16 +58,17 @@ enum class Verdict : std::uint8_t { mine, rivals, crossed, unclear };
 
 struct Crossed {
   Verdict verdict = Verdict::unclear;
-  Vec3 from, to;  // where the border crosses edges; the rival's part lies to the right of the way
+  Vec3 from, to;  // [m] W, from the joint: where the border crosses edges; the rival's part lies to the right
+                  // of the way
 };
 
 Crossed cross_border(const JointBorder& border, bool is_outer_tile, const Vec3 (&corner)[3]) {
-  ConePoint seen[3];
+  ConePoint at[3];
   bool inside[3];
   int count = 0;
   for (int i = 0; i < 3; ++i) {
-    seen[i] = seen_from(border, corner[i]);
-    inside[i] = gap_of(seen[i]) < 0;
+    at[i] = seen(border, corner[i]);
+    inside[i] = gap_of(at[i]) < 0;
     count += inside[i] ? 1 : 0;
   }
   const bool mine_inside = (border.side > 0) == is_outer_tile;
@@ -76,21 +77,20 @@ Crossed cross_border(const JointBorder& border, bool is_outer_tile, const Vec3 (
   };
   if (count == 3) return {mine_inside ? Verdict::mine : Verdict::rivals, {}, {}};
   if (count == 0) {
-    const ConePoint centre{(seen[0].x + seen[1].x + seen[2].x) / 3, (seen[0].y + seen[1].y + seen[2].y) / 3,
-                           0};
-    if (!is_above(centre, seen, 3)) return {};
+    const ConePoint centre{(at[0].x + at[1].x + at[2].x) / 3, (at[0].y + at[1].y + at[2].y) / 3, 0};
+    if (!is_above(centre, at, 3)) return {};
     return {mine_inside ? Verdict::rivals : Verdict::mine, {}, {}};
   }
   int lone = 0;  // the corner on its own side
   while (inside[lone] != (count == 1)) ++lone;
   const int next = (lone + 1) % 3, last = (lone + 2) % 3;
   if (count == 1) {
-    const ConePoint edge[2] = {seen[next], seen[last]};
+    const ConePoint edge[2] = {at[next], at[last]};
     if (!is_above(middle(edge[0], edge[1]), edge, 2)) return {};
   }
   const auto crossing = [&](int i) {
     const int in = count == 1 ? lone : i, out = count == 1 ? i : lone;
-    return corner[in] + way_out(seen[in], seen[out]) * (corner[out] - corner[in]);
+    return corner[in] + way_out(at[in], at[out]) * (corner[out] - corner[in]);
   };
   // Counter-clockwise the lone corner lies between the crossings with its last and its next edge.
   const Vec3 before = crossing(last), after = crossing(next);
@@ -110,7 +110,7 @@ double height_bound(const JointBorder& border, Vec3 from, Vec3 to, Vec3 n) {
   const Vec3 along = d / length, across = cross(along, n);
   double slope[2];
   for (int i = 0; i < 2; ++i) {
-    const ConePoint p = seen_from(border, i == 0 ? from : to);
+    const ConePoint p = seen(border, i == 0 ? from : to);
     const double rho = std::sqrt(p.x * p.x + p.y * p.y);
     if (!(rho > 0)) return -1;
     const Vec3 steepest = (p.x / rho) * border.x + (p.y / rho) * border.y - border.side * border.normal;
@@ -123,11 +123,13 @@ double height_bound(const JointBorder& border, Vec3 from, Vec3 to, Vec3 n) {
 }
 
 // Does the tile keep clear of a chord and of all that may lie between it and its border?
-bool keeps_clear(const Primitive& tile, Vec3 from, Vec3 to, double height) {
-  Primitive chord;
+bool keeps_clear(const Primitive& tile, Vec3 joint, Vec3 from, Vec3 to, double height) {
+  Primitive axis, chord;
+  axis.end1 = tile.end1 - joint;
+  axis.end2 = tile.end2 - joint;
   chord.end1 = from;
   chord.end2 = to;
-  return segment_distance(tile, chord) > kMargin * (max(tile.radius1, tile.radius2) + height);
+  return segment_distance(axis, chord) > kMargin * (max(tile.radius1, tile.radius2) + height);
 }
 
 // Where the border misses the section: does cutting along the chord give the same? Not if the chord runs
@@ -146,6 +148,18 @@ bool chord_will_do(const Section& section, const Chord& chord, double height) {
   return std::fabs(dot(chord.across, within - chord.from)) > height;
 }
 
+Vec3 from_joint(const Section& section, Vec3 joint, Point2 p) {
+  return (section.origin - joint) + (p.x * section.u + p.y * section.v - section.h1 * section.n);
+}
+
+Chord chord_of(const Section& section, Vec3 joint, const BorderCut& cut) {
+  const auto in_plane = [&](Vec3 p) {
+    const Vec3 d = (joint - section.origin) + p;
+    return Point2{dot(d, section.u), dot(d, section.v)};
+  };
+  return chord_between(in_plane(cut.from), in_plane(cut.to));
+}
+
 // The cut along the part of a border inside the section; false where it is not as simple as that.
 bool cut_along(const Primitives& hand, const Primitive& tile, std::size_t phalanx, const Crossed& crossed,
                const Vec3 (&corner)[3], HalfSpace& half_space, BorderCut& cut) {
@@ -158,26 +172,24 @@ bool cut_along(const Primitives& hand, const Primitive& tile, std::size_t phalan
   if (height < 0) return false;
   cut.from = crossed.from;
   cut.to = crossed.to;
-  half_space = {unit_or(cross(cut.to - cut.from, n), {}), cut.from};
+  const Vec3 joint = hand.border[phalanx].centre, upright = unit_or(cross(cut.to - cut.from, n), {});
+  half_space = {upright, joint, dot(upright, cut.from)};
   const double radius = max(tile.radius1, tile.radius2);
-  if (keeps_clear(tile, cut.from, cut.to, height)) return true;
+  if (keeps_clear(tile, joint, cut.from, cut.to, height)) return true;
   Section section;
   if (!look_along(tile, corner[0], n, corner[1] - corner[0], section)) {
     cut.kind = BorderCut::gone;
     return true;
   }
   const Rival rival = joint_rival(section, hand, phalanx, phalanx == tile.segment);
-  const auto flat = [&](Vec3 p) {
-    const Vec3 q = to_plane(section, p);
-    return Point2{q.x, q.y};
-  };
-  Chord chord = chord_between(flat(cut.from), flat(cut.to));
+  Chord chord = chord_of(section, joint, cut);
   const Course course = follow_border(section, rival, chord);
   if (course == Course::unclear) return false;
   if (course == Course::outside) return chord_will_do(section, chord, height);
-  cut.from = to_world(section, chord.from);
-  cut.to = to_world(section, chord.at(chord.length, 0));
-  half_space = {chord.across.x * section.u + chord.across.y * section.v, cut.from};
+  cut.from = from_joint(section, joint, chord.from);
+  cut.to = from_joint(section, joint, chord.at(chord.length, 0));
+  const Vec3 across = chord.across.x * section.u + chord.across.y * section.v;
+  half_space = {across, joint, dot(across, cut.from)};
   const double depth = max(0, field_at(section, chord.at(0.5 * chord.length, 0))) + 0.5 * chord.length;
   cut.bulge = 0.5 * height * chord.length * min(radius, depth + height);
   cut.crosses = true;
@@ -198,13 +210,13 @@ BorderCut cut_at_borders(const Primitives& hand, const Primitive& tile, Vec3 a, 
     return cut;
   }
   if (!inner && !outer) return cut;
-  const Vec3 corner[3] = {a, b, c};
   cut.cut = tile.cut;
   Crossed crossed[2];
   for (const bool at_outer : {false, true}) {
     if (!(at_outer ? outer : inner)) continue;
     Crossed& here = crossed[at_outer ? 1 : 0];
-    here = cross_border(hand.border[at_outer ? i : i - 1], !at_outer, corner);
+    const JointBorder& border = hand.border[at_outer ? i : i - 1];
+    here = cross_border(border, !at_outer, {a - border.centre, b - border.centre, c - border.centre});
     if (here.verdict == Verdict::unclear) cut.kind = BorderCut::general;
     if (here.verdict == Verdict::mine) cut.cut[at_outer ? tile.cut_count - 1u : 0u].normal = {};
   }
@@ -221,7 +233,7 @@ BorderCut cut_at_borders(const Primitives& hand, const Primitive& tile, Vec3 a, 
   } else if (crosses_inner || crosses_outer) {
     cut.outer = crosses_outer;
     const std::size_t own = crosses_outer ? tile.cut_count - 1u : 0u;
-    if (!cut_along(hand, tile, crosses_outer ? i : i - 1, crossed[crosses_outer ? 1 : 0], corner,
+    if (!cut_along(hand, tile, crosses_outer ? i : i - 1, crossed[crosses_outer ? 1 : 0], {a, b, c},
                    cut.cut[own], cut)) {
       cut.kind = BorderCut::general;
     }
@@ -229,7 +241,8 @@ BorderCut cut_at_borders(const Primitives& hand, const Primitive& tile, Vec3 a, 
       // The bulge keeps to the tile's side of the other cut.
       const HalfSpace& rest = cut.cut[1 - own];
       const double size = norm(cut.to - cut.from);
-      const double most = max(dot(rest.normal, cut.from - rest.point), dot(rest.normal, cut.to - rest.point));
+      const Vec3 joint = hand.border[crosses_outer ? i : i - 1].centre - rest.point;
+      const double most = max(dot(rest.normal, joint + cut.from), dot(rest.normal, joint + cut.to));
       if (most > -size && dot(rest.normal, rest.normal) > 0) cut.kind = BorderCut::general;
     }
   }
@@ -251,10 +264,10 @@ void add_bulge(const Primitives& hand, const Primitive& tile, const BorderCut& c
   }
   Section section;
   if (!look_along(tile, a, contact.normal, b - a, section)) return;
-  const Rival rival = joint_rival(section, hand, cut.outer ? tile.segment : tile.segment - 1u, cut.outer);
-  const Vec3 from = to_plane(section, cut.from), to = to_plane(section, cut.to);
+  const std::size_t phalanx = cut.outer ? tile.segment : tile.segment - 1u;
+  const Rival rival = joint_rival(section, hand, phalanx, cut.outer);
   Bulge bulge;
-  if (!integrate_bulge(section, rival, chord_between({from.x, from.y}, {to.x, to.y}), bulge)) return;
+  if (!integrate_bulge(section, rival, chord_of(section, hand.border[phalanx].centre, cut), bulge)) return;
   const double area = contact.area + bulge.area, volume = contact.volume + bulge.volume;
   if (!(area > 0)) {
     contact.area = 0;
@@ -279,8 +292,7 @@ SlopeMoments bulge_slope(const Primitives& hand, const Primitive& tile, const Bo
   if (!cut.crosses || !normal_of(a, b, c, n) || !look_along(tile, a, n, b - a, section)) return {};
   const std::size_t phalanx = cut.outer ? tile.segment : tile.segment - 1u;
   const Rival rival = joint_rival(section, hand, phalanx, cut.outer);
-  const Vec3 from = to_plane(section, cut.from), to = to_plane(section, cut.to);
-  const Chord chord = chord_between({from.x, from.y}, {to.x, to.y});
+  const Chord chord = chord_of(section, hand.border[phalanx].centre, cut);
   return integrate_bulge_slope(section, rival, hand.border[phalanx], chord, slope) ? slope : SlopeMoments{};
 }
 

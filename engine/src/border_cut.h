@@ -22,7 +22,7 @@ struct BorderCut {
   bool crosses = false;            ///< one of them is a chord inside the section
   bool curved = false;             ///< it has a bulge
   bool outer = false;              ///< the chord is of the border away from the wrist
-  Vec3 from, to;                   ///< [m] W, its ends
+  Vec3 from, to;                   ///< [m] W, its ends from the joint
   double bulge = 0;                ///< [m^3] no more than this the volume of the bulge is
 };
 

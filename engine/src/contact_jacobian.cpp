@@ -44,7 +44,7 @@ struct Facet {
 void add_cut(const HalfSpace& cut, Vec3 origin, Facet& facet) {
   facet.cut[static_cast<std::size_t>(facet.cut_count++)] = {
       {dot(cut.normal, facet.u), dot(cut.normal, facet.v)},
-      dot(cut.normal, cut.point - origin),
+      dot(cut.normal, cut.point - origin) + cut.offset,
       dot(cut.normal, facet.n)};
 }
 

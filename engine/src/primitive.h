@@ -21,10 +21,11 @@ enum class Shape : std::uint8_t {
   prism,  ///< the palm: a convex polygon with thickness
 };
 
-/// The part of space where dot(normal, p - point) <= 0.
+/// The part of space where dot(normal, p - point) <= offset.
 struct HalfSpace {
-  Vec3 normal;  ///< unit, W
-  Vec3 point;   ///< [m] W, on the bounding plane
+  Vec3 normal;        ///< unit, W
+  Vec3 point;         ///< [m] W
+  double offset = 0;  ///< [m] 0 but for what is cut in one triangle (border_cut.h)
 };
 
 struct Primitive {

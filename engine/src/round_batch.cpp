@@ -148,7 +148,7 @@ void add_to_batch(Vec3 a, Vec3 b, Vec3 c, const std::array<HalfSpace, 2>& cut, C
   for (int i = 0; i < batch.pairs.cut_count; ++i) {
     const HalfSpace& space = cut[static_cast<std::size_t>(i)];
     set_corner(space.normal, k, batch.pairs.cut_normal[i]);
-    batch.pairs.cut_offset[i][k] = dot(space.normal, space.point - batch.origin);
+    batch.pairs.cut_offset[i][k] = dot(space.normal, space.point - batch.origin) + space.offset;
   }
   batch.contact[k] = &contact;
 }

@@ -118,13 +118,15 @@ constexpr double kInPlane = 16e-15;
 // A triangle in the plane in which two tiles meet belongs to the one it faces away from: their normals are
 // opposite to the last bit, so just one of the two keeps it. The lanes do the same (round_polygon.h).
 bool lies_in_plane(const HalfSpace& cut, double tiny, Vec3 a, Vec3 b, Vec3 c) {
-  const auto is_within = [&](Vec3 p) { return std::fabs(dot(cut.normal, p - cut.point)) <= tiny; };
+  const auto is_within = [&](Vec3 p) {
+    return std::fabs(dot(cut.normal, p - cut.point) - cut.offset) <= tiny;
+  };
   return is_within(a) && is_within(b) && is_within(c);
 }
 
 bool keeps_parallel(const HalfSpace& cut, double tiny, Vec3 a, Vec3 b, Vec3 c, Vec3 n) {
   if (lies_in_plane(cut, tiny, a, b, c)) return dot(cut.normal, n) <= 0;
-  return dot(cut.normal, a - cut.point) <= 0;
+  return dot(cut.normal, a - cut.point) <= cut.offset;
 }
 
 void set_polygon(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& section) {
@@ -143,7 +145,7 @@ void set_polygon(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& se
       continue;
     }
     const double offset =
-        dot(cut.normal, cut.point - section.origin) + section.h1 * dot(cut.normal, section.n);
+        dot(cut.normal, cut.point - section.origin) + cut.offset + section.h1 * dot(cut.normal, section.n);
     cut_polygon(direction, offset, section.polygon);
   }
 }

@@ -254,7 +254,7 @@ bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBor
   const std::size_t phalanx = tile.segment, place = phalanx % 3;
   // Where a border is not its plane it still has to lie near it; the others' planes are exact.
   Primitive cut = tile;
-  const auto widen = [&](std::size_t i) { cut.cut[i].point += cut.overhang[i] * cut.cut[i].normal; };
+  const auto widen = [&](std::size_t i) { cut.cut[i].offset += cut.overhang[i]; };
   if (borders.inner) widen(0);
   if (borders.outer) widen(static_cast<std::size_t>(tile.cut_count - 1));
   Section section;
