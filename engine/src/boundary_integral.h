@@ -29,6 +29,8 @@ struct Singularities {
   /// Ask for nodes in geometric steps towards those that are not weak: for derivatives of what the others
   /// integrate, which are a degree more singular.
   bool refine = false;
+  /// Ask for nine digits only: for what is small already.
+  bool coarse = false;
   void add(double at, double blur = 0, bool weak = false) {
     if (count < kMaxCount && at > -1e6 && at < 1e6)
       point[static_cast<std::size_t>(count++)] = {at, blur, weak};
@@ -70,7 +72,8 @@ void graded_nodes(double lower, double upper, const Singularities& singularities
     for (const GaussNode& node : rule) f(lower + length * node.at, length * node.weight);
   };
   // n nodes leave about (2 + 4 d / length)^(-2 n) with d the distance to the nearest singularity.
-  const double near = 1.5 * length, nearest = min(left, right);
+  const double scale = singularities.coarse ? length / 3 : length;
+  const double near = 1.5 * scale, nearest = min(left, right);
   const double middle = 0.5 * (lower + upper);
   if (left < near && right < near && divisible) {
     graded_nodes(lower, middle, singularities, f);
@@ -87,9 +90,9 @@ void graded_nodes(double lower, double upper, const Singularities& singularities
       const double step = span * node.at, along = step * (2 * w1 + step);
       f(left < right ? lower + along : upper - along, 2 * (w1 + step) * span * node.weight);
     }
-  } else if (nearest < 4 * length) {
+  } else if (nearest < 4 * scale) {
     plain(kGauss8);
-  } else if (nearest < 16 * length) {
+  } else if (nearest < 16 * scale) {
     plain(kGauss6);
   } else {
     plain(kGauss4);

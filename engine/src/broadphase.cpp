@@ -23,8 +23,8 @@ struct Search {
   std::uint64_t index = 0;  // of the primitive
 };
 
-void add_plane(const HalfSpace& space, MissTerms& terms) {
-  terms.plane[terms.plane_count++] = {space.normal, dot(space.normal, space.point - terms.end1)};
+void add_plane(const HalfSpace& space, double overhang, MissTerms& terms) {
+  terms.plane[terms.plane_count++] = {space.normal, dot(space.normal, space.point - terms.end1) + overhang};
 }
 
 // The primitive's round hull and the planes that bound it besides.
@@ -37,9 +37,12 @@ void set_primitive(const Primitive& primitive, const Prism& palm, MissTerms& ter
   terms.radius2 = primitive.radius2;
   terms.most = max(primitive.radius1, primitive.radius2);
   terms.plane_count = 0;
-  for (std::size_t i = 0; i < primitive.cut_count; ++i) add_plane(primitive.cut[i], terms);
+  for (std::size_t i = 0; i < primitive.cut_count; ++i) {
+    add_plane(primitive.cut[i], primitive.overhang[i], terms);
+  }
   if (primitive.shape != Shape::prism) return;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(palm.face_count); ++i) add_plane(palm.face[i], terms);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(palm.face_count); ++i)
+    add_plane(palm.face[i], 0, terms);
 }
 
 void set_corner(const Triangles& world, std::uint32_t vertex, std::size_t k,

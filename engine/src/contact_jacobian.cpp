@@ -44,7 +44,7 @@ struct Facet {
 void add_cut(const HalfSpace& cut, Vec3 origin, Facet& facet) {
   facet.cut[static_cast<std::size_t>(facet.cut_count++)] = {
       {dot(cut.normal, facet.u), dot(cut.normal, facet.v)},
-      dot(cut.normal, cut.point - origin),
+      dot(cut.normal, cut.point - origin) + cut.offset,
       dot(cut.normal, facet.n)};
 }
 
@@ -201,7 +201,7 @@ void add_line_terms(const Facet& facet, const Field& field, Matrix6& sum) {
 }  // namespace
 
 bool add_contact_jacobian(const Primitive& primitive, const Contact& contact, Vec3 joint, Vec3 a, Vec3 b,
-                          Vec3 c, Matrix6& sum) {
+                          Vec3 c, Matrix6& sum, const SlopeMoments& bulge) {
   Section section;
   if (primitive.shape != Shape::round || !look_from_plane(primitive, a, b, c, section)) return false;
   const Overlap overlap = classify(section);
@@ -226,7 +226,14 @@ bool add_contact_jacobian(const Primitive& primitive, const Contact& contact, Ve
     cut.offset += section.h1 * cut.along;  // from O1 down to its foot
   }
   const Vec3 centre = (contact.centre - section.origin) + section.h1 * section.n;
-  add_area_terms(facet, contact.volume, centre, slope_moments(section, area, boundary), sum);
+  SlopeMoments slope = slope_moments(section, area, boundary);
+  slope.one += bulge.one;
+  slope.x += bulge.x;
+  slope.y += bulge.y;
+  slope.xx += bulge.xx;
+  slope.xy += bulge.xy;
+  slope.yy += bulge.yy;
+  add_area_terms(facet, contact.volume, centre, slope, sum);
   add_line_terms(facet, SectionField{section, slant_of(section)}, sum);
   return true;
 }

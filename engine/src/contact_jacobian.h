@@ -3,6 +3,7 @@
 #pragma once
 
 #include "lumbrical/contact.h"
+#include "pressure.h"
 #include "primitive.h"
 
 namespace lumbrical {
@@ -11,8 +12,10 @@ namespace lumbrical {
 /// found between the triangle a, b, c [m, W] and a round primitive or a prism. Blocks [m^2 m^3; m^3 m^4].
 /// False, and `sum` untouched, where they don't touch and for a flat primitive, whose field doesn't vanish on
 /// its ends.
+///
+/// Of a tile `primitive` has the cuts of this triangle and `bulge` what lies beyond (border_cut.h).
 bool add_contact_jacobian(const Primitive& primitive, const Contact& contact, Vec3 joint, Vec3 a, Vec3 b,
-                          Vec3 c, Matrix6& sum);
+                          Vec3 c, Matrix6& sum, const SlopeMoments& bulge = {});
 bool add_contact_jacobian(const Prism& prism, const Contact& contact, Vec3 joint, Vec3 a, Vec3 b, Vec3 c,
                           Matrix6& sum);
 

@@ -7,6 +7,10 @@ struct GaussNode {
   double at, weight;
 };
 
+inline constexpr GaussNode kGauss2[] = {
+    {0.21132486540518711775, 0.5},
+    {0.78867513459481288225, 0.5},
+};
 inline constexpr GaussNode kGauss4[] = {
     {0.06943184420297371239, 0.17392742256872692869},
     {0.33000947820757186760, 0.32607257743127307131},

@@ -1,10 +1,12 @@
 // The paper's Figure 1 and 2 and their repair. Under the paper's laws a phalanx is a cylinder, and of the
 // spheres at joints and tips only the part counts that the cylinders don't cover. Under the exact laws a
 // phalanx is one tile, the hull of its end spheres, and neighbouring tiles share out space along the
-// bisecting plane of their joint.
+// bisecting plane of their joint; where that is not exact, joint_border.h says so.
 #include "hand_pose.h"
 
 #include <cmath>
+
+#include "joint_border.h"
 
 namespace lumbrical {
 namespace {
@@ -44,7 +46,8 @@ void add(const Primitive& primitive, Primitives& hand) {
   if (hand.count < Primitives::kMaxCount) hand.primitive[static_cast<std::size_t>(hand.count++)] = primitive;
 }
 
-void add_cut(Vec3 normal, Vec3 point, Primitive& primitive) {
+void add_cut(Vec3 normal, Vec3 point, Primitive& primitive, double overhang = 0) {
+  primitive.overhang[primitive.cut_count] = overhang;
   primitive.cut[primitive.cut_count++] = {normal, point};
 }
 
@@ -93,12 +96,12 @@ void add_body(const Primitives& hand, std::size_t i, Primitives& out) {
   const Vec3 axis = direction(body);
   const bool before = i % 3 > 0 && hand.present[i - 1], after = i % 3 < 2 && hand.present[i + 1];
   if (before && !paper_joint(hand, i - 1)) {
-    add_cut(-bisector(hand, i - 1), body.end1, body);
+    add_cut(-bisector(hand, i - 1), body.end1, body, hand.border[i - 1].slab);
   } else if (is_paper(hand, i)) {
     add_cut(-axis, body.end1, body);
   }
   if (after && !paper_joint(hand, i)) {
-    add_cut(bisector(hand, i), body.end2, body);
+    add_cut(bisector(hand, i), body.end2, body, hand.border[i].slab);
   } else if (is_paper(hand, i)) {
     add_cut(axis, body.end2, body);
   }
@@ -214,6 +217,7 @@ std::uint32_t pose_hand(const Hand& hand, const Settings& settings, const Device
   std::uint32_t flags = find_joints(hand, frame, joints);
   primitives.count = 0;
   flags |= set_capsules(hand, settings, joints, primitives);
+  set_joint_borders(primitives);
   for (std::size_t i = 0; i < kPhalanxCount; ++i) {
     if (primitives.present[i]) add_phalanx(i, primitives);
   }

@@ -1,5 +1,6 @@
 #include "lumbrical/jacobian.h"
 
+#include "border_cut.h"
 #include "contact_jacobian.h"
 #include "floating_point.h"
 
@@ -25,7 +26,11 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
     if (primitive.shape == Shape::prism) {
       add_contact_jacobian(hand.palm, contact, joint, a, b, c, jacobian.value);
     } else {
-      add_contact_jacobian(primitive, contact, joint, a, b, c, jacobian.value);
+      const BorderCut cut = cut_at_borders(hand, primitive, a, b, c);
+      const bool other = cut.kind == BorderCut::other;
+      const SlopeMoments bulge = other ? bulge_slope(hand, primitive, cut, a, b, c) : SlopeMoments{};
+      add_contact_jacobian(other ? tile_cut_so(primitive, cut) : primitive, contact, joint, a, b, c,
+                           jacobian.value, bulge);
     }
   }
   for (std::size_t i = 0; i < kSegmentCount; ++i) {

@@ -2,14 +2,17 @@
 
 #include <array>
 
+#include "border_cut.h"
 #include "cone_slivers.h"
 #include "depth.h"
 #include "finger_depth.h"
+#include "joint_border.h"
 #include "parallel.h"
 #include "pressure.h"
 #include "pressure_rules.h"
 #include "prism.h"
 #include "round_batch.h"
+#include "shared_contact.h"
 
 namespace lumbrical {
 namespace {
@@ -99,6 +102,11 @@ void collide_pair(const Model& model, const Primitives& hand, const FieldKernels
       contact.area = 0;
     return;
   }
+  const TileBorders borders = borders_on(hand, primitive, a, b, c);
+  if (borders.any()) {
+    if (!collide_shared(hand, primitive, borders, kernels, a, b, c, boundary, contact)) contact.area = 0;
+    return;
+  }
   Section section;
   if (!look_from_plane(primitive, a, b, c, section)) return;
   const ContactQuery query{primitive.law, model.settings.point_area, &hand, model.settings.tolerance,
@@ -106,55 +114,74 @@ void collide_pair(const Model& model, const Primitives& hand, const FieldKernels
   if (!collide_section(primitive, query, section, boundary, contact)) contact.area = 0;
 }
 
-// Which parts of a primitive a triangle reaches: bits for its cuts, beyond the first end, beyond the second.
-unsigned kind_of(const Primitive& primitive, const Corners& corners) {
-  const Vec3 from[3] = {corners.a - primitive.end1, corners.b - primitive.end1, corners.c - primitive.end1};
-  const Vec3 axis = primitive.end2 - primitive.end1;
-  const double square = dot(axis, axis);
-  unsigned kind = 0;
-  for (const Vec3 p : from) {
-    const double q = dot(p, axis);
-    if (q < 0) kind |= 2;
-    if (q > square) kind |= 4;
+// Pairs on their way through the lanes, of one thread.
+struct PairWork {
+  const Model& model;
+  const Primitives& hand;
+  const FieldKernels& kernels;
+  RoundBatch batch{kernels};
+  std::uint32_t open = Primitives::kMaxCount;  // the primitive whose batch is being filled
+  // Pairs of the batch with cuts of their own.
+  struct Shared {
+    Contact* contact;
+    BorderCut cut;
+  };
+  std::size_t shared_count = 0;
+  std::array<Shared, RoundTerms<double>::kCapacity> shared;
+  Boundary boundary;
+  PairWork(const Model& m, const Primitives& h, const FieldKernels& k) : model(m), hand(h), kernels(k) {}
+};
+
+// What the lanes left of a cone's contact, with the cuts the lanes had.
+void finish_slivers(Contact& contact, const PairWork& work) {
+  const Primitive& primitive = work.hand.primitive[contact.primitive];
+  const auto [a, b, c] = corners_of(work.model.triangles, contact.triangle);
+  Section section;
+  const BorderCut* own = nullptr;
+  for (std::size_t k = 0; k < work.shared_count; ++k) {
+    if (work.shared[k].contact == &contact) own = &work.shared[k].cut;
   }
-  for (std::size_t i = 0; i < primitive.cut_count; ++i) {
-    const HalfSpace& cut = primitive.cut[i];
-    const double offset = dot(cut.normal, cut.point - primitive.end1);
-    for (const Vec3 p : from) {
-      if (dot(cut.normal, p) > offset) kind |= 1;
-    }
-  }
-  return kind;
+  if (look_from_plane(own != nullptr ? tile_cut_so(primitive, *own) : primitive, a, b, c, section))
+    add_slivers(work.kernels, section, contact);
 }
 
-// Pairs of one primitive that the kernel knows, up to kChunk. Those of one kind go side by side, so that few
-// registers hold lanes with different needs.
-void collide_in_lanes(const Model& model, const Primitives& hand, std::span<Contact> pairs, RoundBatch& batch,
-                      Boundary& boundary) {
-  constexpr std::size_t kKinds = 8;
-  const Primitive& primitive = hand.primitive[pairs[0].primitive];
-  std::array<unsigned, kChunk> kind;
-  for (std::size_t i = 0; i < pairs.size(); ++i)
-    kind[i] = kind_of(primitive, corners_of(model.triangles, pairs[i].triangle));
-  const auto finish = [&] {
-    const RoundRest rest = finish_batch(batch);
-    for (Contact* contact : rest.unsure) collide_pair(model, hand, batch.kernels, boundary, *contact);
-    for (Contact* contact : rest.slivers) {
-      const auto [a, b, c] = corners_of(model.triangles, contact->triangle);
-      Section section;
-      if (look_from_plane(primitive, a, b, c, section)) add_slivers(batch.kernels, section, *contact);
-    }
-  };
-  begin_batch(primitive, model.settings.tolerance, batch);
-  for (unsigned wanted = 0; wanted < kKinds; ++wanted) {
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      if (kind[i] != wanted) continue;
-      if (is_full(batch)) finish();
-      const auto [a, b, c] = corners_of(model.triangles, pairs[i].triangle);
-      add_to_batch(a, b, c, pairs[i], batch);
-    }
+void finish(PairWork& work) {
+  const RoundRest rest = finish_batch(work.batch);
+  for (Contact* contact : rest.slivers) finish_slivers(*contact, work);
+  for (std::size_t k = 0; k < work.shared_count; ++k) {
+    const auto& [contact, cut] = work.shared[k];
+    if (!cut.curved || !(contact->area > 0)) continue;
+    const Corners at = corners_of(work.model.triangles, contact->triangle);
+    add_bulge(work.hand, work.hand.primitive[contact->primitive], cut, work.model.settings.tolerance, at.a,
+              at.b, *contact);
   }
-  finish();
+  work.shared_count = 0;
+  for (Contact* contact : rest.unsure)
+    collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
+}
+
+void take_pair(Contact& contact, PairWork& work) {
+  const Primitive& primitive = work.hand.primitive[contact.primitive];
+  if (!suits_batch(primitive)) {
+    collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
+    return;
+  }
+  const auto [a, b, c] = corners_of(work.model.triangles, contact.triangle);
+  BorderCut cut = cut_at_borders(work.hand, primitive, a, b, c);
+  if (cut.kind == BorderCut::gone) {
+    contact.area = 0;
+    return;
+  }
+  if (cut.kind == BorderCut::general) {
+    collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
+    return;
+  }
+  if (contact.primitive != work.open || is_full(work.batch)) finish(work);
+  if (contact.primitive != work.open) begin_batch(primitive, work.model.settings.tolerance, work.batch);
+  work.open = contact.primitive;
+  const bool planes = cut.kind == BorderCut::planes;
+  add_to_batch(a, b, c, planes ? primitive.cut : cut.cut, contact, work.batch);
+  if (!planes) work.shared[work.shared_count++] = {&contact, cut};
 }
 
 }  // namespace
@@ -164,7 +191,7 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
   if (suits_batch(primitive) && query.law == Law::field) {
     RoundBatch batch(query.kernels);
     begin_batch(primitive, query.tolerance, batch);
-    add_to_batch(a, b, c, contact, batch);
+    add_to_batch(a, b, c, primitive.cut, contact, batch);
     const RoundRest rest = finish_batch(batch);
     Section section;
     if (rest.unsure.empty()) {
@@ -183,24 +210,13 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
   // Every pair has a slot of its own, so the order of the work doesn't matter.
   const FieldKernels& kernels = field_kernels(model.execution.isa);
   const auto work = [&](std::size_t first, std::size_t last) {
+    PairWork pairs{model, hand, kernels};
     for (std::size_t i = first; i < last; ++i) {
       contacts[i].primitive = static_cast<std::uint32_t>(candidates[i] >> 32);
       contacts[i].triangle = static_cast<std::uint32_t>(candidates[i]);
+      take_pair(contacts[i], pairs);
     }
-    Boundary boundary;
-    RoundBatch batch(kernels);
-    while (first < last) {
-      const std::uint32_t primitive = contacts[first].primitive;
-      std::size_t end = first + 1;
-      while (end < last && end < first + kChunk && contacts[end].primitive == primitive) ++end;
-      const std::span<Contact> pairs = contacts.subspan(first, end - first);
-      if (suits_batch(hand.primitive[primitive])) {
-        collide_in_lanes(model, hand, pairs, batch, boundary);
-      } else {
-        for (Contact& contact : pairs) collide_pair(model, hand, kernels, boundary, contact);
-      }
-      first = end;
-    }
+    finish(pairs);
   };
   const std::uint32_t threads = candidates.size() < kSerialBelow ? 1 : model.execution.threads;
   parallel_chunks(candidates.size(), kChunk, threads, work);

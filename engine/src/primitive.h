@@ -21,10 +21,11 @@ enum class Shape : std::uint8_t {
   prism,  ///< the palm: a convex polygon with thickness
 };
 
-/// The part of space where dot(normal, p - point) <= 0.
+/// The part of space where dot(normal, p - point) <= offset.
 struct HalfSpace {
-  Vec3 normal;  ///< unit, W
-  Vec3 point;   ///< [m] W, on the bounding plane
+  Vec3 normal;        ///< unit, W
+  Vec3 point;         ///< [m] W
+  double offset = 0;  ///< [m] 0 but for what is cut in one triangle (border_cut.h)
 };
 
 struct Primitive {
@@ -35,6 +36,7 @@ struct Primitive {
   Vec3 end1, end2;                  ///< [m] W; of a prism both are the centre of its bounding sphere
   double radius1 = 0, radius2 = 0;  ///< [m]; of a prism both are the radius of its bounding sphere
   std::array<HalfSpace, 2> cut{};
+  std::array<double, 2> overhang{};  ///< [m] how far a tile may have space beyond a cut (joint_border.h)
   /// The phalanges this primitive is a part of: the paper measures depth through them. Empty (-1): through
   /// itself.
   std::array<std::int8_t, 2> phalanx{-1, -1};
@@ -47,13 +49,30 @@ struct Prism {
   std::array<HalfSpace, kMaxFaces> face{};  ///< outward normals; [0] is the palmar face
 };
 
+/// The joint between a phalanx and the next one out, where the two tiles share out space (joint_border.h).
+struct JointBorder {
+  bool shared = false;  ///< the border is not the bisecting plane everywhere
+  bool near = false;    ///< neither tile's far end has a part in it
+  Vec3 centre;          ///< [m] W, the joint
+  Vec3 normal;          ///< W, unit, of the bisecting plane, away from the wrist
+  double reach = 0;     ///< [m] farther from the joint plane and border agree
+  double slab = 0;      ///< [m] farther from the plane plane and border agree
+  /// A near border is a cone with its apex at the joint: side z = sqrt(x^2 + y^2), z along `normal`, x and y
+  /// along these times their lengths. What lies inside it is the outer tile's (side 1) or the inner one's
+  /// (-1).
+  Vec3 x, y;
+  double side = 1;
+};
+
 /// All primitives of one posed hand.
 struct Primitives {
   static constexpr int kMaxCount = 40;  ///< 15 phalanges, 15 joints, 5 tips, 1 palm, some spare
   int count = 0;
   std::array<Primitive, kMaxCount> primitive{};
-  std::array<Primitive, kPhalanxCount> capsule{};  ///< whole phalanges, uncut, for the paper's depth
-  std::array<bool, kPhalanxCount> present{};       ///< which of them this pose has
+  std::array<Primitive, kPhalanxCount> capsule{};   ///< whole phalanges, uncut, for the paper's depth
+  std::array<bool, kPhalanxCount> present{};        ///< which of them this pose has
+  std::array<JointBorder, kPhalanxCount> border{};  ///< of the joint beyond each phalanx
+  std::array<bool, kFingerCount> folded{};          ///< first and last phalanx of the finger may overlap
   Prism palm;
   std::array<Vec3, kSegmentCount> base_joint{};    ///< [m] W, the joint that moves each segment
   std::array<Vec3, kSegmentCount> flexion_axis{};  ///< W, unit; turning about it opens the hand

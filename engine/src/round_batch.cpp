@@ -33,6 +33,14 @@ void write_contact(const RoundTerms<T>& pairs, Vec3 origin, std::size_t k, Conta
   contact.centre = origin + point_of(pairs.centre, k);
 }
 
+template <class T>
+void move_cuts(std::size_t from, std::size_t to, RoundTerms<T>& pairs) {
+  for (int i = 0; i < pairs.cut_count; ++i) {
+    for (auto& normal : pairs.cut_normal[i]) normal[to] = normal[from];
+    pairs.cut_offset[i][to] = pairs.cut_offset[i][from];
+  }
+}
+
 // Kernels compute whole registers: the last ones are filled with copies of a pair.
 template <class T>
 void pad(RoundTerms<T>& pairs) {
@@ -40,6 +48,7 @@ void pad(RoundTerms<T>& pairs) {
     for (auto* corner : {pairs.a, pairs.b, pairs.c}) {
       for (std::size_t axis = 0; axis < 3; ++axis) corner[axis][k] = corner[axis][0];
     }
+    move_cuts(0, k, pairs);
   }
 }
 
@@ -55,14 +64,19 @@ void copy_to_single(const RoundTerms<double>& pairs, RoundTerms<float>& single) 
   single.cut_count = pairs.cut_count;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     single.axis[axis] = number(pairs.axis[axis]);
-    for (std::size_t i = 0; i < 2; ++i) single.cut_normal[i][axis] = number(pairs.cut_normal[i][axis]);
     for (std::size_t k = 0; k < pairs.count; ++k) {
       single.a[axis][k] = number(pairs.a[axis][k]);
       single.b[axis][k] = number(pairs.b[axis][k]);
       single.c[axis][k] = number(pairs.c[axis][k]);
     }
   }
-  for (std::size_t i = 0; i < 2; ++i) single.cut_offset[i] = number(pairs.cut_offset[i]);
+  for (int i = 0; i < pairs.cut_count; ++i) {
+    for (std::size_t k = 0; k < pairs.count; ++k) {
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        single.cut_normal[i][axis][k] = number(pairs.cut_normal[i][axis][k]);
+      single.cut_offset[i][k] = number(pairs.cut_offset[i][k]);
+    }
+  }
 }
 
 // Writes the contacts that single precision is good for and leaves the other pairs.
@@ -78,6 +92,7 @@ std::size_t finish_single(RoundBatch& batch) {
       for (auto* corner : {pairs.a, pairs.b, pairs.c}) {
         for (std::size_t axis = 0; axis < 3; ++axis) corner[axis][left] = corner[axis][k];
       }
+      move_cuts(k, left, pairs);
       batch.contact[left++] = batch.contact[k];
       continue;
     }
@@ -122,20 +137,19 @@ void begin_batch(const Primitive& primitive, double tolerance, RoundBatch& batch
   pairs.cosine = std::sqrt((1 - sine) * (1 + sine));
   pairs.tolerance = tolerance;
   pairs.cut_count = primitive.cut_count;
-  for (std::size_t i = 0; i < primitive.cut_count; ++i) {
-    const HalfSpace& cut = primitive.cut[i];
-    pairs.cut_normal[i][0] = cut.normal.x;
-    pairs.cut_normal[i][1] = cut.normal.y;
-    pairs.cut_normal[i][2] = cut.normal.z;
-    pairs.cut_offset[i] = dot(cut.normal, cut.point - end1);
-  }
 }
 
-void add_to_batch(Vec3 a, Vec3 b, Vec3 c, Contact& contact, RoundBatch& batch) {
+void add_to_batch(Vec3 a, Vec3 b, Vec3 c, const std::array<HalfSpace, 2>& cut, Contact& contact,
+                  RoundBatch& batch) {
   const std::size_t k = batch.pairs.count++;
   set_corner(a - batch.origin, k, batch.pairs.a);
   set_corner(b - batch.origin, k, batch.pairs.b);
   set_corner(c - batch.origin, k, batch.pairs.c);
+  for (int i = 0; i < batch.pairs.cut_count; ++i) {
+    const HalfSpace& space = cut[static_cast<std::size_t>(i)];
+    set_corner(space.normal, k, batch.pairs.cut_normal[i]);
+    batch.pairs.cut_offset[i][k] = dot(space.normal, space.point - batch.origin) + space.offset;
+  }
   batch.contact[k] = &contact;
 }
 

@@ -29,7 +29,9 @@ void begin_batch(const Primitive& primitive, double tolerance, RoundBatch& batch
 inline bool is_full(const RoundBatch& batch) { return batch.pairs.count == RoundTerms<double>::kCapacity; }
 
 /// Adds the pair with triangle a, b, c [m, W], whose contact is to be written when the batch is computed.
-void add_to_batch(Vec3 a, Vec3 b, Vec3 c, Contact& contact, RoundBatch& batch);
+/// `cut` has the primitive's cuts or as many others in their place; a normal of 0 cuts nothing.
+void add_to_batch(Vec3 a, Vec3 b, Vec3 c, const std::array<HalfSpace, 2>& cut, Contact& contact,
+                  RoundBatch& batch);
 
 /// Pairs the kernel leaves something of to do.
 struct RoundRest {

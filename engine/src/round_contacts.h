@@ -186,7 +186,7 @@ void round_contacts(RoundTerms<NumberOf<V>>& terms) {
     RoundPlane<V> plane;
     const auto fine = look(part, terms.axis, corner[0], corner[1], corner[2], plane);
     Polygon<V> polygon;
-    set_polygon(terms, part, plane, corner, polygon);
+    set_polygon(terms, part, plane, corner, i, polygon);
     const Corners<V> all = corners_of(part, plane, polygon);
     const auto met = both(fine, both(all.low_y<r, all.high_y> zero - r));
     const auto whole = both(met, all.outside == zero);

@@ -113,7 +113,7 @@ void remove_beyond(int cut, Polygon<V>& polygon, Excess<V> (&excess)[Polygon<V>:
 // The triangle in the plane's coordinates, without what lies beyond the primitive's cuts.
 template <class V>
 void set_polygon(const RoundTerms<NumberOf<V>>& terms, const RoundPart<V>& part, const RoundPlane<V>& plane,
-                 const Wide3<V> (&corner)[3], Polygon<V>& polygon) {
+                 const Wide3<V> (&corner)[3], std::size_t lane, Polygon<V>& polygon) {
   Wide2<V> flat[3];
   for (int i = 0; i < 3; ++i) flat[i] = {dot(corner[i], plane.u), dot(corner[i], plane.v)};
   polygon.count = 3;
@@ -124,9 +124,8 @@ void set_polygon(const RoundTerms<NumberOf<V>>& terms, const RoundPart<V>& part,
   for (int cut = 0; cut < 2; ++cut) {
     V f[3] = {zero, zero, zero};
     if (cut < terms.cut_count) {
-      const Wide3<V> normal{V(terms.cut_normal[cut][0]), V(terms.cut_normal[cut][1]),
-                            V(terms.cut_normal[cut][2])};
-      const V offset = V(terms.cut_offset[cut]);
+      const Wide3<V> normal = three<V>(terms.cut_normal[cut], lane);
+      const V offset = get(terms.cut_offset[cut] + lane, V{});
       for (int i = 0; i < 3; ++i) f[i] = dot(normal, corner[i]) - offset;
       // A triangle in the plane between two tiles belongs to the one it faces away from.
       const auto within =

@@ -16,16 +16,17 @@ struct RoundTerms {
   std::size_t count = 0;
 
   // The primitive. The first end is the larger one; a sphere has length 0.
-  T axis[3] = {0, 0, 1};                        ///< W, unit, from the first end to the second
-  T length = 0;                                 ///< [m] between the ends
-  T radius1 = 0, radius2 = 0;                   ///< [m] radius1 >= radius2
-  T sine = 0, cosine = 1;                       ///< of the cone's half angle
-  int cut_count = 0;                            ///< half-spaces that bound it besides
-  T cut_normal[2][3] = {}, cut_offset[2] = {};  ///< W, unit; [m] kept is dot(normal, p - end1) <= offset
-  T tolerance = 0;                              ///< Settings::tolerance
+  T axis[3] = {0, 0, 1};       ///< W, unit, from the first end to the second
+  T length = 0;                ///< [m] between the ends
+  T radius1 = 0, radius2 = 0;  ///< [m] radius1 >= radius2
+  T sine = 0, cosine = 1;      ///< of the cone's half angle
+  int cut_count = 0;           ///< half-spaces that bound it besides
+  T tolerance = 0;             ///< Settings::tolerance
 
   alignas(64) T a[3][kCapacity], b[3][kCapacity],
       c[3][kCapacity];  ///< [m] W, corners relative to the first end
+  // The half-spaces: kept is dot(normal, p - end1) <= offset. W, unit, or 0 where nothing is cut; [m].
+  alignas(64) T cut_normal[2][3][kCapacity], cut_offset[2][kCapacity];
 
   // Results; only of contacts but for the status. Points are relative to the first end.
   alignas(64) T status[kCapacity];

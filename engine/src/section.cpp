@@ -109,6 +109,26 @@ void set_round_zones(Section& section) {
   add_sphere_zone(Zone::second_end, border.second, kInfinity, x2, section.radius2, section.h2, section);
 }
 
+// A triangle parallel to a cut to rounding, the sine of the angle between them less than this, is cut whole.
+constexpr double kSamePlane = 1e-12;
+
+// As near to a cut as this share of the larger radius a corner lies in it.
+constexpr double kInPlane = 16e-15;
+
+// A triangle in the plane in which two tiles meet belongs to the one it faces away from: their normals are
+// opposite to the last bit, so just one of the two keeps it. The lanes do the same (round_polygon.h).
+bool lies_in_plane(const HalfSpace& cut, double tiny, Vec3 a, Vec3 b, Vec3 c) {
+  const auto is_within = [&](Vec3 p) {
+    return std::fabs(dot(cut.normal, p - cut.point) - cut.offset) <= tiny;
+  };
+  return is_within(a) && is_within(b) && is_within(c);
+}
+
+bool keeps_parallel(const HalfSpace& cut, double tiny, Vec3 a, Vec3 b, Vec3 c, Vec3 n) {
+  if (lies_in_plane(cut, tiny, a, b, c)) return dot(cut.normal, n) <= 0;
+  return dot(cut.normal, a - cut.point) <= cut.offset;
+}
+
 void set_polygon(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& section) {
   section.polygon.count = 3;
   const Vec3 corner[3] = {a - section.origin, b - section.origin, c - section.origin};
@@ -119,8 +139,13 @@ void set_polygon(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& se
   for (int i = 0; i < primitive.cut_count; ++i) {
     const HalfSpace& cut = primitive.cut[static_cast<std::size_t>(i)];
     const Point2 direction{dot(cut.normal, section.u), dot(cut.normal, section.v)};
+    const double tiny = kInPlane * section.radius1;
+    if (dot(direction, direction) < kSamePlane * kSamePlane || lies_in_plane(cut, tiny, a, b, c)) {
+      if (!keeps_parallel(cut, tiny, a, b, c, section.n)) section.polygon.count = 0;
+      continue;
+    }
     const double offset =
-        dot(cut.normal, cut.point - section.origin) + section.h1 * dot(cut.normal, section.n);
+        dot(cut.normal, cut.point - section.origin) + cut.offset + section.h1 * dot(cut.normal, section.n);
     cut_polygon(direction, offset, section.polygon);
   }
 }
@@ -171,7 +196,7 @@ double eta_squared(const Zone& zone, double x) {
 }
 
 void cut_polygon(Point2 direction, double offset, Polygon2& polygon) {
-  std::array<double, Polygon2::kMaxCorners> excess{};
+  std::array<double, Polygon2::kMaxCorners> excess;  // of as many as there are corners
   bool outside = false;
   for (int i = 0; i < polygon.count; ++i) {
     excess[static_cast<std::size_t>(i)] =
@@ -192,8 +217,9 @@ void cut_polygon(Point2 direction, double offset, Polygon2& polygon) {
           runs_back(p, q) ? q + (eq / (eq - ep)) * (p - q) : p + (ep / (ep - eq)) * (q - p);
     }
   }
-  if (kept.count < 3) kept.count = 0;
-  polygon = kept;
+  polygon.count = kept.count < 3 ? 0 : kept.count;
+  for (int i = 0; i < polygon.count; ++i)
+    polygon.corner[static_cast<std::size_t>(i)] = kept.corner[static_cast<std::size_t>(i)];
 }
 
 bool look_along(const Primitive& primitive, Vec3 point, Vec3 n, Vec3 along, Section& section) {
