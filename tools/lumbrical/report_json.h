@@ -1,0 +1,67 @@
+// Values out of JSON that others wrote. What is missing or of another kind throws std::runtime_error with its
+// place.
+#pragma once
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "output.h"
+
+namespace lumbrical::tool {
+
+inline std::string place(const char* list, std::size_t index) {
+  return std::string(list) + "[" + std::to_string(index) + "]";
+}
+
+[[noreturn]] inline void refuse(const std::string& where, const char* key, const char* what) {
+  throw std::runtime_error(where + (where.empty() ? "" : ".") + key + ": " + what);
+}
+
+/// The member `key` of the object at `where`.
+inline const Json& member_at(const Json& object, const char* key, const std::string& where) {
+  if (!object.is_object() || !object.contains(key)) refuse(where, key, "is missing");
+  return object[key];
+}
+
+inline std::string text_at(const Json& object, const char* key, const std::string& where) {
+  const Json& member = member_at(object, key, where);
+  if (!member.is_string()) refuse(where, key, "is not a text");
+  return member.get<std::string>();
+}
+
+/// Finite and not negative.
+inline double amount_at(const Json& object, const char* key, const std::string& where) {
+  const Json& member = member_at(object, key, where);
+  const double value = member.is_number() ? member.get<double>() : -1;
+  if (!(value >= 0 && std::isfinite(value))) refuse(where, key, "is not a number from 0 on");
+  return value;
+}
+
+/// Finite and positive, within what logarithmic axes can show.
+inline double positive_at(const Json& object, const char* key, const std::string& where) {
+  const double value = amount_at(object, key, where);
+  if (!(value >= 1e-100 && value <= 1e100)) refuse(where, key, "is not a positive number");
+  return value;
+}
+
+inline const Json& array_at(const Json& object, const char* key) {
+  const Json& member = member_at(object, key, "");
+  if (!member.is_array()) refuse("", key, "is not a list");
+  return member;
+}
+
+inline const Json& object_at(const Json& object, const char* key, const std::string& where) {
+  const Json& member = member_at(object, key, where);
+  if (!member.is_object()) refuse(where, key, "is not an object");
+  return member;
+}
+
+/// "3.5e-12"; zero is "0".
+inline std::string scientific(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), value == 0 ? "0" : "%.1e", value);
+  return text.data();
+}
+
+}  // namespace lumbrical::tool
