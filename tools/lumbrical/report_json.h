@@ -2,7 +2,8 @@
 // place.
 #pragma once
 
-#include <cmath>
+#include <array>
+#include <cstdio>
 #include <stdexcept>
 #include <string>
 
@@ -30,18 +31,18 @@ inline std::string text_at(const Json& object, const char* key, const std::strin
   return member.get<std::string>();
 }
 
-/// Finite and not negative.
+/// From 0 to 1e100. What is below 1e-100 counts as 0: logarithmic axes stay within what a double can hold.
 inline double amount_at(const Json& object, const char* key, const std::string& where) {
   const Json& member = member_at(object, key, where);
   const double value = member.is_number() ? member.get<double>() : -1;
-  if (!(value >= 0 && std::isfinite(value))) refuse(where, key, "is not a number from 0 on");
-  return value;
+  if (!(value >= 0 && value <= 1e100)) refuse(where, key, "is not a number from 0 to 1e100");
+  return value < 1e-100 ? 0 : value;
 }
 
-/// Finite and positive, within what logarithmic axes can show.
+/// From 1e-100 to 1e100.
 inline double positive_at(const Json& object, const char* key, const std::string& where) {
   const double value = amount_at(object, key, where);
-  if (!(value >= 1e-100 && value <= 1e100)) refuse(where, key, "is not a positive number");
+  if (value <= 0) refuse(where, key, "is not a positive number");
   return value;
 }
 
