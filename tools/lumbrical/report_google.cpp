@@ -170,7 +170,8 @@ void add_table(const std::vector<Measured>& all, Results& results) {
   }
 }
 
-// A context that tools/bench has put in says which processor and compiler; others at least how many cores.
+// tools/bench adds processor, compiler and command to the context; without it there are cores and the
+// program.
 void add_context(const Json& context, Results& results) {
   for (const char* const key : {"cpu", "compiler", "date", "library_version"}) {
     if (context.contains(key)) results.origin.emplace_back(key, text_at(context, key, "context"));
@@ -180,7 +181,8 @@ void add_context(const Json& context, Results& results) {
                                            brief(positive_at(context, "mhz_per_cpu", "context")) + " MHz");
   const std::string program = text_at(context, "executable", "context");
   results.title = program.substr(program.rfind('/') + 1);
-  results.command = program + " --benchmark_out=" + results.file + " --benchmark_out_format=json";
+  const bool knows_command = context.contains("command");
+  results.command = knows_command ? text_at(context, "command", "context") : program;
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace lumbrical::tool {
 namespace {
 
 constexpr double kWidth = 400, kHeight = 300, kLeft = 62, kRight = 14, kTop = 28, kBottom = 46;
-constexpr double kZeroWidth = 30;  // of the place for x = 0
+constexpr double kZeroWidth = 44;  // of the place for x = 0
 constexpr std::size_t kColourCount = 8, kShapeCount = 4;
 
 template <class... Values>
