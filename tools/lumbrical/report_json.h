@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <cstdio>
 #include <stdexcept>
 #include <string>
@@ -63,6 +64,11 @@ inline std::string scientific(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), value == 0 ? "0" : "%.1e", value);
   return text.data();
+}
+
+/// "1,234"; a count that no benchmark can have is cut to 1e15.
+inline std::string count_text(double count) {
+  return grouped(static_cast<std::uint64_t>(count < 1e15 ? count : 1e15));
 }
 
 }  // namespace lumbrical::tool

@@ -2,11 +2,8 @@
 #include "report_results.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -53,7 +50,7 @@ double speed_of(const Json& speeds, const std::string& law, const std::string& p
 void read_accuracy(const Json& json, Results& results) {
   results.title = "Laws against the reference";
   add_origin(json, results);
-  results.origin.emplace_back("pairs", brief(positive_at(json, "pairs", "")));
+  results.origin.emplace_back("pairs", count_text(positive_at(json, "pairs", "")));
   results.table.head = {"law",  "precision", "shape", "ns per pair", "quantity",
                         "unit", "median",    "98 %",  "worst"};
   Figure& figure = results.figures.emplace_back();
@@ -119,7 +116,7 @@ std::vector<Figure> peer_figures(const std::string& clock) {
 void read_peers(const Json& json, Results& results) {
   results.title = "The hand's tick beside other libraries";
   add_origin(json, results);
-  results.origin.emplace_back("poses", brief(positive_at(json, "poses", "")));
+  results.origin.emplace_back("poses", count_text(positive_at(json, "poses", "")));
   results.table.head = {"scene",      "triangles",   "touched",  "contender", "median us",
                         "p99 us",     "times ours",  "contacts", "missed",    "extra",
                         "area error", "force error", "build ms"};
@@ -134,7 +131,7 @@ void read_peers(const Json& json, Results& results) {
     const double triangles = positive_at(row, "triangles", where);
     const double time = positive_at(row, "median_us", where), error = amount_at(row, "force_error", where);
     const double missed = amount_at(row, "missed", where);
-    const std::string count = grouped(static_cast<std::uint64_t>(std::min(triangles, 1e15)));
+    const std::string count = count_text(triangles);
     const std::size_t series = index_of(by_error.series, contender);
     by_size.series = by_error.series;
     const std::string label = contender + ", " + scene + ", " + count + " triangles: " + brief(time) +
