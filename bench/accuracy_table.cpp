@@ -49,6 +49,7 @@ std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') result += '\\';
+    if (c == '\n') result += "\\n";
     if (static_cast<unsigned char>(c) >= 0x20) result += c;
   }
   return result + '"';

@@ -27,7 +27,7 @@ std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') result += '\\';
-    result += c == '\n' ? ' ' : c;
+    result += c == '\n' ? std::string("\\n") : std::string(1, c);
   }
   return result + '"';
 }

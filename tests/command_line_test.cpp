@@ -42,7 +42,7 @@ TEST(CommandLine, HelpAndVersionSucceed) {
   EXPECT_EQ(shell("lumbrical --version", folder).exit_code, 0);
   EXPECT_EQ(shell("lumbrical --help", folder).exit_code, 0);
   for (const char* const command :
-       {"run", "replay", "diff", "info", "verify", "recover", "export", "probe", "inspect"}) {
+       {"run", "replay", "diff", "info", "verify", "recover", "export", "probe", "inspect", "report"}) {
     const Outcome outcome = shell("lumbrical " + std::string(command) + " --help", folder);
     EXPECT_EQ(outcome.exit_code, 0) << command;
     EXPECT_FALSE(outcome.output.empty());

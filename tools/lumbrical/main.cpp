@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
     add_probe(app, exit_code);
     add_inspect(app, exit_code);
     add_sim_device(app, exit_code);
+    add_report(app, exit_code);
     app.parse(argc, argv);
     if (app.get_subcommands().empty()) throw CLI::RequiredError("A subcommand");
   } catch (const CLI::ParseError& error) {

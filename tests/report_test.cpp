@@ -1,0 +1,317 @@
+// The page that lumbrical report draws: points at their places on the axes, the Pareto front of small
+// results, and what happens to files that are no results.
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "program.h"
+
+namespace lumbrical::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+struct Alternative {
+  const char* law;
+  const char* precision;
+  double nanoseconds, error;
+};
+
+Json accuracy_of(const std::vector<Alternative>& alternatives) {
+  Json json = {{"cpu", "a <b>processor</b>"},
+               {"isa", "none"},
+               {"compiler", "cc 1"},
+               {"flags", "-O2"},
+               {"pairs", 100},
+               {"command", "bench/accuracy --pairs 100"},
+               {"speeds", Json::array()},
+               {"errors", Json::array()}};
+  for (const Alternative& one : alternatives) {
+    json["speeds"].push_back({{"law", one.law},
+                              {"precision", one.precision},
+                              {"shape", "sphere"},
+                              {"angle", "any"},
+                              {"ns_per_pair", one.nanoseconds}});
+    json["errors"].push_back(
+        {{"law", one.law},
+         {"precision", one.precision},
+         {"shape", "sphere"},
+         {"angle", "all"},
+         {"quantity", "volume"},
+         {"unit", "R^3"},
+         {"absolute", {{"median", one.error / 10}, {"p98", one.error}, {"worst", 10 * one.error}}}});
+  }
+  return json;
+}
+
+fs::path folder_with(const Json& json) {
+  const fs::path folder = fresh_folder();
+  fs::create_directory(folder / "results");
+  std::ofstream(folder / "results" / "accuracy.json") << json.dump(1);
+  return folder;
+}
+
+// The first plot of that title; empty if there is none.
+std::string plot_in(const std::string& page, const std::string& title) {
+  const std::size_t at = page.find(">" + title + "</text>");
+  if (at == std::string::npos) return {};
+  return page.substr(at, page.find("</svg>", at) - at);
+}
+
+struct Mark {
+  double x = 0, y = 0;
+  bool on_front = false;
+};
+
+// By what stands before the colon of their labels.
+std::map<std::string, Mark> marks_in(const std::string& plot) {
+  static const std::regex pattern(
+      R"re(<g class="point s\d( front)?" transform="translate\(([0-9.]+) ([0-9.]+)\)">.*<title>([^:<]*):)re");
+  std::map<std::string, Mark> marks;
+  for (std::sregex_iterator match(plot.begin(), plot.end(), pattern), end; match != end; ++match)
+    marks[(*match)[4]] = {std::stod((*match)[2]), std::stod((*match)[3]), (*match)[1].matched};
+  return marks;
+}
+
+// Where an axis has its labelled ticks: value and place.
+std::map<double, double> ticks_in(const std::string& plot, char axis) {
+  const std::regex pattern(std::string("<text class=\"") + axis +
+                           R"re(" x="([0-9.]+)" y="([0-9.]+)"[^>]*>([-0-9.e]+)</text>)re");
+  std::map<double, double> ticks;
+  for (std::sregex_iterator match(plot.begin(), plot.end(), pattern), end; match != end; ++match)
+    ticks[std::stod((*match)[3])] = std::stod((*match)[axis == 'x' ? 1 : 2]);
+  return ticks;
+}
+
+// Read off the axis as a person would: from its outermost labels, on a logarithmic scale.
+double read_off(std::map<double, double> ticks, double place) {
+  ticks.erase(0);
+  if (ticks.size() < 2) return NAN;
+  const auto [low, low_place] = *ticks.begin();
+  const auto [high, high_place] = *ticks.rbegin();
+  return low * std::pow(high / low, (place - low_place) / (high_place - low_place));
+}
+
+std::set<std::string> front_of(const std::string& page, const std::string& title) {
+  std::set<std::string> names;
+  for (const auto& [name, mark] : marks_in(plot_in(page, title))) {
+    if (mark.on_front) names.insert(name);
+  }
+  return names;
+}
+
+TEST(Report, PointsStandWhereTheAxesSayTheyDo) {
+  const std::vector<Alternative> alternatives = {
+      {"field", "exact", 3051, 7.77e-16}, {"field", "1e-2", 2613, 5e-7}, {"point", "exact", 516, 0}};
+  const fs::path folder = folder_with(accuracy_of(alternatives));
+  const Outcome outcome = shell("lumbrical report results --out page.html", folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const std::string page = read_file((folder / "page.html").string());
+  for (const auto& [title, factor] :
+       {std::pair{"sphere, 98 % of the pairs", 1.0}, std::pair{"sphere, worst pair", 10.0}}) {
+    const std::string plot = plot_in(page, title);
+    const auto x = ticks_in(plot, 'x'), y = ticks_in(plot, 'y');
+    auto marks = marks_in(plot);
+    ASSERT_EQ(marks.size(), alternatives.size()) << title;
+    for (const Alternative& one : alternatives) {
+      const Mark mark = marks[std::string(one.law) + ", " + one.precision + ", sphere"];
+      EXPECT_NEAR(read_off(y, mark.y) / one.nanoseconds, 1, 0.01) << one.law;
+      if (one.error > 0) {
+        EXPECT_NEAR(read_off(x, mark.x) / (factor * one.error), 1, 0.01) << one.law;
+      } else {
+        EXPECT_NEAR(mark.x, x.at(0), 0.01) << "what is exactly 0 stands above the 0";
+      }
+    }
+  }
+  EXPECT_NE(page.find("time [ns per pair]"), std::string::npos);
+  EXPECT_NE(page.find("error [R^3; law point: R]"), std::string::npos);
+}
+
+TEST(Report, TheParetoFrontIsWhatNothingElseBeats) {
+  // c is beaten by b in both, e ties with d in error and is slower, f equals b, g ties with a in time.
+  const fs::path folder = folder_with(accuracy_of({{"a", "exact", 100, 1e-3},
+                                                   {"b", "exact", 200, 1e-6},
+                                                   {"c", "exact", 300, 1e-5},
+                                                   {"d", "exact", 900, 0},
+                                                   {"e", "exact", 950, 0},
+                                                   {"f", "exact", 200, 1e-6},
+                                                   {"g", "exact", 100, 1e-2}}));
+  ASSERT_EQ(shell("lumbrical report results --out page.html", folder).exit_code, 0);
+  const std::string page = read_file((folder / "page.html").string());
+  EXPECT_EQ(front_of(page, "sphere, 98 % of the pairs"),
+            (std::set<std::string>{"a, exact, sphere", "b, exact, sphere", "d, exact, sphere",
+                                   "f, exact, sphere"}));
+}
+
+TEST(Report, ThePageStandsAloneAndTakesNamesLiterally) {
+  const fs::path folder = folder_with(accuracy_of({{"<script>alert(1)</script>", "'\"&", 100, 1e-3}}));
+  ASSERT_EQ(shell("lumbrical report results", folder).exit_code, 0);
+  const std::string page = read_file((folder / "report.html").string());
+  for (const char* const foreign :
+       {"<script", "<b>", "src=", "href=", "http://", "https://", "@import", "url("})
+    EXPECT_EQ(page.find(foreign), std::string::npos) << foreign;
+  for (const char* const said : {"a &lt;b&gt;processor", "cc 1", "-O2", "bench/accuracy --pairs 100",
+                                 "&lt;script&gt;", "&#39;&quot;&amp;", "prefers-color-scheme: dark"})
+    EXPECT_NE(page.find(said), std::string::npos) << said;
+}
+
+TEST(Report, PeersAndGoogleBenchmarkAreDrawnOverTriangles) {
+  const fs::path folder = fresh_folder();
+  fs::create_directory(folder / "results");
+  Json rows = Json::array();
+  for (const auto& [contender, triangles, time, error] :
+       {std::tuple{"ours", 200, 10.0, 0.0}, std::tuple{"theirs", 200, 40.0, 0.3},
+        std::tuple{"ours", 80000, 30.0, 0.0}, std::tuple{"theirs", 80000, 700.0, 0.2}})
+    rows.push_back({{"scene", "A drape"},
+                    {"contender", contender},
+                    {"triangles", triangles},
+                    {"touched", 7},
+                    {"median_us", time},
+                    {"p99_us", time},
+                    {"times_ours", 1},
+                    {"contacts", 7},
+                    {"missed", 0},
+                    {"extra", 0},
+                    {"area_error", nullptr},
+                    {"force_error", error},
+                    {"fitted", true},
+                    {"build_ms", 1}});
+  std::ofstream(folder / "results" / "peers.json")
+      << Json{{"cpu", "x"}, {"compiler", "c"}, {"flags", ""}, {"isa", "sse2"}, {"command", "bench/peers"},
+              {"poses", 4}, {"clock", "wall"}, {"rows", rows}};
+  Json benchmarks = Json::array();
+  for (const auto& [name, triangles, time] :
+       {std::tuple{"grasp/field/mug_16", 400, 20.0}, std::tuple{"grasp/field/mug_64", 6400, 90.0}})
+    benchmarks.push_back({{"name", name},
+                          {"run_name", name},
+                          {"run_type", "iteration"},
+                          {"real_time", 1e3},
+                          {"time_unit", "ns"},
+                          {"p50_us", time},
+                          {"triangles", triangles}});
+  benchmarks.push_back({{"name", "pair/cone/edge_1R/exact/avx2"},
+                        {"real_time", 5},
+                        {"time_unit", "us"},
+                        {"ns_per_pair", 150},
+                        {"error_R3", 0}});
+  benchmarks.push_back({{"name", "pair/cone/edge_1R/1e-2/avx2"},
+                        {"real_time", 5},
+                        {"time_unit", "us"},
+                        {"ns_per_pair", 50},
+                        {"error_R3", 1e-5}});
+  benchmarks.push_back({{"name", "A/tree/162"},
+                        {"real_time", 4e3},
+                        {"time_unit", "ns"},
+                        {"candidates", 9},
+                        {"triangles", 162}});
+  std::ofstream(folder / "results" / "tick.json")
+      << Json{{"context", {{"executable", "bench/tick_bench"}, {"num_cpus", 2}, {"mhz_per_cpu", 2000}}},
+              {"benchmarks", benchmarks}};
+  const Outcome outcome = shell("lumbrical report results --json", folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(outcome.json()["figures"], 5);
+  const std::string page = read_file((folder / "report.html").string());
+  EXPECT_EQ(front_of(page, "A drape, 200 triangles").size(), 1u);
+  EXPECT_EQ(front_of(page, "cone, edge_1R").size(), 2u);
+  const struct {
+    const char *plot, *mark;
+    double triangles, microseconds;
+  } known[] = {{"A drape", "theirs, A drape, 80,000 triangles", 80000, 700},
+               {"A drape", "ours, A drape, 200 triangles", 200, 10},
+               {"grasp", "grasp/field/mug_64, 6400 triangles", 6400, 90},
+               {"A", "A/tree/162, 162 triangles", 162, 4}};
+  for (const auto& one : known) {
+    const std::string plot = plot_in(page, one.plot);
+    auto marks = marks_in(plot);
+    ASSERT_TRUE(marks.contains(one.mark)) << one.mark << "\n" << plot;
+    EXPECT_NEAR(read_off(ticks_in(plot, 'x'), marks[one.mark].x) / one.triangles, 1, 0.01) << one.mark;
+    EXPECT_NEAR(read_off(ticks_in(plot, 'y'), marks[one.mark].y) / one.microseconds, 1, 0.01) << one.mark;
+  }
+}
+
+TEST(Report, ForeignFilesAreRefusedAndAGoodPageStays) {
+  const Json good = accuracy_of({{"field", "exact", 100, 1e-3}});
+  Json no_time = good, negative = good, text = good, slow = good, huge = good;
+  no_time["speeds"] = Json::array();
+  negative["errors"][0]["absolute"]["p98"] = -1;
+  text["errors"][0]["absolute"]["worst"] = "small";
+  slow["speeds"][0]["ns_per_pair"] = 0;
+  huge["errors"][0]["absolute"]["worst"] = 1e300;
+  const Json google = {{"context", {{"executable", "x"}, {"cpu", "c"}}}, {"benchmarks", {7}}};
+  const std::pair<std::string, std::string> cases[] = {
+      {"", "bad.json"},
+      {"{\n \"cpu\": x}", "bad.json:2:9:"},
+      {"{\"a\": NaN}", "bad.json:1:"},
+      {"{\"a\": \"\xff\"}", "bad.json:1:"},
+      {std::string(200000, '['), "bad.json:1:200001:"},
+      {"7", "is no result"},
+      {"{\"ticks\": 3}", "is no result"},
+      {"{\"speeds\": 1, \"errors\": 2}", "is missing"},
+      {no_time.dump(), "speeds: has no time for field, exact, sphere"},
+      {negative.dump(), "errors[0].absolute.p98"},
+      {text.dump(), "errors[0].absolute.worst"},
+      {slow.dump(), "speeds[0].ns_per_pair"},
+      {huge.dump(), "errors[0].absolute.worst"},
+      {google.dump(), "benchmarks[0]"},
+  };
+  const fs::path folder = folder_with(good);
+  ASSERT_EQ(shell("lumbrical report results --out page.html", folder).exit_code, 0);
+  const std::string page = read_file((folder / "page.html").string());
+  for (const auto& [content, named] : cases) {
+    std::ofstream(folder / "results" / "bad.json", std::ios::binary) << content;
+    for (const char* const out : {"page.html", "new.html"}) {
+      const Outcome outcome = shell("lumbrical report results --out " + std::string(out), folder);
+      EXPECT_EQ(outcome.exit_code, 2) << content.substr(0, 100);
+      EXPECT_NE(outcome.error.find("bad.json"), std::string::npos) << outcome.error;
+      EXPECT_NE(outcome.error.find(named), std::string::npos) << named << "\n" << outcome.error;
+      EXPECT_NE(outcome.error.find("repeat the benchmark"), std::string::npos) << outcome.error;
+    }
+  }
+  EXPECT_EQ(read_file((folder / "page.html").string()), page);
+  EXPECT_FALSE(fs::exists(folder / "new.html"));
+  EXPECT_FALSE(fs::exists(folder / "new.html.part"));
+}
+
+TEST(Report, FoldersWithoutResultsAndPagesThatCannotBeWrittenAreNamed) {
+  const fs::path folder = folder_with(accuracy_of({{"field", "exact", 100, 1e-3}}));
+  fs::create_directory(folder / "empty");
+  fs::create_directory(folder / "pipes");
+  const std::pair<std::string, std::string> cases[] = {
+      {"report", "folder"},
+      {"report gone", "gone"},
+      {"report empty", "empty: holds no .json"},
+      {"report results/accuracy.json", "accuracy.json"},
+      {"report pipes", "pipes/p.json"},
+      {"report results --out gone/page.html", "gone/page.html"},
+      {"report results --out empty", "empty: is not a file"},
+      {"report results --out /dev/full", "/dev/full: is not a file"},
+  };
+  for (const auto& [arguments, named] : cases) {
+    const Outcome outcome =
+        shell("{ [ -e pipes/p.json ] || mkfifo pipes/p.json; } && lumbrical " + arguments, folder);
+    EXPECT_EQ(outcome.exit_code, 2) << arguments;
+    EXPECT_NE(outcome.error.find(named), std::string::npos) << arguments << "\n" << outcome.error;
+  }
+  const Outcome limited = shell("ulimit -f 1; lumbrical report results --out page.html", folder);
+  EXPECT_EQ(limited.exit_code, 2);
+  EXPECT_FALSE(fs::exists(folder / "page.html"));
+  EXPECT_FALSE(fs::exists(folder / "page.html.part"));
+}
+
+TEST(Report, TheCommittedResultsMakeAPage) {
+  const fs::path folder = fresh_folder();
+  const std::string results = LUMBRICAL_SOURCE_DIR "/bench/results/xeon_avx512_gcc12";
+  const Outcome outcome = shell("lumbrical report '" + results + "' --json", folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_GE(outcome.json()["figures"], 3);
+  EXPECT_NE(read_file((folder / "report.html").string()).find("xeon_avx512_gcc12/peers.json"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace lumbrical::test

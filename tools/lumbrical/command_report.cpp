@@ -1,0 +1,101 @@
+// lumbrical report: results of the benchmark programs as one self-contained HTML page.
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "commands.h"
+#include "output.h"
+#include "report_page.h"
+
+namespace lumbrical::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ReportSwitches {
+  std::vector<std::string> folders;
+  std::string out = "report.html";
+  bool json = false;
+};
+
+Status read_folder(const std::string& path, ResultFolder& folder) {
+  std::error_code error;
+  std::vector<std::string> files;
+  for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error)) {
+    if (entry->path().extension() == ".json") files.push_back(entry->path().string());
+  }
+  if (error)
+    return Status::error(path + ": cannot be read: " + error.message() + "; name a folder of results");
+  if (files.empty())
+    return Status::error(path + ": holds no .json file; let the benchmarks write there first (tools/bench)");
+  std::sort(files.begin(), files.end());
+  const fs::path whole = fs::absolute(path).lexically_normal();
+  folder.name = (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+  for (const std::string& file : files) {
+    if (Status status = read_results(file, folder.results.emplace_back()); !status.ok()) return status;
+  }
+  return {};
+}
+
+// Grows beside the page and takes its place when it is whole.
+Status write_page(const std::string& path, const std::string& page) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode))
+    return Status::error(path + ": is not a file; name the page otherwise with --out");
+  const std::string growing = path + ".part";
+  const auto failed = [&](const std::string& what) {
+    const std::string why = std::generic_category().message(errno);
+    std::remove(growing.c_str());
+    return Status::error(what + ": " + why + "; name the page otherwise with --out");
+  };
+  errno = 0;
+  std::ofstream file(growing, std::ios::binary);
+  if (!file) return failed(growing + ": cannot be created");
+  file << page;
+  file.close();
+  if (!file) return failed(growing + ": cannot be written");
+  if (std::rename(growing.c_str(), path.c_str()) != 0) return failed(path + ": cannot be replaced");
+  return {};
+}
+
+int report(const ReportSwitches& switches) {
+  std::vector<ResultFolder> folders(switches.folders.size());
+  std::size_t files = 0, figures = 0;
+  for (std::size_t i = 0; i < folders.size(); ++i) {
+    if (Status status = read_folder(switches.folders[i], folders[i]); !status.ok()) return fail(status);
+    files += folders[i].results.size();
+    for (const Results& results : folders[i].results) figures += results.figures.size();
+  }
+  const std::string page = page_html(folders);
+  if (Status status = write_page(switches.out, page); !status.ok()) return fail(status);
+  if (switches.json) return print_json({{"page", switches.out}, {"files", files}, {"figures", figures}});
+  return print_text(switches.out + ": " + grouped(figures) + " figures from " + grouped(files) + " files, " +
+                    brief(1e-3 * static_cast<double>(page.size())) + " kB\n");
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, int& exit_code) {
+  const auto switches = std::make_shared<ReportSwitches>();
+  CLI::App* const command =
+      app.add_subcommand("report", "Draw results of the benchmarks as one self-contained HTML page");
+  command->add_option("folder", switches->folders, "Folder whose .json files benchmarks wrote")
+      ->required()
+      ->expected(-1)
+      ->type_name("FOLDER");
+  command->add_option("--out,-o", switches->out, "Page to write")
+      ->type_name("PAGE.html")
+      ->capture_default_str();
+  command->add_flag("--json", switches->json, "Print one JSON object");
+  command->callback([switches, &exit_code] { exit_code = report(*switches); });
+}
+
+}  // namespace lumbrical::tool

@@ -1,0 +1,198 @@
+// See report_google.h.
+#include "report_google.h"
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+
+#include "report_json.h"
+
+namespace lumbrical::tool {
+namespace {
+
+/// One benchmark, its name taken apart at the slashes.
+struct Measured {
+  std::string name;
+  std::vector<std::string> parts;
+  const Json* row = nullptr;
+  std::string where;
+  double microseconds = 0;  // per iteration
+};
+
+double microseconds_per(const std::string& unit, const std::string& where) {
+  if (unit == "ns") return 1e-3;
+  if (unit == "us") return 1;
+  if (unit == "ms") return 1e3;
+  if (unit == "s") return 1e6;
+  refuse(where, "time_unit", "is not ns, us, ms or s");
+}
+
+bool is_true(const Json& row, const char* key) { return row.contains(key) && row[key] == true; }
+
+bool has_number(const Measured& measured, const char* key) {
+  return measured.row->contains(key) && (*measured.row)[key].is_number();
+}
+
+std::string words(const std::vector<std::string>& parts, std::size_t first, std::size_t last) {
+  std::string text;
+  for (std::size_t i = first; i < std::min(last, parts.size()); ++i)
+    text += (text.empty() ? "" : ", ") + parts[i];
+  return text;
+}
+
+// Of repetitions only the median counts, where it was asked for; a benchmark that gave up has no time.
+std::vector<Measured> measured_in(const Json& rows) {
+  std::set<std::string> repeated;
+  for (const Json& row : rows) {
+    if (row.is_object() && row.value("aggregate_name", Json()) == "median" && row.contains("run_name"))
+      repeated.insert(text_at(row, "run_name", "benchmarks"));
+  }
+  std::vector<Measured> all;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    Measured measured;
+    measured.row = &rows[i];
+    measured.where = place("benchmarks", i);
+    const Json& row = rows[i];
+    const char* const key = row.is_object() && row.contains("run_name") ? "run_name" : "name";
+    measured.name = text_at(row, key, measured.where);
+    const bool is_median = row.value("aggregate_name", Json()) == "median";
+    const bool is_aggregate = row.value("run_type", Json()) == "aggregate";
+    if (is_true(row, "error_occurred") || is_true(row, "skipped")) continue;
+    if (repeated.contains(measured.name) ? !is_median : is_aggregate) continue;
+    measured.microseconds = positive_at(row, "real_time", measured.where) *
+                            microseconds_per(text_at(row, "time_unit", measured.where), measured.where);
+    std::istringstream name(measured.name);
+    for (std::string part; std::getline(name, part, '/');) {
+      if (part != "real_time") measured.parts.push_back(part);
+    }
+    all.push_back(std::move(measured));
+  }
+  return all;
+}
+
+// ---- Figures ----
+
+Figure pair_figure() {
+  Figure figure;
+  figure.title = "Time against error, field law, pairs in batches";
+  figure.note =
+      "Error: the largest difference of a volume from the exact rung, which is therefore at 0. R is the "
+      "larger "
+      "radius of the hand part; a triangle's size is in its name. Ringed: no other precision and instruction "
+      "set is both faster and more accurate.";
+  figure.x_label = "error of the volume [R^3]";
+  figure.y_label = "time [ns per pair]";
+  figure.front = true;
+  return figure;
+}
+
+Figure size_figure(const char* title, const char* note, const char* y_label) {
+  Figure figure;
+  figure.title = title;
+  figure.note = note;
+  figure.x_label = "triangles in the scene";
+  figure.y_label = y_label;
+  return figure;
+}
+
+// pair/SHAPE/SIZE/PRECISION/ISA
+void add_pair(const Measured& measured, Figure& figure) {
+  const double time = positive_at(*measured.row, "ns_per_pair", measured.where);
+  const double error = amount_at(*measured.row, "error_R3", measured.where);
+  const std::size_t series = index_of(figure.series, words(measured.parts, 4, measured.parts.size()));
+  const std::size_t marker = index_of(figure.markers, measured.parts[3]);
+  plot_of(figure, words(measured.parts, 1, 3))
+      .points.push_back({error, time, series, marker,
+                         measured.name + ": " + brief(time) + " ns, " + scientific(error) + " R^3"});
+}
+
+// WHAT/HOW/SIZE, and perhaps more of how
+void add_size(const Measured& measured, double time, Figure& figure) {
+  const double triangles = positive_at(*measured.row, "triangles", measured.where);
+  const std::string rest = words(measured.parts, 3, measured.parts.size());
+  const std::string how = measured.parts[1] + (rest.empty() ? "" : ", " + rest);
+  plot_of(figure, measured.parts[0])
+      .points.push_back({triangles, time, index_of(figure.series, how), 0,
+                         measured.name + ", " + brief(triangles) + " triangles: " + brief(time) + " us"});
+}
+
+void add_figures(const std::vector<Measured>& all, Results& results) {
+  Figure pairs = pair_figure();
+  Figure ticks =
+      size_figure("Tick time against triangle count", "Median of the whole tick.", "tick, median [us]");
+  Figure searches = size_figure(
+      "Search time against triangle count",
+      "The search alone, for the whole pressed hand. Scene A is 300 mm wide, ever finer; in scene B "
+      "triangles measure 5 mm and it grows.",
+      "search [us]");
+  for (const Measured& measured : all) {
+    const std::size_t parts = measured.parts.size();
+    if (parts >= 5 && has_number(measured, "ns_per_pair") && has_number(measured, "error_R3")) {
+      add_pair(measured, pairs);
+    } else if (parts >= 3 && has_number(measured, "p50_us") && has_number(measured, "triangles")) {
+      add_size(measured, positive_at(*measured.row, "p50_us", measured.where), ticks);
+    } else if (parts >= 3 && has_number(measured, "candidates") && has_number(measured, "triangles")) {
+      add_size(measured, measured.microseconds, searches);
+    }
+  }
+  for (Figure* const figure : {&pairs, &ticks, &searches}) {
+    if (!figure->plots.empty()) results.figures.push_back(std::move(*figure));
+  }
+}
+
+// ---- Tables ----
+
+// What Google Benchmark itself says of every benchmark; the rest are counters.
+bool is_counter(const std::string& key, const Json& value) {
+  static const std::set<std::string> kOwn = {"family_index", "per_family_instance_index",
+                                             "repetitions",  "repetition_index",
+                                             "threads",      "iterations",
+                                             "real_time",    "cpu_time"};
+  return value.is_number() && !kOwn.contains(key);
+}
+
+void add_table(const std::vector<Measured>& all, Results& results) {
+  std::vector<std::string> counters;
+  for (const Measured& measured : all) {
+    for (const auto& [key, value] : measured.row->items()) {
+      if (is_counter(key, value)) index_of(counters, key);
+    }
+  }
+  results.table.head = {"benchmark", "us per iteration"};
+  results.table.head.insert(results.table.head.end(), counters.begin(), counters.end());
+  for (const Measured& measured : all) {
+    std::vector<std::string>& row = results.table.rows.emplace_back();
+    row = {measured.name, brief(measured.microseconds)};
+    for (const std::string& counter : counters) {
+      const bool has = has_number(measured, counter.c_str());
+      row.push_back(has ? brief((*measured.row)[counter].get<double>()) : "");
+    }
+  }
+}
+
+// tools/bench adds processor, compiler and command to the context; without it there are cores and the
+// program.
+void add_context(const Json& context, Results& results) {
+  for (const char* const key : {"cpu", "compiler", "date", "library_version"}) {
+    if (context.contains(key)) results.origin.emplace_back(key, text_at(context, key, "context"));
+  }
+  if (!context.contains("cpu"))
+    results.origin.emplace_back("cpu", brief(positive_at(context, "num_cpus", "context")) + " cores of " +
+                                           brief(positive_at(context, "mhz_per_cpu", "context")) + " MHz");
+  const std::string program = text_at(context, "executable", "context");
+  results.title = program.substr(program.rfind('/') + 1);
+  const bool knows_command = context.contains("command");
+  results.command = knows_command ? text_at(context, "command", "context") : program;
+}
+
+}  // namespace
+
+void read_google(const Json& json, Results& results) {
+  add_context(object_at(json, "context", ""), results);
+  const std::vector<Measured> all = measured_in(array_at(json, "benchmarks"));
+  if (all.empty()) throw std::runtime_error("benchmarks: has none that was measured");
+  add_figures(all, results);
+  add_table(all, results);
+}
+
+}  // namespace lumbrical::tool

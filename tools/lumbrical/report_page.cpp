@@ -1,0 +1,106 @@
+// See report_page.h.
+#include "report_page.h"
+
+namespace lumbrical::tool {
+namespace {
+
+// The policy forbids whatever a name in a file of results might try to fetch or run.
+constexpr const char* kHead = R"(<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<title>Lumbrical: benchmark results</title>
+<style>
+:root {
+  --back: #fff; --text: #1c2126; --weak: #59636e; --grid: #dfe3e8; --front: #1c2126;
+  --s0: #1f66b5; --s1: #c4501b; --s2: #27824a; --s3: #8446ad; --s4: #967000; --s5: #bd3377; --s6: #55606b; --s7: #0b8088;
+}
+@media (prefers-color-scheme: dark) {
+  :root {
+    --back: #14181c; --text: #e4e8ec; --weak: #9aa5b0; --grid: #2d343b; --front: #e4e8ec;
+    --s0: #6fb1f5; --s1: #f08a5d; --s2: #6ccf8b; --s3: #c79af0; --s4: #e3bd4d; --s5: #f283b6; --s6: #a9b6c2; --s7: #57cdd2;
+  }
+}
+body { background: var(--back); color: var(--text); font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto;
+  max-width: 84rem; padding: 0 1rem; }
+h1, h2, h3 { line-height: 1.2; }
+h2 { border-bottom: 1px solid var(--grid); margin-top: 3rem; }
+figure { margin: 1.5rem 0; }
+figcaption p { margin: 0.3rem 0; max-width: 60rem; color: var(--weak); }
+.plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(22rem, 1fr)); gap: 1rem; }
+.plots svg { width: 100%; height: auto; }
+.legend span { display: inline-block; margin-right: 1.2rem; color: var(--text); }
+.key { width: 18px; height: 18px; vertical-align: -4px; margin-right: 4px; }
+svg text { fill: var(--weak); font-size: 11px; }
+svg .title { fill: var(--text); font-size: 13px; font-weight: 600; }
+svg .x { text-anchor: middle; }
+svg .y { text-anchor: end; }
+.grid { stroke: var(--grid); }
+.zero { stroke: var(--weak); stroke-dasharray: 2 3; }
+.point { stroke: var(--back); stroke-width: 0.7; }
+.ring { fill: none; stroke: var(--front); stroke-width: 1.4; }
+.staircase { fill: none; stroke: var(--front); stroke-width: 1; stroke-dasharray: 5 3; opacity: 0.6; }
+.line { fill: none; stroke-width: 1.6; }
+.plain { fill: var(--weak); }
+.s0.point { fill: var(--s0); } .s0.line { stroke: var(--s0); }
+.s1.point { fill: var(--s1); } .s1.line { stroke: var(--s1); }
+.s2.point { fill: var(--s2); } .s2.line { stroke: var(--s2); }
+.s3.point { fill: var(--s3); } .s3.line { stroke: var(--s3); }
+.s4.point { fill: var(--s4); } .s4.line { stroke: var(--s4); }
+.s5.point { fill: var(--s5); } .s5.line { stroke: var(--s5); }
+.s6.point { fill: var(--s6); } .s6.line { stroke: var(--s6); }
+.s7.point { fill: var(--s7); } .s7.line { stroke: var(--s7); }
+.wide { overflow-x: auto; }
+table { border-collapse: collapse; font-size: 13px; font-variant-numeric: tabular-nums; }
+th, td { text-align: left; padding: 0.2rem 0.7rem 0.2rem 0; border-bottom: 1px solid var(--grid); vertical-align: top; }
+pre { overflow-x: auto; border: 1px solid var(--grid); padding: 0.6rem; }
+summary { cursor: pointer; }
+</style>
+</head>
+<body>
+<h1>Lumbrical: benchmark results</h1>
+<p>Times and errors as the benchmark programs wrote them. Both axes are logarithmic; what is exactly 0 stands left of
+the axis. Rest the pointer on a mark for its figures; the tables hold all of them.</p>
+)";
+
+std::string cells(const std::vector<std::string>& texts, const char* element) {
+  std::string html = "<tr>";
+  for (const std::string& text : texts)
+    html += std::string("<") + element + ">" + escaped(text) + "</" + element + ">";
+  return html + "</tr>\n";
+}
+
+std::string origin_html(const Results& results) {
+  std::string html = "<div class=\"wide\"><table>\n";
+  for (const auto& [name, value] : results.origin)
+    html += "<tr><th>" + escaped(name) + "</th><td>" + escaped(value) + "</td></tr>\n";
+  return html + "</table></div>\n<p>Repeat it with</p>\n<pre>" + escaped(results.command) + "</pre>\n";
+}
+
+std::string table_html(const ResultTable& table) {
+  std::string html = "<details><summary>" + std::to_string(table.rows.size()) +
+                     " rows of figures</summary>\n<div class=\"wide\"><table>\n<thead>" +
+                     cells(table.head, "th") + "</thead>\n<tbody>\n";
+  for (const std::vector<std::string>& row : table.rows) html += cells(row, "td");
+  return html + "</tbody></table></div></details>\n";
+}
+
+}  // namespace
+
+std::string page_html(const std::vector<ResultFolder>& folders) {
+  std::string html = kHead;
+  for (const ResultFolder& folder : folders) {
+    for (const Results& results : folder.results) {
+      html += "<section>\n<h2>" + escaped(results.title) + "</h2>\n<p>" +
+              escaped(folder.name + "/" + results.file) + "</p>\n" + origin_html(results);
+      for (const Figure& figure : results.figures) html += figure_html(figure);
+      html += table_html(results.table) + "</section>\n";
+    }
+  }
+  return html + "</body>\n</html>\n";
+}
+
+}  // namespace lumbrical::tool

@@ -1,0 +1,48 @@
+// Figures of the benchmark report: points on two logarithmic axes, drawn as SVG that needs no script.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lumbrical::tool {
+
+struct PlotPoint {
+  double x = 0;            ///< finite, not negative; 0 stands in a place of its own left of the axis
+  double y = 0;            ///< finite, positive
+  std::size_t series = 0;  ///< index into Figure::series: the colour
+  std::size_t marker = 0;  ///< index into Figure::markers: the shape
+  std::string label;       ///< shown where the pointer rests
+};
+
+/// One pair of axes: alternatives for one and the same job.
+struct Plot {
+  std::string title;
+  std::vector<PlotPoint> points;
+};
+
+struct Figure {
+  std::string title, note, x_label, y_label;
+  std::vector<std::string> series, markers;
+  std::vector<Plot> plots;
+  bool front = false;  ///< marks the Pareto front; otherwise lines join the points of a series, by x
+};
+
+/// Index of `name` in `names`, where it is added if it is new.
+std::size_t index_of(std::vector<std::string>& names, const std::string& name);
+
+/// The plot of that title, added if it is new.
+Plot& plot_of(Figure& figure, const std::string& title);
+
+/// Which points no other beats: at most as large in both x and y, and smaller in one. Indices by ascending x;
+/// points that are equal stand or fall together.
+std::vector<std::size_t> pareto_front(const std::vector<PlotPoint>& points);
+
+/// Text that HTML takes literally, in elements and in quoted attributes.
+std::string escaped(std::string_view text);
+
+/// The figure with its title, note, legend and plots. Colours are CSS classes s0 .. s7 of the page.
+std::string figure_html(const Figure& figure);
+
+}  // namespace lumbrical::tool

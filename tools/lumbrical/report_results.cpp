@@ -1,0 +1,210 @@
+// See report_results.h.
+#include "report_results.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "output.h"
+#include "report_google.h"
+#include "report_json.h"
+
+namespace lumbrical::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t kLargestFile = 64u << 20;  // [bytes] results are some kilobytes
+constexpr const char* kRemedy = "; repeat the benchmark that writes it, or take it out of the folder";
+
+void add_origin(const Json& json, Results& results) {
+  for (const char* const key : {"cpu", "isa", "compiler", "flags"})
+    results.origin.emplace_back(key, text_at(json, key, ""));
+  results.command = text_at(json, "command", "");
+}
+
+// ---- accuracy ----
+
+// The mean over the angle classes, which hold equally many pairs; that is how accuracy's own table has it.
+double speed_of(const Json& speeds, const std::string& law, const std::string& precision,
+                const std::string& shape) {
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < speeds.size(); ++i) {
+    const std::string where = place("speeds", i);
+    const Json& speed = speeds[i];
+    if (text_at(speed, "law", where) != law || text_at(speed, "precision", where) != precision ||
+        text_at(speed, "shape", where) != shape)
+      continue;
+    sum += positive_at(speed, "ns_per_pair", where);
+    ++count;
+  }
+  if (count == 0)
+    throw std::runtime_error("speeds: has no time for " + law + ", " + precision + ", " + shape);
+  return sum / count;
+}
+
+void read_accuracy(const Json& json, Results& results) {
+  results.title = "Laws against the reference";
+  add_origin(json, results);
+  results.origin.emplace_back("pairs", count_text(positive_at(json, "pairs", "")));
+  results.table.head = {"law",  "precision", "shape", "ns per pair", "quantity",
+                        "unit", "median",    "98 %",  "worst"};
+  Figure& figure = results.figures.emplace_back();
+  figure.title = "Time against error, one pair of hand part and triangle";
+  figure.note =
+      "Each law against its own definition, in multiple precision, over random pairs of every angle. R is "
+      "the "
+      "larger radius of the hand part. The error is that of the volume [R^3]; under the law point, of the "
+      "depth [R]. Ringed: no other law and precision is both faster and more accurate for that shape.";
+  figure.x_label = "error [R^3; law point: R]";
+  figure.y_label = "time [ns per pair]";
+  figure.front = true;
+  const Json& errors = array_at(json, "errors");
+  const Json& speeds = array_at(json, "speeds");
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    const std::string where = place("errors", i);
+    const Json& row = errors[i];
+    const std::string law = text_at(row, "law", where), quantity = text_at(row, "quantity", where);
+    const std::string precision = text_at(row, "precision", where), shape = text_at(row, "shape", where);
+    const std::string unit = text_at(row, "unit", where);
+    if (text_at(row, "angle", where) != "all" || law == "every" || quantity.find("volume") != 0) continue;
+    const double time = speed_of(speeds, law, precision, shape);
+    const Json& absolute = object_at(row, "absolute", where);
+    const std::string in_absolute = where + ".absolute";
+    const double most = amount_at(absolute, "p98", in_absolute);
+    const double worst = amount_at(absolute, "worst", in_absolute);
+    const std::size_t series = index_of(figure.series, law);
+    const std::size_t marker = index_of(figure.markers, precision);
+    const std::string label = law + ", " + precision + ", " + shape + ": " + brief(time) + " ns, ";
+    plot_of(figure, shape + ", 98 % of the pairs")
+        .points.push_back({most, time, series, marker, label + scientific(most) + " " + unit});
+    plot_of(figure, shape + ", worst pair")
+        .points.push_back({worst, time, series, marker, label + scientific(worst) + " " + unit});
+    results.table.rows.push_back({law, precision, shape, brief(time), quantity, unit,
+                                  scientific(amount_at(absolute, "median", in_absolute)), scientific(most),
+                                  scientific(worst)});
+  }
+  if (results.table.rows.empty()) throw std::runtime_error("errors: has no volume over all angles");
+}
+
+// ---- bench_peers ----
+
+std::string percent(double share) { return share == 0 ? "0" : brief(100 * share, 2) + " %"; }
+
+std::vector<Figure> peer_figures(const std::string& clock) {
+  Figure error, size;
+  error.title = "Tick time against force error";
+  error.note =
+      "Median of the hand's whole tick, in " + clock +
+      " time. The error is that of the hand's force in the worst pose, relative to the exact pressure "
+      "field's, "
+      "which is therefore at 0. What has no area gets the sum of depth times normal, scaled by the constant "
+      "that fits best. Ringed: no other is both faster and more accurate.";
+  error.x_label = "relative force error [1]";
+  error.front = true;
+  size.title = "Tick time against triangle count";
+  size.note = "Scene A is 300 mm wide, ever finer; in scene B triangles measure 5 mm and it grows.";
+  size.x_label = "triangles in the scene";
+  size.y_label = error.y_label = "tick, median [us]";
+  return {error, size};
+}
+
+void read_peers(const Json& json, Results& results) {
+  results.title = "The hand's tick beside other libraries";
+  add_origin(json, results);
+  results.origin.emplace_back("poses", count_text(positive_at(json, "poses", "")));
+  results.table.head = {"scene",      "triangles",   "touched",  "contender", "median us",
+                        "p99 us",     "times ours",  "contacts", "missed",    "extra",
+                        "area error", "force error", "build ms"};
+  results.figures = peer_figures(text_at(json, "clock", ""));
+  Figure& by_error = results.figures[0];
+  Figure& by_size = results.figures[1];
+  const Json& rows = array_at(json, "rows");
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::string where = place("rows", i);
+    const Json& row = rows[i];
+    const std::string scene = text_at(row, "scene", where), contender = text_at(row, "contender", where);
+    const double triangles = positive_at(row, "triangles", where);
+    const double time = positive_at(row, "median_us", where), error = amount_at(row, "force_error", where);
+    const double missed = amount_at(row, "missed", where);
+    const std::string count = count_text(triangles);
+    const std::size_t series = index_of(by_error.series, contender);
+    by_size.series = by_error.series;
+    const std::string label = contender + ", " + scene + ", " + count + " triangles: " + brief(time) +
+                              " us, force error " + scientific(error) +
+                              (missed > 0 ? ", misses " + percent(missed) + " of the contacts" : "");
+    plot_of(by_error, scene + ", " + count + " triangles").points.push_back({error, time, series, 0, label});
+    plot_of(by_size, scene).points.push_back({triangles, time, series, 0, label});
+    const bool has_area = row.contains("area_error") && !row["area_error"].is_null();
+    const bool fitted = row.contains("fitted") && row["fitted"] == true;
+    results.table.rows.push_back(
+        {scene, count, brief(amount_at(row, "touched", where)), contender, brief(time),
+         brief(amount_at(row, "p99_us", where)), brief(positive_at(row, "times_ours", where)),
+         brief(amount_at(row, "contacts", where)), percent(missed), percent(amount_at(row, "extra", where)),
+         has_area ? scientific(amount_at(row, "area_error", where)) : "none",
+         scientific(error) + (fitted ? " fitted" : ""), brief(amount_at(row, "build_ms", where))});
+  }
+  if (rows.empty()) throw std::runtime_error("rows: is empty");
+}
+
+// ---- Files ----
+
+// Line and column of a byte, both from 1.
+std::string line_and_column(const std::string& text, std::size_t byte) {
+  const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(byte > 0 ? byte - 1 : 0, text.size()));
+  const auto line = 1 + std::count(text.begin(), end, '\n');
+  const std::size_t start =
+      text.rfind('\n', static_cast<std::size_t>(end - text.begin()) - (end != text.begin()));
+  const bool in_first = line == 1 || start == std::string::npos;
+  const auto column = end - text.begin() - (in_first ? -1 : static_cast<std::ptrdiff_t>(start));
+  return std::to_string(line) + ":" + std::to_string(column);
+}
+
+Status read_text(const std::string& path, std::string& text) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error))
+    return Status::error(path + ": is no file that can be read" + kRemedy);
+  if (fs::file_size(path, error) > kLargestFile)
+    return Status::error(path + ": is larger than 64 MB, and so no result of a benchmark" + kRemedy);
+  std::ostringstream stream;
+  std::ifstream file(path, std::ios::binary);
+  if (file) stream << file.rdbuf();
+  if (!file || stream.fail()) return Status::error(path + ": cannot be read, or is empty" + kRemedy);
+  text = stream.str();
+  return {};
+}
+
+void interpret(const Json& json, Results& results) {
+  if (json.is_object() && json.contains("context") && json.contains("benchmarks")) {
+    read_google(json, results);
+  } else if (json.is_object() && json.contains("speeds") && json.contains("errors")) {
+    read_accuracy(json, results);
+  } else if (json.is_object() && json.contains("poses") && json.contains("rows")) {
+    read_peers(json, results);
+  } else {
+    throw std::runtime_error("is no result of accuracy, of bench_peers or of --benchmark_out_format=json");
+  }
+}
+
+}  // namespace
+
+Status read_results(const std::string& path, Results& results) {
+  std::string text;
+  if (Status status = read_text(path, text); !status.ok()) return status;
+  results = {};
+  results.file = fs::path(path).filename().string();
+  try {
+    interpret(Json::parse(text), results);
+  } catch (const Json::parse_error& error) {
+    return Status::error(path + ":" + line_and_column(text, error.byte) + ": is not JSON" + kRemedy);
+  } catch (const std::exception& error) {
+    return Status::error(path + ": " + error.what() + kRemedy);
+  }
+  return {};
+}
+
+}  // namespace lumbrical::tool
