@@ -155,7 +155,9 @@ Bytes frame_tcp(const ModbusRequest& request, const Bytes& answer) {
 }
 
 Bytes frame_rtu(const ModbusRequest& request, const Bytes& answer) {
-  Bytes frame = {request.unit};
+  Bytes frame;
+  frame.reserve(answer.size() + 3);  // the address before, the checksum behind
+  frame.push_back(request.unit);
   frame.insert(frame.end(), answer.begin(), answer.end());
   const std::uint16_t crc = modbus_crc(frame);
   frame.push_back(static_cast<std::uint8_t>(crc & 0xFF));
