@@ -251,6 +251,7 @@ int run(const RunOptions& options) {
 
   const bool paced = options.rate != "max";
   const bool with_device = options.sink != "null";
+  const StopSignals stop_signals;
   DeviceLoop device;
   if (with_device) {
     if (status = device.open(options.sink, model); !status.ok()) return fail(status);

@@ -34,29 +34,6 @@ extern "C" void request_stop(int signal) {
   errno = error;
 }
 
-// While it lives, SIGINT and SIGTERM only ask for a stop.
-class StopSignals {
- public:
-  StopSignals() {
-    stop_requested = 0;
-    struct sigaction action {};
-    action.sa_handler = request_stop;
-    action.sa_flags = SA_RESTART;
-    sigaction(SIGINT, &action, &previous_interrupt_);
-    sigaction(SIGTERM, &action, &previous_terminate_);
-  }
-  ~StopSignals() {
-    sigaction(SIGINT, &previous_interrupt_, nullptr);
-    sigaction(SIGTERM, &previous_terminate_, nullptr);
-  }
-  StopSignals(const StopSignals&) = delete;
-  StopSignals& operator=(const StopSignals&) = delete;
-
- private:
-  struct sigaction previous_interrupt_ {};
-  struct sigaction previous_terminate_ {};
-};
-
 std::uint32_t nanoseconds_between(std::int64_t start, std::int64_t end) {
   constexpr std::int64_t kMost = std::numeric_limits<std::uint32_t>::max();
   return static_cast<std::uint32_t>(std::clamp<std::int64_t>(end - start, 0, kMost));
@@ -87,12 +64,25 @@ void add_output(const ActuatorFrame& output, RunStatistics& statistics) {
 
 }  // namespace
 
+StopSignals::StopSignals() {
+  stop_requested = 0;
+  struct sigaction action {};
+  action.sa_handler = request_stop;
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGINT, &action, &previous_interrupt_);
+  sigaction(SIGTERM, &action, &previous_terminate_);
+}
+
+StopSignals::~StopSignals() {
+  sigaction(SIGINT, &previous_interrupt_, nullptr);
+  sigaction(SIGTERM, &previous_terminate_, nullptr);
+}
+
 bool measure_device(const Model& model, const Motion& motion, double seconds, DeviceLoop& device) {
   State state;
   Scratch scratch = make_scratch(model);
   scratch.hash_stages = false;
   const auto ticks = static_cast<std::uint64_t>(seconds * model.settings.rate);
-  const StopSignals stop_signals;
   const std::int64_t first = clock_ns();
   TickRecord record;
   for (std::uint64_t i = 0; i < ticks && stop_requested == 0; ++i) {
@@ -115,7 +105,6 @@ RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_
   const bool still = motion.samples.size() == 1;  // a single pose is held for the whole session
   TickRecord record;
   Progress progress("running");
-  const StopSignals stop_signals;
   if (parts.paced) statistics.real_time = enter_real_time(kTickPriority, Pinning::last_processor);
   const std::uint64_t faults_before = page_faults();
   const std::int64_t begin = clock_ns();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <csignal>
 #include <cstdint>
 
 #include "device_loop.h"
@@ -31,6 +32,20 @@ struct RunStatistics {
   Status recording_error;                             ///< that ended the recording before the session
   std::uint64_t not_recorded = 0;                     ///< ticks the recorder had no room for
   bool interrupted = false;                           ///< by SIGINT or SIGTERM
+};
+
+/// While it lives, SIGINT and SIGTERM only ask sessions for a stop. It outlives the session until its
+/// recording is closed: a signal that comes twice must not cut that short.
+class StopSignals {
+ public:
+  StopSignals();
+  ~StopSignals();
+  StopSignals(const StopSignals&) = delete;
+  StopSignals& operator=(const StopSignals&) = delete;
+
+ private:
+  struct sigaction previous_interrupt_ {};
+  struct sigaction previous_terminate_ {};
 };
 
 /// What a session has besides a model and a motion; each may be absent.
