@@ -21,8 +21,8 @@
 
 #include "accuracy_pairs.h"
 #include "accuracy_table.h"
-#include "floating_point.h"
-#include "narrowphase.h"
+#include "base/floating_point.h"
+#include "stages/narrowphase.h"
 
 namespace {
 

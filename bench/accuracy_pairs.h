@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "primitive.h"
+#include "model/primitive.h"
 #include "random.h"
 #include "reference/contact.h"
 

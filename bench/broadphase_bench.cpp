@@ -1,7 +1,7 @@
 // The broadphase under a pressed hand: scene A (300 mm wide, ever finer) and scene B (5 mm triangles, ever
 // wider), by sphere tree, grid, voxel index and brute force. Microseconds per query of the whole hand; beside
 // them candidates, contacts, bytes per triangle of the search structure and the time it takes to build.
-#include "broadphase.h"
+#include "stages/broadphase.h"
 
 #include <benchmark/benchmark.h>
 
@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "../tests/pressed_hand.h"
-#include "hand_pose.h"
-#include "sphere_grid.h"
-#include "sphere_tree.h"
-#include "voxel_index.h"
+#include "index/sphere_grid.h"
+#include "index/sphere_tree.h"
+#include "index/voxel_index.h"
+#include "stages/hand_pose.h"
 
 namespace {
 

@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "experiments.h"
-#include "gauss.h"
 #include "lumbrical/shapes.h"
+#include "section/gauss.h"
 
 namespace lumbrical::bench {
 namespace {

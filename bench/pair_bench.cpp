@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "narrowphase.h"
 #include "random.h"
+#include "stages/narrowphase.h"
 
 namespace {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "lumbrical/mesh.h"
-#include "primitive.h"
+#include "model/primitive.h"
 
 namespace lumbrical::bench {
 

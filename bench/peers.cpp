@@ -17,9 +17,9 @@
 #include <iterator>
 
 #include "../tests/pressed_hand.h"
-#include "hand_pose.h"
 #include "peer.h"
 #include "peer_table.h"
+#include "stages/hand_pose.h"
 
 namespace lumbrical::bench {
 namespace {

@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-#include "primitive.h"
+#include "model/primitive.h"
 
 namespace lumbrical::bench {
 

@@ -1,5 +1,5 @@
 // Every broadphase finds the same candidates, and no contact is missing from them.
-#include "broadphase.h"
+#include "stages/broadphase.h"
 
 #include <gtest/gtest.h>
 
@@ -8,13 +8,13 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "narrowphase.h"
+#include "base/radix_sort.h"
+#include "index/sphere_grid.h"
+#include "index/sphere_tree.h"
 #include "pressed_hand.h"
-#include "radix_sort.h"
 #include "random.h"
 #include "session.h"
-#include "sphere_grid.h"
-#include "sphere_tree.h"
+#include "stages/narrowphase.h"
 
 namespace lumbrical::test {
 namespace {

@@ -14,7 +14,7 @@
 
 #include "contact_pairs.h"
 #include "lumbrical/probe.h"
-#include "narrowphase.h"
+#include "stages/narrowphase.h"
 
 namespace lumbrical {
 namespace {

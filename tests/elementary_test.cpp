@@ -1,5 +1,5 @@
 // The engine's own elementary functions against the long double ones of the C library.
-#include "elementary.h"
+#include "base/elementary.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What goes into a device's registers, cycle by cycle: other people's maps, word for word.
-#include "exchange_words.h"
+#include "modbus/exchange_words.h"
 
 #include <gtest/gtest.h>
 

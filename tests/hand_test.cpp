@@ -6,8 +6,8 @@
 #include <random>
 #include <string>
 
-#include "hand_from_positions.h"
 #include "lumbrical/hand.h"
+#include "model/hand_from_positions.h"
 
 namespace lumbrical {
 namespace {

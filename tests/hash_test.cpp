@@ -1,5 +1,5 @@
 // The hash: the same on every machine, and sensitive to every bit.
-#include "hash.h"
+#include "base/hash.h"
 
 #include <gtest/gtest.h>
 

@@ -6,11 +6,11 @@
 
 #include <cmath>
 
-#include "border_cut.h"
+#include "borders/border_cut.h"
 #include "golden/golden_sessions.h"
 #include "matrix6.h"
+#include "model/primitive.h"
 #include "posed_finger.h"
-#include "primitive.h"
 #include "random.h"
 
 namespace lumbrical {

@@ -13,7 +13,7 @@
 #include <cmath>
 #include <vector>
 
-#include "primitive.h"
+#include "model/primitive.h"
 
 namespace lumbrical::test {
 

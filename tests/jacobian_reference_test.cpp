@@ -10,9 +10,9 @@
 #include <cstdlib>
 #include <string>
 
-#include "contact_jacobian.h"
 #include "matrix6.h"
 #include "random_touch.h"
+#include "section/contact_jacobian.h"
 
 namespace lumbrical {
 namespace {

@@ -1,6 +1,6 @@
 // The Jacobian of contacts: values known by hand, differences of the force, the symmetries of a potential.
 // jacobian_reference_test.cpp holds it against the definition.
-#include "contact_jacobian.h"
+#include "section/contact_jacobian.h"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@
 
 #include "lumbrical/shapes.h"
 #include "matrix6.h"
-#include "prism.h"
 #include "random_touch.h"
+#include "section/prism.h"
 
 namespace lumbrical {
 namespace {

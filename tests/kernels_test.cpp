@@ -7,9 +7,9 @@
 #include <memory>
 #include <string>
 
-#include "field_kernels.h"
-#include "narrowphase.h"
+#include "lanes/field_kernels.h"
 #include "random.h"
+#include "stages/narrowphase.h"
 
 namespace lumbrical::test {
 namespace {

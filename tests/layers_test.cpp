@@ -24,45 +24,35 @@ struct Rule {
 
 const Rule kRules[] = {
     {Layer::base, "engine/include/lumbrical", "math status"},
-    {Layer::base, "engine/src",
-     "math elementary floating_point parallel hash radix_sort text_cursor ring newest"},
+    {Layer::base, "engine/src/base", "*"},
 
     {Layer::model, "engine/include/lumbrical", "mesh shapes hand model contact voxel"},
-    {Layer::model, "engine/src", "mesh_* ply_header vertex_merge shapes shape_mug hand hand_from_positions"},
-    {Layer::model, "engine/src",
-     "forward_kinematics primitive model isa sphere_tree sphere_grid triangle_* voxel_*"},
+    {Layer::model, "engine/src/model", "*"},
+    {Layer::model, "engine/src/index", "*"},
 
     {Layer::motion, "engine/include/lumbrical", "device motion"},
-    {Layer::motion, "engine/src", "resampler grasp_motion"},
+    {Layer::motion, "engine/src/motion", "resampler grasp_motion"},
 
-    {Layer::kernels, "engine/src",
-     "sphere_query sphere_hits tree_search section* strip_* wide_functions miss_terms certain_misses depth "
-     "finger_depth gauss boundary_integral small_region field pressure* prism field_* stated_errors "
-     "triangle_rules point_rules round_* disc_integrals cone_integrals cone_slivers wide wide_geometry "
-     "contact_jacobian"},
+    {Layer::kernels, "engine/src/lanes", "*"},
+    {Layer::kernels, "engine/src/section", "*"},
+    {Layer::kernels, "engine/src/borders", "*"},
 
-    {Layer::kernels, "engine/src",
-     "joint_border tile_rival tile_share root border_bulge border_cut shared_contact"},
-
-    {Layer::stages, "engine/src", "hand_pose broadphase narrowphase contact_force force_limits"},
+    {Layer::stages, "engine/src/stages", "*"},
 
     {Layer::engine, "engine/include/lumbrical", "tick probe jacobian"},
-    {Layer::engine, "engine/src", "tick tick_trace probe jacobian"},
+    {Layer::engine, "engine/src/tick", "*"},
 
     {Layer::device, "engine/include/lumbrical",
      "device_profile actuator_model safety passivity local_model device_simulation device_link"},
-    {Layer::device, "engine/src",
-     "actuator_model device_profile profile_check registers safety passivity device_simulation"},
+    {Layer::device, "engine/src/device", "*"},
 
     {Layer::session, "engine/include/lumbrical", "recording scene_file"},
-    {Layer::session, "engine/src", "motion_* json_file scene_file scene_parts device_profile_file"},
-    {Layer::session, "engine/src",
-     "mcap_* recorder recording_* record_fields replay* output_file text_output"},
-    {Layer::session, "engine/src",
-     "session_message state_message message_alignment tick_message build_text what_if"},
+    {Layer::session, "engine/src/motion", "motion_*"},
+    {Layer::session, "engine/src/files", "*"},
+    {Layer::session, "engine/src/recording", "*"},
 
     {Layer::wire, "engine/include/lumbrical", "modbus_sink modbus_server"},
-    {Layer::wire, "engine/src", "exchange_words modbus_*"},
+    {Layer::wire, "engine/src/modbus", "*"},
 
     {Layer::program, "tools/lumbrical", "*"},
     {Layer::program, "examples", "*"},
@@ -111,23 +101,21 @@ struct Outside {
 };
 
 const Outside kOutside[] = {
-    {"(oneapi/)?tbb/.*", "engine/src/parallel[.]cpp"},
-    {"xsimd/.*", "engine/src/wide[.]h"},
-    {"openvdb/.*", "engine/src/voxel_grid_openvdb[.]cpp"},
-    {"(xmmintrin|immintrin|cfenv)([.]h)?", "engine/src/floating_point[.].*"},
+    {"(oneapi/)?tbb/.*", "engine/src/base/parallel[.]cpp"},
+    {"xsimd/.*", "engine/src/lanes/wide[.]h"},
+    {"openvdb/.*", "engine/src/index/voxel_grid_openvdb[.]cpp"},
+    {"(xmmintrin|immintrin|cfenv)([.]h)?", "engine/src/base/floating_point[.].*"},
     {"flatbuffers/.*",
-     "engine/src/"
-     "(json_file|device_profile_file|scene_file|scene_parts|session_message|state_message|"
-     "message_alignment|tick_message|record\\w*|mcap_\\w+|"
-     "replay)[.].*|tests/"
+     "engine/src/(files/(json_file|device_profile_file|scene_file|scene_parts)|recording/\\w+)[.].*|tests/"
      ".*"},
-    {"nlohmann/.*", "(engine/src/motion_\\w+[.].*|tools/.*|tests/.*)"},
-    {"(lz4frame|zstd|zlib)[.]h", "(engine/src/mcap_\\w+[.]cpp|tests/.*)"},
+    {"nlohmann/.*", "(engine/src/motion/motion_\\w+[.].*|tools/.*|tests/.*)"},
+    {"(lz4frame|zstd|zlib)[.]h", "(engine/src/recording/mcap_\\w+[.]cpp|tests/.*)"},
     {"(unistd|fcntl|sys/\\w+)[.]h",
-     "(engine/src/(output_file|mcap_reader|modbus_server)[.]cpp|tools/.*|tests/.*|bench/.*)"},
-    {"modbus/.*", "engine/src/modbus_link[.]cpp"},
+     "(engine/src/(files/output_file|recording/mcap_reader|modbus/modbus_server)[.]cpp|tools/.*|tests/"
+     ".*|bench/.*)"},
+    {"modbus/.*", "engine/src/modbus/modbus_link[.]cpp"},
     {"(poll|sched|pthread|termios|errno|time|arpa/\\w+|netinet/\\w+)[.]h",
-     "(engine/src/modbus_\\w+[.]cpp|tools/.*|tests/.*)"},
+     "(engine/src/modbus/modbus_\\w+[.]cpp|tools/.*|tests/.*)"},
     {"CLI/.*", "tools/.*"},
     {"(gtest|boost)/.*", "tests/.*"},
     {"benchmark/.*", "bench/.*"},

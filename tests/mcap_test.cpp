@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "mcap_format.h"
-#include "mcap_reader.h"
-#include "mcap_writer.h"
+#include "recording/mcap_format.h"
+#include "recording/mcap_reader.h"
+#include "recording/mcap_writer.h"
 #include "recording_fixture.h"
 
 namespace lumbrical {

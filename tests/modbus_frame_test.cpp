@@ -1,6 +1,6 @@
 // Modbus frames: those printed in the makers' and the protocol's documents, and streams in any pieces, with
 // garbage between.
-#include "modbus_frame.h"
+#include "modbus/modbus_frame.h"
 
 #include <gtest/gtest.h>
 

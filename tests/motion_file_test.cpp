@@ -8,8 +8,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "hand_from_positions.h"
 #include "lumbrical/motion.h"
+#include "model/hand_from_positions.h"
 
 namespace lumbrical {
 namespace {

@@ -1,5 +1,5 @@
 // The hand-over of the newest value: never torn, never older than one already seen.
-#include "newest.h"
+#include "base/newest.h"
 
 #include <gtest/gtest.h>
 

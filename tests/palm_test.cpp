@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "prism.h"
 #include "random.h"
+#include "section/prism.h"
 #include "session.h"
 
 namespace lumbrical {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <vector>
 
-#include "narrowphase.h"
-#include "pressure_rules.h"
 #include "random.h"
+#include "section/pressure_rules.h"
 #include "session.h"
+#include "stages/narrowphase.h"
 
 namespace lumbrical::test {
 namespace {

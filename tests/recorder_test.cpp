@@ -12,8 +12,8 @@
 #include <filesystem>
 #include <thread>
 
+#include "base/ring.h"
 #include "recording_fixture.h"
-#include "ring.h"
 
 namespace lumbrical {
 namespace {

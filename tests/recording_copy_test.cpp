@@ -5,9 +5,9 @@
 #include <filesystem>
 
 #include "golden/golden_sessions.h"
-#include "mcap_reader.h"
+#include "recording/mcap_reader.h"
+#include "recording/state_message.h"
 #include "recording_fixture.h"
-#include "state_message.h"
 
 namespace lumbrical::test {
 namespace {

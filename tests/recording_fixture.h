@@ -20,11 +20,11 @@
 #include "flatbuffers/flatbuffers.h"
 #include "lumbrical/recording.h"
 #include "lumbrical/shapes.h"
-#include "mcap_reader.h"
-#include "record_fields.h"
-#include "recorder.h"
-#include "session_message.h"
-#include "tick_message.h"
+#include "recording/mcap_reader.h"
+#include "recording/record_fields.h"
+#include "recording/recorder.h"
+#include "recording/session_message.h"
+#include "recording/tick_message.h"
 
 namespace lumbrical::test {
 

@@ -1,5 +1,5 @@
 // Numbers in registers: what the Modbus and the makers' documents say, and round trips over every type.
-#include "registers.h"
+#include "device/registers.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include "lumbrical/shapes.h"
 #include "lumbrical/tick.h"
 #include "recording_fixture.h"
-#include "tick_trace.h"
+#include "tick/tick_trace.h"
 
 namespace lumbrical {
 namespace {

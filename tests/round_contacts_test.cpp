@@ -6,8 +6,8 @@
 #include <cstring>
 #include <vector>
 
-#include "narrowphase.h"
 #include "random.h"
+#include "stages/narrowphase.h"
 
 namespace lumbrical::test {
 namespace {

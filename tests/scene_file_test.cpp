@@ -10,7 +10,7 @@
 #include <sstream>
 #include <string>
 
-#include "json_file.h"
+#include "files/json_file.h"
 
 namespace lumbrical {
 namespace {

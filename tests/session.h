@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "hash.h"
+#include "base/hash.h"
 #include "lumbrical/motion.h"
 #include "lumbrical/shapes.h"
 #include "lumbrical/tick.h"

@@ -7,14 +7,14 @@
 #include <cstring>
 #include <numbers>
 
-#include "border_cut.h"
+#include "borders/border_cut.h"
+#include "borders/joint_border.h"
+#include "borders/shared_contact.h"
 #include "finger_reference.h"
-#include "hand_pose.h"
-#include "joint_border.h"
-#include "narrowphase.h"
 #include "posed_finger.h"
 #include "random.h"
-#include "shared_contact.h"
+#include "stages/hand_pose.h"
+#include "stages/narrowphase.h"
 
 namespace lumbrical {
 namespace {

@@ -10,12 +10,12 @@
 #include <random>
 #include <thread>
 
+#include "index/triangle_box.h"
+#include "index/triangle_distance.h"
+#include "index/voxel_cache.h"
+#include "index/voxel_index.h"
 #include "random.h"
 #include "session.h"
-#include "triangle_box.h"
-#include "triangle_distance.h"
-#include "voxel_cache.h"
-#include "voxel_index.h"
 
 namespace lumbrical::test {
 namespace {

@@ -1,9 +1,9 @@
 // Fuzzes the FlatBuffers messages of a recording: ticks, sessions, states. What is taken must come out again.
 #include "flatbuffers/flatbuffers.h"
 #include "fuzz_input.h"
-#include "session_message.h"
-#include "state_message.h"
-#include "tick_message.h"
+#include "recording/session_message.h"
+#include "recording/state_message.h"
+#include "recording/tick_message.h"
 
 namespace {
 

@@ -7,11 +7,11 @@
 #include "flatbuffers/flatbuffers.h"
 #include "lumbrical/recording.h"
 #include "lumbrical/shapes.h"
-#include "mcap_reader.h"
-#include "record_fields.h"
-#include "session_message.h"
-#include "state_message.h"
-#include "tick_message.h"
+#include "recording/mcap_reader.h"
+#include "recording/record_fields.h"
+#include "recording/session_message.h"
+#include "recording/state_message.h"
+#include "recording/tick_message.h"
 
 namespace {
 

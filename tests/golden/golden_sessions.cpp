@@ -9,9 +9,9 @@
 
 #include "golden_hashes.h"
 #include "lumbrical/jacobian.h"
-#include "narrowphase.h"
 #include "pressed_hand.h"
 #include "random.h"
+#include "stages/narrowphase.h"
 
 namespace lumbrical::test {
 namespace {

@@ -1,0 +1,332 @@
+// Between a border and its chord the field is integrated along the chord, with nodes crowded towards where
+// border or field are not smooth, and across it from the chord to the border, a root at every node.
+#include "borders/border_bulge.h"
+
+#include <array>
+#include <span>
+
+#include "borders/root.h"
+#include "lanes/field.h"
+#include "section/gauss.h"
+
+namespace lumbrical {
+namespace {
+
+// A border farther from its chord than this share of the chord is split.
+constexpr double kFlat = 0.15;
+
+// A chord shorter than this share of the joint's radius is the border itself: what lies between has an area
+// of a twelfth of its cube or less.
+constexpr double kShort = 1e-5;
+
+// A bulge higher than this share of its chord is integrated to all digits, lower ones to nine.
+constexpr double kSmallBulge = 0.01;
+
+// A border nearer to its chord than this share of the distance from the axis leaves hardly a curve of the
+// field to integrate over.
+constexpr double kThin = 4e-3;
+
+// A linear function of abscissa and height over a chord.
+struct OverChord {
+  double start, along, across;
+  OverChord(const Linear& linear, const Chord& chord)
+      : start(linear.at(chord.from)),
+        along(dot(linear.slope, chord.along)),
+        across(dot(linear.slope, chord.across)) {}
+  [[nodiscard]] double at(double s) const { return start + s * along; }
+};
+
+// A near border over its chord: x^2 + y^2 = height^2 is a quadratic a h^2 + 2 b h + c in the height h.
+struct NearBorder {
+  OverChord x, y, z;
+  double side, falling;  // falling: +-1, times `side` times the quadratic falls towards the rival
+  NearBorder(const Rival& rival, const Chord& chord)
+      : x(rival.border.x, chord),
+        y(rival.border.y, chord),
+        z(rival.border.height, chord),
+        side(rival.border.side),
+        falling(rival.is_first ? -rival.border.side : rival.border.side) {}
+  // The root next to the chord; false where there is none, or the rival is not above it.
+  bool height_at(double s, double& height) const {
+    const double p = x.at(s), q = y.at(s), r = z.at(s);
+    const double a = x.across * x.across + y.across * y.across - z.across * z.across;
+    const double b = p * x.across + q * y.across - r * z.across, c = p * p + q * q - r * r;
+    const double square = b * b - a * c, sign = b < 0 ? -1 : 1;
+    const double denominator = b + sign * std::sqrt(max(0, square));
+    if (!(square >= 0) || denominator == 0 || sign != falling) return false;
+    height = -c / denominator;
+    return side * (r + height * z.across) >= 0;
+  }
+};
+
+// The border as a height over its chord.
+struct Border {
+  const Rival& rival;
+  const Chord& chord;
+  double slope = 0;   // of precedence across the chord, < 0
+  double height = 0;  // found last, the first guess for the next
+  bool good = true;   // every root was found
+  NearBorder near;
+
+  Border(const Rival& r, const Chord& c) : rival(r), chord(c), near(r, c) {
+    if (rival.near || is_short()) return;
+    const double step = 0.01 * chord.length, middle = 0.5 * chord.length;
+    slope = (at(middle, step) - at(middle, -step)) / (2 * step);
+    good = slope < 0;
+  }
+  [[nodiscard]] bool is_short() const { return chord.length < kShort * rival.first.radius; }
+  [[nodiscard]] double at(double s, double y) const { return precedence(rival, chord.at(s, y)); }
+  // A Newton step with the last slope, then secant steps, whose error is about the product of the last two.
+  double height_at(double s) {
+    if (!good || is_short()) return 0;
+    if (rival.near) {
+      good = near.height_at(s, height) && std::fabs(height) <= chord.length;
+      return good ? height : 0;
+    }
+    const double limit = chord.length, radius = rival.first.radius;
+    double y0 = height, g0 = at(s, y0), y = y0 - g0 / slope, close = 1e-15 * radius;
+    for (int i = 0; i < 20 && std::fabs(y) <= limit; ++i) {
+      const double step = y - y0;
+      if (!(std::fabs(step) > close)) return height = y;
+      const double g = at(s, y), change = g - g0;
+      if (!(change / step < 0)) break;  // not falling towards the rival
+      if (std::fabs(step) > 1e-6 * radius) slope = change / step;
+      y0 = y;
+      g0 = g;
+      y = y - g * (step / change);
+      close = 1e-10 * radius;
+    }
+    return height = enclosed_height(s);
+  }
+  // Where two tiles are all but in one place precedence may rise a little before it falls: only its sign is
+  // sure.
+  double enclosed_height(double s) {
+    const double limit = 2 * kFlat * chord.length, below = at(s, -limit), above = at(s, limit);
+    good = below > 0 && above < 0;
+    if (!good) return 0;
+    return find_root([&](double y) { return at(s, y); }, -limit, below, limit, above, 1e-12 * chord.length);
+  }
+  Point2 point(double s) { return chord.at(s, height_at(s)); }
+};
+
+constexpr int kProbes = 5;
+
+// Where along the border the field has its maximum, of which only the sign is asked: parabolas through the
+// best of three points, ended where it is positive or no longer grows.
+template <class F>
+double find_inside(const F& field, const Border& border) {
+  const double length = border.chord.length;
+  std::array<double, 3> s{0.25 * length, 0.5 * length, 0.75 * length}, f{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    f[i] = field(s[i]);
+    if (f[i] > 0) return s[i];
+  }
+  for (int step = 0; step < 12 && border.good; ++step) {
+    const double a = (s[1] - s[0]) * (f[1] - f[2]), b = (s[1] - s[2]) * (f[1] - f[0]);
+    if (!(std::fabs(a - b) > 0)) return -1;
+    double best = s[1] - 0.5 * ((s[1] - s[0]) * a - (s[1] - s[2]) * b) / (a - b);
+    best = clamp(best, 0, length);
+    const double value = field(best);
+    if (value > 0) return best;
+    const std::size_t worst = f[0] < f[1] ? (f[0] < f[2] ? 0 : 2) : (f[1] < f[2] ? 1 : 2);
+    if (!(value > f[worst]) || std::fabs(best - s[0]) < 1e-7 * length ||
+        std::fabs(best - s[1]) < 1e-7 * length || std::fabs(best - s[2]) < 1e-7 * length)
+      return -1;
+    s[worst] = best;
+    f[worst] = value;
+  }
+  return -1;
+}
+
+// Where a function of s changes its sign something breaks.
+template <class F>
+void add_changes(F&& f, double length, Singularities& kinks) {
+  double s0 = 0, f0 = f(0.0);
+  for (int i = 1; i < kProbes; ++i) {
+    const double s1 = length * i / (kProbes - 1), f1 = f(s1);
+    if ((f0 > 0) != (f1 > 0)) kinks.add(find_root(f, s0, f0, s1, f1, 1e-10 * length) / length, 0, true);
+    s0 = s1;
+    f0 = f1;
+  }
+}
+
+// Beside a point everything changes within its distance from the chord, as it does beside the axis of a cone.
+void add_point(Vec3 point, const Chord& chord, Singularities& kinks) {
+  const Point2 from = chord.from - Point2{point.x, point.y};
+  add_closest_approach(chord.length * chord.length, chord.length * dot(from, chord.along),
+                       dot(from, from) + point.z * point.z, kinks);
+}
+
+void add_axis(const Cone& cone, const Chord& chord, Singularities& kinks) {
+  const Vec3 start = cross(Vec3{chord.from.x, chord.from.y, 0} - cone.joint, cone.axis);
+  const Vec3 step = cross(chord.length * Vec3{chord.along.x, chord.along.y, 0}, cone.axis);
+  add_closest_approach(dot(step, step), dot(start, step), dot(start, start), kinks);
+}
+
+// Where field or border are not smooth along the chord, as shares of it.
+Singularities kinks_along(const Section& section, const Slant& slant, Border& border) {
+  const Chord& chord = border.chord;
+  const Rival& rival = border.rival;
+  Singularities kinks = line_kinks(section, slant, chord.from, chord.at(chord.length, 0));
+  kinks.refine = false;
+  add_point(rival.first.joint, chord, kinks);
+  if (!rival.joined) add_point(rival.second.joint, chord, kinks);
+  for (const Cone* cone : {&rival.first, &rival.second}) {
+    if (!rival.near) {
+      add_point(cone->joint + cone->length * cone->axis, chord, kinks);
+      add_axis(*cone, chord, kinks);
+    }
+    if (cone->kind != Cone::hull) continue;
+    for (const double from : {0.0, cone->cosine * cone->length}) {
+      // Between joined tiles the border itself is smooth where the joint's sphere takes over.
+      if (rival.joined && (from > 0 ? rival.near : cone != &rival.own())) continue;
+      add_changes([&](double s) { return sight_of(*cone, border.point(s)).along - from; }, chord.length,
+                  kinks);
+    }
+  }
+  // A curve as high as this over its chord turns back on itself so far beyond its ends, if it goes on as it
+  // is.
+  double peak = 0;
+  for (int i = 1; i + 1 < kProbes; ++i) {
+    peak = max(peak, std::fabs(border.height_at(chord.length * i / (kProbes - 1))));
+  }
+  kinks.coarse = peak < kSmallBulge * chord.length;
+  const double beyond = max(0.05, 0.125 * chord.length / max(peak, 1e-6 * chord.length) - 0.5);
+  kinks.add(-beyond);
+  kinks.add(1 + beyond);
+  return kinks;
+}
+
+}  // namespace
+
+Chord chord_between(Point2 from, Point2 to) {
+  Chord chord;
+  const Point2 d = to - from;
+  chord.from = from;
+  chord.length = std::sqrt(dot(d, d));
+  if (chord.length > 0) chord.along = (1 / chord.length) * d;
+  chord.across = {chord.along.y, -chord.along.x};
+  return chord;
+}
+
+Course follow_border(const Section& section, const Rival& rival, Chord& chord) {
+  Border border(rival, chord);
+  double peak = 0;
+  for (int i = 1; i + 1 < kProbes; ++i) {
+    peak = max(peak, std::fabs(border.height_at(chord.length * i / (kProbes - 1))));
+  }
+  if (!border.good || peak > kFlat * chord.length) return Course::unclear;
+  const Slant slant = slant_of(section);
+  const auto field = [&](double s) {
+    const Point2 p = border.point(s);
+    return field_of(section, slant, zone_of(section, slant, p).zone, p);
+  };
+  const double begin = field(0), end = field(chord.length);
+  double from = 0, to = chord.length;
+  if (begin < 0 || end < 0) {
+    const double inside = begin > 0 ? 0 : end > 0 ? chord.length : find_inside(field, border);
+    if (!border.good) return Course::unclear;
+    if (inside < 0) return Course::outside;
+    const double value = field(inside), tolerance = 1e-11 * rival.first.radius;
+    if (begin < 0) from = find_root(field, 0, begin, inside, value, tolerance);
+    if (end < 0) to = find_root(field, inside, value, chord.length, end, tolerance);
+  }
+  for (int i = 1; i + 1 < kProbes; ++i) {
+    if (field(from + (to - from) * i / (kProbes - 1)) < -1e-12 * rival.first.radius) return Course::unclear;
+  }
+  const Point2 first = border.point(from), last = border.point(to);
+  if (!border.good) return Course::unclear;
+  if (!(to - from > 1e-12 * rival.first.radius)) return Course::outside;
+  chord = chord_between(first, last);
+  return Course::inside;
+}
+
+bool integrate_bulge(const Section& section, const Rival& rival, const Chord& chord, Bulge& bulge) {
+  Border border(rival, chord);
+  bulge = {};
+  if (!border.good || border.is_short()) return border.good;
+  const Slant slant = slant_of(section);
+  graded_nodes(0, 1, kinks_along(section, slant, border), [&](double t, double weight) {
+    const double s = chord.length * t, height = border.height_at(s), area = weight * chord.length * height;
+    const Point2 foot = chord.at(s, 0), top = chord.at(s, height);
+    bulge.area += area;
+    bulge.area_first = bulge.area_first + area * (0.5 * (foot + top));
+    // Short against its distance from the axis and from where another sphere is the nearest, all is smooth.
+    const FieldZone start = zone_of(section, slant, foot);
+    const double distance = section.radius2 - field_of(section, slant, start.zone, foot);
+    const bool is_thin = std::fabs(height) < min(start.margin, 0.1 * distance);
+    const auto add = [&](int zone, double share, double inner) {
+      const Point2 p = foot + share * (top - foot);
+      const double part = area * inner * field_of(section, slant, zone, p);
+      bulge.volume += part;
+      bulge.first = bulge.first + part * p;
+    };
+    if (is_thin) {
+      // Two nodes leave less than a hundredth of the fourth power of height over distance.
+      const bool two = std::fabs(height) < kThin * distance;
+      for (const GaussNode& node : two ? std::span<const GaussNode>(kGauss2) : std::span(kGauss4))
+        add(start.zone, node.at, node.weight);
+      return;
+    }
+    Singularities kinks = line_kinks(section, slant, foot, top);
+    kinks.refine = false;
+    graded_nodes(0, 1, kinks, [&](double share, double inner) {
+      const Point2 p = foot + share * (top - foot);
+      add(zone_of(section, slant, p).zone, share, inner);
+    });
+  });
+  return border.good;
+}
+
+namespace {
+
+void add_slope(Point2 p, double share, SlopeMoments& slope) {
+  slope.one += share;
+  slope.x += share * p.x;
+  slope.y += share * p.y;
+  slope.xx += share * p.x * p.x;
+  slope.xy += share * p.x * p.y;
+  slope.yy += share * p.y * p.y;
+}
+
+// d phi / dn: docs/mechanics.md.
+double rise_at(const Section& section, const Slant& slant, Point2 p) {
+  const int zone = zone_of(section, slant, p).zone;
+  if (zone == 1) {
+    const double e = section.c * p.x + section.s * section.h1, rho = std::sqrt(e * e + p.y * p.y);
+    return (rho > 0 ? slant.cosine * section.s * e / rho : 0) - section.c * slant.sine;
+  }
+  const double x = zone == 0 ? p.x : p.x - section.x2, h = zone == 0 ? section.h1 : section.h2;
+  const double r = std::sqrt(x * x + p.y * p.y + h * h);
+  return r > 0 ? h / r : 0;
+}
+
+}  // namespace
+
+bool integrate_bulge_slope(const Section& section, const Rival& rival, const JointBorder& around,
+                           const Chord& chord, SlopeMoments& slope) {
+  Border border(rival, chord);
+  if (!border.good) return false;
+  const Slant slant = slant_of(section);
+  const Vec3 across = chord.across.x * section.u + chord.across.y * section.v;
+  graded_nodes(0, 1, kinks_along(section, slant, border), [&](double t, double weight) {
+    const double s = chord.length * t, height = border.height_at(s);
+    const Point2 foot = chord.at(s, 0), top = chord.at(s, height);
+    Singularities kinks = line_kinks(section, slant, foot, top);
+    kinks.refine = false;
+    graded_nodes(0, 1, kinks, [&](double share, double inner) {
+      const Point2 p = foot + share * (top - foot);
+      add_slope(p, weight * chord.length * height * inner * rise_at(section, slant, p), slope);
+    });
+    // The border's normal; over the chord an element of it is as long as |m x n| over the part of m across.
+    const double x = rival.border.x.at(top), y = rival.border.y.at(top), far = std::sqrt(x * x + y * y);
+    if (!(far > 0)) return;
+    const Vec3 m = around.normal - around.side * ((x / far) * around.x + (y / far) * around.y);
+    const double tilt = dot(m, section.n) / std::fabs(dot(m, across));
+    const double phi = field_of(section, slant, zone_of(section, slant, top).zone, top);
+    add_slope(top, -weight * chord.length * phi * (rival.is_first ? tilt : -tilt), slope);
+  });
+  return border.good;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,43 @@
+// The curve along which two tiles border inside a convex part of a triangle, and what lies between it and its
+// chord.
+#pragma once
+
+#include "borders/tile_rival.h"
+#include "section/pressure.h"
+
+namespace lumbrical {
+
+/// From one end of a border to the other; `across` points into the rival's part.
+struct Chord {
+  Point2 from{0, 0}, along{1, 0}, across{0, 1};
+  double length = 0;  ///< [m]
+  [[nodiscard]] Point2 at(double s, double y) const { return from + s * along + y * across; }
+};
+Chord chord_between(Point2 from, Point2 to);
+
+/// Between chord and border: positive where the tile gains beyond its chord.
+struct Bulge {
+  double area = 0, volume = 0;           ///< [m^2], [m^3] of the tile's field
+  Point2 area_first{0, 0}, first{0, 0};  ///< their first moments in plane coordinates
+};
+
+/// What a border does inside a convex part of the triangle from whose edge to whose edge it runs.
+enum class Course : std::uint8_t {
+  inside,   ///< `chord` spans the part of it that lies in the section
+  outside,  ///< it misses the section: all of the section there belongs to one of the two
+  unclear,  ///< not one flat curve: look at smaller parts
+};
+
+/// Shortens the chord to the part of the border inside the section.
+Course follow_border(const Section& section, const Rival& rival, Chord& chord);
+
+/// Integrals over what lies between such a chord and its border. False where the border is no curve over it.
+bool integrate_bulge(const Section& section, const Rival& rival, const Chord& chord, Bulge& bulge);
+
+/// What a bulge adds to the integrals of d phi / dn that a contact's Jacobian is made of: the integral over
+/// the bulge, less that of phi (m n) / |m x n| along the border, m its normal out of the tile. `border` is
+/// the rival's, a near one.
+bool integrate_bulge_slope(const Section& section, const Rival& rival, const JointBorder& border,
+                           const Chord& chord, SlopeMoments& slope);
+
+}  // namespace lumbrical

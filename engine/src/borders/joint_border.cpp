@@ -1,0 +1,183 @@
+#include "borders/joint_border.h"
+
+#include <cmath>
+
+#include "section/section.h"
+
+namespace lumbrical {
+namespace {
+
+// Sine of half the difference of two slopes below which the border is the plane to rounding.
+constexpr double kSameSlope = 1e-14;
+
+// Sine of an angle so small that the bounds below, which divide by it, say nothing any more.
+constexpr double kFlatAngle = 0.05;
+
+// The same for slopes that differ almost as much as the axes: the cone is too narrow to follow as such.
+constexpr double kSteepest = 0.85;
+
+// Rounding must not lose a triangle.
+constexpr double kMargin = 1.000001;
+
+// The quadric cone of two near tiles. Two angles whose sum is constant mark a convex cone of directions.
+void set_cone(const Primitive& before, const Primitive& after, JointBorder& border) {
+  const Vec3 axis1 = unit_or(before.end1 - before.end2, {1, 0, 0}),
+             axis2 = unit_or(after.end2 - after.end1, {1, 0, 0});
+  const double r = before.radius2, sine1 = (r - before.radius1) / norm(before.end2 - before.end1),
+               sine2 = (r - after.radius2) / norm(after.end2 - after.end1);
+  const double cosine1 = std::sqrt((1 - sine1) * (1 + sine1)), cosine2 = std::sqrt((1 - sine2) * (1 + sine2));
+  const Vec3 apart = axis2 - axis1, middle = axis1 + axis2, z = border.normal;
+  const Vec3 some = std::fabs(z.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  Vec3 x = unit_or(middle - dot(middle, z) * z, {});
+  if (!(dot(middle, middle) > 1e-20)) x = unit_or(cross(z, some), {});  // a straight joint: round about z
+  const double sine = sine2 * cosine1 - cosine2 * sine1, cosine = cosine2 * cosine1 + sine2 * sine1;
+  const double tangent = sine / (1 + cosine), square = tangent * tangent / (1 + tangent * tangent);
+  const double gap = max(1e-300, 0.25 * dot(apart, apart) - square);
+  border.x = tangent * x;
+  border.y = std::sqrt(square / gap) * cross(z, x);
+  border.side = tangent < 0 ? -1 : 1;
+}
+
+// Of the joint beyond `phalanx`. Lengths follow from the spherical hyperbola theta_i - theta_j = delta: with
+// beta the angle between the two axes and Z the height over the bisecting plane,
+//   |Z| <= D sin(delta / 2) / sin(beta / 2),  theta_i + sigma_i >= (beta + sigma_i + sigma_j) / 2.
+JointBorder border_of(const Primitive& before, const Primitive& after) {
+  const double r = before.radius2, length1 = norm(before.end2 - before.end1),
+               length2 = norm(after.end2 - after.end1);
+  const Vec3 axis1 = unit_or(before.end1 - before.end2, {}), axis2 = unit_or(after.end2 - after.end1, {});
+  JointBorder border;
+  border.centre = before.end2;
+  border.normal = unit_or(axis2 - axis1, unit_or(axis2, {1, 0, 0}));
+  border.shared = true;
+  // Whatever the border may be, it lies inside both tiles.
+  border.reach = kMargin * max(r, max(length1 + before.radius1, length2 + after.radius2));
+  border.slab = kMargin * max(r, max(before.radius1, after.radius2));
+
+  const double drop1 = r - before.radius1, drop2 = r - after.radius2;
+  if (!(length1 > std::fabs(drop1) && length2 > std::fabs(drop2))) return border;
+  const double sine1 = drop1 / length1, sine2 = drop2 / length2;
+  const double cosine1 = std::sqrt((1 - sine1) * (1 + sine1)), cosine2 = std::sqrt((1 - sine2) * (1 + sine2));
+  const double half_sine = 0.5 * norm(axis1 - axis2), half_cosine = 0.5 * norm(axis1 + axis2);
+  const double slope_sine =
+      0.5 * std::sqrt((sine1 - sine2) * (sine1 - sine2) + (cosine1 - cosine2) * (cosine1 - cosine2));
+  // Half the angle between the axes plus the mean slope: the border comes no nearer to the axes.
+  const double size =
+      std::sqrt((sine1 + sine2) * (sine1 + sine2) + (cosine1 + cosine2) * (cosine1 + cosine2));
+  const double mean_sine = (sine1 + sine2) / size, mean_cosine = (cosine1 + cosine2) / size;
+  const double nearest_sine = half_sine * mean_cosine + half_cosine * mean_sine;
+  const double nearest_cosine = half_cosine * mean_cosine - half_sine * mean_sine;
+  if (!(nearest_sine > kFlatAngle) || !(slope_sine < kSteepest * half_sine)) return border;
+  border.near = kMargin * r * nearest_cosine < nearest_sine * min(cosine1 * length1, cosine2 * length2);
+  if (!border.near) return border;
+  if (slope_sine < kSameSlope) return {};
+  set_cone(before, after, border);
+  // Between plane and border the owner is no nearer to its axis than half the angle plus the smaller slope.
+  const bool first = sine1 < sine2;
+  const double least_sine = half_sine * (first ? cosine1 : cosine2) + half_cosine * (first ? sine1 : sine2);
+  const double least_cosine = half_cosine * (first ? cosine1 : cosine2) - half_sine * (first ? sine1 : sine2);
+  if (least_sine > kFlatAngle) {
+    border.reach = min(border.reach, kMargin * (least_cosine > 0 ? r / least_sine : r));
+    border.slab = min(border.slab, kMargin * border.reach * slope_sine / half_sine);
+  }
+  return border;
+}
+
+}  // namespace
+
+double segment_distance(const Primitive& a, const Primitive& b) {
+  const auto from_point = [](Vec3 p, const Primitive& s) {
+    const Vec3 axis = s.end2 - s.end1;
+    const double square = dot(axis, axis);
+    const double t = square > 0 ? clamp(dot(p - s.end1, axis) / square, 0, 1) : 0;
+    return norm(p - s.end1 - t * axis);
+  };
+  double least = min(min(from_point(a.end1, b), from_point(a.end2, b)),
+                     min(from_point(b.end1, a), from_point(b.end2, a)));
+  const Vec3 u = a.end2 - a.end1, v = b.end2 - b.end1, w = b.end1 - a.end1, n = cross(u, v);
+  const double square = dot(n, n);
+  if (!(square > 0)) return least;
+  const double s = dot(cross(w, v), n) / square, t = dot(cross(w, u), n) / square;
+  if (s > 0 && s < 1 && t > 0 && t < 1) least = min(least, norm(w + t * v - s * u));
+  return least;
+}
+
+namespace {
+
+// The sphere round the triangle's centroid.
+struct Bound {
+  Vec3 centre;
+  double radius;
+};
+
+Bound bound_of(Vec3 a, Vec3 b, Vec3 c) {
+  const Vec3 to_b = b - a, to_c = c - a, middle = (to_b + to_c) / 3.0;
+  return {a + middle, max(norm(middle), max(norm(to_b - middle), norm(to_c - middle)))};
+}
+
+bool reaches(const Primitive& capsule, Vec3 a, Vec3 b, Vec3 c) {
+  const Bound bound = bound_of(a, b, c);
+  Primitive centre;
+  centre.end1 = centre.end2 = bound.centre;
+  return segment_distance(capsule, centre) <=
+         kMargin * (max(capsule.radius1, capsule.radius2) + bound.radius);
+}
+
+}  // namespace
+
+void set_joint_borders(Primitives& hand) {
+  const auto takes_part = [&](std::size_t i) { return hand.present[i] && hand.capsule[i].law == Law::field; };
+  for (std::size_t i = 0; i < kPhalanxCount; ++i) {
+    hand.border[i] = {};
+    if (i % 3 < 2 && takes_part(i) && takes_part(i + 1)) {
+      hand.border[i] = border_of(hand.capsule[i], hand.capsule[i + 1]);
+    }
+  }
+  for (std::size_t finger = 0; finger < kFingerCount; ++finger) {
+    const Primitive &first = hand.capsule[3 * finger], &last = hand.capsule[3 * finger + 2];
+    hand.folded[finger] = takes_part(3 * finger) && takes_part(3 * finger + 2) &&
+                          segment_distance(first, last) <
+                              kMargin * (max(first.radius1, first.radius2) + max(last.radius1, last.radius2));
+  }
+}
+
+bool is_in_reach(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
+  const Vec3 n = cross(b - a, c - a);
+  const double height = dot(n, a - border.centre);
+  if (height * height > border.reach * border.reach * dot(n, n)) return false;
+  const Bound bound = bound_of(a, b, c);
+  return norm(bound.centre - border.centre) <= border.reach + bound.radius;
+}
+
+bool may_meet_folded(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
+  const std::size_t i = tile.segment, place = i % 3;
+  return place != 1 && hand.folded[i / 3] && reaches(hand.capsule[place == 0 ? i + 2 : i - 2], a, b, c);
+}
+
+namespace {
+
+// Has the tile anything in the triangle's plane between the two planes that hold the border?
+bool reaches_between(const JointBorder& border, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
+  Primitive between = tile;
+  between.cut_count = 2;
+  between.cut = {{{border.normal, border.centre + border.slab * border.normal},
+                  {-border.normal, border.centre - border.slab * border.normal}}};
+  Section section;
+  return look_from_plane(between, a, b, c, section) && classify(section) != Overlap::apart;
+}
+
+}  // namespace
+
+TileBorders borders_on(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
+  TileBorders borders;
+  if (tile.law != Law::field || tile.shape != Shape::round) return borders;
+  const std::size_t i = tile.segment, place = i % 3;
+  const auto matters = [&](const JointBorder& border) {
+    return comes_near(border, a, b, c) && reaches_between(border, tile, a, b, c);
+  };
+  borders.inner = place > 0 && matters(hand.border[i - 1]);
+  borders.outer = place < 2 && matters(hand.border[i]);
+  borders.folded = may_meet_folded(hand, tile, a, b, c);
+  return borders;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,45 @@
+// Where the tiles of one finger share out space other than along the bisecting planes of its joints.
+//
+// By the law the field of a finger is the largest of its phalanges' fields, so two tiles border where their
+// fields are equal. Seen from the joint C they have in common, the field of phalanx i at distance D in a
+// direction theta_i off its axis is r - D sin(theta_i + sigma_i), sigma_i the slope of its cone (positive
+// where it narrows away from the joint). So the fields are equal on theta_i + sigma_i = theta_j + sigma_j: a
+// quadric cone with its apex at the joint, the bisecting plane where the slopes agree, until the far end of
+// one of the two comes into reach.
+#pragma once
+
+#include "model/primitive.h"
+
+namespace lumbrical {
+
+/// Fills hand.border and hand.folded from hand.capsule and hand.present. Only phalanges that both follow the
+/// field law share out space exactly.
+void set_joint_borders(Primitives& hand);
+
+/// Least distance of the axes of two primitives, of an end from the other axis or of the lines between their
+/// ends [m].
+double segment_distance(const Primitive& a, const Primitive& b);
+
+/// Could this border, or the phalanx folded upon the tile, be anything but a plane on the triangle? Cheap.
+bool is_in_reach(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c);
+inline bool comes_near(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
+  if (!border.shared) return false;
+  const double ha = dot(border.normal, a - border.centre), hb = dot(border.normal, b - border.centre),
+               hc = dot(border.normal, c - border.centre);
+  if (min(ha, min(hb, hc)) > border.slab || max(ha, max(hb, hc)) < -border.slab) return false;
+  return is_in_reach(border, a, b, c);
+}
+bool may_meet_folded(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c);
+
+/// Which of a tile's borders run through a triangle other than along its cutting planes.
+struct TileBorders {
+  bool inner = false, outer = false;  ///< with the next phalanx towards the wrist, away from it
+  bool folded = false;                ///< with the one beyond that
+  [[nodiscard]] bool any() const { return inner || outer || folded; }
+};
+
+/// The borders of `tile` on the triangle a, b, c [m, W]. Where there are none, the contact with the
+/// tile cut by its planes is exact.
+TileBorders borders_on(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c);
+
+}  // namespace lumbrical

@@ -1,0 +1,298 @@
+// The part of the triangle's plane that may be the tile's is split until each part either belongs wholly to
+// one tile or is run through once by one border. Of such a part the chord of the border cuts off what is the
+// rival's, the rest goes the way of any polygon, and the bulge between chord and border is added.
+#include "borders/shared_contact.h"
+
+#include <array>
+#include <cmath>
+
+#include "borders/border_bulge.h"
+#include "borders/joint_border.h"
+#include "borders/tile_share.h"
+#include "section/depth.h"
+#include "section/pressure_rules.h"
+
+namespace lumbrical {
+namespace {
+
+// Parts smaller than this share of the joint's radius are split no further where what is at stake is less
+// than this share of its cube: there borders are their chords. Only where three tiles meet, where a border is
+// singular, or where two tiles are all but in one place does it come to that.
+constexpr double kLeast = 5e-3, kLeastStake = 1e-13;
+
+// Where that takes more parts than this, as where two tiles are all but in one place, none is halved more
+// often than so.
+constexpr int kMostParts = 1000, kFineLevel = 60, kCoarseLevel = 11;
+
+struct Work {
+  Section& section;  // its polygon is the part at hand
+  const FieldKernels& kernels;
+  Boundary& boundary;
+  int rival_count = 0;
+  std::array<Rival, 2> rival{};
+  Rival others{};  // of two rivals, the first against the second
+  int parts = 0, level_limit = kFineLevel;
+  double area = 0, volume = 0, depth = 0;
+  Point2 area_first{0, 0}, first{0, 0};
+};
+
+// The innermost and the outermost phalanx; round a middle one of no length they have a joint in common.
+Rival apart(const Section& section, const Primitives& hand, std::size_t finger, bool is_first) {
+  const Primitive &inner = hand.capsule[3 * finger], &outer = hand.capsule[3 * finger + 2];
+  const bool same_joint =
+      norm(inner.end2 - outer.end1) < 1e-8 * inner.radius2 && inner.radius2 == outer.radius1;
+  return {cone_from(section, inner.end2, inner.end1, inner.radius2, inner.radius1),
+          cone_from(section, outer.end1, outer.end2, outer.radius1, outer.radius2),
+          same_joint,
+          false,
+          is_first,
+          {}};
+}
+
+Point2 middle_of(const Polygon2& polygon) {
+  Point2 sum{0, 0};
+  for (int i = 0; i < polygon.count; ++i) sum = sum + polygon.corner[static_cast<std::size_t>(i)];
+  return (1.0 / polygon.count) * sum;
+}
+
+double reach_of(const Polygon2& polygon, Point2 middle) {
+  double square = 0;
+  for (int i = 0; i < polygon.count; ++i) {
+    const Point2 d = polygon.corner[static_cast<std::size_t>(i)] - middle;
+    square = max(square, dot(d, d));
+  }
+  return std::sqrt(square);
+}
+
+// The whole of the part at hand is the tile's, as far as it lies in the section; with a rival only if its
+// centroid there is the tile's.
+void add_all(Work& work, const Rival* rival = nullptr) {
+  Section& section = work.section;
+  if (section.polygon.count < 3) return;
+  const Overlap overlap = classify(section);
+  if (overlap == Overlap::apart) return;
+  trace_boundary(section, work.boundary);
+  const AreaMoments area =
+      overlap == Overlap::inside ? polygon_area(section.polygon) : section_area(section, work.boundary);
+  if (!(area.area > 0) || (rival != nullptr && !(precedence(*rival, area.centroid) > 0))) return;
+  const PressureMoments field = field_moments(work.kernels, section, area, work.boundary);
+  work.area += area.area;
+  work.area_first = work.area_first + area.area * area.centroid;
+  work.volume += field.volume;
+  work.first = work.first + field.first;
+  work.depth = max(work.depth, largest_depth(section).depth);
+}
+
+// How much volume it makes, about, whose the part is.
+double stake_of(const Work& work, const Polygon2& polygon, Point2 middle, double reach) {
+  double most = 0;
+  for (int i = 0; i < work.rival_count; ++i) {
+    const Rival& rival = work.rival[static_cast<std::size_t>(i)];
+    const auto include = [&](Point2 p) {
+      const double gap = cone_field(rival.first, sight_of(rival.first, p)) -
+                         cone_field(rival.second, sight_of(rival.second, p));
+      most = max(most, std::fabs(gap));
+    };
+    include(middle);
+    for (int k = 0; k < polygon.count; ++k) include(polygon.corner[static_cast<std::size_t>(k)]);
+  }
+  return most * reach * reach;
+}
+
+Chord chord_of(const Crossings& crossings) {
+  // Once round counter-clockwise the rival's part lies to the right of the way from where the edge leaves the
+  // tile to where it comes back.
+  return crossings.leaving_first ? chord_between(crossings.at[0], crossings.at[1])
+                                 : chord_between(crossings.at[1], crossings.at[0]);
+}
+
+// One border runs through the part at hand. False where the part has to be split to follow it.
+bool add_crossed(const Rival& rival, const Crossings& crossings, Work& work) {
+  Section& section = work.section;
+  Chord chord = chord_of(crossings);
+  const Course course = follow_border(section, rival, chord);
+  if (course == Course::unclear) return false;
+  if (course == Course::outside) {
+    add_all(work, &rival);
+    return true;
+  }
+  Bulge bulge;
+  if (!integrate_bulge(section, rival, chord, bulge)) return false;
+  cut_polygon(chord.across, dot(chord.across, chord.from), section.polygon);
+  add_all(work);
+  work.area += bulge.area;
+  work.area_first = work.area_first + bulge.area_first;
+  work.volume += bulge.volume;
+  work.first = work.first + bulge.first;
+  return true;
+}
+
+// A part too small to be split: borders are their chords, and all else goes to whoever has its middle.
+void add_least(Point2 middle, double reach, Work& work) {
+  const Polygon2 whole = work.section.polygon;
+  for (int i = 0; i < work.rival_count; ++i) {
+    const Rival& rival = work.rival[static_cast<std::size_t>(i)];
+    Crossings crossings;
+    const Share share = share_with(rival, whole, middle, reach, crossings);
+    if (share == Share::crossed) {
+      const Chord chord = chord_of(crossings);
+      cut_polygon(chord.across, dot(chord.across, chord.from), work.section.polygon);
+    } else if (share == Share::none || (share == Share::unclear && !(precedence(rival, middle) > 0))) {
+      return;
+    }
+  }
+  add_all(work);
+}
+
+// A straight line to split a part along: the points where dot(normal, p - point) = 0.
+struct Split {
+  Point2 point, normal;
+};
+
+// Across the longest diagonal.
+Split split_across(const Polygon2& polygon, Point2 middle) {
+  Split split{middle, {1, 0}};
+  double square = 0;
+  for (int i = 0; i < polygon.count; ++i) {
+    for (int k = 0; k < i; ++k) {
+      const Point2 d =
+          polygon.corner[static_cast<std::size_t>(i)] - polygon.corner[static_cast<std::size_t>(k)];
+      if (dot(d, d) > square) {
+        square = dot(d, d);
+        split.normal = d;
+      }
+    }
+  }
+  return split;
+}
+
+// A border too curved for its chord is split in its middle, and two of them at once along the strip between.
+Split split_for(const Crossings& crossings, const Polygon2& polygon, Point2 middle) {
+  const auto half = [&](std::size_t i, std::size_t k) { return 0.5 * (crossings.at[i] + crossings.at[k]); };
+  const auto square = [&](std::size_t i, std::size_t k) {
+    const Point2 d = crossings.at[i] - crossings.at[k];
+    return dot(d, d);
+  };
+  Split split = split_across(polygon, middle);
+  if (crossings.count == 2) {
+    const Point2 chord = crossings.at[1] - crossings.at[0];
+    if (dot(chord, chord) > 0) split = {half(0, 1), chord};
+  } else if (crossings.count == 4) {
+    const bool ends = square(0, 1) + square(2, 3) < square(1, 2) + square(3, 0);
+    const Point2 from = ends ? half(0, 1) : half(1, 2), along = (ends ? half(2, 3) : half(3, 0)) - from;
+    if (dot(along, along) > 0) split = {from, {along.y, -along.x}};
+  }
+  return split;
+}
+
+void add_part(const Polygon2& polygon, int level, Work& work) {
+  if (polygon.count < 3) return;
+  work.section.polygon = polygon;
+  if (classify(work.section) == Overlap::apart) return;
+  const Point2 middle = middle_of(polygon);
+  const double reach = reach_of(polygon, middle);
+  if (++work.parts > kMostParts && work.level_limit > kCoarseLevel) return;
+  std::array<Share, 2> share{Share::all, Share::all};
+  std::array<Crossings, 2> crossings;
+  for (int i = 0; i < work.rival_count; ++i) {
+    const std::size_t k = static_cast<std::size_t>(i);
+    share[k] = share_with(work.rival[k], polygon, middle, reach, crossings[k]);
+    if (share[k] == Share::none) return;
+  }
+  if (share[0] != Share::all && share[1] != Share::all) {
+    // Where one rival is ahead of the other everywhere, the other one doesn't count. Two rivals with a sphere
+    // in common may have the same border with this tile, so this must not be left to splitting.
+    Crossings ignored;
+    const Share ahead = share_with(work.others, polygon, middle, reach, ignored);
+    if (ahead == Share::all) share[1] = Share::all;
+    if (ahead == Share::none) share[0] = Share::all;
+  }
+  if (share[0] == Share::all && share[1] == Share::all) return add_all(work);
+  const std::size_t k = share[0] == Share::all ? 1 : 0;
+  const bool one_border = share[k] == Share::crossed && share[1 - k] == Share::all;
+  if (one_border && add_crossed(work.rival[k], crossings[k], work)) return;
+  const double radius = work.rival[0].first.radius;
+  const bool least = reach < kLeast * radius &&
+                     stake_of(work, polygon, middle, reach) < kLeastStake * radius * radius * radius;
+  if (least || level >= work.level_limit) {
+    work.section.polygon = polygon;
+    return add_least(middle, reach, work);
+  }
+  // Parts too large to be understood, or with two rivals, become smaller; those with one border flatter, but
+  // every other time smaller as well.
+  const bool flatter =
+      one_border || (share[1 - k] == Share::all && crossings[k].count == 4 && level % 2 == 0);
+  const Split split = flatter ? split_for(crossings[k], polygon, middle) : split_across(polygon, middle);
+  const double offset = dot(split.normal, split.point);
+  Polygon2 one = polygon, other = polygon;
+  cut_polygon(split.normal, offset, one);
+  cut_polygon(-1.0 * split.normal, -offset, other);
+  add_part(one, level + 1, work);
+  add_part(other, level + 1, work);
+}
+
+// What of the plane the tile can reach: far corners of a large triangle would only make borders long.
+void cut_to_section(const Section& section, Polygon2& polygon) {
+  double lower = 1e300, upper = -1e300;
+  for (int i = 0; i < section.zone_count; ++i) {
+    const Zone& zone = section.zone[static_cast<std::size_t>(i)];
+    if (!(zone.real_lower < zone.real_upper)) continue;
+    lower = min(lower, zone.real_lower);
+    upper = max(upper, zone.real_upper);
+  }
+  cut_polygon({1, 0}, upper, polygon);
+  cut_polygon({-1, 0}, -lower, polygon);
+  cut_polygon({0, 1}, section.radius1, polygon);
+  cut_polygon({0, -1}, section.radius1, polygon);
+}
+
+}  // namespace
+
+bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBorders& borders,
+                    const FieldKernels& kernels, Vec3 a, Vec3 b, Vec3 c, Boundary& boundary,
+                    Contact& contact) {
+  const std::size_t phalanx = tile.segment, place = phalanx % 3;
+  // Where a border is not its plane it still has to lie near it; the others' planes are exact.
+  Primitive cut = tile;
+  const auto widen = [&](std::size_t i) { cut.cut[i].offset += cut.overhang[i]; };
+  if (borders.inner) widen(0);
+  if (borders.outer) widen(static_cast<std::size_t>(tile.cut_count - 1));
+  Section section;
+  if (!look_from_plane(cut, a, b, c, section)) return false;
+  Work work{section, kernels, boundary};
+  const auto add_rival = [&](const Rival& rival) {
+    work.rival[static_cast<std::size_t>(work.rival_count++)] = rival;
+  };
+  if (borders.inner) add_rival(joint_rival(section, hand, phalanx - 1, false));
+  if (borders.outer) add_rival(joint_rival(section, hand, phalanx, true));
+  if (borders.folded) add_rival(apart(section, hand, phalanx / 3, place == 0));
+  if (work.rival_count == 2) {
+    // First the neighbour, then the one beyond it; of the middle phalanx the inner one, then the outer one.
+    work.others = place == 0   ? joint_rival(section, hand, phalanx + 1, true)
+                  : place == 1 ? apart(section, hand, phalanx / 3, true)
+                               : joint_rival(section, hand, phalanx - 2, false);
+  }
+  Polygon2 polygon = section.polygon;
+  cut_to_section(section, polygon);
+  const double extent = reach_of(polygon, middle_of(polygon));
+  add_part(polygon, 0, work);
+  if (work.parts > kMostParts) {
+    work.area = work.volume = work.depth = 0;
+    work.area_first = work.first = {0, 0};
+    work.level_limit = kCoarseLevel;
+    add_part(polygon, 0, work);
+  }
+  // Smaller than this an area is what rounding leaves of nothing.
+  if (!(work.area > 1e-14 * extent * min(extent, section.radius1))) return false;
+
+  contact.depth = work.depth;
+  contact.area = work.area;
+  contact.volume = max(0, work.volume);
+  contact.centroid = to_world(section, (1 / work.area) * work.area_first);
+  contact.centre = work.volume > 0 ? to_world(section, (1 / work.volume) * work.first) : contact.centroid;
+  contact.normal = section.n;
+  contact.error = kBoundaryError * section.radius1 * section.radius1 * section.radius1;
+  return true;
+}
+
+}  // namespace lumbrical

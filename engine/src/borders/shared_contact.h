@@ -1,0 +1,23 @@
+// The contact of a tile and a triangle where the tile's border with another tile of its finger is no plane
+// (joint_border.h): exact to quadrature, and what one tile leaves the other takes.
+#pragma once
+
+#include "borders/joint_border.h"
+#include "lanes/field_kernels.h"
+#include "lumbrical/contact.h"
+#include "model/primitive.h"
+#include "section/section.h"
+
+namespace lumbrical {
+
+/// Sets everything of the contact but its indices. `boundary` is working memory. False where tile and
+/// triangle have no area in common. `borders` are those on this triangle; where there are none,
+/// the contact with the tile cut by its planes is the same.
+///
+/// `depth` is the largest depth in the own tile over the contact, less than the height of the border over its
+/// chord off where the deepest point lies between these two.
+bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBorders& borders,
+                    const FieldKernels& kernels, Vec3 a, Vec3 b, Vec3 c, Boundary& boundary,
+                    Contact& contact);
+
+}  // namespace lumbrical

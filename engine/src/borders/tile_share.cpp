@@ -1,0 +1,174 @@
+// A tile's share of a part: the edges are searched for borders; where they show none, the shape of the border
+// or that of the fields tells that there is none inside either.
+#include "borders/tile_share.h"
+
+#include <cmath>
+
+#include "borders/root.h"
+
+namespace lumbrical {
+namespace {
+
+// Edges are searched for borders in steps of this share of the joint's radius.
+constexpr double kStep = 0.25;
+
+// A part through which a border runs that is more than a cone's (JointBorder::near) is no larger than this.
+constexpr double kSmall = 0.6;
+
+// An edge p + t d and what is found along it.
+struct Edge {
+  const Rival& rival;
+  Point2 p, d;
+  double length;
+  Crossings& crossings;
+  [[nodiscard]] double at(double t) const { return precedence(rival, p + t * d); }
+};
+
+void add_root(const Edge& edge, double t0, double f0, double t1, double f1) {
+  Crossings& crossings = edge.crossings;
+  if (crossings.count == Crossings::kMaxCount) return;
+  const double t = find_root([&](double at) { return edge.at(at); }, t0, f0, t1, f1, 4e-16);
+  if (crossings.count == 0) crossings.leaving_first = f0 > 0;
+  crossings.at[static_cast<std::size_t>(crossings.count++)] = edge.p + t * edge.d;
+}
+
+// Both ends of t0..t1 belong to the same tile. May the other one have something in between? Then precedence
+// has a dip there; as long as it is convex it lies above its tangents at both ends, and where these meet
+// either is in the dip or parts it into smaller ones.
+void find_dip(const Edge& edge, double t0, double f0, double t1, double f1, int level) {
+  const double width = t1 - t0, sign = f0 > 0 ? 1 : -1;
+  if (level > 30 || sign * (f0 + f1) > kPrecedenceSlope * edge.length * width) return;
+  const double step = 1e-4 * width;
+  const double slope0 = sign * (edge.at(t0 + step) - f0) / step,
+               slope1 = sign * (f1 - edge.at(t1 - step)) / step;
+  if (!(slope0 < 0 && slope1 > 0)) return;
+  const double offset = (sign * (f1 - f0) - slope1 * width) / (slope0 - slope1);
+  if (!(offset > 1e-3 * width && offset < 0.999 * width) || sign * f0 + slope0 * offset > 0) return;
+  const double t = t0 + offset, f = edge.at(t);
+  if ((f > 0) == (f0 > 0)) {
+    find_dip(edge, t0, f0, t, f, level + 1);
+    find_dip(edge, t, f, t1, f1, level + 1);
+  } else {
+    add_root(edge, t0, f0, t, f);
+    add_root(edge, t, f, t1, f1);
+  }
+}
+
+// A line crosses a cone at the roots of a quadratic a t^2 + 2 b t + c: half way between them.
+double middle_of_crossings(const BorderCone& cone, Point2 p, Point2 d) {
+  const auto product = [&](const Linear& linear, double& a, double& b, double sign) {
+    const double slope = dot(linear.slope, d);
+    a += sign * slope * slope;
+    b += sign * slope * linear.at(p);
+  };
+  double a = 0, b = 0;
+  product(cone.x, a, b, 1);
+  product(cone.y, a, b, 1);
+  product(cone.height, a, b, -1);
+  return a != 0 ? -b / a : -1;
+}
+
+void cross_edge(const Rival& rival, Point2 p, Point2 q, double at_p, double at_q, Crossings& crossings) {
+  const Point2 d = q - p;
+  const Edge edge{rival, p, d, std::sqrt(dot(d, d)), crossings};
+  const bool same = (at_p > 0) == (at_q > 0);
+  if (same && std::fabs(at_p) + std::fabs(at_q) > kPrecedenceSlope * edge.length) return;
+  if (rival.near) {
+    const double t = same ? middle_of_crossings(rival.border, p, d) : 0;
+    if (!(t > 0 && t < 1)) {
+      if (!same) add_root(edge, 0, at_p, 1, at_q);
+      return;
+    }
+    const double f = edge.at(t);
+    if ((f > 0) == (at_p > 0)) return;
+    add_root(edge, 0, at_p, t, f);
+    add_root(edge, t, f, 1, at_q);
+    return;
+  }
+  const double wanted = edge.length / (kStep * rival.first.radius);
+  const int steps = wanted < 1 ? 2 : wanted < 31 ? static_cast<int>(wanted) + 1 : 32;
+  double t0 = 0, f0 = at_p;
+  for (int i = 1; i <= steps; ++i) {
+    const double t1 = 1.0 * i / steps, f1 = i == steps ? at_q : edge.at(t1);
+    if ((f0 > 0) == (f1 > 0)) {
+      find_dip(edge, t0, f0, t1, f1, 0);
+    } else {
+      add_root(edge, t0, f0, t1, f1);
+    }
+    t0 = t1;
+    f0 = f1;
+  }
+}
+
+// Can the far end of neither tile have a part in their border over this part of the plane?
+bool is_near(const Rival& rival, Point2 middle, double reach) {
+  if (rival.near) return true;
+  if (!rival.joined || rival.first.kind != Cone::hull || rival.second.kind != Cone::hull) return false;
+  for (const Cone* cone : {&rival.first, &rival.second}) {
+    if (sight_of(*cone, middle).along + reach > cone->cosine * cone->length) return false;
+  }
+  return true;
+}
+
+bool holds(const Polygon2& polygon, Point2 p) {
+  for (int i = 0; i < polygon.count; ++i) {
+    const Point2 a = polygon.corner[static_cast<std::size_t>(i)];
+    const Point2 b = polygon.corner[static_cast<std::size_t>(i + 1 == polygon.count ? 0 : i + 1)];
+    if (cross(b - a, p - a) < 0) return false;
+  }
+  return true;
+}
+
+// The plane cuts the border's cone in one curve, which may close; then the axis of one of the tiles pierces
+// the plane inside it.
+bool has_island(const Rival& rival, const Polygon2& polygon, bool mine) {
+  for (const Cone* cone : {&rival.first, &rival.second}) {
+    if (!(cone->axis.z * cone->joint.z < 0)) continue;
+    const double t = -cone->joint.z / cone->axis.z;
+    const Point2 p{cone->joint.x + t * cone->axis.x, cone->joint.y + t * cone->axis.y};
+    if (holds(polygon, p) && (precedence(rival, p) > 0) != mine) return true;
+  }
+  return false;
+}
+
+// Both fields are concave: the lower one lies below its tangent plane, the higher one over what its values at
+// the corners span. So one look at each corner can tell that a part is wholly one tile's.
+bool is_higher(const Cone& higher, const Cone& lower, const Polygon2& polygon, Point2 middle) {
+  const Sight sight = sight_of(lower, middle);
+  const double value = cone_field(lower, sight);
+  const Point2 slope = cone_slope(lower, sight);
+  for (int i = 0; i < polygon.count; ++i) {
+    const Point2 p = polygon.corner[static_cast<std::size_t>(i)];
+    if (!(cone_field(higher, sight_of(higher, p)) > value + dot(slope, p - middle))) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Share share_with(const Rival& rival, const Polygon2& polygon, Point2 middle, double reach,
+                 Crossings& crossings) {
+  const double here = precedence(rival, middle);
+  if (std::fabs(here) > kPrecedenceSlope * reach) return here > 0 ? Share::all : Share::none;
+  std::array<double, Polygon2::kMaxCorners> value;
+  for (int i = 0; i < polygon.count; ++i) {
+    value[static_cast<std::size_t>(i)] = precedence(rival, polygon.corner[static_cast<std::size_t>(i)]);
+  }
+  for (int i = 0; i < polygon.count; ++i) {
+    const std::size_t k = static_cast<std::size_t>(i), next = i + 1 == polygon.count ? 0 : k + 1;
+    cross_edge(rival, polygon.corner[k], polygon.corner[next], value[k], value[next], crossings);
+  }
+  const bool near = is_near(rival, middle, reach);
+  if (crossings.count == 2) {
+    return near || reach < kSmall * rival.first.radius ? Share::crossed : Share::unclear;
+  }
+  if (crossings.count > 0) return Share::unclear;
+  const bool mine = value[0] > 0;
+  const bool clear = near ? !has_island(rival, polygon, mine)
+                          : is_higher(mine ? rival.own() : rival.other(), mine ? rival.other() : rival.own(),
+                                      polygon, middle);
+  if (!clear) return Share::unclear;
+  return mine ? Share::all : Share::none;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,232 @@
+// Device profiles: whether their parts agree, and which Modbus requests make a cycle of them.
+#include "lumbrical/device_profile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "device/profile_check.h"
+#include "device/registers.h"
+
+namespace lumbrical {
+namespace {
+
+// Reading a few registers more costs less than one more request.
+constexpr int kWidestReadGap = 16;
+
+struct NamedField {
+  RegisterField field;
+  std::string path;
+};
+
+RegisterField word_field(std::uint8_t unit, std::uint16_t address) {
+  RegisterField field;
+  field.unit = unit;
+  field.address = address;
+  field.type = RegisterType::u16;
+  return field;
+}
+
+std::vector<NamedField> written_fields(const DeviceProfile& profile) {
+  std::vector<NamedField> fields;
+  for (std::size_t i = 0; i < profile.actuators.size(); ++i) {
+    const Actuator& actuator = profile.actuators[i];
+    const std::string path = "actuators[" + std::to_string(i) + "].";
+    fields.push_back({actuator.field, path + "at"});
+    if (!actuator.local.present) continue;
+    fields.push_back({actuator.local.angle, path + "local.angle"});
+    fields.push_back({actuator.local.stiffness, path + "local.stiffness"});
+    fields.push_back({actuator.local.radius, path + "local.radius"});
+  }
+  if (profile.control.present) {
+    fields.push_back({word_field(profile.control.unit, profile.control.address), "control"});
+  }
+  if (profile.heartbeat.present) {
+    fields.push_back({word_field(profile.heartbeat.unit, profile.heartbeat.address), "heartbeat"});
+  }
+  return fields;
+}
+
+std::vector<NamedField> read_fields(const DeviceProfile& profile) {
+  std::vector<NamedField> fields;
+  for (std::size_t i = 0; i < profile.sensors.size(); ++i) {
+    fields.push_back({profile.sensors[i].field, "sensors[" + std::to_string(i) + "].at"});
+  }
+  if (profile.heartbeat.echoed) {
+    fields.push_back({word_field(profile.heartbeat.unit, profile.heartbeat.echo_address), "heartbeat.echo"});
+  }
+  if (profile.status.present) {
+    fields.push_back({word_field(profile.status.unit, profile.status.address), "status"});
+  }
+  return fields;
+}
+
+std::vector<RegisterBlock> blocks_of(const std::vector<NamedField>& fields, int widest_gap, int most) {
+  std::vector<std::pair<int, int>> words;  // (unit, address), each once
+  for (const NamedField& named : fields) {
+    for (int k = 0; k < register_count(named.field.type); ++k) {
+      words.emplace_back(named.field.unit, named.field.address + k);
+    }
+  }
+  std::sort(words.begin(), words.end());
+  words.erase(std::unique(words.begin(), words.end()), words.end());
+  std::vector<RegisterBlock> blocks;
+  for (const auto& [unit, address] : words) {
+    RegisterBlock* const last = blocks.empty() ? nullptr : &blocks.back();
+    if (last != nullptr && last->unit == unit && address - (last->address + last->count) <= widest_gap &&
+        address - last->address < most) {
+      last->count = static_cast<std::uint16_t>(address - last->address + 1);
+    } else {
+      blocks.push_back({static_cast<std::uint8_t>(unit), static_cast<std::uint16_t>(address), 1});
+    }
+  }
+  return blocks;
+}
+
+std::string text_of(double number) {
+  std::string text = std::to_string(number);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
+ProfileFault range_fault(const RegisterField& field, double low, double high, const std::string& path) {
+  if (!(field.scale != 0) || !std::isfinite(field.scale) || !std::isfinite(field.offset)) {
+    return {path + ".scale", "must be finite and not 0"};
+  }
+  if (field.address + register_count(field.type) > 65536) {
+    return {path + ".address", "leaves no room for the field's registers below 65536"};
+  }
+  const FieldRange range = field_range(field);
+  const double slack = 0.5 * std::fabs(field.scale);
+  if (low >= range.low - slack && high <= range.high + slack) return {};
+  return {path, "holds " + text_of(range.low) + " .. " + text_of(range.high) +
+                    ", too little for the limits; change type, scale or limits"};
+}
+
+ProfileFault limits_fault(const Actuator& actuator, const std::string& path) {
+  const double numbers[] = {actuator.lower, actuator.upper, actuator.safe, actuator.preload, actuator.slew};
+  for (const double number : numbers) {
+    if (!std::isfinite(number)) return {path, "has a limit that is not finite"};
+  }
+  if (!(actuator.lower < actuator.upper)) return {path + ".upper", "must be above lower"};
+  if (actuator.safe < actuator.lower || actuator.safe > actuator.upper) {
+    return {path + ".safe", "lies outside lower .. upper"};
+  }
+  if (actuator.drive != Drive::motor && actuator.lower < 0) {
+    return {path + ".lower", "must not be negative: a wire only pulls and a brake only resists"};
+  }
+  const bool wire = actuator.drive == Drive::wire;
+  if (wire ? actuator.preload < actuator.lower || actuator.preload > actuator.upper : actuator.preload != 0) {
+    return {path + ".preload", wire ? "lies outside lower .. upper" : "is for wires only"};
+  }
+  if (!(actuator.slew > 0)) return {path + ".slew", "must be above 0"};
+  return {};
+}
+
+ProfileFault actuator_fault(const Actuator& actuator, const std::string& path) {
+  if (ProfileFault fault = limits_fault(actuator, path); !fault.what.empty()) return fault;
+  if (ProfileFault fault = range_fault(actuator.field, actuator.lower, actuator.upper, path + ".at");
+      !fault.what.empty()) {
+    return fault;
+  }
+  int joint_count = 0;
+  for (const double ratio : actuator.arm) {
+    if (!std::isfinite(ratio)) return {path + ".joints", "has a ratio that is not finite"};
+    joint_count += ratio != 0 ? 1 : 0;
+  }
+  if (joint_count == 0) return {path + ".joints", "ties the actuator to no joint"};
+  if (!actuator.local.present) return {};
+  if (actuator.drive != Drive::motor || joint_count != 1) {
+    return {path + ".local", "needs a motor tied to a single joint"};
+  }
+  const LocalFields& local = actuator.local;
+  for (const auto& [field, low, high, name] : {std::tuple(&local.angle, -0.5, 2.0, ".local.angle"),
+                                               std::tuple(&local.stiffness, 0.0, 0.0, ".local.stiffness"),
+                                               std::tuple(&local.radius, 0.0, 0.1, ".local.radius")}) {
+    if (ProfileFault fault = range_fault(*field, low, high, path + name); !fault.what.empty()) return fault;
+  }
+  return {};
+}
+
+// Two fields that write the same byte would fight; two halves of a register get along.
+ProfileFault overlap_fault(const std::vector<NamedField>& fields) {
+  std::map<std::tuple<int, int, bool>, std::string> owner;  // unit, address, upper byte
+  for (const NamedField& named : fields) {
+    for (int k = 0; k < register_count(named.field.type); ++k) {
+      for (const bool upper : {false, true}) {
+        if (named.field.type == (upper ? RegisterType::u8_low : RegisterType::u8_high)) continue;
+        const auto [place, first] =
+            owner.try_emplace({named.field.unit, named.field.address + k, upper}, named.path);
+        if (!first) return {named.path, "overlaps " + place->second};
+      }
+    }
+  }
+  return {};
+}
+
+ProfileFault times_fault(const DeviceProfile& profile) {
+  if (profile.first_retry > profile.last_retry) return {"first_retry", "must not exceed last_retry"};
+  if (profile.safety.tick_hold > profile.safety.tick_timeout) {
+    return {"safety.tick_hold", "must not exceed tick_timeout"};
+  }
+  return {};
+}
+
+}  // namespace
+
+ProfileFault find_fault(const DeviceProfile& profile) {
+  if (profile.actuators.empty() || profile.actuators.size() > kMaxActuators) {
+    return {"actuators", "must be 1 to " + std::to_string(kMaxActuators)};
+  }
+  for (std::size_t i = 0; i < profile.actuators.size(); ++i) {
+    const std::string path = "actuators[" + std::to_string(i) + "]";
+    if (ProfileFault fault = actuator_fault(profile.actuators[i], path); !fault.what.empty()) return fault;
+  }
+  if (profile.sensors.size() > kMaxSensors) {
+    return {"sensors", "must be at most " + std::to_string(kMaxSensors)};
+  }
+  for (std::size_t i = 0; i < profile.sensors.size(); ++i) {
+    const Sensor& sensor = profile.sensors[i];
+    const std::string path = "sensors[" + std::to_string(i) + "]";
+    if (!(sensor.lower < sensor.upper)) return {path + ".upper", "must be above lower"};
+    if (ProfileFault fault = range_fault(sensor.field, 0, 0, path + ".at"); !fault.what.empty()) return fault;
+  }
+  if (ProfileFault fault = overlap_fault(written_fields(profile)); !fault.what.empty()) return fault;
+  if (profile.status.dead_man != 0 && !profile.status.present) return {"status", "has no address"};
+  return times_fault(profile);
+}
+
+Status check_profile(const DeviceProfile& profile) {
+  const ProfileFault fault = find_fault(profile);
+  if (fault.what.empty()) return {};
+  return Status::error(profile.name + ": " + fault.path + " " + fault.what);
+}
+
+void set_unit(DeviceProfile& profile, std::uint8_t unit) {
+  for (Actuator& actuator : profile.actuators) {
+    actuator.field.unit = actuator.local.angle.unit = unit;
+    actuator.local.stiffness.unit = actuator.local.radius.unit = unit;
+  }
+  for (Sensor& sensor : profile.sensors) sensor.field.unit = unit;
+  for (RegisterWrite& write : profile.handshake) write.unit = unit;
+  for (RegisterCheck& check : profile.expected) check.unit = unit;
+  profile.control.unit = profile.heartbeat.unit = profile.status.unit = unit;
+}
+
+ExchangePlan plan_exchange(const DeviceProfile& profile) {
+  ExchangePlan plan;
+  const std::vector<NamedField> written = written_fields(profile);
+  const std::vector<NamedField> read = read_fields(profile);
+  plan.reads = blocks_of(read, kWidestReadGap, kMaxReadRegisters);
+  if (profile.read_write) {
+    plan.writes = blocks_of(written, 0, kMaxExchangeRegisters);
+    plan.combined = plan.writes.size() == 1 && plan.reads.size() == 1 &&
+                    plan.writes[0].unit == plan.reads[0].unit && profile.read_function == 3;
+  }
+  if (!plan.combined) plan.writes = blocks_of(written, 0, kMaxWriteRegisters);
+  return plan;
+}
+
+}  // namespace lumbrical

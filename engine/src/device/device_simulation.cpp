@@ -1,0 +1,198 @@
+// See lumbrical/device_simulation.h.
+#include "lumbrical/device_simulation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "device/registers.h"
+#include "lumbrical/local_model.h"
+#include "lumbrical/math.h"
+
+namespace lumbrical {
+namespace {
+
+constexpr double kSlowGrasp = 4;  // [s] to close and open the hand
+
+// 0 .. 1 .. 0 with a continuous speed.
+double there_and_back(double phase) {
+  const double x = phase - std::floor(phase);
+  const double up = x < 0.5 ? 2 * x : 2 - 2 * x;
+  return up * up * (3 - 2 * up);
+}
+
+void slow_grasp(double time, JointArray& target) {
+  target.fill(0.1 + 0.9 * there_and_back(time / kSlowGrasp));
+}
+
+}  // namespace
+
+void step_joint(const JointDynamics& dynamics, const HumanJoint& human, double target, double torque,
+                double dt, JointState& joint) {
+  const double damping = dynamics.damping + human.damping;
+  const double mass = dynamics.inertia + dt * damping + dt * dt * human.stiffness;
+  const double push = human.stiffness * (target - joint.angle) - torque;
+  const double free = (dynamics.inertia * joint.speed + dt * push) / mass;
+  const double friction = dt * dynamics.friction / mass;
+  joint.speed = free > friction ? free - friction : free < -friction ? free + friction : 0;
+  joint.angle += dt * joint.speed;
+}
+
+double read_encoder(const JointDynamics& dynamics, double angle) {
+  if (!(dynamics.encoder_step > 0)) return angle;
+  return dynamics.encoder_step * std::floor(angle / dynamics.encoder_step + 0.5);
+}
+
+SimulatedDevice::SimulatedDevice(const DeviceProfile& profile, SimulationOptions options)
+    : profile_(profile), options_(std::move(options)) {
+  if (!options_.intention) options_.intention = slow_grasp;
+  const ExchangePlan plan = plan_exchange(profile_);
+  for (const auto* const blocks : {&plan.writes, &plan.reads}) {
+    for (const RegisterBlock& block : *blocks) {
+      for (int k = 0; k < block.count; ++k)
+        registers_[{block.unit, static_cast<std::uint16_t>(block.address + k)}] = 0;
+    }
+  }
+  for (const RegisterWrite& write : profile_.handshake) registers_[{write.unit, write.address}] = 0;
+  for (const RegisterCheck& check : profile_.expected) registers_[{check.unit, check.address}] |= check.value;
+  for (JointDynamics& joint : profile_.dynamics) joint.inertia = std::max(joint.inertia, 1e-6);
+  for (std::size_t i = 0; i < profile_.actuators.size(); ++i) command_[i] = profile_.actuators[i].safe;
+  JointArray start{};
+  options_.intention(0, start);
+  for (std::size_t j = 0; j < kPhalanxCount; ++j) joints_[j].angle = start[j];
+  write_feedback();
+}
+
+bool SimulatedDevice::has_unit(std::uint8_t unit) const {
+  const auto first = registers_.lower_bound({unit, 0});
+  return first != registers_.end() && first->first.first == unit;
+}
+
+bool SimulatedDevice::switched_on() const {
+  if (!profile_.control.present) return true;
+  return registers_.at({profile_.control.unit, profile_.control.address}) == profile_.control.active;
+}
+
+double SimulatedDevice::field(const RegisterField& place) const {
+  std::array<std::uint16_t, 2> words{};
+  for (int k = 0; k < register_count(place.type); ++k) {
+    words[static_cast<std::size_t>(k)] =
+        registers_.at({place.unit, static_cast<std::uint16_t>(place.address + k)});
+  }
+  return decode_field(place, words);
+}
+
+void SimulatedDevice::put(const RegisterField& place, double value) {
+  std::array<std::uint16_t, 2> words{};
+  const auto at = [&](int k) -> std::uint16_t& {
+    return registers_[{place.unit, static_cast<std::uint16_t>(place.address + k)}];
+  };
+  const int count = register_count(place.type);
+  for (int k = 0; k < count; ++k) words[static_cast<std::size_t>(k)] = at(k);
+  if (!encode_field(place, value, words)) return;
+  for (int k = 0; k < count; ++k) at(k) = words[static_cast<std::size_t>(k)];
+}
+
+int SimulatedDevice::write(std::uint8_t unit, std::uint16_t address, std::span<const std::uint16_t> words) {
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    if (address + k > 65535 || !registers_.contains({unit, static_cast<std::uint16_t>(address + k)}))
+      return 2;
+  }
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    registers_[{unit, static_cast<std::uint16_t>(address + k)}] = words[k];
+  }
+  const Heartbeat& heartbeat = profile_.heartbeat;
+  if (hung_) return 0;
+  if (!heartbeat.present) {
+    silence_ = 0;
+  } else if (const std::uint16_t now = registers_[{heartbeat.unit, heartbeat.address}];
+             now != last_heartbeat_) {
+    last_heartbeat_ = now;
+    silence_ = 0;
+  }
+  write_feedback();
+  return 0;
+}
+
+int SimulatedDevice::read(std::uint8_t unit, std::uint16_t address, std::span<std::uint16_t> words) const {
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    const auto found = address + k > 65535 ? registers_.end()
+                                           : registers_.find({unit, static_cast<std::uint16_t>(address + k)});
+    if (found == registers_.end()) return 2;
+    words[k] = found->second;
+  }
+  return 0;
+}
+
+// What acts now: the newest command while someone sends them, fading when no one does.
+void SimulatedDevice::read_commands() {
+  const bool off = !switched_on() || stop_ || broken_;
+  torque_ = {};
+  for (std::size_t i = 0; i < profile_.actuators.size(); ++i) {
+    const Actuator& actuator = profile_.actuators[i];
+    double wanted = off ? actuator.safe : clamp(field(actuator.field), actuator.lower, actuator.upper);
+    const double range = actuator.upper - actuator.lower;
+    if (actuator.local.present && !off) {
+      const auto joint = static_cast<std::size_t>(
+          std::find_if(actuator.arm.begin(), actuator.arm.end(), [](double arm) { return arm != 0; }) -
+          actuator.arm.begin());
+      const double arm = actuator.arm[joint];
+      const lumbrical_local_model model = {wanted * arm, field(actuator.local.angle),
+                                           field(actuator.local.stiffness), field(actuator.local.radius)};
+      const lumbrical_local_limits limits = {
+          max(std::fabs(actuator.lower), std::fabs(actuator.upper)) * std::fabs(arm),
+          2 * profile_.dynamics[joint].damping / options_.step, options_.watchdog, options_.fade};
+      const double angle = read_encoder(profile_.dynamics[joint], joints_[joint].angle);
+      wanted = lumbrical_local_torque(&model, &limits, angle, silence_) / arm;
+    }
+    if (!(silence_ <= options_.watchdog)) wanted = actuator.safe;
+    const double most = off || silence_ > options_.watchdog ? range / options_.fade * options_.step : range;
+    command_[i] += clamp(wanted - command_[i], -most, most);
+    for (std::size_t j = 0; j < kPhalanxCount; ++j) {
+      const double speed = joints_[j].speed;
+      const double sense = actuator.drive != Drive::brake ? 1 : speed > 1e-3 ? 1 : speed < -1e-3 ? -1 : 0;
+      torque_[j] += sense * actuator.arm[j] * command_[i];
+    }
+  }
+}
+
+void SimulatedDevice::write_feedback() {
+  if (hung_) return;
+  for (const Sensor& sensor : profile_.sensors) {
+    const int motion = sensor.angle % 4;
+    const auto joint = static_cast<std::size_t>(3 * (sensor.angle / 4) + motion - 1);
+    put(sensor.field, motion == 0 ? 0 : read_encoder(profile_.dynamics[joint], joints_[joint].angle));
+  }
+  const Heartbeat& heartbeat = profile_.heartbeat;
+  if (heartbeat.echoed) registers_[{heartbeat.unit, heartbeat.echo_address}] = last_heartbeat_;
+  const StatusBits& status = profile_.status;
+  if (!status.present) return;
+  unsigned bits = status.ready;
+  if (broken_) bits |= status.fault;
+  if (stop_) bits |= status.stop;
+  if (dead_man_) bits |= status.dead_man;
+  registers_[{status.unit, status.address}] = static_cast<std::uint16_t>(bits);
+}
+
+void SimulatedDevice::step(double dt) {
+  time_ += dt;
+  silence_ += dt;
+  if (on_since_ < 0 && switched_on()) on_since_ = time_;
+  JointArray target{};
+  options_.intention(on_since_ < 0 ? 0 : time_ - on_since_, target);
+  read_commands();
+  for (std::size_t j = 0; j < kPhalanxCount; ++j) {
+    step_joint(profile_.dynamics[j], options_.human, target[j], torque_[j], dt, joints_[j]);
+  }
+}
+
+void SimulatedDevice::advance(double seconds) {
+  left_ += seconds;
+  if (left_ < options_.step) return;
+  while (left_ >= options_.step) {
+    step(options_.step);
+    left_ -= options_.step;
+  }
+  write_feedback();
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,324 @@
+// Device profiles from JSON files, read through schemas/device.fbs.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "device/profile_check.h"
+#include "device_bfbs_generated.h"
+#include "device_generated.h"
+#include "files/json_file.h"
+#include "lumbrical/device_profile.h"
+
+namespace lumbrical {
+namespace {
+
+namespace format = device_format;
+using flatbuffers::uoffset_t;
+
+// What an actuator may rise in where the file does not say: its whole range in this time [s].
+constexpr double kDefaultRise = 0.02;
+constexpr double kLargest = 1e9;
+
+struct Name {
+  const char* text;
+  int value;
+};
+
+class ProfileReader {
+ public:
+  ProfileReader(const JsonFile& file, DeviceProfile& profile) : read_(file), profile_(profile) {}
+
+  Status read(const format::Device& table);
+
+ private:
+  int name(const flatbuffers::String* text, const std::string& path, std::span<const Name> names);
+  int joint(const flatbuffers::String* text, const std::string& path);
+  template <class Integer>
+  void word(flatbuffers::Optional<std::uint32_t> value, const std::string& path, Integer& target,
+            bool needed = false, std::uint32_t most = 65535);
+  void field(const format::Field* table, const std::string& path, RegisterField& target);
+  void transport(const format::Transport* table);
+  void actuator(const format::Actuator& table, const std::string& path, Actuator& target);
+  void arms(const format::Actuator& table, const std::string& path, Actuator& target);
+  void sensor(const format::Sensor& table, const std::string& path, Sensor& target);
+  void handshake(const format::Device& table);
+  void words(const format::Device& table);
+  void safety(const format::Safety* table);
+  void dynamics(const format::Dynamics& table, const std::string& path, JointDynamics& target);
+  void all_dynamics(const format::Device& table);
+  void timing(const format::Device& table);
+
+  FieldReader read_;
+  DeviceProfile& profile_;
+  std::uint8_t unit_ = 1;
+};
+
+// Answers the first value where the text is missing.
+int ProfileReader::name(const flatbuffers::String* text, const std::string& path,
+                        std::span<const Name> names) {
+  if (text == nullptr) return names[0].value;
+  std::string choice;
+  for (const Name& known : names) {
+    if (text->string_view() == known.text) return known.value;
+    choice += (choice.empty() ? "\"" : ", \"") + std::string(known.text) + "\"";
+  }
+  read_.error(path, "must be one of " + choice);
+  return names[0].value;
+}
+
+int ProfileReader::joint(const flatbuffers::String* text, const std::string& path) {
+  for (int s = 0; s < kPhalanxCount && text != nullptr; ++s) {
+    if (text->string_view() == segment_name(s)) return s;
+  }
+  read_.error(path, R"(must be a finger joint such as "index proximal" or "thumb metacarpal")");
+  return 0;
+}
+
+template <class Integer>
+void ProfileReader::word(flatbuffers::Optional<std::uint32_t> value, const std::string& path, Integer& target,
+                         bool needed, std::uint32_t most) {
+  if (needed && !value.has_value()) return read_.error(path, "is missing");
+  std::uint32_t number = static_cast<std::uint32_t>(target);
+  read_.count(value, path, 0, most, number);
+  target = static_cast<Integer>(number);
+}
+
+void ProfileReader::field(const format::Field* table, const std::string& path, RegisterField& target) {
+  target.unit = unit_;
+  if (table == nullptr) return read_.error(path, "is missing");
+  static constexpr Name kTypes[] = {{"s16", static_cast<int>(RegisterType::s16)},
+                                    {"u16", static_cast<int>(RegisterType::u16)},
+                                    {"s32", static_cast<int>(RegisterType::s32)},
+                                    {"f32", static_cast<int>(RegisterType::f32)},
+                                    {"u8 high", static_cast<int>(RegisterType::u8_high)},
+                                    {"u8 low", static_cast<int>(RegisterType::u8_low)}};
+  static constexpr Name kWords[] = {{"high first", 0}, {"low first", 1}};
+  word(table->address(), path + ".address", target.address, true);
+  word(table->unit(), path + ".unit", target.unit, false, 247);
+  target.type = static_cast<RegisterType>(name(table->type(), path + ".type", kTypes));
+  target.low_word_first = name(table->words(), path + ".words", kWords) == 1;
+  read_.number(table->scale(), path + ".scale", {-kLargest, kLargest}, target.scale);
+  read_.number(table->offset(), path + ".offset", {-kLargest, kLargest}, target.offset);
+}
+
+void ProfileReader::transport(const format::Transport* table) {
+  if (table == nullptr) return;
+  Transport& target = profile_.transport;
+  static constexpr Name kKinds[] = {{"tcp", 0}, {"rtu", 1}};
+  static constexpr Name kParities[] = {{"none", 'N'}, {"even", 'E'}, {"odd", 'O'}};
+  target.serial = name(table->kind(), "transport.kind", kKinds) == 1;
+  if (table->host() != nullptr) target.host = table->host()->str();
+  if (table->line() != nullptr) target.line = table->line()->str();
+  word(table->port(), "transport.port", target.port);
+  read_.count(table->baud(), "transport.baud", 300, 10000000, target.baud);
+  target.parity = static_cast<Parity>(name(table->parity(), "transport.parity", kParities));
+  std::uint32_t stop_bits = target.stop_bits;
+  read_.count(table->stop_bits(), "transport.stop_bits", 1, 2, stop_bits);
+  target.stop_bits = static_cast<std::uint8_t>(stop_bits);
+  word(table->unit(), "transport.unit", unit_, false, 247);
+}
+
+void ProfileReader::arms(const format::Actuator& table, const std::string& path, Actuator& target) {
+  const auto* const joints = table.joints();
+  for (uoffset_t i = 0; joints != nullptr && i < joints->size(); ++i) {
+    const std::string at = path + ".joints[" + std::to_string(i) + "]";
+    double& ratio = target.arm[static_cast<std::size_t>(joint(joints->Get(i)->joint(), at + ".joint"))];
+    if (ratio != 0) read_.error(at + ".joint", "is named twice");
+    ratio = 1;
+    read_.number(joints->Get(i)->ratio(), at + ".ratio", {-kLargest, kLargest}, ratio);
+    if (ratio == 0) read_.error(at + ".ratio", "must not be 0");
+  }
+}
+
+void ProfileReader::actuator(const format::Actuator& table, const std::string& path, Actuator& target) {
+  static constexpr Name kDrives[] = {{"motor", static_cast<int>(Drive::motor)},
+                                     {"wire", static_cast<int>(Drive::wire)},
+                                     {"brake", static_cast<int>(Drive::brake)}};
+  const Range range{-kLargest, kLargest};
+  if (table.name() == nullptr || table.name()->size() == 0) read_.error(path + ".name", "is missing");
+  if (table.name() != nullptr) target.name = table.name()->str();
+  target.drive = static_cast<Drive>(name(table.drive(), path + ".drive", kDrives));
+  field(table.at(), path + ".at", target.field);
+  read_.number(table.lower(), path + ".lower", range, target.lower);
+  if (!table.upper().has_value()) read_.error(path + ".upper", "is missing");
+  read_.number(table.upper(), path + ".upper", range, target.upper);
+  read_.number(table.safe(), path + ".safe", range, target.safe);
+  read_.number(table.preload(), path + ".preload", range, target.preload);
+  target.slew = (target.upper - target.lower) / kDefaultRise;
+  read_.number(table.slew(), path + ".slew", {1e-9, kLargest}, target.slew);
+  arms(table, path, target);
+  if (table.local() == nullptr) return;
+  target.local.present = true;
+  field(table.local()->angle(), path + ".local.angle", target.local.angle);
+  field(table.local()->stiffness(), path + ".local.stiffness", target.local.stiffness);
+  field(table.local()->radius(), path + ".local.radius", target.local.radius);
+}
+
+void ProfileReader::sensor(const format::Sensor& table, const std::string& path, Sensor& target) {
+  static constexpr Name kMotions[] = {{"flexion", 1}, {"abduction", 0}};
+  const int segment = joint(table.joint(), path + ".joint");
+  const bool flexion = name(table.motion(), path + ".motion", kMotions) == 1;
+  if (!flexion && segment % 3 != 0)
+    read_.error(path + ".motion", "is possible at a finger's first joint only");
+  target.angle = 4 * (segment / 3) + (flexion ? 1 + segment % 3 : 0);
+  field(table.at(), path + ".at", target.field);
+  target.lower = -0.8;
+  target.upper = 2.5;
+  read_.number(table.lower(), path + ".lower", {-7, 7}, target.lower);
+  read_.number(table.upper(), path + ".upper", {-7, 7}, target.upper);
+  for (const Sensor& other : profile_.sensors) {
+    if (other.angle == target.angle) read_.error(path + ".joint", "is measured twice");
+  }
+}
+
+void ProfileReader::handshake(const format::Device& table) {
+  const auto* const writes = table.handshake();
+  if (writes != nullptr && writes->size() > 64) read_.error("handshake", "may hold at most 64 writes");
+  for (uoffset_t i = 0; writes != nullptr && i < writes->size(); ++i) {
+    const std::string path = "handshake[" + std::to_string(i) + "]";
+    RegisterWrite write{unit_, 0, 0};
+    word(writes->Get(i)->unit(), path + ".unit", write.unit, false, 247);
+    word(writes->Get(i)->address(), path + ".address", write.address, true);
+    word(writes->Get(i)->value(), path + ".value", write.value, true);
+    profile_.handshake.push_back(write);
+  }
+  const auto* const checks = table.expected();
+  if (checks != nullptr && checks->size() > 16) read_.error("expected", "may hold at most 16 checks");
+  for (uoffset_t i = 0; checks != nullptr && i < checks->size(); ++i) {
+    const std::string path = "expected[" + std::to_string(i) + "]";
+    RegisterCheck check{unit_, 0, 0xFFFF, 0};
+    word(checks->Get(i)->unit(), path + ".unit", check.unit, false, 247);
+    word(checks->Get(i)->address(), path + ".address", check.address, true);
+    word(checks->Get(i)->mask(), path + ".mask", check.mask);
+    word(checks->Get(i)->value(), path + ".value", check.value, true);
+    if ((check.value & ~check.mask) != 0) read_.error(path + ".value", "has bits outside the mask");
+    profile_.expected.push_back(check);
+  }
+}
+
+void ProfileReader::words(const format::Device& table) {
+  if (const format::Control* const control = table.control()) {
+    ControlWord& target = profile_.control;
+    target.present = true;
+    target.unit = unit_;
+    word(control->unit(), "control.unit", target.unit, false, 247);
+    word(control->address(), "control.address", target.address, true);
+    word(control->idle(), "control.idle", target.idle);
+    word(control->active(), "control.active", target.active);
+  }
+  if (const format::Heartbeat* const heartbeat = table.heartbeat()) {
+    Heartbeat& target = profile_.heartbeat;
+    target.present = true;
+    target.unit = unit_;
+    target.echoed = heartbeat->echo().has_value();
+    word(heartbeat->unit(), "heartbeat.unit", target.unit, false, 247);
+    word(heartbeat->address(), "heartbeat.address", target.address, true);
+    word(heartbeat->echo(), "heartbeat.echo", target.echo_address);
+  }
+  if (const format::StatusBits* const status = table.status()) {
+    StatusBits& target = profile_.status;
+    target.present = true;
+    target.unit = unit_;
+    word(status->unit(), "status.unit", target.unit, false, 247);
+    word(status->address(), "status.address", target.address, true);
+    word(status->fault(), "status.fault", target.fault);
+    word(status->stop(), "status.stop", target.stop);
+    word(status->dead_man(), "status.dead_man", target.dead_man);
+    word(status->ready(), "status.ready", target.ready);
+  }
+}
+
+void ProfileReader::safety(const format::Safety* table) {
+  if (table == nullptr) return;
+  SafetyTimes& target = profile_.safety;
+  read_.number(table->fade(), "safety.fade", {0.001, 1}, target.fade);
+  read_.number(table->soft_start(), "safety.soft_start", {0, 60}, target.soft_start);
+  read_.number(table->tick_hold(), "safety.tick_hold", {0.0001, 1}, target.tick_hold);
+  read_.number(table->tick_timeout(), "safety.tick_timeout", {0.001, 10}, target.tick_timeout);
+  read_.number(table->answer_timeout(), "safety.answer_timeout", {0.001, 10}, target.answer_timeout);
+}
+
+void ProfileReader::dynamics(const format::Dynamics& table, const std::string& path, JointDynamics& target) {
+  read_.number(table.inertia(), path + ".inertia", {0, 1}, target.inertia);
+  read_.number(table.damping(), path + ".damping", {0, 1e3}, target.damping);
+  read_.number(table.friction(), path + ".friction", {0, 1e3}, target.friction);
+  read_.number(table.encoder_step(), path + ".encoder_step", {0, 1}, target.encoder_step);
+}
+
+void ProfileReader::all_dynamics(const format::Device& table) {
+  const auto* const all = table.dynamics();
+  for (const bool named : {false, true}) {  // what names its joints goes above what doesn't
+    for (uoffset_t i = 0; all != nullptr && i < all->size(); ++i) {
+      const format::Dynamics& entry = *all->Get(i);
+      const std::string path = "dynamics[" + std::to_string(i) + "]";
+      if ((entry.joints() != nullptr) != named) continue;
+      if (!named) {
+        JointDynamics every;
+        dynamics(entry, path, every);
+        profile_.dynamics.fill(every);
+      }
+      for (uoffset_t k = 0; named && k < entry.joints()->size(); ++k) {
+        const std::string at = path + ".joints[" + std::to_string(k) + "]";
+        dynamics(entry, path, profile_.dynamics[static_cast<std::size_t>(joint(entry.joints()->Get(k), at))]);
+      }
+    }
+  }
+}
+
+void ProfileReader::timing(const format::Device& table) {
+  static constexpr Name kCommands[] = {{"FC16", 0}, {"FC23", 1}};
+  static constexpr Name kFeedbacks[] = {{"FC3", 3}, {"FC4", 4}};
+  profile_.read_write = name(table.command(), "command", kCommands) == 1;
+  profile_.read_function = name(table.feedback(), "feedback", kFeedbacks);
+  if (profile_.read_write && profile_.read_function == 4) {
+    read_.error("feedback", "must be \"FC3\" where the command is \"FC23\", which reads holding registers");
+  }
+  read_.number(table.rate(), "rate", {0.1, 20000}, profile_.rate);
+  read_.number(table.response_timeout(), "response_timeout", {0.001, 10}, profile_.response_timeout);
+  read_.number(table.first_retry(), "first_retry", {0.001, 60}, profile_.first_retry);
+  read_.number(table.last_retry(), "last_retry", {0.001, 600}, profile_.last_retry);
+}
+
+Status ProfileReader::read(const format::Device& table) {
+  if (table.name() == nullptr || table.name()->size() == 0) read_.error("name", "is missing");
+  if (table.name() != nullptr) profile_.name = table.name()->str();
+  if (table.source() != nullptr) profile_.source = table.source()->str();
+  profile_.verified = table.verified();
+  transport(table.transport());
+  timing(table);
+  for (uoffset_t i = 0; table.actuators() != nullptr && i < table.actuators()->size(); ++i) {
+    Actuator target;
+    actuator(*table.actuators()->Get(i), "actuators[" + std::to_string(i) + "]", target);
+    profile_.actuators.push_back(std::move(target));
+  }
+  for (uoffset_t i = 0; table.sensors() != nullptr && i < table.sensors()->size(); ++i) {
+    Sensor target;
+    sensor(*table.sensors()->Get(i), "sensors[" + std::to_string(i) + "]", target);
+    profile_.sensors.push_back(target);
+  }
+  handshake(table);
+  words(table);
+  safety(table.safety());
+  all_dynamics(table);
+  if (!read_.ok()) return read_.status();
+  if (const ProfileFault fault = find_fault(profile_); !fault.what.empty()) {
+    read_.error(fault.path, fault.what);
+  }
+  return read_.status();
+}
+
+}  // namespace
+
+Status load_device_profile(const std::string& path, DeviceProfile& profile) {
+  JsonFile file;
+  const std::span schema(format::DeviceBinarySchema::data(), format::DeviceBinarySchema::size());
+  Status status = read_json_file(path, schema, "lumbrical.device_format.Device", file);
+  if (!status.ok()) return status;
+  DeviceProfile result;
+  status = ProfileReader(file, result).read(*format::GetDevice(file.buffer.data()));
+  if (status.ok()) profile = std::move(result);
+  return status;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,269 @@
+// See json_file.h.
+#include "files/json_file.h"
+
+#include <flatbuffers/idl.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+namespace lumbrical {
+namespace {
+
+constexpr std::size_t kMaxSize = std::size_t{16} << 20;
+
+Status read_text(const std::string& path, std::string& text) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    return Status::error(path + ": is a folder; name a JSON file");
+  }
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
+  if (!file) return Status::error(path + ": can't be opened; check the name and your permission to read it");
+  text.clear();
+  std::array<char, 65536> block{};
+  while (const std::size_t size = std::fread(block.data(), 1, block.size(), file.get())) {
+    text.append(block.data(), size);
+    if (text.size() > kMaxSize) return Status::error(path + ": is larger than 16 MiB; is it the right file?");
+  }
+  if (std::ferror(file.get())) return Status::error(path + ": can't be read to its end; check the disk");
+  return {};
+}
+
+TextPlace place_of(std::string_view text, std::size_t offset) {
+  TextPlace place;
+  for (const char c : text.substr(0, offset)) {
+    ++place.column;
+    if (c == '\n') place = {place.line + 1, 1};
+  }
+  return place;
+}
+
+std::string prefix(const std::string& name, TextPlace place) {
+  return name + ":" + std::to_string(place.line) + ":" + std::to_string(place.column) + ": ";
+}
+
+// The parser says "12: 34: error: what"; people's editors understand "name:12:34: what".
+std::string located(const std::string& name, std::string_view message) {
+  TextPlace place;
+  for (std::size_t* const target : {&place.line, &place.column}) {
+    const auto result = std::from_chars(message.data(), message.data() + message.size(), *target);
+    message.remove_prefix(static_cast<std::size_t>(result.ptr - message.data()));
+    const std::size_t skipped = message.find_first_not_of(": ");
+    message.remove_prefix(skipped == std::string_view::npos ? message.size() : skipped);
+  }
+  place.column = std::max<std::size_t>(place.column, 1);
+  constexpr std::string_view kError = "error: ";
+  if (message.starts_with(kError)) message.remove_prefix(kError.size());
+  const bool unknown = message.starts_with("unknown field");
+  return prefix(name, place) + std::string(message) + (unknown ? "; schemas/scene.fbs lists the fields" : "");
+}
+
+// Walks over JSON text without judging it.
+class Walker {
+ public:
+  explicit Walker(std::string_view text) : text_(text) {}
+
+  [[nodiscard]] std::size_t position() const { return position_; }
+
+  // Steps to the value of a member or element of the value at hand; false, and the old position, if there is
+  // none.
+  bool enter(std::string_view key, std::size_t index) {
+    const std::size_t start = position_;
+    const bool object = peek() == '{';
+    if (!object && peek() != '[') return false;
+    ++position_;
+    for (std::size_t i = 0; peek() != '}' && peek() != ']' && peek() != '\0'; ++i) {
+      std::string_view name;
+      if (object) {
+        name = string();
+        if (peek() == ':') ++position_;
+        peek();
+      }
+      if (key.empty() ? !object && i == index : name == key) return true;
+      const std::size_t before = position_;
+      skip_value();
+      if (peek() == ',') ++position_;
+      if (position_ == before) break;
+    }
+    position_ = start;
+    return false;
+  }
+
+  // The next character after white space and comments; '\0' at the end.
+  char peek() {
+    while (position_ < text_.size()) {
+      const std::string_view rest = text_.substr(position_);
+      if (rest.starts_with("//")) {
+        advance(rest.find('\n'), 1);
+      } else if (rest.starts_with("/*")) {
+        advance(rest.find("*/"), 2);
+      } else if (rest.front() == ' ' || rest.front() == '\t' || rest.front() == '\n' ||
+                 rest.front() == '\r') {
+        ++position_;
+      } else {
+        return rest.front();
+      }
+    }
+    return '\0';
+  }
+
+ private:
+  void advance(std::size_t distance, std::size_t length) {
+    position_ = distance == std::string_view::npos ? text_.size() : position_ + distance + length;
+  }
+
+  std::string_view string() {
+    if (peek() != '"') return {};
+    const std::size_t start = ++position_;
+    while (position_ < text_.size() && text_[position_] != '"') position_ += text_[position_] == '\\' ? 2 : 1;
+    if (position_ >= text_.size()) position_ = text_.size();
+    const std::string_view content = text_.substr(start, position_ - start);
+    if (position_ < text_.size()) ++position_;
+    return content;
+  }
+
+  void skip_value() {
+    std::size_t depth = 0;
+    do {
+      const char c = peek();
+      if (c == '\0') return;
+      if (c == '"') {
+        string();
+        continue;
+      }
+      if (c == '{' || c == '[') ++depth;
+      if ((c == '}' || c == ']' || c == ',') && depth == 0) return;
+      if (c == '}' || c == ']') --depth;
+      ++position_;
+    } while (depth > 0 || !at_delimiter());
+  }
+
+  bool at_delimiter() {
+    const char c = peek();
+    return c == ',' || c == '}' || c == ']' || c == '\0';
+  }
+
+  std::string_view text_;
+  std::size_t position_ = 0;
+};
+
+// Shortest text that reads back as the same number; 100000 rather than 1e+05.
+std::string text_of(double number) {
+  std::array<char, 40> text{};
+  char* const end = text.data() + text.size();
+  const bool plain = std::fabs(number) < 1e9 && std::fabs(number) >= 1e-4;
+  const auto format = plain ? std::chars_format::fixed : std::chars_format::general;
+  return {text.data(), std::to_chars(text.data(), end, number, format).ptr};
+}
+
+}  // namespace
+
+TextPlace find_json_value(std::string_view text, std::string_view path) {
+  Walker walker(text);
+  walker.peek();
+  while (!path.empty()) {
+    std::size_t end = 0;
+    bool found = false;
+    if (path.front() == '[') {
+      std::size_t index = 0;
+      std::from_chars(path.data() + 1, path.data() + path.size(), index);
+      end = path.find(']') == std::string_view::npos ? path.size() : path.find(']') + 1;
+      found = walker.enter({}, index);
+    } else {
+      end = std::min(path.find_first_of(".["), path.size());
+      found = walker.enter(path.substr(0, end), 0);
+    }
+    if (!found) break;
+    path.remove_prefix(end);
+    if (!path.empty() && path.front() == '.') path.remove_prefix(1);
+  }
+  return place_of(text, walker.position());
+}
+
+Status read_json_file(const std::string& path, std::span<const std::uint8_t> schema, const char* root,
+                      JsonFile& file) {
+  file.name = path;
+  if (Status status = read_text(path, file.text); !status.ok()) return status;
+  if (const std::size_t zero = file.text.find('\0'); zero != std::string::npos) {
+    return Status::error(prefix(path, place_of(file.text, zero)) +
+                         "holds a zero byte, so it is not a JSON text");
+  }
+  flatbuffers::IDLOptions options;
+  options.strict_json = true;
+  flatbuffers::Parser parser(options);
+  const std::vector<std::uint8_t> aligned(schema.begin(), schema.end());
+  if (!parser.Deserialize(aligned.data(), aligned.size()) || !parser.SetRootType(root)) {
+    return Status::error(std::string("the built-in schema of ") + root + " is damaged; rebuild the program");
+  }
+  if (!parser.ParseJson(file.text.c_str())) return Status::error(located(path, parser.error_));
+  const std::uint8_t* const data = parser.builder_.GetBufferPointer();
+  file.buffer.assign(data, data + parser.builder_.GetSize());
+  return {};
+}
+
+void FieldReader::error(const std::string& path, const std::string& what) {
+  if (!status_.ok()) return;
+  const std::string subject = path.empty() ? std::string() : path + " ";
+  status_ = Status::error(prefix(file_.name, find_json_value(file_.text, path)) + subject + what);
+}
+
+void FieldReader::number(flatbuffers::Optional<double> value, const std::string& path, Range range,
+                         double& target) {
+  if (!value.has_value()) return;
+  if (*value >= range.low && *value <= range.high) {  // false for NaN
+    target = *value;
+  } else {
+    error(path,
+          "is " + text_of(*value) + " but must lie in " + text_of(range.low) + " .. " + text_of(range.high));
+  }
+}
+
+void FieldReader::count(flatbuffers::Optional<std::uint32_t> value, const std::string& path,
+                        std::uint32_t low, std::uint32_t high, std::uint32_t& target) {
+  if (!value.has_value()) return;
+  if (*value >= low && *value <= high) {
+    target = *value;
+  } else {
+    error(path, "is " + std::to_string(*value) + " but must lie in " + std::to_string(low) + " .. " +
+                    std::to_string(high));
+  }
+}
+
+void FieldReader::numbers(const flatbuffers::Vector<double>* values, const std::string& path, Range range,
+                          std::span<double> target) {
+  if (values == nullptr) return;
+  if (values->size() != target.size()) {
+    return error(path, "holds " + std::to_string(values->size()) + " numbers but needs " +
+                           std::to_string(target.size()));
+  }
+  for (std::size_t i = 0; i < target.size(); ++i) {
+    number(flatbuffers::Optional<double>(values->Get(static_cast<flatbuffers::uoffset_t>(i))),
+           path + "[" + std::to_string(i) + "]", range, target[i]);
+  }
+}
+
+void FieldReader::vector(const flatbuffers::Vector<double>* values, const std::string& path, Range range,
+                         Vec3& target) {
+  std::array<double, 3> v = {target.x, target.y, target.z};
+  numbers(values, path, range, v);
+  target = {v[0], v[1], v[2]};
+}
+
+void FieldReader::pose(const flatbuffers::Vector<double>* position, const std::string& position_path,
+                       const flatbuffers::Vector<double>* orientation, const std::string& orientation_path,
+                       Pose& target) {
+  vector(position, position_path, {-1e6, 1e6}, target.position);
+  if (orientation == nullptr) return;
+  std::array<double, 4> q = {1, 0, 0, 0};
+  numbers(orientation, orientation_path, {-1e6, 1e6}, q);
+  if (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] < 1e-12) {
+    return error(orientation_path, "is zero and so no rotation; write [1, 0, 0, 0] for none");
+  }
+  target.orientation = normalized({q[0], q[1], q[2], q[3]});
+}
+
+}  // namespace lumbrical

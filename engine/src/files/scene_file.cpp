@@ -1,0 +1,207 @@
+// Scene files: see lumbrical/scene_file.h. Objects and hand are put together in scene_parts.cpp.
+#include "lumbrical/scene_file.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "files/json_file.h"
+#include "files/scene_parts.h"
+#include "scene_bfbs_generated.h"
+#include "scene_generated.h"
+
+namespace lumbrical {
+namespace {
+
+namespace format = scene_format;
+
+constexpr double kMaxTicks = 1e9;
+
+Status read_table(const std::string& path, const char* root, JsonFile& file) {
+  const std::span schema(format::SceneBinarySchema::data(), format::SceneBinarySchema::size());
+  return read_json_file(path, schema, root, file);
+}
+
+void read_law(const flatbuffers::String* name, const std::string& path, FieldReader& read, Law& law) {
+  if (name == nullptr) return;
+  if (const auto parsed = parse_law(name->string_view())) {
+    law = *parsed;
+  } else {
+    read.error(path, "is not a law; use \"field\", \"column\", \"max-depth\", \"centroid\" or \"point\"");
+  }
+}
+
+void read_segment_laws(const format::Settings& table, FieldReader& read, Settings& settings) {
+  if (table.segment_laws() == nullptr) return;
+  for (flatbuffers::uoffset_t i = 0; i < table.segment_laws()->size(); ++i) {
+    const format::SegmentLaw& entry = *table.segment_laws()->Get(i);
+    const std::string path = "settings.segment_laws[" + std::to_string(i) + "]";
+    int segment = 0;
+    while (segment < kSegmentCount &&
+           (entry.segment() == nullptr || entry.segment()->string_view() != segment_name(segment))) {
+      ++segment;
+    }
+    if (segment == kSegmentCount) {
+      read.error(path + ".segment", "is not a hand segment; use \"index distal\", \"palm\" or the like");
+    } else if (entry.law() == nullptr) {
+      read.error(path, "has no law");
+    } else {
+      read_law(entry.law(), path + ".law", read, settings.law[static_cast<std::size_t>(segment)]);
+    }
+  }
+}
+
+void read_settings(const format::Settings* table, FieldReader& read, Settings& settings) {
+  if (table == nullptr) return;
+  read.number(table->rate(), "settings.rate", {1, 100000}, settings.rate);
+  read.number(table->stiffness(), "settings.stiffness", {1e-6, 1e15}, settings.stiffness);
+  read.number(table->point_area(), "settings.point_area", {1e-12, 1e6}, settings.point_area);
+  read.number(table->tolerance(), "settings.tolerance", {0, 0.1}, settings.tolerance);
+  read.number(table->max_force(), "settings.max_force", {1e-6, 1e9}, settings.max_force);
+  read.number(table->fade_time(), "settings.fade_time", {1e-6, 10}, settings.fade_time);
+  read.count(table->max_candidates(), "settings.max_candidates", 1, 1u << 24, settings.max_candidates);
+  read_law(table->law(), "settings.law", read, settings.law[0]);
+  settings.law.fill(settings.law[0]);
+  read_segment_laws(*table, read, settings);
+}
+
+void read_execution(const format::Execution* table, FieldReader& read, Execution& execution) {
+  if (table == nullptr) return;
+  read.count(table->tree_levels(), "execution.tree_levels", 0, 32, execution.tree_levels);
+  read.count(table->leaf_size(), "execution.leaf_size", 1, 64, execution.leaf_size);
+  read.number(table->cell_size(), "execution.cell_size", {1e-3, 1e6}, execution.cell_size);
+  read.count(table->threads(), "execution.threads", 1, 64, execution.threads);
+  if (table->broadphase() == nullptr) return;
+  if (const auto parsed = parse_broadphase(table->broadphase()->string_view())) {
+    execution.broadphase = *parsed;
+  } else {
+    read.error("execution.broadphase",
+               "is no search this version has; use \"tree\", \"grid\", \"voxel\" or \"brute\"");
+  }
+}
+
+// The motion's file with the options of the scene, and of the caller above them.
+Status read_motion_file(const format::Motion* table, const MotionOverride& chosen, FieldReader& read,
+                        std::optional<Side> hand_side, SceneFile& result) {
+  MotionOptions options;
+  std::string path = chosen.file;
+  options.side = hand_side;
+  if (table != nullptr) {
+    read.number(table->rate(), "motion.rate", {1e-3, 1e6}, options.rate);
+    if (table->side() != nullptr) options.side = read_side(table->side(), "motion.side", read);
+    if (table->unit() != nullptr) options.unit = metres_per(read_unit(table->unit(), "motion.unit", read));
+    if (path.empty() && table->file() != nullptr)
+      path = beside(result.files[0], table->file()->string_view());
+  }
+  if (!read.ok()) return read.status();
+  if (chosen.rate > 0) options.rate = chosen.rate;
+  if (chosen.side) options.side = chosen.side;
+  if (chosen.unit > 0) options.unit = chosen.unit;
+  if (Status status = load_motion(path, options, result.motion); !status.ok()) return status;
+  result.files.push_back(path);
+  return {};
+}
+
+Motion read_grasp(const format::Grasp& table, const Hand& hand, FieldReader& read) {
+  double radius = 0.037;
+  double height = 0.095;
+  double seconds = 10;
+  read.number(table.radius(), "motion.grasp.radius", {0.005, 0.1}, radius);
+  read.number(table.height(), "motion.grasp.height", {0.01, 1}, height);
+  read.number(table.seconds(), "motion.grasp.seconds", {0.5, 3600}, seconds);
+  return make_grasp(hand, radius, height, seconds);
+}
+
+void read_placement(const format::Motion* table, FieldReader& read, MotionPlacement& placement) {
+  if (table == nullptr) return;
+  read.number(table->scale(), "motion.scale", {1e-6, 1e6}, placement.scale);
+  read.pose(table->position(), "motion.position", table->orientation(), "motion.orientation", placement.pose);
+}
+
+// The hand's table comes from the scene file or from a file of its own; `hand_read` reads whichever it is.
+Status read_hand_and_motion(const format::Scene& scene, const format::Hand* hand_table, const std::string& at,
+                            const MotionOverride& chosen, FieldReader& read, FieldReader& hand_read,
+                            SceneFile& result) {
+  const format::Motion* const table = scene.motion();
+  const bool from_file = !chosen.file.empty() || (table != nullptr && table->file() != nullptr);
+  const bool grasp = chosen.file.empty() && table != nullptr && table->grasp() != nullptr;
+  if (from_file && grasp) read.error("motion", "names a file and a grasp; keep one");
+  if (!from_file && !grasp) read.error("motion", "is missing; name a file or a grasp");
+
+  std::optional<Side> side;
+  if (hand_table != nullptr && hand_table->side() != nullptr) {
+    side = read_side(hand_table->side(), at + "side", hand_read);
+  }
+  if (!hand_read.ok()) return hand_read.status();
+  if (!read.ok()) return read.status();
+  if (from_file) {
+    if (Status status = read_motion_file(table, chosen, read, side, result); !status.ok()) return status;
+    if (side && *side != result.motion.side) {
+      hand_read.error(at + "side", "is not the side of the motion");
+      return hand_read.status();
+    }
+    side = result.motion.side;
+  }
+
+  Hand& hand = result.scene.hand;
+  hand = read_hand(hand_table, at, side.value_or(Side::right), hand_read);
+  if (!hand_read.ok()) return hand_read.status();
+  if (grasp) result.motion = read_grasp(*table->grasp(), hand, read);
+  MotionPlacement placement;
+  read_placement(table, read, placement);
+  if (!read.ok()) return read.status();
+  if (Status status = place_motion(placement, result.motion); !status.ok()) {
+    read.error("motion", "can't be placed: " + status.message());
+    return read.status();
+  }
+  hand = fit_hand(hand, result.motion);
+  read_flesh(hand_table, at, hand_read, hand);  // what the file says goes above what the motion knows
+  if (Status status = check_hand(hand); !status.ok())
+    hand_read.error(at, "makes no hand: " + status.message());
+  return hand_read.status();
+}
+
+Status read_session(const format::Scene& table, FieldReader& read, SceneFile& result) {
+  read_settings(table.settings(), read, result.scene.settings);
+  read_execution(table.execution(), read, result.execution);
+  result.seconds = duration(result.motion);
+  if (result.motion.samples.size() < 2) result.seconds = 1;
+  if (table.settings() != nullptr) {
+    const double longest = kMaxTicks / result.scene.settings.rate;
+    read.number(table.settings()->seconds(), "settings.seconds", {1e-5, longest}, result.seconds);
+  }
+  return read.status();
+}
+
+}  // namespace
+
+Status load_scene_file(const std::string& path, SceneFile& scene_file, const MotionOverride& motion) {
+  JsonFile file;
+  if (Status status = read_table(path, "lumbrical.scene_format.Scene", file); !status.ok()) return status;
+  const format::Scene& scene = *format::GetScene(file.buffer.data());
+  FieldReader read(file);
+  SceneFile result;
+  result.files.push_back(path);
+
+  const format::Hand* hand_table = scene.hand();
+  JsonFile hand_file;
+  if (scene.hand_file() != nullptr) {
+    if (hand_table != nullptr) read.error("hand_file", "stands beside a hand; keep one");
+    if (!read.ok()) return read.status();
+    const std::string hand_path = beside(path, scene.hand_file()->string_view());
+    Status status = read_table(hand_path, "lumbrical.scene_format.Hand", hand_file);
+    if (!status.ok()) return status;
+    hand_table = flatbuffers::GetRoot<format::Hand>(hand_file.buffer.data());
+    result.files.push_back(hand_path);
+  }
+  FieldReader hand_read(scene.hand_file() != nullptr ? hand_file : file);
+  const std::string at = scene.hand_file() != nullptr ? "" : "hand.";
+
+  Status status = read_hand_and_motion(scene, hand_table, at, motion, read, hand_read, result);
+  if (status.ok()) status = read_session(scene, read, result);
+  if (status.ok()) status = read_objects(scene, read, result);
+  if (!status.ok()) return status;
+  scene_file = std::move(result);
+  return {};
+}
+
+}  // namespace lumbrical

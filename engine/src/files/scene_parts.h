@@ -1,0 +1,30 @@
+// The parts of a scene file that take some building: objects and hand.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "files/json_file.h"
+#include "lumbrical/scene_file.h"
+#include "scene_generated.h"
+
+namespace lumbrical {
+
+/// `path` as seen from the folder of `file`.
+std::string beside(const std::string& file, std::string_view path);
+
+Side read_side(const flatbuffers::String* text, const std::string& path, FieldReader& read);
+Unit read_unit(const flatbuffers::String* text, const std::string& path, FieldReader& read);
+double metres_per(Unit unit);
+
+/// Loads or builds every object and puts it in its place.
+Status read_objects(const scene_format::Scene& scene, FieldReader& read, SceneFile& result);
+
+/// A hand of the given side as `table` describes it; null: the default hand. `at` stands before the fields'
+/// names.
+Hand read_hand(const scene_format::Hand* table, const std::string& at, Side side, FieldReader& read);
+
+/// Only the radii and the palm, over those of `hand`.
+void read_flesh(const scene_format::Hand* table, const std::string& at, FieldReader& read, Hand& hand);
+
+}  // namespace lumbrical

@@ -1,0 +1,105 @@
+// The pressure field phi in the plane of a triangle: what it is made of, shared by the two ways to integrate
+// it.
+#pragma once
+
+#include <cmath>
+
+#include "section/boundary_integral.h"
+#include "section/pressure.h"
+
+namespace lumbrical {
+
+// One of the distances phi is made of: phi = level - factor sqrt(d2 + y^2), zero where factor^2 y^2 = gap.
+// The gap is kept apart because where phi is small against R nothing is left of it in level^2 - factor^2 d2.
+struct Distance {
+  double level, factor, d2, gap;
+};
+
+// What phi depends on at one abscissa: the distances to both ends and to the axis line, and where, going out
+// in y, the nearest sphere of the hull changes from the second end to the side and to the first end.
+struct Abscissa {
+  Distance first, second, side;
+  double to_side, to_first;
+};
+
+struct Slant {
+  double sine, cosine;  // of the cone's half angle; 0 and 1 for a capsule
+};
+
+inline Slant slant_of(const Section& section) {
+  if (section.length == 0 || section.shape == Shape::flat) return {0, 1};
+  const double sine = (section.radius1 - section.radius2) / section.length;
+  return {sine, std::sqrt((1 - sine) * (1 + sine))};
+}
+
+inline double change(double axial, const Slant& slant, double e2) {
+  if (axial <= 0) return 0;
+  if (slant.sine == 0) return 1e300;
+  const double rho = slant.cosine * axial / slant.sine;
+  return std::sqrt(max(0, rho * rho - e2));
+}
+
+inline Distance to_centre(double radius, double x, double h) {
+  return {radius, 1, x * x + h * h, (radius - h) * (radius + h) - x * x};
+}
+
+inline Abscissa at_abscissa(const Section& section, const Slant& slant, double x) {
+  const double e = section.c * x + section.s * section.h1, q = section.s * x - section.c * section.h1;
+  const double level = section.radius1 - slant.sine * q, scaled = slant.cosine * e;
+  Abscissa a{to_centre(section.radius1, x, section.h1), {}, {}, 0, 0};
+  if (section.length == 0) return a;
+  a.side = {level, slant.cosine, e * e, (level - scaled) * (level + scaled)};
+  if (section.shape == Shape::flat) {
+    a.to_first = 1e300;
+    return a;
+  }
+  a.second = to_centre(section.radius2, x - section.x2, section.h2);
+  a.to_first = change(q, slant, a.side.d2);
+  a.to_side = change(q - section.length, slant, a.side.d2);
+  return a;
+}
+
+/// Which distance phi is made of at p (0 first end, 1 side, 2 second end), and how far it is to where that
+/// changes.
+struct FieldZone {
+  int zone;
+  double margin;  ///< [m]
+};
+
+inline FieldZone zone_of(const Section& section, const Slant& slant, Point2 p) {
+  if (section.length == 0) return {0, 1e300};
+  if (section.shape == Shape::flat) return {1, 1e300};
+  const double e = section.c * p.x + section.s * section.h1, q = section.s * p.x - section.c * section.h1;
+  const double rho = std::sqrt(e * e + p.y * p.y);
+  const double first = slant.cosine * q - slant.sine * rho, second = first - slant.cosine * section.length;
+  return {first < 0 ? 0 : second < 0 ? 1 : 2, min(std::fabs(first), std::fabs(second))};
+}
+
+/// phi at p, which lies in the given zone.
+inline double field_of(const Section& section, const Slant& slant, int zone, Point2 p) {
+  Distance distance;
+  if (zone == 1) {
+    const double e = section.c * p.x + section.s * section.h1, q = section.s * p.x - section.c * section.h1;
+    const double level = section.radius1 - slant.sine * q, scaled = slant.cosine * e;
+    distance = {level, slant.cosine, e * e, (level - scaled) * (level + scaled)};
+  } else {
+    distance = zone == 0 ? to_centre(section.radius1, p.x, section.h1)
+                         : to_centre(section.radius2, p.x - section.x2, section.h2);
+  }
+  const auto [level, factor, d2, gap] = distance;
+  return (gap - factor * factor * p.y * p.y) / (level + factor * std::sqrt(d2 + p.y * p.y));
+}
+
+/// Where along a piece of the boundary, whose curve belongs to `part`, integrals of phi from y = 0 to the
+/// piece are not smooth.
+Singularities kinks_of(const Section& section, const Slant& slant, const Piece& piece, Zone::Part part);
+
+/// Where phi itself is not smooth along the line between two points.
+Singularities line_kinks(const Section& section, const Slant& slant, Point2 from, Point2 to);
+
+/// Integrates phi over a region that is small against its distance from the axis by product rules, and says
+/// so; false where the region is too large or phi not smooth on it. See small_region.h.
+bool field_of_small_region(const Section& section, const Slant& slant, const AreaMoments& area,
+                           const Boundary& boundary, PressureMoments& moments);
+
+}  // namespace lumbrical

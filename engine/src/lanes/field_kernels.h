@@ -1,0 +1,43 @@
+// The field law's kernels, one table per instruction set.
+#pragma once
+
+#include "lanes/miss_terms.h"
+#include "lanes/round_terms.h"
+#include "lanes/sphere_query.h"
+#include "lanes/strip_terms.h"
+#include "lumbrical/model.h"
+
+namespace lumbrical {
+
+/// Each computes the results of all terms; arrays are padded to a multiple of 16 with harmless copies. Every
+/// table gives the same bits.
+struct FieldKernels {
+  void (*round_contacts)(RoundTerms<double>&);
+  void (*round_contacts_single)(RoundTerms<float>&);
+  void (*strip_nodes)(const StripSection&, StripNodes&);
+  void (*sliver_nodes)(const ConeEnd&, StripNodes&);
+  void (*certain_misses)(MissTerms&);
+  std::size_t (*sphere_hits)(const SphereBlock* spheres, const SphereQuery&, const std::uint32_t* blocks,
+                             std::size_t block_count, std::uint32_t* hits);
+};
+
+namespace scalar {
+extern const FieldKernels kFieldKernels;
+}
+namespace sse2 {
+extern const FieldKernels kFieldKernels;
+}
+namespace avx2 {
+extern const FieldKernels kFieldKernels;
+}
+namespace avx512 {
+extern const FieldKernels kFieldKernels;
+}
+namespace neon {
+extern const FieldKernels kFieldKernels;
+}
+
+/// The table of an instruction set that is available.
+const FieldKernels& field_kernels(Isa isa);
+
+}  // namespace lumbrical

@@ -1,0 +1,16 @@
+// The field law's kernels for sse2. Nothing else may be compiled with this file's flags.
+#define LUMBRICAL_ISA sse2
+#include "lanes/certain_misses.h"
+#include "lanes/field_kernels.h"
+#include "lanes/round_contacts.h"
+#include "lanes/sphere_hits.h"
+#include "lanes/strip_integrals.h"
+
+namespace lumbrical::sse2 {
+
+using Double = xsimd::batch<double, xsimd::sse2>;
+using Single = xsimd::batch<float, xsimd::sse2>;
+const FieldKernels kFieldKernels{round_contacts<Double>, round_contacts<Single>, strip_nodes<Double>,
+                                 sliver_nodes<Double>,   certain_misses<Double>, sphere_hits<Single>};
+
+}  // namespace lumbrical::sse2

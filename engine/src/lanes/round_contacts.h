@@ -1,0 +1,236 @@
+// The narrowphase of round primitives under the field law, from triangle to contact, one source for every
+// instruction set. A lane is a pair; lanes never meet.
+#pragma once
+
+#include "lanes/cone_integrals.h"
+#include "lanes/point_rules.h"
+#include "lanes/round_depth.h"
+#include "section/stated_errors.h"
+
+namespace lumbrical::LUMBRICAL_ISA {
+
+// Below this cosine of the axis' angle the side's integrals divide rounding by it.
+inline constexpr double kLeastCosine = 1e-2, kLeastCosineSingle = 0.2;
+// On the side of a capsule digits are lost where no point of the region has more than this share of R.
+inline constexpr double kShallowSide = 1e-3;
+// Triangles of less than this share of R drown in the section's scale; points do as well to rounding.
+inline constexpr double kSmall = 0.006, kPointwise = 1e-13;
+// Of the section's scale times the polygon's: rounding leaves less of nothing.
+inline constexpr double kLeastArea = 1e-13;
+
+template <class V>
+inline bool single() {
+  return sizeof(NumberOf<V>) == 4;
+}
+
+// The largest phi of the whole section, or more.
+template <class V>
+inline V most_of(const RoundPart<V>& part, const RoundPlane<V>& plane) {
+  const V first = part.radius1 - magnitude(plane.h1), second = part.radius2 - magnitude(plane.h2);
+  if (part.sphere) return first;
+  return choose(plane.h1 * plane.h2 > number<V>(0), greater(first, second), part.radius1);
+}
+
+// Where the closed form loses no digits.
+template <class V>
+inline auto keeps_digits(const RoundPart<V>& part, const SideView<V>& side, V most, V size) {
+  const auto large = size >= number<V>(kSmall) * part.radius1;
+  if (part.sphere) return large;
+  const auto deep = both(large, most >= number<V>(single<V>() ? kShallow : kShallowSide) * part.radius1);
+  return both(deep, side.c >= number<V>(single<V>() ? kLeastCosineSingle : kLeastCosine));
+}
+
+// Corners of a polygon: box round them, area and first moments, and whether all are inside the section.
+template <class V>
+struct Corners {
+  V low_x, low_y, high_x, high_y, size, outside;  // outside: 1 if any corner is
+  V area, area_x, area_y;
+};
+
+template <class V>
+Corners<V> corners_of(const RoundPart<V>& part, const RoundPlane<V>& plane, const Polygon<V>& polygon) {
+  const V zero = number<V>(0), one = number<V>(1), far = beyond<V>(), half = number<V>(0.5);
+  Corners<V> all{far, far, zero - far, zero - far, zero, zero, zero, zero, zero};
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const auto here = has_length(polygon.edge[i]);
+    if (!some(here)) continue;
+    const Wide2<V> p = polygon.edge[i].p;
+    all.low_x = choose(here, lesser(all.low_x, p.x), all.low_x);
+    all.low_y = choose(here, lesser(all.low_y, p.y), all.low_y);
+    all.high_x = choose(here, greater(all.high_x, p.x), all.high_x);
+    all.high_y = choose(here, greater(all.high_y, p.y), all.high_y);
+    all.outside = choose(both(here, field_at(part, plane, p).phi < zero), one, all.outside);
+  }
+  const V dx = all.high_x - all.low_x, dy = all.high_y - all.low_y;
+  all.size = root(greater(dx * dx + dy * dy, zero));
+  const Wide2<V> base{all.low_x, all.low_y};
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const auto here = has_length(polygon.edge[i]);
+    const Wide2<V> p = polygon.edge[i].p - base, q = polygon.edge[i].q - base;
+    const V area = choose(here, half * cross(p, q), zero);
+    all.area = all.area + area;
+    all.area_x = all.area_x + area * (p.x + q.x);
+    all.area_y = all.area_y + area * (p.y + q.y);
+  }
+  const V third = number<V>(1.0 / 3);
+  all.area_x = third * all.area_x + base.x * all.area;
+  all.area_y = third * all.area_y + base.y * all.area;
+  return all;
+}
+
+// The integrals over the part of the polygon in the section, by zones; `lost` is 1 where they could not be
+// had.
+template <class V, class M>
+Moments<V> section_moments(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
+                           const Polygon<V>& polygon, V most, M wanted, Lines<V>& lines,
+                           InsideParts<V>& inside, V& lost) {
+  const V zero = number<V>(0);
+  Moments<V> sum = no_moments<V>();
+  if (part.sphere) {
+    add_disc(polygon, lines, zero, part.radius1, plane.h1, most, wanted, sum, inside);
+    return sum;
+  }
+  Polygon<V> first, rest, middle, second;
+  const std::size_t count = polygon.count;
+  part_at(side.border1, polygon, first, rest);
+  set_borders(rest, count, lines);
+  Lines<V> first_lines = lines;
+  set_borders(first, count, first_lines);
+  add_disc(first, first_lines, zero, part.radius1, plane.h1, most, wanted, sum, inside);
+  part_at(side.border2, rest, middle, second);
+  set_borders(second, count, lines);
+  add_disc(second, lines, plane.x2, part.radius2, plane.h2, most, wanted, sum, inside);
+  set_borders(middle, count, lines);
+  lost = choose(add_side(part, side, middle, lines, wanted, sum, inside), zero, number<V>(1));
+  return sum;
+}
+
+template <class V>
+inline Wide3<V> in_space(const RoundPlane<V>& plane, V x, V y) {
+  return x * plane.u + y * plane.v - plane.h1 * plane.n;
+}
+
+// Does the polygon reach the part of an end's zone where the cone's field is the other formula's? Between the
+// conic's first abscissa, where q = tan(alpha) |e|, and the zone's border: see cone_slivers.cpp.
+template <class V>
+inline auto meets_sliver(const RoundPart<V>& part, const RoundPlane<V>& plane, V at, V h, V border,
+                         const Corners<V>& all) {
+  const V zero = number<V>(0), t = part.tangent;
+  V lower = zero - beyond<V>();
+  for (const V sign : {t, zero - t}) {
+    const V a = plane.s - sign * plane.c, b = h * (plane.c + sign * plane.s);
+    lower = choose(a > zero, greater(lower, at + b * one_over(a)), lower);
+  }
+  return both(lower < border, both(all.low_x<border, all.high_x> lower));
+}
+
+template <class V>
+inline auto meets_slivers(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
+                          const Corners<V>& all) {
+  return either(meets_sliver(part, plane, number<V>(0), plane.h1, side.border1, all),
+                meets_sliver(part, plane, plane.x2, plane.h2, side.border2, all));
+}
+
+// Integrals of the lanes whose polygon lies wholly inside and for which points will do; `error` is over the
+// area and beyond `limit` elsewhere.
+template <class V, class M>
+PointSum<V> whole_by_points(const RoundPart<V>& part, const RoundPlane<V>& plane, const Polygon<V>& polygon,
+                            const Corners<V>& all, M whole, V limit) {
+  const V zero = number<V>(0), one = number<V>(1);
+  if (!some(both(whole, limit > zero))) return {zero, zero, zero, beyond<V>()};
+  V cut = zero;
+  for (std::size_t k = 3; k < polygon.count; ++k) cut = choose(has_length(polygon.edge[k]), one, cut);
+  const V per_area = one_over(all.area);
+  return by_points(part, plane, polygon, Wide2<V>{all.area_x * per_area, all.area_y * per_area}, cut == zero,
+                   limit);
+}
+
+// Of edges wholly inside everything counts.
+template <class V, class M>
+InsideParts<V> inside_parts(const Polygon<V>& polygon, const Lines<V>& lines, M whole) {
+  InsideParts<V> inside;
+  inside.count = polygon.count;
+  for (std::size_t k = 0; k < polygon.count; ++k) {
+    const Wide2<V> t = lines.line[k].t;
+    inside.lower[k] = choose(whole, dot(polygon.edge[k].p, t), beyond<V>());
+    inside.upper[k] = choose(whole, dot(polygon.edge[k].q, t), number<V>(0) - beyond<V>());
+  }
+  return inside;
+}
+
+template <class V>
+void put_contact(const RoundPlane<V>& plane, const Moments<V>& sum, V depth, V error, std::size_t i,
+                 RoundTerms<NumberOf<V>>& terms) {
+  const V zero = number<V>(0);
+  put(terms.area + i, sum.area);
+  put(terms.volume + i, greater(sum.volume, zero));
+  put(terms.depth + i, greater(depth, zero));
+  put(terms.error + i, error);
+  put_three(terms.normal, i, plane.n);
+  const V per_area = one_over(sum.area), per_volume = one_over(sum.volume);
+  const Wide2<V> centroid{sum.area_x * per_area, sum.area_y * per_area};
+  const Wide2<V> pressed{sum.volume_x * per_volume, sum.volume_y * per_volume};
+  const Wide2<V> centre = choose(sum.volume > zero, pressed, centroid);
+  put_three(terms.centroid, i, in_space(plane, centroid.x, centroid.y));
+  put_three(terms.centre, i, in_space(plane, centre.x, centre.y));
+}
+
+template <class V>
+void round_contacts(RoundTerms<NumberOf<V>>& terms) {
+  const V zero = number<V>(0), one = number<V>(1), unsure = number<V>(kUnsure);
+  const RoundPart<V> part = part_of<V>(terms);
+  const V r = part.radius1, allowed = V(terms.tolerance) * r;
+  const V exactness = number<V>(single<V>() ? kDiscErrorSingle : kDiscError) * (r * r * r);
+  for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
+    const Wide3<V> corner[3] = {three<V>(terms.a, i), three<V>(terms.b, i), three<V>(terms.c, i)};
+    RoundPlane<V> plane;
+    const auto fine = look(part, terms.axis, corner[0], corner[1], corner[2], plane);
+    Polygon<V> polygon;
+    set_polygon(terms, part, plane, corner, i, polygon);
+    const Corners<V> all = corners_of(part, plane, polygon);
+    const auto met = both(fine, both(all.low_y<r, all.high_y> zero - r));
+    const auto whole = both(met, all.outside == zero);
+
+    const auto small = all.size < number<V>(kSmall) * r;
+    const V limit = choose(small, greater(allowed, number<V>(kPointwise) * r), allowed);
+    const PointSum<V> points = whole_by_points(part, plane, polygon, all, whole, limit);
+    const auto pointwise = both(whole, both(limit > zero, points.error <= limit));
+    const auto open = both(met, either(all.outside > zero, either(limit <= zero, points.error > limit)));
+    const SideView<V> side = part.sphere ? SideView<V>{} : side_of(part, plane);
+    const V most = most_of(part, plane);
+    const auto closed = both(open, keeps_digits(part, side, most, all.size));
+
+    Lines<V> lines;
+    set_lines(polygon, one, lines);
+    InsideParts<V> inside = inside_parts(polygon, lines, whole);
+    Moments<V> sum = no_moments<V>();
+    V lost = zero;
+    if (some(closed)) sum = section_moments(part, plane, side, polygon, most, closed, lines, inside, lost);
+    sum.area = choose(whole, all.area, sum.area);
+    sum.area_x = choose(whole, all.area_x, sum.area_x);
+    sum.area_y = choose(whole, all.area_y, sum.area_y);
+    sum.volume = choose(pointwise, points.volume * all.area, sum.volume);
+    sum.volume_x = choose(pointwise, points.volume_x * all.area, sum.volume_x);
+    sum.volume_y = choose(pointwise, points.volume_y * all.area, sum.volume_y);
+
+    const V least = choose(whole, zero, number<V>(kLeastArea) * (r * lesser(r, all.size)));
+    const V error = choose(pointwise, points.error * all.area, exactness);
+    const auto had = both(closed, lost == zero), contact = both(either(pointwise, had), sum.area > least);
+    const V depth = largest_depth(part, plane, side, polygon, lines, inside, contact);
+    V status = choose(open, unsure, zero);
+    status = choose(had, zero, status);
+    status = choose(contact, one, status);
+    if (part.cone)
+      status = choose(both(both(contact, had), meets_slivers(part, plane, side, all)), number<V>(kSlivers),
+                      status);
+    if (single<V>()) {
+      const auto fit =
+          both(either(status == one, status == number<V>(kSlivers)), error <= allowed * sum.area);
+      status = choose(fit, status, unsure);
+    }
+    put(terms.status + i, status);
+    put_contact(plane, sum, depth, error, i, terms);
+  }
+}
+
+}  // namespace lumbrical::LUMBRICAL_ISA

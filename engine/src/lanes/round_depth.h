@@ -1,0 +1,106 @@
+// dl_max of round primitives in lanes: see depth.cpp for the derivation.
+#pragma once
+
+#include "lanes/cone_integrals.h"
+
+namespace lumbrical::LUMBRICAL_ISA {
+
+// Where on 0 <= t <= 1 sqrt(a t^2 + 2 b t + c) - t dh is largest. Its stationary point solves (a t + b) =
+// dh sqrt(..); the form is chosen so that nothing cancels whatever the sign of b. For capsules the function
+// is concave; the radius of a cone may shrink so fast that it is not, and then one of the ends is best.
+template <class V>
+inline V best_parameter(bool cone, V a, V b, V c, V dh) {
+  const V zero = number<V>(0), one = number<V>(1), two = number<V>(2);
+  const V g = dh * dh - a, per_g = one_over(g);
+  const V square = greater(b * b - a * c, zero) * per_g, steep = dh * root(square);
+  const V with = b + steep, against = b - steep;
+  const auto along = b * dh >= zero;
+  const V numerator = choose(along, (b * b - dh * dh * c) * per_g, zero - against);
+  const V denominator = choose(along, with, a), safe = choose(denominator == zero, one, denominator);
+  // Upright: every sphere reaches equally far, the lowest is best.
+  const V upright = choose(dh < zero, one, zero);
+  const V t = choose(denominator == zero, upright, quotient(numerator, safe));
+  const V best = choose(g > zero, between(t, zero, one), zero);
+  if (!cone) return best;
+  const auto value = [&](V at) {
+    const V q = c + at * (two * b + at * a);
+    return choose(q >= zero, root(greater(q, zero)) - at * dh, zero - beyond<V>());
+  };
+  const V first = value(zero), last = value(one), end = choose(first >= last, zero, one);
+  return choose(value(best) >= greater(first, last), best, end);
+}
+
+template <class V>
+inline V depth_at(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2<V> p) {
+  const V zero = number<V>(0);
+  const V c = part.radius1 * part.radius1 - dot(p, p);
+  if (part.sphere) return root(greater(c, zero)) - plane.h1;
+  const V dr = part.radius2 - part.radius1, dh = plane.h2 - plane.h1;
+  const V a = (dr - plane.x2) * (dr + plane.x2), b = part.radius1 * dr + p.x * plane.x2;
+  const V t = best_parameter(part.cone, a, b, c, dh);
+  return root(greater(c + t * (b + b + t * a), zero)) - plane.h1 - t * dh;
+}
+
+// The largest depth on the part of an edge inside the section.
+template <class V>
+inline V depth_along(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2<V> end, Wide2<V> t, V lower,
+                     V upper) {
+  const V p = cross(end, t);
+  V best = number<V>(0);
+  if (!part.sphere) {
+    const V slope = number<V>(0) - plane.x2 * t.y, dr = part.radius2 - part.radius1;
+    const V at = best_parameter(part.cone, (dr - slope) * (dr + slope), part.radius1 * dr - p * slope,
+                                (part.radius1 - p) * (part.radius1 + p), plane.h2 - plane.h1);
+    best = at * plane.x2 * t.x;
+  }
+  const V z = between(best, lower, upper);
+  return depth_at(part, plane, Wide2<V>{p * t.y + z * t.x, z * t.y - p * t.x});
+}
+
+// Where, on y = 0, the whole section is deepest: under the end that reaches deepest or, where the
+// section doesn't hold that point, on the rim towards it.
+template <class V>
+V deepest_abscissa(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side) {
+  const V zero = number<V>(0), one = number<V>(1);
+  const auto first = part.radius1 - plane.h1 >= part.radius2 - plane.h2;
+  const V under = choose(first, zero, plane.x2);
+  const auto pierced = choose(first, plane.h1 + part.radius1, plane.h2 + part.radius2) <= zero;
+  if (part.sphere || !some(pierced)) return under;
+  const auto outside = field_at(part, plane, Wide2<V>{under, zero}).phi < zero;
+  const V sign = choose(first, zero - one, one);
+  const V e = sign * side.level * one_over(part.cosine - sign * side.slope);
+  const V on_side = (e - side.foot) * one_over(side.c);
+  const V radius = choose(first, part.radius2, part.radius1), h = choose(first, plane.h2, plane.h1);
+  const V other = choose(first, plane.x2, zero);
+  const V on_disc = other + sign * root(greater((radius - h) * (radius + h), zero));
+  const auto in_zone = both(on_side >= side.border1, on_side <= side.border2);
+  return choose(both(pierced, outside), choose(in_zone, on_side, on_disc), under);
+}
+
+// Over the common part of polygon and section.
+template <class V, class M>
+V largest_depth(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
+                const Polygon<V>& polygon, const Lines<V>& lines, const InsideParts<V>& inside, M wanted) {
+  const V zero = number<V>(0);
+  const Wide2<V> deepest{deepest_abscissa(part, plane, side), zero};
+  V least = number<V>(1);  // negative: an edge leaves the deepest point outside
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const Edge<V>& edge = polygon.edge[i];
+    least = choose(has_length(edge), lesser(least, cross(edge.q - edge.p, deepest - edge.p)), least);
+  }
+  V depth = zero;
+  if (some(both(wanted, least >= zero))) depth = choose(least >= zero, depth_at(part, plane, deepest), zero);
+  const auto look = both(wanted, least < zero);
+  if (!some(look)) return depth;
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const auto here = both(look, inside.lower[i] < inside.upper[i]);
+    if (!some(here)) continue;
+    const Edge<V>& edge = polygon.edge[i];
+    const Wide2<V> near = choose(dot(edge.p, edge.p) < dot(edge.q, edge.q), edge.p, edge.q);
+    const V along = depth_along(part, plane, near, lines.line[i].t, inside.lower[i], inside.upper[i]);
+    depth = choose(both(here, along > depth), along, depth);
+  }
+  return depth;
+}
+
+}  // namespace lumbrical::LUMBRICAL_ISA

@@ -1,0 +1,120 @@
+// A round primitive seen from the planes of triangles, a plane per lane; the same frame as section.h.
+#pragma once
+
+#include "lanes/round_terms.h"
+#include "lanes/wide_geometry.h"
+
+namespace lumbrical::LUMBRICAL_ISA {
+
+// The primitive, the same in all lanes.
+template <class V>
+struct RoundPart {
+  V length, radius1, radius2, sine, cosine, per_cosine, tangent;
+  bool sphere, cone;
+};
+
+template <class V>
+inline RoundPart<V> part_of(const RoundTerms<NumberOf<V>>& terms) {
+  return {V(terms.length),
+          V(terms.radius1),
+          V(terms.radius2),
+          V(terms.sine),
+          V(terms.cosine),
+          V(1 / terms.cosine),
+          V(terms.sine / terms.cosine),
+          terms.length == 0,
+          terms.sine != 0};
+}
+
+template <class V>
+struct RoundPlane {
+  Wide3<V> u, v, n;  // W: along the projected axis, across, outward normal
+  V s, c;            // sine and cosine of the angle between axis and n
+  V h1, h2, x2;      // [m] heights of the ends over the plane, x of the second end
+};
+
+template <class V>
+inline Wide3<V> three(const NumberOf<V> (&from)[3][RoundTerms<NumberOf<V>>::kCapacity], std::size_t i) {
+  return {get(from[0] + i, V{}), get(from[1] + i, V{}), get(from[2] + i, V{})};
+}
+
+template <class V>
+inline void put_three(NumberOf<V> (&to)[3][RoundTerms<NumberOf<V>>::kCapacity], std::size_t i,
+                      Wide3<V> value) {
+  put(to[0] + i, value.x);
+  put(to[1] + i, value.y);
+  put(to[2] + i, value.z);
+}
+
+// Sine of the axis angle below which the direction of the projected axis is rounding noise, and twice the
+// area over the longest edge squared below which the normal is.
+template <class V>
+inline V rounding() {
+  return number<V>(sizeof(NumberOf<V>) == 8 ? 1e-15 : 5e-7);
+}
+
+// Farther than anything.
+template <class V>
+inline V beyond() {
+  return number<V>(sizeof(NumberOf<V>) == 8 ? 1e300 : 1e30);
+}
+
+// False where the triangle has no normal to speak of.
+template <class V>
+inline auto look(const RoundPart<V>& part, const NumberOf<V> (&along)[3], Wide3<V> a, Wide3<V> b, Wide3<V> c,
+                 RoundPlane<V>& plane) {
+  constexpr bool precise = sizeof(NumberOf<V>) == 8;
+  const V one = number<V>(1), zero = number<V>(0);
+  const Wide3<V> ab = b - a, ac = c - a, bc = c - b, axis{V(along[0]), V(along[1]), V(along[2])};
+  const Wide3<V> raw = cross(ab, ac);
+  const V twice = root(dot(raw, raw));
+  const V longest = greater(dot(ab, ab), greater(dot(ac, ac), dot(bc, bc)));
+  const auto fine =
+      both(twice > rounding<V>() * longest,
+           both(longest<number<V>(precise ? 1e150 : 1e18), twice> number<V>(precise ? 1e-290 : 1e-30)));
+  plane.n = one_over(twice) * raw;
+  plane.h1 = zero - dot(plane.n, a);
+  Wide3<V> across = cross(plane.n, ab);
+  plane.s = zero;
+  plane.c = one;
+  if (!part.sphere) {
+    const Wide3<V> side = cross(plane.n, axis);
+    const V s = root(dot(side, side));
+    const auto slanted = s > rounding<V>();
+    plane.s = choose(slanted, s, zero);
+    plane.c = dot(plane.n, axis);
+    across = choose(slanted, side, across);
+  }
+  // Rounding tilts a short vector out of the plane; one projection puts it back.
+  across = one_over(root(dot(across, across))) * across;
+  across = across - dot(across, plane.n) * plane.n;
+  plane.v = one_over(root(dot(across, across))) * across;
+  plane.u = cross(plane.v, plane.n);
+  plane.h2 = plane.h1 + plane.c * part.length;
+  plane.x2 = plane.s * part.length;
+  return fine;
+}
+
+// phi at a point of the plane, and how far in space it is to where phi's formula changes.
+template <class V>
+struct FieldValue {
+  V phi, margin;
+};
+
+template <class V>
+inline FieldValue<V> field_at(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2<V> p) {
+  const V zero = number<V>(0);
+  if (part.sphere) {
+    const V w = root(dot(p, p) + plane.h1 * plane.h1);
+    return {part.radius1 - w, beyond<V>()};
+  }
+  const V e = plane.c * p.x + plane.s * plane.h1, q = plane.s * p.x - plane.c * plane.h1;
+  const V rho2 = e * e + p.y * p.y, rho = root(rho2);
+  const V at = between(q - rho * part.tangent, zero, part.length), off = q - at;
+  const V w = root(off * off + rho2);
+  const V phi = part.radius1 - part.sine * at - w;
+  const V first = part.cosine * q - part.sine * rho;
+  return {phi, lesser(magnitude(first), magnitude(first - part.cosine * part.length))};
+}
+
+}  // namespace lumbrical::LUMBRICAL_ISA

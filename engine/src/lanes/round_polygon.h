@@ -1,0 +1,167 @@
+// Convex polygons, one per lane: a triangle, cut by half-planes and parted at lines x = const. A polygon is a
+// set of directed edges, counter-clockwise; those that are not there have no length. Edges keep the order of
+// the triangle's, and each cut appends one.
+#pragma once
+
+#include "lanes/round_plane.h"
+
+namespace lumbrical::LUMBRICAL_ISA {
+
+template <class V>
+struct Edge {
+  Wide2<V> p, q;
+};
+
+template <class V>
+struct Polygon {
+  static constexpr std::size_t kMost = 7;  // three, two cuts, two borders
+  std::size_t count = 0;
+  Edge<V> edge[kMost];
+};
+
+template <class V>
+inline auto has_length(const Edge<V>& edge) {
+  return either(edge.p.x != edge.q.x, edge.p.y != edge.q.y);
+}
+
+// Direction and length of an edge.
+template <class V>
+struct Line {
+  Wide2<V> t;
+  V length, per_length;
+};
+
+// Of a polygon's edges after stretching by `scale` along x.
+template <class V>
+struct Lines {
+  Line<V> line[Polygon<V>::kMost];
+};
+template <class V>
+void set_lines(const Polygon<V>& polygon, V scale, Lines<V>& lines) {
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const Edge<V>& edge = polygon.edge[i];
+    const Wide2<V> d{scale * (edge.q.x - edge.p.x), edge.q.y - edge.p.y};
+    const V length = root(dot(d, d)), per = one_over(length);
+    lines.line[i] = {per * d, length, per};
+  }
+}
+
+// Of the edges a polygon was parted along: they run up or down.
+template <class V>
+void set_borders(const Polygon<V>& polygon, std::size_t first, Lines<V>& lines) {
+  const V zero = number<V>(0), one = number<V>(1);
+  for (std::size_t i = first; i < polygon.count; ++i) {
+    const V rise = polygon.edge[i].q.y - polygon.edge[i].p.y, length = magnitude(rise);
+    lines.line[i] = {{zero, choose(rise < zero, zero - one, one)}, length, one_over(length)};
+  }
+}
+
+// Where a value that is fp at p and fq at q is zero; from the end nearer to the origin, for a far one would
+// bring its own rounding along.
+template <class V>
+struct Crossing {
+  V t;  // from p to q
+  Wide2<V> point;
+};
+template <class V>
+inline Crossing<V> crossing_of(const Edge<V>& edge, V fp, V fq) {
+  const V one = number<V>(1), span = fp - fq;
+  const V per = quotient(one, choose(span == number<V>(0), one, span));
+  const auto nearer = dot(edge.p, edge.p) < dot(edge.q, edge.q);
+  const V t = fp * per, back = fq * per;  // back: from q, towards q
+  const Wide2<V> d = edge.q - edge.p;
+  return {t, choose(nearer, edge.p + t * d, edge.q + back * d)};
+}
+
+// How far the corners lie beyond the primitive's cuts, at both ends of every edge.
+template <class V>
+struct Excess {
+  V p[2], q[2];
+};
+
+// Removes what lies beyond cut number `cut`. Crossings take the excess over the other cut along.
+template <class V>
+void remove_beyond(int cut, Polygon<V>& polygon, Excess<V> (&excess)[Polygon<V>::kMost]) {
+  const V zero = number<V>(0);
+  Edge<V> added{{zero, zero}, {zero, zero}};
+  Excess<V> along{};
+  for (V* value : {along.p, along.q}) value[0] = value[1] = zero;
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    Edge<V>& edge = polygon.edge[i];
+    Excess<V>& f = excess[i];
+    const auto p_out = f.p[cut] > zero, q_out = f.q[cut] > zero;
+    if (!some(either(p_out, q_out))) continue;
+    const auto p_in = f.p[cut] <= zero, q_in = f.q[cut] <= zero;
+    const Crossing<V> x = crossing_of(edge, f.p[cut], f.q[cut]);
+    const int other = 1 - cut;
+    const V at = f.p[other] + x.t * (f.q[other] - f.p[other]);
+    const auto leaves = both(p_in, q_out), enters = both(p_out, q_in);
+    added = {choose(leaves, x.point, added.p), choose(enters, x.point, added.q)};
+    along.p[other] = choose(leaves, at, along.p[other]);
+    along.q[other] = choose(enters, at, along.q[other]);
+    // All of it beyond: nothing is left between q and q.
+    const Wide2<V> p = edge.p;
+    edge.p = choose(p_out, choose(q_out, edge.q, x.point), p);
+    edge.q = choose(leaves, x.point, edge.q);
+    f.p[other] = choose(p_out, choose(q_out, f.q[other], at), f.p[other]);
+    f.q[other] = choose(leaves, at, f.q[other]);
+  }
+  polygon.edge[polygon.count] = added;
+  excess[polygon.count++] = along;
+}
+
+// The triangle in the plane's coordinates, without what lies beyond the primitive's cuts.
+template <class V>
+void set_polygon(const RoundTerms<NumberOf<V>>& terms, const RoundPart<V>& part, const RoundPlane<V>& plane,
+                 const Wide3<V> (&corner)[3], std::size_t lane, Polygon<V>& polygon) {
+  Wide2<V> flat[3];
+  for (int i = 0; i < 3; ++i) flat[i] = {dot(corner[i], plane.u), dot(corner[i], plane.v)};
+  polygon.count = 3;
+  for (std::size_t i = 0; i < 3; ++i) polygon.edge[i] = {flat[i], flat[(i + 1) % 3]};
+  if (terms.cut_count == 0) return;
+  Excess<V> excess[Polygon<V>::kMost];
+  const V zero = number<V>(0), tiny = number<V>(16) * rounding<V>() * part.radius1;
+  for (int cut = 0; cut < 2; ++cut) {
+    V f[3] = {zero, zero, zero};
+    if (cut < terms.cut_count) {
+      const Wide3<V> normal = three<V>(terms.cut_normal[cut], lane);
+      const V offset = get(terms.cut_offset[cut] + lane, V{});
+      for (int i = 0; i < 3; ++i) f[i] = dot(normal, corner[i]) - offset;
+      // A triangle in the plane between two tiles belongs to the one it faces away from.
+      const auto within =
+          both(magnitude(f[0]) <= tiny, both(magnitude(f[1]) <= tiny, magnitude(f[2]) <= tiny));
+      const V verdict = dot(normal, plane.n);
+      for (V& value : f) value = choose(within, verdict, value);
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      excess[i].p[cut] = f[i];
+      excess[i].q[cut] = f[(i + 1) % 3];
+    }
+  }
+  for (int cut = 0; cut < terms.cut_count; ++cut) remove_beyond(cut, polygon, excess);
+}
+
+// Parts a polygon at x = border.
+template <class V>
+void part_at(V border, const Polygon<V>& polygon, Polygon<V>& below, Polygon<V>& above) {
+  const V zero = number<V>(0);
+  Edge<V> added{{border, zero}, {border, zero}};  // of the part below
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const Edge<V>& edge = polygon.edge[i];
+    const auto p_above = edge.p.x > border, q_above = edge.q.x > border;
+    const auto leaves = both(edge.p.x <= border, q_above), enters = both(p_above, edge.q.x <= border);
+    Wide2<V> x = edge.p;
+    if (some(either(leaves, enters))) {
+      x = crossing_of(edge, edge.p.x - border, edge.q.x - border).point;
+      x.x = border;
+      added = {choose(leaves, x, added.p), choose(enters, x, added.q)};
+    }
+    below.edge[i] = {choose(p_above, choose(q_above, edge.q, x), edge.p), choose(leaves, x, edge.q)};
+    above.edge[i] = {choose(p_above, edge.p, choose(q_above, x, edge.q)), choose(enters, x, edge.q)};
+  }
+  below.edge[polygon.count] = added;
+  above.edge[polygon.count] = {added.q, added.p};
+  below.count = above.count = polygon.count + 1;
+}
+
+}  // namespace lumbrical::LUMBRICAL_ISA

@@ -1,0 +1,144 @@
+// The section of a cone's side where its rim is nearly a pair of lines: the axis lies nearly along the plane,
+// and a circle to stretch it to would be huge, or is none. Area as in section_area.cpp, in lanes.
+//
+// On the side eta^2 = alpha + 2 beta x - gamma x^2. Where an edge runs outside, the rim takes its place over
+// the same range of x; over its chord it bulges by series in u = gamma delta^2 / (4 Q^2), which is small
+// here.
+#pragma once
+
+#include <array>
+
+#include "lanes/disc_integrals.h"
+
+namespace lumbrical::LUMBRICAL_ISA {
+
+// More of u than this the series is not for.
+inline constexpr double kMostBulge = 0.05;
+
+// S(u) = 3 sum C_k u^k / (2k + 3), C_k = binomial(2k, k) / 4^k, and W(u) = (1 - sqrt(1 - u) S(u)) / u.
+struct BulgeSeries {
+  static constexpr std::size_t kTerms = 13;
+  double s[kTerms], w[kTerms];
+};
+constexpr BulgeSeries bulge_series() {
+  constexpr std::size_t kTerms = BulgeSeries::kTerms;
+  BulgeSeries series{};
+  double s[kTerms + 1] = {}, root[kTerms + 1] = {}, central = 1, r = 1;
+  for (std::size_t k = 0; k <= kTerms; ++k) {
+    const double n = static_cast<double>(k);
+    s[k] = 3 * central / (2 * n + 3);
+    central *= (2 * n + 1) / (2 * n + 2);
+    root[k] = r;
+    r *= (n - 0.5) / (n + 1);
+  }
+  for (std::size_t k = 0; k < kTerms; ++k) {
+    series.s[k] = s[k];
+    for (std::size_t j = 0; j <= k + 1; ++j) series.w[k] -= root[j] * s[k + 1 - j];
+  }
+  return series;
+}
+inline constexpr BulgeSeries kBulge = bulge_series();
+
+template <class V>
+struct Span {
+  V lower, upper;
+};
+
+// Where a z^2 + 2 b z + c is positive on [lower, upper], known to be one interval; upper < lower: nowhere.
+template <class V>
+inline Span<V> positive_span(V a, V b, V c, V lower, V upper) {
+  const V zero = number<V>(0), one = number<V>(1);
+  a = choose(a == zero, number<V>(sizeof(NumberOf<V>) == 8 ? -1e-280 : -1e-30), a);
+  const V square = b * b - a * c, rise = root(greater(square, zero));
+  const V q = choose(b >= zero, zero - (b + rise), rise - b);
+  const V root1 = quotient(q, a), root2 = quotient(c, choose(q == zero, one, q));
+  const V first = lesser(root1, root2), second = greater(root1, root2);
+  const V left = lesser(upper, first), right = greater(lower, second);
+  const auto leftmost = left - lower > upper - right;
+  const auto convex = a > zero, real = square > zero;
+  Span<V> span{choose(convex, choose(leftmost, lower, right), greater(lower, first)),
+               choose(convex, choose(leftmost, left, upper), lesser(upper, second))};
+  return {choose(real, span.lower, choose(convex, lower, upper)),
+          choose(real, span.upper, choose(convex, upper, lower))};
+}
+
+template <class V>
+struct StripRim {
+  V alpha, beta, gamma, lower, upper;  // of eta^2; the zone
+  V real_lower, real_upper;            // where eta is real in the zone
+  V too_round;                         // 1 where an arc was no strip's
+};
+
+template <class V>
+inline V eta_of(const StripRim<V>& rim, V x) {
+  const V zero = number<V>(0);
+  const V eta = root(greater(rim.alpha + x * (rim.beta + rim.beta - rim.gamma * x), zero));
+  // At the curve's own ends rounding would leave the root of a small number.
+  const V inner = choose(both(x == rim.real_lower, x > rim.lower), zero, eta);
+  return choose(both(x == rim.real_upper, x < rim.upper), zero, inner);
+}
+
+// Adds the area under the line from p to q, and its moments; the area of a region is minus the sum.
+template <class V>
+inline void add_chord(Wide2<V> p, Wide2<V> q, Moments<V>& sum) {
+  const V delta = q.x - p.x, area = number<V>(0.5) * (delta * (p.y + q.y));
+  sum.area = sum.area - area;
+  sum.area_x = sum.area_x -
+               (number<V>(0.5) * ((p.x + q.x) * area) + number<V>(1.0 / 12) * (delta * delta * (q.y - p.y)));
+  sum.area_y = sum.area_y - number<V>(1.0 / 6) * (delta * (p.y * p.y + p.y * q.y + q.y * q.y));
+}
+
+// The rim in place of the line from p to q.
+template <class V, class M>
+inline void add_arc(M here, Wide2<V> p, Wide2<V> q, StripRim<V>& rim, Moments<V>& sum) {
+  const V zero = number<V>(0), one = number<V>(1);
+  const V x1 = between(p.x, rim.real_lower, rim.real_upper),
+          x2 = between(q.x, rim.real_lower, rim.real_upper);
+  const V delta = x2 - x1, across = q.x - p.x;
+  const auto drawn = both(here, both(rim.real_lower < rim.real_upper, x1 != x2));
+  if (!some(drawn)) return;
+  const V slope = (q.y - p.y) * quotient(one, choose(across == zero, one, across));
+  const V middle = number<V>(0.5) * (x1 + x2);
+  const V side = choose(p.y + (middle - p.x) * slope < zero, zero - one, one);
+  const V a = eta_of(rim, x1), b = eta_of(rim, x2), rise = b - a, mean = number<V>(0.5) * (a + b);
+  const V squares = rim.gamma * (delta * delta), q2 = mean * mean + number<V>(0.25) * squares;
+  const V k = squares + rise * rise, u = number<V>(0.25) * squares * one_over(q2);
+  rim.too_round = choose(both(drawn, magnitude(u) > number<V>(kMostBulge)), one, rim.too_round);
+  rim.too_round = choose(both(drawn, q2 <= zero), one, rim.too_round);
+  const V area =
+      side * (delta * k * horner(kBulge.s, u)) * number<V>(1.0 / 12) * one_over(root(greater(q2, zero)));
+  const V moment =
+      side * (k * rise * (delta * delta) * horner(kBulge.w, u)) * number<V>(1.0 / 48) * one_over(q2);
+  Moments<V> arc = no_moments<V>();
+  add_chord(Wide2<V>{x1, side * a}, Wide2<V>{x2, side * b}, arc);
+  arc.area = arc.area - area;
+  arc.area_x = arc.area_x - (middle * area - moment);
+  arc.area_y = arc.area_y - number<V>(1.0 / 12) * (k * delta);
+  add_where(drawn, arc, sum);
+}
+
+// One edge of a polygon in the side's zone: adds its share of the area and tells which part of it is inside,
+// as coordinates along it from the foot of (0, 0).
+template <class V, class M>
+inline Span<V> add_strip_edge(const Edge<V>& edge, Wide2<V> t, M here, StripRim<V>& rim, Moments<V>& sum) {
+  const V start = dot(edge.p, t), end = dot(edge.q, t);
+  const V p = cross(choose(dot(edge.p, edge.p) < dot(edge.q, edge.q), edge.p, edge.q), t);
+  const Wide2<V> foot{p * t.y, number<V>(0) - p * t.x};
+  const V a = number<V>(0) - (rim.gamma * (t.x * t.x) + t.y * t.y);
+  const V b = (rim.beta - rim.gamma * foot.x) * t.x - foot.y * t.y;
+  const V c = rim.alpha + foot.x * (rim.beta + rim.beta - rim.gamma * foot.x) - foot.y * foot.y;
+  Span<V> inside = positive_span(a, b, c, start, end);
+  const auto none = inside.upper <= inside.lower;
+  inside = {choose(none, end, inside.lower), choose(none, end, inside.upper)};
+  const Wide2<V> enters =
+      choose(inside.lower == start, edge.p, choose(inside.lower == end, edge.q, foot + inside.lower * t));
+  const Wide2<V> leaves = choose(inside.upper == end, edge.q, foot + inside.upper * t);
+  Moments<V> chord = no_moments<V>();
+  add_chord(enters, leaves, chord);
+  add_where(here, chord, sum);
+  add_arc(here, edge.p, enters, rim, sum);
+  add_arc(here, leaves, edge.q, rim, sum);
+  return inside;
+}
+
+}  // namespace lumbrical::LUMBRICAL_ISA

@@ -1,0 +1,74 @@
+// Points and directions of wide numbers, for kernels.
+#pragma once
+
+#include "lanes/wide_functions.h"
+
+namespace lumbrical::LUMBRICAL_ISA {
+
+template <class V>
+struct Wide2 {
+  V x, y;
+};
+template <class V>
+inline Wide2<V> operator+(Wide2<V> p, Wide2<V> q) {
+  return {p.x + q.x, p.y + q.y};
+}
+template <class V>
+inline Wide2<V> operator-(Wide2<V> p, Wide2<V> q) {
+  return {p.x - q.x, p.y - q.y};
+}
+template <class V>
+inline Wide2<V> operator*(V s, Wide2<V> p) {
+  return {s * p.x, s * p.y};
+}
+template <class V>
+inline V dot(Wide2<V> p, Wide2<V> q) {
+  return p.x * q.x + p.y * q.y;
+}
+template <class V>
+inline V cross(Wide2<V> p, Wide2<V> q) {
+  return p.x * q.y - p.y * q.x;
+}
+template <class V, class M>
+inline Wide2<V> choose(M which, Wide2<V> yes, Wide2<V> no) {
+  return {choose(which, yes.x, no.x), choose(which, yes.y, no.y)};
+}
+
+template <class V>
+struct Wide3 {
+  V x, y, z;
+};
+template <class V>
+inline Wide3<V> operator+(Wide3<V> p, Wide3<V> q) {
+  return {p.x + q.x, p.y + q.y, p.z + q.z};
+}
+template <class V>
+inline Wide3<V> operator-(Wide3<V> p, Wide3<V> q) {
+  return {p.x - q.x, p.y - q.y, p.z - q.z};
+}
+template <class V>
+inline Wide3<V> operator*(V s, Wide3<V> p) {
+  return {s * p.x, s * p.y, s * p.z};
+}
+template <class V>
+inline V dot(Wide3<V> p, Wide3<V> q) {
+  return p.x * q.x + p.y * q.y + p.z * q.z;
+}
+template <class V>
+inline Wide3<V> cross(Wide3<V> p, Wide3<V> q) {
+  return {p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
+}
+template <class V, class M>
+inline Wide3<V> choose(M which, Wide3<V> yes, Wide3<V> no) {
+  return {choose(which, yes.x, no.x), choose(which, yes.y, no.y), choose(which, yes.z, no.z)};
+}
+
+// 1 / value, or 1 where it is not positive. (xsimd has a `reciprocal` of its own, an estimate, which an
+// unqualified call would find.)
+template <class V>
+inline V one_over(V value) {
+  const V one = number<V>(1);
+  return quotient(one, choose(value > number<V>(0), value, one));
+}
+
+}  // namespace lumbrical::LUMBRICAL_ISA

@@ -1,0 +1,87 @@
+// See exchange_words.h.
+#include "modbus/exchange_words.h"
+
+#include <cmath>
+#include <span>
+
+#include "device/registers.h"
+
+namespace lumbrical {
+namespace {
+
+std::uint16_t* place(const std::vector<RegisterBlock>& blocks, std::vector<std::uint16_t>& words,
+                     std::uint8_t unit, std::uint16_t address) {
+  const int at = find_register(blocks, unit, address);
+  return at < 0 ? nullptr : words.data() + at;
+}
+
+// Anything that can't be encoded leaves the register as it is, and that only happens to what is no number.
+void put(ExchangeWords& exchange, const RegisterField& field, double value) {
+  std::uint16_t* const at = place(exchange.plan.writes, exchange.written, field.unit, field.address);
+  if (at == nullptr) return;
+  encode_field(field, value, std::span(at, static_cast<std::size_t>(register_count(field.type))));
+}
+
+double finite_or_zero(double value) { return std::isfinite(value) ? value : 0; }
+
+}  // namespace
+
+ExchangeWords::ExchangeWords(const DeviceProfile& profile) : plan(plan_exchange(profile)) {
+  written.assign(static_cast<std::size_t>(total_count(plan.writes)), 0);
+  read.assign(static_cast<std::size_t>(total_count(plan.reads)), 0);
+  for (const RegisterWrite& write : profile.handshake) {
+    if (std::uint16_t* const at = place(plan.writes, written, write.unit, write.address)) *at = write.value;
+  }
+}
+
+void ExchangeWords::write(const DeviceProfile& profile, const SafetyOutput& output,
+                          const DeviceCommand& command, std::uint16_t heartbeat) {
+  for (std::size_t i = 0; i < profile.actuators.size(); ++i) {
+    const Actuator& actuator = profile.actuators[i];
+    put(*this, actuator.field, output.command[i]);
+    if (!actuator.local.present) continue;
+    // What the envelope has cut must not come back through the stiffness.
+    const bool as_wanted = output.command[i] == command.wanted[i];
+    put(*this, actuator.local.angle, finite_or_zero(command.angle[i]));
+    put(*this, actuator.local.stiffness, as_wanted ? finite_or_zero(command.stiffness[i]) : 0);
+    put(*this, actuator.local.radius, as_wanted ? finite_or_zero(command.radius[i]) : 0);
+  }
+  if (profile.control.present) {
+    *place(plan.writes, written, profile.control.unit, profile.control.address) =
+        output.device_on ? profile.control.active : profile.control.idle;
+  }
+  if (profile.heartbeat.present) {
+    *place(plan.writes, written, profile.heartbeat.unit, profile.heartbeat.address) = heartbeat;
+  }
+}
+
+DeviceStatus ExchangeWords::status(const DeviceProfile& profile) const {
+  DeviceStatus status;
+  if (profile.heartbeat.echoed) {
+    const int at = find_register(plan.reads, profile.heartbeat.unit, profile.heartbeat.echo_address);
+    status.echo = read[static_cast<std::size_t>(at)];
+  }
+  if (!profile.status.present) return status;
+  const std::uint16_t bits =
+      read[static_cast<std::size_t>(find_register(plan.reads, profile.status.unit, profile.status.address))];
+  status.ready = (bits & profile.status.ready) == profile.status.ready;
+  status.fault = (bits & profile.status.fault) != 0;
+  status.stop = (bits & profile.status.stop) != 0;
+  status.dead_man = profile.status.dead_man == 0 || (bits & profile.status.dead_man) != 0;
+  return status;
+}
+
+void ExchangeWords::angles(const DeviceProfile& profile, std::array<float, 4 * kFingerCount>& angle,
+                           std::uint32_t& valid) const {
+  valid = 0;
+  for (const Sensor& sensor : profile.sensors) {
+    const int at = find_register(plan.reads, sensor.field.unit, sensor.field.address);
+    const std::span words(read.data() + at, static_cast<std::size_t>(register_count(sensor.field.type)));
+    const double value = decode_field(sensor.field, words);
+    if (!(value >= sensor.lower && value <= sensor.upper)) continue;  // false for NaN
+    angle[static_cast<std::size_t>(sensor.angle)] = static_cast<float>(value);
+    valid |= 1u << sensor.angle;
+  }
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,270 @@
+// See lumbrical/modbus_server.h.
+#include "lumbrical/modbus_server.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <thread>
+#include <vector>
+
+#include "modbus/modbus_frame.h"
+
+namespace lumbrical {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// What a client may have sent and not been answered yet; beyond it the client is broken.
+constexpr std::size_t kMostBuffered = 4096;
+constexpr std::size_t kMostPeers = 16;
+
+Status system_error(const std::string& what) { return Status::error(what + ": " + std::strerror(errno)); }
+
+Status make_raw(int line, const std::string& name, speed_t speed) {
+  termios settings{};
+  if (tcgetattr(line, &settings) != 0) return system_error(name);
+  cfmakeraw(&settings);
+  settings.c_cflag |= CLOCAL | CREAD;
+  if (speed != 0) cfsetspeed(&settings, speed);
+  if (tcsetattr(line, TCSANOW, &settings) != 0) return system_error(name);
+  return {};
+}
+
+speed_t speed_of(std::uint32_t baud) {
+  switch (baud) {
+    case 9600:
+      return B9600;
+    case 19200:
+      return B19200;
+    case 38400:
+      return B38400;
+    case 57600:
+      return B57600;
+    case 115200:
+      return B115200;
+    case 230400:
+      return B230400;
+    case 460800:
+      return B460800;
+    case 921600:
+      return B921600;
+    case 1000000:
+      return B1000000;
+    case 2000000:
+      return B2000000;
+    case 3000000:
+      return B3000000;
+    default:
+      return 0;
+  }
+}
+
+}  // namespace
+
+struct ModbusServer::Peer {
+  int file = -1;
+  bool serial = false;
+  Bytes received;
+};
+
+// One call of serve().
+struct ModbusServer::Session {
+  SimulatedDevice& device;
+  ServerFaults& faults;
+  RegisterAccess access;
+  std::vector<Peer> peers;
+  std::uint32_t random = 1;
+  Clock::time_point now = Clock::now();
+  const std::function<void(SimulatedDevice&)>& observe;
+
+  Session(SimulatedDevice& simulated, ServerFaults& wanted,
+          const std::function<void(SimulatedDevice&)>& watch)
+      : device(simulated), faults(wanted), observe(watch) {
+    access.has_unit = [this](std::uint8_t unit) { return device.has_unit(unit); };
+    access.read = [this](auto unit, auto address, auto words) { return device.read(unit, address, words); };
+    access.write = [this](auto unit, auto address, auto words) { return device.write(unit, address, words); };
+  }
+
+  std::uint32_t next_random() { return random = random * 1664525u + 1013904223u; }
+  void advance() {
+    const Clock::time_point then = std::exchange(now, Clock::now());
+    device.advance(std::chrono::duration<double>(now - then).count());
+    if (observe) observe(device);
+  }
+  void wait_as_told() {
+    const double jitter = faults.jitter * static_cast<double>(next_random() >> 8) / 16777216.0;
+    const double seconds = faults.delay + jitter;
+    if (seconds > 0) std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+  }
+  bool send(const Peer& peer, const Bytes& bytes) const {
+    std::size_t sent = 0;
+    while (sent < bytes.size()) {
+      const ssize_t count = peer.serial
+                                ? ::write(peer.file, bytes.data() + sent, bytes.size() - sent)
+                                : ::send(peer.file, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
+      if (count < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+      if (count <= 0) return false;
+      sent += static_cast<std::size_t>(count);
+    }
+    return true;
+  }
+  bool reply(Peer& peer, ModbusRequest request);
+  bool receive(Peer& peer, std::atomic<std::uint64_t>& requests);
+};
+
+// False: close the connection.
+bool ModbusServer::Session::reply(Peer& peer, ModbusRequest request) {
+  if (!access.has_unit(request.unit)) return true;  // on a bus another unit would answer
+  advance();
+  Bytes answer = answer_request(access, request.unit, request.body);
+  if (const int code = faults.exception; code != 0) {
+    answer = {static_cast<std::uint8_t>(request.body[0] | 0x80), static_cast<std::uint8_t>(code)};
+  }
+  wait_as_told();
+  if (faults.silent) return true;
+  if (faults.wrong_unit) ++request.unit;
+  Bytes frame = peer.serial ? frame_rtu(request, answer) : frame_tcp(request, answer);
+  if (faults.garbage) {
+    Bytes noise;
+    for (int i = 0; i < 9; ++i) noise.push_back(static_cast<std::uint8_t>(next_random() >> 24));
+    if (!peer.serial) return send(peer, noise);
+    frame.insert(frame.begin(), noise.begin(), noise.end());
+  }
+  if (faults.cut_reply) {
+    frame.resize(frame.size() / 2);
+    return send(peer, frame) && peer.serial;
+  }
+  return send(peer, frame);
+}
+
+bool ModbusServer::Session::receive(Peer& peer, std::atomic<std::uint64_t>& requests) {
+  std::array<std::uint8_t, 1024> block{};
+  const ssize_t count = ::read(peer.file, block.data(), block.size());
+  // A terminal without anyone at its other end reports an input error and comes back to life later.
+  if (count < 0 && (errno == EINTR || errno == EAGAIN || (peer.serial && errno == EIO))) return true;
+  if (count <= 0) return peer.serial;
+  peer.received.insert(peer.received.end(), block.begin(), block.begin() + count);
+  ModbusRequest request;
+  for (;;) {
+    const Cut cut = peer.serial ? cut_rtu(peer.received, request) : cut_tcp(peer.received, request);
+    if (cut == Cut::broken) return false;
+    if (cut == Cut::incomplete) return peer.received.size() < kMostBuffered;
+    ++requests;
+    if (!reply(peer, request)) return false;
+  }
+}
+
+ModbusServer::ModbusServer() = default;
+ModbusServer::~ModbusServer() { close(); }
+
+Status ModbusServer::listen(const std::string& host, std::uint16_t port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  if (inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1) {
+    return Status::error(host + ": is no IPv4 address; use 127.0.0.1");
+  }
+  listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const int yes = 1;
+  setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  auto* const generic = reinterpret_cast<sockaddr*>(&address);
+  socklen_t size = sizeof address;
+  if (listener_ < 0 || bind(listener_, generic, size) != 0 || ::listen(listener_, 8) != 0 ||
+      getsockname(listener_, generic, &size) != 0) {
+    const Status status = system_error(host + ":" + std::to_string(port));
+    close();
+    return status;
+  }
+  port_ = ntohs(address.sin_port);
+  name_ = host + ":" + std::to_string(port_);
+  return {};
+}
+
+Status ModbusServer::open_terminal(const std::string& link) {
+  line_ = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
+  std::array<char, 128> name{};
+  if (line_ < 0 || grantpt(line_) != 0 || unlockpt(line_) != 0 ||
+      ptsname_r(line_, name.data(), name.size()) != 0) {
+    const Status status = system_error("a pseudo-terminal can't be opened");
+    close();
+    return status;
+  }
+  name_ = name.data();
+  if (!link.empty()) {
+    unlink(link.c_str());
+    if (symlink(name_.c_str(), link.c_str()) != 0) {
+      const Status status = system_error(link);
+      close();
+      return status;
+    }
+    link_ = link;
+  }
+  return make_raw(line_, name_, 0);
+}
+
+Status ModbusServer::open_line(const std::string& path, std::uint32_t baud) {
+  const speed_t speed = speed_of(baud);
+  if (speed == 0) return Status::error(path + ": " + std::to_string(baud) + " baud is not a standard rate");
+  line_ = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
+  if (line_ < 0) return system_error(path);
+  name_ = path;
+  return make_raw(line_, path, speed);
+}
+
+void ModbusServer::close() {
+  for (int* const file : {&listener_, &line_}) {
+    if (*file >= 0) ::close(*file);
+    *file = -1;
+  }
+  if (!link_.empty()) unlink(link_.c_str());
+  link_.clear();
+}
+
+void ModbusServer::serve(SimulatedDevice& device, ServerFaults& faults, const std::function<bool()>& stop,
+                         const std::function<void(SimulatedDevice&)>& observe) {
+  Session session(device, faults, observe);
+  if (line_ >= 0) session.peers.push_back({line_, true, {}});
+  while (!stop()) {
+    std::vector<pollfd> files;
+    for (const Peer& peer : session.peers) files.push_back({peer.file, POLLIN, 0});
+    if (listener_ >= 0) files.push_back({listener_, POLLIN, 0});
+    poll(files.data(), files.size(), 1);
+    session.advance();
+    if (listener_ >= 0 && (files.back().revents & POLLIN) != 0) {
+      const int file = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
+      const int yes = 1;
+      if (file >= 0 && (faults.refuse || session.peers.size() >= kMostPeers)) {
+        ::close(file);
+      } else if (file >= 0) {
+        setsockopt(file, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+        session.peers.push_back({file, false, {}});
+      }
+    }
+    bool hung_up = false;
+    for (std::size_t i = files.size(); i-- > 0;) {
+      if (files[i].fd == listener_ || files[i].revents == 0) continue;
+      Peer& peer = session.peers[i];
+      if (peer.serial && (files[i].revents & POLLIN) == 0) hung_up = true;
+      if (session.receive(peer, requests_)) continue;
+      ::close(peer.file);
+      session.peers.erase(session.peers.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+    if (hung_up) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  for (const Peer& peer : session.peers) {
+    if (!peer.serial) ::close(peer.file);
+  }
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,285 @@
+// See modbus_worker.h.
+#include "modbus/modbus_worker.h"
+
+#include <pthread.h>
+#include <sched.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace lumbrical {
+namespace {
+
+constexpr std::size_t kMostEvents = 1000;
+
+using Clock = std::chrono::steady_clock;
+
+std::int64_t ns(double seconds) { return static_cast<std::int64_t>(seconds * 1e9); }
+double seconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-9; }
+
+}  // namespace
+
+void ModbusSink::Worker::tell(std::string text) {
+  const std::lock_guard lock(mutex);
+  if (events.size() < kMostEvents) events.push_back({seconds(now_ns() - opened), std::move(text)});
+}
+
+// The same trouble is told once, until something works again.
+void ModbusSink::Worker::problem(const char* text) {
+  if (last_problem == text) return;
+  last_problem = text;
+  tell(text);
+}
+
+void ModbusSink::Worker::set_up_thread() {
+  if (options.priority > 0) {
+    sched_param parameter{};
+    parameter.sched_priority = options.priority;
+    if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter) != 0) {
+      tell("no real-time priority for the sink's thread: not permitted");
+    }
+  }
+  if (options.cpu >= 0) {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    CPU_SET(static_cast<std::size_t>(options.cpu), &set);
+    if (pthread_setaffinity_np(pthread_self(), sizeof set, &set) != 0)
+      tell("the sink's thread could not be pinned");
+  }
+}
+
+void ModbusSink::Worker::connect() {
+  const std::int64_t now = now_ns();
+  if (now < next_try) return;
+  const Status status = link.open(profile.transport, profile.response_timeout);
+  if (status.ok()) {
+    {
+      const std::lock_guard lock(mutex);
+      ++report.connections;
+    }
+    tell("connected");
+    complained = false;
+    handshaken = false;
+    return;
+  }
+  if (!complained) tell("not connected: " + status.message());
+  complained = true;
+  retry = retry == 0 ? profile.first_retry : std::min(2 * retry, profile.last_retry);
+  next_try = now_ns() + ns(retry);
+}
+
+// What the profile wants to be written first; then its conditions, until they hold.
+bool ModbusSink::Worker::shake_hands() {
+  LinkResult result;
+  for (const RegisterWrite& write : profile.handshake) {
+    result = link.write({write.unit, write.address, 1}, &write.value);
+    if (!result.ok()) break;
+  }
+  for (const RegisterCheck& check : profile.expected) {
+    std::uint16_t value = 0;
+    if (result.ok()) result = link.read(profile.read_function, {check.unit, check.address, 1}, &value);
+    if (result.ok() && (value & check.mask) != check.value) {
+      problem("the device is not ready yet: a register of its handshake holds another value");
+      return false;
+    }
+  }
+  if (result.outcome == LinkOutcome::broken) lose(result.text);
+  if (result.outcome == LinkOutcome::refused) problem(result.text);
+  return result.ok();
+}
+
+void ModbusSink::Worker::lose(const char* why) {
+  link.close();
+  handshaken = false;
+  problem(why);
+  // The first try follows at once, the others ever later.
+  next_try = retry == 0 ? 0 : now_ns() + ns(retry);
+  retry = retry == 0 ? profile.first_retry : std::min(2 * retry, profile.last_retry);
+}
+
+SafetyOutput ModbusSink::Worker::decide(std::int64_t now) {
+  if (PublishedCommand fresh; commands.take(fresh)) newest = fresh;
+  const unsigned asked = requests.exchange(0);
+  SafetyInputs inputs;
+  // A cycle that waited for its reply is long; a thread that was kept from running must not make a step of
+  // it.
+  inputs.dt = std::min(seconds(now - last_step), profile.response_timeout + 2 / profile.rate);
+  last_step = now;
+  inputs.connected = link.is_open() && handshaken && any_answer &&
+                     seconds(now - last_answer) <= profile.safety.answer_timeout;
+  inputs.device_ready = device.ready;
+  inputs.device_fault = device.fault;
+  inputs.stop = stop || device.stop;
+  inputs.dead_man = profile.status.dead_man != 0 ? device.dead_man : dead_man.load();
+  inputs.heartbeat_lost = profile.heartbeat.echoed && any_answer &&
+                          seconds(now - last_echo_change) > profile.safety.answer_timeout;
+  inputs.arm = (asked & kArm) != 0;
+  inputs.disarm = (asked & kDisarm) != 0 || closing;
+  inputs.reset = (asked & kReset) != 0;
+  inputs.continue_after_loss = options.continue_after_loss && !closing;
+  inputs.tick_age = newest.time == 0 ? std::numeric_limits<double>::infinity() : seconds(now - newest.time);
+  inputs.wanted = newest.command.wanted;
+  const bool can_arm = safety.state == SafetyState::idle && inputs.device_ready && newest.time != 0;
+  inputs.arm = inputs.arm || (auto_arm && can_arm);
+  const SafetyState before = safety.state;
+  const std::uint32_t causes = safety.causes;
+  const SafetyOutput output = step_safety(profile, inputs, safety);
+  if (safety.state == SafetyState::armed) auto_arm = false;
+  state = safety.state;
+  if (safety.state != before || safety.causes != causes) {
+    std::string text =
+        std::string(safety_state_name(before)) + " -> " + std::string(safety_state_name(safety.state));
+    constexpr std::pair<SafetyFlag, const char*> kCauses[] = {
+        {kStopPressed, "emergency stop"},
+        {kDeviceFault, "the device reports a fault"},
+        {kTickStopped, "no new tick"},
+        {kCommandNotFinite, "a command that is no number"},
+        {kHeartbeatLost, "heartbeat not echoed"},
+        {kAnswerLost, "no answer"},
+        {kDeadManReleased, "dead-man switch released"}};
+    for (const auto& [flag, name] : kCauses) {
+      if ((output.flags & flag) != 0) text += std::string(": ") + name;
+    }
+    tell(std::move(text));
+  }
+  return output;
+}
+
+bool ModbusSink::Worker::transfer() {
+  const ExchangePlan& plan = words.plan;
+  LinkResult result;
+  if (plan.combined) {
+    result = link.exchange(plan.writes[0], words.written.data(), plan.reads[0], words.read.data());
+  } else {
+    std::size_t at = 0;
+    for (const RegisterBlock& block : plan.writes) {
+      if (result.ok()) result = link.write(block, words.written.data() + at);
+      at += block.count;
+    }
+    at = 0;
+    for (const RegisterBlock& block : plan.reads) {
+      if (result.ok()) result = link.read(profile.read_function, block, words.read.data() + at);
+      at += block.count;
+    }
+  }
+  if (result.ok()) return true;
+  {
+    const std::lock_guard lock(mutex);
+    ++(result.outcome == LinkOutcome::refused ? report.refused : report.broken);
+  }
+  if (result.outcome == LinkOutcome::refused) problem(result.text);
+  if (result.outcome == LinkOutcome::broken) lose(result.text);
+  return false;
+}
+
+void ModbusSink::Worker::take_feedback(std::int64_t now) {
+  device = words.status(profile);
+  const std::uint16_t echo = device.echo;
+  if (!any_answer || echo != last_echo) last_echo_change = now;
+  last_echo = echo;
+  if (profile.sensors.empty()) return;
+  DeviceFeedback feedback;
+  feedback.time = now;
+  feedback.acted = std::exchange(acting, commanded);
+  words.angles(profile, feedback.angle, feedback.valid);
+  feedbacks.put(feedback);
+}
+
+void ModbusSink::Worker::remember(const SafetyOutput& output, std::int64_t sent, std::int64_t acknowledged) {
+  SentCommand* const slot = history.claim();
+  if (slot == nullptr) return;  // no one listens
+  slot->cycle = cycle;
+  slot->tick = newest.command.tick;
+  slot->sent = sent;
+  slot->acknowledged = acknowledged;
+  const std::int64_t read = newest.command.feedback_time;
+  slot->loop_delay = read != 0 && acknowledged != 0 ? acknowledged - read : 0;
+  slot->state = safety.state;
+  slot->flags = output.flags;
+  slot->actuator_count = static_cast<std::uint32_t>(profile.actuators.size());
+  slot->value = output.command;
+  history.publish();
+}
+
+void ModbusSink::Worker::count(bool acknowledged, std::int64_t now) {
+  if (now - rate_start[1] > ns(1)) {
+    rate_start = {rate_start[1], now};
+    rate_count = {rate_count[1], report.acknowledged};
+  }
+  const std::lock_guard lock(mutex);
+  report.cycles = cycle;
+  report.acknowledged += acknowledged ? 1 : 0;
+  report.state = safety.state;
+  report.age = any_answer ? seconds(now - last_answer) : std::numeric_limits<double>::infinity();
+  const std::int64_t span = now - rate_start[0];
+  if (span > 0) report.rate = static_cast<double>(report.acknowledged - rate_count[0]) / seconds(span);
+}
+
+// One cycle. True: the device has acknowledged safe values with its control word off.
+bool ModbusSink::Worker::step() {
+  if (!link.is_open()) connect();
+  if (link.is_open() && !handshaken) {
+    handshaken = shake_hands();
+    if (handshaken) last_echo_change = now_ns();
+  }
+  SafetyOutput output = decide(now_ns());
+  if (options.dry_run) {
+    for (std::size_t i = 0; i < profile.actuators.size(); ++i) output.command[i] = profile.actuators[i].safe;
+    output.device_on = false;
+  }
+  const std::int64_t sent = now_ns();
+  bool acknowledged = false;
+  if (link.is_open() && handshaken) {
+    commanded = output.command;
+    words.write(profile, output, newest.command, static_cast<std::uint16_t>(cycle + 1));
+    ++cycle;
+    if (!output.at_safe_values && !options.dry_run) safe = false;  // it may arrive even if its reply does not
+    acknowledged = transfer();
+    const std::int64_t now = now_ns();
+    if (acknowledged) {
+      take_feedback(now);
+      last_answer = now;
+      any_answer = true;
+      retry = 0;
+      last_problem = nullptr;
+    }
+    remember(output, sent, acknowledged ? now : 0);
+  }
+  count(acknowledged, now_ns());
+  {
+    const std::lock_guard lock(mutex);
+    report.flags = output.flags;
+  }
+  if (acknowledged) safe = output.at_safe_values || options.dry_run;
+  return acknowledged && safe && !output.device_on;
+}
+
+void ModbusSink::Worker::run() {
+  set_up_thread();
+  const auto period =
+      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / profile.rate));
+  Clock::time_point next = Clock::now();
+  last_step = opened = now_ns();
+  rate_start.fill(opened);
+  std::int64_t give_up = 0;
+  for (;;) {
+    if (closing && give_up == 0) {
+      give_up = now_ns() +
+                ns(profile.safety.fade + profile.safety.answer_timeout + 2 * profile.response_timeout + 0.1);
+    }
+    const bool off = step();
+    if (give_up != 0 && (off || now_ns() > give_up)) {
+      tell(off ? "closed: the device has acknowledged safe values"
+               : "closed: the device could not be told; its own watchdog must act");
+      return;
+    }
+    next += period;
+    const Clock::time_point now = Clock::now();
+    if (next < now) next = now;  // a late cycle is not made up for
+    std::this_thread::sleep_until(next);
+  }
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,83 @@
+// What runs on a sink's own thread: connection, handshake, safety envelope and exchange, cycle after cycle.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/newest.h"
+#include "base/ring.h"
+#include "lumbrical/modbus_sink.h"
+#include "modbus/exchange_words.h"
+#include "modbus/modbus_link.h"
+
+namespace lumbrical {
+
+/// The steady clock [ns].
+inline std::int64_t now_ns() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+}
+
+struct PublishedCommand {
+  DeviceCommand command;
+  std::int64_t time = 0;
+};
+
+enum SinkRequest : unsigned { kArm = 1, kDisarm = 2, kReset = 4 };
+
+struct ModbusSink::Worker {
+  DeviceProfile profile;
+  SinkOptions options;
+  ExchangeWords words;
+  ModbusLink link;
+  SafetyMemory safety;
+
+  // Between threads.
+  Newest<PublishedCommand> commands;
+  Newest<DeviceFeedback> feedbacks;
+  Ring<SentCommand> history{4096};
+  std::atomic<unsigned> requests{0};
+  std::atomic<bool> auto_arm{false}, stop{false}, dead_man{true}, closing{false}, safe{false};
+  std::atomic<SafetyState> state{SafetyState::disconnected};
+  mutable std::mutex mutex;  // of `report` and `events`; the ticking thread never asks for it
+  SinkReport report;
+  std::vector<SinkEvent> events;
+  std::thread thread;
+
+  // The thread's own.
+  PublishedCommand newest;
+  std::int64_t opened = 0, last_step = 0, last_answer = 0, next_try = 0, last_echo_change = 0;
+  double retry = 0;
+  bool any_answer = false, handshaken = false, complained = false;
+  DeviceStatus device;
+  std::uint16_t last_echo = 0;
+  ActuatorArray commanded{}, acting{};  // by this cycle's request, and by the last one acknowledged
+  std::uint64_t cycle = 0;
+  std::array<std::int64_t, 2> rate_start{};
+  std::array<std::uint64_t, 2> rate_count{};
+  const char* last_problem = nullptr;
+
+  explicit Worker(const DeviceProfile& wanted, const SinkOptions& chosen)
+      : profile(wanted), options(chosen), words(wanted), safety(start_safety(wanted)), auto_arm(chosen.arm) {}
+
+  void run();
+  void set_up_thread();
+  void tell(std::string text);
+  void problem(const char* text);
+  void connect();
+  bool shake_hands();
+  void lose(const char* why);
+  SafetyOutput decide(std::int64_t now);
+  bool transfer();
+  void take_feedback(std::int64_t now);
+  void remember(const SafetyOutput& output, std::int64_t sent, std::int64_t acknowledged);
+  void count(bool acknowledged, std::int64_t now);
+  bool step();
+};
+
+}  // namespace lumbrical

@@ -1,0 +1,161 @@
+// Reads mesh files: tells the format, calls its reader, converts the unit.
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <new>
+#include <system_error>
+
+#include "base/text_cursor.h"
+#include "model/mesh_formats.h"
+
+namespace lumbrical {
+namespace {
+
+// Larger files would be more than a machine of today should be asked to feel; a sparse file of a terabyte
+// must not eat its memory.
+constexpr std::uintmax_t kMaxFileSize = std::uintmax_t{8} << 30;
+constexpr const char* kFormats = "OBJ, STL, PLY and OFF are supported";
+
+enum class Format : std::uint8_t { unknown, obj, stl, ply, off, gltf };
+
+/// ".obj" of "Mug.OBJ"; empty where the name has no dot.
+std::string extension_of(const std::string& name) {
+  const std::size_t dot = name.find_last_of("./\\");
+  return dot != std::string::npos && name[dot] == '.' ? lower_case(std::string_view(name).substr(dot)) : "";
+}
+
+Format format_of_name(const std::string& name) {
+  const std::string extension = extension_of(name);
+  if (extension == ".obj") return Format::obj;
+  if (extension == ".stl") return Format::stl;
+  if (extension == ".ply") return Format::ply;
+  if (extension == ".off") return Format::off;
+  if (extension == ".gltf" || extension == ".glb") return Format::gltf;
+  return Format::unknown;
+}
+
+/// The content tells first, because names lie; the name helps where the content says nothing.
+Format detect_format(std::string_view content, const std::string& name) {
+  if (is_stl_content(content)) return Format::stl;
+  if (content.substr(0, 4) == "glTF") return Format::gltf;
+  TextCursor cursor(content, {.hash_comments = true});
+  cursor.next_line();
+  const std::string_view word = cursor.word();
+  if (word == "ply") return Format::ply;
+  if (is_off_keyword(word)) return Format::off;
+  for (const std::string_view keyword : {"v", "vn", "vt", "vp", "f", "g", "o", "s", "mtllib", "usemtl"}) {
+    if (word == keyword) return Format::obj;
+  }
+  if (word.substr(0, 1) == "{" && content.find("\"asset\"") != std::string_view::npos) return Format::gltf;
+  return format_of_name(name);
+}
+
+Status parse_in_file_units(std::string_view content, const std::string& name, Mesh& mesh) {
+  if (content.empty()) return Status::error(name + ": the file is empty");
+  switch (detect_format(content, name)) {
+    case Format::obj:
+      return parse_obj(content, name, mesh);
+    case Format::stl:
+      return parse_stl(content, name, mesh);
+    case Format::ply:
+      return parse_ply(content, name, mesh);
+    case Format::off:
+      return parse_off(content, name, mesh);
+    case Format::gltf:
+      return Status::error(name + ": glTF is not supported; export the mesh as OBJ, PLY, STL or OFF");
+    case Format::unknown:
+      break;
+  }
+  if (content.substr(0, 2) == "\xFF\xFE" || content.substr(0, 2) == "\xFE\xFF") {
+    return Status::error(name + ": the text is in UTF-16; save it in UTF-8");
+  }
+  return Status::error(name + ": neither the content nor the name tells the format; " + kFormats);
+}
+
+Status check_size(const Mesh& mesh, const std::string& name) {
+  if (mesh.triangles.empty())
+    return Status::error(name + ": the file has no triangles; export the mesh with faces");
+  if (mesh.triangles.size() > kMaxVertexCount) {
+    return Status::error(name + ": more than 2^32 - 2 triangles; split the mesh");
+  }
+  return {};
+}
+
+/// Divides, because x / 1000 is the double nearest to the true value and x * 0.001 is not. The readers have
+/// refused what is not finite, and a division by more than 1 keeps it finite.
+void convert_to_metres(Unit unit, std::vector<Vec3>& points) {
+  if (unit == Unit::metre) return;
+  const double per_metre = unit == Unit::centimetre ? 100.0 : 1000.0;
+  for (Vec3& point : points) point = point / per_metre;
+}
+
+Status out_of_memory(const std::string& name) {
+  return Status::error(name + ": not enough memory for this mesh; split or simplify it");
+}
+
+Status system_error(const std::string& path, std::error_code code) {
+  return Status::error(path + ": cannot read the file: " + code.message());
+}
+
+Status read_file(const std::string& path, std::string& content) {
+  std::error_code error;
+  const std::filesystem::file_status kind = std::filesystem::status(path, error);
+  if (kind.type() == std::filesystem::file_type::not_found) {
+    return Status::error(path + ": there is no such file; check the path");
+  }
+  if (error) return system_error(path, error);
+  if (kind.type() == std::filesystem::file_type::directory) {
+    return Status::error(path + ": this is a directory; give the path of a mesh file");
+  }
+  if (kind.type() != std::filesystem::file_type::regular) {
+    return Status::error(path + ": this is not a regular file; give the path of a mesh file");
+  }
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) return system_error(path, error);
+  if (size > kMaxFileSize) return Status::error(path + ": the file is larger than 8 GiB; split the mesh");
+
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+  if (!file) return system_error(path, std::error_code(errno, std::generic_category()));
+  content.resize(static_cast<std::size_t>(size));
+  const std::size_t read = std::fread(content.data(), 1, content.size(), file.get());
+  if (std::ferror(file.get()) != 0)
+    return system_error(path, std::error_code(errno, std::generic_category()));
+  content.resize(read);  // someone may have cut the file meanwhile
+  return {};
+}
+
+}  // namespace
+
+std::optional<Unit> parse_unit(std::string_view text) {
+  if (text == "m") return Unit::metre;
+  if (text == "cm") return Unit::centimetre;
+  if (text == "mm") return Unit::millimetre;
+  return std::nullopt;
+}
+
+Status parse_mesh(std::string_view content, const std::string& name, Unit unit, Mesh& mesh) {
+  try {
+    Mesh parsed;
+    if (Status status = parse_in_file_units(content, name, parsed); !status.ok()) return status;
+    if (Status status = check_size(parsed, name); !status.ok()) return status;
+    convert_to_metres(unit, parsed.vertices);
+    mesh = std::move(parsed);
+    return {};
+  } catch (const std::bad_alloc&) {
+    return out_of_memory(name);
+  }
+}
+
+Status load_mesh(const std::string& path, Unit unit, Mesh& mesh) {
+  try {
+    std::string content;
+    if (Status status = read_file(path, content); !status.ok()) return status;
+    return parse_mesh(content, path, unit, mesh);
+  } catch (const std::bad_alloc&) {
+    return out_of_memory(path);
+  }
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,290 @@
+// Finds what is wrong with a triangle mesh. Vertices count as one where their positions are exactly equal,
+// and every list is sorted by a key without ties, so that the report is the same everywhere.
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "lumbrical/mesh.h"
+#include "model/vertex_merge.h"
+
+namespace lumbrical {
+namespace {
+
+// A triangle is degenerate when its doubled area is at most this share of its longest edge squared. Storing a
+// corner as a double moves it by up to 1.1e-16 of its distance from the origin, so three collinear points
+// come out as a triangle of about 1e-16 times (distance / longest edge); the bound leaves room for triangles
+// 10^4 times smaller than their distance. The flattest triangles in float files that are flat on purpose lie
+// near 1e-7, the spacing of floats, far above.
+constexpr double kFlat = 1e-12;
+constexpr double kSinOneDegree = 0.017452406437283512;
+constexpr std::size_t kExamplesPerKind = 3;
+
+struct Subject {
+  const Mesh& mesh;
+  std::vector<std::uint32_t> first;  // vertex -> the first vertex at its position
+  int exponent = 0;                  // coordinates are measured in 2^exponent metres, where none exceeds 1,
+                                     // so that no product of them overflows; a power of two rounds nothing
+  Vec3 scaled(std::uint32_t vertex) const {
+    const Vec3& p = mesh.vertices[vertex];
+    return {std::ldexp(p.x, -exponent), std::ldexp(p.y, -exponent), std::ldexp(p.z, -exponent)};
+  }
+  Triangle merged(std::size_t triangle) const {
+    const Triangle& t = mesh.triangles[triangle];
+    return {first[t[0]], first[t[1]], first[t[2]]};
+  }
+};
+
+struct Examples {
+  std::vector<std::string>& list;
+  std::size_t given = 0;
+  bool wanted() { return given++ < kExamplesPerKind; }
+};
+
+bool corners_coincide(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
+
+double largest_of(Vec3 v) { return max(max(std::fabs(v.x), std::fabs(v.y)), std::fabs(v.z)); }
+
+// ---- Vertices and bounding box ----
+
+Subject look_at_vertices(const Mesh& mesh, MeshReport& report) {
+  Subject subject{mesh, first_at_same_position(mesh.vertices)};
+  report.triangles = mesh.triangles.size();
+  report.vertices = mesh.vertices.size();
+  std::vector<bool> used(mesh.vertices.size(), false);
+  bool any = false;
+  for (const Triangle& triangle : mesh.triangles) {
+    for (const std::uint32_t corner : triangle) {
+      assert(corner < mesh.vertices.size());
+      if (used[corner]) continue;
+      used[corner] = true;
+      const Vec3& p = mesh.vertices[corner];
+      report.lower =
+          any ? Vec3{min(report.lower.x, p.x), min(report.lower.y, p.y), min(report.lower.z, p.z)} : p;
+      report.upper =
+          any ? Vec3{max(report.upper.x, p.x), max(report.upper.y, p.y), max(report.upper.z, p.z)} : p;
+      any = true;
+    }
+  }
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    if (subject.first[i] == i) ++report.merged_vertices;
+    if (!used[i]) ++report.unused_vertices;
+  }
+  static_cast<void>(std::frexp(max(largest_of(report.lower), largest_of(report.upper)), &subject.exponent));
+  return subject;
+}
+
+// ---- Shape of each triangle ----
+
+enum class TriangleShape : std::uint8_t { sound, sliver, collinear };
+
+/// `doubled_area` and the squared edge lengths belong to the same triangle in the same unit. The smallest
+/// angle lies between the two longest edges.
+TriangleShape shape_of(double doubled_area, std::array<double, 3> squared_edges) {
+  std::sort(squared_edges.begin(), squared_edges.end());
+  if (doubled_area <= kFlat * squared_edges[2]) return TriangleShape::collinear;
+  const double product = std::sqrt(squared_edges[1]) * std::sqrt(squared_edges[2]);
+  return doubled_area < kSinOneDegree * product ? TriangleShape::sliver : TriangleShape::sound;
+}
+
+std::string named(std::size_t triangle) { return "triangle " + std::to_string(triangle); }
+
+std::string why_degenerate(const Subject& subject, std::size_t triangle) {
+  const Triangle& t = subject.mesh.triangles[triangle];
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::uint32_t a = t[i], b = t[(i + 1) % 3];
+    if (subject.first[a] != subject.first[b]) continue;
+    if (a == b) return "corner " + std::to_string(a) + " occurs twice";
+    return "corners " + std::to_string(std::min(a, b)) + " and " + std::to_string(std::max(a, b)) +
+           " coincide";
+  }
+  return "corners " + std::to_string(t[0]) + ", " + std::to_string(t[1]) + " and " + std::to_string(t[2]) +
+         " are collinear";
+}
+
+struct Sums {  // in powers of 2^exponent metres
+  double area = 0, volume = 0, shortest_edge = 0, longest_edge = 0;
+};
+
+void include_edges(const std::array<double, 3>& lengths, Sums& sums) {
+  for (const double length : lengths) {
+    if (length == 0) continue;  // coinciding corners are reported as such
+    sums.shortest_edge = sums.shortest_edge == 0 ? length : min(sums.shortest_edge, length);
+    sums.longest_edge = max(sums.longest_edge, length);
+  }
+}
+
+void measure_triangles(const Subject& subject, MeshReport& report) {
+  Sums sums;
+  Examples degenerates{report.examples}, slivers{report.examples};
+  const double half = std::ldexp(0.5, -subject.exponent);
+  const Vec3 centre =
+      half * report.lower + half * report.upper;  // an open mesh's volume depends on the origin
+  for (std::size_t i = 0; i < subject.mesh.triangles.size(); ++i) {
+    const Triangle& t = subject.mesh.triangles[i];
+    const Vec3 p = subject.scaled(t[0]), q = subject.scaled(t[1]), r = subject.scaled(t[2]);
+    const double size = max(max(largest_of(q - p), largest_of(r - q)), largest_of(p - r));
+    const double unit = size > 0 ? size : 1.0;  // squares of a tiny triangle's edges would vanish
+    const Vec3 a = (q - p) / unit, b = (r - q) / unit, c = (p - r) / unit;
+    const double doubled_area = norm(cross(a, b));
+    const std::array<double, 3> squared{dot(a, a), dot(b, b), dot(c, c)};
+    include_edges({std::sqrt(squared[0]) * unit, std::sqrt(squared[1]) * unit, std::sqrt(squared[2]) * unit},
+                  sums);
+    sums.area += 0.5 * doubled_area * unit * unit;
+    sums.volume += dot(p - centre, cross(q - centre, r - centre)) / 6.0;
+
+    const TriangleShape shape = shape_of(doubled_area, squared);
+    if (corners_coincide(subject.merged(i)) || shape == TriangleShape::collinear) {
+      ++report.degenerate;
+      if (degenerates.wanted()) {
+        report.examples.push_back(named(i) + " is degenerate (" + why_degenerate(subject, i) + ")");
+      }
+    } else if (shape == TriangleShape::sliver) {
+      ++report.sliver;
+      if (slivers.wanted()) report.examples.push_back(named(i) + " is a sliver (an angle below 1 degree)");
+    }
+  }
+  report.area = std::ldexp(sums.area, 2 * subject.exponent);
+  report.volume = std::ldexp(sums.volume, 3 * subject.exponent);
+  report.shortest_edge = std::ldexp(sums.shortest_edge, subject.exponent);
+  report.longest_edge = std::ldexp(sums.longest_edge, subject.exponent);
+}
+
+// ---- Duplicates ----
+
+struct SortedCorners {
+  Triangle corners;
+  std::size_t triangle;
+  friend bool operator<(const SortedCorners& a, const SortedCorners& b) {
+    return std::tie(a.corners, a.triangle) < std::tie(b.corners, b.triangle);
+  }
+};
+
+void count_duplicates(const Subject& subject, MeshReport& report) {
+  std::vector<SortedCorners> sorted;
+  sorted.reserve(subject.mesh.triangles.size());
+  for (std::size_t i = 0; i < subject.mesh.triangles.size(); ++i) {
+    sorted.push_back({subject.merged(i), i});
+    std::sort(sorted.back().corners.begin(), sorted.back().corners.end());
+  }
+  std::sort(sorted.begin(), sorted.end());
+  Examples examples{report.examples};
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    if (sorted[i].corners != sorted[i - 1].corners) continue;
+    ++report.duplicate;
+    if (examples.wanted()) {
+      report.examples.push_back(named(sorted[i].triangle) + " repeats " + named(sorted[i - 1].triangle));
+    }
+  }
+}
+
+// ---- Edges ----
+
+/// An edge as one triangle runs through it.
+struct HalfEdge {
+  std::uint32_t low, high;  // merged vertices
+  std::uint32_t triangle;
+  bool upwards;  // from low to high
+  bool same_edge(const HalfEdge& other) const { return low == other.low && high == other.high; }
+  friend bool operator<(const HalfEdge& a, const HalfEdge& b) {
+    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
+  }
+};
+
+/// Without the triangles whose corners coincide: they have no three edges.
+std::vector<HalfEdge> sorted_half_edges(const Subject& subject) {
+  std::vector<HalfEdge> edges;
+  edges.reserve(3 * subject.mesh.triangles.size());
+  for (std::size_t i = 0; i < subject.mesh.triangles.size(); ++i) {
+    const Triangle t = subject.merged(i);
+    if (corners_coincide(t)) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t from = t[k], to = t[(k + 1) % 3];
+      edges.push_back({std::min(from, to), std::max(from, to), static_cast<std::uint32_t>(i), from < to});
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  return edges;
+}
+
+/// Joins triangles into parts; the smallest triangle of a part stands for it.
+class Parts {
+ public:
+  explicit Parts(std::size_t triangle_count) : parent_(triangle_count) {
+    std::iota(parent_.begin(), parent_.end(), 0u);
+  }
+  std::uint32_t find(std::uint32_t triangle) {
+    while (parent_[triangle] != triangle) triangle = parent_[triangle] = parent_[parent_[triangle]];
+    return triangle;
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = find(a);
+    b = find(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+std::string named(const HalfEdge& edge) {
+  return "edge " + std::to_string(edge.low) + "-" + std::to_string(edge.high);
+}
+
+struct EdgeExamples {
+  Examples boundary, non_manifold, misoriented;
+};
+
+/// `edge` is the first of `count` half-edges between the same two vertices.
+void judge_edge(const HalfEdge* edge, std::size_t count, MeshReport& report, EdgeExamples& examples) {
+  if (count == 1) {
+    ++report.boundary_edges;
+    if (examples.boundary.wanted()) {
+      report.examples.push_back(named(*edge) + " is open (only " + named(edge->triangle) + " has it)");
+    }
+  } else if (count > 2) {
+    ++report.non_manifold_edges;
+    if (examples.non_manifold.wanted()) {
+      report.examples.push_back(named(*edge) + " is not manifold (" + std::to_string(count) +
+                                " triangles share it, the first is " + named(edge->triangle) + ")");
+    }
+  } else if (edge[0].upwards == edge[1].upwards) {
+    ++report.misoriented_edges;
+    if (examples.misoriented.wanted()) {
+      report.examples.push_back(named(*edge) + " is misoriented (" + named(edge[0].triangle) + " and " +
+                                named(edge[1].triangle) + " run through it in the same direction)");
+    }
+  }
+}
+
+void count_edges(const Subject& subject, MeshReport& report) {
+  const std::vector<HalfEdge> edges = sorted_half_edges(subject);
+  Parts parts(subject.mesh.triangles.size());
+  EdgeExamples examples{{report.examples}, {report.examples}, {report.examples}};
+  for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+    for (end = begin + 1; end < edges.size() && edges[end].same_edge(edges[begin]); ++end) {
+      parts.join(edges[begin].triangle, edges[end].triangle);
+    }
+    judge_edge(&edges[begin], end - begin, report, examples);
+  }
+  for (std::size_t i = 0; i < subject.mesh.triangles.size(); ++i) {
+    const bool counted = !corners_coincide(subject.merged(i));
+    if (counted && parts.find(static_cast<std::uint32_t>(i)) == i) ++report.components;
+  }
+  report.watertight = !edges.empty() && report.boundary_edges == 0 && report.non_manifold_edges == 0 &&
+                      report.misoriented_edges == 0;
+}
+
+}  // namespace
+
+MeshReport inspect_mesh(const Mesh& mesh) {
+  MeshReport report;
+  const Subject subject = look_at_vertices(mesh, report);
+  measure_triangles(subject, report);
+  count_duplicates(subject, report);
+  count_edges(subject, report);
+  return report;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,204 @@
+// From a scene to an immutable model, and back.
+#include "lumbrical/model.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "index/sphere_grid.h"
+#include "index/sphere_tree.h"
+#include "index/voxel_index.h"
+
+namespace lumbrical {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, Law>, 5> kLawNames = {{
+    {"field", Law::field},
+    {"column", Law::column},
+    {"max-depth", Law::max_depth},
+    {"centroid", Law::centroid},
+    {"point", Law::point},
+}};
+constexpr std::array<std::pair<std::string_view, Broadphase>, 4> kBroadphaseNames = {{
+    {"tree", Broadphase::tree},
+    {"grid", Broadphase::grid},
+    {"voxel", Broadphase::voxel},
+    {"brute", Broadphase::brute},
+}};
+constexpr std::array<std::pair<std::string_view, Isa>, 6> kIsaNames = {{
+    {"auto", Isa::automatic},
+    {"scalar", Isa::scalar},
+    {"sse2", Isa::sse2},
+    {"avx2", Isa::avx2},
+    {"avx512", Isa::avx512},
+    {"neon", Isa::neon},
+}};
+
+template <class Names, class T = typename Names::value_type::second_type>
+std::optional<T> value_named(const Names& names, std::string_view text) {
+  for (const auto& [name, value] : names) {
+    if (name == text) return value;
+  }
+  return std::nullopt;
+}
+
+template <class Names, class T>
+std::string_view name_valued(const Names& names, T wanted) {
+  for (const auto& [name, value] : names) {
+    if (value == wanted) return name;
+  }
+  return "unknown";
+}
+
+Status out_of_range(const std::string& field, const std::string& range) {
+  return Status::error(field + " is out of range: give " + range);
+}
+
+// NaN fails every comparison, so it is refused as well.
+bool within(double value, double lower, double upper) { return value >= lower && value <= upper; }
+
+Status check_settings(const Settings& settings) {
+  if (!within(settings.stiffness, 1e-3, 1e15))
+    return out_of_range("settings.stiffness", "0.001 to 1e15 N/m^3");
+  if (!within(settings.rate, 1, 100000)) return out_of_range("settings.rate", "1 to 100000 Hz");
+  if (!within(settings.point_area, 1e-12, 1)) return out_of_range("settings.point_area", "1e-12 to 1 m^2");
+  if (!within(settings.tolerance, 0, 0.1)) return out_of_range("settings.tolerance", "0 to 0.1");
+  if (!within(settings.max_force, 0, 1e6)) return out_of_range("settings.max_force", "0 to 1e6 N");
+  if (!within(settings.fade_time, 0, 60)) return out_of_range("settings.fade_time", "0 to 60 s");
+  if (settings.max_candidates < 1 || settings.max_candidates > (1u << 24)) {
+    return out_of_range("settings.max_candidates", "1 to 16777216");
+  }
+  for (const Law law : settings.law) {
+    if (name_valued(kLawNames, law) == "unknown") return out_of_range("settings.law", "one of the five laws");
+  }
+  return {};
+}
+
+Status check_execution(const Execution& execution) {
+  if (execution.leaf_size < 1 || execution.leaf_size > 64)
+    return out_of_range("execution.leaf_size", "1 to 64");
+  if (execution.threads < 1 || execution.threads > 64) return out_of_range("execution.threads", "1 to 64");
+  if (!within(execution.cell_size, 1e-3, 1e6)) return out_of_range("execution.cell_size", "0.001 to 1e6 m");
+  if (execution.tree_levels > 32) return out_of_range("execution.tree_levels", "0 to 32");
+  if (name_valued(kBroadphaseNames, execution.broadphase) == "unknown") {
+    return out_of_range("execution.broadphase", "tree, grid, voxel or brute");
+  }
+  if (execution.voxel_size != 0 && !within(execution.voxel_size, 1e-9, 1e6))
+    return out_of_range("execution.voxel_size", "0 or 1e-9 to 1e6 m");
+  if (!within(execution.voxel_memory, 1e6, 1e12))
+    return out_of_range("execution.voxel_memory", "1e6 to 1e12 bytes");
+  if (!available(execution.isa)) {
+    return Status::error("execution.isa " + std::string(isa_name(execution.isa)) +
+                         " is not available on this machine or in this build; use auto");
+  }
+  return {};
+}
+
+// Larger coordinates square to infinity or leave no digits for a finger.
+constexpr double kWorldReach = 1e8;
+
+Status check_object(const SceneObject& object) {
+  for (std::size_t i = 0; i < object.mesh.vertices.size(); ++i) {
+    const Vec3 p = object.mesh.vertices[i];
+    if (!(std::fabs(p.x) <= kWorldReach && std::fabs(p.y) <= kWorldReach && std::fabs(p.z) <= kWorldReach)) {
+      return Status::error(
+          "object \"" + object.name + "\": vertex " + std::to_string(i) +
+          " is not finite or farther than 1e8 m from the origin; check the unit and the placement");
+    }
+  }
+  for (std::size_t i = 0; i < object.mesh.triangles.size(); ++i) {
+    for (const std::uint32_t corner : object.mesh.triangles[i]) {
+      if (corner < object.mesh.vertices.size()) continue;
+      return Status::error("object \"" + object.name + "\": triangle " + std::to_string(i) +
+                           " names vertex " + std::to_string(corner) + " of " +
+                           std::to_string(object.mesh.vertices.size()) + "; repair the mesh");
+    }
+  }
+  return {};
+}
+
+void add_object(const SceneObject& object, Model& model) {
+  Triangles& world = model.triangles;
+  const auto first_vertex = static_cast<std::uint32_t>(world.x.size());
+  model.objects.push_back({object.name, static_cast<std::uint32_t>(world.size()),
+                           static_cast<std::uint32_t>(object.mesh.triangles.size()), first_vertex,
+                           static_cast<std::uint32_t>(object.mesh.vertices.size())});
+  for (const Vec3 p : object.mesh.vertices) {
+    world.x.push_back(p.x);
+    world.y.push_back(p.y);
+    world.z.push_back(p.z);
+  }
+  for (const Triangle& triangle : object.mesh.triangles) {
+    world.a.push_back(first_vertex + triangle[0]);
+    world.b.push_back(first_vertex + triangle[1]);
+    world.c.push_back(first_vertex + triangle[2]);
+  }
+}
+
+}  // namespace
+
+std::optional<Law> parse_law(std::string_view text) { return value_named(kLawNames, text); }
+std::optional<Broadphase> parse_broadphase(std::string_view text) {
+  return value_named(kBroadphaseNames, text);
+}
+std::optional<Isa> parse_isa(std::string_view text) { return value_named(kIsaNames, text); }
+bool available(Broadphase broadphase) { return broadphase != Broadphase::voxel || has_openvdb(); }
+std::string_view isa_name(Isa isa) { return name_valued(kIsaNames, isa); }
+std::string_view law_name(Law law) { return name_valued(kLawNames, law); }
+std::string_view broadphase_name(Broadphase broadphase) { return name_valued(kBroadphaseNames, broadphase); }
+
+Status build_model(const Scene& scene, const Execution& execution, Model& model) {
+  if (Status status = check_settings(scene.settings); !status.ok()) return status;
+  if (Status status = check_execution(execution); !status.ok()) return status;
+  if (Status status = check_hand(scene.hand); !status.ok()) return status;
+  std::size_t vertices = 0, triangles = 0;
+  for (const SceneObject& object : scene.objects) {
+    if (Status status = check_object(object); !status.ok()) return status;
+    vertices += object.mesh.vertices.size();
+    triangles += object.mesh.triangles.size();
+  }
+  if (vertices >= 0xffffffffu || triangles >= 0xffffffffu) {
+    return Status::error("the scene has more than 2^32 vertices or triangles; split it");
+  }
+  Model built;
+  built.hand = scene.hand;
+  built.settings = scene.settings;
+  built.execution = execution;
+  if (execution.isa == Isa::automatic) built.execution.isa = widest_isa();
+  for (auto* numbers : {&built.triangles.x, &built.triangles.y, &built.triangles.z})
+    numbers->reserve(vertices);
+  for (auto* corners : {&built.triangles.a, &built.triangles.b, &built.triangles.c})
+    corners->reserve(triangles);
+  for (const SceneObject& object : scene.objects) add_object(object, built);
+  if (execution.broadphase == Broadphase::tree) {
+    built.tree = build_tree(built.triangles, execution);
+  } else if (execution.broadphase == Broadphase::grid) {
+    built.grid = build_grid(built.triangles, execution);
+  } else if (execution.broadphase == Broadphase::voxel) {
+    if (Status status = build_voxels(built.triangles, execution, built.voxels); !status.ok()) return status;
+  }
+  model = std::move(built);
+  return {};
+}
+
+Scene scene_of(const Model& model) {
+  Scene scene;
+  scene.hand = model.hand;
+  scene.settings = model.settings;
+  for (const Model::Object& part : model.objects) {
+    SceneObject object;
+    object.name = part.name;
+    for (std::uint32_t i = 0; i < part.vertex_count; ++i) {
+      object.mesh.vertices.push_back(model.triangles.vertex(part.first_vertex + i));
+    }
+    for (std::uint32_t i = part.first_triangle; i < part.first_triangle + part.triangle_count; ++i) {
+      object.mesh.triangles.push_back({model.triangles.a[i] - part.first_vertex,
+                                       model.triangles.b[i] - part.first_vertex,
+                                       model.triangles.c[i] - part.first_vertex});
+    }
+    scene.objects.push_back(std::move(object));
+  }
+  return scene;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,329 @@
+// Tells the format of a motion file by its content, lets that format's reader read it, and checks what all
+// have in common: time, completeness, size and side of the hand.
+#include "motion/motion_formats.h"
+
+#include <filesystem>
+#include <fstream>
+#include <new>
+#include <nlohmann/json.hpp>
+
+namespace lumbrical {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kDeepest = 32;              // nesting of JSON
+constexpr double kFarthestFromWrist = 1;  // [m] as the engine's own plausibility limit
+constexpr double kSmallestReach = 0.005;  // [m] of some joint from the wrist
+
+std::string at_byte(std::string_view content, const std::string& name, std::size_t byte) {
+  std::size_t line = 1, column = 1;
+  for (std::size_t i = 0; i < byte && i < content.size(); ++i) {
+    ++column;
+    if (content[i] == '\n') {
+      ++line;
+      column = 1;
+    }
+  }
+  return name + ":" + std::to_string(line) + ":" + std::to_string(column);
+}
+
+// Byte of the first bracket nested too deeply, or npos. The parser itself would take any depth.
+std::size_t find_too_deep(std::string_view content) {
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < content.size(); ++i) {
+    const char c = content[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '{' || c == '[') {
+      if (++depth > kDeepest) return i;
+    } else if (c == '}' || c == ']') {
+      --depth;
+    }
+  }
+  return std::string_view::npos;
+}
+
+// Takes the events of the parser and keeps only where and why it stopped.
+struct ErrorFinder {
+  std::size_t byte = 0;
+  std::string reason;
+
+  bool null() { return true; }
+  bool boolean(bool) { return true; }
+  bool number_integer(json::number_integer_t) { return true; }
+  bool number_unsigned(json::number_unsigned_t) { return true; }
+  bool number_float(json::number_float_t, const json::string_t&) { return true; }
+  bool string(json::string_t&) { return true; }
+  bool binary(json::binary_t&) { return true; }
+  bool start_object(std::size_t) { return true; }
+  bool key(json::string_t&) { return true; }
+  bool end_object() { return true; }
+  bool start_array(std::size_t) { return true; }
+  bool end_array() { return true; }
+  bool parse_error(std::size_t position, const std::string&, const json::exception& error) {
+    byte = position == 0 ? 0 : position - 1;  // it counts the characters read
+    const std::string_view text = error.what();
+    const std::size_t dash = text.rfind(" - ");
+    const std::size_t bracket = text.find("] ");
+    reason = dash != text.npos      ? text.substr(dash + 3)
+             : bracket != text.npos ? text.substr(bracket + 2)
+                                    : text;
+    return false;
+  }
+};
+
+std::string_view without_byte_order_mark(std::string_view content) {
+  return content.substr(0, 3) == "\xEF\xBB\xBF" ? content.substr(3) : content;
+}
+
+bool looks_like_json(std::string_view content) {
+  const std::size_t first = content.find_first_not_of(" \t\r\n");
+  return first != content.npos && (content[first] == '{' || content[first] == '[');
+}
+
+Status parse_json_motion(std::string_view content, const std::string& name, const MotionOptions& options,
+                         Motion& motion) {
+  json root;
+  Status status = parse_json(content, name, root);
+  if (!status.ok()) return status;
+  if (root.is_array() || find_member(root, "jointTransforms"))
+    return parse_webxr(root, name, options, motion);
+  if (find_member(root, "format")) return parse_angles(root, name, options, motion);
+  if (find_member(root, "frames")) return parse_leap(root, name, options, motion);
+  return refuse(name,
+                "not a hand motion: expected \"jointTransforms\" (WebXR), \"frames\" (LeapJS), \"format\" "
+                "(joint angles) or an array of frames (WebXR)");
+}
+
+bool is_lost(const MotionSample& sample) { return (sample.frame.flags & kTrackingLost) != 0; }
+
+// Lost samples repeat the last good pose, leading ones the first; times start from 0.
+Status complete_samples(const std::string& name, Motion& motion) {
+  const MotionSample* good = nullptr;
+  for (const MotionSample& sample : motion.samples) {
+    if (!is_lost(sample)) {
+      good = &sample;
+      break;
+    }
+  }
+  if (!good) {
+    return refuse(name,
+                  motion.samples.empty() ? "no samples; record at least one" : "no frame shows a whole hand");
+  }
+  const double start = motion.samples.front().time;
+  for (MotionSample& sample : motion.samples) {
+    sample.time -= start;
+    if (is_lost(sample)) {
+      const std::uint32_t flags = sample.frame.flags;
+      sample.frame = good->frame;
+      sample.frame.flags = flags;
+    } else {
+      good = &sample;
+    }
+  }
+  return {};
+}
+
+Vec3 position_of(const DeviceFrame& frame, int joint) {
+  const std::array<float, 3>& p = frame.joint[joint].position;
+  return {p[0], p[1], p[2]};
+}
+
+bool is_valid(const DeviceFrame& frame, int joint) { return (frame.valid >> joint & 1u) != 0; }
+
+// A hand a thousand times too large or small is a wrong unit.
+Status check_size(const std::string& name, const Motion& motion) {
+  for (std::size_t i = 0; i < motion.samples.size(); ++i) {
+    const DeviceFrame& frame = motion.samples[i].frame;
+    double reach = 0;
+    for (int j = 0; j < kJointCount; ++j) {
+      if (!is_valid(frame, j)) continue;
+      const double distance = norm(position_of(frame, j) - position_of(frame, kWrist));
+      reach = max(reach, distance);
+      if (distance <= kFarthestFromWrist) continue;
+      return refuse(name, "sample " + std::to_string(i) + ": " + std::string(joint_name(j)) + " is " +
+                              std::to_string(distance) + " m from the wrist; set the file's unit");
+    }
+    if (reach < kSmallestReach) {
+      return refuse(name, "sample " + std::to_string(i) + ": the hand is only " +
+                              std::to_string(reach * 1000) + " mm long; set the file's unit");
+    }
+  }
+  return {};
+}
+
+// Where the back of the hand is known, the side of the thumb tells which hand it is.
+Status check_side(const std::string& name, const Motion& motion) {
+  const double sign = motion.side == Side::right ? 1 : -1;
+  if (sign * right_handedness(motion) > -0.3) return {};
+  const Side other = motion.side == Side::right ? Side::left : Side::right;
+  return refuse(name, "taken for a " + std::string(side_name(motion.side)) +
+                          " hand, but its thumb is on the other side of the palm; set the side to " +
+                          std::string(side_name(other)));
+}
+
+Status check_options(const std::string& name, const MotionOptions& options) {
+  if (!(options.rate > 0 && options.rate <= 1e6))
+    return refuse(name, "the rate must be > 0 and at most 1e6 Hz");
+  if (!(options.unit >= 0 && options.unit <= 1e3))
+    return refuse(name, "the unit must be > 0 (or 0) and at most 1000 m");
+  return {};
+}
+
+Status parse_checked(std::string_view content, const std::string& name, const MotionOptions& options,
+                     Motion& motion) {
+  Status status = check_options(name, options);
+  if (!status.ok()) return status;
+  Motion parsed;
+  content = without_byte_order_mark(content);
+  status = looks_like_json(content) ? parse_json_motion(content, name, options, parsed)
+                                    : parse_landmarks(content, name, options, parsed);
+  if (status.ok()) status = complete_samples(name, parsed);
+  if (status.ok() && parsed.samples.front().frame.kind == InputKind::joint_poses) {
+    status = check_size(name, parsed);
+    if (status.ok()) status = check_side(name, parsed);
+  }
+  if (status.ok()) motion = std::move(parsed);
+  return status;
+}
+
+}  // namespace
+
+Status parse_json(std::string_view content, const std::string& name, json& root) {
+  const std::size_t too_deep = find_too_deep(content);
+  if (too_deep != content.npos) {
+    return Status::error(at_byte(content, name, too_deep) + ": brackets are nested more than " +
+                         std::to_string(kDeepest) + " deep; this is no hand motion");
+  }
+  ErrorFinder finder;
+  if (!json::sax_parse(content, &finder)) {
+    return Status::error(at_byte(content, name, finder.byte) + ": not valid JSON (" + finder.reason +
+                         "); correct it or record again");
+  }
+  root = json::parse(content, nullptr, false);
+  return root.is_discarded() ? refuse(name, "not valid JSON") : Status{};
+}
+
+const json* find_member(const json& object, std::string_view key) {
+  if (!object.is_object()) return nullptr;
+  const auto found = object.find(key);
+  return found == object.end() ? nullptr : &*found;
+}
+
+bool read_number(const json* value, double& number) {
+  if (!value || !value->is_number()) return false;
+  number = value->get<double>();
+  return is_finite(number);
+}
+
+bool read_position(const json* value, double unit, Vec3& position) {
+  if (!value || !value->is_array() || value->size() != 3) return false;
+  double* const coordinate[3] = {&position.x, &position.y, &position.z};
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!read_number(&(*value)[i], *coordinate[i])) return false;
+    *coordinate[i] *= unit;
+    if (!(std::fabs(*coordinate[i]) <= kFarthest)) return false;
+  }
+  return true;
+}
+
+bool read_quaternion(const json* value, bool first_is_w, Quat& quaternion) {
+  if (!value || !value->is_array() || value->size() != 4) return false;
+  std::array<double, 4> q{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!read_number(&(*value)[i], q[i])) return false;
+  }
+  const Quat raw = first_is_w ? Quat{q[0], q[1], q[2], q[3]} : Quat{q[3], q[0], q[1], q[2]};
+  const double length = std::sqrt(dot(raw, raw));
+  if (!(std::fabs(length - 1) <= 0.05)) return false;
+  quaternion = normalized(raw);
+  return true;
+}
+
+Status refuse(const std::string& name, const std::string& what) { return Status::error(name + ": " + what); }
+
+std::string in_quotes(std::string_view text) {
+  std::string shown = "\"";
+  for (const char c : text.substr(0, 40)) shown += c >= ' ' && c <= '~' ? c : '?';
+  return shown + (text.size() > 40 ? "...\"" : "\"");
+}
+
+Status append_sample(const std::string& name, const std::string& where, double time, const DeviceFrame& frame,
+                     Motion& motion) {
+  if (!motion.samples.empty()) {
+    const double last = motion.samples.back().time;
+    if (time == last) return {};
+    if (!(time > last)) {
+      return refuse(name, where + ": time goes back from " + std::to_string(last) + " to " +
+                              std::to_string(time) + " s; put the frames in order");
+    }
+  }
+  motion.samples.push_back({time, frame});
+  return {};
+}
+
+DeviceFrame lost_frame() {
+  DeviceFrame frame;
+  frame.flags = kTrackingLost;
+  return frame;
+}
+
+JointPose to_joint_pose(const Pose& pose) {
+  const Vec3 p = pose.position;
+  const Quat q = pose.orientation;
+  return {
+      {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
+      {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z), static_cast<float>(q.w)}};
+}
+
+std::string_view side_name(Side side) { return side == Side::right ? "right" : "left"; }
+
+double right_handedness(const Motion& motion) {
+  double sum = 0;
+  int count = 0;
+  for (const MotionSample& sample : motion.samples) {
+    const DeviceFrame& frame = sample.frame;
+    if (is_lost(sample) || !is_valid(frame, kIndexProximal) || !is_valid(frame, kLittleProximal)) continue;
+    const std::array<float, 4>& q = frame.joint[kWrist].orientation;
+    const Vec3 x = rotate(Quat{q[3], q[0], q[1], q[2]}, {1, 0, 0});
+    sum += dot(unit_or(position_of(frame, kLittleProximal) - position_of(frame, kIndexProximal), {}), x);
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+Status parse_motion(std::string_view content, const std::string& name, const MotionOptions& options,
+                    Motion& motion) {
+  try {
+    return parse_checked(content, name, options, motion);
+  } catch (const std::bad_alloc&) {
+    return refuse(name, "not enough memory to read it");
+  } catch (const std::exception& error) {  // the JSON library's way to say that a value has another type
+    return refuse(name, std::string("not a hand motion: ") + error.what());
+  }
+}
+
+Status load_motion(const std::string& path, const MotionOptions& options, Motion& motion) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error))
+    return refuse(path, "no such file, or not a regular one");
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  std::ifstream file(path, std::ios::binary);
+  if (error || !file) return refuse(path, "cannot be opened for reading; check its permissions");
+  std::string content;
+  try {
+    content.resize(static_cast<std::size_t>(size));
+  } catch (const std::exception&) {
+    return refuse(path, "not enough memory to read it");
+  }
+  file.read(content.data(), static_cast<std::streamsize>(size));
+  if (!file) return refuse(path, "cannot be read to its end");
+  return parse_motion(content, path, options, motion);
+}
+
+}  // namespace lumbrical

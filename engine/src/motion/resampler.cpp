@@ -1,0 +1,225 @@
+// Brings a motion to any time: Steffen's monotone cubic (Astronomy and Astrophysics 239, 1990) for what is a
+// number, the normalised linear blend for what is a rotation. Also the placing of a motion and the hand that
+// fits it.
+#include <algorithm>
+#include <limits>
+
+#include "lumbrical/motion.h"
+#include "model/hand_from_positions.h"
+
+namespace lumbrical {
+namespace {
+
+// The samples round one time: `left` <= time < `right`, and the fraction of the way between them.
+struct Interval {
+  const MotionSample* before;  // of `left`; the same as `left` where there is none
+  const MotionSample* left;
+  const MotionSample* right;
+  const MotionSample* after;  // of `right`; the same as `right` where there is none
+  double fraction;            // 0..1
+  // The neighbouring intervals' lengths in units of this one's; 0 where there is none.
+  double length_before, length_after;
+};
+
+// `time` lies between the first and the last sample.
+Interval find_interval(const Motion& motion, double time) {
+  const MotionSample* first = motion.samples.data();
+  const MotionSample* last = first + motion.samples.size() - 1;
+  Interval found;
+  found.right =
+      std::upper_bound(first + 1, last, time, [](double t, const MotionSample& s) { return t < s.time; });
+  found.left = found.right - 1;
+  found.before = found.left == first ? first : found.left - 1;
+  found.after = found.right == last ? last : found.right + 1;
+  const double length = found.right->time - found.left->time;
+  const bool increasing = length > 0;
+  found.fraction = increasing ? clamp((time - found.left->time) / length, 0, 1) : 0;
+  found.length_before = increasing ? (found.left->time - found.before->time) / length : 0;
+  found.length_after = increasing ? (found.after->time - found.right->time) / length : 0;
+  return found;
+}
+
+// Slope at a sample from the differences to its neighbours, which lie `a_length` and `b_length` away: that of
+// the parabola through the three, limited so that no cubic built on it overshoots; zero at a peak.
+double limited_slope(double a, double a_length, double b, double b_length) {
+  if (!(a_length > 0 && b_length > 0)) return 0;  // the motion starts and ends at rest
+  const double a_slope = a / a_length, b_slope = b / b_length;
+  const double parabola = (a_slope * b_length + b_slope * a_length) / (a_length + b_length);
+  const bool rising = a_slope > 0 && b_slope > 0, falling = a_slope < 0 && b_slope < 0;
+  if (!rising && !falling) return 0;
+  const double size = min(0.5 * std::fabs(parabola), min(std::fabs(a_slope), std::fabs(b_slope)));
+  return rising ? 2 * size : -2 * size;
+}
+
+// The cubic of one coordinate. The final clamp keeps rounding, and overflow of absurd input, between the
+// neighbours.
+double blend(double before, double left, double right, double after, const Interval& at) {
+  const double rise = right - left;
+  const double left_slope = limited_slope(left - before, at.length_before, rise, 1);
+  const double right_slope = limited_slope(rise, 1, after - right, at.length_after);
+  const double u = at.fraction;
+  const double value = left + u * (left_slope + u * ((3 * rise - 2 * left_slope - right_slope) +
+                                                     u * (left_slope + right_slope - 2 * rise)));
+  return clamp(value, min(left, right), max(left, right));
+}
+
+float blend(float before, float left, float right, float after, const Interval& at) {
+  return static_cast<float>(blend(double{before}, double{left}, double{right}, double{after}, at));
+}
+
+Quat blend(Quat left, Quat right, double fraction) {
+  const double sign = dot(left, right) < 0 ? -1.0 : 1.0;
+  const double a = 1 - fraction, b = sign * fraction;
+  return normalized({a * left.w + b * right.w, a * left.x + b * right.x, a * left.y + b * right.y,
+                     a * left.z + b * right.z});
+}
+
+Quat to_quat(const std::array<float, 4>& xyzw) { return {xyzw[3], xyzw[0], xyzw[1], xyzw[2]}; }
+
+std::array<float, 4> to_floats(Quat q) {
+  return {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z), static_cast<float>(q.w)};
+}
+
+Pose blend_base(const Interval& at) {
+  const Pose& before = at.before->frame.base;
+  const Pose& left = at.left->frame.base;
+  const Pose& right = at.right->frame.base;
+  const Pose& after = at.after->frame.base;
+  Pose base;
+  base.position.x = blend(before.position.x, left.position.x, right.position.x, after.position.x, at);
+  base.position.y = blend(before.position.y, left.position.y, right.position.y, after.position.y, at);
+  base.position.z = blend(before.position.z, left.position.z, right.position.z, after.position.z, at);
+  base.orientation = blend(left.orientation, right.orientation, at.fraction);
+  return base;
+}
+
+void blend_joints(const Interval& at, DeviceFrame& frame) {
+  for (int j = 0; j < kJointCount; ++j) {
+    const JointPose& before = at.before->frame.joint[j];
+    const JointPose& left = at.left->frame.joint[j];
+    const JointPose& right = at.right->frame.joint[j];
+    const JointPose& after = at.after->frame.joint[j];
+    for (int i = 0; i < 3; ++i) {
+      frame.joint[j].position[i] =
+          blend(before.position[i], left.position[i], right.position[i], after.position[i], at);
+    }
+    frame.joint[j].orientation =
+        to_floats(blend(to_quat(left.orientation), to_quat(right.orientation), at.fraction));
+  }
+}
+
+void blend_angles(const Interval& at, DeviceFrame& frame) {
+  for (int i = 0; i < kAngleCount; ++i) {
+    frame.angle[i] = blend(at.before->frame.angle[i], at.left->frame.angle[i], at.right->frame.angle[i],
+                           at.after->frame.angle[i], at);
+  }
+}
+
+DeviceFrame held(const MotionSample& sample, double time, double max_gap) {
+  DeviceFrame frame = sample.frame;
+  const double distance = std::fabs(time - sample.time);
+  if (distance == 0) return frame;
+  frame.flags |= kExtrapolated;
+  if (!(distance <= max_gap)) frame.flags |= kTrackingLost;
+  return frame;
+}
+
+bool is_rigid(const Pose& pose) {
+  const double square = dot(pose.orientation, pose.orientation);
+  return is_finite(pose.position) && is_finite(square) && std::fabs(square - 1) < 1e-6;
+}
+
+bool fits_float(double value) {
+  return std::fabs(value) <= static_cast<double>(std::numeric_limits<float>::max());
+}
+
+constexpr std::uint32_t bit(int joint) { return 1u << joint; }
+constexpr std::uint32_t kPalmJoints = bit(kPalm) | bit(kIndexMetacarpal) | bit(kIndexProximal) |
+                                      bit(kMiddleMetacarpal) | bit(kMiddleProximal) | bit(kRingMetacarpal) |
+                                      bit(kRingProximal) | bit(kLittleMetacarpal) | bit(kLittleProximal);
+
+bool shows_the_palm(const DeviceFrame& frame) {
+  return frame.kind == InputKind::joint_poses && (frame.flags & kTrackingLost) == 0 &&
+         (frame.valid & kPalmJoints) == kPalmJoints;
+}
+
+}  // namespace
+
+DeviceFrame resample(const Motion& motion, double time, const ResamplerOptions& options) {
+  const MotionSample& first = motion.samples.front();
+  const MotionSample& last = motion.samples.back();
+  if (motion.samples.size() == 1) return first.frame;  // a still pose holds for ever
+  if (!(time > first.time)) return held(first, time, options.max_gap);
+  if (time >= last.time) return held(last, time, options.max_gap);
+  const Interval at = find_interval(motion, time);
+  if (at.fraction == 0) return at.left->frame;
+  DeviceFrame frame;
+  frame.kind = at.left->frame.kind;
+  frame.flags = at.left->frame.flags | at.right->frame.flags;
+  if (!(at.right->time - at.left->time <= options.max_gap)) frame.flags |= kTrackingLost;
+  frame.valid = at.left->frame.valid & at.right->frame.valid;
+  frame.base = blend_base(at);
+  if (frame.kind == InputKind::joint_poses) {
+    blend_joints(at, frame);
+  } else {
+    blend_angles(at, frame);
+  }
+  return frame;
+}
+
+double duration(const Motion& motion) {
+  return motion.samples.empty() ? 0 : motion.samples.back().time - motion.samples.front().time;
+}
+
+Status place_motion(const MotionPlacement& placement, Motion& motion) {
+  if (!is_rigid(placement.pose)) {
+    return Status::error("placement: the pose is not a finite position with a unit quaternion; correct it");
+  }
+  const double scale = placement.scale;
+  if (!is_finite(scale) || !(scale > 0)) {
+    return Status::error("placement: the scale must be finite and > 0");
+  }
+  Motion placed = motion;
+  for (MotionSample& sample : placed.samples) {
+    DeviceFrame& frame = sample.frame;
+    if (frame.kind == InputKind::joint_angles && scale != 1) {
+      return Status::error(
+          "placement: a motion in joint angles has no size; leave the scale at 1 and scale the hand instead");
+    }
+    frame.base = placement.pose * frame.base;
+    if (!is_finite(frame.base.position))
+      return Status::error("placement: a position overflows; move it nearer");
+    if (frame.kind == InputKind::joint_angles) continue;
+    for (JointPose& joint : frame.joint) {
+      for (float& coordinate : joint.position) {
+        const double scaled = scale * double{coordinate};
+        if (!fits_float(scaled)) return Status::error("placement: a position overflows; use a smaller scale");
+        coordinate = static_cast<float>(scaled);
+      }
+    }
+  }
+  for (double& radius : placed.radius) radius *= scale;
+  motion = std::move(placed);
+  return {};
+}
+
+Hand fit_hand(const Hand& hand, const Motion& motion) {
+  Hand fitted = hand.side == motion.side ? hand : mirrored_hand(hand);
+  for (int j = 0; j < kJointCount; ++j) {
+    if (motion.radius[j] > 0) fitted.radius[j] = motion.radius[j];
+  }
+  for (const MotionSample& sample : motion.samples) {
+    if (!shows_the_palm(sample.frame)) continue;
+    std::array<Pose, kJointCount> X_BJ;
+    for (int j = 0; j < kJointCount; ++j) {
+      const std::array<float, 3>& p = sample.frame.joint[j].position;
+      X_BJ[j] = {{p[0], p[1], p[2]}, normalized(to_quat(sample.frame.joint[j].orientation))};
+    }
+    std::vector<Vec3> polygon = fit_palm_polygon(X_BJ, fitted.radius);
+    if (!polygon.empty()) fitted.palm.polygon = std::move(polygon);
+    break;
+  }
+  return fitted;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,225 @@
+// MCAP writing. A chunk and its index leave in one piece, so that a killed process loses the open chunk at
+// most.
+#include "recording/mcap_writer.h"
+
+#include <lz4frame.h>
+#include <zstd.h>
+
+#include <algorithm>
+
+namespace lumbrical {
+
+using namespace mcap;
+
+namespace {
+
+constexpr std::uint16_t kSchemaId = 1;  // 0 would mean "no schema"
+constexpr std::uint16_t kChannelId = 1;
+
+/// The name MCAP gives a compression.
+std::string_view compression_text(Compression compression) {
+  switch (compression) {
+    case Compression::lz4:
+      return "lz4";
+    case Compression::zstd:
+      return "zstd";
+    case Compression::none:
+      break;
+  }
+  return "";
+}
+
+/// `out` becomes the compressed bytes; false where the library fails.
+bool compress(Compression compression, Bytes bytes, std::vector<std::uint8_t>& out) {
+  if (compression == Compression::none) {
+    out.assign(bytes.begin(), bytes.end());
+    return true;
+  }
+  if (compression == Compression::lz4) {
+    LZ4F_preferences_t preferences{};
+    preferences.frameInfo.contentSize = bytes.size();
+    out.resize(LZ4F_compressFrameBound(bytes.size(), &preferences));
+    const std::size_t size =
+        LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), &preferences);
+    if (LZ4F_isError(size) != 0) return false;
+    out.resize(size);
+    return true;
+  }
+  out.resize(ZSTD_compressBound(bytes.size()));
+  const std::size_t size =
+      ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), ZSTD_CLEVEL_DEFAULT);
+  if (ZSTD_isError(size) != 0) return false;
+  out.resize(size);
+  return true;
+}
+
+}  // namespace
+
+Status McapWriter::write(Bytes bytes) {
+  if (Status status = file_.write(bytes); !status.ok()) return status;
+  crc_ = crc32(crc_, bytes);
+  return {};
+}
+
+Status McapWriter::open(const std::string& path, OutputFile::Place place, const McapWriterOptions& options,
+                        const Start& start) {
+  options_ = options;
+  if (Status status = file_.open(path, place); !status.ok()) return status;
+
+  const Schema schema{kSchemaId, std::string(start.schema_name), "flatbuffer", start.schema};
+  const Channel channel{kChannelId, kSchemaId, std::string(start.topic), "flatbuffer", {}};
+  append(once_, schema);
+  schema_size_ = once_.size();
+  append(once_, channel);
+
+  ByteWriter first;
+  first.raw(kMagic);
+  append(first, Header{"", std::string(start.library)});
+  first.raw(once_.bytes());
+  metadata_ = {first.size(), 0, std::string(start.metadata_name)};
+  append(first, Metadata{metadata_.name, *start.metadata});
+  metadata_.length = first.size() - metadata_.offset;
+  if (Status status = write(first.bytes()); !status.ok()) return status;
+  for (const Start::Content& content : start.attachments)
+    if (Status status = write_attachment(content); !status.ok()) return status;
+  return {};
+}
+
+// In three pieces: a world of millions of triangles is not copied once more.
+Status McapWriter::write_attachment(const Start::Content& attached) {
+  ByteWriter before;
+  const std::size_t begun = before.begin_record(Opcode::attachment);
+  before.u64(
+      0);  // logged and created at the beginning of session time; no clock, so that runs stay comparable
+  before.u64(0);
+  before.text(attached.name);
+  before.text("application/octet-stream");
+  before.u64(attached.bytes.size());
+  const std::uint64_t content_size = before.size() - begun + attached.bytes.size() + sizeof(std::uint32_t);
+  ByteWriter head;
+  head.u8(static_cast<std::uint8_t>(Opcode::attachment));
+  head.u64(content_size);
+  head.raw(before.bytes().subspan(begun));
+
+  ByteWriter after;
+  after.u32(crc32(crc32(0, before.bytes().subspan(begun)), attached.bytes));
+  attachments_.push_back({file_.size(), kRecordHeaderSize + content_size, 0, 0, attached.bytes.size(),
+                          std::string(attached.name), "application/octet-stream"});
+  for (const Bytes piece : {head.bytes(), attached.bytes, after.bytes()})
+    if (Status status = write(piece); !status.ok()) return status;
+  return {};
+}
+
+Status McapWriter::message(std::uint64_t time, std::uint32_t sequence, Bytes data) {
+  const auto covers_too_much = [&](std::uint64_t last) {
+    return !chunk_index_.entries.empty() && last - chunk_index_.entries.front().first >= options_.chunk_time;
+  };
+  if (covers_too_much(time))
+    if (Status status = write_chunk(); !status.ok()) return status;
+
+  chunk_index_.channel_id = kChannelId;
+  chunk_index_.entries.emplace_back(time, chunk_.size());
+  append(chunk_, Message{kChannelId, sequence, time, time, data});
+  if (statistics_.message_count++ == 0) statistics_.start_time = time;
+  statistics_.end_time = time;
+
+  // A chunk that has no room for the next tick leaves now, not when that tick comes.
+  if (covers_too_much(time + options_.period) || chunk_.size() >= options_.chunk_bytes) return write_chunk();
+  return {};
+}
+
+Status McapWriter::append_chunk(ByteWriter& out) {
+  if (!compress(options_.compression, chunk_.bytes(), compressed_))
+    return Status::error(file_.growing_at() +
+                         ": a chunk cannot be compressed; free memory or record uncompressed");
+  const std::uint64_t start_time = chunk_index_.entries.front().first;
+  const std::uint64_t end_time = chunk_index_.entries.back().first;
+  const std::string compression(compression_text(options_.compression));
+  append(out, Chunk{start_time, end_time, chunk_.size(), crc32(0, chunk_.bytes()), compression, compressed_});
+  const std::uint64_t chunk_length = out.size();
+  append(out, chunk_index_);
+  chunks_.push_back({start_time,
+                     end_time,
+                     file_.size(),
+                     chunk_length,
+                     {{kChannelId, file_.size() + chunk_length}},
+                     out.size() - chunk_length,
+                     compression,
+                     compressed_.size(),
+                     chunk_.size()});
+  return {};
+}
+
+Status McapWriter::write_chunk() {
+  ByteWriter out;
+  const std::uint64_t whole = file_.size();
+  if (Status status = append_chunk(out); !status.ok()) return status;
+  if (Status status = write(out.bytes()); !status.ok()) {
+    // What is whole stays readable. The cut only removes bytes; should it fail too, readers stop at the torn
+    // chunk.
+    const Status cut = file_.cut(whole);
+    return cut.ok() ? status : Status::error(status.message() + "; " + cut.message());
+  }
+  chunk_.clear();
+  chunk_index_.entries.clear();
+  return {};
+}
+
+// Groups by opcode, each told by a summary offset; the caller knows where in the file they will stand.
+void McapWriter::append_summary(ByteWriter& out) {
+  const std::uint64_t summary_start = file_.size();
+  std::vector<SummaryOffset> groups;
+  const auto group = [&](Opcode opcode, auto&& append_records) {
+    const std::uint64_t begun = out.size();
+    append_records();
+    if (out.size() > begun) groups.push_back({opcode, summary_start + begun, out.size() - begun});
+  };
+  group(Opcode::schema, [&] { out.raw(once_.bytes().first(schema_size_)); });
+  group(Opcode::channel, [&] { out.raw(once_.bytes().subspan(schema_size_)); });
+  group(Opcode::statistics, [&] { append(out, statistics_); });
+  group(Opcode::chunk_index, [&] {
+    for (const ChunkIndex& chunk : chunks_) append(out, chunk);
+  });
+  group(Opcode::attachment_index, [&] {
+    for (const AttachmentIndex& attachment : attachments_) append(out, attachment);
+  });
+  group(Opcode::metadata_index, [&] { append(out, metadata_); });
+
+  const std::uint64_t offsets_start = summary_start + out.size();
+  for (const SummaryOffset& offset : groups) append(out, offset);
+
+  // The checksum covers the summary and the footer up to the checksum itself.
+  ByteWriter footer;
+  append(footer, Footer{summary_start, offsets_start, 0});
+  const Bytes covered = footer.bytes().first(footer.size() - sizeof(std::uint32_t));
+  out.raw(covered);
+  out.u32(crc32(0, out.bytes()));
+  out.raw(kMagic);
+}
+
+Status McapWriter::close() {
+  if (!chunk_index_.entries.empty())
+    if (Status status = write_chunk(); !status.ok()) return status;
+  const std::uint64_t whole = file_.size();
+  statistics_.schema_count = 1;
+  statistics_.channel_count = 1;
+  statistics_.attachment_count = static_cast<std::uint32_t>(attachments_.size());
+  statistics_.metadata_count = 1;
+  statistics_.chunk_count = static_cast<std::uint32_t>(chunks_.size());
+  if (statistics_.message_count > 0)
+    statistics_.channel_message_counts[kChannelId] = statistics_.message_count;
+
+  ByteWriter data_end;
+  append_data_end(data_end, crc_);
+  ByteWriter summary;
+  Status status = file_.write(data_end.bytes());
+  if (status.ok()) {
+    append_summary(summary);
+    status = file_.write(summary.bytes());
+  }
+  if (status.ok()) return file_.commit();
+  const Status cut = file_.cut(whole);
+  return cut.ok() ? status : Status::error(status.message() + "; " + cut.message());
+}
+
+}  // namespace lumbrical

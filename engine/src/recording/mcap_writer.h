@@ -1,0 +1,74 @@
+// Writes an MCAP file of one channel: what stands first, then chunks as messages come, then index and
+// summary.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "files/output_file.h"
+#include "lumbrical/recording.h"
+#include "recording/mcap_format.h"
+
+namespace lumbrical {
+
+struct McapWriterOptions {
+  Compression compression = Compression::lz4;
+  std::uint64_t period = 1'000'000;        ///< [ns] session time from one message to the next
+  std::uint64_t chunk_time = 250'000'000;  ///< [ns] session time a chunk may cover
+  std::uint64_t chunk_bytes = 1u << 20;    ///< after which a chunk ends at the latest, uncompressed
+};
+
+class McapWriter {
+ public:
+  struct Start {
+    std::string_view library;
+    std::string_view schema_name;  ///< FlatBuffers: the table's qualified name
+    mcap::Bytes schema;            ///< FlatBuffers: the binary schema
+    std::string_view topic;
+    struct Content {
+      std::string_view name;
+      mcap::Bytes bytes;
+    };
+    std::vector<Content> attachments;
+    std::string_view metadata_name;
+    const std::map<std::string, std::string>* metadata = nullptr;
+  };
+
+  /// Creates the file and writes all that stands before the first message.
+  Status open(const std::string& path, OutputFile::Place place, const McapWriterOptions& options,
+              const Start& start);
+  /// Adds one message; times [ns] must not descend. A full chunk goes to the file at once, whole. After an
+  /// error the file ends with the last whole chunk and stays readable that far.
+  Status message(std::uint64_t time, std::uint32_t sequence, mcap::Bytes data);
+  /// Writes the open chunk, index and summary, and puts the file in its place.
+  Status close();
+  /// Removes the file.
+  void discard() { file_.discard(); }
+
+ private:
+  Status write(mcap::Bytes bytes);
+  Status write_attachment(const Start::Content& content);
+  Status write_chunk();
+  Status append_chunk(mcap::ByteWriter& out);
+  void append_summary(mcap::ByteWriter& out);
+
+  OutputFile file_;
+  McapWriterOptions options_;
+  std::uint32_t crc_ = 0;  // of the file so far
+  mcap::ByteWriter once_;  // schema and channel, which the summary repeats
+  std::uint64_t schema_size_ = 0;
+
+  mcap::ByteWriter chunk_;          // records of the open chunk
+  mcap::MessageIndex chunk_index_;  // its messages
+  std::vector<std::uint8_t> compressed_;
+
+  mcap::Statistics statistics_;
+  std::vector<mcap::ChunkIndex> chunks_;
+  std::vector<mcap::AttachmentIndex> attachments_;
+  mcap::MetadataIndex metadata_;
+};
+
+}  // namespace lumbrical

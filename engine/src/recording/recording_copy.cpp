@@ -1,0 +1,181 @@
+// Copies of recordings: trimmed, merged, compressed otherwise, and every message as it was.
+#include <algorithm>
+#include <filesystem>
+#include <new>
+#include <system_error>
+
+#include "lumbrical/recording.h"
+#include "recording/mcap_writer.h"
+#include "recording/recorder.h"
+#include "recording/session_message.h"
+#include "recording/state_message.h"
+#include "recording/tick_message.h"
+
+namespace lumbrical {
+namespace {
+
+Compression compression_of(const RecordingInfo& info) {
+  if (info.compression == "zstd") return Compression::zstd;
+  return info.compression == "lz4" ? Compression::lz4 : Compression::none;
+}
+
+/// Where to start so that the state before `tick` comes out: the state before `begin`. Past the time forces
+/// take to fade nothing is left of older ticks but the last output, which is recorded.
+Status guess_state(RecordingReader& reader, std::uint64_t begin, State& state) {
+  state = reader.initial_state();
+  if (begin == reader.info().first_tick) return reader.seek(begin);
+  if (Status status = reader.seek(begin - 1); !status.ok()) return status;
+  TickRecord record;
+  bool end = false;
+  if (Status status = reader.next(record, end); !status.ok()) return status;
+  state = {};
+  state.tick = begin;
+  state.rise = 1;
+  state.last = record.output;
+  return {};
+}
+
+/// Runs the ticks begin .. tick - 1; `found` tells whether the state behind them is the recorded one.
+Status run_up_to(RecordingReader& reader, const Model& model, std::uint64_t tick_number, State& state,
+                 bool& found) {
+  found = false;
+  Scratch scratch = make_scratch(model);
+  scratch.hash_stages = false;
+  while (state.tick < tick_number) {
+    TickRecord record;
+    bool end = false;
+    if (Status status = reader.next(record, end); !status.ok()) return status;
+    found = false;
+    if (end || record.output.tick != state.tick) return {};  // a gap
+    tick(model, state, scratch, record.device);
+    found = hash_state(state) == record.state_hash;
+  }
+  return {};
+}
+
+/// The state before a tick of the recording, which is not its first. It is certain where it is found, for its
+/// hash was recorded.
+Status find_state(RecordingReader& reader, std::uint64_t tick_number, State& state, bool& found) {
+  Model model;
+  found = false;
+  if (Status status = build_model(reader.scene(), {}, model); !status.ok()) return status;
+  const Settings& settings = reader.scene().settings;
+  const std::uint64_t first = reader.info().first_tick;
+  std::uint64_t back = 2 * static_cast<std::uint64_t>(settings.fade_time * settings.rate) + 8;
+  for (;; back *= 8) {
+    const std::uint64_t begin = tick_number - first > back ? tick_number - back : first;
+    if (Status status = guess_state(reader, begin, state); !status.ok()) return status;
+    if (state.tick == begin)
+      if (Status status = run_up_to(reader, model, tick_number, state, found); !status.ok()) return status;
+    if (found || begin == first) return {};
+  }
+}
+
+class Copy {
+ public:
+  Copy(const CopyOptions& options, CopyResult& result) : options_(options), result_(result) {}
+
+  Status add(const std::string& path, const std::string& output);
+  Status close() { return writer_.close(); }
+  void discard() {
+    if (open_) writer_.discard();
+  }
+
+ private:
+  Status start(RecordingReader& reader, const std::string& output);
+  Status check_scene(const RecordingReader& reader) const;
+  Status initial_state(RecordingReader& reader, std::vector<std::uint8_t>& bytes);
+
+  const CopyOptions& options_;
+  CopyResult& result_;
+  McapWriter writer_;
+  bool open_ = false;
+  std::vector<std::uint8_t> session_;
+  double period_ = 0;       // [ns]
+  std::uint64_t next_ = 0;  // tick that may come next
+};
+
+Status Copy::initial_state(RecordingReader& reader, std::vector<std::uint8_t>& bytes) {
+  State state = reader.initial_state();
+  const RecordingInfo& info = reader.info();
+  bool found = state.tick == info.first_tick;
+  if (options_.from > info.first_tick && options_.from <= info.last_tick) {
+    if (Status status = find_state(reader, options_.from, state, found); !status.ok()) return status;
+  }
+  result_.replayable = found;
+  if (found && state.tick > 0) bytes = encode_state(state);
+  return {};
+}
+
+Status Copy::start(RecordingReader& reader, const std::string& output) {
+  const Scene& scene = reader.scene();
+  if (Status status = encode_session(scene, session_); !status.ok()) return status;
+  std::vector<std::uint8_t> state;
+  if (Status status = initial_state(reader, state); !status.ok()) return status;
+  period_ = 1e9 / scene.settings.rate;
+  McapWriterOptions options;
+  options.compression = options_.compression.value_or(compression_of(reader.info()));
+  const Status status = open_recording(output, OutputFile::Place::beside, scene.settings.rate, session_,
+                                       state, reader.info().metadata, options, writer_);
+  open_ = status.ok();
+  return status;
+}
+
+Status Copy::check_scene(const RecordingReader& reader) const {
+  std::vector<std::uint8_t> session;
+  if (Status status = encode_session(reader.scene(), session); !status.ok()) return status;
+  if (session == session_) return {};
+  return Status::error(reader.info().path +
+                       ": its scene (hand, world, settings) is not that of the first; "
+                       "only recordings of one session can be merged");
+}
+
+Status Copy::add(const std::string& path, const std::string& output) {
+  RecordingReader reader;
+  if (Status status = reader.open(path); !status.ok()) return status;
+  if (Status status = open_ ? check_scene(reader) : start(reader, output); !status.ok()) return status;
+  if (Status status = reader.seek(options_.from); !status.ok()) return status;
+  for (;;) {
+    TickRecord record;
+    bool end = false;
+    if (Status status = reader.next(record, end); !status.ok()) return status;
+    const std::uint64_t tick_number = record.output.tick;
+    if (end || tick_number >= options_.to) return {};
+    if (result_.ticks > 0 && tick_number < next_)
+      return Status::error(path + ": tick " + std::to_string(tick_number) +
+                           " does not follow the ticks before it; name the recordings in their order, and "
+                           "none twice");
+    next_ = tick_number + 1;
+    ++result_.ticks;
+    if (Status status = writer_.message(tick_time(tick_number, period_),
+                                        static_cast<std::uint32_t>(tick_number), reader.message());
+        !status.ok())
+      return status;
+  }
+}
+
+Status copy_all(const std::vector<std::string>& inputs, const std::string& output, Copy& copy) {
+  for (const std::string& input : inputs) {
+    std::error_code ignored;
+    if (std::filesystem::equivalent(input, output, ignored))
+      return Status::error(output + ": is one of the inputs; name another file to write to");
+    if (Status status = copy.add(input, output); !status.ok()) return status;
+  }
+  return copy.close();
+}
+
+}  // namespace
+
+Status copy_recordings(const std::vector<std::string>& inputs, const std::string& output,
+                       const CopyOptions& options, CopyResult& result) try {
+  result = {};
+  if (inputs.empty()) return Status::error("there is no recording to copy; name at least one");
+  Copy copy(options, result);
+  Status status = copy_all(inputs, output, copy);
+  if (!status.ok()) copy.discard();
+  return status;
+} catch (const std::bad_alloc&) {
+  return Status::error(output + ": not enough memory to copy the recordings");
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,394 @@
+// Reading a recording: find its session and chunks, then hand out one tick after the other.
+#include <algorithm>
+#include <new>
+#include <utility>
+
+#include "lumbrical/recording.h"
+#include "recording/mcap_reader.h"
+#include "recording/record_fields.h"
+#include "recording/recorder.h"
+#include "recording/session_message.h"
+#include "recording/state_message.h"
+#include "recording/tick_message.h"
+
+namespace lumbrical {
+
+using namespace mcap;
+
+namespace {
+
+bool contains(const std::vector<std::uint16_t>& list, std::uint16_t id) {
+  return std::find(list.begin(), list.end(), id) != list.end();
+}
+
+}  // namespace
+
+struct RecordingReader::File {
+  InputFile file;
+  RecordingInfo info;
+  Scene scene;
+  bool has_scene = false;
+  State initial_state;
+  std::uint64_t data_start = 0;
+  std::uint64_t data_end = 0;           // where walking stops at the latest
+  std::vector<ChunkIndex> chunks;       // of a complete file; every chunk met must be the next of these
+  std::vector<std::uint16_t> schemas;   // that are ticks
+  std::vector<std::uint16_t> channels;  // that carry ticks
+
+  bool scanning = false;  // session and metadata are taken where they are met
+
+  // Where next() stands.
+  std::uint64_t offset = 0;      // of the next record outside chunks
+  std::size_t chunk_number = 0;  // of the next chunk
+  LoadedChunk chunk;
+  std::uint64_t chunk_offset = 0;     // in the file, for messages
+  std::size_t inner_offset = 0;       // of the next record in the chunk
+  std::uint64_t skip_below = 0;       // ticks that seek() passes over
+  std::optional<Divergence> altered;  // what was changed in the last record handed out
+  Bytes message;                      // that the last record was read from; in the chunk or in `content`
+  std::vector<std::uint8_t> content;  // room that is used again and again
+
+  Status open(const std::string& path);
+  Status read_summary_and_ends();
+  Status scan();
+  Status take_attachment(const RecordPlace& place);
+  Status take_metadata(const RecordPlace& place);
+  Status take_indexed(const Summary& summary);
+  void count_tick(const TickRecord& record);
+
+  void rewind();
+  void go_to_chunk(std::size_t number);
+  Status next(TickRecord& record, bool& end);
+  Status next_outside(TickRecord& record, bool& found, bool& end);
+  Status next_inside(TickRecord& record, bool& found);
+  Status enter_chunk(const RecordPlace& place);
+  Status take_message(Bytes bytes, std::uint64_t at, TickRecord& record, bool& found);
+  void add_schema(std::uint16_t id, const std::string& name, const std::string& encoding);
+  void add_channel(const Channel& channel);
+  bool take_schema(Bytes bytes);
+  bool take_channel(Bytes bytes);
+};
+
+void RecordingReader::File::add_schema(std::uint16_t id, const std::string& name,
+                                       const std::string& encoding) {
+  if (name == kTickSchemaName && encoding == "flatbuffer" && !contains(schemas, id)) schemas.push_back(id);
+}
+
+void RecordingReader::File::add_channel(const Channel& channel) {
+  if (contains(schemas, channel.schema_id) && !contains(channels, channel.id)) channels.push_back(channel.id);
+}
+
+bool RecordingReader::File::take_schema(Bytes bytes) {
+  Schema schema;
+  if (!parse(bytes, schema)) return false;
+  add_schema(schema.id, schema.name, schema.encoding);
+  return true;
+}
+
+bool RecordingReader::File::take_channel(Bytes bytes) {
+  Channel channel;
+  if (!parse(bytes, channel)) return false;
+  add_channel(channel);
+  return true;
+}
+
+Status RecordingReader::File::take_message(Bytes bytes, std::uint64_t at, TickRecord& record, bool& found) {
+  Message parsed;
+  if (!parse(bytes, parsed)) return file.broken(at, "a message is shorter than it declares");
+  if (!contains(channels, parsed.channel_id)) return {};
+  InputCheck check;
+  if (Status status = decode_tick(parsed.data, record, check); !status.ok())
+    return file.broken(at, status.message() + "; the file is damaged or of another version");
+  altered = find_altered_input(record, check);
+  message = parsed.data;
+  found = true;
+  return {};
+}
+
+Status RecordingReader::File::enter_chunk(const RecordPlace& place) {
+  // The index says where every chunk is: a damaged length or opcode must not make one disappear.
+  if (info.complete) {
+    if (chunk_number >= chunks.size() || chunks[chunk_number].offset != place.offset ||
+        chunks[chunk_number].length != place.end() - place.offset)
+      return file.broken(place.offset, "the chunk is not where the index says; run recover");
+  }
+  inner_offset = 0;
+  chunk_offset = place.offset;
+  if (Status status = load_chunk(file, place, content, chunk); !status.ok()) {
+    chunk.records.clear();  // nothing that failed its checksum may be handed out
+    return status;
+  }
+  ++chunk_number;
+  return {};
+}
+
+Status RecordingReader::File::next_inside(TickRecord& record, bool& found) {
+  while (!found && inner_offset < chunk.records.size()) {
+    InnerRecord inner;
+    if (!find_inner_record(chunk.records, inner_offset, inner))
+      return file.broken(chunk_offset, "the chunk ends in the middle of a record");
+    inner_offset = inner.end;
+    bool good = true;
+    if (inner.opcode == Opcode::message) {
+      if (Status status = take_message(inner.content, chunk_offset, record, found); !status.ok())
+        return status;
+    } else if (inner.opcode == Opcode::schema) {
+      good = take_schema(inner.content);
+    } else if (inner.opcode == Opcode::channel) {
+      good = take_channel(inner.content);
+    }
+    if (!good) return file.broken(chunk_offset, "the chunk holds a damaged record");
+  }
+  return {};
+}
+
+// Steps over one record outside chunks, or into the chunk it is.
+Status RecordingReader::File::next_outside(TickRecord& record, bool& found, bool& end) {
+  RecordPlace place;
+  bool whole = false;
+  if (Status status = find_record(file, offset, data_end, place, whole); !status.ok()) return status;
+  if (!whole || place.opcode == Opcode::data_end) {
+    // A torn file ends in the middle of a record; a complete one may not, nor before its last chunk.
+    if (info.complete && (!whole || place.end() != data_end || chunk_number != chunks.size()))
+      return file.broken(offset, "the ticks end before the index says; run recover");
+    end = true;
+    return {};
+  }
+  if (place.opcode == Opcode::none ||
+      (place.opcode > Opcode::data_end && place.opcode < Opcode::first_private))
+    return file.broken(offset, "there is no record here; run recover");
+  offset = place.end();
+  if (place.opcode == Opcode::chunk) return enter_chunk(place);
+  if (scanning && place.opcode == Opcode::attachment) return take_attachment(place);
+  if (scanning && place.opcode == Opcode::metadata) return take_metadata(place);
+  if (place.opcode != Opcode::message && place.opcode != Opcode::schema && place.opcode != Opcode::channel)
+    return {};
+
+  if (Status status = read_content(file, place, content); !status.ok()) return status;
+  if (place.opcode == Opcode::message) return take_message(content, place.offset, record, found);
+  const bool good = place.opcode == Opcode::schema ? take_schema(content) : take_channel(content);
+  return good ? Status{} : file.broken(place.offset, "the record is shorter than it declares");
+}
+
+Status RecordingReader::File::next(TickRecord& record, bool& end) {
+  end = false;
+  for (;;) {
+    bool found = false;
+    if (Status status = next_inside(record, found); !status.ok()) return status;
+    if (!found) {
+      if (Status status = next_outside(record, found, end); !status.ok()) return status;
+      if (end) return {};
+    }
+    if (found && record.output.tick >= skip_below) {
+      skip_below = 0;
+      return {};
+    }
+  }
+}
+
+void RecordingReader::File::rewind() {
+  offset = data_start;
+  chunk_number = 0;
+  chunk.records.clear();
+  inner_offset = 0;
+  skip_below = 0;
+  altered.reset();
+}
+
+void RecordingReader::File::go_to_chunk(std::size_t number) {
+  rewind();
+  if (number >= chunks.size()) return;
+  chunk_number = number;
+  offset = chunks[number].offset;
+}
+
+Status RecordingReader::File::take_attachment(const RecordPlace& place) {
+  Attachment attachment;
+  if (Status status = load_attachment(file, place, content, attachment); !status.ok()) return status;
+  if (attachment.name == kStateAttachment) {
+    const Status status = decode_state(attachment.data, initial_state);
+    return status.ok() ? status : file.broken(place.offset, status.message());
+  }
+  if (attachment.name != kSessionAttachment || has_scene) return {};
+  if (Status status = decode_session(attachment.data, scene); !status.ok())
+    return file.broken(place.offset, status.message());
+  has_scene = true;
+  std::vector<std::uint8_t>().swap(content);  // it may be large, and the chunks to come are small
+  return {};
+}
+
+Status RecordingReader::File::take_metadata(const RecordPlace& place) {
+  if (Status status = read_content(file, place, content); !status.ok()) return status;
+  Metadata metadata;
+  if (!parse(content, metadata)) return file.broken(place.offset, "the metadata is shorter than it declares");
+  if (metadata.name == kMetadataName) info.metadata = std::move(metadata.metadata);
+  return {};
+}
+
+void RecordingReader::File::count_tick(const TickRecord& record) {
+  const std::uint64_t tick = record.output.tick;
+  if (info.ticks++ == 0) info.first_tick = tick;
+  info.last_tick = tick;
+}
+
+// The records that a complete file's summary points to.
+Status RecordingReader::File::take_indexed(const Summary& summary) {
+  const auto find = [&](std::uint64_t at, std::uint64_t length, Opcode opcode, RecordPlace& place) {
+    bool whole = false;
+    if (Status status = find_record(file, at, data_end, place, whole); !status.ok()) return status;
+    if (!whole || place.opcode != opcode || place.end() - place.offset != length)
+      return file.broken(at, "the summary points to a record that is not there; run recover");
+    return Status{};
+  };
+  RecordPlace place;
+  for (const AttachmentIndex& index : summary.attachments) {
+    Status status = find(index.offset, index.length, Opcode::attachment, place);
+    const bool ours = index.name == kSessionAttachment || index.name == kStateAttachment;
+    if (status.ok() && ours) status = take_attachment(place);
+    if (!status.ok()) return status;
+  }
+  for (const MetadataIndex& index : summary.metadata) {
+    Status status = find(index.offset, index.length, Opcode::metadata, place);
+    if (status.ok()) status = take_metadata(place);
+    if (!status.ok()) return status;
+  }
+  return {};
+}
+
+// A complete file: everything is told by the summary, and the last tick stands in the last chunk.
+Status RecordingReader::File::read_summary_and_ends() {
+  Summary summary;
+  if (Status status = read_summary(file, summary, info.complete); !status.ok()) return status;
+  if (!info.complete) return {};
+  data_end = summary.start;
+  chunks = std::move(summary.chunks);
+  for (const auto& [id, name, encoding] : summary.schemas) add_schema(id, name, encoding);
+  for (const Channel& channel : summary.channels) add_channel(channel);
+  info.chunks = chunks.size();
+  if (!chunks.empty()) info.compression = chunks.front().compression;
+  if (Status status = take_indexed(summary); !status.ok()) return status;
+
+  TickRecord record;
+  bool end = false;
+  rewind();
+  if (Status status = next(record, end); !status.ok() || end) return status;
+  count_tick(record);
+  std::uint64_t ticks = 0;
+  if (summary.statistics)
+    for (const auto& [channel, count] : summary.statistics->channel_message_counts)
+      if (contains(channels, channel)) ticks += count;
+  // Without statistics or chunks (other tools may leave them out) the ticks are counted one by one.
+  if (ticks > 0 && !chunks.empty()) go_to_chunk(chunks.size() - 1);
+  for (;;) {
+    if (Status status = next(record, end); !status.ok()) return status;
+    if (end) break;
+    count_tick(record);
+  }
+  if (ticks > 0 && !chunks.empty()) info.ticks = ticks;
+  return {};
+}
+
+// A file without a summary: everything in it is read once.
+Status RecordingReader::File::scan() {
+  data_end = file.size();
+  rewind();
+  scanning = true;
+  TickRecord record;
+  for (bool end = false;;) {
+    if (Status status = next(record, end); !status.ok()) return status;
+    if (end) break;
+    count_tick(record);
+  }
+  scanning = false;
+  info.chunks = chunk_number;
+  if (chunk_number > 0) info.compression = chunk.header.compression;
+  return {};
+}
+
+Status RecordingReader::File::open(const std::string& path) {
+  if (Status status = file.open(path); !status.ok()) return status;
+  info.path = path;
+  info.bytes = file.size();
+  Header header;
+  if (Status status = read_start(file, header, data_start); !status.ok()) return status;
+  info.library = std::move(header.library);
+  if (Status status = read_summary_and_ends(); !status.ok()) return status;
+  if (!info.complete)
+    if (Status status = scan(); !status.ok()) return status;
+  if (!has_scene)
+    return file.broken(file.size(), "the file has no session (hand, world, settings); it can't be used");
+  if (info.ticks > 0) {
+    const std::uint64_t span = info.last_tick - info.first_tick + 1;
+    if (info.last_tick < info.first_tick || span < info.ticks)
+      info.missing_ticks = 0;  // numbers out of order; verify tells where
+    else
+      info.missing_ticks = span - info.ticks;
+    info.seconds = static_cast<double>(span) / scene.settings.rate;
+  }
+  rewind();
+  return {};
+}
+
+RecordingReader::RecordingReader() = default;
+RecordingReader::~RecordingReader() = default;
+RecordingReader::RecordingReader(RecordingReader&&) noexcept = default;
+RecordingReader& RecordingReader::operator=(RecordingReader&&) noexcept = default;
+
+Status RecordingReader::open(const std::string& path) try {
+  auto file = std::make_unique<File>();
+  if (Status status = file->open(path); !status.ok()) return status;
+  file_ = std::move(file);
+  return {};
+} catch (const std::bad_alloc&) {
+  return Status::error(path + ": not enough memory to read the recording");
+}
+
+const RecordingInfo& RecordingReader::info() const {
+  static const RecordingInfo kNothing;
+  return file_ ? file_->info : kNothing;
+}
+
+const Scene& RecordingReader::scene() const {
+  static const Scene kNothing;
+  return file_ ? file_->scene : kNothing;
+}
+
+const State& RecordingReader::initial_state() const {
+  static const State kNothing;
+  return file_ ? file_->initial_state : kNothing;
+}
+
+std::span<const std::uint8_t> RecordingReader::message() const {
+  return file_ ? file_->message : std::span<const std::uint8_t>{};
+}
+
+Status RecordingReader::next(TickRecord& record, bool& end) try {
+  end = true;
+  if (!file_) return Status::error("no recording is open; call open() first");
+  return file_->next(record, end);
+} catch (const std::bad_alloc&) {
+  return Status::error("not enough memory to read the recording");
+}
+
+std::optional<Divergence> RecordingReader::altered_input() const {
+  return file_ ? file_->altered : std::nullopt;
+}
+
+Status RecordingReader::seek(std::uint64_t tick) {
+  if (!file_) return Status::error("no recording is open; call open() first");
+  const std::uint64_t time = tick_time(tick, 1e9 / file_->scene.settings.rate);
+  const std::vector<ChunkIndex>& chunks = file_->chunks;
+  const auto chunk = std::partition_point(chunks.begin(), chunks.end(),
+                                          [time](const ChunkIndex& c) { return c.end_time < time; });
+  const bool from_start = tick == 0 || chunk == chunks.begin();
+  if (from_start)
+    file_->rewind();
+  else if (chunk != chunks.end())
+    file_->go_to_chunk(static_cast<std::size_t>(chunk - chunks.begin()));
+  else
+    file_->go_to_chunk(chunks.size() - 1);
+  file_->skip_below = tick;
+  return {};
+}
+
+}  // namespace lumbrical

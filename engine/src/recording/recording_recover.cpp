@@ -1,0 +1,250 @@
+// Recovery of a torn or damaged recording: whatever the rest of the file looks like, a chunk whose own
+// checksum is right is whole, so chunks (and the session) are looked for byte by byte and written to a new
+// file.
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <new>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lumbrical/recording.h"
+#include "recording/mcap_reader.h"
+#include "recording/recorder.h"
+#include "recording/session_message.h"
+#include "recording/state_message.h"
+#include "recording/tick_message.h"
+
+namespace lumbrical {
+
+using namespace mcap;
+
+namespace {
+
+// A record head long enough to be told from chance: opcode, length, and the fields in front of the payload.
+constexpr std::uint64_t kHeadSize = 256;
+
+/// Whether the bytes at the start of `head` begin a record that fits itself and the `room` left in the file.
+/// With all its lengths in agreement it is not chance.
+bool begins_record(Bytes head, std::uint64_t room, RecordPlace& place) {
+  ByteReader in(head);
+  place.opcode = static_cast<Opcode>(in.u8());
+  if (place.opcode != Opcode::chunk && place.opcode != Opcode::attachment && place.opcode != Opcode::metadata)
+    return false;
+  place.length = in.u64();
+  if (!in.ok() || room < kRecordHeaderSize || place.length > room - kRecordHeaderSize) return false;
+  ByteReader fields(head.subspan(in.position()));
+  std::uint64_t payload = 0, behind = 0;
+  if (place.opcode == Opcode::chunk) {
+    const std::uint64_t start_time = fields.u64();
+    if (fields.u64() < start_time) return false;
+    fields.take(sizeof(std::uint64_t) + sizeof(std::uint32_t));  // uncompressed size, checksum
+    const std::string compression = fields.text();
+    if (compression != "lz4" && compression != "zstd" && !compression.empty()) return false;
+    payload = fields.u64();
+  } else if (place.opcode == Opcode::attachment) {
+    fields.take(2 * sizeof(std::uint64_t));  // times
+    const std::string name = fields.text();
+    if (name != kSessionAttachment && name != kStateAttachment) return false;
+    fields.text();  // media type
+    payload = fields.u64();
+    behind = sizeof(std::uint32_t);  // checksum
+  } else {
+    if (fields.text() != kMetadataName) return false;
+    payload = fields.u32();
+  }
+  return fields.ok() && payload <= place.length && fields.position() + payload + behind == place.length;
+}
+
+/// The first record worth keeping that seems to begin at `offset` or later.
+Status find_next(const InputFile& file, std::uint64_t offset, RecordPlace& place, bool& found) {
+  constexpr std::uint64_t kBlock = 1u << 16;
+  std::vector<std::uint8_t> block;
+  found = false;
+  while (offset < file.size()) {
+    const std::uint64_t size = std::min(kBlock + kHeadSize, file.size() - offset);
+    if (Status status = file.read(offset, size, block); !status.ok()) return status;
+    for (std::uint64_t i = 0; i < std::min(kBlock, size); ++i) {
+      const std::uint64_t head = std::min(kHeadSize, size - i);
+      if (!begins_record(Bytes(block).subspan(i, head), file.size() - offset - i, place)) continue;
+      place.offset = offset + i;
+      found = true;
+      return {};
+    }
+    offset += kBlock;
+  }
+  return {};
+}
+
+class Recovery {
+ public:
+  Status open(const std::string& path);
+  /// Looks for session, metadata and compression; an error where there is no whole session.
+  Status find_session();
+  /// Copies the ticks of all whole chunks.
+  Status copy_ticks(const std::string& output);
+  [[nodiscard]] std::uint64_t recovered() const { return recovered_; }
+  /// Tick numbers there once were, or that lie between such, and are not kept.
+  [[nodiscard]] std::vector<TickRange> missing() const;
+
+ private:
+  Status copy_chunk(McapWriter& writer);
+  Status copy_message(Bytes bytes, McapWriter& writer);
+  void expect(std::uint64_t start_time, std::uint64_t end_time);
+
+  InputFile file_;
+  Scene scene_;
+  std::vector<std::uint8_t> session_, state_;
+  std::map<std::string, std::string> metadata_;
+  std::optional<Compression> compression_;
+  std::vector<std::uint8_t> content_;
+  LoadedChunk chunk_;
+
+  std::uint64_t recovered_ = 0;
+  std::uint64_t first_ = 0, last_ = 0;                     // ticks kept
+  std::optional<std::uint64_t> first_known_, last_known_;  // ticks there once were, kept or not
+  std::vector<TickRange> gaps_;                            // between ticks kept
+};
+
+Status Recovery::open(const std::string& path) { return file_.open(path); }
+
+Status Recovery::find_session() {
+  bool found = true;
+  for (std::uint64_t offset = 0; found && (session_.empty() || !compression_);) {
+    RecordPlace place;
+    if (Status status = find_next(file_, offset, place, found); !status.ok()) return status;
+    if (!found) break;
+    offset = place.end();
+    if (place.opcode == Opcode::attachment) {
+      Attachment attachment;
+      State state;
+      if (!load_attachment(file_, place, content_, attachment).ok()) continue;
+      const Bytes data = attachment.data;
+      if (attachment.name == kStateAttachment && decode_state(data, state).ok())
+        state_.assign(data.begin(), data.end());
+      if (attachment.name == kSessionAttachment && session_.empty() && decode_session(data, scene_).ok())
+        session_.assign(data.begin(), data.end());
+    } else if (place.opcode == Opcode::metadata) {
+      Metadata metadata;
+      if (read_content(file_, place, content_).ok() && parse(content_, metadata))
+        metadata_ = std::move(metadata.metadata);
+    } else if (place.opcode == Opcode::chunk && !compression_) {
+      Chunk chunk;
+      if (!read_content(file_, place, content_).ok() || !parse(content_, chunk)) continue;
+      compression_ = chunk.compression == "zstd"  ? Compression::zstd
+                     : chunk.compression == "lz4" ? Compression::lz4
+                                                  : Compression::none;
+    }
+  }
+  if (!session_.empty()) return {};
+  return file_.broken(
+      0,
+      "the file holds no whole session (hand, world, settings); without it the ticks can't be "
+      "used, so nothing is recovered");
+}
+
+// Chunk times that are damaged themselves must not make up ticks: a chunk covers a quarter of a second.
+void Recovery::expect(std::uint64_t start_time, std::uint64_t end_time) {
+  constexpr std::uint64_t kMostCovered = 1'000'000'000;  // [ns]
+  if (end_time < start_time || end_time - start_time > kMostCovered) return;
+  const auto tick_at = [&](std::uint64_t time) {
+    return static_cast<std::uint64_t>(static_cast<double>(time) * scene_.settings.rate * 1e-9 + 0.5);
+  };
+  if (start_time > std::uint64_t{1} << 62) return;
+  first_known_ = std::min(first_known_.value_or(tick_at(start_time)), tick_at(start_time));
+  last_known_ = std::max(last_known_.value_or(tick_at(end_time)), tick_at(end_time));
+}
+
+Status Recovery::copy_message(Bytes bytes, McapWriter& writer) {
+  Message message;
+  TickRecord record;
+  InputCheck check;
+  if (!parse(bytes, message) || !decode_tick(message.data, record, check).ok()) return {};
+  const std::uint64_t tick = record.output.tick;
+  if (recovered_ > 0 && tick <= last_) return {};
+  if (recovered_ > 0 && tick > last_ + 1) gaps_.push_back({last_ + 1, tick - 1});
+  if (recovered_++ == 0) first_ = tick;
+  last_ = tick;
+  // The message is copied as it is: its input check must go on telling what happened to it.
+  return writer.message(tick_time(tick, 1e9 / scene_.settings.rate), static_cast<std::uint32_t>(tick),
+                        message.data);
+}
+
+Status Recovery::copy_chunk(McapWriter& writer) {
+  for (std::size_t offset = 0; offset < chunk_.records.size();) {
+    InnerRecord inner;
+    if (!find_inner_record(chunk_.records, offset, inner)) break;
+    offset = inner.end;
+    if (inner.opcode != Opcode::message) continue;
+    if (Status status = copy_message(inner.content, writer); !status.ok()) return status;
+  }
+  return {};
+}
+
+Status Recovery::copy_ticks(const std::string& output) {
+  McapWriter writer;
+  McapWriterOptions options;
+  options.compression = compression_.value_or(Compression::lz4);
+  Status status = open_recording(output, OutputFile::Place::beside, scene_.settings.rate, session_, state_,
+                                 metadata_, options, writer);
+  bool found = true;
+  for (std::uint64_t offset = 0; status.ok() && found;) {
+    RecordPlace place;
+    status = find_next(file_, offset, place, found);
+    if (!status.ok() || !found) break;
+    offset = place.end();
+    if (place.opcode != Opcode::chunk) continue;
+    if (load_chunk(file_, place, content_, chunk_).ok()) {
+      status = copy_chunk(writer);
+    } else {
+      expect(chunk_.header.start_time, chunk_.header.end_time);
+    }
+  }
+  if (status.ok()) status = writer.close();
+  if (!status.ok()) {
+    writer.discard();
+    return status;
+  }
+
+  Summary summary;
+  bool present = false;
+  if (read_summary(file_, summary, present).ok() && present)
+    for (const ChunkIndex& chunk : summary.chunks) expect(chunk.start_time, chunk.end_time);
+  return {};
+}
+
+std::vector<TickRange> Recovery::missing() const {
+  std::vector<TickRange> ranges;
+  if (recovered_ == 0) {
+    if (first_known_) ranges.push_back({*first_known_, *last_known_});
+    return ranges;
+  }
+  if (first_known_ && *first_known_ < first_) ranges.push_back({*first_known_, first_ - 1});
+  ranges.insert(ranges.end(), gaps_.begin(), gaps_.end());
+  if (last_known_ && *last_known_ > last_) ranges.push_back({last_ + 1, *last_known_});
+  return ranges;
+}
+
+}  // namespace
+
+Status recover_recording(const std::string& path, const std::string& output, std::uint64_t& recovered,
+                         std::uint64_t& lost, std::vector<TickRange>* missing) try {
+  std::error_code ignored;
+  if (std::filesystem::equivalent(path, output, ignored))
+    return Status::error(output + ": is the damaged file itself; name another to write to");
+  Recovery recovery;
+  if (Status status = recovery.open(path); !status.ok()) return status;
+  if (Status status = recovery.find_session(); !status.ok()) return status;
+  if (Status status = recovery.copy_ticks(output); !status.ok()) return status;
+  recovered = recovery.recovered();
+  lost = 0;
+  const std::vector<TickRange> ranges = recovery.missing();
+  for (const TickRange& range : ranges) lost += range.last - range.first + 1;
+  if (missing != nullptr) *missing = ranges;
+  return {};
+} catch (const std::bad_alloc&) {
+  return Status::error(path + ": not enough memory to recover the recording");
+}
+
+}  // namespace lumbrical

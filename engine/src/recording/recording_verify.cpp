@@ -1,0 +1,291 @@
+// Verification of a recording: the whole file is read once and compared with everything it says about itself.
+#include <map>
+#include <new>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lumbrical/recording.h"
+#include "recording/mcap_reader.h"
+#include "recording/record_fields.h"
+#include "recording/tick_message.h"
+
+namespace lumbrical {
+
+using namespace mcap;
+
+namespace {
+
+/// What a walk through the data section has found, to be held against the summary.
+class Verification {
+ public:
+  explicit Verification(double period) : period_(period) {}
+  Status run(const std::string& path);
+
+ private:
+  Status walk(std::uint64_t data_start, std::uint64_t& data_end);
+  Status check_record(const RecordPlace& place);
+  Status check_schema(Bytes bytes, std::uint64_t at);
+  Status check_channel(Bytes bytes, std::uint64_t at);
+  Status check_message(Bytes bytes, std::uint64_t at, std::uint64_t& time, std::uint16_t& channel);
+  Status check_tick(const Message& message, std::uint64_t at);
+  Status check_chunk(const RecordPlace& place);
+  Status check_message_index(const RecordPlace& place);
+  Status check_attachment(const RecordPlace& place);
+  Status check_metadata(const RecordPlace& place);
+  Status check_summary(std::uint64_t data_end);
+  void count_message(std::uint16_t channel, std::uint64_t time);
+
+  InputFile file_;
+  double period_;  // [ns]
+  std::vector<std::uint8_t> content_;
+  LoadedChunk chunk_;
+  std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> chunk_messages_;
+  std::optional<std::uint64_t> last_tick_;
+
+  std::map<std::uint16_t, std::string> schemas_;     // id, name
+  std::map<std::uint16_t, std::uint16_t> channels_;  // id, schema
+  std::vector<ChunkIndex> chunks_;
+  std::vector<AttachmentIndex> attachments_;
+  std::vector<MetadataIndex> metadata_;
+  Statistics statistics_;
+};
+
+void Verification::count_message(std::uint16_t channel, std::uint64_t time) {
+  const bool first = statistics_.message_count++ == 0;
+  if (first || time < statistics_.start_time) statistics_.start_time = time;
+  if (first || time > statistics_.end_time) statistics_.end_time = time;
+  ++statistics_.channel_message_counts[channel];
+}
+
+Status Verification::check_schema(Bytes bytes, std::uint64_t at) {
+  Schema schema;
+  if (!parse(bytes, schema) || schema.id == 0) return file_.broken(at, "a schema record is damaged");
+  schemas_[schema.id] = schema.name;
+  return {};
+}
+
+Status Verification::check_channel(Bytes bytes, std::uint64_t at) {
+  Channel channel;
+  if (!parse(bytes, channel)) return file_.broken(at, "a channel record is damaged");
+  if (channel.schema_id != 0 && !schemas_.contains(channel.schema_id))
+    return file_.broken(at, "a channel names a schema that has not been given");
+  channels_[channel.id] = channel.schema_id;
+  return {};
+}
+
+Status Verification::check_tick(const Message& message, std::uint64_t at) {
+  TickRecord record;
+  InputCheck check;
+  if (Status status = decode_tick(message.data, record, check); !status.ok())
+    return file_.broken(at, status.message());
+  const std::uint64_t tick = record.output.tick;
+  const std::string name = "tick " + std::to_string(tick);
+  if (const std::optional<Divergence> altered = find_altered_input(record, check))
+    return file_.broken(at, name + ": its input was changed after it was recorded: " + altered->field +
+                                " was " + altered->recorded + " and is " + altered->replayed);
+  if (last_tick_ && tick <= *last_tick_)
+    return file_.broken(at, name + " stands behind tick " + std::to_string(*last_tick_));
+  last_tick_ = tick;
+  if (message.log_time != tick_time(tick, period_))
+    return file_.broken(at, name + " is logged at " + std::to_string(message.log_time) +
+                                " ns, which is not its time at the session's rate");
+  return {};
+}
+
+Status Verification::check_message(Bytes bytes, std::uint64_t at, std::uint64_t& time,
+                                   std::uint16_t& channel) {
+  Message message;
+  if (!parse(bytes, message)) return file_.broken(at, "a message is shorter than it declares");
+  const auto found = channels_.find(message.channel_id);
+  if (found == channels_.end()) return file_.broken(at, "a message names a channel that has not been given");
+  time = message.log_time;
+  channel = message.channel_id;
+  count_message(channel, time);
+  const auto schema = schemas_.find(found->second);
+  const bool is_tick = schema != schemas_.end() && schema->second == kTickSchemaName;
+  return is_tick ? check_tick(message, at) : Status{};
+}
+
+Status Verification::check_chunk(const RecordPlace& place) {
+  if (Status status = load_chunk(file_, place, content_, chunk_); !status.ok()) return status;
+  chunk_messages_.clear();
+  std::uint64_t first = 0, last = 0, count = 0;
+  for (std::size_t offset = 0; offset < chunk_.records.size();) {
+    InnerRecord inner;
+    if (!find_inner_record(chunk_.records, offset, inner))
+      return file_.broken(place.offset, "the chunk ends in the middle of a record");
+    Status status;
+    if (inner.opcode == Opcode::message) {
+      std::uint64_t time = 0;
+      std::uint16_t channel = 0;
+      status = check_message(inner.content, place.offset, time, channel);
+      first = count == 0 || time < first ? time : first;
+      last = count == 0 || time > last ? time : last;
+      ++count;
+      chunk_messages_[channel].emplace_back(time, offset);
+    } else if (inner.opcode == Opcode::schema) {
+      status = check_schema(inner.content, place.offset);
+    } else if (inner.opcode == Opcode::channel) {
+      status = check_channel(inner.content, place.offset);
+    } else {
+      status = file_.broken(place.offset, "the chunk holds a record that does not belong in chunks");
+    }
+    if (!status.ok()) return status;
+    offset = inner.end;
+  }
+  const Chunk& header = chunk_.header;
+  if (header.start_time != first || header.end_time != last)
+    return file_.broken(place.offset, "the chunk's times are not those of its messages");
+  chunks_.push_back({first,
+                     last,
+                     place.offset,
+                     place.end() - place.offset,
+                     {},
+                     0,
+                     header.compression,
+                     chunk_.compressed_size,
+                     header.uncompressed_size});
+  return {};
+}
+
+Status Verification::check_message_index(const RecordPlace& place) {
+  MessageIndex index;
+  if (!parse(content_, index) || chunks_.empty())
+    return file_.broken(place.offset, "a message index is damaged");
+  const auto messages = chunk_messages_.find(index.channel_id);
+  const bool known = messages != chunk_messages_.end();
+  if (known ? index.entries != messages->second : !index.entries.empty())
+    return file_.broken(place.offset, "a message index does not fit the chunk before it");
+  chunks_.back().message_index_offsets[index.channel_id] = place.offset;
+  chunks_.back().message_index_length += place.end() - place.offset;
+  return {};
+}
+
+Status Verification::check_attachment(const RecordPlace& place) {
+  Attachment attachment;
+  if (Status status = load_attachment(file_, place, content_, attachment); !status.ok()) return status;
+  attachments_.push_back({place.offset, place.end() - place.offset, attachment.log_time,
+                          attachment.create_time, attachment.data.size(), attachment.name,
+                          attachment.media_type});
+  return {};
+}
+
+Status Verification::check_metadata(const RecordPlace& place) {
+  Metadata metadata;
+  if (!parse(content_, metadata))
+    return file_.broken(place.offset, "the metadata is shorter than it declares");
+  metadata_.push_back({place.offset, place.end() - place.offset, metadata.name});
+  return {};
+}
+
+// `content_` holds the record's content.
+Status Verification::check_record(const RecordPlace& place) {
+  switch (place.opcode) {
+    case Opcode::schema:
+      return check_schema(content_, place.offset);
+    case Opcode::channel:
+      return check_channel(content_, place.offset);
+    case Opcode::chunk:
+      return check_chunk(place);
+    case Opcode::message_index:
+      return check_message_index(place);
+    case Opcode::attachment:
+      return check_attachment(place);
+    case Opcode::metadata:
+      return check_metadata(place);
+    case Opcode::message: {
+      std::uint64_t time = 0;
+      std::uint16_t channel = 0;
+      return check_message(content_, place.offset, time, channel);
+    }
+    default:
+      break;
+  }
+  if (place.opcode >= Opcode::first_private) return {};
+  return file_.broken(place.offset, "there is a record here that does not belong here");
+}
+
+Status Verification::walk(std::uint64_t data_start, std::uint64_t& data_end) {
+  std::vector<std::uint8_t> header;
+  if (Status status = file_.read(0, data_start, header); !status.ok()) return status;
+  std::uint32_t crc = crc32(0, header);
+  for (std::uint64_t offset = data_start;;) {
+    RecordPlace place;
+    bool whole = false;
+    if (Status status = find_record(file_, offset, file_.size(), place, whole); !status.ok()) return status;
+    if (!whole) return file_.broken(offset, "the file is torn here; recover keeps what stands before");
+    if (Status status = read_content(file_, place, content_); !status.ok()) return status;
+    if (place.opcode == Opcode::data_end) {
+      std::uint32_t stated = 0;
+      if (!parse_data_end(content_, stated)) return file_.broken(offset, "the end of the data is damaged");
+      if (stated != 0 && stated != crc)
+        return file_.broken(offset, "the checksum of the data (bytes 0 to " + std::to_string(offset - 1) +
+                                        ") is wrong; recover keeps what is whole");
+      data_end = place.end();
+      return {};
+    }
+    if (Status status = file_.read(offset, kRecordHeaderSize, header); !status.ok()) return status;
+    crc = crc32(crc32(crc, header), content_);
+    if (Status status = check_record(place); !status.ok()) return status;
+    offset = place.end();
+  }
+}
+
+Status Verification::check_summary(std::uint64_t data_end) {
+  Summary summary;
+  bool present = false;
+  if (Status status = read_summary(file_, summary, present); !status.ok()) return status;
+  if (!present || summary.start != data_end)
+    return file_.broken(data_end, "the index does not follow the data; recover rebuilds it");
+  const auto wrong = [&](const char* what) {
+    return file_.broken(summary.start,
+                        std::string("the summary's ") + what + " does not fit the data; recover rebuilds it");
+  };
+  if (summary.chunks != chunks_) return wrong("chunk index");
+  if (summary.attachments != attachments_) return wrong("attachment index");
+  if (summary.metadata != metadata_) return wrong("metadata index");
+  for (const Summary::SchemaName& schema : summary.schemas)
+    if (!schemas_.contains(schema.id) || schemas_.at(schema.id) != schema.name) return wrong("schema");
+  for (const Channel& channel : summary.channels)
+    if (!channels_.contains(channel.id) || channels_.at(channel.id) != channel.schema_id)
+      return wrong("channel");
+  if (summary.schemas.size() != schemas_.size() || summary.channels.size() != channels_.size())
+    return wrong("list of schemas and channels");
+
+  statistics_.schema_count = static_cast<std::uint16_t>(schemas_.size());
+  statistics_.channel_count = static_cast<std::uint32_t>(channels_.size());
+  statistics_.attachment_count = static_cast<std::uint32_t>(attachments_.size());
+  statistics_.metadata_count = static_cast<std::uint32_t>(metadata_.size());
+  statistics_.chunk_count = static_cast<std::uint32_t>(chunks_.size());
+  if (summary.statistics && *summary.statistics != statistics_) return wrong("statistics record");
+
+  if (summary.offset_start == 0) return {};
+  std::vector<SummaryOffset>& groups = summary.groups;
+  const bool last_is_offsets = !groups.empty() && groups.back().group == Opcode::summary_offset;
+  if (last_is_offsets && groups.back().start != summary.offset_start) return wrong("offset section");
+  if (last_is_offsets) groups.pop_back();
+  return groups == summary.summary_offsets ? Status{} : wrong("offset section");
+}
+
+Status Verification::run(const std::string& path) {
+  if (Status status = file_.open(path); !status.ok()) return status;
+  Header header;
+  std::uint64_t data_start = 0, data_end = 0;
+  if (Status status = read_start(file_, header, data_start); !status.ok()) return status;
+  if (Status status = walk(data_start, data_end); !status.ok()) return status;
+  return check_summary(data_end);
+}
+
+}  // namespace
+
+Status verify_recording(const std::string& path, RecordingInfo& info) try {
+  RecordingReader reader;
+  if (Status status = reader.open(path); !status.ok()) return status;
+  info = reader.info();
+  return Verification(1e9 / reader.scene().settings.rate).run(path);
+} catch (const std::bad_alloc&) {
+  return Status::error(path + ": not enough memory to verify the recording");
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,217 @@
+// Replay and comparison: the recording is the device, the recorded output is what the engine has to give
+// again.
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "base/hash.h"
+#include "lumbrical/recording.h"
+#include "recording/record_fields.h"
+#include "recording/replay.h"
+#include "recording/replay_trace.h"
+#include "recording/session_message.h"
+
+namespace lumbrical {
+namespace {
+
+constexpr std::uint64_t kProgressInterval = 1000;  // ticks between reports
+
+Status broken(const RecordingReader& reader, const std::string& what) {
+  return Status::error(reader.info().path + ": " + what);
+}
+
+void run_tick(const Model& model, State& state, Scratch& scratch, TickRecord& result) {
+  result.output = tick(model, state, scratch, result.device);
+  result.stage_hash = scratch.stage_hash;
+  result.state_hash = hash_state(state);
+}
+
+std::string build_of(const RecordingReader& reader) {
+  const auto build = reader.info().metadata.find("build");
+  return build == reader.info().metadata.end() ? "unknown" : build->second;
+}
+
+void name_builds(const RecordingReader& reader, Divergence& divergence) {
+  divergence.recorded_build = build_of(reader);
+  divergence.replayed_build = build_text();
+}
+
+/// The first input field in which two records differ.
+std::optional<Divergence> compare_inputs(const TickRecord& a, const TickRecord& b) {
+  const InputFields fields_a = input_fields(a), fields_b = input_fields(b);
+  const auto [at_a, at_b] = std::mismatch(fields_a.begin(), fields_a.end(), fields_b.begin());
+  if (at_a == fields_a.end()) return std::nullopt;
+  const int field = static_cast<int>(at_a - fields_a.begin());
+  return Divergence{std::min(a.output.tick, b.output.tick), "input", input_field_name(field),
+                    input_field_text(field, *at_a), input_field_text(field, *at_b)};
+}
+
+Status session_hash(const Scene& scene, std::uint64_t& hash) {
+  std::vector<std::uint8_t> session;
+  if (Status status = encode_session(scene, session); !status.ok()) return status;
+  Hasher hasher;
+  hasher.array(session);
+  hash = hasher.digest();
+  return {};
+}
+
+// Where all ticks agree, the worlds may still differ where nothing was touched.
+Status compare_scenes(const RecordingReader& a, const RecordingReader& b, ReplayResult& result) {
+  std::uint64_t hash_a = 0, hash_b = 0;
+  if (Status status = session_hash(a.scene(), hash_a); !status.ok()) return status;
+  if (Status status = session_hash(b.scene(), hash_b); !status.ok()) return status;
+  if (hash_a != hash_b)
+    result.first_divergence = {a.info().first_tick, "scene", "hash", hash_text(hash_a), hash_text(hash_b)};
+  return {};
+}
+
+}  // namespace
+
+Status scene_for(const RecordingReader& reader, const ReplayOptions& options, Scene& scene) {
+  scene = reader.scene();
+  if (options.law) scene.settings.law.fill(*options.law);
+  if (options.tolerance) scene.settings.tolerance = *options.tolerance;
+  if (options.stiffness) scene.settings.stiffness = *options.stiffness;
+  for (const auto& other : options.mesh) {
+    const std::string& name = other.first;  // no structured binding: clang 14 does not capture those
+    const auto object = std::find_if(scene.objects.begin(), scene.objects.end(),
+                                     [&name](const SceneObject& o) { return o.name == name; });
+    if (object == scene.objects.end())
+      return Status::error(reader.info().path + ": the scene has no object \"" + name +
+                           "\"; lumbrical info lists them");
+    object->mesh = other.second;
+  }
+  return {};
+}
+
+Status missing_tick(const RecordingReader& reader, std::uint64_t expected, std::uint64_t found) {
+  return Status::error(reader.info().path + ": tick " + std::to_string(expected) +
+                       " is missing (the next one recorded is " + std::to_string(found) +
+                       "): what the engine carried over from it is unknown, so no tick from " +
+                       "there on can be replayed; record without gaps (not paced by the clock)");
+}
+
+namespace {
+
+/// One replay: what stays the same from tick to tick.
+struct Run {
+  RecordingReader& reader;
+  const ReplayOptions& options;
+  ReplayResult& result;
+  Model model;
+  State state;
+  Scratch scratch;
+  bool traced = false;
+
+  Status tick_of(const TickRecord& recorded);
+};
+
+// Compares one tick; what differs is named in the result, and traced where that was asked for.
+Status Run::tick_of(const TickRecord& recorded) {
+  // An altered input is named as such, before its consequences: a changed tick number, for one, looks like
+  // a gap.
+  std::optional<Divergence>& divergence = result.first_divergence;
+  divergence = reader.altered_input();
+  if (divergence) return {};
+  if (recorded.output.tick != state.tick) return missing_tick(reader, state.tick, recorded.output.tick);
+  const State before = state;
+  TickRecord replayed;
+  replayed.device = recorded.device;
+  const auto start = std::chrono::steady_clock::now();
+  run_tick(model, state, scratch, replayed);
+  result.replayed_time += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.recorded_time += 1e-9 * recorded.duration_ns;
+  divergence = compare_results(recorded, replayed);
+  const TickRun run{model, state, scratch, replayed.device, replayed.output};
+  if (divergence)
+    if (Status status = name_difference(reader.scene(), before, recorded, run, *divergence); !status.ok())
+      return status;
+  const bool wanted =
+      options.trace_tick ? *options.trace_tick == recorded.output.tick : divergence.has_value();
+  if (options.trace.empty() || !wanted) return {};
+  traced = true;
+  const bool whole = options.trace_tick.has_value();
+  const std::string stage = options.trace_stage ? std::string(stage_name(*options.trace_stage))
+                            : whole             ? std::string()
+                                                : divergence->stage;
+  return write_trace(options.trace, run, stage);
+}
+
+}  // namespace
+
+Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResult& result) {
+  result = {};
+  Run run{reader, options, result, {}, {}, {}};
+  Scene scene;
+  Status status = scene_for(reader, options, scene);
+  if (!status.ok()) return status;
+  status = build_model(scene, options.execution, run.model);
+  if (!status.ok()) return broken(reader, status.message());
+  if (status = reader.seek(0); !status.ok()) return status;
+  if (reader.info().ticks == 0)
+    return broken(reader, "the recording holds no tick; there is nothing to replay");
+
+  run.state = reader.initial_state();
+  run.scratch = make_scratch(run.model);
+  TickRecord recorded;
+  for (;;) {
+    bool end = false;
+    if (status = reader.next(recorded, end); !status.ok()) return status;
+    if (end) break;
+    ++result.ticks;
+    if (status = run.tick_of(recorded); !status.ok()) return status;
+    if (result.first_divergence) {
+      name_builds(reader, *result.first_divergence);
+      return {};
+    }
+    if (options.progress && result.ticks % kProgressInterval == 0)
+      options.progress(result.ticks, reader.info().ticks);
+  }
+  if (result.ticks != reader.info().ticks)
+    return broken(reader, "the recording declares " + std::to_string(reader.info().ticks) +
+                              " ticks but holds " + std::to_string(result.ticks) +
+                              "; the file is damaged, run recover");
+  if (!options.trace.empty() && options.trace_tick && !run.traced)
+    return broken(reader,
+                  "tick " + std::to_string(*options.trace_tick) + " is not in it; nothing was traced");
+  return {};
+}
+
+namespace {
+
+Status compare_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& result) {
+  if (Status status = a.seek(0); !status.ok()) return status;
+  if (Status status = b.seek(0); !status.ok()) return status;
+  for (;;) {
+    TickRecord record_a, record_b;
+    bool end_a = false, end_b = false;
+    if (Status status = a.next(record_a, end_a); !status.ok()) return status;
+    if (Status status = b.next(record_b, end_b); !status.ok()) return status;
+    if (end_a && end_b) return compare_scenes(a, b, result);
+    ++result.ticks;
+    if (end_a || end_b) {
+      const std::string tick = std::to_string((end_a ? record_b : record_a).output.tick);
+      result.first_divergence = {(end_a ? record_b : record_a).output.tick, "input", "tick",
+                                 end_a ? "none" : tick, end_b ? "none" : tick};
+      return {};
+    }
+    result.first_divergence = compare_inputs(record_a, record_b);
+    if (!result.first_divergence) result.first_divergence = compare_results(record_a, record_b);
+    if (result.first_divergence) return {};
+  }
+}
+
+}  // namespace
+
+Status diff_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& result) {
+  result = {};
+  Status status = compare_recordings(a, b, result);
+  if (result.first_divergence) {
+    result.first_divergence->recorded_build = build_of(a);
+    result.first_divergence->replayed_build = build_of(b);
+  }
+  return status;
+}
+
+}  // namespace lumbrical

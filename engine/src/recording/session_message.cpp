@@ -1,0 +1,206 @@
+// Encoding and checked decoding of the session attachment.
+#include "recording/session_message.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "recording/message_alignment.h"
+#include "recording_generated.h"
+
+namespace lumbrical {
+namespace {
+
+constexpr std::uint32_t kSessionVersion = 1;
+
+using flatbuffers::FlatBufferBuilder;
+using flatbuffers::Offset;
+
+// The engine's arrays and the schema's structs lie alike in memory, so meshes are copied in one go.
+static_assert(sizeof(fb::Vec3) == sizeof(Vec3) && sizeof(fb::Triangle) == sizeof(Triangle));
+
+fb::Pose to_fb(const Pose& pose) {
+  const auto& [p, q] = pose;
+  return {fb::Vec3(p.x, p.y, p.z), fb::Quat(q.w, q.x, q.y, q.z)};
+}
+
+Pose from_fb(const fb::Pose& pose) {
+  const fb::Vec3& p = pose.position();
+  const fb::Quat& q = pose.orientation();
+  return {{p.x(), p.y(), p.z()}, {q.w(), q.x(), q.y(), q.z()}};
+}
+
+Offset<flatbuffers::Vector<const fb::Vec3*>> to_fb(FlatBufferBuilder& builder,
+                                                   const std::vector<Vec3>& points) {
+  return builder.CreateVectorOfStructs(reinterpret_cast<const fb::Vec3*>(points.data()), points.size());
+}
+
+std::vector<Vec3> from_fb(const flatbuffers::Vector<const fb::Vec3*>* points) {
+  std::vector<Vec3> result(points != nullptr ? points->size() : 0);
+  if (!result.empty()) std::memcpy(result.data(), points->Data(), result.size() * sizeof(Vec3));
+  return result;
+}
+
+Offset<fb::Finger> to_fb(FlatBufferBuilder& builder, const Finger& finger) {
+  std::array<fb::AngleLimit, 4> limits;
+  for (std::size_t i = 0; i < limits.size(); ++i) limits[i] = {finger.limit[i].lower, finger.limit[i].upper};
+  const fb::Pose base = to_fb(finger.base);
+  const auto lengths = builder.CreateVector(finger.bone_length.data(), finger.bone_length.size());
+  return fb::CreateFinger(builder, &base, lengths,
+                          builder.CreateVectorOfStructs(limits.data(), limits.size()));
+}
+
+Offset<fb::Hand> to_fb(FlatBufferBuilder& builder, const Hand& hand) {
+  std::array<Offset<fb::Finger>, kFingerCount> fingers;
+  for (std::size_t f = 0; f < kFingerCount; ++f) fingers[f] = to_fb(builder, hand.finger[f]);
+  const auto radii = builder.CreateVector(hand.radius.data(), hand.radius.size());
+  const auto all_fingers = builder.CreateVector(fingers.data(), fingers.size());
+  const auto polygon = to_fb(builder, hand.palm.polygon);
+  const fb::Pose palm_joint = to_fb(hand.palm_joint);
+  return fb::CreateHand(builder, static_cast<fb::Side>(hand.side), radii, all_fingers, polygon,
+                        hand.palm.height, hand.palm.thickness, &palm_joint);
+}
+
+Offset<fb::Object> to_fb(FlatBufferBuilder& builder, const SceneObject& object) {
+  const Mesh& mesh = object.mesh;
+  const auto name = builder.CreateString(object.name);
+  const auto vertices = to_fb(builder, mesh.vertices);
+  const auto triangles = builder.CreateVectorOfStructs(
+      reinterpret_cast<const fb::Triangle*>(mesh.triangles.data()), mesh.triangles.size());
+  return fb::CreateObject(builder, name, vertices, triangles);
+}
+
+Offset<fb::Settings> to_fb(FlatBufferBuilder& builder, const Settings& settings) {
+  std::array<std::uint8_t, kSegmentCount> laws;
+  for (std::size_t s = 0; s < kSegmentCount; ++s) laws[s] = static_cast<std::uint8_t>(settings.law[s]);
+  const auto all_laws = builder.CreateVectorScalarCast<fb::Law>(laws.data(), laws.size());
+  return fb::CreateSettings(builder, all_laws, settings.stiffness, settings.rate, settings.point_area,
+                            settings.max_force, settings.fade_time, settings.max_candidates,
+                            settings.tolerance);
+}
+
+/// Room the objects take in the message, rounded up.
+double size_of(const Scene& scene) {
+  double bytes = 0;
+  for (const SceneObject& object : scene.objects) {
+    bytes += 24.0 * static_cast<double>(object.mesh.vertices.size()) +
+             12.0 * static_cast<double>(object.mesh.triangles.size()) +
+             static_cast<double>(object.name.size()) + 100;
+  }
+  return bytes;
+}
+
+Status decode_finger(const fb::Finger* message, Finger& finger) {
+  const auto* const lengths = message != nullptr ? message->bone_lengths() : nullptr;
+  const auto* const limits = message != nullptr ? message->limits() : nullptr;
+  if (lengths == nullptr || lengths->size() != 4 || limits == nullptr || limits->size() != 4 ||
+      message->base() == nullptr || !is_aligned(lengths) || !is_aligned(limits))
+    return Status::error("a finger of the session's hand is incomplete");
+  finger.base = from_fb(*message->base());
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    finger.bone_length[i] = lengths->Get(i);
+    finger.limit[i] = {limits->Get(i)->lower(), limits->Get(i)->upper()};
+  }
+  return {};
+}
+
+Status decode_hand(const fb::Hand* message, Hand& hand) {
+  if (message == nullptr || message->radii() == nullptr || message->radii()->size() != kJointCount ||
+      message->fingers() == nullptr || message->fingers()->size() != kFingerCount ||
+      message->palm_joint() == nullptr || !is_aligned(message->radii()))
+    return Status::error("the session's hand is incomplete");
+  if (message->side() > fb::Side::MAX) return Status::error("the session's hand is neither left nor right");
+  hand.side = static_cast<Side>(message->side());
+  for (std::uint32_t j = 0; j < kJointCount; ++j) hand.radius[j] = message->radii()->Get(j);
+  for (std::uint32_t f = 0; f < kFingerCount; ++f) {
+    if (Status status = decode_finger(message->fingers()->Get(f), hand.finger[f]); !status.ok())
+      return status;
+  }
+  hand.palm = {from_fb(message->palm_polygon()), message->palm_height(), message->palm_thickness()};
+  hand.palm_joint = from_fb(*message->palm_joint());
+  return check_hand(hand);
+}
+
+Status decode_settings(const fb::Settings* message, Settings& settings) {
+  if (message == nullptr || message->laws() == nullptr || message->laws()->size() != kSegmentCount)
+    return Status::error("the session's settings are incomplete");
+  for (std::uint32_t s = 0; s < kSegmentCount; ++s) {
+    const auto law = static_cast<fb::Law>(message->laws()->Get(s));
+    if (law > fb::Law::MAX) return Status::error("the session names an unknown law");
+    settings.law[s] = static_cast<Law>(law);
+  }
+  settings.stiffness = message->stiffness();
+  settings.rate = message->rate();
+  settings.point_area = message->point_area();
+  settings.max_force = message->max_force();
+  settings.fade_time = message->fade_time();
+  settings.max_candidates = message->max_candidates();
+  settings.tolerance = message->tolerance();
+  // Session time is computed from the rate before build_model sees it.
+  if (!(settings.rate >= 1 && settings.rate <= 100000))
+    return Status::error("the session's rate is out of range");
+  return {};
+}
+
+Status decode_objects(const fb::Session& message, std::size_t size, std::vector<SceneObject>& objects) {
+  if (message.objects() == nullptr) return {};
+  // Many objects of a forged file may share one array; together they must not be larger than the file.
+  std::size_t room = size;
+  for (const fb::Object* const object : *message.objects()) {
+    SceneObject& out = objects.emplace_back();
+    const auto* const vertices = object->vertices();
+    const auto* const triangles = object->triangles();
+    const std::size_t needed = (vertices != nullptr ? vertices->size() * sizeof(Vec3) : 0) +
+                               (triangles != nullptr ? triangles->size() * sizeof(Triangle) : 0) +
+                               (object->name() != nullptr ? object->name()->size() : 0);
+    if (needed > room) return Status::error("the session's objects overlap");
+    room -= needed;
+    if (object->name() != nullptr) out.name = object->name()->str();
+    out.mesh.vertices = from_fb(vertices);
+    if (triangles == nullptr || triangles->size() == 0) continue;
+    out.mesh.triangles.resize(triangles->size());
+    std::memcpy(out.mesh.triangles.data(), triangles->Data(), triangles->size() * sizeof(Triangle));
+  }
+  return {};
+}
+
+}  // namespace
+
+Status encode_session(const Scene& scene, std::vector<std::uint8_t>& bytes) {
+  if (size_of(scene) > 2147000000.0)
+    return Status::error("the scene takes 2 GiB or more and can't be recorded; use coarser meshes");
+  FlatBufferBuilder builder;
+  builder.ForceDefaults(true);  // a number left out because it equals its default might have been -0
+  std::vector<Offset<fb::Object>> objects;
+  for (const SceneObject& object : scene.objects) objects.push_back(to_fb(builder, object));
+  const auto all_objects = builder.CreateVector(objects);
+  const auto hand = to_fb(builder, scene.hand);
+  const auto settings = to_fb(builder, scene.settings);
+  builder.Finish(fb::CreateSession(builder, kSessionVersion, hand, all_objects, settings));
+  bytes.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
+  return {};
+}
+
+Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene) {
+  std::vector<std::uint64_t> aligned((bytes.size() + 7) / 8);
+  if (!bytes.empty()) std::memcpy(aligned.data(), bytes.data(), bytes.size());
+  const auto* const data = reinterpret_cast<const std::uint8_t*>(aligned.data());
+  constexpr flatbuffers::uoffset_t kDepth = 8, kTables = std::numeric_limits<flatbuffers::uoffset_t>::max();
+  flatbuffers::Verifier verifier(data, bytes.size(), kDepth, kTables);
+  if (!verifier.VerifyBuffer<fb::Session>(nullptr))
+    return Status::error("the session does not fit its schema");
+  const fb::Session& message = *flatbuffers::GetRoot<fb::Session>(data);
+  if (message.version() != kSessionVersion)
+    return Status::error("the session is of version " + std::to_string(message.version()) +
+                         ", this program reads " + std::to_string(kSessionVersion) + "; use a newer program");
+
+  Scene decoded;
+  if (Status status = decode_hand(message.hand(), decoded.hand); !status.ok()) return status;
+  if (Status status = decode_settings(message.settings(), decoded.settings); !status.ok()) return status;
+  if (Status status = decode_objects(message, bytes.size(), decoded.objects); !status.ok()) return status;
+  scene = std::move(decoded);
+  return {};
+}
+
+}  // namespace lumbrical

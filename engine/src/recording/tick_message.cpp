@@ -1,0 +1,211 @@
+// Encoding and checked decoding of tick messages.
+#include "recording/tick_message.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "recording/message_alignment.h"
+#include "recording_bfbs_generated.h"
+#include "recording_generated.h"
+
+namespace lumbrical {
+namespace {
+
+fb::Vec3 to_fb(Vec3 v) { return {v.x, v.y, v.z}; }
+Vec3 from_fb(const fb::Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+// A comparison of numbers would take -0 for +0.
+template <class T>
+bool same_bits(const T& a, const T& b) {
+  return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
+
+struct SegmentNumbers {
+  Wrench wrench;
+  Vec3 joint_torque;
+  double flexion_torque = 0;
+};
+
+SegmentNumbers numbers_of(const ActuatorFrame& frame, std::size_t s) {
+  return {frame.segment[s], frame.joint_torque[s], frame.flexion_torque[s]};
+}
+
+/// The segments that feel anything; returns how many.
+std::size_t to_fb(const ActuatorFrame& frame, std::array<fb::SegmentOutput, kSegmentCount>& segments) {
+  std::size_t count = 0;
+  for (std::uint32_t s = 0; s < kSegmentCount; ++s) {
+    const SegmentNumbers numbers = numbers_of(frame, s);
+    if (same_bits(numbers, SegmentNumbers{})) continue;
+    segments[count++] = {s, to_fb(numbers.wrench.force), to_fb(numbers.wrench.torque),
+                         to_fb(numbers.joint_torque), numbers.flexion_torque};
+  }
+  return count;
+}
+
+fb::JointPose to_fb(const JointPose& pose) {
+  const auto& [px, py, pz] = pose.position;
+  const auto& [qx, qy, qz, qw] = pose.orientation;
+  return {fb::Vec3f(px, py, pz), fb::Quatf(qx, qy, qz, qw)};
+}
+
+JointPose from_fb(const fb::JointPose& pose) {
+  const fb::Vec3f& p = pose.position();
+  const fb::Quatf& q = pose.orientation();
+  return {{p.x(), p.y(), p.z()}, {q.x(), q.y(), q.z(), q.w()}};
+}
+
+Status decode_device(const fb::Tick& message, DeviceFrame& device) {
+  const fb::Pose* const base = message.base();
+  if (base == nullptr) return Status::error("the tick message has no base pose");
+  const fb::Quat& q = base->orientation();
+  device.base = {from_fb(base->position()), {q.w(), q.x(), q.y(), q.z()}};
+  if (message.kind() > fb::InputKind::MAX)
+    return Status::error("the tick message is of an unknown kind of input");
+  device.kind = static_cast<InputKind>(message.kind());
+  device.flags = message.device_flags();
+  device.valid = message.valid();
+
+  device.joint = {};
+  if (const auto* const joints = message.joints()) {
+    if (joints->size() != kJointCount) return Status::error("the tick message does not have 26 joints");
+    for (std::uint32_t j = 0; j < kJointCount; ++j) device.joint[j] = from_fb(*joints->Get(j));
+  }
+  device.angle = {};
+  if (const auto* const angles = message.angles()) {
+    if (angles->size() != kAngleCount) return Status::error("the tick message does not have 20 angles");
+    for (std::uint32_t a = 0; a < kAngleCount; ++a) device.angle[a] = angles->Get(a);
+  }
+  return {};
+}
+
+Status decode_output(const fb::Tick& message, ActuatorFrame& output) {
+  output = {};
+  output.tick = message.tick();
+  output.flags = message.flags();
+  output.contact_count = message.contact_count();
+  output.force_error = message.force_error();
+  if (message.segments() == nullptr) return {};
+  if (!is_aligned(message.segments())) return Status::error("the tick message's segments are misplaced");
+  std::uint32_t least = 0;
+  for (const fb::SegmentOutput* const segment : *message.segments()) {
+    const std::uint32_t s = segment->segment();
+    if (s < least || s >= kSegmentCount)
+      return Status::error("the tick message's segments are not ascending numbers below 16");
+    least = s + 1;
+    output.segment[s] = {from_fb(segment->force()), from_fb(segment->torque())};
+    output.joint_torque[s] = from_fb(segment->joint_torque());
+    output.flexion_torque[s] = segment->flexion_torque();
+  }
+  return {};
+}
+
+flatbuffers::Offset<fb::Sent> to_fb(const SentCommand& sent, flatbuffers::FlatBufferBuilder& builder) {
+  const auto values = builder.CreateVector(sent.value.data(), sent.actuator_count);
+  return fb::CreateSent(builder, sent.cycle, sent.tick, sent.sent, sent.acknowledged, sent.loop_delay,
+                        static_cast<std::uint8_t>(sent.state), sent.flags, values);
+}
+
+Status decode_sent(const fb::Tick& message, TickRecord& record) {
+  record.sent_count = 0;
+  record.sent = {};
+  if (message.sent() == nullptr) return {};
+  for (const fb::Sent* const from : *message.sent()) {
+    const std::uint32_t count = from->values() == nullptr ? 0 : from->values()->size();
+    if (record.sent_count == kMaxSentPerTick || count > kMaxActuators ||
+        from->state() > static_cast<std::uint8_t>(SafetyState::fault)) {
+      return Status::error("the tick message has a command to the device that can't be one");
+    }
+    SentCommand& sent = record.sent[record.sent_count++];
+    sent = {from->cycle(),
+            from->tick(),
+            from->sent(),
+            from->acknowledged(),
+            from->loop_delay(),
+            static_cast<SafetyState>(from->state()),
+            from->flags(),
+            count,
+            {}};
+    for (std::uint32_t i = 0; i < count; ++i) sent.value[i] = from->values()->Get(i);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::span<const std::uint8_t> tick_schema() {
+  return {fb::TickBinarySchema::data(), fb::TickBinarySchema::size()};
+}
+
+void encode_tick(const TickRecord& record, const InputCheck& check, flatbuffers::FlatBufferBuilder& builder) {
+  builder.Clear();
+  const DeviceFrame& device = record.device;
+  std::array<fb::SegmentOutput, kSegmentCount> segments;
+  const std::size_t segment_count = to_fb(record.output, segments);
+
+  flatbuffers::Offset<flatbuffers::Vector<const fb::JointPose*>> joints;
+  if (!same_bits(device.joint, DeviceFrame{}.joint)) {
+    std::array<fb::JointPose, kJointCount> poses;
+    for (std::size_t j = 0; j < kJointCount; ++j) poses[j] = to_fb(device.joint[j]);
+    joints = builder.CreateVectorOfStructs(poses.data(), poses.size());
+  }
+  flatbuffers::Offset<flatbuffers::Vector<float>> angles;
+  if (!same_bits(device.angle, DeviceFrame{}.angle))
+    angles = builder.CreateVector(device.angle.data(), device.angle.size());
+  flatbuffers::Offset<flatbuffers::Vector<const fb::SegmentOutput*>> outputs;
+  if (segment_count > 0) outputs = builder.CreateVectorOfStructs(segments.data(), segment_count);
+
+  flatbuffers::Offset<flatbuffers::Vector<flatbuffers::Offset<fb::Sent>>> sent;
+  if (record.sent_count > 0) {
+    std::array<flatbuffers::Offset<fb::Sent>, kMaxSentPerTick> offsets;
+    for (std::uint32_t i = 0; i < record.sent_count; ++i) offsets[i] = to_fb(record.sent[i], builder);
+    sent = builder.CreateVector(offsets.data(), record.sent_count);
+  }
+
+  const Quat q = device.base.orientation;
+  const fb::Pose base(to_fb(device.base.position), fb::Quat(q.w, q.x, q.y, q.z));
+  const auto& hash = record.stage_hash;
+  const fb::StageHashes hashes(hash[0], hash[1], hash[2], hash[3], hash[4], hash[5]);
+  static_assert(kStageCount == 6);
+  const fb::InputCheck input_check(check.hash, check.low_sum, check.low_moment, check.high_sum,
+                                   check.high_moment);
+  builder.Finish(fb::CreateTick(builder, record.output.tick, record.duration_ns, &base,
+                                static_cast<fb::InputKind>(device.kind), device.flags, device.valid, joints,
+                                angles, record.output.flags, record.output.contact_count, outputs, &hashes,
+                                record.state_hash, &input_check, record.output.force_error, sent));
+}
+
+Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, InputCheck& check) {
+  // Messages stand anywhere in a chunk; FlatBuffers reads its numbers in place and wants them aligned.
+  std::vector<std::uint64_t> aligned((bytes.size() + 7) / 8);
+  if (!bytes.empty()) std::memcpy(aligned.data(), bytes.data(), bytes.size());
+  const auto* const data = reinterpret_cast<const std::uint8_t*>(aligned.data());
+  flatbuffers::Verifier verifier(data, bytes.size());
+  if (!verifier.VerifyBuffer<fb::Tick>(nullptr))
+    return Status::error("the tick message does not fit its schema");
+  const fb::Tick& message = *flatbuffers::GetRoot<fb::Tick>(data);
+
+  if (Status status = decode_device(message, record.device); !status.ok()) return status;
+  if (Status status = decode_output(message, record.output); !status.ok()) return status;
+  if (Status status = decode_sent(message, record); !status.ok()) return status;
+  const fb::StageHashes* const hashes = message.stage_hashes();
+  const fb::InputCheck* const input_check = message.input_check();
+  if (hashes == nullptr || input_check == nullptr) return Status::error("the tick message has no hashes");
+  record.stage_hash = {hashes->input(),       hashes->hand_pose(),     hashes->broadphase(),
+                       hashes->narrowphase(), hashes->contact_force(), hashes->limits()};
+  record.state_hash = message.state_hash();
+  record.duration_ns = message.duration_ns();
+  check = {input_check->hash(), input_check->low_sum(), input_check->low_moment(), input_check->high_sum(),
+           input_check->high_moment()};
+  return {};
+}
+
+std::uint64_t tick_time(std::uint64_t tick, double period) {
+  // Beyond 2^62 ns (146 years) session time stands still.
+  constexpr double kLast = 4611686018427387904.0;
+  const double time = std::floor(static_cast<double>(tick) * period + 0.5);
+  return time < kLast ? static_cast<std::uint64_t>(time) : static_cast<std::uint64_t>(kLast);
+}
+
+}  // namespace lumbrical

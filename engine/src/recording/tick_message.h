@@ -1,0 +1,30 @@
+// A tick record as a FlatBuffer (schemas/recording.fbs) and back, every bit of it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "lumbrical/recording.h"
+#include "recording/record_fields.h"
+
+namespace flatbuffers {
+class FlatBufferBuilder;
+}
+
+namespace lumbrical {
+
+inline constexpr const char* kTickSchemaName = "lumbrical.fb.Tick";
+/// The binary schema that makes a file readable without this program.
+std::span<const std::uint8_t> tick_schema();
+
+/// Clears the builder and leaves the finished message in it. Segments without any output and joints or angles
+/// that hold their defaults take no room.
+void encode_tick(const TickRecord& record, const InputCheck& check, flatbuffers::FlatBufferBuilder& builder);
+
+/// The error tells what is wrong, not where. `bytes` may come from anywhere and need no alignment.
+Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, InputCheck& check);
+
+/// Session time at which a tick takes place [ns], for a period of 1e9 / rate; the same on every machine.
+std::uint64_t tick_time(std::uint64_t tick, double period);
+
+}  // namespace lumbrical

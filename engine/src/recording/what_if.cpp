@@ -1,0 +1,143 @@
+// "What if": the recorded hand meets a changed scene, and the forces are held against the recorded ones.
+#include <chrono>
+#include <cmath>
+
+#include "lumbrical/recording.h"
+#include "recording/replay.h"
+
+namespace lumbrical {
+namespace {
+
+// Smallest force difference people notice: 7 % (to 10 %) of a force, 15 % to 27 % of one below 0.5 N. The
+// floor gives 15 % at 0.23 N and 27 % at 0.13 N.
+constexpr double kWeber = 0.07, kWeberFloor = 0.5;  // [N]
+
+constexpr std::uint64_t kProgressInterval = 1000;  // ticks between reports
+
+/// One quantity over the ticks: largest, and sum of squares.
+struct Sum {
+  Change change;
+  void add(double value, std::uint64_t tick) {
+    change.rms += value * value;
+    if (!(value > change.max)) return;
+    change.max = value;
+    change.max_tick = tick;
+  }
+  [[nodiscard]] Change over(std::uint64_t ticks) const {
+    Change result = change;
+    result.rms = std::sqrt(change.rms / static_cast<double>(ticks));
+    return result;
+  }
+};
+
+/// A finger's three segments, or the palm.
+Vec3 force_of(const ActuatorFrame& output, int part) {
+  if (part == kFingerCount) return output.segment[kPalmSegment].force;
+  const auto first = static_cast<std::size_t>(3 * part);
+  return output.segment[first].force + output.segment[first + 1].force + output.segment[first + 2].force;
+}
+
+/// A scene being run, timed.
+struct TimedRun {
+  Model model;
+  State state;
+  Scratch scratch;
+  double seconds = 0;
+
+  Status build(const Scene& scene, const Execution& execution) {
+    Status status = build_model(scene, execution, model);
+    if (status.ok()) scratch = make_scratch(model);
+    return status;
+  }
+  ActuatorFrame run(const DeviceFrame& device) {
+    const auto start = std::chrono::steady_clock::now();
+    const ActuatorFrame output = tick(model, state, scratch, device);
+    seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return output;
+  }
+};
+
+class WhatIf {
+ public:
+  Status build(const RecordingReader& reader, const ReplayOptions& options) {
+    Scene scene;
+    if (Status status = scene_for(reader, options, scene); !status.ok()) return status;
+    Execution plain = options.execution;
+    plain.broadphase = Execution{}.broadphase;
+    Status status = changed_.build(scene, options.execution);
+    if (status.ok()) status = baseline_.build(reader.scene(), plain);
+    changed_.state = baseline_.state = reader.initial_state();
+    return status.ok() ? status : Status::error(reader.info().path + ": " + status.message());
+  }
+
+  [[nodiscard]] std::uint64_t next_tick() const { return changed_.state.tick; }
+
+  void add(const TickRecord& recorded) {
+    // Whichever goes first finds cold caches; they take turns.
+    const bool baseline_first = recorded.output.tick % 2 == 0;
+    if (baseline_first) baseline_.run(recorded.device);
+    const ActuatorFrame changed = changed_.run(recorded.device);
+    if (!baseline_first) baseline_.run(recorded.device);
+    recorded_seconds_ += 1e-9 * recorded.duration_ns;
+    const std::uint64_t number = recorded.output.tick;
+    for (int part = 0; part <= kFingerCount; ++part) {
+      const auto p = static_cast<std::size_t>(part);
+      const Vec3 before = force_of(recorded.output, part);
+      const double difference = norm(force_of(changed, part) - before);
+      const double noticeable = kWeber * max(norm(before), kWeberFloor);
+      force_[p].add(difference, number);
+      force_jnd_[p].add(difference / noticeable, number);
+      felt_[p] += difference > noticeable ? 1 : 0;
+    }
+    for (std::size_t s = 0; s < kSegmentCount; ++s)
+      torque_[s].add(norm(changed.joint_torque[s] - recorded.output.joint_torque[s]), number);
+    ++ticks_;
+  }
+
+  void finish(WhatIfResult& result) const {
+    result.ticks = ticks_;
+    const double per = 1 / static_cast<double>(ticks_);
+    for (std::size_t p = 0; p < force_.size(); ++p) {
+      result.force[p] = force_[p].over(ticks_);
+      result.force_jnd[p] = force_jnd_[p].over(ticks_);
+    }
+    result.felt_ticks = felt_;
+    for (std::size_t s = 0; s < kSegmentCount; ++s) result.torque[s] = torque_[s].over(ticks_);
+    result.recorded_time = recorded_seconds_ * per;
+    result.baseline_time = baseline_.seconds * per;
+    result.changed_time = changed_.seconds * per;
+  }
+
+ private:
+  TimedRun changed_, baseline_;
+  double recorded_seconds_ = 0;
+  std::uint64_t ticks_ = 0;
+  std::array<Sum, kFingerCount + 1> force_, force_jnd_;
+  std::array<std::uint64_t, kFingerCount + 1> felt_{};
+  std::array<Sum, kSegmentCount> torque_;
+};
+
+}  // namespace
+
+Status what_if(RecordingReader& reader, const ReplayOptions& options, WhatIfResult& result) {
+  result = {};
+  WhatIf comparison;
+  if (Status status = comparison.build(reader, options); !status.ok()) return status;
+  if (Status status = reader.seek(0); !status.ok()) return status;
+  if (reader.info().ticks == 0)
+    return Status::error(reader.info().path + ": the recording holds no tick; there is nothing to replay");
+  TickRecord recorded;
+  for (std::uint64_t done = 0;; ++done) {
+    bool end = false;
+    if (Status status = reader.next(recorded, end); !status.ok()) return status;
+    if (end) break;
+    if (recorded.output.tick != comparison.next_tick())
+      return missing_tick(reader, comparison.next_tick(), recorded.output.tick);
+    comparison.add(recorded);
+    if (options.progress && done % kProgressInterval == 0) options.progress(done, reader.info().ticks);
+  }
+  comparison.finish(result);
+  return {};
+}
+
+}  // namespace lumbrical

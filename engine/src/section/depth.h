@@ -1,0 +1,26 @@
+// The paper's depth: how far a point of a triangle must go along -n to leave the finger, and its largest
+// value dl_max over the contacted area.
+#pragma once
+
+#include "section/section.h"
+
+namespace lumbrical {
+
+/// Depth [m] of the plane point p, which must lie inside the section: along -n to the primitive's own
+/// surface.
+double depth_at(const Section& section, Point2 p);
+
+struct Deepest {
+  double depth = 0;    ///< [m] dl_max
+  Point2 point{0, 0};  ///< where
+};
+
+/// The deepest point of the whole section, where the polygon holds it; false where it does not.
+bool deepest_in_polygon(const Section& section, Deepest& deepest);
+
+/// The largest depth over the common part of polygon and section, which must not be empty. Depth is a concave
+/// function of the point (the primitives are convex), so it is largest at the section's own deepest point or,
+/// if the polygon doesn't hold that, on an edge of the polygon.
+Deepest largest_depth(const Section& section);
+
+}  // namespace lumbrical

@@ -1,0 +1,393 @@
+// Builds the section of a primitive with a triangle's plane and traces the boundary of their common part.
+// Corrects Eq. 1-2 of the paper: see docs/mechanics.md.
+#include "section/section.h"
+
+#include <cmath>
+#include <limits>
+
+namespace lumbrical {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Sine of the axis angle below which the direction of the projected axis is rounding noise.
+constexpr double kNoDirection = 1e-15;
+
+// Twice the area over the longest edge squared below which a triangle's normal is rounding noise.
+constexpr double kNoNormal = 1e-15;
+
+// Ends, axes and heights. The first end is the larger sphere or, between equals, the deeper one.
+void set_axes(const Primitive& primitive, Vec3 point, Vec3 along, Section& section) {
+  Vec3 end1 = primitive.end1, end2 = primitive.end2;
+  double radius1 = primitive.radius1, radius2 = primitive.radius2;
+  const bool by_height = primitive.shape == Shape::flat || radius1 == radius2;
+  const bool swap = by_height ? dot(end2 - end1, section.n) < 0 : radius2 > radius1;
+  if (swap) {
+    std::swap(end1, end2);
+    std::swap(radius1, radius2);
+  }
+  Vec3 axis = end2 - end1;
+  double length = norm(axis);
+  if (primitive.shape == Shape::round && !(length > radius1 - radius2 && length > 1e-12 * radius1)) {
+    length = 0;  // the smaller sphere lies inside the larger: nothing else is left
+    radius2 = radius1;
+  }
+  axis = length > 0 ? axis / length : section.n;
+  const Vec3 side = cross(section.n, axis);
+  const double s = norm(side);
+  section.shape = primitive.shape;
+  section.origin = end1;
+  section.length = length;
+  section.radius1 = radius1;
+  section.radius2 = radius2;
+  section.s = s > kNoDirection ? s : 0;
+  section.c = dot(section.n, axis);
+  // For small s rounding tilts the quotient out of the plane; one projection puts it back.
+  const Vec3 across = s > kNoDirection ? side / s : cross(section.n, along);
+  section.v = unit_or(across - dot(across, section.n) * section.n, Vec3{});
+  section.u = cross(section.v, section.n);
+  section.h1 = dot(section.n, end1 - point);
+  section.h2 = section.h1 + section.c * length;
+  section.x2 = section.s * length;
+}
+
+// The plane passes the primitive by. For a cylinder this is the paper's Eq. 2 as it should read:
+// -R sin f1 < D < H |cos f1| + R sin f1, with D the larger of the two values of Eq. 1.
+bool plane_misses(const Primitive& primitive, Vec3 point, Vec3 n) {
+  const double h1 = dot(n, primitive.end1 - point), h2 = dot(n, primitive.end2 - point);
+  double reach1 = primitive.radius1, reach2 = primitive.radius2;
+  if (primitive.shape == Shape::flat) {
+    const Vec3 axis = primitive.end2 - primitive.end1;
+    reach1 = reach2 = primitive.radius1 * norm(cross(n, axis)) / norm(axis);
+  }
+  return !(min(h1 - reach1, h2 - reach2) <= 0 && max(h1 + reach1, h2 + reach2) >= 0);
+}
+
+void add_zone(Zone::Part part, double lower, double upper, double x0, double alpha, double beta, double gamma,
+              Section& section) {
+  if (!(lower < upper)) return;
+  Zone zone{part, lower, upper, x0, alpha, beta, gamma, 0, 0};
+  const Interval real = positive_interval(-gamma, beta, alpha, lower - x0, upper - x0);
+  if (real.first < real.second) {
+    // Exactly the border where the curve goes on beyond it: eta() tells the curve's own ends by that.
+    zone.real_lower = real.first > lower - x0 ? real.first + x0 : lower;
+    zone.real_upper = real.second < upper - x0 ? real.second + x0 : upper;
+  }
+  section.zone[static_cast<std::size_t>(section.zone_count++)] = zone;
+}
+
+void add_sphere_zone(Zone::Part part, double lower, double upper, double x0, double radius, double h,
+                     Section& section) {
+  add_zone(part, lower, upper, x0, (radius - h) * (radius + h), 0, 1, section);
+}
+
+// A cylinder with flat ends: the side only, over the x-range in which the axial coordinate s x - c h1 is in
+// [0, H].
+void set_flat_zone(Section& section) {
+  const double s = section.s, c = section.c, h1 = section.h1, radius = section.radius1;
+  double lower = -kInfinity, upper = kInfinity;
+  if (s > 0) {
+    lower = c * h1 / s;
+    upper = (section.length + c * h1) / s;
+  } else if (!(h1 <= 0 && section.h2 >= 0)) {
+    return;
+  }
+  add_zone(Zone::side, lower, upper, 0, (radius - s * h1) * (radius + s * h1), -c * s * h1, c * c, section);
+}
+
+// The hull of two spheres.
+void set_round_zones(Section& section) {
+  const double r1 = section.radius1, h1 = section.h1, x2 = section.x2;
+  if (section.length == 0) return add_sphere_zone(Zone::first_end, -kInfinity, kInfinity, 0, r1, h1, section);
+  const double dr = section.radius2 - r1, dh = section.h2 - h1;
+  const double G = (section.length - dr) * (section.length + dr);
+  const double g = r1 * dr - h1 * dh;
+  const Borders border = zone_borders(section);
+  add_sphere_zone(Zone::first_end, -kInfinity, border.first, 0, r1, h1, section);
+  add_zone(Zone::side, border.first, border.second, 0, (r1 - h1) * (r1 + h1) + g * g / G, g * x2 / G,
+           (dh - dr) * (dh + dr) / G, section);
+  add_sphere_zone(Zone::second_end, border.second, kInfinity, x2, section.radius2, section.h2, section);
+}
+
+// A triangle parallel to a cut to rounding, the sine of the angle between them less than this, is cut whole.
+constexpr double kSamePlane = 1e-12;
+
+// As near to a cut as this share of the larger radius a corner lies in it.
+constexpr double kInPlane = 16e-15;
+
+// A triangle in the plane in which two tiles meet belongs to the one it faces away from: their normals are
+// opposite to the last bit, so just one of the two keeps it. The lanes do the same (round_polygon.h).
+bool lies_in_plane(const HalfSpace& cut, double tiny, Vec3 a, Vec3 b, Vec3 c) {
+  const auto is_within = [&](Vec3 p) {
+    return std::fabs(dot(cut.normal, p - cut.point) - cut.offset) <= tiny;
+  };
+  return is_within(a) && is_within(b) && is_within(c);
+}
+
+bool keeps_parallel(const HalfSpace& cut, double tiny, Vec3 a, Vec3 b, Vec3 c, Vec3 n) {
+  if (lies_in_plane(cut, tiny, a, b, c)) return dot(cut.normal, n) <= 0;
+  return dot(cut.normal, a - cut.point) <= cut.offset;
+}
+
+void set_polygon(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& section) {
+  section.polygon.count = 3;
+  const Vec3 corner[3] = {a - section.origin, b - section.origin, c - section.origin};
+  for (int i = 0; i < 3; ++i) {
+    section.polygon.corner[static_cast<std::size_t>(i)] = {dot(corner[i], section.u),
+                                                           dot(corner[i], section.v)};
+  }
+  for (int i = 0; i < primitive.cut_count; ++i) {
+    const HalfSpace& cut = primitive.cut[static_cast<std::size_t>(i)];
+    const Point2 direction{dot(cut.normal, section.u), dot(cut.normal, section.v)};
+    const double tiny = kInPlane * section.radius1;
+    if (dot(direction, direction) < kSamePlane * kSamePlane || lies_in_plane(cut, tiny, a, b, c)) {
+      if (!keeps_parallel(cut, tiny, a, b, c, section.n)) section.polygon.count = 0;
+      continue;
+    }
+    const double offset =
+        dot(cut.normal, cut.point - section.origin) + cut.offset + section.h1 * dot(cut.normal, section.n);
+    cut_polygon(direction, offset, section.polygon);
+  }
+}
+
+// Two triangles that share an edge run along it in opposite senses. What is reckoned of it starts from the
+// same end for both: so it is the same to the last bit, and what they have in common cancels exactly.
+bool runs_back(Point2 p, Point2 q) { return q.x < p.x || (q.x == p.x && q.y < p.y); }
+
+}  // namespace
+
+bool normal_of(Vec3 a, Vec3 b, Vec3 c, Vec3& n) {
+  const Vec3 ab = b - a, ac = c - a, bc = c - b;
+  const Vec3 normal = cross(ab, ac);
+  const double length = norm(normal);
+  const double longest = max(dot(ab, ab), max(dot(ac, ac), dot(bc, bc)));
+  if (!(length > kNoNormal * longest) || !(longest < 1e150) || !(length > 1e-290)) return false;
+  n = normal / length;
+  return true;
+}
+
+Borders zone_borders(const Section& section) {
+  const double dr = section.radius2 - section.radius1, dh = section.h2 - section.h1;
+  const double G = (section.length - dr) * (section.length + dr);
+  const double g = section.radius1 * dr - section.h1 * dh;
+  if (section.x2 > 0) return {-g / section.x2, (G - g) / section.x2};
+  return {g >= 0 ? -kInfinity : kInfinity, g >= G ? -kInfinity : kInfinity};
+}
+
+Interval positive_interval(double a, double b, double c, double lower, double upper) {
+  if (a == 0) {
+    if (b == 0) return c > 0 ? Interval{lower, upper} : Interval{lower, lower};
+    const double root = -c / (2 * b);
+    return b > 0 ? Interval{max(lower, root), upper} : Interval{lower, min(upper, root)};
+  }
+  const double discriminant = b * b - a * c;
+  if (!(discriminant > 0)) return a > 0 ? Interval{lower, upper} : Interval{lower, lower};
+  const double q = b >= 0 ? -(b + std::sqrt(discriminant)) : std::sqrt(discriminant) - b;
+  const double root1 = q / a, root2 = c / q;  // q is not zero: the discriminant is positive
+  const double first = min(root1, root2), second = max(root1, root2);
+  if (a < 0) return {max(lower, first), min(upper, second)};
+  const Interval left{lower, min(upper, first)}, right{max(lower, second), upper};
+  return left.second - left.first > right.second - right.first ? left : right;
+}
+
+double eta_squared(const Zone& zone, double x) {
+  const double d = x - zone.x0;
+  return zone.alpha + d * (2 * zone.beta - zone.gamma * d);
+}
+
+void cut_polygon(Point2 direction, double offset, Polygon2& polygon) {
+  std::array<double, Polygon2::kMaxCorners> excess;  // of as many as there are corners
+  bool outside = false;
+  for (int i = 0; i < polygon.count; ++i) {
+    excess[static_cast<std::size_t>(i)] =
+        dot(direction, polygon.corner[static_cast<std::size_t>(i)]) - offset;
+    outside = outside || excess[static_cast<std::size_t>(i)] > 0;
+  }
+  if (!outside) return;
+  Polygon2 kept;
+  for (int i = 0; i < polygon.count; ++i) {
+    const std::size_t here = static_cast<std::size_t>(i);
+    const std::size_t next = static_cast<std::size_t>(i + 1 == polygon.count ? 0 : i + 1);
+    const Point2 p = polygon.corner[here], q = polygon.corner[next];
+    const double ep = excess[here], eq = excess[next];
+    if (ep <= 0 && kept.count < Polygon2::kMaxCorners)
+      kept.corner[static_cast<std::size_t>(kept.count++)] = p;
+    if ((ep <= 0) != (eq <= 0) && kept.count < Polygon2::kMaxCorners) {
+      kept.corner[static_cast<std::size_t>(kept.count++)] =
+          runs_back(p, q) ? q + (eq / (eq - ep)) * (p - q) : p + (ep / (ep - eq)) * (q - p);
+    }
+  }
+  polygon.count = kept.count < 3 ? 0 : kept.count;
+  for (int i = 0; i < polygon.count; ++i)
+    polygon.corner[static_cast<std::size_t>(i)] = kept.corner[static_cast<std::size_t>(i)];
+}
+
+bool look_along(const Primitive& primitive, Vec3 point, Vec3 n, Vec3 along, Section& section) {
+  if (plane_misses(primitive, point, n)) return false;
+  section.n = n;
+  set_axes(primitive, point, along, section);
+  section.zone_count = 0;
+  if (section.shape == Shape::flat) {
+    set_flat_zone(section);
+  } else {
+    set_round_zones(section);
+  }
+  return section.zone_count > 0;
+}
+
+bool look_from_plane(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& section) {
+  Vec3 n;
+  if (!normal_of(a, b, c, n) || !look_along(primitive, a, n, b - a, section)) return false;
+  set_polygon(primitive, a, b, c, section);
+  return section.polygon.count >= 3;
+}
+
+bool inside_section(const Section& section, Point2 p) {
+  for (int i = 0; i < section.zone_count; ++i) {
+    const Zone& zone = section.zone[static_cast<std::size_t>(i)];
+    if (p.x >= zone.lower && p.x <= zone.upper) return eta_squared(zone, p.x) >= p.y * p.y;
+  }
+  return false;
+}
+
+Overlap classify(const Section& section) {
+  const Polygon2& polygon = section.polygon;
+  Point2 low = polygon.corner[0], high = low;
+  bool inside = inside_section(section, low);
+  for (int i = 1; i < polygon.count; ++i) {
+    const Point2 p = polygon.corner[static_cast<std::size_t>(i)];
+    low = {min(low.x, p.x), min(low.y, p.y)};
+    high = {max(high.x, p.x), max(high.y, p.y)};
+    inside = inside && inside_section(section, p);
+  }
+  if (inside) return Overlap::inside;
+  if (low.y >= section.radius1 || high.y <= -section.radius1) return Overlap::apart;
+  for (int i = 0; i < section.zone_count; ++i) {
+    const Zone& zone = section.zone[static_cast<std::size_t>(i)];
+    if (zone.real_lower < zone.real_upper && low.x < zone.real_upper && high.x > zone.real_lower) {
+      return Overlap::partial;
+    }
+  }
+  return Overlap::apart;
+}
+
+namespace {
+
+// A line in one zone: parameters base + t * direction, and the zone's share of [lower, upper].
+Interval zone_interval(const Zone& zone, Point2 base, Point2 direction, double lower, double upper) {
+  if (direction.x == 0) {
+    return base.x >= zone.lower && base.x < zone.upper ? Interval{lower, upper} : Interval{lower, lower};
+  }
+  const double t1 = (zone.lower - base.x) / direction.x, t2 = (zone.upper - base.x) / direction.x;
+  return {max(lower, min(t1, t2)), min(upper, max(t1, t2))};
+}
+
+Interval inside_zone(const Zone& zone, Point2 base, Point2 direction, Interval range) {
+  const double x = base.x - zone.x0;
+  const double a = -(zone.gamma * direction.x * direction.x + direction.y * direction.y);
+  const double b = (zone.beta - zone.gamma * x) * direction.x - base.y * direction.y;
+  const double c = zone.alpha + x * (2 * zone.beta - zone.gamma * x) - base.y * base.y;
+  return positive_interval(a, b, c, range.first, range.second);
+}
+
+// A polygon edge as base + t * direction with the base at the point nearest to the origin: an edge of 100 m
+// through a section of millimetres then loses nothing.
+struct Line {
+  Point2 base, direction;
+  double lower = 0, upper = 0;
+  [[nodiscard]] Point2 at(double t) const { return base + t * direction; }
+};
+
+Line line_through(Point2 p, Point2 q) {
+  const bool reverse = runs_back(p, q);
+  const Point2 from = reverse ? q : p, to = reverse ? p : q, d = to - from;
+  const double length2 = dot(d, d);
+  const double t = length2 > 0 ? clamp(-dot(from, d) / length2, 0, 1) : 0;
+  const Point2 base = t == 0 ? from : t == 1 ? to : from + t * d;
+  return reverse ? Line{base, q - p, t - 1, t} : Line{base, d, -t, 1 - t};
+}
+
+void add_piece(Piece::Kind kind, int side, int zone, Point2 from, Point2 to, Boundary& boundary) {
+  if (boundary.count == Boundary::kMaxPieces) return;
+  boundary.piece[static_cast<std::size_t>(boundary.count++)] = {
+      kind, static_cast<std::int8_t>(side), static_cast<std::uint8_t>(zone), from.x, from.y, to.x, to.y};
+}
+
+void add_nothing(double from_x, double to_x, Boundary& boundary) {
+  if (from_x != to_x) add_piece(Piece::none, 1, 0, {from_x, 0}, {to_x, 0}, boundary);
+}
+
+// The section's curve at x; exactly 0 at its own ends, where rounding would leave the root of a small number.
+double eta(const Zone& zone, double x) {
+  const bool at_end = (x == zone.real_lower && x > zone.lower) || (x == zone.real_upper && x < zone.upper);
+  return at_end ? 0 : std::sqrt(max(0, eta_squared(zone, x)));
+}
+
+// The part t1..t2 of an edge that runs outside the section: the section's own curve takes its place.
+void add_outside(const Zone& zone, int index, const Line& line, double t1, double t2, Boundary& boundary) {
+  if (!(t1 < t2)) return;
+  const Point2 from = line.at(t1), to = line.at(t2);
+  if (!(zone.real_lower < zone.real_upper)) return add_nothing(from.x, to.x, boundary);
+  const double x1 = clamp(from.x, zone.real_lower, zone.real_upper);
+  const double x2 = clamp(to.x, zone.real_lower, zone.real_upper);
+  const double middle = line.direction.x == 0 ? t1 : (0.5 * (x1 + x2) - line.base.x) / line.direction.x;
+  const int side = line.at(middle).y < 0 ? -1 : 1;
+  const double y1 = side * eta(zone, x1);
+  const double y2 = side * eta(zone, x2);
+  add_nothing(from.x, x1, boundary);
+  if (x1 != x2) add_piece(Piece::arc, side, index, {x1, y1}, {x2, y2}, boundary);
+  add_nothing(x2, to.x, boundary);
+}
+
+void trace_edge(const Section& section, Point2 p, Point2 q, Boundary& boundary) {
+  const Line line = line_through(p, q);
+  double covered_lower = line.upper, covered_upper = line.lower;
+  for (int i = 0; i < section.zone_count; ++i) {
+    const Zone& zone = section.zone[static_cast<std::size_t>(i)];
+    const Interval range = zone_interval(zone, line.base, line.direction, line.lower, line.upper);
+    if (!(range.first < range.second)) continue;
+    covered_lower = min(covered_lower, range.first);
+    covered_upper = max(covered_upper, range.second);
+    const Interval inside = inside_zone(zone, line.base, line.direction, range);
+    if (inside.first < inside.second) {
+      add_outside(zone, i, line, range.first, inside.first, boundary);
+      add_piece(Piece::edge, 1, i, line.at(inside.first), line.at(inside.second), boundary);
+      add_outside(zone, i, line, inside.second, range.second, boundary);
+    } else {
+      add_outside(zone, i, line, range.first, range.second, boundary);
+    }
+  }
+  if (covered_lower > covered_upper) {
+    add_nothing(p.x, q.x, boundary);
+    return;
+  }
+  if (covered_lower > line.lower) add_nothing(p.x, line.at(covered_lower).x, boundary);
+  if (covered_upper < line.upper) add_nothing(line.at(covered_upper).x, q.x, boundary);
+}
+
+}  // namespace
+
+void trace_boundary(const Section& section, Boundary& boundary) {
+  boundary.count = 0;
+  for (int i = 0; i < section.polygon.count; ++i) {
+    const int next = i + 1 == section.polygon.count ? 0 : i + 1;
+    trace_edge(section, section.polygon.corner[static_cast<std::size_t>(i)],
+               section.polygon.corner[static_cast<std::size_t>(next)], boundary);
+  }
+}
+
+Interval inside_interval(const Section& section, Point2 base, Point2 direction, double lower, double upper) {
+  Interval all{upper, lower};
+  for (int i = 0; i < section.zone_count; ++i) {
+    const Zone& zone = section.zone[static_cast<std::size_t>(i)];
+    const Interval range = zone_interval(zone, base, direction, lower, upper);
+    if (!(range.first < range.second)) continue;
+    const Interval inside = inside_zone(zone, base, direction, range);
+    if (!(inside.first < inside.second)) continue;
+    all.first = min(all.first, inside.first);
+    all.second = max(all.second, inside.second);
+  }
+  return all;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,131 @@
+// The section a primitive cuts out of a triangle's plane, and the boundary of what both have in common.
+//
+// Plane coordinates (x, y) have their origin at the foot of the primitive's first end O1 and x along the
+// projected axis, so that every section is the set |y| <= eta(x) with eta^2 a quadratic in x on at most three
+// zones: sphere 1, the side between, sphere 2. No ellipse, circle or rectangle needs a case of its own, and
+// nothing is divided by the sine or cosine of the axis' angle, so the formulas hold from axis parallel to
+// axis perpendicular to the plane. Everything is a difference with the primitive's own position: far from the
+// origin nothing is lost.
+#pragma once
+
+#include <array>
+
+#include "lumbrical/math.h"
+#include "model/primitive.h"
+
+namespace lumbrical {
+
+struct Point2 {
+  double x, y;
+};
+constexpr Point2 operator+(Point2 a, Point2 b) { return {a.x + b.x, a.y + b.y}; }
+constexpr Point2 operator-(Point2 a, Point2 b) { return {a.x - b.x, a.y - b.y}; }
+constexpr Point2 operator*(double s, Point2 a) { return {s * a.x, s * a.y}; }
+constexpr double dot(Point2 a, Point2 b) { return a.x * b.x + a.y * b.y; }
+constexpr double cross(Point2 a, Point2 b) { return a.x * b.y - a.y * b.x; }
+
+/// A triangle after some cuts, counter-clockwise; only the first `count` corners are ever read.
+struct Polygon2 {
+  static constexpr int kMaxCorners = 24;
+  int count = 0;
+  std::array<Point2, kMaxCorners> corner;
+};
+
+/// On lower <= x <= upper the section is |y| <= eta, eta^2 = alpha + 2 beta (x - x0) - gamma (x - x0)^2.
+struct Zone {
+  enum Part : std::uint8_t { first_end, side, second_end } part = side;  ///< whose surface the curve lies on
+  double lower = 0, upper = 0;
+  double x0 = 0, alpha = 0, beta = 0, gamma = 0;
+  double real_lower = 0, real_upper = 0;  ///< the part of [lower, upper] where eta is real; equal: none
+};
+double eta_squared(const Zone& zone, double x);
+
+/// A primitive seen from the plane of a triangle.
+struct Section {
+  Vec3 origin;                      ///< [m] W: O1
+  Vec3 u, v, n;                     ///< W: axes of x and y, and the triangle's outward normal
+  double s = 0, c = 1;              ///< sine and cosine of the angle between axis and n (the paper's f_1)
+  double length = 0;                ///< [m] H between the end centres
+  double h1 = 0, h2 = 0;            ///< [m] heights of the end centres over the plane
+  double x2 = 0;                    ///< [m] x of the second end; the first is at 0
+  double radius1 = 0, radius2 = 0;  ///< [m]
+  Shape shape = Shape::round;
+  int zone_count = 0;
+  std::array<Zone, 3> zone{};
+  Polygon2 polygon;  ///< the triangle, cut by the primitive's half-spaces
+};
+
+/// Where in x a round section's first zone ends and its last begins. At abscissa x the sphere of the hull
+/// that reaches farthest in y is the one at parameter t(x) = (g + x x2) / G along the axis, g = r1 dr - h1
+/// dh, G = H^2 - dr^2: linear in x and clamped to [0, 1], which makes three zones.
+struct Borders {
+  double first, second;
+};
+Borders zone_borders(const Section& section);
+
+/// Outward unit normal of a triangle; false where it has no area to speak of or isn't finite.
+bool normal_of(Vec3 a, Vec3 b, Vec3 c, Vec3& n);
+
+/// Looks at `primitive` (round or flat) from the plane of the triangle a, b, c [m]. False where they can't be
+/// in contact: a triangle without area or not finite, a plane that misses the primitive, or nothing left by
+/// the cuts.
+bool look_from_plane(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& section);
+
+/// The same for the plane through `point` with unit normal `n`, of which `along` is not a multiple. Sets
+/// everything but the polygon. False where the plane misses the primitive.
+bool look_along(const Primitive& primitive, Vec3 point, Vec3 n, Vec3 along, Section& section);
+
+/// Area and centroid of a polygon, 0 where it is empty.
+struct AreaMoments {
+  double area = 0;    ///< [m^2], 0 where there is nothing
+  Point2 centroid{};  ///< [m]
+};
+AreaMoments polygon_area(const Polygon2& polygon);
+
+/// Removes the part of the polygon where dot(direction, p) > offset.
+void cut_polygon(Point2 direction, double offset, Polygon2& polygon);
+
+/// The point of W at plane coordinates p.
+inline Vec3 to_world(const Section& section, Point2 p) {
+  return section.origin - section.h1 * section.n + p.x * section.u + p.y * section.v;
+}
+
+/// Is the point of the plane inside the section?
+bool inside_section(const Section& section, Point2 p);
+
+/// A quick look before the boundary is traced: `apart` is certain, `inside` (the whole polygon) is exact.
+enum class Overlap : std::uint8_t { apart, partial, inside };
+Overlap classify(const Section& section);
+
+/// Where a quadratic a t^2 + 2 b t + c is positive on [lower, upper], known to be one interval. Empty: first
+/// >= second.
+struct Interval {
+  double first = 0, second = 0;
+};
+Interval positive_interval(double a, double b, double c, double lower, double upper);
+
+/// A piece of the boundary of polygon and section: along an edge of the polygon, or along the section's own
+/// curve y = +-eta, or along y = 0 where the edge has left the section's range of x. All pieces together run
+/// once round in the sense that  integral of f over the region = - sum of pieces of  integral of (int_0^y f
+/// dy') dx.
+struct Piece {
+  enum Kind : std::uint8_t { edge, arc, none } kind;
+  std::int8_t side;  ///< of an arc: +1 above, -1 below y = 0
+  std::uint8_t zone;
+  double from_x, from_y, to_x, to_y;
+};
+struct Boundary {
+  static constexpr int kMaxPieces =
+      5 * 23;  // edges of a triangle cut twice, times pieces an edge can fall into
+  int count;
+  std::array<Piece, kMaxPieces> piece;  // not initialised: only the first `count` are ever read
+};
+void trace_boundary(const Section& section, Boundary& boundary);
+
+/// The part of the line base + t * direction, lower <= t <= upper, inside the section.
+Interval inside_interval(const Section& section, Point2 base, Point2 direction, double lower, double upper);
+
+/// Area and centroid of what polygon and section have in common where they overlap in part; closed form.
+AreaMoments section_area(const Section& section, const Boundary& boundary);
+
+}  // namespace lumbrical

@@ -1,0 +1,233 @@
+// The paper's Figure 1 and 2 and their repair. Under the paper's laws a phalanx is a cylinder, and of the
+// spheres at joints and tips only the part counts that the cylinders don't cover. Under the exact laws a
+// phalanx is one tile, the hull of its end spheres, and neighbouring tiles share out space along the
+// bisecting plane of their joint; where that is not exact, joint_border.h says so.
+#include "stages/hand_pose.h"
+
+#include <cmath>
+
+#include "borders/joint_border.h"
+
+namespace lumbrical {
+namespace {
+
+// Farther from the wrist than this [m] no joint of a hand is.
+constexpr double kHandReach = 1.0;
+
+struct Joints {
+  std::array<Pose, kJointCount> pose;  // X_WJ
+  std::uint32_t valid = 0;
+  [[nodiscard]] bool has(int joint) const { return (valid >> joint & 1u) != 0; }
+  [[nodiscard]] Vec3 position(int joint) const { return pose[static_cast<std::size_t>(joint)].position; }
+};
+
+Pose to_pose(const JointPose& joint) {
+  return {
+      {joint.position[0], joint.position[1], joint.position[2]},
+      normalized({joint.orientation[3], joint.orientation[0], joint.orientation[1], joint.orientation[2]})};
+}
+
+std::uint32_t find_joints(const Hand& hand, const DeviceFrame& frame, Joints& joints) {
+  const Pose X_WB{frame.base.position, normalized(frame.base.orientation)};
+  if (frame.kind == InputKind::joint_angles) {
+    std::array<double, kAngleCount> angle;
+    for (std::size_t i = 0; i < kAngleCount; ++i) angle[i] = frame.angle[i];
+    joints.valid = (1u << kJointCount) - 1;
+    return forward_kinematics(hand, X_WB, angle, joints.pose) > 0 ? kAngleClamped : 0u;
+  }
+  joints.valid = frame.valid & ((1u << kJointCount) - 1);
+  for (std::size_t i = 0; i < kJointCount; ++i) joints.pose[i] = X_WB * to_pose(frame.joint[i]);
+  return 0;
+}
+
+bool is_exact(Law law) { return law == Law::field || law == Law::column; }
+
+void add(const Primitive& primitive, Primitives& hand) {
+  if (hand.count < Primitives::kMaxCount) hand.primitive[static_cast<std::size_t>(hand.count++)] = primitive;
+}
+
+void add_cut(Vec3 normal, Vec3 point, Primitive& primitive, double overhang = 0) {
+  primitive.overhang[primitive.cut_count] = overhang;
+  primitive.cut[primitive.cut_count++] = {normal, point};
+}
+
+// The whole phalanges, uncut.
+std::uint32_t set_capsules(const Hand& hand, const Settings& settings, const Joints& joints,
+                           Primitives& primitives) {
+  std::uint32_t flags = 0;
+  for (std::size_t i = 0; i < kPhalanxCount; ++i) {
+    const auto [base, tip] = kPhalanxJoints[i];
+    primitives.present[i] = joints.has(base) && joints.has(tip);
+    if (!primitives.present[i]) {
+      flags |= kSegmentMissing;
+      continue;
+    }
+    Primitive& capsule = primitives.capsule[i];
+    capsule = {};
+    capsule.segment = static_cast<std::uint8_t>(i);
+    capsule.law = settings.law[i];
+    capsule.end1 = joints.position(base);
+    capsule.end2 = joints.position(tip);
+    capsule.radius1 = hand.radius[base];
+    capsule.radius2 = hand.radius[tip];
+    if (!(norm(capsule.end2 - capsule.end1) > 1e-9)) flags |= kSegmentDegenerate;
+  }
+  return flags;
+}
+
+Vec3 direction(const Primitive& capsule) { return unit_or(capsule.end2 - capsule.end1, Vec3{}); }
+
+bool is_paper(const Primitives& hand, std::size_t phalanx) { return !is_exact(hand.capsule[phalanx].law); }
+
+// A joint between two phalanges is the paper's, with a sphere of its own, where both follow the paper.
+bool paper_joint(const Primitives& hand, std::size_t phalanx) {
+  return is_paper(hand, phalanx) && is_paper(hand, phalanx + 1);
+}
+
+// The plane through the joint beyond `phalanx` that shares out space between it and the next.
+Vec3 bisector(const Primitives& hand, std::size_t phalanx) {
+  const Vec3 here = direction(hand.capsule[phalanx]), next = direction(hand.capsule[phalanx + 1]);
+  return unit_or(here + next, unit_or(here, {1, 0, 0}));
+}
+
+// The body of a phalanx: tile or cylinder, cut at its neighbours.
+void add_body(const Primitives& hand, std::size_t i, Primitives& out) {
+  Primitive body = hand.capsule[i];
+  const Vec3 axis = direction(body);
+  const bool before = i % 3 > 0 && hand.present[i - 1], after = i % 3 < 2 && hand.present[i + 1];
+  if (before && !paper_joint(hand, i - 1)) {
+    add_cut(-bisector(hand, i - 1), body.end1, body, hand.border[i - 1].slab);
+  } else if (is_paper(hand, i)) {
+    add_cut(-axis, body.end1, body);
+  }
+  if (after && !paper_joint(hand, i)) {
+    add_cut(bisector(hand, i), body.end2, body, hand.border[i].slab);
+  } else if (is_paper(hand, i)) {
+    add_cut(axis, body.end2, body);
+  }
+  if (is_paper(hand, i)) body.phalanx = {static_cast<std::int8_t>(i), -1};
+  add(body, out);
+}
+
+// The part of a joint's or tip's sphere that no cylinder covers.
+void add_sphere(const Primitives& hand, std::size_t i, bool at_tip, Primitives& out) {
+  Primitive sphere = hand.capsule[i];
+  const Vec3 axis = direction(sphere);
+  const bool joined = !at_tip && i % 3 > 0 && hand.present[i - 1];
+  sphere.end1 = sphere.end2 = at_tip ? sphere.end2 : sphere.end1;
+  sphere.radius1 = sphere.radius2 = at_tip ? sphere.radius2 : sphere.radius1;
+  add_cut(at_tip ? -axis : axis, sphere.end1, sphere);
+  if (joined) add_cut(-direction(hand.capsule[i - 1]), sphere.end1, sphere);
+  sphere.phalanx = {static_cast<std::int8_t>(i), static_cast<std::int8_t>(joined ? i - 1 : -1)};
+  add(sphere, out);
+}
+
+void add_phalanx(std::size_t i, Primitives& hand) {
+  const bool before = i % 3 > 0 && hand.present[i - 1], after = i % 3 < 2 && hand.present[i + 1];
+  if (is_paper(hand, i) && (!before || paper_joint(hand, i - 1))) add_sphere(hand, i, false, hand);
+  add_body(hand, i, hand);
+  if (is_paper(hand, i) && !after) add_sphere(hand, i, true, hand);
+}
+
+// Palmar face first, then the dorsal one, then the sides.
+void add_palm(const Hand& hand, const Settings& settings, const Pose& X_WP, Primitives& primitives) {
+  const std::size_t corners = hand.palm.polygon.size();
+  if (corners < 3 || corners + 2 > Prism::kMaxFaces) return;
+  const Vec3 down = rotate(X_WP.orientation, {0, -1, 0});
+  const Vec3 surface = X_WP.position + hand.palm.height * down;
+  double turn = 0;
+  Vec3 middle;
+  for (std::size_t i = 0; i < corners; ++i) {
+    const Vec3 p = hand.palm.polygon[i], q = hand.palm.polygon[(i + 1) % corners];
+    turn += p.z * q.x - p.x * q.z;
+    middle += p / static_cast<double>(corners);
+  }
+  Prism& palm = primitives.palm;
+  palm.face_count = 0;
+  const auto add_face = [&](Vec3 normal, Vec3 point) {
+    palm.face[static_cast<std::size_t>(palm.face_count++)] = {normal, point};
+  };
+  add_face(down, surface);
+  add_face(-down, surface - hand.palm.thickness * down);
+  double reach = 0;
+  for (std::size_t i = 0; i < corners; ++i) {
+    const Vec3 p = hand.palm.polygon[i], q = hand.palm.polygon[(i + 1) % corners];
+    const Vec3 outward = turn > 0 ? Vec3{p.z - q.z, 0, q.x - p.x} : Vec3{q.z - p.z, 0, p.x - q.x};
+    add_face(rotate(X_WP.orientation, unit_or(outward, {1, 0, 0})),
+             surface + rotate(X_WP.orientation, {p.x, 0, p.z}));
+    reach = max(reach, norm(Vec3{p.x - middle.x, 0, p.z - middle.z}));
+  }
+  Primitive bound;
+  bound.shape = Shape::prism;
+  bound.segment = kPalmSegment;
+  bound.law = settings.law[kPalmSegment];
+  bound.end1 = bound.end2 =
+      surface + rotate(X_WP.orientation, {middle.x, 0, middle.z}) - 0.5 * hand.palm.thickness * down;
+  bound.radius1 = bound.radius2 = std::sqrt(reach * reach + 0.25 * hand.palm.thickness * hand.palm.thickness);
+  add(bound, primitives);
+}
+
+void set_axes(const Joints& joints, Primitives& primitives) {
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    const int joint = i == kPalmSegment ? int{kWrist} : int{kPhalanxJoints[i].base};
+    const Pose& X_WJ = joints.pose[static_cast<std::size_t>(joint)];
+    primitives.base_joint[i] = X_WJ.position;
+    primitives.flexion_axis[i] = rotate(X_WJ.orientation, {1, 0, 0});
+  }
+}
+
+}  // namespace
+
+std::uint32_t check_input(const DeviceFrame& frame) {
+  std::uint32_t flags = 0;
+  const auto rotation_usable = [](Quat q) {
+    const double square = dot(q, q);
+    return square > 0.25 && square < 4;
+  };
+  const Quat base = frame.base.orientation;
+  if (!is_finite(frame.base.position) || !is_finite(dot(base, base))) return kInputNotFinite;
+  if (!rotation_usable(base)) flags |= kInputImplausible;
+  if (frame.kind == InputKind::joint_angles) {
+    for (const float angle : frame.angle) {
+      if (!std::isfinite(angle)) return kInputNotFinite;
+    }
+    return flags;
+  }
+  const Pose wrist = to_pose(frame.joint[kWrist]);
+  for (std::size_t i = 0; i < kJointCount; ++i) {
+    if ((frame.valid >> i & 1u) == 0) continue;
+    const JointPose& joint = frame.joint[i];
+    const auto& p = joint.position;
+    const auto& q = joint.orientation;
+    const Quat orientation{q[3], q[0], q[1], q[2]};
+    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]) ||
+        !is_finite(dot(orientation, orientation))) {
+      return kInputNotFinite;
+    }
+    if (!rotation_usable(orientation)) flags |= kInputImplausible;
+    const Vec3 from_wrist = Vec3{p[0], p[1], p[2]} - wrist.position;
+    if ((frame.valid >> kWrist & 1u) != 0 && !(norm(from_wrist) < kHandReach)) flags |= kInputImplausible;
+  }
+  return flags;
+}
+
+std::uint32_t pose_hand(const Hand& hand, const Settings& settings, const DeviceFrame& frame,
+                        Primitives& primitives) {
+  Joints joints;
+  std::uint32_t flags = find_joints(hand, frame, joints);
+  primitives.count = 0;
+  flags |= set_capsules(hand, settings, joints, primitives);
+  set_joint_borders(primitives);
+  for (std::size_t i = 0; i < kPhalanxCount; ++i) {
+    if (primitives.present[i]) add_phalanx(i, primitives);
+  }
+  if (joints.has(kPalm)) {
+    add_palm(hand, settings, joints.pose[kPalm], primitives);
+  } else if (!hand.palm.polygon.empty()) {
+    flags |= kSegmentMissing;
+  }
+  set_axes(joints, primitives);
+  return flags;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,230 @@
+#include "stages/narrowphase.h"
+
+#include <array>
+
+#include "base/parallel.h"
+#include "borders/border_cut.h"
+#include "borders/joint_border.h"
+#include "borders/shared_contact.h"
+#include "lanes/round_batch.h"
+#include "section/cone_slivers.h"
+#include "section/depth.h"
+#include "section/finger_depth.h"
+#include "section/pressure.h"
+#include "section/pressure_rules.h"
+#include "section/prism.h"
+
+namespace lumbrical {
+namespace {
+
+// Pairs one thread takes at a time, and the number below which threads cost more than they bring (measured,
+// bench).
+constexpr std::size_t kChunk = 128;
+constexpr std::size_t kSerialBelow = 256;
+
+Vec3 centre_of(const Section& section, const PressureMoments& moments, Vec3 otherwise) {
+  if (!(moments.volume > 0)) return otherwise;
+  return to_world(section, (1 / moments.volume) * moments.first);
+}
+
+PressureMoments exact_moments(const Section& section, const ContactQuery& query, const AreaMoments& area,
+                              bool whole, Boundary& boundary) {
+  PressureMoments moments;
+  const bool field = query.law == Law::field && section.shape == Shape::round;
+  if (field && field_by_points(section, area, whole, query.tolerance, moments)) return moments;
+  trace_boundary(section, boundary);
+  return query.law == Law::field ? field_moments(query.kernels, section, area, boundary)
+                                 : column_moments(section, boundary);
+}
+
+// One pair by the laws in general. False where there is no common area.
+bool collide_section(const Primitive& primitive, const ContactQuery& query, const Section& section,
+                     Boundary& boundary, Contact& contact) {
+  const Overlap overlap = classify(section);
+  if (overlap == Overlap::apart) return false;
+  if (overlap == Overlap::partial) trace_boundary(section, boundary);
+  const AreaMoments area =
+      overlap == Overlap::inside ? polygon_area(section.polygon) : section_area(section, boundary);
+  if (!(area.area > 0)) return false;
+
+  const bool whole_finger = query.hand != nullptr && primitive.phalanx[0] >= 0;
+  const Deepest deepest =
+      whole_finger ? finger_depth(*query.hand, primitive, section) : largest_depth(section);
+  contact.depth = deepest.depth;
+  contact.area = area.area;
+  contact.centroid = to_world(section, area.centroid);
+  contact.centre = contact.centroid;
+  contact.normal = section.n;
+  contact.error = 0;
+  switch (query.law) {
+    case Law::field:
+    case Law::column: {
+      const bool whole = overlap == Overlap::inside;
+      const PressureMoments moments = exact_moments(section, query, area, whole, boundary);
+      contact.error = moments.error;
+      contact.volume = max(0, moments.volume);
+      contact.centre = centre_of(section, moments, contact.centroid);
+      break;
+    }
+    case Law::max_depth:
+      contact.volume = area.area * deepest.depth;
+      break;
+    case Law::centroid: {
+      const double depth = whole_finger ? finger_depth_at(*query.hand, primitive, section, area.centroid)
+                                        : depth_at(section, area.centroid);
+      contact.volume = area.area * max(0, depth);
+      break;
+    }
+    case Law::point:
+      contact.volume = query.point_area * deepest.depth;
+      contact.centre = to_world(section, deepest.point);
+      break;
+  }
+  return true;
+}
+
+struct Corners {
+  Vec3 a, b, c;
+};
+Corners corners_of(const Triangles& world, std::uint32_t triangle) {
+  return {world.vertex(world.a[triangle]), world.vertex(world.b[triangle]), world.vertex(world.c[triangle])};
+}
+
+// One pair at a time; an area of zero marks that there is no contact.
+void collide_pair(const Model& model, const Primitives& hand, const FieldKernels& kernels, Boundary& boundary,
+                  Contact& contact) {
+  const Primitive& primitive = hand.primitive[contact.primitive];
+  const auto [a, b, c] = corners_of(model.triangles, contact.triangle);
+  contact.area = 0;
+  contact.error = 0;
+  if (primitive.shape == Shape::prism) {
+    if (!collide_prism(hand.palm, primitive.law, model.settings.point_area, a, b, c, contact))
+      contact.area = 0;
+    return;
+  }
+  const TileBorders borders = borders_on(hand, primitive, a, b, c);
+  if (borders.any()) {
+    if (!collide_shared(hand, primitive, borders, kernels, a, b, c, boundary, contact)) contact.area = 0;
+    return;
+  }
+  Section section;
+  if (!look_from_plane(primitive, a, b, c, section)) return;
+  const ContactQuery query{primitive.law, model.settings.point_area, &hand, model.settings.tolerance,
+                           kernels};
+  if (!collide_section(primitive, query, section, boundary, contact)) contact.area = 0;
+}
+
+// Pairs on their way through the lanes, of one thread.
+struct PairWork {
+  const Model& model;
+  const Primitives& hand;
+  const FieldKernels& kernels;
+  RoundBatch batch{kernels};
+  std::uint32_t open = Primitives::kMaxCount;  // the primitive whose batch is being filled
+  // Pairs of the batch with cuts of their own.
+  struct Shared {
+    Contact* contact;
+    BorderCut cut;
+  };
+  std::size_t shared_count = 0;
+  std::array<Shared, RoundTerms<double>::kCapacity> shared;
+  Boundary boundary;
+  PairWork(const Model& m, const Primitives& h, const FieldKernels& k) : model(m), hand(h), kernels(k) {}
+};
+
+// What the lanes left of a cone's contact, with the cuts the lanes had.
+void finish_slivers(Contact& contact, const PairWork& work) {
+  const Primitive& primitive = work.hand.primitive[contact.primitive];
+  const auto [a, b, c] = corners_of(work.model.triangles, contact.triangle);
+  Section section;
+  const BorderCut* own = nullptr;
+  for (std::size_t k = 0; k < work.shared_count; ++k) {
+    if (work.shared[k].contact == &contact) own = &work.shared[k].cut;
+  }
+  if (look_from_plane(own != nullptr ? tile_cut_so(primitive, *own) : primitive, a, b, c, section))
+    add_slivers(work.kernels, section, contact);
+}
+
+void finish(PairWork& work) {
+  const RoundRest rest = finish_batch(work.batch);
+  for (Contact* contact : rest.slivers) finish_slivers(*contact, work);
+  for (std::size_t k = 0; k < work.shared_count; ++k) {
+    const auto& [contact, cut] = work.shared[k];
+    if (!cut.curved || !(contact->area > 0)) continue;
+    const Corners at = corners_of(work.model.triangles, contact->triangle);
+    add_bulge(work.hand, work.hand.primitive[contact->primitive], cut, work.model.settings.tolerance, at.a,
+              at.b, *contact);
+  }
+  work.shared_count = 0;
+  for (Contact* contact : rest.unsure)
+    collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
+}
+
+void take_pair(Contact& contact, PairWork& work) {
+  const Primitive& primitive = work.hand.primitive[contact.primitive];
+  if (!suits_batch(primitive)) {
+    collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
+    return;
+  }
+  const auto [a, b, c] = corners_of(work.model.triangles, contact.triangle);
+  BorderCut cut = cut_at_borders(work.hand, primitive, a, b, c);
+  if (cut.kind == BorderCut::gone) {
+    contact.area = 0;
+    return;
+  }
+  if (cut.kind == BorderCut::general) {
+    collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
+    return;
+  }
+  if (contact.primitive != work.open || is_full(work.batch)) finish(work);
+  if (contact.primitive != work.open) begin_batch(primitive, work.model.settings.tolerance, work.batch);
+  work.open = contact.primitive;
+  const bool planes = cut.kind == BorderCut::planes;
+  add_to_batch(a, b, c, planes ? primitive.cut : cut.cut, contact, work.batch);
+  if (!planes) work.shared[work.shared_count++] = {&contact, cut};
+}
+
+}  // namespace
+
+bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3 b, Vec3 c,
+             Boundary& boundary, Contact& contact) {
+  if (suits_batch(primitive) && query.law == Law::field) {
+    RoundBatch batch(query.kernels);
+    begin_batch(primitive, query.tolerance, batch);
+    add_to_batch(a, b, c, primitive.cut, contact, batch);
+    const RoundRest rest = finish_batch(batch);
+    Section section;
+    if (rest.unsure.empty()) {
+      if (!rest.slivers.empty() && look_from_plane(primitive, a, b, c, section))
+        add_slivers(query.kernels, section, contact);
+      return contact.area > 0;
+    }
+  }
+  Section section;
+  return look_from_plane(primitive, a, b, c, section) &&
+         collide_section(primitive, query, section, boundary, contact);
+}
+
+std::uint32_t find_contacts(const Model& model, const Primitives& hand,
+                            std::span<const std::uint64_t> candidates, std::span<Contact> contacts) {
+  // Every pair has a slot of its own, so the order of the work doesn't matter.
+  const FieldKernels& kernels = field_kernels(model.execution.isa);
+  const auto work = [&](std::size_t first, std::size_t last) {
+    PairWork pairs{model, hand, kernels};
+    for (std::size_t i = first; i < last; ++i) {
+      contacts[i].primitive = static_cast<std::uint32_t>(candidates[i] >> 32);
+      contacts[i].triangle = static_cast<std::uint32_t>(candidates[i]);
+      take_pair(contacts[i], pairs);
+    }
+    finish(pairs);
+  };
+  const std::uint32_t threads = candidates.size() < kSerialBelow ? 1 : model.execution.threads;
+  parallel_chunks(candidates.size(), kChunk, threads, work);
+  std::uint32_t count = 0;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (contacts[i].area > 0) contacts[count++] = contacts[i];
+  }
+  return count;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,139 @@
+// The tick: one stage after the other, each a function of the data before it.
+#include "lumbrical/tick.h"
+
+#include "base/floating_point.h"
+#include "base/hash.h"
+#include "stages/broadphase.h"
+#include "stages/contact_force.h"
+#include "stages/force_limits.h"
+#include "stages/hand_pose.h"
+#include "stages/narrowphase.h"
+
+namespace lumbrical {
+namespace {
+
+constexpr std::uint32_t kUntrusted = kInputNotFinite | kInputImplausible | kInputLost | kCandidateOverflow;
+
+std::uint64_t& stage_hash(Scratch& scratch, Stage stage) {
+  return scratch.stage_hash[static_cast<std::size_t>(stage)];
+}
+
+void absorb(Hasher& hasher, const Pose& pose) {
+  for (const double number : {pose.position.x, pose.position.y, pose.position.z, pose.orientation.w,
+                              pose.orientation.x, pose.orientation.y, pose.orientation.z}) {
+    hasher.value(number);
+  }
+}
+
+std::uint64_t hash_of(const DeviceFrame& frame) {
+  Hasher hasher;
+  absorb(hasher, frame.base);
+  hasher.value(frame.kind);
+  hasher.value(frame.flags);
+  hasher.value(frame.valid);
+  hasher.array(frame.joint);
+  hasher.array(frame.angle);
+  return hasher.digest();
+}
+
+void absorb(Hasher& hasher, Vec3 v) {
+  hasher.value(v.x);
+  hasher.value(v.y);
+  hasher.value(v.z);
+}
+
+std::uint64_t hash_of(const Primitives& hand, std::uint32_t flags) {
+  Hasher hasher;
+  hasher.value(flags);
+  hasher.value(hand.count);
+  for (int i = 0; i < hand.count; ++i) {
+    const Primitive& primitive = hand.primitive[static_cast<std::size_t>(i)];
+    absorb(hasher, primitive.end1);
+    absorb(hasher, primitive.end2);
+    hasher.value(primitive.radius1);
+    hasher.value(primitive.radius2);
+    for (std::size_t k = 0; k < primitive.cut_count; ++k) {
+      absorb(hasher, primitive.cut[k].normal);
+      absorb(hasher, primitive.cut[k].point);
+    }
+  }
+  for (const Vec3 joint : hand.base_joint) absorb(hasher, joint);
+  for (const Vec3 axis : hand.flexion_axis) absorb(hasher, axis);
+  return hasher.digest();
+}
+
+// Plain arrays of 8-byte numbers, without padding.
+template <class T>
+std::uint64_t hash_plain(const T& data) {
+  static_assert(sizeof(T) % sizeof(double) == 0 && std::is_trivially_copyable_v<T>);
+  Hasher hasher;
+  hasher.bytes(&data, sizeof(T));
+  return hasher.digest();
+}
+
+template <class T>
+std::uint64_t hash_items(std::span<const T> items) {
+  Hasher hasher;
+  hasher.array(items);
+  return hasher.digest();
+}
+
+static_assert(sizeof(Contact) == 2 * sizeof(std::uint32_t) + 13 * sizeof(double));
+static_assert(sizeof(HandForces) == 10 * kSegmentCount * sizeof(double));
+static_assert(sizeof(ActuatorFrame) == sizeof(HandForces) + 3 * sizeof(double));
+static_assert(sizeof(State) == 3 * sizeof(double) + 2 * sizeof(HandForces));
+
+}  // namespace
+
+std::string_view stage_name(Stage stage) {
+  constexpr std::array<std::string_view, kStageCount> names = {"input",       "hand_pose",     "broadphase",
+                                                               "narrowphase", "contact_force", "limits"};
+  return names[static_cast<std::size_t>(stage)];
+}
+
+Scratch make_scratch(const Model& model) {
+  Scratch scratch;
+  scratch.primitives = std::make_shared<Primitives>();
+  size_candidates(model, scratch);
+  scratch.contacts.resize(scratch.candidates.size());
+  return scratch;
+}
+
+ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame) {
+  const FloatingPointGuard guard;
+  Primitives& hand = *scratch.primitives;
+  hand.count = 0;
+  // What this frame does not tell must not be left from another: a tick, hashes included, is a function of
+  // model, state and frame.
+  hand.base_joint = hand.flexion_axis = {};
+  scratch.candidate_count = scratch.contact_count = 0;
+
+  std::uint32_t flags = check_input(frame);
+  if ((frame.flags & kTrackingLost) != 0) flags |= kInputLost;
+  if ((frame.flags & kExtrapolated) != 0) flags |= kInputExtrapolated;
+  if ((flags & kUntrusted) == 0) {
+    flags |= pose_hand(model.hand, model.settings, frame, hand);
+    if (!find_candidates(model, hand, scratch)) flags |= kCandidateOverflow;
+  }
+  const std::span<const std::uint64_t> candidates(scratch.candidates.data(), scratch.candidate_count);
+  scratch.contact_count = find_contacts(model, hand, candidates, scratch.contacts);
+  const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
+  const HandForces forces = sum_forces(model.settings, hand, contacts);
+  ActuatorFrame output = limit_forces(model.settings, forces, (flags & kUntrusted) == 0, flags, state);
+  output.contact_count = scratch.contact_count;
+  output.force_error = force_error(model.settings, contacts);
+
+  if (scratch.hash_stages) {
+    stage_hash(scratch, Stage::input) = hash_of(frame);
+    stage_hash(scratch, Stage::hand_pose) = hash_of(hand, flags);
+    stage_hash(scratch, Stage::broadphase) = hash_items(candidates);
+    stage_hash(scratch, Stage::narrowphase) = hash_items(contacts);
+    stage_hash(scratch, Stage::contact_force) = hash_plain(forces);
+    stage_hash(scratch, Stage::limits) = hash_plain(output);
+  }
+  return output;
+}
+
+std::uint64_t hash_state(const State& state) { return hash_plain(state); }
+
+}  // namespace lumbrical
