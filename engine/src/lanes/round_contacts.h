@@ -9,8 +9,9 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-// Below this cosine of the axis' angle the side's integrals divide rounding by it.
-inline constexpr double kLeastCosine = 1e-2, kLeastCosineSingle = 0.2;
+// The side's integrals divide rounding by the cosine of the axis' angle, its moments by the square: a cone's,
+// whose field has terms as large from the start, by more.
+inline constexpr double kLeastCosine = 1e-3, kLeastCosineCone = 4e-3, kLeastCosineSingle = 0.2;
 // On the side of a capsule digits are lost where no point of the region has more than this share of R.
 inline constexpr double kShallowSide = 1e-3;
 // Triangles of less than this share of R drown in the section's scale; points do as well to rounding.
@@ -37,7 +38,8 @@ inline auto keeps_digits(const RoundPart<V>& part, const SideView<V>& side, V mo
   const auto large = size >= number<V>(kSmall) * part.radius1;
   if (part.sphere) return large;
   const auto deep = both(large, most >= number<V>(single<V>() ? kShallow : kShallowSide) * part.radius1);
-  return both(deep, side.c >= number<V>(single<V>() ? kLeastCosineSingle : kLeastCosine));
+  const double least = single<V>() ? kLeastCosineSingle : part.cone ? kLeastCosineCone : kLeastCosine;
+  return both(deep, side.c >= number<V>(least));
 }
 
 // Corners of a polygon: box round them, area and first moments, and whether all are inside the section.
