@@ -324,15 +324,6 @@ bool integrate_bulge(const FieldKernels& kernels, const Section& section, const 
 
 namespace {
 
-void add_slope(Point2 p, double share, SlopeMoments& slope) {
-  slope.one += share;
-  slope.x += share * p.x;
-  slope.y += share * p.y;
-  slope.xx += share * p.x * p.x;
-  slope.xy += share * p.x * p.y;
-  slope.yy += share * p.y * p.y;
-}
-
 // d phi / dn: docs/mechanics.md.
 double rise_at(const Section& section, const Slant& slant, Point2 p) {
   const int zone = zone_of(section, slant, p).zone;
@@ -360,7 +351,7 @@ bool integrate_bulge_slope(const Section& section, const Rival& rival, const Joi
     kinks.refine = false;
     graded_nodes(0, 1, kinks, [&](double share, double inner) {
       const Point2 p = foot + share * (top - foot);
-      add_slope(p, weight * chord.length * height * inner * rise_at(section, slant, p), slope);
+      slope.add(p, weight * chord.length * height * inner * rise_at(section, slant, p));
     });
     // The border's normal; over the chord an element of it is as long as |m x n| over the part of m across.
     const double x = rival.border.x.at(top), y = rival.border.y.at(top), far = std::sqrt(x * x + y * y);
@@ -368,7 +359,7 @@ bool integrate_bulge_slope(const Section& section, const Rival& rival, const Joi
     const Vec3 m = around.normal - around.side * ((x / far) * around.x + (y / far) * around.y);
     const double tilt = dot(m, section.n) / std::fabs(dot(m, across));
     const double phi = field_of(section, slant, zone_of(section, slant, top).zone, top);
-    add_slope(top, -weight * chord.length * phi * (rival.is_first ? tilt : -tilt), slope);
+    slope.add(top, -weight * chord.length * phi * (rival.is_first ? tilt : -tilt));
   });
   return border.good;
 }
