@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <numeric>
 
+#include "base/parallel.h"
 #include "base/radix_sort.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
@@ -15,6 +17,10 @@ namespace lumbrical {
 namespace {
 
 constexpr std::uint32_t kBatch = MissTerms::kCapacity;
+
+// Pairs below which threads cost more than they bring (measured, bench/results), when searching and when
+// lists are gone through.
+constexpr std::size_t kSerialSearch = 2048, kSerialLists = 16384;
 
 // Ticks without lists after they did not fit.
 constexpr std::uint32_t kRest = 1000;
@@ -218,24 +224,47 @@ Plan make_plan(const Primitives& hand, bool lists, NearPairs& near) {
   return plan;
 }
 
+// Searches for the primitives of `fresh`, shared out over as many threads as there is memory for. What is
+// found comes in any order.
+void search_shared(const Model& model, const Primitives& hand, const Plan& plan, std::uint32_t threads,
+                   std::span<const std::uint32_t> cells, Scratch& scratch, Found& found) {
+  const FieldKernels& kernels = field_kernels(model.execution.isa);
+  std::atomic<std::size_t> next{0};
+  const auto work = [&](std::size_t first, std::size_t last) {
+    MissTerms terms;
+    for (std::size_t searcher = first; searcher < last; ++searcher) {
+      Search search{model, kernels, scratch.searcher[searcher], terms, found};
+      for (std::size_t k = next++; k < plan.fresh_count; k = next++) {
+        const std::size_t i = plan.fresh[k];
+        search.index = i;
+        search.hull = &scratch.near->now[i];
+        search.skin = plan.skin[i];
+        if (!search_for(search, hand.primitive[i], cells)) return;
+      }
+    }
+  };
+  parallel_chunks(threads, 1, threads, work);
+}
+
+// How many threads pay for searches: by what was found last time, since nothing else is known.
+std::uint32_t threads_for_search(const Model& model, const Plan& plan, const Scratch& scratch) {
+  std::size_t pairs = 0;
+  for (std::size_t k = 0; k < plan.fresh_count; ++k) pairs += scratch.near->list[plan.fresh[k]].count;
+  if (pairs < kSerialSearch || model.execution.broadphase == Broadphase::brute) return 1;
+  return static_cast<std::uint32_t>(scratch.searcher.size());
+}
+
 // Searches for the primitives that need it and puts what is found behind the lists that stay.
 bool search_fresh(const Model& model, const Primitives& hand, const Plan& plan, Scratch& scratch) {
   NearPairs& near = *scratch.near;
+  const std::uint32_t threads = threads_for_search(model, plan, scratch);
   keep_lists(plan.reuse, near);
   std::span<const std::uint32_t> cells;
   if (model.execution.broadphase == Broadphase::grid)
     cells = {scratch.cells.data(), find_cells(model.grid, box_round(hand, plan.most_skin), scratch.cells)};
   Found found{std::span(near.pairs).subspan(near.size)};
-  const FieldKernels& kernels = field_kernels(model.execution.isa);
-  MissTerms terms;
-  Search search{model, kernels, scratch.searcher[0], terms, found};
-  for (std::size_t k = 0; k < plan.fresh_count; ++k) {
-    const std::size_t i = plan.fresh[k];
-    search.index = i;
-    search.hull = &near.now[i];
-    search.skin = plan.skin[i];
-    if (!search_for(search, hand.primitive[i], cells)) return false;
-  }
+  search_shared(model, hand, plan, threads, cells, scratch, found);
+  if (found.count > found.room.size()) return false;
   const std::span<std::uint64_t> pairs = found.room.first(found.count);
   // Brute force finds them in order.
   if (model.execution.broadphase != Broadphase::brute) radix_sort(pairs, scratch.sorting);
@@ -288,26 +317,31 @@ std::size_t write_list(const Model& model, const Hull& now, std::span<const std:
   return asked + open;
 }
 
-// From the lists to the candidates; false where they don't fit.
+// From the lists to the candidates; false where they don't fit. Every list has places of its own, so the
+// order of the work doesn't matter.
 bool write_candidates(const Model& model, const Primitives& hand, Scratch& scratch) {
   NearPairs& near = *scratch.near;
-  std::size_t count = 0, asked = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i) {
-    const NearPairs::List& list = near.list[i];
-    if (count + list.count > scratch.candidates.size()) return false;
-    std::uint64_t* const to = scratch.candidates.data() + count;
-    const std::size_t doubtful =
-        write_list(model, near.now[i], std::span(near.pairs).subspan(list.first, list.count), to);
-    asked += doubtful;
-    std::size_t kept = list.count;
-    if (doubtful > 0) {
-      kept = 0;
-      for (std::size_t k = 0; k < list.count; ++k) {
-        to[kept] = to[k];
-        kept += to[k] != kMissed;
-      }
+  const auto lists = static_cast<std::size_t>(hand.count);
+  std::array<std::size_t, Primitives::kMaxCount> place{}, doubtful{};
+  std::size_t total = 0;
+  for (std::size_t i = 0; i < lists; ++i) {
+    place[i] = total;
+    total += near.list[i].count;
+  }
+  if (total > scratch.candidates.size()) return false;
+  std::uint64_t* const to = scratch.candidates.data();
+  const std::uint32_t threads = total < kSerialLists ? 1 : model.execution.threads;
+  parallel_chunks(lists, 1, threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const std::span pairs = std::span(near.pairs).subspan(near.list[i].first, near.list[i].count);
+      doubtful[i] = write_list(model, near.now[i], pairs, to + place[i]);
     }
-    count += kept;
+  });
+  const std::size_t asked = std::accumulate(doubtful.begin(), doubtful.end(), std::size_t{0});
+  std::size_t count = asked > 0 ? 0 : total;
+  for (std::size_t k = 0; asked > 0 && k < total; ++k) {
+    to[count] = to[k];
+    count += to[k] != kMissed;
   }
   near.asked = static_cast<std::uint32_t>(asked);
   scratch.candidate_count = static_cast<std::uint32_t>(count);
@@ -335,7 +369,7 @@ void size_candidates(const Model& model, Scratch& scratch) {
   for (const SphereTree& tree : model.grid.tree)
     frontier_size = std::max(frontier_size, frontier_capacity(tree));
   if (model.voxels) frontier_size = std::max(frontier_size, frontier_capacity(model.voxels->wide));
-  scratch.searcher.resize(1);
+  scratch.searcher.resize(model.execution.threads);
   for (Scratch::Searcher& searcher : scratch.searcher) {
     for (auto& frontier : searcher.frontier) frontier.resize(frontier_size);
     searcher.cells.resize(model.voxels ? model.voxels->lists.voxel.size() : 0);
