@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "../tests/pressed_hand.h"
+#include "lanes/near_pairs.h"
 #include "stages/broadphase.h"
 #include "stages/hand_pose.h"
-#include "stages/near_pairs.h"
 
 namespace {
 

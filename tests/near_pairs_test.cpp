@@ -1,6 +1,6 @@
 // Lists of pairs that outlive a tick: the candidates are those of a fresh search, whatever the hand does, and
 // the lists do spare searches.
-#include "stages/near_pairs.h"
+#include "lanes/near_pairs.h"
 
 #include <gtest/gtest.h>
 

@@ -10,8 +10,8 @@
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
 #include "lanes/field_kernels.h"
+#include "lanes/near_pairs.h"
 #include "lanes/tree_search.h"
-#include "stages/near_pairs.h"
 
 namespace lumbrical {
 namespace {

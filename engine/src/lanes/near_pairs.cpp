@@ -1,4 +1,4 @@
-#include "stages/near_pairs.h"
+#include "lanes/near_pairs.h"
 
 #include <algorithm>
 #include <cmath>
