@@ -22,6 +22,10 @@ constexpr std::uint32_t kBatch = MissTerms::kCapacity;
 // lists are gone through.
 constexpr std::size_t kSerialSearch = 2048, kSerialLists = 16384;
 
+// A list costs twice a search: no more than this many are made in a tick, so that none takes much longer than
+// one without lists.
+constexpr int kMostNew = 4;
+
 // Ticks without lists after they did not fit.
 constexpr std::uint32_t kRest = 1000;
 
@@ -218,8 +222,11 @@ Plan make_plan(const Primitives& hand, bool lists, NearPairs& near) {
     eldest = i;
   }
   if (eldest < count) plan.reuse[eldest] = false;
+  int made = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    if (!plan.reuse[i]) plan.fresh[plan.fresh_count++] = static_cast<std::uint8_t>(i);
+    if (plan.reuse[i]) continue;
+    plan.fresh[plan.fresh_count++] = static_cast<std::uint8_t>(i);
+    if (plan.skin[i] > 0 && made++ >= kMostNew) plan.skin[i] = 0;
   }
   return plan;
 }
