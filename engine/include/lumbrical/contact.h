@@ -7,10 +7,19 @@
 
 namespace lumbrical {
 
-/// One contacted triangle of one primitive. No padding: contacts are hashed as they stand.
+/// Marks a contact of a whole cluster of triangles (Settings::tolerance > 0 only).
+inline constexpr std::uint32_t kClusterBit = 1u << 31;
+
+/// One contacted triangle of one primitive, or a cluster of triangles that are one contact. No padding:
+/// contacts are hashed as they stand.
+///
+/// Of a cluster `normal` and `volume` are direction and length of the integral of the law's depth times the
+/// triangle's normal. `error` bounds how far that vector is off; its moment about a point o is off by at most
+/// error (|centre - o| + 4 R), R the primitive's larger radius or half the palm's thickness. `depth` is that
+/// of the cluster's centre, or 0; area and centroid are estimates where the finger's surface runs through it.
 struct Contact {
   std::uint32_t primitive = 0;  ///< index of the posed primitive
-  std::uint32_t triangle = 0;   ///< index into Model::triangles
+  std::uint32_t triangle = 0;   ///< index into Model::triangles, or kClusterBit + one into Model::clusters
   double depth = 0;             ///< [m] dl_max: the largest depth, through the whole finger
   double area = 0;              ///< [m^2] A_C: the part of the triangle inside the primitive
   double volume = 0;            ///< [m^3] the law's depth summed over that part; K_s times it is the force

@@ -1,6 +1,7 @@
 // The field law's kernels, one table per instruction set.
 #pragma once
 
+#include "lanes/cluster_terms.h"
 #include "lanes/miss_terms.h"
 #include "lanes/round_terms.h"
 #include "lanes/sphere_query.h"
@@ -19,6 +20,9 @@ struct FieldKernels {
   void (*certain_misses)(MissTerms&);
   std::size_t (*sphere_hits)(const SphereBlock* spheres, const SphereQuery&, const std::uint32_t* blocks,
                              std::size_t block_count, std::uint32_t* hits);
+  void (*cluster_kinds)(const ClusterBlock* blocks, const ClusterQuery&, const std::uint32_t* list,
+                        std::size_t count, ClusterHits&);
+  void (*cluster_forces)(ClusterTerms&);
 };
 
 namespace scalar {

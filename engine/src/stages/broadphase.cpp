@@ -3,9 +3,11 @@
 #include <algorithm>
 
 #include "base/radix_sort.h"
+#include "index/cluster_tree.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
+#include "lanes/cluster_search.h"
 #include "lanes/field_kernels.h"
 #include "lanes/tree_search.h"
 
@@ -20,7 +22,8 @@ struct Search {
   const FieldKernels& kernels;
   Scratch& scratch;
   MissTerms& terms;
-  std::uint64_t index = 0;  // of the primitive
+  std::uint64_t index = 0;     // of the primitive
+  bool open_only = false;      // only triangles of open leaves are asked for
 };
 
 void add_plane(const HalfSpace& space, double overhang, MissTerms& terms) {
@@ -52,6 +55,11 @@ void set_corner(const Triangles& world, std::uint32_t vertex, std::size_t k,
   corner[2][k] = world.z[vertex];
 }
 
+bool in_open_leaf(const Search& search, std::uint32_t triangle) {
+  const std::uint32_t leaf = search.model.clusters.place[triangle] / ClusterTree::kLeafSize;
+  return (search.scratch.open_leaves[leaf / 64] >> leaf % 64 & 1) != 0;
+}
+
 // Keeps those of up to kBatch triangles that the primitive does not certainly miss; false where there is no
 // room.
 bool keep(Search& search, std::span<const std::uint32_t> triangles) {
@@ -68,7 +76,7 @@ bool keep(Search& search, std::span<const std::uint32_t> triangles) {
   search.kernels.certain_misses(terms);
   Scratch& scratch = search.scratch;
   for (std::size_t k = 0; k < triangles.size(); ++k) {
-    if (terms.miss[k] != 0) continue;
+    if (terms.miss[k] != 0 || (search.open_only && !in_open_leaf(search, triangles[k]))) continue;
     if (scratch.candidate_count == scratch.candidates.size()) return false;
     scratch.candidates[scratch.candidate_count++] = search.index << 32 | triangles[k];
   }
@@ -101,6 +109,22 @@ bool search_tree(Search& search, const Primitive& primitive, const SphereTree& t
     if (!keep(search, {batch.data(), kBatch})) return false;
     size -= kBatch;
     std::copy_n(batch.begin() + kBatch, size, batch.begin());
+  }
+  return size == 0 || keep(search, {batch.data(), size});
+}
+
+// The triangles of open leaves, without any other search.
+bool search_leaves_of(Search& search, std::span<const std::uint32_t> leaves) {
+  constexpr std::uint32_t kLeafSize = ClusterTree::kLeafSize;
+  static_assert(kBatch % kLeafSize == 0);
+  std::array<std::uint32_t, kBatch> batch;
+  std::uint32_t size = 0;
+  for (const std::uint32_t leaf : leaves) {
+    if (size + kLeafSize > kBatch) {
+      if (!keep(search, {batch.data(), size})) return false;
+      size = 0;
+    }
+    for (const std::uint32_t triangle : triangles_of(search.model.clusters, leaf)) batch[size++] = triangle;
   }
   return size == 0 || keep(search, {batch.data(), size});
 }
@@ -142,6 +166,38 @@ Box box_round(const Primitives& hand) {
   return box;
 }
 
+bool search_any(Search& search, const Primitive& primitive, std::span<const std::uint32_t> cells) {
+  switch (search.model.execution.broadphase) {
+    case Broadphase::tree:
+      return search_tree(search, primitive, search.model.tree);
+    case Broadphase::grid:
+      return search_cells(search, primitive, cells);
+    case Broadphase::voxel:
+      return search_voxels(search, primitive);
+    case Broadphase::brute:
+      break;
+  }
+  return search_all(search);
+}
+
+// Clusters that are one contact each are candidates of their own; of the rest the triangles of open leaves
+// are. With the tree nothing else is searched, otherwise the leaves are marked.
+bool search_clusters(Search& search, const Primitives& hand, const Primitive& primitive,
+                     std::span<const std::uint32_t> cells) {
+  Scratch& scratch = search.scratch;
+  const FoundClusters found = find_clusters(search.model, hand, primitive, search.kernels, scratch);
+  if (scratch.candidates.size() - scratch.candidate_count < found.used.size()) return false;
+  for (const std::uint32_t cluster : found.used)
+    scratch.candidates[scratch.candidate_count++] = search.index << 32 | kClusterBit | cluster;
+  if (search.model.execution.broadphase == Broadphase::tree) return search_leaves_of(search, found.open);
+  for (const std::uint32_t leaf : found.open) scratch.open_leaves[leaf / 64] |= std::uint64_t{1} << leaf % 64;
+  search.open_only = true;
+  const bool fits = search_any(search, primitive, cells);
+  search.open_only = false;
+  for (const std::uint32_t leaf : found.open) scratch.open_leaves[leaf / 64] = 0;
+  return fits;
+}
+
 }  // namespace
 
 void size_candidates(const Model& model, Scratch& scratch) {
@@ -152,6 +208,7 @@ void size_candidates(const Model& model, Scratch& scratch) {
   std::size_t frontier_size = frontier_capacity(model.tree);
   for (const SphereTree& tree : model.grid.tree)
     frontier_size = std::max(frontier_size, frontier_capacity(tree));
+  size_clusters(model, scratch);
   if (model.voxels) frontier_size = std::max(frontier_size, frontier_capacity(model.voxels->wide));
   for (auto& frontier : scratch.frontier) frontier.resize(frontier_size);
   scratch.cells.resize(model.voxels ? model.voxels->lists.voxel.size() : model.grid.tree.size());
@@ -169,28 +226,15 @@ bool find_candidates(const Model& model, const Primitives& hand, Scratch& scratc
     const Primitive& primitive = hand.primitive[i];
     search.index = i;
     set_primitive(primitive, hand.palm, search.terms);
-    bool fits = true;
-    switch (model.execution.broadphase) {
-      case Broadphase::tree:
-        fits = search_tree(search, primitive, model.tree);
-        break;
-      case Broadphase::grid:
-        fits = search_cells(search, primitive, cells);
-        break;
-      case Broadphase::voxel:
-        fits = search_voxels(search, primitive);
-        break;
-      case Broadphase::brute:
-        fits = search_all(search);
-        break;
-    }
+    const bool fits = uses_clusters(model, hand, primitive) ? search_clusters(search, hand, primitive, cells)
+                                                            : search_any(search, primitive, cells);
     if (!fits) {
       scratch.candidate_count = 0;
       return false;
     }
   }
-  // Brute force finds them in order.
-  if (model.execution.broadphase != Broadphase::brute)
+  // Brute force finds triangles in order.
+  if (model.execution.broadphase != Broadphase::brute || !model.clusters.triangle.empty())
     radix_sort({scratch.candidates.data(), scratch.candidate_count}, scratch.sorting);
   return true;
 }

@@ -6,6 +6,7 @@
 #include "borders/border_cut.h"
 #include "borders/joint_border.h"
 #include "borders/shared_contact.h"
+#include "lanes/cluster_batch.h"
 #include "lanes/round_batch.h"
 #include "section/cone_slivers.h"
 #include "section/depth.h"
@@ -120,6 +121,8 @@ struct PairWork {
   const Primitives& hand;
   const FieldKernels& kernels;
   RoundBatch batch{kernels};
+  ClusterBatch clusters{model.clusters, kernels};
+  std::uint32_t clusters_of = Primitives::kMaxCount;  // the primitive whose clusters are being gathered
   std::uint32_t open = Primitives::kMaxCount;  // the primitive whose batch is being filled
   // Pairs of the batch with cuts of their own.
   struct Shared {
@@ -160,7 +163,16 @@ void finish(PairWork& work) {
     collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
 }
 
+void take_cluster(Contact& contact, PairWork& work) {
+  if (contact.primitive != work.clusters_of || is_full(work.clusters)) finish_batch(work.clusters);
+  if (contact.primitive != work.clusters_of)
+    begin_batch(work.hand.primitive[contact.primitive], work.hand.palm, work.clusters);
+  work.clusters_of = contact.primitive;
+  add_to_batch(contact, work.clusters);
+}
+
 void take_pair(Contact& contact, PairWork& work) {
+  if ((contact.triangle & kClusterBit) != 0) return take_cluster(contact, work);
   const Primitive& primitive = work.hand.primitive[contact.primitive];
   if (!suits_batch(primitive)) {
     collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
@@ -217,6 +229,7 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
       take_pair(contacts[i], pairs);
     }
     finish(pairs);
+    finish_batch(pairs.clusters);
   };
   const std::uint32_t threads = candidates.size() < kSerialBelow ? 1 : model.execution.threads;
   parallel_chunks(candidates.size(), kChunk, threads, work);
