@@ -130,10 +130,10 @@ struct SphereGrid {
 /// Four sibling clusters as a search sees them [m], relative to their tree's origin; single precision.
 struct alignas(64) ClusterBlock {
   static constexpr std::uint32_t kWidth = 4;
-  std::array<float, kWidth> x{}, y{}, z{};    ///< centre: the centroid, rounded
-  std::array<float, kWidth> r{};              ///< no corner is farther from it; negative: an empty place
-  std::array<float, kWidth> nx{}, ny{}, nz{}; ///< mean normal, unit; 0 where normals cancel
-  std::array<float, kWidth> thickness{};      ///< no corner is farther from the centre along that normal
+  std::array<float, kWidth> x{}, y{}, z{};     ///< centre: the centroid, rounded
+  std::array<float, kWidth> r{};               ///< no corner is farther from it; negative: an empty place
+  std::array<float, kWidth> nx{}, ny{}, nz{};  ///< mean normal, unit; 0 where normals cancel
+  std::array<float, kWidth> thickness{};       ///< no corner is farther from the centre along that normal
 };
 
 /// Integrals over the surface of a cluster, h counted from its centre, n the outward normal. 128 bytes.
@@ -148,12 +148,12 @@ struct alignas(64) ClusterMoments {
 /// side by side and start a new block. Children are found by index arithmetic.
 struct ClusterTree {
   static constexpr std::uint32_t kLeafSize = 8;
-  Vec3 origin;                           ///< [m] in W
-  std::vector<std::uint32_t> triangle;   ///< in spatial order: leaf i has those from 8 i
-  std::vector<std::uint32_t> place;      ///< of each triangle in `triangle`; empty where the tree is searched
-  std::vector<std::uint32_t> level;      ///< first cluster of each size, the leaves' first; then their end
-  std::vector<ClusterBlock> block;       ///< cluster i is number i % 4 of block i / 4
-  std::vector<ClusterMoments> moments;   ///< of each cluster
+  Vec3 origin;                          ///< [m] in W
+  std::vector<std::uint32_t> triangle;  ///< in spatial order: leaf i has those from 8 i
+  std::vector<std::uint32_t> place;     ///< of each triangle in `triangle`; empty where the tree is searched
+  std::vector<std::uint32_t> level;     ///< first cluster of each size, the leaves' first; then their end
+  std::vector<ClusterBlock> block;      ///< cluster i is number i % 4 of block i / 4
+  std::vector<ClusterMoments> moments;  ///< of each cluster
 };
 
 struct VoxelIndex;  // lists of triangles by voxel; voxel_index.h inside the engine, lumbrical/voxel.h outside

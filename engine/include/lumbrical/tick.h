@@ -40,14 +40,14 @@ struct Primitives;  // posed spheres, cylinders and palm; primitive.h inside the
 struct Scratch {
   std::shared_ptr<Primitives> primitives;
   std::vector<std::uint64_t>
-      candidates;                      ///< primitive << 32 | Contact::triangle, ascending; `candidate_count` of them
+      candidates;  ///< primitive << 32 | Contact::triangle, ascending; `candidate_count` of them
   std::vector<Contact> contacts;       ///< sorted by primitive, then triangle; `contact_count` of them
   std::vector<std::uint64_t> sorting;  ///< the other array of the candidates' sort
-  std::array<std::vector<std::uint32_t>, 2> frontier;  ///< of a tree's traversal
-  std::vector<std::uint32_t> cells;                    ///< of the grid, or voxels, that may be met
+  std::array<std::vector<std::uint32_t>, 2> frontier;       ///< of a tree's traversal
+  std::vector<std::uint32_t> cells;                         ///< of the grid, or voxels, that may be met
   std::array<std::vector<std::uint32_t>, 2> open_clusters;  ///< of the clusters' traversal
-  std::vector<std::uint32_t> used_clusters;                ///< that are contacts of one primitive
-  std::vector<std::uint64_t> open_leaves;                  ///< a bit for each leaf that is looked into
+  std::vector<std::uint32_t> used_clusters;                 ///< that are contacts of one primitive
+  std::vector<std::uint64_t> open_leaves;                   ///< a bit for each leaf that is looked into
   std::uint32_t candidate_count = 0;
   std::uint32_t contact_count = 0;
   bool hash_stages = true;                              ///< compute stage_hash (recording and replay need it)

@@ -114,8 +114,8 @@ Cluster joined(std::span<const Cluster> parts) {
   const Vec3 n = mean_normal(whole);
   for (const Cluster& c : parts) {
     const double turned = norm(n - mean_normal(c)) * c.radius;
-    whole.thickness =
-        max(whole.thickness, std::fabs(dot(c.centre - whole.centre, n)) + min(c.radius, c.thickness + turned));
+    whole.thickness = max(whole.thickness,
+                          std::fabs(dot(c.centre - whole.centre, n)) + min(c.radius, c.thickness + turned));
   }
   return whole;
 }

@@ -1,5 +1,5 @@
-// Clusters: neighbouring triangles with the moments of their surface, from which the field's integral over all
-// of them follows at once (docs/mechanics.md, "Clusters").
+// Clusters: neighbouring triangles with the moments of their surface, from which the field's integral over
+// all of them follows at once (docs/mechanics.md, "Clusters").
 #pragma once
 
 #include <cstddef>

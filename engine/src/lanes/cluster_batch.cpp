@@ -12,7 +12,9 @@ void put_vector(const float (&v)[3], std::size_t k, double (&to)[3][kCapacity]) 
   for (std::size_t axis = 0; axis < 3; ++axis) to[axis][k] = v[axis];
 }
 
-Vec3 vector_at(const double (&from)[3][kCapacity], std::size_t k) { return {from[0][k], from[1][k], from[2][k]}; }
+Vec3 vector_at(const double (&from)[3][kCapacity], std::size_t k) {
+  return {from[0][k], from[1][k], from[2][k]};
+}
 
 // Kernels compute whole registers: the last one is filled with copies of a cluster.
 void pad(ClusterTerms& terms) {

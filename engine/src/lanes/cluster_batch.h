@@ -14,8 +14,8 @@ struct ClusterBatch {
   ClusterBatch(const ClusterTree& clusters, const FieldKernels& table) : tree(clusters), kernels(table) {}
   const ClusterTree& tree;
   const FieldKernels& kernels;
-  Vec3 origin;      ///< [m] W, the primitive's larger end
-  Vec3 from_end;    ///< [m] from there to the tree's origin
+  Vec3 origin;    ///< [m] W, the primitive's larger end
+  Vec3 from_end;  ///< [m] from there to the tree's origin
   ClusterTerms terms;
   std::array<Contact*, ClusterTerms::kCapacity> contact;  ///< of each
 };

@@ -17,12 +17,12 @@ struct RoundField {
 // phi ~ phi0 - out h - bend / 2 (|h|^2 - (across h)^2 - side (axis h)^2), h counted from the centre.
 template <class V>
 struct CentreField {
-  V phi;            // [m]
-  Wide3<V> out;     // unit: phi falls in this direction
-  Wide3<V> across;  // unit: away from the axis, or from the end's centre
-  V bend;           // [1/m]
-  V side;           // 1 beside the axis, 0 where an end is nearest
-  V distance;       // [m] from the axis, at most
+  V phi;               // [m]
+  Wide3<V> out;        // unit: phi falls in this direction
+  Wide3<V> across;     // unit: away from the axis, or from the end's centre
+  V bend;              // [1/m]
+  V side;              // 1 beside the axis, 0 where an end is nearest
+  V distance;          // [m] from the axis, at most
   V margin1, margin2;  // [m] from where the nearest sphere changes to an end
 };
 

@@ -42,8 +42,12 @@ Surface<V> surface_at(const ClusterTerms& terms, std::size_t i) {
   const auto& q = terms.second;
   return {vector_at<V>(terms.normal, i),
           {vector_at<V>(terms.first[0], i), vector_at<V>(terms.first[1], i), vector_at<V>(terms.first[2], i)},
-          vector_at<V>(q[0], i), vector_at<V>(q[1], i), vector_at<V>(q[2], i),
-          vector_at<V>(q[3], i), vector_at<V>(q[4], i), vector_at<V>(q[5], i)};
+          vector_at<V>(q[0], i),
+          vector_at<V>(q[1], i),
+          vector_at<V>(q[2], i),
+          vector_at<V>(q[3], i),
+          vector_at<V>(q[4], i),
+          vector_at<V>(q[5], i)};
 }
 
 // Integrals of the second-order form.
@@ -56,16 +60,14 @@ Wrench<V> integrate_form(const CentreField<V>& at, Wide3<V> axis, const Surface<
   spread = g.x * gx + g.y * gy + g.z * gz;
   const Wide3<V> e = at.across;
   const auto curved = [&](V ej, V ek, V aj, V ak, V same) { return same - ej * ek - at.side * (aj * ak); };
-  const Wide3<V> bent = curved(e.x, e.x, axis.x, axis.x, one) * s.xx +
-                        curved(e.y, e.y, axis.y, axis.y, one) * s.yy +
-                        curved(e.z, e.z, axis.z, axis.z, one) * s.zz +
-                        two * (curved(e.x, e.y, axis.x, axis.y, zero) * s.xy +
-                               curved(e.x, e.z, axis.x, axis.z, zero) * s.xz +
-                               curved(e.y, e.z, axis.y, axis.z, zero) * s.yz);
-  const Wide3<V> force = at.phi * s.normal + (g.x * s.first[0] + g.y * s.first[1] + g.z * s.first[2]) -
-                         (half * at.bend) * bent;
-  return {force,
-          moment_of(at.phi * s.first[0] + gx, at.phi * s.first[1] + gy, at.phi * s.first[2] + gz)};
+  const Wide3<V> bent =
+      curved(e.x, e.x, axis.x, axis.x, one) * s.xx + curved(e.y, e.y, axis.y, axis.y, one) * s.yy +
+      curved(e.z, e.z, axis.z, axis.z, one) * s.zz +
+      two * (curved(e.x, e.y, axis.x, axis.y, zero) * s.xy + curved(e.x, e.z, axis.x, axis.z, zero) * s.xz +
+             curved(e.y, e.z, axis.y, axis.z, zero) * s.yz);
+  const Wide3<V> force =
+      at.phi * s.normal + (g.x * s.first[0] + g.y * s.first[1] + g.z * s.first[2]) - (half * at.bend) * bent;
+  return {force, moment_of(at.phi * s.first[0] + gx, at.phi * s.first[1] + gy, at.phi * s.first[2] + gz)};
 }
 
 // phi's positive part as level + share phi, for phi spread evenly over `half` to either side of phi0.
@@ -79,12 +81,12 @@ template <class V>
 Ramp<V> ramp_of(V phi, V half, V differ) {
   const V zero = number<V>(0), one = number<V>(1);
   const V share = between(quotient(phi + half, half + half), zero, one);
-  const auto through = both(phi < half, phi > zero - half);
+  const auto through = both(phi<half, phi> zero - half);
   const V level = choose(through, quotient((half - phi) * (half + phi), number<V>(4) * half), zero);
   const V low = phi - differ, high = phi + differ;
   const V at_low = magnitude(greater(low, zero) - level - share * low),
           at_high = magnitude(greater(high, zero) - level - share * high);
-  const V between_them = choose(both(low < zero, high > zero), level, zero);
+  const V between_them = choose(both(low<zero, high> zero), level, zero);
   return {level, share, greater(greater(at_low, at_high), between_them)};
 }
 
@@ -124,8 +126,8 @@ void cluster_forces(ClusterTerms& terms) {
   for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
     const Wide3<V> centre = vector_at<V>(terms.centre, i), normal = vector_at<V>(terms.mean_normal, i);
     const V radius = get(terms.radius + i, V{}), thickness = get(terms.thickness + i, V{});
-    const CentreField<V> at = terms.flat ? field_below(face, number<V>(terms.face[3]), centre)
-                                         : field_at_centre(field, centre);
+    const CentreField<V> at =
+        terms.flat ? field_below(face, number<V>(terms.face[3]), centre) : field_at_centre(field, centre);
     const ClusterBounds<V> bounds = bounds_of(at, field.jointed, radius, normal, thickness);
     const Surface<V> surface = surface_at<V>(terms, i);
     Wide3<V> spread;
@@ -133,7 +135,8 @@ void cluster_forces(ClusterTerms& terms) {
     // Variance of phi over the cluster as its normals tell it; evenly spread over 3 of it to either side.
     const V least = greater(dot(surface.normal, surface.normal), number<V>(1e-300));
     const V variance = greater(quotient(dot(spread, surface.normal), least), zero);
-    const V reach = between(root(number<V>(3) * variance), number<V>(kLeastRamp) * bounds.differ, bounds.differ);
+    const V reach =
+        between(root(number<V>(3) * variance), number<V>(kLeastRamp) * bounds.differ, bounds.differ);
     const Ramp<V> ramp = ramp_of(at.phi, greater(reach, number<V>(1e-300)), bounds.differ);
     const Wide3<V> lever = moment_of(surface.first[0], surface.first[1], surface.first[2]);
     const Wrench<V> wrench{ramp.level * surface.normal + ramp.share * form.force,

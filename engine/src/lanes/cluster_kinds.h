@@ -37,7 +37,7 @@ template <class V>
 inline ClusterBits kinds_in_row(const ClusterRow& row, const ClusterQuery& query) {
   const V zero = number<V>(0), one = number<V>(1), slack(query.slack), allowed(query.allowed);
   const Wide3<V> origin{V(query.x), V(query.y), V(query.z)}, axis{V(query.ax), V(query.ay), V(query.az)};
-  const RoundField<V> field{axis,           V(query.length), V(query.radius1), V(query.radius2),
+  const RoundField<V> field{axis,          V(query.length), V(query.radius1), V(query.radius2),
                             V(query.sine), V(query.cosine), V(query.jointed)};
   ClusterBits bits;
   for (std::size_t i = 0; i < ClusterRow::kWidth; i += wide::Lanes<V>::kCount) {
@@ -54,14 +54,14 @@ inline ClusterBits kinds_in_row(const ClusterRow& row, const ClusterQuery& query
     }
     const ClusterQuery::Plane& face = query.plane[0];
     const CentreField<V> at =
-        query.flat
-            ? field_below(Wide3<V>{V(face.nx), V(face.ny), V(face.nz)}, V(face.height), p)
-            : field_at_centre(field, p);
+        query.flat ? field_below(Wide3<V>{V(face.nx), V(face.ny), V(face.nz)}, V(face.height), p)
+                   : field_at_centre(field, p);
     const ClusterBounds<V> bounds = bounds_of(at, field.jointed, r, normal, thickness);
     const V differ = bounds.differ + slack;
     const auto met = both(r >= zero, both(beyond == zero, at.phi > zero - differ));
     const V ramp = choose(at.phi >= differ, zero, number<V>(kRampRest) * bounds.differ);
-    const auto good = both(clear > zero, bounds.rest + ramp <= allowed);
+    const auto fits = both(bounds.rest + ramp <= allowed, thickness * at.phi <= V(query.twist));
+    const auto good = both(clear > zero, fits);
     bits.use |= wide::bits_of(both(met, good), zero) << i;
     bits.open |= wide::bits_of(met, zero) << i;
   }
@@ -73,7 +73,8 @@ inline std::size_t put_numbers(unsigned bits, const std::uint32_t* blocks, std::
   std::size_t count = 0;
   for (; bits != 0; bits &= bits - 1) {
     const auto lane = static_cast<std::uint32_t>(__builtin_ctz(bits));
-    numbers[count++] = blocks[lane / ClusterBlock::kWidth] * ClusterBlock::kWidth + lane % ClusterBlock::kWidth;
+    numbers[count++] =
+        blocks[lane / ClusterBlock::kWidth] * ClusterBlock::kWidth + lane % ClusterBlock::kWidth;
   }
   return count;
 }

@@ -49,13 +49,17 @@ ClusterQuery cluster_query(const ClusterTree& tree, const Prism& palm, const Pri
   query.slack = number(kFloatSlack * (largest_part(from) + hull.length + hull.radius1));
   const double size = query.flat ? half_thickness(palm) : hull.radius1;
   query.allowed = number((tolerance - kMomentRounding) * size);
+  // The normals of a cluster differ by about thickness / radius, and their twist has levers of its radius.
+  query.twist = number(4 * size * (tolerance - kMomentRounding) * size);
   return query;
 }
 
 }  // namespace
 
 double half_thickness(const Prism& palm) {
-  return palm.face_count < 2 ? 0 : 0.5 * std::fabs(dot(palm.face[0].normal, palm.face[0].point - palm.face[1].point));
+  return palm.face_count < 2
+             ? 0
+             : 0.5 * std::fabs(dot(palm.face[0].normal, palm.face[0].point - palm.face[1].point));
 }
 
 bool uses_clusters(const Model& model, const Primitives& hand, const Primitive& primitive) {

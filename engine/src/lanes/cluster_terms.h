@@ -21,15 +21,16 @@ inline constexpr double kMomentRounding = 5e-7;
 /// A primitive's field in single precision, from the origin of the clusters' tree.
 struct ClusterQuery {
   static constexpr int kPlaneCapacity = 18;
-  bool flat = false;            ///< the palm: phi is the height below plane 0
-  float x = 0, y = 0, z = 0;    ///< [m] the larger end
-  float ax = 0, ay = 0, az = 0; ///< unit axis from there
+  bool flat = false;                           ///< the palm: phi is the height below plane 0
+  float x = 0, y = 0, z = 0;                   ///< [m] the larger end
+  float ax = 0, ay = 0, az = 0;                ///< unit axis from there
   float length = 0, radius1 = 0, radius2 = 0;  ///< [m]
   float sine = 0, cosine = 1;                  ///< of the cone's half angle
   float jointed = 0;                           ///< 1 where there is a side, 0 for spheres
   float slack = 0;                             ///< [m] what rounding may move a centre by, generously
   float allowed = 0;                           ///< [m] the tolerance times R
-  int plane_count = 0;                         ///< half-spaces the primitive lies in
+  float twist = 0;      ///< [m^2] most of phi times thickness: what a line of force can not carry
+  int plane_count = 0;  ///< half-spaces the primitive lies in
   struct Plane {
     float nx, ny, nz, height;  ///< unit normal; [m] over the larger end
     float margin;              ///< [m] so near it the space may be a neighbour's, or not
@@ -48,11 +49,11 @@ struct ClusterTerms {
   static constexpr std::size_t kCapacity = 64;
   std::size_t count = 0;
   bool flat = false;
-  double axis[3] = {0, 0, 1};                       ///< unit
-  double length = 0, radius1 = 0, radius2 = 0;      ///< [m]
+  double axis[3] = {0, 0, 1};                   ///< unit
+  double length = 0, radius1 = 0, radius2 = 0;  ///< [m]
   double sine = 0, cosine = 1, jointed = 0;
-  double size = 0;                                  ///< [m] R
-  double face[4] = {0, 0, 0, 0};                    ///< of the palm: normal and height
+  double size = 0;                ///< [m] R
+  double face[4] = {0, 0, 0, 0};  ///< of the palm: normal and height
   alignas(64) double centre[3][kCapacity], mean_normal[3][kCapacity];
   alignas(64) double radius[kCapacity], thickness[kCapacity], surface[kCapacity];
   alignas(64) double normal[3][kCapacity], first[3][3][kCapacity], second[6][3][kCapacity];

@@ -13,6 +13,7 @@ namespace lumbrical::avx2 {
 using Double = xsimd::batch<double, xsimd::avx2>;
 using Single = xsimd::batch<float, xsimd::avx2>;
 const FieldKernels kFieldKernels{round_contacts<Double>, round_contacts<Single>, strip_nodes<Double>,
-                                 sliver_nodes<Double>,   certain_misses<Double>, sphere_hits<Single>,   cluster_kinds<Single>,  cluster_forces<Double>};
+                                 sliver_nodes<Double>,   certain_misses<Double>, sphere_hits<Single>,
+                                 cluster_kinds<Single>,  cluster_forces<Double>};
 
 }  // namespace lumbrical::avx2

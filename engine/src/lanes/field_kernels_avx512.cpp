@@ -13,6 +13,7 @@ namespace lumbrical::avx512 {
 using Double = xsimd::batch<double, xsimd::avx512bw>;
 using Single = xsimd::batch<float, xsimd::avx512bw>;
 const FieldKernels kFieldKernels{round_contacts<Double>, round_contacts<Single>, strip_nodes<Double>,
-                                 sliver_nodes<Double>,   certain_misses<Double>, sphere_hits<Single>,   cluster_kinds<Single>,  cluster_forces<Double>};
+                                 sliver_nodes<Double>,   certain_misses<Double>, sphere_hits<Single>,
+                                 cluster_kinds<Single>,  cluster_forces<Double>};
 
 }  // namespace lumbrical::avx512

@@ -13,6 +13,7 @@ namespace lumbrical::neon {
 using Double = xsimd::batch<double, xsimd::neon64>;
 using Single = xsimd::batch<float, xsimd::neon64>;
 const FieldKernels kFieldKernels{round_contacts<Double>, round_contacts<Single>, strip_nodes<Double>,
-                                 sliver_nodes<Double>,   certain_misses<Double>, sphere_hits<Single>,   cluster_kinds<Single>,  cluster_forces<Double>};
+                                 sliver_nodes<Double>,   certain_misses<Double>, sphere_hits<Single>,
+                                 cluster_kinds<Single>,  cluster_forces<Double>};
 
 }  // namespace lumbrical::neon

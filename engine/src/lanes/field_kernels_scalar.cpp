@@ -13,6 +13,7 @@ namespace lumbrical::scalar {
 using Double = double;
 using Single = float;
 const FieldKernels kFieldKernels{round_contacts<Double>, round_contacts<Single>, strip_nodes<Double>,
-                                 sliver_nodes<Double>,   certain_misses<Double>, sphere_hits<Single>,   cluster_kinds<Single>,  cluster_forces<Double>};
+                                 sliver_nodes<Double>,   certain_misses<Double>, sphere_hits<Single>,
+                                 cluster_kinds<Single>,  cluster_forces<Double>};
 
 }  // namespace lumbrical::scalar

@@ -22,8 +22,8 @@ struct Search {
   const FieldKernels& kernels;
   Scratch& scratch;
   MissTerms& terms;
-  std::uint64_t index = 0;     // of the primitive
-  bool open_only = false;      // only triangles of open leaves are asked for
+  std::uint64_t index = 0;  // of the primitive
+  bool open_only = false;   // only triangles of open leaves are asked for
 };
 
 void add_plane(const HalfSpace& space, double overhang, MissTerms& terms) {

@@ -123,7 +123,7 @@ struct PairWork {
   RoundBatch batch{kernels};
   ClusterBatch clusters{model.clusters, kernels};
   std::uint32_t clusters_of = Primitives::kMaxCount;  // the primitive whose clusters are being gathered
-  std::uint32_t open = Primitives::kMaxCount;  // the primitive whose batch is being filled
+  std::uint32_t open = Primitives::kMaxCount;         // the primitive whose batch is being filled
   // Pairs of the batch with cuts of their own.
   struct Shared {
     Contact* contact;
