@@ -47,6 +47,7 @@ struct Scratch {
   std::vector<std::uint32_t> cells;                         ///< of the grid, or voxels, that may be met
   std::array<std::vector<std::uint32_t>, 2> open_clusters;  ///< of the clusters' traversal
   std::vector<std::uint32_t> used_clusters;                 ///< that are contacts of one primitive
+  std::vector<std::uint32_t> split_leaves;                  ///< the same, triangle by triangle
   std::vector<std::uint64_t> open_leaves;                   ///< a bit for each leaf that is looked into
   std::uint32_t candidate_count = 0;
   std::uint32_t contact_count = 0;

@@ -30,7 +30,7 @@ inline void put_block(const ClusterBlock& block, std::size_t place, ClusterRow& 
 }
 
 struct ClusterBits {
-  unsigned use = 0, open = 0;
+  unsigned use = 0, split = 0, open = 0;
 };
 
 template <class V>
@@ -44,13 +44,16 @@ inline ClusterBits kinds_in_row(const ClusterRow& row, const ClusterQuery& query
     const V r = get(row.r + i, V{}), thickness = get(row.thickness + i, V{});
     const Wide3<V> p = Wide3<V>{get(row.x + i, V{}), get(row.y + i, V{}), get(row.z + i, V{})} - origin;
     const Wide3<V> normal{get(row.nx + i, V{}), get(row.ny + i, V{}), get(row.nz + i, V{})};
-    V beyond = zero, clear = one;  // wholly beyond a plane; clear of them all
+    V beyond = zero;                // wholly beyond a plane
+    V through = zero, near = zero;  // planes through it; borders in reach, which may be anything but planes
     for (int k = query.flat ? 1 : 0; k < query.plane_count; ++k) {
       const ClusterQuery::Plane& plane = query.plane[k];
       const V height = dot(p, Wide3<V>{V(plane.nx), V(plane.ny), V(plane.nz)}) - V(plane.height);
       const V reach = r + (V(plane.margin) + slack);
       beyond = choose(height >= reach, one, beyond);
-      clear = choose(height <= zero - reach, clear, zero);
+      const V crossed = choose(height <= zero - reach, zero, one);
+      through = through + crossed;
+      if (plane.margin > 0) near = near + crossed;
     }
     const ClusterQuery::Plane& face = query.plane[0];
     const CentreField<V> at =
@@ -61,10 +64,16 @@ inline ClusterBits kinds_in_row(const ClusterRow& row, const ClusterQuery& query
     const auto met = both(r >= zero, both(beyond == zero, at.phi > zero - differ));
     const V ramp = choose(at.phi >= differ, zero, number<V>(kRampRest) * bounds.differ);
     const auto fits = both(bounds.rest + ramp <= allowed, thickness * at.phi <= V(query.twist));
-    const auto good = both(clear > zero, fits);
+    const auto good = both(through == zero, fits);
+    // Over a triangle the field is above the corners' plane by half the bend at most.
+    const V above = query.flat ? zero : number<V>(0.5) * (r * r * one_over(bounds.gap));
+    const auto few = both(near == zero, through <= number<V>(LeafTerms::kPlaneCapacity));
+    const auto straight = both(bounds.rest < number<V>(1), above <= allowed);
     bits.use |= wide::bits_of(both(met, good), zero) << i;
+    bits.split |= wide::bits_of(both(met, both(few, straight)), zero) << i;
     bits.open |= wide::bits_of(met, zero) << i;
   }
+  bits.split &= ~bits.use;
   bits.open &= ~bits.use;
   return bits;
 }
@@ -100,7 +109,11 @@ void cluster_kinds(const ClusterBlock* blocks, const ClusterQuery& query, const 
         put_block(none, k, row);
       }
     }
-    const ClusterBits bits = kinds_in_row<V>(row, query);
+    ClusterBits bits = kinds_in_row<V>(row, query);
+    if (hits.leaves) {
+      bits.open &= ~bits.split;
+      hits.split_count += put_numbers(bits.split, list + i, hits.split + hits.split_count);
+    }
     hits.use_count += put_numbers(bits.use, list + i, hits.use + hits.use_count);
     hits.open_count += put_numbers(bits.open, list + i, hits.open + hits.open_count);
   }

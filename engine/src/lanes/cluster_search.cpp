@@ -76,13 +76,16 @@ FoundClusters find_clusters(const Model& model, const Primitives& hand, const Pr
   constexpr std::uint32_t kWidth = ClusterBlock::kWidth;
   const ClusterQuery query = cluster_query(tree, hand.palm, primitive, model.settings.tolerance);
   auto& [now, next] = scratch.open_clusters;
-  ClusterHits hits{scratch.used_clusters.data(), next.data()};
+  ClusterHits hits;
+  hits.use = scratch.used_clusters.data();
+  hits.split = scratch.split_leaves.data();
   std::size_t size = tree.level.size() - 2;  // of the largest clusters
   std::size_t count = 0;
   for (std::uint32_t i = tree.level[size]; i < tree.level[size + 1]; i += kWidth) now[count++] = i / kWidth;
   for (;; --size) {
     hits.open = next.data();
     hits.open_count = 0;
+    hits.leaves = size == 0;
     kernels.cluster_kinds(tree.block.data(), query, now.data(), count, hits);
     if (size == 0) break;
     // The children of cluster i of a size are block i of the next one.
@@ -90,7 +93,7 @@ FoundClusters find_clusters(const Model& model, const Primitives& hand, const Pr
     const std::uint32_t first = tree.level[size], below = tree.level[size - 1] / kWidth;
     for (std::size_t i = 0; i < count; ++i) now[i] = next[i] - first + below;
   }
-  return {{hits.use, hits.use_count}, {hits.open, hits.open_count}};
+  return {{hits.use, hits.use_count}, {hits.split, hits.split_count}, {hits.open, hits.open_count}};
 }
 
 void size_clusters(const Model& model, Scratch& scratch) {
@@ -99,6 +102,7 @@ void size_clusters(const Model& model, Scratch& scratch) {
   const std::size_t leaves = tree.level[1];
   for (auto& open : scratch.open_clusters) open.resize(leaves);
   scratch.used_clusters.resize(tree.level.back());
+  scratch.split_leaves.resize(leaves);
   if (!tree.place.empty()) scratch.open_leaves.assign((leaves + 63) / 64, 0);
 }
 

@@ -17,8 +17,9 @@ double half_thickness(const Prism& palm);
 bool uses_clusters(const Model& model, const Primitives& hand, const Primitive& primitive);
 
 struct FoundClusters {
-  std::span<const std::uint32_t> used;  ///< clusters; each is a contact, if it has an area
-  std::span<const std::uint32_t> open;  ///< leaves, whose triangles have to be looked at one by one
+  std::span<const std::uint32_t> used;   ///< clusters; each is a contact, if it has an area
+  std::span<const std::uint32_t> split;  ///< leaves; the same, but triangle by triangle
+  std::span<const std::uint32_t> open;   ///< leaves, whose triangles have to be looked at one by one
 };
 
 /// Triangles of the primitive's contacts are in the one or the other. A function of model and primitive only.

@@ -38,10 +38,30 @@ struct ClusterQuery {
   Plane plane[kPlaneCapacity];
 };
 
-/// What a search found among some blocks of clusters; each array holds four numbers per block.
+/// What a search found among some blocks of clusters; each array holds four numbers per block. Leaves may be
+/// `split`: one contact, whose triangles are looked at one by one.
 struct ClusterHits {
-  std::uint32_t *use = nullptr, *open = nullptr;  ///< out: clusters to be used; to be looked into
-  std::size_t use_count = 0, open_count = 0;
+  bool leaves = false;  ///< the blocks are of leaves
+  std::uint32_t *use = nullptr, *split = nullptr, *open = nullptr;
+  std::size_t use_count = 0, split_count = 0, open_count = 0;
+};
+
+/// One leaf, whose triangles are looked at one by one; lengths from the primitive's larger end.
+struct LeafTerms {
+  static constexpr std::size_t kCapacity = 8;
+  static constexpr int kPlaneCapacity = 2;  ///< planes that run through it
+  bool flat = false;
+  double axis[3] = {0, 0, 1};                   ///< unit
+  double length = 0, radius1 = 0, radius2 = 0;  ///< [m]
+  double sine = 0, cosine = 1, jointed = 0;
+  double size = 0;                       ///< [m] R
+  double face[4] = {};                   ///< of the palm: normal and height
+  double centre[3] = {};                 ///< [m] of the leaf
+  int plane_count = 0;                   ///< planes that may run through it
+  double plane[kPlaneCapacity][4] = {};  ///< normal and height; the others hold everything inside
+  alignas(64) double corner[3][3][kCapacity];
+  // Out, by triangle: integrals of phi n and h x phi n, area, integral of h, largest phi of the corners.
+  alignas(64) double result[11][kCapacity];
 };
 
 /// Clusters of one primitive on their way to contacts. Structure of arrays; lengths from the larger end.

@@ -23,6 +23,7 @@ struct FieldKernels {
   void (*cluster_kinds)(const ClusterBlock* blocks, const ClusterQuery&, const std::uint32_t* list,
                         std::size_t count, ClusterHits&);
   void (*cluster_forces)(ClusterTerms&);
+  void (*leaf_forces)(LeafTerms&);
 };
 
 namespace scalar {

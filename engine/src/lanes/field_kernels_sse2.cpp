@@ -4,6 +4,7 @@
 #include "lanes/cluster_forces.h"
 #include "lanes/cluster_kinds.h"
 #include "lanes/field_kernels.h"
+#include "lanes/leaf_forces.h"
 #include "lanes/round_contacts.h"
 #include "lanes/sphere_hits.h"
 #include "lanes/strip_integrals.h"
@@ -14,6 +15,6 @@ using Double = xsimd::batch<double, xsimd::sse2>;
 using Single = xsimd::batch<float, xsimd::sse2>;
 const FieldKernels kFieldKernels{round_contacts<Double>, round_contacts<Single>, strip_nodes<Double>,
                                  sliver_nodes<Double>,   certain_misses<Double>, sphere_hits<Single>,
-                                 cluster_kinds<Single>,  cluster_forces<Double>};
+                                 cluster_kinds<Single>,  cluster_forces<Double>, leaf_forces<Double>};
 
 }  // namespace lumbrical::sse2

@@ -186,9 +186,12 @@ bool search_clusters(Search& search, const Primitives& hand, const Primitive& pr
                      std::span<const std::uint32_t> cells) {
   Scratch& scratch = search.scratch;
   const FoundClusters found = find_clusters(search.model, hand, primitive, search.kernels, scratch);
-  if (scratch.candidates.size() - scratch.candidate_count < found.used.size()) return false;
+  if (scratch.candidates.size() - scratch.candidate_count < found.used.size() + found.split.size())
+    return false;
   for (const std::uint32_t cluster : found.used)
     scratch.candidates[scratch.candidate_count++] = search.index << 32 | kClusterBit | cluster;
+  for (const std::uint32_t leaf : found.split)
+    scratch.candidates[scratch.candidate_count++] = search.index << 32 | kClusterBit | kSplitBit | leaf;
   if (search.model.execution.broadphase == Broadphase::tree) return search_leaves_of(search, found.open);
   for (const std::uint32_t leaf : found.open) scratch.open_leaves[leaf / 64] |= std::uint64_t{1} << leaf % 64;
   search.open_only = true;

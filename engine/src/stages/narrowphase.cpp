@@ -7,6 +7,7 @@
 #include "borders/joint_border.h"
 #include "borders/shared_contact.h"
 #include "lanes/cluster_batch.h"
+#include "lanes/leaf_contact.h"
 #include "lanes/round_batch.h"
 #include "section/cone_slivers.h"
 #include "section/depth.h"
@@ -122,7 +123,9 @@ struct PairWork {
   const FieldKernels& kernels;
   RoundBatch batch{kernels};
   ClusterBatch clusters{model.clusters, kernels};
+  LeafQuery leaf{};
   std::uint32_t clusters_of = Primitives::kMaxCount;  // the primitive whose clusters are being gathered
+  std::uint32_t leaf_of = Primitives::kMaxCount;      // the primitive the leaf query is of
   std::uint32_t open = Primitives::kMaxCount;         // the primitive whose batch is being filled
   // Pairs of the batch with cuts of their own.
   struct Shared {
@@ -163,7 +166,15 @@ void finish(PairWork& work) {
     collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
 }
 
+void take_leaf(Contact& contact, PairWork& work) {
+  if (contact.primitive != work.leaf_of)
+    set_leaf_query(work.hand.primitive[contact.primitive], work.hand.palm, work.leaf);
+  work.leaf_of = contact.primitive;
+  leaf_contact(work.model, work.kernels, work.leaf, contact);
+}
+
 void take_cluster(Contact& contact, PairWork& work) {
+  if ((contact.triangle & kSplitBit) != 0) return take_leaf(contact, work);
   if (contact.primitive != work.clusters_of || is_full(work.clusters)) finish_batch(work.clusters);
   if (contact.primitive != work.clusters_of)
     begin_batch(work.hand.primitive[contact.primitive], work.hand.palm, work.clusters);
