@@ -149,7 +149,7 @@ struct alignas(64) ClusterMoments {
 struct ClusterTree {
   static constexpr std::uint32_t kLeafSize = 8;
   Vec3 origin;                          ///< [m] in W
-  std::vector<std::uint32_t> triangle;  ///< in spatial order: leaf i has those from 8 i
+  std::vector<std::uint32_t> triangle;  ///< in the order of the clusters: leaf i has those from 8 i
   std::vector<std::uint32_t> place;     ///< of each triangle in `triangle`; empty where the tree is searched
   std::vector<std::uint32_t> level;     ///< first cluster of each size, the leaves' first; then their end
   std::vector<ClusterBlock> block;      ///< cluster i is number i % 4 of block i / 4

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "base/parallel.h"
-#include "index/sphere_tree.h"
 #include "index/triangle_bound.h"
 
 namespace lumbrical {
@@ -164,6 +162,47 @@ Cluster get_cluster(const ClusterTree& tree, std::uint32_t number) {
   return cluster;
 }
 
+struct Member {
+  Vec3 centre;
+  std::uint32_t triangle;
+};
+
+// Halves the members along the longest side of the box round them, again and again, so that every cluster of
+// every size is compact; a curve through space would leave clusters that jump. `capacity` is a cluster's size
+// or twice that, and the first half is full. A tie goes by the triangle's number.
+void sort_for_clusters(std::span<Member> members, std::size_t capacity) {
+  while (capacity / 2 >= members.size() && capacity > kLeafSize) capacity /= 2;
+  const auto by_number = [](const Member& a, const Member& b) { return a.triangle < b.triangle; };
+  if (capacity <= kLeafSize) {
+    std::sort(members.begin(), members.end(), by_number);
+    return;
+  }
+  Box box;
+  for (const Member& member : members) box.add(member.centre);
+  const Vec3 size = box.upper - box.lower;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const auto half = static_cast<std::ptrdiff_t>(capacity / 2);
+  std::nth_element(members.begin(), members.begin() + half, members.end(),
+                   [&](const Member& a, const Member& b) {
+                     const double at = part(a.centre, axis), bt = part(b.centre, axis);
+                     return at != bt ? at < bt : a.triangle < b.triangle;
+                   });
+  sort_for_clusters(members.subspan(0, capacity / 2), capacity / 2);
+  sort_for_clusters(members.subspan(capacity / 2), capacity / 2);
+}
+
+std::vector<std::uint32_t> ordered_for_clusters(const Triangles& triangles, Vec3 origin) {
+  std::vector<Member> members(triangles.size());
+  for (std::uint32_t i = 0; i < members.size(); ++i)
+    members[i] = {bound_triangle(triangles, i, origin).centre, i};
+  std::size_t capacity = kLeafSize;
+  while (capacity < members.size()) capacity *= 2;
+  sort_for_clusters(members, capacity);
+  std::vector<std::uint32_t> order(members.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = members[i].triangle;
+  return order;
+}
+
 constexpr std::uint32_t up_to_block(std::uint32_t count) { return (count + kWidth - 1) / kWidth * kWidth; }
 
 // Where the clusters of each size start, and how many there are.
@@ -183,9 +222,7 @@ ClusterTree build_clusters(const Triangles& triangles, const Execution& executio
   Box corners;
   for (const std::uint32_t vertex : triangles.a) corners.add(triangles.vertex(vertex));
   tree.origin = corners.middle();
-  tree.triangle.resize(triangle_count);
-  std::iota(tree.triangle.begin(), tree.triangle.end(), 0u);
-  sort_in_space(triangles, tree.origin, tree.triangle);
+  tree.triangle = ordered_for_clusters(triangles, tree.origin);
 
   const std::vector<std::uint32_t> counts = count_clusters(triangle_count, tree.level);
   ClusterBlock empty;

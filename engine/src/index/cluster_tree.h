@@ -9,9 +9,9 @@
 
 namespace lumbrical {
 
-/// Sorts the triangles in space, sums the moments of every eight and joins every four clusters to a larger
-/// one, until sixteen or fewer are left. The same whatever the broadphase; execution says whether `place` is
-/// needed. There must be a triangle.
+/// Puts the triangles in an order in which every cluster is compact, sums the moments of every eight and
+/// joins every four clusters to a larger one, until sixteen or fewer are left. The same whatever the
+/// broadphase; execution says whether `place` is needed. There must be a triangle.
 ClusterTree build_clusters(const Triangles& triangles, const Execution& execution);
 
 /// The triangles of a cluster.

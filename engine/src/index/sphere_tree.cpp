@@ -104,8 +104,7 @@ void put_leaves(const std::vector<Sphere>& spheres, std::span<const std::uint32_
   }
 }
 
-}  // namespace
-
+// Puts the members in spatial order; a tie goes by the triangle's number.
 void sort_in_space(const Triangles& triangles, Vec3 origin, std::span<std::uint32_t> members) {
   std::vector<Vec3> centres;
   centres.reserve(members.size());
@@ -119,6 +118,8 @@ void sort_in_space(const Triangles& triangles, Vec3 origin, std::span<std::uint3
   std::sort(keys.begin(), keys.end());
   for (std::size_t i = 0; i < keys.size(); ++i) members[i] = keys[i].triangle;
 }
+
+}  // namespace
 
 SphereTree build_tree(const Triangles& triangles, std::span<std::uint32_t> members,
                       const Execution& execution) {

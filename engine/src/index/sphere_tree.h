@@ -17,9 +17,6 @@ SphereTree build_tree(const Triangles& triangles, const Execution& execution);
 SphereTree build_tree(const Triangles& triangles, std::span<std::uint32_t> members,
                       const Execution& execution);
 
-/// Puts the members in spatial order, along a Morton curve of their centroids; a tie goes by their number.
-void sort_in_space(const Triangles& triangles, Vec3 origin, std::span<std::uint32_t> members);
-
 /// The most spheres of one level, or blocks of triangles, that a search can hit.
 std::size_t frontier_capacity(const SphereTree& tree);
 
