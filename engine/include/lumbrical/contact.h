@@ -33,9 +33,7 @@ struct Contact {
   Vec3 normal;        ///< W, unit, outward from the triangle
 };
 
-/// The cluster such a contact is of: an index into Model::clusters.
-constexpr std::uint32_t cluster_of(const Contact& contact) {
-  return contact.triangle & ~(kClusterBit | kSplitBit);
-}
+/// The cluster that Contact::triangle stands for: an index into Model::clusters.
+constexpr std::uint32_t cluster_of(std::uint32_t triangle) { return triangle & ~(kClusterBit | kSplitBit); }
 
 }  // namespace lumbrical

@@ -59,7 +59,7 @@ void begin_batch(const Primitive& primitive, const Prism& palm, ClusterBatch& ba
 void add_to_batch(Contact& contact, ClusterBatch& batch) {
   ClusterTerms& terms = batch.terms;
   const std::size_t k = terms.count++;
-  const std::uint32_t cluster = cluster_of(contact);
+  const std::uint32_t cluster = cluster_of(contact.triangle);
   const ClusterBlock& block = batch.tree.block[cluster / ClusterBlock::kWidth];
   const ClusterMoments& moments = batch.tree.moments[cluster];
   const std::size_t lane = cluster % ClusterBlock::kWidth;

@@ -20,6 +20,13 @@ struct ClusterBatch {
   std::array<Contact*, ClusterTerms::kCapacity> contact;  ///< of each
 };
 
+/// Asks the memory for what a contact of this cluster will need.
+inline void prefetch_cluster(const ClusterTree& tree, std::uint32_t cluster) {
+  const auto* const moments = reinterpret_cast<const char*>(&tree.moments[cluster]);
+  const auto* const block = reinterpret_cast<const char*>(&tree.block[cluster / ClusterBlock::kWidth]);
+  for (const char* line : {moments, moments + 64, block, block + 64}) __builtin_prefetch(line);
+}
+
 /// Empties the batch for clusters of `primitive`.
 void begin_batch(const Primitive& primitive, const Prism& palm, ClusterBatch& batch);
 

@@ -1,5 +1,6 @@
 #include "lanes/leaf_contact.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "lanes/cluster_search.h"
@@ -100,8 +101,28 @@ void set_leaf_query(const Primitive& primitive, const Prism& palm, LeafQuery& qu
   }
 }
 
+void prefetch_leaf(const Model& model, std::uint32_t leaf, bool far) {
+  const std::uint32_t* const triangle = &model.clusters.triangle[std::size_t{leaf} * ClusterTree::kLeafSize];
+  if (far) {
+    __builtin_prefetch(triangle);
+    __builtin_prefetch(&model.clusters.block[leaf / ClusterBlock::kWidth]);
+    __builtin_prefetch(&model.clusters.moments[leaf].area);
+    return;
+  }
+  const std::size_t last =
+      std::min(model.clusters.triangle.size() - std::size_t{leaf} * ClusterTree::kLeafSize,
+               std::size_t{ClusterTree::kLeafSize}) -
+      1;
+  // Triangles of a leaf are neighbours in most meshes: two of them bring most of the lines.
+  for (const std::uint32_t t : {triangle[0], triangle[last]}) {
+    __builtin_prefetch(&model.triangles.a[t]);
+    __builtin_prefetch(&model.triangles.b[t]);
+    __builtin_prefetch(&model.triangles.c[t]);
+  }
+}
+
 void leaf_contact(const Model& model, const FieldKernels& kernels, LeafQuery& query, Contact& contact) {
-  const std::uint32_t leaf = cluster_of(contact);
+  const std::uint32_t leaf = cluster_of(contact.triangle);
   const ClusterBlock& block = model.clusters.block[leaf / ClusterBlock::kWidth];
   const std::size_t lane = leaf % ClusterBlock::kWidth;
   const double radius = block.r[lane];

@@ -16,6 +16,10 @@ struct LeafQuery {
 };
 void set_leaf_query(const Primitive& primitive, const Prism& palm, LeafQuery& query);
 
+/// Asks the memory for what the leaf's contact will need: `far` ahead its own records, nearer the corners'
+/// numbers.
+void prefetch_leaf(const Model& model, std::uint32_t leaf, bool far);
+
 /// Sets all but the indices of the contact of the leaf that contact.triangle stands for; an area of zero
 /// where there is none.
 void leaf_contact(const Model& model, const FieldKernels& kernels, LeafQuery& query, Contact& contact);

@@ -228,6 +228,27 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
          collide_section(primitive, query, section, boundary, contact);
 }
 
+namespace {
+
+// Clusters are anywhere in memory; what is some candidates ahead is on its way when its turn comes.
+void prefetch(const Model& model, std::span<const std::uint64_t> candidates, std::size_t i) {
+  constexpr std::size_t kFar = 8, kNear = 3;
+  const auto ahead = [&](std::size_t by) {
+    return i + by < candidates.size() ? static_cast<std::uint32_t>(candidates[i + by]) : 0;
+  };
+  const std::uint32_t far = ahead(kFar), near = ahead(kNear);
+  if ((far & kClusterBit) != 0) {
+    if ((far & kSplitBit) != 0) {
+      prefetch_leaf(model, cluster_of(far), true);
+    } else {
+      prefetch_cluster(model.clusters, cluster_of(far));
+    }
+  }
+  if ((near & kClusterBit) != 0 && (near & kSplitBit) != 0) prefetch_leaf(model, cluster_of(near), false);
+}
+
+}  // namespace
+
 std::uint32_t find_contacts(const Model& model, const Primitives& hand,
                             std::span<const std::uint64_t> candidates, std::span<Contact> contacts) {
   // Every pair has a slot of its own, so the order of the work doesn't matter.
@@ -237,6 +258,7 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
     for (std::size_t i = first; i < last; ++i) {
       contacts[i].primitive = static_cast<std::uint32_t>(candidates[i] >> 32);
       contacts[i].triangle = static_cast<std::uint32_t>(candidates[i]);
+      prefetch(model, candidates, i);
       take_pair(contacts[i], pairs);
     }
     finish(pairs);

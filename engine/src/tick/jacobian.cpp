@@ -68,7 +68,7 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
     if ((contact.triangle & kClusterBit) == 0) {
       add_triangle(hand, primitive, contact, joint, corners_of(world, contact.triangle), jacobian.value);
     } else {
-      add_cluster(model, hand, primitive, cluster_of(contact), joint, jacobian.value);
+      add_cluster(model, hand, primitive, cluster_of(contact.triangle), joint, jacobian.value);
     }
   }
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
