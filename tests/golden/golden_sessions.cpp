@@ -138,6 +138,13 @@ GoldenSession large_triangles() {
   return press("large", scene, 0.004, 20);
 }
 
+/// Triangles so dense that whole clusters of them are contacts, under fingers and palm.
+GoldenSession clusters() {
+  Scene scene = pressed_scene(0.3, 120);
+  scene.settings.tolerance = 3e-2;
+  return press("clusters", scene, 0.005, 4);
+}
+
 GoldenSession far_away() {
   GoldenSession session = grasp("far", Law::field, 40);
   const Vec3 away{1234.5, -987.25, 33.125};
@@ -184,6 +191,7 @@ std::vector<GoldenSession> golden_sessions() {
   sessions.push_back(coarse("coarse.1e-4", 1e-4));
   sessions.push_back(coarse("coarse.1e-2", 1e-2));
   sessions.push_back(large_triangles());
+  sessions.push_back(clusters());
   sessions.push_back(far_away());
   sessions.push_back(mixed_laws());
   return sessions;

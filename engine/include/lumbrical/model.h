@@ -57,7 +57,8 @@ struct Settings {
   double rate = 1000;                    ///< [Hz] ticks per second of session time, 1 .. 100000
   double point_area = 1e-4;              ///< [m^2] stands in for the area in Law::point
   double tolerance = 0;   ///< 0 .. 0.1; by how much of R a contact's mean depth may be off in Law::field. 0:
-                          ///< exact to rounding. What it comes to is told in ActuatorFrame::force_error
+                          ///< exact to rounding. What it comes to is told in ActuatorFrame::force_error.
+                          ///< Above 0 clusters of neighbouring triangles may be one contact (contact.h)
   double max_force = 20;  ///< [N] largest force of one segment; above it the wrench is scaled down
   double fade_time = 0.02;  ///< [s] in which forces that can't be trusted fade to zero, and return
   std::uint32_t max_candidates = 1u << 18;  ///< pairs (primitive, triangle) a tick can hold, 1 .. 2^24
@@ -126,6 +127,35 @@ struct SphereGrid {
   std::vector<SphereTree> tree;     ///< of each cell, in the same order; then that of the wide triangles
 };
 
+/// Four sibling clusters as a search sees them [m], relative to their tree's origin; single precision.
+struct alignas(64) ClusterBlock {
+  static constexpr std::uint32_t kWidth = 4;
+  std::array<float, kWidth> x{}, y{}, z{};     ///< centre: the centroid, rounded
+  std::array<float, kWidth> r{};               ///< no corner is farther from it; negative: an empty place
+  std::array<float, kWidth> nx{}, ny{}, nz{};  ///< mean normal, unit; 0 where normals cancel
+  std::array<float, kWidth> thickness{};       ///< no corner is farther from the centre along that normal
+};
+
+/// Integrals over the surface of a cluster, h counted from its centre, n the outward normal. 128 bytes.
+struct alignas(64) ClusterMoments {
+  float normal[3];     ///< [m^2] of n
+  float first[3][3];   ///< [m^3] of h_j n, by j = x, y, z
+  float second[6][3];  ///< [m^4] of h_j h_k n, by jk = xx, xy, xz, yy, yz, zz
+  float area;          ///< [m^2] of 1
+};
+
+/// Clusters of eight neighbouring triangles, of four such clusters, and so on up; clusters of one size stand
+/// side by side and start a new block. Children are found by index arithmetic.
+struct ClusterTree {
+  static constexpr std::uint32_t kLeafSize = 8;
+  Vec3 origin;                          ///< [m] in W
+  std::vector<std::uint32_t> triangle;  ///< in the order of the clusters: leaf i has those from 8 i
+  std::vector<std::uint32_t> place;     ///< of each triangle in `triangle`; empty where the tree is searched
+  std::vector<std::uint32_t> level;     ///< first cluster of each size, the leaves' first; then their end
+  std::vector<ClusterBlock> block;      ///< cluster i is number i % 4 of block i / 4
+  std::vector<ClusterMoments> moments;  ///< of each cluster
+};
+
 struct VoxelIndex;  // lists of triangles by voxel; voxel_index.h inside the engine, lumbrical/voxel.h outside
 
 /// Immutable once built; may be shared by any number of sessions and threads.
@@ -138,6 +168,7 @@ struct Model {
   SphereTree tree;                           ///< empty unless Broadphase::tree
   SphereGrid grid;                           ///< empty unless Broadphase::grid
   std::shared_ptr<const VoxelIndex> voxels;  ///< null unless Broadphase::voxel
+  ClusterTree clusters;                      ///< empty unless settings.tolerance > 0 and a law is `field`
   struct Object {
     std::string name;
     std::uint32_t first_triangle = 0, triangle_count = 0;

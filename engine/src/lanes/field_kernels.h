@@ -1,6 +1,7 @@
 // The field law's kernels, one table per instruction set.
 #pragma once
 
+#include "lanes/cluster_terms.h"
 #include "lanes/crossing_terms.h"
 #include "lanes/miss_terms.h"
 #include "lanes/round_terms.h"
@@ -21,6 +22,10 @@ struct FieldKernels {
   void (*certain_misses)(MissTerms&);
   std::size_t (*sphere_hits)(const SphereBlock* spheres, const SphereQuery&, const std::uint32_t* blocks,
                              std::size_t block_count, std::uint32_t* hits);
+  void (*cluster_kinds)(const ClusterBlock* blocks, const ClusterQuery&, const std::uint32_t* list,
+                        std::size_t count, ClusterHits&);
+  void (*cluster_forces)(ClusterTerms&);
+  void (*leaf_forces)(LeafTerms&);
 };
 
 namespace scalar {

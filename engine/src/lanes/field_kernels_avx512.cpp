@@ -1,8 +1,11 @@
 // The field law's kernels for avx512. Nothing else may be compiled with this file's flags.
 #define LUMBRICAL_ISA avx512
 #include "lanes/certain_misses.h"
+#include "lanes/cluster_forces.h"
+#include "lanes/cluster_kinds.h"
 #include "lanes/field_across.h"
 #include "lanes/field_kernels.h"
+#include "lanes/leaf_forces.h"
 #include "lanes/round_contacts.h"
 #include "lanes/sphere_hits.h"
 #include "lanes/strip_integrals.h"
@@ -13,6 +16,7 @@ using Double = xsimd::batch<double, xsimd::avx512bw>;
 using Single = xsimd::batch<float, xsimd::avx512bw>;
 const FieldKernels kFieldKernels{round_contacts<Double>, round_contacts<Single>, strip_nodes<Double>,
                                  sliver_nodes<Double>,   field_across<Double>,   certain_misses<Double>,
-                                 sphere_hits<Single>};
+                                 sphere_hits<Single>,    cluster_kinds<Single>,  cluster_forces<Double>,
+                                 leaf_forces<Double>};
 
 }  // namespace lumbrical::avx512

@@ -110,31 +110,36 @@ bool suits_batch(const Primitive& primitive) {
          is_finite(primitive.radius2);
 }
 
-void begin_batch(const Primitive& primitive, double tolerance, RoundBatch& batch) {
+RoundHull round_hull(const Primitive& primitive) {
   Vec3 end1 = primitive.end1, end2 = primitive.end2;
   double radius1 = primitive.radius1, radius2 = primitive.radius2;
   if (radius2 > radius1) {
     std::swap(end1, end2);
     std::swap(radius1, radius2);
   }
-  RoundTerms<double>& pairs = batch.pairs;
   double length = norm(end2 - end1);
   if (!(length > radius1 - radius2 && length > 1e-12 * radius1)) {
-    length = 0;  // the smaller sphere lies inside the larger: nothing else is left
+    length = 0;
     radius2 = radius1;
   }
   const Vec3 axis = length > 0 ? (end2 - end1) / length : Vec3{0, 0, 1};
   const double sine = length > 0 ? (radius1 - radius2) / length : 0;
-  batch.origin = end1;
+  return {end1, axis, length, radius1, radius2, sine, std::sqrt((1 - sine) * (1 + sine))};
+}
+
+void begin_batch(const Primitive& primitive, double tolerance, RoundBatch& batch) {
+  const RoundHull hull = round_hull(primitive);
+  RoundTerms<double>& pairs = batch.pairs;
+  batch.origin = hull.origin;
   pairs.count = 0;
-  pairs.axis[0] = axis.x;
-  pairs.axis[1] = axis.y;
-  pairs.axis[2] = axis.z;
-  pairs.length = length;
-  pairs.radius1 = radius1;
-  pairs.radius2 = radius2;
-  pairs.sine = sine;
-  pairs.cosine = std::sqrt((1 - sine) * (1 + sine));
+  pairs.axis[0] = hull.axis.x;
+  pairs.axis[1] = hull.axis.y;
+  pairs.axis[2] = hull.axis.z;
+  pairs.length = hull.length;
+  pairs.radius1 = hull.radius1;
+  pairs.radius2 = hull.radius2;
+  pairs.sine = hull.sine;
+  pairs.cosine = hull.cosine;
   pairs.tolerance = tolerance;
   pairs.cut_count = primitive.cut_count;
 }

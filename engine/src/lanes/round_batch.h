@@ -20,6 +20,16 @@ struct RoundBatch {
   std::array<Contact*, RoundTerms<double>::kCapacity> contact, slivers;  ///< of each pair
 };
 
+/// A round primitive from its larger end. Where the smaller sphere lies inside the larger nothing else is
+/// left: length 0.
+struct RoundHull {
+  Vec3 origin;                      ///< [m] W, centre of the larger end
+  Vec3 axis;                        ///< unit, to the smaller end
+  double length, radius1, radius2;  ///< [m]
+  double sine, cosine;              ///< of the cone's half angle
+};
+RoundHull round_hull(const Primitive& primitive);
+
 /// Is the primitive one the kernel knows?
 bool suits_batch(const Primitive& primitive);
 

@@ -1,14 +1,17 @@
 // From a scene to an immutable model, and back.
 #include "lumbrical/model.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
 #include <utility>
 
+#include "index/cluster_tree.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
+#include "lumbrical/contact.h"
 
 namespace lumbrical {
 namespace {
@@ -136,6 +139,13 @@ void add_object(const SceneObject& object, Model& model) {
   }
 }
 
+// The ladder of precision knows clusters under the field law only.
+bool wants_clusters(const Model& model) {
+  const auto& laws = model.settings.law;
+  return model.settings.tolerance > 0 && std::count(laws.begin(), laws.end(), Law::field) > 0 &&
+         model.triangles.size() > 0;
+}
+
 }  // namespace
 
 std::optional<Law> parse_law(std::string_view text) { return value_named(kLawNames, text); }
@@ -158,8 +168,8 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
     vertices += object.mesh.vertices.size();
     triangles += object.mesh.triangles.size();
   }
-  if (vertices >= 0xffffffffu || triangles >= 0xffffffffu) {
-    return Status::error("the scene has more than 2^32 vertices or triangles; split it");
+  if (vertices >= 0xffffffffu || triangles >= kClusterBit) {
+    return Status::error("the scene has 2^32 vertices, or 2^31 triangles, or more; split it");
   }
   static std::atomic<std::uint64_t> builds{0};
   Model built;
@@ -180,6 +190,7 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   } else if (execution.broadphase == Broadphase::voxel) {
     if (Status status = build_voxels(built.triangles, execution, built.voxels); !status.ok()) return status;
   }
+  if (wants_clusters(built)) built.clusters = build_clusters(built.triangles, execution);
   model = std::move(built);
   return {};
 }

@@ -6,11 +6,14 @@
 
 #include "base/parallel.h"
 #include "base/radix_sort.h"
+#include "index/cluster_tree.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
+#include "lanes/cluster_search.h"
 #include "lanes/field_kernels.h"
 #include "lanes/near_pairs.h"
+#include "lanes/pair_search.h"
 #include "lanes/tree_search.h"
 
 namespace lumbrical {
@@ -29,142 +32,6 @@ constexpr int kMostNew = 4;
 // Ticks without lists after they did not fit.
 constexpr std::uint32_t kRest = 1000;
 
-// Where searches leave what they find: primitive << 33 | triangle << 1 | doubtful, in any order.
-struct Found {
-  std::span<std::uint64_t> room;
-  std::atomic<std::size_t> count{0};
-};
-
-// The search for one primitive's pairs.
-struct Search {
-  const Model& model;
-  const FieldKernels& kernels;
-  Scratch::Searcher& memory;
-  MissTerms& terms;
-  Found& found;
-  const Hull* hull = nullptr;
-  std::uint64_t index = 0;  // of the primitive
-  double skin = 0;          // [m]; 0: candidates themselves are wanted
-};
-
-void set_corner(const Triangles& world, std::uint32_t vertex, std::size_t k,
-                double (&corner)[3][MissTerms::kCapacity]) {
-  corner[0][k] = world.x[vertex];
-  corner[1][k] = world.y[vertex];
-  corner[2][k] = world.z[vertex];
-}
-
-void set_triangles(const Triangles& world, std::span<const std::uint32_t> triangles, MissTerms& terms) {
-  terms.count = triangles.size();
-  const std::size_t padded = (triangles.size() + 15) / 16 * 16;
-  for (std::size_t k = 0; k < padded; ++k) {
-    const std::uint32_t triangle = triangles[k < triangles.size() ? k : 0];
-    set_corner(world, world.a[triangle], k, terms.a);
-    set_corner(world, world.b[triangle], k, terms.b);
-    set_corner(world, world.c[triangle], k, terms.c);
-  }
-}
-
-bool is_within(const double (&corner)[3][MissTerms::kCapacity], std::size_t k, Vec3 centre, double reach) {
-  const Vec3 from = Vec3{corner[0][k], corner[1][k], corner[2][k]} - centre;
-  return dot(from, from) <= reach * reach;
-}
-
-bool append(Found& found, std::span<const std::uint64_t> pairs) {
-  const std::size_t first = found.count.fetch_add(pairs.size(), std::memory_order_relaxed);
-  if (first + pairs.size() > found.room.size()) return false;
-  std::copy(pairs.begin(), pairs.end(), found.room.begin() + static_cast<std::ptrdiff_t>(first));
-  return true;
-}
-
-// Keeps those of up to kBatch triangles that the primitive does not certainly miss; false where there is no
-// room.
-bool keep(Search& search, std::span<const std::uint32_t> triangles) {
-  MissTerms& terms = search.terms;
-  set_triangles(search.model.triangles, triangles, terms);
-  std::array<std::uint64_t, kBatch> pairs;
-  std::size_t count = 0;
-  const std::uint64_t first = search.index << 33;
-  search.kernels.certain_misses(terms);
-  if (!(search.skin > 0)) {
-    for (std::size_t k = 0; k < triangles.size(); ++k) {
-      pairs[count] = first | std::uint64_t{triangles[k]} << 1;
-      count += terms.miss[k] == 0;
-    }
-    return append(search.found, {pairs.data(), count});
-  }
-  std::array<double, kBatch> misses_wide;
-  std::copy_n(terms.miss, kBatch, misses_wide.begin());
-  set_terms(*search.hull, -search.skin, terms);
-  search.kernels.certain_misses(terms);
-  set_terms(*search.hull, search.skin, terms);
-  const double reach = reach_of(*search.hull);
-  for (std::size_t k = 0; k < triangles.size(); ++k) {
-    const bool within = is_within(terms.a, k, terms.end1, reach) &&
-                        is_within(terms.b, k, terms.end1, reach) && is_within(terms.c, k, terms.end1, reach);
-    const bool doubtful = !within || terms.miss[k] != 0;
-    pairs[count] = first | std::uint64_t{triangles[k]} << 1 | (doubtful ? 1u : 0u);
-    count += !within || misses_wide[k] == 0;
-  }
-  return append(search.found, {pairs.data(), count});
-}
-
-bool search_all(Search& search) {
-  const auto count = static_cast<std::uint32_t>(search.model.triangles.size());
-  std::array<std::uint32_t, kBatch> batch;
-  for (std::uint32_t first = 0; first < count; first += kBatch) {
-    const std::uint32_t size = std::min(kBatch, count - first);
-    for (std::uint32_t k = 0; k < size; ++k) batch[k] = first + k;
-    if (!keep(search, {batch.data(), size})) return false;
-  }
-  return true;
-}
-
-bool search_tree(Search& search, const Primitive& primitive, const SphereTree& tree) {
-  constexpr std::size_t kBlocks = kBatch / SphereBlock::kWidth;
-  const SphereQuery query = query_of(tree, primitive);
-  const auto blocks = search_leaves(tree, query, search.kernels, search.memory.frontier);
-  std::array<std::uint32_t, 2 * kBatch> batch;
-  std::size_t size = 0;
-  for (std::size_t i = 0; i < blocks.size(); i += kBlocks) {
-    const std::size_t count = search.kernels.sphere_hits(tree.sphere.data(), query, blocks.data() + i,
-                                                         std::min(kBlocks, blocks.size() - i), &batch[size]);
-    for (std::size_t k = size; k < size + count; ++k) batch[k] = tree.triangle[batch[k]];
-    size += count;
-    if (size < kBatch) continue;
-    if (!keep(search, {batch.data(), kBatch})) return false;
-    size -= kBatch;
-    std::copy_n(batch.begin() + kBatch, size, batch.begin());
-  }
-  return size == 0 || keep(search, {batch.data(), size});
-}
-
-bool search_cells(Search& search, const Primitive& primitive, std::span<const std::uint32_t> cells) {
-  for (const std::uint32_t cell : cells) {
-    const SphereTree& tree = search.model.grid.tree[cell];
-    if (may_reach(tree, primitive) && !search_tree(search, primitive, tree)) return false;
-  }
-  return true;
-}
-
-// Triangles centred in the voxels near by, and the wide ones.
-bool search_voxels(Search& search, const Primitive& primitive) {
-  const VoxelIndex& index = *search.model.voxels;
-  const std::size_t count = find_voxels(index, primitive, search.memory.cells);
-  std::array<std::uint32_t, kBatch> batch;
-  std::uint32_t size = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    for (const std::uint32_t triangle : centred_in(index, search.memory.cells[i])) {
-      batch[size++] = triangle;
-      if (size < kBatch) continue;
-      if (!keep(search, batch)) return false;
-      size = 0;
-    }
-  }
-  if (size > 0 && !keep(search, {batch.data(), size})) return false;
-  return !may_reach(index.wide, primitive) || search_tree(search, primitive, index.wide);
-}
-
 Box box_round(const Primitives& hand, double skin) {
   Box box;
   for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i) {
@@ -174,23 +41,6 @@ Box box_round(const Primitives& hand, double skin) {
     box.add(primitive.end2, reach);
   }
   return box;
-}
-
-bool search_for(Search& search, Primitive primitive, std::span<const std::uint32_t> cells) {
-  primitive.radius1 += search.skin;
-  primitive.radius2 += search.skin;
-  set_terms(*search.hull, search.skin, search.terms);
-  switch (search.model.execution.broadphase) {
-    case Broadphase::tree:
-      return search_tree(search, primitive, search.model.tree);
-    case Broadphase::grid:
-      return search_cells(search, primitive, cells);
-    case Broadphase::voxel:
-      return search_voxels(search, primitive);
-    case Broadphase::brute:
-      return search_all(search);
-  }
-  return false;
 }
 
 // What is to be done about each primitive.
@@ -204,7 +54,7 @@ struct Plan {
 
 // A list is worth its price where it lives for a few ticks, so for a primitive that moves slowly. Of lists
 // that are half used up the most used one gives way before it has to: else all would end in the same tick.
-Plan make_plan(const Primitives& hand, bool lists, NearPairs& near) {
+Plan make_plan(const Model& model, const Primitives& hand, bool lists, NearPairs& near) {
   const auto count = static_cast<std::size_t>(hand.count);
   Plan plan;
   const SkinLimits limits = lists ? skin_limits(hand) : SkinLimits{};
@@ -212,6 +62,7 @@ Plan make_plan(const Primitives& hand, bool lists, NearPairs& near) {
   double most_used = 0.5 * kUse;
   std::size_t eldest = count;
   for (std::size_t i = 0; limits.most > 0 && i < count; ++i) {
+    if (uses_clusters(model, hand, hand.primitive[i])) continue;  // which ones, depends on every place
     const Hull& now = near.now[i];
     const NearPairs::List& list = near.list[i];
     const double used = list.skin > 0 ? distance_moved(list.at, now) / list.skin : 1;
@@ -234,19 +85,19 @@ Plan make_plan(const Primitives& hand, bool lists, NearPairs& near) {
 // Searches for the primitives of `fresh`, shared out over as many threads as there is memory for. What is
 // found comes in any order.
 void search_shared(const Model& model, const Primitives& hand, const Plan& plan, std::uint32_t threads,
-                   std::span<const std::uint32_t> cells, Scratch& scratch, Found& found) {
+                   std::span<const std::uint32_t> cells, Scratch& scratch, FoundPairs& found) {
   const FieldKernels& kernels = field_kernels(model.execution.isa);
   std::atomic<std::size_t> next{0};
   const auto work = [&](std::size_t first, std::size_t last) {
     MissTerms terms;
     for (std::size_t searcher = first; searcher < last; ++searcher) {
-      Search search{model, kernels, scratch.searcher[searcher], terms, found};
+      PairSearch search{model, hand, kernels, scratch.searcher[searcher], terms, found};
       for (std::size_t k = next++; k < plan.fresh_count; k = next++) {
         const std::size_t i = plan.fresh[k];
         search.index = i;
         search.hull = &scratch.near->now[i];
         search.skin = plan.skin[i];
-        if (!search_for(search, hand.primitive[i], cells)) return;
+        if (!search_for(search, cells)) return;
       }
     }
   };
@@ -269,12 +120,13 @@ bool search_fresh(const Model& model, const Primitives& hand, const Plan& plan, 
   std::span<const std::uint32_t> cells;
   if (model.execution.broadphase == Broadphase::grid)
     cells = {scratch.cells.data(), find_cells(model.grid, box_round(hand, plan.most_skin), scratch.cells)};
-  Found found{std::span(near.pairs).subspan(near.size)};
+  FoundPairs found{std::span(near.pairs).subspan(near.size)};
   search_shared(model, hand, plan, threads, cells, scratch, found);
   if (found.count > found.room.size()) return false;
   const std::span<std::uint64_t> pairs = found.room.first(found.count);
-  // Brute force finds them in order.
-  if (model.execution.broadphase != Broadphase::brute) radix_sort(pairs, scratch.sorting);
+  // Brute force finds triangles in order.
+  if (model.execution.broadphase != Broadphase::brute || !model.clusters.triangle.empty())
+    radix_sort(pairs, scratch.sorting);
   std::size_t next = 0;
   for (std::size_t k = 0; k < plan.fresh_count; ++k) {
     const std::size_t i = plan.fresh[k], first = next;
@@ -356,7 +208,7 @@ bool write_candidates(const Model& model, const Primitives& hand, Scratch& scrat
 }
 
 bool try_find(const Model& model, const Primitives& hand, bool lists, Scratch& scratch) {
-  const Plan plan = make_plan(hand, lists, *scratch.near);
+  const Plan plan = make_plan(model, hand, lists, *scratch.near);
   scratch.near->searches = static_cast<std::uint32_t>(plan.fresh_count);
   return (plan.fresh_count == 0 || search_fresh(model, hand, plan, scratch)) &&
          write_candidates(model, hand, scratch);
@@ -380,6 +232,7 @@ void size_candidates(const Model& model, Scratch& scratch) {
   for (Scratch::Searcher& searcher : scratch.searcher) {
     for (auto& frontier : searcher.frontier) frontier.resize(frontier_size);
     searcher.cells.resize(model.voxels ? model.voxels->lists.voxel.size() : 0);
+    size_clusters(model, searcher);
   }
   scratch.cells.resize(model.grid.tree.size());
 }

@@ -6,6 +6,8 @@
 #include "borders/border_cut.h"
 #include "borders/joint_border.h"
 #include "borders/shared_contact.h"
+#include "lanes/cluster_batch.h"
+#include "lanes/leaf_contact.h"
 #include "lanes/round_batch.h"
 #include "section/cone_slivers.h"
 #include "section/depth.h"
@@ -120,7 +122,11 @@ struct PairWork {
   const Primitives& hand;
   const FieldKernels& kernels;
   RoundBatch batch{kernels};
-  std::uint32_t open = Primitives::kMaxCount;  // the primitive whose batch is being filled
+  ClusterBatch clusters{model.clusters, kernels};
+  LeafQuery leaf{};
+  std::uint32_t clusters_of = Primitives::kMaxCount;  // the primitive whose clusters are being gathered
+  std::uint32_t leaf_of = Primitives::kMaxCount;      // the primitive the leaf query is of
+  std::uint32_t open = Primitives::kMaxCount;         // the primitive whose batch is being filled
   // Pairs of the batch with cuts of their own.
   struct Shared {
     Contact* contact;
@@ -169,7 +175,24 @@ void finish(PairWork& work) {
   collide_anew(rest.unsure);
 }
 
+void take_leaf(Contact& contact, PairWork& work) {
+  if (contact.primitive != work.leaf_of)
+    set_leaf_query(work.hand.primitive[contact.primitive], work.hand.palm, work.leaf);
+  work.leaf_of = contact.primitive;
+  leaf_contact(work.model, work.kernels, work.leaf, contact);
+}
+
+void take_cluster(Contact& contact, PairWork& work) {
+  if ((contact.triangle & kSplitBit) != 0) return take_leaf(contact, work);
+  if (contact.primitive != work.clusters_of || is_full(work.clusters)) finish_batch(work.clusters);
+  if (contact.primitive != work.clusters_of)
+    begin_batch(work.hand.primitive[contact.primitive], work.hand.palm, work.clusters);
+  work.clusters_of = contact.primitive;
+  add_to_batch(contact, work.clusters);
+}
+
 void take_pair(Contact& contact, PairWork& work) {
+  if ((contact.triangle & kClusterBit) != 0) return take_cluster(contact, work);
   const Primitive& primitive = work.hand.primitive[contact.primitive];
   if (!suits_batch(primitive)) {
     collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
@@ -212,6 +235,27 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
          collide_section(primitive, query, section, boundary, contact);
 }
 
+namespace {
+
+// Clusters are anywhere in memory; what is some candidates ahead is on its way when its turn comes.
+void prefetch(const Model& model, std::span<const std::uint64_t> candidates, std::size_t i) {
+  constexpr std::size_t kFar = 8, kNear = 3;
+  const auto ahead = [&](std::size_t by) {
+    return i + by < candidates.size() ? static_cast<std::uint32_t>(candidates[i + by]) : 0;
+  };
+  const std::uint32_t far = ahead(kFar), near = ahead(kNear);
+  if ((far & kClusterBit) != 0) {
+    if ((far & kSplitBit) != 0) {
+      prefetch_leaf(model, cluster_of(far), true);
+    } else {
+      prefetch_cluster(model.clusters, cluster_of(far));
+    }
+  }
+  if ((near & kClusterBit) != 0 && (near & kSplitBit) != 0) prefetch_leaf(model, cluster_of(near), false);
+}
+
+}  // namespace
+
 std::uint32_t find_contacts(const Model& model, const Primitives& hand,
                             std::span<const std::uint64_t> candidates, std::span<Contact> contacts) {
   // Every pair has a slot of its own, so the order of the work doesn't matter.
@@ -221,9 +265,11 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
     for (std::size_t i = first; i < last; ++i) {
       contacts[i].primitive = static_cast<std::uint32_t>(candidates[i] >> 32);
       contacts[i].triangle = static_cast<std::uint32_t>(candidates[i]);
+      prefetch(model, candidates, i);
       take_pair(contacts[i], pairs);
     }
     finish(pairs);
+    finish_batch(pairs.clusters);
   };
   const std::uint32_t threads = candidates.size() < kSerialBelow ? 1 : model.execution.threads;
   parallel_chunks(candidates.size(), kChunk, threads, work);

@@ -2,9 +2,53 @@
 
 #include "base/floating_point.h"
 #include "borders/border_cut.h"
+#include "index/cluster_tree.h"
 #include "section/contact_jacobian.h"
+#include "section/prism.h"
+#include "stages/narrowphase.h"
 
 namespace lumbrical {
+
+namespace {
+
+struct Corners {
+  Vec3 a, b, c;
+};
+Corners corners_of(const Triangles& world, std::uint32_t triangle) {
+  return {world.vertex(world.a[triangle]), world.vertex(world.b[triangle]), world.vertex(world.c[triangle])};
+}
+
+void add_triangle(const Primitives& hand, const Primitive& primitive, const Contact& contact, Vec3 joint,
+                  const Corners& at, Matrix6& value) {
+  if (primitive.shape == Shape::prism) {
+    add_contact_jacobian(hand.palm, contact, joint, at.a, at.b, at.c, value);
+    return;
+  }
+  const BorderCut cut = cut_at_borders(hand, primitive, at.a, at.b, at.c);
+  const bool other = cut.kind == BorderCut::other;
+  const SlopeMoments bulge = other ? bulge_slope(hand, primitive, cut, at.a, at.b, at.c) : SlopeMoments{};
+  add_contact_jacobian(other ? tile_cut_so(primitive, cut) : primitive, contact, joint, at.a, at.b, at.c,
+                       value, bulge);
+}
+
+// A cluster is a contact for the force; for its slope every triangle in it is looked at.
+void add_cluster(const Model& model, const Primitives& hand, const Primitive& primitive,
+                 std::uint32_t cluster, Vec3 joint, Matrix6& value) {
+  const ContactQuery query{Law::field, model.settings.point_area, nullptr, 0,
+                           field_kernels(model.execution.isa)};
+  Boundary boundary;
+  for (const std::uint32_t triangle : triangles_of(model.clusters, cluster)) {
+    const Corners at = corners_of(model.triangles, triangle);
+    Contact contact;
+    const bool meets =
+        primitive.shape == Shape::prism
+            ? collide_prism(hand.palm, primitive.law, model.settings.point_area, at.a, at.b, at.c, contact)
+            : collide(primitive, query, at.a, at.b, at.c, boundary, contact);
+    if (meets) add_triangle(hand, primitive, contact, joint, at, value);
+  }
+}
+
+}  // namespace
 
 void segment_jacobians(const Model& model, const Scratch& scratch,
                        std::array<SegmentJacobian, kSegmentCount>& jacobians, std::uint32_t segments) {
@@ -21,16 +65,10 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
     SegmentJacobian& jacobian = jacobians[primitive.segment];
     if (!asked(primitive.segment) || !jacobian.known) continue;
     const Vec3 joint = hand.base_joint[primitive.segment];
-    const Vec3 a = world.vertex(world.a[contact.triangle]), b = world.vertex(world.b[contact.triangle]),
-               c = world.vertex(world.c[contact.triangle]);
-    if (primitive.shape == Shape::prism) {
-      add_contact_jacobian(hand.palm, contact, joint, a, b, c, jacobian.value);
+    if ((contact.triangle & kClusterBit) == 0) {
+      add_triangle(hand, primitive, contact, joint, corners_of(world, contact.triangle), jacobian.value);
     } else {
-      const BorderCut cut = cut_at_borders(hand, primitive, a, b, c);
-      const bool other = cut.kind == BorderCut::other;
-      const SlopeMoments bulge = other ? bulge_slope(hand, primitive, cut, a, b, c) : SlopeMoments{};
-      add_contact_jacobian(other ? tile_cut_so(primitive, cut) : primitive, contact, joint, a, b, c,
-                           jacobian.value, bulge);
+      add_cluster(model, hand, primitive, cluster_of(contact.triangle), joint, jacobian.value);
     }
   }
   for (std::size_t i = 0; i < kSegmentCount; ++i) {

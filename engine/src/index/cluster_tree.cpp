@@ -1,0 +1,267 @@
+#include "index/cluster_tree.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "index/triangle_bound.h"
+
+namespace lumbrical {
+namespace {
+
+constexpr std::uint32_t kLeafSize = ClusterTree::kLeafSize, kWidth = ClusterBlock::kWidth;
+constexpr std::uint32_t kFewEnough = 16;
+
+// Lengths kept in single precision are made longer by this share, so that they stay bounds.
+constexpr double kLonger = 1 + 1e-6;
+
+// Axes of the six second moments.
+constexpr int kPair[6][2] = {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}};
+
+// A cluster before it is rounded; moments about its centre.
+struct Cluster {
+  Vec3 centre;
+  double radius = 0, area = 0, thickness = 0;
+  Vec3 normal, first[3], second[6];
+};
+
+double part(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+
+Vec3 rounded(Vec3 v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
+
+Vec3 mean_normal(const Cluster& cluster) {
+  const double size = norm(cluster.normal);
+  return size > 1e-6 * cluster.area ? cluster.normal / size : Vec3{};
+}
+
+// Corners relative to the cluster's centre.
+void add_triangle(const Vec3 (&corner)[3], Cluster& cluster) {
+  const Vec3 area = 0.5 * cross(corner[1] - corner[0], corner[2] - corner[0]);
+  const Vec3 sum = corner[0] + corner[1] + corner[2];
+  cluster.area += norm(area);
+  cluster.normal += area;
+  for (int j = 0; j < 3; ++j) cluster.first[j] += (part(sum, j) / 3) * area;
+  for (int m = 0; m < 6; ++m) {
+    const auto [j, k] = kPair[m];
+    double product = part(sum, j) * part(sum, k);
+    for (const Vec3 p : corner) product += part(p, j) * part(p, k);
+    cluster.second[m] += (product / 12) * area;
+  }
+}
+
+// The moments of a part, moved to the centre of the whole.
+void add_part(const Cluster& from, Cluster& to) {
+  const Vec3 d = from.centre - to.centre;
+  to.area += from.area;
+  to.normal += from.normal;
+  for (int j = 0; j < 3; ++j) to.first[j] += from.first[j] + part(d, j) * from.normal;
+  for (int m = 0; m < 6; ++m) {
+    const auto [j, k] = kPair[m];
+    to.second[m] += from.second[m] + part(d, j) * from.first[k] + part(d, k) * from.first[j] +
+                    (part(d, j) * part(d, k)) * from.normal;
+  }
+}
+
+Cluster leaf_of(const Triangles& triangles, Vec3 origin, std::span<const std::uint32_t> members) {
+  Vec3 corner[kLeafSize][3];
+  Vec3 weighted, mean;
+  double area = 0;
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const std::uint32_t t = members[i];
+    corner[i][0] = triangles.vertex(triangles.a[t]) - origin;
+    corner[i][1] = triangles.vertex(triangles.b[t]) - origin;
+    corner[i][2] = triangles.vertex(triangles.c[t]) - origin;
+    const Vec3 middle = (corner[i][0] + corner[i][1] + corner[i][2]) / 3;
+    const double size = 0.5 * norm(cross(corner[i][1] - corner[i][0], corner[i][2] - corner[i][0]));
+    weighted += size * middle;
+    mean += middle / static_cast<double>(members.size());
+    area += size;
+  }
+  Cluster leaf;
+  leaf.centre = rounded(area > 0 ? weighted / area : mean);
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    for (Vec3& p : corner[i]) {
+      p = p - leaf.centre;
+      leaf.radius = max(leaf.radius, norm(p));
+    }
+    add_triangle(corner[i], leaf);
+  }
+  const Vec3 n = mean_normal(leaf);
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    for (const Vec3 p : corner[i]) leaf.thickness = max(leaf.thickness, std::fabs(dot(p, n)));
+  }
+  return leaf;
+}
+
+// With n the parent's mean normal a corner h of a child is no farther along it than the child's centre, its
+// own thickness and what the angle between the normals makes of its radius.
+Cluster joined(std::span<const Cluster> parts) {
+  Vec3 weighted, mean;
+  double area = 0;
+  for (const Cluster& c : parts) {
+    weighted += c.area * c.centre;
+    mean += c.centre / static_cast<double>(parts.size());
+    area += c.area;
+  }
+  Cluster whole;
+  whole.centre = rounded(area > 0 ? weighted / area : mean);
+  for (const Cluster& c : parts) {
+    add_part(c, whole);
+    whole.radius = max(whole.radius, norm(c.centre - whole.centre) + c.radius);
+  }
+  const Vec3 n = mean_normal(whole);
+  for (const Cluster& c : parts) {
+    const double turned = norm(n - mean_normal(c)) * c.radius;
+    whole.thickness = max(whole.thickness,
+                          std::fabs(dot(c.centre - whole.centre, n)) + min(c.radius, c.thickness + turned));
+  }
+  return whole;
+}
+
+void put_vector(Vec3 v, float (&to)[3]) {
+  to[0] = static_cast<float>(v.x);
+  to[1] = static_cast<float>(v.y);
+  to[2] = static_cast<float>(v.z);
+}
+
+void put_cluster(const Cluster& cluster, std::uint32_t number, ClusterTree& tree) {
+  ClusterBlock& block = tree.block[number / kWidth];
+  const std::size_t lane = number % kWidth;
+  const Vec3 n = mean_normal(cluster);
+  block.x[lane] = static_cast<float>(cluster.centre.x);
+  block.y[lane] = static_cast<float>(cluster.centre.y);
+  block.z[lane] = static_cast<float>(cluster.centre.z);
+  block.r[lane] = static_cast<float>(kLonger * cluster.radius);
+  block.nx[lane] = static_cast<float>(n.x);
+  block.ny[lane] = static_cast<float>(n.y);
+  block.nz[lane] = static_cast<float>(n.z);
+  // The normal is rounded as well.
+  block.thickness[lane] = static_cast<float>(kLonger * (cluster.thickness + 1e-6 * cluster.radius));
+  ClusterMoments& moments = tree.moments[number];
+  put_vector(cluster.normal, moments.normal);
+  for (int j = 0; j < 3; ++j) put_vector(cluster.first[j], moments.first[j]);
+  for (int m = 0; m < 6; ++m) put_vector(cluster.second[m], moments.second[m]);
+  moments.area = static_cast<float>(cluster.area);
+}
+
+Vec3 vector_of(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
+
+// A cluster as it was rounded.
+Cluster get_cluster(const ClusterTree& tree, std::uint32_t number) {
+  const ClusterBlock& block = tree.block[number / kWidth];
+  const std::size_t lane = number % kWidth;
+  const ClusterMoments& moments = tree.moments[number];
+  Cluster cluster;
+  cluster.centre = {block.x[lane], block.y[lane], block.z[lane]};
+  cluster.radius = block.r[lane];
+  cluster.thickness = block.thickness[lane];
+  cluster.area = moments.area;
+  cluster.normal = vector_of(moments.normal);
+  for (int j = 0; j < 3; ++j) cluster.first[j] = vector_of(moments.first[j]);
+  for (int m = 0; m < 6; ++m) cluster.second[m] = vector_of(moments.second[m]);
+  return cluster;
+}
+
+struct Member {
+  Vec3 centre;
+  std::uint32_t triangle;
+};
+
+// Halves the members along the longest side of the box round them, again and again, so that every cluster of
+// every size is compact; a curve through space would leave clusters that jump. `capacity` is a cluster's size
+// or twice that, and the first half is full. A tie goes by the triangle's number.
+void sort_for_clusters(std::span<Member> members, std::size_t capacity) {
+  while (capacity / 2 >= members.size() && capacity > kLeafSize) capacity /= 2;
+  const auto by_number = [](const Member& a, const Member& b) { return a.triangle < b.triangle; };
+  if (capacity <= kLeafSize) {
+    std::sort(members.begin(), members.end(), by_number);
+    return;
+  }
+  Box box;
+  for (const Member& member : members) box.add(member.centre);
+  const Vec3 size = box.upper - box.lower;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const auto half = static_cast<std::ptrdiff_t>(capacity / 2);
+  std::nth_element(members.begin(), members.begin() + half, members.end(),
+                   [&](const Member& a, const Member& b) {
+                     const double at = part(a.centre, axis), bt = part(b.centre, axis);
+                     return at != bt ? at < bt : a.triangle < b.triangle;
+                   });
+  sort_for_clusters(members.subspan(0, capacity / 2), capacity / 2);
+  sort_for_clusters(members.subspan(capacity / 2), capacity / 2);
+}
+
+std::vector<std::uint32_t> ordered_for_clusters(const Triangles& triangles, Vec3 origin) {
+  std::vector<Member> members(triangles.size());
+  for (std::uint32_t i = 0; i < members.size(); ++i)
+    members[i] = {bound_triangle(triangles, i, origin).centre, i};
+  std::size_t capacity = kLeafSize;
+  while (capacity < members.size()) capacity *= 2;
+  sort_for_clusters(members, capacity);
+  std::vector<std::uint32_t> order(members.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = members[i].triangle;
+  return order;
+}
+
+constexpr std::uint32_t up_to_block(std::uint32_t count) { return (count + kWidth - 1) / kWidth * kWidth; }
+
+// Where the clusters of each size start, and how many there are.
+std::vector<std::uint32_t> count_clusters(std::uint32_t triangles, std::vector<std::uint32_t>& level) {
+  std::vector<std::uint32_t> counts{(triangles + kLeafSize - 1) / kLeafSize};
+  while (counts.back() > kFewEnough) counts.push_back((counts.back() + kWidth - 1) / kWidth);
+  level.assign(1, 0);
+  for (const std::uint32_t count : counts) level.push_back(level.back() + up_to_block(count));
+  return counts;
+}
+
+}  // namespace
+
+ClusterTree build_clusters(const Triangles& triangles, const Execution& execution) {
+  ClusterTree tree;
+  const auto triangle_count = static_cast<std::uint32_t>(triangles.size());
+  Box corners;
+  for (const std::uint32_t vertex : triangles.a) corners.add(triangles.vertex(vertex));
+  tree.origin = corners.middle();
+  tree.triangle = ordered_for_clusters(triangles, tree.origin);
+
+  const std::vector<std::uint32_t> counts = count_clusters(triangle_count, tree.level);
+  ClusterBlock empty;
+  empty.r.fill(-1);
+  tree.block.assign(tree.level.back() / kWidth, empty);
+  tree.moments.resize(tree.level.back());
+  // Chunks of whole blocks: every chunk writes to its own.
+  parallel_chunks((counts[0] + kWidth - 1) / kWidth, 1024, execution.threads,
+                  [&](std::size_t first, std::size_t last) {
+                    const auto end = std::min(static_cast<std::uint32_t>(last) * kWidth, counts[0]);
+                    for (auto i = static_cast<std::uint32_t>(first) * kWidth; i < end; ++i)
+                      put_cluster(leaf_of(triangles, tree.origin, triangles_of(tree, i)), i, tree);
+                  });
+  for (std::size_t size = 1; size < counts.size(); ++size) {
+    for (std::uint32_t i = 0; i < counts[size]; ++i) {
+      Cluster parts[kWidth];
+      const std::uint32_t first = i * kWidth, count = std::min(kWidth, counts[size - 1] - first);
+      for (std::uint32_t k = 0; k < count; ++k)
+        parts[k] = get_cluster(tree, tree.level[size - 1] + first + k);
+      put_cluster(joined({parts, count}), tree.level[size] + i, tree);
+    }
+  }
+  if (execution.broadphase != Broadphase::tree) {
+    tree.place.resize(triangle_count);
+    for (std::uint32_t i = 0; i < triangle_count; ++i) tree.place[tree.triangle[i]] = i;
+  }
+  return tree;
+}
+
+std::span<const std::uint32_t> triangles_of(const ClusterTree& tree, std::uint32_t cluster) {
+  std::size_t level = 0, size = kLeafSize;
+  for (; cluster >= tree.level[level + 1]; ++level) size *= kWidth;
+  const std::size_t first = (cluster - tree.level[level]) * size;
+  return {tree.triangle.data() + first, std::min(size, tree.triangle.size() - first)};
+}
+
+std::size_t byte_count(const ClusterTree& tree) {
+  return (tree.triangle.size() + tree.place.size() + tree.level.size()) * sizeof(std::uint32_t) +
+         tree.block.size() * sizeof(ClusterBlock) + tree.moments.size() * sizeof(ClusterMoments);
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,84 @@
+// The field at the centre of a cluster and how far it can differ over the cluster, in lanes: shared by the
+// search for clusters and their sums, one source for every instruction set and both precisions.
+#pragma once
+
+#include "lanes/cluster_terms.h"
+#include "lanes/wide_geometry.h"
+
+namespace lumbrical::LUMBRICAL_ISA {
+
+// A round primitive, from its larger end.
+template <class V>
+struct RoundField {
+  Wide3<V> axis;
+  V length, radius1, radius2, sine, cosine, jointed;
+};
+
+// phi ~ phi0 - out h - bend / 2 (|h|^2 - (across h)^2 - side (axis h)^2), h counted from the centre.
+template <class V>
+struct CentreField {
+  V phi;               // [m]
+  Wide3<V> out;        // unit: phi falls in this direction
+  Wide3<V> across;     // unit: away from the axis, or from the end's centre
+  V bend;              // [1/m]
+  V side;              // 1 beside the axis, 0 where an end is nearest
+  V distance;          // [m] from the axis, at most
+  V margin1, margin2;  // [m] from where the nearest sphere changes to an end
+};
+
+template <class V>
+CentreField<V> field_at_centre(const RoundField<V>& field, Wide3<V> p) {
+  const V zero = number<V>(0), one = number<V>(1);
+  const V z = dot(p, field.axis);
+  const Wide3<V> off = p - z * field.axis, from2 = p - field.length * field.axis;
+  const V rho = root(dot(off, off)), d1 = root(dot(p, p)), d2 = root(dot(from2, from2));
+  const V first = field.cosine * z - field.sine * rho, second = first - field.cosine * field.length;
+  const auto at_end1 = either(first < zero, field.jointed == zero);
+  const auto beside = both(first >= zero, both(second <= zero, field.jointed > zero));
+  const V d = choose(beside, rho, choose(at_end1, d1, d2));
+  const V per = one_over(d);
+  CentreField<V> at;
+  at.across = per * choose(beside, off, choose(at_end1, p, from2));
+  at.side = choose(beside, one, zero);
+  at.out = choose(beside, field.cosine * at.across + field.sine * field.axis, at.across);
+  at.phi = choose(beside, field.radius1 - field.sine * z - field.cosine * rho,
+                  choose(at_end1, field.radius1 - d1, field.radius2 - d2));
+  at.bend = choose(beside, field.cosine * per, per);
+  const V ahead = z - between(z, zero, field.length);
+  at.distance = choose(beside, rho, root(rho * rho + ahead * ahead));
+  at.margin1 = magnitude(first);
+  at.margin2 = magnitude(second);
+  return at;
+}
+
+// The palm's field: the depth below a face.
+template <class V>
+CentreField<V> field_below(Wide3<V> normal, V height, Wide3<V> p) {
+  const V zero = number<V>(0), far = number<V>(1e30);
+  return {height - dot(normal, p), normal, {zero, zero, zero}, zero, zero, far, far, far};
+}
+
+template <class V>
+struct ClusterBounds {
+  V differ;  // [m] phi differs by no more from its value at the centre
+  V rest;    // [m] and by no more from its second-order form; large where the cluster is too wide
+  V gap;     // [m] no corner is nearer to the axis
+};
+
+template <class V>
+ClusterBounds<V> bounds_of(const CentreField<V>& at, V jointed, V radius, Wide3<V> normal, V thickness) {
+  const V zero = number<V>(0), one = number<V>(1), half = number<V>(0.5);
+  const auto narrow = radius <= number<V>(kWidest) * at.distance;
+  const V gap = choose(narrow, at.distance - radius, one), per = one_over(gap);
+  const V beyond1 = greater(radius - at.margin1, zero), beyond2 = greater(radius - at.margin2, zero);
+  const V bent = radius * radius * per;
+  const V rest = number<V>(kTaylorRest) * (radius * (bent * per)) +
+                 jointed * ((beyond1 * beyond1 + beyond2 * beyond2) * per);
+  const V slope = dot(at.out, normal);
+  // What rounding leaves of a slope of nothing is made up for.
+  const V along = root(greater(one - slope * slope, zero) + number<V>(1e-6));
+  const V differ = radius * along + thickness * magnitude(slope) + half * bent;
+  return {choose(narrow, lesser(differ, radius), radius), choose(narrow, rest, number<V>(1e30)), gap};
+}
+
+}  // namespace lumbrical::LUMBRICAL_ISA

@@ -1,0 +1,122 @@
+// Which clusters of triangles can be used as a whole, which hold nothing of a primitive, and which have to be
+// looked into. One source for every instruction set; lanes never meet, so the answers are the same with all.
+#pragma once
+
+#include <cstring>
+
+#include "lanes/cluster_field.h"
+#include "lumbrical/model.h"
+
+namespace lumbrical::LUMBRICAL_ISA {
+
+// Sixteen clusters: four blocks side by side.
+struct ClusterRow {
+  static constexpr std::size_t kWidth = 16;
+  alignas(64) float x[kWidth], y[kWidth], z[kWidth], r[kWidth];
+  alignas(64) float nx[kWidth], ny[kWidth], nz[kWidth], thickness[kWidth];
+};
+
+inline void put_block(const ClusterBlock& block, std::size_t place, ClusterRow& row) {
+  constexpr std::size_t kBytes = sizeof(block.x);
+  const std::size_t first = place * ClusterBlock::kWidth;
+  std::memcpy(row.x + first, block.x.data(), kBytes);
+  std::memcpy(row.y + first, block.y.data(), kBytes);
+  std::memcpy(row.z + first, block.z.data(), kBytes);
+  std::memcpy(row.r + first, block.r.data(), kBytes);
+  std::memcpy(row.nx + first, block.nx.data(), kBytes);
+  std::memcpy(row.ny + first, block.ny.data(), kBytes);
+  std::memcpy(row.nz + first, block.nz.data(), kBytes);
+  std::memcpy(row.thickness + first, block.thickness.data(), kBytes);
+}
+
+struct ClusterBits {
+  unsigned use = 0, split = 0, open = 0;
+};
+
+template <class V>
+inline ClusterBits kinds_in_row(const ClusterRow& row, const ClusterQuery& query) {
+  const V zero = number<V>(0), one = number<V>(1), slack(query.slack), allowed(query.allowed);
+  const Wide3<V> origin{V(query.x), V(query.y), V(query.z)}, axis{V(query.ax), V(query.ay), V(query.az)};
+  const RoundField<V> field{axis,          V(query.length), V(query.radius1), V(query.radius2),
+                            V(query.sine), V(query.cosine), V(query.jointed)};
+  ClusterBits bits;
+  for (std::size_t i = 0; i < ClusterRow::kWidth; i += wide::Lanes<V>::kCount) {
+    const V r = get(row.r + i, V{}), thickness = get(row.thickness + i, V{});
+    const Wide3<V> p = Wide3<V>{get(row.x + i, V{}), get(row.y + i, V{}), get(row.z + i, V{})} - origin;
+    const Wide3<V> normal{get(row.nx + i, V{}), get(row.ny + i, V{}), get(row.nz + i, V{})};
+    V beyond = zero;                // wholly beyond a plane
+    V through = zero, near = zero;  // planes through it; borders in reach, which may be anything but planes
+    for (int k = query.flat ? 1 : 0; k < query.plane_count; ++k) {
+      const ClusterQuery::Plane& plane = query.plane[k];
+      const V height = dot(p, Wide3<V>{V(plane.nx), V(plane.ny), V(plane.nz)}) - V(plane.height);
+      const V reach = r + (V(plane.margin) + slack);
+      beyond = choose(height >= reach, one, beyond);
+      const V crossed = choose(height <= zero - reach, zero, one);
+      through = through + crossed;
+      if (plane.margin > 0) near = near + crossed;
+    }
+    const ClusterQuery::Plane& face = query.plane[0];
+    const CentreField<V> at =
+        query.flat ? field_below(Wide3<V>{V(face.nx), V(face.ny), V(face.nz)}, V(face.height), p)
+                   : field_at_centre(field, p);
+    const ClusterBounds<V> bounds = bounds_of(at, field.jointed, r, normal, thickness);
+    const V differ = bounds.differ + slack;
+    const auto met = both(r >= zero, both(beyond == zero, at.phi > zero - differ));
+    const V ramp = choose(at.phi >= differ, zero, number<V>(kRampRest) * bounds.differ);
+    const auto fits = both(bounds.rest + ramp <= allowed, thickness * at.phi <= V(query.twist));
+    const auto good = both(through == zero, fits);
+    // Over a triangle the field is above the corners' plane by half the bend at most.
+    const V above = query.flat ? zero : number<V>(0.5) * (r * r * one_over(bounds.gap));
+    const auto few = both(near == zero, through <= number<V>(LeafTerms::kPlaneCapacity));
+    const auto straight = both(bounds.rest < number<V>(1), above <= allowed);
+    bits.use |= wide::bits_of(both(met, good), zero) << i;
+    bits.split |= wide::bits_of(both(met, both(few, straight)), zero) << i;
+    bits.open |= wide::bits_of(met, zero) << i;
+  }
+  bits.split &= ~bits.use;
+  bits.open &= ~bits.use;
+  return bits;
+}
+
+inline std::size_t put_numbers(unsigned bits, const std::uint32_t* blocks, std::uint32_t* numbers) {
+  std::size_t count = 0;
+  for (; bits != 0; bits &= bits - 1) {
+    const auto lane = static_cast<std::uint32_t>(__builtin_ctz(bits));
+    numbers[count++] =
+        blocks[lane / ClusterBlock::kWidth] * ClusterBlock::kWidth + lane % ClusterBlock::kWidth;
+  }
+  return count;
+}
+
+/// Adds the clusters of the blocks listed to `hits`, in their order.
+template <class V>
+void cluster_kinds(const ClusterBlock* blocks, const ClusterQuery& query, const std::uint32_t* list,
+                   std::size_t count, ClusterHits& hits) {
+  constexpr std::size_t kGroup = ClusterRow::kWidth / ClusterBlock::kWidth, kAhead = 8;
+  ClusterRow row;
+  for (std::size_t i = 0; i < count; i += kGroup) {
+    for (std::size_t k = 0; k < kGroup; ++k) {
+      if (i + k + kAhead < count) {
+        const ClusterBlock& soon = blocks[list[i + k + kAhead]];
+        __builtin_prefetch(&soon.x);
+        __builtin_prefetch(&soon.nx);
+      }
+      if (i + k < count) {
+        put_block(blocks[list[i + k]], k, row);
+      } else {
+        ClusterBlock none;
+        none.r.fill(-1);
+        put_block(none, k, row);
+      }
+    }
+    ClusterBits bits = kinds_in_row<V>(row, query);
+    if (hits.leaves) {
+      bits.open &= ~bits.split;
+      hits.split_count += put_numbers(bits.split, list + i, hits.split + hits.split_count);
+    }
+    hits.use_count += put_numbers(bits.use, list + i, hits.use + hits.use_count);
+    hits.open_count += put_numbers(bits.open, list + i, hits.open + hits.open_count);
+  }
+}
+
+}  // namespace lumbrical::LUMBRICAL_ISA

@@ -1,0 +1,85 @@
+// Clusters and a primitive as the kernels see them (cluster_kinds.h, cluster_forces.h).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace lumbrical {
+
+/// The a-priori bounds, shared by search and sums. The third derivative of a distance d over a step h is at
+/// most 2 / sqrt(3) |h|^3 / d^2, and a sixth of it is the rest of the Taylor form.
+inline constexpr double kTaylorRest = 0.19246;
+/// Of b, the most phi can differ from its value at the centre: where the finger's surface runs through the
+/// cluster the ramp's half width is at least kLeastRamp b, and phi's positive part then differs from a linear
+/// function by at most b / (4 kLeastRamp), or what is left beyond the ramp.
+inline constexpr double kLeastRamp = 0.6, kRampRest = 0.4167;
+/// A cluster is at most this share of its distance from the axis wide.
+inline constexpr double kWidest = 0.5;
+/// Of R: what single precision takes away from the moments.
+inline constexpr double kMomentRounding = 5e-7;
+
+/// A primitive's field in single precision, from the origin of the clusters' tree.
+struct ClusterQuery {
+  static constexpr int kPlaneCapacity = 18;
+  bool flat = false;                           ///< the palm: phi is the height below plane 0
+  float x = 0, y = 0, z = 0;                   ///< [m] the larger end
+  float ax = 0, ay = 0, az = 0;                ///< unit axis from there
+  float length = 0, radius1 = 0, radius2 = 0;  ///< [m]
+  float sine = 0, cosine = 1;                  ///< of the cone's half angle
+  float jointed = 0;                           ///< 1 where there is a side, 0 for spheres
+  float slack = 0;                             ///< [m] what rounding may move a centre by, generously
+  float allowed = 0;                           ///< [m] the tolerance times R
+  float twist = 0;      ///< [m^2] most of phi times thickness: what a line of force can not carry
+  int plane_count = 0;  ///< half-spaces the primitive lies in
+  struct Plane {
+    float nx, ny, nz, height;  ///< unit normal; [m] over the larger end
+    float margin;              ///< [m] so near it the space may be a neighbour's, or not
+  };
+  Plane plane[kPlaneCapacity];
+};
+
+/// What a search found among some blocks of clusters; each array holds four numbers per block. Leaves may be
+/// `split`: one contact, whose triangles are looked at one by one.
+struct ClusterHits {
+  bool leaves = false;  ///< the blocks are of leaves
+  std::uint32_t *use = nullptr, *split = nullptr, *open = nullptr;
+  std::size_t use_count = 0, split_count = 0, open_count = 0;
+};
+
+/// One leaf, whose triangles are looked at one by one; lengths from the primitive's larger end.
+struct LeafTerms {
+  static constexpr std::size_t kCapacity = 8;
+  static constexpr int kPlaneCapacity = 2;  ///< planes that run through it
+  bool flat = false;
+  double axis[3] = {0, 0, 1};                   ///< unit
+  double length = 0, radius1 = 0, radius2 = 0;  ///< [m]
+  double sine = 0, cosine = 1, jointed = 0;
+  double size = 0;                       ///< [m] R
+  double face[4] = {};                   ///< of the palm: normal and height
+  double centre[3] = {};                 ///< [m] of the leaf
+  int plane_count = 0;                   ///< planes that may run through it
+  double plane[kPlaneCapacity][4] = {};  ///< normal and height; the others hold everything inside
+  alignas(64) double corner[3][3][kCapacity];
+  // Out, by triangle: integrals of phi n and h x phi n, area, integral of h, largest phi of the corners.
+  alignas(64) double result[11][kCapacity];
+};
+
+/// Clusters of one primitive on their way to contacts. Structure of arrays; lengths from the larger end.
+struct ClusterTerms {
+  static constexpr std::size_t kCapacity = 64;
+  std::size_t count = 0;
+  bool flat = false;
+  double axis[3] = {0, 0, 1};                   ///< unit
+  double length = 0, radius1 = 0, radius2 = 0;  ///< [m]
+  double sine = 0, cosine = 1, jointed = 0;
+  double size = 0;                ///< [m] R
+  double face[4] = {0, 0, 0, 0};  ///< of the palm: normal and height
+  alignas(64) double centre[3][kCapacity], mean_normal[3][kCapacity];
+  alignas(64) double radius[kCapacity], thickness[kCapacity], surface[kCapacity];
+  alignas(64) double normal[3][kCapacity], first[3][3][kCapacity], second[6][3][kCapacity];
+  // Out: as in Contact.
+  alignas(64) double depth[kCapacity], area[kCapacity], volume[kCapacity], error[kCapacity];
+  alignas(64) double acting[3][kCapacity], direction[3][kCapacity];
+};
+
+}  // namespace lumbrical

@@ -1,0 +1,214 @@
+#include "lanes/pair_search.h"
+
+#include <algorithm>
+
+#include "index/cluster_tree.h"
+#include "index/sphere_grid.h"
+#include "index/sphere_tree.h"
+#include "index/voxel_index.h"
+#include "lanes/cluster_search.h"
+#include "lanes/tree_search.h"
+
+namespace lumbrical {
+namespace {
+
+constexpr std::uint32_t kBatch = MissTerms::kCapacity;
+
+void set_corner(const Triangles& world, std::uint32_t vertex, std::size_t k,
+                double (&corner)[3][MissTerms::kCapacity]) {
+  corner[0][k] = world.x[vertex];
+  corner[1][k] = world.y[vertex];
+  corner[2][k] = world.z[vertex];
+}
+
+}  // namespace
+
+void set_triangles(const Triangles& world, std::span<const std::uint32_t> triangles, MissTerms& terms) {
+  terms.count = triangles.size();
+  const std::size_t padded = (triangles.size() + 15) / 16 * 16;
+  for (std::size_t k = 0; k < padded; ++k) {
+    const std::uint32_t triangle = triangles[k < triangles.size() ? k : 0];
+    set_corner(world, world.a[triangle], k, terms.a);
+    set_corner(world, world.b[triangle], k, terms.b);
+    set_corner(world, world.c[triangle], k, terms.c);
+  }
+}
+
+namespace {
+
+bool is_within(const double (&corner)[3][MissTerms::kCapacity], std::size_t k, Vec3 centre, double reach) {
+  const Vec3 from = Vec3{corner[0][k], corner[1][k], corner[2][k]} - centre;
+  return dot(from, from) <= reach * reach;
+}
+
+bool append(FoundPairs& found, std::span<const std::uint64_t> pairs) {
+  const std::size_t first = found.count.fetch_add(pairs.size(), std::memory_order_relaxed);
+  if (first + pairs.size() > found.room.size()) return false;
+  std::copy(pairs.begin(), pairs.end(), found.room.begin() + static_cast<std::ptrdiff_t>(first));
+  return true;
+}
+
+bool in_open_leaf(const PairSearch& search, std::uint32_t triangle) {
+  const std::uint32_t leaf = search.model.clusters.place[triangle] / ClusterTree::kLeafSize;
+  return (search.memory.open_leaves[leaf / 64] >> leaf % 64 & 1) != 0;
+}
+
+// Keeps those of up to kBatch triangles that the primitive does not certainly miss; false where there is no
+// room.
+bool keep(PairSearch& search, std::span<const std::uint32_t> triangles) {
+  MissTerms& terms = search.terms;
+  set_triangles(search.model.triangles, triangles, terms);
+  std::array<std::uint64_t, kBatch> pairs;
+  std::size_t count = 0;
+  const std::uint64_t first = search.index << 33;
+  search.kernels.certain_misses(terms);
+  if (!(search.skin > 0)) {
+    for (std::size_t k = 0; k < triangles.size(); ++k) {
+      pairs[count] = first | std::uint64_t{triangles[k]} << 1;
+      count += terms.miss[k] == 0 && !(search.open_only && !in_open_leaf(search, triangles[k]));
+    }
+    return append(search.found, {pairs.data(), count});
+  }
+  std::array<double, kBatch> misses_wide;
+  std::copy_n(terms.miss, kBatch, misses_wide.begin());
+  set_terms(*search.hull, -search.skin, terms);
+  search.kernels.certain_misses(terms);
+  set_terms(*search.hull, search.skin, terms);
+  const double reach = reach_of(*search.hull);
+  for (std::size_t k = 0; k < triangles.size(); ++k) {
+    const bool within = is_within(terms.a, k, terms.end1, reach) &&
+                        is_within(terms.b, k, terms.end1, reach) && is_within(terms.c, k, terms.end1, reach);
+    const bool doubtful = !within || terms.miss[k] != 0;
+    pairs[count] = first | std::uint64_t{triangles[k]} << 1 | (doubtful ? 1u : 0u);
+    count += !within || misses_wide[k] == 0;
+  }
+  return append(search.found, {pairs.data(), count});
+}
+
+bool search_all(PairSearch& search) {
+  const auto count = static_cast<std::uint32_t>(search.model.triangles.size());
+  std::array<std::uint32_t, kBatch> batch;
+  for (std::uint32_t first = 0; first < count; first += kBatch) {
+    const std::uint32_t size = std::min(kBatch, count - first);
+    for (std::uint32_t k = 0; k < size; ++k) batch[k] = first + k;
+    if (!keep(search, {batch.data(), size})) return false;
+  }
+  return true;
+}
+
+bool search_tree(PairSearch& search, const Primitive& primitive, const SphereTree& tree) {
+  constexpr std::size_t kBlocks = kBatch / SphereBlock::kWidth;
+  const SphereQuery query = query_of(tree, primitive);
+  const auto blocks = search_leaves(tree, query, search.kernels, search.memory.frontier);
+  std::array<std::uint32_t, 2 * kBatch> batch;
+  std::size_t size = 0;
+  for (std::size_t i = 0; i < blocks.size(); i += kBlocks) {
+    const std::size_t count = search.kernels.sphere_hits(tree.sphere.data(), query, blocks.data() + i,
+                                                         std::min(kBlocks, blocks.size() - i), &batch[size]);
+    for (std::size_t k = size; k < size + count; ++k) batch[k] = tree.triangle[batch[k]];
+    size += count;
+    if (size < kBatch) continue;
+    if (!keep(search, {batch.data(), kBatch})) return false;
+    size -= kBatch;
+    std::copy_n(batch.begin() + kBatch, size, batch.begin());
+  }
+  return size == 0 || keep(search, {batch.data(), size});
+}
+
+// The triangles of open leaves, without any other search.
+bool search_leaves_of(PairSearch& search, std::span<const std::uint32_t> leaves) {
+  constexpr std::uint32_t kLeafSize = ClusterTree::kLeafSize;
+  static_assert(kBatch % kLeafSize == 0);
+  std::array<std::uint32_t, kBatch> batch;
+  std::uint32_t size = 0;
+  for (const std::uint32_t leaf : leaves) {
+    if (size + kLeafSize > kBatch) {
+      if (!keep(search, {batch.data(), size})) return false;
+      size = 0;
+    }
+    for (const std::uint32_t triangle : triangles_of(search.model.clusters, leaf)) batch[size++] = triangle;
+  }
+  return size == 0 || keep(search, {batch.data(), size});
+}
+
+bool search_cells(PairSearch& search, const Primitive& primitive, std::span<const std::uint32_t> cells) {
+  for (const std::uint32_t cell : cells) {
+    const SphereTree& tree = search.model.grid.tree[cell];
+    if (may_reach(tree, primitive) && !search_tree(search, primitive, tree)) return false;
+  }
+  return true;
+}
+
+// Triangles centred in the voxels near by, and the wide ones.
+bool search_voxels(PairSearch& search, const Primitive& primitive) {
+  const VoxelIndex& index = *search.model.voxels;
+  const std::size_t count = find_voxels(index, primitive, search.memory.cells);
+  std::array<std::uint32_t, kBatch> batch;
+  std::uint32_t size = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    for (const std::uint32_t triangle : centred_in(index, search.memory.cells[i])) {
+      batch[size++] = triangle;
+      if (size < kBatch) continue;
+      if (!keep(search, batch)) return false;
+      size = 0;
+    }
+  }
+  if (size > 0 && !keep(search, {batch.data(), size})) return false;
+  return !may_reach(index.wide, primitive) || search_tree(search, primitive, index.wide);
+}
+
+bool search_any(PairSearch& search, Primitive primitive, std::span<const std::uint32_t> cells) {
+  primitive.radius1 += search.skin;
+  primitive.radius2 += search.skin;
+  set_terms(*search.hull, search.skin, search.terms);
+  switch (search.model.execution.broadphase) {
+    case Broadphase::tree:
+      return search_tree(search, primitive, search.model.tree);
+    case Broadphase::grid:
+      return search_cells(search, primitive, cells);
+    case Broadphase::voxel:
+      return search_voxels(search, primitive);
+    case Broadphase::brute:
+      return search_all(search);
+  }
+  return false;
+}
+
+// Clusters that are one contact each are candidates of their own; of the rest the triangles of open leaves
+// are. With the tree nothing else is searched, otherwise the leaves are marked.
+bool search_clusters(PairSearch& search, const Primitive& primitive, std::span<const std::uint32_t> cells) {
+  const FoundClusters clusters =
+      find_clusters(search.model, search.hand, primitive, search.kernels, search.memory);
+  const auto add = [&](std::span<const std::uint32_t> numbers, std::uint32_t bits) {
+    std::array<std::uint64_t, kBatch> pairs;
+    for (std::size_t first = 0; first < numbers.size(); first += kBatch) {
+      const std::size_t count = std::min<std::size_t>(kBatch, numbers.size() - first);
+      for (std::size_t k = 0; k < count; ++k)
+        pairs[k] = search.index << 33 | std::uint64_t{bits | numbers[first + k]} << 1;
+      if (!append(search.found, {pairs.data(), count})) return false;
+    }
+    return true;
+  };
+  if (!add(clusters.used, kClusterBit) || !add(clusters.split, kClusterBit | kSplitBit)) return false;
+  if (search.model.execution.broadphase == Broadphase::tree) {
+    set_terms(*search.hull, 0, search.terms);
+    return search_leaves_of(search, clusters.open);
+  }
+  std::vector<std::uint64_t>& open = search.memory.open_leaves;
+  for (const std::uint32_t leaf : clusters.open) open[leaf / 64] |= std::uint64_t{1} << leaf % 64;
+  search.open_only = true;
+  const bool fits = search_any(search, primitive, cells);
+  search.open_only = false;
+  for (const std::uint32_t leaf : clusters.open) open[leaf / 64] = 0;
+  return fits;
+}
+
+}  // namespace
+
+bool search_for(PairSearch& search, std::span<const std::uint32_t> cells) {
+  const Primitive& primitive = search.hand.primitive[search.index];
+  return uses_clusters(search.model, search.hand, primitive) ? search_clusters(search, primitive, cells)
+                                                             : search_any(search, primitive, cells);
+}
+
+}  // namespace lumbrical
