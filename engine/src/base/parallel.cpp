@@ -1,8 +1,9 @@
 #include "base/parallel.h"
 
-#include <algorithm>
-
 #ifdef LUMBRICAL_TBB
+#include <array>
+#include <optional>
+
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -13,16 +14,30 @@
 
 namespace lumbrical {
 
+#ifdef LUMBRICAL_TBB
+namespace {
+
+// The calling thread's own, kept for as long as it lives: workers come to the first arena of a program and,
+// with oneTBB 2021.8, to hardly any that is made after that one is gone.
+tbb::task_arena& arena_of(std::size_t threads) {
+  constexpr std::size_t kMost = 64;  // Execution::threads
+  thread_local std::array<std::optional<tbb::task_arena>, kMost + 1> arenas;
+  // Asking for more than the machine has would make the library print a warning.
+  const std::size_t most = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  threads = std::min({threads, most, kMost});
+  if (!arenas[threads]) arenas[threads].emplace(static_cast<int>(threads));
+  return *arenas[threads];
+}
+
+}  // namespace
+#endif
+
 void run_chunks(std::size_t count, std::size_t chunk, std::size_t threads,
                 void (*work)(const void* context, std::size_t first, std::size_t last), const void* context) {
   if (count == 0) return;
 #ifdef LUMBRICAL_TBB
   if (threads > 1 && count > chunk) {
-    // Asking for more than the machine has would make the library print a warning.
-    threads =
-        std::min(threads, tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
-    tbb::task_arena arena(static_cast<int>(threads));
-    arena.execute([&] {
+    arena_of(threads).execute([&] {
       tbb::parallel_for(
           tbb::blocked_range<std::size_t>(0, count, chunk),
           [&](const tbb::blocked_range<std::size_t>& range) {
