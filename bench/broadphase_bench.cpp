@@ -1,6 +1,7 @@
-// The broadphase under a pressed hand: scene A (300 mm wide, ever finer) and scene B (5 mm triangles, ever
-// wider), by sphere tree, grid, voxel index and brute force. Microseconds per query of the whole hand; beside
-// them candidates, contacts, bytes per triangle of the search structure and the time it takes to build.
+// The broadphase under a pressed hand: scene A (300 mm wide, ever finer), scene B (5 mm triangles, ever
+// wider) and two objects of scene A ever farther apart, by sphere tree, grid, voxel index and brute force.
+// Microseconds per query of the whole hand; beside them candidates, contacts, bytes per triangle of the
+// search structure and the time it takes to build.
 #include "stages/broadphase.h"
 
 #include <benchmark/benchmark.h>
@@ -32,8 +33,15 @@ DeviceFrame frame_at(const Hand& hand, int pose) {
   return test::pressed_frame(hand, 0.001 + 0.002 * time, time);
 }
 
-void run(benchmark::State& state, double extent, std::uint32_t cells, Broadphase broadphase) {
-  const Scene scene = test::pressed_scene(extent, cells);
+// Scene A with 9,522 triangles, under the hand, and once more `apart` [m] away along x and y.
+Scene spread_scene(double apart) {
+  Scene scene = test::pressed_scene(test::kWidthA, 69);
+  scene.objects.push_back(scene.objects[0]);
+  for (Vec3& p : scene.objects[1].mesh.vertices) p += {apart, apart, 0};
+  return scene;
+}
+
+void run(benchmark::State& state, const Scene& scene, Broadphase broadphase) {
   Execution execution;
   execution.broadphase = broadphase;
   Model model;
@@ -76,10 +84,20 @@ void add_all() {
       const std::string how =
           std::string(broadphase_name(broadphase)) + "/" + std::to_string(2 * cells * cells);
       benchmark::RegisterBenchmark(("A/" + how).c_str(), [=](benchmark::State& state) {
-        run(state, test::kWidthA, cells, broadphase);
+        run(state, test::pressed_scene(test::kWidthA, cells), broadphase);
       })->Unit(benchmark::kMicrosecond);
       benchmark::RegisterBenchmark(("B/" + how).c_str(), [=](benchmark::State& state) {
-        run(state, test::kCellB * cells, cells, broadphase);
+        run(state, test::pressed_scene(test::kCellB * cells, cells), broadphase);
+      })->Unit(benchmark::kMicrosecond);
+    }
+  }
+  for (const int metres : {1, 10, 30, 100, 300, 1000, 10000, 100000}) {
+    for (const Broadphase broadphase : {Broadphase::tree, Broadphase::grid}) {
+      const std::string name =
+          "apart/" + std::string(broadphase_name(broadphase)) + "/" + std::to_string(metres) + "_m";
+      benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
+        run(state, spread_scene(metres), broadphase);
+        state.counters["metres"] = metres;
       })->Unit(benchmark::kMicrosecond);
     }
   }

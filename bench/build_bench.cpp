@@ -1,5 +1,5 @@
-// Building a model: seconds for scenes A (300 mm wide, ever finer) and B (5 mm triangles, ever wider), by tree
-// and grid, on one thread and two; beside them bytes per triangle, all that stays in memory included.
+// Building a model: seconds for scenes A (300 mm wide, ever finer) and B (5 mm triangles, ever wider), by
+// tree and grid, on one thread and two; beside them bytes per triangle, all that stays in memory included.
 #include <benchmark/benchmark.h>
 
 #include <memory>
@@ -56,8 +56,8 @@ void add_all() {
           const std::string name = std::string("build_") + (fine ? "A/" : "B/") +
                                    std::string(broadphase_name(broadphase)) + "/" +
                                    std::to_string(2 * cells * cells) + "/threads_" + std::to_string(threads);
-          benchmark::RegisterBenchmark(
-              name.c_str(), [=](benchmark::State& state) { run(state, fine, cells, execution); })
+          benchmark::RegisterBenchmark(name.c_str(),
+                                       [=](benchmark::State& state) { run(state, fine, cells, execution); })
               ->UseRealTime()
               ->Unit(benchmark::kMillisecond);
         }

@@ -10,6 +10,12 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include "base/floating_point.h"
+#elif defined(LUMBRICAL_PLAIN_THREADS)
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include "base/floating_point.h"
 #endif
 
 namespace lumbrical {
@@ -46,6 +52,21 @@ void run_chunks(std::size_t count, std::size_t chunk, std::size_t threads,
           },
           tbb::simple_partitioner());
     });
+    return;
+  }
+#elif defined(LUMBRICAL_PLAIN_THREADS)
+  // For the thread sanitizer, which does not see into oneTBB: no order but that of start and end.
+  if (threads > 1 && count > chunk) {
+    std::atomic<std::size_t> next{0};
+    const auto take_chunks = [&] {
+      const FloatingPointGuard guard;
+      for (std::size_t first; (first = next.fetch_add(chunk, std::memory_order_relaxed)) < count;)
+        work(context, first, std::min(count, first + chunk));
+    };
+    std::vector<std::thread> others;
+    for (std::size_t i = 1; i < threads; ++i) others.emplace_back(take_chunks);
+    take_chunks();
+    for (std::thread& other : others) other.join();
     return;
   }
 #else

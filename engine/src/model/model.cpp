@@ -21,7 +21,8 @@ constexpr std::array<std::pair<std::string_view, Law>, 5> kLawNames = {{
     {"centroid", Law::centroid},
     {"point", Law::point},
 }};
-constexpr std::array<std::pair<std::string_view, Broadphase>, 4> kBroadphaseNames = {{
+constexpr std::array<std::pair<std::string_view, Broadphase>, 5> kBroadphaseNames = {{
+    {"auto", Broadphase::automatic},
     {"tree", Broadphase::tree},
     {"grid", Broadphase::grid},
     {"voxel", Broadphase::voxel},
@@ -83,7 +84,7 @@ Status check_execution(const Execution& execution) {
   if (!within(execution.cell_size, 1e-3, 1e6)) return out_of_range("execution.cell_size", "0.001 to 1e6 m");
   if (execution.tree_levels > 32) return out_of_range("execution.tree_levels", "0 to 32");
   if (name_valued(kBroadphaseNames, execution.broadphase) == "unknown") {
-    return out_of_range("execution.broadphase", "tree, grid, voxel or brute");
+    return out_of_range("execution.broadphase", "auto, tree, grid, voxel or brute");
   }
   if (execution.voxel_size != 0 && !within(execution.voxel_size, 1e-9, 1e6))
     return out_of_range("execution.voxel_size", "0 or 1e-9 to 1e6 m");
@@ -175,6 +176,14 @@ void list_objects(const Scene& scene, std::vector<Model::Object>& objects) {
   }
 }
 
+Broadphase suited_broadphase(const Triangles& world) {
+  for (const std::vector<double>* const axis : {&world.x, &world.y, &world.z}) {
+    const auto [low, high] = std::minmax_element(axis->begin(), axis->end());
+    if (low != axis->end() && *high - *low > kGridExtent) return Broadphase::grid;
+  }
+  return Broadphase::tree;
+}
+
 }  // namespace
 
 std::optional<Law> parse_law(std::string_view text) { return value_named(kLawNames, text); }
@@ -207,11 +216,13 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   if (execution.isa == Isa::automatic) built.execution.isa = widest_isa();
   add_triangles(scene, vertices, triangles, execution.threads, built.triangles);
   list_objects(scene, built.objects);
-  if (execution.broadphase == Broadphase::tree) {
+  Broadphase& broadphase = built.execution.broadphase;
+  if (broadphase == Broadphase::automatic) broadphase = suited_broadphase(built.triangles);
+  if (broadphase == Broadphase::tree) {
     built.tree = build_tree(built.triangles, execution);
-  } else if (execution.broadphase == Broadphase::grid) {
+  } else if (broadphase == Broadphase::grid) {
     built.grid = build_grid(built.triangles, execution);
-  } else if (execution.broadphase == Broadphase::voxel) {
+  } else if (broadphase == Broadphase::voxel) {
     if (Status status = build_voxels(built.triangles, execution, built.voxels); !status.ok()) return status;
   }
   model = std::move(built);

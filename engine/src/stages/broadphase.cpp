@@ -180,6 +180,7 @@ bool find_candidates(const Model& model, const Primitives& hand, Scratch& scratc
       case Broadphase::voxel:
         fits = search_voxels(search, primitive);
         break;
+      case Broadphase::automatic:  // a model holds one of the others
       case Broadphase::brute:
         fits = search_all(search);
         break;
