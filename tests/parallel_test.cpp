@@ -1,5 +1,5 @@
-// Building a model on several threads: sorting by code, the order along the Morton curve, and the same trees,
-// grids and messages for any number of threads.
+// Work on several threads: sorting by code, the order along the Morton curve, and the same trees, grids,
+// messages and ticks for any number of threads.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -13,6 +13,7 @@
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "lumbrical/shapes.h"
+#include "pressed_hand.h"
 #include "random.h"
 
 namespace lumbrical::test {
@@ -175,6 +176,27 @@ TEST(ParallelBuild, TreesTakeFewerBytesThanTheirTrianglesAllow) {
     const std::size_t bytes =
         24 * world.x.capacity() + 12 * world.a.capacity() + byte_count(model.tree) + byte_count(model.grid);
     EXPECT_LE(static_cast<double>(bytes) / static_cast<double>(world.size()), 50);
+  }
+}
+
+TEST(ParallelTick, ThousandsOfContactsGiveTheSameBitsOnAnyNumberOfThreads) {
+  const Scene scene = pressed_scene(kWidthA, 150);
+  std::vector<std::uint64_t> expected;
+  for (const std::uint32_t threads : {1u, 2u, 3u, 8u}) {
+    Execution execution;
+    execution.threads = threads;
+    Model model;
+    ASSERT_TRUE(build_model(scene, execution, model).ok());
+    State state;
+    Scratch scratch = make_scratch(model);
+    std::vector<std::uint64_t> hashes;
+    for (int i = 0; i < 3; ++i) {
+      tick(model, state, scratch, pressed_frame(scene.hand, 0.002, i / 3.0));
+      EXPECT_GT(scratch.contact_count, 2000u);
+      hashes.insert(hashes.end(), scratch.stage_hash.begin(), scratch.stage_hash.end());
+    }
+    if (threads == 1) expected = hashes;
+    EXPECT_EQ(hashes, expected) << threads << " threads";
   }
 }
 
