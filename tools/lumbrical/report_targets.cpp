@@ -20,7 +20,8 @@ struct Quantity {
 };
 constexpr Quantity kTime = {"p50_us", "", 1, false, "us"};
 constexpr Quantity kRate = {"p50_us", "", 1e-3, true, "kHz"};
-constexpr Quantity kTail = {"p99_us", "p50_us", 1, false, "times the median at p99"};
+constexpr Quantity kTail = {"processor_p99_us", "processor_p50_us", 1, false,
+                            "times the median at p99 (processor time)"};
 constexpr Quantity kError = {"force_error", "", 1, false, "of the force"};
 constexpr Quantity kBuild = {"microseconds", "", 1e-6, false, "s"};
 constexpr Quantity kBytes = {"bytes_per_triangle", "", 1, false, "bytes per triangle"};
