@@ -65,6 +65,7 @@ std::vector<Measured> measured_in(const Json& rows) {
     for (std::string part; std::getline(name, part, '/');) {
       if (part != "real_time") measured.parts.push_back(part);
     }
+    measured.name = measured.name.substr(0, measured.name.find("/real_time"));
     all.push_back(std::move(measured));
   }
   return all;
@@ -231,7 +232,7 @@ void add_table(const std::vector<Measured>& all, Results& results) {
   results.table.head = {"benchmark", "us per iteration"};
   results.table.head.insert(results.table.head.end(), counters.begin(), counters.end());
   for (const Measured& measured : all) {
-    auto& kept = results.counters[measured.name.substr(0, measured.name.find("/real_time"))];
+    auto& kept = results.counters[measured.name];
     kept["microseconds"] = measured.microseconds;
     std::vector<std::string>& row = results.table.rows.emplace_back();
     row = {measured.name, brief(measured.microseconds)};
