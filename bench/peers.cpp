@@ -16,7 +16,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "../tests/pressed_hand.h"
+#include "hand_scenes.h"
 #include "peer.h"
 #include "peer_table.h"
 #include "stages/hand_pose.h"
@@ -33,36 +33,6 @@ struct Options {
   double seconds = 3;  // for the measurements of one scene
   bool processor_time = false;
 };
-
-// Fingers of one radius each and no palm: what every library has a shape for.
-Hand plain_hand() {
-  Hand hand = default_hand(Side::right);
-  hand.palm.polygon.clear();
-  for (const auto& phalanx : kPhalanxJoints) {
-    const auto first = static_cast<std::size_t>(&phalanx - &kPhalanxJoints[0]) / 3 * 3;
-    const double radius = hand.radius[static_cast<std::size_t>(kPhalanxJoints[first + 1].base)];
-    hand.radius[static_cast<std::size_t>(phalanx.base)] = radius;
-    hand.radius[static_cast<std::size_t>(phalanx.tip)] = radius;
-  }
-  return hand;
-}
-
-// Fingers bent so that only their tips are `depth` below z = 0; `time` moves the hand as in pressed_frame.
-DeviceFrame tips_frame(const Hand& hand, double depth, double time) {
-  DeviceFrame frame = test::pressed_frame(hand, depth, time);
-  frame.angle.fill(0);
-  frame.base.position.z = 0.06;
-  for (std::size_t finger = 1; finger < kFingerCount; ++finger) {
-    frame.angle[4 * finger + 2] = frame.angle[4 * finger + 3] = 0.35f;
-    float low = -0.3f, high = 1.4f;
-    for (int step = 0; step < 24; ++step) {
-      frame.angle[4 * finger + 1] = 0.5f * (low + high);
-      (test::skin_height(hand, frame, kIndexProximal + 5 * (finger - 1) + 3) > -depth ? low : high) =
-          frame.angle[4 * finger + 1];
-    }
-  }
-  return frame;
-}
 
 // What is measured: posed once, the same for all.
 struct Task {

@@ -1,143 +1,321 @@
-// The whole tick on the demo's grasp and on a flat hand pressed into a plane: every law, microseconds per
-// tick with percentiles. Beside each time stand the contacts it was spent on.
+// The whole tick: every law, precision, search and instruction set beside its force error; growing numbers of
+// triangles and of contacts; the paper's Table 2; the demo's grasp. Microseconds with percentiles.
+//
+// Names are FIGURE/HOW/SIZE/WAY. The force error is that of the hand's force in the worst of 16 poses (of
+// four where there are 10 million triangles), relative to the exact field law's in the same pose; law point
+// has no area, so its force is first scaled by the constant that fits best.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <chrono>
-#include <map>
+#include <cmath>
+#include <ctime>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "hand_scenes.h"
 #include "lumbrical/motion.h"
-#include "lumbrical/shapes.h"
-#include "lumbrical/tick.h"
-#include "pressed_hand.h"
 
 namespace {
 
 using namespace lumbrical;
+using namespace lumbrical::bench;
+
+constexpr int kPoses = 16;
 
 struct Session {
   Model model;
   std::vector<DeviceFrame> frames;
+  bool has_error = true;
+  double force_error = 0;
+  double paper_hz = 0;  // the paper's haptic rate, where this is a row of its tables
 };
 
-// The grasp round a mug of `segments`, sampled where the hand touches it.
-Session grasp_session(Law law, std::uint32_t segments, const Execution& execution) {
-  Session session;
-  Scene scene;
-  scene.hand = default_hand(Side::right);
-  scene.settings.law.fill(law);
-  MugShape mug;
-  mug.segments = segments;
-  scene.objects.push_back({"mug", make_mug(mug)});
-  if (!build_model(scene, execution, session.model).ok()) return session;
-  const Motion motion = make_grasp(scene.hand, mug.radius, mug.height, 10);
-  for (double time = 3; time < 7; time += 0.01) session.frames.push_back(resample(motion, time));
-  return session;
+using Make = std::function<void(Session&)>;
+
+// ---- Force error ----
+
+// A session of its own for each pose: forces alone, whatever came before.
+std::vector<Vec3> forces_of(const Model& model, const std::vector<DeviceFrame>& frames) {
+  Scratch scratch = make_scratch(model);
+  scratch.hash_stages = false;
+  std::vector<Vec3> forces;
+  const std::size_t count = model.triangles.size() > 2'000'000 ? 4 : kPoses;  // there, a tick takes a second
+  for (std::size_t i = 0; i < count; ++i) {
+    State state;
+    const std::size_t pose = i * frames.size() / count;
+    const ActuatorFrame output = tick(model, state, scratch, frames[pose]);
+    Vec3& sum = forces.emplace_back();
+    for (const Wrench& wrench : output.segment) sum += wrench.force;
+  }
+  return forces;
+}
+
+double force_error_of(Model& model, const std::vector<DeviceFrame>& frames) {
+  const Settings settings = model.settings;
+  const std::vector<Vec3> forces = forces_of(model, frames);
+  model.settings.law.fill(Law::field);
+  model.settings.tolerance = 0;
+  const std::vector<Vec3> exact = forces_of(model, frames);
+  model.settings = settings;
+  double product = 0, square = 0, worst = 0;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    product += dot(forces[i], exact[i]);
+    square += dot(forces[i], forces[i]);
+  }
+  const double scale = settings.law[0] == Law::point && square > 0 ? product / square : 1;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    if (norm(exact[i]) > 0) worst = std::max(worst, norm(scale * forces[i] - exact[i]) / norm(exact[i]));
+  }
+  return worst;
+}
+
+// ---- Measurement ----
+
+// Google Benchmark calls a benchmark several times to find how often to repeat it; sessions take longer to
+// make than that, so the last one is kept.
+Session& session_of(const std::string& name, const Make& make) {
+  static std::unique_ptr<Session> session;
+  static std::string made;
+  if (made != name) {
+    session.reset();  // before the next takes as much memory
+    session = std::make_unique<Session>();
+    make(*session);
+    if (session->has_error) session->force_error = force_error_of(session->model, session->frames);
+    made = name;
+  }
+  return *session;
+}
+
+// [us] that this thread has had of a processor: what other programs take of a busy machine is not in it.
+double processor_time() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return 1e6 * static_cast<double>(time.tv_sec) + 1e-3 * static_cast<double>(time.tv_nsec);
+}
+
+double percentile(std::vector<double>& times, double share) {
+  std::sort(times.begin(), times.end());
+  return times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
 }
 
 void run(benchmark::State& state, const Session& session) {
   using Clock = std::chrono::steady_clock;
   State engine_state;
   Scratch scratch = make_scratch(session.model);
-  std::vector<double> times;
+  scratch.hash_stages = false;  // as in a run that records nothing
+  std::vector<double> times, processor_times;
   double contacts = 0;
   std::size_t next = 0;
   for (auto _ : state) {
     const DeviceFrame& frame = session.frames[next++ % session.frames.size()];
+    const double processor_start = processor_time();
     const auto start = Clock::now();
-    benchmark::DoNotOptimize(tick(session.model, engine_state, scratch, frame));
+    const ActuatorFrame output = tick(session.model, engine_state, scratch, frame);
     times.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
+    processor_times.push_back(processor_time() - processor_start);
+    if ((output.flags & kCandidateOverflow) != 0)
+      return state.SkipWithError("more candidates than there is room for");
     contacts += scratch.contact_count;
   }
-  std::sort(times.begin(), times.end());
-  const auto percentile = [&](double share) {
-    return times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
-  };
-  state.counters["p50_us"] = percentile(0.5);
-  state.counters["p99_us"] = percentile(0.99);
+  state.counters["p50_us"] = percentile(times, 0.5);
+  state.counters["p99_us"] = percentile(times, 0.99);
+  state.counters["p999_us"] = percentile(times, 0.999);
   state.counters["max_us"] = times.back();
+  if (session.model.execution.threads == 1) {
+    state.counters["processor_p50_us"] = percentile(processor_times, 0.5);
+    state.counters["processor_p99_us"] = percentile(processor_times, 0.99);
+  }
+  state.counters["ticks"] = static_cast<double>(times.size());
   state.counters["contacts"] = contacts / static_cast<double>(times.size());
   state.counters["triangles"] = static_cast<double>(session.model.triangles.size());
+  if (session.has_error) state.counters["force_error"] = session.force_error;
+  if (session.paper_hz <= 0) return;
+  state.counters["hz"] = 1e6 / percentile(times, 0.5);
+  state.counters["paper_hz"] = session.paper_hz;
 }
 
-// Clusters: the hand pressed into scene A, ever finer, at several tolerances; beside the times stands how far
-// the worst segment's force is from the exact one, as a share of the largest force of a segment.
-Session pressed_session(std::uint32_t cells, double tolerance) {
-  Session session;
-  Scene scene = test::pressed_scene(test::kWidthA, cells);
-  scene.settings.tolerance = tolerance;
-  scene.settings.max_candidates = 1u << 21;
-  scene.settings.max_force = 1e6;
-  scene.settings.fade_time = 0;
-  if (!build_model(scene, {}, session.model).ok()) return session;
-  for (int i = 0; i < 16; ++i)
-    session.frames.push_back(test::pressed_frame(scene.hand, 0.001 + 0.002 * i / 16, i / 16.0));
-  return session;
+void add(const std::string& name, const Make& make) {
+  benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
+    run(state, session_of(name, make));
+  })->UseRealTime();
 }
 
-std::vector<ActuatorFrame> outputs_of(const Session& session) {
-  std::vector<ActuatorFrame> outputs;
-  State state;
-  Scratch scratch = make_scratch(session.model);
-  for (const DeviceFrame& frame : session.frames)
-    outputs.push_back(tick(session.model, state, scratch, frame));
-  return outputs;
+// ---- Scenes ----
+
+struct Field {
+  bool fine = true;
+  std::uint32_t cells = 69;
+  Touch touch = Touch::drape;
+  double tolerance = 0;
+  Law law = Law::field;
+  double wanted = 0;  // triangles to touch; 0: 1 to 3 mm deep whatever that touches
+  bool has_palm = true;
+  Execution execution{};
+};
+
+void make_field(const Field& field, Session& session) {
+  Scene scene =
+      field_scene(field.has_palm ? default_hand(Side::right) : plain_hand(), field.fine, field.cells);
+  scene.settings.tolerance = field.tolerance;
+  scene.settings.law.fill(field.law);
+  const double extent = field.fine ? test::kWidthA : test::kCellB * field.cells;
+  if (!build_model(scene, field.execution, session.model).ok()) std::abort();
+  const int count = field.touch == Touch::jump ? 4096 : kPoses;
+  const double depth =
+      field.wanted > 0 ? depth_touching(session.model, field.touch, extent, count, field.wanted) : 0.001;
+  session.frames = touching_frames(scene.hand, field.touch, extent, count, depth);
 }
 
-double worst_force_error(const std::vector<ActuatorFrame>& got, const std::vector<ActuatorFrame>& wanted) {
-  double worst = 0;
-  for (std::size_t i = 0; i < got.size(); ++i) {
-    double largest = 0, off = 0;
-    for (std::size_t s = 0; s < kSegmentCount; ++s) {
-      largest = std::max(largest, norm(wanted[i].segment[s].force));
-      off = std::max(off, norm(got[i].segment[s].force - wanted[i].segment[s].force));
+void add_field(const std::string& name, const Field& field) {
+  add(name, [field](Session& session) { make_field(field, session); });
+}
+
+std::string triangles_of(std::uint32_t cells) { return std::to_string(2 * cells * cells); }
+
+const char* precision_name(double tolerance) {
+  return tolerance == 0 ? "exact" : tolerance < 5e-4 ? "1e-4" : tolerance < 5e-3 ? "1e-3" : "1e-2";
+}
+
+// ---- Time against force error ----
+
+// Every way to search and every instruction set, one at a time.
+std::vector<std::pair<std::string, Execution>> all_ways() {
+  std::vector<std::pair<std::string, Execution>> ways;
+  for (const Broadphase broadphase :
+       {Broadphase::tree, Broadphase::grid, Broadphase::voxel, Broadphase::brute}) {
+    for (const Isa isa : {Isa::scalar, Isa::sse2, Isa::avx2, Isa::avx512, Isa::neon}) {
+      if (!available(broadphase) || !available(isa)) continue;
+      if (broadphase != Broadphase::tree && isa != widest_isa()) continue;
+      Execution execution;
+      execution.broadphase = broadphase;
+      execution.isa = isa;
+      ways.emplace_back(std::string(broadphase_name(broadphase)) + "_" + std::string(isa_name(isa)),
+                        execution);
     }
-    worst = std::max(worst, off / largest);
   }
-  return worst;
+  return ways;
 }
 
-void run_clusters(benchmark::State& state, std::uint32_t cells, double tolerance) {
-  static std::map<std::uint32_t, std::vector<ActuatorFrame>> exact;
-  if (exact[cells].empty()) exact[cells] = outputs_of(pressed_session(cells, 0));
-  const Session session = pressed_session(cells, tolerance);
-  run(state, session);
-  state.counters["force_error"] = worst_force_error(outputs_of(session), exact[cells]);
-}
-
-void add_clusters() {
-  for (const std::uint32_t cells : {224u, 708u, 2236u}) {
-    for (const char* const tolerance : {"0", "0.001", "0.01", "0.03", "0.1"}) {
-      const std::string name = "clusters/A_" + std::to_string(2 * cells * cells) + "/tolerance_" + tolerance;
-      benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
-        run_clusters(state, cells, std::stod(tolerance));
-      })->Unit(benchmark::kMicrosecond);
+void add_errors() {
+  for (const Touch touch : {Touch::drape, Touch::tips}) {
+    const std::string scene = touch == Touch::drape ? "error_A_drape_9522" : "error_A_tips_9522";
+    for (const auto& [way, execution] : all_ways()) {
+      for (const double tolerance : {0.0, 1e-4, 1e-3, 1e-2}) {
+        Field field{.touch = touch, .tolerance = tolerance, .execution = execution};
+        add_field(scene + "/field/" + precision_name(tolerance) + "/" + way, field);
+      }
+      for (const Law law : {Law::column, Law::max_depth, Law::centroid, Law::point}) {
+        Field field{.touch = touch, .law = law, .execution = execution};
+        add_field(scene + "/" + std::string(law_name(law)) + "/exact/" + way, field);
+      }
     }
   }
 }
 
-void add_all() {
-  add_clusters();
-  for (const std::uint32_t segments : {16u, 32u, 64u}) {
-    for (const Law law : {Law::field, Law::column, Law::max_depth, Law::centroid, Law::point}) {
-      const std::string name = "grasp/" + std::string(law_name(law)) + "/mug_" + std::to_string(segments);
-      benchmark::RegisterBenchmark(name.c_str(), [law, segments](benchmark::State& state) {
-        run(state, grasp_session(law, segments, {}));
+// ---- Time against triangles and contacts ----
+
+void add_sizes() {
+  for (const std::uint32_t cells : {9u, 29u, 49u, 69u, 224u, 708u, 2236u}) {
+    const std::string size = triangles_of(cells);
+    for (const double tolerance : {0.0, 1e-3, 1e-2}) {
+      const std::string how = std::string("/") + precision_name(tolerance) + "/";
+      add_field("A_drape" + how + size, {.cells = cells, .tolerance = tolerance});
+      add_field("B_drape" + how + size, {.fine = false, .cells = cells, .tolerance = tolerance});
+    }
+    add_field("A_drape_fingers/exact/" + size, {.cells = cells, .has_palm = false});
+    add_field("A_tips/exact/" + size, {.cells = cells, .touch = Touch::tips});
+    add_field("A_one_finger/exact/" + size, {.cells = cells, .touch = Touch::finger});
+    add_field("B_empty_space/exact/" + size, {.fine = false, .cells = cells, .touch = Touch::none});
+    if (cells < 224) continue;
+    add_field("B_jumping/exact/" + size, {.fine = false, .cells = cells, .touch = Touch::jump});
+    add_field("A_drape/exact/" + size + "/2_threads", {.cells = cells, .execution = {.threads = 2}});
+  }
+}
+
+void add_contacts() {
+  struct Count {
+    Touch touch;
+    std::uint32_t cells;
+    double wanted;
+  };
+  for (const Count& count : {Count{Touch::finger, 69, 1},
+                             {Touch::finger, 69, 3},
+                             {Touch::finger, 69, 10},
+                             {Touch::tips, 69, 30},
+                             {Touch::tips, 69, 100},
+                             {Touch::drape, 69, 300},
+                             {Touch::drape, 69, 1000},
+                             {Touch::drape, 141, 3000},
+                             {Touch::drape, 224, 10000}}) {
+    for (const double tolerance : {0.0, 1e-3})
+      add_field(std::string("contacts/") + precision_name(tolerance) + "/" +
+                    std::to_string(static_cast<int>(count.wanted)),
+                {.cells = count.cells, .touch = count.touch, .tolerance = tolerance, .wanted = count.wanted});
+  }
+}
+
+// ---- The paper's Table 2, row by row ----
+
+// Level 0 is no tree at all. Ours have sixteen branches, so all the levels that there are with these sizes
+// are three; 5 and 6 change nothing.
+void add_table2() {
+  struct Row {
+    std::uint32_t cells, levels;
+    double touched, hz;
+  };
+  int number = 0;
+  for (const Row& row : {Row{9, 0, 2, 650},
+                         {9, 6, 2, 3554},
+                         {29, 0, 9, 66},
+                         {29, 3, 9, 1263},
+                         {29, 5, 11, 2034},
+                         {49, 5, 24, 893},
+                         {49, 6, 23, 2512},
+                         {49, 6, 48, 909},
+                         {69, 6, 15, 2086},
+                         {69, 6, 52, 714}}) {
+    ++number;
+    for (const Law law : {Law::field, Law::max_depth}) {
+      Field field{.cells = row.cells, .touch = Touch::tips, .law = law, .wanted = row.touched};
+      field.execution.tree_levels = row.levels;
+      field.execution.broadphase = row.levels == 0 ? Broadphase::brute : Broadphase::tree;
+      const std::string name = "table2_row_" + std::to_string(number) + "/" + std::string(law_name(law)) +
+                               "/" + triangles_of(row.cells) + "/levels_" + std::to_string(row.levels);
+      add(name, [field, hz = row.hz](Session& session) {
+        make_field(field, session);
+        session.paper_hz = hz;
       });
     }
   }
-  for (const std::uint32_t threads : {1u, 2u}) {
-    const std::string name = "grasp/field/mug_64/threads_" + std::to_string(threads);
-    benchmark::RegisterBenchmark(name.c_str(), [threads](benchmark::State& state) {
-      Execution execution;
-      execution.threads = threads;
-      run(state, grasp_session(Law::field, 64, execution));
-    })->UseRealTime();
+}
+
+// ---- The demo's grasp ----
+
+void make_grasp_session(Law law, std::uint32_t segments, Session& session) {
+  Scene scene;
+  scene.hand = default_hand(Side::right);
+  scene.settings.law.fill(law);
+  MugShape mug;
+  mug.segments = segments;
+  scene.objects.push_back({"mug", make_mug(mug)});
+  if (!build_model(scene, {}, session.model).ok()) std::abort();
+  const Motion motion = make_grasp(scene.hand, mug.radius, mug.height, 10);
+  for (double time = 3; time < 7; time += 0.01) session.frames.push_back(resample(motion, time));
+  session.has_error = false;
+}
+
+void add_grasps() {
+  for (const std::uint32_t segments : {16u, 32u, 64u}) {
+    for (const Law law : {Law::field, Law::column, Law::max_depth, Law::centroid, Law::point}) {
+      add("grasp/" + std::string(law_name(law)) + "/mug_" + std::to_string(segments),
+          [=](Session& session) { make_grasp_session(law, segments, session); });
+    }
   }
 }
 
-const bool added = (add_all(), true);
+const bool added = (add_sizes(), add_contacts(), add_table2(), add_grasps(), add_errors(), true);
 
 }  // namespace

@@ -113,6 +113,34 @@ void expect_equal(const Scene& scene, const Primitives& hand, double scale, cons
   }
 }
 
+TEST(Broadphase, ATreeIsChosenUpToOneKilometreAndAGridBeyond) {
+  Scene scene;
+  scene.hand = default_hand(Side::right);
+  scene.objects.push_back({"here", make_height_field(0.3, 20, 0.002, 0.04)});
+  scene.objects.push_back(scene.objects[0]);
+  for (const Vec3 shift : {Vec3{}, {999, 0, 0}, {0, 1001, 0}, {0, 0, -1001}, {1e5, 1e5, 0}}) {
+    for (std::size_t i = 0; i < scene.objects[0].mesh.vertices.size(); ++i) {
+      const Vec3 p = scene.objects[0].mesh.vertices[i];
+      scene.objects[1].mesh.vertices[i] = p + shift;
+    }
+    Model automatic, tree;
+    ASSERT_TRUE(build_model(scene, {}, automatic).ok());
+    const bool is_near = norm(shift) < 1000;
+    EXPECT_EQ(automatic.execution.broadphase, is_near ? Broadphase::tree : Broadphase::grid) << norm(shift);
+    EXPECT_EQ(automatic.grid.tree.empty(), is_near);
+    Execution by_tree;
+    by_tree.broadphase = Broadphase::tree;
+    ASSERT_TRUE(build_model(scene, by_tree, tree).ok());
+    State state_a, state_b;
+    Scratch scratch_a = make_scratch(automatic), scratch_b = make_scratch(tree);
+    const DeviceFrame frame = pressed_frame(scene.hand, 0.002, 0.3);
+    tick(automatic, state_a, scratch_a, frame);
+    tick(tree, state_b, scratch_b, frame);
+    EXPECT_GT(scratch_a.contact_count, 20u);
+    EXPECT_EQ(scratch_a.stage_hash, scratch_b.stage_hash);
+  }
+}
+
 TEST(Broadphase, FindsTheCandidatesOfBruteForceInAnySceneAndLosesNoContact) {
   Random random(3);
   std::size_t candidates = 0;

@@ -234,6 +234,54 @@ TEST(Report, PeersAndGoogleBenchmarkAreDrawnOverTriangles) {
   }
 }
 
+TEST(Report, TicksAreDrawnOverForceErrorAndHeldAgainstTheTargets) {
+  const fs::path folder = fresh_folder();
+  fs::create_directory(folder / "results");
+  Json benchmarks = Json::array();
+  const auto add = [&](const char* name, const Json& counters) {
+    Json row = {{"name", name + std::string("/real_time")}, {"real_time", 150}, {"time_unit", "ms"}};
+    row.update(counters);
+    benchmarks.push_back(row);
+  };
+  // Of four, one is slower and no better than the first, and one is beaten in both.
+  for (const auto& [name, time, error] : {std::tuple{"error_A/field/exact/tree_avx2", 90.0, 0.0},
+                                          std::tuple{"error_A/field/exact/grid_avx2", 95.0, 0.0},
+                                          std::tuple{"error_A/field/1e-3/tree_avx2", 40.0, 2e-4},
+                                          std::tuple{"error_A/point/exact/tree_avx2", 60.0, 0.3}})
+    add(name, {{"p50_us", time}, {"force_error", error}, {"triangles", 9522}, {"contacts", 900}});
+  add("A_drape/exact/9522", {{"p50_us", 50},
+                             {"processor_p50_us", 40},
+                             {"processor_p99_us", 100},
+                             {"triangles", 9522},
+                             {"contacts", 900}});
+  add("A_drape/exact/162", {{"p50_us", 200}, {"p99_us", 210}, {"triangles", 162}, {"contacts", 90}});
+  add("contacts/exact/1000", {{"p50_us", 70}, {"triangles", 9522}, {"contacts", 1003}});
+  add("build_A/tree/1002528/threads_2", {{"triangles", 1002528}, {"bytes_per_triangle", 45.1}});
+  std::ofstream(folder / "results" / "tick.json")
+      << Json{{"context", {{"executable", "bench/tick_bench"}, {"num_cpus", 2}, {"mhz_per_cpu", 2000}}},
+              {"benchmarks", benchmarks}};
+  const Outcome outcome = shell("lumbrical report results --targets targets.md --json", folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(outcome.json()["figures"], 4);
+  const std::string page = read_file((folder / "report.html").string());
+  EXPECT_EQ(front_of(page, "A"),
+            (std::set<std::string>{"error_A/field/exact/tree_avx2", "error_A/field/1e-3/tree_avx2"}));
+  EXPECT_EQ(marks_in(plot_in(page, "contacts")).size(), 1u);
+  EXPECT_EQ(marks_in(plot_in(page, "A_drape")).size(), 2u);
+  EXPECT_EQ(marks_in(plot_in(page, "build_A")).size(), 1u);
+  EXPECT_NE(page.find("<h2>Targets</h2>"), std::string::npos);
+  const std::string targets = read_file((folder / "targets.md").string());
+  for (const char* const row :
+       {"| at most 60.0 us | 50.0 us | yes | A_drape/exact/9522 |",
+        "| at most 2.00 times the median at p99 (processor time) | 2.50 times the median "
+        "at p99 (processor time) | no | A_drape/exact/9522 |",
+        "| at most 60.0 us | 70.0 us | no | contacts/exact/1000 |",
+        "| at least 10.0 kHz | 5.00 kHz | no | A_drape/exact/162 |",
+        "| at most 0.200 s | 0.150 s | yes | build_A/tree/1002528/threads_2 |",
+        "| at most 50.0 bytes per triangle | 45.1 bytes per triangle | yes |"})
+    EXPECT_NE(targets.find(row), std::string::npos) << row << "\n" << targets;
+}
+
 TEST(Report, ForeignFilesAreRefusedAndAGoodPageStays) {
   const Json good = accuracy_of({{"field", "exact", 100, 1e-3}});
   Json no_time = good, negative = good, text = good, slow = good, huge = good;

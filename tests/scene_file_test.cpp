@@ -67,7 +67,7 @@ TEST(SceneFile, NeedsOnlyAnObjectAndAMotion) {
   EXPECT_EQ(object.mesh.vertices[1], (Vec3{2 * 0.01, 0, 0}));
   EXPECT_EQ(scene_file.scene.settings.stiffness, Settings{}.stiffness);
   EXPECT_EQ(scene_file.scene.settings.rate, Settings{}.rate);
-  EXPECT_EQ(scene_file.execution.broadphase, Broadphase::tree);
+  EXPECT_EQ(scene_file.execution.broadphase, Broadphase::automatic);
   EXPECT_NEAR(scene_file.seconds, 10, 1e-9);
   EXPECT_EQ(scene_file.scene.hand.side, Side::right);
   EXPECT_EQ(scene_file.files.size(), 2u);

@@ -92,7 +92,7 @@ Status replay_one(const std::string& path, const ReplaySwitches& switches, const
   json["complete"] = reader.info().complete;
   json["isa"] = isa_name(options.execution.isa == Isa::automatic ? widest_isa() : options.execution.isa);
   json["threads"] = options.execution.threads;
-  json["broadphase"] = broadphase_name(options.execution.broadphase);
+  json["broadphase"] = broadphase_name(result.broadphase);
   json["recording"] = path;
   const double per_tick = 1e6 / static_cast<double>(std::max<std::uint64_t>(result.ticks, 1));
   json["mean_tick_us"] = {{"recorded", per_tick * result.recorded_time},

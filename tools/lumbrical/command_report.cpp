@@ -14,6 +14,7 @@
 #include "commands.h"
 #include "output.h"
 #include "report_page.h"
+#include "report_targets.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -22,7 +23,7 @@ namespace fs = std::filesystem;
 
 struct ReportSwitches {
   std::vector<std::string> folders;
-  std::string out = "report.html";
+  std::string out = "report.html", targets;
   bool json = false;
 };
 
@@ -49,12 +50,12 @@ Status read_folder(const std::string& path, ResultFolder& folder) {
 Status write_page(const std::string& path, const std::string& page) {
   struct stat status {};
   if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode))
-    return Status::error(path + ": is not a file; name the page otherwise with --out");
+    return Status::error(path + ": is not a file; give it another name");
   const std::string growing = path + ".part";
   const auto failed = [&](const std::string& what) {
     const std::string why = std::generic_category().message(errno);
     std::remove(growing.c_str());
-    return Status::error(what + ": " + why + "; name the page otherwise with --out");
+    return Status::error(what + ": " + why + "; give it another name or place");
   };
   errno = 0;
   std::ofstream file(growing, std::ios::binary);
@@ -76,6 +77,12 @@ int report(const ReportSwitches& switches) {
   }
   const std::string page = page_html(folders);
   if (Status status = write_page(switches.out, page); !status.ok()) return fail(status);
+  std::string targets;
+  for (const ResultFolder& folder : folders)
+    targets += table_markdown("Targets: " + folder.name, targets_of(folder.results));
+  if (!switches.targets.empty()) {
+    if (Status status = write_page(switches.targets, targets); !status.ok()) return fail(status);
+  }
   if (switches.json) return print_json({{"page", switches.out}, {"files", files}, {"figures", figures}});
   return print_text(switches.out + ": " + grouped(figures) + " figures from " + grouped(files) + " files, " +
                     brief(1e-3 * static_cast<double>(page.size())) + " kB\n");
@@ -94,6 +101,8 @@ void add_report(CLI::App& app, int& exit_code) {
   command->add_option("--out,-o", switches->out, "Page to write")
       ->type_name("PAGE.html")
       ->capture_default_str();
+  command->add_option("--targets", switches->targets, "Also write the table of targets, as Markdown")
+      ->type_name("FILE.md");
   command->add_flag("--json", switches->json, "Print one JSON object");
   command->callback([switches, &exit_code] { exit_code = report(*switches); });
 }

@@ -65,12 +65,15 @@ std::vector<Measured> measured_in(const Json& rows) {
     for (std::string part; std::getline(name, part, '/');) {
       if (part != "real_time") measured.parts.push_back(part);
     }
+    measured.name = measured.name.substr(0, measured.name.find("/real_time"));
     all.push_back(std::move(measured));
   }
   return all;
 }
 
 // ---- Figures ----
+
+constexpr std::string_view kErrorPrefix = "error_";
 
 Figure pair_figure() {
   Figure figure;
@@ -116,26 +119,94 @@ void add_size(const Measured& measured, double time, Figure& figure) {
                          measured.name + ", " + brief(triangles) + " triangles: " + brief(time) + " us"});
 }
 
-void add_figures(const std::vector<Measured>& all, Results& results) {
+// error_SCENE/LAW/PRECISION/WAY
+void add_error(const Measured& measured, Figure& figure) {
+  const double time = positive_at(*measured.row, "p50_us", measured.where);
+  const double error = amount_at(*measured.row, "force_error", measured.where);
+  const std::size_t series = index_of(figure.series, words(measured.parts, 1, 3));
+  const std::size_t marker = index_of(figure.markers, words(measured.parts, 3, measured.parts.size()));
+  plot_of(figure, measured.parts[0].substr(kErrorPrefix.size()))
+      .points.push_back({error, time, series, marker,
+                         measured.name + ": " + brief(time) + " us, force error " + scientific(error)});
+}
+
+Figure error_figure() {
+  Figure figure;
+  figure.title = "Tick time against force error, every law, precision, search and instruction set";
+  figure.note =
+      "Median of the whole tick. The error is that of the hand's force in the worst pose, relative to the "
+      "exact pressure field's, which is therefore at 0; law point's force is first scaled by the constant "
+      "that fits best. Ringed: nothing else is both faster and more accurate.";
+  figure.x_label = "relative force error [1]";
+  figure.y_label = "tick, median [us]";
+  figure.front = true;
+  return figure;
+}
+
+Figure named_figure(const char* title, const char* note, const char* x_label, const char* y_label) {
+  Figure figure = size_figure(title, note, y_label);
+  figure.x_label = x_label;
+  return figure;
+}
+
+// WHAT/HOW/SIZE, over whatever counter the size is.
+void add_over(const Measured& measured, const char* counter, double time, Figure& figure) {
+  const double size = positive_at(*measured.row, counter, measured.where);
+  plot_of(figure, measured.parts[0])
+      .points.push_back({size, time, index_of(figure.series, measured.parts[1]), 0,
+                         measured.name + ", " + brief(size) + " " + counter + ": " + brief(time) + " us"});
+}
+
+// Of everything that Google Benchmark measures, in the order of the page.
+struct GoogleFigures {
+  Figure errors = error_figure();
+  Figure ticks = size_figure("Tick time against triangle count",
+                             "Median of the whole tick. Scene A is 300 mm wide, ever finer; in scene B "
+                             "triangles measure 5 mm and it grows.",
+                             "tick, median [us]");
+  Figure contacts = named_figure("Tick time against contacts", "Median of the whole tick.",
+                                 "contacts of a tick", "tick, median [us]");
   Figure pairs = pair_figure();
-  Figure ticks =
-      size_figure("Tick time against triangle count", "Median of the whole tick.", "tick, median [us]");
   Figure searches = size_figure(
       "Search time against triangle count",
       "The search alone, for the whole pressed hand. Scene A is 300 mm wide, ever finer; in scene B "
       "triangles measure 5 mm and it grows.",
       "search [us]");
-  for (const Measured& measured : all) {
-    const std::size_t parts = measured.parts.size();
-    if (parts >= 5 && has_number(measured, "ns_per_pair") && has_number(measured, "error_R3")) {
-      add_pair(measured, pairs);
-    } else if (parts >= 3 && has_number(measured, "p50_us") && has_number(measured, "triangles")) {
-      add_size(measured, positive_at(*measured.row, "p50_us", measured.where), ticks);
-    } else if (parts >= 3 && has_number(measured, "candidates") && has_number(measured, "triangles")) {
-      add_size(measured, measured.microseconds, searches);
-    }
+  Figure apart = named_figure("Search time against the extent of the world",
+                              "Two objects of scene A, one under the hand, the other ever farther away.",
+                              "metres", "search [us]");
+  Figure builds = size_figure("Build time against triangle count",
+                              "From a scene in memory to a model that ticks can run on.", "build [us]");
+};
+
+void add_to_figure(const Measured& measured, GoogleFigures& figures) {
+  const std::size_t parts = measured.parts.size();
+  const bool has_triangles = has_number(measured, "triangles");
+  const bool has_tick = has_number(measured, "p50_us") && has_triangles;
+  const bool has_search = has_number(measured, "candidates") && has_triangles;
+  const auto median = [&] { return positive_at(*measured.row, "p50_us", measured.where); };
+  if (parts >= 5 && has_number(measured, "ns_per_pair") && has_number(measured, "error_R3")) {
+    add_pair(measured, figures.pairs);
+  } else if (parts >= 4 && has_tick && measured.name.starts_with(kErrorPrefix)) {
+    add_error(measured, figures.errors);
+  } else if (parts >= 3 && has_tick && measured.parts[0] == "contacts") {
+    add_over(measured, "contacts", median(), figures.contacts);
+  } else if (parts >= 3 && has_tick && !has_number(measured, "paper_hz")) {
+    add_size(measured, median(), figures.ticks);
+  } else if (parts >= 3 && has_search && has_number(measured, "metres")) {
+    add_over(measured, "metres", measured.microseconds, figures.apart);
+  } else if (parts >= 3 && has_search) {
+    add_size(measured, measured.microseconds, figures.searches);
+  } else if (parts >= 3 && has_triangles && measured.name.starts_with("build_")) {
+    add_size(measured, measured.microseconds, figures.builds);
   }
-  for (Figure* const figure : {&pairs, &ticks, &searches}) {
+}
+
+void add_figures(const std::vector<Measured>& all, Results& results) {
+  GoogleFigures figures;
+  for (const Measured& measured : all) add_to_figure(measured, figures);
+  for (Figure* const figure : {&figures.errors, &figures.ticks, &figures.contacts, &figures.pairs,
+                               &figures.searches, &figures.apart, &figures.builds}) {
     if (!figure->plots.empty()) results.figures.push_back(std::move(*figure));
   }
 }
@@ -161,10 +232,13 @@ void add_table(const std::vector<Measured>& all, Results& results) {
   results.table.head = {"benchmark", "us per iteration"};
   results.table.head.insert(results.table.head.end(), counters.begin(), counters.end());
   for (const Measured& measured : all) {
+    auto& kept = results.counters[measured.name];
+    kept["microseconds"] = measured.microseconds;
     std::vector<std::string>& row = results.table.rows.emplace_back();
     row = {measured.name, brief(measured.microseconds)};
     for (const std::string& counter : counters) {
       const bool has = has_number(measured, counter.c_str());
+      if (has) kept[counter] = (*measured.row)[counter].get<double>();
       row.push_back(has ? brief((*measured.row)[counter].get<double>()) : "");
     }
   }

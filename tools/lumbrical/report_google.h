@@ -1,4 +1,4 @@
-// Results of tick_bench, pair_bench and broadphase_bench in Google Benchmark's own JSON.
+// Results of tick_bench, pair_bench, broadphase_bench and build_bench in Google Benchmark's own JSON.
 #pragma once
 
 #include "output.h"
@@ -6,7 +6,7 @@
 
 namespace lumbrical::tool {
 
-/// Figures of what these three measure; a table of everything. Throws std::runtime_error with the place of
+/// Figures of what these measure; a table of everything. Throws std::runtime_error with the place of
 /// what is wrong.
 void read_google(const Json& json, Results& results);
 

@@ -1,6 +1,8 @@
 // See report_page.h.
 #include "report_page.h"
 
+#include "report_targets.h"
+
 namespace lumbrical::tool {
 namespace {
 
@@ -80,12 +82,15 @@ std::string origin_html(const Results& results) {
   return html + "</table></div>\n<p>Repeat it with</p>\n<pre>" + escaped(results.command) + "</pre>\n";
 }
 
-std::string table_html(const ResultTable& table) {
-  std::string html = "<details><summary>" + std::to_string(table.rows.size()) +
-                     " rows of figures</summary>\n<div class=\"wide\"><table>\n<thead>" +
-                     cells(table.head, "th") + "</thead>\n<tbody>\n";
+std::string plain_table_html(const ResultTable& table) {
+  std::string html = "<div class=\"wide\"><table>\n<thead>" + cells(table.head, "th") + "</thead>\n<tbody>\n";
   for (const std::vector<std::string>& row : table.rows) html += cells(row, "td");
-  return html + "</tbody></table></div></details>\n";
+  return html + "</tbody></table></div>\n";
+}
+
+std::string table_html(const ResultTable& table) {
+  return "<details><summary>" + std::to_string(table.rows.size()) + " rows of figures</summary>\n" +
+         plain_table_html(table) + "</details>\n";
 }
 
 }  // namespace
@@ -93,6 +98,9 @@ std::string table_html(const ResultTable& table) {
 std::string page_html(const std::vector<ResultFolder>& folders) {
   std::string html = kHead;
   for (const ResultFolder& folder : folders) {
+    if (const ResultTable targets = targets_of(folder.results); !targets.rows.empty())
+      html += "<section>\n<h2>Targets</h2>\n<p>" + escaped(folder.name) + "</p>\n" +
+              plain_table_html(targets) + "</section>\n";
     for (const Results& results : folder.results) {
       html += "<section>\n<h2>" + escaped(results.title) + "</h2>\n<p>" +
               escaped(folder.name + "/" + results.file) + "</p>\n" + origin_html(results);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kWidth = 400, kHeight = 300, kLeft = 62, kRight = 14, kTop = 28, kBottom = 46;
 constexpr double kZeroWidth = 44;  // of the place for x = 0
-constexpr std::size_t kColourCount = 8, kShapeCount = 4;
+constexpr std::size_t kColourCount = 8, kShapeCount = 8;
 
 template <class... Values>
 std::string print(const char* format, Values... values) {
@@ -131,8 +131,14 @@ std::string axes_svg(const Frame& frame, const Figure& figure) {
 // A shape round the origin: which precision a point stands for is not told by its colour alone.
 std::string shape_svg(std::size_t marker) {
   constexpr std::array<const char*, kShapeCount> kShapes = {
-      "<circle r=\"4\"/>", "<path d=\"M-3.6 -3.6H3.6V3.6H-3.6Z\"/>", "<path d=\"M0 -4.6L4.6 3.6H-4.6Z\"/>",
-      "<path d=\"M0 -5.2L4.2 0L0 5.2L-4.2 0Z\"/>"};
+      "<circle r=\"4\"/>",
+      "<path d=\"M-3.6 -3.6H3.6V3.6H-3.6Z\"/>",
+      "<path d=\"M0 -4.6L4.6 3.6H-4.6Z\"/>",
+      "<path d=\"M0 -5.2L4.2 0L0 5.2L-4.2 0Z\"/>",
+      "<path d=\"M0 4.6L4.6 -3.6H-4.6Z\"/>",
+      "<path d=\"M-1.4 -4.6H1.4V-1.4H4.6V1.4H1.4V4.6H-1.4V1.4H-4.6V-1.4H-1.4Z\"/>",
+      "<path d=\"M-4.6 -2H4.6V2H-4.6Z\"/>",
+      "<path d=\"M-2 -4.6H2V4.6H-2Z\"/>"};
   return kShapes[marker % kShapeCount];
 }
 

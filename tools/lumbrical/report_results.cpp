@@ -139,6 +139,8 @@ void read_peers(const Json& json, Results& results) {
                               (missed > 0 ? ", misses " + percent(missed) + " of the contacts" : "");
     plot_of(by_error, scene + ", " + count + " triangles").points.push_back({error, time, series, 0, label});
     plot_of(by_size, scene).points.push_back({triangles, time, series, 0, label});
+    results.counters[scene + ", " + count + " triangles | " + contender] = {
+        {"triangles", triangles}, {"times_ours", positive_at(row, "times_ours", where)}};
     const bool has_area = row.contains("area_error") && !row["area_error"].is_null();
     const bool fitted = row.contains("fitted") && row["fitted"] == true;
     results.table.rows.push_back(

@@ -2,6 +2,7 @@
 // tables for the report.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct Results {
   std::string command;                                      ///< repeats them
   std::vector<Figure> figures;
   ResultTable table;
+  /// What the targets are held against, by benchmark; of bench_peers, by "SCENE, TRIANGLES triangles | NAME".
+  std::map<std::string, std::map<std::string, double>> counters;
 };
 
 /// Reads one file. An error says which file, where in it and what to do; `results` is then unspecified.

@@ -35,12 +35,12 @@ inline CLI::Validator is_law() {
 inline CLI::Validator is_broadphase() {
   return {[](std::string& text) -> std::string {
             const std::optional<Broadphase> broadphase = parse_broadphase(text);
-            if (!broadphase) return "\"" + text + "\" is not a search; use tree, grid, voxel or brute";
+            if (!broadphase) return "\"" + text + "\" is not a search; use auto, tree, grid, voxel or brute";
             if (!available(*broadphase))
               return text + " is not in this build, which is without OpenVDB; use tree or grid";
             return {};
           },
-          "tree|grid|voxel|brute"};
+          "auto|tree|grid|voxel|brute"};
 }
 
 inline const char* const kVoxelCacheHelp = "Folder that keeps voxel indices from one run to the next";

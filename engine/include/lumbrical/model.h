@@ -27,11 +27,17 @@ enum class Law : std::uint8_t {
 
 /// Where candidate triangles come from. Never changes a result, only the time it takes.
 enum class Broadphase : std::uint8_t {
-  tree,   ///< one tree of bounding spheres
-  grid,   ///< a tree per cell of a grid: large environments
+  automatic,  ///< grid where triangles lie farther than kGridExtent apart along an axis, else tree
+  tree,       ///< one tree of bounding spheres
+  grid,       ///< a tree per cell of a grid: large environments
   voxel,  ///< lists of triangles in the voxels of an OpenVDB tree: also gives the distance from the surface
   brute,  ///< every triangle
 };
+
+/// [m] Up to here one tree is as fast as a grid or faster, whatever the number of triangles. Beyond it the
+/// single precision of the tree's spheres costs time: a twentieth at 1 km, two thirds at 10 km, and fifteen
+/// times as much at 100 km (bench/broadphase_bench, "apart").
+inline constexpr double kGridExtent = 1000;
 
 /// Can this build search that way? All but voxel always can; that needs OpenVDB.
 bool available(Broadphase broadphase);
@@ -44,7 +50,7 @@ bool available(Isa isa);
 Isa widest_isa();  ///< that is available
 
 std::optional<Law> parse_law(std::string_view text);                ///< "field", "column", "max-depth", ...
-std::optional<Broadphase> parse_broadphase(std::string_view text);  ///< "tree", "grid", "voxel", "brute"
+std::optional<Broadphase> parse_broadphase(std::string_view text);  ///< "auto", "tree", "grid", ...
 std::optional<Isa> parse_isa(std::string_view text);                ///< "auto", "scalar", "sse2", "avx2", ...
 std::string_view law_name(Law law);
 std::string_view broadphase_name(Broadphase broadphase);
@@ -66,7 +72,7 @@ struct Settings {
 
 /// How the work is done. Any choice gives the same bits; a replay may choose anew.
 struct Execution {
-  Broadphase broadphase = Broadphase::tree;
+  Broadphase broadphase = Broadphase::automatic;  ///< a Model holds which one that is
   std::uint32_t tree_levels =
       0;  ///< levels of bounding spheres above the leaves (paper, Table 2); 0: as many as it takes
   std::uint32_t leaf_size = 16;  ///< triangles per leaf sphere, 1 .. 64; a multiple of 16 wastes no memory

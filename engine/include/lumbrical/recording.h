@@ -199,6 +199,7 @@ struct ReplayResult {
   std::optional<Divergence> first_divergence;  ///< none: identical, bit for bit
   double recorded_time = 0;  ///< [s] of all those ticks, as recorded on whatever machine that was
   double replayed_time = 0;  ///< [s] of all those ticks here; 0 where no engine runs
+  Broadphase broadphase = Broadphase::automatic;  ///< that was used; automatic where no engine runs
 };
 
 /// Runs the recorded inputs through the engine again, from the file alone, and compares every output bit, up

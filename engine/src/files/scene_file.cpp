@@ -75,7 +75,7 @@ void read_execution(const format::Execution* table, FieldReader& read, Execution
     execution.broadphase = *parsed;
   } else {
     read.error("execution.broadphase",
-               "is no search this version has; use \"tree\", \"grid\", \"voxel\" or \"brute\"");
+               "is no search this version has; use \"auto\", \"tree\", \"grid\", \"voxel\" or \"brute\"");
   }
 }
 

@@ -1,8 +1,12 @@
 #include "index/sphere_grid.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <span>
 
+#include "base/parallel.h"
+#include "base/parallel_sort.h"
 #include "index/sphere_tree.h"
 
 namespace lumbrical {
@@ -34,49 +38,85 @@ Cell re_entry(Cell cell, Cell low, Cell high) {
   return {low.x, cell.y + 1, cell.z};
 }
 
-struct Member {
-  std::uint64_t cell;
-  std::uint32_t triangle;
-  friend bool operator<(const Member& a, const Member& b) {
-    return a.cell != b.cell ? a.cell < b.cell : a.triangle < b.triangle;
+constexpr std::size_t kPiece = 16384;  // triangles, the least that is worth another thread
+
+Box box_round_centres(const Triangles& triangles, std::size_t threads) {
+  std::vector<Box> boxes(piece_count(triangles.size(), kPiece));
+  parallel_pieces(triangles.size(), kPiece, threads,
+                  [&](std::size_t piece, std::size_t first, std::size_t last) {
+                    for (std::size_t i = first; i < last; ++i)
+                      boxes[piece].add(bound_triangle(triangles, static_cast<std::uint32_t>(i), {}).centre);
+                  });
+  Box all;
+  for (const Box& box : boxes) {
+    all.add(box.lower);
+    all.add(box.upper);
   }
+  return all;
+}
+
+bool is_wide(const TriangleBound& bound, const SphereGrid& grid) {
+  return bound.radius > 0.5 * grid.cell_size;
+}
+
+// Keys of cells with no more bits than this grid needs, in the same order.
+struct ShortKey {
+  int x, y, z;  // bits
+  [[nodiscard]] std::uint64_t operator()(Cell cell) const { return cell.z << (x + y) | cell.y << x | cell.x; }
 };
+
+ShortKey short_key(const SphereGrid& grid, Vec3 upper) {
+  const Cell last = cell_at(grid, upper);
+  const auto width = [](std::uint64_t cell) { return static_cast<int>(std::bit_width(cell)); };
+  return {width(last.x), width(last.y), width(last.z)};
+}
+
+// One tree per run of triangles, which are sorted by cell. `start`: of each run, and behind the last.
+void build_cells(const Triangles& triangles, std::span<const std::uint32_t> members,
+                 std::span<const std::size_t> start, const Execution& execution, SphereGrid& grid) {
+  Execution serial = execution;
+  serial.threads = 1;
+  parallel_chunks(grid.cell.size(), 1, execution.threads, [&](std::size_t first, std::size_t last) {
+    std::vector<std::uint32_t> in_cell;
+    for (std::size_t i = first; i < last; ++i) {
+      const auto these = members.subspan(start[i], start[i + 1] - start[i]);
+      in_cell.assign(these.begin(), these.end());
+      grid.tree[i] = build_tree(triangles, in_cell, serial);
+    }
+  });
+}
 
 }  // namespace
 
 SphereGrid build_grid(const Triangles& triangles, const Execution& execution) {
   SphereGrid grid;
+  const std::size_t threads = execution.threads;
   const auto count = static_cast<std::uint32_t>(triangles.size());
   if (count == 0) return grid;
-  std::vector<TriangleBound> bounds(count);
-  Box box;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    bounds[i] = bound_triangle(triangles, i, {});
-    box.add(bounds[i].centre);
-  }
+  const Box box = box_round_centres(triangles, threads);
   const Vec3 extent = box.upper - box.lower;
   grid.origin = box.lower;
   grid.cell_size = max(execution.cell_size, max(extent.x, max(extent.y, extent.z)) / (kMostCells - 1));
-  std::vector<Member> members;
-  std::vector<std::uint32_t> in_cell, wide;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    if (bounds[i].radius <= 0.5 * grid.cell_size) {
-      members.push_back({key_of(cell_at(grid, bounds[i].centre)), i});
-    } else {
-      wide.push_back(i);
-    }
+  std::vector<std::uint32_t> narrow, wide;
+  for (std::uint32_t i = 0; i < count; ++i)
+    (is_wide(bound_triangle(triangles, i, {}), grid) ? wide : narrow).push_back(i);
+  const auto cell_of_triangle = [&](std::uint32_t i) {
+    return cell_at(grid, bound_triangle(triangles, i, {}).centre);
+  };
+  const ShortKey key = short_key(grid, box.upper);
+  sort_by_code(narrow, key.x + key.y + key.z, 1, threads,
+               [&](std::uint32_t i) { return key(cell_of_triangle(i)); });
+  std::vector<std::size_t> start;
+  for (std::size_t i = 0; i < narrow.size(); ++i) {
+    const std::uint64_t cell = key_of(cell_of_triangle(narrow[i]));
+    if (!grid.cell.empty() && grid.cell.back() == cell) continue;
+    grid.cell.push_back(cell);
+    start.push_back(i);
   }
-  std::sort(members.begin(), members.end());
-  for (std::size_t first = 0; first < members.size();) {
-    in_cell.clear();
-    std::size_t last = first;
-    for (; last < members.size() && members[last].cell == members[first].cell; ++last)
-      in_cell.push_back(members[last].triangle);
-    grid.cell.push_back(members[first].cell);
-    grid.tree.push_back(build_tree(triangles, in_cell, execution));
-    first = last;
-  }
-  grid.tree.push_back(build_tree(triangles, wide, execution));
+  start.push_back(narrow.size());
+  grid.tree.resize(grid.cell.size() + 1);
+  build_cells(triangles, narrow, start, execution, grid);
+  grid.tree.back() = build_tree(triangles, wide, execution);
   return grid;
 }
 

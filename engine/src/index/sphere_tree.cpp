@@ -1,16 +1,23 @@
 #include "index/sphere_tree.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 
+#include "base/parallel.h"
+#include "base/parallel_sort.h"
+#include "index/spatial_code.h"
 #include "index/triangle_bound.h"
 
 namespace lumbrical {
 namespace {
 
 constexpr std::uint32_t kWidth = SphereBlock::kWidth;
+constexpr std::size_t kLargestLeaf = 64;  // triangles; Execution::leaf_size
+constexpr std::size_t kPiece = 1024;      // blocks, the least that is worth another thread
 
 // Single precision moves centres and radii by less than this share of their size; bounds are widened by it.
 constexpr double kFloatSlack = 4e-7;
@@ -20,36 +27,6 @@ struct Sphere {
   double radius = 0;
 };
 
-// Bits of a 21-bit number spread three apart.
-std::uint64_t spread(std::uint64_t bits) {
-  bits &= 0x1fffff;
-  bits = (bits | bits << 32) & 0x1f00000000ffffu;
-  bits = (bits | bits << 16) & 0x1f0000ff0000ffu;
-  bits = (bits | bits << 8) & 0x100f00f00f00f00fu;
-  bits = (bits | bits << 4) & 0x10c30c30c30c30c3u;
-  bits = (bits | bits << 2) & 0x1249249249249249u;
-  return bits;
-}
-
-struct Key {
-  std::uint64_t morton;
-  std::uint32_t triangle;
-  friend bool operator<(const Key& a, const Key& b) {
-    return a.morton != b.morton ? a.morton < b.morton : a.triangle < b.triangle;
-  }
-};
-
-std::uint64_t morton_of(Vec3 p, const Box& box) {
-  const Vec3 size = box.upper - box.lower;
-  const double longest = max(size.x, max(size.y, size.z));
-  const double scale = longest > 0 ? 2097151.0 / longest : 0;
-  const auto cell = [&](double x, double low) {
-    return static_cast<std::uint64_t>(clamp((x - low) * scale, 0, 2097151));
-  };
-  return spread(cell(p.x, box.lower.x)) | spread(cell(p.y, box.lower.y)) << 1 |
-         spread(cell(p.z, box.lower.z)) << 2;
-}
-
 Sphere bound(std::span<const Sphere> spheres) {
   Box box;
   for (const Sphere& sphere : spheres) box.add(sphere.centre, sphere.radius);
@@ -58,15 +35,6 @@ Sphere bound(std::span<const Sphere> spheres) {
     result.radius = max(result.radius, norm(sphere.centre - result.centre) + sphere.radius);
   }
   return result;
-}
-
-std::vector<Sphere> bound_groups(const std::vector<Sphere>& spheres, std::size_t size) {
-  std::vector<Sphere> groups;
-  groups.reserve(spheres.size() / size + 1);
-  for (std::size_t i = 0; i < spheres.size(); i += size) {
-    groups.push_back(bound(std::span(spheres).subspan(i, std::min(size, spheres.size() - i))));
-  }
-  return groups;
 }
 
 SphereBlock empty_block() {
@@ -86,64 +54,97 @@ void put_sphere(const Sphere& sphere, std::size_t place, SphereTree::Level& leve
   block.r[lane] = static_cast<float>(sphere.radius + kFloatSlack * size);
 }
 
-SphereTree::Level to_level(const std::vector<Sphere>& spheres) {
-  SphereTree::Level level((spheres.size() + kWidth - 1) / kWidth, empty_block());
-  for (std::size_t i = 0; i < spheres.size(); ++i) put_sphere(spheres[i], i, level);
+// Bounds every block of a level by one sphere, which become the next level.
+std::vector<Sphere> bound_blocks(const std::vector<Sphere>& spheres, std::size_t threads) {
+  std::vector<Sphere> bounds(piece_count(spheres.size(), kWidth));
+  parallel_pieces(bounds.size(), kPiece, threads, [&](std::size_t, std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const std::size_t begin = i * kWidth, size = std::min<std::size_t>(kWidth, spheres.size() - begin);
+      bounds[i] = bound(std::span(spheres).subspan(begin, size));
+    }
+  });
+  return bounds;
+}
+
+SphereTree::Level to_level(const std::vector<Sphere>& spheres, std::size_t threads) {
+  SphereTree::Level level(piece_count(spheres.size(), kWidth), empty_block());
+  parallel_pieces(spheres.size(), kPiece * kWidth, threads,
+                  [&](std::size_t, std::size_t first, std::size_t last) {
+                    for (std::size_t i = first; i < last; ++i) put_sphere(spheres[i], i, level);
+                  });
   return level;
 }
 
-void put_leaves(const std::vector<Sphere>& spheres, std::span<const std::uint32_t> members,
-                std::size_t leaf_size, SphereTree& tree) {
-  const std::size_t leaf_count = (spheres.size() + leaf_size - 1) / leaf_size;
-  tree.sphere.assign(leaf_count * tree.blocks_per_leaf, empty_block());
+// Fills the tree's blocks of triangles, leaf by leaf; returns the leaves' bounds.
+std::vector<Sphere> put_leaves(const Triangles& triangles, std::span<const std::uint32_t> members,
+                               const Execution& execution, SphereTree& tree) {
+  const std::size_t leaf_size = execution.leaf_size;
+  std::vector<Sphere> leaves(piece_count(members.size(), leaf_size));
+  tree.sphere.assign(leaves.size() * tree.blocks_per_leaf, empty_block());
   tree.triangle.assign(tree.sphere.size() * kWidth, 0);
-  for (std::size_t i = 0; i < spheres.size(); ++i) {
-    const std::size_t place = i / leaf_size * tree.blocks_per_leaf * kWidth + i % leaf_size;
-    put_sphere(spheres[i], place, tree.sphere);
-    tree.triangle[place] = members[i];
-  }
+  parallel_pieces(leaves.size(), kPiece, execution.threads,
+                  [&](std::size_t, std::size_t first, std::size_t last) {
+                    std::array<Sphere, kLargestLeaf> within;
+                    for (std::size_t leaf = first; leaf < last; ++leaf) {
+                      const std::size_t begin = leaf * leaf_size;
+                      const std::size_t size = std::min(leaf_size, members.size() - begin);
+                      const std::size_t place = leaf * tree.blocks_per_leaf * kWidth;
+                      for (std::size_t i = 0; i < size; ++i) {
+                        const std::uint32_t triangle = members[begin + i];
+                        const TriangleBound around = bound_triangle(triangles, triangle, tree.origin);
+                        within[i] = {around.centre, around.radius};
+                        put_sphere(within[i], place + i, tree.sphere);
+                        tree.triangle[place + i] = triangle;
+                      }
+                      leaves[leaf] = bound({within.data(), size});
+                    }
+                  });
+  return leaves;
 }
 
-// Puts the members in spatial order; a tie goes by the triangle's number.
-void sort_in_space(const Triangles& triangles, Vec3 origin, std::span<std::uint32_t> members) {
-  std::vector<Vec3> centres;
-  centres.reserve(members.size());
-  Box box;
-  for (const std::uint32_t triangle : members) {
-    centres.push_back(bound_triangle(triangles, triangle, origin).centre);
-    box.add(centres.back());
+// Round all corners of the members, in W.
+Box box_round_members(const Triangles& triangles, std::span<const std::uint32_t> members,
+                      std::size_t threads) {
+  std::vector<Box> boxes(piece_count(members.size(), kPiece * kWidth));
+  parallel_pieces(members.size(), kPiece * kWidth, threads,
+                  [&](std::size_t piece, std::size_t first, std::size_t last) {
+                    Box box;
+                    for (std::size_t i = first; i < last; ++i) {
+                      box.add(triangles.vertex(triangles.a[members[i]]));
+                      box.add(triangles.vertex(triangles.b[members[i]]));
+                      box.add(triangles.vertex(triangles.c[members[i]]));
+                    }
+                    boxes[piece] = box;
+                  });
+  Box all;
+  for (const Box& box : boxes) {
+    all.add(box.lower);
+    all.add(box.upper);
   }
-  std::vector<Key> keys(members.size());
-  for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = {morton_of(centres[i], box), members[i]};
-  std::sort(keys.begin(), keys.end());
-  for (std::size_t i = 0; i < keys.size(); ++i) members[i] = keys[i].triangle;
+  return all;
 }
 
 }  // namespace
 
-SphereTree build_tree(const Triangles& triangles, std::span<std::uint32_t> members,
+SphereTree build_tree(const Triangles& triangles, std::vector<std::uint32_t>& members,
                       const Execution& execution) {
   SphereTree tree;
-  const std::size_t leaf_size = execution.leaf_size;
+  const std::size_t threads = execution.threads;
   tree.blocks_per_leaf = (execution.leaf_size + kWidth - 1) / kWidth;
   if (members.empty()) return tree;
-  Box corners;
-  for (const std::uint32_t triangle : members) corners.add(triangles.vertex(triangles.a[triangle]));
-  tree.origin = corners.middle();
-  sort_in_space(triangles, tree.origin, members);
+  const Box box = box_round_members(triangles, members, threads);
+  tree.origin = box.middle();
+  const SpatialCode code({box.lower - tree.origin, box.upper - tree.origin});
+  sort_by_code(members, code.bits(), kWidth, threads, [&](std::uint32_t triangle) {
+    return code(bound_triangle(triangles, triangle, tree.origin).centre);
+  });
 
-  std::vector<Sphere> spheres(members.size());
-  for (std::size_t i = 0; i < members.size(); ++i) {
-    const TriangleBound around = bound_triangle(triangles, members[i], tree.origin);
-    spheres[i] = {around.centre, around.radius};
-  }
-  put_leaves(spheres, members, leaf_size, tree);
-  spheres = bound_groups(spheres, leaf_size);
-  tree.levels.push_back(to_level(spheres));
+  std::vector<Sphere> spheres = put_leaves(triangles, members, execution, tree);
+  tree.levels.push_back(to_level(spheres, threads));
   while (spheres.size() > kWidth &&
          (execution.tree_levels == 0 || tree.levels.size() < execution.tree_levels)) {
-    spheres = bound_groups(spheres, kWidth);
-    tree.levels.push_back(to_level(spheres));
+    spheres = bound_blocks(spheres, threads);
+    tree.levels.push_back(to_level(spheres, threads));
   }
   const Sphere all = bound(spheres);
   tree.centre = all.centre;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
+#include <vector>
 
 #include "lumbrical/model.h"
 
@@ -10,11 +10,12 @@ namespace lumbrical {
 
 /// Sorts the triangles along a Morton curve, bounds every `leaf_size` of them by a leaf sphere and every
 /// sixteen spheres by one above, until sixteen or fewer are left or there are `tree_levels` levels (0: no
-/// limit; 1: the leaves alone, a linear scan).
+/// limit; 1: the leaves alone, a linear scan). On `execution.threads` threads, with the same result for any
+/// number of them.
 SphereTree build_tree(const Triangles& triangles, const Execution& execution);
 
-/// The same of some of the triangles only; reorders `members`.
-SphereTree build_tree(const Triangles& triangles, std::span<std::uint32_t> members,
+/// The same of some of the triangles only, given ascending; reorders `members`.
+SphereTree build_tree(const Triangles& triangles, std::vector<std::uint32_t>& members,
                       const Execution& execution);
 
 /// The most spheres of one level, or blocks of triangles, that a search can hit.

@@ -168,10 +168,11 @@ bool search_any(PairSearch& search, Primitive primitive, std::span<const std::ui
       return search_cells(search, primitive, cells);
     case Broadphase::voxel:
       return search_voxels(search, primitive);
+    case Broadphase::automatic:  // a model holds one of the others
     case Broadphase::brute:
-      return search_all(search);
+      break;
   }
-  return false;
+  return search_all(search);
 }
 
 // Clusters that are one contact each are candidates of their own; of the rest the triangles of open leaves

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/parallel.h"
 #include "index/cluster_tree.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
@@ -23,7 +24,8 @@ constexpr std::array<std::pair<std::string_view, Law>, 5> kLawNames = {{
     {"centroid", Law::centroid},
     {"point", Law::point},
 }};
-constexpr std::array<std::pair<std::string_view, Broadphase>, 4> kBroadphaseNames = {{
+constexpr std::array<std::pair<std::string_view, Broadphase>, 5> kBroadphaseNames = {{
+    {"auto", Broadphase::automatic},
     {"tree", Broadphase::tree},
     {"grid", Broadphase::grid},
     {"voxel", Broadphase::voxel},
@@ -85,7 +87,7 @@ Status check_execution(const Execution& execution) {
   if (!within(execution.cell_size, 1e-3, 1e6)) return out_of_range("execution.cell_size", "0.001 to 1e6 m");
   if (execution.tree_levels > 32) return out_of_range("execution.tree_levels", "0 to 32");
   if (name_valued(kBroadphaseNames, execution.broadphase) == "unknown") {
-    return out_of_range("execution.broadphase", "tree, grid, voxel or brute");
+    return out_of_range("execution.broadphase", "auto, tree, grid, voxel or brute");
   }
   if (execution.voxel_size != 0 && !within(execution.voxel_size, 1e-9, 1e6))
     return out_of_range("execution.voxel_size", "0 or 1e-9 to 1e6 m");
@@ -101,42 +103,88 @@ Status check_execution(const Execution& execution) {
 // Larger coordinates square to infinity or leave no digits for a finger.
 constexpr double kWorldReach = 1e8;
 
-Status check_object(const SceneObject& object) {
-  for (std::size_t i = 0; i < object.mesh.vertices.size(); ++i) {
-    const Vec3 p = object.mesh.vertices[i];
-    if (!(std::fabs(p.x) <= kWorldReach && std::fabs(p.y) <= kWorldReach && std::fabs(p.z) <= kWorldReach)) {
-      return Status::error(
-          "object \"" + object.name + "\": vertex " + std::to_string(i) +
-          " is not finite or farther than 1e8 m from the origin; check the unit and the placement");
-    }
+constexpr std::size_t kPiece = 65536;  // numbers, the least that is worth another thread
+
+// The first of `count` for which `bad` holds; `count` if there is none.
+template <class Bad>
+std::size_t first_bad(std::size_t count, std::size_t threads, const Bad& bad) {
+  std::vector<std::size_t> found(piece_count(count, kPiece), count);
+  parallel_pieces(count, kPiece, threads, [&](std::size_t piece, std::size_t first, std::size_t last) {
+    std::size_t i = first;
+    while (i < last && !bad(i)) ++i;
+    if (i < last) found[piece] = i;
+  });
+  return found.empty() ? count : *std::min_element(found.begin(), found.end());
+}
+
+Status check_object(const SceneObject& object, std::size_t threads) {
+  const std::vector<Vec3>& vertices = object.mesh.vertices;
+  const std::vector<Triangle>& triangles = object.mesh.triangles;
+  const std::size_t vertex = first_bad(vertices.size(), threads, [&](std::size_t i) {
+    const Vec3 p = vertices[i];
+    return !(std::fabs(p.x) <= kWorldReach && std::fabs(p.y) <= kWorldReach && std::fabs(p.z) <= kWorldReach);
+  });
+  if (vertex < vertices.size()) {
+    return Status::error(
+        "object \"" + object.name + "\": vertex " + std::to_string(vertex) +
+        " is not finite or farther than 1e8 m from the origin; check the unit and the placement");
   }
-  for (std::size_t i = 0; i < object.mesh.triangles.size(); ++i) {
-    for (const std::uint32_t corner : object.mesh.triangles[i]) {
-      if (corner < object.mesh.vertices.size()) continue;
-      return Status::error("object \"" + object.name + "\": triangle " + std::to_string(i) +
-                           " names vertex " + std::to_string(corner) + " of " +
-                           std::to_string(object.mesh.vertices.size()) + "; repair the mesh");
-    }
+  const auto corner = [&](std::size_t i) {
+    return std::max({triangles[i][0], triangles[i][1], triangles[i][2]});
+  };
+  const std::size_t triangle =
+      first_bad(triangles.size(), threads, [&](std::size_t i) { return corner(i) >= vertices.size(); });
+  if (triangle < triangles.size()) {
+    return Status::error("object \"" + object.name + "\": triangle " + std::to_string(triangle) +
+                         " names vertex " + std::to_string(corner(triangle)) + " of " +
+                         std::to_string(vertices.size()) + "; repair the mesh");
   }
   return {};
 }
 
-void add_object(const SceneObject& object, Model& model) {
-  Triangles& world = model.triangles;
-  const auto first_vertex = static_cast<std::uint32_t>(world.x.size());
-  model.objects.push_back({object.name, static_cast<std::uint32_t>(world.size()),
-                           static_cast<std::uint32_t>(object.mesh.triangles.size()), first_vertex,
-                           static_cast<std::uint32_t>(object.mesh.vertices.size())});
-  for (const Vec3 p : object.mesh.vertices) {
-    world.x.push_back(p.x);
-    world.y.push_back(p.y);
-    world.z.push_back(p.z);
+// Each of the world's six arrays is written from end to end by one thread, whose memory it then is.
+void add_triangles(const Scene& scene, std::size_t vertex_count, std::size_t triangle_count,
+                   std::size_t threads, Triangles& world) {
+  constexpr std::array<double Vec3::*, 3> kAxis = {&Vec3::x, &Vec3::y, &Vec3::z};
+  const std::array<std::vector<double>*, 3> numbers = {&world.x, &world.y, &world.z};
+  const std::array<std::vector<std::uint32_t>*, 3> corners = {&world.a, &world.b, &world.c};
+  parallel_chunks(6, 1, threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) {
+      if (k % 2 == 0) {
+        numbers[k / 2]->reserve(vertex_count);
+        for (const SceneObject& object : scene.objects) {
+          for (const Vec3& p : object.mesh.vertices) numbers[k / 2]->push_back(p.*kAxis[k / 2]);
+        }
+        continue;
+      }
+      std::uint32_t first_vertex = 0;
+      corners[k / 2]->reserve(triangle_count);
+      for (const SceneObject& object : scene.objects) {
+        for (const Triangle& triangle : object.mesh.triangles)
+          corners[k / 2]->push_back(first_vertex + triangle[k / 2]);
+        first_vertex += static_cast<std::uint32_t>(object.mesh.vertices.size());
+      }
+    }
+  });
+}
+
+void list_objects(const Scene& scene, std::vector<Model::Object>& objects) {
+  std::uint32_t triangle = 0, vertex = 0;
+  for (const SceneObject& object : scene.objects) {
+    const auto triangles = static_cast<std::uint32_t>(object.mesh.triangles.size());
+    const auto vertices = static_cast<std::uint32_t>(object.mesh.vertices.size());
+    objects.push_back({object.name, triangle, triangles, vertex, vertices});
+    triangle += triangles;
+    vertex += vertices;
   }
-  for (const Triangle& triangle : object.mesh.triangles) {
-    world.a.push_back(first_vertex + triangle[0]);
-    world.b.push_back(first_vertex + triangle[1]);
-    world.c.push_back(first_vertex + triangle[2]);
+}
+
+Broadphase suited_broadphase(const Triangles& world) {
+  for (const std::vector<double>* const axis : {&world.x, &world.y, &world.z}) {
+    const auto [low, high] = std::minmax_element(axis->begin(), axis->end());
+    if (low != axis->end() && *high - *low > kGridExtent) return Broadphase::grid;
   }
+  return Broadphase::tree;
 }
 
 // The ladder of precision knows clusters under the field law only.
@@ -164,7 +212,7 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   if (Status status = check_hand(scene.hand); !status.ok()) return status;
   std::size_t vertices = 0, triangles = 0;
   for (const SceneObject& object : scene.objects) {
-    if (Status status = check_object(object); !status.ok()) return status;
+    if (Status status = check_object(object, execution.threads); !status.ok()) return status;
     vertices += object.mesh.vertices.size();
     triangles += object.mesh.triangles.size();
   }
@@ -178,16 +226,15 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   built.settings = scene.settings;
   built.execution = execution;
   if (execution.isa == Isa::automatic) built.execution.isa = widest_isa();
-  for (auto* numbers : {&built.triangles.x, &built.triangles.y, &built.triangles.z})
-    numbers->reserve(vertices);
-  for (auto* corners : {&built.triangles.a, &built.triangles.b, &built.triangles.c})
-    corners->reserve(triangles);
-  for (const SceneObject& object : scene.objects) add_object(object, built);
-  if (execution.broadphase == Broadphase::tree) {
+  add_triangles(scene, vertices, triangles, execution.threads, built.triangles);
+  list_objects(scene, built.objects);
+  Broadphase& broadphase = built.execution.broadphase;
+  if (broadphase == Broadphase::automatic) broadphase = suited_broadphase(built.triangles);
+  if (broadphase == Broadphase::tree) {
     built.tree = build_tree(built.triangles, execution);
-  } else if (execution.broadphase == Broadphase::grid) {
+  } else if (broadphase == Broadphase::grid) {
     built.grid = build_grid(built.triangles, execution);
-  } else if (execution.broadphase == Broadphase::voxel) {
+  } else if (broadphase == Broadphase::voxel) {
     if (Status status = build_voxels(built.triangles, execution, built.voxels); !status.ok()) return status;
   }
   if (wants_clusters(built)) built.clusters = build_clusters(built.triangles, execution);

@@ -148,6 +148,7 @@ Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResul
   if (!status.ok()) return status;
   status = build_model(scene, options.execution, run.model);
   if (!status.ok()) return broken(reader, status.message());
+  result.broadphase = run.model.execution.broadphase;
   if (status = reader.seek(0); !status.ok()) return status;
   if (reader.info().ticks == 0)
     return broken(reader, "the recording holds no tick; there is nothing to replay");

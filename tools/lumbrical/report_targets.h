@@ -1,0 +1,17 @@
+// The table of targets: what a whole run of the benchmarks should reach, and what it reached.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "report_results.h"
+
+namespace lumbrical::tool {
+
+/// One row per target that these results say something about: what, target, reached, met, benchmark.
+ResultTable targets_of(const std::vector<Results>& results);
+
+/// The table in Markdown; `title` as its heading. Empty where it has no row.
+std::string table_markdown(const std::string& title, const ResultTable& table);
+
+}  // namespace lumbrical::tool
