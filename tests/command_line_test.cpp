@@ -192,6 +192,46 @@ TEST(CommandLine, RunPrintsTheContractsKeysAndReplayFindsTheRecordingIdentical) 
   EXPECT_TRUE(replay.json()["first_divergence"].is_null());
 }
 
+TEST(CommandLine, ReplayOfSeveralTellsOfEachInTheOrderGiven) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 300 --record a.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 150 --law point --record b.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 200 --broadphase grid --record c.mcap", folder).exit_code,
+            0);
+  std::ofstream(folder / "bad.mcap") << "no recording";
+  for (const char* const threads : {"", " --threads 1", " --threads 7"}) {
+    const Outcome all =
+        shell("lumbrical replay a.mcap b.mcap c.mcap a.mcap --json" + std::string(threads), folder);
+    EXPECT_EQ(all.exit_code, 0) << all.error;
+    const nlohmann::json json = all.json();
+    ASSERT_EQ(json.size(), 4u);
+    const std::pair<const char*, int> expected[] = {
+        {"a.mcap", 300}, {"b.mcap", 150}, {"c.mcap", 200}, {"a.mcap", 300}};
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_EQ(json[i]["recording"], expected[i].first);
+      EXPECT_EQ(json[i]["ticks"], expected[i].second);
+      EXPECT_EQ(json[i]["identical"], true);
+      EXPECT_EQ(json[i]["threads"], 1);
+    }
+  }
+  // What can't be read keeps no other from being replayed.
+  Outcome some = shell("lumbrical replay a.mcap bad.mcap b.mcap --json", folder);
+  EXPECT_EQ(some.exit_code, 2);
+  EXPECT_NE(some.error.find("bad.mcap"), std::string::npos);
+  EXPECT_EQ(some.json()[0]["identical"], true);
+  EXPECT_TRUE(some.json()[1].contains("error"));
+  EXPECT_EQ(some.json()[2]["ticks"], 150);
+  // Only b was recorded under that law. A divergence is the graver news.
+  some = shell("lumbrical replay bad.mcap a.mcap b.mcap --law point --json", folder);
+  EXPECT_EQ(some.exit_code, 3);
+  EXPECT_EQ(some.json()[1]["identical"], false);
+  EXPECT_EQ(some.json()[2]["identical"], true);
+  EXPECT_EQ(shell("lumbrical replay a.mcap b.mcap --trace t.txt", folder).exit_code, 2);
+  const Outcome text = shell("lumbrical replay a.mcap b.mcap", folder);
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_LT(text.output.find("a.mcap"), text.output.find("b.mcap"));
+}
+
 TEST(CommandLine, ReplayWithAnotherLawDivergesWith3) {
   const fs::path folder = folder_with_demo();
   ASSERT_EQ(shell("lumbrical run demo.json --ticks 400 --record a.mcap", folder).exit_code, 0);

@@ -58,16 +58,22 @@ TEST(RealData, EveryHandCaptureRunsAndReplaysIdentical) {
   if (!fs::exists(data / "hands")) GTEST_SKIP() << "no real hands at " << data << "; set LUMBRICAL_DATA";
   const fs::path folder = fresh_folder();
   std::ofstream(folder / "scene.json") << R"({"objects": [{"sphere": {"radius": 0.1}}]})";
+  std::size_t count = 0;
+  std::string replay = "lumbrical replay --json";
   for (const fs::directory_entry& entry : fs::directory_iterator(data / "hands")) {
     const std::string path = fs::absolute(entry.path()).string();
+    const std::string name = std::to_string(count++) + ".mcap";
     const std::string command =
-        "lumbrical run scene.json --motion '" + path + "' --ticks 150 --record a.mcap";
+        "lumbrical run scene.json --motion '" + path + "' --ticks 150 --record " + name;
     Outcome run = shell(command + " --side right", folder);
     if (run.exit_code != 0)
       run = shell(command + " --side left", folder);  // a capture that shows it is of a left hand
     ASSERT_EQ(run.exit_code, 0) << path << "\n" << run.error;
-    EXPECT_EQ(shell("lumbrical replay a.mcap", folder).exit_code, 0) << path;
+    replay += " " + name;
   }
+  const Outcome all = shell(replay, folder);
+  EXPECT_EQ(all.exit_code, 0) << all.output << all.error;
+  EXPECT_EQ(all.json().size(), count);
 }
 
 }  // namespace

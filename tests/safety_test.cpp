@@ -167,6 +167,22 @@ TEST(Safety, ALateTickIsHeldThenFadesAndAFreshOneBringsItBack) {
   EXPECT_NEAR(loop.output.command[0], 0.1, 1e-12);
 }
 
+TEST(Safety, LetsGoForLateTicksNoFasterThanTheFadeAsksAndForAFaultAsFastAsItMay) {
+  for (const bool fault : {false, true}) {
+    Loop loop;
+    loop.activate();
+    const Actuator& actuator = loop.profile.actuators[0];
+    const double range = actuator.upper - actuator.lower;
+    const double gentle = range / loop.profile.safety.fade * loop.inputs.dt;
+    ASSERT_GT(actuator.slew * loop.inputs.dt, 2 * gentle) << "otherwise there is nothing to tell apart";
+    loop.inputs.tick_age = 0.05;
+    loop.inputs.stop = fault;
+    loop.step();
+    const double fall = 0.1 - loop.output.command[0];
+    EXPECT_NEAR(fall, fault ? actuator.slew * loop.inputs.dt : gentle, 1e-12);
+  }
+}
+
 TEST(Safety, AfterALostLinkItContinuesOnlyIfTold) {
   for (const bool continues : {false, true}) {
     Loop loop;

@@ -1,13 +1,15 @@
-// lumbrical replay: a recording once more through the engine, every bit compared; "what if" with other
+// lumbrical replay: recordings once more through the engine, every bit compared; "what if" with other
 // switches.
 #include <algorithm>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "commands.h"
 #include "divergence.h"
+#include "lumbrical/batch.h"
 #include "lumbrical/recording.h"
 #include "output.h"
 #include "switches.h"
@@ -17,12 +19,13 @@ namespace lumbrical::tool {
 namespace {
 
 struct ReplaySwitches {
-  std::string recording, law, broadphase, voxel_cache;
+  std::vector<std::string> recordings;
+  std::string law, broadphase, voxel_cache;
   std::optional<double> stiffness;
   std::string precision, unit = "m", trace, trace_stage;
   std::vector<std::string> meshes;  // NAME=FILE
   std::optional<std::uint64_t> trace_tick;
-  std::uint32_t threads = 1;
+  std::optional<std::uint32_t> threads;
   std::string isa = "auto";
   bool json = false;
 };
@@ -51,7 +54,8 @@ Status replay_options(const ReplaySwitches& switches, ReplayOptions& options) {
   options.execution.voxel_cache = switches.voxel_cache;
   options.stiffness = switches.stiffness;
   if (!switches.precision.empty()) options.tolerance = parse_precision(switches.precision);
-  options.execution.threads = switches.threads;
+  // Of several recordings each has one thread.
+  options.execution.threads = switches.recordings.size() == 1 ? switches.threads.value_or(1) : 1;
   options.execution.isa = *parse_isa(switches.isa);
   options.trace = switches.trace;
   options.trace_tick = switches.trace_tick;
@@ -65,32 +69,35 @@ bool asks_what_if(const ReplaySwitches& switches) {
          !switches.meshes.empty();
 }
 
-int replay_recording(const ReplaySwitches& switches) {
+// What there is to say about one recording; without an error JSON and text.
+struct Replayed {
+  Status error;
+  bool diverged = false;
+  Json json;
+  std::string text;
+};
+
+Status replay_one(const std::string& path, const ReplaySwitches& switches, const ReplayOptions& options,
+                  Replayed& replayed) {
   RecordingReader reader;
-  if (Status status = reader.open(switches.recording); !status.ok()) return fail(status);
-  ReplayOptions options;
-  if (Status status = replay_options(switches, options); !status.ok()) return fail(status);
+  if (Status status = reader.open(path); !status.ok()) return status;
   ReplayResult result;
   WhatIfResult changes;
-  Status status;
-  {
-    Progress progress("replaying");
-    options.progress = [&progress](std::uint64_t done, std::uint64_t all) { progress.update(done, all); };
-    status = replay(reader, options, result);
-    if (status.ok() && asks_what_if(switches)) status = what_if(reader, options, changes);
+  if (Status status = replay(reader, options, result); !status.ok()) return status;
+  if (asks_what_if(switches)) {
+    if (Status status = what_if(reader, options, changes); !status.ok()) return status;
   }
-  if (!status.ok()) return fail(status);
-
-  Json json = divergence_json(result);
+  replayed.diverged = result.first_divergence.has_value();
+  Json& json = replayed.json = divergence_json(result);
   json["complete"] = reader.info().complete;
   json["isa"] = isa_name(options.execution.isa == Isa::automatic ? widest_isa() : options.execution.isa);
   json["threads"] = options.execution.threads;
   json["broadphase"] = broadphase_name(result.broadphase);
-  json["recording"] = switches.recording;
+  json["recording"] = path;
   const double per_tick = 1e6 / static_cast<double>(std::max<std::uint64_t>(result.ticks, 1));
   json["mean_tick_us"] = {{"recorded", per_tick * result.recorded_time},
                           {"replayed", per_tick * result.replayed_time}};
-  std::string text = divergence_text(result, "replayed");
+  std::string& text = replayed.text = divergence_text(result, "replayed");
   if (!result.first_divergence)
     text += "Mean tick time " + brief(per_tick * result.replayed_time) + " us, when recorded " +
             brief(per_tick * result.recorded_time) + " us.\n";
@@ -100,9 +107,62 @@ int replay_recording(const ReplaySwitches& switches) {
   }
   if (!reader.info().complete)
     text += "The recording has no end (its writer was killed): all whole ticks were replayed.\n";
-  const int printed = switches.json ? print_json(json) : print_text(text);
+  return {};
+}
+
+int replay_single(const ReplaySwitches& switches, ReplayOptions& options) {
+  Replayed replayed;
+  {
+    Progress progress("replaying");
+    options.progress = [&progress](std::uint64_t done, std::uint64_t all) { progress.update(done, all); };
+    replayed.error = replay_one(switches.recordings[0], switches, options, replayed);
+  }
+  if (!replayed.error.ok()) return fail(replayed.error);
+  const int printed = switches.json ? print_json(replayed.json) : print_text(replayed.text);
   if (printed != kDone) return printed;
-  return result.first_divergence ? kDiverged : kDone;
+  return replayed.diverged ? kDiverged : kDone;
+}
+
+// All of them, whatever becomes of one, and told in the order given.
+int replay_batch(const ReplaySwitches& switches, const ReplayOptions& options) {
+  const std::vector<std::string>& paths = switches.recordings;
+  std::vector<Replayed> replayed(paths.size());
+  {
+    Progress progress("replaying");
+    std::mutex mutex;
+    std::uint64_t done = 0;
+    run_jobs(paths.size(), switches.threads.value_or(std::min(core_count(), 64u)), [&](std::size_t i) {
+      replayed[i].error = replay_one(paths[i], switches, options, replayed[i]);
+      const std::lock_guard lock(mutex);
+      progress.update(++done, paths.size());
+    });
+  }
+  Json all = Json::array();
+  std::string text;
+  bool diverged = false, failed = false;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    Replayed& one = replayed[i];
+    diverged |= one.diverged;
+    failed |= !one.error.ok();
+    if (!one.error.ok()) {
+      fail(one.error);
+      one.json = {{"recording", paths[i]}, {"error", one.error.message()}};
+      one.text = "Not replayed: " + one.error.message() + "\n";
+    }
+    all.push_back(std::move(one.json));
+    text += (i > 0 ? "\n" : "") + paths[i] + "\n" + one.text;
+  }
+  const int printed = switches.json ? print_json(all) : print_text(text);
+  if (printed != kDone) return printed;
+  return diverged ? kDiverged : failed ? kUnreadable : kDone;
+}
+
+int replay_recordings(const ReplaySwitches& switches) {
+  const bool single = switches.recordings.size() == 1;
+  if (!single && !switches.trace.empty()) return fail("--trace: takes one recording at a time");
+  ReplayOptions options;
+  if (Status status = replay_options(switches, options); !status.ok()) return fail(status);
+  return single ? replay_single(switches, options) : replay_batch(switches, options);
 }
 
 }  // namespace
@@ -110,8 +170,10 @@ int replay_recording(const ReplaySwitches& switches) {
 void add_replay(CLI::App& app, int& exit_code) {
   const auto switches = std::make_shared<ReplaySwitches>();
   CLI::App* const command =
-      app.add_subcommand("replay", "Run a recording again and compare every bit (exit code 3: they differ)");
-  command->add_option("recording", switches->recording, "Recording to replay")
+      app.add_subcommand("replay", "Run recordings again and compare every bit (exit code 3: they differ)");
+  command
+      ->add_option("recording", switches->recordings,
+                   "Recordings to replay; several share out all cores, one thread each")
       ->required()
       ->type_name("REC.mcap");
   command->add_option("--law", switches->law, "What if: contact law of the whole hand")->check(is_law());
@@ -130,7 +192,10 @@ void add_replay(CLI::App& app, int& exit_code) {
       ->check(is_broadphase());
   command->add_option("--voxel-cache", switches->voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");
   command->add_option("--isa", switches->isa, "Instruction set; never changes a result")->check(is_isa());
-  command->add_option("--threads", switches->threads, "1 .. 64; never changes a result")
+  command
+      ->add_option("--threads", switches->threads,
+                   "1 .. 64; never changes a result. Of several recordings: how many at a time, all cores "
+                   "unless given")
       ->check(number_in(1, 64));
   command
       ->add_option("--trace", switches->trace,
@@ -144,8 +209,8 @@ void add_replay(CLI::App& app, int& exit_code) {
                    "This stage only; default: the one that differs, or all")
       ->check(CLI::IsMember({"input", "hand_pose", "broadphase", "narrowphase", "contact_force", "limits"}))
       ->needs("--trace");
-  command->add_flag("--json", switches->json, "Print one JSON object");
-  command->callback([switches, &exit_code] { exit_code = replay_recording(*switches); });
+  command->add_flag("--json", switches->json, "Print one JSON object, of several recordings an array");
+  command->callback([switches, &exit_code] { exit_code = replay_recordings(*switches); });
 }
 
 }  // namespace lumbrical::tool

@@ -136,6 +136,7 @@ struct VoxelIndex;  // lists of triangles by voxel; voxel_index.h inside the eng
 
 /// Immutable once built; may be shared by any number of sessions and threads.
 struct Model {
+  std::uint64_t build = 0;  ///< number of the build_model it is from, in this process; copies keep it
   Hand hand;
   Settings settings;
   Execution execution;

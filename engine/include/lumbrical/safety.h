@@ -77,7 +77,8 @@ SafetyMemory start_safety(const DeviceProfile& profile);
 /// One step. Whatever the inputs:
 /// - every command is finite and within its actuator's lower .. upper;
 /// - away from the safe value none moves faster than the actuator's slew; towards it none faster than slew or
-///   the whole range per SafetyTimes::fade, whichever is faster;
+///   the whole range per SafetyTimes::fade, whichever is faster; while ticks are late, by the latter, since
+///   most late ticks do come and a force let go for them would be felt as a kick;
 /// - unless the state is active, and while ticks are late, all commands move to their safe values and reach
 /// them within
 ///   SafetyTimes::fade;

@@ -35,18 +35,25 @@ inline constexpr int kStageCount = 6;
 std::string_view stage_name(Stage stage);
 
 struct Primitives;  // posed spheres, cylinders and palm; primitive.h inside the engine
+struct NearPairs;   // what earlier searches found near; near_pairs.h inside the engine
 
 /// Everything derived inside a tick. Sized once for a model; a tick allocates nothing.
 struct Scratch {
   std::shared_ptr<Primitives> primitives;
+  std::shared_ptr<NearPairs> near;  ///< spares searches while the hand moves little; never changes a result
   std::vector<std::uint64_t>
       candidates;                      ///< primitive << 32 | triangle, ascending; `candidate_count` of them
   std::vector<Contact> contacts;       ///< sorted by primitive, then triangle; `contact_count` of them
   std::vector<std::uint64_t> sorting;  ///< the other array of the candidates' sort
-  std::array<std::vector<std::uint32_t>, 2> frontier;  ///< of a tree's traversal
-  std::vector<std::uint32_t> cells;                    ///< of the grid, or voxels, that may be met
+  struct Searcher {
+    std::array<std::vector<std::uint32_t>, 2> frontier;  ///< of a tree's traversal
+    std::vector<std::uint32_t> cells;                    ///< voxels that may be met
+  };
+  std::vector<Searcher> searcher;    ///< one per thread
+  std::vector<std::uint32_t> cells;  ///< of the grid, that may be met
   std::uint32_t candidate_count = 0;
   std::uint32_t contact_count = 0;
+  bool keep_near = true;                                ///< use `near`; false: search afresh every tick
   bool hash_stages = true;                              ///< compute stage_hash (recording and replay need it)
   std::array<std::uint64_t, kStageCount> stage_hash{};  ///< of each stage's results in the last tick
 };

@@ -3,7 +3,6 @@
 #include "borders/border_bulge.h"
 
 #include <array>
-#include <span>
 
 #include "borders/root.h"
 #include "lanes/field.h"
@@ -21,10 +20,6 @@ constexpr double kShort = 1e-5;
 
 // A bulge higher than this share of its chord is integrated to all digits, lower ones to nine.
 constexpr double kSmallBulge = 0.01;
-
-// A border nearer to its chord than this share of the distance from the axis leaves hardly a curve of the
-// field to integrate over.
-constexpr double kThin = 4e-3;
 
 // A linear function of abscissa and height over a chord.
 struct OverChord {
@@ -241,53 +236,93 @@ Course follow_border(const Section& section, const Rival& rival, Chord& chord) {
   return Course::inside;
 }
 
-bool integrate_bulge(const Section& section, const Rival& rival, const Chord& chord, Bulge& bulge) {
+namespace {
+
+CrossingTerms crossing_terms(const Section& section, const Slant& slant, const Chord& chord) {
+  CrossingTerms ways;
+  ways.radius1 = section.radius1;
+  ways.radius2 = section.radius2;
+  ways.length = section.length;
+  ways.sine = slant.sine;
+  ways.cosine = slant.cosine;
+  ways.s = section.s;
+  ways.c = section.c;
+  ways.h1 = section.h1;
+  ways.across_x = chord.across.x;
+  ways.across_y = chord.across.y;
+  return ways;
+}
+
+// The field between foot and top, means over the way, where it changes its formula on the way.
+void integrate_way(const Section& section, const Slant& slant, Point2 foot, Point2 way, double& mean,
+                   double& lean) {
+  Singularities kinks = line_kinks(section, slant, foot, foot + way);
+  kinks.refine = false;
+  mean = lean = 0;
+  graded_nodes(0, 1, kinks, [&](double share, double weight) {
+    const Point2 p = foot + share * way;
+    const double part = weight * field_of(section, slant, zone_of(section, slant, p).zone, p);
+    mean += part;
+    lean += share * part;
+  });
+}
+
+struct BulgeSum {
+  const FieldKernels& kernels;
+  const Section& section;
+  const Slant& slant;
+  Border& border;
+  Bulge& bulge;
+  CrossingTerms ways;
+  std::array<double, CrossingTerms::kCapacity> weight{};  // [m], along the chord
+
+  BulgeSum(const FieldKernels& k, const Section& s, const Slant& l, Border& b, Bulge& sum)
+      : kernels(k), section(s), slant(l), border(b), bulge(sum), ways(crossing_terms(s, l, b.chord)) {}
+
+  void add(double s, double along) {
+    if (ways.count == CrossingTerms::kCapacity) flush();
+    const Point2 foot = border.chord.at(s, 0);
+    ways.x[ways.count] = foot.x;
+    ways.y[ways.count] = foot.y;
+    ways.height[ways.count] = border.height_at(s);
+    weight[ways.count++] = along;
+  }
+  void flush() {
+    for (std::size_t k = ways.count; k % 16 != 0; ++k) {
+      ways.x[k] = ways.x[0];
+      ways.y[k] = ways.y[0];
+      ways.height[k] = ways.height[0];
+    }
+    kernels.field_across(ways);
+    for (std::size_t k = 0; k < ways.count; ++k) {
+      const Point2 foot{ways.x[k], ways.y[k]}, way = ways.height[k] * border.chord.across;
+      if (ways.smooth[k] == 0) integrate_way(section, slant, foot, way, ways.mean[k], ways.lean[k]);
+      const double area = weight[k] * ways.height[k], part = area * ways.mean[k];
+      bulge.area += area;
+      bulge.area_first = bulge.area_first + area * (foot + 0.5 * way);
+      bulge.volume += part;
+      bulge.first = bulge.first + (part * foot + (area * ways.lean[k]) * way);
+    }
+    ways.count = 0;
+  }
+};
+
+}  // namespace
+
+bool integrate_bulge(const FieldKernels& kernels, const Section& section, const Rival& rival,
+                     const Chord& chord, Bulge& bulge) {
   Border border(rival, chord);
   bulge = {};
   if (!border.good || border.is_short()) return border.good;
   const Slant slant = slant_of(section);
-  graded_nodes(0, 1, kinks_along(section, slant, border), [&](double t, double weight) {
-    const double s = chord.length * t, height = border.height_at(s), area = weight * chord.length * height;
-    const Point2 foot = chord.at(s, 0), top = chord.at(s, height);
-    bulge.area += area;
-    bulge.area_first = bulge.area_first + area * (0.5 * (foot + top));
-    // Short against its distance from the axis and from where another sphere is the nearest, all is smooth.
-    const FieldZone start = zone_of(section, slant, foot);
-    const double distance = section.radius2 - field_of(section, slant, start.zone, foot);
-    const bool is_thin = std::fabs(height) < min(start.margin, 0.1 * distance);
-    const auto add = [&](int zone, double share, double inner) {
-      const Point2 p = foot + share * (top - foot);
-      const double part = area * inner * field_of(section, slant, zone, p);
-      bulge.volume += part;
-      bulge.first = bulge.first + part * p;
-    };
-    if (is_thin) {
-      // Two nodes leave less than a hundredth of the fourth power of height over distance.
-      const bool two = std::fabs(height) < kThin * distance;
-      for (const GaussNode& node : two ? std::span<const GaussNode>(kGauss2) : std::span(kGauss4))
-        add(start.zone, node.at, node.weight);
-      return;
-    }
-    Singularities kinks = line_kinks(section, slant, foot, top);
-    kinks.refine = false;
-    graded_nodes(0, 1, kinks, [&](double share, double inner) {
-      const Point2 p = foot + share * (top - foot);
-      add(zone_of(section, slant, p).zone, share, inner);
-    });
-  });
+  BulgeSum sum(kernels, section, slant, border, bulge);
+  graded_nodes(0, 1, kinks_along(section, slant, border),
+               [&](double t, double weight) { sum.add(chord.length * t, chord.length * weight); });
+  sum.flush();
   return border.good;
 }
 
 namespace {
-
-void add_slope(Point2 p, double share, SlopeMoments& slope) {
-  slope.one += share;
-  slope.x += share * p.x;
-  slope.y += share * p.y;
-  slope.xx += share * p.x * p.x;
-  slope.xy += share * p.x * p.y;
-  slope.yy += share * p.y * p.y;
-}
 
 // d phi / dn: docs/mechanics.md.
 double rise_at(const Section& section, const Slant& slant, Point2 p) {
@@ -316,7 +351,7 @@ bool integrate_bulge_slope(const Section& section, const Rival& rival, const Joi
     kinks.refine = false;
     graded_nodes(0, 1, kinks, [&](double share, double inner) {
       const Point2 p = foot + share * (top - foot);
-      add_slope(p, weight * chord.length * height * inner * rise_at(section, slant, p), slope);
+      slope.add(p, weight * chord.length * height * inner * rise_at(section, slant, p));
     });
     // The border's normal; over the chord an element of it is as long as |m x n| over the part of m across.
     const double x = rival.border.x.at(top), y = rival.border.y.at(top), far = std::sqrt(x * x + y * y);
@@ -324,7 +359,7 @@ bool integrate_bulge_slope(const Section& section, const Rival& rival, const Joi
     const Vec3 m = around.normal - around.side * ((x / far) * around.x + (y / far) * around.y);
     const double tilt = dot(m, section.n) / std::fabs(dot(m, across));
     const double phi = field_of(section, slant, zone_of(section, slant, top).zone, top);
-    add_slope(top, -weight * chord.length * phi * (rival.is_first ? tilt : -tilt), slope);
+    slope.add(top, -weight * chord.length * phi * (rival.is_first ? tilt : -tilt));
   });
   return border.good;
 }

@@ -255,8 +255,8 @@ Primitive tile_cut_so(const Primitive& tile, const BorderCut& cut) {
   return result;
 }
 
-void add_bulge(const Primitives& hand, const Primitive& tile, const BorderCut& cut, double tolerance, Vec3 a,
-               Vec3 b, Contact& contact) {
+void add_bulge(const FieldKernels& kernels, const Primitives& hand, const Primitive& tile,
+               const BorderCut& cut, double tolerance, Vec3 a, Vec3 b, Contact& contact) {
   const double radius = max(tile.radius1, tile.radius2);
   if (cut.bulge <= tolerance * radius * contact.area) {
     contact.error += cut.bulge;
@@ -267,7 +267,8 @@ void add_bulge(const Primitives& hand, const Primitive& tile, const BorderCut& c
   const std::size_t phalanx = cut.outer ? tile.segment : tile.segment - 1u;
   const Rival rival = joint_rival(section, hand, phalanx, cut.outer);
   Bulge bulge;
-  if (!integrate_bulge(section, rival, chord_of(section, hand.border[phalanx].centre, cut), bulge)) return;
+  if (!integrate_bulge(kernels, section, rival, chord_of(section, hand.border[phalanx].centre, cut), bulge))
+    return;
   const double area = contact.area + bulge.area, volume = contact.volume + bulge.volume;
   if (!(area > 0)) {
     contact.area = 0;

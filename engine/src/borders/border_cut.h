@@ -34,8 +34,8 @@ Primitive tile_cut_so(const Primitive& tile, const BorderCut& cut);
 
 /// Adds the bulge to the contact of the tile cut so with a triangle of which `a` and `b` are corners.
 /// `tolerance` is Settings::tolerance: where the bulge is within it, it is only added to the contact's error.
-void add_bulge(const Primitives& hand, const Primitive& tile, const BorderCut& cut, double tolerance, Vec3 a,
-               Vec3 b, Contact& contact);
+void add_bulge(const FieldKernels& kernels, const Primitives& hand, const Primitive& tile,
+               const BorderCut& cut, double tolerance, Vec3 a, Vec3 b, Contact& contact);
 
 /// The bulge's part in the contact's Jacobian, in the plane coordinates of its section
 /// (`integrate_bulge_slope`).

@@ -117,7 +117,7 @@ bool add_crossed(const Rival& rival, const Crossings& crossings, Work& work) {
     return true;
   }
   Bulge bulge;
-  if (!integrate_bulge(section, rival, chord, bulge)) return false;
+  if (!integrate_bulge(work.kernels, section, rival, chord, bulge)) return false;
   cut_polygon(chord.across, dot(chord.across, chord.from), section.polygon);
   add_all(work);
   work.area += bulge.area;

@@ -65,10 +65,10 @@ SafetyState next_state(const DeviceProfile& profile, const SafetyInputs& inputs,
 }
 
 // Towards the safe value the output may move fast, away from it only as fast as the actuator's slew; a step
-// across the safe value is both, one after the other.
-double limit_slew(const Actuator& actuator, double fade, double dt, double now, double target) {
-  const double rise = actuator.slew * dt;
-  const double fall = max(actuator.slew, (actuator.upper - actuator.lower) / fade) * dt;
+// across the safe value is both, one after the other. `gently`: towards it only as fast as `fade` asks for.
+double limit_slew(const Actuator& actuator, double fade, bool gently, double dt, double now, double target) {
+  const double rise = actuator.slew * dt, least = (actuator.upper - actuator.lower) / fade;
+  const double fall = (gently ? least : max(actuator.slew, least)) * dt;
   const double from = now - actuator.safe, to = target - actuator.safe;
   const bool same_side = from * to > 0;
   if (same_side && std::fabs(to) <= std::fabs(from)) {
@@ -121,7 +121,7 @@ SafetyOutput step_safety(const DeviceProfile& profile, const SafetyInputs& input
       if (within != inputs.wanted[i]) output.flags |= kClamped;
       target = actuator.safe + memory.gain * (within - actuator.safe);
     }
-    const double next = limit_slew(actuator, profile.safety.fade, dt, memory.output[i], target);
+    const double next = limit_slew(actuator, profile.safety.fade, late, dt, memory.output[i], target);
     if (active && !late && next != target) output.flags |= kSlewLimited;
     memory.output[i] = clamp(next, actuator.lower, actuator.upper);
     output.command[i] = memory.output[i];

@@ -140,7 +140,7 @@ inline Span<V> add_circle_edge(const SideView<V>& side, const Edge<V>& edge, Wid
 // What of the polygon lies in the side's section. False where an arc of the rim was neither circle nor strip.
 template <class V, class M>
 auto add_side(const RoundPart<V>& part, const SideView<V>& side, const Polygon<V>& polygon,
-              const Lines<V>& lines, M wanted, Moments<V>& sum, InsideParts<V>& inside) {
+              const Directions<V>& directions, M wanted, Moments<V>& sum, InsideParts<V>& inside) {
   const V zero = number<V>(0), quarter = number<V>(0.25), third = number<V>(1.0 / 3);
   StripRim<V> rim = side.rim;
   const auto round = both(wanted, both(side.strip == zero, side.rho2 > zero)),
@@ -153,7 +153,7 @@ auto add_side(const RoundPart<V>& part, const SideView<V>& side, const Polygon<V
       const Edge<V>& edge = polygon.edge[i];
       const auto here = both(real, has_length(edge));
       if (!some(here)) continue;
-      const Wide2<V> t = lines.line[i].t;
+      const Wide2<V> t = directions.t[i];
       const Stretched<V> about_foot = stretch(t, side.c);
       Span<V> part_in{zero, zero};
       if (some(both(round, here))) {

@@ -154,8 +154,8 @@ struct InsideParts {
 
 // What of the polygon lies in the section of the sphere about (x0, 0).
 template <class V, class M>
-void add_disc(const Polygon<V>& polygon, const Lines<V>& lines, V x0, V radius, V height, V most, M wanted,
-              Moments<V>& sum, InsideParts<V>& inside) {
+void add_disc(const Polygon<V>& polygon, const Directions<V>& directions, V x0, V radius, V height, V most,
+              M wanted, Moments<V>& sum, InsideParts<V>& inside) {
   const V zero = number<V>(0), h = magnitude(height), rho2 = (radius - h) * (radius + h);
   const auto real = both(wanted, rho2 > zero);
   if (!some(real)) return;
@@ -165,9 +165,9 @@ void add_disc(const Polygon<V>& polygon, const Lines<V>& lines, V x0, V radius, 
     const auto here = both(real, has_length(edge));
     if (!some(here)) continue;
     const Wide2<V> from{edge.p.x - x0, edge.p.y}, to{edge.q.x - x0, edge.q.y};
-    const Chord<V> chord = chord_of(from, to, lines.line[i].t, rho2);
+    const Chord<V> chord = chord_of(from, to, directions.t[i], rho2);
     add_where(here, disc_moments(chord, radius, h, rho2, most), own);
-    const V shift = x0 * lines.line[i].t.x;
+    const V shift = x0 * directions.t[i].x;
     inside.add(i, both(here, chord.xa < chord.xb), chord.xa + shift, chord.xb + shift);
   }
   own.area_x = own.area_x + x0 * own.area;

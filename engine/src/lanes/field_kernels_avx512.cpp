@@ -1,6 +1,7 @@
 // The field law's kernels for avx512. Nothing else may be compiled with this file's flags.
 #define LUMBRICAL_ISA avx512
 #include "lanes/certain_misses.h"
+#include "lanes/field_across.h"
 #include "lanes/field_kernels.h"
 #include "lanes/round_contacts.h"
 #include "lanes/sphere_hits.h"
@@ -11,6 +12,7 @@ namespace lumbrical::avx512 {
 using Double = xsimd::batch<double, xsimd::avx512bw>;
 using Single = xsimd::batch<float, xsimd::avx512bw>;
 const FieldKernels kFieldKernels{round_contacts<Double>, round_contacts<Single>, strip_nodes<Double>,
-                                 sliver_nodes<Double>,   certain_misses<Double>, sphere_hits<Single>};
+                                 sliver_nodes<Double>,   field_across<Double>,   certain_misses<Double>,
+                                 sphere_hits<Single>};
 
 }  // namespace lumbrical::avx512

@@ -35,8 +35,8 @@ void add_to_batch(Vec3 a, Vec3 b, Vec3 c, const std::array<HalfSpace, 2>& cut, C
 
 /// Pairs the kernel leaves something of to do.
 struct RoundRest {
-  std::span<Contact* const> slivers;  ///< for `add_slivers`
-  std::span<Contact* const> unsure;   ///< for `collide_section`
+  std::span<Contact*> slivers;       ///< for `add_slivers`
+  std::span<Contact* const> unsure;  ///< for `collide_section`
 };
 
 /// Computes the contacts of all pairs, but for their indices, and empties the batch; the area is 0 where

@@ -9,8 +9,9 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-// Below this cosine of the axis' angle the side's integrals divide rounding by it.
-inline constexpr double kLeastCosine = 1e-2, kLeastCosineSingle = 0.2;
+// The side's integrals divide rounding by the cosine of the axis' angle, its moments by the square: a cone's,
+// whose field has terms as large from the start, by more.
+inline constexpr double kLeastCosine = 1e-3, kLeastCosineCone = 4e-3, kLeastCosineSingle = 0.2;
 // On the side of a capsule digits are lost where no point of the region has more than this share of R.
 inline constexpr double kShallowSide = 1e-3;
 // Triangles of less than this share of R drown in the section's scale; points do as well to rounding.
@@ -37,7 +38,8 @@ inline auto keeps_digits(const RoundPart<V>& part, const SideView<V>& side, V mo
   const auto large = size >= number<V>(kSmall) * part.radius1;
   if (part.sphere) return large;
   const auto deep = both(large, most >= number<V>(single<V>() ? kShallow : kShallowSide) * part.radius1);
-  return both(deep, side.c >= number<V>(single<V>() ? kLeastCosineSingle : kLeastCosine));
+  const double least = single<V>() ? kLeastCosineSingle : part.cone ? kLeastCosineCone : kLeastCosine;
+  return both(deep, side.c >= number<V>(least));
 }
 
 // Corners of a polygon: box round them, area and first moments, and whether all are inside the section.
@@ -82,26 +84,26 @@ Corners<V> corners_of(const RoundPart<V>& part, const RoundPlane<V>& plane, cons
 // had.
 template <class V, class M>
 Moments<V> section_moments(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
-                           const Polygon<V>& polygon, V most, M wanted, Lines<V>& lines,
+                           const Polygon<V>& polygon, V most, M wanted, Directions<V>& directions,
                            InsideParts<V>& inside, V& lost) {
   const V zero = number<V>(0);
   Moments<V> sum = no_moments<V>();
   if (part.sphere) {
-    add_disc(polygon, lines, zero, part.radius1, plane.h1, most, wanted, sum, inside);
+    add_disc(polygon, directions, zero, part.radius1, plane.h1, most, wanted, sum, inside);
     return sum;
   }
   Polygon<V> first, rest, middle, second;
   const std::size_t count = polygon.count;
   part_at(side.border1, polygon, first, rest);
-  set_borders(rest, count, lines);
-  Lines<V> first_lines = lines;
-  set_borders(first, count, first_lines);
-  add_disc(first, first_lines, zero, part.radius1, plane.h1, most, wanted, sum, inside);
+  set_upright(rest, count, directions);
+  Directions<V> first_directions = directions;
+  set_upright(first, count, first_directions);
+  add_disc(first, first_directions, zero, part.radius1, plane.h1, most, wanted, sum, inside);
   part_at(side.border2, rest, middle, second);
-  set_borders(second, count, lines);
-  add_disc(second, lines, plane.x2, part.radius2, plane.h2, most, wanted, sum, inside);
-  set_borders(middle, count, lines);
-  lost = choose(add_side(part, side, middle, lines, wanted, sum, inside), zero, number<V>(1));
+  set_upright(second, count, directions);
+  add_disc(second, directions, plane.x2, part.radius2, plane.h2, most, wanted, sum, inside);
+  set_upright(middle, count, directions);
+  lost = choose(add_side(part, side, middle, directions, wanted, sum, inside), zero, number<V>(1));
   return sum;
 }
 
@@ -147,11 +149,11 @@ PointSum<V> whole_by_points(const RoundPart<V>& part, const RoundPlane<V>& plane
 
 // Of edges wholly inside everything counts.
 template <class V, class M>
-InsideParts<V> inside_parts(const Polygon<V>& polygon, const Lines<V>& lines, M whole) {
+InsideParts<V> inside_parts(const Polygon<V>& polygon, const Directions<V>& directions, M whole) {
   InsideParts<V> inside;
   inside.count = polygon.count;
   for (std::size_t k = 0; k < polygon.count; ++k) {
-    const Wide2<V> t = lines.line[k].t;
+    const Wide2<V> t = directions.t[k];
     inside.lower[k] = choose(whole, dot(polygon.edge[k].p, t), beyond<V>());
     inside.upper[k] = choose(whole, dot(polygon.edge[k].q, t), number<V>(0) - beyond<V>());
   }
@@ -200,12 +202,12 @@ void round_contacts(RoundTerms<NumberOf<V>>& terms) {
     const V most = most_of(part, plane);
     const auto closed = both(open, keeps_digits(part, side, most, all.size));
 
-    Lines<V> lines;
-    set_lines(polygon, one, lines);
-    InsideParts<V> inside = inside_parts(polygon, lines, whole);
+    Directions<V> directions = directions_of(polygon);
+    InsideParts<V> inside = inside_parts(polygon, directions, whole);
     Moments<V> sum = no_moments<V>();
     V lost = zero;
-    if (some(closed)) sum = section_moments(part, plane, side, polygon, most, closed, lines, inside, lost);
+    if (some(closed))
+      sum = section_moments(part, plane, side, polygon, most, closed, directions, inside, lost);
     sum.area = choose(whole, all.area, sum.area);
     sum.area_x = choose(whole, all.area_x, sum.area_x);
     sum.area_y = choose(whole, all.area_y, sum.area_y);
@@ -216,7 +218,7 @@ void round_contacts(RoundTerms<NumberOf<V>>& terms) {
     const V least = choose(whole, zero, number<V>(kLeastArea) * (r * lesser(r, all.size)));
     const V error = choose(pointwise, points.error * all.area, exactness);
     const auto had = both(closed, lost == zero), contact = both(either(pointwise, had), sum.area > least);
-    const V depth = largest_depth(part, plane, side, polygon, lines, inside, contact);
+    const V depth = largest_depth(part, plane, side, polygon, directions, inside, contact);
     V status = choose(open, unsure, zero);
     status = choose(had, zero, status);
     status = choose(contact, one, status);

@@ -80,7 +80,8 @@ V deepest_abscissa(const RoundPart<V>& part, const RoundPlane<V>& plane, const S
 // Over the common part of polygon and section.
 template <class V, class M>
 V largest_depth(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
-                const Polygon<V>& polygon, const Lines<V>& lines, const InsideParts<V>& inside, M wanted) {
+                const Polygon<V>& polygon, const Directions<V>& directions, const InsideParts<V>& inside,
+                M wanted) {
   const V zero = number<V>(0);
   const Wide2<V> deepest{deepest_abscissa(part, plane, side), zero};
   V least = number<V>(1);  // negative: an edge leaves the deepest point outside
@@ -97,7 +98,7 @@ V largest_depth(const RoundPart<V>& part, const RoundPlane<V>& plane, const Side
     if (!some(here)) continue;
     const Edge<V>& edge = polygon.edge[i];
     const Wide2<V> near = choose(dot(edge.p, edge.p) < dot(edge.q, edge.q), edge.p, edge.q);
-    const V along = depth_along(part, plane, near, lines.line[i].t, inside.lower[i], inside.upper[i]);
+    const V along = depth_along(part, plane, near, directions.t[i], inside.lower[i], inside.upper[i]);
     depth = choose(both(here, along > depth), along, depth);
   }
   return depth;

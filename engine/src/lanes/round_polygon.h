@@ -24,35 +24,28 @@ inline auto has_length(const Edge<V>& edge) {
   return either(edge.p.x != edge.q.x, edge.p.y != edge.q.y);
 }
 
-// Direction and length of an edge.
+// Unit directions of a polygon's edges.
 template <class V>
-struct Line {
-  Wide2<V> t;
-  V length, per_length;
-};
-
-// Of a polygon's edges after stretching by `scale` along x.
-template <class V>
-struct Lines {
-  Line<V> line[Polygon<V>::kMost];
+struct Directions {
+  Wide2<V> t[Polygon<V>::kMost];
 };
 template <class V>
-void set_lines(const Polygon<V>& polygon, V scale, Lines<V>& lines) {
+Directions<V> directions_of(const Polygon<V>& polygon) {
+  Directions<V> directions;
   for (std::size_t i = 0; i < polygon.count; ++i) {
-    const Edge<V>& edge = polygon.edge[i];
-    const Wide2<V> d{scale * (edge.q.x - edge.p.x), edge.q.y - edge.p.y};
-    const V length = root(dot(d, d)), per = one_over(length);
-    lines.line[i] = {per * d, length, per};
+    const Wide2<V> d = polygon.edge[i].q - polygon.edge[i].p;
+    directions.t[i] = one_over(root(dot(d, d))) * d;
   }
+  return directions;
 }
 
-// Of the edges a polygon was parted along: they run up or down.
+// Of the edges from number `first` on, which a polygon was parted along: they run up or down.
 template <class V>
-void set_borders(const Polygon<V>& polygon, std::size_t first, Lines<V>& lines) {
+void set_upright(const Polygon<V>& polygon, std::size_t first, Directions<V>& directions) {
   const V zero = number<V>(0), one = number<V>(1);
   for (std::size_t i = first; i < polygon.count; ++i) {
-    const V rise = polygon.edge[i].q.y - polygon.edge[i].p.y, length = magnitude(rise);
-    lines.line[i] = {{zero, choose(rise < zero, zero - one, one)}, length, one_over(length)};
+    const V rise = polygon.edge[i].q.y - polygon.edge[i].p.y;
+    directions.t[i] = {zero, choose(rise < zero, zero - one, one)};
   }
 }
 

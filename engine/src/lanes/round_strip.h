@@ -6,38 +6,15 @@
 // here.
 #pragma once
 
-#include <array>
-
 #include "lanes/disc_integrals.h"
+#include "section/bulge_series.h"
 
 namespace lumbrical::LUMBRICAL_ISA {
 
 // More of u than this the series is not for.
 inline constexpr double kMostBulge = 0.05;
 
-// S(u) = 3 sum C_k u^k / (2k + 3), C_k = binomial(2k, k) / 4^k, and W(u) = (1 - sqrt(1 - u) S(u)) / u.
-struct BulgeSeries {
-  static constexpr std::size_t kTerms = 13;
-  double s[kTerms], w[kTerms];
-};
-constexpr BulgeSeries bulge_series() {
-  constexpr std::size_t kTerms = BulgeSeries::kTerms;
-  BulgeSeries series{};
-  double s[kTerms + 1] = {}, root[kTerms + 1] = {}, central = 1, r = 1;
-  for (std::size_t k = 0; k <= kTerms; ++k) {
-    const double n = static_cast<double>(k);
-    s[k] = 3 * central / (2 * n + 3);
-    central *= (2 * n + 1) / (2 * n + 2);
-    root[k] = r;
-    r *= (n - 0.5) / (n + 1);
-  }
-  for (std::size_t k = 0; k < kTerms; ++k) {
-    series.s[k] = s[k];
-    for (std::size_t j = 0; j <= k + 1; ++j) series.w[k] -= root[j] * s[k + 1 - j];
-  }
-  return series;
-}
-inline constexpr BulgeSeries kBulge = bulge_series();
+inline constexpr BulgeSeries<13> kBulge = bulge_series<13>();
 
 template <class V>
 struct Span {

@@ -100,13 +100,15 @@ void ModbusSink::Worker::lose(const char* why) {
 }
 
 SafetyOutput ModbusSink::Worker::decide(std::int64_t now) {
-  if (PublishedCommand fresh; commands.take(fresh)) newest = fresh;
+  const double elapsed = seconds(now - last_step);
+  last_step = now;
   const unsigned asked = requests.exchange(0);
   SafetyInputs inputs;
-  // A cycle that waited for its reply is long; a thread that was kept from running must not make a step of
-  // it.
-  inputs.dt = std::min(seconds(now - last_step), profile.response_timeout + 2 / profile.rate);
-  last_step = now;
+  inputs.dt = running.advance(elapsed);
+  if (PublishedCommand fresh; commands.take(fresh)) {
+    newest = fresh;
+    lost_before = running.lost;
+  }
   inputs.connected = link.is_open() && handshaken && any_answer &&
                      seconds(now - last_answer) <= profile.safety.answer_timeout;
   inputs.device_ready = device.ready;
@@ -119,7 +121,8 @@ SafetyOutput ModbusSink::Worker::decide(std::int64_t now) {
   inputs.disarm = (asked & kDisarm) != 0 || closing;
   inputs.reset = (asked & kReset) != 0;
   inputs.continue_after_loss = options.continue_after_loss && !closing;
-  inputs.tick_age = newest.time == 0 ? std::numeric_limits<double>::infinity() : seconds(now - newest.time);
+  inputs.tick_age = newest.time == 0 ? std::numeric_limits<double>::infinity()
+                                     : seconds(now - newest.time) - (running.lost - lost_before);
   inputs.wanted = newest.command.wanted;
   const bool can_arm = safety.state == SafetyState::idle && inputs.device_ready && newest.time != 0;
   inputs.arm = inputs.arm || (auto_arm && can_arm);

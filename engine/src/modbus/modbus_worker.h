@@ -14,6 +14,7 @@
 #include "lumbrical/modbus_sink.h"
 #include "modbus/exchange_words.h"
 #include "modbus/modbus_link.h"
+#include "modbus/running_time.h"
 
 namespace lumbrical {
 
@@ -52,6 +53,8 @@ struct ModbusSink::Worker {
   // The thread's own.
   PublishedCommand newest;
   std::int64_t opened = 0, last_step = 0, last_answer = 0, next_try = 0, last_echo_change = 0;
+  RunningTime running;
+  double lost_before = 0;  // of running.lost, when the newest command came
   double retry = 0;
   bool any_answer = false, handshaken = false, complained = false;
   DeviceStatus device;
@@ -63,7 +66,12 @@ struct ModbusSink::Worker {
   const char* last_problem = nullptr;
 
   explicit Worker(const DeviceProfile& wanted, const SinkOptions& chosen)
-      : profile(wanted), options(chosen), words(wanted), safety(start_safety(wanted)), auto_arm(chosen.arm) {}
+      : profile(wanted),
+        options(chosen),
+        words(wanted),
+        safety(start_safety(wanted)),
+        auto_arm(chosen.arm),
+        running{1 / wanted.rate} {}
 
   void run();
   void set_up_thread();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -209,7 +210,9 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   if (vertices >= 0xffffffffu || triangles >= 0xffffffffu) {
     return Status::error("the scene has more than 2^32 vertices or triangles; split it");
   }
+  static std::atomic<std::uint64_t> builds{0};
   Model built;
+  built.build = ++builds;
   built.hand = scene.hand;
   built.settings = scene.settings;
   built.execution = execution;

@@ -260,15 +260,7 @@ bool add_contact_jacobian(const Prism& prism, const Contact& contact, Vec3 joint
   const HalfPlane& palmar = facet.cut[0];
   const LinearField field{palmar.offset, -1.0 * palmar.direction};
   SlopeMoments slope;
-  const auto add = [&](Point2 p, double weight) {
-    const double share = -weight * palmar.along;
-    slope.one += share;
-    slope.x += share * p.x;
-    slope.y += share * p.y;
-    slope.xx += share * p.x * p.x;
-    slope.xy += share * p.x * p.y;
-    slope.yy += share * p.y * p.y;
-  };
+  const auto add = [&](Point2 p, double weight) { slope.add(p, -weight * palmar.along); };
   for (std::size_t i = 1; i + 1 < static_cast<std::size_t>(polygon.count); ++i) {
     triangle_nodes(add, kGauss4, polygon.corner[0], polygon.corner[i], polygon.corner[i + 1]);
   }

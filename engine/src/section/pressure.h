@@ -25,6 +25,14 @@ PressureMoments field_moments(const FieldKernels& kernels, const Section& sectio
 /// itself [m^2], and times x, y [m^3], x^2, x y, y^2 [m^4].
 struct SlopeMoments {
   double one = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+  void add(Point2 p, double share) {
+    one += share;
+    x += share * p.x;
+    y += share * p.y;
+    xx += share * p.x * p.x;
+    xy += share * p.x * p.y;
+    yy += share * p.y * p.y;
+  }
 };
 SlopeMoments slope_moments(const Section& section, const AreaMoments& area, const Boundary& boundary);
 

@@ -113,13 +113,7 @@ SlopeMoments slope_moments(const Section& section, const AreaMoments& area, cons
   SlopeMoments sum;
   const auto add = [&](int zone, Point2 p, double weight) {
     const Slope slope = slope_in(section, slant, zone, p.x);
-    const double share = weight * (slope.constant + slope.factor / std::sqrt(slope.d2 + p.y * p.y));
-    sum.one += share;
-    sum.x += share * p.x;
-    sum.y += share * p.y;
-    sum.xx += share * p.x * p.x;
-    sum.xy += share * p.x * p.y;
-    sum.yy += share * p.y * p.y;
+    sum.add(p, weight * (slope.constant + slope.factor / std::sqrt(slope.d2 + p.y * p.y)));
   };
   if (small_region_nodes(section, slant, area, boundary, 2, add)) return sum;
   return slope_by_boundary(section, slant, boundary);

@@ -8,41 +8,19 @@
 // after scaling an ellipse (gamma > 0) to a circle. S and W are analytic at 0, so the limit gamma -> 0 (an
 // axis parallel to the plane: the section is a strip) and hyperbolas (gamma < 0: the side of a cone) need no
 // special case.
-#include <array>
 #include <cmath>
 
 #include "base/elementary.h"
+#include "section/bulge_series.h"
 #include "section/section.h"
 
 namespace lumbrical {
 namespace {
 
-constexpr int kTerms = 18;
+constexpr std::size_t kTerms = 18;
 constexpr double kSeriesLimit = 0.1;  // of t^2; eighteen terms leave less than 1e-17
 
-struct Series {
-  std::array<double, kTerms> s{}, w{};
-};
-
-// S(u) = 3 sum C_k u^k / (2k + 3) with C_k = binomial(2k, k) / 4^k, and W(u) = (1 - sqrt(1 - u) S(u)) / u.
-constexpr Series make_series() {
-  Series series;
-  std::array<double, kTerms + 1> s{}, root{};
-  double central = 1, r = 1;
-  for (int k = 0; k <= kTerms; ++k) {
-    const std::size_t i = static_cast<std::size_t>(k);
-    s[i] = 3 * central / (2 * k + 3);
-    central *= (2.0 * k + 1) / (2.0 * k + 2);
-    root[i] = r;
-    r *= (k - 0.5) / (k + 1);
-  }
-  for (std::size_t k = 0; k < kTerms; ++k) {
-    series.s[k] = s[k];
-    for (std::size_t j = 0; j <= k + 1; ++j) series.w[k] -= root[j] * s[k + 1 - j];
-  }
-  return series;
-}
-constexpr Series kSeries = make_series();
+constexpr BulgeSeries<kTerms> kSeries = bulge_series<kTerms>();
 
 struct Bulge {
   double s, w;

@@ -1,12 +1,16 @@
 #include "stages/broadphase.h"
 
 #include <algorithm>
+#include <atomic>
+#include <numeric>
 
+#include "base/parallel.h"
 #include "base/radix_sort.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
 #include "lanes/field_kernels.h"
+#include "lanes/near_pairs.h"
 #include "lanes/tree_search.h"
 
 namespace lumbrical {
@@ -14,36 +18,34 @@ namespace {
 
 constexpr std::uint32_t kBatch = MissTerms::kCapacity;
 
-// The search for one primitive's candidates.
+// Pairs below which threads cost more than they bring (measured, bench/results), when searching and when
+// lists are gone through.
+constexpr std::size_t kSerialSearch = 2048, kSerialLists = 16384;
+
+// A list costs twice a search: no more than this many are made in a tick, so that none takes much longer than
+// one without lists.
+constexpr int kMostNew = 4;
+
+// Ticks without lists after they did not fit.
+constexpr std::uint32_t kRest = 1000;
+
+// Where searches leave what they find: primitive << 33 | triangle << 1 | doubtful, in any order.
+struct Found {
+  std::span<std::uint64_t> room;
+  std::atomic<std::size_t> count{0};
+};
+
+// The search for one primitive's pairs.
 struct Search {
   const Model& model;
   const FieldKernels& kernels;
-  Scratch& scratch;
+  Scratch::Searcher& memory;
   MissTerms& terms;
+  Found& found;
+  const Hull* hull = nullptr;
   std::uint64_t index = 0;  // of the primitive
+  double skin = 0;          // [m]; 0: candidates themselves are wanted
 };
-
-void add_plane(const HalfSpace& space, double overhang, MissTerms& terms) {
-  terms.plane[terms.plane_count++] = {space.normal, dot(space.normal, space.point - terms.end1) + overhang};
-}
-
-// The primitive's round hull and the planes that bound it besides.
-void set_primitive(const Primitive& primitive, const Prism& palm, MissTerms& terms) {
-  const Vec3 span = primitive.end2 - primitive.end1;
-  terms.length = norm(span);
-  terms.end1 = primitive.end1;
-  terms.axis = terms.length > 0 ? span / terms.length : Vec3{};
-  terms.radius1 = primitive.radius1;
-  terms.radius2 = primitive.radius2;
-  terms.most = max(primitive.radius1, primitive.radius2);
-  terms.plane_count = 0;
-  for (std::size_t i = 0; i < primitive.cut_count; ++i) {
-    add_plane(primitive.cut[i], primitive.overhang[i], terms);
-  }
-  if (primitive.shape != Shape::prism) return;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(palm.face_count); ++i)
-    add_plane(palm.face[i], 0, terms);
-}
 
 void set_corner(const Triangles& world, std::uint32_t vertex, std::size_t k,
                 double (&corner)[3][MissTerms::kCapacity]) {
@@ -52,11 +54,7 @@ void set_corner(const Triangles& world, std::uint32_t vertex, std::size_t k,
   corner[2][k] = world.z[vertex];
 }
 
-// Keeps those of up to kBatch triangles that the primitive does not certainly miss; false where there is no
-// room.
-bool keep(Search& search, std::span<const std::uint32_t> triangles) {
-  const Triangles& world = search.model.triangles;
-  MissTerms& terms = search.terms;
+void set_triangles(const Triangles& world, std::span<const std::uint32_t> triangles, MissTerms& terms) {
   terms.count = triangles.size();
   const std::size_t padded = (triangles.size() + 15) / 16 * 16;
   for (std::size_t k = 0; k < padded; ++k) {
@@ -65,14 +63,50 @@ bool keep(Search& search, std::span<const std::uint32_t> triangles) {
     set_corner(world, world.b[triangle], k, terms.b);
     set_corner(world, world.c[triangle], k, terms.c);
   }
-  search.kernels.certain_misses(terms);
-  Scratch& scratch = search.scratch;
-  for (std::size_t k = 0; k < triangles.size(); ++k) {
-    if (terms.miss[k] != 0) continue;
-    if (scratch.candidate_count == scratch.candidates.size()) return false;
-    scratch.candidates[scratch.candidate_count++] = search.index << 32 | triangles[k];
-  }
+}
+
+bool is_within(const double (&corner)[3][MissTerms::kCapacity], std::size_t k, Vec3 centre, double reach) {
+  const Vec3 from = Vec3{corner[0][k], corner[1][k], corner[2][k]} - centre;
+  return dot(from, from) <= reach * reach;
+}
+
+bool append(Found& found, std::span<const std::uint64_t> pairs) {
+  const std::size_t first = found.count.fetch_add(pairs.size(), std::memory_order_relaxed);
+  if (first + pairs.size() > found.room.size()) return false;
+  std::copy(pairs.begin(), pairs.end(), found.room.begin() + static_cast<std::ptrdiff_t>(first));
   return true;
+}
+
+// Keeps those of up to kBatch triangles that the primitive does not certainly miss; false where there is no
+// room.
+bool keep(Search& search, std::span<const std::uint32_t> triangles) {
+  MissTerms& terms = search.terms;
+  set_triangles(search.model.triangles, triangles, terms);
+  std::array<std::uint64_t, kBatch> pairs;
+  std::size_t count = 0;
+  const std::uint64_t first = search.index << 33;
+  search.kernels.certain_misses(terms);
+  if (!(search.skin > 0)) {
+    for (std::size_t k = 0; k < triangles.size(); ++k) {
+      pairs[count] = first | std::uint64_t{triangles[k]} << 1;
+      count += terms.miss[k] == 0;
+    }
+    return append(search.found, {pairs.data(), count});
+  }
+  std::array<double, kBatch> misses_wide;
+  std::copy_n(terms.miss, kBatch, misses_wide.begin());
+  set_terms(*search.hull, -search.skin, terms);
+  search.kernels.certain_misses(terms);
+  set_terms(*search.hull, search.skin, terms);
+  const double reach = reach_of(*search.hull);
+  for (std::size_t k = 0; k < triangles.size(); ++k) {
+    const bool within = is_within(terms.a, k, terms.end1, reach) &&
+                        is_within(terms.b, k, terms.end1, reach) && is_within(terms.c, k, terms.end1, reach);
+    const bool doubtful = !within || terms.miss[k] != 0;
+    pairs[count] = first | std::uint64_t{triangles[k]} << 1 | (doubtful ? 1u : 0u);
+    count += !within || misses_wide[k] == 0;
+  }
+  return append(search.found, {pairs.data(), count});
 }
 
 bool search_all(Search& search) {
@@ -89,7 +123,7 @@ bool search_all(Search& search) {
 bool search_tree(Search& search, const Primitive& primitive, const SphereTree& tree) {
   constexpr std::size_t kBlocks = kBatch / SphereBlock::kWidth;
   const SphereQuery query = query_of(tree, primitive);
-  const auto blocks = search_leaves(tree, query, search.kernels, search.scratch.frontier);
+  const auto blocks = search_leaves(tree, query, search.kernels, search.memory.frontier);
   std::array<std::uint32_t, 2 * kBatch> batch;
   std::size_t size = 0;
   for (std::size_t i = 0; i < blocks.size(); i += kBlocks) {
@@ -116,11 +150,11 @@ bool search_cells(Search& search, const Primitive& primitive, std::span<const st
 // Triangles centred in the voxels near by, and the wide ones.
 bool search_voxels(Search& search, const Primitive& primitive) {
   const VoxelIndex& index = *search.model.voxels;
-  const std::size_t count = find_voxels(index, primitive, search.scratch.cells);
+  const std::size_t count = find_voxels(index, primitive, search.memory.cells);
   std::array<std::uint32_t, kBatch> batch;
   std::uint32_t size = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    for (const std::uint32_t triangle : centred_in(index, search.scratch.cells[i])) {
+    for (const std::uint32_t triangle : centred_in(index, search.memory.cells[i])) {
       batch[size++] = triangle;
       if (size < kBatch) continue;
       if (!keep(search, batch)) return false;
@@ -131,15 +165,202 @@ bool search_voxels(Search& search, const Primitive& primitive) {
   return !may_reach(index.wide, primitive) || search_tree(search, primitive, index.wide);
 }
 
-Box box_round(const Primitives& hand) {
+Box box_round(const Primitives& hand, double skin) {
   Box box;
   for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i) {
     const Primitive& primitive = hand.primitive[i];
-    const double reach = (1 + 1e-6) * max(primitive.radius1, primitive.radius2);
+    const double reach = (1 + 1e-6) * (max(primitive.radius1, primitive.radius2) + skin);
     box.add(primitive.end1, reach);
     box.add(primitive.end2, reach);
   }
   return box;
+}
+
+bool search_for(Search& search, Primitive primitive, std::span<const std::uint32_t> cells) {
+  primitive.radius1 += search.skin;
+  primitive.radius2 += search.skin;
+  set_terms(*search.hull, search.skin, search.terms);
+  switch (search.model.execution.broadphase) {
+    case Broadphase::tree:
+      return search_tree(search, primitive, search.model.tree);
+    case Broadphase::grid:
+      return search_cells(search, primitive, cells);
+    case Broadphase::voxel:
+      return search_voxels(search, primitive);
+    case Broadphase::automatic:  // a model holds one of the others
+    case Broadphase::brute:
+      return search_all(search);
+  }
+  return false;
+}
+
+// What is to be done about each primitive.
+struct Plan {
+  double most_skin = 0;                                     // [m]
+  std::array<bool, Primitives::kMaxCount> reuse{};          // the list at hand
+  std::array<double, Primitives::kMaxCount> skin{};         // [m] to search with; 0: makes no list
+  std::array<std::uint8_t, Primitives::kMaxCount> fresh{};  // those to be searched for
+  std::size_t fresh_count = 0;
+};
+
+// A list is worth its price where it lives for a few ticks, so for a primitive that moves slowly. Of lists
+// that are half used up the most used one gives way before it has to: else all would end in the same tick.
+Plan make_plan(const Primitives& hand, bool lists, NearPairs& near) {
+  const auto count = static_cast<std::size_t>(hand.count);
+  Plan plan;
+  const SkinLimits limits = lists ? skin_limits(hand) : SkinLimits{};
+  plan.most_skin = limits.most;
+  double most_used = 0.5 * kUse;
+  std::size_t eldest = count;
+  for (std::size_t i = 0; limits.most > 0 && i < count; ++i) {
+    const Hull& now = near.now[i];
+    const NearPairs::List& list = near.list[i];
+    const double used = list.skin > 0 ? distance_moved(list.at, now) / list.skin : 1;
+    plan.reuse[i] = used <= kUse;
+    plan.skin[i] = skin_for(distance_moved(near.last[i], now), limits);
+    if (!plan.reuse[i] || !(plan.skin[i] > 0) || !(used > most_used)) continue;
+    most_used = used;
+    eldest = i;
+  }
+  if (eldest < count) plan.reuse[eldest] = false;
+  int made = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (plan.reuse[i]) continue;
+    plan.fresh[plan.fresh_count++] = static_cast<std::uint8_t>(i);
+    if (plan.skin[i] > 0 && made++ >= kMostNew) plan.skin[i] = 0;
+  }
+  return plan;
+}
+
+// Searches for the primitives of `fresh`, shared out over as many threads as there is memory for. What is
+// found comes in any order.
+void search_shared(const Model& model, const Primitives& hand, const Plan& plan, std::uint32_t threads,
+                   std::span<const std::uint32_t> cells, Scratch& scratch, Found& found) {
+  const FieldKernels& kernels = field_kernels(model.execution.isa);
+  std::atomic<std::size_t> next{0};
+  const auto work = [&](std::size_t first, std::size_t last) {
+    MissTerms terms;
+    for (std::size_t searcher = first; searcher < last; ++searcher) {
+      Search search{model, kernels, scratch.searcher[searcher], terms, found};
+      for (std::size_t k = next++; k < plan.fresh_count; k = next++) {
+        const std::size_t i = plan.fresh[k];
+        search.index = i;
+        search.hull = &scratch.near->now[i];
+        search.skin = plan.skin[i];
+        if (!search_for(search, hand.primitive[i], cells)) return;
+      }
+    }
+  };
+  parallel_chunks(threads, 1, threads, work);
+}
+
+// How many threads pay for searches: by what was found last time, since nothing else is known.
+std::uint32_t threads_for_search(const Model& model, const Plan& plan, const Scratch& scratch) {
+  std::size_t pairs = 0;
+  for (std::size_t k = 0; k < plan.fresh_count; ++k) pairs += scratch.near->list[plan.fresh[k]].count;
+  if (pairs < kSerialSearch || model.execution.broadphase == Broadphase::brute) return 1;
+  return static_cast<std::uint32_t>(scratch.searcher.size());
+}
+
+// Searches for the primitives that need it and puts what is found behind the lists that stay.
+bool search_fresh(const Model& model, const Primitives& hand, const Plan& plan, Scratch& scratch) {
+  NearPairs& near = *scratch.near;
+  const std::uint32_t threads = threads_for_search(model, plan, scratch);
+  keep_lists(plan.reuse, near);
+  std::span<const std::uint32_t> cells;
+  if (model.execution.broadphase == Broadphase::grid)
+    cells = {scratch.cells.data(), find_cells(model.grid, box_round(hand, plan.most_skin), scratch.cells)};
+  Found found{std::span(near.pairs).subspan(near.size)};
+  search_shared(model, hand, plan, threads, cells, scratch, found);
+  if (found.count > found.room.size()) return false;
+  const std::span<std::uint64_t> pairs = found.room.first(found.count);
+  // Brute force finds them in order.
+  if (model.execution.broadphase != Broadphase::brute) radix_sort(pairs, scratch.sorting);
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < plan.fresh_count; ++k) {
+    const std::size_t i = plan.fresh[k], first = next;
+    while (next < pairs.size() && pairs[next] >> 33 == i) ++next;
+    NearPairs::List& list = near.list[i];
+    if (plan.skin[i] > 0) list.at = near.now[i];
+    list.skin = plan.skin[i];
+    list.first = near.size + first;
+    list.count = next - first;
+  }
+  near.size += pairs.size();
+  return true;
+}
+
+constexpr std::uint64_t kMissed = ~std::uint64_t{0};
+
+// Asks about up to kBatch doubtful pairs; those that miss are marked in `to`.
+void ask(const Triangles& world, const FieldKernels& kernels, const Hull& hull,
+         std::span<const std::uint32_t> places, std::uint64_t* to) {
+  MissTerms terms;
+  set_terms(hull, 0, terms);
+  std::array<std::uint32_t, kBatch> triangles;
+  for (std::size_t k = 0; k < places.size(); ++k) triangles[k] = static_cast<std::uint32_t>(to[places[k]]);
+  set_triangles(world, {triangles.data(), places.size()}, terms);
+  kernels.certain_misses(terms);
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    if (terms.miss[k] != 0) to[places[k]] = kMissed;
+  }
+}
+
+// Writes a list's pairs to `to`, those that certainly miss as kMissed. Returns how many were doubtful.
+std::size_t write_list(const Model& model, const Hull& now, std::span<const std::uint64_t> pairs,
+                       std::uint64_t* to) {
+  const FieldKernels& kernels = field_kernels(model.execution.isa);
+  std::array<std::uint32_t, kBatch> places;
+  std::size_t open = 0, asked = 0;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    to[k] = pairs[k] >> 1;
+    places[open] = static_cast<std::uint32_t>(k);
+    open += pairs[k] & 1;
+    if (open < kBatch) continue;
+    ask(model.triangles, kernels, now, {places.data(), open}, to);
+    asked += open;
+    open = 0;
+  }
+  if (open > 0) ask(model.triangles, kernels, now, {places.data(), open}, to);
+  return asked + open;
+}
+
+// From the lists to the candidates; false where they don't fit. Every list has places of its own, so the
+// order of the work doesn't matter.
+bool write_candidates(const Model& model, const Primitives& hand, Scratch& scratch) {
+  NearPairs& near = *scratch.near;
+  const auto lists = static_cast<std::size_t>(hand.count);
+  std::array<std::size_t, Primitives::kMaxCount> place{}, doubtful{};
+  std::size_t total = 0;
+  for (std::size_t i = 0; i < lists; ++i) {
+    place[i] = total;
+    total += near.list[i].count;
+  }
+  if (total > scratch.candidates.size()) return false;
+  std::uint64_t* const to = scratch.candidates.data();
+  const std::uint32_t threads = total < kSerialLists ? 1 : model.execution.threads;
+  parallel_chunks(lists, 1, threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const std::span pairs = std::span(near.pairs).subspan(near.list[i].first, near.list[i].count);
+      doubtful[i] = write_list(model, near.now[i], pairs, to + place[i]);
+    }
+  });
+  const std::size_t asked = std::accumulate(doubtful.begin(), doubtful.end(), std::size_t{0});
+  std::size_t count = asked > 0 ? 0 : total;
+  for (std::size_t k = 0; asked > 0 && k < total; ++k) {
+    to[count] = to[k];
+    count += to[k] != kMissed;
+  }
+  near.asked = static_cast<std::uint32_t>(asked);
+  scratch.candidate_count = static_cast<std::uint32_t>(count);
+  return true;
+}
+
+bool try_find(const Model& model, const Primitives& hand, bool lists, Scratch& scratch) {
+  const Plan plan = make_plan(hand, lists, *scratch.near);
+  scratch.near->searches = static_cast<std::uint32_t>(plan.fresh_count);
+  return (plan.fresh_count == 0 || search_fresh(model, hand, plan, scratch)) &&
+         write_candidates(model, hand, scratch);
 }
 
 }  // namespace
@@ -149,51 +370,39 @@ void size_candidates(const Model& model, Scratch& scratch) {
   const std::size_t capacity = std::min<std::size_t>(model.settings.max_candidates, all_pairs);
   scratch.candidates.resize(capacity);
   scratch.sorting.resize(capacity);
+  scratch.near = std::make_shared<NearPairs>();
+  scratch.near->pairs.resize(capacity);
+  scratch.near->other.resize(capacity);
   std::size_t frontier_size = frontier_capacity(model.tree);
   for (const SphereTree& tree : model.grid.tree)
     frontier_size = std::max(frontier_size, frontier_capacity(tree));
   if (model.voxels) frontier_size = std::max(frontier_size, frontier_capacity(model.voxels->wide));
-  for (auto& frontier : scratch.frontier) frontier.resize(frontier_size);
-  scratch.cells.resize(model.voxels ? model.voxels->lists.voxel.size() : model.grid.tree.size());
+  scratch.searcher.resize(model.execution.threads);
+  for (Scratch::Searcher& searcher : scratch.searcher) {
+    for (auto& frontier : searcher.frontier) frontier.resize(frontier_size);
+    searcher.cells.resize(model.voxels ? model.voxels->lists.voxel.size() : 0);
+  }
+  scratch.cells.resize(model.grid.tree.size());
 }
 
 bool find_candidates(const Model& model, const Primitives& hand, Scratch& scratch) {
   scratch.candidate_count = 0;
   if (hand.count == 0 || model.triangles.size() == 0) return true;
-  std::span<const std::uint32_t> cells;
-  if (model.execution.broadphase == Broadphase::grid)
-    cells = {scratch.cells.data(), find_cells(model.grid, box_round(hand), scratch.cells)};
-  MissTerms terms;
-  Search search{model, field_kernels(model.execution.isa), scratch, terms};
-  for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i) {
-    const Primitive& primitive = hand.primitive[i];
-    search.index = i;
-    set_primitive(primitive, hand.palm, search.terms);
-    bool fits = true;
-    switch (model.execution.broadphase) {
-      case Broadphase::tree:
-        fits = search_tree(search, primitive, model.tree);
-        break;
-      case Broadphase::grid:
-        fits = search_cells(search, primitive, cells);
-        break;
-      case Broadphase::voxel:
-        fits = search_voxels(search, primitive);
-        break;
-      case Broadphase::automatic:  // a model holds one of the others
-      case Broadphase::brute:
-        fits = search_all(search);
-        break;
-    }
-    if (!fits) {
-      scratch.candidate_count = 0;
-      return false;
-    }
+  NearPairs& near = *scratch.near;
+  const bool other_world = near.build != model.build;
+  near.build = model.build;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i)
+    set_hull(hand.primitive[i], hand.palm, near.now[i]);
+  if (near.rest > 0) --near.rest;
+  const bool lists = scratch.keep_near && !other_world && near.rest == 0 && model.build != 0 &&
+                     model.execution.broadphase != Broadphase::brute;
+  bool fits = try_find(model, hand, lists, scratch);
+  if (!fits && lists) {
+    near.rest = kRest;
+    fits = try_find(model, hand, false, scratch);
   }
-  // Brute force finds them in order.
-  if (model.execution.broadphase != Broadphase::brute)
-    radix_sort({scratch.candidates.data(), scratch.candidate_count}, scratch.sorting);
-  return true;
+  near.now.swap(near.last);
+  return fits;
 }
 
 }  // namespace lumbrical

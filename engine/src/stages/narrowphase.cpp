@@ -132,8 +132,9 @@ struct PairWork {
   PairWork(const Model& m, const Primitives& h, const FieldKernels& k) : model(m), hand(h), kernels(k) {}
 };
 
-// What the lanes left of a cone's contact, with the cuts the lanes had.
-void finish_slivers(Contact& contact, const PairWork& work) {
+// What the lanes left of a cone's contact, with the cuts the lanes had; false where it is for the general
+// path.
+bool finish_slivers(Contact& contact, const PairWork& work) {
   const Primitive& primitive = work.hand.primitive[contact.primitive];
   const auto [a, b, c] = corners_of(work.model.triangles, contact.triangle);
   Section section;
@@ -141,23 +142,31 @@ void finish_slivers(Contact& contact, const PairWork& work) {
   for (std::size_t k = 0; k < work.shared_count; ++k) {
     if (work.shared[k].contact == &contact) own = &work.shared[k].cut;
   }
-  if (look_from_plane(own != nullptr ? tile_cut_so(primitive, *own) : primitive, a, b, c, section))
-    add_slivers(work.kernels, section, contact);
+  return !look_from_plane(own != nullptr ? tile_cut_so(primitive, *own) : primitive, a, b, c, section) ||
+         add_slivers(work.kernels, section, contact);
 }
 
 void finish(PairWork& work) {
   const RoundRest rest = finish_batch(work.batch);
-  for (Contact* contact : rest.slivers) finish_slivers(*contact, work);
+  std::size_t uneven = 0;  // slivers that were not smooth enough
+  for (Contact* contact : rest.slivers) {
+    if (finish_slivers(*contact, work)) continue;
+    contact->area = 0;
+    rest.slivers[uneven++] = contact;
+  }
   for (std::size_t k = 0; k < work.shared_count; ++k) {
     const auto& [contact, cut] = work.shared[k];
     if (!cut.curved || !(contact->area > 0)) continue;
     const Corners at = corners_of(work.model.triangles, contact->triangle);
-    add_bulge(work.hand, work.hand.primitive[contact->primitive], cut, work.model.settings.tolerance, at.a,
-              at.b, *contact);
+    add_bulge(work.kernels, work.hand, work.hand.primitive[contact->primitive], cut,
+              work.model.settings.tolerance, at.a, at.b, *contact);
   }
   work.shared_count = 0;
-  for (Contact* contact : rest.unsure)
-    collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
+  const auto collide_anew = [&](std::span<Contact* const> left) {
+    for (Contact* contact : left) collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
+  };
+  collide_anew(rest.slivers.first(uneven));
+  collide_anew(rest.unsure);
 }
 
 void take_pair(Contact& contact, PairWork& work) {
@@ -194,11 +203,9 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
     add_to_batch(a, b, c, primitive.cut, contact, batch);
     const RoundRest rest = finish_batch(batch);
     Section section;
-    if (rest.unsure.empty()) {
-      if (!rest.slivers.empty() && look_from_plane(primitive, a, b, c, section))
-        add_slivers(query.kernels, section, contact);
-      return contact.area > 0;
-    }
+    const bool whole = rest.slivers.empty() || !look_from_plane(primitive, a, b, c, section) ||
+                       add_slivers(query.kernels, section, contact);
+    if (rest.unsure.empty() && whole) return contact.area > 0;
   }
   Section section;
   return look_from_plane(primitive, a, b, c, section) &&

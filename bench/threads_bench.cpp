@@ -1,0 +1,97 @@
+// What threads bring: the stages of a tick and the whole of it, for a hand pressed into scene A, by number of
+// triangles and threads; and a batch of independent poses. Microseconds of wall time: nothing else should
+// run.
+#include <benchmark/benchmark.h>
+
+#include <string>
+#include <vector>
+
+#include "../tests/pressed_hand.h"
+#include "../tests/session.h"
+#include "lumbrical/batch.h"
+#include "stages/broadphase.h"
+#include "stages/hand_pose.h"
+#include "stages/narrowphase.h"
+
+namespace {
+
+using namespace lumbrical;
+
+struct Work {
+  Model model;
+  Scratch scratch;
+  DeviceFrame frame;
+  Primitives hand;
+};
+
+Work work_of(std::uint32_t cells, std::uint32_t threads) {
+  Work work;
+  const Scene scene = test::pressed_scene(test::kWidthA, cells);
+  Execution execution;
+  execution.threads = threads;
+  work.model = test::model_of(scene, execution);
+  work.scratch = make_scratch(work.model);
+  work.scratch.keep_near = false;
+  work.frame = test::pressed_frame(scene.hand, 0.002, 0.1);
+  pose_hand(work.model.hand, work.model.settings, work.frame, work.hand);
+  find_candidates(work.model, work.hand, work.scratch);
+  return work;
+}
+
+void search(benchmark::State& state, std::uint32_t cells, std::uint32_t threads, bool keep) {
+  Work work = work_of(cells, threads);
+  work.scratch.keep_near = keep;
+  for (int i = 0; i < 3; ++i) find_candidates(work.model, work.hand, work.scratch);
+  for (auto _ : state) benchmark::DoNotOptimize(find_candidates(work.model, work.hand, work.scratch));
+  state.counters["candidates"] = work.scratch.candidate_count;
+}
+
+void contacts(benchmark::State& state, std::uint32_t cells, std::uint32_t threads) {
+  Work work = work_of(cells, threads);
+  const std::span<const std::uint64_t> candidates(work.scratch.candidates.data(),
+                                                  work.scratch.candidate_count);
+  std::vector<Contact> found(candidates.size());
+  for (auto _ : state) benchmark::DoNotOptimize(find_contacts(work.model, work.hand, candidates, found));
+  state.counters["candidates"] = work.scratch.candidate_count;
+}
+
+void whole_tick(benchmark::State& state, std::uint32_t cells, std::uint32_t threads) {
+  Work work = work_of(cells, threads);
+  State engine_state;
+  for (auto _ : state) benchmark::DoNotOptimize(tick(work.model, engine_state, work.scratch, work.frame));
+  state.counters["candidates"] = work.scratch.candidate_count;
+}
+
+void batch(benchmark::State& state, std::uint32_t threads) {
+  const Scene scene = test::mug_scene(Law::field);
+  const Model model = test::model_of(scene);
+  const std::vector<DeviceFrame> frames = test::grasp_frames(scene.hand, 400);
+  std::vector<ActuatorFrame> output(frames.size());
+  for (auto _ : state) {
+    std::vector<State> states(frames.size());
+    tick_each(model, frames, states, output, threads);
+  }
+  state.counters["poses"] = static_cast<double>(frames.size());
+}
+
+void add_all() {
+  for (const std::uint32_t threads : {1u, 2u, 4u}) {
+    const auto add = [&](const std::string& name, auto function) {
+      benchmark::RegisterBenchmark((name + "/threads:" + std::to_string(threads)).c_str(), function)
+          ->Unit(benchmark::kMicrosecond)
+          ->UseRealTime();
+    };
+    for (const std::uint32_t cells : {9u, 20u, 29u, 40u, 69u, 140u, 224u, 708u}) {
+      const std::string size = "/" + std::to_string(2 * cells * cells);
+      add("search" + size, [=](benchmark::State& state) { search(state, cells, threads, false); });
+      add("lists" + size, [=](benchmark::State& state) { search(state, cells, threads, true); });
+      add("contacts" + size, [=](benchmark::State& state) { contacts(state, cells, threads); });
+      add("tick" + size, [=](benchmark::State& state) { whole_tick(state, cells, threads); });
+    }
+    add("batch/grasp", [=](benchmark::State& state) { batch(state, threads); });
+  }
+}
+
+const bool added = (add_all(), true);
+
+}  // namespace

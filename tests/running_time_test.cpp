@@ -1,0 +1,33 @@
+// Time as the sink's thread counts it: its own sleep is no time.
+#include "modbus/running_time.h"
+
+#include <gtest/gtest.h>
+
+namespace lumbrical {
+namespace {
+
+TEST(RunningTime, CountsAStallAsTwoUsualCyclesAndTellsTheRest) {
+  RunningTime running{0.001};
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(running.advance(0.001), 0.001);
+  EXPECT_EQ(running.lost, 0);
+  EXPECT_NEAR(running.advance(0.0076), 0.002, 1e-15);
+  EXPECT_NEAR(running.lost, 0.0056, 1e-15);
+  EXPECT_EQ(running.advance(0.001), 0.001);
+}
+
+TEST(RunningTime, GetsUsedToASlowerBusAndToAFasterOne) {
+  RunningTime running{0.001};
+  double wall = 0, counted = 0;
+  for (int i = 0; i < 100; ++i) {
+    wall += 0.012;
+    counted += running.advance(0.012);
+  }
+  EXPECT_EQ(running.advance(0.012), 0.012);
+  EXPECT_NEAR(running.lost, wall - counted, 1e-12);
+  EXPECT_LT(running.lost, 0.5);
+  for (int i = 0; i < 200; ++i) EXPECT_EQ(running.advance(0.001), 0.001);
+  EXPECT_NEAR(running.advance(0.1), 0.002, 1e-6);
+}
+
+}  // namespace
+}  // namespace lumbrical
