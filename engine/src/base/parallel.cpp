@@ -1,6 +1,9 @@
 #include "base/parallel.h"
 
 #ifdef LUMBRICAL_TBB
+#include <array>
+#include <optional>
+
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>

@@ -86,40 +86,77 @@ struct ColumnResult {
   Point2 deepest_at{0, 0};
 };
 
+// The one face through which all of the polygon leaves, or -1. What is the least of linear functions at every
+// corner is it everywhere between.
+int only_exit(const Column& column, const Polygon2& polygon) {
+  const auto is_least = [&](int face, Point2 p) {
+    const double own = column.exit[static_cast<std::size_t>(face)].at(p);
+    for (int i = 0; i < column.count; ++i) {
+      if (column.exit[static_cast<std::size_t>(i)].at(p) < own) return false;
+    }
+    return true;
+  };
+  for (int face = 0; face < column.count; ++face) {
+    int corner = 0;
+    while (corner < polygon.count && is_least(face, polygon.corner[static_cast<std::size_t>(corner)]))
+      ++corner;
+    if (corner == polygon.count) return face;
+    if (corner > 0) return -1;  // the least at the first corner, and not at another
+  }
+  return -1;
+}
+
+void add_part(const Column& column, int face, const Polygon2& part, ColumnResult& result) {
+  add_moments(part, column.exit[static_cast<std::size_t>(face)], result.moments);
+  for (int i = 0; i < part.count; ++i) {
+    const Point2 p = part.corner[static_cast<std::size_t>(i)];
+    const double depth = least(column, p);
+    if (depth > result.deepest) {
+      result.deepest = depth;
+      result.deepest_at = p;
+    }
+  }
+}
+
 ColumnResult run_columns(const Column& column, const Polygon2& polygon) {
   ColumnResult result;
+  if (const int face = only_exit(column, polygon); face >= 0) {
+    add_part(column, face, polygon, result);
+    return result;
+  }
   for (int face = 0; face < column.count; ++face) {
     const Polygon2 part = part_through(column, face, polygon);
-    if (part.count < 3) continue;
-    add_moments(part, column.exit[static_cast<std::size_t>(face)], result.moments);
-    for (int i = 0; i < part.count; ++i) {
-      const Point2 p = part.corner[static_cast<std::size_t>(i)];
-      const double depth = least(column, p);
-      if (depth > result.deepest) {
-        result.deepest = depth;
-        result.deepest_at = p;
-      }
-    }
+    if (part.count >= 3) add_part(column, face, part, result);
   }
   return result;
 }
 
-// All corners on the outer side of one face: most triangles end here.
-bool beside(const Prism& prism, Vec3 a, Vec3 b, Vec3 c) {
-  for (int i = 0; i < prism.face_count; ++i) {
-    const HalfSpace& face = prism.face[static_cast<std::size_t>(i)];
-    if (dot(face.normal, a - face.point) > 0 && dot(face.normal, b - face.point) > 0 &&
-        dot(face.normal, c - face.point) > 0) {
-      return true;
+// How far the corners lie over the faces.
+struct Heights {
+  std::array<std::array<double, 3>, Prism::kMaxFaces> over;
+  bool beside = false;  // all of them over one face: most triangles end here
+};
+
+Heights heights_of(const Prism& prism, Vec3 a, Vec3 b, Vec3 c) {
+  Heights heights;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(prism.face_count); ++i) {
+    const HalfSpace& face = prism.face[i];
+    heights.over[i] = {dot(face.normal, a - face.point), dot(face.normal, b - face.point),
+                       dot(face.normal, c - face.point)};
+    const auto& [ha, hb, hc] = heights.over[i];
+    if (ha > 0 && hb > 0 && hc > 0) {
+      heights.beside = true;
+      break;
     }
   }
-  return false;
+  return heights;
 }
 
 }  // namespace
 
 bool collide_prism(const Prism& prism, Law law, double point_area, Vec3 a, Vec3 b, Vec3 c, Contact& contact) {
-  if (beside(prism, a, b, c)) return false;
+  const Heights heights = heights_of(prism, a, b, c);
+  if (heights.beside) return false;
   Plane plane{a, {}, {}, {}};
   if (!normal_of(a, b, c, plane.n)) return false;
   plane.u = unit_or(b - a, Vec3{});
@@ -130,6 +167,8 @@ bool collide_prism(const Prism& prism, Law law, double point_area, Vec3 a, Vec3 
   polygon.corner[1] = {dot(b - a, plane.u), dot(b - a, plane.v)};
   polygon.corner[2] = {dot(c - a, plane.u), dot(c - a, plane.v)};
   for (int i = 0; i < prism.face_count && polygon.count >= 3; ++i) {
+    const auto& [ha, hb, hc] = heights.over[static_cast<std::size_t>(i)];
+    if (ha <= 0 && hb <= 0 && hc <= 0) continue;
     const Linear height = height_over(prism.face[static_cast<std::size_t>(i)], plane);
     cut_polygon(height.slope, -height.value, polygon);
   }
