@@ -189,6 +189,8 @@ TEST(SceneFile, TellsEveryMistakeWithItsPlace) {
        ":1:59: objects[0].plane.cells is 4000000000 but must lie in 1 .. 2000"},
       {R"({"motion": {"grasp": {}}, "objects": [{"mug": {"wall": 0.03}}]})",
        ":1:47: objects[0].mug has a wall"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"mug": {"segments": 8, "handle_radius": 0.007}}]})",
+       ":1:47: objects[0].mug can't be made"},
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"law": "hard"}})",
        ":1:75: settings.law is not a law"},
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"rate": 0}})",
