@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
+#include "files.h"
 #include "motion_samples.h"
 
 namespace lumbrical::test {
@@ -41,8 +41,7 @@ TEST(MotionFile, RefusesImpossibleOptions) {
 }
 
 TEST(MotionFile, LoadsFromDiskAndRefusesWhatIsNoFile) {
-  const std::string path = ::testing::TempDir() + "lumbrical_motion_file_test.json";
-  std::ofstream(path, std::ios::binary) << angle_file();
+  const std::string path = write_file("motion.json", angle_file());
   Motion motion;
   EXPECT_TRUE(load_motion(path, {}, motion).ok());
   EXPECT_EQ(motion.samples.size(), 3u);
@@ -100,11 +99,6 @@ TEST(MotionFile, IsRefusedOrSoundWhenAnyByteIsChanged) {
 
 // Real captures.
 
-std::string data_folder() {
-  if (const char* folder = std::getenv("LUMBRICAL_DATA")) return folder;
-  return std::string(LUMBRICAL_SOURCE_DIR) + "/../shared/data";
-}
-
 struct Capture {
   const char* file;
   const char* format;
@@ -117,7 +111,7 @@ class RealCapture : public ::testing::TestWithParam<Capture> {};
 
 TEST_P(RealCapture, LoadsAsAPlausibleHand) {
   const Capture& expected = GetParam();
-  const std::string path = data_folder() + "/hands/" + expected.file;
+  const std::string path = (data_folder() / "hands" / expected.file).string();
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "The real captures are not here: " << path;
   Motion motion;
   const Status status = load_motion(path, {}, motion);

@@ -113,6 +113,18 @@ TEST(TickMessage, SurvivesAnyDamage) {
   }
 }
 
+// Found by fuzzing: commands to a device whose numbers lie where a processor may not read them.
+TEST(TickMessage, RefusesMisplacedNumbers) {
+  const std::vector<std::uint8_t> bytes =
+      read_bytes(LUMBRICAL_SOURCE_DIR "/tests/fuzz/corpus/messages/misaligned_sent");
+  ASSERT_GT(bytes.size(), 1u);
+  TickRecord record;
+  InputCheck check;
+  const Status status =
+      decode_tick(std::span(bytes).subspan(1), record, check);  // behind the kind of message
+  EXPECT_EQ(status.message(), "the tick message has a command to the device that can't be one");
+}
+
 TEST(SessionMessage, BringsTheSceneBackBitForBit) {
   Scene scene = small_scene();
   scene.hand.side = Side::left;

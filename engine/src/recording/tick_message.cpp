@@ -113,7 +113,7 @@ Status decode_sent(const fb::Tick& message, TickRecord& record) {
   if (message.sent() == nullptr) return {};
   for (const fb::Sent* const from : *message.sent()) {
     const std::uint32_t count = from->values() == nullptr ? 0 : from->values()->size();
-    if (record.sent_count == kMaxSentPerTick || count > kMaxActuators ||
+    if (record.sent_count == kMaxSentPerTick || count > kMaxActuators || !is_aligned(from->values()) ||
         from->state() > static_cast<std::uint8_t>(SafetyState::fault)) {
       return Status::error("the tick message has a command to the device that can't be one");
     }
