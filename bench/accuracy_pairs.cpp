@@ -2,17 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <numbers>
+
+#include "contact_pairs.h"
 
 namespace lumbrical::bench {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
-double power_of_ten(test::Random& random, double low, double high) {
-  return std::pow(10.0, random.between(low, high));
-}
+using test::kPi;
+using test::power_of_ten;
 
 Vec3 draw_axis(Angle angle, test::Random& random) {
   if (angle == Angle::any) return random.direction();
@@ -129,30 +126,17 @@ Pair draw_pair(Form form, Angle angle, test::Random& random) {
 }
 
 reference::Solid to_reference(const Primitive& primitive) {
-  const auto to = [](Vec3 a) { return reference::Vector<double>{a.x, a.y, a.z}; };
   reference::Solid solid;
   solid.flat = primitive.shape == Shape::flat;
-  solid.end1 = to(primitive.end1), solid.end2 = to(primitive.end2);
+  solid.end1 = test::to_reference(primitive.end1), solid.end2 = test::to_reference(primitive.end2);
   solid.radius1 = primitive.radius1, solid.radius2 = primitive.radius2;
   return solid;
 }
 
-reference::Triangle to_reference(const std::array<Vec3, 3>& corners) {
-  const auto to = [](Vec3 a) { return reference::Vector<double>{a.x, a.y, a.z}; };
-  return {to(corners[0]), to(corners[1]), to(corners[2])};
-}
+reference::Triangle to_reference(const std::array<Vec3, 3>& corners) { return test::to_reference(corners); }
 
 std::string describe(const Pair& pair) {
-  char text[700];
-  const Primitive& p = pair.primitive;
-  const auto& c = pair.corners;
-  std::snprintf(
-      text, sizeof text,
-      "%s ends {%.17g, %.17g, %.17g} {%.17g, %.17g, %.17g} radii %.17g %.17g triangle {%.17g, %.17g, %.17g} "
-      "{%.17g, %.17g, %.17g} {%.17g, %.17g, %.17g}",
-      p.shape == Shape::flat ? "flat" : "round", p.end1.x, p.end1.y, p.end1.z, p.end2.x, p.end2.y, p.end2.z,
-      p.radius1, p.radius2, c[0].x, c[0].y, c[0].z, c[1].x, c[1].y, c[1].z, c[2].x, c[2].y, c[2].z);
-  return text;
+  return test::describe(to_reference(pair.primitive), test::to_reference(pair.corners));
 }
 
 }  // namespace lumbrical::bench

@@ -101,7 +101,8 @@ Status measure_time(const SceneFile& file, const std::string& path) {
   return {};
 }
 
-Status measure_size(const SceneFile& file, const std::string& path) {
+Status measure_size(const SceneFile& file, const std::string& path, std::uint32_t force_interval) {
+  std::printf("forces of every %u. tick (0: of none)\n", force_interval);
   for (const auto& [name, compression] :
        {std::pair("none", Compression::none), std::pair("lz4", Compression::lz4),
         std::pair("zstd", Compression::zstd)}) {
@@ -110,6 +111,7 @@ Status measure_size(const SceneFile& file, const std::string& path) {
     Recorder recorder;
     RecorderOptions options;
     options.compression = compression;
+    options.force_interval = force_interval;
     if (Status status = recorder.open(path, file.scene, options); !status.ok()) return status;
     for (std::uint64_t i = 0; i < session.ticks(); ++i) session.run(session.frame(i), &recorder);
     if (Status status = recorder.close(); !status.ok()) return status;
@@ -201,7 +203,8 @@ int main(int argc, char** argv) {
     SceneFile file;
     status = load_scene_file(argv[2], file);
     if (status.ok()) status = measure_time(file, path);
-    if (status.ok()) status = measure_size(file, path);
+    for (const std::uint32_t force_interval : {1u, 10u, 0u})
+      if (status.ok()) status = measure_size(file, path, force_interval);
   } else if (command == "long") {
     status = measure_long(path, std::atof(argv[2]));
   }

@@ -306,6 +306,48 @@ TEST(CommandLine, AFailedRunLeavesTheGoodRecordingAlone) {
   EXPECT_EQ(read_file((folder / "a.mcap").string()), good);
 }
 
+// A file system of its own, half full of the recording: the real thing, where the system lets us have one.
+TEST(CommandLine, ARecordingOnAFullFileSystemStaysReadable) {
+  const fs::path folder = folder_with_demo();
+  if (shell("unshare -Urm true", folder).exit_code != 0)
+    GTEST_SKIP() << "no permission to mount a file system of our own";
+  const Outcome run = shell(
+      "unshare -Urm sh -c 'mkdir small && mount -t tmpfs -o size=1m none small && "
+      "( lumbrical run demo.json --ticks 4000 --record small/a.mcap --on-record-error continue "
+      "--json; echo $? >exit_code; df --output=avail small | tail -n 1 >left; "
+      "lumbrical recover small/a.mcap -o whole.mcap )'",
+      folder);
+  EXPECT_EQ(read_file((folder / "exit_code").string()), "2\n") << run.error;
+  EXPECT_NE(run.error.find("small/a.mcap: cannot be written: No space left on device"), std::string::npos)
+      << run.error;
+  EXPECT_LT(std::stoul(read_file((folder / "left").string())), 400u) << "it was not full";  // [KiB]
+  EXPECT_EQ(shell("lumbrical verify whole.mcap", folder).exit_code, 0);
+  const Outcome replay = shell("lumbrical replay whole.mcap --json", folder);
+  EXPECT_EQ(replay.exit_code, 0) << replay.error;
+  EXPECT_GT(replay.json()["ticks"], 250);
+  EXPECT_LT(replay.json()["ticks"], 4000);
+}
+
+TEST(CommandLine, ForcesAreLeftOutAsAsked) {
+  const fs::path folder = folder_with_demo();
+  for (const char* const forces : {"all", "10", "none"}) {
+    const std::string name = std::string(forces) + ".mcap";
+    ASSERT_EQ(
+        shell("lumbrical run demo.json --ticks 700 --record " + name + " --record-forces " + forces, folder)
+            .exit_code,
+        0);
+    EXPECT_EQ(shell("lumbrical replay " + name, folder).exit_code, 0);
+    EXPECT_EQ(shell("lumbrical diff all.mcap " + name, folder).exit_code, 0);
+  }
+  EXPECT_LT(fs::file_size(folder / "none.mcap"), fs::file_size(folder / "10.mcap"));
+  EXPECT_EQ(shell("lumbrical info none.mcap --json", folder).json()["version"], 2);
+  for (const char* const wrong : {"0", "1.5", "some", "-1", "''"})
+    EXPECT_EQ(shell(std::string("lumbrical run demo.json --record x.mcap --record-forces ") + wrong, folder)
+                  .exit_code,
+              2)
+        << wrong;
+}
+
 TEST(CommandLine, AFailedRecordingEndsTheSessionOrNotAsAsked) {
   const fs::path folder = folder_with_demo();
   // A file-size limit stands in for the full disk.

@@ -145,17 +145,31 @@ inline Pair random_pair(Form form, Random& random) {
   return pair;
 }
 
-inline std::string describe(const Pair& pair) {
-  char text[600];
-  const ProbePrimitive& p = pair.primitive;
-  const auto& c = pair.corners;
-  std::snprintf(
-      text, sizeof text,
-      "ends {%.17g, %.17g, %.17g} {%.17g, %.17g, %.17g} radii %.17g %.17g triangle {%.17g, %.17g, %.17g} "
-      "{%.17g, %.17g, %.17g} {%.17g, %.17g, %.17g}",
-      p.end1.x, p.end1.y, p.end1.z, p.end2.x, p.end2.y, p.end2.z, p.radius1, p.radius2, c[0].x, c[0].y,
-      c[0].z, c[1].x, c[1].y, c[1].z, c[2].x, c[2].y, c[2].z);
+/// All numbers with all their digits.
+inline std::string describe(const reference::Solid& solid, const reference::Triangle& triangle) {
+  std::string text = solid.flat ? "flat" : "round";
+  char number[32];
+  const auto add = [&](double value) {
+    std::snprintf(number, sizeof number, " %.17g", value);
+    text += number;
+  };
+  const auto add_point = [&](const char* name, const reference::Vector<double>& p) {
+    text += name;
+    for (const double value : {p.x, p.y, p.z}) add(value);
+  };
+  add_point(" ends", solid.end1);
+  add_point(",", solid.end2);
+  text += " radii";
+  add(solid.radius1);
+  add(solid.radius2);
+  add_point(" triangle", triangle[0]);
+  add_point(",", triangle[1]);
+  add_point(",", triangle[2]);
   return text;
+}
+
+inline std::string describe(const Pair& pair) {
+  return describe(to_reference(pair.primitive), to_reference(pair.corners));
 }
 
 }  // namespace lumbrical::test

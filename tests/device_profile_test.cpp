@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
-#include <sstream>
 #include <string>
 
+#include "files.h"
 #include "random.h"
 
 namespace lumbrical {
@@ -18,20 +18,7 @@ namespace fs = std::filesystem;
 
 const fs::path kShipped = fs::path(LUMBRICAL_SOURCE_DIR) / "examples/devices";
 
-std::string write(const std::string& text) {
-  const std::string test = ::testing::UnitTest::GetInstance()->current_test_info()->name();
-  const fs::path folder = fs::path(::testing::TempDir()) / ("device_profile_test_" + test);
-  fs::create_directories(folder);
-  const std::string path = (folder / "device.json").string();
-  std::ofstream(path, std::ios::binary) << text;
-  return path;
-}
-
-std::string read(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
+std::string write(const std::string& text) { return test::write_file("device.json", text); }
 
 DeviceProfile load(const std::string& path) {
   DeviceProfile profile;
@@ -198,7 +185,7 @@ TEST(DeviceProfile, TellsEveryMistakeWithLineAndColumn) {
 }
 
 TEST(DeviceProfile, SurvivesTruncationAndDamageAtEveryByte) {
-  const std::string whole = read(kShipped / "robotiq_2f.json");
+  const std::string whole = test::read_file(kShipped / "robotiq_2f.json");
   test::Random random(66);
   for (std::size_t i = 0; i < whole.size(); i += 7) {
     for (const std::string& text : {whole.substr(0, i), [&] {

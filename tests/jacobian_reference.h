@@ -14,29 +14,12 @@
 #include <vector>
 
 #include "model/primitive.h"
+#include "reference/vector.h"
 
 namespace lumbrical::test {
 
-template <class Real>
-struct Vector {
-  Real x{0}, y{0}, z{0};
-  friend Vector operator+(const Vector& a, const Vector& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-  friend Vector operator-(const Vector& a, const Vector& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-  friend Vector operator*(const Real& s, const Vector& a) { return {s * a.x, s * a.y, s * a.z}; }
-};
-template <class Real>
-Real dot(const Vector<Real>& a, const Vector<Real>& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-template <class Real>
-Vector<Real> cross(const Vector<Real>& a, const Vector<Real>& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-template <class Real>
-Vector<Real> unit(const Vector<Real>& a) {
-  using std::sqrt;
-  return Real(1 / sqrt(dot(a, a))) * a;
-}
+using reference::Vector;
+
 template <class Real>
 Vector<Real> wide(Vec3 a) {
   return {Real(a.x), Real(a.y), Real(a.z)};

@@ -3,11 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <random>
 #include <string>
 
+#include "files.h"
 #include "lumbrical/mesh.h"
 #include "lumbrical/shapes.h"
 
@@ -210,12 +210,6 @@ TEST(MeshReport, GivesAFewExamplesOfEachKindOnly) {
 
 // ---- Real meshes ----
 
-std::filesystem::path data_folder() {
-  const char* const folder = std::getenv("LUMBRICAL_DATA");
-  return folder != nullptr ? std::filesystem::path(folder)
-                           : std::filesystem::path(LUMBRICAL_SOURCE_DIR) / "../shared/data";
-}
-
 struct KnownMesh {
   const char* file;
   Unit unit;
@@ -241,7 +235,7 @@ constexpr KnownMesh kKnown[] = {
 };
 
 TEST(MeshReport, AgreesWithWhatIsKnownOfRealMeshes) {
-  const std::filesystem::path folder = data_folder() / "meshes";
+  const std::filesystem::path folder = test::data_folder() / "meshes";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "The folder of real meshes is not there.";
   for (const KnownMesh& known : kKnown) {
     SCOPED_TRACE(known.file);
@@ -262,7 +256,7 @@ TEST(MeshReport, AgreesWithWhatIsKnownOfRealMeshes) {
 }
 
 TEST(MeshReport, RefusesTheRealGltfFileWithAdvice) {
-  const std::filesystem::path file = data_folder() / "meshes" / "duck.glb";
+  const std::filesystem::path file = test::data_folder() / "meshes" / "duck.glb";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "The folder of real meshes is not there.";
   Mesh mesh;
   EXPECT_NE(load_mesh(file.string(), Unit::metre, mesh).message().find("glTF"), std::string::npos);

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "files.h"
 #include "simulated_wire.h"
 
 namespace lumbrical {
@@ -55,15 +56,6 @@ std::string output_of(const std::string& command) {
 
 bool have(const std::string& test) { return std::system((test + " >/dev/null 2>&1").c_str()) == 0; }
 
-std::string folder() {
-  const auto* const test = ::testing::UnitTest::GetInstance()->current_test_info();
-  const auto path =
-      std::filesystem::path(::testing::TempDir()) / (std::string("lumbrical_peers_") + test->name());
-  std::filesystem::remove_all(path);
-  std::filesystem::create_directories(path);
-  return path.string();
-}
-
 // A device that knows registers only, written by others: it repeats the heartbeat by being the same register.
 const char* const kPymodbusServer = R"(
 import sys, asyncio
@@ -85,7 +77,7 @@ TEST(ModbusPeers, PymodbusTakesOurCommands) {
   const std::string python =
       have("/usr/bin/python3 -c 'import pymodbus.server'") ? "/usr/bin/python3" : "python3";
   if (!have(python + " -c 'import pymodbus.server'")) GTEST_SKIP() << "python3-pymodbus is not installed";
-  const std::string script = folder() + "/server.py";
+  const std::string script = test::fresh_folder().string() + "/server.py";
   std::ofstream(script) << kPymodbusServer;
   DeviceProfile profile = test::patient_profile();
   profile.transport.port = free_port();
@@ -120,7 +112,8 @@ TEST(ModbusPeers, MbpollReadsAndWritesOurDevice) {
 
 TEST(ModbusPeers, AnRtuLoopRunsOverASocatPairOfTerminals) {
   if (!have("command -v socat")) GTEST_SKIP() << "socat is not installed";
-  const std::string ours = folder() + "/ours", theirs = folder() + "/theirs";
+  const std::string ours = test::fresh_folder().string() + "/ours",
+                    theirs = test::fresh_folder().string() + "/theirs";
   std::filesystem::create_directories(std::filesystem::path(ours).parent_path());
   const Child socat({"socat", "pty,raw,echo=0,link=" + ours, "pty,raw,echo=0,link=" + theirs});
   ASSERT_TRUE(eventually([&] { return std::filesystem::exists(ours) && std::filesystem::exists(theirs); }));

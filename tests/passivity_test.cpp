@@ -60,12 +60,17 @@ std::array<double, 3> ticked(const Model& model, const DeviceFrame& frame, std::
   return growth;
 }
 
-TEST(JointStiffness, IsWhatTicksOfABentFingerSay) {
+// Pressed hand and world without anything that would come between touch and force.
+Model unlimited_model() {
   Scene scene = test::pressed_scene(test::kWidthA, 40);
   scene.settings.fade_time = 1e-6;
   scene.settings.max_force = 1e6;
   for (Finger& finger : scene.hand.finger) finger.limit.fill({-1, 2});
-  const Model model = test::model_of(scene);
+  return test::model_of(scene);
+}
+
+TEST(JointStiffness, IsWhatTicksOfABentFingerSay) {
+  const Model model = unlimited_model();
   Scratch scratch = make_scratch(model);
   int compared = 0;
   for (const double time : {0.0, 0.37, 0.71}) {
@@ -198,11 +203,7 @@ TEST(PassivityObserver, AddsDampingOnlyAgainstMotionAndNeverMoreThanAllowed) {
 // Joints and wrist of a finger that touches move to and fro: what joints take and what the arm gives must add
 // up to what the touch holds, and that comes back to nothing with the hand.
 TEST(PassivityObserver, TheArmsWorkPaysForWhatTheJointsGet) {
-  Scene scene = test::pressed_scene(test::kWidthA, 40);
-  scene.settings.fade_time = 1e-6;
-  scene.settings.max_force = 1e6;
-  for (Finger& finger : scene.hand.finger) finger.limit.fill({-1, 2});
-  const Model model = test::model_of(scene);
+  const Model model = unlimited_model();
   State state;
   Scratch scratch = make_scratch(model);
   const DeviceFrame start = test::pressed_frame(model.hand, 0.002, 0);

@@ -3,44 +3,16 @@
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
-#include <system_error>
-#include <vector>
+#include <string_view>
+
+#include "files.h"
 
 namespace lumbrical::test {
-
-inline std::string read_file(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-/// A folder of the running test's own, empty at its start and gone when the program ends. Its name has the
-/// process in it: other builds may run the same tests.
-inline std::filesystem::path fresh_folder() {
-  static struct Cleaner {
-    std::vector<std::filesystem::path> folders;
-    ~Cleaner() {
-      std::error_code ignored;
-      for (const std::filesystem::path& folder : folders) std::filesystem::remove_all(folder, ignored);
-    }
-  } cleaner;
-  const auto* const test = ::testing::UnitTest::GetInstance()->current_test_info();
-  const std::filesystem::path folder =
-      std::filesystem::path(::testing::TempDir()) /
-      ("lumbrical_" + std::to_string(::getpid()) + "_" + test->test_suite_name() + "_" + test->name());
-  cleaner.folders.push_back(folder);
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder;
-}
 
 struct Outcome {
   int exit_code = -1;  ///< -1: ended by a signal

@@ -16,11 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path data_folder() {
-  const char* const folder = std::getenv("LUMBRICAL_DATA");
-  return folder != nullptr ? fs::path(folder) : fs::path(LUMBRICAL_SOURCE_DIR) / "../shared/data";
-}
-
 // The unit only matters to inspect: the scene fits every mesh to a graspable size.
 TEST(RealData, ALeapGrabOnEveryMeshReplaysIdentical) {
   const fs::path data = data_folder();

@@ -140,6 +140,7 @@ inline void expect_same(const TickRecord& a, const TickRecord& b) {
   EXPECT_EQ(input_fields(a), input_fields(b));
   EXPECT_EQ(output_fields(a.output), output_fields(b.output));
   EXPECT_EQ(a.output.tick, b.output.tick);
+  EXPECT_EQ(a.has_forces, b.has_forces);
   EXPECT_EQ(a.stage_hash, b.stage_hash);
   EXPECT_EQ(a.state_hash, b.state_hash);
   EXPECT_EQ(a.duration_ns, b.duration_ns);
@@ -195,7 +196,7 @@ inline void alter_recording(const std::string& from, const std::string& to,
   RecordingReader reader;
   ASSERT_TRUE(reader.open(from).ok());
   std::vector<std::uint8_t> session;
-  ASSERT_TRUE(encode_session(reader.scene(), session).ok());
+  ASSERT_TRUE(encode_session(reader.scene(), reader.info().version, session).ok());
   McapWriter writer;
   const double rate = reader.scene().settings.rate;
   Status status = open_recording(to, OutputFile::Place::beside_existing, rate, session, {},
@@ -210,7 +211,7 @@ inline void alter_recording(const std::string& from, const std::string& to,
     const std::uint64_t tick = record.output.tick;
     const InputCheck check = make_input_check(input_fields(record));
     if (!edit(record)) continue;
-    encode_tick(record, check, builder);
+    encode_tick(record, record.has_forces, check, builder);
     status = writer.message(tick_time(tick, 1e9 / rate), static_cast<std::uint32_t>(tick),
                             {builder.GetBufferPointer(), builder.GetSize()});
     ASSERT_TRUE(status.ok()) << status.message();

@@ -34,7 +34,9 @@ std::vector<Execution> ways_to_replay(std::size_t first, std::size_t share) {
   std::size_t number = first;
   for (const Isa isa : {Isa::scalar, Isa::sse2, Isa::avx2, Isa::avx512, Isa::neon}) {
     if (!available(isa)) continue;
-    for (const Broadphase broadphase : {Broadphase::tree, Broadphase::grid, Broadphase::brute}) {
+    for (const Broadphase broadphase :
+         {Broadphase::tree, Broadphase::grid, Broadphase::brute, Broadphase::voxel}) {
+      if (!available(broadphase)) continue;
       for (const std::uint32_t threads : {1u, 2u, 4u, 8u}) {
         if (number++ % share != 0 && !all) continue;
         Execution way;

@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <fstream>
 #include <random>
-#include <sstream>
 #include <string>
 
+#include "files.h"
 #include "files/json_file.h"
 
 namespace lumbrical {
@@ -17,21 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string write(const std::string& name, const std::string& text) {
-  // A folder per test: CTest runs them side by side.
-  const std::string test = ::testing::UnitTest::GetInstance()->current_test_info()->name();
-  const fs::path folder = fs::path(::testing::TempDir()) / ("scene_file_test_" + test);
-  fs::create_directories(folder);
-  const std::string path = (folder / name).string();
-  std::ofstream(path, std::ios::binary) << text;
-  return path;
-}
-
-std::string read(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
+using test::read_file;
+using test::write_file;
 
 // A tetrahedron from the origin along the axes, with an unused vertex far away.
 const char* const kTetrahedron =
@@ -40,18 +27,18 @@ const char* const kTetrahedron =
 const char* const kGrasp = R"("motion": {"grasp": {}})";
 
 SceneFile load(const std::string& text) {
-  write("tetrahedron.obj", kTetrahedron);
+  write_file("tetrahedron.obj", kTetrahedron);
   SceneFile scene_file;
-  const Status status = load_scene_file(write("scene.json", text), scene_file);
+  const Status status = load_scene_file(write_file("scene.json", text), scene_file);
   EXPECT_TRUE(status.ok()) << status.message();
   return scene_file;
 }
 
 std::string error_of(const std::string& text) {
-  write("tetrahedron.obj", kTetrahedron);
+  write_file("tetrahedron.obj", kTetrahedron);
   SceneFile scene_file;
   scene_file.seconds = -1;
-  const Status status = load_scene_file(write("scene.json", text), scene_file);
+  const Status status = load_scene_file(write_file("scene.json", text), scene_file);
   EXPECT_FALSE(status.ok()) << text;
   EXPECT_EQ(scene_file.seconds, -1) << "an error must leave the target alone";
   return status.message();
@@ -127,7 +114,8 @@ TEST(SceneFile, ReadsSettingsAndLawsPerSegment) {
 }
 
 TEST(SceneFile, TakesTheHandFromItsOwnFile) {
-  write("hand.json", R"({"side": "left", "length": 0.2, "radii": [{"joint": "index tip", "radius": 0.009}],
+  write_file("hand.json",
+             R"({"side": "left", "length": 0.2, "radii": [{"joint": "index tip", "radius": 0.009}],
       "fingers": [{"name": "index", "bone_length": [0.07, 0.04, 0.03, 0.02], "upper": [0.2, 1.5, 1.6, 1.2]}],
       "palm": {"thickness": 0.03, "polygon": [{"x": 0, "z": 0}, {"x": 0.08, "z": 0}, {"x": 0, "z": 0.08}]}})");
   const SceneFile scene_file =
@@ -143,7 +131,7 @@ TEST(SceneFile, TakesTheHandFromItsOwnFile) {
 }
 
 TEST(SceneFile, NamesTheFileAtFault) {
-  write("hand.json", "{\n  \"side\": \"both\"\n}");
+  write_file("hand.json", "{\n  \"side\": \"both\"\n}");
   EXPECT_NE(error_of(R"({"objects": [{"plane": {}}], "hand_file": "hand.json", "motion": {"grasp": {}}})")
                 .find("hand.json:2:11: side must be"),
             std::string::npos);
@@ -189,6 +177,8 @@ TEST(SceneFile, TellsEveryMistakeWithItsPlace) {
        ":1:59: objects[0].plane.cells is 4000000000 but must lie in 1 .. 2000"},
       {R"({"motion": {"grasp": {}}, "objects": [{"mug": {"wall": 0.03}}]})",
        ":1:47: objects[0].mug has a wall"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"mug": {"segments": 8, "handle_radius": 0.007}}]})",
+       ":1:47: objects[0].mug can't be made"},
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"law": "hard"}})",
        ":1:75: settings.law is not a law"},
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"rate": 0}})",
@@ -229,7 +219,7 @@ TEST(SceneFile, RefusesWhatIsNoTextFile) {
 }
 
 TEST(SceneFile, ReadsTheDemoAndNoTruncationOfIt) {
-  const std::string demo = read(LUMBRICAL_SOURCE_DIR "/examples/demo.json");
+  const std::string demo = read_file(LUMBRICAL_SOURCE_DIR "/examples/demo.json");
   ASSERT_FALSE(demo.empty());
   load(demo);
   const std::size_t end = demo.find_last_of('}');
@@ -245,7 +235,7 @@ TEST(SceneFile, SurvivesDamagedFiles) {
   for (int round = 0; round < 300; ++round) {
     std::string text = demo;
     for (int i = 0; i < 3; ++i) text[random() % text.size()] = static_cast<char>(random() % 256);
-    const Status status = load_scene_file(write("damaged.json", text), scene_file);
+    const Status status = load_scene_file(write_file("damaged.json", text), scene_file);
     EXPECT_TRUE(status.ok() || status.message().find(".json") != std::string::npos) << status.message();
   }
 }

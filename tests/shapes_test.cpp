@@ -48,12 +48,12 @@ TEST(Shapes, MugIsTwoClosedPartsOfTheRightSize) {
 }
 
 TEST(Shapes, MugHidesTheEndsOfItsHandleInTheWall) {
-  for (const std::uint32_t segments : {12u, 37u, 96u, 300u}) {
+  for (const std::uint32_t segments : {8u, 9u, 10u, 11u, 12u, 37u, 96u, 300u}) {
     MugShape shape;
     shape.segments = segments;
     const Mesh mug = make_mug(shape);
     expect_closed(inspect_mesh(mug), 2);
-    // The wall lies between the inner radius and the middles of the outer polygon's edges.
+    // The wall lies between the inner radius and the outer polygon's edges.
     const double inner = shape.radius - shape.wall, outer = shape.radius * std::cos(kPi / segments);
     const double end_x = shape.radius - 0.5 * shape.wall;
     std::size_t end_vertices = 0;
@@ -62,7 +62,10 @@ TEST(Shapes, MugHidesTheEndsOfItsHandleInTheWall) {
       const bool in_hollow = r < inner - 1e-9 && p.z > shape.wall + 1e-9;
       EXPECT_FALSE(in_hollow) << p.x << " " << p.y << " " << p.z;
       if (std::fabs(p.x - end_x) > 1e-12 || std::fabs(p.y) > shape.handle_radius + 1e-12) continue;
-      EXPECT_LT(r, outer);
+      for (std::uint32_t edge = 0; edge < segments; ++edge) {
+        const double direction = (2 * edge + 1) * kPi / segments;
+        EXPECT_LT(p.x * std::cos(direction) + p.y * std::sin(direction), outer) << segments;
+      }
       ++end_vertices;
     }
     EXPECT_GE(end_vertices, 2 * std::max(12u, segments / 4));
@@ -91,6 +94,11 @@ TEST(Shapes, MugOfOtherSizesIsClosedAndImpossibleOnesAreEmpty) {
   EXPECT_TRUE(is_empty([](MugShape& s) { s.handle_radius = 0.02; }));
   EXPECT_TRUE(is_empty([](MugShape& s) { s.handle_reach = std::numeric_limits<double>::infinity(); }));
   EXPECT_TRUE(is_empty([](MugShape& s) { s.segments = 2; }));
+  EXPECT_TRUE(is_empty([](MugShape& s) { s.segments = 7; }));
+  EXPECT_TRUE(is_empty([](MugShape& s) {  // the ends of the handle would stick out between two corners
+    s.segments = 8;
+    s.handle_radius = 0.007;
+  }));
   EXPECT_TRUE(is_empty([](MugShape& s) { s.segments = 4000000000u; }));
 }
 

@@ -16,19 +16,20 @@ void tick_message(std::span<const std::uint8_t> bytes) {
   // The one number in a table's field: its -0, which no sum of bounds is, would come back as +0.
   if (record.output.force_error == 0) record.output.force_error = 0;
   flatbuffers::FlatBufferBuilder builder;
-  encode_tick(record, check, builder);
+  encode_tick(record, record.has_forces, check, builder);
   if (!decode_tick({builder.GetBufferPointer(), builder.GetSize()}, again, check_again).ok() ||
-      input_fields(record) != input_fields(again) ||
+      input_fields(record) != input_fields(again) || record.has_forces != again.has_forces ||
       output_fields(record.output) != output_fields(again.output) || !(check == check_again))
     __builtin_trap();
 }
 
 void session_message(std::span<const std::uint8_t> bytes) {
   Scene scene, again;
-  if (!decode_session(bytes, scene).ok()) return;
+  std::uint32_t version = 0, version_again = 0;
+  if (!decode_session(bytes, scene, version).ok()) return;
   std::vector<std::uint8_t> encoded;
-  if (!encode_session(scene, encoded).ok()) return;
-  if (!decode_session(encoded, again).ok()) __builtin_trap();
+  if (!encode_session(scene, version, encoded).ok()) return;
+  if (!decode_session(encoded, again, version_again).ok() || version != version_again) __builtin_trap();
   if (scene.settings.max_candidates > 1u << 16) return;
   Model model;
   static_cast<void>(build_model(scene, {}, model).ok());

@@ -108,11 +108,11 @@ bool write_messages(const fs::path& folder) {
   flatbuffers::FlatBufferBuilder builder;
   for (const std::uint64_t tick : {0u, 1u}) {
     const TickRecord record = seed_record(tick);
-    encode_tick(record, make_input_check(input_fields(record)), builder);
+    encode_tick(record, true, make_input_check(input_fields(record)), builder);
     seed(tick == 0 ? "tick_angles" : "tick_poses", 0, {builder.GetBufferPointer(), builder.GetSize()});
   }
   ByteVector session;
-  if (!encode_session(seed_scene(), session).ok()) return false;
+  if (!encode_session(seed_scene(), kEveryForce, session).ok()) return false;
   seed("session", 1, session);
   State state;
   state.tick = 5;
@@ -162,6 +162,37 @@ void write_scenes(const fs::path& folder) {
 "motion": {"file": "m.json"}, "settings": {"max_force": 5, "fade_time": 0.1, "tolerance": 0.01}})");
 }
 
+void write_hands(const fs::path& folder) {
+  write(folder / "hand" / "a",
+        R"({"side": "left", "length": 0.18, "radii": [{"joint": "index tip", "radius": 0.006}],
+"palm": {"thickness": 0.02}})");
+  write(folder / "hand" / "b", R"({"fingers": [{"name": "index", "base_position": [0.03, 0.02, 0],
+"base_orientation": [1, 0, 0, 0], "bone_length": [0.06, 0.045, 0.026, 0.024], "lower": [-0.3, 0, 0, 0],
+"upper": [0.3, 1.5, 1.7, 1.2]}]})");
+}
+
+// Between them every table and every name of schemas/device.fbs.
+void write_devices(const fs::path& folder) {
+  write(folder / "device" / "tcp",
+        R"({"name": "a", "source": "s", "transport": {"kind": "tcp", "host": "h", "port": 502},
+"rate": 50, "command": "FC23", "actuators": [{"name": "m", "drive": "motor", "at": {"address": 2, "type": "s16",
+"scale": 0.001}, "lower": -1, "upper": 1, "slew": 50, "joints": [{"joint": "index proximal", "ratio": 0.5}],
+"local": {"angle": {"address": 3}, "stiffness": {"address": 4, "scale": 0.01}, "radius": {"address": 5}}}],
+"sensors": [{"joint": "index proximal", "motion": "abduction", "at": {"address": 9, "scale": 0.001}, "upper": 1}],
+"control": {"address": 0, "active": 1}, "heartbeat": {"address": 1, "echo": 8},
+"status": {"address": 7, "fault": 1, "stop": 2, "dead_man": 4, "ready": 8},
+"dynamics": [{"inertia": 4e-5, "damping": 0.01, "friction": 0.008, "encoder_step": 3e-4}]})");
+  write(folder / "device" / "rtu",
+        R"({"name": "b", "transport": {"kind": "rtu", "line": "/dev/x", "baud": 115200,
+"parity": "even", "stop_bits": 2, "unit": 9}, "feedback": "FC4", "response_timeout": 0.05, "first_retry": 0.1,
+"last_retry": 2, "actuators": [{"name": "w", "drive": "wire", "at": {"address": 10, "type": "u8 low"}, "upper": 255,
+"preload": 3, "joints": [{"joint": "thumb distal"}]}, {"name": "b", "drive": "brake", "at": {"address": 12,
+"type": "f32", "words": "low first"}, "upper": 5, "safe": 0, "joints": [{"joint": "little distal", "ratio": -2}]}],
+"handshake": [{"unit": 9, "address": 1, "value": 1000}], "expected": [{"address": 2, "mask": 15, "value": 3}],
+"safety": {"fade": 0.2, "soft_start": 1, "tick_hold": 0.02, "tick_timeout": 0.2, "answer_timeout": 0.5},
+"dynamics": [{"joints": ["index distal"], "inertia": 1e-5}]})");
+}
+
 void write_motions(const fs::path& folder) {
   std::string angles;
   for (int i = 0; i < 20; ++i) angles += i == 0 ? "0.1" : ", 0.1";
@@ -192,6 +223,8 @@ int main(int argc, char** argv) {
   const fs::path folder = argv[1];
   write_meshes(folder);
   write_scenes(folder);
+  write_hands(folder);
+  write_devices(folder);
   write_motions(folder);
   return write_recordings(folder / "recording") && write_messages(folder / "messages") ? 0 : 1;
 }

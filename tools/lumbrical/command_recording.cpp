@@ -31,6 +31,7 @@ Json info_json(const RecordingInfo& info) {
   json["chunks"] = info.chunks;
   json["compression"] = info.compression;
   json["library"] = info.library;
+  json["version"] = info.version;
   json["metadata"] = Json::object();
   for (const auto& [key, value] : info.metadata) json["metadata"][key] = value;
   return json;
@@ -61,6 +62,9 @@ std::string laws(const Settings& settings) {
 void add_info_rows(const RecordingInfo& info, Table& table) {
   table.add("recording", info.path + ", " + grouped(info.bytes) + " bytes");
   table.add("written by", info.library);
+  table.add("format",
+            "version " + std::to_string(info.version) +
+                (info.version > 1 ? ": forces of some ticks are left out, their hashes are not" : ""));
   table.add("complete", info.complete ? "yes" : "no: its writer was killed; recover completes it");
   table.add("ticks", info.ticks == 0 ? "none"
                                      : grouped(info.ticks) + ", from " + grouped(info.first_tick) + " to " +

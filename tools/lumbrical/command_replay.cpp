@@ -63,10 +63,10 @@ Status replay_options(const ReplaySwitches& switches, ReplayOptions& options) {
   return load_meshes(switches, options);
 }
 
-/// Whether something was changed that may change a force.
+/// Whether something was changed that may change a force, or what a tick takes.
 bool asks_what_if(const ReplaySwitches& switches) {
   return !switches.law.empty() || switches.stiffness || !switches.precision.empty() ||
-         !switches.meshes.empty();
+         !switches.meshes.empty() || !switches.broadphase.empty();
 }
 
 // What there is to say about one recording; without an error JSON and text.
@@ -188,7 +188,7 @@ void add_replay(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command
       ->add_option("--broadphase", switches->broadphase,
-                   "Search for candidate triangles; never changes a result")
+                   "What if: search for candidate triangles; never changes a result, but a tick's time")
       ->check(is_broadphase());
   command->add_option("--voxel-cache", switches->voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");
   command->add_option("--isa", switches->isa, "Instruction set; never changes a result")->check(is_isa());

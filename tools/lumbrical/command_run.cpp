@@ -19,7 +19,7 @@ namespace {
 
 struct RunOptions {
   std::string scene, motion, side, unit, record, law, broadphase, voxel_cache, precision;
-  std::string rate = "max", on_record_error = "stop", sink = "null";
+  std::string rate = "max", on_record_error = "stop", record_forces = "all", sink = "null";
   std::optional<double> motion_rate, stiffness;
   std::optional<std::uint64_t> ticks;
   std::optional<std::uint32_t> threads;
@@ -83,6 +83,11 @@ Status load(const RunOptions& options, SceneFile& scene_file) {
     }
   }
   return {};
+}
+
+std::uint32_t force_interval(const std::string& text) {
+  if (text == "all") return 1;
+  return text == "none" ? 0 : static_cast<std::uint32_t>(std::stoul(text));
 }
 
 std::string law_of(const Settings& settings) {
@@ -267,6 +272,7 @@ int run(const RunOptions& options) {
   if (recording) {
     RecorderOptions recorder_options;
     recorder_options.wait_when_full = !paced;
+    recorder_options.force_interval = force_interval(options.record_forces);
     recorder_options.metadata = {{"scene_file", options.scene},
                                  {"program", "lumbrical " LUMBRICAL_VERSION},
                                  {"execution", execution_text(model.execution)}};
@@ -289,6 +295,12 @@ int run(const RunOptions& options) {
   const int printed = options.json ? print_json(run_json(options, model, statistics, shown))
                                    : print_text(run_text(options, model, statistics, shown));
   return printed == kDone && told ? kUnreadable : printed;
+}
+
+std::string check_record_forces(std::string& text) {
+  const bool whole = text.find_first_not_of("0123456789") == std::string::npos;
+  if (text == "all" || text == "none" || (whole && number_in(1, 1000000)(text).empty())) return {};
+  return "\"" + text + "\" is none of all, none and whole numbers of ticks, 1 to 1000000";
 }
 
 std::string check_rate(std::string& text) {
@@ -315,6 +327,12 @@ void add_run(CLI::App& app, int& exit_code) {
       ->check(CLI::Validator(check_rate, "HZ|max"))
       ->capture_default_str();
   command->add_option("--record", options->record, "Recording to write")->type_name("OUT.mcap");
+  command
+      ->add_option(
+          "--record-forces", options->record_forces,
+          "Ticks whose forces the recording holds, every Nth or none; a replay checks all by their hashes")
+      ->check(CLI::Validator(check_record_forces, "all|none|N"))
+      ->capture_default_str();
   command
       ->add_option(
           "--on-record-error", options->on_record_error,

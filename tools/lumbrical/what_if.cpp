@@ -28,6 +28,7 @@ std::size_t most_changed(const WhatIfResult& result) {
 Json what_if_json(const WhatIfResult& result) {
   Json json;
   json["ticks"] = result.ticks;
+  json["unlike_recorded"] = result.unlike_recorded;
   for (std::size_t part = 0; part < result.force.size(); ++part) {
     Json force = change_json(result.force[part]);
     force["max_jnd"] = result.force_jnd[part].max;
@@ -60,6 +61,11 @@ std::string what_if_text(const WhatIfResult& result) {
   table.add("mean tick time", brief(kMicroseconds * result.changed_time) + " us, unchanged " +
                                   brief(kMicroseconds * result.baseline_time) + " us, when recorded " +
                                   brief(kMicroseconds * result.recorded_time) + " us");
+  if (result.unlike_recorded > 0)
+    table.add("not as recorded",
+              grouped(result.unlike_recorded) +
+                  " ticks without forces in the file, which this build computes otherwise: "
+                  "compared with what it computes");
   return table.text();
 }
 

@@ -32,8 +32,9 @@ struct TickRecord {
   std::array<std::uint64_t, kStageCount> stage_hash{};  ///< Scratch::stage_hash
   std::uint64_t state_hash = 0;                         ///< hash_state after the tick
   std::uint32_t duration_ns = 0;                        ///< measured time of the tick; never compared
-  std::uint32_t sent_count = 0;                         ///< of `sent`, at most kMaxSentPerTick
-  std::array<SentCommand, kMaxSentPerTick> sent{};      ///< to a device, since the last tick; never compared
+  bool has_forces = true;        ///< false: the file leaves them out, `output` has zeros in their place
+  std::uint32_t sent_count = 0;  ///< of `sent`, at most kMaxSentPerTick
+  std::array<SentCommand, kMaxSentPerTick> sent{};  ///< to a device, since the last tick; never compared
 };
 
 enum class Compression : std::uint8_t { none, lz4, zstd };
@@ -44,6 +45,10 @@ struct RecorderOptions {
   std::uint32_t ring_capacity = 2048;  ///< ticks between the tick thread and the writer
   bool wait_when_full =
       true;  ///< lockstep waits for the writer; otherwise (live) the gap is marked in the file
+  /// Ticks whose number is a multiple of this keep their forces and torques; 0: none does. Those left out
+  /// cost no room and still have their hash: a replay finds any bit that differs, but other tools can't plot
+  /// them.
+  std::uint32_t force_interval = 1;
   std::map<std::string, std::string>
       metadata;  ///< free text for the file's metadata record, e.g. start time; "build" is added
 };
@@ -82,9 +87,10 @@ struct RecordingInfo {
   double seconds = 0;               ///< of session time
   std::uint64_t bytes = 0;          ///< file size
   std::uint64_t chunks = 0;
-  std::string compression;  ///< "lz4", "zstd", ""
-  std::string library;      ///< who wrote it
-  bool complete = false;    ///< has index, summary and footer; false after a crash
+  std::uint32_t version = 0;  ///< of the format; 2: some ticks leave out their forces
+  std::string compression;    ///< "lz4", "zstd", ""
+  std::string library;        ///< who wrote it
+  bool complete = false;      ///< has index, summary and footer; false after a crash
   std::map<std::string, std::string> metadata;
 };
 
@@ -223,20 +229,24 @@ struct WhatIfResult {
   std::array<Change, kFingerCount + 1> force_jnd;
   std::array<std::uint64_t, kFingerCount + 1> felt_ticks{};  ///< in which it is above 1
   std::array<Change, kSegmentCount> torque;                  ///< [N m] about each segment's base joint
+  /// Ticks whose forces the file leaves out and whose hash says that this build computes others than were
+  /// recorded.
+  std::uint64_t unlike_recorded = 0;
   double recorded_time = 0;  ///< [s] mean per tick as recorded, on whatever machine that was
   double baseline_time = 0;  ///< [s] mean per tick of the recorded scene here, searched by the default
   double changed_time = 0;   ///< [s] mean per tick of the changed scene here
 };
 
 /// Runs the recorded inputs through the changed scene, and through the recorded one for the time it takes
-/// here. Errors as of replay.
+/// here. Where the file leaves out forces, those this build computes take their place. Errors as of replay.
 Status what_if(RecordingReader& reader, const ReplayOptions& options, WhatIfResult& result);
 
 /// Compares two recordings tick by tick without running the engine, up to the first divergence: `recorded` is
 /// from a, `replayed` from b, "none" where b or a has ended. Measured durations are not compared.
 Status diff_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& result);
 
-/// One line per tick (CSV with a header line, or JSON lines), to the file `output`, which appears only when
+/// One line per tick (CSV with a header line, or JSON lines; forces left out are empty
+/// cells or null), to the file `output`, which appears only when
 /// it is complete, or to standard output where `output` is "-". Numbers are exact: read back, they give the
 /// same bits.
 enum class ExportFormat : std::uint8_t { csv, json };

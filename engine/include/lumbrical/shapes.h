@@ -16,7 +16,7 @@ struct MugShape {
   double wall = 0.005;           ///< [m]
   double handle_radius = 0.006;  ///< [m] of the handle's round section
   double handle_reach = 0.033;   ///< [m] how far the handle's centre line stands off the wall
-  std::uint32_t segments = 32;   ///< round the axis, 12..2048; other edges are as long as the outermost
+  std::uint32_t segments = 32;   ///< round the axis, 8..2048; other edges are as long as the outermost
 };
 /// The handle needs room: it must fit between bottom and rim, bend no tighter than its own radius, and its
 /// ends must vanish in the wall.

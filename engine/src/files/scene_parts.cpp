@@ -27,7 +27,15 @@ Mesh read_mug(const format::Mug& table, const std::string& at, FieldReader& read
   if (shape.handle_radius > 0.125 * shape.height || shape.handle_radius > 0.5 * shape.handle_reach) {
     read.error(at, "has a handle too thick for its height or reach");
   }
-  return read.ok() ? make_mug(shape) : Mesh{};
+  if (!read.ok()) return {};
+  Mesh mug = make_mug(shape);
+  if (mug.triangles.empty()) {
+    read.error(
+        at,
+        "can't be made: its handle must fit between bottom and rim, bend no tighter than its own radius and "
+        "end within the wall; make the handle thinner, or use more segments");
+  }
+  return mug;
 }
 
 Mesh read_plane(const format::Plane& table, const std::string& at, FieldReader& read) {

@@ -142,21 +142,27 @@ void append_handle(Mesh& mesh, const MugShape& mug, double step) {
   append_lid(mesh, end, last_ring, around, true);
 }
 
+/// At least how far from the axis' plane x = 0 the wall's outside is at a distance y from the handle's plane.
+double wall_behind(const MugShape& mug, double y) {
+  const SinCos half_turn = sin_cos(kPi / mug.segments), turn = sin_cos(2.0 * kPi / mug.segments);
+  // The wall's polygon has a corner in the handle's plane; from there it falls back along an edge.
+  if (y < mug.radius * turn.sin) return mug.radius - y * half_turn.sin / half_turn.cos;
+  const double inside = mug.radius * half_turn.cos;  // radius of the circle all edges are outside of
+  return y < inside ? std::sqrt(inside * inside - y * y) : 0;
+}
+
 /// Can the mug be made? The tube must not bend tighter than its own radius, and its ends must fit into the
 /// wall.
 bool is_sound(const MugShape& mug) {
   for (const double length : {mug.radius, mug.height, mug.wall, mug.handle_radius, mug.handle_reach}) {
     if (!(length > 0 && length < 1e3)) return false;
   }
-  if (mug.segments < 12 || mug.segments > 2048) return false;
+  if (mug.segments < 8 || mug.segments > 2048) return false;
   if (!(mug.wall < 0.5 * mug.radius && 2.0 * mug.wall < mug.height)) return false;
   const HandleLine line = handle_line(mug);
   const double tightest = min(line.rise * line.rise / line.reach, line.reach * line.reach / line.rise);
   const bool bends = mug.handle_radius < 0.9 * tightest;
-  // Where the tube is widest the wall lies deepest. The chords of the turned wall cut off a little more.
-  const double chord = sin_cos(0.5 * kPi - kPi / mug.segments).sin * mug.radius;
-  const bool hidden = mug.handle_radius < chord &&
-                      chord * chord - mug.handle_radius * mug.handle_radius > line.start_x * line.start_x;
+  const bool hidden = wall_behind(mug, mug.handle_radius) > line.start_x;
   const bool within_height = line.rise + mug.handle_radius < 0.5 * mug.height - mug.wall;
   return bends && hidden && within_height;
 }

@@ -19,8 +19,9 @@ std::string input_field_name(
     int field);  ///< "tick", "base.position.x", "joint[7].position[1]", "angle[4]", ...
 std::string input_field_text(int field, std::uint64_t bits);  ///< exact: reading it back gives the same bits
 
-/// Actuator frame without the tick number: flags, contact count, 10 numbers per segment.
-inline constexpr int kOutputFieldCount = 3 + 10 * kSegmentCount;
+/// Actuator frame without the tick number: flags, contact count, error bound, 10 numbers per segment.
+inline constexpr int kFirstForce = 3;
+inline constexpr int kOutputFieldCount = kFirstForce + 10 * kSegmentCount;
 using OutputFields = std::array<std::uint64_t, kOutputFieldCount>;
 OutputFields output_fields(const ActuatorFrame& frame);
 std::string output_field_name(int field);  ///< "flags", "segment[3].force.x", "joint_torque[3].y", ...

@@ -65,10 +65,14 @@ struct Recorder::Writer {
 
   void run();
   Status write(const TickRecord& record);
+  [[nodiscard]] bool keeps_forces(const TickRecord& record) const {
+    return record.has_forces && force_interval > 0 && record.output.tick % force_interval == 0;
+  }
 
   Ring<TickRecord> ring;
   double period = 0;  // [ns]
   bool wait_when_full = true;
+  std::uint32_t force_interval = 1;
   std::optional<std::uint64_t> last_tick;  // handed over; the tick thread's own
 
   McapWriter mcap;  // the writer thread's own, from open() until it has ended
@@ -81,7 +85,7 @@ struct Recorder::Writer {
 };
 
 Status Recorder::Writer::write(const TickRecord& record) {
-  encode_tick(record, make_input_check(input_fields(record)), builder);
+  encode_tick(record, keeps_forces(record), make_input_check(input_fields(record)), builder);
   const std::uint64_t tick = record.output.tick;
   // The sequence number is the tick's, so that any MCAP tool shows a gap as a gap.
   return mcap.message(tick_time(tick, period), static_cast<std::uint32_t>(tick),
@@ -117,12 +121,14 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   if (Status status = check_options(scene, options); !status.ok())
     return Status::error(path + ": " + status.message());
   std::vector<std::uint8_t> session;
-  if (Status status = encode_session(scene, session); !status.ok())
+  const std::uint32_t version = options.force_interval == 1 ? kEveryForce : kSomeForces;
+  if (Status status = encode_session(scene, version, session); !status.ok())
     return Status::error(path + ": " + status.message());
 
   auto writer = std::make_unique<Writer>(options.ring_capacity);
   writer->period = 1e9 / scene.settings.rate;
   writer->wait_when_full = options.wait_when_full;
+  writer->force_interval = options.force_interval;
   McapWriterOptions mcap_options;
   mcap_options.compression = options.compression;
   mcap_options.chunk_time = static_cast<std::uint64_t>(options.chunk_seconds * 1e9);

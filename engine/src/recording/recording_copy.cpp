@@ -20,7 +20,8 @@ Compression compression_of(const RecordingInfo& info) {
 }
 
 /// Where to start so that the state before `tick` comes out: the state before `begin`. Past the time forces
-/// take to fade nothing is left of older ticks but the last output, which is recorded.
+/// take to fade nothing is left of older ticks but the last output. Where that was left out, nothing stands
+/// for it: the next tick puts its own in that place.
 Status guess_state(RecordingReader& reader, std::uint64_t begin, State& state) {
   state = reader.initial_state();
   if (begin == reader.info().first_tick) return reader.seek(begin);
@@ -109,7 +110,7 @@ Status Copy::initial_state(RecordingReader& reader, std::vector<std::uint8_t>& b
 
 Status Copy::start(RecordingReader& reader, const std::string& output) {
   const Scene& scene = reader.scene();
-  if (Status status = encode_session(scene, session_); !status.ok()) return status;
+  if (Status status = encode_session(scene, reader.info().version, session_); !status.ok()) return status;
   std::vector<std::uint8_t> state;
   if (Status status = initial_state(reader, state); !status.ok()) return status;
   period_ = 1e9 / scene.settings.rate;
@@ -123,10 +124,11 @@ Status Copy::start(RecordingReader& reader, const std::string& output) {
 
 Status Copy::check_scene(const RecordingReader& reader) const {
   std::vector<std::uint8_t> session;
-  if (Status status = encode_session(reader.scene(), session); !status.ok()) return status;
+  if (Status status = encode_session(reader.scene(), reader.info().version, session); !status.ok())
+    return status;
   if (session == session_) return {};
   return Status::error(reader.info().path +
-                       ": its scene (hand, world, settings) is not that of the first; "
+                       ": its scene (hand, world, settings, format) is not that of the first; "
                        "only recordings of one session can be merged");
 }
 

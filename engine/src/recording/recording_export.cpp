@@ -28,7 +28,10 @@ std::string csv_line(const TickRecord& record) {
   const OutputFields output = output_fields(record.output);
   std::string line = std::to_string(record.output.tick) + ',' + std::to_string(record.duration_ns);
   for (int i = 1; i < kInputFieldCount; ++i) line += ',' + input_field_text(i, input[i]);
-  for (int i = 0; i < kOutputFieldCount; ++i) line += ',' + output_field_text(i, output[i]);
+  for (int i = 0; i < kOutputFieldCount; ++i) {
+    line += ',';
+    if (record.has_forces || i < kFirstForce) line += output_field_text(i, output[i]);
+  }
   for (const std::uint64_t hash : record.stage_hash) line += ',' + hash_text(hash);
   return line + ',' + hash_text(record.state_hash);
 }
@@ -59,6 +62,7 @@ class JsonLine {
   JsonLine& string(std::string_view key, std::string_view value) {
     return raw(key, '"' + std::string(value) + '"');
   }
+  JsonLine& null(std::string_view key) { return raw(key, "null"); }
   template <class Numbers>
   JsonLine& numbers(std::string_view key, const Numbers& values) {
     open(key, '[');
@@ -96,11 +100,16 @@ void add_device(const DeviceFrame& device, JsonLine& json) {
   json.close(']').numbers("angle", device.angle).close('}');
 }
 
-void add_output(const ActuatorFrame& output, JsonLine& json) {
+void add_output(const TickRecord& record, JsonLine& json) {
+  const ActuatorFrame& output = record.output;
   json.open("output", '{')
       .number("flags", output.flags)
       .number("contact_count", output.contact_count)
       .number("force_error", output.force_error);
+  if (!record.has_forces) {
+    json.null("segment").null("joint_torque").null("flexion_torque").close('}');
+    return;
+  }
   json.open("segment", '[');
   for (const Wrench& wrench : output.segment)
     json.open("", '{').vector("force", wrench.force).vector("torque", wrench.torque).close('}');
@@ -113,7 +122,7 @@ std::string json_line(const TickRecord& record) {
   JsonLine json;
   json.open("", '{').number("tick", record.output.tick).number("duration_ns", record.duration_ns);
   add_device(record.device, json);
-  add_output(record.output, json);
+  add_output(record, json);
   json.open("stage_hash", '{');
   for (int i = 0; i < kStageCount; ++i)
     json.string(stage_name(static_cast<Stage>(i)), hash_text(record.stage_hash[i]));

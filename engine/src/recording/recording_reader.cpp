@@ -210,7 +210,7 @@ Status RecordingReader::File::take_attachment(const RecordPlace& place) {
     return status.ok() ? status : file.broken(place.offset, status.message());
   }
   if (attachment.name != kSessionAttachment || has_scene) return {};
-  if (Status status = decode_session(attachment.data, scene); !status.ok())
+  if (Status status = decode_session(attachment.data, scene, info.version); !status.ok())
     return file.broken(place.offset, status.message());
   has_scene = true;
   std::vector<std::uint8_t>().swap(content);  // it may be large, and the chunks to come are small

@@ -49,7 +49,7 @@ std::optional<Divergence> compare_inputs(const TickRecord& a, const TickRecord& 
 
 Status session_hash(const Scene& scene, std::uint64_t& hash) {
   std::vector<std::uint8_t> session;
-  if (Status status = encode_session(scene, session); !status.ok()) return status;
+  if (Status status = encode_session(scene, kEveryForce, session); !status.ok()) return status;
   Hasher hasher;
   hasher.array(session);
   hash = hasher.digest();

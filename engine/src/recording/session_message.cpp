@@ -12,8 +12,6 @@
 namespace lumbrical {
 namespace {
 
-constexpr std::uint32_t kSessionVersion = 1;
-
 using flatbuffers::FlatBufferBuilder;
 using flatbuffers::Offset;
 
@@ -167,7 +165,7 @@ Status decode_objects(const fb::Session& message, std::size_t size, std::vector<
 
 }  // namespace
 
-Status encode_session(const Scene& scene, std::vector<std::uint8_t>& bytes) {
+Status encode_session(const Scene& scene, std::uint32_t version, std::vector<std::uint8_t>& bytes) {
   if (size_of(scene) > 2147000000.0)
     return Status::error("the scene takes 2 GiB or more and can't be recorded; use coarser meshes");
   FlatBufferBuilder builder;
@@ -177,12 +175,12 @@ Status encode_session(const Scene& scene, std::vector<std::uint8_t>& bytes) {
   const auto all_objects = builder.CreateVector(objects);
   const auto hand = to_fb(builder, scene.hand);
   const auto settings = to_fb(builder, scene.settings);
-  builder.Finish(fb::CreateSession(builder, kSessionVersion, hand, all_objects, settings));
+  builder.Finish(fb::CreateSession(builder, version, hand, all_objects, settings));
   bytes.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
   return {};
 }
 
-Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene) {
+Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene, std::uint32_t& version) {
   std::vector<std::uint64_t> aligned((bytes.size() + 7) / 8);
   if (!bytes.empty()) std::memcpy(aligned.data(), bytes.data(), bytes.size());
   const auto* const data = reinterpret_cast<const std::uint8_t*>(aligned.data());
@@ -191,15 +189,16 @@ Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene) {
   if (!verifier.VerifyBuffer<fb::Session>(nullptr))
     return Status::error("the session does not fit its schema");
   const fb::Session& message = *flatbuffers::GetRoot<fb::Session>(data);
-  if (message.version() != kSessionVersion)
+  if (message.version() < kEveryForce || message.version() > kSomeForces)
     return Status::error("the session is of version " + std::to_string(message.version()) +
-                         ", this program reads " + std::to_string(kSessionVersion) + "; use a newer program");
+                         ", this program reads 1 and 2; use a newer program");
 
   Scene decoded;
   if (Status status = decode_hand(message.hand(), decoded.hand); !status.ok()) return status;
   if (Status status = decode_settings(message.settings(), decoded.settings); !status.ok()) return status;
   if (Status status = decode_objects(message, bytes.size(), decoded.objects); !status.ok()) return status;
   scene = std::move(decoded);
+  version = message.version();
   return {};
 }
 

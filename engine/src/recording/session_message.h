@@ -11,10 +11,14 @@ namespace lumbrical {
 
 inline constexpr const char* kSessionAttachment = "session";
 
+/// Versions of the format, which the session states.
+inline constexpr std::uint32_t kEveryForce = 1;  ///< every tick has its forces
+inline constexpr std::uint32_t kSomeForces = 2;  ///< some ticks leave them out, and say so
+
 /// Refuses a scene of 2 GiB or more, which a FlatBuffer can't hold.
-Status encode_session(const Scene& scene, std::vector<std::uint8_t>& bytes);
+Status encode_session(const Scene& scene, std::uint32_t version, std::vector<std::uint8_t>& bytes);
 
 /// The error tells what is wrong, not where. Checks everything but the meshes, which build_model checks.
-Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene);
+Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene, std::uint32_t& version);
 
 }  // namespace lumbrical

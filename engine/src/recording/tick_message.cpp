@@ -113,7 +113,7 @@ Status decode_sent(const fb::Tick& message, TickRecord& record) {
   if (message.sent() == nullptr) return {};
   for (const fb::Sent* const from : *message.sent()) {
     const std::uint32_t count = from->values() == nullptr ? 0 : from->values()->size();
-    if (record.sent_count == kMaxSentPerTick || count > kMaxActuators ||
+    if (record.sent_count == kMaxSentPerTick || count > kMaxActuators || !is_aligned(from->values()) ||
         from->state() > static_cast<std::uint8_t>(SafetyState::fault)) {
       return Status::error("the tick message has a command to the device that can't be one");
     }
@@ -138,11 +138,12 @@ std::span<const std::uint8_t> tick_schema() {
   return {fb::TickBinarySchema::data(), fb::TickBinarySchema::size()};
 }
 
-void encode_tick(const TickRecord& record, const InputCheck& check, flatbuffers::FlatBufferBuilder& builder) {
+void encode_tick(const TickRecord& record, bool keep_forces, const InputCheck& check,
+                 flatbuffers::FlatBufferBuilder& builder) {
   builder.Clear();
   const DeviceFrame& device = record.device;
   std::array<fb::SegmentOutput, kSegmentCount> segments;
-  const std::size_t segment_count = to_fb(record.output, segments);
+  const std::size_t segment_count = keep_forces ? to_fb(record.output, segments) : 0;
 
   flatbuffers::Offset<flatbuffers::Vector<const fb::JointPose*>> joints;
   if (!same_bits(device.joint, DeviceFrame{}.joint)) {
@@ -170,10 +171,10 @@ void encode_tick(const TickRecord& record, const InputCheck& check, flatbuffers:
   static_assert(kStageCount == 6);
   const fb::InputCheck input_check(check.hash, check.low_sum, check.low_moment, check.high_sum,
                                    check.high_moment);
-  builder.Finish(fb::CreateTick(builder, record.output.tick, record.duration_ns, &base,
-                                static_cast<fb::InputKind>(device.kind), device.flags, device.valid, joints,
-                                angles, record.output.flags, record.output.contact_count, outputs, &hashes,
-                                record.state_hash, &input_check, record.output.force_error, sent));
+  builder.Finish(fb::CreateTick(
+      builder, record.output.tick, record.duration_ns, &base, static_cast<fb::InputKind>(device.kind),
+      device.flags, device.valid, joints, angles, record.output.flags, record.output.contact_count, outputs,
+      &hashes, record.state_hash, &input_check, record.output.force_error, sent, !keep_forces));
 }
 
 Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, InputCheck& check) {
@@ -188,6 +189,9 @@ Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, Inpu
 
   if (Status status = decode_device(message, record.device); !status.ok()) return status;
   if (Status status = decode_output(message, record.output); !status.ok()) return status;
+  record.has_forces = !message.forces_left_out();
+  if (!record.has_forces && message.segments() != nullptr)
+    return Status::error("the tick message has the forces it says it leaves out");
   if (Status status = decode_sent(message, record); !status.ok()) return status;
   const fb::StageHashes* const hashes = message.stage_hashes();
   const fb::InputCheck* const input_check = message.input_check();

@@ -18,8 +18,9 @@ inline constexpr const char* kTickSchemaName = "lumbrical.fb.Tick";
 std::span<const std::uint8_t> tick_schema();
 
 /// Clears the builder and leaves the finished message in it. Segments without any output and joints or angles
-/// that hold their defaults take no room.
-void encode_tick(const TickRecord& record, const InputCheck& check, flatbuffers::FlatBufferBuilder& builder);
+/// that hold their defaults take no room, nor do the forces of a tick that is not to keep them.
+void encode_tick(const TickRecord& record, bool keep_forces, const InputCheck& check,
+                 flatbuffers::FlatBufferBuilder& builder);
 
 /// The error tells what is wrong, not where. `bytes` may come from anywhere and need no alignment.
 Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, InputCheck& check);

@@ -75,27 +75,24 @@ class WhatIf {
   void add(const TickRecord& recorded) {
     // Whichever goes first finds cold caches; they take turns.
     const bool baseline_first = recorded.output.tick % 2 == 0;
-    if (baseline_first) baseline_.run(recorded.device);
+    ActuatorFrame before;
+    if (baseline_first) before = baseline_.run(recorded.device);
     const ActuatorFrame changed = changed_.run(recorded.device);
-    if (!baseline_first) baseline_.run(recorded.device);
-    recorded_seconds_ += 1e-9 * recorded.duration_ns;
-    const std::uint64_t number = recorded.output.tick;
-    for (int part = 0; part <= kFingerCount; ++part) {
-      const auto p = static_cast<std::size_t>(part);
-      const Vec3 before = force_of(recorded.output, part);
-      const double difference = norm(force_of(changed, part) - before);
-      const double noticeable = kWeber * max(norm(before), kWeberFloor);
-      force_[p].add(difference, number);
-      force_jnd_[p].add(difference / noticeable, number);
-      felt_[p] += difference > noticeable ? 1 : 0;
+    if (!baseline_first) before = baseline_.run(recorded.device);
+    constexpr auto kLimits = static_cast<std::size_t>(Stage::limits);
+    if (recorded.has_forces) {
+      before = recorded.output;
+    } else if (baseline_.scratch.stage_hash[kLimits] != recorded.stage_hash[kLimits]) {
+      ++unlike_recorded_;
     }
-    for (std::size_t s = 0; s < kSegmentCount; ++s)
-      torque_[s].add(norm(changed.joint_torque[s] - recorded.output.joint_torque[s]), number);
+    compare(before, changed);
+    recorded_seconds_ += 1e-9 * recorded.duration_ns;
     ++ticks_;
   }
 
   void finish(WhatIfResult& result) const {
     result.ticks = ticks_;
+    result.unlike_recorded = unlike_recorded_;
     const double per = 1 / static_cast<double>(ticks_);
     for (std::size_t p = 0; p < force_.size(); ++p) {
       result.force[p] = force_[p].over(ticks_);
@@ -109,9 +106,24 @@ class WhatIf {
   }
 
  private:
+  void compare(const ActuatorFrame& before, const ActuatorFrame& changed) {
+    const std::uint64_t number = before.tick;
+    for (int part = 0; part <= kFingerCount; ++part) {
+      const auto p = static_cast<std::size_t>(part);
+      const Vec3 force = force_of(before, part);
+      const double difference = norm(force_of(changed, part) - force);
+      const double noticeable = kWeber * max(norm(force), kWeberFloor);
+      force_[p].add(difference, number);
+      force_jnd_[p].add(difference / noticeable, number);
+      felt_[p] += difference > noticeable ? 1 : 0;
+    }
+    for (std::size_t s = 0; s < kSegmentCount; ++s)
+      torque_[s].add(norm(changed.joint_torque[s] - before.joint_torque[s]), number);
+  }
+
   TimedRun changed_, baseline_;
   double recorded_seconds_ = 0;
-  std::uint64_t ticks_ = 0;
+  std::uint64_t ticks_ = 0, unlike_recorded_ = 0;
   std::array<Sum, kFingerCount + 1> force_, force_jnd_;
   std::array<std::uint64_t, kFingerCount + 1> felt_{};
   std::array<Sum, kSegmentCount> torque_;
