@@ -26,7 +26,7 @@ const Rule kRules[] = {
     {Layer::base, "engine/include/lumbrical", "math status"},
     {Layer::base, "engine/src/base", "*"},
 
-    {Layer::model, "engine/include/lumbrical", "mesh shapes hand model contact voxel"},
+    {Layer::model, "engine/include/lumbrical", "mesh shapes hand model contact voxel search_memory"},
     {Layer::model, "engine/src/model", "*"},
     {Layer::model, "engine/src/index", "*"},
 

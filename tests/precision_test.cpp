@@ -79,12 +79,20 @@ TEST(Precision, TheTickStatesHowFarItsForcesMayBeOff) {
   for (const DeviceFrame& frame : grasp_frames(exact_scene.hand, 40)) {
     const ActuatorFrame wanted = tick(exact, exact_state, exact_scratch, frame);
     const ActuatorFrame got = tick(coarse, coarse_state, coarse_scratch, frame);
-    double difference = 0;
-    for (std::uint32_t i = 0; i < got.contact_count; ++i) {
-      difference += std::fabs(coarse_scratch.contacts[i].volume - exact_scratch.contacts[i].volume);
+    // Triangle by triangle in one, whole clusters in the other: what they have in common are the primitives.
+    std::array<Vec3, Primitives::kMaxCount> off{};
+    for (std::uint32_t i = 0; i < wanted.contact_count; ++i) {
+      const Contact& contact = exact_scratch.contacts[i];
+      off[contact.primitive] -= contact.volume * contact.normal;
     }
+    for (std::uint32_t i = 0; i < got.contact_count; ++i) {
+      const Contact& contact = coarse_scratch.contacts[i];
+      off[contact.primitive] += contact.volume * contact.normal;
+    }
+    double difference = 0;
+    for (const Vec3 d : off) difference += norm(d);
     difference *= exact_scene.settings.stiffness;
-    EXPECT_EQ(got.contact_count, wanted.contact_count);
+    EXPECT_LE(got.contact_count, wanted.contact_count);
     EXPECT_LE(difference, got.force_error + wanted.force_error);
     largest = std::max(largest, difference);
   }

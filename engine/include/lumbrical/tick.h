@@ -16,6 +16,7 @@
 #include "lumbrical/contact.h"
 #include "lumbrical/device.h"
 #include "lumbrical/model.h"
+#include "lumbrical/search_memory.h"
 
 namespace lumbrical {
 
@@ -45,16 +46,8 @@ struct Scratch {
       candidates;  ///< primitive << 32 | Contact::triangle, ascending; `candidate_count` of them
   std::vector<Contact> contacts;       ///< sorted by primitive, then triangle; `contact_count` of them
   std::vector<std::uint64_t> sorting;  ///< the other array of the candidates' sort
-  struct Searcher {
-    std::array<std::vector<std::uint32_t>, 2> frontier;       ///< of a tree's traversal
-    std::vector<std::uint32_t> cells;                         ///< voxels that may be met
-    std::array<std::vector<std::uint32_t>, 2> open_clusters;  ///< of the clusters' traversal
-    std::vector<std::uint32_t> used_clusters;                 ///< that are contacts of one primitive
-    std::vector<std::uint32_t> split_leaves;                  ///< the same, triangle by triangle
-    std::vector<std::uint64_t> open_leaves;                   ///< a bit for each leaf that is looked into
-  };
-  std::vector<Searcher> searcher;    ///< one per thread
-  std::vector<std::uint32_t> cells;  ///< of the grid, that may be met
+  std::vector<SearchMemory> searcher;  ///< one per thread
+  std::vector<std::uint32_t> cells;    ///< of the grid, that may be met
   std::uint32_t candidate_count = 0;
   std::uint32_t contact_count = 0;
   bool keep_near = true;                                ///< use `near`; false: search afresh every tick

@@ -104,9 +104,9 @@ void cluster_kinds(const ClusterBlock* blocks, const ClusterQuery& query, const 
       if (i + k < count) {
         put_block(blocks[list[i + k]], k, row);
       } else {
-        ClusterBlock none;
-        none.r.fill(-1);
-        put_block(none, k, row);
+        put_block(blocks[list[i]], k, row);  // any, made an empty one
+        for (std::size_t lane = 0; lane < ClusterBlock::kWidth; ++lane)
+          row.r[k * ClusterBlock::kWidth + lane] = -1;
       }
     }
     ClusterBits bits = kinds_in_row<V>(row, query);

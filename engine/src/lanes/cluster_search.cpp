@@ -71,7 +71,7 @@ bool uses_clusters(const Model& model, const Primitives& hand, const Primitive& 
 }
 
 FoundClusters find_clusters(const Model& model, const Primitives& hand, const Primitive& primitive,
-                            const FieldKernels& kernels, Scratch::Searcher& memory) {
+                            const FieldKernels& kernels, SearchMemory& memory) {
   const ClusterTree& tree = model.clusters;
   constexpr std::uint32_t kWidth = ClusterBlock::kWidth;
   const ClusterQuery query = cluster_query(tree, hand.palm, primitive, model.settings.tolerance);
@@ -96,7 +96,7 @@ FoundClusters find_clusters(const Model& model, const Primitives& hand, const Pr
   return {{hits.use, hits.use_count}, {hits.split, hits.split_count}, {hits.open, hits.open_count}};
 }
 
-void size_clusters(const Model& model, Scratch::Searcher& memory) {
+void size_clusters(const Model& model, SearchMemory& memory) {
   const ClusterTree& tree = model.clusters;
   if (tree.triangle.empty()) return;
   const std::size_t leaves = tree.level[1];

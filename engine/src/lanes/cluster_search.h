@@ -4,7 +4,7 @@
 #include <span>
 
 #include "lanes/field_kernels.h"
-#include "lumbrical/tick.h"
+#include "lumbrical/search_memory.h"
 #include "model/primitive.h"
 
 namespace lumbrical {
@@ -25,9 +25,9 @@ struct FoundClusters {
 /// Triangles of the primitive's contacts are in the one or the other. A function of model and primitive only.
 /// The answer is in `memory` until the next call.
 FoundClusters find_clusters(const Model& model, const Primitives& hand, const Primitive& primitive,
-                            const FieldKernels& kernels, Scratch::Searcher& memory);
+                            const FieldKernels& kernels, SearchMemory& memory);
 
 /// Sizes the working memory.
-void size_clusters(const Model& model, Scratch::Searcher& memory);
+void size_clusters(const Model& model, SearchMemory& memory);
 
 }  // namespace lumbrical

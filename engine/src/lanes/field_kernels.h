@@ -4,6 +4,7 @@
 #include "lanes/cluster_terms.h"
 #include "lanes/crossing_terms.h"
 #include "lanes/miss_terms.h"
+#include "lanes/prism_terms.h"
 #include "lanes/round_terms.h"
 #include "lanes/sphere_query.h"
 #include "lanes/strip_terms.h"
@@ -26,6 +27,7 @@ struct FieldKernels {
                         std::size_t count, ClusterHits&);
   void (*cluster_forces)(ClusterTerms&);
   void (*leaf_forces)(LeafTerms&);
+  void (*prism_contacts)(PrismTerms&);
 };
 
 namespace scalar {

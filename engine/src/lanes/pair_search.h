@@ -9,7 +9,8 @@
 
 #include "lanes/field_kernels.h"
 #include "lanes/near_pairs.h"
-#include "lumbrical/tick.h"
+#include "lumbrical/contact.h"
+#include "lumbrical/search_memory.h"
 #include "model/primitive.h"
 
 namespace lumbrical {
@@ -26,7 +27,7 @@ struct PairSearch {
   const Model& model;
   const Primitives& hand;
   const FieldKernels& kernels;
-  Scratch::Searcher& memory;
+  SearchMemory& memory;
   MissTerms& terms;
   FoundPairs& found;
   const Hull* hull = nullptr;

@@ -229,7 +229,7 @@ void size_candidates(const Model& model, Scratch& scratch) {
     frontier_size = std::max(frontier_size, frontier_capacity(tree));
   if (model.voxels) frontier_size = std::max(frontier_size, frontier_capacity(model.voxels->wide));
   scratch.searcher.resize(model.execution.threads);
-  for (Scratch::Searcher& searcher : scratch.searcher) {
+  for (SearchMemory& searcher : scratch.searcher) {
     for (auto& frontier : searcher.frontier) frontier.resize(frontier_size);
     searcher.cells.resize(model.voxels ? model.voxels->lists.voxel.size() : 0);
     size_clusters(model, searcher);

@@ -8,6 +8,7 @@
 #include "borders/shared_contact.h"
 #include "lanes/cluster_batch.h"
 #include "lanes/leaf_contact.h"
+#include "lanes/prism_batch.h"
 #include "lanes/round_batch.h"
 #include "section/cone_slivers.h"
 #include "section/depth.h"
@@ -122,6 +123,7 @@ struct PairWork {
   const Primitives& hand;
   const FieldKernels& kernels;
   RoundBatch batch{kernels};
+  PrismBatch palm{hand.palm, kernels};
   ClusterBatch clusters{model.clusters, kernels};
   LeafQuery leaf{};
   std::uint32_t clusters_of = Primitives::kMaxCount;  // the primitive whose clusters are being gathered
@@ -150,6 +152,11 @@ bool finish_slivers(Contact& contact, const PairWork& work) {
   }
   return !look_from_plane(own != nullptr ? tile_cut_so(primitive, *own) : primitive, a, b, c, section) ||
          add_slivers(work.kernels, section, contact);
+}
+
+void finish_palm(PairWork& work) {
+  for (Contact* contact : finish_batch(work.palm))
+    collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
 }
 
 void finish(PairWork& work) {
@@ -194,11 +201,16 @@ void take_cluster(Contact& contact, PairWork& work) {
 void take_pair(Contact& contact, PairWork& work) {
   if ((contact.triangle & kClusterBit) != 0) return take_cluster(contact, work);
   const Primitive& primitive = work.hand.primitive[contact.primitive];
+  const auto [a, b, c] = corners_of(work.model.triangles, contact.triangle);
+  if (primitive.shape == Shape::prism && primitive.law == Law::field) {
+    if (is_full(work.palm)) finish_palm(work);
+    add_to_batch(a, b, c, contact, work.palm);
+    return;
+  }
   if (!suits_batch(primitive)) {
     collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
     return;
   }
-  const auto [a, b, c] = corners_of(work.model.triangles, contact.triangle);
   BorderCut cut = cut_at_borders(work.hand, primitive, a, b, c);
   if (cut.kind == BorderCut::gone) {
     contact.area = 0;
@@ -269,6 +281,7 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
       take_pair(contacts[i], pairs);
     }
     finish(pairs);
+    finish_palm(pairs);
     finish_batch(pairs.clusters);
   };
   const std::uint32_t threads = candidates.size() < kSerialBelow ? 1 : model.execution.threads;
