@@ -74,6 +74,8 @@ StopSignals::StopSignals() {
 }
 
 StopSignals::~StopSignals() {
+  // What is left then takes a moment, in which the second of two signals must not kill.
+  if (stop_requested != 0) return;
   sigaction(SIGINT, &previous_interrupt_, nullptr);
   sigaction(SIGTERM, &previous_terminate_, nullptr);
 }
