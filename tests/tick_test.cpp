@@ -7,6 +7,8 @@
 #include <new>
 
 #include "lumbrical/jacobian.h"
+#include "model/primitive.h"
+#include "pressed_hand.h"
 #include "random.h"
 #include "session.h"
 
@@ -203,6 +205,34 @@ TEST(Tick, ForceAboveTheLimitIsScaledDownForTheWholeHand) {
     EXPECT_LT(norm(limited.segment[i].force - 0.5 * all.segment[i].force), 1e-12);
     EXPECT_LT(norm(limited.joint_torque[i] - 0.5 * all.joint_torque[i]), 1e-12);
   }
+}
+
+// Without stage hashes a hand that can't meet the world is not shaped at all.
+TEST(Tick, AHandOutOfReachIsLeftUnshapedWithoutADifference) {
+  Scene scene = test::pressed_scene(0.3, 20);
+  int touching = 0, unshaped = 0;
+  for (const Law law : {Law::field, Law::max_depth}) {
+    scene.settings.law.fill(law);
+    const Model model = test::model_of(scene);
+    test::Random random(11);
+    for (int i = 0; i < 400; ++i) {
+      DeviceFrame frame = test::pressed_frame(scene.hand, 0.002, random.between(0, 1));
+      frame.base.position += random.between(0, 0.3) * random.direction();
+      frame.base.orientation = random.rotation() * frame.base.orientation;
+      State hashed_state, state;
+      Scratch hashed = make_scratch(model), scratch = make_scratch(model);
+      scratch.hash_stages = false;
+      const ActuatorFrame expected = tick(model, hashed_state, hashed, frame);
+      const ActuatorFrame output = tick(model, state, scratch, frame);
+      ASSERT_EQ(hash_state(state), hash_state(hashed_state)) << i;
+      ASSERT_EQ(output.flags, expected.flags) << i;
+      ASSERT_EQ(output.contact_count, expected.contact_count) << i;
+      touching += expected.contact_count > 0 ? 1 : 0;
+      unshaped += scratch.primitives->count == 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(touching, 200);
+  EXPECT_GT(unshaped, 100);
 }
 
 TEST(Tick, MissingJointsSilenceOnlyTheirSegments) {

@@ -86,6 +86,20 @@ constexpr Pose inverse(const Pose& X_AB) {
   return {rotate(q, -X_AB.position), q};
 }
 
+/// An axis-aligned box round points. Empty as long as none was added.
+struct Box {
+  Vec3 lower{1e300, 1e300, 1e300}, upper{-1e300, -1e300, -1e300};  ///< [m]
+  void add(Vec3 p, double r = 0) {
+    lower = {min(lower.x, p.x - r), min(lower.y, p.y - r), min(lower.z, p.z - r)};
+    upper = {max(upper.x, p.x + r), max(upper.y, p.y + r), max(upper.z, p.z + r)};
+  }
+  [[nodiscard]] Vec3 middle() const { return 0.5 * lower + 0.5 * upper; }
+  [[nodiscard]] bool meets(const Box& other) const {
+    return lower.x <= other.upper.x && other.lower.x <= upper.x && lower.y <= other.upper.y &&
+           other.lower.y <= upper.y && lower.z <= other.upper.z && other.lower.z <= upper.z;
+  }
+};
+
 /// Force and torque of one body part.
 struct Wrench {
   Vec3 force;   ///< [N]

@@ -171,6 +171,7 @@ struct Model {
   Settings settings;
   Execution execution;
   Triangles triangles;
+  Box extent;                                ///< [m] in W: of all vertices
   SphereTree tree;                           ///< empty unless Broadphase::tree
   SphereGrid grid;                           ///< empty unless Broadphase::grid
   std::shared_ptr<const VoxelIndex> voxels;  ///< null unless Broadphase::voxel

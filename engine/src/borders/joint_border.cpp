@@ -19,18 +19,31 @@ constexpr double kSteepest = 0.85;
 // Rounding must not lose a triangle.
 constexpr double kMargin = 1.000001;
 
+// A phalanx seen from the joint it shares.
+struct Side {
+  Vec3 axis;          // unit, away from the joint
+  double length;      // [m]
+  double far_radius;  // [m]
+  double sine = 0, cosine = 1;
+  bool is_hull = false;  // of both its spheres, so that sine and cosine of its slope are known
+  Side(Vec3 away, const Primitive& phalanx, double radius, double other_radius)
+      : axis(away), length(norm(phalanx.end2 - phalanx.end1)), far_radius(other_radius) {
+    const double drop = radius - other_radius;
+    is_hull = length > std::fabs(drop);
+    if (!is_hull) return;
+    sine = drop / length;
+    cosine = std::sqrt((1 - sine) * (1 + sine));
+  }
+};
+
 // The quadric cone of two near tiles. Two angles whose sum is constant mark a convex cone of directions.
-void set_cone(const Primitive& before, const Primitive& after, JointBorder& border) {
-  const Vec3 axis1 = unit_or(before.end1 - before.end2, {1, 0, 0}),
-             axis2 = unit_or(after.end2 - after.end1, {1, 0, 0});
-  const double r = before.radius2, sine1 = (r - before.radius1) / norm(before.end2 - before.end1),
-               sine2 = (r - after.radius2) / norm(after.end2 - after.end1);
-  const double cosine1 = std::sqrt((1 - sine1) * (1 + sine1)), cosine2 = std::sqrt((1 - sine2) * (1 + sine2));
-  const Vec3 apart = axis2 - axis1, middle = axis1 + axis2, z = border.normal;
+void set_cone(const Side& before, const Side& after, JointBorder& border) {
+  const Vec3 apart = after.axis - before.axis, middle = before.axis + after.axis, z = border.normal;
   const Vec3 some = std::fabs(z.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   Vec3 x = unit_or(middle - dot(middle, z) * z, {});
   if (!(dot(middle, middle) > 1e-20)) x = unit_or(cross(z, some), {});  // a straight joint: round about z
-  const double sine = sine2 * cosine1 - cosine2 * sine1, cosine = cosine2 * cosine1 + sine2 * sine1;
+  const double sine = after.sine * before.cosine - after.cosine * before.sine,
+               cosine = after.cosine * before.cosine + after.sine * before.sine;
   const double tangent = sine / (1 + cosine), square = tangent * tangent / (1 + tangent * tangent);
   const double gap = max(1e-300, 0.25 * dot(apart, apart) - square);
   border.x = tangent * x;
@@ -41,22 +54,21 @@ void set_cone(const Primitive& before, const Primitive& after, JointBorder& bord
 // Of the joint beyond `phalanx`. Lengths follow from the spherical hyperbola theta_i - theta_j = delta: with
 // beta the angle between the two axes and Z the height over the bisecting plane,
 //   |Z| <= D sin(delta / 2) / sin(beta / 2),  theta_i + sigma_i >= (beta + sigma_i + sigma_j) / 2.
-JointBorder border_of(const Primitive& before, const Primitive& after) {
-  const double r = before.radius2, length1 = norm(before.end2 - before.end1),
-               length2 = norm(after.end2 - after.end1);
-  const Vec3 axis1 = unit_or(before.end1 - before.end2, {}), axis2 = unit_or(after.end2 - after.end1, {});
+JointBorder border_of(const Primitives& hand, std::size_t phalanx) {
+  const Primitive &inner = hand.capsule[phalanx], &outer = hand.capsule[phalanx + 1];
+  const double r = inner.radius2;
+  const Side before(-hand.direction[phalanx], inner, r, inner.radius1),
+      after(hand.direction[phalanx + 1], outer, r, outer.radius2);
+  const auto& [axis1, length1, far1, sine1, cosine1, is_hull1] = before;
+  const auto& [axis2, length2, far2, sine2, cosine2, is_hull2] = after;
   JointBorder border;
-  border.centre = before.end2;
+  border.centre = inner.end2;
   border.normal = unit_or(axis2 - axis1, unit_or(axis2, {1, 0, 0}));
   border.shared = true;
   // Whatever the border may be, it lies inside both tiles.
-  border.reach = kMargin * max(r, max(length1 + before.radius1, length2 + after.radius2));
-  border.slab = kMargin * max(r, max(before.radius1, after.radius2));
-
-  const double drop1 = r - before.radius1, drop2 = r - after.radius2;
-  if (!(length1 > std::fabs(drop1) && length2 > std::fabs(drop2))) return border;
-  const double sine1 = drop1 / length1, sine2 = drop2 / length2;
-  const double cosine1 = std::sqrt((1 - sine1) * (1 + sine1)), cosine2 = std::sqrt((1 - sine2) * (1 + sine2));
+  border.reach = kMargin * max(r, max(length1 + far1, length2 + far2));
+  border.slab = kMargin * max(r, max(far1, far2));
+  if (!is_hull1 || !is_hull2) return border;
   const double half_sine = 0.5 * norm(axis1 - axis2), half_cosine = 0.5 * norm(axis1 + axis2);
   const double slope_sine =
       0.5 * std::sqrt((sine1 - sine2) * (sine1 - sine2) + (cosine1 - cosine2) * (cosine1 - cosine2));
@@ -129,7 +141,7 @@ void set_joint_borders(Primitives& hand) {
   for (std::size_t i = 0; i < kPhalanxCount; ++i) {
     hand.border[i] = {};
     if (i % 3 < 2 && takes_part(i) && takes_part(i + 1)) {
-      hand.border[i] = border_of(hand.capsule[i], hand.capsule[i + 1]);
+      hand.border[i] = border_of(hand, i);
     }
   }
   for (std::size_t finger = 0; finger < kFingerCount; ++finger) {

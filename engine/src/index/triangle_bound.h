@@ -22,14 +22,4 @@ inline TriangleBound bound_triangle(const Triangles& triangles, std::uint32_t tr
   return {centre, std::sqrt(max(dot(pa, pa), max(dot(pb, pb), dot(pc, pc))))};
 }
 
-/// An axis-aligned box round points.
-struct Box {
-  Vec3 lower{1e300, 1e300, 1e300}, upper{-1e300, -1e300, -1e300};  ///< [m]
-  void add(Vec3 p, double r = 0) {
-    lower = {min(lower.x, p.x - r), min(lower.y, p.y - r), min(lower.z, p.z - r)};
-    upper = {max(upper.x, p.x + r), max(upper.y, p.y + r), max(upper.z, p.z + r)};
-  }
-  [[nodiscard]] Vec3 middle() const { return 0.5 * lower + 0.5 * upper; }
-};
-
 }  // namespace lumbrical

@@ -179,12 +179,24 @@ void list_objects(const Scene& scene, std::vector<Model::Object>& objects) {
   }
 }
 
-Broadphase suited_broadphase(const Triangles& world) {
-  for (const std::vector<double>* const axis : {&world.x, &world.y, &world.z}) {
-    const auto [low, high] = std::minmax_element(axis->begin(), axis->end());
-    if (low != axis->end() && *high - *low > kGridExtent) return Broadphase::grid;
-  }
-  return Broadphase::tree;
+Box extent_of(const Triangles& world, std::size_t threads) {
+  if (world.x.empty()) return {};
+  constexpr std::array<double Vec3::*, 3> kAxis = {&Vec3::x, &Vec3::y, &Vec3::z};
+  const std::array<const std::vector<double>*, 3> numbers = {&world.x, &world.y, &world.z};
+  Box box;
+  parallel_chunks(3, 1, threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) {
+      const auto [low, high] = std::minmax_element(numbers[k]->begin(), numbers[k]->end());
+      box.lower.*kAxis[k] = *low;
+      box.upper.*kAxis[k] = *high;
+    }
+  });
+  return box;
+}
+
+Broadphase suited_broadphase(const Box& extent) {
+  const Vec3 size = extent.upper - extent.lower;
+  return max(size.x, max(size.y, size.z)) > kGridExtent ? Broadphase::grid : Broadphase::tree;
 }
 
 // The ladder of precision knows clusters under the field law only.
@@ -228,8 +240,9 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   if (execution.isa == Isa::automatic) built.execution.isa = widest_isa();
   add_triangles(scene, vertices, triangles, execution.threads, built.triangles);
   list_objects(scene, built.objects);
+  built.extent = extent_of(built.triangles, execution.threads);
   Broadphase& broadphase = built.execution.broadphase;
-  if (broadphase == Broadphase::automatic) broadphase = suited_broadphase(built.triangles);
+  if (broadphase == Broadphase::automatic) broadphase = suited_broadphase(built.extent);
   if (broadphase == Broadphase::tree) {
     built.tree = build_tree(built.triangles, execution);
   } else if (broadphase == Broadphase::grid) {

@@ -64,13 +64,23 @@ struct JointBorder {
   double side = 1;
 };
 
+/// Where the joints are, as far as a frame tells.
+struct Joints {
+  std::array<Pose, kJointCount> pose;  ///< X_WJ
+  std::uint32_t valid = 0;             ///< a bit for each joint
+  [[nodiscard]] bool has(int joint) const { return (valid >> joint & 1u) != 0; }
+  [[nodiscard]] Vec3 position(int joint) const { return pose[static_cast<std::size_t>(joint)].position; }
+};
+
 /// All primitives of one posed hand.
 struct Primitives {
   static constexpr int kMaxCount = 40;  ///< 15 phalanges, 15 joints, 5 tips, 1 palm, some spare
   int count = 0;
   std::array<Primitive, kMaxCount> primitive{};
-  std::array<Primitive, kPhalanxCount> capsule{};   ///< whole phalanges, uncut, for the paper's depth
-  std::array<bool, kPhalanxCount> present{};        ///< which of them this pose has
+  std::array<Primitive, kPhalanxCount> capsule{};  ///< whole phalanges, uncut, for the paper's depth
+  std::array<bool, kPhalanxCount> present{};       ///< which of them this pose has
+  std::array<Vec3, kPhalanxCount> direction{};  ///< W, unit, of their axes, away from the wrist; 0: no length
+  Joints joints;                                ///< what they were made of
   std::array<JointBorder, kPhalanxCount> border{};  ///< of the joint beyond each phalanx
   std::array<bool, kFingerCount> folded{};          ///< first and last phalanx of the finger may overlap
   Prism palm;

@@ -14,13 +14,6 @@ namespace {
 // Farther from the wrist than this [m] no joint of a hand is.
 constexpr double kHandReach = 1.0;
 
-struct Joints {
-  std::array<Pose, kJointCount> pose;  // X_WJ
-  std::uint32_t valid = 0;
-  [[nodiscard]] bool has(int joint) const { return (valid >> joint & 1u) != 0; }
-  [[nodiscard]] Vec3 position(int joint) const { return pose[static_cast<std::size_t>(joint)].position; }
-};
-
 Pose to_pose(const JointPose& joint) {
   return {
       {joint.position[0], joint.position[1], joint.position[2]},
@@ -52,8 +45,8 @@ void add_cut(Vec3 normal, Vec3 point, Primitive& primitive, double overhang = 0)
 }
 
 // The whole phalanges, uncut.
-std::uint32_t set_capsules(const Hand& hand, const Settings& settings, const Joints& joints,
-                           Primitives& primitives) {
+std::uint32_t set_capsules(const Hand& hand, const Settings& settings, Primitives& primitives) {
+  const Joints& joints = primitives.joints;
   std::uint32_t flags = 0;
   for (std::size_t i = 0; i < kPhalanxCount; ++i) {
     const auto [base, tip] = kPhalanxJoints[i];
@@ -70,12 +63,12 @@ std::uint32_t set_capsules(const Hand& hand, const Settings& settings, const Joi
     capsule.end2 = joints.position(tip);
     capsule.radius1 = hand.radius[base];
     capsule.radius2 = hand.radius[tip];
-    if (!(norm(capsule.end2 - capsule.end1) > 1e-9)) flags |= kSegmentDegenerate;
+    const Vec3 axis = capsule.end2 - capsule.end1;
+    primitives.direction[i] = unit_or(axis, {});
+    if (!(norm(axis) > 1e-9)) flags |= kSegmentDegenerate;
   }
   return flags;
 }
-
-Vec3 direction(const Primitive& capsule) { return unit_or(capsule.end2 - capsule.end1, Vec3{}); }
 
 bool is_paper(const Primitives& hand, std::size_t phalanx) { return !is_exact(hand.capsule[phalanx].law); }
 
@@ -86,14 +79,14 @@ bool paper_joint(const Primitives& hand, std::size_t phalanx) {
 
 // The plane through the joint beyond `phalanx` that shares out space between it and the next.
 Vec3 bisector(const Primitives& hand, std::size_t phalanx) {
-  const Vec3 here = direction(hand.capsule[phalanx]), next = direction(hand.capsule[phalanx + 1]);
+  const Vec3 here = hand.direction[phalanx], next = hand.direction[phalanx + 1];
   return unit_or(here + next, unit_or(here, {1, 0, 0}));
 }
 
 // The body of a phalanx: tile or cylinder, cut at its neighbours.
 void add_body(const Primitives& hand, std::size_t i, Primitives& out) {
   Primitive body = hand.capsule[i];
-  const Vec3 axis = direction(body);
+  const Vec3 axis = hand.direction[i];
   const bool before = i % 3 > 0 && hand.present[i - 1], after = i % 3 < 2 && hand.present[i + 1];
   if (before && !paper_joint(hand, i - 1)) {
     add_cut(-bisector(hand, i - 1), body.end1, body, hand.border[i - 1].slab);
@@ -112,12 +105,12 @@ void add_body(const Primitives& hand, std::size_t i, Primitives& out) {
 // The part of a joint's or tip's sphere that no cylinder covers.
 void add_sphere(const Primitives& hand, std::size_t i, bool at_tip, Primitives& out) {
   Primitive sphere = hand.capsule[i];
-  const Vec3 axis = direction(sphere);
+  const Vec3 axis = hand.direction[i];
   const bool joined = !at_tip && i % 3 > 0 && hand.present[i - 1];
   sphere.end1 = sphere.end2 = at_tip ? sphere.end2 : sphere.end1;
   sphere.radius1 = sphere.radius2 = at_tip ? sphere.radius2 : sphere.radius1;
   add_cut(at_tip ? -axis : axis, sphere.end1, sphere);
-  if (joined) add_cut(-direction(hand.capsule[i - 1]), sphere.end1, sphere);
+  if (joined) add_cut(-hand.direction[i - 1], sphere.end1, sphere);
   sphere.phalanx = {static_cast<std::int8_t>(i), static_cast<std::int8_t>(joined ? i - 1 : -1)};
   add(sphere, out);
 }
@@ -167,10 +160,10 @@ void add_palm(const Hand& hand, const Settings& settings, const Pose& X_WP, Prim
   add(bound, primitives);
 }
 
-void set_axes(const Joints& joints, Primitives& primitives) {
+void set_axes(Primitives& primitives) {
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     const int joint = i == kPalmSegment ? int{kWrist} : int{kPhalanxJoints[i].base};
-    const Pose& X_WJ = joints.pose[static_cast<std::size_t>(joint)];
+    const Pose& X_WJ = primitives.joints.pose[static_cast<std::size_t>(joint)];
     primitives.base_joint[i] = X_WJ.position;
     primitives.flexion_axis[i] = rotate(X_WJ.orientation, {1, 0, 0});
   }
@@ -211,22 +204,46 @@ std::uint32_t check_input(const DeviceFrame& frame) {
   return flags;
 }
 
-std::uint32_t pose_hand(const Hand& hand, const Settings& settings, const DeviceFrame& frame,
-                        Primitives& primitives) {
-  Joints joints;
-  std::uint32_t flags = find_joints(hand, frame, joints);
+std::uint32_t place_hand(const Hand& hand, const Settings& settings, const DeviceFrame& frame,
+                         Primitives& primitives) {
+  std::uint32_t flags = find_joints(hand, frame, primitives.joints);
   primitives.count = 0;
-  flags |= set_capsules(hand, settings, joints, primitives);
+  flags |= set_capsules(hand, settings, primitives);
+  if (!primitives.joints.has(kPalm) && !hand.palm.polygon.empty()) flags |= kSegmentMissing;
+  return flags;
+}
+
+bool may_meet(const Hand& hand, const Primitives& primitives, const Box& world) {
+  constexpr double kMargin = 1.000001;
+  Box box;
+  for (std::size_t i = 0; i < kPhalanxCount; ++i) {
+    if (!primitives.present[i]) continue;
+    const Primitive& capsule = primitives.capsule[i];
+    box.add(capsule.end1, kMargin * capsule.radius1);
+    box.add(capsule.end2, kMargin * capsule.radius2);
+  }
+  if (primitives.joints.has(kPalm)) {
+    double square = 0;
+    for (const Vec3 corner : hand.palm.polygon) square = max(square, dot(corner, corner));
+    const double reach = std::sqrt(square) + std::fabs(hand.palm.height) + hand.palm.thickness;
+    box.add(primitives.joints.position(kPalm), kMargin * reach);
+  }
+  return box.meets(world);
+}
+
+void tile_hand(const Hand& hand, const Settings& settings, Primitives& primitives) {
   set_joint_borders(primitives);
   for (std::size_t i = 0; i < kPhalanxCount; ++i) {
     if (primitives.present[i]) add_phalanx(i, primitives);
   }
-  if (joints.has(kPalm)) {
-    add_palm(hand, settings, joints.pose[kPalm], primitives);
-  } else if (!hand.palm.polygon.empty()) {
-    flags |= kSegmentMissing;
-  }
-  set_axes(joints, primitives);
+  if (primitives.joints.has(kPalm)) add_palm(hand, settings, primitives.joints.pose[kPalm], primitives);
+  set_axes(primitives);
+}
+
+std::uint32_t pose_hand(const Hand& hand, const Settings& settings, const DeviceFrame& frame,
+                        Primitives& primitives) {
+  const std::uint32_t flags = place_hand(hand, settings, frame, primitives);
+  tile_hand(hand, settings, primitives);
   return flags;
 }
 

@@ -10,8 +10,18 @@ namespace lumbrical {
 /// TickFlag bits that say what is wrong with a frame; 0 where it can be used as it is.
 std::uint32_t check_input(const DeviceFrame& frame);
 
-/// Poses the hand's primitives in W. Segments whose joints are missing are left out. Returns TickFlag bits.
-/// The frame must have passed check_input.
+/// Poses joints and whole phalanges in W and empties the list of primitives. Segments whose joints are
+/// missing are left out. Returns TickFlag bits. The frame must have passed check_input.
+std::uint32_t place_hand(const Hand& hand, const Settings& settings, const DeviceFrame& frame,
+                         Primitives& primitives);
+
+/// False where no part of a hand so placed can touch what is inside the box [m, W].
+bool may_meet(const Hand& hand, const Primitives& primitives, const Box& world);
+
+/// Lists the primitives of a hand so placed.
+void tile_hand(const Hand& hand, const Settings& settings, Primitives& primitives);
+
+/// Both: `place_hand` and `tile_hand`.
 std::uint32_t pose_hand(const Hand& hand, const Settings& settings, const DeviceFrame& frame,
                         Primitives& primitives);
 

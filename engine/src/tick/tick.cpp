@@ -112,8 +112,12 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   if ((frame.flags & kTrackingLost) != 0) flags |= kInputLost;
   if ((frame.flags & kExtrapolated) != 0) flags |= kInputExtrapolated;
   if ((flags & kUntrusted) == 0) {
-    flags |= pose_hand(model.hand, model.settings, frame, hand);
-    if (!find_candidates(model, hand, scratch)) flags |= kCandidateOverflow;
+    flags |= place_hand(model.hand, model.settings, frame, hand);
+    // A hand far from everything needs no shape, unless a recording is to tell of it.
+    if (scratch.hash_stages || may_meet(model.hand, hand, model.extent)) {
+      tile_hand(model.hand, model.settings, hand);
+      if (!find_candidates(model, hand, scratch)) flags |= kCandidateOverflow;
+    }
   }
   const std::span<const std::uint64_t> candidates(scratch.candidates.data(), scratch.candidate_count);
   scratch.contact_count = find_contacts(model, hand, candidates, scratch.contacts);
