@@ -67,12 +67,24 @@ double twice_atanh(double s) { return 2.0 * s + 2.0 * s * series(kArcTangentHype
 
 }  // namespace
 
-SinCos sin_cos(double x) {
-  if (!(std::fabs(x) <= 1e5)) return {0, 1};
+namespace {
+
+// x less a multiple of pi/2, and which one modulo four.
+struct Reduced {
+  double r;
+  int quadrant;
+};
+
+Reduced reduce(double x) {
+  if (std::fabs(x) < 0.75) return {x, 0};  // spares the common case a quotient
+  if (!(std::fabs(x) <= 1e5)) return {0, 0};
   const double k = std::floor(x / kHalfPi + 0.5);
-  const double r = ((x - k * kHalfPi1) - k * kHalfPi2) - k * kHalfPi3;
-  const double z = r * r, s = r + r * series(kSine, z), c = 1.0 + series(kCosine, z);
-  switch (static_cast<std::int64_t>(k) & 3) {
+  return {((x - k * kHalfPi1) - k * kHalfPi2) - k * kHalfPi3,
+          static_cast<int>(static_cast<std::int64_t>(k) & 3)};
+}
+
+SinCos in_quadrant(int quadrant, double s, double c) {
+  switch (quadrant) {
     case 0:
       return {s, c};
     case 1:
@@ -82,6 +94,44 @@ SinCos sin_cos(double x) {
     default:
       return {-c, s};
   }
+}
+
+// N at a time: each step of a series waits for the last one, but not for its neighbours'.
+template <std::size_t N>
+void sin_cos_of(const double* x, SinCos* result) {
+  Reduced from[N];
+  double z[N], sine[N], cosine[N];
+  for (std::size_t i = 0; i < N; ++i) {
+    from[i] = reduce(x[i]);
+    z[i] = from[i].r * from[i].r;
+    sine[i] = 0;
+    cosine[i] = kCosine[0] * z[i];
+  }
+  for (std::size_t k = 0; k < kSine.size(); ++k) {
+    for (std::size_t i = 0; i < N; ++i) {
+      sine[i] = (sine[i] + kSine[k]) * z[i];
+      cosine[i] = (cosine[i] + kCosine[k + 1]) * z[i];
+    }
+  }
+  for (std::size_t i = 0; i < N; ++i) {
+    const auto [r, quadrant] = from[i];
+    result[i] = in_quadrant(quadrant, r + r * sine[i], 1.0 + cosine[i]);
+  }
+}
+
+}  // namespace
+
+SinCos sin_cos(double x) {
+  SinCos result;
+  sin_cos_of<1>(&x, &result);
+  return result;
+}
+
+void sin_cos(std::span<const double> x, std::span<SinCos> result) {
+  constexpr std::size_t kWide = 4;
+  std::size_t i = 0;
+  for (; i + kWide <= x.size(); i += kWide) sin_cos_of<kWide>(&x[i], &result[i]);
+  for (; i < x.size(); ++i) sin_cos_of<1>(&x[i], &result[i]);
 }
 
 double arc_tan(double x) {

@@ -2,6 +2,8 @@
 // (whose results change with its version and with the CPU). Errors are stated in units in the last place.
 #pragma once
 
+#include <span>
+
 namespace lumbrical {
 
 struct SinCos {
@@ -10,6 +12,9 @@ struct SinCos {
 
 /// Sine and cosine of x [rad]. Error <= 2 ulp of 1 for |x| <= 1e5; beyond that, and for NaN, sin 0 and cos 1.
 SinCos sin_cos(double x);
+
+/// The same of every x; `result` is as long.
+void sin_cos(std::span<const double> x, std::span<SinCos> result);
 
 /// Arc tangent [rad]. Error <= 5 ulp for every finite x; +-pi/2 for infinities.
 double arc_tan(double x);

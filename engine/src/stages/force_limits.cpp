@@ -23,13 +23,13 @@ bool clamp_segments(double max_force, HandForces& forces) {
 }
 
 bool all_finite(const HandForces& forces) {
-  double sum = 0;  // NaN and infinity survive any sum of squares
+  double force = 0, torque = 0, joint = 0;  // NaN and infinity survive any sum of squares
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    sum += dot(forces.segment[i].force, forces.segment[i].force) +
-           dot(forces.segment[i].torque, forces.segment[i].torque) +
-           dot(forces.joint_torque[i], forces.joint_torque[i]);
+    force += dot(forces.segment[i].force, forces.segment[i].force);
+    torque += dot(forces.segment[i].torque, forces.segment[i].torque);
+    joint += dot(forces.joint_torque[i], forces.joint_torque[i]);
   }
-  return is_finite(sum);
+  return is_finite(force) && is_finite(torque) && is_finite(joint);
 }
 
 HandForces mix(double a, const HandForces& x, double b, const HandForces& y) {

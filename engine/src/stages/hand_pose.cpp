@@ -56,7 +56,6 @@ std::uint32_t set_capsules(const Hand& hand, const Settings& settings, Primitive
       continue;
     }
     Primitive& capsule = primitives.capsule[i];
-    capsule = {};
     capsule.segment = static_cast<std::uint8_t>(i);
     capsule.law = settings.law[i];
     capsule.end1 = joints.position(base);
@@ -65,7 +64,7 @@ std::uint32_t set_capsules(const Hand& hand, const Settings& settings, Primitive
     capsule.radius2 = hand.radius[tip];
     const Vec3 axis = capsule.end2 - capsule.end1;
     primitives.direction[i] = unit_or(axis, {});
-    if (!(norm(axis) > 1e-9)) flags |= kSegmentDegenerate;
+    if (!(dot(axis, axis) > 1e-18)) flags |= kSegmentDegenerate;
   }
   return flags;
 }
