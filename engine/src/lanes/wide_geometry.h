@@ -63,6 +63,12 @@ inline Wide3<V> choose(M which, Wide3<V> yes, Wide3<V> no) {
   return {choose(which, yes.x, no.x), choose(which, yes.y, no.y), choose(which, yes.z, no.z)};
 }
 
+// A point in memory, the same in all lanes.
+template <class V>
+inline Wide3<V> in_all_lanes(const NumberOf<V>* point) {
+  return {V(point[0]), V(point[1]), V(point[2])};
+}
+
 // 1 / value, or 1 where it is not positive. (xsimd has a `reciprocal` of its own, an estimate, which an
 // unqualified call would find.)
 template <class V>
