@@ -8,17 +8,6 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-template <class V>
-inline Wide3<V> vector_at(const double (&from)[3][ClusterTerms::kCapacity], std::size_t i) {
-  return {get(from[0] + i, V{}), get(from[1] + i, V{}), get(from[2] + i, V{})};
-}
-template <class V>
-inline void put_vector(Wide3<V> v, std::size_t i, double (&to)[3][ClusterTerms::kCapacity]) {
-  put(to[0] + i, v.x);
-  put(to[1] + i, v.y);
-  put(to[2] + i, v.z);
-}
-
 // Force and its moment about the cluster's centre, over K_s.
 template <class V>
 struct Wrench {

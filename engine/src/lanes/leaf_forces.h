@@ -95,8 +95,7 @@ Piece<V> piece_at(const LeafTerms& terms, const WideShape<V>& shape, std::size_t
   const Wide3<V> centre = in_all_lanes<V>(terms.centre);
   Piece<V> piece;
   for (int c = 0; c < 3; ++c) {
-    const auto& row = terms.corner[c];
-    const Wide3<V> p{get(row[0] + i, V{}), get(row[1] + i, V{}), get(row[2] + i, V{})};
+    const Wide3<V> p = vector_at<V>(terms.corner[c], i);
     piece.corner[c] = p - centre;
     piece.phi[c] = field_at(shape, p).phi;
     for (int k = 0; k < LeafTerms::kPlaneCapacity; ++k) {
