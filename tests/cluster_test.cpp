@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "lumbrical/jacobian.h"
+#include "model/corners.h"
 #include "pressed_hand.h"
 #include "random.h"
 #include "session.h"
@@ -182,9 +183,8 @@ TEST(Clusters, HaveTheMomentsOfTheirTriangles) {
         double area = 0;
         Vec3 normal, first_z, second_xy;
         for (const std::uint32_t t : triangles_of(tree, c)) {
-          const Triangles& world = model.triangles;
-          const Vec3 p[] = {world.vertex(world.a[t]) - centre, world.vertex(world.b[t]) - centre,
-                            world.vertex(world.c[t]) - centre};
+          const Corners at = corners_of(model.triangles, t);
+          const Vec3 p[] = {at.a - centre, at.b - centre, at.c - centre};
           const Vec3 n = 0.5 * cross(p[1] - p[0], p[2] - p[0]);
           area += norm(n);
           normal += n;

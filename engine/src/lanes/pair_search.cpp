@@ -9,6 +9,7 @@
 #include "lanes/cluster_search.h"
 #include "lanes/lane_vectors.h"
 #include "lanes/tree_search.h"
+#include "model/corners.h"
 
 namespace lumbrical {
 
@@ -16,10 +17,10 @@ void set_triangles(const Triangles& world, std::span<const std::uint32_t> triang
   terms.count = triangles.size();
   const std::size_t padded = (triangles.size() + 15) / 16 * 16;
   for (std::size_t k = 0; k < padded; ++k) {
-    const std::uint32_t triangle = triangles[k < triangles.size() ? k : 0];
-    put_vector(world.vertex(world.a[triangle]), k, terms.a);
-    put_vector(world.vertex(world.b[triangle]), k, terms.b);
-    put_vector(world.vertex(world.c[triangle]), k, terms.c);
+    const auto [a, b, c] = corners_of(world, triangles[k < triangles.size() ? k : 0]);
+    put_vector(a, k, terms.a);
+    put_vector(b, k, terms.b);
+    put_vector(c, k, terms.c);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "lanes/leaf_contact.h"
 #include "lanes/prism_batch.h"
 #include "lanes/round_batch.h"
+#include "model/corners.h"
 #include "section/cone_slivers.h"
 #include "section/depth.h"
 #include "section/finger_depth.h"
@@ -84,13 +85,6 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
       break;
   }
   return true;
-}
-
-struct Corners {
-  Vec3 a, b, c;
-};
-Corners corners_of(const Triangles& world, std::uint32_t triangle) {
-  return {world.vertex(world.a[triangle]), world.vertex(world.b[triangle]), world.vertex(world.c[triangle])};
 }
 
 // One pair at a time; an area of zero marks that there is no contact.
