@@ -84,7 +84,7 @@ Mesh surface(int kind, Random& random) {
 Primitive pressed_primitive(Random& random, int shape) {
   Primitive p;
   p.law = Law::field;
-  p.segment = kPalmSegment;
+  p.segment = 1;  // a phalanx that nothing is folded upon
   p.radius1 = kRadius;
   p.radius2 = shape == 2 ? random.between(0.7, 1) * kRadius : kRadius;
   const double length = shape == 0 ? 0 : random.between(0.5, 3) * kRadius, heading = random.between(0, 6);
