@@ -23,6 +23,7 @@
 #include "accuracy_table.h"
 #include "base/floating_point.h"
 #include "stages/narrowphase.h"
+#include "timing.h"
 
 namespace {
 
@@ -247,8 +248,7 @@ double nanoseconds_per_pair(const Evaluator& evaluator, Law law, const std::vect
     times.push_back(std::chrono::duration<double, std::nano>(Clock::now() - start).count());
   }
   if (!(sum >= 0)) std::fprintf(stderr, "volumes sum up to %g\n", sum);
-  std::nth_element(times.begin(), times.begin() + 2, times.end());
-  return times[2] / static_cast<double>(pairs.size());
+  return percentile(times, 0.5) / static_cast<double>(pairs.size());
 }
 
 /// All errors of the pairs of some cells and one evaluator, by quantity.

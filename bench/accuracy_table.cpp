@@ -1,20 +1,11 @@
 #include "accuracy_table.h"
 
 #include <algorithm>
-#include <cstdarg>
-#include <cstdio>
+
+#include "print.h"
 
 namespace lumbrical::bench {
 namespace {
-
-[[gnu::format(printf, 1, 2)]] std::string print(const char* format, ...) {
-  char text[2000];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
 
 std::string three(const Spread& spread) {
   return print("%.0e / %.0e / %.0e", spread.median, spread.most, spread.worst);

@@ -5,9 +5,7 @@
 //   near_pairs_bench [--benchmark_filter=A/9522]
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <string>
 #include <vector>
 
@@ -15,17 +13,12 @@
 #include "lanes/near_pairs.h"
 #include "stages/broadphase.h"
 #include "stages/hand_pose.h"
+#include "timing.h"
 
 namespace {
 
 using namespace lumbrical;
-
-// Other programs of a busy machine don't count.
-double thread_microseconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return 1e6 * static_cast<double>(time.tv_sec) + 1e-3 * static_cast<double>(time.tv_nsec);
-}
+using bench::percentile, bench::thread_microseconds;
 
 constexpr double kCircle = 0.0628;  // [m] round which pressed_frame goes in a time of 1
 constexpr int kTicks = 1000;
@@ -58,12 +51,10 @@ void run(benchmark::State& state, double extent, std::uint32_t cells, double ste
     searches += scratch.near->searches;
     asked += scratch.near->asked;
   }
-  std::sort(times.begin(), times.end());
   const auto count = static_cast<double>(times.size());
-  const auto percentile = [&](double share) { return times[static_cast<std::size_t>(share * (count - 1))]; };
   state.counters["mean_us"] = sum / count;
-  state.counters["p50_us"] = percentile(0.5);
-  state.counters["p99_us"] = percentile(0.99);
+  state.counters["p50_us"] = percentile(times, 0.5);
+  state.counters["p99_us"] = percentile(times, 0.99);
   state.counters["searches"] = searches / count;
   state.counters["asked"] = asked / count;
   state.counters["candidates"] = scratch.candidate_count;

@@ -5,7 +5,6 @@
 //
 // The folder must exist; without names all experiments run. bench/experiments.h says what each of them is.
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 #include <exception>
 #include <fstream>
@@ -17,6 +16,7 @@
 
 #include "experiments.h"
 #include "lumbrical/shapes.h"
+#include "print.h"
 
 namespace {
 
@@ -24,15 +24,6 @@ using namespace lumbrical;
 using namespace lumbrical::bench;
 
 constexpr double kDegree = std::numbers::pi / 180;
-
-[[gnu::format(printf, 1, 2)]] std::string text(const char* format, ...) {
-  char buffer[512];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(buffer, sizeof buffer, format, arguments);
-  va_end(arguments);
-  return buffer;
-}
 
 const char* name_of(Law law) { return law_name(law).data(); }  // its names are literals
 
@@ -46,10 +37,10 @@ struct Output {
 
 void put_series(const std::string& what, Law law, const Series& series, Output& output) {
   for (const Sample& s : series) {
-    output.row(text("%s,%s,%.6g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%u,%u,%.9g", what.c_str(), name_of(law), s.at,
-                    s.force.x, s.force.y, s.force.z, norm(s.force), norm(s.theory),
-                    std::atan2(s.force.x, s.force.z) / kDegree, s.felt.triangles, s.felt.contacts,
-                    s.felt.area));
+    output.row(print("%s,%s,%.6g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%u,%u,%.9g", what.c_str(), name_of(law), s.at,
+                     s.force.x, s.force.y, s.force.z, norm(s.force), norm(s.theory),
+                     std::atan2(s.force.x, s.force.z) / kDegree, s.felt.triangles, s.felt.contacts,
+                     s.felt.area));
   }
 }
 
@@ -58,21 +49,21 @@ constexpr const char* kSeriesHead =
 
 // "1.2 %", and small shares with an exponent.
 std::string share(double value) {
-  return std::fabs(value) > 5e-5 || value == 0 ? text("%.2f %%", 100 * value) : text("%.1e", value);
+  return std::fabs(value) > 5e-5 || value == 0 ? print("%.2f %%", 100 * value) : print("%.1e", value);
 }
 
 void run_triangles(Output& output) {
   output.row("tilt_deg,edge_m,law,force_over_undivided");
   output.say("Figure 9: force over that of the undivided plane (`point`: N), mean of 16 places\n");
   for (const double tilt : {90.0, 0.0}) {
-    output.say(text("| tilt %g deg, cells of | field | column | max-depth | centroid | point |", tilt));
+    output.say(print("| tilt %g deg, cells of | field | column | max-depth | centroid | point |", tilt));
     output.say("|---|---|---|---|---|---|");
     for (const double edge : {0.0, 0.016, 0.008, 0.004, 0.002, 0.001, 0.0005}) {
-      std::string line = edge == 0 ? "| one triangle |" : text("| %g mm |", 1000 * edge);
+      std::string line = edge == 0 ? "| one triangle |" : print("| %g mm |", 1000 * edge);
       for (const Law law : kLaws) {
         const double ratio = divided_over_undivided(law, tilt * kDegree, edge, 16);
-        output.row(text("%g,%g,%s,%.12g", tilt, edge, name_of(law), ratio));
-        line += text(" %.*f |", law == Law::point ? 1 : 3, ratio);
+        output.row(print("%g,%g,%s,%.12g", tilt, edge, name_of(law), ratio));
+        line += print(" %.*f |", law == Law::point ? 1 : 3, ratio);
       }
       output.say(line);
     }
@@ -87,8 +78,8 @@ void run_ridge(Output& output) {
   output.say("| law | force leans to the large triangles' side by |\n|---|---|");
   for (const Law law : kLaws) {
     const double lean = lean_on_ridge(law) / kDegree;
-    output.row(text("%s,%.12g", name_of(law), lean));
-    output.say(text("| %s | %.3g degrees |", name_of(law), lean));
+    output.row(print("%s,%.12g", name_of(law), lean));
+    output.say(print("| %s | %.3g degrees |", name_of(law), lean));
   }
 }
 
@@ -103,14 +94,14 @@ void run_slide(Output& output) {
                           {25, 0.006},         {25, 0.012},        {60, 0.003},       {90, 0.003},
                           {25, 0.006, 0.0003}, {25, 0.006, 0.001}, {25, 0.006, 0.003}};
   for (Slide slide : slides) {
-    const std::string what = text("%g;%g;%g", slide.tilt, slide.edge, slide.depth);
-    std::string line = text("| %g deg, %g mm, %g mm |", slide.tilt, 1000 * slide.edge, 1000 * slide.depth);
+    const std::string what = print("%g;%g;%g", slide.tilt, slide.edge, slide.depth);
+    std::string line = print("| %g deg, %g mm, %g mm |", slide.tilt, 1000 * slide.edge, 1000 * slide.depth);
     slide.tilt *= kDegree;
     for (const Law law : kLaws) {
       const Series series = bench::slide(slide, law);
       put_series(what, law, series, output);
       const Evenness e = evenness_of(series);
-      if (law == Law::field) line += text(" %u-%u |", e.least, e.most);
+      if (law == Law::field) line += print(" %u-%u |", e.least, e.most);
       line += law == Law::point ? " -" : " " + share(e.bias);
       line += " / " + share(e.peak_to_peak) + " / " + share(e.largest_step) + " |";
     }
@@ -127,15 +118,15 @@ void run_slope(Output& output) {
   output.say("|---|---|---|---|---|---|---|");
   for (const double angle : {30.0, -30.0}) {
     for (const double edge : {0.0015, 0.006}) {
-      const std::string what = text("%g;%g", angle, edge);
+      const std::string what = print("%g;%g", angle, edge);
       std::string line =
-          text("| %s by %g deg, %g mm |", angle > 0 ? "falls" : "rises", std::fabs(angle), 1000 * edge);
+          print("| %s by %g deg, %g mm |", angle > 0 ? "falls" : "rises", std::fabs(angle), 1000 * edge);
       for (const Law law : kLaws) {
         const Series series = follow_slope(angle * kDegree, edge, law);
         put_series(what, law, series, output);
         const Evenness e = evenness_of(series);
-        if (law == Law::field) line += text(" %u-%u |", e.least, e.most);
-        line += text(" %.2f deg / ", e.largest_turn / kDegree) + share(e.largest_step) + " |";
+        if (law == Law::field) line += print(" %u-%u |", e.least, e.most);
+        line += print(" %.2f deg / ", e.largest_turn / kDegree) + share(e.largest_step) + " |";
       }
       output.say(line);
     }
@@ -150,13 +141,13 @@ void run_fingertip(Output& output) {
   output.say("| edges | triangles | field | column | max-depth | centroid | point |");
   output.say("|---|---|---|---|---|---|---|");
   for (const std::uint32_t cells : {20u, 40u, 80u, 160u, 320u}) {
-    std::string line = text("| %g mm |", 80.0 / cells);
+    std::string line = print("| %g mm |", 80.0 / cells);
     for (const Law law : kLaws) {
       const Series series = sweep_fingertip(cells, law);
       put_series(std::to_string(cells), law, series, output);
       const Evenness e = evenness_of(series);
-      if (law == Law::field) line += text(" %u-%u |", e.least, e.most);
-      line += text(" %.4g / ", e.mean) + share(e.largest_jump) + " |";
+      if (law == Law::field) line += print(" %u-%u |", e.least, e.most);
+      line += print(" %.4g / ", e.mean) + share(e.largest_jump) + " |";
     }
     output.say(line);
   }
@@ -169,16 +160,16 @@ void run_poke(Output& output) {
       "per 0.1 mm [N]\n");
   output.say("| tilt | field | column | max-depth | centroid | point |\n|---|---|---|---|---|---|");
   for (const double tilt : {90.0, 80.0, 0.0}) {
-    std::string line = text("| %g deg |", tilt);
+    std::string line = print("| %g deg |", tilt);
     for (const Law law : kLaws) {
       const Series series = poke(tilt * kDegree, 0.0301, law);
-      put_series(text("%g", tilt), law, series, output);
+      put_series(print("%g", tilt), law, series, output);
       for (const std::size_t i : {20u, 80u, 120u, 200u, 300u})
-        line += text("%s%.3g", i == 20 ? " " : " / ", norm(series[i].force));
+        line += print("%s%.3g", i == 20 ? " " : " / ", norm(series[i].force));
       double step = 0;
       for (std::size_t i = 1; i < series.size(); ++i)
         step = std::fmax(step, norm(series[i].force - series[i - 1].force));
-      line += text(", %.3g |", step);
+      line += print(", %.3g |", step);
     }
     output.say(line);
   }
@@ -190,8 +181,8 @@ void run_hook(Output& output) {
   output.say("| law | F_x [N] | F_z [N] | F_z over F_x |\n|---|---|---|---|");
   for (const Law law : kLaws) {
     const Vec3 force = hook(law);
-    output.row(text("%s,%.9g,%.9g,%.9g", name_of(law), force.x, force.y, force.z));
-    output.say(text("| %s | %.3f | %.3f | %.3f |", name_of(law), force.x, force.z, force.z / force.x));
+    output.row(print("%s,%.9g,%.9g,%.9g", name_of(law), force.x, force.y, force.z));
+    output.say(print("| %s | %.3f | %.3f | %.3f |", name_of(law), force.x, force.z, force.z / force.x));
   }
 }
 
@@ -205,14 +196,14 @@ void run_loop(Output& output) {
   for (const Obstacle obstacle : kObstacles) {
     for (const bool tapered : {false, true}) {
       const char* finger = tapered ? "tapered" : "even";
-      std::string line = text("| %s, %s |", obstacle_name(obstacle), finger);
+      std::string line = print("| %s, %s |", obstacle_name(obstacle), finger);
       for (const Law law : kLaws) {
         const bool exact = law == Law::field;
         const LoopWork w =
             work_over(obstacle, tapered ? cone : one_phalanx(), law, exact ? 1e-12 : 1e-5, exact ? 14 : 5);
-        output.row(text("%s,%s,%s,%.6e,%.2e,%.6g,%.6g,%d", obstacle_name(obstacle), finger, name_of(law),
-                        w.work, w.error, w.largest_force, w.length, w.nodes));
-        line += text(" %.1e (%.0e) |", std::fabs(w.relative()), w.relative_error());
+        output.row(print("%s,%s,%s,%.6e,%.2e,%.6g,%.6g,%d", obstacle_name(obstacle), finger, name_of(law),
+                         w.work, w.error, w.largest_force, w.length, w.nodes));
+        line += print(" %.1e (%.0e) |", std::fabs(w.relative()), w.relative_error());
       }
       output.say(line);
     }
@@ -227,12 +218,12 @@ void run_bending_loop(Output& output) {
   for (const double first : {0.0, 40.0, 80.0}) {
     for (const bool tapered : {false, true}) {
       const char* finger = tapered ? "tapered" : "even";
-      std::string line = text("| %g and %g deg, %s |", first, 0.9 * first, finger);
+      std::string line = print("| %g and %g deg, %s |", first, 0.9 * first, finger);
       for (const Law law : {Law::field, Law::column, Law::max_depth}) {
         const LoopWork w = work_of_bending(first * kDegree, 0.9 * first * kDegree, tapered, law, 2048);
-        output.row(text("%g,%g,%s,%s,%.6e,%.6g,%.6g", first, 0.9 * first, finger, name_of(law), w.work,
-                        w.largest_force, w.length));
-        line += text(" %.1e |", std::fabs(w.relative()));
+        output.row(print("%g,%g,%s,%s,%.6e,%.6g,%.6g", first, 0.9 * first, finger, name_of(law), w.work,
+                         w.largest_force, w.length));
+        line += print(" %.1e |", std::fabs(w.relative()));
       }
       output.say(line);
     }
@@ -253,19 +244,19 @@ void run_bend(Output& output) {
   for (const auto& [mesh_name, mesh] : meshes) {
     for (const double roll : {0.0, 45.0, 90.0}) {
       for (const double ratio : {0.0, 0.5, 1.0}) {
-        std::string line = text("| %s, %s, second joint %g |", mesh_name,
-                                roll == 0    ? "into it"
-                                : roll == 90 ? "within it"
-                                             : "obliquely",
-                                ratio);
+        std::string line = print("| %s, %s, second joint %g |", mesh_name,
+                                 roll == 0    ? "into it"
+                                 : roll == 90 ? "within it"
+                                              : "obliquely",
+                                 ratio);
         for (const Law law : kLaws) {
           Bend plan;
           plan.roll = roll * kDegree;
           plan.ratio = ratio;
           const BendResult result = bend(mesh, plan, law);
-          put_series(text("%s;%g;%g", mesh_name, roll, ratio), law, result.series, output);
-          line +=
-              text(" %.3g / %.3g / %.2f |", result.largest_force, result.largest_step, result.share_of_bound);
+          put_series(print("%s;%g;%g", mesh_name, roll, ratio), law, result.series, output);
+          line += print(" %.3g / %.3g / %.2f |", result.largest_force, result.largest_step,
+                        result.share_of_bound);
         }
         output.say(line);
       }

@@ -1,16 +1,9 @@
 #include "peer_table.h"
 
-#include <cstdio>
+#include "print.h"
 
 namespace lumbrical::bench {
 namespace {
-
-template <class... Values>
-std::string print(const char* format, Values... values) {
-  char text[1000];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 std::string percent(double share) { return share == 0 ? "0" : print("%.2g %%", 100 * share); }
 

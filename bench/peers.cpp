@@ -11,7 +11,6 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -20,6 +19,7 @@
 #include "peer.h"
 #include "peer_table.h"
 #include "stages/hand_pose.h"
+#include "timing.h"
 
 namespace lumbrical::bench {
 namespace {
@@ -203,13 +203,6 @@ Makers all_peers() {
 
 // ---- One scene ----
 
-double percentile(std::vector<double>& times, double share) {
-  const auto place =
-      times.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(times.size() - 1) + 0.5);
-  std::nth_element(times.begin(), place, times.end());
-  return *place;
-}
-
 std::size_t count_missing(const std::vector<std::uint32_t>& from, const std::vector<std::uint32_t>& in) {
   std::vector<std::uint32_t> missing;
   std::set_difference(from.begin(), from.end(), in.begin(), in.end(), std::back_inserter(missing));
@@ -277,18 +270,14 @@ Task make_task(const Scene& scene, bool drape, int poses) {
 
 // Every contender does every pose in turn, so that what disturbs the machine disturbs all alike.
 void measure(std::vector<Contender>& contenders, std::size_t poses, const Options& options) {
-  const auto now = [&] {
-    timespec time{};
-    clock_gettime(options.processor_time ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC, &time);
-    return 1e6 * static_cast<double>(time.tv_sec) + 1e-3 * static_cast<double>(time.tv_nsec);
-  };
+  const clockid_t clock = options.processor_time ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC;
   const auto start = Clock::now();
   for (int round = 0; round < 400; ++round) {
     for (std::size_t pose = 0; pose < poses; ++pose) {
       for (Contender& contender : contenders) {
-        const double from = now();
+        const double from = microseconds(clock);
         contender.run(pose);
-        const double time = now() - from;
+        const double time = microseconds(clock) - from;
         if (round == 0) contender.outcomes.push_back(contender.outcome());  // and warms the caches up
         if (round > 0) contender.times.push_back(time);
       }

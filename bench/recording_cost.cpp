@@ -5,32 +5,25 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "lumbrical/recording.h"
 #include "lumbrical/scene_file.h"
+#include "timing.h"
 
 namespace {
 
 using namespace lumbrical;
+using bench::percentile, bench::thread_microseconds;
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-/// Of this thread alone [s]: what other programs do meanwhile does not count.
-double thread_time() {
-  timespec now{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 int fail(const std::string& message) {
@@ -80,7 +73,7 @@ Status measure_time(const SceneFile& file, const std::string& path) {
   constexpr std::uint64_t kTurn = 20;
   Session session(file);
   if (Status status = session.build(); !status.ok()) return status;
-  double time[2] = {0, 0};
+  double time[2] = {0, 0};  // [us]
   for (int round = 0; round < 2; ++round) {
     Recorder recorder;
     if (Status status = recorder.open(path, file.scene, {}); !status.ok()) return status;
@@ -89,15 +82,15 @@ Status measure_time(const SceneFile& file, const std::string& path) {
       frames.clear();
       for (std::uint64_t i = 0; i < kTurn; ++i) frames.push_back(session.frame(first + i));
       const bool recorded = (first / kTurn + static_cast<std::uint64_t>(round)) % 2 == 0;
-      const double start = thread_time();
+      const double start = thread_microseconds();
       for (const DeviceFrame& frame : frames) session.run(frame, recorded ? &recorder : nullptr);
-      time[recorded ? 1 : 0] += thread_time() - start;
+      time[recorded ? 1 : 0] += thread_microseconds() - start;
     }
     if (Status status = recorder.close(); !status.ok()) return status;
   }
   const auto ticks = static_cast<double>(session.ticks());
-  std::printf("tick thread: %.2f us per tick, recorded %.2f us: %+.2f %%\n", 1e6 * time[0] / ticks,
-              1e6 * time[1] / ticks, 100 * (time[1] / time[0] - 1));
+  std::printf("tick thread: %.2f us per tick, recorded %.2f us: %+.2f %%\n", time[0] / ticks, time[1] / ticks,
+              100 * (time[1] / time[0] - 1));
   return {};
 }
 
@@ -168,9 +161,8 @@ Status measure_seeks(const std::string& path) {
     times.push_back(1e3 * seconds_since(start));
     if (record.output.tick != wanted) return Status::error("seek found another tick");
   }
-  std::sort(times.begin(), times.end());
-  std::printf("500 seeks to random ticks: median %.2f ms, 99 %% %.2f ms, longest %.2f ms\n", times[250],
-              times[495], times[499]);
+  std::printf("500 seeks to random ticks: median %.2f ms, 99 %% %.2f ms, longest %.2f ms\n",
+              percentile(times, 0.5), percentile(times, 0.99), percentile(times, 1));
   return {};
 }
 

@@ -5,25 +5,13 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "../tests/random.h"
 #include "lumbrical/shapes.h"
 
 namespace lumbrical::bench {
 namespace {
 
-// SplitMix64 (Steele, Lea, Flood 2014): the same meshes with every compiler and library.
-struct Random {
-  std::uint64_t state;
-  std::uint64_t bits() {
-    std::uint64_t z = state += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-  }
-  double between(double low, double high) {
-    return low + (high - low) * static_cast<double>(bits() >> 11) * 0x1p-53;
-  }
-  std::size_t below(std::size_t count) { return static_cast<std::size_t>(bits() % count); }
-};
+using test::Random;
 
 // Uneven grid lines from 0 to exactly `size`.
 std::vector<double> graded_lines(double size, double edge, Random& random) {

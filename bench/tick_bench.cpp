@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <functional>
 #include <memory>
 #include <string>
@@ -17,6 +16,7 @@
 
 #include "hand_scenes.h"
 #include "lumbrical/motion.h"
+#include "timing.h"
 
 namespace {
 
@@ -89,18 +89,6 @@ Session& session_of(const std::string& name, const Make& make) {
   return *session;
 }
 
-// [us] that this thread has had of a processor: what other programs take of a busy machine is not in it.
-double processor_time() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return 1e6 * static_cast<double>(time.tv_sec) + 1e-3 * static_cast<double>(time.tv_nsec);
-}
-
-double percentile(std::vector<double>& times, double share) {
-  std::sort(times.begin(), times.end());
-  return times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
-}
-
 void run(benchmark::State& state, const Session& session) {
   using Clock = std::chrono::steady_clock;
   State engine_state;
@@ -111,11 +99,11 @@ void run(benchmark::State& state, const Session& session) {
   std::size_t next = 0;
   for (auto _ : state) {
     const DeviceFrame& frame = session.frames[next++ % session.frames.size()];
-    const double processor_start = processor_time();
+    const double processor_start = thread_microseconds();
     const auto start = Clock::now();
     const ActuatorFrame output = tick(session.model, engine_state, scratch, frame);
     times.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
-    processor_times.push_back(processor_time() - processor_start);
+    processor_times.push_back(thread_microseconds() - processor_start);
     if ((output.flags & kCandidateOverflow) != 0)
       return state.SkipWithError("more candidates than there is room for");
     contacts += scratch.contact_count;
@@ -123,7 +111,7 @@ void run(benchmark::State& state, const Session& session) {
   state.counters["p50_us"] = percentile(times, 0.5);
   state.counters["p99_us"] = percentile(times, 0.99);
   state.counters["p999_us"] = percentile(times, 0.999);
-  state.counters["max_us"] = times.back();
+  state.counters["max_us"] = percentile(times, 1);
   if (session.model.execution.threads == 1) {
     state.counters["processor_p50_us"] = percentile(processor_times, 0.5);
     state.counters["processor_p99_us"] = percentile(processor_times, 0.99);

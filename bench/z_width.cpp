@@ -2,6 +2,7 @@
 // to shake, what the limiter makes of a touch of the real engine, and what a local model gains on a slow bus.
 #include <cstdio>
 
+#include "print.h"
 #include "simulated_loop.h"
 #include "z_width_plot.h"
 
@@ -115,9 +116,7 @@ SweepCurve sweep(double delay) {
   SimulatedLoop loop;
   loop.delay = delay;
   SweepCurve curve;
-  char name[64];
-  std::snprintf(name, sizeof name, "%.0f ms of delay; dashed: predicted limit", 1e3 * delay);
-  curve.name = name;
+  curve.name = print("%.0f ms of delay; dashed: predicted limit", 1e3 * delay);
   curve.limit = stiffness_bound({kFast, 0, delay}, loop.dynamics).largest;
   for (double stiffness = 0.2; stiffness < 100; stiffness *= 1.08) {
     loop.start = 1.2 * loop.push / stiffness;

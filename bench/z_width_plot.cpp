@@ -2,9 +2,9 @@
 #include "z_width_plot.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "print.h"
 
 namespace lumbrical::bench {
 namespace {
@@ -24,31 +24,24 @@ double y_of(double swing) {
   return kHeight - kBottom - (kHeight - kTop - kBottom) * along(swing, kLowSwing, kHighSwing);
 }
 
-template <class... Numbers>
-std::string text(const char* format, Numbers... numbers) {
-  std::array<char, 512> line{};
-  std::snprintf(line.data(), line.size(), format, numbers...);
-  return line.data();
-}
-
 std::string axes() {
   std::string svg;
   for (int power = kLowStiffness; power <= kHighStiffness; ++power) {
     const double x = x_of(std::pow(10, power));
-    svg += text("<path d='M%.1f %.1f V%.1f' stroke='#ddd'/>\n", x, kTop, kHeight - kBottom);
-    svg += text("<text x='%.1f' y='%.1f' text-anchor='middle'>%g</text>\n", x, kHeight - 30,
-                std::pow(10, power));
+    svg += print("<path d='M%.1f %.1f V%.1f' stroke='#ddd'/>\n", x, kTop, kHeight - kBottom);
+    svg += print("<text x='%.1f' y='%.1f' text-anchor='middle'>%g</text>\n", x, kHeight - 30,
+                 std::pow(10, power));
   }
   for (int power = kLowSwing; power <= kHighSwing; ++power) {
     const double y = y_of(std::pow(10, power));
-    svg += text("<path d='M%.1f %.1f H%.1f' stroke='#ddd'/>\n", kLeft, y, kWidth - kRight);
+    svg += print("<path d='M%.1f %.1f H%.1f' stroke='#ddd'/>\n", kLeft, y, kWidth - kRight);
     svg +=
-        text("<text x='%.1f' y='%.1f' text-anchor='end'>%g</text>\n", kLeft - 6, y + 4, std::pow(10, power));
+        print("<text x='%.1f' y='%.1f' text-anchor='end'>%g</text>\n", kLeft - 6, y + 4, std::pow(10, power));
   }
-  svg += text("<text x='%.1f' y='%.1f' text-anchor='middle'>stiffness [N m/rad]</text>\n", kWidth / 2,
-              kHeight - 8);
-  svg += text("<text transform='translate(16 %.1f) rotate(-90)' text-anchor='middle'>swing [rad]</text>\n",
-              kHeight / 2);
+  svg += print("<text x='%.1f' y='%.1f' text-anchor='middle'>stiffness [N m/rad]</text>\n", kWidth / 2,
+               kHeight - 8);
+  svg += print("<text transform='translate(16 %.1f) rotate(-90)' text-anchor='middle'>swing [rad]</text>\n",
+               kHeight / 2);
   return svg;
 }
 
@@ -56,21 +49,21 @@ std::string curve_svg(const SweepCurve& curve, std::size_t number) {
   const char* const colour = kColours[number % std::size(kColours)];
   std::string path;
   for (const SweepPoint& point : curve.points) {
-    path += text("%s%.1f %.1f ", path.empty() ? "M" : "L", x_of(point.stiffness), y_of(point.swing));
+    path += print("%s%.1f %.1f ", path.empty() ? "M" : "L", x_of(point.stiffness), y_of(point.swing));
   }
   const double limit = x_of(curve.limit);
-  return text("<path d='M%.1f %.1f V%.1f' stroke='%s' stroke-dasharray='5 4'/>\n", limit, kTop,
-              kHeight - kBottom, colour) +
+  return print("<path d='M%.1f %.1f V%.1f' stroke='%s' stroke-dasharray='5 4'/>\n", limit, kTop,
+               kHeight - kBottom, colour) +
          "<path d='" + path + "' fill='none' stroke-width='2' stroke='" + colour + "'/>\n" +
-         text("<text x='%.1f' y='%.1f' fill='%s'>%s</text>\n", kLeft + 12,
-              kTop + 18 + 18 * static_cast<double>(number), colour, curve.name.c_str());
+         print("<text x='%.1f' y='%.1f' fill='%s'>%s</text>\n", kLeft + 12,
+               kTop + 18 + 18 * static_cast<double>(number), colour, curve.name.c_str());
 }
 
 }  // namespace
 
 std::string plot_sweep(const std::vector<SweepCurve>& curves) {
   std::string svg =
-      text(
+      print(
           "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 %g %g' font-family='sans-serif' "
           "font-size='12'>\n<rect width='%g' height='%g' fill='white'/>\n",
           kWidth, kHeight, kWidth, kHeight) +

@@ -11,6 +11,7 @@
 #include "base/radix_sort.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
+#include "model/corners.h"
 #include "pressed_hand.h"
 #include "random.h"
 #include "session.h"
@@ -87,12 +88,11 @@ int count_contacts(const Model& model, const Primitives& hand, const Candidates&
   int contacts = 0;
   for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(hand.count); ++i) {
     for (std::uint32_t k = 0; k < model.triangles.size(); ++k) {
-      const Triangles& world = model.triangles;
+      const auto [a, b, c] = corners_of(model.triangles, k);
       Contact contact;
       const Primitive& primitive = hand.primitive[i];
       const double digits = 1e-12 * primitive.radius1 * primitive.radius1;
-      if (!collide(primitive, {Law::max_depth, 1e-4, nullptr}, world.vertex(world.a[k]),
-                   world.vertex(world.b[k]), world.vertex(world.c[k]), boundary, contact) ||
+      if (!collide(primitive, {Law::max_depth, 1e-4, nullptr}, a, b, c, boundary, contact) ||
           contact.area < digits)
         continue;
       ++contacts;

@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "lumbrical/jacobian.h"
+#include "model/corners.h"
 #include "pressed_hand.h"
 #include "random.h"
 #include "session.h"
@@ -83,7 +84,7 @@ Mesh surface(int kind, Random& random) {
 Primitive pressed_primitive(Random& random, int shape) {
   Primitive p;
   p.law = Law::field;
-  p.segment = kPalmSegment;
+  p.segment = 1;  // a phalanx that nothing is folded upon
   p.radius1 = kRadius;
   p.radius2 = shape == 2 ? random.between(0.7, 1) * kRadius : kRadius;
   const double length = shape == 0 ? 0 : random.between(0.5, 3) * kRadius, heading = random.between(0, 6);
@@ -182,9 +183,8 @@ TEST(Clusters, HaveTheMomentsOfTheirTriangles) {
         double area = 0;
         Vec3 normal, first_z, second_xy;
         for (const std::uint32_t t : triangles_of(tree, c)) {
-          const Triangles& world = model.triangles;
-          const Vec3 p[] = {world.vertex(world.a[t]) - centre, world.vertex(world.b[t]) - centre,
-                            world.vertex(world.c[t]) - centre};
+          const Corners at = corners_of(model.triangles, t);
+          const Vec3 p[] = {at.a - centre, at.b - centre, at.c - centre};
           const Vec3 n = 0.5 * cross(p[1] - p[0], p[2] - p[0]);
           area += norm(n);
           normal += n;

@@ -9,6 +9,7 @@
 #include "borders/border_cut.h"
 #include "golden/golden_sessions.h"
 #include "matrix6.h"
+#include "model/corners.h"
 #include "model/primitive.h"
 #include "posed_finger.h"
 #include "random.h"
@@ -126,15 +127,12 @@ TEST(HandJacobian, PredictsHowTicksOfAMovedHandChange) {
 // Has the segment a contact whose borders don't cross it once and plainly? (border_cut.h)
 bool has_general_contact(const Session& session, std::size_t segment) {
   const Primitives& hand = *session.scratch.primitives;
-  const Triangles& world = session.model.triangles;
   for (std::size_t k = 0; k < session.scratch.contact_count; ++k) {
     const Contact& contact = session.scratch.contacts[k];
     const Primitive& tile = hand.primitive[contact.primitive];
     if (tile.segment != segment || segment == kPalmSegment) continue;
-    const BorderCut cut =
-        cut_at_borders(hand, tile, world.vertex(world.a[contact.triangle]),
-                       world.vertex(world.b[contact.triangle]), world.vertex(world.c[contact.triangle]));
-    if (cut.kind == BorderCut::general) return true;
+    const auto [a, b, c] = corners_of(session.model.triangles, contact.triangle);
+    if (cut_at_borders(hand, tile, a, b, c).kind == BorderCut::general) return true;
   }
   return false;
 }

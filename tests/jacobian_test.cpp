@@ -10,6 +10,7 @@
 #include <numbers>
 #include <vector>
 
+#include "box_prism.h"
 #include "lumbrical/shapes.h"
 #include "matrix6.h"
 #include "random_touch.h"
@@ -95,27 +96,13 @@ TEST(Jacobian, SphereOnAPlaneIsAsCalculatedByHand) {
   }
 }
 
-Prism box(double a, double b, double depth, double thickness) {
-  Prism prism;
-  const auto add = [&](Vec3 normal, Vec3 point) {
-    prism.face[static_cast<std::size_t>(prism.face_count++)] = {normal, point};
-  };
-  add({0, 0, -1}, {0, 0, -depth});
-  add({0, 0, 1}, {0, 0, thickness - depth});
-  add({1, 0, 0}, {a, 0, 0});
-  add({-1, 0, 0}, {-a, 0, 0});
-  add({0, 1, 0}, {0, b, 0});
-  add({0, -1, 0}, {0, -b, 0});
-  return prism;
-}
-
 // The force is its area times its depth, and depth is linear: second moments of the rectangle.
 TEST(Jacobian, PalmOnAPlaneIsAsCalculatedByHand) {
   const double a = 0.04, b = 0.03, depth = 0.002, area = 4 * a * b;
   for (const std::uint32_t cells : {1u, 7u}) {
     const Mesh plane = make_plane(0.3, cells, 1);
     Matrix6 sum{};
-    const Prism palm = box(a, b, depth, 0.024);
+    const Prism palm = test::box_prism(a, b, depth, 0.024);
     for (const Triangle& t : plane.triangles) {
       const Vec3 p = plane.vertices[t[0]], q = plane.vertices[t[1]], r = plane.vertices[t[2]];
       Contact contact;
@@ -261,7 +248,7 @@ TEST(Jacobian, FlatCylindersAndNothingGiveNothing) {
   EXPECT_FALSE(add_contact_jacobian(primitive, Contact{}, {}, a + Vec3{1, 0, 0}, b + Vec3{1, 0, 0},
                                     c + Vec3{1, 0, 0}, sum));
   EXPECT_FALSE(add_contact_jacobian(Prism{}, Contact{}, {}, a, b, c, sum));
-  EXPECT_FALSE(add_contact_jacobian(box(1, 1, 1, 2), Contact{}, {}, a, a, b, sum));
+  EXPECT_FALSE(add_contact_jacobian(test::box_prism(1, 1, 1, 2), Contact{}, {}, a, a, b, sum));
   primitive.shape = Shape::flat;
   EXPECT_FALSE(add_contact_jacobian(primitive, Contact{}, {}, a, b, c, sum));
   EXPECT_EQ(sum, Matrix6{});

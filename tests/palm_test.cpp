@@ -6,6 +6,7 @@
 #include <cmath>
 #include <span>
 
+#include "box_prism.h"
 #include "lanes/prism_batch.h"
 #include "random.h"
 #include "section/prism.h"
@@ -13,22 +14,6 @@
 
 namespace lumbrical {
 namespace {
-
-// A box 2a x 2b, its palmar face at z = -depth looking down, `thickness` thick, placed by X.
-Prism box(double a, double b, double depth, double thickness, const Pose& X) {
-  Prism prism;
-  const auto add = [&](Vec3 normal, Vec3 point) {
-    prism.face[static_cast<std::size_t>(prism.face_count++)] = {rotate(X.orientation, normal),
-                                                                transform(X, point)};
-  };
-  add({0, 0, -1}, {0, 0, -depth});
-  add({0, 0, 1}, {0, 0, thickness - depth});
-  add({1, 0, 0}, {a, 0, 0});
-  add({-1, 0, 0}, {-a, 0, 0});
-  add({0, 1, 0}, {0, b, 0});
-  add({0, -1, 0}, {0, -b, 0});
-  return prism;
-}
 
 struct Sum {
   double area = 0, volume = 0, depth = 0;
@@ -60,7 +45,7 @@ TEST(Palm, FlatOnAPlaneFeelsItsAreaTimesItsDepth) {
   for (const std::uint32_t cells : {1u, 4u, 23u}) {
     const Mesh plane = make_plane(0.3, cells, 1);
     const Pose X = random.pose(0.4);
-    const Prism prism = box(0.04, 0.03, 0.002, 0.024, X);
+    const Prism prism = test::box_prism(0.04, 0.03, 0.002, 0.024, X);
     for (const Law law : {Law::field, Law::column, Law::max_depth, Law::centroid}) {
       const Sum sum = press(plane, prism, law, X);
       EXPECT_NEAR(sum.area / (0.08 * 0.06), 1, 1e-11) << law_name(law);
@@ -81,7 +66,7 @@ TEST(Palm, TiltedPalmFeelsAWedge) {
   for (int i = 0; i < 5; ++i) {
     const Pose X = random.pose(0.4);
     const Quat turn{std::cos(0.5 * tilt), 0, std::sin(0.5 * tilt), 0};
-    const Prism prism = box(0.04, b, 0, 0.024, X * Pose{{}, turn});
+    const Prism prism = test::box_prism(0.04, b, 0, 0.024, X * Pose{{}, turn});
     const double reach = 0.04 / std::cos(tilt);  // to the side face, along the plane
     const double area = 2 * b * reach;
     const Sum column = press(plane, prism, Law::column, X), field = press(plane, prism, Law::field, X);
@@ -101,7 +86,7 @@ TEST(Palm, TrianglesWhollyInsideHaveTheSameContactInLanes) {
   for (const Isa isa : {Isa::scalar, widest_isa()}) {
     for (int round = 0; round < 60; ++round) {
       const Pose X = random.pose(0.4);
-      const Prism prism = box(0.04, 0.03, 0.002, 0.024, X);
+      const Prism prism = test::box_prism(0.04, 0.03, 0.002, 0.024, X);
       PrismBatch batch(prism, field_kernels(isa));
       std::array<Contact, PrismTerms::kCapacity> contact;
       std::array<std::array<Vec3, 3>, PrismTerms::kCapacity> corner;
@@ -132,7 +117,7 @@ TEST(Palm, TrianglesWhollyInsideHaveTheSameContactInLanes) {
 }
 
 TEST(Palm, TriangleThatMissesEveryFaceCornerStillCounts) {
-  const Prism prism = box(0.04, 0.03, 0.002, 0.024, {});
+  const Prism prism = test::box_prism(0.04, 0.03, 0.002, 0.024, {});
   Contact contact;
   EXPECT_TRUE(collide_prism(prism, Law::field, 1e-4, {-9, -9, 0}, {9, -9, 0}, {0, 9, 0}, contact));
   EXPECT_NEAR(contact.area / (0.08 * 0.06), 1, 1e-12);

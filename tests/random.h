@@ -1,13 +1,14 @@
 // Reproducible random numbers for property tests.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "lumbrical/math.h"
 
 namespace lumbrical::test {
 
-/// SplitMix64: the same numbers with every compiler and library.
+/// SplitMix64 (Steele, Lea, Flood 2014): the same numbers with every compiler and library.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -20,6 +21,7 @@ class Random {
   double between(double low, double high) {
     return low + (high - low) * static_cast<double>(bits() >> 11) / 9007199254740992.0;
   }
+  std::size_t below(std::size_t count) { return static_cast<std::size_t>(bits() % count); }
   Vec3 in_box(double half) { return {between(-half, half), between(-half, half), between(-half, half)}; }
   Vec3 direction() {
     for (;;) {

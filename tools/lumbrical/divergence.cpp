@@ -5,9 +5,9 @@ namespace lumbrical::tool {
 
 namespace {
 
-template <class Number>
-Json number_or_null(const std::optional<Number>& number) {
-  return number ? Json(*number) : Json(nullptr);
+template <class Value>
+Json value_or_null(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json(nullptr);
 }
 
 }  // namespace
@@ -24,9 +24,10 @@ Json divergence_json(const ReplayResult& result) {
                                 {"field", first.field},
                                 {"recorded", first.recorded},
                                 {"replayed", first.replayed},
-                                {"primitive", number_or_null(first.primitive)},
-                                {"triangle", number_or_null(first.triangle)},
-                                {"ulp", number_or_null(first.ulp)},
+                                {"primitive", value_or_null(first.primitive)},
+                                {"triangle", value_or_null(first.triangle)},
+                                {"cluster", value_or_null(first.cluster)},
+                                {"ulp", value_or_null(first.ulp)},
                                 {"recorded_build", first.recorded_build},
                                 {"replayed_build", first.replayed_build}};
   }
@@ -43,6 +44,7 @@ std::string divergence_text(const ReplayResult& result, const std::string& verb)
   table.add("stage", first.stage);
   if (first.primitive) table.add("primitive", std::to_string(*first.primitive));
   if (first.triangle) table.add("triangle", std::to_string(*first.triangle));
+  if (first.cluster) table.add("cluster", *first.cluster);
   const std::string other = verb == "compared" ? "the other" : verb;
   table.add("field", first.field);
   table.add("recorded", first.recorded);

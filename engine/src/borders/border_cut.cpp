@@ -201,7 +201,6 @@ bool cut_along(const Primitives& hand, const Primitive& tile, std::size_t phalan
 
 BorderCut cut_at_borders(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
   const std::size_t i = tile.segment, place = i % 3;
-  if (i >= kPhalanxCount) return {};
   const bool inner = place > 0 && comes_near(hand.border[i - 1], a, b, c),
              outer = place < 2 && comes_near(hand.border[i], a, b, c);
   BorderCut cut;

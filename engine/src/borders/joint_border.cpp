@@ -162,7 +162,7 @@ bool is_in_reach(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
 
 bool may_meet_folded(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
   const std::size_t i = tile.segment, place = i % 3;
-  return i < kPhalanxCount && place != 1 && hand.folded[i / 3] &&
+  return place != 1 && hand.folded[i / 3] &&
          reaches(hand.capsule[place == 0 ? i + 2 : i - 2], a, b, c);
 }
 
@@ -184,7 +184,6 @@ TileBorders borders_on(const Primitives& hand, const Primitive& tile, Vec3 a, Ve
   TileBorders borders;
   if (tile.law != Law::field || tile.shape != Shape::round) return borders;
   const std::size_t i = tile.segment, place = i % 3;
-  if (i >= kPhalanxCount) return borders;
   const auto matters = [&](const JointBorder& border) {
     return comes_near(border, a, b, c) && reaches_between(border, tile, a, b, c);
   };

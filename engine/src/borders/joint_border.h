@@ -12,6 +12,9 @@
 
 namespace lumbrical {
 
+/// Everything here is about a finger's tiles: wherever a function takes one, its segment is a phalanx. So is
+/// that of every round primitive of a hand; the palm is a prism.
+
 /// Fills hand.border and hand.folded from hand.capsule and hand.present. Only phalanges that both follow the
 /// field law share out space exactly.
 void set_joint_borders(Primitives& hand);

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "index/triangle_bound.h"
+#include "model/corners.h"
 
 namespace lumbrical {
 namespace {
@@ -67,10 +68,10 @@ Cluster leaf_of(const Triangles& triangles, Vec3 origin, std::span<const std::ui
   Vec3 weighted, mean;
   double area = 0;
   for (std::size_t i = 0; i < members.size(); ++i) {
-    const std::uint32_t t = members[i];
-    corner[i][0] = triangles.vertex(triangles.a[t]) - origin;
-    corner[i][1] = triangles.vertex(triangles.b[t]) - origin;
-    corner[i][2] = triangles.vertex(triangles.c[t]) - origin;
+    const auto [a, b, c] = corners_of(triangles, members[i]);
+    corner[i][0] = a - origin;
+    corner[i][1] = b - origin;
+    corner[i][2] = c - origin;
     const Vec3 middle = (corner[i][0] + corner[i][1] + corner[i][2]) / 3;
     const double size = 0.5 * norm(cross(corner[i][1] - corner[i][0], corner[i][2] - corner[i][0]));
     weighted += size * middle;

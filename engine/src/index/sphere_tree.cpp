@@ -11,6 +11,7 @@
 #include "base/parallel_sort.h"
 #include "index/spatial_code.h"
 #include "index/triangle_bound.h"
+#include "model/corners.h"
 
 namespace lumbrical {
 namespace {
@@ -110,9 +111,8 @@ Box box_round_members(const Triangles& triangles, std::span<const std::uint32_t>
                   [&](std::size_t piece, std::size_t first, std::size_t last) {
                     Box box;
                     for (std::size_t i = first; i < last; ++i) {
-                      box.add(triangles.vertex(triangles.a[members[i]]));
-                      box.add(triangles.vertex(triangles.b[members[i]]));
-                      box.add(triangles.vertex(triangles.c[members[i]]));
+                      const Corners at = corners_of(triangles, members[i]);
+                      for (const Vec3 corner : {at.a, at.b, at.c}) box.add(corner);
                     }
                     boxes[piece] = box;
                   });

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "lumbrical/model.h"
+#include "model/corners.h"
 
 namespace lumbrical {
 
@@ -14,9 +14,8 @@ struct TriangleBound {
 
 /// Relative to `origin`, because far from the world's own a millimetre has few digits left.
 inline TriangleBound bound_triangle(const Triangles& triangles, std::uint32_t triangle, Vec3 origin) {
-  const Vec3 a = triangles.vertex(triangles.a[triangle]) - origin,
-             b = triangles.vertex(triangles.b[triangle]) - origin,
-             c = triangles.vertex(triangles.c[triangle]) - origin;
+  const Corners at = corners_of(triangles, triangle);
+  const Vec3 a = at.a - origin, b = at.b - origin, c = at.c - origin;
   const Vec3 centre = a + ((b - a) + (c - a)) / 3.0;
   const Vec3 pa = a - centre, pb = b - centre, pc = c - centre;
   return {centre, std::sqrt(max(dot(pa, pa), max(dot(pb, pb), dot(pc, pc))))};

@@ -10,6 +10,7 @@
 #include "index/triangle_distance.h"
 #include "index/voxel_cache.h"
 #include "lumbrical/mesh.h"
+#include "model/corners.h"
 
 namespace lumbrical {
 namespace {
@@ -119,10 +120,9 @@ double distance_nearby(const Model& model, Vec3 p) {
 // Do the triangles of a closed surface turn their backs to the outside?
 bool is_inside_out(const Triangles& triangles, Vec3 origin) {
   double volume = 0;
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const Vec3 a = triangles.vertex(triangles.a[i]) - origin;
-    volume +=
-        dot(a, cross(triangles.vertex(triangles.b[i]) - origin, triangles.vertex(triangles.c[i]) - origin));
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    const auto [a, b, c] = corners_of(triangles, i);
+    volume += dot(a - origin, cross(b - origin, c - origin));
   }
   return volume < 0;
 }

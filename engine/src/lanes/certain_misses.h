@@ -12,11 +12,6 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-template <class V>
-inline Wide3<V> corner_of(const double (&from)[3][MissTerms::kCapacity], std::size_t i) {
-  return {get(from[0] + i, V{}), get(from[1] + i, V{}), get(from[2] + i, V{})};
-}
-
 // Rounding must not lose a contact.
 inline constexpr double kSlack = 1e-9;
 
@@ -73,7 +68,7 @@ void certain_misses(MissTerms& terms) {
   const V r1 = number<V>(terms.radius1) * larger, r2 = number<V>(terms.radius2) * larger;
   const V most = number<V>(terms.most) * larger;
   for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
-    const Wide3<V> a = corner_of<V>(terms.a, i), b = corner_of<V>(terms.b, i), c = corner_of<V>(terms.c, i);
+    const Wide3<V> a = vector_at<V>(terms.a, i), b = vector_at<V>(terms.b, i), c = vector_at<V>(terms.c, i);
     const Wide3<V> raw = cross(b - a, c - a);
     const V raw2 = dot(raw, raw);
     const V area = root(raw2), per = quotient(one, choose(area > zero, area, one));

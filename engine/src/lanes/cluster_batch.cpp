@@ -1,20 +1,10 @@
 #include "lanes/cluster_batch.h"
 
 #include "lanes/cluster_search.h"
-#include "lanes/round_batch.h"
+#include "lanes/lane_vectors.h"
 
 namespace lumbrical {
 namespace {
-
-constexpr std::size_t kCapacity = ClusterTerms::kCapacity;
-
-void put_vector(const float (&v)[3], std::size_t k, double (&to)[3][kCapacity]) {
-  for (std::size_t axis = 0; axis < 3; ++axis) to[axis][k] = v[axis];
-}
-
-Vec3 vector_at(const double (&from)[3][kCapacity], std::size_t k) {
-  return {from[0][k], from[1][k], from[2][k]};
-}
 
 // Kernels compute whole registers: the last one is filled with copies of a cluster.
 void pad(ClusterTerms& terms) {
@@ -32,28 +22,9 @@ void pad(ClusterTerms& terms) {
 }  // namespace
 
 void begin_batch(const Primitive& primitive, const Prism& palm, ClusterBatch& batch) {
-  const RoundHull hull = round_hull(primitive);
-  ClusterTerms& terms = batch.terms;
-  batch.origin = hull.origin;
-  batch.from_end = batch.tree.origin - hull.origin;
-  terms.count = 0;
-  terms.flat = primitive.shape == Shape::prism;
-  terms.axis[0] = hull.axis.x;
-  terms.axis[1] = hull.axis.y;
-  terms.axis[2] = hull.axis.z;
-  terms.length = hull.length;
-  terms.radius1 = hull.radius1;
-  terms.radius2 = hull.radius2;
-  terms.sine = hull.sine;
-  terms.cosine = hull.cosine;
-  terms.jointed = hull.length > 0 ? 1 : 0;
-  terms.size = terms.flat ? half_thickness(palm) : hull.radius1;
-  if (!terms.flat) return;
-  const HalfSpace& face = palm.face[0];
-  terms.face[0] = face.normal.x;
-  terms.face[1] = face.normal.y;
-  terms.face[2] = face.normal.z;
-  terms.face[3] = dot(face.normal, face.point - hull.origin);
+  batch.origin = set_shape(primitive, palm, batch.terms.shape);
+  batch.from_end = batch.tree.origin - batch.origin;
+  batch.terms.count = 0;
 }
 
 void add_to_batch(Contact& contact, ClusterBatch& batch) {
@@ -63,18 +34,14 @@ void add_to_batch(Contact& contact, ClusterBatch& batch) {
   const ClusterBlock& block = batch.tree.block[cluster / ClusterBlock::kWidth];
   const ClusterMoments& moments = batch.tree.moments[cluster];
   const std::size_t lane = cluster % ClusterBlock::kWidth;
-  terms.centre[0][k] = batch.from_end.x + block.x[lane];
-  terms.centre[1][k] = batch.from_end.y + block.y[lane];
-  terms.centre[2][k] = batch.from_end.z + block.z[lane];
+  put_vector(batch.from_end + Vec3{block.x[lane], block.y[lane], block.z[lane]}, k, terms.centre);
+  put_vector({block.nx[lane], block.ny[lane], block.nz[lane]}, k, terms.mean_normal);
   terms.radius[k] = block.r[lane];
-  terms.mean_normal[0][k] = block.nx[lane];
-  terms.mean_normal[1][k] = block.ny[lane];
-  terms.mean_normal[2][k] = block.nz[lane];
   terms.thickness[k] = block.thickness[lane];
   terms.surface[k] = moments.area;
-  put_vector(moments.normal, k, terms.normal);
-  for (std::size_t j = 0; j < 3; ++j) put_vector(moments.first[j], k, terms.first[j]);
-  for (std::size_t m = 0; m < 6; ++m) put_vector(moments.second[m], k, terms.second[m]);
+  put_vector(vector_of(moments.normal), k, terms.normal);
+  for (std::size_t j = 0; j < 3; ++j) put_vector(vector_of(moments.first[j]), k, terms.first[j]);
+  for (std::size_t m = 0; m < 6; ++m) put_vector(vector_of(moments.second[m]), k, terms.second[m]);
   batch.contact[k] = &contact;
 }
 

@@ -7,12 +7,29 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-// A round primitive, from its larger end.
+// A FieldShape, the same in all lanes.
 template <class V>
-struct RoundField {
+struct WideShape {
+  bool flat;
   Wide3<V> axis;
   V length, radius1, radius2, sine, cosine, jointed;
+  Wide3<V> face;
+  V height;
 };
+
+template <class V>
+inline WideShape<V> in_all_lanes(const FieldShape<NumberOf<V>>& shape) {
+  return {shape.flat,
+          in_all_lanes<V>(shape.axis),
+          V(shape.length),
+          V(shape.radius1),
+          V(shape.radius2),
+          V(shape.sine),
+          V(shape.cosine),
+          V(shape.jointed),
+          in_all_lanes<V>(shape.face),
+          V(shape.face[3])};
+}
 
 // phi ~ phi0 - out h - bend / 2 (|h|^2 - (across h)^2 - side (axis h)^2), h counted from the centre.
 template <class V>
@@ -27,35 +44,36 @@ struct CentreField {
 };
 
 template <class V>
-CentreField<V> field_at_centre(const RoundField<V>& field, Wide3<V> p) {
+CentreField<V> round_field_at(const WideShape<V>& shape, Wide3<V> p) {
   const V zero = number<V>(0), one = number<V>(1);
-  const V z = dot(p, field.axis);
-  const Wide3<V> off = p - z * field.axis, from2 = p - field.length * field.axis;
+  const V z = dot(p, shape.axis);
+  const Wide3<V> off = p - z * shape.axis, from2 = p - shape.length * shape.axis;
   const V rho = root(dot(off, off)), d1 = root(dot(p, p)), d2 = root(dot(from2, from2));
-  const V first = field.cosine * z - field.sine * rho, second = first - field.cosine * field.length;
-  const auto at_end1 = either(first < zero, field.jointed == zero);
-  const auto beside = both(first >= zero, both(second <= zero, field.jointed > zero));
+  const V first = shape.cosine * z - shape.sine * rho, second = first - shape.cosine * shape.length;
+  const auto at_end1 = either(first < zero, shape.jointed == zero);
+  const auto beside = both(first >= zero, both(second <= zero, shape.jointed > zero));
   const V d = choose(beside, rho, choose(at_end1, d1, d2));
   const V per = one_over(d);
   CentreField<V> at;
   at.across = per * choose(beside, off, choose(at_end1, p, from2));
   at.side = choose(beside, one, zero);
-  at.out = choose(beside, field.cosine * at.across + field.sine * field.axis, at.across);
-  at.phi = choose(beside, field.radius1 - field.sine * z - field.cosine * rho,
-                  choose(at_end1, field.radius1 - d1, field.radius2 - d2));
-  at.bend = choose(beside, field.cosine * per, per);
-  const V ahead = z - between(z, zero, field.length);
+  at.out = choose(beside, shape.cosine * at.across + shape.sine * shape.axis, at.across);
+  at.phi = choose(beside, shape.radius1 - shape.sine * z - shape.cosine * rho,
+                  choose(at_end1, shape.radius1 - d1, shape.radius2 - d2));
+  at.bend = choose(beside, shape.cosine * per, per);
+  const V ahead = z - between(z, zero, shape.length);
   at.distance = choose(beside, rho, root(rho * rho + ahead * ahead));
   at.margin1 = magnitude(first);
   at.margin2 = magnitude(second);
   return at;
 }
 
-// The palm's field: the depth below a face.
+// p from the larger end; the palm's field is the depth below its face.
 template <class V>
-CentreField<V> field_below(Wide3<V> normal, V height, Wide3<V> p) {
+CentreField<V> field_at(const WideShape<V>& shape, Wide3<V> p) {
+  if (!shape.flat) return round_field_at(shape, p);
   const V zero = number<V>(0), far = number<V>(1e30);
-  return {height - dot(normal, p), normal, {zero, zero, zero}, zero, zero, far, far, far};
+  return {shape.height - dot(shape.face, p), shape.face, {zero, zero, zero}, zero, zero, far, far, far};
 }
 
 template <class V>

@@ -8,17 +8,6 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-template <class V>
-inline Wide3<V> vector_at(const double (&from)[3][ClusterTerms::kCapacity], std::size_t i) {
-  return {get(from[0] + i, V{}), get(from[1] + i, V{}), get(from[2] + i, V{})};
-}
-template <class V>
-inline void put_vector(Wide3<V> v, std::size_t i, double (&to)[3][ClusterTerms::kCapacity]) {
-  put(to[0] + i, v.x);
-  put(to[1] + i, v.y);
-  put(to[2] + i, v.z);
-}
-
 // Force and its moment about the cluster's centre, over K_s.
 template <class V>
 struct Wrench {
@@ -113,25 +102,16 @@ V put_force(const Wrench<V>& wrench, Wide3<V> centre, V radius, std::size_t i, C
 template <class V>
 void cluster_forces(ClusterTerms& terms) {
   const V zero = number<V>(0), half = number<V>(0.5);
-  const Wide3<V> axis{number<V>(terms.axis[0]), number<V>(terms.axis[1]), number<V>(terms.axis[2])};
-  const RoundField<V> field{axis,
-                            number<V>(terms.length),
-                            number<V>(terms.radius1),
-                            number<V>(terms.radius2),
-                            number<V>(terms.sine),
-                            number<V>(terms.cosine),
-                            number<V>(terms.jointed)};
-  const Wide3<V> face{number<V>(terms.face[0]), number<V>(terms.face[1]), number<V>(terms.face[2])};
-  const V size = number<V>(terms.size), bends = number<V>(terms.flat ? 0 : 1);
+  const auto shape = in_all_lanes<V>(terms.shape);
+  const V size(terms.shape.size), bends = number<V>(shape.flat ? 0 : 1);
   for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
     const Wide3<V> centre = vector_at<V>(terms.centre, i), normal = vector_at<V>(terms.mean_normal, i);
     const V radius = get(terms.radius + i, V{}), thickness = get(terms.thickness + i, V{});
-    const CentreField<V> at =
-        terms.flat ? field_below(face, number<V>(terms.face[3]), centre) : field_at_centre(field, centre);
-    const ClusterBounds<V> bounds = bounds_of(at, field.jointed, radius, normal, thickness);
+    const CentreField<V> at = field_at(shape, centre);
+    const ClusterBounds<V> bounds = bounds_of(at, shape.jointed, radius, normal, thickness);
     const Surface<V> surface = surface_at<V>(terms, i);
     Wide3<V> spread;
-    const Wrench<V> form = integrate_form(at, axis, surface, spread);
+    const Wrench<V> form = integrate_form(at, shape.axis, surface, spread);
     // Variance of phi over the cluster as its normals tell it; evenly spread over 3 of it to either side.
     const V least = greater(dot(surface.normal, surface.normal), number<V>(1e-300));
     const V variance = greater(quotient(dot(spread, surface.normal), least), zero);

@@ -36,9 +36,8 @@ struct ClusterBits {
 template <class V>
 inline ClusterBits kinds_in_row(const ClusterRow& row, const ClusterQuery& query) {
   const V zero = number<V>(0), one = number<V>(1), slack(query.slack), allowed(query.allowed);
-  const Wide3<V> origin{V(query.x), V(query.y), V(query.z)}, axis{V(query.ax), V(query.ay), V(query.az)};
-  const RoundField<V> field{axis,          V(query.length), V(query.radius1), V(query.radius2),
-                            V(query.sine), V(query.cosine), V(query.jointed)};
+  const Wide3<V> origin{V(query.x), V(query.y), V(query.z)};
+  const auto shape = in_all_lanes<V>(query.shape);
   ClusterBits bits;
   for (std::size_t i = 0; i < ClusterRow::kWidth; i += wide::Lanes<V>::kCount) {
     const V r = get(row.r + i, V{}), thickness = get(row.thickness + i, V{});
@@ -46,7 +45,7 @@ inline ClusterBits kinds_in_row(const ClusterRow& row, const ClusterQuery& query
     const Wide3<V> normal{get(row.nx + i, V{}), get(row.ny + i, V{}), get(row.nz + i, V{})};
     V beyond = zero;                // wholly beyond a plane
     V through = zero, near = zero;  // planes through it; borders in reach, which may be anything but planes
-    for (int k = query.flat ? 1 : 0; k < query.plane_count; ++k) {
+    for (int k = 0; k < query.plane_count; ++k) {
       const ClusterQuery::Plane& plane = query.plane[k];
       const V height = dot(p, Wide3<V>{V(plane.nx), V(plane.ny), V(plane.nz)}) - V(plane.height);
       const V reach = r + (V(plane.margin) + slack);
@@ -55,18 +54,15 @@ inline ClusterBits kinds_in_row(const ClusterRow& row, const ClusterQuery& query
       through = through + crossed;
       if (plane.margin > 0) near = near + crossed;
     }
-    const ClusterQuery::Plane& face = query.plane[0];
-    const CentreField<V> at =
-        query.flat ? field_below(Wide3<V>{V(face.nx), V(face.ny), V(face.nz)}, V(face.height), p)
-                   : field_at_centre(field, p);
-    const ClusterBounds<V> bounds = bounds_of(at, field.jointed, r, normal, thickness);
+    const CentreField<V> at = field_at(shape, p);
+    const ClusterBounds<V> bounds = bounds_of(at, shape.jointed, r, normal, thickness);
     const V differ = bounds.differ + slack;
     const auto met = both(r >= zero, both(beyond == zero, at.phi > zero - differ));
     const V ramp = choose(at.phi >= differ, zero, number<V>(kRampRest) * bounds.differ);
     const auto fits = both(bounds.rest + ramp <= allowed, thickness * at.phi <= V(query.twist));
     const auto good = both(through == zero, fits);
     // Over a triangle the field is above the corners' plane by half the bend at most.
-    const V above = query.flat ? zero : number<V>(0.5) * (r * r * one_over(bounds.gap));
+    const V above = shape.flat ? zero : number<V>(0.5) * (r * r * one_over(bounds.gap));
     const auto few = both(near == zero, through <= number<V>(LeafTerms::kPlaneCapacity));
     const auto straight = both(bounds.rest < number<V>(1), above <= allowed);
     bits.use |= wide::bits_of(both(met, good), zero) << i;

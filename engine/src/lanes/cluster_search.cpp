@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lanes/lane_vectors.h"
 #include "lanes/round_batch.h"
 
 namespace lumbrical {
@@ -21,45 +22,66 @@ void add_plane(const HalfSpace& space, Vec3 origin, double margin, ClusterQuery&
                                       number(dot(n, space.point - origin)), number(margin)};
 }
 
+FieldShape<float> in_single(const FieldShape<double>& shape) {
+  FieldShape<float> single;
+  single.flat = shape.flat;
+  for (std::size_t i = 0; i < 3; ++i) single.axis[i] = number(shape.axis[i]);
+  single.length = number(shape.length);
+  single.radius1 = number(shape.radius1);
+  single.radius2 = number(shape.radius2);
+  single.sine = number(shape.sine);
+  single.cosine = number(shape.cosine);
+  single.jointed = number(shape.jointed);
+  for (std::size_t i = 0; i < 4; ++i) single.face[i] = number(shape.face[i]);
+  single.size = number(shape.size);
+  return single;
+}
+
 ClusterQuery cluster_query(const ClusterTree& tree, const Prism& palm, const Primitive& primitive,
                            double tolerance) {
+  FieldShape<double> shape;
+  const Vec3 origin = set_shape(primitive, palm, shape), from = origin - tree.origin;
   ClusterQuery query;
-  query.flat = primitive.shape == Shape::prism;
-  const RoundHull hull = round_hull(primitive);
-  const Vec3 from = hull.origin - tree.origin;
+  query.shape = in_single(shape);
   query.x = number(from.x);
   query.y = number(from.y);
   query.z = number(from.z);
-  query.ax = number(hull.axis.x);
-  query.ay = number(hull.axis.y);
-  query.az = number(hull.axis.z);
-  query.length = number(hull.length);
-  query.radius1 = number(hull.radius1);
-  query.radius2 = number(hull.radius2);
-  query.sine = number(hull.sine);
-  query.cosine = number(hull.cosine);
-  query.jointed = hull.length > 0 ? 1 : 0;
-  if (query.flat) {
-    for (int i = 0; i < palm.face_count; ++i)
-      add_plane(palm.face[static_cast<std::size_t>(i)], hull.origin, 0, query);
+  if (shape.flat) {
+    for (int i = 1; i < palm.face_count; ++i)
+      add_plane(palm.face[static_cast<std::size_t>(i)], origin, 0, query);
   } else {
     for (std::size_t i = 0; i < primitive.cut_count; ++i)
-      add_plane(primitive.cut[i], hull.origin, primitive.overhang[i], query);
+      add_plane(primitive.cut[i], origin, primitive.overhang[i], query);
   }
-  query.slack = number(kFloatSlack * (largest_part(from) + hull.length + hull.radius1));
-  const double size = query.flat ? half_thickness(palm) : hull.radius1;
-  query.allowed = number((tolerance - kMomentRounding) * size);
+  query.slack = number(kFloatSlack * (largest_part(from) + shape.length + shape.radius1));
+  query.allowed = number((tolerance - kMomentRounding) * shape.size);
   // The normals of a cluster differ by about thickness / radius, and their twist has levers of its radius.
-  query.twist = number(4 * size * (tolerance - kMomentRounding) * size);
+  query.twist = number(4 * shape.size * (tolerance - kMomentRounding) * shape.size);
   return query;
 }
 
-}  // namespace
-
+// Half the palm's thickness: what stands for R in its errors and tolerance. [m]
 double half_thickness(const Prism& palm) {
   return palm.face_count < 2
              ? 0
              : 0.5 * std::fabs(dot(palm.face[0].normal, palm.face[0].point - palm.face[1].point));
+}
+
+}  // namespace
+
+Vec3 set_shape(const Primitive& primitive, const Prism& palm, FieldShape<double>& shape) {
+  const RoundHull hull = round_hull(primitive);
+  shape.flat = primitive.shape == Shape::prism;
+  put_vector(hull.axis, shape.axis);
+  shape.length = hull.length;
+  shape.radius1 = hull.radius1;
+  shape.radius2 = hull.radius2;
+  shape.sine = hull.sine;
+  shape.cosine = hull.cosine;
+  shape.jointed = hull.length > 0 ? 1 : 0;
+  shape.size = shape.flat ? half_thickness(palm) : hull.radius1;
+  if (shape.flat) put_plane(palm.face[0], hull.origin, shape.face);
+  return hull.origin;
 }
 
 bool uses_clusters(const Model& model, const Primitives& hand, const Primitive& primitive) {

@@ -9,8 +9,9 @@
 
 namespace lumbrical {
 
-/// Half the palm's thickness: what stands for R in its errors and tolerance. [m]
-double half_thickness(const Prism& palm);
+/// Sets the field of `primitive`, of which the palm is `palm`; returns what it is seen from: the larger end.
+/// [m] W
+Vec3 set_shape(const Primitive& primitive, const Prism& palm, FieldShape<double>& shape);
 
 /// Are clusters used for this primitive? Those under the field law, but for phalanges that another one of
 /// their finger is folded upon.

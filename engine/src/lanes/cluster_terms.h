@@ -18,19 +18,27 @@ inline constexpr double kWidest = 0.5;
 /// Of R: what single precision takes away from the moments.
 inline constexpr double kMomentRounding = 5e-7;
 
-/// A primitive's field in single precision, from the origin of the clusters' tree.
+/// A primitive's field, seen from its larger end.
+template <class T>
+struct FieldShape {
+  bool flat = false;                       ///< the palm: phi is the height below `face`
+  T axis[3] = {0, 0, 1};                   ///< unit, from the larger end
+  T length = 0, radius1 = 0, radius2 = 0;  ///< [m]
+  T sine = 0, cosine = 1;                  ///< of the cone's half angle
+  T jointed = 0;                           ///< 1 where there is a side, 0 for spheres
+  T face[4] = {};                          ///< of the palm: unit normal and height [m]
+  T size = 0;                              ///< [m] R; of the palm half its thickness
+};
+
+/// What a search for clusters asks, in single precision.
 struct ClusterQuery {
   static constexpr int kPlaneCapacity = 18;
-  bool flat = false;                           ///< the palm: phi is the height below plane 0
-  float x = 0, y = 0, z = 0;                   ///< [m] the larger end
-  float ax = 0, ay = 0, az = 0;                ///< unit axis from there
-  float length = 0, radius1 = 0, radius2 = 0;  ///< [m]
-  float sine = 0, cosine = 1;                  ///< of the cone's half angle
-  float jointed = 0;                           ///< 1 where there is a side, 0 for spheres
-  float slack = 0;                             ///< [m] what rounding may move a centre by, generously
-  float allowed = 0;                           ///< [m] the tolerance times R
-  float twist = 0;      ///< [m^2] most of phi times thickness: what a line of force can not carry
-  int plane_count = 0;  ///< half-spaces the primitive lies in
+  FieldShape<float> shape;
+  float x = 0, y = 0, z = 0;  ///< [m] the larger end from the origin of the clusters' tree
+  float slack = 0;            ///< [m] what rounding may move a centre by, generously
+  float allowed = 0;          ///< [m] the tolerance times R
+  float twist = 0;            ///< [m^2] most of phi times thickness: what a line of force can not carry
+  int plane_count = 0;        ///< half-spaces the primitive lies in besides the palm's face
   struct Plane {
     float nx, ny, nz, height;  ///< unit normal; [m] over the larger end
     float margin;              ///< [m] so near it the space may be a neighbour's, or not
@@ -50,12 +58,7 @@ struct ClusterHits {
 struct LeafTerms {
   static constexpr std::size_t kCapacity = 8;
   static constexpr int kPlaneCapacity = 2;  ///< planes that run through it
-  bool flat = false;
-  double axis[3] = {0, 0, 1};                   ///< unit
-  double length = 0, radius1 = 0, radius2 = 0;  ///< [m]
-  double sine = 0, cosine = 1, jointed = 0;
-  double size = 0;                       ///< [m] R
-  double face[4] = {};                   ///< of the palm: normal and height
+  FieldShape<double> shape;
   double centre[3] = {};                 ///< [m] of the leaf
   int plane_count = 0;                   ///< planes that may run through it
   double plane[kPlaneCapacity][4] = {};  ///< normal and height; the others hold everything inside
@@ -68,12 +71,7 @@ struct LeafTerms {
 struct ClusterTerms {
   static constexpr std::size_t kCapacity = 64;
   std::size_t count = 0;
-  bool flat = false;
-  double axis[3] = {0, 0, 1};                   ///< unit
-  double length = 0, radius1 = 0, radius2 = 0;  ///< [m]
-  double sine = 0, cosine = 1, jointed = 0;
-  double size = 0;                ///< [m] R
-  double face[4] = {0, 0, 0, 0};  ///< of the palm: normal and height
+  FieldShape<double> shape;
   alignas(64) double centre[3][kCapacity], mean_normal[3][kCapacity];
   alignas(64) double radius[kCapacity], thickness[kCapacity], surface[kCapacity];
   alignas(64) double normal[3][kCapacity], first[3][3][kCapacity], second[6][3][kCapacity];

@@ -4,23 +4,10 @@
 #include <cmath>
 
 #include "lanes/cluster_search.h"
-#include "lanes/round_batch.h"
+#include "lanes/lane_vectors.h"
 
 namespace lumbrical {
 namespace {
-
-void put_plane(const HalfSpace& space, Vec3 origin, double (&plane)[4]) {
-  plane[0] = space.normal.x;
-  plane[1] = space.normal.y;
-  plane[2] = space.normal.z;
-  plane[3] = dot(space.normal, space.point - origin);
-}
-
-void put_point(Vec3 p, double (&to)[3]) {
-  to[0] = p.x;
-  to[1] = p.y;
-  to[2] = p.z;
-}
 
 // Triangles of the leaf; empty lanes hold a point.
 double put_corners(const Model& model, std::uint32_t leaf, Vec3 origin, LeafTerms& terms) {
@@ -78,26 +65,15 @@ double put_force(Vec3 force, Vec3 couple, Vec3 centre, double radius, Contact& c
 }  // namespace
 
 void set_leaf_query(const Primitive& primitive, const Prism& palm, LeafQuery& query) {
-  const RoundHull hull = round_hull(primitive);
-  LeafTerms& terms = query.terms;
-  query.origin = hull.origin;
+  query.origin = set_shape(primitive, palm, query.terms.shape);
   query.plane_count = 0;
-  terms.flat = primitive.shape == Shape::prism;
-  put_point(hull.axis, terms.axis);
-  terms.length = hull.length;
-  terms.radius1 = hull.radius1;
-  terms.radius2 = hull.radius2;
-  terms.sine = hull.sine;
-  terms.cosine = hull.cosine;
-  terms.jointed = hull.length > 0 ? 1 : 0;
-  terms.size = terms.flat ? half_thickness(palm) : hull.radius1;
-  if (terms.flat) {
-    put_plane(palm.face[0], hull.origin, terms.face);
-    for (int i = 1; i < palm.face_count; ++i)
-      put_plane(palm.face[static_cast<std::size_t>(i)], hull.origin, query.plane[query.plane_count++]);
+  const auto add = [&](const HalfSpace& space) {
+    put_plane(space, query.origin, query.plane[query.plane_count++]);
+  };
+  if (query.terms.shape.flat) {
+    for (int i = 1; i < palm.face_count; ++i) add(palm.face[static_cast<std::size_t>(i)]);
   } else {
-    for (std::size_t i = 0; i < primitive.cut_count; ++i)
-      put_plane(primitive.cut[i], hull.origin, query.plane[query.plane_count++]);
+    for (std::size_t i = 0; i < primitive.cut_count; ++i) add(primitive.cut[i]);
   }
 }
 
@@ -127,9 +103,10 @@ void leaf_contact(const Model& model, const FieldKernels& kernels, LeafQuery& qu
   const std::size_t lane = leaf % ClusterBlock::kWidth;
   const double radius = block.r[lane];
   LeafTerms& terms = query.terms;
+  const FieldShape<double>& shape = terms.shape;
   const Vec3 centre =
       (model.clusters.origin - query.origin) + Vec3{block.x[lane], block.y[lane], block.z[lane]};
-  put_point(centre, terms.centre);
+  put_vector(centre, terms.centre);
   put_planes(query, centre, radius, terms);
   const double surface = put_corners(model, leaf, query.origin, terms);
   kernels.leaf_forces(terms);
@@ -139,15 +116,15 @@ void leaf_contact(const Model& model, const FieldKernels& kernels, LeafQuery& qu
   for (std::size_t row = 0; row < 10; ++row) sum[row] = sum_of(terms.result[row]);
   // The field bends by at most one over the distance from the axis, so it rises over the corners' plane by
   // half the square of the radius over that.
-  const double along = dot(centre, {terms.axis[0], terms.axis[1], terms.axis[2]});
-  const Vec3 nearest = clamp(along, 0, terms.length) * Vec3{terms.axis[0], terms.axis[1], terms.axis[2]};
+  const Vec3 axis = vector_of(shape.axis);
+  const Vec3 nearest = clamp(dot(centre, axis), 0, shape.length) * axis;
   const double gap = norm(centre - nearest) - radius;
-  const double off = terms.flat ? 0 : 0.5 * radius * radius / gap;
+  const double off = shape.flat ? 0 : 0.5 * radius * radius / gap;
   contact.area = most > -off ? max(sum[6], 1e-6 * surface) : 0;
   if (!(contact.area > 0)) return;
   const double left = put_force({sum[0], sum[1], sum[2]}, {sum[3], sum[4], sum[5]}, centre, radius, contact);
-  const double error = (off + kMomentRounding * terms.size) * surface;
-  contact.error = max(error, (2 * radius * error + left) / (4 * terms.size));
+  const double error = (off + kMomentRounding * shape.size) * surface;
+  contact.error = max(error, (2 * radius * error + left) / (4 * shape.size));
   contact.depth = max(0, most);
   contact.centre += query.origin;
   contact.centroid = query.origin + centre;

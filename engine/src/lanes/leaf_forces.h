@@ -91,19 +91,16 @@ void add_piece(const Piece<V>& piece, PieceSums<V>& sums) {
 }
 
 template <class V>
-Piece<V> piece_at(const LeafTerms& terms, const RoundField<V>& field, std::size_t i) {
-  const Wide3<V> centre{number<V>(terms.centre[0]), number<V>(terms.centre[1]), number<V>(terms.centre[2])};
-  const Wide3<V> face{number<V>(terms.face[0]), number<V>(terms.face[1]), number<V>(terms.face[2])};
+Piece<V> piece_at(const LeafTerms& terms, const WideShape<V>& shape, std::size_t i) {
+  const Wide3<V> centre = in_all_lanes<V>(terms.centre);
   Piece<V> piece;
   for (int c = 0; c < 3; ++c) {
-    const auto& row = terms.corner[c];
-    const Wide3<V> p{get(row[0] + i, V{}), get(row[1] + i, V{}), get(row[2] + i, V{})};
+    const Wide3<V> p = vector_at<V>(terms.corner[c], i);
     piece.corner[c] = p - centre;
-    piece.phi[c] = terms.flat ? number<V>(terms.face[3]) - dot(face, p) : field_at_centre(field, p).phi;
+    piece.phi[c] = field_at(shape, p).phi;
     for (int k = 0; k < LeafTerms::kPlaneCapacity; ++k) {
       const double(&plane)[4] = terms.plane[k];
-      const Wide3<V> normal{number<V>(plane[0]), number<V>(plane[1]), number<V>(plane[2])};
-      piece.inside[k][c] = number<V>(plane[3]) - dot(normal, p);
+      piece.inside[k][c] = V(plane[3]) - dot(in_all_lanes<V>(plane), p);
     }
   }
   return piece;
@@ -112,17 +109,11 @@ Piece<V> piece_at(const LeafTerms& terms, const RoundField<V>& field, std::size_
 template <class V>
 void leaf_forces(LeafTerms& terms) {
   const V zero = number<V>(0);
-  const RoundField<V> field{{number<V>(terms.axis[0]), number<V>(terms.axis[1]), number<V>(terms.axis[2])},
-                            number<V>(terms.length),
-                            number<V>(terms.radius1),
-                            number<V>(terms.radius2),
-                            number<V>(terms.sine),
-                            number<V>(terms.cosine),
-                            number<V>(terms.jointed)};
+  const auto shape = in_all_lanes<V>(terms.shape);
   for (std::size_t i = 0; i < LeafTerms::kCapacity; i += wide::Lanes<V>::kCount) {
     constexpr std::size_t kMost = std::size_t{2} << LeafTerms::kPlaneCapacity;
     Piece<V> piece[kMost];
-    piece[0] = piece_at(terms, field, i);
+    piece[0] = piece_at(terms, shape, i);
     const Wide3<V> raw =
         cross(piece[0].corner[1] - piece[0].corner[0], piece[0].corner[2] - piece[0].corner[0]);
     const V twice = root(dot(raw, raw)), per = one_over(twice);

@@ -7,37 +7,29 @@
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
 #include "lanes/cluster_search.h"
+#include "lanes/lane_vectors.h"
 #include "lanes/tree_search.h"
+#include "model/corners.h"
 
 namespace lumbrical {
-namespace {
-
-constexpr std::uint32_t kBatch = MissTerms::kCapacity;
-
-void set_corner(const Triangles& world, std::uint32_t vertex, std::size_t k,
-                double (&corner)[3][MissTerms::kCapacity]) {
-  corner[0][k] = world.x[vertex];
-  corner[1][k] = world.y[vertex];
-  corner[2][k] = world.z[vertex];
-}
-
-}  // namespace
 
 void set_triangles(const Triangles& world, std::span<const std::uint32_t> triangles, MissTerms& terms) {
   terms.count = triangles.size();
   const std::size_t padded = (triangles.size() + 15) / 16 * 16;
   for (std::size_t k = 0; k < padded; ++k) {
-    const std::uint32_t triangle = triangles[k < triangles.size() ? k : 0];
-    set_corner(world, world.a[triangle], k, terms.a);
-    set_corner(world, world.b[triangle], k, terms.b);
-    set_corner(world, world.c[triangle], k, terms.c);
+    const auto [a, b, c] = corners_of(world, triangles[k < triangles.size() ? k : 0]);
+    put_vector(a, k, terms.a);
+    put_vector(b, k, terms.b);
+    put_vector(c, k, terms.c);
   }
 }
 
 namespace {
 
-bool is_within(const double (&corner)[3][MissTerms::kCapacity], std::size_t k, Vec3 centre, double reach) {
-  const Vec3 from = Vec3{corner[0][k], corner[1][k], corner[2][k]} - centre;
+constexpr std::uint32_t kBatch = MissTerms::kCapacity;
+
+bool is_within(Vec3 point, Vec3 centre, double reach) {
+  const Vec3 from = point - centre;
   return dot(from, from) <= reach * reach;
 }
 
@@ -76,8 +68,9 @@ bool keep(PairSearch& search, std::span<const std::uint32_t> triangles) {
   set_terms(*search.hull, search.skin, terms);
   const double reach = reach_of(*search.hull);
   for (std::size_t k = 0; k < triangles.size(); ++k) {
-    const bool within = is_within(terms.a, k, terms.end1, reach) &&
-                        is_within(terms.b, k, terms.end1, reach) && is_within(terms.c, k, terms.end1, reach);
+    const bool within = is_within(vector_at(terms.a, k), terms.end1, reach) &&
+                        is_within(vector_at(terms.b, k), terms.end1, reach) &&
+                        is_within(vector_at(terms.c, k), terms.end1, reach);
     const bool doubtful = !within || terms.miss[k] != 0;
     pairs[count] = first | std::uint64_t{triangles[k]} << 1 | (doubtful ? 1u : 0u);
     count += !within || misses_wide[k] == 0;

@@ -10,18 +10,6 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-template <class V>
-inline Wide3<V> prism_corner(const double (&from)[3][PrismTerms::kCapacity], std::size_t i) {
-  return {get(from[0] + i, V{}), get(from[1] + i, V{}), get(from[2] + i, V{})};
-}
-
-template <class V>
-inline void put_point(double (&to)[3][PrismTerms::kCapacity], std::size_t i, Wide3<V> value) {
-  put(to[0] + i, value.x);
-  put(to[1] + i, value.y);
-  put(to[2] + i, value.z);
-}
-
 // How far the corners lie over a face, and the way along -n to it.
 template <class V>
 struct FaceView {
@@ -30,8 +18,7 @@ struct FaceView {
 
 template <class V>
 inline FaceView<V> look_at_face(const PrismTerms& terms, int face, const Wide3<V> (&corner)[3], Wide3<V> n) {
-  const double* const normal = terms.normal[face];
-  const Wide3<V> outward{number<V>(normal[0]), number<V>(normal[1]), number<V>(normal[2])};
+  const Wide3<V> outward = in_all_lanes<V>(terms.normal[face]);
   const V along = dot(outward, n), offset = number<V>(terms.offset[face]);
   const auto leaves = along < number<V>(-1e-12);  // otherwise going along -n never leaves through this face
   const V per = quotient(number<V>(1), choose(leaves, along, number<V>(-1)));
@@ -47,8 +34,7 @@ template <class V>
 void prism_contacts(PrismTerms& terms) {
   const V zero = number<V>(0), one = number<V>(1), third = number<V>(1.0 / 3);
   for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
-    const Wide3<V> corner[3] = {prism_corner<V>(terms.a, i), prism_corner<V>(terms.b, i),
-                                prism_corner<V>(terms.c, i)};
+    const Wide3<V> corner[3] = {vector_at<V>(terms.a, i), vector_at<V>(terms.b, i), vector_at<V>(terms.c, i)};
     const Wide3<V> ab = corner[1] - corner[0], ac = corner[2] - corner[0], bc = corner[2] - corner[1];
     const Wide3<V> raw = cross(ab, ac);
     const V twice = root(dot(raw, raw)), longest = greater(dot(ab, ab), greater(dot(ac, ac), dot(bc, bc)));
@@ -83,9 +69,9 @@ void prism_contacts(PrismTerms& terms) {
     put(terms.area + i, area);
     put(terms.volume + i, third * (area * sum));
     put(terms.depth + i, greater(zero, greater(least[0], greater(least[1], least[2]))));
-    put_point(terms.direction, i, n);
-    put_point(terms.centroid, i, centroid);
-    put_point(terms.centre, i, choose(sum > zero, centre, centroid));
+    put_vector(n, i, terms.direction);
+    put_vector(centroid, i, terms.centroid);
+    put_vector(choose(sum > zero, centre, centroid), i, terms.centre);
   }
 }
 

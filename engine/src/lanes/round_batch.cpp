@@ -3,24 +3,13 @@
 #include <cmath>
 #include <utility>
 
+#include "lanes/lane_vectors.h"
+
 namespace lumbrical {
 namespace {
 
 // Single precision is tried from this tolerance: below it only regions of half the section would do.
 constexpr double kSingleFrom = 1e-3;
-
-using Corners = double[3][RoundTerms<double>::kCapacity];
-
-void set_corner(Vec3 p, std::size_t k, Corners& corner) {
-  corner[0][k] = p.x;
-  corner[1][k] = p.y;
-  corner[2][k] = p.z;
-}
-
-template <class T>
-Vec3 point_of(const T (&from)[3][RoundTerms<T>::kCapacity], std::size_t k) {
-  return {from[0][k], from[1][k], from[2][k]};
-}
 
 template <class T>
 void write_contact(const RoundTerms<T>& pairs, Vec3 origin, std::size_t k, Contact& contact) {
@@ -28,9 +17,9 @@ void write_contact(const RoundTerms<T>& pairs, Vec3 origin, std::size_t k, Conta
   contact.volume = pairs.volume[k];
   contact.depth = pairs.depth[k];
   contact.error = pairs.error[k];
-  contact.normal = point_of(pairs.normal, k);
-  contact.centroid = origin + point_of(pairs.centroid, k);
-  contact.centre = origin + point_of(pairs.centre, k);
+  contact.normal = vector_at(pairs.normal, k);
+  contact.centroid = origin + vector_at(pairs.centroid, k);
+  contact.centre = origin + vector_at(pairs.centre, k);
 }
 
 template <class T>
@@ -132,9 +121,7 @@ void begin_batch(const Primitive& primitive, double tolerance, RoundBatch& batch
   RoundTerms<double>& pairs = batch.pairs;
   batch.origin = hull.origin;
   pairs.count = 0;
-  pairs.axis[0] = hull.axis.x;
-  pairs.axis[1] = hull.axis.y;
-  pairs.axis[2] = hull.axis.z;
+  put_vector(hull.axis, pairs.axis);
   pairs.length = hull.length;
   pairs.radius1 = hull.radius1;
   pairs.radius2 = hull.radius2;
@@ -147,12 +134,12 @@ void begin_batch(const Primitive& primitive, double tolerance, RoundBatch& batch
 void add_to_batch(Vec3 a, Vec3 b, Vec3 c, const std::array<HalfSpace, 2>& cut, Contact& contact,
                   RoundBatch& batch) {
   const std::size_t k = batch.pairs.count++;
-  set_corner(a - batch.origin, k, batch.pairs.a);
-  set_corner(b - batch.origin, k, batch.pairs.b);
-  set_corner(c - batch.origin, k, batch.pairs.c);
+  put_vector(a - batch.origin, k, batch.pairs.a);
+  put_vector(b - batch.origin, k, batch.pairs.b);
+  put_vector(c - batch.origin, k, batch.pairs.c);
   for (int i = 0; i < batch.pairs.cut_count; ++i) {
     const HalfSpace& space = cut[static_cast<std::size_t>(i)];
-    set_corner(space.normal, k, batch.pairs.cut_normal[i]);
+    put_vector(space.normal, k, batch.pairs.cut_normal[i]);
     batch.pairs.cut_offset[i][k] = dot(space.normal, space.point - batch.origin) + space.offset;
   }
   batch.contact[k] = &contact;

@@ -168,13 +168,13 @@ void put_contact(const RoundPlane<V>& plane, const Moments<V>& sum, V depth, V e
   put(terms.volume + i, greater(sum.volume, zero));
   put(terms.depth + i, greater(depth, zero));
   put(terms.error + i, error);
-  put_three(terms.normal, i, plane.n);
+  put_vector(plane.n, i, terms.normal);
   const V per_area = one_over(sum.area), per_volume = one_over(sum.volume);
   const Wide2<V> centroid{sum.area_x * per_area, sum.area_y * per_area};
   const Wide2<V> pressed{sum.volume_x * per_volume, sum.volume_y * per_volume};
   const Wide2<V> centre = choose(sum.volume > zero, pressed, centroid);
-  put_three(terms.centroid, i, in_space(plane, centroid.x, centroid.y));
-  put_three(terms.centre, i, in_space(plane, centre.x, centre.y));
+  put_vector(in_space(plane, centroid.x, centroid.y), i, terms.centroid);
+  put_vector(in_space(plane, centre.x, centre.y), i, terms.centre);
 }
 
 template <class V>
@@ -184,7 +184,7 @@ void round_contacts(RoundTerms<NumberOf<V>>& terms) {
   const V r = part.radius1, allowed = V(terms.tolerance) * r;
   const V exactness = number<V>(single<V>() ? kDiscErrorSingle : kDiscError) * (r * r * r);
   for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
-    const Wide3<V> corner[3] = {three<V>(terms.a, i), three<V>(terms.b, i), three<V>(terms.c, i)};
+    const Wide3<V> corner[3] = {vector_at<V>(terms.a, i), vector_at<V>(terms.b, i), vector_at<V>(terms.c, i)};
     RoundPlane<V> plane;
     const auto fine = look(part, terms.axis, corner[0], corner[1], corner[2], plane);
     Polygon<V> polygon;

@@ -33,19 +33,6 @@ struct RoundPlane {
   V h1, h2, x2;      // [m] heights of the ends over the plane, x of the second end
 };
 
-template <class V>
-inline Wide3<V> three(const NumberOf<V> (&from)[3][RoundTerms<NumberOf<V>>::kCapacity], std::size_t i) {
-  return {get(from[0] + i, V{}), get(from[1] + i, V{}), get(from[2] + i, V{})};
-}
-
-template <class V>
-inline void put_three(NumberOf<V> (&to)[3][RoundTerms<NumberOf<V>>::kCapacity], std::size_t i,
-                      Wide3<V> value) {
-  put(to[0] + i, value.x);
-  put(to[1] + i, value.y);
-  put(to[2] + i, value.z);
-}
-
 // Sine of the axis angle below which the direction of the projected axis is rounding noise, and twice the
 // area over the longest edge squared below which the normal is.
 template <class V>

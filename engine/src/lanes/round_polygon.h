@@ -117,7 +117,7 @@ void set_polygon(const RoundTerms<NumberOf<V>>& terms, const RoundPart<V>& part,
   for (int cut = 0; cut < 2; ++cut) {
     V f[3] = {zero, zero, zero};
     if (cut < terms.cut_count) {
-      const Wide3<V> normal = three<V>(terms.cut_normal[cut], lane);
+      const Wide3<V> normal = vector_at<V>(terms.cut_normal[cut], lane);
       const V offset = get(terms.cut_offset[cut] + lane, V{});
       for (int i = 0; i < 3; ++i) f[i] = dot(normal, corner[i]) - offset;
       // A triangle in the plane between two tiles belongs to the one it faces away from.

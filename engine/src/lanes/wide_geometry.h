@@ -63,6 +63,24 @@ inline Wide3<V> choose(M which, Wide3<V> yes, Wide3<V> no) {
   return {choose(which, yes.x, no.x), choose(which, yes.y, no.y), choose(which, yes.z, no.z)};
 }
 
+// A structure of arrays' vectors, from number i on.
+template <class V, std::size_t N>
+inline Wide3<V> vector_at(const NumberOf<V> (&from)[3][N], std::size_t i) {
+  return {get(from[0] + i, V{}), get(from[1] + i, V{}), get(from[2] + i, V{})};
+}
+template <class V, std::size_t N>
+inline void put_vector(Wide3<V> v, std::size_t i, NumberOf<V> (&to)[3][N]) {
+  put(to[0] + i, v.x);
+  put(to[1] + i, v.y);
+  put(to[2] + i, v.z);
+}
+
+// A vector in memory, the same in all lanes.
+template <class V>
+inline Wide3<V> in_all_lanes(const NumberOf<V>* vector) {
+  return {V(vector[0]), V(vector[1]), V(vector[2])};
+}
+
 // 1 / value, or 1 where it is not positive. (xsimd has a `reciprocal` of its own, an estimate, which an
 // unqualified call would find.)
 template <class V>

@@ -6,7 +6,6 @@
 
 #include "base/parallel.h"
 #include "base/radix_sort.h"
-#include "index/cluster_tree.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
@@ -14,7 +13,6 @@
 #include "lanes/field_kernels.h"
 #include "lanes/near_pairs.h"
 #include "lanes/pair_search.h"
-#include "lanes/tree_search.h"
 
 namespace lumbrical {
 namespace {

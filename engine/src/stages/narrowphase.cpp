@@ -10,6 +10,7 @@
 #include "lanes/leaf_contact.h"
 #include "lanes/prism_batch.h"
 #include "lanes/round_batch.h"
+#include "model/corners.h"
 #include "section/cone_slivers.h"
 #include "section/depth.h"
 #include "section/finger_depth.h"
@@ -86,13 +87,6 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
   return true;
 }
 
-struct Corners {
-  Vec3 a, b, c;
-};
-Corners corners_of(const Triangles& world, std::uint32_t triangle) {
-  return {world.vertex(world.a[triangle]), world.vertex(world.b[triangle]), world.vertex(world.c[triangle])};
-}
-
 // One pair at a time; an area of zero marks that there is no contact.
 void collide_pair(const Model& model, const Primitives& hand, const FieldKernels& kernels, Boundary& boundary,
                   Contact& contact) {
@@ -142,16 +136,17 @@ struct PairWork {
 
 // What the lanes left of a cone's contact, with the cuts the lanes had; false where it is for the general
 // path.
-bool finish_slivers(Contact& contact, const PairWork& work) {
-  const Primitive& primitive = work.hand.primitive[contact.primitive];
-  const auto [a, b, c] = corners_of(work.model.triangles, contact.triangle);
+bool finish_slivers(const FieldKernels& kernels, const Primitive& cone, const Corners& at, Contact& contact) {
   Section section;
-  const BorderCut* own = nullptr;
+  return !look_from_plane(cone, at.a, at.b, at.c, section) || add_slivers(kernels, section, contact);
+}
+
+Primitive as_cut(const Contact& contact, const PairWork& work) {
+  const Primitive& primitive = work.hand.primitive[contact.primitive];
   for (std::size_t k = 0; k < work.shared_count; ++k) {
-    if (work.shared[k].contact == &contact) own = &work.shared[k].cut;
+    if (work.shared[k].contact == &contact) return tile_cut_so(primitive, work.shared[k].cut);
   }
-  return !look_from_plane(own != nullptr ? tile_cut_so(primitive, *own) : primitive, a, b, c, section) ||
-         add_slivers(work.kernels, section, contact);
+  return primitive;
 }
 
 void finish_palm(PairWork& work) {
@@ -163,7 +158,8 @@ void finish(PairWork& work) {
   const RoundRest rest = finish_batch(work.batch);
   std::size_t uneven = 0;  // slivers that were not smooth enough
   for (Contact* contact : rest.slivers) {
-    if (finish_slivers(*contact, work)) continue;
+    const Corners at = corners_of(work.model.triangles, contact->triangle);
+    if (finish_slivers(work.kernels, as_cut(*contact, work), at, *contact)) continue;
     contact->area = 0;
     rest.slivers[uneven++] = contact;
   }
@@ -237,9 +233,7 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
     begin_batch(primitive, query.tolerance, batch);
     add_to_batch(a, b, c, primitive.cut, contact, batch);
     const RoundRest rest = finish_batch(batch);
-    Section section;
-    const bool whole = rest.slivers.empty() || !look_from_plane(primitive, a, b, c, section) ||
-                       add_slivers(query.kernels, section, contact);
+    const bool whole = rest.slivers.empty() || finish_slivers(query.kernels, primitive, {a, b, c}, contact);
     if (rest.unsure.empty() && whole) return contact.area > 0;
   }
   Section section;

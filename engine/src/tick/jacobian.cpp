@@ -3,6 +3,7 @@
 #include "base/floating_point.h"
 #include "borders/border_cut.h"
 #include "index/cluster_tree.h"
+#include "model/corners.h"
 #include "section/contact_jacobian.h"
 #include "section/prism.h"
 #include "stages/narrowphase.h"
@@ -10,13 +11,6 @@
 namespace lumbrical {
 
 namespace {
-
-struct Corners {
-  Vec3 a, b, c;
-};
-Corners corners_of(const Triangles& world, std::uint32_t triangle) {
-  return {world.vertex(world.a[triangle]), world.vertex(world.b[triangle]), world.vertex(world.c[triangle])};
-}
 
 void add_triangle(const Primitives& hand, const Primitive& primitive, const Contact& contact, Vec3 joint,
                   const Corners& at, Matrix6& value) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "index/cluster_tree.h"
 #include "model/primitive.h"
 #include "stages/contact_force.h"
 
@@ -15,9 +16,15 @@ class Tracer {
  public:
   std::vector<TraceValue> values;
   std::int64_t primitive = -1, triangle = -1;
+  std::size_t members = 0;
   std::int32_t index = -1;
   const char* part = "";
 
+  void pair(const ClusterTree& clusters, std::uint32_t of, std::uint32_t with) {
+    primitive = of;
+    triangle = with;
+    members = (with & kClusterBit) != 0 ? triangles_of(clusters, cluster_of(with)).size() : 0;
+  }
   void whole(const char* name, std::uint64_t value) { add(name, TraceValue::Type::whole, value); }
   void real(const char* name, double value) {
     add(name, TraceValue::Type::real, std::bit_cast<std::uint64_t>(value));
@@ -33,7 +40,7 @@ class Tracer {
 
  private:
   void add(const char* name, TraceValue::Type type, std::uint64_t bits) {
-    values.push_back({name, part, index, primitive, triangle, type, bits});
+    values.push_back({name, part, index, primitive, triangle, members, type, bits});
   }
 };
 
@@ -84,10 +91,9 @@ void trace_hand(const Primitives& hand, Tracer& to) {
   }
 }
 
-void trace_contacts(std::span<const Contact> contacts, Tracer& to) {
+void trace_contacts(const ClusterTree& clusters, std::span<const Contact> contacts, Tracer& to) {
   for (const Contact& contact : contacts) {
-    to.primitive = contact.primitive;
-    to.triangle = contact.triangle;
+    to.pair(clusters, contact.primitive, contact.triangle);
     to.real("depth", contact.depth);
     to.real("area", contact.area);
     to.real("volume", contact.volume);
@@ -155,13 +161,13 @@ std::vector<TraceValue> trace_stage(const Model& model, const Scratch& scratch, 
       break;
     case Stage::broadphase:
       for (std::uint32_t i = 0; i < scratch.candidate_count; ++i) {
-        to.primitive = static_cast<std::int64_t>(scratch.candidates[i] >> 32);
-        to.triangle = static_cast<std::int64_t>(scratch.candidates[i] & 0xffffffffu);
+        const std::uint64_t pair = scratch.candidates[i];
+        to.pair(model.clusters, static_cast<std::uint32_t>(pair >> 32), static_cast<std::uint32_t>(pair));
         to.whole("candidate", 1);
       }
       break;
     case Stage::narrowphase:
-      trace_contacts(contacts, to);
+      trace_contacts(model.clusters, contacts, to);
       break;
     case Stage::contact_force:
       trace_forces(sum_forces(model.settings, *scratch.primitives, contacts), to);

@@ -17,7 +17,8 @@ struct TraceValue {
   const char* part = "";        ///< of a state: "last" or "held"
   std::int32_t index = -1;      ///< of the segment, joint, angle or primitive's plane; -1: none
   std::int64_t primitive = -1;  ///< -1: none
-  std::int64_t triangle = -1;   ///< -1: none
+  std::int64_t triangle = -1;   ///< as in Contact; -1: none
+  std::size_t members = 0;      ///< of a cluster: how many triangles it has
   Type type = Type::real;
   std::uint64_t bits = 0;
 
