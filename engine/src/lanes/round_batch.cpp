@@ -1,5 +1,6 @@
 #include "lanes/round_batch.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -22,50 +23,39 @@ void write_contact(const RoundTerms<T>& pairs, Vec3 origin, std::size_t k, Conta
   contact.centre = origin + vector_at(pairs.centre, k);
 }
 
-template <class T>
-void move_cuts(std::size_t from, std::size_t to, RoundTerms<T>& pairs) {
-  for (int i = 0; i < pairs.cut_count; ++i) {
-    for (auto& normal : pairs.cut_normal[i]) normal[to] = normal[from];
-    pairs.cut_offset[i][to] = pairs.cut_offset[i][from];
+// Calls f with every row of numbers that is handed to the kernel.
+template <class T, class F>
+void for_rows(RoundTerms<T>& pairs, F&& f) {
+  for (auto* vector : {pairs.axis, pairs.a, pairs.b, pairs.c, pairs.cut_normal[0], pairs.cut_normal[1]}) {
+    for (std::size_t axis = 0; axis < 3; ++axis) f(vector[axis]);
+  }
+  for (T* row : {pairs.length, pairs.radius1, pairs.radius2, pairs.sine, pairs.cosine, pairs.cut_offset[0],
+                 pairs.cut_offset[1]}) {
+    f(row);
   }
 }
 
 // Kernels compute whole registers: the last ones are filled with copies of a pair.
 template <class T>
 void pad(RoundTerms<T>& pairs) {
-  for (std::size_t k = pairs.count; k % 16 != 0; ++k) {
-    for (auto* corner : {pairs.a, pairs.b, pairs.c}) {
-      for (std::size_t axis = 0; axis < 3; ++axis) corner[axis][k] = corner[axis][0];
-    }
-    move_cuts(0, k, pairs);
-  }
+  for_rows(pairs, [&](T* row) {
+    for (std::size_t k = pairs.count; k % 16 != 0; ++k) row[k] = row[0];
+  });
 }
 
-void copy_to_single(const RoundTerms<double>& pairs, RoundTerms<float>& single) {
-  const auto number = [](double value) { return static_cast<float>(value); };
+void copy_to_single(RoundTerms<double>& pairs, RoundTerms<float>& single) {
   single.count = pairs.count;
-  single.length = number(pairs.length);
-  single.radius1 = number(pairs.radius1);
-  single.radius2 = number(pairs.radius2);
-  single.sine = number(pairs.sine);
-  single.cosine = number(pairs.cosine);
-  single.tolerance = number(pairs.tolerance);
+  single.sphere = pairs.sphere;
+  single.cone = pairs.cone;
+  single.tolerance = static_cast<float>(pairs.tolerance);
   single.cut_count = pairs.cut_count;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    single.axis[axis] = number(pairs.axis[axis]);
-    for (std::size_t k = 0; k < pairs.count; ++k) {
-      single.a[axis][k] = number(pairs.a[axis][k]);
-      single.b[axis][k] = number(pairs.b[axis][k]);
-      single.c[axis][k] = number(pairs.c[axis][k]);
-    }
-  }
-  for (int i = 0; i < pairs.cut_count; ++i) {
-    for (std::size_t k = 0; k < pairs.count; ++k) {
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        single.cut_normal[i][axis][k] = number(pairs.cut_normal[i][axis][k]);
-      single.cut_offset[i][k] = number(pairs.cut_offset[i][k]);
-    }
-  }
+  std::array<double*, 25> from;
+  std::size_t rows = 0, next = 0;
+  for_rows(pairs, [&](double* row) { from[rows++] = row; });
+  for_rows(single, [&](float* row) {
+    for (std::size_t k = 0; k < pairs.count; ++k) row[k] = static_cast<float>(from[next][k]);
+    ++next;
+  });
 }
 
 // Writes the contacts that single precision is good for and leaves the other pairs.
@@ -75,18 +65,22 @@ std::size_t finish_single(RoundBatch& batch) {
   copy_to_single(pairs, single);
   pad(single);
   batch.kernels.round_contacts_single(single);
+  std::array<std::size_t, RoundTerms<double>::kCapacity> unsure;
   std::size_t left = 0, slivers = 0;
   for (std::size_t k = 0; k < pairs.count; ++k) {
     if (single.status[k] == static_cast<float>(kUnsure)) {
-      for (auto* corner : {pairs.a, pairs.b, pairs.c}) {
-        for (std::size_t axis = 0; axis < 3; ++axis) corner[axis][left] = corner[axis][k];
-      }
-      move_cuts(k, left, pairs);
-      batch.contact[left++] = batch.contact[k];
+      unsure[left++] = k;
       continue;
     }
-    write_contact(single, batch.origin, k, *batch.contact[k]);
+    write_contact(single, batch.origin[k], k, *batch.contact[k]);
     if (single.status[k] == static_cast<float>(kSlivers)) batch.slivers[slivers++] = batch.contact[k];
+  }
+  for_rows(pairs, [&](double* row) {
+    for (std::size_t k = 0; k < left; ++k) row[k] = row[unsure[k]];
+  });
+  for (std::size_t k = 0; k < left; ++k) {
+    batch.contact[k] = batch.contact[unsure[k]];
+    batch.origin[k] = batch.origin[unsure[k]];
   }
   pairs.count = left;
   return slivers;
@@ -116,31 +110,30 @@ RoundHull round_hull(const Primitive& primitive) {
   return {end1, axis, length, radius1, radius2, sine, std::sqrt((1 - sine) * (1 + sine))};
 }
 
-void begin_batch(const Primitive& primitive, double tolerance, RoundBatch& batch) {
-  const RoundHull hull = round_hull(primitive);
+void add_to_batch(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c, std::span<const HalfSpace> cuts,
+                  Contact& contact, RoundBatch& batch) {
   RoundTerms<double>& pairs = batch.pairs;
-  batch.origin = hull.origin;
-  pairs.count = 0;
-  put_vector(hull.axis, pairs.axis);
-  pairs.length = hull.length;
-  pairs.radius1 = hull.radius1;
-  pairs.radius2 = hull.radius2;
-  pairs.sine = hull.sine;
-  pairs.cosine = hull.cosine;
-  pairs.tolerance = tolerance;
-  pairs.cut_count = primitive.cut_count;
-}
-
-void add_to_batch(Vec3 a, Vec3 b, Vec3 c, const std::array<HalfSpace, 2>& cut, Contact& contact,
-                  RoundBatch& batch) {
-  const std::size_t k = batch.pairs.count++;
-  put_vector(a - batch.origin, k, batch.pairs.a);
-  put_vector(b - batch.origin, k, batch.pairs.b);
-  put_vector(c - batch.origin, k, batch.pairs.c);
-  for (int i = 0; i < batch.pairs.cut_count; ++i) {
-    const HalfSpace& space = cut[static_cast<std::size_t>(i)];
-    put_vector(space.normal, k, batch.pairs.cut_normal[i]);
-    batch.pairs.cut_offset[i][k] = dot(space.normal, space.point - batch.origin) + space.offset;
+  if (pairs.count == 0) {
+    pairs.sphere = hull.is_sphere();
+    pairs.cone = hull.is_cone();
+    pairs.cut_count = 0;
+  }
+  const std::size_t k = pairs.count++;
+  batch.origin[k] = hull.origin;
+  put_vector(hull.axis, k, pairs.axis);
+  pairs.length[k] = hull.length;
+  pairs.radius1[k] = hull.radius1;
+  pairs.radius2[k] = hull.radius2;
+  pairs.sine[k] = hull.sine;
+  pairs.cosine[k] = hull.cosine;
+  put_vector(a - hull.origin, k, pairs.a);
+  put_vector(b - hull.origin, k, pairs.b);
+  put_vector(c - hull.origin, k, pairs.c);
+  pairs.cut_count = std::max(pairs.cut_count, static_cast<int>(cuts.size()));
+  for (std::size_t i = 0; i < 2; ++i) {
+    const HalfSpace space = i < cuts.size() ? cuts[i] : HalfSpace{};
+    put_vector(space.normal, k, pairs.cut_normal[i]);
+    pairs.cut_offset[i][k] = dot(space.normal, space.point - hull.origin) + space.offset;
   }
   batch.contact[k] = &contact;
 }
@@ -157,7 +150,7 @@ RoundRest finish_batch(RoundBatch& batch) {
     contact.area = 0;
     if (status == kUnsure) batch.contact[unsure++] = &contact;
     if (status != kContact && status != kSlivers) continue;
-    write_contact(pairs, batch.origin, k, contact);
+    write_contact(pairs, batch.origin[k], k, contact);
     if (status == kSlivers) batch.slivers[slivers++] = &contact;
   }
   pairs.count = 0;

@@ -1,4 +1,4 @@
-// Pairs of one round primitive with triangles, gathered for the SIMD kernel (round_contacts.h).
+// Pairs of round primitives with triangles, gathered for the SIMD kernel (round_contacts.h).
 #pragma once
 
 #include <array>
@@ -10,16 +10,6 @@
 
 namespace lumbrical {
 
-/// Working memory of one thread.
-struct RoundBatch {
-  explicit RoundBatch(const FieldKernels& table) : kernels(table) {}
-  const FieldKernels& kernels;
-  Vec3 origin;  ///< [m] W, the primitive's larger end
-  RoundTerms<double> pairs;
-  RoundTerms<float> single;
-  std::array<Contact*, RoundTerms<double>::kCapacity> contact, slivers;  ///< of each pair
-};
-
 /// A round primitive from its larger end. Where the smaller sphere lies inside the larger nothing else is
 /// left: length 0.
 struct RoundHull {
@@ -27,21 +17,35 @@ struct RoundHull {
   Vec3 axis;                        ///< unit, to the smaller end
   double length, radius1, radius2;  ///< [m]
   double sine, cosine;              ///< of the cone's half angle
+  [[nodiscard]] bool is_sphere() const { return length == 0; }
+  [[nodiscard]] bool is_cone() const { return sine != 0; }
 };
 RoundHull round_hull(const Primitive& primitive);
 
 /// Is the primitive one the kernel knows?
 bool suits_batch(const Primitive& primitive);
 
-/// Empties the batch for pairs of `primitive`. `tolerance` is Settings::tolerance.
-void begin_batch(const Primitive& primitive, double tolerance, RoundBatch& batch);
+/// Working memory of one thread. `tolerance` is Settings::tolerance.
+struct RoundBatch {
+  RoundBatch(const FieldKernels& table, double tolerance) : kernels(table) { pairs.tolerance = tolerance; }
+  const FieldKernels& kernels;
+  RoundTerms<double> pairs;
+  RoundTerms<float> single;
+  std::array<Vec3, RoundTerms<double>::kCapacity> origin;                ///< [m] W, of each pair's hull
+  std::array<Contact*, RoundTerms<double>::kCapacity> contact, slivers;  ///< of each pair
+};
 
-inline bool is_full(const RoundBatch& batch) { return batch.pairs.count == RoundTerms<double>::kCapacity; }
+/// Is there room for another pair with this hull? All of a batch are spheres, or capsules, or cones.
+inline bool has_room(const RoundBatch& batch, const RoundHull& hull) {
+  const RoundTerms<double>& pairs = batch.pairs;
+  return pairs.count == 0 || (pairs.count < RoundTerms<double>::kCapacity &&
+                              pairs.sphere == hull.is_sphere() && pairs.cone == hull.is_cone());
+}
 
 /// Adds the pair with triangle a, b, c [m, W], whose contact is to be written when the batch is computed.
-/// `cut` has the primitive's cuts or as many others in their place; a normal of 0 cuts nothing.
-void add_to_batch(Vec3 a, Vec3 b, Vec3 c, const std::array<HalfSpace, 2>& cut, Contact& contact,
-                  RoundBatch& batch);
+/// `cuts` are the primitive's, or others in their place, up to two; a normal of 0 cuts nothing.
+void add_to_batch(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c, std::span<const HalfSpace> cuts,
+                  Contact& contact, RoundBatch& batch);
 
 /// Pairs the kernel leaves something of to do.
 struct RoundRest {

@@ -180,13 +180,13 @@ void put_contact(const RoundPlane<V>& plane, const Moments<V>& sum, V depth, V e
 template <class V>
 void round_contacts(RoundTerms<NumberOf<V>>& terms) {
   const V zero = number<V>(0), one = number<V>(1), unsure = number<V>(kUnsure);
-  const RoundPart<V> part = part_of<V>(terms);
-  const V r = part.radius1, allowed = V(terms.tolerance) * r;
-  const V exactness = number<V>(single<V>() ? kDiscErrorSingle : kDiscError) * (r * r * r);
   for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
+    const RoundPart<V> part = part_of<V>(terms, i);
+    const V r = part.radius1, allowed = V(terms.tolerance) * r;
+    const V exactness = number<V>(single<V>() ? kDiscErrorSingle : kDiscError) * (r * r * r);
     const Wide3<V> corner[3] = {vector_at<V>(terms.a, i), vector_at<V>(terms.b, i), vector_at<V>(terms.c, i)};
     RoundPlane<V> plane;
-    const auto fine = look(part, terms.axis, corner[0], corner[1], corner[2], plane);
+    const auto fine = look(part, corner[0], corner[1], corner[2], plane);
     Polygon<V> polygon;
     set_polygon(terms, part, plane, corner, i, polygon);
     const Corners<V> all = corners_of(part, plane, polygon);

@@ -6,24 +6,28 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-// The primitive, the same in all lanes.
+// The primitives.
 template <class V>
 struct RoundPart {
+  Wide3<V> axis;
   V length, radius1, radius2, sine, cosine, per_cosine, tangent;
-  bool sphere, cone;
+  bool sphere, cone;  // the same in all lanes
 };
 
 template <class V>
-inline RoundPart<V> part_of(const RoundTerms<NumberOf<V>>& terms) {
-  return {V(terms.length),
-          V(terms.radius1),
-          V(terms.radius2),
-          V(terms.sine),
-          V(terms.cosine),
-          V(1 / terms.cosine),
-          V(terms.sine / terms.cosine),
-          terms.length == 0,
-          terms.sine != 0};
+inline RoundPart<V> part_of(const RoundTerms<NumberOf<V>>& terms, std::size_t i) {
+  RoundPart<V> part;
+  part.axis = vector_at<V>(terms.axis, i);
+  part.length = get(terms.length + i, V{});
+  part.radius1 = get(terms.radius1 + i, V{});
+  part.radius2 = get(terms.radius2 + i, V{});
+  part.sine = get(terms.sine + i, V{});
+  part.cosine = get(terms.cosine + i, V{});
+  part.per_cosine = quotient(number<V>(1), part.cosine);
+  part.tangent = quotient(part.sine, part.cosine);
+  part.sphere = terms.sphere;
+  part.cone = terms.cone;
+  return part;
 }
 
 template <class V>
@@ -48,11 +52,10 @@ inline V beyond() {
 
 // False where the triangle has no normal to speak of.
 template <class V>
-inline auto look(const RoundPart<V>& part, const NumberOf<V> (&along)[3], Wide3<V> a, Wide3<V> b, Wide3<V> c,
-                 RoundPlane<V>& plane) {
+inline auto look(const RoundPart<V>& part, Wide3<V> a, Wide3<V> b, Wide3<V> c, RoundPlane<V>& plane) {
   constexpr bool precise = sizeof(NumberOf<V>) == 8;
   const V one = number<V>(1), zero = number<V>(0);
-  const Wide3<V> ab = b - a, ac = c - a, bc = c - b, axis{V(along[0]), V(along[1]), V(along[2])};
+  const Wide3<V> ab = b - a, ac = c - a, bc = c - b;
   const Wide3<V> raw = cross(ab, ac);
   const V twice = root(dot(raw, raw));
   const V longest = greater(dot(ab, ab), greater(dot(ac, ac), dot(bc, bc)));
@@ -65,11 +68,11 @@ inline auto look(const RoundPart<V>& part, const NumberOf<V> (&along)[3], Wide3<
   plane.s = zero;
   plane.c = one;
   if (!part.sphere) {
-    const Wide3<V> side = cross(plane.n, axis);
+    const Wide3<V> side = cross(plane.n, part.axis);
     const V s = root(dot(side, side));
     const auto slanted = s > rounding<V>();
     plane.s = choose(slanted, s, zero);
-    plane.c = dot(plane.n, axis);
+    plane.c = dot(plane.n, part.axis);
     across = choose(slanted, side, across);
   }
   // Rounding tilts a short vector out of the plane; one projection puts it back.

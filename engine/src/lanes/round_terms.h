@@ -1,4 +1,4 @@
-// Pairs of one round primitive with many triangles under the field law: what the narrowphase hands to the
+// Pairs of round primitives of one kind with triangles under the field law: what the narrowphase hands to the
 // SIMD kernel and what it gets back. Structure of arrays; a pair is a lane.
 #pragma once
 
@@ -15,13 +15,16 @@ struct RoundTerms {
   static constexpr std::size_t kCapacity = 64;
   std::size_t count = 0;
 
-  // The primitive. The first end is the larger one; a sphere has length 0.
-  T axis[3] = {0, 0, 1};       ///< W, unit, from the first end to the second
-  T length = 0;                ///< [m] between the ends
-  T radius1 = 0, radius2 = 0;  ///< [m] radius1 >= radius2
-  T sine = 0, cosine = 1;      ///< of the cone's half angle
-  int cut_count = 0;           ///< half-spaces that bound it besides
-  T tolerance = 0;             ///< Settings::tolerance
+  // Of all pairs.
+  bool sphere = false, cone = false;  ///< the primitives' kind; neither: capsules
+  int cut_count = 0;                  ///< half-spaces that bound them besides, at most
+  T tolerance = 0;                    ///< Settings::tolerance
+
+  // The primitive of each pair. The first end is the larger one; a sphere has length 0.
+  alignas(64) T axis[3][kCapacity];                      ///< W, unit, from the first end to the second
+  alignas(64) T length[kCapacity];                       ///< [m] between the ends
+  alignas(64) T radius1[kCapacity], radius2[kCapacity];  ///< [m] radius1 >= radius2
+  alignas(64) T sine[kCapacity], cosine[kCapacity];      ///< of the cone's half angle
 
   alignas(64) T a[3][kCapacity], b[3][kCapacity],
       c[3][kCapacity];  ///< [m] W, corners relative to the first end

@@ -116,13 +116,14 @@ struct PairWork {
   const Model& model;
   const Primitives& hand;
   const FieldKernels& kernels;
-  RoundBatch batch{kernels};
+  RoundBatch batch;
+  RoundHull hull{};
   PrismBatch palm{hand.palm, kernels};
   ClusterBatch clusters{model.clusters, kernels};
   LeafQuery leaf{};
   std::uint32_t clusters_of = Primitives::kMaxCount;  // the primitive whose clusters are being gathered
   std::uint32_t leaf_of = Primitives::kMaxCount;      // the primitive the leaf query is of
-  std::uint32_t open = Primitives::kMaxCount;         // the primitive whose batch is being filled
+  std::uint32_t hull_of = Primitives::kMaxCount;      // the primitive the hull is of
   // Pairs of the batch with cuts of their own.
   struct Shared {
     Contact* contact;
@@ -131,7 +132,8 @@ struct PairWork {
   std::size_t shared_count = 0;
   std::array<Shared, RoundTerms<double>::kCapacity> shared;
   Boundary boundary;
-  PairWork(const Model& m, const Primitives& h, const FieldKernels& k) : model(m), hand(h), kernels(k) {}
+  PairWork(const Model& m, const Primitives& h, const FieldKernels& k)
+      : model(m), hand(h), kernels(k), batch(k, m.settings.tolerance) {}
 };
 
 // What the lanes left of a cone's contact, with the cuts the lanes had; false where it is for the general
@@ -216,11 +218,12 @@ void take_pair(Contact& contact, PairWork& work) {
     collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
     return;
   }
-  if (contact.primitive != work.open || is_full(work.batch)) finish(work);
-  if (contact.primitive != work.open) begin_batch(primitive, work.model.settings.tolerance, work.batch);
-  work.open = contact.primitive;
+  if (contact.primitive != work.hull_of) work.hull = round_hull(primitive);
+  work.hull_of = contact.primitive;
+  if (!has_room(work.batch, work.hull)) finish(work);
   const bool planes = cut.kind == BorderCut::planes;
-  add_to_batch(a, b, c, planes ? primitive.cut : cut.cut, contact, work.batch);
+  add_to_batch(work.hull, a, b, c, std::span(planes ? primitive.cut : cut.cut).first(primitive.cut_count),
+               contact, work.batch);
   if (!planes) work.shared[work.shared_count++] = {&contact, cut};
 }
 
@@ -229,9 +232,9 @@ void take_pair(Contact& contact, PairWork& work) {
 bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3 b, Vec3 c,
              Boundary& boundary, Contact& contact) {
   if (suits_batch(primitive) && query.law == Law::field) {
-    RoundBatch batch(query.kernels);
-    begin_batch(primitive, query.tolerance, batch);
-    add_to_batch(a, b, c, primitive.cut, contact, batch);
+    RoundBatch batch(query.kernels, query.tolerance);
+    add_to_batch(round_hull(primitive), a, b, c, std::span(primitive.cut).first(primitive.cut_count), contact,
+                 batch);
     const RoundRest rest = finish_batch(batch);
     const bool whole = rest.slivers.empty() || finish_slivers(query.kernels, primitive, {a, b, c}, contact);
     if (rest.unsure.empty() && whole) return contact.area > 0;
