@@ -162,8 +162,7 @@ bool is_in_reach(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
 
 bool may_meet_folded(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
   const std::size_t i = tile.segment, place = i % 3;
-  return place != 1 && hand.folded[i / 3] &&
-         reaches(hand.capsule[place == 0 ? i + 2 : i - 2], a, b, c);
+  return place != 1 && hand.folded[i / 3] && reaches(hand.capsule[place == 0 ? i + 2 : i - 2], a, b, c);
 }
 
 namespace {
