@@ -47,7 +47,7 @@ TEST(Precision, EveryRungStaysWithinTheBoundItStates) {
     if (!collide(pair.primitive, {}, pair.a, pair.b, pair.c, boundary, exact)) continue;
     const double r = pair.primitive.radius1;
     EXPECT_LE(exact.error, kBoundaryError * r * r * r);
-    for (const double tolerance : {1e-9, 1e-6, 1e-4, 1e-2}) {
+    for (const double tolerance : {1e-11, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2}) {
       ContactQuery query;
       query.tolerance = tolerance;
       Contact contact;

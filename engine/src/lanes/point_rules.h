@@ -134,6 +134,12 @@ MeanField<V> mean_field(const FieldAbout<V>& about, const Wide2<V> (&off)[3], co
   return {mean, {corner[0], corner[1], corner[2]}};
 }
 
+// What rounding leaves in a volume by points: ulps of R in the corners, that is in the area.
+template <class V>
+V rounded_off(V radius, V size) {
+  return rounding<V>() * (radius * (radius * size));
+}
+
 // Chooses the cheapest rule of a triangle whose reach from its centroid, in the stretched coordinates, is
 // given; its error, over the area, or beyond anything.
 template <class V, class M>
@@ -141,7 +147,7 @@ V choose_rules(M wanted, V reach, V distance, V allowed, RuleChoice<V>& rules) {
   const auto near = both(wanted, reach < number<V>(0.9) * distance);
   const V left = distance - reach, per = one_over(choose(near, distance * left, distance));
   const V ratio = reach * (left * per), cube = ratio * ratio * ratio;
-  V power = ratio * (distance * (distance * (distance * per)));  // times distance / (1 - ratio)
+  V power = reach * (distance * (distance * per));  // ratio times distance / (1 - ratio)
   V error = beyond<V>();
   auto open = near;
   int exponent = 1;
@@ -171,7 +177,7 @@ PointSum<V> by_centroid(const FieldAbout<V>& about, Wide2<V> centroid, V square,
   return sum;
 }
 
-// `triangle`: nothing was cut away. `allowed` [m] is the tolerance times R.
+// `triangle`: wholly inside, and nothing was cut away. `allowed` [m] is the tolerance times R.
 template <class V, class M>
 PointSum<V> by_points(const RoundPart<V>& part, const RoundPlane<V>& plane, const Polygon<V>& polygon,
                       Wide2<V> centroid, M triangle, V allowed) {

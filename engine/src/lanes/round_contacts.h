@@ -143,8 +143,8 @@ PointSum<V> whole_by_points(const RoundPart<V>& part, const RoundPlane<V>& plane
   V cut = zero;
   for (std::size_t k = 3; k < polygon.count; ++k) cut = choose(has_length(polygon.edge[k]), one, cut);
   const V per_area = one_over(all.area);
-  return by_points(part, plane, polygon, Wide2<V>{all.area_x * per_area, all.area_y * per_area}, cut == zero,
-                   limit);
+  return by_points(part, plane, polygon, Wide2<V>{all.area_x * per_area, all.area_y * per_area},
+                   both(whole, cut == zero), limit);
 }
 
 // Of edges wholly inside everything counts.
@@ -215,7 +215,7 @@ void round_contacts(RoundTerms<NumberOf<V>>& terms) {
     sum.volume_y = choose(pointwise, points.volume_y * all.area, sum.volume_y);
 
     const V least = choose(whole, zero, number<V>(kLeastArea) * (r * lesser(r, all.size)));
-    const V error = choose(pointwise, points.error * all.area, exactness);
+    const V error = choose(pointwise, points.error * all.area + rounded_off(r, all.size), exactness);
     const auto had = both(closed, lost == zero), contact = both(either(pointwise, had), sum.area > least);
     const V depth = largest_depth(part, plane, side, polygon, directions, inside, contact);
     V status = choose(open, unsure, zero);

@@ -1,6 +1,7 @@
 // Symmetric quadrature over a triangle, weights positive and nodes inside: the three midpoints, Radon's seven
-// points, and rules of higher degree found by Levenberg-Marquardt on the moment equations of the symmetric
-// polynomials and carried to forty digits by Newton's method.
+// points, and rules of higher degree: roots of the moment equations of symmetric polynomials, found by
+// Levenberg-Marquardt from random nodes (degree 17: from more nodes, leaving out one orbit after another) and
+// carried to forty digits by Newton's method.
 #pragma once
 
 #include <cstddef>
@@ -21,11 +22,11 @@ struct TriangleRule {
   int degree;     ///< polynomials up to which are integrated exactly
   double centre;  ///< weight of the centroid
   std::size_t corner_count, pair_count;
-  CornerOrbit corner[10];
-  PairOrbit pair[8];
+  CornerOrbit corner[6];
+  PairOrbit pair[7];
 };
 
-// In ascending order of degree and of price: 3, 7, 16, 28, 42 and 79 points.
+// In ascending order of degree and of price: 3, 7, 16, 28, 42 and 60 points.
 inline constexpr TriangleRule kTriangleRules[] = {
     {2, 0, 1, 0, {{-0.5, 1.0 / 3}}, {}},
     // (1 +- sqrt 15) / 7, (155 -+ sqrt 15) / 1200.
@@ -68,6 +69,23 @@ inline constexpr TriangleRule kTriangleRules[] = {
       {0.598341866953640904214, -0.115141930417707639340, 0.0246657532125636739629},
       {0.388607285671830084388, -0.283725932080603343300, 0.0144363081135338404961},
       {0.233360831050338171754, -0.243945210439373176986, 0.0385715107870606832285}}},
+    {17,
+     0,
+     6,
+     7,
+     {{0.950996692245276034268, 0.00346441567554308331662},
+      {0.466422016043922740042, 0.0235662818220924827802},
+      {0.142928333708323692633, 0.0375462619617752716435},
+      {-0.249433855302585574068, 0.0283945664080620344886},
+      {-0.392414125495505883521, 0.0244943923704799058751},
+      {-0.478321184978613752256, 0.0114802064940499490882}},
+     {{0.821289008104011081391, -0.0718960438631693042287, 0.00545614175799960741259},
+      {0.778188397283026902801, -0.0281802419377196016797, 0.00742467081463426001057},
+      {0.594298272988116126584, -0.180048867437833018092, 0.0100678479139924738602},
+      {0.577793608336996105561, -0.0924245718532302919371, 0.0203797233483451470305},
+      {0.313140742149219058014, -0.246286311359337645441, 0.0222685628427216846412},
+      {0.310424103417441379789, -0.326955161584860874925, 0.00935531563916946207864},
+      {0.256869495789900874360, -0.135558636129069787076, 0.0272413419838026680369}}},
 };
 inline constexpr std::size_t kTriangleRuleCount = sizeof kTriangleRules / sizeof kTriangleRules[0];
 
