@@ -147,15 +147,11 @@ V choose_rules(M wanted, V reach, V distance, V allowed, RuleChoice<V>& rules) {
   const auto near = both(wanted, reach < number<V>(0.9) * distance);
   const V left = distance - reach, per = one_over(choose(near, distance * left, distance));
   const V ratio = reach * (left * per), cube = ratio * ratio * ratio;
-  V power = reach * (distance * (distance * per));  // ratio times distance / (1 - ratio)
-  V error = beyond<V>();
+  V error = beyond<V>(), rest = distance * (distance * (distance * per));  // distance / (1 - ratio)
   auto open = near;
-  int exponent = 1;
   for (std::size_t k = 0; k < kTriangleRuleCount; ++k) {
-    const int degree = kTriangleRules[k].degree;
-    for (; exponent + 3 <= degree + 1; exponent += 3) power = power * cube;
-    for (; exponent < degree + 1; ++exponent) power = power * ratio;
-    const V bound = number<V>(remainder_of(degree)) * power;
+    rest = rest * cube;
+    const V bound = number<V>(kRemainders[k]) * rest;
     rules.takes[k] = both(open, bound <= allowed);
     open = both(open, bound > allowed);
     error = choose(rules.takes[k], bound, error);

@@ -4,6 +4,7 @@
 // carried to forty digits by Newton's method.
 #pragma once
 
+#include <array>
 #include <cstddef>
 
 namespace lumbrical {
@@ -89,13 +90,24 @@ inline constexpr TriangleRule kTriangleRules[] = {
 };
 inline constexpr std::size_t kTriangleRuleCount = sizeof kTriangleRules / sizeof kTriangleRules[0];
 
-/// What a rule is off over a triangle by at most, in units of area times d t^(degree + 1) / (1 - t): see
-/// pressure_rules.h.
+/// What a rule of that degree is off over a triangle by at most, in units of area times d t^(degree + 1) / (1
+/// - t): see pressure_rules.h.
 constexpr double remainder_of(int degree) {
   const int n = degree + 1;
   double middle = 1;  // |P_k(0)| of Legendre's polynomial, k the even one of n and n - 1
   for (int i = 1; i <= n / 2; ++i) middle *= (2 * i - 1) / (2.0 * i);
   return 2 * middle / (n - 1);
 }
+inline constexpr std::array<double, kTriangleRuleCount> kRemainders = [] {
+  std::array<double, kTriangleRuleCount> remainders{};
+  for (std::size_t k = 0; k < kTriangleRuleCount; ++k) remainders[k] = remainder_of(kTriangleRules[k].degree);
+  return remainders;
+}();
+// So that the power in the bound grows by t^3 from rule to rule.
+static_assert([] {
+  for (std::size_t k = 0; k < kTriangleRuleCount; ++k)
+    if (kTriangleRules[k].degree + 1 != 3 * (static_cast<int>(k) + 1)) return false;
+  return true;
+}());
 
 }  // namespace lumbrical
