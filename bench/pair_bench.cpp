@@ -97,7 +97,9 @@ struct SizeClass {
   double size;
   bool inside;
 };
-constexpr SizeClass kSizes[] = {{"inside_0.03R", 0.03 * kRadius, true},
+constexpr SizeClass kSizes[] = {{"inside_0.01R", 0.01 * kRadius, true},
+                                {"inside_0.03R", 0.03 * kRadius, true},
+                                {"inside_0.1R", 0.1 * kRadius, true},
                                 {"edge_0.1R", 0.1 * kRadius, false},
                                 {"edge_1R", kRadius, false},
                                 {"edge_10R", 10 * kRadius, false}};

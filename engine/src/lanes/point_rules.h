@@ -1,11 +1,17 @@
-// The ladder of precision in lanes: the field over a region wholly inside by one, three or seven points.
-// Bounds and rules are those of pressure_rules.h.
+// The ladder of precision in lanes: the field over a region wholly inside by the value at its centroid, over
+// a whole triangle by the rules of triangle_rules.h. Bounds are those of pressure_rules.h.
+//
+// Lanes of one register may need different rules. They go through the nodes together, each with the nodes of
+// its own rule, until the longest is done: the others' further nodes have no weight.
 #pragma once
 
-#include "lanes/disc_integrals.h"
+#include "lanes/round_polygon.h"
 #include "lanes/triangle_rules.h"
 
 namespace lumbrical::LUMBRICAL_ISA {
+
+// Mean depths this near, in units of R, are as good as those of the closed forms.
+inline constexpr double kPointwise = 1e-13;
 
 template <class V>
 struct PointSum {
@@ -13,60 +19,198 @@ struct PointSum {
   V error;                       // of the volume over the area; large where no rule is good enough
 };
 
-template <class V, std::size_t N>
-inline void by_rule(const RoundPart<V>& part, const RoundPlane<V>& plane, const Polygon<V>& polygon,
-                    const Barycentric (&rule)[N], PointSum<V>& sum) {
-  const V zero = number<V>(0);
-  sum.volume = sum.volume_x = sum.volume_y = zero;
-  for (const Barycentric& node : rule) {
-    const Wide2<V> p = number<V>(node.a) * polygon.edge[0].p + number<V>(node.b) * polygon.edge[1].p +
-                       number<V>(node.c) * polygon.edge[2].p;
-    const V share = number<V>(node.weight) * field_at(part, plane, p).phi;
-    sum.volume = sum.volume + share;
-    sum.volume_x = sum.volume_x + share * p.x;
-    sum.volume_y = sum.volume_y + share * p.y;
+// The field about a point where its formula is everywhere the one at the point:
+//   phi = level + slope (x - point's x) - root(e^2 + y^2 + height2),
+// e and y the plane's coordinates from the foot of the axis, times the stretch.
+template <class V>
+struct FieldAbout {
+  V level, slope, height2;
+  Wide2<V> stretch, foot;  // foot: (e, y) of the point
+  V distance, margin;      // the root at the point; how far in space it is to where the formula changes
+};
+
+template <class V>
+FieldAbout<V> field_about(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2<V> p) {
+  const V zero = number<V>(0), one = number<V>(1), r = part.radius1;
+  FieldAbout<V> about{r, zero, plane.h1 * plane.h1, {one, one}, p, zero, beyond<V>()};
+  if (part.sphere) {
+    about.distance = root(dot(p, p) + about.height2);
+    return about;
   }
+  const V e = plane.c * p.x + plane.s * plane.h1, q = plane.s * p.x - plane.c * plane.h1;
+  const V rho = root(e * e + p.y * p.y);
+  const V past1 = part.cosine * q - part.sine * rho, past2 = past1 - part.cosine * part.length;
+  about.margin = lesser(magnitude(past1), magnitude(past2));
+  about.level = r - part.sine * q;
+  about.slope = zero - part.sine * plane.s;
+  about.height2 = zero;
+  about.stretch = {part.cosine * plane.c, part.cosine};
+  about.foot = {part.cosine * e, part.cosine * p.y};
+  about.distance = part.cosine * rho;
+  const auto first = past1 < zero, second = past2 >= zero, end = either(first, second);
+  if (!some(end)) return about;
+  const V x = p.x - choose(first, zero, plane.x2), h = choose(first, plane.h1, plane.h2);
+  about.level = choose(first, r, choose(second, part.radius2, about.level));
+  about.slope = choose(end, zero, about.slope);
+  about.height2 = choose(end, h * h, zero);
+  about.stretch = choose(end, Wide2<V>{one, one}, about.stretch);
+  about.foot = choose(end, Wide2<V>{x, p.y}, about.foot);
+  about.distance = choose(end, root(x * x + p.y * p.y + h * h), about.distance);
+  return about;
 }
 
-// `triangle`: nothing was cut away. `allowed` [m] is the tolerance times R.
+// Which rule each lane takes, if any.
+template <class V>
+struct RuleChoice {
+  using Mask = decltype(V() < V());
+  Mask takes[kTriangleRuleCount];
+  std::size_t taken[kTriangleRuleCount], taken_count = 0;  // rules that any lane takes
+  V pick(double TriangleRule::*value) const {
+    V picked = number<V>(0);
+    for (std::size_t k = 0; k < taken_count; ++k)
+      picked = choose(takes[taken[k]], number<V>(kTriangleRules[taken[k]].*value), picked);
+    return picked;
+  }
+  template <class Orbit, std::size_t N>
+  V pick(Orbit (TriangleRule::*orbits)[N], std::size_t i, double Orbit::*value) const {
+    V picked = number<V>(0);
+    for (std::size_t k = 0; k < taken_count; ++k)
+      picked = choose(takes[taken[k]], number<V>((kTriangleRules[taken[k]].*orbits)[i].*value), picked);
+    return picked;
+  }
+  std::size_t most(std::size_t TriangleRule::*count) const {
+    std::size_t largest = 0;
+    for (std::size_t k = 0; k < taken_count; ++k) {
+      const std::size_t own = kTriangleRules[taken[k]].*count;
+      if (own > largest) largest = own;
+    }
+    return largest;
+  }
+};
+
+// Means over a triangle: of the field without its slope, and of that times what each corner has in the way
+// from the centroid.
+template <class V>
+struct MeanField {
+  V mean, corner[3];
+};
+
+// `off`: the corners from the centroid in the stretched coordinates.
+template <class V>
+MeanField<V> mean_field(const FieldAbout<V>& about, const Wide2<V> (&off)[3], const RuleChoice<V>& rules) {
+  const V zero = number<V>(0);
+  const V centre = rules.pick(&TriangleRule::centre) * (about.level - about.distance);
+  V mean = zero + centre, corner[3] = {zero, zero, zero};
+  const auto field = [&](Wide2<V> way) {
+    const Wide2<V> p = about.foot + way;
+    return about.level - root(dot(p, p) + about.height2);
+  };
+  const std::size_t corner_count = rules.most(&TriangleRule::corner_count);
+  for (std::size_t orbit = 0; orbit < corner_count; ++orbit) {
+    const V at = rules.pick(&TriangleRule::corner, orbit, &CornerOrbit::at);
+    const V weight = rules.pick(&TriangleRule::corner, orbit, &CornerOrbit::weight), way = weight * at;
+    const V phi0 = field(at * off[0]), phi1 = field(at * off[1]), phi2 = field(at * off[2]);
+    mean = mean + weight * (phi0 + phi1 + phi2);
+    corner[0] = corner[0] + way * phi0;
+    corner[1] = corner[1] + way * phi1;
+    corner[2] = corner[2] + way * phi2;
+  }
+  const std::size_t pair_count = rules.most(&TriangleRule::pair_count);
+  for (std::size_t orbit = 0; orbit < pair_count; ++orbit) {
+    const V first = rules.pick(&TriangleRule::pair, orbit, &PairOrbit::first);
+    const V second = rules.pick(&TriangleRule::pair, orbit, &PairOrbit::second);
+    const V weight = rules.pick(&TriangleRule::pair, orbit, &PairOrbit::weight);
+    const Wide2<V> near[3] = {first * off[0], first * off[1], first * off[2]};
+    const Wide2<V> far[3] = {second * off[0], second * off[1], second * off[2]};
+    const V phi01 = field(near[0] + far[1]), phi12 = field(near[1] + far[2]), phi20 = field(near[2] + far[0]);
+    const V phi10 = field(near[1] + far[0]), phi21 = field(near[2] + far[1]), phi02 = field(near[0] + far[2]);
+    const V sum0 = phi01 + phi02, sum1 = phi12 + phi10, sum2 = phi20 + phi21;
+    mean = mean + weight * (sum0 + sum1 + sum2);
+    const V one = weight * first, other = weight * second;
+    corner[0] = corner[0] + (one * sum0 + other * (phi10 + phi20));
+    corner[1] = corner[1] + (one * sum1 + other * (phi01 + phi21));
+    corner[2] = corner[2] + (one * sum2 + other * (phi02 + phi12));
+  }
+  return {mean, {corner[0], corner[1], corner[2]}};
+}
+
+// What rounding leaves in a volume by points: ulps of R in the corners, that is in the area.
+template <class V>
+V rounded_off(V radius, V size) {
+  return rounding<V>() * (radius * (radius * size));
+}
+
+// Chooses the cheapest rule of a triangle whose reach from its centroid, in the stretched coordinates, is
+// given; its error, over the area, or beyond anything.
+template <class V, class M>
+V choose_rules(M wanted, V reach, V distance, V allowed, RuleChoice<V>& rules) {
+  const auto near = both(wanted, reach < number<V>(0.9) * distance);
+  const V left = distance - reach, per = one_over(choose(near, distance * left, distance));
+  const V ratio = reach * (left * per), cube = ratio * ratio * ratio;
+  V error = beyond<V>(), rest = distance * (distance * (distance * per));  // distance / (1 - ratio)
+  auto open = near;
+  for (std::size_t k = 0; k < kTriangleRuleCount; ++k) {
+    rest = rest * cube;
+    const V bound = number<V>(kRemainders[k]) * rest;
+    rules.takes[k] = both(open, bound <= allowed);
+    open = both(open, bound > allowed);
+    error = choose(rules.takes[k], bound, error);
+    if (some(rules.takes[k])) rules.taken[rules.taken_count++] = k;
+  }
+  return error;
+}
+
+// The value at the centroid, where the region is small enough for it.
+template <class V>
+PointSum<V> by_centroid(const FieldAbout<V>& about, Wide2<V> centroid, V square, V radius2, V allowed) {
+  const V phi = about.level - about.distance, distance = radius2 - phi, two = number<V>(2);
+  PointSum<V> sum{phi, phi * centroid.x, phi * centroid.y, beyond<V>()};
+  const auto small = square < two * (allowed * distance);
+  if (!some(small)) return sum;
+  const V reach = root(square);
+  const auto near = both(small, reach < number<V>(0.9) * distance);
+  sum.error = choose(near, square * one_over(two * (distance - reach)), sum.error);
+  return sum;
+}
+
+// `triangle`: wholly inside, and nothing was cut away. `allowed` [m] is the tolerance times R.
 template <class V, class M>
 PointSum<V> by_points(const RoundPart<V>& part, const RoundPlane<V>& plane, const Polygon<V>& polygon,
                       Wide2<V> centroid, M triangle, V allowed) {
-  const V zero = number<V>(0), one = number<V>(1);
-  const FieldValue<V> field = field_at(part, plane, centroid);
+  const V zero = number<V>(0), twelfth = number<V>(1.0 / 12);
+  // A triangle's own mean has more digits than moments of the area have.
+  const Wide2<V> a = polygon.edge[0].p, b = polygon.edge[1].p, c = polygon.edge[2].p;
+  const Wide2<V> middle = choose(triangle, a + number<V>(1.0 / 3) * ((b - a) + (c - a)), centroid);
+  const FieldAbout<V> about = field_about(part, plane, middle);
   V square = zero;
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const Edge<V>& edge = polygon.edge[i];
-    const Wide2<V> off = edge.p - centroid;
+    const Wide2<V> off = edge.p - middle;
     square = choose(has_length(edge), greater(square, dot(off, off)), square);
   }
-  const V reach = root(square), distance = part.radius2 - field.phi;
-  const auto near = reach < number<V>(0.9) * distance;
-  const V ratio = quotient(reach, choose(near, distance, one));
-  const V none = beyond<V>();
-  PointSum<V> sum{field.phi, field.phi * centroid.x, field.phi * centroid.y,
-                  choose(near, square * one_over(number<V>(2) * (distance - reach)), none)};
-  const auto smooth = both(triangle, both(near, reach < field.margin));
-  const V ratio3 = ratio * ratio * ratio, rest = distance * one_over(one - ratio);
-  const V three = number<V>(4.0 / 5) * (ratio3 * rest),
-          seven = number<V>(4.0 / 11) * (ratio3 * (ratio3 * rest));
+  const PointSum<V> sum = by_centroid(about, middle, square, part.radius2, allowed);
+  const auto smooth = both(triangle, square < about.margin * about.margin);
   const auto more = both(smooth, sum.error > allowed);
-  const auto use3 = both(more, three <= allowed);
-  const auto use7 = both(both(more, three > allowed), seven <= allowed);
-  const auto take = [&](const auto& which, const PointSum<V>& other, V error) {
-    sum = {choose(which, other.volume, sum.volume), choose(which, other.volume_x, sum.volume_x),
-           choose(which, other.volume_y, sum.volume_y), choose(which, error, sum.error)};
-  };
-  PointSum<V> other = sum;
-  if (some(use3)) {
-    by_rule(part, plane, polygon, kThreePoints, other);
-    take(use3, other, three);
+  if (!some(more)) return sum;
+
+  const Wide2<V> way[3] = {a - middle, b - middle, c - middle};
+  Wide2<V> off[3];
+  V across = zero;
+  for (std::size_t i = 0; i < 3; ++i) {
+    off[i] = {about.stretch.x * way[i].x, about.stretch.y * way[i].y};
+    across = greater(across, dot(off[i], off[i]));
   }
-  if (some(use7)) {
-    by_rule(part, plane, polygon, kSevenPoints, other);
-    take(use7, other, seven);
-  }
-  return sum;
+  RuleChoice<V> rules;
+  const V error = choose_rules(more, root(across), about.distance, allowed, rules);
+  if (rules.taken_count == 0) return sum;
+  const MeanField<V> field = mean_field(about, off, rules);
+  // The slope has a first moment only.
+  Wide2<V> moment{zero, zero};
+  for (std::size_t i = 0; i < 3; ++i)
+    moment = moment + (field.corner[i] + twelfth * about.slope * way[i].x) * way[i];
+  const auto had = error <= allowed;
+  return {choose(had, field.mean, sum.volume), choose(had, field.mean * middle.x + moment.x, sum.volume_x),
+          choose(had, field.mean * middle.y + moment.y, sum.volume_y), choose(had, error, sum.error)};
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

@@ -14,8 +14,8 @@ namespace lumbrical::LUMBRICAL_ISA {
 inline constexpr double kLeastCosine = 1e-3, kLeastCosineCone = 4e-3, kLeastCosineSingle = 0.2;
 // On the side of a capsule digits are lost where no point of the region has more than this share of R.
 inline constexpr double kShallowSide = 1e-3;
-// Triangles of less than this share of R drown in the section's scale; points do as well to rounding.
-inline constexpr double kSmall = 0.006, kPointwise = 1e-13;
+// Polygons of less than this share of R drown in the section's scale.
+inline constexpr double kSmall = 0.006;
 // Of the section's scale times the polygon's: rounding leaves less of nothing.
 inline constexpr double kLeastArea = 1e-13;
 
@@ -143,8 +143,8 @@ PointSum<V> whole_by_points(const RoundPart<V>& part, const RoundPlane<V>& plane
   V cut = zero;
   for (std::size_t k = 3; k < polygon.count; ++k) cut = choose(has_length(polygon.edge[k]), one, cut);
   const V per_area = one_over(all.area);
-  return by_points(part, plane, polygon, Wide2<V>{all.area_x * per_area, all.area_y * per_area}, cut == zero,
-                   limit);
+  return by_points(part, plane, polygon, Wide2<V>{all.area_x * per_area, all.area_y * per_area},
+                   both(whole, cut == zero), limit);
 }
 
 // Of edges wholly inside everything counts.
@@ -193,8 +193,7 @@ void round_contacts(RoundTerms<NumberOf<V>>& terms) {
     const auto met = both(fine, both(all.low_y<r, all.high_y> zero - r));
     const auto whole = both(met, all.outside == zero);
 
-    const auto small = all.size < number<V>(kSmall) * r;
-    const V limit = choose(small, greater(allowed, number<V>(kPointwise) * r), allowed);
+    const V limit = greater(allowed, number<V>(kPointwise) * r);
     const PointSum<V> points = whole_by_points(part, plane, polygon, all, whole, limit);
     const auto pointwise = both(whole, both(limit > zero, points.error <= limit));
     const auto open = both(met, either(all.outside > zero, either(limit <= zero, points.error > limit)));
@@ -216,7 +215,7 @@ void round_contacts(RoundTerms<NumberOf<V>>& terms) {
     sum.volume_y = choose(pointwise, points.volume_y * all.area, sum.volume_y);
 
     const V least = choose(whole, zero, number<V>(kLeastArea) * (r * lesser(r, all.size)));
-    const V error = choose(pointwise, points.error * all.area, exactness);
+    const V error = choose(pointwise, points.error * all.area + rounded_off(r, all.size), exactness);
     const auto had = both(closed, lost == zero), contact = both(either(pointwise, had), sum.area > least);
     const V depth = largest_depth(part, plane, side, polygon, directions, inside, contact);
     V status = choose(open, unsure, zero);

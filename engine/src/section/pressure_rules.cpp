@@ -1,66 +1,49 @@
-// See pressure_rules.h.
+// See pressure_rules.h. The rules are those of the lanes, one lane wide.
 #include "section/pressure_rules.h"
 
 #include <cmath>
 
+#define LUMBRICAL_ISA scalar
 #include "lanes/field.h"
-#include "lanes/triangle_rules.h"
+#include "lanes/point_rules.h"
 
 namespace lumbrical {
 namespace {
 
-template <std::size_t N>
-PressureMoments by_rule(const Section& section, const Slant& slant, int zone, double area,
-                        const Barycentric (&rule)[N]) {
-  PressureMoments sum;
-  const auto& corner = section.polygon.corner;
-  for (const Barycentric& node : rule) {
-    const Point2 p = node.a * corner[0] + node.b * corner[1] + node.c * corner[2];
-    const double share = area * node.weight * field_of(section, slant, zone, p);
-    sum.volume += share;
-    sum.first = sum.first + share * p;
-  }
-  return sum;
-}
+using scalar::Polygon;
+using scalar::RoundPart;
+using scalar::RoundPlane;
+using scalar::Wide2;
 
-double legendre_bound(double degree, double l, double d) {
-  double power = 1;
-  const double ratio = l / d;
-  for (int i = 0; i <= static_cast<int>(degree); ++i) power *= ratio;
-  return 4 * d / (2 * degree + 1) * power / (1 - ratio);
+RoundPart<double> part_of(const Section& section) {
+  const Slant slant = slant_of(section);
+  return {section.length,   section.radius1,           section.radius2,     slant.sine,     slant.cosine,
+          1 / slant.cosine, slant.sine / slant.cosine, section.length == 0, slant.sine != 0};
 }
 
 }  // namespace
 
 bool field_by_points(const Section& section, const AreaMoments& area, bool whole_triangle, double tolerance,
                      PressureMoments& moments) {
-  if (!(tolerance > 0)) return false;
-  const Slant slant = slant_of(section);
-  const FieldZone here = zone_of(section, slant, area.centroid);
+  const int count = section.polygon.count;
+  if (!(tolerance > 0) || count < 3 || count > static_cast<int>(Polygon<double>::kMost)) return false;
+  const double allowed = max(tolerance, scalar::kPointwise) * section.radius1;
+  const RoundPlane<double> plane{{}, {}, {}, section.s, section.c, section.h1, section.h2, section.x2};
+  Polygon<double> polygon;
   double square = 0;
-  for (int i = 0; i < section.polygon.count; ++i) {
-    const Point2 off = section.polygon.corner[static_cast<std::size_t>(i)] - area.centroid;
-    square = max(square, dot(off, off));
+  for (int i = 0; i < count; ++i) {
+    const Point2 p = section.polygon.corner[static_cast<std::size_t>(i)];
+    const Point2 q = section.polygon.corner[static_cast<std::size_t>((i + 1) % count)];
+    square = max(square, dot(p - area.centroid, p - area.centroid));
+    polygon.edge[polygon.count++] = {{p.x, p.y}, {q.x, q.y}};
   }
-  const double reach = std::sqrt(square), allowed = tolerance * section.radius1;
-  const double phi = field_of(section, slant, here.zone, area.centroid);
-  const double distance = section.radius2 - phi;  // of the centroid from the axis, at least
-  if (!(reach < 0.9 * distance)) return false;
-  const double one = square / (2 * (distance - reach));
-  if (one <= allowed) {
-    moments = {area.area * phi, (area.area * phi) * area.centroid, area.area * one};
-    return true;
-  }
-  if (!whole_triangle || section.polygon.count != 3 || !(reach < here.margin)) return false;
-  const double three = legendre_bound(2, reach, distance), seven = legendre_bound(5, reach, distance);
-  if (three <= allowed) {
-    moments = by_rule(section, slant, here.zone, area.area, kThreePoints);
-    moments.error = area.area * three;
-    return true;
-  }
-  if (seven > allowed) return false;
-  moments = by_rule(section, slant, here.zone, area.area, kSevenPoints);
-  moments.error = area.area * seven;
+  const auto sum =
+      scalar::by_points(part_of(section), plane, polygon, Wide2<double>{area.centroid.x, area.centroid.y},
+                        whole_triangle && count == 3, allowed);
+  if (!(sum.error <= allowed)) return false;
+  moments.volume = area.area * sum.volume;
+  moments.first = area.area * Point2{sum.volume_x, sum.volume_y};
+  moments.error = area.area * sum.error + scalar::rounded_off(section.radius1, 2 * std::sqrt(square));
   return true;
 }
 
