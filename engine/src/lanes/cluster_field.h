@@ -76,6 +76,15 @@ CentreField<V> field_at(const WideShape<V>& shape, Wide3<V> p) {
   return {shape.height - dot(shape.face, p), shape.face, {zero, zero, zero}, zero, zero, far, far, far};
 }
 
+/// How far beyond a cut (CutShape) the points are.
+template <class V>
+inline V beyond(const CutShape<NumberOf<V>>& cut, Wide3<V> p) {
+  const V height = dot(in_all_lanes<V>(cut.normal), p) - V(cut.height);
+  if (cut.bow == 0) return height;
+  const V x = dot(in_all_lanes<V>(cut.x), p) - V(cut.x[3]), y = dot(in_all_lanes<V>(cut.y), p) - V(cut.y[3]);
+  return height + V(cut.bow) * root(x * x + y * y);
+}
+
 template <class V>
 struct ClusterBounds {
   V differ;  // [m] phi differs by no more from its value at the centre

@@ -43,27 +43,27 @@ inline ClusterBits kinds_in_row(const ClusterRow& row, const ClusterQuery& query
     const V r = get(row.r + i, V{}), thickness = get(row.thickness + i, V{});
     const Wide3<V> p = Wide3<V>{get(row.x + i, V{}), get(row.y + i, V{}), get(row.z + i, V{})} - origin;
     const Wide3<V> normal{get(row.nx + i, V{}), get(row.ny + i, V{}), get(row.nz + i, V{})};
-    V beyond = zero;                // wholly beyond a plane
-    V through = zero, near = zero;  // planes through it; borders in reach, which may be anything but planes
-    for (int k = 0; k < query.plane_count; ++k) {
-      const ClusterQuery::Plane& plane = query.plane[k];
-      const V height = dot(p, Wide3<V>{V(plane.nx), V(plane.ny), V(plane.nz)}) - V(plane.height);
-      const V reach = r + (V(plane.margin) + slack);
-      beyond = choose(height >= reach, one, beyond);
+    V gone = zero;                  // wholly beyond a cut
+    V through = zero, near = zero;  // cuts through it; borders in reach, which may be anything but cones
+    for (int k = 0; k < query.cut_count; ++k) {
+      const CutShape<float>& cut = query.cut[k];
+      const V height = beyond(cut, p);
+      const V reach = V(cut.steep) * (r + slack) + V(query.margin[k]);
+      gone = choose(height >= reach, one, gone);
       const V crossed = choose(height <= zero - reach, zero, one);
       through = through + crossed;
-      if (plane.margin > 0) near = near + crossed;
+      if (query.margin[k] > 0) near = near + crossed;
     }
     const CentreField<V> at = field_at(shape, p);
     const ClusterBounds<V> bounds = bounds_of(at, shape.jointed, r, normal, thickness);
     const V differ = bounds.differ + slack;
-    const auto met = both(r >= zero, both(beyond == zero, at.phi > zero - differ));
+    const auto met = both(r >= zero, both(gone == zero, at.phi > zero - differ));
     const V ramp = choose(at.phi >= differ, zero, number<V>(kRampRest) * bounds.differ);
     const auto fits = both(bounds.rest + ramp <= allowed, thickness * at.phi <= V(query.twist));
     const auto good = both(through == zero, fits);
     // Over a triangle the field is above the corners' plane by half the bend at most.
     const V above = shape.flat ? zero : number<V>(0.5) * (r * r * one_over(bounds.gap));
-    const auto few = both(near == zero, through <= number<V>(LeafTerms::kPlaneCapacity));
+    const auto few = both(near == zero, through <= number<V>(LeafTerms::kCutCapacity));
     const auto straight = both(bounds.rest < number<V>(1), above <= allowed);
     bits.use |= wide::bits_of(both(met, good), zero) << i;
     bits.split |= wide::bits_of(both(met, both(few, straight)), zero) << i;

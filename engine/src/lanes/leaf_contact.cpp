@@ -9,6 +9,9 @@
 namespace lumbrical {
 namespace {
 
+// [1/m] the bend of a border at its apex: so much that nothing is left to be trusted.
+constexpr double kSharp = 1e30;
+
 // Triangles of the leaf; empty lanes hold a point.
 double put_corners(const Model& model, std::uint32_t leaf, Vec3 origin, LeafTerms& terms) {
   const Triangles& world = model.triangles;
@@ -28,19 +31,22 @@ double put_corners(const Model& model, std::uint32_t leaf, Vec3 origin, LeafTerm
   return tree.moments[leaf].area;
 }
 
-// Planes that may run through the leaf; where there are fewer, one that everything is inside of.
-void put_planes(const LeafQuery& query, Vec3 centre, double radius, LeafTerms& terms) {
-  terms.plane_count = 0;
-  for (double(&plane)[4] : terms.plane) {
-    plane[0] = plane[1] = plane[2] = 0;
-    plane[3] = 1;
-  }
-  for (int i = 0; i < query.plane_count && terms.plane_count < LeafTerms::kPlaneCapacity; ++i) {
-    const auto& plane = query.plane[i];
-    const double height = dot(centre, {plane[0], plane[1], plane[2]}) - plane[3];
-    if (height <= -radius) continue;
-    for (int k = 0; k < 4; ++k) terms.plane[terms.plane_count][k] = plane[k];
-    ++terms.plane_count;
+// Cuts that may run through the leaf.
+void put_cuts(const LeafQuery& query, Vec3 centre, double radius, LeafTerms& terms) {
+  terms.cut_count = 0;
+  for (int i = 0; i < query.cuts.count && terms.cut_count < LeafTerms::kCutCapacity; ++i) {
+    const CutShape<double>& cut = query.cuts.cut[i];
+    const double height = dot(vector_of(cut.normal), centre) - cut.height;
+    double bow = 0, bend = 0;
+    if (cut.bow != 0) {
+      const double x = height_over(cut.x, centre), y = height_over(cut.y, centre);
+      bow = std::sqrt(x * x + y * y);
+      const double least = bow - cut.slope * radius;
+      bend = least > 0 ? cut.slope * cut.slope / least : kSharp;
+    }
+    if (height + cut.bow * bow <= -cut.steep * radius) continue;
+    terms.cut[terms.cut_count] = cut;
+    terms.bend[terms.cut_count++] = bend;
   }
 }
 
@@ -64,17 +70,9 @@ double put_force(Vec3 force, Vec3 couple, Vec3 centre, double radius, Contact& c
 
 }  // namespace
 
-void set_leaf_query(const Primitive& primitive, const Prism& palm, LeafQuery& query) {
-  query.origin = set_shape(primitive, palm, query.terms.shape);
-  query.plane_count = 0;
-  const auto add = [&](const HalfSpace& space) {
-    put_plane(space, query.origin, query.plane[query.plane_count++]);
-  };
-  if (query.terms.shape.flat) {
-    for (int i = 1; i < palm.face_count; ++i) add(palm.face[static_cast<std::size_t>(i)]);
-  } else {
-    for (std::size_t i = 0; i < primitive.cut_count; ++i) add(primitive.cut[i]);
-  }
+void set_leaf_query(const Primitives& hand, const Primitive& primitive, LeafQuery& query) {
+  query.origin = set_shape(primitive, hand.palm, query.terms.shape);
+  set_cuts(hand, primitive, query.origin, query.cuts);
 }
 
 void prefetch_leaf(const Model& model, std::uint32_t leaf, bool far) {
@@ -97,7 +95,7 @@ void prefetch_leaf(const Model& model, std::uint32_t leaf, bool far) {
   }
 }
 
-void leaf_contact(const Model& model, const FieldKernels& kernels, LeafQuery& query, Contact& contact) {
+bool leaf_contact(const Model& model, const FieldKernels& kernels, LeafQuery& query, Contact& contact) {
   const std::uint32_t leaf = cluster_of(contact.triangle);
   const ClusterBlock& block = model.clusters.block[leaf / ClusterBlock::kWidth];
   const std::size_t lane = leaf % ClusterBlock::kWidth;
@@ -107,28 +105,63 @@ void leaf_contact(const Model& model, const FieldKernels& kernels, LeafQuery& qu
   const Vec3 centre =
       (model.clusters.origin - query.origin) + Vec3{block.x[lane], block.y[lane], block.z[lane]};
   put_vector(centre, terms.centre);
-  put_planes(query, centre, radius, terms);
+  put_cuts(query, centre, radius, terms);
   const double surface = put_corners(model, leaf, query.origin, terms);
   kernels.leaf_forces(terms);
 
-  double most = terms.result[10][0], sum[10];
-  for (const double value : terms.result[10]) most = max(most, value);
-  for (std::size_t row = 0; row < 10; ++row) sum[row] = sum_of(terms.result[row]);
-  // The field bends by at most one over the distance from the axis, so it rises over the corners' plane by
-  // half the square of the radius over that.
+  const auto& result = terms.result;
+  double most = result[LeafTerms::highest][0], sum[LeafTerms::row_count];
+  for (const double value : result[LeafTerms::highest]) most = max(most, value);
+  for (std::size_t row = 0; row < LeafTerms::row_count; ++row) sum[row] = sum_of(result[row]);
+  // The field bends by at most one over the distance from the axis, so over a triangle it rises over the
+  // corners' plane by half the square of the radius of a circle round it over that: at most a sixth of the
+  // square of its longest edge, or half of the leaf's radius.
   const Vec3 axis = vector_of(shape.axis);
   const Vec3 nearest = clamp(dot(centre, axis), 0, shape.length) * axis;
-  const double gap = norm(centre - nearest) - radius;
-  const double off = shape.flat ? 0 : 0.5 * radius * radius / gap;
-  contact.area = most > -off ? max(sum[6], 1e-6 * surface) : 0;
-  if (!(contact.area > 0)) return;
-  const double left = put_force({sum[0], sum[1], sum[2]}, {sum[3], sum[4], sum[5]}, centre, radius, contact);
-  const double error = (off + kMomentRounding * shape.size) * surface;
+  const double gap = norm(centre - nearest) - radius, bend = shape.flat ? 0 : 1 / gap;
+  const double off = 0.5 * bend * radius * radius;
+  contact.area = most > -off ? max(sum[LeafTerms::area], 1e-6 * surface) : 0;
+  if (!(contact.area > 0)) return true;
+  const double doubtful = sum[LeafTerms::doubtful] * (max(0, most) + off);
+  const double error = min(off * surface, bend / 6 * sum[LeafTerms::curved]) +
+                       kMomentRounding * shape.size * surface + doubtful;
+  if (doubtful > 0 && error > model.settings.tolerance * shape.size * surface) return false;
+  const auto at = [&](std::size_t row) { return Vec3{sum[row], sum[row + 1], sum[row + 2]}; };
+  const double left = put_force(at(LeafTerms::force), at(LeafTerms::couple), centre, radius, contact);
   contact.error = max(error, (2 * radius * error + left) / (4 * shape.size));
   contact.depth = max(0, most);
   contact.centre += query.origin;
   contact.centroid = query.origin + centre;
-  if (sum[6] > 1e-6 * surface) contact.centroid += (1 / sum[6]) * Vec3{sum[7], sum[8], sum[9]};
+  if (sum[LeafTerms::area] > 1e-6 * surface)
+    contact.centroid += (1 / sum[LeafTerms::area]) * at(LeafTerms::area_first);
+  return true;
+}
+
+void sum_leaf(const Model& model, const LeafQuery& query, std::span<const Contact> parts, Contact& contact) {
+  const ClusterTree& tree = model.clusters;
+  const std::uint32_t leaf = cluster_of(contact.triangle);
+  const ClusterBlock& block = tree.block[leaf / ClusterBlock::kWidth];
+  const std::size_t lane = leaf % ClusterBlock::kWidth;
+  const double radius = block.r[lane], size = query.terms.shape.size;
+  const Vec3 centre = tree.origin + Vec3{block.x[lane], block.y[lane], block.z[lane]};
+  Vec3 force, couple, area_first;
+  double error = 0;
+  contact.area = contact.depth = 0;
+  for (const Contact& part : parts) {
+    if (!(part.area > 0)) continue;
+    const Vec3 push = part.volume * part.normal;
+    force += push;
+    couple += cross(part.centre - centre, push);
+    area_first += part.area * (part.centroid - centre);
+    contact.area += part.area;
+    contact.depth = max(contact.depth, part.depth);
+    error += part.error;
+  }
+  if (!(contact.area > 0)) return;
+  const double left = put_force(force, couple, centre, radius, contact);
+  // Each part's error has a lever of its own, up to two radii from the contact's.
+  contact.error = error * (1 + radius / (2 * size)) + left / (4 * size);
+  contact.centroid = centre + (1 / contact.area) * area_first;
 }
 
 }  // namespace lumbrical

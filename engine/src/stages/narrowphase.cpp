@@ -6,6 +6,7 @@
 #include "borders/border_cut.h"
 #include "borders/joint_border.h"
 #include "borders/shared_contact.h"
+#include "index/cluster_tree.h"
 #include "lanes/cluster_batch.h"
 #include "lanes/leaf_contact.h"
 #include "lanes/prism_batch.h"
@@ -182,11 +183,26 @@ void finish(PairWork& work) {
   collide_anew(rest.unsure);
 }
 
+void take_pair(Contact& contact, PairWork& work);
+
+// A leaf triangle by triangle.
+void take_triangles_of(Contact& contact, PairWork& work) {
+  std::array<Contact, ClusterTree::kLeafSize> parts;
+  std::size_t count = 0;
+  for (const std::uint32_t triangle : triangles_of(work.model.clusters, cluster_of(contact.triangle))) {
+    parts[count].primitive = contact.primitive;
+    parts[count].triangle = triangle;
+    take_pair(parts[count++], work);
+  }
+  finish(work);
+  sum_leaf(work.model, work.leaf, {parts.data(), count}, contact);
+}
+
 void take_leaf(Contact& contact, PairWork& work) {
   if (contact.primitive != work.leaf_of)
-    set_leaf_query(work.hand.primitive[contact.primitive], work.hand.palm, work.leaf);
+    set_leaf_query(work.hand, work.hand.primitive[contact.primitive], work.leaf);
   work.leaf_of = contact.primitive;
-  leaf_contact(work.model, work.kernels, work.leaf, contact);
+  if (!leaf_contact(work.model, work.kernels, work.leaf, contact)) take_triangles_of(contact, work);
 }
 
 void take_cluster(Contact& contact, PairWork& work) {
