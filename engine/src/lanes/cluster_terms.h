@@ -72,7 +72,7 @@ struct LeafTerms {
   int cut_count = 0;
   CutShape<double> cut[kCutCapacity];
   double bend[kCutCapacity];  ///< [1/m] the second derivative of a cut's function is no larger in the leaf
-  alignas(64) double corner[3][3][kCapacity];
+  alignas(64) double corner[3][3][kCapacity];  ///< [m] from that
   // Out, by triangle.
   enum Row : std::size_t {
     force = 0,       // integral of phi n
@@ -92,7 +92,7 @@ struct ClusterTerms {
   static constexpr std::size_t kCapacity = 64;
   std::size_t count = 0;
   FieldShape<double> shape;
-  alignas(64) double centre[3][kCapacity], mean_normal[3][kCapacity];
+  alignas(64) double centre[3][kCapacity], mean_normal[3][kCapacity], box[3][kCapacity];
   alignas(64) double radius[kCapacity], thickness[kCapacity], surface[kCapacity];
   alignas(64) double normal[3][kCapacity], first[3][3][kCapacity], second[6][3][kCapacity];
   // Out: as in Contact.

@@ -9,26 +9,17 @@
 namespace lumbrical {
 namespace {
 
+// Of the square of a leaf's radius: what corners in single precision take away from the areas of eight
+// triangles.
+constexpr double kCornerRounding = 4e-6;
+
 // [1/m] the bend of a border at its apex: so much that nothing is left to be trusted.
 constexpr double kSharp = 1e30;
 
-// Triangles of the leaf; empty lanes hold a point.
-double put_corners(const Model& model, std::uint32_t leaf, Vec3 origin, LeafTerms& terms) {
-  const Triangles& world = model.triangles;
-  const ClusterTree& tree = model.clusters;
-  const std::size_t first = std::size_t{leaf} * ClusterTree::kLeafSize;
-  for (std::size_t k = 0; k < LeafTerms::kCapacity; ++k) {
-    const std::uint32_t triangle = tree.triangle[first + k < tree.triangle.size() ? first + k : first];
-    const bool there = first + k < tree.triangle.size();
-    const std::uint32_t vertex[] = {world.a[triangle], there ? world.b[triangle] : world.a[triangle],
-                                    there ? world.c[triangle] : world.a[triangle]};
-    for (std::size_t c = 0; c < 3; ++c) {
-      terms.corner[c][0][k] = world.x[vertex[c]] - origin.x;
-      terms.corner[c][1][k] = world.y[vertex[c]] - origin.y;
-      terms.corner[c][2][k] = world.z[vertex[c]] - origin.z;
-    }
-  }
-  return tree.moments[leaf].area;
+void put_corners(const LeafCorners& corners, LeafTerms& terms) {
+  const float* const from = &corners.at[0][0][0];
+  double* const to = &terms.corner[0][0][0];
+  for (std::size_t k = 0; k < 9 * LeafTerms::kCapacity; ++k) to[k] = from[k];
 }
 
 // Cuts that may run through the leaf.
@@ -75,24 +66,14 @@ void set_leaf_query(const Primitives& hand, const Primitive& primitive, LeafQuer
   set_cuts(hand, primitive, query.origin, query.cuts);
 }
 
-void prefetch_leaf(const Model& model, std::uint32_t leaf, bool far) {
-  const std::uint32_t* const triangle = &model.clusters.triangle[std::size_t{leaf} * ClusterTree::kLeafSize];
-  if (far) {
-    __builtin_prefetch(triangle);
-    __builtin_prefetch(&model.clusters.block[leaf / ClusterBlock::kWidth]);
-    __builtin_prefetch(&model.clusters.moments[leaf].area);
-    return;
-  }
-  const std::size_t last =
-      std::min(model.clusters.triangle.size() - std::size_t{leaf} * ClusterTree::kLeafSize,
-               std::size_t{ClusterTree::kLeafSize}) -
-      1;
-  // Triangles of a leaf are neighbours in most meshes: two of them bring most of the lines.
-  for (const std::uint32_t t : {triangle[0], triangle[last]}) {
-    __builtin_prefetch(&model.triangles.a[t]);
-    __builtin_prefetch(&model.triangles.b[t]);
-    __builtin_prefetch(&model.triangles.c[t]);
-  }
+void prefetch_leaf(const Model& model, std::uint32_t leaf) {
+  const ClusterTree& tree = model.clusters;
+  const ClusterBlock& block = tree.block[leaf / ClusterBlock::kWidth];
+  __builtin_prefetch(&block.x);
+  __builtin_prefetch(&block.bx);
+  __builtin_prefetch(&tree.moments[leaf].area);
+  const char* const corners = reinterpret_cast<const char*>(&tree.corners[leaf]);
+  for (std::size_t line = 0; line < sizeof(LeafCorners); line += 64) __builtin_prefetch(corners + line);
 }
 
 bool leaf_contact(const Model& model, const FieldKernels& kernels, LeafQuery& query, Contact& contact) {
@@ -106,7 +87,8 @@ bool leaf_contact(const Model& model, const FieldKernels& kernels, LeafQuery& qu
       (model.clusters.origin - query.origin) + Vec3{block.x[lane], block.y[lane], block.z[lane]};
   put_vector(centre, terms.centre);
   put_cuts(query, centre, radius, terms);
-  const double surface = put_corners(model, leaf, query.origin, terms);
+  put_corners(model.clusters.corners[leaf], terms);
+  const double surface = model.clusters.moments[leaf].area;
   kernels.leaf_forces(terms);
 
   const auto& result = terms.result;
@@ -119,12 +101,14 @@ bool leaf_contact(const Model& model, const FieldKernels& kernels, LeafQuery& qu
   const Vec3 axis = vector_of(shape.axis);
   const Vec3 nearest = clamp(dot(centre, axis), 0, shape.length) * axis;
   const double gap = norm(centre - nearest) - radius, bend = shape.flat ? 0 : 1 / gap;
-  const double off = 0.5 * bend * radius * radius;
+  const double edge = block.edge[lane];
+  const double off = bend * min(0.5 * radius * radius, edge * edge / 6);
   contact.area = most > -off ? max(sum[LeafTerms::area], 1e-6 * surface) : 0;
   if (!(contact.area > 0)) return true;
-  const double doubtful = sum[LeafTerms::doubtful] * (max(0, most) + off);
-  const double error = min(off * surface, bend / 6 * sum[LeafTerms::curved]) +
-                       kMomentRounding * shape.size * surface + doubtful;
+  const double height = max(0, most) + off;
+  const double doubtful = sum[LeafTerms::doubtful] * height;
+  const double rounding = kMomentRounding * shape.size * surface + kCornerRounding * height * radius * radius;
+  const double error = min(off * surface, bend / 6 * sum[LeafTerms::curved]) + rounding + doubtful;
   if (doubtful > 0 && error > model.settings.tolerance * shape.size * surface) return false;
   const auto at = [&](std::size_t row) { return Vec3{sum[row], sum[row + 1], sum[row + 2]}; };
   const double left = put_force(at(LeafTerms::force), at(LeafTerms::couple), centre, radius, contact);

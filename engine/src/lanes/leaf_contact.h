@@ -17,9 +17,8 @@ struct LeafQuery {
 };
 void set_leaf_query(const Primitives& hand, const Primitive& primitive, LeafQuery& query);
 
-/// Asks the memory for what the leaf's contact will need: `far` ahead its own records, nearer the corners'
-/// numbers.
-void prefetch_leaf(const Model& model, std::uint32_t leaf, bool far);
+/// Asks the memory for what the leaf's contact will need.
+void prefetch_leaf(const Model& model, std::uint32_t leaf);
 
 /// Sets all but the indices of the contact of the leaf that contact.triangle stands for; an area of zero
 /// where there is none. False where a curved border runs through it that is not straight enough for the

@@ -174,14 +174,15 @@ void leaf_forces(LeafTerms& terms) {
   const auto shape = in_all_lanes<V>(terms.shape);
   const Wide3<V> centre = in_all_lanes<V>(terms.centre);
   for (std::size_t i = 0; i < LeafTerms::kCapacity; i += wide::Lanes<V>::kCount) {
-    Wide3<V> corner[3];
+    Wide3<V> from[3], corner[3];
     V height[3];
     for (int c = 0; c < 3; ++c) {
       const auto& row = terms.corner[c];
-      corner[c] = {get(row[0] + i, V{}), get(row[1] + i, V{}), get(row[2] + i, V{})};
+      from[c] = {get(row[0] + i, V{}), get(row[1] + i, V{}), get(row[2] + i, V{})};
+      corner[c] = centre + from[c];
       height[c] = phi_at(shape, corner[c]);
     }
-    const Wide3<V> side_s = corner[1] - corner[0], side_t = corner[2] - corner[0], side = side_t - side_s;
+    const Wide3<V> side_s = from[1] - from[0], side_t = from[2] - from[0], side = side_t - side_s;
     const Wide3<V> raw = cross(side_s, side_t);
     const V twice = root(dot(raw, raw)), per = one_over(twice), area = half * twice;
     const Wide3<V> normal = choose(twice > zero, per * raw, Wide3<V>{zero, zero, zero});
@@ -194,8 +195,7 @@ void leaf_forces(LeafTerms& terms) {
     const PieceSums<V> sums = terms.cut_count == 0   ? sum_pieces<V, 0>(cut, phi, area)
                               : terms.cut_count == 1 ? sum_pieces<V, 1>(cut, phi, area)
                                                      : sum_pieces<V, 2>(cut, phi, area);
-    const Wide3<V> from = corner[0] - centre;
-    const auto first = [&](V all, V s, V t) { return all * from + s * side_s + t * side_t; };
+    const auto first = [&](V all, V s, V t) { return all * from[0] + s * side_s + t * side_t; };
     const Wide3<V> force = sums.volume * normal,
                    couple = cross(first(sums.volume, sums.volume_s, sums.volume_t), normal),
                    area_first = first(sums.area, sums.area_s, sums.area_t);

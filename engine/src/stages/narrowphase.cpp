@@ -267,19 +267,15 @@ namespace {
 
 // Clusters are anywhere in memory; what is some candidates ahead is on its way when its turn comes.
 void prefetch(const Model& model, std::span<const std::uint64_t> candidates, std::size_t i) {
-  constexpr std::size_t kFar = 8, kNear = 3;
-  const auto ahead = [&](std::size_t by) {
-    return i + by < candidates.size() ? static_cast<std::uint32_t>(candidates[i + by]) : 0;
-  };
-  const std::uint32_t far = ahead(kFar), near = ahead(kNear);
-  if ((far & kClusterBit) != 0) {
-    if ((far & kSplitBit) != 0) {
-      prefetch_leaf(model, cluster_of(far), true);
-    } else {
-      prefetch_cluster(model.clusters, cluster_of(far));
-    }
+  constexpr std::size_t kAhead = 8;
+  if (i + kAhead >= candidates.size()) return;
+  const auto ahead = static_cast<std::uint32_t>(candidates[i + kAhead]);
+  if ((ahead & kClusterBit) == 0) return;
+  if ((ahead & kSplitBit) != 0) {
+    prefetch_leaf(model, cluster_of(ahead));
+  } else {
+    prefetch_cluster(model.clusters, cluster_of(ahead));
   }
-  if ((near & kClusterBit) != 0 && (near & kSplitBit) != 0) prefetch_leaf(model, cluster_of(near), false);
 }
 
 }  // namespace
@@ -304,7 +300,9 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
   parallel_chunks(candidates.size(), kChunk, threads, work);
   std::uint32_t count = 0;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (contacts[i].area > 0) contacts[count++] = contacts[i];
+    if (!(contacts[i].area > 0)) continue;
+    if (count != i) contacts[count] = contacts[i];
+    ++count;
   }
   return count;
 }
