@@ -12,7 +12,7 @@ inline constexpr double kTaylorRest = 0.19246;
 /// Of b, the most phi can differ from its value at the centre: where the finger's surface runs through the
 /// cluster the ramp's half width is at least kLeastRamp b, and phi's positive part then differs from a linear
 /// function by at most b / (4 kLeastRamp), or what is left beyond the ramp.
-inline constexpr double kLeastRamp = 0.6, kRampRest = 0.4167;
+inline constexpr double kLeastRamp = 0.45, kRampRest = 0.55;
 /// A cluster is at most this share of its distance from the axis wide.
 inline constexpr double kWidest = 0.5;
 /// Of R: what single precision takes away from the moments.
@@ -66,11 +66,11 @@ struct ClusterHits {
 /// One leaf, whose triangles are looked at one by one; lengths from the primitive's larger end.
 struct LeafTerms {
   static constexpr std::size_t kCapacity = 8;
-  static constexpr int kCutCapacity = 2;  ///< cuts that may run through it
+  static constexpr int kCutCapacity = 4;  ///< cuts that may run through it
   FieldShape<double> shape;
   double centre[3] = {};  ///< [m] of the leaf
   int cut_count = 0;
-  CutShape<double> cut[kCutCapacity];
+  const CutShape<double>* cut[kCutCapacity];
   double bend[kCutCapacity];  ///< [1/m] the second derivative of a cut's function is no larger in the leaf
   alignas(64) double corner[3][3][kCapacity];  ///< [m] from that
   // Out, by triangle.
@@ -81,7 +81,7 @@ struct LeafTerms {
     area_first = 7,  // of h
     highest = 10,    // [m] largest phi of the corners
     doubtful = 11,   // [m^2] that may lie on the other side of a curved cut
-    curved = 12,     // area of the whole triangle times the square of its longest edge
+    surface = 12,    // area of the whole triangle
     row_count
   };
   alignas(64) double result[row_count][kCapacity];

@@ -36,25 +36,23 @@ void put_cuts(const LeafQuery& query, Vec3 centre, double radius, LeafTerms& ter
       bend = least > 0 ? cut.slope * cut.slope / least : kSharp;
     }
     if (height + cut.bow * bow <= -cut.steep * radius) continue;
-    terms.cut[terms.cut_count] = cut;
+    terms.cut[terms.cut_count] = &cut;
     terms.bend[terms.cut_count++] = bend;
   }
 }
 
 double sum_of(const double (&row)[LeafTerms::kCapacity]) {
-  double sum = 0;
-  for (const double value : row) sum += value;
-  return sum;
+  return ((row[0] + row[1]) + (row[2] + row[3])) + ((row[4] + row[5]) + (row[6] + row[7]));
 }
 
 // The cluster's wrench as one force beside its centre; returns the couple that it can't carry.
 double put_force(Vec3 force, Vec3 couple, Vec3 centre, double radius, Contact& contact) {
   contact.volume = norm(force);
-  contact.normal = unit_or(force, {0, 0, 1});
-  Vec3 shift;
-  if (contact.volume > 0) shift = cross(contact.normal, couple) / contact.volume;
-  const double way = norm(shift);
-  if (way > radius) shift = (radius / way) * shift;
+  const double per = contact.volume > 1e-150 ? 1 / contact.volume : 0;
+  contact.normal = per > 0 ? per * force : Vec3{0, 0, 1};
+  Vec3 shift = per * cross(contact.normal, couple);
+  const double square = dot(shift, shift);
+  if (square > radius * radius) shift = (radius / std::sqrt(square)) * shift;
   contact.centre = centre + shift;
   return norm(couple - cross(shift, force));
 }
@@ -71,7 +69,6 @@ void prefetch_leaf(const Model& model, std::uint32_t leaf) {
   const ClusterBlock& block = tree.block[leaf / ClusterBlock::kWidth];
   __builtin_prefetch(&block.x);
   __builtin_prefetch(&block.bx);
-  __builtin_prefetch(&tree.moments[leaf].area);
   const char* const corners = reinterpret_cast<const char*>(&tree.corners[leaf]);
   for (std::size_t line = 0; line < sizeof(LeafCorners); line += 64) __builtin_prefetch(corners + line);
 }
@@ -88,27 +85,26 @@ bool leaf_contact(const Model& model, const FieldKernels& kernels, LeafQuery& qu
   put_vector(centre, terms.centre);
   put_cuts(query, centre, radius, terms);
   put_corners(model.clusters.corners[leaf], terms);
-  const double surface = model.clusters.moments[leaf].area;
   kernels.leaf_forces(terms);
 
   const auto& result = terms.result;
   double most = result[LeafTerms::highest][0], sum[LeafTerms::row_count];
   for (const double value : result[LeafTerms::highest]) most = max(most, value);
   for (std::size_t row = 0; row < LeafTerms::row_count; ++row) sum[row] = sum_of(result[row]);
+  const double surface = sum[LeafTerms::surface];
   // The field bends by at most one over the distance from the axis, so over a triangle it rises over the
   // corners' plane by half the square of the radius of a circle round it over that: at most a sixth of the
   // square of its longest edge, or half of the leaf's radius.
   const Vec3 axis = vector_of(shape.axis);
   const Vec3 nearest = clamp(dot(centre, axis), 0, shape.length) * axis;
   const double gap = norm(centre - nearest) - radius, bend = shape.flat ? 0 : 1 / gap;
-  const double edge = block.edge[lane];
-  const double off = bend * min(0.5 * radius * radius, edge * edge / 6);
+  const double edge = block.edge[lane], off = bend * min(0.5 * radius * radius, edge * edge / 6);
   contact.area = most > -off ? max(sum[LeafTerms::area], 1e-6 * surface) : 0;
   if (!(contact.area > 0)) return true;
   const double height = max(0, most) + off;
   const double doubtful = sum[LeafTerms::doubtful] * height;
   const double rounding = kMomentRounding * shape.size * surface + kCornerRounding * height * radius * radius;
-  const double error = min(off * surface, bend / 6 * sum[LeafTerms::curved]) + rounding + doubtful;
+  const double error = off * surface + rounding + doubtful;
   if (doubtful > 0 && error > model.settings.tolerance * shape.size * surface) return false;
   const auto at = [&](std::size_t row) { return Vec3{sum[row], sum[row + 1], sum[row + 2]}; };
   const double left = put_force(at(LeafTerms::force), at(LeafTerms::couple), centre, radius, contact);

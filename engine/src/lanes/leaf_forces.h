@@ -110,12 +110,14 @@ void add_piece(const Piece<V>& piece, const Sloped<V>& phi, PieceSums<V>& sums) 
 }
 
 // Sums over what of the whole triangles is positive and inside the cuts.
-template <class V, int kCuts>
-PieceSums<V> sum_pieces(const Sloped<V> (&cut)[LeafTerms::kCutCapacity], const Sloped<V>& phi, V area) {
+template <class V>
+PieceSums<V> sum_pieces(const Sloped<V> (&cut)[LeafTerms::kCutCapacity], int cut_count, const Sloped<V>& phi,
+                        V area) {
   const V zero = number<V>(0), one = number<V>(1);
-  Piece<V> piece[1 << kCuts] = {{{zero, one, zero}, {zero, zero, one}, area}};
+  Piece<V> piece[1 << LeafTerms::kCutCapacity];
+  piece[0] = {{zero, one, zero}, {zero, zero, one}, area};
   int count = 1;
-  for (int k = 0; k < kCuts; ++k) {
+  for (int k = 0; k < cut_count; ++k) {
     for (int j = 0, last = count; j < last; ++j) count += cut_piece(cut[k], piece[j], piece[count]) ? 1 : 0;
   }
   PieceSums<V> sums{zero, zero, zero, zero, zero, zero};
@@ -191,18 +193,15 @@ void leaf_forces(LeafTerms& terms) {
     Sloped<V> cut[LeafTerms::kCutCapacity];
     V doubt = zero;
     for (int k = 0; k < terms.cut_count; ++k)
-      cut[k] = inside_cut(terms.cut[k], terms.bend[k], corner, longest, doubt);
-    const PieceSums<V> sums = terms.cut_count == 0   ? sum_pieces<V, 0>(cut, phi, area)
-                              : terms.cut_count == 1 ? sum_pieces<V, 1>(cut, phi, area)
-                                                     : sum_pieces<V, 2>(cut, phi, area);
+      cut[k] = inside_cut(*terms.cut[k], terms.bend[k], corner, longest, doubt);
+    const PieceSums<V> sums = sum_pieces(cut, terms.cut_count, phi, area);
     const auto first = [&](V all, V s, V t) { return all * from[0] + s * side_s + t * side_t; };
     const Wide3<V> force = sums.volume * normal,
                    couple = cross(first(sums.volume, sums.volume_s, sums.volume_t), normal),
                    area_first = first(sums.area, sums.area_s, sums.area_t);
     const V highest = greater(height[0], greater(height[1], height[2]));
-    const V rows[] = {force.x,  force.y,      force.z,       couple.x,     couple.y,
-                      couple.z, sums.area,    area_first.x,  area_first.y, area_first.z,
-                      highest,  area * doubt, area * longest};
+    const V rows[] = {force.x,      force.y,      force.z,      couple.x, couple.y,     couple.z, sums.area,
+                      area_first.x, area_first.y, area_first.z, highest,  area * doubt, area};
     static_assert(std::size(rows) == LeafTerms::row_count);
     for (std::size_t row = 0; row < std::size(rows); ++row) put(terms.result[row] + i, rows[row]);
   }
