@@ -69,6 +69,9 @@ struct LeafTerms {
   static constexpr int kCutCapacity = 4;  ///< cuts that may run through it
   FieldShape<double> shape;
   double centre[3] = {};  ///< [m] of the leaf
+  // The field's second derivative there is - field_bend (1 - across across - side axis axis).
+  double field_bend = 0, side = 0;  ///< [1/m]
+  double across[3] = {};
   int cut_count = 0;
   const CutShape<double>* cut[kCutCapacity];
   double bend[kCutCapacity];  ///< [1/m] the second derivative of a cut's function is no larger in the leaf

@@ -41,6 +41,23 @@ void put_cuts(const LeafQuery& query, Vec3 centre, double radius, LeafTerms& ter
   }
 }
 
+// Returns how far from the axis the leaf's centre is. [m]
+double put_bend(Vec3 centre, LeafTerms& terms) {
+  const FieldShape<double>& shape = terms.shape;
+  const Vec3 axis = vector_of(shape.axis);
+  const double z = dot(centre, axis), ahead = z - clamp(z, 0, shape.length);
+  const Vec3 off = centre - z * axis;
+  const double square = dot(off, off), rho = std::sqrt(square);
+  const double first = shape.cosine * z - shape.sine * rho;
+  const bool at_end1 = !(shape.jointed > 0) || first<0, at_end2 = first> shape.cosine * shape.length;
+  const Vec3 from = at_end1 ? centre : at_end2 ? centre - shape.length * axis : off;
+  const double length = norm(from), per = length > 0 ? 1 / length : 0;
+  put_vector(per * from, terms.across);
+  terms.side = at_end1 || at_end2 ? 0 : 1;
+  terms.field_bend = shape.flat ? 0 : at_end1 || at_end2 ? per : shape.cosine * per;
+  return std::sqrt(square + ahead * ahead);
+}
+
 double sum_of(const double (&row)[LeafTerms::kCapacity]) {
   return ((row[0] + row[1]) + (row[2] + row[3])) + ((row[4] + row[5]) + (row[6] + row[7]));
 }
@@ -84,6 +101,7 @@ bool leaf_contact(const Model& model, const FieldKernels& kernels, LeafQuery& qu
       (model.clusters.origin - query.origin) + Vec3{block.x[lane], block.y[lane], block.z[lane]};
   put_vector(centre, terms.centre);
   put_cuts(query, centre, radius, terms);
+  const double gap = put_bend(centre, terms) - radius;
   put_corners(model.clusters.corners[leaf], terms);
   kernels.leaf_forces(terms);
 
@@ -94,10 +112,9 @@ bool leaf_contact(const Model& model, const FieldKernels& kernels, LeafQuery& qu
   const double surface = sum[LeafTerms::surface];
   // The field bends by at most one over the distance from the axis, so over a triangle it rises over the
   // corners' plane by half the square of the radius of a circle round it over that: at most a sixth of the
-  // square of its longest edge, or half of the leaf's radius.
-  const Vec3 axis = vector_of(shape.axis);
-  const Vec3 nearest = clamp(dot(centre, axis), 0, shape.length) * axis;
-  const double gap = norm(centre - nearest) - radius, bend = shape.flat ? 0 : 1 / gap;
+  // square of its longest edge, or half of that of the leaf's radius.
+  // The mean of that, by the second derivative at the leaf's centre, is added: never more than the whole.
+  const double bend = shape.flat ? 0 : 1 / gap;
   const double edge = block.edge[lane], off = bend * min(0.5 * radius * radius, edge * edge / 6);
   contact.area = most > -off ? max(sum[LeafTerms::area], 1e-6 * surface) : 0;
   if (!(contact.area > 0)) return true;

@@ -174,7 +174,8 @@ template <class V>
 void leaf_forces(LeafTerms& terms) {
   const V zero = number<V>(0), half = number<V>(0.5);
   const auto shape = in_all_lanes<V>(terms.shape);
-  const Wide3<V> centre = in_all_lanes<V>(terms.centre);
+  const Wide3<V> centre = in_all_lanes<V>(terms.centre), across = in_all_lanes<V>(terms.across);
+  const V per_bend = V(terms.field_bend / 24), side_bends = V(terms.side);
   for (std::size_t i = 0; i < LeafTerms::kCapacity; i += wide::Lanes<V>::kCount) {
     Wide3<V> from[3], corner[3];
     V height[3];
@@ -189,7 +190,14 @@ void leaf_forces(LeafTerms& terms) {
     const V twice = root(dot(raw, raw)), per = one_over(twice), area = half * twice;
     const Wide3<V> normal = choose(twice > zero, per * raw, Wide3<V>{zero, zero, zero});
     const V longest = greater(dot(side, side), greater(dot(side_s, side_s), dot(side_t, side_t)));
-    const Sloped<V> phi = between_corners(height);
+    // The mean of what a field that bends so is above the corners' plane.
+    const auto bent = [&](Wide3<V> e) {
+      const V e_across = dot(e, across), e_along = dot(e, shape.axis);
+      return dot(e, e) - e_across * e_across - side_bends * (e_along * e_along);
+    };
+    const V lift = per_bend * (bent(side_s) + bent(side_t) + bent(side));
+    Sloped<V> phi = between_corners(height);
+    phi.start = phi.start + lift;
     Sloped<V> cut[LeafTerms::kCutCapacity];
     V doubt = zero;
     for (int k = 0; k < terms.cut_count; ++k)
