@@ -230,7 +230,9 @@ void add_sizes() {
       add_field("A_drape" + how + size, {.cells = cells, .tolerance = tolerance});
       add_field("B_drape" + how + size, {.fine = false, .cells = cells, .tolerance = tolerance});
     }
-    add_field("A_drape_fingers/exact/" + size, {.cells = cells, .has_palm = false});
+    for (const double tolerance : {0.0, 1e-1})
+      add_field(std::string("A_drape_fingers/") + precision_name(tolerance) + "/" + size,
+                {.cells = cells, .tolerance = tolerance, .has_palm = false});
     add_field("A_tips/exact/" + size, {.cells = cells, .touch = Touch::tips});
     add_field("A_one_finger/exact/" + size, {.cells = cells, .touch = Touch::finger});
     add_field("B_empty_space/exact/" + size, {.fine = false, .cells = cells, .touch = Touch::none});
