@@ -168,7 +168,8 @@ const char* precision_name(double tolerance) {
          : tolerance < 5e-4 ? "1e-4"
          : tolerance < 5e-3 ? "1e-3"
          : tolerance < 2e-2 ? "1e-2"
-                            : "3e-2";
+         : tolerance < 5e-2 ? "3e-2"
+                            : "1e-1";
 }
 
 // ---- Time against force error ----
@@ -212,12 +213,14 @@ void add_errors() {
 void add_sizes() {
   for (const std::uint32_t cells : {9u, 29u, 49u, 69u, 224u, 708u, 2236u}) {
     const std::string size = triangles_of(cells);
-    for (const double tolerance : {0.0, 1e-3, 3e-2}) {
+    for (const double tolerance : {0.0, 1e-3, 3e-2, 1e-1}) {
       const std::string how = std::string("/") + precision_name(tolerance) + "/";
       add_field("A_drape" + how + size, {.cells = cells, .tolerance = tolerance});
       add_field("B_drape" + how + size, {.fine = false, .cells = cells, .tolerance = tolerance});
     }
-    add_field("A_drape_fingers/exact/" + size, {.cells = cells, .has_palm = false});
+    for (const double tolerance : {0.0, 1e-1})
+      add_field(std::string("A_drape_fingers/") + precision_name(tolerance) + "/" + size,
+                {.cells = cells, .tolerance = tolerance, .has_palm = false});
     add_field("A_tips/exact/" + size, {.cells = cells, .touch = Touch::tips});
     add_field("A_one_finger/exact/" + size, {.cells = cells, .touch = Touch::finger});
     add_field("B_empty_space/exact/" + size, {.fine = false, .cells = cells, .touch = Touch::none});

@@ -162,7 +162,7 @@ TEST(Clusters, AreBuiltOnlyWhereThePrecisionAsksForThem) {
   scene.settings.tolerance = 1e-3;
   const double bytes = static_cast<double>(byte_count(model_of(scene).clusters));
   EXPECT_GT(bytes, 0);
-  EXPECT_LT(bytes / (2 * 40 * 40), 36);
+  EXPECT_LT(bytes / (2 * 40 * 40), 76);
   scene.settings.law.fill(Law::column);
   EXPECT_EQ(byte_count(model_of(scene).clusters), 0u);
 }
@@ -195,6 +195,10 @@ TEST(Clusters, HaveTheMomentsOfTheirTriangles) {
             second_xy += (m.x * m.y / 3) * n;
             EXPECT_LE(norm(p[i]), radius * (1 + 1e-6) + 1e-9);
             EXPECT_LE(std::fabs(dot(p[i], mean)), block.thickness[c % 4] * (1 + 1e-5) + 1e-9);
+            EXPECT_LE(std::fabs(p[i].x), block.bx[c % 4] * (1 + 1e-6) + 1e-9);
+            EXPECT_LE(std::fabs(p[i].y), block.by[c % 4] * (1 + 1e-6) + 1e-9);
+            EXPECT_LE(std::fabs(p[i].z), block.bz[c % 4] * (1 + 1e-6) + 1e-9);
+            EXPECT_LE(norm(p[(i + 1) % 3] - p[i]), block.edge[c % 4] * (1 + 1e-6) + 1e-9);
           }
           if (level == 0) ++seen;
         }

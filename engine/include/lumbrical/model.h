@@ -140,6 +140,14 @@ struct alignas(64) ClusterBlock {
   std::array<float, kWidth> r{};               ///< no corner is farther from it; negative: an empty place
   std::array<float, kWidth> nx{}, ny{}, nz{};  ///< mean normal, unit; 0 where normals cancel
   std::array<float, kWidth> thickness{};       ///< no corner is farther from the centre along that normal
+  std::array<float, kWidth> bx{}, by{}, bz{};  ///< nor along x, y and z
+  std::array<float, kWidth> edge{};            ///< no edge is longer
+};
+
+/// The triangles of a leaf by corner, axis and triangle [m], relative to the leaf's centre; where one is
+/// missing, all its corners are the same.
+struct alignas(32) LeafCorners {
+  float at[3][3][8];
 };
 
 /// Integrals over the surface of a cluster, h counted from its centre, n the outward normal. 128 bytes.
@@ -160,6 +168,7 @@ struct ClusterTree {
   std::vector<std::uint32_t> level;     ///< first cluster of each size, the leaves' first; then their end
   std::vector<ClusterBlock> block;      ///< cluster i is number i % 4 of block i / 4
   std::vector<ClusterMoments> moments;  ///< of each cluster
+  std::vector<LeafCorners> corners;     ///< of each leaf
 };
 
 struct VoxelIndex;  // lists of triangles by voxel; voxel_index.h inside the engine, lumbrical/voxel.h outside

@@ -9,10 +9,16 @@
 namespace lumbrical {
 
 /// Sorts `keys` ascending. `other` is working memory of at least the same size. Bytes in which all keys agree
-/// cost one look each.
+/// cost one look each, and keys that are in order already are left alone.
 inline void radix_sort(std::span<std::uint64_t> keys, std::span<std::uint64_t> other) {
-  std::uint64_t differing = 0;
-  for (const std::uint64_t key : keys) differing |= key ^ keys[0];
+  std::uint64_t differing = 0, last = 0;
+  bool in_order = true;
+  for (const std::uint64_t key : keys) {
+    differing |= key ^ keys[0];
+    in_order = in_order && last <= key;
+    last = key;
+  }
+  if (in_order) return;
   std::uint64_t *from = keys.data(), *to = other.data();
   for (int shift = 0; shift < 64; shift += 8) {
     if ((differing >> shift & 0xff) == 0) continue;

@@ -16,15 +16,22 @@ constexpr std::uint32_t kFewEnough = 16;
 // Lengths kept in single precision are made longer by this share, so that they stay bounds.
 constexpr double kLonger = 1 + 1e-6;
 
+// Clusters of up to 8 x 4^3 triangles are measured, larger ones told from their parts.
+constexpr std::size_t kMeasured = 3;
+
 // Axes of the six second moments.
 constexpr int kPair[6][2] = {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}};
 
 // A cluster before it is rounded; moments about its centre.
 struct Cluster {
   Vec3 centre;
-  double radius = 0, area = 0, thickness = 0;
+  double radius = 0, area = 0, thickness = 0, edge = 0;
+  Vec3 box;  // no corner is farther along an axis
   Vec3 normal, first[3], second[6];
 };
+
+Vec3 most_of(Vec3 a, Vec3 b) { return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)}; }
+Vec3 size_of(Vec3 v) { return {std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}; }
 
 double part(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
@@ -63,6 +70,29 @@ void add_part(const Cluster& from, Cluster& to) {
   }
 }
 
+// Corners of the cluster's triangles relative to its centre: how far they reach, exactly.
+void measure(const Triangles& triangles, Vec3 origin, std::span<const std::uint32_t> members,
+             Cluster& cluster) {
+  cluster.radius = cluster.thickness = cluster.edge = 0;
+  cluster.box = {};
+  const Vec3 n = mean_normal(cluster), centre = origin + cluster.centre;
+  double farthest = 0, longest = 0;  // squares
+  for (const std::uint32_t t : members) {
+    const Vec3 corner[] = {triangles.vertex(triangles.a[t]) - centre,
+                           triangles.vertex(triangles.b[t]) - centre,
+                           triangles.vertex(triangles.c[t]) - centre};
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 p = corner[k], edge = corner[(k + 1) % 3] - p;
+      farthest = max(farthest, dot(p, p));
+      longest = max(longest, dot(edge, edge));
+      cluster.thickness = max(cluster.thickness, std::fabs(dot(p, n)));
+      cluster.box = most_of(cluster.box, size_of(p));
+    }
+  }
+  cluster.radius = std::sqrt(farthest);
+  cluster.edge = std::sqrt(longest);
+}
+
 Cluster leaf_of(const Triangles& triangles, Vec3 origin, std::span<const std::uint32_t> members) {
   Vec3 corner[kLeafSize][3];
   Vec3 weighted, mean;
@@ -81,16 +111,10 @@ Cluster leaf_of(const Triangles& triangles, Vec3 origin, std::span<const std::ui
   Cluster leaf;
   leaf.centre = rounded(area > 0 ? weighted / area : mean);
   for (std::size_t i = 0; i < members.size(); ++i) {
-    for (Vec3& p : corner[i]) {
-      p = p - leaf.centre;
-      leaf.radius = max(leaf.radius, norm(p));
-    }
+    for (Vec3& p : corner[i]) p = p - leaf.centre;
     add_triangle(corner[i], leaf);
   }
-  const Vec3 n = mean_normal(leaf);
-  for (std::size_t i = 0; i < members.size(); ++i) {
-    for (const Vec3 p : corner[i]) leaf.thickness = max(leaf.thickness, std::fabs(dot(p, n)));
-  }
+  measure(triangles, origin, members, leaf);
   return leaf;
 }
 
@@ -109,6 +133,8 @@ Cluster joined(std::span<const Cluster> parts) {
   for (const Cluster& c : parts) {
     add_part(c, whole);
     whole.radius = max(whole.radius, norm(c.centre - whole.centre) + c.radius);
+    whole.box = most_of(whole.box, size_of(c.centre - whole.centre) + c.box);
+    whole.edge = max(whole.edge, c.edge);
   }
   const Vec3 n = mean_normal(whole);
   for (const Cluster& c : parts) {
@@ -138,6 +164,10 @@ void put_cluster(const Cluster& cluster, std::uint32_t number, ClusterTree& tree
   block.nz[lane] = static_cast<float>(n.z);
   // The normal is rounded as well.
   block.thickness[lane] = static_cast<float>(kLonger * (cluster.thickness + 1e-6 * cluster.radius));
+  block.bx[lane] = static_cast<float>(kLonger * cluster.box.x);
+  block.by[lane] = static_cast<float>(kLonger * cluster.box.y);
+  block.bz[lane] = static_cast<float>(kLonger * cluster.box.z);
+  block.edge[lane] = static_cast<float>(kLonger * cluster.edge);
   ClusterMoments& moments = tree.moments[number];
   put_vector(cluster.normal, moments.normal);
   for (int j = 0; j < 3; ++j) put_vector(cluster.first[j], moments.first[j]);
@@ -156,11 +186,27 @@ Cluster get_cluster(const ClusterTree& tree, std::uint32_t number) {
   cluster.centre = {block.x[lane], block.y[lane], block.z[lane]};
   cluster.radius = block.r[lane];
   cluster.thickness = block.thickness[lane];
+  cluster.box = {block.bx[lane], block.by[lane], block.bz[lane]};
+  cluster.edge = block.edge[lane];
   cluster.area = moments.area;
   cluster.normal = vector_of(moments.normal);
   for (int j = 0; j < 3; ++j) cluster.first[j] = vector_of(moments.first[j]);
   for (int m = 0; m < 6; ++m) cluster.second[m] = vector_of(moments.second[m]);
   return cluster;
+}
+
+LeafCorners corners_of_leaf(const Triangles& triangles, Vec3 centre, std::span<const std::uint32_t> members) {
+  LeafCorners corners;
+  for (std::size_t k = 0; k < kLeafSize; ++k) {
+    const std::uint32_t t = members[k < members.size() ? k : 0], a = triangles.a[t];
+    const bool there = k < members.size();
+    const std::uint32_t vertex[] = {a, there ? triangles.b[t] : a, there ? triangles.c[t] : a};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Vec3 p = triangles.vertex(vertex[c]) - centre;
+      for (int axis = 0; axis < 3; ++axis) corners.at[c][axis][k] = static_cast<float>(part(p, axis));
+    }
+  }
+  return corners;
 }
 
 struct Member {
@@ -230,21 +276,31 @@ ClusterTree build_clusters(const Triangles& triangles, const Execution& executio
   empty.r.fill(-1);
   tree.block.assign(tree.level.back() / kWidth, empty);
   tree.moments.resize(tree.level.back());
+  tree.corners.resize(counts[0]);
   // Chunks of whole blocks: every chunk writes to its own.
   parallel_chunks((counts[0] + kWidth - 1) / kWidth, 1024, execution.threads,
                   [&](std::size_t first, std::size_t last) {
                     const auto end = std::min(static_cast<std::uint32_t>(last) * kWidth, counts[0]);
-                    for (auto i = static_cast<std::uint32_t>(first) * kWidth; i < end; ++i)
-                      put_cluster(leaf_of(triangles, tree.origin, triangles_of(tree, i)), i, tree);
+                    for (auto i = static_cast<std::uint32_t>(first) * kWidth; i < end; ++i) {
+                      const std::span members = triangles_of(tree, i);
+                      const Cluster leaf = leaf_of(triangles, tree.origin, members);
+                      put_cluster(leaf, i, tree);
+                      tree.corners[i] = corners_of_leaf(triangles, tree.origin + leaf.centre, members);
+                    }
                   });
   for (std::size_t size = 1; size < counts.size(); ++size) {
-    for (std::uint32_t i = 0; i < counts[size]; ++i) {
-      Cluster parts[kWidth];
-      const std::uint32_t first = i * kWidth, count = std::min(kWidth, counts[size - 1] - first);
-      for (std::uint32_t k = 0; k < count; ++k)
-        parts[k] = get_cluster(tree, tree.level[size - 1] + first + k);
-      put_cluster(joined({parts, count}), tree.level[size] + i, tree);
-    }
+    parallel_chunks(counts[size], 1024, execution.threads, [&](std::size_t begin, std::size_t end) {
+      for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+        Cluster parts[kWidth];
+        const std::uint32_t first = i * kWidth, count = std::min(kWidth, counts[size - 1] - first);
+        for (std::uint32_t k = 0; k < count; ++k)
+          parts[k] = get_cluster(tree, tree.level[size - 1] + first + k);
+        Cluster whole = joined({parts, count});
+        const std::uint32_t number = tree.level[size] + i;
+        if (size <= kMeasured) measure(triangles, tree.origin, triangles_of(tree, number), whole);
+        put_cluster(whole, number, tree);
+      }
+    });
   }
   if (execution.broadphase != Broadphase::tree) {
     tree.place.resize(triangle_count);
@@ -262,7 +318,8 @@ std::span<const std::uint32_t> triangles_of(const ClusterTree& tree, std::uint32
 
 std::size_t byte_count(const ClusterTree& tree) {
   return (tree.triangle.size() + tree.place.size() + tree.level.size()) * sizeof(std::uint32_t) +
-         tree.block.size() * sizeof(ClusterBlock) + tree.moments.size() * sizeof(ClusterMoments);
+         tree.block.size() * sizeof(ClusterBlock) + tree.moments.size() * sizeof(ClusterMoments) +
+         tree.corners.size() * sizeof(LeafCorners);
 }
 
 }  // namespace lumbrical

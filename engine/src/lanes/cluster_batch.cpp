@@ -10,9 +10,9 @@ namespace {
 void pad(ClusterTerms& terms) {
   const auto copy = [&](auto& row, std::size_t to) { row[to] = row[0]; };
   for (std::size_t k = terms.count; k % 8 != 0; ++k) {
-    for (auto* vector : {&terms.centre, &terms.mean_normal, &terms.normal, &terms.first[0], &terms.first[1],
-                         &terms.first[2], &terms.second[0], &terms.second[1], &terms.second[2],
-                         &terms.second[3], &terms.second[4], &terms.second[5]}) {
+    for (auto* vector : {&terms.centre, &terms.mean_normal, &terms.box, &terms.normal, &terms.first[0],
+                         &terms.first[1], &terms.first[2], &terms.second[0], &terms.second[1],
+                         &terms.second[2], &terms.second[3], &terms.second[4], &terms.second[5]}) {
       for (auto& row : *vector) copy(row, k);
     }
     for (auto* row : {&terms.radius, &terms.thickness, &terms.surface}) copy(*row, k);
@@ -36,6 +36,7 @@ void add_to_batch(Contact& contact, ClusterBatch& batch) {
   const std::size_t lane = cluster % ClusterBlock::kWidth;
   put_vector(batch.from_end + Vec3{block.x[lane], block.y[lane], block.z[lane]}, k, terms.centre);
   put_vector({block.nx[lane], block.ny[lane], block.nz[lane]}, k, terms.mean_normal);
+  put_vector({block.bx[lane], block.by[lane], block.bz[lane]}, k, terms.box);
   terms.radius[k] = block.r[lane];
   terms.thickness[k] = block.thickness[lane];
   terms.surface[k] = moments.area;

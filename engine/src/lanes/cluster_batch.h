@@ -24,7 +24,7 @@ struct ClusterBatch {
 inline void prefetch_cluster(const ClusterTree& tree, std::uint32_t cluster) {
   const auto* const moments = reinterpret_cast<const char*>(&tree.moments[cluster]);
   const auto* const block = reinterpret_cast<const char*>(&tree.block[cluster / ClusterBlock::kWidth]);
-  for (const char* line : {moments, moments + 64, block, block + 64}) __builtin_prefetch(line);
+  for (const char* line : {moments, moments + 64, block, block + 64, block + 128}) __builtin_prefetch(line);
 }
 
 /// Empties the batch for clusters of `primitive`.

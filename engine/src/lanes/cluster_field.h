@@ -76,27 +76,53 @@ CentreField<V> field_at(const WideShape<V>& shape, Wide3<V> p) {
   return {shape.height - dot(shape.face, p), shape.face, {zero, zero, zero}, zero, zero, far, far, far};
 }
 
+/// How far beyond a cut (CutShape) the points are.
+template <class V>
+inline V beyond(const CutShape<NumberOf<V>>& cut, Wide3<V> p) {
+  const V height = dot(in_all_lanes<V>(cut.normal), p) - V(cut.height);
+  if (cut.bow == 0) return height;
+  const V x = dot(in_all_lanes<V>(cut.x), p) - V(cut.x[3]), y = dot(in_all_lanes<V>(cut.y), p) - V(cut.y[3]);
+  return height + V(cut.bow) * root(x * x + y * y);
+}
+
 template <class V>
 struct ClusterBounds {
-  V differ;  // [m] phi differs by no more from its value at the centre
-  V rest;    // [m] and by no more from its second-order form; large where the cluster is too wide
-  V gap;     // [m] no corner is nearer to the axis
+  V rise;  // [m] phi is above its value at the centre by no more
+  V fall;  // [m] and below it by no more
+  V rest;  // [m] it differs by no more from its second-order form; large where the cluster is too wide
+  V gap;   // [m] no corner is nearer to the axis
+};
+
+// Where the corners of a cluster are, seen from its centre.
+template <class V>
+struct ClusterReach {
+  V radius;
+  Wide3<V> normal;
+  V thickness;
+  Wide3<V> box;
 };
 
 template <class V>
-ClusterBounds<V> bounds_of(const CentreField<V>& at, V jointed, V radius, Wide3<V> normal, V thickness) {
+ClusterBounds<V> bounds_of(const CentreField<V>& at, V jointed, const ClusterReach<V>& reach) {
   const V zero = number<V>(0), one = number<V>(1), half = number<V>(0.5);
+  const V radius = reach.radius;
   const auto narrow = radius <= number<V>(kWidest) * at.distance;
   const V gap = choose(narrow, at.distance - radius, one), per = one_over(gap);
   const V beyond1 = greater(radius - at.margin1, zero), beyond2 = greater(radius - at.margin2, zero);
   const V bent = radius * radius * per;
   const V rest = number<V>(kTaylorRest) * (radius * (bent * per)) +
                  jointed * ((beyond1 * beyond1 + beyond2 * beyond2) * per);
-  const V slope = dot(at.out, normal);
+  const V slope = dot(at.out, reach.normal);
   // What rounding leaves of a slope of nothing is made up for.
   const V along = root(greater(one - slope * slope, zero) + number<V>(1e-6));
-  const V differ = radius * along + thickness * magnitude(slope) + half * bent;
-  return {choose(narrow, lesser(differ, radius), radius), choose(narrow, rest, number<V>(1e30)), gap};
+  const Wide3<V> level = at.out - slope * reach.normal;  // what is left of it in the cluster's plane
+  const V in_box =
+      magnitude(level.x) * reach.box.x + magnitude(level.y) * reach.box.y + magnitude(level.z) * reach.box.z;
+  const V rise = lesser(lesser(radius * along, in_box) + reach.thickness * magnitude(slope), radius);
+  // phi is concave: its bend only lowers it.
+  const V fall = lesser(rise + half * bent, radius);
+  return {choose(narrow, rise, radius), choose(narrow, fall, radius), choose(narrow, rest, number<V>(1e30)),
+          gap};
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

@@ -63,16 +63,16 @@ Wrench<V> integrate_form(const CentreField<V>& at, Wide3<V> axis, const Surface<
 template <class V>
 struct Ramp {
   V level, share;
-  V error;  // [m] at most, as long as phi differs by no more than `differ` from phi0
+  V error;  // [m] at most, as long as phi is between phi0 - fall and phi0 + rise
 };
 
 template <class V>
-Ramp<V> ramp_of(V phi, V half, V differ) {
+Ramp<V> ramp_of(V phi, V half, V rise, V fall) {
   const V zero = number<V>(0), one = number<V>(1);
   const V share = between(quotient(phi + half, half + half), zero, one);
   const auto through = both(phi<half, phi> zero - half);
   const V level = choose(through, quotient((half - phi) * (half + phi), number<V>(4) * half), zero);
-  const V low = phi - differ, high = phi + differ;
+  const V low = phi - fall, high = phi + rise;
   const V at_low = magnitude(greater(low, zero) - level - share * low),
           at_high = magnitude(greater(high, zero) - level - share * high);
   const V between_them = choose(both(low<zero, high> zero), level, zero);
@@ -108,16 +108,16 @@ void cluster_forces(ClusterTerms& terms) {
     const Wide3<V> centre = vector_at<V>(terms.centre, i), normal = vector_at<V>(terms.mean_normal, i);
     const V radius = get(terms.radius + i, V{}), thickness = get(terms.thickness + i, V{});
     const CentreField<V> at = field_at(shape, centre);
-    const ClusterBounds<V> bounds = bounds_of(at, shape.jointed, radius, normal, thickness);
+    const ClusterBounds<V> bounds =
+        bounds_of(at, shape.jointed, ClusterReach<V>{radius, normal, thickness, vector_at<V>(terms.box, i)});
     const Surface<V> surface = surface_at<V>(terms, i);
     Wide3<V> spread;
     const Wrench<V> form = integrate_form(at, shape.axis, surface, spread);
     // Variance of phi over the cluster as its normals tell it; evenly spread over 3 of it to either side.
     const V least = greater(dot(surface.normal, surface.normal), number<V>(1e-300));
     const V variance = greater(quotient(dot(spread, surface.normal), least), zero);
-    const V reach =
-        between(root(number<V>(3) * variance), number<V>(kLeastRamp) * bounds.differ, bounds.differ);
-    const Ramp<V> ramp = ramp_of(at.phi, greater(reach, number<V>(1e-300)), bounds.differ);
+    const V reach = between(root(number<V>(3) * variance), number<V>(kLeastRamp) * bounds.fall, bounds.fall);
+    const Ramp<V> ramp = ramp_of(at.phi, greater(reach, number<V>(1e-300)), bounds.rise, bounds.fall);
     const Wide3<V> lever = moment_of(surface.first[0], surface.first[1], surface.first[2]);
     const Wrench<V> wrench{ramp.level * surface.normal + ramp.share * form.force,
                            ramp.level * lever + ramp.share * form.couple};

@@ -14,6 +14,7 @@ struct ClusterRow {
   static constexpr std::size_t kWidth = 16;
   alignas(64) float x[kWidth], y[kWidth], z[kWidth], r[kWidth];
   alignas(64) float nx[kWidth], ny[kWidth], nz[kWidth], thickness[kWidth];
+  alignas(64) float bx[kWidth], by[kWidth], bz[kWidth], edge[kWidth];
 };
 
 inline void put_block(const ClusterBlock& block, std::size_t place, ClusterRow& row) {
@@ -27,6 +28,10 @@ inline void put_block(const ClusterBlock& block, std::size_t place, ClusterRow& 
   std::memcpy(row.ny + first, block.ny.data(), kBytes);
   std::memcpy(row.nz + first, block.nz.data(), kBytes);
   std::memcpy(row.thickness + first, block.thickness.data(), kBytes);
+  std::memcpy(row.bx + first, block.bx.data(), kBytes);
+  std::memcpy(row.by + first, block.by.data(), kBytes);
+  std::memcpy(row.bz + first, block.bz.data(), kBytes);
+  std::memcpy(row.edge + first, block.edge.data(), kBytes);
 }
 
 struct ClusterBits {
@@ -43,27 +48,29 @@ inline ClusterBits kinds_in_row(const ClusterRow& row, const ClusterQuery& query
     const V r = get(row.r + i, V{}), thickness = get(row.thickness + i, V{});
     const Wide3<V> p = Wide3<V>{get(row.x + i, V{}), get(row.y + i, V{}), get(row.z + i, V{})} - origin;
     const Wide3<V> normal{get(row.nx + i, V{}), get(row.ny + i, V{}), get(row.nz + i, V{})};
-    V beyond = zero;                // wholly beyond a plane
-    V through = zero, near = zero;  // planes through it; borders in reach, which may be anything but planes
-    for (int k = 0; k < query.plane_count; ++k) {
-      const ClusterQuery::Plane& plane = query.plane[k];
-      const V height = dot(p, Wide3<V>{V(plane.nx), V(plane.ny), V(plane.nz)}) - V(plane.height);
-      const V reach = r + (V(plane.margin) + slack);
-      beyond = choose(height >= reach, one, beyond);
+    const Wide3<V> box{get(row.bx + i, V{}), get(row.by + i, V{}), get(row.bz + i, V{})};
+    V gone = zero;                  // wholly beyond a cut
+    V through = zero, near = zero;  // cuts through it; borders in reach, which may be anything but cones
+    for (int k = 0; k < query.cut_count; ++k) {
+      const CutShape<float>& cut = query.cut[k];
+      const V height = beyond(cut, p);
+      const V reach = V(cut.steep) * (r + slack) + V(query.margin[k]);
+      gone = choose(height >= reach, one, gone);
       const V crossed = choose(height <= zero - reach, zero, one);
       through = through + crossed;
-      if (plane.margin > 0) near = near + crossed;
+      if (query.margin[k] > 0) near = near + crossed;
     }
     const CentreField<V> at = field_at(shape, p);
-    const ClusterBounds<V> bounds = bounds_of(at, shape.jointed, r, normal, thickness);
-    const V differ = bounds.differ + slack;
-    const auto met = both(r >= zero, both(beyond == zero, at.phi > zero - differ));
-    const V ramp = choose(at.phi >= differ, zero, number<V>(kRampRest) * bounds.differ);
+    const ClusterBounds<V> bounds = bounds_of(at, shape.jointed, ClusterReach<V>{r, normal, thickness, box});
+    const auto met = both(r >= zero, both(gone == zero, at.phi > zero - (bounds.rise + slack)));
+    const V ramp = choose(at.phi >= bounds.fall + slack, zero, number<V>(kRampRest) * bounds.fall);
     const auto fits = both(bounds.rest + ramp <= allowed, thickness * at.phi <= V(query.twist));
     const auto good = both(through == zero, fits);
-    // Over a triangle the field is above the corners' plane by half the bend at most.
-    const V above = shape.flat ? zero : number<V>(0.5) * (r * r * one_over(bounds.gap));
-    const auto few = both(near == zero, through <= number<V>(LeafTerms::kPlaneCapacity));
+    // Over a triangle the field is above the corners' plane by so much at most (leaf_contact.cpp).
+    const V edge = get(row.edge + i, V{});
+    const V square = lesser(number<V>(0.5) * (r * r), number<V>(1.0 / 6) * (edge * edge));
+    const V above = shape.flat ? zero : square * one_over(bounds.gap);
+    const auto few = both(near == zero, through <= number<V>(LeafTerms::kCutCapacity));
     const auto straight = both(bounds.rest < number<V>(1), above <= allowed);
     bits.use |= wide::bits_of(both(met, good), zero) << i;
     bits.split |= wide::bits_of(both(met, both(few, straight)), zero) << i;
@@ -96,6 +103,7 @@ void cluster_kinds(const ClusterBlock* blocks, const ClusterQuery& query, const 
         const ClusterBlock& soon = blocks[list[i + k + kAhead]];
         __builtin_prefetch(&soon.x);
         __builtin_prefetch(&soon.nx);
+        __builtin_prefetch(&soon.bx);
       }
       if (i + k < count) {
         put_block(blocks[list[i + k]], k, row);

@@ -16,12 +16,6 @@ float number(double value) { return static_cast<float>(value); }
 
 double largest_part(Vec3 v) { return max(std::fabs(v.x), max(std::fabs(v.y), std::fabs(v.z))); }
 
-void add_plane(const HalfSpace& space, Vec3 origin, double margin, ClusterQuery& query) {
-  const Vec3 n = space.normal;
-  query.plane[query.plane_count++] = {number(n.x), number(n.y), number(n.z),
-                                      number(dot(n, space.point - origin)), number(margin)};
-}
-
 FieldShape<float> in_single(const FieldShape<double>& shape) {
   FieldShape<float> single;
   single.flat = shape.flat;
@@ -37,27 +31,66 @@ FieldShape<float> in_single(const FieldShape<double>& shape) {
   return single;
 }
 
-ClusterQuery cluster_query(const ClusterTree& tree, const Prism& palm, const Primitive& primitive,
+CutShape<float> in_single(const CutShape<double>& cut) {
+  CutShape<float> single;
+  for (std::size_t i = 0; i < 3; ++i) single.normal[i] = number(cut.normal[i]);
+  single.height = number(cut.height);
+  for (std::size_t i = 0; i < 4; ++i) {
+    single.x[i] = number(cut.x[i]);
+    single.y[i] = number(cut.y[i]);
+  }
+  single.bow = number(cut.bow);
+  single.slope = number(cut.slope);
+  single.steep = number(cut.steep);
+  return single;
+}
+
+ClusterQuery cluster_query(const ClusterTree& tree, const Primitives& hand, const Primitive& primitive,
                            double tolerance) {
   FieldShape<double> shape;
-  const Vec3 origin = set_shape(primitive, palm, shape), from = origin - tree.origin;
+  const Vec3 origin = set_shape(primitive, hand.palm, shape), from = origin - tree.origin;
   ClusterQuery query;
   query.shape = in_single(shape);
   query.x = number(from.x);
   query.y = number(from.y);
   query.z = number(from.z);
-  if (shape.flat) {
-    for (int i = 1; i < palm.face_count; ++i)
-      add_plane(palm.face[static_cast<std::size_t>(i)], origin, 0, query);
-  } else {
-    for (std::size_t i = 0; i < primitive.cut_count; ++i)
-      add_plane(primitive.cut[i], origin, primitive.overhang[i], query);
+  TileCuts cuts;
+  set_cuts(hand, primitive, origin, cuts);
+  query.cut_count = cuts.count;
+  for (int k = 0; k < cuts.count; ++k) {
+    query.cut[k] = in_single(cuts.cut[k]);
+    query.margin[k] = number(cuts.margin[k]);
   }
   query.slack = number(kFloatSlack * (largest_part(from) + shape.length + shape.radius1));
   query.allowed = number((tolerance - kMomentRounding) * shape.size);
   // The normals of a cluster differ by about thickness / radius, and their twist has levers of its radius.
   query.twist = number(4 * shape.size * (tolerance - kMomentRounding) * shape.size);
   return query;
+}
+
+// The border that a tile's cut stands for (add_body in hand_pose.cpp); null where it is no more than a plane.
+const JointBorder* border_at(const Primitives& hand, const Primitive& tile, std::size_t cut) {
+  if (!(tile.overhang[cut] > 0)) return nullptr;
+  const std::size_t i = tile.segment;
+  return &hand.border[cut == 0 && i % 3 > 0 && hand.present[i - 1] ? i - 1 : i];
+}
+
+CutShape<double> plane_cut(const HalfSpace& space, Vec3 origin) {
+  CutShape<double> cut;
+  put_vector(space.normal, cut.normal);
+  cut.height = dot(space.normal, space.point - origin);
+  return cut;
+}
+
+// What lies beyond the border is the rival's; the joint's normal leads from the inner tile to the outer one.
+CutShape<double> border_cut(const JointBorder& border, bool is_inner_tile, Vec3 origin) {
+  CutShape<double> cut = plane_cut({is_inner_tile ? border.normal : -border.normal, border.centre}, origin);
+  put_plane({border.x, border.centre}, origin, cut.x);
+  put_plane({border.y, border.centre}, origin, cut.y);
+  cut.bow = is_inner_tile ? -border.side : border.side;
+  cut.slope = max(norm(border.x), norm(border.y));
+  cut.steep = std::sqrt(1 + cut.slope * cut.slope);
+  return cut;
 }
 
 // Half the palm's thickness: what stands for R in its errors and tolerance. [m]
@@ -84,6 +117,27 @@ Vec3 set_shape(const Primitive& primitive, const Prism& palm, FieldShape<double>
   return hull.origin;
 }
 
+void set_cuts(const Primitives& hand, const Primitive& primitive, Vec3 origin, TileCuts& cuts) {
+  cuts.count = 0;
+  const auto add = [&](const CutShape<double>& cut, double margin) {
+    cuts.cut[cuts.count] = cut;
+    cuts.margin[cuts.count++] = margin;
+  };
+  if (primitive.shape == Shape::prism) {
+    for (int i = 1; i < hand.palm.face_count; ++i)
+      add(plane_cut(hand.palm.face[static_cast<std::size_t>(i)], origin), 0);
+    return;
+  }
+  for (std::size_t i = 0; i < primitive.cut_count; ++i) {
+    const JointBorder* const border = border_at(hand, primitive, i);
+    if (border != nullptr && border->near) {
+      add(border_cut(*border, border == &hand.border[primitive.segment], origin), 0);
+    } else {
+      add(plane_cut(primitive.cut[i], origin), primitive.overhang[i]);
+    }
+  }
+}
+
 bool uses_clusters(const Model& model, const Primitives& hand, const Primitive& primitive) {
   if (model.clusters.triangle.empty() || primitive.law != Law::field) return false;
   if (primitive.shape == Shape::prism) return half_thickness(hand.palm) > 0;
@@ -96,26 +150,31 @@ FoundClusters find_clusters(const Model& model, const Primitives& hand, const Pr
                             const FieldKernels& kernels, SearchMemory& memory) {
   const ClusterTree& tree = model.clusters;
   constexpr std::uint32_t kWidth = ClusterBlock::kWidth;
-  const ClusterQuery query = cluster_query(tree, hand.palm, primitive, model.settings.tolerance);
+  const ClusterQuery query = cluster_query(tree, hand, primitive, model.settings.tolerance);
   auto& [now, next] = memory.open_clusters;
   ClusterHits hits;
-  hits.use = memory.used_clusters.data();
   hits.split = memory.split_leaves.data();
-  std::size_t size = tree.level.size() - 2;  // of the largest clusters
+  FoundClusters found;
+  found.size_count = tree.level.size() - 1;
+  std::size_t size = found.size_count - 1;  // of the largest clusters
   std::size_t count = 0;
   for (std::uint32_t i = tree.level[size]; i < tree.level[size + 1]; i += kWidth) now[count++] = i / kWidth;
   for (;; --size) {
+    hits.use = memory.used_clusters.data() + tree.level[size];
     hits.open = next.data();
-    hits.open_count = 0;
+    hits.use_count = hits.open_count = 0;
     hits.leaves = size == 0;
     kernels.cluster_kinds(tree.block.data(), query, now.data(), count, hits);
+    found.used[size] = {hits.use, hits.use_count};
     if (size == 0) break;
     // The children of cluster i of a size are block i of the next one.
     count = hits.open_count;
     const std::uint32_t first = tree.level[size], below = tree.level[size - 1] / kWidth;
     for (std::size_t i = 0; i < count; ++i) now[i] = next[i] - first + below;
   }
-  return {{hits.use, hits.use_count}, {hits.split, hits.split_count}, {hits.open, hits.open_count}};
+  found.split = {hits.split, hits.split_count};
+  found.open = {hits.open, hits.open_count};
+  return found;
 }
 
 void size_clusters(const Model& model, SearchMemory& memory) {

@@ -37,5 +37,8 @@ inline void put_plane(const HalfSpace& space, Vec3 origin, double (&to)[4]) {
   to[2] = space.normal.z;
   to[3] = dot(space.normal, space.point - origin);
 }
+inline double height_over(const double (&plane)[4], Vec3 p) {
+  return dot(Vec3{plane[0], plane[1], plane[2]}, p) - plane[3];
+}
 
 }  // namespace lumbrical

@@ -9,95 +9,88 @@
 namespace lumbrical {
 namespace {
 
-// Triangles of the leaf; empty lanes hold a point.
-double put_corners(const Model& model, std::uint32_t leaf, Vec3 origin, LeafTerms& terms) {
-  const Triangles& world = model.triangles;
-  const ClusterTree& tree = model.clusters;
-  const std::size_t first = std::size_t{leaf} * ClusterTree::kLeafSize;
-  for (std::size_t k = 0; k < LeafTerms::kCapacity; ++k) {
-    const std::uint32_t triangle = tree.triangle[first + k < tree.triangle.size() ? first + k : first];
-    const bool there = first + k < tree.triangle.size();
-    const std::uint32_t vertex[] = {world.a[triangle], there ? world.b[triangle] : world.a[triangle],
-                                    there ? world.c[triangle] : world.a[triangle]};
-    for (std::size_t c = 0; c < 3; ++c) {
-      terms.corner[c][0][k] = world.x[vertex[c]] - origin.x;
-      terms.corner[c][1][k] = world.y[vertex[c]] - origin.y;
-      terms.corner[c][2][k] = world.z[vertex[c]] - origin.z;
-    }
-  }
-  return tree.moments[leaf].area;
+// Of the square of a leaf's radius: what corners in single precision take away from the areas of eight
+// triangles.
+constexpr double kCornerRounding = 4e-6;
+
+// [1/m] the bend of a border at its apex: so much that nothing is left to be trusted.
+constexpr double kSharp = 1e30;
+
+void put_corners(const LeafCorners& corners, LeafTerms& terms) {
+  const float* const from = &corners.at[0][0][0];
+  double* const to = &terms.corner[0][0][0];
+  for (std::size_t k = 0; k < 9 * LeafTerms::kCapacity; ++k) to[k] = from[k];
 }
 
-// Planes that may run through the leaf; where there are fewer, one that everything is inside of.
-void put_planes(const LeafQuery& query, Vec3 centre, double radius, LeafTerms& terms) {
-  terms.plane_count = 0;
-  for (double(&plane)[4] : terms.plane) {
-    plane[0] = plane[1] = plane[2] = 0;
-    plane[3] = 1;
+// Cuts that may run through the leaf.
+void put_cuts(const LeafQuery& query, Vec3 centre, double radius, LeafTerms& terms) {
+  terms.cut_count = 0;
+  for (int i = 0; i < query.cuts.count && terms.cut_count < LeafTerms::kCutCapacity; ++i) {
+    const CutShape<double>& cut = query.cuts.cut[i];
+    const double height = dot(vector_of(cut.normal), centre) - cut.height;
+    double bow = 0, bend = 0;
+    if (cut.bow != 0) {
+      const double x = height_over(cut.x, centre), y = height_over(cut.y, centre);
+      bow = std::sqrt(x * x + y * y);
+      const double least = bow - cut.slope * radius;
+      bend = least > 0 ? cut.slope * cut.slope / least : kSharp;
+    }
+    if (height + cut.bow * bow <= -cut.steep * radius) continue;
+    terms.cut[terms.cut_count] = &cut;
+    terms.bend[terms.cut_count++] = bend;
   }
-  for (int i = 0; i < query.plane_count && terms.plane_count < LeafTerms::kPlaneCapacity; ++i) {
-    const auto& plane = query.plane[i];
-    const double height = dot(centre, {plane[0], plane[1], plane[2]}) - plane[3];
-    if (height <= -radius) continue;
-    for (int k = 0; k < 4; ++k) terms.plane[terms.plane_count][k] = plane[k];
-    ++terms.plane_count;
-  }
+}
+
+// Returns how far from the axis the leaf's centre is. [m]
+double put_bend(Vec3 centre, LeafTerms& terms) {
+  const FieldShape<double>& shape = terms.shape;
+  const Vec3 axis = vector_of(shape.axis);
+  const double z = dot(centre, axis), ahead = z - clamp(z, 0, shape.length);
+  const Vec3 off = centre - z * axis;
+  const double square = dot(off, off), rho = std::sqrt(square);
+  const double first = shape.cosine * z - shape.sine * rho;
+  const bool at_end1 = !(shape.jointed > 0) || first<0, at_end2 = first> shape.cosine * shape.length;
+  const Vec3 from = at_end1 ? centre : at_end2 ? centre - shape.length * axis : off;
+  const double length = norm(from), per = length > 0 ? 1 / length : 0;
+  put_vector(per * from, terms.across);
+  terms.side = at_end1 || at_end2 ? 0 : 1;
+  terms.field_bend = shape.flat ? 0 : at_end1 || at_end2 ? per : shape.cosine * per;
+  return std::sqrt(square + ahead * ahead);
 }
 
 double sum_of(const double (&row)[LeafTerms::kCapacity]) {
-  double sum = 0;
-  for (const double value : row) sum += value;
-  return sum;
+  return ((row[0] + row[1]) + (row[2] + row[3])) + ((row[4] + row[5]) + (row[6] + row[7]));
 }
 
 // The cluster's wrench as one force beside its centre; returns the couple that it can't carry.
 double put_force(Vec3 force, Vec3 couple, Vec3 centre, double radius, Contact& contact) {
   contact.volume = norm(force);
-  contact.normal = unit_or(force, {0, 0, 1});
-  Vec3 shift;
-  if (contact.volume > 0) shift = cross(contact.normal, couple) / contact.volume;
-  const double way = norm(shift);
-  if (way > radius) shift = (radius / way) * shift;
+  const double per = contact.volume > 1e-150 ? 1 / contact.volume : 0;
+  contact.normal = per > 0 ? per * force : Vec3{0, 0, 1};
+  Vec3 shift = per * cross(contact.normal, couple);
+  const double square = dot(shift, shift);
+  if (square > radius * radius) shift = (radius / std::sqrt(square)) * shift;
   contact.centre = centre + shift;
   return norm(couple - cross(shift, force));
 }
 
 }  // namespace
 
-void set_leaf_query(const Primitive& primitive, const Prism& palm, LeafQuery& query) {
-  query.origin = set_shape(primitive, palm, query.terms.shape);
-  query.plane_count = 0;
-  const auto add = [&](const HalfSpace& space) {
-    put_plane(space, query.origin, query.plane[query.plane_count++]);
-  };
-  if (query.terms.shape.flat) {
-    for (int i = 1; i < palm.face_count; ++i) add(palm.face[static_cast<std::size_t>(i)]);
-  } else {
-    for (std::size_t i = 0; i < primitive.cut_count; ++i) add(primitive.cut[i]);
-  }
+void set_leaf_query(const Primitives& hand, const Primitive& primitive, LeafQuery& query) {
+  query.origin = set_shape(primitive, hand.palm, query.terms.shape);
+  set_cuts(hand, primitive, query.origin, query.cuts);
 }
 
-void prefetch_leaf(const Model& model, std::uint32_t leaf, bool far) {
-  const std::uint32_t* const triangle = &model.clusters.triangle[std::size_t{leaf} * ClusterTree::kLeafSize];
-  if (far) {
-    __builtin_prefetch(triangle);
-    __builtin_prefetch(&model.clusters.block[leaf / ClusterBlock::kWidth]);
-    __builtin_prefetch(&model.clusters.moments[leaf].area);
-    return;
-  }
-  const std::size_t last =
-      std::min(model.clusters.triangle.size() - std::size_t{leaf} * ClusterTree::kLeafSize,
-               std::size_t{ClusterTree::kLeafSize}) -
-      1;
-  // Triangles of a leaf are neighbours in most meshes: two of them bring most of the lines.
-  for (const std::uint32_t t : {triangle[0], triangle[last]}) {
-    __builtin_prefetch(&model.triangles.a[t]);
-    __builtin_prefetch(&model.triangles.b[t]);
-    __builtin_prefetch(&model.triangles.c[t]);
-  }
+void prefetch_leaf(const Model& model, std::uint32_t leaf) {
+  const ClusterTree& tree = model.clusters;
+  const ClusterBlock& block = tree.block[leaf / ClusterBlock::kWidth];
+  __builtin_prefetch(&block.x);
+  __builtin_prefetch(&block.bx);
+  const char* const corners = reinterpret_cast<const char*>(&tree.corners[leaf]);
+  for (std::size_t line = 0; line < sizeof(LeafCorners); line += 64) __builtin_prefetch(corners + line);
 }
 
-void leaf_contact(const Model& model, const FieldKernels& kernels, LeafQuery& query, Contact& contact) {
+bool leaf_contact(const Model& model, const FieldKernels& kernels, LeafQuery& query, Contact& contact) {
   const std::uint32_t leaf = cluster_of(contact.triangle);
   const ClusterBlock& block = model.clusters.block[leaf / ClusterBlock::kWidth];
   const std::size_t lane = leaf % ClusterBlock::kWidth;
@@ -107,28 +100,65 @@ void leaf_contact(const Model& model, const FieldKernels& kernels, LeafQuery& qu
   const Vec3 centre =
       (model.clusters.origin - query.origin) + Vec3{block.x[lane], block.y[lane], block.z[lane]};
   put_vector(centre, terms.centre);
-  put_planes(query, centre, radius, terms);
-  const double surface = put_corners(model, leaf, query.origin, terms);
+  put_cuts(query, centre, radius, terms);
+  const double gap = put_bend(centre, terms) - radius;
+  put_corners(model.clusters.corners[leaf], terms);
   kernels.leaf_forces(terms);
 
-  double most = terms.result[10][0], sum[10];
-  for (const double value : terms.result[10]) most = max(most, value);
-  for (std::size_t row = 0; row < 10; ++row) sum[row] = sum_of(terms.result[row]);
-  // The field bends by at most one over the distance from the axis, so it rises over the corners' plane by
-  // half the square of the radius over that.
-  const Vec3 axis = vector_of(shape.axis);
-  const Vec3 nearest = clamp(dot(centre, axis), 0, shape.length) * axis;
-  const double gap = norm(centre - nearest) - radius;
-  const double off = shape.flat ? 0 : 0.5 * radius * radius / gap;
-  contact.area = most > -off ? max(sum[6], 1e-6 * surface) : 0;
-  if (!(contact.area > 0)) return;
-  const double left = put_force({sum[0], sum[1], sum[2]}, {sum[3], sum[4], sum[5]}, centre, radius, contact);
-  const double error = (off + kMomentRounding * shape.size) * surface;
+  const auto& result = terms.result;
+  double most = result[LeafTerms::highest][0], sum[LeafTerms::row_count];
+  for (const double value : result[LeafTerms::highest]) most = max(most, value);
+  for (std::size_t row = 0; row < LeafTerms::row_count; ++row) sum[row] = sum_of(result[row]);
+  const double surface = sum[LeafTerms::surface];
+  // The field bends by at most one over the distance from the axis, so over a triangle it rises over the
+  // corners' plane by half the square of the radius of a circle round it over that: at most a sixth of the
+  // square of its longest edge, or half of that of the leaf's radius.
+  // The mean of that, by the second derivative at the leaf's centre, is added: never more than the whole.
+  const double bend = shape.flat ? 0 : 1 / gap;
+  const double edge = block.edge[lane], off = bend * min(0.5 * radius * radius, edge * edge / 6);
+  contact.area = most > -off ? max(sum[LeafTerms::area], 1e-6 * surface) : 0;
+  if (!(contact.area > 0)) return true;
+  const double height = max(0, most) + off;
+  const double doubtful = sum[LeafTerms::doubtful] * height;
+  const double rounding = kMomentRounding * shape.size * surface + kCornerRounding * height * radius * radius;
+  const double error = off * surface + rounding + doubtful;
+  if (doubtful > 0 && error > model.settings.tolerance * shape.size * surface) return false;
+  const auto at = [&](std::size_t row) { return Vec3{sum[row], sum[row + 1], sum[row + 2]}; };
+  const double left = put_force(at(LeafTerms::force), at(LeafTerms::couple), centre, radius, contact);
   contact.error = max(error, (2 * radius * error + left) / (4 * shape.size));
   contact.depth = max(0, most);
   contact.centre += query.origin;
   contact.centroid = query.origin + centre;
-  if (sum[6] > 1e-6 * surface) contact.centroid += (1 / sum[6]) * Vec3{sum[7], sum[8], sum[9]};
+  if (sum[LeafTerms::area] > 1e-6 * surface)
+    contact.centroid += (1 / sum[LeafTerms::area]) * at(LeafTerms::area_first);
+  return true;
+}
+
+void sum_leaf(const Model& model, const LeafQuery& query, std::span<const Contact> parts, Contact& contact) {
+  const ClusterTree& tree = model.clusters;
+  const std::uint32_t leaf = cluster_of(contact.triangle);
+  const ClusterBlock& block = tree.block[leaf / ClusterBlock::kWidth];
+  const std::size_t lane = leaf % ClusterBlock::kWidth;
+  const double radius = block.r[lane], size = query.terms.shape.size;
+  const Vec3 centre = tree.origin + Vec3{block.x[lane], block.y[lane], block.z[lane]};
+  Vec3 force, couple, area_first;
+  double error = 0;
+  contact.area = contact.depth = 0;
+  for (const Contact& part : parts) {
+    if (!(part.area > 0)) continue;
+    const Vec3 push = part.volume * part.normal;
+    force += push;
+    couple += cross(part.centre - centre, push);
+    area_first += part.area * (part.centroid - centre);
+    contact.area += part.area;
+    contact.depth = max(contact.depth, part.depth);
+    error += part.error;
+  }
+  if (!(contact.area > 0)) return;
+  const double left = put_force(force, couple, centre, radius, contact);
+  // Each part's error has a lever of its own, up to two radii from the contact's.
+  contact.error = error * (1 + radius / (2 * size)) + left / (4 * size);
+  contact.centroid = centre + (1 / contact.area) * area_first;
 }
 
 }  // namespace lumbrical

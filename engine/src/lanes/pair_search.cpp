@@ -183,11 +183,18 @@ bool search_clusters(PairSearch& search, const Primitive& primitive, std::span<c
     }
     return true;
   };
-  if (!add(clusters.used, kClusterBit) || !add(clusters.split, kClusterBit | kSplitBit)) return false;
+  // In ascending order, but for the triangles: mostly there are none, and nothing has to be sorted.
+  const auto add_clusters = [&] {
+    for (std::size_t size = 0; size < clusters.size_count; ++size) {
+      if (!add(clusters.used[size], kClusterBit)) return false;
+    }
+    return add(clusters.split, kClusterBit | kSplitBit);
+  };
   if (search.model.execution.broadphase == Broadphase::tree) {
     set_terms(*search.hull, 0, search.terms);
-    return search_leaves_of(search, clusters.open);
+    return search_leaves_of(search, clusters.open) && add_clusters();
   }
+  if (!add_clusters()) return false;
   std::vector<std::uint64_t>& open = search.memory.open_leaves;
   for (const std::uint32_t leaf : clusters.open) open[leaf / 64] |= std::uint64_t{1} << leaf % 64;
   search.open_only = true;

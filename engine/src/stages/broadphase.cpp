@@ -95,7 +95,10 @@ void search_shared(const Model& model, const Primitives& hand, const Plan& plan,
         search.index = i;
         search.hull = &scratch.near->now[i];
         search.skin = plan.skin[i];
+        const std::size_t start = found.count;
         if (!search_for(search, cells)) return;
+        // One after the other they are in order, each by itself; a sort of all has little left to do then.
+        if (threads == 1) radix_sort(found.room.subspan(start, found.count - start), scratch.sorting);
       }
     }
   };
@@ -122,9 +125,7 @@ bool search_fresh(const Model& model, const Primitives& hand, const Plan& plan, 
   search_shared(model, hand, plan, threads, cells, scratch, found);
   if (found.count > found.room.size()) return false;
   const std::span<std::uint64_t> pairs = found.room.first(found.count);
-  // Brute force finds triangles in order.
-  if (model.execution.broadphase != Broadphase::brute || !model.clusters.triangle.empty())
-    radix_sort(pairs, scratch.sorting);
+  radix_sort(pairs, scratch.sorting);
   std::size_t next = 0;
   for (std::size_t k = 0; k < plan.fresh_count; ++k) {
     const std::size_t i = plan.fresh[k], first = next;

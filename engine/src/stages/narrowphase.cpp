@@ -6,6 +6,7 @@
 #include "borders/border_cut.h"
 #include "borders/joint_border.h"
 #include "borders/shared_contact.h"
+#include "index/cluster_tree.h"
 #include "lanes/cluster_batch.h"
 #include "lanes/leaf_contact.h"
 #include "lanes/prism_batch.h"
@@ -180,11 +181,26 @@ void finish(PairWork& work) {
   collide_anew(rest.unsure);
 }
 
+void take_pair(Contact& contact, PairWork& work);
+
+// A leaf triangle by triangle.
+void take_triangles_of(Contact& contact, PairWork& work) {
+  std::array<Contact, ClusterTree::kLeafSize> parts;
+  std::size_t count = 0;
+  for (const std::uint32_t triangle : triangles_of(work.model.clusters, cluster_of(contact.triangle))) {
+    parts[count].primitive = contact.primitive;
+    parts[count].triangle = triangle;
+    take_pair(parts[count++], work);
+  }
+  finish(work);
+  sum_leaf(work.model, work.leaf, {parts.data(), count}, contact);
+}
+
 void take_leaf(Contact& contact, PairWork& work) {
   if (contact.primitive != work.leaf_of)
-    set_leaf_query(work.hand.primitive[contact.primitive], work.hand.palm, work.leaf);
+    set_leaf_query(work.hand, work.hand.primitive[contact.primitive], work.leaf);
   work.leaf_of = contact.primitive;
-  leaf_contact(work.model, work.kernels, work.leaf, contact);
+  if (!leaf_contact(work.model, work.kernels, work.leaf, contact)) take_triangles_of(contact, work);
 }
 
 void take_cluster(Contact& contact, PairWork& work) {
@@ -248,19 +264,15 @@ namespace {
 
 // Clusters are anywhere in memory; what is some candidates ahead is on its way when its turn comes.
 void prefetch(const Model& model, std::span<const std::uint64_t> candidates, std::size_t i) {
-  constexpr std::size_t kFar = 8, kNear = 3;
-  const auto ahead = [&](std::size_t by) {
-    return i + by < candidates.size() ? static_cast<std::uint32_t>(candidates[i + by]) : 0;
-  };
-  const std::uint32_t far = ahead(kFar), near = ahead(kNear);
-  if ((far & kClusterBit) != 0) {
-    if ((far & kSplitBit) != 0) {
-      prefetch_leaf(model, cluster_of(far), true);
-    } else {
-      prefetch_cluster(model.clusters, cluster_of(far));
-    }
+  constexpr std::size_t kAhead = 8;
+  if (i + kAhead >= candidates.size()) return;
+  const auto ahead = static_cast<std::uint32_t>(candidates[i + kAhead]);
+  if ((ahead & kClusterBit) == 0) return;
+  if ((ahead & kSplitBit) != 0) {
+    prefetch_leaf(model, cluster_of(ahead));
+  } else {
+    prefetch_cluster(model.clusters, cluster_of(ahead));
   }
-  if ((near & kClusterBit) != 0 && (near & kSplitBit) != 0) prefetch_leaf(model, cluster_of(near), false);
 }
 
 }  // namespace
@@ -285,7 +297,9 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
   parallel_chunks(candidates.size(), kChunk, threads, work);
   std::uint32_t count = 0;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (contacts[i].area > 0) contacts[count++] = contacts[i];
+    if (!(contacts[i].area > 0)) continue;
+    if (count != i) contacts[count] = contacts[i];
+    ++count;
   }
   return count;
 }

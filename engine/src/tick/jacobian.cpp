@@ -12,33 +12,42 @@ namespace lumbrical {
 
 namespace {
 
-void add_triangle(const Primitives& hand, const Primitive& primitive, const Contact& contact, Vec3 joint,
-                  const Corners& at, Matrix6& value) {
+// What is left of the tile in one triangle is as `cut` says.
+void add_triangle(const Primitives& hand, const Primitive& primitive, const BorderCut& cut,
+                  const Contact& contact, Vec3 joint, const Corners& at, Matrix6& value) {
   if (primitive.shape == Shape::prism) {
     add_contact_jacobian(hand.palm, contact, joint, at.a, at.b, at.c, value);
     return;
   }
-  const BorderCut cut = cut_at_borders(hand, primitive, at.a, at.b, at.c);
   const bool other = cut.kind == BorderCut::other;
   const SlopeMoments bulge = other ? bulge_slope(hand, primitive, cut, at.a, at.b, at.c) : SlopeMoments{};
   add_contact_jacobian(other ? tile_cut_so(primitive, cut) : primitive, contact, joint, at.a, at.b, at.c,
                        value, bulge);
 }
 
+BorderCut cut_of(const Primitives& hand, const Primitive& primitive, const Corners& at) {
+  return primitive.shape == Shape::prism ? BorderCut{} : cut_at_borders(hand, primitive, at.a, at.b, at.c);
+}
+
 // A cluster is a contact for the force; for its slope every triangle in it is looked at.
 void add_cluster(const Model& model, const Primitives& hand, const Primitive& primitive,
                  std::uint32_t cluster, Vec3 joint, Matrix6& value) {
-  const ContactQuery query{Law::field, model.settings.point_area, nullptr, 0,
-                           field_kernels(model.execution.isa)};
+  const FieldKernels& kernels = field_kernels(model.execution.isa);
+  const ContactQuery query{Law::field, model.settings.point_area, nullptr, 0, kernels};
   Boundary boundary;
   for (const std::uint32_t triangle : triangles_of(model.clusters, cluster)) {
     const Corners at = corners_of(model.triangles, triangle);
+    const BorderCut cut = cut_of(hand, primitive, at);
+    if (cut.kind == BorderCut::gone) continue;
+    const Primitive part = cut.kind == BorderCut::other ? tile_cut_so(primitive, cut) : primitive;
     Contact contact;
     const bool meets =
         primitive.shape == Shape::prism
             ? collide_prism(hand.palm, primitive.law, model.settings.point_area, at.a, at.b, at.c, contact)
-            : collide(primitive, query, at.a, at.b, at.c, boundary, contact);
-    if (meets) add_triangle(hand, primitive, contact, joint, at, value);
+            : collide(part, query, at.a, at.b, at.c, boundary, contact);
+    if (!meets) continue;
+    if (cut.curved) add_bulge(kernels, hand, primitive, cut, 0, at.a, at.b, contact);
+    add_triangle(hand, primitive, cut, contact, joint, at, value);
   }
 }
 
@@ -60,7 +69,8 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
     if (!asked(primitive.segment) || !jacobian.known) continue;
     const Vec3 joint = hand.base_joint[primitive.segment];
     if ((contact.triangle & kClusterBit) == 0) {
-      add_triangle(hand, primitive, contact, joint, corners_of(world, contact.triangle), jacobian.value);
+      const Corners at = corners_of(world, contact.triangle);
+      add_triangle(hand, primitive, cut_of(hand, primitive, at), contact, joint, at, jacobian.value);
     } else {
       add_cluster(model, hand, primitive, cluster_of(contact.triangle), joint, jacobian.value);
     }
