@@ -70,14 +70,9 @@ void add_stretch(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2<V> 
 template <class V>
 void field_across(CrossingTerms& terms) {
   const V zero = number<V>(0), one = number<V>(1);
-  RoundPart<V> part{};
-  part.length = number<V>(terms.length);
-  part.radius1 = number<V>(terms.radius1);
-  part.sine = number<V>(terms.sine);
-  part.cosine = number<V>(terms.cosine);
-  part.tangent = number<V>(terms.sine / terms.cosine);
-  part.sphere = terms.length == 0;
-  part.cone = terms.sine != 0;
+  const RoundPart<V> part =
+      round_part(number<V>(terms.length), number<V>(terms.radius1), number<V>(terms.radius2),
+                 number<V>(terms.sine), number<V>(terms.cosine), terms.length == 0, terms.sine != 0);
   RoundPlane<V> plane{};
   plane.s = number<V>(terms.s);
   plane.c = number<V>(terms.c);

@@ -180,8 +180,7 @@ void leaf_forces(LeafTerms& terms) {
     Wide3<V> from[3], corner[3];
     V height[3];
     for (int c = 0; c < 3; ++c) {
-      const auto& row = terms.corner[c];
-      from[c] = {get(row[0] + i, V{}), get(row[1] + i, V{}), get(row[2] + i, V{})};
+      from[c] = vector_at<V>(terms.corner[c], i);
       corner[c] = centre + from[c];
       height[c] = phi_at(shape, corner[c]);
     }

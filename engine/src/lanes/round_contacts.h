@@ -186,7 +186,7 @@ void round_contacts(RoundTerms<NumberOf<V>>& terms) {
     const V exactness = number<V>(single<V>() ? kDiscErrorSingle : kDiscError) * (r * r * r);
     const Wide3<V> corner[3] = {vector_at<V>(terms.a, i), vector_at<V>(terms.b, i), vector_at<V>(terms.c, i)};
     RoundPlane<V> plane;
-    const auto fine = look(part, corner[0], corner[1], corner[2], plane);
+    const auto fine = look(part, vector_at<V>(terms.axis, i), corner[0], corner[1], corner[2], plane);
     Polygon<V> polygon;
     set_polygon(terms, part, plane, corner, i, polygon);
     const Corners<V> all = corners_of(part, plane, polygon);

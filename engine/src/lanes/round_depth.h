@@ -77,24 +77,26 @@ V deepest_abscissa(const RoundPart<V>& part, const RoundPlane<V>& plane, const S
   return choose(both(pierced, outside), choose(in_zone, on_side, on_disc), under);
 }
 
-// Over the common part of polygon and section.
+// Over the common part of polygon and section. What is deeper than a given depth is the slice of a convex
+// body, so on the way to the deepest point depth never falls: where that point lies outside, the deepest one
+// inside is on an edge that has it on the other side.
 template <class V, class M>
 V largest_depth(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
                 const Polygon<V>& polygon, const Directions<V>& directions, const InsideParts<V>& inside,
                 M wanted) {
   const V zero = number<V>(0);
   const Wide2<V> deepest{deepest_abscissa(part, plane, side), zero};
-  V least = number<V>(1);  // negative: an edge leaves the deepest point outside
+  V least = number<V>(1), excess[Polygon<V>::kMost];  // negative: an edge leaves the deepest point outside
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const Edge<V>& edge = polygon.edge[i];
-    least = choose(has_length(edge), lesser(least, cross(edge.q - edge.p, deepest - edge.p)), least);
+    excess[i] = choose(has_length(edge), cross(edge.q - edge.p, deepest - edge.p), zero);
+    least = lesser(least, excess[i]);
   }
   V depth = zero;
   if (some(both(wanted, least >= zero))) depth = choose(least >= zero, depth_at(part, plane, deepest), zero);
-  const auto look = both(wanted, least < zero);
-  if (!some(look)) return depth;
+  if (!some(both(wanted, least < zero))) return depth;
   for (std::size_t i = 0; i < polygon.count; ++i) {
-    const auto here = both(look, inside.lower[i] < inside.upper[i]);
+    const auto here = both(both(wanted, excess[i] < zero), inside.lower[i] < inside.upper[i]);
     if (!some(here)) continue;
     const Edge<V>& edge = polygon.edge[i];
     const Wide2<V> near = choose(dot(edge.p, edge.p) < dot(edge.q, edge.q), edge.p, edge.q);

@@ -6,28 +6,24 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-// The primitives.
+// The primitives. The same in all lanes are the last two.
 template <class V>
 struct RoundPart {
-  Wide3<V> axis;
   V length, radius1, radius2, sine, cosine, per_cosine, tangent;
-  bool sphere, cone;  // the same in all lanes
+  bool sphere, cone;
 };
 
 template <class V>
+inline RoundPart<V> round_part(V length, V radius1, V radius2, V sine, V cosine, bool sphere, bool cone) {
+  return {length, radius1, radius2, sine, cosine, quotient(number<V>(1), cosine), quotient(sine, cosine),
+          sphere, cone};
+}
+
+template <class V>
 inline RoundPart<V> part_of(const RoundTerms<NumberOf<V>>& terms, std::size_t i) {
-  RoundPart<V> part;
-  part.axis = vector_at<V>(terms.axis, i);
-  part.length = get(terms.length + i, V{});
-  part.radius1 = get(terms.radius1 + i, V{});
-  part.radius2 = get(terms.radius2 + i, V{});
-  part.sine = get(terms.sine + i, V{});
-  part.cosine = get(terms.cosine + i, V{});
-  part.per_cosine = quotient(number<V>(1), part.cosine);
-  part.tangent = quotient(part.sine, part.cosine);
-  part.sphere = terms.sphere;
-  part.cone = terms.cone;
-  return part;
+  const auto row = [i](const NumberOf<V>* from) { return get(from + i, V{}); };
+  return round_part(row(terms.length), row(terms.radius1), row(terms.radius2), row(terms.sine),
+                    row(terms.cosine), terms.sphere, terms.cone);
 }
 
 template <class V>
@@ -52,7 +48,8 @@ inline V beyond() {
 
 // False where the triangle has no normal to speak of.
 template <class V>
-inline auto look(const RoundPart<V>& part, Wide3<V> a, Wide3<V> b, Wide3<V> c, RoundPlane<V>& plane) {
+inline auto look(const RoundPart<V>& part, Wide3<V> axis, Wide3<V> a, Wide3<V> b, Wide3<V> c,
+                 RoundPlane<V>& plane) {
   constexpr bool precise = sizeof(NumberOf<V>) == 8;
   const V one = number<V>(1), zero = number<V>(0);
   const Wide3<V> ab = b - a, ac = c - a, bc = c - b;
@@ -68,11 +65,11 @@ inline auto look(const RoundPart<V>& part, Wide3<V> a, Wide3<V> b, Wide3<V> c, R
   plane.s = zero;
   plane.c = one;
   if (!part.sphere) {
-    const Wide3<V> side = cross(plane.n, part.axis);
+    const Wide3<V> side = cross(plane.n, axis);
     const V s = root(dot(side, side));
     const auto slanted = s > rounding<V>();
     plane.s = choose(slanted, s, zero);
-    plane.c = dot(plane.n, part.axis);
+    plane.c = dot(plane.n, axis);
     across = choose(slanted, side, across);
   }
   // Rounding tilts a short vector out of the plane; one projection puts it back.

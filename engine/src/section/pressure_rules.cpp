@@ -17,8 +17,8 @@ using scalar::Wide2;
 
 RoundPart<double> part_of(const Section& section) {
   const Slant slant = slant_of(section);
-  return {section.length,   section.radius1,           section.radius2,     slant.sine,     slant.cosine,
-          1 / slant.cosine, slant.sine / slant.cosine, section.length == 0, slant.sine != 0};
+  return scalar::round_part(section.length, section.radius1, section.radius2, slant.sine, slant.cosine,
+                            section.length == 0, slant.sine != 0);
 }
 
 }  // namespace
