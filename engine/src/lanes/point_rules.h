@@ -151,7 +151,7 @@ V choose_rules(M wanted, V reach, V distance, V allowed, RuleChoice<V>& rules) {
   auto open = near;
   for (std::size_t k = 0; k < kTriangleRuleCount; ++k) {
     rest = rest * cube;
-    const V bound = number<V>(kRemainders[k]) * rest;
+    const V bound = number<V>(kRemainders.of[k]) * rest;
     rules.takes[k] = both(open, bound <= allowed);
     open = both(open, bound > allowed);
     error = choose(rules.takes[k], bound, error);

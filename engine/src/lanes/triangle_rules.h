@@ -4,7 +4,6 @@
 // carried to forty digits by Newton's method.
 #pragma once
 
-#include <array>
 #include <cstddef>
 
 namespace lumbrical {
@@ -98,9 +97,14 @@ constexpr double remainder_of(int degree) {
   for (int i = 1; i <= n / 2; ++i) middle *= (2 * i - 1) / (2.0 * i);
   return 2 * middle / (n - 1);
 }
-inline constexpr std::array<double, kTriangleRuleCount> kRemainders = [] {
-  std::array<double, kTriangleRuleCount> remainders{};
-  for (std::size_t k = 0; k < kTriangleRuleCount; ++k) remainders[k] = remainder_of(kTriangleRules[k].degree);
+// No std::array: a kernel must not leave one of its functions behind (kernels_test.cpp).
+struct Remainders {
+  double of[kTriangleRuleCount];
+};
+inline constexpr Remainders kRemainders = [] {
+  Remainders remainders{};
+  for (std::size_t k = 0; k < kTriangleRuleCount; ++k)
+    remainders.of[k] = remainder_of(kTriangleRules[k].degree);
   return remainders;
 }();
 // So that the power in the bound grows by t^3 from rule to rule.
