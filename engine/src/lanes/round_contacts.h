@@ -16,6 +16,9 @@ inline constexpr double kLeastCosine = 1e-3, kLeastCosineCone = 4e-3, kLeastCosi
 inline constexpr double kShallowSide = 1e-3;
 // Polygons of less than this share of R drown in the section's scale.
 inline constexpr double kSmall = 0.006;
+// At exact precision points are for triangles up to this share of R. Larger ones take so many points, and
+// share registers with so many that need the closed form besides, that a dense mesh's tick would get slower.
+inline constexpr double kByPoints = 0.12;
 // Of the section's scale times the polygon's: rounding leaves less of nothing.
 inline constexpr double kLeastArea = 1e-13;
 
@@ -193,7 +196,8 @@ void round_contacts(RoundTerms<NumberOf<V>>& terms) {
     const auto met = both(fine, both(all.low_y<r, all.high_y> zero - r));
     const auto whole = both(met, all.outside == zero);
 
-    const V limit = greater(allowed, number<V>(kPointwise) * r);
+    const auto small = all.size <= number<V>(kByPoints) * r;
+    const V limit = choose(small, greater(allowed, number<V>(kPointwise) * r), allowed);
     const PointSum<V> points = whole_by_points(part, plane, polygon, all, whole, limit);
     const auto pointwise = both(whole, both(limit > zero, points.error <= limit));
     const auto open = both(met, either(all.outside > zero, either(limit <= zero, points.error > limit)));
