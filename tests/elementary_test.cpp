@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <vector>
 
 #include "random.h"
 
@@ -36,6 +37,21 @@ TEST(Elementary, SineAndCosineAreWithinTwoUlpOfOne) {
            std::numeric_limits<double>::epsilon();
   };
   EXPECT_LE(worst(error), 2);
+}
+
+TEST(Elementary, SinesOfManyAnglesHaveTheBitsOfSingleOnes) {
+  test::Random random(3);
+  for (std::size_t count = 0; count < 12; ++count) {
+    std::vector<double> x(count);
+    for (double& angle : x) angle = random.between(-1, 1) * std::pow(10.0, random.between(-5, 6));
+    std::vector<SinCos> many(count);
+    sin_cos(x, many);
+    for (std::size_t i = 0; i < count; ++i) {
+      const SinCos one = sin_cos(x[i]);
+      EXPECT_EQ(many[i].sin, one.sin) << x[i];
+      EXPECT_EQ(many[i].cos, one.cos) << x[i];
+    }
+  }
 }
 
 TEST(Elementary, ArcTangentIsWithinFiveUlp) {

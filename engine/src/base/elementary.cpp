@@ -65,10 +65,6 @@ double series(const std::array<double, N>& c, double z) {
 // 2 atanh(s) for |s| <= 0.172.
 double twice_atanh(double s) { return 2.0 * s + 2.0 * s * series(kArcTangentHyperbolic, s * s); }
 
-}  // namespace
-
-namespace {
-
 // x less a multiple of pi/2, and which one modulo four.
 struct Reduced {
   double r;

@@ -183,7 +183,8 @@ void finish(PairWork& work) {
 
 void take_pair(Contact& contact, PairWork& work);
 
-// A leaf triangle by triangle.
+// A leaf triangle by triangle: of a round primitive, since only curved cuts leave one in doubt and the palm
+// has none. `finish` is done with the parts before they end.
 void take_triangles_of(Contact& contact, PairWork& work) {
   std::array<Contact, ClusterTree::kLeafSize> parts;
   std::size_t count = 0;
