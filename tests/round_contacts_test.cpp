@@ -61,6 +61,21 @@ Pair square_pair(Random& random, int shape) {
   return pair;
 }
 
+// Planes within a quarter of a degree of the axis, at every depth.
+Pair flat_pair(Random& random, int shape) {
+  const Vec3 along = random.direction(), n = unit_or(cross(along, random.direction()), {1, 0, 0});
+  const double tilt = std::pow(10.0, random.between(-12, -2.4));
+  Pair pair{random_part(random, shape, unit_or(along + tilt * n, along)), {}, {}, {}};
+  const Primitive& p = pair.primitive;
+  const double size = kRadius * std::pow(10.0, random.between(-1.5, 1.5));
+  const Vec3 v = cross(n, along);
+  const Vec3 near = p.end1 + random.between(-0.2, 1.2) * (p.end2 - p.end1) +
+                    kRadius * (random.between(-1, 1) * n + random.between(-1, 1) * v);
+  for (Vec3* corner : {&pair.a, &pair.b, &pair.c})
+    *corner = near + size * (random.between(-1, 1) * along + random.between(-1, 1) * v);
+  return pair;
+}
+
 void expect_agreement(const Pair& pair, Isa isa, int& touching) {
   Boundary boundary;
   Contact contact, general;
@@ -102,6 +117,15 @@ TEST(RoundContacts, OfAxesExactlyAcrossAndAlongAgreeWithTheBoundaryQuadrature) {
     int touching = 0;
     for (int i = 0; i < 3000; ++i) expect_agreement(square_pair(random, shape), widest_isa(), touching);
     EXPECT_GT(touching, 300);
+  }
+}
+
+TEST(RoundContacts, OfAxesNearlyAlongThePlaneAgreeWithTheBoundaryQuadrature) {
+  Random random(6);
+  for (int shape = 1; shape < 3; ++shape) {
+    int touching = 0;
+    for (int i = 0; i < 6000; ++i) expect_agreement(flat_pair(random, shape), Isa::scalar, touching);
+    EXPECT_GT(touching, 2000);
   }
 }
 

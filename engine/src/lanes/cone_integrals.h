@@ -161,7 +161,7 @@ auto add_side(const RoundPart<V>& part, const SideView<V>& side, const Polygon<V
         part_in = add_circle_edge(side, edge, t, about_centre, both(round, here), by_circle);
       }
       if (some(both(strip, here))) {
-        const Span<V> other = add_strip_edge(edge, t, both(strip, here), rim, by_strip);
+        const Span<V> other = add_strip_edge(edge, t, both(strip, here), rim, by_strip).inside;
         part_in = {choose(strip, other.lower, part_in.lower), choose(strip, other.upper, part_in.upper)};
       }
       const Wide2<V> near = choose(dot(edge.p, edge.p) < dot(edge.q, edge.q), edge.p, edge.q);

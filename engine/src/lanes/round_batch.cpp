@@ -110,6 +110,13 @@ RoundHull round_hull(const Primitive& primitive) {
   return {end1, axis, length, radius1, radius2, sine, std::sqrt((1 - sine) * (1 + sine))};
 }
 
+bool lies_flat(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c) {
+  if (hull.is_sphere()) return false;
+  const Vec3 normal = cross(b - a, c - a);
+  const double along = dot(hull.axis, normal), least = hull.is_cone() ? kFlatCosineCone : kFlatCosine;
+  return along * along < least * least * dot(normal, normal);
+}
+
 void add_to_batch(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c, std::span<const HalfSpace> cuts,
                   Contact& contact, RoundBatch& batch) {
   RoundTerms<double>& pairs = batch.pairs;
@@ -141,7 +148,8 @@ void add_to_batch(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c, std::span<const
 RoundRest finish_batch(RoundBatch& batch) {
   RoundTerms<double>& pairs = batch.pairs;
   if (pairs.count == 0) return {};
-  std::size_t slivers = pairs.tolerance >= kSingleFrom ? finish_single(batch) : 0, unsure = 0;
+  const bool single = pairs.tolerance >= kSingleFrom && !pairs.flat;
+  std::size_t slivers = single ? finish_single(batch) : 0, unsure = 0;
   pad(pairs);
   if (pairs.count > 0) batch.kernels.round_contacts(pairs);
   for (std::size_t k = 0; k < pairs.count; ++k) {

@@ -25,15 +25,21 @@ RoundHull round_hull(const Primitive& primitive);
 /// Is the primitive one the kernel knows?
 bool suits_batch(const Primitive& primitive);
 
-/// Working memory of one thread. `tolerance` is Settings::tolerance.
+/// Working memory of one thread, for flat pairs or for all others. `tolerance` is Settings::tolerance.
 struct RoundBatch {
-  RoundBatch(const FieldKernels& table, double tolerance) : kernels(table) { pairs.tolerance = tolerance; }
+  RoundBatch(const FieldKernels& table, double tolerance, bool flat) : kernels(table) {
+    pairs.tolerance = tolerance;
+    pairs.flat = flat;
+  }
   const FieldKernels& kernels;
   RoundTerms<double> pairs;
   RoundTerms<float> single;
   std::array<Vec3, RoundTerms<double>::kCapacity> origin;                ///< [m] W, of each pair's hull
   std::array<Contact*, RoundTerms<double>::kCapacity> contact, slivers;  ///< of each pair
 };
+
+/// Does the axis lie nearly along the plane of the triangle a, b, c [m, W]?
+bool lies_flat(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c);
 
 /// Is there room for another pair with this hull? All of a batch are spheres, or capsules, or cones.
 inline bool has_room(const RoundBatch& batch, const RoundHull& hull) {

@@ -2,16 +2,15 @@
 // instruction set. A lane is a pair; lanes never meet.
 #pragma once
 
-#include "lanes/cone_integrals.h"
+#include "lanes/flat_side.h"
 #include "lanes/point_rules.h"
 #include "lanes/round_depth.h"
 #include "section/stated_errors.h"
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-// The side's integrals divide rounding by the cosine of the axis' angle, its moments by the square: a cone's,
-// whose field has terms as large from the start, by more.
-inline constexpr double kLeastCosine = 1e-3, kLeastCosineCone = 4e-3, kLeastCosineSingle = 0.2;
+// Single precision is for cosines of the axis' angle from here on.
+inline constexpr double kLeastCosineSingle = 0.2;
 // On the side of a capsule digits are lost where no point of the region has more than this share of R.
 inline constexpr double kShallowSide = 1e-3;
 // Polygons of less than this share of R drown in the section's scale.
@@ -37,11 +36,15 @@ inline V most_of(const RoundPart<V>& part, const RoundPlane<V>& plane) {
 
 // Where the closed form loses no digits.
 template <class V>
-inline auto keeps_digits(const RoundPart<V>& part, const SideView<V>& side, V most, V size) {
+inline auto keeps_digits(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
+                         V most, V size, bool flat) {
   const auto large = size >= number<V>(kSmall) * part.radius1;
   if (part.sphere) return large;
   const auto deep = both(large, most >= number<V>(single<V>() ? kShallow : kShallowSide) * part.radius1);
-  const double least = single<V>() ? kLeastCosineSingle : part.cone ? kLeastCosineCone : kLeastCosine;
+  // Of a flat pair an end that is through the plane would leave no digits to the deepest point.
+  const V zero = number<V>(0);
+  if (flat) return both(deep, both(plane.h1 + part.radius1 > zero, plane.h2 + part.radius2 > zero));
+  const double least = single<V>() ? kLeastCosineSingle : part.cone ? kFlatCosineCone : kFlatCosine;
   return both(deep, side.c >= number<V>(least));
 }
 
@@ -87,7 +90,7 @@ Corners<V> corners_of(const RoundPart<V>& part, const RoundPlane<V>& plane, cons
 // had.
 template <class V, class M>
 Moments<V> section_moments(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
-                           const Polygon<V>& polygon, V most, M wanted, Directions<V>& directions,
+                           const Polygon<V>& polygon, V most, bool flat, M wanted, Directions<V>& directions,
                            InsideParts<V>& inside, V& lost) {
   const V zero = number<V>(0);
   Moments<V> sum = no_moments<V>();
@@ -106,7 +109,9 @@ Moments<V> section_moments(const RoundPart<V>& part, const RoundPlane<V>& plane,
   set_upright(second, count, directions);
   add_disc(second, directions, plane.x2, part.radius2, plane.h2, most, wanted, sum, inside);
   set_upright(middle, count, directions);
-  lost = choose(add_side(part, side, middle, directions, wanted, sum, inside), zero, number<V>(1));
+  const auto had = flat ? add_flat_side(part, plane, side, middle, directions, wanted, sum, inside)
+                        : add_side(part, side, middle, directions, wanted, sum, inside);
+  lost = choose(had, zero, number<V>(1));
   return sum;
 }
 
@@ -203,14 +208,14 @@ void round_contacts(RoundTerms<NumberOf<V>>& terms) {
     const auto open = both(met, either(all.outside > zero, either(limit <= zero, points.error > limit)));
     const SideView<V> side = part.sphere ? SideView<V>{} : side_of(part, plane);
     const V most = most_of(part, plane);
-    const auto closed = both(open, keeps_digits(part, side, most, all.size));
+    const auto closed = both(open, keeps_digits(part, plane, side, most, all.size, terms.flat));
 
     Directions<V> directions = directions_of(polygon);
     InsideParts<V> inside = inside_parts(polygon, directions, whole);
     Moments<V> sum = no_moments<V>();
     V lost = zero;
     if (some(closed))
-      sum = section_moments(part, plane, side, polygon, most, closed, directions, inside, lost);
+      sum = section_moments(part, plane, side, polygon, most, terms.flat, closed, directions, inside, lost);
     sum.area = choose(whole, all.area, sum.area);
     sum.area_x = choose(whole, all.area_x, sum.area_x);
     sum.area_y = choose(whole, all.area_y, sum.area_y);

@@ -65,18 +65,29 @@ inline void add_chord(Wide2<V> p, Wide2<V> q, Moments<V>& sum) {
   sum.area_y = sum.area_y - number<V>(1.0 / 6) * (delta * (p.y * p.y + p.y * q.y + q.y * q.y));
 }
 
+// The rim over the range of x of the line from p to q, on the line's side of y = 0.
+template <class V>
+struct RimArc {
+  V x1, x2, side;
+};
+template <class V>
+inline RimArc<V> arc_of(const StripRim<V>& rim, Wide2<V> p, Wide2<V> q) {
+  const V zero = number<V>(0), one = number<V>(1), across = q.x - p.x;
+  const V x1 = between(p.x, rim.real_lower, rim.real_upper),
+          x2 = between(q.x, rim.real_lower, rim.real_upper);
+  const V slope = (q.y - p.y) * quotient(one, choose(across == zero, one, across));
+  const V middle = number<V>(0.5) * (x1 + x2);
+  return {x1, x2, choose(p.y + (middle - p.x) * slope < zero, zero - one, one)};
+}
+
 // The rim in place of the line from p to q.
 template <class V, class M>
 inline void add_arc(M here, Wide2<V> p, Wide2<V> q, StripRim<V>& rim, Moments<V>& sum) {
   const V zero = number<V>(0), one = number<V>(1);
-  const V x1 = between(p.x, rim.real_lower, rim.real_upper),
-          x2 = between(q.x, rim.real_lower, rim.real_upper);
-  const V delta = x2 - x1, across = q.x - p.x;
+  const auto [x1, x2, side] = arc_of(rim, p, q);
+  const V delta = x2 - x1, middle = number<V>(0.5) * (x1 + x2);
   const auto drawn = both(here, both(rim.real_lower < rim.real_upper, x1 != x2));
   if (!some(drawn)) return;
-  const V slope = (q.y - p.y) * quotient(one, choose(across == zero, one, across));
-  const V middle = number<V>(0.5) * (x1 + x2);
-  const V side = choose(p.y + (middle - p.x) * slope < zero, zero - one, one);
   const V a = eta_of(rim, x1), b = eta_of(rim, x2), rise = b - a, mean = number<V>(0.5) * (a + b);
   const V squares = rim.gamma * (delta * delta), q2 = mean * mean + number<V>(0.25) * squares;
   const V k = squares + rise * rise, u = number<V>(0.25) * squares * one_over(q2);
@@ -94,10 +105,17 @@ inline void add_arc(M here, Wide2<V> p, Wide2<V> q, StripRim<V>& rim, Moments<V>
   add_where(drawn, arc, sum);
 }
 
-// One edge of a polygon in the side's zone: adds its share of the area and tells which part of it is inside,
-// as coordinates along it from the foot of (0, 0).
+// The part of an edge inside, as coordinates along it from the foot of (0, 0) and as points.
+template <class V>
+struct StripEdge {
+  Span<V> inside;
+  Wide2<V> enters, leaves;
+};
+
+// One edge of a polygon in the side's zone: adds its share of the area and tells which part of it is inside.
 template <class V, class M>
-inline Span<V> add_strip_edge(const Edge<V>& edge, Wide2<V> t, M here, StripRim<V>& rim, Moments<V>& sum) {
+inline StripEdge<V> add_strip_edge(const Edge<V>& edge, Wide2<V> t, M here, StripRim<V>& rim,
+                                   Moments<V>& sum) {
   const V start = dot(edge.p, t), end = dot(edge.q, t);
   const V p = cross(choose(dot(edge.p, edge.p) < dot(edge.q, edge.q), edge.p, edge.q), t);
   const Wide2<V> foot{p * t.y, number<V>(0) - p * t.x};
@@ -115,7 +133,7 @@ inline Span<V> add_strip_edge(const Edge<V>& edge, Wide2<V> t, M here, StripRim<
   add_where(here, chord, sum);
   add_arc(here, edge.p, enters, rim, sum);
   add_arc(here, leaves, edge.q, rim, sum);
-  return inside;
+  return {inside, enters, leaves};
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

@@ -8,6 +8,10 @@ namespace lumbrical {
 
 /// What became of a pair: no common area; computed; computed but for a cone's slivers (cone_slivers.h); or
 /// the closed form would lose digits and the pair is for `collide_section`.
+/// Cosines of the axis' angle to the normal below which a pair is flat. The closed form of the side divides
+/// rounding by that cosine, in the moments by its square, and a cone's terms are larger from the start.
+inline constexpr double kFlatCosine = 1e-3, kFlatCosineCone = 4e-3;
+
 inline constexpr double kApart = 0, kContact = 1, kSlivers = 2, kUnsure = 3;
 
 template <class T>
@@ -17,6 +21,7 @@ struct RoundTerms {
 
   // Of all pairs.
   bool sphere = false, cone = false;  ///< the primitives' kind; neither: capsules
+  bool flat = false;                  ///< their axes lie nearly along the planes
   int cut_count = 0;                  ///< half-spaces that bound them besides, at most
   T tolerance = 0;                    ///< Settings::tolerance
 

@@ -112,19 +112,10 @@ void collide_pair(const Model& model, const Primitives& hand, const FieldKernels
   if (!collide_section(primitive, query, section, boundary, contact)) contact.area = 0;
 }
 
-// Pairs on their way through the lanes, of one thread.
-struct PairWork {
-  const Model& model;
-  const Primitives& hand;
-  const FieldKernels& kernels;
+// Pairs of round primitives on their way through the lanes.
+struct RoundQueue {
+  RoundQueue(const FieldKernels& kernels, double tolerance, bool flat) : batch(kernels, tolerance, flat) {}
   RoundBatch batch;
-  RoundHull hull{};
-  PrismBatch palm{hand.palm, kernels};
-  ClusterBatch clusters{model.clusters, kernels};
-  LeafQuery leaf{};
-  std::uint32_t clusters_of = Primitives::kMaxCount;  // the primitive whose clusters are being gathered
-  std::uint32_t leaf_of = Primitives::kMaxCount;      // the primitive the leaf query is of
-  std::uint32_t hull_of = Primitives::kMaxCount;      // the primitive the hull is of
   // Pairs of the batch with cuts of their own.
   struct Shared {
     Contact* contact;
@@ -132,9 +123,28 @@ struct PairWork {
   };
   std::size_t shared_count = 0;
   std::array<Shared, RoundTerms<double>::kCapacity> shared;
+};
+
+// Pairs on their way through the lanes, of one thread.
+struct PairWork {
+  const Model& model;
+  const Primitives& hand;
+  const FieldKernels& kernels;
+  RoundQueue steep, flat;
+  RoundHull hull{};
+  PrismBatch palm{hand.palm, kernels};
+  ClusterBatch clusters{model.clusters, kernels};
+  LeafQuery leaf{};
+  std::uint32_t clusters_of = Primitives::kMaxCount;  // the primitive whose clusters are being gathered
+  std::uint32_t leaf_of = Primitives::kMaxCount;      // the primitive the leaf query is of
+  std::uint32_t hull_of = Primitives::kMaxCount;      // the primitive the hull is of
   Boundary boundary;
   PairWork(const Model& m, const Primitives& h, const FieldKernels& k)
-      : model(m), hand(h), kernels(k), batch(k, m.settings.tolerance) {}
+      : model(m),
+        hand(h),
+        kernels(k),
+        steep(k, m.settings.tolerance, false),
+        flat(k, m.settings.tolerance, true) {}
 };
 
 // What the lanes left of a cone's contact, with the cuts the lanes had; false where it is for the general
@@ -144,10 +154,9 @@ bool finish_slivers(const FieldKernels& kernels, const Primitive& cone, const Co
   return !look_from_plane(cone, at.a, at.b, at.c, section) || add_slivers(kernels, section, contact);
 }
 
-Primitive as_cut(const Contact& contact, const PairWork& work) {
-  const Primitive& primitive = work.hand.primitive[contact.primitive];
-  for (std::size_t k = 0; k < work.shared_count; ++k) {
-    if (work.shared[k].contact == &contact) return tile_cut_so(primitive, work.shared[k].cut);
+Primitive as_cut(const Primitive& primitive, const Contact& contact, const RoundQueue& queue) {
+  for (std::size_t k = 0; k < queue.shared_count; ++k) {
+    if (queue.shared[k].contact == &contact) return tile_cut_so(primitive, queue.shared[k].cut);
   }
   return primitive;
 }
@@ -157,23 +166,24 @@ void finish_palm(PairWork& work) {
     collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
 }
 
-void finish(PairWork& work) {
-  const RoundRest rest = finish_batch(work.batch);
+void finish(RoundQueue& queue, PairWork& work) {
+  const RoundRest rest = finish_batch(queue.batch);
   std::size_t uneven = 0;  // slivers that were not smooth enough
   for (Contact* contact : rest.slivers) {
     const Corners at = corners_of(work.model.triangles, contact->triangle);
-    if (finish_slivers(work.kernels, as_cut(*contact, work), at, *contact)) continue;
+    const Primitive& cone = work.hand.primitive[contact->primitive];
+    if (finish_slivers(work.kernels, as_cut(cone, *contact, queue), at, *contact)) continue;
     contact->area = 0;
     rest.slivers[uneven++] = contact;
   }
-  for (std::size_t k = 0; k < work.shared_count; ++k) {
-    const auto& [contact, cut] = work.shared[k];
+  for (std::size_t k = 0; k < queue.shared_count; ++k) {
+    const auto& [contact, cut] = queue.shared[k];
     if (!cut.curved || !(contact->area > 0)) continue;
     const Corners at = corners_of(work.model.triangles, contact->triangle);
     add_bulge(work.kernels, work.hand, work.hand.primitive[contact->primitive], cut,
               work.model.settings.tolerance, at.a, at.b, *contact);
   }
-  work.shared_count = 0;
+  queue.shared_count = 0;
   const auto collide_anew = [&](std::span<Contact* const> left) {
     for (Contact* contact : left) collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
   };
@@ -193,7 +203,8 @@ void take_triangles_of(Contact& contact, PairWork& work) {
     parts[count].triangle = triangle;
     take_pair(parts[count++], work);
   }
-  finish(work);
+  finish(work.steep, work);
+  finish(work.flat, work);
   sum_leaf(work.model, work.leaf, {parts.data(), count}, contact);
 }
 
@@ -237,11 +248,12 @@ void take_pair(Contact& contact, PairWork& work) {
   }
   if (contact.primitive != work.hull_of) work.hull = round_hull(primitive);
   work.hull_of = contact.primitive;
-  if (!has_room(work.batch, work.hull)) finish(work);
+  RoundQueue& queue = lies_flat(work.hull, a, b, c) ? work.flat : work.steep;
+  if (!has_room(queue.batch, work.hull)) finish(queue, work);
   const bool planes = cut.kind == BorderCut::planes;
   add_to_batch(work.hull, a, b, c, std::span(planes ? primitive.cut : cut.cut).first(primitive.cut_count),
-               contact, work.batch);
-  if (!planes) work.shared[work.shared_count++] = {&contact, cut};
+               contact, queue.batch);
+  if (!planes) queue.shared[queue.shared_count++] = {&contact, cut};
 }
 
 }  // namespace
@@ -249,9 +261,9 @@ void take_pair(Contact& contact, PairWork& work) {
 bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3 b, Vec3 c,
              Boundary& boundary, Contact& contact) {
   if (suits_batch(primitive) && query.law == Law::field) {
-    RoundBatch batch(query.kernels, query.tolerance);
-    add_to_batch(round_hull(primitive), a, b, c, std::span(primitive.cut).first(primitive.cut_count), contact,
-                 batch);
+    const RoundHull hull = round_hull(primitive);
+    RoundBatch batch(query.kernels, query.tolerance, lies_flat(hull, a, b, c));
+    add_to_batch(hull, a, b, c, std::span(primitive.cut).first(primitive.cut_count), contact, batch);
     const RoundRest rest = finish_batch(batch);
     const bool whole = rest.slivers.empty() || finish_slivers(query.kernels, primitive, {a, b, c}, contact);
     if (rest.unsure.empty() && whole) return contact.area > 0;
@@ -290,7 +302,8 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
       prefetch(model, candidates, i);
       take_pair(contacts[i], pairs);
     }
-    finish(pairs);
+    finish(pairs.steep, pairs);
+    finish(pairs.flat, pairs);
     finish_palm(pairs);
     finish_batch(pairs.clusters);
   };
