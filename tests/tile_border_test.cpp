@@ -388,7 +388,8 @@ TEST(TileBorder, LanesAndBulgesGiveWhatOnePairAloneGives) {
         EXPECT_NEAR(seen.area, expected.area, 1e-9 * std::pow(kRadius, 2)) << i << ' ' << pair;
         const Vec3 off = seen.volume * (seen.centre - t.a) - expected.volume * (expected.centre - t.a);
         EXPECT_LT(norm(off), 1e-9 * std::pow(kRadius, 4)) << i << ' ' << pair;
-        const BorderCut how = cut_at_borders(hand, tile, t.a, t.b, t.c);
+        const BorderCut how =
+            cut_at_borders(hand, tile, borders_in_reach(hand, tile, t.a, t.b, t.c), t.a, t.b, t.c);
         // Depth is that of the part up to the chord, and the chords may be others.
         if (seen.area > 0 && !how.curved && !borders_on(hand, tile, t.a, t.b, t.c).any()) {
           EXPECT_NEAR(seen.depth, expected.depth, 1e-9 * kRadius) << i << ' ' << pair;

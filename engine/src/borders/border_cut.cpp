@@ -199,13 +199,12 @@ bool cut_along(const Primitives& hand, const Primitive& tile, std::size_t phalan
 
 }  // namespace
 
-BorderCut cut_at_borders(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
-  const std::size_t i = tile.segment, place = i % 3;
-  const bool inner = place > 0 && comes_near(hand.border[i - 1], a, b, c),
-             outer = place < 2 && comes_near(hand.border[i], a, b, c);
+BorderCut cut_at_borders(const Primitives& hand, const Primitive& tile, const TileBorders& near, Vec3 a,
+                         Vec3 b, Vec3 c) {
+  const auto [inner, outer, folded] = near;
+  const std::size_t i = tile.segment;
   BorderCut cut;
-  if (may_meet_folded(hand, tile, a, b, c) || (inner && !hand.border[i - 1].near) ||
-      (outer && !hand.border[i].near)) {
+  if (folded || (inner && !hand.border[i - 1].near) || (outer && !hand.border[i].near)) {
     cut.kind = BorderCut::general;
     return cut;
   }

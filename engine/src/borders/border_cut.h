@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "borders/joint_border.h"
 #include "lumbrical/contact.h"
 #include "model/primitive.h"
 #include "section/pressure.h"
@@ -26,8 +27,10 @@ struct BorderCut {
   double bulge = 0;                ///< [m^3] no more than this the volume of the bulge is
 };
 
-/// How `tile` [suits_batch] and its neighbours share out the triangle a, b, c [m, W].
-BorderCut cut_at_borders(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c);
+/// How `tile` [suits_batch] and its neighbours share out the triangle a, b, c [m, W], `near` the borders in
+/// its reach.
+BorderCut cut_at_borders(const Primitives& hand, const Primitive& tile, const TileBorders& near, Vec3 a,
+                         Vec3 b, Vec3 c);
 
 /// The tile with the cuts of one triangle.
 Primitive tile_cut_so(const Primitive& tile, const BorderCut& cut);

@@ -160,9 +160,9 @@ bool is_in_reach(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
   return norm(bound.centre - border.centre) <= border.reach + bound.radius;
 }
 
-bool may_meet_folded(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
-  const std::size_t i = tile.segment, place = i % 3;
-  return place != 1 && hand.folded[i / 3] && reaches(hand.capsule[place == 0 ? i + 2 : i - 2], a, b, c);
+bool meets_folded(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
+  const std::size_t i = tile.segment;
+  return reaches(hand.capsule[i % 3 == 0 ? i + 2 : i - 2], a, b, c);
 }
 
 namespace {
@@ -180,15 +180,11 @@ bool reaches_between(const JointBorder& border, const Primitive& tile, Vec3 a, V
 }  // namespace
 
 TileBorders borders_on(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
-  TileBorders borders;
-  if (tile.law != Law::field || tile.shape != Shape::round) return borders;
-  const std::size_t i = tile.segment, place = i % 3;
-  const auto matters = [&](const JointBorder& border) {
-    return comes_near(border, a, b, c) && reaches_between(border, tile, a, b, c);
-  };
-  borders.inner = place > 0 && matters(hand.border[i - 1]);
-  borders.outer = place < 2 && matters(hand.border[i]);
-  borders.folded = may_meet_folded(hand, tile, a, b, c);
+  if (tile.law != Law::field || tile.shape != Shape::round) return {};
+  const std::size_t i = tile.segment;
+  TileBorders borders = borders_in_reach(hand, tile, a, b, c);
+  borders.inner = borders.inner && reaches_between(hand.border[i - 1], tile, a, b, c);
+  borders.outer = borders.outer && reaches_between(hand.border[i], tile, a, b, c);
   return borders;
 }
 

@@ -23,7 +23,7 @@ void set_joint_borders(Primitives& hand);
 /// ends [m].
 double segment_distance(const Primitive& a, const Primitive& b);
 
-/// Could this border, or the phalanx folded upon the tile, be anything but a plane on the triangle? Cheap.
+/// Could this border be anything but a plane on the triangle? Cheap.
 bool is_in_reach(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c);
 inline bool comes_near(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
   if (!border.shared) return false;
@@ -32,7 +32,6 @@ inline bool comes_near(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
   if (min(ha, min(hb, hc)) > border.slab || max(ha, max(hb, hc)) < -border.slab) return false;
   return is_in_reach(border, a, b, c);
 }
-bool may_meet_folded(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c);
 
 /// Which of a tile's borders run through a triangle other than along its cutting planes.
 struct TileBorders {
@@ -40,6 +39,17 @@ struct TileBorders {
   bool folded = false;                ///< with the one beyond that
   [[nodiscard]] bool any() const { return inner || outer || folded; }
 };
+
+/// Does the phalanx folded upon the tile reach the triangle? Cheap.
+bool meets_folded(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c);
+
+/// Which of them may do so. Cheap: most triangles end here.
+inline TileBorders borders_in_reach(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
+  const std::size_t i = tile.segment, place = i % 3;
+  return {place > 0 && comes_near(hand.border[i - 1], a, b, c),
+          place < 2 && comes_near(hand.border[i], a, b, c),
+          place != 1 && hand.folded[i / 3] && meets_folded(hand, tile, a, b, c)};
+}
 
 /// The borders of `tile` on the triangle a, b, c [m, W]. Where there are none, the contact with the
 /// tile cut by its planes is exact.

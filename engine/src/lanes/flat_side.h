@@ -13,7 +13,7 @@
 namespace lumbrical::LUMBRICAL_ISA {
 
 // d / l from which so many nodes leave rounding only; below the last a piece is halved.
-inline constexpr double kClearFor8 = 1.5, kClearFor16 = 0.25, kClearForHalves = 0.125;
+inline constexpr double kClearFor12 = 0.5, kClearFor16 = 0.25, kClearForHalves = 0.125;
 // Of R: with the axis this close to the plane all along a piece its logarithms are rounding.
 inline constexpr double kAxisInPlane = 1e-9;
 
@@ -113,10 +113,10 @@ void add_flat_piece(const FlatSide<V>& side, const StripRim<V>& rim, const FlatP
   const auto here = both(wanted, piece.d.x != zero);
   if (!some(here)) return;
   const V clear = clear_of(side, rim, piece);
-  const auto by8 = both(here, clear >= number<V>(kClearFor8));
-  const auto by16 = both(both(here, clear < number<V>(kClearFor8)), clear >= number<V>(kClearFor16));
+  const auto by12 = both(here, clear >= number<V>(kClearFor12));
+  const auto by16 = both(both(here, clear < number<V>(kClearFor12)), clear >= number<V>(kClearFor16));
   const auto halves = both(both(here, clear < number<V>(kClearFor16)), clear >= number<V>(kClearForHalves));
-  if (some(by8)) add_flat_nodes(side, rim, piece, zero, one, kGauss8, by8, sum);
+  if (some(by12)) add_flat_nodes(side, rim, piece, zero, one, kGauss12, by12, sum);
   if (some(by16)) add_flat_nodes(side, rim, piece, zero, one, kGauss16, by16, sum);
   if (some(halves)) {
     add_flat_nodes(side, rim, piece, zero, half, kGauss16, halves, sum);

@@ -224,36 +224,41 @@ void take_cluster(Contact& contact, PairWork& work) {
   add_to_batch(contact, work.clusters);
 }
 
+// Adds a pair of a round primitive, cut by its planes or by others in their place, to the queue it is for.
+RoundQueue& queue_pair(const Corners& at, std::span<const HalfSpace> cuts, Contact& contact, PairWork& work) {
+  if (contact.primitive != work.hull_of) work.hull = round_hull(work.hand.primitive[contact.primitive]);
+  work.hull_of = contact.primitive;
+  RoundQueue& queue = lies_flat(work.hull, at.a, at.b, at.c) ? work.flat : work.steep;
+  if (!has_room(queue.batch, work.hull)) finish(queue, work);
+  add_to_batch(work.hull, at.a, at.b, at.c, cuts, contact, queue.batch);
+  return queue;
+}
+
+// A pair of a tile with a triangle that others may have a share of.
+void take_shared(const TileBorders& near, const Corners& at, Contact& contact, PairWork& work) {
+  const Primitive& tile = work.hand.primitive[contact.primitive];
+  const BorderCut cut = cut_at_borders(work.hand, tile, near, at.a, at.b, at.c);
+  contact.area = 0;
+  if (cut.kind == BorderCut::gone) return;
+  if (cut.kind == BorderCut::general)
+    return collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
+  RoundQueue& queue = queue_pair(at, std::span(cut.cut).first(tile.cut_count), contact, work);
+  queue.shared[queue.shared_count++] = {&contact, cut};
+}
+
 void take_pair(Contact& contact, PairWork& work) {
   if ((contact.triangle & kClusterBit) != 0) return take_cluster(contact, work);
   const Primitive& primitive = work.hand.primitive[contact.primitive];
-  const auto [a, b, c] = corners_of(work.model.triangles, contact.triangle);
+  const Corners at = corners_of(work.model.triangles, contact.triangle);
   if (primitive.shape == Shape::prism && primitive.law == Law::field) {
     if (is_full(work.palm)) finish_palm(work);
-    add_to_batch(a, b, c, contact, work.palm);
-    return;
+    return add_to_batch(at.a, at.b, at.c, contact, work.palm);
   }
-  if (!suits_batch(primitive)) {
-    collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
-    return;
-  }
-  BorderCut cut = cut_at_borders(work.hand, primitive, a, b, c);
-  if (cut.kind == BorderCut::gone) {
-    contact.area = 0;
-    return;
-  }
-  if (cut.kind == BorderCut::general) {
-    collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
-    return;
-  }
-  if (contact.primitive != work.hull_of) work.hull = round_hull(primitive);
-  work.hull_of = contact.primitive;
-  RoundQueue& queue = lies_flat(work.hull, a, b, c) ? work.flat : work.steep;
-  if (!has_room(queue.batch, work.hull)) finish(queue, work);
-  const bool planes = cut.kind == BorderCut::planes;
-  add_to_batch(work.hull, a, b, c, std::span(planes ? primitive.cut : cut.cut).first(primitive.cut_count),
-               contact, queue.batch);
-  if (!planes) queue.shared[queue.shared_count++] = {&contact, cut};
+  if (!suits_batch(primitive))
+    return collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
+  const TileBorders near = borders_in_reach(work.hand, primitive, at.a, at.b, at.c);
+  if (near.any()) return take_shared(near, at, contact, work);
+  queue_pair(at, std::span(primitive.cut).first(primitive.cut_count), contact, work);
 }
 
 }  // namespace

@@ -26,7 +26,9 @@ void add_triangle(const Primitives& hand, const Primitive& primitive, const Bord
 }
 
 BorderCut cut_of(const Primitives& hand, const Primitive& primitive, const Corners& at) {
-  return primitive.shape == Shape::prism ? BorderCut{} : cut_at_borders(hand, primitive, at.a, at.b, at.c);
+  if (primitive.shape == Shape::prism) return {};
+  return cut_at_borders(hand, primitive, borders_in_reach(hand, primitive, at.a, at.b, at.c), at.a, at.b,
+                        at.c);
 }
 
 // A cluster is a contact for the force; for its slope every triangle in it is looked at.
