@@ -110,13 +110,6 @@ RoundHull round_hull(const Primitive& primitive) {
   return {end1, axis, length, radius1, radius2, sine, std::sqrt((1 - sine) * (1 + sine))};
 }
 
-bool lies_flat(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c) {
-  if (hull.is_sphere()) return false;
-  const Vec3 normal = cross(b - a, c - a);
-  const double along = dot(hull.axis, normal), least = hull.is_cone() ? kFlatCosineCone : kFlatCosine;
-  return along * along < least * least * dot(normal, normal);
-}
-
 void add_to_batch(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c, std::span<const HalfSpace> cuts,
                   Contact& contact, RoundBatch& batch) {
   RoundTerms<double>& pairs = batch.pairs;

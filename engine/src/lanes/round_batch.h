@@ -39,7 +39,12 @@ struct RoundBatch {
 };
 
 /// Does the axis lie nearly along the plane of the triangle a, b, c [m, W]?
-bool lies_flat(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c);
+inline bool lies_flat(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c) {
+  if (hull.is_sphere()) return false;
+  const Vec3 normal = cross(b - a, c - a);
+  const double along = dot(hull.axis, normal), least = hull.is_cone() ? kFlatCosineCone : kFlatCosine;
+  return along * along < least * least * dot(normal, normal);
+}
 
 /// Is there room for another pair with this hull? All of a batch are spheres, or capsules, or cones.
 inline bool has_room(const RoundBatch& batch, const RoundHull& hull) {
