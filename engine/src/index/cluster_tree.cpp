@@ -1,7 +1,9 @@
 #include "index/cluster_tree.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "base/parallel.h"
 #include "index/triangle_bound.h"
@@ -214,38 +216,92 @@ struct Member {
   std::uint32_t triangle;
 };
 
-// Halves the members along the longest side of the box round them, again and again, so that every cluster of
-// every size is compact; a curve through space would leave clusters that jump. `capacity` is a cluster's size
-// or twice that, and the first half is full. A tie goes by the triangle's number.
-void sort_for_clusters(std::span<Member> members, std::size_t capacity) {
+// Members of a cluster to be; `capacity` is a cluster's size that holds them.
+struct Group {
+  std::span<Member> members;
+  std::size_t capacity;
+  [[nodiscard]] bool is_leaf() const { return capacity <= kLeafSize; }
+};
+
+// A group with the least capacity that will do.
+Group group_of(std::span<Member> members, std::size_t capacity) {
   while (capacity / 2 >= members.size() && capacity > kLeafSize) capacity /= 2;
-  const auto by_number = [](const Member& a, const Member& b) { return a.triangle < b.triangle; };
-  if (capacity <= kLeafSize) {
-    std::sort(members.begin(), members.end(), by_number);
-    return;
-  }
-  Box box;
-  for (const Member& member : members) box.add(member.centre);
-  const Vec3 size = box.upper - box.lower;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const auto half = static_cast<std::ptrdiff_t>(capacity / 2);
-  std::nth_element(members.begin(), members.begin() + half, members.end(),
-                   [&](const Member& a, const Member& b) {
-                     const double at = part(a.centre, axis), bt = part(b.centre, axis);
-                     return at != bt ? at < bt : a.triangle < b.triangle;
-                   });
-  sort_for_clusters(members.subspan(0, capacity / 2), capacity / 2);
-  sort_for_clusters(members.subspan(capacity / 2), capacity / 2);
+  return {members, capacity};
 }
 
-std::vector<std::uint32_t> ordered_for_clusters(const Triangles& triangles, Vec3 origin) {
+template <double Vec3::*Axis>
+void part_at_half(const Group& group) {
+  std::nth_element(group.members.begin(),
+                   group.members.begin() + static_cast<std::ptrdiff_t>(group.capacity / 2),
+                   group.members.end(), [](const Member& a, const Member& b) {
+                     const double at = a.centre.*Axis, bt = b.centre.*Axis;
+                     return at != bt ? at < bt : a.triangle < b.triangle;
+                   });
+}
+
+// Halves a group across the longest side of the box round it; the first half is full. A tie goes by the
+// triangle's number.
+std::array<Group, 2> halves_of(const Group& group) {
+  Box box;
+  for (const Member& member : group.members) box.add(member.centre);
+  const Vec3 size = box.upper - box.lower;
+  if (size.x >= size.y && size.x >= size.z) {
+    part_at_half<&Vec3::x>(group);
+  } else if (size.y >= size.z) {
+    part_at_half<&Vec3::y>(group);
+  } else {
+    part_at_half<&Vec3::z>(group);
+  }
+  const std::size_t half = group.capacity / 2;
+  return {group_of(group.members.subspan(0, half), half), group_of(group.members.subspan(half), half)};
+}
+
+// Halves a group again and again, so that every cluster of every size is compact; a curve through space would
+// leave clusters that jump.
+void sort_for_clusters(const Group& group) {
+  if (group.is_leaf()) {
+    std::sort(group.members.begin(), group.members.end(),
+              [](const Member& a, const Member& b) { return a.triangle < b.triangle; });
+    return;
+  }
+  for (const Group& half : halves_of(group)) sort_for_clusters(half);
+}
+
+// Groups of the same members that are halved by a thread each. A half does not depend on what becomes of the
+// other.
+constexpr std::size_t kGroups = 64, kLeastGroup = 4096;
+
+void sort_for_clusters(const Group& group, std::size_t threads) {
+  std::vector<Group> groups{group};
+  while (threads > 1 && groups.size() < kGroups && groups[0].capacity > kLeastGroup) {
+    std::vector<Group> next(2 * groups.size());
+    parallel_chunks(groups.size(), 1, threads, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        const auto [one, other] = halves_of(groups[i]);
+        next[2 * i] = one;
+        next[2 * i + 1] = other;
+      }
+    });
+    groups = std::move(next);
+  }
+  parallel_chunks(groups.size(), 1, threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) sort_for_clusters(groups[i]);
+  });
+}
+
+std::vector<std::uint32_t> ordered_for_clusters(const Triangles& triangles, Vec3 origin,
+                                                std::size_t threads) {
   std::vector<Member> members(triangles.size());
-  for (std::uint32_t i = 0; i < members.size(); ++i)
-    members[i] = {bound_triangle(triangles, i, origin).centre, i};
+  std::vector<std::uint32_t> order(members.size());
+  parallel_chunks(members.size(), 4096, threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const auto triangle = static_cast<std::uint32_t>(i);
+      members[i] = {bound_triangle(triangles, triangle, origin).centre, triangle};
+    }
+  });
   std::size_t capacity = kLeafSize;
   while (capacity < members.size()) capacity *= 2;
-  sort_for_clusters(members, capacity);
-  std::vector<std::uint32_t> order(members.size());
+  sort_for_clusters(group_of(members, capacity), threads);
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = members[i].triangle;
   return order;
 }
@@ -269,7 +325,7 @@ ClusterTree build_clusters(const Triangles& triangles, const Execution& executio
   Box corners;
   for (const std::uint32_t vertex : triangles.a) corners.add(triangles.vertex(vertex));
   tree.origin = corners.middle();
-  tree.triangle = ordered_for_clusters(triangles, tree.origin);
+  tree.triangle = ordered_for_clusters(triangles, tree.origin, execution.threads);
 
   const std::vector<std::uint32_t> counts = count_clusters(triangle_count, tree.level);
   ClusterBlock empty;
