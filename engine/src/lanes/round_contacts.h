@@ -67,7 +67,7 @@ Corners<V> corners_of(const RoundPart<V>& part, const RoundPlane<V>& plane, cons
     all.low_y = choose(here, lesser(all.low_y, p.y), all.low_y);
     all.high_x = choose(here, greater(all.high_x, p.x), all.high_x);
     all.high_y = choose(here, greater(all.high_y, p.y), all.high_y);
-    all.outside = choose(both(here, field_at(part, plane, p).phi < zero), one, all.outside);
+    all.outside = choose(both(here, is_outside(part, plane, p)), one, all.outside);
   }
   const V dx = all.high_x - all.low_x, dy = all.high_y - all.low_y;
   all.size = root(greater(dx * dx + dy * dy, zero));

@@ -104,4 +104,15 @@ inline FieldValue<V> field_at(const RoundPart<V>& part, const RoundPlane<V>& pla
   return {phi, lesser(magnitude(first), magnitude(first - part.cosine * part.length))};
 }
 
+// Is phi negative at a point of the plane? With no root but one, and that of cones only.
+template <class V>
+inline auto is_outside(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2<V> p) {
+  const V zero = number<V>(0);
+  if (part.sphere) return dot(p, p) + plane.h1 * plane.h1 > part.radius1 * part.radius1;
+  const V e = plane.c * p.x + plane.s * plane.h1, q = plane.s * p.x - plane.c * plane.h1;
+  const V rho2 = e * e + p.y * p.y, shift = part.cone ? root(rho2) * part.tangent : zero;
+  const V at = between(q - shift, zero, part.length), off = q - at, reach = part.radius1 - part.sine * at;
+  return off * off + rho2 > reach * reach;
+}
+
 }  // namespace lumbrical::LUMBRICAL_ISA

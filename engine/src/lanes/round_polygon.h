@@ -34,7 +34,8 @@ Directions<V> directions_of(const Polygon<V>& polygon) {
   Directions<V> directions;
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const Wide2<V> d = polygon.edge[i].q - polygon.edge[i].p;
-    directions.t[i] = one_over(root(dot(d, d))) * d;
+    directions.t[i] = d;
+    if (some(has_length(polygon.edge[i]))) directions.t[i] = one_over(root(dot(d, d))) * d;
   }
   return directions;
 }

@@ -65,28 +65,29 @@ inline V angle_of(V y, V x) {
   return choose(y < zero, zero - angle, angle);
 }
 
-// 2 atanh(difference / sum) for 0 <= difference <= sum. Where the quotient is nearer to 1 than 1e-20 the
-// value is capped: its factors are that small there.
+// 2 atanh(difference / sum) for 0 <= difference <= sum: the logarithm of top / rest, from which powers of two
+// are taken before it is divided. Where the quotient is nearer to 1 than 1e-20 the value is capped: its
+// factors are that small there.
 template <class V>
 inline V twice_atanh(V difference, V sum) {
   const V one = number<V>(1), zero = number<V>(0);
-  const V rest = greater(sum - difference, number<V>(1e-20) * sum);
-  const V safe = choose(rest > zero, rest, one);
-  V q = quotient(sum + difference, safe), logarithm = zero;
+  const V least = greater(sum - difference, number<V>(1e-20) * sum);
+  const V rest = choose(least > zero, least, one);
+  V top = sum + difference, logarithm = zero;
   constexpr double kStep[] = {18446744073709551616.0, 4294967296.0, 65536, 256, 16, 4, 2};
   constexpr double kBits[] = {64, 32, 16, 8, 4, 2, 1};
   // The larger steps are seldom anybody's.
-  for (std::size_t i = some(q >= number<V>(256)) ? 0 : 4; i < 7; ++i) {
-    const auto large = q >= number<V>(kStep[i]);
-    q = choose(large, q * number<V>(1 / kStep[i]), q);
+  for (std::size_t i = some(top >= number<V>(256) * rest) ? 0 : 4; i < 7; ++i) {
+    const auto large = top >= number<V>(kStep[i]) * rest;
+    top = choose(large, top * number<V>(1 / kStep[i]), top);
     logarithm = logarithm + choose(large, number<V>(kBits[i] * kLn2), zero);
   }
-  const auto upper = q > number<V>(1.4142135623730951);
-  q = choose(upper, q * number<V>(0.5), q);
+  const auto upper = top > number<V>(1.4142135623730951) * rest;
+  top = choose(upper, top * number<V>(0.5), top);
   logarithm = logarithm + choose(upper, number<V>(kLn2), zero);
   const auto small = logarithm == zero;
-  const V s =
-      quotient(choose(small, difference, q - one), choose(small, choose(sum > zero, sum, one), q + one));
+  const V s = quotient(choose(small, difference, top - rest),
+                       choose(small, choose(sum > zero, sum, one), top + rest));
   const V z = s * s;
   const V tail = s + s * (z * horner(kArcTangentHyperbolic, z));
   return logarithm + (tail + tail);
