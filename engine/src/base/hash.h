@@ -34,14 +34,9 @@ class Hasher {
   /// Bytes and their count; so ("ab", "c") and ("a", "bc") differ.
   void bytes(const void* data, std::size_t size) {
     const auto* from = static_cast<const unsigned char*>(data);
-    std::size_t left = size;
-    while (left >= 4 * sizeof(std::uint64_t)) {
-      std::array<std::uint64_t, 4> words;
-      std::memcpy(words.data(), from, sizeof(words));
-      for (std::size_t i = 0; i < 4; ++i) lanes_[i] = mixed(lanes_[i], words[i]);
-      from += sizeof(words);
-      left -= sizeof(words);
-    }
+    std::size_t left = size % kRound;
+    rounds(from, size / kRound);
+    from += size - left;
     while (left > 0) {
       std::uint64_t word = 0;
       const std::size_t part = left < sizeof(word) ? left : sizeof(word);
@@ -51,6 +46,16 @@ class Hasher {
       left -= part;
     }
     absorb(size);
+  }
+
+  /// As many single values as there are words: the same as value() of each, sooner.
+  void words(std::span<const std::uint64_t> values) {
+    std::size_t next = 0;
+    for (; next < values.size() && count_ % kLanes != 0; ++next) absorb(values[next]);
+    const std::size_t round_count = (values.size() - next) / kLanes;
+    rounds(values.data() + next, round_count);
+    count_ += kLanes * round_count;
+    for (next += kLanes * round_count; next < values.size(); ++next) absorb(values[next]);
   }
 
   /// An array of numbers, or of structs of numbers without padding (padding bytes are not defined).
@@ -79,12 +84,33 @@ class Hasher {
     return lane ^ (lane >> 32);
   }
   void absorb(std::uint64_t word) {
-    std::uint64_t& lane = lanes_[count_++ & 3];
+    std::uint64_t& lane = lanes_[count_++ % kLanes];
     lane = mixed(lane, word);
   }
+  // A word for each lane, `round_count` times. The lanes are in variables of their own, which compilers keep
+  // in registers: as elements of an array they would go to memory and back with every word, which takes twice
+  // as long as all the rest.
+  void rounds(const void* data, std::size_t round_count) {
+    const auto* from = static_cast<const unsigned char*>(data);
+    auto [a, b, c, d] = lanes_;
+    for (; round_count > 0; --round_count, from += kRound) {
+      a = mixed(a, word_at(from));
+      b = mixed(b, word_at(from + 8));
+      c = mixed(c, word_at(from + 16));
+      d = mixed(d, word_at(from + 24));
+    }
+    lanes_ = {a, b, c, d};
+  }
+  static std::uint64_t word_at(const unsigned char* from) {
+    std::uint64_t word;
+    std::memcpy(&word, from, sizeof(word));
+    return word;
+  }
 
-  std::array<std::uint64_t, 4> lanes_{0x2545f4914f6cdd1du, 0x9e6c63d0676a9a99u, 0xb5ad4eceda1ce2a9u,
-                                      0x8f3c1a5be2d74605u};
+  static constexpr std::size_t kLanes = 4;
+  static constexpr std::size_t kRound = kLanes * sizeof(std::uint64_t);  // [bytes]
+  std::array<std::uint64_t, kLanes> lanes_{0x2545f4914f6cdd1du, 0x9e6c63d0676a9a99u, 0xb5ad4eceda1ce2a9u,
+                                           0x8f3c1a5be2d74605u};
   std::uint64_t count_ = 0;  // single words so far; says which lane is next
 };
 

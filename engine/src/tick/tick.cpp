@@ -1,6 +1,8 @@
 // The tick: one stage after the other, each a function of the data before it.
 #include "lumbrical/tick.h"
 
+#include <cstring>
+
 #include "base/floating_point.h"
 #include "base/hash.h"
 #include "stages/broadphase.h"
@@ -18,16 +20,33 @@ std::uint64_t& stage_hash(Scratch& scratch, Stage stage) {
   return scratch.stage_hash[static_cast<std::size_t>(stage)];
 }
 
-void absorb(Hasher& hasher, const Pose& pose) {
-  for (const double number : {pose.position.x, pose.position.y, pose.position.z, pose.orientation.w,
-                              pose.orientation.x, pose.orientation.y, pose.orientation.z}) {
-    hasher.value(number);
+// The numbers of a posed hand in a row, since they lie about in structs that hold others too: a hash takes
+// rows several words at a time.
+class NumberRow {
+ public:
+  /// Any struct or array of 8-byte numbers.
+  template <class T>
+  void add(const T& numbers) {
+    static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % sizeof(std::uint64_t) == 0);
+    std::memcpy(word_.data() + count_, &numbers, sizeof(T));
+    count_ += sizeof(T) / sizeof(std::uint64_t);
   }
-}
+  [[nodiscard]] std::span<const std::uint64_t> words() const { return {word_.data(), count_}; }
+
+ private:
+  static constexpr std::size_t kPrimitiveWords = 8 + 2 * 6, kSegmentWords = 6;
+  std::array<std::uint64_t, 2 + Primitives::kMaxCount * kPrimitiveWords + kSegmentCount * kSegmentWords>
+      word_;
+  std::size_t count_ = 0;
+};
 
 std::uint64_t hash_of(const DeviceFrame& frame) {
+  const auto& [position, orientation] = frame.base;
   Hasher hasher;
-  absorb(hasher, frame.base);
+  for (const double number :
+       {position.x, position.y, position.z, orientation.w, orientation.x, orientation.y, orientation.z}) {
+    hasher.value(number);
+  }
   hasher.value(frame.kind);
   hasher.value(frame.flags);
   hasher.value(frame.valid);
@@ -36,29 +55,25 @@ std::uint64_t hash_of(const DeviceFrame& frame) {
   return hasher.digest();
 }
 
-void absorb(Hasher& hasher, Vec3 v) {
-  hasher.value(v.x);
-  hasher.value(v.y);
-  hasher.value(v.z);
-}
-
 std::uint64_t hash_of(const Primitives& hand, std::uint32_t flags) {
-  Hasher hasher;
-  hasher.value(flags);
-  hasher.value(hand.count);
+  NumberRow row;
+  row.add(std::uint64_t{flags});
+  row.add(static_cast<std::uint64_t>(hand.count));
   for (int i = 0; i < hand.count; ++i) {
     const Primitive& primitive = hand.primitive[static_cast<std::size_t>(i)];
-    absorb(hasher, primitive.end1);
-    absorb(hasher, primitive.end2);
-    hasher.value(primitive.radius1);
-    hasher.value(primitive.radius2);
+    row.add(primitive.end1);
+    row.add(primitive.end2);
+    row.add(primitive.radius1);
+    row.add(primitive.radius2);
     for (std::size_t k = 0; k < primitive.cut_count; ++k) {
-      absorb(hasher, primitive.cut[k].normal);
-      absorb(hasher, primitive.cut[k].point);
+      row.add(primitive.cut[k].normal);
+      row.add(primitive.cut[k].point);
     }
   }
-  for (const Vec3 joint : hand.base_joint) absorb(hasher, joint);
-  for (const Vec3 axis : hand.flexion_axis) absorb(hasher, axis);
+  row.add(hand.base_joint);
+  row.add(hand.flexion_axis);
+  Hasher hasher;
+  hasher.words(row.words());
   return hasher.digest();
 }
 
