@@ -98,7 +98,8 @@ struct Recorder::Writer {
 };
 
 Status Recorder::Writer::write(const TickRecord& record) {
-  encode_tick(record, keeps_forces(record), make_input_check(input_fields(record)), builder);
+  encode_tick(record, keeps_forces(record), make_input_check(input_fields(record), HashKind::current),
+              builder);
   const std::uint64_t tick = record.output.tick;
   // The sequence number is the tick's, so that any MCAP tool shows a gap as a gap.
   return mcap.message(tick_time(tick, period), static_cast<std::uint32_t>(tick),
@@ -134,8 +135,7 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   if (Status status = check_options(scene, options); !status.ok())
     return Status::error(path + ": " + status.message());
   std::vector<std::uint8_t> session;
-  const std::uint32_t version = options.force_interval == 1 ? kEveryForce : kSomeForces;
-  if (Status status = encode_session(scene, version, session); !status.ok())
+  if (Status status = encode_session(scene, kVersion, session); !status.ok())
     return Status::error(path + ": " + status.message());
 
   auto writer = std::make_unique<Writer>(options.ring_capacity);
@@ -147,6 +147,7 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   mcap_options.chunk_time = static_cast<std::uint64_t>(options.chunk_seconds * 1e9);
   std::map<std::string, std::string> metadata = options.metadata;
   metadata.emplace("build", build_text());
+  if (options.force_interval != 1) metadata.emplace("force_interval", std::to_string(options.force_interval));
   Status status = open_recording(path, OutputFile::Place::beside_existing, scene.settings.rate, session, {},
                                  metadata, mcap_options, writer->mcap);
   if (!status.ok()) return status;
