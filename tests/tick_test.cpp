@@ -5,12 +5,14 @@
 #include <cmath>
 #include <cstdlib>
 #include <new>
+#include <set>
 
 #include "lumbrical/jacobian.h"
 #include "model/primitive.h"
 #include "pressed_hand.h"
 #include "random.h"
 #include "session.h"
+#include "tick/tick_trace.h"
 
 namespace {
 std::atomic<bool> trap_allocations{false};
@@ -207,7 +209,7 @@ TEST(Tick, ForceAboveTheLimitIsScaledDownForTheWholeHand) {
   }
 }
 
-// Without stage hashes a hand that can't meet the world is not shaped at all.
+// A hand that can't meet the world is not shaped at all, but for hashes as old recordings have them.
 TEST(Tick, AHandOutOfReachIsLeftUnshapedWithoutADifference) {
   Scene scene = test::pressed_scene(0.3, 20);
   int touching = 0, unshaped = 0;
@@ -221,18 +223,49 @@ TEST(Tick, AHandOutOfReachIsLeftUnshapedWithoutADifference) {
       frame.base.orientation = random.rotation() * frame.base.orientation;
       State hashed_state, state;
       Scratch hashed = make_scratch(model), scratch = make_scratch(model);
-      scratch.hash_stages = false;
+      hashed.hash_kind = HashKind::former;
       const ActuatorFrame expected = tick(model, hashed_state, hashed, frame);
       const ActuatorFrame output = tick(model, state, scratch, frame);
       ASSERT_EQ(hash_state(state), hash_state(hashed_state)) << i;
       ASSERT_EQ(output.flags, expected.flags) << i;
       ASSERT_EQ(output.contact_count, expected.contact_count) << i;
       touching += expected.contact_count > 0 ? 1 : 0;
-      unshaped += scratch.primitives->count == 0 ? 1 : 0;
+      if (scratch.primitives->count > 0) continue;
+      ++unshaped;
+      EXPECT_GT(hashed.primitives->count, 0);
     }
   }
   EXPECT_GT(touching, 200);
   EXPECT_GT(unshaped, 100);
+}
+
+// What is left to tell of such a hand is where its phalanges and its palm are.
+TEST(Tick, TheHashOfAHandOutOfReachTellsEveryPhalanx) {
+  const Scene scene = test::mug_scene(Law::field);
+  const Model model = test::model_of(scene);
+  State state;
+  Scratch scratch = make_scratch(model);
+  DeviceFrame frame = test::grasp_frames(scene.hand, 2)[1];
+  frame.base.position = {3, 4, 5};
+  const auto pose_hash = [&] {
+    tick(model, state, scratch, frame);
+    EXPECT_TRUE(scratch.primitives->out_of_reach);
+    return scratch.stage_hash[static_cast<std::size_t>(Stage::hand_pose)];
+  };
+  std::set<std::uint64_t> seen = {pose_hash()};
+  EXPECT_FALSE(seen.insert(pose_hash()).second) << "the same frame has another hash";
+  for (float& angle : frame.angle) {
+    angle += 1e-5f;
+    EXPECT_TRUE(seen.insert(pose_hash()).second) << "angle " << &angle - frame.angle.data();
+  }
+  frame.base.position.z = std::nextafter(frame.base.position.z, 6);
+  EXPECT_TRUE(seen.insert(pose_hash()).second);
+  // The trace, which names what differs, has those numbers too.
+  const std::vector<TraceValue> values = trace_stage(model, scratch, frame, {}, Stage::hand_pose);
+  EXPECT_EQ(values.size(), std::size_t{1} + kPhalanxCount * 8 + 7 + 6 * kSegmentCount);
+  frame.base.position = {};
+  tick(model, state, scratch, frame);
+  EXPECT_FALSE(scratch.primitives->out_of_reach);
 }
 
 TEST(Tick, MissingJointsSilenceOnlyTheirSegments) {

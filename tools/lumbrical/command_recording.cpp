@@ -62,9 +62,9 @@ std::string laws(const Settings& settings) {
 void add_info_rows(const RecordingInfo& info, Table& table) {
   table.add("recording", info.path + ", " + grouped(info.bytes) + " bytes");
   table.add("written by", info.library);
-  table.add("format",
-            "version " + std::to_string(info.version) +
-                (info.version > 1 ? ": forces of some ticks are left out, their hashes are not" : ""));
+  table.add("format", "version " + std::to_string(info.version));
+  if (info.metadata.contains("force_interval") || info.version == 2)
+    table.add("forces", "of some ticks are left out, their hashes are not");
   table.add("complete", info.complete ? "yes" : "no: its writer was killed; recover completes it");
   table.add("ticks", info.ticks == 0 ? "none"
                                      : grouped(info.ticks) + ", from " + grouped(info.first_tick) + " to " +

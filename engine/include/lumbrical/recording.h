@@ -50,7 +50,8 @@ struct RecorderOptions {
   /// them.
   std::uint32_t force_interval = 1;
   std::map<std::string, std::string>
-      metadata;  ///< free text for the file's metadata record, e.g. start time; "build" is added
+      metadata;  ///< free text for the file's metadata record, e.g. start time; "build" is added, and
+                 ///< "force_interval" where it is not 1
 };
 
 /// Writes ticks to a file from a thread of its own. The tick thread only copies into a ring.
@@ -87,7 +88,7 @@ struct RecordingInfo {
   double seconds = 0;               ///< of session time
   std::uint64_t bytes = 0;          ///< file size
   std::uint64_t chunks = 0;
-  std::uint32_t version = 0;  ///< of the format; 2: some ticks leave out their forces
+  std::uint32_t version = 0;  ///< of the format (docs/recording.md)
   std::string compression;    ///< "lz4", "zstd", ""
   std::string library;        ///< who wrote it
   bool complete = false;      ///< has index, summary and footer; false after a crash

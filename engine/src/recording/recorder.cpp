@@ -2,6 +2,7 @@
 // them.
 #include "recording/recorder.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <new>
@@ -27,6 +28,18 @@ using namespace std::chrono_literals;
 constexpr auto kWriterNap = 2ms;
 constexpr auto kFullRingNap = 200us;
 constexpr std::uint32_t kLargestRing = 1u << 18;
+
+// All of a record but the places for commands it does not have, which are a third of it.
+void copy_record(const TickRecord& from, TickRecord& to) {
+  to.device = from.device;
+  to.output = from.output;
+  to.stage_hash = from.stage_hash;
+  to.state_hash = from.state_hash;
+  to.duration_ns = from.duration_ns;
+  to.has_forces = from.has_forces;
+  to.sent_count = std::min(from.sent_count, kMaxSentPerTick);
+  std::copy_n(from.sent.begin(), to.sent_count, to.sent.begin());
+}
 
 Status check_options(const Scene& scene, const RecorderOptions& options) {
   if (!(options.chunk_seconds > 0 && options.chunk_seconds <= 0.25))
@@ -85,7 +98,8 @@ struct Recorder::Writer {
 };
 
 Status Recorder::Writer::write(const TickRecord& record) {
-  encode_tick(record, keeps_forces(record), make_input_check(input_fields(record)), builder);
+  encode_tick(record, keeps_forces(record), make_input_check(input_fields(record), HashKind::current),
+              builder);
   const std::uint64_t tick = record.output.tick;
   // The sequence number is the tick's, so that any MCAP tool shows a gap as a gap.
   return mcap.message(tick_time(tick, period), static_cast<std::uint32_t>(tick),
@@ -121,8 +135,7 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   if (Status status = check_options(scene, options); !status.ok())
     return Status::error(path + ": " + status.message());
   std::vector<std::uint8_t> session;
-  const std::uint32_t version = options.force_interval == 1 ? kEveryForce : kSomeForces;
-  if (Status status = encode_session(scene, version, session); !status.ok())
+  if (Status status = encode_session(scene, kVersion, session); !status.ok())
     return Status::error(path + ": " + status.message());
 
   auto writer = std::make_unique<Writer>(options.ring_capacity);
@@ -134,6 +147,7 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   mcap_options.chunk_time = static_cast<std::uint64_t>(options.chunk_seconds * 1e9);
   std::map<std::string, std::string> metadata = options.metadata;
   metadata.emplace("build", build_text());
+  if (options.force_interval != 1) metadata.emplace("force_interval", std::to_string(options.force_interval));
   Status status = open_recording(path, OutputFile::Place::beside_existing, scene.settings.rate, session, {},
                                  metadata, mcap_options, writer->mcap);
   if (!status.ok()) return status;
@@ -161,7 +175,7 @@ bool Recorder::record(const TickRecord& record) noexcept {
     std::this_thread::sleep_for(kFullRingNap);
     slot = writer_->ring.claim();
   }
-  *slot = record;
+  copy_record(record, *slot);
   writer_->ring.publish();
   writer_->last_tick = tick;
   return true;

@@ -42,6 +42,7 @@ Status run_up_to(RecordingReader& reader, const Model& model, std::uint64_t tick
   found = false;
   Scratch scratch = make_scratch(model);
   scratch.hash_stages = false;
+  const HashKind kind = hash_kind_of(reader.info().version);
   while (state.tick < tick_number) {
     TickRecord record;
     bool end = false;
@@ -49,7 +50,7 @@ Status run_up_to(RecordingReader& reader, const Model& model, std::uint64_t tick
     found = false;
     if (end || record.output.tick != state.tick) return {};  // a gap
     tick(model, state, scratch, record.device);
-    found = hash_state(state) == record.state_hash;
+    found = hash_state(state, kind) == record.state_hash;
   }
   return {};
 }

@@ -99,7 +99,7 @@ Status RecordingReader::File::take_message(Bytes bytes, std::uint64_t at, TickRe
   InputCheck check;
   if (Status status = decode_tick(parsed.data, record, check); !status.ok())
     return file.broken(at, status.message() + "; the file is damaged or of another version");
-  altered = find_altered_input(record, check);
+  altered = find_altered_input(record, check, hash_kind_of(info.version));
   message = parsed.data;
   found = true;
   return {};

@@ -189,9 +189,9 @@ Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene, std::ui
   if (!verifier.VerifyBuffer<fb::Session>(nullptr))
     return Status::error("the session does not fit its schema");
   const fb::Session& message = *flatbuffers::GetRoot<fb::Session>(data);
-  if (message.version() < kEveryForce || message.version() > kSomeForces)
+  if (message.version() < kFirstVersion || message.version() > kVersion)
     return Status::error("the session is of version " + std::to_string(message.version()) +
-                         ", this program reads 1 and 2; use a newer program");
+                         ", this program reads 1 to " + std::to_string(kVersion) + "; use a newer program");
 
   Scene decoded;
   if (Status status = decode_hand(message.hand(), decoded.hand); !status.ok()) return status;

@@ -6,14 +6,20 @@
 #include <vector>
 
 #include "lumbrical/model.h"
+#include "lumbrical/tick.h"
 
 namespace lumbrical {
 
 inline constexpr const char* kSessionAttachment = "session";
 
 /// Versions of the format, which the session states.
-inline constexpr std::uint32_t kEveryForce = 1;  ///< every tick has its forces
-inline constexpr std::uint32_t kSomeForces = 2;  ///< some ticks leave them out, and say so
+inline constexpr std::uint32_t kFirstVersion = 1;  ///< every tick has its forces
+// 2: ticks may leave out forces, and then say so
+inline constexpr std::uint32_t kVersion = 3;  ///< as 2, other hashes; what is written now
+
+constexpr HashKind hash_kind_of(std::uint32_t version) {
+  return version < 3 ? HashKind::former : HashKind::current;
+}
 
 /// Refuses a scene of 2 GiB or more, which a FlatBuffer can't hold.
 Status encode_session(const Scene& scene, std::uint32_t version, std::vector<std::uint8_t>& bytes);

@@ -1,7 +1,10 @@
 // The tick: one stage after the other, each a function of the data before it.
 #include "lumbrical/tick.h"
 
+#include <cstring>
+
 #include "base/floating_point.h"
+#include "base/former_hash.h"
 #include "base/hash.h"
 #include "stages/broadphase.h"
 #include "stages/contact_force.h"
@@ -14,20 +17,34 @@ namespace {
 
 constexpr std::uint32_t kUntrusted = kInputNotFinite | kInputImplausible | kInputLost | kCandidateOverflow;
 
-std::uint64_t& stage_hash(Scratch& scratch, Stage stage) {
-  return scratch.stage_hash[static_cast<std::size_t>(stage)];
-}
+// The numbers of a posed hand in a row, since they lie about in structs that hold others too: a hash takes
+// rows several words at a time.
+class NumberRow {
+ public:
+  /// Any struct or array of 8-byte numbers.
+  template <class T>
+  void add(const T& numbers) {
+    static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % sizeof(std::uint64_t) == 0);
+    std::memcpy(word_.data() + count_, &numbers, sizeof(T));
+    count_ += sizeof(T) / sizeof(std::uint64_t);
+  }
+  [[nodiscard]] std::span<const std::uint64_t> words() const { return {word_.data(), count_}; }
 
-void absorb(Hasher& hasher, const Pose& pose) {
-  for (const double number : {pose.position.x, pose.position.y, pose.position.z, pose.orientation.w,
-                              pose.orientation.x, pose.orientation.y, pose.orientation.z}) {
+ private:
+  static constexpr std::size_t kPrimitiveWords = 8 + 2 * 6, kSegmentWords = 6;
+  std::array<std::uint64_t, 2 + Primitives::kMaxCount * kPrimitiveWords + kSegmentCount * kSegmentWords>
+      word_;
+  std::size_t count_ = 0;
+};
+
+template <class Hasher>
+std::uint64_t hash_of(const DeviceFrame& frame) {
+  const auto& [position, orientation] = frame.base;
+  Hasher hasher;
+  for (const double number :
+       {position.x, position.y, position.z, orientation.w, orientation.x, orientation.y, orientation.z}) {
     hasher.value(number);
   }
-}
-
-std::uint64_t hash_of(const DeviceFrame& frame) {
-  Hasher hasher;
-  absorb(hasher, frame.base);
   hasher.value(frame.kind);
   hasher.value(frame.flags);
   hasher.value(frame.valid);
@@ -36,34 +53,44 @@ std::uint64_t hash_of(const DeviceFrame& frame) {
   return hasher.digest();
 }
 
-void absorb(Hasher& hasher, Vec3 v) {
-  hasher.value(v.x);
-  hasher.value(v.y);
-  hasher.value(v.z);
-}
-
+template <class Hasher>
 std::uint64_t hash_of(const Primitives& hand, std::uint32_t flags) {
-  Hasher hasher;
-  hasher.value(flags);
-  hasher.value(hand.count);
+  NumberRow row;
+  row.add(std::uint64_t{flags});
+  row.add(static_cast<std::uint64_t>(hand.count));
   for (int i = 0; i < hand.count; ++i) {
     const Primitive& primitive = hand.primitive[static_cast<std::size_t>(i)];
-    absorb(hasher, primitive.end1);
-    absorb(hasher, primitive.end2);
-    hasher.value(primitive.radius1);
-    hasher.value(primitive.radius2);
+    row.add(primitive.end1);
+    row.add(primitive.end2);
+    row.add(primitive.radius1);
+    row.add(primitive.radius2);
     for (std::size_t k = 0; k < primitive.cut_count; ++k) {
-      absorb(hasher, primitive.cut[k].normal);
-      absorb(hasher, primitive.cut[k].point);
+      row.add(primitive.cut[k].normal);
+      row.add(primitive.cut[k].point);
     }
   }
-  for (const Vec3 joint : hand.base_joint) absorb(hasher, joint);
-  for (const Vec3 axis : hand.flexion_axis) absorb(hasher, axis);
+  if (hand.out_of_reach) {  // not shaped: whole phalanges and palm are all there is
+    for (std::size_t i = 0; i < kPhalanxCount; ++i) {
+      const Primitive& capsule = hand.capsule[i];
+      row.add(std::uint64_t{hand.present[i]});
+      if (!hand.present[i]) continue;
+      row.add(capsule.end1);
+      row.add(capsule.end2);
+      row.add(capsule.radius1);
+      row.add(capsule.radius2);
+    }
+    row.add(std::uint64_t{hand.joints.has(kPalm)});
+    if (hand.joints.has(kPalm)) row.add(hand.joints.pose[kPalm]);
+  }
+  row.add(hand.base_joint);
+  row.add(hand.flexion_axis);
+  Hasher hasher;
+  hasher.words(row.words());
   return hasher.digest();
 }
 
 // Plain arrays of 8-byte numbers, without padding.
-template <class T>
+template <class Hasher, class T>
 std::uint64_t hash_plain(const T& data) {
   static_assert(sizeof(T) % sizeof(double) == 0 && std::is_trivially_copyable_v<T>);
   Hasher hasher;
@@ -71,11 +98,35 @@ std::uint64_t hash_plain(const T& data) {
   return hasher.digest();
 }
 
-template <class T>
+template <class Hasher, class T>
 std::uint64_t hash_items(std::span<const T> items) {
   Hasher hasher;
   hasher.array(items);
   return hasher.digest();
+}
+
+/// What the stages of one tick have found.
+struct Findings {
+  const DeviceFrame& frame;
+  const Primitives& hand;
+  std::uint32_t flags = 0;
+  std::span<const std::uint64_t> candidates;
+  std::span<const Contact> contacts;
+  const HandForces& forces;
+  const ActuatorFrame& output;
+};
+
+template <class Hasher>
+void hash_stages(const Findings& found, std::array<std::uint64_t, kStageCount>& stage_hash) {
+  const auto hash_of_stage = [&stage_hash](Stage stage) -> std::uint64_t& {
+    return stage_hash[static_cast<std::size_t>(stage)];
+  };
+  hash_of_stage(Stage::input) = hash_of<Hasher>(found.frame);
+  hash_of_stage(Stage::hand_pose) = hash_of<Hasher>(found.hand, found.flags);
+  hash_of_stage(Stage::broadphase) = hash_items<Hasher>(found.candidates);
+  hash_of_stage(Stage::narrowphase) = hash_items<Hasher>(found.contacts);
+  hash_of_stage(Stage::contact_force) = hash_plain<Hasher>(found.forces);
+  hash_of_stage(Stage::limits) = hash_plain<Hasher>(found.output);
 }
 
 static_assert(sizeof(Contact) == 2 * sizeof(std::uint32_t) + 13 * sizeof(double));
@@ -103,6 +154,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   const FloatingPointGuard guard;
   Primitives& hand = *scratch.primitives;
   hand.count = 0;
+  hand.out_of_reach = false;
   // What this frame does not tell must not be left from another: a tick, hashes included, is a function of
   // model, state and frame.
   hand.base_joint = hand.flexion_axis = {};
@@ -113,8 +165,10 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   if ((frame.flags & kExtrapolated) != 0) flags |= kInputExtrapolated;
   if ((flags & kUntrusted) == 0) {
     flags |= place_hand(model.hand, model.settings, frame, hand);
-    // A hand far from everything needs no shape, unless a recording is to tell of it.
-    if (scratch.hash_stages || may_meet(model.hand, hand, model.extent)) {
+    // A hand far from everything needs no shape; but recordings of old formats tell of it all the same.
+    const bool shaped = scratch.hash_stages && scratch.hash_kind == HashKind::former;
+    hand.out_of_reach = !shaped && !may_meet(model.hand, hand, model.extent);
+    if (!hand.out_of_reach) {
       tile_hand(model.hand, model.settings, hand);
       if (!find_candidates(model, hand, scratch)) flags |= kCandidateOverflow;
     }
@@ -128,16 +182,18 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   output.force_error = force_error(model.settings, contacts);
 
   if (scratch.hash_stages) {
-    stage_hash(scratch, Stage::input) = hash_of(frame);
-    stage_hash(scratch, Stage::hand_pose) = hash_of(hand, flags);
-    stage_hash(scratch, Stage::broadphase) = hash_items(candidates);
-    stage_hash(scratch, Stage::narrowphase) = hash_items(contacts);
-    stage_hash(scratch, Stage::contact_force) = hash_plain(forces);
-    stage_hash(scratch, Stage::limits) = hash_plain(output);
+    const Findings found{frame, hand, flags, candidates, contacts, forces, output};
+    if (scratch.hash_kind == HashKind::current) {
+      hash_stages<Hasher>(found, scratch.stage_hash);
+    } else {
+      hash_stages<FormerHasher>(found, scratch.stage_hash);
+    }
   }
   return output;
 }
 
-std::uint64_t hash_state(const State& state) { return hash_plain(state); }
+std::uint64_t hash_state(const State& state, HashKind kind) {
+  return kind == HashKind::current ? hash_plain<Hasher>(state) : hash_plain<FormerHasher>(state);
+}
 
 }  // namespace lumbrical

@@ -68,6 +68,25 @@ void trace_input(const DeviceFrame& frame, Tracer& to) {
     to.real32("angle", frame.angle[static_cast<std::size_t>(to.index)]);
 }
 
+void trace_unshaped(const Primitives& hand, Tracer& to) {
+  for (to.index = 0; to.index < kPhalanxCount; ++to.index) {
+    const auto i = static_cast<std::size_t>(to.index);
+    if (!hand.present[i]) continue;
+    const Primitive& capsule = hand.capsule[i];
+    to.vector({"phalanx.end1.x", "phalanx.end1.y", "phalanx.end1.z"}, capsule.end1);
+    to.vector({"phalanx.end2.x", "phalanx.end2.y", "phalanx.end2.z"}, capsule.end2);
+    to.real("phalanx.radius1", capsule.radius1);
+    to.real("phalanx.radius2", capsule.radius2);
+  }
+  to.index = -1;
+  if (!hand.joints.has(kPalm)) return;
+  const auto& [position, orientation] = hand.joints.pose[kPalm];
+  to.vector({"palm.position.x", "palm.position.y", "palm.position.z"}, position);
+  to.real("palm.orientation.w", orientation.w);
+  to.vector({"palm.orientation.x", "palm.orientation.y", "palm.orientation.z"},
+            {orientation.x, orientation.y, orientation.z});
+}
+
 void trace_hand(const Primitives& hand, Tracer& to) {
   to.whole("primitive_count", static_cast<std::uint64_t>(hand.count));
   for (to.primitive = 0; to.primitive < hand.count; ++to.primitive) {
@@ -84,6 +103,7 @@ void trace_hand(const Primitives& hand, Tracer& to) {
     to.index = -1;
   }
   to.primitive = -1;
+  if (hand.out_of_reach) trace_unshaped(hand, to);
   for (to.index = 0; to.index < kSegmentCount; ++to.index) {
     const auto s = static_cast<std::size_t>(to.index);
     to.vector({"base_joint.x", "base_joint.y", "base_joint.z"}, hand.base_joint[s]);
