@@ -9,8 +9,8 @@
 // the line x = border takes off a cap: the sliver. With P(x, y) the integral of D over x from the conic,
 // Green's theorem gives the integral of D over sliver and polygon as that of P dy along what is straight of
 // their common boundary. P is closed: on a way dx along x both roots are of the form sqrt(e^2 + k^2), e
-// linear, and with m the mean of the root at both ends, E the mean of e, d its change, and z = d / (2m)
-//   integral = dx / 2 (m + (E^2 + k^2 atanh(z) / z) / m).
+// linear, and with M the sum of the root at both ends, E the mean of e, d its change, and z = d / M
+//   integral = dx (M / 4 + (E^2 + k^2 atanh(z) / z) / M).
 // What cancels in P is rounding of R over the sliver's area: less than the polygon's own formulas leave.
 #pragma once
 
@@ -20,62 +20,76 @@ namespace lumbrical::LUMBRICAL_ISA {
 
 // Along an edge or the line P is analytic but near y = 0 and the axis line. n nodes leave about
 // (2 + 4 d / length)^(-2 n) with d that distance: pieces up to these shares of it take four, six and eight.
-inline constexpr double kFourNodes = 0.125, kSixNodes = 0.5, kEightNodes = 1;
+inline constexpr double kFourNodes = 0.2, kSixNodes = 0.65, kEightNodes = 1.25;
+// Towards y = 0 that distance shrinks by the piece's length at most.
+inline constexpr double kInwards = kEightNodes / (1 + kEightNodes);
 // Where d vanishes, P goes with y^2 log(y) and pieces need not be shorter than this share of R.
 inline constexpr double kLeastPiece = 3e-4;
 // Pieces a lane may take of an edge: few beside lanes that have other things to do, many among its like.
 inline constexpr int kFewPieces = 2, kManyPieces = 40;
 
+// A plane's view of a cone, the same for both ends.
+template <class V>
+struct ConeView {
+  V s, c;                               // of the angle between axis and normal
+  V sine, cosine, tangent, per_cosine;  // of the cone's half angle
+  V rise, fall, per_steep;              // s -+ tan(alpha) c, and one over their product
+};
+template <class V>
+inline ConeView<V> view_of(const RoundPart<V>& part, const RoundPlane<V>& plane) {
+  const V turn = part.tangent * plane.c, rise = plane.s - turn, fall = plane.s + turn;
+  return {plane.s,         plane.c, part.sine, part.cosine,          part.tangent,
+          part.per_cosine, rise,    fall,      one_over(rise * fall)};
+}
+
 // The sliver of an end; x is counted from under its centre.
 template <class V>
 struct Sliver {
-  V at, h;                  // [m] x of the end where the first is 0; its height over the plane
-  V s, c;                   // of the angle between axis and normal
-  V sine, cosine, tangent;  // of the cone's half angle
-  V steep, per_steep;       // s^2 - tan(alpha)^2 c^2: positive where the conic is a hyperbola
-  V lower, border;          // [m] its extent in x
-  V half_width;             // [m] at the border
-  V gap2;                   // [m^2] squared distance of y = 0 from where P is not smooth
+  V at, h;          // [m] x of the end where the first is 0; its height over the plane
+  V lower, border;  // [m] its extent in x
+  V half_width2;    // [m^2] the square of half its extent in y, which it has at the border
+  V gap2;           // [m^2] squared distance of y = 0 from where P is not smooth
 };
-
-// Meaningless where the conic is no hyperbola.
 template <class V>
-Sliver<V> sliver_of(const RoundPart<V>& part, const RoundPlane<V>& plane, V at, V h, V border) {
-  const V zero = number<V>(0), one = number<V>(1), t = part.tangent, s = plane.s, c = plane.c;
-  const V rise = s - t * c, fall = s + t * c, steep = rise * fall, per_steep = one_over(steep);
-  const V limit = border - at;
+Sliver<V> sliver_of(const ConeView<V>& view, V radius, V at, V h, V border) {
+  const V zero = number<V>(0), t = view.tangent, t2 = t * t, limit = border - at;
   // The conic's point on y = 0 has q = tan(alpha) |e|.
-  const V lower = choose(h > zero, h * (c + t * s) * fall, h * (c - t * s) * rise) * per_steep;
-  const V first = c * lower + s * h, last = c * limit + s * h;
-  const V q = quotient(s * limit - c * h, choose(t > zero, t, one));
-  const V half_width = root(greater((q - last) * (q + last), zero));
+  const V lower = view.per_steep * choose(h > zero, h * (view.c + t * view.s) * view.fall,
+                                          h * (view.c - t * view.s) * view.rise);
+  const V first = view.c * lower + view.s * h, last = view.c * limit + view.s * h;
+  const V q = view.s * limit - view.c * h, squares = q * q - t2 * (last * last);
   const V clear = choose(first * last > zero, lesser(magnitude(first), magnitude(last)), zero);
-  const V least = number<V>(kLeastPiece) * part.radius1;
-  const V gap2 = greater(lesser(clear * clear, h * h * per_steep), least * least);
-  return {at, h, s, c, part.sine, part.cosine, t, steep, per_steep, lower, limit, half_width, gap2};
+  const V least = number<V>(kLeastPiece) * radius;
+  const V gap2 = greater(lesser(clear * clear, h * h * view.per_steep), least * least);
+  return {at, h, lower, limit, quotient(greater(squares, zero), choose(t > zero, t2, number<V>(1))), gap2};
 }
 
-// Of a root sqrt(e^2 + k2) on a way along which e runs by `run`, from its values at the ends and the mean of
-// e: its mean, and over the way's length its first moment about the way's middle.
+// (atanh(z) / z - 1) / z^2 as a polynomial of z^2, by Chebyshev's nodes up to kMostRatio; error 2.4e-15.
+inline constexpr double kMostRatio = 0.16;
+inline constexpr double kArcRatio[] = {0.333333333333331339,  0.200000000002491355,  0.142857142345224006,
+                                       0.111111151775580345,  0.0909074572834334415, 0.0769605618162069668,
+                                       0.0661474094914890494, 0.063213115265294328,  0.0308185461529737503,
+                                       0.103556050110106454};
+
+// Of a root sqrt(e^2 + k2) on a way along which e runs by `run`, from the sum of its values at the ends, one
+// over that, and the mean of e: its mean, and over the way's length its first moment about the way's middle.
 template <class V>
 struct RootMoments {
   V mean, lean;
 };
 template <class V>
-inline RootMoments<V> root_moments(V from, V to, V middle, V run, V k2) {
-  const V half = number<V>(0.5), one = number<V>(1), m = half * (from + to), per = one_over(m);
-  const V z = half * (run * per), z2 = z * z;
-  V beyond_one = horner(kArcTangentHyperbolic, z2), ratio = one + z2 * beyond_one;  // atanh(z) / z
-  const auto large = z2 > number<V>(0.029);
+inline RootMoments<V> root_moments(V twice, V per, V middle, V run, V k2) {
+  const V one = number<V>(1);
+  const V z = run * per, z2 = z * z;
+  V rest = horner(kArcRatio, z2);
+  const auto large = z2 > number<V>(kMostRatio);
   if (some(large)) {
-    const V full = quotient(twice_atanh(magnitude(run), from + to), choose(large, magnitude(z), one)) * half;
-    ratio = choose(large, full, ratio);
-    beyond_one = choose(large, quotient(full - one, choose(large, z2, one)), beyond_one);
+    const V ratio = quotient(twice_atanh(magnitude(run), twice), choose(large, magnitude(z + z), one));
+    rest = choose(large, quotient(ratio - one, choose(large, z2, one)), rest);
   }
-  const V tilt = middle * per;
-  return {
-      half * (m + tilt * middle + per * k2 * ratio),
-      half * z * tilt * (half * m - number<V>(1.0 / 6) * (tilt * middle) - half * (per * k2 * beyond_one))};
+  const V tilt = middle * per, bend = k2 * per, own = tilt * middle;
+  return {number<V>(0.25) * twice + own + bend + z2 * (bend * rest),
+          z * tilt * (number<V>(0.25) * twice - number<V>(1.0 / 3) * own - bend * rest)};
 }
 
 // P(x, y), and the same of x D.
@@ -84,21 +98,23 @@ struct Strip {
   V zeroth, first;
 };
 template <class V>
-inline Strip<V> strip_at(const Sliver<V>& sliver, V x, V y) {
-  const V half = number<V>(0.5), zero = number<V>(0), y2 = y * y, h2 = sliver.h * sliver.h;
-  const V reach = root(greater(h2 + sliver.steep * y2, zero));
+inline Strip<V> strip_at(const ConeView<V>& view, V h, V x, V y) {
+  const V half = number<V>(0.5), zero = number<V>(0), one = number<V>(1);
+  const V y2 = y * y, k2 = h * h + y2, steep = view.rise * view.fall;
+  const V reach = root(greater(h * h + steep * y2, zero));
   // On the conic: with S = `reach`, x = (s c h (1 + t^2) + t S) / steep and the like.
-  const V along = sliver.s * sliver.h, across = sliver.tangent * sliver.c;
-  const V e0 = sliver.per_steep * (along + across * reach);
-  const V rho0 = sliver.per_steep * (sliver.s * reach + across * sliver.h);
-  const V q0 = sliver.tangent * rho0, w0 = root(q0 * q0 + rho0 * rho0);
-  const V e1 = sliver.c * x + along, q1 = sliver.s * x - sliver.c * sliver.h;
-  const V rho1 = root(e1 * e1 + y2), w1 = root(q1 * q1 + rho1 * rho1);
-  const V de = e1 - e0, dq = q1 - q0, width = sliver.c * de + sliver.s * dq, middle = x - half * width;
-  const RootMoments<V> w = root_moments(w0, w1, middle, width, h2 + y2);
-  const RootMoments<V> rho = root_moments(rho0, rho1, half * (e0 + e1), sliver.c * width, y2);
-  const V zeroth = width * (w.mean - sliver.sine * (half * (q0 + q1)) - sliver.cosine * rho.mean);
-  const V lean = w.lean - sliver.sine * (sliver.s * width * number<V>(1.0 / 12)) - sliver.cosine * rho.lean;
+  const V along = view.s * h, across = view.tangent * view.c;
+  const V e0 = view.per_steep * (along + across * reach);
+  const V rho0 = view.per_steep * (view.s * reach + across * h);
+  const V q0 = view.tangent * rho0, w0 = view.per_cosine * rho0;
+  const V e1 = view.c * x + along, q1 = view.s * x - view.c * h;
+  const V square = e1 * e1 + y2, rho = rho0 + root(square), w = w0 + root(q1 * q1 + square);
+  const V both_roots = rho * w, per = quotient(one, choose(both_roots > zero, both_roots, one));
+  const V width = view.c * (e1 - e0) + view.s * (q1 - q0), middle = x - half * width;
+  const RootMoments<V> far = root_moments(w, per * rho, middle, width, k2);
+  const RootMoments<V> out = root_moments(rho, per * w, half * (e0 + e1), view.c * width, y2);
+  const V zeroth = width * (far.mean - half * (view.sine * (q0 + q1)) - view.cosine * out.mean);
+  const V lean = far.lean - number<V>(1.0 / 12) * (view.sine * view.s * width) - view.cosine * out.lean;
   return {zeroth, middle * zeroth + width * width * lean};
 }
 
@@ -117,7 +133,7 @@ struct Straight {
 
 // Adds the integral of P dy along p + t d, 0 <= t <= 1, by as many nodes as each lane needs: 4, 6, 8 or none.
 template <class V>
-void add_straight(const Sliver<V>& sliver, Wide2<V> p, Wide2<V> d, V nodes, SliverSum<V>& sum) {
+void add_straight(const ConeView<V>& view, V h, Wide2<V> p, Wide2<V> d, V nodes, SliverSum<V>& sum) {
   const V zero = number<V>(0);
   for (std::size_t i = 0; i < 8; ++i) {
     const auto here = nodes > number<V>(static_cast<double>(i));
@@ -128,7 +144,7 @@ void add_straight(const Sliver<V>& sliver, Wide2<V> p, Wide2<V> d, V nodes, Sliv
     const V weight = choose(by_eight, number<V>(eight.weight),
                             choose(by_six, number<V>(six.weight), number<V>(four.weight)));
     const V y = p.y + at * d.y;
-    const Strip<V> strip = strip_at(sliver, p.x + at * d.x, y);
+    const Strip<V> strip = strip_at(view, h, p.x + at * d.x, y);
     const V share = choose(here, weight * d.y, zero), volume = choose(here, share * strip.zeroth, zero);
     sum.volume = sum.volume + volume;
     sum.x = sum.x + choose(here, share * strip.first, zero);
@@ -143,56 +159,47 @@ inline V least_height(V y1, V y2) {
   return choose(y1 * y2 > zero, least, zero);
 }
 
-// A straight in pieces that are short against their distance from where P is not smooth: towards y = 0 that
-// distance shrinks by half at most on every one. Returns 1 where the pieces did not suffice.
+// A straight in pieces that are short against their distance from where P is not smooth. Returns 1 where the
+// pieces did not suffice.
 template <class V>
-V add_in_pieces(const Sliver<V>& sliver, const Straight<V>& straight, int most, SliverSum<V>& sum) {
-  const V zero = number<V>(0), one = number<V>(1), half = number<V>(0.5);
+V add_in_pieces(const ConeView<V>& view, const Sliver<V>& sliver, const Straight<V>& straight, int most,
+                SliverSum<V>& sum) {
+  const V zero = number<V>(0), one = number<V>(1);
   const Wide2<V> p = straight.p, d = straight.d;
-  const V length2 = dot(d, d), per_length = one_over(root(length2));
+  const V length2 = dot(d, d);
   V done = choose(straight.here > zero, zero, one);
   for (int piece = 0; piece < most; ++piece) {
     const auto here = done < one;
     if (!some(here)) return zero;
     const V y = p.y + done * d.y, rest = one - done;
-    const auto near2 = [&](V share) {
+    // In the unit of the least distance, squared.
+    const auto relative = [&](V share, double limit) {
       const V low = least_height(y, y + share * d.y);
-      return sliver.gap2 + low * low;
+      return length2 * (share * share) <= number<V>(limit * limit) * (sliver.gap2 + low * low);
     };
-    const V distance = root(sliver.gap2 + y * y);
-    const V step = choose(y * d.y >= zero, one, half) * (number<V>(kEightNodes) * (distance * per_length));
-    const auto all = length2 * (rest * rest) <= number<V>(kEightNodes * kEightNodes) * near2(rest);
-    const V share = choose(either(all, step >= rest), rest, step);
-    const V squared = length2 * (share * share), clear2 = near2(share);
-    V nodes = choose(squared <= number<V>(kSixNodes * kSixNodes) * clear2, number<V>(6), number<V>(8));
-    nodes = choose(squared <= number<V>(kFourNodes * kFourNodes) * clear2, number<V>(4), nodes);
-    add_straight(sliver, p + done * d, share * d, choose(here, nodes, zero), sum);
+    V share = rest;
+    const V whole = choose(relative(rest, kEightNodes), one, zero);
+    if (some(both(here, whole == zero))) {
+      const V step = choose(y * d.y >= zero, number<V>(kEightNodes), number<V>(kInwards)) *
+                     root((sliver.gap2 + y * y) * one_over(length2));
+      share = choose(either(whole > zero, step >= rest), rest, step);
+    }
+    const V nodes = choose(relative(share, kFourNodes), number<V>(4),
+                           choose(relative(share, kSixNodes), number<V>(6), number<V>(8)));
+    add_straight(view, sliver.h, p + done * d, share * d, choose(here, nodes, zero), sum);
     done = choose(share >= rest, one, done + share);
   }
   return choose(done < one, one, zero);
 }
 
-// Where the straight near + tau along keeps to lower <= coordinate <= upper.
-template <class V>
-inline void keep_between(V near, V along, V lower, V upper, Span<V>& tau) {
-  const V zero = number<V>(0), one = number<V>(1);
-  const auto level = along == zero;
-  const V per = quotient(one, choose(level, one, along));
-  const V from = (lower - near) * per, to = (upper - near) * per;
-  const V out = choose(either(near<lower, near> upper), beyond<V>(), zero - beyond<V>());
-  tau.lower = greater(tau.lower, choose(level, out, lesser(from, to)));
-  tau.upper = lesser(tau.upper, choose(level, zero - out, greater(from, to)));
-}
-
 // The part of the straight from p by d, 0 <= t <= 1, within the conic: there cos(alpha) q - sin(alpha) rho is
 // concave, and points that may be in the sliver have q >= 0.
 template <class V>
-inline Span<V> within_conic(const Sliver<V>& sliver, Wide2<V> p, Wide2<V> d) {
-  const V zero = number<V>(0), one = number<V>(1), t2 = sliver.tangent * sliver.tangent;
-  const V e = sliver.c * p.x + sliver.s * sliver.h, de = sliver.c * d.x;
-  const V q = sliver.s * p.x - sliver.c * sliver.h, dq = sliver.s * d.x;
+inline Span<V> within_conic(const ConeView<V>& view, V h, Wide2<V> p, Wide2<V> d) {
+  const V zero = number<V>(0), one = number<V>(1), t2 = view.tangent * view.tangent;
+  const V e = view.c * p.x + view.s * h, de = view.c * d.x, q = view.s * p.x - view.c * h, dq = view.s * d.x;
   V a = dq * dq - t2 * (de * de + d.y * d.y);
-  a = choose(a == zero, number<V>(-1e-280), a);
+  a = choose(a == zero, number<V>(-1e-280), a);  // along an asymptote of the conic
   const V b = q * dq - t2 * (e * de + p.y * d.y), c = q * q - t2 * (e * e + p.y * p.y),
           square = b * b - a * c;
   const V rise = root(greater(square, zero)), sum = choose(b >= zero, zero - (b + rise), rise - b);
@@ -206,25 +213,45 @@ inline Span<V> within_conic(const Sliver<V>& sliver, Wide2<V> p, Wide2<V> d) {
           choose(real, lesser(to, one), choose(c > zero, one, zero))};
 }
 
-// The part of an edge in the sliver.
+// Where the border's line enters and leaves the polygon.
 template <class V>
-inline Straight<V> clipped(const Sliver<V>& sliver, const Edge<V>& edge) {
-  const V zero = number<V>(0), one = number<V>(1);
+struct Line {
+  V bottom, top;
+};
+
+// The part of an edge in the sliver. Its crossing with the border's line, if any, becomes one of the ends of
+// `line`.
+template <class V>
+Straight<V> clipped(const ConeView<V>& view, const Sliver<V>& sliver, const Edge<V>& edge, Line<V>& line) {
+  const V zero = number<V>(0), one = number<V>(1), border = sliver.border;
+  const Straight<V> none{{zero, zero}, {zero, zero}, zero};
+  const auto right = lesser(edge.p.x, edge.q.x) > border, left = greater(edge.p.x, edge.q.x) < sliver.lower;
+  const V near_y = least_height(edge.p.y, edge.q.y);
+  const auto past = near_y * near_y > sliver.half_width2;
+  // An edge past the sliver meets the line anywhere past it.
+  const auto leaves = both(edge.p.x <= border, edge.q.x > border);
+  const auto enters = both(edge.p.x > border, edge.q.x <= border);
+  line = {choose(leaves, edge.p.y, line.bottom), choose(enters, edge.p.y, line.top)};
+  const V met = choose(either(either(right, left), past), zero, one);
+  if (!some(met > zero)) return none;
   // Counted from the corner nearer to the end: a far one would bring its own rounding along.
   const auto nearer = dot(edge.p, edge.p) < dot(edge.q, edge.q);
   const Wide2<V> near = choose(nearer, edge.p, edge.q), d = edge.q - edge.p;
-  Span<V> tau{choose(nearer, zero, zero - one), choose(nearer, one, zero)};
-  keep_between(near.x, d.x, sliver.lower, sliver.border, tau);
-  keep_between(near.y, d.y, zero - sliver.half_width, sliver.half_width, tau);
-  const auto met = both(has_length(edge), tau.lower < tau.upper);
-  Straight<V> none{{zero, zero}, {zero, zero}, zero};
-  if (!some(met)) return none;
-  const Wide2<V> start = near + tau.lower * d, along = (tau.upper - tau.lower) * d;
-  const Span<V> inside = within_conic(sliver, start, along);
-  const Wide2<V> rest = (inside.upper - inside.lower) * along;
-  const auto here = both(met, both(inside.lower < inside.upper, rest.y != zero));
-  return {choose(here, start + inside.lower * along, none.p), choose(here, rest, none.d),
-          choose(here, one, zero)};
+  const auto upright = d.x == zero;
+  const V per = quotient(one, choose(upright, one, d.x));
+  const V from = (sliver.lower - near.x) * per, to = (border - near.x) * per;
+  const V crossing = near.y + to * d.y;
+  line.bottom = choose(both(leaves, met > zero), crossing, line.bottom);
+  line.top = choose(both(enters, met > zero), crossing, line.top);
+  const V first = choose(nearer, zero, zero - one), last = choose(nearer, one, zero);
+  const V start = choose(upright, first, greater(first, lesser(from, to)));
+  const V length = choose(upright, last, lesser(last, greater(from, to))) - start;
+  const Wide2<V> base = near + start * d, along = length * d;
+  const Span<V> inside = within_conic(view, sliver.h, base, along);
+  const auto in = both(both(met > zero, length > zero), inside.lower < inside.upper);
+  const auto here = both(in, d.y != zero);  // along x the integral of P dy is nothing
+  return {choose(here, base + inside.lower * along, none.p),
+          choose(here, (inside.upper - inside.lower) * along, none.d), choose(here, one, zero)};
 }
 
 // What is straight of the boundary of sliver and polygon, gathered at the front in every lane.
@@ -250,41 +277,31 @@ struct Straights {
   }
 };
 
-// The part of the border's line in sliver and polygon, upwards.
-template <class V>
-Straight<V> line_in(const Sliver<V>& sliver, const Polygon<V>& polygon) {
-  const V zero = number<V>(0), one = number<V>(1), border = sliver.border;
-  V bottom = zero, top = zero;
-  for (std::size_t i = 0; i < polygon.count; ++i) {
-    const Edge<V>& edge = polygon.edge[i];
-    const auto leaves = both(edge.p.x <= border, edge.q.x > border);
-    const auto enters = both(edge.p.x > border, edge.q.x <= border);
-    if (!some(either(leaves, enters))) continue;
-    const V y = crossing_of(edge, edge.p.x - border, edge.q.x - border).point.y;
-    bottom = choose(leaves, y, bottom);
-    top = choose(enters, y, top);
-  }
-  bottom = greater(bottom, zero - sliver.half_width);
-  top = lesser(top, sliver.half_width);
-  return {{border, bottom}, {zero, top - bottom}, choose(bottom < top, one, zero)};
-}
-
 // The integrals over the part of the polygon in the sliver; `lost` becomes 1 where the pieces did not
 // suffice.
 template <class V, class M>
-SliverSum<V> over_sliver(const Sliver<V>& sliver, const Polygon<V>& polygon, M wanted, int pieces, V& lost) {
-  Polygon<V> moved = polygon;
+SliverSum<V> over_sliver(const ConeView<V>& view, const Sliver<V>& sliver, const Polygon<V>& polygon,
+                         M wanted, int pieces, V& lost) {
+  const V zero = number<V>(0), one = number<V>(1);
+  Straight<V> edges[Polygon<V>::kMost];
+  Line<V> line{zero, zero};
   for (std::size_t i = 0; i < polygon.count; ++i) {
-    moved.edge[i].p.x = polygon.edge[i].p.x - sliver.at;
-    moved.edge[i].q.x = polygon.edge[i].q.x - sliver.at;
+    Edge<V> edge = polygon.edge[i];
+    edge.p.x = edge.p.x - sliver.at;
+    edge.q.x = edge.q.x - sliver.at;
+    edges[i] = clipped(view, sliver, edge, line);
   }
+  const V half_width = root(sliver.half_width2);
+  line = {greater(line.bottom, zero - half_width), lesser(line.top, half_width)};
+  // The line is the longest: first, it is not kept waiting by another lane's edges.
   Straights<V> straights;
-  straights.add(wanted, line_in(sliver, moved));
-  for (std::size_t i = 0; i < moved.count; ++i) straights.add(wanted, clipped(sliver, moved.edge[i]));
-  const V zero = number<V>(0);
+  straights.add(wanted, {{sliver.border, line.bottom},
+                         {zero, line.top - line.bottom},
+                         choose(line.bottom < line.top, one, zero)});
+  for (std::size_t i = 0; i < polygon.count; ++i) straights.add(wanted, edges[i]);
   SliverSum<V> sum{zero, zero, zero};
   for (std::size_t k = 0; k < straights.count; ++k)
-    lost = greater(lost, add_in_pieces(sliver, straights.straight[k], pieces, sum));
+    lost = greater(lost, add_in_pieces(view, sliver, straights.straight[k], pieces, sum));
   sum.x = sum.x + sliver.at * sum.volume;
   return sum;
 }
@@ -304,31 +321,32 @@ SliverSum<V> both_slivers(const RoundPart<V>& part, const RoundPlane<V>& plane, 
   const V zero = number<V>(0);
   SideView<V> side{};
   set_borders(part, plane, side);
-  const Sliver<V> first = sliver_of(part, plane, zero, plane.h1, side.border1);
-  const Sliver<V> second = sliver_of(part, plane, plane.x2, plane.h2, side.border2);
+  const ConeView<V> view = view_of(part, plane);
+  const Sliver<V> first = sliver_of(view, part.radius1, zero, plane.h1, side.border1);
+  const Sliver<V> second = sliver_of(view, part.radius1, plane.x2, plane.h2, side.border2);
   V low = beyond<V>(), high = zero - low;
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const auto here = has_length(polygon.edge[i]);
     low = choose(here, lesser(low, polygon.edge[i].p.x), low);
     high = choose(here, greater(high, polygon.edge[i].p.x), high);
   }
-  const auto hyperbola = number<V>(2) * first.steep > plane.s * plane.s;
+  const auto hyperbola = number<V>(2) * (view.rise * view.fall) > view.s * view.s;
   lost = choose(hyperbola, zero, number<V>(1));
   const auto at_first = both(hyperbola, may_reach(first, low, high));
   const auto at_second = both(hyperbola, may_reach(second, low, high));
   const auto one_end = either(at_first, at_second), both_ends = both(at_first, at_second);
-  Sliver<V> sliver = first;
-  sliver.at = choose(at_first, first.at, second.at);
-  sliver.h = choose(at_first, first.h, second.h);
-  sliver.lower = choose(at_first, first.lower, second.lower);
-  sliver.border = choose(at_first, first.border, second.border);
-  sliver.half_width = choose(at_first, first.half_width, second.half_width);
-  sliver.gap2 = choose(at_first, first.gap2, second.gap2);
-  SliverSum<V> sum = over_sliver(sliver, polygon, one_end, pieces, lost);
+  const auto of = [&](V mine, V other) { return choose(at_first, mine, other); };
+  const Sliver<V> sliver{of(first.at, second.at),
+                         of(first.h, second.h),
+                         of(first.lower, second.lower),
+                         of(first.border, second.border),
+                         of(first.half_width2, second.half_width2),
+                         of(first.gap2, second.gap2)};
+  SliverSum<V> sum = over_sliver(view, sliver, polygon, one_end, pieces, lost);
   sum = {choose(at_first, sum.volume, zero - sum.volume), choose(at_first, sum.x, zero - sum.x),
          choose(at_first, sum.y, zero - sum.y)};
   if (some(both_ends)) {
-    const SliverSum<V> less = over_sliver(second, polygon, both_ends, pieces, lost);
+    const SliverSum<V> less = over_sliver(view, second, polygon, both_ends, pieces, lost);
     sum = {sum.volume - less.volume, sum.x - less.x, sum.y - less.y};
   }
   return sum;
