@@ -25,6 +25,9 @@ inline constexpr double kFourNodes = 0.2, kSixNodes = 0.65, kEightNodes = 1.25;
 inline constexpr double kInwards = kEightNodes / (1 + kEightNodes);
 // Where d vanishes, P goes with y^2 log(y) and pieces need not be shorter than this share of R.
 inline constexpr double kLeastPiece = 3e-4;
+// Where the plane lies nearly across the axis the conic is no hyperbola, or hardly one: nothing above holds.
+// So much of s^2 has to be left of s^2 - tan(alpha)^2 c^2.
+inline constexpr double kLeastSteep = 0.1;
 // Pieces a lane may take of an edge: few beside lanes that have other things to do, many among its like.
 inline constexpr int kFewPieces = 2, kManyPieces = 40;
 
@@ -330,7 +333,7 @@ SliverSum<V> both_slivers(const RoundPart<V>& part, const RoundPlane<V>& plane, 
     low = choose(here, lesser(low, polygon.edge[i].p.x), low);
     high = choose(here, greater(high, polygon.edge[i].p.x), high);
   }
-  const auto hyperbola = number<V>(2) * (view.rise * view.fall) > view.s * view.s;
+  const auto hyperbola = view.rise * view.fall > number<V>(kLeastSteep) * (view.s * view.s);
   lost = choose(hyperbola, zero, number<V>(1));
   const auto at_first = both(hyperbola, may_reach(first, low, high));
   const auto at_second = both(hyperbola, may_reach(second, low, high));

@@ -136,14 +136,11 @@ struct PairWork {
       : model(m), hand(h), kernels(k), batch(k, m.settings.tolerance) {}
 };
 
-void finish_palm(PairWork& work) {
-  for (Contact* contact : finish_batch(work.palm))
-    collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
-}
-
 void collide_anew(std::span<Contact* const> left, PairWork& work) {
   for (Contact* contact : left) collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
 }
+
+void finish_palm(PairWork& work) { collide_anew(finish_batch(work.palm), work); }
 
 // All but the slivers of the batch's cones.
 void finish(PairWork& work) {
