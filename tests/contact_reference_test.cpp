@@ -9,10 +9,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "contact_pairs.h"
+#include "lanes/round_batch.h"
 #include "lumbrical/probe.h"
 #include "stages/narrowphase.h"
 
@@ -249,6 +251,69 @@ TEST_P(ContactAgainstReference, AgreesWhereHalfSpacesCut) {
     }
   }
   EXPECT_GT(cut_through, 10);
+}
+
+// A cone, and a triangle whose plane passes by the centre of an end; every other one next to it, or nearly
+// along the axis.
+Pair pair_by_an_end(test::Random& random) {
+  Pair pair;
+  ProbePrimitive& cone = pair.primitive;
+  cone.shape = ProbeShape::capsule;
+  pair.radius = cone.radius1 = 0.008;
+  const double length = random.between(0.5, 4) * pair.radius;
+  cone.radius2 = max(0.001, pair.radius - random.between(0.02, 0.35) * length);
+  const Vec3 axis = random.direction(), raw = random.direction();
+  cone.end1 = random.in_box(0.1);
+  cone.end2 = cone.end1 + length * axis;
+  const Vec3 leaning = random.bits() % 2 == 0 ? raw : raw - 0.95 * dot(raw, axis) * axis;
+  const Vec3 n = leaning / norm(leaning), across = cross(n, random.direction());
+  const Vec3 u = across / norm(across), v = cross(n, u);
+  const double sign = random.bits() % 2 == 0 ? 1 : -1;
+  const double off = random.bits() % 2 == 0 ? random.between(0, 1) : test::power_of_ten(random, -5, -0.5);
+  const Vec3 foot = (random.bits() % 2 == 0 ? cone.end1 : cone.end2) + sign * off * pair.radius * n;
+  const Vec3 middle = foot + pair.radius * (random.between(-1, 1) * u + random.between(-1, 1) * v);
+  const double size = pair.radius * test::power_of_ten(random, -1.3, 0.7), first = random.between(0, 6);
+  for (const double turn : {0.0, random.between(0.3, 2.9), random.between(3.3, 6)}) {
+    const auto k = static_cast<std::size_t>(turn == 0 ? 0 : turn < 3 ? 1 : 2);
+    pair.corners[k] =
+        middle + size * random.between(0.3, 1) * (std::cos(first + turn) * u + std::sin(first + turn) * v);
+  }
+  return pair;
+}
+
+// The slivers' kernel by itself: of the polygons that may reach into one, how many it leaves, and to how many
+// digits the rest are.
+TEST(ConeSlivers, NextToTheAxisAgreeWithTheReference) {
+  test::Random random(31);
+  const auto batch = std::make_unique<RoundBatch>(field_kernels(Isa::scalar), 0);
+  int added = 0, moved = 0, left = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Pair pair = pair_by_an_end(random);
+    Primitive cone;
+    cone.law = Law::field;
+    cone.end1 = pair.primitive.end1, cone.end2 = pair.primitive.end2;
+    cone.radius1 = pair.primitive.radius1, cone.radius2 = pair.primitive.radius2;
+    Contact contact;
+    add_to_batch(round_hull(cone), pair.corners[0], pair.corners[1], pair.corners[2], {}, contact, *batch);
+    if (!finish_batch(*batch).empty() || batch->slivers.terms.pairs.count == 0) continue;
+    const double r3 = pair.radius * pair.radius * pair.radius, before = contact.volume;
+    if (!finish_slivers(*batch).empty()) {
+      ++left;
+      continue;
+    }
+    ++added;
+    if (std::fabs(contact.volume - before) > 1e-9 * r3) ++moved;
+    SCOPED_TRACE(describe(pair));
+    const auto expected = reference::contact<long double>(to_reference(pair.primitive),
+                                                          to_reference(pair.corners), {true, false, false})
+                              .field;
+    EXPECT_NEAR(contact.volume, static_cast<double>(expected.amount), 5e-12 * r3);
+    EXPECT_LT(norm(contact.centre - from_reference(expected.centre)) * contact.volume,
+              2e-11 * r3 * pair.radius);
+  }
+  EXPECT_GT(added, 400);
+  EXPECT_GT(moved, 300);
+  EXPECT_LT(left, 50);
 }
 
 INSTANTIATE_TEST_SUITE_P(Forms, ContactAgainstReference,

@@ -18,7 +18,7 @@ struct FieldKernels {
   void (*round_contacts)(RoundTerms<double>&);
   void (*round_contacts_single)(RoundTerms<float>&);
   void (*strip_nodes)(const StripSection&, StripNodes&);
-  void (*sliver_nodes)(const ConeEnd&, StripNodes&);
+  void (*cone_slivers)(SliverTerms&);
   void (*field_across)(CrossingTerms&);
   void (*certain_misses)(MissTerms&);
   std::size_t (*sphere_hits)(const SphereBlock* spheres, const SphereQuery&, const std::uint32_t* blocks,

@@ -3,6 +3,7 @@
 #include "lanes/certain_misses.h"
 #include "lanes/cluster_forces.h"
 #include "lanes/cluster_kinds.h"
+#include "lanes/cone_slivers.h"
 #include "lanes/field_across.h"
 #include "lanes/field_kernels.h"
 #include "lanes/leaf_forces.h"
@@ -16,7 +17,7 @@ namespace lumbrical::sse2 {
 using Double = xsimd::batch<double, xsimd::sse2>;
 using Single = xsimd::batch<float, xsimd::sse2>;
 const FieldKernels kFieldKernels{round_contacts<Double>, round_contacts<Single>, strip_nodes<Double>,
-                                 sliver_nodes<Double>,   field_across<Double>,   certain_misses<Double>,
+                                 cone_slivers<Double>,   field_across<Double>,   certain_misses<Double>,
                                  sphere_hits<Single>,    cluster_kinds<Single>,  cluster_forces<Double>,
                                  leaf_forces<Double>,    prism_contacts<Double>};
 

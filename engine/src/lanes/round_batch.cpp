@@ -35,6 +35,21 @@ void for_rows(RoundTerms<T>& pairs, F&& f) {
   }
 }
 
+// Appends pair number k of the batch.
+void queue_sliver(RoundTerms<double>& pairs, std::size_t k, Vec3 origin, Contact* contact,
+                  SliverQueue& queue) {
+  RoundTerms<double>& queued = queue.terms.pairs;
+  queued.cone = true;
+  queued.cut_count = queued.count == 0 ? pairs.cut_count : std::max(queued.cut_count, pairs.cut_count);
+  const std::size_t to = queued.count++;
+  std::array<const double*, 25> from;
+  std::size_t rows = 0, next = 0;
+  for_rows(pairs, [&](const double* row) { from[rows++] = row + k; });
+  for_rows(queued, [&](double* row) { row[to] = *from[next++]; });
+  queue.origin[to] = origin;
+  queue.contact[to] = contact;
+}
+
 // Kernels compute whole registers: the last ones are filled with copies of a pair.
 template <class T>
 void pad(RoundTerms<T>& pairs) {
@@ -58,14 +73,47 @@ void copy_to_single(RoundTerms<double>& pairs, RoundTerms<float>& single) {
   });
 }
 
+void add_sliver(const RoundTerms<double>& pairs, std::size_t k, Vec3 origin, Contact& contact) {
+  const double volume = contact.volume + pairs.volume[k];
+  if (!(volume > 0)) return;
+  const Vec3 moment = contact.volume * (contact.centre - origin) + vector_at(pairs.centre, k);
+  contact.centre = origin + (1 / volume) * moment;
+  contact.volume = volume;
+}
+
+// Computes what is queued. What takes more steps than allowed goes on to the queue of those.
+void run_slivers(RoundBatch& batch, SliverQueue& queue) {
+  RoundTerms<double>& pairs = queue.terms.pairs;
+  if (pairs.count == 0) return;
+  pad(pairs);
+  batch.kernels.cone_slivers(queue.terms);
+  for (std::size_t k = 0; k < pairs.count; ++k) {
+    if (pairs.status[k] == kContact) {
+      add_sliver(pairs, k, queue.origin[k], *queue.contact[k]);
+    } else if (queue.terms.patient) {
+      batch.rest[batch.rest_count++] = queue.contact[k];
+    } else {
+      if (batch.uneven.terms.pairs.count == RoundBatch::kCapacity) run_slivers(batch, batch.uneven);
+      queue_sliver(pairs, k, queue.origin[k], queue.contact[k], batch.uneven);
+    }
+  }
+  pairs.count = 0;
+}
+
+// Makes room for so many more slivers. Those that are computed for it are of former batches: a contact's sums
+// must not depend on which pairs it shares a queue with.
+void make_room(std::size_t more, RoundBatch& batch) {
+  if (batch.slivers.terms.pairs.count + more > RoundBatch::kCapacity) run_slivers(batch, batch.slivers);
+}
+
 // Writes the contacts that single precision is good for and leaves the other pairs.
-std::size_t finish_single(RoundBatch& batch) {
+void finish_single(RoundBatch& batch) {
   RoundTerms<double>& pairs = batch.pairs;
   RoundTerms<float>& single = batch.single;
   copy_to_single(pairs, single);
   pad(single);
   batch.kernels.round_contacts_single(single);
-  std::array<std::size_t, RoundTerms<double>::kCapacity> unsure;
+  std::array<std::size_t, RoundBatch::kCapacity> unsure, lacking;
   std::size_t left = 0, slivers = 0;
   for (std::size_t k = 0; k < pairs.count; ++k) {
     if (single.status[k] == static_cast<float>(kUnsure)) {
@@ -73,7 +121,12 @@ std::size_t finish_single(RoundBatch& batch) {
       continue;
     }
     write_contact(single, batch.origin[k], k, *batch.contact[k]);
-    if (single.status[k] == static_cast<float>(kSlivers)) batch.slivers[slivers++] = batch.contact[k];
+    if (single.status[k] == static_cast<float>(kSlivers)) lacking[slivers++] = k;
+  }
+  make_room(slivers + left, batch);
+  for (std::size_t i = 0; i < slivers; ++i) {
+    const std::size_t k = lacking[i];
+    queue_sliver(pairs, k, batch.origin[k], batch.contact[k], batch.slivers);
   }
   for_rows(pairs, [&](double* row) {
     for (std::size_t k = 0; k < left; ++k) row[k] = row[unsure[k]];
@@ -83,7 +136,6 @@ std::size_t finish_single(RoundBatch& batch) {
     batch.origin[k] = batch.origin[unsure[k]];
   }
   pairs.count = left;
-  return slivers;
 }
 
 }  // namespace
@@ -138,24 +190,38 @@ void add_to_batch(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c, std::span<const
   batch.contact[k] = &contact;
 }
 
-RoundRest finish_batch(RoundBatch& batch) {
+std::span<Contact* const> finish_batch(RoundBatch& batch) {
   RoundTerms<double>& pairs = batch.pairs;
+  batch.rest_count = 0;
   if (pairs.count == 0) return {};
-  const bool single = pairs.tolerance >= kSingleFrom && !pairs.flat;
-  std::size_t slivers = single ? finish_single(batch) : 0, unsure = 0;
+  if (pairs.tolerance >= kSingleFrom && !pairs.flat) finish_single(batch);
   pad(pairs);
   if (pairs.count > 0) batch.kernels.round_contacts(pairs);
+  std::array<std::size_t, RoundBatch::kCapacity> lacking;
+  std::size_t slivers = 0;
   for (std::size_t k = 0; k < pairs.count; ++k) {
     Contact& contact = *batch.contact[k];
     const double status = pairs.status[k];
     contact.area = 0;
-    if (status == kUnsure) batch.contact[unsure++] = &contact;
+    if (status == kUnsure) batch.rest[batch.rest_count++] = &contact;
     if (status != kContact && status != kSlivers) continue;
     write_contact(pairs, batch.origin[k], k, contact);
-    if (status == kSlivers) batch.slivers[slivers++] = &contact;
+    if (status == kSlivers) lacking[slivers++] = k;
+  }
+  make_room(slivers, batch);
+  for (std::size_t i = 0; i < slivers; ++i) {
+    const std::size_t k = lacking[i];
+    queue_sliver(pairs, k, batch.origin[k], batch.contact[k], batch.slivers);
   }
   pairs.count = 0;
-  return {{batch.slivers.data(), slivers}, {batch.contact.data(), unsure}};
+  return std::span(batch.rest).first(batch.rest_count);
+}
+
+std::span<Contact* const> finish_slivers(RoundBatch& batch) {
+  batch.rest_count = 0;
+  run_slivers(batch, batch.slivers);
+  run_slivers(batch, batch.uneven);
+  return std::span(batch.rest).first(batch.rest_count);
 }
 
 }  // namespace lumbrical

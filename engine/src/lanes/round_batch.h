@@ -25,17 +25,29 @@ RoundHull round_hull(const Primitive& primitive);
 /// Is the primitive one the kernel knows?
 bool suits_batch(const Primitive& primitive);
 
+/// Contacts of cones that lack their slivers, of any number of batches.
+struct SliverQueue {
+  SliverTerms terms;
+  std::array<Vec3, RoundTerms<double>::kCapacity> origin;  ///< [m] W, of each pair's hull
+  std::array<Contact*, RoundTerms<double>::kCapacity> contact;
+};
+
 /// Working memory of one thread, for flat pairs or for all others. `tolerance` is Settings::tolerance.
 struct RoundBatch {
+  static constexpr std::size_t kCapacity = RoundTerms<double>::kCapacity;
   RoundBatch(const FieldKernels& table, double tolerance, bool flat) : kernels(table) {
     pairs.tolerance = tolerance;
     pairs.flat = flat;
+    uneven.terms.patient = true;
   }
   const FieldKernels& kernels;
   RoundTerms<double> pairs;
   RoundTerms<float> single;
-  std::array<Vec3, RoundTerms<double>::kCapacity> origin;                ///< [m] W, of each pair's hull
-  std::array<Contact*, RoundTerms<double>::kCapacity> contact, slivers;  ///< of each pair
+  std::array<Vec3, kCapacity> origin;       ///< [m] W, of each pair's hull
+  std::array<Contact*, kCapacity> contact;  ///< of each pair
+  SliverQueue slivers, uneven;              ///< uneven: those that take many steps, kept apart from the rest
+  std::size_t rest_count = 0;
+  std::array<Contact*, 4 * kCapacity> rest;
 };
 
 /// Does the axis lie nearly along the plane of the triangle a, b, c [m, W]?
@@ -58,14 +70,13 @@ inline bool has_room(const RoundBatch& batch, const RoundHull& hull) {
 void add_to_batch(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c, std::span<const HalfSpace> cuts,
                   Contact& contact, RoundBatch& batch);
 
-/// Pairs the kernel leaves something of to do.
-struct RoundRest {
-  std::span<Contact*> slivers;       ///< for `add_slivers`
-  std::span<Contact* const> unsure;  ///< for `collide_section`
-};
-
 /// Computes the contacts of all pairs, but for their indices, and empties the batch; the area is 0 where
-/// there is none. The rest is valid until the next call.
-RoundRest finish_batch(RoundBatch& batch);
+/// there is none. Returns the pairs that are for `collide_section`, valid until the next call. Contacts of
+/// cones may go on lacking their slivers, and are still pointed to, until `finish_slivers`; what else is
+/// added to them before the next call here comes before their slivers.
+std::span<Contact* const> finish_batch(RoundBatch& batch);
+
+/// Adds the slivers to all contacts of former batches. Returns pairs for `collide_section` likewise.
+std::span<Contact* const> finish_slivers(RoundBatch& batch);
 
 }  // namespace lumbrical

@@ -120,18 +120,23 @@ inline Wide3<V> in_space(const RoundPlane<V>& plane, V x, V y) {
   return x * plane.u + y * plane.v - plane.h1 * plane.n;
 }
 
-// Does the polygon reach the part of an end's zone where the cone's field is the other formula's? Between the
-// conic's first abscissa, where q = tan(alpha) |e|, and the zone's border: see cone_slivers.cpp.
+// May the polygon reach the part of an end's zone where the cone's field is the other formula's? It lies
+// between the conic's first abscissa, where q = tan(alpha) |e|, and the zone's border, at which it is widest
+// where the conic is a hyperbola: see cone_slivers.h.
 template <class V>
 inline auto meets_sliver(const RoundPart<V>& part, const RoundPlane<V>& plane, V at, V h, V border,
                          const Corners<V>& all) {
   const V zero = number<V>(0), t = part.tangent;
-  V lower = zero - beyond<V>();
+  V lower = zero - beyond<V>(), hyperbola = number<V>(1);
   for (const V sign : {t, zero - t}) {
     const V a = plane.s - sign * plane.c, b = h * (plane.c + sign * plane.s);
     lower = choose(a > zero, greater(lower, at + b * one_over(a)), lower);
+    hyperbola = choose(a > zero, hyperbola, zero);
   }
-  return both(lower < border, both(all.low_x<border, all.high_x> lower));
+  const V x = border - at, q = plane.s * x - plane.c * h, e = plane.c * x + plane.s * h;
+  const V y = greater(zero, greater(all.low_y, zero - all.high_y));  // of the box's points, nearest to 0
+  const auto wide = either(hyperbola == zero, q * q > t * t * (e * e + y * y));
+  return both(both(lower < border, wide), both(all.low_x<border, all.high_x> lower));
 }
 
 template <class V>

@@ -7,12 +7,12 @@
 namespace lumbrical {
 
 /// What became of a pair: no common area; computed; computed but for a cone's slivers (cone_slivers.h); or
-/// the closed form would lose digits and the pair is for `collide_section`.
+/// the way taken would lose digits and the pair is for another.
+inline constexpr double kApart = 0, kContact = 1, kSlivers = 2, kUnsure = 3;
+
 /// Cosines of the axis' angle to the normal below which a pair is flat. The closed form of the side divides
 /// rounding by that cosine, in the moments by its square, and a cone's terms are larger from the start.
 inline constexpr double kFlatCosine = 1e-3, kFlatCosineCone = 4e-3;
-
-inline constexpr double kApart = 0, kContact = 1, kSlivers = 2, kUnsure = 3;
 
 template <class T>
 struct RoundTerms {
@@ -44,6 +44,14 @@ struct RoundTerms {
   alignas(64) T error[kCapacity];                              ///< [m^3] how far the volume may be off
   alignas(64) T normal[3][kCapacity];                          ///< W, unit
   alignas(64) T centroid[3][kCapacity], centre[3][kCapacity];  ///< [m] of the area, of phi
+};
+
+/// Pairs of cones whose contacts lack their slivers. Of the results only these are set: the status, kContact
+/// or kUnsure; the volume, what the slivers add to it; and the centre, what they add to the volume's first
+/// moment [m^4].
+struct SliverTerms {
+  RoundTerms<double> pairs;
+  bool patient = false;  ///< take as many steps as it needs
 };
 
 }  // namespace lumbrical

@@ -120,35 +120,4 @@ void strip_nodes(const StripSection& section, StripNodes& nodes) {
   }
 }
 
-// What the field of the cone's side exceeds that of its end by, integrated over x from the conic where it is
-// nothing to the node: D and x D of cone_slivers.cpp.
-template <class V, std::size_t N>
-void sliver_strips(const ConeEnd& end, const GaussNode (&rule)[N], StripNodes& nodes) {
-  const V zero = number<V>(0), h = number<V>(end.h), s = number<V>(end.s), c = number<V>(end.c);
-  const V sine = number<V>(end.sine), cosine = number<V>(end.cosine), one = number<V>(1);
-  const V t = quotient(sine, cosine), steep = (s - t * c) * (s + t * c), per_steep = one_over(steep);
-  const V middle = per_steep * (s * c * h * (one + t * t)), spread = t * per_steep;
-  for (std::size_t i = 0; i < nodes.count; i += wide::Lanes<V>::kCount) {
-    const V x = get(nodes.x + i, V{}), y = get(nodes.y + i, V{}), y2 = y * y;
-    const V from = middle + spread * root(h * h + steep * y2), width = x - from;
-    V zeroth = zero, first = zero;
-    for (const GaussNode& node : rule) {
-      const V at = from + number<V>(node.at) * width;
-      const V e = c * at + s * h, q = s * at - c * h, rho = root(e * e + y2), w = root(q * q + rho * rho);
-      const V f = cosine * q - sine * rho;
-      const V share = number<V>(node.weight) * quotient(f * f, w + sine * q + cosine * rho);
-      zeroth = zeroth + share;
-      first = first + at * share;
-    }
-    put(nodes.zeroth + i, width * zeroth);
-    put(nodes.first + i, width * first);
-  }
-}
-
-template <class V>
-void sliver_nodes(const ConeEnd& end, StripNodes& nodes) {
-  if (end.inner == 4) return sliver_strips<V>(end, kGauss4, nodes);
-  sliver_strips<V>(end, kGauss8, nodes);
-}
-
 }  // namespace lumbrical::LUMBRICAL_ISA

@@ -12,7 +12,6 @@
 #include "lanes/prism_batch.h"
 #include "lanes/round_batch.h"
 #include "model/corners.h"
-#include "section/cone_slivers.h"
 #include "section/depth.h"
 #include "section/finger_depth.h"
 #include "section/pressure.h"
@@ -147,35 +146,15 @@ struct PairWork {
         flat(k, m.settings.tolerance, true) {}
 };
 
-// What the lanes left of a cone's contact, with the cuts the lanes had; false where it is for the general
-// path.
-bool finish_slivers(const FieldKernels& kernels, const Primitive& cone, const Corners& at, Contact& contact) {
-  Section section;
-  return !look_from_plane(cone, at.a, at.b, at.c, section) || add_slivers(kernels, section, contact);
+void collide_anew(std::span<Contact* const> left, PairWork& work) {
+  for (Contact* contact : left) collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
 }
 
-Primitive as_cut(const Primitive& primitive, const Contact& contact, const RoundQueue& queue) {
-  for (std::size_t k = 0; k < queue.shared_count; ++k) {
-    if (queue.shared[k].contact == &contact) return tile_cut_so(primitive, queue.shared[k].cut);
-  }
-  return primitive;
-}
+void finish_palm(PairWork& work) { collide_anew(finish_batch(work.palm), work); }
 
-void finish_palm(PairWork& work) {
-  for (Contact* contact : finish_batch(work.palm))
-    collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
-}
-
+// All but the slivers of the batch's cones.
 void finish(RoundQueue& queue, PairWork& work) {
-  const RoundRest rest = finish_batch(queue.batch);
-  std::size_t uneven = 0;  // slivers that were not smooth enough
-  for (Contact* contact : rest.slivers) {
-    const Corners at = corners_of(work.model.triangles, contact->triangle);
-    const Primitive& cone = work.hand.primitive[contact->primitive];
-    if (finish_slivers(work.kernels, as_cut(cone, *contact, queue), at, *contact)) continue;
-    contact->area = 0;
-    rest.slivers[uneven++] = contact;
-  }
+  const std::span<Contact* const> rest = finish_batch(queue.batch);
   for (std::size_t k = 0; k < queue.shared_count; ++k) {
     const auto& [contact, cut] = queue.shared[k];
     if (!cut.curved || !(contact->area > 0)) continue;
@@ -184,17 +163,20 @@ void finish(RoundQueue& queue, PairWork& work) {
               work.model.settings.tolerance, at.a, at.b, *contact);
   }
   queue.shared_count = 0;
-  const auto collide_anew = [&](std::span<Contact* const> left) {
-    for (Contact* contact : left) collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
-  };
-  collide_anew(rest.slivers.first(uneven));
-  collide_anew(rest.unsure);
+  collide_anew(rest, work);
+}
+
+void finish_wholly(PairWork& work) {
+  for (RoundQueue* queue : {&work.steep, &work.flat}) {
+    finish(*queue, work);
+    collide_anew(finish_slivers(queue->batch), work);
+  }
 }
 
 void take_pair(Contact& contact, PairWork& work);
 
 // A leaf triangle by triangle: of a round primitive, since only curved cuts leave one in doubt and the palm
-// has none. `finish` is done with the parts before they end.
+// has none. `finish_wholly` is done with the parts before they end.
 void take_triangles_of(Contact& contact, PairWork& work) {
   std::array<Contact, ClusterTree::kLeafSize> parts;
   std::size_t count = 0;
@@ -203,8 +185,7 @@ void take_triangles_of(Contact& contact, PairWork& work) {
     parts[count].triangle = triangle;
     take_pair(parts[count++], work);
   }
-  finish(work.steep, work);
-  finish(work.flat, work);
+  finish_wholly(work);
   sum_leaf(work.model, work.leaf, {parts.data(), count}, contact);
 }
 
@@ -269,9 +250,7 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
     const RoundHull hull = round_hull(primitive);
     RoundBatch batch(query.kernels, query.tolerance, lies_flat(hull, a, b, c));
     add_to_batch(hull, a, b, c, std::span(primitive.cut).first(primitive.cut_count), contact, batch);
-    const RoundRest rest = finish_batch(batch);
-    const bool whole = rest.slivers.empty() || finish_slivers(query.kernels, primitive, {a, b, c}, contact);
-    if (rest.unsure.empty() && whole) return contact.area > 0;
+    if (finish_batch(batch).empty() && finish_slivers(batch).empty()) return contact.area > 0;
   }
   Section section;
   return look_from_plane(primitive, a, b, c, section) &&
@@ -307,8 +286,7 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
       prefetch(model, candidates, i);
       take_pair(contacts[i], pairs);
     }
-    finish(pairs.steep, pairs);
-    finish(pairs.flat, pairs);
+    finish_wholly(pairs);
     finish_palm(pairs);
     finish_batch(pairs.clusters);
   };
