@@ -216,12 +216,13 @@ void take_cluster(Contact& contact, PairWork& work) {
 void take_pair(Contact& contact, PairWork& work) {
   if ((contact.triangle & kClusterBit) != 0) return take_cluster(contact, work);
   const Primitive& primitive = work.hand.primitive[contact.primitive];
-  const auto [a, b, c] = corners_of(work.model.triangles, contact.triangle);
+  const Corners at = corners_of(work.model.triangles, contact.triangle);
   if (primitive.shape == Shape::prism && primitive.law == Law::field) {
     if (is_full(work.palm)) finish_palm(work);
-    add_to_batch(a, b, c, contact, work.palm);
+    add_to_batch(at, contact, work.palm);
     return;
   }
+  const auto& [a, b, c] = at;
   if (!suits_batch(primitive)) {
     collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
     return;
