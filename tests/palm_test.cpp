@@ -1,13 +1,9 @@
 // The palm: a convex polygon with thickness against triangles, with values known by hand.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <span>
 
 #include "box_prism.h"
-#include "lanes/prism_batch.h"
 #include "random.h"
 #include "section/prism.h"
 #include "session.h"
@@ -77,43 +73,6 @@ TEST(Palm, TiltedPalmFeelsAWedge) {
     EXPECT_NEAR(column.volume / (b * reach * reach * std::sin(tilt) * std::cos(tilt)), 1, 1e-10);
     EXPECT_NEAR(column.depth / (reach * std::sin(tilt) * std::cos(tilt)), 1, 1e-10);
   }
-}
-
-// Triangles anywhere about a box that is tilted anyhow: what the lanes take is what the polygons say.
-TEST(Palm, TrianglesWhollyInsideHaveTheSameContactInLanes) {
-  test::Random random(12);
-  int inside = 0, left = 0;
-  for (const Isa isa : {Isa::scalar, widest_isa()}) {
-    for (int round = 0; round < 60; ++round) {
-      const Pose X = random.pose(0.4);
-      const Prism prism = test::box_prism(0.04, 0.03, 0.002, 0.024, X);
-      PrismBatch batch(prism, field_kernels(isa));
-      std::array<Contact, PrismTerms::kCapacity> contact;
-      std::array<std::array<Vec3, 3>, PrismTerms::kCapacity> corner;
-      for (std::size_t k = 0; k < contact.size(); ++k) {
-        const Vec3 near = random.in_box(0.03);
-        const double size = 0.03 * std::pow(10.0, random.between(-3, 0));
-        for (Vec3& p : corner[k]) p = transform(X, near + size * random.direction());
-        add_to_batch(corner[k][0], corner[k][1], corner[k][2], contact[k], batch);
-      }
-      const std::span<Contact* const> rest = finish_batch(batch);
-      left += static_cast<int>(rest.size());
-      for (std::size_t k = 0; k < contact.size(); ++k) {
-        if (std::find(rest.begin(), rest.end(), &contact[k]) != rest.end()) continue;
-        ++inside;
-        Contact wanted;
-        ASSERT_TRUE(collide_prism(prism, Law::field, 1e-4, corner[k][0], corner[k][1], corner[k][2], wanted));
-        EXPECT_NEAR(contact[k].area, wanted.area, 1e-17);
-        EXPECT_NEAR(contact[k].volume, wanted.volume, 1e-19);
-        EXPECT_NEAR(contact[k].depth, wanted.depth, 1e-13);  // leaves through faces seen at a grazing angle
-        EXPECT_LT(norm(contact[k].normal - wanted.normal), 1e-11);  // of slivers
-        EXPECT_LT(norm(contact[k].centroid - wanted.centroid), 1e-14);
-        EXPECT_LT(wanted.volume * norm(contact[k].centre - wanted.centre), 1e-20);
-      }
-    }
-  }
-  EXPECT_GT(inside, 500);
-  EXPECT_GT(left, 500);
 }
 
 TEST(Palm, TriangleThatMissesEveryFaceCornerStillCounts) {

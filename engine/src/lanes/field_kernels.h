@@ -28,6 +28,7 @@ struct FieldKernels {
   void (*cluster_forces)(ClusterTerms&);
   void (*leaf_forces)(LeafTerms&);
   void (*prism_contacts)(PrismTerms&);
+  void (*prism_rims)(RimTerms&);
 };
 
 namespace scalar {

@@ -8,6 +8,7 @@
 #include "lanes/field_kernels.h"
 #include "lanes/leaf_forces.h"
 #include "lanes/prism_contacts.h"
+#include "lanes/prism_rim.h"
 #include "lanes/round_contacts.h"
 #include "lanes/sphere_hits.h"
 #include "lanes/strip_integrals.h"
@@ -19,6 +20,6 @@ using Single = xsimd::batch<float, xsimd::avx512bw>;
 const FieldKernels kFieldKernels{round_contacts<Double>, round_contacts<Single>, strip_nodes<Double>,
                                  cone_slivers<Double>,   field_across<Double>,   certain_misses<Double>,
                                  sphere_hits<Single>,    cluster_kinds<Single>,  cluster_forces<Double>,
-                                 leaf_forces<Double>,    prism_contacts<Double>};
+                                 leaf_forces<Double>,    prism_contacts<Double>, prism_rims<Double>};
 
 }  // namespace lumbrical::avx512

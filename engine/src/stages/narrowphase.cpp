@@ -233,7 +233,7 @@ void take_pair(Contact& contact, PairWork& work) {
   const Corners at = corners_of(work.model.triangles, contact.triangle);
   if (primitive.shape == Shape::prism && primitive.law == Law::field) {
     if (is_full(work.palm)) finish_palm(work);
-    return add_to_batch(at.a, at.b, at.c, contact, work.palm);
+    return add_to_batch(at, contact, work.palm);
   }
   if (!suits_batch(primitive))
     return collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
