@@ -285,7 +285,7 @@ Pair pair_by_an_end(test::Random& random) {
 // digits the rest are.
 TEST(ConeSlivers, NextToTheAxisAgreeWithTheReference) {
   test::Random random(31);
-  const auto batch = std::make_unique<RoundBatch>(field_kernels(Isa::scalar), 0);
+  const auto batch = std::make_unique<RoundBatch>(field_kernels(Isa::scalar), 0, false);
   int added = 0, moved = 0, left = 0;
   for (int i = 0; i < 2000; ++i) {
     const Pair pair = pair_by_an_end(random);
