@@ -23,7 +23,7 @@ struct Rule {
 };
 
 const Rule kRules[] = {
-    {Layer::base, "engine/include/lumbrical", "math status"},
+    {Layer::base, "engine/include/lumbrical", "math shared_array status"},
     {Layer::base, "engine/src/base", "*"},
 
     {Layer::model, "engine/include/lumbrical", "mesh shapes hand model contact voxel search_memory"},

@@ -143,29 +143,31 @@ Status check_object(const SceneObject& object, std::size_t threads) {
 }
 
 // Each of the world's six arrays is written from end to end by one thread, whose memory it then is.
-void add_triangles(const Scene& scene, std::size_t vertex_count, std::size_t triangle_count,
-                   std::size_t threads, Triangles& world) {
+Triangles gather_triangles(const Scene& scene, std::size_t vertex_count, std::size_t triangle_count,
+                           std::size_t threads) {
   constexpr std::array<double Vec3::*, 3> kAxis = {&Vec3::x, &Vec3::y, &Vec3::z};
-  const std::array<std::vector<double>*, 3> numbers = {&world.x, &world.y, &world.z};
-  const std::array<std::vector<std::uint32_t>*, 3> corners = {&world.a, &world.b, &world.c};
+  std::array<std::vector<double>, 3> numbers;
+  std::array<std::vector<std::uint32_t>, 3> corners;
   parallel_chunks(6, 1, threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k) {
       if (k % 2 == 0) {
-        numbers[k / 2]->reserve(vertex_count);
+        numbers[k / 2].reserve(vertex_count);
         for (const SceneObject& object : scene.objects) {
-          for (const Vec3& p : object.mesh.vertices) numbers[k / 2]->push_back(p.*kAxis[k / 2]);
+          for (const Vec3& p : object.mesh.vertices) numbers[k / 2].push_back(p.*kAxis[k / 2]);
         }
         continue;
       }
       std::uint32_t first_vertex = 0;
-      corners[k / 2]->reserve(triangle_count);
+      corners[k / 2].reserve(triangle_count);
       for (const SceneObject& object : scene.objects) {
         for (const Triangle& triangle : object.mesh.triangles)
-          corners[k / 2]->push_back(first_vertex + triangle[k / 2]);
+          corners[k / 2].push_back(first_vertex + triangle[k / 2]);
         first_vertex += static_cast<std::uint32_t>(object.mesh.vertices.size());
       }
     }
   });
+  return {std::move(numbers[0]), std::move(numbers[1]), std::move(numbers[2]),
+          std::move(corners[0]), std::move(corners[1]), std::move(corners[2])};
 }
 
 void list_objects(const Scene& scene, std::vector<Model::Object>& objects) {
@@ -182,7 +184,7 @@ void list_objects(const Scene& scene, std::vector<Model::Object>& objects) {
 Box extent_of(const Triangles& world, std::size_t threads) {
   if (world.x.empty()) return {};
   constexpr std::array<double Vec3::*, 3> kAxis = {&Vec3::x, &Vec3::y, &Vec3::z};
-  const std::array<const std::vector<double>*, 3> numbers = {&world.x, &world.y, &world.z};
+  const std::array<const SharedArray<double>*, 3> numbers = {&world.x, &world.y, &world.z};
   Box box;
   parallel_chunks(3, 1, threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k) {
@@ -238,7 +240,7 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   built.settings = scene.settings;
   built.execution = execution;
   if (execution.isa == Isa::automatic) built.execution.isa = widest_isa();
-  add_triangles(scene, vertices, triangles, execution.threads, built.triangles);
+  built.triangles = gather_triangles(scene, vertices, triangles, execution.threads);
   list_objects(scene, built.objects);
   built.extent = extent_of(built.triangles, execution.threads);
   Broadphase& broadphase = built.execution.broadphase;
