@@ -91,11 +91,14 @@ struct SceneObject {
   Mesh mesh;  ///< already in the world frame [m]
 };
 
+struct World;
+
 /// What a user puts together; build_model turns it into a Model.
 struct Scene {
   Hand hand;
   std::vector<SceneObject> objects;
   Settings settings;
+  std::shared_ptr<const World> world{};  ///< from a file (world.h), in the place of objects; else null
 };
 
 /// All triangles of the world in the order of the scene, structure of arrays.
@@ -147,6 +150,25 @@ struct SphereGrid {
   SharedArray<std::uint64_t> cell;  ///< z << 42 | y << 21 | x, ascending
   SharedArray<TreeHead> tree;       ///< of each cell, in the same order; then that of the wide triangles
   SharedArray<TreeLine> lines;      ///< of all trees, in the same order
+};
+
+/// A world in a file, mapped: what a Model has of it, ready for use. Opened in world.h.
+struct World {
+  struct Object {
+    std::string name;
+    std::uint32_t first_triangle = 0, triangle_count = 0;
+    std::uint32_t first_vertex = 0, vertex_count = 0;
+  };
+  std::string path;           ///< of the file, as it was opened
+  std::uint64_t content = 0;  ///< hash of what is in it
+  Triangles triangles;
+  Box extent;  ///< [m] in W: of all vertices
+  SphereGrid grid;
+  std::vector<Object> objects;
+  double cell_size = 0;  ///< of the Execution it was built with, as are these
+  std::uint32_t leaf_size = 0, tree_levels = 0;
+  std::shared_ptr<const std::byte> bytes;  ///< of the whole file; what all the arrays lie in
+  std::size_t byte_count = 0;
 };
 
 /// Four sibling clusters as a search sees them [m], relative to their tree's origin; single precision.
@@ -202,16 +224,14 @@ struct Model {
   SphereGrid grid;                           ///< empty unless Broadphase::grid
   std::shared_ptr<const VoxelIndex> voxels;  ///< null unless Broadphase::voxel
   ClusterTree clusters;                      ///< empty unless settings.tolerance > 0 and a law is `field`
-  struct Object {
-    std::string name;
-    std::uint32_t first_triangle = 0, triangle_count = 0;
-    std::uint32_t first_vertex = 0, vertex_count = 0;
-  };
-  std::vector<Object> objects;
+  std::vector<World::Object> objects;
+  std::shared_ptr<const World> world;  ///< that all of this is from; null: a scene in memory
 };
 
 /// Checks the scene and builds what the ticks need. Refuses settings out of range, non-finite vertices and
-/// triangle indices out of range, naming the field or object; on error `model` is unchanged.
+/// triangle indices out of range, naming the field or object; on error `model` is unchanged. A world comes
+/// with its grid: `execution` may ask for that or for brute force, the sizes of cells and leaves are the
+/// world's; clusters (settings.tolerance above 0) would have to be in memory and are refused.
 Status build_model(const Scene& scene, const Execution& execution, Model& model);
 
 /// The scene a model was built from, equal bit for bit: what a recording carries.
