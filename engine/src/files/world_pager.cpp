@@ -71,6 +71,7 @@ class HeldParts {
   void begin_round() { ++round_; }
 
   void touch(const void* data, std::size_t size) {
+    if (size == 0) return;
     const std::uintptr_t at = reinterpret_cast<std::uintptr_t>(data) - first_;
     for (std::size_t part = at / kPart; part <= (at + size - 1) / kPart; ++part) {
       if (round_of_[part] == round_) continue;
@@ -168,6 +169,8 @@ struct WorldPager::Thread {
 void WorldPager::Thread::touch(const Box& box) {
   const SphereGrid& grid = model.world->grid;
   const Triangles& triangles = model.world->triangles;
+  // Every search halves its way through the table of cells.
+  held_parts.touch(grid.cell.data(), grid.cell.size() * sizeof(std::uint64_t));
   const auto found = std::span(trees).first(find_cells(grid, box, trees));
   const auto lines_of = [&](std::uint32_t tree) { return grid.lines.data() + grid.tree[tree].first_line; };
   for (const std::uint32_t tree : found) {

@@ -152,6 +152,8 @@ Status take_objects(const Scene& scene, Model& model) {
 
 Status take_world(const Scene& scene, Model& model) {
   const World& world = *scene.world;
+  if (!world.bytes)
+    return Status::error("the world file " + world.path + " is only named; open it (replay: --world FILE)");
   if (!scene.objects.empty())
     return Status::error("the scene has a world file and objects; put the objects into the world");
   Execution& execution = model.execution;
