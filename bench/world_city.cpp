@@ -2,8 +2,8 @@
 //
 //   world_city build TRIANGLES CITY.world             streamed tile by tile
 //   world_city walk CITY.world [ahead|alone] [SECONDS [SPEED]]
-//                                                     a hand strokes along a street, 1000 ticks per second by
-//                                                     the clock, with nothing of the file in the system's
+//                                                     a hand goes across the streets, 1000 ticks per second
+//                                                     by the clock, with nothing of the file in the system's
 //                                                     cache
 //   world_city memory TRIANGLES [SECONDS [SPEED]]     the same with the city in memory
 //
@@ -53,6 +53,14 @@ double megabytes(const std::string& key) {
 constexpr double kStreet = 3;  // [m] from one to the next
 constexpr int kTiles = 60, kStoreys = 10;
 
+/// How often this thread has given up its processor to wait for something; in a tick that can only be the
+/// disk.
+long sleeps() {
+  rusage usage{};
+  ::getrusage(RUSAGE_THREAD, &usage);
+  return usage.ru_nvcsw;
+}
+
 /// Tile after tile along the streets, until there are as many triangles.
 Status for_each_tile(double triangles, const std::function<Status(const std::string&, Mesh&)>& take) {
   test::Random random(4);
@@ -94,11 +102,19 @@ void forget(const std::string& path) {
   ::close(descriptor);
 }
 
+/// Across the streets of a storey, up to the next, and back across that one's: wherever it comes is new.
+Vec3 place_after(double way, double width) {
+  const int storey = static_cast<int>(way / (width + kStreet));
+  const double along = way - storey * (width + kStreet), across = std::min(along, width);
+  return {0, storey % 2 == 0 ? across : width - across, kStreet * storey + (along - across)};
+}
+
 struct Walk {
-  double seconds = 20, speed = 0.5;  // [m/s]
+  double seconds = 40, speed = 1.5;  // [m/s]
 };
 
-int walk(const Scene& scene, const Execution& execution, bool ahead, const Walk& how) {
+// `programs`: [MB] of program and libraries, which are files as well.
+int walk(const Scene& scene, const Execution& execution, bool ahead, const Walk& how, double programs) {
   Model model;
   if (Status status = build_model(scene, execution, model); !status.ok()) return fail(status);
   if (scene.world) forget(scene.world->path);
@@ -109,36 +125,41 @@ int walk(const Scene& scene, const Execution& execution, bool ahead, const Walk&
   std::vector<double> times;
   std::uint64_t contacts = 0;
   double most = 0;
-  rusage before{}, after{};
+  double waited = 0;  // [us] in ticks that waited
+  int waits = 0;
   pager.hand_at(still);
   pager.catch_up();
   tick(model, state, scratch, still);
-  ::getrusage(RUSAGE_THREAD, &before);
+  const double streets = std::max(kStreet, model.extent.upper.y - 0.5);  // [m] across all of them
   const auto start = Clock::now();
   const auto ticks = static_cast<int>(1000 * how.seconds);
   for (int i = 0; i < ticks; ++i) {
     std::this_thread::sleep_until(start + std::chrono::milliseconds(i));
     DeviceFrame frame = still;
-    frame.base.position.x += how.speed * 0.001 * i;
+    frame.base.position += place_after(how.speed * 0.001 * i, streets);
+    const long slept = sleeps();
     const auto begin = Clock::now();
     pager.hand_at(frame);
     contacts += tick(model, state, scratch, frame).contact_count;
     times.push_back(1e6 * seconds_since(begin));
+    if (sleeps() > slept) {
+      waited += times.back();
+      ++waits;
+    }
     if (i % 1000 == 0) most = std::max(most, megabytes("RssFile"));
   }
-  ::getrusage(RUSAGE_THREAD, &after);
+  std::printf("%s, %.1f million triangles, %.1f m/s, %d ticks: p50 %.0f  p99 %.0f  p99.9 %.0f  max %.0f us\n",
+              !scene.world ? "in memory"
+              : ahead      ? "thread ahead"
+                           : "no thread ahead",
+              1e-6 * static_cast<double>(model.triangles.size()), how.speed, ticks,
+              bench::percentile(times, 0.5), bench::percentile(times, 0.99), bench::percentile(times, 0.999),
+              bench::percentile(times, 1));
   std::printf(
-      "%s, %.0f million triangles, %.1f m/s: tick p50 %.0f  p99 %.0f  p99.9 %.0f  max %.0f us; "
-      "pages waited for %ld, mapped late %ld; mean contacts %.0f; file in memory at most %.0f MB, held "
-      "%.0f MB; peak memory %.0f MB\n",
-      !scene.world ? "in memory"
-      : ahead      ? "thread ahead"
-                   : "no thread ahead",
-      1e-6 * static_cast<double>(model.triangles.size()), how.speed, bench::percentile(times, 0.5),
-      bench::percentile(times, 0.99), bench::percentile(times, 0.999), bench::percentile(times, 1),
-      after.ru_majflt - before.ru_majflt, after.ru_minflt - before.ru_minflt,
-      static_cast<double>(contacts) / ticks, most, 1e-6 * static_cast<double>(pager.held_bytes()),
-      megabytes("VmHWM"));
+      "%d ticks waited for the disk, %.1f ms on average; mean contacts %.0f; of the file in memory at "
+      "most %.0f MB; peak memory of the process %.0f MB\n",
+      waits, waits > 0 ? 1e-3 * waited / waits : 0, static_cast<double>(contacts) / ticks,
+      scene.world ? most - programs : 0, megabytes("VmHWM"));
   return 0;
 }
 
@@ -153,12 +174,13 @@ int walk_file(const std::string& path, bool ahead, const Walk& how) {
   Scene scene;
   scene.hand = default_hand(Side::right);
   forget(path);
+  const double programs = megabytes("RssFile");
   const auto start = Clock::now();
   if (Status status = open_world(path, scene.world); !status.ok()) return fail(status);
   std::printf("opened and checked in %.1f s, %.0f MB file, %.0f MB of it in memory afterwards\n",
               seconds_since(start), 1e-6 * static_cast<double>(scene.world->byte_count),
-              megabytes("RssFile"));
-  return walk(scene, {}, ahead, how);
+              megabytes("RssFile") - programs);
+  return walk(scene, {}, ahead, how, programs);
 }
 
 int walk_memory(double triangles, const Walk& how) {
@@ -171,7 +193,7 @@ int walk_memory(double triangles, const Walk& how) {
   if (!status.ok()) return fail(status);
   Execution execution;
   execution.broadphase = Broadphase::grid;
-  return walk(scene, execution, false, how);
+  return walk(scene, execution, false, how, 0);
 }
 
 }  // namespace
