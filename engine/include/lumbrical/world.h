@@ -48,7 +48,7 @@ class WorldPager {
     double horizon = 0.25;  ///< [s] so long ahead, at the speed the hand has
   };
 
-  /// Does nothing for a model that is not from a world file.
+  /// Does nothing for a model that is not from a world file, nor where the system has no thread for it.
   WorldPager(const Model& model, const Options& options);
   ~WorldPager();
   WorldPager(const WorldPager&) = delete;

@@ -5,9 +5,9 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <exception>
 #include <mutex>
 #include <span>
-#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -238,13 +238,13 @@ void WorldPager::Thread::follow(const DeviceFrame& frame) {
 
 WorldPager::WorldPager(const Model& model, const Options& options) {
   if (!model.world || model.world->triangles.size() == 0) return;
-  auto started = std::make_unique<Thread>(model, options);
   try {
+    auto started = std::make_unique<Thread>(model, options);
     started->thread = std::thread([raw = started.get()] { raw->run(); });
-  } catch (const std::system_error&) {
-    return;  // then ticks wait for the disk themselves
+    thread_ = std::move(started);
+  } catch (const std::exception&) {
+    // No memory or no thread: then ticks wait for the disk themselves.
   }
-  thread_ = std::move(started);
 }
 
 WorldPager::~WorldPager() {
