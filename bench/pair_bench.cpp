@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "mesh_world.h"
 #include "random.h"
 #include "stages/narrowphase.h"
 
@@ -41,7 +42,7 @@ PairScene make_pairs(Kind kind, double size, bool inside, Isa isa, double tolera
   scene.model.execution.isa = isa;
   scene.model.settings.tolerance = tolerance;
   Boundary boundary;
-  Triangles& world = scene.model.triangles;
+  Mesh mesh;
   while (scene.candidates.size() < kPairs) {
     const Vec3 on_axis = part.end1 + random.between(0, 1) * (part.end2 - part.end1);
     const double reach = inside ? 0.7 : 1.0;
@@ -52,17 +53,10 @@ PairScene make_pairs(Kind kind, double size, bool inside, Isa isa, double tolera
     if (!collide(part, {}, corner[0], corner[1], corner[2], boundary, contact)) continue;
     const double area = 0.5 * norm(cross(corner[1] - corner[0], corner[2] - corner[0]));
     if (inside != (contact.area > 0.999999 * area)) continue;
-    const auto index = static_cast<std::uint32_t>(world.x.size());
-    for (const Vec3 p : corner) {
-      world.x.push_back(p.x);
-      world.y.push_back(p.y);
-      world.z.push_back(p.z);
-    }
-    scene.candidates.push_back(world.a.size());
-    world.a.push_back(index);
-    world.b.push_back(index + 1);
-    world.c.push_back(index + 2);
+    scene.candidates.push_back(mesh.triangles.size());
+    add_triangle(corner[0], corner[1], corner[2], mesh);
   }
+  scene.model.triangles = world_of(mesh);
   scene.contacts.resize(kPairs);
   return scene;
 }

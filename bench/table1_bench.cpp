@@ -6,6 +6,7 @@
 #include <string>
 
 #include "lumbrical/tick.h"
+#include "mesh_world.h"
 #include "random.h"
 #include "stages/broadphase.h"
 #include "stages/narrowphase.h"
@@ -37,24 +38,17 @@ Pairs make_pairs(bool is_sphere, Law law) {
   part.radius1 = part.radius2 = kRadius;
   if (!is_sphere) part.end2 = kLength * random.direction();
   Boundary boundary;
-  Triangles& world = pairs.model.triangles;
+  Mesh mesh;
   while (pairs.candidates.size() < kPairs) {
     const Vec3 at = random.between(0, 1) * part.end2 + random.between(0, 1) * kRadius * random.direction();
     const Vec3 corner[3] = {at + kRadius * random.direction(), at + kRadius * random.direction(),
                             at + kRadius * random.direction()};
     Contact contact;
     if (!collide(part, {}, corner[0], corner[1], corner[2], boundary, contact)) continue;
-    pairs.candidates.push_back(world.size());
-    const auto first = static_cast<std::uint32_t>(world.x.size());
-    world.a.push_back(first);
-    world.b.push_back(first + 1);
-    world.c.push_back(first + 2);
-    for (const Vec3 p : corner) {
-      world.x.push_back(p.x);
-      world.y.push_back(p.y);
-      world.z.push_back(p.z);
-    }
+    pairs.candidates.push_back(mesh.triangles.size());
+    add_triangle(corner[0], corner[1], corner[2], mesh);
   }
+  pairs.model.triangles = world_of(mesh);
   return pairs;
 }
 

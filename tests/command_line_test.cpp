@@ -192,6 +192,38 @@ TEST(CommandLine, RunPrintsTheContractsKeysAndReplayFindsTheRecordingIdentical) 
   EXPECT_TRUE(replay.json()["first_divergence"].is_null());
 }
 
+TEST(CommandLine, AWorldFileTakesTheObjectsPlace) {
+  const fs::path folder = folder_with_demo();
+  nlohmann::json scene = nlohmann::json::parse(read_file(folder / "demo.json"));
+  scene.erase("objects");
+  scene["world"] = "demo.world";
+  write_file("in_world.json", scene.dump());
+  fs::rename(own_folder() / "in_world.json", folder / "in_world.json");
+  const Outcome world = shell("lumbrical world demo.json --output demo.world --json", folder);
+  ASSERT_EQ(world.exit_code, 0) << world.error;
+  const Outcome before = shell("lumbrical run demo.json --json", folder);
+  const Outcome run = shell("lumbrical run in_world.json --record w.mcap --json", folder);
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_EQ(run.json()["broadphase"], "grid");
+  EXPECT_EQ(run.json()["triangles"], world.json()["triangles"]);
+  EXPECT_EQ(run.json()["peak_force"], before.json()["peak_force"]);
+  EXPECT_EQ(run.json()["contacts"], before.json()["contacts"]);
+  EXPECT_EQ(run.json()["world"]["bytes"], fs::file_size(folder / "demo.world"));
+  EXPECT_EQ(shell("lumbrical replay w.mcap", folder).exit_code, 0);
+  fs::rename(folder / "demo.world", folder / "moved.world");
+  const Outcome lost = shell("lumbrical replay w.mcap", folder);
+  EXPECT_EQ(lost.exit_code, 2);
+  EXPECT_NE(lost.error.find("--world FILE"), std::string::npos) << lost.error;
+  EXPECT_EQ(shell("lumbrical replay w.mcap --world moved.world", folder).exit_code, 0);
+  fs::rename(folder / "moved.world", folder / "demo.world");
+  const Outcome tree = shell("lumbrical run in_world.json --broadphase tree", folder);
+  EXPECT_EQ(tree.exit_code, 2);
+  EXPECT_NE(tree.error.find("use auto or grid"), std::string::npos) << tree.error;
+  EXPECT_EQ(shell("lumbrical run in_world.json --record demo.world", folder).exit_code, 2);
+  EXPECT_EQ(shell("lumbrical world in_world.json --output other.world", folder).exit_code, 2);
+  EXPECT_FALSE(fs::exists(folder / "other.world"));
+}
+
 TEST(CommandLine, ReplayOfSeveralTellsOfEachInTheOrderGiven) {
   const fs::path folder = folder_with_demo();
   ASSERT_EQ(shell("lumbrical run demo.json --ticks 300 --record a.mcap", folder).exit_code, 0);

@@ -23,7 +23,7 @@ struct Rule {
 };
 
 const Rule kRules[] = {
-    {Layer::base, "engine/include/lumbrical", "math status"},
+    {Layer::base, "engine/include/lumbrical", "math shared_array status"},
     {Layer::base, "engine/src/base", "*"},
 
     {Layer::model, "engine/include/lumbrical", "mesh shapes hand model contact voxel search_memory"},
@@ -46,7 +46,7 @@ const Rule kRules[] = {
      "device_profile actuator_model safety passivity local_model device_simulation device_link"},
     {Layer::device, "engine/src/device", "*"},
 
-    {Layer::session, "engine/include/lumbrical", "recording scene_file"},
+    {Layer::session, "engine/include/lumbrical", "recording scene_file world"},
     {Layer::session, "engine/src/motion", "motion_*"},
     {Layer::session, "engine/src/files", "*"},
     {Layer::session, "engine/src/recording", "*"},
@@ -111,7 +111,8 @@ const Outside kOutside[] = {
     {"nlohmann/.*", "(engine/src/motion/motion_\\w+[.].*|tools/.*|tests/.*)"},
     {"(lz4frame|zstd|zlib)[.]h", "(engine/src/recording/mcap_\\w+[.]cpp|tests/.*)"},
     {"(unistd|fcntl|sys/\\w+)[.]h",
-     "(engine/src/(files/output_file|recording/mcap_reader|modbus/modbus_server)[.]cpp|tools/.*|tests/"
+     "(engine/src/(files/(mapped|output)_file|recording/mcap_reader|modbus/modbus_server)[.]cpp|tools/"
+     ".*|tests/"
      ".*|bench/.*)"},
     {"modbus/.*", "engine/src/modbus/modbus_link[.]cpp"},
     {"(poll|sched|pthread|termios|errno|time|arpa/\\w+|netinet/\\w+)[.]h",

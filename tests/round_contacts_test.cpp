@@ -6,6 +6,7 @@
 #include <cstring>
 #include <vector>
 
+#include "mesh_world.h"
 #include "random.h"
 #include "stages/narrowphase.h"
 
@@ -134,6 +135,7 @@ std::vector<Contact> contacts_of(Isa isa, double tolerance) {
   Random random(5);
   Model model;
   Primitives hand;
+  Mesh mesh;
   std::vector<std::uint64_t> candidates;
   model.execution.isa = isa;
   model.settings.tolerance = tolerance;
@@ -145,20 +147,13 @@ std::vector<Contact> contacts_of(Isa isa, double tolerance) {
       const double size = kRadius * std::pow(10.0, random.between(-2.5, 1.5));
       const Vec3 near = p.end1 + random.between(0, 1) * (p.end2 - p.end1) +
                         random.between(0, 1) * kRadius * random.direction();
-      Triangles& world = model.triangles;
-      const auto first = static_cast<std::uint32_t>(world.x.size());
-      for (int k = 0; k < 3; ++k) {
-        const Vec3 corner = near + size * random.direction();
-        world.x.push_back(corner.x);
-        world.y.push_back(corner.y);
-        world.z.push_back(corner.z);
-      }
-      candidates.push_back(static_cast<std::uint64_t>(part) << 32 | world.a.size());
-      world.a.push_back(first);
-      world.b.push_back(first + 1);
-      world.c.push_back(first + 2);
+      const Vec3 a = near + size * random.direction(), b = near + size * random.direction(),
+                 c = near + size * random.direction();
+      candidates.push_back(static_cast<std::uint64_t>(part) << 32 | mesh.triangles.size());
+      add_triangle(a, b, c, mesh);
     }
   }
+  model.triangles = world_of(mesh);
   std::vector<Contact> contacts(candidates.size());
   contacts.resize(find_contacts(model, hand, candidates, contacts));
   return contacts;

@@ -11,6 +11,7 @@
 
 #include "files.h"
 #include "files/json_file.h"
+#include "lumbrical/world.h"
 
 namespace lumbrical {
 namespace {
@@ -238,6 +239,49 @@ TEST(SceneFile, SurvivesDamagedFiles) {
     const Status status = load_scene_file(write_file("damaged.json", text), scene_file);
     EXPECT_TRUE(status.ok() || status.message().find(".json") != std::string::npos) << status.message();
   }
+}
+
+TEST(SceneFile, NamesAWorldFileInThePlaceOfObjects) {
+  write_file("tetrahedron.obj", kTetrahedron);
+  const std::string objects = R"("objects": [{"mesh": "tetrahedron.obj", "unit": "cm"}, {"plane": {}}])";
+  const std::string scene = write_file("objects.json", "{" + objects + R"(, "execution": {"leaf_size": 8}})");
+  WorldWriter writer;
+  std::size_t count = 0;
+  const auto begin = [&](const Execution& execution) {
+    return writer.open((test::own_folder() / "things.world").string(), execution);
+  };
+  const auto take = [&](SceneObject&& object) {
+    ++count;
+    return writer.add_object(object.name, object.mesh);
+  };
+  ASSERT_TRUE(load_scene_objects(scene, begin, take).ok());
+  ASSERT_TRUE(writer.finish().ok());
+  EXPECT_EQ(count, 2u);
+  const std::string world = R"({"world": "things.world", )";
+  const SceneFile scene_file = load(world + kGrasp + "}");
+  ASSERT_TRUE(scene_file.scene.world);
+  EXPECT_TRUE(scene_file.scene.objects.empty());
+  EXPECT_EQ(scene_file.scene.world->triangles.size(), 4u + 2 * 32 * 32);
+  EXPECT_EQ(scene_file.scene.world->leaf_size, 8u);
+  EXPECT_EQ(scene_file.files.size(), 2u);
+  EXPECT_NE(
+      error_of(world + objects + ", " + kGrasp + "}").find("scene.json:1:11: world stands beside objects"),
+      std::string::npos);
+  EXPECT_NE(error_of(world + kGrasp + R"(, "execution": {"cell_size": 1}})").find("leave out cell_size"),
+            std::string::npos);
+  EXPECT_NE(
+      error_of(R"({"world": "missing.world", )" + std::string(kGrasp) + "}").find("missing.world: cannot"),
+      std::string::npos);
+  // A fault of a later object ends it, and is told where it stands.
+  const std::string bad = write_file("bad.json", R"({"objects": [{"plane": {}},
+{"mesh": "nowhere.obj", "unit": "m"}]})");
+  EXPECT_FALSE(load_scene_objects(
+                   bad, [](const Execution&) { return Status(); }, take)
+                   .ok());
+  EXPECT_EQ(count, 3u);
+  const std::string again = write_file("again.json", world + kGrasp + "}");
+  EXPECT_NE(load_scene_objects(again, begin, take).message().find("is a world file already"),
+            std::string::npos);
 }
 
 TEST(JsonPlace, FindsValuesBehindStringsCommentsAndNesting) {

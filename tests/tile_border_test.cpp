@@ -11,6 +11,7 @@
 #include "borders/joint_border.h"
 #include "borders/shared_contact.h"
 #include "finger_reference.h"
+#include "mesh_world.h"
 #include "posed_finger.h"
 #include "random.h"
 #include "stages/hand_pose.h"
@@ -94,11 +95,7 @@ struct Felt {
 
 Mesh mesh_of(const std::vector<Corners>& triangles) {
   Mesh mesh;
-  for (const Corners& t : triangles) {
-    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    mesh.vertices.insert(mesh.vertices.end(), {t.a, t.b, t.c});
-    mesh.triangles.push_back({first, first + 1, first + 2});
-  }
+  for (const Corners& t : triangles) add_triangle(t.a, t.b, t.c, mesh);
   return mesh;
 }
 
@@ -106,19 +103,10 @@ Mesh mesh_of(const std::vector<Corners>& triangles) {
 std::vector<Contact> contacts_of(const Primitives& hand, const Mesh& mesh, double tolerance = 0) {
   Model model;
   model.settings.tolerance = tolerance;
-  for (const Vec3& p : mesh.vertices) {
-    model.triangles.x.push_back(p.x);
-    model.triangles.y.push_back(p.y);
-    model.triangles.z.push_back(p.z);
-  }
+  model.triangles = world_of(mesh);
   std::vector<std::uint64_t> candidates;
   for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(hand.count); ++i) {
     for (std::size_t k = 0; k < mesh.triangles.size(); ++k) candidates.push_back(i << 32 | k);
-  }
-  for (const auto& t : mesh.triangles) {
-    model.triangles.a.push_back(t[0]);
-    model.triangles.b.push_back(t[1]);
-    model.triangles.c.push_back(t[2]);
   }
   std::vector<Contact> contacts(candidates.size());
   contacts.resize(find_contacts(model, hand, candidates, contacts));

@@ -63,7 +63,7 @@ struct Corners {
   Vec3 a, b, c;
 };
 Corners in_voxels(const Triangles& triangles, const VoxelLists& lists, std::uint32_t triangle) {
-  const auto corner = [&](const std::vector<std::uint32_t>& corners) {
+  const auto corner = [&](const SharedArray<std::uint32_t>& corners) {
     return (triangles.vertex(corners[triangle]) - lists.origin) / lists.voxel_size;
   };
   return {corner(triangles.a), corner(triangles.b), corner(triangles.c)};

@@ -50,6 +50,7 @@ Json scene_json(const Scene& scene) {
     json["objects"].push_back({{"name", object.name},
                                {"vertices", object.mesh.vertices.size()},
                                {"triangles", object.mesh.triangles.size()}});
+  if (scene.world) json["world"] = {{"file", scene.world->path}, {"bytes", scene.world->byte_count}};
   return json;
 }
 
@@ -63,6 +64,7 @@ void add_info_rows(const RecordingInfo& info, Table& table) {
   table.add("recording", info.path + ", " + grouped(info.bytes) + " bytes");
   table.add("written by", info.library);
   table.add("format", "version " + std::to_string(info.version));
+  if (info.version == 4) table.add("world", "a file of its own; a replay needs it");
   if (info.metadata.contains("force_interval") || info.version == 2)
     table.add("forces", "of some ticks are left out, their hashes are not");
   table.add("complete", info.complete ? "yes" : "no: its writer was killed; recover completes it");
@@ -82,6 +84,8 @@ void add_scene_rows(const Scene& scene, Table& table) {
   table.add("law", laws(scene.settings) + ", stiffness " + brief(scene.settings.stiffness) + " N/m^3");
   for (const SceneObject& object : scene.objects)
     table.add("object", object.name + ", " + grouped(object.mesh.triangles.size()) + " triangles");
+  if (scene.world)
+    table.add("world file", scene.world->path + ", " + grouped(scene.world->byte_count) + " bytes");
 }
 
 int info(const RecordingOptions& options) {

@@ -20,7 +20,7 @@ namespace {
 
 struct ReplaySwitches {
   std::vector<std::string> recordings;
-  std::string law, broadphase, voxel_cache;
+  std::string law, broadphase, voxel_cache, world;
   std::optional<double> stiffness;
   std::string precision, unit = "m", trace, trace_stage;
   std::vector<std::string> meshes;  // NAME=FILE
@@ -52,6 +52,7 @@ Status replay_options(const ReplaySwitches& switches, ReplayOptions& options) {
   if (!switches.law.empty()) options.law = parse_law(switches.law);
   if (!switches.broadphase.empty()) options.execution.broadphase = *parse_broadphase(switches.broadphase);
   options.execution.voxel_cache = switches.voxel_cache;
+  options.world = switches.world;
   options.stiffness = switches.stiffness;
   if (!switches.precision.empty()) options.tolerance = parse_precision(switches.precision);
   // Of several recordings each has one thread.
@@ -190,6 +191,11 @@ void add_replay(CLI::App& app, int& exit_code) {
       ->add_option("--broadphase", switches->broadphase,
                    "What if: search for candidate triangles; never changes a result, but a tick's time")
       ->check(is_broadphase());
+  command
+      ->add_option("--world", switches->world,
+                   "World file, where the recording has its world in one; unless given, beside the recording "
+                   "or where it was")
+      ->type_name("FILE");
   command->add_option("--voxel-cache", switches->voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");
   command->add_option("--isa", switches->isa, "Instruction set; never changes a result")->check(is_isa());
   command

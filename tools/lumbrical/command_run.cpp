@@ -150,6 +150,9 @@ Json run_json(const RunOptions& options, const Model& model, const RunStatistics
   json["not_recorded"] = run.not_recorded;
   json["session_rate_hz"] = model.settings.rate;
   json["triangles"] = model.triangles.size();
+  if (model.world)
+    json["world"] = {
+        {"file", model.world->path}, {"bytes", model.world->byte_count}, {"held_bytes", run.world_held}};
   for (int f = 0; f <= kFingerCount; ++f) {
     json["peak_force"][finger_or_palm(f)] = run.peak_force[static_cast<std::size_t>(f)];
   }
@@ -232,6 +235,9 @@ std::string run_text(const RunOptions& options, const Model& model, const RunSta
                                  law_of(model.settings) + ", " + std::string(isa_name(model.execution.isa)) +
                                  ", " + std::to_string(model.execution.threads) + " thread(s)");
   if (const auto report = voxel_report(model)) add_voxels(*report, table);
+  if (model.world)
+    table.add("world file", model.world->path + ", " + grouped(model.world->byte_count) + " bytes, at most " +
+                                grouped(run.world_held) + " in memory");
   add_peaks(run, table);
   add_flags(run, table);
   if (device != nullptr) device->add_rows(table);

@@ -24,5 +24,6 @@ void add_probe(CLI::App& app, int& exit_code);
 void add_inspect(CLI::App& app, int& exit_code);
 void add_sim_device(CLI::App& app, int& exit_code);
 void add_report(CLI::App& app, int& exit_code);
+void add_world(CLI::App& app, int& exit_code);
 
 }  // namespace lumbrical::tool

@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
     add_compress(app, exit_code);
     add_probe(app, exit_code);
     add_inspect(app, exit_code);
+    add_world(app, exit_code);
     add_sim_device(app, exit_code);
     add_report(app, exit_code);
     app.parse(argc, argv);

@@ -34,9 +34,12 @@ int last_cpu() {
 
 }  // namespace
 
-RealTime enter_real_time(int priority, Pinning pinning) {
+RealTime enter_real_time(int priority, Pinning pinning, std::span<const std::byte> pageable) {
   RealTime real_time;
-  real_time.memory_locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
+  // All pages are read to be locked; where some are not meant to be, only those that are there already.
+  const int which = MCL_CURRENT | MCL_FUTURE | (pageable.empty() ? 0 : MCL_ONFAULT);
+  real_time.memory_locked = mlockall(which) == 0;
+  if (real_time.memory_locked && !pageable.empty()) munlock(pageable.data(), pageable.size());
   if (!real_time.memory_locked) {
     real_time.refused.push_back(std::string("memory is not locked (") + std::strerror(errno) +
                                 "): ticks may wait for pages; raise ulimit -l");

@@ -2,7 +2,9 @@
 // clock of absolute deadlines. What the system does not allow is told, not fatal.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,8 +19,9 @@ struct RealTime {
 
 enum class Pinning { none, last_processor };
 
-/// For the calling thread, with SCHED_FIFO at `priority`; memory is locked for the whole process.
-RealTime enter_real_time(int priority, Pinning pinning);
+/// For the calling thread, with SCHED_FIFO at `priority`; memory is locked for the whole process, but for
+/// `pageable`: a mapped file that does not fit.
+RealTime enter_real_time(int priority, Pinning pinning, std::span<const std::byte> pageable = {});
 /// Undoes enter_real_time for the calling thread and the process.
 void leave_real_time(const RealTime& real_time);
 

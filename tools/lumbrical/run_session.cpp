@@ -6,8 +6,10 @@
 #include <csignal>
 #include <ctime>
 #include <limits>
+#include <span>
 
 #include "lumbrical/tick.h"
+#include "lumbrical/world.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -107,7 +109,14 @@ RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_
   const bool still = motion.samples.size() == 1;  // a single pose is held for the whole session
   TickRecord record;
   Progress progress("running");
-  if (parts.paced) statistics.real_time = enter_real_time(kTickPriority, Pinning::last_processor);
+  WorldPager pager(model, {});  // before real time, so that its thread has none of that
+  pager.hand_at(resample(motion, motion.samples[0].time));
+  pager.catch_up();
+  if (parts.paced) {
+    const auto pageable = model.world ? std::span(model.world->bytes.get(), model.world->byte_count)
+                                      : std::span<const std::byte>();
+    statistics.real_time = enter_real_time(kTickPriority, Pinning::last_processor, pageable);
+  }
   const std::uint64_t faults_before = page_faults();
   const std::int64_t begin = clock_ns();
   std::int64_t first = begin;  // moves on where a device's session has fallen behind
@@ -123,6 +132,7 @@ RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_
     const std::int64_t start = clock_ns();
     record.device = resample(motion, still ? motion.samples[0].time : static_cast<double>(i) / rate);
     if (parts.device != nullptr) parts.device->before(record.device);
+    pager.hand_at(record.device);
     const std::int64_t tick_start = clock_ns();
     record.output = tick(model, state, scratch, record.device);
     const std::int64_t tick_end = clock_ns();
@@ -139,6 +149,7 @@ RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_
     }
     statistics.tick_times.add(record.duration_ns);
     add_output(record.output, statistics);
+    statistics.world_held = std::max(statistics.world_held, pager.held_bytes());
     ++statistics.ticks;
     if (parts.recorder != nullptr) {
       record.stage_hash = scratch.stage_hash;

@@ -32,6 +32,7 @@ struct RunStatistics {
   Status recording_error;                             ///< that ended the recording before the session
   std::uint64_t not_recorded = 0;                     ///< ticks the recorder had no room for
   bool interrupted = false;                           ///< by SIGINT or SIGTERM
+  std::size_t world_held = 0;                         ///< [bytes] of a world file, at most
 };
 
 /// While it lives, SIGINT and SIGTERM only ask sessions for a stop. It outlives the session until its

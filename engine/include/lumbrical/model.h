@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 
 #include "lumbrical/hand.h"
 #include "lumbrical/mesh.h"
+#include "lumbrical/shared_array.h"
 #include "lumbrical/status.h"
 
 namespace lumbrical {
@@ -89,17 +91,20 @@ struct SceneObject {
   Mesh mesh;  ///< already in the world frame [m]
 };
 
+struct World;
+
 /// What a user puts together; build_model turns it into a Model.
 struct Scene {
   Hand hand;
   std::vector<SceneObject> objects;
   Settings settings;
+  std::shared_ptr<const World> world{};  ///< from a file (world.h), in the place of objects; else null
 };
 
 /// All triangles of the world in the order of the scene, structure of arrays.
 struct Triangles {
-  std::vector<double> x, y, z;         ///< [m] vertex coordinates in W
-  std::vector<std::uint32_t> a, b, c;  ///< vertex indices per triangle
+  SharedArray<double> x, y, z;         ///< [m] vertex coordinates in W
+  SharedArray<std::uint32_t> a, b, c;  ///< vertex indices per triangle
   [[nodiscard]] std::size_t size() const { return a.size(); }
   [[nodiscard]] Vec3 vertex(std::uint32_t i) const { return {x[i], y[i], z[i]}; }
 };
@@ -111,17 +116,29 @@ struct alignas(64) SphereBlock {
   std::array<float, kWidth> x{}, y{}, z{}, r{};
 };
 
-/// Bounding spheres in blocks of sixteen; no pointers, children are found by index arithmetic. Sphere i of
-/// level 0 bounds leaf i, sphere i of a higher level bounds block i of the level below.
+/// What is known of a tree of bounding spheres but for the spheres: plain numbers, in memory and in a file
+/// alike.
+struct TreeHead {
+  Vec3 origin;                        ///< [m] in W
+  Vec3 centre;                        ///< [m] relative to `origin`: of a sphere round everything
+  double radius = 0;                  ///< [m] of that sphere
+  std::uint64_t first_line = 0;       ///< of the tree's own, where several trees lie in one array
+  std::uint32_t leaf_count = 0;       ///< 0: no triangle
+  std::uint16_t blocks_per_leaf = 0;  ///< every leaf starts a new block
+  std::uint16_t level_count = 0;      ///< of bounding spheres above the triangles' own
+};
+
+/// The memory of trees. A tree's lines hold its levels of spheres in blocks of sixteen, the last first, then
+/// the spheres of the triangles in leaf order (spatial order), then the triangles' numbers, 0 in empty
+/// places. No pointers, children are found by index arithmetic: sphere i of level 0 bounds leaf i, sphere i
+/// of a higher level block i of the level below; the last level is searched from end to end (sphere_tree.h).
+struct alignas(64) TreeLine {
+  std::array<std::byte, 64> bytes;
+};
+
 struct SphereTree {
-  using Level = std::vector<SphereBlock>;
-  Vec3 origin;                          ///< [m] in W
-  Vec3 centre;                          ///< [m] relative to `origin`: of a sphere round everything
-  double radius = 0;                    ///< [m] of that sphere
-  std::uint32_t blocks_per_leaf = 0;    ///< every leaf starts a new block
-  std::vector<std::uint32_t> triangle;  ///< by place in `sphere`; the empty places hold 0
-  Level sphere;                         ///< of the triangles, in leaf order (spatial order)
-  std::vector<Level> levels;            ///< [0]: of the leaves; the last is searched from end to end
+  TreeHead head;
+  SharedArray<TreeLine> lines;
 };
 
 /// A grid of cubes with a tree in each that is not empty. A triangle is in the cell of its centroid; those
@@ -129,8 +146,29 @@ struct SphereTree {
 struct SphereGrid {
   Vec3 origin;                      ///< [m] in W: lower corner
   double cell_size = 0;             ///< [m]
-  std::vector<std::uint64_t> cell;  ///< z << 42 | y << 21 | x, ascending
-  std::vector<SphereTree> tree;     ///< of each cell, in the same order; then that of the wide triangles
+  std::uint32_t frontier = 0;       ///< the largest frontier_capacity of its trees (sphere_tree.h)
+  SharedArray<std::uint64_t> cell;  ///< z << 42 | y << 21 | x, ascending
+  SharedArray<TreeHead> tree;       ///< of each cell, in the same order; then that of the wide triangles
+  SharedArray<TreeLine> lines;      ///< of all trees, in the same order
+};
+
+/// A world in a file, mapped: what a Model has of it, ready for use. Opened in world.h.
+struct World {
+  struct Object {
+    std::string name;
+    std::uint32_t first_triangle = 0, triangle_count = 0;
+    std::uint32_t first_vertex = 0, vertex_count = 0;
+  };
+  std::string path;           ///< of the file, as it was opened
+  std::uint64_t content = 0;  ///< hash of what is in it
+  Triangles triangles;
+  Box extent;  ///< [m] in W: of all vertices
+  SphereGrid grid;
+  std::vector<Object> objects;
+  double cell_size = 0;  ///< of the Execution it was built with, as are these
+  std::uint32_t leaf_size = 0, tree_levels = 0;
+  std::shared_ptr<const std::byte> bytes;  ///< of the whole file; what all the arrays lie in
+  std::size_t byte_count = 0;
 };
 
 /// Four sibling clusters as a search sees them [m], relative to their tree's origin; single precision.
@@ -173,7 +211,8 @@ struct ClusterTree {
 
 struct VoxelIndex;  // lists of triangles by voxel; voxel_index.h inside the engine, lumbrical/voxel.h outside
 
-/// Immutable once built; may be shared by any number of sessions and threads.
+/// Immutable once built; may be shared by any number of sessions and threads. Copies share the large arrays
+/// (all but the clusters').
 struct Model {
   std::uint64_t build = 0;  ///< number of the build_model it is from, in this process; copies keep it
   Hand hand;
@@ -185,16 +224,14 @@ struct Model {
   SphereGrid grid;                           ///< empty unless Broadphase::grid
   std::shared_ptr<const VoxelIndex> voxels;  ///< null unless Broadphase::voxel
   ClusterTree clusters;                      ///< empty unless settings.tolerance > 0 and a law is `field`
-  struct Object {
-    std::string name;
-    std::uint32_t first_triangle = 0, triangle_count = 0;
-    std::uint32_t first_vertex = 0, vertex_count = 0;
-  };
-  std::vector<Object> objects;
+  std::vector<World::Object> objects;
+  std::shared_ptr<const World> world;  ///< that all of this is from; null: a scene in memory
 };
 
 /// Checks the scene and builds what the ticks need. Refuses settings out of range, non-finite vertices and
-/// triangle indices out of range, naming the field or object; on error `model` is unchanged.
+/// triangle indices out of range, naming the field or object; on error `model` is unchanged. A world comes
+/// with its grid: `execution` may ask for that or for brute force, the sizes of cells and leaves are the
+/// world's; clusters (settings.tolerance above 0) would have to be in memory and are refused.
 Status build_model(const Scene& scene, const Execution& execution, Model& model);
 
 /// The scene a model was built from, equal bit for bit: what a recording carries.

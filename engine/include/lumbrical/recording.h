@@ -1,7 +1,7 @@
 // Flight recorder: every tick of a session in one self-contained MCAP file, and the way back.
 //
-// A file carries the whole scene (hand, world, settings), so a replay needs nothing else. Format:
-// docs/recording.md.
+// A file carries the whole scene (hand, world, settings), so a replay needs nothing else; only a world that
+// is a file of its own stays outside. Format: docs/recording.md.
 #pragma once
 
 #include <array>
@@ -64,6 +64,7 @@ class Recorder {
 
   /// Starts a file. Where `path` already exists the new file grows beside it as `path`.part and takes its
   /// place on close, so a good file is never replaced by half of one; otherwise it grows at `path` itself.
+  /// A world file of the scene is named in the recording, not copied into it.
   Status open(const std::string& path, const Scene& scene, const RecorderOptions& options);
   /// Hands over one tick; no allocation or system call while the ring has room. False: not kept (ring full in
   /// live mode, tick number not above the last one, device.kind out of range, or the writer failed: see
@@ -130,6 +131,11 @@ class RecordingReader {
   Status open(const std::string& path);
   [[nodiscard]] const RecordingInfo& info() const;
   [[nodiscard]] const Scene& scene() const;
+  /// Opens the world file of a recording that names one, since it was too large to be inside: `path`; if that
+  /// is empty, the file of its name beside the recording, or where that is missing the one that was recorded
+  /// with. It must have the same content. Until then scene().world is a name without a world. Nothing to do
+  /// for recordings that carry their meshes, or a second time.
+  Status find_world(const std::string& path);
   /// The state before the first tick: not the default only where the file is a later part of a session.
   [[nodiscard]] const State& initial_state() const;
   /// The next record in the order of the file. `end` tells that there is none; an error names the byte.
@@ -194,6 +200,7 @@ struct ReplayOptions {
   std::optional<double> tolerance;  ///< Settings::tolerance
   /// "What if": objects by their names in the scene; other meshes take their places, in the world frame [m].
   std::map<std::string, Mesh> mesh;
+  std::string world;  ///< for RecordingReader::find_world
   /// Writes the intermediate values of a tick as text, a line per number, to this file ("-": standard
   /// output), for comparison with the same on another machine: of `trace_tick`, or where none is given of the
   /// first tick that differs (none, nothing is written).

@@ -2,6 +2,7 @@
 // their units, ranges and defaults).
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,6 +32,12 @@ struct MotionOverride {
 /// Reads a scene file and every mesh and motion it names (paths relative to the scene file;
 /// MotionOverride::file as it stands). On error `scene_file` is unchanged and the message starts with
 /// "path:line:column:" of whatever file is at fault.
+/// A world file that the scene names is opened (world.h).
 Status load_scene_file(const std::string& path, SceneFile& scene_file, const MotionOverride& motion = {});
+
+/// Reads only the objects of a scene file, one at a time: what a WorldWriter takes. `begin` is called first,
+/// with how the work is to be done. The first error of either ends it, and names the object.
+Status load_scene_objects(const std::string& path, const std::function<Status(const Execution&)>& begin,
+                          const std::function<Status(SceneObject&&)>& take);
 
 }  // namespace lumbrical

@@ -6,6 +6,7 @@
 
 #include "files/json_file.h"
 #include "files/scene_parts.h"
+#include "lumbrical/world.h"
 #include "scene_bfbs_generated.h"
 #include "scene_generated.h"
 
@@ -172,7 +173,52 @@ Status read_session(const format::Scene& table, FieldReader& read, SceneFile& re
   return read.status();
 }
 
+constexpr std::size_t kMaxTriangles = std::size_t{1} << 26;  // all of them are in memory
+
+Status read_world(const format::Scene& scene, FieldReader& read, SceneFile& result) {
+  if (scene.objects() != nullptr) read.error("world", "stands beside objects; keep one");
+  const format::Execution* const execution = scene.execution();
+  const bool sized =
+      execution != nullptr && (execution->cell_size().has_value() || execution->leaf_size().has_value() ||
+                               execution->tree_levels().has_value());
+  if (sized)
+    read.error("execution",
+               "gives sizes of a grid that the world file has already; leave out cell_size, "
+               "leaf_size and tree_levels, or build the world with them");
+  if (!read.ok()) return read.status();
+  result.files.push_back(beside(result.files[0], scene.world()->string_view()));
+  return open_world(result.files.back(), result.scene.world);
+}
+
+Status read_things(const format::Scene& scene, FieldReader& read, SceneFile& result) {
+  if (scene.world() != nullptr) return read_world(scene, read, result);
+  std::size_t triangles = 0;
+  return read_objects(scene, read, result.files, [&](SceneObject&& object) {
+    triangles += object.mesh.triangles.size();
+    if (triangles > kMaxTriangles)
+      return Status::error(
+          "brings the scene above 67,108,864 triangles; make it a world file (lumbrical world)");
+    result.scene.objects.push_back(std::move(object));
+    return Status();
+  });
+}
+
 }  // namespace
+
+Status load_scene_objects(const std::string& path, const std::function<Status(const Execution&)>& begin,
+                          const std::function<Status(SceneObject&&)>& take) {
+  JsonFile file;
+  if (Status status = read_table(path, "lumbrical.scene_format.Scene", file); !status.ok()) return status;
+  const format::Scene& scene = *format::GetScene(file.buffer.data());
+  FieldReader read(file);
+  if (scene.world() != nullptr) read.error("world", "is a world file already; name objects");
+  Execution execution;
+  read_execution(scene.execution(), read, execution);
+  if (!read.ok()) return read.status();
+  if (Status status = begin(execution); !status.ok()) return status;
+  std::vector<std::string> files = {path};
+  return read_objects(scene, read, files, take);
+}
 
 Status load_scene_file(const std::string& path, SceneFile& scene_file, const MotionOverride& motion) {
   JsonFile file;
@@ -198,7 +244,7 @@ Status load_scene_file(const std::string& path, SceneFile& scene_file, const Mot
 
   Status status = read_hand_and_motion(scene, hand_table, at, motion, read, hand_read, result);
   if (status.ok()) status = read_session(scene, read, result);
-  if (status.ok()) status = read_objects(scene, read, result);
+  if (status.ok()) status = read_things(scene, read, result);
   if (!status.ok()) return status;
   scene_file = std::move(result);
   return {};

@@ -12,8 +12,7 @@ namespace {
 
 namespace format = scene_format;
 
-constexpr std::size_t kMaxTriangles = std::size_t{1} << 26;  // indices and memory stay in bounds
-constexpr Range kLength{1e-6, 1e3};                          // [m]
+constexpr Range kLength{1e-6, 1e3};  // [m]
 
 Mesh read_mug(const format::Mug& table, const std::string& at, FieldReader& read) {
   MugShape shape;
@@ -77,8 +76,8 @@ Mesh read_height_field(const format::HeightField& table, const std::string& at, 
 }
 
 // The object's mesh in its own frame. Which of the seven ways it is given decides its default name.
-Status read_mesh(const format::Object& table, const std::string& at, FieldReader& read, SceneFile& result,
-                 SceneObject& object) {
+Status read_mesh(const format::Object& table, const std::string& at, FieldReader& read,
+                 std::vector<std::string>& files, SceneObject& object) {
   const int given = (table.mesh() != nullptr) + (table.mug() != nullptr) + (table.plane() != nullptr) +
                     (table.box() != nullptr) + (table.sphere() != nullptr) +
                     (table.height_field() != nullptr);
@@ -104,9 +103,9 @@ Status read_mesh(const format::Object& table, const std::string& at, FieldReader
       read.error(at, R"(has no unit; add "unit": "m", "cm" or "mm", or "fit": {"size": metres})");
     }
     if (!read.ok()) return read.status();
-    const std::string path = beside(result.files[0], table.mesh()->string_view());
+    const std::string path = beside(files[0], table.mesh()->string_view());
     if (Status status = load_mesh(path, unit, object.mesh); !status.ok()) return status;
-    result.files.push_back(path);
+    files.push_back(path);
     object.name = std::filesystem::path(path).stem().string();
   }
   return read.status();
@@ -214,23 +213,24 @@ double metres_per(Unit unit) {
   return 1;
 }
 
-Status read_objects(const format::Scene& scene, FieldReader& read, SceneFile& result) {
+Status read_objects(const format::Scene& scene, FieldReader& read, std::vector<std::string>& files,
+                    const std::function<Status(SceneObject&&)>& take) {
   if (scene.objects() == nullptr || scene.objects()->size() == 0) {
     read.error("objects", "is missing or empty; name at least one mesh or shape to touch");
     return read.status();
   }
-  std::size_t triangles = 0;
   for (flatbuffers::uoffset_t i = 0; i < scene.objects()->size(); ++i) {
     const format::Object& table = *scene.objects()->Get(i);
     const std::string at = "objects[" + std::to_string(i) + "]";
     SceneObject object;
-    if (Status status = read_mesh(table, at, read, result, object); !status.ok()) return status;
+    if (Status status = read_mesh(table, at, read, files, object); !status.ok()) return status;
     place_object(table, at, read, object.mesh);
     if (table.name() != nullptr) object.name = table.name()->str();
-    triangles += object.mesh.triangles.size();
-    if (triangles > kMaxTriangles) read.error(at, "brings the scene above 67,108,864 triangles");
     if (!read.ok()) return read.status();
-    result.scene.objects.push_back(std::move(object));
+    if (Status status = take(std::move(object)); !status.ok()) {
+      read.error(at, status.message());
+      return read.status();
+    }
   }
   return {};
 }

@@ -1,8 +1,10 @@
 // The parts of a scene file that take some building: objects and hand.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "files/json_file.h"
 #include "lumbrical/scene_file.h"
@@ -17,8 +19,10 @@ Side read_side(const flatbuffers::String* text, const std::string& path, FieldRe
 Unit read_unit(const flatbuffers::String* text, const std::string& path, FieldReader& read);
 double metres_per(Unit unit);
 
-/// Loads or builds every object and puts it in its place.
-Status read_objects(const scene_format::Scene& scene, FieldReader& read, SceneFile& result);
+/// Loads or builds one object after the other, puts it in its place, and hands it over. The files read are
+/// added to `files`, of which the first is the scene's.
+Status read_objects(const scene_format::Scene& scene, FieldReader& read, std::vector<std::string>& files,
+                    const std::function<Status(SceneObject&&)>& take);
 
 /// A hand of the given side as `table` describes it; null: the default hand. `at` stands before the fields'
 /// names.

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "base/parallel.h"
 #include "base/parallel_sort.h"
@@ -40,25 +41,6 @@ Cell re_entry(Cell cell, Cell low, Cell high) {
 
 constexpr std::size_t kPiece = 16384;  // triangles, the least that is worth another thread
 
-Box box_round_centres(const Triangles& triangles, std::size_t threads) {
-  std::vector<Box> boxes(piece_count(triangles.size(), kPiece));
-  parallel_pieces(triangles.size(), kPiece, threads,
-                  [&](std::size_t piece, std::size_t first, std::size_t last) {
-                    for (std::size_t i = first; i < last; ++i)
-                      boxes[piece].add(bound_triangle(triangles, static_cast<std::uint32_t>(i), {}).centre);
-                  });
-  Box all;
-  for (const Box& box : boxes) {
-    all.add(box.lower);
-    all.add(box.upper);
-  }
-  return all;
-}
-
-bool is_wide(const TriangleBound& bound, const SphereGrid& grid) {
-  return bound.radius > 0.5 * grid.cell_size;
-}
-
 // Keys of cells with no more bits than this grid needs, in the same order.
 struct ShortKey {
   int x, y, z;  // bits
@@ -71,52 +53,96 @@ ShortKey short_key(const SphereGrid& grid, Vec3 upper) {
   return {width(last.x), width(last.y), width(last.z)};
 }
 
-// One tree per run of triangles, which are sorted by cell. `start`: of each run, and behind the last.
-void build_cells(const Triangles& triangles, std::span<const std::uint32_t> members,
-                 std::span<const std::size_t> start, const Execution& execution, SphereGrid& grid) {
+}  // namespace
+
+Box box_round_centres(const Triangles& triangles, std::uint32_t first, std::uint32_t last,
+                      std::size_t threads) {
+  const std::size_t count = last - first;
+  std::vector<Box> boxes(piece_count(count, kPiece));
+  parallel_pieces(count, kPiece, threads, [&](std::size_t piece, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      boxes[piece].add(bound_triangle(triangles, first + static_cast<std::uint32_t>(i), {}).centre);
+  });
+  Box all;
+  for (const Box& box : boxes) {
+    all.add(box.lower);
+    all.add(box.upper);
+  }
+  return all;
+}
+
+SphereGrid plan_grid(const Box& centres, const Execution& execution) {
+  SphereGrid grid;
+  const Vec3 extent = centres.upper - centres.lower;
+  grid.origin = centres.lower;
+  grid.cell_size = max(execution.cell_size, max(extent.x, max(extent.y, extent.z)) / (kMostCells - 1));
+  return grid;
+}
+
+std::uint64_t cell_of_triangle(const SphereGrid& grid, const Triangles& triangles, std::uint32_t triangle) {
+  const TriangleBound bound = bound_triangle(triangles, triangle, {});
+  return bound.radius > 0.5 * grid.cell_size ? kWideCell : key_of(cell_at(grid, bound.centre));
+}
+
+void build_trees(const Triangles& triangles, std::span<const std::uint32_t> members,
+                 std::span<const std::size_t> start, const Execution& execution, std::span<TreeHead> heads,
+                 TreeLine* lines) {
   Execution serial = execution;
   serial.threads = 1;
-  parallel_chunks(grid.cell.size(), 1, execution.threads, [&](std::size_t first, std::size_t last) {
+  parallel_chunks(heads.size(), 1, execution.threads, [&](std::size_t first, std::size_t last) {
     std::vector<std::uint32_t> in_cell;
     for (std::size_t i = first; i < last; ++i) {
       const auto these = members.subspan(start[i], start[i + 1] - start[i]);
       in_cell.assign(these.begin(), these.end());
-      grid.tree[i] = build_tree(triangles, in_cell, serial);
+      build_tree(triangles, in_cell, serial, heads[i], lines + heads[i].first_line);
     }
   });
 }
 
-}  // namespace
+std::uint64_t plan_trees(std::span<const std::size_t> start, const Execution& execution,
+                         std::vector<TreeHead>& heads) {
+  std::uint64_t lines = 0;
+  heads.resize(start.size() - 1);
+  for (std::size_t i = 0; i < heads.size(); ++i) {
+    heads[i] = plan_tree(start[i + 1] - start[i], execution);
+    heads[i].first_line = lines;
+    lines += layout_of(heads[i]).lines;
+  }
+  return lines;
+}
 
 SphereGrid build_grid(const Triangles& triangles, const Execution& execution) {
-  SphereGrid grid;
   const std::size_t threads = execution.threads;
   const auto count = static_cast<std::uint32_t>(triangles.size());
-  if (count == 0) return grid;
-  const Box box = box_round_centres(triangles, threads);
-  const Vec3 extent = box.upper - box.lower;
-  grid.origin = box.lower;
-  grid.cell_size = max(execution.cell_size, max(extent.x, max(extent.y, extent.z)) / (kMostCells - 1));
-  std::vector<std::uint32_t> narrow, wide;
+  if (count == 0) return {};
+  const Box box = box_round_centres(triangles, 0, count, threads);
+  SphereGrid grid = plan_grid(box, execution);
+  std::vector<std::uint32_t> members, wide;
   for (std::uint32_t i = 0; i < count; ++i)
-    (is_wide(bound_triangle(triangles, i, {}), grid) ? wide : narrow).push_back(i);
-  const auto cell_of_triangle = [&](std::uint32_t i) {
-    return cell_at(grid, bound_triangle(triangles, i, {}).centre);
-  };
+    (cell_of_triangle(grid, triangles, i) == kWideCell ? wide : members).push_back(i);
   const ShortKey key = short_key(grid, box.upper);
-  sort_by_code(narrow, key.x + key.y + key.z, 1, threads,
-               [&](std::uint32_t i) { return key(cell_of_triangle(i)); });
+  sort_by_code(members, key.x + key.y + key.z, 1, threads,
+               [&](std::uint32_t i) { return key(cell_of(cell_of_triangle(grid, triangles, i))); });
+  std::vector<std::uint64_t> cells;
   std::vector<std::size_t> start;
-  for (std::size_t i = 0; i < narrow.size(); ++i) {
-    const std::uint64_t cell = key_of(cell_of_triangle(narrow[i]));
-    if (!grid.cell.empty() && grid.cell.back() == cell) continue;
-    grid.cell.push_back(cell);
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const std::uint64_t cell = cell_of_triangle(grid, triangles, members[i]);
+    if (!cells.empty() && cells.back() == cell) continue;
+    cells.push_back(cell);
     start.push_back(i);
   }
-  start.push_back(narrow.size());
-  grid.tree.resize(grid.cell.size() + 1);
-  build_cells(triangles, narrow, start, execution, grid);
-  grid.tree.back() = build_tree(triangles, wide, execution);
+  start.push_back(members.size());
+  start.push_back(members.size() + wide.size());
+  std::vector<TreeHead> heads;
+  const std::uint64_t line_count = plan_trees(start, execution, heads);
+  const auto lines = make_lines(line_count);
+  build_trees(triangles, members, start, execution, std::span(heads).first(cells.size()), lines.get());
+  build_tree(triangles, wide, execution, heads.back(), lines.get() + heads.back().first_line);
+  for (const TreeHead& head : heads)
+    grid.frontier = std::max(grid.frontier, static_cast<std::uint32_t>(frontier_capacity(head)));
+  grid.cell = std::move(cells);
+  grid.tree = std::move(heads);
+  grid.lines = {lines.get(), line_count, lines};
   return grid;
 }
 
@@ -129,8 +155,8 @@ std::size_t find_cells(const SphereGrid& grid, const Box& box, std::vector<std::
   const Vec3 margin{reach, reach, reach};
   const Cell low = cell_at(grid, box.lower - margin), high = cell_at(grid, box.upper + margin);
   std::size_t count = 0;
-  const auto end = grid.cell.end();
-  for (auto next = std::lower_bound(grid.cell.begin(), end, key_of(low));
+  const std::uint64_t* const end = grid.cell.end();
+  for (const std::uint64_t* next = std::lower_bound(grid.cell.begin(), end, key_of(low));
        next != end && *next <= key_of(high);) {
     const Cell cell = cell_of(*next);
     if (cell.x >= low.x && cell.x <= high.x && cell.y >= low.y && cell.y <= high.y) {
@@ -145,9 +171,8 @@ std::size_t find_cells(const SphereGrid& grid, const Box& box, std::vector<std::
 }
 
 std::size_t byte_count(const SphereGrid& grid) {
-  std::size_t bytes = grid.cell.size() * sizeof(std::uint64_t);
-  for (const SphereTree& tree : grid.tree) bytes += byte_count(tree);
-  return bytes;
+  return grid.cell.size() * sizeof(std::uint64_t) + grid.tree.size() * sizeof(TreeHead) +
+         grid.lines.size() * sizeof(TreeLine);
 }
 
 }  // namespace lumbrical

@@ -44,7 +44,7 @@ SphereBlock empty_block() {
   return block;
 }
 
-void put_sphere(const Sphere& sphere, std::size_t place, SphereTree::Level& level) {
+void put_sphere(const Sphere& sphere, std::size_t place, SphereBlock* level) {
   SphereBlock& block = level[place / kWidth];
   const std::size_t lane = place % kWidth;
   const Vec3 c = sphere.centre;
@@ -67,39 +67,39 @@ std::vector<Sphere> bound_blocks(const std::vector<Sphere>& spheres, std::size_t
   return bounds;
 }
 
-SphereTree::Level to_level(const std::vector<Sphere>& spheres, std::size_t threads) {
-  SphereTree::Level level(piece_count(spheres.size(), kWidth), empty_block());
+void put_level(const std::vector<Sphere>& spheres, SphereBlock* level, std::size_t threads) {
   parallel_pieces(spheres.size(), kPiece * kWidth, threads,
                   [&](std::size_t, std::size_t first, std::size_t last) {
+                    std::fill(level + first / kWidth, level + piece_count(last, kWidth), empty_block());
                     for (std::size_t i = first; i < last; ++i) put_sphere(spheres[i], i, level);
                   });
-  return level;
 }
 
-// Fills the tree's blocks of triangles, leaf by leaf; returns the leaves' bounds.
+// Fills blocks and numbers of the triangles, leaf by leaf; returns the leaves' bounds.
 std::vector<Sphere> put_leaves(const Triangles& triangles, std::span<const std::uint32_t> members,
-                               const Execution& execution, SphereTree& tree) {
-  const std::size_t leaf_size = execution.leaf_size;
-  std::vector<Sphere> leaves(piece_count(members.size(), leaf_size));
-  tree.sphere.assign(leaves.size() * tree.blocks_per_leaf, empty_block());
-  tree.triangle.assign(tree.sphere.size() * kWidth, 0);
-  parallel_pieces(leaves.size(), kPiece, execution.threads,
-                  [&](std::size_t, std::size_t first, std::size_t last) {
-                    std::array<Sphere, kLargestLeaf> within;
-                    for (std::size_t leaf = first; leaf < last; ++leaf) {
-                      const std::size_t begin = leaf * leaf_size;
-                      const std::size_t size = std::min(leaf_size, members.size() - begin);
-                      const std::size_t place = leaf * tree.blocks_per_leaf * kWidth;
-                      for (std::size_t i = 0; i < size; ++i) {
-                        const std::uint32_t triangle = members[begin + i];
-                        const TriangleBound around = bound_triangle(triangles, triangle, tree.origin);
-                        within[i] = {around.centre, around.radius};
-                        put_sphere(within[i], place + i, tree.sphere);
-                        tree.triangle[place + i] = triangle;
-                      }
-                      leaves[leaf] = bound({within.data(), size});
-                    }
-                  });
+                               const Execution& execution, const TreeHead& head, SphereBlock* blocks,
+                               std::uint32_t* numbers) {
+  const std::size_t leaf_size = execution.leaf_size, leaf_blocks = head.blocks_per_leaf;
+  std::vector<Sphere> leaves(head.leaf_count);
+  parallel_pieces(
+      leaves.size(), kPiece, execution.threads, [&](std::size_t, std::size_t first, std::size_t last) {
+        std::fill(blocks + first * leaf_blocks, blocks + last * leaf_blocks, empty_block());
+        std::fill(numbers + first * leaf_blocks * kWidth, numbers + last * leaf_blocks * kWidth, 0u);
+        std::array<Sphere, kLargestLeaf> within;
+        for (std::size_t leaf = first; leaf < last; ++leaf) {
+          const std::size_t begin = leaf * leaf_size;
+          const std::size_t size = std::min(leaf_size, members.size() - begin);
+          const std::size_t place = leaf * leaf_blocks * kWidth;
+          for (std::size_t i = 0; i < size; ++i) {
+            const std::uint32_t triangle = members[begin + i];
+            const TriangleBound around = bound_triangle(triangles, triangle, head.origin);
+            within[i] = {around.centre, around.radius};
+            put_sphere(within[i], place + i, blocks);
+            numbers[place + i] = triangle;
+          }
+          leaves[leaf] = bound({within.data(), size});
+        }
+      });
   return leaves;
 }
 
@@ -126,29 +126,59 @@ Box box_round_members(const Triangles& triangles, std::span<const std::uint32_t>
 
 }  // namespace
 
+TreeHead plan_tree(std::size_t triangle_count, const Execution& execution) {
+  TreeHead head;
+  head.blocks_per_leaf = static_cast<std::uint16_t>(piece_count(execution.leaf_size, kWidth));
+  head.leaf_count = static_cast<std::uint32_t>(piece_count(triangle_count, execution.leaf_size));
+  if (head.leaf_count == 0) return head;
+  head.level_count = 1;
+  for (std::size_t spheres = head.leaf_count;
+       spheres > kWidth && (execution.tree_levels == 0 || head.level_count < execution.tree_levels);
+       spheres = piece_count(spheres, kWidth))
+    ++head.level_count;
+  return head;
+}
+
+std::shared_ptr<TreeLine[]> make_lines(std::size_t count) {
+  return std::shared_ptr<TreeLine[]>(new TreeLine[count]);  // a TreeLine has no initial value
+}
+
+void build_tree(const Triangles& triangles, std::vector<std::uint32_t>& members, const Execution& execution,
+                TreeHead& head, TreeLine* lines) {
+  if (members.empty()) return;
+  const std::size_t threads = execution.threads;
+  const Box box = box_round_members(triangles, members, threads);
+  head.origin = box.middle();
+  const SpatialCode code({box.lower - head.origin, box.upper - head.origin});
+  sort_by_code(members, code.bits(), kWidth, threads, [&](std::uint32_t triangle) {
+    return code(bound_triangle(triangles, triangle, head.origin).centre);
+  });
+
+  const TreeLayout layout = layout_of(head);
+  auto* const blocks = reinterpret_cast<SphereBlock*>(lines);
+  auto* const numbers =
+      reinterpret_cast<std::uint32_t*>(lines + kLinesPerBlock * (layout.upper + layout.lowest));
+  std::vector<Sphere> spheres =
+      put_leaves(triangles, members, execution, head, blocks + layout.upper, numbers);
+  SphereBlock* level_end = blocks + layout.upper;
+  for (std::size_t level = 0; level < head.level_count; ++level) {
+    if (level > 0) spheres = bound_blocks(spheres, threads);
+    level_end -= layout.blocks[level];
+    put_level(spheres, level_end, threads);
+  }
+  const Sphere all = bound(spheres);
+  head.centre = all.centre;
+  head.radius = all.radius;
+}
+
 SphereTree build_tree(const Triangles& triangles, std::vector<std::uint32_t>& members,
                       const Execution& execution) {
   SphereTree tree;
-  const std::size_t threads = execution.threads;
-  tree.blocks_per_leaf = (execution.leaf_size + kWidth - 1) / kWidth;
-  if (members.empty()) return tree;
-  const Box box = box_round_members(triangles, members, threads);
-  tree.origin = box.middle();
-  const SpatialCode code({box.lower - tree.origin, box.upper - tree.origin});
-  sort_by_code(members, code.bits(), kWidth, threads, [&](std::uint32_t triangle) {
-    return code(bound_triangle(triangles, triangle, tree.origin).centre);
-  });
-
-  std::vector<Sphere> spheres = put_leaves(triangles, members, execution, tree);
-  tree.levels.push_back(to_level(spheres, threads));
-  while (spheres.size() > kWidth &&
-         (execution.tree_levels == 0 || tree.levels.size() < execution.tree_levels)) {
-    spheres = bound_blocks(spheres, threads);
-    tree.levels.push_back(to_level(spheres, threads));
-  }
-  const Sphere all = bound(spheres);
-  tree.centre = all.centre;
-  tree.radius = all.radius;
+  tree.head = plan_tree(members.size(), execution);
+  const std::size_t count = layout_of(tree.head).lines;
+  const auto lines = make_lines(count);
+  build_tree(triangles, members, execution, tree.head, lines.get());
+  tree.lines = {lines.get(), count, lines};
   return tree;
 }
 
@@ -158,17 +188,11 @@ SphereTree build_tree(const Triangles& triangles, const Execution& execution) {
   return build_tree(triangles, all, execution);
 }
 
-std::size_t frontier_capacity(const SphereTree& tree) {
-  if (tree.levels.empty()) return 0;
-  return std::max(tree.levels.front().size() * kWidth, tree.sphere.size());
+std::size_t frontier_capacity(const TreeHead& head) {
+  const TreeLayout layout = layout_of(head);
+  return std::max(layout.blocks[0] * kWidth, layout.lowest);
 }
 
-std::size_t byte_count(const SphereTree& tree) {
-  std::size_t bytes = sizeof(tree) + tree.triangle.size() * sizeof(std::uint32_t);
-  bytes += tree.sphere.size() * sizeof(SphereBlock);
-  for (const SphereTree::Level& level : tree.levels)
-    bytes += sizeof(level) + level.size() * sizeof(SphereBlock);
-  return bytes;
-}
+std::size_t byte_count(const SphereTree& tree) { return sizeof(tree) + tree.lines.size() * sizeof(TreeLine); }
 
 }  // namespace lumbrical

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <new>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -140,8 +141,10 @@ std::uint64_t hash_of_source(const Triangles& triangles, const Execution& execut
   Hasher hasher;
   hasher.value(kMagic);
   hasher.value(execution.voxel_size);
-  for (const auto* numbers : {&triangles.x, &triangles.y, &triangles.z}) hasher.array(*numbers);
-  for (const auto* corners : {&triangles.a, &triangles.b, &triangles.c}) hasher.array(*corners);
+  for (const auto* numbers : {&triangles.x, &triangles.y, &triangles.z})
+    hasher.array(std::span<const double>(*numbers));
+  for (const auto* corners : {&triangles.a, &triangles.b, &triangles.c})
+    hasher.array(std::span<const std::uint32_t>(*corners));
   return hasher.digest();
 }
 

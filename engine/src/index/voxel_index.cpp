@@ -89,7 +89,7 @@ void add_voxel(const Model& model, Vec3 p, VoxelPlace place, Nearest& nearest) {
   const std::int32_t number = voxel_number(*model.voxels->grid, place);
   if (number < 0) return;
   for (const std::uint32_t triangle : touching(*model.voxels, static_cast<std::uint32_t>(number))) {
-    const auto corner = [&](const std::vector<std::uint32_t>& corners) {
+    const auto corner = [&](const SharedArray<std::uint32_t>& corners) {
       return (model.triangles.vertex(corners[triangle]) - lists.origin) / lists.voxel_size;
     };
     const NearestPoint point =

@@ -89,16 +89,20 @@ bool search_all(PairSearch& search) {
   return true;
 }
 
-bool search_tree(PairSearch& search, const Primitive& primitive, const SphereTree& tree) {
+bool search_tree(PairSearch& search, const Primitive& primitive, const TreeHead& tree,
+                 const TreeLine* lines) {
   constexpr std::size_t kBlocks = kBatch / SphereBlock::kWidth;
   const SphereQuery query = query_of(tree, primitive);
-  const auto blocks = search_leaves(tree, query, search.kernels, search.memory.frontier);
+  const TreeLayout layout = layout_of(tree);
+  const auto blocks = search_leaves(tree, layout, lines, query, search.kernels, search.memory.frontier);
+  const SphereBlock* const spheres = blocks_of(lines) + layout.upper;
+  const std::uint32_t* const numbers = numbers_of(lines, layout);
   std::array<std::uint32_t, 2 * kBatch> batch;
   std::size_t size = 0;
   for (std::size_t i = 0; i < blocks.size(); i += kBlocks) {
-    const std::size_t count = search.kernels.sphere_hits(tree.sphere.data(), query, blocks.data() + i,
+    const std::size_t count = search.kernels.sphere_hits(spheres, query, blocks.data() + i,
                                                          std::min(kBlocks, blocks.size() - i), &batch[size]);
-    for (std::size_t k = size; k < size + count; ++k) batch[k] = tree.triangle[batch[k]];
+    for (std::size_t k = size; k < size + count; ++k) batch[k] = numbers[batch[k]];
     size += count;
     if (size < kBatch) continue;
     if (!keep(search, {batch.data(), kBatch})) return false;
@@ -125,9 +129,12 @@ bool search_leaves_of(PairSearch& search, std::span<const std::uint32_t> leaves)
 }
 
 bool search_cells(PairSearch& search, const Primitive& primitive, std::span<const std::uint32_t> cells) {
+  const SphereGrid& grid = search.model.grid;
   for (const std::uint32_t cell : cells) {
-    const SphereTree& tree = search.model.grid.tree[cell];
-    if (may_reach(tree, primitive) && !search_tree(search, primitive, tree)) return false;
+    const TreeHead& tree = grid.tree[cell];
+    if (may_reach(tree, primitive) &&
+        !search_tree(search, primitive, tree, grid.lines.data() + tree.first_line))
+      return false;
   }
   return true;
 }
@@ -147,7 +154,8 @@ bool search_voxels(PairSearch& search, const Primitive& primitive) {
     }
   }
   if (size > 0 && !keep(search, {batch.data(), size})) return false;
-  return !may_reach(index.wide, primitive) || search_tree(search, primitive, index.wide);
+  return !may_reach(index.wide.head, primitive) ||
+         search_tree(search, primitive, index.wide.head, index.wide.lines.data());
 }
 
 bool search_any(PairSearch& search, Primitive primitive, std::span<const std::uint32_t> cells) {
@@ -156,7 +164,7 @@ bool search_any(PairSearch& search, Primitive primitive, std::span<const std::ui
   set_terms(*search.hull, search.skin, search.terms);
   switch (search.model.execution.broadphase) {
     case Broadphase::tree:
-      return search_tree(search, primitive, search.model.tree);
+      return search_tree(search, primitive, search.model.tree.head, search.model.tree.lines.data());
     case Broadphase::grid:
       return search_cells(search, primitive, cells);
     case Broadphase::voxel:

@@ -14,7 +14,7 @@ constexpr double kShortest = 1e-15;
 
 }  // namespace
 
-bool may_reach(const SphereTree& tree, const Primitive& primitive) {
+bool may_reach(const TreeHead& tree, const Primitive& primitive) {
   const Vec3 axis = primitive.end2 - primitive.end1, from = tree.centre - (primitive.end1 - tree.origin);
   const double square = dot(axis, axis);
   const double t = square > 0 ? clamp(dot(from, axis) / square, 0, 1) : 0;
@@ -23,7 +23,7 @@ bool may_reach(const SphereTree& tree, const Primitive& primitive) {
   return dot(gap, gap) <= reach * reach;
 }
 
-SphereQuery query_of(const SphereTree& tree, const Primitive& primitive) {
+SphereQuery query_of(const TreeHead& tree, const Primitive& primitive) {
   const Vec3 from = primitive.end1 - tree.origin, axis = primitive.end2 - primitive.end1;
   const double square = dot(axis, axis);
   const double size = max(std::fabs(from.x), max(std::fabs(from.y), std::fabs(from.z))) + norm(axis);
@@ -38,17 +38,17 @@ SphereQuery query_of(const SphereTree& tree, const Primitive& primitive) {
           static_cast<float>(reach)};
 }
 
-std::span<const std::uint32_t> search_leaves(const SphereTree& tree, const SphereQuery& query,
+std::span<const std::uint32_t> search_leaves(const TreeHead& tree, const TreeLayout& layout,
+                                             const TreeLine* lines, const SphereQuery& query,
                                              const FieldKernels& kernels,
                                              std::array<std::vector<std::uint32_t>, 2>& frontier) {
-  if (tree.levels.empty()) return {};
-  std::size_t level = tree.levels.size() - 1;
-  std::size_t count = tree.levels[level].size();
+  if (tree.level_count == 0) return {};
+  std::size_t level = tree.level_count;
+  std::size_t count = layout.blocks[level - 1];
   for (std::size_t block = 0; block < count; ++block) frontier[0][block] = static_cast<std::uint32_t>(block);
   // A sphere that was hit is the bound of the block of the same number one level down.
-  for (std::size_t below = level + 1; below-- > 0;) {
-    count =
-        kernels.sphere_hits(tree.levels[below].data(), query, frontier[0].data(), count, frontier[1].data());
+  for (const SphereBlock* blocks = blocks_of(lines); level-- > 0; blocks += layout.blocks[level]) {
+    count = kernels.sphere_hits(blocks, query, frontier[0].data(), count, frontier[1].data());
     std::swap(frontier[0], frontier[1]);
   }
   if (tree.blocks_per_leaf == 1) return {frontier[0].data(), count};

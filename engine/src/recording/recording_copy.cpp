@@ -60,6 +60,7 @@ Status run_up_to(RecordingReader& reader, const Model& model, std::uint64_t tick
 Status find_state(RecordingReader& reader, std::uint64_t tick_number, State& state, bool& found) {
   Model model;
   found = false;
+  if (Status status = reader.find_world({}); !status.ok()) return status;
   if (Status status = build_model(reader.scene(), {}, model); !status.ok()) return status;
   const Settings& settings = reader.scene().settings;
   const std::uint64_t first = reader.info().first_tick;

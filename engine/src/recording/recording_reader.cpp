@@ -1,9 +1,13 @@
 // Reading a recording: find its session and chunks, then hand out one tick after the other.
 #include <algorithm>
+#include <filesystem>
+#include <memory>
 #include <new>
+#include <system_error>
 #include <utility>
 
 #include "lumbrical/recording.h"
+#include "lumbrical/world.h"
 #include "recording/mcap_reader.h"
 #include "recording/record_fields.h"
 #include "recording/recorder.h"
@@ -346,6 +350,30 @@ Status RecordingReader::open(const std::string& path) try {
 const RecordingInfo& RecordingReader::info() const {
   static const RecordingInfo kNothing;
   return file_ ? file_->info : kNothing;
+}
+
+Status RecordingReader::find_world(const std::string& path) {
+  if (!file_ || !file_->scene.world || file_->scene.world->bytes) return {};
+  const World& named = *file_->scene.world;
+  std::string chosen = path;
+  if (chosen.empty()) {
+    namespace fs = std::filesystem;
+    const fs::path beside = fs::path(info().path).parent_path() / fs::path(named.path).filename();
+    std::error_code ignored;
+    chosen = fs::exists(beside, ignored) ? beside.string() : named.path;
+    if (!fs::exists(chosen, ignored))
+      return Status::error(info().path + ": was recorded with the world file " + named.path +
+                           ", which is not there; name it with --world FILE, or put it beside the recording");
+  }
+  std::shared_ptr<const World> world;
+  if (Status status = open_world(chosen, world); !status.ok()) return status;
+  if (world->content != named.content)
+    return Status::error(info().path + ": was recorded with another world than is in " + chosen +
+                         "; name the right one with --world FILE, or put it beside the recording");
+  auto found = std::make_shared<World>(*world);
+  found->path = named.path;  // as recorded, so that copies of the session are the same
+  file_->scene.world = std::move(found);
+  return {};
 }
 
 const Scene& RecordingReader::scene() const {

@@ -68,8 +68,12 @@ Status compare_scenes(const RecordingReader& a, const RecordingReader& b, Replay
 
 }  // namespace
 
-Status scene_for(const RecordingReader& reader, const ReplayOptions& options, Scene& scene) {
+Status scene_for(RecordingReader& reader, const ReplayOptions& options, Scene& scene) {
+  if (Status status = reader.find_world(options.world); !status.ok()) return status;
   scene = reader.scene();
+  if (scene.world && !options.mesh.empty())
+    return Status::error(reader.info().path +
+                         ": its world is a file, of which no object can be replaced; build another world");
   if (options.law) scene.settings.law.fill(*options.law);
   if (options.tolerance) scene.settings.tolerance = *options.tolerance;
   if (options.stiffness) scene.settings.stiffness = *options.stiffness;

@@ -6,7 +6,7 @@
 namespace lumbrical {
 
 /// The recorded scene with the changes the options ask for.
-Status scene_for(const RecordingReader& reader, const ReplayOptions& options, Scene& scene);
+Status scene_for(RecordingReader& reader, const ReplayOptions& options, Scene& scene);
 
 /// The error of a replay that finds tick `found` where `expected` should be.
 Status missing_tick(const RecordingReader& reader, std::uint64_t expected, std::uint64_t found);

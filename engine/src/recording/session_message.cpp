@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
+#include <utility>
 
 #include "recording/message_alignment.h"
 #include "recording_generated.h"
@@ -163,6 +165,19 @@ Status decode_objects(const fb::Session& message, std::size_t size, std::vector<
   return {};
 }
 
+Status decode_world(const fb::Session& message, Scene& scene) {
+  const bool named = message.world() != nullptr && message.world()->path() != nullptr;
+  if (named != (message.version() == kWorldFile) || (named && !scene.objects.empty()))
+    return Status::error("the session's world is neither in it nor a file");
+  if (!named) return {};
+  auto world = std::make_shared<World>();
+  world->path = message.world()->path()->str();
+  world->content = message.world()->content();
+  world->byte_count = message.world()->bytes();
+  scene.world = std::move(world);
+  return {};
+}
+
 }  // namespace
 
 Status encode_session(const Scene& scene, std::uint32_t version, std::vector<std::uint8_t>& bytes) {
@@ -175,7 +190,13 @@ Status encode_session(const Scene& scene, std::uint32_t version, std::vector<std
   const auto all_objects = builder.CreateVector(objects);
   const auto hand = to_fb(builder, scene.hand);
   const auto settings = to_fb(builder, scene.settings);
-  builder.Finish(fb::CreateSession(builder, version, hand, all_objects, settings));
+  Offset<fb::WorldFile> world;
+  if (scene.world) {
+    version = kWorldFile;
+    world = fb::CreateWorldFile(builder, builder.CreateString(scene.world->path), scene.world->content,
+                                scene.world->byte_count);
+  }
+  builder.Finish(fb::CreateSession(builder, version, hand, all_objects, settings, world));
   bytes.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
   return {};
 }
@@ -189,14 +210,15 @@ Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene, std::ui
   if (!verifier.VerifyBuffer<fb::Session>(nullptr))
     return Status::error("the session does not fit its schema");
   const fb::Session& message = *flatbuffers::GetRoot<fb::Session>(data);
-  if (message.version() < kFirstVersion || message.version() > kVersion)
+  if (message.version() < kFirstVersion || message.version() > kLastVersion)
     return Status::error("the session is of version " + std::to_string(message.version()) +
-                         ", this program reads 1 to " + std::to_string(kVersion) + "; use a newer program");
+                         ", this program reads 1 to " + std::to_string(kLastVersion) + "; use a newer program");
 
   Scene decoded;
   if (Status status = decode_hand(message.hand(), decoded.hand); !status.ok()) return status;
   if (Status status = decode_settings(message.settings(), decoded.settings); !status.ok()) return status;
   if (Status status = decode_objects(message, bytes.size(), decoded.objects); !status.ok()) return status;
+  if (Status status = decode_world(message, decoded); !status.ok()) return status;
   scene = std::move(decoded);
   version = message.version();
   return {};

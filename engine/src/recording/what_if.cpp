@@ -60,7 +60,7 @@ struct TimedRun {
 
 class WhatIf {
  public:
-  Status build(const RecordingReader& reader, const ReplayOptions& options) {
+  Status build(RecordingReader& reader, const ReplayOptions& options) {
     Scene scene;
     if (Status status = scene_for(reader, options, scene); !status.ok()) return status;
     Execution plain = options.execution;

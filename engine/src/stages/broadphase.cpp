@@ -223,10 +223,8 @@ void size_candidates(const Model& model, Scratch& scratch) {
   scratch.near = std::make_shared<NearPairs>();
   scratch.near->pairs.resize(capacity);
   scratch.near->other.resize(capacity);
-  std::size_t frontier_size = frontier_capacity(model.tree);
-  for (const SphereTree& tree : model.grid.tree)
-    frontier_size = std::max(frontier_size, frontier_capacity(tree));
-  if (model.voxels) frontier_size = std::max(frontier_size, frontier_capacity(model.voxels->wide));
+  std::size_t frontier_size = std::max<std::size_t>(frontier_capacity(model.tree.head), model.grid.frontier);
+  if (model.voxels) frontier_size = std::max(frontier_size, frontier_capacity(model.voxels->wide.head));
   scratch.searcher.resize(model.execution.threads);
   for (SearchMemory& searcher : scratch.searcher) {
     for (auto& frontier : searcher.frontier) frontier.resize(frontier_size);

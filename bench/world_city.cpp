@@ -1,0 +1,211 @@
+// A city too large for memory: what building, opening and touching it takes (docs/worlds.md).
+//
+//   world_city build TRIANGLES CITY.world             streamed tile by tile
+//   world_city walk CITY.world [ahead|alone] [SECONDS [SPEED]]
+//                                                     a hand goes across the streets, 1000 ticks per second
+//                                                     by the clock, with nothing of the file in the system's
+//                                                     cache
+//   world_city memory TRIANGLES [SECONDS [SPEED]]     the same with the city in memory
+//
+// The city has streets of sixty tiles of 1 m, 3 m apart in ten storeys; a tile's triangles have legs of 5 to
+// 50 mm.
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "lumbrical/world.h"
+#include "pressed_hand.h"
+#include "random.h"
+#include "timing.h"
+
+namespace {
+
+using namespace lumbrical;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+int fail(const Status& status) {
+  std::fprintf(stderr, "%s\n", status.message().c_str());
+  return 2;
+}
+
+/// [MB] of this process, as the kernel counts them under `key`: VmHWM is the peak, RssFile of mapped files.
+double megabytes(const std::string& key) {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with(key + ":")) return 1.024e-3 * std::stod(line.substr(key.size() + 1));
+  return 0;
+}
+
+constexpr double kStreet = 3;  // [m] from one to the next
+constexpr int kTiles = 60, kStoreys = 10;
+
+/// How often this thread has given up its processor to wait for something; in a tick that can only be the
+/// disk.
+long sleeps() {
+  rusage usage{};
+  ::getrusage(RUSAGE_THREAD, &usage);
+  return usage.ru_nvcsw;
+}
+
+/// Tile after tile along the streets, until there are as many triangles.
+Status for_each_tile(double triangles, const std::function<Status(const std::string&, Mesh&)>& take) {
+  test::Random random(4);
+  double done = 0;
+  for (int tile = 0; done < triangles; ++tile) {
+    const double leg = 0.005 * std::pow(10, random.between(0, 1));
+    Mesh mesh = make_height_field(1, static_cast<std::uint32_t>(std::lround(1 / leg)), 0.002, 0.04);
+    const int row = tile / kTiles;
+    const Vec3 at{1.0 * (tile % kTiles), kStreet * (row / kStoreys), kStreet * (row % kStoreys)};
+    for (Vec3& p : mesh.vertices) p += at;
+    done += static_cast<double>(mesh.triangles.size());
+    if (Status status = take("tile " + std::to_string(tile), mesh); !status.ok()) return status;
+  }
+  return {};
+}
+
+int build(double triangles, const std::string& path) {
+  const auto start = Clock::now();
+  Execution execution;
+  execution.threads = std::max(1u, std::thread::hardware_concurrency());
+  WorldWriter writer;
+  Status status = writer.open(path, execution);
+  if (!status.ok()) return fail(status);
+  status = for_each_tile(
+      triangles, [&](const std::string& name, const Mesh& mesh) { return writer.add_object(name, mesh); });
+  const double added = seconds_since(start);
+  if (status.ok()) status = writer.finish();
+  if (!status.ok()) return fail(status);
+  std::ifstream file(path, std::ios::ate);
+  std::printf("built in %.1f s (%.1f s of it making and adding tiles), %.0f MB file, peak memory %.0f MB\n",
+              seconds_since(start), added, 1e-6 * static_cast<double>(file.tellg()), megabytes("VmHWM"));
+  return 0;
+}
+
+void forget(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY);
+  ::fsync(descriptor);
+  ::posix_fadvise(descriptor, 0, 0, POSIX_FADV_DONTNEED);
+  ::close(descriptor);
+}
+
+/// Across the streets of a storey, up to the next, and back across that one's: wherever it comes is new.
+Vec3 place_after(double way, double width) {
+  const int storey = static_cast<int>(way / (width + kStreet));
+  const double along = way - storey * (width + kStreet), across = std::min(along, width);
+  return {0, storey % 2 == 0 ? across : width - across, kStreet * storey + (along - across)};
+}
+
+struct Walk {
+  double seconds = 40, speed = 1.5;  // [m/s]
+};
+
+// `programs`: [MB] of program and libraries, which are files as well.
+int walk(const Scene& scene, const Execution& execution, bool ahead, const Walk& how, double programs) {
+  Model model;
+  if (Status status = build_model(scene, execution, model); !status.ok()) return fail(status);
+  if (scene.world) forget(scene.world->path);
+  WorldPager pager(ahead ? model : Model{}, {});
+  State state;
+  Scratch scratch = make_scratch(model);
+  const DeviceFrame still = test::pressed_frame(scene.hand, 0.002, 0);
+  std::vector<double> times;
+  std::uint64_t contacts = 0;
+  double most = 0;
+  double waited = 0;  // [us] in ticks that waited
+  int waits = 0;
+  pager.hand_at(still);
+  pager.catch_up();
+  tick(model, state, scratch, still);
+  const double streets = std::max(kStreet, model.extent.upper.y - 0.5);  // [m] across all of them
+  const auto start = Clock::now();
+  const auto ticks = static_cast<int>(1000 * how.seconds);
+  for (int i = 0; i < ticks; ++i) {
+    std::this_thread::sleep_until(start + std::chrono::milliseconds(i));
+    DeviceFrame frame = still;
+    frame.base.position += place_after(how.speed * 0.001 * i, streets);
+    const long slept = sleeps();
+    const auto begin = Clock::now();
+    pager.hand_at(frame);
+    contacts += tick(model, state, scratch, frame).contact_count;
+    times.push_back(1e6 * seconds_since(begin));
+    if (sleeps() > slept) {
+      waited += times.back();
+      ++waits;
+    }
+    if (i % 1000 == 0) most = std::max(most, megabytes("RssFile"));
+  }
+  std::printf("%s, %.1f million triangles, %.1f m/s, %d ticks: p50 %.0f  p99 %.0f  p99.9 %.0f  max %.0f us\n",
+              !scene.world ? "in memory"
+              : ahead      ? "thread ahead"
+                           : "no thread ahead",
+              1e-6 * static_cast<double>(model.triangles.size()), how.speed, ticks,
+              bench::percentile(times, 0.5), bench::percentile(times, 0.99), bench::percentile(times, 0.999),
+              bench::percentile(times, 1));
+  std::printf(
+      "%d ticks waited for the disk, %.1f ms on average; mean contacts %.0f; of the file in memory at "
+      "most %.0f MB; peak memory of the process %.0f MB\n",
+      waits, waits > 0 ? 1e-3 * waited / waits : 0, static_cast<double>(contacts) / ticks,
+      scene.world ? most - programs : 0, megabytes("VmHWM"));
+  return 0;
+}
+
+Walk walk_of(int argc, char** argv, int first) {
+  Walk how;
+  if (argc > first) how.seconds = std::atof(argv[first]);
+  if (argc > first + 1) how.speed = std::atof(argv[first + 1]);
+  return how;
+}
+
+int walk_file(const std::string& path, bool ahead, const Walk& how) {
+  Scene scene;
+  scene.hand = default_hand(Side::right);
+  forget(path);
+  const double programs = megabytes("RssFile");
+  const auto start = Clock::now();
+  if (Status status = open_world(path, scene.world); !status.ok()) return fail(status);
+  std::printf("opened and checked in %.1f s, %.0f MB file, %.0f MB of it in memory afterwards\n",
+              seconds_since(start), 1e-6 * static_cast<double>(scene.world->byte_count),
+              megabytes("RssFile") - programs);
+  return walk(scene, {}, ahead, how, programs);
+}
+
+int walk_memory(double triangles, const Walk& how) {
+  Scene scene;
+  scene.hand = default_hand(Side::right);
+  const Status status = for_each_tile(triangles, [&](const std::string& name, Mesh& mesh) {
+    scene.objects.push_back({name, std::move(mesh)});
+    return Status();
+  });
+  if (!status.ok()) return fail(status);
+  Execution execution;
+  execution.broadphase = Broadphase::grid;
+  return walk(scene, execution, false, how, 0);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string what = argc > 2 ? argv[1] : "";
+  if (what == "build" && argc > 3) return build(std::atof(argv[2]), argv[3]);
+  if (what == "memory") return walk_memory(std::atof(argv[2]), walk_of(argc, argv, 3));
+  if (what == "walk")
+    return walk_file(argv[2], argc < 4 || std::string(argv[3]) != "alone", walk_of(argc, argv, 4));
+  std::fprintf(stderr,
+               "world_city build TRIANGLES FILE | walk FILE [ahead|alone] [SECONDS [SPEED]] | "
+               "memory TRIANGLES [SECONDS [SPEED]]\n");
+  return 2;
+}

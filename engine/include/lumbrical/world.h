@@ -1,0 +1,71 @@
+// Worlds larger than memory: written to a file object by object, mapped, and read ahead of the hand
+// (docs/worlds.md).
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "lumbrical/device.h"
+#include "lumbrical/model.h"
+#include "lumbrical/status.h"
+
+namespace lumbrical {
+
+/// Writes a world file, in memory for one object and one cell of the grid at a time (and for all triangles
+/// that are wider than a cell). Its grid is the one build_model would make of a scene of the same objects.
+class WorldWriter {
+ public:
+  WorldWriter();
+  ~WorldWriter();  ///< removes what was written, unless it was finished
+  WorldWriter(const WorldWriter&) = delete;
+  WorldWriter& operator=(const WorldWriter&) = delete;
+
+  /// The file grows as `path`.part and takes its place when it is finished. Of `execution` cell_size,
+  /// leaf_size and tree_levels count, and threads.
+  Status open(const std::string& path, const Execution& execution);
+  /// A mesh placed in the world [m]; refuses what build_model refuses. Triangles keep the order in which they
+  /// come: those that are near each other in it share pages.
+  Status add_object(const std::string& name, const Mesh& mesh);
+  /// Builds the grid and puts the file in its place.
+  Status finish();
+
+ private:
+  struct Build;
+  std::unique_ptr<Build> build_;
+};
+
+/// Maps a world file for Scene::world and checks all of it, on one pass that takes as long as reading it; the
+/// pages read are let go of again. Whatever the file holds, no tick leaves its arrays. The message of an
+/// error names the byte, from 0.
+Status open_world(const std::string& path, std::shared_ptr<const World>& world);
+
+/// Reads a model's world ahead of the hand on a thread of its own, so that no tick waits for a disk, and lets
+/// go of what is far behind it, so that memory stays bounded. Never changes a result.
+class WorldPager {
+ public:
+  struct Options {
+    double reach = 0.3;     ///< [m] round the hand; what lies farther off is let go of
+    double horizon = 0.25;  ///< [s] so long ahead, at the speed the hand has
+  };
+
+  /// Does nothing for a model that is not from a world file, nor where the system has no thread for it.
+  WorldPager(const Model& model, const Options& options);
+  ~WorldPager();
+  WorldPager(const WorldPager&) = delete;
+  WorldPager& operator=(const WorldPager&) = delete;
+
+  /// Where the hand is now. Wait-free, for the thread of the ticks, before each.
+  void hand_at(const DeviceFrame& frame) noexcept;
+
+  /// Returns once everything near the hand as last told is in memory: before a first tick.
+  void catch_up();
+
+  /// [bytes] of the file are held for the hand, at most.
+  [[nodiscard]] std::size_t held_bytes() const noexcept;
+
+ private:
+  struct Thread;
+  std::unique_ptr<Thread> thread_;
+};
+
+}  // namespace lumbrical

@@ -1,0 +1,270 @@
+// The thread ahead of the hand: see lumbrical/world.h. It keeps an account of pages, so that what it holds is
+// bounded by what lies near the hand, whatever the order of the file.
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <exception>
+#include <mutex>
+#include <span>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "base/newest.h"
+#include "files/mapped_file.h"
+#include "index/sphere_grid.h"
+#include "index/sphere_tree.h"
+#include "lumbrical/world.h"
+
+namespace lumbrical {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kNap = std::chrono::milliseconds(2);
+constexpr auto kAgain = std::chrono::seconds(1);
+constexpr double kFastest = 20;         // [m/s] of a hand; faster is a jump
+constexpr double kStep = 1.0 / 8;       // of the reach: moves shorter than that need no new look
+constexpr double kVelocityTime = 0.02;  // [s] over which the hand's velocity is taken
+
+Box widened(const Box& box, double margin) {
+  Box result = box;
+  result.add(box.lower, margin);
+  result.add(box.upper, margin);
+  return result;
+}
+
+constexpr double kAngleReach = 0.25;  // [m] from wrist to fingertip, where only joint angles are known
+
+// Round the joints; false where there is none to be trusted.
+bool box_round(const DeviceFrame& frame, Box& box) {
+  const Vec3 wrist = frame.base.position;
+  Box hand;
+  if (frame.kind == InputKind::joint_angles) hand.add(wrist, kAngleReach);
+  for (std::size_t j = 0; j < kJointCount && frame.kind == InputKind::joint_poses; ++j) {
+    if ((frame.valid >> j & 1u) == 0) continue;
+    const auto& p = frame.joint[j].position;
+    hand.add(transform(frame.base, {p[0], p[1], p[2]}));
+  }
+  if (!(norm(hand.upper - hand.lower) <= 2) || !is_finite(hand.lower) || hand.upper.x < hand.lower.x)
+    return false;
+  box = hand;
+  return true;
+}
+
+/// The parts of the file that are held in memory. They are touched one by one, but let go of by the region:
+/// a touch may map all of one, where the system keeps the file in large pages, and a part of such a page
+/// can't be let go of alone.
+class HeldParts {
+ public:
+  static constexpr std::size_t kPart = std::size_t{64} << 10, kRegion = std::size_t{2} << 20;
+
+  explicit HeldParts(const World& world)
+      : first_(reinterpret_cast<std::uintptr_t>(world.bytes.get()) / kRegion * kRegion),
+        begin_(world.bytes.get()),
+        end_(begin_ + world.byte_count),
+        round_of_(world.byte_count / kPart + 2 * kRegion / kPart),
+        held_in_(world.byte_count / kRegion + 2) {}
+
+  void begin_round() { ++round_; }
+
+  void touch(const void* data, std::size_t size) {
+    if (size == 0) return;
+    const std::uintptr_t at = reinterpret_cast<std::uintptr_t>(data) - first_;
+    for (std::size_t part = at / kPart; part <= (at + size - 1) / kPart; ++part) {
+      if (round_of_[part] == round_) continue;
+      if (round_of_[part] == 0) hold(part);
+      round_of_[part] = round_;
+      // Also if it is held: the system may have taken it away.
+      const auto [from, to] = bytes_of(part * kPart, kPart);
+      for (const std::byte* page = from; page < to; page += kPageSize)
+        static_cast<void>(*static_cast<const volatile std::byte*>(page));
+    }
+  }
+
+  void release_others() {
+    std::size_t kept = 0;
+    for (const std::size_t part : held_) {
+      if (round_of_[part] == round_) {
+        held_[kept++] = part;
+      } else {
+        let_go(part);
+      }
+    }
+    held_.resize(kept);
+  }
+
+  /// Of regions in which something is held: no more can be in memory.
+  [[nodiscard]] std::size_t bytes() const { return regions_ * kRegion; }
+
+ private:
+  void hold(std::size_t part) {
+    held_.push_back(part);
+    if (held_in_[part * kPart / kRegion]++ == 0) ++regions_;
+  }
+
+  void let_go(std::size_t part) {
+    round_of_[part] = 0;
+    const std::size_t region = part * kPart / kRegion;
+    if (--held_in_[region] > 0) return;
+    --regions_;
+    const auto [from, to] = bytes_of(region * kRegion, kRegion);
+    release_pages(from, static_cast<std::size_t>(to - from));
+  }
+
+  // What of the file lies `size` bytes from `offset` on, counted from first_.
+  [[nodiscard]] std::pair<const std::byte*, const std::byte*> bytes_of(std::size_t offset,
+                                                                       std::size_t size) const {
+    const std::size_t before = reinterpret_cast<std::uintptr_t>(begin_) - first_;
+    return {begin_ + (std::max(offset, before) - before), std::min(begin_ + (offset + size - before), end_)};
+  }
+
+  const std::uintptr_t first_;  // start of the region that the file begins in
+  const std::byte* const begin_;
+  const std::byte* const end_;
+  std::uint32_t round_ = 0;
+  std::size_t regions_ = 0;              // with a part that is held
+  std::vector<std::uint32_t> round_of_;  // in which a part was last wanted; 0: it is not held
+  std::vector<std::uint32_t> held_in_;   // parts, by region
+  std::vector<std::size_t> held_;
+};
+
+}  // namespace
+
+struct WorldPager::Thread {
+  Thread(const Model& of, const Options& chosen)
+      : model(of), options(chosen), held_parts(*of.world), trees(of.world->grid.tree.size()) {}
+
+  struct Told {
+    DeviceFrame frame;
+    std::uint64_t number = 0;
+  };
+
+  void run();
+  void follow(const DeviceFrame& frame);
+  void look(const Box& hand);
+  void touch(const Box& box);
+
+  Model model;  // shares the world, so that the mapping outlives the thread
+  const Options options;
+  HeldParts held_parts;
+  std::vector<std::uint32_t> trees;
+  Box seen;              // the hand when its neighbourhood was last touched; far from everything at first
+  Vec3 place, velocity;  // [m], [m/s] of the hand's middle
+  Clock::time_point seen_at, placed_at;
+
+  Newest<Told> newest;
+  std::uint64_t told = 0;  // the ticking thread's own
+  std::atomic<std::uint64_t> looked{0};
+  std::atomic<std::size_t> held{0};
+  std::atomic<bool> stop{false};
+  std::mutex mutex;  // of the naps only
+  std::condition_variable wake;
+  std::thread thread;
+};
+
+// Everything that a search in the box reads: heads, trees, triangles, vertices.
+void WorldPager::Thread::touch(const Box& box) {
+  const SphereGrid& grid = model.world->grid;
+  const Triangles& triangles = model.world->triangles;
+  // Every search halves its way through the table of cells.
+  held_parts.touch(grid.cell.data(), grid.cell.size() * sizeof(std::uint64_t));
+  const auto found = std::span(trees).first(find_cells(grid, box, trees));
+  const auto lines_of = [&](std::uint32_t tree) { return grid.lines.data() + grid.tree[tree].first_line; };
+  for (const std::uint32_t tree : found) {
+    held_parts.touch(&grid.tree[tree], sizeof(TreeHead));
+    expect_pages(reinterpret_cast<const std::byte*>(lines_of(tree)),
+                 layout_of(grid.tree[tree]).lines * sizeof(TreeLine));
+  }
+  for (const std::uint32_t tree : found) {
+    const TreeLayout layout = layout_of(grid.tree[tree]);
+    if (layout.lines == 0) continue;
+    held_parts.touch(lines_of(tree), layout.lines * sizeof(TreeLine));
+    const std::uint32_t* const numbers = numbers_of(lines_of(tree), layout);
+    for (std::size_t k = 0; k < layout.lowest * SphereBlock::kWidth; ++k) {
+      if (stop.load(std::memory_order_relaxed)) return;
+      for (const auto* corners : {&triangles.a, &triangles.b, &triangles.c}) {
+        const std::uint32_t* const vertex = corners->data() + numbers[k];
+        held_parts.touch(vertex, sizeof(*vertex));
+        for (const auto* axis : {&triangles.x, &triangles.y, &triangles.z})
+          held_parts.touch(axis->data() + *vertex, sizeof(double));
+      }
+    }
+  }
+}
+
+void WorldPager::Thread::look(const Box& hand) {
+  Box ahead = hand;
+  ahead.add(hand.lower + options.horizon * velocity);
+  ahead.add(hand.upper + options.horizon * velocity);
+  held_parts.begin_round();
+  touch(widened(ahead, options.reach));
+  held_parts.release_others();
+  held.store(held_parts.bytes(), std::memory_order_relaxed);
+}
+
+void WorldPager::Thread::run() {
+  Told told_now;
+  while (!stop.load(std::memory_order_relaxed)) {
+    if (newest.take(told_now)) {
+      follow(told_now.frame);
+      looked.store(told_now.number, std::memory_order_release);
+    }
+    std::unique_lock lock(mutex);
+    wake.wait_for(lock, kNap, [&] { return stop.load(std::memory_order_relaxed); });
+  }
+}
+
+// Looks again when the hand has moved, and from time to time, for what the system has taken away.
+void WorldPager::Thread::follow(const DeviceFrame& frame) {
+  Box hand;
+  if (!box_round(frame, hand)) return;
+  const Clock::time_point now = Clock::now();
+  const double passed = std::chrono::duration<double>(now - placed_at).count();
+  if (passed >= kVelocityTime) {
+    velocity = (hand.middle() - place) / passed;
+    if (!(norm(velocity) <= kFastest)) velocity = {};
+    place = hand.middle();
+    placed_at = now;
+  }
+  const double moved = max(norm(hand.lower - seen.lower), norm(hand.upper - seen.upper));
+  if (moved <= kStep * options.reach && now - seen_at < kAgain) return;
+  look(hand);
+  seen = hand;
+  seen_at = now;
+}
+
+WorldPager::WorldPager(const Model& model, const Options& options) {
+  if (!model.world || model.world->triangles.size() == 0) return;
+  try {
+    auto started = std::make_unique<Thread>(model, options);
+    started->thread = std::thread([raw = started.get()] { raw->run(); });
+    thread_ = std::move(started);
+  } catch (const std::exception&) {
+    // No memory or no thread: then ticks wait for the disk themselves.
+  }
+}
+
+WorldPager::~WorldPager() {
+  if (!thread_) return;
+  thread_->stop.store(true, std::memory_order_relaxed);
+  thread_->wake.notify_all();
+  thread_->thread.join();
+}
+
+void WorldPager::hand_at(const DeviceFrame& frame) noexcept {
+  if (thread_) thread_->newest.put({frame, ++thread_->told});
+}
+
+void WorldPager::catch_up() {
+  while (thread_ && thread_->looked.load(std::memory_order_acquire) < thread_->told)
+    std::this_thread::sleep_for(kNap);
+}
+
+std::size_t WorldPager::held_bytes() const noexcept {
+  return thread_ ? thread_->held.load(std::memory_order_relaxed) : 0;
+}
+
+}  // namespace lumbrical

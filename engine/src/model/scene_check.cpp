@@ -1,0 +1,106 @@
+#include "model/scene_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "base/parallel.h"
+#include "lumbrical/contact.h"
+
+namespace lumbrical {
+namespace {
+
+static_assert(kTriangleLimit == kClusterBit);
+
+Status out_of_range(const std::string& field, const std::string& range) {
+  return Status::error(field + " is out of range: give " + range);
+}
+
+// NaN fails every comparison, so it is refused as well.
+bool within(double value, double lower, double upper) { return value >= lower && value <= upper; }
+
+constexpr std::size_t kPiece = 65536;  // numbers, the least that is worth another thread
+
+// The first of `count` for which `bad` holds; `count` if there is none.
+template <class Bad>
+std::size_t first_bad(std::size_t count, std::size_t threads, const Bad& bad) {
+  std::vector<std::size_t> found(piece_count(count, kPiece), count);
+  parallel_pieces(count, kPiece, threads, [&](std::size_t piece, std::size_t first, std::size_t last) {
+    std::size_t i = first;
+    while (i < last && !bad(i)) ++i;
+    if (i < last) found[piece] = i;
+  });
+  return found.empty() ? count : *std::min_element(found.begin(), found.end());
+}
+
+}  // namespace
+
+Status check_settings(const Settings& settings) {
+  if (!within(settings.stiffness, 1e-3, 1e15))
+    return out_of_range("settings.stiffness", "0.001 to 1e15 N/m^3");
+  if (!within(settings.rate, 1, 100000)) return out_of_range("settings.rate", "1 to 100000 Hz");
+  if (!within(settings.point_area, 1e-12, 1)) return out_of_range("settings.point_area", "1e-12 to 1 m^2");
+  if (!within(settings.tolerance, 0, 0.1)) return out_of_range("settings.tolerance", "0 to 0.1");
+  if (!within(settings.max_force, 0, 1e6)) return out_of_range("settings.max_force", "0 to 1e6 N");
+  if (!within(settings.fade_time, 0, 60)) return out_of_range("settings.fade_time", "0 to 60 s");
+  if (settings.max_candidates < 1 || settings.max_candidates > (1u << 24)) {
+    return out_of_range("settings.max_candidates", "1 to 16777216");
+  }
+  for (const Law law : settings.law) {
+    if (law_name(law) == "unknown") return out_of_range("settings.law", "one of the five laws");
+  }
+  return {};
+}
+
+Status check_execution(const Execution& execution) {
+  if (execution.leaf_size < 1 || execution.leaf_size > 64)
+    return out_of_range("execution.leaf_size", "1 to 64");
+  if (execution.threads < 1 || execution.threads > 64) return out_of_range("execution.threads", "1 to 64");
+  if (!within(execution.cell_size, 1e-3, 1e6)) return out_of_range("execution.cell_size", "0.001 to 1e6 m");
+  if (execution.tree_levels > 32) return out_of_range("execution.tree_levels", "0 to 32");
+  if (broadphase_name(execution.broadphase) == "unknown") {
+    return out_of_range("execution.broadphase", "auto, tree, grid, voxel or brute");
+  }
+  if (execution.voxel_size != 0 && !within(execution.voxel_size, 1e-9, 1e6))
+    return out_of_range("execution.voxel_size", "0 or 1e-9 to 1e6 m");
+  if (!within(execution.voxel_memory, 1e6, 1e12))
+    return out_of_range("execution.voxel_memory", "1e6 to 1e12 bytes");
+  if (!available(execution.isa)) {
+    return Status::error("execution.isa " + std::string(isa_name(execution.isa)) +
+                         " is not available on this machine or in this build; use auto");
+  }
+  return {};
+}
+
+Status check_object(const std::string& name, const Mesh& mesh, std::size_t threads) {
+  const std::vector<Vec3>& vertices = mesh.vertices;
+  const std::vector<Triangle>& triangles = mesh.triangles;
+  const std::size_t vertex = first_bad(vertices.size(), threads, [&](std::size_t i) {
+    const Vec3 p = vertices[i];
+    return !(std::fabs(p.x) <= kWorldReach && std::fabs(p.y) <= kWorldReach && std::fabs(p.z) <= kWorldReach);
+  });
+  if (vertex < vertices.size()) {
+    return Status::error(
+        "object \"" + name + "\": vertex " + std::to_string(vertex) +
+        " is not finite or farther than 1e8 m from the origin; check the unit and the placement");
+  }
+  const auto corner = [&](std::size_t i) {
+    return std::max({triangles[i][0], triangles[i][1], triangles[i][2]});
+  };
+  const std::size_t triangle =
+      first_bad(triangles.size(), threads, [&](std::size_t i) { return corner(i) >= vertices.size(); });
+  if (triangle < triangles.size()) {
+    return Status::error("object \"" + name + "\": triangle " + std::to_string(triangle) + " names vertex " +
+                         std::to_string(corner(triangle)) + " of " + std::to_string(vertices.size()) +
+                         "; repair the mesh");
+  }
+  return {};
+}
+
+Status check_counts(std::size_t vertices, std::size_t triangles) {
+  if (vertices <= kVertexLimit && triangles < kTriangleLimit) return {};
+  return Status::error("the scene has 2^32 vertices, or 2^31 triangles, or more; split it");
+}
+
+}  // namespace lumbrical

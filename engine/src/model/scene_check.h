@@ -1,0 +1,27 @@
+// What build_model and a world's writer refuse.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "lumbrical/model.h"
+
+namespace lumbrical {
+
+/// A scene has fewer triangles than this and at most as many vertices as the other; numbers of 32 bits, one
+/// of which stands for clusters, then suffice.
+inline constexpr std::size_t kTriangleLimit = std::size_t{1} << 31, kVertexLimit = 0xfffffffe;
+
+// Larger coordinates square to infinity or leave no digits for a finger.
+inline constexpr double kWorldReach = 1e8;  ///< [m]
+
+Status check_settings(const Settings& settings);
+Status check_execution(const Execution& execution);
+
+/// Names the first vertex that is no place in the world, or the first triangle without its vertices.
+Status check_object(const std::string& name, const Mesh& mesh, std::size_t threads);
+
+/// For sums over all objects.
+Status check_counts(std::size_t vertices, std::size_t triangles);
+
+}  // namespace lumbrical

@@ -1,0 +1,219 @@
+// Worlds in files against the same scenes in memory: the same bits, a bounded part of the file in memory, and
+// a thread that has it there before the hand comes.
+#include <fstream>
+#include <thread>
+#include <vector>
+
+#include "lumbrical/tick.h"
+#include "pressed_hand.h"
+#include "world_file_fixture.h"
+
+namespace lumbrical::test {
+namespace {
+
+// All stage hashes of a hand that strokes over the scene.
+std::vector<std::uint64_t> hashes_of(const Scene& scene, Broadphase broadphase,
+                                     const std::vector<Vec3>& way) {
+  Execution execution;
+  execution.broadphase = broadphase;
+  const Model model = built(scene, execution);
+  State state;
+  Scratch scratch = make_scratch(model);
+  std::vector<std::uint64_t> hashes;
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    DeviceFrame frame = pressed_frame(scene.hand, 0.002, static_cast<double>(i) / 20);
+    frame.base.position += way[i];
+    tick(model, state, scratch, frame);
+    hashes.insert(hashes.end(), scratch.stage_hash.begin(), scratch.stage_hash.end());
+  }
+  return hashes;
+}
+
+// Fields far apart, a wide ground under them, and the way of a hand over them that jumps from one to the
+// next.
+Scene islands(std::vector<Vec3>& way) {
+  Scene scene;
+  scene.hand = default_hand(Side::right);
+  Random random(7);
+  for (int i = 0; i < 8; ++i) {
+    Mesh mesh = make_height_field(0.4, 60, 0.002, 0.04);
+    const Vec3 at = random.in_box(300);
+    for (Vec3& p : mesh.vertices) p += at;
+    scene.objects.push_back({"island " + std::to_string(i), std::move(mesh)});
+    for (int k = 0; k < 3; ++k) way.push_back(at + Vec3{0.001 * k, 0.0005 * k, 0});
+  }
+  scene.objects.push_back({"ground", make_height_field(600, 12, 0.1, 30)});
+  return scene;
+}
+
+TEST(World, FeelsTheSameToTheLastBitAsTheSceneInMemory) {
+  std::vector<Vec3> way;
+  Scene scene = islands(way);
+  const std::string path = (own_folder() / "islands.world").string();
+  for (const Law law : {Law::field, Law::max_depth, Law::column}) {
+    scene.settings.law.fill(law);
+    const Scene mapped = in_world(scene, {}, path);
+    const std::vector<std::uint64_t> expected = hashes_of(scene, Broadphase::grid, way);
+    EXPECT_EQ(hashes_of(scene, Broadphase::tree, way), expected);
+    EXPECT_EQ(hashes_of(mapped, Broadphase::automatic, way), expected);
+    if (law != Law::field) continue;
+    EXPECT_EQ(hashes_of(mapped, Broadphase::brute, way), expected);
+  }
+}
+
+TEST(World, GivesBackWhatItWasBuiltFrom) {
+  const Scene scene = strewn_scene(4, 10, 9);
+  const std::string path = (own_folder() / "strewn.world").string();
+  const Scene mapped = in_world(scene, {}, path);
+  const Model model = built(mapped);
+  EXPECT_EQ(model.execution.broadphase, Broadphase::grid);
+  const Scene back = scene_of(model);
+  EXPECT_EQ(back.world, mapped.world);
+  EXPECT_TRUE(back.objects.empty());
+  EXPECT_EQ(back.world->path, path);
+  // The model keeps the mapping alive, even if the file is gone.
+  std::filesystem::remove(path);
+  const Triangle first = scene.objects[0].mesh.triangles[0];
+  EXPECT_EQ(model.triangles.vertex(model.triangles.a[0]), scene.objects[0].mesh.vertices[first[0]]);
+}
+
+TEST(World, RefusesWhatWouldHaveToBeInMemory) {
+  const std::string path = (own_folder() / "strewn.world").string();
+  Scene mapped = in_world(strewn_scene(4, 10, 9), {}, path);
+  Model model;
+  Execution tree;
+  tree.broadphase = Broadphase::tree;
+  EXPECT_NE(build_model(mapped, tree, model).message().find("use auto or grid"), std::string::npos);
+  mapped.settings.tolerance = 0.01;
+  EXPECT_NE(build_model(mapped, {}, model).message().find("settings.tolerance"), std::string::npos);
+  mapped.settings.law.fill(Law::max_depth);
+  EXPECT_TRUE(build_model(mapped, {}, model).ok());
+  mapped.objects.push_back({"plane", make_plane(1, 3, 0)});
+  EXPECT_NE(build_model(mapped, {}, model).message().find("put the objects into the world"),
+            std::string::npos);
+}
+
+// [bytes] of the mapping at `bytes` that count as this process' memory.
+std::size_t resident_bytes(const World& world) {
+  const auto wanted = reinterpret_cast<std::uintptr_t>(world.bytes.get());
+  std::ifstream maps("/proc/self/smaps");
+  bool here = false;
+  for (std::string line; std::getline(maps, line);) {
+    if (line.find('-') < line.find(' ')) here = std::stoull(line, nullptr, 16) == wanted;
+    if (here && line.starts_with("Rss:")) return std::stoull(line.substr(4)) * 1024;
+  }
+  ADD_FAILURE() << "the mapping is not in /proc/self/smaps";
+  return 0;
+}
+
+// Streets of height fields: `count` blocks in a row, 0.3 m each.
+std::string write_street(int count) {
+  const std::string path = (own_folder() / "street.world").string();
+  WorldWriter writer;
+  EXPECT_TRUE(writer.open(path, {}).ok());
+  const Mesh block = make_height_field(0.3, 150, 0.002, 0.04);
+  for (int i = 0; i < count; ++i) {
+    Mesh mesh = block;
+    for (Vec3& p : mesh.vertices) p.x += 0.3 * i;
+    EXPECT_TRUE(writer.add_object("block " + std::to_string(i), mesh).ok());
+  }
+  EXPECT_TRUE(writer.finish().ok());
+  return path;
+}
+
+DeviceFrame hand_on_street(const Hand& hand, double x) {
+  DeviceFrame frame = pressed_frame(hand, 0.002, 0);
+  frame.base.position.x += x;
+  return frame;
+}
+
+TEST(World, HoldsABoundedPartOfItsFile) {
+  constexpr int kBlocks = 60;  // 2.7 million triangles
+  Scene scene;
+  scene.hand = default_hand(Side::right);
+  const Status status = open_world(write_street(kBlocks), scene.world);
+  ASSERT_TRUE(status.ok()) << status.message();
+  const std::size_t file_bytes = scene.world->byte_count;
+  EXPECT_GT(file_bytes, 100'000'000u);
+  EXPECT_LT(resident_bytes(*scene.world), file_bytes / 50) << "after opening";
+
+  const Model model = built(scene);
+  WorldPager pager(model, {0.15, 0});
+  State state;
+  Scratch scratch = make_scratch(model);
+  std::size_t most = 0, most_held = 0;
+  std::uint64_t contacts = 0;
+  for (int i = 0; i < 3 * kBlocks; ++i) {
+    const DeviceFrame frame = hand_on_street(scene.hand, 0.1 * i);
+    pager.hand_at(frame);
+    pager.catch_up();
+    contacts += tick(model, state, scratch, frame).contact_count;
+    if (i % 10 != 0) continue;
+    most = std::max(most, resident_bytes(*scene.world));
+    most_held = std::max(most_held, pager.held_bytes());
+  }
+  EXPECT_GT(contacts, 10'000u);
+  EXPECT_LT(most, file_bytes / 3);
+  EXPECT_GT(most, file_bytes / 1000);
+  EXPECT_LE(most, most_held + (2u << 20));  // and the table of cells
+}
+
+// Share of what a tick at the frame reads that is mapped already: no page fault then, major or minor.
+TEST(World, IsReadAheadOfTheHand) {
+  Scene scene;
+  scene.hand = default_hand(Side::right);
+  ASSERT_TRUE(open_world(write_street(12), scene.world).ok());
+  const World& world = *scene.world;
+  const Model model = built(scene);
+  WorldPager pager(model, {});
+  ASSERT_EQ(resident_bytes(world), 0u);
+  pager.hand_at(hand_on_street(scene.hand, 0.5));
+  pager.catch_up();
+  const std::size_t near = resident_bytes(world);
+  EXPECT_GT(near, 100'000u);
+  EXPECT_LE(near, pager.held_bytes() + (2u << 20));  // and the table of cells
+  // A tick there touches nothing that is not there.
+  State state;
+  Scratch scratch = make_scratch(model);
+  const std::size_t before = resident_bytes(world);
+  const ActuatorFrame output = tick(model, state, scratch, hand_on_street(scene.hand, 0.5));
+  EXPECT_GT(output.contact_count, 100u);
+  EXPECT_EQ(resident_bytes(world), before);
+  // Nor does one a hand's breadth further on.
+  tick(model, state, scratch, hand_on_street(scene.hand, 0.6));
+  EXPECT_EQ(resident_bytes(world), before);
+  // At speed it looks farther: from 0.5 to 0.9 m in 0.2 s is 2 m/s, so half a metre ahead.
+  for (int i = 0; i <= 40; ++i) {
+    pager.hand_at(hand_on_street(scene.hand, 0.5 + 0.01 * i));
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  pager.catch_up();
+  const std::size_t ahead = resident_bytes(world);
+  tick(model, state, scratch, hand_on_street(scene.hand, 1.2));
+  EXPECT_EQ(resident_bytes(world), ahead);
+}
+
+TEST(World, FramesThatTellNoPlaceAreNoTroubleToThePager) {
+  Scene scene;
+  scene.hand = default_hand(Side::right);
+  ASSERT_TRUE(open_world(write_street(1), scene.world).ok());
+  WorldPager pager(built(scene), {});
+  DeviceFrame frame;
+  frame.valid = 0;
+  pager.hand_at(frame);
+  pager.catch_up();
+  frame.valid = ~0u;
+  frame.base.position.x = std::numeric_limits<double>::quiet_NaN();
+  pager.hand_at(frame);
+  frame.base.position.x = std::numeric_limits<double>::infinity();
+  pager.hand_at(frame);
+  pager.catch_up();
+  EXPECT_EQ(pager.held_bytes(), 0u);
+  WorldPager idle(built(strewn_scene(1, 1, 1)), {});
+  idle.hand_at(frame);
+  idle.catch_up();
+  EXPECT_EQ(idle.held_bytes(), 0u);
+}
+
+}  // namespace
+}  // namespace lumbrical::test
