@@ -1,5 +1,6 @@
 // The field law's kernels for neon. Nothing else may be compiled with this file's flags.
 #define LUMBRICAL_ISA neon
+#include "lanes/border_bulges.h"
 #include "lanes/certain_misses.h"
 #include "lanes/cluster_forces.h"
 #include "lanes/cluster_kinds.h"
@@ -16,8 +17,8 @@ namespace lumbrical::neon {
 using Double = xsimd::batch<double, xsimd::neon64>;
 using Single = xsimd::batch<float, xsimd::neon64>;
 const FieldKernels kFieldKernels{round_contacts<Double>, round_contacts<Single>, strip_nodes<Double>,
-                                 sliver_nodes<Double>,   field_across<Double>,   certain_misses<Double>,
-                                 sphere_hits<Single>,    cluster_kinds<Single>,  cluster_forces<Double>,
-                                 leaf_forces<Double>,    prism_contacts<Double>};
+                                 sliver_nodes<Double>,   field_across<Double>,   border_bulges<Double>,
+                                 certain_misses<Double>, sphere_hits<Single>,    cluster_kinds<Single>,
+                                 cluster_forces<Double>, leaf_forces<Double>,    prism_contacts<Double>};
 
 }  // namespace lumbrical::neon
