@@ -49,9 +49,12 @@ struct Triangle {
   Vec3 a, b, c;
 };
 
-// From 0.1 to 100 mm, round a point near a joint.
+// From 0.1 to 100 mm, round a point near a joint, every other one in the plane of the joint.
 Triangle random_triangle(const Primitives& hand, test::Random& random) {
-  const Vec3 middle = hand.capsule[3 + random.bits() % 2].end2 + random.in_box(kRadius);
+  const JointBorder& border = hand.border[3 + random.bits() % 2];
+  Vec3 away = random.in_box(kRadius);
+  if (random.bits() % 2 == 0) away += -dot(away, border.normal) * border.normal;
+  const Vec3 middle = border.centre + away;
   const double size = 1e-4 * std::pow(10, random.between(0, 3));
   return {middle + size * random.direction(), middle + size * random.direction(),
           middle + size * random.direction()};
@@ -151,7 +154,7 @@ BulgeMoments brute_bulge(const Primitives& hand, const Primitive& tile, bool out
 TEST(BorderLanes, GiveChordsAndBulgesOfOneBorderAtATime) {
   const double square = kRadius * kRadius;
   int crossed = 0, clear = 0, bulges = 0, small = 0, large = 0;
-  for (std::uint64_t i = 0; i < 100; ++i) {
+  for (std::uint64_t i = 0; i < 80; ++i) {
     test::Random random(31000 + i);
     const Primitives hand = random_finger(random);
     const std::vector<Crossed> pairs = crossed_by(hand, random, 60);
@@ -191,12 +194,12 @@ TEST(BorderLanes, GiveChordsAndBulgesOfOneBorderAtATime) {
   }
   EXPECT_GT(clear, 0.78 * crossed);
   EXPECT_GT(bulges, 800);
-  EXPECT_GT(small, 50);
+  EXPECT_GT(small, 100);
   EXPECT_GT(large, 100);
 }
 
 TEST(BorderLanes, HaveTheSameBitsWithEveryInstructionSet) {
-  for (std::uint64_t i = 0; i < 40; ++i) {
+  for (std::uint64_t i = 0; i < 200; ++i) {
     test::Random random(32000 + i);
     const Primitives hand = random_finger(random);
     const std::vector<Crossed> pairs = crossed_by(hand, random, 60);

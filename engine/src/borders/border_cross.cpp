@@ -1,7 +1,8 @@
 // A near border is a convex cone (JointBorder), and g = sqrt(x^2 + y^2) - side z is a convex function,
 // negative inside. So a triangle with all corners inside is inside, one whose corners are above zero on a
-// tangent plane of g is outside, and an edge from one to the other crosses the border once, at the root of a
-// quadratic. Whatever is not as plain as that is left to `collide_shared`.
+// tangent plane of g is outside, or whose edges are while the cone's axis does not pierce it, and an edge
+// from inside to outside crosses the border once, at the root of a quadratic. Whatever is not as plain as
+// that is left to `collide_shared`.
 #include "borders/border_cross.h"
 
 #include <cmath>
@@ -29,6 +30,28 @@ bool is_above(const ConePoint& middle, const ConePoint* corner, int count) {
     if (!(gx * corner[i].x + gy * corner[i].y - corner[i].z > 0)) return false;
   }
   return true;
+}
+
+// Do two points outside have nothing inside between them?
+bool stays_out(const ConePoint& p, const ConePoint& q) {
+  const ConePoint ends[2] = {p, q};
+  if (is_above({0.5 * (p.x + q.x), 0.5 * (p.y + q.y), 0.5 * (p.z + q.z)}, ends, 2)) return true;
+  const ConePoint d{q.x - p.x, q.y - p.y, q.z - p.z};
+  const double a = d.x * d.x + d.y * d.y - d.z * d.z, b = p.x * d.x + p.y * d.y - p.z * d.z;
+  const double c = p.x * p.x + p.y * p.y - p.z * p.z;
+  // Outside the cone and its mirror image at both ends, and a quadratic in between.
+  if (!(c > 0) || !(a + 2 * b + c > 0)) return false;
+  return a <= 0 || b >= 0 || a + b <= 0 || b * b < a * c;
+}
+
+// Is the axis of the cone clear of a triangle?
+bool axis_misses(const ConePoint (&at)[3]) {
+  double side[3];
+  for (int i = 0; i < 3; ++i) {
+    const ConePoint &p = at[i], &q = at[(i + 1) % 3];
+    side[i] = p.x * q.y - p.y * q.x;
+  }
+  return min(side[0], min(side[1], side[2])) < 0 && max(side[0], max(side[1], side[2])) > 0;
 }
 
 // Where the way from a point inside the cone to one outside leaves it, as a share of the way.
@@ -60,22 +83,17 @@ Crossed cross_border(const JointBorder& border, bool is_outer_tile, const Vec3 (
     count += inside[i] ? 1 : 0;
   }
   const bool mine_inside = (border.side > 0) == is_outer_tile;
-  const auto middle = [](const ConePoint& p, const ConePoint& q) {
-    return ConePoint{0.5 * (p.x + q.x), 0.5 * (p.y + q.y), 0.5 * (p.z + q.z)};
-  };
   if (count == 3) return {mine_inside ? Verdict::mine : Verdict::rivals, {}, {}};
   if (count == 0) {
     const ConePoint centre{(at[0].x + at[1].x + at[2].x) / 3, (at[0].y + at[1].y + at[2].y) / 3, 0};
-    if (!is_above(centre, at, 3)) return {};
+    const bool edges_out = stays_out(at[0], at[1]) && stays_out(at[1], at[2]) && stays_out(at[2], at[0]);
+    if (!is_above(centre, at, 3) && !(edges_out && axis_misses(at))) return {};
     return {mine_inside ? Verdict::rivals : Verdict::mine, {}, {}};
   }
   int lone = 0;  // the corner on its own side
   while (inside[lone] != (count == 1)) ++lone;
   const int next = (lone + 1) % 3, last = (lone + 2) % 3;
-  if (count == 1) {
-    const ConePoint edge[2] = {at[next], at[last]};
-    if (!is_above(middle(edge[0], edge[1]), edge, 2)) return {};
-  }
+  if (count == 1 && !stays_out(at[next], at[last])) return {};
   const auto crossing = [&](int i) {
     const int in = count == 1 ? lone : i, out = count == 1 ? i : lone;
     return corner[in] + way_out(at[in], at[out]) * (corner[out] - corner[in]);
