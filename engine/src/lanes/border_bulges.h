@@ -11,7 +11,7 @@ namespace lumbrical::LUMBRICAL_ISA {
 inline constexpr double kBulgeError = 1e-13, kLeastBulgeError = 1e-15, kMostBulgeError = 3e-9;
 
 // Rules along the chord.
-inline constexpr std::size_t kRules = 5, kMostNodes = 16;
+inline constexpr std::size_t kRules = 6, kMostNodes = 24;
 struct ChordRules {
   GaussNode node[kRules][kMostNodes];  // none: weight 0
 };
@@ -26,6 +26,7 @@ constexpr ChordRules chord_rules() {
   set_rule(kGauss8, rules.node[2]);
   set_rule(kGauss12, rules.node[3]);
   set_rule(kGauss16, rules.node[4]);
+  set_rule(kGauss24, rules.node[5]);
   return rules;
 }
 inline constexpr ChordRules kChordRules = chord_rules();
@@ -71,7 +72,8 @@ V rule_for(V extent, V error) {
   const V one = number<V>(1), least = greater(extent, one);
   const V rho = least + root(least * least - one), rho2 = rho * rho, rho4 = rho2 * rho2, rho8 = rho4 * rho4;
   const V rho6 = rho4 * rho2, rho14 = rho8 * rho6;
-  const V power[kRules] = {rho6, rho8 * rho2, rho14, rho14 * rho8, rho14 * rho8 * rho8};
+  const V power[kRules] = {rho6,         rho8 * rho2,         rho14,
+                           rho14 * rho8, rho14 * rho8 * rho8, (rho14 * rho8) * (rho8 * rho8 * rho8)};
   V rule = number<V>(kRules);
   for (std::size_t k = kRules; k-- > 0;)
     rule = choose(power[k] * error >= one, number<V>(static_cast<double>(k)), rule);
@@ -82,12 +84,12 @@ V rule_for(V extent, V error) {
 // the end of the chord where it does not. The far end has no part in a near border.
 inline constexpr std::size_t kBreaks = 4;
 
-// The two roots of a s^2 + 2 b s + c that are real, otherwise `none`.
+// The two roots of a s^2 + 2 b s + c that are real but for rounding, otherwise `none`. (A capsule's are one.)
 template <class V>
 Wide2<V> real_roots(V a, V b, V c, V none) {
   const V zero = number<V>(0), one = number<V>(1), square = b * b - a * c;
   const V rise = root(greater(square, zero)), sum = choose(b < zero, rise - b, zero - (b + rise));
-  const auto real = square > zero;
+  const auto real = square > number<V>(-1e-13) * (b * b + magnitude(a * c));
   return {choose(both(real, a != zero), quotient(sum, choose(a == zero, one, a)), none),
           choose(both(real, sum != zero), quotient(c, choose(sum == zero, one, sum)), none)};
 }
@@ -128,7 +130,7 @@ void breaks_on_border(const BorderChord<V>& chord, Wide3<V> line, V (&at)[kBreak
   const Wide2<V> roots = real_roots(aa, bb, cc, far);
   const auto place = [&](V t) {
     const V s = s0 + t * ds, h = h0 + t * dh;
-    const auto on_chord = both(both(s > zero, s < l), both(t<far, square> zero));
+    const auto on_chord = both(both(s > zero, s < l), both(square > zero, t < far));
     return choose(both(on_chord, magnitude(h) <= two * chord.height), s, l);
   };
   at[2] = place(roots.x);
@@ -166,16 +168,17 @@ void add_along(const RoundPart<V>& part, const RoundPlane<V>& plane, const Plane
   const auto here = both(good > zero, length > zero);
   if (!some(here)) return;
   const V rule = rule_for(one + (extent - one) * chord.length * one_over(length), error);
+  decltype(rule == rule) own[kRules];
+  for (std::size_t k = 0; k < kRules; ++k) own[k] = rule == number<V>(static_cast<double>(k));
   for (std::size_t j = 0; j < kMostNodes; ++j) {
     V at = half, weight = zero;
     for (std::size_t k = 0; k < kRules; ++k) {
       const GaussNode node = kChordRules.node[k][j];
-      const auto own = rule == number<V>(static_cast<double>(k));
-      at = choose(own, number<V>(node.at), at);
-      weight = choose(own, number<V>(node.weight), weight);
+      at = choose(own[k], number<V>(node.at), at);
+      weight = choose(own[k], number<V>(node.weight), weight);
     }
     const auto counts = both(here, weight > zero);
-    if (!some(counts)) continue;
+    if (!some(counts)) break;
     const V s = from + at * length;
     V fine = good;
     const V height = height_at(cone, chord, s, fine).at;
