@@ -1,44 +1,51 @@
-// Where a curved border between two tiles runs through a triangle once, the lanes cut the triangle along the
+// One triangle at a time: where a curved border between two tiles runs through it once, it is cut along the
 // border's chord, and what lies between chord and border is added afterwards.
 #pragma once
 
 #include <array>
 
-#include "borders/joint_border.h"
+#include "borders/border_cross.h"
+#include "lanes/field_kernels.h"
 #include "lumbrical/contact.h"
-#include "model/primitive.h"
 #include "section/pressure.h"
 
 namespace lumbrical {
 
 /// How the borders of a tile cut one triangle.
 struct BorderCut {
-  enum Kind : std::uint8_t {
-    planes,   ///< as the tile's own cuts do
-    other,    ///< as `cut` does
-    gone,     ///< all of the triangle is another tile's
-    general,  ///< a matter for `borders_on` and `collide_shared`
-  } kind = planes;
+  CutKind kind = CutKind::planes;
   std::array<HalfSpace, 2> cut{};  ///< in the place of the tile's; a normal of 0 cuts nothing
   bool crosses = false;            ///< one of them is a chord inside the section
-  bool curved = false;             ///< it has a bulge
   bool outer = false;              ///< the chord is of the border away from the wrist
   Vec3 from, to;                   ///< [m] W, its ends from the joint
-  double bulge = 0;                ///< [m^3] no more than this the volume of the bulge is
+  double height = 0;               ///< [m] no farther than this from it the border is
 };
 
 /// How `tile` [suits_batch] and its neighbours share out the triangle a, b, c [m, W], `near` the borders in
-/// its reach.
+/// its reach. Two borders that cross it are `general` here.
 BorderCut cut_at_borders(const Primitives& hand, const Primitive& tile, const TileBorders& near, Vec3 a,
                          Vec3 b, Vec3 c);
 
-/// The tile with the cuts of one triangle.
-Primitive tile_cut_so(const Primitive& tile, const BorderCut& cut);
+/// Does what lies no farther than `height` from the chord keep to the side of `space` that is kept? Its ends
+/// are relative to the joint; a normal of 0 keeps everything.
+bool keeps_to(const HalfSpace& space, Vec3 joint, Vec3 from, Vec3 to, double height);
 
-/// Adds the bulge to the contact of the tile cut so with a triangle of which `a` and `b` are corners.
-/// `tolerance` is Settings::tolerance: where the bulge is within it, it is only added to the contact's error.
-void add_bulge(const FieldKernels& kernels, const Primitives& hand, const Primitive& tile,
-               const BorderCut& cut, double tolerance, Vec3 a, Vec3 b, Contact& contact);
+/// The tile with the cuts of one triangle.
+Primitive tile_cut_so(const Primitive& tile, const std::array<HalfSpace, 2>& cut);
+
+/// What a contact whose cuts are chords gains beyond them, in W.
+struct BulgeMoments {
+  Vec3 base;                    ///< [m] a point near the contact
+  double area = 0, volume = 0;  ///< [m^2], [m^3] of the tile's field
+  Vec3 area_first, first;       ///< [m^3], [m^4] first moments about the base
+};
+
+/// Of the tile cut so by the triangle a, b, c.
+BulgeMoments bulge_of(const FieldKernels& kernels, const Primitives& hand, const Primitive& tile,
+                      const BorderCut& cut, Vec3 a, Vec3 b, Vec3 c);
+
+/// Adds it to the contact.
+void add_bulge(const BulgeMoments& bulge, Contact& contact);
 
 /// The bulge's part in the contact's Jacobian, in the plane coordinates of its section
 /// (`integrate_bulge_slope`).

@@ -8,22 +8,21 @@
 namespace lumbrical::LUMBRICAL_ISA {
 
 // In shares of the distance d from the axis: up to the first, two nodes leave less than a hundredth of the
-// fourth power of height over d; up to the last, four do.
-inline constexpr double kThinWay = 4e-3, kShortWay = 0.1;
+// fourth power of height over d; up to the second, four leave 1e-12; up to the last, eight do.
+inline constexpr double kThinWay = 4e-3, kShortWay = 0.1, kLongWay = 0.5;
 
 // Where on its way the field passes over to the formula of a sphere.
 template <class V>
 struct Break {
-  V at;        // share of the way, 1 where that is nowhere
-  V doubtful;  // 1 where it may do so twice
+  V at;     // share of the way, 1 where that is nowhere
+  V twice;  // 1 where it does so and comes back
 };
 
 // The sphere of the end that is `from` along the axis. f = cos(alpha) q - sin(alpha) rho is concave along the
 // way, so it changes its sign once if it differs at the ends; its slope is 1 at most. Of the quadratic that
 // has its roots, the other one lies on the cone's mirror image, where q < 0.
 template <class V>
-Break<V> break_at(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2<V> foot, Wide2<V> way, V far,
-                  V from) {
+Break<V> break_at(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2<V> foot, Wide2<V> way, V from) {
   const V zero = number<V>(0), one = number<V>(1);
   const V e = plane.c * foot.x + plane.s * plane.h1, q = plane.s * foot.x - plane.c * plane.h1 - from;
   const V de = plane.c * way.x, dq = plane.s * way.x, e1 = e + de, y1 = foot.y + way.y;
@@ -36,12 +35,14 @@ Break<V> break_at(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2<V>
   const V sum = choose(b < zero, rise - b, zero - (b + rise));
   const V one_root = quotient(sum, choose(a == zero, one, a));
   const V other_root = quotient(c, choose(sum == zero, one, sum));
-  const auto proper =
-      both(both(one_root >= zero, one_root <= one), both(a != zero, q + one_root * dq >= zero));
+  const auto on_way = [&](V share) {
+    return both(both(share >= zero, share <= one), q + share * dq >= zero);
+  };
+  const auto proper = both(a != zero, on_way(one_root));
   const auto enters = both(first < zero, last >= zero), leaves = both(first >= zero, last < zero);
-  const auto dips = both(both(first < zero, last < zero), zero - (first + last) < far);
+  const auto dips = both(both(first < zero, last < zero), either(proper, on_way(other_root)));
   return {choose(either(enters, leaves), between(choose(proper, one_root, other_root), zero, one), one),
-          choose(dips, one, zero)};
+          choose(both(dips, rise > zero), one, zero)};
 }
 
 template <class V, std::size_t N>
@@ -56,15 +57,75 @@ void add_ways(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2<V> foo
 }
 
 // The part of the way from share `from` to share `to`.
-template <class V>
+template <class V, std::size_t N>
 void add_stretch(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2<V> foot, Wide2<V> way, V from,
-                 V to, V& mean, V& lean) {
+                 V to, const GaussNode (&rule)[N], V& mean, V& lean) {
   const V zero = number<V>(0), length = to - from;
   if (!some(length > zero)) return;
   V own_mean = zero, own_lean = zero;
-  add_ways(part, plane, foot + from * way, length * way, kGauss4, own_mean, own_lean);
+  add_ways(part, plane, foot + from * way, length * way, rule, own_mean, own_lean);
   mean = mean + length * own_mean;
   lean = lean + length * (from * own_mean + length * own_lean);
+}
+
+// The field's mean along the way, and that of the field times the share of the way; `smooth` is 0 where
+// these few nodes will not do.
+template <class V>
+struct WayMeans {
+  V mean, lean, smooth;
+};
+
+// From `foot` on by `height` along `across`, in the lanes that are asked for. `ends`: those whose spheres may
+// come in on the way, one or two, as abscissas of the axis.
+template <class V, class M, std::size_t N>
+WayMeans<V> means_across(const RoundPart<V>& part, const RoundPlane<V>& plane, const V (&ends)[N],
+                         Wide2<V> foot, Wide2<V> across, V height, M wanted) {
+  const V zero = number<V>(0), one = number<V>(1), far = magnitude(height);
+  const Wide2<V> way = height * across;
+  // Of the two nodes' values the first one tells besides what the way is like: margins change no faster than
+  // one goes.
+  const FieldValue<V> first = field_at(part, plane, foot + number<V>(kGauss2[0].at) * way);
+  const V distance = part.radius2 - first.phi;
+  const auto even = both(wanted, far < first.margin), kinked = both(wanted, far >= first.margin);
+  const auto bulky = both(even, far >= number<V>(kThinWay) * distance);
+  const auto thick = both(bulky, far < number<V>(kShortWay) * distance);
+  const auto long_way = both(bulky, far >= number<V>(kShortWay) * distance);
+  const V own = number<V>(kGauss2[0].weight) * first.phi;
+  const V other =
+      number<V>(kGauss2[1].weight) * field_at(part, plane, foot + number<V>(kGauss2[1].at) * way).phi;
+  WayMeans<V> means{own + other, number<V>(kGauss2[0].at) * own + number<V>(kGauss2[1].at) * other, zero};
+  const auto add = [&](const auto& which, const auto& rule) {
+    if (!some(which)) return;
+    V own_mean = zero, own_lean = zero;
+    add_ways(part, plane, foot, way, rule, own_mean, own_lean);
+    means.mean = choose(which, own_mean, means.mean);
+    means.lean = choose(which, own_lean, means.lean);
+  };
+  add(thick, kGauss4);
+  add(long_way, kGauss8);
+  means.smooth = choose(both(even, far < number<V>(kLongWay) * distance), one, zero);
+  if (!some(kinked)) return means;
+  V near = one, next = one, twice = zero;
+  for (const V end : ends) {
+    const Break<V> here = break_at(part, plane, foot, way, end);
+    next = greater(near, here.at);
+    near = lesser(near, here.at);
+    twice = twice + here.twice;
+  }
+  const auto add_parts = [&](const auto& which, const auto& rule) {
+    if (!some(which)) return;
+    V own_mean = zero, own_lean = zero;
+    add_stretch(part, plane, foot, way, zero, near, rule, own_mean, own_lean);
+    add_stretch(part, plane, foot, way, near, next, rule, own_mean, own_lean);
+    add_stretch(part, plane, foot, way, next, one, rule, own_mean, own_lean);
+    means.mean = choose(which, own_mean, means.mean);
+    means.lean = choose(which, own_lean, means.lean);
+  };
+  add_parts(both(kinked, far < number<V>(kThinWay) * distance), kGauss2);
+  add_parts(both(kinked, far >= number<V>(kThinWay) * distance), kGauss4);
+  const auto short_way = far < number<V>(kShortWay) * distance;
+  means.smooth = choose(both(kinked, both(twice == zero, short_way)), one, means.smooth);
+  return means;
 }
 
 template <class V>
@@ -77,40 +138,15 @@ void field_across(CrossingTerms& terms) {
   plane.s = number<V>(terms.s);
   plane.c = number<V>(terms.c);
   plane.h1 = number<V>(terms.h1);
+  const V ends[2] = {zero, part.length};
+  const Wide2<V> across{number<V>(terms.across_x), number<V>(terms.across_y)};
   for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
     const Wide2<V> foot{get(terms.x + i, V{}), get(terms.y + i, V{})};
-    const V height = get(terms.height + i, V{}), far = magnitude(height);
-    const Wide2<V> way{height * number<V>(terms.across_x), height * number<V>(terms.across_y)};
-    const FieldValue<V> start = field_at(part, plane, foot);
-    const V distance = number<V>(terms.radius2) - start.phi;
-    const auto even = far < start.margin, kinked = far >= start.margin;
-    const auto thin = both(even, far < number<V>(kThinWay) * distance);
-    const auto thick = both(even, far >= number<V>(kThinWay) * distance);
-    V mean = zero, lean = zero, doubtful = zero;
-    const auto add = [&](const auto& which, const auto& rule) {
-      if (!some(which)) return;
-      V own_mean = zero, own_lean = zero;
-      add_ways(part, plane, foot, way, rule, own_mean, own_lean);
-      mean = choose(which, own_mean, mean);
-      lean = choose(which, own_lean, lean);
-    };
-    add(thin, kGauss2);
-    add(thick, kGauss4);
-    if (some(kinked)) {
-      const Break<V> one_end = break_at(part, plane, foot, way, far, zero);
-      const Break<V> other_end = break_at(part, plane, foot, way, far, part.length);
-      const V near = lesser(one_end.at, other_end.at), next = greater(one_end.at, other_end.at);
-      V own_mean = zero, own_lean = zero;
-      add_stretch(part, plane, foot, way, zero, near, own_mean, own_lean);
-      add_stretch(part, plane, foot, way, near, next, own_mean, own_lean);
-      add_stretch(part, plane, foot, way, next, one, own_mean, own_lean);
-      mean = choose(kinked, own_mean, mean);
-      lean = choose(kinked, own_lean, lean);
-      doubtful = choose(kinked, one_end.doubtful + other_end.doubtful, zero);
-    }
-    put(terms.mean + i, mean);
-    put(terms.lean + i, lean);
-    put(terms.smooth + i, choose(both(doubtful == zero, far < number<V>(kShortWay) * distance), one, zero));
+    const WayMeans<V> means =
+        means_across(part, plane, ends, foot, across, get(terms.height + i, V{}), one > zero);
+    put(terms.mean + i, means.mean);
+    put(terms.lean + i, means.lean);
+    put(terms.smooth + i, means.smooth);
   }
 }
 

@@ -1,6 +1,7 @@
 // The field law's kernels, one table per instruction set.
 #pragma once
 
+#include "lanes/border_terms.h"
 #include "lanes/cluster_terms.h"
 #include "lanes/crossing_terms.h"
 #include "lanes/miss_terms.h"
@@ -20,6 +21,7 @@ struct FieldKernels {
   void (*strip_nodes)(const StripSection&, StripNodes&);
   void (*cone_slivers)(SliverTerms&);
   void (*field_across)(CrossingTerms&);
+  void (*border_bulges)(BorderTerms&);
   void (*certain_misses)(MissTerms&);
   std::size_t (*sphere_hits)(const SphereBlock* spheres, const SphereQuery&, const std::uint32_t* blocks,
                              std::size_t block_count, std::uint32_t* hits);

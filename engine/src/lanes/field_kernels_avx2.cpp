@@ -1,5 +1,6 @@
 // The field law's kernels for avx2. Nothing else may be compiled with this file's flags.
 #define LUMBRICAL_ISA avx2
+#include "lanes/border_bulges.h"
 #include "lanes/certain_misses.h"
 #include "lanes/cluster_forces.h"
 #include "lanes/cluster_kinds.h"
@@ -18,8 +19,9 @@ namespace lumbrical::avx2 {
 using Double = xsimd::batch<double, xsimd::avx2>;
 using Single = xsimd::batch<float, xsimd::avx2>;
 const FieldKernels kFieldKernels{round_contacts<Double>, round_contacts<Single>, strip_nodes<Double>,
-                                 cone_slivers<Double>,   field_across<Double>,   certain_misses<Double>,
-                                 sphere_hits<Single>,    cluster_kinds<Single>,  cluster_forces<Double>,
-                                 leaf_forces<Double>,    prism_contacts<Double>, prism_rims<Double>};
+                                 cone_slivers<Double>,   field_across<Double>,   border_bulges<Double>,
+                                 certain_misses<Double>, sphere_hits<Single>,    cluster_kinds<Single>,
+                                 cluster_forces<Double>, leaf_forces<Double>,    prism_contacts<Double>,
+                                 prism_rims<Double>};
 
 }  // namespace lumbrical::avx2

@@ -2,7 +2,9 @@
 
 #include <array>
 
+#include "base/fixed_list.h"
 #include "base/parallel.h"
+#include "borders/border_batch.h"
 #include "borders/border_cut.h"
 #include "borders/joint_border.h"
 #include "borders/shared_contact.h"
@@ -118,10 +120,10 @@ struct RoundQueue {
   // Pairs of the batch with cuts of their own.
   struct Shared {
     Contact* contact;
-    BorderCut cut;
+    std::array<HalfSpace, 2> cut;
+    BulgeMoments bulge;
   };
-  std::size_t shared_count = 0;
-  std::array<Shared, RoundTerms<double>::kCapacity> shared;
+  FixedList<Shared, RoundTerms<double>::kCapacity> shared;
 };
 
 // Pairs on their way through the lanes, of one thread.
@@ -131,6 +133,7 @@ struct PairWork {
   const FieldKernels& kernels;
   RoundQueue steep, flat;
   RoundHull hull{};
+  BorderBatch borders{kernels};
   PrismBatch palm{hand.palm, kernels};
   ClusterBatch clusters{model.clusters, kernels};
   LeafQuery leaf{};
@@ -146,37 +149,57 @@ struct PairWork {
         flat(k, m.settings.tolerance, true) {}
 };
 
-void collide_anew(std::span<Contact* const> left, PairWork& work) {
-  for (Contact* contact : left) collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
+const RoundQueue::Shared* shared_of(const Contact& contact, const RoundQueue& queue) {
+  for (const RoundQueue::Shared& shared : queue.shared) {
+    if (shared.contact == &contact) return &shared;
+  }
+  return nullptr;
 }
 
-void finish_palm(PairWork& work) { collide_anew(finish_batch(work.palm), work); }
+// A pair the lanes are unsure of, with the cuts it had there.
+void collide_anew(const RoundQueue& queue, PairWork& work, Contact& contact) {
+  const RoundQueue::Shared* shared = shared_of(contact, queue);
+  if (shared == nullptr) return collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
+  const auto [a, b, c] = corners_of(work.model.triangles, contact.triangle);
+  const Primitive tile = tile_cut_so(work.hand.primitive[contact.primitive], shared->cut);
+  const Settings& settings = work.model.settings;
+  const ContactQuery query{tile.law, settings.point_area, nullptr, settings.tolerance, work.kernels};
+  contact.area = 0;
+  Section section;
+  if (look_from_plane(tile, a, b, c, section) &&
+      !collide_section(tile, query, section, work.boundary, contact))
+    contact.area = 0;
+}
+
+void finish_palm(PairWork& work) {
+  for (Contact* contact : finish_batch(work.palm))
+    collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
+}
 
 // All but the slivers of the batch's cones.
 void finish(RoundQueue& queue, PairWork& work) {
-  const std::span<Contact* const> rest = finish_batch(queue.batch);
-  for (std::size_t k = 0; k < queue.shared_count; ++k) {
-    const auto& [contact, cut] = queue.shared[k];
-    if (!cut.curved || !(contact->area > 0)) continue;
-    const Corners at = corners_of(work.model.triangles, contact->triangle);
-    add_bulge(work.kernels, work.hand, work.hand.primitive[contact->primitive], cut,
-              work.model.settings.tolerance, at.a, at.b, *contact);
+  for (Contact* contact : finish_batch(queue.batch)) collide_anew(queue, work, *contact);
+  for (const auto& [contact, cut, bulge] : queue.shared) {
+    if (contact->area > 0) add_bulge(bulge, *contact);
   }
-  queue.shared_count = 0;
-  collide_anew(rest, work);
-}
-
-void finish_wholly(PairWork& work) {
-  for (RoundQueue* queue : {&work.steep, &work.flat}) {
-    finish(*queue, work);
-    collide_anew(finish_slivers(queue->batch), work);
-  }
+  queue.shared.clear();
 }
 
 void take_pair(Contact& contact, PairWork& work);
+void finish_borders(PairWork& work);
+
+// All pairs of round primitives.
+void finish_round(PairWork& work) {
+  finish_borders(work);
+  for (RoundQueue* queue : {&work.steep, &work.flat}) {
+    finish(*queue, work);
+    for (Contact* contact : finish_slivers(queue->batch))
+      collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
+  }
+}
 
 // A leaf triangle by triangle: of a round primitive, since only curved cuts leave one in doubt and the palm
-// has none. `finish_wholly` is done with the parts before they end.
+// has none. `finish_round` is done with the parts before they end.
 void take_triangles_of(Contact& contact, PairWork& work) {
   std::array<Contact, ClusterTree::kLeafSize> parts;
   std::size_t count = 0;
@@ -185,7 +208,7 @@ void take_triangles_of(Contact& contact, PairWork& work) {
     parts[count].triangle = triangle;
     take_pair(parts[count++], work);
   }
-  finish_wholly(work);
+  finish_round(work);
   sum_leaf(work.model, work.leaf, {parts.data(), count}, contact);
 }
 
@@ -205,26 +228,63 @@ void take_cluster(Contact& contact, PairWork& work) {
   add_to_batch(contact, work.clusters);
 }
 
-// Adds a pair of a round primitive, cut by its planes or by others in their place, to the queue it is for.
-RoundQueue& queue_pair(const Corners& at, std::span<const HalfSpace> cuts, Contact& contact, PairWork& work) {
+const RoundHull& hull_of(const Contact& contact, PairWork& work) {
   if (contact.primitive != work.hull_of) work.hull = round_hull(work.hand.primitive[contact.primitive]);
   work.hull_of = contact.primitive;
-  RoundQueue& queue = lies_flat(work.hull, at.a, at.b, at.c) ? work.flat : work.steep;
-  if (!has_room(queue.batch, work.hull)) finish(queue, work);
-  add_to_batch(work.hull, at.a, at.b, at.c, cuts, contact, queue.batch);
+  return work.hull;
+}
+
+// Adds a pair of a round primitive, cut by its planes or by others in their place, to the queue it is for.
+RoundQueue& queue_pair(const Corners& at, std::span<const HalfSpace> cuts, Contact& contact, PairWork& work) {
+  const RoundHull& hull = hull_of(contact, work);
+  RoundQueue& queue = lies_flat(hull, at.a, at.b, at.c) ? work.flat : work.steep;
+  if (!has_room(queue.batch, hull)) finish(queue, work);
+  add_to_batch(hull, at.a, at.b, at.c, cuts, contact, queue.batch);
   return queue;
+}
+
+// The same where the cuts and what lies beyond them are the triangle's own.
+void queue_shared(const Corners& at, const std::array<HalfSpace, 2>& cut, const BulgeMoments& bulge,
+                  Contact& contact, PairWork& work) {
+  const Primitive& tile = work.hand.primitive[contact.primitive];
+  RoundQueue& queue = queue_pair(at, std::span(cut).first(tile.cut_count), contact, work);
+  queue.shared.push_back({&contact, cut, bulge});
+}
+
+// A pair that is not plain enough for the borders' lanes.
+void take_alone(const Corners& at, Contact& contact, PairWork& work) {
+  const Primitive& tile = work.hand.primitive[contact.primitive];
+  const TileBorders near = borders_in_reach(work.hand, tile, at.a, at.b, at.c);
+  const BorderCut cut = cut_at_borders(work.hand, tile, near, at.a, at.b, at.c);
+  if (cut.kind == CutKind::gone) return;
+  if (cut.kind == CutKind::general)
+    return collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
+  queue_shared(at, cut.cut, bulge_of(work.kernels, work.hand, tile, cut, at.a, at.b, at.c), contact, work);
+}
+
+void finish_borders(PairWork& work) {
+  for (const BorderPair& pair : finish_batch(work.hand, work.borders)) {
+    const Corners at = corners_of(work.model.triangles, pair.contact->triangle);
+    if (!pair.clear) {
+      take_alone(at, *pair.contact, work);
+    } else {
+      queue_shared(at, pair.cut, pair.bulge, *pair.contact, work);
+    }
+  }
 }
 
 // A pair of a tile with a triangle that others may have a share of.
 void take_shared(const TileBorders& near, const Corners& at, Contact& contact, PairWork& work) {
   const Primitive& tile = work.hand.primitive[contact.primitive];
-  const BorderCut cut = cut_at_borders(work.hand, tile, near, at.a, at.b, at.c);
+  const TriangleCuts cuts = cross_borders(work.hand, tile, near, at.a, at.b, at.c);
   contact.area = 0;
-  if (cut.kind == BorderCut::gone) return;
-  if (cut.kind == BorderCut::general)
+  if (cuts.kind == CutKind::gone) return;
+  if (cuts.kind == CutKind::general)
     return collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
-  RoundQueue& queue = queue_pair(at, std::span(cut.cut).first(tile.cut_count), contact, work);
-  queue.shared[queue.shared_count++] = {&contact, cut};
+  if (!cuts.crossing[0].exists && !cuts.crossing[1].exists)
+    return queue_shared(at, cuts.cut, {}, contact, work);
+  if (!has_room(work.borders)) finish_borders(work);
+  add_to_batch(work.hand, tile, hull_of(contact, work), cuts, at.a, at.b, at.c, contact, work.borders);
 }
 
 void take_pair(Contact& contact, PairWork& work) {
@@ -286,7 +346,7 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
       prefetch(model, candidates, i);
       take_pair(contacts[i], pairs);
     }
-    finish_wholly(pairs);
+    finish_round(pairs);
     finish_palm(pairs);
     finish_batch(pairs.clusters);
   };

@@ -19,9 +19,9 @@ void add_triangle(const Primitives& hand, const Primitive& primitive, const Bord
     add_contact_jacobian(hand.palm, contact, joint, at.a, at.b, at.c, value);
     return;
   }
-  const bool other = cut.kind == BorderCut::other;
+  const bool other = cut.kind == CutKind::other;
   const SlopeMoments bulge = other ? bulge_slope(hand, primitive, cut, at.a, at.b, at.c) : SlopeMoments{};
-  add_contact_jacobian(other ? tile_cut_so(primitive, cut) : primitive, contact, joint, at.a, at.b, at.c,
+  add_contact_jacobian(other ? tile_cut_so(primitive, cut.cut) : primitive, contact, joint, at.a, at.b, at.c,
                        value, bulge);
 }
 
@@ -40,15 +40,15 @@ void add_cluster(const Model& model, const Primitives& hand, const Primitive& pr
   for (const std::uint32_t triangle : triangles_of(model.clusters, cluster)) {
     const Corners at = corners_of(model.triangles, triangle);
     const BorderCut cut = cut_of(hand, primitive, at);
-    if (cut.kind == BorderCut::gone) continue;
-    const Primitive part = cut.kind == BorderCut::other ? tile_cut_so(primitive, cut) : primitive;
+    if (cut.kind == CutKind::gone) continue;
+    const Primitive part = cut.kind == CutKind::other ? tile_cut_so(primitive, cut.cut) : primitive;
     Contact contact;
     const bool meets =
         primitive.shape == Shape::prism
             ? collide_prism(hand.palm, primitive.law, model.settings.point_area, at.a, at.b, at.c, contact)
             : collide(part, query, at.a, at.b, at.c, boundary, contact);
     if (!meets) continue;
-    if (cut.curved) add_bulge(kernels, hand, primitive, cut, 0, at.a, at.b, contact);
+    if (cut.crosses) add_bulge(bulge_of(kernels, hand, primitive, cut, at.a, at.b, at.c), contact);
     add_triangle(hand, primitive, cut, contact, joint, at, value);
   }
 }

@@ -1,0 +1,37 @@
+// A list of up to so many items in place, which costs nothing before items are there: an array of them would
+// be set to their defaults first, in every tick.
+#pragma once
+
+#include <cassert>
+#include <cstddef>
+#include <new>
+#include <type_traits>
+
+namespace lumbrical {
+
+template <class T, std::size_t Capacity>
+class FixedList {
+  static_assert(std::is_trivially_destructible_v<T> && std::is_trivially_copyable_v<T>);
+
+ public:
+  FixedList() = default;
+  FixedList(const FixedList&) = delete;
+  FixedList& operator=(const FixedList&) = delete;
+
+  T& push_back(const T& item) {
+    assert(size_ < Capacity);
+    return *::new (static_cast<void*>(place_ + size_++ * sizeof(T))) T(item);
+  }
+  void clear() { size_ = 0; }
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  [[nodiscard]] T* begin() { return std::launder(reinterpret_cast<T*>(place_)); }
+  [[nodiscard]] T* end() { return begin() + size_; }
+  [[nodiscard]] const T* begin() const { return std::launder(reinterpret_cast<const T*>(place_)); }
+  [[nodiscard]] const T* end() const { return begin() + size_; }
+
+ private:
+  std::size_t size_ = 0;
+  alignas(T) std::byte place_[Capacity * sizeof(T)];
+};
+
+}  // namespace lumbrical
