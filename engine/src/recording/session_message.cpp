@@ -212,7 +212,8 @@ Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene, std::ui
   const fb::Session& message = *flatbuffers::GetRoot<fb::Session>(data);
   if (message.version() < kFirstVersion || message.version() > kLastVersion)
     return Status::error("the session is of version " + std::to_string(message.version()) +
-                         ", this program reads 1 to " + std::to_string(kLastVersion) + "; use a newer program");
+                         ", this program reads 1 to " + std::to_string(kLastVersion) +
+                         "; use a newer program");
 
   Scene decoded;
   if (Status status = decode_hand(message.hand(), decoded.hand); !status.ok()) return status;
