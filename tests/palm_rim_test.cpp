@@ -208,10 +208,12 @@ TEST(PalmRim, TrianglesOfEverySizeAreTheirPolygonsInExtendedPrecision) {
           ++touched;
           const Vec3 origin = prism.face[0].point;
           ASSERT_NEAR(contact.volume, volume, 0.03 * allowed.area);
+          // The narrower a triangle, the less certain its plane where that is far from the corners.
+          const double lever = std::fmax(1, size);
           ASSERT_LT(area * norm(contact.centroid - origin - vector(wanted.centroid)),
-                    allowed.place * area + 0.1 * allowed.area);
+                    allowed.place * area + 0.1 * lever * allowed.area);
           ASSERT_LT(volume * norm(contact.centre - origin - vector(wanted.centre)),
-                    allowed.place * volume + 0.003 * allowed.area);
+                    allowed.place * volume + 0.003 * lever * allowed.area);
           const bool sure = has_certain_depth(prism, triangles[k]) && area > 1e3 * allowed.area;
           certain += sure ? 1 : 0;
           ASSERT_NEAR(contact.depth, static_cast<double>(wanted.depth),
