@@ -64,7 +64,6 @@ void add_info_rows(const RecordingInfo& info, Table& table) {
   table.add("recording", info.path + ", " + grouped(info.bytes) + " bytes");
   table.add("written by", info.library);
   table.add("format", "version " + std::to_string(info.version));
-  if (info.version == 4) table.add("world", "a file of its own; a replay needs it");
   if (info.metadata.contains("force_interval") || info.version == 2)
     table.add("forces", "of some ticks are left out, their hashes are not");
   table.add("complete", info.complete ? "yes" : "no: its writer was killed; recover completes it");
@@ -85,7 +84,8 @@ void add_scene_rows(const Scene& scene, Table& table) {
   for (const SceneObject& object : scene.objects)
     table.add("object", object.name + ", " + grouped(object.mesh.triangles.size()) + " triangles");
   if (scene.world)
-    table.add("world file", scene.world->path + ", " + grouped(scene.world->byte_count) + " bytes");
+    table.add("world file",
+              scene.world->path + ", " + grouped(scene.world->byte_count) + " bytes; a replay needs it");
 }
 
 int info(const RecordingOptions& options) {

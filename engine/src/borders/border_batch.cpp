@@ -1,7 +1,5 @@
 #include "borders/border_batch.h"
 
-#include "lanes/lane_vectors.h"
-
 namespace lumbrical {
 namespace {
 
@@ -19,15 +17,7 @@ void add_lane(const Primitives& hand, std::size_t phalanx, bool outer, const Bor
               const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c, BorderTerms& terms) {
   const JointBorder& border = hand.border[phalanx];
   const std::size_t k = terms.count++;
-  put_vector(hull.axis, k, terms.axis);
-  terms.length[k] = hull.length;
-  terms.radius1[k] = hull.radius1;
-  terms.radius2[k] = hull.radius2;
-  terms.sine[k] = hull.sine;
-  terms.cosine[k] = hull.cosine;
-  put_vector(a - hull.origin, k, terms.a);
-  put_vector(b - hull.origin, k, terms.b);
-  put_vector(c - hull.origin, k, terms.c);
+  put_pair(hull, a, b, c, k, terms);
   put_vector(border.centre - hull.origin, k, terms.joint);
   put_vector(border.x, k, terms.x);
   put_vector(border.y, k, terms.y);
@@ -38,17 +28,13 @@ void add_lane(const Primitives& hand, std::size_t phalanx, bool outer, const Bor
   put_vector(crossing.to, k, terms.to);
 }
 
-// Kernels compute whole registers: the last ones are filled with copies of a lane.
 void pad(BorderTerms& terms) {
-  for (auto* vector : {terms.axis, terms.a, terms.b, terms.c, terms.joint, terms.x, terms.y, terms.z,
-                       terms.ring, terms.from, terms.to}) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      for (std::size_t k = terms.count; k % 16 != 0; ++k) vector[axis][k] = vector[axis][0];
-    }
+  for (auto* vector : {&terms.axis, &terms.a, &terms.b, &terms.c, &terms.joint, &terms.x, &terms.y, &terms.z,
+                       &terms.ring, &terms.from, &terms.to}) {
+    fill_up_vector(*vector, terms.count);
   }
-  for (double* row : {terms.length, terms.radius1, terms.radius2, terms.sine, terms.cosine, terms.side}) {
-    for (std::size_t k = terms.count; k % 16 != 0; ++k) row[k] = row[0];
-  }
+  for (double* row : {terms.length, terms.radius1, terms.radius2, terms.sine, terms.cosine, terms.side})
+    fill_up(row, terms.count);
 }
 
 // Puts the chords in the place of the pair's cuts and adds up what lies beyond them. False where a border is

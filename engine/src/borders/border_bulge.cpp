@@ -6,6 +6,7 @@
 
 #include "borders/root.h"
 #include "lanes/field.h"
+#include "lanes/lane_vectors.h"
 #include "section/gauss.h"
 
 namespace lumbrical {
@@ -288,11 +289,7 @@ struct BulgeSum {
     weight[ways.count++] = along;
   }
   void flush() {
-    for (std::size_t k = ways.count; k % 16 != 0; ++k) {
-      ways.x[k] = ways.x[0];
-      ways.y[k] = ways.y[0];
-      ways.height[k] = ways.height[0];
-    }
+    for (double* row : {ways.x, ways.y, ways.height}) fill_up(row, ways.count);
     kernels.field_across(ways);
     for (std::size_t k = 0; k < ways.count; ++k) {
       const Point2 foot{ways.x[k], ways.y[k]}, way = ways.height[k] * border.chord.across;

@@ -109,9 +109,9 @@ Crossed cross_border(const JointBorder& border, bool is_outer_tile, const Vec3 (
 TriangleCuts cross_borders(const Primitives& hand, const Primitive& tile, const TileBorders& near, Vec3 a,
                            Vec3 b, Vec3 c) {
   const auto [inner, outer, folded] = near;
-  const std::size_t i = tile.segment;
+  const auto is_far = [&](bool at_outer) { return !hand.border[joint_of(tile, at_outer)].near; };
   TriangleCuts cuts;
-  if (folded || (inner && !hand.border[i - 1].near) || (outer && !hand.border[i].near)) {
+  if (folded || (inner && is_far(false)) || (outer && is_far(true))) {
     cuts.kind = CutKind::general;
     return cuts;
   }
@@ -121,12 +121,12 @@ TriangleCuts cross_borders(const Primitives& hand, const Primitive& tile, const 
   bool gone = false;
   for (const bool at_outer : {false, true}) {
     if (!(at_outer ? outer : inner)) continue;
-    const JointBorder& border = hand.border[at_outer ? i : i - 1];
+    const JointBorder& border = hand.border[joint_of(tile, at_outer)];
     const Crossed here =
         cross_border(border, !at_outer, {a - border.centre, b - border.centre, c - border.centre});
     if (here.verdict == Verdict::unclear) cuts.kind = CutKind::general;
     if (here.verdict == Verdict::mine) cuts.cut[own_cut(tile, at_outer)].normal = {};
-    if (here.verdict == Verdict::crossed) cuts.crossing[at_outer ? 1 : 0] = {true, here.from, here.to};
+    if (here.verdict == Verdict::crossed) cuts.crossing[at_outer] = {true, here.from, here.to};
     gone = gone || here.verdict == Verdict::rivals;
   }
   if (gone) cuts.kind = CutKind::gone;

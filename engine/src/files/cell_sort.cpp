@@ -48,10 +48,12 @@ Status CellSort::merge() {
   }
   for (std::size_t i = 0; i < runs_.size(); ++i)
     if (!runs_[i].entries.empty()) heap_.push_back(i);
-  std::make_heap(heap_.begin(), heap_.end(), [&](std::size_t a, std::size_t b) {
-    return is_before(runs_[b].entries[runs_[b].at], runs_[a].entries[runs_[a].at]);
-  });
+  std::make_heap(heap_.begin(), heap_.end(), [this](std::size_t a, std::size_t b) { return is_later(a, b); });
   return {};
+}
+
+bool CellSort::is_later(std::size_t a, std::size_t b) const {
+  return is_before(runs_[b].entries[runs_[b].at], runs_[a].entries[runs_[a].at]);
 }
 
 Status CellSort::refill(Run& run) {
@@ -68,9 +70,7 @@ Status CellSort::refill(Run& run) {
 Status CellSort::next(CellEntry& entry, bool& end) {
   end = heap_.empty();
   if (end) return {};
-  const auto by_entry = [&](std::size_t a, std::size_t b) {
-    return is_before(runs_[b].entries[runs_[b].at], runs_[a].entries[runs_[a].at]);
-  };
+  const auto by_entry = [this](std::size_t a, std::size_t b) { return is_later(a, b); };
   std::pop_heap(heap_.begin(), heap_.end(), by_entry);
   Run& run = runs_[heap_.back()];
   entry = run.entries[run.at++];

@@ -33,6 +33,7 @@ class CellSort {
   };
   Status spill();
   Status refill(Run& run);
+  [[nodiscard]] bool is_later(std::size_t a, std::size_t b) const;  // of two runs, for the heap
 
   std::size_t capacity_ = 0;  // entries
   std::vector<CellEntry> entries_;

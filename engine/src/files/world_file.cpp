@@ -12,14 +12,13 @@
 #include <vector>
 
 #include "files/world_format.h"
+#include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "lumbrical/world.h"
 #include "model/scene_check.h"
 
 namespace lumbrical {
 namespace {
-
-constexpr double kMostCells = 1 << 20;  // along an axis of a grid
 
 /// The one pass over a file. What lies within the bytes seen so far is checked as they are seen, so that no
 /// page is needed twice.
@@ -157,8 +156,7 @@ Status Check::check_vertices(WorldSection section, std::uint64_t first, std::uin
     if (!(std::fabs(number) <= kWorldReach))
       return damaged(layout_.offset[section] + 8 * i,
                      "vertex " + std::to_string(i) + " is not finite or farther than 1e8 m from the origin");
-    if (number < low) low = number;
-    if (!(number < high)) high = number;
+    extend(low, high, number);
   }
   return {};
 }
@@ -259,12 +257,6 @@ Status Check::run() {
   if (Status status = check_sums(); !status.ok()) return status;
   release_pages(bytes_, size_);
   return {};
-}
-
-template <class T>
-SharedArray<T> array_at(const std::shared_ptr<const std::byte>& bytes, std::uint64_t offset,
-                        std::uint64_t count) {
-  return {reinterpret_cast<const T*>(bytes.get() + offset), count, bytes};
 }
 
 }  // namespace

@@ -105,24 +105,31 @@ inline std::uint64_t content_of(WorldEnd end, const std::uint64_t* hashes, std::
   return hasher.digest();
 }
 
-/// Round the vertices, added one by one in their order.
+/// Of the vertices' box, whose numbers are added one by one in their order.
+inline void extend(double& low, double& high, double number) {
+  if (number < low) low = number;
+  if (!(number < high)) high = number;
+}
 inline void extend(Box& box, Vec3 p) {
-  for (double Vec3::*const axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
-    if (p.*axis < box.lower.*axis) box.lower.*axis = p.*axis;
-    if (!(p.*axis < box.upper.*axis)) box.upper.*axis = p.*axis;
-  }
+  for (double Vec3::*const axis : {&Vec3::x, &Vec3::y, &Vec3::z})
+    extend(box.lower.*axis, box.upper.*axis, p.*axis);
 }
 
-/// The six arrays of triangles in a mapped file.
+/// An array in a mapped file.
+template <class T>
+SharedArray<T> array_at(const std::shared_ptr<const std::byte>& file, std::uint64_t offset,
+                        std::uint64_t count) {
+  return {reinterpret_cast<const T*>(file.get() + offset), count, file};
+}
+
+/// The six arrays of triangles.
 inline Triangles triangles_in(const WorldEnd& end, const std::shared_ptr<const std::byte>& file) {
   const WorldLayout layout = layout_of(end);
   const auto numbers = [&](WorldSection section) {
-    return SharedArray<double>(reinterpret_cast<const double*>(file.get() + layout.offset[section]),
-                               end.vertices, file);
+    return array_at<double>(file, layout.offset[section], end.vertices);
   };
   const auto corners = [&](WorldSection section) {
-    return SharedArray<std::uint32_t>(
-        reinterpret_cast<const std::uint32_t*>(file.get() + layout.offset[section]), end.triangles, file);
+    return array_at<std::uint32_t>(file, layout.offset[section], end.triangles);
   };
   return {numbers(kX), numbers(kY), numbers(kZ), corners(kA), corners(kB), corners(kC)};
 }

@@ -13,8 +13,6 @@
 namespace lumbrical {
 namespace {
 
-constexpr double kMostCells = 1048576;  // along an axis; a cell's index then takes 21 bits
-
 struct Cell {
   std::uint64_t x, y, z;
 };

@@ -11,6 +11,9 @@
 
 namespace lumbrical {
 
+/// Along an axis; a cell's index then takes 21 bits.
+inline constexpr double kMostCells = 1048576;
+
 /// Cells are `cell_size` wide, or the environment's extent / 2^20 if that is more.
 SphereGrid build_grid(const Triangles& triangles, const Execution& execution);
 

@@ -19,6 +19,17 @@ Vec3 vector_at(const T (&from)[3][N], std::size_t k) {
   return {from[0][k], from[1][k], from[2][k]};
 }
 
+/// Kernels compute whole registers: fills the last one of a row up with copies of its first number.
+inline constexpr std::size_t kWholeRegisters = 16;
+template <class T>
+void fill_up(T* row, std::size_t count) {
+  for (std::size_t k = count; k % kWholeRegisters != 0; ++k) row[k] = row[0];
+}
+template <class T, std::size_t N>
+void fill_up_vector(T (&rows)[3][N], std::size_t count) {
+  for (T(&row)[N] : rows) fill_up(&row[0], count);
+}
+
 /// The same in all lanes.
 inline void put_vector(Vec3 v, double (&to)[3]) {
   to[0] = v.x;

@@ -7,9 +7,6 @@
 namespace lumbrical {
 namespace {
 
-// Kernels compute whole registers: the last ones are filled with copies of a pair.
-constexpr std::size_t kWhole = 16;
-
 template <std::size_t N>
 void write_contact(const PalmResults<N>& results, std::size_t k, Vec3 origin, Contact& contact) {
   contact.area = results.area[k];
@@ -41,7 +38,7 @@ void add_rim(const PrismTerms& pairs, std::size_t k, RimTerms& rims) {
 // A cut that takes nothing away, for lanes with fewer cuts than their neighbours.
 void add_empty_cuts(RimTerms& rims) {
   for (std::size_t lane = 0; lane < rims.count; ++lane) {
-    for (std::size_t cut = rims.cut_count[lane]; cut < rims.cut_count[lane | (kWhole - 1)]; ++cut) {
+    for (std::size_t cut = rims.cut_count[lane]; cut < rims.cut_count[lane | (kWholeRegisters - 1)]; ++cut) {
       put_vector({}, lane, rims.cut_normal[cut]);
       rims.cut_offset[cut][lane] = 0;
     }
@@ -54,7 +51,7 @@ void finish_rims(std::span<const std::uint32_t> rim, PrismBatch& batch, std::siz
   rims.count = 0;
   rims.faces = &batch.pairs.faces;
   for (const std::uint32_t k : rim) add_rim(batch.pairs, k, rims);
-  while (rims.count % kWhole != 0) add_rim(batch.pairs, rim.back(), rims);
+  while (rims.count % kWholeRegisters != 0) add_rim(batch.pairs, rim.back(), rims);
   add_empty_cuts(rims);
   batch.kernels.prism_rims(rims);
   for (std::size_t lane = 0; lane < rim.size(); ++lane) {
@@ -88,9 +85,7 @@ void add_to_batch(const Corners& at, Contact& contact, PrismBatch& batch) {
 std::span<Contact* const> finish_batch(PrismBatch& batch) {
   PrismTerms& pairs = batch.pairs;
   if (pairs.count == 0) return {};
-  for (std::size_t k = pairs.count; k % kWhole != 0; ++k) {
-    for (auto* corner : {&pairs.a, &pairs.ab, &pairs.ac}) put_vector(vector_at(*corner, 0), k, *corner);
-  }
+  for (auto* corner : {&pairs.a, &pairs.ab, &pairs.ac}) fill_up_vector(*corner, pairs.count);
   batch.kernels.prism_contacts(pairs);
 
   std::array<std::array<std::uint32_t, PrismTerms::kCapacity>, RimTerms::kMostCuts + 1> by_cuts;

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "lanes/lane_vectors.h"
-
 namespace lumbrical {
 namespace {
 
@@ -23,16 +21,17 @@ void write_contact(const RoundTerms<T>& pairs, Vec3 origin, std::size_t k, Conta
   contact.centre = origin + vector_at(pairs.centre, k);
 }
 
-// Calls f with every row of numbers that is handed to the kernel.
-template <class T, class F>
-void for_rows(RoundTerms<T>& pairs, F&& f) {
+// Every row of numbers that is handed to the kernel.
+constexpr std::size_t kRows = 25;
+template <class T>
+std::array<T*, kRows> rows_of(RoundTerms<T>& pairs) {
+  std::array<T*, kRows> rows{pairs.length, pairs.radius1,       pairs.radius2,      pairs.sine,
+                             pairs.cosine, pairs.cut_offset[0], pairs.cut_offset[1]};
+  std::size_t count = 7;
   for (auto* vector : {pairs.axis, pairs.a, pairs.b, pairs.c, pairs.cut_normal[0], pairs.cut_normal[1]}) {
-    for (std::size_t axis = 0; axis < 3; ++axis) f(vector[axis]);
+    for (std::size_t axis = 0; axis < 3; ++axis) rows[count++] = vector[axis];
   }
-  for (T* row : {pairs.length, pairs.radius1, pairs.radius2, pairs.sine, pairs.cosine, pairs.cut_offset[0],
-                 pairs.cut_offset[1]}) {
-    f(row);
-  }
+  return rows;
 }
 
 // Appends pair number k of the batch.
@@ -42,20 +41,15 @@ void queue_sliver(RoundTerms<double>& pairs, std::size_t k, Vec3 origin, Contact
   queued.cone = true;
   queued.cut_count = queued.count == 0 ? pairs.cut_count : std::max(queued.cut_count, pairs.cut_count);
   const std::size_t to = queued.count++;
-  std::array<const double*, 25> from;
-  std::size_t rows = 0, next = 0;
-  for_rows(pairs, [&](const double* row) { from[rows++] = row + k; });
-  for_rows(queued, [&](double* row) { row[to] = *from[next++]; });
+  const auto rows = rows_of(pairs), queued_rows = rows_of(queued);
+  for (std::size_t row = 0; row < kRows; ++row) queued_rows[row][to] = rows[row][k];
   queue.origin[to] = origin;
   queue.contact[to] = contact;
 }
 
-// Kernels compute whole registers: the last ones are filled with copies of a pair.
 template <class T>
 void pad(RoundTerms<T>& pairs) {
-  for_rows(pairs, [&](T* row) {
-    for (std::size_t k = pairs.count; k % 16 != 0; ++k) row[k] = row[0];
-  });
+  for (T* row : rows_of(pairs)) fill_up(row, pairs.count);
 }
 
 void copy_to_single(RoundTerms<double>& pairs, RoundTerms<float>& single) {
@@ -64,13 +58,11 @@ void copy_to_single(RoundTerms<double>& pairs, RoundTerms<float>& single) {
   single.cone = pairs.cone;
   single.tolerance = static_cast<float>(pairs.tolerance);
   single.cut_count = pairs.cut_count;
-  std::array<double*, 25> from;
-  std::size_t rows = 0, next = 0;
-  for_rows(pairs, [&](double* row) { from[rows++] = row; });
-  for_rows(single, [&](float* row) {
-    for (std::size_t k = 0; k < pairs.count; ++k) row[k] = static_cast<float>(from[next][k]);
-    ++next;
-  });
+  const auto from = rows_of(pairs);
+  const auto to = rows_of(single);
+  for (std::size_t row = 0; row < kRows; ++row) {
+    for (std::size_t k = 0; k < pairs.count; ++k) to[row][k] = static_cast<float>(from[row][k]);
+  }
 }
 
 void add_sliver(const RoundTerms<double>& pairs, std::size_t k, Vec3 origin, Contact& contact) {
@@ -100,10 +92,13 @@ void run_slivers(RoundBatch& batch, SliverQueue& queue) {
   pairs.count = 0;
 }
 
-// Makes room for so many more slivers. Those that are computed for it are of former batches: a contact's sums
-// must not depend on which pairs it shares a queue with.
-void make_room(std::size_t more, RoundBatch& batch) {
-  if (batch.slivers.terms.pairs.count + more > RoundBatch::kCapacity) run_slivers(batch, batch.slivers);
+// Queues the pairs of the batch that lack their slivers, with room for `more` of them. What is computed to
+// make it is of former batches: a contact's sums must not depend on which pairs it shares a queue with.
+void queue_slivers(std::span<const std::size_t> lacking, std::size_t more, RoundBatch& batch) {
+  if (batch.slivers.terms.pairs.count + lacking.size() + more > RoundBatch::kCapacity)
+    run_slivers(batch, batch.slivers);
+  for (const std::size_t k : lacking)
+    queue_sliver(batch.pairs, k, batch.origin[k], batch.contact[k], batch.slivers);
 }
 
 // Writes the contacts that single precision is good for and leaves the other pairs.
@@ -123,14 +118,10 @@ void finish_single(RoundBatch& batch) {
     write_contact(single, batch.origin[k], k, *batch.contact[k]);
     if (single.status[k] == static_cast<float>(kSlivers)) lacking[slivers++] = k;
   }
-  make_room(slivers + left, batch);
-  for (std::size_t i = 0; i < slivers; ++i) {
-    const std::size_t k = lacking[i];
-    queue_sliver(pairs, k, batch.origin[k], batch.contact[k], batch.slivers);
-  }
-  for_rows(pairs, [&](double* row) {
+  queue_slivers(std::span(lacking).first(slivers), left, batch);
+  for (double* row : rows_of(pairs)) {
     for (std::size_t k = 0; k < left; ++k) row[k] = row[unsure[k]];
-  });
+  }
   for (std::size_t k = 0; k < left; ++k) {
     batch.contact[k] = batch.contact[unsure[k]];
     batch.origin[k] = batch.origin[unsure[k]];
@@ -172,15 +163,7 @@ void add_to_batch(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c, std::span<const
   }
   const std::size_t k = pairs.count++;
   batch.origin[k] = hull.origin;
-  put_vector(hull.axis, k, pairs.axis);
-  pairs.length[k] = hull.length;
-  pairs.radius1[k] = hull.radius1;
-  pairs.radius2[k] = hull.radius2;
-  pairs.sine[k] = hull.sine;
-  pairs.cosine[k] = hull.cosine;
-  put_vector(a - hull.origin, k, pairs.a);
-  put_vector(b - hull.origin, k, pairs.b);
-  put_vector(c - hull.origin, k, pairs.c);
+  put_pair(hull, a, b, c, k, pairs);
   pairs.cut_count = std::max(pairs.cut_count, static_cast<int>(cuts.size()));
   for (std::size_t i = 0; i < 2; ++i) {
     const HalfSpace space = i < cuts.size() ? cuts[i] : HalfSpace{};
@@ -208,11 +191,7 @@ std::span<Contact* const> finish_batch(RoundBatch& batch) {
     write_contact(pairs, batch.origin[k], k, contact);
     if (status == kSlivers) lacking[slivers++] = k;
   }
-  make_room(slivers, batch);
-  for (std::size_t i = 0; i < slivers; ++i) {
-    const std::size_t k = lacking[i];
-    queue_sliver(pairs, k, batch.origin[k], batch.contact[k], batch.slivers);
-  }
+  queue_slivers(std::span(lacking).first(slivers), 0, batch);
   pairs.count = 0;
   return std::span(batch.rest).first(batch.rest_count);
 }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "lanes/field_kernels.h"
+#include "lanes/lane_vectors.h"
 #include "lumbrical/contact.h"
 #include "model/primitive.h"
 
@@ -21,6 +22,20 @@ struct RoundHull {
   [[nodiscard]] bool is_cone() const { return sine != 0; }
 };
 RoundHull round_hull(const Primitive& primitive);
+
+/// Writes the hull and the triangle a, b, c [m, W], seen from its origin, to lane k of a kernel's terms.
+template <class Terms>
+void put_pair(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c, std::size_t k, Terms& terms) {
+  put_vector(hull.axis, k, terms.axis);
+  terms.length[k] = hull.length;
+  terms.radius1[k] = hull.radius1;
+  terms.radius2[k] = hull.radius2;
+  terms.sine[k] = hull.sine;
+  terms.cosine[k] = hull.cosine;
+  put_vector(a - hull.origin, k, terms.a);
+  put_vector(b - hull.origin, k, terms.b);
+  put_vector(c - hull.origin, k, terms.c);
+}
 
 /// Is the primitive one the kernel knows?
 bool suits_batch(const Primitive& primitive);
