@@ -36,6 +36,7 @@ const Rule kRules[] = {
     {Layer::kernels, "engine/src/lanes", "*"},
     {Layer::kernels, "engine/src/section", "*"},
     {Layer::kernels, "engine/src/borders", "*"},
+    {Layer::kernels, "engine/src/samples", "*"},
 
     {Layer::stages, "engine/src/stages", "*"},
 

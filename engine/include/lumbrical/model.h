@@ -64,10 +64,12 @@ struct Settings {
   double stiffness = 2e7;                ///< [N/m^3] K_s, > 0
   double rate = 1000;                    ///< [Hz] ticks per second of session time, 1 .. 100000
   double point_area = 1e-4;              ///< [m^2] stands in for the area in Law::point
-  double tolerance = 0;   ///< 0 .. 0.1; by how much of R a contact's mean depth may be off in Law::field. 0:
-                          ///< exact to rounding. What it comes to is told in ActuatorFrame::force_error.
-                          ///< Above 0 clusters of neighbouring triangles may be one contact (contact.h)
-  double max_force = 20;  ///< [N] largest force of one segment; above it the wrench is scaled down
+  double tolerance = 0;  ///< 0 .. 0.1; by how much of R a contact's mean depth may be off in Law::field. 0:
+                         ///< exact to rounding. What it comes to is told in ActuatorFrame::force_error.
+                         ///< Above 0 clusters of neighbouring triangles may be one contact (contact.h)
+  std::array<double, kSegmentCount> precision{};  ///< per hand segment: 0 exact; else the error wanted as a
+                                                  ///< share of the hand's force, 1e-6 .. 1e-2
+  double max_force = 20;    ///< [N] largest force of one segment; above it the wrench is scaled down
   double fade_time = 0.02;  ///< [s] in which forces that can't be trusted fade to zero, and return
   std::uint32_t max_candidates = 1u << 18;  ///< pairs (primitive, triangle) a tick can hold, 1 .. 2^24
 };
@@ -209,6 +211,7 @@ struct ClusterTree {
   std::vector<LeafCorners> corners;     ///< of each leaf
 };
 
+struct Patches;     // the world as sample points see it; patches.h inside the engine
 struct VoxelIndex;  // lists of triangles by voxel; voxel_index.h inside the engine, lumbrical/voxel.h outside
 
 /// Immutable once built; may be shared by any number of sessions and threads. Copies share the large arrays
@@ -223,6 +226,7 @@ struct Model {
   SphereTree tree;                           ///< empty unless Broadphase::tree
   SphereGrid grid;                           ///< empty unless Broadphase::grid
   std::shared_ptr<const VoxelIndex> voxels;  ///< null unless Broadphase::voxel
+  std::shared_ptr<const Patches> patches;    ///< null where no segment is felt by samples
   ClusterTree clusters;                      ///< empty unless settings.tolerance > 0 and a law is `field`
   std::vector<World::Object> objects;
   std::shared_ptr<const World> world;  ///< that all of this is from; null: a scene in memory

@@ -38,13 +38,15 @@ std::string_view stage_name(Stage stage);
 /// Which hashes a tick makes. Recordings of format versions 1 and 2 hold former ones; nothing else does.
 enum class HashKind : std::uint8_t { current, former };
 
-struct Primitives;  // posed spheres, cylinders and palm; primitive.h inside the engine
-struct NearPairs;   // what earlier searches found near; near_pairs.h inside the engine
+struct Primitives;    // posed spheres, cylinders and palm; primitive.h inside the engine
+struct SampleMemory;  // the passes of the rungs of samples; sampled_forces.h inside the engine
+struct NearPairs;     // what earlier searches found near; near_pairs.h inside the engine
 
 /// Everything derived inside a tick. Sized once for a model; a tick allocates nothing.
 struct Scratch {
   std::shared_ptr<Primitives> primitives;
   std::shared_ptr<NearPairs> near;  ///< spares searches while the hand moves little; never changes a result
+  std::shared_ptr<SampleMemory> samples;
   std::vector<std::uint64_t>
       candidates;  ///< primitive << 32 | Contact::triangle, ascending; `candidate_count` of them
   std::vector<Contact> contacts;       ///< sorted by primitive, then triangle; `contact_count` of them

@@ -23,11 +23,6 @@ constexpr std::size_t kPiece = 1024;      // blocks, the least that is worth ano
 // Single precision moves centres and radii by less than this share of their size; bounds are widened by it.
 constexpr double kFloatSlack = 4e-7;
 
-struct Sphere {
-  Vec3 centre;  // relative to the tree's origin
-  double radius = 0;
-};
-
 Sphere bound(std::span<const Sphere> spheres) {
   Box box;
   for (const Sphere& sphere : spheres) box.add(sphere.centre, sphere.radius);
@@ -124,6 +119,20 @@ Box box_round_members(const Triangles& triangles, std::span<const std::uint32_t>
   return all;
 }
 
+// Writes the leaves' spheres and all levels above them, the last one first and all of them before
+// `level_end`.
+void put_levels(std::vector<Sphere> spheres, const TreeLayout& layout, std::size_t threads, TreeHead& head,
+                SphereBlock* level_end) {
+  for (std::size_t level = 0; level < head.level_count; ++level) {
+    if (level > 0) spheres = bound_blocks(spheres, threads);
+    level_end -= layout.blocks[level];
+    put_level(spheres, level_end, threads);
+  }
+  const Sphere all = bound(spheres);
+  head.centre = all.centre;
+  head.radius = all.radius;
+}
+
 }  // namespace
 
 TreeHead plan_tree(std::size_t triangle_count, const Execution& execution) {
@@ -160,15 +169,24 @@ void build_tree(const Triangles& triangles, std::vector<std::uint32_t>& members,
       reinterpret_cast<std::uint32_t*>(lines + kLinesPerBlock * (layout.upper + layout.lowest));
   std::vector<Sphere> spheres =
       put_leaves(triangles, members, execution, head, blocks + layout.upper, numbers);
-  SphereBlock* level_end = blocks + layout.upper;
-  for (std::size_t level = 0; level < head.level_count; ++level) {
-    if (level > 0) spheres = bound_blocks(spheres, threads);
-    level_end -= layout.blocks[level];
-    put_level(spheres, level_end, threads);
+  put_levels(std::move(spheres), layout, threads, head, blocks + layout.upper);
+}
+
+SphereTree build_levels(std::vector<Sphere> leaves, Vec3 origin, const Execution& execution) {
+  Execution sized = execution;
+  sized.leaf_size = 1;
+  SphereTree tree;
+  tree.head = plan_tree(leaves.size(), sized);
+  tree.head.blocks_per_leaf = 0;
+  tree.head.origin = origin;
+  const TreeLayout layout = layout_of(tree.head);
+  const auto lines = make_lines(layout.lines);
+  if (!leaves.empty()) {
+    put_levels(std::move(leaves), layout, execution.threads, tree.head,
+               reinterpret_cast<SphereBlock*>(lines.get()) + layout.upper);
   }
-  const Sphere all = bound(spheres);
-  head.centre = all.centre;
-  head.radius = all.radius;
+  tree.lines = {lines.get(), layout.lines, lines};
+  return tree;
 }
 
 SphereTree build_tree(const Triangles& triangles, std::vector<std::uint32_t>& members,

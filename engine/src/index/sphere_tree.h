@@ -60,6 +60,16 @@ SphereTree build_tree(const Triangles& triangles, std::vector<std::uint32_t>& me
 void build_tree(const Triangles& triangles, std::vector<std::uint32_t>& members, const Execution& execution,
                 TreeHead& head, TreeLine* lines);
 
+/// A sphere [m], relative to its tree's origin.
+struct Sphere {
+  Vec3 centre;
+  double radius = 0;
+};
+
+/// A tree of levels alone, over leaves that are somebody else's: a search ends at their numbers. `leaves` are
+/// in spatial order, `origin` [m, W] is what they are relative to.
+SphereTree build_levels(std::vector<Sphere> leaves, Vec3 origin, const Execution& execution);
+
 /// The head of a tree of so many triangles, as far as that depends on nothing else: enough for its layout.
 TreeHead plan_tree(std::size_t triangle_count, const Execution& execution);
 

@@ -117,6 +117,7 @@ inline V quotient(V a, V b) {
   return a / b;
 }
 
+// a < b ? a : b, and a > b ? a : b, for NaN and -0 too.
 template <class V>
 inline V lesser(V a, V b) {
   return choose(a < b, a, b);
@@ -125,6 +126,17 @@ template <class V>
 inline V greater(V a, V b) {
   return choose(a > b, a, b);
 }
+#if defined(LUMBRICAL_XSIMD) && defined(__x86_64__)
+// What x86's instructions do; other machines' disagree on NaN and -0.
+template <class T, class A>
+inline xsimd::batch<T, A> lesser(xsimd::batch<T, A> a, xsimd::batch<T, A> b) {
+  return xsimd::min(a, b);
+}
+template <class T, class A>
+inline xsimd::batch<T, A> greater(xsimd::batch<T, A> a, xsimd::batch<T, A> b) {
+  return xsimd::max(a, b);
+}
+#endif
 template <class V>
 inline V between(V value, V low, V high) {
   return lesser(greater(value, low), high);

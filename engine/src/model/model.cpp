@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "index/cluster_tree.h"
+#include "index/patches.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
@@ -130,6 +131,7 @@ Status build_index(Model& model) {
     if (Status status = build_voxels(model.triangles, model.execution, model.voxels); !status.ok())
       return status;
   }
+  model.patches = build_patches(model.hand, model.settings, model.triangles, model.execution);
   if (wants_clusters(model.settings) && model.triangles.size() > 0)
     model.clusters = build_clusters(model.triangles, model.execution);
   return {};

@@ -49,6 +49,17 @@ struct Prism {
   std::array<HalfSpace, kMaxFaces> face{};  ///< outward normals; [0] is the palmar face
 };
 
+/// The palm's core: a convex polygon; the palm is everything within `radius` of it.
+struct SweptPolygon {
+  static constexpr int kMostCorners = 16;
+  int corner_count = 0;                     ///< 0: no palm
+  std::array<Vec3, kMostCorners> corner{};  ///< [m] W, counterclockwise seen from the tip of `normal`
+  std::array<Vec3, kMostCorners>
+      outward{};      ///< W, unit, in its plane: across the edge from corner i to i + 1
+  Vec3 normal;        ///< W, unit, towards the palmar side
+  double radius = 0;  ///< [m]
+};
+
 /// The joint between a phalanx and the next one out, where the two tiles share out space (joint_border.h).
 struct JointBorder {
   bool shared = false;  ///< the border is not the bisecting plane everywhere
@@ -85,6 +96,7 @@ struct Primitives {
   std::array<JointBorder, kPhalanxCount> border{};  ///< of the joint beyond each phalanx
   std::array<bool, kFingerCount> folded{};          ///< first and last phalanx of the finger may overlap
   Prism palm;
+  SweptPolygon core;
   std::array<Vec3, kSegmentCount> base_joint{};    ///< [m] W, the joint that moves each segment
   std::array<Vec3, kSegmentCount> flexion_axis{};  ///< W, unit; turning about it opens the hand
 };

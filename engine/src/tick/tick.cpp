@@ -6,6 +6,7 @@
 #include "base/floating_point.h"
 #include "base/former_hash.h"
 #include "base/hash.h"
+#include "samples/sampled_forces.h"
 #include "stages/broadphase.h"
 #include "stages/contact_force.h"
 #include "stages/force_limits.h"
@@ -146,8 +147,19 @@ Scratch make_scratch(const Model& model) {
   Scratch scratch;
   scratch.primitives = std::make_shared<Primitives>();
   size_candidates(model, scratch);
+  scratch.samples = std::make_shared<SampleMemory>();
+  size_samples(model, *scratch.samples);
   scratch.contacts.resize(scratch.candidates.size());
   return scratch;
+}
+
+// Is there anything left to the exact rung?
+bool leaves_exact(const Model& model) {
+  if (!model.patches || !model.patches->exact.empty()) return true;
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    if (!is_sampled(model.settings, i)) return true;
+  }
+  return false;
 }
 
 ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame) {
@@ -160,6 +172,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   hand.base_joint = hand.flexion_axis = {};
   scratch.candidate_count = scratch.contact_count = 0;
 
+  SampledForces sampled;
   std::uint32_t flags = check_input(frame);
   if ((frame.flags & kTrackingLost) != 0) flags |= kInputLost;
   if ((frame.flags & kExtrapolated) != 0) flags |= kInputExtrapolated;
@@ -170,15 +183,21 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
     hand.out_of_reach = !shaped && !may_meet(model.hand, hand, model.extent);
     if (!hand.out_of_reach) {
       tile_hand(model.hand, model.settings, hand);
-      if (!find_candidates(model, hand, scratch)) flags |= kCandidateOverflow;
+      if (model.patches && !sample_forces(model, hand, *scratch.samples, sampled))
+        flags |= kCandidateOverflow;
+      if (leaves_exact(model) && !find_candidates(model, hand, scratch)) flags |= kCandidateOverflow;
     }
   }
   const std::span<const std::uint64_t> candidates(scratch.candidates.data(), scratch.candidate_count);
   scratch.contact_count = find_contacts(model, hand, candidates, scratch.contacts);
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
-  const HandForces forces = sum_forces(model.settings, hand, contacts);
+  HandForces forces = sum_forces(model.settings, hand, contacts);
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    forces.segment[i].force += sampled.segment[i].force;
+    forces.segment[i].torque += sampled.segment[i].torque;
+  }
   ActuatorFrame output = limit_forces(model.settings, forces, (flags & kUntrusted) == 0, flags, state);
-  output.contact_count = scratch.contact_count;
+  output.contact_count = scratch.contact_count + sampled.contact_count;
   output.force_error = force_error(model.settings, contacts);
 
   if (scratch.hash_stages) {

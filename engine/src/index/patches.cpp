@@ -1,0 +1,258 @@
+#include "index/patches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+#include "base/parallel_sort.h"
+#include "index/spatial_code.h"
+#include "index/sphere_tree.h"
+#include "model/corners.h"
+
+namespace lumbrical {
+namespace {
+
+// [R] Longest step of a lattice at a precision of 1e-4 of the hand's force, for the last phalanx of a finger,
+// which often is alone in touching, and for the others, whose errors average out. Measured:
+// bench/precision_errors, docs/mechanics.md. The error falls with the step's fourth power.
+constexpr double kTipStep = 0.20, kStep = 0.45;
+
+// A triangle cut into more than the square of this is left to the exact rung.
+constexpr std::uint32_t kMostCuts = 16;
+
+// Patches there may be beside one per triangle: about a quarter of a gigabyte.
+constexpr std::size_t kSparePatches = std::size_t{1} << 22;
+
+constexpr std::size_t kPiece = 4096;  // triangles or patches, the least that is worth another thread
+
+double step_of(const Hand& hand, const Settings& settings, std::size_t segment) {
+  const double share = std::sqrt(std::sqrt(settings.precision[segment] / 1e-4));
+  if (segment == kPalmSegment) return kStep * share * 0.5 * hand.palm.thickness;
+  const auto [base, tip] = kPhalanxJoints[segment];
+  return (segment % 3 == 2 ? kTipStep : kStep) * share * min(hand.radius[base], hand.radius[tip]);
+}
+
+std::size_t class_for(double steps) {
+  std::size_t k = 0;
+  while (k + 1 < kPatchSizes && kLatticeSteps[k] < steps) ++k;
+  return k;
+}
+
+// [m] The longest edge, but for slivers: of those many lie side by side, and their errors average out.
+double size_of(const Corners& at) {
+  const Vec3 ab = at.b - at.a, ac = at.c - at.a, bc = at.c - at.b;
+  const double longest = std::sqrt(max(dot(ab, ab), max(dot(ac, ac), dot(bc, bc))));
+  const double width = std::sqrt(2 * norm(cross(ab, ac)));
+  return std::sqrt(longest * width);
+}
+
+// Into how many rows a triangle is cut.
+std::uint32_t cuts_of(const Corners& at, double step) {
+  const double cuts = std::ceil(size_of(at) / (step * kLatticeSteps.back()));
+  return static_cast<std::uint32_t>(clamp(cuts, 1, 1e6));
+}
+
+bool has_area(const Corners& at) {
+  const double area = norm(cross(at.b - at.a, at.c - at.a));
+  return area > 0 && is_finite(area);
+}
+
+// Part `part` of `cuts` squared: rows parallel to the edge across from the first corner, from there on.
+Corners part_of(const Corners& at, std::uint32_t cuts, std::uint32_t part) {
+  std::uint32_t row = 0;
+  while ((row + 1) * (row + 1) <= part) ++row;
+  const std::uint32_t place = part - row * row, across = place / 2;
+  const bool upside_down = place % 2 != 0;
+  const double i = row - across, j = across + (upside_down ? 1 : 0),
+               share = (upside_down ? -1.0 : 1.0) / cuts;
+  const Vec3 ab = at.b - at.a, ac = at.c - at.a;
+  const Vec3 corner = at.a + (i / cuts) * ab + (j / cuts) * ac;
+  return {corner, corner + share * ab, corner + share * ac};
+}
+
+/// What becomes of the triangles.
+struct Cutting {
+  double step = 0;  // [m] the finest there is
+  std::uint32_t most_cuts = kMostCuts;
+  std::vector<std::uint32_t> owner;  // of each patch
+  std::vector<std::uint8_t> part;    // of each patch; empty where no triangle is cut
+};
+
+std::size_t count_patches(const Triangles& triangles, double step, std::uint32_t most_cuts,
+                          std::size_t threads) {
+  std::vector<std::size_t> counts(piece_count(triangles.size(), kPiece));
+  parallel_pieces(triangles.size(), kPiece, threads,
+                  [&](std::size_t piece, std::size_t first, std::size_t last) {
+                    std::size_t count = 0;
+                    for (std::size_t i = first; i < last; ++i) {
+                      const Corners at = corners_of(triangles, static_cast<std::uint32_t>(i));
+                      const std::uint32_t cuts = cuts_of(at, step);
+                      if (cuts <= most_cuts && has_area(at)) count += std::size_t{cuts} * cuts;
+                    }
+                    counts[piece] = count;
+                  });
+  std::size_t total = 0;
+  for (const std::size_t count : counts) total += count;
+  return total;
+}
+
+// The largest triangles go to the exact rung where patches would take too much memory.
+Cutting cut_triangles(const Triangles& triangles, double step, const Execution& execution, Patches& patches) {
+  Cutting cutting;
+  cutting.step = step;
+  std::size_t total = count_patches(triangles, step, cutting.most_cuts, execution.threads);
+  while (cutting.most_cuts > 1 && total > triangles.size() + kSparePatches) {
+    cutting.most_cuts /= 2;
+    total = count_patches(triangles, step, cutting.most_cuts, execution.threads);
+  }
+  cutting.owner.reserve(total);
+  if (total > triangles.size()) cutting.part.reserve(total);
+  patches.is_sampled.resize(piece_count(triangles.size(), 64));
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    const Corners at = corners_of(triangles, i);
+    const std::uint32_t cuts = cuts_of(at, step);
+    if (cuts > cutting.most_cuts) {
+      patches.exact.push_back(i);
+      continue;
+    }
+    patches.is_sampled[i / 64] |= std::uint64_t{1} << i % 64;
+    if (!has_area(at)) continue;
+    for (std::uint32_t part = 0; part < cuts * cuts; ++part) {
+      cutting.owner.push_back(i);
+      if (total > triangles.size()) cutting.part.push_back(static_cast<std::uint8_t>(part));
+    }
+  }
+  return cutting;
+}
+
+struct Patch {
+  Corners at;
+  std::uint32_t owner;
+  std::size_t size;
+};
+
+Patch patch_of(const Triangles& triangles, const Cutting& cutting, std::uint32_t number) {
+  const std::uint32_t owner = cutting.owner[number];
+  const Corners whole = corners_of(triangles, owner);
+  const std::uint32_t cuts = cuts_of(whole, cutting.step);
+  const Corners at =
+      cuts == 1 ? whole : part_of(whole, cuts, cutting.part.empty() ? 0u : cutting.part[number]);
+  return {at, owner, class_for(size_of(whole) / (cutting.step * cuts))};
+}
+
+Sphere sphere_round(const Corners& at, Vec3 origin) {
+  const Vec3 a = at.a - origin, ab = at.b - at.a, ac = at.c - at.a, from_centre = (ab + ac) / 3.0;
+  const Vec3 b = ab - from_centre, c = ac - from_centre;
+  return {a + from_centre, std::sqrt(max(dot(from_centre, from_centre), max(dot(b, b), dot(c, c))))};
+}
+
+void put_patch(const Patch& patch, std::size_t lane, PatchBlock& block) {
+  const double corner[3] = {patch.at.a.x, patch.at.a.y, patch.at.a.z};
+  const Vec3 edge[2] = {patch.at.b - patch.at.a, patch.at.c - patch.at.a};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto [high, low] = split_number(corner[axis]);
+    block.corner[0][axis][lane] = high;
+    block.corner[1][axis][lane] = low;
+  }
+  for (std::size_t k = 0; k < 2; ++k) {
+    block.edge[k][0][lane] = static_cast<float>(edge[k].x);
+    block.edge[k][1][lane] = static_cast<float>(edge[k].y);
+    block.edge[k][2][lane] = static_cast<float>(edge[k].z);
+  }
+  block.radius[lane] = static_cast<float>((1 + 1e-6) * sphere_round(patch.at, patch.at.a).radius);
+  block.owner[lane] = patch.owner;
+  block.size[lane] = static_cast<std::uint8_t>(patch.size);
+}
+
+// An empty place lies where its block does.
+void put_nothing(std::size_t lane, PatchBlock& block) {
+  for (auto& part : block.corner) {
+    for (auto& row : part) row[lane] = row[0];
+  }
+  for (auto& edge : block.edge) {
+    for (auto& row : edge) row[lane] = 0;
+  }
+  block.radius[lane] = -1;
+  block.owner[lane] = block.owner[0];
+  block.size[lane] = 0;
+}
+
+Sphere bound_of(std::span<const Sphere> spheres) {
+  Box box;
+  for (const Sphere& sphere : spheres) box.add(sphere.centre, sphere.radius);
+  Sphere bound{box.middle(), 0};
+  for (const Sphere& sphere : spheres)
+    bound.radius = max(bound.radius, norm(sphere.centre - bound.centre) + sphere.radius);
+  return bound;
+}
+
+Box box_of(const Triangles& triangles) {
+  Box box;
+  for (std::size_t i = 0; i < triangles.x.size(); ++i)
+    box.add({triangles.x[i], triangles.y[i], triangles.z[i]});
+  return box;
+}
+
+void put_blocks(const Triangles& triangles, const Cutting& cutting, const Execution& execution,
+                Patches& patches) {
+  constexpr std::uint32_t kWidth = PatchBlock::kWidth;
+  const Box box = box_of(triangles);
+  const Vec3 origin = box.middle();
+  std::vector<std::uint32_t> order(cutting.owner.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+  const SpatialCode code({box.lower - origin, box.upper - origin});
+  sort_by_code(order, code.bits(), kWidth, execution.threads, [&](std::uint32_t number) {
+    return code(sphere_round(patch_of(triangles, cutting, number).at, origin).centre);
+  });
+  std::vector<PatchBlock> blocks(piece_count(order.size(), kWidth));
+  std::vector<Sphere> leaves(blocks.size());
+  parallel_pieces(blocks.size(), kPiece / kWidth, execution.threads,
+                  [&](std::size_t, std::size_t first, std::size_t last) {
+                    for (std::size_t i = first; i < last; ++i) {
+                      const std::size_t begin = i * kWidth,
+                                        count = std::min<std::size_t>(kWidth, order.size() - begin);
+                      std::array<Sphere, kWidth> spheres;
+                      for (std::size_t lane = 0; lane < kWidth; ++lane) {
+                        if (lane >= count) {
+                          put_nothing(lane, blocks[i]);
+                          continue;
+                        }
+                        const Patch patch = patch_of(triangles, cutting, order[begin + lane]);
+                        put_patch(patch, lane, blocks[i]);
+                        spheres[lane] = sphere_round(patch.at, origin);
+                      }
+                      leaves[i] = bound_of({spheres.data(), count});
+                    }
+                  });
+  patches.block = std::move(blocks);
+  patches.tree = build_levels(std::move(leaves), origin, execution);
+}
+
+}  // namespace
+
+bool is_sampled(const Settings& settings, std::size_t segment) {
+  return settings.law[segment] == Law::field && settings.precision[segment] > 0;
+}
+
+std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& settings,
+                                             const Triangles& triangles, const Execution& execution) {
+  double finest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    if (is_sampled(settings, i)) finest = min(finest, step_of(hand, settings, i));
+  }
+  if (!is_finite(finest)) return nullptr;
+  auto patches = std::make_shared<Patches>();
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    if (!is_sampled(settings, i)) continue;
+    patches->step[i] = step_of(hand, settings, i);
+    const double share = finest / patches->step[i];
+    for (std::size_t k = 0; k < kPatchSizes; ++k)
+      patches->steps[i][k] = kLatticeSteps[class_for(share * kLatticeSteps[k])];
+  }
+  const Cutting cutting = cut_triangles(triangles, finest, execution, *patches);
+  put_blocks(triangles, cutting, execution, *patches);
+  return patches;
+}
+
+}  // namespace lumbrical

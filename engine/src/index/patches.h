@@ -1,0 +1,62 @@
+// The world as the rungs of samples see it: its triangles, the larger ones cut into patches, each with a
+// fixed lattice of sample points (lattice.h). What is cut how finely depends on the mesh, the hand's radii
+// and the precision asked for, never on a pose.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "lumbrical/model.h"
+
+namespace lumbrical {
+
+/// How many steps a lattice has along an edge, by the class of the patch's size.
+inline constexpr std::array<std::uint8_t, 6> kLatticeSteps = {1, 2, 3, 4, 6, 8};
+inline constexpr std::size_t kPatchSizes = kLatticeSteps.size();
+
+/// Sixteen patches that lie side by side.
+struct alignas(64) PatchBlock {
+  static constexpr std::uint32_t kWidth = 16;
+  float corner[2][3][kWidth];   ///< [m] W, the first: rounded, and what rounding left out
+  float edge[2][3][kWidth];     ///< [m] from it to the second and to the third
+  float radius[kWidth];         ///< [m] of the sphere about the centroid; negative: an empty place
+  std::uint32_t owner[kWidth];  ///< the triangle it is a part of
+  std::uint8_t size[kWidth];    ///< its class
+};
+
+/// A coordinate as two numbers in single precision: differences of such lose nothing a kernel could tell.
+struct SplitNumber {
+  float high, low;
+};
+inline SplitNumber split_number(double x) {
+  const auto high = static_cast<float>(x);
+  return {high, static_cast<float>(x - high)};
+}
+
+struct Patches {
+  /// Steps of the lattice that a hand segment has in a patch of a class.
+  std::array<std::array<std::uint8_t, kPatchSizes>, kSegmentCount> steps{};
+  std::array<double, kSegmentCount> step{};  ///< [m] no cell of the segment's lattices is wider
+  SphereTree tree;                           ///< of spheres round the blocks, without triangles
+  SharedArray<PatchBlock> block;             ///< in the order of the tree's leaves
+  std::vector<std::uint64_t> is_sampled;     ///< a bit per triangle; the others are left to the exact rung
+  std::vector<std::uint32_t> exact;          ///< those, ascending
+};
+
+/// Which bodies of the hand are felt by samples: those of which every segment follows the field law with a
+/// precision above 0.
+bool is_sampled(const Settings& settings, std::size_t segment);
+
+/// The patches of a world for a hand; null where no segment is felt by samples. On `execution.threads`
+/// threads, with the same result for any number of them.
+std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& settings,
+                                             const Triangles& triangles, const Execution& execution);
+
+inline bool is_sampled(const Patches& patches, std::uint32_t triangle) {
+  return (patches.is_sampled[triangle / 64] >> triangle % 64 & 1) != 0;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,117 @@
+#include "samples/bodies.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "model/primitive.h"
+
+namespace lumbrical {
+namespace {
+
+void put(Vec3 v, float (&to)[3]) {
+  to[0] = static_cast<float>(v.x);
+  to[1] = static_cast<float>(v.y);
+  to[2] = static_cast<float>(v.z);
+}
+
+Vec3 across(Vec3 axis) {
+  return unit_or(cross(axis, std::fabs(axis.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}), {0, 0, 1});
+}
+
+// The phalanx from its larger sphere; true where that is the outer one. One that lies inside the other's
+// sphere, or has no length, is that sphere.
+bool set_tile(const Primitive& phalanx, Vec3 direction, Vec3 origin, TileFrame& tile) {
+  Vec3 from = phalanx.end1, to = phalanx.end2, axis = direction;
+  double radius = phalanx.radius1, end_radius = phalanx.radius2;
+  const bool turned = end_radius > radius;
+  if (turned) {
+    std::swap(from, to);
+    std::swap(radius, end_radius);
+    axis = -axis;
+  }
+  double length = norm(to - from);
+  if (!(length > radius - end_radius)) {
+    length = 0;
+    end_radius = radius;
+  }
+  axis = unit_or(axis, {1, 0, 0});
+  const Vec3 side = across(axis);
+  const double sine = length > 0 ? (radius - end_radius) / length : 0, cosine2 = (1 - sine) * (1 + sine);
+  put(from - origin, tile.origin);
+  put(axis, tile.axis[0]);
+  put(side, tile.axis[1]);
+  put(cross(axis, side), tile.axis[2]);
+  tile.length = static_cast<float>(length);
+  tile.radius = static_cast<float>(radius);
+  tile.end_radius = static_cast<float>(end_radius);
+  tile.sine = static_cast<float>(sine);
+  tile.cosine = static_cast<float>(std::sqrt(cosine2));
+  tile.tangent2 = static_cast<float>(sine * sine / cosine2);
+  tile.cosine2 = static_cast<float>(cosine2);
+  return turned;
+}
+
+JointSides sides_of(const TileFrame& inner, bool inner_turned, const TileFrame& outer, bool outer_turned) {
+  return {inner_turned ? 1.0f : -1.0f, inner_turned ? 0.0f : inner.length, outer_turned ? -1.0f : 1.0f,
+          outer_turned ? outer.length : 0.0f};
+}
+
+// Phalanges `first` .. `last`, each beside the next.
+void set_finger(const Primitives& hand, std::size_t first, std::size_t last, const Patches& patches,
+                FingerBody& finger) {
+  finger.tile_count = last - first + 1;
+  finger.origin = hand.capsule[first + (last - first) / 2].end1;
+  finger.folded = finger.tile_count == FingerBody::kMostTiles && hand.folded[first / 3];
+  finger.widest_cell = 0;
+  bool turned[FingerBody::kMostTiles];
+  for (std::size_t k = 0; k < finger.tile_count; ++k) {
+    finger.segment[k] = static_cast<std::uint8_t>(first + k);
+    finger.widest_cell = static_cast<float>(max(finger.widest_cell, (1 + 1e-6) * patches.step[first + k]));
+    std::copy(patches.steps[first + k].begin(), patches.steps[first + k].end(), finger.steps[k]);
+    turned[k] = set_tile(hand.capsule[first + k], hand.direction[first + k], finger.origin, finger.tile[k]);
+    if (k > 0) finger.joint[k - 1] = sides_of(finger.tile[k - 1], turned[k - 1], finger.tile[k], turned[k]);
+  }
+}
+
+void set_palm(const SweptPolygon& polygon, const Patches& patches, PalmBody& palm) {
+  palm.corner_count = static_cast<std::size_t>(polygon.corner_count);
+  if (palm.corner_count == 0) return;
+  Vec3 middle;
+  for (std::size_t k = 0; k < palm.corner_count; ++k)
+    middle += polygon.corner[k] / static_cast<double>(palm.corner_count);
+  palm.origin = middle;
+  const Vec3 z = polygon.normal, y = polygon.outward[0], x = cross(y, z);
+  put(x, palm.axis[0]);
+  put(y, palm.axis[1]);
+  put(z, palm.axis[2]);
+  std::copy(patches.steps[kPalmSegment].begin(), patches.steps[kPalmSegment].end(), palm.steps);
+  palm.radius = static_cast<float>(polygon.radius);
+  for (std::size_t k = 0; k < palm.corner_count; ++k) {
+    const Vec3 from = polygon.corner[k] - middle,
+               edge = polygon.corner[(k + 1) % palm.corner_count] - polygon.corner[k];
+    palm.x[k] = static_cast<float>(dot(x, from));
+    palm.y[k] = static_cast<float>(dot(y, from));
+    palm.out_x[k] = static_cast<float>(dot(x, polygon.outward[k]));
+    palm.out_y[k] = static_cast<float>(dot(y, polygon.outward[k]));
+    palm.length[k] = static_cast<float>(norm(edge));
+  }
+}
+
+}  // namespace
+
+void set_bodies(const Primitives& hand, std::uint32_t segments, const Patches& patches, Bodies& bodies) {
+  bodies.finger_count = 0;
+  const auto takes_part = [&](std::size_t i) { return hand.present[i] && (segments >> i & 1u) != 0; };
+  for (std::size_t first = 0; first < kPhalanxCount;) {
+    std::size_t last = first;
+    while (last % 3 < 2 && takes_part(last) && takes_part(last + 1)) ++last;
+    if (takes_part(first)) set_finger(hand, first, last, patches, bodies.finger[bodies.finger_count++]);
+    first = last + 1;
+  }
+  bodies.palm.corner_count = 0;
+  if ((segments >> kPalmSegment & 1u) != 0 && hand.joints.has(kPalm))
+    set_palm(hand.core, patches, bodies.palm);
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,72 @@
+// The parts of a posed hand as the rungs of samples see them: fingers as chains of tiles, the palm as a swept
+// polygon, in single precision, each seen from an origin of its own near by.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "index/patches.h"
+#include "lumbrical/hand.h"
+#include "lumbrical/math.h"
+
+namespace lumbrical {
+
+struct Primitives;
+
+/// A phalanx: the hull of two spheres, along its axis t from the centre of the larger one. Its field is
+///   radius - |(t, rho)|                       before the larger sphere's rim,
+///   radius - sine t - cosine rho              on the side,
+///   end_radius - |(t - length, rho)|          beyond the smaller one's.
+struct TileFrame {
+  float origin[3];                   ///< [m] W, relative to the body's origin
+  float axis[3][3];                  ///< W, unit: along the axis, and two across
+  float length, radius, end_radius;  ///< [m]
+  float sine, cosine;                ///< of the side's slope
+  float tangent2, cosine2;           ///< sine^2 / cosine^2, cosine^2
+};
+
+/// What two neighbouring tiles are told apart by: how far along its own axis, away from the joint they share,
+/// the nearest part of each of them is.
+struct JointSides {
+  float inner_sign, inner_place;  ///< [m] of the joint on the inner tile's axis
+  float outer_sign, outer_place;  ///< [m] on the outer one's
+};
+
+/// Up to three phalanges that follow each other.
+struct FingerBody {
+  static constexpr std::size_t kMostTiles = 3;
+  std::size_t tile_count = 0;
+  std::uint8_t segment[kMostTiles] = {};
+  std::uint8_t steps[kMostTiles][kPatchSizes] = {};  ///< of each tile's lattice in a patch of a class
+  float widest_cell = 0;                             ///< [m] of the tiles' lattices
+  bool folded = false;                               ///< the first tile may meet the last
+  Vec3 origin;                                       ///< [m] W
+  TileFrame tile[kMostTiles] = {};
+  JointSides joint[kMostTiles - 1] = {};
+};
+
+/// The palm in the plane of its polygon: x and y in it, z towards the palmar side.
+struct PalmBody {
+  static constexpr std::size_t kMostCorners = 16;
+  std::size_t corner_count = 0;
+  Vec3 origin;       ///< [m] W
+  float axis[3][3];  ///< W, unit: x, y, z
+  float radius;      ///< [m]
+  std::uint8_t steps[kPatchSizes];
+  float x[kMostCorners], y[kMostCorners];          ///< [m] corners
+  float out_x[kMostCorners], out_y[kMostCorners];  ///< unit, away from the polygon across each edge
+  float length[kMostCorners];                      ///< [m] of each edge
+};
+
+/// All bodies of a hand that are felt by samples.
+struct Bodies {
+  static constexpr std::size_t kMostFingers = 2 * kFingerCount;  ///< a finger that lacks a phalanx is two
+  std::size_t finger_count = 0;
+  std::array<FingerBody, kMostFingers> finger;
+  PalmBody palm;
+};
+
+/// Sets the bodies of the segments whose bit is set in `segments`.
+void set_bodies(const Primitives& hand, std::uint32_t segments, const Patches& patches, Bodies& bodies);
+
+}  // namespace lumbrical

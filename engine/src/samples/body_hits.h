@@ -1,0 +1,66 @@
+// Which spheres of a tree a body may meet (sphere_hits.h): a finger's tiles at once, or the palm.
+#pragma once
+
+#include "lanes/sphere_hits.h"
+#include "samples/sample_kernels.h"
+
+namespace lumbrical::LUMBRICAL_ISA {
+
+inline void prefetch_block(const SphereBlock& block) {
+  for (const auto* row : {&block.x, &block.y, &block.z, &block.r}) __builtin_prefetch(row);
+}
+
+template <class V>
+std::size_t finger_hits(const SphereBlock* spheres, const SphereQuery* queries, std::size_t query_count,
+                        const std::uint32_t* blocks, std::size_t block_count, bool tiles,
+                        std::uint32_t* hits) {
+  constexpr std::size_t kAhead = 4;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < block_count; ++i) {
+    if (i + kAhead < block_count) prefetch_block(spheres[blocks[i + kAhead]]);
+    unsigned of[FingerBody::kMostTiles] = {0, 0, 0};
+    unsigned any = 0;
+    for (std::size_t k = 0; k < query_count; ++k) {
+      of[k] = hits_in_block<V>(spheres[blocks[i]], queries[k]);
+      any |= of[k];
+    }
+    const std::uint32_t first = blocks[i] * SphereBlock::kWidth;
+    for (; any != 0; any &= any - 1) {
+      const auto lane = static_cast<std::uint32_t>(__builtin_ctz(any));
+      const std::uint32_t by = (of[0] >> lane & 1u) | (of[1] >> lane & 1u) << 1 | (of[2] >> lane & 1u) << 2;
+      hits[count++] = tiles ? (first + lane) << 3 | by : first + lane;
+    }
+  }
+  return count;
+}
+
+template <class V>
+std::size_t palm_hits(const SphereBlock* spheres, const PalmQuery& palm, const std::uint32_t* blocks,
+                      std::size_t block_count, std::uint32_t* hits) {
+  constexpr std::size_t kAhead = 4;
+  const V zero = number<V>(0);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < block_count; ++i) {
+    if (i + kAhead < block_count) prefetch_block(spheres[blocks[i + kAhead]]);
+    const SphereBlock& block = spheres[blocks[i]];
+    for (unsigned lane = 0; lane < SphereBlock::kWidth;
+         lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
+      const V x = get(block.x.data() + lane, V{}), y = get(block.y.data() + lane, V{}),
+              z = get(block.z.data() + lane, V{});
+      const V reach = get(block.r.data() + lane, V{}) + V(palm.slack);
+      V farthest = number<V>(-1e30);
+      for (std::size_t k = 0; k < palm.plane_count; ++k) {
+        const float(&plane)[4] = palm.plane[k];
+        farthest = greater(farthest, V(plane[0]) * x + V(plane[1]) * y + V(plane[2]) * z + V(plane[3]));
+      }
+      for (unsigned bits = wide::bits_of(both(reach > zero, farthest <= reach), zero); bits != 0;
+           bits &= bits - 1) {
+        hits[count++] =
+            blocks[i] * SphereBlock::kWidth + lane + static_cast<std::uint32_t>(__builtin_ctz(bits));
+      }
+    }
+  }
+  return count;
+}
+
+}  // namespace lumbrical::LUMBRICAL_ISA

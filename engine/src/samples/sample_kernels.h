@@ -1,0 +1,113 @@
+// The kernels of the rungs of samples, one table per instruction set, every one with the same bits.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "index/patches.h"
+#include "lanes/sphere_query.h"
+#include "lumbrical/model.h"
+#include "samples/bodies.h"
+
+namespace lumbrical {
+
+/// What a body has to do with a patch, beside the patch's class; what decides which kernel takes it.
+namespace kind {
+/// The patch may meet tile j alone; of it only the side, or the sphere at one end.
+inline constexpr std::uint32_t kTile = 0, kSide = 3, kNearEnd = 6, kFarEnd = 9;
+/// The patch lies inside tile j and meets no other.
+inline constexpr std::uint32_t kInside = 12;
+/// Tiles 0 and 1 share it, 1 and 2, or all three.
+inline constexpr std::uint32_t kInnerJoint = 15, kOuterJoint = 16, kFinger = 17;
+/// On one side of the palm's polygon, above it; or anywhere about it.
+inline constexpr std::uint32_t kPalmSide = 18, kPalm = 19;
+inline constexpr std::uint32_t kCount = 20;
+}  // namespace kind
+
+/// What of a tile a kernel needs to know.
+enum class TilePart : std::uint8_t { whole, side, near_end, far_end };
+
+/// A patch found near a body.
+struct FoundPatch {
+  std::uint32_t key;    ///< class * kind::kCount + kind
+  std::uint32_t place;  ///< of the patch: 16 times its block plus the lane
+};
+inline constexpr std::size_t kKeyCount = kind::kCount * kPatchSizes;
+
+/// Patches of one kind, for a kernel.
+struct PatchList {
+  const PatchBlock* blocks;
+  const std::uint32_t* places;
+  std::size_t count;
+  Vec3 origin;  ///< [m] W, of the body
+};
+
+/// Sums over patches of a tile's (or the palm's) share of phi n dA, twice, and of its moments, in its frame:
+/// x y z and moments about its origin, in sixteen lanes. [m^3], [m^4]
+///
+/// What is added is first rounded to a multiple of a quantum, so adding is exact as long as sums stay below
+/// 2^51 of them, and the order does not matter.
+struct BodySums {
+  alignas(64) double lane[6][PatchBlock::kWidth] = {};
+  double force_quantum = 0, moment_quantum = 0;  ///< [m^3], [m^4], powers of two
+};
+
+/// The palm as sphere trees see it: planes `normal . p + offset` that are at most 0 in its skin's convex
+/// hull, relative to the tree's origin, in single precision.
+struct PalmQuery {
+  std::size_t plane_count = 0;
+  float plane[PalmBody::kMostCorners + 2][4];  ///< unit normal, offset [m]
+  float slack;                                 ///< [m] what rounding may take away
+};
+
+struct SampleKernels {
+  /// Writes which of the blocks (place << 3, plus a bit per tile that the block's sphere may reach) hold
+  /// patches that the finger may meet, and in what way; returns how many.
+  std::size_t (*classify_finger)(const PatchBlock* blocks, const FingerBody& finger,
+                                 const std::uint32_t* found, std::size_t count, FoundPatch* patches);
+  std::size_t (*classify_palm)(const PatchBlock* blocks, const PalmBody& palm, const std::uint32_t* found,
+                               std::size_t count, FoundPatch* patches);
+  // Kernels add to sums and return how many of the patches they found touched.
+  /// One tile, by a lattice of `steps`.
+  std::uint32_t (*tile_lattice)(const PatchList& patches, const TileFrame& tile, TilePart part,
+                                std::size_t steps, BodySums& sums);
+  /// Two neighbouring tiles, or all three, and how they share; only tiles of `wanted` bits are added.
+  std::uint32_t (*joint_lattice)(const PatchList& patches, const TileFrame* tiles, const JointSides* joints,
+                                 std::size_t steps, unsigned wanted, BodySums* sums);
+  std::uint32_t (*finger_lattice)(const PatchList& patches, const TileFrame* tiles, const JointSides* joints,
+                                  bool folded, std::size_t steps, unsigned wanted, BodySums* sums);
+  /// Patches inside one tile, by a rule of quadrature (triangle_rules.h).
+  std::uint32_t (*tile_rule)(const PatchList& patches, const TileFrame& tile, std::size_t rule,
+                             BodySums& sums);
+  std::uint32_t (*palm_side)(const PatchList& patches, const PalmBody& palm, BodySums& sums);
+  std::uint32_t (*palm_lattice)(const PatchList& patches, const PalmBody& palm, std::size_t steps,
+                                BodySums& sums);
+  /// Which spheres of the blocks the tree's query meets, as sphere_hits does, for up to three queries: the
+  /// places, or (`tiles`) places << 3 plus a bit per query.
+  std::size_t (*finger_hits)(const SphereBlock* spheres, const SphereQuery* queries, std::size_t query_count,
+                             const std::uint32_t* blocks, std::size_t block_count, bool tiles,
+                             std::uint32_t* hits);
+  std::size_t (*palm_hits)(const SphereBlock* spheres, const PalmQuery& query, const std::uint32_t* blocks,
+                           std::size_t block_count, std::uint32_t* hits);
+};
+
+namespace scalar {
+extern const SampleKernels kSampleKernels;
+}
+namespace sse2 {
+extern const SampleKernels kSampleKernels;
+}
+namespace avx2 {
+extern const SampleKernels kSampleKernels;
+}
+namespace avx512 {
+extern const SampleKernels kSampleKernels;
+}
+namespace neon {
+extern const SampleKernels kSampleKernels;
+}
+
+/// The table of an instruction set that is available.
+const SampleKernels& sample_kernels(Isa isa);
+
+}  // namespace lumbrical

@@ -1,0 +1,39 @@
+// The narrowphase of the rungs of samples: from a posed hand to the wrench of every segment, in a few passes
+// over arrays. Search the blocks near every body; classify their patches; put them in order of kind and size;
+// sixteen at a time, gather, kernel, sum.
+//
+// Sums do not care for their order: every number that enters one is first rounded to a multiple of a fixed
+// quantum, so that adding is exact, whatever found a patch and on however many threads.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lumbrical/model.h"
+#include "samples/sample_kernels.h"
+
+namespace lumbrical {
+
+struct Primitives;
+
+/// Working memory, sized once for a model.
+struct SampleMemory {
+  Bodies bodies;
+  std::array<std::vector<std::uint32_t>, 2> frontier;  ///< of the search
+  std::vector<FoundPatch> found;                       ///< patches near the bodies, body by body
+  std::vector<std::uint32_t> ordered;                  ///< their places, by kind and size within a body
+};
+
+/// What the sampled segments feel, before limits.
+struct SampledForces {
+  std::array<Wrench, kSegmentCount> segment{};  ///< [N], [N m] about the joint at the segment's base
+  std::uint32_t contact_count = 0;              ///< pairs of a body and a patch it touches
+};
+
+void size_samples(const Model& model, SampleMemory& memory);
+
+/// False where more patches are near than there is room for (Settings::max_candidates).
+bool sample_forces(const Model& model, const Primitives& hand, SampleMemory& memory, SampledForces& forces);
+
+}  // namespace lumbrical
