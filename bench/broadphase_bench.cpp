@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "../tests/pressed_hand.h"
+#include "pressed_hand.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "../tests/pressed_hand.h"
+#include "pressed_hand.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 

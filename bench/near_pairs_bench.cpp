@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "../tests/pressed_hand.h"
+#include "pressed_hand.h"
 #include "lanes/near_pairs.h"
 #include "stages/broadphase.h"
 #include "stages/hand_pose.h"

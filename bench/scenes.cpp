@@ -5,7 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "../tests/random.h"
+#include "random.h"
 #include "lumbrical/shapes.h"
 
 namespace lumbrical::bench {

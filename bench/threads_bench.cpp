@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "../tests/pressed_hand.h"
-#include "../tests/session.h"
+#include "pressed_hand.h"
+#include "session.h"
 #include "lumbrical/batch.h"
 #include "stages/broadphase.h"
 #include "stages/hand_pose.h"

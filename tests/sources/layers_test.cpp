@@ -18,8 +18,8 @@ enum class Layer { base, model, motion, kernels, stages, engine, device, session
 
 struct Rule {
   Layer layer;
-  const char* folder;
-  const char* names;  // of files without suffix; * at the end stands for anything
+  const char* folder;  // "folder/*" stands for every folder in it
+  const char* names;   // of files without suffix; * at the end stands for anything
 };
 
 const Rule kRules[] = {
@@ -56,10 +56,7 @@ const Rule kRules[] = {
 
     {Layer::program, "tools/lumbrical", "*"},
     {Layer::program, "examples", "*"},
-    {Layer::test, "tests", "*"},
-    {Layer::test, "tests/reference", "*"},
-    {Layer::test, "tests/golden", "*"},
-    {Layer::test, "tests/fuzz", "*"},
+    {Layer::test, "tests/*", "*"},
     {Layer::test, "bench", "*"},
 };
 
@@ -127,8 +124,13 @@ bool matches(const std::string& text, const char* pattern) {
   return std::regex_match(text, std::regex(pattern));
 }
 
+bool in_folder(const fs::path& folder, const fs::path& path) {
+  if (folder.filename() == "*") return path.parent_path().parent_path() == folder.parent_path();
+  return path.parent_path() == folder;
+}
+
 bool named_by(const Rule& rule, const fs::path& path) {
-  if (path.parent_path() != rule.folder) return false;
+  if (!in_folder(rule.folder, path)) return false;
   const std::string stem = path.stem().string();
   std::istringstream names(rule.names);
   for (std::string name; names >> name;) {
@@ -166,8 +168,8 @@ std::vector<Include> includes_of(const fs::path& file) {
 // The path from the source root of a header of ours; empty for generated ones.
 std::string resolve(const std::string& name, const std::string& includer, const fs::path& root) {
   const std::string beside = (fs::path(includer).parent_path() / name).lexically_normal().generic_string();
-  for (const std::string& path :
-       {beside, "engine/include/" + name, "engine/src/" + name, "tests/" + name, "bench/" + name}) {
+  for (const std::string& path : {beside, "engine/include/" + name, "engine/src/" + name,
+                                  "tests/support/" + name, "tests/" + name, "bench/" + name}) {
     if (fs::exists(root / path)) return path;
   }
   return {};
