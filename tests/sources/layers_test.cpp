@@ -114,7 +114,7 @@ const Outside kOutside[] = {
     {"modbus/.*", "engine/src/modbus/modbus_link[.]cpp"},
     {"(poll|sched|pthread|termios|errno|time|arpa/\\w+|netinet/\\w+)[.]h",
      "(engine/src/modbus/modbus_\\w+[.]cpp|tools/.*|tests/.*)"},
-    {"CLI/.*", "tools/.*"},
+    {"CLI/.*", "tools/lumbrical/command_line[.]cpp"},
     {"(gtest|boost)/.*", "tests/.*"},
     {"benchmark/.*", "bench/.*"},
     {"(btBulletCollisionCommon[.]h|fcl/.*|ode/ode[.]h|embree3/.*)", "bench/peer_\\w+[.]cpp"},
