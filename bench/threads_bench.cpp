@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "lumbrical/batch.h"
 #include "pressed_hand.h"
 #include "session.h"
-#include "lumbrical/batch.h"
 #include "stages/broadphase.h"
 #include "stages/hand_pose.h"
 #include "stages/narrowphase.h"

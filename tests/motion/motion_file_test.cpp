@@ -112,7 +112,7 @@ class RealCapture : public ::testing::TestWithParam<Capture> {};
 TEST_P(RealCapture, LoadsAsAPlausibleHand) {
   const Capture& expected = GetParam();
   const std::string path = (data_folder() / "hands" / expected.file).string();
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "The real captures are not here: " << path;
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no real capture at " << path << "; set LUMBRICAL_DATA";
   Motion motion;
   const Status status = load_motion(path, {}, motion);
   ASSERT_TRUE(status.ok()) << status.message();
@@ -143,10 +143,10 @@ TEST_P(RealCapture, LoadsAsAPlausibleHand) {
 }
 
 // The file's name as a test's name.
-std::string test_name(const ::testing::TestParamInfo<Capture>& capture) {
-  std::string name = capture.param.file;
+void PrintTo(const Capture& capture, std::ostream* out) {
+  std::string name = capture.file;
   std::replace(name.begin(), name.end(), '.', '_');
-  return name;
+  *out << name;
 }
 
 INSTANTIATE_TEST_SUITE_P(MotionFile, RealCapture,
@@ -157,7 +157,7 @@ INSTANTIATE_TEST_SUITE_P(MotionFile, RealCapture,
                                            Capture{"leap_pinch.json", "leapjs", Side::right, 133, 2.35, 2.36},
                                            Capture{"video_joints_right.csv", "landmarks", Side::right, 621,
                                                    20.6, 20.7}),
-                         test_name);
+                         testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace lumbrical::test

@@ -8,6 +8,7 @@
 
 #include "lumbrical/motion.h"
 #include "model/hand_from_positions.h"
+#include "names.h"
 
 namespace lumbrical::test {
 

@@ -343,6 +343,10 @@ struct Grip {
   Side side;
   double hand_length, radius, height;  // [m]
 };
+void PrintTo(const Grip& grip, std::ostream* out) {
+  *out << (grip.side == Side::right ? "right" : "left") << "_hand_of_" << std::lround(1000 * grip.hand_length)
+       << "_radius_" << std::lround(1000 * grip.radius) << "_height_" << std::lround(1000 * grip.height);
+}
 
 struct Depth {
   double deepest = -1;  // [m] of the skin inside the surface; negative outside
@@ -411,7 +415,8 @@ INSTANTIATE_TEST_SUITE_P(MakeGrasp, Grasp,
                                            Grip{Side::right, 0.19, 0.025, 0.12},
                                            Grip{Side::right, 0.19, 0.05, 0.12},
                                            Grip{Side::right, 0.17, 0.037, 0.12},
-                                           Grip{Side::left, 0.21, 0.045, 0.14}));
+                                           Grip{Side::left, 0.21, 0.045, 0.14}),
+                         testing::PrintToStringParamName());
 
 TEST(MakeGrasp, IsSampledAtAHundredHertzForTheTimeAskedFor) {
   const Hand hand = default_hand(Side::right);

@@ -318,9 +318,7 @@ TEST(ConeSlivers, NextToTheAxisAgreeWithTheReference) {
 
 INSTANTIATE_TEST_SUITE_P(Forms, ContactAgainstReference,
                          testing::Values(Form::sphere, Form::cylinder, Form::capsule, Form::cone),
-                         [](const auto& form) {
-                           return std::string(test::kFormNames[static_cast<int>(form.param)]);
-                         });
+                         testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace lumbrical

@@ -23,6 +23,7 @@ struct HardPair {
   std::string name;
   Pair pair;
 };
+void PrintTo(const HardPair& hard, std::ostream* out) { *out << hard.name; }
 
 using Corners = std::array<Vec3, 3>;
 const Corners kCovering = {Vec3{-0.21, -0.13, 0}, {0.2, -0.17, 0}, {0.03, 0.24, 0}};
@@ -209,8 +210,7 @@ TEST_P(HardPairs, AgreeWithFiftyDigits) {
   expect_engine(pair, Law::column, cone ? 1e-3 : 1e-6, exact);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, HardPairs, testing::ValuesIn(hard_pairs()),
-                         [](const auto& one) { return one.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, HardPairs, testing::ValuesIn(hard_pairs()), testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace lumbrical

@@ -17,8 +17,7 @@
 namespace lumbrical {
 namespace {
 
-using test::Form;
-constexpr const char* kFormNames[] = {"sphere", "capsule", "cone"};
+using test::TouchForm;
 
 struct Differences {
   std::vector<double> sorted;
@@ -37,7 +36,7 @@ Matrix6 reference(const test::RandomTouch& touch, const Real& step, int nodes) {
 // Differences to `measure`, of the touches where the reference agrees with itself: its rays don't like
 // slivers and axes that graze the plane.
 template <class Measure>
-Differences compare(Form form, int pairs, double doubt, std::uint64_t seed, Measure measure) {
+Differences compare(TouchForm form, int pairs, double doubt, std::uint64_t seed, Measure measure) {
   test::Random random(seed + static_cast<std::uint64_t>(form));
   Differences result;
   for (int i = 0; static_cast<int>(result.sorted.size()) < pairs && result.doubtful <= pairs; ++i) {
@@ -61,14 +60,14 @@ int pair_count(int otherwise) {
   return pairs == nullptr ? otherwise : std::max(3, std::atoi(pairs));
 }
 
-void report(const char* what, Form form, const Differences& differences) {
+void report(const char* what, TouchForm form, const Differences& differences) {
   if (std::getenv("LUMBRICAL_REFERENCE_PAIRS") == nullptr) return;
   std::printf("%s, %s: median %.1e, 98 %% %.1e, worst %.1e of %zu, %d left out\n", what,
-              kFormNames[static_cast<int>(form)], differences.at(0.5), differences.at(0.98),
+              test::kTouchFormNames[static_cast<int>(form)], differences.at(0.5), differences.at(0.98),
               differences.at(1), differences.sorted.size(), differences.doubtful);
 }
 
-class JacobianReference : public testing::TestWithParam<Form> {};
+class JacobianReference : public testing::TestWithParam<TouchForm> {};
 
 TEST_P(JacobianReference, AgreesWithDifferencesInLongDouble) {
   const int pairs = pair_count(40);
@@ -91,10 +90,9 @@ TEST_P(JacobianReference, AgreesWithDifferencesInThirtyFourDigits) {
   EXPECT_LT(differences.at(1), 1e-9);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, JacobianReference, testing::Values(Form::sphere, Form::capsule, Form::cone),
-                         [](const auto& form) {
-                           return std::string(kFormNames[static_cast<int>(form.param)]);
-                         });
+INSTANTIATE_TEST_SUITE_P(Shapes, JacobianReference,
+                         testing::Values(TouchForm::sphere, TouchForm::capsule, TouchForm::cone),
+                         testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace lumbrical

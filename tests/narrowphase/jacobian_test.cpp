@@ -21,9 +21,9 @@ namespace {
 
 using test::blocks;
 using test::difference;
-using test::Form;
 using test::kAxes;
 using test::times;
+using test::TouchForm;
 using test::turn_about;
 constexpr double kPi = std::numbers::pi;
 
@@ -150,7 +150,7 @@ TEST(Jacobian, AgreesWithDifferencesOfTheForce) {
   test::Random random(31);
   std::vector<double> worst;
   for (int i = 0; i < 600; ++i) {
-    const test::RandomTouch touch = test::random_touch(static_cast<Form>(i % 3), i / 3 % 3, random);
+    const test::RandomTouch touch = test::random_touch(static_cast<TouchForm>(i % 3), i / 3 % 3, random);
     const Mesh triangle{{touch.corner.begin(), touch.corner.end()}, {{0, 1, 2}}};
     const Matrix6 ours = sum_over(triangle, touch.primitive, touch.joint, {});
     double best = 1e300;
@@ -172,7 +172,7 @@ TEST(Jacobian, AgreesWithDifferencesOfTheForce) {
 TEST(Jacobian, IsTheHessianOfAPotentialOverAClosedSurface) {
   test::Random random(21);
   const Mesh meshes[] = {make_box({0.02, 0.03, 0.025}, 3), make_sphere(0.015, 4)};
-  for (const Form form : {Form::sphere, Form::capsule, Form::cone}) {
+  for (const TouchForm form : {TouchForm::sphere, TouchForm::capsule, TouchForm::cone}) {
     for (int i = 0; i < 20; ++i) {
       const Mesh& mesh = meshes[i % 2];
       Primitive primitive = test::random_touch(form, 0, random).primitive;
@@ -208,7 +208,7 @@ TEST(Jacobian, IsTheHessianOfAPotentialOverAClosedSurface) {
 TEST(Jacobian, MovesWithTheWorld) {
   test::Random random(5);
   for (int i = 0; i < 150; ++i) {
-    const test::RandomTouch touch = test::random_touch(static_cast<Form>(i % 3), i / 3 % 3, random);
+    const test::RandomTouch touch = test::random_touch(static_cast<TouchForm>(i % 3), i / 3 % 3, random);
     const Pose X = random.pose(0.3);
     const Mesh triangle{{touch.corner.begin(), touch.corner.end()}, {{0, 1, 2}}};
     const Matrix6 here = sum_over(triangle, touch.primitive, touch.joint, {}),
@@ -220,7 +220,7 @@ TEST(Jacobian, MovesWithTheWorld) {
 TEST(Jacobian, DoesNotDependOnHowATriangleIsCut) {
   test::Random random(6);
   for (int i = 0; i < 60; ++i) {
-    const test::RandomTouch touch = test::random_touch(static_cast<Form>(i % 3), i / 3 % 3, random);
+    const test::RandomTouch touch = test::random_touch(static_cast<TouchForm>(i % 3), i / 3 % 3, random);
     const auto& [a, b, c] = touch.corner;
     const double s = random.between(0.1, 0.9);
     const Mesh whole{{a, b, c}, {{0, 1, 2}}};

@@ -10,7 +10,9 @@
 
 namespace lumbrical::test {
 
-enum class Form { sphere, capsule, cone };
+enum class TouchForm { sphere, capsule, cone };
+inline constexpr const char* kTouchFormNames[] = {"sphere", "capsule", "cone"};
+inline void PrintTo(TouchForm form, std::ostream* out) { *out << kTouchFormNames[static_cast<int>(form)]; }
 
 struct RandomTouch {
   Primitive primitive;
@@ -27,13 +29,14 @@ inline void add_random_cut(Vec3 point, Vec3 outward, Random& random, Primitive& 
 
 /// Radii of 4 to 12 mm, depths of a hundredth of the radius to the axis and beyond, triangles of a thirtieth
 /// to thirty radii, all angles.
-inline RandomTouch random_touch(Form form, int cut_count, Random& random) {
+inline RandomTouch random_touch(TouchForm form, int cut_count, Random& random) {
   for (;;) {
     RandomTouch touch;
     Primitive& primitive = touch.primitive;
     touch.radius = primitive.radius1 = primitive.radius2 = random.between(0.004, 0.012);
-    const double length = form == Form::sphere ? 0 : random.between(0.3, 4) * touch.radius;
-    if (form == Form::cone) primitive.radius2 -= random.between(0.05, 0.9) * std::min(length, touch.radius);
+    const double length = form == TouchForm::sphere ? 0 : random.between(0.3, 4) * touch.radius;
+    if (form == TouchForm::cone)
+      primitive.radius2 -= random.between(0.05, 0.9) * std::min(length, touch.radius);
     const Vec3 axis = random.direction();
     primitive.end2 = length * axis;
     if (random.bits() % 2 == 0) std::swap(primitive.radius1, primitive.radius2);

@@ -152,7 +152,8 @@ TEST_P(McapFile, KeepsToTheSpecification) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Compressions, McapFile,
-                         ::testing::Values(Compression::none, Compression::lz4, Compression::zstd));
+                         ::testing::Values(Compression::none, Compression::lz4, Compression::zstd),
+                         testing::PrintToStringParamName());
 
 // A file with one chunk record of our making behind a header.
 std::string file_with_chunk(const Chunk& chunk) {

@@ -1,7 +1,7 @@
 // Recordings read by the MCAP project's own JavaScript library (npm/read_recording.mjs), which shares no code
 // with ours.
 //
-// LUMBRICAL_NPM_FOLDER is a folder with the files of tests/npm in which `npm ci` has been run.
+// LUMBRICAL_NPM_FOLDER is a folder with the files of tests/recording/npm in which `npm ci` has been run.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -22,7 +22,7 @@ class NpmReader : public ::testing::TestWithParam<Compression> {
  protected:
   void SetUp() override {
     if (!std::filesystem::exists(LUMBRICAL_NPM_FOLDER "/node_modules/@mcap/core"))
-      GTEST_SKIP() << "run npm ci in " LUMBRICAL_NPM_FOLDER " first";
+      GTEST_SKIP() << "no @mcap/core; install nodejs and npm, then run the test npm.install";
   }
 
   /// Whether the library reads the file; what it found goes to `found`.
@@ -48,7 +48,8 @@ class NpmReader : public ::testing::TestWithParam<Compression> {
 };
 
 INSTANTIATE_TEST_SUITE_P(Compressions, NpmReader,
-                         ::testing::Values(Compression::none, Compression::lz4, Compression::zstd));
+                         ::testing::Values(Compression::none, Compression::lz4, Compression::zstd),
+                         testing::PrintToStringParamName());
 
 TEST_P(NpmReader, FindsEverythingByTheIndexAndAsAStream) {
   std::vector<TickRecord> records = random_records(700, 1);

@@ -206,7 +206,8 @@ TEST_P(Recording, BringsEveryTickBack) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Compressions, Recording,
-                         ::testing::Values(Compression::none, Compression::lz4, Compression::zstd));
+                         ::testing::Values(Compression::none, Compression::lz4, Compression::zstd),
+                         testing::PrintToStringParamName());
 
 TEST(RecordingReader, FindsAnyTick) {
   const std::string path = temporary_path("a.mcap");

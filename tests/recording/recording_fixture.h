@@ -20,6 +20,7 @@
 #include "flatbuffers/flatbuffers.h"
 #include "lumbrical/recording.h"
 #include "lumbrical/shapes.h"
+#include "names.h"
 #include "recording/mcap_reader.h"
 #include "recording/record_fields.h"
 #include "recording/recorder.h"

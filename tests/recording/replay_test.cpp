@@ -7,7 +7,8 @@ namespace lumbrical::test {
 namespace {
 
 class Replay : public TouchReplay {};
-INSTANTIATE_TEST_SUITE_P(Inputs, Replay, ::testing::Values(InputKind::joint_poses, InputKind::joint_angles));
+INSTANTIATE_TEST_SUITE_P(Inputs, Replay, ::testing::Values(InputKind::joint_poses, InputKind::joint_angles),
+                         testing::PrintToStringParamName());
 
 TEST_P(Replay, GivesEveryBitAgain) {
   std::uint64_t reported = 0;

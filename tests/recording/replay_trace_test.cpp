@@ -16,7 +16,8 @@ namespace {
 
 class ReplayTrace : public TouchReplay {};
 INSTANTIATE_TEST_SUITE_P(Inputs, ReplayTrace,
-                         ::testing::Values(InputKind::joint_poses, InputKind::joint_angles));
+                         ::testing::Values(InputKind::joint_poses, InputKind::joint_angles),
+                         testing::PrintToStringParamName());
 
 std::string without_comments(const std::string& path) {
   std::ifstream in(path);

@@ -9,7 +9,8 @@ namespace lumbrical::test {
 namespace {
 
 class WhatIf : public TouchReplay {};
-INSTANTIATE_TEST_SUITE_P(Inputs, WhatIf, ::testing::Values(InputKind::joint_poses, InputKind::joint_angles));
+INSTANTIATE_TEST_SUITE_P(Inputs, WhatIf, ::testing::Values(InputKind::joint_poses, InputKind::joint_angles),
+                         testing::PrintToStringParamName());
 
 TEST_P(WhatIf, FindsTheFirstTickThatChanges) {
   ReplayOptions law, stiffness;

@@ -182,9 +182,7 @@ TEST_P(ReferenceForm, InLongDoubleAgreesWithFiftyDigits) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Forms, ReferenceForm, testing::ValuesIn(kForms), [](const auto& form) {
-  return std::string(test::kFormNames[static_cast<int>(form.param)]);
-});
+INSTANTIATE_TEST_SUITE_P(Forms, ReferenceForm, testing::ValuesIn(kForms), testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace lumbrical

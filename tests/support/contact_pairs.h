@@ -20,6 +20,7 @@ inline constexpr double kPi = std::numbers::pi;
 
 enum class Form { sphere, cylinder, capsule, cone };
 inline constexpr const char* kFormNames[] = {"sphere", "cylinder", "capsule", "cone"};
+inline void PrintTo(Form form, std::ostream* out) { *out << kFormNames[static_cast<int>(form)]; }
 
 struct Pair {
   ProbePrimitive primitive;

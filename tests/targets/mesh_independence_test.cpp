@@ -15,6 +15,9 @@
 #include "random.h"
 
 namespace lumbrical::bench {
+
+inline void PrintTo(Cut cut, std::ostream* out) { *out << cut_name(cut); }
+
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -149,8 +152,7 @@ TEST_P(MeshIndependence, OfTheColumnLawIsSixDigitsForTaperedFingers) {
   EXPECT_LT(spread_over(GetParam(), Law::column, tapered_fingers()).force, 1e-6);
 }
 
-INSTANTIATE_TEST_SUITE_P(Cuts, MeshIndependence, testing::ValuesIn(kCuts),
-                         [](const auto& cut) { return std::string(cut_name(cut.param)); });
+INSTANTIATE_TEST_SUITE_P(Cuts, MeshIndependence, testing::ValuesIn(kCuts), testing::PrintToStringParamName());
 
 // Single primitives as `probe` poses them, the flat cylinder among them.
 TEST(MeshIndependence, HoldsForEverySinglePrimitive) {

@@ -23,6 +23,11 @@ struct Expected {
   Obstacle obstacle;
   double column, max_depth;
 };
+void PrintTo(const Expected& expected, std::ostream* out) {
+  std::string name = obstacle_name(expected.obstacle);
+  std::erase_if(name, [](char c) { return c == ' ' || c == ','; });
+  *out << name;
+}
 constexpr Expected kExpected[] = {
     {Obstacle::edge_30, 1.5e-3, 2.9e-3},         {Obstacle::edge_90, 1.2e-2, 1.8e-2},
     {Obstacle::edge_90_turning, 1.5e-2, 1.9e-2}, {Obstacle::hook_90, 1.0e-1, 9.7e-2},
@@ -49,11 +54,8 @@ TEST_P(ClosedLoop, CostsWorkUnderThePapersDepth) {
   EXPECT_LT(std::fabs(paper), 2 * GetParam().max_depth);
 }
 
-INSTANTIATE_TEST_SUITE_P(Obstacles, ClosedLoop, testing::ValuesIn(kExpected), [](const auto& expected) {
-  std::string name = obstacle_name(expected.param.obstacle);
-  std::erase_if(name, [](char c) { return c == ' ' || c == ','; });
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Obstacles, ClosedLoop, testing::ValuesIn(kExpected),
+                         testing::PrintToStringParamName());
 
 // The bound of the quadrature's error really is one: a finer quadrature moves the work by less.
 TEST(ClosedLoop, ErrorOfTheQuadratureIsBounded) {
