@@ -14,6 +14,7 @@
 
 #include "files.h"
 #include "simulated_wire.h"
+#include "terminals.h"
 
 namespace lumbrical {
 namespace {
@@ -76,7 +77,8 @@ std::uint16_t free_port() {
 TEST(ModbusPeers, PymodbusTakesOurCommands) {
   const std::string python =
       have("/usr/bin/python3 -c 'import pymodbus.server'") ? "/usr/bin/python3" : "python3";
-  if (!have(python + " -c 'import pymodbus.server'")) GTEST_SKIP() << "python3-pymodbus is not installed";
+  if (!have(python + " -c 'import pymodbus.server'"))
+    GTEST_SKIP() << "pymodbus is missing; install python3-pymodbus";
   const std::string script = test::fresh_folder().string() + "/server.py";
   std::ofstream(script) << kPymodbusServer;
   DeviceProfile profile = test::patient_profile();
@@ -97,7 +99,7 @@ TEST(ModbusPeers, PymodbusTakesOurCommands) {
 }
 
 TEST(ModbusPeers, MbpollReadsAndWritesOurDevice) {
-  if (!have("command -v mbpoll")) GTEST_SKIP() << "mbpoll is not installed";
+  if (!have("command -v mbpoll")) GTEST_SKIP() << "mbpoll is missing; install mbpoll";
   test::ServedDevice device(test::patient_profile());
   device.listen();
   const std::string poll = "mbpoll -m tcp -p " + std::to_string(device.port()) + " -a 1 -0 -1 -o 5 ";
@@ -111,7 +113,8 @@ TEST(ModbusPeers, MbpollReadsAndWritesOurDevice) {
 }
 
 TEST(ModbusPeers, AnRtuLoopRunsOverASocatPairOfTerminals) {
-  if (!have("command -v socat")) GTEST_SKIP() << "socat is not installed";
+  if (!have("command -v socat")) GTEST_SKIP() << "socat is missing; install socat";
+  if (!test::have_terminals()) GTEST_SKIP() << test::kNoTerminals;
   const std::string ours = test::fresh_folder().string() + "/ours",
                     theirs = test::fresh_folder().string() + "/theirs";
   std::filesystem::create_directories(std::filesystem::path(ours).parent_path());

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "simulated_wire.h"
+#include "terminals.h"
 
 namespace lumbrical {
 namespace {
@@ -298,6 +299,9 @@ TEST_F(ModbusLoop, SixteenAndThreeInThePlaceOfTwentyThree) {
 
 class SerialLoop : public ModbusLoop {
  protected:
+  void SetUp() override {
+    if (!test::have_terminals()) GTEST_SKIP() << test::kNoTerminals;
+  }
   void start_serial() {
     device.open_terminal();
     profile.transport.serial = true;

@@ -236,7 +236,8 @@ constexpr KnownMesh kKnown[] = {
 
 TEST(MeshReport, AgreesWithWhatIsKnownOfRealMeshes) {
   const std::filesystem::path folder = test::data_folder() / "meshes";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "The folder of real meshes is not there.";
+  if (!std::filesystem::exists(folder))
+    GTEST_SKIP() << "no real meshes at " << folder << "; set LUMBRICAL_DATA";
   for (const KnownMesh& known : kKnown) {
     SCOPED_TRACE(known.file);
     Mesh mesh;
@@ -257,7 +258,7 @@ TEST(MeshReport, AgreesWithWhatIsKnownOfRealMeshes) {
 
 TEST(MeshReport, RefusesTheRealGltfFileWithAdvice) {
   const std::filesystem::path file = test::data_folder() / "meshes" / "duck.glb";
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << "The folder of real meshes is not there.";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no real mesh at " << file << "; set LUMBRICAL_DATA";
   Mesh mesh;
   EXPECT_NE(load_mesh(file.string(), Unit::metre, mesh).message().find("glTF"), std::string::npos);
 }

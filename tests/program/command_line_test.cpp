@@ -284,13 +284,15 @@ TEST(CommandLine, NeitherThreadsNorBroadphaseChangeARecording) {
   EXPECT_EQ(shell("lumbrical diff a.mcap b.mcap", folder).exit_code, 0);
   EXPECT_EQ(shell("lumbrical diff a.mcap c.mcap", folder).exit_code, 0);
   EXPECT_EQ(shell("lumbrical diff a.mcap d.mcap", folder).exit_code, 0);
-  if (!available(Broadphase::voxel)) GTEST_SKIP() << "this build has no OpenVDB";
+  if (!available(Broadphase::voxel))
+    GTEST_SKIP() << "this build has no OpenVDB; install libopenvdb-dev and build again";
   ASSERT_EQ(shell(run + "--broadphase voxel --record e.mcap", folder).exit_code, 0);
   EXPECT_EQ(shell("lumbrical diff a.mcap e.mcap", folder).exit_code, 0);
 }
 
 TEST(CommandLine, VoxelIndexIsReportedAndKeptInItsFolder) {
-  if (!available(Broadphase::voxel)) GTEST_SKIP() << "this build has no OpenVDB";
+  if (!available(Broadphase::voxel))
+    GTEST_SKIP() << "this build has no OpenVDB; install libopenvdb-dev and build again";
   const fs::path folder = folder_with_demo();
   const std::string run = "lumbrical run demo.json --ticks 20 --broadphase voxel --voxel-cache kept --json";
   const nlohmann::json first = shell(run, folder).json(), second = shell(run, folder).json();

@@ -6,6 +6,7 @@
 
 #include "lumbrical/recording.h"
 #include "program.h"
+#include "terminals.h"
 
 namespace lumbrical {
 namespace {
@@ -96,6 +97,7 @@ TEST(DeviceProgram, ClosesTheLoopAndRecordsIt) {
 }
 
 TEST(DeviceProgram, RunsOverATerminal) {
+  if (!test::have_terminals()) GTEST_SKIP() << test::kNoTerminals;
   const auto folder = fresh_folder();
   write_inputs(folder);
   const Outcome outcome = shell(with_device("--rtu line",

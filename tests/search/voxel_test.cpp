@@ -22,8 +22,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-#define SKIP_WITHOUT_OPENVDB() \
-  if (!available(Broadphase::voxel)) GTEST_SKIP() << "this build has no OpenVDB"
+#define SKIP_WITHOUT_OPENVDB()       \
+  if (!available(Broadphase::voxel)) \
+  GTEST_SKIP() << "this build has no OpenVDB; install libopenvdb-dev and build again"
 
 Execution with_voxels() {
   Execution execution;
