@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "../tests/pressed_hand.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
+#include "pressed_hand.h"
 #include "stages/hand_pose.h"
 
 namespace {

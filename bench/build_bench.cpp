@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
-#include "../tests/pressed_hand.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
+#include "pressed_hand.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "../tests/pressed_hand.h"
+#include "pressed_hand.h"
 
 namespace lumbrical::bench {
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "../tests/pressed_hand.h"
 #include "lanes/near_pairs.h"
+#include "pressed_hand.h"
 #include "stages/broadphase.h"
 #include "stages/hand_pose.h"
 #include "timing.h"

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "../tests/random.h"
 #include "lumbrical/shapes.h"
+#include "random.h"
 
 namespace lumbrical::bench {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "../tests/pressed_hand.h"
-#include "../tests/session.h"
 #include "lumbrical/batch.h"
+#include "pressed_hand.h"
+#include "session.h"
 #include "stages/broadphase.h"
 #include "stages/hand_pose.h"
 #include "stages/narrowphase.h"

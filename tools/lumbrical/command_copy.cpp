@@ -103,9 +103,9 @@ int compress(const CopySwitches& switches) {
   return copy(switches, options);
 }
 
-CLI::App* add_command(CLI::App& app, int& exit_code, const char* name, const char* what,
-                      const std::shared_ptr<CopySwitches>& switches, int (*run)(const CopySwitches&)) {
-  CLI::App* const command = app.add_subcommand(name, what);
+Command* add_command(Command& app, int& exit_code, const char* name, const char* what,
+                     const std::shared_ptr<CopySwitches>& switches, int (*run)(const CopySwitches&)) {
+  Command* const command = app.add_subcommand(name, what);
   command->add_option("--output,-o", switches->output, "Recording to write")
       ->required()
       ->type_name("OUT.mcap");
@@ -114,7 +114,7 @@ CLI::App* add_command(CLI::App& app, int& exit_code, const char* name, const cha
   return command;
 }
 
-CLI::Option* add_recordings(CLI::App* command, const std::shared_ptr<CopySwitches>& switches, int count) {
+Option* add_recordings(Command* command, const std::shared_ptr<CopySwitches>& switches, int count) {
   return command->add_option("recording", switches->recordings, "Recording to read")
       ->required()
       ->expected(count)
@@ -123,10 +123,10 @@ CLI::Option* add_recordings(CLI::App* command, const std::shared_ptr<CopySwitche
 
 }  // namespace
 
-void add_trim(CLI::App& app, int& exit_code) {
+void add_trim(Command& app, int& exit_code) {
   const auto switches = std::make_shared<CopySwitches>();
-  CLI::App* const command = add_command(app, exit_code, "trim",
-                                        "Copy a part of a recording, which can be replayed", switches, trim);
+  Command* const command = add_command(app, exit_code, "trim",
+                                       "Copy a part of a recording, which can be replayed", switches, trim);
   add_recordings(command, switches, 1);
   command->add_option("--from-tick", switches->from_tick, "First tick")->check(number_in(0, kLatest));
   command->add_option("--to-tick", switches->to_tick, "Tick behind the last")->check(number_in(0, kLatest));
@@ -138,9 +138,9 @@ void add_trim(CLI::App& app, int& exit_code) {
       ->excludes("--to-tick");
 }
 
-void add_split(CLI::App& app, int& exit_code) {
+void add_split(Command& app, int& exit_code) {
   const auto switches = std::make_shared<CopySwitches>();
-  CLI::App* const command = add_command(
+  Command* const command = add_command(
       app, exit_code, "split", "Copy a recording in parts: OUT.001.mcap, OUT.002.mcap ...", switches, split);
   add_recordings(command, switches, 1);
   command->add_option("--ticks", switches->ticks, "Of a part")->check(number_in(1, kLatest));
@@ -149,21 +149,21 @@ void add_split(CLI::App& app, int& exit_code) {
       ->excludes("--ticks");
 }
 
-void add_merge(CLI::App& app, int& exit_code) {
+void add_merge(Command& app, int& exit_code) {
   const auto switches = std::make_shared<CopySwitches>();
-  CLI::App* const command =
+  Command* const command =
       add_command(app, exit_code, "merge", "Put parts of a session, named in their order, into one file",
                   switches, merge);
   add_recordings(command, switches, -1);
 }
 
-void add_compress(CLI::App& app, int& exit_code) {
+void add_compress(Command& app, int& exit_code) {
   const auto switches = std::make_shared<CopySwitches>();
-  CLI::App* const command = add_command(
+  Command* const command = add_command(
       app, exit_code, "compress", "Compress a recording otherwise: zstd for archives", switches, compress);
   add_recordings(command, switches, 1);
   command->add_option("--with", switches->with, "zstd, lz4 or none")
-      ->check(CLI::IsMember({"zstd", "lz4", "none"}))
+      ->check(one_of({"zstd", "lz4", "none"}))
       ->capture_default_str();
 }
 

@@ -30,9 +30,9 @@ int diff(const DiffOptions& options) {
 
 }  // namespace
 
-void add_diff(CLI::App& app, int& exit_code) {
+void add_diff(Command& app, int& exit_code) {
   const auto options = std::make_shared<DiffOptions>();
-  CLI::App* const command =
+  Command* const command =
       app.add_subcommand("diff", "Compare two recordings tick by tick (exit code 3: they differ)");
   command->add_option("a", options->a, "Recording")->required()->type_name("A.mcap");
   command->add_option("b", options->b, "Recording to compare with it")->required()->type_name("B.mcap");

@@ -105,9 +105,9 @@ int inspect(const InspectOptions& options) {
 
 }  // namespace
 
-void add_inspect(CLI::App& app, int& exit_code) {
+void add_inspect(Command& app, int& exit_code) {
   const auto options = std::make_shared<InspectOptions>();
-  CLI::App* const command = app.add_subcommand("inspect", "Report what is wrong with a mesh");
+  Command* const command = app.add_subcommand("inspect", "Report what is wrong with a mesh");
   command->add_option("mesh", options->mesh, "OBJ, STL, PLY or OFF file")->required();
   command->add_option("--unit", options->unit, "Unit of the file's numbers")->required()->check(is_unit());
   command

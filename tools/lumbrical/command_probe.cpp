@@ -57,12 +57,11 @@ constexpr Switch kSwitches[] = {
      "A capsule [m], with two radii the hull of its end spheres; repeatable", ProbeShape::capsule, 7, 8},
 };
 
-// Throws CLI::ValidationError, which names the switch.
+// Refuses what is wrong by the name of its switch.
 ProbePrimitive parse_primitive(const Switch& kind, const std::string& text) {
   const auto numbers = parse_numbers(text);
   if (!numbers || numbers->size() < kind.fewest || numbers->size() > kind.most) {
-    throw CLI::ValidationError(kind.name,
-                               "\"" + text + "\" is not " + kind.form + " (finite numbers, metres)");
+    refuse_option(kind.name, "\"" + text + "\" is not " + kind.form + " (finite numbers, metres)");
   }
   const std::vector<double>& n = *numbers;
   ProbePrimitive primitive;
@@ -72,22 +71,22 @@ ProbePrimitive parse_primitive(const Switch& kind, const std::string& text) {
   primitive.radius1 = kind.shape == ProbeShape::sphere ? n[3] : n[6];
   primitive.radius2 = n.size() == 8 ? n[7] : primitive.radius1;
   if (!(primitive.radius1 > 0 && primitive.radius2 > 0)) {
-    throw CLI::ValidationError(kind.name, "\"" + text + "\" has a radius that is not above 0");
+    refuse_option(kind.name, "\"" + text + "\" has a radius that is not above 0");
   }
   return primitive;
 }
 
 // In the order of the command line, whatever their kinds: a contact names its primitive by this order.
-std::vector<ProbePrimitive> parse_primitives(const CLI::App& command, const ProbeOptions& options) {
+std::vector<ProbePrimitive> parse_primitives(const Command& command, const ProbeOptions& options) {
   std::vector<ProbePrimitive> primitives;
   std::array<std::size_t, std::size(kSwitches)> used{};
-  for (const CLI::Option* const option : command.parse_order()) {
+  for (const std::string& name : command.given()) {
     for (std::size_t i = 0; i < std::size(kSwitches); ++i) {
-      if (option->get_name() != kSwitches[i].name) continue;
+      if (name != kSwitches[i].name) continue;
       primitives.push_back(parse_primitive(kSwitches[i], options.primitives[i].at(used[i]++)));
     }
   }
-  if (primitives.empty()) throw CLI::RequiredError("At least one of --sphere, --cylinder and --capsule");
+  if (primitives.empty()) demand_option("At least one of --sphere, --cylinder and --capsule");
   return primitives;
 }
 
@@ -167,16 +166,15 @@ int probe_mesh(const ProbeOptions& options, const std::vector<ProbePrimitive>& p
 
 }  // namespace
 
-void add_probe(CLI::App& app, int& exit_code) {
+void add_probe(Command& app, int& exit_code) {
   const auto options = std::make_shared<ProbeOptions>();
-  CLI::App* const command = app.add_subcommand("probe", "One static query: what primitives feel in a mesh");
+  Command* const command = app.add_subcommand("probe", "One static query: what primitives feel in a mesh");
   command->add_option("--mesh", options->mesh, "OBJ, STL, PLY or OFF file")->required();
   command->add_option("--unit", options->unit, "Unit of the file's numbers")->required()->check(is_unit());
   for (std::size_t i = 0; i < std::size(kSwitches); ++i) {
     command->add_option(kSwitches[i].name, options->primitives[i], kSwitches[i].help)
         ->type_name(kSwitches[i].form)
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        ->repeatable();
   }
   command->add_option("--stiffness", options->stiffness, "K_s [N/m^3]")
       ->check(number_in(1e-6, 1e15))

@@ -165,9 +165,9 @@ int export_as_text(const RecordingOptions& options) {
 using Run = int (*)(const RecordingOptions&);
 
 /// A subcommand with the one argument they all have.
-CLI::App* add_command(CLI::App& app, int& exit_code, const char* name, const char* what,
-                      const std::shared_ptr<RecordingOptions>& options, Run run) {
-  CLI::App* const command = app.add_subcommand(name, what);
+Command* add_command(Command& app, int& exit_code, const char* name, const char* what,
+                     const std::shared_ptr<RecordingOptions>& options, Run run) {
+  Command* const command = app.add_subcommand(name, what);
   command->add_option("recording", options->recording, "Recording to read")
       ->required()
       ->type_name("REC.mcap");
@@ -177,36 +177,36 @@ CLI::App* add_command(CLI::App& app, int& exit_code, const char* name, const cha
 
 }  // namespace
 
-void add_info(CLI::App& app, int& exit_code) {
+void add_info(Command& app, int& exit_code) {
   const auto options = std::make_shared<RecordingOptions>();
-  CLI::App* const command = add_command(app, exit_code, "info", "Tell what a recording holds", options, info);
+  Command* const command = add_command(app, exit_code, "info", "Tell what a recording holds", options, info);
   command->add_flag("--json", options->json, "Print one JSON object");
 }
 
-void add_verify(CLI::App& app, int& exit_code) {
+void add_verify(Command& app, int& exit_code) {
   const auto options = std::make_shared<RecordingOptions>();
-  CLI::App* const command =
+  Command* const command =
       add_command(app, exit_code, "verify", "Check every checksum, length and index (exit code 2: damaged)",
                   options, verify);
   command->add_flag("--json", options->json, "Print one JSON object");
 }
 
-void add_recover(CLI::App& app, int& exit_code) {
+void add_recover(Command& app, int& exit_code) {
   const auto options = std::make_shared<RecordingOptions>();
-  CLI::App* const command = add_command(
+  Command* const command = add_command(
       app, exit_code, "recover", "Rewrite what is whole of a torn or damaged recording", options, recover);
   command->add_option("--output,-o", options->output, "Recording to write; default: REC.recovered.mcap")
       ->type_name("OUT.mcap");
   command->add_flag("--json", options->json, "Print one JSON object");
 }
 
-void add_export(CLI::App& app, int& exit_code) {
+void add_export(Command& app, int& exit_code) {
   const auto options = std::make_shared<RecordingOptions>();
   options->output = "-";
-  CLI::App* const command = add_command(
+  Command* const command = add_command(
       app, exit_code, "export", "Write a recording as text, one line per tick", options, export_as_text);
   command->add_option("--format", options->format, "csv, or json: one object per line")
-      ->check(CLI::IsMember({"csv", "json"}))
+      ->check(one_of({"csv", "json"}))
       ->capture_default_str();
   command->add_option("--output,-o", options->output, "File to write; -: standard output")
       ->capture_default_str();

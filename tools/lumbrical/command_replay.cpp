@@ -168,9 +168,9 @@ int replay_recordings(const ReplaySwitches& switches) {
 
 }  // namespace
 
-void add_replay(CLI::App& app, int& exit_code) {
+void add_replay(Command& app, int& exit_code) {
   const auto switches = std::make_shared<ReplaySwitches>();
-  CLI::App* const command =
+  Command* const command =
       app.add_subcommand("replay", "Run recordings again and compare every bit (exit code 3: they differ)");
   command
       ->add_option("recording", switches->recordings,
@@ -213,7 +213,7 @@ void add_replay(CLI::App& app, int& exit_code) {
   command
       ->add_option("--trace-stage", switches->trace_stage,
                    "This stage only; default: the one that differs, or all")
-      ->check(CLI::IsMember({"input", "hand_pose", "broadphase", "narrowphase", "contact_force", "limits"}))
+      ->check(one_of({"input", "hand_pose", "broadphase", "narrowphase", "contact_force", "limits"}))
       ->needs("--trace");
   command->add_flag("--json", switches->json, "Print one JSON object, of several recordings an array");
   command->callback([switches, &exit_code] { exit_code = replay_recordings(*switches); });

@@ -90,9 +90,9 @@ int report(const ReportSwitches& switches) {
 
 }  // namespace
 
-void add_report(CLI::App& app, int& exit_code) {
+void add_report(Command& app, int& exit_code) {
   const auto switches = std::make_shared<ReportSwitches>();
-  CLI::App* const command =
+  Command* const command =
       app.add_subcommand("report", "Draw results of the benchmarks as one self-contained HTML page");
   command->add_option("folder", switches->folders, "Folder whose .json files benchmarks wrote")
       ->required()

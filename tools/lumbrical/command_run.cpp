@@ -305,19 +305,19 @@ int run(const RunOptions& options) {
 
 std::string check_record_forces(std::string& text) {
   const bool whole = text.find_first_not_of("0123456789") == std::string::npos;
-  if (text == "all" || text == "none" || (whole && number_in(1, 1000000)(text).empty())) return {};
+  if (text == "all" || text == "none" || (whole && number_in(1, 1000000).fault(text).empty())) return {};
   return "\"" + text + "\" is none of all, none and whole numbers of ticks, 1 to 1000000";
 }
 
 std::string check_rate(std::string& text) {
-  return text == "max" ? std::string() : number_in(1, 100000)(text);
+  return text == "max" ? std::string() : number_in(1, 100000).fault(text);
 }
 
 }  // namespace
 
-void add_run(CLI::App& app, int& exit_code) {
+void add_run(Command& app, int& exit_code) {
   const auto options = std::make_shared<RunOptions>();
-  CLI::App* const command =
+  Command* const command =
       app.add_subcommand("run", "Let a hand motion meet a scene; print figures, record ticks");
   command->add_option("scene", options->scene, "Scene file (JSON, see schemas/scene.fbs)")->required();
   command->add_option("--motion", options->motion, "Hand motion in the place of the scene's")
@@ -325,31 +325,31 @@ void add_run(CLI::App& app, int& exit_code) {
   command->add_option("--motion-rate", options->motion_rate, "Of motion files without time stamps [Hz]")
       ->check(number_in(1e-3, 1e6));
   command->add_option("--side", options->side, "Of motion files that don't say")
-      ->check(CLI::IsMember({"left", "right"}));
+      ->check(one_of({"left", "right"}));
   command->add_option("--unit", options->unit, "Of the motion file's numbers")->check(is_unit());
   command->add_option("--ticks", options->ticks, "Length of the session; default: the motion's")
       ->check(number_in(1, 1e9));
   command->add_option("--rate", options->rate, "Ticks per second by the clock, or max: as fast as it goes")
-      ->check(CLI::Validator(check_rate, "HZ|max"))
+      ->check(Check{check_rate, "HZ|max"})
       ->capture_default_str();
   command->add_option("--record", options->record, "Recording to write")->type_name("OUT.mcap");
   command
       ->add_option(
           "--record-forces", options->record_forces,
           "Ticks whose forces the recording holds, every Nth or none; a replay checks all by their hashes")
-      ->check(CLI::Validator(check_record_forces, "all|none|N"))
+      ->check(Check{check_record_forces, "all|none|N"})
       ->capture_default_str();
   command
       ->add_option(
           "--on-record-error", options->on_record_error,
           "When the recording fails (disk full): stop, or continue unrecorded; exit code 2 either way")
-      ->check(CLI::IsMember({"stop", "continue"}))
+      ->check(one_of({"stop", "continue"}))
       ->capture_default_str();
   command
       ->add_option(
           "--sink", options->sink,
           "Where forces go: null, modbus-tcp://HOST:PORT?profile=FILE, modbus-rtu:///dev/ttyX?profile=FILE")
-      ->check(CLI::Validator(check_sink_uri, "URI"));
+      ->check(Check{check_sink_uri, "URI"});
   command->add_option("--broadphase", options->broadphase, "Search for candidate triangles")
       ->check(is_broadphase());
   command->add_option("--voxel-cache", options->voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");

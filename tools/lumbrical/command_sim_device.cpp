@@ -183,13 +183,13 @@ int simulate(SimOptions options) {
 
 }  // namespace
 
-void add_sim_device(CLI::App& app, int& exit_code) {
+void add_sim_device(Command& app, int& exit_code) {
   const auto options = std::make_shared<SimOptions>();
-  CLI::App* const command =
+  Command* const command =
       app.add_subcommand("sim-device", "A simulated exoskeleton that speaks Modbus, with a human hand in it");
   command->add_option("--profile", options->profile, "Device profile (JSON, see schemas/device.fbs)")
       ->required();
-  CLI::Option_group* const wire = command->add_option_group("wire", "Where it listens; one of");
+  Command* const wire = command->add_option_group("wire", "Where it listens; one of");
   wire->add_option("--tcp", options->tcp, "TCP; port 0 takes a free one")->type_name("[HOST:]PORT");
   wire->add_option("--rtu", options->rtu, "A pseudo-terminal with a symbolic link of this name")
       ->type_name("LINK");

@@ -69,9 +69,9 @@ int make_world(const WorldOptions& options) {
 
 }  // namespace
 
-void add_world(CLI::App& app, int& exit_code) {
+void add_world(Command& app, int& exit_code) {
   const auto options = std::make_shared<WorldOptions>();
-  CLI::App* const command =
+  Command* const command =
       app.add_subcommand("world", "Make a world file of a scene's objects, for scenes too large for memory");
   command->add_option("scene", options->scene, "Scene file; only its objects and execution count")
       ->required();

@@ -1,7 +1,7 @@
 // The subcommands of the lumbrical program, one file each; main.cpp puts them together.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "command_line.h"
 
 namespace lumbrical::tool {
 
@@ -9,21 +9,21 @@ namespace lumbrical::tool {
 enum ExitCode : int { kDone = 0, kFailed = 1, kUnreadable = 2, kDiverged = 3 };
 
 /// Each adds its subcommand to the app and stores the exit code of its run in `exit_code`.
-void add_run(CLI::App& app, int& exit_code);
-void add_replay(CLI::App& app, int& exit_code);
-void add_diff(CLI::App& app, int& exit_code);
-void add_info(CLI::App& app, int& exit_code);
-void add_verify(CLI::App& app, int& exit_code);
-void add_recover(CLI::App& app, int& exit_code);
-void add_export(CLI::App& app, int& exit_code);
-void add_trim(CLI::App& app, int& exit_code);
-void add_split(CLI::App& app, int& exit_code);
-void add_merge(CLI::App& app, int& exit_code);
-void add_compress(CLI::App& app, int& exit_code);
-void add_probe(CLI::App& app, int& exit_code);
-void add_inspect(CLI::App& app, int& exit_code);
-void add_sim_device(CLI::App& app, int& exit_code);
-void add_report(CLI::App& app, int& exit_code);
-void add_world(CLI::App& app, int& exit_code);
+void add_run(Command& app, int& exit_code);
+void add_replay(Command& app, int& exit_code);
+void add_diff(Command& app, int& exit_code);
+void add_info(Command& app, int& exit_code);
+void add_verify(Command& app, int& exit_code);
+void add_recover(Command& app, int& exit_code);
+void add_export(Command& app, int& exit_code);
+void add_trim(Command& app, int& exit_code);
+void add_split(Command& app, int& exit_code);
+void add_merge(Command& app, int& exit_code);
+void add_compress(Command& app, int& exit_code);
+void add_probe(Command& app, int& exit_code);
+void add_inspect(Command& app, int& exit_code);
+void add_sim_device(Command& app, int& exit_code);
+void add_report(Command& app, int& exit_code);
+void add_world(Command& app, int& exit_code);
 
 }  // namespace lumbrical::tool

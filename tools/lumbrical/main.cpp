@@ -5,40 +5,45 @@
 #include "commands.h"
 #include "output.h"
 
+namespace {
+
+using namespace lumbrical::tool;
+
+const Program kProgram = {
+    "lumbrical", "lumbrical " LUMBRICAL_VERSION,
+    "Computes what a whole human hand feels when it touches a polygonal world.",
+    "Every subcommand has its own --help. Exit codes: 0 done, 2 bad input or usage, 3 replay diverged."};
+
+void add_commands(Command& root, int& exit_code) {
+  add_run(root, exit_code);
+  add_replay(root, exit_code);
+  add_diff(root, exit_code);
+  add_info(root, exit_code);
+  add_verify(root, exit_code);
+  add_recover(root, exit_code);
+  add_export(root, exit_code);
+  add_trim(root, exit_code);
+  add_split(root, exit_code);
+  add_merge(root, exit_code);
+  add_compress(root, exit_code);
+  add_probe(root, exit_code);
+  add_inspect(root, exit_code);
+  add_world(root, exit_code);
+  add_sim_device(root, exit_code);
+  add_report(root, exit_code);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  using namespace lumbrical::tool;
   // A closed pipe or a file-size limit is then an error that write() reports, not the end of the process: the
   // recording is closed properly and the exit code tells.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
-
-  CLI::App app("Computes what a whole human hand feels when it touches a polygonal world.", "lumbrical");
-  app.set_version_flag("--version", "lumbrical " LUMBRICAL_VERSION);
-  app.require_subcommand(0, 1);  // none is refused below: so a misspelt one is named
-  app.footer(
-      "Every subcommand has its own --help. Exit codes: 0 done, 2 bad input or usage, 3 replay diverged.");
-  int exit_code = kDone;
+  int exit_code = kDone, refused = 0;
   try {
-    add_run(app, exit_code);
-    add_replay(app, exit_code);
-    add_diff(app, exit_code);
-    add_info(app, exit_code);
-    add_verify(app, exit_code);
-    add_recover(app, exit_code);
-    add_export(app, exit_code);
-    add_trim(app, exit_code);
-    add_split(app, exit_code);
-    add_merge(app, exit_code);
-    add_compress(app, exit_code);
-    add_probe(app, exit_code);
-    add_inspect(app, exit_code);
-    add_world(app, exit_code);
-    add_sim_device(app, exit_code);
-    add_report(app, exit_code);
-    app.parse(argc, argv);
-    if (app.get_subcommands().empty()) throw CLI::RequiredError("A subcommand");
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kDone : kUnreadable;
+    const auto add = [&exit_code](Command& root) { add_commands(root, exit_code); };
+    if (!run_command_line(kProgram, argc, argv, add, refused)) return refused == 0 ? kDone : kUnreadable;
   } catch (const std::exception& error) {
     return fail(std::string("lumbrical: ") + error.what());
   }

@@ -2,37 +2,37 @@
 // name.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <charconv>
 #include <optional>
+#include <sstream>
 #include <string>
 
+#include "command_line.h"
 #include "lumbrical/model.h"
 
 namespace lumbrical::tool {
 
-/// A number, the whole of it, within low .. high. Unlike CLI::Range it refuses NaN and doesn't ask the
+/// A number, the whole of it, within low .. high. It refuses NaN and doesn't ask the
 /// locale.
-inline CLI::Validator number_in(double low, double high) {
+inline Check number_in(double low, double high) {
   return {[low, high](std::string& text) -> std::string {
             double number = 0;
             const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
             if (error == std::errc() && end == text.data() + text.size() && number >= low && number <= high) {
               return {};
             }
-            return "\"" + text + "\" is not a number in " + CLI::detail::to_string(low) + " .. " +
-                   CLI::detail::to_string(high);
+            std::ostringstream fault;
+            fault << '"' << text << "\" is not a number in " << low << " .. " << high;
+            return fault.str();
           },
           "NUMBER"};
 }
 
-inline CLI::Validator is_unit() { return CLI::IsMember({"m", "cm", "mm"}); }
-inline CLI::Validator is_law() {
-  return CLI::IsMember({"field", "column", "max-depth", "centroid", "point"});
-}
+inline Check is_unit() { return one_of({"m", "cm", "mm"}); }
+inline Check is_law() { return one_of({"field", "column", "max-depth", "centroid", "point"}); }
 
 /// Searches that this build has.
-inline CLI::Validator is_broadphase() {
+inline Check is_broadphase() {
   return {[](std::string& text) -> std::string {
             const std::optional<Broadphase> broadphase = parse_broadphase(text);
             if (!broadphase) return "\"" + text + "\" is not a search; use auto, tree, grid, voxel or brute";
@@ -54,7 +54,7 @@ inline std::optional<double> parse_precision(const std::string& text) {
   const bool whole = error == std::errc() && end == text.data() + text.size();
   return whole && number >= 0 && number <= 0.1 ? std::optional(number) : std::nullopt;
 }
-inline CLI::Validator is_precision() {
+inline Check is_precision() {
   return {[](std::string& text) -> std::string {
             if (parse_precision(text)) return {};
             return "\"" + text + "\" is no precision; use exact, float (1e-4), or a share of R, 0 .. 0.1";
@@ -65,7 +65,7 @@ inline const char* const kPrecisionHelp =
     "How far a contact's mean depth may be off, as a share of R (field law)";
 
 /// Instruction sets that this build on this machine has.
-inline CLI::Validator is_isa() {
+inline Check is_isa() {
   return {[](std::string& text) -> std::string {
             const std::optional<Isa> isa = parse_isa(text);
             if (!isa) return "\"" + text + "\" is not an instruction set; use auto";

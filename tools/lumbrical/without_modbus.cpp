@@ -26,8 +26,8 @@ void DeviceLoop::close() {}
 Json DeviceLoop::json() const { return {}; }
 void DeviceLoop::add_rows(Table&) const {}
 
-void add_sim_device(CLI::App& app, int& exit_code) {
-  CLI::App* const command = app.add_subcommand("sim-device", kRemedy);
+void add_sim_device(Command& app, int& exit_code) {
+  Command* const command = app.add_subcommand("sim-device", kRemedy);
   command->allow_extras();
   command->callback([&exit_code] { exit_code = fail(kRemedy); });
 }

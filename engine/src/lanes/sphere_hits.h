@@ -1,8 +1,8 @@
 // Which spheres a thick segment may meet, one source for every instruction set.
 //
 // The comparison is loose enough for single precision: with the slack of the spheres and of the query nothing
-// that meets is left out (tests/broadphase_test.cpp). What is found too much is sorted out later in double
-// precision, so it does not show in a result.
+// that meets is left out (tests/search/broadphase_test.cpp). What is found too much is sorted out later in
+// double precision, so it does not show in a result.
 #pragma once
 
 #include "lanes/sphere_query.h"

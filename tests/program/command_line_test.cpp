@@ -1,0 +1,455 @@
+// The command line as users' scripts rely on it: exit codes, JSON keys, and what happens to bad input and
+// files.
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "lumbrical/model.h"
+#include "program.h"
+
+namespace lumbrical::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kDemo = LUMBRICAL_SOURCE_DIR "/examples/demo.json";
+
+// A folder with the demo at 100 ticks per second in demo.json: the whole motion, in a tenth of the ticks.
+fs::path folder_with_demo() {
+  const fs::path folder = fresh_folder();
+  nlohmann::json demo = nlohmann::json::parse(read_file(kDemo));
+  demo["settings"]["rate"] = 100;
+  std::ofstream(folder / "demo.json") << demo.dump(1);
+  return folder;
+}
+
+// The square of side 2 m in z = 0, facing up, in two triangles.
+fs::path folder_with_square() {
+  const fs::path folder = fresh_folder();
+  std::ofstream(folder / "square.obj") << "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
+  return folder;
+}
+
+void expect_keys(const nlohmann::json& json, const std::vector<std::string>& keys) {
+  for (const std::string& key : keys)
+    EXPECT_TRUE(json.contains(key)) << key << " is missing in " << json.dump();
+}
+
+TEST(CommandLine, HelpAndVersionSucceed) {
+  const fs::path folder = fresh_folder();
+  EXPECT_EQ(shell("lumbrical --version", folder).exit_code, 0);
+  EXPECT_EQ(shell("lumbrical --help", folder).exit_code, 0);
+  for (const char* const command :
+       {"run", "replay", "diff", "info", "verify", "recover", "export", "probe", "inspect", "report"}) {
+    const Outcome outcome = shell("lumbrical " + std::string(command) + " --help", folder);
+    EXPECT_EQ(outcome.exit_code, 0) << command;
+    EXPECT_FALSE(outcome.output.empty());
+  }
+}
+
+TEST(CommandLine, MistakesInItExitWith2AndNameTheSwitch) {
+  const fs::path folder = folder_with_square();
+  const std::pair<std::string, std::string> mistakes[] = {
+      {"", "subcommand"},
+      {"feel", "feel"},
+      {"inspect square.obj", "--unit"},
+      {"inspect square.obj --unit inch", "--unit"},
+      {"inspect --unit m", "mesh"},
+      {"probe --mesh square.obj --unit m", "--sphere"},
+      {"probe --mesh square.obj --unit m --sphere 1,2,3", "--sphere"},
+      {"probe --mesh square.obj --unit m --sphere 1,2,3,x", "--sphere"},
+      {"probe --mesh square.obj --unit m --sphere 1,2,3,nan", "--sphere"},
+      {"probe --mesh square.obj --unit m --sphere 1,2,3,-1", "--sphere"},
+      {"probe --mesh square.obj --unit m --sphere 1,2,3,1e999", "--sphere"},
+      {"probe --mesh square.obj --unit m --cylinder 0,0,0,0,0,1", "--cylinder"},
+      {"probe --mesh square.obj --unit m --capsule 0,0,0,0,0,1,1,1,1", "--capsule"},
+      {"probe --mesh square.obj --unit m --sphere 0,0,0,1 --stiffness 0", "--stiffness"},
+      {"probe --mesh square.obj --unit m --sphere 0,0,0,1 --stiffness nan", "--stiffness"},
+      {"probe --mesh square.obj --unit m --sphere 0,0,0,1 --law hard", "--law"},
+      {"run", "scene"},
+      {"run '" + kDemo + "' --ticks 0", "--ticks"},
+      {"run '" + kDemo + "' --ticks 1e3x", "--ticks"},
+      {"run '" + kDemo + "' --rate 0", "--rate"},
+      {"run '" + kDemo + "' --threads 65", "--threads"},
+      {"run '" + kDemo + "' --broadphase cubes", "tree, grid, voxel or brute"},
+      {"run '" + kDemo + "' --isa avx3", "--isa"},
+      {"run '" + kDemo + "' --sink tcp://there", "--sink"},
+      {"run '" + kDemo + "' --sideways", "--sideways"},
+  };
+  for (const auto& [arguments, named] : mistakes) {
+    const Outcome outcome = shell("lumbrical " + arguments, folder);
+    EXPECT_EQ(outcome.exit_code, 2) << arguments;
+    EXPECT_NE(outcome.error.find(named), std::string::npos) << arguments << "\n" << outcome.error;
+    EXPECT_TRUE(outcome.output.empty()) << arguments << "\n" << outcome.output;
+  }
+}
+
+TEST(CommandLine, BadFilesExitWith2AndAreNamed) {
+  const fs::path folder = folder_with_square();
+  std::ofstream(folder / "bad.obj") << "v 0 0 0\nf 1 2 3\n";
+  std::ofstream(folder / "bad.json") << "{\n  \"objects\": 7\n}\n";
+  std::ofstream(folder / "bad.mcap") << "not a recording";
+  std::ofstream(folder / "empty");
+  const std::pair<std::string, std::string> cases[] = {
+      {"inspect bad.obj --unit m", "bad.obj:2:"},
+      {"inspect gone.obj --unit m", "gone.obj"},
+      {"inspect empty --unit m", "empty"},
+      {"probe --mesh bad.obj --unit m --sphere 0,0,0,1", "bad.obj:2:"},
+      {"run bad.json", "bad.json:2:"},
+      {"run gone.json", "gone.json"},
+      {"run empty", "empty"},
+      {"replay bad.mcap", "bad.mcap"},
+      {"replay gone.mcap", "gone.mcap"},
+      {"info bad.mcap", "bad.mcap"},
+      {"verify empty", "empty"},
+      {"diff bad.mcap bad.mcap", "bad.mcap"},
+  };
+  for (const auto& [arguments, named] : cases) {
+    const Outcome outcome = shell("lumbrical " + arguments, folder);
+    EXPECT_EQ(outcome.exit_code, 2) << arguments;
+    EXPECT_NE(outcome.error.find(named), std::string::npos) << arguments << "\n" << outcome.error;
+  }
+}
+
+TEST(CommandLine, InspectReportsASquare) {
+  const Outcome outcome = shell("lumbrical inspect square.obj --unit cm --json", folder_with_square());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const nlohmann::json json = outcome.json();
+  EXPECT_EQ(json["triangles"], 2);
+  EXPECT_EQ(json["vertices"], 4);
+  EXPECT_EQ(json["degenerate"], 0);
+  EXPECT_EQ(json["duplicate"], 0);
+  EXPECT_EQ(json["boundary_edges"], 4);
+  EXPECT_EQ(json["non_manifold_edges"], 0);
+  EXPECT_EQ(json["watertight"], false);
+  ASSERT_EQ(json["extent"].size(), 3u);
+  EXPECT_NEAR(json["extent"][0].get<double>(), 0.02, 1e-15);
+}
+
+TEST(CommandLine, ProbeFeelsTheDiscASphereCutsFromAPlane) {
+  const Outcome outcome =
+      shell("lumbrical probe --mesh square.obj --unit m --sphere 0.5,-0.25,0.006,0.008 --json",
+            folder_with_square());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const nlohmann::json json = outcome.json();
+  expect_keys(json, {"contacts", "total"});
+  ASSERT_EQ(json["contacts"].size(), 1u);
+  const nlohmann::json& contact = json["contacts"][0];
+  expect_keys(contact, {"triangle", "primitive", "depth", "area", "centroid", "volume", "force"});
+  const double area = 4 * std::atan(1.0) * (0.008 * 0.008 - 0.006 * 0.006);
+  EXPECT_EQ(contact["triangle"], 0);
+  EXPECT_NEAR(contact["area"].get<double>(), area, 1e-9 * area);
+  EXPECT_NEAR(contact["depth"].get<double>(), 0.002, 1e-12);
+  EXPECT_NEAR(contact["centroid"][0].get<double>(), 0.5, 1e-12);
+  EXPECT_NEAR(contact["centroid"][1].get<double>(), -0.25, 1e-12);
+  EXPECT_GT(contact["force"][2].get<double>(), 0);
+  EXPECT_EQ(json["total"]["area"], contact["area"]);
+  EXPECT_EQ(json["total"]["force"], contact["force"]);
+  EXPECT_EQ(json["total"]["volume"], contact["volume"]);
+}
+
+TEST(CommandLine, ProbeNumbersPrimitivesInTheOrderGiven) {
+  const Outcome outcome = shell(
+      "lumbrical probe --mesh square.obj --unit m --capsule 0.5,-0.2,0.006,0.53,-0.2,0.006,0.008 "
+      "--sphere -0.5,0.2,0.007,0.008 --cylinder 0.5,-0.5,-0.01,0.5,-0.5,0.02,0.003 --sphere "
+      "-0.5,0.5,0.006,0.008 --json",
+      folder_with_square());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const nlohmann::json json = outcome.json();
+  ASSERT_EQ(json["contacts"].size(), 4u);
+  const double disc = 4 * std::atan(1.0);
+  const double areas[] = {28e-6 * disc + 2 * std::sqrt(28e-6) * 0.03, 15e-6 * disc, 9e-6 * disc,
+                          28e-6 * disc};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(json["contacts"][i]["primitive"], i);
+    EXPECT_NEAR(json["contacts"][i]["area"].get<double>(), areas[i], 1e-9 * areas[i]) << i;
+  }
+}
+
+TEST(CommandLine, RunPrintsTheContractsKeysAndReplayFindsTheRecordingIdentical) {
+  const fs::path folder = folder_with_demo();
+  const Outcome run = shell("lumbrical run demo.json --record a.mcap --json", folder);
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const nlohmann::json json = run.json();
+  expect_keys(json, {"ticks", "rate_hz", "tick_us", "contacts", "deadline_misses", "isa", "threads",
+                     "broadphase", "law", "recording"});
+  expect_keys(json["tick_us"], {"p50", "p99", "p999", "max"});
+  expect_keys(json["contacts"], {"mean", "max"});
+  EXPECT_EQ(json["ticks"], 1000);
+  EXPECT_GT(json["contacts"]["max"], 10);
+  EXPECT_GT(json["peak_force"]["index"], 0.01);
+  EXPECT_GT(json["peak_force"]["thumb"], 0.01);
+  EXPECT_EQ(json["recording"], "a.mcap");
+  EXPECT_LE(json["tick_us"]["p50"], json["tick_us"]["p99"]);
+  EXPECT_LE(json["tick_us"]["p999"], json["tick_us"]["max"]);
+
+  const Outcome replay = shell("lumbrical replay a.mcap --json", folder);
+  EXPECT_EQ(replay.exit_code, 0) << replay.error;
+  EXPECT_EQ(replay.json()["identical"], true);
+  EXPECT_EQ(replay.json()["ticks"], 1000);
+  EXPECT_TRUE(replay.json()["first_divergence"].is_null());
+}
+
+TEST(CommandLine, AWorldFileTakesTheObjectsPlace) {
+  const fs::path folder = folder_with_demo();
+  nlohmann::json scene = nlohmann::json::parse(read_file(folder / "demo.json"));
+  scene.erase("objects");
+  scene["world"] = "demo.world";
+  write_file("in_world.json", scene.dump());
+  fs::rename(own_folder() / "in_world.json", folder / "in_world.json");
+  const Outcome world = shell("lumbrical world demo.json --output demo.world --json", folder);
+  ASSERT_EQ(world.exit_code, 0) << world.error;
+  const Outcome before = shell("lumbrical run demo.json --json", folder);
+  const Outcome run = shell("lumbrical run in_world.json --record w.mcap --json", folder);
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_EQ(run.json()["broadphase"], "grid");
+  EXPECT_EQ(run.json()["triangles"], world.json()["triangles"]);
+  EXPECT_EQ(run.json()["peak_force"], before.json()["peak_force"]);
+  EXPECT_EQ(run.json()["contacts"], before.json()["contacts"]);
+  EXPECT_EQ(run.json()["world"]["bytes"], fs::file_size(folder / "demo.world"));
+  EXPECT_EQ(shell("lumbrical replay w.mcap", folder).exit_code, 0);
+  fs::rename(folder / "demo.world", folder / "moved.world");
+  const Outcome lost = shell("lumbrical replay w.mcap", folder);
+  EXPECT_EQ(lost.exit_code, 2);
+  EXPECT_NE(lost.error.find("--world FILE"), std::string::npos) << lost.error;
+  EXPECT_EQ(shell("lumbrical replay w.mcap --world moved.world", folder).exit_code, 0);
+  fs::rename(folder / "moved.world", folder / "demo.world");
+  const Outcome tree = shell("lumbrical run in_world.json --broadphase tree", folder);
+  EXPECT_EQ(tree.exit_code, 2);
+  EXPECT_NE(tree.error.find("use auto or grid"), std::string::npos) << tree.error;
+  EXPECT_EQ(shell("lumbrical run in_world.json --record demo.world", folder).exit_code, 2);
+  EXPECT_EQ(shell("lumbrical world in_world.json --output other.world", folder).exit_code, 2);
+  EXPECT_FALSE(fs::exists(folder / "other.world"));
+}
+
+TEST(CommandLine, ReplayOfSeveralTellsOfEachInTheOrderGiven) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 300 --record a.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 150 --law point --record b.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 200 --broadphase grid --record c.mcap", folder).exit_code,
+            0);
+  std::ofstream(folder / "bad.mcap") << "no recording";
+  for (const char* const threads : {"", " --threads 1", " --threads 7"}) {
+    const Outcome all =
+        shell("lumbrical replay a.mcap b.mcap c.mcap a.mcap --json" + std::string(threads), folder);
+    EXPECT_EQ(all.exit_code, 0) << all.error;
+    const nlohmann::json json = all.json();
+    ASSERT_EQ(json.size(), 4u);
+    const std::pair<const char*, int> expected[] = {
+        {"a.mcap", 300}, {"b.mcap", 150}, {"c.mcap", 200}, {"a.mcap", 300}};
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_EQ(json[i]["recording"], expected[i].first);
+      EXPECT_EQ(json[i]["ticks"], expected[i].second);
+      EXPECT_EQ(json[i]["identical"], true);
+      EXPECT_EQ(json[i]["threads"], 1);
+    }
+  }
+  // What can't be read keeps no other from being replayed.
+  Outcome some = shell("lumbrical replay a.mcap bad.mcap b.mcap --json", folder);
+  EXPECT_EQ(some.exit_code, 2);
+  EXPECT_NE(some.error.find("bad.mcap"), std::string::npos);
+  EXPECT_EQ(some.json()[0]["identical"], true);
+  EXPECT_TRUE(some.json()[1].contains("error"));
+  EXPECT_EQ(some.json()[2]["ticks"], 150);
+  // Only b was recorded under that law. A divergence is the graver news.
+  some = shell("lumbrical replay bad.mcap a.mcap b.mcap --law point --json", folder);
+  EXPECT_EQ(some.exit_code, 3);
+  EXPECT_EQ(some.json()[1]["identical"], false);
+  EXPECT_EQ(some.json()[2]["identical"], true);
+  EXPECT_EQ(shell("lumbrical replay a.mcap b.mcap --trace t.txt", folder).exit_code, 2);
+  const Outcome text = shell("lumbrical replay a.mcap b.mcap", folder);
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_LT(text.output.find("a.mcap"), text.output.find("b.mcap"));
+}
+
+TEST(CommandLine, ReplayWithAnotherLawDivergesWith3) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 400 --record a.mcap", folder).exit_code, 0);
+  const Outcome replay = shell("lumbrical replay a.mcap --law max-depth --json", folder);
+  EXPECT_EQ(replay.exit_code, 3) << replay.error;
+  const nlohmann::json divergence = replay.json()["first_divergence"];
+  EXPECT_EQ(replay.json()["identical"], false);
+  expect_keys(divergence, {"tick", "stage", "field", "recorded", "replayed"});
+}
+
+TEST(CommandLine, NeitherThreadsNorBroadphaseChangeARecording) {
+  const fs::path folder = folder_with_demo();
+  const std::string run = "lumbrical run demo.json --ticks 300 ";
+  ASSERT_EQ(shell(run + "--record a.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell(run + "--threads 2 --record b.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell(run + "--broadphase brute --record c.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell(run + "--broadphase grid --record d.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("lumbrical diff a.mcap b.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("lumbrical diff a.mcap c.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("lumbrical diff a.mcap d.mcap", folder).exit_code, 0);
+  if (!available(Broadphase::voxel))
+    GTEST_SKIP() << "this build has no OpenVDB; install libopenvdb-dev and build again";
+  ASSERT_EQ(shell(run + "--broadphase voxel --record e.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("lumbrical diff a.mcap e.mcap", folder).exit_code, 0);
+}
+
+TEST(CommandLine, VoxelIndexIsReportedAndKeptInItsFolder) {
+  if (!available(Broadphase::voxel))
+    GTEST_SKIP() << "this build has no OpenVDB; install libopenvdb-dev and build again";
+  const fs::path folder = folder_with_demo();
+  const std::string run = "lumbrical run demo.json --ticks 20 --broadphase voxel --voxel-cache kept --json";
+  const nlohmann::json first = shell(run, folder).json(), second = shell(run, folder).json();
+  expect_keys(first["voxel_index"], {"voxel_size", "voxels", "entries", "bytes", "build_seconds", "note"});
+  EXPECT_EQ(first["voxel_index"]["from_cache"], false);
+  EXPECT_EQ(second["voxel_index"]["from_cache"], true);
+  std::ofstream(folder / "square.obj") << "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
+  const Outcome inspected = shell("lumbrical inspect square.obj --unit m --broadphase voxel --json", folder);
+  ASSERT_EQ(inspected.exit_code, 0) << inspected.error;
+  EXPECT_EQ(inspected.json()["voxel_index"]["has_distance"], false);
+}
+
+TEST(CommandLine, PacedRunKeepsItsRate) {
+  const Outcome run = shell("lumbrical run demo.json --rate 500 --ticks 250 --json", folder_with_demo());
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_GT(run.json()["rate_hz"], 300);
+  EXPECT_LT(run.json()["rate_hz"], 510);
+}
+
+TEST(CommandLine, FullDiskIsAnError) {
+  const fs::path folder = folder_with_demo();
+  std::ofstream(folder / "square.obj") << "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
+  EXPECT_EQ(shell("lumbrical inspect square.obj --unit m --json >/dev/full", folder).exit_code, 2);
+  EXPECT_EQ(shell("lumbrical run demo.json --ticks 10 --json >/dev/full", folder).exit_code, 2);
+}
+
+TEST(CommandLine, RunDoesNotTouchItsInputs) {
+  const fs::path folder = folder_with_demo();
+  const std::string scene = read_file((folder / "demo.json").string());
+  const Outcome run = shell("lumbrical run demo.json --ticks 10 --record ./demo.json", folder);
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(read_file((folder / "demo.json").string()), scene);
+  EXPECT_EQ(shell("lumbrical run demo.json --ticks 10 --record no/such/folder.mcap", folder).exit_code, 2);
+}
+
+TEST(CommandLine, AFailedRunLeavesTheGoodRecordingAlone) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 100 --record a.mcap", folder).exit_code, 0);
+  const std::string good = read_file((folder / "a.mcap").string());
+  // A file-size limit stands in for the full disk.
+  const Outcome run = shell("( ulimit -f 8; lumbrical run demo.json --ticks 500 --record a.mcap )", folder);
+  EXPECT_EQ(run.exit_code, 2) << run.error;
+  EXPECT_NE(run.error.find("a.mcap"), std::string::npos) << run.error;
+  EXPECT_EQ(read_file((folder / "a.mcap").string()), good);
+}
+
+// A file system of its own, half full of the recording: the real thing, where the system lets us have one.
+TEST(CommandLine, ARecordingOnAFullFileSystemStaysReadable) {
+  const fs::path folder = folder_with_demo();
+  if (shell("unshare -Urm true", folder).exit_code != 0)
+    GTEST_SKIP() << "no permission to mount a file system of our own";
+  const Outcome run = shell(
+      "unshare -Urm sh -c 'mkdir small && mount -t tmpfs -o size=1m none small && "
+      "( lumbrical run demo.json --ticks 4000 --record small/a.mcap --on-record-error continue "
+      "--json; echo $? >exit_code; df --output=avail small | tail -n 1 >left; "
+      "lumbrical recover small/a.mcap -o whole.mcap )'",
+      folder);
+  EXPECT_EQ(read_file((folder / "exit_code").string()), "2\n") << run.error;
+  EXPECT_NE(run.error.find("small/a.mcap: cannot be written: No space left on device"), std::string::npos)
+      << run.error;
+  EXPECT_LT(std::stoul(read_file((folder / "left").string())), 400u) << "it was not full";  // [KiB]
+  EXPECT_EQ(shell("lumbrical verify whole.mcap", folder).exit_code, 0);
+  const Outcome replay = shell("lumbrical replay whole.mcap --json", folder);
+  EXPECT_EQ(replay.exit_code, 0) << replay.error;
+  EXPECT_GT(replay.json()["ticks"], 250);
+  EXPECT_LT(replay.json()["ticks"], 4000);
+}
+
+TEST(CommandLine, ForcesAreLeftOutAsAsked) {
+  const fs::path folder = folder_with_demo();
+  for (const char* const forces : {"all", "10", "none"}) {
+    const std::string name = std::string(forces) + ".mcap";
+    ASSERT_EQ(
+        shell("lumbrical run demo.json --ticks 700 --record " + name + " --record-forces " + forces, folder)
+            .exit_code,
+        0);
+    EXPECT_EQ(shell("lumbrical replay " + name, folder).exit_code, 0);
+    EXPECT_EQ(shell("lumbrical diff all.mcap " + name, folder).exit_code, 0);
+  }
+  EXPECT_LT(fs::file_size(folder / "none.mcap"), fs::file_size(folder / "10.mcap"));
+  const auto about = shell("lumbrical info none.mcap --json", folder).json();
+  EXPECT_EQ(about["version"], 3);
+  EXPECT_EQ(about["metadata"]["force_interval"], "0");
+  for (const char* const wrong : {"0", "1.5", "some", "-1", "''"})
+    EXPECT_EQ(shell(std::string("lumbrical run demo.json --record x.mcap --record-forces ") + wrong, folder)
+                  .exit_code,
+              2)
+        << wrong;
+}
+
+TEST(CommandLine, AFailedRecordingEndsTheSessionOrNotAsAsked) {
+  const fs::path folder = folder_with_demo();
+  // A file-size limit stands in for the full disk.
+  const std::string run = "( ulimit -f 200; lumbrical run demo.json --ticks 3000 --record a.mcap --json";
+  const Outcome stopped = shell(run + " )", folder);
+  EXPECT_EQ(stopped.exit_code, 2);
+  EXPECT_NE(stopped.error.find("a.mcap: cannot be written: File too large"), std::string::npos)
+      << stopped.error;
+  const Outcome continued = shell(run + " --on-record-error continue )", folder);
+  EXPECT_EQ(continued.exit_code, 2);
+  EXPECT_NE(continued.error.find("cannot be written: File too large"), std::string::npos) << continued.error;
+  EXPECT_EQ(continued.json()["ticks"], 3000);
+  EXPECT_GT(continued.json()["not_recorded"], 0);
+  EXPECT_LT(continued.json()["not_recorded"], 3000);
+}
+
+TEST(CommandLine, PartsOfARecordingReplayAndMakeTheWhole) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 900 --record a.mcap", folder).exit_code, 0);
+  const Outcome trim = shell("lumbrical trim a.mcap --from 3 --to 5 -o part.mcap --json", folder);
+  ASSERT_EQ(trim.exit_code, 0) << trim.error;
+  EXPECT_EQ(trim.json()["ticks"], 200);
+  EXPECT_EQ(trim.json()["replayable"], true);
+  EXPECT_EQ(shell("lumbrical replay part.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical split a.mcap --ticks 400 -o p.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical merge p.001.mcap p.002.mcap p.003.mcap -o m.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("cmp a.mcap m.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical compress a.mcap -o z.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical compress z.mcap --with lz4 -o b.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("cmp a.mcap b.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("lumbrical trim a.mcap --from 20 -o none.mcap", folder).exit_code, 2);
+  EXPECT_FALSE(fs::exists(folder / "none.mcap"));
+}
+
+TEST(CommandLine, ReplayTracesAndWeighsAChange) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 500 --record a.mcap", folder).exit_code, 0);
+  const Outcome what_if = shell("lumbrical replay a.mcap --stiffness 1e7 --trace t.txt --json", folder);
+  EXPECT_EQ(what_if.exit_code, 3);
+  expect_keys(what_if.json()["first_divergence"],
+              {"primitive", "triangle", "cluster", "ulp", "recorded_build"});
+  expect_keys(what_if.json()["what_if"], {"ticks", "force", "torque", "tick_us"});
+  expect_keys(what_if.json()["what_if"]["force"]["index"],
+              {"max", "rms", "max_jnd", "rms_jnd", "felt_ticks"});
+  EXPECT_NE(read_file((folder / "t.txt").string()).find(" contact_force segment"), std::string::npos);
+  EXPECT_EQ(shell("lumbrical replay a.mcap --mesh bowl=x.obj", folder).exit_code, 2);
+  EXPECT_EQ(shell("lumbrical replay a.mcap --mesh x.obj", folder).exit_code, 2);
+}
+
+TEST(CommandLine, ASignalEndsARunWithAWholeRecording) {
+  const fs::path folder = folder_with_demo();
+  // The signal comes when the first ticks are in the file, and twice, as from a terminal that sends it to
+  // the process and to its group. (A shell lets its background jobs ignore SIGINT, hence SIGTERM.)
+  const Outcome run = shell(
+      "lumbrical run demo.json --rate 100 --record a.mcap --json & "
+      "until [ -s a.mcap ]; do sleep 0.05; done; sleep 0.5; kill -TERM $!; sleep 0.002; kill -TERM $!; wait "
+      "$!",
+      folder);
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_EQ(run.json()["interrupted"], true);
+  EXPECT_LT(run.json()["ticks"], 1000);
+  const Outcome replay = shell("lumbrical replay a.mcap --json", folder);
+  EXPECT_EQ(replay.exit_code, 0) << replay.error;
+  EXPECT_EQ(replay.json()["ticks"], run.json()["ticks"]);
+  EXPECT_EQ(shell("lumbrical verify a.mcap", folder).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace lumbrical::test

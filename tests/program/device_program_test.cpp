@@ -1,0 +1,219 @@
+// lumbrical run with a device in the loop, and lumbrical sim-device: what they print, how they end, and that
+// the wearer's fingers are free again however the program dies.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "lumbrical/recording.h"
+#include "program.h"
+#include "terminals.h"
+
+namespace lumbrical {
+namespace {
+
+using nlohmann::json;
+using test::fresh_folder;
+using test::Outcome;
+using test::shell;
+
+// Time-outs for slow and busy machines, a grasp of three seconds, and a plane the fingers always touch.
+void write_inputs(const std::filesystem::path& folder) {
+  json profile =
+      json::parse(std::ifstream(std::string(LUMBRICAL_SOURCE_DIR) + "/examples/devices/exoskeleton.json"));
+  profile["rate"] = 100;
+  profile["response_timeout"] = 1;
+  profile["safety"] = {
+      {"fade", 0.05}, {"soft_start", 0.1}, {"tick_hold", 1}, {"tick_timeout", 5}, {"answer_timeout", 2}};
+  std::ofstream(folder / "device.json") << profile;
+  std::ofstream(folder / "scene.json") << R"({"objects": [{"mug": {}}], "settings": {"rate": 100},
+      "motion": {"grasp": {"seconds": 4}}})";
+}
+
+// Starts sim-device, waits for its address in $port or for its terminal, runs `body`, and ends it by SIGINT;
+// its figures are in sim.json, its end in `wait`.
+std::string with_device(const std::string& wire, const std::string& body) {
+  return "lumbrical sim-device --profile device.json --scene scene.json --json " + wire +
+         " >sim.json 2>sim.err & sim=$!; "
+         "for i in $(seq 600); do grep -q 'listening on' sim.err && break; sleep 0.05; done; "
+         "port=$(sed -n 's/.*listening on .*://p' sim.err); " +
+         body + "; code=$?; sleep 0.6; kill -INT $sim; wait $sim; exit $code";
+}
+
+json sim_figures(const std::filesystem::path& folder) {
+  return json::parse(test::read_file((folder / "sim.json").string()));
+}
+
+double largest(const json& figures, const char* key) {
+  double most = 0;
+  for (const json& joint : figures["joints"]) most = std::max(most, std::fabs(joint[key].get<double>()));
+  return most;
+}
+
+const std::string kRun =
+    "lumbrical run scene.json --rate 100 --sink \"modbus-tcp://127.0.0.1:$port?profile=device.json\" ";
+
+TEST(DeviceProgram, ClosesTheLoopAndRecordsIt) {
+  const auto folder = fresh_folder();
+  write_inputs(folder);
+  const Outcome outcome =
+      shell(with_device("--tcp 0", kRun + "--ticks 300 --record session.mcap --json --threads 1"), folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const json run = outcome.json();
+  EXPECT_EQ(run["ticks"], 300);
+  EXPECT_TRUE(run.contains("wake_up_us") && run.contains("real_time") && run.contains("loop_us"));
+  const json& device = run["device"];
+  EXPECT_EQ(device["state"], "active");
+  EXPECT_EQ(device["safe_at_end"], true);
+  EXPECT_GT(device["acknowledged"], 10);
+  EXPECT_EQ(device["certificate"]["measured"], true);
+  EXPECT_EQ(device["certificate"]["joints"].size(), 15u);
+  EXPECT_NE(outcome.error.find("armed -> active"), std::string::npos) << outcome.error;
+
+  const json sim = sim_figures(folder);
+  EXPECT_GT(largest(sim, "peak_torque"), 0.001) << "the grasp should be felt";
+  EXPECT_EQ(largest(sim, "torque"), 0);
+  EXPECT_GT(std::fabs(sim["joints"][3]["angle"].get<double>()), 0.01) << "the human moved";
+
+  RecordingReader reader;
+  ASSERT_TRUE(reader.open((folder / "session.mcap").string()).ok());
+  EXPECT_NE(reader.info().metadata.at("certificate").find("\"delay\""), std::string::npos);
+  TickRecord record;
+  bool end = false;
+  int sent = 0, acknowledged = 0, moved = 0;
+  std::uint64_t cycle = 0;
+  while (reader.next(record, end).ok() && !end) {
+    for (std::uint32_t i = 0; i < record.sent_count; ++i) {
+      EXPECT_GT(record.sent[i].cycle, cycle);
+      cycle = record.sent[i].cycle;
+      ++sent;
+      acknowledged += record.sent[i].acknowledged > record.sent[i].sent ? 1 : 0;
+      moved += record.sent[i].value[3] != 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(acknowledged, 10);
+  EXPECT_LE(acknowledged, sent);
+  EXPECT_GT(moved, 0);
+  EXPECT_EQ(shell("lumbrical replay session.mcap", folder).exit_code, 0);
+}
+
+TEST(DeviceProgram, RunsOverATerminal) {
+  if (!test::have_terminals()) GTEST_SKIP() << test::kNoTerminals;
+  const auto folder = fresh_folder();
+  write_inputs(folder);
+  const Outcome outcome = shell(with_device("--rtu line",
+                                            "lumbrical run scene.json --rate 100 --ticks 150 --json --sink "
+                                            "\"modbus-rtu://$PWD/line?profile=device.json&baud=115200\""),
+                                folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(outcome.json()["device"]["safe_at_end"], true);
+  EXPECT_GT(sim_figures(folder)["requests"], 10);
+  EXPECT_FALSE(std::filesystem::is_symlink(folder / "line")) << "the link is taken away again";
+}
+
+// Waits for forces to flow, kills the program by a signal and lets the device go on for a while; what it
+// told.
+std::string kill_by(const std::string& signal, const std::filesystem::path& folder) {
+  write_inputs(folder);
+  const std::string body =
+      kRun +
+      "--ticks 1000000 >run.out 2>run.err & run=$!; "
+      "for i in $(seq 600); do grep -q 'armed -> active' run.err && break; sleep 0.05; done; "
+      "sleep 1.5; kill -" +
+      signal + " $run; wait $run";
+  shell(with_device("--tcp 0 --watchdog 0.3", body), folder);
+  const std::string error = test::read_file((folder / "run.err").string());
+  EXPECT_NE(error.find("armed -> active"), std::string::npos) << error;
+  return error;
+}
+
+TEST(DeviceProgram, AnInterruptFadesAndSaysSo) {
+  const auto folder = fresh_folder();
+  const std::string error = kill_by("INT", folder);
+  EXPECT_NE(error.find("closed: the device has acknowledged safe values"), std::string::npos) << error;
+  EXPECT_EQ(largest(sim_figures(folder), "torque"), 0);
+}
+
+TEST(DeviceProgram, ACrashOfTheTickingThreadFadesToo) {
+  const auto folder = fresh_folder();
+  kill_by("SEGV", folder);
+  EXPECT_EQ(largest(sim_figures(folder), "torque"), 0);
+}
+
+TEST(DeviceProgram, KilledOutrightItLeavesTheFadingToTheDevicesWatchdog) {
+  const auto folder = fresh_folder();
+  kill_by("KILL", folder);
+  EXPECT_EQ(largest(sim_figures(folder), "torque"), 0);
+}
+
+TEST(DeviceProgram, StopsAndArmsAgainBySignals) {
+  const auto folder = fresh_folder();
+  write_inputs(folder);
+  const std::string wait =
+      "for i in $(seq 600); do [ $(grep -c \"$text\" run.err) -ge $count ] && break; sleep 0.05; done; ";
+  const std::string body = kRun +
+                           "--ticks 1000000 >run.out 2>run.err & run=$!; "
+                           "text='armed -> active'; count=1; " +
+                           wait +
+                           "kill -USR2 $run; "
+                           "text='active -> fault: emergency stop'; " +
+                           wait +
+                           "kill -USR1 $run; "
+                           "text='armed -> active'; count=2; " +
+                           wait + "kill -INT $run; wait $run";
+  shell(with_device("--tcp 0", body), folder);
+  const std::string error = test::read_file((folder / "run.err").string());
+  const std::size_t stop = error.find("active -> fault: emergency stop");
+  ASSERT_NE(stop, std::string::npos) << error;
+  EXPECT_NE(error.find("fault -> idle", stop), std::string::npos) << error;
+  EXPECT_NE(error.find("armed -> active", stop), std::string::npos) << error;
+  EXPECT_NE(error.find("closed: the device has acknowledged safe values"), std::string::npos) << error;
+}
+
+Outcome lose_device(const std::string& choice, const std::filesystem::path& folder) {
+  write_inputs(folder);
+  const std::string body =
+      "{ for i in $(seq 600); do grep -q 'armed -> active' run.err 2>/dev/null && break; sleep 0.05; done; "
+      "kill -KILL $sim; } & lumbrical run scene.json --rate 100 --ticks 450 --json --sink "
+      "\"modbus-tcp://127.0.0.1:$port?profile=device.json&on-loss=" +
+      choice + "\" 2>run.err";
+  Outcome outcome = shell(with_device("--tcp 0", body), folder);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_NE(test::read_file((folder / "run.err").string()).find("active -> disconnected"), std::string::npos);
+  return outcome;
+}
+
+TEST(DeviceProgram, StopsWhenTheDeviceIsLostIfTold) {
+  const json run = lose_device("stop", fresh_folder()).json();
+  EXPECT_LT(run["ticks"], 450);
+}
+
+TEST(DeviceProgram, GoesOnWhenTheDeviceIsLostIfTold) {
+  const json run = lose_device("continue", fresh_folder()).json();
+  EXPECT_EQ(run["ticks"], 450);
+  EXPECT_EQ(run["device"]["state"], "disconnected");
+}
+
+TEST(DeviceProgram, SaysWhatIsWrongWithASink) {
+  const auto folder = fresh_folder();
+  write_inputs(folder);
+  const auto error_of = [&](const std::string& uri) {
+    const Outcome outcome = shell("lumbrical run scene.json --sink '" + uri + "'", folder);
+    EXPECT_EQ(outcome.exit_code, 2) << uri;
+    return outcome.error;
+  };
+  EXPECT_NE(error_of("usb://x").find("is no sink"), std::string::npos);
+  EXPECT_NE(error_of("modbus-tcp://h:70000?profile=device.json").find("names no host and port"),
+            std::string::npos);
+  EXPECT_NE(error_of("modbus-rtu://ttyUSB0?profile=device.json").find("names no line"), std::string::npos);
+  EXPECT_NE(error_of("modbus-tcp://h").find("names no device profile"), std::string::npos);
+  EXPECT_NE(error_of("modbus-tcp://h?profile=device.json&speed=3").find("is no parameter"),
+            std::string::npos);
+  EXPECT_NE(error_of("modbus-tcp://h?profile=nothing.json").find("nothing.json: can't be opened"),
+            std::string::npos);
+  EXPECT_NE(error_of("modbus-tcp://h?profile=scene.json").find("scene.json:1:"), std::string::npos);
+  EXPECT_EQ(shell("lumbrical sim-device --profile device.json", folder).exit_code, 2) << "no wire";
+  EXPECT_EQ(shell("lumbrical sim-device --profile device.json --tcp x", folder).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace lumbrical

@@ -1,0 +1,398 @@
+// The recorder and its reader: every bit comes back, gaps and errors are told, and torn or damaged files are
+// found out.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <thread>
+
+#include "base/ring.h"
+#include "recording_fixture.h"
+
+namespace lumbrical {
+namespace {
+
+using namespace std::chrono_literals;
+using test::expect_same;
+using test::random_records;
+using test::read_bytes;
+using test::read_records;
+using test::small_scene;
+using test::temporary_path;
+using test::write_bytes;
+using test::write_recording;
+
+TEST(Ring, HandsOverEverythingInOrder) {
+  Ring<std::uint64_t> ring(5);  // rounded up to 8
+  constexpr std::uint64_t kCount = 200000;
+  std::thread filler([&] {
+    for (std::uint64_t i = 0; i < kCount;) {
+      if (std::uint64_t* const slot = ring.claim()) {
+        *slot = i++;
+        ring.publish();
+      } else {
+        std::this_thread::yield();
+      }
+    }
+  });
+  for (std::uint64_t expected = 0; expected < kCount;) {
+    if (const std::uint64_t* const item = ring.front()) {
+      ASSERT_EQ(*item, expected++);
+      ring.pop();
+    } else {
+      std::this_thread::yield();
+    }
+  }
+  filler.join();
+  EXPECT_EQ(ring.front(), nullptr);
+}
+
+TEST(Ring, IsFullAtItsCapacityAndFreeAgainAfterPop) {
+  Ring<int> ring(4);
+  for (int i = 0; i < 4; ++i) {
+    ASSERT_NE(ring.claim(), nullptr);
+    ring.publish();
+  }
+  EXPECT_EQ(ring.claim(), nullptr);
+  ring.pop();
+  EXPECT_NE(ring.claim(), nullptr);
+}
+
+TEST(TickMessage, BringsEveryBitOfAnyRecordBack) {
+  test::RandomBits random(7);
+  flatbuffers::FlatBufferBuilder builder;
+  for (std::uint64_t i = 0; i < 3000; ++i) {
+    const TickRecord record = test::random_record(random, random.word());
+    const InputCheck check = make_input_check(input_fields(record), HashKind::current);
+    encode_tick(record, true, check, builder);
+    TickRecord decoded;
+    InputCheck decoded_check;
+    const Status status =
+        decode_tick({builder.GetBufferPointer(), builder.GetSize()}, decoded, decoded_check);
+    ASSERT_TRUE(status.ok()) << status.message();
+    expect_same(record, decoded);
+    EXPECT_EQ(check, decoded_check);
+    if (::testing::Test::HasFailure()) break;
+  }
+}
+
+TEST(TickMessage, LeavesOutWhatIsNotThere) {
+  flatbuffers::FlatBufferBuilder builder;
+  TickRecord record;
+  record.device.kind = InputKind::joint_angles;
+  encode_tick(record, true, {}, builder);
+  const std::size_t nothing = builder.GetSize();
+  EXPECT_LT(nothing, 300u);
+  record.device.angle[3] = 0.5f;
+  record.output.segment[4].force.z = 1;
+  encode_tick(record, true, {}, builder);
+  EXPECT_LT(builder.GetSize(), nothing + 80 + 88 + 40);
+}
+
+TEST(TickMessage, SurvivesAnyDamage) {
+  test::RandomBits random(3);
+  flatbuffers::FlatBufferBuilder builder;
+  encode_tick(test::random_record(random, 5), true, {}, builder);
+  const std::vector<std::uint8_t> good(builder.GetBufferPointer(),
+                                       builder.GetBufferPointer() + builder.GetSize());
+  TickRecord record;
+  InputCheck check;
+  for (std::size_t size = 0; size < good.size(); ++size)
+    (void)decode_tick(std::span(good).first(size), record, check).ok();
+  for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
+    std::vector<std::uint8_t> damaged = good;
+    damaged[bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
+    if (decode_tick(damaged, record, check).ok()) {
+      EXPECT_LE(record.device.kind, InputKind::joint_angles);
+    }
+  }
+}
+
+// Found by fuzzing: commands to a device whose numbers lie where a processor may not read them.
+TEST(TickMessage, RefusesMisplacedNumbers) {
+  const std::vector<std::uint8_t> bytes =
+      read_bytes(LUMBRICAL_SOURCE_DIR "/tests/fuzz/corpus/messages/misaligned_sent");
+  ASSERT_GT(bytes.size(), 1u);
+  TickRecord record;
+  InputCheck check;
+  const Status status =
+      decode_tick(std::span(bytes).subspan(1), record, check);  // behind the kind of message
+  EXPECT_EQ(status.message(), "the tick message has a command to the device that can't be one");
+}
+
+TEST(SessionMessage, BringsTheSceneBackBitForBit) {
+  Scene scene = small_scene();
+  scene.hand.side = Side::left;
+  scene.hand.finger[2].limit[1].lower = -0.0;
+  scene.hand.palm_joint.position.x = -0.0;
+  scene.settings.law[5] = Law::point;
+  scene.settings.fade_time = -0.0;
+  scene.objects.push_back({"sphere", make_sphere(0.04, 8)});
+  scene.objects.push_back({"", {}});
+  std::vector<std::uint8_t> bytes, again;
+  ASSERT_TRUE(encode_session(scene, kVersion, bytes).ok());
+  Scene decoded;
+  std::uint32_t version = 0;
+  const Status status = decode_session(bytes, decoded, version);
+  ASSERT_TRUE(status.ok()) << status.message();
+  ASSERT_TRUE(encode_session(decoded, version, again).ok());
+  EXPECT_EQ(bytes, again);
+  ASSERT_EQ(decoded.objects.size(), 3u);
+  EXPECT_EQ(decoded.objects[1].name, "sphere");
+  EXPECT_EQ(decoded.objects[1].mesh.vertices, scene.objects[1].mesh.vertices);
+  EXPECT_EQ(decoded.objects[1].mesh.triangles, scene.objects[1].mesh.triangles);
+  EXPECT_EQ(decoded.hand.radius, scene.hand.radius);
+  EXPECT_TRUE(std::signbit(decoded.settings.fade_time));
+  EXPECT_TRUE(std::signbit(decoded.hand.finger[2].limit[1].lower));
+}
+
+TEST(SessionMessage, SurvivesAnyDamage) {
+  std::vector<std::uint8_t> good;
+  ASSERT_TRUE(encode_session(small_scene(), kVersion, good).ok());
+  Scene scene;
+  std::uint32_t version = 0;
+  constexpr std::size_t kPadding = 8;  // of the last string, at the end
+  for (std::size_t size = 0; size + kPadding <= good.size(); ++size)
+    EXPECT_FALSE(decode_session(std::span(good).first(size), scene, version).ok()) << size;
+  for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
+    std::vector<std::uint8_t> damaged = good;
+    damaged[bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
+    Scene decoded;
+    if (!decode_session(damaged, decoded, version).ok()) continue;
+    for (const Law law : decoded.settings.law) EXPECT_LE(law, Law::point);
+    EXPECT_TRUE(check_hand(decoded.hand).ok());
+  }
+}
+
+class Recording : public ::testing::TestWithParam<Compression> {};
+
+TEST_P(Recording, BringsEveryTickBack) {
+  const std::string path = temporary_path("a.mcap");
+  const std::vector<TickRecord> records = random_records(1300, 2);
+  RecorderOptions options;
+  options.compression = GetParam();
+  options.metadata = {{"operator", "someone"}, {"note", "with \n and \xff"}};
+  options.ring_capacity = 16;
+  write_recording(path, small_scene(), records, options);
+
+  RecordingReader reader;
+  const Status status = reader.open(path);
+  ASSERT_TRUE(status.ok()) << status.message();
+  const RecordingInfo& info = reader.info();
+  EXPECT_TRUE(info.complete);
+  EXPECT_EQ(info.ticks, 1300u);
+  EXPECT_EQ(info.first_tick, 0u);
+  EXPECT_EQ(info.last_tick, 1299u);
+  EXPECT_EQ(info.missing_ticks, 0u);
+  EXPECT_DOUBLE_EQ(info.seconds, 1.3);
+  EXPECT_GE(info.chunks, 6u);
+  options.metadata["build"] = build_text();
+  EXPECT_EQ(info.metadata, options.metadata);
+  EXPECT_EQ(info.bytes, std::filesystem::file_size(path));
+  std::vector<TickRecord> read;
+  ASSERT_TRUE(read_records(reader, read).ok());
+  ASSERT_EQ(read.size(), records.size());
+  for (std::size_t i = 0; i < read.size(); ++i) expect_same(read[i], records[i]);
+
+  RecordingInfo verified;
+  const Status verdict = verify_recording(path, verified);
+  EXPECT_TRUE(verdict.ok()) << verdict.message();
+  EXPECT_EQ(verified.ticks, 1300u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Compressions, Recording,
+                         ::testing::Values(Compression::none, Compression::lz4, Compression::zstd),
+                         testing::PrintToStringParamName());
+
+TEST(RecordingReader, FindsAnyTick) {
+  const std::string path = temporary_path("a.mcap");
+  std::vector<TickRecord> records = random_records(1000, 3);
+  records.erase(records.begin() + 300, records.begin() + 700);
+  write_recording(path, small_scene(), records);
+  RecordingReader reader;
+  ASSERT_TRUE(reader.open(path).ok());
+  for (const std::uint64_t tick : {999u, 0u, 250u, 249u, 299u, 300u, 500u, 700u, 998u, 1u}) {
+    ASSERT_TRUE(reader.seek(tick).ok());
+    TickRecord record;
+    bool end = true;
+    ASSERT_TRUE(reader.next(record, end).ok());
+    ASSERT_FALSE(end);
+    EXPECT_EQ(record.output.tick, tick >= 300 && tick < 700 ? 700 : tick);
+  }
+  ASSERT_TRUE(reader.seek(1000).ok());
+  TickRecord record;
+  bool end = false;
+  ASSERT_TRUE(reader.next(record, end).ok());
+  EXPECT_TRUE(end);
+  ASSERT_TRUE(reader.seek(0).ok());
+  std::vector<TickRecord> read;
+  ASSERT_TRUE(read_records(reader, read).ok());
+  EXPECT_EQ(read.size(), records.size());
+}
+
+TEST(RecordingReader, AnswersBeforeAnythingIsOpen) {
+  RecordingReader reader;
+  TickRecord record;
+  bool end = false;
+  EXPECT_FALSE(reader.next(record, end).ok());
+  EXPECT_FALSE(reader.seek(0).ok());
+  EXPECT_EQ(reader.info().ticks, 0u);
+  const Status status = reader.open(temporary_path("absent.mcap"));
+  EXPECT_NE(status.message().find("absent.mcap: cannot be opened"), std::string::npos) << status.message();
+  EXPECT_FALSE(reader.open(::testing::TempDir()).ok());
+}
+
+TEST(Recorder, WritesTheSameBytesForTheSameRun) {
+  const std::vector<TickRecord> records = random_records(600, 4);
+  const std::string a = temporary_path("a.mcap"), b = temporary_path("b.mcap");
+  RecorderOptions small_ring;
+  small_ring.ring_capacity = 1;
+  write_recording(a, small_scene(), records);
+  write_recording(b, small_scene(), records, small_ring);
+  EXPECT_EQ(read_bytes(a), read_bytes(b));
+}
+
+TEST(Recorder, KeepsASessionWithoutTicks) {
+  const std::string path = temporary_path("empty.mcap");
+  write_recording(path, small_scene(), {});
+  RecordingInfo info;
+  const Status status = verify_recording(path, info);
+  EXPECT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(info.ticks, 0u);
+  EXPECT_TRUE(info.complete);
+}
+
+TEST(Recorder, MarksGapsByTheirTickNumbers) {
+  const std::string path = temporary_path("gap.mcap");
+  std::vector<TickRecord> records = random_records(900, 5);
+  records.erase(records.begin() + 100, records.begin() + 103);
+  records.erase(records.begin(), records.begin() + 10);
+  write_recording(path, small_scene(), records);
+  RecordingInfo info;
+  const Status status = verify_recording(path, info);
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(info.first_tick, 10u);
+  EXPECT_EQ(info.missing_ticks, 3u);
+}
+
+TEST(Recorder, DropsOpenlyWhenLiveAndTheRingIsFull) {
+  const std::string path = temporary_path("live.mcap");
+  RecorderOptions options;
+  options.wait_when_full = false;
+  options.ring_capacity = 4;
+  Recorder recorder;
+  ASSERT_TRUE(recorder.open(path, small_scene(), options).ok());
+  const std::vector<TickRecord> records = random_records(5000, 6);
+  std::uint64_t kept = 0;
+  for (const TickRecord& record : records) kept += recorder.record(record) ? 1 : 0;
+  ASSERT_TRUE(recorder.close().ok());
+  EXPECT_LT(kept, records.size()) << "the ring never became full";
+  RecordingReader reader;
+  ASSERT_TRUE(reader.open(path).ok());
+  EXPECT_EQ(reader.info().ticks, kept);
+  EXPECT_EQ(reader.info().missing_ticks, reader.info().last_tick - reader.info().first_tick + 1 - kept);
+}
+
+TEST(Recorder, RefusesTicksThatCannotBeReadBack) {
+  Recorder recorder;
+  TickRecord record;
+  EXPECT_FALSE(recorder.record(record)) << "not open";
+  ASSERT_TRUE(recorder.open(temporary_path("a.mcap"), small_scene(), {}).ok());
+  record.output.tick = 5;
+  EXPECT_TRUE(recorder.record(record));
+  EXPECT_FALSE(recorder.record(record)) << "the same tick again";
+  record.output.tick = 6;
+  record.device.kind = static_cast<InputKind>(2);
+  EXPECT_FALSE(recorder.record(record)) << "no such kind";
+  EXPECT_TRUE(recorder.close().ok());
+  EXPECT_FALSE(recorder.record(record)) << "closed";
+}
+
+TEST(Recorder, SaysClearlyWhyAFileCannotBeWritten) {
+  Recorder recorder;
+  const auto message = [&](const std::string& path, const RecorderOptions& options = {}) {
+    return recorder.open(path, small_scene(), options).message();
+  };
+  EXPECT_NE(message(temporary_path("no/such.mcap")).find("No such file or directory"), std::string::npos);
+  EXPECT_NE(message(::testing::TempDir()).find("is a directory"), std::string::npos);
+  EXPECT_NE(message("/dev/null").find("not a regular file"), std::string::npos);
+  EXPECT_NE(message("").find("empty"), std::string::npos);
+  RecorderOptions options;
+  options.chunk_seconds = 0.3;
+  EXPECT_NE(message(temporary_path("a.mcap"), options).find("chunk_seconds"), std::string::npos);
+  options = {};
+  options.ring_capacity = 0;
+  EXPECT_NE(message(temporary_path("a.mcap"), options).find("ring_capacity"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(temporary_path("a.mcap")));
+
+  if (::geteuid() != 0) {  // root may write anywhere
+    const std::string folder = temporary_path("locked");
+    std::filesystem::create_directory(folder);
+    ::chmod(folder.c_str(), 0500);
+    EXPECT_NE(message(folder + "/a.mcap").find("Permission denied"), std::string::npos);
+  }
+}
+
+TEST(Recorder, ReplacesAGoodFileOnlyByAWholeOne) {
+  const std::string path = temporary_path("a.mcap");
+  write_recording(path, small_scene(), random_records(20, 7));
+  const std::vector<std::uint8_t> before = read_bytes(path);
+  Recorder recorder;
+  ASSERT_TRUE(recorder.open(path, small_scene(), {}).ok());
+  for (const TickRecord& record : random_records(600, 8)) ASSERT_TRUE(recorder.record(record));
+  EXPECT_EQ(read_bytes(path), before) << "while recording";
+  EXPECT_TRUE(std::filesystem::exists(path + ".part"));
+  ASSERT_TRUE(recorder.close().ok());
+  EXPECT_NE(read_bytes(path), before);
+  EXPECT_FALSE(std::filesystem::exists(path + ".part"));
+  RecordingInfo info;
+  EXPECT_TRUE(verify_recording(path, info).ok());
+  EXPECT_EQ(info.ticks, 600u);
+}
+
+TEST(Recorder, LosesAtMostTheOpenChunkWhenKilled) {
+  const std::string path = temporary_path("killed.mcap");
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    Recorder recorder;
+    if (!recorder.open(path, small_scene(), {}).ok()) ::_exit(1);
+    for (const TickRecord& record : random_records(1130, 10)) recorder.record(record);
+    std::this_thread::sleep_for(1s);  // the ring empties within milliseconds
+    ::raise(SIGKILL);
+  }
+  int exit_status = 0;
+  ASSERT_EQ(::waitpid(child, &exit_status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(exit_status));
+
+  RecordingReader reader;
+  ASSERT_TRUE(reader.open(path).ok());
+  EXPECT_FALSE(reader.info().complete);
+  const std::uint64_t whole = reader.info().ticks;
+  EXPECT_GE(whole, 1130u - 250u);
+
+  RecordingInfo info;
+  const Status verdict = verify_recording(path, info);
+  EXPECT_NE(verdict.message().find("torn"), std::string::npos) << verdict.message();
+  const std::string recovered_path = temporary_path("recovered.mcap");
+  std::uint64_t recovered = 0, lost = 0;
+  ASSERT_TRUE(recover_recording(path, recovered_path, recovered, lost).ok());
+  EXPECT_EQ(recovered, whole);
+  EXPECT_EQ(lost, 0u);
+  EXPECT_TRUE(verify_recording(recovered_path, info).ok());
+  std::vector<TickRecord> read;
+  RecordingReader recovered_reader;
+  ASSERT_TRUE(recovered_reader.open(recovered_path).ok());
+  ASSERT_TRUE(read_records(recovered_reader, read).ok());
+  const std::vector<TickRecord> records = random_records(whole, 10);
+  ASSERT_EQ(read.size(), whole);
+  for (std::size_t i = 0; i < read.size(); ++i) expect_same(read[i], records[i]);
+}
+
+}  // namespace
+}  // namespace lumbrical
