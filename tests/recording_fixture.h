@@ -190,15 +190,13 @@ inline Status read_records(RecordingReader& reader, std::vector<TickRecord>& rec
 }
 
 /// Copies a recording, giving every tick to `edit` on the way (false: leave it out). The container's
-/// checksums are right again, the messages' own input checks are those of the original. Into a session of
-/// another `version` `edit` has to put that one's hashes; 0: the same.
+/// checksums are right again, the messages' own input checks are those of the original.
 inline void alter_recording(const std::string& from, const std::string& to,
-                            const std::function<bool(TickRecord&)>& edit, std::uint32_t version = 0) {
+                            const std::function<bool(TickRecord&)>& edit) {
   RecordingReader reader;
   ASSERT_TRUE(reader.open(from).ok());
-  if (version == 0) version = reader.info().version;
   std::vector<std::uint8_t> session;
-  ASSERT_TRUE(encode_session(reader.scene(), version, session).ok());
+  ASSERT_TRUE(encode_session(reader.scene(), session).ok());
   McapWriter writer;
   const double rate = reader.scene().settings.rate;
   Status status = open_recording(to, OutputFile::Place::beside_existing, rate, session, {},
@@ -211,7 +209,7 @@ inline void alter_recording(const std::string& from, const std::string& to,
     ASSERT_TRUE(reader.next(record, end).ok());
     if (end) break;
     const std::uint64_t tick = record.output.tick;
-    const InputCheck check = make_input_check(input_fields(record), hash_kind_of(version));
+    const InputCheck check = make_input_check(input_fields(record));
     if (!edit(record)) continue;
     encode_tick(record, record.has_forces, check, builder);
     status = writer.message(tick_time(tick, 1e9 / rate), static_cast<std::uint32_t>(tick),

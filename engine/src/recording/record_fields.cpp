@@ -5,7 +5,6 @@
 #include <charconv>
 #include <cmath>
 
-#include "base/former_hash.h"
 #include "base/hash.h"
 #include "tick/tick_trace.h"
 
@@ -57,7 +56,6 @@ int changed_field(std::int64_t sum_change, std::int64_t moment_change) {
   return field >= 0 && field < kInputFieldCount ? static_cast<int>(field) : -1;
 }
 
-template <class Hasher>
 std::uint64_t hash_of(const InputFields& fields) {
   Hasher hasher;
   hasher.array(fields);
@@ -68,7 +66,7 @@ std::int64_t difference(std::uint64_t a, std::uint64_t b) { return static_cast<s
 
 /// The one field that explains the change from `recorded` to `present`, put back to what it was; -1 if there
 /// is none.
-int restore_field(InputFields& fields, const InputCheck& recorded, const InputCheck& present, HashKind kind) {
+int restore_field(InputFields& fields, const InputCheck& recorded, const InputCheck& present) {
   const std::int64_t low = difference(present.low_sum, recorded.low_sum);
   const std::int64_t high = difference(present.high_sum, recorded.high_sum);
   const int low_field = changed_field(low, difference(present.low_moment, recorded.low_moment));
@@ -80,7 +78,7 @@ int restore_field(InputFields& fields, const InputCheck& recorded, const InputCh
   const std::uint64_t low_half = (bits & 0xffffffffu) - static_cast<std::uint64_t>(low);
   const std::uint64_t high_half = (bits >> 32) - static_cast<std::uint64_t>(high);
   bits = (high_half << 32) | (low_half & 0xffffffffu);
-  return make_input_check(fields, kind) == recorded ? field : -1;
+  return make_input_check(fields) == recorded ? field : -1;
 }
 
 std::optional<Divergence> first_output_difference(const TickRecord& recorded, const TickRecord& replayed) {
@@ -172,7 +170,7 @@ std::string output_field_text(int field, std::uint64_t bits) {
   return field < kFirstRealOutput ? std::to_string(bits) : double_text(bits);
 }
 
-InputCheck make_input_check(const InputFields& fields, HashKind kind) {
+InputCheck make_input_check(const InputFields& fields) {
   InputCheck check;
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const std::uint64_t low = fields[i] & 0xffffffffu, high = fields[i] >> 32;
@@ -181,21 +179,20 @@ InputCheck make_input_check(const InputFields& fields, HashKind kind) {
     check.high_sum += high;
     check.high_moment += (i + 1) * high;
   }
-  check.hash = kind == HashKind::current ? hash_of<Hasher>(fields) : hash_of<FormerHasher>(fields);
+  check.hash = hash_of(fields);
   return check;
 }
 
-std::optional<Divergence> find_altered_input(const TickRecord& record, const InputCheck& recorded,
-                                             HashKind kind) {
+std::optional<Divergence> find_altered_input(const TickRecord& record, const InputCheck& recorded) {
   const InputFields fields = input_fields(record);
-  const InputCheck present = make_input_check(fields, kind);
+  const InputCheck present = make_input_check(fields);
   if (present == recorded) return std::nullopt;
   Divergence altered{record.output.tick, "input", "several", hash_text(recorded.hash),
                      hash_text(present.hash)};
   InputFields original = fields;
   if (present.hash == recorded.hash) {
     altered.field = "input_check";  // the input is whole, its check is not
-  } else if (const int field = restore_field(original, recorded, present, kind); field >= 0) {
+  } else if (const int field = restore_field(original, recorded, present); field >= 0) {
     altered.field = input_field_name(field);
     altered.recorded = input_field_text(field, original[field]);
     altered.replayed = input_field_text(field, fields[field]);

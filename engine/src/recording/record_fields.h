@@ -44,12 +44,11 @@ struct InputCheck {
   std::uint64_t low_sum = 0, low_moment = 0, high_sum = 0, high_moment = 0;
   friend bool operator==(const InputCheck&, const InputCheck&) = default;
 };
-InputCheck make_input_check(const InputFields& fields, HashKind kind);
+InputCheck make_input_check(const InputFields& fields);
 
 /// What was changed since `recorded` was made from the record's input; nothing if all is as it was.
 /// `recorded` of the answer is the original value, `replayed` the present one.
-std::optional<Divergence> find_altered_input(const TickRecord& record, const InputCheck& recorded,
-                                             HashKind kind);
+std::optional<Divergence> find_altered_input(const TickRecord& record, const InputCheck& recorded);
 
 /// Where two results of the same tick part: the first stage whose hash differs, or "output", or "state".
 std::optional<Divergence> compare_results(const TickRecord& recorded, const TickRecord& replayed);

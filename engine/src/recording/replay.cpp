@@ -24,7 +24,7 @@ Status broken(const RecordingReader& reader, const std::string& what) {
 void run_tick(const Model& model, State& state, Scratch& scratch, TickRecord& result) {
   result.output = tick(model, state, scratch, result.device);
   result.stage_hash = scratch.stage_hash;
-  result.state_hash = hash_state(state, scratch.hash_kind);
+  result.state_hash = hash_state(state);
 }
 
 std::string build_of(const RecordingReader& reader) {
@@ -49,7 +49,7 @@ std::optional<Divergence> compare_inputs(const TickRecord& a, const TickRecord& 
 
 Status session_hash(const Scene& scene, std::uint64_t& hash) {
   std::vector<std::uint8_t> session;
-  if (Status status = encode_session(scene, kVersion, session); !status.ok()) return status;
+  if (Status status = encode_session(scene, session); !status.ok()) return status;
   Hasher hasher;
   hasher.array(session);
   hash = hasher.digest();
@@ -159,7 +159,6 @@ Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResul
 
   run.state = reader.initial_state();
   run.scratch = make_scratch(run.model);
-  run.scratch.hash_kind = hash_kind_of(reader.info().version);
   TickRecord recorded;
   for (;;) {
     bool end = false;
@@ -187,7 +186,6 @@ Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResul
 namespace {
 
 Status compare_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& result) {
-  const bool same_hashes = hash_kind_of(a.info().version) == hash_kind_of(b.info().version);
   if (Status status = a.seek(0); !status.ok()) return status;
   if (Status status = b.seek(0); !status.ok()) return status;
   for (;;) {
@@ -202,13 +200,6 @@ Status compare_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& 
       result.first_divergence = {(end_a ? record_b : record_a).output.tick, "input", "tick",
                                  end_a ? "none" : tick, end_b ? "none" : tick};
       return {};
-    }
-    if (!same_hashes) {  // theirs say nothing of each other
-      if (!record_a.has_forces || !record_b.has_forces)
-        return broken(b, "its hashes are of another version than those of " + a.info().path +
-                             ", and forces are left out: nothing tells whether these differ");
-      record_b.stage_hash = record_a.stage_hash;
-      record_b.state_hash = record_a.state_hash;
     }
     result.first_divergence = compare_inputs(record_a, record_b);
     if (!result.first_divergence) result.first_divergence = compare_results(record_a, record_b);

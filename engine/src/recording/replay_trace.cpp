@@ -129,10 +129,9 @@ Status name_difference(const Scene& recorded_scene, const State& before, const T
   if (Status status = build_model(recorded_scene, plain, model); !status.ok()) return status;
   State state = before;
   Scratch scratch = make_scratch(model);
-  scratch.hash_kind = replayed.scratch.hash_kind;
   const ActuatorFrame output = tick(model, state, scratch, recorded.device);
   const int stage = stage_number(divergence.stage);
-  const bool reproduced = stage == kStateStage ? hash_state(state, scratch.hash_kind) == recorded.state_hash
+  const bool reproduced = stage == kStateStage ? hash_state(state) == recorded.state_hash
                                                : scratch.stage_hash[static_cast<std::size_t>(stage)] ==
                                                      recorded.stage_hash[static_cast<std::size_t>(stage)];
   // What the file holds of the output may have been changed there; then the engine has nothing to say.

@@ -4,7 +4,6 @@
 #include <cstring>
 
 #include "base/floating_point.h"
-#include "base/former_hash.h"
 #include "base/hash.h"
 #include "stages/broadphase.h"
 #include "stages/contact_force.h"
@@ -37,7 +36,6 @@ class NumberRow {
   std::size_t count_ = 0;
 };
 
-template <class Hasher>
 std::uint64_t hash_of(const DeviceFrame& frame) {
   const auto& [position, orientation] = frame.base;
   Hasher hasher;
@@ -53,7 +51,6 @@ std::uint64_t hash_of(const DeviceFrame& frame) {
   return hasher.digest();
 }
 
-template <class Hasher>
 std::uint64_t hash_of(const Primitives& hand, std::uint32_t flags) {
   NumberRow row;
   row.add(std::uint64_t{flags});
@@ -90,7 +87,7 @@ std::uint64_t hash_of(const Primitives& hand, std::uint32_t flags) {
 }
 
 // Plain arrays of 8-byte numbers, without padding.
-template <class Hasher, class T>
+template <class T>
 std::uint64_t hash_plain(const T& data) {
   static_assert(sizeof(T) % sizeof(double) == 0 && std::is_trivially_copyable_v<T>);
   Hasher hasher;
@@ -98,7 +95,7 @@ std::uint64_t hash_plain(const T& data) {
   return hasher.digest();
 }
 
-template <class Hasher, class T>
+template <class T>
 std::uint64_t hash_items(std::span<const T> items) {
   Hasher hasher;
   hasher.array(items);
@@ -116,17 +113,16 @@ struct Findings {
   const ActuatorFrame& output;
 };
 
-template <class Hasher>
 void hash_stages(const Findings& found, std::array<std::uint64_t, kStageCount>& stage_hash) {
   const auto hash_of_stage = [&stage_hash](Stage stage) -> std::uint64_t& {
     return stage_hash[static_cast<std::size_t>(stage)];
   };
-  hash_of_stage(Stage::input) = hash_of<Hasher>(found.frame);
-  hash_of_stage(Stage::hand_pose) = hash_of<Hasher>(found.hand, found.flags);
-  hash_of_stage(Stage::broadphase) = hash_items<Hasher>(found.candidates);
-  hash_of_stage(Stage::narrowphase) = hash_items<Hasher>(found.contacts);
-  hash_of_stage(Stage::contact_force) = hash_plain<Hasher>(found.forces);
-  hash_of_stage(Stage::limits) = hash_plain<Hasher>(found.output);
+  hash_of_stage(Stage::input) = hash_of(found.frame);
+  hash_of_stage(Stage::hand_pose) = hash_of(found.hand, found.flags);
+  hash_of_stage(Stage::broadphase) = hash_items(found.candidates);
+  hash_of_stage(Stage::narrowphase) = hash_items(found.contacts);
+  hash_of_stage(Stage::contact_force) = hash_plain(found.forces);
+  hash_of_stage(Stage::limits) = hash_plain(found.output);
 }
 
 static_assert(sizeof(Contact) == 2 * sizeof(std::uint32_t) + 13 * sizeof(double));
@@ -165,9 +161,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   if ((frame.flags & kExtrapolated) != 0) flags |= kInputExtrapolated;
   if ((flags & kUntrusted) == 0) {
     flags |= place_hand(model.hand, model.settings, frame, hand);
-    // A hand far from everything needs no shape; but recordings of old formats tell of it all the same.
-    const bool shaped = scratch.hash_stages && scratch.hash_kind == HashKind::former;
-    hand.out_of_reach = !shaped && !may_meet(model.hand, hand, model.extent);
+    hand.out_of_reach = !may_meet(model.hand, hand, model.extent);  // and needs no shape
     if (!hand.out_of_reach) {
       tile_hand(model.hand, model.settings, hand);
       if (!find_candidates(model, hand, scratch)) flags |= kCandidateOverflow;
@@ -181,19 +175,11 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   output.contact_count = scratch.contact_count;
   output.force_error = force_error(model.settings, contacts);
 
-  if (scratch.hash_stages) {
-    const Findings found{frame, hand, flags, candidates, contacts, forces, output};
-    if (scratch.hash_kind == HashKind::current) {
-      hash_stages<Hasher>(found, scratch.stage_hash);
-    } else {
-      hash_stages<FormerHasher>(found, scratch.stage_hash);
-    }
-  }
+  if (scratch.hash_stages)
+    hash_stages({frame, hand, flags, candidates, contacts, forces, output}, scratch.stage_hash);
   return output;
 }
 
-std::uint64_t hash_state(const State& state, HashKind kind) {
-  return kind == HashKind::current ? hash_plain<Hasher>(state) : hash_plain<FormerHasher>(state);
-}
+std::uint64_t hash_state(const State& state) { return hash_plain(state); }
 
 }  // namespace lumbrical
