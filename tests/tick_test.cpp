@@ -267,7 +267,7 @@ TEST(Tick, TheHashOfAHandOutOfReachTellsEveryPhalanx) {
   EXPECT_TRUE(seen.insert(pose_hash()).second);
   // The trace, which names what differs, has those numbers too.
   const std::vector<TraceValue> values = trace_stage(model, scratch, frame, {}, Stage::hand_pose);
-  EXPECT_EQ(values.size(), std::size_t{1} + kPhalanxCount * 8 + 7 + 6 * kSegmentCount);
+  EXPECT_EQ(values.size(), std::size_t{3} + 1 + kJointCount * 7);
   frame.base.position = {};
   tick(model, state, scratch, frame);
   EXPECT_FALSE(scratch.primitives->out_of_reach);

@@ -37,16 +37,6 @@ void name_builds(const RecordingReader& reader, Divergence& divergence) {
   divergence.replayed_build = build_text();
 }
 
-/// The first input field in which two records differ.
-std::optional<Divergence> compare_inputs(const TickRecord& a, const TickRecord& b) {
-  const InputFields fields_a = input_fields(a), fields_b = input_fields(b);
-  const auto [at_a, at_b] = std::mismatch(fields_a.begin(), fields_a.end(), fields_b.begin());
-  if (at_a == fields_a.end()) return std::nullopt;
-  const int field = static_cast<int>(at_a - fields_a.begin());
-  return Divergence{std::min(a.output.tick, b.output.tick), "input", input_field_name(field),
-                    input_field_text(field, *at_a), input_field_text(field, *at_b)};
-}
-
 Status session_hash(const Scene& scene, std::uint64_t& hash) {
   std::vector<std::uint8_t> session;
   if (Status status = encode_session(scene, session); !status.ok()) return status;
