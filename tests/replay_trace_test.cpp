@@ -68,6 +68,21 @@ TEST_P(ReplayTrace, NamesPairFieldAndDistanceOfAResultThatDiffers) {
   EXPECT_EQ(first.replayed, exact_text(rough.*fields.at(first.field)));
 }
 
+// Another law shapes the hand otherwise: that is where the runs part, not where contacts differ in
+// consequence.
+TEST_P(ReplayTrace, NamesWhatOfTheHandDiffers) {
+  ReplayOptions options;
+  options.law = Law::column;
+  ReplayResult result;
+  ASSERT_TRUE(replay_file(path_, result, options).ok());
+  ASSERT_TRUE(result.first_divergence.has_value());
+  const Divergence& first = *result.first_divergence;
+  expect_divergence(first, first.tick, "hand_pose", "primitive[0].law");
+  EXPECT_EQ(first.recorded, std::to_string(static_cast<int>(Law::field)));
+  EXPECT_EQ(first.replayed, std::to_string(static_cast<int>(Law::column)));
+  EXPECT_FALSE(first.primitive);
+}
+
 // Its number alone would be one of the two highest bits and an index that no mesh has.
 TEST_P(ReplayTrace, CallsAClusterOfTrianglesWhatItIs) {
   Scene scene = touch_scene();
