@@ -150,6 +150,23 @@ TEST(SessionMessage, BringsTheSceneBackBitForBit) {
   EXPECT_TRUE(std::signbit(decoded.hand.finger[2].limit[1].lower));
 }
 
+TEST(SessionMessage, BringsEverySettingBack) {
+  Scene scene = small_scene(), decoded;
+  int next = 3;
+  walk(scene.settings, [&next]<class N>(const FieldName&, N& number) {
+    if constexpr (std::is_same_v<N, Law>) {
+      number = static_cast<Law>(++next % 5);
+    } else {
+      number = static_cast<N>(++next);
+    }
+  });
+  std::vector<std::uint8_t> bytes;
+  ASSERT_TRUE(encode_session(scene, bytes).ok());
+  const Status status = decode_session(bytes, decoded);
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(numbers_of(scene.settings), numbers_of(decoded.settings));
+}
+
 TEST(SessionMessage, SurvivesAnyDamage) {
   std::vector<std::uint8_t> good;
   ASSERT_TRUE(encode_session(small_scene(), good).ok());

@@ -57,7 +57,7 @@ TEST_F(Diff, TellsWhereOneHasATickTheOtherHasNot) {
   EXPECT_EQ(gap.replayed, "34");
 }
 
-TEST_F(Diff, TellsWorldsApartThatWereTouchedAlike) {
+TEST_F(Diff, TellsScenesApartThatWereFeltAlike) {
   std::vector<TickRecord> records;
   RecordingReader reader;
   ASSERT_TRUE(reader.open(a_).ok());
@@ -66,6 +66,12 @@ TEST_F(Diff, TellsWorldsApartThatWereTouchedAlike) {
   scene.objects.front().mesh.vertices.front().x += 1e-6;
   write_recording(c_, scene, records);
   expect_divergence(*diff(a_, c_).first_divergence, 0, "scene", "hash");
+  scene = touch_scene();
+  scene.settings.fade_time = 0.021;
+  write_recording(c_, scene, records);
+  const Divergence setting = *diff(a_, c_).first_divergence;
+  expect_divergence(setting, 0, "scene", "fade_time");
+  EXPECT_EQ(setting.replayed, "0.021");
 }
 
 }  // namespace

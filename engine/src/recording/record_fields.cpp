@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cmath>
 
-#include "base/hash.h"
 #include "tick/tick_trace.h"
 
 namespace lumbrical {
@@ -35,12 +34,6 @@ int changed_field(std::int64_t sum_change, std::int64_t moment_change) {
                                                                                   : -1;
 }
 
-std::uint64_t hash_of(const InputFields& fields) {
-  Hasher hasher;
-  hasher.array(fields);
-  return hasher.digest();
-}
-
 std::int64_t difference(std::uint64_t a, std::uint64_t b) { return static_cast<std::int64_t>(a - b); }
 
 /// The one field that explains the change from `recorded` to `present`, put back to what it was; -1 if there
@@ -62,19 +55,28 @@ int restore_field(InputFields& fields, const InputCheck& recorded, const InputCh
 
 Divergence difference_of(std::uint64_t tick, const char* stage, const NumberField& field,
                          std::uint64_t recorded, std::uint64_t replayed) {
-  Divergence divergence{tick, stage, field.name, field_text(field, recorded), field_text(field, replayed)};
+  Divergence divergence{tick, stage, field.name, number_text(field.type, recorded),
+                        number_text(field.type, replayed)};
   divergence.ulp = ulps_between(field.type, recorded, replayed);
   return divergence;
 }
 
-std::optional<Divergence> compare_outputs(const TickRecord& recorded, const TickRecord& replayed) {
-  const OutputFields a = output_fields(recorded.output), b = output_fields(replayed.output);
-  // Of forces left out there is the hash alone.
-  const std::size_t count = recorded.has_forces && replayed.has_forces ? a.size() : kFirstForce;
+/// The first of the fields below `count` that differs.
+template <class T>
+std::optional<Divergence> first_difference(std::uint64_t tick, const char* stage, const Numbers<T>& recorded,
+                                           const Numbers<T>& replayed, std::size_t count = kNumberCount<T>) {
   for (std::size_t i = 0; i < count; ++i)
-    if (a[i] != b[i])
-      return difference_of(recorded.output.tick, "output", fields_of<ActuatorFrame>()[i], a[i], b[i]);
+    if (recorded[i] != replayed[i])
+      return difference_of(tick, stage, fields_of<T>()[i], recorded[i], replayed[i]);
   return std::nullopt;
+}
+
+std::optional<Divergence> compare_outputs(const TickRecord& recorded, const TickRecord& replayed) {
+  // Of forces left out there is the hash alone.
+  const bool forces = recorded.has_forces && replayed.has_forces;
+  return first_difference<ActuatorFrame>(recorded.output.tick, "output", output_fields(recorded.output),
+                                         output_fields(replayed.output),
+                                         forces ? kNumberCount<ActuatorFrame> : kFirstForce);
 }
 
 }  // namespace
@@ -89,15 +91,17 @@ std::string number_text(NumberType type, std::uint64_t bits) {
       return exact_text(std::bit_cast<double>(bits));
     case NumberType::real32:
       return exact_text(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
+    case NumberType::kind:
+      if (bits <= bits_of(InputKind::joint_angles))
+        return std::string(kind_name(static_cast<InputKind>(bits)));
+      break;
+    case NumberType::law:
+      if (bits <= bits_of(Law::point)) return std::string(law_name(static_cast<Law>(bits)));
+      break;
     case NumberType::whole:
       break;
   }
   return std::to_string(bits);
-}
-
-std::string field_text(const NumberField& field, std::uint64_t bits) {
-  const bool named = field.name == "kind" && bits <= bits_of(InputKind::joint_angles);
-  return named ? std::string(kind_name(static_cast<InputKind>(bits))) : number_text(field.type, bits);
 }
 
 std::string_view kind_name(InputKind kind) {
@@ -119,7 +123,7 @@ InputCheck make_input_check(const InputFields& fields) {
     check.high_sum += high;
     check.high_moment += (i + 1) * high;
   }
-  check.hash = hash_of(fields);
+  check.hash = hash_rows(std::span<const std::uint64_t>(fields));
   return check;
 }
 
@@ -141,10 +145,12 @@ std::optional<Divergence> find_altered_input(const TickRecord& record, const Inp
 
 std::optional<Divergence> compare_inputs(const TickRecord& recorded, const TickRecord& replayed) {
   const InputFields a = input_fields(recorded), b = input_fields(replayed);
-  for (std::size_t i = 0; i < a.size(); ++i)
-    if (a[i] != b[i])
-      return difference_of(std::min(a[0], b[0]), "input", fields_of<TickInput>()[i], a[i], b[i]);
-  return std::nullopt;
+  return first_difference<TickInput>(std::min(a[0], b[0]), "input", a, b);
+}
+
+std::optional<Divergence> compare_settings(std::uint64_t tick, const Settings& recorded,
+                                           const Settings& replayed) {
+  return first_difference<Settings>(tick, "scene", numbers_of(recorded), numbers_of(replayed));
 }
 
 std::optional<Divergence> compare_results(const TickRecord& recorded, const TickRecord& replayed) {

@@ -34,9 +34,8 @@ OutputFields output_fields(const ActuatorFrame& frame);
 /// ("nan:0x7fc00000").
 std::string exact_text(float value);
 std::string exact_text(double value);
-std::string number_text(NumberType type, std::uint64_t bits);
-std::string field_text(const NumberField& field, std::uint64_t bits);  ///< kinds of input have names
-std::string hash_text(std::uint64_t hash);                             ///< "0x" and 16 hexadecimal digits
+std::string number_text(NumberType type, std::uint64_t bits);  ///< kinds of input and laws by their names
+std::string hash_text(std::uint64_t hash);                     ///< "0x" and 16 hexadecimal digits
 std::string_view kind_name(InputKind kind);
 
 /// Sums over the input fields' lower and upper 32 bits, plain and weighted by 1 + the field's number, and a
@@ -58,6 +57,10 @@ std::optional<Divergence> find_altered_input(const TickRecord& record, const Inp
 
 /// The first input field in which two records differ.
 std::optional<Divergence> compare_inputs(const TickRecord& recorded, const TickRecord& replayed);
+
+/// The first setting in which two scenes differ; its stage is "scene".
+std::optional<Divergence> compare_settings(std::uint64_t tick, const Settings& recorded,
+                                           const Settings& replayed);
 
 /// Where two results of the same tick part: the first stage whose hash differs, or "output", or "state".
 std::optional<Divergence> compare_results(const TickRecord& recorded, const TickRecord& replayed);

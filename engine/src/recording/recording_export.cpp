@@ -37,10 +37,11 @@ std::string csv_line(const TickRecord& record) {
   const OutputFields output = output_fields(record.output);
   std::string line = std::to_string(record.output.tick) + ',' + std::to_string(record.duration_ns);
   for (std::size_t i = 1; i < input.size(); ++i)
-    line += ',' + field_text(fields_of<TickInput>()[i], input[i]);
+    line += ',' + number_text(fields_of<TickInput>()[i].type, input[i]);
   for (std::size_t i = 1; i < output.size(); ++i) {
     line += ',';
-    if (record.has_forces || i < kFirstForce) line += field_text(fields_of<ActuatorFrame>()[i], output[i]);
+    if (record.has_forces || i < kFirstForce)
+      line += number_text(fields_of<ActuatorFrame>()[i].type, output[i]);
   }
   for (const std::uint64_t hash : record.stage_hash) line += ',' + hash_text(hash);
   return line + ',' + hash_text(record.state_hash);

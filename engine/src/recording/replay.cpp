@@ -51,8 +51,11 @@ Status compare_scenes(const RecordingReader& a, const RecordingReader& b, Replay
   std::uint64_t hash_a = 0, hash_b = 0;
   if (Status status = session_hash(a.scene(), hash_a); !status.ok()) return status;
   if (Status status = session_hash(b.scene(), hash_b); !status.ok()) return status;
-  if (hash_a != hash_b)
-    result.first_divergence = {a.info().first_tick, "scene", "hash", hash_text(hash_a), hash_text(hash_b)};
+  if (hash_a == hash_b) return {};
+  const std::uint64_t tick = a.info().first_tick;
+  result.first_divergence = compare_settings(tick, a.scene().settings, b.scene().settings);
+  if (!result.first_divergence)
+    result.first_divergence = {tick, "scene", "hash", hash_text(hash_a), hash_text(hash_b)};
   return {};
 }
 

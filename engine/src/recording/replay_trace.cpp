@@ -84,7 +84,7 @@ std::string line_of(std::uint64_t tick, const std::string& stage, const TraceVal
     line += " triangle " + std::to_string(value.triangle);
   }
   line += ' ' + value.field + ' ' + value_text(value);
-  return value.type == NumberType::whole ? line : line + ' ' + hexadecimal_bits(value);
+  return is_real(value.type) ? line + ' ' + hexadecimal_bits(value) : line;
 }
 
 Status write_stage(const TickRun& run, int stage, TextOutput& out) {

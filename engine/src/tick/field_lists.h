@@ -75,6 +75,17 @@ constexpr void list_fields(Is<State> auto& state, auto&& field) {
   field("held", "", state.held);
 }
 
+constexpr void list_fields(Is<Settings> auto& settings, auto&& field) {
+  field("law", "", settings.law);
+  field("stiffness", "N/m^3", settings.stiffness);
+  field("rate", "Hz", settings.rate);
+  field("point_area", "m^2", settings.point_area);
+  field("tolerance", "", settings.tolerance);
+  field("max_force", "N", settings.max_force);
+  field("fade_time", "s", settings.fade_time);
+  field("max_candidates", "", settings.max_candidates);
+}
+
 // ---- Made on the way
 // ----------------------------------------------------------------------------------------------
 
@@ -150,5 +161,6 @@ constexpr void list_fields(Is<Primitives> auto& hand, auto&& field) {
 static_assert(kIsRow<Contact> && kIsRow<HandForces> && kIsRow<ActuatorFrame> && kIsRow<State>);
 static_assert(kIsRow<JointPose> && kIsRow<HalfSpace> && kIsRow<Pose>);
 static_assert(listed_bytes<DeviceFrame>() + 7 == sizeof(DeviceFrame));
+static_assert(listed_bytes<Settings>() + 4 == sizeof(Settings));
 
 }  // namespace lumbrical

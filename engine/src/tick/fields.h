@@ -22,6 +22,8 @@
 #include <vector>
 
 #include "base/hash.h"
+#include "lumbrical/device.h"
+#include "lumbrical/model.h"
 
 namespace lumbrical {
 
@@ -35,11 +37,14 @@ concept Array = requires(T& array) {
   array[0];
 };
 
-enum class NumberType : std::uint8_t { whole, real, real32 };
+enum class NumberType : std::uint8_t { whole, kind, law, real, real32 };
+constexpr bool is_real(NumberType type) { return type >= NumberType::real; }
 template <Number T>
-inline constexpr NumberType kNumberType = std::is_same_v<T, double>  ? NumberType::real
-                                          : std::is_same_v<T, float> ? NumberType::real32
-                                                                     : NumberType::whole;
+inline constexpr NumberType kNumberType = std::is_same_v<T, double>      ? NumberType::real
+                                          : std::is_same_v<T, float>     ? NumberType::real32
+                                          : std::is_same_v<T, InputKind> ? NumberType::kind
+                                          : std::is_same_v<T, Law>       ? NumberType::law
+                                                                         : NumberType::whole;
 
 template <Number T>
 constexpr std::uint64_t bits_of(T number) {

@@ -2,7 +2,6 @@
 #include "lumbrical/tick.h"
 
 #include "base/floating_point.h"
-#include "base/hash.h"
 #include "stages/broadphase.h"
 #include "stages/contact_force.h"
 #include "stages/force_limits.h"
@@ -29,11 +28,9 @@ void hash_stages(const Findings& found, std::array<std::uint64_t, kStageCount>& 
   const auto hash_of_stage = [&stage_hash](Stage stage) -> std::uint64_t& {
     return stage_hash[static_cast<std::size_t>(stage)];
   };
-  Hasher candidates;
-  candidates.array(found.candidates);
   hash_of_stage(Stage::input) = hash_fields(found.frame);
   hash_of_stage(Stage::hand_pose) = hash_fields(found.hand);
-  hash_of_stage(Stage::broadphase) = candidates.digest();
+  hash_of_stage(Stage::broadphase) = hash_rows(found.candidates);
   hash_of_stage(Stage::narrowphase) = hash_rows(found.contacts);
   hash_of_stage(Stage::contact_force) = hash_fields(found.forces);
   hash_of_stage(Stage::limits) = hash_fields(found.output);
