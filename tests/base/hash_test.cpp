@@ -1,8 +1,6 @@
 // The hash: the same on every machine, and sensitive to every bit.
 #include "base/hash.h"
 
-#include "base/former_hash.h"
-
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -29,9 +27,8 @@ std::uint64_t hash_of(const std::vector<std::uint8_t>& bytes) {
   return hasher.digest();
 }
 
-template <class AnyHasher>
 std::uint64_t hash_of_some() {
-  AnyHasher hasher;
+  Hasher hasher;
   hasher.value(1.5);
   hasher.value(std::uint8_t{7});
   hasher.array(std::span<const std::uint32_t>(std::vector<std::uint32_t>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}));
@@ -41,18 +38,8 @@ std::uint64_t hash_of_some() {
 
 // Recordings carry these hashes: a change of these numbers makes every old recording diverge.
 TEST(Hash, IsTheSameOnEveryMachineAndInEveryVersion) {
-  EXPECT_EQ(hash_of_some<Hasher>(), 3530000513918838359u);
+  EXPECT_EQ(hash_of_some(), 3530000513918838359u);
   EXPECT_EQ(Hasher().digest(), 9200835270077602005u);
-}
-
-TEST(Hash, OfFormerRecordingsIsWhatItWas) {
-  EXPECT_EQ(hash_of_some<FormerHasher>(), 13301377206273111845u);
-  EXPECT_EQ(FormerHasher().digest(), 17909590583442760188u);
-  FormerHasher one_by_one, in_a_row;
-  const std::vector<std::uint64_t> words = {3, 1, 4, 1, 5, 9, 2, 6, 5};
-  for (const std::uint64_t word : words) one_by_one.value(word);
-  in_a_row.words(words);
-  EXPECT_EQ(one_by_one.digest(), in_a_row.digest());
 }
 
 // Its rounds are of 64 bytes.

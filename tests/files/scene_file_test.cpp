@@ -99,7 +99,7 @@ TEST(SceneFile, BuildsEveryShape) {
 TEST(SceneFile, ReadsSettingsAndLawsPerSegment) {
   const SceneFile scene_file =
       load(R"({"objects": [{"plane": {}}], "settings": {"rate": 2500, "stiffness": 1e6, "seconds": 0.5,
-               "law": "max-depth", "segment_laws": [{"segment": "palm", "law": "point"}]},
+               "law": "max-depth", "segments": [{"segment": "palm", "law": "point"}]},
                "execution": {"broadphase": "brute", "leaf_size": 4, "threads": 2}, )" +
            std::string(kGrasp) + "}");
   const Settings& settings = scene_file.scene.settings;
@@ -184,8 +184,8 @@ TEST(SceneFile, TellsEveryMistakeWithItsPlace) {
        ":1:75: settings.law is not a law"},
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"rate": 0}})",
        ":1:76: settings.rate is 0 but must lie in 1 .. 100000"},
-      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"segment_laws": [{"segment": "toe"}]}})",
-       ":1:97: settings.segment_laws[0].segment is not a hand segment"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"segments": [{"segment": "toe"}]}})",
+       ":1:97: settings.segments[0].segment is not a hand segment"},
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "execution": {"broadphase": "heap"}})",
        ":1:83: execution.broadphase is no search"},
       {R"({"motion": {"grasp": {}, "file": "a.csv"}, "objects": [{"plane": {}}]})",

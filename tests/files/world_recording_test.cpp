@@ -66,7 +66,6 @@ TEST(WorldRecording, NamesItsWorldAndReplaysFromWhereverThatIs) {
     record(in_world(field_scene(), {}, world), path, force_interval);
     RecordingReader reader;
     ASSERT_TRUE(reader.open(path).ok());
-    EXPECT_EQ(reader.info().version, kWorldFile);
     ASSERT_TRUE(reader.scene().world);
     EXPECT_EQ(reader.scene().world->path, world);
     EXPECT_FALSE(reader.scene().world->bytes);
@@ -132,21 +131,14 @@ TEST(WorldRecording, IsCutAndAskedWhatIf) {
 TEST(WorldRecording, SessionsAreEitherWithMeshesOrWithAWorld) {
   Scene scene = in_world(field_scene(), {}, (own_folder() / "field.world").string());
   std::vector<std::uint8_t> bytes;
-  ASSERT_TRUE(encode_session(scene, kVersion, bytes).ok());
+  ASSERT_TRUE(encode_session(scene, bytes).ok());
   Scene decoded;
-  std::uint32_t version = 0;
-  ASSERT_TRUE(decode_session(bytes, decoded, version).ok());
-  EXPECT_EQ(version, kWorldFile);
+  ASSERT_TRUE(decode_session(bytes, decoded).ok());
   EXPECT_EQ(decoded.world->content, scene.world->content);
   EXPECT_EQ(decoded.world->byte_count, scene.world->byte_count);
   scene.objects = field_scene().objects;
-  ASSERT_TRUE(encode_session(scene, kVersion, bytes).ok());
-  EXPECT_FALSE(decode_session(bytes, decoded, version).ok());
-  scene.world.reset();
-  ASSERT_TRUE(encode_session(scene, kWorldFile, bytes).ok());
-  EXPECT_FALSE(decode_session(bytes, decoded, version).ok());
-  ASSERT_TRUE(encode_session(scene, kWorldFile + 1, bytes).ok());
-  EXPECT_NE(decode_session(bytes, decoded, version).message().find("use a newer program"), std::string::npos);
+  ASSERT_TRUE(encode_session(scene, bytes).ok());
+  EXPECT_FALSE(decode_session(bytes, decoded).ok());
 }
 
 }  // namespace

@@ -25,11 +25,10 @@ void tick_message(std::span<const std::uint8_t> bytes) {
 
 void session_message(std::span<const std::uint8_t> bytes) {
   Scene scene, again;
-  std::uint32_t version = 0, version_again = 0;
-  if (!decode_session(bytes, scene, version).ok()) return;
+  if (!decode_session(bytes, scene).ok()) return;
   std::vector<std::uint8_t> encoded;
-  if (!encode_session(scene, version, encoded).ok()) return;
-  if (!decode_session(encoded, again, version_again).ok() || version != version_again) __builtin_trap();
+  if (!encode_session(scene, encoded).ok()) return;
+  if (!decode_session(encoded, again).ok()) __builtin_trap();
   if (scene.settings.max_candidates > 1u << 16) return;
   Model model;
   static_cast<void>(build_model(scene, {}, model).ok());

@@ -108,11 +108,11 @@ bool write_messages(const fs::path& folder) {
   flatbuffers::FlatBufferBuilder builder;
   for (const std::uint64_t tick : {0u, 1u}) {
     const TickRecord record = seed_record(tick);
-    encode_tick(record, true, make_input_check(input_fields(record), HashKind::current), builder);
+    encode_tick(record, true, make_input_check(input_fields(record)), builder);
     seed(tick == 0 ? "tick_angles" : "tick_poses", 0, {builder.GetBufferPointer(), builder.GetSize()});
   }
   ByteVector session;
-  if (!encode_session(seed_scene(), kVersion, session).ok()) return false;
+  if (!encode_session(seed_scene(), session).ok()) return false;
   seed("session", 1, session);
   State state;
   state.tick = 5;

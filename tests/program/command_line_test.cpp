@@ -375,7 +375,7 @@ TEST(CommandLine, ForcesAreLeftOutAsAsked) {
   }
   EXPECT_LT(fs::file_size(folder / "none.mcap"), fs::file_size(folder / "10.mcap"));
   const auto about = shell("lumbrical info none.mcap --json", folder).json();
-  EXPECT_EQ(about["version"], 3);
+  EXPECT_EQ(about["version"], 1);
   EXPECT_EQ(about["metadata"]["force_interval"], "0");
   for (const char* const wrong : {"0", "1.5", "some", "-1", "''"})
     EXPECT_EQ(shell(std::string("lumbrical run demo.json --record x.mcap --record-forces ") + wrong, folder)

@@ -68,7 +68,7 @@ TEST(TickMessage, BringsEveryBitOfAnyRecordBack) {
   flatbuffers::FlatBufferBuilder builder;
   for (std::uint64_t i = 0; i < 3000; ++i) {
     const TickRecord record = test::random_record(random, random.word());
-    const InputCheck check = make_input_check(input_fields(record), HashKind::current);
+    const InputCheck check = make_input_check(input_fields(record));
     encode_tick(record, true, check, builder);
     TickRecord decoded;
     InputCheck decoded_check;
@@ -135,12 +135,11 @@ TEST(SessionMessage, BringsTheSceneBackBitForBit) {
   scene.objects.push_back({"sphere", make_sphere(0.04, 8)});
   scene.objects.push_back({"", {}});
   std::vector<std::uint8_t> bytes, again;
-  ASSERT_TRUE(encode_session(scene, kVersion, bytes).ok());
+  ASSERT_TRUE(encode_session(scene, bytes).ok());
   Scene decoded;
-  std::uint32_t version = 0;
-  const Status status = decode_session(bytes, decoded, version);
+  const Status status = decode_session(bytes, decoded);
   ASSERT_TRUE(status.ok()) << status.message();
-  ASSERT_TRUE(encode_session(decoded, version, again).ok());
+  ASSERT_TRUE(encode_session(decoded, again).ok());
   EXPECT_EQ(bytes, again);
   ASSERT_EQ(decoded.objects.size(), 3u);
   EXPECT_EQ(decoded.objects[1].name, "sphere");
@@ -151,21 +150,50 @@ TEST(SessionMessage, BringsTheSceneBackBitForBit) {
   EXPECT_TRUE(std::signbit(decoded.hand.finger[2].limit[1].lower));
 }
 
+TEST(SessionMessage, BringsEverySettingBack) {
+  Scene scene = small_scene(), decoded;
+  int next = 3;
+  walk(scene.settings, [&next]<class N>(const FieldName&, N& number) {
+    if constexpr (std::is_same_v<N, Law>) {
+      number = static_cast<Law>(++next % 5);
+    } else {
+      number = static_cast<N>(++next);
+    }
+  });
+  std::vector<std::uint8_t> bytes;
+  ASSERT_TRUE(encode_session(scene, bytes).ok());
+  const Status status = decode_session(bytes, decoded);
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(numbers_of(scene.settings), numbers_of(decoded.settings));
+}
+
 TEST(SessionMessage, SurvivesAnyDamage) {
   std::vector<std::uint8_t> good;
-  ASSERT_TRUE(encode_session(small_scene(), kVersion, good).ok());
+  ASSERT_TRUE(encode_session(small_scene(), good).ok());
   Scene scene;
-  std::uint32_t version = 0;
   constexpr std::size_t kPadding = 8;  // of the last string, at the end
   for (std::size_t size = 0; size + kPadding <= good.size(); ++size)
-    EXPECT_FALSE(decode_session(std::span(good).first(size), scene, version).ok()) << size;
+    EXPECT_FALSE(decode_session(std::span(good).first(size), scene).ok()) << size;
   for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
     std::vector<std::uint8_t> damaged = good;
     damaged[bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
     Scene decoded;
-    if (!decode_session(damaged, decoded, version).ok()) continue;
+    if (!decode_session(damaged, decoded).ok()) continue;
     for (const Law law : decoded.settings.law) EXPECT_LE(law, Law::point);
     EXPECT_TRUE(check_hand(decoded.hand).ok());
+  }
+}
+
+TEST(SessionMessage, OfAnotherVersionIsRefused) {
+  std::vector<std::uint8_t> bytes;
+  ASSERT_TRUE(encode_session(small_scene(), bytes).ok());
+  constexpr flatbuffers::voffset_t kVersionField = 4;  // the first of the table
+  auto* const session = flatbuffers::GetMutableRoot<flatbuffers::Table>(bytes.data());
+  ASSERT_EQ(session->GetField<std::uint32_t>(kVersionField, 0), kVersion);
+  for (const std::uint32_t other : {kVersion - 1, kVersion + 1}) {
+    ASSERT_TRUE(session->SetField(kVersionField, other, 0u));
+    Scene scene;
+    EXPECT_NE(decode_session(bytes, scene).message().find("reads version"), std::string::npos) << other;
   }
 }
 

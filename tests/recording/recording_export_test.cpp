@@ -42,11 +42,11 @@ TEST(Export, WritesEveryNumberExactlyAsCsv) {
     return std::find(header.begin(), header.end(), name) - header.begin();
   };
   for (const std::string& line : lines) EXPECT_EQ(cells_of(line).size(), header.size());
-  const auto y = static_cast<std::size_t>(column("device.base.position.y"));
+  const auto y = static_cast<std::size_t>(column("device.base.position.y [m]"));
   ASSERT_LT(y, header.size());
   EXPECT_EQ(cells_of(lines[3])[y], "0.1");
   EXPECT_EQ(cells_of(lines[3])[0], "2");
-  EXPECT_LT(static_cast<std::size_t>(column("output.segment[15].torque.z")), header.size());
+  EXPECT_LT(static_cast<std::size_t>(column("output.segment[15].torque.z [N m]")), header.size());
   EXPECT_EQ(header.back(), "hash.state");
 }
 

@@ -95,7 +95,7 @@ TEST(ForcesLeftOut, AreReplayedIdenticalAndHalveTheFile) {
   EXPECT_EQ(same.ticks, kTicks);
   const auto session_size = [](RecordingReader& reader) {
     std::vector<std::uint8_t> session;
-    EXPECT_TRUE(encode_session(reader.scene(), kVersion, session).ok());
+    EXPECT_TRUE(encode_session(reader.scene(), session).ok());
     return session.size();
   };
   EXPECT_LT(2 * (std::filesystem::file_size(none) - session_size(b)),

@@ -69,6 +69,21 @@ TEST_P(ReplayTrace, NamesPairFieldAndDistanceOfAResultThatDiffers) {
   EXPECT_EQ(first.replayed, exact_text(rough.*fields.at(first.field)));
 }
 
+// Another law shapes the hand otherwise: that is where the runs part, not where contacts differ in
+// consequence.
+TEST_P(ReplayTrace, NamesWhatOfTheHandDiffers) {
+  ReplayOptions options;
+  options.law = Law::column;
+  ReplayResult result;
+  ASSERT_TRUE(replay_file(path_, result, options).ok());
+  ASSERT_TRUE(result.first_divergence.has_value());
+  const Divergence& first = *result.first_divergence;
+  expect_divergence(first, first.tick, "hand_pose", "primitive[0].law");
+  EXPECT_EQ(first.recorded, "field");
+  EXPECT_EQ(first.replayed, "column");
+  EXPECT_FALSE(first.primitive);
+}
+
 // Its number alone would be one of the two highest bits and an index that no mesh has.
 TEST_P(ReplayTrace, CallsAClusterOfTrianglesWhatItIs) {
   Scene scene = touch_scene();
@@ -114,7 +129,7 @@ TEST_P(ReplayTrace, CallsAClusterOfTrianglesWhatItIs) {
 }
 
 TEST(UlpDistance, CountsTheNumbersInBetween) {
-  using Type = TraceValue::Type;
+  using Type = NumberType;
   const auto between = [](double a, double b) {
     return ulps_between(Type::real, std::bit_cast<std::uint64_t>(a), std::bit_cast<std::uint64_t>(b));
   };
@@ -145,9 +160,10 @@ TEST_P(ReplayTrace, TracesTheSameTextHoweverItIsComputed) {
   const std::string text = without_comments(a);
   EXPECT_EQ(text, without_comments(b));
   for (const char* const part :
-       {"330 input base.position.x ", "330 hand_pose primitive 0 end1.x ", "330 broadphase primitive ",
-        " triangle ", "330 narrowphase primitive ", "330 contact_force segment[0].force.x ",
-        "330 limits flags ", "330 state tick 331\n", "330 state held.segment[15].force.z "})
+       {"330 input base.position.x ", "330 hand_pose primitive[0].end1.x ",
+        "330 hand_pose palm.face[0].normal.x ", "330 broadphase primitive ", " triangle ",
+        "330 narrowphase primitive ", "330 contact_force segment[0].force.x ", "330 limits flags ",
+        "330 state tick 331\n", "330 state held.segment[15].force.z "})
     EXPECT_NE(text.find(part), std::string::npos) << part;
 
   // Of a divergence, the stage that differs.

@@ -64,7 +64,7 @@ void add_info_rows(const RecordingInfo& info, Table& table) {
   table.add("recording", info.path + ", " + grouped(info.bytes) + " bytes");
   table.add("written by", info.library);
   table.add("format", "version " + std::to_string(info.version));
-  if (info.metadata.contains("force_interval") || info.version == 2)
+  if (info.metadata.contains("force_interval"))
     table.add("forces", "of some ticks are left out, their hashes are not");
   table.add("complete", info.complete ? "yes" : "no: its writer was killed; recover completes it");
   table.add("ticks", info.ticks == 0 ? "none"

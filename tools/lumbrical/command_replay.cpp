@@ -54,7 +54,7 @@ Status replay_options(const ReplaySwitches& switches, ReplayOptions& options) {
   options.execution.voxel_cache = switches.voxel_cache;
   options.world = switches.world;
   options.stiffness = switches.stiffness;
-  if (!switches.precision.empty()) options.tolerance = parse_precision(switches.precision);
+  if (!switches.precision.empty()) options.precision = parse_precision(switches.precision);
   // Of several recordings each has one thread.
   options.execution.threads = switches.recordings.size() == 1 ? switches.threads.value_or(1) : 1;
   options.execution.isa = *parse_isa(switches.isa);

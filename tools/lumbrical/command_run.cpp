@@ -66,7 +66,7 @@ Status load(const RunOptions& options, SceneFile& scene_file) {
   motion.unit = parse_metres(options.unit);
   if (Status status = load_scene_file(options.scene, scene_file, motion); !status.ok()) return status;
   Settings& settings = scene_file.scene.settings;
-  if (!options.precision.empty()) settings.tolerance = *parse_precision(options.precision);
+  if (!options.precision.empty()) settings.precision.fill(*parse_precision(options.precision));
   if (!options.law.empty()) settings.law.fill(*parse_law(options.law));
   if (options.stiffness) settings.stiffness = *options.stiffness;
   if (options.rate != "max") settings.rate = std::stod(options.rate);

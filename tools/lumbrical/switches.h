@@ -45,24 +45,22 @@ inline Check is_broadphase() {
 
 inline const char* const kVoxelCacheHelp = "Folder that keeps voxel indices from one run to the next";
 
-/// Settings::tolerance by name or number.
+/// Settings::precision: a number, or "exact" for 0.
 inline std::optional<double> parse_precision(const std::string& text) {
-  if (text == "exact" || text == "double") return 0.0;
-  if (text == "float") return 1e-4;
+  if (text == "exact") return 0.0;
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   const bool whole = error == std::errc() && end == text.data() + text.size();
-  return whole && number >= 0 && number <= 0.1 ? std::optional(number) : std::nullopt;
+  return whole && (number == 0 || (number >= 1e-6 && number <= 0.1)) ? std::optional(number) : std::nullopt;
 }
 inline Check is_precision() {
   return {[](std::string& text) -> std::string {
             if (parse_precision(text)) return {};
-            return "\"" + text + "\" is no precision; use exact, float (1e-4), or a share of R, 0 .. 0.1";
+            return "\"" + text + "\" is no precision; use exact, or a share of the hand's force, 1e-6 .. 0.1";
           },
-          "exact|float|SHARE"};
+          "exact|1e-3|1e-4|..."};
 }
-inline const char* const kPrecisionHelp =
-    "How far a contact's mean depth may be off, as a share of R (field law)";
+inline const char* const kPrecisionHelp = "The error wanted, as a share of the hand's force (law field)";
 
 /// Instruction sets that this build on this machine has.
 inline Check is_isa() {

@@ -104,7 +104,7 @@ struct Divergence {
       field;  ///< e.g. "joint[7].position[1]", "segment[3].force.x", or "hash" where only a hash differs
   std::string recorded;  ///< the value as text, exact (floats round-trip)
   std::string replayed;
-  /// The pair or primitive the field is of. Known where this machine, computing in the plainest way, still
+  /// The pair the field is of. Known where this machine, computing in the plainest way, still
   /// gives what was recorded; so not for what went wrong elsewhere (see ReplayOptions::trace).
   std::optional<std::uint32_t> primitive{}, triangle{};
   /// In the place of a triangle, where the contact is a cluster's: "12 of 8 triangles".
@@ -197,7 +197,7 @@ struct ReplayOptions {
   Execution execution;
   std::optional<Law> law;           ///< "what if": replaces the recorded law of every segment
   std::optional<double> stiffness;  ///< [N/m^3]
-  std::optional<double> tolerance;  ///< Settings::tolerance
+  std::optional<double> precision;  ///< of every segment; 0: exact
   /// "What if": objects by their names in the scene; other meshes take their places, in the world frame [m].
   std::map<std::string, Mesh> mesh;
   std::string world;  ///< for RecordingReader::find_world
@@ -255,8 +255,8 @@ Status what_if(RecordingReader& reader, const ReplayOptions& options, WhatIfResu
 /// from a, `replayed` from b, "none" where b or a has ended. Measured durations are not compared.
 Status diff_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& result);
 
-/// One line per tick (CSV with a header line, or JSON lines; forces left out are empty
-/// cells or null), to the file `output`, which appears only when
+/// One line per tick (CSV with a header line of names and units, "output.segment[3].force.x [N]", or JSON
+/// lines; forces left out are empty cells or null), to the file `output`, which appears only when
 /// it is complete, or to standard output where `output` is "-". Numbers are exact: read back, they give the
 /// same bits.
 enum class ExportFormat : std::uint8_t { csv, json };

@@ -35,9 +35,6 @@ enum class Stage : std::uint8_t { input, hand_pose, broadphase, narrowphase, con
 inline constexpr int kStageCount = 6;
 std::string_view stage_name(Stage stage);
 
-/// Which hashes a tick makes. Recordings of format versions 1 and 2 hold former ones; nothing else does.
-enum class HashKind : std::uint8_t { current, former };
-
 struct Primitives;    // posed spheres, cylinders and palm; primitive.h inside the engine
 struct SampleMemory;  // the passes of the rungs of samples; sampled_forces.h inside the engine
 struct NearPairs;     // what earlier searches found near; near_pairs.h inside the engine
@@ -57,7 +54,6 @@ struct Scratch {
   std::uint32_t contact_count = 0;
   bool keep_near = true;                                ///< use `near`; false: search afresh every tick
   bool hash_stages = true;                              ///< compute stage_hash (recording and replay need it)
-  HashKind hash_kind = HashKind::current;               ///< of stage_hash
   std::array<std::uint64_t, kStageCount> stage_hash{};  ///< of each stage's results in the last tick
 };
 
@@ -69,6 +65,6 @@ Scratch make_scratch(const Model& model);
 ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame);
 
 /// Hash of everything in the state, for recordings and tests.
-std::uint64_t hash_state(const State& state, HashKind kind = HashKind::current);
+std::uint64_t hash_state(const State& state);
 
 }  // namespace lumbrical

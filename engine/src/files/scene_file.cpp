@@ -31,11 +31,23 @@ void read_law(const flatbuffers::String* name, const std::string& path, FieldRea
   }
 }
 
-void read_segment_laws(const format::Settings& table, FieldReader& read, Settings& settings) {
-  if (table.segment_laws() == nullptr) return;
-  for (flatbuffers::uoffset_t i = 0; i < table.segment_laws()->size(); ++i) {
-    const format::SegmentLaw& entry = *table.segment_laws()->Get(i);
-    const std::string path = "settings.segment_laws[" + std::to_string(i) + "]";
+// Below, rounding in single precision would show.
+constexpr double kFinestPrecision = 1e-6, kCoarsestPrecision = 0.1;
+
+void read_precision(const flatbuffers::Optional<double>& value, const std::string& path, FieldReader& read,
+                    double& precision) {
+  if (value && *value == 0) {
+    precision = 0;
+    return;
+  }
+  read.number(value, path, {kFinestPrecision, kCoarsestPrecision}, precision);
+}
+
+void read_segments(const format::Settings& table, FieldReader& read, Settings& settings) {
+  if (table.segments() == nullptr) return;
+  for (flatbuffers::uoffset_t i = 0; i < table.segments()->size(); ++i) {
+    const format::SegmentSettings& entry = *table.segments()->Get(i);
+    const std::string path = "settings.segments[" + std::to_string(i) + "]";
     int segment = 0;
     while (segment < kSegmentCount &&
            (entry.segment() == nullptr || entry.segment()->string_view() != segment_name(segment))) {
@@ -43,10 +55,12 @@ void read_segment_laws(const format::Settings& table, FieldReader& read, Setting
     }
     if (segment == kSegmentCount) {
       read.error(path + ".segment", "is not a hand segment; use \"index distal\", \"palm\" or the like");
-    } else if (entry.law() == nullptr) {
-      read.error(path, "has no law");
+    } else if (entry.law() == nullptr && !entry.precision()) {
+      read.error(path, "has neither a law nor a precision");
     } else {
-      read_law(entry.law(), path + ".law", read, settings.law[static_cast<std::size_t>(segment)]);
+      const auto number = static_cast<std::size_t>(segment);
+      read_law(entry.law(), path + ".law", read, settings.law[number]);
+      read_precision(entry.precision(), path + ".precision", read, settings.precision[number]);
     }
   }
 }
@@ -56,13 +70,14 @@ void read_settings(const format::Settings* table, FieldReader& read, Settings& s
   read.number(table->rate(), "settings.rate", {1, 100000}, settings.rate);
   read.number(table->stiffness(), "settings.stiffness", {1e-6, 1e15}, settings.stiffness);
   read.number(table->point_area(), "settings.point_area", {1e-12, 1e6}, settings.point_area);
-  read.number(table->tolerance(), "settings.tolerance", {0, 0.1}, settings.tolerance);
   read.number(table->max_force(), "settings.max_force", {1e-6, 1e9}, settings.max_force);
   read.number(table->fade_time(), "settings.fade_time", {1e-6, 10}, settings.fade_time);
   read.count(table->max_candidates(), "settings.max_candidates", 1, 1u << 24, settings.max_candidates);
   read_law(table->law(), "settings.law", read, settings.law[0]);
   settings.law.fill(settings.law[0]);
-  read_segment_laws(*table, read, settings);
+  read_precision(table->precision(), "settings.precision", read, settings.precision[0]);
+  settings.precision.fill(settings.precision[0]);
+  read_segments(*table, read, settings);
 }
 
 void read_execution(const format::Execution* table, FieldReader& read, Execution& execution) {

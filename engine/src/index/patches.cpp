@@ -18,6 +18,10 @@ namespace {
 // bench/precision_errors, docs/mechanics.md. The error falls with the step's fourth power.
 constexpr double kTipStep = 0.20, kStep = 0.45;
 
+// [R] Largest radius of a block that is taken as one at a precision of 1e-4; the error falls with its third
+// power.
+constexpr double kBlockRadius = 0.45;
+
 // A triangle cut into more than the square of this is left to the exact rung.
 constexpr std::uint32_t kMostCuts = 16;
 
@@ -26,11 +30,27 @@ constexpr std::size_t kSparePatches = std::size_t{1} << 22;
 
 constexpr std::size_t kPiece = 4096;  // triangles or patches, the least that is worth another thread
 
+// By Newton's method, since the C library's differs between machines.
+double cube_root(double x) {
+  double root = max(x, 1);
+  for (int i = 0; i < 60; ++i) root = (2 * root + x / (root * root)) / 3;
+  return root;
+}
+
+double radius_of(const Hand& hand, std::size_t segment) {
+  if (segment == kPalmSegment) return 0.5 * hand.palm.thickness;
+  const auto [base, tip] = kPhalanxJoints[segment];
+  return min(hand.radius[base], hand.radius[tip]);
+}
+
 double step_of(const Hand& hand, const Settings& settings, std::size_t segment) {
   const double share = std::sqrt(std::sqrt(settings.precision[segment] / 1e-4));
-  if (segment == kPalmSegment) return kStep * share * 0.5 * hand.palm.thickness;
-  const auto [base, tip] = kPhalanxJoints[segment];
-  return (segment % 3 == 2 ? kTipStep : kStep) * share * min(hand.radius[base], hand.radius[tip]);
+  const bool is_tip = segment != kPalmSegment && segment % 3 == 2;
+  return (is_tip ? kTipStep : kStep) * share * radius_of(hand, segment);
+}
+
+double block_radius_of(const Hand& hand, const Settings& settings, std::size_t segment) {
+  return kBlockRadius * cube_root(settings.precision[segment] / 1e-4) * radius_of(hand, segment);
 }
 
 std::size_t class_for(double steps) {
@@ -73,7 +93,8 @@ Corners part_of(const Corners& at, std::uint32_t cuts, std::uint32_t part) {
 
 /// What becomes of the triangles.
 struct Cutting {
-  double step = 0;  // [m] the finest there is
+  double step = 0;          // [m] the finest there is
+  double block_radius = 0;  // [m] of the largest block that is taken as one
   std::uint32_t most_cuts = kMostCuts;
   std::vector<std::uint32_t> owner;  // of each patch
   std::vector<std::uint8_t> part;    // of each patch; empty where no triangle is cut
@@ -98,9 +119,11 @@ std::size_t count_patches(const Triangles& triangles, double step, std::uint32_t
 }
 
 // The largest triangles go to the exact rung where patches would take too much memory.
-Cutting cut_triangles(const Triangles& triangles, double step, const Execution& execution, Patches& patches) {
+Cutting cut_triangles(const Triangles& triangles, double step, double block_radius,
+                      const Execution& execution, Patches& patches) {
   Cutting cutting;
   cutting.step = step;
+  cutting.block_radius = block_radius;
   std::size_t total = count_patches(triangles, step, cutting.most_cuts, execution.threads);
   while (cutting.most_cuts > 1 && total > triangles.size() + kSparePatches) {
     cutting.most_cuts /= 2;
@@ -187,6 +210,107 @@ Sphere bound_of(std::span<const Sphere> spheres) {
   return bound;
 }
 
+// Integrals over a block's patches, h counted from the centre.
+struct BlockMoments {
+  Vec3 centre;                   // [m] W, of the area
+  double area = 0;               // [m^2] twice
+  Vec3 normal;                   // [m^2] of n, twice
+  std::array<Vec3, 3> spread{};  // [m^4] rows of the area's h h, twice
+};
+
+Vec3 row_of(const Vec3 (&h)[4], double Vec3::*axis, double twice_area) {
+  // Of a triangle: corners by a twelfth, the centroid by nine.
+  return (twice_area / 12) *
+         (h[0].*axis * h[0] + h[1].*axis * h[1] + h[2].*axis * h[2] + 9 * (h[3].*axis) * h[3]);
+}
+
+BlockMoments moments_of(std::span<const Patch> patches) {
+  BlockMoments m;
+  const Vec3 origin = patches[0].at.a;
+  Vec3 first;
+  for (const auto& [at, owner, size] : patches) {
+    const Vec3 normal = cross(at.b - at.a, at.c - at.a);
+    const double area = norm(normal);
+    m.area += area;
+    m.normal += normal;
+    first += area * ((at.a - origin) + ((at.b - at.a) + (at.c - at.a)) / 3.0);
+  }
+  m.centre = origin + first / m.area;
+  for (const auto& [at, owner, size] : patches) {
+    const Vec3 a = at.a - m.centre, b = a + (at.b - at.a), c = a + (at.c - at.a);
+    const Vec3 h[4] = {a, b, c, a + ((b - a) + (c - a)) / 3.0};
+    const double area = norm(cross(b - a, c - a));
+    m.spread[0] += row_of(h, &Vec3::x, area);
+    m.spread[1] += row_of(h, &Vec3::y, area);
+    m.spread[2] += row_of(h, &Vec3::z, area);
+  }
+  return m;
+}
+
+// Principal directions of the spread within the plane across `normal`, and that.
+std::array<Vec3, 3> axes_of(const BlockMoments& m) {
+  const Vec3 z = unit_or(m.normal, {0, 0, 1});
+  const Vec3 x = unit_or(cross(z, std::fabs(z.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}), {1, 0, 0}),
+             y = cross(z, x);
+  const auto along = [&](Vec3 u, Vec3 v) {
+    return dot(u, Vec3{dot(m.spread[0], v), dot(m.spread[1], v), dot(m.spread[2], v)});
+  };
+  const double a = along(x, x), b = along(x, y), d = along(y, y), half = 0.5 * (a - d);
+  const double root = std::sqrt(half * half + b * b);
+  // Of the two ways to write the larger one's direction the one that does not cancel.
+  const Vec3 u = unit_or(half > 0 ? (half + root) * x + b * y : b * x + (root - half) * y, x);
+  return {u, cross(z, u), z};
+}
+
+void put(Vec3 v, float (&to)[3]) {
+  to[0] = static_cast<float>(v.x);
+  to[1] = static_cast<float>(v.y);
+  to[2] = static_cast<float>(v.z);
+}
+
+BlockSamples samples_of(std::span<const Patch> patches, double largest_radius) {
+  const BlockMoments m = moments_of(patches);
+  BlockSamples samples{};
+  const double centre[3] = {m.centre.x, m.centre.y, m.centre.z};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto [high, low] = split_number(centre[axis]);
+    samples.centre[0][axis] = high;
+    samples.centre[1][axis] = low;
+  }
+  double radius = 0;
+  for (const Patch& patch : patches) {
+    for (const Vec3 corner : {patch.at.a, patch.at.b, patch.at.c})
+      radius = max(radius, norm(corner - m.centre));
+  }
+  samples.radius = static_cast<float>((1 + 1e-6) * radius);
+  samples.is_small = radius <= largest_radius ? 1.0f : 0.0f;
+  const std::array<Vec3, 3> axes = axes_of(m);
+  Vec3 rest = m.normal;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 axis = axes[k];
+    const double spread =
+        dot(axis, Vec3{dot(m.spread[0], axis), dot(m.spread[1], axis), dot(m.spread[2], axis)}) / m.area;
+    // As far out as Gauss's rule has its nodes.
+    const double length = max(std::sqrt(3 * max(spread, 0)), 1e-3 * radius);
+    Vec3 first, second;
+    for (const auto& [at, owner, size] : patches) {
+      const Vec3 normal = cross(at.b - at.a, at.c - at.a);
+      const double a = dot(axis, at.a - m.centre), b = dot(axis, at.b - m.centre),
+                   c = dot(axis, at.c - m.centre);
+      const double middle = (a + b + c) / 3;
+      first += middle * normal;
+      second += ((a * a + b * b + c * c + 9 * middle * middle) / 12) * normal;
+    }
+    put(length * axis, samples.arm[k]);
+    const Vec3 even = (0.5 / (length * length)) * second, odd = (0.5 / length) * first;
+    put(even + odd, samples.weight[0][k]);
+    put(even - odd, samples.weight[1][k]);
+    rest -= 2.0 * even;
+  }
+  put(rest, samples.centre_weight);
+  return samples;
+}
+
 Box box_of(const Triangles& triangles) {
   Box box;
   for (std::size_t i = 0; i < triangles.x.size(); ++i)
@@ -206,6 +330,7 @@ void put_blocks(const Triangles& triangles, const Cutting& cutting, const Execut
     return code(sphere_round(patch_of(triangles, cutting, number).at, origin).centre);
   });
   std::vector<PatchBlock> blocks(piece_count(order.size(), kWidth));
+  std::vector<BlockSamples> samples(blocks.size());
   std::vector<Sphere> leaves(blocks.size());
   parallel_pieces(blocks.size(), kPiece / kWidth, execution.threads,
                   [&](std::size_t, std::size_t first, std::size_t last) {
@@ -213,19 +338,22 @@ void put_blocks(const Triangles& triangles, const Cutting& cutting, const Execut
                       const std::size_t begin = i * kWidth,
                                         count = std::min<std::size_t>(kWidth, order.size() - begin);
                       std::array<Sphere, kWidth> spheres;
+                      std::array<Patch, kWidth> members;
                       for (std::size_t lane = 0; lane < kWidth; ++lane) {
                         if (lane >= count) {
                           put_nothing(lane, blocks[i]);
                           continue;
                         }
-                        const Patch patch = patch_of(triangles, cutting, order[begin + lane]);
-                        put_patch(patch, lane, blocks[i]);
-                        spheres[lane] = sphere_round(patch.at, origin);
+                        members[lane] = patch_of(triangles, cutting, order[begin + lane]);
+                        put_patch(members[lane], lane, blocks[i]);
+                        spheres[lane] = sphere_round(members[lane].at, origin);
                       }
                       leaves[i] = bound_of({spheres.data(), count});
+                      samples[i] = samples_of({members.data(), count}, cutting.block_radius);
                     }
                   });
   patches.block = std::move(blocks);
+  patches.samples = std::move(samples);
   patches.tree = build_levels(std::move(leaves), origin, execution);
 }
 
@@ -237,9 +365,11 @@ bool is_sampled(const Settings& settings, std::size_t segment) {
 
 std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& settings,
                                              const Triangles& triangles, const Execution& execution) {
-  double finest = std::numeric_limits<double>::infinity();
+  double finest = std::numeric_limits<double>::infinity(), block_radius = finest;
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    if (is_sampled(settings, i)) finest = min(finest, step_of(hand, settings, i));
+    if (!is_sampled(settings, i)) continue;
+    finest = min(finest, step_of(hand, settings, i));
+    block_radius = min(block_radius, block_radius_of(hand, settings, i));
   }
   if (!is_finite(finest)) return nullptr;
   auto patches = std::make_shared<Patches>();
@@ -250,7 +380,7 @@ std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& s
     for (std::size_t k = 0; k < kPatchSizes; ++k)
       patches->steps[i][k] = kLatticeSteps[class_for(share * kLatticeSteps[k])];
   }
-  const Cutting cutting = cut_triangles(triangles, finest, execution, *patches);
+  const Cutting cutting = cut_triangles(triangles, finest, block_radius, execution, *patches);
   put_blocks(triangles, cutting, execution, *patches);
   return patches;
 }

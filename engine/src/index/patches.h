@@ -36,12 +36,25 @@ inline SplitNumber split_number(double x) {
   return {high, static_cast<float>(x - high)};
 }
 
+/// A block as one, for a body it lies inside of: samples of the field at its centre and to both sides of it
+/// along three arms, with vectors for weights, so chosen that fields of second degree are integrated as the
+/// patches themselves would be.
+struct BlockSamples {
+  float centre[2][3];      ///< [m] W: rounded, and what rounding left out
+  float radius;            ///< [m] of the sphere about it that holds the patches
+  float is_small;          ///< 1: small enough to be taken as one; 0: it is not
+  float arm[3][3];         ///< [m]
+  float weight[2][3][3];   ///< [m^2] of the samples at centre + arm and - arm: twice the share of n dA
+  float centre_weight[3];  ///< [m^2]
+};
+
 struct Patches {
   /// Steps of the lattice that a hand segment has in a patch of a class.
   std::array<std::array<std::uint8_t, kPatchSizes>, kSegmentCount> steps{};
   std::array<double, kSegmentCount> step{};  ///< [m] no cell of the segment's lattices is wider
   SphereTree tree;                           ///< of spheres round the blocks, without triangles
   SharedArray<PatchBlock> block;             ///< in the order of the tree's leaves
+  SharedArray<BlockSamples> samples;         ///< of each block
   std::vector<std::uint64_t> is_sampled;     ///< a bit per triangle; the others are left to the exact rung
   std::vector<std::uint32_t> exact;          ///< those, ascending
 };

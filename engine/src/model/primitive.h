@@ -88,6 +88,7 @@ struct Primitives {
   static constexpr int kMaxCount = 40;  ///< 15 phalanges, 15 joints, 5 tips, 1 palm, some spare
   int count = 0;
   std::array<Primitive, kMaxCount> primitive{};
+  std::uint32_t flags = 0;    ///< TickFlag bits so far: of the input and of placing the hand
   bool out_of_reach = false;  ///< the hand was placed but, far from everything, given no shape: `count` is 0
   std::array<Primitive, kPhalanxCount> capsule{};  ///< whole phalanges, uncut, for the paper's depth
   std::array<bool, kPhalanxCount> present{};       ///< which of them this pose has

@@ -42,6 +42,10 @@ Status check_settings(const Settings& settings) {
   if (!within(settings.rate, 1, 100000)) return out_of_range("settings.rate", "1 to 100000 Hz");
   if (!within(settings.point_area, 1e-12, 1)) return out_of_range("settings.point_area", "1e-12 to 1 m^2");
   if (!within(settings.tolerance, 0, 0.1)) return out_of_range("settings.tolerance", "0 to 0.1");
+  for (const double precision : settings.precision) {
+    if (precision != 0 && !within(precision, 1e-6, 0.1))
+      return out_of_range("settings.precision", "0 (exact) or 1e-6 to 0.1");
+  }
   if (!within(settings.max_force, 0, 1e6)) return out_of_range("settings.max_force", "0 to 1e6 N");
   if (!within(settings.fade_time, 0, 60)) return out_of_range("settings.fade_time", "0 to 60 s");
   if (settings.max_candidates < 1 || settings.max_candidates > (1u << 24)) {

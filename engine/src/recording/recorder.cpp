@@ -98,8 +98,7 @@ struct Recorder::Writer {
 };
 
 Status Recorder::Writer::write(const TickRecord& record) {
-  encode_tick(record, keeps_forces(record), make_input_check(input_fields(record), HashKind::current),
-              builder);
+  encode_tick(record, keeps_forces(record), make_input_check(input_fields(record)), builder);
   const std::uint64_t tick = record.output.tick;
   // The sequence number is the tick's, so that any MCAP tool shows a gap as a gap.
   return mcap.message(tick_time(tick, period), static_cast<std::uint32_t>(tick),
@@ -135,7 +134,7 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   if (Status status = check_options(scene, options); !status.ok())
     return Status::error(path + ": " + status.message());
   std::vector<std::uint8_t> session;
-  if (Status status = encode_session(scene, kVersion, session); !status.ok())
+  if (Status status = encode_session(scene, session); !status.ok())
     return Status::error(path + ": " + status.message());
 
   auto writer = std::make_unique<Writer>(options.ring_capacity);

@@ -42,7 +42,6 @@ Status run_up_to(RecordingReader& reader, const Model& model, std::uint64_t tick
   found = false;
   Scratch scratch = make_scratch(model);
   scratch.hash_stages = false;
-  const HashKind kind = hash_kind_of(reader.info().version);
   while (state.tick < tick_number) {
     TickRecord record;
     bool end = false;
@@ -50,7 +49,7 @@ Status run_up_to(RecordingReader& reader, const Model& model, std::uint64_t tick
     found = false;
     if (end || record.output.tick != state.tick) return {};  // a gap
     tick(model, state, scratch, record.device);
-    found = hash_state(state, kind) == record.state_hash;
+    found = hash_state(state) == record.state_hash;
   }
   return {};
 }
@@ -112,7 +111,7 @@ Status Copy::initial_state(RecordingReader& reader, std::vector<std::uint8_t>& b
 
 Status Copy::start(RecordingReader& reader, const std::string& output) {
   const Scene& scene = reader.scene();
-  if (Status status = encode_session(scene, reader.info().version, session_); !status.ok()) return status;
+  if (Status status = encode_session(scene, session_); !status.ok()) return status;
   std::vector<std::uint8_t> state;
   if (Status status = initial_state(reader, state); !status.ok()) return status;
   period_ = 1e9 / scene.settings.rate;
@@ -126,11 +125,10 @@ Status Copy::start(RecordingReader& reader, const std::string& output) {
 
 Status Copy::check_scene(const RecordingReader& reader) const {
   std::vector<std::uint8_t> session;
-  if (Status status = encode_session(reader.scene(), reader.info().version, session); !status.ok())
-    return status;
+  if (Status status = encode_session(reader.scene(), session); !status.ok()) return status;
   if (session == session_) return {};
   return Status::error(reader.info().path +
-                       ": its scene (hand, world, settings, format) is not that of the first; "
+                       ": its scene (hand, world, settings) is not that of the first; "
                        "only recordings of one session can be merged");
 }
 

@@ -1,5 +1,4 @@
 // Export of a recording as text: CSV for spreadsheets, JSON lines for scripts.
-#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <new>
@@ -15,10 +14,20 @@
 namespace lumbrical {
 namespace {
 
+// Columns of a struct's numbers but the first, which is the tick's: "device.base.position.x [m]".
+template <class T>
+std::string csv_names(const char* owner) {
+  std::string names;
+  const std::vector<NumberField>& fields = fields_of<T>();
+  for (std::size_t i = 1; i < fields.size(); ++i) {
+    names += std::string(",") + owner + '.' + fields[i].name;
+    if (!fields[i].unit.empty()) names += " [" + std::string(fields[i].unit) + ']';
+  }
+  return names;
+}
+
 std::string csv_header() {
-  std::string line = "tick,duration_ns";
-  for (int i = 1; i < kInputFieldCount; ++i) line += ",device." + input_field_name(i);
-  for (int i = 0; i < kOutputFieldCount; ++i) line += ",output." + output_field_name(i);
+  std::string line = "tick,duration_ns" + csv_names<TickInput>("device") + csv_names<ActuatorFrame>("output");
   for (int i = 0; i < kStageCount; ++i) line += ",hash." + std::string(stage_name(static_cast<Stage>(i)));
   return line + ",hash.state";
 }
@@ -27,10 +36,12 @@ std::string csv_line(const TickRecord& record) {
   const InputFields input = input_fields(record);
   const OutputFields output = output_fields(record.output);
   std::string line = std::to_string(record.output.tick) + ',' + std::to_string(record.duration_ns);
-  for (int i = 1; i < kInputFieldCount; ++i) line += ',' + input_field_text(i, input[i]);
-  for (int i = 0; i < kOutputFieldCount; ++i) {
+  for (std::size_t i = 1; i < input.size(); ++i)
+    line += ',' + number_text(fields_of<TickInput>()[i].type, input[i]);
+  for (std::size_t i = 1; i < output.size(); ++i) {
     line += ',';
-    if (record.has_forces || i < kFirstForce) line += output_field_text(i, output[i]);
+    if (record.has_forces || i < kFirstForce)
+      line += number_text(fields_of<ActuatorFrame>()[i].type, output[i]);
   }
   for (const std::uint64_t hash : record.stage_hash) line += ',' + hash_text(hash);
   return line + ',' + hash_text(record.state_hash);
@@ -63,13 +74,26 @@ class JsonLine {
     return raw(key, '"' + std::string(value) + '"');
   }
   JsonLine& null(std::string_view key) { return raw(key, "null"); }
-  template <class Numbers>
-  JsonLine& numbers(std::string_view key, const Numbers& values) {
-    open(key, '[');
-    for (const auto value : values) number("", value);
-    return close(']');
+  /// Numbers, arrays and structs by the lists of their fields; vectors and rotations as arrays.
+  template <class T>
+  JsonLine& value(std::string_view key, const T& value) {
+    if constexpr (std::is_same_v<T, InputKind>) {
+      return string(key, kind_name(value));
+    } else if constexpr (Number<T>) {
+      return number(key, value);
+    } else if constexpr (Array<T>) {
+      open(key, '[');
+      for (const auto& element : value) this->value("", element);
+      return close(']');
+    } else {
+      constexpr bool kNamed = !std::is_same_v<T, Vec3> && !std::is_same_v<T, Quat>;
+      open(key, kNamed ? '{' : '[');
+      list_fields(value, [this](const char* name, const char*, const auto& field) {
+        this->value(kNamed ? name : "", field);
+      });
+      return close(kNamed ? '}' : ']');
+    }
   }
-  JsonLine& vector(std::string_view key, Vec3 v) { return numbers(key, std::array{v.x, v.y, v.z}); }
   [[nodiscard]] const std::string& text() const { return text_; }
 
  private:
@@ -86,42 +110,19 @@ class JsonLine {
   std::string text_;
 };
 
-void add_device(const DeviceFrame& device, JsonLine& json) {
-  const Quat q = device.base.orientation;
-  json.open("device", '{').open("base", '{').vector("position", device.base.position);
-  json.numbers("orientation", std::array{q.w, q.x, q.y, q.z}).close('}');
-  json.string("kind", device.kind == InputKind::joint_poses ? "joint_poses" : "joint_angles");
-  json.number("flags", device.flags).number("valid", device.valid).open("joint", '[');
-  for (const JointPose& joint : device.joint)
-    json.open("", '{')
-        .numbers("position", joint.position)
-        .numbers("orientation", joint.orientation)
-        .close('}');
-  json.close(']').numbers("angle", device.angle).close('}');
-}
-
 void add_output(const TickRecord& record, JsonLine& json) {
-  const ActuatorFrame& output = record.output;
-  json.open("output", '{')
-      .number("flags", output.flags)
-      .number("contact_count", output.contact_count)
-      .number("force_error", output.force_error);
-  if (!record.has_forces) {
-    json.null("segment").null("joint_torque").null("flexion_torque").close('}');
-    return;
-  }
-  json.open("segment", '[');
-  for (const Wrench& wrench : output.segment)
-    json.open("", '{').vector("force", wrench.force).vector("torque", wrench.torque).close('}');
-  json.close(']').open("joint_torque", '[');
-  for (const Vec3 torque : output.joint_torque) json.vector("", torque);
-  json.close(']').numbers("flexion_torque", output.flexion_torque).close('}');
+  json.open("output", '{');
+  list_fields(record.output, [&](const char* name, const char*, const auto& field) {
+    const bool force = Array<decltype(field)>;
+    force && !record.has_forces ? json.null(name) : json.value(name, field);
+  });
+  json.close('}');
 }
 
 std::string json_line(const TickRecord& record) {
   JsonLine json;
   json.open("", '{').number("tick", record.output.tick).number("duration_ns", record.duration_ns);
-  add_device(record.device, json);
+  json.value("device", record.device);
   add_output(record, json);
   json.open("stage_hash", '{');
   for (int i = 0; i < kStageCount; ++i)

@@ -103,7 +103,7 @@ Status RecordingReader::File::take_message(Bytes bytes, std::uint64_t at, TickRe
   InputCheck check;
   if (Status status = decode_tick(parsed.data, record, check); !status.ok())
     return file.broken(at, status.message() + "; the file is damaged or of another version");
-  altered = find_altered_input(record, check, hash_kind_of(info.version));
+  altered = find_altered_input(record, check);
   message = parsed.data;
   found = true;
   return {};
@@ -214,9 +214,10 @@ Status RecordingReader::File::take_attachment(const RecordPlace& place) {
     return status.ok() ? status : file.broken(place.offset, status.message());
   }
   if (attachment.name != kSessionAttachment || has_scene) return {};
-  if (Status status = decode_session(attachment.data, scene, info.version); !status.ok())
+  if (Status status = decode_session(attachment.data, scene); !status.ok())
     return file.broken(place.offset, status.message());
   has_scene = true;
+  info.version = kVersion;
   std::vector<std::uint8_t>().swap(content);  // it may be large, and the chunks to come are small
   return {};
 }

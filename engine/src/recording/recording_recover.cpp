@@ -119,13 +119,11 @@ Status Recovery::find_session() {
     if (place.opcode == Opcode::attachment) {
       Attachment attachment;
       State state;
-      std::uint32_t version = 0;
       if (!load_attachment(file_, place, content_, attachment).ok()) continue;
       const Bytes data = attachment.data;
       if (attachment.name == kStateAttachment && decode_state(data, state).ok())
         state_.assign(data.begin(), data.end());
-      if (attachment.name == kSessionAttachment && session_.empty() &&
-          decode_session(data, scene_, version).ok())
+      if (attachment.name == kSessionAttachment && session_.empty() && decode_session(data, scene_).ok())
         session_.assign(data.begin(), data.end());
     } else if (place.opcode == Opcode::metadata) {
       Metadata metadata;

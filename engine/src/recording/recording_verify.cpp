@@ -20,7 +20,7 @@ namespace {
 /// What a walk through the data section has found, to be held against the summary.
 class Verification {
  public:
-  Verification(double period, HashKind hash_kind) : period_(period), hash_kind_(hash_kind) {}
+  explicit Verification(double period) : period_(period) {}
   Status run(const std::string& path);
 
  private:
@@ -39,7 +39,6 @@ class Verification {
 
   InputFile file_;
   double period_;  // [ns]
-  HashKind hash_kind_;
   std::vector<std::uint8_t> content_;
   LoadedChunk chunk_;
   std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> chunk_messages_;
@@ -83,7 +82,7 @@ Status Verification::check_tick(const Message& message, std::uint64_t at) {
     return file_.broken(at, status.message());
   const std::uint64_t tick = record.output.tick;
   const std::string name = "tick " + std::to_string(tick);
-  if (const std::optional<Divergence> altered = find_altered_input(record, check, hash_kind_))
+  if (const std::optional<Divergence> altered = find_altered_input(record, check))
     return file_.broken(at, name + ": its input was changed after it was recorded: " + altered->field +
                                 " was " + altered->recorded + " and is " + altered->replayed);
   if (last_tick_ && tick <= *last_tick_)
@@ -285,7 +284,7 @@ Status verify_recording(const std::string& path, RecordingInfo& info) try {
   RecordingReader reader;
   if (Status status = reader.open(path); !status.ok()) return status;
   info = reader.info();
-  return Verification(1e9 / reader.scene().settings.rate, hash_kind_of(info.version)).run(path);
+  return Verification(1e9 / reader.scene().settings.rate).run(path);
 } catch (const std::bad_alloc&) {
   return Status::error(path + ": not enough memory to verify the recording");
 }

@@ -24,7 +24,7 @@ Status broken(const RecordingReader& reader, const std::string& what) {
 void run_tick(const Model& model, State& state, Scratch& scratch, TickRecord& result) {
   result.output = tick(model, state, scratch, result.device);
   result.stage_hash = scratch.stage_hash;
-  result.state_hash = hash_state(state, scratch.hash_kind);
+  result.state_hash = hash_state(state);
 }
 
 std::string build_of(const RecordingReader& reader) {
@@ -37,19 +37,9 @@ void name_builds(const RecordingReader& reader, Divergence& divergence) {
   divergence.replayed_build = build_text();
 }
 
-/// The first input field in which two records differ.
-std::optional<Divergence> compare_inputs(const TickRecord& a, const TickRecord& b) {
-  const InputFields fields_a = input_fields(a), fields_b = input_fields(b);
-  const auto [at_a, at_b] = std::mismatch(fields_a.begin(), fields_a.end(), fields_b.begin());
-  if (at_a == fields_a.end()) return std::nullopt;
-  const int field = static_cast<int>(at_a - fields_a.begin());
-  return Divergence{std::min(a.output.tick, b.output.tick), "input", input_field_name(field),
-                    input_field_text(field, *at_a), input_field_text(field, *at_b)};
-}
-
 Status session_hash(const Scene& scene, std::uint64_t& hash) {
   std::vector<std::uint8_t> session;
-  if (Status status = encode_session(scene, kVersion, session); !status.ok()) return status;
+  if (Status status = encode_session(scene, session); !status.ok()) return status;
   Hasher hasher;
   hasher.array(session);
   hash = hasher.digest();
@@ -61,8 +51,11 @@ Status compare_scenes(const RecordingReader& a, const RecordingReader& b, Replay
   std::uint64_t hash_a = 0, hash_b = 0;
   if (Status status = session_hash(a.scene(), hash_a); !status.ok()) return status;
   if (Status status = session_hash(b.scene(), hash_b); !status.ok()) return status;
-  if (hash_a != hash_b)
-    result.first_divergence = {a.info().first_tick, "scene", "hash", hash_text(hash_a), hash_text(hash_b)};
+  if (hash_a == hash_b) return {};
+  const std::uint64_t tick = a.info().first_tick;
+  result.first_divergence = compare_settings(tick, a.scene().settings, b.scene().settings);
+  if (!result.first_divergence)
+    result.first_divergence = {tick, "scene", "hash", hash_text(hash_a), hash_text(hash_b)};
   return {};
 }
 
@@ -75,7 +68,7 @@ Status scene_for(RecordingReader& reader, const ReplayOptions& options, Scene& s
     return Status::error(reader.info().path +
                          ": its world is a file, of which no object can be replaced; build another world");
   if (options.law) scene.settings.law.fill(*options.law);
-  if (options.tolerance) scene.settings.tolerance = *options.tolerance;
+  if (options.precision) scene.settings.precision.fill(*options.precision);
   if (options.stiffness) scene.settings.stiffness = *options.stiffness;
   for (const auto& other : options.mesh) {
     const std::string& name = other.first;  // no structured binding: clang 14 does not capture those
@@ -159,7 +152,6 @@ Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResul
 
   run.state = reader.initial_state();
   run.scratch = make_scratch(run.model);
-  run.scratch.hash_kind = hash_kind_of(reader.info().version);
   TickRecord recorded;
   for (;;) {
     bool end = false;
@@ -187,7 +179,6 @@ Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResul
 namespace {
 
 Status compare_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& result) {
-  const bool same_hashes = hash_kind_of(a.info().version) == hash_kind_of(b.info().version);
   if (Status status = a.seek(0); !status.ok()) return status;
   if (Status status = b.seek(0); !status.ok()) return status;
   for (;;) {
@@ -202,13 +193,6 @@ Status compare_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& 
       result.first_divergence = {(end_a ? record_b : record_a).output.tick, "input", "tick",
                                  end_a ? "none" : tick, end_b ? "none" : tick};
       return {};
-    }
-    if (!same_hashes) {  // theirs say nothing of each other
-      if (!record_a.has_forces || !record_b.has_forces)
-        return broken(b, "its hashes are of another version than those of " + a.info().path +
-                             ", and forces are left out: nothing tells whether these differ");
-      record_b.stage_hash = record_a.stage_hash;
-      record_b.state_hash = record_a.state_hash;
     }
     result.first_divergence = compare_inputs(record_a, record_b);
     if (!result.first_divergence) result.first_divergence = compare_results(record_a, record_b);

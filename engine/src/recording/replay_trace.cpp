@@ -1,7 +1,6 @@
 // See replay_trace.h.
 #include "recording/replay_trace.h"
 
-#include <bit>
 #include <vector>
 
 #include "files/text_output.h"
@@ -25,17 +24,7 @@ std::vector<TraceValue> values_of(const TickRun& run, int stage) {
              : trace_stage(run.model, run.scratch, run.device, run.output, static_cast<Stage>(stage));
 }
 
-std::string value_text(const TraceValue& value) {
-  switch (value.type) {
-    case TraceValue::Type::real:
-      return exact_text(std::bit_cast<double>(value.bits));
-    case TraceValue::Type::real32:
-      return exact_text(std::bit_cast<float>(static_cast<std::uint32_t>(value.bits)));
-    case TraceValue::Type::whole:
-      break;
-  }
-  return std::to_string(value.bits);
-}
+std::string value_text(const TraceValue& value) { return number_text(value.type, value.bits); }
 
 std::string cluster_text(const TraceValue& value) {
   const auto triangle = static_cast<std::uint32_t>(value.triangle);
@@ -44,7 +33,7 @@ std::string cluster_text(const TraceValue& value) {
 }
 
 void name_owner(const TraceValue& value, Divergence& divergence) {
-  divergence.field = value.field();
+  divergence.field = value.field;
   if (value.primitive >= 0) divergence.primitive = static_cast<std::uint32_t>(value.primitive);
   if (value.members > 0) {
     divergence.cluster = cluster_text(value);
@@ -72,7 +61,7 @@ void compare(const std::vector<TraceValue>& recorded, const std::vector<TraceVal
       divergence.ulp = ulps_between(a->type, a->bits, b->bits);
       return;
     }
-    // One side has a pair, primitive or plane that the other has not.
+    // One side has a pair that the other has not.
     const bool only_recorded = b == nullptr || (a != nullptr && precedes(*a, *b));
     name_owner(only_recorded ? *a : *b, divergence);
     divergence.recorded = only_recorded ? value_text(*a) : "none";
@@ -83,7 +72,7 @@ void compare(const std::vector<TraceValue>& recorded, const std::vector<TraceVal
 
 std::string hexadecimal_bits(const TraceValue& value) {
   const std::string text = hash_text(value.bits);
-  return value.type == TraceValue::Type::real32 ? "0x" + text.substr(10) : text;
+  return value.type == NumberType::real32 ? "0x" + text.substr(10) : text;
 }
 
 std::string line_of(std::uint64_t tick, const std::string& stage, const TraceValue& value) {
@@ -94,8 +83,8 @@ std::string line_of(std::uint64_t tick, const std::string& stage, const TraceVal
   } else if (value.triangle >= 0) {
     line += " triangle " + std::to_string(value.triangle);
   }
-  line += ' ' + value.field() + ' ' + value_text(value);
-  return value.type == TraceValue::Type::whole ? line : line + ' ' + hexadecimal_bits(value);
+  line += ' ' + value.field + ' ' + value_text(value);
+  return is_real(value.type) ? line + ' ' + hexadecimal_bits(value) : line;
 }
 
 Status write_stage(const TickRun& run, int stage, TextOutput& out) {
@@ -129,10 +118,9 @@ Status name_difference(const Scene& recorded_scene, const State& before, const T
   if (Status status = build_model(recorded_scene, plain, model); !status.ok()) return status;
   State state = before;
   Scratch scratch = make_scratch(model);
-  scratch.hash_kind = replayed.scratch.hash_kind;
   const ActuatorFrame output = tick(model, state, scratch, recorded.device);
   const int stage = stage_number(divergence.stage);
-  const bool reproduced = stage == kStateStage ? hash_state(state, scratch.hash_kind) == recorded.state_hash
+  const bool reproduced = stage == kStateStage ? hash_state(state) == recorded.state_hash
                                                : scratch.stage_hash[static_cast<std::size_t>(stage)] ==
                                                      recorded.stage_hash[static_cast<std::size_t>(stage)];
   // What the file holds of the output may have been changed there; then the engine has nothing to say.

@@ -75,9 +75,10 @@ Offset<fb::Settings> to_fb(FlatBufferBuilder& builder, const Settings& settings)
   std::array<std::uint8_t, kSegmentCount> laws;
   for (std::size_t s = 0; s < kSegmentCount; ++s) laws[s] = static_cast<std::uint8_t>(settings.law[s]);
   const auto all_laws = builder.CreateVectorScalarCast<fb::Law>(laws.data(), laws.size());
+  const auto precisions = builder.CreateVector(settings.precision.data(), settings.precision.size());
   return fb::CreateSettings(builder, all_laws, settings.stiffness, settings.rate, settings.point_area,
                             settings.max_force, settings.fade_time, settings.max_candidates,
-                            settings.tolerance);
+                            precisions);
 }
 
 /// Room the objects take in the message, rounded up.
@@ -123,12 +124,15 @@ Status decode_hand(const fb::Hand* message, Hand& hand) {
 }
 
 Status decode_settings(const fb::Settings* message, Settings& settings) {
-  if (message == nullptr || message->laws() == nullptr || message->laws()->size() != kSegmentCount)
+  if (message == nullptr || message->laws() == nullptr || message->laws()->size() != kSegmentCount ||
+      message->precisions() == nullptr || message->precisions()->size() != kSegmentCount ||
+      !is_aligned(message->precisions()))
     return Status::error("the session's settings are incomplete");
   for (std::uint32_t s = 0; s < kSegmentCount; ++s) {
     const auto law = static_cast<fb::Law>(message->laws()->Get(s));
     if (law > fb::Law::MAX) return Status::error("the session names an unknown law");
     settings.law[s] = static_cast<Law>(law);
+    settings.precision[s] = message->precisions()->Get(s);
   }
   settings.stiffness = message->stiffness();
   settings.rate = message->rate();
@@ -136,7 +140,6 @@ Status decode_settings(const fb::Settings* message, Settings& settings) {
   settings.max_force = message->max_force();
   settings.fade_time = message->fade_time();
   settings.max_candidates = message->max_candidates();
-  settings.tolerance = message->tolerance();
   // Session time is computed from the rate before build_model sees it.
   if (!(settings.rate >= 1 && settings.rate <= 100000))
     return Status::error("the session's rate is out of range");
@@ -166,10 +169,9 @@ Status decode_objects(const fb::Session& message, std::size_t size, std::vector<
 }
 
 Status decode_world(const fb::Session& message, Scene& scene) {
-  const bool named = message.world() != nullptr && message.world()->path() != nullptr;
-  if (named != (message.version() == kWorldFile) || (named && !scene.objects.empty()))
+  if (message.world() == nullptr) return {};
+  if (message.world()->path() == nullptr || !scene.objects.empty())
     return Status::error("the session's world is neither in it nor a file");
-  if (!named) return {};
   auto world = std::make_shared<World>();
   world->path = message.world()->path()->str();
   world->content = message.world()->content();
@@ -180,7 +182,7 @@ Status decode_world(const fb::Session& message, Scene& scene) {
 
 }  // namespace
 
-Status encode_session(const Scene& scene, std::uint32_t version, std::vector<std::uint8_t>& bytes) {
+Status encode_session(const Scene& scene, std::vector<std::uint8_t>& bytes) {
   if (size_of(scene) > 2147000000.0)
     return Status::error("the scene takes 2 GiB or more and can't be recorded; use coarser meshes");
   FlatBufferBuilder builder;
@@ -191,17 +193,15 @@ Status encode_session(const Scene& scene, std::uint32_t version, std::vector<std
   const auto hand = to_fb(builder, scene.hand);
   const auto settings = to_fb(builder, scene.settings);
   Offset<fb::WorldFile> world;
-  if (scene.world) {
-    version = kWorldFile;
+  if (scene.world)
     world = fb::CreateWorldFile(builder, builder.CreateString(scene.world->path), scene.world->content,
                                 scene.world->byte_count);
-  }
-  builder.Finish(fb::CreateSession(builder, version, hand, all_objects, settings, world));
+  builder.Finish(fb::CreateSession(builder, kVersion, hand, all_objects, settings, world));
   bytes.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
   return {};
 }
 
-Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene, std::uint32_t& version) {
+Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene) {
   std::vector<std::uint64_t> aligned((bytes.size() + 7) / 8);
   if (!bytes.empty()) std::memcpy(aligned.data(), bytes.data(), bytes.size());
   const auto* const data = reinterpret_cast<const std::uint8_t*>(aligned.data());
@@ -210,10 +210,10 @@ Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene, std::ui
   if (!verifier.VerifyBuffer<fb::Session>(nullptr))
     return Status::error("the session does not fit its schema");
   const fb::Session& message = *flatbuffers::GetRoot<fb::Session>(data);
-  if (message.version() < kFirstVersion || message.version() > kLastVersion)
+  if (message.version() != kVersion)
     return Status::error("the session is of version " + std::to_string(message.version()) +
-                         ", this program reads 1 to " + std::to_string(kLastVersion) +
-                         "; use a newer program");
+                         ", this program reads version " + std::to_string(kVersion) +
+                         "; use the program that wrote it or a newer one");
 
   Scene decoded;
   if (Status status = decode_hand(message.hand(), decoded.hand); !status.ok()) return status;
@@ -221,7 +221,6 @@ Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene, std::ui
   if (Status status = decode_objects(message, bytes.size(), decoded.objects); !status.ok()) return status;
   if (Status status = decode_world(message, decoded); !status.ok()) return status;
   scene = std::move(decoded);
-  version = message.version();
   return {};
 }
 

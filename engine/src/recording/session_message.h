@@ -6,29 +6,21 @@
 #include <vector>
 
 #include "lumbrical/model.h"
-#include "lumbrical/tick.h"
+#include "lumbrical/status.h"
 
 namespace lumbrical {
 
 inline constexpr const char* kSessionAttachment = "session";
 
-/// Versions of the format, which the session states.
-inline constexpr std::uint32_t kFirstVersion = 1;  ///< every tick has its forces
-// 2: ticks may leave out forces, and then say so
-inline constexpr std::uint32_t kVersion = 3;    ///< as 2, other hashes; what is written now
-inline constexpr std::uint32_t kWorldFile = 4;  ///< as 3, of a scene whose world is a file of its own
-inline constexpr std::uint32_t kLastVersion = kWorldFile;
-
-constexpr HashKind hash_kind_of(std::uint32_t version) {
-  return version < 3 ? HashKind::former : HashKind::current;
-}
+/// Of the format, which the session states; readers refuse any other (docs/recording.md).
+inline constexpr std::uint32_t kVersion = 1;
 
 /// Refuses a scene of 2 GiB or more, which a FlatBuffer can't hold. Of a scene with a world file that file is
-/// named, and the version is kWorldFile whatever `version` is.
-Status encode_session(const Scene& scene, std::uint32_t version, std::vector<std::uint8_t>& bytes);
+/// named.
+Status encode_session(const Scene& scene, std::vector<std::uint8_t>& bytes);
 
 /// The error tells what is wrong, not where. Checks everything but the meshes, which build_model checks. A
 /// world file is only named (World::bytes is null).
-Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene, std::uint32_t& version);
+Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene);
 
 }  // namespace lumbrical

@@ -1,50 +1,27 @@
 // Encoding and checked decoding of the state attachment.
 #include "recording/state_message.h"
 
-#include <algorithm>
+#include <array>
+#include <bit>
 #include <cstring>
 
 #include "recording/message_alignment.h"
 #include "recording_generated.h"
+#include "tick/field_lists.h"
 
 namespace lumbrical {
 namespace {
 
-constexpr std::size_t kNumbers = sizeof(HandForces) / sizeof(double);
-static_assert(kNumbers == 10 * kSegmentCount && sizeof(State) == 3 * sizeof(double) + 2 * sizeof(HandForces));
-using Numbers = std::array<double, kNumbers>;
-
-// Ten numbers per segment, as in a tick's message.
-Numbers numbers_of(const HandForces& forces) {
-  Numbers numbers;
-  auto next = numbers.begin();
-  for (std::size_t s = 0; s < kSegmentCount; ++s) {
-    for (const Vec3 v : {forces.segment[s].force, forces.segment[s].torque, forces.joint_torque[s]})
-      for (const double value : {v.x, v.y, v.z}) *next++ = value;
-    *next++ = forces.flexion_torque[s];
-  }
-  return numbers;
-}
+using ForceNumbers = std::array<double, kNumberCount<HandForces>>;
 
 bool to_forces(const flatbuffers::Vector<double>* numbers, HandForces& forces) {
-  if (numbers == nullptr || numbers->size() != kNumbers || !is_aligned(numbers)) return false;
+  if (numbers == nullptr || numbers->size() != ForceNumbers{}.size() || !is_aligned(numbers)) return false;
   std::uint32_t next = 0;
   bool finite = true;
-  const auto take = [&] {
-    const double value = numbers->Get(next++);
-    finite = finite && is_finite(value);
-    return value;
-  };
-  const auto take_vector = [&] {
-    const double x = take(), y = take(), z = take();
-    return Vec3{x, y, z};
-  };
-  for (std::size_t s = 0; s < kSegmentCount; ++s) {
-    forces.segment[s].force = take_vector();
-    forces.segment[s].torque = take_vector();
-    forces.joint_torque[s] = take_vector();
-    forces.flexion_torque[s] = take();
-  }
+  walk(forces, [&](const FieldName&, double& number) {
+    number = numbers->Get(next++);
+    finite = finite && is_finite(number);
+  });
   return finite;
 }
 
@@ -55,10 +32,12 @@ bool is_share(double value) { return value >= 0 && value <= 1; }
 std::vector<std::uint8_t> encode_state(const State& state) {
   flatbuffers::FlatBufferBuilder builder(8192);
   builder.ForceDefaults(true);  // a number left out because it equals its default might have been -0
-  const Numbers last = numbers_of(state.last), held = numbers_of(state.held);
-  const auto last_numbers = builder.CreateVector(last.data(), last.size());
-  const auto held_numbers = builder.CreateVector(held.data(), held.size());
-  builder.Finish(fb::CreateState(builder, state.tick, state.rise, state.fall, last_numbers, held_numbers));
+  const auto put = [&builder](const HandForces& forces) {
+    const auto numbers = std::bit_cast<ForceNumbers>(forces);
+    return builder.CreateVector(numbers.data(), numbers.size());
+  };
+  const auto last = put(state.last), held = put(state.held);
+  builder.Finish(fb::CreateState(builder, state.tick, state.rise, state.fall, last, held));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 

@@ -1,7 +1,8 @@
 // Encoding and checked decoding of tick messages.
 #include "recording/tick_message.h"
 
-#include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <vector>
@@ -13,8 +14,8 @@
 namespace lumbrical {
 namespace {
 
-fb::Vec3 to_fb(Vec3 v) { return {v.x, v.y, v.z}; }
-Vec3 from_fb(const fb::Vec3& v) { return {v.x(), v.y(), v.z()}; }
+// The schema's structs lie in memory as the engine's do.
+static_assert(sizeof(fb::Pose) == sizeof(Pose) && sizeof(fb::JointPose) == sizeof(JointPose));
 
 // A comparison of numbers would take -0 for +0.
 template <class T>
@@ -22,45 +23,40 @@ bool same_bits(const T& a, const T& b) {
   return std::memcmp(&a, &b, sizeof(T)) == 0;
 }
 
-struct SegmentNumbers {
-  Wrench wrench;
-  Vec3 joint_torque;
-  double flexion_torque = 0;
+/// fb::SegmentOutput as it lies in memory: of every array of HandForces one segment's numbers, as listed.
+struct SegmentOutput {
+  static constexpr std::size_t kNumbers = kNumberCount<HandForces> / kSegmentCount;
+  std::uint64_t segment = 0;
+  std::array<double, kNumbers> number{};
 };
+static_assert(sizeof(SegmentOutput) == sizeof(fb::SegmentOutput));
 
-SegmentNumbers numbers_of(const ActuatorFrame& frame, std::size_t s) {
-  return {frame.segment[s], frame.joint_torque[s], frame.flexion_torque[s]};
+/// copy(number of the segment, its place in `output`), of forces to be read or written.
+template <class Forces, class Output, class Copy>
+void copy_segment(Forces& forces, std::size_t segment, Output& output, Copy&& copy) {
+  std::size_t next = 0;
+  list_forces(forces, [&](const char*, const char*, auto& array) {
+    walk(array[segment], [&](const FieldName&, auto& number) { copy(number, output.number[next++]); });
+  });
 }
 
 /// The segments that feel anything; returns how many.
-std::size_t to_fb(const ActuatorFrame& frame, std::array<fb::SegmentOutput, kSegmentCount>& segments) {
+std::size_t to_fb(const ActuatorFrame& frame, std::array<SegmentOutput, kSegmentCount>& segments) {
   std::size_t count = 0;
-  for (std::uint32_t s = 0; s < kSegmentCount; ++s) {
-    const SegmentNumbers numbers = numbers_of(frame, s);
-    if (same_bits(numbers, SegmentNumbers{})) continue;
-    segments[count++] = {s, to_fb(numbers.wrench.force), to_fb(numbers.wrench.torque),
-                         to_fb(numbers.joint_torque), numbers.flexion_torque};
+  for (std::size_t s = 0; s < kSegmentCount; ++s) {
+    SegmentOutput& output = segments[count];
+    copy_segment(frame, s, output, [](const double& from, double& to) { to = from; });
+    if (same_bits(output.number, SegmentOutput{}.number)) continue;
+    output.segment = s;
+    ++count;
   }
   return count;
-}
-
-fb::JointPose to_fb(const JointPose& pose) {
-  const auto& [px, py, pz] = pose.position;
-  const auto& [qx, qy, qz, qw] = pose.orientation;
-  return {fb::Vec3f(px, py, pz), fb::Quatf(qx, qy, qz, qw)};
-}
-
-JointPose from_fb(const fb::JointPose& pose) {
-  const fb::Vec3f& p = pose.position();
-  const fb::Quatf& q = pose.orientation();
-  return {{p.x(), p.y(), p.z()}, {q.x(), q.y(), q.z(), q.w()}};
 }
 
 Status decode_device(const fb::Tick& message, DeviceFrame& device) {
   const fb::Pose* const base = message.base();
   if (base == nullptr) return Status::error("the tick message has no base pose");
-  const fb::Quat& q = base->orientation();
-  device.base = {from_fb(base->position()), {q.w(), q.x(), q.y(), q.z()}};
+  device.base = std::bit_cast<Pose>(*base);
   if (message.kind() > fb::InputKind::MAX)
     return Status::error("the tick message is of an unknown kind of input");
   device.kind = static_cast<InputKind>(message.kind());
@@ -70,7 +66,8 @@ Status decode_device(const fb::Tick& message, DeviceFrame& device) {
   device.joint = {};
   if (const auto* const joints = message.joints()) {
     if (joints->size() != kJointCount) return Status::error("the tick message does not have 26 joints");
-    for (std::uint32_t j = 0; j < kJointCount; ++j) device.joint[j] = from_fb(*joints->Get(j));
+    for (std::uint32_t j = 0; j < kJointCount; ++j)
+      device.joint[j] = std::bit_cast<JointPose>(*joints->Get(j));
   }
   device.angle = {};
   if (const auto* const angles = message.angles()) {
@@ -94,9 +91,8 @@ Status decode_output(const fb::Tick& message, ActuatorFrame& output) {
     if (s < least || s >= kSegmentCount)
       return Status::error("the tick message's segments are not ascending numbers below 16");
     least = s + 1;
-    output.segment[s] = {from_fb(segment->force()), from_fb(segment->torque())};
-    output.joint_torque[s] = from_fb(segment->joint_torque());
-    output.flexion_torque[s] = segment->flexion_torque();
+    const auto numbers = std::bit_cast<SegmentOutput>(*segment);
+    copy_segment(output, s, numbers, [](double& to, const double& from) { to = from; });
   }
   return {};
 }
@@ -142,20 +138,21 @@ void encode_tick(const TickRecord& record, bool keep_forces, const InputCheck& c
                  flatbuffers::FlatBufferBuilder& builder) {
   builder.Clear();
   const DeviceFrame& device = record.device;
-  std::array<fb::SegmentOutput, kSegmentCount> segments;
+  std::array<SegmentOutput, kSegmentCount> segments;
   const std::size_t segment_count = keep_forces ? to_fb(record.output, segments) : 0;
 
   flatbuffers::Offset<flatbuffers::Vector<const fb::JointPose*>> joints;
   if (!same_bits(device.joint, DeviceFrame{}.joint)) {
-    std::array<fb::JointPose, kJointCount> poses;
-    for (std::size_t j = 0; j < kJointCount; ++j) poses[j] = to_fb(device.joint[j]);
-    joints = builder.CreateVectorOfStructs(poses.data(), poses.size());
+    joints = builder.CreateVectorOfStructs(reinterpret_cast<const fb::JointPose*>(device.joint.data()),
+                                           device.joint.size());
   }
   flatbuffers::Offset<flatbuffers::Vector<float>> angles;
   if (!same_bits(device.angle, DeviceFrame{}.angle))
     angles = builder.CreateVector(device.angle.data(), device.angle.size());
   flatbuffers::Offset<flatbuffers::Vector<const fb::SegmentOutput*>> outputs;
-  if (segment_count > 0) outputs = builder.CreateVectorOfStructs(segments.data(), segment_count);
+  if (segment_count > 0)
+    outputs = builder.CreateVectorOfStructs(reinterpret_cast<const fb::SegmentOutput*>(segments.data()),
+                                            segment_count);
 
   flatbuffers::Offset<flatbuffers::Vector<flatbuffers::Offset<fb::Sent>>> sent;
   if (record.sent_count > 0) {
@@ -164,8 +161,7 @@ void encode_tick(const TickRecord& record, bool keep_forces, const InputCheck& c
     sent = builder.CreateVector(offsets.data(), record.sent_count);
   }
 
-  const Quat q = device.base.orientation;
-  const fb::Pose base(to_fb(device.base.position), fb::Quat(q.w, q.x, q.y, q.z));
+  const auto base = std::bit_cast<fb::Pose>(device.base);
   const auto& hash = record.stage_hash;
   const fb::StageHashes hashes(hash[0], hash[1], hash[2], hash[3], hash[4], hash[5]);
   static_assert(kStageCount == 6);

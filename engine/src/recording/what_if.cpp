@@ -67,7 +67,6 @@ class WhatIf {
     plain.broadphase = Execution{}.broadphase;
     Status status = changed_.build(scene, options.execution);
     if (status.ok()) status = baseline_.build(reader.scene(), plain);
-    baseline_.scratch.hash_kind = hash_kind_of(reader.info().version);
     changed_.state = baseline_.state = reader.initial_state();
     return status.ok() ? status : Status::error(reader.info().path + ": " + status.message());
   }

@@ -97,15 +97,20 @@ inline V finger_kinds(const FingerBody& finger, Wide3<V> centre, V radius, V rea
   return choose(both(first, last), number<V>(kind::kFinger), kind);
 }
 
+inline float largest_radius(const FingerBody& finger) {
+  float largest = 0;
+  for (std::size_t k = 0; k < finger.tile_count; ++k)
+    if (finger.tile[k].radius > largest) largest = finger.tile[k].radius;
+  return largest;
+}
+
 template <class V>
 std::size_t classify_finger(const PatchBlock* blocks, const FingerBody& finger, const std::uint32_t* found,
                             std::size_t block_count, FoundPatch* patches) {
   constexpr std::size_t kAhead = 3;
   const SplitOrigin origin(finger.origin);
   const V zero = number<V>(0);
-  float largest = 0;
-  for (std::size_t k = 0; k < finger.tile_count; ++k)
-    if (finger.tile[k].radius > largest) largest = finger.tile[k].radius;
+  const float largest = largest_radius(finger);
   std::size_t count = 0;
   for (std::size_t i = 0; i < block_count; ++i) {
     if (i + kAhead < block_count) prefetch_block(blocks[found[i + kAhead] >> 3]);
@@ -129,6 +134,25 @@ std::size_t classify_finger(const PatchBlock* blocks, const FingerBody& finger, 
   return count;
 }
 
+/// What spheres have to do with the palm: -1 nothing, kPalm, kPalmSide on one side of the polygon, above it,
+/// or kPalmBlock there and inside the skin.
+template <class V>
+inline V palm_kinds(const PalmBody& palm, Wide3<V> centre, V radius) {
+  const V zero = number<V>(0);
+  const Wide3<V> p = turn_into(palm.axis, centre);
+  const V reach = radius + number<V>(kDistanceSlack) * (V(palm.radius) + radius);
+  V out = number<V>(-1e30);
+  for (std::size_t k = 0; k < palm.corner_count; ++k)
+    out = greater(out, V(palm.out_x[k]) * (p.x - V(palm.x[k])) + V(palm.out_y[k]) * (p.y - V(palm.y[k])));
+  const V height = magnitude(p.z), aside = greater(out, zero), limit = V(palm.radius) + reach;
+  const V kind = choose(both(radius >= zero, aside * aside + height * height <= limit * limit),
+                        number<V>(kind::kPalm), number<V>(-1));
+  const auto above = both(kind >= zero, both(out + reach<zero, height> reach));
+  return choose(
+      above, choose(height + reach < V(palm.radius), number<V>(kind::kPalmBlock), number<V>(kind::kPalmSide)),
+      kind);
+}
+
 template <class V>
 std::size_t classify_palm(const PatchBlock* blocks, const PalmBody& palm, const std::uint32_t* found,
                           std::size_t block_count, FoundPatch* patches) {
@@ -143,17 +167,9 @@ std::size_t classify_palm(const PatchBlock* blocks, const PalmBody& palm, const 
     unsigned some = 0;
     for (unsigned lane = 0; lane < PatchBlock::kWidth;
          lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
-      const Wide3<V> p = turn_into(palm.axis, centroids_of<V>(block, origin, lane));
       const V radius = get(block.radius + lane, V{});
-      const V reach = radius + number<V>(kDistanceSlack) * (V(palm.radius) + radius);
-      V out = number<V>(-1e30);
-      for (std::size_t k = 0; k < palm.corner_count; ++k)
-        out = greater(out, V(palm.out_x[k]) * (p.x - V(palm.x[k])) + V(palm.out_y[k]) * (p.y - V(palm.y[k])));
-      const V height = magnitude(p.z), aside = greater(out, zero), limit = V(palm.radius) + reach;
-      V kind = choose(both(radius >= zero, aside * aside + height * height <= limit * limit),
-                      number<V>(kind::kPalm), number<V>(-1));
-      const auto above = both(kind >= zero, both(out + reach<zero, height> reach));
-      kind = choose(above, number<V>(kind::kPalmSide), kind);
+      const V whole = palm_kinds(palm, centroids_of<V>(block, origin, lane), radius);
+      const V kind = choose(whole == number<V>(kind::kPalmBlock), number<V>(kind::kPalmSide), whole);
       put(kinds + lane, kind);
       some |= wide::bits_of(kind >= zero, zero) << lane;
     }

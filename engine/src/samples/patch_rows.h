@@ -77,14 +77,10 @@ inline PatchInFrame<V> see_patch(const PatchRows& rows, std::size_t lane, const 
           turn_into(axis, vector_at<V>(rows.edge[1], lane))};
 }
 
-/// Adds force and moment of a share whose moments are known; returns how many lanes have any.
+/// Adds force and moment of sixteen patches to a body's sums; returns how many lanes have any.
 template <class V>
-inline std::uint32_t add_share(const PatchInFrame<V>& patch, const LatticeMoments<V>& m, std::size_t lane,
-                               BodySums& sums) {
+inline std::uint32_t add_wrench(Wide3<V> force, Wide3<V> moment, std::size_t lane, BodySums& sums) {
   constexpr double kRounder = 6755399441055744.0;  // 1.5 * 2^52: its last place is that of units
-  const Wide3<V> normal = cross(patch.edge1, patch.edge2);
-  const Wide3<V> first = m.sum * patch.corner + (m.u * patch.edge1 + m.v * patch.edge2);
-  const Wide3<V> force = m.sum * normal, moment = cross(first, normal);
   const V rows[6] = {force.x, force.y, force.z, moment.x, moment.y, moment.z};
   for (std::size_t k = 0; k < 6; ++k) {
     constexpr std::size_t kLanes = wide::Lanes<V>::kCount;
@@ -96,6 +92,15 @@ inline std::uint32_t add_share(const PatchInFrame<V>& patch, const LatticeMoment
   }
   const V size = magnitude(force.x) + (magnitude(force.y) + magnitude(force.z));
   return static_cast<std::uint32_t>(__builtin_popcount(wide::bits_of(size > number<V>(0), number<V>(0))));
+}
+
+/// The same of a share whose moments are known.
+template <class V>
+inline std::uint32_t add_share(const PatchInFrame<V>& patch, const LatticeMoments<V>& m, std::size_t lane,
+                               BodySums& sums) {
+  const Wide3<V> normal = cross(patch.edge1, patch.edge2);
+  const Wide3<V> first = m.sum * patch.corner + (m.u * patch.edge1 + m.v * patch.edge2);
+  return add_wrench(m.sum * normal, cross(first, normal), lane, sums);
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

@@ -19,24 +19,34 @@ inline constexpr std::uint32_t kTile = 0, kSide = 3, kNearEnd = 6, kFarEnd = 9;
 inline constexpr std::uint32_t kInside = 12;
 /// Tiles 0 and 1 share it, 1 and 2, or all three.
 inline constexpr std::uint32_t kInnerJoint = 15, kOuterJoint = 16, kFinger = 17;
-/// On one side of the palm's polygon, above it; or anywhere about it.
-inline constexpr std::uint32_t kPalmSide = 18, kPalm = 19;
-inline constexpr std::uint32_t kCount = 20;
+/// A block as one that lies inside tile j and meets no other.
+inline constexpr std::uint32_t kBlockInside = 18;
+/// On one side of the palm's polygon, above it; a block as one there; or anywhere about it.
+inline constexpr std::uint32_t kPalmSide = 21, kPalmBlock = 22, kPalm = 23;
+inline constexpr std::uint32_t kCount = 24;
 }  // namespace kind
 
 /// What of a tile a kernel needs to know.
 enum class TilePart : std::uint8_t { whole, side, near_end, far_end };
 
-/// A patch found near a body.
+/// A patch found near a body, or a block that is taken as one.
 struct FoundPatch {
-  std::uint32_t key;    ///< class * kind::kCount + kind
-  std::uint32_t place;  ///< of the patch: 16 times its block plus the lane
+  std::uint32_t key;    ///< class (0 of a block) * kind::kCount + kind
+  std::uint32_t place;  ///< of the patch: 16 times its block plus the lane; or the block
 };
 inline constexpr std::size_t kKeyCount = kind::kCount * kPatchSizes;
 
 /// Patches of one kind, for a kernel.
 struct PatchList {
   const PatchBlock* blocks;
+  const std::uint32_t* places;
+  std::size_t count;
+  Vec3 origin;  ///< [m] W, of the body
+};
+
+/// Blocks that are taken as wholes.
+struct BlockList {
+  const BlockSamples* blocks;
   const std::uint32_t* places;
   std::size_t count;
   Vec3 origin;  ///< [m] W, of the body
@@ -63,6 +73,15 @@ struct PalmQuery {
 struct SampleKernels {
   /// Writes which of the blocks (place << 3, plus a bit per tile that the block's sphere may reach) hold
   /// patches that the finger may meet, and in what way; returns how many.
+  /// Which of up to sixteen blocks need their patches looked at (written to `open`, in place); small ones
+  /// inside a tile go to `patches` as wholes.
+  struct Sorted {
+    std::size_t open_count, whole_count;
+  };
+  Sorted (*sort_blocks)(const BlockSamples* blocks, const FingerBody& finger, std::uint32_t* found,
+                        std::size_t count, FoundPatch* patches);
+  Sorted (*sort_palm_blocks)(const BlockSamples* blocks, const PalmBody& palm, std::uint32_t* found,
+                             std::size_t count, FoundPatch* patches);
   std::size_t (*classify_finger)(const PatchBlock* blocks, const FingerBody& finger,
                                  const std::uint32_t* found, std::size_t count, FoundPatch* patches);
   std::size_t (*classify_palm)(const PatchBlock* blocks, const PalmBody& palm, const std::uint32_t* found,
@@ -79,6 +98,9 @@ struct SampleKernels {
   /// Patches inside one tile, by a rule of quadrature (triangle_rules.h).
   std::uint32_t (*tile_rule)(const PatchList& patches, const TileFrame& tile, std::size_t rule,
                              BodySums& sums);
+  /// Blocks as wholes.
+  std::uint32_t (*tile_blocks)(const BlockList& blocks, const TileFrame& tile, BodySums& sums);
+  std::uint32_t (*palm_blocks)(const BlockList& blocks, const PalmBody& palm, BodySums& sums);
   std::uint32_t (*palm_side)(const PatchList& patches, const PalmBody& palm, BodySums& sums);
   std::uint32_t (*palm_lattice)(const PatchList& patches, const PalmBody& palm, std::size_t steps,
                                 BodySums& sums);

@@ -22,7 +22,7 @@ constexpr std::size_t kSpare = kBlocksAtATime * kWidth;
 
 // Goes down the levels; `hits(spheres, blocks, count, is_last, to)` asks the spheres of one.
 template <class Hits>
-std::span<const std::uint32_t> search_levels(const SphereTree& tree, SampleMemory& memory, const Hits& hits) {
+std::span<std::uint32_t> search_levels(const SphereTree& tree, SampleMemory& memory, const Hits& hits) {
   if (tree.head.level_count == 0) return {};
   const TreeLayout layout = layout_of(tree.head);
   std::size_t level = tree.head.level_count, count = layout.blocks[level - 1];
@@ -37,8 +37,8 @@ std::span<const std::uint32_t> search_levels(const SphereTree& tree, SampleMemor
   return {from, count};
 }
 
-std::span<const std::uint32_t> search_for_finger(const Model& model, const Primitives& hand,
-                                                 const FingerBody& finger, SampleMemory& memory) {
+std::span<std::uint32_t> search_for_finger(const Model& model, const Primitives& hand,
+                                           const FingerBody& finger, SampleMemory& memory) {
   const SphereTree& tree = model.patches->tree;
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
   if (model.execution.broadphase == Broadphase::brute) {
@@ -81,8 +81,7 @@ PalmQuery query_of_palm(const TreeHead& tree, const SweptPolygon& palm) {
   return query;
 }
 
-std::span<const std::uint32_t> search_for_palm(const Model& model, const Primitives& hand,
-                                               SampleMemory& memory) {
+std::span<std::uint32_t> search_for_palm(const Model& model, const Primitives& hand, SampleMemory& memory) {
   const SphereTree& tree = model.patches->tree;
   if (model.execution.broadphase == Broadphase::brute) {
     std::iota(memory.frontier[0].begin(), memory.frontier[0].end(), 0u);
@@ -98,14 +97,23 @@ std::span<const std::uint32_t> search_for_palm(const Model& model, const Primiti
 
 // ---- Classification ----
 
-// Appends what `classify` finds in the blocks; false where there is no room.
-template <class Classify>
-bool append_patches(std::span<const std::uint32_t> blocks, SampleMemory& memory, std::size_t& count,
-                    const Classify& classify) {
-  for (std::size_t i = 0; i < blocks.size(); i += kBlocksAtATime) {
+// Appends the patches of the blocks found; `sort` takes out, sixteen blocks at a time, what is nothing or a
+// whole block, `classify` looks at the patches of the rest. False where there is no room.
+template <class Sort, class Classify>
+bool append_patches(std::span<std::uint32_t> blocks, SampleMemory& memory, std::size_t& count,
+                    const Sort& sort, const Classify& classify) {
+  std::size_t open = 0;
+  for (std::size_t i = 0; i < blocks.size(); i += kWidth) {
+    if (count + kWidth > memory.found.size()) return false;
+    const auto sorted =
+        sort(blocks.data() + i, std::min(kWidth, blocks.size() - i), memory.found.data() + count);
+    count += sorted.whole_count;
+    std::copy_n(blocks.data() + i, sorted.open_count, blocks.data() + open);
+    open += sorted.open_count;
+  }
+  for (std::size_t i = 0; i < open; i += kBlocksAtATime) {
     if (count + kSpare > memory.found.size()) return false;
-    const std::size_t more = std::min(kBlocksAtATime, blocks.size() - i);
-    count += classify(blocks.data() + i, more, memory.found.data() + count);
+    count += classify(blocks.data() + i, std::min(kBlocksAtATime, open - i), memory.found.data() + count);
   }
   return true;
 }
@@ -145,7 +153,7 @@ std::size_t inner_rule(std::size_t steps) { return steps <= 1 ? 0 : steps <= 2 ?
 /// One body's patches in order of their keys, and who computes them.
 struct BodyWork {
   const SampleKernels& kernels;
-  const PatchBlock* blocks;
+  const Patches& patches;
   const std::uint32_t* places;
   const KeyOrder& order;
   Vec3 origin;
@@ -156,7 +164,11 @@ struct BodyWork {
   }
   [[nodiscard]] PatchList list_of(std::uint32_t what, std::size_t size) const {
     const std::size_t key = size * kind::kCount + what;
-    return {blocks, places + order.begin[key], order.begin[key + 1] - order.begin[key], origin};
+    return {patches.block.data(), places + order.begin[key], order.begin[key + 1] - order.begin[key], origin};
+  }
+  [[nodiscard]] BlockList blocks_of(std::uint32_t what) const {
+    return {patches.samples.data(), places + order.begin[what], order.begin[what + 1] - order.begin[what],
+            origin};
   }
 };
 
@@ -216,6 +228,10 @@ void run_shared(BodyWork& work, const FingerBody& finger, std::uint32_t what, st
 }
 
 void run_finger(BodyWork& work, const FingerBody& finger, BodySums* sums) {
+  for (std::uint32_t k = 0; k < finger.tile_count; ++k) {
+    const BlockList list = work.blocks_of(kind::kBlockInside + k);
+    if (list.count > 0) work.touched += work.kernels.tile_blocks(list, finger.tile[k], sums[k]);
+  }
   for (std::size_t size = 0; size < kPatchSizes; ++size) {
     if (!work.has(size)) continue;
     for (std::uint32_t k = 0; k < finger.tile_count; ++k)
@@ -227,6 +243,8 @@ void run_finger(BodyWork& work, const FingerBody& finger, BodySums* sums) {
 }
 
 void run_palm(BodyWork& work, const PalmBody& palm, BodySums& sums) {
+  const BlockList list = work.blocks_of(kind::kPalmBlock);
+  if (list.count > 0) work.touched += work.kernels.palm_blocks(list, palm, sums);
   for (std::size_t size = 0; size < kPatchSizes; ++size) {
     const PatchList side = work.list_of(kind::kPalmSide, size), any = work.list_of(kind::kPalm, size);
     if (side.count > 0) work.touched += work.kernels.palm_side(side, palm, sums);
@@ -271,6 +289,7 @@ bool sample_forces(const Model& model, const Primitives& hand, SampleMemory& mem
   Bodies& bodies = memory.bodies;
   set_bodies(hand, segments, *model.patches, bodies);
   const PatchBlock* const blocks = model.patches->block.data();
+  const BlockSamples* const samples = model.patches->samples.data();
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
 
   std::array<std::size_t, Bodies::kMostFingers + 2> begin{};
@@ -278,20 +297,28 @@ bool sample_forces(const Model& model, const Primitives& hand, SampleMemory& mem
   for (std::size_t i = 0; i < bodies.finger_count; ++i) {
     const FingerBody& finger = bodies.finger[i];
     const auto near = search_for_finger(model, hand, finger, memory);
-    if (!append_patches(near, memory, count,
-                        [&](const std::uint32_t* from, std::size_t more, FoundPatch* to) {
-                          return kernels.classify_finger(blocks, finger, from, more, to);
-                        }))
-      return false;
+    const bool fits = append_patches(
+        near, memory, count,
+        [&](std::uint32_t* from, std::size_t more, FoundPatch* to) {
+          return kernels.sort_blocks(samples, finger, from, more, to);
+        },
+        [&](const std::uint32_t* from, std::size_t more, FoundPatch* to) {
+          return kernels.classify_finger(blocks, finger, from, more, to);
+        });
+    if (!fits) return false;
     begin[i + 1] = count;
   }
   if (bodies.palm.corner_count > 0) {
     const auto near = search_for_palm(model, hand, memory);
-    if (!append_patches(near, memory, count,
-                        [&](const std::uint32_t* from, std::size_t more, FoundPatch* to) {
-                          return kernels.classify_palm(blocks, bodies.palm, from, more, to);
-                        }))
-      return false;
+    const bool fits = append_patches(
+        near, memory, count,
+        [&](std::uint32_t* from, std::size_t more, FoundPatch* to) {
+          return kernels.sort_palm_blocks(samples, bodies.palm, from, more, to);
+        },
+        [&](const std::uint32_t* from, std::size_t more, FoundPatch* to) {
+          return kernels.classify_palm(blocks, bodies.palm, from, more, to);
+        });
+    if (!fits) return false;
   }
   begin[bodies.finger_count + 1] = count;
 
@@ -301,7 +328,7 @@ bool sample_forces(const Model& model, const Primitives& hand, SampleMemory& mem
     KeyOrder order;
     order_by_key(found, memory.ordered.data(), order);
     const bool is_palm = i == bodies.finger_count;
-    BodyWork work{kernels, blocks, memory.ordered.data(), order,
+    BodyWork work{kernels, *model.patches, memory.ordered.data(), order,
                   is_palm ? bodies.palm.origin : bodies.finger[i].origin};
     BodySums sums[FingerBody::kMostTiles];
     for (BodySums& sum : sums) set_quanta(hand, sum);

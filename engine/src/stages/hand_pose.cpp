@@ -231,6 +231,7 @@ bool may_meet(const Hand& hand, const Primitives& primitives, const Box& world) 
 }
 
 void tile_hand(const Hand& hand, const Settings& settings, Primitives& primitives) {
+  primitives.palm = {};
   set_joint_borders(primitives);
   for (std::size_t i = 0; i < kPhalanxCount; ++i) {
     if (primitives.present[i]) add_phalanx(i, primitives);

@@ -7,25 +7,21 @@
 #include <vector>
 
 #include "lumbrical/tick.h"
+#include "tick/fields.h"
 
 namespace lumbrical {
 
-/// One number of one stage. Where it belongs to a pair or a primitive, the indices say which.
+/// One number of one stage. Where it belongs to a pair, the indices say which.
 struct TraceValue {
-  enum class Type : std::uint8_t { whole, real, real32 };
-  const char* name = "";        ///< without index: "end1.x", "area", "segment.force.x"
-  const char* part = "";        ///< of a state: "last" or "held"
-  std::int32_t index = -1;      ///< of the segment, joint, angle or primitive's plane; -1: none
+  std::string field;            ///< "primitive[2].end1.x", "area", "held.segment[3].force.x"
   std::int64_t primitive = -1;  ///< -1: none
   std::int64_t triangle = -1;   ///< as in Contact; -1: none
   std::size_t members = 0;      ///< of a cluster: how many triangles it has
-  Type type = Type::real;
+  NumberType type = NumberType::real;
   std::uint64_t bits = 0;
 
   /// The same number of the same thing; its bits may differ.
   [[nodiscard]] bool same_place(const TraceValue& other) const;
-  /// "segment[3].force.x", "held.segment[3].force.x", "area"
-  [[nodiscard]] std::string field() const;
 };
 
 /// The values of a stage of the last tick on `scratch`, in a fixed order; `output` is what that tick returned
@@ -38,6 +34,6 @@ std::vector<TraceValue> trace_state(const State& state);
 
 /// How many representable numbers lie between two values of the same type, plus one; 0 where they are equal
 /// (+0 and -0 are not: 1). Nothing where a NaN or a whole number is among them.
-std::optional<std::uint64_t> ulps_between(TraceValue::Type type, std::uint64_t a, std::uint64_t b);
+std::optional<std::uint64_t> ulps_between(NumberType type, std::uint64_t a, std::uint64_t b);
 
 }  // namespace lumbrical

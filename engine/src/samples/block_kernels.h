@@ -1,0 +1,144 @@
+// Blocks of small patches as wholes: which are, and what a body feels of them.
+#pragma once
+
+#include "samples/classify.h"
+#include "samples/palm_kernels.h"
+
+namespace lumbrical::LUMBRICAL_ISA {
+
+/// Sixteen blocks, a lane each, relative to a body's origin.
+struct BlockRows {
+  static constexpr std::size_t kWidth = PatchBlock::kWidth;
+  alignas(64) float centre[3][kWidth];
+  alignas(64) float radius[kWidth];
+  alignas(64) float is_small[kWidth];
+};
+inline void put_block(const BlockSamples& block, const SplitOrigin& origin, std::size_t lane,
+                      BlockRows& rows) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    rows.centre[axis][lane] =
+        (block.centre[0][axis] - origin.high[axis]) + (block.centre[1][axis] - origin.low[axis]);
+  }
+  rows.radius[lane] = block.radius;
+  rows.is_small[lane] = block.is_small;
+}
+
+/// From the blocks' kinds (-1: nothing; `inside` and up to `insides` above it) to those to be opened and
+/// those that are taken as wholes.
+inline SampleKernels::Sorted part_blocks(const float* kinds, const BlockRows& rows, std::uint32_t inside,
+                                         std::uint32_t insides, std::uint32_t whole, unsigned shift,
+                                         std::uint32_t* found, std::size_t count, FoundPatch* patches) {
+  SampleKernels::Sorted sorted{0, 0};
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    if (kinds[lane] < 0) continue;
+    const auto kind = static_cast<std::uint32_t>(kinds[lane]);
+    if (rows.is_small[lane] != 0 && kind >= inside && kind < inside + insides) {
+      patches[sorted.whole_count++] = {whole + (kind - inside), found[lane] >> shift};
+    } else {
+      found[sorted.open_count++] = found[lane];
+    }
+  }
+  return sorted;
+}
+
+template <class V>
+SampleKernels::Sorted sort_blocks(const BlockSamples* blocks, const FingerBody& finger, std::uint32_t* found,
+                                  std::size_t count, FoundPatch* patches) {
+  const SplitOrigin origin(finger.origin);
+  const float largest = largest_radius(finger);
+  BlockRows rows;
+  for (std::size_t lane = 0; lane < BlockRows::kWidth; ++lane)
+    put_block(blocks[found[lane < count ? lane : 0] >> 3], origin, lane, rows);
+  alignas(64) float kinds[BlockRows::kWidth];
+  for (unsigned lane = 0; lane < BlockRows::kWidth; lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
+    const V radius = get(rows.radius + lane, V{});
+    const V reach = radius + number<V>(kDistanceSlack) * (V(largest) + radius);
+    put(kinds + lane,
+        finger_kinds(finger, vector_at<V>(rows.centre, lane), radius, reach, V(finger.widest_cell), 7u));
+  }
+  return part_blocks(kinds, rows, kind::kInside, FingerBody::kMostTiles, kind::kBlockInside, 3, found, count,
+                     patches);
+}
+
+template <class V>
+SampleKernels::Sorted sort_palm_blocks(const BlockSamples* blocks, const PalmBody& palm, std::uint32_t* found,
+                                       std::size_t count, FoundPatch* patches) {
+  const SplitOrigin origin(palm.origin);
+  BlockRows rows;
+  for (std::size_t lane = 0; lane < BlockRows::kWidth; ++lane)
+    put_block(blocks[found[lane < count ? lane : 0]], origin, lane, rows);
+  alignas(64) float kinds[BlockRows::kWidth];
+  for (unsigned lane = 0; lane < BlockRows::kWidth; lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
+    const V radius = get(rows.radius + lane, V{});
+    put(kinds + lane, palm_kinds(palm, vector_at<V>(rows.centre, lane), radius));
+  }
+  return part_blocks(kinds, rows, kind::kPalmBlock, 1, kind::kPalmBlock, 0, found, count, patches);
+}
+
+/// The numbers of sixteen blocks, by number and lane.
+struct SampleRows {
+  static constexpr std::size_t kWidth = PatchBlock::kWidth;
+  alignas(64) float centre[3][kWidth];
+  alignas(64) float arm[3][3][kWidth];
+  alignas(64) float weight[7][3][kWidth];  // + and - of each arm, then the centre's
+};
+inline void gather(const BlockList& list, const SplitOrigin& origin, std::size_t first, std::size_t count,
+                   SampleRows& rows) {
+  for (std::size_t lane = 0; lane < SampleRows::kWidth; ++lane) {
+    const bool real = lane < count;
+    const BlockSamples& block = list.blocks[list.places[first + (real ? lane : 0)]];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      rows.centre[axis][lane] =
+          (block.centre[0][axis] - origin.high[axis]) + (block.centre[1][axis] - origin.low[axis]);
+      for (std::size_t k = 0; k < 3; ++k) {
+        rows.arm[k][axis][lane] = block.arm[k][axis];
+        rows.weight[2 * k][axis][lane] = real ? block.weight[0][k][axis] : 0.0f;
+        rows.weight[2 * k + 1][axis][lane] = real ? block.weight[1][k][axis] : 0.0f;
+      }
+      rows.weight[6][axis][lane] = real ? block.centre_weight[axis] : 0.0f;
+    }
+  }
+}
+
+/// Adds what a body with this frame and field feels of the blocks.
+template <class V, class Field>
+LUMBRICAL_INLINE inline std::uint32_t sum_blocks(const BlockList& list, const float (&axis)[3][3],
+                                                 Wide3<V> frame_origin, const Field& field, BodySums& sums) {
+  const SplitOrigin origin(list.origin);
+  SampleRows rows;
+  std::uint32_t touched = 0;
+  for (std::size_t first = 0; first < list.count; first += SampleRows::kWidth) {
+    const std::size_t left = list.count - first;
+    gather(list, origin, first, left < SampleRows::kWidth ? left : SampleRows::kWidth, rows);
+    for (std::size_t lane = 0; lane < SampleRows::kWidth; lane += wide::Lanes<V>::kCount) {
+      const Wide3<V> centre = vector_at<V>(rows.centre, lane) - frame_origin, at = turn_into(axis, centre);
+      Wide3<V> force = field(at) * vector_at<V>(rows.weight[6], lane);
+      Wide3<V> moment{number<V>(0), number<V>(0), number<V>(0)};
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Wide3<V> arm = vector_at<V>(rows.arm[k], lane), to = turn_into(axis, arm);
+        const Wide3<V> one = field(at + to) * vector_at<V>(rows.weight[2 * k], lane);
+        const Wide3<V> other = field(at - to) * vector_at<V>(rows.weight[2 * k + 1], lane);
+        force = force + (one + other);
+        moment = moment + cross(arm, one - other);
+      }
+      moment = moment + cross(centre, force);
+      touched += add_wrench(turn_into(axis, force), turn_into(axis, moment), lane, sums);
+    }
+  }
+  return PatchBlock::kWidth * touched;
+}
+
+template <class V>
+std::uint32_t tile_blocks(const BlockList& list, const TileFrame& tile, BodySums& sums) {
+  return sum_blocks<V>(
+      list, tile.axis, in_all_lanes<V>(tile.origin),
+      [&](Wide3<V> p) LUMBRICAL_INLINE { return tile_field(tile, p); }, sums);
+}
+template <class V>
+std::uint32_t palm_blocks(const BlockList& list, const PalmBody& palm, BodySums& sums) {
+  return sum_blocks<V>(
+      list, palm.axis, Wide3<V>{V(0.0f), V(0.0f), V(0.0f)},
+      [&](Wide3<V> p) LUMBRICAL_INLINE { return V(palm.radius) - magnitude(p.z); }, sums);
+}
+
+}  // namespace lumbrical::LUMBRICAL_ISA

@@ -1,0 +1,167 @@
+// The numbers of what goes into a tick, comes out and is made on the way, under their names: a struct's new
+// field takes one line here (see fields.h), and is then hashed, traced, named, compared and exported.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "lumbrical/contact.h"
+#include "lumbrical/device.h"
+#include "lumbrical/math.h"
+#include "lumbrical/tick.h"
+#include "model/primitive.h"
+#include "tick/fields.h"
+
+namespace lumbrical {
+
+// ---- Vectors and poses
+// --------------------------------------------------------------------------------------------
+
+constexpr void list_fields(Is<Vec3> auto& vector, auto&& field) {
+  field("x", "", vector.x);
+  field("y", "", vector.y);
+  field("z", "", vector.z);
+}
+constexpr void list_fields(Is<Quat> auto& rotation, auto&& field) {
+  field("w", "", rotation.w);
+  field("x", "", rotation.x);
+  field("y", "", rotation.y);
+  field("z", "", rotation.z);
+}
+constexpr void list_fields(Is<Pose> auto& pose, auto&& field) {
+  field("position", "m", pose.position);
+  field("orientation", "", pose.orientation);
+}
+constexpr void list_fields(Is<Wrench> auto& wrench, auto&& field) {
+  field("force", "N", wrench.force);
+  field("torque", "N m", wrench.torque);
+}
+
+// ---- Into a tick and out of it, and what stays
+// --------------------------------------------------------------------
+
+constexpr void list_fields(Is<JointPose> auto& joint, auto&& field) {
+  field("position", "m", joint.position);
+  field("orientation", "", joint.orientation);
+}
+constexpr void list_fields(Is<DeviceFrame> auto& frame, auto&& field) {
+  field("base", "", frame.base);
+  field("kind", "", frame.kind);
+  field("flags", "", frame.flags);
+  field("valid", "", frame.valid);
+  field("joint", "", frame.joint);
+  field("angle", "rad", frame.angle);
+}
+
+constexpr void list_forces(auto& forces, auto&& field) {
+  field("segment", "", forces.segment);
+  field("joint_torque", "N m", forces.joint_torque);
+  field("flexion_torque", "N m", forces.flexion_torque);
+}
+constexpr void list_fields(Is<HandForces> auto& forces, auto&& field) { list_forces(forces, field); }
+constexpr void list_fields(Is<ActuatorFrame> auto& frame, auto&& field) {
+  field("tick", "", frame.tick);
+  field("flags", "", frame.flags);
+  field("contact_count", "", frame.contact_count);
+  field("force_error", "N", frame.force_error);
+  list_forces(frame, field);
+}
+
+constexpr void list_fields(Is<State> auto& state, auto&& field) {
+  field("tick", "", state.tick);
+  field("rise", "", state.rise);
+  field("fall", "", state.fall);
+  field("last", "", state.last);
+  field("held", "", state.held);
+}
+
+constexpr void list_fields(Is<Settings> auto& settings, auto&& field) {
+  field("law", "", settings.law);
+  field("stiffness", "N/m^3", settings.stiffness);
+  field("rate", "Hz", settings.rate);
+  field("point_area", "m^2", settings.point_area);
+  field("precision", "", settings.precision);
+  field("tolerance", "", settings.tolerance);
+  field("max_force", "N", settings.max_force);
+  field("fade_time", "s", settings.fade_time);
+  field("max_candidates", "", settings.max_candidates);
+}
+
+// ---- Made on the way
+// ----------------------------------------------------------------------------------------------
+
+/// The unit of what tells whose a struct's numbers are; traces name it beside them.
+inline constexpr const char* kOwner = "owner";
+
+constexpr void list_fields(Is<Contact> auto& contact, auto&& field) {
+  field("primitive", kOwner, contact.primitive);
+  field("triangle", kOwner, contact.triangle);
+  field("depth", "m", contact.depth);
+  field("area", "m^2", contact.area);
+  field("volume", "m^3", contact.volume);
+  field("error", "m^3", contact.error);
+  field("centroid", "m", contact.centroid);
+  field("centre", "m", contact.centre);
+  field("normal", "", contact.normal);
+}
+
+constexpr void list_fields(Is<HalfSpace> auto& half_space, auto&& field) {
+  field("normal", "", half_space.normal);
+  field("point", "m", half_space.point);
+  field("offset", "m", half_space.offset);
+}
+constexpr void list_fields(Is<Primitive> auto& primitive, auto&& field) {
+  field("shape", "", primitive.shape);
+  field("segment", "", primitive.segment);
+  field("law", "", primitive.law);
+  field("end1", "m", primitive.end1);
+  field("end2", "m", primitive.end2);
+  field("radius1", "m", primitive.radius1);
+  field("radius2", "m", primitive.radius2);
+  field("cut_count", "", primitive.cut_count);
+  field("cut", "", std::span(primitive.cut).first(primitive.cut_count));
+  field("overhang", "m", primitive.overhang);
+}
+constexpr void list_fields(Is<Prism> auto& prism, auto&& field) {
+  field("face_count", "", prism.face_count);
+  field("face", "", std::span(prism.face).first(static_cast<std::size_t>(prism.face_count)));
+}
+constexpr void list_fields(Is<JointBorder> auto& border, auto&& field) {
+  field("shared", "", border.shared);
+  if (!border.shared) return;
+  field("near", "", border.near);
+  field("centre", "m", border.centre);
+  field("normal", "", border.normal);
+  field("reach", "m", border.reach);
+  field("slab", "m", border.slab);
+  field("x", "", border.x);
+  field("y", "", border.y);
+  field("side", "", border.side);
+}
+constexpr void list_fields(Is<Joints> auto& joints, auto&& field) {
+  field("valid", "", joints.valid);
+  field("pose", "", joints.pose);
+}
+
+/// Of a hand far from everything the joints are all there is; of one that could not be placed, nothing.
+constexpr void list_fields(Is<Primitives> auto& hand, auto&& field) {
+  field("flags", "", hand.flags);
+  field("out_of_reach", "", hand.out_of_reach);
+  field("count", "", hand.count);
+  if (hand.out_of_reach) field("joints", "", hand.joints);
+  if (hand.count == 0) return;
+  field("primitive", "", std::span(hand.primitive).first(static_cast<std::size_t>(hand.count)));
+  field("palm", "", hand.palm);
+  field("border", "", hand.border);
+  field("folded", "", hand.folded);
+  field("base_joint", "m", hand.base_joint);
+  field("flexion_axis", "", hand.flexion_axis);
+}
+
+// A field that is not listed fails here, where the struct has no padding or always the same.
+static_assert(kIsRow<Contact> && kIsRow<HandForces> && kIsRow<ActuatorFrame> && kIsRow<State>);
+static_assert(kIsRow<JointPose> && kIsRow<HalfSpace> && kIsRow<Pose>);
+static_assert(listed_bytes<DeviceFrame>() + 7 == sizeof(DeviceFrame));
+static_assert(listed_bytes<Settings>() + 4 == sizeof(Settings));
+
+}  // namespace lumbrical

@@ -1,0 +1,104 @@
+// The lists of fields: names, units, and that whatever they name is hashed and traced.
+#include "tick/field_lists.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "session.h"
+#include "tick/tick_trace.h"
+
+namespace lumbrical {
+namespace {
+
+struct Padded {
+  std::uint32_t a = 0;
+  double b = 0;
+};
+constexpr void list_fields(Is<Padded> auto& padded, auto&& field) {
+  field("a", "", padded.a);
+  field("b", "m", padded.b);
+}
+struct Forgetful {
+  double a = 0, b = 0;
+};
+constexpr void list_fields(Is<Forgetful> auto& forgetful, auto&& field) { field("a", "", forgetful.a); }
+
+TEST(Fields, AreNamedFromTheOutermostStructInwards) {
+  const std::vector<NumberField>& device = fields_of<DeviceFrame>();
+  ASSERT_EQ(device.size(), kNumberCount<DeviceFrame>);
+  EXPECT_EQ(device[0].name, "base.position.x");
+  EXPECT_EQ(device[0].unit, "m");
+  EXPECT_EQ(device[3].name, "base.orientation.w");
+  EXPECT_EQ(device[3].unit, "");
+  EXPECT_EQ(device[10 + 7 * 7 + 1].name, "joint[7].position[1]");
+  EXPECT_EQ(device[10 + 7 * 7 + 1].type, NumberType::real32);
+  EXPECT_EQ(device.back().name, "angle[19]");
+  EXPECT_EQ(device.back().unit, "rad");
+  const std::vector<NumberField>& state = fields_of<State>();
+  EXPECT_EQ(state[0].type, NumberType::whole);
+  EXPECT_EQ(state.back().name, "held.flexion_torque[15]");
+  EXPECT_EQ(state.back().unit, "N m");
+  EXPECT_EQ(state[3].name, "last.segment[0].force.x");
+  EXPECT_EQ(state[3].unit, "N");
+}
+
+TEST(Fields, AreHashedAsTheyStandOnlyWhereNothingElseLiesBetween) {
+  EXPECT_FALSE(kIsRow<Padded>);
+  EXPECT_FALSE(kIsRow<Forgetful>);
+  EXPECT_TRUE(kIsRow<Vec3>);
+  Padded one, other;
+  one.b = other.b = 3;
+  auto* const bytes = reinterpret_cast<unsigned char*>(&other);
+  bytes[5] = 1;  // padding
+  EXPECT_EQ(hash_fields(one), hash_fields(other));
+  other.a = 1;
+  EXPECT_NE(hash_fields(one), hash_fields(other));
+}
+
+std::vector<std::pair<std::string, std::uint64_t>> values_of(const Primitives& hand) {
+  std::vector<std::pair<std::string, std::uint64_t>> values;
+  walk(hand,
+       [&values](const FieldName& at, auto number) { values.emplace_back(at.text(), bits_of(number)); });
+  return values;
+}
+
+// What the narrowphase goes by: a difference in it must not be blamed on the narrowphase.
+TEST(Fields, OfAPosedHandArePrimitivesPalmBordersAndFolding) {
+  const Scene scene = test::mug_scene(Law::field);
+  const Model model = test::model_of(scene);
+  State state;
+  Scratch scratch = make_scratch(model);
+  const DeviceFrame frame = test::grasp_frames(scene.hand, 2)[1];
+  tick(model, state, scratch, frame);
+  const Primitives& hand = *scratch.primitives;
+  ASSERT_TRUE(hand.border[1].shared);
+  EXPECT_EQ(hash_fields(hand), scratch.stage_hash[static_cast<std::size_t>(Stage::hand_pose)]);
+  EXPECT_EQ(trace_stage(model, scratch, frame, {}, Stage::hand_pose).size(), values_of(hand).size());
+  const auto raise = [](double& number) { number = std::nextafter(number, 1e9); };
+  const std::pair<const char*, std::function<void(Primitives&)>> edits[] = {
+      {"primitive[2].radius2", [&](Primitives& h) { raise(h.primitive[2].radius2); }},
+      {"primitive[1].cut[0].normal.z", [&](Primitives& h) { raise(h.primitive[1].cut[0].normal.z); }},
+      {"primitive[1].overhang[0]", [&](Primitives& h) { raise(h.primitive[1].overhang[0]); }},
+      {"primitive[15].law", [](Primitives& h) { h.primitive[15].law = Law::point; }},
+      {"palm.face[3].point.y", [&](Primitives& h) { raise(h.palm.face[3].point.y); }},
+      {"border[1].slab", [&](Primitives& h) { raise(h.border[1].slab); }},
+      {"border[2].shared", [](Primitives& h) { h.border[2].shared = true; }},
+      {"folded[3]", [](Primitives& h) { h.folded[3] = !h.folded[3]; }},
+      {"base_joint[15].x", [&](Primitives& h) { raise(h.base_joint[15].x); }},
+      {"flags", [](Primitives& h) { h.flags ^= kAngleClamped; }}};
+  for (const auto& [name, edit] : edits) {
+    Primitives other = hand;
+    edit(other);
+    EXPECT_NE(hash_fields(other), hash_fields(hand)) << name;
+    const auto values = values_of(hand), changed = values_of(other);
+    std::size_t at = 0;
+    while (at < values.size() && values[at] == changed[at]) ++at;
+    ASSERT_LT(at, values.size()) << name;
+    EXPECT_EQ(changed[at].first, name);
+  }
+}
+
+}  // namespace
+}  // namespace lumbrical
