@@ -12,6 +12,7 @@
 
 #include <array>
 #include <bit>
+#include <cassert>
 #include <concepts>
 #include <cstdint>
 #include <cstring>
@@ -91,21 +92,19 @@ constexpr std::size_t listed_bytes() {
   return bytes;
 }
 
-/// The list leaves nothing out and there is no padding: the struct can be hashed as it stands in memory.
+/// The list leaves nothing out and there is no padding: numbers, arrays and structs like that are hashed as
+/// they stand in memory.
 template <class T>
 inline constexpr bool kIsRow = listed_bytes<T>() == sizeof(T);
 
 // The listed numbers of a struct, one behind the other. No list names more than the struct has room for.
 template <class T>
 void append_row(const T& value, unsigned char*& end) {
-  if constexpr (Number<T>) {
+  if constexpr (kIsRow<T>) {
     std::memcpy(end, &value, sizeof(T));
     end += sizeof(T);
   } else if constexpr (Array<T>) {
     for (const auto& element : value) append_row(element, end);
-  } else if constexpr (kIsRow<T>) {
-    std::memcpy(end, &value, sizeof(T));
-    end += sizeof(T);
   } else {
     list_fields(value, [&end](const char*, const char*, const auto& field) { append_row(field, end); });
   }
@@ -120,6 +119,7 @@ std::uint64_t hash_fields(const T& value) {
     std::array<unsigned char, sizeof(T)> row;
     unsigned char* end = row.data();
     append_row(value, end);
+    assert(end <= row.data() + row.size());
     hasher.bytes(row.data(), static_cast<std::size_t>(end - row.data()));
   }
   return hasher.digest();
