@@ -67,7 +67,8 @@ struct Settings {
   double tolerance = 0;   ///< 0 .. 0.1; by how much of R a contact's mean depth may be off in Law::field. 0:
                           ///< exact to rounding. What it comes to is told in ActuatorFrame::force_error.
                           ///< Above 0 clusters of neighbouring triangles may be one contact (contact.h)
-  double max_force = 20;  ///< [N] largest force of one segment; above it the wrench is scaled down
+  double max_force = 20;  ///< [N] no segment's force exceeds it: above four fifths of it forces saturate,
+                          ///< each segment's by itself
   double fade_time = 0.02;  ///< [s] in which forces that can't be trusted fade to zero, and return
   std::uint32_t max_candidates = 1u << 18;  ///< pairs (primitive, triangle) a tick can hold, 1 .. 2^24
 };

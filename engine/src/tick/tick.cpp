@@ -177,7 +177,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   scratch.contact_count = find_contacts(model, hand, candidates, scratch.contacts);
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
   const HandForces forces = sum_forces(model.settings, hand, contacts);
-  ActuatorFrame output = limit_forces(model.settings, forces, (flags & kUntrusted) == 0, flags, state);
+  ActuatorFrame output = limit_forces(model.settings, hand, forces, (flags & kUntrusted) == 0, flags, state);
   output.contact_count = scratch.contact_count;
   output.force_error = force_error(model.settings, contacts);
 
