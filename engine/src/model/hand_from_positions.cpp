@@ -135,6 +135,25 @@ std::vector<Vec3> convex_hull(std::vector<Vec3> points) {
   return hull;
 }
 
+// What of a convex polygon (counter-clockwise in the sense of `turn`) is farther than `inset` [m] from every
+// edge.
+std::vector<Vec3> moved_in(const std::vector<Vec3>& polygon, double inset) {
+  std::vector<Vec3> left = polygon;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec3 a = polygon[i], b = polygon[(i + 1) % polygon.size()];
+    const auto inside = [&](Vec3 p) { return turn(a, b, p) - inset * norm(b - a); };
+    std::vector<Vec3> kept;
+    for (std::size_t k = 0; k < left.size(); ++k) {
+      const Vec3 p = left[k], q = left[(k + 1) % left.size()];
+      const double fp = inside(p), fq = inside(q);
+      if (fp >= 0) kept.push_back(p);
+      if ((fp >= 0) != (fq >= 0)) kept.push_back(p + (fp / (fp - fq)) * (q - p));
+    }
+    left = std::move(kept);
+  }
+  return left;
+}
+
 }  // namespace
 
 Pose pose_along(Vec3 position, Vec3 forward, Vec3 dorsal) {
@@ -173,7 +192,7 @@ std::array<Pose, kJointCount> hand_from_positions(const HandPoints& given) {
 }
 
 std::vector<Vec3> fit_palm_polygon(const std::array<Pose, kJointCount>& X_BJ,
-                                   std::span<const double, kJointCount> radius) {
+                                   std::span<const double, kJointCount> radius, double thickness) {
   const Pose X_PB = inverse(X_BJ[kPalm]);
   std::vector<Vec3> corners;
   for (int f = 1; f < kFingerCount; ++f) {
@@ -185,9 +204,14 @@ std::vector<Vec3> fit_palm_polygon(const std::array<Pose, kJointCount>& X_BJ,
       corners.push_back(p + half_width);
     }
   }
-  std::vector<Vec3> hull = convex_hull(std::move(corners));
-  if (hull.size() < 3) hull.clear();
-  return hull;
+  const std::vector<Vec3> outline = convex_hull(std::move(corners));
+  if (outline.size() < 3) return {};
+  for (double inset = 0.5 * thickness; inset > 1e-3 * thickness; inset *= 0.5) {
+    std::vector<Vec3> core = moved_in(outline, inset);
+    if (core.size() >= 3) core = convex_hull(std::move(core));
+    if (core.size() >= 3) return core;
+  }
+  return outline;
 }
 
 }  // namespace lumbrical

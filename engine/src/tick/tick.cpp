@@ -31,8 +31,10 @@ class NumberRow {
   [[nodiscard]] std::span<const std::uint64_t> words() const { return {word_.data(), count_}; }
 
  private:
-  static constexpr std::size_t kPrimitiveWords = 8 + 2 * 6, kSegmentWords = 6;
-  std::array<std::uint64_t, 2 + Primitives::kMaxCount * kPrimitiveWords + kSegmentCount * kSegmentWords>
+  static constexpr std::size_t kPrimitiveWords = 8 + 6 * Primitive::kMostCuts, kSegmentWords = 6;
+  static constexpr std::size_t kPalmWords = 5 + 6 * SweptPolygon::kMostCorners;
+  std::array<std::uint64_t,
+             2 + Primitives::kMaxCount * kPrimitiveWords + kSegmentCount * kSegmentWords + kPalmWords>
       word_;
   std::size_t count_ = 0;
 };
@@ -51,6 +53,18 @@ std::uint64_t hash_of(const DeviceFrame& frame) {
   hasher.array(frame.joint);
   hasher.array(frame.angle);
   return hasher.digest();
+}
+
+void add_palm(const SweptPolygon& palm, NumberRow& row) {
+  const auto count = static_cast<std::size_t>(palm.corner_count);
+  if (count == 0) return;
+  row.add(std::uint64_t{count});
+  for (std::size_t i = 0; i < count; ++i) {
+    row.add(palm.corner[i]);
+    row.add(palm.outward[i]);
+  }
+  row.add(palm.normal);
+  row.add(palm.radius);
 }
 
 template <class Hasher>
@@ -82,6 +96,7 @@ std::uint64_t hash_of(const Primitives& hand, std::uint32_t flags) {
     row.add(std::uint64_t{hand.joints.has(kPalm)});
     if (hand.joints.has(kPalm)) row.add(hand.joints.pose[kPalm]);
   }
+  add_palm(hand.palm, row);
   row.add(hand.base_joint);
   row.add(hand.flexion_axis);
   Hasher hasher;
@@ -158,6 +173,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   // What this frame does not tell must not be left from another: a tick, hashes included, is a function of
   // model, state and frame.
   hand.base_joint = hand.flexion_axis = {};
+  hand.palm.corner_count = 0;
   scratch.candidate_count = scratch.contact_count = 0;
 
   std::uint32_t flags = check_input(frame);

@@ -87,6 +87,18 @@ void trace_unshaped(const Primitives& hand, Tracer& to) {
             {orientation.x, orientation.y, orientation.z});
 }
 
+void trace_palm(const SweptPolygon& palm, Tracer& to) {
+  to.whole("palm_corner_count", static_cast<std::uint64_t>(palm.corner_count));
+  for (to.index = 0; to.index < palm.corner_count; ++to.index) {
+    const auto i = static_cast<std::size_t>(to.index);
+    to.vector({"palm_corner.x", "palm_corner.y", "palm_corner.z"}, palm.corner[i]);
+    to.vector({"palm_outward.x", "palm_outward.y", "palm_outward.z"}, palm.outward[i]);
+  }
+  to.index = -1;
+  to.vector({"palm_normal.x", "palm_normal.y", "palm_normal.z"}, palm.normal);
+  to.real("palm_radius", palm.radius);
+}
+
 void trace_hand(const Primitives& hand, Tracer& to) {
   to.whole("primitive_count", static_cast<std::uint64_t>(hand.count));
   for (to.primitive = 0; to.primitive < hand.count; ++to.primitive) {
@@ -104,6 +116,7 @@ void trace_hand(const Primitives& hand, Tracer& to) {
   }
   to.primitive = -1;
   if (hand.out_of_reach) trace_unshaped(hand, to);
+  if (hand.palm.corner_count > 0) trace_palm(hand.palm, to);
   for (to.index = 0; to.index < kSegmentCount; ++to.index) {
     const auto s = static_cast<std::size_t>(to.index);
     to.vector({"base_joint.x", "base_joint.y", "base_joint.z"}, hand.base_joint[s]);
