@@ -359,12 +359,12 @@ TEST(PalmSlab, TrianglesInAFaceOrAtAnEdgeAreHarmless) {
     const Pose X = random.pose(0.4);
     const Slab slab = box_slab(0.04, 0.03, 0.002, 0.024, X);
     const auto at = [&](double x, double y, double z) { return transform(X, Vec3{x, y, z}); };
-    const double depth = -0.002;  // of the palmar face
+    const double depth = -0.002;  // of the skin
     const std::vector<Triangle3> triangles = {
-        {at(-0.1, -0.1, depth), at(0.1, -0.1, depth), at(0, 0.3, depth)},        // palmar face
+        {at(-0.1, -0.1, depth), at(0.1, -0.1, depth), at(0, 0.3, depth)},        // the skin
         {at(0.04, -0.1, -0.1), at(0.04, 0.1, -0.1), at(0.04, 0, 0.3)},           // a side
         {at(0.04, 0.03, -0.1), at(0.14, 0.03, -0.1), at(0.04, 0.03, 0.1)},       // an upright edge
-        {at(-0.1, 0.03, depth), at(0.1, 0.03, depth), at(0, 0.3, depth - 0.1)},  // an edge of the palmar face
+        {at(-0.1, 0.03, depth), at(0.1, 0.03, depth), at(0, 0.3, depth - 0.1)},  // an edge of the skin
         {at(0.04, 0.03, depth), at(0.1, 0.03, depth), at(0.04, 0.1, depth)},     // a corner
     };
     const Pressed pressed = press(slab, widest_isa(), triangles);

@@ -8,7 +8,8 @@ namespace {
 constexpr double kCarpalDepth = 0.37;   // of the way from the wrist to the knuckles, where metacarpals begin
 constexpr double kCarpalSpread = 0.85;  // of the knuckles' distance from the hand's midline
 constexpr double kWristBehindCarpals = 0.56;  // in lengths of the middle metacarpal
-constexpr double kWristBehindKnuckle = 2.2;   // in lengths of the middle finger's proximal phalanx
+constexpr double kFlatCorner = 0.02;  // of the palm's thickness: corners of its core that stand out by less
+constexpr double kWristBehindKnuckle = 2.2;  // in lengths of the middle finger's proximal phalanx
 
 struct Axes {
   Vec3 x, y, z;
@@ -154,6 +155,26 @@ std::vector<Vec3> moved_in(const std::vector<Vec3>& polygon, double inset) {
   return left;
 }
 
+// Leaves out the corners that stand out by less than `height` [m], the lowest first: every edge of a palm
+// costs time.
+void leave_out_flat_corners(double height, std::vector<Vec3>& polygon) {
+  while (polygon.size() > 3) {
+    const std::size_t count = polygon.size();
+    std::size_t flattest = count;
+    double least = height;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vec3 before = polygon[(i + count - 1) % count], after = polygon[(i + 1) % count];
+      const double here = turn(before, polygon[i], after) / norm(after - before);
+      if (here < least) {
+        least = here;
+        flattest = i;
+      }
+    }
+    if (flattest == count) return;
+    polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(flattest));
+  }
+}
+
 }  // namespace
 
 Pose pose_along(Vec3 position, Vec3 forward, Vec3 dorsal) {
@@ -209,6 +230,7 @@ std::vector<Vec3> fit_palm_polygon(const std::array<Pose, kJointCount>& X_BJ,
   for (double inset = 0.5 * thickness; inset > 1e-3 * thickness; inset *= 0.5) {
     std::vector<Vec3> core = moved_in(outline, inset);
     if (core.size() >= 3) core = convex_hull(std::move(core));
+    leave_out_flat_corners(kFlatCorner * thickness, core);
     if (core.size() >= 3) return core;
   }
   return outline;

@@ -190,25 +190,6 @@ void take_slab(const Corners& at, Contact& contact, PairWork& work) {
   add_to_batch(at, contact, work.slab);
 }
 
-bool is_palm_edge(const Primitive& primitive) {
-  return primitive.segment == kPalmSegment && primitive.shape == Shape::round;
-}
-
-// The lanes give the depth of a tile; an edge of the palm has that of the field, like the slabs. Edges are a
-// hand's last primitives.
-void set_edge_depths(const Model& model, const Primitives& hand, std::span<Contact> contacts) {
-  for (std::size_t i = contacts.size(); i-- > 0;) {
-    Contact& contact = contacts[i];
-    const Primitive& part = hand.primitive[contact.primitive];
-    if (!is_palm_edge(part)) return;
-    if (!(contact.area > 0) || (contact.triangle & kClusterBit) != 0) continue;
-    const auto [a, b, c] = corners_of(model.triangles, contact.triangle);
-    Section section;
-    if (look_from_plane(part, a, b, c, section) && section.polygon.count > 0)
-      contact.depth = largest_field(section).depth;
-  }
-}
-
 // All but the slivers of the batch's cones.
 void finish(RoundQueue& queue, PairWork& work) {
   for (Contact* contact : finish_batch(queue.batch)) collide_anew(queue, work, *contact);
@@ -379,7 +360,6 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
     finish_round(pairs);
     finish_slab(pairs);
     finish_batch(pairs.clusters);
-    set_edge_depths(model, hand, contacts.subspan(first, last - first));
   };
   const std::uint32_t threads = candidates.size() < kSerialBelow ? 1 : model.execution.threads;
   parallel_chunks(candidates.size(), kChunk, threads, work);
