@@ -196,8 +196,8 @@ TEST(DefaultHand, HasAPalmAsWideAsItsKnuckles) {
     low = std::min(low, corner.x);
     high = std::max(high, corner.x);
   }
-  EXPECT_GT(high - low, 0.06);
-  EXPECT_LT(high - low, 0.09);
+  EXPECT_GT(high - low + hand.palm.thickness, 0.06);
+  EXPECT_LT(high - low + hand.palm.thickness, 0.09);
 }
 
 TEST(ForwardKinematics, GoesStraightAheadAtZero) {
@@ -461,15 +461,45 @@ TEST(FitPalmPolygon, IsConvexAndHoldsTheMetacarpals) {
   const Hand hand = default_hand(Side::right);
   const Poses poses = pose_hand(hand, Pose{{1, 2, 3}, {}}, Angles{});
   Hand fitted = hand;
-  fitted.palm.polygon = fit_palm_polygon(poses, hand.radius);
+  fitted.palm.polygon = fit_palm_polygon(poses, hand.radius, hand.palm.thickness);
   ASSERT_GE(fitted.palm.polygon.size(), 4u);
   const Status status = check_hand(fitted);
   EXPECT_TRUE(status.ok()) << status.message();
 }
 
+// The skin at the sides is where the knuckles' is, and no farther in front than the joints.
+TEST(FitPalmPolygon, LiesHalfAThicknessInsideTheOutlineOfTheMetacarpals) {
+  for (const double length : {0.19, 0.12}) {
+    const Hand hand = default_hand(Side::right, length);
+    const Poses poses = pose_hand(hand, inverse(hand.palm_joint), Angles{});
+    const auto at = [&](int joint) { return poses[joint].position; };
+    double left = 1, right = -1, front = 1;
+    for (const Vec3 corner : hand.palm.polygon) {
+      left = std::min(left, corner.x);
+      right = std::max(right, corner.x);
+      front = std::min(front, corner.z);
+    }
+    const double r = 0.5 * hand.palm.thickness;
+    EXPECT_NEAR(left - r, at(kIndexProximal).x - hand.radius[kIndexProximal], 0.004);
+    EXPECT_NEAR(right + r, at(kLittleProximal).x + hand.radius[kLittleProximal], 0.004);
+    EXPECT_NEAR(front - r, at(kMiddleProximal).z, 0.004);
+    EXPECT_GE(hand.palm.polygon.size(), 4u);
+  }
+}
+
+// A palm so thick that nothing of the outline is that far inside.
+TEST(FitPalmPolygon, KeepsACoreWhereThePalmIsThick) {
+  const Hand hand = default_hand(Side::right);
+  Hand thick = hand;
+  thick.palm.thickness = 0.1;
+  thick.palm.polygon = fit_palm_polygon(pose_hand(hand, Pose{}, Angles{}), hand.radius, thick.palm.thickness);
+  EXPECT_GE(thick.palm.polygon.size(), 3u);
+  EXPECT_TRUE(check_hand(thick).ok());
+}
+
 TEST(FitPalmPolygon, IsEmptyWhereAllJointsCoincide) {
   const std::array<double, kJointCount> radius{};
-  EXPECT_TRUE(fit_palm_polygon(Poses{}, radius).empty());
+  EXPECT_TRUE(fit_palm_polygon(Poses{}, radius, 0.024).empty());
 }
 
 }  // namespace

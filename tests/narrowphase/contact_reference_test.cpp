@@ -225,7 +225,7 @@ TEST_P(ContactAgainstReference, AgreesWhereHalfSpacesCut) {
     primitive.end1 = pair.primitive.end1;
     primitive.end2 = GetParam() == Form::sphere ? primitive.end1 : pair.primitive.end2;
     primitive.radius1 = solid.radius1, primitive.radius2 = solid.radius2;
-    for (int k = 0; k < 1 + i % 2; ++k) {
+    for (int k = 0; k < 1 + i % 3; ++k) {
       const Vec3 middle = (1.0 / 3) * (pair.corners[0] + pair.corners[1] + pair.corners[2]);
       const HalfSpace cut{random.direction(), middle + 0.1 * (pair.corners[1] - pair.corners[0])};
       primitive.cut[primitive.cut_count++] = cut;

@@ -10,11 +10,11 @@
 #include <numbers>
 #include <vector>
 
-#include "box_prism.h"
+#include "box_palm.h"
 #include "lumbrical/shapes.h"
 #include "matrix6.h"
 #include "random_touch.h"
-#include "section/prism.h"
+#include "section/slab.h"
 
 namespace lumbrical {
 namespace {
@@ -97,17 +97,18 @@ TEST(Jacobian, SphereOnAPlaneIsAsCalculatedByHand) {
 }
 
 // The force is its area times its depth, and depth is linear: second moments of the rectangle.
-TEST(Jacobian, PalmOnAPlaneIsAsCalculatedByHand) {
+TEST(Jacobian, TheFlatOfAPalmOnAPlaneIsAsCalculatedByHand) {
   const double a = 0.04, b = 0.03, depth = 0.002, area = 4 * a * b;
   for (const std::uint32_t cells : {1u, 7u}) {
     const Mesh plane = make_plane(0.3, cells, 1);
     Matrix6 sum{};
-    const Prism palm = test::box_prism(a, b, depth, 0.024);
+    const SweptPolygon palm = test::box_palm(a, b, depth);
+    const Slab slab = slab_of(palm, test::hand_of(palm).primitive[0]);
     for (const Triangle& t : plane.triangles) {
       const Vec3 p = plane.vertices[t[0]], q = plane.vertices[t[1]], r = plane.vertices[t[2]];
       Contact contact;
-      if (!collide_prism(palm, Law::field, 0, p, q, r, contact)) continue;
-      EXPECT_TRUE(add_contact_jacobian(palm, contact, {}, p, q, r, sum));
+      if (!collide_slab(slab, Law::field, 0, p, q, r, contact)) continue;
+      EXPECT_TRUE(add_contact_jacobian(slab, contact, {}, p, q, r, sum));
     }
     std::array<Vec3, 6> forces{}, torques{};
     forces[2] = {0, 0, -area};
@@ -247,8 +248,10 @@ TEST(Jacobian, FlatCylindersAndNothingGiveNothing) {
   EXPECT_FALSE(add_contact_jacobian(primitive, Contact{}, {}, a, b, {nan, 0, 0}, sum));
   EXPECT_FALSE(add_contact_jacobian(primitive, Contact{}, {}, a + Vec3{1, 0, 0}, b + Vec3{1, 0, 0},
                                     c + Vec3{1, 0, 0}, sum));
-  EXPECT_FALSE(add_contact_jacobian(Prism{}, Contact{}, {}, a, b, c, sum));
-  EXPECT_FALSE(add_contact_jacobian(test::box_prism(1, 1, 1, 2), Contact{}, {}, a, a, b, sum));
+  const SweptPolygon palm = test::box_palm(1, 1, 1, 1);
+  const Slab slab = slab_of(palm, test::hand_of(palm).primitive[0]);
+  EXPECT_FALSE(add_contact_jacobian(Slab{}, Contact{}, {}, a, b, c, sum));
+  EXPECT_FALSE(add_contact_jacobian(slab, Contact{}, {}, a, a, b, sum));
   primitive.shape = Shape::flat;
   EXPECT_FALSE(add_contact_jacobian(primitive, Contact{}, {}, a, b, c, sum));
   EXPECT_EQ(sum, Matrix6{});

@@ -1,87 +1,165 @@
-// The palm: a convex polygon with thickness against triangles, with values known by hand.
+// The palm as a sphere-swept polygon, with values known by hand.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
-#include "box_prism.h"
-#include "random.h"
-#include "section/prism.h"
+#include "box_palm.h"
 #include "session.h"
+#include "tick/tick_trace.h"
 
 namespace lumbrical {
 namespace {
 
-struct Sum {
-  double area = 0, volume = 0, depth = 0;
-  Vec3 centroid, centre;
+using test::kPalmRadius;
+
+Model model_of(Mesh mesh, const Pose& X = {}) {
+  for (Vec3& vertex : mesh.vertices) vertex = transform(X, vertex);
+  return test::world_of(std::move(mesh));
+}
+
+// A plane at the height z over the core, of which `area` lies over the core and `rim` is its circumference:
+// beside the core stands a fillet, and all corners together make one full turn.
+struct Cap {
+  double area, volume;
 };
-
-Sum press(const Mesh& plane, const Prism& prism, Law law, const Pose& X) {
-  Sum sum;
-  const Pose back = inverse(X);
-  for (const Triangle& t : plane.triangles) {
-    Contact contact;
-    if (!collide_prism(prism, law, 1e-4, transform(X, plane.vertices[t[0]]),
-                       transform(X, plane.vertices[t[1]]), transform(X, plane.vertices[t[2]]), contact)) {
-      continue;
-    }
-    sum.area += contact.area;
-    sum.volume += contact.volume;
-    sum.depth = std::fmax(sum.depth, contact.depth);
-    sum.centroid += contact.area * transform(back, contact.centroid);
-    sum.centre += contact.volume * transform(back, contact.centre);
-  }
-  if (sum.area > 0) sum.centroid = sum.centroid / sum.area;
-  if (sum.volume > 0) sum.centre = sum.centre / sum.volume;
-  return sum;
+Cap cap_of(double area, double rim, double r, double z) {
+  const double out = std::sqrt(r * r - z * z);
+  const double beside = z > 0 ? r * out - 0.5 * (out * r + z * z * std::asinh(out / z)) : 0.5 * r * r;
+  const double turn = 2 * std::numbers::pi * (0.5 * r * out * out - (r * r * r - z * z * z) / 3);
+  return {area + rim * out + std::numbers::pi * out * out, area * (r - z) + rim * beside + turn};
 }
 
-TEST(Palm, FlatOnAPlaneFeelsItsAreaTimesItsDepth) {
+constexpr double kA = 0.03, kB = 0.02, kArea = 4 * kA * kB, kRim = 4 * (kA + kB);
+
+TEST(Palm, FeelsAPlaneAlikeWithItsBackAndItsPalmarSide) {
   test::Random random(11);
-  for (const std::uint32_t cells : {1u, 4u, 23u}) {
-    const Mesh plane = make_plane(0.3, cells, 1);
-    const Pose X = random.pose(0.4);
-    const Prism prism = test::box_prism(0.04, 0.03, 0.002, 0.024, X);
-    for (const Law law : {Law::field, Law::column, Law::max_depth, Law::centroid}) {
-      const Sum sum = press(plane, prism, law, X);
-      EXPECT_NEAR(sum.area / (0.08 * 0.06), 1, 1e-11) << law_name(law);
-      EXPECT_NEAR(sum.volume / (0.08 * 0.06 * 0.002), 1, 1e-10) << law_name(law);
-      EXPECT_NEAR(sum.depth / 0.002, 1, 1e-10);
-      EXPECT_LT(norm(sum.centroid), 1e-12);
-      EXPECT_LT(norm(sum.centre), 1e-11);
+  const double r = kPalmRadius;
+  for (const std::uint32_t cells : {1u, 5u, 24u}) {
+    for (const double depth : {1e-5, 0.002, 0.009}) {
+      const Pose X = random.pose(0.4);
+      const Model plane = model_of(make_plane(0.3, cells, 1), X);
+      const Cap cap = cap_of(kArea, kRim, r, r - depth);
+      for (const double turn : {0.0, 1.0}) {  // palmar side, back
+        const Pose at = turn == 0 ? X : X * Pose{{0, 0, 2 * (r - depth)}, Quat{0, 1, 0, 0}};
+        const SweptPolygon palm = test::box_palm(kA, kB, depth, r, at);
+        const test::Pressed felt = test::press(plane, test::hand_of(palm));
+        EXPECT_NEAR(felt.area / cap.area, 1, 1e-9) << cells << ' ' << depth << ' ' << turn;
+        EXPECT_NEAR(felt.volume / cap.volume, 1, 1e-9) << cells << ' ' << depth << ' ' << turn;
+        EXPECT_NEAR(felt.depth / depth, 1, 1e-9);
+        EXPECT_LT(norm(felt.force - felt.volume * rotate(X.orientation, {0, 0, 1})), 1e-12 * felt.volume);
+        EXPECT_LT(norm(felt.centre - X.position), 1e-9);
+      }
     }
   }
 }
 
-TEST(Palm, TiltedPalmFeelsAWedge) {
-  // The plane z = 0 seen from a box that is turned about y by `tilt`: inside, between x = 0 and x = reach,
-  // depth along -n grows from 0 to reach tan(tilt), and the field is depth cos(tilt).
-  test::Random random(12);
-  const double tilt = 0.1, b = 0.03;
-  const Mesh plane = make_plane(0.3, 9, 1);
-  for (int i = 0; i < 5; ++i) {
-    const Pose X = random.pose(0.4);
-    const Quat turn{std::cos(0.5 * tilt), 0, std::sin(0.5 * tilt), 0};
-    const Prism prism = test::box_prism(0.04, b, 0, 0.024, X * Pose{{}, turn});
-    const double reach = 0.04 / std::cos(tilt);  // to the side face, along the plane
-    const double area = 2 * b * reach;
-    const Sum column = press(plane, prism, Law::column, X), field = press(plane, prism, Law::field, X);
-    EXPECT_NEAR(column.area / area, 1, 1e-10);
-    EXPECT_NEAR(field.volume / (0.5 * area * reach * std::sin(tilt)), 1, 1e-10);
-    EXPECT_NEAR(norm(field.centre) / (2.0 / 3 * reach), 1, 1e-9);
-    // Columns leave through the palmar face up to x = reach cos^2, beyond that through the side face.
-    EXPECT_NEAR(column.volume / (b * reach * reach * std::sin(tilt) * std::cos(tilt)), 1, 1e-10);
-    EXPECT_NEAR(column.depth / (reach * std::sin(tilt) * std::cos(tilt)), 1, 1e-10);
+TEST(Palm, IsFeltOnceWhereATriangleLiesInThePlanesBetweenItsParts) {
+  const double r = kPalmRadius;
+  const Cap cap = cap_of(kArea, kRim, r, 0);
+  for (const double z : {-1e-12, -1e-16, 0.0, 1e-16, 1e-12}) {
+    Mesh plane = make_plane(0.3, 6);
+    for (Vec3& vertex : plane.vertices) vertex.z += z;
+    // In the plane of the core.
+    const SweptPolygon palm = test::box_palm(kA, kB, r);
+    const test::Pressed felt = test::press(model_of(plane), test::hand_of(palm));
+    EXPECT_NEAR(felt.area / cap.area, 1, 1e-9) << z;
+    EXPECT_NEAR(felt.volume / cap.volume, 1, 1e-9) << z;
+    // In the plane that stands on an edge of the core, between the slabs and the edge: the edge's length of
+    // half a disc of phi = r - |distance|, and round ends.
+    const Quat upright{std::sqrt(0.5), 0, std::sqrt(0.5), 0};
+    const Pose X{{kA, 0, 0}, upright};
+    for (Vec3& vertex : plane.vertices) vertex = transform(X, vertex);
+    const test::Pressed side = test::press(model_of(plane), test::hand_of(palm));
+    EXPECT_NEAR(side.area, 2 * kB * 2 * r + std::numbers::pi * r * r, 1e-10) << z;
+    EXPECT_NEAR(side.volume, 2 * kB * r * r + std::numbers::pi * r * r * r / 3, 1e-12) << z;
   }
 }
 
-TEST(Palm, TriangleThatMissesEveryFaceCornerStillCounts) {
-  const Prism prism = test::box_prism(0.04, 0.03, 0.002, 0.024, {});
-  Contact contact;
-  EXPECT_TRUE(collide_prism(prism, Law::field, 1e-4, {-9, -9, 0}, {9, -9, 0}, {0, 9, 0}, contact));
-  EXPECT_NEAR(contact.area / (0.08 * 0.06), 1, 1e-12);
-  EXPECT_FALSE(collide_prism(prism, Law::field, 1e-4, {1, 1, 0}, {2, 1, 0}, {1, 2, 0}, contact));
-  EXPECT_FALSE(collide_prism(prism, Law::field, 1e-4, {0, 0, 0}, {0, 0, 0}, {1, 2, 0}, contact));
+TEST(Palm, GivesEveryLawTheFieldAsItsDepth) {
+  const double r = kPalmRadius, depth = 0.002;
+  const Model plane = model_of(make_plane(0.3, 1));
+  const SweptPolygon palm = test::box_palm(kA, kB, depth);
+  const Cap cap = cap_of(kArea, kRim, r, r - depth);
+  const auto volume = [&](Law law) { return test::press(plane, test::hand_of(palm, law)).volume; };
+  EXPECT_NEAR(volume(Law::column) / volume(Law::field), 1, 1e-9);
+  EXPECT_NEAR(volume(Law::max_depth) / (cap.area * depth), 1, 1e-9);
+  EXPECT_LT(volume(Law::centroid), volume(Law::max_depth));
+  EXPECT_GT(volume(Law::centroid), volume(Law::field));
+  for (const Law law : {Law::field, Law::column, Law::max_depth, Law::centroid, Law::point}) {
+    for (const Contact& contact : test::press(plane, test::hand_of(palm, law)).contacts) {
+      // All parts have a point under the core.
+      if (law != Law::field) {
+        EXPECT_NEAR(contact.depth, depth, 1e-12) << law_name(law);
+      }
+      if (law == Law::point) {
+        EXPECT_NEAR(contact.volume, Settings{}.point_area * depth, 1e-15);
+      }
+    }
+  }
+}
+
+// The largest field over a triangle, by looking.
+TEST(Palm, SaysHowFarItsFieldReaches) {
+  test::Random random(12);
+  int touched = 0;
+  for (int i = 0; i < 300; ++i) {
+    const SweptPolygon palm = test::box_palm(kA, kB, 0.01, kPalmRadius, random.pose(0.1));
+    const Vec3 near = palm.corner[0] + random.in_box(0.02);
+    Mesh mesh;
+    for (int k = 0; k < 3; ++k) mesh.vertices.push_back(near + 0.02 * random.direction());
+    mesh.triangles.push_back({0, 1, 2});
+    const Vec3 a = mesh.vertices[0], u = mesh.vertices[1] - a, v = mesh.vertices[2] - a;
+    if (norm(cross(u, v)) < 1e-5) continue;
+    double most = 0;
+    const int steps = 60;
+    for (int s = 0; s <= steps; ++s) {
+      for (int t = 0; s + t <= steps; ++t) {
+        const Vec3 p = a + (1.0 * s / steps) * u + (1.0 * t / steps) * v;
+        const double z = dot(palm.normal, p - palm.corner[0]);
+        double outside = 0;  // of a rectangle: both coordinates by themselves
+        for (std::size_t k = 0; k < 4; ++k) {
+          const double over = max(0, dot(palm.outward[k], p - palm.corner[k]));
+          outside += over * over;
+        }
+        most = max(most, palm.radius - std::sqrt(outside + z * z));
+      }
+    }
+    const test::Pressed paper = test::press(model_of(mesh), test::hand_of(palm, Law::max_depth));
+    touched += most > 0 ? 1 : 0;
+    EXPECT_LT(std::fabs(paper.depth - most), 0.04 / steps);
+    EXPECT_GT(paper.depth, most - 1e-12);
+  }
+  EXPECT_GT(touched, 100);
+}
+
+// Corners in corners, edges and planes of the core, where all three cuts of an edge meet: the lanes give what
+// the path for one pair gives, which `column` takes.
+TEST(Palm, TrianglesThroughCornersAndEdgesOfItsCoreAreTheSameInTheLanes) {
+  test::Random random(13);
+  const double r = kPalmRadius;
+  const double x[] = {-0.06, -kA, 0, kA, 0.06}, y[] = {-0.05, -kB, 0, kB, 0.05},
+               z[] = {-0.1, -0.011, 0, 0.009, 0.1};
+  int touched = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const Pose X = i % 4 == 0 ? Pose{} : random.pose(0.4);
+    const SweptPolygon palm = test::box_palm(kA, kB, r, r, X);
+    Mesh mesh;
+    for (int k = 0; k < 3; ++k)
+      mesh.vertices.push_back(transform(X, {x[random.below(5)], y[random.below(5)], z[random.below(5)]}));
+    mesh.triangles.push_back({0, 1, 2});
+    const Vec3 raw = cross(mesh.vertices[1] - mesh.vertices[0], mesh.vertices[2] - mesh.vertices[0]);
+    if (norm(raw) < 1e-6) continue;
+    const Model model = test::world_of(mesh);
+    const test::Pressed lanes = test::press(model, test::hand_of(palm));
+    const test::Pressed alone = test::press(model, test::hand_of(palm, Law::column));
+    touched += alone.volume > 0 ? 1 : 0;
+    ASSERT_NEAR(lanes.area, alone.area, 1e-12) << i;
+    ASSERT_NEAR(lanes.volume, alone.volume, 1e-15) << i;
+    ASSERT_LT(norm(lanes.volume * lanes.centre - alone.volume * alone.centre), 1e-15) << i;
+  }
+  EXPECT_GT(touched, 2000);
 }
 
 TEST(Palm, APolygonOfTheSceneReplacesTheDefault) {
@@ -92,7 +170,7 @@ TEST(Palm, APolygonOfTheSceneReplacesTheDefault) {
   scene.hand.palm_joint.orientation = {};
   DeviceFrame frame;
   frame.kind = InputKind::joint_angles;
-  // Palm down over z = 0, the palmar face 2 mm below.
+  // Palm down over z = 0, the palmar skin 2 mm below.
   const double height = scene.hand.palm.height - 0.002 -
                         rotate({std::sqrt(0.5), std::sqrt(0.5), 0, 0}, scene.hand.palm_joint.position).z;
   frame.base = {{0, 0, height}, {std::sqrt(0.5), std::sqrt(0.5), 0, 0}};
@@ -102,11 +180,40 @@ TEST(Palm, APolygonOfTheSceneReplacesTheDefault) {
     Scratch scratch = make_scratch(model);
     return tick(model, state, scratch, frame).segment[kPalmSegment].force;
   };
-  const double x = 0.01, z = 0.02;
+  const double x = 0.01, z = 0.02, r = 0.5 * scene.hand.palm.thickness;
+  const Cap cap = cap_of(4 * x * z, 4 * (x + z), r, r - 0.002);
   scene.hand.palm.polygon = {{-x, 0, -z}, {x, 0, -z}, {x, 0, z}, {-x, 0, z}};
-  EXPECT_LT(norm(palm_force() - Vec3{0, 0, 2e7 * 0.002 * 4 * x * z}), 1e-6);
+  EXPECT_LT(norm(palm_force() - Vec3{0, 0, 2e7 * cap.volume}), 1e-6);
+  std::reverse(scene.hand.palm.polygon.begin(), scene.hand.palm.polygon.end());
+  EXPECT_LT(norm(palm_force() - Vec3{0, 0, 2e7 * cap.volume}), 1e-6);
   scene.hand.palm.polygon.clear();
   EXPECT_EQ(norm(palm_force()), 0);
+}
+
+TEST(Palm, ADifferentPalmIsADifferentPose) {
+  Scene scene = test::mug_scene(Law::field);
+  DeviceFrame frame;
+  frame.kind = InputKind::joint_angles;
+  const auto look = [&](std::vector<TraceValue>& values) {
+    const Model model = test::model_of(scene);
+    State state;
+    Scratch scratch = make_scratch(model);
+    scratch.hash_stages = true;
+    const ActuatorFrame output = tick(model, state, scratch, frame);
+    values = trace_stage(model, scratch, frame, output, Stage::hand_pose);
+    return scratch.stage_hash[static_cast<std::size_t>(Stage::hand_pose)];
+  };
+  std::vector<TraceValue> before, after;
+  const std::uint64_t hash = look(before);
+  EXPECT_EQ(look(after), hash);
+  scene.hand.palm.polygon[1].x += 1e-9;
+  EXPECT_NE(look(after), hash);
+  ASSERT_EQ(before.size(), after.size());
+  bool named = false;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    named = named || (before[i].bits != after[i].bits && before[i].field.starts_with("palm.corner["));
+  }
+  EXPECT_TRUE(named);
 }
 
 }  // namespace

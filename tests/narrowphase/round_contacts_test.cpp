@@ -28,7 +28,7 @@ Primitive random_part(Random& random, int shape, Vec3 direction) {
   part.end1 = random.in_box(0.1);
   part.end2 = part.end1 + (shape == 0 ? 0.0 : random.between(0.5, 4) * kRadius) * direction;
   if (random.between(0, 1) < 0.5) return part;
-  part.cut_count = random.between(0, 1) < 0.5 ? 1 : 2;
+  part.cut_count = static_cast<std::uint8_t>(1 + random.below(3));
   for (HalfSpace& cut : part.cut) {
     cut.normal = random.direction();
     cut.point = &cut == part.cut.data() ? part.end1 : part.end2;

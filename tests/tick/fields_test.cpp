@@ -82,7 +82,7 @@ TEST(Fields, OfAPosedHandArePrimitivesPalmBordersAndFolding) {
       {"primitive[1].cut[0].normal.z", [&](Primitives& h) { raise(h.primitive[1].cut[0].normal.z); }},
       {"primitive[1].overhang[0]", [&](Primitives& h) { raise(h.primitive[1].overhang[0]); }},
       {"primitive[15].law", [](Primitives& h) { h.primitive[15].law = Law::point; }},
-      {"palm.face[3].point.y", [&](Primitives& h) { raise(h.palm.face[3].point.y); }},
+      {"palm.corner[3].y", [&](Primitives& h) { raise(h.palm.corner[3].y); }},
       {"border[1].slab", [&](Primitives& h) { raise(h.border[1].slab); }},
       {"border[2].shared", [](Primitives& h) { h.border[2].shared = true; }},
       {"folded[3]", [](Primitives& h) { h.folded[3] = !h.folded[3]; }},

@@ -191,27 +191,6 @@ TEST(Tick, OverflowOfCandidatesIsFlaggedAndFades) {
   EXPECT_EQ(largest_force(output), 0);
 }
 
-TEST(Tick, ForceAboveTheLimitIsScaledDownForTheWholeHand) {
-  Scene scene = test::mug_scene(Law::field);
-  const DeviceFrame held = test::grasp_frames(scene.hand, 100)[50];
-  const auto settle = [&](double limit) {
-    scene.settings.max_force = limit;
-    const Model model = test::model_of(scene);
-    State state;
-    Scratch scratch = make_scratch(model);
-    ActuatorFrame output;
-    for (int i = 0; i < 40; ++i) output = tick(model, state, scratch, held);
-    return output;
-  };
-  const ActuatorFrame all = settle(1000), limited = settle(0.5 * largest_force(all));
-  EXPECT_EQ(all.flags & kForceLimited, 0u);
-  EXPECT_NE(limited.flags & kForceLimited, 0u);
-  for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    EXPECT_LT(norm(limited.segment[i].force - 0.5 * all.segment[i].force), 1e-12);
-    EXPECT_LT(norm(limited.joint_torque[i] - 0.5 * all.joint_torque[i]), 1e-12);
-  }
-}
-
 // A hand that can't meet the world is not shaped at all.
 TEST(Tick, AHandThatIsLeftUnshapedWouldHaveTouchedNothing) {
   Scene scene = test::pressed_scene(0.3, 20);

@@ -45,7 +45,7 @@ constexpr FlagText kFlagTexts[] = {
     {kSegmentDegenerate, "segment degenerate", "a phalanx of zero length was felt as a sphere"},
     {kAngleClamped, "angle clamped", "a joint angle beyond the hand's limits; widen them"},
     {kCandidateOverflow, "candidate overflow", "raise settings.max_candidates"},
-    {kForceLimited, "force limited", "a segment reached settings.max_force"},
+    {kForceLimited, "force limited", "a segment came near settings.max_force, and its force saturates"},
     {kFading, "fading", "forces were rising or fading, as after a loss of tracking"},
 };
 

@@ -47,7 +47,7 @@ enum TickFlag : std::uint32_t {
   kAngleClamped = 1u << 6,       ///< a joint angle exceeded the hand's limits. Calibrate or widen the limits
   kCandidateOverflow =
       1u << 7,  ///< more candidate pairs than Settings::max_candidates: forces fade to zero. Raise it
-  kForceLimited = 1u << 8,  ///< a segment's force exceeded Settings::max_force and was scaled down
+  kForceLimited = 1u << 8,  ///< a segment's force was above 4/5 of Settings::max_force and saturates
   kFading = 1u << 9,        ///< output is a fading or rising mixture, see limits
 };
 

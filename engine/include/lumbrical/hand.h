@@ -75,13 +75,15 @@ struct Finger {
   std::array<AngleLimit, 4> limit{};    ///< of the finger's four angles
 };
 
-/// The palm: a convex polygon in the xz-plane of the palm joint's frame, `height` below the joint (towards
-/// the palmar side, -y), backed by flesh of the given thickness.
+/// The palm: everything within r = thickness / 2 of a convex polygon, its core, so its rim is round and its
+/// skin `height` below the palm joint (towards the palmar side, -y). The core is parallel to the xz-plane of
+/// the palm joint's frame and height - r below the joint.
 struct Palm {
-  std::vector<Vec3>
-      polygon;            ///< [m] 3 to 16 corners (y = 0), convex, either sense of rotation; empty: no palm
-  double height = 0.012;  ///< [m]
-  double thickness = 0.024;  ///< [m]
+  /// [m] The core: x and z of 3 to 16 corners (y = 0), convex, either sense of rotation; empty: no palm. The
+  /// palm reaches r beyond it on every side.
+  std::vector<Vec3> polygon;
+  double height = 0.012;     ///< [m] of the palmar skin below the palm joint
+  double thickness = 0.024;  ///< [m] from the palmar skin to the dorsal one
 };
 
 enum class Side : std::uint8_t { left, right };

@@ -21,8 +21,8 @@ namespace lumbrical {
 ///
 /// Over a closed surface and without borders the force is the gradient of a potential: translation block
 /// symmetric, the others by the rules of rotations. Where the axis of a phalanx has passed a surface the
-/// force falls with depth, and the stiffness has the opposite sign. A surface exactly in a border, or in a
-/// side of the palm, is felt or not as a whole: there the wrench steps, and the Jacobian leaves the step out.
+/// force falls with depth, and the stiffness has the opposite sign. A surface exactly in a border is
+/// felt as a whole by one of the neighbours: there their wrenches step, and the Jacobian leaves the step out.
 struct SegmentJacobian {
   Matrix6 value{};     ///< [row][column]: [N/m N/rad; N m/m N m/rad]; zero where nothing is touched
   bool known = false;  ///< false: the segment follows a law other than field, and `value` is zero

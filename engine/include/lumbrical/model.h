@@ -69,7 +69,8 @@ struct Settings {
                          ///< Above 0 clusters of neighbouring triangles may be one contact (contact.h)
   std::array<double, kSegmentCount> precision{};  ///< per hand segment: 0 exact; else the error wanted as a
                                                   ///< share of the hand's force, 1e-6 .. 1e-2
-  double max_force = 20;    ///< [N] largest force of one segment; above it the wrench is scaled down
+  double max_force = 20;  ///< [N] no segment's force exceeds it: above four fifths of it forces saturate,
+                          ///< each segment's by itself
   double fade_time = 0.02;  ///< [s] in which forces that can't be trusted fade to zero, and return
   std::uint32_t max_candidates = 1u << 18;  ///< pairs (primitive, triangle) a tick can hold, 1 .. 2^24
 };

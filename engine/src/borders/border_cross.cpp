@@ -116,7 +116,7 @@ TriangleCuts cross_borders(const Primitives& hand, const Primitive& tile, const 
     return cuts;
   }
   if (!inner && !outer) return cuts;
-  cuts.cut = tile.cut;
+  cuts.cut = {tile.cut[0], tile.cut[1]};
   cuts.kind = CutKind::other;
   bool gone = false;
   for (const bool at_outer : {false, true}) {

@@ -144,7 +144,7 @@ BorderCut cut_at_borders(const Primitives& hand, const Primitive& tile, const Ti
 
 Primitive tile_cut_so(const Primitive& tile, const std::array<HalfSpace, 2>& cut) {
   Primitive result = tile;
-  result.cut = cut;
+  result.cut = {cut[0], cut[1]};
   return result;
 }
 

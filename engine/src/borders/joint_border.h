@@ -13,7 +13,7 @@
 namespace lumbrical {
 
 /// Everything here is about a finger's tiles: wherever a function takes one, its segment is a phalanx. So is
-/// that of every round primitive of a hand; the palm is a prism.
+/// that of every tile; parts of the palm have no such borders.
 
 /// Fills hand.border and hand.folded from hand.capsule and hand.present. Only phalanges that both follow the
 /// field law share out space exactly.
@@ -46,6 +46,7 @@ bool meets_folded(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b,
 /// Which of them may do so. Cheap: most triangles end here.
 inline TileBorders borders_in_reach(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
   const std::size_t i = tile.segment, place = i % 3;
+  if (i >= kPhalanxCount) return {};
   return {place > 0 && comes_near(hand.border[i - 1], a, b, c),
           place < 2 && comes_near(hand.border[i], a, b, c),
           place != 1 && hand.folded[i / 3] && meets_folded(hand, tile, a, b, c)};

@@ -21,7 +21,7 @@ void pad(ClusterTerms& terms) {
 
 }  // namespace
 
-void begin_batch(const Primitive& primitive, const Prism& palm, ClusterBatch& batch) {
+void begin_batch(const Primitive& primitive, const SweptPolygon& palm, ClusterBatch& batch) {
   batch.origin = set_shape(primitive, palm, batch.terms.shape);
   batch.from_end = batch.tree.origin - batch.origin;
   batch.terms.count = 0;

@@ -28,7 +28,7 @@ inline void prefetch_cluster(const ClusterTree& tree, std::uint32_t cluster) {
 }
 
 /// Empties the batch for clusters of `primitive`.
-void begin_batch(const Primitive& primitive, const Prism& palm, ClusterBatch& batch);
+void begin_batch(const Primitive& primitive, const SweptPolygon& palm, ClusterBatch& batch);
 
 inline bool is_full(const ClusterBatch& batch) { return batch.terms.count == ClusterTerms::kCapacity; }
 

@@ -68,7 +68,7 @@ CentreField<V> round_field_at(const WideShape<V>& shape, Wide3<V> p) {
   return at;
 }
 
-// p from the larger end; the palm's field is the depth below its face.
+// p from the larger end; a slab's field is the depth below its skin.
 template <class V>
 CentreField<V> field_at(const WideShape<V>& shape, Wide3<V> p) {
   if (!shape.flat) return round_field_at(shape, p);

@@ -5,6 +5,7 @@
 
 #include "lanes/lane_vectors.h"
 #include "lanes/round_batch.h"
+#include "model/swept_polygon.h"
 
 namespace lumbrical {
 namespace {
@@ -93,18 +94,11 @@ CutShape<double> border_cut(const JointBorder& border, bool is_inner_tile, Vec3 
   return cut;
 }
 
-// Half the palm's thickness: what stands for R in its errors and tolerance. [m]
-double half_thickness(const Prism& palm) {
-  return palm.face_count < 2
-             ? 0
-             : 0.5 * std::fabs(dot(palm.face[0].normal, palm.face[0].point - palm.face[1].point));
-}
-
 }  // namespace
 
-Vec3 set_shape(const Primitive& primitive, const Prism& palm, FieldShape<double>& shape) {
+Vec3 set_shape(const Primitive& primitive, const SweptPolygon& palm, FieldShape<double>& shape) {
   const RoundHull hull = round_hull(primitive);
-  shape.flat = primitive.shape == Shape::prism;
+  shape.flat = primitive.shape == Shape::slab;
   put_vector(hull.axis, shape.axis);
   shape.length = hull.length;
   shape.radius1 = hull.radius1;
@@ -112,8 +106,8 @@ Vec3 set_shape(const Primitive& primitive, const Prism& palm, FieldShape<double>
   shape.sine = hull.sine;
   shape.cosine = hull.cosine;
   shape.jointed = hull.length > 0 ? 1 : 0;
-  shape.size = shape.flat ? half_thickness(palm) : hull.radius1;
-  if (shape.flat) put_plane(palm.face[0], hull.origin, shape.face);
+  shape.size = shape.flat ? palm.radius : hull.radius1;
+  if (shape.flat) put_plane(slab_of(palm, primitive).face[0], hull.origin, shape.face);
   return hull.origin;
 }
 
@@ -123,9 +117,10 @@ void set_cuts(const Primitives& hand, const Primitive& primitive, Vec3 origin, T
     cuts.cut[cuts.count] = cut;
     cuts.margin[cuts.count++] = margin;
   };
-  if (primitive.shape == Shape::prism) {
-    for (int i = 1; i < hand.palm.face_count; ++i)
-      add(plane_cut(hand.palm.face[static_cast<std::size_t>(i)], origin), 0);
+  if (primitive.shape == Shape::slab) {
+    const Slab slab = slab_of(hand.palm, primitive);
+    for (int i = 1; i < slab.face_count; ++i)
+      add(plane_cut(slab.face[static_cast<std::size_t>(i)], origin), 0);
     return;
   }
   for (std::size_t i = 0; i < primitive.cut_count; ++i) {
@@ -140,7 +135,7 @@ void set_cuts(const Primitives& hand, const Primitive& primitive, Vec3 origin, T
 
 bool uses_clusters(const Model& model, const Primitives& hand, const Primitive& primitive) {
   if (model.clusters.triangle.empty() || primitive.law != Law::field) return false;
-  if (primitive.shape == Shape::prism) return half_thickness(hand.palm) > 0;
+  if (primitive.shape == Shape::slab) return true;
   if (!suits_batch(primitive)) return false;
   const std::size_t place = primitive.segment % 3;
   return primitive.segment >= kPhalanxCount || place == 1 || !hand.folded[primitive.segment / 3];

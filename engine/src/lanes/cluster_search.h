@@ -10,11 +10,11 @@
 
 namespace lumbrical {
 
-/// Sets the field of `primitive`, of which the palm is `palm`; returns what it is seen from: the larger end.
+/// Sets the field of `primitive`, of a hand with this palm; returns what it is seen from: the larger end.
 /// [m] W
-Vec3 set_shape(const Primitive& primitive, const Prism& palm, FieldShape<double>& shape);
+Vec3 set_shape(const Primitive& primitive, const SweptPolygon& palm, FieldShape<double>& shape);
 
-/// What a primitive is cut by besides the palm's face.
+/// What a primitive is cut by besides a slab's skin.
 struct TileCuts {
   int count = 0;
   CutShape<double> cut[ClusterQuery::kCutCapacity];

@@ -21,13 +21,13 @@ inline constexpr double kMomentRounding = 5e-7;
 /// A primitive's field, seen from its larger end.
 template <class T>
 struct FieldShape {
-  bool flat = false;                       ///< the palm: phi is the height below `face`
+  bool flat = false;                       ///< a slab of the palm: phi is the height below `face`
   T axis[3] = {0, 0, 1};                   ///< unit, from the larger end
   T length = 0, radius1 = 0, radius2 = 0;  ///< [m]
   T sine = 0, cosine = 1;                  ///< of the cone's half angle
   T jointed = 0;                           ///< 1 where there is a side, 0 for spheres
-  T face[4] = {};                          ///< of the palm: unit normal and height [m]
-  T size = 0;                              ///< [m] R; of the palm half its thickness
+  T face[4] = {};                          ///< of a slab's skin: unit normal and height [m]
+  T size = 0;                              ///< [m] R
 };
 
 /// What a primitive ends at: a plane, or a border that is a cone (JointBorder). Beyond it are the points p,
@@ -50,7 +50,7 @@ struct ClusterQuery {
   float slack = 0;            ///< [m] what rounding may move a centre by, generously
   float allowed = 0;          ///< [m] the tolerance times R
   float twist = 0;            ///< [m^2] most of phi times thickness: what a line of force can not carry
-  int cut_count = 0;          ///< besides the palm's face
+  int cut_count = 0;          ///< besides a slab's skin
   CutShape<float> cut[kCutCapacity];
   float margin[kCutCapacity];  ///< [m] so near a cut the space may be a neighbour's, or not
 };

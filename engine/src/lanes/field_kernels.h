@@ -5,8 +5,8 @@
 #include "lanes/cluster_terms.h"
 #include "lanes/crossing_terms.h"
 #include "lanes/miss_terms.h"
-#include "lanes/prism_terms.h"
 #include "lanes/round_terms.h"
+#include "lanes/slab_terms.h"
 #include "lanes/sphere_query.h"
 #include "lanes/strip_terms.h"
 #include "lumbrical/model.h"
@@ -29,8 +29,8 @@ struct FieldKernels {
                         std::size_t count, ClusterHits&);
   void (*cluster_forces)(ClusterTerms&);
   void (*leaf_forces)(LeafTerms&);
-  void (*prism_contacts)(PrismTerms&);
-  void (*prism_rims)(RimTerms&);
+  void (*slab_contacts)(SlabTerms&);
+  void (*slab_rims)(RimTerms&);
 };
 
 namespace scalar {

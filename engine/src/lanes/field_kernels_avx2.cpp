@@ -8,9 +8,9 @@
 #include "lanes/field_across.h"
 #include "lanes/field_kernels.h"
 #include "lanes/leaf_forces.h"
-#include "lanes/prism_contacts.h"
-#include "lanes/prism_rim.h"
 #include "lanes/round_contacts.h"
+#include "lanes/slab_contacts.h"
+#include "lanes/slab_rims.h"
 #include "lanes/sphere_hits.h"
 #include "lanes/strip_integrals.h"
 
@@ -21,7 +21,7 @@ using Single = xsimd::batch<float, xsimd::avx2>;
 const FieldKernels kFieldKernels{round_contacts<Double>, round_contacts<Single>, strip_nodes<Double>,
                                  cone_slivers<Double>,   field_across<Double>,   border_bulges<Double>,
                                  certain_misses<Double>, sphere_hits<Single>,    cluster_kinds<Single>,
-                                 cluster_forces<Double>, leaf_forces<Double>,    prism_contacts<Double>,
-                                 prism_rims<Double>};
+                                 cluster_forces<Double>, leaf_forces<Double>,    slab_contacts<Double>,
+                                 slab_rims<Double>};
 
 }  // namespace lumbrical::avx2

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "model/swept_polygon.h"
+
 namespace lumbrical {
 namespace {
 
@@ -28,17 +30,20 @@ void add_plane(const HalfSpace& space, double overhang, Hull& hull) {
 
 }  // namespace
 
-void set_hull(const Primitive& primitive, const Prism& palm, Hull& hull) {
+void set_hull(const Primitive& primitive, const SweptPolygon& palm, Hull& hull) {
   hull.end1 = primitive.end1;
   hull.end2 = primitive.end2;
   hull.radius1 = primitive.radius1;
   hull.radius2 = primitive.radius2;
   hull.plane_count = 0;
+  if (primitive.shape == Shape::slab) {
+    const Slab slab = slab_of(palm, primitive);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(slab.face_count); ++i)
+      add_plane(slab.face[i], 0, hull);
+    return;
+  }
   for (std::size_t i = 0; i < primitive.cut_count; ++i)
     add_plane(primitive.cut[i], primitive.overhang[i], hull);
-  if (primitive.shape != Shape::prism) return;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(palm.face_count); ++i)
-    add_plane(palm.face[i], 0, hull);
 }
 
 void set_terms(const Hull& hull, double skin, MissTerms& terms) {

@@ -33,7 +33,7 @@ struct Hull {
   std::array<MissTerms::Plane, MissTerms::kPlaneCapacity> plane{};
 };
 
-void set_hull(const Primitive& primitive, const Prism& palm, Hull& hull);
+void set_hull(const Primitive& primitive, const SweptPolygon& palm, Hull& hull);
 
 /// Sets everything in the terms but the triangles; radii and planes moved outwards by `skin` [m].
 void set_terms(const Hull& hull, double skin, MissTerms& terms);

@@ -22,13 +22,14 @@ void write_contact(const RoundTerms<T>& pairs, Vec3 origin, std::size_t k, Conta
 }
 
 // Every row of numbers that is handed to the kernel.
-constexpr std::size_t kRows = 25;
+constexpr std::size_t kRows = 29;
 template <class T>
 std::array<T*, kRows> rows_of(RoundTerms<T>& pairs) {
-  std::array<T*, kRows> rows{pairs.length, pairs.radius1,       pairs.radius2,      pairs.sine,
-                             pairs.cosine, pairs.cut_offset[0], pairs.cut_offset[1]};
-  std::size_t count = 7;
-  for (auto* vector : {pairs.axis, pairs.a, pairs.b, pairs.c, pairs.cut_normal[0], pairs.cut_normal[1]}) {
+  std::array<T*, kRows> rows{pairs.length, pairs.radius1, pairs.radius2, pairs.sine, pairs.cosine};
+  std::size_t count = 5;
+  for (T* offset : pairs.cut_offset) rows[count++] = offset;
+  for (auto* vector : {pairs.axis, pairs.a, pairs.b, pairs.c, pairs.cut_normal[0], pairs.cut_normal[1],
+                       pairs.cut_normal[2]}) {
     for (std::size_t axis = 0; axis < 3; ++axis) rows[count++] = vector[axis];
   }
   return rows;
@@ -165,7 +166,7 @@ void add_to_batch(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c, std::span<const
   batch.origin[k] = hull.origin;
   put_pair(hull, a, b, c, k, pairs);
   pairs.cut_count = std::max(pairs.cut_count, static_cast<int>(cuts.size()));
-  for (std::size_t i = 0; i < 2; ++i) {
+  for (std::size_t i = 0; i < RoundTerms<double>::kMostCuts; ++i) {
     const HalfSpace space = i < cuts.size() ? cuts[i] : HalfSpace{};
     put_vector(space.normal, k, pairs.cut_normal[i]);
     pairs.cut_offset[i][k] = dot(space.normal, space.point - hull.origin) + space.offset;

@@ -81,7 +81,7 @@ inline bool has_room(const RoundBatch& batch, const RoundHull& hull) {
 }
 
 /// Adds the pair with triangle a, b, c [m, W], whose contact is to be written when the batch is computed.
-/// `cuts` are the primitive's, or others in their place, up to two; a normal of 0 cuts nothing.
+/// `cuts` are the primitive's, or others in their place, up to three; a normal of 0 cuts nothing.
 void add_to_batch(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c, std::span<const HalfSpace> cuts,
                   Contact& contact, RoundBatch& batch);
 

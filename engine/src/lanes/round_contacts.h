@@ -100,12 +100,12 @@ Moments<V> section_moments(const RoundPart<V>& part, const RoundPlane<V>& plane,
   }
   Polygon<V> first, rest, middle, second;
   const std::size_t count = polygon.count;
-  part_at(side.border1, polygon, first, rest);
+  part_at(side.border1, part.radius1, polygon, first, rest);
   set_upright(rest, count, directions);
   Directions<V> first_directions = directions;
   set_upright(first, count, first_directions);
   add_disc(first, first_directions, zero, part.radius1, plane.h1, most, wanted, sum, inside);
-  part_at(side.border2, rest, middle, second);
+  part_at(side.border2, part.radius1, rest, middle, second);
   set_upright(second, count, directions);
   add_disc(second, directions, plane.x2, part.radius2, plane.h2, most, wanted, sum, inside);
   set_upright(middle, count, directions);

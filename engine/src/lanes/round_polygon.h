@@ -14,7 +14,7 @@ struct Edge {
 
 template <class V>
 struct Polygon {
-  static constexpr std::size_t kMost = 7;  // three, two cuts, two borders
+  static constexpr std::size_t kMost = 8;  // three, three cuts, two borders
   std::size_t count = 0;
   Edge<V> edge[kMost];
 };
@@ -54,7 +54,7 @@ void set_upright(const Polygon<V>& polygon, std::size_t first, Directions<V>& di
 // bring its own rounding along.
 template <class V>
 struct Crossing {
-  V t;  // from p to q
+  V t, back;  // from p to q, and from q, negative
   Wide2<V> point;
 };
 template <class V>
@@ -62,24 +62,28 @@ inline Crossing<V> crossing_of(const Edge<V>& edge, V fp, V fq) {
   const V one = number<V>(1), span = fp - fq;
   const V per = quotient(one, choose(span == number<V>(0), one, span));
   const auto nearer = dot(edge.p, edge.p) < dot(edge.q, edge.q);
-  const V t = fp * per, back = fq * per;  // back: from q, towards q
+  const V t = fp * per, back = fq * per;
   const Wide2<V> d = edge.q - edge.p;
-  return {t, choose(nearer, edge.p + t * d, edge.q + back * d)};
+  return {t, back, choose(nearer, edge.p + t * d, edge.q + back * d)};
 }
 
 // How far the corners lie beyond the primitive's cuts, at both ends of every edge.
 template <class V>
 struct Excess {
-  V p[2], q[2];
+  static constexpr int kMostCuts = RoundTerms<NumberOf<V>>::kMostCuts;
+  V p[kMostCuts], q[kMostCuts];
 };
 
-// Removes what lies beyond cut number `cut`. Crossings take the excess over the other cut along.
+// Removes what lies beyond cut number `cut`. Crossings take the excess over the cuts still to come along,
+// from the end that is nearer to this cut: where a corner lies in several cuts to rounding, each of its
+// crossings is to be on the same side of the next cut as the corner, or the polygon would leave through that
+// one twice.
 template <class V>
-void remove_beyond(int cut, Polygon<V>& polygon, Excess<V> (&excess)[Polygon<V>::kMost]) {
+void remove_beyond(int cut, int cut_count, Polygon<V>& polygon, Excess<V> (&excess)[Polygon<V>::kMost]) {
   const V zero = number<V>(0);
   Edge<V> added{{zero, zero}, {zero, zero}};
-  Excess<V> along{};
-  for (V* value : {along.p, along.q}) value[0] = value[1] = zero;
+  Excess<V> along;
+  for (int later = cut + 1; later < cut_count; ++later) along.p[later] = along.q[later] = zero;
   for (std::size_t i = 0; i < polygon.count; ++i) {
     Edge<V>& edge = polygon.edge[i];
     Excess<V>& f = excess[i];
@@ -87,18 +91,21 @@ void remove_beyond(int cut, Polygon<V>& polygon, Excess<V> (&excess)[Polygon<V>:
     if (!some(either(p_out, q_out))) continue;
     const auto p_in = f.p[cut] <= zero, q_in = f.q[cut] <= zero;
     const Crossing<V> x = crossing_of(edge, f.p[cut], f.q[cut]);
-    const int other = 1 - cut;
-    const V at = f.p[other] + x.t * (f.q[other] - f.p[other]);
+    const auto p_nearer = magnitude(f.p[cut]) < magnitude(f.q[cut]);
     const auto leaves = both(p_in, q_out), enters = both(p_out, q_in);
     added = {choose(leaves, x.point, added.p), choose(enters, x.point, added.q)};
-    along.p[other] = choose(leaves, at, along.p[other]);
-    along.q[other] = choose(enters, at, along.q[other]);
     // All of it beyond: nothing is left between q and q.
     const Wide2<V> p = edge.p;
     edge.p = choose(p_out, choose(q_out, edge.q, x.point), p);
     edge.q = choose(leaves, x.point, edge.q);
-    f.p[other] = choose(p_out, choose(q_out, f.q[other], at), f.p[other]);
-    f.q[other] = choose(leaves, at, f.q[other]);
+    for (int later = cut + 1; later < cut_count; ++later) {
+      V &fp = f.p[later], &fq = f.q[later];
+      const V at = choose(p_nearer, fp + x.t * (fq - fp), fq + x.back * (fq - fp));
+      along.p[later] = choose(leaves, at, along.p[later]);
+      along.q[later] = choose(enters, at, along.q[later]);
+      fp = choose(p_out, choose(q_out, fq, at), fp);
+      fq = choose(leaves, at, fq);
+    }
   }
   polygon.edge[polygon.count] = added;
   excess[polygon.count++] = along;
@@ -114,36 +121,37 @@ void set_polygon(const RoundTerms<NumberOf<V>>& terms, const RoundPart<V>& part,
   for (std::size_t i = 0; i < 3; ++i) polygon.edge[i] = {flat[i], flat[(i + 1) % 3]};
   if (terms.cut_count == 0) return;
   Excess<V> excess[Polygon<V>::kMost];
-  const V zero = number<V>(0), tiny = number<V>(16) * rounding<V>() * part.radius1;
-  for (int cut = 0; cut < 2; ++cut) {
-    V f[3] = {zero, zero, zero};
-    if (cut < terms.cut_count) {
-      const Wide3<V> normal = vector_at<V>(terms.cut_normal[cut], lane);
-      const V offset = get(terms.cut_offset[cut] + lane, V{});
-      for (int i = 0; i < 3; ++i) f[i] = dot(normal, corner[i]) - offset;
-      // A triangle in the plane between two tiles belongs to the one it faces away from.
-      const auto within =
-          both(magnitude(f[0]) <= tiny, both(magnitude(f[1]) <= tiny, magnitude(f[2]) <= tiny));
-      const V verdict = dot(normal, plane.n);
-      for (V& value : f) value = choose(within, verdict, value);
-    }
+  const V tiny = number<V>(16) * rounding<V>() * part.radius1;
+  for (int cut = 0; cut < terms.cut_count; ++cut) {
+    V f[3];
+    const Wide3<V> normal = vector_at<V>(terms.cut_normal[cut], lane);
+    const V offset = get(terms.cut_offset[cut] + lane, V{});
+    for (int i = 0; i < 3; ++i) f[i] = dot(normal, corner[i]) - offset;
+    // A triangle in the plane between two tiles belongs to the one it faces away from.
+    const auto within = both(magnitude(f[0]) <= tiny, both(magnitude(f[1]) <= tiny, magnitude(f[2]) <= tiny));
+    const V verdict = dot(normal, plane.n);
+    for (V& value : f) value = choose(within, verdict, value);
     for (std::size_t i = 0; i < 3; ++i) {
       excess[i].p[cut] = f[i];
       excess[i].q[cut] = f[(i + 1) % 3];
     }
   }
-  for (int cut = 0; cut < terms.cut_count; ++cut) remove_beyond(cut, polygon, excess);
+  for (int cut = 0; cut < terms.cut_count; ++cut) remove_beyond(cut, terms.cut_count, polygon, excess);
 }
 
-// Parts a polygon at x = border.
+// Parts a polygon at x = border. Corners no farther above it than this share of R are below: of an edge along
+// the border rounding must not make one that crosses it twice, and beyond a border a zone's field is wrong in
+// second order only.
+inline constexpr double kOnBorder = 256;  // times rounding
+
 template <class V>
-void part_at(V border, const Polygon<V>& polygon, Polygon<V>& below, Polygon<V>& above) {
-  const V zero = number<V>(0);
+void part_at(V border, V radius, const Polygon<V>& polygon, Polygon<V>& below, Polygon<V>& above) {
+  const V zero = number<V>(0), above_it = border + number<V>(kOnBorder) * rounding<V>() * radius;
   Edge<V> added{{border, zero}, {border, zero}};  // of the part below
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const Edge<V>& edge = polygon.edge[i];
-    const auto p_above = edge.p.x > border, q_above = edge.q.x > border;
-    const auto leaves = both(edge.p.x <= border, q_above), enters = both(p_above, edge.q.x <= border);
+    const auto p_above = edge.p.x > above_it, q_above = edge.q.x > above_it;
+    const auto leaves = both(edge.p.x <= above_it, q_above), enters = both(p_above, edge.q.x <= above_it);
     Wide2<V> x = edge.p;
     if (some(either(leaves, enters))) {
       x = crossing_of(edge, edge.p.x - border, edge.q.x - border).point;

@@ -22,8 +22,9 @@ struct RoundTerms {
   // Of all pairs.
   bool sphere = false, cone = false;  ///< the primitives' kind; neither: capsules
   bool flat = false;                  ///< their axes lie nearly along the planes
-  int cut_count = 0;                  ///< half-spaces that bound them besides, at most
-  T tolerance = 0;                    ///< Settings::tolerance
+  static constexpr int kMostCuts = 3;
+  int cut_count = 0;  ///< half-spaces that bound them besides, at most
+  T tolerance = 0;    ///< Settings::tolerance
 
   // The primitive of each pair. The first end is the larger one; a sphere has length 0.
   alignas(64) T axis[3][kCapacity];                      ///< W, unit, from the first end to the second
@@ -34,7 +35,7 @@ struct RoundTerms {
   alignas(64) T a[3][kCapacity], b[3][kCapacity],
       c[3][kCapacity];  ///< [m] W, corners relative to the first end
   // The half-spaces: kept is dot(normal, p - end1) <= offset. W, unit, or 0 where nothing is cut; [m].
-  alignas(64) T cut_normal[2][3][kCapacity], cut_offset[2][kCapacity];
+  alignas(64) T cut_normal[kMostCuts][3][kCapacity], cut_offset[kMostCuts][kCapacity];
 
   // Results; only of contacts but for the status. Points are relative to the first end.
   alignas(64) T status[kCapacity];

@@ -194,7 +194,7 @@ Hand default_hand(Side side, double length) {
   hand.palm.thickness *= scale;
   const std::array<Pose, kJointCount> X_HJ = rest_pose(hand);
   hand.palm_joint = palm_between(X_HJ[kMiddleMetacarpal], X_HJ[kMiddleProximal]);
-  hand.palm.polygon = fit_palm_polygon(rest_pose(hand), hand.radius);
+  hand.palm.polygon = fit_palm_polygon(rest_pose(hand), hand.radius, hand.palm.thickness);
   return side == Side::right ? hand : mirrored_hand(hand);
 }
 

@@ -8,7 +8,8 @@ namespace {
 constexpr double kCarpalDepth = 0.37;   // of the way from the wrist to the knuckles, where metacarpals begin
 constexpr double kCarpalSpread = 0.85;  // of the knuckles' distance from the hand's midline
 constexpr double kWristBehindCarpals = 0.56;  // in lengths of the middle metacarpal
-constexpr double kWristBehindKnuckle = 2.2;   // in lengths of the middle finger's proximal phalanx
+constexpr double kFlatCorner = 0.02;  // of the palm's thickness: corners of its core that stand out by less
+constexpr double kWristBehindKnuckle = 2.2;  // in lengths of the middle finger's proximal phalanx
 
 struct Axes {
   Vec3 x, y, z;
@@ -135,6 +136,45 @@ std::vector<Vec3> convex_hull(std::vector<Vec3> points) {
   return hull;
 }
 
+// What of a convex polygon (counter-clockwise in the sense of `turn`) is farther than `inset` [m] from every
+// edge.
+std::vector<Vec3> moved_in(const std::vector<Vec3>& polygon, double inset) {
+  std::vector<Vec3> left = polygon;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec3 a = polygon[i], b = polygon[(i + 1) % polygon.size()];
+    const auto inside = [&](Vec3 p) { return turn(a, b, p) - inset * norm(b - a); };
+    std::vector<Vec3> kept;
+    for (std::size_t k = 0; k < left.size(); ++k) {
+      const Vec3 p = left[k], q = left[(k + 1) % left.size()];
+      const double fp = inside(p), fq = inside(q);
+      if (fp >= 0) kept.push_back(p);
+      if ((fp >= 0) != (fq >= 0)) kept.push_back(p + (fp / (fp - fq)) * (q - p));
+    }
+    left = std::move(kept);
+  }
+  return left;
+}
+
+// Leaves out the corners that stand out by less than `height` [m], the lowest first: every edge of a palm
+// costs time.
+void leave_out_flat_corners(double height, std::vector<Vec3>& polygon) {
+  while (polygon.size() > 3) {
+    const std::size_t count = polygon.size();
+    std::size_t flattest = count;
+    double least = height;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vec3 before = polygon[(i + count - 1) % count], after = polygon[(i + 1) % count];
+      const double here = turn(before, polygon[i], after) / norm(after - before);
+      if (here < least) {
+        least = here;
+        flattest = i;
+      }
+    }
+    if (flattest == count) return;
+    polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(flattest));
+  }
+}
+
 }  // namespace
 
 Pose pose_along(Vec3 position, Vec3 forward, Vec3 dorsal) {
@@ -173,7 +213,7 @@ std::array<Pose, kJointCount> hand_from_positions(const HandPoints& given) {
 }
 
 std::vector<Vec3> fit_palm_polygon(const std::array<Pose, kJointCount>& X_BJ,
-                                   std::span<const double, kJointCount> radius) {
+                                   std::span<const double, kJointCount> radius, double thickness) {
   const Pose X_PB = inverse(X_BJ[kPalm]);
   std::vector<Vec3> corners;
   for (int f = 1; f < kFingerCount; ++f) {
@@ -185,9 +225,15 @@ std::vector<Vec3> fit_palm_polygon(const std::array<Pose, kJointCount>& X_BJ,
       corners.push_back(p + half_width);
     }
   }
-  std::vector<Vec3> hull = convex_hull(std::move(corners));
-  if (hull.size() < 3) hull.clear();
-  return hull;
+  const std::vector<Vec3> outline = convex_hull(std::move(corners));
+  if (outline.size() < 3) return {};
+  for (double inset = 0.5 * thickness; inset > 1e-3 * thickness; inset *= 0.5) {
+    std::vector<Vec3> core = moved_in(outline, inset);
+    if (core.size() >= 3) core = convex_hull(std::move(core));
+    leave_out_flat_corners(kFlatCorner * thickness, core);
+    if (core.size() >= 3) return core;
+  }
+  return outline;
 }
 
 }  // namespace lumbrical

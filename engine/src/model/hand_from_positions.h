@@ -32,9 +32,11 @@ Pose pose_along(Vec3 position, Vec3 forward, Vec3 dorsal);
 /// Midway between the middle finger's metacarpal and proximal joints, with the orientation of the former.
 Pose palm_between(const Pose& middle_metacarpal, const Pose& middle_proximal);
 
-/// Convex outline of the four fingers' metacarpals, as broad as their knuckles, in the xz-plane of the palm
-/// joint; empty where the joints span no area. `radius` [m] per joint.
+/// The core of a palm `thickness` [m] thick (Palm::polygon): the convex outline of the four fingers'
+/// metacarpals, as broad as their knuckles, moved inwards by half the thickness, so that the skin is where
+/// the outline was; by less where nothing would be left of it. Empty where the joints span no area. `radius`
+/// [m] per joint.
 std::vector<Vec3> fit_palm_polygon(const std::array<Pose, kJointCount>& X_BJ,
-                                   std::span<const double, kJointCount> radius);
+                                   std::span<const double, kJointCount> radius, double thickness);
 
 }  // namespace lumbrical

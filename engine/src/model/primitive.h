@@ -3,7 +3,8 @@
 // A round shape is the convex hull of two spheres: a sphere when both coincide, a capsule when the radii
 // agree, a rounded cone otherwise. Half-spaces cut away what a neighbour feels. The paper's cylinder inside a
 // finger is a capsule cut flat at both ends, its joint and fingertip spheres are spheres cut by the ends of
-// the cylinders.
+// the cylinders. The palm, everything within a radius of a convex polygon, falls into two slabs, one on each
+// side of the polygon, and a capsule along every edge of it (swept_polygon.h).
 #pragma once
 
 #include <array>
@@ -18,7 +19,7 @@ namespace lumbrical {
 enum class Shape : std::uint8_t {
   round,  ///< convex hull of two spheres
   flat,   ///< cylinder with flat ends that stands alone (probe)
-  prism,  ///< the palm: a convex polygon with thickness
+  slab,   ///< the palm between its core polygon and the skin on one side of that
 };
 
 /// The part of space where dot(normal, p - point) <= offset.
@@ -29,35 +30,32 @@ struct HalfSpace {
 };
 
 struct Primitive {
+  static constexpr std::size_t kMostCuts = 3;
   Shape shape = Shape::round;
   std::uint8_t segment = 0;  ///< the hand segment whose force it adds to
   Law law = Law::field;
   std::uint8_t cut_count = 0;
-  Vec3 end1, end2;                  ///< [m] W; of a prism both are the centre of its bounding sphere
-  double radius1 = 0, radius2 = 0;  ///< [m]; of a prism both are the radius of its bounding sphere
-  std::array<HalfSpace, 2> cut{};
-  std::array<double, 2> overhang{};  ///< [m] how far a tile may have space beyond a cut (joint_border.h)
+  Vec3 end1, end2;                  ///< [m] W; of a slab both are the centre of its bounding sphere
+  double radius1 = 0, radius2 = 0;  ///< [m]; of a slab both are the radius of its bounding sphere
+  /// Of a tile or a paper's shape up to two; of an edge of the palm three, towards the polygon and towards
+  /// the next edges; of a slab one, the polygon's plane.
+  std::array<HalfSpace, kMostCuts> cut{};
+  std::array<double, kMostCuts> overhang{};  ///< [m] how far a tile may have space beyond (joint_border.h)
   /// The phalanges this primitive is a part of: the paper measures depth through them. Empty (-1): through
   /// itself.
   std::array<std::int8_t, 2> phalanx{-1, -1};
 };
 
-/// A convex polyhedron: the palm as a polygon with thickness.
-struct Prism {
-  static constexpr int kMaxFaces = 18;  ///< 16 sides, palmar and dorsal face
-  int face_count = 0;
-  std::array<HalfSpace, kMaxFaces> face{};  ///< outward normals; [0] is the palmar face
-};
-
 /// The palm's core: a convex polygon; the palm is everything within `radius` of it.
 struct SweptPolygon {
   static constexpr int kMostCorners = 16;
-  int corner_count = 0;                     ///< 0: no palm
-  std::array<Vec3, kMostCorners> corner{};  ///< [m] W, counterclockwise seen from the tip of `normal`
+  int corner_count = 0;  ///< 0: no palm
   std::array<Vec3, kMostCorners>
-      outward{};      ///< W, unit, in its plane: across the edge from corner i to i + 1
-  Vec3 normal;        ///< W, unit, towards the palmar side
-  double radius = 0;  ///< [m]
+      corner{};  ///< [m] W, in order, counterclockwise seen from the tip of `normal`
+  std::array<Vec3, kMostCorners> outward{};  ///< W, unit, in the polygon's plane: away from it across the
+                                             ///< edge from corner i to i + 1
+  Vec3 normal;                               ///< W, unit, towards the palmar side
+  double radius = 0;                         ///< [m]
 };
 
 /// The joint between a phalanx and the next one out, where the two tiles share out space (joint_border.h).
@@ -85,7 +83,8 @@ struct Joints {
 
 /// All primitives of one posed hand.
 struct Primitives {
-  static constexpr int kMaxCount = 40;  ///< 15 phalanges, 15 joints, 5 tips, 1 palm, some spare
+  /// 15 phalanges, 15 joints and 5 tips; the palm's slabs and edges.
+  static constexpr int kMaxCount = 15 + 15 + 5 + 2 + SweptPolygon::kMostCorners;
   int count = 0;
   std::array<Primitive, kMaxCount> primitive{};
   std::uint32_t flags = 0;    ///< TickFlag bits so far: of the input and of placing the hand
@@ -96,8 +95,7 @@ struct Primitives {
   Joints joints;                                ///< what they were made of
   std::array<JointBorder, kPhalanxCount> border{};  ///< of the joint beyond each phalanx
   std::array<bool, kFingerCount> folded{};          ///< first and last phalanx of the finger may overlap
-  Prism palm;
-  SweptPolygon core;
+  SweptPolygon palm;
   std::array<Vec3, kSegmentCount> base_joint{};    ///< [m] W, the joint that moves each segment
   std::array<Vec3, kSegmentCount> flexion_axis{};  ///< W, unit; turning about it opens the hand
 };

@@ -215,7 +215,7 @@ Hand fit_hand(const Hand& hand, const Motion& motion) {
       const std::array<float, 3>& p = sample.frame.joint[j].position;
       X_BJ[j] = {{p[0], p[1], p[2]}, normalized(to_quat(sample.frame.joint[j].orientation))};
     }
-    std::vector<Vec3> polygon = fit_palm_polygon(X_BJ, fitted.radius);
+    std::vector<Vec3> polygon = fit_palm_polygon(X_BJ, fitted.radius, fitted.palm.thickness);
     if (!polygon.empty()) fitted.palm.polygon = std::move(polygon);
     break;
   }

@@ -111,7 +111,7 @@ void set_bodies(const Primitives& hand, std::uint32_t segments, const Patches& p
   }
   bodies.palm.corner_count = 0;
   if ((segments >> kPalmSegment & 1u) != 0 && hand.joints.has(kPalm))
-    set_palm(hand.core, patches, bodies.palm);
+    set_palm(hand.palm, patches, bodies.palm);
 }
 
 }  // namespace lumbrical

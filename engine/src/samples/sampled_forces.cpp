@@ -88,7 +88,7 @@ std::span<std::uint32_t> search_for_palm(const Model& model, const Primitives& h
     return {memory.frontier[0].data(), model.patches->block.size()};
   }
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
-  const PalmQuery query = query_of_palm(tree.head, hand.core);
+  const PalmQuery query = query_of_palm(tree.head, hand.palm);
   return search_levels(
       tree, memory,
       [&](const SphereBlock* spheres, const std::uint32_t* blocks, std::size_t count, bool,
@@ -137,7 +137,7 @@ void order_by_key(std::span<const FoundPatch> found, std::uint32_t* places, KeyO
 // What is added to sums is rounded to: so fine that a million contacts are not off by a share of 1e-12 of
 // R^3, so coarse that 2e6 R^3 fit in.
 void set_quanta(const Primitives& hand, BodySums& sums) {
-  double largest = hand.core.radius;
+  double largest = hand.palm.radius;
   for (std::size_t i = 0; i < kPhalanxCount; ++i) {
     if (hand.present[i]) largest = max(largest, max(hand.capsule[i].radius1, hand.capsule[i].radius2));
   }

@@ -37,7 +37,7 @@ struct Facet {
   Vec3 u, v, n;  // W: axes of x and y, normal
   std::array<Point2, 3> corner;
   int cut_count = 0;
-  std::array<HalfPlane, Prism::kMaxFaces> cut;
+  std::array<HalfPlane, Slab::kMostFaces> cut;
   [[nodiscard]] Vec3 at(Point2 p) const { return arm + (p.x * u + p.y * v); }
 };
 
@@ -143,7 +143,7 @@ struct SectionField {
   }
 };
 
-// phi of a prism: linear, and the faces are all there is to clip at.
+// phi of a slab: linear, and the faces are all there is to clip at.
 struct LinearField {
   double value;
   Point2 slope;
@@ -238,10 +238,10 @@ bool add_contact_jacobian(const Primitive& primitive, const Contact& contact, Ve
   return true;
 }
 
-bool add_contact_jacobian(const Prism& prism, const Contact& contact, Vec3 joint, Vec3 a, Vec3 b, Vec3 c,
+bool add_contact_jacobian(const Slab& slab, const Contact& contact, Vec3 joint, Vec3 a, Vec3 b, Vec3 c,
                           Matrix6& sum) {
   Facet facet;
-  if (prism.face_count == 0 || !normal_of(a, b, c, facet.n)) return false;
+  if (slab.face_count == 0 || !normal_of(a, b, c, facet.n)) return false;
   facet.arm = a - joint;
   facet.u = unit_or(b - a, Vec3{});
   facet.v = cross(facet.n, facet.u);
@@ -250,17 +250,17 @@ bool add_contact_jacobian(const Prism& prism, const Contact& contact, Vec3 joint
   Polygon2 polygon;
   polygon.count = 3;
   for (std::size_t i = 0; i < 3; ++i) polygon.corner[i] = facet.corner[i];
-  for (int i = 0; i < prism.face_count && polygon.count >= 3; ++i) {
-    add_cut(prism.face[static_cast<std::size_t>(i)], a, facet);
+  for (int i = 0; i < slab.face_count && polygon.count >= 3; ++i) {
+    add_cut(slab.face[static_cast<std::size_t>(i)], a, facet);
     const HalfPlane& cut = facet.cut[static_cast<std::size_t>(i)];
     cut_polygon(cut.direction, cut.offset, polygon);
   }
   if (polygon.count < 3 || !(polygon_area(polygon).area > 0)) return false;
 
-  const HalfPlane& palmar = facet.cut[0];
-  const LinearField field{palmar.offset, -1.0 * palmar.direction};
+  const HalfPlane& skin = facet.cut[0];
+  const LinearField field{skin.offset, -1.0 * skin.direction};
   SlopeMoments slope;
-  const auto add = [&](Point2 p, double weight) { slope.add(p, -weight * palmar.along); };
+  const auto add = [&](Point2 p, double weight) { slope.add(p, -weight * skin.along); };
   for (std::size_t i = 1; i + 1 < static_cast<std::size_t>(polygon.count); ++i) {
     triangle_nodes(add, kGauss4, polygon.corner[0], polygon.corner[i], polygon.corner[i + 1]);
   }

@@ -25,7 +25,7 @@ constexpr std::size_t kSerialSearch = 2048, kSerialLists = 16384;
 
 // A list costs twice a search: no more than this many are made in a tick, so that none takes much longer than
 // one without lists.
-constexpr int kMostNew = 4;
+constexpr int kMostNew = 6;
 
 // Ticks without lists after they did not fit.
 constexpr std::uint32_t kRest = 1000;

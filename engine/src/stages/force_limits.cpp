@@ -5,21 +5,36 @@
 namespace lumbrical {
 namespace {
 
-// One factor for the whole hand keeps joint torques and segment forces consistent.
-bool clamp_segments(double max_force, HandForces& forces) {
-  double least = 1;
-  for (const Wrench& wrench : forces.segment) {
+// A force of `wrench`, known at the joint `from`, seen from the joint `at`.
+Vec3 torque_at(Vec3 at, Vec3 from, const Wrench& wrench) {
+  return wrench.torque + cross(from - at, wrench.force);
+}
+
+// The segments a joint carries: of a finger those from its own to the tip, of the wrist all.
+void sum_joint_torques(const Primitives& hand, HandForces& forces) {
+  for (std::size_t joint = 0; joint < kSegmentCount; ++joint) {
+    const bool wrist = joint == kPalmSegment;
+    const std::size_t first = wrist ? 0 : joint, last = wrist ? kPalmSegment : joint - joint % 3 + 2;
+    Vec3 torque;
+    for (std::size_t i = first; i <= last; ++i)
+      torque += torque_at(hand.base_joint[joint], hand.base_joint[i], forces.segment[i]);
+    forces.joint_torque[joint] = torque;
+    forces.flexion_torque[joint] = dot(torque, hand.flexion_axis[joint]);
+  }
+}
+
+bool saturate_segments(double max_force, const Primitives& hand, HandForces& forces) {
+  bool limited = false;
+  for (Wrench& wrench : forces.segment) {
     const double force = norm(wrench.force);
-    if (!(force <= max_force)) least = min(least, is_finite(force) ? max_force / force : 0);
+    if (force <= kUnlimitedShare * max_force) continue;
+    const double share = saturated(force, max_force) / force;
+    wrench.force = share * wrench.force;
+    wrench.torque = share * wrench.torque;
+    limited = true;
   }
-  if (least == 1) return false;
-  for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    forces.segment[i].force = least * forces.segment[i].force;
-    forces.segment[i].torque = least * forces.segment[i].torque;
-    forces.joint_torque[i] = least * forces.joint_torque[i];
-    forces.flexion_torque[i] = least * forces.flexion_torque[i];
-  }
-  return true;
+  if (limited) sum_joint_torques(hand, forces);
+  return limited;
 }
 
 bool all_finite(const HandForces& forces) {
@@ -45,11 +60,20 @@ HandForces mix(double a, const HandForces& x, double b, const HandForces& y) {
 
 }  // namespace
 
-ActuatorFrame limit_forces(const Settings& settings, HandForces fresh, bool trusted, std::uint32_t flags,
-                           State& state) {
+double saturated(double force, double max_force) {
+  const double free = kUnlimitedShare * max_force, room = max_force - free;
+  if (force <= free) return force;
+  const double over = force - free;
+  // The smaller one over the larger one: no square can overflow, and a limit of 0 lets nothing through.
+  const double x = over <= room ? over / room : room / over, root = std::sqrt(1 + x * x);
+  return min(max_force, free + room * (over <= room ? x / root : 1 / root));
+}
+
+ActuatorFrame limit_forces(const Settings& settings, const Primitives& hand, HandForces fresh, bool trusted,
+                           std::uint32_t flags, State& state) {
   trusted = trusted && all_finite(fresh);
   if (!trusted) fresh = {};
-  if (trusted && clamp_segments(settings.max_force, fresh)) flags |= kForceLimited;
+  if (trusted && saturate_segments(settings.max_force, hand, fresh)) flags |= kForceLimited;
   const double step = 1 / max(1, settings.fade_time * settings.rate);
   if (!trusted && state.rise > 0) {
     state.held = state.last;

@@ -1,12 +1,13 @@
 // The paper's Figure 1 and 2 and their repair. Under the paper's laws a phalanx is a cylinder, and of the
 // spheres at joints and tips only the part counts that the cylinders don't cover. Under the exact laws a
 // phalanx is one tile, the hull of its end spheres, and neighbouring tiles share out space along the
-// bisecting plane of their joint; where that is not exact, joint_border.h says so.
+// bisecting plane of their joint; where that is not exact, joint_border.h says so. The palm: swept_polygon.h.
 #include "stages/hand_pose.h"
 
 #include <cmath>
 
 #include "borders/joint_border.h"
+#include "model/swept_polygon.h"
 
 namespace lumbrical {
 namespace {
@@ -121,44 +122,6 @@ void add_phalanx(std::size_t i, Primitives& hand) {
   if (is_paper(hand, i) && !after) add_sphere(hand, i, true, hand);
 }
 
-// Palmar face first, then the dorsal one, then the sides.
-void add_palm(const Hand& hand, const Settings& settings, const Pose& X_WP, Primitives& primitives) {
-  const std::size_t corners = hand.palm.polygon.size();
-  if (corners < 3 || corners + 2 > Prism::kMaxFaces) return;
-  const Vec3 down = rotate(X_WP.orientation, {0, -1, 0});
-  const Vec3 surface = X_WP.position + hand.palm.height * down;
-  double turn = 0;
-  Vec3 middle;
-  for (std::size_t i = 0; i < corners; ++i) {
-    const Vec3 p = hand.palm.polygon[i], q = hand.palm.polygon[(i + 1) % corners];
-    turn += p.z * q.x - p.x * q.z;
-    middle += p / static_cast<double>(corners);
-  }
-  Prism& palm = primitives.palm;
-  palm.face_count = 0;
-  const auto add_face = [&](Vec3 normal, Vec3 point) {
-    palm.face[static_cast<std::size_t>(palm.face_count++)] = {normal, point};
-  };
-  add_face(down, surface);
-  add_face(-down, surface - hand.palm.thickness * down);
-  double reach = 0;
-  for (std::size_t i = 0; i < corners; ++i) {
-    const Vec3 p = hand.palm.polygon[i], q = hand.palm.polygon[(i + 1) % corners];
-    const Vec3 outward = turn > 0 ? Vec3{p.z - q.z, 0, q.x - p.x} : Vec3{q.z - p.z, 0, p.x - q.x};
-    add_face(rotate(X_WP.orientation, unit_or(outward, {1, 0, 0})),
-             surface + rotate(X_WP.orientation, {p.x, 0, p.z}));
-    reach = max(reach, norm(Vec3{p.x - middle.x, 0, p.z - middle.z}));
-  }
-  Primitive bound;
-  bound.shape = Shape::prism;
-  bound.segment = kPalmSegment;
-  bound.law = settings.law[kPalmSegment];
-  bound.end1 = bound.end2 =
-      surface + rotate(X_WP.orientation, {middle.x, 0, middle.z}) - 0.5 * hand.palm.thickness * down;
-  bound.radius1 = bound.radius2 = std::sqrt(reach * reach + 0.25 * hand.palm.thickness * hand.palm.thickness);
-  add(bound, primitives);
-}
-
 void set_axes(Primitives& primitives) {
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     const int joint = i == kPalmSegment ? int{kWrist} : int{kPhalanxJoints[i].base};
@@ -207,6 +170,7 @@ std::uint32_t place_hand(const Hand& hand, const Settings& settings, const Devic
                          Primitives& primitives) {
   std::uint32_t flags = find_joints(hand, frame, primitives.joints);
   primitives.count = 0;
+  primitives.palm.corner_count = 0;
   flags |= set_capsules(hand, settings, primitives);
   if (!primitives.joints.has(kPalm) && !hand.palm.polygon.empty()) flags |= kSegmentMissing;
   return flags;
@@ -236,7 +200,10 @@ void tile_hand(const Hand& hand, const Settings& settings, Primitives& primitive
   for (std::size_t i = 0; i < kPhalanxCount; ++i) {
     if (primitives.present[i]) add_phalanx(i, primitives);
   }
-  if (primitives.joints.has(kPalm)) add_palm(hand, settings, primitives.joints.pose[kPalm], primitives);
+  if (primitives.joints.has(kPalm)) {
+    primitives.palm = place_palm(hand.palm, primitives.joints.pose[kPalm]);
+    add_palm_parts(primitives.palm, settings.law[kPalmSegment], primitives);
+  }
   set_axes(primitives);
 }
 

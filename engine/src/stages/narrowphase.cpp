@@ -11,14 +11,15 @@
 #include "index/cluster_tree.h"
 #include "lanes/cluster_batch.h"
 #include "lanes/leaf_contact.h"
-#include "lanes/prism_batch.h"
 #include "lanes/round_batch.h"
+#include "lanes/slab_batch.h"
 #include "model/corners.h"
 #include "section/depth.h"
+#include "section/field_depth.h"
 #include "section/finger_depth.h"
 #include "section/pressure.h"
 #include "section/pressure_rules.h"
-#include "section/prism.h"
+#include "section/slab.h"
 
 namespace lumbrical {
 namespace {
@@ -33,14 +34,14 @@ Vec3 centre_of(const Section& section, const PressureMoments& moments, Vec3 othe
   return to_world(section, (1 / moments.volume) * moments.first);
 }
 
-PressureMoments exact_moments(const Section& section, const ContactQuery& query, const AreaMoments& area,
-                              bool whole, Boundary& boundary) {
+PressureMoments exact_moments(const Section& section, Law law, const ContactQuery& query,
+                              const AreaMoments& area, bool whole, Boundary& boundary) {
   PressureMoments moments;
-  const bool field = query.law == Law::field && section.shape == Shape::round;
+  const bool field = law == Law::field && section.shape == Shape::round;
   if (field && field_by_points(section, area, whole, query.tolerance, moments)) return moments;
   trace_boundary(section, boundary);
-  return query.law == Law::field ? field_moments(query.kernels, section, area, boundary)
-                                 : column_moments(section, boundary);
+  return law == Law::field ? field_moments(query.kernels, section, area, boundary)
+                           : column_moments(section, boundary);
 }
 
 // One pair by the laws in general. False where there is no common area.
@@ -54,8 +55,10 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
   if (!(area.area > 0)) return false;
 
   const bool whole_finger = query.hand != nullptr && primitive.phalanx[0] >= 0;
-  const Deepest deepest =
-      whole_finger ? finger_depth(*query.hand, primitive, section) : largest_depth(section);
+  const bool palm = primitive.segment == kPalmSegment;  // whose depth is phi, by every law
+  const Deepest deepest = palm           ? largest_field(section)
+                          : whole_finger ? finger_depth(*query.hand, primitive, section)
+                                         : largest_depth(section);
   contact.depth = deepest.depth;
   contact.area = area.area;
   contact.centroid = to_world(section, area.centroid);
@@ -66,7 +69,8 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
     case Law::field:
     case Law::column: {
       const bool whole = overlap == Overlap::inside;
-      const PressureMoments moments = exact_moments(section, query, area, whole, boundary);
+      const PressureMoments moments =
+          exact_moments(section, palm ? Law::field : query.law, query, area, whole, boundary);
       contact.error = moments.error;
       contact.volume = max(0, moments.volume);
       contact.centre = centre_of(section, moments, contact.centroid);
@@ -76,8 +80,9 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
       contact.volume = area.area * deepest.depth;
       break;
     case Law::centroid: {
-      const double depth = whole_finger ? finger_depth_at(*query.hand, primitive, section, area.centroid)
-                                        : depth_at(section, area.centroid);
+      const double depth = palm           ? field_at(section, area.centroid)
+                           : whole_finger ? finger_depth_at(*query.hand, primitive, section, area.centroid)
+                                          : depth_at(section, area.centroid);
       contact.volume = area.area * max(0, depth);
       break;
     }
@@ -96,9 +101,9 @@ void collide_pair(const Model& model, const Primitives& hand, const FieldKernels
   const auto [a, b, c] = corners_of(model.triangles, contact.triangle);
   contact.area = 0;
   contact.error = 0;
-  if (primitive.shape == Shape::prism) {
-    if (!collide_prism(hand.palm, primitive.law, model.settings.point_area, a, b, c, contact))
-      contact.area = 0;
+  if (primitive.shape == Shape::slab) {
+    const Slab slab = slab_of(hand.palm, primitive);
+    if (!collide_slab(slab, primitive.law, model.settings.point_area, a, b, c, contact)) contact.area = 0;
     return;
   }
   const TileBorders borders = borders_on(hand, primitive, a, b, c);
@@ -134,12 +139,13 @@ struct PairWork {
   RoundQueue steep, flat;
   RoundHull hull{};
   BorderBatch borders{kernels};
-  PrismBatch palm{hand.palm, kernels};
+  SlabBatch slab{kernels};
   ClusterBatch clusters{model.clusters, kernels};
   LeafQuery leaf{};
   std::uint32_t clusters_of = Primitives::kMaxCount;  // the primitive whose clusters are being gathered
   std::uint32_t leaf_of = Primitives::kMaxCount;      // the primitive the leaf query is of
   std::uint32_t hull_of = Primitives::kMaxCount;      // the primitive the hull is of
+  std::uint32_t slab_index = Primitives::kMaxCount;   // the slab whose pairs are being gathered
   Boundary boundary;
   PairWork(const Model& m, const Primitives& h, const FieldKernels& k)
       : model(m),
@@ -171,9 +177,17 @@ void collide_anew(const RoundQueue& queue, PairWork& work, Contact& contact) {
     contact.area = 0;
 }
 
-void finish_palm(PairWork& work) {
-  for (Contact* contact : finish_batch(work.palm))
+void finish_slab(PairWork& work) {
+  for (Contact* contact : finish_batch(work.slab))
     collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
+}
+
+void take_slab(const Corners& at, Contact& contact, PairWork& work) {
+  const bool other = contact.primitive != work.slab_index;
+  if (other || is_full(work.slab)) finish_slab(work);
+  if (other) begin_batch(slab_of(work.hand.palm, work.hand.primitive[contact.primitive]), work.slab);
+  work.slab_index = contact.primitive;
+  add_to_batch(at, contact, work.slab);
 }
 
 // All but the slivers of the batch's cones.
@@ -198,8 +212,8 @@ void finish_round(PairWork& work) {
   }
 }
 
-// A leaf triangle by triangle: of a round primitive, since only curved cuts leave one in doubt and the palm
-// has none. `finish_round` is done with the parts before they end.
+// A leaf triangle by triangle: of a round primitive, since only curved cuts leave one in doubt and slabs
+// have none. `finish_round` is done with the parts before they end.
 void take_triangles_of(Contact& contact, PairWork& work) {
   std::array<Contact, ClusterTree::kLeafSize> parts;
   std::size_t count = 0;
@@ -291,10 +305,7 @@ void take_pair(Contact& contact, PairWork& work) {
   if ((contact.triangle & kClusterBit) != 0) return take_cluster(contact, work);
   const Primitive& primitive = work.hand.primitive[contact.primitive];
   const Corners at = corners_of(work.model.triangles, contact.triangle);
-  if (primitive.shape == Shape::prism && primitive.law == Law::field) {
-    if (is_full(work.palm)) finish_palm(work);
-    return add_to_batch(at, contact, work.palm);
-  }
+  if (primitive.shape == Shape::slab && primitive.law == Law::field) return take_slab(at, contact, work);
   if (!suits_batch(primitive))
     return collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
   const TileBorders near = borders_in_reach(work.hand, primitive, at.a, at.b, at.c);
@@ -347,7 +358,7 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
       take_pair(contacts[i], pairs);
     }
     finish_round(pairs);
-    finish_palm(pairs);
+    finish_slab(pairs);
     finish_batch(pairs.clusters);
   };
   const std::uint32_t threads = candidates.size() < kSerialBelow ? 1 : model.execution.threads;

@@ -122,9 +122,14 @@ constexpr void list_fields(Is<Primitive> auto& primitive, auto&& field) {
   field("cut", "", std::span(primitive.cut).first(primitive.cut_count));
   field("overhang", "m", primitive.overhang);
 }
-constexpr void list_fields(Is<Prism> auto& prism, auto&& field) {
-  field("face_count", "", prism.face_count);
-  field("face", "", std::span(prism.face).first(static_cast<std::size_t>(prism.face_count)));
+constexpr void list_fields(Is<SweptPolygon> auto& palm, auto&& field) {
+  field("corner_count", "", palm.corner_count);
+  if (palm.corner_count == 0) return;
+  const auto count = static_cast<std::size_t>(palm.corner_count);
+  field("corner", "m", std::span(palm.corner).first(count));
+  field("outward", "", std::span(palm.outward).first(count));
+  field("normal", "", palm.normal);
+  field("radius", "m", palm.radius);
 }
 constexpr void list_fields(Is<JointBorder> auto& border, auto&& field) {
   field("shared", "", border.shared);

@@ -5,7 +5,7 @@
 #include "index/cluster_tree.h"
 #include "model/corners.h"
 #include "section/contact_jacobian.h"
-#include "section/prism.h"
+#include "section/slab.h"
 #include "stages/narrowphase.h"
 
 namespace lumbrical {
@@ -15,8 +15,8 @@ namespace {
 // What is left of the tile in one triangle is as `cut` says.
 void add_triangle(const Primitives& hand, const Primitive& primitive, const BorderCut& cut,
                   const Contact& contact, Vec3 joint, const Corners& at, Matrix6& value) {
-  if (primitive.shape == Shape::prism) {
-    add_contact_jacobian(hand.palm, contact, joint, at.a, at.b, at.c, value);
+  if (primitive.shape == Shape::slab) {
+    add_contact_jacobian(slab_of(hand.palm, primitive), contact, joint, at.a, at.b, at.c, value);
     return;
   }
   const bool other = cut.kind == CutKind::other;
@@ -26,7 +26,7 @@ void add_triangle(const Primitives& hand, const Primitive& primitive, const Bord
 }
 
 BorderCut cut_of(const Primitives& hand, const Primitive& primitive, const Corners& at) {
-  if (primitive.shape == Shape::prism) return {};
+  if (primitive.shape == Shape::slab) return {};
   return cut_at_borders(hand, primitive, borders_in_reach(hand, primitive, at.a, at.b, at.c), at.a, at.b,
                         at.c);
 }
@@ -43,10 +43,10 @@ void add_cluster(const Model& model, const Primitives& hand, const Primitive& pr
     if (cut.kind == CutKind::gone) continue;
     const Primitive part = cut.kind == CutKind::other ? tile_cut_so(primitive, cut.cut) : primitive;
     Contact contact;
-    const bool meets =
-        primitive.shape == Shape::prism
-            ? collide_prism(hand.palm, primitive.law, model.settings.point_area, at.a, at.b, at.c, contact)
-            : collide(part, query, at.a, at.b, at.c, boundary, contact);
+    const bool meets = primitive.shape == Shape::slab
+                           ? collide_slab(slab_of(hand.palm, primitive), primitive.law,
+                                          model.settings.point_area, at.a, at.b, at.c, contact)
+                           : collide(part, query, at.a, at.b, at.c, boundary, contact);
     if (!meets) continue;
     if (cut.crosses) add_bulge(bulge_of(kernels, hand, primitive, cut, at.a, at.b, at.c), contact);
     add_triangle(hand, primitive, cut, contact, joint, at, value);

@@ -72,6 +72,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   // What this frame does not tell must not be left from another: a tick, hashes included, is a function of
   // model, state and frame. Even no force times an old axis has that axis' sign.
   hand.base_joint = hand.flexion_axis = {};
+  hand.palm.corner_count = 0;
   scratch.candidate_count = scratch.contact_count = 0;
 
   SampledForces sampled;
@@ -97,7 +98,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
     forces.segment[i].force += sampled.segment[i].force;
     forces.segment[i].torque += sampled.segment[i].torque;
   }
-  ActuatorFrame output = limit_forces(model.settings, forces, (flags & kUntrusted) == 0, flags, state);
+  ActuatorFrame output = limit_forces(model.settings, hand, forces, (flags & kUntrusted) == 0, flags, state);
   output.contact_count = scratch.contact_count + sampled.contact_count;
   output.force_error = force_error(model.settings, contacts);
 

@@ -1,4 +1,4 @@
-#include "lanes/prism_batch.h"
+#include "lanes/slab_batch.h"
 
 #include <bit>
 
@@ -8,7 +8,7 @@ namespace lumbrical {
 namespace {
 
 template <std::size_t N>
-void write_contact(const PalmResults<N>& results, std::size_t k, Vec3 origin, Contact& contact) {
+void write_contact(const SlabResults<N>& results, std::size_t k, Vec3 origin, Contact& contact) {
   contact.area = results.area[k];
   contact.volume = results.volume[k];
   contact.depth = results.depth[k];
@@ -19,7 +19,7 @@ void write_contact(const PalmResults<N>& results, std::size_t k, Vec3 origin, Co
 }
 
 // Pair k with the faces that cut it, as one more lane.
-void add_rim(const PrismTerms& pairs, std::size_t k, RimTerms& rims) {
+void add_rim(const SlabTerms& pairs, std::size_t k, RimTerms& rims) {
   const std::size_t lane = rims.count++;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     rims.a[axis][lane] = pairs.a[axis][k];
@@ -46,35 +46,37 @@ void add_empty_cuts(RimTerms& rims) {
 }
 
 // Computes pairs `rim`, of which those with few cuts come first; appends those it leaves.
-void finish_rims(std::span<const std::uint32_t> rim, PrismBatch& batch, std::size_t& left) {
+void finish_rims(std::span<const std::uint32_t> rim, SlabBatch& batch, std::size_t& left) {
   RimTerms& rims = batch.rims;
   rims.count = 0;
   rims.faces = &batch.pairs.faces;
   for (const std::uint32_t k : rim) add_rim(batch.pairs, k, rims);
   while (rims.count % kWholeRegisters != 0) add_rim(batch.pairs, rim.back(), rims);
   add_empty_cuts(rims);
-  batch.kernels.prism_rims(rims);
+  batch.kernels.slab_rims(rims);
   for (std::size_t lane = 0; lane < rim.size(); ++lane) {
     Contact& contact = *batch.contact[rim[lane]];
     contact.area = 0;
-    if (rims.status[lane] == kPalmOpen) batch.left[left++] = &contact;
-    if (rims.status[lane] == kPalmTouched) write_contact(rims, lane, batch.origin, contact);
+    if (rims.status[lane] == kSlabOpen) batch.left[left++] = &contact;
+    if (rims.status[lane] == kSlabTouched) write_contact(rims, lane, batch.origin, contact);
   }
 }
 
 }  // namespace
 
-PrismBatch::PrismBatch(const Prism& palm, const FieldKernels& table)
-    : kernels(table), origin(palm.face[0].point) {
-  PrismFaces& faces = pairs.faces;
-  faces.count = palm.face_count;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(palm.face_count); ++i) {
-    put_vector(palm.face[i].normal, faces.normal[i]);
-    faces.offset[i] = dot(palm.face[i].normal, palm.face[i].point - origin);
+void begin_batch(const Slab& slab, SlabBatch& batch) {
+  batch.origin = slab.face[1].point;
+  SlabFaces& faces = batch.pairs.faces;
+  faces.count = slab.face_count;
+  faces.tiny = Slab::kInPlane * slab.thickness;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(slab.face_count); ++i) {
+    put_vector(slab.face[i].normal, faces.normal[i]);
+    faces.offset[i] = dot(slab.face[i].normal, slab.face[i].point - batch.origin);
   }
+  batch.pairs.count = 0;
 }
 
-void add_to_batch(const Corners& at, Contact& contact, PrismBatch& batch) {
+void add_to_batch(const Corners& at, Contact& contact, SlabBatch& batch) {
   const std::size_t k = batch.pairs.count++;
   put_vector(at.a - batch.origin, k, batch.pairs.a);
   put_vector(at.b - at.a, k, batch.pairs.ab);
@@ -82,20 +84,20 @@ void add_to_batch(const Corners& at, Contact& contact, PrismBatch& batch) {
   batch.contact[k] = &contact;
 }
 
-std::span<Contact* const> finish_batch(PrismBatch& batch) {
-  PrismTerms& pairs = batch.pairs;
+std::span<Contact* const> finish_batch(SlabBatch& batch) {
+  SlabTerms& pairs = batch.pairs;
   if (pairs.count == 0) return {};
   for (auto* corner : {&pairs.a, &pairs.ab, &pairs.ac}) fill_up_vector(*corner, pairs.count);
-  batch.kernels.prism_contacts(pairs);
+  batch.kernels.slab_contacts(pairs);
 
-  std::array<std::array<std::uint32_t, PrismTerms::kCapacity>, RimTerms::kMostCuts + 1> by_cuts;
+  std::array<std::array<std::uint32_t, SlabTerms::kCapacity>, RimTerms::kMostCuts + 1> by_cuts;
   std::array<std::size_t, RimTerms::kMostCuts + 1> count{};
   std::size_t left = 0;
   for (std::size_t k = 0; k < pairs.count; ++k) {
     Contact& contact = *batch.contact[k];
     contact.area = 0;
-    if (pairs.status[k] == kPalmTouched) write_contact(pairs, k, batch.origin, contact);
-    if (pairs.status[k] != kPalmOpen) continue;
+    if (pairs.status[k] == kSlabTouched) write_contact(pairs, k, batch.origin, contact);
+    if (pairs.status[k] != kSlabOpen) continue;
     const int cuts = std::popcount(static_cast<std::uint32_t>(pairs.cut[k]));
     if (cuts > static_cast<int>(RimTerms::kMostCuts)) {
       batch.left[left++] = &contact;

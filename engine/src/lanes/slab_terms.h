@@ -1,41 +1,42 @@
-// Pairs of the palm with many triangles under the field law: what the narrowphase hands to the SIMD kernels
-// and what it gets back. Structure of arrays; a pair is a lane.
+// Pairs of one of the palm's slabs with many triangles under the field law: what the narrowphase hands to the
+// SIMD kernels and what it gets back. Structure of arrays; a pair is a lane.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
-#include "model/primitive.h"
+#include "model/swept_polygon.h"
 
 namespace lumbrical {
 
-/// The faces, the palmar one first: dot(normal, p - origin) <= offset inside. W, unit; [m].
-struct PrismFaces {
+/// The faces, the skin first: dot(normal, p - origin) <= offset inside. W, unit; [m].
+struct SlabFaces {
   int count = 0;
-  double normal[Prism::kMaxFaces][3], offset[Prism::kMaxFaces];
+  double tiny = 0;  ///< [m] a triangle no farther from a face lies in it
+  double normal[Slab::kMostFaces][3], offset[Slab::kMostFaces];
 };
 
 /// What the kernels say of a pair.
-inline constexpr double kPalmMissed = 0, kPalmTouched = 1;
-/// Numbers don't hold: a face cuts the triangle or several are the way out (of `prism_contacts`), rounding
-/// has made the polygon concave (of `prism_rims`).
-inline constexpr double kPalmOpen = 2;
+inline constexpr double kSlabMissed = 0, kSlabTouched = 1;
+/// Numbers don't hold: a face cuts the triangle (of `slab_contacts`), rounding has made the polygon concave
+/// (of `slab_rims`).
+inline constexpr double kSlabOpen = 2;
 
 template <std::size_t N>
-struct PalmResults {
+struct SlabResults {
   alignas(64) double status[N];
   alignas(64) double area[N];                       ///< [m^2]
-  alignas(64) double volume[N];                     ///< [m^3] integral of the depth below the palmar face
-  alignas(64) double depth[N];                      ///< [m] dl_max
+  alignas(64) double volume[N];                     ///< [m^3] integral of the depth below the skin
+  alignas(64) double depth[N];                      ///< [m] the largest such depth
   alignas(64) double normal[3][N];                  ///< W, unit
   alignas(64) double centroid[3][N], centre[3][N];  ///< [m] relative to the origin: of area, of depth
 };
 
 /// All pairs.
-struct PrismTerms : PalmResults<256> {
+struct SlabTerms : SlabResults<256> {
   static constexpr std::size_t kCapacity = 256;
   std::size_t count = 0;
-  PrismFaces faces;
+  SlabFaces faces;
   /// [m] W: the first corner relative to the origin, the others relative to the first, or small triangles
   /// would lose digits.
   alignas(64) double a[3][kCapacity], ab[3][kCapacity], ac[3][kCapacity];
@@ -44,12 +45,12 @@ struct PrismTerms : PalmResults<256> {
 };
 
 /// Those of them that are open, each with the faces that cut it.
-struct RimTerms : PalmResults<128> {
+struct RimTerms : SlabResults<128> {
   static constexpr std::size_t kCapacity = 128;
   /// More cuts have few triangles but those of a coarse mesh.
   static constexpr std::size_t kMostCuts = 6;
   std::size_t count = 0;
-  const PrismFaces* faces = nullptr;
+  const SlabFaces* faces = nullptr;
   alignas(64) double a[3][kCapacity], ab[3][kCapacity], ac[3][kCapacity];  ///< as above
   /// Ascending. The faces that cut a pair, then as many zeros as others of the register have cuts more.
   std::uint32_t cut_count[kCapacity];

@@ -1,0 +1,116 @@
+#include "section/slab.h"
+
+#include <cmath>
+
+#include "section/section.h"
+
+namespace lumbrical {
+namespace {
+
+// value + dot(slope, p): the field as a function of the plane point.
+struct Linear {
+  double value;
+  Point2 slope;
+  [[nodiscard]] double at(Point2 p) const { return value + dot(slope, p); }
+};
+
+struct Plane {
+  Vec3 origin, u, v, n;
+};
+
+// dot(face normal, p - face point): negative inside.
+Linear height_over(const HalfSpace& face, const Plane& plane) {
+  return {dot(face.normal, plane.origin - face.point),
+          {dot(face.normal, plane.u), dot(face.normal, plane.v)}};
+}
+
+struct Moments {
+  double volume = 0;
+  Point2 first{0, 0};
+};
+
+// Integral of a linear function and of p times it: the three-midpoint rule is exact for quadratics.
+Moments moments_of(const Polygon2& polygon, const Linear& f) {
+  Moments sum;
+  const Point2 a = polygon.corner[0];
+  for (int i = 1; i + 1 < polygon.count; ++i) {
+    const Point2 b = polygon.corner[static_cast<std::size_t>(i)],
+                 c = polygon.corner[static_cast<std::size_t>(i + 1)];
+    const double weight = cross(b - a, c - a) / 6;
+    for (const Point2 middle : {0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)}) {
+      sum.volume += weight * f.at(middle);
+      sum.first = sum.first + (weight * f.at(middle)) * middle;
+    }
+  }
+  return sum;
+}
+
+// What the faces leave of the triangle; no corners where nothing is left.
+Polygon2 polygon_in(const Slab& slab, Vec3 a, Vec3 b, Vec3 c, const Plane& plane) {
+  Polygon2 polygon;
+  polygon.count = 3;
+  polygon.corner[0] = {0, 0};
+  polygon.corner[1] = {dot(b - a, plane.u), dot(b - a, plane.v)};
+  polygon.corner[2] = {dot(c - a, plane.u), dot(c - a, plane.v)};
+  const double tiny = Slab::kInPlane * slab.thickness;
+  for (int i = 0; i < slab.face_count && polygon.count >= 3; ++i) {
+    const HalfSpace& face = slab.face[static_cast<std::size_t>(i)];
+    const double ha = dot(face.normal, a - face.point), hb = dot(face.normal, b - face.point),
+                 hc = dot(face.normal, c - face.point);
+    if (max(std::fabs(ha), max(std::fabs(hb), std::fabs(hc))) <= tiny) {
+      if (dot(face.normal, plane.n) > 0) polygon.count = 0;
+    } else if (max(ha, max(hb, hc)) > 0) {
+      const Linear height = height_over(face, plane);
+      cut_polygon(height.slope, -height.value, polygon);
+    }
+  }
+  return polygon;
+}
+
+Point2 deepest_corner(const Polygon2& polygon, const Linear& field) {
+  Point2 deepest = polygon.corner[0];
+  for (int i = 1; i < polygon.count; ++i) {
+    const Point2 p = polygon.corner[static_cast<std::size_t>(i)];
+    if (field.at(p) > field.at(deepest)) deepest = p;
+  }
+  return deepest;
+}
+
+}  // namespace
+
+bool collide_slab(const Slab& slab, Law law, double point_area, Vec3 a, Vec3 b, Vec3 c, Contact& contact) {
+  Plane plane{a, {}, {}, {}};
+  if (!normal_of(a, b, c, plane.n)) return false;
+  plane.u = unit_or(b - a, Vec3{});
+  plane.v = cross(plane.n, plane.u);
+  const Polygon2 polygon = polygon_in(slab, a, b, c, plane);
+  if (polygon.count < 3) return false;
+  const AreaMoments area = polygon_area(polygon);
+  if (!(area.area > 0)) return false;
+
+  const Linear over = height_over(slab.face[0], plane), field{-over.value, -1.0 * over.slope};
+  const Point2 deepest = deepest_corner(polygon, field);
+  const double depth = max(0, field.at(deepest));
+  double volume = area.area * depth;
+  Point2 centre = area.centroid;
+  if (law == Law::field || law == Law::column) {
+    const Moments moments = moments_of(polygon, field);
+    volume = moments.volume;
+    if (volume > 0) centre = (1 / volume) * moments.first;
+  } else if (law == Law::centroid) {
+    volume = area.area * field.at(area.centroid);
+  } else if (law == Law::point) {
+    volume = point_area * depth;
+    centre = deepest;
+  }
+  const auto to_world = [&](Point2 p) { return plane.origin + p.x * plane.u + p.y * plane.v; };
+  contact.depth = depth;
+  contact.area = area.area;
+  contact.volume = max(0, volume);
+  contact.centroid = to_world(area.centroid);
+  contact.centre = to_world(centre);
+  contact.normal = plane.n;
+  return true;
+}
+
+}  // namespace lumbrical
