@@ -255,11 +255,11 @@ void queue_shared(const Corners& at, const std::array<HalfSpace, 2>& cut, const 
 void take_alone(const Corners& at, Contact& contact, PairWork& work) {
   const Primitive& tile = work.hand.primitive[contact.primitive];
   const TileBorders near = borders_in_reach(work.hand, tile, at.a, at.b, at.c);
-  const BorderCut cut = cut_at_borders(work.hand, tile, near, at.a, at.b, at.c);
+  const BorderCut cut = cut_at_borders(work.kernels, work.hand, tile, near, at.a, at.b, at.c);
   if (cut.kind == CutKind::gone) return;
   if (cut.kind == CutKind::general)
     return collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
-  queue_shared(at, cut.cut, bulge_of(work.kernels, work.hand, tile, cut, at.a, at.b, at.c), contact, work);
+  queue_shared(at, cut.cut, cut.bulge, contact, work);
 }
 
 void finish_borders(PairWork& work) {
