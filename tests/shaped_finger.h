@@ -98,9 +98,8 @@ inline Mesh mesh_of(const std::vector<Corners>& triangles) {
 }
 
 // Of every tile with every triangle, as ticks find them.
-inline std::vector<Contact> contacts_of(const Primitives& hand, const Mesh& mesh, double tolerance = 0) {
+inline std::vector<Contact> contacts_of(const Primitives& hand, const Mesh& mesh) {
   Model model;
-  model.settings.tolerance = tolerance;
   model.triangles = world_of(mesh);
   std::vector<std::uint64_t> candidates;
   for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(hand.count); ++i) {

@@ -11,7 +11,8 @@
 #include "borders/joint_border.h"
 #include "borders/tile_share.h"
 #include "section/depth.h"
-#include "section/pressure_rules.h"
+#include "section/pressure.h"
+#include "section/stated_errors.h"
 
 namespace lumbrical {
 namespace {

@@ -359,7 +359,7 @@ SliverSum<V> both_slivers(const RoundPart<V>& part, const RoundPlane<V>& plane, 
 
 template <class V>
 void cone_slivers(SliverTerms& terms) {
-  RoundTerms<double>& pairs = terms.pairs;
+  RoundTerms& pairs = terms.pairs;
   const int pieces = terms.patient ? kManyPieces : kFewPieces;
   for (std::size_t i = 0; i < pairs.count; i += wide::Lanes<V>::kCount) {
     const RoundPart<V> part = part_of<V>(pairs, i);

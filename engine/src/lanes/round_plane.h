@@ -20,8 +20,8 @@ inline RoundPart<V> round_part(V length, V radius1, V radius2, V sine, V cosine,
 }
 
 template <class V>
-inline RoundPart<V> part_of(const RoundTerms<NumberOf<V>>& terms, std::size_t i) {
-  const auto row = [i](const NumberOf<V>* from) { return get(from + i, V{}); };
+inline RoundPart<V> part_of(const RoundTerms& terms, std::size_t i) {
+  const auto row = [i](const double* from) { return get(from + i, V{}); };
   return round_part(row(terms.length), row(terms.radius1), row(terms.radius2), row(terms.sine),
                     row(terms.cosine), terms.sphere, terms.cone);
 }

@@ -106,7 +106,7 @@ void remove_beyond(int cut, Polygon<V>& polygon, Excess<V> (&excess)[Polygon<V>:
 
 // The triangle in the plane's coordinates, without what lies beyond the primitive's cuts.
 template <class V>
-void set_polygon(const RoundTerms<NumberOf<V>>& terms, const RoundPart<V>& part, const RoundPlane<V>& plane,
+void set_polygon(const RoundTerms& terms, const RoundPart<V>& part, const RoundPlane<V>& plane,
                  const Wide3<V> (&corner)[3], std::size_t lane, Polygon<V>& polygon) {
   Wide2<V> flat[3];
   for (int i = 0; i < 3; ++i) flat[i] = {dot(corner[i], plane.u), dot(corner[i], plane.v)};

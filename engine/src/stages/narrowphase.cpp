@@ -17,7 +17,6 @@
 #include "section/depth.h"
 #include "section/finger_depth.h"
 #include "section/pressure.h"
-#include "section/pressure_rules.h"
 #include "section/prism.h"
 
 namespace lumbrical {
@@ -34,10 +33,7 @@ Vec3 centre_of(const Section& section, const PressureMoments& moments, Vec3 othe
 }
 
 PressureMoments exact_moments(const Section& section, const ContactQuery& query, const AreaMoments& area,
-                              bool whole, Boundary& boundary) {
-  PressureMoments moments;
-  const bool field = query.law == Law::field && section.shape == Shape::round;
-  if (field && field_by_points(section, area, whole, query.tolerance, moments)) return moments;
+                              Boundary& boundary) {
   trace_boundary(section, boundary);
   return query.law == Law::field ? field_moments(query.kernels, section, area, boundary)
                                  : column_moments(section, boundary);
@@ -65,8 +61,7 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
   switch (query.law) {
     case Law::field:
     case Law::column: {
-      const bool whole = overlap == Overlap::inside;
-      const PressureMoments moments = exact_moments(section, query, area, whole, boundary);
+      const PressureMoments moments = exact_moments(section, query, area, boundary);
       contact.error = moments.error;
       contact.volume = max(0, moments.volume);
       contact.centre = centre_of(section, moments, contact.centroid);
@@ -108,14 +103,12 @@ void collide_pair(const Model& model, const Primitives& hand, const FieldKernels
   }
   Section section;
   if (!look_from_plane(primitive, a, b, c, section)) return;
-  const ContactQuery query{primitive.law, model.settings.point_area, &hand, model.settings.tolerance,
-                           kernels};
+  const ContactQuery query{primitive.law, model.settings.point_area, &hand, kernels};
   if (!collide_section(primitive, query, section, boundary, contact)) contact.area = 0;
 }
 
 // Pairs of round primitives on their way through the lanes.
 struct RoundQueue {
-  RoundQueue(const FieldKernels& kernels, double tolerance, bool flat) : batch(kernels, tolerance, flat) {}
   RoundBatch batch;
   // Pairs of the batch with cuts of their own.
   struct Shared {
@@ -123,7 +116,7 @@ struct RoundQueue {
     std::array<HalfSpace, 2> cut;
     BulgeMoments bulge;
   };
-  FixedList<Shared, RoundTerms<double>::kCapacity> shared;
+  FixedList<Shared, RoundTerms::kCapacity> shared;
 };
 
 // Pairs on their way through the lanes, of one thread.
@@ -131,7 +124,8 @@ struct PairWork {
   const Model& model;
   const Primitives& hand;
   const FieldKernels& kernels;
-  RoundQueue steep, flat;
+  std::array<RoundQueue, kRoundZones> round;
+  SliverBatch slivers{kernels};
   RoundHull hull{};
   BorderBatch borders{kernels};
   PrismBatch palm{hand.palm, kernels};
@@ -141,12 +135,9 @@ struct PairWork {
   std::uint32_t leaf_of = Primitives::kMaxCount;      // the primitive the leaf query is of
   std::uint32_t hull_of = Primitives::kMaxCount;      // the primitive the hull is of
   Boundary boundary;
-  PairWork(const Model& m, const Primitives& h, const FieldKernels& k)
-      : model(m),
-        hand(h),
-        kernels(k),
-        steep(k, m.settings.tolerance, false),
-        flat(k, m.settings.tolerance, true) {}
+  PairWork(const Model& m, const Primitives& h, const FieldKernels& k) : model(m), hand(h), kernels(k) {
+    round[static_cast<std::size_t>(RoundZone::flat)].batch.pairs.flat = true;
+  }
 };
 
 const RoundQueue::Shared* shared_of(const Contact& contact, const RoundQueue& queue) {
@@ -163,7 +154,7 @@ void collide_anew(const RoundQueue& queue, PairWork& work, Contact& contact) {
   const auto [a, b, c] = corners_of(work.model.triangles, contact.triangle);
   const Primitive tile = tile_cut_so(work.hand.primitive[contact.primitive], shared->cut);
   const Settings& settings = work.model.settings;
-  const ContactQuery query{tile.law, settings.point_area, nullptr, settings.tolerance, work.kernels};
+  const ContactQuery query{tile.law, settings.point_area, nullptr, work.kernels};
   contact.area = 0;
   Section section;
   if (look_from_plane(tile, a, b, c, section) &&
@@ -178,7 +169,7 @@ void finish_palm(PairWork& work) {
 
 // All but the slivers of the batch's cones.
 void finish(RoundQueue& queue, PairWork& work) {
-  for (Contact* contact : finish_batch(queue.batch)) collide_anew(queue, work, *contact);
+  for (Contact* contact : finish_batch(queue.batch, work.slivers)) collide_anew(queue, work, *contact);
   for (const auto& [contact, cut, bulge] : queue.shared) {
     if (contact->area > 0) add_bulge(bulge, *contact);
   }
@@ -191,11 +182,9 @@ void finish_borders(PairWork& work);
 // All pairs of round primitives.
 void finish_round(PairWork& work) {
   finish_borders(work);
-  for (RoundQueue* queue : {&work.steep, &work.flat}) {
-    finish(*queue, work);
-    for (Contact* contact : finish_slivers(queue->batch))
-      collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
-  }
+  for (RoundQueue& queue : work.round) finish(queue, work);
+  for (Contact* contact : finish_slivers(work.slivers))
+    collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
 }
 
 // A leaf triangle by triangle: of a round primitive, since only curved cuts leave one in doubt and the palm
@@ -237,7 +226,7 @@ const RoundHull& hull_of(const Contact& contact, PairWork& work) {
 // Adds a pair of a round primitive, cut by its planes or by others in their place, to the queue it is for.
 RoundQueue& queue_pair(const Corners& at, std::span<const HalfSpace> cuts, Contact& contact, PairWork& work) {
   const RoundHull& hull = hull_of(contact, work);
-  RoundQueue& queue = lies_flat(hull, at.a, at.b, at.c) ? work.flat : work.steep;
+  RoundQueue& queue = work.round[static_cast<std::size_t>(zone_of(hull, at.a, at.b, at.c))];
   if (!has_room(queue.batch, hull)) finish(queue, work);
   add_to_batch(hull, at.a, at.b, at.c, cuts, contact, queue.batch);
   return queue;
@@ -308,9 +297,11 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
              Boundary& boundary, Contact& contact) {
   if (suits_batch(primitive) && query.law == Law::field) {
     const RoundHull hull = round_hull(primitive);
-    RoundBatch batch(query.kernels, query.tolerance, lies_flat(hull, a, b, c));
+    RoundBatch batch;
+    SliverBatch slivers(query.kernels);
+    batch.pairs.flat = lies_flat(hull, a, b, c);
     add_to_batch(hull, a, b, c, std::span(primitive.cut).first(primitive.cut_count), contact, batch);
-    if (finish_batch(batch).empty() && finish_slivers(batch).empty()) return contact.area > 0;
+    if (finish_batch(batch, slivers).empty() && finish_slivers(slivers).empty()) return contact.area > 0;
   }
   Section section;
   return look_from_plane(primitive, a, b, c, section) &&

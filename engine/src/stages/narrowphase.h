@@ -13,8 +13,7 @@ struct ContactQuery {
   Law law = Law::field;
   double point_area = 1e-4;  ///< [m^2] Settings::point_area
   const Primitives* hand =
-      nullptr;           ///< whose phalanges the paper's depth runs through; none: the primitive alone
-  double tolerance = 0;  ///< Settings::tolerance
+      nullptr;  ///< whose phalanges the paper's depth runs through; none: the primitive alone
   const FieldKernels& kernels = field_kernels(Isa::scalar);
 };
 

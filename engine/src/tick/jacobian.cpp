@@ -36,7 +36,7 @@ BorderCut cut_of(const FieldKernels& kernels, const Primitives& hand, const Prim
 void add_cluster(const Model& model, const Primitives& hand, const Primitive& primitive,
                  std::uint32_t cluster, Vec3 joint, Matrix6& value) {
   const FieldKernels& kernels = field_kernels(model.execution.isa);
-  const ContactQuery query{Law::field, model.settings.point_area, nullptr, 0, kernels};
+  const ContactQuery query{Law::field, model.settings.point_area, nullptr, kernels};
   Boundary boundary;
   for (const std::uint32_t triangle : triangles_of(model.clusters, cluster)) {
     const Corners at = corners_of(model.triangles, triangle);
