@@ -66,6 +66,9 @@ Scratch make_scratch(const Model& model);
 /// go wrong is told in ActuatorFrame::flags; forces that can't be trusted fade to zero.
 ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame);
 
+/// [m] Contact::depth of a contact of the last tick, worked out now where the tick had no need of it.
+double contact_depth(const Model& model, const Scratch& scratch, const Contact& contact);
+
 /// Hash of everything in the state, for recordings and tests.
 std::uint64_t hash_state(const State& state, HashKind kind = HashKind::current);
 

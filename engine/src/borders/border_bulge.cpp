@@ -65,9 +65,8 @@ struct NearBorder {
 // Where lines across the chord touch the cone, so that its two roots meet: at the foot of the apex where the
 // plane goes through that, there the border has a corner.
 void add_touching(const NearBorder& near, double length, Singularities& kinks) {
-  const auto& [x, y, z, side, falling] = near;
-  const auto product = [&](double OverChord::*p, double OverChord::*q) {
-    return x.*p * (x.*q) + y.*p * (y.*q) - z.*p * (z.*q);
+  const auto product = [&near](double OverChord::*p, double OverChord::*q) {
+    return near.x.*p * (near.x.*q) + near.y.*p * (near.y.*q) - near.z.*p * (near.z.*q);
   };
   constexpr auto kStart = &OverChord::start, kAlong = &OverChord::along, kAcross = &OverChord::across;
   const double a = product(kAcross, kAcross), b = product(kStart, kAcross), tilt = product(kAlong, kAcross);

@@ -329,7 +329,8 @@ bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBor
   contact.centroid = to_world(section, (1 / work.area) * work.area_first);
   contact.centre = work.volume > 0 ? to_world(section, (1 / work.volume) * work.first) : contact.centroid;
   contact.normal = section.n;
-  contact.error = work.error + kBoundaryError * section.radius1 * section.radius1 * section.radius1;
+  contact.error = work.error + kBoundaryError * section.radius1 * section.radius1 * section.radius1 +
+                  section.rounded * work.area;
   return true;
 }
 

@@ -189,7 +189,7 @@ void round_contacts(RoundTerms& terms) {
   for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
     const RoundPart<V> part = part_of<V>(terms, i);
     const V r = part.radius1;
-    const V exactness = number<V>(kDiscError) * (r * r * r);
+    const V exactness = number<V>(terms.flat ? kFlatError : kDiscError) * (r * r * r);
     const Wide3<V> corner[3] = {vector_at<V>(terms.a, i), vector_at<V>(terms.b, i), vector_at<V>(terms.c, i)};
     RoundPlane<V> plane;
     const auto fine = look(part, vector_at<V>(terms.axis, i), corner[0], corner[1], corner[2], plane);
@@ -222,9 +222,11 @@ void round_contacts(RoundTerms& terms) {
     sum.volume_y = choose(pointwise, points.volume_y * all.area, sum.volume_y);
 
     const V least = choose(whole, zero, number<V>(kLeastArea) * (r * lesser(r, all.size)));
-    const V error = choose(pointwise, points.error * all.area + rounded_off(r, all.size), exactness);
+    const V error = choose(pointwise, points.error * all.area + rounded_off(r, all.size), exactness) +
+                    plane.rounded * sum.area;
     const auto had = both(closed, lost == zero), contact = both(either(pointwise, had), sum.area > least);
-    const V depth = largest_depth(part, plane, side, polygon, directions, inside, contact);
+    const V depth =
+        terms.depths ? largest_depth(part, plane, side, polygon, directions, inside, contact) : zero;
     V status = choose(open, unsure, zero);
     status = choose(had, zero, status);
     status = choose(contact, one, status);

@@ -21,6 +21,7 @@ struct RoundTerms {
   // Of all pairs.
   bool sphere = false, cone = false;  ///< the primitives' kind; neither: capsules
   bool flat = false;                  ///< their axes lie nearly along the planes
+  bool depths = false;                ///< dl_max is asked for
   int cut_count = 0;                  ///< half-spaces that bound them besides, at most
 
   // The primitive of each pair. The first end is the larger one; a sphere has length 0.
@@ -38,7 +39,7 @@ struct RoundTerms {
   alignas(64) double status[kCapacity];
   alignas(64) double area[kCapacity];                               ///< [m^2]
   alignas(64) double volume[kCapacity];                             ///< [m^3] integral of phi
-  alignas(64) double depth[kCapacity];                              ///< [m] dl_max
+  alignas(64) double depth[kCapacity];                              ///< [m] dl_max, or 0
   alignas(64) double error[kCapacity];                              ///< [m^3] how far the volume may be off
   alignas(64) double normal[3][kCapacity];                          ///< W, unit
   alignas(64) double centroid[3][kCapacity], centre[3][kCapacity];  ///< [m] of the area, of phi

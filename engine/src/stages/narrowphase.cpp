@@ -50,8 +50,10 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
   if (!(area.area > 0)) return false;
 
   const bool whole_finger = query.hand != nullptr && primitive.phalanx[0] >= 0;
-  const Deepest deepest =
-      whole_finger ? finger_depth(*query.hand, primitive, section) : largest_depth(section);
+  const bool by_area = query.law == Law::field || query.law == Law::column || query.law == Law::centroid;
+  Deepest deepest{};
+  if (query.depth || !by_area)
+    deepest = whole_finger ? finger_depth(*query.hand, primitive, section) : largest_depth(section);
   contact.depth = deepest.depth;
   contact.area = area.area;
   contact.centroid = to_world(section, area.centroid);
@@ -62,7 +64,7 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
     case Law::field:
     case Law::column: {
       const PressureMoments moments = exact_moments(section, query, area, boundary);
-      contact.error = moments.error;
+      contact.error = moments.error + section.rounded * area.area;
       contact.volume = max(0, moments.volume);
       contact.centre = centre_of(section, moments, contact.centroid);
       break;
@@ -99,11 +101,13 @@ void collide_pair(const Model& model, const Primitives& hand, const FieldKernels
   const TileBorders borders = borders_on(hand, primitive, a, b, c);
   if (borders.any()) {
     if (!collide_shared(hand, primitive, borders, kernels, a, b, c, boundary, contact)) contact.area = 0;
+    contact.depth = 0;
     return;
   }
   Section section;
   if (!look_from_plane(primitive, a, b, c, section)) return;
-  const ContactQuery query{primitive.law, model.settings.point_area, &hand, kernels};
+  const ContactQuery query{primitive.law, model.settings.point_area, &hand, kernels,
+                           primitive.law != Law::field};
   if (!collide_section(primitive, query, section, boundary, contact)) contact.area = 0;
 }
 
@@ -154,7 +158,7 @@ void collide_anew(const RoundQueue& queue, PairWork& work, Contact& contact) {
   const auto [a, b, c] = corners_of(work.model.triangles, contact.triangle);
   const Primitive tile = tile_cut_so(work.hand.primitive[contact.primitive], shared->cut);
   const Settings& settings = work.model.settings;
-  const ContactQuery query{tile.law, settings.point_area, nullptr, work.kernels};
+  const ContactQuery query{tile.law, settings.point_area, nullptr, work.kernels, false};
   contact.area = 0;
   Section section;
   if (look_from_plane(tile, a, b, c, section) &&
@@ -300,6 +304,7 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
     RoundBatch batch;
     SliverBatch slivers(query.kernels);
     batch.pairs.flat = lies_flat(hull, a, b, c);
+    batch.pairs.depths = true;
     add_to_batch(hull, a, b, c, std::span(primitive.cut).first(primitive.cut_count), contact, batch);
     if (finish_batch(batch, slivers).empty() && finish_slivers(slivers).empty()) return contact.area > 0;
   }
@@ -350,6 +355,18 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
     ++count;
   }
   return count;
+}
+
+double depth_of(const Model& model, const Primitives& hand, const Contact& contact) {
+  const Primitive& primitive = hand.primitive[contact.primitive];
+  const bool told =
+      (contact.triangle & kClusterBit) != 0 || primitive.law != Law::field || primitive.shape == Shape::prism;
+  if (told) return contact.depth;
+  const auto [a, b, c] = corners_of(model.triangles, contact.triangle);
+  Section section;
+  if (!look_from_plane(primitive, a, b, c, section)) return 0;
+  const bool whole_finger = primitive.phalanx[0] >= 0;
+  return (whole_finger ? finger_depth(hand, primitive, section) : largest_depth(section)).depth;
 }
 
 }  // namespace lumbrical

@@ -192,6 +192,11 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   return output;
 }
 
+double contact_depth(const Model& model, const Scratch& scratch, const Contact& contact) {
+  const FloatingPointGuard guard;
+  return depth_of(model, *scratch.primitives, contact);
+}
+
 std::uint64_t hash_state(const State& state, HashKind kind) {
   return kind == HashKind::current ? hash_plain<Hasher>(state) : hash_plain<FormerHasher>(state);
 }
