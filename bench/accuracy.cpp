@@ -42,20 +42,15 @@ struct Evaluator {
 };
 
 // One pair at a time; in a tick pairs share their lanes and cost less (pair_bench).
-bool collide_within(double tolerance, const Pair& pair, Law law, Contact& contact) {
+bool collide_exactly(const Pair& pair, Law law, Contact& contact) {
   static thread_local Boundary boundary;
-  const ContactQuery query{law, kPointArea, nullptr, tolerance, field_kernels(widest_isa())};
+  const ContactQuery query{law, kPointArea, nullptr, field_kernels(widest_isa())};
   return collide(pair.primitive, query, pair.corners[0], pair.corners[1], pair.corners[2], boundary, contact);
 }
 
-/// A further precision is one more line here. The tolerance only matters to the field law.
+/// A further precision is one more line here.
 const Evaluator kEvaluators[] = {
-    {"exact",
-     [](const Pair& pair, Law law, Contact& contact) { return collide_within(0, pair, law, contact); }},
-    {"1e-4",
-     [](const Pair& pair, Law law, Contact& contact) { return collide_within(1e-4, pair, law, contact); }},
-    {"1e-2",
-     [](const Pair& pair, Law law, Contact& contact) { return collide_within(1e-2, pair, law, contact); }},
+    {"exact", collide_exactly},
 };
 
 struct NamedLaw {

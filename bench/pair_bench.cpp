@@ -29,7 +29,7 @@ struct PairScene {
 };
 
 // Triangles of about `size` that all touch one primitive, lying every way; `inside`: wholly within it.
-PairScene make_pairs(Kind kind, double size, bool inside, Isa isa, double tolerance) {
+PairScene make_pairs(Kind kind, double size, bool inside, Isa isa) {
   PairScene scene;
   test::Random random(3);
   Primitive& part = scene.hand.primitive[0];
@@ -40,7 +40,6 @@ PairScene make_pairs(Kind kind, double size, bool inside, Isa isa, double tolera
   part.end2 = part.end1 = random.in_box(0.1);
   if (kind != Kind::sphere) part.end2 += 0.025 * random.direction();
   scene.model.execution.isa = isa;
-  scene.model.settings.tolerance = tolerance;
   Boundary boundary;
   Mesh mesh;
   while (scene.candidates.size() < kPairs) {
@@ -61,29 +60,13 @@ PairScene make_pairs(Kind kind, double size, bool inside, Isa isa, double tolera
   return scene;
 }
 
-// Largest difference of a volume from the exact rung, and largest stated bound, in units of R^3.
-void add_errors(PairScene& scene, benchmark::State& state) {
-  const std::vector<Contact> measured = scene.contacts;
-  scene.model.settings.tolerance = 0;
-  find_contacts(scene.model, scene.hand, scene.candidates, scene.contacts);
-  double error = 0, bound = 0;
-  for (std::size_t i = 0; i < measured.size(); ++i) {
-    error = std::max(error, std::fabs(measured[i].volume - scene.contacts[i].volume));
-    bound = std::max(bound, measured[i].error);
-  }
-  const double unit = kRadius * kRadius * kRadius;
-  state.counters["error_R3"] = error / unit;
-  state.counters["bound_R3"] = bound / unit;
-}
-
-void time_pairs(benchmark::State& state, Kind kind, double size, bool inside, Isa isa, double tolerance) {
-  PairScene scene = make_pairs(kind, size, inside, isa, tolerance);
+void time_pairs(benchmark::State& state, Kind kind, double size, bool inside, Isa isa) {
+  PairScene scene = make_pairs(kind, size, inside, isa);
   for (auto _ : state) {
     benchmark::DoNotOptimize(find_contacts(scene.model, scene.hand, scene.candidates, scene.contacts));
   }
   state.counters["ns_per_pair"] = benchmark::Counter(
       kPairs * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
-  add_errors(scene, state);
 }
 
 struct SizeClass {
@@ -101,19 +84,13 @@ constexpr SizeClass kSizes[] = {{"inside_0.01R", 0.01 * kRadius, true},
 void add_all() {
   for (const Kind kind : {Kind::sphere, Kind::capsule, Kind::cone}) {
     for (const SizeClass& shape : kSizes) {
-      for (const double tolerance : {0.0, 1e-4, 1e-2}) {
-        for (const Isa isa : {Isa::scalar, Isa::sse2, Isa::avx2, Isa::avx512, Isa::neon}) {
-          if (!available(isa)) continue;
-          const std::string name = std::string("pair/") + kKindNames[static_cast<int>(kind)] + "/" +
-                                   shape.name +
-                                   (tolerance == 0     ? "/exact"
-                                    : tolerance < 1e-3 ? "/1e-4"
-                                                       : "/1e-2") +
-                                   "/" + std::string(isa_name(isa));
-          benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
-            time_pairs(state, kind, shape.size, shape.inside, isa, tolerance);
-          });
-        }
+      for (const Isa isa : {Isa::scalar, Isa::sse2, Isa::avx2, Isa::avx512, Isa::neon}) {
+        if (!available(isa)) continue;
+        const std::string name = std::string("pair/") + kKindNames[static_cast<int>(kind)] + "/" +
+                                 shape.name + "/exact/" + std::string(isa_name(isa));
+        benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
+          time_pairs(state, kind, shape.size, shape.inside, isa);
+        });
       }
     }
   }

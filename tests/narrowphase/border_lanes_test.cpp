@@ -170,7 +170,7 @@ TEST(BorderLanes, GiveChordsAndBulgesOfOneBorderAtATime) {
       ++clear;
       const BulgeMoments& bulge = found[k].pair.bulge;
       const TileBorders near = borders_in_reach(hand, tile, t.a, t.b, t.c);
-      const BorderCut alone = cut_at_borders(hand, tile, near, t.a, t.b, t.c);
+      const BorderCut alone = cut_at_borders(field_kernels(Isa::scalar), hand, tile, near, t.a, t.b, t.c);
       if (!alone.crosses) {
         EXPECT_LT(std::fabs(bulge.volume), 1e-12 * square * kRadius) << i << ' ' << k;
         continue;

@@ -175,5 +175,25 @@ TEST(Finger, EveryResultTurnsWithTheWorld) {
   }
 }
 
+TEST(Finger, TellsTheDepthOfAContactWhenAsked) {
+  const double deep = 0.002;
+  Scene scene;
+  scene.hand = test::plain_hand(kRadius);
+  scene.objects.push_back({"plane", make_plane(0.4, 40, 1)});
+  const Model model = test::model_of(scene);
+  State state;
+  Scratch scratch = make_scratch(model);
+  const double height = kRadius - deep;
+  tick(model, state, scratch,
+       test::finger_frame({{{0, 0, height}, {0.04, 0, height}, {0.065, 0, height}, {0.085, 0, height}}}));
+  ASSERT_GT(scratch.contact_count, 10u);
+  double deepest = 0;
+  for (std::size_t i = 0; i < scratch.contact_count; ++i) {
+    EXPECT_EQ(scratch.contacts[i].depth, 0);
+    deepest = std::fmax(deepest, contact_depth(model, scratch, scratch.contacts[i]));
+  }
+  EXPECT_NEAR(deepest, deep, 1e-9);
+}
+
 }  // namespace
 }  // namespace lumbrical

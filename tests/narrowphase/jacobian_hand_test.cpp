@@ -132,7 +132,8 @@ bool has_general_contact(const Session& session, std::size_t segment) {
     const Primitive& tile = hand.primitive[contact.primitive];
     if (tile.segment != segment || segment == kPalmSegment) continue;
     const auto [a, b, c] = corners_of(session.model.triangles, contact.triangle);
-    if (cut_at_borders(hand, tile, borders_in_reach(hand, tile, a, b, c), a, b, c).kind == CutKind::general)
+    if (cut_at_borders(field_kernels(Isa::scalar), hand, tile, borders_in_reach(hand, tile, a, b, c), a, b, c)
+            .kind == CutKind::general)
       return true;
   }
   return false;

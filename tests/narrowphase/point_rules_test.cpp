@@ -199,8 +199,8 @@ TEST(PointRules, LeaveNoMoreOfADistanceThanTheirBound) {
   for (std::size_t k = 0; k < kTriangleRuleCount; ++k) EXPECT_GT(near[k], 5) << "rule " << k;
 }
 
-// Sizes of 1e-4 to 1 R, so that every rule and the closed form have their share.
-TEST(PointRules, OfTrianglesWhollyInsideStateErrorsThatHoldAtEveryPrecision) {
+// Sizes of 1e-4 to 1 R, so that rules and the closed form have their share.
+TEST(PointRules, OfTrianglesWhollyInsideStateErrorsThatHold) {
   Random random(9);
   Boundary boundary;
   int inside = 0;
@@ -221,14 +221,11 @@ TEST(PointRules, OfTrianglesWhollyInsideStateErrorsThatHoldAtEveryPrecision) {
     const double area = norm(cross(corner[1] - corner[0], corner[2] - corner[0])) / 2;
     if (wanted.area.amount < 0.999999 * area) continue;
     ++inside;
-    for (const double tolerance : {0.0, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2}) {
-      const ContactQuery query{Law::field, 1e-4, nullptr, tolerance, field_kernels(Isa::scalar)};
-      Contact contact;
-      ASSERT_TRUE(collide(p, query, corner[0], corner[1], corner[2], boundary, contact));
-      const double off = std::fabs(static_cast<double>(contact.volume - wanted.field.amount));
-      EXPECT_LE(off, contact.error) << "pair " << i << ", size " << size / 0.008 << ", tolerance "
-                                    << tolerance << ", area " << area;
-    }
+    const ContactQuery query{Law::field, 1e-4, nullptr, field_kernels(Isa::scalar)};
+    Contact contact;
+    ASSERT_TRUE(collide(p, query, corner[0], corner[1], corner[2], boundary, contact));
+    const double off = std::fabs(static_cast<double>(contact.volume - wanted.field.amount));
+    EXPECT_LE(off, contact.error) << "pair " << i << ", size " << size / 0.008 << ", area " << area;
   }
   EXPECT_GT(inside, 300);
 }

@@ -25,7 +25,8 @@ struct Contact {
   std::uint32_t triangle =
       0;             ///< index into Model::triangles, or kClusterBit [+ kSplitBit] + one into clusters
   double depth = 0;  ///< [m] dl_max: the largest depth, through the whole finger; of the palm the largest phi
-                     ///< (under `field` its edges have that along -normal)
+                     ///< (under `field` its edges have that along -normal). Of round primitives under the
+                     ///< field law 0 until it is asked for (contact_depth)
   double area = 0;   ///< [m^2] A_C: the part of the triangle inside the primitive
   double volume = 0;  ///< [m^3] the law's depth summed over that part; K_s times it is the force
   double error = 0;   ///< [m^3] bound of |volume - exact|, exact laws; 0 for the others

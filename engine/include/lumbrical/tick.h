@@ -70,6 +70,9 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
 /// that tick's frame could not be trusted, or where there are more pairs than Settings::max_candidates.
 std::span<const Contact> find_contacts(const Model& model, Scratch& scratch);
 
+/// [m] Contact::depth of a contact of the last tick, worked out now where the tick had no need of it.
+double contact_depth(const Model& model, const Scratch& scratch, const Contact& contact);
+
 /// Hash of everything in the state, for recordings and tests.
 std::uint64_t hash_state(const State& state);
 

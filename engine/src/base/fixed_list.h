@@ -22,6 +22,11 @@ class FixedList {
     assert(size_ < Capacity);
     return *::new (static_cast<void*>(place_ + size_++ * sizeof(T))) T(item);
   }
+  [[nodiscard]] T& back() { return *(end() - 1); }
+  void pop_back() {
+    assert(size_ > 0);
+    --size_;
+  }
   void clear() { size_ = 0; }
   [[nodiscard]] bool empty() const { return size_ == 0; }
   [[nodiscard]] T* begin() { return std::launder(reinterpret_cast<T*>(place_)); }

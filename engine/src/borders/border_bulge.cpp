@@ -19,6 +19,9 @@ constexpr double kFlat = 0.15;
 // of a twelfth of its cube or less.
 constexpr double kShort = 1e-5;
 
+// Of what is summed up to a root of a border; and what the root of that leaves of heights beside the apex.
+constexpr double kRounding = 4e-15, kNearApex = 1e-7;
+
 // A bulge higher than this share of its chord is integrated to all digits, lower ones to nine.
 constexpr double kSmallBulge = 0.01;
 
@@ -42,18 +45,40 @@ struct NearBorder {
         z(rival.border.height, chord),
         side(rival.border.side),
         falling(rival.is_first ? -rival.border.side : rival.border.side) {}
-  // The root next to the chord; false where there is none, or the rival is not above it.
+  // The root next to the chord; false where there is none, or the rival is not above it. In a plane through
+  // the apex, or all but through it, both roots meet there and only rounding tells them apart.
   bool height_at(double s, double& height) const {
     const double p = x.at(s), q = y.at(s), r = z.at(s);
+    const double far = std::fabs(p) + std::fabs(q) + std::fabs(r);
+    const double steep = std::fabs(x.across) + std::fabs(y.across) + std::fabs(z.across);
     const double a = x.across * x.across + y.across * y.across - z.across * z.across;
     const double b = p * x.across + q * y.across - r * z.across, c = p * p + q * q - r * r;
-    const double square = b * b - a * c, sign = b < 0 ? -1 : 1;
-    const double denominator = b + sign * std::sqrt(max(0, square));
-    if (!(square >= 0) || denominator == 0 || sign != falling) return false;
-    height = -c / denominator;
-    return side * (r + height * z.across) >= 0;
+    const double square = b * b - a * c, most = far * steep;
+    if (!(square >= -kRounding * most * most) || b * falling < -kRounding * most) return false;
+    const double denominator = b + falling * std::sqrt(max(0, square));
+    if (!(denominator * falling > 0) && std::fabs(c) > kRounding * far * far) return false;
+    height = denominator * falling > 0 ? -c / denominator : 0;
+    return side * (r + height * z.across) >= -kNearApex * (far + std::fabs(height) * steep);
   }
 };
+
+// Where lines across the chord touch the cone, so that its two roots meet: at the foot of the apex where the
+// plane goes through that, there the border has a corner.
+void add_touching(const NearBorder& near, double length, Singularities& kinks) {
+  const auto product = [&near](double OverChord::*p, double OverChord::*q) {
+    return near.x.*p * (near.x.*q) + near.y.*p * (near.y.*q) - near.z.*p * (near.z.*q);
+  };
+  constexpr auto kStart = &OverChord::start, kAlong = &OverChord::along, kAcross = &OverChord::across;
+  const double a = product(kAcross, kAcross), b = product(kStart, kAcross), tilt = product(kAlong, kAcross);
+  const double second = (tilt * tilt - a * product(kAlong, kAlong)) * length * length;
+  const double first = (b * tilt - a * product(kStart, kAlong)) * length,
+               zeroth = b * b - a * product(kStart, kStart);
+  const double square = first * first - second * zeroth;
+  if (!(square > 0)) return add_closest_approach(second, first, zeroth, kinks);
+  const double sum = first < 0 ? std::sqrt(square) - first : -(first + std::sqrt(square));
+  if (second != 0) kinks.add(sum / second, 0, true);
+  if (sum != 0) kinks.add(zeroth / sum, 0, true);
+}
 
 // The border as a height over its chord.
 struct Border {
@@ -107,29 +132,47 @@ struct Border {
 
 constexpr int kProbes = 5;
 
-// Where along the border the field has its maximum, of which only the sign is asked: parabolas through the
-// best of three points, ended where it is positive or no longer grows.
-template <class F>
-double find_inside(const F& field, const Border& border) {
-  const double length = border.chord.length;
-  std::array<double, 3> s{0.25 * length, 0.5 * length, 0.75 * length}, f{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    f[i] = field(s[i]);
-    if (f[i] > 0) return s[i];
-  }
-  for (int step = 0; step < 12 && border.good; ++step) {
-    const double a = (s[1] - s[0]) * (f[1] - f[2]), b = (s[1] - s[2]) * (f[1] - f[0]);
-    if (!(std::fabs(a - b) > 0)) return -1;
-    double best = s[1] - 0.5 * ((s[1] - s[0]) * a - (s[1] - s[2]) * b) / (a - b);
-    best = clamp(best, 0, length);
-    const double value = field(best);
-    if (value > 0) return best;
-    const std::size_t worst = f[0] < f[1] ? (f[0] < f[2] ? 0 : 2) : (f[1] < f[2] ? 1 : 2);
-    if (!(value > f[worst]) || std::fabs(best - s[0]) < 1e-7 * length ||
-        std::fabs(best - s[1]) < 1e-7 * length || std::fabs(best - s[2]) < 1e-7 * length)
-      return -1;
-    s[worst] = best;
-    f[worst] = value;
+// A point of a border, with the field of the tile there and its slope.
+struct BorderPoint {
+  double s;
+  Point2 at, slope;
+  double phi;
+};
+
+BorderPoint point_on(Border& border, double s) {
+  const Point2 at = border.point(s);
+  const Cone& own = border.rival.own();
+  const Sight sight = sight_of(own, at);
+  return {s, at, cone_slope(own, sight), cone_field(own, sight)};
+}
+
+// A bound of the field between two points of a border. It is concave in the plane, so along the straight
+// between them it stays below its tangents at both, and a curve that bends one way is nowhere farther from
+// that than twice as far as in its middle.
+double most_between(const BorderPoint& from, const BorderPoint& to, Point2 middle) {
+  const Point2 way = to.at - from.at;
+  const double length = std::sqrt(dot(way, way)), rise = dot(from.slope, way), fall = -dot(to.slope, way);
+  double most = max(from.phi, to.phi);
+  if (rise > 0 && fall > 0) most = (from.phi * fall + to.phi * rise + rise * fall) / (rise + fall);
+  return most + (length > 0 ? 2 * std::fabs(cross(way, middle - from.at)) / length : 0);
+}
+
+// Of a border both of whose ends are outside the section: an abscissa inside; -1 where there is none; -2
+// where that is not to be told.
+constexpr int kMostPoints = 200;
+double find_inside(Border& border) {
+  const double touching = 1e-12 * border.rival.first.radius;
+  std::array<std::array<BorderPoint, 2>, 64> open;
+  open[0] = {point_on(border, 0), point_on(border, border.chord.length)};
+  std::size_t left = 1;
+  for (int count = 0; left > 0; ++count) {
+    const auto [from, to] = open[--left];
+    const BorderPoint middle = point_on(border, 0.5 * (from.s + to.s));
+    if (!border.good || count > kMostPoints || left + 2 > open.size()) return -2;
+    if (middle.phi > 0) return middle.s;
+    if (!(most_between(from, to, middle.at) > touching)) continue;
+    open[left++] = {from, middle};
+    open[left++] = {middle, to};
   }
   return -1;
 }
@@ -166,6 +209,7 @@ Singularities kinks_along(const Section& section, const Slant& slant, Border& bo
   Singularities kinks = line_kinks(section, slant, chord.from, chord.at(chord.length, 0));
   kinks.refine = false;
   add_point(rival.first.joint, chord, kinks);
+  if (rival.near) add_touching(border.near, chord.length, kinks);
   if (!rival.joined) add_point(rival.second.joint, chord, kinks);
   for (const Cone* cone : {&rival.first, &rival.second}) {
     if (!rival.near) {
@@ -220,8 +264,8 @@ Course follow_border(const Section& section, const Rival& rival, Chord& chord) {
   const double begin = field(0), end = field(chord.length);
   double from = 0, to = chord.length;
   if (begin < 0 || end < 0) {
-    const double inside = begin > 0 ? 0 : end > 0 ? chord.length : find_inside(field, border);
-    if (!border.good) return Course::unclear;
+    const double inside = begin > 0 ? 0 : end > 0 ? chord.length : find_inside(border);
+    if (!border.good || inside == -2) return Course::unclear;
     if (inside < 0) return Course::outside;
     const double value = field(inside), tolerance = 1e-11 * rival.first.radius;
     if (begin < 0) from = find_root(field, 0, begin, inside, value, tolerance);

@@ -10,6 +10,9 @@
 namespace lumbrical {
 namespace {
 
+// A way across a triangle shorter than this share of a border's reach is not looked at.
+constexpr double kShortest = 1e-10;
+
 // A point in the border's coordinates. All points here are relative to the joint: far from the origin nothing
 // is lost.
 struct ConePoint {
@@ -101,6 +104,8 @@ Crossed cross_border(const JointBorder& border, bool is_outer_tile, const Vec3 (
   // Counter-clockwise the lone corner lies between the crossings with its last and its next edge.
   const Vec3 before = crossing(last), after = crossing(next);
   const bool lone_is_mine = (count == 1) == mine_inside;
+  // A chord so short has no direction: at a joint in the triangle's corner rounding makes one.
+  if (!(norm(after - before) > kShortest * border.reach)) return {};
   return lone_is_mine ? Crossed{Verdict::crossed, after, before} : Crossed{Verdict::crossed, before, after};
 }
 

@@ -76,9 +76,15 @@ Chord chord_of(const Section& section, Vec3 joint, const BorderCut& cut) {
   return chord_between(in_plane(cut.from), in_plane(cut.to));
 }
 
+BulgeMoments in_space(const Section& section, const Bulge& bulge) {
+  const auto turned = [&](Point2 p) { return p.x * section.u + p.y * section.v; };
+  return {to_world(section, {0, 0}), bulge.area, bulge.volume, turned(bulge.area_first), turned(bulge.first)};
+}
+
 // The cut along the part of a border inside the section; false where it is not as simple as that.
-bool cut_along(const Primitives& hand, const Primitive& tile, const BorderCrossing& crossing,
-               const Vec3 (&corner)[3], HalfSpace& half_space, BorderCut& cut) {
+bool cut_along(const FieldKernels& kernels, const Primitives& hand, const Primitive& tile,
+               const BorderCrossing& crossing, const Vec3 (&corner)[3], HalfSpace& half_space,
+               BorderCut& cut) {
   Vec3 n;
   if (!normal_of(corner[0], corner[1], corner[2], n)) {
     cut.kind = CutKind::gone;
@@ -107,6 +113,9 @@ bool cut_along(const Primitives& hand, const Primitive& tile, const BorderCrossi
   const Vec3 across = chord.across.x * section.u + chord.across.y * section.v;
   half_space = {across, joint, dot(across, cut.from)};
   cut.crosses = true;
+  Bulge bulge;
+  if (!integrate_bulge(kernels, section, rival, chord, bulge)) return false;
+  cut.bulge = in_space(section, bulge);
   return true;
 }
 
@@ -119,8 +128,8 @@ bool keeps_to(const HalfSpace& space, Vec3 joint, Vec3 from, Vec3 to, double hei
   return most - space.offset <= -height;
 }
 
-BorderCut cut_at_borders(const Primitives& hand, const Primitive& tile, const TileBorders& near, Vec3 a,
-                         Vec3 b, Vec3 c) {
+BorderCut cut_at_borders(const FieldKernels& kernels, const Primitives& hand, const Primitive& tile,
+                         const TileBorders& near, Vec3 a, Vec3 b, Vec3 c) {
   const TriangleCuts cuts = cross_borders(hand, tile, near, a, b, c);
   const auto& [inner, outer] = cuts.crossing;
   BorderCut cut;
@@ -133,7 +142,7 @@ BorderCut cut_at_borders(const Primitives& hand, const Primitive& tile, const Ti
   }
   cut.outer = outer.exists;
   const std::size_t own = own_cut(tile, cut.outer);
-  if (!cut_along(hand, tile, cut.outer ? outer : inner, {a, b, c}, cut.cut[own], cut))
+  if (!cut_along(kernels, hand, tile, cut.outer ? outer : inner, {a, b, c}, cut.cut[own], cut))
     cut.kind = CutKind::general;
   // The bulge keeps to the tile's side of the other cut.
   const Vec3 joint = hand.border[joint_of(tile, cut.outer)].centre;
@@ -146,21 +155,6 @@ Primitive tile_cut_so(const Primitive& tile, const std::array<HalfSpace, 2>& cut
   Primitive result = tile;
   result.cut = {cut[0], cut[1]};
   return result;
-}
-
-BulgeMoments bulge_of(const FieldKernels& kernels, const Primitives& hand, const Primitive& tile,
-                      const BorderCut& cut, Vec3 a, Vec3 b, Vec3 c) {
-  Section section;
-  Vec3 n;
-  if (!cut.crosses || !normal_of(a, b, c, n) || !look_along(tile, a, n, b - a, section)) return {};
-  const std::size_t phalanx = joint_of(tile, cut.outer);
-  const Rival rival = joint_rival(section, hand, phalanx, cut.outer);
-  Bulge bulge;
-  if (!integrate_bulge(kernels, section, rival, chord_of(section, hand.border[phalanx].centre, cut), bulge))
-    return {};
-  const auto in_space = [&](Point2 p) { return p.x * section.u + p.y * section.v; };
-  return {to_world(section, {0, 0}), bulge.area, bulge.volume, in_space(bulge.area_first),
-          in_space(bulge.first)};
 }
 
 void add_bulge(const BulgeMoments& bulge, Contact& contact) {

@@ -11,6 +11,13 @@
 
 namespace lumbrical {
 
+/// What a contact whose cuts are chords gains beyond them, in W.
+struct BulgeMoments {
+  Vec3 base;                    ///< [m] a point near the contact
+  double area = 0, volume = 0;  ///< [m^2], [m^3] of the tile's field
+  Vec3 area_first, first;       ///< [m^3], [m^4] first moments about the base
+};
+
 /// How the borders of a tile cut one triangle.
 struct BorderCut {
   CutKind kind = CutKind::planes;
@@ -19,12 +26,13 @@ struct BorderCut {
   bool outer = false;              ///< the chord is of the border away from the wrist
   Vec3 from, to;                   ///< [m] W, its ends from the joint
   double height = 0;               ///< [m] no farther than this from it the border is
+  BulgeMoments bulge;              ///< what the tile gains beyond its chord
 };
 
 /// How `tile` [suits_batch] and its neighbours share out the triangle a, b, c [m, W], `near` the borders in
-/// its reach. Two borders that cross it are `general` here.
-BorderCut cut_at_borders(const Primitives& hand, const Primitive& tile, const TileBorders& near, Vec3 a,
-                         Vec3 b, Vec3 c);
+/// its reach. Two borders that cross it are `general` here, and so is one whose bulge can't be integrated.
+BorderCut cut_at_borders(const FieldKernels& kernels, const Primitives& hand, const Primitive& tile,
+                         const TileBorders& near, Vec3 a, Vec3 b, Vec3 c);
 
 /// Does what lies no farther than `height` from the chord keep to the side of `space` that is kept? Its ends
 /// are relative to the joint; a normal of 0 keeps everything.
@@ -33,18 +41,7 @@ bool keeps_to(const HalfSpace& space, Vec3 joint, Vec3 from, Vec3 to, double hei
 /// The tile with the cuts of one triangle.
 Primitive tile_cut_so(const Primitive& tile, const std::array<HalfSpace, 2>& cut);
 
-/// What a contact whose cuts are chords gains beyond them, in W.
-struct BulgeMoments {
-  Vec3 base;                    ///< [m] a point near the contact
-  double area = 0, volume = 0;  ///< [m^2], [m^3] of the tile's field
-  Vec3 area_first, first;       ///< [m^3], [m^4] first moments about the base
-};
-
-/// Of the tile cut so by the triangle a, b, c.
-BulgeMoments bulge_of(const FieldKernels& kernels, const Primitives& hand, const Primitive& tile,
-                      const BorderCut& cut, Vec3 a, Vec3 b, Vec3 c);
-
-/// Adds it to the contact.
+/// Adds a bulge to the contact of the tile cut so.
 void add_bulge(const BulgeMoments& bulge, Contact& contact);
 
 /// The bulge's part in the contact's Jacobian, in the plane coordinates of its section

@@ -6,11 +6,13 @@
 #include <array>
 #include <cmath>
 
+#include "base/fixed_list.h"
 #include "borders/border_bulge.h"
 #include "borders/joint_border.h"
 #include "borders/tile_share.h"
 #include "section/depth.h"
-#include "section/pressure_rules.h"
+#include "section/pressure.h"
+#include "section/stated_errors.h"
 
 namespace lumbrical {
 namespace {
@@ -20,9 +22,12 @@ namespace {
 // singular, or where two tiles are all but in one place does it come to that.
 constexpr double kLeast = 5e-3, kLeastStake = 1e-13;
 
-// Where that takes more parts than this, as where two tiles are all but in one place, none is halved more
-// often than so.
-constexpr int kMostParts = 1000, kFineLevel = 60, kCoarseLevel = 11;
+// A border is split at its joint where that is not next to one of its ends, as a share of the chord.
+constexpr double kBeside = 1e-3;
+
+// Parts a pair may take. Where they don't suffice, as where two tiles are all but in one place, those with
+// the most at stake are split first, and what is at stake in the others is in the contact's error.
+constexpr std::size_t kMostParts = 128;
 
 struct Work {
   Section& section;  // its polygon is the part at hand
@@ -31,8 +36,7 @@ struct Work {
   int rival_count = 0;
   std::array<Rival, 2> rival{};
   Rival others{};  // of two rivals, the first against the second
-  int parts = 0, level_limit = kFineLevel;
-  double area = 0, volume = 0, depth = 0;
+  double area = 0, volume = 0, depth = 0, error = 0;
   Point2 area_first{0, 0}, first{0, 0};
 };
 
@@ -166,8 +170,9 @@ Split split_across(const Polygon2& polygon, Point2 middle) {
   return split;
 }
 
-// A border too curved for its chord is split in its middle, and two of them at once along the strip between.
-Split split_for(const Crossings& crossings, const Polygon2& polygon, Point2 middle) {
+// A border too curved for its chord is split in its middle, or where the joint is next to it, for there it
+// bends most; two of them at once along the strip between.
+Split split_for(const Rival& rival, const Crossings& crossings, const Polygon2& polygon, Point2 middle) {
   const auto half = [&](std::size_t i, std::size_t k) { return 0.5 * (crossings.at[i] + crossings.at[k]); };
   const auto square = [&](std::size_t i, std::size_t k) {
     const Point2 d = crossings.at[i] - crossings.at[k];
@@ -175,8 +180,10 @@ Split split_for(const Crossings& crossings, const Polygon2& polygon, Point2 midd
   };
   Split split = split_across(polygon, middle);
   if (crossings.count == 2) {
-    const Point2 chord = crossings.at[1] - crossings.at[0];
-    if (dot(chord, chord) > 0) split = {half(0, 1), chord};
+    const Point2 chord = crossings.at[1] - crossings.at[0], joint{rival.first.joint.x, rival.first.joint.y};
+    const double along = dot(joint - crossings.at[0], chord), length2 = dot(chord, chord);
+    const bool beside = along > kBeside * length2 && along < (1 - kBeside) * length2;
+    if (length2 > 0) split = {beside ? joint : half(0, 1), chord};
   } else if (crossings.count == 4) {
     const bool ends = square(0, 1) + square(2, 3) < square(1, 2) + square(3, 0);
     const Point2 from = ends ? half(0, 1) : half(1, 2), along = (ends ? half(2, 3) : half(3, 0)) - from;
@@ -185,13 +192,38 @@ Split split_for(const Crossings& crossings, const Polygon2& polygon, Point2 midd
   return split;
 }
 
-void add_part(const Polygon2& polygon, int level, Work& work) {
+// A part of the triangle's plane that is still to be shared out.
+struct Part {
+  Polygon2 polygon;
+  Point2 middle{0, 0};
+  double reach = 0, stake = 0;  // [m]; [m^3]
+  int level = 0;                // how often it was split
+};
+using Parts = FixedList<Part, kMostParts + 1>;
+
+void open_part(const Polygon2& polygon, int level, const Work& work, Parts& open) {
   if (polygon.count < 3) return;
-  work.section.polygon = polygon;
-  if (classify(work.section) == Overlap::apart) return;
   const Point2 middle = middle_of(polygon);
   const double reach = reach_of(polygon, middle);
-  if (++work.parts > kMostParts && work.level_limit > kCoarseLevel) return;
+  open.push_back({polygon, middle, reach, stake_of(work, polygon, middle, reach), level});
+}
+
+Part take_largest(Parts& open) {
+  Part* largest = open.begin();
+  for (Part& part : open) {
+    if (part.stake > largest->stake) largest = &part;
+  }
+  const Part part = *largest;
+  *largest = open.back();
+  open.pop_back();
+  return part;
+}
+
+// Adds what of a part is the tile's, or splits it.
+void share_out(const Part& part, Work& work, Parts& open) {
+  const auto& [polygon, middle, reach, stake, level] = part;
+  work.section.polygon = polygon;
+  if (classify(work.section) == Overlap::apart) return;
   std::array<Share, 2> share{Share::all, Share::all};
   std::array<Crossings, 2> crossings;
   for (int i = 0; i < work.rival_count; ++i) {
@@ -212,9 +244,7 @@ void add_part(const Polygon2& polygon, int level, Work& work) {
   const bool one_border = share[k] == Share::crossed && share[1 - k] == Share::all;
   if (one_border && add_crossed(work.rival[k], crossings[k], work)) return;
   const double radius = work.rival[0].first.radius;
-  const bool least = reach < kLeast * radius &&
-                     stake_of(work, polygon, middle, reach) < kLeastStake * radius * radius * radius;
-  if (least || level >= work.level_limit) {
+  if (reach < kLeast * radius && stake < kLeastStake * radius * radius * radius) {
     work.section.polygon = polygon;
     return add_least(middle, reach, work);
   }
@@ -222,13 +252,27 @@ void add_part(const Polygon2& polygon, int level, Work& work) {
   // every other time smaller as well.
   const bool flatter =
       one_border || (share[1 - k] == Share::all && crossings[k].count == 4 && level % 2 == 0);
-  const Split split = flatter ? split_for(crossings[k], polygon, middle) : split_across(polygon, middle);
+  const Split split =
+      flatter ? split_for(work.rival[k], crossings[k], polygon, middle) : split_across(polygon, middle);
   const double offset = dot(split.normal, split.point);
   Polygon2 one = polygon, other = polygon;
   cut_polygon(split.normal, offset, one);
   cut_polygon(-1.0 * split.normal, -offset, other);
-  add_part(one, level + 1, work);
-  add_part(other, level + 1, work);
+  open_part(one, level + 1, work, open);
+  open_part(other, level + 1, work, open);
+}
+
+void share_out_all(const Polygon2& polygon, Work& work) {
+  Parts open;
+  open_part(polygon, 0, work, open);
+  for (std::size_t count = 0; !open.empty() && count < kMostParts; ++count)
+    share_out(take_largest(open), work, open);
+  for (const Part& part : open) {
+    work.section.polygon = part.polygon;
+    if (classify(work.section) == Overlap::apart) continue;
+    add_least(part.middle, part.reach, work);
+    work.error += part.stake;
+  }
 }
 
 // What of the plane the tile can reach: far corners of a large triangle would only make borders long.
@@ -275,13 +319,7 @@ bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBor
   Polygon2 polygon = section.polygon;
   cut_to_section(section, polygon);
   const double extent = reach_of(polygon, middle_of(polygon));
-  add_part(polygon, 0, work);
-  if (work.parts > kMostParts) {
-    work.area = work.volume = work.depth = 0;
-    work.area_first = work.first = {0, 0};
-    work.level_limit = kCoarseLevel;
-    add_part(polygon, 0, work);
-  }
+  share_out_all(polygon, work);
   // Smaller than this an area is what rounding leaves of nothing.
   if (!(work.area > 1e-14 * extent * min(extent, section.radius1))) return false;
 
@@ -291,7 +329,8 @@ bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBor
   contact.centroid = to_world(section, (1 / work.area) * work.area_first);
   contact.centre = work.volume > 0 ? to_world(section, (1 / work.volume) * work.first) : contact.centroid;
   contact.normal = section.n;
-  contact.error = kBoundaryError * section.radius1 * section.radius1 * section.radius1;
+  contact.error = work.error + kBoundaryError * section.radius1 * section.radius1 * section.radius1 +
+                  section.rounded * work.area;
   return true;
 }
 

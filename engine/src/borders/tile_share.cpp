@@ -12,6 +12,12 @@ namespace {
 // Edges are searched for borders in steps of this share of the joint's radius.
 constexpr double kStep = 0.25;
 
+// Roots along an edge, as shares of it: what a chord's end misses the border by counts squared.
+constexpr double kEdgeRoot = 1e-12;
+
+// So near its joint, as a share of its radius, a border may be crossed by rounding alone.
+constexpr double kTouch = 1e-8;
+
 // A part through which a border runs that is more than a cone's (JointBorder::near) is no larger than this.
 constexpr double kSmall = 0.6;
 
@@ -27,7 +33,7 @@ struct Edge {
 void add_root(const Edge& edge, double t0, double f0, double t1, double f1) {
   Crossings& crossings = edge.crossings;
   if (crossings.count == Crossings::kMaxCount) return;
-  const double t = find_root([&](double at) { return edge.at(at); }, t0, f0, t1, f1, 4e-16);
+  const double t = find_root([&](double at) { return edge.at(at); }, t0, f0, t1, f1, kEdgeRoot);
   if (crossings.count == 0) crossings.leaving_first = f0 > 0;
   crossings.at[static_cast<std::size_t>(crossings.count++)] = edge.p + t * edge.d;
 }
@@ -144,6 +150,39 @@ bool is_higher(const Cone& higher, const Cone& lower, const Polygon2& polygon, P
   return true;
 }
 
+// Takes out crossings at the joint, two by two: an edge through a joint in the plane only touches the border
+// there, and rounding makes two crossings of that, whose chord has no direction.
+void remove_touches(const Rival& rival, Crossings& crossings) {
+  const auto at_joint = [&](int i) {
+    const Point2 d =
+        crossings.at[static_cast<std::size_t>(i)] - Point2{rival.first.joint.x, rival.first.joint.y};
+    return dot(d, d) < kTouch * kTouch * rival.first.radius * rival.first.radius;
+  };
+  for (int i = 0; i + 1 < crossings.count; ++i) {
+    if (!at_joint(i) || !at_joint(i + 1)) continue;
+    for (int k = i + 2; k < crossings.count; ++k)
+      crossings.at[static_cast<std::size_t>(k - 2)] = crossings.at[static_cast<std::size_t>(k)];
+    crossings.count -= 2;
+    return;
+  }
+  const int last = crossings.count - 1;
+  if (last < 1 || !at_joint(0) || !at_joint(last)) return;
+  for (int k = 1; k < last; ++k)
+    crossings.at[static_cast<std::size_t>(k - 1)] = crossings.at[static_cast<std::size_t>(k)];
+  crossings.count -= 2;
+  crossings.leaving_first = !crossings.leaving_first;
+}
+
+// The value of the largest magnitude.
+double farthest(const std::array<double, Polygon2::kMaxCorners>& value, int count) {
+  double most = 0;
+  for (int i = 0; i < count; ++i) {
+    const double here = value[static_cast<std::size_t>(i)];
+    if (std::fabs(here) > std::fabs(most)) most = here;
+  }
+  return most;
+}
+
 }  // namespace
 
 Share share_with(const Rival& rival, const Polygon2& polygon, Point2 middle, double reach,
@@ -154,20 +193,21 @@ Share share_with(const Rival& rival, const Polygon2& polygon, Point2 middle, dou
   for (int i = 0; i < polygon.count; ++i) {
     value[static_cast<std::size_t>(i)] = precedence(rival, polygon.corner[static_cast<std::size_t>(i)]);
   }
+  // What the fields alone tell spares the edges' search.
+  if (!rival.near && is_higher(rival.own(), rival.other(), polygon, middle)) return Share::all;
+  if (!rival.near && is_higher(rival.other(), rival.own(), polygon, middle)) return Share::none;
   for (int i = 0; i < polygon.count; ++i) {
     const std::size_t k = static_cast<std::size_t>(i), next = i + 1 == polygon.count ? 0 : k + 1;
     cross_edge(rival, polygon.corner[k], polygon.corner[next], value[k], value[next], crossings);
   }
   const bool near = is_near(rival, middle, reach);
+  remove_touches(rival, crossings);
   if (crossings.count == 2) {
     return near || reach < kSmall * rival.first.radius ? Share::crossed : Share::unclear;
   }
   if (crossings.count > 0) return Share::unclear;
-  const bool mine = value[0] > 0;
-  const bool clear = near ? !has_island(rival, polygon, mine)
-                          : is_higher(mine ? rival.own() : rival.other(), mine ? rival.other() : rival.own(),
-                                      polygon, middle);
-  if (!clear) return Share::unclear;
+  const bool mine = farthest(value, polygon.count) > 0;
+  if (!near || has_island(rival, polygon, mine)) return Share::unclear;
   return mine ? Share::all : Share::none;
 }
 

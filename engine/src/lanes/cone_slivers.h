@@ -212,8 +212,10 @@ inline Span<V> within_conic(const ConeView<V>& view, V h, Wide2<V> p, Wide2<V> d
   const auto flat = a<zero, up = dq> zero, real = square > zero;
   const V from = choose(flat, first, choose(up, second, zero)),
           to = choose(flat, second, choose(up, one, first));
-  return {choose(real, greater(from, zero), zero),
-          choose(real, lesser(to, one), choose(c > zero, one, zero))};
+  // Where an edge begins in the apex of the conic, which has two straights there, rounding may leave no
+  // roots.
+  const auto all = both(c + (c + (b + b + a)) > zero, q + (q + dq) > zero);
+  return {choose(real, greater(from, zero), zero), choose(real, lesser(to, one), choose(all, one, zero))};
 }
 
 // Where the border's line enters and leaves the polygon.
@@ -357,7 +359,7 @@ SliverSum<V> both_slivers(const RoundPart<V>& part, const RoundPlane<V>& plane, 
 
 template <class V>
 void cone_slivers(SliverTerms& terms) {
-  RoundTerms<double>& pairs = terms.pairs;
+  RoundTerms& pairs = terms.pairs;
   const int pieces = terms.patient ? kManyPieces : kFewPieces;
   for (std::size_t i = 0; i < pairs.count; i += wide::Lanes<V>::kCount) {
     const RoundPart<V> part = part_of<V>(pairs, i);

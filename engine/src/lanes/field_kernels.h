@@ -16,8 +16,7 @@ namespace lumbrical {
 /// Each computes the results of all terms; arrays are padded to a multiple of 16 with harmless copies. Every
 /// table gives the same bits.
 struct FieldKernels {
-  void (*round_contacts)(RoundTerms<double>&);
-  void (*round_contacts_single)(RoundTerms<float>&);
+  void (*round_contacts)(RoundTerms&);
   void (*strip_nodes)(const StripSection&, StripNodes&);
   void (*cone_slivers)(SliverTerms&);
   void (*field_across)(CrossingTerms&);

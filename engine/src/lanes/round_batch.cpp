@@ -7,11 +7,7 @@
 namespace lumbrical {
 namespace {
 
-// Single precision is tried from this tolerance: below it only regions of half the section would do.
-constexpr double kSingleFrom = 1e-3;
-
-template <class T>
-void write_contact(const RoundTerms<T>& pairs, Vec3 origin, std::size_t k, Contact& contact) {
+void write_contact(const RoundTerms& pairs, Vec3 origin, std::size_t k, Contact& contact) {
   contact.area = pairs.area[k];
   contact.volume = pairs.volume[k];
   contact.depth = pairs.depth[k];
@@ -23,11 +19,10 @@ void write_contact(const RoundTerms<T>& pairs, Vec3 origin, std::size_t k, Conta
 
 // Every row of numbers that is handed to the kernel.
 constexpr std::size_t kRows = 29;
-template <class T>
-std::array<T*, kRows> rows_of(RoundTerms<T>& pairs) {
-  std::array<T*, kRows> rows{pairs.length, pairs.radius1, pairs.radius2, pairs.sine, pairs.cosine};
+std::array<double*, kRows> rows_of(RoundTerms& pairs) {
+  std::array<double*, kRows> rows{pairs.length, pairs.radius1, pairs.radius2, pairs.sine, pairs.cosine};
   std::size_t count = 5;
-  for (T* offset : pairs.cut_offset) rows[count++] = offset;
+  for (double* offset : pairs.cut_offset) rows[count++] = offset;
   for (auto* vector : {pairs.axis, pairs.a, pairs.b, pairs.c, pairs.cut_normal[0], pairs.cut_normal[1],
                        pairs.cut_normal[2]}) {
     for (std::size_t axis = 0; axis < 3; ++axis) rows[count++] = vector[axis];
@@ -36,9 +31,8 @@ std::array<T*, kRows> rows_of(RoundTerms<T>& pairs) {
 }
 
 // Appends pair number k of the batch.
-void queue_sliver(RoundTerms<double>& pairs, std::size_t k, Vec3 origin, Contact* contact,
-                  SliverQueue& queue) {
-  RoundTerms<double>& queued = queue.terms.pairs;
+void queue_sliver(RoundTerms& pairs, std::size_t k, Vec3 origin, Contact* contact, SliverQueue& queue) {
+  RoundTerms& queued = queue.terms.pairs;
   queued.cone = true;
   queued.cut_count = queued.count == 0 ? pairs.cut_count : std::max(queued.cut_count, pairs.cut_count);
   const std::size_t to = queued.count++;
@@ -48,25 +42,11 @@ void queue_sliver(RoundTerms<double>& pairs, std::size_t k, Vec3 origin, Contact
   queue.contact[to] = contact;
 }
 
-template <class T>
-void pad(RoundTerms<T>& pairs) {
-  for (T* row : rows_of(pairs)) fill_up(row, pairs.count);
+void pad(RoundTerms& pairs) {
+  for (double* row : rows_of(pairs)) fill_up(row, pairs.count);
 }
 
-void copy_to_single(RoundTerms<double>& pairs, RoundTerms<float>& single) {
-  single.count = pairs.count;
-  single.sphere = pairs.sphere;
-  single.cone = pairs.cone;
-  single.tolerance = static_cast<float>(pairs.tolerance);
-  single.cut_count = pairs.cut_count;
-  const auto from = rows_of(pairs);
-  const auto to = rows_of(single);
-  for (std::size_t row = 0; row < kRows; ++row) {
-    for (std::size_t k = 0; k < pairs.count; ++k) to[row][k] = static_cast<float>(from[row][k]);
-  }
-}
-
-void add_sliver(const RoundTerms<double>& pairs, std::size_t k, Vec3 origin, Contact& contact) {
+void add_sliver(const RoundTerms& pairs, std::size_t k, Vec3 origin, Contact& contact) {
   const double volume = contact.volume + pairs.volume[k];
   if (!(volume > 0)) return;
   const Vec3 moment = contact.volume * (contact.centre - origin) + vector_at(pairs.centre, k);
@@ -75,8 +55,8 @@ void add_sliver(const RoundTerms<double>& pairs, std::size_t k, Vec3 origin, Con
 }
 
 // Computes what is queued. What takes more steps than allowed goes on to the queue of those.
-void run_slivers(RoundBatch& batch, SliverQueue& queue) {
-  RoundTerms<double>& pairs = queue.terms.pairs;
+void run_slivers(SliverBatch& batch, SliverQueue& queue) {
+  RoundTerms& pairs = queue.terms.pairs;
   if (pairs.count == 0) return;
   pad(pairs);
   batch.kernels.cone_slivers(queue.terms);
@@ -84,7 +64,7 @@ void run_slivers(RoundBatch& batch, SliverQueue& queue) {
     if (pairs.status[k] == kContact) {
       add_sliver(pairs, k, queue.origin[k], *queue.contact[k]);
     } else if (queue.terms.patient) {
-      batch.rest[batch.rest_count++] = queue.contact[k];
+      batch.rest.push_back(queue.contact[k]);
     } else {
       if (batch.uneven.terms.pairs.count == RoundBatch::kCapacity) run_slivers(batch, batch.uneven);
       queue_sliver(pairs, k, queue.origin[k], queue.contact[k], batch.uneven);
@@ -93,41 +73,13 @@ void run_slivers(RoundBatch& batch, SliverQueue& queue) {
   pairs.count = 0;
 }
 
-// Queues the pairs of the batch that lack their slivers, with room for `more` of them. What is computed to
-// make it is of former batches: a contact's sums must not depend on which pairs it shares a queue with.
-void queue_slivers(std::span<const std::size_t> lacking, std::size_t more, RoundBatch& batch) {
-  if (batch.slivers.terms.pairs.count + lacking.size() + more > RoundBatch::kCapacity)
-    run_slivers(batch, batch.slivers);
+// Queues the pairs of the batch that lack their slivers. What is computed to make room is of former batches:
+// a contact's sums must not depend on which pairs it shares a queue with.
+void queue_slivers(std::span<const std::size_t> lacking, RoundBatch& batch, SliverBatch& slivers) {
+  if (slivers.even.terms.pairs.count + lacking.size() > RoundBatch::kCapacity)
+    run_slivers(slivers, slivers.even);
   for (const std::size_t k : lacking)
-    queue_sliver(batch.pairs, k, batch.origin[k], batch.contact[k], batch.slivers);
-}
-
-// Writes the contacts that single precision is good for and leaves the other pairs.
-void finish_single(RoundBatch& batch) {
-  RoundTerms<double>& pairs = batch.pairs;
-  RoundTerms<float>& single = batch.single;
-  copy_to_single(pairs, single);
-  pad(single);
-  batch.kernels.round_contacts_single(single);
-  std::array<std::size_t, RoundBatch::kCapacity> unsure, lacking;
-  std::size_t left = 0, slivers = 0;
-  for (std::size_t k = 0; k < pairs.count; ++k) {
-    if (single.status[k] == static_cast<float>(kUnsure)) {
-      unsure[left++] = k;
-      continue;
-    }
-    write_contact(single, batch.origin[k], k, *batch.contact[k]);
-    if (single.status[k] == static_cast<float>(kSlivers)) lacking[slivers++] = k;
-  }
-  queue_slivers(std::span(lacking).first(slivers), left, batch);
-  for (double* row : rows_of(pairs)) {
-    for (std::size_t k = 0; k < left; ++k) row[k] = row[unsure[k]];
-  }
-  for (std::size_t k = 0; k < left; ++k) {
-    batch.contact[k] = batch.contact[unsure[k]];
-    batch.origin[k] = batch.origin[unsure[k]];
-  }
-  pairs.count = left;
+    queue_sliver(batch.pairs, k, batch.origin[k], batch.contact[k], slivers.even);
 }
 
 }  // namespace
@@ -156,7 +108,7 @@ RoundHull round_hull(const Primitive& primitive) {
 
 void add_to_batch(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c, std::span<const HalfSpace> cuts,
                   Contact& contact, RoundBatch& batch) {
-  RoundTerms<double>& pairs = batch.pairs;
+  RoundTerms& pairs = batch.pairs;
   if (pairs.count == 0) {
     pairs.sphere = hull.is_sphere();
     pairs.cone = hull.is_cone();
@@ -166,7 +118,7 @@ void add_to_batch(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c, std::span<const
   batch.origin[k] = hull.origin;
   put_pair(hull, a, b, c, k, pairs);
   pairs.cut_count = std::max(pairs.cut_count, static_cast<int>(cuts.size()));
-  for (std::size_t i = 0; i < RoundTerms<double>::kMostCuts; ++i) {
+  for (std::size_t i = 0; i < RoundTerms::kMostCuts; ++i) {
     const HalfSpace space = i < cuts.size() ? cuts[i] : HalfSpace{};
     put_vector(space.normal, k, pairs.cut_normal[i]);
     pairs.cut_offset[i][k] = dot(space.normal, space.point - hull.origin) + space.offset;
@@ -174,34 +126,33 @@ void add_to_batch(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c, std::span<const
   batch.contact[k] = &contact;
 }
 
-std::span<Contact* const> finish_batch(RoundBatch& batch) {
-  RoundTerms<double>& pairs = batch.pairs;
-  batch.rest_count = 0;
+std::span<Contact* const> finish_batch(RoundBatch& batch, SliverBatch& slivers) {
+  RoundTerms& pairs = batch.pairs;
+  slivers.rest.clear();
   if (pairs.count == 0) return {};
-  if (pairs.tolerance >= kSingleFrom && !pairs.flat) finish_single(batch);
   pad(pairs);
-  if (pairs.count > 0) batch.kernels.round_contacts(pairs);
+  slivers.kernels.round_contacts(pairs);
   std::array<std::size_t, RoundBatch::kCapacity> lacking;
-  std::size_t slivers = 0;
+  std::size_t lacking_count = 0;
   for (std::size_t k = 0; k < pairs.count; ++k) {
     Contact& contact = *batch.contact[k];
     const double status = pairs.status[k];
     contact.area = 0;
-    if (status == kUnsure) batch.rest[batch.rest_count++] = &contact;
+    if (status == kUnsure) slivers.rest.push_back(&contact);
     if (status != kContact && status != kSlivers) continue;
     write_contact(pairs, batch.origin[k], k, contact);
-    if (status == kSlivers) lacking[slivers++] = k;
+    if (status == kSlivers) lacking[lacking_count++] = k;
   }
-  queue_slivers(std::span(lacking).first(slivers), 0, batch);
+  queue_slivers(std::span(lacking).first(lacking_count), batch, slivers);
   pairs.count = 0;
-  return std::span(batch.rest).first(batch.rest_count);
+  return {slivers.rest.begin(), slivers.rest.end()};
 }
 
-std::span<Contact* const> finish_slivers(RoundBatch& batch) {
-  batch.rest_count = 0;
-  run_slivers(batch, batch.slivers);
-  run_slivers(batch, batch.uneven);
-  return std::span(batch.rest).first(batch.rest_count);
+std::span<Contact* const> finish_slivers(SliverBatch& slivers) {
+  slivers.rest.clear();
+  run_slivers(slivers, slivers.even);
+  run_slivers(slivers, slivers.uneven);
+  return {slivers.rest.begin(), slivers.rest.end()};
 }
 
 }  // namespace lumbrical

@@ -4,6 +4,7 @@
 #include <array>
 #include <span>
 
+#include "base/fixed_list.h"
 #include "lanes/field_kernels.h"
 #include "lanes/lane_vectors.h"
 #include "lumbrical/contact.h"
@@ -43,26 +44,29 @@ bool suits_batch(const Primitive& primitive);
 /// Contacts of cones that lack their slivers, of any number of batches.
 struct SliverQueue {
   SliverTerms terms;
-  std::array<Vec3, RoundTerms<double>::kCapacity> origin;  ///< [m] W, of each pair's hull
-  std::array<Contact*, RoundTerms<double>::kCapacity> contact;
+  std::array<Vec3, RoundTerms::kCapacity> origin;  ///< [m] W, of each pair's hull
+  std::array<Contact*, RoundTerms::kCapacity> contact;
 };
 
-/// Working memory of one thread, for flat pairs or for all others. `tolerance` is Settings::tolerance.
-struct RoundBatch {
-  static constexpr std::size_t kCapacity = RoundTerms<double>::kCapacity;
-  RoundBatch(const FieldKernels& table, double tolerance, bool flat) : kernels(table) {
-    pairs.tolerance = tolerance;
-    pairs.flat = flat;
-    uneven.terms.patient = true;
-  }
+/// The slivers of all batches of one thread.
+struct SliverBatch {
+  explicit SliverBatch(const FieldKernels& table) : kernels(table) { uneven.terms.patient = true; }
   const FieldKernels& kernels;
-  RoundTerms<double> pairs;
-  RoundTerms<float> single;
+  SliverQueue even, uneven;  ///< uneven: those that take many steps, kept apart from the rest
+  FixedList<Contact*, 4 * RoundTerms::kCapacity> rest;  ///< what the lanes are unsure of
+};
+
+/// Which formulas of the field a triangle may meet. Pairs that meet the same ones share registers: a register
+/// takes the time of all formulas any of its pairs meets.
+enum class RoundZone : std::uint8_t { first_end, side, second_end, several, flat };
+inline constexpr std::size_t kRoundZones = 5;
+
+/// Pairs on their way through the kernel.
+struct RoundBatch {
+  static constexpr std::size_t kCapacity = RoundTerms::kCapacity;
+  RoundTerms pairs;
   std::array<Vec3, kCapacity> origin;       ///< [m] W, of each pair's hull
   std::array<Contact*, kCapacity> contact;  ///< of each pair
-  SliverQueue slivers, uneven;              ///< uneven: those that take many steps, kept apart from the rest
-  std::size_t rest_count = 0;
-  std::array<Contact*, 4 * kCapacity> rest;
 };
 
 /// Does the axis lie nearly along the plane of the triangle a, b, c [m, W]?
@@ -73,11 +77,25 @@ inline bool lies_flat(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c) {
   return along * along < least * least * dot(normal, normal);
 }
 
+/// The zone of the pair with the triangle a, b, c [m, W]. What it says only matters to time, but for `flat`:
+/// of cones, whose zones have curved borders, it is a guess.
+inline RoundZone zone_of(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c) {
+  if (hull.is_sphere()) return RoundZone::first_end;
+  if (lies_flat(hull, a, b, c)) return RoundZone::flat;
+  const double qa = dot(hull.axis, a - hull.origin), qb = dot(hull.axis, b - hull.origin),
+               qc = dot(hull.axis, c - hull.origin);
+  const double low = min(qa, min(qb, qc)), high = max(qa, max(qb, qc));
+  const double first = hull.sine * hull.radius1, second = hull.length + hull.sine * hull.radius2;
+  if (high < first) return RoundZone::first_end;
+  if (low > second) return RoundZone::second_end;
+  return low > first && high < second ? RoundZone::side : RoundZone::several;
+}
+
 /// Is there room for another pair with this hull? All of a batch are spheres, or capsules, or cones.
 inline bool has_room(const RoundBatch& batch, const RoundHull& hull) {
-  const RoundTerms<double>& pairs = batch.pairs;
-  return pairs.count == 0 || (pairs.count < RoundTerms<double>::kCapacity &&
-                              pairs.sphere == hull.is_sphere() && pairs.cone == hull.is_cone());
+  const RoundTerms& pairs = batch.pairs;
+  return pairs.count == 0 || (pairs.count < RoundTerms::kCapacity && pairs.sphere == hull.is_sphere() &&
+                              pairs.cone == hull.is_cone());
 }
 
 /// Adds the pair with triangle a, b, c [m, W], whose contact is to be written when the batch is computed.
@@ -87,11 +105,11 @@ void add_to_batch(const RoundHull& hull, Vec3 a, Vec3 b, Vec3 c, std::span<const
 
 /// Computes the contacts of all pairs, but for their indices, and empties the batch; the area is 0 where
 /// there is none. Returns the pairs that are for `collide_section`, valid until the next call. Contacts of
-/// cones may go on lacking their slivers, and are still pointed to, until `finish_slivers`; what else is
-/// added to them before the next call here comes before their slivers.
-std::span<Contact* const> finish_batch(RoundBatch& batch);
+/// cones may go on lacking their slivers, which are queued, until these are finished.
+/// What else is added to these before the next call here comes before their slivers.
+std::span<Contact* const> finish_batch(RoundBatch& batch, SliverBatch& slivers);
 
-/// Adds the slivers to all contacts of former batches. Returns pairs for `collide_section` likewise.
-std::span<Contact* const> finish_slivers(RoundBatch& batch);
+/// Adds all slivers to their contacts. Returns pairs for `collide_section` likewise.
+std::span<Contact* const> finish_slivers(SliverBatch& slivers);
 
 }  // namespace lumbrical

@@ -9,8 +9,6 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-// Single precision is for cosines of the axis' angle from here on.
-inline constexpr double kLeastCosineSingle = 0.2;
 // On the side of a capsule digits are lost where no point of the region has more than this share of R.
 inline constexpr double kShallowSide = 1e-3;
 // Polygons of less than this share of R drown in the section's scale.
@@ -20,11 +18,6 @@ inline constexpr double kSmall = 0.006;
 inline constexpr double kByPoints = 0.12;
 // Of the section's scale times the polygon's: rounding leaves less of nothing.
 inline constexpr double kLeastArea = 1e-13;
-
-template <class V>
-inline bool single() {
-  return sizeof(NumberOf<V>) == 4;
-}
 
 // The largest phi of the whole section, or more.
 template <class V>
@@ -40,11 +33,11 @@ inline auto keeps_digits(const RoundPart<V>& part, const RoundPlane<V>& plane, c
                          V most, V size, bool flat) {
   const auto large = size >= number<V>(kSmall) * part.radius1;
   if (part.sphere) return large;
-  const auto deep = both(large, most >= number<V>(single<V>() ? kShallow : kShallowSide) * part.radius1);
+  const auto deep = both(large, most >= number<V>(kShallowSide) * part.radius1);
   // Of a flat pair an end that is through the plane would leave no digits to the deepest point.
   const V zero = number<V>(0);
   if (flat) return both(deep, both(plane.h1 + part.radius1 > zero, plane.h2 + part.radius2 > zero));
-  const double least = single<V>() ? kLeastCosineSingle : part.cone ? kFlatCosineCone : kFlatCosine;
+  const double least = part.cone ? kFlatCosineCone : kFlatCosine;
   return both(deep, side.c >= number<V>(least));
 }
 
@@ -175,7 +168,7 @@ InsideParts<V> inside_parts(const Polygon<V>& polygon, const Directions<V>& dire
 
 template <class V>
 void put_contact(const RoundPlane<V>& plane, const Moments<V>& sum, V depth, V error, std::size_t i,
-                 RoundTerms<NumberOf<V>>& terms) {
+                 RoundTerms& terms) {
   const V zero = number<V>(0);
   put(terms.area + i, sum.area);
   put(terms.volume + i, greater(sum.volume, zero));
@@ -191,12 +184,12 @@ void put_contact(const RoundPlane<V>& plane, const Moments<V>& sum, V depth, V e
 }
 
 template <class V>
-void round_contacts(RoundTerms<NumberOf<V>>& terms) {
+void round_contacts(RoundTerms& terms) {
   const V zero = number<V>(0), one = number<V>(1), unsure = number<V>(kUnsure);
   for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
     const RoundPart<V> part = part_of<V>(terms, i);
-    const V r = part.radius1, allowed = V(terms.tolerance) * r;
-    const V exactness = number<V>(single<V>() ? kDiscErrorSingle : kDiscError) * (r * r * r);
+    const V r = part.radius1;
+    const V exactness = number<V>(terms.flat ? kFlatError : kDiscError) * (r * r * r);
     const Wide3<V> corner[3] = {vector_at<V>(terms.a, i), vector_at<V>(terms.b, i), vector_at<V>(terms.c, i)};
     RoundPlane<V> plane;
     const auto fine = look(part, vector_at<V>(terms.axis, i), corner[0], corner[1], corner[2], plane);
@@ -207,7 +200,7 @@ void round_contacts(RoundTerms<NumberOf<V>>& terms) {
     const auto whole = both(met, all.outside == zero);
 
     const auto small = all.size <= number<V>(kByPoints) * r;
-    const V limit = choose(small, greater(allowed, number<V>(kPointwise) * r), allowed);
+    const V limit = choose(small, number<V>(kPointwise) * r, zero);
     const PointSum<V> points = whole_by_points(part, plane, polygon, all, whole, limit);
     const auto pointwise = both(whole, both(limit > zero, points.error <= limit));
     const auto open = both(met, either(all.outside > zero, either(limit <= zero, points.error > limit)));
@@ -229,20 +222,17 @@ void round_contacts(RoundTerms<NumberOf<V>>& terms) {
     sum.volume_y = choose(pointwise, points.volume_y * all.area, sum.volume_y);
 
     const V least = choose(whole, zero, number<V>(kLeastArea) * (r * lesser(r, all.size)));
-    const V error = choose(pointwise, points.error * all.area + rounded_off(r, all.size), exactness);
+    const V error = choose(pointwise, points.error * all.area + rounded_off(r, all.size), exactness) +
+                    plane.rounded * sum.area;
     const auto had = both(closed, lost == zero), contact = both(either(pointwise, had), sum.area > least);
-    const V depth = largest_depth(part, plane, side, polygon, directions, inside, contact);
+    const V depth =
+        terms.depths ? largest_depth(part, plane, side, polygon, directions, inside, contact) : zero;
     V status = choose(open, unsure, zero);
     status = choose(had, zero, status);
     status = choose(contact, one, status);
     if (part.cone)
       status = choose(both(both(contact, had), meets_slivers(part, plane, side, all)), number<V>(kSlivers),
                       status);
-    if (single<V>()) {
-      const auto fit =
-          both(either(status == one, status == number<V>(kSlivers)), error <= allowed * sum.area);
-      status = choose(fit, status, unsure);
-    }
     put(terms.status + i, status);
     put_contact(plane, sum, depth, error, i, terms);
   }

@@ -3,6 +3,7 @@
 
 #include "lanes/round_terms.h"
 #include "lanes/wide_geometry.h"
+#include "section/stated_errors.h"
 
 namespace lumbrical::LUMBRICAL_ISA {
 
@@ -20,8 +21,8 @@ inline RoundPart<V> round_part(V length, V radius1, V radius2, V sine, V cosine,
 }
 
 template <class V>
-inline RoundPart<V> part_of(const RoundTerms<NumberOf<V>>& terms, std::size_t i) {
-  const auto row = [i](const NumberOf<V>* from) { return get(from + i, V{}); };
+inline RoundPart<V> part_of(const RoundTerms& terms, std::size_t i) {
+  const auto row = [i](const double* from) { return get(from + i, V{}); };
   return round_part(row(terms.length), row(terms.radius1), row(terms.radius2), row(terms.sine),
                     row(terms.cosine), terms.sphere, terms.cone);
 }
@@ -31,6 +32,7 @@ struct RoundPlane {
   Wide3<V> u, v, n;  // W: along the projected axis, across, outward normal
   V s, c;            // sine and cosine of the angle between axis and n
   V h1, h2, x2;      // [m] heights of the ends over the plane, x of the second end
+  V rounded;         // [m] what rounding leaves in these heights
 };
 
 // Sine of the axis angle below which the direction of the projected axis is rounding noise, and twice the
@@ -59,7 +61,10 @@ inline auto look(const RoundPart<V>& part, Wide3<V> axis, Wide3<V> a, Wide3<V> b
   const auto fine =
       both(twice > rounding<V>() * longest,
            both(longest<number<V>(precise ? 1e150 : 1e18), twice> number<V>(precise ? 1e-290 : 1e-30)));
-  plane.n = one_over(twice) * raw;
+  const V per_twice = one_over(twice);
+  plane.n = per_twice * raw;
+  const V far = root(greater(dot(a, a), greater(dot(b, b), dot(c, c))));
+  plane.rounded = number<V>(kPlaneRounding) * far * (longest * per_twice);
   plane.h1 = zero - dot(plane.n, a);
   Wide3<V> across = cross(plane.n, ab);
   plane.s = zero;

@@ -70,7 +70,7 @@ inline Crossing<V> crossing_of(const Edge<V>& edge, V fp, V fq) {
 // How far the corners lie beyond the primitive's cuts, at both ends of every edge.
 template <class V>
 struct Excess {
-  static constexpr int kMostCuts = RoundTerms<NumberOf<V>>::kMostCuts;
+  static constexpr int kMostCuts = RoundTerms::kMostCuts;
   V p[kMostCuts], q[kMostCuts];
 };
 
@@ -113,7 +113,7 @@ void remove_beyond(int cut, int cut_count, Polygon<V>& polygon, Excess<V> (&exce
 
 // The triangle in the plane's coordinates, without what lies beyond the primitive's cuts.
 template <class V>
-void set_polygon(const RoundTerms<NumberOf<V>>& terms, const RoundPart<V>& part, const RoundPlane<V>& plane,
+void set_polygon(const RoundTerms& terms, const RoundPart<V>& part, const RoundPlane<V>& plane,
                  const Wide3<V> (&corner)[3], std::size_t lane, Polygon<V>& polygon) {
   Wide2<V> flat[3];
   for (int i = 0; i < 3; ++i) flat[i] = {dot(corner[i], plane.u), dot(corner[i], plane.v)};

@@ -14,7 +14,6 @@ inline constexpr double kApart = 0, kContact = 1, kSlivers = 2, kUnsure = 3;
 /// rounding by that cosine, in the moments by its square, and a cone's terms are larger from the start.
 inline constexpr double kFlatCosine = 1e-3, kFlatCosineCone = 4e-3;
 
-template <class T>
 struct RoundTerms {
   static constexpr std::size_t kCapacity = 64;
   std::size_t count = 0;
@@ -22,36 +21,36 @@ struct RoundTerms {
   // Of all pairs.
   bool sphere = false, cone = false;  ///< the primitives' kind; neither: capsules
   bool flat = false;                  ///< their axes lie nearly along the planes
+  bool depths = false;  ///< dl_max is asked for
   static constexpr int kMostCuts = 3;
   int cut_count = 0;  ///< half-spaces that bound them besides, at most
-  T tolerance = 0;    ///< Settings::tolerance
 
   // The primitive of each pair. The first end is the larger one; a sphere has length 0.
-  alignas(64) T axis[3][kCapacity];                      ///< W, unit, from the first end to the second
-  alignas(64) T length[kCapacity];                       ///< [m] between the ends
-  alignas(64) T radius1[kCapacity], radius2[kCapacity];  ///< [m] radius1 >= radius2
-  alignas(64) T sine[kCapacity], cosine[kCapacity];      ///< of the cone's half angle
+  alignas(64) double axis[3][kCapacity];                      ///< W, unit, from the first end to the second
+  alignas(64) double length[kCapacity];                       ///< [m] between the ends
+  alignas(64) double radius1[kCapacity], radius2[kCapacity];  ///< [m] radius1 >= radius2
+  alignas(64) double sine[kCapacity], cosine[kCapacity];      ///< of the cone's half angle
 
-  alignas(64) T a[3][kCapacity], b[3][kCapacity],
+  alignas(64) double a[3][kCapacity], b[3][kCapacity],
       c[3][kCapacity];  ///< [m] W, corners relative to the first end
   // The half-spaces: kept is dot(normal, p - end1) <= offset. W, unit, or 0 where nothing is cut; [m].
-  alignas(64) T cut_normal[kMostCuts][3][kCapacity], cut_offset[kMostCuts][kCapacity];
+  alignas(64) double cut_normal[kMostCuts][3][kCapacity], cut_offset[kMostCuts][kCapacity];
 
   // Results; only of contacts but for the status. Points are relative to the first end.
-  alignas(64) T status[kCapacity];
-  alignas(64) T area[kCapacity];                               ///< [m^2]
-  alignas(64) T volume[kCapacity];                             ///< [m^3] integral of phi
-  alignas(64) T depth[kCapacity];                              ///< [m] dl_max
-  alignas(64) T error[kCapacity];                              ///< [m^3] how far the volume may be off
-  alignas(64) T normal[3][kCapacity];                          ///< W, unit
-  alignas(64) T centroid[3][kCapacity], centre[3][kCapacity];  ///< [m] of the area, of phi
+  alignas(64) double status[kCapacity];
+  alignas(64) double area[kCapacity];                               ///< [m^2]
+  alignas(64) double volume[kCapacity];                             ///< [m^3] integral of phi
+  alignas(64) double depth[kCapacity];                              ///< [m] dl_max, or 0
+  alignas(64) double error[kCapacity];                              ///< [m^3] how far the volume may be off
+  alignas(64) double normal[3][kCapacity];                          ///< W, unit
+  alignas(64) double centroid[3][kCapacity], centre[3][kCapacity];  ///< [m] of the area, of phi
 };
 
 /// Pairs of cones whose contacts lack their slivers. Of the results only these are set: the status, kContact
 /// or kUnsure; the volume, what the slivers add to it; and the centre, what they add to the volume's first
 /// moment [m^4].
 struct SliverTerms {
-  RoundTerms<double> pairs;
+  RoundTerms pairs;
   bool patient = false;  ///< take as many steps as it needs
 };
 

@@ -90,7 +90,7 @@ inline constexpr TriangleRule kTriangleRules[] = {
 inline constexpr std::size_t kTriangleRuleCount = sizeof kTriangleRules / sizeof kTriangleRules[0];
 
 /// What a rule of that degree is off over a triangle by at most, in units of area times d t^(degree + 1) / (1
-/// - t): see pressure_rules.h.
+/// - t): see point_rules.h.
 constexpr double remainder_of(int degree) {
   const int n = degree + 1;
   double middle = 1;  // |P_k(0)| of Legendre's polynomial, k the even one of n and n - 1

@@ -10,7 +10,7 @@
 #include "section/boundary_integral.h"
 #include "section/depth.h"
 #include "section/pressure.h"
-#include "section/pressure_rules.h"
+#include "section/stated_errors.h"
 
 namespace lumbrical {
 namespace {

@@ -10,7 +10,8 @@
 #include "lanes/field.h"
 #include "lanes/field_kernels.h"
 #include "section/boundary_integral.h"
-#include "section/pressure_rules.h"
+#include "section/pressure.h"
+#include "section/stated_errors.h"
 
 namespace lumbrical {
 namespace {

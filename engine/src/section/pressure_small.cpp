@@ -1,7 +1,8 @@
 // The field's integral over small regions, by product rules.
 #include "lanes/field.h"
-#include "section/pressure_rules.h"
+#include "section/pressure.h"
 #include "section/small_region.h"
+#include "section/stated_errors.h"
 
 namespace lumbrical {
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "section/stated_errors.h"
+
 namespace lumbrical {
 namespace {
 
@@ -235,9 +237,22 @@ bool look_along(const Primitive& primitive, Vec3 point, Vec3 n, Vec3 along, Sect
   return section.zone_count > 0;
 }
 
+namespace {
+
+// The corners from the primitive.
+double plane_rounding(Vec3 a, Vec3 b, Vec3 c) {
+  const Vec3 ab = b - a, ac = c - a, bc = c - b, raw = cross(ab, ac);
+  const double far = max(dot(a, a), max(dot(b, b), dot(c, c)));
+  const double longest = max(dot(ab, ab), max(dot(ac, ac), dot(bc, bc)));
+  return kPlaneRounding * std::sqrt(far) * (longest / norm(raw));
+}
+
+}  // namespace
+
 bool look_from_plane(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& section) {
   Vec3 n;
   if (!normal_of(a, b, c, n) || !look_along(primitive, a, n, b - a, section)) return false;
+  section.rounded = plane_rounding(a - section.origin, b - section.origin, c - section.origin);
   set_polygon(primitive, a, b, c, section);
   return section.polygon.count >= 3;
 }

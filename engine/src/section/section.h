@@ -52,7 +52,8 @@ struct Section {
   Shape shape = Shape::round;
   int zone_count = 0;
   std::array<Zone, 3> zone{};
-  Polygon2 polygon;  ///< the triangle, cut by the primitive's half-spaces
+  double rounded = 0;  ///< [m] what rounding of the triangle leaves in the heights (kPlaneRounding)
+  Polygon2 polygon;    ///< the triangle, cut by the primitive's half-spaces
 };
 
 /// Where in x a round section's first zone ends and its last begins. At abscissa x the sphere of the hull

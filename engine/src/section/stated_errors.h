@@ -5,9 +5,13 @@ namespace lumbrical {
 
 /// What "exact" leaves in a volume, in units of R^3 (largest radius): no proof but more than was ever
 /// measured against the reference, over millions of pairs (docs/mechanics.md, bench/results).
-inline constexpr double kDiscError = 1e-11;       ///< discs in closed form
-inline constexpr double kDiscErrorSingle = 3e-5;  ///< the same in single precision, for cosines >= 0.2
-inline constexpr double kBoundaryError = 1e-9;    ///< quadrature along the boundary
+inline constexpr double kDiscError = 1e-11;     ///< discs in closed form
+inline constexpr double kFlatError = 2e-10;     ///< sides whose axis lies nearly along the plane, by nodes
+inline constexpr double kBoundaryError = 1e-9;  ///< quadrature along the boundary
+/// What rounding leaves in the height of a triangle's plane, over the distance of its farthest corner from
+/// the primitive and the square of its longest edge by twice its area: times the area of a contact it is in
+/// its volume's error. Only triangles far larger than R or very narrow ones feel it.
+inline constexpr double kPlaneRounding = 1e-15;
 inline constexpr double kColumnError = 1e-6;      ///< column law, equal radii
 inline constexpr double kColumnConeError = 1e-3;  ///< column law, different radii
 

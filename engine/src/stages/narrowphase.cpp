@@ -18,7 +18,6 @@
 #include "section/field_depth.h"
 #include "section/finger_depth.h"
 #include "section/pressure.h"
-#include "section/pressure_rules.h"
 #include "section/slab.h"
 
 namespace lumbrical {
@@ -35,10 +34,7 @@ Vec3 centre_of(const Section& section, const PressureMoments& moments, Vec3 othe
 }
 
 PressureMoments exact_moments(const Section& section, Law law, const ContactQuery& query,
-                              const AreaMoments& area, bool whole, Boundary& boundary) {
-  PressureMoments moments;
-  const bool field = law == Law::field && section.shape == Shape::round;
-  if (field && field_by_points(section, area, whole, query.tolerance, moments)) return moments;
+                              const AreaMoments& area, Boundary& boundary) {
   trace_boundary(section, boundary);
   return law == Law::field ? field_moments(query.kernels, section, area, boundary)
                            : column_moments(section, boundary);
@@ -56,9 +52,13 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
 
   const bool whole_finger = query.hand != nullptr && primitive.phalanx[0] >= 0;
   const bool palm = primitive.segment == kPalmSegment;  // whose depth is phi, by every law
-  const Deepest deepest = palm           ? largest_field(section)
-                          : whole_finger ? finger_depth(*query.hand, primitive, section)
-                                         : largest_depth(section);
+  const bool by_area = query.law == Law::field || query.law == Law::column || query.law == Law::centroid;
+  Deepest deepest{};
+  if (query.depth || !by_area) {
+    deepest = palm           ? largest_field(section)
+              : whole_finger ? finger_depth(*query.hand, primitive, section)
+                             : largest_depth(section);
+  }
   contact.depth = deepest.depth;
   contact.area = area.area;
   contact.centroid = to_world(section, area.centroid);
@@ -68,10 +68,9 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
   switch (query.law) {
     case Law::field:
     case Law::column: {
-      const bool whole = overlap == Overlap::inside;
       const PressureMoments moments =
-          exact_moments(section, palm ? Law::field : query.law, query, area, whole, boundary);
-      contact.error = moments.error;
+          exact_moments(section, palm ? Law::field : query.law, query, area, boundary);
+      contact.error = moments.error + section.rounded * area.area;
       contact.volume = max(0, moments.volume);
       contact.centre = centre_of(section, moments, contact.centroid);
       break;
@@ -109,18 +108,18 @@ void collide_pair(const Model& model, const Primitives& hand, const FieldKernels
   const TileBorders borders = borders_on(hand, primitive, a, b, c);
   if (borders.any()) {
     if (!collide_shared(hand, primitive, borders, kernels, a, b, c, boundary, contact)) contact.area = 0;
+    contact.depth = 0;
     return;
   }
   Section section;
   if (!look_from_plane(primitive, a, b, c, section)) return;
-  const ContactQuery query{primitive.law, model.settings.point_area, &hand, model.settings.tolerance,
-                           kernels};
+  const ContactQuery query{primitive.law, model.settings.point_area, &hand, kernels,
+                           primitive.law != Law::field};
   if (!collide_section(primitive, query, section, boundary, contact)) contact.area = 0;
 }
 
 // Pairs of round primitives on their way through the lanes.
 struct RoundQueue {
-  RoundQueue(const FieldKernels& kernels, double tolerance, bool flat) : batch(kernels, tolerance, flat) {}
   RoundBatch batch;
   // Pairs of the batch with cuts of their own.
   struct Shared {
@@ -128,7 +127,7 @@ struct RoundQueue {
     std::array<HalfSpace, 2> cut;
     BulgeMoments bulge;
   };
-  FixedList<Shared, RoundTerms<double>::kCapacity> shared;
+  FixedList<Shared, RoundTerms::kCapacity> shared;
 };
 
 // Pairs on their way through the lanes, of one thread.
@@ -136,7 +135,8 @@ struct PairWork {
   const Model& model;
   const Primitives& hand;
   const FieldKernels& kernels;
-  RoundQueue steep, flat;
+  std::array<RoundQueue, kRoundZones> round;
+  SliverBatch slivers{kernels};
   RoundHull hull{};
   BorderBatch borders{kernels};
   SlabBatch slab{kernels};
@@ -147,12 +147,9 @@ struct PairWork {
   std::uint32_t hull_of = Primitives::kMaxCount;      // the primitive the hull is of
   std::uint32_t slab_index = Primitives::kMaxCount;   // the slab whose pairs are being gathered
   Boundary boundary;
-  PairWork(const Model& m, const Primitives& h, const FieldKernels& k)
-      : model(m),
-        hand(h),
-        kernels(k),
-        steep(k, m.settings.tolerance, false),
-        flat(k, m.settings.tolerance, true) {}
+  PairWork(const Model& m, const Primitives& h, const FieldKernels& k) : model(m), hand(h), kernels(k) {
+    round[static_cast<std::size_t>(RoundZone::flat)].batch.pairs.flat = true;
+  }
 };
 
 const RoundQueue::Shared* shared_of(const Contact& contact, const RoundQueue& queue) {
@@ -169,7 +166,7 @@ void collide_anew(const RoundQueue& queue, PairWork& work, Contact& contact) {
   const auto [a, b, c] = corners_of(work.model.triangles, contact.triangle);
   const Primitive tile = tile_cut_so(work.hand.primitive[contact.primitive], shared->cut);
   const Settings& settings = work.model.settings;
-  const ContactQuery query{tile.law, settings.point_area, nullptr, settings.tolerance, work.kernels};
+  const ContactQuery query{tile.law, settings.point_area, nullptr, work.kernels, false};
   contact.area = 0;
   Section section;
   if (look_from_plane(tile, a, b, c, section) &&
@@ -192,7 +189,7 @@ void take_slab(const Corners& at, Contact& contact, PairWork& work) {
 
 // All but the slivers of the batch's cones.
 void finish(RoundQueue& queue, PairWork& work) {
-  for (Contact* contact : finish_batch(queue.batch)) collide_anew(queue, work, *contact);
+  for (Contact* contact : finish_batch(queue.batch, work.slivers)) collide_anew(queue, work, *contact);
   for (const auto& [contact, cut, bulge] : queue.shared) {
     if (contact->area > 0) add_bulge(bulge, *contact);
   }
@@ -205,11 +202,9 @@ void finish_borders(PairWork& work);
 // All pairs of round primitives.
 void finish_round(PairWork& work) {
   finish_borders(work);
-  for (RoundQueue* queue : {&work.steep, &work.flat}) {
-    finish(*queue, work);
-    for (Contact* contact : finish_slivers(queue->batch))
-      collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
-  }
+  for (RoundQueue& queue : work.round) finish(queue, work);
+  for (Contact* contact : finish_slivers(work.slivers))
+    collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
 }
 
 // A leaf triangle by triangle: of a round primitive, since only curved cuts leave one in doubt and slabs
@@ -251,7 +246,7 @@ const RoundHull& hull_of(const Contact& contact, PairWork& work) {
 // Adds a pair of a round primitive, cut by its planes or by others in their place, to the queue it is for.
 RoundQueue& queue_pair(const Corners& at, std::span<const HalfSpace> cuts, Contact& contact, PairWork& work) {
   const RoundHull& hull = hull_of(contact, work);
-  RoundQueue& queue = lies_flat(hull, at.a, at.b, at.c) ? work.flat : work.steep;
+  RoundQueue& queue = work.round[static_cast<std::size_t>(zone_of(hull, at.a, at.b, at.c))];
   if (!has_room(queue.batch, hull)) finish(queue, work);
   add_to_batch(hull, at.a, at.b, at.c, cuts, contact, queue.batch);
   return queue;
@@ -269,11 +264,11 @@ void queue_shared(const Corners& at, const std::array<HalfSpace, 2>& cut, const 
 void take_alone(const Corners& at, Contact& contact, PairWork& work) {
   const Primitive& tile = work.hand.primitive[contact.primitive];
   const TileBorders near = borders_in_reach(work.hand, tile, at.a, at.b, at.c);
-  const BorderCut cut = cut_at_borders(work.hand, tile, near, at.a, at.b, at.c);
+  const BorderCut cut = cut_at_borders(work.kernels, work.hand, tile, near, at.a, at.b, at.c);
   if (cut.kind == CutKind::gone) return;
   if (cut.kind == CutKind::general)
     return collide_pair(work.model, work.hand, work.kernels, work.boundary, contact);
-  queue_shared(at, cut.cut, bulge_of(work.kernels, work.hand, tile, cut, at.a, at.b, at.c), contact, work);
+  queue_shared(at, cut.cut, cut.bulge, contact, work);
 }
 
 void finish_borders(PairWork& work) {
@@ -319,9 +314,12 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
              Boundary& boundary, Contact& contact) {
   if (suits_batch(primitive) && query.law == Law::field) {
     const RoundHull hull = round_hull(primitive);
-    RoundBatch batch(query.kernels, query.tolerance, lies_flat(hull, a, b, c));
+    RoundBatch batch;
+    SliverBatch slivers(query.kernels);
+    batch.pairs.flat = lies_flat(hull, a, b, c);
+    batch.pairs.depths = true;
     add_to_batch(hull, a, b, c, std::span(primitive.cut).first(primitive.cut_count), contact, batch);
-    if (finish_batch(batch).empty() && finish_slivers(batch).empty()) return contact.area > 0;
+    if (finish_batch(batch, slivers).empty() && finish_slivers(slivers).empty()) return contact.area > 0;
   }
   Section section;
   return look_from_plane(primitive, a, b, c, section) &&
@@ -370,6 +368,18 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
     ++count;
   }
   return count;
+}
+
+double depth_of(const Model& model, const Primitives& hand, const Contact& contact) {
+  const Primitive& primitive = hand.primitive[contact.primitive];
+  const bool told =
+      (contact.triangle & kClusterBit) != 0 || primitive.law != Law::field || primitive.shape == Shape::slab;
+  if (told) return contact.depth;
+  const auto [a, b, c] = corners_of(model.triangles, contact.triangle);
+  Section section;
+  if (!look_from_plane(primitive, a, b, c, section)) return 0;
+  const bool whole_finger = primitive.phalanx[0] >= 0;
+  return (whole_finger ? finger_depth(hand, primitive, section) : largest_depth(section)).depth;
 }
 
 }  // namespace lumbrical

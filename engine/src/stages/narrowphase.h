@@ -13,9 +13,9 @@ struct ContactQuery {
   Law law = Law::field;
   double point_area = 1e-4;  ///< [m^2] Settings::point_area
   const Primitives* hand =
-      nullptr;           ///< whose phalanges the paper's depth runs through; none: the primitive alone
-  double tolerance = 0;  ///< Settings::tolerance
+      nullptr;  ///< whose phalanges the paper's depth runs through; none: the primitive alone
   const FieldKernels& kernels = field_kernels(Isa::scalar);
+  bool depth = true;  ///< tell Contact::depth even where the law does without
 };
 
 /// Contact of a round or flat primitive with the triangle a, b, c [m, W]. Sets everything but the indices.
@@ -23,9 +23,12 @@ struct ContactQuery {
 bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3 b, Vec3 c,
              Boundary& boundary, Contact& contact);
 
-/// Contacts of all candidates (primitive << 32 | triangle), in their order; contacts[i] may be written for
-/// every i. Returns how many there are.
+/// Contacts of all candidates (primitive << 32 | triangle), in their order, those of round primitives under
+/// the field law without their depth; contacts[i] may be written for every i. Returns how many there are.
 std::uint32_t find_contacts(const Model& model, const Primitives& hand,
                             std::span<const std::uint64_t> candidates, std::span<Contact> contacts);
+
+/// Contact::depth of a contact that was found without.
+double depth_of(const Model& model, const Primitives& hand, const Contact& contact);
 
 }  // namespace lumbrical

@@ -26,21 +26,22 @@ void add_triangle(const Primitives& hand, const Primitive& primitive, const Bord
                        value, bulge);
 }
 
-BorderCut cut_of(const Primitives& hand, const Primitive& primitive, const Corners& at) {
+BorderCut cut_of(const FieldKernels& kernels, const Primitives& hand, const Primitive& primitive,
+                 const Corners& at) {
   if (primitive.shape == Shape::slab) return {};
-  return cut_at_borders(hand, primitive, borders_in_reach(hand, primitive, at.a, at.b, at.c), at.a, at.b,
-                        at.c);
+  return cut_at_borders(kernels, hand, primitive, borders_in_reach(hand, primitive, at.a, at.b, at.c), at.a,
+                        at.b, at.c);
 }
 
 // A cluster is a contact for the force; for its slope every triangle in it is looked at.
 void add_cluster(const Model& model, const Primitives& hand, const Primitive& primitive,
                  std::uint32_t cluster, Vec3 joint, Matrix6& value) {
   const FieldKernels& kernels = field_kernels(model.execution.isa);
-  const ContactQuery query{Law::field, model.settings.point_area, nullptr, 0, kernels};
+  const ContactQuery query{Law::field, model.settings.point_area, nullptr, kernels};
   Boundary boundary;
   for (const std::uint32_t triangle : triangles_of(model.clusters, cluster)) {
     const Corners at = corners_of(model.triangles, triangle);
-    const BorderCut cut = cut_of(hand, primitive, at);
+    const BorderCut cut = cut_of(kernels, hand, primitive, at);
     if (cut.kind == CutKind::gone) continue;
     const Primitive part = cut.kind == CutKind::other ? tile_cut_so(primitive, cut.cut) : primitive;
     Contact contact;
@@ -49,7 +50,7 @@ void add_cluster(const Model& model, const Primitives& hand, const Primitive& pr
                                           model.settings.point_area, at.a, at.b, at.c, contact)
                            : collide(part, query, at.a, at.b, at.c, boundary, contact);
     if (!meets) continue;
-    if (cut.crosses) add_bulge(bulge_of(kernels, hand, primitive, cut, at.a, at.b, at.c), contact);
+    if (cut.crosses) add_bulge(cut.bulge, contact);
     add_triangle(hand, primitive, cut, contact, joint, at, value);
   }
 }
@@ -155,6 +156,7 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
     if (asked(i)) jacobians[i] = {{}, model.settings.law[i] == Law::field};
   }
   const Primitives& hand = *scratch.primitives;
+  const FieldKernels& kernels = field_kernels(model.execution.isa);
   const Triangles& world = model.triangles;
   for (std::size_t i = 0; i < scratch.contact_count; ++i) {
     const Contact& contact = scratch.contacts[i];
@@ -165,7 +167,7 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
     const Vec3 joint = hand.base_joint[primitive.segment];
     if ((contact.triangle & kClusterBit) == 0) {
       const Corners at = corners_of(world, contact.triangle);
-      add_triangle(hand, primitive, cut_of(hand, primitive, at), contact, joint, at, jacobian.value);
+      add_triangle(hand, primitive, cut_of(kernels, hand, primitive, at), contact, joint, at, jacobian.value);
     } else {
       add_cluster(model, hand, primitive, cluster_of(contact.triangle), joint, jacobian.value);
     }

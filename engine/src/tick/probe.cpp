@@ -37,7 +37,7 @@ Status to_primitive(const ProbePrimitive& probe, std::size_t index, Law law, Pri
 }  // namespace
 
 Status probe(const Mesh& mesh, std::span<const ProbePrimitive> primitives, Law law, double stiffness,
-             std::vector<ProbeContact>& contacts, double tolerance) {
+             std::vector<ProbeContact>& contacts, double /*tolerance*/) {
   if (!(stiffness > 0 && stiffness < 1e300))
     return Status::error("the stiffness must be a finite number above 0 [N/m^3]");
   const FloatingPointGuard guard;
@@ -60,9 +60,8 @@ Status probe(const Mesh& mesh, std::span<const ProbePrimitive> primitives, Law l
     for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
       const Triangle& corner = mesh.triangles[k];
       Contact contact;
-      if (!collide(posed[i], {law, Settings{}.point_area, nullptr, tolerance, kernels},
-                   mesh.vertices[corner[0]], mesh.vertices[corner[1]], mesh.vertices[corner[2]], boundary,
-                   contact)) {
+      if (!collide(posed[i], {law, Settings{}.point_area, nullptr, kernels}, mesh.vertices[corner[0]],
+                   mesh.vertices[corner[1]], mesh.vertices[corner[2]], boundary, contact)) {
         continue;
       }
       contacts.push_back({static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(i), contact.depth,

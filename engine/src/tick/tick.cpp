@@ -139,7 +139,14 @@ std::span<const Contact> find_contacts(const Model& model, Scratch& scratch) {
     if (!find_candidates(model, hand, scratch)) scratch.candidate_count = 0;
     find_all_contacts(model, hand, scratch);
   }
+  for (std::uint32_t i = 0; i < scratch.contact_count; ++i)
+    scratch.contacts[i].depth = contact_depth(model, scratch, scratch.contacts[i]);
   return {scratch.contacts.data(), scratch.contact_count};
+}
+
+double contact_depth(const Model& model, const Scratch& scratch, const Contact& contact) {
+  const FloatingPointGuard guard;
+  return depth_of(model, *scratch.primitives, contact);
 }
 
 std::uint64_t hash_state(const State& state) { return hash_fields(state); }
