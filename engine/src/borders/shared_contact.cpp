@@ -25,8 +25,8 @@ constexpr double kLeast = 5e-3, kLeastStake = 1e-13;
 // A border is split at its joint where that is not next to one of its ends, as a share of the chord.
 constexpr double kBeside = 1e-3;
 
-// Parts a pair may take. Where they don't suffice, as where two tiles are all but in one place, those with
-// the most at stake are split first, and what is at stake in the others is in the contact's error.
+// Parts a pair may take, the largest first. Where they don't suffice, as where two tiles are all but in one
+// place, the volume of those that are left is in the contact's error.
 constexpr std::size_t kMostParts = 128;
 
 struct Work {
@@ -185,7 +185,10 @@ Split split_for(const Rival& rival, const Crossings& crossings, const Polygon2& 
     const bool beside = along > kBeside * length2 && along < (1 - kBeside) * length2;
     if (length2 > 0) split = {beside ? joint : half(0, 1), chord};
   } else if (crossings.count == 4) {
-    const bool ends = square(0, 1) + square(2, 3) < square(1, 2) + square(3, 0);
+    // One side of a near border is convex, so its parts at the edges hang together and the strip is theirs.
+    const bool mine_is_convex = (rival.border.side > 0) != rival.is_first;
+    const bool ends = rival.near ? mine_is_convex != crossings.leaving_first
+                                 : square(0, 1) + square(2, 3) < square(1, 2) + square(3, 0);
     const Point2 from = ends ? half(0, 1) : half(1, 2), along = (ends ? half(2, 3) : half(3, 0)) - from;
     if (dot(along, along) > 0) split = {from, {along.y, -along.x}};
   }
@@ -197,6 +200,7 @@ struct Part {
   Polygon2 polygon;
   Point2 middle{0, 0};
   double reach = 0, stake = 0;  // [m]; [m^3]
+  double volume = 0;            // [m^3] no more than this is lost where two tiles leave it to each other
   int level = 0;                // how often it was split
 };
 using Parts = FixedList<Part, kMostParts + 1>;
@@ -205,13 +209,16 @@ void open_part(const Polygon2& polygon, int level, const Work& work, Parts& open
   if (polygon.count < 3) return;
   const Point2 middle = middle_of(polygon);
   const double reach = reach_of(polygon, middle);
-  open.push_back({polygon, middle, reach, stake_of(work, polygon, middle, reach), level});
+  const Cone& own = work.rival[0].own();
+  const double most = max(0, cone_field(own, sight_of(own, middle)) + reach);
+  open.push_back(
+      {polygon, middle, reach, stake_of(work, polygon, middle, reach), most * reach * reach, level});
 }
 
 Part take_largest(Parts& open) {
   Part* largest = open.begin();
   for (Part& part : open) {
-    if (part.stake > largest->stake) largest = &part;
+    if (part.volume > largest->volume) largest = &part;
   }
   const Part part = *largest;
   *largest = open.back();
@@ -221,7 +228,7 @@ Part take_largest(Parts& open) {
 
 // Adds what of a part is the tile's, or splits it.
 void share_out(const Part& part, Work& work, Parts& open) {
-  const auto& [polygon, middle, reach, stake, level] = part;
+  const auto& [polygon, middle, reach, stake, volume, level] = part;
   work.section.polygon = polygon;
   if (classify(work.section) == Overlap::apart) return;
   std::array<Share, 2> share{Share::all, Share::all};
@@ -250,8 +257,8 @@ void share_out(const Part& part, Work& work, Parts& open) {
   }
   // Parts too large to be understood, or with two rivals, become smaller; those with one border flatter, but
   // every other time smaller as well.
-  const bool flatter =
-      one_border || (share[1 - k] == Share::all && crossings[k].count == 4 && level % 2 == 0);
+  const bool flatter = one_border || (share[1 - k] == Share::all && crossings[k].count == 4 &&
+                                      (work.rival[k].near || level % 2 == 0));
   const Split split =
       flatter ? split_for(work.rival[k], crossings[k], polygon, middle) : split_across(polygon, middle);
   const double offset = dot(split.normal, split.point);
@@ -271,7 +278,7 @@ void share_out_all(const Polygon2& polygon, Work& work) {
     work.section.polygon = part.polygon;
     if (classify(work.section) == Overlap::apart) continue;
     add_least(part.middle, part.reach, work);
-    work.error += part.stake;
+    work.error += part.volume;
   }
 }
 
