@@ -58,6 +58,12 @@ std::string_view law_name(Law law);
 std::string_view broadphase_name(Broadphase broadphase);
 std::string_view isa_name(Isa isa);
 
+constexpr std::array<double, kSegmentCount> every_segment(double value) {
+  std::array<double, kSegmentCount> values{};
+  for (double& of_segment : values) of_segment = value;
+  return values;
+}
+
 /// What decides the result of a tick, besides hand and world. Travels inside a recording.
 struct Settings {
   std::array<Law, kSegmentCount> law{};  ///< per hand segment
@@ -67,10 +73,12 @@ struct Settings {
   double tolerance = 0;  ///< 0 .. 0.1; by how much of R a contact's mean depth may be off in Law::field. 0:
                          ///< exact to rounding. What it comes to is told in ActuatorFrame::force_error.
                          ///< Above 0 clusters of neighbouring triangles may be one contact (contact.h)
-  std::array<double, kSegmentCount> precision{};  ///< per hand segment: 0 exact; else the error wanted as a
-                                                  ///< share of the hand's force, 1e-6 .. 1e-2
-  double max_force = 20;  ///< [N] no segment's force exceeds it: above four fifths of it forces saturate,
-                          ///< each segment's by itself
+  /// Per hand segment, under the field law: 0 exact; else the error wanted as a share of the hand's force,
+  /// 1e-6 .. 0.1, which samples keep in 98 of 100 ticks (docs/mechanics.md). What it comes to in a tick:
+  /// ActuatorFrame.
+  std::array<double, kSegmentCount> precision = every_segment(1e-4);
+  double max_force = 20;    ///< [N] no segment's force exceeds it: above four fifths of it forces saturate,
+                            ///< each segment's by itself
   double fade_time = 0.02;  ///< [s] in which forces that can't be trusted fade to zero, and return
   std::uint32_t max_candidates = 1u << 18;  ///< pairs (primitive, triangle) a tick can hold, 1 .. 2^24
 };
@@ -228,7 +236,10 @@ struct Model {
   SphereGrid grid;                           ///< empty unless Broadphase::grid
   std::shared_ptr<const VoxelIndex> voxels;  ///< null unless Broadphase::voxel
   std::shared_ptr<const Patches> patches;    ///< null where no segment is felt by samples
-  ClusterTree clusters;                      ///< empty unless settings.tolerance > 0 and a law is `field`
+  /// What samples leave to the exact rung, triangles too large for them, as a world of its own; null:
+  /// nothing.
+  std::shared_ptr<const Model> rest;
+  ClusterTree clusters;  ///< empty unless settings.tolerance > 0 and a law is `field`
   std::vector<World::Object> objects;
   std::shared_ptr<const World> world;  ///< that all of this is from; null: a scene in memory
 };

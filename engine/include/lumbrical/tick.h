@@ -64,6 +64,12 @@ Scratch make_scratch(const Model& model);
 /// go wrong is told in ActuatorFrame::flags; forces that can't be trusted fade to zero.
 ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame);
 
+/// The contact records behind the last tick on `scratch`: of every law and rung, also of those that need none
+/// for their forces and leave them out of Scratch::contacts (sampled segments); those are then computed here,
+/// by the exact rung, and stand in `scratch` until the next tick. Takes as long as an exact tick. Empty where
+/// that tick's frame could not be trusted, or where there are more pairs than Settings::max_candidates.
+std::span<const Contact> find_contacts(const Model& model, Scratch& scratch);
+
 /// Hash of everything in the state, for recordings and tests.
 std::uint64_t hash_state(const State& state);
 

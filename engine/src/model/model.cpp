@@ -115,9 +115,30 @@ Broadphase suited_broadphase(const Box& extent) {
   return max(size.x, max(size.y, size.z)) > kGridExtent ? Broadphase::grid : Broadphase::tree;
 }
 
+// Of the models made in this process.
+std::uint64_t next_build() {
+  static std::atomic<std::uint64_t> builds{0};
+  return ++builds;
+}
+
 // The ladder of precision knows clusters under the field law only.
 bool wants_clusters(const Settings& settings) {
   return settings.tolerance > 0 && std::count(settings.law.begin(), settings.law.end(), Law::field) > 0;
+}
+
+// One tree, whatever the whole is searched with: there are few of them.
+std::shared_ptr<const Model> rest_of(const Model& model) {
+  auto rest = std::make_shared<Model>();
+  rest->build = next_build();
+  rest->hand = model.hand;
+  rest->settings = model.settings;
+  rest->execution = model.execution;
+  rest->execution.broadphase = Broadphase::tree;
+  rest->triangles = model.triangles;
+  rest->extent = model.extent;
+  std::vector<std::uint32_t> members = model.patches->exact;
+  rest->tree = build_tree(rest->triangles, members, rest->execution);
+  return rest;
 }
 
 Status build_index(Model& model) {
@@ -132,6 +153,7 @@ Status build_index(Model& model) {
       return status;
   }
   model.patches = build_patches(model.hand, model.settings, model.triangles, model.execution);
+  if (model.patches && !model.patches->exact.empty()) model.rest = rest_of(model);
   if (wants_clusters(model.settings) && model.triangles.size() > 0)
     model.clusters = build_clusters(model.triangles, model.execution);
   return {};
@@ -197,9 +219,8 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   if (Status status = check_settings(scene.settings); !status.ok()) return status;
   if (Status status = check_execution(execution); !status.ok()) return status;
   if (Status status = check_hand(scene.hand); !status.ok()) return status;
-  static std::atomic<std::uint64_t> builds{0};
   Model built;
-  built.build = ++builds;
+  built.build = next_build();
   built.hand = scene.hand;
   built.settings = scene.settings;
   built.execution = execution;

@@ -282,10 +282,21 @@ void size_samples(const Model& model, SampleMemory& memory) {
   memory.ordered.resize(room + kSpare);
 }
 
-bool sample_forces(const Model& model, const Primitives& hand, SampleMemory& memory, SampledForces& forces) {
+std::uint32_t sampled_segments(const Model& model) {
   std::uint32_t segments = 0;
+  if (!model.patches) return segments;
   for (std::size_t i = 0; i < kSegmentCount; ++i)
     segments |= static_cast<std::uint32_t>(is_sampled(model.settings, i)) << i;
+  return segments;
+}
+
+bool felt_by_samples(const Model& model, std::size_t segment, std::uint32_t triangle) {
+  return (sampled_segments(model) >> segment & 1u) != 0 && is_sampled(*model.patches, triangle);
+}
+
+bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t segments, SampleMemory& memory,
+                   SampledForces& forces) {
+  forces = {};
   Bodies& bodies = memory.bodies;
   set_bodies(hand, segments, *model.patches, bodies);
   const PatchBlock* const blocks = model.patches->block.data();
@@ -321,6 +332,7 @@ bool sample_forces(const Model& model, const Primitives& hand, SampleMemory& mem
     if (!fits) return false;
   }
   begin[bodies.finger_count + 1] = count;
+  forces.patch_count = static_cast<std::uint32_t>(count);
 
   for (std::size_t i = 0; i <= bodies.finger_count; ++i) {
     const std::span found(memory.found.data() + begin[i], begin[i + 1] - begin[i]);

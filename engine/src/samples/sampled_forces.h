@@ -17,23 +17,35 @@ namespace lumbrical {
 
 struct Primitives;
 
-/// Working memory, sized once for a model.
+/// What the sampled segments feel, before limits.
+struct SampledForces {
+  std::array<Wrench, kSegmentCount> segment{};  ///< [N], [N m] about the joint at the segment's base
+  std::uint32_t patch_count = 0;    ///< near bodies, those of blocks taken as wholes counted as one
+  std::uint32_t contact_count = 0;  ///< pairs of a body and a patch it touches
+};
+
+/// Working memory, sized once for a model, and the last tick's result.
 struct SampleMemory {
+  SampledForces forces;
   Bodies bodies;
   std::array<std::vector<std::uint32_t>, 2> frontier;  ///< of the search
   std::vector<FoundPatch> found;                       ///< patches near the bodies, body by body
   std::vector<std::uint32_t> ordered;                  ///< their places, by kind and size within a body
 };
 
-/// What the sampled segments feel, before limits.
-struct SampledForces {
-  std::array<Wrench, kSegmentCount> segment{};  ///< [N], [N m] about the joint at the segment's base
-  std::uint32_t contact_count = 0;              ///< pairs of a body and a patch it touches
-};
-
 void size_samples(const Model& model, SampleMemory& memory);
 
-/// False where more patches are near than there is room for (Settings::max_candidates).
-bool sample_forces(const Model& model, const Primitives& hand, SampleMemory& memory, SampledForces& forces);
+inline constexpr std::uint32_t kAllSegments = (1u << kSegmentCount) - 1;
+
+/// Segments that are felt by samples, a bit each.
+std::uint32_t sampled_segments(const Model& model);
+
+/// Are a segment and a triangle left out by the exact rung?
+bool felt_by_samples(const Model& model, std::size_t segment, std::uint32_t triangle);
+
+/// Forces on those of `segments`. False where more patches are near than there is room for
+/// (Settings::max_candidates).
+bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t segments, SampleMemory& memory,
+                   SampledForces& forces);
 
 }  // namespace lumbrical

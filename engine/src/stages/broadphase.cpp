@@ -224,6 +224,7 @@ void size_candidates(const Model& model, Scratch& scratch) {
   scratch.near->pairs.resize(capacity);
   scratch.near->other.resize(capacity);
   std::size_t frontier_size = std::max<std::size_t>(frontier_capacity(model.tree.head), model.grid.frontier);
+  if (model.rest) frontier_size = std::max(frontier_size, frontier_capacity(model.rest->tree.head));
   if (model.voxels) frontier_size = std::max(frontier_size, frontier_capacity(model.voxels->wide.head));
   scratch.searcher.resize(model.execution.threads);
   for (SearchMemory& searcher : scratch.searcher) {

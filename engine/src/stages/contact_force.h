@@ -3,6 +3,7 @@
 // contacts.
 #pragma once
 
+#include <array>
 #include <span>
 
 #include "lumbrical/tick.h"
@@ -12,7 +13,9 @@ namespace lumbrical {
 
 /// Forces and torques before limits. `volume` of each contact is the law's (see lumbrical::Law); so F = K_s
 /// volume n for every law, and Eq. 3-4 with volume = A_C dl_max for the paper's.
-HandForces sum_forces(const Settings& settings, const Primitives& hand, std::span<const Contact> contacts);
+/// What samples have found is in `sampled`, per segment about the joint at its base.
+HandForces sum_forces(const Settings& settings, const Primitives& hand, std::span<const Contact> contacts,
+                      const std::array<Wrench, kSegmentCount>& sampled);
 
 /// [N] Bound of the error of all contacts' forces together: K_s times the sum of their `error`.
 double force_error(const Settings& settings, std::span<const Contact> contacts);

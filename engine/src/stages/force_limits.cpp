@@ -2,26 +2,10 @@
 
 #include <cmath>
 
+#include "stages/joint_torques.h"
+
 namespace lumbrical {
 namespace {
-
-// A force of `wrench`, known at the joint `from`, seen from the joint `at`.
-Vec3 torque_at(Vec3 at, Vec3 from, const Wrench& wrench) {
-  return wrench.torque + cross(from - at, wrench.force);
-}
-
-// The segments a joint carries: of a finger those from its own to the tip, of the wrist all.
-void sum_joint_torques(const Primitives& hand, HandForces& forces) {
-  for (std::size_t joint = 0; joint < kSegmentCount; ++joint) {
-    const bool wrist = joint == kPalmSegment;
-    const std::size_t first = wrist ? 0 : joint, last = wrist ? kPalmSegment : joint - joint % 3 + 2;
-    Vec3 torque;
-    for (std::size_t i = first; i <= last; ++i)
-      torque += torque_at(hand.base_joint[joint], hand.base_joint[i], forces.segment[i]);
-    forces.joint_torque[joint] = torque;
-    forces.flexion_torque[joint] = dot(torque, hand.flexion_axis[joint]);
-  }
-}
 
 bool saturate_segments(double max_force, const Primitives& hand, HandForces& forces) {
   bool limited = false;

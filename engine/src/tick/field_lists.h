@@ -10,6 +10,7 @@
 #include "lumbrical/math.h"
 #include "lumbrical/tick.h"
 #include "model/primitive.h"
+#include "samples/sampled_forces.h"
 #include "tick/fields.h"
 
 namespace lumbrical {
@@ -63,6 +64,7 @@ constexpr void list_fields(Is<ActuatorFrame> auto& frame, auto&& field) {
   field("tick", "", frame.tick);
   field("flags", "", frame.flags);
   field("contact_count", "", frame.contact_count);
+  field("error_estimate", "N", frame.error_estimate);
   field("force_error", "N", frame.force_error);
   list_forces(frame, field);
 }
@@ -103,6 +105,12 @@ constexpr void list_fields(Is<Contact> auto& contact, auto&& field) {
   field("centroid", "m", contact.centroid);
   field("centre", "m", contact.centre);
   field("normal", "", contact.normal);
+}
+
+constexpr void list_fields(Is<SampledForces> auto& sampled, auto&& field) {
+  field("patch_count", "", sampled.patch_count);
+  field("contact_count", "", sampled.contact_count);
+  field("segment", "", sampled.segment);
 }
 
 constexpr void list_fields(Is<HalfSpace> auto& half_space, auto&& field) {

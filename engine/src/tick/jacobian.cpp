@@ -4,6 +4,7 @@
 #include "borders/border_cut.h"
 #include "index/cluster_tree.h"
 #include "model/corners.h"
+#include "samples/sampled_forces.h"
 #include "section/contact_jacobian.h"
 #include "section/slab.h"
 #include "stages/narrowphase.h"
@@ -53,6 +54,97 @@ void add_cluster(const Model& model, const Primitives& hand, const Primitive& pr
   }
 }
 
+// ---- Segments that are felt by samples: differences of the very sum ----
+
+// So far a body is moved to either side [m], [rad]: single precision then shows in the fourth digit, and so
+// does the third derivative.
+constexpr double kStep = 1e-5, kTurn = 2e-4;
+
+// A hand whose phalanges `first` .. `last`, or whose palm, are moved by a small translation and turned about
+// `pivot` by a small angle, joints included.
+void move_segments(std::size_t first, std::size_t last, Vec3 pivot, Vec3 shift, Vec3 angle,
+                   const Primitives& from, Primitives& to) {
+  const Quat turn = normalized({1, 0.5 * angle.x, 0.5 * angle.y, 0.5 * angle.z});
+  const auto moved = [&](Vec3 p) { return pivot + shift + rotate(turn, p - pivot); };
+  for (std::size_t i = first; i <= last; ++i) {
+    to.base_joint[i] = moved(from.base_joint[i]);
+    if (i == kPalmSegment) {
+      to.palm.normal = rotate(turn, from.palm.normal);
+      for (std::size_t k = 0; k < static_cast<std::size_t>(from.palm.corner_count); ++k) {
+        to.palm.corner[k] = moved(from.palm.corner[k]);
+        to.palm.outward[k] = rotate(turn, from.palm.outward[k]);
+      }
+      continue;
+    }
+    to.capsule[i].end1 = moved(from.capsule[i].end1);
+    to.capsule[i].end2 = moved(from.capsule[i].end2);
+    to.direction[i] = rotate(turn, from.direction[i]);
+  }
+}
+
+// Adds a column: the change of a wrench per unit of one translation or rotation.
+void add_column(const Wrench& change, std::size_t column, Matrix6& value) {
+  const double rows[6] = {change.force.x,  change.force.y,  change.force.z,
+                          change.torque.x, change.torque.y, change.torque.z};
+  for (std::size_t row = 0; row < 6; ++row) value[row][column] += rows[row];
+}
+
+// The segments of one body, which move together: a finger's that are asked for, or the palm.
+void add_sampled_body(const Model& model, const Primitives& hand, std::size_t first, std::size_t last,
+                      std::uint32_t segments, SampleMemory& memory,
+                      std::array<SegmentJacobian, kSegmentCount>& jacobians) {
+  const Vec3 pivot = hand.base_joint[first];
+  const double scale = 0.5 / model.settings.stiffness;  // the caller multiplies by the stiffness at the end
+  std::array<Matrix6, kSegmentCount> about_pivot{};
+  for (std::size_t column = 0; column < 6; ++column) {
+    const auto axis = [&](double size) {
+      return column % 3 == 0 ? Vec3{size, 0, 0} : column % 3 == 1 ? Vec3{0, size, 0} : Vec3{0, 0, size};
+    };
+    const double step = column < 3 ? kStep : kTurn;
+    SampledForces ahead, behind;
+    for (const double side : {1.0, -1.0}) {
+      Primitives moved = hand;
+      move_segments(first, last, pivot, axis(column < 3 ? side * step : 0),
+                    axis(column < 3 ? 0 : side * step), hand, moved);
+      if (!sample_forces(model, moved, segments, memory, side > 0 ? ahead : behind)) return;
+    }
+    for (std::size_t i = first; i <= last; ++i) {
+      const Vec3 force = (scale / step) * (ahead.segment[i].force - behind.segment[i].force);
+      const Vec3 torque = (scale / step) * (ahead.segment[i].torque - behind.segment[i].torque);
+      add_column({force, torque}, column, about_pivot[i]);
+    }
+  }
+  for (std::size_t i = first; i <= last; ++i) {
+    if ((segments >> i & 1u) == 0) continue;
+    // A turn about the segment's own joint is one about the pivot and a shift of it.
+    const Vec3 arm = pivot - hand.base_joint[i];
+    for (std::size_t row = 0; row < 6; ++row) {
+      const auto& from = about_pivot[i][row];
+      auto& to = jacobians[i].value[row];
+      for (std::size_t column = 0; column < 6; ++column) to[column] += from[column];
+      to[3] += from[2] * arm.y - from[1] * arm.z;
+      to[4] += from[0] * arm.z - from[2] * arm.x;
+      to[5] += from[1] * arm.x - from[0] * arm.y;
+    }
+  }
+}
+
+void add_sampled(const Model& model, const Primitives& hand, std::uint32_t segments, SampleMemory& memory,
+                 std::array<SegmentJacobian, kSegmentCount>& jacobians) {
+  segments &= sampled_segments(model);
+  if (hand.count == 0) return;
+  for (std::size_t finger = 0; finger < kFingerCount; ++finger) {
+    const std::uint32_t own = 7u << 3 * finger;
+    if ((segments & own) != 0) {
+      // Neighbours share out space, so the whole finger is there even where only a part is asked for.
+      add_sampled_body(model, hand, 3 * finger, 3 * finger + 2, own & sampled_segments(model), memory,
+                       jacobians);
+    }
+  }
+  if ((segments >> kPalmSegment & 1u) != 0)
+    add_sampled_body(model, hand, kPalmSegment, kPalmSegment, 1u << kPalmSegment, memory, jacobians);
+}
+
 }  // namespace
 
 void segment_jacobians(const Model& model, const Scratch& scratch,
@@ -69,12 +161,23 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
     const Primitive& primitive = hand.primitive[contact.primitive];
     SegmentJacobian& jacobian = jacobians[primitive.segment];
     if (!asked(primitive.segment) || !jacobian.known) continue;
+    if (felt_by_samples(model, primitive.segment, contact.triangle)) continue;
     const Vec3 joint = hand.base_joint[primitive.segment];
     if ((contact.triangle & kClusterBit) == 0) {
       const Corners at = corners_of(world, contact.triangle);
       add_triangle(hand, primitive, cut_of(hand, primitive, at), contact, joint, at, jacobian.value);
     } else {
       add_cluster(model, hand, primitive, cluster_of(contact.triangle), joint, jacobian.value);
+    }
+  }
+  if ((segments & sampled_segments(model)) != 0) {
+    std::array<SegmentJacobian, kSegmentCount> sampled{};
+    add_sampled(model, hand, segments, *scratch.samples, sampled);
+    for (std::size_t i = 0; i < kSegmentCount; ++i) {
+      for (std::size_t row = 0; asked(i) && row < 6; ++row) {
+        for (std::size_t column = 0; column < 6; ++column)
+          jacobians[i].value[row][column] += sampled[i].value[row][column];
+      }
     }
   }
   for (std::size_t i = 0; i < kSegmentCount; ++i) {

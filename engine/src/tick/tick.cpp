@@ -19,6 +19,7 @@ constexpr std::uint32_t kUntrusted = kInputNotFinite | kInputImplausible | kInpu
 struct Findings {
   const DeviceFrame& frame;
   const Primitives& hand;
+  const SampledForces& sampled;
   std::span<const std::uint64_t> candidates;
   std::span<const Contact> contacts;
   const HandForces& forces;
@@ -32,7 +33,10 @@ void hash_stages(const Findings& found, std::array<std::uint64_t, kStageCount>& 
   hash_of_stage(Stage::input) = hash_fields(found.frame);
   hash_of_stage(Stage::hand_pose) = hash_fields(found.hand);
   hash_of_stage(Stage::broadphase) = hash_rows(found.candidates);
-  hash_of_stage(Stage::narrowphase) = hash_rows(found.contacts);
+  Hasher narrowphase;
+  narrowphase.value(hash_rows(found.contacts));
+  narrowphase.value(hash_fields(found.sampled));
+  hash_of_stage(Stage::narrowphase) = narrowphase.digest();
   hash_of_stage(Stage::contact_force) = hash_fields(found.forces);
   hash_of_stage(Stage::limits) = hash_fields(found.output);
 }
@@ -55,13 +59,36 @@ Scratch make_scratch(const Model& model) {
   return scratch;
 }
 
-// Is there anything left to the exact rung?
-bool leaves_exact(const Model& model) {
-  if (!model.patches || !model.patches->exact.empty()) return true;
-  for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    if (!is_sampled(model.settings, i)) return true;
+// Candidates of what is left to the exact rung: segments that are not felt by samples, and triangles too
+// large for them. False where there are too many.
+bool find_exact_candidates(const Model& model, const Primitives& hand, Scratch& scratch) {
+  const std::uint32_t sampled = sampled_segments(model);
+  if (sampled == kAllSegments) return !model.rest || find_candidates(*model.rest, hand, scratch);
+  if (!find_candidates(model, hand, scratch)) return false;
+  if (sampled == 0) return true;
+  const auto is_left = [&](std::uint64_t pair) {
+    return !felt_by_samples(model, hand.primitive[pair >> 32].segment, static_cast<std::uint32_t>(pair));
+  };
+  std::uint32_t count = 0;
+  for (std::uint32_t i = 0; i < scratch.candidate_count; ++i) {
+    scratch.candidates[count] = scratch.candidates[i];
+    count += is_left(scratch.candidates[i]) ? 1 : 0;
   }
-  return false;
+  scratch.candidate_count = count;
+  return true;
+}
+
+void find_all_contacts(const Model& model, const Primitives& hand, Scratch& scratch) {
+  const std::span<const std::uint64_t> candidates(scratch.candidates.data(), scratch.candidate_count);
+  scratch.contact_count = find_contacts(model, hand, candidates, scratch.contacts);
+}
+
+// [N] By experience: see Settings::precision.
+double error_estimate(const Settings& settings, const SampledForces& sampled) {
+  double estimate = 0;
+  for (std::size_t i = 0; i < kSegmentCount; ++i)
+    estimate += settings.precision[i] * norm(sampled.segment[i].force);
+  return estimate;
 }
 
 ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame) {
@@ -75,7 +102,8 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   hand.palm.corner_count = 0;
   scratch.candidate_count = scratch.contact_count = 0;
 
-  SampledForces sampled;
+  SampledForces& sampled = scratch.samples->forces;
+  sampled = {};
   std::uint32_t flags = check_input(frame);
   if ((frame.flags & kTrackingLost) != 0) flags |= kInputLost;
   if ((frame.flags & kExtrapolated) != 0) flags |= kInputExtrapolated;
@@ -85,26 +113,33 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
     hand.out_of_reach = !may_meet(model.hand, hand, model.extent);  // and needs no shape
     if (!hand.out_of_reach) {
       tile_hand(model.hand, model.settings, hand);
-      if (model.patches && !sample_forces(model, hand, *scratch.samples, sampled))
+      if (model.patches && !sample_forces(model, hand, sampled_segments(model), *scratch.samples, sampled))
         flags |= kCandidateOverflow;
-      if (leaves_exact(model) && !find_candidates(model, hand, scratch)) flags |= kCandidateOverflow;
+      if (!find_exact_candidates(model, hand, scratch)) flags |= kCandidateOverflow;
     }
   }
+  find_all_contacts(model, hand, scratch);
   const std::span<const std::uint64_t> candidates(scratch.candidates.data(), scratch.candidate_count);
-  scratch.contact_count = find_contacts(model, hand, candidates, scratch.contacts);
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
-  HandForces forces = sum_forces(model.settings, hand, contacts);
-  for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    forces.segment[i].force += sampled.segment[i].force;
-    forces.segment[i].torque += sampled.segment[i].torque;
-  }
+  const HandForces forces = sum_forces(model.settings, hand, contacts, sampled.segment);
   ActuatorFrame output = limit_forces(model.settings, hand, forces, (flags & kUntrusted) == 0, flags, state);
   output.contact_count = scratch.contact_count + sampled.contact_count;
   output.force_error = force_error(model.settings, contacts);
+  output.error_estimate = error_estimate(model.settings, sampled);
 
   if (scratch.hash_stages)
-    hash_stages({frame, hand, candidates, contacts, forces, output}, scratch.stage_hash);
+    hash_stages({frame, hand, sampled, candidates, contacts, forces, output}, scratch.stage_hash);
   return output;
+}
+
+std::span<const Contact> find_contacts(const Model& model, Scratch& scratch) {
+  const Primitives& hand = *scratch.primitives;
+  if (sampled_segments(model) != 0 && hand.count > 0) {
+    const FloatingPointGuard guard;
+    if (!find_candidates(model, hand, scratch)) scratch.candidate_count = 0;
+    find_all_contacts(model, hand, scratch);
+  }
+  return {scratch.contacts.data(), scratch.contact_count};
 }
 
 std::uint64_t hash_state(const State& state) { return hash_fields(state); }

@@ -76,13 +76,14 @@ std::vector<TraceValue> trace_stage(const Model& model, const Scratch& scratch, 
       }
       break;
     case Stage::narrowphase:
+      to.fields(scratch.samples->forces);
       for (const Contact& contact : contacts) {
         to.pair(model.clusters, contact.primitive, contact.triangle);
         to.fields(contact);
       }
       break;
     case Stage::contact_force:
-      to.fields(sum_forces(model.settings, *scratch.primitives, contacts));
+      to.fields(sum_forces(model.settings, *scratch.primitives, contacts, scratch.samples->forces.segment));
       break;
     case Stage::limits:
       to.fields(output);
