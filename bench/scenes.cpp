@@ -218,6 +218,7 @@ Quat leaning(double tilt, double heading) {
 
 Rig make_rig(const Mesh& mesh, const PosedFinger& finger, Law law) {
   Scene scene;
+  scene.settings.precision.fill(0);
   scene.hand = default_hand(Side::right);
   scene.hand.palm.polygon.clear();
   const std::size_t first = kIndexTip + std::size_t{1} - finger.joints.size();

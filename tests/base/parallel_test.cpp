@@ -105,6 +105,7 @@ bool same_head(const TreeHead& a, const TreeHead& b) {
 // Large enough for several pieces everywhere, with clusters far apart and triangles wider than a cell.
 Scene clusters() {
   Scene scene;
+  scene.settings.precision.fill(0);
   scene.hand = default_hand(Side::right);
   Random random(3);
   for (int i = 0; i < 6; ++i) {
@@ -164,6 +165,7 @@ TEST(ParallelBuild, NamesTheFirstOfManyFaultsOnAnyNumberOfThreads) {
 TEST(ParallelBuild, TreesTakeFewerBytesThanTheirTrianglesAllow) {
   // All included: vertices, indices, blocks, tree.
   Scene scene;
+  scene.settings.precision.fill(0);
   scene.hand = default_hand(Side::right);
   scene.objects.push_back({"field", make_height_field(0.3, 300, 0.002, 0.04)});
   for (const Broadphase broadphase : {Broadphase::tree, Broadphase::grid}) {

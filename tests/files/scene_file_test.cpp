@@ -185,7 +185,7 @@ TEST(SceneFile, TellsEveryMistakeWithItsPlace) {
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"rate": 0}})",
        ":1:76: settings.rate is 0 but must lie in 1 .. 100000"},
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"segments": [{"segment": "toe"}]}})",
-       ":1:97: settings.segments[0].segment is not a hand segment"},
+       ":1:93: settings.segments[0].segment is not a hand segment"},
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "execution": {"broadphase": "heap"}})",
        ":1:83: execution.broadphase is no search"},
       {R"({"motion": {"grasp": {}, "file": "a.csv"}, "objects": [{"plane": {}}]})",

@@ -43,6 +43,7 @@ inline Model built(const Scene& scene, const Execution& execution = {}) {
 inline Scene strewn_scene(std::uint64_t seed, double extent, std::size_t count) {
   Random random(seed);
   Scene scene;
+  scene.settings.precision.fill(0);
   scene.hand = default_hand(Side::right);
   for (std::size_t i = 0; i < count; ++i) {
     Mesh mesh = i % 3 == 0   ? make_sphere(random.between(0.02, 0.2), 6 + static_cast<std::uint32_t>(i % 7))

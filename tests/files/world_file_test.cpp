@@ -253,6 +253,7 @@ TEST(WorldFile, AnyForgedByteIsRefusedOrRuns) {
     bad[place] = static_cast<char>(random.bits());
     write_file("any.world", sealed(bad));
     Scene scene;
+    scene.settings.precision.fill(0);
     scene.hand = default_hand(Side::right);
     if (!open_world(path, scene.world).ok()) continue;
     const Model model = built(scene);

@@ -33,6 +33,7 @@ std::vector<std::uint64_t> hashes_of(const Scene& scene, Broadphase broadphase,
 // next.
 Scene islands(std::vector<Vec3>& way) {
   Scene scene;
+  scene.settings.precision.fill(0);
   scene.hand = default_hand(Side::right);
   Random random(7);
   for (int i = 0; i < 8; ++i) {
@@ -130,6 +131,7 @@ DeviceFrame hand_on_street(const Hand& hand, double x) {
 TEST(World, HoldsABoundedPartOfItsFile) {
   constexpr int kBlocks = 60;  // 2.7 million triangles
   Scene scene;
+  scene.settings.precision.fill(0);
   scene.hand = default_hand(Side::right);
   const Status status = open_world(write_street(kBlocks), scene.world);
   ASSERT_TRUE(status.ok()) << status.message();
@@ -161,6 +163,7 @@ TEST(World, HoldsABoundedPartOfItsFile) {
 // Share of what a tick at the frame reads that is mapped already: no page fault then, major or minor.
 TEST(World, IsReadAheadOfTheHand) {
   Scene scene;
+  scene.settings.precision.fill(0);
   scene.hand = default_hand(Side::right);
   ASSERT_TRUE(open_world(write_street(12), scene.world).ok());
   const World& world = *scene.world;
@@ -195,6 +198,7 @@ TEST(World, IsReadAheadOfTheHand) {
 
 TEST(World, FramesThatTellNoPlaceAreNoTroubleToThePager) {
   Scene scene;
+  scene.settings.precision.fill(0);
   scene.hand = default_hand(Side::right);
   ASSERT_TRUE(open_world(write_street(1), scene.world).ok());
   WorldPager pager(built(scene), {});

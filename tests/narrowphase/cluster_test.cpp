@@ -117,6 +117,7 @@ Primitive moved(Primitive p, const Place& place) {
 Model model_at(Mesh mesh, const Place& place, double tolerance, const Execution& execution = {}) {
   for (Vec3& p : mesh.vertices) p = place.point(p);
   Scene scene;
+  scene.settings.precision.fill(0);
   scene.hand = default_hand(Side::right);
   scene.settings.tolerance = tolerance;
   scene.settings.max_candidates = 1u << 16;

@@ -178,6 +178,7 @@ TEST(Finger, EveryResultTurnsWithTheWorld) {
 TEST(Finger, TellsTheDepthOfAContactWhenAsked) {
   const double deep = 0.002;
   Scene scene;
+  scene.settings.precision.fill(0);
   scene.hand = test::plain_hand(kRadius);
   scene.objects.push_back({"plane", make_plane(0.4, 40, 1)});
   const Model model = test::model_of(scene);

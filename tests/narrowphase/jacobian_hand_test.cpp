@@ -169,6 +169,7 @@ TEST(HandJacobian, HasTheSameBitsEverywhere) {
 
 TEST(HandJacobian, FingerThatSlidesAlongAPlaneFeelsNoChangeInAnySegment) {
   Scene scene;
+  scene.settings.precision.fill(0);
   scene.hand = test::plain_hand(0.008);
   scene.settings.fade_time = 0;
   scene.objects.push_back({"plane", make_plane(0.4, 25, 1)});

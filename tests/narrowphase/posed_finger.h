@@ -38,6 +38,7 @@ struct Touch {
 
 inline Touch touch(const Hand& hand, Law law, const Mesh& mesh, const DeviceFrame& frame) {
   Scene scene;
+  scene.settings.precision.fill(0);
   scene.hand = hand;
   scene.settings.law.fill(law);
   scene.settings.fade_time = 0;

@@ -160,10 +160,10 @@ TEST_P(ReplayTrace, TracesTheSameTextHoweverItIsComputed) {
   const std::string text = without_comments(a);
   EXPECT_EQ(text, without_comments(b));
   for (const char* const part :
-       {"330 input base.position.x ", "330 hand_pose primitive[0].end1.x ",
-        "330 hand_pose palm.corner[0].x ", "330 broadphase primitive ", " triangle ",
-        "330 narrowphase primitive ", "330 contact_force segment[0].force.x ", "330 limits flags ",
-        "330 state tick 331\n", "330 state held.segment[15].force.z "})
+       {"330 input base.position.x ", "330 hand_pose primitive[0].end1.x ", "330 hand_pose palm.corner[0].x ",
+        "330 broadphase primitive ", " triangle ", "330 narrowphase primitive ",
+        "330 contact_force segment[0].force.x ", "330 limits flags ", "330 state tick 331\n",
+        "330 state held.segment[15].force.z "})
     EXPECT_NE(text.find(part), std::string::npos) << part;
 
   // Of a divergence, the stage that differs.

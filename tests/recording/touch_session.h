@@ -15,6 +15,7 @@ inline constexpr std::uint64_t kTicks = 600;
 
 inline Scene touch_scene() {
   Scene scene;
+  scene.settings.precision.fill(0);
   scene.hand = default_hand(Side::right);
   scene.objects.push_back({"ball", make_sphere(0.04, 4)});
   return scene;

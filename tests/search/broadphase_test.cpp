@@ -115,6 +115,7 @@ void expect_equal(const Scene& scene, const Primitives& hand, double scale, cons
 
 TEST(Broadphase, ATreeIsChosenUpToOneKilometreAndAGridBeyond) {
   Scene scene;
+  scene.settings.precision.fill(0);
   scene.hand = default_hand(Side::right);
   scene.objects.push_back({"here", make_height_field(0.3, 20, 0.002, 0.04)});
   scene.objects.push_back(scene.objects[0]);
@@ -154,6 +155,7 @@ TEST(Broadphase, FindsTheCandidatesOfBruteForceInAnySceneAndLosesNoContact) {
     const double away = i % 5 == 0 ? 0.9e8 : scale * std::pow(10.0, random.between(-1, 3));
     const Vec3 centre = random.in_box(away);
     Scene scene;
+    scene.settings.precision.fill(0);
     scene.hand = default_hand(Side::right);
     scene.objects.push_back({"soup", soup(random, centre, scale)});
     Primitives hand;
@@ -194,6 +196,7 @@ TEST(Broadphase, FindsTheSameInPlacedRealMeshes) {
       hand.primitive[static_cast<std::size_t>(hand.count)] = random_primitive(random, at, 0.1 * scale);
     }
     Scene scene;
+    scene.settings.precision.fill(0);
     scene.hand = default_hand(Side::right);
     scene.objects.push_back({"mesh", mesh});
     Execution brute, grid;

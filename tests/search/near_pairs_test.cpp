@@ -138,6 +138,7 @@ TEST(NearPairs, GiveTheCandidatesOfBruteForceOnWalksRestsAndJumps) {
     const double away = scene_number % 4 == 0 ? 1e8 : scale * std::pow(10.0, random.between(-1, 4));
     const Vec3 centre = random.in_box(away);
     Scene scene;
+    scene.settings.precision.fill(0);
     scene.hand = default_hand(Side::right);
     scene.objects.push_back({"soup", soup(random, centre, scale, 3000)});
     Execution brute;

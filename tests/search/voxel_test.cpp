@@ -39,6 +39,7 @@ Mesh moved(Mesh mesh, const Pose& place, double scale) {
 
 Scene scene_of(const Mesh& mesh) {
   Scene scene;
+  scene.settings.precision.fill(0);
   scene.hand = default_hand(Side::right);
   scene.objects.push_back({"mesh", mesh});
   return scene;

@@ -54,6 +54,7 @@ inline Primitives hand_of(const SweptPolygon& palm, Law law = Law::field) {
 
 inline Model world_of(Mesh mesh) {
   Scene scene;
+  scene.settings.precision.fill(0);
   scene.hand = default_hand(Side::right);
   scene.objects.push_back({"mesh", std::move(mesh)});
   return model_of(scene);

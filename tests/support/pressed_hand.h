@@ -18,6 +18,7 @@ inline constexpr double kWidthA = 0.3, kCellB = 0.005;  // [m]
 inline Scene pressed_scene(double extent, std::uint32_t cells) {
   Scene scene;
   scene.hand = default_hand(Side::right);
+  scene.settings.precision.fill(0);
   scene.objects.push_back({"field", make_height_field(extent, cells, 0.002, 0.04)});
   return scene;
 }

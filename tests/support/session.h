@@ -14,6 +14,7 @@ inline Scene mug_scene(Law law) {
   Scene scene;
   scene.hand = default_hand(Side::right);
   scene.settings.law.fill(law);
+  scene.settings.precision.fill(0);
   scene.objects.push_back({"mug", make_mug({})});
   return scene;
 }

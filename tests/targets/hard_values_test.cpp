@@ -329,6 +329,7 @@ TEST(HardValue, NumbersThatAreNotFiniteAreRefusedOrFlagged) {
     EXPECT_TRUE(refuses(big_triangle(), capsule({0, 0, kH}, {0, 0.01, kH}, bad, kR)));
     EXPECT_TRUE(refuses(big_triangle(), capsule({0, 0, kH}, {0, 0.01, kH}, kR, bad)));
     Scene scene;
+    scene.settings.precision.fill(0);
     scene.hand = default_hand(Side::right);
     Model model;
     scene.objects = {{"plane", triangle({0, bad, 0}, {1, 0, 0}, {0, 1, 0})}};

@@ -114,6 +114,7 @@ TEST(ForceLimits, JointsCarryTheLimitedWrenchesOfTheirSegments) {
 
 TEST(ForceLimits, AFingertipKeepsItsForceWhenThePalmTouchesAWall) {
   Scene scene;
+  scene.settings.precision.fill(0);
   scene.hand = default_hand(Side::right);
   scene.settings.fade_time = 0;
   DeviceFrame frame;

@@ -18,9 +18,9 @@ namespace lumbrical::avx2 {
 
 using Double = xsimd::batch<double, xsimd::avx2>;
 using Single = xsimd::batch<float, xsimd::avx2>;
-const FieldKernels kFieldKernels{round_contacts<Double>, strip_nodes<Double>,    cone_slivers<Double>,
-                                 field_across<Double>,   border_bulges<Double>,  certain_misses<Double>,
-                                 sphere_hits<Single>,    cluster_kinds<Single>,  cluster_forces<Double>,
+const FieldKernels kFieldKernels{round_contacts<Double>, strip_nodes<Double>,   cone_slivers<Double>,
+                                 field_across<Double>,   border_bulges<Double>, certain_misses<Double>,
+                                 sphere_hits<Single>,    cluster_kinds<Single>, cluster_forces<Double>,
                                  leaf_forces<Double>,    slab_contacts<Double>, slab_rims<Double>};
 
 }  // namespace lumbrical::avx2

@@ -18,9 +18,9 @@ namespace lumbrical::avx512 {
 
 using Double = xsimd::batch<double, xsimd::avx512bw>;
 using Single = xsimd::batch<float, xsimd::avx512bw>;
-const FieldKernels kFieldKernels{round_contacts<Double>, strip_nodes<Double>,    cone_slivers<Double>,
-                                 field_across<Double>,   border_bulges<Double>,  certain_misses<Double>,
-                                 sphere_hits<Single>,    cluster_kinds<Single>,  cluster_forces<Double>,
+const FieldKernels kFieldKernels{round_contacts<Double>, strip_nodes<Double>,   cone_slivers<Double>,
+                                 field_across<Double>,   border_bulges<Double>, certain_misses<Double>,
+                                 sphere_hits<Single>,    cluster_kinds<Single>, cluster_forces<Double>,
                                  leaf_forces<Double>,    slab_contacts<Double>, slab_rims<Double>};
 
 }  // namespace lumbrical::avx512

@@ -21,7 +21,7 @@ struct RoundTerms {
   // Of all pairs.
   bool sphere = false, cone = false;  ///< the primitives' kind; neither: capsules
   bool flat = false;                  ///< their axes lie nearly along the planes
-  bool depths = false;  ///< dl_max is asked for
+  bool depths = false;                ///< dl_max is asked for
   static constexpr int kMostCuts = 3;
   int cut_count = 0;  ///< half-spaces that bound them besides, at most
 

@@ -82,8 +82,8 @@ Status decode_output(const fb::Tick& message, ActuatorFrame& output) {
   output.tick = message.tick();
   output.flags = message.flags();
   output.contact_count = message.contact_count();
-  output.force_error = message.force_error();
-  output.error_estimate = message.error_estimate();
+  output.force_error = message.force_error().value_or(0);
+  output.error_estimate = message.error_estimate().value_or(0);
   if (message.segments() == nullptr) return {};
   if (!is_aligned(message.segments())) return Status::error("the tick message's segments are misplaced");
   std::uint32_t least = 0;
@@ -168,11 +168,11 @@ void encode_tick(const TickRecord& record, bool keep_forces, const InputCheck& c
   static_assert(kStageCount == 6);
   const fb::InputCheck input_check(check.hash, check.low_sum, check.low_moment, check.high_sum,
                                    check.high_moment);
-  builder.Finish(fb::CreateTick(
-      builder, record.output.tick, record.duration_ns, &base, static_cast<fb::InputKind>(device.kind),
-      device.flags, device.valid, joints, angles, record.output.flags, record.output.contact_count, outputs,
-      &hashes, record.state_hash, &input_check, record.output.force_error,
-      record.output.error_estimate, sent, !keep_forces));
+  builder.Finish(fb::CreateTick(builder, record.output.tick, record.duration_ns, &base,
+                                static_cast<fb::InputKind>(device.kind), device.flags, device.valid, joints,
+                                angles, record.output.flags, record.output.contact_count, outputs, &hashes,
+                                record.state_hash, &input_check, record.output.force_error,
+                                record.output.error_estimate, sent, !keep_forces));
 }
 
 Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, InputCheck& check) {
