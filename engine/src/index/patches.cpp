@@ -97,7 +97,7 @@ struct Cutting {
   double block_radius = 0;  // [m] of the largest block that is taken as one
   std::uint32_t most_cuts = kMostCuts;
   std::vector<std::uint32_t> owner;  // of each patch
-  std::vector<std::uint8_t> part;    // of each patch; empty where no triangle is cut
+  std::vector<std::uint8_t> part;    // of its triangle, of each patch
 };
 
 std::size_t count_patches(const Triangles& triangles, double step, std::uint32_t most_cuts,
@@ -130,7 +130,7 @@ Cutting cut_triangles(const Triangles& triangles, double step, double block_radi
     total = count_patches(triangles, step, cutting.most_cuts, execution.threads);
   }
   cutting.owner.reserve(total);
-  if (total > triangles.size()) cutting.part.reserve(total);
+  cutting.part.reserve(total);
   patches.is_sampled.resize(piece_count(triangles.size(), 64));
   for (std::uint32_t i = 0; i < triangles.size(); ++i) {
     const Corners at = corners_of(triangles, i);
@@ -143,7 +143,7 @@ Cutting cut_triangles(const Triangles& triangles, double step, double block_radi
     if (!has_area(at)) continue;
     for (std::uint32_t part = 0; part < cuts * cuts; ++part) {
       cutting.owner.push_back(i);
-      if (total > triangles.size()) cutting.part.push_back(static_cast<std::uint8_t>(part));
+      cutting.part.push_back(static_cast<std::uint8_t>(part));
     }
   }
   return cutting;
@@ -159,8 +159,7 @@ Patch patch_of(const Triangles& triangles, const Cutting& cutting, std::uint32_t
   const std::uint32_t owner = cutting.owner[number];
   const Corners whole = corners_of(triangles, owner);
   const std::uint32_t cuts = cuts_of(whole, cutting.step);
-  const Corners at =
-      cuts == 1 ? whole : part_of(whole, cuts, cutting.part.empty() ? 0u : cutting.part[number]);
+  const Corners at = cuts == 1 ? whole : part_of(whole, cuts, cutting.part[number]);
   return {at, owner, class_for(size_of(whole) / (cutting.step * cuts))};
 }
 

@@ -53,8 +53,8 @@ SampleKernels::Sorted sort_blocks(const BlockSamples* blocks, const FingerBody& 
   for (unsigned lane = 0; lane < BlockRows::kWidth; lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
     const V radius = get(rows.radius + lane, V{});
     const V reach = radius + number<V>(kDistanceSlack) * (V(largest) + radius);
-    put(kinds + lane,
-        finger_kinds(finger, vector_at<V>(rows.centre, lane), radius, reach, V(finger.widest_cell), 7u));
+    put(kinds + lane, finger_kinds(finger, vector_at<V>(rows.centre, lane), radius, reach,
+                                   V(finger.widest_cell), finger.tiles()));
   }
   return part_blocks(kinds, rows, kind::kInside, FingerBody::kMostTiles, kind::kBlockInside, 3, found, count,
                      patches);
@@ -122,7 +122,7 @@ LUMBRICAL_INLINE inline std::uint32_t sum_blocks(const BlockList& list, const fl
         moment = moment + cross(arm, one - other);
       }
       moment = moment + cross(centre, force);
-      touched += add_wrench(turn_into(axis, force), turn_into(axis, moment), lane, sums);
+      touched += count_of(add_wrench(turn_into(axis, force), turn_into(axis, moment), lane, sums));
     }
   }
   return PatchBlock::kWidth * touched;

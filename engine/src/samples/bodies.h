@@ -43,6 +43,9 @@ struct FingerBody {
   Vec3 origin;                                       ///< [m] W
   TileFrame tile[kMostTiles] = {};
   JointSides joint[kMostTiles - 1] = {};
+
+  /// A bit per tile; what is beyond them may be left from another pose.
+  [[nodiscard]] std::uint32_t tiles() const { return (1u << tile_count) - 1; }
 };
 
 /// The palm in the plane of its polygon: x and y in it, z towards the palmar side.

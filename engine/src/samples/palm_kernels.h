@@ -30,7 +30,7 @@ std::uint32_t palm_lattice(const PatchList& patches, const PalmBody& palm, std::
     const PatchInFrame<V> patch = see_patch(rows, lane, palm.axis, Wide3<V>{V(0.0f), V(0.0f), V(0.0f)});
     const LatticeMoments<V> m =
         lattice_moments<V>(patch, steps, [&](Wide3<V> p) LUMBRICAL_INLINE { return palm_field(palm, p); });
-    touched += add_share(patch, m, lane, sums);
+    touched += count_of(add_share(patch, m, lane, sums));
   });
   return touched;
 }
@@ -77,7 +77,7 @@ std::uint32_t palm_side(const PatchList& patches, const PalmBody& palm, BodySums
     const V a = V(palm.radius) - magnitude(patch.corner.z);
     const V b = V(palm.radius) - magnitude(patch.corner.z + patch.edge1.z);
     const V c = V(palm.radius) - magnitude(patch.corner.z + patch.edge2.z);
-    touched += add_share(patch, linear_moments(a, b, c), lane, sums);
+    touched += count_of(add_share(patch, linear_moments(a, b, c), lane, sums));
   });
   return touched;
 }

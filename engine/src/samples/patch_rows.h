@@ -77,9 +77,13 @@ inline PatchInFrame<V> see_patch(const PatchRows& rows, std::size_t lane, const 
           turn_into(axis, vector_at<V>(rows.edge[1], lane))};
 }
 
-/// Adds force and moment of sixteen patches to a body's sums; returns how many lanes have any.
+inline std::uint32_t count_of(unsigned lanes) {
+  return static_cast<std::uint32_t>(__builtin_popcount(lanes));
+}
+
+/// Adds force and moment of a register's patches to a body's sums; returns a bit per lane that has any.
 template <class V>
-inline std::uint32_t add_wrench(Wide3<V> force, Wide3<V> moment, std::size_t lane, BodySums& sums) {
+inline unsigned add_wrench(Wide3<V> force, Wide3<V> moment, std::size_t lane, BodySums& sums) {
   constexpr double kRounder = 6755399441055744.0;  // 1.5 * 2^52: its last place is that of units
   const V rows[6] = {force.x, force.y, force.z, moment.x, moment.y, moment.z};
   for (std::size_t k = 0; k < 6; ++k) {
@@ -91,13 +95,13 @@ inline std::uint32_t add_wrench(Wide3<V> force, Wide3<V> moment, std::size_t lan
       sums.lane[k][lane + i] += (static_cast<double>(row[i]) + rounder) - rounder;
   }
   const V size = magnitude(force.x) + (magnitude(force.y) + magnitude(force.z));
-  return static_cast<std::uint32_t>(__builtin_popcount(wide::bits_of(size > number<V>(0), number<V>(0))));
+  return wide::bits_of(size > number<V>(0), number<V>(0));
 }
 
 /// The same of a share whose moments are known.
 template <class V>
-inline std::uint32_t add_share(const PatchInFrame<V>& patch, const LatticeMoments<V>& m, std::size_t lane,
-                               BodySums& sums) {
+inline unsigned add_share(const PatchInFrame<V>& patch, const LatticeMoments<V>& m, std::size_t lane,
+                          BodySums& sums) {
   const Wide3<V> normal = cross(patch.edge1, patch.edge2);
   const Wide3<V> first = m.sum * patch.corner + (m.u * patch.edge1 + m.v * patch.edge2);
   return add_wrench(m.sum * normal, cross(first, normal), lane, sums);

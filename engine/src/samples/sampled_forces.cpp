@@ -43,7 +43,7 @@ std::span<std::uint32_t> search_for_finger(const Model& model, const Primitives&
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
   if (model.execution.broadphase == Broadphase::brute) {
     const auto all = static_cast<std::uint32_t>(model.patches->block.size());
-    for (std::uint32_t i = 0; i < all; ++i) memory.frontier[0][i] = i << 3 | 7u;
+    for (std::uint32_t i = 0; i < all; ++i) memory.frontier[0][i] = i << 3 | finger.tiles();
     return {memory.frontier[0].data(), all};
   }
   SphereQuery queries[FingerBody::kMostTiles];
@@ -115,7 +115,7 @@ bool append_patches(std::span<std::uint32_t> blocks, SampleMemory& memory, std::
     if (count + kSpare > memory.found.size()) return false;
     count += classify(blocks.data() + i, std::min(kBlocksAtATime, open - i), memory.found.data() + count);
   }
-  return true;
+  return count + kSpare <= memory.found.size();  // whatever else was looked at
 }
 
 /// Where a body's patches are in the order of their keys: those of key k from begin[k] to begin[k + 1].

@@ -15,7 +15,7 @@ inline std::uint32_t part_lattice(const PatchList& patches, const TileFrame& til
     const PatchInFrame<V> patch = see_patch(rows, lane, tile.axis, in_all_lanes<V>(tile.origin));
     const LatticeMoments<V> m = lattice_moments<V>(
         patch, steps, [&](Wide3<V> p) LUMBRICAL_INLINE { return part_field<kPart>(tile, p); });
-    touched += add_share(patch, m, lane, sums);
+    touched += count_of(add_share(patch, m, lane, sums));
   });
   return touched;
 }
@@ -90,13 +90,11 @@ inline std::uint32_t shared_lattice(const PatchList& patches, const TileFrame* t
           for (std::size_t k = 0; k < N; ++k)
             add_to(m[k], share[k] * cell.sum, share[k] * cell.u, share[k] * cell.v);
         });
-    std::uint32_t most = 0;
+    unsigned any = 0;
     for (std::size_t k = 0; k < N; ++k) {
-      if ((wanted >> k & 1u) == 0) continue;
-      const std::uint32_t found = add_share(patch[k], mean_of(m[k], steps), lane, sums[k]);
-      if (found > most) most = found;
+      if ((wanted >> k & 1u) != 0) any |= add_share(patch[k], mean_of(m[k], steps), lane, sums[k]);
     }
-    touched += most;
+    touched += count_of(any);
   });
   return touched;
 }
@@ -146,7 +144,7 @@ std::uint32_t tile_rule(const PatchList& patches, const TileFrame& tile, std::si
       const V mean = number<V>(weight) * tile_field(tile, patch.at(at_u, at_v));
       add_to(m, mean, at_u * mean, at_v * mean);
     });
-    touched += add_share(patch, m, lane, sums);
+    touched += count_of(add_share(patch, m, lane, sums));
   });
   return touched;
 }
