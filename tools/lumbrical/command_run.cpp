@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "commands.h"
+#include "compare_precision.h"
 #include "device_loop.h"
 #include "lumbrical/recording.h"
 #include "lumbrical/scene_file.h"
@@ -24,7 +25,7 @@ struct RunOptions {
   std::optional<std::uint64_t> ticks;
   std::optional<std::uint32_t> threads;
   std::string isa = "auto";
-  bool json = false;
+  bool json = false, compare_precision = false;
 };
 
 // How long a device and the ticks exchange before forces are let through [s].
@@ -253,9 +254,20 @@ std::string run_text(const RunOptions& options, const Model& model, const RunSta
   return table.text();
 }
 
+int run_comparison(const RunOptions& options, const SceneFile& scene_file) {
+  double seconds = scene_file.seconds;
+  if (options.ticks) seconds = static_cast<double>(*options.ticks) / scene_file.scene.settings.rate;
+  PrecisionComparison comparison;
+  const Status status =
+      compare_precision(scene_file.scene, scene_file.execution, scene_file.motion, seconds, comparison);
+  return status.ok() ? print_comparison(comparison, options.json)
+                     : fail(options.scene + ": " + status.message());
+}
+
 int run(const RunOptions& options) {
   SceneFile scene_file;
   if (Status status = load(options, scene_file); !status.ok()) return fail(status);
+  if (options.compare_precision) return run_comparison(options, scene_file);
   Model model;
   Status status = build_model(scene_file.scene, scene_file.execution, model);
   if (!status.ok()) return fail(options.scene + ": " + status.message());
@@ -355,6 +367,9 @@ void add_run(Command& app, int& exit_code) {
   command->add_option("--voxel-cache", options->voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");
   command->add_option("--law", options->law, "Contact law of the whole hand")->check(is_law());
   command->add_option("--precision", options->precision, kPrecisionHelp)->check(is_precision());
+  command->add_flag(
+      "--compare-precision", options->compare_precision,
+      "Instead of a session: each precision's error and time on this scene and motion, and advice");
   command->add_option("--stiffness", options->stiffness, "K_s [N/m^3]")->check(number_in(1e-6, 1e15));
   command->add_option("--isa", options->isa, "Instruction set; never changes a result")->check(is_isa());
   command->add_option("--threads", options->threads, "1 .. 64; never changes a result")

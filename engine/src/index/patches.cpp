@@ -15,7 +15,8 @@ namespace {
 
 // [R] Longest step of a lattice at a precision of 1e-4 of the hand's force, for the last phalanx of a finger,
 // which often is alone in touching, and for the others, whose errors average out. Measured:
-// bench/precision_errors, docs/mechanics.md. The error falls with the step's fourth power.
+// docs/mechanics.md; a user measures his own scene with `lumbrical run --compare-precision`. The error falls
+// with the step's fourth power.
 constexpr double kTipStep = 0.20, kStep = 0.45;
 
 // [R] Largest radius of a block that is taken as one at a precision of 1e-4; the error falls with its third

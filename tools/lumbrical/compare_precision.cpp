@@ -1,0 +1,143 @@
+// See compare_precision.h.
+#include "compare_precision.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+
+#include "lumbrical/tick.h"
+#include "output.h"
+
+namespace lumbrical::tool {
+namespace {
+
+constexpr std::array<double, 4> kRungs = {0, 1e-5, 1e-4, 1e-3};
+constexpr std::uint64_t kMostMoments = 2000;
+
+/// One rung's session.
+struct Rung {
+  Model model;
+  State state;
+  Scratch scratch;
+  ActuatorFrame output;
+  std::vector<double> microseconds, hand_error, segment_error;
+};
+
+Vec3 hand_force(const ActuatorFrame& output) {
+  Vec3 sum;
+  for (const Wrench& wrench : output.segment) sum += wrench.force;
+  return sum;
+}
+
+double share_of(std::vector<double>& values, double share) {
+  if (values.empty()) return 0;
+  const auto place =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
+}
+
+double time_tick(const DeviceFrame& frame, Rung& rung) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  rung.output = tick(rung.model, rung.state, rung.scratch, frame);
+  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+}
+
+void add_errors(const ActuatorFrame& exact, Rung& rung) {
+  const double force = norm(hand_force(exact));
+  double worst = 0;
+  for (std::size_t i = 0; i < kSegmentCount; ++i)
+    worst = std::max(worst, norm(rung.output.segment[i].force - exact.segment[i].force));
+  rung.hand_error.push_back(norm(hand_force(rung.output) - hand_force(exact)) / force);
+  rung.segment_error.push_back(worst / force);
+}
+
+PrecisionFigures figures_of(double precision, Rung& rung) {
+  PrecisionFigures figures;
+  figures.precision = precision;
+  figures.median_us = share_of(rung.microseconds, 0.5);
+  figures.p99_us = share_of(rung.microseconds, 0.99);
+  figures.hand_error = share_of(rung.hand_error, 0.98);
+  figures.worst_hand_error = share_of(rung.hand_error, 1);
+  figures.segment_error = share_of(rung.segment_error, 0.98);
+  return figures;
+}
+
+std::size_t advised_rung(const std::vector<PrecisionFigures>& rungs, double wanted) {
+  std::size_t advised = 0;
+  for (std::size_t i = 1; i < rungs.size(); ++i) {
+    const bool keeps = rungs[i].hand_error <= wanted;
+    if (keeps && rungs[i].median_us < rungs[advised].median_us) advised = i;
+  }
+  return advised;
+}
+
+std::string rung_name(double precision) { return precision > 0 ? brief(precision) : "exact"; }
+
+}  // namespace
+
+Status compare_precision(const Scene& scene, const Execution& execution, const Motion& motion, double seconds,
+                         PrecisionComparison& comparison) {
+  std::array<Rung, kRungs.size()> rungs;
+  Scene free = scene;
+  free.settings.max_force = 1e6;
+  free.settings.fade_time = 0;
+  for (std::size_t i = 0; i < kRungs.size(); ++i) {
+    free.settings.precision.fill(kRungs[i]);
+    if (Status status = build_model(free, execution, rungs[i].model); !status.ok()) return status;
+    rungs[i].scratch = make_scratch(rungs[i].model);
+    rungs[i].scratch.hash_stages = false;
+  }
+  const double rate = scene.settings.rate;
+  const auto ticks = static_cast<std::uint64_t>(std::max(1.0, seconds * rate));
+  const std::uint64_t moments = std::min(ticks, kMostMoments);
+  for (std::uint64_t moment = 0; moment < moments; ++moment) {
+    const double time = static_cast<double>(moment * ticks / moments) / rate;
+    const DeviceFrame frame = resample(motion, time);
+    std::array<double, kRungs.size()> microseconds;
+    for (std::size_t i = 0; i < rungs.size(); ++i) microseconds[i] = time_tick(frame, rungs[i]);
+    if (!(norm(hand_force(rungs[0].output)) > kLeastForce)) continue;
+    ++comparison.ticks;
+    for (std::size_t i = 0; i < rungs.size(); ++i) {
+      rungs[i].microseconds.push_back(microseconds[i]);
+      add_errors(rungs[0].output, rungs[i]);
+    }
+  }
+  for (std::size_t i = 0; i < rungs.size(); ++i) comparison.rungs.push_back(figures_of(kRungs[i], rungs[i]));
+  const auto& wanted = scene.settings.precision;
+  const double finest = *std::min_element(wanted.begin(), wanted.end());
+  comparison.advised = advised_rung(comparison.rungs, finest);
+  return {};
+}
+
+int print_comparison(const PrecisionComparison& comparison, bool json) {
+  if (json) {
+    Json rungs = Json::array();
+    for (const PrecisionFigures& rung : comparison.rungs) {
+      rungs.push_back({{"precision", rung.precision},
+                       {"tick_us", {{"p50", rung.median_us}, {"p99", rung.p99_us}}},
+                       {"hand_error", {{"p98", rung.hand_error}, {"max", rung.worst_hand_error}}},
+                       {"segment_error", {{"p98", rung.segment_error}}}});
+    }
+    Json result;
+    result["ticks"] = comparison.ticks;
+    result["rungs"] = std::move(rungs);
+    result["advised"] = comparison.rungs[comparison.advised].precision;
+    return print_json(result);
+  }
+  Table table;
+  table.add("compared", grouped(comparison.ticks) + " moments in which the hand feels more than 0.05 N");
+  for (const PrecisionFigures& rung : comparison.rungs) {
+    table.add(rung_name(rung.precision),
+              "tick " + brief(rung.median_us) + " us, p99 " + brief(rung.p99_us) + " us   error 98 % " +
+                  brief(rung.hand_error) + ", worst " + brief(rung.worst_hand_error) +
+                  " of the hand's force; of a segment 98 % " + brief(rung.segment_error));
+  }
+  table.add("advice", comparison.ticks == 0
+                          ? std::string("nothing was touched: nothing to compare")
+                          : "--precision " + rung_name(comparison.rungs[comparison.advised].precision));
+  return print_text(table.text());
+}
+
+}  // namespace lumbrical::tool
