@@ -155,6 +155,23 @@ GoldenSession far_away() {
   return session;
 }
 
+/// Samples of every precision: the mug grasped, so that fingers bend and fold, told by angles and by poses
+/// with joints that are lost, then a flat hand on a mesh fine enough for blocks.
+GoldenSession sampled(const std::string& name, double precision) {
+  GoldenSession session = grasp(name, Law::field, 40);
+  session.scene.settings.precision.fill(precision);
+  session.scene.objects.push_back({"plane", make_plane(0.3, 130, 0.8, 11)});
+  const DeviceFrame pressed = pressed_frame(session.scene.hand, 0.004, 0);
+  for (std::size_t i = 0; i < 12; ++i) {
+    DeviceFrame frame = pressed;
+    frame.base.position.y -= 0.003 * static_cast<double>(i);
+    if (i % 2 != 0) frame = as_joint_poses(session.scene.hand, frame);
+    if (i % 4 == 3) frame.valid &= ~(1u << (kThumbProximal + i));
+    session.frames.push_back(frame);
+  }
+  return session;
+}
+
 GoldenSession mixed_laws() {
   GoldenSession session = grasp("mixed", Law::field, 50);
   for (std::size_t s = 0; s < kSegmentCount; ++s) session.scene.settings.law[s] = static_cast<Law>(s % 5);
@@ -194,6 +211,9 @@ std::vector<GoldenSession> golden_sessions() {
   sessions.push_back(clusters());
   sessions.push_back(far_away());
   sessions.push_back(mixed_laws());
+  sessions.push_back(sampled("samples.1e-3", 1e-3));
+  sessions.push_back(sampled("samples.1e-4", 1e-4));
+  sessions.push_back(sampled("samples.1e-5", 1e-5));
   return sessions;
 }
 
