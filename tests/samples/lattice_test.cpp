@@ -214,8 +214,7 @@ Felt integral(const Patches16& patches, const Frame& frame, const Phi& phi, cons
   return sum;
 }
 
-TileFrame tile_of(Random& random, const Frame& frame, double length, double end_radius) {
-  static_cast<void>(random);
+TileFrame tile_of(const Frame& frame, double length, double end_radius) {
   TileFrame tile{};
   const auto put = [](Vec3 v, float(&to)[3]) {
     to[0] = static_cast<float>(v.x);
@@ -265,7 +264,7 @@ TEST(SampleKernels, ATilesFieldIsTheDepthInTheHullOfTwoSpheres) {
   Random random(13);
   for (int round = 0; round < 2000; ++round) {
     const double length = random.between(0.4, 4) * kRadius, end = random.between(0.65, 1) * kRadius;
-    const TileFrame tile = tile_of(random, frame_along({}, {1, 0, 0}), length, end);
+    const TileFrame tile = tile_of(frame_along({}, {1, 0, 0}), length, end);
     const Vec3 p = random.in_box(1.5 * kRadius) + Vec3{random.between(0, 1) * length, 0, 0};
     const float depth = scalar::tile_field<float>(
         tile, {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
@@ -280,7 +279,7 @@ TEST(SampleKernels, LatticesOfATileApproachItsIntegral) {
   for (int round = 0; round < 12; ++round) {
     const double length = random.between(0.6, 4) * kRadius, end = random.between(0.7, 1) * kRadius;
     const Frame frame = frame_along(random.in_box(0.05), random.direction());
-    const TileFrame tile = tile_of(random, frame, length, end);
+    const TileFrame tile = tile_of(frame, length, end);
     const Vec3 middle = frame.origin + random.between(-0.3, 1.3) * length * frame.axis[0];
     const double size = 0.6 * kRadius;
     const Patches16 patches = patches_near(random, middle, 0.7 * kRadius, size);
@@ -295,6 +294,98 @@ TEST(SampleKernels, LatticesOfATileApproachItsIntegral) {
     }
   }
   EXPECT_LT(error[1], 0.5 * error[0]);
+}
+
+// ---- The palm ----
+
+PalmBody palm_of(const Frame& frame, double half_x, double half_y) {
+  PalmBody palm{};
+  palm.corner_count = 4;
+  palm.origin = frame.origin;
+  palm.radius = static_cast<float>(kRadius);
+  const double x[] = {-half_x, half_x, half_x, -half_x}, y[] = {-half_y, -half_y, half_y, half_y};
+  const float out_x[] = {0, 1, 0, -1}, out_y[] = {-1, 0, 1, 0};
+  for (std::size_t k = 0; k < 4; ++k) {
+    palm.x[k] = static_cast<float>(x[k]);
+    palm.y[k] = static_cast<float>(y[k]);
+    palm.out_x[k] = out_x[k];
+    palm.out_y[k] = out_y[k];
+    palm.length[k] = static_cast<float>(2 * (k % 2 == 0 ? half_x : half_y));
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double axis[] = {frame.axis[k].x, frame.axis[k].y, frame.axis[k].z};
+    for (std::size_t i = 0; i < 3; ++i) palm.axis[k][i] = static_cast<float>(axis[i]);
+  }
+  return palm;
+}
+
+TEST(SampleKernels, LatticesOfThePalmApproachItsIntegral) {
+  Random random(19);
+  for (int round = 0; round < 12; ++round) {
+    const double half_x = random.between(0.5, 3) * kRadius, half_y = random.between(0.5, 3) * kRadius;
+    const Frame frame = frame_along(random.in_box(0.05), random.direction());
+    const PalmBody palm = palm_of(frame, half_x, half_y);
+    const auto depth = [&](Vec3 p) {  // of a rectangle's surroundings
+      const double x = std::max(std::fabs(p.x) - half_x, 0.0), y = std::max(std::fabs(p.y) - half_y, 0.0);
+      return kRadius - std::sqrt(x * x + y * y + p.z * p.z);
+    };
+    const double u = random.between(-1.2, 1.2) * half_x, v = random.between(-1.2, 1.2) * half_y;
+    const Vec3 middle = frame.origin + u * frame.axis[0] + v * frame.axis[1] + kRadius * frame.axis[2];
+    const double size = 0.6 * kRadius;
+    const Patches16 patches = patches_near(random, middle, 0.5 * kRadius, size);
+    const Felt right = integral(patches, frame, depth, kWhole);
+    const std::size_t steps[2] = {4, 8};
+    for (std::size_t k = 0; k < 2; ++k) {
+      BodySums sums = sums_of_zero();
+      scalar::kSampleKernels.palm_lattice(patches.list(frame.origin), palm, steps[k], sums);
+      expect_near(felt(sums), right, (k == 0 ? 1e-3 : 2e-4) * size * size * kRadius, "palm");
+    }
+  }
+}
+
+// Above the polygon and on one side of it the palm's depth is linear, and so is what the kernel knows.
+TEST(SampleKernels, OneSideOfThePalmIsExact) {
+  Random random(23);
+  for (int round = 0; round < 12; ++round) {
+    const Frame frame = frame_along(random.in_box(0.05), random.direction());
+    const PalmBody palm = palm_of(frame, 6 * kRadius, 6 * kRadius);
+    const double side = round % 2 == 0 ? 1 : -1, size = 0.4 * kRadius;
+    const Vec3 middle = frame.origin + side * kRadius * frame.axis[2];
+    const Patches16 patches = patches_near(random, middle, 0.3 * kRadius, size);
+    const Felt right = integral(
+        patches, frame, [](Vec3 p) { return kRadius - std::fabs(p.z); }, kWhole);
+    BodySums sums = sums_of_zero();
+    scalar::kSampleKernels.palm_side(patches.list(frame.origin), palm, sums);
+    expect_near(felt(sums), right, 1e-4 * size * size * kRadius, "side");  // of the integration
+  }
+}
+
+// ---- Joints ----
+
+// Two tiles in a row, one straight on from the other: what they share is their union, each has its half, and
+// one that is not wanted is left alone.
+TEST(SampleKernels, TilesThatFollowEachOtherShareOutTheirUnion) {
+  Random random(29);
+  for (int round = 0; round < 8; ++round) {
+    const double length = random.between(1, 3) * kRadius;
+    const Vec3 axis = random.direction(), joint = random.in_box(0.05);
+    const Frame inner = frame_along(joint - length * axis, axis), outer = frame_along(joint, axis);
+    const TileFrame tiles[] = {tile_of(inner, length, kRadius), tile_of(outer, length, kRadius)};
+    const JointSides sides{-1, static_cast<float>(length), 1, 0};
+    const double size = 0.5 * kRadius;
+    const Patches16 patches = patches_near(random, joint, 0.6 * kRadius, size);
+    BodySums sums[2] = {sums_of_zero(), sums_of_zero()}, one[2] = {sums_of_zero(), sums_of_zero()};
+    scalar::kSampleKernels.joint_lattice(patches.list({}), tiles, &sides, 8, 3, sums);
+    scalar::kSampleKernels.joint_lattice(patches.list({}), tiles, &sides, 8, 2, one);
+    const auto depth = [&](Vec3 p) { return depth_in_hull(2 * length, kRadius, kRadius, p); };
+    const Felt right = integral(patches, inner, depth, kWhole);
+    const Felt beyond = integral(patches, inner, depth, [&](Vec3 p) { return p.x > length ? 1.0 : 0.0; });
+    const Felt a = felt(sums[0]), b = felt(sums[1]);
+    EXPECT_LE(norm(a.force + b.force - right.force), 2e-4 * size * size * kRadius);
+    EXPECT_LE(norm(b.force - beyond.force), 1e-2 * size * size * kRadius);  // ramps are a cell wide
+    EXPECT_EQ(norm(felt(one[0]).force), 0);
+    EXPECT_EQ(norm(felt(one[1]).force - b.force), 0);
+  }
 }
 
 }  // namespace
