@@ -117,7 +117,8 @@ GoldenSession not_finite() {
 
 GoldenSession overflow() {
   GoldenSession session = grasp("overflow", Law::field, 80);
-  session.scene.settings.max_candidates = 250;
+  session.scene.settings.max_candidates = 250;  // of the exact rung
+  session.scene.settings.precision.fill(0);
   return session;
 }
 
@@ -152,6 +153,23 @@ GoldenSession far_away() {
     for (Vec3& vertex : object.mesh.vertices) vertex = vertex + away;
   }
   for (DeviceFrame& frame : session.frames) frame.base.position = frame.base.position + away;
+  return session;
+}
+
+/// Samples of every precision: the mug grasped, so that fingers bend and fold, told by angles and by poses
+/// with joints that are lost, then a flat hand on a mesh fine enough for blocks.
+GoldenSession sampled(const std::string& name, double precision) {
+  GoldenSession session = grasp(name, Law::field, 40);
+  session.scene.settings.precision.fill(precision);
+  session.scene.objects.push_back({"plane", make_plane(0.3, 130, 0.8, 11)});
+  const DeviceFrame pressed = pressed_frame(session.scene.hand, 0.004, 0);
+  for (std::size_t i = 0; i < 12; ++i) {
+    DeviceFrame frame = pressed;
+    frame.base.position.y -= 0.003 * static_cast<double>(i);
+    if (i % 2 != 0) frame = as_joint_poses(session.scene.hand, frame);
+    if (i % 4 == 3) frame.valid &= ~(1u << (kThumbProximal + i));
+    session.frames.push_back(frame);
+  }
   return session;
 }
 
@@ -194,6 +212,9 @@ std::vector<GoldenSession> golden_sessions() {
   sessions.push_back(clusters());
   sessions.push_back(far_away());
   sessions.push_back(mixed_laws());
+  sessions.push_back(sampled("samples.1e-3", 1e-3));
+  sessions.push_back(sampled("samples.1e-4", 1e-4));
+  sessions.push_back(sampled("samples.1e-5", 1e-5));
   return sessions;
 }
 

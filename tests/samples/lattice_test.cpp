@@ -1,0 +1,392 @@
+// The kernels of samples against direct integration: the exact parts of a cell, and every lattice over random
+// patches.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "lumbrical/shapes.h"
+#include "mesh_world.h"
+#include "random.h"
+#include "section/gauss.h"
+
+#define LUMBRICAL_ISA scalar
+#include "samples/sample_table.h"
+
+namespace lumbrical::test {
+namespace {
+
+using scalar::LatticeMoments;
+
+// ---- Linear functions ----
+
+// Moments of max(f, 0) over the triangle (0, 0), (1, 0), (0, 1), as means: by cutting it at f = 0.
+struct Means {
+  double sum = 0, u = 0, v = 0, share = 0;
+};
+struct Corner {
+  double u, v, f;
+};
+Corner crossing(const Corner& p, const Corner& q) {
+  const double t = p.f / (p.f - q.f);
+  return {p.u + t * (q.u - p.u), p.v + t * (q.v - p.v), 0};
+}
+Means means_of_positive(double a, double b, double c) {
+  const Corner corners[] = {{0, 0, a}, {1, 0, b}, {0, 1, c}};
+  std::vector<Corner> polygon;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Corner &p = corners[i], &q = corners[(i + 1) % 3];
+    if (p.f >= 0) polygon.push_back(p);
+    if ((p.f > 0 && q.f < 0) || (p.f < 0 && q.f > 0)) polygon.push_back(crossing(p, q));
+  }
+  Means means;
+  for (std::size_t i = 2; i < polygon.size(); ++i) {
+    const Corner p[] = {polygon[0], polygon[i - 1], polygon[i]};
+    const double area =
+        (p[1].u - p[0].u) * (p[2].v - p[0].v) - (p[1].v - p[0].v) * (p[2].u - p[0].u);  // of the whole's
+    const double f = p[0].f + p[1].f + p[2].f, u = p[0].u + p[1].u + p[2].u, v = p[0].v + p[1].v + p[2].v;
+    means.share += area;
+    means.sum += area * f / 3;
+    means.u += area * (f * u + p[0].f * p[0].u + p[1].f * p[1].u + p[2].f * p[2].u) / 12;
+    means.v += area * (f * v + p[0].f * p[0].v + p[1].f * p[1].v + p[2].f * p[2].v) / 12;
+  }
+  return means;
+}
+
+// Every pattern of signs and zeros, with values of any size.
+template <class Take>
+void for_corner_values(const Take& take) {
+  Random random(3);
+  for (int a = -1; a <= 1; ++a) {
+    for (int b = -1; b <= 1; ++b) {
+      for (int c = -1; c <= 1; ++c) {
+        for (int round = 0; round < 200; ++round) {
+          const auto value = [&](int sign) {
+            return static_cast<float>(sign * std::exp(random.between(round < 100 ? -0.5 : -20.0, 0)));
+          };
+          const float fa = value(a), fb = value(b), fc = value(c);
+          take(fa, fb, fc);
+        }
+      }
+    }
+  }
+}
+
+TEST(Lattice, PositivePartOfALinearFunctionIsExact) {
+  for_corner_values([](float a, float b, float c) {
+    const Means means = means_of_positive(a, b, c);
+    const auto [mean, share] = scalar::positive_part(a, b, c, (a + b + c) / 3);
+    const double size = std::max({std::fabs(a), std::fabs(b), std::fabs(c)});
+    EXPECT_NEAR(mean, means.sum, 3e-7 * size) << a << " " << b << " " << c;
+    if (size > 0 && (a != 0 || b != 0 || c != 0)) {
+      // Where the function vanishes on a whole edge or corner either share is one of a neighbouring pose.
+      EXPECT_GE(share, 0) << a << " " << b << " " << c;
+      EXPECT_LE(share, 1) << a << " " << b << " " << c;
+      if (a * b * c != 0) {
+        EXPECT_NEAR(share, means.share, 2e-6) << a << " " << b << " " << c;
+      }
+    }
+  });
+}
+
+TEST(Lattice, MomentsOfALinearFunctionsPositivePartAreExact) {
+  for_corner_values([](float a, float b, float c) {
+    const Means means = means_of_positive(a, b, c);
+    const LatticeMoments<float> m = scalar::linear_moments(a, b, c);
+    const double size = std::max({std::fabs(a), std::fabs(b), std::fabs(c)});
+    EXPECT_NEAR(m.sum, means.sum, 3e-7 * size) << a << " " << b << " " << c;
+    EXPECT_NEAR(m.u, means.u, 3e-7 * size) << a << " " << b << " " << c;
+    EXPECT_NEAR(m.v, means.v, 3e-7 * size) << a << " " << b << " " << c;
+  });
+}
+
+// A cell is exact for quadratic functions that are positive: they are what a bubble can tell.
+TEST(Lattice, IntegratesPositiveQuadraticFunctionsExactly) {
+  Random random(7);
+  for (int round = 0; round < 200; ++round) {
+    double k[6];
+    for (double& coefficient : k) coefficient = random.between(-1, 1);
+    k[0] += 5;
+    const auto f = [&](double u, double v) {
+      return k[0] + k[1] * u + k[2] * v + k[3] * u * u + k[4] * u * v + k[5] * v * v;
+    };
+    // Means of 1, u, u^2, u v, ... over the triangle: 2 i! j! / (i + j + 2)!
+    const double mean = k[0] + (k[1] + k[2]) / 3 + (k[3] + k[5]) / 6 + k[4] / 12;
+    struct Plane {
+      struct Point {
+        float u, v;
+      };
+      [[nodiscard]] Point at(float u, float v) const { return {u, v}; }
+    };
+    for (const std::size_t steps : {1, 2, 3, 4, 6, 8}) {
+      const LatticeMoments<float> m = scalar::lattice_moments<float>(
+          Plane{}, steps, [&](Plane::Point p) { return static_cast<float>(f(p.u, p.v)); });
+      EXPECT_NEAR(m.sum, mean, 5e-6) << steps;
+    }
+  }
+}
+
+// ---- Kernels ----
+
+constexpr double kRadius = 0.008;
+
+// Sixteen patches in a block, of which any may be used.
+struct Patches16 {
+  PatchBlock block{};
+  std::array<std::uint32_t, PatchBlock::kWidth> places{};
+  std::array<std::array<Vec3, 3>, PatchBlock::kWidth> corners{};
+  [[nodiscard]] PatchList list(Vec3 origin) const { return {&block, places.data(), places.size(), origin}; }
+};
+Patches16 patches_near(Random& random, Vec3 middle, double spread, double size) {
+  Patches16 patches;
+  for (std::uint32_t lane = 0; lane < PatchBlock::kWidth; ++lane) {
+    patches.places[lane] = lane;
+    auto& [a, b, c] = patches.corners[lane];
+    a = middle + random.in_box(spread);
+    b = a + size * random.direction();
+    c = a + size * random.direction();
+    const double at[3] = {a.x, a.y, a.z};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto [high, low] = split_number(at[axis]);
+      patches.block.corner[0][axis][lane] = high;
+      patches.block.corner[1][axis][lane] = low;
+    }
+    const Vec3 edges[2] = {b - a, c - a};
+    for (std::size_t k = 0; k < 2; ++k) {
+      patches.block.edge[k][0][lane] = static_cast<float>(edges[k].x);
+      patches.block.edge[k][1][lane] = static_cast<float>(edges[k].y);
+      patches.block.edge[k][2][lane] = static_cast<float>(edges[k].z);
+    }
+  }
+  return patches;
+}
+
+BodySums sums_of_zero() {
+  BodySums sums;
+  sums.force_quantum = std::ldexp(1.0, -70);
+  sums.moment_quantum = std::ldexp(1.0, -76);
+  return sums;
+}
+
+// Of a body's force and moment, in its frame.
+struct Felt {
+  Vec3 force, moment;
+};
+Felt felt(const BodySums& sums) {
+  double total[6] = {};
+  for (std::size_t k = 0; k < 6; ++k) {
+    for (const double lane : sums.lane[k]) total[k] += 0.5 * lane;
+  }
+  return {{total[0], total[1], total[2]}, {total[3], total[4], total[5]}};
+}
+
+// A frame in double precision, as its single precision is.
+struct Frame {
+  Vec3 origin, axis[3];
+  [[nodiscard]] Vec3 into(Vec3 p) const {
+    const Vec3 from = p - origin;
+    return {dot(axis[0], from), dot(axis[1], from), dot(axis[2], from)};
+  }
+};
+
+// Integrals of share(p) max(phi(p), 0) n over the patches: at centroids of 60^2 cells each.
+template <class Phi, class Share>
+Felt integral(const Patches16& patches, const Frame& frame, const Phi& phi, const Share& share) {
+  constexpr int kCells = 60;
+  Felt sum;
+  for (const auto& [wa, wb, wc] : patches.corners) {
+    const Vec3 a = frame.into(wa), b = frame.into(wb), c = frame.into(wc);
+    const Vec3 normal = (0.5 / (kCells * kCells)) * cross(b - a, c - a);
+    const auto add = [&](double u, double v) {
+      const Vec3 p = a + (u / kCells) * (b - a) + (v / kCells) * (c - a);
+      const double depth = phi(p);
+      if (!(depth > 0)) return;
+      const Vec3 force = (depth * share(p)) * normal;
+      sum.force += force;
+      sum.moment += cross(p, force);
+    };
+    for (int i = 0; i < kCells; ++i) {
+      for (int j = 0; i + j < kCells; ++j) {
+        add(i + 1.0 / 3, j + 1.0 / 3);
+        if (i + j + 1 < kCells) add(i + 2.0 / 3, j + 2.0 / 3);
+      }
+    }
+  }
+  return sum;
+}
+
+TileFrame tile_of(const Frame& frame, double length, double end_radius) {
+  TileFrame tile{};
+  const auto put = [](Vec3 v, float(&to)[3]) {
+    to[0] = static_cast<float>(v.x);
+    to[1] = static_cast<float>(v.y);
+    to[2] = static_cast<float>(v.z);
+  };
+  put(frame.origin, tile.origin);
+  for (std::size_t k = 0; k < 3; ++k) put(frame.axis[k], tile.axis[k]);
+  const double sine = (kRadius - end_radius) / length, cosine2 = 1 - sine * sine;
+  tile.length = static_cast<float>(length);
+  tile.radius = static_cast<float>(kRadius);
+  tile.end_radius = static_cast<float>(end_radius);
+  tile.sine = static_cast<float>(sine);
+  tile.cosine = static_cast<float>(std::sqrt(cosine2));
+  tile.tangent2 = static_cast<float>(sine * sine / cosine2);
+  tile.cosine2 = static_cast<float>(cosine2);
+  return tile;
+}
+Frame frame_along(Vec3 origin, Vec3 x) {
+  const Vec3 y = unit_or(cross(x, std::fabs(x.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}), {});
+  return {origin, {x, y, cross(x, y)}};
+}
+
+// The depth in the hull of two spheres: the deepest of the spheres between them, by search along the axis.
+double depth_in_hull(double length, double radius, double end_radius, Vec3 p) {
+  const auto depth = [&](double t) {
+    const double along = p.x - t * length;
+    return radius + t * (end_radius - radius) - std::sqrt(along * along + p.y * p.y + p.z * p.z);
+  };
+  double low = 0, high = 1;  // concave in t
+  for (int i = 0; i < 40; ++i) {
+    const double one = low + (high - low) / 3, other = high - (high - low) / 3;
+    (depth(one) < depth(other) ? low : high) = depth(one) < depth(other) ? one : other;
+  }
+  return depth(0.5 * (low + high));
+}
+
+void expect_near(const Felt& one, const Felt& other, double force, const char* what) {
+  EXPECT_LE(norm(one.force - other.force), force) << what << ": of " << norm(other.force);
+  EXPECT_LE(norm(one.moment - other.moment), 2 * kRadius * force) << what << ": of " << norm(other.moment);
+}
+
+const auto kWhole = [](Vec3) { return 1.0; };
+
+// Its field is that of a hull of two spheres, near, beside and beyond it.
+TEST(SampleKernels, ATilesFieldIsTheDepthInTheHullOfTwoSpheres) {
+  Random random(13);
+  for (int round = 0; round < 2000; ++round) {
+    const double length = random.between(0.4, 4) * kRadius, end = random.between(0.65, 1) * kRadius;
+    const TileFrame tile = tile_of(frame_along({}, {1, 0, 0}), length, end);
+    const Vec3 p = random.in_box(1.5 * kRadius) + Vec3{random.between(0, 1) * length, 0, 0};
+    const float depth = scalar::tile_field<float>(
+        tile, {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+    EXPECT_NEAR(depth, depth_in_hull(length, kRadius, end, p), 3e-7 * (kRadius + length));
+  }
+}
+
+// The error of a lattice: small against what the patches might hold, and less with every refinement.
+TEST(SampleKernels, LatticesOfATileApproachItsIntegral) {
+  Random random(17);
+  double error[2] = {};
+  for (int round = 0; round < 12; ++round) {
+    const double length = random.between(0.6, 4) * kRadius, end = random.between(0.7, 1) * kRadius;
+    const Frame frame = frame_along(random.in_box(0.05), random.direction());
+    const TileFrame tile = tile_of(frame, length, end);
+    const Vec3 middle = frame.origin + random.between(-0.3, 1.3) * length * frame.axis[0];
+    const double size = 0.6 * kRadius;
+    const Patches16 patches = patches_near(random, middle, 0.7 * kRadius, size);
+    const Felt right = integral(
+        patches, frame, [&](Vec3 p) { return depth_in_hull(length, kRadius, end, p); }, kWhole);
+    const std::size_t steps[2] = {4, 8};
+    for (std::size_t k = 0; k < 2; ++k) {
+      BodySums sums = sums_of_zero();
+      scalar::kSampleKernels.tile_lattice(patches.list({}), tile, TilePart::whole, steps[k], sums);
+      error[k] += norm(felt(sums).force - right.force);
+      expect_near(felt(sums), right, (k == 0 ? 1e-3 : 2e-4) * size * size * kRadius, "tile");
+    }
+  }
+  EXPECT_LT(error[1], 0.5 * error[0]);
+}
+
+// ---- The palm ----
+
+PalmBody palm_of(const Frame& frame, double half_x, double half_y) {
+  PalmBody palm{};
+  palm.corner_count = 4;
+  palm.origin = frame.origin;
+  palm.radius = static_cast<float>(kRadius);
+  const double x[] = {-half_x, half_x, half_x, -half_x}, y[] = {-half_y, -half_y, half_y, half_y};
+  const float out_x[] = {0, 1, 0, -1}, out_y[] = {-1, 0, 1, 0};
+  for (std::size_t k = 0; k < 4; ++k) {
+    palm.x[k] = static_cast<float>(x[k]);
+    palm.y[k] = static_cast<float>(y[k]);
+    palm.out_x[k] = out_x[k];
+    palm.out_y[k] = out_y[k];
+    palm.length[k] = static_cast<float>(2 * (k % 2 == 0 ? half_x : half_y));
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double axis[] = {frame.axis[k].x, frame.axis[k].y, frame.axis[k].z};
+    for (std::size_t i = 0; i < 3; ++i) palm.axis[k][i] = static_cast<float>(axis[i]);
+  }
+  return palm;
+}
+
+TEST(SampleKernels, LatticesOfThePalmApproachItsIntegral) {
+  Random random(19);
+  for (int round = 0; round < 12; ++round) {
+    const double half_x = random.between(0.5, 3) * kRadius, half_y = random.between(0.5, 3) * kRadius;
+    const Frame frame = frame_along(random.in_box(0.05), random.direction());
+    const PalmBody palm = palm_of(frame, half_x, half_y);
+    const auto depth = [&](Vec3 p) {  // of a rectangle's surroundings
+      const double x = std::max(std::fabs(p.x) - half_x, 0.0), y = std::max(std::fabs(p.y) - half_y, 0.0);
+      return kRadius - std::sqrt(x * x + y * y + p.z * p.z);
+    };
+    const double u = random.between(-1.2, 1.2) * half_x, v = random.between(-1.2, 1.2) * half_y;
+    const Vec3 middle = frame.origin + u * frame.axis[0] + v * frame.axis[1] + kRadius * frame.axis[2];
+    const double size = 0.6 * kRadius;
+    const Patches16 patches = patches_near(random, middle, 0.5 * kRadius, size);
+    const Felt right = integral(patches, frame, depth, kWhole);
+    const std::size_t steps[2] = {4, 8};
+    for (std::size_t k = 0; k < 2; ++k) {
+      BodySums sums = sums_of_zero();
+      scalar::kSampleKernels.palm_lattice(patches.list(frame.origin), palm, steps[k], sums);
+      expect_near(felt(sums), right, (k == 0 ? 1e-3 : 2e-4) * size * size * kRadius, "palm");
+    }
+  }
+}
+
+// Above the polygon and on one side of it the palm's depth is linear, and so is what the kernel knows.
+TEST(SampleKernels, OneSideOfThePalmIsExact) {
+  Random random(23);
+  for (int round = 0; round < 12; ++round) {
+    const Frame frame = frame_along(random.in_box(0.05), random.direction());
+    const PalmBody palm = palm_of(frame, 6 * kRadius, 6 * kRadius);
+    const double side = round % 2 == 0 ? 1 : -1, size = 0.4 * kRadius;
+    const Vec3 middle = frame.origin + side * kRadius * frame.axis[2];
+    const Patches16 patches = patches_near(random, middle, 0.3 * kRadius, size);
+    const Felt right = integral(
+        patches, frame, [](Vec3 p) { return kRadius - std::fabs(p.z); }, kWhole);
+    BodySums sums = sums_of_zero();
+    scalar::kSampleKernels.palm_side(patches.list(frame.origin), palm, sums);
+    expect_near(felt(sums), right, 1e-4 * size * size * kRadius, "side");  // of the integration
+  }
+}
+
+// ---- Joints ----
+
+// Two tiles in a row, one straight on from the other: what they share is their union, each has its half, and
+// one that is not wanted is left alone.
+TEST(SampleKernels, TilesThatFollowEachOtherShareOutTheirUnion) {
+  Random random(29);
+  for (int round = 0; round < 8; ++round) {
+    const double length = random.between(1, 3) * kRadius;
+    const Vec3 axis = random.direction(), joint = random.in_box(0.05);
+    const Frame inner = frame_along(joint - length * axis, axis), outer = frame_along(joint, axis);
+    const TileFrame tiles[] = {tile_of(inner, length, kRadius), tile_of(outer, length, kRadius)};
+    const JointSides sides{-1, static_cast<float>(length), 1, 0};
+    const double size = 0.5 * kRadius;
+    const Patches16 patches = patches_near(random, joint, 0.6 * kRadius, size);
+    BodySums sums[2] = {sums_of_zero(), sums_of_zero()}, one[2] = {sums_of_zero(), sums_of_zero()};
+    scalar::kSampleKernels.joint_lattice(patches.list({}), tiles, &sides, 8, 3, sums);
+    scalar::kSampleKernels.joint_lattice(patches.list({}), tiles, &sides, 8, 2, one);
+    const auto depth = [&](Vec3 p) { return depth_in_hull(2 * length, kRadius, kRadius, p); };
+    const Felt right = integral(patches, inner, depth, kWhole);
+    const Felt beyond = integral(patches, inner, depth, [&](Vec3 p) { return p.x > length ? 1.0 : 0.0; });
+    const Felt a = felt(sums[0]), b = felt(sums[1]);
+    EXPECT_LE(norm(a.force + b.force - right.force), 2e-4 * size * size * kRadius);
+    EXPECT_LE(norm(b.force - beyond.force), 1e-2 * size * size * kRadius);  // ramps are a cell wide
+    EXPECT_EQ(norm(felt(one[0]).force), 0);
+    EXPECT_EQ(norm(felt(one[1]).force - b.force), 0);
+  }
+}
+
+}  // namespace
+}  // namespace lumbrical::test

@@ -1,0 +1,201 @@
+// The error of every rung of samples, held against the exact one: under hands that lie flat or stand on their
+// fingertips, in random poses.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "mesh_world.h"
+#include "pressed_hand.h"
+#include "sampled_hand.h"
+
+namespace lumbrical::test {
+namespace {
+
+struct Trial {
+  std::string name;
+  Scene scene;
+  std::vector<DeviceFrame> frames;
+  std::vector<double> precisions{1e-3, 1e-4, 1e-5};
+};
+
+constexpr int kPoses = 100;
+
+// How far fingers are flexed [rad], how far the hand is tilted [rad] and how far aside it may be [m].
+struct Posture {
+  double low = -0.1, high = 0.35, tilt = 0.15, spread = 0.05;
+};
+
+// Lowers the hand until it is `depth` [m] below its first touch; false where it does not touch.
+bool press_down(FeelingHand& hand, double depth, DeviceFrame& frame) {
+  double above = frame.base.position.z + 0.06, below = frame.base.position.z - 0.03;
+  for (int step = 0; step < 12; ++step) {
+    frame.base.position.z = 0.5 * (above + below);
+    (force_size(hand(frame)) < 0.01 ? above : below) = frame.base.position.z;
+  }
+  frame.base.position.z = below;
+  const bool touches = force_size(hand(frame)) > 0;
+  frame.base.position.z -= depth;
+  return touches;
+}
+
+std::vector<DeviceFrame> dropped(const Scene& scene, Posture how, std::uint64_t seed) {
+  Random random(seed);
+  FeelingHand coarse(scene, 1e-3);
+  std::vector<DeviceFrame> frames;
+  while (frames.size() < kPoses) {
+    DeviceFrame frame = dropped_hand(scene.hand, random, how.low, how.high, how.tilt, 0, how.spread);
+    if (press_down(coarse, random.between(0.0005, 0.003), frame)) frames.push_back(frame);
+  }
+  return frames;
+}
+
+// Flat on a field, all fingers and the palm: sliding and at random depths.
+std::vector<DeviceFrame> draped(const Hand& hand, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<DeviceFrame> frames;
+  const DeviceFrame flat = pressed_frame(hand, 0.002, 0);
+  for (int i = 0; i < kPoses; ++i) {
+    DeviceFrame frame = flat;
+    const double turn = random.between(-0.5, 0.5);
+    frame.base.orientation = normalized(turned({0, 0, 1}, turn) * flat.base.orientation);
+    frame.base.position.x = random.between(-0.03, 0.03);
+    frame.base.position.y += random.between(-0.02, 0.02);
+    frame.base.position.z += random.between(-0.002, 0.001);
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+Hand right_hand() { return default_hand(Side::right); }
+
+Trial on_field(const std::string& name, std::uint32_t cells, bool flat, std::uint64_t seed) {
+  Trial trial{name, sampled_scene(right_hand(), pressed_scene(kWidthA, cells).objects), {}};
+  trial.frames = flat ? draped(trial.scene.hand, seed) : dropped(trial.scene, {0.25, 0.7, 0.2, 0.04}, seed);
+  return trial;
+}
+
+Trial on_mesh(const std::string& name, const Hand& hand, Mesh mesh, Posture how, std::uint64_t seed) {
+  Trial trial{name, sampled_scene(hand, {{"mesh", std::move(mesh)}}), {}};
+  trial.frames = dropped(trial.scene, how, seed);
+  return trial;
+}
+
+// Two triangles, larger than patches are cut from.
+Trial on_two_triangles() { return on_mesh("two large triangles", right_hand(), make_plane(0.4, 1), {}, 12); }
+
+// Under a fingertip only, or there would be millions.
+Trial on_tiny_triangles() {
+  Trial trial{
+      "triangles of 0.1 mm", sampled_scene(right_hand(), {{"plane", make_plane(0.02, 200, 0.8, 4)}}), {}};
+  trial.precisions = {1e-3, 1e-4};
+  Random random(41);
+  for (int i = 0; i < kPoses; ++i) {
+    DeviceFrame frame = dropped_hand(trial.scene.hand, random, 0.2, 0.6, 0.1, 0, 0);
+    std::array<double, kAngleCount> angles;
+    std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
+    std::array<Pose, kJointCount> pose;
+    forward_kinematics(trial.scene.hand, frame.base, angles, pose);
+    const Vec3 tip = pose[kIndexTip].position;
+    frame.base.position += Vec3{random.between(-0.008, 0.008) - tip.x, random.between(-0.008, 0.008) - tip.y,
+                                trial.scene.hand.radius[kIndexTip] - random.between(0.001, 0.003) - tip.z};
+    trial.frames.push_back(frame);
+  }
+  return trial;
+}
+
+Trial far_away() {
+  Trial trial = on_field("10 km from the origin", 69, true, 61);
+  trial.name = "10 km from the origin";
+  const Vec3 away{10000.125, -9876.5, 333.0625};
+  move(trial.scene.objects[0].mesh, away);
+  for (DeviceFrame& frame : trial.frames) move(frame, away);
+  return trial;
+}
+
+Trial without_joints() {
+  Trial trial = on_field("missing joints", 69, true, 71);
+  Random random(72);
+  for (DeviceFrame& frame : trial.frames) {
+    frame = as_joint_poses(trial.scene.hand, frame);
+    frame.valid &= ~(1u << (kThumbMetacarpal + random.below(kJointCount - kThumbMetacarpal)));
+  }
+  return trial;
+}
+
+Trial without_palm() {
+  Trial trial = on_field("no palm", 69, true, 81);
+  trial.name = "no palm";
+  trial.scene.hand.palm.polygon.clear();
+  trial.precisions = {1e-3, 1e-4};
+  return trial;
+}
+
+std::vector<Trial> all_trials() {
+  return {on_field("drape 162", 9, true, 1),
+          on_field("drape 1682", 29, true, 2),
+          on_field("drape 9522", 69, true, 3),
+          on_field("bent fingers 162", 9, false, 4),
+          on_field("bent fingers 4802", 49, false, 5),
+          on_mesh("irregular", right_hand(), make_plane(kWidthA, 60, 1, 6), {}, 6),
+          on_two_triangles(),
+          far_away(),
+          without_joints(),
+          without_palm(),
+          on_tiny_triangles()};
+}
+
+// Errors of one rung over a trial's poses, as shares.
+struct Errors {
+  std::vector<double> hand, segment, torque;
+  std::size_t touching = 0;
+};
+double at_share(std::vector<double>& errors, double share) {
+  std::sort(errors.begin(), errors.end());
+  const double last = static_cast<double>(errors.size() - 1);
+  return errors[static_cast<std::size_t>(share * last)];
+}
+
+void add_errors(const HandForces& exact, const HandForces& sampled, double arm, Errors& errors) {
+  const double size = force_size(exact);
+  if (size < 0.5) return;  // a graze
+  Vec3 difference, torque;
+  double segment = 0;
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    const Vec3 off = sampled.segment[i].force - exact.segment[i].force;
+    difference += off;
+    segment = std::max(segment, norm(off));
+    torque += sampled.segment[i].torque - exact.segment[i].torque;
+  }
+  errors.hand.push_back(norm(difference) / size);
+  errors.segment.push_back(segment / size);
+  errors.torque.push_back(norm(torque) / (size * arm));
+}
+
+TEST(SampledRung, StaysWithinItsPrecisionOnFieldsAndPlanesFarAwayAndWithMissingParts) {
+  for (const Trial& trial : all_trials()) {
+    FeelingHand exact(trial.scene, 0);
+    std::vector<ActuatorFrame> right;
+    for (const DeviceFrame& frame : trial.frames) right.push_back(exact(frame));
+    for (const double precision : trial.precisions) {
+      SCOPED_TRACE(trial.name + " at " + std::to_string(precision));
+      FeelingHand hand(trial.scene, precision);
+      Errors errors;
+      for (std::size_t i = 0; i < right.size(); ++i) {
+        const ActuatorFrame felt = hand(trial.frames[i]);
+        EXPECT_EQ(felt.flags & kCandidateOverflow, 0u);
+        add_errors(right[i], felt, 0.05, errors);
+      }
+      EXPECT_GT(errors.hand.size(), right.size() / 3);
+      for (auto* all : {&errors.hand, &errors.segment, &errors.torque}) std::sort(all->begin(), all->end());
+      // Single precision: of 1e-5 twice that counts.
+      const double allowed = std::max(precision, 2e-5);
+      EXPECT_LE(at_share(errors.hand, 0.98), allowed);
+      EXPECT_LE(at_share(errors.hand, 1), 5 * allowed);
+      EXPECT_LE(at_share(errors.segment, 0.98), 3 * allowed);
+      EXPECT_LE(at_share(errors.torque, 0.98), 3 * allowed);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lumbrical::test
