@@ -13,7 +13,7 @@ struct PrecisionFigures {
   double precision = 0;              ///< Settings::precision of every segment; 0: exact
   double median_us = 0, p99_us = 0;  ///< of a tick that touches
   double hand_error = 0,
-         worst_hand_error = 0;  ///< in 98 of 100 ticks, and in all; shares of the hand's force
+         worst_hand_error = 0;  ///< in 98 of 100 ticks, and in all; shares of the segments' forces together
   double segment_error = 0;     ///< the worst segment's, in 98 of 100 ticks; of the hand's force
 };
 

@@ -17,7 +17,7 @@ namespace {
 // which often is alone in touching, and for the others, whose errors average out. Measured:
 // docs/mechanics.md; a user measures his own scene with `lumbrical run --compare-precision`. The error falls
 // with the step's fourth power.
-constexpr double kTipStep = 0.20, kStep = 0.45;
+constexpr double kTipStep = 0.19, kStep = 0.30;
 
 // [R] Largest radius of a block that is taken as one at a precision of 1e-4; the error falls with its third
 // power.

@@ -58,13 +58,40 @@ template <class V>
 struct Cell {
   V mean, lean_u, lean_v;
 };
-/// `a` at the corner the cell's sides are counted from, `b` along u, `c` along v, `centre` at the centroid.
+/// From the corners' values, their mean and by how much the field's mean is above that.
 template <class V>
-inline Cell<V> cell_of(V a, V b, V c, V centre) {
-  const V level = (a + b + c) * number<V>(1.0 / 3), bubble = number<V>(0.75) * (centre - level);
+inline Cell<V> raised_cell(V a, V b, V c, V level, V bubble) {
   const auto [mean, share] = positive_part(a + bubble, b + bubble, c + bubble, level + bubble);
   const V lean = share * number<V>(1.0 / 12);
   return {mean, (b - level) * lean, (c - level) * lean};
+}
+/// `a` at the corner the cell's sides are counted from, `b` along u, `c` along v, `centre` at the centroid.
+template <class V>
+inline Cell<V> cell_of(V a, V b, V c, V centre) {
+  const V level = (a + b + c) * number<V>(1.0 / 3);
+  return raised_cell(a, b, c, level, number<V>(0.75) * (centre - level));
+}
+
+/// The largest of N fields: their corners' values, a kind of cell each. Where two are equal the largest one
+/// has a kink, which its corners alone would tell too large; each by itself is smooth.
+template <class V, std::size_t N>
+inline Cell<V> cell_of_largest(const V (&a)[N], const V (&b)[N], const V (&c)[N], const V (&centre)[N]) {
+  const V third = number<V>(1.0 / 3), zero = number<V>(0), one = number<V>(1);
+  const auto bubble_of = [&](std::size_t k) {
+    return number<V>(0.75) * (centre[k] - (a[k] + b[k] + c[k]) * third);
+  };
+  V most_a = a[0], most_b = b[0], most_c = c[0], bubble = bubble_of(0), excess = zero;
+  for (std::size_t k = 1; k < N; ++k) {
+    const V lead_a = a[k] - most_a, lead_b = b[k] - most_b, lead_c = c[k] - most_c;
+    const auto [mean, share] = positive_part(lead_a, lead_b, lead_c, (lead_a + lead_b + lead_c) * third);
+    excess =
+        excess + ((greater(lead_a, zero) + greater(lead_b, zero) + greater(lead_c, zero)) * third - mean);
+    bubble = (one - share) * bubble + share * bubble_of(k);
+    most_a = greater(most_a, a[k]);
+    most_b = greater(most_b, b[k]);
+    most_c = greater(most_c, c[k]);
+  }
+  return raised_cell(most_a, most_b, most_c, (most_a + most_b + most_c) * third, bubble - excess);
 }
 
 /// `side` is the length of the cell's sides, negative for cells the other way up.
@@ -76,12 +103,12 @@ inline LatticeMoments<V> cell_moments(V u, V v, V side, const Cell<V>& cell) {
 // Kernels are one piece of code: registers would be spilled round every call.
 #define LUMBRICAL_INLINE __attribute__((always_inline))
 
-/// Goes through the cells row by row. `corner(u, v)` is the field there; `take(u, v, a, b, c, side)` gets a
-/// cell's values at its corners and its centroid (u, v).
-template <class V, class Corner, class Take>
+/// Goes through the cells row by row. `corner(u, v)` is the field there, or the fields; `take(u, v, a, b, c,
+/// side)` gets a cell's values at its corners and its centroid (u, v).
+template <class Value, class Corner, class Take>
 LUMBRICAL_INLINE inline void for_cells(std::size_t steps, const Corner& corner, const Take& take) {
-  V row[2][kMostSteps + 1];
-  V *above = row[0], *below = row[1];
+  Value row[2][kMostSteps + 1];
+  Value *above = row[0], *below = row[1];
   const float side = 1.0f / static_cast<float>(steps);
   for (std::size_t j = 0; j <= steps; ++j) above[j] = corner(0.0f, side * static_cast<float>(j));
   for (std::size_t i = 0; i < steps; ++i) {
@@ -97,7 +124,7 @@ LUMBRICAL_INLINE inline void for_cells(std::size_t steps, const Corner& corner, 
     }
     const std::size_t last = steps - i - 1;
     take(up, side * (static_cast<float>(last) + kThird), above[last], below[last], above[last + 1], side);
-    V* const kept = above;
+    Value* const kept = above;
     above = below;
     below = kept;
   }

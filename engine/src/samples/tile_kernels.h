@@ -71,25 +71,31 @@ inline std::uint32_t shared_lattice(const PatchList& patches, const TileFrame* t
     const V per_width =
         quotient(V(0.5f * static_cast<float>(steps)), choose(width > number<V>(0), width, number<V>(1)));
     LatticeMoments<V> m[N];
-    for_cells<V>(
+    struct Fields {
+      V of[N];
+    };
+    for_cells<Fields>(
         steps,
         [&](float u, float v) LUMBRICAL_INLINE {
-          V most = tile_field(tiles[0], patch[0].at(V(u), V(v)));
-          for (std::size_t k = 1; k < N; ++k)
-            most = greater(most, tile_field(tiles[k], patch[k].at(V(u), V(v))));
-          return most;
+          Fields fields;
+          for (std::size_t k = 0; k < N; ++k) fields.of[k] = tile_field(tiles[k], patch[k].at(V(u), V(v)));
+          return fields;
         },
-        [&](float u, float v, V a, V b, V c, float side) LUMBRICAL_INLINE {
-          FieldAndPlace<V> at[N];
-          for (std::size_t k = 0; k < N; ++k) at[k] = tile_field_and_place(tiles[k], patch[k].at(V(u), V(v)));
-          V most = at[0].field;
-          for (std::size_t k = 1; k < N; ++k) most = greater(most, at[k].field);
-          const LatticeMoments<V> cell = cell_moments(V(u), V(v), V(side), cell_of(a, b, c, most));
-          V share[N];
-          tile_shares<V, N>(tiles, joints, folded, at, per_width, share);
-          for (std::size_t k = 0; k < N; ++k)
-            add_to(m[k], share[k] * cell.sum, share[k] * cell.u, share[k] * cell.v);
-        });
+        [&](float u, float v, const Fields& a, const Fields& b, const Fields& c, float side)
+            LUMBRICAL_INLINE {
+              FieldAndPlace<V> at[N];
+              V centre[N];
+              for (std::size_t k = 0; k < N; ++k) {
+                at[k] = tile_field_and_place(tiles[k], patch[k].at(V(u), V(v)));
+                centre[k] = at[k].field;
+              }
+              const LatticeMoments<V> cell =
+                  cell_moments(V(u), V(v), V(side), cell_of_largest(a.of, b.of, c.of, centre));
+              V share[N];
+              tile_shares<V, N>(tiles, joints, folded, at, per_width, share);
+              for (std::size_t k = 0; k < N; ++k)
+                add_to(m[k], share[k] * cell.sum, share[k] * cell.u, share[k] * cell.v);
+            });
     unsigned any = 0;
     for (std::size_t k = 0; k < N; ++k) {
       if ((wanted >> k & 1u) != 0) any |= add_share(patch[k], mean_of(m[k], steps), lane, sums[k]);
