@@ -201,8 +201,8 @@ TEST(CommandLine, AWorldFileTakesTheObjectsPlace) {
   fs::rename(own_folder() / "in_world.json", folder / "in_world.json");
   const Outcome world = shell("lumbrical world demo.json --output demo.world --json", folder);
   ASSERT_EQ(world.exit_code, 0) << world.error;
-  const Outcome before = shell("lumbrical run demo.json --json", folder);
-  const Outcome run = shell("lumbrical run in_world.json --record w.mcap --json", folder);
+  const Outcome before = shell("lumbrical run demo.json --precision exact --json", folder);
+  const Outcome run = shell("lumbrical run in_world.json --precision exact --record w.mcap --json", folder);
   ASSERT_EQ(run.exit_code, 0) << run.error;
   EXPECT_EQ(run.json()["broadphase"], "grid");
   EXPECT_EQ(run.json()["triangles"], world.json()["triangles"]);

@@ -82,7 +82,7 @@ Status decode_output(const fb::Tick& message, ActuatorFrame& output) {
   output.tick = message.tick();
   output.flags = message.flags();
   output.contact_count = message.contact_count();
-  output.force_error = message.force_error().value_or(0);
+  output.force_error = message.force_error();
   output.error_estimate = message.error_estimate().value_or(0);
   if (message.segments() == nullptr) return {};
   if (!is_aligned(message.segments())) return Status::error("the tick message's segments are misplaced");
@@ -171,8 +171,8 @@ void encode_tick(const TickRecord& record, bool keep_forces, const InputCheck& c
   builder.Finish(fb::CreateTick(builder, record.output.tick, record.duration_ns, &base,
                                 static_cast<fb::InputKind>(device.kind), device.flags, device.valid, joints,
                                 angles, record.output.flags, record.output.contact_count, outputs, &hashes,
-                                record.state_hash, &input_check, record.output.force_error,
-                                record.output.error_estimate, sent, !keep_forces));
+                                record.state_hash, &input_check, record.output.force_error, sent,
+                                !keep_forces, record.output.error_estimate));
 }
 
 Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, InputCheck& check) {

@@ -256,14 +256,14 @@ void run_palm(BodyWork& work, const PalmBody& palm, BodySums& sums) {
 // ---- Reduction ----
 
 // From the frame of a tile to W, about the segment's joint. Kernels leave twice the integral.
-Wrench wrench_of(const BodySums& sums, const float (&axis)[3][3], Vec3 origin, Vec3 joint, double stiffness) {
+Wrench wrench_of(const BodySums& sums, const float (&axis)[3][3], Vec3 origin, Vec3 joint) {
   double total[6] = {};
   for (std::size_t k = 0; k < 6; ++k) {
     for (const double lane : sums.lane[k]) total[k] += lane;
   }
   const auto to_world = [&](const double* v) {
     const auto row = [&](std::size_t i) { return v[0] * axis[0][i] + v[1] * axis[1][i] + v[2] * axis[2][i]; };
-    return (0.5 * stiffness) * Vec3{row(0), row(1), row(2)};
+    return 0.5 * Vec3{row(0), row(1), row(2)};
   };
   const Vec3 force = to_world(total);
   return {force, to_world(total + 3) + cross(origin - joint, force)};
@@ -345,11 +345,10 @@ bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t seg
                   is_palm ? bodies.palm.origin : bodies.finger[i].origin};
     BodySums sums[FingerBody::kMostTiles];
     for (BodySums& sum : sums) set_quanta(hand, sum);
-    const double stiffness = model.settings.stiffness;
     if (is_palm) {
       run_palm(work, bodies.palm, sums[0]);
       forces.segment[kPalmSegment] =
-          wrench_of(sums[0], bodies.palm.axis, bodies.palm.origin, hand.base_joint[kPalmSegment], stiffness);
+          wrench_of(sums[0], bodies.palm.axis, bodies.palm.origin, hand.base_joint[kPalmSegment]);
     } else {
       const FingerBody& finger = bodies.finger[i];
       run_finger(work, finger, sums);
@@ -357,7 +356,7 @@ bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t seg
         const TileFrame& tile = finger.tile[k];
         const Vec3 origin = finger.origin + Vec3{tile.origin[0], tile.origin[1], tile.origin[2]};
         forces.segment[finger.segment[k]] =
-            wrench_of(sums[k], tile.axis, origin, hand.base_joint[finger.segment[k]], stiffness);
+            wrench_of(sums[k], tile.axis, origin, hand.base_joint[finger.segment[k]]);
       }
     }
     forces.contact_count += work.touched;

@@ -19,7 +19,8 @@ struct Primitives;
 
 /// What the sampled segments feel, before limits.
 struct SampledForces {
-  std::array<Wrench, kSegmentCount> segment{};  ///< [N], [N m] about the joint at the segment's base
+  /// Of a stiffness of 1: [m^3], [m^4] about the joint at the segment's base.
+  std::array<Wrench, kSegmentCount> segment{};
   std::uint32_t patch_count = 0;    ///< near bodies, those of blocks taken as wholes counted as one
   std::uint32_t contact_count = 0;  ///< pairs of a body and a patch it touches
 };

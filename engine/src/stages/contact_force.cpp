@@ -7,7 +7,10 @@ namespace lumbrical {
 HandForces sum_forces(const Settings& settings, const Primitives& hand, std::span<const Contact> contacts,
                       const std::array<Wrench, kSegmentCount>& sampled) {
   HandForces forces;
-  forces.segment = sampled;
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    forces.segment[i].force = settings.stiffness * sampled[i].force;
+    forces.segment[i].torque = settings.stiffness * sampled[i].torque;
+  }
   for (const Contact& contact : contacts) {
     const std::size_t segment = hand.primitive[contact.primitive].segment;
     const Vec3 force = (settings.stiffness * contact.volume) * contact.normal;

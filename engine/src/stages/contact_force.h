@@ -13,7 +13,7 @@ namespace lumbrical {
 
 /// Forces and torques before limits. `volume` of each contact is the law's (see lumbrical::Law); so F = K_s
 /// volume n for every law, and Eq. 3-4 with volume = A_C dl_max for the paper's.
-/// What samples have found is in `sampled`, per segment about the joint at its base.
+/// What samples have found is in `sampled`, per segment about the joint at its base, of a stiffness of 1.
 HandForces sum_forces(const Settings& settings, const Primitives& hand, std::span<const Contact> contacts,
                       const std::array<Wrench, kSegmentCount>& sampled);
 

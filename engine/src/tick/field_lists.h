@@ -110,7 +110,7 @@ constexpr void list_fields(Is<Contact> auto& contact, auto&& field) {
 constexpr void list_fields(Is<SampledForces> auto& sampled, auto&& field) {
   field("patch_count", "", sampled.patch_count);
   field("contact_count", "", sampled.contact_count);
-  field("segment", "", sampled.segment);
+  field("integral", "", sampled.segment);
 }
 
 constexpr void list_fields(Is<HalfSpace> auto& half_space, auto&& field) {

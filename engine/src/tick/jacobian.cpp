@@ -95,7 +95,6 @@ void add_sampled_body(const Model& model, const Primitives& hand, std::size_t fi
                       std::uint32_t segments, SampleMemory& memory,
                       std::array<SegmentJacobian, kSegmentCount>& jacobians) {
   const Vec3 pivot = hand.base_joint[first];
-  const double scale = 0.5 / model.settings.stiffness;  // the caller multiplies by the stiffness at the end
   std::array<Matrix6, kSegmentCount> about_pivot{};
   for (std::size_t column = 0; column < 6; ++column) {
     const auto axis = [&](double size) {
@@ -110,8 +109,8 @@ void add_sampled_body(const Model& model, const Primitives& hand, std::size_t fi
       if (!sample_forces(model, moved, segments, memory, side > 0 ? ahead : behind)) return;
     }
     for (std::size_t i = first; i <= last; ++i) {
-      const Vec3 force = (scale / step) * (ahead.segment[i].force - behind.segment[i].force);
-      const Vec3 torque = (scale / step) * (ahead.segment[i].torque - behind.segment[i].torque);
+      const Vec3 force = (0.5 / step) * (ahead.segment[i].force - behind.segment[i].force);
+      const Vec3 torque = (0.5 / step) * (ahead.segment[i].torque - behind.segment[i].torque);
       add_column({force, torque}, column, about_pivot[i]);
     }
   }

@@ -88,7 +88,7 @@ double error_estimate(const Settings& settings, const SampledForces& sampled) {
   double estimate = 0;
   for (std::size_t i = 0; i < kSegmentCount; ++i)
     estimate += settings.precision[i] * norm(sampled.segment[i].force);
-  return estimate;
+  return settings.stiffness * estimate;
 }
 
 ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame) {
