@@ -201,15 +201,6 @@ void put_nothing(std::size_t lane, PatchBlock& block) {
   block.size[lane] = 0;
 }
 
-Sphere bound_of(std::span<const Sphere> spheres) {
-  Box box;
-  for (const Sphere& sphere : spheres) box.add(sphere.centre, sphere.radius);
-  Sphere bound{box.middle(), 0};
-  for (const Sphere& sphere : spheres)
-    bound.radius = max(bound.radius, norm(sphere.centre - bound.centre) + sphere.radius);
-  return bound;
-}
-
 // Integrals over a block's patches, h counted from the centre.
 struct BlockMoments {
   Vec3 centre;                   // [m] W, of the area
@@ -348,7 +339,7 @@ void put_blocks(const Triangles& triangles, const Cutting& cutting, const Execut
                         put_patch(members[lane], lane, blocks[i]);
                         spheres[lane] = sphere_round(members[lane].at, origin);
                       }
-                      leaves[i] = bound_of({spheres.data(), count});
+                      leaves[i] = bound({spheres.data(), count});
                       samples[i] = samples_of({members.data(), count}, cutting.block_radius);
                     }
                   });

@@ -23,16 +23,6 @@ constexpr std::size_t kPiece = 1024;      // blocks, the least that is worth ano
 // Single precision moves centres and radii by less than this share of their size; bounds are widened by it.
 constexpr double kFloatSlack = 4e-7;
 
-Sphere bound(std::span<const Sphere> spheres) {
-  Box box;
-  for (const Sphere& sphere : spheres) box.add(sphere.centre, sphere.radius);
-  Sphere result{box.middle(), 0};
-  for (const Sphere& sphere : spheres) {
-    result.radius = max(result.radius, norm(sphere.centre - result.centre) + sphere.radius);
-  }
-  return result;
-}
-
 SphereBlock empty_block() {
   SphereBlock block;
   block.r.fill(-std::numeric_limits<float>::infinity());
@@ -134,6 +124,16 @@ void put_levels(std::vector<Sphere> spheres, const TreeLayout& layout, std::size
 }
 
 }  // namespace
+
+Sphere bound(std::span<const Sphere> spheres) {
+  Box box;
+  for (const Sphere& sphere : spheres) box.add(sphere.centre, sphere.radius);
+  Sphere result{box.middle(), 0};
+  for (const Sphere& sphere : spheres) {
+    result.radius = max(result.radius, norm(sphere.centre - result.centre) + sphere.radius);
+  }
+  return result;
+}
 
 TreeHead plan_tree(std::size_t triangle_count, const Execution& execution) {
   TreeHead head;

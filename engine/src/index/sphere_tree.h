@@ -66,6 +66,9 @@ struct Sphere {
   double radius = 0;
 };
 
+/// A sphere round spheres, about the middle of their box.
+Sphere bound(std::span<const Sphere> spheres);
+
 /// A tree of levels alone, over leaves that are somebody else's: a search ends at their numbers. `leaves` are
 /// in spatial order, `origin` [m, W] is what they are relative to.
 SphereTree build_levels(std::vector<Sphere> leaves, Vec3 origin, const Execution& execution);

@@ -71,17 +71,17 @@ struct PalmQuery {
 };
 
 struct SampleKernels {
-  /// Writes which of the blocks (place << 3, plus a bit per tile that the block's sphere may reach) hold
-  /// patches that the finger may meet, and in what way; returns how many.
-  /// Which of up to sixteen blocks need their patches looked at (written to `open`, in place); small ones
-  /// inside a tile go to `patches` as wholes.
   struct Sorted {
     std::size_t open_count, whole_count;
   };
+  /// Of up to sixteen blocks `found` keeps, first, those whose patches have to be looked at; small ones that
+  /// lie inside go to `patches` as wholes. A finger's are given as place << 3, plus a bit per tile that the
+  /// block's sphere may reach; the palm's as places.
   Sorted (*sort_blocks)(const BlockSamples* blocks, const FingerBody& finger, std::uint32_t* found,
                         std::size_t count, FoundPatch* patches);
   Sorted (*sort_palm_blocks)(const BlockSamples* blocks, const PalmBody& palm, std::uint32_t* found,
                              std::size_t count, FoundPatch* patches);
+  /// Writes the blocks' patches that the body may meet, and in what way; returns how many.
   std::size_t (*classify_finger)(const PatchBlock* blocks, const FingerBody& finger,
                                  const std::uint32_t* found, std::size_t count, FoundPatch* patches);
   std::size_t (*classify_palm)(const PatchBlock* blocks, const PalmBody& palm, const std::uint32_t* found,

@@ -295,16 +295,17 @@ bool felt_by_samples(const Model& model, std::size_t segment, std::uint32_t tria
   return (sampled_segments(model) >> segment & 1u) != 0 && is_sampled(*model.patches, triangle);
 }
 
-bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t segments, SampleMemory& memory,
-                   SampledForces& forces) {
-  forces = {};
-  Bodies& bodies = memory.bodies;
-  set_bodies(hand, segments, *model.patches, bodies);
+namespace {
+
+/// Where the patches of each finger and, last, of the palm begin in SampleMemory::found.
+using BodyBegins = std::array<std::size_t, Bodies::kMostFingers + 2>;
+
+// Search and classification of all bodies; false where there is no room.
+bool find_patches(const Model& model, const Primitives& hand, SampleMemory& memory, BodyBegins& begin) {
+  const Bodies& bodies = memory.bodies;
   const PatchBlock* const blocks = model.patches->block.data();
   const BlockSamples* const samples = model.patches->samples.data();
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
-
-  std::array<std::size_t, Bodies::kMostFingers + 2> begin{};
   std::size_t count = 0;
   for (std::size_t i = 0; i < bodies.finger_count; ++i) {
     const FingerBody& finger = bodies.finger[i];
@@ -333,33 +334,50 @@ bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t seg
     if (!fits) return false;
   }
   begin[bodies.finger_count + 1] = count;
-  forces.patch_count = static_cast<std::uint32_t>(count);
+  return true;
+}
 
-  for (std::size_t i = 0; i <= bodies.finger_count; ++i) {
-    const std::span found(memory.found.data() + begin[i], begin[i + 1] - begin[i]);
-    if (found.empty()) continue;
-    KeyOrder order;
-    order_by_key(found, memory.ordered.data(), order);
-    const bool is_palm = i == bodies.finger_count;
-    BodyWork work{kernels, *model.patches, memory.ordered.data(), order,
-                  is_palm ? bodies.palm.origin : bodies.finger[i].origin};
-    BodySums sums[FingerBody::kMostTiles];
-    for (BodySums& sum : sums) set_quanta(hand, sum);
-    if (is_palm) {
-      run_palm(work, bodies.palm, sums[0]);
-      forces.segment[kPalmSegment] =
-          wrench_of(sums[0], bodies.palm.axis, bodies.palm.origin, hand.base_joint[kPalmSegment]);
-    } else {
-      const FingerBody& finger = bodies.finger[i];
-      run_finger(work, finger, sums);
-      for (std::size_t k = 0; k < finger.tile_count; ++k) {
-        const TileFrame& tile = finger.tile[k];
-        const Vec3 origin = finger.origin + Vec3{tile.origin[0], tile.origin[1], tile.origin[2]};
-        forces.segment[finger.segment[k]] =
-            wrench_of(sums[k], tile.axis, origin, hand.base_joint[finger.segment[k]]);
-      }
+// The forces of body i, the palm behind the fingers, from its patches.
+void add_body_forces(const Model& model, const Primitives& hand, std::size_t i,
+                     std::span<const FoundPatch> found, SampleMemory& memory, SampledForces& forces) {
+  const Bodies& bodies = memory.bodies;
+  KeyOrder order;
+  order_by_key(found, memory.ordered.data(), order);
+  const bool is_palm = i == bodies.finger_count;
+  BodyWork work{sample_kernels(model.execution.isa), *model.patches, memory.ordered.data(), order,
+                is_palm ? bodies.palm.origin : bodies.finger[i].origin};
+  BodySums sums[FingerBody::kMostTiles];
+  for (BodySums& sum : sums) set_quanta(hand, sum);
+  if (is_palm) {
+    run_palm(work, bodies.palm, sums[0]);
+    forces.segment[kPalmSegment] =
+        wrench_of(sums[0], bodies.palm.axis, bodies.palm.origin, hand.base_joint[kPalmSegment]);
+  } else {
+    const FingerBody& finger = bodies.finger[i];
+    run_finger(work, finger, sums);
+    for (std::size_t k = 0; k < finger.tile_count; ++k) {
+      const TileFrame& tile = finger.tile[k];
+      const Vec3 origin = finger.origin + Vec3{tile.origin[0], tile.origin[1], tile.origin[2]};
+      forces.segment[finger.segment[k]] =
+          wrench_of(sums[k], tile.axis, origin, hand.base_joint[finger.segment[k]]);
     }
-    forces.contact_count += work.touched;
+  }
+  forces.contact_count += work.touched;
+}
+
+}  // namespace
+
+bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t segments, SampleMemory& memory,
+                   SampledForces& forces) {
+  forces = {};
+  set_bodies(hand, segments, *model.patches, memory.bodies);
+  BodyBegins begin{};
+  if (!find_patches(model, hand, memory, begin)) return false;
+  const std::size_t bodies = memory.bodies.finger_count + 1;
+  forces.patch_count = static_cast<std::uint32_t>(begin[bodies]);
+  for (std::size_t i = 0; i < bodies; ++i) {
+    const std::span found(memory.found.data() + begin[i], begin[i + 1] - begin[i]);
+    if (!found.empty()) add_body_forces(model, hand, i, found, memory, forces);
   }
   return true;
 }
