@@ -85,9 +85,6 @@ TEST(World, RefusesWhatWouldHaveToBeInMemory) {
   Execution tree;
   tree.broadphase = Broadphase::tree;
   EXPECT_NE(build_model(mapped, tree, model).message().find("use auto or grid"), std::string::npos);
-  mapped.settings.tolerance = 0.01;
-  EXPECT_NE(build_model(mapped, {}, model).message().find("settings.tolerance"), std::string::npos);
-  mapped.settings.law.fill(Law::max_depth);
   EXPECT_TRUE(build_model(mapped, {}, model).ok());
   mapped.objects.push_back({"plane", make_plane(1, 3, 0)});
   EXPECT_NE(build_model(mapped, {}, model).message().find("put the objects into the world"),

@@ -159,7 +159,7 @@ void write_scenes(const fs::path& folder) {
 "hand": {"side": "left", "length": 0.19}, "motion": {"grasp": {"radius": 0.037, "height": 0.095, "seconds": 1}},
 "settings": {"rate": 100, "stiffness": 2e7, "law": "column"}, "execution": {"threads": 2, "broadphase": "grid"}})");
   write(folder / "scene" / "b", R"({"objects": [{"mesh": "x.obj", "unit": "mm"}], "hand_file": "hand.json",
-"motion": {"file": "m.json"}, "settings": {"max_force": 5, "fade_time": 0.1, "tolerance": 0.01}})");
+"motion": {"file": "m.json"}, "settings": {"max_force": 5, "fade_time": 0.1, "precision": 0.01}})");
 }
 
 void write_hands(const fs::path& folder) {

@@ -7,7 +7,6 @@
 #include <limits>
 #include <map>
 
-#include "index/cluster_tree.h"
 #include "tick/tick_trace.h"
 #include "touch_session.h"
 
@@ -82,50 +81,6 @@ TEST_P(ReplayTrace, NamesWhatOfTheHandDiffers) {
   EXPECT_EQ(first.recorded, "field");
   EXPECT_EQ(first.replayed, "column");
   EXPECT_FALSE(first.primitive);
-}
-
-// Its number alone would be one of the two highest bits and an index that no mesh has.
-TEST_P(ReplayTrace, CallsAClusterOfTrianglesWhatItIs) {
-  Scene scene = touch_scene();
-  scene.objects[0].mesh = make_sphere(0.04, 96);
-  scene.settings.tolerance = 3e-2;
-  scene.hand.radius.fill(0.008);  // no border is curved, where triangles are contacts of their own
-  record_touch(path_, GetParam(), {}, scene);
-  Mesh moved = scene.objects[0].mesh;
-  for (Vec3& p : moved.vertices) p.z += 1e-9;
-  ReplayOptions other;
-  other.mesh[scene.objects[0].name] = moved;
-  other.trace = temporary_path("clusters.txt");
-  ReplayResult result;
-  ASSERT_TRUE(replay_file(path_, result, other).ok());
-  ASSERT_TRUE(result.first_divergence.has_value());
-  const Divergence& first = *result.first_divergence;
-  EXPECT_EQ(first.stage, "narrowphase");
-  ASSERT_TRUE(first.primitive && first.cluster);
-  EXPECT_FALSE(first.triangle);
-
-  Model model;
-  ASSERT_TRUE(build_model(scene, {}, model).ok());
-  State state;
-  Scratch scratch = make_scratch(model);
-  tick(model, state, scratch, touch_frame(first.tick, GetParam(), scene.hand));
-  const auto name_of = [&](std::uint32_t cluster) {
-    return std::to_string(cluster_of(cluster)) + " of " +
-           std::to_string(triangles_of(model.clusters, cluster_of(cluster)).size()) +
-           ((cluster & kSplitBit) != 0 ? " triangles, one by one" : " triangles");
-  };
-  const std::string text = without_comments(other.trace);
-  bool named = false;
-  for (std::uint32_t i = 0; i < scratch.contact_count; ++i) {
-    const Contact& contact = scratch.contacts[i];
-    if ((contact.triangle & kClusterBit) == 0) continue;
-    const std::string name = name_of(contact.triangle);
-    named |= contact.primitive == *first.primitive && name == *first.cluster;
-    EXPECT_NE(text.find(" primitive " + std::to_string(contact.primitive) + " cluster " + name + " area "),
-              std::string::npos)
-        << name;
-  }
-  EXPECT_TRUE(named) << *first.cluster;
 }
 
 TEST(UlpDistance, CountsTheNumbersInBetween) {

@@ -158,8 +158,7 @@ int probe_mesh(const ProbeOptions& options, const std::vector<ProbePrimitive>& p
     return fail(status);
   }
   std::vector<ProbeContact> contacts;
-  Status status = probe(mesh, primitives, *parse_law(options.law), options.stiffness, contacts,
-                        *parse_precision(options.precision));
+  Status status = probe(mesh, primitives, *parse_law(options.law), options.stiffness, contacts);
   if (!status.ok()) return fail(status);
   return options.json ? print_json(contacts_json(contacts)) : print_text(contacts_text(contacts));
 }
@@ -180,7 +179,8 @@ void add_probe(Command& app, int& exit_code) {
       ->check(number_in(1e-6, 1e15))
       ->capture_default_str();
   command->add_option("--law", options->law, "Contact law")->check(is_law())->capture_default_str();
-  command->add_option("--precision", options->precision, kPrecisionHelp)->check(is_precision());
+  command->add_option("--precision", options->precision, "Any may be named: a probe is always exact")
+      ->check(is_precision());
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options, command, &exit_code] {
     exit_code = probe_mesh(*options, parse_primitives(*command, *options));

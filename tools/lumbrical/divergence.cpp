@@ -26,7 +26,6 @@ Json divergence_json(const ReplayResult& result) {
                                 {"replayed", first.replayed},
                                 {"primitive", value_or_null(first.primitive)},
                                 {"triangle", value_or_null(first.triangle)},
-                                {"cluster", value_or_null(first.cluster)},
                                 {"ulp", value_or_null(first.ulp)},
                                 {"recorded_build", first.recorded_build},
                                 {"replayed_build", first.replayed_build}};
@@ -44,7 +43,6 @@ std::string divergence_text(const ReplayResult& result, const std::string& verb)
   table.add("stage", first.stage);
   if (first.primitive) table.add("primitive", std::to_string(*first.primitive));
   if (first.triangle) table.add("triangle", std::to_string(*first.triangle));
-  if (first.cluster) table.add("cluster", *first.cluster);
   const std::string other = verb == "compared" ? "the other" : verb;
   table.add("field", first.field);
   table.add("recorded", first.recorded);

@@ -70,9 +70,6 @@ struct Settings {
   double stiffness = 2e7;                ///< [N/m^3] K_s, > 0
   double rate = 1000;                    ///< [Hz] ticks per second of session time, 1 .. 100000
   double point_area = 1e-4;              ///< [m^2] stands in for the area in Law::point
-  double tolerance = 0;  ///< 0 .. 0.1; by how much of R a contact's mean depth may be off in Law::field. 0:
-                         ///< exact to rounding. What it comes to is told in ActuatorFrame::force_error.
-                         ///< Above 0 clusters of neighbouring triangles may be one contact (contact.h)
   /// Per hand segment, under the field law: 0 exact; else the error wanted as a share of the hand's force,
   /// 1e-6 .. 0.1, which samples keep in 98 of 100 ticks (docs/mechanics.md). What it comes to in a tick:
   /// ActuatorFrame.
@@ -182,49 +179,10 @@ struct World {
   std::size_t byte_count = 0;
 };
 
-/// Four sibling clusters as a search sees them [m], relative to their tree's origin; single precision.
-struct alignas(64) ClusterBlock {
-  static constexpr std::uint32_t kWidth = 4;
-  std::array<float, kWidth> x{}, y{}, z{};     ///< centre: the centroid, rounded
-  std::array<float, kWidth> r{};               ///< no corner is farther from it; negative: an empty place
-  std::array<float, kWidth> nx{}, ny{}, nz{};  ///< mean normal, unit; 0 where normals cancel
-  std::array<float, kWidth> thickness{};       ///< no corner is farther from the centre along that normal
-  std::array<float, kWidth> bx{}, by{}, bz{};  ///< nor along x, y and z
-  std::array<float, kWidth> edge{};            ///< no edge is longer
-};
-
-/// The triangles of a leaf by corner, axis and triangle [m], relative to the leaf's centre; where one is
-/// missing, all its corners are the same.
-struct alignas(32) LeafCorners {
-  float at[3][3][8];
-};
-
-/// Integrals over the surface of a cluster, h counted from its centre, n the outward normal. 128 bytes.
-struct alignas(64) ClusterMoments {
-  float normal[3];     ///< [m^2] of n
-  float first[3][3];   ///< [m^3] of h_j n, by j = x, y, z
-  float second[6][3];  ///< [m^4] of h_j h_k n, by jk = xx, xy, xz, yy, yz, zz
-  float area;          ///< [m^2] of 1
-};
-
-/// Clusters of eight neighbouring triangles, of four such clusters, and so on up; clusters of one size stand
-/// side by side and start a new block. Children are found by index arithmetic.
-struct ClusterTree {
-  static constexpr std::uint32_t kLeafSize = 8;
-  Vec3 origin;                          ///< [m] in W
-  std::vector<std::uint32_t> triangle;  ///< in the order of the clusters: leaf i has those from 8 i
-  std::vector<std::uint32_t> place;     ///< of each triangle in `triangle`; empty where the tree is searched
-  std::vector<std::uint32_t> level;     ///< first cluster of each size, the leaves' first; then their end
-  std::vector<ClusterBlock> block;      ///< cluster i is number i % 4 of block i / 4
-  std::vector<ClusterMoments> moments;  ///< of each cluster
-  std::vector<LeafCorners> corners;     ///< of each leaf
-};
-
 struct Patches;     // the world as sample points see it; patches.h inside the engine
 struct VoxelIndex;  // lists of triangles by voxel; voxel_index.h inside the engine, lumbrical/voxel.h outside
 
-/// Immutable once built; may be shared by any number of sessions and threads. Copies share the large arrays
-/// (all but the clusters').
+/// Immutable once built; may be shared by any number of sessions and threads. Copies share the large arrays.
 struct Model {
   std::uint64_t build = 0;  ///< number of the build_model it is from, in this process; copies keep it
   Hand hand;
@@ -239,7 +197,6 @@ struct Model {
   /// What samples leave to the exact rung, triangles too large for them, as a world of its own; null:
   /// nothing.
   std::shared_ptr<const Model> rest;
-  ClusterTree clusters;  ///< empty unless settings.tolerance > 0 and a law is `field`
   std::vector<World::Object> objects;
   std::shared_ptr<const World> world;  ///< that all of this is from; null: a scene in memory
 };
@@ -247,7 +204,7 @@ struct Model {
 /// Checks the scene and builds what the ticks need. Refuses settings out of range, non-finite vertices and
 /// triangle indices out of range, naming the field or object; on error `model` is unchanged. A world comes
 /// with its grid: `execution` may ask for that or for brute force, the sizes of cells and leaves are the
-/// world's; clusters (settings.tolerance above 0) would have to be in memory and are refused.
+/// world's.
 Status build_model(const Scene& scene, const Execution& execution, Model& model);
 
 /// The scene a model was built from, equal bit for bit: what a recording carries.

@@ -40,8 +40,8 @@ struct ProbeContact {
 /// Contacts in the order of primitive, then triangle. Every primitive stands alone: none shares out space
 /// with another. Refuses non-finite coordinates, radii not > 0, a stiffness not > 0, a cylinder without
 /// length, and meshes whose triangles name vertices that are not there. Uses every triangle in turn (no
-/// search structure). `tolerance` (Settings::tolerance) may make results coarser; today all are exact.
+/// search structure).
 Status probe(const Mesh& mesh, std::span<const ProbePrimitive> primitives, Law law, double stiffness,
-             std::vector<ProbeContact>& contacts, double tolerance = 0);
+             std::vector<ProbeContact>& contacts);
 
 }  // namespace lumbrical

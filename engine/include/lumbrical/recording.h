@@ -107,8 +107,6 @@ struct Divergence {
   /// The pair the field is of. Known where this machine, computing in the plainest way, still
   /// gives what was recorded; so not for what went wrong elsewhere (see ReplayOptions::trace).
   std::optional<std::uint32_t> primitive{}, triangle{};
-  /// In the place of a triangle, where the contact is a cluster's: "12 of 8 triangles".
-  std::optional<std::string> cluster{};
   /// How many representable numbers one value is away from the other; none for whole numbers and NaNs.
   std::optional<std::uint64_t> ulp{};
   std::string recorded_build{};  ///< build_text of who recorded, as far as the file tells

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "lanes/border_terms.h"
-#include "lanes/cluster_terms.h"
 #include "lanes/crossing_terms.h"
 #include "lanes/miss_terms.h"
 #include "lanes/round_terms.h"
@@ -24,10 +23,6 @@ struct FieldKernels {
   void (*certain_misses)(MissTerms&);
   std::size_t (*sphere_hits)(const SphereBlock* spheres, const SphereQuery&, const std::uint32_t* blocks,
                              std::size_t block_count, std::uint32_t* hits);
-  void (*cluster_kinds)(const ClusterBlock* blocks, const ClusterQuery&, const std::uint32_t* list,
-                        std::size_t count, ClusterHits&);
-  void (*cluster_forces)(ClusterTerms&);
-  void (*leaf_forces)(LeafTerms&);
   void (*slab_contacts)(SlabTerms&);
   void (*slab_rims)(RimTerms&);
 };

@@ -1,26 +1,7 @@
 // The field law's kernels for scalar. Nothing else may be compiled with this file's flags.
 #define LUMBRICAL_ISA scalar
-#include "lanes/border_bulges.h"
-#include "lanes/certain_misses.h"
-#include "lanes/cluster_forces.h"
-#include "lanes/cluster_kinds.h"
-#include "lanes/cone_slivers.h"
-#include "lanes/field_across.h"
-#include "lanes/field_kernels.h"
-#include "lanes/leaf_forces.h"
-#include "lanes/round_contacts.h"
-#include "lanes/slab_contacts.h"
-#include "lanes/slab_rims.h"
-#include "lanes/sphere_hits.h"
-#include "lanes/strip_integrals.h"
+#include "lanes/field_table.h"
 
 namespace lumbrical::scalar {
-
-using Double = double;
-using Single = float;
-const FieldKernels kFieldKernels{round_contacts<Double>, strip_nodes<Double>,   cone_slivers<Double>,
-                                 field_across<Double>,   border_bulges<Double>, certain_misses<Double>,
-                                 sphere_hits<Single>,    cluster_kinds<Single>, cluster_forces<Double>,
-                                 leaf_forces<Double>,    slab_contacts<Double>, slab_rims<Double>};
-
-}  // namespace lumbrical::scalar
+const FieldKernels kFieldKernels = table_of<double, float>();
+}

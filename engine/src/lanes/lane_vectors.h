@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "model/primitive.h"
+#include "lumbrical/math.h"
 
 namespace lumbrical {
 
@@ -39,17 +39,6 @@ inline void put_vector(Vec3 v, double (&to)[3]) {
 template <class T>
 Vec3 vector_of(const T (&from)[3]) {
   return {from[0], from[1], from[2]};
-}
-
-/// A half-space as normal and height over `origin`.
-inline void put_plane(const HalfSpace& space, Vec3 origin, double (&to)[4]) {
-  to[0] = space.normal.x;
-  to[1] = space.normal.y;
-  to[2] = space.normal.z;
-  to[3] = dot(space.normal, space.point - origin);
-}
-inline double height_over(const double (&plane)[4], Vec3 p) {
-  return dot(Vec3{plane[0], plane[1], plane[2]}, p) - plane[3];
 }
 
 }  // namespace lumbrical

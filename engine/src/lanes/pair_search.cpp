@@ -2,11 +2,9 @@
 
 #include <algorithm>
 
-#include "index/cluster_tree.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
-#include "lanes/cluster_search.h"
 #include "lanes/lane_vectors.h"
 #include "lanes/tree_search.h"
 #include "model/corners.h"
@@ -40,11 +38,6 @@ bool append(FoundPairs& found, std::span<const std::uint64_t> pairs) {
   return true;
 }
 
-bool in_open_leaf(const PairSearch& search, std::uint32_t triangle) {
-  const std::uint32_t leaf = search.model.clusters.place[triangle] / ClusterTree::kLeafSize;
-  return (search.memory.open_leaves[leaf / 64] >> leaf % 64 & 1) != 0;
-}
-
 // Keeps those of up to kBatch triangles that the primitive does not certainly miss; false where there is no
 // room.
 bool keep(PairSearch& search, std::span<const std::uint32_t> triangles) {
@@ -57,7 +50,7 @@ bool keep(PairSearch& search, std::span<const std::uint32_t> triangles) {
   if (!(search.skin > 0)) {
     for (std::size_t k = 0; k < triangles.size(); ++k) {
       pairs[count] = first | std::uint64_t{triangles[k]} << 1;
-      count += terms.miss[k] == 0 && !(search.open_only && !in_open_leaf(search, triangles[k]));
+      count += terms.miss[k] == 0;
     }
     return append(search.found, {pairs.data(), count});
   }
@@ -112,22 +105,6 @@ bool search_tree(PairSearch& search, const Primitive& primitive, const TreeHead&
   return size == 0 || keep(search, {batch.data(), size});
 }
 
-// The triangles of open leaves, without any other search.
-bool search_leaves_of(PairSearch& search, std::span<const std::uint32_t> leaves) {
-  constexpr std::uint32_t kLeafSize = ClusterTree::kLeafSize;
-  static_assert(kBatch % kLeafSize == 0);
-  std::array<std::uint32_t, kBatch> batch;
-  std::uint32_t size = 0;
-  for (const std::uint32_t leaf : leaves) {
-    if (size + kLeafSize > kBatch) {
-      if (!keep(search, {batch.data(), size})) return false;
-      size = 0;
-    }
-    for (const std::uint32_t triangle : triangles_of(search.model.clusters, leaf)) batch[size++] = triangle;
-  }
-  return size == 0 || keep(search, {batch.data(), size});
-}
-
 bool search_cells(PairSearch& search, const Primitive& primitive, std::span<const std::uint32_t> cells) {
   const SphereGrid& grid = search.model.grid;
   for (const std::uint32_t cell : cells) {
@@ -158,7 +135,10 @@ bool search_voxels(PairSearch& search, const Primitive& primitive) {
          search_tree(search, primitive, index.wide.head, index.wide.lines.data());
 }
 
-bool search_any(PairSearch& search, Primitive primitive, std::span<const std::uint32_t> cells) {
+}  // namespace
+
+bool search_for(PairSearch& search, std::span<const std::uint32_t> cells) {
+  Primitive primitive = search.hand.primitive[search.index];
   primitive.radius1 += search.skin;
   primitive.radius2 += search.skin;
   set_terms(*search.hull, search.skin, search.terms);
@@ -174,50 +154,6 @@ bool search_any(PairSearch& search, Primitive primitive, std::span<const std::ui
       break;
   }
   return search_all(search);
-}
-
-// Clusters that are one contact each are candidates of their own; of the rest the triangles of open leaves
-// are. With the tree nothing else is searched, otherwise the leaves are marked.
-bool search_clusters(PairSearch& search, const Primitive& primitive, std::span<const std::uint32_t> cells) {
-  const FoundClusters clusters =
-      find_clusters(search.model, search.hand, primitive, search.kernels, search.memory);
-  const auto add = [&](std::span<const std::uint32_t> numbers, std::uint32_t bits) {
-    std::array<std::uint64_t, kBatch> pairs;
-    for (std::size_t first = 0; first < numbers.size(); first += kBatch) {
-      const std::size_t count = std::min<std::size_t>(kBatch, numbers.size() - first);
-      for (std::size_t k = 0; k < count; ++k)
-        pairs[k] = search.index << 33 | std::uint64_t{bits | numbers[first + k]} << 1;
-      if (!append(search.found, {pairs.data(), count})) return false;
-    }
-    return true;
-  };
-  // In ascending order, but for the triangles: mostly there are none, and nothing has to be sorted.
-  const auto add_clusters = [&] {
-    for (std::size_t size = 0; size < clusters.size_count; ++size) {
-      if (!add(clusters.used[size], kClusterBit)) return false;
-    }
-    return add(clusters.split, kClusterBit | kSplitBit);
-  };
-  if (search.model.execution.broadphase == Broadphase::tree) {
-    set_terms(*search.hull, 0, search.terms);
-    return search_leaves_of(search, clusters.open) && add_clusters();
-  }
-  if (!add_clusters()) return false;
-  std::vector<std::uint64_t>& open = search.memory.open_leaves;
-  for (const std::uint32_t leaf : clusters.open) open[leaf / 64] |= std::uint64_t{1} << leaf % 64;
-  search.open_only = true;
-  const bool fits = search_any(search, primitive, cells);
-  search.open_only = false;
-  for (const std::uint32_t leaf : clusters.open) open[leaf / 64] = 0;
-  return fits;
-}
-
-}  // namespace
-
-bool search_for(PairSearch& search, std::span<const std::uint32_t> cells) {
-  const Primitive& primitive = search.hand.primitive[search.index];
-  return uses_clusters(search.model, search.hand, primitive) ? search_clusters(search, primitive, cells)
-                                                             : search_any(search, primitive, cells);
 }
 
 }  // namespace lumbrical

@@ -1,5 +1,4 @@
-// The search for the triangles near one primitive: in a tree, a grid of them, voxels or all, in clusters
-// first where the precision asked for allows them.
+// The search for the triangles near one primitive: in a tree, a grid of them, voxels or all.
 #pragma once
 
 #include <array>
@@ -33,7 +32,6 @@ struct PairSearch {
   const Hull* hull = nullptr;
   std::uint64_t index = 0;  ///< of the primitive
   double skin = 0;          ///< [m]; 0: candidates themselves are wanted
-  bool open_only = false;   ///< only triangles of open leaves are asked for
 };
 
 /// Gathers up to kCapacity triangles for the kernel.

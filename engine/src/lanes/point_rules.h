@@ -187,7 +187,7 @@ PointSum<V> by_centroid(const FieldAbout<V>& about, Wide2<V> centroid, V square,
   return sum;
 }
 
-// `triangle`: wholly inside, and nothing was cut away. `allowed` [m] is the tolerance times R.
+// `triangle`: wholly inside, and nothing was cut away. `allowed` [m] is what it may be off.
 template <class V, class M>
 PointSum<V> by_points(const RoundPart<V>& part, const RoundPlane<V>& plane, const Polygon<V>& polygon,
                       Wide2<V> centroid, M triangle, V allowed) {

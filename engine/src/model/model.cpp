@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "index/cluster_tree.h"
 #include "index/patches.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
@@ -121,11 +120,6 @@ std::uint64_t next_build() {
   return ++builds;
 }
 
-// The ladder of precision knows clusters under the field law only.
-bool wants_clusters(const Settings& settings) {
-  return settings.tolerance > 0 && std::count(settings.law.begin(), settings.law.end(), Law::field) > 0;
-}
-
 // One tree, whatever the whole is searched with: there are few of them.
 std::shared_ptr<const Model> rest_of(const Model& model) {
   auto rest = std::make_shared<Model>();
@@ -154,8 +148,6 @@ Status build_index(Model& model) {
   }
   model.patches = build_patches(model.hand, model.settings, model.triangles, model.execution);
   if (model.patches && !model.patches->exact.empty()) model.rest = rest_of(model);
-  if (wants_clusters(model.settings) && model.triangles.size() > 0)
-    model.clusters = build_clusters(model.triangles, model.execution);
   return {};
 }
 
@@ -186,11 +178,6 @@ Status take_world(const Scene& scene, Model& model) {
     return Status::error("execution.broadphase: a world file holds a grid, and a " +
                          std::string(broadphase_name(execution.broadphase)) +
                          " would have to be in memory as a whole; use auto or grid (or brute, to check)");
-  }
-  if (wants_clusters(scene.settings)) {
-    return Status::error(
-        "settings.tolerance: clusters of a world file would have to be in memory as a whole; use 0 (exact), "
-        "or a scene of mesh files");
   }
   execution.cell_size = world.cell_size;
   execution.leaf_size = world.leaf_size;

@@ -6,12 +6,9 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "lumbrical/contact.h"
 
 namespace lumbrical {
 namespace {
-
-static_assert(kTriangleLimit == kClusterBit);
 
 Status out_of_range(const std::string& field, const std::string& range) {
   return Status::error(field + " is out of range: give " + range);
@@ -41,7 +38,6 @@ Status check_settings(const Settings& settings) {
     return out_of_range("settings.stiffness", "0.001 to 1e15 N/m^3");
   if (!within(settings.rate, 1, 100000)) return out_of_range("settings.rate", "1 to 100000 Hz");
   if (!within(settings.point_area, 1e-12, 1)) return out_of_range("settings.point_area", "1e-12 to 1 m^2");
-  if (!within(settings.tolerance, 0, 0.1)) return out_of_range("settings.tolerance", "0 to 0.1");
   for (const double precision : settings.precision) {
     if (precision != 0 && !within(precision, 1e-6, 0.1))
       return out_of_range("settings.precision", "0 (exact) or 1e-6 to 0.1");

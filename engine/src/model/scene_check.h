@@ -8,8 +8,8 @@
 
 namespace lumbrical {
 
-/// A scene has fewer triangles than this and at most as many vertices as the other; numbers of 32 bits, one
-/// of which stands for clusters, then suffice.
+/// A scene has fewer triangles than this and at most as many vertices as the other; pairs that are in doubt
+/// take one bit more (near_pairs.h).
 inline constexpr std::size_t kTriangleLimit = std::size_t{1} << 31, kVertexLimit = 0xfffffffe;
 
 // Larger coordinates square to infinity or leave no digits for a finger.

@@ -26,20 +26,10 @@ std::vector<TraceValue> values_of(const TickRun& run, int stage) {
 
 std::string value_text(const TraceValue& value) { return number_text(value.type, value.bits); }
 
-std::string cluster_text(const TraceValue& value) {
-  const auto triangle = static_cast<std::uint32_t>(value.triangle);
-  return std::to_string(cluster_of(triangle)) + " of " + std::to_string(value.members) +
-         ((triangle & kSplitBit) != 0 ? " triangles, one by one" : " triangles");
-}
-
 void name_owner(const TraceValue& value, Divergence& divergence) {
   divergence.field = value.field;
   if (value.primitive >= 0) divergence.primitive = static_cast<std::uint32_t>(value.primitive);
-  if (value.members > 0) {
-    divergence.cluster = cluster_text(value);
-  } else if (value.triangle >= 0) {
-    divergence.triangle = static_cast<std::uint32_t>(value.triangle);
-  }
+  if (value.triangle >= 0) divergence.triangle = static_cast<std::uint32_t>(value.triangle);
 }
 
 /// Whether a comes before b where both lists are sorted by primitive and triangle.
@@ -78,11 +68,7 @@ std::string hexadecimal_bits(const TraceValue& value) {
 std::string line_of(std::uint64_t tick, const std::string& stage, const TraceValue& value) {
   std::string line = std::to_string(tick) + ' ' + stage;
   if (value.primitive >= 0) line += " primitive " + std::to_string(value.primitive);
-  if (value.members > 0) {
-    line += " cluster " + cluster_text(value);
-  } else if (value.triangle >= 0) {
-    line += " triangle " + std::to_string(value.triangle);
-  }
+  if (value.triangle >= 0) line += " triangle " + std::to_string(value.triangle);
   line += ' ' + value.field + ' ' + value_text(value);
   return is_real(value.type) ? line + ' ' + hexadecimal_bits(value) : line;
 }

@@ -9,7 +9,6 @@
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
-#include "lanes/cluster_search.h"
 #include "lanes/field_kernels.h"
 #include "lanes/near_pairs.h"
 #include "lanes/pair_search.h"
@@ -52,7 +51,7 @@ struct Plan {
 
 // A list is worth its price where it lives for a few ticks, so for a primitive that moves slowly. Of lists
 // that are half used up the most used one gives way before it has to: else all would end in the same tick.
-Plan make_plan(const Model& model, const Primitives& hand, bool lists, NearPairs& near) {
+Plan make_plan(const Primitives& hand, bool lists, NearPairs& near) {
   const auto count = static_cast<std::size_t>(hand.count);
   Plan plan;
   const SkinLimits limits = lists ? skin_limits(hand) : SkinLimits{};
@@ -60,7 +59,6 @@ Plan make_plan(const Model& model, const Primitives& hand, bool lists, NearPairs
   double most_used = 0.5 * kUse;
   std::size_t eldest = count;
   for (std::size_t i = 0; limits.most > 0 && i < count; ++i) {
-    if (uses_clusters(model, hand, hand.primitive[i])) continue;  // which ones, depends on every place
     const Hull& now = near.now[i];
     const NearPairs::List& list = near.list[i];
     const double used = list.skin > 0 ? distance_moved(list.at, now) / list.skin : 1;
@@ -207,7 +205,7 @@ bool write_candidates(const Model& model, const Primitives& hand, Scratch& scrat
 }
 
 bool try_find(const Model& model, const Primitives& hand, bool lists, Scratch& scratch) {
-  const Plan plan = make_plan(model, hand, lists, *scratch.near);
+  const Plan plan = make_plan(hand, lists, *scratch.near);
   scratch.near->searches = static_cast<std::uint32_t>(plan.fresh_count);
   return (plan.fresh_count == 0 || search_fresh(model, hand, plan, scratch)) &&
          write_candidates(model, hand, scratch);
@@ -230,7 +228,6 @@ void size_candidates(const Model& model, Scratch& scratch) {
   for (SearchMemory& searcher : scratch.searcher) {
     for (auto& frontier : searcher.frontier) frontier.resize(frontier_size);
     searcher.cells.resize(model.voxels ? model.voxels->lists.voxel.size() : 0);
-    size_clusters(model, searcher);
   }
   scratch.cells.resize(model.grid.tree.size());
 }

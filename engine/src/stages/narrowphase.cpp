@@ -8,9 +8,6 @@
 #include "borders/border_cut.h"
 #include "borders/joint_border.h"
 #include "borders/shared_contact.h"
-#include "index/cluster_tree.h"
-#include "lanes/cluster_batch.h"
-#include "lanes/leaf_contact.h"
 #include "lanes/round_batch.h"
 #include "lanes/slab_batch.h"
 #include "model/corners.h"
@@ -140,12 +137,8 @@ struct PairWork {
   RoundHull hull{};
   BorderBatch borders{kernels};
   SlabBatch slab{kernels};
-  ClusterBatch clusters{model.clusters, kernels};
-  LeafQuery leaf{};
-  std::uint32_t clusters_of = Primitives::kMaxCount;  // the primitive whose clusters are being gathered
-  std::uint32_t leaf_of = Primitives::kMaxCount;      // the primitive the leaf query is of
-  std::uint32_t hull_of = Primitives::kMaxCount;      // the primitive the hull is of
-  std::uint32_t slab_index = Primitives::kMaxCount;   // the slab whose pairs are being gathered
+  std::uint32_t hull_of = Primitives::kMaxCount;     // the primitive the hull is of
+  std::uint32_t slab_index = Primitives::kMaxCount;  // the slab whose pairs are being gathered
   Boundary boundary;
   PairWork(const Model& m, const Primitives& h, const FieldKernels& k) : model(m), hand(h), kernels(k) {
     round[static_cast<std::size_t>(RoundZone::flat)].batch.pairs.flat = true;
@@ -196,7 +189,6 @@ void finish(RoundQueue& queue, PairWork& work) {
   queue.shared.clear();
 }
 
-void take_pair(Contact& contact, PairWork& work);
 void finish_borders(PairWork& work);
 
 // All pairs of round primitives.
@@ -205,36 +197,6 @@ void finish_round(PairWork& work) {
   for (RoundQueue& queue : work.round) finish(queue, work);
   for (Contact* contact : finish_slivers(work.slivers))
     collide_pair(work.model, work.hand, work.kernels, work.boundary, *contact);
-}
-
-// A leaf triangle by triangle: of a round primitive, since only curved cuts leave one in doubt and slabs
-// have none. `finish_round` is done with the parts before they end.
-void take_triangles_of(Contact& contact, PairWork& work) {
-  std::array<Contact, ClusterTree::kLeafSize> parts;
-  std::size_t count = 0;
-  for (const std::uint32_t triangle : triangles_of(work.model.clusters, cluster_of(contact.triangle))) {
-    parts[count].primitive = contact.primitive;
-    parts[count].triangle = triangle;
-    take_pair(parts[count++], work);
-  }
-  finish_round(work);
-  sum_leaf(work.model, work.leaf, {parts.data(), count}, contact);
-}
-
-void take_leaf(Contact& contact, PairWork& work) {
-  if (contact.primitive != work.leaf_of)
-    set_leaf_query(work.hand, work.hand.primitive[contact.primitive], work.leaf);
-  work.leaf_of = contact.primitive;
-  if (!leaf_contact(work.model, work.kernels, work.leaf, contact)) take_triangles_of(contact, work);
-}
-
-void take_cluster(Contact& contact, PairWork& work) {
-  if ((contact.triangle & kSplitBit) != 0) return take_leaf(contact, work);
-  if (contact.primitive != work.clusters_of || is_full(work.clusters)) finish_batch(work.clusters);
-  if (contact.primitive != work.clusters_of)
-    begin_batch(work.hand.primitive[contact.primitive], work.hand.palm, work.clusters);
-  work.clusters_of = contact.primitive;
-  add_to_batch(contact, work.clusters);
 }
 
 const RoundHull& hull_of(const Contact& contact, PairWork& work) {
@@ -297,7 +259,6 @@ void take_shared(const TileBorders& near, const Corners& at, Contact& contact, P
 }
 
 void take_pair(Contact& contact, PairWork& work) {
-  if ((contact.triangle & kClusterBit) != 0) return take_cluster(contact, work);
   const Primitive& primitive = work.hand.primitive[contact.primitive];
   const Corners at = corners_of(work.model.triangles, contact.triangle);
   if (primitive.shape == Shape::slab && primitive.law == Law::field) return take_slab(at, contact, work);
@@ -326,23 +287,6 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
          collide_section(primitive, query, section, boundary, contact);
 }
 
-namespace {
-
-// Clusters are anywhere in memory; what is some candidates ahead is on its way when its turn comes.
-void prefetch(const Model& model, std::span<const std::uint64_t> candidates, std::size_t i) {
-  constexpr std::size_t kAhead = 8;
-  if (i + kAhead >= candidates.size()) return;
-  const auto ahead = static_cast<std::uint32_t>(candidates[i + kAhead]);
-  if ((ahead & kClusterBit) == 0) return;
-  if ((ahead & kSplitBit) != 0) {
-    prefetch_leaf(model, cluster_of(ahead));
-  } else {
-    prefetch_cluster(model.clusters, cluster_of(ahead));
-  }
-}
-
-}  // namespace
-
 std::uint32_t find_contacts(const Model& model, const Primitives& hand,
                             std::span<const std::uint64_t> candidates, std::span<Contact> contacts) {
   // Every pair has a slot of its own, so the order of the work doesn't matter.
@@ -352,12 +296,10 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
     for (std::size_t i = first; i < last; ++i) {
       contacts[i].primitive = static_cast<std::uint32_t>(candidates[i] >> 32);
       contacts[i].triangle = static_cast<std::uint32_t>(candidates[i]);
-      prefetch(model, candidates, i);
       take_pair(contacts[i], pairs);
     }
     finish_round(pairs);
     finish_slab(pairs);
-    finish_batch(pairs.clusters);
   };
   const std::uint32_t threads = candidates.size() < kSerialBelow ? 1 : model.execution.threads;
   parallel_chunks(candidates.size(), kChunk, threads, work);
@@ -372,9 +314,7 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
 
 double depth_of(const Model& model, const Primitives& hand, const Contact& contact) {
   const Primitive& primitive = hand.primitive[contact.primitive];
-  const bool told =
-      (contact.triangle & kClusterBit) != 0 || primitive.law != Law::field || primitive.shape == Shape::slab;
-  if (told) return contact.depth;
+  if (primitive.law != Law::field || primitive.shape == Shape::slab) return contact.depth;
   const auto [a, b, c] = corners_of(model.triangles, contact.triangle);
   Section section;
   if (!look_from_plane(primitive, a, b, c, section)) return 0;

@@ -83,7 +83,6 @@ constexpr void list_fields(Is<Settings> auto& settings, auto&& field) {
   field("rate", "Hz", settings.rate);
   field("point_area", "m^2", settings.point_area);
   field("precision", "", settings.precision);
-  field("tolerance", "", settings.tolerance);
   field("max_force", "N", settings.max_force);
   field("fade_time", "s", settings.fade_time);
   field("max_candidates", "", settings.max_candidates);

@@ -2,7 +2,6 @@
 
 #include "base/floating_point.h"
 #include "borders/border_cut.h"
-#include "index/cluster_tree.h"
 #include "model/corners.h"
 #include "samples/sampled_forces.h"
 #include "section/contact_jacobian.h"
@@ -31,28 +30,6 @@ BorderCut cut_of(const FieldKernels& kernels, const Primitives& hand, const Prim
   if (primitive.shape == Shape::slab) return {};
   return cut_at_borders(kernels, hand, primitive, borders_in_reach(hand, primitive, at.a, at.b, at.c), at.a,
                         at.b, at.c);
-}
-
-// A cluster is a contact for the force; for its slope every triangle in it is looked at.
-void add_cluster(const Model& model, const Primitives& hand, const Primitive& primitive,
-                 std::uint32_t cluster, Vec3 joint, Matrix6& value) {
-  const FieldKernels& kernels = field_kernels(model.execution.isa);
-  const ContactQuery query{Law::field, model.settings.point_area, nullptr, kernels};
-  Boundary boundary;
-  for (const std::uint32_t triangle : triangles_of(model.clusters, cluster)) {
-    const Corners at = corners_of(model.triangles, triangle);
-    const BorderCut cut = cut_of(kernels, hand, primitive, at);
-    if (cut.kind == CutKind::gone) continue;
-    const Primitive part = cut.kind == CutKind::other ? tile_cut_so(primitive, cut.cut) : primitive;
-    Contact contact;
-    const bool meets = primitive.shape == Shape::slab
-                           ? collide_slab(slab_of(hand.palm, primitive), primitive.law,
-                                          model.settings.point_area, at.a, at.b, at.c, contact)
-                           : collide(part, query, at.a, at.b, at.c, boundary, contact);
-    if (!meets) continue;
-    if (cut.crosses) add_bulge(cut.bulge, contact);
-    add_triangle(hand, primitive, cut, contact, joint, at, value);
-  }
 }
 
 // ---- Segments that are felt by samples: differences of the very sum ----
@@ -164,12 +141,8 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
     if (!asked(primitive.segment) || !jacobian.known) continue;
     if (felt_by_samples(model, primitive.segment, contact.triangle)) continue;
     const Vec3 joint = hand.base_joint[primitive.segment];
-    if ((contact.triangle & kClusterBit) == 0) {
-      const Corners at = corners_of(world, contact.triangle);
-      add_triangle(hand, primitive, cut_of(kernels, hand, primitive, at), contact, joint, at, jacobian.value);
-    } else {
-      add_cluster(model, hand, primitive, cluster_of(contact.triangle), joint, jacobian.value);
-    }
+    const Corners at = corners_of(world, contact.triangle);
+    add_triangle(hand, primitive, cut_of(kernels, hand, primitive, at), contact, joint, at, jacobian.value);
   }
   if ((segments & sampled_segments(model)) != 0) {
     std::array<SegmentJacobian, kSegmentCount> sampled{};

@@ -37,7 +37,7 @@ Status to_primitive(const ProbePrimitive& probe, std::size_t index, Law law, Pri
 }  // namespace
 
 Status probe(const Mesh& mesh, std::span<const ProbePrimitive> primitives, Law law, double stiffness,
-             std::vector<ProbeContact>& contacts, double /*tolerance*/) {
+             std::vector<ProbeContact>& contacts) {
   if (!(stiffness > 0 && stiffness < 1e300))
     return Status::error("the stiffness must be a finite number above 0 [N/m^3]");
   const FloatingPointGuard guard;

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "index/cluster_tree.h"
 #include "stages/contact_force.h"
 #include "tick/field_lists.h"
 
@@ -16,10 +15,9 @@ class Tracer {
  public:
   std::vector<TraceValue> values;
 
-  void pair(const ClusterTree& clusters, std::uint32_t primitive, std::uint32_t triangle) {
+  void pair(std::uint32_t primitive, std::uint32_t triangle) {
     owner_.primitive = primitive;
     owner_.triangle = triangle;
-    owner_.members = (triangle & kClusterBit) != 0 ? triangles_of(clusters, cluster_of(triangle)).size() : 0;
   }
   void whole(const char* name, std::uint64_t value) { add(name, NumberType::whole, value); }
   template <class T>
@@ -71,14 +69,14 @@ std::vector<TraceValue> trace_stage(const Model& model, const Scratch& scratch, 
     case Stage::broadphase:
       for (std::uint32_t i = 0; i < scratch.candidate_count; ++i) {
         const std::uint64_t pair = scratch.candidates[i];
-        to.pair(model.clusters, static_cast<std::uint32_t>(pair >> 32), static_cast<std::uint32_t>(pair));
+        to.pair(static_cast<std::uint32_t>(pair >> 32), static_cast<std::uint32_t>(pair));
         to.whole("candidate", 1);
       }
       break;
     case Stage::narrowphase:
       to.fields(scratch.samples->forces);
       for (const Contact& contact : contacts) {
-        to.pair(model.clusters, contact.primitive, contact.triangle);
+        to.pair(contact.primitive, contact.triangle);
         to.fields(contact);
       }
       break;

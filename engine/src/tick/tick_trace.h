@@ -15,8 +15,7 @@ namespace lumbrical {
 struct TraceValue {
   std::string field;            ///< "primitive[2].end1.x", "area", "held.segment[3].force.x"
   std::int64_t primitive = -1;  ///< -1: none
-  std::int64_t triangle = -1;   ///< as in Contact; -1: none
-  std::size_t members = 0;      ///< of a cluster: how many triangles it has
+  std::int64_t triangle = -1;   ///< -1: none
   NumberType type = NumberType::real;
   std::uint64_t bits = 0;
 
