@@ -1,18 +1,18 @@
-// Curved borders in lanes (border_batch.h) against one border at a time (border_cut.h), and the same bits
+// Curved borders in lanes (border_pairs.h) against one border at a time (border_cut.h), and the same bits
 // with every instruction set.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <numbers>
 #include <vector>
 
-#include "borders/border_batch.h"
 #include "borders/border_bulge.h"
+#include "borders/border_pairs.h"
 #include "borders/joint_border.h"
 #include "borders/root.h"
 #include "lanes/lane_vectors.h"
+#include "loose_triangles.h"
 #include "posed_finger.h"
 #include "random.h"
 #include "section/gauss.h"
@@ -82,32 +82,42 @@ std::vector<Crossed> crossed_by(const Primitives& hand, test::Random& random, in
   return found;
 }
 
-// A pair from the lanes, with the ends of the last of its chords [m] from the joint.
+// A pair's cuts from the lanes, with the ends of the last of its chords [m] from the joint.
 struct Found {
-  BorderPair pair;
+  OwnCuts own;
   Vec3 from, to;
 };
 
 // The pairs with the kernel of one table.
 std::vector<Found> in_lanes(const FieldKernels& kernels, const Primitives& hand,
-                            const std::vector<Crossed>& pairs, std::vector<Contact>& contacts) {
-  std::vector<Found> result;
-  BorderBatch batch(kernels);
-  contacts.resize(pairs.size());
-  const auto finish = [&] {
-    for (const BorderPair& pair : finish_batch(hand, batch)) {
-      const auto lane = static_cast<std::size_t>(std::max(pair.lane[0], pair.lane[1]));
-      result.push_back({pair, vector_at(batch.terms.start, lane), vector_at(batch.terms.end, lane)});
-    }
-  };
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
+                            const std::vector<Crossed>& pairs) {
+  std::vector<std::array<Vec3, 3>> triangles;
+  for (const Crossed& pair : pairs) triangles.push_back({pair.at.a, pair.at.b, pair.at.c});
+  const Triangles world = test::loose_triangles(triangles);
+  std::vector<Contact> contacts(pairs.size());
+  std::vector<RoundHull> hulls;
+  for (std::size_t i = 0; i < 3; ++i) hulls.push_back(round_hull(hand.primitive[i]));
+  std::vector<OwnCuts> own(pairs.size());
+  std::vector<BorderWay> ways;
+  for (std::uint32_t i = 0; i < pairs.size(); ++i) {
     const auto& [tile, t, cuts] = pairs[i];
     contacts[i].primitive = static_cast<std::uint32_t>(tile);
-    if (!has_room(batch)) finish();
-    add_to_batch(hand, hand.primitive[tile], round_hull(hand.primitive[tile]), cuts, t.a, t.b, t.c,
-                 contacts[i], batch);
+    contacts[i].triangle = i;
+    own[i].slot = i;
+    own[i].cut = cuts.cut;
+    own[i].bulge.base = hulls[tile].origin;
+    for (const bool outer : {false, true}) {
+      if (cuts.crossing[outer].exists)
+        ways.push_back({i, outer, cuts.crossing[outer].from, cuts.crossing[outer].to});
+    }
   }
-  finish();
+  follow_borders({world, hand, kernels, contacts}, hulls, ways, own);
+  std::vector<Found> result;
+  for (const OwnCuts& cuts : own) result.push_back({cuts, {}, {}});
+  for (const BorderWay& way : ways) {
+    result[way.own].from = way.from;
+    result[way.own].to = way.to;
+  }
   return result;
 }
 
@@ -158,17 +168,16 @@ TEST(BorderLanes, GiveChordsAndBulgesOfOneBorderAtATime) {
     test::Random random(31000 + i);
     const Primitives hand = random_finger(random);
     const std::vector<Crossed> pairs = crossed_by(hand, random, 60);
-    std::vector<Contact> contacts;
-    const std::vector<Found> found = in_lanes(field_kernels(Isa::scalar), hand, pairs, contacts);
+    const std::vector<Found> found = in_lanes(field_kernels(Isa::scalar), hand, pairs);
     ASSERT_EQ(found.size(), pairs.size());
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       const auto& [index, t, cuts] = pairs[k];
       const Primitive& tile = hand.primitive[index];
       if (cuts.crossing[0].exists && cuts.crossing[1].exists) continue;
       ++crossed;
-      if (!found[k].pair.clear) continue;
+      if (!found[k].own.clear) continue;
       ++clear;
-      const BulgeMoments& bulge = found[k].pair.bulge;
+      const BulgeMoments& bulge = found[k].own.bulge;
       const TileBorders near = borders_in_reach(hand, tile, t.a, t.b, t.c);
       const BorderCut alone = cut_at_borders(field_kernels(Isa::scalar), hand, tile, near, t.a, t.b, t.c);
       if (!alone.crosses) {
@@ -178,7 +187,7 @@ TEST(BorderLanes, GiveChordsAndBulgesOfOneBorderAtATime) {
       ++bulges;
       small += norm(t.b - t.a) < 0.1 * kRadius;
       large += norm(t.b - t.a) > 3 * kRadius;
-      const HalfSpace& cut = found[k].pair.cut[own_cut(tile, alone.outer)];
+      const HalfSpace& cut = found[k].own.cut[own_cut(tile, alone.outer)];
       const Vec3 joint = hand.border[joint_of(tile, alone.outer)].centre;
       EXPECT_NEAR(height_over(cut, joint + alone.from), 0, 1e-10 * kRadius) << i << ' ' << k;
       EXPECT_NEAR(height_over(cut, joint + alone.to), 0, 1e-10 * kRadius) << i << ' ' << k;
@@ -203,14 +212,13 @@ TEST(BorderLanes, HaveTheSameBitsWithEveryInstructionSet) {
     test::Random random(32000 + i);
     const Primitives hand = random_finger(random);
     const std::vector<Crossed> pairs = crossed_by(hand, random, 60);
-    std::vector<Contact> contacts;
-    const std::vector<Found> expected = in_lanes(field_kernels(Isa::scalar), hand, pairs, contacts);
+    const std::vector<Found> expected = in_lanes(field_kernels(Isa::scalar), hand, pairs);
     for (const Isa isa : {Isa::sse2, Isa::avx2, Isa::avx512, Isa::neon}) {
       if (!available(isa)) continue;
-      const std::vector<Found> found = in_lanes(field_kernels(isa), hand, pairs, contacts);
+      const std::vector<Found> found = in_lanes(field_kernels(isa), hand, pairs);
       ASSERT_EQ(found.size(), expected.size());
       for (std::size_t k = 0; k < found.size(); ++k) {
-        const BorderPair &one = expected[k].pair, &other = found[k].pair;
+        const OwnCuts &one = expected[k].own, &other = found[k].own;
         EXPECT_EQ(other.clear, one.clear) << i << ' ' << k;
         if (!one.clear) continue;
         EXPECT_EQ(std::memcmp(&other.cut, &one.cut, sizeof one.cut), 0) << i << ' ' << k;

@@ -14,7 +14,8 @@
 #include <vector>
 
 #include "contact_pairs.h"
-#include "lanes/round_batch.h"
+#include "lanes/round_pairs.h"
+#include "lanes/through_lanes.h"
 #include "lumbrical/probe.h"
 #include "stages/narrowphase.h"
 
@@ -285,8 +286,8 @@ Pair pair_by_an_end(test::Random& random) {
 // digits the rest are.
 TEST(ConeSlivers, NextToTheAxisAgreeWithTheReference) {
   test::Random random(31);
-  const auto batch = std::make_unique<RoundBatch>();
-  const auto slivers = std::make_unique<SliverBatch>(field_kernels(Isa::scalar));
+  const FieldKernels& kernels = field_kernels(Isa::scalar);
+  const auto terms = std::make_unique<RoundTerms>();
   int added = 0, moved = 0, left = 0;
   for (int i = 0; i < 2000; ++i) {
     const Pair pair = pair_by_an_end(random);
@@ -295,13 +296,27 @@ TEST(ConeSlivers, NextToTheAxisAgreeWithTheReference) {
     cone.end1 = pair.primitive.end1, cone.end2 = pair.primitive.end2;
     cone.radius1 = pair.primitive.radius1, cone.radius2 = pair.primitive.radius2;
     Contact contact;
-    add_to_batch(round_hull(cone), pair.corners[0], pair.corners[1], pair.corners[2], {}, contact, *batch);
-    if (!finish_batch(*batch, *slivers).empty() || slivers->even.terms.pairs.count == 0) continue;
+    const RoundHull hull = round_hull(cone);
+    const Corners at{pair.corners[0], pair.corners[1], pair.corners[2]};
+    set_kind(kind_of(hull, at), *terms);
+    const auto through = [&](void (*kernel)(RoundTerms&)) {
+      const auto gather = [&](const Corners& corners, std::size_t k, RoundTerms& to) {
+        put_pair(hull, corners, {}, k, to);
+      };
+      double status = kApart;
+      through_lanes(std::span(&at, 1), *terms, kernel, gather,
+                    [&](const Corners&, std::size_t k, const RoundTerms& from) { status = from.status[k]; });
+      return status;
+    };
+    if (through(kernels.round_contacts) != kSlivers) continue;
+    read_contact(*terms, 0, hull.origin, contact);
     const double r3 = pair.radius * pair.radius * pair.radius, before = contact.volume;
-    if (!finish_slivers(*slivers).empty()) {
+    terms->patient = true;
+    if (through(kernels.cone_slivers) != kContact) {
       ++left;
       continue;
     }
+    add_sliver(*terms, 0, hull.origin, contact);
     ++added;
     if (std::fabs(contact.volume - before) > 1e-9 * r3) ++moved;
     SCOPED_TRACE(describe(pair));

@@ -7,7 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "lanes/slab_batch.h"
+#include "lanes/slab_pairs.h"
+#include "loose_triangles.h"
 #include "random.h"
 #include "section/slab.h"
 
@@ -133,22 +134,18 @@ struct Pressed {
 Pressed press(const Slab& slab, Isa isa, const std::vector<Triangle3>& triangles) {
   Pressed pressed;
   pressed.contact.resize(triangles.size());
-  SlabBatch batch(field_kernels(isa));
-  begin_batch(slab, batch);
-  std::size_t first = 0;
-  const auto finish = [&](std::size_t last) {
-    for (Contact* contact : finish_batch(batch)) {
-      const Triangle3& t = triangles[static_cast<std::size_t>(contact - pressed.contact.data())];
-      ++pressed.left;
-      if (!collide_slab(slab, Law::field, 1e-4, t[0], t[1], t[2], *contact)) contact->area = 0;
-    }
-    first = last;
-  };
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    add_to_batch({triangles[i][0], triangles[i][1], triangles[i][2]}, pressed.contact[i], batch);
-    if (is_full(batch)) finish(i + 1);
+  std::vector<std::uint32_t> list(triangles.size());
+  for (std::uint32_t slot = 0; slot < list.size(); ++slot) list[slot] = pressed.contact[slot].triangle = slot;
+  const Triangles world = test::loose_triangles(triangles);
+  const Primitives hand;
+  PairList alone;
+  collide_slab_pairs({world, hand, field_kernels(isa), pressed.contact}, slab, list, alone);
+  pressed.left = alone.size();
+  for (const std::uint32_t slot : alone) {
+    const Triangle3& t = triangles[slot];
+    Contact& contact = pressed.contact[slot];
+    if (!collide_slab(slab, Law::field, 1e-4, t[0], t[1], t[2], contact)) contact.area = 0;
   }
-  if (first < triangles.size()) finish(triangles.size());
   return pressed;
 }
 

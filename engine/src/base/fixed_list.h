@@ -29,6 +29,7 @@ class FixedList {
   }
   void clear() { size_ = 0; }
   [[nodiscard]] bool empty() const { return size_ == 0; }
+  [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] T* begin() { return std::launder(reinterpret_cast<T*>(place_)); }
   [[nodiscard]] T* end() { return begin() + size_; }
   [[nodiscard]] const T* begin() const { return std::launder(reinterpret_cast<const T*>(place_)); }

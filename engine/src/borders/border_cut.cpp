@@ -1,4 +1,4 @@
-// One pair at a time; many are for the lanes (border_batch.h).
+// One pair at a time; many are for the lanes (border_pairs.h).
 #include "borders/border_cut.h"
 
 #include <cmath>

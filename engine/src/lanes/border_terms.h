@@ -40,6 +40,14 @@ struct BorderTerms {
   alignas(64) double height[kCapacity];                              ///< [m]
   alignas(64) double area[kCapacity], volume[kCapacity];             ///< [m^2], [m^3]
   alignas(64) double area_first[3][kCapacity], first[3][kCapacity];  ///< [m^3], [m^4] W
+
+  template <class Use>
+  void for_each_row(const Use& use) {
+    for (double* row : {length, radius1, radius2, sine, cosine, side}) use(row);
+    for (auto* vector : {axis, a, b, c, joint, x, y, z, ring, from, to}) {
+      for (int k = 0; k < 3; ++k) use(vector[k]);
+    }
+  }
 };
 
 }  // namespace lumbrical

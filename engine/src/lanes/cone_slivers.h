@@ -358,9 +358,8 @@ SliverSum<V> both_slivers(const RoundPart<V>& part, const RoundPlane<V>& plane, 
 }
 
 template <class V>
-void cone_slivers(SliverTerms& terms) {
-  RoundTerms& pairs = terms.pairs;
-  const int pieces = terms.patient ? kManyPieces : kFewPieces;
+void cone_slivers(RoundTerms& pairs) {
+  const int pieces = pairs.patient ? kManyPieces : kFewPieces;
   for (std::size_t i = 0; i < pairs.count; i += wide::Lanes<V>::kCount) {
     const RoundPart<V> part = part_of<V>(pairs, i);
     const Wide3<V> corner[3] = {vector_at<V>(pairs.a, i), vector_at<V>(pairs.b, i), vector_at<V>(pairs.c, i)};

@@ -17,7 +17,7 @@ namespace lumbrical {
 struct FieldKernels {
   void (*round_contacts)(RoundTerms&);
   void (*strip_nodes)(const StripSection&, StripNodes&);
-  void (*cone_slivers)(SliverTerms&);
+  void (*cone_slivers)(RoundTerms&);
   void (*field_across)(CrossingTerms&);
   void (*border_bulges)(BorderTerms&);
   void (*certain_misses)(MissTerms&);

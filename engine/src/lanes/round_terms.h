@@ -1,5 +1,9 @@
 // Pairs of round primitives of one kind with triangles under the field law: what the narrowphase hands to the
-// SIMD kernel and what it gets back. Structure of arrays; a pair is a lane.
+// SIMD kernels and what it gets back. Structure of arrays; a pair is a lane.
+//
+// `round_contacts` sets all results. `cone_slivers`, for those it leaves without, sets the status, kContact
+// or kUnsure; the volume, what the slivers add to it; and the centre, what they add to the volume's first
+// moment [m^4].
 #pragma once
 
 #include <cstddef>
@@ -22,6 +26,7 @@ struct RoundTerms {
   bool sphere = false, cone = false;  ///< the primitives' kind; neither: capsules
   bool flat = false;                  ///< their axes lie nearly along the planes
   bool depths = false;                ///< dl_max is asked for
+  bool patient = false;               ///< slivers take as many steps as they need
   static constexpr int kMostCuts = 3;
   int cut_count = 0;  ///< half-spaces that bound them besides, at most
 
@@ -44,14 +49,18 @@ struct RoundTerms {
   alignas(64) double error[kCapacity];                              ///< [m^3] how far the volume may be off
   alignas(64) double normal[3][kCapacity];                          ///< W, unit
   alignas(64) double centroid[3][kCapacity], centre[3][kCapacity];  ///< [m] of the area, of phi
-};
 
-/// Pairs of cones whose contacts lack their slivers. Of the results only these are set: the status, kContact
-/// or kUnsure; the volume, what the slivers add to it; and the centre, what they add to the volume's first
-/// moment [m^4].
-struct SliverTerms {
-  RoundTerms pairs;
-  bool patient = false;  ///< take as many steps as it needs
+  template <class Use>
+  void for_each_row(const Use& use) {
+    for (double* row : {length, radius1, radius2, sine, cosine}) use(row);
+    for (auto* vector : {axis, a, b, c}) {
+      for (int k = 0; k < 3; ++k) use(vector[k]);
+    }
+    for (int i = 0; i < cut_count; ++i) {
+      for (double* row : cut_normal[i]) use(row);
+      use(cut_offset[i]);
+    }
+  }
 };
 
 }  // namespace lumbrical

@@ -130,8 +130,7 @@ void slab_rims(RimTerms& terms) {
     const RimPlane<V> plane = look_at_triangle(vector_at<V>(terms.a, i), vector_at<V>(terms.ab, i),
                                                vector_at<V>(terms.ac, i), polygon);
     V bent = zero;
-    const std::size_t cuts = terms.cut_count[i + wide::Lanes<V>::kCount - 1];
-    for (std::size_t k = 0; k < cuts; ++k) {
+    for (std::size_t k = 0; k < terms.cut_count; ++k) {
       const V offset = get(terms.cut_offset[k] + i, V{});
       remove_above(height_over(vector_at<V>(terms.cut_normal[k], i), offset, plane), polygon, bent);
     }

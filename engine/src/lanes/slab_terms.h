@@ -33,8 +33,8 @@ struct SlabResults {
 };
 
 /// All pairs.
-struct SlabTerms : SlabResults<256> {
-  static constexpr std::size_t kCapacity = 256;
+struct SlabTerms : SlabResults<64> {
+  static constexpr std::size_t kCapacity = 64;
   std::size_t count = 0;
   SlabFaces faces;
   /// [m] W: the first corner relative to the origin, the others relative to the first, or small triangles
@@ -42,19 +42,36 @@ struct SlabTerms : SlabResults<256> {
   alignas(64) double a[3][kCapacity], ab[3][kCapacity], ac[3][kCapacity];
   /// Result: bit k is set where face k has a corner on its outer side.
   alignas(64) double cut[kCapacity];
+
+  template <class Use>
+  void for_each_row(const Use& use) {
+    for (auto* vector : {a, ab, ac}) {
+      for (int k = 0; k < 3; ++k) use(vector[k]);
+    }
+  }
 };
 
-/// Those of them that are open, each with the faces that cut it.
-struct RimTerms : SlabResults<128> {
-  static constexpr std::size_t kCapacity = 128;
+/// Those of them that are open and cut by so many faces.
+struct RimTerms : SlabResults<64> {
+  static constexpr std::size_t kCapacity = 64;
   /// More cuts have few triangles but those of a coarse mesh.
   static constexpr std::size_t kMostCuts = 6;
   std::size_t count = 0;
   const SlabFaces* faces = nullptr;
   alignas(64) double a[3][kCapacity], ab[3][kCapacity], ac[3][kCapacity];  ///< as above
-  /// Ascending. The faces that cut a pair, then as many zeros as others of the register have cuts more.
-  std::uint32_t cut_count[kCapacity];
+  std::size_t cut_count = 0;
   alignas(64) double cut_normal[kMostCuts][3][kCapacity], cut_offset[kMostCuts][kCapacity];
+
+  template <class Use>
+  void for_each_row(const Use& use) {
+    for (auto* vector : {a, ab, ac}) {
+      for (int k = 0; k < 3; ++k) use(vector[k]);
+    }
+    for (std::size_t i = 0; i < cut_count; ++i) {
+      for (double* row : cut_normal[i]) use(row);
+      use(cut_offset[i]);
+    }
+  }
 };
 
 }  // namespace lumbrical

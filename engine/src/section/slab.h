@@ -1,5 +1,5 @@
 // Contact of one of the palm's slabs with a triangle: polygons only, everything exact. The lanes do the same
-// for many (slab_batch.h).
+// for many (slab_pairs.h).
 #pragma once
 
 #include "lumbrical/contact.h"

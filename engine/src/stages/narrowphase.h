@@ -1,25 +1,14 @@
 // Narrowphase: from a pair (primitive, triangle) to a contact, or to nothing.
 #pragma once
 
-#include "lanes/field_kernels.h"
+#include "borders/general_contact.h"
 #include "lumbrical/tick.h"
-#include "model/primitive.h"
-#include "section/section.h"
 
 namespace lumbrical {
 
-/// What a pair's contact is computed for.
-struct ContactQuery {
-  Law law = Law::field;
-  double point_area = 1e-4;  ///< [m^2] Settings::point_area
-  const Primitives* hand =
-      nullptr;  ///< whose phalanges the paper's depth runs through; none: the primitive alone
-  const FieldKernels& kernels = field_kernels(Isa::scalar);
-  bool depth = true;  ///< tell Contact::depth even where the law does without
-};
-
-/// Contact of a round or flat primitive with the triangle a, b, c [m, W]. Sets everything but the indices.
-/// `boundary` is working memory. False where they have no area in common.
+/// Contact of a round or flat primitive with the triangle a, b, c [m, W], by the lanes where they know the
+/// way. Sets everything but the indices. `boundary` is working memory. False where they have no area in
+/// common.
 bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3 b, Vec3 c,
              Boundary& boundary, Contact& contact);
 

@@ -1,0 +1,112 @@
+#include "borders/general_contact.h"
+
+#include "borders/joint_border.h"
+#include "borders/shared_contact.h"
+#include "section/depth.h"
+#include "section/field_depth.h"
+#include "section/finger_depth.h"
+#include "section/pressure.h"
+#include "section/slab.h"
+
+namespace lumbrical {
+namespace {
+
+Vec3 centre_of(const Section& section, const PressureMoments& moments, Vec3 otherwise) {
+  if (!(moments.volume > 0)) return otherwise;
+  return to_world(section, (1 / moments.volume) * moments.first);
+}
+
+PressureMoments exact_moments(const Section& section, Law law, const ContactQuery& query,
+                              const AreaMoments& area, Boundary& boundary) {
+  trace_boundary(section, boundary);
+  return law == Law::field ? field_moments(query.kernels, section, area, boundary)
+                           : column_moments(section, boundary);
+}
+
+// One pair by the laws in general. False where there is no common area.
+bool collide_section(const Primitive& primitive, const ContactQuery& query, const Section& section,
+                     Boundary& boundary, Contact& contact) {
+  const Overlap overlap = classify(section);
+  if (overlap == Overlap::apart) return false;
+  if (overlap == Overlap::partial) trace_boundary(section, boundary);
+  const AreaMoments area =
+      overlap == Overlap::inside ? polygon_area(section.polygon) : section_area(section, boundary);
+  if (!(area.area > 0)) return false;
+
+  const bool whole_finger = query.hand != nullptr && primitive.phalanx[0] >= 0;
+  const bool palm = primitive.segment == kPalmSegment;  // whose depth is phi, by every law
+  const bool by_area = query.law == Law::field || query.law == Law::column || query.law == Law::centroid;
+  Deepest deepest{};
+  if (query.depth || !by_area) {
+    deepest = palm           ? largest_field(section)
+              : whole_finger ? finger_depth(*query.hand, primitive, section)
+                             : largest_depth(section);
+  }
+  contact.depth = deepest.depth;
+  contact.area = area.area;
+  contact.centroid = to_world(section, area.centroid);
+  contact.centre = contact.centroid;
+  contact.normal = section.n;
+  contact.error = 0;
+  switch (query.law) {
+    case Law::field:
+    case Law::column: {
+      const PressureMoments moments =
+          exact_moments(section, palm ? Law::field : query.law, query, area, boundary);
+      contact.error = moments.error + section.rounded * area.area;
+      contact.volume = max(0, moments.volume);
+      contact.centre = centre_of(section, moments, contact.centroid);
+      break;
+    }
+    case Law::max_depth:
+      contact.volume = area.area * deepest.depth;
+      break;
+    case Law::centroid: {
+      const double depth = palm           ? field_at(section, area.centroid)
+                           : whole_finger ? finger_depth_at(*query.hand, primitive, section, area.centroid)
+                                          : depth_at(section, area.centroid);
+      contact.volume = area.area * max(0, depth);
+      break;
+    }
+    case Law::point:
+      contact.volume = query.point_area * deepest.depth;
+      contact.centre = to_world(section, deepest.point);
+      break;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool general_contact(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3 b, Vec3 c,
+                     Boundary& boundary, Contact& contact) {
+  Section section;
+  return look_from_plane(primitive, a, b, c, section) &&
+         collide_section(primitive, query, section, boundary, contact);
+}
+
+void hand_contact(const Primitives& hand, const FieldKernels& kernels, double point_area, Vec3 a, Vec3 b,
+                  Vec3 c, Boundary& boundary, Contact& contact) {
+  const Primitive& primitive = hand.primitive[contact.primitive];
+  contact.error = 0;
+  bool touches = false;
+  if (primitive.shape == Shape::slab) {
+    touches = collide_slab(slab_of(hand.palm, primitive), primitive.law, point_area, a, b, c, contact);
+  } else if (const TileBorders borders = borders_on(hand, primitive, a, b, c); borders.any()) {
+    touches = collide_shared(hand, primitive, borders, kernels, a, b, c, boundary, contact);
+    contact.depth = 0;
+  } else {
+    const ContactQuery query{primitive.law, point_area, &hand, kernels, primitive.law != Law::field};
+    touches = general_contact(primitive, query, a, b, c, boundary, contact);
+  }
+  if (!touches) contact.area = 0;
+}
+
+double hand_depth(const Primitives& hand, const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c) {
+  Section section;
+  if (!look_from_plane(primitive, a, b, c, section)) return 0;
+  const bool whole_finger = primitive.phalanx[0] >= 0;
+  return (whole_finger ? finger_depth(hand, primitive, section) : largest_depth(section)).depth;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,36 @@
+// The general path, one pair at a time: every law, shape and border between tiles, and what the lanes are
+// unsure of.
+#pragma once
+
+#include "lanes/field_kernels.h"
+#include "lumbrical/contact.h"
+#include "model/primitive.h"
+#include "section/section.h"
+
+namespace lumbrical {
+
+/// What a pair's contact is computed for.
+struct ContactQuery {
+  Law law = Law::field;
+  double point_area = 1e-4;  ///< [m^2] Settings::point_area
+  const Primitives* hand =
+      nullptr;  ///< whose phalanges the paper's depth runs through; none: the primitive alone
+  const FieldKernels& kernels = field_kernels(Isa::scalar);
+  bool depth = true;  ///< tell Contact::depth even where the law does without
+};
+
+/// Contact of a round or flat primitive, cut by its planes, with the triangle a, b, c [m, W]. Sets everything
+/// but the indices. `boundary` is working memory. False where they have no area in common.
+bool general_contact(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3 b, Vec3 c,
+                     Boundary& boundary, Contact& contact);
+
+/// Contact of the primitive of a hand that contact.primitive names with the triangle a, b, c [m, W], whatever
+/// it is and shares out with others; without depth where the law does without. An area of zero marks that
+/// there is none.
+void hand_contact(const Primitives& hand, const FieldKernels& kernels, double point_area, Vec3 a, Vec3 b,
+                  Vec3 c, Boundary& boundary, Contact& contact);
+
+/// Contact::depth of such a contact of a round primitive under the field law.
+double hand_depth(const Primitives& hand, const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c);
+
+}  // namespace lumbrical

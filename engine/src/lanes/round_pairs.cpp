@@ -1,0 +1,100 @@
+#include "lanes/round_pairs.h"
+
+#include <cmath>
+#include <utility>
+
+namespace lumbrical {
+namespace {
+
+// The least the cosine of the axis' angle to the normal may exceed the sine of the cone's half angle by, as a
+// share of that angle's cosine, for the side's rim to be taken for an ellipse in all places (kMostStretch).
+constexpr double kSteep = 1.0 / 30;
+
+}  // namespace
+
+bool suits_lanes(const Primitive& primitive) {
+  return primitive.law == Law::field && primitive.shape == Shape::round && is_finite(primitive.radius1) &&
+         is_finite(primitive.radius2);
+}
+
+RoundHull round_hull(const Primitive& primitive) {
+  Vec3 end1 = primitive.end1, end2 = primitive.end2;
+  double radius1 = primitive.radius1, radius2 = primitive.radius2;
+  if (radius2 > radius1) {
+    std::swap(end1, end2);
+    std::swap(radius1, radius2);
+  }
+  double length = norm(end2 - end1);
+  if (!(length > radius1 - radius2 && length > 1e-12 * radius1)) {
+    length = 0;
+    radius2 = radius1;
+  }
+  const Vec3 axis = length > 0 ? (end2 - end1) / length : Vec3{0, 0, 1};
+  const double sine = length > 0 ? (radius1 - radius2) / length : 0;
+  return {end1, axis, length, radius1, radius2, sine, std::sqrt((1 - sine) * (1 + sine))};
+}
+
+RoundKind kind_of(const RoundHull& hull, const Corners& at) {
+  RoundKind kind{hull.is_sphere(), hull.is_cone(), RoundZone::first_end};
+  if (kind.sphere) return kind;
+  const Vec3 normal = cross(at.b - at.a, at.c - at.a);
+  const double along = dot(hull.axis, normal), square = along * along, size = dot(normal, normal);
+  const double least = kind.cone ? kFlatCosineCone : kFlatCosine;
+  kind.zone = RoundZone::flat;
+  if (square < least * least * size) return kind;
+  // The borders of the zones, lines in the triangle's plane, lie in these two planes across the axis.
+  const double qa = dot(hull.axis, at.a - hull.origin), qb = dot(hull.axis, at.b - hull.origin),
+               qc = dot(hull.axis, at.c - hull.origin);
+  const double low = min(qa, min(qb, qc)), high = max(qa, max(qb, qc));
+  const double first = hull.sine * hull.radius1, second = hull.length + hull.sine * hull.radius2;
+  const double steep = hull.sine + kSteep * hull.cosine;
+  const bool slanted = square < steep * steep * size;
+  if (high < first) {
+    kind.zone = RoundZone::first_end;
+  } else if (low > second) {
+    kind.zone = RoundZone::second_end;
+  } else if (low > first && high < second) {
+    kind.zone = slanted ? RoundZone::slanted_side : RoundZone::side;
+  } else {
+    kind.zone = slanted ? RoundZone::several_slanted : RoundZone::several;
+  }
+  return kind;
+}
+
+void set_kind(RoundKind kind, RoundTerms& terms) {
+  terms.sphere = kind.sphere;
+  terms.cone = kind.cone;
+  terms.flat = kind.zone == RoundZone::flat;
+}
+
+void put_pair(const RoundHull& hull, const Corners& at, std::span<const HalfSpace> cuts, std::size_t k,
+              RoundTerms& terms) {
+  put_hull(hull, at, k, terms);
+  const int cut_count = static_cast<int>(cuts.size());
+  terms.cut_count = k == 0 ? cut_count : std::max(terms.cut_count, cut_count);
+  for (std::size_t i = 0; i < RoundTerms::kMostCuts; ++i) {
+    const HalfSpace space = i < cuts.size() ? cuts[i] : HalfSpace{};
+    put_vector(space.normal, k, terms.cut_normal[i]);
+    terms.cut_offset[i][k] = dot(space.normal, space.point - hull.origin) + space.offset;
+  }
+}
+
+void read_contact(const RoundTerms& terms, std::size_t k, Vec3 origin, Contact& contact) {
+  contact.area = terms.area[k];
+  contact.volume = terms.volume[k];
+  contact.depth = terms.depth[k];
+  contact.error = terms.error[k];
+  contact.normal = vector_at(terms.normal, k);
+  contact.centroid = origin + vector_at(terms.centroid, k);
+  contact.centre = origin + vector_at(terms.centre, k);
+}
+
+void add_sliver(const RoundTerms& terms, std::size_t k, Vec3 origin, Contact& contact) {
+  const double volume = contact.volume + terms.volume[k];
+  if (!(volume > 0)) return;
+  const Vec3 moment = contact.volume * (contact.centre - origin) + vector_at(terms.centre, k);
+  contact.centre = origin + (1 / volume) * moment;
+  contact.volume = volume;
+}
+
+}  // namespace lumbrical

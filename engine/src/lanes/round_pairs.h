@@ -1,0 +1,95 @@
+// Pairs of round primitives with triangles on their way into the SIMD kernels (round_contacts.h,
+// cone_slivers.h) and out of them.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include "lanes/lane_vectors.h"
+#include "lanes/round_terms.h"
+#include "lumbrical/contact.h"
+#include "model/corners.h"
+#include "model/primitive.h"
+
+namespace lumbrical {
+
+/// A round primitive from its larger end. Where the smaller sphere lies inside the larger nothing else is
+/// left: length 0.
+struct RoundHull {
+  Vec3 origin;                      ///< [m] W, centre of the larger end
+  Vec3 axis;                        ///< unit, to the smaller end
+  double length, radius1, radius2;  ///< [m]
+  double sine, cosine;              ///< of the cone's half angle
+  [[nodiscard]] bool is_sphere() const { return length == 0; }
+  [[nodiscard]] bool is_cone() const { return sine != 0; }
+};
+RoundHull round_hull(const Primitive& primitive);
+
+/// Is the primitive one the kernels know?
+bool suits_lanes(const Primitive& primitive);
+
+/// Which formulas of the field a triangle may meet, and how the plane cuts the side: a register takes the
+/// time of all that any of its pairs meets, so pairs that meet the same share registers.
+enum class RoundZone : std::uint8_t {
+  first_end,
+  side,
+  slanted_side,
+  second_end,
+  several,
+  several_slanted,
+  flat
+};
+inline constexpr std::size_t kRoundZones = 7;
+
+/// What the pairs of a register have in common: spheres, capsules or cones, and their zone.
+struct RoundKind {
+  static constexpr std::size_t kCount = 3 * kRoundZones;
+  bool sphere = false, cone = false;
+  RoundZone zone = RoundZone::first_end;
+  [[nodiscard]] constexpr std::uint8_t number() const {
+    return static_cast<std::uint8_t>((sphere ? 0
+                                      : cone ? 2
+                                             : 1) *
+                                         kRoundZones +
+                                     static_cast<std::size_t>(zone));
+  }
+};
+constexpr RoundKind round_kind(std::size_t number) {
+  const std::size_t shape = number / kRoundZones;
+  return {shape == 0, shape == 2, static_cast<RoundZone>(number % kRoundZones)};
+}
+
+/// The kind of the pair with a triangle. What it says only matters to time, but for `flat`: where cuts leave
+/// less of the triangle, fewer formulas may be met.
+RoundKind kind_of(const RoundHull& hull, const Corners& at);
+
+/// Writes the hull and the triangle, seen from its origin, to lane k of a kernel's terms.
+template <class Terms>
+void put_hull(const RoundHull& hull, const Corners& at, std::size_t k, Terms& terms) {
+  put_vector(hull.axis, k, terms.axis);
+  terms.length[k] = hull.length;
+  terms.radius1[k] = hull.radius1;
+  terms.radius2[k] = hull.radius2;
+  terms.sine[k] = hull.sine;
+  terms.cosine[k] = hull.cosine;
+  put_vector(at.a - hull.origin, k, terms.a);
+  put_vector(at.b - hull.origin, k, terms.b);
+  put_vector(at.c - hull.origin, k, terms.c);
+}
+
+/// What all of the terms' pairs have in common. No pair has any cuts yet.
+void set_kind(RoundKind kind, RoundTerms& terms);
+
+/// Writes a pair to lane k. `cuts` are the primitive's, or others in their place, up to three; a normal of 0
+/// cuts nothing.
+void put_pair(const RoundHull& hull, const Corners& at, std::span<const HalfSpace> cuts, std::size_t k,
+              RoundTerms& terms);
+
+/// Sets all of the contact but its indices to what was found in lane k.
+void read_contact(const RoundTerms& terms, std::size_t k, Vec3 origin, Contact& contact);
+
+/// Adds the sliver found in lane k.
+void add_sliver(const RoundTerms& terms, std::size_t k, Vec3 origin, Contact& contact);
+
+}  // namespace lumbrical
