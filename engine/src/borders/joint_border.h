@@ -26,7 +26,6 @@ double segment_distance(const Primitive& a, const Primitive& b);
 /// Could this border be anything but a plane on the triangle? Cheap.
 bool is_in_reach(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c);
 inline bool comes_near(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c) {
-  if (!border.shared) return false;
   const double ha = dot(border.normal, a - border.centre), hb = dot(border.normal, b - border.centre),
                hc = dot(border.normal, c - border.centre);
   if (min(ha, min(hb, hc)) > border.slab || max(ha, max(hb, hc)) < -border.slab) return false;
@@ -43,13 +42,25 @@ struct TileBorders {
 /// Does the phalanx folded upon the tile reach the triangle? Cheap.
 bool meets_folded(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c);
 
+/// The border of `tile` with the next phalanx towards the wrist, or away from it, where the two share out
+/// space other than along a plane; else null.
+inline const JointBorder* tile_border(const Primitives& hand, const Primitive& tile, bool outer) {
+  const std::size_t i = tile.segment, place = i % 3;
+  if (i >= kPhalanxCount || (outer ? place == 2 : place == 0)) return nullptr;
+  const JointBorder& border = hand.border[outer ? i : i - 1];
+  return border.shared ? &border : nullptr;
+}
+/// Is there a phalanx of its finger that may be folded upon it?
+inline bool is_folded(const Primitives& hand, const Primitive& tile) {
+  return tile.segment < kPhalanxCount && tile.segment % 3 != 1 && hand.folded[tile.segment / 3];
+}
+
 /// Which of them may do so. Cheap: most triangles end here.
 inline TileBorders borders_in_reach(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c) {
-  const std::size_t i = tile.segment, place = i % 3;
-  if (i >= kPhalanxCount) return {};
-  return {place > 0 && comes_near(hand.border[i - 1], a, b, c),
-          place < 2 && comes_near(hand.border[i], a, b, c),
-          place != 1 && hand.folded[i / 3] && meets_folded(hand, tile, a, b, c)};
+  const JointBorder* const inner = tile_border(hand, tile, false);
+  const JointBorder* const outer = tile_border(hand, tile, true);
+  return {inner != nullptr && comes_near(*inner, a, b, c), outer != nullptr && comes_near(*outer, a, b, c),
+          is_folded(hand, tile) && meets_folded(hand, tile, a, b, c)};
 }
 
 /// The borders of `tile` on the triangle a, b, c [m, W]. Where there are none, the contact with the

@@ -3,6 +3,7 @@
 
 #include "lanes/border_terms.h"
 #include "lanes/crossing_terms.h"
+#include "lanes/kind_terms.h"
 #include "lanes/miss_terms.h"
 #include "lanes/round_terms.h"
 #include "lanes/slab_terms.h"
@@ -15,6 +16,7 @@ namespace lumbrical {
 /// Each computes the results of all terms; arrays are padded to a multiple of 16 with harmless copies. Every
 /// table gives the same bits.
 struct FieldKernels {
+  void (*pair_kinds)(KindTerms&);
   void (*round_contacts)(RoundTerms&);
   void (*strip_nodes)(const StripSection&, StripNodes&);
   void (*cone_slivers)(RoundTerms&);

@@ -10,6 +10,8 @@ namespace {
 // share of that angle's cosine, for the side's rim to be taken for an ellipse in all places (kMostStretch).
 constexpr double kSteep = 1.0 / 30;
 
+constexpr double kFar = 1e300;  // [m] a sphere is its first end
+
 }  // namespace
 
 bool suits_lanes(const Primitive& primitive) {
@@ -34,31 +36,22 @@ RoundHull round_hull(const Primitive& primitive) {
   return {end1, axis, length, radius1, radius2, sine, std::sqrt((1 - sine) * (1 + sine))};
 }
 
-RoundKind kind_of(const RoundHull& hull, const Corners& at) {
-  RoundKind kind{hull.is_sphere(), hull.is_cone(), RoundZone::first_end};
-  if (kind.sphere) return kind;
-  const Vec3 normal = cross(at.b - at.a, at.c - at.a);
-  const double along = dot(hull.axis, normal), square = along * along, size = dot(normal, normal);
-  const double least = kind.cone ? kFlatCosineCone : kFlatCosine;
-  kind.zone = RoundZone::flat;
-  if (square < least * least * size) return kind;
-  // The borders of the zones, lines in the triangle's plane, lie in these two planes across the axis.
-  const double qa = dot(hull.axis, at.a - hull.origin), qb = dot(hull.axis, at.b - hull.origin),
-               qc = dot(hull.axis, at.c - hull.origin);
-  const double low = min(qa, min(qb, qc)), high = max(qa, max(qb, qc));
-  const double first = hull.sine * hull.radius1, second = hull.length + hull.sine * hull.radius2;
-  const double steep = hull.sine + kSteep * hull.cosine;
-  const bool slanted = square < steep * steep * size;
-  if (high < first) {
-    kind.zone = RoundZone::first_end;
-  } else if (low > second) {
-    kind.zone = RoundZone::second_end;
-  } else if (low > first && high < second) {
-    kind.zone = slanted ? RoundZone::slanted_side : RoundZone::side;
-  } else {
-    kind.zone = slanted ? RoundZone::several_slanted : RoundZone::several;
-  }
-  return kind;
+void set_hull(const RoundHull& hull, KindTerms& terms) {
+  put_vector(hull.axis, terms.axis);
+  terms.first = hull.is_sphere() ? kFar : hull.sine * hull.radius1;
+  terms.second = hull.is_sphere() ? kFar : hull.length + hull.sine * hull.radius2;
+  terms.flat = hull.is_sphere() ? 0 : hull.is_cone() ? kFlatCosineCone : kFlatCosine;
+  terms.slanted = hull.sine + kSteep * hull.cosine;
+}
+
+RoundKind kind_of(const FieldKernels& kernels, const RoundHull& hull, const Corners& at) {
+  KindTerms terms;
+  set_hull(hull, terms);
+  put_corners(at, hull.origin, 0, terms);
+  terms.count = 1;
+  terms.for_each_row([](double* row) { fill_up(row, 1); });
+  kernels.pair_kinds(terms);
+  return {hull.is_sphere(), hull.is_cone(), static_cast<RoundZone>(terms.zone[0])};
 }
 
 void set_kind(RoundKind kind, RoundTerms& terms) {

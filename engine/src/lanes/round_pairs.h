@@ -6,8 +6,9 @@
 #include <array>
 #include <span>
 
+#include "lanes/field_kernels.h"
+#include "lanes/kind_terms.h"
 #include "lanes/lane_vectors.h"
-#include "lanes/round_terms.h"
 #include "lumbrical/contact.h"
 #include "model/corners.h"
 #include "model/primitive.h"
@@ -29,19 +30,6 @@ RoundHull round_hull(const Primitive& primitive);
 /// Is the primitive one the kernels know?
 bool suits_lanes(const Primitive& primitive);
 
-/// Which formulas of the field a triangle may meet, and how the plane cuts the side: a register takes the
-/// time of all that any of its pairs meets, so pairs that meet the same share registers.
-enum class RoundZone : std::uint8_t {
-  first_end,
-  side,
-  slanted_side,
-  second_end,
-  several,
-  several_slanted,
-  flat
-};
-inline constexpr std::size_t kRoundZones = 7;
-
 /// What the pairs of a register have in common: spheres, capsules or cones, and their zone.
 struct RoundKind {
   static constexpr std::size_t kCount = 3 * kRoundZones;
@@ -60,11 +48,21 @@ constexpr RoundKind round_kind(std::size_t number) {
   return {shape == 0, shape == 2, static_cast<RoundZone>(number % kRoundZones)};
 }
 
-/// The kind of the pair with a triangle. What it says only matters to time, but for `flat`: where cuts leave
-/// less of the triangle, fewer formulas may be met.
-RoundKind kind_of(const RoundHull& hull, const Corners& at);
+/// The primitive whose pairs are to be sorted; its borders are left as they are.
+void set_hull(const RoundHull& hull, KindTerms& terms);
 
-/// Writes the hull and the triangle, seen from its origin, to lane k of a kernel's terms.
+/// The kind of a pair by itself.
+RoundKind kind_of(const FieldKernels& kernels, const RoundHull& hull, const Corners& at);
+
+/// Writes the triangle, seen from `origin` [m, W], to lane k of a kernel's terms.
+template <class Terms>
+void put_corners(const Corners& at, Vec3 origin, std::size_t k, Terms& terms) {
+  put_vector(at.a - origin, k, terms.a);
+  put_vector(at.b - origin, k, terms.b);
+  put_vector(at.c - origin, k, terms.c);
+}
+
+/// The same from the hull's origin, and the hull.
 template <class Terms>
 void put_hull(const RoundHull& hull, const Corners& at, std::size_t k, Terms& terms) {
   put_vector(hull.axis, k, terms.axis);
@@ -73,9 +71,7 @@ void put_hull(const RoundHull& hull, const Corners& at, std::size_t k, Terms& te
   terms.radius2[k] = hull.radius2;
   terms.sine[k] = hull.sine;
   terms.cosine[k] = hull.cosine;
-  put_vector(at.a - hull.origin, k, terms.a);
-  put_vector(at.b - hull.origin, k, terms.b);
-  put_vector(at.c - hull.origin, k, terms.c);
+  put_corners(at, hull.origin, k, terms);
 }
 
 /// What all of the terms' pairs have in common. No pair has any cuts yet.

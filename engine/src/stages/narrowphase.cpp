@@ -22,8 +22,11 @@ namespace {
 // bench).
 constexpr std::size_t kChunk = 512, kSerialBelow = 1024;
 
-// Pairs with cuts of their own that go through the passes together.
-constexpr std::size_t kMostOwn = 512;
+// Pairs with cuts of their own that go through the passes together, and pairs that are sorted at once.
+constexpr std::size_t kMostOwn = 512, kMostOfRun = KindTerms::kCapacity;
+
+// Rounding must not lose a border.
+constexpr double kMargin = 1.000001;
 
 constexpr std::int16_t kTilesOwn = -1;  // no others
 
@@ -51,11 +54,6 @@ struct Work {
 
 // ---- 1. Every pair onto the list of its way ----
 
-void add_round(std::uint32_t slot, const Corners& at, Work& work) {
-  work.kind[slot] = kind_of(work.hull(slot), at).number();
-  work.round.push_back(slot);
-}
-
 void add_own(std::uint32_t slot, const std::array<HalfSpace, 2>& cut, const BulgeMoments& bulge, Work& work) {
   work.own_of[slot] = static_cast<std::int16_t>(work.own.size());
   work.own.push_back({slot, cut, bulge});
@@ -70,9 +68,12 @@ void sort_shared(std::uint32_t slot, const Corners& at, const TileBorders& near,
     work.alone.push_back(slot);
     return;
   }
-  const bool crossed = cuts.crossing[0].exists || cuts.crossing[1].exists;
   add_own(slot, cuts.cut, {}, work);
-  if (!crossed) return add_round(slot, at, work);
+  const bool crossed = cuts.crossing[0].exists || cuts.crossing[1].exists;
+  if (!crossed) {
+    work.round.push_back(slot);
+    return;
+  }
   work.crossed.push_back(slot);
   work.own.back().bulge.base = work.hull(slot).origin;
   const auto own = static_cast<std::uint32_t>(work.own.size() - 1);
@@ -82,29 +83,66 @@ void sort_shared(std::uint32_t slot, const Corners& at, const TileBorders& near,
   }
 }
 
+// Where a border is to be looked at more closely.
+void set_border(const JointBorder& border, Vec3 origin, KindTerms::Border& terms) {
+  put_vector(border.normal, terms.normal);
+  terms.height = dot(border.normal, border.centre - origin);
+  terms.slab = kMargin * border.slab;
+}
+
+// Pairs of one round primitive, no more at a time than the terms hold.
+void sort_round(std::span<const Contact> contacts, Work& work) {
+  const Primitives& hand = work.pairs.hand;
+  const Primitive& primitive = hand.primitive[contacts[0].primitive];
+  const RoundHull& hull = work.hulls[contacts[0].primitive];
+  RoundKind kind{hull.is_sphere(), hull.is_cone()};
+  KindTerms terms;
+  set_hull(hull, terms);
+  for (const bool outer : {false, true}) {
+    if (const JointBorder* const border = tile_border(hand, primitive, outer); border != nullptr)
+      set_border(*border, hull.origin, terms.border[outer]);
+  }
+  const bool folded = is_folded(hand, primitive);
+  const auto gather = [&](const Contact& contact, std::size_t k, KindTerms& to) {
+    put_corners(corners_of(work.pairs.world, contact.triangle), hull.origin, k, to);
+  };
+  const auto give = [&](const Contact& contact, std::size_t k, const KindTerms& from) {
+    const auto slot = static_cast<std::uint32_t>(&contact - work.pairs.contact.data());
+    kind.zone = static_cast<RoundZone>(from.zone[k]);
+    work.kind[slot] = kind.number();
+    if (from.near[0][k] != 0 || from.near[1][k] != 0 || folded) {
+      const Corners at = work.pairs.corners(slot);
+      const TileBorders near = borders_in_reach(hand, primitive, at.a, at.b, at.c);
+      if (near.any()) return sort_shared(slot, at, near, work);
+    }
+    work.round.push_back(slot);
+  };
+  through_lanes(contacts, terms, work.pairs.kernels.pair_kinds, gather, give);
+}
+
+// Pairs of one primitive.
+void sort_run(std::span<const Contact> contacts, Work& work) {
+  const Primitive& primitive = work.pairs.hand.primitive[contacts[0].primitive];
+  if (suits_lanes(primitive)) return sort_round(contacts, work);
+  const bool slab = primitive.shape == Shape::slab && primitive.law == Law::field;
+  const auto first = static_cast<std::uint32_t>(contacts.data() - work.pairs.contact.data());
+  for (std::uint32_t i = 0; i < contacts.size(); ++i) (slab ? work.slab : work.alone).push_back(first + i);
+}
+
 // Returns how many of the candidates there was room for.
 std::size_t sort_pairs(std::span<const std::uint64_t> candidates, Work& work) {
-  std::uint32_t slot = 0;
-  for (; slot < candidates.size() && work.own.size() < kMostOwn; ++slot) {
-    Contact& contact = work.pairs.contact[slot];
-    contact.primitive = static_cast<std::uint32_t>(candidates[slot] >> 32);
-    contact.triangle = static_cast<std::uint32_t>(candidates[slot]);
-    contact.area = 0;
-    work.own_of[slot] = kTilesOwn;
-    const Primitive& primitive = work.pairs.primitive(slot);
-    if (primitive.shape == Shape::slab && primitive.law == Law::field) {
-      work.slab.push_back(slot);
-    } else if (!suits_lanes(primitive)) {
-      work.alone.push_back(slot);
-    } else {
-      const Corners at = work.pairs.corners(slot);
-      const TileBorders near = borders_in_reach(work.pairs.hand, primitive, at.a, at.b, at.c);
-      if (near.any()) {
-        sort_shared(slot, at, near, work);
-      } else {
-        add_round(slot, at, work);
-      }
+  std::size_t slot = 0;
+  while (slot < candidates.size() && work.own.size() + kMostOfRun <= kMostOwn) {
+    const std::size_t first = slot, last = std::min(candidates.size(), first + kMostOfRun);
+    const auto primitive = static_cast<std::uint32_t>(candidates[slot] >> 32);
+    for (; slot < last && candidates[slot] >> 32 == primitive; ++slot) {
+      Contact& contact = work.pairs.contact[slot];
+      contact.primitive = primitive;
+      contact.triangle = static_cast<std::uint32_t>(candidates[slot]);
+      contact.area = 0;
+      work.own_of[slot] = kTilesOwn;
     }
+    sort_run(work.pairs.contact.subspan(first, slot - first), work);
   }
   return slot;
 }
@@ -131,7 +169,7 @@ void cut_crossed(Work& work) {
       own.cut = cut.cut;
       own.bulge = cut.bulge;
     }
-    add_round(slot, at, work);
+    work.round.push_back(slot);
   }
 }
 
@@ -199,7 +237,7 @@ void add_slivers(Work& work) {
   const auto gather = [&](std::uint32_t slot, std::size_t k, RoundTerms& to) {
     gather_round(work, slot, k, to);
   };
-  set_kind({false, true, RoundZone::several}, terms);
+  set_kind({false, true}, terms);
   for (terms.patient = false;; terms.patient = true) {
     PairList& left = terms.patient ? work.alone : uneven;
     const auto give = [&](std::uint32_t slot, std::size_t k, const RoundTerms& from) {
@@ -262,7 +300,7 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
   const Corners at{a, b, c};
   RoundTerms terms;
   terms.depths = true;
-  set_kind(kind_of(hull, at), terms);
+  set_kind(kind_of(query.kernels, hull, at), terms);
   const auto gather = [&](const Primitive& of, std::size_t k, RoundTerms& to) {
     put_pair(hull, at, std::span(of.cut).first(of.cut_count), k, to);
   };

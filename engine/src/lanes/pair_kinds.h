@@ -1,0 +1,58 @@
+// Which kind a pair of a round primitive with a triangle is, one source for every instruction set. A lane is
+// a pair; lanes never meet.
+#pragma once
+
+#include "lanes/kind_terms.h"
+#include "lanes/wide_geometry.h"
+
+namespace lumbrical::LUMBRICAL_ISA {
+
+template <class V>
+inline V zone_number(RoundZone zone) {
+  return number<V>(static_cast<double>(zone));
+}
+
+template <class V>
+struct Reach {
+  V low, high;
+};
+template <class V>
+inline Reach<V> reach_along(Wide3<V> direction, const Wide3<V> (&corner)[3]) {
+  const V a = dot(direction, corner[0]), b = dot(direction, corner[1]), c = dot(direction, corner[2]);
+  return {lesser(a, lesser(b, c)), greater(a, greater(b, c))};
+}
+
+// The borders of the zones, lines in the triangle's plane, lie in two planes across the axis.
+template <class V>
+V zone_of(const KindTerms& terms, const Wide3<V> (&corner)[3]) {
+  const Wide3<V> axis = in_all_lanes<V>(terms.axis);
+  const Wide3<V> normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
+  const V along = dot(axis, normal), square = along * along, size = dot(normal, normal);
+  const V flat(terms.flat), slanted(terms.slanted), first(terms.first), second(terms.second);
+  const Reach<V> reach = reach_along(axis, corner);
+  V zone = choose(square < slanted * slanted * size, zone_number<V>(RoundZone::slanted_side),
+                  zone_number<V>(RoundZone::side));
+  zone = choose(reach.high >= second, zone_number<V>(RoundZone::outer), zone);
+  zone = choose(reach.low <= first, zone_number<V>(RoundZone::inner), zone);
+  zone = choose(reach.high < first, zone_number<V>(RoundZone::first_end), zone);
+  zone = choose(reach.low > second, zone_number<V>(RoundZone::second_end), zone);
+  return choose(square < flat * flat * size, zone_number<V>(RoundZone::flat), zone);
+}
+
+template <class V>
+void pair_kinds(KindTerms& terms) {
+  const V zero = number<V>(0), one = number<V>(1);
+  for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
+    const Wide3<V> corner[3] = {vector_at<V>(terms.a, i), vector_at<V>(terms.b, i), vector_at<V>(terms.c, i)};
+    put(terms.zone + i, zone_of(terms, corner));
+    for (std::size_t k = 0; k < 2; ++k) {
+      const KindTerms::Border& border = terms.border[k];
+      const V height(border.height), slab(border.slab);
+      const Reach<V> reach = reach_along(in_all_lanes<V>(border.normal), corner);
+      const auto near = both(reach.low - height <= slab, reach.high - height >= zero - slab);
+      put(terms.near[k] + i, choose(near, one, zero));
+    }
+  }
+}
+
+}  // namespace lumbrical::LUMBRICAL_ISA
