@@ -298,7 +298,7 @@ TEST(ConeSlivers, NextToTheAxisAgreeWithTheReference) {
     Contact contact;
     const RoundHull hull = round_hull(cone);
     const Corners at{pair.corners[0], pair.corners[1], pair.corners[2]};
-    set_kind(kind_of(kernels, hull, at), *terms);
+    set_kind(kind_of(kernels, hull, at), 0, *terms);
     const auto through = [&](void (*kernel)(RoundTerms&)) {
       const auto gather = [&](const Corners& corners, std::size_t k, RoundTerms& to) {
         put_pair(hull, corners, {}, k, to);

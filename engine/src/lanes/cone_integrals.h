@@ -129,7 +129,7 @@ inline Span<V> add_circle_edge(const SideView<V>& side, const Edge<V>& edge, Wid
   const Chord<V> chord = chord_of(from, to, about_centre.t, side.rho2);
   Moments<V> moments = no_moments<V>();
   area_of(chord, side.rho2, moments);
-  add_where(here, moments, sum);
+  add_areas(here, moments, sum);
   // Counted from the end nearer to the origin: a far one would bring its own rounding along.
   const auto nearer = dot(edge.p, edge.p) < dot(edge.q, edge.q);
   const V start = choose(nearer, chord.x1, chord.x2), offset = dot(choose(nearer, edge.p, edge.q), along);
@@ -171,7 +171,7 @@ auto add_side(const RoundPart<V>& part, const SideView<V>& side, const Polygon<V
       Moments<V> moments = no_moments<V>();
       add_along(part, side, direction, p, offset + length * (part_in.lower - start),
                 offset + length * (part_in.upper - start), per_c, moments);
-      add_where(both(here, part_in.lower < part_in.upper), moments, along);
+      add_volumes(both(here, part_in.lower < part_in.upper), moments, along);
       inside.add(i, both(here, part_in.lower < part_in.upper), part_in.lower, part_in.upper);
     }
     const V per_scale = one_over(side.scale);

@@ -26,14 +26,23 @@ inline Moments<V> no_moments() {
   return {zero, zero, zero, zero, zero, zero};
 }
 template <class V, class M>
-inline void add_where(M which, const Moments<V>& more, Moments<V>& sum) {
+inline void add_areas(M which, const Moments<V>& more, Moments<V>& sum) {
   const V zero = number<V>(0);
   sum.area = sum.area + choose(which, more.area, zero);
   sum.area_x = sum.area_x + choose(which, more.area_x, zero);
   sum.area_y = sum.area_y + choose(which, more.area_y, zero);
+}
+template <class V, class M>
+inline void add_volumes(M which, const Moments<V>& more, Moments<V>& sum) {
+  const V zero = number<V>(0);
   sum.volume = sum.volume + choose(which, more.volume, zero);
   sum.volume_x = sum.volume_x + choose(which, more.volume_x, zero);
   sum.volume_y = sum.volume_y + choose(which, more.volume_y, zero);
+}
+template <class V, class M>
+inline void add_where(M which, const Moments<V>& more, Moments<V>& sum) {
+  add_areas(which, more, sum);
+  add_volumes(which, more, sum);
 }
 
 // An edge against a disc about the origin.

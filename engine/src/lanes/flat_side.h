@@ -60,7 +60,7 @@ inline void add_flat_nodes(const FlatSide<V>& side, const StripRim<V>& rim, cons
     if (some(both(here, on_rim))) p.y = choose(on_rim, piece.arc * eta_of(rim, p.x), p.y);
     add_flat_node(side, p, length * number<V>(node.weight) * piece.d.x, own);
   }
-  add_where(here, own, sum);
+  add_volumes(here, own, sum);
 }
 
 // How far beyond a piece, as a share of it, where a linear function that is f1 and f2 at its ends is zero.

@@ -83,27 +83,34 @@ Corners<V> corners_of(const RoundPart<V>& part, const RoundPlane<V>& plane, cons
 // had.
 template <class V, class M>
 Moments<V> section_moments(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
-                           const Polygon<V>& polygon, V most, bool flat, M wanted, Directions<V>& directions,
-                           InsideParts<V>& inside, V& lost) {
+                           const Polygon<V>& polygon, const Corners<V>& all, V most, bool flat, M wanted,
+                           Directions<V>& directions, InsideParts<V>& inside, V& lost) {
   const V zero = number<V>(0);
   Moments<V> sum = no_moments<V>();
   if (part.sphere) {
     add_disc(polygon, directions, zero, part.radius1, plane.h1, most, wanted, sum, inside);
     return sum;
   }
-  Polygon<V> first, rest, middle, second;
+  // Nothing is parted off where no lane has any of it.
+  Polygon<V> end, beside, between_ends;
+  const Polygon<V>* rest = &polygon;
   const std::size_t count = polygon.count;
-  part_at(side.border1, part.radius1, polygon, first, rest);
-  set_upright(rest, count, directions);
-  Directions<V> first_directions = directions;
-  set_upright(first, count, first_directions);
-  add_disc(first, first_directions, zero, part.radius1, plane.h1, most, wanted, sum, inside);
-  part_at(side.border2, part.radius1, rest, middle, second);
-  set_upright(second, count, directions);
-  add_disc(second, directions, plane.x2, part.radius2, plane.h2, most, wanted, sum, inside);
-  set_upright(middle, count, directions);
-  const auto had = flat ? add_flat_side(part, plane, side, middle, directions, wanted, sum, inside)
-                        : add_side(part, side, middle, directions, wanted, sum, inside);
+  if (some(both(wanted, all.low_x <= above_border(side.border1, part.radius1)))) {
+    part_at(side.border1, part.radius1, *rest, end, beside);
+    rest = &beside;
+    set_upright(end, count, directions);
+    add_disc(end, directions, zero, part.radius1, plane.h1, most, wanted, sum, inside);
+    set_upright(beside, count, directions);
+  }
+  if (some(both(wanted, all.high_x > above_border(side.border2, part.radius1)))) {
+    part_at(side.border2, part.radius1, *rest, between_ends, end);
+    rest = &between_ends;
+    set_upright(end, count, directions);
+    add_disc(end, directions, plane.x2, part.radius2, plane.h2, most, wanted, sum, inside);
+    set_upright(between_ends, count, directions);
+  }
+  const auto had = flat ? add_flat_side(part, plane, side, *rest, directions, wanted, sum, inside)
+                        : add_side(part, side, *rest, directions, wanted, sum, inside);
   lost = choose(had, zero, number<V>(1));
   return sum;
 }
@@ -209,11 +216,13 @@ void round_contacts(RoundTerms& terms) {
     const auto closed = both(open, keeps_digits(part, plane, side, most, all.size, terms.flat));
 
     Directions<V> directions = directions_of(polygon);
-    InsideParts<V> inside = inside_parts(polygon, directions, whole);
+    InsideParts<V> inside;  // only depths are asked of them
+    if (terms.depths) inside = inside_parts(polygon, directions, whole);
     Moments<V> sum = no_moments<V>();
     V lost = zero;
     if (some(closed))
-      sum = section_moments(part, plane, side, polygon, most, terms.flat, closed, directions, inside, lost);
+      sum = section_moments(part, plane, side, polygon, all, most, terms.flat, closed, directions, inside,
+                            lost);
     sum.area = choose(whole, all.area, sum.area);
     sum.area_x = choose(whole, all.area_x, sum.area_x);
     sum.area_y = choose(whole, all.area_y, sum.area_y);

@@ -19,6 +19,10 @@ bool suits_lanes(const Primitive& primitive) {
          is_finite(primitive.radius2);
 }
 
+CutPlane seen_from(Vec3 origin, const HalfSpace& space) {
+  return {space.normal, dot(space.normal, space.point - origin) + space.offset};
+}
+
 RoundHull round_hull(const Primitive& primitive) {
   Vec3 end1 = primitive.end1, end2 = primitive.end2;
   double radius1 = primitive.radius1, radius2 = primitive.radius2;
@@ -33,7 +37,11 @@ RoundHull round_hull(const Primitive& primitive) {
   }
   const Vec3 axis = length > 0 ? (end2 - end1) / length : Vec3{0, 0, 1};
   const double sine = length > 0 ? (radius1 - radius2) / length : 0;
-  return {end1, axis, length, radius1, radius2, sine, std::sqrt((1 - sine) * (1 + sine))};
+  RoundHull hull{
+      end1, axis, length, radius1, radius2, sine, std::sqrt((1 - sine) * (1 + sine)), primitive.cut_count,
+      {}};
+  for (std::size_t i = 0; i < primitive.cut_count; ++i) hull.cut[i] = seen_from(end1, primitive.cut[i]);
+  return hull;
 }
 
 void set_hull(const RoundHull& hull, KindTerms& terms) {
@@ -54,21 +62,20 @@ RoundKind kind_of(const FieldKernels& kernels, const RoundHull& hull, const Corn
   return {hull.is_sphere(), hull.is_cone(), static_cast<RoundZone>(terms.zone[0])};
 }
 
-void set_kind(RoundKind kind, RoundTerms& terms) {
+void set_kind(RoundKind kind, int cut_count, RoundTerms& terms) {
+  terms.cut_count = cut_count;
   terms.sphere = kind.sphere;
   terms.cone = kind.cone;
   terms.flat = kind.zone == RoundZone::flat;
 }
 
-void put_pair(const RoundHull& hull, const Corners& at, std::span<const HalfSpace> cuts, std::size_t k,
+void put_pair(const RoundHull& hull, const Corners& at, std::span<const CutPlane> cuts, std::size_t k,
               RoundTerms& terms) {
   put_hull(hull, at, k, terms);
-  const int cut_count = static_cast<int>(cuts.size());
-  terms.cut_count = k == 0 ? cut_count : std::max(terms.cut_count, cut_count);
-  for (std::size_t i = 0; i < RoundTerms::kMostCuts; ++i) {
-    const HalfSpace space = i < cuts.size() ? cuts[i] : HalfSpace{};
-    put_vector(space.normal, k, terms.cut_normal[i]);
-    terms.cut_offset[i][k] = dot(space.normal, space.point - hull.origin) + space.offset;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(terms.cut_count); ++i) {
+    const CutPlane cut = i < cuts.size() ? cuts[i] : CutPlane{};
+    put_vector(cut.normal, k, terms.cut_normal[i]);
+    terms.cut_offset[i][k] = cut.offset;
   }
 }
 

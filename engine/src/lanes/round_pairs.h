@@ -15,6 +15,13 @@
 
 namespace lumbrical {
 
+/// A half-space seen from some point: dot(normal, p) <= offset is kept; a normal of 0 cuts nothing.
+struct CutPlane {
+  Vec3 normal;        ///< W
+  double offset = 0;  ///< [m]
+};
+CutPlane seen_from(Vec3 origin, const HalfSpace& space);
+
 /// A round primitive from its larger end. Where the smaller sphere lies inside the larger nothing else is
 /// left: length 0.
 struct RoundHull {
@@ -22,6 +29,8 @@ struct RoundHull {
   Vec3 axis;                        ///< unit, to the smaller end
   double length, radius1, radius2;  ///< [m]
   double sine, cosine;              ///< of the cone's half angle
+  int cut_count;
+  std::array<CutPlane, Primitive::kMostCuts> cut;  ///< seen from `origin`
   [[nodiscard]] bool is_sphere() const { return length == 0; }
   [[nodiscard]] bool is_cone() const { return sine != 0; }
 };
@@ -74,12 +83,11 @@ void put_hull(const RoundHull& hull, const Corners& at, std::size_t k, Terms& te
   put_corners(at, hull.origin, k, terms);
 }
 
-/// What all of the terms' pairs have in common. No pair has any cuts yet.
-void set_kind(RoundKind kind, RoundTerms& terms);
+/// What all of the terms' pairs have in common; none has more cuts than that.
+void set_kind(RoundKind kind, int cut_count, RoundTerms& terms);
 
-/// Writes a pair to lane k. `cuts` are the primitive's, or others in their place, up to three; a normal of 0
-/// cuts nothing.
-void put_pair(const RoundHull& hull, const Corners& at, std::span<const HalfSpace> cuts, std::size_t k,
+/// Writes a pair to lane k, cut by the hull's planes or others in their place.
+void put_pair(const RoundHull& hull, const Corners& at, std::span<const CutPlane> cuts, std::size_t k,
               RoundTerms& terms);
 
 /// Sets all of the contact but its indices to what was found in lane k.

@@ -145,8 +145,13 @@ void set_polygon(const RoundTerms& terms, const RoundPart<V>& part, const RoundP
 inline constexpr double kOnBorder = 256;  // times rounding
 
 template <class V>
+inline V above_border(V border, V radius) {
+  return border + number<V>(kOnBorder) * rounding<V>() * radius;
+}
+
+template <class V>
 void part_at(V border, V radius, const Polygon<V>& polygon, Polygon<V>& below, Polygon<V>& above) {
-  const V zero = number<V>(0), above_it = border + number<V>(kOnBorder) * rounding<V>() * radius;
+  const V zero = number<V>(0), above_it = above_border(border, radius);
   Edge<V> added{{border, zero}, {border, zero}};  // of the part below
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const Edge<V>& edge = polygon.edge[i];

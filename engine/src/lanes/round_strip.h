@@ -102,7 +102,7 @@ inline void add_arc(M here, Wide2<V> p, Wide2<V> q, StripRim<V>& rim, Moments<V>
   arc.area = arc.area - area;
   arc.area_x = arc.area_x - (middle * area - moment);
   arc.area_y = arc.area_y - number<V>(1.0 / 12) * (k * delta);
-  add_where(drawn, arc, sum);
+  add_areas(drawn, arc, sum);
 }
 
 // The part of an edge inside, as coordinates along it from the foot of (0, 0) and as points.
@@ -130,7 +130,7 @@ inline StripEdge<V> add_strip_edge(const Edge<V>& edge, Wide2<V> t, M here, Stri
   const Wide2<V> leaves = choose(inside.upper == end, edge.q, foot + inside.upper * t);
   Moments<V> chord = no_moments<V>();
   add_chord(enters, leaves, chord);
-  add_where(here, chord, sum);
+  add_areas(here, chord, sum);
   add_arc(here, edge.p, enters, rim, sum);
   add_arc(here, leaves, edge.q, rim, sum);
   return {inside, enters, leaves};

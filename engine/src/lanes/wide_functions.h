@@ -76,8 +76,9 @@ inline V twice_atanh(V difference, V sum) {
   V top = sum + difference, logarithm = zero;
   constexpr double kStep[] = {18446744073709551616.0, 4294967296.0, 65536, 256, 16, 4, 2};
   constexpr double kBits[] = {64, 32, 16, 8, 4, 2, 1};
-  // The larger steps are seldom anybody's.
-  for (std::size_t i = some(top >= number<V>(256) * rest) ? 0 : 4; i < 7; ++i) {
+  // The larger steps are seldom anybody's, and often none is.
+  const auto from = [&](double step) { return some(top >= number<V>(step) * rest); };
+  for (std::size_t i = from(256) ? 0 : from(2) ? 4 : 7; i < 7; ++i) {
     const auto large = top >= number<V>(kStep[i]) * rest;
     top = choose(large, top * number<V>(1 / kStep[i]), top);
     logarithm = logarithm + choose(large, number<V>(kBits[i] * kLn2), zero);

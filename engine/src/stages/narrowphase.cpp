@@ -176,16 +176,24 @@ void cut_crossed(Work& work) {
 // ---- 3. Round pairs and slabs, kind by kind ----
 
 void gather_round(Work& work, std::uint32_t slot, std::size_t k, RoundTerms& terms) {
-  const Primitive& primitive = work.pairs.primitive(slot);
+  const RoundHull& hull = work.hull(slot);
   const OwnCuts* const own = work.own_cuts(slot);
-  const std::span<const HalfSpace> cuts =
-      own != nullptr ? std::span<const HalfSpace>(own->cut) : primitive.cut;
-  put_pair(work.hull(slot), work.pairs.corners(slot), cuts.first(primitive.cut_count), k, terms);
+  const auto put = [&](const auto& cuts) {
+    put_pair(hull, work.pairs.corners(slot), std::span(cuts).first(static_cast<std::size_t>(hull.cut_count)),
+             k, terms);
+  };
+  if (own == nullptr) return put(hull.cut);
+  put(std::array{seen_from(hull.origin, own->cut[0]), seen_from(hull.origin, own->cut[1])});
 }
 
 void collide_round(Work& work) {
   std::array<std::size_t, RoundKind::kCount + 1> start{};
-  for (const std::uint32_t slot : work.round) ++start[work.kind[slot] + 1u];
+  std::array<int, RoundKind::kCount> cut_count{};
+  for (const std::uint32_t slot : work.round) {
+    const std::size_t kind = work.kind[slot];
+    ++start[kind + 1];
+    cut_count[kind] = std::max(cut_count[kind], work.hull(slot).cut_count);
+  }
   for (std::size_t kind = 0; kind < RoundKind::kCount; ++kind) start[kind + 1] += start[kind];
   std::array<std::uint32_t, kMostPairs> by_kind;
   std::array<std::size_t, RoundKind::kCount + 1> next = start;
@@ -202,7 +210,7 @@ void collide_round(Work& work) {
       read_contact(from, k, work.hull(slot).origin, work.pairs.contact[slot]);
   };
   for (std::size_t kind = 0; kind < RoundKind::kCount; ++kind) {
-    set_kind(round_kind(kind), terms);
+    set_kind(round_kind(kind), cut_count[kind], terms);
     const std::span<std::uint32_t> slots =
         std::span(by_kind).subspan(start[kind], start[kind + 1] - start[kind]);
     through_lanes(slots, terms, work.pairs.kernels.round_contacts, gather, give);
@@ -237,7 +245,9 @@ void add_slivers(Work& work) {
   const auto gather = [&](std::uint32_t slot, std::size_t k, RoundTerms& to) {
     gather_round(work, slot, k, to);
   };
-  set_kind({false, true}, terms);
+  int cut_count = 0;
+  for (const std::uint32_t slot : work.slivers) cut_count = std::max(cut_count, work.hull(slot).cut_count);
+  set_kind({false, true}, cut_count, terms);
   for (terms.patient = false;; terms.patient = true) {
     PairList& left = terms.patient ? work.alone : uneven;
     const auto give = [&](std::uint32_t slot, std::size_t k, const RoundTerms& from) {
@@ -300,21 +310,21 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
   const Corners at{a, b, c};
   RoundTerms terms;
   terms.depths = true;
-  set_kind(kind_of(query.kernels, hull, at), terms);
-  const auto gather = [&](const Primitive& of, std::size_t k, RoundTerms& to) {
-    put_pair(hull, at, std::span(of.cut).first(of.cut_count), k, to);
+  set_kind(kind_of(query.kernels, hull, at), hull.cut_count, terms);
+  const auto gather = [&](const RoundHull& of, std::size_t k, RoundTerms& to) {
+    put_pair(of, at, of.cut, k, to);
   };
   contact.area = 0;
   double status = kUnsure;
-  const std::span<const Primitive> alone(&primitive, 1);
+  const std::span<const RoundHull> alone(&hull, 1);
   through_lanes(alone, terms, query.kernels.round_contacts, gather,
-                [&](const Primitive&, std::size_t k, const RoundTerms& from) {
+                [&](const RoundHull&, std::size_t k, const RoundTerms& from) {
                   status = from.status[k];
                   if (status == kContact || status == kSlivers) read_contact(from, k, hull.origin, contact);
                 });
   for (terms.patient = false; status == kSlivers; terms.patient = true) {
     through_lanes(alone, terms, query.kernels.cone_slivers, gather,
-                  [&](const Primitive&, std::size_t k, const RoundTerms& from) {
+                  [&](const RoundHull&, std::size_t k, const RoundTerms& from) {
                     status = from.status[k] == kContact || terms.patient ? from.status[k] : kSlivers;
                     if (status == kContact) add_sliver(from, k, hull.origin, contact);
                   });
