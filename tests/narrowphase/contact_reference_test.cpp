@@ -297,7 +297,7 @@ TEST(ConeSlivers, NextToTheAxisAgreeWithTheReference) {
     cone.radius1 = pair.primitive.radius1, cone.radius2 = pair.primitive.radius2;
     Contact contact;
     const RoundHull hull = round_hull(cone);
-    const Corners at{pair.corners[0], pair.corners[1], pair.corners[2]};
+    const Corners at = seen_from(hull.origin, Corners{pair.corners[0], pair.corners[1], pair.corners[2]});
     set_kind(kind_of(kernels, hull, at), 0, *terms);
     const auto through = [&](void (*kernel)(RoundTerms&)) {
       const auto gather = [&](const Corners& corners, std::size_t k, RoundTerms& to) {

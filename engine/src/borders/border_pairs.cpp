@@ -53,7 +53,7 @@ void follow_borders(const PairSlots& pairs, std::span<const RoundHull> hulls, st
   const auto gather = [&](const BorderWay& way, std::size_t k, BorderTerms& to) {
     const std::uint32_t slot = own[way.own].slot;
     const RoundHull& hull = hulls[pairs.contact[slot].primitive];
-    put_hull(hull, pairs.corners(slot), k, to);
+    put_hull(hull, seen_from(hull.origin, pairs.corners(slot)), k, to);
     put_border(hand, joint_of(pairs.primitive(slot), way.outer), way, hull.origin, k, to);
   };
   const auto give = [&](BorderWay& way, std::size_t k, const BorderTerms& from) {

@@ -13,7 +13,7 @@
 
 namespace lumbrical {
 
-/// Each computes the results of all terms; arrays are padded to a multiple of 16 with harmless copies. Every
+/// Each computes the results of all terms; arrays are padded to 64 bytes with harmless copies. Every
 /// table gives the same bits.
 struct FieldKernels {
   void (*pair_kinds)(KindTerms&);

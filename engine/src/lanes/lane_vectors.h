@@ -20,14 +20,10 @@ Vec3 vector_at(const T (&from)[3][N], std::size_t k) {
 }
 
 /// Kernels compute whole registers: fills the last one of a row up with copies of its first number.
-inline constexpr std::size_t kWholeRegisters = 16;
 template <class T>
 void fill_up(T* row, std::size_t count) {
-  for (std::size_t k = count; k % kWholeRegisters != 0; ++k) row[k] = row[0];
-}
-template <class T, std::size_t N>
-void fill_up_vector(T (&rows)[3][N], std::size_t count) {
-  for (T(&row)[N] : rows) fill_up(&row[0], count);
+  constexpr std::size_t kWidest = 64 / sizeof(T);
+  for (std::size_t k = count; k % kWidest != 0; ++k) row[k] = row[0];
 }
 
 /// The same in all lanes.

@@ -13,7 +13,7 @@ namespace lumbrical {
 
 void set_triangles(const Triangles& world, std::span<const std::uint32_t> triangles, MissTerms& terms) {
   terms.count = triangles.size();
-  const std::size_t padded = (triangles.size() + 15) / 16 * 16;
+  const std::size_t padded = (triangles.size() + 7) / 8 * 8;  // whole registers
   for (std::size_t k = 0; k < padded; ++k) {
     const auto [a, b, c] = corners_of(world, triangles[k < triangles.size() ? k : 0]);
     put_vector(a, k, terms.a);

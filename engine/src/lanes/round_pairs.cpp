@@ -37,9 +37,8 @@ RoundHull round_hull(const Primitive& primitive) {
   }
   const Vec3 axis = length > 0 ? (end2 - end1) / length : Vec3{0, 0, 1};
   const double sine = length > 0 ? (radius1 - radius2) / length : 0;
-  RoundHull hull{
-      end1, axis, length, radius1, radius2, sine, std::sqrt((1 - sine) * (1 + sine)), primitive.cut_count,
-      {}};
+  const double cosine = std::sqrt((1 - sine) * (1 + sine));
+  RoundHull hull{end1, axis, length, radius1, radius2, sine, cosine, primitive.cut_count, {}};
   for (std::size_t i = 0; i < primitive.cut_count; ++i) hull.cut[i] = seen_from(end1, primitive.cut[i]);
   return hull;
 }
@@ -55,7 +54,7 @@ void set_hull(const RoundHull& hull, KindTerms& terms) {
 RoundKind kind_of(const FieldKernels& kernels, const RoundHull& hull, const Corners& at) {
   KindTerms terms;
   set_hull(hull, terms);
-  put_corners(at, hull.origin, 0, terms);
+  put_corners(at, 0, terms);
   terms.count = 1;
   terms.for_each_row([](double* row) { fill_up(row, 1); });
   kernels.pair_kinds(terms);
@@ -67,26 +66,6 @@ void set_kind(RoundKind kind, int cut_count, RoundTerms& terms) {
   terms.sphere = kind.sphere;
   terms.cone = kind.cone;
   terms.flat = kind.zone == RoundZone::flat;
-}
-
-void put_pair(const RoundHull& hull, const Corners& at, std::span<const CutPlane> cuts, std::size_t k,
-              RoundTerms& terms) {
-  put_hull(hull, at, k, terms);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(terms.cut_count); ++i) {
-    const CutPlane cut = i < cuts.size() ? cuts[i] : CutPlane{};
-    put_vector(cut.normal, k, terms.cut_normal[i]);
-    terms.cut_offset[i][k] = cut.offset;
-  }
-}
-
-void read_contact(const RoundTerms& terms, std::size_t k, Vec3 origin, Contact& contact) {
-  contact.area = terms.area[k];
-  contact.volume = terms.volume[k];
-  contact.depth = terms.depth[k];
-  contact.error = terms.error[k];
-  contact.normal = vector_at(terms.normal, k);
-  contact.centroid = origin + vector_at(terms.centroid, k);
-  contact.centre = origin + vector_at(terms.centre, k);
 }
 
 void add_sliver(const RoundTerms& terms, std::size_t k, Vec3 origin, Contact& contact) {

@@ -60,18 +60,23 @@ constexpr RoundKind round_kind(std::size_t number) {
 /// The primitive whose pairs are to be sorted; its borders are left as they are.
 void set_hull(const RoundHull& hull, KindTerms& terms);
 
-/// The kind of a pair by itself.
+/// The kind of a pair by itself, seen from the hull's origin.
 RoundKind kind_of(const FieldKernels& kernels, const RoundHull& hull, const Corners& at);
 
-/// Writes the triangle, seen from `origin` [m, W], to lane k of a kernel's terms.
-template <class Terms>
-void put_corners(const Corners& at, Vec3 origin, std::size_t k, Terms& terms) {
-  put_vector(at.a - origin, k, terms.a);
-  put_vector(at.b - origin, k, terms.b);
-  put_vector(at.c - origin, k, terms.c);
+/// The triangle seen from `origin` [m, W].
+inline Corners seen_from(Vec3 origin, const Corners& at) {
+  return {at.a - origin, at.b - origin, at.c - origin};
 }
 
-/// The same from the hull's origin, and the hull.
+/// Writes a triangle, seen from the hull's origin, to lane k of a kernel's terms.
+template <class Terms>
+void put_corners(const Corners& at, std::size_t k, Terms& terms) {
+  put_vector(at.a, k, terms.a);
+  put_vector(at.b, k, terms.b);
+  put_vector(at.c, k, terms.c);
+}
+
+/// The same with the hull.
 template <class Terms>
 void put_hull(const RoundHull& hull, const Corners& at, std::size_t k, Terms& terms) {
   put_vector(hull.axis, k, terms.axis);
@@ -80,18 +85,33 @@ void put_hull(const RoundHull& hull, const Corners& at, std::size_t k, Terms& te
   terms.radius2[k] = hull.radius2;
   terms.sine[k] = hull.sine;
   terms.cosine[k] = hull.cosine;
-  put_corners(at, hull.origin, k, terms);
+  put_corners(at, k, terms);
 }
 
 /// What all of the terms' pairs have in common; none has more cuts than that.
 void set_kind(RoundKind kind, int cut_count, RoundTerms& terms);
 
-/// Writes a pair to lane k, cut by the hull's planes or others in their place.
-void put_pair(const RoundHull& hull, const Corners& at, std::span<const CutPlane> cuts, std::size_t k,
-              RoundTerms& terms);
+/// Writes a pair, seen from the hull's origin, to lane k, cut by the hull's planes or others in their place.
+inline void put_pair(const RoundHull& hull, const Corners& at, std::span<const CutPlane> cuts, std::size_t k,
+                     RoundTerms& terms) {
+  put_hull(hull, at, k, terms);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(terms.cut_count); ++i) {
+    const CutPlane cut = i < cuts.size() ? cuts[i] : CutPlane{};
+    put_vector(cut.normal, k, terms.cut_normal[i]);
+    terms.cut_offset[i][k] = cut.offset;
+  }
+}
 
 /// Sets all of the contact but its indices to what was found in lane k.
-void read_contact(const RoundTerms& terms, std::size_t k, Vec3 origin, Contact& contact);
+inline void read_contact(const RoundTerms& terms, std::size_t k, Vec3 origin, Contact& contact) {
+  contact.area = terms.area[k];
+  contact.volume = terms.volume[k];
+  contact.depth = terms.depth[k];
+  contact.error = terms.error[k];
+  contact.normal = vector_at(terms.normal, k);
+  contact.centroid = origin + vector_at(terms.centroid, k);
+  contact.centre = origin + vector_at(terms.centre, k);
+}
 
 /// Adds the sliver found in lane k.
 void add_sliver(const RoundTerms& terms, std::size_t k, Vec3 origin, Contact& contact);

@@ -4,6 +4,7 @@
 #include "stages/narrowphase.h"
 
 #include <array>
+#include <cstring>
 
 #include "base/fixed_list.h"
 #include "base/parallel.h"
@@ -35,9 +36,12 @@ struct Work {
   PairSlots pairs;
   std::span<const RoundHull> hulls;  // of the primitives that suit the lanes
   double point_area;                 // [m^2] Settings::point_area
-  // By slot: the kind of a round pair, and which cuts it has in the place of its tile's.
+  // By slot, of round pairs: the triangle seen from the hull's origin, the kind, and which cuts it has in the
+  // place of its tile's.
+  std::byte at[kMostPairs][sizeof(Corners)];  // not initialised
   std::array<std::uint8_t, kMostPairs> kind;
   std::array<std::int16_t, kMostPairs> own_of;
+  std::array<int, RoundKind::kCount> cut_count{};  // the most of any pair of a kind
   FixedList<OwnCuts, kMostOwn> own;
   FixedList<BorderWay, 2 * kMostOwn> ways;
   PairList round, slab, crossed, slivers, alone;
@@ -46,6 +50,9 @@ struct Work {
       : pairs(slots), hulls(of_primitives), point_area(area) {}
   [[nodiscard]] const RoundHull& hull(std::uint32_t slot) const {
     return hulls[pairs.contact[slot].primitive];
+  }
+  [[nodiscard]] std::uint32_t slot_of(const Contact& contact) const {
+    return static_cast<std::uint32_t>(&contact - pairs.contact.data());
   }
   [[nodiscard]] OwnCuts* own_cuts(std::uint32_t slot) {
     return own_of[slot] == kTilesOwn ? nullptr : own.begin() + own_of[slot];
@@ -104,12 +111,16 @@ void sort_round(std::span<const Contact> contacts, Work& work) {
   }
   const bool folded = is_folded(hand, primitive);
   const auto gather = [&](const Contact& contact, std::size_t k, KindTerms& to) {
-    put_corners(corners_of(work.pairs.world, contact.triangle), hull.origin, k, to);
+    const Corners at = seen_from(hull.origin, corners_of(work.pairs.world, contact.triangle));
+    std::memcpy(work.at[work.slot_of(contact)], &at, sizeof at);
+    put_corners(at, k, to);
   };
   const auto give = [&](const Contact& contact, std::size_t k, const KindTerms& from) {
-    const auto slot = static_cast<std::uint32_t>(&contact - work.pairs.contact.data());
+    const std::uint32_t slot = work.slot_of(contact);
     kind.zone = static_cast<RoundZone>(from.zone[k]);
-    work.kind[slot] = kind.number();
+    const std::uint8_t number = kind.number();
+    work.kind[slot] = number;
+    work.cut_count[number] = std::max(work.cut_count[number], hull.cut_count);
     if (from.near[0][k] != 0 || from.near[1][k] != 0 || folded) {
       const Corners at = work.pairs.corners(slot);
       const TileBorders near = borders_in_reach(hand, primitive, at.a, at.b, at.c);
@@ -125,7 +136,7 @@ void sort_run(std::span<const Contact> contacts, Work& work) {
   const Primitive& primitive = work.pairs.hand.primitive[contacts[0].primitive];
   if (suits_lanes(primitive)) return sort_round(contacts, work);
   const bool slab = primitive.shape == Shape::slab && primitive.law == Law::field;
-  const auto first = static_cast<std::uint32_t>(contacts.data() - work.pairs.contact.data());
+  const std::uint32_t first = work.slot_of(contacts[0]);
   for (std::uint32_t i = 0; i < contacts.size(); ++i) (slab ? work.slab : work.alone).push_back(first + i);
 }
 
@@ -178,9 +189,10 @@ void cut_crossed(Work& work) {
 void gather_round(Work& work, std::uint32_t slot, std::size_t k, RoundTerms& terms) {
   const RoundHull& hull = work.hull(slot);
   const OwnCuts* const own = work.own_cuts(slot);
+  Corners at;
+  std::memcpy(&at, work.at[slot], sizeof at);
   const auto put = [&](const auto& cuts) {
-    put_pair(hull, work.pairs.corners(slot), std::span(cuts).first(static_cast<std::size_t>(hull.cut_count)),
-             k, terms);
+    put_pair(hull, at, std::span(cuts).first(static_cast<std::size_t>(hull.cut_count)), k, terms);
   };
   if (own == nullptr) return put(hull.cut);
   put(std::array{seen_from(hull.origin, own->cut[0]), seen_from(hull.origin, own->cut[1])});
@@ -188,12 +200,7 @@ void gather_round(Work& work, std::uint32_t slot, std::size_t k, RoundTerms& ter
 
 void collide_round(Work& work) {
   std::array<std::size_t, RoundKind::kCount + 1> start{};
-  std::array<int, RoundKind::kCount> cut_count{};
-  for (const std::uint32_t slot : work.round) {
-    const std::size_t kind = work.kind[slot];
-    ++start[kind + 1];
-    cut_count[kind] = std::max(cut_count[kind], work.hull(slot).cut_count);
-  }
+  for (const std::uint32_t slot : work.round) ++start[work.kind[slot] + 1u];
   for (std::size_t kind = 0; kind < RoundKind::kCount; ++kind) start[kind + 1] += start[kind];
   std::array<std::uint32_t, kMostPairs> by_kind;
   std::array<std::size_t, RoundKind::kCount + 1> next = start;
@@ -210,7 +217,7 @@ void collide_round(Work& work) {
       read_contact(from, k, work.hull(slot).origin, work.pairs.contact[slot]);
   };
   for (std::size_t kind = 0; kind < RoundKind::kCount; ++kind) {
-    set_kind(round_kind(kind), cut_count[kind], terms);
+    set_kind(round_kind(kind), work.cut_count[kind], terms);
     const std::span<std::uint32_t> slots =
         std::span(by_kind).subspan(start[kind], start[kind + 1] - start[kind]);
     through_lanes(slots, terms, work.pairs.kernels.round_contacts, gather, give);
@@ -245,9 +252,8 @@ void add_slivers(Work& work) {
   const auto gather = [&](std::uint32_t slot, std::size_t k, RoundTerms& to) {
     gather_round(work, slot, k, to);
   };
-  int cut_count = 0;
-  for (const std::uint32_t slot : work.slivers) cut_count = std::max(cut_count, work.hull(slot).cut_count);
-  set_kind({false, true}, cut_count, terms);
+  const auto first = work.cut_count.begin() + RoundKind{false, true}.number();
+  set_kind({false, true}, *std::max_element(first, first + kRoundZones), terms);
   for (terms.patient = false;; terms.patient = true) {
     PairList& left = terms.patient ? work.alone : uneven;
     const auto give = [&](std::uint32_t slot, std::size_t k, const RoundTerms& from) {
@@ -307,7 +313,7 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
   if (!suits_lanes(primitive) || query.law != Law::field)
     return general_contact(primitive, query, a, b, c, boundary, contact);
   const RoundHull hull = round_hull(primitive);
-  const Corners at{a, b, c};
+  const Corners at = seen_from(hull.origin, Corners{a, b, c});
   RoundTerms terms;
   terms.depths = true;
   set_kind(kind_of(query.kernels, hull, at), hull.cut_count, terms);
