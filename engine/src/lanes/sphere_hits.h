@@ -42,8 +42,13 @@ std::size_t sphere_hits(const SphereBlock* spheres, const SphereQuery& query, co
       for (const auto* row : {&soon.x, &soon.y, &soon.z, &soon.r}) __builtin_prefetch(row);
     }
     const std::uint32_t first = blocks[i] * SphereBlock::kWidth;
-    for (unsigned bits = hits_in_block<V>(spheres[blocks[i]], query); bits != 0; bits &= bits - 1)
-      hits[count++] = first + static_cast<std::uint32_t>(__builtin_ctz(bits));
+    const unsigned bits = hits_in_block<V>(spheres[blocks[i]], query);
+    if (bits == 0) continue;
+    // Without a branch that nobody can foresee.
+    for (std::uint32_t k = 0; k < SphereBlock::kWidth; ++k) {
+      hits[count] = first + k;
+      count += bits >> k & 1;
+    }
   }
   return count;
 }
