@@ -137,15 +137,17 @@ inline Span<V> add_circle_edge(const SideView<V>& side, const Edge<V>& edge, Wid
   return {offset + ratio * (chord.xa - start), offset + ratio * (chord.xb - start)};
 }
 
-// What of the polygon lies in the side's section. False where an arc of the rim was neither circle nor strip.
+// What of the polygon lies in the side's section: all of it in the lanes `whole`, which need no rim. False
+// where an arc of the rim was neither circle nor strip.
 template <class V, class M>
 auto add_side(const RoundPart<V>& part, const SideView<V>& side, const Polygon<V>& polygon,
-              const Directions<V>& directions, M wanted, Moments<V>& sum, InsideParts<V>& inside) {
+              const Directions<V>& directions, M wanted, M whole, Moments<V>& sum, InsideParts<V>& inside) {
   const V zero = number<V>(0), quarter = number<V>(0.25), third = number<V>(1.0 / 3);
   StripRim<V> rim = side.rim;
-  const auto round = both(wanted, both(side.strip == zero, side.rho2 > zero)),
-             strip = both(wanted, side.strip > zero);
-  const auto real = either(round, strip);
+  const auto all = both(wanted, whole), rimmed = both(wanted, !whole);
+  const auto round = both(rimmed, both(side.strip == zero, side.rho2 > zero)),
+             strip = both(rimmed, side.strip > zero);
+  const auto real = either(all, either(round, strip));
   Moments<V> by_circle = no_moments<V>(), by_strip = by_circle, along = by_circle;
   if (some(real)) {
     const V per_c = one_over(side.c);
@@ -155,10 +157,11 @@ auto add_side(const RoundPart<V>& part, const SideView<V>& side, const Polygon<V
       if (!some(here)) continue;
       const Wide2<V> t = directions.t[i];
       const Stretched<V> about_foot = stretch(t, side.c);
-      Span<V> part_in{zero, zero};
+      Span<V> part_in{dot(edge.p, t), dot(edge.q, t)};
       if (some(both(round, here))) {
         const Stretched<V> about_centre = part.cone ? stretch(t, side.scale) : about_foot;
-        part_in = add_circle_edge(side, edge, t, about_centre, both(round, here), by_circle);
+        const Span<V> other = add_circle_edge(side, edge, t, about_centre, both(round, here), by_circle);
+        part_in = {choose(round, other.lower, part_in.lower), choose(round, other.upper, part_in.upper)};
       }
       if (some(both(strip, here))) {
         const Span<V> other = add_strip_edge(edge, t, both(strip, here), rim, by_strip).inside;
@@ -180,6 +183,12 @@ auto add_side(const RoundPart<V>& part, const SideView<V>& side, const Polygon<V
     own.area_x = choose(strip, by_strip.area_x,
                         (by_circle.area_x - side.shift * by_circle.area) * per_scale * per_scale);
     own.area_y = choose(strip, by_strip.area_y, by_circle.area_y * per_scale);
+    if (some(all)) {
+      const Moments<V> area = area_of(polygon, polygon.edge[0].p);
+      own.area = choose(all, area.area, own.area);
+      own.area_x = choose(all, area.area_x, own.area_x);
+      own.area_y = choose(all, area.area_y, own.area_y);
+    }
     own.volume = own.volume + third * (side.level * own.area);
     own.volume_x = own.volume_x + quarter * (side.level * (side.c * own.area_x + side.foot * own.area));
     own.volume_x = (own.volume_x - side.foot * own.volume) * per_c;

@@ -45,6 +45,24 @@ inline void add_where(M which, const Moments<V>& more, Moments<V>& sum) {
   add_volumes(which, more, sum);
 }
 
+// The area of a polygon and its first moments; `base` is a point near it.
+template <class V>
+Moments<V> area_of(const Polygon<V>& polygon, Wide2<V> base) {
+  const V zero = number<V>(0), half = number<V>(0.5), third = number<V>(1.0 / 3);
+  Moments<V> sum = no_moments<V>();
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const auto here = has_length(polygon.edge[i]);
+    const Wide2<V> p = polygon.edge[i].p - base, q = polygon.edge[i].q - base;
+    const V area = choose(here, half * cross(p, q), zero);
+    sum.area = sum.area + area;
+    sum.area_x = sum.area_x + area * (p.x + q.x);
+    sum.area_y = sum.area_y + area * (p.y + q.y);
+  }
+  sum.area_x = third * sum.area_x + base.x * sum.area;
+  sum.area_y = third * sum.area_y + base.y * sum.area;
+  return sum;
+}
+
 // An edge against a disc about the origin.
 template <class V>
 struct Chord {

@@ -13,6 +13,7 @@ namespace lumbrical {
 /// time, but for `flat`: where cuts leave less of a triangle it may meet less.
 enum class RoundZone : std::uint8_t {
   first_end,
+  whole_side,  ///< all of the triangle lies inside, beside the axis
   side,
   slanted_side,  ///< whose rim is long in its plane
   second_end,
@@ -20,7 +21,7 @@ enum class RoundZone : std::uint8_t {
   outer,  ///< side and second end
   flat    ///< the axis lies nearly along the plane
 };
-inline constexpr std::size_t kRoundZones = 7;
+inline constexpr std::size_t kRoundZones = 8;
 
 struct KindTerms {
   static constexpr std::size_t kCapacity = 64;
@@ -30,6 +31,7 @@ struct KindTerms {
   double axis[3] = {0, 0, 1};
   double first = 0, second = 0;  ///< [m] along the axis: where the planes through the zones' borders meet it
   double flat = 0, slanted = 0;  ///< cosines of the axis' angle to the normal: less is flat, or slanted
+  double radius1 = 0, sine = 0, cosine = 1;
 
   /// The planes of its borders towards the wrist and away from it: near is dot(normal, p) - height within
   /// +-slab.

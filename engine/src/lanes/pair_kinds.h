@@ -12,14 +12,27 @@ inline V zone_number(RoundZone zone) {
   return number<V>(static_cast<double>(zone));
 }
 
+// The heights of the corners over a plane through the origin.
 template <class V>
-struct Reach {
+struct Heights {
+  V of[3];
   V low, high;
 };
 template <class V>
-inline Reach<V> reach_along(Wide3<V> direction, const Wide3<V> (&corner)[3]) {
-  const V a = dot(direction, corner[0]), b = dot(direction, corner[1]), c = dot(direction, corner[2]);
-  return {lesser(a, lesser(b, c)), greater(a, greater(b, c))};
+inline Heights<V> heights_over(Wide3<V> normal, const Wide3<V> (&corner)[3]) {
+  const V a = dot(normal, corner[0]), b = dot(normal, corner[1]), c = dot(normal, corner[2]);
+  return {{a, b, c}, lesser(a, lesser(b, c)), greater(a, greater(b, c))};
+}
+
+// Are all corners inside the cone, which is the side?
+template <class V>
+inline auto is_whole(const KindTerms& terms, const Wide3<V> (&corner)[3], const Heights<V>& along) {
+  const V square(terms.cosine * terms.cosine), radius1(terms.radius1), sine(terms.sine);
+  const auto inside = [&](std::size_t i) {
+    const V reach = radius1 - sine * along.of[i];
+    return square * (dot(corner[i], corner[i]) - along.of[i] * along.of[i]) <= reach * reach;
+  };
+  return both(inside(0), both(inside(1), inside(2)));
 }
 
 // The borders of the zones, lines in the triangle's plane, lie in two planes across the axis.
@@ -27,15 +40,16 @@ template <class V>
 V zone_of(const KindTerms& terms, const Wide3<V> (&corner)[3]) {
   const Wide3<V> axis = in_all_lanes<V>(terms.axis);
   const Wide3<V> normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
-  const V along = dot(axis, normal), square = along * along, size = dot(normal, normal);
+  const V slope = dot(axis, normal), square = slope * slope, size = dot(normal, normal);
   const V flat(terms.flat), slanted(terms.slanted), first(terms.first), second(terms.second);
-  const Reach<V> reach = reach_along(axis, corner);
+  const Heights<V> along = heights_over(axis, corner);
   V zone = choose(square < slanted * slanted * size, zone_number<V>(RoundZone::slanted_side),
                   zone_number<V>(RoundZone::side));
-  zone = choose(reach.high >= second, zone_number<V>(RoundZone::outer), zone);
-  zone = choose(reach.low <= first, zone_number<V>(RoundZone::inner), zone);
-  zone = choose(reach.high < first, zone_number<V>(RoundZone::first_end), zone);
-  zone = choose(reach.low > second, zone_number<V>(RoundZone::second_end), zone);
+  zone = choose(is_whole(terms, corner, along), zone_number<V>(RoundZone::whole_side), zone);
+  zone = choose(along.high >= second, zone_number<V>(RoundZone::outer), zone);
+  zone = choose(along.low <= first, zone_number<V>(RoundZone::inner), zone);
+  zone = choose(along.high < first, zone_number<V>(RoundZone::first_end), zone);
+  zone = choose(along.low > second, zone_number<V>(RoundZone::second_end), zone);
   return choose(square < flat * flat * size, zone_number<V>(RoundZone::flat), zone);
 }
 
@@ -48,7 +62,7 @@ void pair_kinds(KindTerms& terms) {
     for (std::size_t k = 0; k < 2; ++k) {
       const KindTerms::Border& border = terms.border[k];
       const V height(border.height), slab(border.slab);
-      const Reach<V> reach = reach_along(in_all_lanes<V>(border.normal), corner);
+      const Heights<V> reach = heights_over(in_all_lanes<V>(border.normal), corner);
       const auto near = both(reach.low - height <= slab, reach.high - height >= zero - slab);
       put(terms.near[k] + i, choose(near, one, zero));
     }

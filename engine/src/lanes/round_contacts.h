@@ -50,7 +50,7 @@ struct Corners {
 
 template <class V>
 Corners<V> corners_of(const RoundPart<V>& part, const RoundPlane<V>& plane, const Polygon<V>& polygon) {
-  const V zero = number<V>(0), one = number<V>(1), far = beyond<V>(), half = number<V>(0.5);
+  const V zero = number<V>(0), one = number<V>(1), far = beyond<V>();
   Corners<V> all{far, far, zero - far, zero - far, zero, zero, zero, zero, zero};
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const auto here = has_length(polygon.edge[i]);
@@ -64,18 +64,10 @@ Corners<V> corners_of(const RoundPart<V>& part, const RoundPlane<V>& plane, cons
   }
   const V dx = all.high_x - all.low_x, dy = all.high_y - all.low_y;
   all.size = root(greater(dx * dx + dy * dy, zero));
-  const Wide2<V> base{all.low_x, all.low_y};
-  for (std::size_t i = 0; i < polygon.count; ++i) {
-    const auto here = has_length(polygon.edge[i]);
-    const Wide2<V> p = polygon.edge[i].p - base, q = polygon.edge[i].q - base;
-    const V area = choose(here, half * cross(p, q), zero);
-    all.area = all.area + area;
-    all.area_x = all.area_x + area * (p.x + q.x);
-    all.area_y = all.area_y + area * (p.y + q.y);
-  }
-  const V third = number<V>(1.0 / 3);
-  all.area_x = third * all.area_x + base.x * all.area;
-  all.area_y = third * all.area_y + base.y * all.area;
+  const Moments<V> whole = area_of(polygon, Wide2<V>{all.low_x, all.low_y});
+  all.area = whole.area;
+  all.area_x = whole.area_x;
+  all.area_y = whole.area_y;
   return all;
 }
 
@@ -84,7 +76,7 @@ Corners<V> corners_of(const RoundPart<V>& part, const RoundPlane<V>& plane, cons
 template <class V, class M>
 Moments<V> section_moments(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
                            const Polygon<V>& polygon, const Corners<V>& all, V most, bool flat, M wanted,
-                           Directions<V>& directions, InsideParts<V>& inside, V& lost) {
+                           M whole, Directions<V>& directions, InsideParts<V>& inside, V& lost) {
   const V zero = number<V>(0);
   Moments<V> sum = no_moments<V>();
   if (part.sphere) {
@@ -110,7 +102,7 @@ Moments<V> section_moments(const RoundPart<V>& part, const RoundPlane<V>& plane,
     set_upright(between_ends, count, directions);
   }
   const auto had = flat ? add_flat_side(part, plane, side, *rest, directions, wanted, sum, inside)
-                        : add_side(part, side, *rest, directions, wanted, sum, inside);
+                        : add_side(part, side, *rest, directions, wanted, whole, sum, inside);
   lost = choose(had, zero, number<V>(1));
   return sum;
 }
@@ -221,8 +213,8 @@ void round_contacts(RoundTerms& terms) {
     Moments<V> sum = no_moments<V>();
     V lost = zero;
     if (some(closed))
-      sum = section_moments(part, plane, side, polygon, all, most, terms.flat, closed, directions, inside,
-                            lost);
+      sum = section_moments(part, plane, side, polygon, all, most, terms.flat, closed, whole, directions,
+                            inside, lost);
     sum.area = choose(whole, all.area, sum.area);
     sum.area_x = choose(whole, all.area_x, sum.area_x);
     sum.area_y = choose(whole, all.area_y, sum.area_y);

@@ -49,6 +49,9 @@ void set_hull(const RoundHull& hull, KindTerms& terms) {
   terms.second = hull.is_sphere() ? kFar : hull.length + hull.sine * hull.radius2;
   terms.flat = hull.is_sphere() ? 0 : hull.is_cone() ? kFlatCosineCone : kFlatCosine;
   terms.slanted = hull.sine + kSteep * hull.cosine;
+  terms.radius1 = hull.radius1;
+  terms.sine = hull.sine;
+  terms.cosine = hull.cosine;
 }
 
 RoundKind kind_of(const FieldKernels& kernels, const RoundHull& hull, const Corners& at) {

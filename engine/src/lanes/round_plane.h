@@ -78,7 +78,6 @@ inline auto look(const RoundPart<V>& part, Wide3<V> axis, Wide3<V> a, Wide3<V> b
     across = choose(slanted, side, across);
   }
   // Rounding tilts a short vector out of the plane; one projection puts it back.
-  across = one_over(root(dot(across, across))) * across;
   across = across - dot(across, plane.n) * plane.n;
   plane.v = one_over(root(dot(across, across))) * across;
   plane.u = cross(plane.v, plane.n);
