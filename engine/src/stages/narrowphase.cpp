@@ -341,11 +341,11 @@ bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3
 
 std::uint32_t find_contacts(const Model& model, const Primitives& hand,
                             std::span<const std::uint64_t> candidates, std::span<Contact> contacts) {
+  if (candidates.empty()) return 0;
   const FieldKernels& kernels = field_kernels(model.execution.isa);
-  std::array<RoundHull, Primitives::kMaxCount> hulls;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i) {
-    if (suits_lanes(hand.primitive[i])) hulls[i] = round_hull(hand.primitive[i]);
-  }
+  FixedList<RoundHull, Primitives::kMaxCount> hulls;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i)
+    hulls.push_back(suits_lanes(hand.primitive[i]) ? round_hull(hand.primitive[i]) : RoundHull{});
   const std::uint32_t threads = candidates.size() < kSerialBelow ? 1 : model.execution.threads;
   parallel_chunks(candidates.size(), kChunk, threads, [&](std::size_t next, std::size_t last) {
     while (next < last) {
