@@ -15,7 +15,7 @@ namespace lumbrical {
 struct OwnCuts {
   std::uint32_t slot = 0;
   std::array<HalfSpace, 2> cut{};
-  BulgeMoments bulge;              ///< what the tile gains beyond cuts that are chords
+  BulgeMoments bulge{};            ///< what the tile gains beyond cuts that are chords
   std::array<double, 2> height{};  ///< [m] no farther from its chord each border is: towards the wrist, away
   bool clear = true;               ///< false: not for the lanes
 };

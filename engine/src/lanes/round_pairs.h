@@ -2,7 +2,6 @@
 // cone_slivers.h) and out of them.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <span>
 
@@ -45,11 +44,8 @@ struct RoundKind {
   bool sphere = false, cone = false;
   RoundZone zone = RoundZone::first_end;
   [[nodiscard]] constexpr std::uint8_t number() const {
-    return static_cast<std::uint8_t>((sphere ? 0
-                                      : cone ? 2
-                                             : 1) *
-                                         kRoundZones +
-                                     static_cast<std::size_t>(zone));
+    const std::size_t shape = sphere ? 0 : cone ? 2 : 1;
+    return static_cast<std::uint8_t>(shape * kRoundZones + static_cast<std::size_t>(zone));
   }
 };
 constexpr RoundKind round_kind(std::size_t number) {

@@ -3,6 +3,7 @@
 // thread with it shows.
 #include "stages/narrowphase.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 
@@ -61,11 +62,6 @@ struct Work {
 
 // ---- 1. Every pair onto the list of its way ----
 
-void add_own(std::uint32_t slot, const std::array<HalfSpace, 2>& cut, const BulgeMoments& bulge, Work& work) {
-  work.own_of[slot] = static_cast<std::int16_t>(work.own.size());
-  work.own.push_back({slot, cut, bulge});
-}
-
 // A pair of a tile with a triangle that others may have a share of.
 void sort_shared(std::uint32_t slot, const Corners& at, const TileBorders& near, Work& work) {
   const Primitive& tile = work.pairs.primitive(slot);
@@ -75,19 +71,16 @@ void sort_shared(std::uint32_t slot, const Corners& at, const TileBorders& near,
     work.alone.push_back(slot);
     return;
   }
-  add_own(slot, cuts.cut, {}, work);
-  const bool crossed = cuts.crossing[0].exists || cuts.crossing[1].exists;
-  if (!crossed) {
-    work.round.push_back(slot);
-    return;
-  }
-  work.crossed.push_back(slot);
-  work.own.back().bulge.base = work.hull(slot).origin;
-  const auto own = static_cast<std::uint32_t>(work.own.size() - 1);
+  const auto own = static_cast<std::uint32_t>(work.own.size());
+  work.own_of[slot] = static_cast<std::int16_t>(own);
+  work.own.push_back({slot, cuts.cut}).bulge.base = work.hull(slot).origin;
+  bool crossed = false;
   for (const bool outer : {false, true}) {
     const BorderCrossing& crossing = cuts.crossing[outer];
     if (crossing.exists) work.ways.push_back({own, outer, crossing.from, crossing.to});
+    crossed = crossed || crossing.exists;
   }
+  (crossed ? work.crossed : work.round).push_back(slot);
 }
 
 // Where a border is to be looked at more closely.
@@ -239,9 +232,10 @@ void collide_slabs(Work& work) {
 // ---- 4. What is missing of contacts is added in their slots ----
 
 void add_bulges(Work& work) {
-  for (const OwnCuts& own : work.own) {
-    Contact& contact = work.pairs.contact[own.slot];
-    if (contact.area > 0) add_bulge(own.bulge, contact);
+  for (const std::uint32_t slot : work.crossed) {
+    Contact& contact = work.pairs.contact[slot];
+    const OwnCuts* const own = work.own_cuts(slot);
+    if (own != nullptr && contact.area > 0) add_bulge(own->bulge, contact);
   }
 }
 
