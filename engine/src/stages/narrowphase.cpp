@@ -37,10 +37,10 @@ struct Work {
   PairSlots pairs;
   std::span<const RoundHull> hulls;  // of the primitives that suit the lanes
   double point_area;                 // [m^2] Settings::point_area
-  // By slot, of round pairs: the triangle seen from the hull's origin, the kind, and which cuts it has in the
-  // place of its tile's.
+  // By slot, of round pairs: the triangle seen from the hull's origin, which hull, the kind, and which cuts
+  // it has in the place of its tile's.
   std::byte at[kMostPairs][sizeof(Corners)];  // not initialised
-  std::array<std::uint8_t, kMostPairs> kind;
+  std::array<std::uint8_t, kMostPairs> hull_of, kind;
   std::array<std::int16_t, kMostPairs> own_of;
   std::array<int, RoundKind::kCount> cut_count{};  // the most of any pair of a kind
   FixedList<OwnCuts, kMostOwn> own;
@@ -49,9 +49,7 @@ struct Work {
 
   Work(const PairSlots& slots, std::span<const RoundHull> of_primitives, double area)
       : pairs(slots), hulls(of_primitives), point_area(area) {}
-  [[nodiscard]] const RoundHull& hull(std::uint32_t slot) const {
-    return hulls[pairs.contact[slot].primitive];
-  }
+  [[nodiscard]] const RoundHull& hull(std::uint32_t slot) const { return hulls[hull_of[slot]]; }
   [[nodiscard]] std::uint32_t slot_of(const Contact& contact) const {
     return static_cast<std::uint32_t>(&contact - pairs.contact.data());
   }
@@ -93,8 +91,9 @@ void set_border(const JointBorder& border, Vec3 origin, KindTerms::Border& terms
 // Pairs of one round primitive, no more at a time than the terms hold.
 void sort_round(std::span<const Contact> contacts, Work& work) {
   const Primitives& hand = work.pairs.hand;
-  const Primitive& primitive = hand.primitive[contacts[0].primitive];
-  const RoundHull& hull = work.hulls[contacts[0].primitive];
+  const auto index = static_cast<std::uint8_t>(contacts[0].primitive);
+  const Primitive& primitive = hand.primitive[index];
+  const RoundHull& hull = work.hulls[index];
   RoundKind kind{hull.is_sphere(), hull.is_cone()};
   KindTerms terms;
   set_hull(hull, terms);
@@ -113,6 +112,7 @@ void sort_round(std::span<const Contact> contacts, Work& work) {
     kind.zone = static_cast<RoundZone>(from.zone[k]);
     const std::uint8_t number = kind.number();
     work.kind[slot] = number;
+    work.hull_of[slot] = index;
     work.cut_count[number] = std::max(work.cut_count[number], hull.cut_count);
     if (from.near[0][k] != 0 || from.near[1][k] != 0 || folded) {
       const Corners at = work.pairs.corners(slot);
