@@ -121,7 +121,8 @@ void set_polygon(const RoundTerms& terms, const RoundPart<V>& part, const RoundP
   for (std::size_t i = 0; i < 3; ++i) polygon.edge[i] = {flat[i], flat[(i + 1) % 3]};
   if (terms.cut_count == 0) return;
   Excess<V> excess[Polygon<V>::kMost];
-  const V tiny = number<V>(16) * rounding<V>() * part.radius1;
+  int crossing = 0;  // cuts that some lane has anything beyond
+  const V zero = number<V>(0), tiny = number<V>(16) * rounding<V>() * part.radius1;
   for (int cut = 0; cut < terms.cut_count; ++cut) {
     V f[3];
     const Wide3<V> normal = vector_at<V>(terms.cut_normal[cut], lane);
@@ -131,12 +132,18 @@ void set_polygon(const RoundTerms& terms, const RoundPart<V>& part, const RoundP
     const auto within = both(magnitude(f[0]) <= tiny, both(magnitude(f[1]) <= tiny, magnitude(f[2]) <= tiny));
     const V verdict = dot(normal, plane.n);
     for (V& value : f) value = choose(within, verdict, value);
+    const auto crosses = either(f[0] > zero, either(f[1] > zero, f[2] > zero));
+    if (!some(crosses)) continue;
+    // All of a triangle that the cut misses is kept, whatever rounding does along its edges: its register may
+    // or may not come here.
+    for (V& value : f) value = choose(crosses, value, number<V>(-1));
     for (std::size_t i = 0; i < 3; ++i) {
-      excess[i].p[cut] = f[i];
-      excess[i].q[cut] = f[(i + 1) % 3];
+      excess[i].p[crossing] = f[i];
+      excess[i].q[crossing] = f[(i + 1) % 3];
     }
+    ++crossing;
   }
-  for (int cut = 0; cut < terms.cut_count; ++cut) remove_beyond(cut, terms.cut_count, polygon, excess);
+  for (int cut = 0; cut < crossing; ++cut) remove_beyond(cut, crossing, polygon, excess);
 }
 
 // Parts a polygon at x = border. Corners no farther above it than this share of R are below: of an edge along
