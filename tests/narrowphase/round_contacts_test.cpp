@@ -2,10 +2,14 @@
 // path, and instruction sets against each other.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <vector>
 
+#include "lanes/round_pairs.h"
+#include "lanes/through_lanes.h"
 #include "mesh_world.h"
 #include "random.h"
 #include "stages/narrowphase.h"
@@ -193,6 +197,71 @@ TEST(RoundContacts, OfATriangleBetweenTwoTilesCountOnce) {
       felt += collide(part, {}, a, turned ? c : b, turned ? b : c, boundary, contact) ? 1 : 0;
     }
     EXPECT_EQ(felt, 1);
+  }
+}
+
+// Pairs of one kind through a kernel, a group at a time; of each what is found.
+std::vector<Contact> through(void (*kernel)(RoundTerms&), RoundKind kind, std::span<const Pair> pairs,
+                             std::vector<double>& status) {
+  std::vector<Contact> contacts;
+  status.clear();
+  int cut_count = 0;
+  for (const Pair& pair : pairs) cut_count = std::max<int>(cut_count, pair.primitive.cut_count);
+  const auto terms = std::make_unique<RoundTerms>();
+  set_kind(kind, cut_count, *terms);
+  through_lanes(
+      pairs, *terms, kernel,
+      [](const Pair& pair, std::size_t k, RoundTerms& to) {
+        const RoundHull hull = round_hull(pair.primitive);
+        put_pair(hull, seen_from(hull.origin, Corners{pair.a, pair.b, pair.c}),
+                 std::span(hull.cut).first(static_cast<std::size_t>(hull.cut_count)), k, to);
+      },
+      [&](const Pair&, std::size_t k, const RoundTerms& from) {
+        status.push_back(from.status[k]);
+        read_contact(from, k, {}, contacts.emplace_back());
+      });
+  return contacts;
+}
+
+// A register takes the way of all its pairs, and none may show another's. Returns what became of each pair.
+std::vector<double> expect_same_alone(void (*FieldKernels::*kernel)(RoundTerms&), RoundKind kind,
+                                      std::span<const Pair> pairs) {
+  std::vector<double> status, alone_status;
+  const std::vector<Contact> contacts = through(field_kernels(widest_isa()).*kernel, kind, pairs, status);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Contact alone =
+        through(field_kernels(Isa::scalar).*kernel, kind, pairs.subspan(i, 1), alone_status)[0];
+    EXPECT_EQ(status[i], alone_status[0]) << i;
+    const bool found = status[i] == kContact || status[i] == kSlivers;
+    const bool sliver = kernel == &FieldKernels::cone_slivers;
+    EXPECT_TRUE(!found || (alone.volume == contacts[i].volume && alone.centre == contacts[i].centre)) << i;
+    EXPECT_TRUE(!found || sliver || std::memcmp(&alone, &contacts[i], sizeof alone) == 0) << i;
+  }
+  return status;
+}
+
+TEST(RoundContacts, AreTheSameWhateverSharesTheirRegister) {
+  Random random(41);
+  for (const bool flat : {false, true}) {
+    for (int shape = 1; shape < 3; ++shape) {
+      std::vector<Pair> pairs;
+      while (pairs.size() < 1000) {
+        const Pair pair = flat ? flat_pair(random, shape) : any_pair(random, shape);
+        const RoundHull hull = round_hull(pair.primitive);
+        const Corners at = seen_from(hull.origin, Corners{pair.a, pair.b, pair.c});
+        if ((kind_of(field_kernels(Isa::scalar), hull, at).zone == RoundZone::flat) == flat)
+          pairs.push_back(pair);
+      }
+      const RoundKind kind{false, shape == 2, flat ? RoundZone::flat : RoundZone::inner};
+      const std::vector<double> status = expect_same_alone(&FieldKernels::round_contacts, kind, pairs);
+      std::vector<Pair> slivers;
+      for (std::size_t i = 0; i < pairs.size(); ++i) {
+        if (status[i] == kSlivers) slivers.push_back(pairs[i]);
+      }
+      EXPECT_GT(std::count(status.begin(), status.end(), kContact), 100);
+      EXPECT_TRUE(shape == 1 || slivers.size() > 50);
+      expect_same_alone(&FieldKernels::cone_slivers, kind, slivers);
+    }
   }
 }
 
