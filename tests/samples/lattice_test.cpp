@@ -111,15 +111,9 @@ TEST(Lattice, IntegratesPositiveQuadraticFunctionsExactly) {
     };
     // Means of 1, u, u^2, u v, ... over the triangle: 2 i! j! / (i + j + 2)!
     const double mean = k[0] + (k[1] + k[2]) / 3 + (k[3] + k[5]) / 6 + k[4] / 12;
-    struct Plane {
-      struct Point {
-        float u, v;
-      };
-      [[nodiscard]] Point at(float u, float v) const { return {u, v}; }
-    };
-    for (const std::size_t steps : {1, 2, 3, 4, 6, 8}) {
+    for (const std::size_t steps : {1, 2, 3, 4, 5, 6, 8, 14}) {
       const LatticeMoments<float> m = scalar::lattice_moments<float>(
-          Plane{}, steps, [&](Plane::Point p) { return static_cast<float>(f(p.u, p.v)); });
+          steps, [](float u) { return u; }, [&](float u, float v) { return static_cast<float>(f(u, v)); });
       EXPECT_NEAR(m.sum, mean, 5e-6) << steps;
     }
   }
@@ -129,32 +123,41 @@ TEST(Lattice, IntegratesPositiveQuadraticFunctionsExactly) {
 
 constexpr double kRadius = 0.008;
 
-// Sixteen patches in a block, of which any may be used.
+// Sixteen patches, of which any may be used.
 struct Patches16 {
-  PatchBlock block{};
-  std::array<std::uint32_t, PatchBlock::kWidth> places{};
+  std::array<PatchShape, PatchBlock::kWidth> shapes{};
+  std::array<ListedPatch, PatchBlock::kWidth> listed{};
   std::array<std::array<Vec3, 3>, PatchBlock::kWidth> corners{};
-  [[nodiscard]] PatchList list(Vec3 origin) const { return {&block, places.data(), places.size(), origin}; }
+  // Of the bodies whose tiles they are listed for; unlike tests' frames, whose origin is W's.
+  std::array<SplitPoint, 2> origins{};
+  [[nodiscard]] PatchList list() const {
+    return {shapes.data(), listed.data(), listed.size(), origins.data()};
+  }
+  [[nodiscard]] PatchList list(Vec3 origin) {
+    origins[0] = split_point(origin);
+    return list();
+  }
 };
 Patches16 patches_near(Random& random, Vec3 middle, double spread, double size) {
   Patches16 patches;
   for (std::uint32_t lane = 0; lane < PatchBlock::kWidth; ++lane) {
-    patches.places[lane] = lane;
+    patches.listed[lane] = {lane, 0};
     auto& [a, b, c] = patches.corners[lane];
     a = middle + random.in_box(spread);
     b = a + size * random.direction();
     c = a + size * random.direction();
     const double at[3] = {a.x, a.y, a.z};
+    PatchShape& shape = patches.shapes[lane];
+    const Vec3 edges[2] = {b - a, c - a};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto [high, low] = split_number(at[axis]);
-      patches.block.corner[0][axis][lane] = high;
-      patches.block.corner[1][axis][lane] = low;
+      shape.corner[0][axis] = high;
+      shape.corner[1][axis] = low;
     }
-    const Vec3 edges[2] = {b - a, c - a};
     for (std::size_t k = 0; k < 2; ++k) {
-      patches.block.edge[k][0][lane] = static_cast<float>(edges[k].x);
-      patches.block.edge[k][1][lane] = static_cast<float>(edges[k].y);
-      patches.block.edge[k][2][lane] = static_cast<float>(edges[k].z);
+      shape.edge[k][0] = static_cast<float>(edges[k].x);
+      shape.edge[k][1] = static_cast<float>(edges[k].y);
+      shape.edge[k][2] = static_cast<float>(edges[k].z);
     }
   }
   return patches;
@@ -238,6 +241,14 @@ Frame frame_along(Vec3 origin, Vec3 x) {
   return {origin, {x, y, cross(x, y)}};
 }
 
+FingerBody finger_of(std::initializer_list<TileFrame> tiles, const JointSides& sides = {}) {
+  FingerBody finger;
+  finger.tile_count = tiles.size();
+  std::copy(tiles.begin(), tiles.end(), finger.tile);
+  finger.joint[0] = sides;
+  return finger;
+}
+
 // The depth in the hull of two spheres: the deepest of the spheres between them, by search along the axis.
 double depth_in_hull(double length, double radius, double end_radius, Vec3 p) {
   const auto depth = [&](double t) {
@@ -266,8 +277,9 @@ TEST(SampleKernels, ATilesFieldIsTheDepthInTheHullOfTwoSpheres) {
     const double length = random.between(0.4, 4) * kRadius, end = random.between(0.65, 1) * kRadius;
     const TileFrame tile = tile_of(frame_along({}, {1, 0, 0}), length, end);
     const Vec3 p = random.in_box(1.5 * kRadius) + Vec3{random.between(0, 1) * length, 0, 0};
-    const float depth = scalar::tile_field<float>(
-        tile, {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+    const float depth =
+        scalar::tile_field<float>(scalar::numbers_of<float>(tile),
+                                  {static_cast<float>(p.x), static_cast<float>(p.y * p.y + p.z * p.z)});
     EXPECT_NEAR(depth, depth_in_hull(length, kRadius, end, p), 3e-7 * (kRadius + length));
   }
 }
@@ -279,7 +291,7 @@ TEST(SampleKernels, LatticesOfATileApproachItsIntegral) {
   for (int round = 0; round < 12; ++round) {
     const double length = random.between(0.6, 4) * kRadius, end = random.between(0.7, 1) * kRadius;
     const Frame frame = frame_along(random.in_box(0.05), random.direction());
-    const TileFrame tile = tile_of(frame, length, end);
+    const FingerBody finger = finger_of({tile_of(frame, length, end)});
     const Vec3 middle = frame.origin + random.between(-0.3, 1.3) * length * frame.axis[0];
     const double size = 0.6 * kRadius;
     const Patches16 patches = patches_near(random, middle, 0.7 * kRadius, size);
@@ -288,12 +300,67 @@ TEST(SampleKernels, LatticesOfATileApproachItsIntegral) {
     const std::size_t steps[2] = {4, 8};
     for (std::size_t k = 0; k < 2; ++k) {
       BodySums sums = sums_of_zero();
-      scalar::kSampleKernels.tile_lattice(patches.list({}), tile, TilePart::whole, steps[k], sums);
+      scalar::kSampleKernels.tile_lattice(patches.list(), &finger, TilePart::whole, steps[k], {&sums, 1});
       error[k] += norm(felt(sums).force - right.force);
       expect_near(felt(sums), right, (k == 0 ? 1e-3 : 2e-4) * size * size * kRadius, "tile");
     }
   }
   EXPECT_LT(error[1], 0.5 * error[0]);
+}
+
+// Kernels for a part of a tile find what the whole tile's does, where only that part is near.
+TEST(SampleKernels, PartsOfATileFindWhatTheWholeTileDoes) {
+  Random random(37);
+  for (int round = 0; round < 60; ++round) {
+    const double length = 4 * kRadius, end = random.between(0.7, 1) * kRadius, size = 0.6 * kRadius;
+    const Frame frame = frame_along(random.in_box(0.05), random.direction());
+    const FingerBody finger = finger_of({tile_of(frame, length, end)});
+    const int part = round % 3;  // near end, side, far end
+    const double along = part == 0 ? -1.2 * kRadius : part == 1 ? 0.5 * length : length + 1.2 * kRadius;
+    const double aside = part == 1 ? 0.7 * kRadius : 0.2 * kRadius;
+    Patches16 patches = patches_near(random, frame.origin + along * frame.axis[0] + aside * frame.axis[1],
+                                     0.3 * kRadius, size);
+    BodySums whole = sums_of_zero(), its = sums_of_zero();
+    scalar::kSampleKernels.tile_lattice(patches.list(), &finger, TilePart::whole, 5, {&whole, 1});
+    for (ListedPatch& patch : patches.listed) patch.tile = part == 2 ? ListedPatch::kFarEnd : 0;
+    scalar::kSampleKernels.tile_lattice(patches.list(), &finger, part == 1 ? TilePart::side : TilePart::end,
+                                        5, {&its, 1});
+    EXPECT_GT(norm(felt(whole).force), 0);
+    expect_near(felt(its), felt(whole), 3e-6 * size * size * kRadius, "part");
+  }
+}
+
+// A row may hold patches of several tiles; each of those feels what it would feel alone, to the last bit.
+TEST(SampleKernels, ARowOfSeveralTilesFeelsWhatEachFeelsAlone) {
+  Random random(41);
+  const auto make_finger = [&] {
+    const Frame one = frame_along(random.in_box(0.01), random.direction());
+    const Frame other = frame_along(one.origin + 2 * kRadius * one.axis[0], random.direction());
+    return finger_of({tile_of(one, 2 * kRadius, 0.8 * kRadius), tile_of(other, 2 * kRadius, 0.7 * kRadius)},
+                     {1, static_cast<float>(2 * kRadius), 1, 0});
+  };
+  const FingerBody fingers[] = {make_finger(), make_finger()};
+  Patches16 patches = patches_near(random, {}, 0.01, 0.01);
+  patches.origins[1] = split_point({0.002, -0.001, 0.0005});
+  const std::uint32_t tiles[] = {0, 1, Bodies::kTilesApart, Bodies::kTilesApart + 1};
+  for (std::size_t i = 0; i < patches.listed.size(); ++i) patches.listed[i].tile = tiles[i / 4];
+  std::vector<BodySums> together(8, sums_of_zero()), alone(8, sums_of_zero());
+  const auto run = [&](const PatchList& list, std::vector<BodySums>& sums) {
+    for (const TilePart part : {TilePart::whole, TilePart::side, TilePart::end})
+      scalar::kSampleKernels.tile_lattice(list, fingers, part, 3, {sums.data(), ~std::uint64_t{0}});
+  };
+  run(patches.list(), together);
+  for (std::size_t i = 0; i < 4; ++i) {
+    PatchList list = patches.list();
+    list.patches += 4 * i;
+    list.count = 4;
+    run(list, alone);
+  }
+  for (const std::uint32_t tile : tiles) {
+    EXPECT_GT(norm(felt(together[tile]).force), 0);
+    EXPECT_EQ(norm(felt(together[tile]).force - felt(alone[tile]).force), 0);
+    EXPECT_EQ(norm(felt(together[tile]).moment - felt(alone[tile]).moment), 0);
+  }
 }
 
 // ---- The palm ----
@@ -332,7 +399,7 @@ TEST(SampleKernels, LatticesOfThePalmApproachItsIntegral) {
     const double u = random.between(-1.2, 1.2) * half_x, v = random.between(-1.2, 1.2) * half_y;
     const Vec3 middle = frame.origin + u * frame.axis[0] + v * frame.axis[1] + kRadius * frame.axis[2];
     const double size = 0.6 * kRadius;
-    const Patches16 patches = patches_near(random, middle, 0.5 * kRadius, size);
+    Patches16 patches = patches_near(random, middle, 0.5 * kRadius, size);
     const Felt right = integral(patches, frame, depth, kWhole);
     const std::size_t steps[2] = {4, 8};
     for (std::size_t k = 0; k < 2; ++k) {
@@ -351,7 +418,7 @@ TEST(SampleKernels, OneSideOfThePalmIsExact) {
     const PalmBody palm = palm_of(frame, 6 * kRadius, 6 * kRadius);
     const double side = round % 2 == 0 ? 1 : -1, size = 0.4 * kRadius;
     const Vec3 middle = frame.origin + side * kRadius * frame.axis[2];
-    const Patches16 patches = patches_near(random, middle, 0.3 * kRadius, size);
+    Patches16 patches = patches_near(random, middle, 0.3 * kRadius, size);
     const Felt right = integral(
         patches, frame, [](Vec3 p) { return kRadius - std::fabs(p.z); }, kWhole);
     BodySums sums = sums_of_zero();
@@ -370,13 +437,13 @@ TEST(SampleKernels, TilesThatFollowEachOtherShareOutTheirUnion) {
     const double length = random.between(1, 3) * kRadius;
     const Vec3 axis = random.direction(), joint = random.in_box(0.05);
     const Frame inner = frame_along(joint - length * axis, axis), outer = frame_along(joint, axis);
-    const TileFrame tiles[] = {tile_of(inner, length, kRadius), tile_of(outer, length, kRadius)};
-    const JointSides sides{-1, static_cast<float>(length), 1, 0};
+    const FingerBody finger = finger_of({tile_of(inner, length, kRadius), tile_of(outer, length, kRadius)},
+                                        {-1, static_cast<float>(length), 1, 0});
     const double size = 0.5 * kRadius;
     const Patches16 patches = patches_near(random, joint, 0.6 * kRadius, size);
     BodySums sums[2] = {sums_of_zero(), sums_of_zero()}, one[2] = {sums_of_zero(), sums_of_zero()};
-    scalar::kSampleKernels.joint_lattice(patches.list({}), tiles, &sides, 8, 3, sums);
-    scalar::kSampleKernels.joint_lattice(patches.list({}), tiles, &sides, 8, 2, one);
+    scalar::kSampleKernels.joint_lattice(patches.list(), &finger, 8, {sums, 3});
+    scalar::kSampleKernels.joint_lattice(patches.list(), &finger, 8, {one, 2});
     const auto depth = [&](Vec3 p) { return depth_in_hull(2 * length, kRadius, kRadius, p); };
     const Felt right = integral(patches, inner, depth, kWhole);
     const Felt beyond = integral(patches, inner, depth, [&](Vec3 p) { return p.x > length ? 1.0 : 0.0; });

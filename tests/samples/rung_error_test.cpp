@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "lumbrical/motion.h"
+#include "lumbrical/shapes.h"
 #include "mesh_world.h"
 #include "pressed_hand.h"
 #include "sampled_hand.h"
@@ -130,6 +132,33 @@ Trial without_palm() {
   return trial;
 }
 
+// Closed round something, as the built-in motion does: deep, from all sides, with bent fingers.
+Trial in_grasp(const std::string& name, Mesh mesh, double radius, double height) {
+  Trial trial{name, sampled_scene(right_hand(), {{"mesh", std::move(mesh)}}), {}};
+  const Motion motion = make_grasp(trial.scene.hand, radius, height, 6);
+  for (int i = 0; i < kPoses; ++i) trial.frames.push_back(resample(motion, 6 * (i + 0.5) / kPoses));
+  trial.precisions = {1e-3, 1e-4};
+  return trial;
+}
+
+Mesh raised(Mesh mesh, double height) {
+  move(mesh, {0, 0, height});
+  return mesh;
+}
+
+// Long and thin, along the fingers and across.
+Mesh stretched(Mesh mesh, double along) {
+  for (Vec3& vertex : mesh.vertices) vertex.y *= along;
+  return mesh;
+}
+
+// Side by side, and so off the same way: at 1e-5 they are so by four times that.
+Trial on_needles() {
+  Trial trial = on_mesh("needles", right_hand(), stretched(make_plane(0.03, 40, 0.5, 8), 10), {}, 13);
+  trial.precisions = {1e-3, 1e-4};
+  return trial;
+}
+
 std::vector<Trial> all_trials() {
   return {on_field("drape 162", 9, true, 1),
           on_field("drape 1682", 29, true, 2),
@@ -141,7 +170,11 @@ std::vector<Trial> all_trials() {
           far_away(),
           without_joints(),
           without_palm(),
-          on_tiny_triangles()};
+          on_tiny_triangles(),
+          on_needles(),
+          in_grasp("mug", make_mug({}), 0.037, 0.095),
+          in_grasp("box", raised(make_box({0.07, 0.07, 0.095}, 1), 0.0475), 0.037, 0.095),
+          in_grasp("sphere", raised(make_sphere(0.045, 24), 0.0475), 0.037, 0.095)};
 }
 
 // Errors of one rung over a trial's poses, as shares.

@@ -1,6 +1,7 @@
 #include "index/patches.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -13,18 +14,22 @@
 namespace lumbrical {
 namespace {
 
-// [R] Longest step of a lattice at a precision of 1e-4 of the hand's force, for the last phalanx of a finger,
-// which often is alone in touching, and for the others, whose errors average out. Measured:
-// docs/mechanics.md; a user measures his own scene with `lumbrical run --compare-precision`. The error falls
-// with the step's fourth power.
-constexpr double kTipStep = 0.19, kStep = 0.30;
+// [R] Longest steps of the lattices at a precision of 1e-4 of the hand's force, from the coarsest level to
+// the finest: of the last phalanx of a finger and of the palm, which often are alone in touching lightly, and
+// of the others. Measured: docs/mechanics.md; a user measures his own scene with `lumbrical run
+// --compare-precision`. The error falls with the step's fourth power.
+constexpr std::array<double, kLevels> kAloneStep = {0.42, 0.31, 0.16}, kStep = {0.42, 0.31, 0.25};
 
 // [R] Largest radius of a block that is taken as one at a precision of 1e-4; the error falls with its third
 // power.
 constexpr double kBlockRadius = 0.45;
 
-// A triangle cut into more than the square of this is left to the exact rung.
-constexpr std::uint32_t kMostCuts = 16;
+// Slivers are cut into patches no longer than so many times their width, or so many steps of the finest
+// lattice.
+constexpr double kSliver = 3, kSliverSteps = 3, kFinerSlivers = 2.2;
+
+// A triangle that has to be halved more often in a row is left to the exact rung.
+constexpr unsigned kMostHalvings = 8;
 
 // Patches there may be beside one per triangle: about a quarter of a gigabyte.
 constexpr std::size_t kSparePatches = std::size_t{1} << 22;
@@ -44,34 +49,78 @@ double radius_of(const Hand& hand, std::size_t segment) {
   return min(hand.radius[base], hand.radius[tip]);
 }
 
-double step_of(const Hand& hand, const Settings& settings, std::size_t segment) {
+double step_of(const Hand& hand, const Settings& settings, std::size_t segment, std::size_t level) {
   const double share = std::sqrt(std::sqrt(settings.precision[segment] / 1e-4));
-  const bool is_tip = segment != kPalmSegment && segment % 3 == 2;
-  return (is_tip ? kTipStep : kStep) * share * radius_of(hand, segment);
+  const bool is_alone = segment == kPalmSegment || segment % 3 == 2;
+  return (is_alone ? kAloneStep : kStep)[level] * share * radius_of(hand, segment);
 }
 
 double block_radius_of(const Hand& hand, const Settings& settings, std::size_t segment) {
-  return kBlockRadius * cube_root(settings.precision[segment] / 1e-4) * radius_of(hand, segment);
+  // Above the palm fields are linear, and forces exact whatever the block's size.
+  const double share = segment == kPalmSegment ? 2 : kBlockRadius;
+  return share * cube_root(settings.precision[segment] / 1e-4) * radius_of(hand, segment);
 }
 
-std::size_t class_for(double steps) {
-  std::size_t k = 0;
-  while (k + 1 < kPatchSizes && kLatticeSteps[k] < steps) ++k;
-  return k;
+// As many as keep cells within an eighth of what is asked for.
+std::uint8_t steps_for(double steps) {
+  return static_cast<std::uint8_t>(max(1, std::ceil(steps - 0.125 * min(steps, 2))));
 }
 
-// [m] The longest edge, but for slivers: of those many lie side by side, and their errors average out.
-double size_of(const Corners& at) {
+double longest_edge(const Corners& at) {
   const Vec3 ab = at.b - at.a, ac = at.c - at.a, bc = at.c - at.b;
-  const double longest = std::sqrt(max(dot(ab, ab), max(dot(ac, ac), dot(bc, bc))));
-  const double width = std::sqrt(2 * norm(cross(ab, ac)));
-  return std::sqrt(longest * width);
+  return std::sqrt(max(dot(ab, ab), max(dot(ac, ac), dot(bc, bc))));
 }
 
-// Into how many rows a triangle is cut.
-std::uint32_t cuts_of(const Corners& at, double step) {
-  const double cuts = std::ceil(size_of(at) / (step * kLatticeSteps.back()));
-  return static_cast<std::uint32_t>(clamp(cuts, 1, 1e6));
+double width_of(const Corners& at) { return norm(cross(at.b - at.a, at.c - at.a)) / longest_edge(at); }
+
+// [m] The longest edge a patch may have: slivers are made short, since a lattice has as many steps across
+// as along.
+double length_allowed(const Corners& at, double step) {
+  return clamp(kSliver * width_of(at), kSliverSteps * step, static_cast<double>(kPatchSizes) * step);
+}
+
+// How many steps of the finest lattice a patch is long. Slivers lie side by side and are all off the same
+// way, so they get finer ones.
+double steps_along(const Corners& at, double step) {
+  const double longest = longest_edge(at);
+  return longest / step * clamp(longest / (kSliver * width_of(at)), 1, kFinerSlivers);
+}
+
+// The half of a triangle cut at the middle of its longest edge.
+Corners half_of(const Corners& at, bool second) {
+  const auto square = [](Vec3 p, Vec3 q) { return dot(q - p, q - p); };
+  const double ab = square(at.a, at.b), bc = square(at.b, at.c), ca = square(at.c, at.a);
+  const auto halve = [second](Vec3 p, Vec3 q, Vec3 apex) {
+    const Vec3 middle = p + 0.5 * (q - p);
+    return second ? Corners{middle, q, apex} : Corners{p, middle, apex};
+  };
+  if (ab >= bc && ab >= ca) return halve(at.a, at.b, at.c);
+  return bc >= ca ? halve(at.b, at.c, at.a) : halve(at.c, at.a, at.b);
+}
+
+// Into how many patches a triangle is cut; 0: it would have to be halved more often than `most` times in a
+// row.
+std::size_t count_parts(const Corners& at, double step, unsigned most) {
+  if (!(longest_edge(at) > length_allowed(at, step))) return 1;
+  if (most == 0) return 0;
+  const std::size_t first = count_parts(half_of(at, false), step, most - 1),
+                    second = first > 0 ? count_parts(half_of(at, true), step, most - 1) : 0;
+  return second > 0 ? first + second : 0;
+}
+
+// Calls take(path) for every one of them: from a leading 1 on a bit for every halving, which half it is.
+template <class Take>
+void cut_triangle(const Corners& at, double step, std::uint16_t path, const Take& take) {
+  if (!(longest_edge(at) > length_allowed(at, step))) return take(path);
+  const auto twice = static_cast<std::uint16_t>(2 * path);
+  cut_triangle(half_of(at, false), step, twice, take);
+  cut_triangle(half_of(at, true), step, static_cast<std::uint16_t>(twice + 1), take);
+}
+
+Corners part_at(Corners at, std::uint16_t path) {
+  for (int bit = static_cast<int>(std::bit_width(path)) - 2; bit >= 0; --bit)
+    at = half_of(at, (path >> bit & 1u) != 0);
+  return at;
 }
 
 bool has_area(const Corners& at) {
@@ -79,40 +128,21 @@ bool has_area(const Corners& at) {
   return area > 0 && is_finite(area);
 }
 
-// Part `part` of `cuts` squared: rows parallel to the edge across from the first corner, from there on.
-Corners part_of(const Corners& at, std::uint32_t cuts, std::uint32_t part) {
-  std::uint32_t row = 0;
-  while ((row + 1) * (row + 1) <= part) ++row;
-  const std::uint32_t place = part - row * row, across = place / 2;
-  const bool upside_down = place % 2 != 0;
-  const double i = row - across, j = across + (upside_down ? 1 : 0),
-               share = (upside_down ? -1.0 : 1.0) / cuts;
-  const Vec3 ab = at.b - at.a, ac = at.c - at.a;
-  const Vec3 corner = at.a + (i / cuts) * ab + (j / cuts) * ac;
-  return {corner, corner + share * ab, corner + share * ac};
-}
-
 /// What becomes of the triangles.
 struct Cutting {
-  double step = 0;          // [m] the finest there is
-  double block_radius = 0;  // [m] of the largest block that is taken as one
-  std::uint32_t most_cuts = kMostCuts;
+  double step = 0;                   // [m] the finest there is
   std::vector<std::uint32_t> owner;  // of each patch
-  std::vector<std::uint8_t> part;    // of its triangle, of each patch
+  std::vector<std::uint16_t> path;   // to it, of each patch
 };
 
-std::size_t count_patches(const Triangles& triangles, double step, std::uint32_t most_cuts,
-                          std::size_t threads) {
+std::size_t count_patches(const Triangles& triangles, double step, unsigned most, std::size_t threads) {
   std::vector<std::size_t> counts(piece_count(triangles.size(), kPiece));
   parallel_pieces(triangles.size(), kPiece, threads,
                   [&](std::size_t piece, std::size_t first, std::size_t last) {
-                    std::size_t count = 0;
                     for (std::size_t i = first; i < last; ++i) {
                       const Corners at = corners_of(triangles, static_cast<std::uint32_t>(i));
-                      const std::uint32_t cuts = cuts_of(at, step);
-                      if (cuts <= most_cuts && has_area(at)) count += std::size_t{cuts} * cuts;
+                      if (has_area(at)) counts[piece] += count_parts(at, step, most);
                     }
-                    counts[piece] = count;
                   });
   std::size_t total = 0;
   for (const std::size_t count : counts) total += count;
@@ -120,48 +150,41 @@ std::size_t count_patches(const Triangles& triangles, double step, std::uint32_t
 }
 
 // The largest triangles go to the exact rung where patches would take too much memory.
-Cutting cut_triangles(const Triangles& triangles, double step, double block_radius,
-                      const Execution& execution, Patches& patches) {
+Cutting cut_triangles(const Triangles& triangles, double step, const Execution& execution, Patches& patches) {
   Cutting cutting;
   cutting.step = step;
-  cutting.block_radius = block_radius;
-  std::size_t total = count_patches(triangles, step, cutting.most_cuts, execution.threads);
-  while (cutting.most_cuts > 1 && total > triangles.size() + kSparePatches) {
-    cutting.most_cuts /= 2;
-    total = count_patches(triangles, step, cutting.most_cuts, execution.threads);
-  }
+  unsigned most = kMostHalvings;
+  std::size_t total = count_patches(triangles, step, most, execution.threads);
+  while (most > 0 && total > triangles.size() + kSparePatches)
+    total = count_patches(triangles, step, --most, execution.threads);
   cutting.owner.reserve(total);
-  cutting.part.reserve(total);
+  cutting.path.reserve(total);
   patches.is_sampled.resize(piece_count(triangles.size(), 64));
   for (std::uint32_t i = 0; i < triangles.size(); ++i) {
     const Corners at = corners_of(triangles, i);
-    const std::uint32_t cuts = cuts_of(at, step);
-    if (cuts > cutting.most_cuts) {
+    const bool has = has_area(at);
+    if (has && count_parts(at, step, most) == 0) {
       patches.exact.push_back(i);
       continue;
     }
     patches.is_sampled[i / 64] |= std::uint64_t{1} << i % 64;
-    if (!has_area(at)) continue;
-    for (std::uint32_t part = 0; part < cuts * cuts; ++part) {
+    if (!has) continue;
+    cut_triangle(at, step, 1, [&](std::uint16_t path) {
       cutting.owner.push_back(i);
-      cutting.part.push_back(static_cast<std::uint8_t>(part));
-    }
+      cutting.path.push_back(path);
+    });
   }
   return cutting;
 }
 
 struct Patch {
   Corners at;
-  std::uint32_t owner;
   std::size_t size;
 };
 
 Patch patch_of(const Triangles& triangles, const Cutting& cutting, std::uint32_t number) {
-  const std::uint32_t owner = cutting.owner[number];
-  const Corners whole = corners_of(triangles, owner);
-  const std::uint32_t cuts = cuts_of(whole, cutting.step);
-  const Corners at = cuts == 1 ? whole : part_of(whole, cuts, cutting.part[number]);
-  return {at, owner, class_for(size_of(whole) / (cutting.step * cuts))};
+  const Corners at = part_at(corners_of(triangles, cutting.owner[number]), cutting.path[number]);
+  return {at, std::min<std::size_t>(steps_for(steps_along(at, cutting.step)), kPatchSizes) - 1};
 }
 
 Sphere sphere_round(const Corners& at, Vec3 origin) {
@@ -170,35 +193,46 @@ Sphere sphere_round(const Corners& at, Vec3 origin) {
   return {a + from_centre, std::sqrt(max(dot(from_centre, from_centre), max(dot(b, b), dot(c, c))))};
 }
 
-void put_patch(const Patch& patch, std::size_t lane, PatchBlock& block) {
-  const double corner[3] = {patch.at.a.x, patch.at.a.y, patch.at.a.z};
-  const Vec3 edge[2] = {patch.at.b - patch.at.a, patch.at.c - patch.at.a};
+void put_split(Vec3 p, std::size_t lane, float (&to)[2][3][PatchBlock::kWidth]) {
+  const double at[3] = {p.x, p.y, p.z};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto [high, low] = split_number(corner[axis]);
-    block.corner[0][axis][lane] = high;
-    block.corner[1][axis][lane] = low;
+    const auto [high, low] = split_number(at[axis]);
+    to[0][axis][lane] = high;
+    to[1][axis][lane] = low;
   }
-  for (std::size_t k = 0; k < 2; ++k) {
-    block.edge[k][0][lane] = static_cast<float>(edge[k].x);
-    block.edge[k][1][lane] = static_cast<float>(edge[k].y);
-    block.edge[k][2][lane] = static_cast<float>(edge[k].z);
+}
+void put_split(Vec3 p, float (&to)[2][3]) {
+  const double at[3] = {p.x, p.y, p.z};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto [high, low] = split_number(at[axis]);
+    to[0][axis] = high;
+    to[1][axis] = low;
   }
+}
+void put(Vec3 v, float (&to)[3]) {
+  to[0] = static_cast<float>(v.x);
+  to[1] = static_cast<float>(v.y);
+  to[2] = static_cast<float>(v.z);
+}
+
+void put_patch(const Patch& patch, std::size_t lane, PatchBlock& block, PatchShape& shape) {
+  const Vec3 ab = patch.at.b - patch.at.a, ac = patch.at.c - patch.at.a;
+  put_split(patch.at.a, shape.corner);
+  put(ab, shape.edge[0]);
+  put(ac, shape.edge[1]);
+  put_split(patch.at.a + (ab + ac) / 3.0, lane, block.centroid);
   block.radius[lane] = static_cast<float>((1 + 1e-6) * sphere_round(patch.at, patch.at.a).radius);
-  block.owner[lane] = patch.owner;
-  block.size[lane] = static_cast<std::uint8_t>(patch.size);
+  block.size[lane] = static_cast<float>(patch.size);
 }
 
 // An empty place lies where its block does.
-void put_nothing(std::size_t lane, PatchBlock& block) {
-  for (auto& part : block.corner) {
+void put_nothing(std::size_t lane, PatchBlock& block, PatchShape& shape) {
+  for (auto& part : block.centroid) {
     for (auto& row : part) row[lane] = row[0];
   }
-  for (auto& edge : block.edge) {
-    for (auto& row : edge) row[lane] = 0;
-  }
   block.radius[lane] = -1;
-  block.owner[lane] = block.owner[0];
   block.size[lane] = 0;
+  shape = {};
 }
 
 // Integrals over a block's patches, h counted from the centre.
@@ -219,7 +253,7 @@ BlockMoments moments_of(std::span<const Patch> patches) {
   BlockMoments m;
   const Vec3 origin = patches[0].at.a;
   Vec3 first;
-  for (const auto& [at, owner, size] : patches) {
+  for (const auto& [at, size] : patches) {
     const Vec3 normal = cross(at.b - at.a, at.c - at.a);
     const double area = norm(normal);
     m.area += area;
@@ -227,7 +261,7 @@ BlockMoments moments_of(std::span<const Patch> patches) {
     first += area * ((at.a - origin) + ((at.b - at.a) + (at.c - at.a)) / 3.0);
   }
   m.centre = origin + first / m.area;
-  for (const auto& [at, owner, size] : patches) {
+  for (const auto& [at, size] : patches) {
     const Vec3 a = at.a - m.centre, b = a + (at.b - at.a), c = a + (at.c - at.a);
     const Vec3 h[4] = {a, b, c, a + ((b - a) + (c - a)) / 3.0};
     const double area = norm(cross(b - a, c - a));
@@ -253,28 +287,16 @@ std::array<Vec3, 3> axes_of(const BlockMoments& m) {
   return {u, cross(z, u), z};
 }
 
-void put(Vec3 v, float (&to)[3]) {
-  to[0] = static_cast<float>(v.x);
-  to[1] = static_cast<float>(v.y);
-  to[2] = static_cast<float>(v.z);
-}
-
-BlockSamples samples_of(std::span<const Patch> patches, double largest_radius) {
+BlockSamples samples_of(std::span<const Patch> patches) {
   const BlockMoments m = moments_of(patches);
   BlockSamples samples{};
-  const double centre[3] = {m.centre.x, m.centre.y, m.centre.z};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto [high, low] = split_number(centre[axis]);
-    samples.centre[0][axis] = high;
-    samples.centre[1][axis] = low;
-  }
+  put_split(m.centre, samples.centre);
   double radius = 0;
   for (const Patch& patch : patches) {
     for (const Vec3 corner : {patch.at.a, patch.at.b, patch.at.c})
       radius = max(radius, norm(corner - m.centre));
   }
   samples.radius = static_cast<float>((1 + 1e-6) * radius);
-  samples.is_small = radius <= largest_radius ? 1.0f : 0.0f;
   const std::array<Vec3, 3> axes = axes_of(m);
   Vec3 rest = m.normal;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -284,7 +306,7 @@ BlockSamples samples_of(std::span<const Patch> patches, double largest_radius) {
     // As far out as Gauss's rule has its nodes.
     const double length = max(std::sqrt(3 * max(spread, 0)), 1e-3 * radius);
     Vec3 first, second;
-    for (const auto& [at, owner, size] : patches) {
+    for (const auto& [at, size] : patches) {
       const Vec3 normal = cross(at.b - at.a, at.c - at.a);
       const double a = dot(axis, at.a - m.centre), b = dot(axis, at.b - m.centre),
                    c = dot(axis, at.c - m.centre);
@@ -321,6 +343,7 @@ void put_blocks(const Triangles& triangles, const Cutting& cutting, const Execut
     return code(sphere_round(patch_of(triangles, cutting, number).at, origin).centre);
   });
   std::vector<PatchBlock> blocks(piece_count(order.size(), kWidth));
+  std::vector<PatchShape> shapes(blocks.size() * kWidth);
   std::vector<BlockSamples> samples(blocks.size());
   std::vector<Sphere> leaves(blocks.size());
   parallel_pieces(blocks.size(), kPiece / kWidth, execution.threads,
@@ -332,18 +355,19 @@ void put_blocks(const Triangles& triangles, const Cutting& cutting, const Execut
                       std::array<Patch, kWidth> members;
                       for (std::size_t lane = 0; lane < kWidth; ++lane) {
                         if (lane >= count) {
-                          put_nothing(lane, blocks[i]);
+                          put_nothing(lane, blocks[i], shapes[begin + lane]);
                           continue;
                         }
                         members[lane] = patch_of(triangles, cutting, order[begin + lane]);
-                        put_patch(members[lane], lane, blocks[i]);
+                        put_patch(members[lane], lane, blocks[i], shapes[begin + lane]);
                         spheres[lane] = sphere_round(members[lane].at, origin);
                       }
                       leaves[i] = bound({spheres.data(), count});
-                      samples[i] = samples_of({members.data(), count}, cutting.block_radius);
+                      samples[i] = samples_of({members.data(), count});
                     }
                   });
   patches.block = std::move(blocks);
+  patches.shape = std::move(shapes);
   patches.samples = std::move(samples);
   patches.tree = build_levels(std::move(leaves), origin, execution);
 }
@@ -356,22 +380,31 @@ bool is_sampled(const Settings& settings, std::size_t segment) {
 
 std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& settings,
                                              const Triangles& triangles, const Execution& execution) {
-  double finest = std::numeric_limits<double>::infinity(), block_radius = finest;
+  double finest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     if (!is_sampled(settings, i)) continue;
-    finest = min(finest, step_of(hand, settings, i));
-    block_radius = min(block_radius, block_radius_of(hand, settings, i));
+    finest = min(finest, step_of(hand, settings, i, kLevels - 1));
   }
   if (!is_finite(finest)) return nullptr;
   auto patches = std::make_shared<Patches>();
+  double radius3 = 0, sampled = 0;
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     if (!is_sampled(settings, i)) continue;
-    patches->step[i] = step_of(hand, settings, i);
-    const double share = finest / patches->step[i];
-    for (std::size_t k = 0; k < kPatchSizes; ++k)
-      patches->steps[i][k] = kLatticeSteps[class_for(share * kLatticeSteps[k])];
+    const double radius = radius_of(hand, i);
+    radius3 += radius * radius * radius;
+    patches->block_radius[i] = block_radius_of(hand, settings, i);
+    ++sampled;
+    for (std::size_t k = 0; k < kPatchSizes; ++k) {
+      const double size = finest * static_cast<double>(k + 1);
+      LatticeSteps& steps = patches->steps[i][k];
+      for (std::size_t level = 0; level < kLevels; ++level)
+        steps[level] = steps_for(size / step_of(hand, settings, i, level));
+      patches->has_levels[k] = patches->has_levels[k] || steps.front() != steps.back();
+      patches->steps[i][kPatchSizes + k].fill(static_cast<std::uint8_t>(2 * steps.back()));
+    }
   }
-  const Cutting cutting = cut_triangles(triangles, finest, block_radius, execution, *patches);
+  patches->radius3 = radius3 / sampled;
+  const Cutting cutting = cut_triangles(triangles, finest, execution, *patches);
   put_blocks(triangles, cutting, execution, *patches);
   return patches;
 }

@@ -13,19 +13,18 @@
 
 namespace lumbrical {
 
-/// How many steps a lattice has along an edge, by the class of the patch's size.
-inline constexpr std::array<std::uint8_t, 6> kLatticeSteps = {1, 2, 3, 4, 6, 8};
-inline constexpr std::size_t kPatchSizes = kLatticeSteps.size();
+/// A patch's size is one less than how many of the finest lattice's steps it is long, rounded up. Its class
+/// is that, or by kPatchSizes more where a body's skeleton comes near (an axis, a centre, the palm's
+/// polygon): there its field has a kink.
+inline constexpr std::size_t kPatchSizes = 8, kPatchClasses = 2 * kPatchSizes;
 
-/// Sixteen patches that lie side by side.
-struct alignas(64) PatchBlock {
-  static constexpr std::uint32_t kWidth = 16;
-  float corner[2][3][kWidth];   ///< [m] W, the first: rounded, and what rounding left out
-  float edge[2][3][kWidth];     ///< [m] from it to the second and to the third
-  float radius[kWidth];         ///< [m] of the sphere about the centroid; negative: an empty place
-  std::uint32_t owner[kWidth];  ///< the triangle it is a part of
-  std::uint8_t size[kWidth];    ///< its class
-};
+/// The lattice with most steps: twice the finest where a skeleton comes near.
+inline constexpr std::size_t kMostSteps = 2 * kPatchSizes;
+
+/// Lattices from coarse to fine. How fine the one is by which a hand is felt depends on its force
+/// (samples/levels.h).
+inline constexpr std::size_t kLevels = 3;
+using LatticeSteps = std::array<std::uint8_t, kLevels>;
 
 /// A coordinate as two numbers in single precision: differences of such lose nothing a kernel could tell.
 struct SplitNumber {
@@ -38,27 +37,44 @@ inline SplitNumber split_number(double x) {
   return {static_cast<float>(high), static_cast<float>(x - high)};
 }
 
+/// Sixteen patches that lie side by side, as far as classification asks.
+struct alignas(64) PatchBlock {
+  static constexpr std::uint32_t kWidth = 16;
+  float centroid[2][3][kWidth];  ///< [m] W: rounded, and what rounding left out
+  float radius[kWidth];          ///< [m] of the sphere about it; negative: an empty place
+  float size[kWidth];
+};
+
+/// A patch, as kernels want it.
+struct PatchShape {
+  float corner[2][3];  ///< [m] W, the first: rounded, and what rounding left out
+  float edge[2][3];    ///< [m] from it to the second and to the third
+};
+
 /// A block as one, for a body it lies inside of: samples of the field at its centre and to both sides of it
 /// along three arms, with vectors for weights, so chosen that fields of second degree are integrated as the
 /// patches themselves would be.
 struct BlockSamples {
   float centre[2][3];      ///< [m] W: rounded, and what rounding left out
   float radius;            ///< [m] of the sphere about it that holds the patches
-  float is_small;          ///< 1: small enough to be taken as one; 0: it is not
   float arm[3][3];         ///< [m]
   float weight[2][3][3];   ///< [m^2] of the samples at centre + arm and - arm: twice the share of n dA
   float centre_weight[3];  ///< [m^2]
 };
 
 struct Patches {
-  /// Steps of the lattice that a hand segment has in a patch of a class.
-  std::array<std::array<std::uint8_t, kPatchSizes>, kSegmentCount> steps{};
-  std::array<double, kSegmentCount> step{};  ///< [m] no cell of the segment's lattices is wider
-  SphereTree tree;                           ///< of spheres round the blocks, without triangles
-  SharedArray<PatchBlock> block;             ///< in the order of the tree's leaves
-  SharedArray<BlockSamples> samples;         ///< of each block
-  std::vector<std::uint64_t> is_sampled;     ///< a bit per triangle; the others are left to the exact rung
-  std::vector<std::uint32_t> exact;          ///< those, ascending
+  /// Steps of the lattices that a hand segment has in a patch of a class.
+  std::array<std::array<LatticeSteps, kPatchClasses>, kSegmentCount> steps{};
+  std::array<bool, kPatchClasses> has_levels{};  ///< or do each segment's lattices agree?
+  /// [m] Largest radius of a block that a segment takes as one.
+  std::array<double, kSegmentCount> block_radius{};
+  double radius3 = 0;                     ///< [m^3] mean of the sampled segments' radii cubed
+  SphereTree tree;                        ///< of spheres round the blocks, without triangles
+  SharedArray<PatchBlock> block;          ///< in the order of the tree's leaves
+  SharedArray<PatchShape> shape;          ///< of each patch, sixteen to a block
+  SharedArray<BlockSamples> samples;      ///< of each block
+  std::vector<std::uint64_t> is_sampled;  ///< a bit per triangle; the others are left to the exact rung
+  std::vector<std::uint32_t> exact;       ///< those, ascending
 };
 
 /// Which bodies of the hand are felt by samples: those of which every segment follows the field law with a

@@ -1,6 +1,8 @@
 // Blocks of small patches as wholes: which are, and what a body feels of them.
 #pragma once
 
+#include <span>
+
 #include "samples/classify.h"
 #include "samples/palm_kernels.h"
 
@@ -11,29 +13,28 @@ struct BlockRows {
   static constexpr std::size_t kWidth = PatchBlock::kWidth;
   alignas(64) float centre[3][kWidth];
   alignas(64) float radius[kWidth];
-  alignas(64) float is_small[kWidth];
 };
-inline void put_block(const BlockSamples& block, const SplitOrigin& origin, std::size_t lane,
+inline void put_block(const BlockSamples& block, const SplitPoint& origin, std::size_t lane,
                       BlockRows& rows) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     rows.centre[axis][lane] =
         (block.centre[0][axis] - origin.high[axis]) + (block.centre[1][axis] - origin.low[axis]);
   }
   rows.radius[lane] = block.radius;
-  rows.is_small[lane] = block.is_small;
 }
 
-/// From the blocks' kinds (-1: nothing; `inside` and up to `insides` above it) to those to be opened and
-/// those that are taken as wholes.
+/// From the blocks' kinds (-1: nothing; `inside` and above it: inside something that takes blocks up to one
+/// of `radii` as wholes) to those to be opened and those that are taken so.
 inline SampleKernels::Sorted part_blocks(const float* kinds, const BlockRows& rows, std::uint32_t inside,
-                                         std::uint32_t insides, std::uint32_t whole, unsigned shift,
-                                         std::uint32_t* found, std::size_t count, FoundPatch* patches) {
+                                         std::span<const float> radii, std::uint32_t whole, unsigned shift,
+                                         std::uint32_t* found, std::size_t count, FoundPatches* patches) {
   SampleKernels::Sorted sorted{0, 0};
   for (std::size_t lane = 0; lane < count; ++lane) {
     if (kinds[lane] < 0) continue;
     const auto kind = static_cast<std::uint32_t>(kinds[lane]);
-    if (rows.is_small[lane] != 0 && kind >= inside && kind < inside + insides) {
-      patches[sorted.whole_count++] = {whole + (kind - inside), found[lane] >> shift};
+    if (kind >= inside && kind < inside + radii.size() && rows.radius[lane] <= radii[kind - inside]) {
+      patches[sorted.whole_count++] = {static_cast<std::uint16_t>(whole + (kind - inside)), 1,
+                                       found[lane] >> shift};
     } else {
       found[sorted.open_count++] = found[lane];
     }
@@ -43,8 +44,8 @@ inline SampleKernels::Sorted part_blocks(const float* kinds, const BlockRows& ro
 
 template <class V>
 SampleKernels::Sorted sort_blocks(const BlockSamples* blocks, const FingerBody& finger, std::uint32_t* found,
-                                  std::size_t count, FoundPatch* patches) {
-  const SplitOrigin origin(finger.origin);
+                                  std::size_t count, FoundPatches* patches) {
+  const SplitPoint origin = split_point(finger.origin);
   const float largest = largest_radius(finger);
   BlockRows rows;
   for (std::size_t lane = 0; lane < BlockRows::kWidth; ++lane)
@@ -53,26 +54,27 @@ SampleKernels::Sorted sort_blocks(const BlockSamples* blocks, const FingerBody& 
   for (unsigned lane = 0; lane < BlockRows::kWidth; lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
     const V radius = get(rows.radius + lane, V{});
     const V reach = radius + number<V>(kDistanceSlack) * (V(largest) + radius);
-    put(kinds + lane, finger_kinds(finger, vector_at<V>(rows.centre, lane), radius, reach,
-                                   V(finger.widest_cell), finger.tiles()));
+    put(kinds + lane,
+        finger_kinds(finger, vector_at<V>(rows.centre, lane), radius, reach, finger.tiles()).kind);
   }
-  return part_blocks(kinds, rows, kind::kInside, FingerBody::kMostTiles, kind::kBlockInside, 3, found, count,
+  return part_blocks(kinds, rows, kind::kInside, finger.block_radius, kind::kBlockInside, 3, found, count,
                      patches);
 }
 
 template <class V>
 SampleKernels::Sorted sort_palm_blocks(const BlockSamples* blocks, const PalmBody& palm, std::uint32_t* found,
-                                       std::size_t count, FoundPatch* patches) {
-  const SplitOrigin origin(palm.origin);
+                                       std::size_t count, FoundPatches* patches) {
+  const SplitPoint origin = split_point(palm.origin);
   BlockRows rows;
   for (std::size_t lane = 0; lane < BlockRows::kWidth; ++lane)
     put_block(blocks[found[lane < count ? lane : 0]], origin, lane, rows);
   alignas(64) float kinds[BlockRows::kWidth];
   for (unsigned lane = 0; lane < BlockRows::kWidth; lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
     const V radius = get(rows.radius + lane, V{});
-    put(kinds + lane, palm_kinds(palm, vector_at<V>(rows.centre, lane), radius));
+    put(kinds + lane, palm_kinds(palm, vector_at<V>(rows.centre, lane), radius).kind);
   }
-  return part_blocks(kinds, rows, kind::kPalmBlock, 1, kind::kPalmBlock, 0, found, count, patches);
+  return part_blocks(kinds, rows, kind::kPalmBlock, {&palm.block_radius, 1}, kind::kPalmBlock, 0, found,
+                     count, patches);
 }
 
 /// The numbers of sixteen blocks, by number and lane.
@@ -82,11 +84,11 @@ struct SampleRows {
   alignas(64) float arm[3][3][kWidth];
   alignas(64) float weight[7][3][kWidth];  // + and - of each arm, then the centre's
 };
-inline void gather(const BlockList& list, const SplitOrigin& origin, std::size_t first, std::size_t count,
+inline void gather(const BlockList& list, const SplitPoint& origin, std::size_t first, std::size_t count,
                    SampleRows& rows) {
   for (std::size_t lane = 0; lane < SampleRows::kWidth; ++lane) {
     const bool real = lane < count;
-    const BlockSamples& block = list.blocks[list.places[first + (real ? lane : 0)]];
+    const BlockSamples& block = list.blocks[list.patches[first + (real ? lane : 0)].place];
     for (std::size_t axis = 0; axis < 3; ++axis) {
       rows.centre[axis][lane] =
           (block.centre[0][axis] - origin.high[axis]) + (block.centre[1][axis] - origin.low[axis]);
@@ -104,7 +106,7 @@ inline void gather(const BlockList& list, const SplitOrigin& origin, std::size_t
 template <class V, class Field>
 LUMBRICAL_INLINE inline std::uint32_t sum_blocks(const BlockList& list, const float (&axis)[3][3],
                                                  Wide3<V> frame_origin, const Field& field, BodySums& sums) {
-  const SplitOrigin origin(list.origin);
+  const SplitPoint origin = split_point(list.origin);
   SampleRows rows;
   std::uint32_t touched = 0;
   for (std::size_t first = 0; first < list.count; first += SampleRows::kWidth) {
@@ -122,7 +124,8 @@ LUMBRICAL_INLINE inline std::uint32_t sum_blocks(const BlockList& list, const fl
         moment = moment + cross(arm, one - other);
       }
       moment = moment + cross(centre, force);
-      touched += count_of(add_wrench(turn_into(axis, force), turn_into(axis, moment), lane, sums));
+      add_wrench(turn_into(axis, force), turn_into(axis, moment), lane, sums);
+      touched += count_of(lanes_with(force));
     }
   }
   return PatchBlock::kWidth * touched;
@@ -130,9 +133,13 @@ LUMBRICAL_INLINE inline std::uint32_t sum_blocks(const BlockList& list, const fl
 
 template <class V>
 std::uint32_t tile_blocks(const BlockList& list, const TileFrame& tile, BodySums& sums) {
+  const TileNumbers<V> numbers = numbers_of<V>(tile);
   return sum_blocks<V>(
       list, tile.axis, in_all_lanes<V>(tile.origin),
-      [&](Wide3<V> p) LUMBRICAL_INLINE { return tile_field(tile, p); }, sums);
+      [&](Wide3<V> p) LUMBRICAL_INLINE {
+        return tile_field(numbers, TilePoint<V>{p.x, p.y * p.y + p.z * p.z});
+      },
+      sums);
 }
 template <class V>
 std::uint32_t palm_blocks(const BlockList& list, const PalmBody& palm, BodySums& sums) {

@@ -63,11 +63,10 @@ void set_finger(const Primitives& hand, std::size_t first, std::size_t last, con
   finger.tile_count = last - first + 1;
   finger.origin = hand.capsule[first + (last - first) / 2].end1;
   finger.folded = finger.tile_count == FingerBody::kMostTiles && hand.folded[first / 3];
-  finger.widest_cell = 0;
   bool turned[FingerBody::kMostTiles];
   for (std::size_t k = 0; k < finger.tile_count; ++k) {
     finger.segment[k] = static_cast<std::uint8_t>(first + k);
-    finger.widest_cell = static_cast<float>(max(finger.widest_cell, (1 + 1e-6) * patches.step[first + k]));
+    finger.block_radius[k] = static_cast<float>(patches.block_radius[first + k]);
     std::copy(patches.steps[first + k].begin(), patches.steps[first + k].end(), finger.steps[k]);
     turned[k] = set_tile(hand.capsule[first + k], hand.direction[first + k], finger.origin, finger.tile[k]);
     if (k > 0) finger.joint[k - 1] = sides_of(finger.tile[k - 1], turned[k - 1], finger.tile[k], turned[k]);
@@ -87,6 +86,7 @@ void set_palm(const SweptPolygon& polygon, const Patches& patches, PalmBody& pal
   put(z, palm.axis[2]);
   std::copy(patches.steps[kPalmSegment].begin(), patches.steps[kPalmSegment].end(), palm.steps);
   palm.radius = static_cast<float>(polygon.radius);
+  palm.block_radius = static_cast<float>(patches.block_radius[kPalmSegment]);
   for (std::size_t k = 0; k < palm.corner_count; ++k) {
     const Vec3 from = polygon.corner[k] - middle,
                edge = polygon.corner[(k + 1) % palm.corner_count] - polygon.corner[k];
@@ -106,12 +106,17 @@ void set_bodies(const Primitives& hand, std::uint32_t segments, const Patches& p
   for (std::size_t first = 0; first < kPhalanxCount;) {
     std::size_t last = first;
     while (last % 3 < 2 && takes_part(last) && takes_part(last + 1)) ++last;
-    if (takes_part(first)) set_finger(hand, first, last, patches, bodies.finger[bodies.finger_count++]);
+    if (takes_part(first)) {
+      FingerBody& finger = bodies.finger[bodies.finger_count];
+      set_finger(hand, first, last, patches, finger);
+      bodies.origin[bodies.finger_count++] = split_point(finger.origin);
+    }
     first = last + 1;
   }
   bodies.palm.corner_count = 0;
   if ((segments >> kPalmSegment & 1u) != 0 && hand.joints.has(kPalm))
     set_palm(hand.palm, patches, bodies.palm);
+  bodies.origin[bodies.finger_count] = split_point(bodies.palm.origin);
 }
 
 }  // namespace lumbrical

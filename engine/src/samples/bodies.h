@@ -13,6 +13,17 @@ namespace lumbrical {
 
 struct Primitives;
 
+/// A point as patches have their corners: what rounds to single precision, and what that leaves out [m].
+struct SplitPoint {
+  float high[3], low[3];
+};
+inline SplitPoint split_point(Vec3 p) {
+  const auto [x, x_low] = split_number(p.x);
+  const auto [y, y_low] = split_number(p.y);
+  const auto [z, z_low] = split_number(p.z);
+  return {{x, y, z}, {x_low, y_low, z_low}};
+}
+
 /// A phalanx: the hull of two spheres, along its axis t from the centre of the larger one. Its field is
 ///   radius - |(t, rho)|                       before the larger sphere's rim,
 ///   radius - sine t - cosine rho              on the side,
@@ -37,10 +48,10 @@ struct FingerBody {
   static constexpr std::size_t kMostTiles = 3;
   std::size_t tile_count = 0;
   std::uint8_t segment[kMostTiles] = {};
-  std::uint8_t steps[kMostTiles][kPatchSizes] = {};  ///< of each tile's lattice in a patch of a class
-  float widest_cell = 0;                             ///< [m] of the tiles' lattices
-  bool folded = false;                               ///< the first tile may meet the last
-  Vec3 origin;                                       ///< [m] W
+  LatticeSteps steps[kMostTiles][kPatchClasses] = {};  ///< of each tile's lattices in a patch of a class
+  float block_radius[kMostTiles] = {};                 ///< [m] of the largest block each tile takes as one
+  bool folded = false;                                 ///< the first tile may meet the last
+  Vec3 origin;                                         ///< [m] W
   TileFrame tile[kMostTiles] = {};
   JointSides joint[kMostTiles - 1] = {};
 
@@ -52,22 +63,29 @@ struct FingerBody {
 struct PalmBody {
   static constexpr std::size_t kMostCorners = 16;
   std::size_t corner_count = 0;
-  Vec3 origin;       ///< [m] W
-  float axis[3][3];  ///< W, unit: x, y, z
-  float radius;      ///< [m]
-  std::uint8_t steps[kPatchSizes];
+  Vec3 origin;         ///< [m] W
+  float axis[3][3];    ///< W, unit: x, y, z
+  float radius;        ///< [m]
+  float block_radius;  ///< [m] of the largest block that is taken as one
+  LatticeSteps steps[kPatchClasses];
   float x[kMostCorners], y[kMostCorners];          ///< [m] corners
   float out_x[kMostCorners], out_y[kMostCorners];  ///< unit, away from the polygon across each edge
   float length[kMostCorners];                      ///< [m] of each edge
 };
 
-/// All bodies of a hand that are felt by samples.
+/// All bodies of a hand that are felt by samples. Tile k of finger i has the number kTilesApart i + k.
 struct Bodies {
   static constexpr std::size_t kMostFingers = 2 * kFingerCount;  ///< a finger that lacks a phalanx is two
+  static constexpr std::size_t kTilesApart = 4;
   std::size_t finger_count = 0;
   std::array<FingerBody, kMostFingers> finger;
   PalmBody palm;
+  /// [m] W, of the fingers and, behind the last of them, of the palm.
+  std::array<SplitPoint, kMostFingers + 1> origin;
 };
+inline const TileFrame& tile_at(const FingerBody* fingers, std::size_t number) {
+  return fingers[number / Bodies::kTilesApart].tile[number % Bodies::kTilesApart];
+}
 
 /// Sets the bodies of the segments whose bit is set in `segments`.
 void set_bodies(const Primitives& hand, std::uint32_t segments, const Patches& patches, Bodies& bodies);

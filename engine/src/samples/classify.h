@@ -6,18 +6,19 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
+/// A skeleton is near to patches within this many times their radius, and fields are smooth beyond that.
+inline constexpr double kSkeletonReach = 1.25, kSmoothReach = 2;
+
 /// Share of a radius by which single precision may move a distance here, generously.
 inline constexpr double kDistanceSlack = 1e-5;
 
 /// Centroids of a block's patches, relative to a body's origin [m].
 template <class V>
-inline Wide3<V> centroids_of(const PatchBlock& block, const SplitOrigin& origin, std::size_t lane) {
+inline Wide3<V> centroids_of(const PatchBlock& block, const SplitPoint& origin, std::size_t lane) {
   V at[3];
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const V corner = (get(block.corner[0][axis] + lane, V{}) - V(origin.high[axis])) +
-                     (get(block.corner[1][axis] + lane, V{}) - V(origin.low[axis]));
-    at[axis] = corner + (get(block.edge[0][axis] + lane, V{}) + get(block.edge[1][axis] + lane, V{})) *
-                            number<V>(1.0 / 3);
+    at[axis] = (get(block.centroid[0][axis] + lane, V{}) - V(origin.high[axis])) +
+               (get(block.centroid[1][axis] + lane, V{}) - V(origin.low[axis]));
   }
   return {at[0], at[1], at[2]};
 }
@@ -27,58 +28,90 @@ inline void prefetch_block(const PatchBlock& block) {
   for (std::size_t line = 0; line < sizeof(PatchBlock); line += 64) __builtin_prefetch(bytes + line);
 }
 
-/// Lists the patches of a block whose kind is not negative.
-inline void put_kinds(const float* kinds, unsigned found, const PatchBlock& block, std::uint32_t first,
-                      FoundPatch* patches, std::size_t& count) {
-  for (; found != 0; found &= found - 1) {
-    const auto lane = static_cast<std::uint32_t>(__builtin_ctz(found));
-    patches[count++] = {block.size[lane] * kind::kCount + static_cast<std::uint32_t>(kinds[lane]),
-                        first + lane};
+/// Lists a block's patches by their keys, those of a key as one; keys below 0 are of nothing.
+template <class V>
+inline void list_patches(const float (&keys)[PatchBlock::kWidth], std::uint32_t block, FoundPatches* found,
+                         std::size_t& count) {
+  constexpr auto kCount = static_cast<unsigned>(wide::Lanes<V>::kCount);
+  const auto bits_of = [&](const auto& is) {
+    unsigned bits = 0;
+    for (unsigned lane = 0; lane < PatchBlock::kWidth; lane += kCount)
+      bits |= wide::bits_of(is(get(keys + lane, V{})), number<V>(0)) << lane;
+    return bits;
+  };
+  unsigned open = bits_of([](V key) { return key >= number<V>(0); });
+  while (open != 0) {
+    const float key = keys[__builtin_ctz(open)];
+    const unsigned its = bits_of([&](V other) { return other == V(key); });
+    found[count++] = {static_cast<std::uint16_t>(key), static_cast<std::uint16_t>(its), block};
+    open &= ~its;
   }
 }
-
-/// What a tile has to do with patches.
+/// What patches are to a body: their kind, negative if they are nothing to it, and whether its skeleton comes
+/// near (1).
 template <class V>
-struct TileView {
-  V field, place, kind;
+struct Kinds {
+  V kind, is_near;
 };
 template <class V>
-inline TileView<V> view_tile(const TileFrame& tile, std::uint32_t k, Wide3<V> centre, V reach) {
-  const auto [field, place] =
-      tile_field_and_place(tile, turn_into(tile.axis, centre - in_all_lanes<V>(tile.origin)));
-  const V end = V(tile.cosine * tile.length), zero = number<V>(0);
+inline V key_of(const Kinds<V>& kinds, V size) {
+  const V patch_class = size + number<V>(kPatchSizes) * kinds.is_near;
+  return choose(kinds.kind >= number<V>(0), patch_class * number<V>(kind::kCount) + kinds.kind,
+                number<V>(-1));
+}
+
+/// What a tile has to do with patches: its field and place there, whether its skeleton comes near (1), and
+/// the kind they are if they meet no other.
+template <class V>
+struct TileView {
+  V field, place, is_near, kind;
+};
+template <class V>
+inline TileView<V> view_tile(const TileFrame& frame, std::uint32_t k, Wide3<V> centre, V reach) {
+  const TileNumbers<V> tile = numbers_of<V>(frame);
+  const Wide3<V> p = turn_into(frame.axis, centre - in_all_lanes<V>(frame.origin));
+  const TilePoint<V> point{p.x, p.y * p.y + p.z * p.z};
+  const auto [level, distance] = tile_depth(tile, point);
+  const V field = level - distance, place = place_on(tile, point);
+  const V end = tile.cosine * tile.length, zero = number<V>(0);
+  const auto is_near = distance < number<V>(kSkeletonReach) * reach;
   const auto id = [k](std::uint32_t part) { return number<V>(part + k); };
   V kind = id(kind::kTile);
   kind = choose(both(place > reach, place + reach < end), id(kind::kSide), kind);
   kind = choose(place + reach < zero, id(kind::kNearEnd), kind);
   kind = choose(place - reach > end, id(kind::kFarEnd), kind);
-  return {field, place, choose(field > reach, id(kind::kInside), kind)};
+  const auto inside = both(field > reach, distance >= number<V>(kSmoothReach) * reach);
+  return {field, place, choose(is_near, number<V>(1), zero), choose(inside, id(kind::kInside), kind)};
+}
+
+template <class V>
+inline V side_of_joint(const FingerBody& finger, std::size_t k, V inner_place, V outer_place) {
+  return side_of_joint(numbers_of<V>(finger.joint[k]), numbers_of<V>(finger.tile[k]), inner_place,
+                       numbers_of<V>(finger.tile[k + 1]), outer_place);
 }
 
 /// What the lanes from `lane` on have to do with a finger, -1: nothing; `tiles` are those the block's sphere
 /// may reach.
 template <class V>
-inline V finger_kinds(const FingerBody& finger, Wide3<V> centre, V radius, V reach, V ramp, unsigned tiles) {
+inline Kinds<V> finger_kinds(const FingerBody& finger, Wide3<V> centre, V radius, V reach, unsigned tiles) {
   const V zero = number<V>(0), far = number<V>(-1e30);
   TileView<V> view[FingerBody::kMostTiles];
   for (std::size_t k = 0; k < FingerBody::kMostTiles; ++k) {
-    view[k] = {far, zero, zero};
+    view[k] = {far, zero, zero, zero};
     if ((tiles >> k & 1u) != 0)
       view[k] = view_tile(finger.tile[k], static_cast<std::uint32_t>(k), centre, reach);
     view[k].field = choose(radius >= zero, view[k].field, far);
   }
-  // Neighbours part where their places along their axes are the same, with a ramp as wide as a cell.
-  const V limit = reach + reach + ramp, below = zero - limit;
+  // Neighbours part where their places along their axes are the same.
+  const V limit = reach + reach, below = zero - limit;
   V inner = zero, outer = zero;  // how much farther out than a joint the patch is, where both tiles meet it
   const auto meets = [&](std::size_t k) { return view[k].field + reach > zero; };
   if ((tiles & 3u) == 3u) {
-    const V side =
-        side_of_joint(finger.joint[0], finger.tile[0], view[0].place, finger.tile[1], view[1].place);
+    const V side = side_of_joint(finger, 0, view[0].place, view[1].place);
     inner = choose(both(meets(0), meets(1)), side, zero);
   }
   if ((tiles & 6u) == 6u) {
-    const V side =
-        side_of_joint(finger.joint[1], finger.tile[1], view[1].place, finger.tile[2], view[2].place);
+    const V side = side_of_joint(finger, 1, view[1].place, view[2].place);
     outer = choose(both(meets(1), meets(2)), side, zero);
   }
   if (finger.folded && (tiles & 5u) == 5u) {  // its ends have a part wherever they meet the patch
@@ -94,7 +127,11 @@ inline V finger_kinds(const FingerBody& finger, Wide3<V> centre, V radius, V rea
   kind = choose(last, view[2].kind, kind);
   kind = choose(both(first, middle), number<V>(kind::kInnerJoint), kind);
   kind = choose(both(middle, last), number<V>(kind::kOuterJoint), kind);
-  return choose(both(first, last), number<V>(kind::kFinger), kind);
+  kind = choose(both(first, last), number<V>(kind::kFinger), kind);
+  const V is_near =
+      greater(choose(first, view[0].is_near, zero),
+              greater(choose(middle, view[1].is_near, zero), choose(last, view[2].is_near, zero)));
+  return {kind, is_near};
 }
 
 inline float largest_radius(const FingerBody& finger) {
@@ -106,74 +143,67 @@ inline float largest_radius(const FingerBody& finger) {
 
 template <class V>
 std::size_t classify_finger(const PatchBlock* blocks, const FingerBody& finger, const std::uint32_t* found,
-                            std::size_t block_count, FoundPatch* patches) {
+                            std::size_t block_count, FoundPatches* patches) {
   constexpr std::size_t kAhead = 3;
-  const SplitOrigin origin(finger.origin);
-  const V zero = number<V>(0);
+  const SplitPoint origin = split_point(finger.origin);
   const float largest = largest_radius(finger);
   std::size_t count = 0;
   for (std::size_t i = 0; i < block_count; ++i) {
     if (i + kAhead < block_count) prefetch_block(blocks[found[i + kAhead] >> 3]);
     const std::uint32_t place = found[i] >> 3;
     const PatchBlock& block = blocks[place];
-    alignas(64) float kinds[PatchBlock::kWidth];
-    unsigned some = 0;
+    alignas(64) float keys[PatchBlock::kWidth];
     for (unsigned lane = 0; lane < PatchBlock::kWidth;
          lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
       const V radius = get(block.radius + lane, V{});
       const V reach = radius + number<V>(kDistanceSlack) * (V(largest) + radius);
-      // The side of a square as large as two triangles is less than 1.62 of its triangle's radius.
-      const V ramp = lesser(V(finger.widest_cell), number<V>(1.62) * reach);
-      const V kind =
-          finger_kinds(finger, centroids_of<V>(block, origin, lane), radius, reach, ramp, found[i] & 7u);
-      put(kinds + lane, kind);
-      some |= wide::bits_of(kind >= zero, zero) << lane;
+      const Kinds<V> kinds =
+          finger_kinds(finger, centroids_of<V>(block, origin, lane), radius, reach, found[i] & 7u);
+      put(keys + lane, key_of(kinds, get(block.size + lane, V{})));
     }
-    put_kinds(kinds, some, block, place * PatchBlock::kWidth, patches, count);
+    list_patches<V>(keys, place, patches, count);
   }
   return count;
 }
 
-/// What spheres have to do with the palm: -1 nothing, kPalm, kPalmSide on one side of the polygon, above it,
-/// or kPalmBlock there and inside the skin.
+/// What spheres have to do with the palm: nothing; above the polygon kPalmSide or kPalmThrough, or kPalmBlock
+/// inside the skin; else kPalm.
 template <class V>
-inline V palm_kinds(const PalmBody& palm, Wide3<V> centre, V radius) {
-  const V zero = number<V>(0);
+inline Kinds<V> palm_kinds(const PalmBody& palm, Wide3<V> centre, V radius) {
+  const V zero = number<V>(0), one = number<V>(1);
   const Wide3<V> p = turn_into(palm.axis, centre);
   const V reach = radius + number<V>(kDistanceSlack) * (V(palm.radius) + radius);
   V out = number<V>(-1e30);
   for (std::size_t k = 0; k < palm.corner_count; ++k)
     out = greater(out, V(palm.out_x[k]) * (p.x - V(palm.x[k])) + V(palm.out_y[k]) * (p.y - V(palm.y[k])));
-  const V height = magnitude(p.z), aside = greater(out, zero), limit = V(palm.radius) + reach;
-  const V kind = choose(both(radius >= zero, aside * aside + height * height <= limit * limit),
-                        number<V>(kind::kPalm), number<V>(-1));
-  const auto above = both(kind >= zero, both(out + reach<zero, height> reach));
-  return choose(
-      above, choose(height + reach < V(palm.radius), number<V>(kind::kPalmBlock), number<V>(kind::kPalmSide)),
-      kind);
+  const V height = magnitude(p.z), aside = greater(out, zero), limit = V(palm.radius) + reach,
+          near = number<V>(kSkeletonReach) * reach, square = aside * aside + height * height;
+  V above = choose(height + reach < V(palm.radius), number<V>(kind::kPalmBlock), number<V>(kind::kPalmSide));
+  above = choose(height > reach, above, number<V>(kind::kPalmThrough));
+  const auto is_above = out + reach < zero, is_palm = both(radius >= zero, square <= limit * limit);
+  const V kind = choose(is_above, above, number<V>(kind::kPalm));
+  return {choose(is_palm, kind, zero - one),
+          choose(both(square < near * near, out + reach >= zero), one, zero)};
 }
 
 template <class V>
 std::size_t classify_palm(const PatchBlock* blocks, const PalmBody& palm, const std::uint32_t* found,
-                          std::size_t block_count, FoundPatch* patches) {
+                          std::size_t block_count, FoundPatches* patches) {
   constexpr std::size_t kAhead = 3;
-  const SplitOrigin origin(palm.origin);
-  const V zero = number<V>(0);
+  const SplitPoint origin = split_point(palm.origin);
   std::size_t count = 0;
   for (std::size_t i = 0; i < block_count; ++i) {
     if (i + kAhead < block_count) prefetch_block(blocks[found[i + kAhead]]);
     const PatchBlock& block = blocks[found[i]];
-    alignas(64) float kinds[PatchBlock::kWidth];
-    unsigned some = 0;
+    alignas(64) float keys[PatchBlock::kWidth];
     for (unsigned lane = 0; lane < PatchBlock::kWidth;
          lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
       const V radius = get(block.radius + lane, V{});
-      const V whole = palm_kinds(palm, centroids_of<V>(block, origin, lane), radius);
-      const V kind = choose(whole == number<V>(kind::kPalmBlock), number<V>(kind::kPalmSide), whole);
-      put(kinds + lane, kind);
-      some |= wide::bits_of(kind >= zero, zero) << lane;
+      Kinds<V> kinds = palm_kinds(palm, centroids_of<V>(block, origin, lane), radius);
+      kinds.kind = choose(kinds.kind == number<V>(kind::kPalmBlock), number<V>(kind::kPalmSide), kinds.kind);
+      put(keys + lane, key_of(kinds, get(block.size + lane, V{})));
     }
-    put_kinds(kinds, some, block, found[i] * PatchBlock::kWidth, patches, count);
+    list_patches<V>(keys, found[i], patches, count);
   }
   return count;
 }

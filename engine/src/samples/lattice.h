@@ -6,12 +6,12 @@
 // with the fourth power of the step, and everywhere it is a continuous function of the values.
 #pragma once
 
+#include <type_traits>
+
 #include "index/patches.h"
 #include "lanes/wide_geometry.h"
 
 namespace lumbrical::LUMBRICAL_ISA {
-
-inline constexpr std::size_t kMostSteps = kLatticeSteps.back();
 
 /// The mean of the positive part of a linear function over a triangle, from its values at the corners, and
 /// the share of the area in which it is positive.
@@ -29,9 +29,45 @@ inline Positive<V> positive_part(V a, V b, V c, V third_of_sum) {
   const auto one_inside = middle <= zero;
   const V odd = choose(one_inside, greater(high, zero), lesser(low, zero));
   const V product = (high - low) * choose(one_inside, high - middle, middle - low);
-  const V cut = quotient(odd * odd, choose(product > zero, product, one));
+  const V cut = quotient(odd * odd, greater(product, number<V>(1e-36)));  // at least odd^2, or odd is 0
   const V part = cut * odd * number<V>(1.0 / 3);
   return {choose(one_inside, part, third_of_sum - part), choose(one_inside, cut, one - cut)};
+}
+
+/// Which corner's sign is its own: the second, or the third, else the first.
+template <class M>
+struct OddCorner {
+  M second, third;
+};
+template <class V>
+inline auto odd_corner(V a, V b, V c) {
+  const V zero = number<V>(0);
+  const auto second = both(either(both(b > zero, c <= zero), both(b <= zero, c > zero)),
+                           either(both(a > zero, c > zero), both(a <= zero, c <= zero)));
+  const auto third = both(either(both(c > zero, b <= zero), both(c <= zero, b > zero)),
+                          either(both(a > zero, b > zero), both(a <= zero, b <= zero)));
+  return OddCorner<std::remove_const_t<decltype(second)>>{second, third};
+}
+
+/// The share of a function, from its values f at the corners, that is where another is positive, from its
+/// values a, b, c: both as if they were linear, and what is below 0 of f left out.
+template <class V>
+inline V share_where_positive(V a, V b, V c, V fa, V fb, V fc) {
+  const V zero = number<V>(0), one = number<V>(1);
+  const auto [second, third] = odd_corner(a, b, c);
+  const V odd = choose(second, b, choose(third, c, a)), next = choose(second, c, choose(third, a, b)),
+          last = choose(second, a, choose(third, b, c));
+  fa = greater(fa, zero);
+  fb = greater(fb, zero);
+  fc = greater(fc, zero);
+  const V f = choose(second, fb, choose(third, fc, fa)), f_next = choose(second, fc, choose(third, fa, fb)),
+          f_last = choose(second, fa, choose(third, fb, fc)), whole = fa + fb + fc;
+  const auto inside = odd > zero, mixed = either(both(inside, next <= zero), both(odd <= zero, next > zero));
+  const V s = quotient(odd, choose(mixed, odd - next, one)),
+          t = quotient(odd, choose(mixed, odd - last, one));
+  const V part = s * (f_next - f) + t * (f_last - f) + number<V>(3) * f;
+  const V cut_off = s * t * choose(whole > zero, quotient(part, choose(whole > zero, whole, one)), one);
+  return choose(mixed, choose(inside, cut_off, one - cut_off), choose(inside, one, zero));
 }
 
 /// Zeroth and first moments of a share in barycentric coordinates u and v: means over the triangle.
@@ -46,24 +82,17 @@ inline void add_to(LatticeMoments<V>& m, V sum, V u, V v) {
   m.u = m.u + u;
   m.v = m.v + v;
 }
-/// From sums over cells to means over the triangle.
-template <class V>
-inline LatticeMoments<V> mean_of(const LatticeMoments<V>& m, std::size_t steps) {
-  const V share(1.0f / static_cast<float>(steps * steps));
-  return {share * m.sum, share * m.u, share * m.v};
-}
 
-/// One cell's mean and how it leans: what the moments need.
+/// One cell's mean, and how it leans towards its second and third corner.
 template <class V>
 struct Cell {
-  V mean, lean_u, lean_v;
+  V mean, to_b, to_c;
 };
 /// From the corners' values, their mean and by how much the field's mean is above that.
 template <class V>
 inline Cell<V> raised_cell(V a, V b, V c, V level, V bubble) {
   const auto [mean, share] = positive_part(a + bubble, b + bubble, c + bubble, level + bubble);
-  const V lean = share * number<V>(1.0 / 12);
-  return {mean, (b - level) * lean, (c - level) * lean};
+  return {mean, share * (b - level), share * (c - level)};
 }
 /// `a` at the corner the cell's sides are counted from, `b` along u, `c` along v, `centre` at the centroid.
 template <class V>
@@ -94,55 +123,73 @@ inline Cell<V> cell_of_largest(const V (&a)[N], const V (&b)[N], const V (&c)[N]
   return raised_cell(most_a, most_b, most_c, (most_a + most_b + most_c) * third, bubble - excess);
 }
 
-/// `side` is the length of the cell's sides, negative for cells the other way up.
+/// Sums over the cells of a lattice.
 template <class V>
-inline LatticeMoments<V> cell_moments(V u, V v, V side, const Cell<V>& cell) {
-  return {cell.mean, u * cell.mean + side * cell.lean_u, v * cell.mean + side * cell.lean_v};
+struct CellSums {
+  V sum = number<V>(0), u = number<V>(0), v = number<V>(0), lean_u = number<V>(0), lean_v = number<V>(0);
+
+  /// A share of the cell with its centroid at (u, v); `upright`: its sides run along u and v and not against.
+  void add(V at_u, V at_v, bool upright, const Cell<V>& cell) {
+    sum = sum + cell.mean;
+    u = u + at_u * cell.mean;
+    v = v + at_v * cell.mean;
+    lean_u = upright ? lean_u + cell.to_b : lean_u - cell.to_b;
+    lean_v = upright ? lean_v + cell.to_c : lean_v - cell.to_c;
+  }
+  [[nodiscard]] LatticeMoments<V> means(std::size_t steps) const {
+    const V share(1.0f / static_cast<float>(steps * steps)), lean(1.0f / static_cast<float>(12 * steps));
+    return {share * sum, share * (u + lean * lean_u), share * (v + lean * lean_v)};
+  }
+};
+template <class V>
+inline Cell<V> operator*(V share, const Cell<V>& cell) {
+  return {share * cell.mean, share * cell.to_b, share * cell.to_c};
 }
 
 // Kernels are one piece of code: registers would be spilled round every call.
 #define LUMBRICAL_INLINE __attribute__((always_inline))
 
-/// Goes through the cells row by row. `corner(u, v)` is the field there, or the fields; `take(u, v, a, b, c,
-/// side)` gets a cell's values at its corners and its centroid (u, v).
-template <class Value, class Corner, class Take>
-LUMBRICAL_INLINE inline void for_cells(std::size_t steps, const Corner& corner, const Take& take) {
-  Value row[2][kMostSteps + 1];
-  Value *above = row[0], *below = row[1];
+/// Goes through the cells row by row. `row(u)` is what a row's points have in common, `corner(row, v)` the
+/// field at one of them, or the fields; `take(row, u, v, upright, a, b, c)` gets the row of a cell's centroid
+/// (u, v) and the values at its corners.
+template <class Value, class Row, class Corner, class Take>
+LUMBRICAL_INLINE inline void for_cells(std::size_t steps, const Row& row, const Corner& corner,
+                                       const Take& take) {
+  constexpr float kThird = 1.0f / 3, kTwoThirds = 2.0f / 3;
+  Value values[2][kMostSteps + 1];
+  Value *above = values[0], *below = values[1];
   const float side = 1.0f / static_cast<float>(steps);
-  for (std::size_t j = 0; j <= steps; ++j) above[j] = corner(0.0f, side * static_cast<float>(j));
+  const auto first = row(0.0f);
+  for (std::size_t j = 0; j <= steps; ++j) above[j] = corner(first, side * static_cast<float>(j));
   for (std::size_t i = 0; i < steps; ++i) {
-    constexpr float kThird = 1.0f / 3, kTwoThirds = 2.0f / 3;
-    const auto u = static_cast<float>(i);
-    const float up = side * (u + kThird), down = side * (u + kTwoThirds), next = side * (u + 1);
-    below[0] = corner(next, 0.0f);
-    for (std::size_t j = 0; j + 1 < steps - i; ++j) {
-      const auto v = static_cast<float>(j);
-      below[j + 1] = corner(next, side * (v + 1));
-      take(up, side * (v + kThird), above[j], below[j], above[j + 1], side);
-      take(down, side * (v + kTwoThirds), below[j + 1], above[j + 1], below[j], -side);
-    }
+    const auto at = static_cast<float>(i);
+    const float up = side * (at + kThird), down = side * (at + kTwoThirds);
+    const auto up_row = row(up), down_row = row(down), next_row = row(side * (at + 1));
+    below[0] = corner(next_row, 0.0f);
     const std::size_t last = steps - i - 1;
-    take(up, side * (static_cast<float>(last) + kThird), above[last], below[last], above[last + 1], side);
+    for (std::size_t j = 0; j < last; ++j) {
+      const auto v = static_cast<float>(j);
+      below[j + 1] = corner(next_row, side * (v + 1));
+      take(up_row, up, side * (v + kThird), true, above[j], below[j], above[j + 1]);
+      take(down_row, down, side * (v + kTwoThirds), false, below[j + 1], above[j + 1], below[j]);
+    }
+    take(up_row, up, side * (static_cast<float>(last) + kThird), true, above[last], below[last],
+         above[last + 1]);
     Value* const kept = above;
     above = below;
     below = kept;
   }
 }
 
-/// Moments of the positive part of field(patch.at(u, v)).
-template <class V, class Patch, class Field>
-LUMBRICAL_INLINE inline LatticeMoments<V> lattice_moments(const Patch& patch, std::size_t steps,
+/// Moments of the positive part of a field: `row(u)` and `field(row, v)` as above.
+template <class V, class Row, class Field>
+LUMBRICAL_INLINE inline LatticeMoments<V> lattice_moments(std::size_t steps, const Row& row,
                                                           const Field& field) {
-  LatticeMoments<V> m;
-  for_cells<V>(
-      steps, [&](float u, float v) LUMBRICAL_INLINE { return field(patch.at(V(u), V(v))); },
-      [&](float u, float v, V a, V b, V c, float side) LUMBRICAL_INLINE {
-        const Cell<V> cell = cell_of(a, b, c, field(patch.at(V(u), V(v))));
-        const LatticeMoments<V> more = cell_moments(V(u), V(v), V(side), cell);
-        add_to(m, more.sum, more.u, more.v);
-      });
-  return mean_of(m, steps);
+  CellSums<V> sums;
+  for_cells<V>(steps, row, field,
+               [&](const auto& at, float u, float v, bool upright, V a, V b, V c)
+                   LUMBRICAL_INLINE { sums.add(V(u), V(v), upright, cell_of(a, b, c, field(at, v))); });
+  return sums.means(steps);
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

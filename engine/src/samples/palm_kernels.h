@@ -1,8 +1,7 @@
 // What the palm feels of sixteen patches (sample_kernels.h): phi = radius - distance from the polygon.
 #pragma once
 
-#include "samples/lattice.h"
-#include "samples/tile_field.h"
+#include "samples/patch_rows.h"
 
 namespace lumbrical::LUMBRICAL_ISA {
 
@@ -22,14 +21,23 @@ inline V palm_field(const PalmBody& palm, Wide3<V> p) {
   return V(palm.radius) - root(p.z * p.z + choose(out > zero, square, zero));
 }
 
+/// Adds a register's patches to one body's sums; returns a bit per lane that has any.
 template <class V>
-std::uint32_t palm_lattice(const PatchList& patches, const PalmBody& palm, std::size_t steps,
-                           BodySums& sums) {
+inline unsigned add_share(const PatchInFrame<V>& patch, const LatticeMoments<V>& m, std::size_t lane,
+                          BodySums& sums) {
+  const auto [force, moment] = share_of(patch, m);
+  add_wrench(force, moment, lane, sums);
+  return lanes_with(force);
+}
+
+template <class V>
+std::uint32_t palm_lattice(const PatchList& list, const PalmBody& palm, std::size_t steps, BodySums& sums) {
   std::uint32_t touched = 0;
-  for_rows<V>(patches, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
+  for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
     const PatchInFrame<V> patch = see_patch(rows, lane, palm.axis, Wide3<V>{V(0.0f), V(0.0f), V(0.0f)});
-    const LatticeMoments<V> m =
-        lattice_moments<V>(patch, steps, [&](Wide3<V> p) LUMBRICAL_INLINE { return palm_field(palm, p); });
+    const LatticeMoments<V> m = lattice_moments<V>(
+        steps, [&](float u) LUMBRICAL_INLINE { return patch.corner + V(u) * patch.edge1; },
+        [&](Wide3<V> row, float v) LUMBRICAL_INLINE { return palm_field(palm, row + V(v) * patch.edge2); });
     touched += count_of(add_share(patch, m, lane, sums));
   });
   return touched;
@@ -40,11 +48,7 @@ std::uint32_t palm_lattice(const PatchList& patches, const PalmBody& palm, std::
 template <class V>
 inline LatticeMoments<V> linear_moments(V a, V b, V c) {
   const V zero = number<V>(0), one = number<V>(1), third = number<V>(1.0 / 3);
-  // The corner whose sign is its own first; the others in turn.
-  const auto b_alone = both(either(both(b > zero, c <= zero), both(b <= zero, c > zero)),
-                            either(both(a > zero, c > zero), both(a <= zero, c <= zero)));
-  const auto c_alone = both(either(both(c > zero, b <= zero), both(c <= zero, b > zero)),
-                            either(both(a > zero, b > zero), both(a <= zero, b <= zero)));
+  const auto [b_alone, c_alone] = odd_corner(a, b, c);
   const V f = choose(b_alone, b, choose(c_alone, c, a)), g = choose(b_alone, c, choose(c_alone, a, b)),
           h = choose(b_alone, a, choose(c_alone, b, c));
   const Wide2<V> at_a{zero, zero}, at_b{one, zero}, at_c{zero, one};
@@ -70,14 +74,32 @@ inline LatticeMoments<V> linear_moments(V a, V b, V c) {
 }
 
 template <class V>
-std::uint32_t palm_side(const PatchList& patches, const PalmBody& palm, BodySums& sums) {
+std::uint32_t palm_side(const PatchList& list, const PalmBody& palm, BodySums& sums) {
   std::uint32_t touched = 0;
-  for_rows<V>(patches, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
+  for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
     const PatchInFrame<V> patch = see_patch(rows, lane, palm.axis, Wide3<V>{V(0.0f), V(0.0f), V(0.0f)});
     const V a = V(palm.radius) - magnitude(patch.corner.z);
     const V b = V(palm.radius) - magnitude(patch.corner.z + patch.edge1.z);
     const V c = V(palm.radius) - magnitude(patch.corner.z + patch.edge2.z);
     touched += count_of(add_share(patch, linear_moments(a, b, c), lane, sums));
+  });
+  return touched;
+}
+
+/// The positive part of radius - |z| is that of radius - z, less twice that of -z, and that of -z - radius.
+template <class V>
+std::uint32_t palm_through(const PatchList& list, const PalmBody& palm, BodySums& sums) {
+  std::uint32_t touched = 0;
+  for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
+    const PatchInFrame<V> patch = see_patch(rows, lane, palm.axis, Wide3<V>{V(0.0f), V(0.0f), V(0.0f)});
+    const V zero = number<V>(0), radius(palm.radius);
+    const V a = zero - patch.corner.z, b = a - patch.edge1.z, c = a - patch.edge2.z;
+    LatticeMoments<V> m = linear_moments(radius + a, radius + b, radius + c);
+    const LatticeMoments<V> middle = linear_moments(a, b, c),
+                            below = linear_moments(a - radius, b - radius, c - radius);
+    add_to(m, below.sum - (middle.sum + middle.sum), below.u - (middle.u + middle.u),
+           below.v - (middle.v + middle.v));
+    touched += count_of(add_share(patch, m, lane, sums));
   });
   return touched;
 }

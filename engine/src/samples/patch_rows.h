@@ -1,4 +1,5 @@
-// From a list of patches to lanes and from lanes to sums.
+// From a list of patches to lanes and from lanes to sums. A row of lanes may hold patches of several tiles;
+// each is seen from its own.
 #pragma once
 
 #include "samples/lattice.h"
@@ -6,38 +7,26 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-/// Sixteen patches, a lane each, relative to a body's origin; lanes without one have no edges.
+/// Sixteen patches, a lane each, relative to the origins of their bodies; lanes without one have no edges.
 struct PatchRows {
   static constexpr std::size_t kWidth = PatchBlock::kWidth;
   alignas(64) float corner[3][kWidth];   // [m]
   alignas(64) float edge[2][3][kWidth];  // [m]
+  alignas(64) float seen_from[kWidth];   // the tile's number, by kFarEnd more at its far end
 };
 
-/// A body's origin, as patches have their corners.
-struct SplitOrigin {
-  float high[3], low[3];
-  explicit SplitOrigin(const Vec3& p) {
-    const double at[3] = {p.x, p.y, p.z};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto [h, l] = split_number(at[axis]);
-      high[axis] = h;
-      low[axis] = l;
-    }
-  }
-};
-
-inline void gather(const PatchList& patches, const SplitOrigin& origin, std::size_t first, std::size_t count,
-                   PatchRows& rows) {
+inline void gather(const PatchList& list, std::size_t first, std::size_t count, PatchRows& rows) {
   for (std::size_t lane = 0; lane < PatchRows::kWidth; ++lane) {
-    const std::uint32_t place = patches.places[first + (lane < count ? lane : 0)];
-    const PatchBlock& block = patches.blocks[place / PatchRows::kWidth];
-    const std::size_t at = place % PatchRows::kWidth;
+    const ListedPatch& patch = list.patches[first + (lane < count ? lane : count - 1)];
+    const PatchShape& shape = list.shapes[patch.place];
+    const SplitPoint& origin = list.origins[patch.tile % ListedPatch::kFarEnd / Bodies::kTilesApart];
     for (std::size_t axis = 0; axis < 3; ++axis) {
       rows.corner[axis][lane] =
-          (block.corner[0][axis][at] - origin.high[axis]) + (block.corner[1][axis][at] - origin.low[axis]);
-      rows.edge[0][axis][lane] = block.edge[0][axis][at];
-      rows.edge[1][axis][lane] = block.edge[1][axis][at];
+          (shape.corner[0][axis] - origin.high[axis]) + (shape.corner[1][axis] - origin.low[axis]);
+      rows.edge[0][axis][lane] = shape.edge[0][axis];
+      rows.edge[1][axis][lane] = shape.edge[1][axis];
     }
+    rows.seen_from[lane] = static_cast<float>(patch.tile);
   }
   for (std::size_t lane = count; lane < PatchRows::kWidth; ++lane) {
     for (std::size_t axis = 0; axis < 3; ++axis) rows.edge[0][axis][lane] = rows.edge[1][axis][lane] = 0;
@@ -46,12 +35,11 @@ inline void gather(const PatchList& patches, const SplitOrigin& origin, std::siz
 
 /// Calls take(rows, lane) for every register of the patches.
 template <class V, class Take>
-LUMBRICAL_INLINE inline void for_rows(const PatchList& patches, const Take& take) {
+LUMBRICAL_INLINE inline void for_rows(const PatchList& list, const Take& take) {
   PatchRows rows;
-  const SplitOrigin origin(patches.origin);
-  for (std::size_t first = 0; first < patches.count; first += PatchRows::kWidth) {
-    const std::size_t left = patches.count - first;
-    gather(patches, origin, first, left < PatchRows::kWidth ? left : PatchRows::kWidth, rows);
+  for (std::size_t first = 0; first < list.count; first += PatchRows::kWidth) {
+    const std::size_t left = list.count - first;
+    gather(list, first, left < PatchRows::kWidth ? left : PatchRows::kWidth, rows);
     for (std::size_t lane = 0; lane < PatchRows::kWidth; lane += wide::Lanes<V>::kCount) take(rows, lane);
   }
 }
@@ -77,13 +65,72 @@ inline PatchInFrame<V> see_patch(const PatchRows& rows, std::size_t lane, const 
           turn_into(axis, vector_at<V>(rows.edge[1], lane))};
 }
 
+/// A tile's numbers in lanes (bodies.h).
+template <class V>
+struct TileNumbers {
+  V length, radius, end_radius, sine, cosine, tangent2, cosine2;
+};
+template <class V>
+inline TileNumbers<V> numbers_of(const TileFrame& tile) {
+  return {V(tile.length), V(tile.radius),   V(tile.end_radius), V(tile.sine),
+          V(tile.cosine), V(tile.tangent2), V(tile.cosine2)};
+}
+
+/// Calls take(code, all, its) for each run of patches that are seen from the same tile: is it the whole
+/// register, and its lanes.
+template <class V, class Take>
+LUMBRICAL_INLINE inline void for_tiles(const PatchRows& rows, std::size_t lane, const Take& take) {
+  const auto& code = rows.seen_from;
+  const std::size_t end = lane + wide::Lanes<V>::kCount;
+  for (std::size_t first = lane; first < end;) {
+    std::size_t last = first + 1;
+    while (last < end && code[last] == code[first]) ++last;
+    take(static_cast<std::uint32_t>(code[first]), last - first == wide::Lanes<V>::kCount,
+         get(code + lane, V{}) == V(code[first]));
+    first = last;
+  }
+}
+
+/// Patches, each seen from its tile's frame, and the tiles' numbers.
+template <class V>
+struct SeenPatch {
+  PatchInFrame<V> patch;
+  TileNumbers<V> tile;
+  decltype(V{} > V{}) at_far_end;
+};
+/// From the tiles they are listed for, or from those `outward` of them.
+template <class V>
+LUMBRICAL_INLINE inline SeenPatch<V> see_patches(const PatchRows& rows, std::size_t lane,
+                                                 const FingerBody* fingers, std::uint32_t outward = 0) {
+  SeenPatch<V> seen;
+  seen.at_far_end = get(rows.seen_from + lane, V{}) >= V(static_cast<float>(ListedPatch::kFarEnd));
+  for_tiles<V>(rows, lane, [&](std::uint32_t code, bool all, auto its) LUMBRICAL_INLINE {
+    const TileFrame& frame = tile_at(fingers, code % ListedPatch::kFarEnd + outward);
+    const PatchInFrame<V> patch = see_patch(rows, lane, frame.axis, in_all_lanes<V>(frame.origin));
+    const TileNumbers<V> tile = numbers_of<V>(frame);
+    if (all) {
+      seen.patch = patch;
+      seen.tile = tile;
+      return;
+    }
+    seen.patch = {choose(its, patch.corner, seen.patch.corner), choose(its, patch.edge1, seen.patch.edge1),
+                  choose(its, patch.edge2, seen.patch.edge2)};
+    seen.tile = {
+        choose(its, tile.length, seen.tile.length),         choose(its, tile.radius, seen.tile.radius),
+        choose(its, tile.end_radius, seen.tile.end_radius), choose(its, tile.sine, seen.tile.sine),
+        choose(its, tile.cosine, seen.tile.cosine),         choose(its, tile.tangent2, seen.tile.tangent2),
+        choose(its, tile.cosine2, seen.tile.cosine2)};
+  });
+  return seen;
+}
+
 inline std::uint32_t count_of(unsigned lanes) {
   return static_cast<std::uint32_t>(__builtin_popcount(lanes));
 }
 
-/// Adds force and moment of a register's patches to a body's sums; returns a bit per lane that has any.
+/// Adds force and moment of a register's patches to a body's sums.
 template <class V>
-inline unsigned add_wrench(Wide3<V> force, Wide3<V> moment, std::size_t lane, BodySums& sums) {
+inline void add_wrench(Wide3<V> force, Wide3<V> moment, std::size_t lane, BodySums& sums) {
   constexpr double kRounder = 6755399441055744.0;  // 1.5 * 2^52: its last place is that of units
   const V rows[6] = {force.x, force.y, force.z, moment.x, moment.y, moment.z};
   for (std::size_t k = 0; k < 6; ++k) {
@@ -94,17 +141,45 @@ inline unsigned add_wrench(Wide3<V> force, Wide3<V> moment, std::size_t lane, Bo
     for (std::size_t i = 0; i < kLanes; ++i)
       sums.lane[k][lane + i] += (static_cast<double>(row[i]) + rounder) - rounder;
   }
+}
+
+/// Lanes whose force is not 0, a bit each.
+template <class V>
+inline unsigned lanes_with(Wide3<V> force) {
   const V size = magnitude(force.x) + (magnitude(force.y) + magnitude(force.z));
   return wide::bits_of(size > number<V>(0), number<V>(0));
 }
 
-/// The same of a share whose moments are known.
+/// A share whose moments are known, as force and moment about the frame's origin.
 template <class V>
-inline unsigned add_share(const PatchInFrame<V>& patch, const LatticeMoments<V>& m, std::size_t lane,
-                          BodySums& sums) {
+struct Share {
+  Wide3<V> force, moment;
+};
+template <class V>
+inline Share<V> share_of(const PatchInFrame<V>& patch, const LatticeMoments<V>& m) {
   const Wide3<V> normal = cross(patch.edge1, patch.edge2);
   const Wide3<V> first = m.sum * patch.corner + (m.u * patch.edge1 + m.v * patch.edge2);
-  return add_wrench(m.sum * normal, cross(first, normal), lane, sums);
+  return {m.sum * normal, cross(first, normal)};
+}
+
+/// Adds the patches' shares to the sums of the tiles they go to, `outward` of those they are listed for, as
+/// far as those are wanted; returns a bit per lane that has any.
+template <class V>
+LUMBRICAL_INLINE inline unsigned add_shares(const PatchInFrame<V>& patch, const LatticeMoments<V>& m,
+                                            const PatchRows& rows, std::size_t lane, const TileSums& sums,
+                                            std::uint32_t outward = 0) {
+  const auto [force, moment] = share_of(patch, m);
+  unsigned any = 0;
+  for_tiles<V>(rows, lane, [&](std::uint32_t code, bool all, auto its) LUMBRICAL_INLINE {
+    const std::uint32_t tile = code % ListedPatch::kFarEnd + outward;
+    if ((sums.wanted >> tile & 1u) == 0) return;
+    const Wide3<V> zero{number<V>(0), number<V>(0), number<V>(0)};
+    const Wide3<V> own = choose(its, force, zero);
+    any |= lanes_with(own);
+    if (all) return add_wrench(force, moment, lane, sums.of[tile]);
+    add_wrench(own, choose(its, moment, zero), lane, sums.of[tile]);
+  });
+  return any;
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

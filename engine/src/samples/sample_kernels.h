@@ -21,33 +21,41 @@ inline constexpr std::uint32_t kInside = 12;
 inline constexpr std::uint32_t kInnerJoint = 15, kOuterJoint = 16, kFinger = 17;
 /// A block as one that lies inside tile j and meets no other.
 inline constexpr std::uint32_t kBlockInside = 18;
-/// On one side of the palm's polygon, above it; a block as one there; or anywhere about it.
-inline constexpr std::uint32_t kPalmSide = 21, kPalmBlock = 22, kPalm = 23;
-inline constexpr std::uint32_t kCount = 24;
+/// Above the palm's polygon on one side of it; through it; a block as one on one side; or anywhere about it.
+inline constexpr std::uint32_t kPalmSide = 21, kPalmThrough = 22, kPalmBlock = 23, kPalm = 24;
+inline constexpr std::uint32_t kCount = 25;
 }  // namespace kind
 
-/// What of a tile a kernel needs to know.
-enum class TilePart : std::uint8_t { whole, side, near_end, far_end };
+/// What of a tile a kernel needs to know: all of it, its side, or the sphere at one end.
+enum class TilePart : std::uint8_t { whole, side, end };
 
-/// A patch found near a body, or a block that is taken as one.
-struct FoundPatch {
-  std::uint32_t key;    ///< class (0 of a block) * kind::kCount + kind
-  std::uint32_t place;  ///< of the patch: 16 times its block plus the lane; or the block
+/// Patches of a block that are found near a body and have the same key, or a block that is taken as one.
+struct FoundPatches {
+  std::uint16_t key;    ///< class (0 of a block) * kind::kCount + kind
+  std::uint16_t lanes;  ///< a bit each (1 of a block)
+  std::uint32_t block;
 };
-inline constexpr std::size_t kKeyCount = kind::kCount * kPatchSizes;
+inline constexpr std::size_t kKeyCount = kind::kCount * kPatchClasses;
 
-/// Patches of one kind, for a kernel.
+/// A patch, or a block, in order of its key.
+struct ListedPatch {
+  static constexpr std::uint32_t kFarEnd = 64;
+  std::uint32_t place;  ///< of the patch: 16 times its block plus the lane; or the block
+  std::uint32_t tile;   ///< the (innermost) tile's number (bodies.h), plus kFarEnd at its far end
+};
+
+/// Patches for a kernel, best in runs of the same tile.
 struct PatchList {
-  const PatchBlock* blocks;
-  const std::uint32_t* places;
+  const PatchShape* shapes;
+  const ListedPatch* patches;
   std::size_t count;
-  Vec3 origin;  ///< [m] W, of the body
+  const SplitPoint* origins;  ///< of the bodies: Bodies::origin
 };
 
 /// Blocks that are taken as wholes.
 struct BlockList {
   const BlockSamples* blocks;
-  const std::uint32_t* places;
+  const ListedPatch* patches;
   std::size_t count;
   Vec3 origin;  ///< [m] W, of the body
 };
@@ -60,6 +68,12 @@ struct BlockList {
 struct BodySums {
   alignas(64) double lane[6][PatchBlock::kWidth] = {};
   double force_quantum = 0, moment_quantum = 0;  ///< [m^3], [m^4], powers of two
+};
+
+/// Sums of tiles by their numbers, and a bit for each tile whose shares are wanted.
+struct TileSums {
+  BodySums* of;
+  std::uint64_t wanted;
 };
 
 /// The palm as sphere trees see it: planes `normal . p + offset` that are at most 0 in its skin's convex
@@ -78,31 +92,32 @@ struct SampleKernels {
   /// lie inside go to `patches` as wholes. A finger's are given as place << 3, plus a bit per tile that the
   /// block's sphere may reach; the palm's as places.
   Sorted (*sort_blocks)(const BlockSamples* blocks, const FingerBody& finger, std::uint32_t* found,
-                        std::size_t count, FoundPatch* patches);
+                        std::size_t count, FoundPatches* patches);
   Sorted (*sort_palm_blocks)(const BlockSamples* blocks, const PalmBody& palm, std::uint32_t* found,
-                             std::size_t count, FoundPatch* patches);
+                             std::size_t count, FoundPatches* patches);
   /// Writes the blocks' patches that the body may meet, and in what way; returns how many.
   std::size_t (*classify_finger)(const PatchBlock* blocks, const FingerBody& finger,
-                                 const std::uint32_t* found, std::size_t count, FoundPatch* patches);
+                                 const std::uint32_t* found, std::size_t count, FoundPatches* patches);
   std::size_t (*classify_palm)(const PatchBlock* blocks, const PalmBody& palm, const std::uint32_t* found,
-                               std::size_t count, FoundPatch* patches);
-  // Kernels add to sums and return how many of the patches they found touched.
+                               std::size_t count, FoundPatches* patches);
+  // Kernels add to sums (of tiles by their numbers) and return how many of the patches they found touched.
   /// One tile, by a lattice of `steps`.
-  std::uint32_t (*tile_lattice)(const PatchList& patches, const TileFrame& tile, TilePart part,
-                                std::size_t steps, BodySums& sums);
-  /// Two neighbouring tiles, or all three, and how they share; only tiles of `wanted` bits are added.
-  std::uint32_t (*joint_lattice)(const PatchList& patches, const TileFrame* tiles, const JointSides* joints,
-                                 std::size_t steps, unsigned wanted, BodySums* sums);
-  std::uint32_t (*finger_lattice)(const PatchList& patches, const TileFrame* tiles, const JointSides* joints,
-                                  bool folded, std::size_t steps, unsigned wanted, BodySums* sums);
+  std::uint32_t (*tile_lattice)(const PatchList& list, const FingerBody* fingers, TilePart part,
+                                std::size_t steps, const TileSums& sums);
+  /// Two neighbouring tiles, or all three, and how they share.
+  std::uint32_t (*joint_lattice)(const PatchList& list, const FingerBody* fingers, std::size_t steps,
+                                 const TileSums& sums);
+  std::uint32_t (*finger_lattice)(const PatchList& list, const FingerBody* fingers, std::size_t steps,
+                                  const TileSums& sums);
   /// Patches inside one tile, by a rule of quadrature (triangle_rules.h).
-  std::uint32_t (*tile_rule)(const PatchList& patches, const TileFrame& tile, std::size_t rule,
-                             BodySums& sums);
+  std::uint32_t (*tile_rule)(const PatchList& list, const FingerBody* fingers, std::size_t rule,
+                             const TileSums& sums);
   /// Blocks as wholes.
-  std::uint32_t (*tile_blocks)(const BlockList& blocks, const TileFrame& tile, BodySums& sums);
-  std::uint32_t (*palm_blocks)(const BlockList& blocks, const PalmBody& palm, BodySums& sums);
-  std::uint32_t (*palm_side)(const PatchList& patches, const PalmBody& palm, BodySums& sums);
-  std::uint32_t (*palm_lattice)(const PatchList& patches, const PalmBody& palm, std::size_t steps,
+  std::uint32_t (*tile_blocks)(const BlockList& list, const TileFrame& tile, BodySums& sums);
+  std::uint32_t (*palm_blocks)(const BlockList& list, const PalmBody& palm, BodySums& sums);
+  std::uint32_t (*palm_through)(const PatchList& list, const PalmBody& palm, BodySums& sums);
+  std::uint32_t (*palm_side)(const PatchList& list, const PalmBody& palm, BodySums& sums);
+  std::uint32_t (*palm_lattice)(const PatchList& list, const PalmBody& palm, std::size_t steps,
                                 BodySums& sums);
   /// Which spheres of the blocks the tree's query meets, as sphere_hits does, for up to three queries: the
   /// places, or (`tiles`) places << 3 plus a bit per query.

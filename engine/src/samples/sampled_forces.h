@@ -1,6 +1,7 @@
 // The narrowphase of the rungs of samples: from a posed hand to the wrench of every segment, in a few passes
-// over arrays. Search the blocks near every body; classify their patches; put them in order of kind and size;
-// sixteen at a time, gather, kernel, sum.
+// over arrays. Search the blocks near every body, classify their patches, put them in order of size and kind
+// (sample_search.h); then, sixteen at a time, gather, kernel, sum: what is smooth by rules, the rest by
+// lattices, as fine as the hand's force calls for (levels.h).
 //
 // Sums do not care for their order: every number that enters one is first rounded to a multiple of a fixed
 // quantum, so that adding is exact, whatever found a patch and on however many threads.
@@ -11,27 +12,30 @@
 #include <vector>
 
 #include "lumbrical/model.h"
-#include "samples/sample_kernels.h"
+#include "samples/levels.h"
+#include "samples/sample_search.h"
 
 namespace lumbrical {
-
-struct Primitives;
 
 /// What the sampled segments feel, before limits.
 struct SampledForces {
   /// Of a stiffness of 1: [m^3], [m^4] about the joint at the segment's base.
   std::array<Wrench, kSegmentCount> segment{};
+  LevelWeights level{};             ///< how much the lattices of each level count
   std::uint32_t patch_count = 0;    ///< near bodies, those of blocks taken as wholes counted as one
-  std::uint32_t contact_count = 0;  ///< pairs of a body and a patch it touches
+  std::uint32_t contact_count = 0;  ///< pairs of a segment and a patch it touches, on the coarsest lattices
 };
 
 /// Working memory, sized once for a model, and the last tick's result.
 struct SampleMemory {
   SampledForces forces;
   Bodies bodies;
-  std::array<std::vector<std::uint32_t>, 2> frontier;  ///< of the search
-  std::vector<FoundPatch> found;                       ///< patches near the bodies, body by body
-  std::vector<std::uint32_t> ordered;                  ///< their places, by kind and size within a body
+  PatchSearchMemory search;
+  NearPatches near;
+  std::vector<ListedPatch> chosen;  ///< for one kernel
+  /// Of tiles by their numbers and, last, of the palm: by the lattices of each level, and what is the same on
+  /// all of them.
+  std::array<std::vector<BodySums>, kLevels + 1> sums;
 };
 
 void size_samples(const Model& model, SampleMemory& memory);
@@ -44,9 +48,9 @@ std::uint32_t sampled_segments(const Model& model);
 /// Are a segment and a triangle left out by the exact rung?
 bool felt_by_samples(const Model& model, std::size_t segment, std::uint32_t triangle);
 
-/// Forces on those of `segments`. False where more patches are near than there is room for
-/// (Settings::max_candidates).
+/// Forces on those of `segments`; `levels`: by lattices mixed like this, and not as the force calls for.
+/// False where more patches are near than there is room for (Settings::max_candidates).
 bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t segments, SampleMemory& memory,
-                   SampledForces& forces);
+                   SampledForces& forces, const LevelWeights* levels = nullptr);
 
 }  // namespace lumbrical

@@ -1,53 +1,175 @@
-// The field of a tile in lanes, and which of two neighbours a point is nearer to.
+// The field of tiles in lanes, along the rows of a lattice, and which of two neighbours a point is nearer to.
 #pragma once
 
 #include "samples/patch_rows.h"
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-/// phi at p = (t, across): positive inside.
+/// Where a point is in a tile's frame: along its axis, and the square of how far from that.
 template <class V>
-inline V tile_field(const TileFrame& tile, Wide3<V> p) {
-  const V square = p.y * p.y + p.z * p.z, from_end = p.x - V(tile.length);
-  const V slope = V(tile.tangent2) * square;
-  const auto before = p.x * magnitude(p.x) <= slope, beyond = from_end * magnitude(from_end) >= slope;
-  const V axial = choose(before, p.x, from_end);
-  const V round = square + axial * axial;
-  const V under = choose(before, round, choose(beyond, round, V(tile.cosine2) * square));
-  const V level =
-      choose(before, V(tile.radius), choose(beyond, V(tile.end_radius), V(tile.radius) - V(tile.sine) * p.x));
-  return level - root(under);
-}
+struct TilePoint {
+  V along, square;
+};
 
-/// The same where it is known which part of the tile is nearest.
-template <TilePart kPart, class V>
-inline V part_field(const TileFrame& tile, Wide3<V> p) {
-  if constexpr (kPart == TilePart::whole) return tile_field(tile, p);
-  const V square = p.y * p.y + p.z * p.z;
-  if constexpr (kPart == TilePart::side)
-    return (V(tile.radius) - V(tile.sine) * p.x) - root(V(tile.cosine2) * square);
-  const V axial = kPart == TilePart::near_end ? p.x : p.x - V(tile.length);
-  return V(kPart == TilePart::near_end ? tile.radius : tile.end_radius) - root(square + axial * axial);
-}
-
-/// phi, and where along its axis the tile is nearest to p, but for the tile's ends.
+/// phi, positive inside, is what `level` is above `distance`: the radius next to a point, and how far that is
+/// from the axis, across the skin.
 template <class V>
-struct FieldAndPlace {
-  V field, place;
+struct TileDepth {
+  V level, distance;
 };
 template <class V>
-inline FieldAndPlace<V> tile_field_and_place(const TileFrame& tile, Wide3<V> p) {
-  const V rho = root(p.y * p.y + p.z * p.z);
-  return {tile_field(tile, p), V(tile.cosine) * p.x - V(tile.sine) * rho};
+inline TileDepth<V> tile_depth(const TileNumbers<V>& tile, TilePoint<V> p) {
+  const V from_end = p.along - tile.length, slope = tile.tangent2 * p.square;
+  const auto before = p.along * magnitude(p.along) <= slope, beyond = from_end * magnitude(from_end) >= slope;
+  const V axial = choose(before, p.along, from_end);
+  const V round = p.square + axial * axial;
+  const V under = choose(before, round, choose(beyond, round, tile.cosine2 * p.square));
+  const V level =
+      choose(before, tile.radius, choose(beyond, tile.end_radius, tile.radius - tile.sine * p.along));
+  return {level, root(under)};
 }
+template <class V>
+inline V tile_field(const TileNumbers<V>& tile, TilePoint<V> p) {
+  const auto [level, distance] = tile_depth(tile, p);
+  return level - distance;
+}
+
+/// Where along its axis the tile is nearest to p, but for the tile's ends.
+template <class V>
+inline V place_on(const TileNumbers<V>& tile, TilePoint<V> p) {
+  return tile.cosine * p.along - tile.sine * root(p.square);
+}
+
+/// Turns a patch in the plane of two coordinates until its second edge has nothing of the second one.
+template <class V>
+inline void turn_edge(PatchInFrame<V>& patch, V Wide3<V>::*kept, V Wide3<V>::*gone) {
+  const V x = patch.edge2.*kept, y = patch.edge2.*gone, length = root(x * x + y * y);
+  const auto is_real = length > number<V>(0);
+  const V cosine = choose(is_real, quotient(x, choose(is_real, length, number<V>(1))), number<V>(1)),
+          sine = quotient(y, choose(is_real, length, number<V>(1)));
+  const auto turn = [&](Wide3<V>& p) {
+    const V turned = cosine * (p.*kept) + sine * (p.*gone);
+    p.*gone = cosine * (p.*gone) - sine * (p.*kept);
+    p.*kept = turned;
+  };
+  turn(patch.corner);
+  turn(patch.edge1);
+  patch.edge2.*kept = length;
+  patch.edge2.*gone = number<V>(0);
+}
+
+/// A patch turned about a tile's axis, so that along a row (of the same u) only two coordinates change.
+template <class V>
+struct TileRows {
+  PatchInFrame<V> patch;
+  struct Row {
+    V along, y, height2;
+  };
+  [[nodiscard]] Row row(V u) const {
+    const Wide3<V> p = patch.corner + u * patch.edge1;
+    return {p.x, p.y, p.z * p.z};
+  }
+  [[nodiscard]] TilePoint<V> at(const Row& row, V v) const {
+    const V y = row.y + v * patch.edge2.y;
+    return {row.along + v * patch.edge2.x, y * y + row.height2};
+  }
+};
+
+template <class V>
+inline TileRows<V> tile_rows(PatchInFrame<V> patch) {
+  turn_edge(patch, &Wide3<V>::y, &Wide3<V>::z);
+  return {patch};
+}
+
+/// The field of the part of a tile, along rows.
+template <TilePart kPart, class V>
+struct PartRows;
+
+template <class V>
+struct PartRows<TilePart::whole, V> {
+  TileRows<V> rows;
+  TileNumbers<V> tile;
+  explicit PartRows(const SeenPatch<V>& seen) : rows(tile_rows(seen.patch)), tile(seen.tile) {}
+  [[nodiscard]] auto row(V u) const { return rows.row(u); }
+  template <class Row>
+  [[nodiscard]] V field(const Row& row, V v) const {
+    return tile_field(tile, rows.at(row, v));
+  }
+};
+
+/// Of the side: level and distance times the cosine are what its slope makes of them.
+template <class V>
+struct PartRows<TilePart::side, V> {
+  V corner_level, level1, level2;
+  TileRows<V> rows;
+  explicit PartRows(const SeenPatch<V>& seen)
+      : corner_level(seen.tile.radius - seen.tile.sine * seen.patch.corner.x),
+        level1(seen.tile.sine * seen.patch.edge1.x),
+        level2(seen.tile.sine * seen.patch.edge2.x),
+        rows(tile_rows(seen.patch)) {
+    const auto shrink = [&](Wide3<V>& p) {
+      p.y = seen.tile.cosine * p.y;
+      p.z = seen.tile.cosine * p.z;
+    };
+    shrink(rows.patch.corner);
+    shrink(rows.patch.edge1);
+    shrink(rows.patch.edge2);
+  }
+  struct Row {
+    V level, y, height2;
+  };
+  [[nodiscard]] Row row(V u) const {
+    const V y = rows.patch.corner.y + u * rows.patch.edge1.y,
+            z = rows.patch.corner.z + u * rows.patch.edge1.z;
+    return {corner_level - u * level1, y, z * z};
+  }
+  [[nodiscard]] V field(const Row& row, V v) const {
+    const V y = row.y + v * rows.patch.edge2.y;
+    return (row.level - v * level2) - root(y * y + row.height2);
+  }
+};
+
+/// Of the sphere at an end: turned once more, about its centre, only one coordinate changes along a row.
+template <class V>
+struct PartRows<TilePart::end, V> {
+  V radius;
+  PatchInFrame<V> patch;
+  explicit PartRows(const SeenPatch<V>& seen)
+      : radius(choose(seen.at_far_end, seen.tile.end_radius, seen.tile.radius)), patch(seen.patch) {
+    patch.corner.x = patch.corner.x - choose(seen.at_far_end, seen.tile.length, number<V>(0));
+    turn_edge(patch, &Wide3<V>::y, &Wide3<V>::z);
+    turn_edge(patch, &Wide3<V>::y, &Wide3<V>::x);
+  }
+  struct Row {
+    V y, aside2;
+  };
+  [[nodiscard]] Row row(V u) const {
+    const Wide3<V> p = patch.corner + u * patch.edge1;
+    return {p.y, p.x * p.x + p.z * p.z};
+  }
+  [[nodiscard]] V field(const Row& row, V v) const {
+    const V y = row.y + v * patch.edge2.y;
+    return radius - root(y * y + row.aside2);
+  }
+};
+
+/// Two neighbours' joint in lanes (bodies.h).
+template <class V>
+struct JointNumbers {
+  V inner_sign, inner_place, outer_sign, outer_place;
+};
 
 /// How much more the point is the outer tile's than the inner one's [m].
 template <class V>
-inline V side_of_joint(const JointSides& joint, const TileFrame& inner, V inner_place, const TileFrame& outer,
-                       V outer_place) {
-  const V from_inner = V(joint.inner_sign) * (inner_place - V(inner.cosine * joint.inner_place));
-  const V from_outer = V(joint.outer_sign) * (outer_place - V(outer.cosine * joint.outer_place));
+inline V side_of_joint(const JointNumbers<V>& joint, const TileNumbers<V>& inner, V inner_place,
+                       const TileNumbers<V>& outer, V outer_place) {
+  const V from_inner = joint.inner_sign * (inner_place - inner.cosine * joint.inner_place);
+  const V from_outer = joint.outer_sign * (outer_place - outer.cosine * joint.outer_place);
   return from_outer - from_inner;
+}
+template <class V>
+inline JointNumbers<V> numbers_of(const JointSides& joint) {
+  return {V(joint.inner_sign), V(joint.inner_place), V(joint.outer_sign), V(joint.outer_place)};
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

@@ -8,112 +8,163 @@
 namespace lumbrical::LUMBRICAL_ISA {
 
 template <TilePart kPart, class V>
-inline std::uint32_t part_lattice(const PatchList& patches, const TileFrame& tile, std::size_t steps,
-                                  BodySums& sums) {
+inline std::uint32_t part_lattice(const PatchList& list, const FingerBody* fingers, std::size_t steps,
+                                  const TileSums& sums) {
   std::uint32_t touched = 0;
-  for_rows<V>(patches, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
-    const PatchInFrame<V> patch = see_patch(rows, lane, tile.axis, in_all_lanes<V>(tile.origin));
+  for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
+    const SeenPatch<V> seen = see_patches<V>(rows, lane, fingers);
+    const PartRows<kPart, V> part(seen);
     const LatticeMoments<V> m = lattice_moments<V>(
-        patch, steps, [&](Wide3<V> p) LUMBRICAL_INLINE { return part_field<kPart>(tile, p); });
-    touched += count_of(add_share(patch, m, lane, sums));
+        steps, [&](float u) LUMBRICAL_INLINE { return part.row(V(u)); },
+        [&](const auto& row, float v) LUMBRICAL_INLINE { return part.field(row, V(v)); });
+    touched += count_of(add_shares(seen.patch, m, rows, lane, sums));
   });
   return touched;
 }
 
 template <class V>
-std::uint32_t tile_lattice(const PatchList& patches, const TileFrame& tile, TilePart part, std::size_t steps,
-                           BodySums& sums) {
+std::uint32_t tile_lattice(const PatchList& list, const FingerBody* fingers, TilePart part, std::size_t steps,
+                           const TileSums& sums) {
   switch (part) {
     case TilePart::side:
-      return part_lattice<TilePart::side, V>(patches, tile, steps, sums);
-    case TilePart::near_end:
-      return part_lattice<TilePart::near_end, V>(patches, tile, steps, sums);
-    case TilePart::far_end:
-      return part_lattice<TilePart::far_end, V>(patches, tile, steps, sums);
+      return part_lattice<TilePart::side, V>(list, fingers, steps, sums);
+    case TilePart::end:
+      return part_lattice<TilePart::end, V>(list, fingers, steps, sums);
     case TilePart::whole:
       break;
   }
-  return part_lattice<TilePart::whole, V>(patches, tile, steps, sums);
+  return part_lattice<TilePart::whole, V>(list, fingers, steps, sums);
 }
 
-/// Shares of two or three tiles at a point: where neighbours part, each has a ramp as wide as a cell, so that
-/// shares are continuous; tiles that are no neighbours (of a folded finger) part where their fields are
-/// equal.
+/// The N tiles that share patches, and how they part.
 template <class V, std::size_t N>
-inline void tile_shares(const TileFrame* tiles, const JointSides* joints, bool folded,
-                        const FieldAndPlace<V> (&at)[N], V per_width, V (&share)[N]) {
-  const V zero = number<V>(0), one = number<V>(1), half = number<V>(0.5);
-  const auto ramp = [&](V lead) { return between(half + lead * per_width, zero, one); };
-  const V outer = ramp(side_of_joint(joints[0], tiles[0], at[0].place, tiles[1], at[1].place));
+struct Neighbours {
+  SeenPatch<V> seen[N];
+  JointNumbers<V> joint[N - 1];
+  V folded;  // 1: the tiles at the ends may meet
+};
+template <class V, std::size_t N>
+LUMBRICAL_INLINE inline Neighbours<V, N> see_neighbours(const PatchRows& rows, std::size_t lane,
+                                                        const FingerBody* fingers) {
+  Neighbours<V, N> near;
+  for (std::size_t k = 0; k < N; ++k)
+    near.seen[k] = see_patches<V>(rows, lane, fingers, static_cast<std::uint32_t>(k));
+  for_tiles<V>(rows, lane, [&](std::uint32_t code, bool all, auto its) LUMBRICAL_INLINE {
+    const FingerBody& finger = fingers[code % ListedPatch::kFarEnd / Bodies::kTilesApart];
+    for (std::size_t k = 0; k + 1 < N; ++k) {
+      const auto joint = numbers_of<V>(finger.joint[code % Bodies::kTilesApart + k]);
+      JointNumbers<V>& to = near.joint[k];
+      to = all ? joint
+               : JointNumbers<V>{choose(its, joint.inner_sign, to.inner_sign),
+                                 choose(its, joint.inner_place, to.inner_place),
+                                 choose(its, joint.outer_sign, to.outer_sign),
+                                 choose(its, joint.outer_place, to.outer_place)};
+    }
+    const V folded(finger.folded ? 1.0f : 0.0f);
+    near.folded = all ? folded : choose(its, folded, near.folded);
+  });
+  return near;
+}
+
+/// What a corner of a lattice that N tiles share is told by: their fields, the largest of them, and by how
+/// much each joint's outer tile is nearer than the inner one.
+template <class V, std::size_t N>
+struct SharedCorner {
+  V field[N], largest, lead[N - 1];
+};
+template <class V, std::size_t N>
+LUMBRICAL_INLINE inline SharedCorner<V, N> shared_corner(const Neighbours<V, N>& near,
+                                                         const TilePoint<V> (&at)[N]) {
+  SharedCorner<V, N> corner;
+  for (std::size_t k = 0; k < N; ++k) {
+    corner.field[k] = tile_field(near.seen[k].tile, at[k]);
+    corner.largest = k == 0 ? corner.field[0] : greater(corner.largest, corner.field[k]);
+  }
+  for (std::size_t k = 0; k + 1 < N; ++k) {
+    const TileNumbers<V>&inner = near.seen[k].tile, &outer = near.seen[k + 1].tile;
+    corner.lead[k] =
+        side_of_joint(near.joint[k], inner, place_on(inner, at[k]), outer, place_on(outer, at[k + 1]));
+  }
+  return corner;
+}
+
+/// Shares of two or three tiles in a cell. Neighbours part along their joint's border; tiles that are none
+/// (of a folded finger) where their fields are equal.
+template <class V, std::size_t N>
+LUMBRICAL_INLINE inline void cell_shares(const Neighbours<V, N>& near, const SharedCorner<V, N>& a,
+                                         const SharedCorner<V, N>& b, const SharedCorner<V, N>& c,
+                                         V (&share)[N]) {
+  const V zero = number<V>(0), one = number<V>(1);
+  const auto beyond = [&](std::size_t k) LUMBRICAL_INLINE {
+    return share_where_positive(a.lead[k], b.lead[k], c.lead[k], a.largest, b.largest, c.largest);
+  };
+  const V outer = beyond(0);
   if constexpr (N == 2) {
     share[0] = one - outer;
     share[1] = outer;
   } else {
-    const V outermost = ramp(side_of_joint(joints[1], tiles[1], at[1].place, tiles[2], at[2].place));
-    const V last = folded ? ramp(at[2].field - at[0].field) : outermost;
-    share[0] = (one - outer) * (folded ? one - last : one);
-    share[2] = last * (folded ? outermost : outer);
+    const V outermost = beyond(1);
+    const auto folded = near.folded > zero;
+    const V upon = share_where_positive(a.field[2] - a.field[0], b.field[2] - b.field[0],
+                                        c.field[2] - c.field[0], a.largest, b.largest, c.largest);
+    const V last = choose(folded, upon, outermost);
+    share[0] = (one - outer) * choose(folded, one - last, one);
+    share[2] = last * choose(folded, outermost, outer);
     share[1] = one - share[0] - share[2];
   }
 }
 
 template <class V, std::size_t N>
-inline std::uint32_t shared_lattice(const PatchList& patches, const TileFrame* tiles,
-                                    const JointSides* joints, bool folded, std::size_t steps, unsigned wanted,
-                                    BodySums* sums) {
+inline std::uint32_t shared_lattice(const PatchList& list, const FingerBody* fingers, std::size_t steps,
+                                    const TileSums& sums) {
+  using Corner = SharedCorner<V, N>;
+  struct RowOfAll {
+    typename TileRows<V>::Row of[N];
+  };
   std::uint32_t touched = 0;
-  for_rows<V>(patches, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
-    PatchInFrame<V> patch[N];
-    for (std::size_t k = 0; k < N; ++k)
-      patch[k] = see_patch(rows, lane, tiles[k].axis, in_all_lanes<V>(tiles[k].origin));
-    const Wide3<V> normal = cross(patch[0].edge1, patch[0].edge2);
-    const V width = root(root(dot(normal, normal)));  // of the whole patch
-    const V per_width =
-        quotient(V(0.5f * static_cast<float>(steps)), choose(width > number<V>(0), width, number<V>(1)));
-    LatticeMoments<V> m[N];
-    struct Fields {
-      V of[N];
-    };
-    for_cells<Fields>(
+  for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
+    const Neighbours<V, N> near = see_neighbours<V, N>(rows, lane, fingers);
+    TileRows<V> tile[N];
+    for (std::size_t k = 0; k < N; ++k) tile[k] = tile_rows(near.seen[k].patch);
+    CellSums<V> cells[N];
+    for_cells<Corner>(
         steps,
-        [&](float u, float v) LUMBRICAL_INLINE {
-          Fields fields;
-          for (std::size_t k = 0; k < N; ++k) fields.of[k] = tile_field(tiles[k], patch[k].at(V(u), V(v)));
-          return fields;
+        [&](float u) LUMBRICAL_INLINE {
+          RowOfAll row;
+          for (std::size_t k = 0; k < N; ++k) row.of[k] = tile[k].row(V(u));
+          return row;
         },
-        [&](float u, float v, const Fields& a, const Fields& b, const Fields& c, float side)
-            LUMBRICAL_INLINE {
-              FieldAndPlace<V> at[N];
-              V centre[N];
-              for (std::size_t k = 0; k < N; ++k) {
-                at[k] = tile_field_and_place(tiles[k], patch[k].at(V(u), V(v)));
-                centre[k] = at[k].field;
-              }
-              const LatticeMoments<V> cell =
-                  cell_moments(V(u), V(v), V(side), cell_of_largest(a.of, b.of, c.of, centre));
-              V share[N];
-              tile_shares<V, N>(tiles, joints, folded, at, per_width, share);
-              for (std::size_t k = 0; k < N; ++k)
-                add_to(m[k], share[k] * cell.sum, share[k] * cell.u, share[k] * cell.v);
-            });
-    unsigned any = 0;
+        [&](const RowOfAll& row, float v) LUMBRICAL_INLINE {
+          TilePoint<V> at[N];
+          for (std::size_t k = 0; k < N; ++k) at[k] = tile[k].at(row.of[k], V(v));
+          return shared_corner<V, N>(near, at);
+        },
+        [&](const RowOfAll& row, float u, float v, bool upright, const Corner& a, const Corner& b,
+            const Corner& c) LUMBRICAL_INLINE {
+          V centre[N], share[N];
+          for (std::size_t k = 0; k < N; ++k)
+            centre[k] = tile_field(near.seen[k].tile, tile[k].at(row.of[k], V(v)));
+          const Cell<V> cell = cell_of_largest(a.field, b.field, c.field, centre);
+          cell_shares<V, N>(near, a, b, c, share);
+          for (std::size_t k = 0; k < N; ++k) cells[k].add(V(u), V(v), upright, share[k] * cell);
+        });
     for (std::size_t k = 0; k < N; ++k) {
-      if ((wanted >> k & 1u) != 0) any |= add_share(patch[k], mean_of(m[k], steps), lane, sums[k]);
+      const auto outward = static_cast<std::uint32_t>(k);
+      touched += count_of(add_shares(near.seen[k].patch, cells[k].means(steps), rows, lane, sums, outward));
     }
-    touched += count_of(any);
   });
   return touched;
 }
 
 template <class V>
-std::uint32_t joint_lattice(const PatchList& patches, const TileFrame* tiles, const JointSides* joints,
-                            std::size_t steps, unsigned wanted, BodySums* sums) {
-  return shared_lattice<V, 2>(patches, tiles, joints, false, steps, wanted, sums);
+std::uint32_t joint_lattice(const PatchList& list, const FingerBody* fingers, std::size_t steps,
+                            const TileSums& sums) {
+  return shared_lattice<V, 2>(list, fingers, steps, sums);
 }
 template <class V>
-std::uint32_t finger_lattice(const PatchList& patches, const TileFrame* tiles, const JointSides* joints,
-                             bool folded, std::size_t steps, unsigned wanted, BodySums* sums) {
-  return shared_lattice<V, 3>(patches, tiles, joints, folded, steps, wanted, sums);
+std::uint32_t finger_lattice(const PatchList& list, const FingerBody* fingers, std::size_t steps,
+                             const TileSums& sums) {
+  return shared_lattice<V, 3>(list, fingers, steps, sums);
 }
 
 /// Calls take(u, v, weight) for every node of a rule, u and v barycentric.
@@ -140,17 +191,19 @@ LUMBRICAL_INLINE inline void for_nodes(const TriangleRule& rule, const Take& tak
 }
 
 template <class V>
-std::uint32_t tile_rule(const PatchList& patches, const TileFrame& tile, std::size_t rule, BodySums& sums) {
+std::uint32_t tile_rule(const PatchList& list, const FingerBody* fingers, std::size_t rule,
+                        const TileSums& sums) {
   std::uint32_t touched = 0;
-  for_rows<V>(patches, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
-    const PatchInFrame<V> patch = see_patch(rows, lane, tile.axis, in_all_lanes<V>(tile.origin));
+  for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
+    const SeenPatch<V> seen = see_patches<V>(rows, lane, fingers);
     LatticeMoments<V> m;
     for_nodes(kTriangleRules[rule], [&](double u, double v, double weight) {
       const V at_u = number<V>(u), at_v = number<V>(v);
-      const V mean = number<V>(weight) * tile_field(tile, patch.at(at_u, at_v));
+      const Wide3<V> p = seen.patch.at(at_u, at_v);
+      const V mean = number<V>(weight) * tile_field(seen.tile, TilePoint<V>{p.x, p.y * p.y + p.z * p.z});
       add_to(m, mean, at_u * mean, at_v * mean);
     });
-    touched += count_of(add_share(patch, m, lane, sums));
+    touched += count_of(add_shares(seen.patch, m, rows, lane, sums));
   });
   return touched;
 }

@@ -72,6 +72,8 @@ void add_sampled_body(const Model& model, const Primitives& hand, std::size_t fi
                       std::uint32_t segments, SampleMemory& memory,
                       std::array<SegmentJacobian, kSegmentCount>& jacobians) {
   const Vec3 pivot = hand.base_joint[first];
+  // By the same lattices as the tick: what its mixture would change by is of the size of their errors.
+  const LevelWeights* const levels = memory.forces.contact_count > 0 ? &memory.forces.level : nullptr;
   std::array<Matrix6, kSegmentCount> about_pivot{};
   for (std::size_t column = 0; column < 6; ++column) {
     const auto axis = [&](double size) {
@@ -83,7 +85,7 @@ void add_sampled_body(const Model& model, const Primitives& hand, std::size_t fi
       Primitives moved = hand;
       move_segments(first, last, pivot, axis(column < 3 ? side * step : 0),
                     axis(column < 3 ? 0 : side * step), hand, moved);
-      if (!sample_forces(model, moved, segments, memory, side > 0 ? ahead : behind)) return;
+      if (!sample_forces(model, moved, segments, memory, side > 0 ? ahead : behind, levels)) return;
     }
     for (std::size_t i = first; i <= last; ++i) {
       const Vec3 force = (0.5 / step) * (ahead.segment[i].force - behind.segment[i].force);

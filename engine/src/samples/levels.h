@@ -1,0 +1,37 @@
+// How fine a lattice a hand is felt by.
+//
+// What a lattice is off by hardly depends on how deep a part of the hand is in: it comes from where the world
+// crosses the skin. So the harder a hand presses, the smaller the share of its force that is, and the coarser
+// a lattice will do; and a hand that touches lightly meets few patches and can afford a fine one. Every hand
+// is felt on the coarsest lattices, whose force decides whether finer ones are called for. Between two levels
+// lies a range of forces where both are felt and mixed, so that a growing force never jumps.
+#pragma once
+
+#include <array>
+
+#include "index/patches.h"
+#include "lumbrical/math.h"
+
+namespace lumbrical {
+
+/// How much each level counts, 1 in all.
+using LevelWeights = std::array<double, kLevels>;
+
+/// Least forces for which level k will do without the next finer one, and half of which is too little for it:
+/// sums of what segments feel, of a stiffness of 1, in units of Patches::radius3. Measured over drapes and
+/// fingertips (docs/mechanics.md).
+inline constexpr std::array<double, kLevels - 1> kEnoughForce = {20, 3};
+
+inline LevelWeights level_weights(double force) {
+  LevelWeights weights{};
+  double left = 1;
+  for (std::size_t k = 0; k + 1 < kLevels; ++k) {
+    const double enough = min(left, clamp(2 * force / kEnoughForce[k] - 1, 0, 1));
+    weights[k] = enough;
+    left -= enough;
+  }
+  weights[kLevels - 1] = left;
+  return weights;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,57 @@
+// From a posed hand to the patches its bodies may meet, in order of size and kind: the first passes of the
+// rungs of samples (sampled_forces.h). What is found and as what is a question to patch and body alone; in
+// which order it is found does not matter.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lumbrical/model.h"
+#include "samples/sample_kernels.h"
+
+namespace lumbrical {
+
+struct Primitives;
+
+/// Patches near a hand, sorted by their keys.
+struct NearPatches {
+  std::vector<ListedPatch> listed;
+  std::array<std::uint32_t, kKeyCount + 1> begin{};  ///< those of key k go from begin[k] to begin[k + 1]
+
+  [[nodiscard]] std::size_t count() const { return begin.back(); }
+  [[nodiscard]] bool has(std::size_t patch_class) const {
+    return begin[patch_class * kind::kCount] < begin[(patch_class + 1) * kind::kCount];
+  }
+  /// Those of a class and of kinds `first` to `last`.
+  [[nodiscard]] std::span<const ListedPatch> of_kinds(std::uint32_t first, std::uint32_t last,
+                                                      std::size_t patch_class) const {
+    const std::size_t key = patch_class * kind::kCount;
+    return std::span(listed).subspan(begin[key + first], begin[key + last + 1] - begin[key + first]);
+  }
+};
+
+/// What the search works with, sized once for a model.
+struct PatchSearchMemory {
+  std::array<std::vector<std::uint32_t>, 2> frontier;
+  std::vector<FoundPatches> found;  ///< body by body
+};
+
+/// The tile of its finger that a kind is about, the innermost of several.
+inline constexpr std::array<std::uint8_t, kind::kCount> kTileOfKind = [] {
+  std::array<std::uint8_t, kind::kCount> tile{};
+  for (std::uint32_t k = 0; k < kind::kPalmSide; ++k)
+    tile[k] = static_cast<std::uint8_t>(k % FingerBody::kMostTiles);
+  tile[kind::kInnerJoint] = tile[kind::kFinger] = 0;
+  tile[kind::kOuterJoint] = 1;
+  return tile;
+}();
+
+void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& near);
+
+/// False where more is near than there is room for (Settings::max_candidates).
+bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
+                  NearPatches& near);
+
+}  // namespace lumbrical
