@@ -25,6 +25,7 @@ struct RunOptions {
   std::optional<std::uint64_t> ticks;
   std::optional<std::uint32_t> threads;
   std::string isa = "auto";
+  std::optional<std::uint32_t> effort;
   bool json = false, compare_precision = false;
 };
 
@@ -47,6 +48,7 @@ constexpr FlagText kFlagTexts[] = {
     {kAngleClamped, "angle clamped", "a joint angle beyond the hand's limits; widen them"},
     {kCandidateOverflow, "candidate overflow", "raise settings.max_candidates"},
     {kForceLimited, "force limited", "a segment came near settings.max_force, and its force saturates"},
+    {kCoarsened, "coarsened", "samples were coarser than asked, to stay within settings.effort"},
     {kFading, "fading", "forces were rising or fading, as after a loss of tracking"},
 };
 
@@ -67,6 +69,7 @@ Status load(const RunOptions& options, SceneFile& scene_file) {
   motion.unit = parse_metres(options.unit);
   if (Status status = load_scene_file(options.scene, scene_file, motion); !status.ok()) return status;
   Settings& settings = scene_file.scene.settings;
+  if (options.effort) settings.effort = *options.effort;
   if (!options.precision.empty()) settings.precision.fill(*parse_precision(options.precision));
   if (!options.law.empty()) settings.law.fill(*parse_law(options.law));
   if (options.stiffness) settings.stiffness = *options.stiffness;
@@ -134,6 +137,12 @@ std::string times_text(const TickTimes& times) {
          "   p99.9 " + brief(microseconds(times, 0.999)) + "   max " + brief(times.max() / 1000.0) + " us";
 }
 
+// What Settings::effort may be for samples to leave half of a period to the rest, as fast as they were here;
+// 0 where nothing was felt by them.
+double effort_for(double rate, const RunStatistics& run) {
+  return run.evaluations > 0 ? std::floor(0.5e9 / rate / (run.evaluating_ns / run.evaluations)) : 0;
+}
+
 Json run_json(const RunOptions& options, const Model& model, const RunStatistics& run,
               const DeviceLoop* device) {
   Json json;
@@ -142,6 +151,8 @@ Json run_json(const RunOptions& options, const Model& model, const RunStatistics
   json["tick_us"] = times_json(run.tick_times);
   json["contacts"] = {{"mean", mean_contacts(run)}, {"max", run.max_contacts}};
   json["deadline_misses"] = run.deadline_misses;
+  json["effort"] = {{"max_evaluations", run.max_evaluations},
+                    {"fits_half_a_period", effort_for(model.settings.rate, run)}};
   json["isa"] = isa_name(model.execution.isa);
   json["threads"] = model.execution.threads;
   json["broadphase"] = broadphase_name(model.execution.broadphase);
@@ -220,6 +231,16 @@ void add_real_time(const RunStatistics& run, Table& table) {
   for (const std::string& line : real_time.refused) table.add("", line);
 }
 
+void add_effort(const Model& model, const RunStatistics& run, Table& table) {
+  const double fits = effort_for(model.settings.rate, run);
+  if (!(fits > 0)) return;
+  std::string text = "at most " + grouped(run.max_evaluations) + " evaluations a tick";
+  if (model.settings.effort > 0) text += ", " + grouped(model.settings.effort) + " allowed";
+  table.add("effort", text);
+  table.add("", "\"effort\": " + std::to_string(static_cast<std::uint64_t>(fits)) +
+                    " bounds them to half a period, by this session's times");
+}
+
 std::string run_text(const RunOptions& options, const Model& model, const RunStatistics& run,
                      const DeviceLoop* device) {
   Table table;
@@ -229,7 +250,10 @@ std::string run_text(const RunOptions& options, const Model& model, const RunSta
                         grouped(run.deadline_misses) + " ticks missed their deadline");
   table.add("tick time", times_text(run.tick_times));
   if (device != nullptr) table.add("with the device", times_text(run.loop_times));
-  if (options.rate != "max") add_real_time(run, table);
+  if (options.rate != "max") {
+    add_real_time(run, table);
+    add_effort(model, run, table);
+  }
   table.add("contacts", "mean " + brief(mean_contacts(run)) + "   max " + grouped(run.max_contacts) +
                             "   of " + grouped(model.triangles.size()) + " triangles");
   table.add("computed with", std::string(broadphase_name(model.execution.broadphase)) + ", law " +
@@ -367,6 +391,8 @@ void add_run(Command& app, int& exit_code) {
   command->add_option("--voxel-cache", options->voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");
   command->add_option("--law", options->law, "Contact law of the whole hand")->check(is_law());
   command->add_option("--precision", options->precision, kPrecisionHelp)->check(is_precision());
+  command->add_option("--effort", options->effort,
+                      "Most evaluations a tick may spend on samples; 0: no bound");
   command->add_flag(
       "--compare-precision", options->compare_precision,
       "Instead of a session: each precision's error and time on this scene and motion, and advice");

@@ -49,6 +49,7 @@ std::int64_t session_ns(std::uint64_t tick, double rate) {
 void add_output(const ActuatorFrame& output, RunStatistics& statistics) {
   statistics.contacts += output.contact_count;
   statistics.max_contacts = std::max(statistics.max_contacts, output.contact_count);
+  statistics.max_evaluations = std::max(statistics.max_evaluations, output.evaluations);
   for (std::size_t finger = 0; finger < kFingerCount; ++finger) {
     Vec3 force;
     for (std::size_t s = 3 * finger; s < 3 * finger + 3; ++s) force += output.segment[s].force;
@@ -148,6 +149,10 @@ RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_
       if (parts.paced && end > moment + 2 * period) first += end - (moment + period);
     }
     statistics.tick_times.add(record.duration_ns);
+    if (record.output.evaluations > 0) {
+      statistics.evaluations += static_cast<double>(record.output.evaluations);
+      statistics.evaluating_ns += record.duration_ns;
+    }
     add_output(record.output, statistics);
     statistics.world_held = std::max(statistics.world_held, pager.held_bytes());
     ++statistics.ticks;

@@ -26,6 +26,8 @@ struct RunStatistics {
       0;                       ///< paced: results later than their period's end; else ticks longer than one
   std::uint64_t contacts = 0;  ///< sum over all ticks
   std::uint32_t max_contacts = 0;                     ///< of one tick
+  std::uint64_t max_evaluations = 0;                  ///< of fields by samples, in one tick
+  double evaluations = 0, evaluating_ns = 0;          ///< sums over the ticks in which there were any
   std::array<double, kFingerCount + 1> peak_force{};  ///< [N] per finger (its segments' sum) and of the palm
   std::array<double, kSegmentCount> peak_torque{};    ///< [N m] about each segment's base joint
   std::array<std::uint64_t, 32> flag_ticks{};         ///< ticks in which TickFlag bit i was set

@@ -49,6 +49,7 @@ enum TickFlag : std::uint32_t {
       1u << 7,  ///< more candidate pairs than Settings::max_candidates: forces fade to zero. Raise it
   kForceLimited = 1u << 8,  ///< a segment's force was above 4/5 of Settings::max_force and saturates
   kFading = 1u << 9,        ///< output is a fading or rising mixture, see limits
+  kCoarsened = 1u << 10,  ///< lattices were coarser than the precision asks, to stay within Settings::effort
 };
 
 /// Forces and torques of the whole hand, in the world frame W.
@@ -66,6 +67,7 @@ struct ActuatorFrame : HandForces {
   std::uint64_t tick = 0;
   std::uint32_t flags = 0;          ///< TickFlag bits
   std::uint32_t contact_count = 0;  ///< contacts behind this frame, before limits
+  std::uint64_t evaluations = 0;    ///< of a field, by samples: what Settings::effort bounds
   /// [N] About what samples may be off, all sampled segments together, before limits: measured, no bound. 98
   /// % of ticks stay below it, the worst seen were five times as far off (docs/mechanics.md).
   double error_estimate = 0;

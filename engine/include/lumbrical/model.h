@@ -77,6 +77,10 @@ struct Settings {
   double max_force = 20;    ///< [N] no segment's force exceeds it: above four fifths of it forces saturate,
                             ///< each segment's by itself
   double fade_time = 0.02;  ///< [s] in which forces that can't be trusted fade to zero, and return
+  /// Most evaluations of a field that samples may spend in a tick, 0 .. 1e9; 0: as many as it takes. What a
+  /// tick will spend is known before its kernels run; beyond the bound it takes the next coarser lattices,
+  /// and in the end one cell a patch (kCoarsened, ActuatorFrame::error_estimate).
+  std::uint32_t effort = 0;
   std::uint32_t max_candidates = 1u << 18;  ///< pairs (primitive, triangle) a tick can hold, 1 .. 2^24
 };
 

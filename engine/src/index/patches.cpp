@@ -399,8 +399,11 @@ std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& s
       LatticeSteps& steps = patches->steps[i][k];
       for (std::size_t level = 0; level < kLevels; ++level)
         steps[level] = steps_for(size / step_of(hand, settings, i, level));
-      patches->has_levels[k] = patches->has_levels[k] || steps.front() != steps.back();
-      patches->steps[i][kPatchSizes + k].fill(static_cast<std::uint8_t>(2 * steps.back()));
+      steps[kOneCell] = 1;
+      patches->has_levels[k] = patches->has_levels[k] || steps[0] != steps[kLevels - 1];
+      LatticeSteps& twice = patches->steps[i][kPatchSizes + k];
+      twice.fill(static_cast<std::uint8_t>(2 * steps[kLevels - 1]));
+      twice[kOneCell] = 1;
     }
   }
   patches->radius3 = radius3 / sampled;

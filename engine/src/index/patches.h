@@ -24,7 +24,9 @@ inline constexpr std::size_t kMostSteps = 2 * kPatchSizes;
 /// Lattices from coarse to fine. How fine the one is by which a hand is felt depends on its force
 /// (samples/levels.h).
 inline constexpr std::size_t kLevels = 3;
-using LatticeSteps = std::array<std::uint8_t, kLevels>;
+/// Steps by level and, behind them, 1: one cell a patch, for a tick that must not take longer.
+inline constexpr std::size_t kOneCell = kLevels;
+using LatticeSteps = std::array<std::uint8_t, kLevels + 1>;
 
 /// A coordinate as two numbers in single precision: differences of such lose nothing a kernel could tell.
 struct SplitNumber {

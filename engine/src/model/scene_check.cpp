@@ -44,6 +44,7 @@ Status check_settings(const Settings& settings) {
   }
   if (!within(settings.max_force, 0, 1e6)) return out_of_range("settings.max_force", "0 to 1e6 N");
   if (!within(settings.fade_time, 0, 60)) return out_of_range("settings.fade_time", "0 to 60 s");
+  if (settings.effort > 1000000000) return out_of_range("settings.effort", "0 to 1000000000");
   if (settings.max_candidates < 1 || settings.max_candidates > (1u << 24)) {
     return out_of_range("settings.max_candidates", "1 to 16777216");
   }

@@ -77,7 +77,8 @@ Offset<fb::Settings> to_fb(FlatBufferBuilder& builder, const Settings& settings)
   const auto all_laws = builder.CreateVectorScalarCast<fb::Law>(laws.data(), laws.size());
   const auto precisions = builder.CreateVector(settings.precision.data(), settings.precision.size());
   return fb::CreateSettings(builder, all_laws, settings.stiffness, settings.rate, settings.point_area,
-                            settings.max_force, settings.fade_time, settings.max_candidates, precisions);
+                            settings.max_force, settings.fade_time, settings.max_candidates, precisions,
+                            settings.effort);
 }
 
 /// Room the objects take in the message, rounded up.
@@ -139,6 +140,7 @@ Status decode_settings(const fb::Settings* message, Settings& settings) {
   settings.max_force = message->max_force();
   settings.fade_time = message->fade_time();
   settings.max_candidates = message->max_candidates();
+  settings.effort = message->effort();
   // Session time is computed from the rate before build_model sees it.
   if (!(settings.rate >= 1 && settings.rate <= 100000))
     return Status::error("the session's rate is out of range");

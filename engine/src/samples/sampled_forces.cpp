@@ -5,6 +5,7 @@
 #include <span>
 
 #include "model/primitive.h"
+#include "samples/effort.h"
 
 namespace lumbrical {
 namespace {
@@ -112,7 +113,8 @@ void run_fingers(SampleWork& work, std::size_t patch_class, std::size_t steps, c
 
 // Lattices of a level over the patches of a class.
 void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level) {
-  BodySums* const sums = work.sums(work.patches.has_levels[patch_class] ? level : kEveryLevel);
+  const bool has_levels = level != kOneCell && work.patches.has_levels[patch_class];
+  BodySums* const sums = work.sums(has_levels ? level : kEveryLevel);
   for (std::size_t steps = 1; steps <= kMostSteps; ++steps) {
     const std::uint64_t wanted = tiles_with_steps(work.bodies, level, patch_class, steps);
     if (wanted != 0) run_fingers(work, patch_class, steps, {sums, wanted});
@@ -255,14 +257,27 @@ bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t seg
   for (std::size_t k = 0; k < kPatchClasses; ++k) {
     if (work.near.has(k)) run_smooth(work, k);
   }
-  const bool has_levels = run_level(work, 0);
+  const Effort effort = effort_of(*model.patches, memory.near);
+  const std::uint64_t most = model.settings.effort;
+  const bool one_cell = most > 0 && effort.always + effort.level[0] > most;
+  const bool has_levels = run_level(work, one_cell ? kOneCell : 0);
   forces.contact_count = work.touched;
   forces.segment = wrenches_of(hand, memory, kEveryLevel);
   forces.level = {1};
-  if (!has_levels) return true;
+  forces.evaluations = one_cell ? effort.one_cell : evaluations_of(effort, forces.level);
+  forces.coarsened = one_cell;
+  const double radius3 = model.patches->radius3;
+  if (one_cell) {
+    forces.error_factor =
+        one_cell_error_factor(*model.patches, memory.near, force_of({}, forces.segment, radius3));
+  }
+  if (!has_levels || one_cell) return true;
   const SegmentWrenches coarsest = wrenches_of(hand, memory, 0);
-  forces.level =
-      levels != nullptr ? *levels : level_weights(force_of(coarsest, forces.segment, model.patches->radius3));
+  const double force = force_of(coarsest, forces.segment, radius3);
+  forces.level = levels != nullptr ? *levels : level_weights(force);
+  forces.coarsened = keep_effort(effort, most, forces.level);
+  forces.evaluations = evaluations_of(effort, forces.level);
+  forces.error_factor = forces.coarsened ? error_factor_of(forces.level, force) : 1;
   for (std::size_t level = 0; level < kLevels; ++level) {
     if (!(forces.level[level] > 0)) continue;
     if (level > 0) run_level(work, level);

@@ -22,6 +22,9 @@ struct SampledForces {
   /// Of a stiffness of 1: [m^3], [m^4] about the joint at the segment's base.
   std::array<Wrench, kSegmentCount> segment{};
   LevelWeights level{};             ///< how much the lattices of each level count
+  std::uint64_t evaluations = 0;    ///< of a field
+  double error_factor = 1;          ///< how many times the error is what the precision asks, by estimate
+  bool coarsened = false;           ///< to stay within Settings::effort
   std::uint32_t patch_count = 0;    ///< near bodies, those of blocks taken as wholes counted as one
   std::uint32_t contact_count = 0;  ///< pairs of a segment and a patch it touches, on the coarsest lattices
 };

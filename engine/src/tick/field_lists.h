@@ -64,6 +64,7 @@ constexpr void list_fields(Is<ActuatorFrame> auto& frame, auto&& field) {
   field("tick", "", frame.tick);
   field("flags", "", frame.flags);
   field("contact_count", "", frame.contact_count);
+  field("evaluations", "", frame.evaluations);
   field("error_estimate", "N", frame.error_estimate);
   field("force_error", "N", frame.force_error);
   list_forces(frame, field);
@@ -85,6 +86,7 @@ constexpr void list_fields(Is<Settings> auto& settings, auto&& field) {
   field("precision", "", settings.precision);
   field("max_force", "N", settings.max_force);
   field("fade_time", "s", settings.fade_time);
+  field("effort", "", settings.effort);
   field("max_candidates", "", settings.max_candidates);
 }
 
@@ -109,6 +111,7 @@ constexpr void list_fields(Is<Contact> auto& contact, auto&& field) {
 constexpr void list_fields(Is<SampledForces> auto& sampled, auto&& field) {
   field("patch_count", "", sampled.patch_count);
   field("contact_count", "", sampled.contact_count);
+  field("evaluations", "", sampled.evaluations);
   field("integral", "", sampled.segment);
 }
 
@@ -174,6 +177,6 @@ constexpr void list_fields(Is<Primitives> auto& hand, auto&& field) {
 static_assert(kIsRow<Contact> && kIsRow<HandForces> && kIsRow<ActuatorFrame> && kIsRow<State>);
 static_assert(kIsRow<JointPose> && kIsRow<HalfSpace> && kIsRow<Pose>);
 static_assert(listed_bytes<DeviceFrame>() + 7 == sizeof(DeviceFrame));
-static_assert(listed_bytes<Settings>() + 4 == sizeof(Settings));
+static_assert(listed_bytes<Settings>() == sizeof(Settings));
 
 }  // namespace lumbrical

@@ -87,7 +87,7 @@ void find_all_contacts(const Model& model, const Primitives& hand, Scratch& scra
 double error_estimate(const Settings& settings, const SampledForces& sampled) {
   double estimate = 0;
   for (std::size_t i = 0; i < kSegmentCount; ++i)
-    estimate += settings.precision[i] * norm(sampled.segment[i].force);
+    estimate += min(1, sampled.error_factor * settings.precision[i]) * norm(sampled.segment[i].force);
   return settings.stiffness * estimate;
 }
 
@@ -115,6 +115,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
       tile_hand(model.hand, model.settings, hand);
       if (model.patches && !sample_forces(model, hand, sampled_segments(model), *scratch.samples, sampled))
         flags |= kCandidateOverflow;
+      if (sampled.coarsened) flags |= kCoarsened;
       if (!find_exact_candidates(model, hand, scratch)) flags |= kCandidateOverflow;
     }
   }
@@ -124,6 +125,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   const HandForces forces = sum_forces(model.settings, hand, contacts, sampled.segment);
   ActuatorFrame output = limit_forces(model.settings, hand, forces, (flags & kUntrusted) == 0, flags, state);
   output.contact_count = scratch.contact_count + sampled.contact_count;
+  output.evaluations = sampled.evaluations;
   output.force_error = force_error(model.settings, contacts);
   output.error_estimate = error_estimate(model.settings, sampled);
 

@@ -1,0 +1,88 @@
+#include "samples/effort.h"
+
+#include <algorithm>
+
+namespace lumbrical {
+namespace {
+
+// A cell is its centroid and, shared with its neighbours, half a corner or more.
+constexpr std::uint64_t kPerCell = 2;
+// Points of a block, and about those of a rule.
+constexpr std::uint64_t kPerBlock = 7, kPerRule = 16;
+
+std::uint64_t count_of(const NearPatches& near, std::uint32_t first, std::uint32_t last,
+                       std::size_t patch_class) {
+  return near.of_kinds(first, last, patch_class).size();
+}
+
+std::uint64_t most_steps(const Patches& patches, std::size_t patch_class, std::size_t level) {
+  std::uint64_t most = 0;
+  for (const auto& of_segment : patches.steps)
+    most = std::max<std::uint64_t>(most, of_segment[patch_class][level]);
+  return most;
+}
+
+}  // namespace
+
+Effort effort_of(const Patches& patches, const NearPatches& near) {
+  Effort effort;
+  for (std::size_t k = 0; k < kPatchClasses; ++k) {
+    if (!near.has(k)) continue;
+    effort.always += kPerRule * count_of(near, kind::kInside, kind::kInside + 2, k) +
+                     kPerBlock * count_of(near, kind::kBlockInside, kind::kBlockInside + 2, k) +
+                     kPerBlock * count_of(near, kind::kPalmSide, kind::kPalmBlock, k);
+    const std::uint64_t shares = count_of(near, kind::kTile, kind::kFarEnd + 2, k) +
+                                 2 * count_of(near, kind::kInnerJoint, kind::kOuterJoint, k) +
+                                 3 * count_of(near, kind::kFinger, kind::kFinger, k) +
+                                 count_of(near, kind::kPalm, kind::kPalm, k);
+    effort.one_cell += kPerCell * shares;
+    for (std::size_t level = 0; level < kLevels; ++level) {
+      const std::uint64_t steps = most_steps(patches, k, level), all = kPerCell * shares * steps * steps;
+      if (patches.has_levels[k]) {
+        effort.level[level] += all;
+      } else if (level == 0) {
+        effort.always += all;
+      }
+    }
+  }
+  return effort;
+}
+
+std::uint64_t evaluations_of(const Effort& effort, const LevelWeights& weights) {
+  std::uint64_t evaluations = effort.always + effort.level[0];
+  for (std::size_t level = 1; level < kLevels; ++level)
+    evaluations += weights[level] > 0 ? effort.level[level] : 0;
+  return evaluations;
+}
+
+bool keep_effort(const Effort& effort, std::uint64_t most, LevelWeights& weights) {
+  if (most == 0) return false;
+  bool coarsened = false;
+  for (std::size_t level = kLevels; level-- > 1;) {
+    if (!(weights[level] > 0) || evaluations_of(effort, weights) <= most) continue;
+    weights[level - 1] += weights[level];
+    weights[level] = 0;
+    coarsened = true;
+  }
+  return coarsened;
+}
+
+double error_factor_of(const LevelWeights& weights, double force) {
+  double factor = 0;
+  for (std::size_t level = 0; level < kLevels; ++level) {
+    const double least = level + 1 < kLevels ? kEnoughForce[level] : 0;
+    factor += weights[level] * max(1, force > 0 ? least / force : 1);
+  }
+  return factor;
+}
+
+double one_cell_error_factor(const Patches& patches, const NearPatches& near, double force) {
+  double coarser = 1;
+  for (std::size_t k = 0; k < kPatchClasses; ++k) {
+    if (near.has(k)) coarser = max(coarser, static_cast<double>(most_steps(patches, k, 0)));
+  }
+  const double fourth = coarser * coarser * coarser * coarser;
+  return fourth * max(1, force > 0 ? kEnoughForce[0] / force : 1);
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,71 @@
+// A bound on what samples may spend in a tick: kept, told, and the same for every way to search.
+#include <gtest/gtest.h>
+
+#include "mesh_world.h"
+#include "pressed_hand.h"
+#include "sampled_hand.h"
+#include "tick/field_lists.h"
+
+namespace lumbrical::test {
+namespace {
+
+Scene draped_scene() { return sampled_scene(default_hand(Side::right), pressed_scene(kWidthA, 69).objects); }
+
+ActuatorFrame felt(Scene scene, std::uint32_t effort, const DeviceFrame& frame,
+                   const Execution& execution = {}) {
+  scene.settings.effort = effort;
+  return FeelingHand(scene, 1e-4, execution)(frame);
+}
+
+double difference(const ActuatorFrame& a, const ActuatorFrame& b) {
+  return norm(total_force(a) - total_force(b));
+}
+
+TEST(Effort, ABoundThatIsNotReachedChangesNothing) {
+  const Scene scene = draped_scene();
+  const DeviceFrame frame = pressed_frame(scene.hand, 0.002, 0);
+  const ActuatorFrame free = felt(scene, 0, frame);
+  ASSERT_GT(free.evaluations, 1000u);
+  const ActuatorFrame bound = felt(scene, static_cast<std::uint32_t>(free.evaluations), frame);
+  EXPECT_EQ(hash_fields(free), hash_fields(bound));
+  EXPECT_EQ(bound.flags & kCoarsened, 0u);
+}
+
+// From a light touch, felt by the finest lattices, down to one cell a patch.
+TEST(Effort, ATighterBoundIsKeptFlaggedAndTellsALargerError) {
+  const Scene scene = draped_scene();
+  const DeviceFrame frame = pressed_frame(scene.hand, -0.003, 0);
+  const ActuatorFrame free = felt(scene, 0, frame);
+  ActuatorFrame before = free;
+  int coarser = 0;
+  for (double share = 0.9; share > 0.02; share *= 0.8) {
+    const auto effort = static_cast<std::uint32_t>(share * static_cast<double>(free.evaluations));
+    const ActuatorFrame bound = felt(scene, effort, frame);
+    SCOPED_TRACE(effort);
+    EXPECT_NE(bound.flags & kCoarsened, 0u);
+    EXPECT_LE(bound.evaluations, before.evaluations);
+    EXPECT_GE(bound.error_estimate, before.error_estimate);
+    EXPECT_LE(difference(bound, free), bound.error_estimate);
+    if (bound.evaluations < before.evaluations) {
+      ++coarser;
+      EXPECT_LE(bound.evaluations, std::max<std::uint64_t>(effort, before.evaluations / 4));
+    }
+    before = bound;
+  }
+  EXPECT_GE(coarser, 2);
+}
+
+TEST(Effort, IsDecidedAlikeByBruteForce) {
+  const Scene scene = draped_scene();
+  Execution brute;
+  brute.broadphase = Broadphase::brute;
+  for (const double depth : {0.0002, 0.002}) {
+    const DeviceFrame frame = pressed_frame(scene.hand, depth, 0);
+    for (const std::uint32_t effort : {1000u, 10000u, 30000u, 100000u})
+      EXPECT_EQ(hash_fields(felt(scene, effort, frame)), hash_fields(felt(scene, effort, frame, brute)))
+          << effort;
+  }
+}
+
+}  // namespace
+}  // namespace lumbrical::test
