@@ -100,13 +100,13 @@ void check_words(const char* name) {
     compare(va + vb, [](T x, T y) { return x + y; });
     compare(va - vb, [](T x, T y) { return x - y; });
     compare(va * vb, [](T x, T y) { return x * y; });
-    compare(wide::quotient(va, vb), [](T x, T y) { return x / y; });
-    compare(wide::root(wide::magnitude(va)), [](T x, T) { return std::sqrt(std::fabs(x)); });
-    compare(wide::magnitude(va), [](T x, T) { return std::fabs(x); });
-    compare(wide::lesser(va, vb), [](T x, T y) { return wide::lesser(x, y); });
-    compare(wide::greater(va, vb), [](T x, T y) { return wide::greater(x, y); });
-    compare(wide::choose(va < vb, va, vb), [](T x, T y) { return x < y ? x : y; });
-    compare(wide::choose(va == vb, va, vb), [](T x, T y) { return x == y ? x : y; });
+    compare(wide::divide(va, vb), [](T x, T y) { return x / y; });
+    compare(wide::sqrt(wide::abs(va)), [](T x, T) { return std::sqrt(std::fabs(x)); });
+    compare(wide::abs(va), [](T x, T) { return std::fabs(x); });
+    compare(wide::min(va, vb), [](T x, T y) { return wide::min(x, y); });
+    compare(wide::max(va, vb), [](T x, T y) { return wide::max(x, y); });
+    compare(wide::select(va < vb, va, vb), [](T x, T y) { return x < y ? x : y; });
+    compare(wide::select(va == vb, va, vb), [](T x, T y) { return x == y ? x : y; });
   }
   if (wrong == 0) return;
   ++mistakes;

@@ -36,32 +36,31 @@ inline constexpr ChordRules kChordRules = chord_rules();
 template <class V>
 V least_extent(const RoundPlane<V>& plane, const BorderChord<V>& chord, Wide3<V> joint) {
   const V zero = number<V>(0), one = number<V>(1), far = beyond<V>(), l = chord.length;
-  const auto rooted = [&](V square) { return root(greater(square, zero)); };
+  const auto rooted = [&](V square) { return sqrt(max(square, zero)); };
   const Wide2<V> p = chord.from, q = chord.from + l * chord.along;
   // The joint, where both field and border have their apex.
   const Wide2<V> foot{dot(joint, plane.u), dot(joint, plane.v)};
   const V height = plane.h1 + dot(joint, plane.n);
-  const auto from_joint = [&](Wide2<V> at) { return root(dot(at - foot, at - foot) + height * height); };
+  const auto from_joint = [&](Wide2<V> at) { return sqrt(dot(at - foot, at - foot) + height * height); };
   V extent = (from_joint(p) + from_joint(q)) * one_over(l);
   // The tile's axis.
   const auto from_axis = [&](Wide2<V> at) {
     const V e = plane.c * at.x + plane.s * plane.h1;
-    return root(e * e + at.y * at.y);
+    return sqrt(e * e + at.y * at.y);
   };
-  const V e = plane.c * chord.along.x, turn = root(e * e + chord.along.y * chord.along.y);
-  extent = lesser(extent, (from_axis(p) + from_axis(q)) * one_over(turn * l));
+  const V e = plane.c * chord.along.x, turn = sqrt(e * e + chord.along.y * chord.along.y);
+  extent = min(extent, (from_axis(p) + from_axis(q)) * one_over(turn * l));
   // Where lines across the chord touch the cone: A s^2 + 2 B s + C = 0.
   const V a = chord.tilt * chord.tilt - chord.a * chord.bend, c = chord.b * chord.b;
   const V b = chord.b * chord.tilt + number<V>(0.5) * (chord.a * chord.bend) * l;
   const V square = b * b - a * c, end_b = chord.b + l * chord.tilt;
   const V no_roots = (rooted(c) + rooted(end_b * end_b)) * one_over(rooted(a) * l);
-  const V sum = choose(b < zero, rooted(square) - b, zero - (b + rooted(square)));
+  const V sum = select(b < zero, rooted(square) - b, zero - (b + rooted(square)));
   const V middle = number<V>(0.5) * l;
-  const V one_root = choose(a == zero, far, magnitude(quotient(sum, choose(a == zero, one, a)) - middle));
-  const V other_root =
-      choose(sum == zero, far, magnitude(quotient(c, choose(sum == zero, one, sum)) - middle));
-  const V roots = number<V>(2) * lesser(one_root, other_root) * one_over(l);
-  return lesser(extent, choose(square < zero, no_roots, roots));
+  const V one_root = select(a == zero, far, abs(divide(sum, select(a == zero, one, a)) - middle));
+  const V other_root = select(sum == zero, far, abs(divide(c, select(sum == zero, one, sum)) - middle));
+  const V roots = number<V>(2) * min(one_root, other_root) * one_over(l);
+  return min(extent, select(square < zero, no_roots, roots));
 }
 
 // The first rule that leaves no more than `error`; kRules where none does. n nodes leave about rho^(-2 n),
@@ -69,14 +68,14 @@ V least_extent(const RoundPlane<V>& plane, const BorderChord<V>& chord, Wide3<V>
 // is.
 template <class V>
 V rule_for(V extent, V error) {
-  const V one = number<V>(1), least = greater(extent, one);
-  const V rho = least + root(least * least - one), rho2 = rho * rho, rho4 = rho2 * rho2, rho8 = rho4 * rho4;
+  const V one = number<V>(1), least = max(extent, one);
+  const V rho = least + sqrt(least * least - one), rho2 = rho * rho, rho4 = rho2 * rho2, rho8 = rho4 * rho4;
   const V rho6 = rho4 * rho2, rho14 = rho8 * rho6;
   const V power[kRules] = {rho6,         rho8 * rho2,         rho14,
                            rho14 * rho8, rho14 * rho8 * rho8, (rho14 * rho8) * (rho8 * rho8 * rho8)};
   V rule = number<V>(kRules);
   for (std::size_t k = kRules; k-- > 0;)
-    rule = choose(power[k] * error >= one, number<V>(static_cast<double>(k)), rule);
+    rule = select(power[k] * error >= one, number<V>(static_cast<double>(k)), rule);
   return rule;
 }
 
@@ -88,10 +87,10 @@ inline constexpr std::size_t kBreaks = 4;
 template <class V>
 Wide2<V> real_roots(V a, V b, V c, V none) {
   const V zero = number<V>(0), one = number<V>(1), square = b * b - a * c;
-  const V rise = root(greater(square, zero)), sum = choose(b < zero, rise - b, zero - (b + rise));
-  const auto real = square > number<V>(-1e-13) * (b * b + magnitude(a * c));
-  return {choose(both(real, a != zero), quotient(sum, choose(a == zero, one, a)), none),
-          choose(both(real, sum != zero), quotient(c, choose(sum == zero, one, sum)), none)};
+  const V rise = sqrt(max(square, zero)), sum = select(b < zero, rise - b, zero - (b + rise));
+  const auto real = square > number<V>(-1e-13) * (b * b + abs(a * c));
+  return {select(real && a != zero, divide(sum, select(a == zero, one, a)), none),
+          select(real && sum != zero, divide(c, select(sum == zero, one, sum)), none)};
 }
 
 // On the chord f = cos(alpha) q - sin(alpha) rho vanishes, q from the joint's end; of the roots of its
@@ -107,9 +106,9 @@ void breaks_on_chord(const RoundPart<V>& part, const RoundPlane<V>& plane, const
   const Wide2<V> roots = real_roots(steep * steep - spread2 * (de * de + d.y * d.y),
                                     axial * steep - spread2 * (e * de + p.y * d.y),
                                     axial * axial - spread2 * (e * e + p.y * p.y), l);
-  const auto proper = [&](V s) { return both(both(s > zero, s < l), q + s * dq >= zero); };
-  at[0] = choose(proper(roots.x), roots.x, l);
-  at[1] = choose(proper(roots.y), roots.y, l);
+  const auto proper = [&](V s) { return s > zero && s < l && q + s * dq >= zero; };
+  at[0] = select(proper(roots.x), roots.x, l);
+  at[1] = select(proper(roots.y), roots.y, l);
 }
 
 // On the border that is in a plane through the joint, which meets the triangle's plane in a line.
@@ -118,7 +117,7 @@ void breaks_on_border(const BorderChord<V>& chord, Wide3<V> line, V (&at)[kBreak
   const V zero = number<V>(0), l = chord.length, two = number<V>(2);
   // line.x + line.y s + line.z h = 0: a point of it, and its direction.
   const V square = line.y * line.y + line.z * line.z, foot = zero - line.x * one_over(square);
-  const V per = one_over(root(square)), s0 = foot * line.y, h0 = foot * line.z;
+  const V per = one_over(sqrt(square)), s0 = foot * line.y, h0 = foot * line.z;
   const V ds = line.z * per, dh = zero - line.y * per;
   // a h^2 + 2 (b + tilt s) h - bend s (l - s) = 0 along it.
   const V half = number<V>(0.5), bend = chord.bend;
@@ -130,8 +129,8 @@ void breaks_on_border(const BorderChord<V>& chord, Wide3<V> line, V (&at)[kBreak
   const Wide2<V> roots = real_roots(aa, bb, cc, far);
   const auto place = [&](V t) {
     const V s = s0 + t * ds, h = h0 + t * dh;
-    const auto on_chord = both(both(s > zero, s < l), both(square > zero, t < far));
-    return choose(both(on_chord, magnitude(h) <= two * chord.height), s, l);
+    const auto on_chord = s > zero && s < l && square > zero && t < far;
+    return select(on_chord && abs(h) <= two * chord.height, s, l);
   };
   at[2] = place(roots.x);
   at[3] = place(roots.y);
@@ -140,7 +139,7 @@ void breaks_on_border(const BorderChord<V>& chord, Wide3<V> line, V (&at)[kBreak
 template <class V>
 void put_in_order(V (&at)[kBreaks]) {
   const auto in_order = [&](std::size_t i, std::size_t k) {
-    const V low = lesser(at[i], at[k]), high = greater(at[i], at[k]);
+    const V low = min(at[i], at[k]), high = max(at[i], at[k]);
     at[i] = low;
     at[k] = high;
   };
@@ -165,8 +164,8 @@ void add_along(const RoundPart<V>& part, const RoundPlane<V>& plane, const Plane
                const BorderChord<V>& chord, const V (&ends)[1], V from, V to, V extent, V error,
                BulgeSum<V>& sum, V& good) {
   const V zero = number<V>(0), one = number<V>(1), half = number<V>(0.5), length = to - from;
-  const auto here = both(good > zero, length > zero);
-  if (!some(here)) return;
+  const auto here = good > zero && length > zero;
+  if (!any(here)) return;
   const V rule = rule_for(one + (extent - one) * chord.length * one_over(length), error);
   decltype(rule == rule) own[kRules];
   for (std::size_t k = 0; k < kRules; ++k) own[k] = rule == number<V>(static_cast<double>(k));
@@ -174,18 +173,18 @@ void add_along(const RoundPart<V>& part, const RoundPlane<V>& plane, const Plane
     V at = half, weight = zero;
     for (std::size_t k = 0; k < kRules; ++k) {
       const GaussNode node = kChordRules.node[k][j];
-      at = choose(own[k], number<V>(node.at), at);
-      weight = choose(own[k], number<V>(node.weight), weight);
+      at = select(own[k], number<V>(node.at), at);
+      weight = select(own[k], number<V>(node.weight), weight);
     }
-    const auto counts = both(here, weight > zero);
-    if (!some(counts)) break;
+    const auto counts = here && weight > zero;
+    if (!any(counts)) break;
     const V s = from + at * length;
     V fine = good;
     const V height = height_at(cone, chord, s, fine).at;
     const Wide2<V> foot = chord.from + s * chord.along;
     const WayMeans<V> means = means_across(part, plane, ends, foot, chord.across, height, counts);
-    good = choose(counts, choose(means.smooth > zero, fine, zero), good);
-    const V area = choose(counts, weight * length * height, zero), volume = area * means.mean;
+    good = select(counts, select(means.smooth > zero, fine, zero), good);
+    const V area = select(counts, weight * length * height, zero), volume = area * means.mean;
     sum.area = sum.area + area;
     sum.area_along = sum.area_along + area * s;
     sum.area_across = sum.area_across + area * (half * height);
@@ -193,7 +192,7 @@ void add_along(const RoundPart<V>& part, const RoundPlane<V>& plane, const Plane
     sum.along = sum.along + volume * s;
     sum.across = sum.across + (area * means.lean) * height;
   }
-  good = choose(both(here, rule == number<V>(kRules)), zero, good);
+  good = select(here && rule == number<V>(kRules), zero, good);
 }
 
 // `ring` is the field's (BorderTerms) as a linear function over the chord; `good` becomes 0 where the lanes
@@ -203,10 +202,10 @@ BulgeSum<V> bulge_over(const RoundPart<V>& part, const RoundPlane<V>& plane, con
                        const BorderChord<V>& chord, Wide3<V> joint, Wide3<V> ring, V& good) {
   const V zero = number<V>(0), l = chord.length;
   const V extent = least_extent(plane, chord, joint);
-  const V error = between(number<V>(kBulgeError) * l * one_over(chord.height), number<V>(kLeastBulgeError),
-                          number<V>(kMostBulgeError));
+  const V error = clamp(number<V>(kBulgeError) * l * one_over(chord.height), number<V>(kLeastBulgeError),
+                        number<V>(kMostBulgeError));
   const V quarter = number<V>(0.25) * (part.length * part.length);
-  const V ends[1] = {choose(dot(joint, joint) > quarter, part.length, zero)};
+  const V ends[1] = {select(dot(joint, joint) > quarter, part.length, zero)};
   V breaks[kBreaks];
   breaks_on_chord(part, plane, chord, ends[0], breaks);
   breaks_on_border(chord, ring, breaks);
@@ -249,31 +248,31 @@ void border_bulges(BorderTerms& terms) {
     const ConePoint<V> start =
         whole.start + ConePoint<V>{dot(cone.x, step), dot(cone.y, step), dot(cone.z, step)};
     const BorderChord<V> chord = chord_over(cone, whole.from + step, last, start);
-    good = choose(chord.good > zero, good, zero);
+    good = select(chord.good > zero, good, zero);
     const V middle = field_on(part, plane, cone, chord, number<V>(0.5) * chord.length, good).phi;
-    good = choose(middle >= zero - number<V>(kFieldRounding) * part.radius1, good, zero);
-    good = choose(course.status == inside, good, zero);
+    good = select(middle >= zero - number<V>(kFieldRounding) * part.radius1, good, zero);
+    good = select(course.status == inside, good, zero);
     BulgeSum<V> sum{zero, zero, zero, zero, zero, zero};
-    if (some(good > zero)) {
+    if (any(good > zero)) {
       const Wide3<V> ring = vector_at<V>(terms.ring, i);
       const Wide2<V> own = in_plane(ring);
       const Wide3<V> over{dot(ring, from) + dot(own, step), dot(own, chord.along), dot(own, chord.across)};
       sum = bulge_over(part, plane, cone, chord, joint, over, good);
     }
 
-    const auto kept = course.status == inside, had = both(fine, both(kept, good > zero));
-    const auto missed = both(fine, course.status == number<V>(kBorderOutside));
-    put(terms.status + i, choose(had, inside, choose(missed, number<V>(kBorderOutside), unclear)));
+    const auto kept = course.status == inside, had = fine && kept && good > zero;
+    const auto missed = fine && course.status == number<V>(kBorderOutside);
+    put(terms.status + i, select(had, inside, select(missed, number<V>(kBorderOutside), unclear)));
     const auto in_space = [&](V along, V across) {
       const Wide2<V> p = along * chord.along + across * chord.across;
       return p.x * plane.u + p.y * plane.v;
     };
     const Wide3<V> begin = from + step.x * plane.u + step.y * plane.v;
-    put_vector(choose(had, begin, from), i, terms.start);
-    put_vector(choose(had, begin + in_space(chord.length, zero), to), i, terms.end);
-    const Wide2<V> across = choose(had, chord.across, whole.across);
+    put_vector(select(had, begin, from), i, terms.start);
+    put_vector(select(had, begin + in_space(chord.length, zero), to), i, terms.end);
+    const Wide2<V> across = select(had, chord.across, whole.across);
     put_vector(across.x * plane.u + across.y * plane.v, i, terms.across);
-    put(terms.height + i, choose(had, chord.height, whole.height));
+    put(terms.height + i, select(had, chord.height, whole.height));
     put(terms.area + i, sum.area);
     put(terms.volume + i, sum.volume);
     const Wide3<V> base = joint + begin;

@@ -49,7 +49,7 @@ BorderChord<V> chord_over(const PlaneCone<V>& cone, Wide2<V> from, Wide2<V> to, 
   BorderChord<V> chord;
   const Wide2<V> d = to - from;
   chord.from = from;
-  chord.length = root(dot(d, d));
+  chord.length = sqrt(dot(d, d));
   chord.along = one_over(chord.length) * d;
   chord.across = {chord.along.y, zero - chord.along.x};
   chord.start = start;
@@ -61,16 +61,16 @@ BorderChord<V> chord_over(const PlaneCone<V>& cone, Wide2<V> from, Wide2<V> to, 
   chord.bend = in_cone(along, along);
   // At both ends the way across has to leave the tile, and the border not to be steep.
   const V first = cone.side * chord.b, last = first + cone.side * chord.tilt * chord.length;
-  const V rise = magnitude(chord.bend) * chord.length;
-  const auto leaves = both(first > zero, last > zero);
+  const V rise = abs(chord.bend) * chord.length;
+  const auto leaves = first > zero && last > zero;
   const V k1 = rise * one_over(two * first), k2 = rise * one_over(two * last), sum = k1 + k2;
-  chord.steepest = greater(k1, k2);
+  chord.steepest = max(k1, k2);
   chord.height = number<V>(1.000001) * chord.length * k1 * k2 * one_over(sum);
   const ConePoint<V> end = start + chord.length * along;
   chord.off = in_cone(start, start);
   chord.drift = (in_cone(end, end) - chord.off) * one_over(chord.length);
-  const auto flat = both(leaves, both(k1 < number<V>(kSteepest), k2 < number<V>(kSteepest)));
-  chord.good = choose(both(flat, both(start.z >= zero, end.z >= zero)), one, zero);
+  const auto flat = leaves && k1 < number<V>(kSteepest) && k2 < number<V>(kSteepest);
+  chord.good = select(flat && start.z >= zero && end.z >= zero, one, zero);
   return chord;
 }
 
@@ -85,12 +85,12 @@ inline BorderHeight<V> height_at(const PlaneCone<V>& cone, const BorderChord<V>&
   const V zero = number<V>(0), one = number<V>(1), two = number<V>(2);
   const V b = chord.b + s * chord.tilt;
   const V rest = chord.bend * (s * (chord.length - s)) - (chord.off + s * chord.drift);
-  const V square = b * b + chord.a * rest, fall = cone.side * root(greater(square, zero));
+  const V square = b * b + chord.a * rest, fall = cone.side * sqrt(max(square, zero));
   const V sum = b + fall;
-  good = choose(both(square > zero, sum != zero), good, zero);
-  const V h = quotient(rest, choose(sum == zero, one, sum));
+  good = select(square > zero && sum != zero, good, zero);
+  const V h = divide(rest, select(sum == zero, one, sum));
   const V change = chord.bend * (chord.length - two * s) - chord.drift - two * (chord.tilt * h);
-  return {h, quotient(change, choose(fall == zero, one, two * fall))};
+  return {h, divide(change, select(fall == zero, one, two * fall))};
 }
 
 // phi at a point of the plane and its change in a direction.
@@ -103,9 +103,9 @@ template <class V>
 inline FieldSlope<V> field_along(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2<V> p,
                                  Wide2<V> d) {
   const V e = plane.c * p.x + plane.s * plane.h1, q = plane.s * p.x - plane.c * plane.h1;
-  const V rho2 = e * e + p.y * p.y, rho = root(rho2);
-  const V at = between(q - rho * part.tangent, number<V>(0), part.length), off = q - at;
-  const V w = root(off * off + rho2);
+  const V rho2 = e * e + p.y * p.y, rho = sqrt(rho2);
+  const V at = clamp(q - rho * part.tangent, number<V>(0), part.length), off = q - at;
+  const V w = sqrt(off * off + rho2);
   // The nearest sphere is the best one, so only the distance from its centre changes.
   const V change = off * (plane.s * d.x) + e * (plane.c * d.x) + p.y * d.y;
   return {part.radius1 - part.sine * at - w, number<V>(0) - change * one_over(w)};
@@ -142,43 +142,43 @@ Course<V> follow(const RoundPart<V>& part, const RoundPlane<V>& plane, const Pla
   FieldSlope<V> at_b = field_on(part, plane, cone, chord, b, good);
   Course<V> course{zero, zero, number<V>(kBorderInside)};
   // Which ends are still being looked for.
-  V left = choose(at_a.phi < zero, one, zero), right = choose(at_b.phi < zero, one, zero);
+  V left = select(at_a.phi < zero, one, zero), right = select(at_b.phi < zero, one, zero);
   const auto never = one < zero;
   const auto give_up = [&](const auto& which, const auto& as_outside) {
-    course.status = choose(which, choose(as_outside, outside, unclear), course.status);
-    left = choose(which, zero, left);
-    right = choose(which, zero, right);
+    course.status = select(which, select(as_outside, outside, unclear), course.status);
+    left = select(which, zero, left);
+    right = select(which, zero, right);
   };
-  give_up(both(left > zero, at_a.slope <= zero), at_a.phi < clear);
-  give_up(both(right > zero, at_b.slope >= zero), at_b.phi < clear);
-  for (int step = 0; step < kMostSteps && some(left + right > zero); ++step) {
+  give_up(left > zero && at_a.slope <= zero, at_a.phi < clear);
+  give_up(right > zero && at_b.slope >= zero, at_b.phi < clear);
+  for (int step = 0; step < kMostSteps && any(left + right > zero); ++step) {
     const auto from_a = left > zero, from_b = right > zero;
-    const V step_a = choose(from_a, zero - quotient(at_a.phi, choose(from_a, at_a.slope, one)), zero);
-    const V step_b = choose(from_b, quotient(at_b.phi, choose(from_b, at_b.slope, one)), zero);
+    const V step_a = select(from_a, zero - divide(at_a.phi, select(from_a, at_a.slope, one)), zero);
+    const V step_b = select(from_b, divide(at_b.phi, select(from_b, at_b.slope, one)), zero);
     const V next_a = a + step_a, next_b = b - step_b;
-    const auto meet = both(either(from_a, from_b), next_a >= next_b);
-    if (some(meet)) {
+    const auto meet = (from_a || from_b) && next_a >= next_b;
+    if (any(meet)) {
       const V change = at_a.slope - at_b.slope;
       const V where = (at_b.phi - at_a.phi + at_a.slope * a - at_b.slope * b) * one_over(change);
       const V most = at_a.phi + at_a.slope * (where - a);
-      give_up(meet, both(both(from_a, from_b), both(change > zero, most < clear)));
+      give_up(meet, from_a && from_b && change > zero && most < clear);
     }
     const auto goes_a = left > zero, goes_b = right > zero;
-    a = choose(goes_a, next_a, a);
-    b = choose(goes_b, next_b, b);
-    if (!some(either(goes_a, goes_b))) break;
-    if (some(goes_a)) at_a = field_on(part, plane, cone, chord, a, good);
-    if (some(goes_b)) at_b = field_on(part, plane, cone, chord, b, good);
-    left = choose(both(goes_a, step_a <= close), zero, left);
-    right = choose(both(goes_b, step_b <= close), zero, right);
+    a = select(goes_a, next_a, a);
+    b = select(goes_b, next_b, b);
+    if (!any(goes_a || goes_b)) break;
+    if (any(goes_a)) at_a = field_on(part, plane, cone, chord, a, good);
+    if (any(goes_b)) at_b = field_on(part, plane, cone, chord, b, good);
+    left = select(goes_a && step_a <= close, zero, left);
+    right = select(goes_b && step_b <= close, zero, right);
     // Past the highest point of a border that misses the section.
-    give_up(both(left > zero, at_a.slope <= zero), never);
-    give_up(both(right > zero, at_b.slope >= zero), never);
+    give_up(left > zero && at_a.slope <= zero, never);
+    give_up(right > zero && at_b.slope >= zero, never);
   }
   give_up(left + right > zero, never);
   const auto some_left = b - a > number<V>(kNoChord) * part.radius1;
-  const auto had = both(good > zero, either(some_left, course.status == outside));
-  course.status = choose(had, course.status, unclear);
+  const auto had = good > zero && (some_left || course.status == outside);
+  course.status = select(had, course.status, unclear);
   course.from = a;
   course.to = b;
   return course;

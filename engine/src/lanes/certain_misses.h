@@ -25,7 +25,7 @@ inline auto beyond_edge(Wide3<V> p, Wide3<V> q, Wide3<V> end1, Wide3<V> end2, Wi
   const Wide3<V> edge = q - p, outward = cross(edge, raw);  // |outward|^2 = |edge|^2 raw2
   const V limit = reach2 * (dot(edge, edge) * raw2);
   const V first = dot(outward, end1 - p), second = dot(outward, end2 - p);
-  return both(both(first > zero, second > zero), both(first * first > limit, second * second > limit));
+  return first > zero && second > zero && first * first > limit && second * second > limit;
 }
 
 // Corners are relative to the first end: far from the origin nothing else keeps their digits.
@@ -36,9 +36,9 @@ inline auto sphere_misses(const MissTerms& terms, Wide3<V> a, Wide3<V> b, Wide3<
   const Wide3<V> centre{a.x + (ab.x + ac.x) * third, a.y + (ab.y + ac.y) * third,
                         a.z + (ab.z + ac.z) * third};
   const Wide3<V> pa = a - centre, pb = b - centre, pc = c - centre;
-  const V radius = root(greater(dot(pa, pa), greater(dot(pb, pb), dot(pc, pc))));
+  const V radius = sqrt(max(dot(pa, pa), max(dot(pb, pb), dot(pc, pc))));
   const Wide3<V> axis{number<V>(terms.axis.x), number<V>(terms.axis.y), number<V>(terms.axis.z)};
-  const V along = between(dot(centre, axis), zero, number<V>(terms.length));
+  const V along = clamp(dot(centre, axis), zero, number<V>(terms.length));
   const Wide3<V> gap{centre.x - along * axis.x, centre.y - along * axis.y, centre.z - along * axis.z};
   const V reach = (radius + number<V>(terms.most)) * number<V>(1 + kSlack);
   return dot(gap, gap) > reach * reach;
@@ -51,8 +51,8 @@ inline V beyond_planes(const MissTerms& terms, Wide3<V> a, Wide3<V> b, Wide3<V> 
   for (int i = 0; i < terms.plane_count; ++i) {
     const MissTerms::Plane& plane = terms.plane[i];
     const Wide3<V> normal{number<V>(plane.normal.x), number<V>(plane.normal.y), number<V>(plane.normal.z)};
-    const V lowest = lesser(dot(normal, a), lesser(dot(normal, b), dot(normal, c)));
-    beyond = greater(beyond, lowest - number<V>(plane.height + kSlack * terms.most));
+    const V lowest = min(dot(normal, a), min(dot(normal, b), dot(normal, c)));
+    beyond = max(beyond, lowest - number<V>(plane.height + kSlack * terms.most));
   }
   return beyond;
 }
@@ -71,26 +71,26 @@ void certain_misses(MissTerms& terms) {
     const Wide3<V> a = vector_at<V>(terms.a, i), b = vector_at<V>(terms.b, i), c = vector_at<V>(terms.c, i);
     const Wide3<V> raw = cross(b - a, c - a);
     const V raw2 = dot(raw, raw);
-    const V area = root(raw2), per = quotient(one, choose(area > zero, area, one));
+    const V area = sqrt(raw2), per = divide(one, select(area > zero, area, one));
     const V h1 = dot(raw, end1 - a) * per, h2 = dot(raw, end2 - a) * per;
-    const auto above = both(h1 > r1, h2 > r2);
-    const auto below = both(h1 < zero - r1, h2 < zero - r2);
-    const V lesser_height = lesser(magnitude(h1), magnitude(h2));
-    const V least = choose(h1 * h2 > zero, lesser_height, zero) * number<V>(1 - kSlack);
-    const V reach2 = greater((most - least) * (most + least), zero);
-    const auto beyond = either(beyond_edge(a, b, end1, end2, raw, raw2, reach2),
-                               either(beyond_edge(b, c, end1, end2, raw, raw2, reach2),
-                                      beyond_edge(c, a, end1, end2, raw, raw2, reach2)));
+    const auto above = h1 > r1 && h2 > r2;
+    const auto below = h1 < zero - r1 && h2 < zero - r2;
+    const V lesser_height = min(abs(h1), abs(h2));
+    const V least = select(h1 * h2 > zero, lesser_height, zero) * number<V>(1 - kSlack);
+    const V reach2 = max((most - least) * (most + least), zero);
+    const auto beyond = beyond_edge(a, b, end1, end2, raw, raw2, reach2) ||
+                        beyond_edge(b, c, end1, end2, raw, raw2, reach2) ||
+                        beyond_edge(c, a, end1, end2, raw, raw2, reach2);
     // A thin triangle's normal is too uncertain for verdicts: twice its area against its longest edge.
     const Wide3<V> ab = b - a, ac = c - a, bc = c - b;
-    const V longest = greater(dot(ab, ab), greater(dot(ac, ac), dot(bc, bc)));
+    const V longest = max(dot(ab, ab), max(dot(ac, ac), dot(bc, bc)));
     const auto small = longest < number<V>(1e6);
-    const auto sure = both(area > number<V>(1e-6) * longest, both(small, area > number<V>(1e-18)));
+    const auto sure = area > number<V>(1e-6) * longest && small && area > number<V>(1e-18);
     const Wide3<V> ra = a - end1, rb = b - end1, rc = c - end1;
     const auto far = sphere_misses(terms, ra, rb, rc), cut = beyond_planes(terms, ra, rb, rc) > zero;
-    const auto apart = either(far, both(small, cut));
-    const auto separate = both(sure, either(either(above, below), beyond));
-    put(terms.miss + i, choose(either(apart, separate), one, zero));
+    const auto apart = far || (small && cut);
+    const auto separate = sure && (above || below || beyond);
+    put(terms.miss + i, select(apart || separate, one, zero));
   }
 }
 

@@ -32,8 +32,8 @@ inline void set_borders(const RoundPart<V>& part, const RoundPlane<V>& plane, Si
   const V turn = (part.length - dr) * (part.length + dr), start = part.radius1 * dr - plane.h1 * dh;
   const auto slanted = plane.x2 > zero;
   const V per = one_over(plane.x2);
-  side.border1 = choose(slanted, zero - start * per, choose(start >= zero, zero - far, far));
-  side.border2 = choose(slanted, (turn - start) * per, choose(start >= turn, zero - far, far));
+  side.border1 = select(slanted, zero - start * per, select(start >= zero, zero - far, far));
+  side.border2 = select(slanted, (turn - start) * per, select(start >= turn, zero - far, far));
 }
 
 // The rim as a circle is used up to this size in units of R and of its stretch: an area's digits go with
@@ -60,7 +60,7 @@ template <class V>
 SideView<V> side_of(const RoundPart<V>& part, const RoundPlane<V>& plane) {
   const V zero = number<V>(0), one = number<V>(1);
   const auto down = plane.c < zero;
-  const V c = magnitude(plane.c), h = choose(down, zero - plane.h1, plane.h1);
+  const V c = abs(plane.c), h = select(down, zero - plane.h1, plane.h1);
   SideView<V> side{};
   side.c = c;
   side.foot = plane.s * h;
@@ -75,15 +75,15 @@ SideView<V> side_of(const RoundPart<V>& part, const RoundPlane<V>& plane) {
     side.level = part.radius1 + part.sine * h * per_c;
     side.slope = zero - part.sine * plane.s * per_c;
     gamma = squares * part.per_cosine * part.per_cosine;
-    side.scale = root(greater(gamma, zero));
+    side.scale = sqrt(max(gamma, zero));
     side.shift = (part.radius1 * part.sine + plane.h1 * plane.c) * plane.s * side.scale * per;
     const V reach = side.level * c;
-    side.rho2 = choose(side.level > zero, reach * reach * per, zero);
+    side.rho2 = select(side.level > zero, reach * reach * per, zero);
   }
   const V most = number<V>(kMostStretch * kMostStretch) * part.radius1 * part.radius1;
-  side.strip = choose(both(gamma > number<V>(kLeastGamma), side.rho2 <= most * gamma), zero, one);
+  side.strip = select(gamma > number<V>(kLeastGamma) && side.rho2 <= most * gamma, zero, one);
   set_borders(part, plane, side);
-  if (some(side.strip > zero)) set_rim(part, plane, gamma, side);
+  if (any(side.strip > zero)) set_rim(part, plane, gamma, side);
   return side;
 }
 
@@ -93,7 +93,7 @@ template <class V>
 inline void add_along(const RoundPart<V>& part, const SideView<V>& side, Wide2<V> t, V p, V a, V b, V per_c,
                       Moments<V>& moments) {
   const V half = number<V>(0.5), third = number<V>(1.0 / 3), k2 = p * p;
-  const V a2 = a * a, b2 = b * b, wa2 = a2 + k2, wb2 = b2 + k2, wa = root(wa2), wb = root(wb2);
+  const V a2 = a * a, b2 = b * b, wa2 = a2 + k2, wb2 = b2 + k2, wa = sqrt(wa2), wb = sqrt(wb2);
   const V delta = b - a, log = twice_atanh(delta, wa + wb);
   const V w1 = half * (b * wb - a * wa + k2 * log), w2 = third * (wb * wb2 - wa * wa2);
   const V mean = side.level + side.slope * (p * t.y), rise = side.slope * t.x,
@@ -115,7 +115,7 @@ struct Stretched {
 template <class V>
 inline Stretched<V> stretch(Wide2<V> t, V scale) {
   const Wide2<V> d{scale * t.x, t.y};
-  const V length = root(dot(d, d)), per = one_over(length);
+  const V length = sqrt(dot(d, d)), per = one_over(length);
   return {per * d, length, per};
 }
 
@@ -132,7 +132,7 @@ inline Span<V> add_circle_edge(const SideView<V>& side, const Edge<V>& edge, Wid
   add_areas(here, moments, sum);
   // Counted from the end nearer to the origin: a far one would bring its own rounding along.
   const auto nearer = dot(edge.p, edge.p) < dot(edge.q, edge.q);
-  const V start = choose(nearer, chord.x1, chord.x2), offset = dot(choose(nearer, edge.p, edge.q), along);
+  const V start = select(nearer, chord.x1, chord.x2), offset = dot(select(nearer, edge.p, edge.q), along);
   const V ratio = about_centre.per_length;
   return {offset + ratio * (chord.xa - start), offset + ratio * (chord.xb - start)};
 }
@@ -144,50 +144,49 @@ auto add_side(const RoundPart<V>& part, const SideView<V>& side, const Polygon<V
               const Directions<V>& directions, M wanted, M whole, Moments<V>& sum, InsideParts<V>& inside) {
   const V zero = number<V>(0), quarter = number<V>(0.25), third = number<V>(1.0 / 3);
   StripRim<V> rim = side.rim;
-  const auto all = both(wanted, whole), rimmed = both(wanted, !whole);
-  const auto round = both(rimmed, both(side.strip == zero, side.rho2 > zero)),
-             strip = both(rimmed, side.strip > zero);
-  const auto real = either(all, either(round, strip));
+  const auto all = wanted && whole, rimmed = wanted && !whole;
+  const auto round = rimmed && side.strip == zero && side.rho2 > zero, strip = rimmed && side.strip > zero;
+  const auto real = all || round || strip;
   Moments<V> by_circle = no_moments<V>(), by_strip = by_circle, along = by_circle;
-  if (some(real)) {
+  if (any(real)) {
     const V per_c = one_over(side.c);
     for (std::size_t i = 0; i < polygon.count; ++i) {
       const Edge<V>& edge = polygon.edge[i];
-      const auto here = both(real, has_length(edge));
-      if (!some(here)) continue;
+      const auto here = real && has_length(edge);
+      if (!any(here)) continue;
       const Wide2<V> t = directions.t[i];
       const Stretched<V> about_foot = stretch(t, side.c);
       Span<V> part_in{dot(edge.p, t), dot(edge.q, t)};
-      if (some(both(round, here))) {
+      if (any(round && here)) {
         const Stretched<V> about_centre = part.cone ? stretch(t, side.scale) : about_foot;
-        const Span<V> other = add_circle_edge(side, edge, t, about_centre, both(round, here), by_circle);
-        part_in = {choose(round, other.lower, part_in.lower), choose(round, other.upper, part_in.upper)};
+        const Span<V> other = add_circle_edge(side, edge, t, about_centre, round && here, by_circle);
+        part_in = {select(round, other.lower, part_in.lower), select(round, other.upper, part_in.upper)};
       }
-      if (some(both(strip, here))) {
-        const Span<V> other = add_strip_edge(edge, t, both(strip, here), rim, by_strip).inside;
-        part_in = {choose(strip, other.lower, part_in.lower), choose(strip, other.upper, part_in.upper)};
+      if (any(strip && here)) {
+        const Span<V> other = add_strip_edge(edge, t, strip && here, rim, by_strip).inside;
+        part_in = {select(strip, other.lower, part_in.lower), select(strip, other.upper, part_in.upper)};
       }
-      const Wide2<V> near = choose(dot(edge.p, edge.p) < dot(edge.q, edge.q), edge.p, edge.q);
+      const Wide2<V> near = select(dot(edge.p, edge.p) < dot(edge.q, edge.q), edge.p, edge.q);
       const Wide2<V> about{side.c * near.x + side.foot, near.y}, direction = about_foot.t;
       const V start = dot(near, t), offset = dot(about, direction), p = cross(about, direction);
       const V length = about_foot.length;
       Moments<V> moments = no_moments<V>();
       add_along(part, side, direction, p, offset + length * (part_in.lower - start),
                 offset + length * (part_in.upper - start), per_c, moments);
-      add_volumes(both(here, part_in.lower < part_in.upper), moments, along);
-      inside.add(i, both(here, part_in.lower < part_in.upper), part_in.lower, part_in.upper);
+      add_volumes(here && part_in.lower < part_in.upper, moments, along);
+      inside.add(i, here && part_in.lower < part_in.upper, part_in.lower, part_in.upper);
     }
     const V per_scale = one_over(side.scale);
     Moments<V> own = along;
-    own.area = choose(strip, by_strip.area, by_circle.area * per_scale);
-    own.area_x = choose(strip, by_strip.area_x,
+    own.area = select(strip, by_strip.area, by_circle.area * per_scale);
+    own.area_x = select(strip, by_strip.area_x,
                         (by_circle.area_x - side.shift * by_circle.area) * per_scale * per_scale);
-    own.area_y = choose(strip, by_strip.area_y, by_circle.area_y * per_scale);
-    if (some(all)) {
+    own.area_y = select(strip, by_strip.area_y, by_circle.area_y * per_scale);
+    if (any(all)) {
       const Moments<V> area = area_of(polygon, polygon.edge[0].p);
-      own.area = choose(all, area.area, own.area);
-      own.area_x = choose(all, area.area_x, own.area_x);
-      own.area_y = choose(all, area.area_y, own.area_y);
+      own.area = select(all, area.area, own.area);
+      own.area_x = select(all, area.area_x, own.area_x);
+      own.area_y = select(all, area.area_y, own.area_y);
     }
     own.volume = own.volume + third * (side.level * own.area);
     own.volume_x = own.volume_x + quarter * (side.level * (side.c * own.area_x + side.foot * own.area));

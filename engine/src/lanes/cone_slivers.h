@@ -57,14 +57,14 @@ template <class V>
 Sliver<V> sliver_of(const ConeView<V>& view, V radius, V at, V h, V border) {
   const V zero = number<V>(0), t = view.tangent, t2 = t * t, limit = border - at;
   // The conic's point on y = 0 has q = tan(alpha) |e|.
-  const V lower = view.per_steep * choose(h > zero, h * (view.c + t * view.s) * view.fall,
+  const V lower = view.per_steep * select(h > zero, h * (view.c + t * view.s) * view.fall,
                                           h * (view.c - t * view.s) * view.rise);
   const V first = view.c * lower + view.s * h, last = view.c * limit + view.s * h;
   const V q = view.s * limit - view.c * h, squares = q * q - t2 * (last * last);
-  const V clear = choose(first * last > zero, lesser(magnitude(first), magnitude(last)), zero);
+  const V clear = select(first * last > zero, min(abs(first), abs(last)), zero);
   const V least = number<V>(kLeastPiece) * radius;
-  const V gap2 = greater(lesser(clear * clear, h * h * view.per_steep), least * least);
-  return {at, h, lower, limit, quotient(greater(squares, zero), choose(t > zero, t2, number<V>(1))), gap2};
+  const V gap2 = max(min(clear * clear, h * h * view.per_steep), least * least);
+  return {at, h, lower, limit, divide(max(squares, zero), select(t > zero, t2, number<V>(1))), gap2};
 }
 
 // (atanh(z) / z - 1) / z^2 as a polynomial of z^2, by Chebyshev's nodes up to kMostRatio; error 2.4e-15.
@@ -86,9 +86,9 @@ inline RootMoments<V> root_moments(V twice, V per, V middle, V run, V k2) {
   const V z = run * per, z2 = z * z;
   V rest = horner(kArcRatio, z2);
   const auto large = z2 > number<V>(kMostRatio);
-  if (some(large)) {
-    const V ratio = quotient(twice_atanh(magnitude(run), twice), choose(large, magnitude(z + z), one));
-    rest = choose(large, quotient(ratio - one, choose(large, z2, one)), rest);
+  if (any(large)) {
+    const V ratio = divide(twice_atanh(abs(run), twice), select(large, abs(z + z), one));
+    rest = select(large, divide(ratio - one, select(large, z2, one)), rest);
   }
   const V tilt = middle * per, bend = k2 * per, own = tilt * middle;
   return {number<V>(0.25) * twice + own + bend + z2 * (bend * rest),
@@ -104,15 +104,15 @@ template <class V>
 inline Strip<V> strip_at(const ConeView<V>& view, V h, V x, V y) {
   const V half = number<V>(0.5), zero = number<V>(0), one = number<V>(1);
   const V y2 = y * y, k2 = h * h + y2, steep = view.rise * view.fall;
-  const V reach = root(greater(h * h + steep * y2, zero));
+  const V reach = sqrt(max(h * h + steep * y2, zero));
   // On the conic: with S = `reach`, x = (s c h (1 + t^2) + t S) / steep and the like.
   const V along = view.s * h, across = view.tangent * view.c;
   const V e0 = view.per_steep * (along + across * reach);
   const V rho0 = view.per_steep * (view.s * reach + across * h);
   const V q0 = view.tangent * rho0, w0 = view.per_cosine * rho0;
   const V e1 = view.c * x + along, q1 = view.s * x - view.c * h;
-  const V square = e1 * e1 + y2, rho = rho0 + root(square), w = w0 + root(q1 * q1 + square);
-  const V both_roots = rho * w, per = quotient(one, choose(both_roots > zero, both_roots, one));
+  const V square = e1 * e1 + y2, rho = rho0 + sqrt(square), w = w0 + sqrt(q1 * q1 + square);
+  const V both_roots = rho * w, per = divide(one, select(both_roots > zero, both_roots, one));
   const V width = view.c * (e1 - e0) + view.s * (q1 - q0), middle = x - half * width;
   const RootMoments<V> far = root_moments(w, per * rho, middle, width, k2);
   const RootMoments<V> out = root_moments(rho, per * w, half * (e0 + e1), view.c * width, y2);
@@ -140,17 +140,17 @@ void add_straight(const ConeView<V>& view, V h, Wide2<V> p, Wide2<V> d, V nodes,
   const V zero = number<V>(0);
   for (std::size_t i = 0; i < 8; ++i) {
     const auto here = nodes > number<V>(static_cast<double>(i));
-    if (!some(here)) return;
+    if (!any(here)) return;
     const GaussNode four = kGauss4[i % 4], six = kGauss6[i % 6], eight = kGauss8[i];
     const auto by_six = nodes > number<V>(5), by_eight = nodes > number<V>(7);
-    const V at = choose(by_eight, number<V>(eight.at), choose(by_six, number<V>(six.at), number<V>(four.at)));
-    const V weight = choose(by_eight, number<V>(eight.weight),
-                            choose(by_six, number<V>(six.weight), number<V>(four.weight)));
+    const V at = select(by_eight, number<V>(eight.at), select(by_six, number<V>(six.at), number<V>(four.at)));
+    const V weight = select(by_eight, number<V>(eight.weight),
+                            select(by_six, number<V>(six.weight), number<V>(four.weight)));
     const V y = p.y + at * d.y;
     const Strip<V> strip = strip_at(view, h, p.x + at * d.x, y);
-    const V share = choose(here, weight * d.y, zero), volume = choose(here, share * strip.zeroth, zero);
+    const V share = select(here, weight * d.y, zero), volume = select(here, share * strip.zeroth, zero);
     sum.volume = sum.volume + volume;
-    sum.x = sum.x + choose(here, share * strip.first, zero);
+    sum.x = sum.x + select(here, share * strip.first, zero);
     sum.y = sum.y + y * volume;
   }
 }
@@ -158,8 +158,8 @@ void add_straight(const ConeView<V>& view, V h, Wide2<V> p, Wide2<V> d, V nodes,
 // The least |y| of a straight's points.
 template <class V>
 inline V least_height(V y1, V y2) {
-  const V zero = number<V>(0), least = lesser(magnitude(y1), magnitude(y2));
-  return choose(y1 * y2 > zero, least, zero);
+  const V zero = number<V>(0), least = min(abs(y1), abs(y2));
+  return select(y1 * y2 > zero, least, zero);
 }
 
 // A straight in pieces that are short against their distance from where P is not smooth. Returns 1 where the
@@ -170,10 +170,10 @@ V add_in_pieces(const ConeView<V>& view, const Sliver<V>& sliver, const Straight
   const V zero = number<V>(0), one = number<V>(1);
   const Wide2<V> p = straight.p, d = straight.d;
   const V length2 = dot(d, d);
-  V done = choose(straight.here > zero, zero, one);
+  V done = select(straight.here > zero, zero, one);
   for (int piece = 0; piece < most; ++piece) {
     const auto here = done < one;
-    if (!some(here)) return zero;
+    if (!any(here)) return zero;
     const V y = p.y + done * d.y, rest = one - done;
     // In the unit of the least distance, squared.
     const auto relative = [&](V share, double limit) {
@@ -181,18 +181,18 @@ V add_in_pieces(const ConeView<V>& view, const Sliver<V>& sliver, const Straight
       return length2 * (share * share) <= number<V>(limit * limit) * (sliver.gap2 + low * low);
     };
     V share = rest;
-    const V whole = choose(relative(rest, kEightNodes), one, zero);
-    if (some(both(here, whole == zero))) {
-      const V step = choose(y * d.y >= zero, number<V>(kEightNodes), number<V>(kInwards)) *
-                     root((sliver.gap2 + y * y) * one_over(length2));
-      share = choose(either(whole > zero, step >= rest), rest, step);
+    const V whole = select(relative(rest, kEightNodes), one, zero);
+    if (any(here && whole == zero)) {
+      const V step = select(y * d.y >= zero, number<V>(kEightNodes), number<V>(kInwards)) *
+                     sqrt((sliver.gap2 + y * y) * one_over(length2));
+      share = select(whole > zero || step >= rest, rest, step);
     }
-    const V nodes = choose(relative(share, kFourNodes), number<V>(4),
-                           choose(relative(share, kSixNodes), number<V>(6), number<V>(8)));
-    add_straight(view, sliver.h, p + done * d, share * d, choose(here, nodes, zero), sum);
-    done = choose(share >= rest, one, done + share);
+    const V nodes = select(relative(share, kFourNodes), number<V>(4),
+                           select(relative(share, kSixNodes), number<V>(6), number<V>(8)));
+    add_straight(view, sliver.h, p + done * d, share * d, select(here, nodes, zero), sum);
+    done = select(share >= rest, one, done + share);
   }
-  return choose(done < one, one, zero);
+  return select(done < one, one, zero);
 }
 
 // The part of the straight from p by d, 0 <= t <= 1, within the conic: there cos(alpha) q - sin(alpha) rho is
@@ -202,20 +202,20 @@ inline Span<V> within_conic(const ConeView<V>& view, V h, Wide2<V> p, Wide2<V> d
   const V zero = number<V>(0), one = number<V>(1), t2 = view.tangent * view.tangent;
   const V e = view.c * p.x + view.s * h, de = view.c * d.x, q = view.s * p.x - view.c * h, dq = view.s * d.x;
   V a = dq * dq - t2 * (de * de + d.y * d.y);
-  a = choose(a == zero, number<V>(-1e-280), a);  // along an asymptote of the conic
+  a = select(a == zero, number<V>(-1e-280), a);  // along an asymptote of the conic
   const V b = q * dq - t2 * (e * de + p.y * d.y), c = q * q - t2 * (e * e + p.y * p.y),
           square = b * b - a * c;
-  const V rise = root(greater(square, zero)), sum = choose(b >= zero, zero - (b + rise), rise - b);
-  const V root1 = quotient(sum, a), root2 = quotient(c, choose(sum == zero, one, sum));
-  const V first = lesser(root1, root2), second = greater(root1, root2);
+  const V rise = sqrt(max(square, zero)), sum = select(b >= zero, zero - (b + rise), rise - b);
+  const V root1 = divide(sum, a), root2 = divide(c, select(sum == zero, one, sum));
+  const V first = min(root1, root2), second = max(root1, root2);
   // A steep straight meets both of the cone's halves; beyond the other root q is negative.
   const auto flat = a<zero, up = dq> zero, real = square > zero;
-  const V from = choose(flat, first, choose(up, second, zero)),
-          to = choose(flat, second, choose(up, one, first));
+  const V from = select(flat, first, select(up, second, zero)),
+          to = select(flat, second, select(up, one, first));
   // Where an edge begins in the apex of the conic, which has two straights there, rounding may leave no
   // roots.
-  const auto all = both(c + (c + (b + b + a)) > zero, q + (q + dq) > zero);
-  return {choose(real, greater(from, zero), zero), choose(real, lesser(to, one), choose(all, one, zero))};
+  const auto all = c + (c + (b + b + a)) > zero && q + (q + dq) > zero;
+  return {select(real, max(from, zero), zero), select(real, min(to, one), select(all, one, zero))};
 }
 
 // Where the border's line enters and leaves the polygon.
@@ -230,33 +230,33 @@ template <class V>
 Straight<V> clipped(const ConeView<V>& view, const Sliver<V>& sliver, const Edge<V>& edge, Line<V>& line) {
   const V zero = number<V>(0), one = number<V>(1), border = sliver.border;
   const Straight<V> none{{zero, zero}, {zero, zero}, zero};
-  const auto right = lesser(edge.p.x, edge.q.x) > border, left = greater(edge.p.x, edge.q.x) < sliver.lower;
+  const auto right = min(edge.p.x, edge.q.x) > border, left = max(edge.p.x, edge.q.x) < sliver.lower;
   const V near_y = least_height(edge.p.y, edge.q.y);
   const auto past = near_y * near_y > sliver.half_width2;
   // An edge past the sliver meets the line anywhere past it.
-  const auto leaves = both(edge.p.x <= border, edge.q.x > border);
-  const auto enters = both(edge.p.x > border, edge.q.x <= border);
-  line = {choose(leaves, edge.p.y, line.bottom), choose(enters, edge.p.y, line.top)};
-  const V met = choose(either(either(right, left), past), zero, one);
-  if (!some(met > zero)) return none;
+  const auto leaves = edge.p.x <= border && edge.q.x > border;
+  const auto enters = edge.p.x > border && edge.q.x <= border;
+  line = {select(leaves, edge.p.y, line.bottom), select(enters, edge.p.y, line.top)};
+  const V met = select(right || left || past, zero, one);
+  if (!any(met > zero)) return none;
   // Counted from the corner nearer to the end: a far one would bring its own rounding along.
   const auto nearer = dot(edge.p, edge.p) < dot(edge.q, edge.q);
-  const Wide2<V> near = choose(nearer, edge.p, edge.q), d = edge.q - edge.p;
+  const Wide2<V> near = select(nearer, edge.p, edge.q), d = edge.q - edge.p;
   const auto upright = d.x == zero;
-  const V per = quotient(one, choose(upright, one, d.x));
+  const V per = divide(one, select(upright, one, d.x));
   const V from = (sliver.lower - near.x) * per, to = (border - near.x) * per;
   const V crossing = near.y + to * d.y;
-  line.bottom = choose(both(leaves, met > zero), crossing, line.bottom);
-  line.top = choose(both(enters, met > zero), crossing, line.top);
-  const V first = choose(nearer, zero, zero - one), last = choose(nearer, one, zero);
-  const V start = choose(upright, first, greater(first, lesser(from, to)));
-  const V length = choose(upright, last, lesser(last, greater(from, to))) - start;
+  line.bottom = select(leaves && met > zero, crossing, line.bottom);
+  line.top = select(enters && met > zero, crossing, line.top);
+  const V first = select(nearer, zero, zero - one), last = select(nearer, one, zero);
+  const V start = select(upright, first, max(first, min(from, to)));
+  const V length = select(upright, last, min(last, max(from, to))) - start;
   const Wide2<V> base = near + start * d, along = length * d;
   const Span<V> inside = within_conic(view, sliver.h, base, along);
-  const auto in = both(both(met > zero, length > zero), inside.lower < inside.upper);
-  const auto here = both(in, d.y != zero);  // along x the integral of P dy is nothing
-  return {choose(here, base + inside.lower * along, none.p),
-          choose(here, (inside.upper - inside.lower) * along, none.d), choose(here, one, zero)};
+  const auto in = met > zero && length > zero && inside.lower < inside.upper;
+  const auto here = in && d.y != zero;  // along x the integral of P dy is nothing
+  return {select(here, base + inside.lower * along, none.p),
+          select(here, (inside.upper - inside.lower) * along, none.d), select(here, one, zero)};
 }
 
 // What is straight of the boundary of sliver and polygon, gathered at the front in every lane.
@@ -269,16 +269,16 @@ struct Straights {
   template <class M>
   void add(M wanted, const Straight<V>& more) {
     const V zero = number<V>(0), one = number<V>(1);
-    const auto here = both(wanted, more.here > zero);
-    if (!some(here)) return;
-    if (some(both(here, filled == number<V>(static_cast<double>(count)))))
+    const auto here = wanted && more.here > zero;
+    if (!any(here)) return;
+    if (any(here && filled == number<V>(static_cast<double>(count))))
       straight[count++] = {{zero, zero}, {zero, zero}, zero};
     for (std::size_t k = 0; k < count; ++k) {
-      const auto mine = both(here, filled == number<V>(static_cast<double>(k)));
-      straight[k] = {choose(mine, more.p, straight[k].p), choose(mine, more.d, straight[k].d),
-                     choose(mine, one, straight[k].here)};
+      const auto mine = here && filled == number<V>(static_cast<double>(k));
+      straight[k] = {select(mine, more.p, straight[k].p), select(mine, more.d, straight[k].d),
+                     select(mine, one, straight[k].here)};
     }
-    filled = filled + choose(here, one, zero);
+    filled = filled + select(here, one, zero);
   }
 };
 
@@ -296,17 +296,17 @@ SliverSum<V> over_sliver(const ConeView<V>& view, const Sliver<V>& sliver, const
     edge.q.x = edge.q.x - sliver.at;
     edges[i] = clipped(view, sliver, edge, line);
   }
-  const V half_width = root(sliver.half_width2);
-  line = {greater(line.bottom, zero - half_width), lesser(line.top, half_width)};
+  const V half_width = sqrt(sliver.half_width2);
+  line = {max(line.bottom, zero - half_width), min(line.top, half_width)};
   // The line is the longest: first, it is not kept waiting by another lane's edges.
   Straights<V> straights;
   straights.add(wanted, {{sliver.border, line.bottom},
                          {zero, line.top - line.bottom},
-                         choose(line.bottom < line.top, one, zero)});
+                         select(line.bottom < line.top, one, zero)});
   for (std::size_t i = 0; i < polygon.count; ++i) straights.add(wanted, edges[i]);
   SliverSum<V> sum{zero, zero, zero};
   for (std::size_t k = 0; k < straights.count; ++k)
-    lost = greater(lost, add_in_pieces(view, sliver, straights.straight[k], pieces, sum));
+    lost = max(lost, add_in_pieces(view, sliver, straights.straight[k], pieces, sum));
   sum.x = sum.x + sliver.at * sum.volume;
   return sum;
 }
@@ -314,8 +314,7 @@ SliverSum<V> over_sliver(const ConeView<V>& view, const Sliver<V>& sliver, const
 // Could the polygon, between two abscissae, reach into the sliver?
 template <class V>
 inline auto may_reach(const Sliver<V>& sliver, V low, V high) {
-  return both(sliver.lower < sliver.border,
-              both(low - sliver.at<sliver.border, high - sliver.at> sliver.lower));
+  return sliver.lower < sliver.border && low - sliver.at < sliver.border && high - sliver.at > sliver.lower;
 }
 
 // Between conic and line the first end's sphere was taken for the side, and the side for the second end's.
@@ -332,15 +331,15 @@ SliverSum<V> both_slivers(const RoundPart<V>& part, const RoundPlane<V>& plane, 
   V low = beyond<V>(), high = zero - low;
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const auto here = has_length(polygon.edge[i]);
-    low = choose(here, lesser(low, polygon.edge[i].p.x), low);
-    high = choose(here, greater(high, polygon.edge[i].p.x), high);
+    low = select(here, min(low, polygon.edge[i].p.x), low);
+    high = select(here, max(high, polygon.edge[i].p.x), high);
   }
   const auto hyperbola = view.rise * view.fall > number<V>(kLeastSteep) * (view.s * view.s);
-  lost = choose(hyperbola, zero, number<V>(1));
-  const auto at_first = both(hyperbola, may_reach(first, low, high));
-  const auto at_second = both(hyperbola, may_reach(second, low, high));
-  const auto one_end = either(at_first, at_second), both_ends = both(at_first, at_second);
-  const auto of = [&](V mine, V other) { return choose(at_first, mine, other); };
+  lost = select(hyperbola, zero, number<V>(1));
+  const auto at_first = hyperbola && may_reach(first, low, high);
+  const auto at_second = hyperbola && may_reach(second, low, high);
+  const auto one_end = at_first || at_second, both_ends = at_first && at_second;
+  const auto of = [&](V mine, V other) { return select(at_first, mine, other); };
   const Sliver<V> sliver{of(first.at, second.at),
                          of(first.h, second.h),
                          of(first.lower, second.lower),
@@ -348,9 +347,9 @@ SliverSum<V> both_slivers(const RoundPart<V>& part, const RoundPlane<V>& plane, 
                          of(first.half_width2, second.half_width2),
                          of(first.gap2, second.gap2)};
   SliverSum<V> sum = over_sliver(view, sliver, polygon, one_end, pieces, lost);
-  sum = {choose(at_first, sum.volume, zero - sum.volume), choose(at_first, sum.x, zero - sum.x),
-         choose(at_first, sum.y, zero - sum.y)};
-  if (some(both_ends)) {
+  sum = {select(at_first, sum.volume, zero - sum.volume), select(at_first, sum.x, zero - sum.x),
+         select(at_first, sum.y, zero - sum.y)};
+  if (any(both_ends)) {
     const SliverSum<V> less = over_sliver(view, second, polygon, both_ends, pieces, lost);
     sum = {sum.volume - less.volume, sum.x - less.x, sum.y - less.y};
   }
@@ -369,7 +368,7 @@ void cone_slivers(RoundTerms& pairs) {
     set_polygon(pairs, part, plane, corner, i, polygon);
     V lost;
     const SliverSum<V> sum = both_slivers(part, plane, polygon, pieces, lost);
-    put(pairs.status + i, choose(lost > number<V>(0), number<V>(kUnsure), number<V>(kContact)));
+    put(pairs.status + i, select(lost > number<V>(0), number<V>(kUnsure), number<V>(kContact)));
     put(pairs.volume + i, sum.volume);
     put_vector(sum.x * plane.u + sum.y * plane.v - (sum.volume * plane.h1) * plane.n, i, pairs.centre);
   }

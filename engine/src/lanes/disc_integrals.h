@@ -28,16 +28,16 @@ inline Moments<V> no_moments() {
 template <class V, class M>
 inline void add_areas(M which, const Moments<V>& more, Moments<V>& sum) {
   const V zero = number<V>(0);
-  sum.area = sum.area + choose(which, more.area, zero);
-  sum.area_x = sum.area_x + choose(which, more.area_x, zero);
-  sum.area_y = sum.area_y + choose(which, more.area_y, zero);
+  sum.area = sum.area + select(which, more.area, zero);
+  sum.area_x = sum.area_x + select(which, more.area_x, zero);
+  sum.area_y = sum.area_y + select(which, more.area_y, zero);
 }
 template <class V, class M>
 inline void add_volumes(M which, const Moments<V>& more, Moments<V>& sum) {
   const V zero = number<V>(0);
-  sum.volume = sum.volume + choose(which, more.volume, zero);
-  sum.volume_x = sum.volume_x + choose(which, more.volume_x, zero);
-  sum.volume_y = sum.volume_y + choose(which, more.volume_y, zero);
+  sum.volume = sum.volume + select(which, more.volume, zero);
+  sum.volume_x = sum.volume_x + select(which, more.volume_x, zero);
+  sum.volume_y = sum.volume_y + select(which, more.volume_y, zero);
 }
 template <class V, class M>
 inline void add_where(M which, const Moments<V>& more, Moments<V>& sum) {
@@ -53,7 +53,7 @@ Moments<V> area_of(const Polygon<V>& polygon, Wide2<V> base) {
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const auto here = has_length(polygon.edge[i]);
     const Wide2<V> p = polygon.edge[i].p - base, q = polygon.edge[i].q - base;
-    const V area = choose(here, half * cross(p, q), zero);
+    const V area = select(here, half * cross(p, q), zero);
     sum.area = sum.area + area;
     sum.area_x = sum.area_x + area * (p.x + q.x);
     sum.area_y = sum.area_y + area * (p.y + q.y);
@@ -78,18 +78,18 @@ inline Chord<V> chord_of(Wide2<V> from, Wide2<V> to, Wide2<V> t, V rho2) {
   const V zero = number<V>(0), one = number<V>(1);
   Chord<V> c;
   c.t = t;
-  c.p = cross(choose(dot(from, from) < dot(to, to), from, to), t);
+  c.p = cross(select(dot(from, from) < dot(to, to), from, to), t);
   c.x1 = dot(from, t);
   c.x2 = dot(to, t);
   const V p2 = c.p * c.p;
-  c.gap2 = greater(rho2 - p2, zero);
-  const V half = root(c.gap2);
-  c.xa = between(c.x1, zero - half, half);
-  c.xb = between(c.x2, zero - half, half);
+  c.gap2 = max(rho2 - p2, zero);
+  const V half = sqrt(c.gap2);
+  c.xa = clamp(c.x1, zero - half, half);
+  c.xb = clamp(c.x2, zero - half, half);
   const V sin1 = c.p * (c.xa - c.x1), sin2 = c.p * (c.x2 - c.xb);
   // Where one part is empty and its end in the centre, its cosine is 0 too.
-  const V cos1 = choose(sin1 == zero, one, c.x1 * c.xa + p2);
-  const V cos2 = choose(sin2 == zero, one, c.x2 * c.xb + p2);
+  const V cos1 = select(sin1 == zero, one, c.x1 * c.xa + p2);
+  const V cos2 = select(sin2 == zero, one, c.x2 * c.xb + p2);
   c.theta = angle_of(sin1 * cos2 + cos1 * sin2, cos1 * cos2 - sin1 * sin2);
   return c;
 }
@@ -113,7 +113,7 @@ inline void deep_disc(const Chord<V>& c, V radius, V h, Moments<V>& moments) {
   const V zero = number<V>(0), third = number<V>(1.0 / 3), half = number<V>(0.5);
   const V p2 = c.p * c.p, h2 = h * h, k2 = p2 + h2;
   const V xa2 = c.xa * c.xa, xb2 = c.xb * c.xb;
-  const V wa2 = xa2 + k2, wb2 = xb2 + k2, wa = root(wa2), wb = root(wb2);
+  const V wa2 = xa2 + k2, wb2 = xb2 + k2, wa = sqrt(wa2), wb = sqrt(wb2);
   const V delta = c.xb - c.xa;
   const V log = twice_atanh(delta, wa + wb);
   const V w1 = half * (c.xb * wb - c.xa * wa + k2 * log);
@@ -138,11 +138,11 @@ inline void shallow_disc(const Chord<V>& c, V radius, V h, Moments<V>& moments) 
   const V delta = c.xb - c.xa, k2 = c.p * c.p + h * h, top = radius - h;
   V inner = number<V>(0), out = number<V>(0);
   for (const GaussNode& node : kGauss8) {
-    const V x = c.xa + number<V>(node.at) * delta, x2 = x * x, w = root(x2 + k2),
+    const V x = c.xa + number<V>(node.at) * delta, x2 = x * x, w = sqrt(x2 + k2),
             weight = number<V>(node.weight);
-    const V phi = quotient(greater(c.gap2 - x2, number<V>(0)), radius + w);
+    const V phi = divide(max(c.gap2 - x2, number<V>(0)), radius + w);
     const V squares = top * top + top * phi + phi * phi;
-    inner = inner + weight * quotient(three * radius * (top + phi) - two * squares, w + h);
+    inner = inner + weight * divide(three * radius * (top + phi) - two * squares, w + h);
     out = out + weight * (phi * phi * (three * radius - two * phi));
   }
   moments.volume = sixth * (c.p * delta * inner);
@@ -156,12 +156,12 @@ inline Moments<V> disc_moments(const Chord<V>& c, V radius, V h, V rho2, V most)
   Moments<V> moments = no_moments<V>(), other = moments;
   const V top = radius - h, limit = number<V>(kShallow) * radius;
   const auto shallow = most < limit;
-  if (some(most >= limit)) deep_disc(c, radius, h, moments);
-  if (some(shallow)) shallow_disc(c, radius, h, other);
+  if (any(most >= limit)) deep_disc(c, radius, h, moments);
+  if (any(shallow)) shallow_disc(c, radius, h, other);
   const V g = top * top * (number<V>(3) * radius - number<V>(2) * top) * number<V>(1.0 / 6);
-  moments.volume = g * c.theta + choose(shallow, other.volume, moments.volume);
-  moments.volume_x = choose(shallow, other.volume_x, moments.volume_x);
-  moments.volume_y = choose(shallow, other.volume_y, moments.volume_y);
+  moments.volume = g * c.theta + select(shallow, other.volume, moments.volume);
+  moments.volume_x = select(shallow, other.volume_x, moments.volume_x);
+  moments.volume_y = select(shallow, other.volume_y, moments.volume_y);
   area_of(c, rho2, moments);
   return moments;
 }
@@ -174,8 +174,8 @@ struct InsideParts {
   template <class M>
   void add(std::size_t edge, M here, V from, V to) {
     if (edge >= count) return;
-    lower[edge] = choose(here, lesser(lower[edge], from), lower[edge]);
-    upper[edge] = choose(here, greater(upper[edge], to), upper[edge]);
+    lower[edge] = select(here, min(lower[edge], from), lower[edge]);
+    upper[edge] = select(here, max(upper[edge], to), upper[edge]);
   }
 };
 
@@ -183,19 +183,19 @@ struct InsideParts {
 template <class V, class M>
 void add_disc(const Polygon<V>& polygon, const Directions<V>& directions, V x0, V radius, V height, V most,
               M wanted, Moments<V>& sum, InsideParts<V>& inside) {
-  const V zero = number<V>(0), h = magnitude(height), rho2 = (radius - h) * (radius + h);
-  const auto real = both(wanted, rho2 > zero);
-  if (!some(real)) return;
+  const V zero = number<V>(0), h = abs(height), rho2 = (radius - h) * (radius + h);
+  const auto real = wanted && rho2 > zero;
+  if (!any(real)) return;
   Moments<V> own = no_moments<V>();
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const Edge<V>& edge = polygon.edge[i];
-    const auto here = both(real, has_length(edge));
-    if (!some(here)) continue;
+    const auto here = real && has_length(edge);
+    if (!any(here)) continue;
     const Wide2<V> from{edge.p.x - x0, edge.p.y}, to{edge.q.x - x0, edge.q.y};
     const Chord<V> chord = chord_of(from, to, directions.t[i], rho2);
     add_where(here, disc_moments(chord, radius, h, rho2, most), own);
     const V shift = x0 * directions.t[i].x;
-    inside.add(i, both(here, chord.xa < chord.xb), chord.xa + shift, chord.xb + shift);
+    inside.add(i, here && chord.xa < chord.xb, chord.xa + shift, chord.xb + shift);
   }
   own.area_x = own.area_x + x0 * own.area;
   own.volume_x = own.volume_x + x0 * own.volume;

@@ -26,23 +26,21 @@ Break<V> break_at(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2<V>
   const V zero = number<V>(0), one = number<V>(1);
   const V e = plane.c * foot.x + plane.s * plane.h1, q = plane.s * foot.x - plane.c * plane.h1 - from;
   const V de = plane.c * way.x, dq = plane.s * way.x, e1 = e + de, y1 = foot.y + way.y;
-  const V axial = part.cosine * q, radial = part.sine * root(e * e + foot.y * foot.y);
-  const V first = axial - radial, last = part.cosine * (q + dq) - part.sine * root(e1 * e1 + y1 * y1);
+  const V axial = part.cosine * q, radial = part.sine * sqrt(e * e + foot.y * foot.y);
+  const V first = axial - radial, last = part.cosine * (q + dq) - part.sine * sqrt(e1 * e1 + y1 * y1);
   const V steep = part.cosine * dq, spread2 = part.sine * part.sine;
   const V a = steep * steep - spread2 * (de * de + way.y * way.y);
   const V b = axial * steep - spread2 * (e * de + foot.y * way.y), c = first * (axial + radial);
-  const V rise = part.cone ? root(greater(b * b - a * c, zero)) : zero;
-  const V sum = choose(b < zero, rise - b, zero - (b + rise));
-  const V one_root = quotient(sum, choose(a == zero, one, a));
-  const V other_root = quotient(c, choose(sum == zero, one, sum));
-  const auto on_way = [&](V share) {
-    return both(both(share >= zero, share <= one), q + share * dq >= zero);
-  };
-  const auto proper = both(a != zero, on_way(one_root));
-  const auto enters = both(first < zero, last >= zero), leaves = both(first >= zero, last < zero);
-  const auto dips = both(both(first < zero, last < zero), either(proper, on_way(other_root)));
-  return {choose(either(enters, leaves), between(choose(proper, one_root, other_root), zero, one), one),
-          choose(both(dips, rise > zero), one, zero)};
+  const V rise = part.cone ? sqrt(max(b * b - a * c, zero)) : zero;
+  const V sum = select(b < zero, rise - b, zero - (b + rise));
+  const V one_root = divide(sum, select(a == zero, one, a));
+  const V other_root = divide(c, select(sum == zero, one, sum));
+  const auto on_way = [&](V share) { return share >= zero && share <= one && q + share * dq >= zero; };
+  const auto proper = a != zero && on_way(one_root);
+  const auto enters = first < zero && last >= zero, leaves = first >= zero && last < zero;
+  const auto dips = first < zero && last < zero && (proper || on_way(other_root));
+  return {select(enters || leaves, clamp(select(proper, one_root, other_root), zero, one), one),
+          select(dips && rise > zero, one, zero)};
 }
 
 template <class V, std::size_t N>
@@ -61,7 +59,7 @@ template <class V, std::size_t N>
 void add_stretch(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2<V> foot, Wide2<V> way, V from,
                  V to, const GaussNode (&rule)[N], V& mean, V& lean) {
   const V zero = number<V>(0), length = to - from;
-  if (!some(length > zero)) return;
+  if (!any(length > zero)) return;
   V own_mean = zero, own_lean = zero;
   add_ways(part, plane, foot + from * way, length * way, rule, own_mean, own_lean);
   mean = mean + length * own_mean;
@@ -80,51 +78,51 @@ struct WayMeans {
 template <class V, class M, std::size_t N>
 WayMeans<V> means_across(const RoundPart<V>& part, const RoundPlane<V>& plane, const V (&ends)[N],
                          Wide2<V> foot, Wide2<V> across, V height, M wanted) {
-  const V zero = number<V>(0), one = number<V>(1), far = magnitude(height);
+  const V zero = number<V>(0), one = number<V>(1), far = abs(height);
   const Wide2<V> way = height * across;
   // Of the two nodes' values the first one tells besides what the way is like: margins change no faster than
   // one goes.
   const FieldValue<V> first = field_at(part, plane, foot + number<V>(kGauss2[0].at) * way);
   const V distance = part.radius2 - first.phi;
-  const auto even = both(wanted, far < first.margin), kinked = both(wanted, far >= first.margin);
-  const auto bulky = both(even, far >= number<V>(kThinWay) * distance);
-  const auto thick = both(bulky, far < number<V>(kShortWay) * distance);
-  const auto long_way = both(bulky, far >= number<V>(kShortWay) * distance);
+  const auto even = wanted && far < first.margin, kinked = wanted && far >= first.margin;
+  const auto bulky = even && far >= number<V>(kThinWay) * distance;
+  const auto thick = bulky && far < number<V>(kShortWay) * distance;
+  const auto long_way = bulky && far >= number<V>(kShortWay) * distance;
   const V own = number<V>(kGauss2[0].weight) * first.phi;
   const V other =
       number<V>(kGauss2[1].weight) * field_at(part, plane, foot + number<V>(kGauss2[1].at) * way).phi;
   WayMeans<V> means{own + other, number<V>(kGauss2[0].at) * own + number<V>(kGauss2[1].at) * other, zero};
   const auto add = [&](const auto& which, const auto& rule) {
-    if (!some(which)) return;
+    if (!any(which)) return;
     V own_mean = zero, own_lean = zero;
     add_ways(part, plane, foot, way, rule, own_mean, own_lean);
-    means.mean = choose(which, own_mean, means.mean);
-    means.lean = choose(which, own_lean, means.lean);
+    means.mean = select(which, own_mean, means.mean);
+    means.lean = select(which, own_lean, means.lean);
   };
   add(thick, kGauss4);
   add(long_way, kGauss8);
-  means.smooth = choose(both(even, far < number<V>(kLongWay) * distance), one, zero);
-  if (!some(kinked)) return means;
+  means.smooth = select(even && far < number<V>(kLongWay) * distance, one, zero);
+  if (!any(kinked)) return means;
   V near = one, next = one, twice = zero;
   for (const V end : ends) {
     const Break<V> here = break_at(part, plane, foot, way, end);
-    next = greater(near, here.at);
-    near = lesser(near, here.at);
+    next = max(near, here.at);
+    near = min(near, here.at);
     twice = twice + here.twice;
   }
   const auto add_parts = [&](const auto& which, const auto& rule) {
-    if (!some(which)) return;
+    if (!any(which)) return;
     V own_mean = zero, own_lean = zero;
     add_stretch(part, plane, foot, way, zero, near, rule, own_mean, own_lean);
     add_stretch(part, plane, foot, way, near, next, rule, own_mean, own_lean);
     add_stretch(part, plane, foot, way, next, one, rule, own_mean, own_lean);
-    means.mean = choose(which, own_mean, means.mean);
-    means.lean = choose(which, own_lean, means.lean);
+    means.mean = select(which, own_mean, means.mean);
+    means.lean = select(which, own_lean, means.lean);
   };
-  add_parts(both(kinked, far < number<V>(kThinWay) * distance), kGauss2);
-  add_parts(both(kinked, far >= number<V>(kThinWay) * distance), kGauss4);
+  add_parts(kinked && far < number<V>(kThinWay) * distance, kGauss2);
+  add_parts(kinked && far >= number<V>(kThinWay) * distance, kGauss4);
   const auto short_way = far < number<V>(kShortWay) * distance;
-  means.smooth = choose(both(kinked, both(twice == zero, short_way)), one, means.smooth);
+  means.smooth = select(kinked && twice == zero && short_way, one, means.smooth);
   return means;
 }
 

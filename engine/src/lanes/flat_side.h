@@ -41,9 +41,8 @@ inline void add_flat_node(const FlatSide<V>& side, Wide2<V> p, V weight, Moments
   const V zero = number<V>(0), e = side.start + side.slope * p.x, level = side.level - side.fall * p.x;
   const V near = side.cosine * e;
   StripSum<V> strip{zero, zero};
-  add_strip(StripField<V>{level, side.cosine, e * e, (level - near) * (level + near)}, zero, magnitude(p.y),
-            strip);
-  const V share = weight * choose(p.y < zero, zero - strip.zeroth, strip.zeroth);
+  add_strip(StripField<V>{level, side.cosine, e * e, (level - near) * (level + near)}, zero, abs(p.y), strip);
+  const V share = weight * select(p.y < zero, zero - strip.zeroth, strip.zeroth);
   sum.volume = sum.volume - share;
   sum.volume_x = sum.volume_x - p.x * share;
   sum.volume_y = sum.volume_y - weight * strip.first;
@@ -57,7 +56,7 @@ inline void add_flat_nodes(const FlatSide<V>& side, const StripRim<V>& rim, cons
   Moments<V> own = no_moments<V>();
   for (const GaussNode& node : rule) {
     Wide2<V> p = piece.p + (from + length * number<V>(node.at)) * piece.d;
-    if (some(both(here, on_rim))) p.y = choose(on_rim, piece.arc * eta_of(rim, p.x), p.y);
+    if (any(here && on_rim)) p.y = select(on_rim, piece.arc * eta_of(rim, p.x), p.y);
     add_flat_node(side, p, length * number<V>(node.weight) * piece.d.x, own);
   }
   add_volumes(here, own, sum);
@@ -66,9 +65,9 @@ inline void add_flat_nodes(const FlatSide<V>& side, const StripRim<V>& rim, cons
 // How far beyond a piece, as a share of it, where a linear function that is f1 and f2 at its ends is zero.
 template <class V>
 inline V clear_of_zero(V f1, V f2) {
-  const V zero = number<V>(0), span = magnitude(f2 - f1);
-  const V clear = quotient(lesser(magnitude(f1), magnitude(f2)), choose(span > zero, span, number<V>(1)));
-  return choose(span > zero, choose(f1 * f2 > zero, clear, zero), beyond<V>());
+  const V zero = number<V>(0), span = abs(f2 - f1);
+  const V clear = divide(min(abs(f1), abs(f2)), select(span > zero, span, number<V>(1)));
+  return select(span > zero, select(f1 * f2 > zero, clear, zero), beyond<V>());
 }
 
 // The same of the point of a line's complex continuation where it meets the axis.
@@ -76,9 +75,9 @@ template <class V>
 inline V line_clear_of_axis(V e, V de, Wide2<V> p, Wide2<V> d) {
   const V zero = number<V>(0), one = number<V>(1);
   const V a = de * de + d.y * d.y, per = one_over(a), at = zero - (e * de + p.y * d.y) * per;
-  const V off = greater(zero, greater(zero - at, at - one));
-  const V blur2 = greater((e * e + p.y * p.y) * per - at * at, zero);
-  return choose(a > zero, root(off * off + blur2), beyond<V>());
+  const V off = max(zero, max(zero - at, at - one));
+  const V blur2 = max((e * e + p.y * p.y) * per - at * at, zero);
+  return select(a > zero, sqrt(off * off + blur2), beyond<V>());
 }
 
 // And of the nearest end of the rim, where it runs into y = 0: not before its square f could have fallen to
@@ -86,10 +85,10 @@ inline V line_clear_of_axis(V e, V de, Wide2<V> p, Wide2<V> d) {
 template <class V>
 inline V rim_clear_of_end(const StripRim<V>& rim, V x, V per_length) {
   const V zero = number<V>(0), two = number<V>(2);
-  const V f = greater(rim.alpha + x * (rim.beta + rim.beta - rim.gamma * x), zero);
-  const V slope = magnitude(two * (rim.beta - rim.gamma * x));
-  const V steep = slope + root(slope * slope + number<V>(4) * magnitude(rim.gamma) * f);
-  return choose(steep > zero, two * f * one_over(steep) * per_length, beyond<V>());
+  const V f = max(rim.alpha + x * (rim.beta + rim.beta - rim.gamma * x), zero);
+  const V slope = abs(two * (rim.beta - rim.gamma * x));
+  const V steep = slope + sqrt(slope * slope + number<V>(4) * abs(rim.gamma) * f);
+  return select(steep > zero, two * f * one_over(steep) * per_length, beyond<V>());
 }
 
 template <class V>
@@ -97,12 +96,12 @@ inline V clear_of(const FlatSide<V>& side, const StripRim<V>& rim, const FlatPie
   const V zero = number<V>(0), x1 = piece.p.x, x2 = x1 + piece.d.x;
   const V e1 = side.start + side.slope * x1, e2 = side.start + side.slope * x2, de = side.slope * piece.d.x;
   const V small = number<V>(kAxisInPlane) * side.radius;
-  V clear = choose(both(magnitude(e1) <= small, magnitude(e2) <= small), beyond<V>(), clear_of_zero(e1, e2));
-  const V per = one_over(magnitude(piece.d.x));
-  const V arc = lesser(lesser(rim_clear_of_end(rim, x1, per), rim_clear_of_end(rim, x2, per)),
-                       clear_of_zero(side.level - side.fall * x1, side.level - side.fall * x2));
+  V clear = select(abs(e1) <= small && abs(e2) <= small, beyond<V>(), clear_of_zero(e1, e2));
+  const V per = one_over(abs(piece.d.x));
+  const V arc = min(min(rim_clear_of_end(rim, x1, per), rim_clear_of_end(rim, x2, per)),
+                    clear_of_zero(side.level - side.fall * x1, side.level - side.fall * x2));
   const V line = line_clear_of_axis(e1, de, piece.p, piece.d);
-  return lesser(clear, choose(piece.arc == zero, line, arc));
+  return min(clear, select(piece.arc == zero, line, arc));
 }
 
 // Adds the integrals along a piece; `lost` becomes 1 where they could not be had.
@@ -110,19 +109,19 @@ template <class V, class M>
 void add_flat_piece(const FlatSide<V>& side, const StripRim<V>& rim, const FlatPiece<V>& piece, M wanted,
                     Moments<V>& sum, V& lost) {
   const V zero = number<V>(0), one = number<V>(1), half = number<V>(0.5);
-  const auto here = both(wanted, piece.d.x != zero);
-  if (!some(here)) return;
+  const auto here = wanted && piece.d.x != zero;
+  if (!any(here)) return;
   const V clear = clear_of(side, rim, piece);
-  const auto by12 = both(here, clear >= number<V>(kClearFor12));
-  const auto by16 = both(both(here, clear < number<V>(kClearFor12)), clear >= number<V>(kClearFor16));
-  const auto halves = both(both(here, clear < number<V>(kClearFor16)), clear >= number<V>(kClearForHalves));
-  if (some(by12)) add_flat_nodes(side, rim, piece, zero, one, kGauss12, by12, sum);
-  if (some(by16)) add_flat_nodes(side, rim, piece, zero, one, kGauss16, by16, sum);
-  if (some(halves)) {
+  const auto by12 = here && clear >= number<V>(kClearFor12);
+  const auto by16 = here && clear < number<V>(kClearFor12) && clear >= number<V>(kClearFor16);
+  const auto halves = here && clear < number<V>(kClearFor16) && clear >= number<V>(kClearForHalves);
+  if (any(by12)) add_flat_nodes(side, rim, piece, zero, one, kGauss12, by12, sum);
+  if (any(by16)) add_flat_nodes(side, rim, piece, zero, one, kGauss16, by16, sum);
+  if (any(halves)) {
     add_flat_nodes(side, rim, piece, zero, half, kGauss16, halves, sum);
     add_flat_nodes(side, rim, piece, half, half, kGauss16, halves, sum);
   }
-  lost = choose(both(here, clear < number<V>(kClearForHalves)), one, lost);
+  lost = select(here && clear < number<V>(kClearForHalves), one, lost);
 }
 
 // The rim in place of the line from p to q.
@@ -131,7 +130,7 @@ void add_flat_arc(const FlatSide<V>& side, const StripRim<V>& rim, Wide2<V> p, W
                   Moments<V>& sum, V& lost) {
   const RimArc<V> arc = arc_of(rim, p, q);
   add_flat_piece(side, rim, FlatPiece<V>{{arc.x1, number<V>(0)}, {arc.x2 - arc.x1, number<V>(0)}, arc.side},
-                 both(here, rim.real_lower < rim.real_upper), sum, lost);
+                 here && rim.real_lower < rim.real_upper, sum, lost);
 }
 
 // What of the polygon lies in the side's section. False where it could not be had.
@@ -146,17 +145,17 @@ auto add_flat_side(const RoundPart<V>& part, const RoundPlane<V>& plane, const S
   V lost = zero;
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const Edge<V>& edge = polygon.edge[i];
-    const auto here = both(wanted, has_length(edge));
-    if (!some(here)) continue;
+    const auto here = wanted && has_length(edge);
+    if (!any(here)) continue;
     const StripEdge<V> on = add_strip_edge(edge, directions.t[i], here, rim, own);
     add_flat_piece(side, rim, FlatPiece<V>{on.enters, on.leaves - on.enters, zero},
-                   both(here, on.inside.lower < on.inside.upper), own, lost);
+                   here && on.inside.lower < on.inside.upper, own, lost);
     add_flat_arc(side, rim, edge.p, on.enters, here, own, lost);
     add_flat_arc(side, rim, on.leaves, edge.q, here, own, lost);
-    inside.add(i, both(here, on.inside.lower < on.inside.upper), on.inside.lower, on.inside.upper);
+    inside.add(i, here && on.inside.lower < on.inside.upper, on.inside.lower, on.inside.upper);
   }
   add_where(wanted, own, sum);
-  return both(rim.too_round == zero, lost == zero);
+  return rim.too_round == zero && lost == zero;
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

@@ -21,7 +21,7 @@ struct Heights {
 template <class V>
 inline Heights<V> heights_over(Wide3<V> normal, const Wide3<V> (&corner)[3]) {
   const V a = dot(normal, corner[0]), b = dot(normal, corner[1]), c = dot(normal, corner[2]);
-  return {{a, b, c}, lesser(a, lesser(b, c)), greater(a, greater(b, c))};
+  return {{a, b, c}, min(a, min(b, c)), max(a, max(b, c))};
 }
 
 // Are all corners inside the cone, which is the side?
@@ -32,7 +32,7 @@ inline auto is_whole(const KindTerms& terms, const Wide3<V> (&corner)[3], const 
     const V reach = radius1 - sine * along.of[i];
     return square * (dot(corner[i], corner[i]) - along.of[i] * along.of[i]) <= reach * reach;
   };
-  return both(inside(0), both(inside(1), inside(2)));
+  return inside(0) && inside(1) && inside(2);
 }
 
 // The borders of the zones, lines in the triangle's plane, lie in two planes across the axis.
@@ -43,14 +43,14 @@ V zone_of(const KindTerms& terms, const Wide3<V> (&corner)[3]) {
   const V slope = dot(axis, normal), square = slope * slope, size = dot(normal, normal);
   const V flat(terms.flat), slanted(terms.slanted), first(terms.first), second(terms.second);
   const Heights<V> along = heights_over(axis, corner);
-  V zone = choose(square < slanted * slanted * size, zone_number<V>(RoundZone::slanted_side),
+  V zone = select(square < slanted * slanted * size, zone_number<V>(RoundZone::slanted_side),
                   zone_number<V>(RoundZone::side));
-  zone = choose(is_whole(terms, corner, along), zone_number<V>(RoundZone::whole_side), zone);
-  zone = choose(along.high >= second, zone_number<V>(RoundZone::outer), zone);
-  zone = choose(along.low <= first, zone_number<V>(RoundZone::inner), zone);
-  zone = choose(along.high < first, zone_number<V>(RoundZone::first_end), zone);
-  zone = choose(along.low > second, zone_number<V>(RoundZone::second_end), zone);
-  return choose(square < flat * flat * size, zone_number<V>(RoundZone::flat), zone);
+  zone = select(is_whole(terms, corner, along), zone_number<V>(RoundZone::whole_side), zone);
+  zone = select(along.high >= second, zone_number<V>(RoundZone::outer), zone);
+  zone = select(along.low <= first, zone_number<V>(RoundZone::inner), zone);
+  zone = select(along.high < first, zone_number<V>(RoundZone::first_end), zone);
+  zone = select(along.low > second, zone_number<V>(RoundZone::second_end), zone);
+  return select(square < flat * flat * size, zone_number<V>(RoundZone::flat), zone);
 }
 
 template <class V>
@@ -63,8 +63,8 @@ void pair_kinds(KindTerms& terms) {
       const KindTerms::Border& border = terms.border[k];
       const V height(border.height), slab(border.slab);
       const Heights<V> reach = heights_over(in_all_lanes<V>(border.normal), corner);
-      const auto near = both(reach.low - height <= slab, reach.high - height >= zero - slab);
-      put(terms.near[k] + i, choose(near, one, zero));
+      const auto near = reach.low - height <= slab && reach.high - height >= zero - slab;
+      put(terms.near[k] + i, select(near, one, zero));
     }
   }
 }

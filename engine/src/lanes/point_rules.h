@@ -34,7 +34,7 @@ struct PointSum {
 };
 
 // The field about a point where its formula is everywhere the one at the point:
-//   phi = level + slope (x - point's x) - root(e^2 + y^2 + height2),
+//   phi = level + slope (x - point's x) - sqrt(e^2 + y^2 + height2),
 // e and y the plane's coordinates from the foot of the axis, times the stretch.
 template <class V>
 struct FieldAbout {
@@ -48,28 +48,28 @@ FieldAbout<V> field_about(const RoundPart<V>& part, const RoundPlane<V>& plane, 
   const V zero = number<V>(0), one = number<V>(1), r = part.radius1;
   FieldAbout<V> about{r, zero, plane.h1 * plane.h1, {one, one}, p, zero, beyond<V>()};
   if (part.sphere) {
-    about.distance = root(dot(p, p) + about.height2);
+    about.distance = sqrt(dot(p, p) + about.height2);
     return about;
   }
   const V e = plane.c * p.x + plane.s * plane.h1, q = plane.s * p.x - plane.c * plane.h1;
-  const V rho = root(e * e + p.y * p.y);
+  const V rho = sqrt(e * e + p.y * p.y);
   const V past1 = part.cosine * q - part.sine * rho, past2 = past1 - part.cosine * part.length;
-  about.margin = lesser(magnitude(past1), magnitude(past2));
+  about.margin = min(abs(past1), abs(past2));
   about.level = r - part.sine * q;
   about.slope = zero - part.sine * plane.s;
   about.height2 = zero;
   about.stretch = {part.cosine * plane.c, part.cosine};
   about.foot = {part.cosine * e, part.cosine * p.y};
   about.distance = part.cosine * rho;
-  const auto first = past1 < zero, second = past2 >= zero, end = either(first, second);
-  if (!some(end)) return about;
-  const V x = p.x - choose(first, zero, plane.x2), h = choose(first, plane.h1, plane.h2);
-  about.level = choose(first, r, choose(second, part.radius2, about.level));
-  about.slope = choose(end, zero, about.slope);
-  about.height2 = choose(end, h * h, zero);
-  about.stretch = choose(end, Wide2<V>{one, one}, about.stretch);
-  about.foot = choose(end, Wide2<V>{x, p.y}, about.foot);
-  about.distance = choose(end, root(x * x + p.y * p.y + h * h), about.distance);
+  const auto first = past1 < zero, second = past2 >= zero, end = first || second;
+  if (!any(end)) return about;
+  const V x = p.x - select(first, zero, plane.x2), h = select(first, plane.h1, plane.h2);
+  about.level = select(first, r, select(second, part.radius2, about.level));
+  about.slope = select(end, zero, about.slope);
+  about.height2 = select(end, h * h, zero);
+  about.stretch = select(end, Wide2<V>{one, one}, about.stretch);
+  about.foot = select(end, Wide2<V>{x, p.y}, about.foot);
+  about.distance = select(end, sqrt(x * x + p.y * p.y + h * h), about.distance);
   return about;
 }
 
@@ -82,14 +82,14 @@ struct RuleChoice {
   V pick(double TriangleRule::*value) const {
     V picked = number<V>(0);
     for (std::size_t k = 0; k < taken_count; ++k)
-      picked = choose(takes[taken[k]], number<V>(kTriangleRules[taken[k]].*value), picked);
+      picked = select(takes[taken[k]], number<V>(kTriangleRules[taken[k]].*value), picked);
     return picked;
   }
   template <class Orbit, std::size_t N>
   V pick(Orbit (TriangleRule::*orbits)[N], std::size_t i, double Orbit::*value) const {
     V picked = number<V>(0);
     for (std::size_t k = 0; k < taken_count; ++k)
-      picked = choose(takes[taken[k]], number<V>((kTriangleRules[taken[k]].*orbits)[i].*value), picked);
+      picked = select(takes[taken[k]], number<V>((kTriangleRules[taken[k]].*orbits)[i].*value), picked);
     return picked;
   }
   std::size_t most(std::size_t TriangleRule::*count) const {
@@ -117,7 +117,7 @@ MeanField<V> mean_field(const FieldAbout<V>& about, const Wide2<V> (&off)[3], co
   V mean = zero + centre, corner[3] = {zero, zero, zero};
   const auto field = [&](Wide2<V> way) {
     const Wide2<V> p = about.foot + way;
-    return about.level - root(dot(p, p) + about.height2);
+    return about.level - sqrt(dot(p, p) + about.height2);
   };
   const std::size_t corner_count = rules.most(&TriangleRule::corner_count);
   for (std::size_t orbit = 0; orbit < corner_count; ++orbit) {
@@ -158,18 +158,18 @@ V rounded_off(V radius, V size) {
 // given; its error, over the area, or beyond anything.
 template <class V, class M>
 V choose_rules(M wanted, V reach, V distance, V allowed, RuleChoice<V>& rules) {
-  const auto near = both(wanted, reach < number<V>(0.9) * distance);
-  const V left = distance - reach, per = one_over(choose(near, distance * left, distance));
+  const auto near = wanted && reach < number<V>(0.9) * distance;
+  const V left = distance - reach, per = one_over(select(near, distance * left, distance));
   const V ratio = reach * (left * per), cube = ratio * ratio * ratio;
   V error = beyond<V>(), rest = distance * (distance * (distance * per));  // distance / (1 - ratio)
   auto open = near;
   for (std::size_t k = 0; k < kTriangleRuleCount; ++k) {
     rest = rest * cube;
     const V bound = number<V>(kRemainders.of[k]) * rest;
-    rules.takes[k] = both(open, bound <= allowed);
-    open = both(open, bound > allowed);
-    error = choose(rules.takes[k], bound, error);
-    if (some(rules.takes[k])) rules.taken[rules.taken_count++] = k;
+    rules.takes[k] = open && bound <= allowed;
+    open = open && bound > allowed;
+    error = select(rules.takes[k], bound, error);
+    if (any(rules.takes[k])) rules.taken[rules.taken_count++] = k;
   }
   return error;
 }
@@ -180,10 +180,10 @@ PointSum<V> by_centroid(const FieldAbout<V>& about, Wide2<V> centroid, V square,
   const V phi = about.level - about.distance, distance = radius2 - phi, two = number<V>(2);
   PointSum<V> sum{phi, phi * centroid.x, phi * centroid.y, beyond<V>()};
   const auto small = square < two * (allowed * distance);
-  if (!some(small)) return sum;
-  const V reach = root(square);
-  const auto near = both(small, reach < number<V>(0.9) * distance);
-  sum.error = choose(near, square * one_over(two * (distance - reach)), sum.error);
+  if (!any(small)) return sum;
+  const V reach = sqrt(square);
+  const auto near = small && reach < number<V>(0.9) * distance;
+  sum.error = select(near, square * one_over(two * (distance - reach)), sum.error);
   return sum;
 }
 
@@ -194,28 +194,28 @@ PointSum<V> by_points(const RoundPart<V>& part, const RoundPlane<V>& plane, cons
   const V zero = number<V>(0), twelfth = number<V>(1.0 / 12);
   // A triangle's own mean has more digits than moments of the area have.
   const Wide2<V> a = polygon.edge[0].p, b = polygon.edge[1].p, c = polygon.edge[2].p;
-  const Wide2<V> middle = choose(triangle, a + number<V>(1.0 / 3) * ((b - a) + (c - a)), centroid);
+  const Wide2<V> middle = select(triangle, a + number<V>(1.0 / 3) * ((b - a) + (c - a)), centroid);
   const FieldAbout<V> about = field_about(part, plane, middle);
   V square = zero;
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const Edge<V>& edge = polygon.edge[i];
     const Wide2<V> off = edge.p - middle;
-    square = choose(has_length(edge), greater(square, dot(off, off)), square);
+    square = select(has_length(edge), max(square, dot(off, off)), square);
   }
   const PointSum<V> sum = by_centroid(about, middle, square, part.radius2, allowed);
-  const auto smooth = both(triangle, square < about.margin * about.margin);
-  const auto more = both(smooth, sum.error > allowed);
-  if (!some(more)) return sum;
+  const auto smooth = triangle && square < about.margin * about.margin;
+  const auto more = smooth && sum.error > allowed;
+  if (!any(more)) return sum;
 
   const Wide2<V> way[3] = {a - middle, b - middle, c - middle};
   Wide2<V> off[3];
   V across = zero;
   for (std::size_t i = 0; i < 3; ++i) {
     off[i] = {about.stretch.x * way[i].x, about.stretch.y * way[i].y};
-    across = greater(across, dot(off[i], off[i]));
+    across = max(across, dot(off[i], off[i]));
   }
   RuleChoice<V> rules;
-  const V error = choose_rules(more, root(across), about.distance, allowed, rules);
+  const V error = choose_rules(more, sqrt(across), about.distance, allowed, rules);
   if (rules.taken_count == 0) return sum;
   const MeanField<V> field = mean_field(about, off, rules);
   // The slope has a first moment only.
@@ -223,8 +223,8 @@ PointSum<V> by_points(const RoundPart<V>& part, const RoundPlane<V>& plane, cons
   for (std::size_t i = 0; i < 3; ++i)
     moment = moment + (field.corner[i] + twelfth * about.slope * way[i].x) * way[i];
   const auto had = error <= allowed;
-  return {choose(had, field.mean, sum.volume), choose(had, field.mean * middle.x + moment.x, sum.volume_x),
-          choose(had, field.mean * middle.y + moment.y, sum.volume_y), choose(had, error, sum.error)};
+  return {select(had, field.mean, sum.volume), select(had, field.mean * middle.x + moment.x, sum.volume_x),
+          select(had, field.mean * middle.y + moment.y, sum.volume_y), select(had, error, sum.error)};
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

@@ -22,9 +22,9 @@ inline constexpr double kLeastArea = 1e-13;
 // The largest phi of the whole section, or more.
 template <class V>
 inline V most_of(const RoundPart<V>& part, const RoundPlane<V>& plane) {
-  const V first = part.radius1 - magnitude(plane.h1), second = part.radius2 - magnitude(plane.h2);
+  const V first = part.radius1 - abs(plane.h1), second = part.radius2 - abs(plane.h2);
   if (part.sphere) return first;
-  return choose(plane.h1 * plane.h2 > number<V>(0), greater(first, second), part.radius1);
+  return select(plane.h1 * plane.h2 > number<V>(0), max(first, second), part.radius1);
 }
 
 // Where the closed form loses no digits.
@@ -33,12 +33,12 @@ inline auto keeps_digits(const RoundPart<V>& part, const RoundPlane<V>& plane, c
                          V most, V size, bool flat) {
   const auto large = size >= number<V>(kSmall) * part.radius1;
   if (part.sphere) return large;
-  const auto deep = both(large, most >= number<V>(kShallowSide) * part.radius1);
+  const auto deep = large && most >= number<V>(kShallowSide) * part.radius1;
   // Of a flat pair an end that is through the plane would leave no digits to the deepest point.
   const V zero = number<V>(0);
-  if (flat) return both(deep, both(plane.h1 + part.radius1 > zero, plane.h2 + part.radius2 > zero));
+  if (flat) return deep && plane.h1 + part.radius1 > zero && plane.h2 + part.radius2 > zero;
   const double least = part.cone ? kFlatCosineCone : kFlatCosine;
-  return both(deep, side.c >= number<V>(least));
+  return deep && side.c >= number<V>(least);
 }
 
 // Corners of a polygon: box round them, area and first moments, and whether all are inside the section.
@@ -54,16 +54,16 @@ Corners<V> corners_of(const RoundPart<V>& part, const RoundPlane<V>& plane, cons
   Corners<V> all{far, far, zero - far, zero - far, zero, zero, zero, zero, zero};
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const auto here = has_length(polygon.edge[i]);
-    if (!some(here)) continue;
+    if (!any(here)) continue;
     const Wide2<V> p = polygon.edge[i].p;
-    all.low_x = choose(here, lesser(all.low_x, p.x), all.low_x);
-    all.low_y = choose(here, lesser(all.low_y, p.y), all.low_y);
-    all.high_x = choose(here, greater(all.high_x, p.x), all.high_x);
-    all.high_y = choose(here, greater(all.high_y, p.y), all.high_y);
-    all.outside = choose(both(here, is_outside(part, plane, p)), one, all.outside);
+    all.low_x = select(here, min(all.low_x, p.x), all.low_x);
+    all.low_y = select(here, min(all.low_y, p.y), all.low_y);
+    all.high_x = select(here, max(all.high_x, p.x), all.high_x);
+    all.high_y = select(here, max(all.high_y, p.y), all.high_y);
+    all.outside = select(here && is_outside(part, plane, p), one, all.outside);
   }
   const V dx = all.high_x - all.low_x, dy = all.high_y - all.low_y;
-  all.size = root(greater(dx * dx + dy * dy, zero));
+  all.size = sqrt(max(dx * dx + dy * dy, zero));
   const Moments<V> whole = area_of(polygon, Wide2<V>{all.low_x, all.low_y});
   all.area = whole.area;
   all.area_x = whole.area_x;
@@ -87,14 +87,14 @@ Moments<V> section_moments(const RoundPart<V>& part, const RoundPlane<V>& plane,
   Polygon<V> end, beside, between_ends;
   const Polygon<V>* rest = &polygon;
   const std::size_t count = polygon.count;
-  if (some(both(wanted, all.low_x <= above_border(side.border1, part.radius1)))) {
+  if (any(wanted && all.low_x <= above_border(side.border1, part.radius1))) {
     part_at(side.border1, part.radius1, *rest, end, beside);
     rest = &beside;
     set_upright(end, count, directions);
     add_disc(end, directions, zero, part.radius1, plane.h1, most, wanted, sum, inside);
     set_upright(beside, count, directions);
   }
-  if (some(both(wanted, all.high_x > above_border(side.border2, part.radius1)))) {
+  if (any(wanted && all.high_x > above_border(side.border2, part.radius1))) {
     part_at(side.border2, part.radius1, *rest, between_ends, end);
     rest = &between_ends;
     set_upright(end, count, directions);
@@ -103,7 +103,7 @@ Moments<V> section_moments(const RoundPart<V>& part, const RoundPlane<V>& plane,
   }
   const auto had = flat ? add_flat_side(part, plane, side, *rest, directions, wanted, sum, inside)
                         : add_side(part, side, *rest, directions, wanted, whole, sum, inside);
-  lost = choose(had, zero, number<V>(1));
+  lost = select(had, zero, number<V>(1));
   return sum;
 }
 
@@ -122,20 +122,20 @@ inline auto meets_sliver(const RoundPart<V>& part, const RoundPlane<V>& plane, V
   V lower = zero - beyond<V>(), hyperbola = number<V>(1);
   for (const V sign : {t, zero - t}) {
     const V a = plane.s - sign * plane.c, b = h * (plane.c + sign * plane.s);
-    lower = choose(a > zero, greater(lower, at + b * one_over(a)), lower);
-    hyperbola = choose(a > zero, hyperbola, zero);
+    lower = select(a > zero, max(lower, at + b * one_over(a)), lower);
+    hyperbola = select(a > zero, hyperbola, zero);
   }
   const V x = border - at, q = plane.s * x - plane.c * h, e = plane.c * x + plane.s * h;
-  const V y = greater(zero, greater(all.low_y, zero - all.high_y));  // of the box's points, nearest to 0
-  const auto wide = either(hyperbola == zero, q * q > t * t * (e * e + y * y));
-  return both(both(lower < border, wide), both(all.low_x<border, all.high_x> lower));
+  const V y = max(zero, max(all.low_y, zero - all.high_y));  // of the box's points, nearest to 0
+  const auto wide = hyperbola == zero || q * q > t * t * (e * e + y * y);
+  return lower < border && wide && all.low_x < border && all.high_x > lower;
 }
 
 template <class V>
 inline auto meets_slivers(const RoundPart<V>& part, const RoundPlane<V>& plane, const SideView<V>& side,
                           const Corners<V>& all) {
-  return either(meets_sliver(part, plane, number<V>(0), plane.h1, side.border1, all),
-                meets_sliver(part, plane, plane.x2, plane.h2, side.border2, all));
+  return meets_sliver(part, plane, number<V>(0), plane.h1, side.border1, all) ||
+         meets_sliver(part, plane, plane.x2, plane.h2, side.border2, all);
 }
 
 // Integrals of the lanes whose polygon lies wholly inside and for which points will do; `error` is over the
@@ -144,12 +144,12 @@ template <class V, class M>
 PointSum<V> whole_by_points(const RoundPart<V>& part, const RoundPlane<V>& plane, const Polygon<V>& polygon,
                             const Corners<V>& all, M whole, V limit) {
   const V zero = number<V>(0), one = number<V>(1);
-  if (!some(both(whole, limit > zero))) return {zero, zero, zero, beyond<V>()};
+  if (!any(whole && limit > zero)) return {zero, zero, zero, beyond<V>()};
   V cut = zero;
-  for (std::size_t k = 3; k < polygon.count; ++k) cut = choose(has_length(polygon.edge[k]), one, cut);
+  for (std::size_t k = 3; k < polygon.count; ++k) cut = select(has_length(polygon.edge[k]), one, cut);
   const V per_area = one_over(all.area);
   return by_points(part, plane, polygon, Wide2<V>{all.area_x * per_area, all.area_y * per_area},
-                   both(whole, cut == zero), limit);
+                   whole && cut == zero, limit);
 }
 
 // Of edges wholly inside everything counts.
@@ -159,8 +159,8 @@ InsideParts<V> inside_parts(const Polygon<V>& polygon, const Directions<V>& dire
   inside.count = polygon.count;
   for (std::size_t k = 0; k < polygon.count; ++k) {
     const Wide2<V> t = directions.t[k];
-    inside.lower[k] = choose(whole, dot(polygon.edge[k].p, t), beyond<V>());
-    inside.upper[k] = choose(whole, dot(polygon.edge[k].q, t), number<V>(0) - beyond<V>());
+    inside.lower[k] = select(whole, dot(polygon.edge[k].p, t), beyond<V>());
+    inside.upper[k] = select(whole, dot(polygon.edge[k].q, t), number<V>(0) - beyond<V>());
   }
   return inside;
 }
@@ -170,14 +170,14 @@ void put_contact(const RoundPlane<V>& plane, const Moments<V>& sum, V depth, V e
                  RoundTerms& terms) {
   const V zero = number<V>(0);
   put(terms.area + i, sum.area);
-  put(terms.volume + i, greater(sum.volume, zero));
-  put(terms.depth + i, greater(depth, zero));
+  put(terms.volume + i, max(sum.volume, zero));
+  put(terms.depth + i, max(depth, zero));
   put(terms.error + i, error);
   put_vector(plane.n, i, terms.normal);
   const V per_area = one_over(sum.area), per_volume = one_over(sum.volume);
   const Wide2<V> centroid{sum.area_x * per_area, sum.area_y * per_area};
   const Wide2<V> pressed{sum.volume_x * per_volume, sum.volume_y * per_volume};
-  const Wide2<V> centre = choose(sum.volume > zero, pressed, centroid);
+  const Wide2<V> centre = select(sum.volume > zero, pressed, centroid);
   put_vector(in_space(plane, centroid.x, centroid.y), i, terms.centroid);
   put_vector(in_space(plane, centre.x, centre.y), i, terms.centre);
 }
@@ -195,45 +195,44 @@ void round_contacts(RoundTerms& terms) {
     Polygon<V> polygon;
     set_polygon(terms, part, plane, corner, i, polygon);
     const Corners<V> all = corners_of(part, plane, polygon);
-    const auto met = both(fine, both(all.low_y<r, all.high_y> zero - r));
-    const auto whole = both(met, all.outside == zero);
+    const auto met = fine && all.low_y < r && all.high_y > zero - r;
+    const auto whole = met && all.outside == zero;
 
     const auto small = all.size <= number<V>(kByPoints) * r;
-    const V limit = choose(small, number<V>(kPointwise) * r, zero);
+    const V limit = select(small, number<V>(kPointwise) * r, zero);
     const PointSum<V> points = whole_by_points(part, plane, polygon, all, whole, limit);
-    const auto pointwise = both(whole, both(limit > zero, points.error <= limit));
-    const auto open = both(met, either(all.outside > zero, either(limit <= zero, points.error > limit)));
+    const auto pointwise = whole && limit > zero && points.error <= limit;
+    const auto open = met && (all.outside > zero || limit <= zero || points.error > limit);
     const SideView<V> side = part.sphere ? SideView<V>{} : side_of(part, plane);
     const V most = most_of(part, plane);
-    const auto closed = both(open, keeps_digits(part, plane, side, most, all.size, terms.flat));
+    const auto closed = open && keeps_digits(part, plane, side, most, all.size, terms.flat);
 
     Directions<V> directions = directions_of(polygon);
     InsideParts<V> inside;  // only depths are asked of them
     if (terms.depths) inside = inside_parts(polygon, directions, whole);
     Moments<V> sum = no_moments<V>();
     V lost = zero;
-    if (some(closed))
+    if (any(closed))
       sum = section_moments(part, plane, side, polygon, all, most, terms.flat, closed, whole, directions,
                             inside, lost);
-    sum.area = choose(whole, all.area, sum.area);
-    sum.area_x = choose(whole, all.area_x, sum.area_x);
-    sum.area_y = choose(whole, all.area_y, sum.area_y);
-    sum.volume = choose(pointwise, points.volume * all.area, sum.volume);
-    sum.volume_x = choose(pointwise, points.volume_x * all.area, sum.volume_x);
-    sum.volume_y = choose(pointwise, points.volume_y * all.area, sum.volume_y);
+    sum.area = select(whole, all.area, sum.area);
+    sum.area_x = select(whole, all.area_x, sum.area_x);
+    sum.area_y = select(whole, all.area_y, sum.area_y);
+    sum.volume = select(pointwise, points.volume * all.area, sum.volume);
+    sum.volume_x = select(pointwise, points.volume_x * all.area, sum.volume_x);
+    sum.volume_y = select(pointwise, points.volume_y * all.area, sum.volume_y);
 
-    const V least = choose(whole, zero, number<V>(kLeastArea) * (r * lesser(r, all.size)));
-    const V error = choose(pointwise, points.error * all.area + rounded_off(r, all.size), exactness) +
+    const V least = select(whole, zero, number<V>(kLeastArea) * (r * min(r, all.size)));
+    const V error = select(pointwise, points.error * all.area + rounded_off(r, all.size), exactness) +
                     plane.rounded * sum.area;
-    const auto had = both(closed, lost == zero), contact = both(either(pointwise, had), sum.area > least);
+    const auto had = closed && lost == zero, contact = (pointwise || had) && sum.area > least;
     const V depth =
         terms.depths ? largest_depth(part, plane, side, polygon, directions, inside, contact) : zero;
-    V status = choose(open, unsure, zero);
-    status = choose(had, zero, status);
-    status = choose(contact, one, status);
+    V status = select(open, unsure, zero);
+    status = select(had, zero, status);
+    status = select(contact, one, status);
     if (part.cone)
-      status = choose(both(both(contact, had), meets_slivers(part, plane, side, all)), number<V>(kSlivers),
-                      status);
+      status = select(contact && had && meets_slivers(part, plane, side, all), number<V>(kSlivers), status);
     put(terms.status + i, status);
     put_contact(plane, sum, depth, error, i, terms);
   }

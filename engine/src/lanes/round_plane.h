@@ -16,7 +16,7 @@ struct RoundPart {
 
 template <class V>
 inline RoundPart<V> round_part(V length, V radius1, V radius2, V sine, V cosine, bool sphere, bool cone) {
-  return {length, radius1, radius2, sine, cosine, quotient(number<V>(1), cosine), quotient(sine, cosine),
+  return {length, radius1, radius2, sine, cosine, divide(number<V>(1), cosine), divide(sine, cosine),
           sphere, cone};
 }
 
@@ -56,14 +56,13 @@ inline auto look(const RoundPart<V>& part, Wide3<V> axis, Wide3<V> a, Wide3<V> b
   const V one = number<V>(1), zero = number<V>(0);
   const Wide3<V> ab = b - a, ac = c - a, bc = c - b;
   const Wide3<V> raw = cross(ab, ac);
-  const V twice = root(dot(raw, raw));
-  const V longest = greater(dot(ab, ab), greater(dot(ac, ac), dot(bc, bc)));
-  const auto fine =
-      both(twice > rounding<V>() * longest,
-           both(longest<number<V>(precise ? 1e150 : 1e18), twice> number<V>(precise ? 1e-290 : 1e-30)));
+  const V twice = sqrt(dot(raw, raw));
+  const V longest = max(dot(ab, ab), max(dot(ac, ac), dot(bc, bc)));
+  const auto fine = twice > rounding<V>() * longest && longest < number<V>(precise ? 1e150 : 1e18) &&
+                    twice > number<V>(precise ? 1e-290 : 1e-30);
   const V per_twice = one_over(twice);
   plane.n = per_twice * raw;
-  const V far = root(greater(dot(a, a), greater(dot(b, b), dot(c, c))));
+  const V far = sqrt(max(dot(a, a), max(dot(b, b), dot(c, c))));
   plane.rounded = number<V>(kPlaneRounding) * far * (longest * per_twice);
   plane.h1 = zero - dot(plane.n, a);
   Wide3<V> across = cross(plane.n, ab);
@@ -71,15 +70,15 @@ inline auto look(const RoundPart<V>& part, Wide3<V> axis, Wide3<V> a, Wide3<V> b
   plane.c = one;
   if (!part.sphere) {
     const Wide3<V> side = cross(plane.n, axis);
-    const V s = root(dot(side, side));
+    const V s = sqrt(dot(side, side));
     const auto slanted = s > rounding<V>();
-    plane.s = choose(slanted, s, zero);
+    plane.s = select(slanted, s, zero);
     plane.c = dot(plane.n, axis);
-    across = choose(slanted, side, across);
+    across = select(slanted, side, across);
   }
   // Rounding tilts a short vector out of the plane; one projection puts it back.
   across = across - dot(across, plane.n) * plane.n;
-  plane.v = one_over(root(dot(across, across))) * across;
+  plane.v = one_over(sqrt(dot(across, across))) * across;
   plane.u = cross(plane.v, plane.n);
   plane.h2 = plane.h1 + plane.c * part.length;
   plane.x2 = plane.s * part.length;
@@ -96,16 +95,16 @@ template <class V>
 inline FieldValue<V> field_at(const RoundPart<V>& part, const RoundPlane<V>& plane, Wide2<V> p) {
   const V zero = number<V>(0);
   if (part.sphere) {
-    const V w = root(dot(p, p) + plane.h1 * plane.h1);
+    const V w = sqrt(dot(p, p) + plane.h1 * plane.h1);
     return {part.radius1 - w, beyond<V>()};
   }
   const V e = plane.c * p.x + plane.s * plane.h1, q = plane.s * p.x - plane.c * plane.h1;
-  const V rho2 = e * e + p.y * p.y, rho = root(rho2);
-  const V at = between(q - rho * part.tangent, zero, part.length), off = q - at;
-  const V w = root(off * off + rho2);
+  const V rho2 = e * e + p.y * p.y, rho = sqrt(rho2);
+  const V at = clamp(q - rho * part.tangent, zero, part.length), off = q - at;
+  const V w = sqrt(off * off + rho2);
   const V phi = part.radius1 - part.sine * at - w;
   const V first = part.cosine * q - part.sine * rho;
-  return {phi, lesser(magnitude(first), magnitude(first - part.cosine * part.length))};
+  return {phi, min(abs(first), abs(first - part.cosine * part.length))};
 }
 
 // Is phi negative at a point of the plane? With no root but one, and that of cones only.
@@ -114,8 +113,8 @@ inline auto is_outside(const RoundPart<V>& part, const RoundPlane<V>& plane, Wid
   const V zero = number<V>(0);
   if (part.sphere) return dot(p, p) + plane.h1 * plane.h1 > part.radius1 * part.radius1;
   const V e = plane.c * p.x + plane.s * plane.h1, q = plane.s * p.x - plane.c * plane.h1;
-  const V rho2 = e * e + p.y * p.y, shift = part.cone ? root(rho2) * part.tangent : zero;
-  const V at = between(q - shift, zero, part.length), off = q - at, reach = part.radius1 - part.sine * at;
+  const V rho2 = e * e + p.y * p.y, shift = part.cone ? sqrt(rho2) * part.tangent : zero;
+  const V at = clamp(q - shift, zero, part.length), off = q - at, reach = part.radius1 - part.sine * at;
   return off * off + rho2 > reach * reach;
 }
 

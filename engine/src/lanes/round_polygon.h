@@ -21,7 +21,7 @@ struct Polygon {
 
 template <class V>
 inline auto has_length(const Edge<V>& edge) {
-  return either(edge.p.x != edge.q.x, edge.p.y != edge.q.y);
+  return edge.p.x != edge.q.x || edge.p.y != edge.q.y;
 }
 
 // Unit directions of a polygon's edges.
@@ -35,7 +35,7 @@ Directions<V> directions_of(const Polygon<V>& polygon) {
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const Wide2<V> d = polygon.edge[i].q - polygon.edge[i].p;
     directions.t[i] = d;
-    if (some(has_length(polygon.edge[i]))) directions.t[i] = one_over(root(dot(d, d))) * d;
+    if (any(has_length(polygon.edge[i]))) directions.t[i] = one_over(sqrt(dot(d, d))) * d;
   }
   return directions;
 }
@@ -46,7 +46,7 @@ void set_upright(const Polygon<V>& polygon, std::size_t first, Directions<V>& di
   const V zero = number<V>(0), one = number<V>(1);
   for (std::size_t i = first; i < polygon.count; ++i) {
     const V rise = polygon.edge[i].q.y - polygon.edge[i].p.y;
-    directions.t[i] = {zero, choose(rise < zero, zero - one, one)};
+    directions.t[i] = {zero, select(rise < zero, zero - one, one)};
   }
 }
 
@@ -60,11 +60,11 @@ struct Crossing {
 template <class V>
 inline Crossing<V> crossing_of(const Edge<V>& edge, V fp, V fq) {
   const V one = number<V>(1), span = fp - fq;
-  const V per = quotient(one, choose(span == number<V>(0), one, span));
+  const V per = divide(one, select(span == number<V>(0), one, span));
   const auto nearer = dot(edge.p, edge.p) < dot(edge.q, edge.q);
   const V t = fp * per, back = fq * per;
   const Wide2<V> d = edge.q - edge.p;
-  return {t, back, choose(nearer, edge.p + t * d, edge.q + back * d)};
+  return {t, back, select(nearer, edge.p + t * d, edge.q + back * d)};
 }
 
 // How far the corners lie beyond the primitive's cuts, at both ends of every edge.
@@ -88,23 +88,23 @@ void remove_beyond(int cut, int cut_count, Polygon<V>& polygon, Excess<V> (&exce
     Edge<V>& edge = polygon.edge[i];
     Excess<V>& f = excess[i];
     const auto p_out = f.p[cut] > zero, q_out = f.q[cut] > zero;
-    if (!some(either(p_out, q_out))) continue;
+    if (!any(p_out || q_out)) continue;
     const auto p_in = f.p[cut] <= zero, q_in = f.q[cut] <= zero;
     const Crossing<V> x = crossing_of(edge, f.p[cut], f.q[cut]);
-    const auto p_nearer = magnitude(f.p[cut]) < magnitude(f.q[cut]);
-    const auto leaves = both(p_in, q_out), enters = both(p_out, q_in);
-    added = {choose(leaves, x.point, added.p), choose(enters, x.point, added.q)};
+    const auto p_nearer = abs(f.p[cut]) < abs(f.q[cut]);
+    const auto leaves = p_in && q_out, enters = p_out && q_in;
+    added = {select(leaves, x.point, added.p), select(enters, x.point, added.q)};
     // All of it beyond: nothing is left between q and q.
     const Wide2<V> p = edge.p;
-    edge.p = choose(p_out, choose(q_out, edge.q, x.point), p);
-    edge.q = choose(leaves, x.point, edge.q);
+    edge.p = select(p_out, select(q_out, edge.q, x.point), p);
+    edge.q = select(leaves, x.point, edge.q);
     for (int later = cut + 1; later < cut_count; ++later) {
       V &fp = f.p[later], &fq = f.q[later];
-      const V at = choose(p_nearer, fp + x.t * (fq - fp), fq + x.back * (fq - fp));
-      along.p[later] = choose(leaves, at, along.p[later]);
-      along.q[later] = choose(enters, at, along.q[later]);
-      fp = choose(p_out, choose(q_out, fq, at), fp);
-      fq = choose(leaves, at, fq);
+      const V at = select(p_nearer, fp + x.t * (fq - fp), fq + x.back * (fq - fp));
+      along.p[later] = select(leaves, at, along.p[later]);
+      along.q[later] = select(enters, at, along.q[later]);
+      fp = select(p_out, select(q_out, fq, at), fp);
+      fq = select(leaves, at, fq);
     }
   }
   polygon.edge[polygon.count] = added;
@@ -129,14 +129,14 @@ void set_polygon(const RoundTerms& terms, const RoundPart<V>& part, const RoundP
     const V offset = get(terms.cut_offset[cut] + lane, V{});
     for (int i = 0; i < 3; ++i) f[i] = dot(normal, corner[i]) - offset;
     // A triangle in the plane between two tiles belongs to the one it faces away from.
-    const auto within = both(magnitude(f[0]) <= tiny, both(magnitude(f[1]) <= tiny, magnitude(f[2]) <= tiny));
+    const auto within = abs(f[0]) <= tiny && abs(f[1]) <= tiny && abs(f[2]) <= tiny;
     const V verdict = dot(normal, plane.n);
-    for (V& value : f) value = choose(within, verdict, value);
-    const auto crosses = either(f[0] > zero, either(f[1] > zero, f[2] > zero));
-    if (!some(crosses)) continue;
+    for (V& value : f) value = select(within, verdict, value);
+    const auto crosses = f[0] > zero || f[1] > zero || f[2] > zero;
+    if (!any(crosses)) continue;
     // All of a triangle that the cut misses is kept, whatever rounding does along its edges: its register may
     // or may not come here.
-    for (V& value : f) value = choose(crosses, value, number<V>(-1));
+    for (V& value : f) value = select(crosses, value, number<V>(-1));
     for (std::size_t i = 0; i < 3; ++i) {
       excess[i].p[crossing] = f[i];
       excess[i].q[crossing] = f[(i + 1) % 3];
@@ -163,15 +163,15 @@ void part_at(V border, V radius, const Polygon<V>& polygon, Polygon<V>& below, P
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const Edge<V>& edge = polygon.edge[i];
     const auto p_above = edge.p.x > above_it, q_above = edge.q.x > above_it;
-    const auto leaves = both(edge.p.x <= above_it, q_above), enters = both(p_above, edge.q.x <= above_it);
+    const auto leaves = edge.p.x <= above_it && q_above, enters = p_above && edge.q.x <= above_it;
     Wide2<V> x = edge.p;
-    if (some(either(leaves, enters))) {
+    if (any(leaves || enters)) {
       x = crossing_of(edge, edge.p.x - border, edge.q.x - border).point;
       x.x = border;
-      added = {choose(leaves, x, added.p), choose(enters, x, added.q)};
+      added = {select(leaves, x, added.p), select(enters, x, added.q)};
     }
-    below.edge[i] = {choose(p_above, choose(q_above, edge.q, x), edge.p), choose(leaves, x, edge.q)};
-    above.edge[i] = {choose(p_above, edge.p, choose(q_above, x, edge.q)), choose(enters, x, edge.q)};
+    below.edge[i] = {select(p_above, select(q_above, edge.q, x), edge.p), select(leaves, x, edge.q)};
+    above.edge[i] = {select(p_above, edge.p, select(q_above, x, edge.q)), select(enters, x, edge.q)};
   }
   below.edge[polygon.count] = added;
   above.edge[polygon.count] = {added.q, added.p};

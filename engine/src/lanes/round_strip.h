@@ -25,18 +25,18 @@ struct Span {
 template <class V>
 inline Span<V> positive_span(V a, V b, V c, V lower, V upper) {
   const V zero = number<V>(0), one = number<V>(1);
-  a = choose(a == zero, number<V>(sizeof(NumberOf<V>) == 8 ? -1e-280 : -1e-30), a);
-  const V square = b * b - a * c, rise = root(greater(square, zero));
-  const V q = choose(b >= zero, zero - (b + rise), rise - b);
-  const V root1 = quotient(q, a), root2 = quotient(c, choose(q == zero, one, q));
-  const V first = lesser(root1, root2), second = greater(root1, root2);
-  const V left = lesser(upper, first), right = greater(lower, second);
+  a = select(a == zero, number<V>(sizeof(NumberOf<V>) == 8 ? -1e-280 : -1e-30), a);
+  const V square = b * b - a * c, rise = sqrt(max(square, zero));
+  const V q = select(b >= zero, zero - (b + rise), rise - b);
+  const V root1 = divide(q, a), root2 = divide(c, select(q == zero, one, q));
+  const V first = min(root1, root2), second = max(root1, root2);
+  const V left = min(upper, first), right = max(lower, second);
   const auto leftmost = left - lower > upper - right;
   const auto convex = a > zero, real = square > zero;
-  Span<V> span{choose(convex, choose(leftmost, lower, right), greater(lower, first)),
-               choose(convex, choose(leftmost, left, upper), lesser(upper, second))};
-  return {choose(real, span.lower, choose(convex, lower, upper)),
-          choose(real, span.upper, choose(convex, upper, lower))};
+  Span<V> span{select(convex, select(leftmost, lower, right), max(lower, first)),
+               select(convex, select(leftmost, left, upper), min(upper, second))};
+  return {select(real, span.lower, select(convex, lower, upper)),
+          select(real, span.upper, select(convex, upper, lower))};
 }
 
 template <class V>
@@ -49,10 +49,10 @@ struct StripRim {
 template <class V>
 inline V eta_of(const StripRim<V>& rim, V x) {
   const V zero = number<V>(0);
-  const V eta = root(greater(rim.alpha + x * (rim.beta + rim.beta - rim.gamma * x), zero));
+  const V eta = sqrt(max(rim.alpha + x * (rim.beta + rim.beta - rim.gamma * x), zero));
   // At the curve's own ends rounding would leave the root of a small number.
-  const V inner = choose(both(x == rim.real_lower, x > rim.lower), zero, eta);
-  return choose(both(x == rim.real_upper, x < rim.upper), zero, inner);
+  const V inner = select(x == rim.real_lower && x > rim.lower, zero, eta);
+  return select(x == rim.real_upper && x < rim.upper, zero, inner);
 }
 
 // Adds the area under the line from p to q, and its moments; the area of a region is minus the sum.
@@ -73,11 +73,10 @@ struct RimArc {
 template <class V>
 inline RimArc<V> arc_of(const StripRim<V>& rim, Wide2<V> p, Wide2<V> q) {
   const V zero = number<V>(0), one = number<V>(1), across = q.x - p.x;
-  const V x1 = between(p.x, rim.real_lower, rim.real_upper),
-          x2 = between(q.x, rim.real_lower, rim.real_upper);
-  const V slope = (q.y - p.y) * quotient(one, choose(across == zero, one, across));
+  const V x1 = clamp(p.x, rim.real_lower, rim.real_upper), x2 = clamp(q.x, rim.real_lower, rim.real_upper);
+  const V slope = (q.y - p.y) * divide(one, select(across == zero, one, across));
   const V middle = number<V>(0.5) * (x1 + x2);
-  return {x1, x2, choose(p.y + (middle - p.x) * slope < zero, zero - one, one)};
+  return {x1, x2, select(p.y + (middle - p.x) * slope < zero, zero - one, one)};
 }
 
 // The rim in place of the line from p to q.
@@ -86,15 +85,15 @@ inline void add_arc(M here, Wide2<V> p, Wide2<V> q, StripRim<V>& rim, Moments<V>
   const V zero = number<V>(0), one = number<V>(1);
   const auto [x1, x2, side] = arc_of(rim, p, q);
   const V delta = x2 - x1, middle = number<V>(0.5) * (x1 + x2);
-  const auto drawn = both(here, both(rim.real_lower < rim.real_upper, x1 != x2));
-  if (!some(drawn)) return;
+  const auto drawn = here && rim.real_lower < rim.real_upper && x1 != x2;
+  if (!any(drawn)) return;
   const V a = eta_of(rim, x1), b = eta_of(rim, x2), rise = b - a, mean = number<V>(0.5) * (a + b);
   const V squares = rim.gamma * (delta * delta), q2 = mean * mean + number<V>(0.25) * squares;
   const V k = squares + rise * rise, u = number<V>(0.25) * squares * one_over(q2);
-  rim.too_round = choose(both(drawn, magnitude(u) > number<V>(kMostBulge)), one, rim.too_round);
-  rim.too_round = choose(both(drawn, q2 <= zero), one, rim.too_round);
+  rim.too_round = select(drawn && abs(u) > number<V>(kMostBulge), one, rim.too_round);
+  rim.too_round = select(drawn && q2 <= zero, one, rim.too_round);
   const V area =
-      side * (delta * k * horner(kBulge.s, u)) * number<V>(1.0 / 12) * one_over(root(greater(q2, zero)));
+      side * (delta * k * horner(kBulge.s, u)) * number<V>(1.0 / 12) * one_over(sqrt(max(q2, zero)));
   const V moment =
       side * (k * rise * (delta * delta) * horner(kBulge.w, u)) * number<V>(1.0 / 48) * one_over(q2);
   Moments<V> arc = no_moments<V>();
@@ -117,17 +116,17 @@ template <class V, class M>
 inline StripEdge<V> add_strip_edge(const Edge<V>& edge, Wide2<V> t, M here, StripRim<V>& rim,
                                    Moments<V>& sum) {
   const V start = dot(edge.p, t), end = dot(edge.q, t);
-  const V p = cross(choose(dot(edge.p, edge.p) < dot(edge.q, edge.q), edge.p, edge.q), t);
+  const V p = cross(select(dot(edge.p, edge.p) < dot(edge.q, edge.q), edge.p, edge.q), t);
   const Wide2<V> foot{p * t.y, number<V>(0) - p * t.x};
   const V a = number<V>(0) - (rim.gamma * (t.x * t.x) + t.y * t.y);
   const V b = (rim.beta - rim.gamma * foot.x) * t.x - foot.y * t.y;
   const V c = rim.alpha + foot.x * (rim.beta + rim.beta - rim.gamma * foot.x) - foot.y * foot.y;
   Span<V> inside = positive_span(a, b, c, start, end);
   const auto none = inside.upper <= inside.lower;
-  inside = {choose(none, end, inside.lower), choose(none, end, inside.upper)};
+  inside = {select(none, end, inside.lower), select(none, end, inside.upper)};
   const Wide2<V> enters =
-      choose(inside.lower == start, edge.p, choose(inside.lower == end, edge.q, foot + inside.lower * t));
-  const Wide2<V> leaves = choose(inside.upper == end, edge.q, foot + inside.upper * t);
+      select(inside.lower == start, edge.p, select(inside.lower == end, edge.q, foot + inside.lower * t));
+  const Wide2<V> leaves = select(inside.upper == end, edge.q, foot + inside.upper * t);
   Moments<V> chord = no_moments<V>();
   add_chord(enters, leaves, chord);
   add_areas(here, chord, sum);

@@ -18,11 +18,11 @@ struct Each {
 };
 template <class V>
 inline V least_of(const Each<V>& each) {
-  return lesser(each.a, lesser(each.b, each.c));
+  return min(each.a, min(each.b, each.c));
 }
 template <class V>
 inline V most_of(const Each<V>& each) {
-  return greater(each.a, greater(each.b, each.c));
+  return max(each.a, max(each.b, each.c));
 }
 
 // Where the corners are.
@@ -47,12 +47,12 @@ inline SlabView<V> view_of(const SlabFaces& faces, const Each<Wide3<V>>& corner,
   for (int face = 0; face < faces.count; ++face, bit *= 2) {
     const Each<V> over = heights_over(faces, face, corner);
     const V lowest = least_of(over), highest = most_of(over);
-    if (!some(highest >= zero - tiny)) continue;
-    const auto within = both(highest <= tiny, lowest >= zero - tiny);
+    if (!any(highest >= zero - tiny)) continue;
+    const auto within = highest <= tiny && lowest >= zero - tiny;
     const auto faced = dot(in_all_lanes<V>(faces.normal[face]), n) > zero;
-    const auto away = either(both(within, faced), lowest > tiny);
-    view.beside = choose(away, one, view.beside);
-    view.cut = view.cut + choose(within, zero, choose(highest > zero, number<V>(bit), zero));
+    const auto away = (within && faced) || lowest > tiny;
+    view.beside = select(away, one, view.beside);
+    view.cut = view.cut + select(within, zero, select(highest > zero, number<V>(bit), zero));
   }
   return view;
 }
@@ -67,9 +67,9 @@ void slab_contacts(SlabTerms& terms) {
     const Wide3<V> bc = ac - ab;
     const Each<Wide3<V>> corner{a, a + ab, a + ac};
     const Wide3<V> raw = cross(ab, ac);
-    const V twice = root(dot(raw, raw)), longest = greater(dot(ab, ab), greater(dot(ac, ac), dot(bc, bc)));
+    const V twice = sqrt(dot(raw, raw)), longest = max(dot(ab, ab), max(dot(ac, ac), dot(bc, bc)));
     const auto fine =
-        both(both(twice > rounding<V>() * longest, twice > number<V>(1e-290)), longest < number<V>(1e150));
+        twice > rounding<V>() * longest && twice > number<V>(1e-290) && longest < number<V>(1e150);
     const Wide3<V> n = one_over(twice) * raw;
     const SlabView<V> view = view_of(terms.faces, corner, n);
     const Each<V> over = heights_over(terms.faces, 0, corner);
@@ -80,14 +80,14 @@ void slab_contacts(SlabTerms& terms) {
     const Wide3<V> centroid = third * points;
     const Wide3<V> centre = (number<V>(0.25) * one_over(sum)) * (sum * points + weighted);
     const auto whole = view.cut == zero;
-    put(terms.status + i, choose(both(fine, view.beside == zero), choose(whole, touched, open), missed));
+    put(terms.status + i, select(fine && view.beside == zero, select(whole, touched, open), missed));
     put(terms.cut + i, view.cut);
     put(terms.area + i, area);
-    put(terms.volume + i, greater(zero, third * (area * sum)));
-    put(terms.depth + i, greater(zero, most_of(f)));
+    put(terms.volume + i, max(zero, third * (area * sum)));
+    put(terms.depth + i, max(zero, most_of(f)));
     put_vector(n, i, terms.normal);
     put_vector(centroid, i, terms.centroid);
-    put_vector(choose(sum > zero, centre, centroid), i, terms.centre);
+    put_vector(select(sum > zero, centre, centroid), i, terms.centre);
   }
 }
 

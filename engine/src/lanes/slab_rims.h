@@ -35,9 +35,9 @@ struct RimPolygon {
 template <class V>
 inline Wide2<V> zero_on(const Edge<V>& edge, V fp, V fq) {
   const V span = fp - fq;
-  const auto nearer = magnitude(fp) < magnitude(fq);
-  const V t = quotient(choose(nearer, fp, fq), choose(span == number<V>(0), number<V>(1), span));
-  return choose(nearer, edge.p, edge.q) + t * (edge.q - edge.p);
+  const auto nearer = abs(fp) < abs(fq);
+  const V t = divide(select(nearer, fp, fq), select(span == number<V>(0), number<V>(1), span));
+  return select(nearer, edge.p, edge.q) + t * (edge.q - edge.p);
 }
 
 // Removes the part where f > 0. Rounding may make a polygon concave whose corners are nearly on one line; one
@@ -52,15 +52,15 @@ void remove_above(const Linear<V>& f, RimPolygon<V>& polygon, V& bent) {
     Edge<V>& edge = polygon.edge[i];
     const V fp = at(f, edge.p), fq = at(f, edge.q);
     const auto p_out = fp > zero, q_out = fq > zero;
-    if (!some(either(p_out, q_out))) continue;
+    if (!any(p_out || q_out)) continue;
     cut = true;
-    const auto leaves = both(fp <= zero, q_out), enters = both(p_out, fq <= zero);
+    const auto leaves = fp <= zero && q_out, enters = p_out && fq <= zero;
     const Wide2<V> x = zero_on(edge, fp, fq);
-    bent = choose(both(leaves, left > zero), one, bent);
-    left = choose(leaves, one, left);
-    added = {choose(leaves, x, added.p), choose(enters, x, added.q)};
+    bent = select(leaves && left > zero, one, bent);
+    left = select(leaves, one, left);
+    added = {select(leaves, x, added.p), select(enters, x, added.q)};
     // All of it beyond: nothing is left between q and q.
-    edge = {choose(p_out, choose(q_out, edge.q, x), edge.p), choose(leaves, x, edge.q)};
+    edge = {select(p_out, select(q_out, edge.q, x), edge.p), select(leaves, x, edge.q)};
   }
   if (cut) polygon.edge[polygon.count++] = added;
 }
@@ -77,9 +77,9 @@ RimPlane<V> look_at_triangle(Wide3<V> a, Wide3<V> ab, Wide3<V> ac, RimPolygon<V>
   const V zero = number<V>(0);
   const Wide3<V> bc = ac - ab, raw = cross(ab, ac);
   const V of_ab = dot(ab, ab), of_ac = dot(ac, ac), of_bc = dot(bc, bc);
-  const V longest = greater(of_ab, greater(of_ac, of_bc));
-  const Wide3<V> along = choose(of_ab == longest, ab, choose(of_ac == longest, ac, bc));
-  RimPlane<V> plane{a, one_over(root(longest)) * along, {}, one_over(root(dot(raw, raw))) * raw};
+  const V longest = max(of_ab, max(of_ac, of_bc));
+  const Wide3<V> along = select(of_ab == longest, ab, select(of_ac == longest, ac, bc));
+  RimPlane<V> plane{a, one_over(sqrt(longest)) * along, {}, one_over(sqrt(dot(raw, raw))) * raw};
   plane.v = cross(plane.n, plane.u);
   const Wide2<V> p{zero, zero}, q{dot(ab, plane.u), dot(ab, plane.v)}, r{dot(ac, plane.u), dot(ac, plane.v)};
   polygon.count = 3;
@@ -115,7 +115,7 @@ RimSums<V> sums_over(const RimPolygon<V>& polygon, Wide2<V> base, const Linear<V
     sums.area_first = sums.area_first + weight * both_ends;
     sums.volume = sums.volume + sum;
     sums.volume_first = sums.volume_first + sum * both_ends + (weight * fp) * p + (weight * fq) * q;
-    sums.most = choose(has_length(polygon.edge[i]), greater(sums.most, fp), sums.most);
+    sums.most = select(has_length(polygon.edge[i]), max(sums.most, fp), sums.most);
   }
   const V sixth = number<V>(1.0 / 6);
   return {number<V>(0.5) * sums.area, sixth * sums.volume, sixth * sums.area_first,
@@ -136,7 +136,7 @@ void slab_rims(RimTerms& terms) {
     }
     Wide2<V> base = polygon.edge[0].p;
     for (std::size_t k = polygon.count; k-- > 0;)
-      base = choose(has_length(polygon.edge[k]), polygon.edge[k].p, base);
+      base = select(has_length(polygon.edge[k]), polygon.edge[k].p, base);
     const Linear<V> over =
         height_over(in_all_lanes<V>(terms.faces->normal[0]), number<V>(terms.faces->offset[0]), plane);
     const Linear<V> field{zero - over.value, {zero - over.slope.x, zero - over.slope.y}};
@@ -144,14 +144,14 @@ void slab_rims(RimTerms& terms) {
     const auto in_space = [&](Wide2<V> p) { return plane.origin + p.x * plane.u + p.y * plane.v; };
     const Wide2<V> centroid = base + one_over(sums.area) * sums.area_first;
     const Wide2<V> pressed = base + one_over(sums.volume) * sums.volume_first;
-    const V status = choose(sums.area > zero, number<V>(kSlabTouched), number<V>(kSlabMissed));
-    put(terms.status + i, choose(bent > zero, number<V>(kSlabOpen), status));
+    const V status = select(sums.area > zero, number<V>(kSlabTouched), number<V>(kSlabMissed));
+    put(terms.status + i, select(bent > zero, number<V>(kSlabOpen), status));
     put(terms.area + i, sums.area);
-    put(terms.volume + i, greater(zero, sums.volume));
-    put(terms.depth + i, greater(zero, sums.most));
+    put(terms.volume + i, max(zero, sums.volume));
+    put(terms.depth + i, max(zero, sums.most));
     put_vector(plane.n, i, terms.normal);
     put_vector(in_space(centroid), i, terms.centroid);
-    put_vector(in_space(choose(sums.volume > zero, pressed, centroid)), i, terms.centre);
+    put_vector(in_space(select(sums.volume > zero, pressed, centroid)), i, terms.centre);
   }
 }
 

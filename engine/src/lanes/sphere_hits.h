@@ -20,7 +20,7 @@ inline unsigned hits_in_block(const SphereBlock& block, const SphereQuery& query
   for (unsigned i = 0; i < SphereBlock::kWidth; i += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
     const V px = get(block.x.data() + i, V{}) - V(query.x), py = get(block.y.data() + i, V{}) - V(query.y),
             pz = get(block.z.data() + i, V{}) - V(query.z);
-    const V t = between((px * dx + py * dy + pz * dz) * V(query.inverse), zero, one);
+    const V t = clamp((px * dx + py * dy + pz * dz) * V(query.inverse), zero, one);
     const V gx = px - t * dx, gy = py - t * dy, gz = pz - t * dz;
     const V reach = get(block.r.data() + i, V{}) + V(query.reach);
     const V square = (gx * gx + gy * gy + gz * gz) * number<V>(0.99999);

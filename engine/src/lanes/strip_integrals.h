@@ -28,10 +28,10 @@ struct StripSum {
 
 template <class V>
 StripSum<V> closed_strip(const StripField<V>& f, V from, V to) {
-  const V rf = root(f.d2 + from * from), rt = root(f.d2 + to * to);
+  const V rf = sqrt(f.d2 + from * from), rt = sqrt(f.d2 + to * to);
   const V delta = to - from, sum = to + from, reach = rf + rt;
   const V log = twice_atanh(delta, reach);
-  const V rise = quotient(delta * sum, choose(reach > number<V>(0), reach, number<V>(1)));  // rt - rf
+  const V rise = divide(delta * sum, select(reach > number<V>(0), reach, number<V>(1)));  // rt - rf
   const V squares = rt * rt + rt * rf + rf * rf;
   return {f.level * delta - f.factor * (number<V>(0.5) * (to * rt - from * rf + f.d2 * log)),
           number<V>(0.5) * (f.level * (delta * sum)) - f.factor * (number<V>(1.0 / 3) * (rise * squares))};
@@ -44,7 +44,7 @@ StripSum<V> shallow_strip(const StripField<V>& f, V from, V to) {
   const V delta = to - from, square = f.factor * f.factor;
   for (std::size_t k = 0; k < 6; ++k) {
     const V y = from + delta * number<V>(kGauss6[k].at);
-    const V phi = quotient(f.gap - square * (y * y), f.level + f.factor * root(f.d2 + y * y));
+    const V phi = divide(f.gap - square * (y * y), f.level + f.factor * sqrt(f.d2 + y * y));
     const V share = delta * number<V>(kGauss6[k].weight) * phi;
     sum.zeroth = sum.zeroth + share;
     sum.first = sum.first + share * y;
@@ -56,20 +56,20 @@ template <class V>
 void add_strip(const StripField<V>& f, V from, V to, StripSum<V>& sum) {
   const V zero = number<V>(0);
   const auto wanted = from < to;
-  if (!some(wanted)) return;
+  if (!any(wanted)) return;
   const auto limit = number<V>(kShallowStrip) * f.level * f.level;
   const auto deep = f.gap >= limit, shallow = f.gap < limit;
-  if (some(both(wanted, deep))) {
+  if (any(wanted && deep)) {
     const StripSum<V> closed = closed_strip(f, from, to);
-    const auto use = both(wanted, deep);
-    sum.zeroth = sum.zeroth + choose(use, closed.zeroth, zero);
-    sum.first = sum.first + choose(use, closed.first, zero);
+    const auto use = wanted && deep;
+    sum.zeroth = sum.zeroth + select(use, closed.zeroth, zero);
+    sum.first = sum.first + select(use, closed.first, zero);
   }
-  if (some(both(wanted, shallow))) {
+  if (any(wanted && shallow)) {
     const StripSum<V> small = shallow_strip(f, from, to);
-    const auto use = both(wanted, shallow);
-    sum.zeroth = sum.zeroth + choose(use, small.zeroth, zero);
-    sum.first = sum.first + choose(use, small.first, zero);
+    const auto use = wanted && shallow;
+    sum.zeroth = sum.zeroth + select(use, small.zeroth, zero);
+    sum.first = sum.first + select(use, small.first, zero);
   }
 }
 
@@ -77,9 +77,9 @@ void add_strip(const StripField<V>& f, V from, V to, StripSum<V>& sum) {
 template <class V>
 V border_of(V axial, V per_sine, V cosine, V e2, bool cone) {
   const V zero = number<V>(0);
-  if (!cone) return choose(axial > zero, number<V>(1e300), zero);
+  if (!cone) return select(axial > zero, number<V>(1e300), zero);
   const V rho = cosine * axial * per_sine;
-  return choose(axial > zero, root(greater(rho * rho - e2, zero)), zero);
+  return select(axial > zero, sqrt(max(rho * rho - e2, zero)), zero);
 }
 
 template <class V>
@@ -93,7 +93,7 @@ void strip_nodes(const StripSection& section, StripNodes& nodes) {
   const V per_sine = number<V>(cone ? 1 / section.sine : 0);
   for (std::size_t i = 0; i < nodes.count; i += wide::Lanes<V>::kCount) {
     const V x = get(nodes.x + i, V{}), y = get(nodes.y + i, V{});
-    const V reach = magnitude(y);
+    const V reach = abs(y);
     const StripField<V> first{r1, one, x * x + h1 * h1, (r1 - h1) * (r1 + h1) - x * x};
     StripSum<V> sum{zero, zero};
     if (section.kind == StripSection::sphere) {
@@ -108,14 +108,14 @@ void strip_nodes(const StripSection& section, StripNodes& nodes) {
         const V off = x - x2;
         const StripField<V> second{r2, one, off * off + h2 * h2, (r2 - h2) * (r2 + h2) - off * off};
         const V to_side =
-            lesser(reach, border_of(q - number<V>(section.length), per_sine, cosine, side.d2, cone));
-        const V to_first = greater(lesser(reach, border_of(q, per_sine, cosine, side.d2, cone)), to_side);
+            min(reach, border_of(q - number<V>(section.length), per_sine, cosine, side.d2, cone));
+        const V to_first = max(min(reach, border_of(q, per_sine, cosine, side.d2, cone)), to_side);
         add_strip(second, zero, to_side, sum);
         add_strip(side, to_side, to_first, sum);
         add_strip(first, to_first, reach, sum);
       }
     }
-    put(nodes.zeroth + i, choose(y < zero, zero - sum.zeroth, sum.zeroth));
+    put(nodes.zeroth + i, select(y < zero, zero - sum.zeroth, sum.zeroth));
     put(nodes.first + i, sum.first);
   }
 }

@@ -6,18 +6,16 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-using wide::between;
-using wide::both;
-using wide::choose;
-using wide::either;
+using wide::abs;
+using wide::any;
+using wide::clamp;
+using wide::divide;
 using wide::get;
-using wide::greater;
-using wide::lesser;
-using wide::magnitude;
+using wide::max;
+using wide::min;
 using wide::put;
-using wide::quotient;
-using wide::root;
-using wide::some;
+using wide::select;
+using wide::sqrt;
 
 template <class V>
 using NumberOf = typename wide::Lanes<V>::Number;
@@ -51,18 +49,18 @@ inline constexpr double kPi = 3.14159265358979323846, kLn2 = 0.69314718055994530
 template <class V>
 inline V angle_of(V y, V x) {
   const V zero = number<V>(0);
-  const V ax = magnitude(x), ay = magnitude(y);
-  const V low = lesser(ax, ay), high = greater(ax, ay);
+  const V ax = abs(x), ay = abs(y);
+  const V low = min(ax, ay), high = max(ax, ay);
   const auto steep = low > number<V>(0.41421356237309503) * high;
-  const V numerator = choose(steep, low - high, low);
-  const V denominator = choose(steep, low + high, high);
-  const V t = quotient(numerator, choose(denominator > zero, denominator, number<V>(1)));
+  const V numerator = select(steep, low - high, low);
+  const V denominator = select(steep, low + high, high);
+  const V t = divide(numerator, select(denominator > zero, denominator, number<V>(1)));
   const V z = t * t;
   V angle = t + t * (z * horner(kArcTangent, z));
-  angle = angle + choose(steep, number<V>(kQuarterPi), zero);
-  angle = choose(ay > ax, number<V>(kHalfPi) - angle, angle);
-  angle = choose(x < zero, number<V>(kPi) - angle, angle);
-  return choose(y < zero, zero - angle, angle);
+  angle = angle + select(steep, number<V>(kQuarterPi), zero);
+  angle = select(ay > ax, number<V>(kHalfPi) - angle, angle);
+  angle = select(x < zero, number<V>(kPi) - angle, angle);
+  return select(y < zero, zero - angle, angle);
 }
 
 // 2 atanh(difference / sum) for 0 <= difference <= sum: the logarithm of top / rest, from which powers of two
@@ -71,24 +69,24 @@ inline V angle_of(V y, V x) {
 template <class V>
 inline V twice_atanh(V difference, V sum) {
   const V one = number<V>(1), zero = number<V>(0);
-  const V least = greater(sum - difference, number<V>(1e-20) * sum);
-  const V rest = choose(least > zero, least, one);
+  const V least = max(sum - difference, number<V>(1e-20) * sum);
+  const V rest = select(least > zero, least, one);
   V top = sum + difference, logarithm = zero;
   constexpr double kStep[] = {18446744073709551616.0, 4294967296.0, 65536, 256, 16, 4, 2};
   constexpr double kBits[] = {64, 32, 16, 8, 4, 2, 1};
   // The larger steps are seldom anybody's, and often none is.
-  const auto from = [&](double step) { return some(top >= number<V>(step) * rest); };
+  const auto from = [&](double step) { return any(top >= number<V>(step) * rest); };
   for (std::size_t i = from(256) ? 0 : from(2) ? 4 : 7; i < 7; ++i) {
     const auto large = top >= number<V>(kStep[i]) * rest;
-    top = choose(large, top * number<V>(1 / kStep[i]), top);
-    logarithm = logarithm + choose(large, number<V>(kBits[i] * kLn2), zero);
+    top = select(large, top * number<V>(1 / kStep[i]), top);
+    logarithm = logarithm + select(large, number<V>(kBits[i] * kLn2), zero);
   }
   const auto upper = top > number<V>(1.4142135623730951) * rest;
-  top = choose(upper, top * number<V>(0.5), top);
-  logarithm = logarithm + choose(upper, number<V>(kLn2), zero);
+  top = select(upper, top * number<V>(0.5), top);
+  logarithm = logarithm + select(upper, number<V>(kLn2), zero);
   const auto small = logarithm == zero;
-  const V s = quotient(choose(small, difference, top - rest),
-                       choose(small, choose(sum > zero, sum, one), top + rest));
+  const V s =
+      divide(select(small, difference, top - rest), select(small, select(sum > zero, sum, one), top + rest));
   const V z = s * s;
   const V tail = s + s * (z * horner(kArcTangentHyperbolic, z));
   return logarithm + (tail + tail);

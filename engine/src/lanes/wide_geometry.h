@@ -30,8 +30,8 @@ inline V cross(Wide2<V> p, Wide2<V> q) {
   return p.x * q.y - p.y * q.x;
 }
 template <class V, class M>
-inline Wide2<V> choose(M which, Wide2<V> yes, Wide2<V> no) {
-  return {choose(which, yes.x, no.x), choose(which, yes.y, no.y)};
+inline Wide2<V> select(M which, Wide2<V> yes, Wide2<V> no) {
+  return {select(which, yes.x, no.x), select(which, yes.y, no.y)};
 }
 
 template <class V>
@@ -59,8 +59,8 @@ inline Wide3<V> cross(Wide3<V> p, Wide3<V> q) {
   return {p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
 }
 template <class V, class M>
-inline Wide3<V> choose(M which, Wide3<V> yes, Wide3<V> no) {
-  return {choose(which, yes.x, no.x), choose(which, yes.y, no.y), choose(which, yes.z, no.z)};
+inline Wide3<V> select(M which, Wide3<V> yes, Wide3<V> no) {
+  return {select(which, yes.x, no.x), select(which, yes.y, no.y), select(which, yes.z, no.z)};
 }
 
 // A structure of arrays' vectors, from number i on.
@@ -86,7 +86,7 @@ inline Wide3<V> in_all_lanes(const NumberOf<V>* vector) {
 template <class V>
 inline V one_over(V value) {
   const V one = number<V>(1);
-  return quotient(one, choose(value > number<V>(0), value, one));
+  return divide(one, select(value > number<V>(0), value, one));
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

@@ -145,7 +145,7 @@ template <class V>
 std::uint32_t palm_blocks(const BlockList& list, const PalmBody& palm, BodySums& sums) {
   return sum_blocks<V>(
       list, palm.axis, Wide3<V>{V(0.0f), V(0.0f), V(0.0f)},
-      [&](Wide3<V> p) LUMBRICAL_INLINE { return V(palm.radius) - magnitude(p.z); }, sums);
+      [&](Wide3<V> p) LUMBRICAL_INLINE { return V(palm.radius) - abs(p.z); }, sums);
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

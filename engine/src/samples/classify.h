@@ -56,7 +56,7 @@ struct Kinds {
 template <class V>
 inline V key_of(const Kinds<V>& kinds, V size) {
   const V patch_class = size + number<V>(kPatchSizes) * kinds.is_near;
-  return choose(kinds.kind >= number<V>(0), patch_class * number<V>(kind::kCount) + kinds.kind,
+  return select(kinds.kind >= number<V>(0), patch_class * number<V>(kind::kCount) + kinds.kind,
                 number<V>(-1));
 }
 
@@ -77,11 +77,11 @@ inline TileView<V> view_tile(const TileFrame& frame, std::uint32_t k, Wide3<V> c
   const auto is_near = distance < number<V>(kSkeletonReach) * reach;
   const auto id = [k](std::uint32_t part) { return number<V>(part + k); };
   V kind = id(kind::kTile);
-  kind = choose(both(place > reach, place + reach < end), id(kind::kSide), kind);
-  kind = choose(place + reach < zero, id(kind::kNearEnd), kind);
-  kind = choose(place - reach > end, id(kind::kFarEnd), kind);
-  const auto inside = both(field > reach, distance >= number<V>(kSmoothReach) * reach);
-  return {field, place, choose(is_near, number<V>(1), zero), choose(inside, id(kind::kInside), kind)};
+  kind = select(place > reach && place + reach < end, id(kind::kSide), kind);
+  kind = select(place + reach < zero, id(kind::kNearEnd), kind);
+  kind = select(place - reach > end, id(kind::kFarEnd), kind);
+  const auto inside = field > reach && distance >= number<V>(kSmoothReach) * reach;
+  return {field, place, select(is_near, number<V>(1), zero), select(inside, id(kind::kInside), kind)};
 }
 
 template <class V>
@@ -100,7 +100,7 @@ inline Kinds<V> finger_kinds(const FingerBody& finger, Wide3<V> centre, V radius
     view[k] = {far, zero, zero, zero};
     if ((tiles >> k & 1u) != 0)
       view[k] = view_tile(finger.tile[k], static_cast<std::uint32_t>(k), centre, reach);
-    view[k].field = choose(radius >= zero, view[k].field, far);
+    view[k].field = select(radius >= zero, view[k].field, far);
   }
   // Neighbours part where their places along their axes are the same.
   const V limit = reach + reach, below = zero - limit;
@@ -108,29 +108,28 @@ inline Kinds<V> finger_kinds(const FingerBody& finger, Wide3<V> centre, V radius
   const auto meets = [&](std::size_t k) { return view[k].field + reach > zero; };
   if ((tiles & 3u) == 3u) {
     const V side = side_of_joint(finger, 0, view[0].place, view[1].place);
-    inner = choose(both(meets(0), meets(1)), side, zero);
+    inner = select(meets(0) && meets(1), side, zero);
   }
   if ((tiles & 6u) == 6u) {
     const V side = side_of_joint(finger, 1, view[1].place, view[2].place);
-    outer = choose(both(meets(1), meets(2)), side, zero);
+    outer = select(meets(1) && meets(2), side, zero);
   }
   if (finger.folded && (tiles & 5u) == 5u) {  // its ends have a part wherever they meet the patch
-    const auto ends = both(meets(0), meets(2));
-    inner = choose(ends, zero, inner);
-    outer = choose(ends, zero, outer);
+    const auto ends = meets(0) && meets(2);
+    inner = select(ends, zero, inner);
+    outer = select(ends, zero, outer);
   }
-  const auto first = both(meets(0), inner <= limit);
-  const auto middle = both(meets(1), both(inner >= below, outer <= limit));
-  const auto last = both(meets(2), both(inner >= below, outer >= below));
-  V kind = choose(first, view[0].kind, number<V>(-1));
-  kind = choose(middle, view[1].kind, kind);
-  kind = choose(last, view[2].kind, kind);
-  kind = choose(both(first, middle), number<V>(kind::kInnerJoint), kind);
-  kind = choose(both(middle, last), number<V>(kind::kOuterJoint), kind);
-  kind = choose(both(first, last), number<V>(kind::kFinger), kind);
-  const V is_near =
-      greater(choose(first, view[0].is_near, zero),
-              greater(choose(middle, view[1].is_near, zero), choose(last, view[2].is_near, zero)));
+  const auto first = meets(0) && inner <= limit;
+  const auto middle = meets(1) && inner >= below && outer <= limit;
+  const auto last = meets(2) && inner >= below && outer >= below;
+  V kind = select(first, view[0].kind, number<V>(-1));
+  kind = select(middle, view[1].kind, kind);
+  kind = select(last, view[2].kind, kind);
+  kind = select(first && middle, number<V>(kind::kInnerJoint), kind);
+  kind = select(middle && last, number<V>(kind::kOuterJoint), kind);
+  kind = select(first && last, number<V>(kind::kFinger), kind);
+  const V is_near = max(select(first, view[0].is_near, zero),
+                        max(select(middle, view[1].is_near, zero), select(last, view[2].is_near, zero)));
   return {kind, is_near};
 }
 
@@ -175,15 +174,14 @@ inline Kinds<V> palm_kinds(const PalmBody& palm, Wide3<V> centre, V radius) {
   const V reach = radius + number<V>(kDistanceSlack) * (V(palm.radius) + radius);
   V out = number<V>(-1e30);
   for (std::size_t k = 0; k < palm.corner_count; ++k)
-    out = greater(out, V(palm.out_x[k]) * (p.x - V(palm.x[k])) + V(palm.out_y[k]) * (p.y - V(palm.y[k])));
-  const V height = magnitude(p.z), aside = greater(out, zero), limit = V(palm.radius) + reach,
+    out = max(out, V(palm.out_x[k]) * (p.x - V(palm.x[k])) + V(palm.out_y[k]) * (p.y - V(palm.y[k])));
+  const V height = abs(p.z), aside = max(out, zero), limit = V(palm.radius) + reach,
           near = number<V>(kSkeletonReach) * reach, square = aside * aside + height * height;
-  V above = choose(height + reach < V(palm.radius), number<V>(kind::kPalmBlock), number<V>(kind::kPalmSide));
-  above = choose(height > reach, above, number<V>(kind::kPalmThrough));
-  const auto is_above = out + reach < zero, is_palm = both(radius >= zero, square <= limit * limit);
-  const V kind = choose(is_above, above, number<V>(kind::kPalm));
-  return {choose(is_palm, kind, zero - one),
-          choose(both(square < near * near, out + reach >= zero), one, zero)};
+  V above = select(height + reach < V(palm.radius), number<V>(kind::kPalmBlock), number<V>(kind::kPalmSide));
+  above = select(height > reach, above, number<V>(kind::kPalmThrough));
+  const auto is_above = out + reach < zero, is_palm = radius >= zero && square <= limit * limit;
+  const V kind = select(is_above, above, number<V>(kind::kPalm));
+  return {select(is_palm, kind, zero - one), select(square < near * near && out + reach >= zero, one, zero)};
 }
 
 template <class V>
@@ -200,7 +198,7 @@ std::size_t classify_palm(const PatchBlock* blocks, const PalmBody& palm, const 
          lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
       const V radius = get(block.radius + lane, V{});
       Kinds<V> kinds = palm_kinds(palm, centroids_of<V>(block, origin, lane), radius);
-      kinds.kind = choose(kinds.kind == number<V>(kind::kPalmBlock), number<V>(kind::kPalmSide), kinds.kind);
+      kinds.kind = select(kinds.kind == number<V>(kind::kPalmBlock), number<V>(kind::kPalmSide), kinds.kind);
       put(keys + lane, key_of(kinds, get(block.size + lane, V{})));
     }
     list_patches<V>(keys, found[i], patches, count);

@@ -22,16 +22,16 @@ struct Positive {
 template <class V>
 inline Positive<V> positive_part(V a, V b, V c, V third_of_sum) {
   const V zero = number<V>(0), one = number<V>(1);
-  const V ab_low = lesser(a, b), ab_high = greater(a, b);
-  const V low = lesser(ab_low, c), high = greater(ab_high, c);
-  const V middle = greater(ab_low, lesser(ab_high, c));
+  const V ab_low = min(a, b), ab_high = max(a, b);
+  const V low = min(ab_low, c), high = max(ab_high, c);
+  const V middle = max(ab_low, min(ab_high, c));
   // The corner whose sign is its own: the highest, or the lowest. It cuts off a triangle.
   const auto one_inside = middle <= zero;
-  const V odd = choose(one_inside, greater(high, zero), lesser(low, zero));
-  const V product = (high - low) * choose(one_inside, high - middle, middle - low);
-  const V cut = quotient(odd * odd, greater(product, number<V>(1e-36)));  // at least odd^2, or odd is 0
+  const V odd = select(one_inside, max(high, zero), min(low, zero));
+  const V product = (high - low) * select(one_inside, high - middle, middle - low);
+  const V cut = divide(odd * odd, max(product, number<V>(1e-36)));  // at least odd^2, or odd is 0
   const V part = cut * odd * number<V>(1.0 / 3);
-  return {choose(one_inside, part, third_of_sum - part), choose(one_inside, cut, one - cut)};
+  return {select(one_inside, part, third_of_sum - part), select(one_inside, cut, one - cut)};
 }
 
 /// Which corner's sign is its own: the second, or the third, else the first.
@@ -42,10 +42,10 @@ struct OddCorner {
 template <class V>
 inline auto odd_corner(V a, V b, V c) {
   const V zero = number<V>(0);
-  const auto second = both(either(both(b > zero, c <= zero), both(b <= zero, c > zero)),
-                           either(both(a > zero, c > zero), both(a <= zero, c <= zero)));
-  const auto third = both(either(both(c > zero, b <= zero), both(c <= zero, b > zero)),
-                          either(both(a > zero, b > zero), both(a <= zero, b <= zero)));
+  const auto second = ((b > zero && c <= zero) || (b <= zero && c > zero)) &&
+                      ((a > zero && c > zero) || (a <= zero && c <= zero));
+  const auto third = ((c > zero && b <= zero) || (c <= zero && b > zero)) &&
+                     ((a > zero && b > zero) || (a <= zero && b <= zero));
   return OddCorner<std::remove_const_t<decltype(second)>>{second, third};
 }
 
@@ -55,19 +55,18 @@ template <class V>
 inline V share_where_positive(V a, V b, V c, V fa, V fb, V fc) {
   const V zero = number<V>(0), one = number<V>(1);
   const auto [second, third] = odd_corner(a, b, c);
-  const V odd = choose(second, b, choose(third, c, a)), next = choose(second, c, choose(third, a, b)),
-          last = choose(second, a, choose(third, b, c));
-  fa = greater(fa, zero);
-  fb = greater(fb, zero);
-  fc = greater(fc, zero);
-  const V f = choose(second, fb, choose(third, fc, fa)), f_next = choose(second, fc, choose(third, fa, fb)),
-          f_last = choose(second, fa, choose(third, fb, fc)), whole = fa + fb + fc;
-  const auto inside = odd > zero, mixed = either(both(inside, next <= zero), both(odd <= zero, next > zero));
-  const V s = quotient(odd, choose(mixed, odd - next, one)),
-          t = quotient(odd, choose(mixed, odd - last, one));
+  const V odd = select(second, b, select(third, c, a)), next = select(second, c, select(third, a, b)),
+          last = select(second, a, select(third, b, c));
+  fa = max(fa, zero);
+  fb = max(fb, zero);
+  fc = max(fc, zero);
+  const V f = select(second, fb, select(third, fc, fa)), f_next = select(second, fc, select(third, fa, fb)),
+          f_last = select(second, fa, select(third, fb, fc)), whole = fa + fb + fc;
+  const auto inside = odd > zero, mixed = (inside && next <= zero) || (odd <= zero && next > zero);
+  const V s = divide(odd, select(mixed, odd - next, one)), t = divide(odd, select(mixed, odd - last, one));
   const V part = s * (f_next - f) + t * (f_last - f) + number<V>(3) * f;
-  const V cut_off = s * t * choose(whole > zero, quotient(part, choose(whole > zero, whole, one)), one);
-  return choose(mixed, choose(inside, cut_off, one - cut_off), choose(inside, one, zero));
+  const V cut_off = s * t * select(whole > zero, divide(part, select(whole > zero, whole, one)), one);
+  return select(mixed, select(inside, cut_off, one - cut_off), select(inside, one, zero));
 }
 
 /// Zeroth and first moments of a share in barycentric coordinates u and v: means over the triangle.
@@ -113,12 +112,11 @@ inline Cell<V> cell_of_largest(const V (&a)[N], const V (&b)[N], const V (&c)[N]
   for (std::size_t k = 1; k < N; ++k) {
     const V lead_a = a[k] - most_a, lead_b = b[k] - most_b, lead_c = c[k] - most_c;
     const auto [mean, share] = positive_part(lead_a, lead_b, lead_c, (lead_a + lead_b + lead_c) * third);
-    excess =
-        excess + ((greater(lead_a, zero) + greater(lead_b, zero) + greater(lead_c, zero)) * third - mean);
+    excess = excess + ((max(lead_a, zero) + max(lead_b, zero) + max(lead_c, zero)) * third - mean);
     bubble = (one - share) * bubble + share * bubble_of(k);
-    most_a = greater(most_a, a[k]);
-    most_b = greater(most_b, b[k]);
-    most_c = greater(most_c, c[k]);
+    most_a = max(most_a, a[k]);
+    most_b = max(most_b, b[k]);
+    most_c = max(most_c, c[k]);
   }
   return raised_cell(most_a, most_b, most_c, (most_a + most_b + most_c) * third, bubble - excess);
 }

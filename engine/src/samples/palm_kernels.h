@@ -14,11 +14,11 @@ inline V palm_field(const PalmBody& palm, Wide3<V> p) {
     const V beside = V(palm.out_x[k]) * x + V(palm.out_y[k]) * y;
     // Counterclockwise: the edge runs a quarter turn to the left of `out`.
     const V along = V(palm.out_x[k]) * y - V(palm.out_y[k]) * x;
-    const V past = along - between(along, zero, V(palm.length[k]));
-    out = greater(out, beside);
-    square = lesser(square, beside * beside + past * past);
+    const V past = along - clamp(along, zero, V(palm.length[k]));
+    out = max(out, beside);
+    square = min(square, beside * beside + past * past);
   }
-  return V(palm.radius) - root(p.z * p.z + choose(out > zero, square, zero));
+  return V(palm.radius) - sqrt(p.z * p.z + select(out > zero, square, zero));
 }
 
 /// Adds a register's patches to one body's sums; returns a bit per lane that has any.
@@ -49,27 +49,26 @@ template <class V>
 inline LatticeMoments<V> linear_moments(V a, V b, V c) {
   const V zero = number<V>(0), one = number<V>(1), third = number<V>(1.0 / 3);
   const auto [b_alone, c_alone] = odd_corner(a, b, c);
-  const V f = choose(b_alone, b, choose(c_alone, c, a)), g = choose(b_alone, c, choose(c_alone, a, b)),
-          h = choose(b_alone, a, choose(c_alone, b, c));
+  const V f = select(b_alone, b, select(c_alone, c, a)), g = select(b_alone, c, select(c_alone, a, b)),
+          h = select(b_alone, a, select(c_alone, b, c));
   const Wide2<V> at_a{zero, zero}, at_b{one, zero}, at_c{zero, one};
-  const Wide2<V> p = choose(b_alone, at_b, choose(c_alone, at_c, at_a)),
-                 q = choose(b_alone, at_c, choose(c_alone, at_a, at_b)),
-                 r = choose(b_alone, at_a, choose(c_alone, at_b, at_c));
-  const auto inside = f > zero, mixed = either(both(inside, g <= zero), both(f <= zero, g > zero));
+  const Wide2<V> p = select(b_alone, at_b, select(c_alone, at_c, at_a)),
+                 q = select(b_alone, at_c, select(c_alone, at_a, at_b)),
+                 r = select(b_alone, at_a, select(c_alone, at_b, at_c));
+  const auto inside = f > zero, mixed = (inside && g <= zero) || (f <= zero && g > zero);
   const V to_g = f - g, to_h = f - h;
-  const V s = choose(mixed, quotient(f, choose(mixed, to_g, one)), zero);
-  const V t = choose(mixed, quotient(f, choose(mixed, to_h, one)), zero);
+  const V s = select(mixed, divide(f, select(mixed, to_g, one)), zero);
+  const V t = select(mixed, divide(f, select(mixed, to_h, one)), zero);
   // What the odd corner cuts off, with its sign; and the whole where that is the larger part.
   const V part = s * t * f * third;
   const Wide2<V> part_at = p + number<V>(0.25) * (s * (q - p) + t * (r - p));
   const V sum = (a + b + c) * third, twelfth = number<V>(1.0 / 12);
   const V sum_u = (a + b + b + c) * twelfth, sum_v = (a + b + c + c) * twelfth;
-  const auto odd_inside = both(mixed, inside), whole = both(f > zero, g > zero);
-  const auto none = both(f <= zero, g <= zero);
-  const V base = choose(either(odd_inside, none), zero, sum),
-          base_u = choose(either(odd_inside, none), zero, sum_u),
-          base_v = choose(either(odd_inside, none), zero, sum_v);
-  const V sign = choose(odd_inside, one, choose(whole, zero, zero - one));
+  const auto odd_inside = mixed && inside, whole = f > zero && g > zero;
+  const auto none = f <= zero && g <= zero;
+  const V base = select(odd_inside || none, zero, sum), base_u = select(odd_inside || none, zero, sum_u),
+          base_v = select(odd_inside || none, zero, sum_v);
+  const V sign = select(odd_inside, one, select(whole, zero, zero - one));
   return {base + sign * part, base_u + sign * part * part_at.x, base_v + sign * part * part_at.y};
 }
 
@@ -78,9 +77,9 @@ std::uint32_t palm_side(const PatchList& list, const PalmBody& palm, BodySums& s
   std::uint32_t touched = 0;
   for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
     const PatchInFrame<V> patch = see_patch(rows, lane, palm.axis, Wide3<V>{V(0.0f), V(0.0f), V(0.0f)});
-    const V a = V(palm.radius) - magnitude(patch.corner.z);
-    const V b = V(palm.radius) - magnitude(patch.corner.z + patch.edge1.z);
-    const V c = V(palm.radius) - magnitude(patch.corner.z + patch.edge2.z);
+    const V a = V(palm.radius) - abs(patch.corner.z);
+    const V b = V(palm.radius) - abs(patch.corner.z + patch.edge1.z);
+    const V c = V(palm.radius) - abs(patch.corner.z + patch.edge2.z);
     touched += count_of(add_share(patch, linear_moments(a, b, c), lane, sums));
   });
   return touched;

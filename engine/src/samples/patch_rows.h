@@ -113,13 +113,13 @@ LUMBRICAL_INLINE inline SeenPatch<V> see_patches(const PatchRows& rows, std::siz
       seen.tile = tile;
       return;
     }
-    seen.patch = {choose(its, patch.corner, seen.patch.corner), choose(its, patch.edge1, seen.patch.edge1),
-                  choose(its, patch.edge2, seen.patch.edge2)};
+    seen.patch = {select(its, patch.corner, seen.patch.corner), select(its, patch.edge1, seen.patch.edge1),
+                  select(its, patch.edge2, seen.patch.edge2)};
     seen.tile = {
-        choose(its, tile.length, seen.tile.length),         choose(its, tile.radius, seen.tile.radius),
-        choose(its, tile.end_radius, seen.tile.end_radius), choose(its, tile.sine, seen.tile.sine),
-        choose(its, tile.cosine, seen.tile.cosine),         choose(its, tile.tangent2, seen.tile.tangent2),
-        choose(its, tile.cosine2, seen.tile.cosine2)};
+        select(its, tile.length, seen.tile.length),         select(its, tile.radius, seen.tile.radius),
+        select(its, tile.end_radius, seen.tile.end_radius), select(its, tile.sine, seen.tile.sine),
+        select(its, tile.cosine, seen.tile.cosine),         select(its, tile.tangent2, seen.tile.tangent2),
+        select(its, tile.cosine2, seen.tile.cosine2)};
   });
   return seen;
 }
@@ -146,7 +146,7 @@ inline void add_wrench(Wide3<V> force, Wide3<V> moment, std::size_t lane, BodySu
 /// Lanes whose force is not 0, a bit each.
 template <class V>
 inline unsigned lanes_with(Wide3<V> force) {
-  const V size = magnitude(force.x) + (magnitude(force.y) + magnitude(force.z));
+  const V size = abs(force.x) + (abs(force.y) + abs(force.z));
   return wide::bits_of(size > number<V>(0), number<V>(0));
 }
 
@@ -174,10 +174,10 @@ LUMBRICAL_INLINE inline unsigned add_shares(const PatchInFrame<V>& patch, const 
     const std::uint32_t tile = code % ListedPatch::kFarEnd + outward;
     if ((sums.wanted >> tile & 1u) == 0) return;
     const Wide3<V> zero{number<V>(0), number<V>(0), number<V>(0)};
-    const Wide3<V> own = choose(its, force, zero);
+    const Wide3<V> own = select(its, force, zero);
     any |= lanes_with(own);
     if (all) return add_wrench(force, moment, lane, sums.of[tile]);
-    add_wrench(own, choose(its, moment, zero), lane, sums.of[tile]);
+    add_wrench(own, select(its, moment, zero), lane, sums.of[tile]);
   });
   return any;
 }

@@ -20,13 +20,13 @@ struct TileDepth {
 template <class V>
 inline TileDepth<V> tile_depth(const TileNumbers<V>& tile, TilePoint<V> p) {
   const V from_end = p.along - tile.length, slope = tile.tangent2 * p.square;
-  const auto before = p.along * magnitude(p.along) <= slope, beyond = from_end * magnitude(from_end) >= slope;
-  const V axial = choose(before, p.along, from_end);
+  const auto before = p.along * abs(p.along) <= slope, beyond = from_end * abs(from_end) >= slope;
+  const V axial = select(before, p.along, from_end);
   const V round = p.square + axial * axial;
-  const V under = choose(before, round, choose(beyond, round, tile.cosine2 * p.square));
+  const V under = select(before, round, select(beyond, round, tile.cosine2 * p.square));
   const V level =
-      choose(before, tile.radius, choose(beyond, tile.end_radius, tile.radius - tile.sine * p.along));
-  return {level, root(under)};
+      select(before, tile.radius, select(beyond, tile.end_radius, tile.radius - tile.sine * p.along));
+  return {level, sqrt(under)};
 }
 template <class V>
 inline V tile_field(const TileNumbers<V>& tile, TilePoint<V> p) {
@@ -37,16 +37,16 @@ inline V tile_field(const TileNumbers<V>& tile, TilePoint<V> p) {
 /// Where along its axis the tile is nearest to p, but for the tile's ends.
 template <class V>
 inline V place_on(const TileNumbers<V>& tile, TilePoint<V> p) {
-  return tile.cosine * p.along - tile.sine * root(p.square);
+  return tile.cosine * p.along - tile.sine * sqrt(p.square);
 }
 
 /// Turns a patch in the plane of two coordinates until its second edge has nothing of the second one.
 template <class V>
 inline void turn_edge(PatchInFrame<V>& patch, V Wide3<V>::*kept, V Wide3<V>::*gone) {
-  const V x = patch.edge2.*kept, y = patch.edge2.*gone, length = root(x * x + y * y);
+  const V x = patch.edge2.*kept, y = patch.edge2.*gone, length = sqrt(x * x + y * y);
   const auto is_real = length > number<V>(0);
-  const V cosine = choose(is_real, quotient(x, choose(is_real, length, number<V>(1))), number<V>(1)),
-          sine = quotient(y, choose(is_real, length, number<V>(1)));
+  const V cosine = select(is_real, divide(x, select(is_real, length, number<V>(1))), number<V>(1)),
+          sine = divide(y, select(is_real, length, number<V>(1)));
   const auto turn = [&](Wide3<V>& p) {
     const V turned = cosine * (p.*kept) + sine * (p.*gone);
     p.*gone = cosine * (p.*gone) - sine * (p.*kept);
@@ -125,7 +125,7 @@ struct PartRows<TilePart::side, V> {
   }
   [[nodiscard]] V field(const Row& row, V v) const {
     const V y = row.y + v * rows.patch.edge2.y;
-    return (row.level - v * level2) - root(y * y + row.height2);
+    return (row.level - v * level2) - sqrt(y * y + row.height2);
   }
 };
 
@@ -135,8 +135,8 @@ struct PartRows<TilePart::end, V> {
   V radius;
   PatchInFrame<V> patch;
   explicit PartRows(const SeenPatch<V>& seen)
-      : radius(choose(seen.at_far_end, seen.tile.end_radius, seen.tile.radius)), patch(seen.patch) {
-    patch.corner.x = patch.corner.x - choose(seen.at_far_end, seen.tile.length, number<V>(0));
+      : radius(select(seen.at_far_end, seen.tile.end_radius, seen.tile.radius)), patch(seen.patch) {
+    patch.corner.x = patch.corner.x - select(seen.at_far_end, seen.tile.length, number<V>(0));
     turn_edge(patch, &Wide3<V>::y, &Wide3<V>::z);
     turn_edge(patch, &Wide3<V>::y, &Wide3<V>::x);
   }
@@ -149,7 +149,7 @@ struct PartRows<TilePart::end, V> {
   }
   [[nodiscard]] V field(const Row& row, V v) const {
     const V y = row.y + v * patch.edge2.y;
-    return radius - root(y * y + row.aside2);
+    return radius - sqrt(y * y + row.aside2);
   }
 };
 

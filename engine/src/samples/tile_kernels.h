@@ -55,13 +55,13 @@ LUMBRICAL_INLINE inline Neighbours<V, N> see_neighbours(const PatchRows& rows, s
       const auto joint = numbers_of<V>(finger.joint[code % Bodies::kTilesApart + k]);
       JointNumbers<V>& to = near.joint[k];
       to = all ? joint
-               : JointNumbers<V>{choose(its, joint.inner_sign, to.inner_sign),
-                                 choose(its, joint.inner_place, to.inner_place),
-                                 choose(its, joint.outer_sign, to.outer_sign),
-                                 choose(its, joint.outer_place, to.outer_place)};
+               : JointNumbers<V>{select(its, joint.inner_sign, to.inner_sign),
+                                 select(its, joint.inner_place, to.inner_place),
+                                 select(its, joint.outer_sign, to.outer_sign),
+                                 select(its, joint.outer_place, to.outer_place)};
     }
     const V folded(finger.folded ? 1.0f : 0.0f);
-    near.folded = all ? folded : choose(its, folded, near.folded);
+    near.folded = all ? folded : select(its, folded, near.folded);
   });
   return near;
 }
@@ -78,7 +78,7 @@ LUMBRICAL_INLINE inline SharedCorner<V, N> shared_corner(const Neighbours<V, N>&
   SharedCorner<V, N> corner;
   for (std::size_t k = 0; k < N; ++k) {
     corner.field[k] = tile_field(near.seen[k].tile, at[k]);
-    corner.largest = k == 0 ? corner.field[0] : greater(corner.largest, corner.field[k]);
+    corner.largest = k == 0 ? corner.field[0] : max(corner.largest, corner.field[k]);
   }
   for (std::size_t k = 0; k + 1 < N; ++k) {
     const TileNumbers<V>&inner = near.seen[k].tile, &outer = near.seen[k + 1].tile;
@@ -107,9 +107,9 @@ LUMBRICAL_INLINE inline void cell_shares(const Neighbours<V, N>& near, const Sha
     const auto folded = near.folded > zero;
     const V upon = share_where_positive(a.field[2] - a.field[0], b.field[2] - b.field[0],
                                         c.field[2] - c.field[0], a.largest, b.largest, c.largest);
-    const V last = choose(folded, upon, outermost);
-    share[0] = (one - outer) * choose(folded, one - last, one);
-    share[2] = last * choose(folded, outermost, outer);
+    const V last = select(folded, upon, outermost);
+    share[0] = (one - outer) * select(folded, one - last, one);
+    share[2] = last * select(folded, outermost, outer);
     share[1] = one - share[0] - share[2];
   }
 }
