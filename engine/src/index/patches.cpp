@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "base/parallel_sort.h"
+#include "index/block_samples.h"
 #include "index/spatial_code.h"
 #include "index/sphere_tree.h"
 #include "model/corners.h"
@@ -22,7 +23,11 @@ constexpr std::array<double, kLevels> kAloneStep = {0.42, 0.31, 0.16}, kStep = {
 
 // [R] Largest radius of a block that is taken as one at a precision of 1e-4; the error falls with its third
 // power.
-constexpr double kBlockRadius = 0.45;
+constexpr double kBlockRadius = 0.36;
+
+// The same above the palm's polygon, where its field is linear and forces exact whatever the size, and beside
+// it, where its curvature jumps.
+constexpr double kBlockAbovePalm = 2, kBlockBesidePalm = 0.25;
 
 // Slivers are cut into patches no longer than so many times their width, or so many steps of the finest
 // lattice.
@@ -55,9 +60,7 @@ double step_of(const Hand& hand, const Settings& settings, std::size_t segment, 
   return (is_alone ? kAloneStep : kStep)[level] * share * radius_of(hand, segment);
 }
 
-double block_radius_of(const Hand& hand, const Settings& settings, std::size_t segment) {
-  // Above the palm fields are linear, and forces exact whatever the block's size.
-  const double share = segment == kPalmSegment ? 2 : kBlockRadius;
+double block_radius_of(const Hand& hand, const Settings& settings, std::size_t segment, double share) {
   return share * cube_root(settings.precision[segment] / 1e-4) * radius_of(hand, segment);
 }
 
@@ -201,20 +204,6 @@ void put_split(Vec3 p, std::size_t lane, float (&to)[2][3][PatchBlock::kWidth]) 
     to[1][axis][lane] = low;
   }
 }
-void put_split(Vec3 p, float (&to)[2][3]) {
-  const double at[3] = {p.x, p.y, p.z};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto [high, low] = split_number(at[axis]);
-    to[0][axis] = high;
-    to[1][axis] = low;
-  }
-}
-void put(Vec3 v, float (&to)[3]) {
-  to[0] = static_cast<float>(v.x);
-  to[1] = static_cast<float>(v.y);
-  to[2] = static_cast<float>(v.z);
-}
-
 void put_patch(const Patch& patch, std::size_t lane, PatchBlock& block, PatchShape& shape) {
   const Vec3 ab = patch.at.b - patch.at.a, ac = patch.at.c - patch.at.a;
   put_split(patch.at.a, shape.corner);
@@ -235,100 +224,44 @@ void put_nothing(std::size_t lane, PatchBlock& block, PatchShape& shape) {
   shape = {};
 }
 
-// Integrals over a block's patches, h counted from the centre.
-struct BlockMoments {
-  Vec3 centre;                   // [m] W, of the area
-  double area = 0;               // [m^2] twice
-  Vec3 normal;                   // [m^2] of n, twice
-  std::array<Vec3, 3> spread{};  // [m^4] rows of the area's h h, twice
-};
-
-Vec3 row_of(const Vec3 (&h)[4], double Vec3::*axis, double twice_area) {
-  // Of a triangle: corners by a twelfth, the centroid by nine.
-  return (twice_area / 12) *
-         (h[0].*axis * h[0] + h[1].*axis * h[1] + h[2].*axis * h[2] + 9 * (h[3].*axis) * h[3]);
-}
-
-BlockMoments moments_of(std::span<const Patch> patches) {
-  BlockMoments m;
-  const Vec3 origin = patches[0].at.a;
-  Vec3 first;
-  for (const auto& [at, size] : patches) {
-    const Vec3 normal = cross(at.b - at.a, at.c - at.a);
-    const double area = norm(normal);
-    m.area += area;
-    m.normal += normal;
-    first += area * ((at.a - origin) + ((at.b - at.a) + (at.c - at.a)) / 3.0);
-  }
-  m.centre = origin + first / m.area;
-  for (const auto& [at, size] : patches) {
-    const Vec3 a = at.a - m.centre, b = a + (at.b - at.a), c = a + (at.c - at.a);
-    const Vec3 h[4] = {a, b, c, a + ((b - a) + (c - a)) / 3.0};
-    const double area = norm(cross(b - a, c - a));
-    m.spread[0] += row_of(h, &Vec3::x, area);
-    m.spread[1] += row_of(h, &Vec3::y, area);
-    m.spread[2] += row_of(h, &Vec3::z, area);
-  }
-  return m;
-}
-
-// Principal directions of the spread within the plane across `normal`, and that.
-std::array<Vec3, 3> axes_of(const BlockMoments& m) {
-  const Vec3 z = unit_or(m.normal, {0, 0, 1});
-  const Vec3 x = unit_or(cross(z, std::fabs(z.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}), {1, 0, 0}),
-             y = cross(z, x);
-  const auto along = [&](Vec3 u, Vec3 v) {
-    return dot(u, Vec3{dot(m.spread[0], v), dot(m.spread[1], v), dot(m.spread[2], v)});
-  };
-  const double a = along(x, x), b = along(x, y), d = along(y, y), half = 0.5 * (a - d);
-  const double root = std::sqrt(half * half + b * b);
-  // Of the two ways to write the larger one's direction the one that does not cancel.
-  const Vec3 u = unit_or(half > 0 ? (half + root) * x + b * y : b * x + (root - half) * y, x);
-  return {u, cross(z, u), z};
-}
-
-BlockSamples samples_of(std::span<const Patch> patches) {
-  const BlockMoments m = moments_of(patches);
-  BlockSamples samples{};
-  put_split(m.centre, samples.centre);
-  double radius = 0;
-  for (const Patch& patch : patches) {
-    for (const Vec3 corner : {patch.at.a, patch.at.b, patch.at.c})
-      radius = max(radius, norm(corner - m.centre));
-  }
-  samples.radius = static_cast<float>((1 + 1e-6) * radius);
-  const std::array<Vec3, 3> axes = axes_of(m);
-  Vec3 rest = m.normal;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 axis = axes[k];
-    const double spread =
-        dot(axis, Vec3{dot(m.spread[0], axis), dot(m.spread[1], axis), dot(m.spread[2], axis)}) / m.area;
-    // As far out as Gauss's rule has its nodes.
-    const double length = max(std::sqrt(3 * max(spread, 0)), 1e-3 * radius);
-    Vec3 first, second;
-    for (const auto& [at, size] : patches) {
-      const Vec3 normal = cross(at.b - at.a, at.c - at.a);
-      const double a = dot(axis, at.a - m.centre), b = dot(axis, at.b - m.centre),
-                   c = dot(axis, at.c - m.centre);
-      const double middle = (a + b + c) / 3;
-      first += middle * normal;
-      second += ((a * a + b * b + c * c + 9 * middle * middle) / 12) * normal;
-    }
-    put(length * axis, samples.arm[k]);
-    const Vec3 even = (0.5 / (length * length)) * second, odd = (0.5 / length) * first;
-    put(even + odd, samples.weight[0][k]);
-    put(even - odd, samples.weight[1][k]);
-    rest -= 2.0 * even;
-  }
-  put(rest, samples.centre_weight);
-  return samples;
-}
-
 Box box_of(const Triangles& triangles) {
   Box box;
   for (std::size_t i = 0; i < triangles.x.size(); ++i)
     box.add({triangles.x[i], triangles.y[i], triangles.z[i]});
   return box;
+}
+
+// Blocks as ones, and blocks of those, level by level, as long as a segment may take one.
+void put_samples(const Triangles& triangles, const Cutting& cutting, std::span<const std::uint32_t> order,
+                 const Execution& execution, Patches& patches) {
+  const double largest = max(patches.block_above_palm,
+                             *std::max_element(patches.block_radius.begin(), patches.block_radius.end()));
+  std::vector<BlockSamples> samples;
+  for (std::size_t width = PatchBlock::kWidth;; width *= PatchBlock::kWidth) {
+    const std::size_t first = samples.size(), count = piece_count(order.size(), width);
+    samples.resize(first + count);
+    parallel_pieces(count, std::max<std::size_t>(1, kPiece / width), execution.threads,
+                    [&](std::size_t, std::size_t begin, std::size_t end) {
+                      std::vector<Corners> members;
+                      for (std::size_t i = begin; i < end; ++i) {
+                        members.clear();
+                        for (const std::uint32_t number :
+                             order.subspan(i * width).first(std::min(width, order.size() - i * width)))
+                          members.push_back(patch_of(triangles, cutting, number).at);
+                        samples[first + i] = samples_of(members);
+                      }
+                    });
+    const auto is_small = [&](const BlockSamples& block) { return double{block.radius} <= largest; };
+    const bool is_used =
+        std::any_of(samples.begin() + static_cast<std::ptrdiff_t>(first), samples.end(), is_small);
+    if (!is_used && !patches.first_samples.empty()) {
+      samples.resize(first);
+      break;
+    }
+    patches.first_samples.push_back(static_cast<std::uint32_t>(first));
+    if (count <= 1) break;
+  }
+  patches.samples = std::move(samples);
 }
 
 void put_blocks(const Triangles& triangles, const Cutting& cutting, const Execution& execution,
@@ -344,7 +277,6 @@ void put_blocks(const Triangles& triangles, const Cutting& cutting, const Execut
   });
   std::vector<PatchBlock> blocks(piece_count(order.size(), kWidth));
   std::vector<PatchShape> shapes(blocks.size() * kWidth);
-  std::vector<BlockSamples> samples(blocks.size());
   std::vector<Sphere> leaves(blocks.size());
   parallel_pieces(blocks.size(), kPiece / kWidth, execution.threads,
                   [&](std::size_t, std::size_t first, std::size_t last) {
@@ -352,23 +284,21 @@ void put_blocks(const Triangles& triangles, const Cutting& cutting, const Execut
                       const std::size_t begin = i * kWidth,
                                         count = std::min<std::size_t>(kWidth, order.size() - begin);
                       std::array<Sphere, kWidth> spheres;
-                      std::array<Patch, kWidth> members;
                       for (std::size_t lane = 0; lane < kWidth; ++lane) {
                         if (lane >= count) {
                           put_nothing(lane, blocks[i], shapes[begin + lane]);
                           continue;
                         }
-                        members[lane] = patch_of(triangles, cutting, order[begin + lane]);
-                        put_patch(members[lane], lane, blocks[i], shapes[begin + lane]);
-                        spheres[lane] = sphere_round(members[lane].at, origin);
+                        const Patch patch = patch_of(triangles, cutting, order[begin + lane]);
+                        put_patch(patch, lane, blocks[i], shapes[begin + lane]);
+                        spheres[lane] = sphere_round(patch.at, origin);
                       }
                       leaves[i] = bound({spheres.data(), count});
-                      samples[i] = samples_of({members.data(), count});
                     }
                   });
   patches.block = std::move(blocks);
   patches.shape = std::move(shapes);
-  patches.samples = std::move(samples);
+  put_samples(triangles, cutting, order, execution, patches);
   patches.tree = build_levels(std::move(leaves), origin, execution);
 }
 
@@ -392,7 +322,9 @@ std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& s
     if (!is_sampled(settings, i)) continue;
     const double radius = radius_of(hand, i);
     radius3 += radius * radius * radius;
-    patches->block_radius[i] = block_radius_of(hand, settings, i);
+    const bool is_palm = i == kPalmSegment;
+    patches->block_radius[i] = block_radius_of(hand, settings, i, is_palm ? kBlockBesidePalm : kBlockRadius);
+    if (is_palm) patches->block_above_palm = block_radius_of(hand, settings, i, kBlockAbovePalm);
     ++sampled;
     for (std::size_t k = 0; k < kPatchSizes; ++k) {
       const double size = finest * static_cast<double>(k + 1);

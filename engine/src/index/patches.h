@@ -70,13 +70,15 @@ struct Patches {
   std::array<bool, kPatchClasses> has_levels{};  ///< or do each segment's lattices agree?
   /// [m] Largest radius of a block that a segment takes as one.
   std::array<double, kSegmentCount> block_radius{};
-  double radius3 = 0;                     ///< [m^3] mean of the sampled segments' radii cubed
-  SphereTree tree;                        ///< of spheres round the blocks, without triangles
-  SharedArray<PatchBlock> block;          ///< in the order of the tree's leaves
-  SharedArray<PatchShape> shape;          ///< of each patch, sixteen to a block
-  SharedArray<BlockSamples> samples;      ///< of each block
-  std::vector<std::uint64_t> is_sampled;  ///< a bit per triangle; the others are left to the exact rung
-  std::vector<std::uint32_t> exact;       ///< those, ascending
+  double block_above_palm = 0;               ///< [m] the same of the palm above its polygon
+  double radius3 = 0;                        ///< [m^3] mean of the sampled segments' radii cubed
+  SphereTree tree;                           ///< of spheres round the blocks, without triangles
+  SharedArray<PatchBlock> block;             ///< in the order of the tree's leaves
+  SharedArray<PatchShape> shape;             ///< of each patch, sixteen to a block
+  SharedArray<BlockSamples> samples;         ///< of each block, of each sixteen of those, and so on
+  std::vector<std::uint32_t> first_samples;  ///< of each of these levels
+  std::vector<std::uint64_t> is_sampled;     ///< a bit per triangle; the others are left to the exact rung
+  std::vector<std::uint32_t> exact;          ///< those, ascending
 };
 
 /// Which bodies of the hand are felt by samples: those of which every segment follows the field law with a

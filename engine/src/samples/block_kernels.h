@@ -27,14 +27,15 @@ inline void put_block(const BlockSamples& block, const SplitPoint& origin, std::
 /// of `radii` as wholes) to those to be opened and those that are taken so.
 inline SampleKernels::Sorted part_blocks(const float* kinds, const BlockRows& rows, std::uint32_t inside,
                                          std::span<const float> radii, std::uint32_t whole, unsigned shift,
-                                         std::uint32_t* found, std::size_t count, FoundPatches* patches) {
+                                         std::uint32_t first, std::uint32_t* found, std::size_t count,
+                                         FoundPatches* patches) {
   SampleKernels::Sorted sorted{0, 0};
   for (std::size_t lane = 0; lane < count; ++lane) {
     if (kinds[lane] < 0) continue;
     const auto kind = static_cast<std::uint32_t>(kinds[lane]);
     if (kind >= inside && kind < inside + radii.size() && rows.radius[lane] <= radii[kind - inside]) {
       patches[sorted.whole_count++] = {static_cast<std::uint16_t>(whole + (kind - inside)), 1,
-                                       found[lane] >> shift};
+                                       first + (found[lane] >> shift)};
     } else {
       found[sorted.open_count++] = found[lane];
     }
@@ -43,8 +44,8 @@ inline SampleKernels::Sorted part_blocks(const float* kinds, const BlockRows& ro
 }
 
 template <class V>
-SampleKernels::Sorted sort_blocks(const BlockSamples* blocks, const FingerBody& finger, std::uint32_t* found,
-                                  std::size_t count, FoundPatches* patches) {
+SampleKernels::Sorted sort_blocks(const BlockSamples* blocks, const FingerBody& finger, std::uint32_t first,
+                                  std::uint32_t* found, std::size_t count, FoundPatches* patches) {
   const SplitPoint origin = split_point(finger.origin);
   const float largest = largest_radius(finger);
   BlockRows rows;
@@ -57,13 +58,13 @@ SampleKernels::Sorted sort_blocks(const BlockSamples* blocks, const FingerBody& 
     put(kinds + lane,
         finger_kinds(finger, vector_at<V>(rows.centre, lane), radius, reach, finger.tiles()).kind);
   }
-  return part_blocks(kinds, rows, kind::kInside, finger.block_radius, kind::kBlockInside, 3, found, count,
-                     patches);
+  return part_blocks(kinds, rows, kind::kInside, finger.block_radius, kind::kBlockInside, 3, first, found,
+                     count, patches);
 }
 
 template <class V>
-SampleKernels::Sorted sort_palm_blocks(const BlockSamples* blocks, const PalmBody& palm, std::uint32_t* found,
-                                       std::size_t count, FoundPatches* patches) {
+SampleKernels::Sorted sort_palm_blocks(const BlockSamples* blocks, const PalmBody& palm, std::uint32_t first,
+                                       std::uint32_t* found, std::size_t count, FoundPatches* patches) {
   const SplitPoint origin = split_point(palm.origin);
   BlockRows rows;
   for (std::size_t lane = 0; lane < BlockRows::kWidth; ++lane)
@@ -71,9 +72,15 @@ SampleKernels::Sorted sort_palm_blocks(const BlockSamples* blocks, const PalmBod
   alignas(64) float kinds[BlockRows::kWidth];
   for (unsigned lane = 0; lane < BlockRows::kWidth; lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
     const V radius = get(rows.radius + lane, V{});
-    put(kinds + lane, palm_kinds(palm, vector_at<V>(rows.centre, lane), radius).kind);
+    const Wide3<V> centre = vector_at<V>(rows.centre, lane);
+    const V kind = palm_kinds(palm, centre, radius).kind;
+    const V reach = radius + number<V>(kDistanceSlack) * (V(palm.radius) + radius);
+    const V field = palm_field(palm, turn_into(palm.axis, centre)), distance = V(palm.radius) - field;
+    const auto is_smooth = field > reach && distance >= number<V>(kSmoothReach) * reach;
+    const auto is_beside = kind == number<V>(kind::kPalm) && is_smooth;
+    put(kinds + lane, select(is_beside, number<V>(kind::kPalmBlockBeside), kind));
   }
-  return part_blocks(kinds, rows, kind::kPalmBlock, {&palm.block_radius, 1}, kind::kPalmBlock, 0, found,
+  return part_blocks(kinds, rows, kind::kPalmBlock, palm.block_radius, kind::kPalmBlock, 0, first, found,
                      count, patches);
 }
 
@@ -145,7 +152,7 @@ template <class V>
 std::uint32_t palm_blocks(const BlockList& list, const PalmBody& palm, BodySums& sums) {
   return sum_blocks<V>(
       list, palm.axis, Wide3<V>{V(0.0f), V(0.0f), V(0.0f)},
-      [&](Wide3<V> p) LUMBRICAL_INLINE { return V(palm.radius) - abs(p.z); }, sums);
+      [&](Wide3<V> p) LUMBRICAL_INLINE { return palm_field(palm, p); }, sums);
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

@@ -86,7 +86,8 @@ void set_palm(const SweptPolygon& polygon, const Patches& patches, PalmBody& pal
   put(z, palm.axis[2]);
   std::copy(patches.steps[kPalmSegment].begin(), patches.steps[kPalmSegment].end(), palm.steps);
   palm.radius = static_cast<float>(polygon.radius);
-  palm.block_radius = static_cast<float>(patches.block_radius[kPalmSegment]);
+  palm.block_radius[0] = static_cast<float>(patches.block_above_palm);
+  palm.block_radius[1] = static_cast<float>(patches.block_radius[kPalmSegment]);
   for (std::size_t k = 0; k < palm.corner_count; ++k) {
     const Vec3 from = polygon.corner[k] - middle,
                edge = polygon.corner[(k + 1) % palm.corner_count] - polygon.corner[k];

@@ -63,10 +63,10 @@ struct FingerBody {
 struct PalmBody {
   static constexpr std::size_t kMostCorners = 16;
   std::size_t corner_count = 0;
-  Vec3 origin;         ///< [m] W
-  float axis[3][3];    ///< W, unit: x, y, z
-  float radius;        ///< [m]
-  float block_radius;  ///< [m] of the largest block that is taken as one
+  Vec3 origin;            ///< [m] W
+  float axis[3][3];       ///< W, unit: x, y, z
+  float radius;           ///< [m]
+  float block_radius[2];  ///< [m] of the largest block that is taken as one, above the polygon and beside it
   LatticeSteps steps[kPatchClasses];
   float x[kMostCorners], y[kMostCorners];          ///< [m] corners
   float out_x[kMostCorners], out_y[kMostCorners];  ///< unit, away from the polygon across each edge

@@ -30,7 +30,7 @@ Effort effort_of(const Patches& patches, const NearPatches& near) {
     if (!near.has(k)) continue;
     effort.always += kPerRule * count_of(near, kind::kInside, kind::kInside + 2, k) +
                      kPerBlock * count_of(near, kind::kBlockInside, kind::kBlockInside + 2, k) +
-                     kPerBlock * count_of(near, kind::kPalmSide, kind::kPalmBlock, k);
+                     kPerBlock * count_of(near, kind::kPalmSide, kind::kPalmBlockBeside, k);
     const std::uint64_t shares = count_of(near, kind::kTile, kind::kFarEnd + 2, k) +
                                  2 * count_of(near, kind::kInnerJoint, kind::kOuterJoint, k) +
                                  3 * count_of(near, kind::kFinger, kind::kFinger, k) +

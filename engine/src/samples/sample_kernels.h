@@ -21,9 +21,11 @@ inline constexpr std::uint32_t kInside = 12;
 inline constexpr std::uint32_t kInnerJoint = 15, kOuterJoint = 16, kFinger = 17;
 /// A block as one that lies inside tile j and meets no other.
 inline constexpr std::uint32_t kBlockInside = 18;
-/// Above the palm's polygon on one side of it; through it; a block as one on one side; or anywhere about it.
-inline constexpr std::uint32_t kPalmSide = 21, kPalmThrough = 22, kPalmBlock = 23, kPalm = 24;
-inline constexpr std::uint32_t kCount = 25;
+/// Above the palm's polygon on one side of it; through it; a block as one inside the skin, above the polygon
+/// or beside it; or anywhere about it.
+inline constexpr std::uint32_t kPalmSide = 21, kPalmThrough = 22, kPalmBlock = 23, kPalmBlockBeside = 24,
+                               kPalm = 25;
+inline constexpr std::uint32_t kCount = 26;
 }  // namespace kind
 
 /// What of a tile a kernel needs to know: all of it, its side, or the sphere at one end.
@@ -88,13 +90,13 @@ struct SampleKernels {
   struct Sorted {
     std::size_t open_count, whole_count;
   };
-  /// Of up to sixteen blocks `found` keeps, first, those whose patches have to be looked at; small ones that
-  /// lie inside go to `patches` as wholes. A finger's are given as place << 3, plus a bit per tile that the
-  /// block's sphere may reach; the palm's as places.
-  Sorted (*sort_blocks)(const BlockSamples* blocks, const FingerBody& finger, std::uint32_t* found,
-                        std::size_t count, FoundPatches* patches);
-  Sorted (*sort_palm_blocks)(const BlockSamples* blocks, const PalmBody& palm, std::uint32_t* found,
-                             std::size_t count, FoundPatches* patches);
+  /// Of up to sixteen blocks, of patches or of blocks, `found` keeps, first, those that have to be opened;
+  /// small ones that lie inside go to `patches` as wholes, by their numbers plus `first`. A finger's are
+  /// given as place << 3, plus a bit per tile that the block's sphere may reach; the palm's as places.
+  Sorted (*sort_blocks)(const BlockSamples* blocks, const FingerBody& finger, std::uint32_t first,
+                        std::uint32_t* found, std::size_t count, FoundPatches* patches);
+  Sorted (*sort_palm_blocks)(const BlockSamples* blocks, const PalmBody& palm, std::uint32_t first,
+                             std::uint32_t* found, std::size_t count, FoundPatches* patches);
   /// Writes the blocks' patches that the body may meet, and in what way; returns how many.
   std::size_t (*classify_finger)(const PatchBlock* blocks, const FingerBody& finger,
                                  const std::uint32_t* found, std::size_t count, FoundPatches* patches);

@@ -16,12 +16,64 @@ constexpr std::size_t kWidth = PatchBlock::kWidth;
 constexpr std::size_t kBlocksAtATime = 64;
 constexpr std::size_t kSpare = kBlocksAtATime * kWidth;
 
-// ---- Search ----
+/// What bodies have found so far, and where each one's begins.
+struct Found {
+  std::span<FoundPatches> room;
+  std::size_t count = 0;
+  std::array<std::size_t, Bodies::kMostFingers + 2> begin{};
 
-// Goes down the levels; `hits(spheres, blocks, count, is_last, to)` asks the spheres of one.
-template <class Hits>
-std::span<std::uint32_t> search_levels(const SphereTree& tree, PatchSearchMemory& memory, const Hits& hits) {
-  if (tree.head.level_count == 0) return {};
+  [[nodiscard]] bool has_room(std::size_t more) const { return count + more <= room.size(); }
+  [[nodiscard]] FoundPatches* end() const { return room.data() + count; }
+};
+
+/// How one body asks: which spheres of blocks it may meet, which blocks have to be opened, as what it meets
+/// patches. Places are given as place << shift plus, if asked for, a bit per tile.
+template <class Hits, class Sort, class Classify>
+struct BodySearch {
+  Hits hits;          // (spheres, blocks, count, with bits, to) -> count
+  Sort sort;          // (samples, first, found, count, to) -> Sorted
+  Classify classify;  // (found, count, to) -> count
+  std::uint32_t shift, every_tile;
+};
+template <class Hits, class Sort, class Classify>
+BodySearch(Hits, Sort, Classify, std::uint32_t, std::uint32_t) -> BodySearch<Hits, Sort, Classify>;
+
+// All spheres of the blocks that there are.
+std::size_t every_sphere(std::span<const std::uint32_t> blocks, std::size_t spheres, bool with_bits,
+                         std::uint32_t shift, std::uint32_t bits, std::uint32_t* to) {
+  std::size_t count = 0;
+  for (const std::uint32_t block : blocks) {
+    for (std::uint32_t i = block * SphereBlock::kWidth; i < (block + 1) * SphereBlock::kWidth && i < spheres;
+         ++i)
+      to[count++] = with_bits ? i << shift | bits : i;
+  }
+  return count;
+}
+
+// Takes out of the blocks of a level, sixteen at a time, what is nothing or felt as a whole; how many are
+// left.
+template <class Search>
+std::size_t open_blocks(const Search& search, const Patches& patches, std::size_t level,
+                        std::span<std::uint32_t> blocks, Found& found) {
+  const std::uint32_t first = patches.first_samples[level];
+  std::size_t open = 0;
+  for (std::size_t i = 0; i < blocks.size(); i += kWidth) {
+    const auto sorted = search.sort(patches.samples.data() + first, first, blocks.data() + i,
+                                    std::min(kWidth, blocks.size() - i), found.end());
+    found.count += sorted.whole_count;
+    std::copy_n(blocks.data() + i, sorted.open_count, blocks.data() + open);
+    open += sorted.open_count;
+  }
+  return open;
+}
+
+// A body's way down the levels of the tree, from one to the next by the spheres it may meet, and to patches.
+// False where there is no room.
+template <class Search>
+bool find_for_body(const Search& search, const Patches& patches, bool brute, PatchSearchMemory& memory,
+                   Found& found) {
+  const SphereTree& tree = patches.tree;
+  if (tree.head.level_count == 0) return true;
   const TreeLayout layout = layout_of(tree.head);
   std::size_t level = tree.head.level_count, count = layout.blocks[level - 1];
   std::uint32_t* from = memory.frontier[0].data();
@@ -29,30 +81,43 @@ std::span<std::uint32_t> search_levels(const SphereTree& tree, PatchSearchMemory
   std::iota(from, from + count, 0u);
   for (const SphereBlock* spheres = blocks_of(tree.lines.data()); level-- > 0;
        spheres += layout.blocks[level]) {
-    count = hits(spheres, from, count, level == 0, to);
+    const bool has_samples = level < patches.first_samples.size();
+    const std::size_t all = level > 0 ? layout.blocks[level - 1] : patches.block.size();
+    count = brute ? every_sphere({from, count}, all, has_samples, search.shift, search.every_tile, to)
+                  : search.hits(spheres, from, count, has_samples, to);
+    if (has_samples) {
+      if (!found.has_room(count)) return false;
+      count = open_blocks(search, patches, level, {to, count}, found);
+      for (std::size_t i = 0; level > 0 && i < count; ++i) to[i] >>= search.shift;
+    }
     std::swap(from, to);
   }
-  return {from, count};
+  for (std::size_t i = 0; i < count; i += kBlocksAtATime) {
+    if (!found.has_room(kSpare)) return false;
+    found.count += search.classify(from + i, std::min(kBlocksAtATime, count - i), found.end());
+  }
+  return found.has_room(kSpare);  // whatever else was looked at
 }
 
-std::span<std::uint32_t> search_for_finger(const Model& model, const Primitives& hand,
-                                           const FingerBody& finger, PatchSearchMemory& memory) {
-  const SphereTree& tree = model.patches->tree;
+bool find_for_finger(const Model& model, const Primitives& hand, const FingerBody& finger,
+                     PatchSearchMemory& memory, Found& found) {
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
-  if (model.execution.broadphase == Broadphase::brute) {
-    const auto all = static_cast<std::uint32_t>(model.patches->block.size());
-    for (std::uint32_t i = 0; i < all; ++i) memory.frontier[0][i] = i << 3 | finger.tiles();
-    return {memory.frontier[0].data(), all};
-  }
+  const Patches& patches = *model.patches;
   SphereQuery queries[FingerBody::kMostTiles];
   for (std::size_t k = 0; k < finger.tile_count; ++k)
-    queries[k] = query_of(tree.head, hand.capsule[finger.segment[k]]);
-  return search_levels(tree, memory,
-                       [&](const SphereBlock* spheres, const std::uint32_t* blocks, std::size_t count,
-                           bool is_last, std::uint32_t* to) {
-                         return kernels.finger_hits(spheres, queries, finger.tile_count, blocks, count,
-                                                    is_last, to);
-                       });
+    queries[k] = query_of(patches.tree.head, hand.capsule[finger.segment[k]]);
+  const BodySearch search{
+      [&](const SphereBlock* spheres, const std::uint32_t* blocks, std::size_t count, bool with_bits,
+          std::uint32_t* to) {
+        return kernels.finger_hits(spheres, queries, finger.tile_count, blocks, count, with_bits, to);
+      },
+      [&](const BlockSamples* samples, std::uint32_t first, std::uint32_t* blocks, std::size_t count,
+          FoundPatches* to) { return kernels.sort_blocks(samples, finger, first, blocks, count, to); },
+      [&](const std::uint32_t* blocks, std::size_t count, FoundPatches* to) {
+        return kernels.classify_finger(patches.block.data(), finger, blocks, count, to);
+      },
+      3, finger.tiles()};
+  return find_for_body(search, patches, model.execution.broadphase == Broadphase::brute, memory, found);
 }
 
 void set_plane(Vec3 normal, double offset, float (&plane)[4]) {
@@ -79,77 +144,30 @@ PalmQuery query_of_palm(const TreeHead& tree, const SweptPolygon& palm) {
   return query;
 }
 
-std::span<std::uint32_t> search_for_palm(const Model& model, const Primitives& hand,
-                                         PatchSearchMemory& memory) {
-  const SphereTree& tree = model.patches->tree;
-  if (model.execution.broadphase == Broadphase::brute) {
-    std::iota(memory.frontier[0].begin(), memory.frontier[0].end(), 0u);
-    return {memory.frontier[0].data(), model.patches->block.size()};
-  }
+bool find_for_palm(const Model& model, const Primitives& hand, const PalmBody& palm,
+                   PatchSearchMemory& memory, Found& found) {
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
-  const PalmQuery query = query_of_palm(tree.head, hand.palm);
-  return search_levels(
-      tree, memory,
+  const Patches& patches = *model.patches;
+  const PalmQuery query = query_of_palm(patches.tree.head, hand.palm);
+  const BodySearch search{
       [&](const SphereBlock* spheres, const std::uint32_t* blocks, std::size_t count, bool,
-          std::uint32_t* to) { return kernels.palm_hits(spheres, query, blocks, count, to); });
-}
-
-// ---- Classification ----
-
-/// What bodies have found so far, and where each one's begins.
-struct Found {
-  std::span<FoundPatches> room;
-  std::size_t count = 0;
-  std::array<std::size_t, Bodies::kMostFingers + 2> begin{};
-};
-
-// Appends what a body may meet of the blocks near it: `sort` takes out, sixteen blocks at a time, what is
-// nothing or taken as a whole, `classify` looks at the patches of the rest. False where there is no room.
-template <class Sort, class Classify>
-bool append_patches(std::span<std::uint32_t> blocks, Found& found, const Sort& sort,
-                    const Classify& classify) {
-  const auto has_room = [&](std::size_t more) { return found.count + more <= found.room.size(); };
-  const auto to = [&] { return found.room.data() + found.count; };
-  std::size_t open = 0;
-  for (std::size_t i = 0; i < blocks.size(); i += kWidth) {
-    if (!has_room(kWidth)) return false;
-    const auto sorted = sort(blocks.data() + i, std::min(kWidth, blocks.size() - i), to());
-    found.count += sorted.whole_count;
-    std::copy_n(blocks.data() + i, sorted.open_count, blocks.data() + open);
-    open += sorted.open_count;
-  }
-  for (std::size_t i = 0; i < open; i += kBlocksAtATime) {
-    if (!has_room(kSpare)) return false;
-    found.count += classify(blocks.data() + i, std::min(kBlocksAtATime, open - i), to());
-  }
-  return has_room(kSpare);  // whatever else was looked at
+          std::uint32_t* to) { return kernels.palm_hits(spheres, query, blocks, count, to); },
+      [&](const BlockSamples* samples, std::uint32_t first, std::uint32_t* blocks, std::size_t count,
+          FoundPatches* to) { return kernels.sort_palm_blocks(samples, palm, first, blocks, count, to); },
+      [&](const std::uint32_t* blocks, std::size_t count, FoundPatches* to) {
+        return kernels.classify_palm(patches.block.data(), palm, blocks, count, to);
+      },
+      0, 0};
+  return find_for_body(search, patches, model.execution.broadphase == Broadphase::brute, memory, found);
 }
 
 bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
               Found& found) {
-  const SampleKernels& kernels = sample_kernels(model.execution.isa);
-  const PatchBlock* const blocks = model.patches->block.data();
-  const BlockSamples* const samples = model.patches->samples.data();
   for (std::size_t i = 0; i < bodies.finger_count; ++i) {
-    const FingerBody& finger = bodies.finger[i];
-    const auto sort = [&](std::uint32_t* from, std::size_t count, FoundPatches* to) {
-      return kernels.sort_blocks(samples, finger, from, count, to);
-    };
-    const auto classify = [&](const std::uint32_t* from, std::size_t count, FoundPatches* to) {
-      return kernels.classify_finger(blocks, finger, from, count, to);
-    };
-    if (!append_patches(search_for_finger(model, hand, finger, memory), found, sort, classify)) return false;
+    if (!find_for_finger(model, hand, bodies.finger[i], memory, found)) return false;
     found.begin[i + 1] = found.count;
   }
-  if (bodies.palm.corner_count > 0) {
-    const auto sort = [&](std::uint32_t* from, std::size_t count, FoundPatches* to) {
-      return kernels.sort_palm_blocks(samples, bodies.palm, from, count, to);
-    };
-    const auto classify = [&](const std::uint32_t* from, std::size_t count, FoundPatches* to) {
-      return kernels.classify_palm(blocks, bodies.palm, from, count, to);
-    };
-    if (!append_patches(search_for_palm(model, hand, memory), found, sort, classify)) return false;
-  }
+  if (bodies.palm.corner_count > 0 && !find_for_palm(model, hand, bodies.palm, memory, found)) return false;
   found.begin[bodies.finger_count + 1] = found.count;
   return true;
 }
@@ -169,8 +187,8 @@ bool put_in_order(const Found& found, std::size_t body_count, NearPatches& near)
     for (std::size_t i = found.begin[body]; i < found.begin[body + 1]; ++i) {
       const auto [key, lanes, block] = found.room[i];
       const std::uint32_t what = key % kind::kCount;
-      const bool is_block =
-                     (what >= kind::kBlockInside && what < kind::kPalmSide) || what == kind::kPalmBlock,
+      const bool is_block = (what >= kind::kBlockInside && what < kind::kPalmSide) ||
+                            what == kind::kPalmBlock || what == kind::kPalmBlockBeside,
                  at_far_end = what >= kind::kFarEnd && what < kind::kInside;
       const auto tile = static_cast<std::uint32_t>(body * Bodies::kTilesApart + kTileOfKind[what] +
                                                    (at_far_end ? ListedPatch::kFarEnd : 0));

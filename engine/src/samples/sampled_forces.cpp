@@ -146,7 +146,7 @@ void run_smooth(SampleWork& work, std::size_t patch_class) {
 void run_blocks(SampleWork& work) {
   const BlockSamples* const samples = work.patches.samples.data();
   const auto fingers = work.near.of_kinds(kind::kBlockInside, kind::kBlockInside + 2, 0),
-             palm = work.near.of_kinds(kind::kPalmBlock, kind::kPalmBlock, 0);
+             palm = work.near.of_kinds(kind::kPalmBlock, kind::kPalmBlockBeside, 0);
   for (std::size_t i = 0, end = 0; i < fingers.size(); i = end) {
     const std::uint32_t tile = fingers[i].tile;
     while (end < fingers.size() && fingers[end].tile == tile) ++end;
