@@ -1,5 +1,6 @@
-// bench_peers: our tick beside Bullet, FCL, ODE and Embree on the same meshes and poses, interleaved in one
-// run, with each one's contacts checked against brute force and its force against the exact one.
+// bench_peers: every rung of our tick beside Bullet, FCL, ODE and Embree on the same meshes and poses,
+// interleaved in one run, with each one's contacts checked against brute force and its force against the
+// exact rung's.
 //
 // Debian: libbullet-dev libfcl-dev libode-dev libembree-dev; what is not there is left out. --most 1100000
 // adds a million triangles, --scenes B the growing scene alone. --clock processor leaves out what other
@@ -18,6 +19,7 @@
 #include "hand_scenes.h"
 #include "peer.h"
 #include "peer_table.h"
+#include "peer_truth.h"
 #include "stages/hand_pose.h"
 #include "timing.h"
 
@@ -36,87 +38,34 @@ struct Options {
 
 // What is measured: posed once, the same for all.
 struct Task {
-  Model model;
-  double build_ms = 0;  // of the model
+  Scene scene;
   std::vector<DeviceFrame> frames;
-  std::vector<Primitives> hands;
   std::vector<std::vector<Primitive>> capsules, tiles;  // whole phalanges; their shares of the fingers
 };
-
-struct Truth {
-  std::vector<std::uint32_t> touched, doubtful;  // triangles, ascending; doubtful: within 1 um of touching
-  Vec3 force;                                    // [m^3] K_s = 1
-  double area = 0;                               // [m^2]
-};
-
-// ---- Brute force ----
-
-double square_between(Vec3 p, Vec3 q, Vec3 a, Vec3 b) {
-  const Vec3 u = q - p, v = b - a, w = p - a;
-  const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), uw = dot(u, w), vw = dot(v, w);
-  const double det = uu * vv - uv * uv;
-  double s = det > 1e-14 * uu * vv ? clamp((uv * vw - vv * uw) / det, 0, 1) : 0;
-  const double t = vv > 0 ? clamp((s * uv + vw) / vv, 0, 1) : 0;
-  s = uu > 0 ? clamp((t * uv - uw) / uu, 0, 1) : 0;
-  const Vec3 gap = w + s * u - t * v;
-  return dot(gap, gap);
-}
-
-bool above_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c, Vec3 n) {
-  return dot(cross(b - a, p - a), n) >= 0 && dot(cross(c - b, p - b), n) >= 0 &&
-         dot(cross(a - c, p - c), n) >= 0;
-}
-
-// [m] between the phalanx' axis and the triangle.
-double distance_between(const Primitive& phalanx, Vec3 a, Vec3 b, Vec3 c) {
-  const Vec3 p = phalanx.end1, q = phalanx.end2, n = cross(b - a, c - a);
-  const double hp = dot(n, p - a), hq = dot(n, q - a), square = dot(n, n);
-  if (square > 0 && (hp < 0) != (hq < 0) && above_triangle(p + hp / (hp - hq) * (q - p), a, b, c, n))
-    return 0;
-  double least = min(square_between(p, q, a, b), min(square_between(p, q, b, c), square_between(p, q, c, a)));
-  if (square > 0 && above_triangle(p, a, b, c, n)) least = min(least, hp * hp / square);
-  if (square > 0 && above_triangle(q, a, b, c, n)) least = min(least, hq * hq / square);
-  return std::sqrt(least);
-}
-
-Truth truth_of(const Task& task, std::size_t pose, const Mesh& mesh) {
-  constexpr double kDoubt = 1e-6;
-  Truth truth;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Triangle& triangle = mesh.triangles[t];
-    const Vec3 a = mesh.vertices[triangle[0]], b = mesh.vertices[triangle[1]], c = mesh.vertices[triangle[2]];
-    double outside = 1;
-    const double reach = max(norm(b - a), norm(c - a));
-    for (const Primitive& phalanx : task.capsules[pose]) {
-      const double far = phalanx.radius1 + reach + norm(phalanx.end2 - phalanx.end1);
-      const Vec3 away = a - phalanx.end1;
-      if (dot(away, away) > far * far) continue;
-      outside = min(outside, distance_between(phalanx, a, b, c) - phalanx.radius1);
-    }
-    if (outside < -kDoubt) truth.touched.push_back(t);
-    if (std::fabs(outside) <= kDoubt) truth.doubtful.push_back(t);
-  }
-  return truth;
-}
 
 // ---- Contenders ----
 
 struct Outcome {
   std::vector<std::uint32_t> triangles;  // ascending, each once
   std::size_t contacts = 0;
-  Vec3 force;
-  double area = 0;
+  Vec3 force;       // [m^3] K_s = 1; of what has no area [m], up to a constant
+  double area = 0;  // [m^2]
 };
 
 struct Contender {
-  std::string name;
+  std::string name, leaves_out;
   double build_ms = 0;
-  bool has_area = false, is_ours = false;
+  bool has_area = false;  // and so a force of its own
+  bool has_list = true;   // of triangles that are touched; our rungs of samples only count them
   std::function<void(std::size_t pose)> run;
   std::function<Outcome()> outcome;  // of the last run
   std::vector<double> times;         // [us]
   std::vector<Outcome> outcomes;     // by pose
 };
+
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
 
 void sort_out(std::vector<std::uint32_t>& triangles) {
   std::sort(triangles.begin(), triangles.end());
@@ -129,29 +78,51 @@ Vec3 normal_of(const Mesh& mesh, std::uint32_t triangle) {
   return unit_or(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a), {});
 }
 
-Contender ours(const Task& task) {
-  const auto scratch = std::make_shared<Scratch>(make_scratch(task.model));
-  const auto state = std::make_shared<State>();
-  scratch->hash_stages = false;
+struct Rung {
+  const char* name;
+  double precision;
+};
+// The first is what all others are held against.
+constexpr Rung kRungs[] = {{"ours, exact", 0}, {kOurs, 1e-4}, {"ours, 1e-3", 1e-3}, {"ours, 1e-5", 1e-5}};
+
+struct Session {
+  Model model;
+  State state;
+  Scratch scratch;
+  ActuatorFrame output;
+};
+
+Outcome outcome_of(Session& session, bool has_list) {
+  Outcome outcome;
+  outcome.contacts = session.output.contact_count;
+  for (const Wrench& wrench : session.output.segment)
+    outcome.force += 1 / session.model.settings.stiffness * wrench.force;
+  if (!has_list) return outcome;
+  for (const Contact& contact : find_contacts(session.model, session.scratch)) {
+    outcome.triangles.push_back(contact.triangle);
+    outcome.area += contact.area;
+  }
+  sort_out(outcome.triangles);
+  return outcome;
+}
+
+Contender ours(const Task& task, const Rung& rung) {
+  const auto session = std::make_shared<Session>();
+  Scene scene = task.scene;
+  scene.settings.precision.fill(rung.precision);
+  const auto start = Clock::now();
+  if (!build_model(scene, {}, session->model).ok()) std::abort();
   Contender contender;
-  contender.name = "ours, field law, exact";
-  contender.build_ms = task.build_ms;
-  contender.has_area = contender.is_ours = true;
-  contender.run = [&task, scratch, state](std::size_t pose) {
-    tick(task.model, *state, *scratch, task.frames[pose]);
+  contender.build_ms = milliseconds_since(start);
+  session->scratch = make_scratch(session->model);
+  session->scratch.hash_stages = false;
+  contender.name = rung.name;
+  contender.has_area = true;
+  contender.has_list = rung.precision == 0;
+  contender.run = [&task, session](std::size_t pose) {
+    session->output = tick(session->model, session->state, session->scratch, task.frames[pose]);
   };
-  contender.outcome = [scratch] {
-    Outcome outcome;
-    outcome.contacts = scratch->contact_count;
-    for (std::uint32_t i = 0; i < scratch->contact_count; ++i) {
-      const Contact& contact = scratch->contacts[i];
-      outcome.triangles.push_back(contact.triangle);
-      outcome.force += contact.volume * contact.normal;
-      outcome.area += contact.area;
-    }
-    sort_out(outcome.triangles);
-    return outcome;
-  };
+  contender.outcome = [session, has_list = contender.has_list] { return outcome_of(*session, has_list); };
   return contender;
 }
 
@@ -160,9 +131,12 @@ Contender theirs(const Task& task, const Mesh& mesh, Peer (*make)(const Mesh&)) 
   const auto peer = std::make_shared<Peer>(make(mesh));
   const auto contacts = std::make_shared<std::vector<PeerContact>>();
   Contender contender;
+  contender.build_ms = milliseconds_since(start);
   contender.name = peer->name;
-  contender.build_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   contender.has_area = peer->has_area;
+  contender.leaves_out = peer->has_area
+                             ? "the volume, for which area times depth at the centroid stands; torques"
+                             : "areas, volumes and torques: it finds points and their depths";
   contender.run = [&task, peer, contacts](std::size_t pose) {
     contacts->clear();
     peer->find(peer->has_area ? task.tiles[pose] : task.capsules[pose], *contacts);
@@ -219,15 +193,8 @@ double best_scale(const std::vector<Outcome>& outcomes, const std::vector<Truth>
   return square > 0 ? product / square : 0;
 }
 
-PeerRow row_of(Contender& contender, const std::vector<Truth>& truths) {
-  PeerRow row;
-  row.contender = contender.name;
-  row.build_ms = contender.build_ms;
-  row.median_us = percentile(contender.times, 0.5);
-  row.p99_us = percentile(contender.times, 0.99);
-  row.samples = contender.times.size();
-  row.fitted = !contender.has_area;
-  const double scale = contender.has_area ? 1 : best_scale(contender.outcomes, truths);
+// Means over the poses, and what the contact lists miss or have too many.
+void add_contacts(const Contender& contender, const std::vector<Truth>& truths, PeerRow& row) {
   const auto poses = static_cast<double>(truths.size());
   double missed = 0, extra = 0;
   for (std::size_t i = 0; i < truths.size(); ++i) {
@@ -240,25 +207,40 @@ PeerRow row_of(Contender& contender, const std::vector<Truth>& truths) {
     row.contacts += static_cast<double>(outcome.contacts) / poses;
     missed += static_cast<double>(count_missing(truth.touched, outcome.triangles)) / poses;
     extra += static_cast<double>(count_missing(outcome.triangles, allowed)) / poses;
-    row.force_error = max(row.force_error, norm(scale * outcome.force - truth.force) / norm(truth.force));
-    if (contender.has_area) row.area_error = max(row.area_error, std::fabs(outcome.area / truth.area - 1));
   }
+  if (!contender.has_list) return;
   row.missed = missed / max(row.touched, 1);
   row.extra = extra / max(row.touched, 1);
+}
+
+PeerRow row_of(Contender& contender, const std::vector<Truth>& truths) {
+  PeerRow row;
+  row.contender = contender.name;
+  row.leaves_out = contender.leaves_out;
+  row.build_ms = contender.build_ms;
+  row.median_us = percentile(contender.times, 0.5);
+  row.p99_us = percentile(contender.times, 0.99);
+  row.samples = contender.times.size();
+  row.fitted = !contender.has_area;
+  add_contacts(contender, truths, row);
+  const double scale = contender.has_area ? 1 : best_scale(contender.outcomes, truths);
+  for (std::size_t i = 0; i < truths.size(); ++i) {
+    const Outcome& outcome = contender.outcomes[i];
+    const Truth& truth = truths[i];
+    row.force_error = max(row.force_error, norm(scale * outcome.force - truth.force) / norm(truth.force));
+    if (contender.has_area && contender.has_list)
+      row.area_error = max(row.area_error, std::fabs(outcome.area / truth.area - 1));
+  }
   return row;
 }
 
-Task make_task(const Scene& scene, bool drape, int poses) {
+Task make_task(Touch touch, bool fine, std::uint32_t cells, int poses) {
   Task task;
-  const auto start = Clock::now();
-  if (!build_model(scene, {}, task.model).ok()) std::abort();
-  task.build_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-  for (int i = 0; i < poses; ++i) {
-    const double time = i / static_cast<double>(poses), depth = 0.001 + 0.002 * time;
-    task.frames.push_back(drape ? test::pressed_frame(scene.hand, depth, time)
-                                : tips_frame(scene.hand, depth, time));
-    Primitives& hand = task.hands.emplace_back();
-    pose_hand(task.model.hand, task.model.settings, task.frames.back(), hand);
+  task.scene = field_scene(plain_hand(), fine, cells);
+  task.frames = touching_frames(task.scene.hand, touch, fine ? test::kWidthA : test::kCellB * cells, poses);
+  Primitives hand;
+  for (const DeviceFrame& frame : task.frames) {
+    pose_hand(task.scene.hand, task.scene.settings, frame, hand);
     std::vector<Primitive>& capsules = task.capsules.emplace_back();
     for (std::size_t k = 0; k < kPhalanxCount; ++k) {
       if (hand.present[k]) capsules.push_back(hand.capsule[k]);
@@ -268,13 +250,14 @@ Task make_task(const Scene& scene, bool drape, int poses) {
   return task;
 }
 
-// Every contender does every pose in turn, so that what disturbs the machine disturbs all alike.
+// All take turns, so that what disturbs the machine disturbs all alike. A turn is every pose once: a hand
+// that ticks finds its own data in the caches, not what others left there.
 void measure(std::vector<Contender>& contenders, std::size_t poses, const Options& options) {
   const clockid_t clock = options.processor_time ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC;
   const auto start = Clock::now();
   for (int round = 0; round < 400; ++round) {
-    for (std::size_t pose = 0; pose < poses; ++pose) {
-      for (Contender& contender : contenders) {
+    for (Contender& contender : contenders) {
+      for (std::size_t pose = 0; pose < poses; ++pose) {
         const double from = microseconds(clock);
         contender.run(pose);
         const double time = microseconds(clock) - from;
@@ -282,37 +265,44 @@ void measure(std::vector<Contender>& contenders, std::size_t poses, const Option
         if (round > 0) contender.times.push_back(time);
       }
     }
-    if (round > 0 && std::chrono::duration<double>(Clock::now() - start).count() > options.seconds) break;
+    if (round > 0 && milliseconds_since(start) > 1e3 * options.seconds) break;
   }
 }
 
-void run_scene(const std::string& name, double extent, std::uint32_t cells, bool drape,
-               const Options& options, PeerReport& report) {
-  std::fprintf(stderr, "%s, %u triangles ...\n", name.c_str(), 2 * cells * cells);
-  Scene scene;
-  scene.hand = plain_hand();
-  scene.settings.max_candidates = 1u << 22;
-  scene.objects.push_back({"field", make_height_field(extent, cells, 0.002, 0.04)});
-  const Mesh& mesh = scene.objects[0].mesh;
-  const Task task = make_task(scene, drape, options.poses);
-  std::vector<Contender> contenders;
-  contenders.push_back(ours(task));
-  for (const auto make : all_peers()) contenders.push_back(theirs(task, mesh, make));
-  measure(contenders, static_cast<std::size_t>(options.poses), options);
-  std::vector<Truth> truths;
-  for (std::size_t pose = 0; pose < static_cast<std::size_t>(options.poses); ++pose) {
-    truths.push_back(truth_of(task, pose, mesh));
-    truths.back().force = contenders[0].outcomes[pose].force;
-    truths.back().area = contenders[0].outcomes[pose].area;
-  }
-  const std::size_t first = report.rows.size();
+void add_rows(const std::string& scene, std::size_t triangles, std::vector<Contender>& contenders,
+              const std::vector<Truth>& truths, PeerReport& report) {
+  double exact = 0, ours = 0;
+  std::vector<PeerRow> rows;
   for (Contender& contender : contenders) {
-    report.rows.push_back(row_of(contender, truths));
-    PeerRow& row = report.rows.back();
-    row.scene = name;
-    row.triangles = mesh.triangles.size();
-    row.times_ours = row.median_us / report.rows[first].median_us;
+    PeerRow& row = rows.emplace_back(row_of(contender, truths));
+    row.scene = scene;
+    row.triangles = triangles;
+    if (row.contender == kRungs[0].name) exact = row.median_us;
+    if (row.contender == kOurs) ours = row.median_us;
   }
+  for (PeerRow& row : rows) {
+    row.times_exact = row.median_us / exact;
+    row.times_ours = row.median_us / ours;
+    report.rows.push_back(row);
+  }
+}
+
+void run_scene(const std::string& name, Touch touch, bool fine, std::uint32_t cells, const Options& options,
+               PeerReport& report) {
+  std::fprintf(stderr, "%s, %u triangles ...\n", name.c_str(), 2 * cells * cells);
+  const Task task = make_task(touch, fine, cells, options.poses);
+  const Mesh& mesh = task.scene.objects[0].mesh;
+  std::vector<Contender> contenders;
+  for (const Rung& rung : kRungs) contenders.push_back(ours(task, rung));
+  for (const auto make : all_peers()) contenders.push_back(theirs(task, mesh, make));
+  measure(contenders, task.frames.size(), options);
+  std::vector<Truth> truths;
+  for (std::size_t pose = 0; pose < task.frames.size(); ++pose) {
+    Truth& truth = truths.emplace_back(touched_by(task.capsules[pose], mesh));
+    truth.force = contenders[0].outcomes[pose].force;
+    truth.area = contenders[0].outcomes[pose].area;
+  }
+  add_rows(name, mesh.triangles.size(), contenders, truths, report);
 }
 
 std::string cpu_name() {
@@ -347,15 +337,16 @@ bool parse(int count, char** words, Options& options) {
 }
 
 void run_all(const Options& options, PeerReport& report) {
+  const auto wanted = [&](char scene) { return options.scenes.find(scene) != std::string::npos; };
+  const std::pair<Touch, const char*> touches[] = {
+      {Touch::drape, " drape"}, {Touch::tips, " tips"}, {Touch::finger, " one finger"}};
   for (const std::uint32_t cells : {9u, 29u, 49u, 69u, 224u, 708u, 2236u}) {
     if (2ull * cells * cells > options.most) continue;
-    for (const bool drape : {true, false}) {
-      const std::string how = drape ? " drape" : " tips";
-      if (options.scenes.find('A') != std::string::npos)
-        run_scene("A" + how, test::kWidthA, cells, drape, options, report);
+    for (const auto& [touch, how] : touches) {
+      if (wanted('A')) run_scene(std::string("A") + how, touch, true, cells, options, report);
       // Scene B is A at 69 cells, nearly, and smaller than the hand below.
-      if (options.scenes.find('B') != std::string::npos && cells > 69)
-        run_scene("B" + how, test::kCellB * cells, cells, drape, options, report);
+      if (wanted('B') && cells > 69 && touch != Touch::finger)
+        run_scene(std::string("B") + how, touch, false, cells, options, report);
     }
   }
 }
