@@ -75,7 +75,7 @@ double touched_triangles(const Model& model, const std::vector<DeviceFrame>& fra
   for (const DeviceFrame& frame : frames) {
     tick(model, state, scratch, frame);
     std::vector<std::uint32_t> touched;
-    for (std::uint32_t i = 0; i < scratch.contact_count; ++i) touched.push_back(scratch.contacts[i].triangle);
+    for (const Contact& contact : find_contacts(model, scratch)) touched.push_back(contact.triangle);
     std::sort(touched.begin(), touched.end());
     sum += static_cast<double>(std::unique(touched.begin(), touched.end()) - touched.begin());
   }

@@ -30,6 +30,7 @@ struct Session {
   std::vector<DeviceFrame> frames;
   bool has_error = true;
   double force_error = 0;
+  double contacts = 0;  // triangles and hand parts that touch, by the exact rung: mean over the poses
   double paper_hz = 0;  // the paper's haptic rate, where this is a row of its tables
 };
 
@@ -37,36 +38,43 @@ using Make = std::function<void(Session&)>;
 
 // ---- Force error ----
 
+struct Answers {
+  std::vector<Vec3> forces;
+  double contacts = 0;  // mean; samples list none
+};
+
 // A session of its own for each pose: forces alone, whatever came before.
-std::vector<Vec3> forces_of(const Model& model, const std::vector<DeviceFrame>& frames) {
+Answers answers_of(const Model& model, const std::vector<DeviceFrame>& frames) {
   Scratch scratch = make_scratch(model);
   scratch.hash_stages = false;
-  std::vector<Vec3> forces;
+  Answers answers;
   const std::size_t count = model.triangles.size() > 2'000'000 ? 4 : kPoses;  // there, a tick takes a second
   for (std::size_t i = 0; i < count; ++i) {
     State state;
     const std::size_t pose = i * frames.size() / count;
     const ActuatorFrame output = tick(model, state, scratch, frames[pose]);
-    Vec3& sum = forces.emplace_back();
+    Vec3& sum = answers.forces.emplace_back();
     for (const Wrench& wrench : output.segment) sum += wrench.force;
+    answers.contacts += scratch.contact_count / static_cast<double>(count);
   }
-  return forces;
+  return answers;
 }
 
-double force_error_of(const Model& model, const std::vector<DeviceFrame>& frames) {
-  const Settings& settings = model.settings;
-  const std::vector<Vec3> forces = forces_of(model, frames);
+Answers exact_answers_of(const Model& model, const std::vector<DeviceFrame>& frames) {
   Model without_samples = model;
   without_samples.settings.law.fill(Law::field);
   without_samples.patches = nullptr;
   without_samples.rest = nullptr;
-  const std::vector<Vec3> exact = forces_of(without_samples, frames);
+  return answers_of(without_samples, frames);
+}
+
+double force_error_of(const std::vector<Vec3>& forces, const std::vector<Vec3>& exact, bool is_scaled) {
   double product = 0, square = 0, worst = 0;
   for (std::size_t i = 0; i < exact.size(); ++i) {
     product += dot(forces[i], exact[i]);
     square += dot(forces[i], forces[i]);
   }
-  const double scale = settings.law[0] == Law::point && square > 0 ? product / square : 1;
+  const double scale = is_scaled && square > 0 ? product / square : 1;
   for (std::size_t i = 0; i < exact.size(); ++i) {
     if (norm(exact[i]) > 0) worst = std::max(worst, norm(scale * forces[i] - exact[i]) / norm(exact[i]));
   }
@@ -84,7 +92,11 @@ Session& session_of(const std::string& name, const Make& make) {
     session.reset();  // before the next takes as much memory
     session = std::make_unique<Session>();
     make(*session);
-    if (session->has_error) session->force_error = force_error_of(session->model, session->frames);
+    const Answers exact = exact_answers_of(session->model, session->frames);
+    session->contacts = exact.contacts;
+    if (session->has_error)
+      session->force_error = force_error_of(answers_of(session->model, session->frames).forces, exact.forces,
+                                            session->model.settings.law[0] == Law::point);
     made = name;
   }
   return *session;
@@ -96,7 +108,6 @@ void run(benchmark::State& state, const Session& session) {
   Scratch scratch = make_scratch(session.model);
   scratch.hash_stages = false;  // as in a run that records nothing
   std::vector<double> times, processor_times;
-  double contacts = 0;
   std::size_t next = 0;
   for (auto _ : state) {
     const DeviceFrame& frame = session.frames[next++ % session.frames.size()];
@@ -107,7 +118,6 @@ void run(benchmark::State& state, const Session& session) {
     processor_times.push_back(thread_microseconds() - processor_start);
     if ((output.flags & kCandidateOverflow) != 0)
       return state.SkipWithError("more candidates than there is room for");
-    contacts += scratch.contact_count;
   }
   state.counters["p50_us"] = percentile(times, 0.5);
   state.counters["p99_us"] = percentile(times, 0.99);
@@ -118,7 +128,7 @@ void run(benchmark::State& state, const Session& session) {
     state.counters["processor_p99_us"] = percentile(processor_times, 0.99);
   }
   state.counters["ticks"] = static_cast<double>(times.size());
-  state.counters["contacts"] = contacts / static_cast<double>(times.size());
+  state.counters["contacts"] = session.contacts;
   state.counters["triangles"] = static_cast<double>(session.model.triangles.size());
   if (session.has_error) state.counters["force_error"] = session.force_error;
   if (session.paper_hz <= 0) return;
@@ -227,8 +237,10 @@ void add_sizes() {
                 {.fine = false, .cells = cells, .touch = Touch::jump, .precision = precision});
     }
     add_field("A_tips/1e-3/" + size, {.cells = cells, .touch = Touch::tips, .precision = 1e-3});
-    if (cells < 224) continue;
-    add_field("A_drape/exact/" + size + "/2_threads", {.cells = cells, .execution = {.threads = 2}});
+    if (cells < 69) continue;
+    for (const double precision : {0.0, 1e-4})
+      add_field(std::string("A_drape/") + precision_name(precision) + "/" + size + "/2_threads",
+                {.cells = cells, .precision = precision, .execution = {.threads = 2}});
   }
 }
 
@@ -295,7 +307,9 @@ void add_table2() {
 
 // ---- The demo's grasp ----
 
-void make_grasp_session(Law law, std::uint32_t segments, Session& session) {
+// The ticks between two times [s], `step` apart, of the ten seconds.
+void make_grasp_session(Law law, std::uint32_t segments, double from, double to, double step,
+                        Session& session) {
   Scene scene;
   scene.hand = default_hand(Side::right);
   scene.settings.law.fill(law);
@@ -304,7 +318,7 @@ void make_grasp_session(Law law, std::uint32_t segments, Session& session) {
   scene.objects.push_back({"mug", make_mug(mug)});
   if (!build_model(scene, {}, session.model).ok()) std::abort();
   const Motion motion = make_grasp(scene.hand, mug.radius, mug.height, 10);
-  for (double time = 3; time < 7; time += 0.01) session.frames.push_back(resample(motion, time));
+  for (double time = from; time < to; time += step) session.frames.push_back(resample(motion, time));
   session.has_error = false;
 }
 
@@ -312,11 +326,17 @@ void add_grasps() {
   for (const std::uint32_t segments : {16u, 32u, 64u}) {
     for (const Law law : {Law::field, Law::column, Law::max_depth, Law::centroid, Law::point}) {
       add("grasp/" + std::string(law_name(law)) + "/mug_" + std::to_string(segments),
-          [=](Session& session) { make_grasp_session(law, segments, session); });
+          [=](Session& session) { make_grasp_session(law, segments, 3, 7, 0.01, session); });
     }
   }
+  // Every tick of examples/demo.json; its settings are the default ones.
+  add("demo/1e-4/mug_24",
+      [](Session& session) { make_grasp_session(Law::field, 24, 0, 10, 0.001, session); });
 }
 
-const bool added = (add_sizes(), add_contacts(), add_table2(), add_grasps(), add_errors(), true);
+void add_context() { benchmark::AddCustomContext("isa", std::string(isa_name(widest_isa()))); }
+
+const bool added =
+    (add_context(), add_sizes(), add_contacts(), add_table2(), add_grasps(), add_errors(), true);
 
 }  // namespace
