@@ -7,11 +7,11 @@
 #include <utility>
 
 #include "commands.h"
-#include "compare_precision.h"
 #include "device_loop.h"
 #include "lumbrical/recording.h"
 #include "lumbrical/scene_file.h"
 #include "output.h"
+#include "print_comparison.h"
 #include "run_session.h"
 #include "switches.h"
 

@@ -6,7 +6,6 @@
 #include <chrono>
 
 #include "lumbrical/tick.h"
-#include "output.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -80,8 +79,6 @@ std::size_t advised_rung(const std::vector<PrecisionFigures>& rungs, double want
   return advised;
 }
 
-std::string rung_name(double precision) { return precision > 0 ? brief(precision) : "exact"; }
-
 }  // namespace
 
 Status compare_precision(const Scene& scene, const Execution& execution, const Motion& motion, double seconds,
@@ -106,45 +103,18 @@ Status compare_precision(const Scene& scene, const Execution& execution, const M
     for (std::size_t i = 0; i < rungs.size(); ++i) microseconds[i] = time_tick(frame, rungs[i]);
     if (!(force_size(rungs[0].output) > kLeastForce)) continue;
     ++comparison.ticks;
+    comparison.contacts += rungs[0].output.contact_count;
     for (std::size_t i = 0; i < rungs.size(); ++i) {
       rungs[i].microseconds.push_back(microseconds[i]);
       add_errors(rungs[0].output, rungs[i]);
     }
   }
+  comparison.contacts /= std::max<double>(1, static_cast<double>(comparison.ticks));
   for (std::size_t i = 0; i < rungs.size(); ++i) comparison.rungs.push_back(figures_of(kRungs[i], rungs[i]));
   const auto& wanted = scene.settings.precision;
   const double finest = *std::min_element(wanted.begin(), wanted.end());
   comparison.advised = advised_rung(comparison.rungs, finest);
   return {};
-}
-
-int print_comparison(const PrecisionComparison& comparison, bool json) {
-  if (json) {
-    Json rungs = Json::array();
-    for (const PrecisionFigures& rung : comparison.rungs) {
-      rungs.push_back({{"precision", rung.precision},
-                       {"tick_us", {{"p50", rung.median_us}, {"p99", rung.p99_us}}},
-                       {"hand_error", {{"p98", rung.hand_error}, {"max", rung.worst_hand_error}}},
-                       {"segment_error", {{"p98", rung.segment_error}}}});
-    }
-    Json result;
-    result["ticks"] = comparison.ticks;
-    result["rungs"] = std::move(rungs);
-    result["advised"] = comparison.rungs[comparison.advised].precision;
-    return print_json(result);
-  }
-  Table table;
-  table.add("compared", grouped(comparison.ticks) + " moments in which the hand feels more than 0.05 N");
-  for (const PrecisionFigures& rung : comparison.rungs) {
-    table.add(rung_name(rung.precision),
-              "tick " + brief(rung.median_us) + " us, p99 " + brief(rung.p99_us) + " us   error 98 % " +
-                  brief(rung.hand_error) + ", worst " + brief(rung.worst_hand_error) +
-                  " of the hand's force; of a segment 98 % " + brief(rung.segment_error));
-  }
-  table.add("advice", comparison.ticks == 0
-                          ? std::string("nothing was touched: nothing to compare")
-                          : "--precision " + rung_name(comparison.rungs[comparison.advised].precision));
-  return print_text(table.text());
 }
 
 }  // namespace lumbrical::tool

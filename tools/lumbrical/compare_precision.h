@@ -1,4 +1,5 @@
-// `lumbrical run --compare-precision`: every rung's error and time on the user's own scene and motion.
+// Every rung's error and time on any scene and motion: what `lumbrical run --compare-precision` prints, and
+// bench/mesh_grasps of real meshes.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +20,7 @@ struct PrecisionFigures {
 
 struct PrecisionComparison {
   std::uint64_t ticks = 0;              ///< in which the hand felt more than kLeastForce
+  double contacts = 0;                  ///< of those ticks, mean
   std::vector<PrecisionFigures> rungs;  ///< exact first, then finer to coarser
   std::size_t advised = 0;              ///< the quickest rung that keeps the precision the scene asks for
 };
@@ -29,7 +31,5 @@ inline constexpr double kLeastForce = 0.05;
 /// Up to 2000 moments of the session, every rung in turn at each. Limits and fading are left out.
 Status compare_precision(const Scene& scene, const Execution& execution, const Motion& motion, double seconds,
                          PrecisionComparison& comparison);
-
-int print_comparison(const PrecisionComparison& comparison, bool json);
 
 }  // namespace lumbrical::tool

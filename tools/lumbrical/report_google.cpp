@@ -95,6 +95,7 @@ Figure size_figure(const char* title, const char* note, const char* y_label) {
   figure.note = note;
   figure.x_label = "triangles in the scene";
   figure.y_label = y_label;
+  figure.joined = true;
   return figure;
 }
 
@@ -247,7 +248,7 @@ void add_table(const std::vector<Measured>& all, Results& results) {
 // tools/bench adds processor, compiler and command to the context; without it there are cores and the
 // program.
 void add_context(const Json& context, Results& results) {
-  for (const char* const key : {"cpu", "compiler", "date", "library_version"}) {
+  for (const char* const key : {"cpu", "isa", "compiler", "date", "library_version"}) {
     if (context.contains(key)) results.origin.emplace_back(key, text_at(context, key, "context"));
   }
   if (!context.contains("cpu"))

@@ -1,6 +1,7 @@
 // See report_page.h.
 #include "report_page.h"
 
+#include "report_front.h"
 #include "report_targets.h"
 
 namespace lumbrical::tool {
@@ -33,7 +34,9 @@ h2 { border-bottom: 1px solid var(--grid); margin-top: 3rem; }
 figure { margin: 1.5rem 0; }
 figcaption p { margin: 0.3rem 0; max-width: 60rem; color: var(--weak); }
 .plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(22rem, 1fr)); gap: 1rem; }
+.plots.large { grid-template-columns: repeat(auto-fit, minmax(min(100%, 34rem), 1fr)); }
 .plots svg { width: 100%; height: auto; }
+.large svg { max-width: 46rem; }
 .legend span { display: inline-block; margin-right: 1.2rem; color: var(--text); }
 .key { width: 18px; height: 18px; vertical-align: -4px; margin-right: 4px; }
 svg text { fill: var(--weak); font-size: 11px; }
@@ -46,6 +49,11 @@ svg .y { text-anchor: end; }
 .ring { fill: none; stroke: var(--front); stroke-width: 1.4; }
 .staircase { fill: none; stroke: var(--front); stroke-width: 1; stroke-dasharray: 5 3; opacity: 0.6; }
 .line { fill: none; stroke-width: 1.6; }
+.deadline { stroke: var(--s1); stroke-dasharray: 6 3; }
+svg text.deadline { stroke: none; fill: var(--s1); }
+.leader { stroke: var(--weak); stroke-width: 0.6; }
+svg .name { fill: var(--text); font-size: 10px; stroke: var(--back); stroke-width: 2.5px; paint-order: stroke; }
+svg .left { text-anchor: end; }
 .plain { fill: var(--weak); }
 .s0.point { fill: var(--s0); } .s0.line { stroke: var(--s0); }
 .s1.point { fill: var(--s1); } .s1.line { stroke: var(--s1); }
@@ -98,6 +106,9 @@ std::string table_html(const ResultTable& table) {
 std::string page_html(const std::vector<ResultFolder>& folders) {
   std::string html = kHead;
   for (const ResultFolder& folder : folders) {
+    if (const Figure front = front_figure(folder.results); !front.plots.empty())
+      html += "<section>\n<h2>How fast, at which error</h2>\n<p>" + escaped(folder.name) + "</p>\n" +
+              figure_html(front) + "</section>\n";
     if (const ResultTable targets = targets_of(folder.results); !targets.rows.empty())
       html += "<section>\n<h2>Targets</h2>\n<p>" + escaped(folder.name) + "</p>\n" +
               plain_table_html(targets) + "</section>\n";

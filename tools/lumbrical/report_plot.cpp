@@ -14,7 +14,7 @@ namespace lumbrical::tool {
 namespace {
 
 constexpr double kWidth = 400, kHeight = 300, kLeft = 62, kRight = 14, kTop = 28, kBottom = 46;
-constexpr double kZeroWidth = 44;  // of the place for x = 0
+constexpr double kZeroWidth = 66;  // of the place for x = 0
 constexpr std::size_t kColourCount = 8, kShapeCount = 8;
 
 template <class... Values>
@@ -81,9 +81,9 @@ struct Frame {
   [[nodiscard]] double y_of(double value) const { return y.place(value); }
 };
 
-Frame make_frame(const std::vector<PlotPoint>& points) {
+Frame make_frame(const std::vector<PlotPoint>& points, double deadline) {
   Frame frame;
-  double least_x = HUGE_VAL, most_x = 0, least_y = HUGE_VAL, most_y = 0;
+  double least_x = HUGE_VAL, most_x = 0, least_y = deadline > 0 ? deadline : HUGE_VAL, most_y = deadline;
   for (const PlotPoint& point : points) {
     frame.has_zero |= point.x <= 0;
     if (point.x > 0) {
@@ -119,7 +119,8 @@ std::string axes_svg(const Frame& frame, const Figure& figure) {
   }
   if (frame.has_zero) {
     svg += print("<path class=\"zero\" d=\"M%.1f %.1fV%.1f\"/>\n", frame.x_of(0), kTop, bottom);
-    svg += print("<text class=\"x\" x=\"%.2f\" y=\"%.1f\">0</text>\n", frame.x_of(0), bottom + 15);
+    svg += print("<text class=\"x\" x=\"%.2f\" y=\"%.1f\">", frame.x_of(0), bottom + 15) +
+           escaped(figure.zero) + "</text>\n";
   }
   svg += print("<text class=\"x\" x=\"%.1f\" y=\"%.1f\">", (kLeft + right) / 2, kHeight - 10) +
          escaped(figure.x_label) + "</text>\n";
@@ -178,20 +179,79 @@ std::string lines_svg(const Frame& frame, const std::vector<PlotPoint>& points) 
   return order.empty() ? svg : svg + "\"/>\n";
 }
 
+std::string deadline_svg(const Frame& frame, const Figure& figure) {
+  if (figure.deadline <= 0) return {};
+  const double y = frame.y_of(figure.deadline);
+  return print("<path class=\"deadline\" d=\"M%.1f %.2fH%.1f\"/>\n", kLeft, y, kWidth - kRight) +
+         print("<text class=\"deadline\" x=\"%.1f\" y=\"%.2f\">", kLeft + 4, y - 4) +
+         escaped(figure.deadline_name) + "</text>\n";
+}
+
+// ---- Names beside marks ----
+
+constexpr double kLetter = 5.4, kLine = 11;  // a name's width per byte, at most, and its height
+
+struct Box {
+  double left, right, middle, half;  // half its height
+  [[nodiscard]] bool meets(const Box& other) const {
+    return left < other.right && other.left < right && std::fabs(middle - other.middle) < half + other.half;
+  }
+};
+
+// On the side of the mark that has more room, as near to its height as marks and earlier names leave place.
+Box place_for(const PlotPoint& point, const Frame& frame, const std::vector<Box>& taken) {
+  const double x = frame.x_of(point.x), y = frame.y_of(point.y);
+  const double width = kLetter * static_cast<double>(point.name.size());
+  const bool to_left = x > 0.6 * kWidth;
+  Box box{to_left ? x - 9 - width : x + 9, to_left ? x - 9 : x + 9 + width, y, kLine / 2};
+  for (int step = 0; step < 40; ++step) {
+    const double away = 0.5 * kLine * ((step + 1) / 2);
+    box.middle = step % 2 == 0 ? y + away : y - away;
+    const bool inside = box.middle > kTop + kLine / 2 && box.middle < kHeight - kBottom - kLine / 2;
+    if (inside && std::none_of(taken.begin(), taken.end(), [&](const Box& b) { return b.meets(box); })) break;
+  }
+  return box;
+}
+
+std::string names_svg(const Frame& frame, const Figure& figure, const std::vector<PlotPoint>& points) {
+  std::vector<Box> taken;
+  for (const PlotPoint& point : points) {
+    const double x = frame.x_of(point.x);
+    taken.push_back({x - 7, x + 7, frame.y_of(point.y), 5});
+  }
+  if (figure.deadline > 0) taken.push_back({kLeft, kWidth, frame.y_of(figure.deadline), 1});
+  std::string svg;
+  for (const PlotPoint& point : points) {
+    if (point.name.empty()) continue;
+    const Box box = taken.emplace_back(place_for(point, frame, taken));
+    const double x = frame.x_of(point.x), y = frame.y_of(point.y);
+    const bool to_left = box.right < x;
+    const double at = to_left ? box.right : box.left;
+    if (std::fabs(box.middle - y) > kLine / 2)
+      svg += print("<path class=\"leader\" d=\"M%.2f %.2fL%.2f %.2f\"/>\n", x, y, at, box.middle);
+    svg += print("<text class=\"name%s\" x=\"%.2f\" y=\"%.2f\" dy=\"3.5\">", to_left ? " left" : "", at,
+                 box.middle) +
+           escaped(point.name) + "</text>\n";
+  }
+  return svg;
+}
+
 std::string plot_svg(const Figure& figure, const Plot& plot) {
-  const Frame frame = make_frame(plot.points);
+  const Frame frame = make_frame(plot.points, figure.deadline);
   std::string svg = print("<svg viewBox=\"0 0 %g %g\" role=\"img\" aria-label=\"", kWidth, kHeight) +
                     escaped(plot.title + ": " + figure.y_label + " against " + figure.x_label) + "\">\n" +
                     print("<text class=\"title\" x=\"%.1f\" y=\"16\">", kLeft) + escaped(plot.title) +
                     "</text>\n" + axes_svg(frame, figure);
   std::vector<std::size_t> front;
   if (figure.front) front = pareto_front(plot.points);
-  svg += figure.front ? front_svg(frame, plot.points, front) : lines_svg(frame, plot.points);
+  svg += deadline_svg(frame, figure);
+  if (figure.front) svg += front_svg(frame, plot.points, front);
+  if (figure.joined) svg += lines_svg(frame, plot.points);
   for (std::size_t i = 0; i < plot.points.size(); ++i) {
     const bool on_front = std::find(front.begin(), front.end(), i) != front.end();
     svg += point_svg(frame, plot.points[i], on_front);
   }
-  return svg + "</svg>\n";
+  return svg + names_svg(frame, figure, plot.points) + "</svg>\n";
 }
 
 std::string key_html(const std::string& drawing, const std::string& name) {
@@ -273,7 +333,7 @@ std::string escaped(std::string_view text) {
 std::string figure_html(const Figure& figure) {
   std::string html = "<figure>\n<figcaption><h3>" + escaped(figure.title) + "</h3>\n<p>" +
                      escaped(figure.note) + "</p>\n" + legend_html(figure) +
-                     "</figcaption>\n<div class=\"plots\">\n";
+                     "</figcaption>\n<div class=\"plots" + (figure.deadline > 0 ? " large" : "") + "\">\n";
   for (const Plot& plot : figure.plots) html += plot_svg(figure, plot);
   return html + "</div>\n</figure>\n";
 }

@@ -14,6 +14,7 @@ struct PlotPoint {
   std::size_t series = 0;  ///< index into Figure::series: the colour
   std::size_t marker = 0;  ///< index into Figure::markers: the shape
   std::string label;       ///< shown where the pointer rests
+  std::string name{};      ///< written beside the mark; empty: nothing
 };
 
 /// One pair of axes: alternatives for one and the same job.
@@ -26,7 +27,11 @@ struct Figure {
   std::string title, note, x_label, y_label;
   std::vector<std::string> series, markers;
   std::vector<Plot> plots;
-  bool front = false;  ///< marks the Pareto front; otherwise lines join the points of a series, by x
+  bool front = false;      ///< marks the Pareto front
+  bool joined = false;     ///< lines join the points of a series, by x
+  std::string zero = "0";  ///< what x = 0 is called
+  double deadline = 0;     ///< a line at this y with its name; 0: none
+  std::string deadline_name{};
 };
 
 /// Index of `name` in `names`, where it is added if it is new.

@@ -106,6 +106,7 @@ std::vector<Figure> peer_figures(const std::string& clock) {
       "that fits best. Ringed: no other is both faster and more accurate.";
   error.x_label = "relative force error [1]";
   error.front = true;
+  size.joined = true;
   size.title = "Tick time against triangle count";
   size.note = "Scene A is 300 mm wide, ever finer; in scene B triangles measure 5 mm and it grows.";
   size.x_label = "triangles in the scene";
@@ -113,44 +114,119 @@ std::vector<Figure> peer_figures(const std::string& clock) {
   return {error, size};
 }
 
+bool has_value(const Json& row, const char* key) { return row.contains(key) && !row[key].is_null(); }
+
+// What a contender need not have.
+std::string share_or_none(const Json& row, const char* key, const std::string& where) {
+  return has_value(row, key) ? percent(amount_at(row, key, where)) : "none";
+}
+
+PeerResult peer_at(const Json& row, const std::string& where) {
+  PeerResult peer;
+  peer.scene = text_at(row, "scene", where);
+  peer.contender = text_at(row, "contender", where);
+  if (row.contains("leaves_out")) peer.leaves_out = text_at(row, "leaves_out", where);
+  peer.triangles = positive_at(row, "triangles", where);
+  peer.median_us = positive_at(row, "median_us", where);
+  peer.force_error = amount_at(row, "force_error", where);
+  if (row.contains("times_1e-4")) peer.times_ours = positive_at(row, "times_1e-4", where);
+  peer.has_area = peer.is_ours() || has_value(row, "area_error");
+  return peer;
+}
+
+std::vector<std::string> peer_row(const Json& row, const PeerResult& peer, const std::string& where) {
+  const auto times = [&](const char* key) {
+    return has_value(row, key) ? brief(positive_at(row, key, where)) : "";
+  };
+  const bool fitted = row.contains("fitted") && row["fitted"] == true;
+  return {peer.scene,
+          count_text(peer.triangles),
+          brief(amount_at(row, "touched", where)),
+          peer.contender,
+          brief(peer.median_us),
+          brief(amount_at(row, "p99_us", where)),
+          times("times_exact"),
+          times("times_1e-4"),
+          brief(amount_at(row, "contacts", where)),
+          share_or_none(row, "missed", where),
+          share_or_none(row, "extra", where),
+          has_value(row, "area_error") ? scientific(amount_at(row, "area_error", where)) : "none",
+          scientific(peer.force_error) + (fitted ? " fitted" : ""),
+          brief(amount_at(row, "build_ms", where)),
+          peer.leaves_out};
+}
+
 void read_peers(const Json& json, Results& results) {
   results.title = "The hand's tick beside other libraries";
   add_origin(json, results);
   results.origin.emplace_back("poses", count_text(positive_at(json, "poses", "")));
-  results.table.head = {"scene",      "triangles",   "touched",  "contender", "median us",
-                        "p99 us",     "times ours",  "contacts", "missed",    "extra",
-                        "area error", "force error", "build ms"};
+  results.table.head = {"scene",  "triangles",   "touched",     "contender", "median us",
+                        "p99 us", "times exact", "times 1e-4",  "contacts",  "missed",
+                        "extra",  "area error",  "force error", "build ms",  "leaves out"};
   results.figures = peer_figures(text_at(json, "clock", ""));
   Figure& by_error = results.figures[0];
   Figure& by_size = results.figures[1];
   const Json& rows = array_at(json, "rows");
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::string where = place("rows", i);
-    const Json& row = rows[i];
-    const std::string scene = text_at(row, "scene", where), contender = text_at(row, "contender", where);
-    const double triangles = positive_at(row, "triangles", where);
-    const double time = positive_at(row, "median_us", where), error = amount_at(row, "force_error", where);
-    const double missed = amount_at(row, "missed", where);
-    const std::string count = count_text(triangles);
-    const std::size_t series = index_of(by_error.series, contender);
+    const PeerResult& peer = results.peers.emplace_back(peer_at(rows[i], where));
+    const std::string scene = peer.scene + ", " + count_text(peer.triangles) + " triangles";
+    const bool misses = has_value(rows[i], "missed") && amount_at(rows[i], "missed", where) > 0;
+    const std::size_t series = index_of(by_error.series, peer.contender);
     by_size.series = by_error.series;
-    const std::string label = contender + ", " + scene + ", " + count + " triangles: " + brief(time) +
-                              " us, force error " + scientific(error) +
-                              (missed > 0 ? ", misses " + percent(missed) + " of the contacts" : "");
-    plot_of(by_error, scene + ", " + count + " triangles").points.push_back({error, time, series, 0, label});
-    plot_of(by_size, scene).points.push_back({triangles, time, series, 0, label});
-    results.counters[scene + ", " + count + " triangles | " + contender] = {
-        {"triangles", triangles}, {"times_ours", positive_at(row, "times_ours", where)}};
-    const bool has_area = row.contains("area_error") && !row["area_error"].is_null();
-    const bool fitted = row.contains("fitted") && row["fitted"] == true;
-    results.table.rows.push_back(
-        {scene, count, brief(amount_at(row, "touched", where)), contender, brief(time),
-         brief(amount_at(row, "p99_us", where)), brief(positive_at(row, "times_ours", where)),
-         brief(amount_at(row, "contacts", where)), percent(missed), percent(amount_at(row, "extra", where)),
-         has_area ? scientific(amount_at(row, "area_error", where)) : "none",
-         scientific(error) + (fitted ? " fitted" : ""), brief(amount_at(row, "build_ms", where))});
+    const std::string label =
+        peer.contender + ", " + scene + ": " + brief(peer.median_us) + " us, force error " +
+        scientific(peer.force_error) +
+        (misses ? ", misses " + share_or_none(rows[i], "missed", where) + " of the contacts" : "");
+    plot_of(by_error, scene).points.push_back({peer.force_error, peer.median_us, series, 0, label});
+    plot_of(by_size, peer.scene).points.push_back({peer.triangles, peer.median_us, series, 0, label});
+    results.table.rows.push_back(peer_row(rows[i], peer, where));
   }
   if (rows.empty()) throw std::runtime_error("rows: is empty");
+}
+
+// ---- mesh_grasps ----
+
+Figure mesh_figure() {
+  Figure figure;
+  figure.title = "Tick time against force error, real meshes";
+  figure.note =
+      "The built-in grasp round each mesh, by precision: median of a tick that touches; error of the hand's "
+      "force that 98 % of the ticks keep, as a share of the segments' forces together.";
+  figure.x_label = "relative force error, 98 % of ticks [1]";
+  figure.y_label = "tick, median [us]";
+  figure.zero = "exact";
+  figure.series = {"ours"};
+  figure.joined = true;
+  return figure;
+}
+
+void read_meshes(const Json& json, Results& results) {
+  results.title = "The built-in grasp on real meshes";
+  add_origin(json, results);
+  results.table.head = {"mesh",   "triangles",  "contacts",    "rung",         "median us",
+                        "p99 us", "hand, 98 %", "hand, worst", "segment, 98 %"};
+  Figure& figure = results.figures.emplace_back(mesh_figure());
+  const Json& rows = array_at(json, "meshes");
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::string where = place("meshes", i);
+    const Json& row = rows[i];
+    const std::string mesh = text_at(row, "mesh", where), rung = text_at(row, "rung", where);
+    auto& counters = results.counters["meshes/" + mesh + "/" + rung];
+    for (const char* const key : {"median_us", "p99_us"}) counters[key] = positive_at(row, key, where);
+    for (const char* const key : {"hand_error", "worst_hand_error", "segment_error"})
+      counters[key] = amount_at(row, key, where);
+    const double time = counters["median_us"], error = counters["hand_error"];
+    plot_of(figure, mesh + ", " + count_text(positive_at(row, "triangles", where)) + " triangles")
+        .points.push_back({error, time, 0, 0,
+                           mesh + ", " + rung + ": " + brief(time) + " us, force error " + scientific(error),
+                           rung});
+    results.table.rows.push_back(
+        {mesh, count_text(positive_at(row, "triangles", where)), brief(amount_at(row, "contacts", where)),
+         rung, brief(time), brief(counters["p99_us"]), scientific(error),
+         scientific(counters["worst_hand_error"]), scientific(counters["segment_error"])});
+  }
+  if (rows.empty()) throw std::runtime_error("meshes: is empty");
 }
 
 // ---- Files ----
@@ -187,8 +263,11 @@ void interpret(const Json& json, Results& results) {
     read_accuracy(json, results);
   } else if (json.is_object() && json.contains("poses") && json.contains("rows")) {
     read_peers(json, results);
+  } else if (json.is_object() && json.contains("meshes")) {
+    read_meshes(json, results);
   } else {
-    throw std::runtime_error("is no result of accuracy, of bench_peers or of --benchmark_out_format=json");
+    throw std::runtime_error(
+        "is no result of accuracy, bench_peers, mesh_grasps or --benchmark_out_format=json");
   }
 }
 

@@ -1,5 +1,5 @@
-// What the benchmark programs wrote (accuracy, bench_peers, and Google Benchmark's own JSON), as figures and
-// tables for the report.
+// What the benchmark programs wrote (accuracy, bench_peers, mesh_grasps, and Google Benchmark's own JSON), as
+// figures and tables for the report.
 #pragma once
 
 #include <map>
@@ -16,6 +16,16 @@ struct ResultTable {
   std::vector<std::vector<std::string>> rows;  ///< each as long as the head
 };
 
+/// One contender on one scene of bench_peers.
+struct PeerResult {
+  std::string scene, contender, leaves_out;  ///< of what our tick does
+  double triangles = 0;                      ///< of the scene
+  double median_us = 0, force_error = 0;     ///< of a tick; of the hand's force, relative
+  double times_ours = 0;  ///< its median over that of our tick at 1e-4; 0: the file doesn't say
+  bool has_area = false;  ///< finds areas; otherwise contacts alone
+  [[nodiscard]] bool is_ours() const { return contender.starts_with("ours"); }
+};
+
 /// One file of results.
 struct Results {
   std::string file;  ///< its name without folders
@@ -24,8 +34,8 @@ struct Results {
   std::string command;                                      ///< repeats them
   std::vector<Figure> figures;
   ResultTable table;
-  /// What the targets are held against, by benchmark; of bench_peers, by "SCENE, TRIANGLES triangles | NAME".
-  std::map<std::string, std::map<std::string, double>> counters;
+  std::map<std::string, std::map<std::string, double>> counters;  ///< by benchmark
+  std::vector<PeerResult> peers;
 };
 
 /// Reads one file. An error says which file, where in it and what to do; `results` is then unspecified.
