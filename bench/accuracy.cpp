@@ -22,6 +22,7 @@
 #include "accuracy_pairs.h"
 #include "accuracy_table.h"
 #include "base/floating_point.h"
+#include "machine.h"
 #include "stages/narrowphase.h"
 #include "timing.h"
 
@@ -312,18 +313,6 @@ void run_form(const Options& options, Form form, Report& report) {
 
 // ---- The machine
 // --------------------------------------------------------------------------------------------------
-
-std::string cpu_name() {
-  std::ifstream file("/proc/cpuinfo");
-  std::string name, model;
-  for (std::string line; std::getline(file, line);) {
-    const std::size_t colon = line.find(": ");
-    if (colon == std::string::npos) continue;
-    if (name.empty() && line.starts_with("model name")) name = line.substr(colon + 2);
-    if (model.empty() && line.starts_with("model\t")) model = line.substr(colon + 2);
-  }
-  return name.empty() ? "unknown" : name + ", model " + model;
-}
 
 const char* isa_name() {
 #if defined(__AVX512F__)

@@ -36,16 +36,6 @@ void add_row(const Report& report, const Row& row, std::string& text) {
                 row.has_relative ? three(row.relative).c_str() : "", meets_target(row) ? "met" : "missed");
 }
 
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    if (c == '\n') result += "\\n";
-    if (static_cast<unsigned char>(c) >= 0x20) result += c;
-  }
-  return result + '"';
-}
-
 std::string json_of(const Spread& spread) {
   return print("{\"median\": %.3e, \"p98\": %.3e, \"worst\": %.3e}", spread.median, spread.most,
                spread.worst);

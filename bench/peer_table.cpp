@@ -22,15 +22,6 @@ void add_row(const PeerRow& row, std::string& text) {
                 (error_text(row.force_error) + (row.fitted ? " fitted" : "")).c_str(), row.build_ms);
 }
 
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    result += c == '\n' ? std::string("\\n") : std::string(1, c);
-  }
-  return result + '"';
-}
-
 std::string number_or_null(double value) { return value < 0 ? "null" : print("%.3e", value); }
 
 }  // namespace

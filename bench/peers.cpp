@@ -17,6 +17,7 @@
 #include <iterator>
 
 #include "hand_scenes.h"
+#include "machine.h"
 #include "peer.h"
 #include "peer_table.h"
 #include "peer_truth.h"
@@ -303,14 +304,6 @@ void run_scene(const std::string& name, Touch touch, bool fine, std::uint32_t ce
     truth.area = contenders[0].outcomes[pose].area;
   }
   add_rows(name, mesh.triangles.size(), contenders, truths, report);
-}
-
-std::string cpu_name() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);) {
-    if (line.starts_with("model name")) return line.substr(line.find(": ") + 2);
-  }
-  return "unknown";
 }
 
 bool parse(int count, char** words, Options& options) {

@@ -236,7 +236,9 @@ void add_sizes() {
       add_field("B_jumping" + rung,
                 {.fine = false, .cells = cells, .touch = Touch::jump, .precision = precision});
     }
-    add_field("A_tips/1e-3/" + size, {.cells = cells, .touch = Touch::tips, .precision = 1e-3});
+    for (const double precision : {1e-3, 1e-5})
+      add_field(std::string("A_tips/") + precision_name(precision) + "/" + size,
+                {.cells = cells, .touch = Touch::tips, .precision = precision});
     if (cells < 69) continue;
     for (const double precision : {0.0, 1e-4})
       add_field(std::string("A_drape/") + precision_name(precision) + "/" + size + "/2_threads",
