@@ -136,10 +136,10 @@ void run(benchmark::State& state, const Session& session) {
   state.counters["paper_hz"] = session.paper_hz;
 }
 
-void add(const std::string& name, const Make& make) {
-  benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
-    run(state, session_of(name, make));
-  })->UseRealTime();
+benchmark::internal::Benchmark* add(const std::string& name, const Make& make) {
+  return benchmark::RegisterBenchmark(name.c_str(),
+                                      [=](benchmark::State& state) { run(state, session_of(name, make)); })
+      ->UseRealTime();
 }
 
 // ---- Scenes ----
@@ -331,9 +331,10 @@ void add_grasps() {
           [=](Session& session) { make_grasp_session(law, segments, 3, 7, 0.01, session); });
     }
   }
-  // Every tick of examples/demo.json; its settings are the default ones.
-  add("demo/1e-4/mug_24",
-      [](Session& session) { make_grasp_session(Law::field, 24, 0, 10, 0.001, session); });
+  // Every tick of examples/demo.json, once each; its settings are the default ones.
+  add("demo/1e-4/mug_24", [](Session& session) {
+    make_grasp_session(Law::field, 24, 0, 10, 0.001, session);
+  })->Iterations(10000);
 }
 
 void add_context() { benchmark::AddCustomContext("isa", std::string(isa_name(widest_isa()))); }
