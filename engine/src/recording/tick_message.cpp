@@ -84,6 +84,7 @@ Status decode_output(const fb::Tick& message, ActuatorFrame& output) {
   output.contact_count = message.contact_count();
   output.force_error = message.force_error();
   output.error_estimate = message.error_estimate().value_or(0);
+  output.evaluations = message.evaluations();
   if (message.segments() == nullptr) return {};
   if (!is_aligned(message.segments())) return Status::error("the tick message's segments are misplaced");
   std::uint32_t least = 0;
@@ -172,7 +173,7 @@ void encode_tick(const TickRecord& record, bool keep_forces, const InputCheck& c
                                 static_cast<fb::InputKind>(device.kind), device.flags, device.valid, joints,
                                 angles, record.output.flags, record.output.contact_count, outputs, &hashes,
                                 record.state_hash, &input_check, record.output.force_error, sent,
-                                !keep_forces, record.output.error_estimate));
+                                !keep_forces, record.output.error_estimate, record.output.evaluations));
 }
 
 Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, InputCheck& check) {
