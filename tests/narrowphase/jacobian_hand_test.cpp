@@ -6,10 +6,8 @@
 
 #include <cmath>
 
-#include "borders/border_cut.h"
 #include "golden/golden_sessions.h"
 #include "matrix6.h"
-#include "model/corners.h"
 #include "model/primitive.h"
 #include "posed_finger.h"
 #include "random.h"
@@ -124,39 +122,22 @@ TEST(HandJacobian, PredictsHowTicksOfAMovedHandChange) {
     EXPECT_GT(touches[i], 1) << segment_name(static_cast<int>(i));
 }
 
-// Has the segment a contact whose borders don't cross it once and plainly? (border_cut.h)
-bool has_general_contact(const Session& session, std::size_t segment) {
-  const Primitives& hand = *session.scratch.primitives;
-  for (std::size_t k = 0; k < session.scratch.contact_count; ++k) {
-    const Contact& contact = session.scratch.contacts[k];
-    const Primitive& tile = hand.primitive[contact.primitive];
-    if (tile.segment != segment || segment == kPalmSegment) continue;
-    const auto [a, b, c] = corners_of(session.model.triangles, contact.triangle);
-    if (cut_at_borders(field_kernels(Isa::scalar), hand, tile, borders_in_reach(hand, tile, a, b, c), a, b, c)
-            .kind == CutKind::general)
-      return true;
-  }
-  return false;
-}
-
 // Where radii differ the borders are curved (docs/mechanics.md).
 TEST(HandJacobian, FingersOfAnyRadiiChangeAsItSays) {
   test::Random random(9);
   Session grasp(grasp_scene());
-  double worst = 0, worst_general = 0;
-  int exact = 0;
+  double worst = 0;
+  int touches = 0;
   for (const DeviceFrame& frame : test::grasp_frames(grasp.model.hand, 12)) {
     const Change change = change_of(grasp, frame, random);
     for (std::size_t i = 0; i < kPhalanxCount; ++i) {
       if (!(change.scale[i] > 0)) continue;
-      double& most = has_general_contact(grasp, i) ? worst_general : worst;
-      most = std::fmax(most, norm(change.said[i].force - change.seen[i].force) / change.scale[i]);
-      exact += &most == &worst ? 1 : 0;
+      worst = std::fmax(worst, norm(change.said[i].force - change.seen[i].force) / change.scale[i]);
+      ++touches;
     }
   }
-  EXPECT_GT(exact, 30);
-  EXPECT_LT(worst, 1e-6);
-  EXPECT_LT(worst_general, 0.1);
+  EXPECT_GT(touches, 30);
+  EXPECT_LT(worst, 1e-5);
 }
 
 TEST(HandJacobian, HasTheSameBitsEverywhere) {

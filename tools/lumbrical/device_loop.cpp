@@ -94,7 +94,10 @@ void DeviceLoop::Loop::take_angles() {
 void DeviceLoop::Loop::update_stiffness(const Scratch& scratch, const ActuatorFrame& output) {
   turn = (turn + 1) % kFingerCount;
   segment_jacobians(*model, scratch, jacobians, 7u << 3 * turn);
-  stiffness[turn] = joint_stiffness(X_WJ, output, jacobians)[turn];
+  bool known = true;  // a finger folded upon itself may be unknown for a moment: then what it was counts
+  for (std::size_t i = 3 * turn; i < 3 * turn + 3; ++i)
+    known = known && (jacobians[i].known || model->settings.law[i] != Law::field);
+  if (known) stiffness[turn] = joint_stiffness(X_WJ, output, jacobians)[turn];
   if (certified && uri.limiter) limit_stiffness(certificate, stiffness, period, limiter);
 }
 

@@ -171,16 +171,16 @@ void add_bulge(const BulgeMoments& bulge, Contact& contact) {
   contact.volume = max(0, volume);
 }
 
-SlopeMoments bulge_slope(const Primitives& hand, const Primitive& tile, const BorderCut& cut, Vec3 a, Vec3 b,
-                         Vec3 c) {
-  SlopeMoments slope;
+bool bulge_slope(const Primitives& hand, const Primitive& tile, const BorderCut& cut, Vec3 a, Vec3 b, Vec3 c,
+                 SlopeMoments& slope) {
+  if (!cut.crosses) return true;
   Section section;
   Vec3 n;
-  if (!cut.crosses || !normal_of(a, b, c, n) || !look_along(tile, a, n, b - a, section)) return {};
+  if (!normal_of(a, b, c, n) || !look_along(tile, a, n, b - a, section)) return false;
   const std::size_t phalanx = joint_of(tile, cut.outer);
   const Rival rival = joint_rival(section, hand, phalanx, cut.outer);
   const Chord chord = chord_of(section, hand.border[phalanx].centre, cut);
-  return integrate_bulge_slope(section, rival, hand.border[phalanx], chord, slope) ? slope : SlopeMoments{};
+  return integrate_bulge_slope(section, rival, hand.border[phalanx], chord, slope);
 }
 
 }  // namespace lumbrical

@@ -45,8 +45,8 @@ Primitive tile_cut_so(const Primitive& tile, const std::array<HalfSpace, 2>& cut
 void add_bulge(const BulgeMoments& bulge, Contact& contact);
 
 /// The bulge's part in the contact's Jacobian, in the plane coordinates of its section
-/// (`integrate_bulge_slope`).
-SlopeMoments bulge_slope(const Primitives& hand, const Primitive& tile, const BorderCut& cut, Vec3 a, Vec3 b,
-                         Vec3 c);
+/// (`integrate_bulge_slope`); zero where no border crosses. False where it can't be integrated.
+bool bulge_slope(const Primitives& hand, const Primitive& tile, const BorderCut& cut, Vec3 a, Vec3 b, Vec3 c,
+                 SlopeMoments& slope);
 
 }  // namespace lumbrical

@@ -2,6 +2,7 @@
 
 #include "base/floating_point.h"
 #include "borders/border_cut.h"
+#include "borders/contact_differences.h"
 #include "model/corners.h"
 #include "samples/sampled_forces.h"
 #include "section/contact_jacobian.h"
@@ -12,24 +13,19 @@ namespace lumbrical {
 
 namespace {
 
-// What is left of the tile in one triangle is as `cut` says.
-void add_triangle(const Primitives& hand, const Primitive& primitive, const BorderCut& cut,
-                  const Contact& contact, Vec3 joint, const Corners& at, Matrix6& value) {
-  if (primitive.shape == Shape::slab) {
-    add_contact_jacobian(slab_of(hand.palm, primitive), contact, joint, at.a, at.b, at.c, value);
-    return;
-  }
-  const bool other = cut.kind == CutKind::other;
-  const SlopeMoments bulge = other ? bulge_slope(hand, primitive, cut, at.a, at.b, at.c) : SlopeMoments{};
-  add_contact_jacobian(other ? tile_cut_so(primitive, cut.cut) : primitive, contact, joint, at.a, at.b, at.c,
-                       value, bulge);
-}
-
-BorderCut cut_of(const FieldKernels& kernels, const Primitives& hand, const Primitive& primitive,
-                 const Corners& at) {
-  if (primitive.shape == Shape::slab) return {};
-  return cut_at_borders(kernels, hand, primitive, borders_in_reach(hand, primitive, at.a, at.b, at.c), at.a,
-                        at.b, at.c);
+// In closed form, along borders that cross the triangle once and plainly. False where that doesn't do.
+bool add_plain_triangle(const FieldKernels& kernels, const Primitives& hand, const Contact& contact,
+                        Vec3 joint, const Corners& at, Matrix6& value) {
+  const Primitive& primitive = hand.primitive[contact.primitive];
+  const auto& [a, b, c] = at;
+  if (primitive.shape == Shape::slab)
+    return add_contact_jacobian(slab_of(hand.palm, primitive), contact, joint, a, b, c, value);
+  const TileBorders near = borders_in_reach(hand, primitive, a, b, c);
+  const BorderCut cut = cut_at_borders(kernels, hand, primitive, near, a, b, c);
+  if (cut.kind == CutKind::planes) return add_contact_jacobian(primitive, contact, joint, a, b, c, value);
+  SlopeMoments bulge;
+  return cut.kind == CutKind::other && bulge_slope(hand, primitive, cut, a, b, c, bulge) &&
+         add_contact_jacobian(tile_cut_so(primitive, cut.cut), contact, joint, a, b, c, value, bulge);
 }
 
 // ---- Segments that are felt by samples: differences of the very sum ----
@@ -144,7 +140,8 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
     if (felt_by_samples(model, primitive.segment, contact.triangle)) continue;
     const Vec3 joint = hand.base_joint[primitive.segment];
     const Corners at = corners_of(world, contact.triangle);
-    add_triangle(hand, primitive, cut_of(kernels, hand, primitive, at), contact, joint, at, jacobian.value);
+    jacobian.known = add_plain_triangle(kernels, hand, contact, joint, at, jacobian.value) ||
+                     add_contact_differences(kernels, hand, contact, joint, at, jacobian.value);
   }
   if ((segments & sampled_segments(model)) != 0) {
     std::array<SegmentJacobian, kSegmentCount> sampled{};
@@ -158,6 +155,7 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
   }
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     if (!asked(i)) continue;
+    if (!jacobians[i].known) jacobians[i].value = {};
     for (auto& row : jacobians[i].value) {
       for (double& entry : row) entry *= model.settings.stiffness;
     }
