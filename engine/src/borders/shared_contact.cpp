@@ -25,6 +25,12 @@ constexpr double kLeast = 5e-3, kLeastStake = 1e-13;
 // A border is split at its joint where that is not next to one of its ends, as a share of the chord.
 constexpr double kBeside = 1e-3;
 
+// Newton's steps towards the place where three tiles meet; the length of their differences, as a share of the
+// part's reach; the cross product of two slopes below which they are parallel; and how close by that place a
+// part is split, as a share of its own length.
+constexpr int kMeetingSteps = 2;
+constexpr double kSlopeStep = 1e-4, kParallel = 1e-3, kCloseBy = 3e-3;
+
 // Parts a pair may take, the largest first. Where they don't suffice, as where two tiles are all but in one
 // place, the volume of those that are left is in the contact's error.
 constexpr std::size_t kMostParts = 128;
@@ -170,6 +176,43 @@ Split split_across(const Polygon2& polygon, Point2 middle) {
   return split;
 }
 
+// About where the borders with both rivals meet; it may lie anywhere.
+Point2 meeting_of(const std::array<Rival, 2>& rivals, Point2 middle, double reach) {
+  const double step = kSlopeStep * reach;
+  Point2 p = middle;
+  for (int i = 0; i < kMeetingSteps; ++i) {
+    double value[2];
+    Point2 slope[2];
+    for (std::size_t k = 0; k < 2; ++k) {
+      value[k] = precedence(rivals[k], p);
+      slope[k] = {(precedence(rivals[k], {p.x + step, p.y}) - value[k]) / step,
+                  (precedence(rivals[k], {p.x, p.y + step}) - value[k]) / step};
+    }
+    const double area = cross(slope[0], slope[1]);
+    if (!(std::fabs(area) > kParallel)) return middle;
+    p.x -= (value[0] * slope[1].y - value[1] * slope[0].y) / area;
+    p.y -= (value[1] * slope[0].x - value[0] * slope[1].x) / area;
+  }
+  return p;
+}
+
+// Where two rivals compete only the surroundings of the place where all three meet have to become small:
+// split close by it, on the side where there is more of the part.
+Split split_by_meeting(const std::array<Rival, 2>& rivals, const Polygon2& polygon, Point2 middle,
+                       double reach) {
+  Split split = split_across(polygon, middle);
+  const double length = std::sqrt(dot(split.normal, split.normal));
+  const Point2 along = (1 / length) * split.normal, meeting = meeting_of(rivals, middle, reach);
+  double low = 1e300, high = -1e300;
+  for (int i = 0; i < polygon.count; ++i) {
+    const double at = dot(along, polygon.corner[static_cast<std::size_t>(i)] - meeting);
+    low = min(low, at);
+    high = max(high, at);
+  }
+  if (low < 0 && high > 0) split.point = meeting + (high > -low ? 1 : -1) * kCloseBy * length * along;
+  return split;
+}
+
 // A border too curved for its chord is split in its middle, or where the joint is next to it, for there it
 // bends most; two of them at once along the strip between.
 Split split_for(const Rival& rival, const Crossings& crossings, const Polygon2& polygon, Point2 middle) {
@@ -259,8 +302,10 @@ void share_out(const Part& part, Work& work, Parts& open) {
   // every other time smaller as well.
   const bool flatter = one_border || (share[1 - k] == Share::all && crossings[k].count == 4 &&
                                       (work.rival[k].near || level % 2 == 0));
-  const Split split =
-      flatter ? split_for(work.rival[k], crossings[k], polygon, middle) : split_across(polygon, middle);
+  const bool compete = share[0] != Share::all && share[1] != Share::all;
+  const Split split = flatter   ? split_for(work.rival[k], crossings[k], polygon, middle)
+                      : compete ? split_by_meeting(work.rival, polygon, middle, reach)
+                                : split_across(polygon, middle);
   const double offset = dot(split.normal, split.point);
   Polygon2 one = polygon, other = polygon;
   cut_polygon(split.normal, offset, one);
