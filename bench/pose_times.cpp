@@ -107,7 +107,7 @@ double time_of(Session& session, const DeviceFrame& frame) {
 
 // Counts by powers of two, and which poses were the slowest.
 struct Histogram {
-  static constexpr int kFirst = -6, kCount = 26;  // the first row has all below 2^kFirst us
+  static constexpr int kCount = 26;  // the first row has all below 1/64 us
   std::array<std::uint64_t, kCount> row{};
   std::uint64_t count = 0;
   struct Pose {

@@ -251,7 +251,7 @@ void put_samples(const Triangles& triangles, const Cutting& cutting, std::span<c
                         samples[first + i] = samples_of(members);
                       }
                     });
-    const auto is_small = [&](const BlockSamples& block) { return double{block.radius} <= largest; };
+    const auto is_small = [&](const BlockSamples& block) { return double{block.size} <= largest; };
     const bool is_used =
         std::any_of(samples.begin() + static_cast<std::ptrdiff_t>(first), samples.end(), is_small);
     if (!is_used && !patches.first_samples.empty()) {

@@ -59,6 +59,7 @@ struct PatchShape {
 struct BlockSamples {
   float centre[2][3];      ///< [m] W: rounded, and what rounding left out
   float radius;            ///< [m] of the sphere about it that holds the patches
+  float size;              ///< [m] that radius, and more where the patches face different ways
   float arm[3][3];         ///< [m]
   float weight[2][3][3];   ///< [m^2] of the samples at centre + arm and - arm: twice the share of n dA
   float centre_weight[3];  ///< [m^2]

@@ -13,6 +13,7 @@ struct BlockRows {
   static constexpr std::size_t kWidth = PatchBlock::kWidth;
   alignas(64) float centre[3][kWidth];
   alignas(64) float radius[kWidth];
+  alignas(64) float size[kWidth];
 };
 inline void put_block(const BlockSamples& block, const SplitPoint& origin, std::size_t lane,
                       BlockRows& rows) {
@@ -21,19 +22,20 @@ inline void put_block(const BlockSamples& block, const SplitPoint& origin, std::
         (block.centre[0][axis] - origin.high[axis]) + (block.centre[1][axis] - origin.low[axis]);
   }
   rows.radius[lane] = block.radius;
+  rows.size[lane] = block.size;
 }
 
 /// From the blocks' kinds (-1: nothing; `inside` and above it: inside something that takes blocks up to one
-/// of `radii` as wholes) to those to be opened and those that are taken so.
+/// of `sizes` as wholes) to those to be opened and those that are taken so.
 inline SampleKernels::Sorted part_blocks(const float* kinds, const BlockRows& rows, std::uint32_t inside,
-                                         std::span<const float> radii, std::uint32_t whole, unsigned shift,
+                                         std::span<const float> sizes, std::uint32_t whole, unsigned shift,
                                          std::uint32_t first, std::uint32_t* found, std::size_t count,
                                          FoundPatches* patches) {
   SampleKernels::Sorted sorted{0, 0};
   for (std::size_t lane = 0; lane < count; ++lane) {
     if (kinds[lane] < 0) continue;
     const auto kind = static_cast<std::uint32_t>(kinds[lane]);
-    if (kind >= inside && kind < inside + radii.size() && rows.radius[lane] <= radii[kind - inside]) {
+    if (kind >= inside && kind < inside + sizes.size() && rows.size[lane] <= sizes[kind - inside]) {
       patches[sorted.whole_count++] = {static_cast<std::uint16_t>(whole + (kind - inside)), 1,
                                        first + (found[lane] >> shift)};
     } else {

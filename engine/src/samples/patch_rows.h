@@ -168,16 +168,16 @@ template <class V>
 LUMBRICAL_INLINE inline unsigned add_shares(const PatchInFrame<V>& patch, const LatticeMoments<V>& m,
                                             const PatchRows& rows, std::size_t lane, const TileSums& sums,
                                             std::uint32_t outward = 0) {
-  const auto [force, moment] = share_of(patch, m);
+  const Share<V> share = share_of(patch, m);
   unsigned any = 0;
   for_tiles<V>(rows, lane, [&](std::uint32_t code, bool all, auto its) LUMBRICAL_INLINE {
     const std::uint32_t tile = code % ListedPatch::kFarEnd + outward;
     if ((sums.wanted >> tile & 1u) == 0) return;
     const Wide3<V> zero{number<V>(0), number<V>(0), number<V>(0)};
-    const Wide3<V> own = select(its, force, zero);
+    const Wide3<V> own = select(its, share.force, zero);
     any |= lanes_with(own);
-    if (all) return add_wrench(force, moment, lane, sums.of[tile]);
-    add_wrench(own, select(its, moment, zero), lane, sums.of[tile]);
+    if (all) return add_wrench(share.force, share.moment, lane, sums.of[tile]);
+    add_wrench(own, select(its, share.moment, zero), lane, sums.of[tile]);
   });
   return any;
 }
