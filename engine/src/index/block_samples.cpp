@@ -7,7 +7,7 @@ namespace lumbrical {
 namespace {
 
 // What the rule leaves out, fields quadratic along two axes at once, vanishes where all patches face one way.
-// Blocks count as larger by the fourth power of how flat they are, at most so many times.
+// Blocks count as larger by the sixteenth power of how flat they are, at most so many times.
 constexpr double kLeastFlatness = 1e-6;
 
 // Integrals over a block's patches, h counted from the centre.
@@ -73,8 +73,9 @@ BlockSamples samples_of(std::span<const Corners> patches) {
     for (const Vec3 corner : {at.a, at.b, at.c}) radius = max(radius, norm(corner - m.centre));
   }
   samples.radius = static_cast<float>((1 + 1e-6) * radius);
-  const double flatness = norm(m.normal) / m.area, square = flatness * flatness;
-  samples.size = static_cast<float>(radius / max(square * square, kLeastFlatness));
+  double flatness = norm(m.normal) / m.area;
+  for (int k = 0; k < 4; ++k) flatness *= flatness;
+  samples.size = static_cast<float>(radius / max(flatness, kLeastFlatness));
   const std::array<Vec3, 3> axes = axes_of(m);
   Vec3 rest = m.normal;
   for (std::size_t k = 0; k < 3; ++k) {
