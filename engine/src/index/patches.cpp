@@ -36,7 +36,8 @@ constexpr double kSliver = 3, kSliverSteps = 3, kFinerSlivers = 2.2;
 // A triangle that has to be halved more often in a row is left to the exact rung.
 constexpr unsigned kMostHalvings = 8;
 
-// Patches there may be beside one per triangle: about a quarter of a gigabyte.
+// Patches there may be beside one per triangle, where there are not as many triangles: about a third of a
+// gigabyte.
 constexpr std::size_t kSparePatches = std::size_t{1} << 22;
 
 constexpr std::size_t kPiece = 4096;  // triangles or patches, the least that is worth another thread
@@ -158,8 +159,8 @@ Cutting cut_triangles(const Triangles& triangles, double step, const Execution& 
   cutting.step = step;
   unsigned most = kMostHalvings;
   std::size_t total = count_patches(triangles, step, most, execution.threads);
-  while (most > 0 && total > triangles.size() + kSparePatches)
-    total = count_patches(triangles, step, --most, execution.threads);
+  const std::size_t room = triangles.size() + std::max(kSparePatches, triangles.size());
+  while (most > 0 && total > room) total = count_patches(triangles, step, --most, execution.threads);
   cutting.owner.reserve(total);
   cutting.path.reserve(total);
   patches.is_sampled.resize(piece_count(triangles.size(), 64));
