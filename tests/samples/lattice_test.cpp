@@ -146,19 +146,10 @@ Patches16 patches_near(Random& random, Vec3 middle, double spread, double size) 
     a = middle + random.in_box(spread);
     b = a + size * random.direction();
     c = a + size * random.direction();
-    const double at[3] = {a.x, a.y, a.z};
     PatchShape& shape = patches.shapes[lane];
-    const Vec3 edges[2] = {b - a, c - a};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto [high, low] = split_number(at[axis]);
-      shape.corner[0][axis] = high;
-      shape.corner[1][axis] = low;
-    }
-    for (std::size_t k = 0; k < 2; ++k) {
-      shape.edge[k][0] = static_cast<float>(edges[k].x);
-      shape.edge[k][1] = static_cast<float>(edges[k].y);
-      shape.edge[k][2] = static_cast<float>(edges[k].z);
-    }
+    shape.corner = split_point(a);
+    put(b - a, shape.edge[0]);
+    put(c - a, shape.edge[1]);
   }
   return patches;
 }
@@ -219,11 +210,6 @@ Felt integral(const Patches16& patches, const Frame& frame, const Phi& phi, cons
 
 TileFrame tile_of(const Frame& frame, double length, double end_radius) {
   TileFrame tile{};
-  const auto put = [](Vec3 v, float(&to)[3]) {
-    to[0] = static_cast<float>(v.x);
-    to[1] = static_cast<float>(v.y);
-    to[2] = static_cast<float>(v.z);
-  };
   put(frame.origin, tile.origin);
   for (std::size_t k = 0; k < 3; ++k) put(frame.axis[k], tile.axis[k]);
   const double sine = (kRadius - end_radius) / length, cosine2 = 1 - sine * sine;

@@ -67,7 +67,7 @@ std::array<Vec3, 3> axes_of(const BlockMoments& m) {
 BlockSamples samples_of(std::span<const Corners> patches) {
   const BlockMoments m = moments_of(patches);
   BlockSamples samples{};
-  put_split(m.centre, samples.centre);
+  samples.centre = split_point(m.centre);
   double radius = 0;
   for (const Corners& at : patches) {
     for (const Vec3 corner : {at.a, at.b, at.c}) radius = max(radius, norm(corner - m.centre));

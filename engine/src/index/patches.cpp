@@ -36,8 +36,7 @@ constexpr double kSliver = 3, kSliverSteps = 3, kFinerSlivers = 2.2;
 // A triangle that has to be halved more often in a row is left to the exact rung.
 constexpr unsigned kMostHalvings = 8;
 
-// Patches there may be beside one per triangle, where there are not as many triangles: about a third of a
-// gigabyte.
+// Patches there may be beside one per triangle, or as many as there are triangles: a third of a gigabyte.
 constexpr std::size_t kSparePatches = std::size_t{1} << 22;
 
 constexpr std::size_t kPiece = 4096;  // triangles or patches, the least that is worth another thread
@@ -68,6 +67,11 @@ double block_radius_of(const Hand& hand, const Settings& settings, std::size_t s
 // As many as keep cells within an eighth of what is asked for.
 std::uint8_t steps_for(double steps) {
   return static_cast<std::uint8_t>(max(1, std::ceil(steps - 0.125 * min(steps, 2))));
+}
+
+void take_most(const LatticeSteps& steps, LatticeSteps& most) {
+  for (std::size_t level = 0; level < steps.size(); ++level)
+    most[level] = std::max(most[level], steps[level]);
 }
 
 double longest_edge(const Corners& at) {
@@ -197,20 +201,16 @@ Sphere sphere_round(const Corners& at, Vec3 origin) {
   return {a + from_centre, std::sqrt(max(dot(from_centre, from_centre), max(dot(b, b), dot(c, c))))};
 }
 
-void put_split(Vec3 p, std::size_t lane, float (&to)[2][3][PatchBlock::kWidth]) {
-  const double at[3] = {p.x, p.y, p.z};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto [high, low] = split_number(at[axis]);
-    to[0][axis][lane] = high;
-    to[1][axis][lane] = low;
-  }
-}
 void put_patch(const Patch& patch, std::size_t lane, PatchBlock& block, PatchShape& shape) {
   const Vec3 ab = patch.at.b - patch.at.a, ac = patch.at.c - patch.at.a;
-  put_split(patch.at.a, shape.corner);
+  shape.corner = split_point(patch.at.a);
   put(ab, shape.edge[0]);
   put(ac, shape.edge[1]);
-  put_split(patch.at.a + (ab + ac) / 3.0, lane, block.centroid);
+  const SplitPoint centroid = split_point(patch.at.a + (ab + ac) / 3.0);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    block.centroid[0][axis][lane] = centroid.high[axis];
+    block.centroid[1][axis][lane] = centroid.low[axis];
+  }
   block.radius[lane] = static_cast<float>((1 + 1e-6) * sphere_round(patch.at, patch.at.a).radius);
   block.size[lane] = static_cast<float>(patch.size);
 }
@@ -223,13 +223,6 @@ void put_nothing(std::size_t lane, PatchBlock& block, PatchShape& shape) {
   block.radius[lane] = -1;
   block.size[lane] = 0;
   shape = {};
-}
-
-Box box_of(const Triangles& triangles) {
-  Box box;
-  for (std::size_t i = 0; i < triangles.x.size(); ++i)
-    box.add({triangles.x[i], triangles.y[i], triangles.z[i]});
-  return box;
 }
 
 // Blocks as ones, and blocks of those, level by level, as long as a segment may take one.
@@ -265,10 +258,9 @@ void put_samples(const Triangles& triangles, const Cutting& cutting, std::span<c
   patches.samples = std::move(samples);
 }
 
-void put_blocks(const Triangles& triangles, const Cutting& cutting, const Execution& execution,
-                Patches& patches) {
+void put_blocks(const Triangles& triangles, const Box& box, const Cutting& cutting,
+                const Execution& execution, Patches& patches) {
   constexpr std::uint32_t kWidth = PatchBlock::kWidth;
-  const Box box = box_of(triangles);
   const Vec3 origin = box.middle();
   std::vector<std::uint32_t> order(cutting.owner.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -310,7 +302,8 @@ bool is_sampled(const Settings& settings, std::size_t segment) {
 }
 
 std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& settings,
-                                             const Triangles& triangles, const Execution& execution) {
+                                             const Triangles& triangles, const Box& extent,
+                                             const Execution& execution) {
   double finest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     if (!is_sampled(settings, i)) continue;
@@ -337,11 +330,13 @@ std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& s
       LatticeSteps& twice = patches->steps[i][kPatchSizes + k];
       twice.fill(static_cast<std::uint8_t>(2 * steps[kLevels - 1]));
       twice[kOneCell] = 1;
+      for (const std::size_t patch_class : {k, kPatchSizes + k})
+        take_most(patches->steps[i][patch_class], patches->most_steps[patch_class]);
     }
   }
   patches->radius3 = radius3 / sampled;
   const Cutting cutting = cut_triangles(triangles, finest, execution, *patches);
-  put_blocks(triangles, cutting, execution, *patches);
+  put_blocks(triangles, extent, cutting, execution, *patches);
   return patches;
 }
 

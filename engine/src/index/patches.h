@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "index/split_point.h"
 #include "lumbrical/model.h"
 
 namespace lumbrical {
@@ -28,36 +29,25 @@ inline constexpr std::size_t kLevels = 3;
 inline constexpr std::size_t kOneCell = kLevels;
 using LatticeSteps = std::array<std::uint8_t, kLevels + 1>;
 
-/// A coordinate as two numbers in single precision: differences of such lose nothing a kernel could tell.
-struct SplitNumber {
-  float high, low;
-};
-/// By Veltkamp's split: of a number that is narrowed and widened again in vectors, gcc 12 takes both for
-/// nothing.
-inline SplitNumber split_number(double x) {
-  const double scaled = 536870913.0 * x, high = scaled - (scaled - x);  // 2^29 + 1: 24 digits are left
-  return {static_cast<float>(high), static_cast<float>(x - high)};
-}
-
 /// Sixteen patches that lie side by side, as far as classification asks.
 struct alignas(64) PatchBlock {
   static constexpr std::uint32_t kWidth = 16;
   float centroid[2][3][kWidth];  ///< [m] W: rounded, and what rounding left out
   float radius[kWidth];          ///< [m] of the sphere about it; negative: an empty place
-  float size[kWidth];
+  float size[kWidth];            ///< kPatchSizes, above
 };
 
 /// A patch, as kernels want it.
 struct PatchShape {
-  float corner[2][3];  ///< [m] W, the first: rounded, and what rounding left out
-  float edge[2][3];    ///< [m] from it to the second and to the third
+  SplitPoint corner;  ///< [m] W, the first
+  float edge[2][3];   ///< [m] from it to the second and to the third
 };
 
 /// A block as one, for a body it lies inside of: samples of the field at its centre and to both sides of it
 /// along three arms, with vectors for weights, so chosen that fields of second degree are integrated as the
 /// patches themselves would be.
 struct BlockSamples {
-  float centre[2][3];      ///< [m] W: rounded, and what rounding left out
+  SplitPoint centre;       ///< [m] W
   float radius;            ///< [m] of the sphere about it that holds the patches
   float size;              ///< [m] that radius, and more where the patches face different ways
   float arm[3][3];         ///< [m]
@@ -68,7 +58,8 @@ struct BlockSamples {
 struct Patches {
   /// Steps of the lattices that a hand segment has in a patch of a class.
   std::array<std::array<LatticeSteps, kPatchClasses>, kSegmentCount> steps{};
-  std::array<bool, kPatchClasses> has_levels{};  ///< or do each segment's lattices agree?
+  std::array<LatticeSteps, kPatchClasses> most_steps{};  ///< that any segment has
+  std::array<bool, kPatchClasses> has_levels{};          ///< or do each segment's lattices agree?
   /// [m] Largest radius of a block that a segment takes as one.
   std::array<double, kSegmentCount> block_radius{};
   double block_above_palm = 0;               ///< [m] the same of the palm above its polygon
@@ -86,10 +77,11 @@ struct Patches {
 /// precision above 0.
 bool is_sampled(const Settings& settings, std::size_t segment);
 
-/// The patches of a world for a hand; null where no segment is felt by samples. On `execution.threads`
-/// threads, with the same result for any number of them.
+/// The patches of a world of that extent for a hand; null where no segment is felt by samples. On
+/// `execution.threads` threads, with the same result for any number of them.
 std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& settings,
-                                             const Triangles& triangles, const Execution& execution);
+                                             const Triangles& triangles, const Box& extent,
+                                             const Execution& execution);
 
 inline bool is_sampled(const Patches& patches, std::uint32_t triangle) {
   return (patches.is_sampled[triangle / 64] >> triangle % 64 & 1) != 0;

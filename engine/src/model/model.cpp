@@ -146,7 +146,7 @@ Status build_index(Model& model) {
     if (Status status = build_voxels(model.triangles, model.execution, model.voxels); !status.ok())
       return status;
   }
-  model.patches = build_patches(model.hand, model.settings, model.triangles, model.execution);
+  model.patches = build_patches(model.hand, model.settings, model.triangles, model.extent, model.execution);
   if (model.patches && !model.patches->exact.empty()) model.rest = rest_of(model);
   return {};
 }

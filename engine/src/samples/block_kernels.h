@@ -17,10 +17,8 @@ struct BlockRows {
 };
 inline void put_block(const BlockSamples& block, const SplitPoint& origin, std::size_t lane,
                       BlockRows& rows) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    rows.centre[axis][lane] =
-        (block.centre[0][axis] - origin.high[axis]) + (block.centre[1][axis] - origin.low[axis]);
-  }
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    rows.centre[axis][lane] = difference(block.centre, origin, axis);
   rows.radius[lane] = block.radius;
   rows.size[lane] = block.size;
 }
@@ -93,14 +91,12 @@ struct SampleRows {
   alignas(64) float arm[3][3][kWidth];
   alignas(64) float weight[7][3][kWidth];  // + and - of each arm, then the centre's
 };
-inline void gather(const BlockList& list, const SplitPoint& origin, std::size_t first, std::size_t count,
-                   SampleRows& rows) {
+inline void gather(const BlockList& list, std::size_t first, std::size_t count, SampleRows& rows) {
   for (std::size_t lane = 0; lane < SampleRows::kWidth; ++lane) {
     const bool real = lane < count;
     const BlockSamples& block = list.blocks[list.patches[first + (real ? lane : 0)].place];
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      rows.centre[axis][lane] =
-          (block.centre[0][axis] - origin.high[axis]) + (block.centre[1][axis] - origin.low[axis]);
+      rows.centre[axis][lane] = difference(block.centre, list.origin, axis);
       for (std::size_t k = 0; k < 3; ++k) {
         rows.arm[k][axis][lane] = block.arm[k][axis];
         rows.weight[2 * k][axis][lane] = real ? block.weight[0][k][axis] : 0.0f;
@@ -115,12 +111,11 @@ inline void gather(const BlockList& list, const SplitPoint& origin, std::size_t 
 template <class V, class Field>
 LUMBRICAL_INLINE inline std::uint32_t sum_blocks(const BlockList& list, const float (&axis)[3][3],
                                                  Wide3<V> frame_origin, const Field& field, BodySums& sums) {
-  const SplitPoint origin = split_point(list.origin);
   SampleRows rows;
   std::uint32_t touched = 0;
   for (std::size_t first = 0; first < list.count; first += SampleRows::kWidth) {
     const std::size_t left = list.count - first;
-    gather(list, origin, first, left < SampleRows::kWidth ? left : SampleRows::kWidth, rows);
+    gather(list, first, left < SampleRows::kWidth ? left : SampleRows::kWidth, rows);
     for (std::size_t lane = 0; lane < SampleRows::kWidth; lane += wide::Lanes<V>::kCount) {
       const Wide3<V> centre = vector_at<V>(rows.centre, lane) - frame_origin, at = turn_into(axis, centre);
       Wide3<V> force = field(at) * vector_at<V>(rows.weight[6], lane);

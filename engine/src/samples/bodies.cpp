@@ -9,12 +9,6 @@
 namespace lumbrical {
 namespace {
 
-void put(Vec3 v, float (&to)[3]) {
-  to[0] = static_cast<float>(v.x);
-  to[1] = static_cast<float>(v.y);
-  to[2] = static_cast<float>(v.z);
-}
-
 Vec3 across(Vec3 axis) {
   return unit_or(cross(axis, std::fabs(axis.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}), {0, 0, 1});
 }

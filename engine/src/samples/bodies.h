@@ -13,17 +13,6 @@ namespace lumbrical {
 
 struct Primitives;
 
-/// A point as patches have their corners: what rounds to single precision, and what that leaves out [m].
-struct SplitPoint {
-  float high[3], low[3];
-};
-inline SplitPoint split_point(Vec3 p) {
-  const auto [x, x_low] = split_number(p.x);
-  const auto [y, y_low] = split_number(p.y);
-  const auto [z, z_low] = split_number(p.z);
-  return {{x, y, z}, {x_low, y_low, z_low}};
-}
-
 /// A phalanx: the hull of two spheres, along its axis t from the centre of the larger one. Its field is
 ///   radius - |(t, rho)|                       before the larger sphere's rim,
 ///   radius - sine t - cosine rho              on the side,

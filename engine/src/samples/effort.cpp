@@ -15,13 +15,6 @@ std::uint64_t count_of(const NearPatches& near, std::uint32_t first, std::uint32
   return near.of_kinds(first, last, patch_class).size();
 }
 
-std::uint64_t most_steps(const Patches& patches, std::size_t patch_class, std::size_t level) {
-  std::uint64_t most = 0;
-  for (const auto& of_segment : patches.steps)
-    most = std::max<std::uint64_t>(most, of_segment[patch_class][level]);
-  return most;
-}
-
 }  // namespace
 
 Effort effort_of(const Patches& patches, const NearPatches& near) {
@@ -37,7 +30,7 @@ Effort effort_of(const Patches& patches, const NearPatches& near) {
                                  count_of(near, kind::kPalm, kind::kPalm, k);
     effort.one_cell += kPerCell * shares;
     for (std::size_t level = 0; level < kLevels; ++level) {
-      const std::uint64_t steps = most_steps(patches, k, level), all = kPerCell * shares * steps * steps;
+      const std::uint64_t steps = patches.most_steps[k][level], all = kPerCell * shares * steps * steps;
       if (patches.has_levels[k]) {
         effort.level[level] += all;
       } else if (level == 0) {
@@ -79,7 +72,7 @@ double error_factor_of(const LevelWeights& weights, double force) {
 double one_cell_error_factor(const Patches& patches, const NearPatches& near, double force) {
   double coarser = 1;
   for (std::size_t k = 0; k < kPatchClasses; ++k) {
-    if (near.has(k)) coarser = max(coarser, static_cast<double>(most_steps(patches, k, 0)));
+    if (near.has(k)) coarser = max(coarser, patches.most_steps[k][0]);
   }
   const double fourth = coarser * coarser * coarser * coarser;
   return fourth * max(1, force > 0 ? kEnoughForce[0] / force : 1);

@@ -21,8 +21,7 @@ inline void gather(const PatchList& list, std::size_t first, std::size_t count, 
     const PatchShape& shape = list.shapes[patch.place];
     const SplitPoint& origin = list.origins[patch.tile % ListedPatch::kFarEnd / Bodies::kTilesApart];
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      rows.corner[axis][lane] =
-          (shape.corner[0][axis] - origin.high[axis]) + (shape.corner[1][axis] - origin.low[axis]);
+      rows.corner[axis][lane] = difference(shape.corner, origin, axis);
       rows.edge[0][axis][lane] = shape.edge[0][axis];
       rows.edge[1][axis][lane] = shape.edge[1][axis];
     }

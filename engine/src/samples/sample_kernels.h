@@ -59,7 +59,7 @@ struct BlockList {
   const BlockSamples* blocks;
   const ListedPatch* patches;
   std::size_t count;
-  Vec3 origin;  ///< [m] W, of the body
+  SplitPoint origin;  ///< [m] W, of the body
 };
 
 /// Sums over patches of a tile's (or the palm's) share of phi n dA, twice, and of its moments, in its frame:

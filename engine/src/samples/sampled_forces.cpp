@@ -62,15 +62,14 @@ struct SampleWork {
   }
 };
 
-// Of tiles those whose lattices have so many steps in patches of a class, a bit each.
-std::uint64_t tiles_with_steps(const Bodies& bodies, std::size_t level, std::size_t patch_class,
-                               std::size_t steps) {
-  std::uint64_t tiles = 0;
+// Of every number of steps the tiles whose lattices have so many in patches of a class, a bit each.
+std::array<std::uint64_t, kMostSteps + 1> tiles_by_steps(const Bodies& bodies, std::size_t level,
+                                                         std::size_t patch_class) {
+  std::array<std::uint64_t, kMostSteps + 1> tiles{};
   for (std::size_t i = 0; i < bodies.finger_count; ++i) {
-    for (std::size_t k = 0; k < bodies.finger[i].tile_count; ++k) {
-      const bool its = bodies.finger[i].steps[k][patch_class][level] == steps;
-      tiles |= std::uint64_t{its} << (i * Bodies::kTilesApart + k);
-    }
+    for (std::size_t k = 0; k < bodies.finger[i].tile_count; ++k)
+      tiles[bodies.finger[i].steps[k][patch_class][level]] |= std::uint64_t{1}
+                                                              << (i * Bodies::kTilesApart + k);
   }
   return tiles;
 }
@@ -115,9 +114,9 @@ void run_fingers(SampleWork& work, std::size_t patch_class, std::size_t steps, c
 void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level) {
   const bool has_levels = level != kOneCell && work.patches.has_levels[patch_class];
   BodySums* const sums = work.sums(has_levels ? level : kEveryLevel);
+  const auto tiles = tiles_by_steps(work.bodies, level, patch_class);
   for (std::size_t steps = 1; steps <= kMostSteps; ++steps) {
-    const std::uint64_t wanted = tiles_with_steps(work.bodies, level, patch_class, steps);
-    if (wanted != 0) run_fingers(work, patch_class, steps, {sums, wanted});
+    if (tiles[steps] != 0) run_fingers(work, patch_class, steps, {sums, tiles[steps]});
   }
   const PatchList palm = work.list(work.near.of_kinds(kind::kPalm, kind::kPalm, patch_class));
   if (palm.count > 0) {
@@ -151,12 +150,12 @@ void run_blocks(SampleWork& work) {
     const std::uint32_t tile = fingers[i].tile;
     while (end < fingers.size() && fingers[end].tile == tile) ++end;
     const BlockList list{samples, fingers.data() + i, end - i,
-                         work.bodies.finger[tile / Bodies::kTilesApart].origin};
+                         work.bodies.origin[tile / Bodies::kTilesApart]};
     work.touched +=
         work.kernels.tile_blocks(list, tile_at(work.fingers(), tile), work.sums(kEveryLevel)[tile]);
   }
   if (!palm.empty()) {
-    const BlockList list{samples, palm.data(), palm.size(), work.bodies.palm.origin};
+    const BlockList list{samples, palm.data(), palm.size(), work.bodies.origin[work.bodies.finger_count]};
     work.touched +=
         work.kernels.palm_blocks(list, work.bodies.palm, work.sums(kEveryLevel)[palm_number(work.bodies)]);
   }
@@ -220,6 +219,42 @@ bool run_level(SampleWork& work, std::size_t level) {
   return has_levels;
 }
 
+// On lattices of one cell a patch: the coarsest level would cost too much.
+void feel_in_one_cell(SampleWork& work, const Primitives& hand, const Effort& effort, SampledForces& forces) {
+  run_level(work, kOneCell);
+  forces.contact_count = work.touched;
+  forces.segment = wrenches_of(hand, work.memory, kEveryLevel);
+  forces.level = {1};
+  forces.evaluations = effort.one_cell;
+  forces.coarsened = true;
+  forces.error_factor =
+      one_cell_error_factor(work.patches, work.near, force_of({}, forces.segment, work.patches.radius3));
+}
+
+// On the coarsest level, and as far as its force, or `levels`, calls for and `most` evaluations allow on
+// finer ones.
+void feel_on_levels(SampleWork& work, const Primitives& hand, const Effort& effort, std::uint64_t most,
+                    const LevelWeights* levels, SampledForces& forces) {
+  const bool has_levels = run_level(work, 0);
+  forces.contact_count = work.touched;
+  forces.segment = wrenches_of(hand, work.memory, kEveryLevel);
+  forces.level = {1};
+  forces.evaluations = evaluations_of(effort, forces.level);
+  if (!has_levels) return;
+  const SegmentWrenches coarsest = wrenches_of(hand, work.memory, 0);
+  const double force = force_of(coarsest, forces.segment, work.patches.radius3);
+  forces.level = levels != nullptr ? *levels : level_weights(force);
+  forces.coarsened = keep_effort(effort, most, forces.level);
+  forces.evaluations = evaluations_of(effort, forces.level);
+  forces.error_factor = forces.coarsened ? error_factor_of(forces.level, force) : 1;
+  for (std::size_t level = 0; level < kLevels; ++level) {
+    if (!(forces.level[level] > 0)) continue;
+    if (level > 0) run_level(work, level);
+    const SegmentWrenches wrenches = level > 0 ? wrenches_of(hand, work.memory, level) : coarsest;
+    for (std::size_t i = 0; i < kSegmentCount; ++i) add(wrenches[i], forces.level[level], forces.segment[i]);
+  }
+}
+
 }  // namespace
 
 void size_samples(const Model& model, SampleMemory& memory) {
@@ -259,30 +294,10 @@ bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t seg
   }
   const Effort effort = effort_of(*model.patches, memory.near);
   const std::uint64_t most = model.settings.effort;
-  const bool one_cell = most > 0 && effort.always + effort.level[0] > most;
-  const bool has_levels = run_level(work, one_cell ? kOneCell : 0);
-  forces.contact_count = work.touched;
-  forces.segment = wrenches_of(hand, memory, kEveryLevel);
-  forces.level = {1};
-  forces.evaluations = one_cell ? effort.one_cell : evaluations_of(effort, forces.level);
-  forces.coarsened = one_cell;
-  const double radius3 = model.patches->radius3;
-  if (one_cell) {
-    forces.error_factor =
-        one_cell_error_factor(*model.patches, memory.near, force_of({}, forces.segment, radius3));
-  }
-  if (!has_levels || one_cell) return true;
-  const SegmentWrenches coarsest = wrenches_of(hand, memory, 0);
-  const double force = force_of(coarsest, forces.segment, radius3);
-  forces.level = levels != nullptr ? *levels : level_weights(force);
-  forces.coarsened = keep_effort(effort, most, forces.level);
-  forces.evaluations = evaluations_of(effort, forces.level);
-  forces.error_factor = forces.coarsened ? error_factor_of(forces.level, force) : 1;
-  for (std::size_t level = 0; level < kLevels; ++level) {
-    if (!(forces.level[level] > 0)) continue;
-    if (level > 0) run_level(work, level);
-    const SegmentWrenches wrenches = level > 0 ? wrenches_of(hand, memory, level) : coarsest;
-    for (std::size_t i = 0; i < kSegmentCount; ++i) add(wrenches[i], forces.level[level], forces.segment[i]);
+  if (most > 0 && effort.always + effort.level[0] > most) {
+    feel_in_one_cell(work, hand, effort, forces);
+  } else {
+    feel_on_levels(work, hand, effort, most, levels, forces);
   }
   return true;
 }
