@@ -203,6 +203,25 @@ TEST_F(ModbusLoop, ATickThreadThatNeverComesBackIsAFault) {
   EXPECT_TRUE(acts()) << sink.log();
 }
 
+TEST_F(ModbusLoop, IsArmedOnlyWhenTicksAreFreshHoweverLongTheyTookToBegin) {
+  profile.safety.tick_hold = 0.2;
+  profile.safety.tick_timeout = 0.2;
+  device.listen();
+  profile.transport.port = device.port();
+  SinkOptions options;
+  options.arm = false;
+  sink.open(profile, options);
+  EXPECT_TRUE(sink.reaches(SafetyState::idle)) << sink.log();
+  sink.stalled = true;  // as while a recording is opened, memory locked, a large world read
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  sink.sink.arm_when_ready();
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_EQ(sink.sink.report().state, SafetyState::idle) << sink.log();
+  sink.stalled = false;
+  EXPECT_TRUE(sink.reaches(SafetyState::active)) << sink.log();
+  EXPECT_EQ(sink.log().find("fault"), std::string::npos) << sink.log();
+}
+
 TEST_F(ModbusLoop, ACommandThatIsNoNumberIsAFault) {
   start();
   sink.wanted = std::nan("");

@@ -177,7 +177,7 @@ Outcome lose_device(const std::string& choice, int ticks, const std::filesystem:
       std::to_string(ticks) +
       " --json --sink \"modbus-tcp://127.0.0.1:$port?profile=device.json&on-loss=" + choice + "\" 2>run.err";
   Outcome outcome = shell(with_device("--tcp 0", body), folder);
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(outcome.exit_code, 4) << outcome.error;
   EXPECT_NE(test::read_file((folder / "run.err").string()).find("active -> disconnected"), std::string::npos);
   return outcome;
 }

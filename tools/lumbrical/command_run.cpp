@@ -336,7 +336,8 @@ int run(const RunOptions& options) {
   const DeviceLoop* const shown = with_device ? &device : nullptr;
   const int printed = options.json ? print_json(run_json(options, model, statistics, shown))
                                    : print_text(run_text(options, model, statistics, shown));
-  return printed == kDone && told ? kUnreadable : printed;
+  if (printed != kDone || told) return kUnreadable;
+  return with_device && !device.forces_flow() ? kNoForces : kDone;
 }
 
 std::string check_record_forces(std::string& text) {

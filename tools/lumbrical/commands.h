@@ -5,8 +5,13 @@
 
 namespace lumbrical::tool {
 
-/// Exit codes of the command-line contract.
-enum ExitCode : int { kDone = 0, kFailed = 1, kUnreadable = 2, kDiverged = 3 };
+/// Exit codes of the command-line contract; README.md has the same table.
+enum ExitCode : int {
+  kDone = 0,
+  kUnreadable = 2,  ///< bad input or usage, or a file that can't be read or written
+  kDiverged = 3,    ///< replay or diff found a difference
+  kNoForces = 4,    ///< run: a device was to be driven, and forces never or no longer reached it
+};
 
 /// Each adds its subcommand to the app and stores the exit code of its run in `exit_code`.
 void add_run(Command& app, int& exit_code);

@@ -280,10 +280,17 @@ void DeviceLoop::certify() {
   loop.local_loop = local;
   loop.certificate = make_certificate(loop.profile, timing);
   loop.certified = true;
-  loop.sink.arm_when_ready();
 }
 
+void DeviceLoop::arm() { loop_->sink.arm_when_ready(); }
+
 std::string DeviceLoop::certificate_text() const { return json()["certificate"].dump(); }
+
+bool DeviceLoop::forces_flow() const {
+  const SafetyState state = loop_->last.state;
+  const bool flow = state == SafetyState::active || state == SafetyState::armed;  // armed: switch let go
+  return loop_->uri.dry_run || (loop_->was_active && flow);
+}
 
 void DeviceLoop::close() {
   if (!loop_ || loop_->ending) return;

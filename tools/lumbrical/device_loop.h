@@ -36,14 +36,17 @@ class DeviceLoop {
   bool after(const Scratch& scratch, const DeviceFrame& frame, const ActuatorFrame& output,
              TickRecord& record);
 
-  /// Makes the certificate of what was measured since open(), or assumed if no device answered, and lets the
-  /// device be armed.
+  /// Makes the certificate of what was measured since open(), or assumed if no device answered.
   void certify();
+  /// Lets the device be armed; after everything else that may take its time.
+  void arm();
   /// The certificate and the profile's name as text for a recording's metadata.
   [[nodiscard]] std::string certificate_text() const;
 
   /// Fades, tells the device, ends the sink's thread. Call before json() and add_rows().
   void close();
+  /// Whether the session ended with forces reaching the device, where they were meant to.
+  [[nodiscard]] bool forces_flow() const;
   [[nodiscard]] Json json() const;
   void add_rows(Table& table) const;
 

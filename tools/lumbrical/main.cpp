@@ -12,7 +12,8 @@ using namespace lumbrical::tool;
 const Program kProgram = {
     "lumbrical", "lumbrical " LUMBRICAL_VERSION,
     "Computes what a whole human hand feels when it touches a polygonal world.",
-    "Every subcommand has its own --help. Exit codes: 0 done, 2 bad input or usage, 3 replay diverged."};
+    "Every subcommand has its own --help. Exit codes: 0 done, 2 bad input or usage, 3 replay diverged, 4 no "
+    "forces reached the device."};
 
 void add_commands(Command& root, int& exit_code) {
   add_run(root, exit_code);

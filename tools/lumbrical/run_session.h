@@ -62,7 +62,8 @@ struct SessionParts {
 /// Runs `ticks` ticks, tick i at session time i / settings.rate, paced or as fast as it goes. SIGINT and
 /// SIGTERM end the loop after the tick at hand. A recording that fails (disk full) is told on standard error
 /// at once. A paced session with a device that has fallen behind by more than one period does not catch up by
-/// a burst of ticks: the clock of the session stands still for what was missed.
+/// a burst of ticks: the clock of the session stands still for what was missed. The device is armed last of
+/// all, after real time and a warm-up.
 RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_t ticks,
                           const SessionParts& parts);
 

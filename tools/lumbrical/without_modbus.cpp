@@ -21,6 +21,8 @@ bool DeviceLoop::after(const Scratch&, const DeviceFrame&, const ActuatorFrame&,
   return false;
 }
 void DeviceLoop::certify() {}
+void DeviceLoop::arm() {}
+bool DeviceLoop::forces_flow() const { return false; }
 std::string DeviceLoop::certificate_text() const { return {}; }
 void DeviceLoop::close() {}
 Json DeviceLoop::json() const { return {}; }

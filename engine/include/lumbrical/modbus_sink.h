@@ -57,7 +57,7 @@ class ModbusSink {
   bool sent(SentCommand& command) noexcept;          ///< the next one not yet asked for; false: none
 
   // From any thread.
-  void arm_when_ready() noexcept;  ///< as soon as there is a device that is ready and a tick; once
+  void arm_when_ready() noexcept;  ///< as soon as there is a device that is ready and a fresh tick; once
   void request_arm() noexcept;
   void request_disarm() noexcept;
   void request_reset() noexcept;

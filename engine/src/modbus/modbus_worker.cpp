@@ -124,7 +124,8 @@ SafetyOutput ModbusSink::Worker::decide(std::int64_t now) {
   inputs.tick_age = newest.time == 0 ? std::numeric_limits<double>::infinity()
                                      : seconds(now - newest.time) - (running.lost - lost_before);
   inputs.wanted = newest.command.wanted;
-  const bool can_arm = safety.state == SafetyState::idle && inputs.device_ready && newest.time != 0;
+  const bool can_arm =
+      safety.state == SafetyState::idle && inputs.device_ready && inputs.tick_age <= profile.safety.tick_hold;
   inputs.arm = inputs.arm || (auto_arm && can_arm);
   const SafetyState before = safety.state;
   const std::uint32_t causes = safety.causes;
