@@ -383,6 +383,34 @@ TEST(Recorder, ReplacesAGoodFileOnlyByAWholeOne) {
   EXPECT_EQ(info.ticks, 600u);
 }
 
+TEST(Recorder, AFileBeingRecordedSaysSoUntilItIsClosed) {
+  const std::string path = temporary_path("growing.mcap");
+  Recorder recorder;
+  ASSERT_TRUE(recorder.open(path, small_scene(), {}).ok());
+  RecordingReader reader;
+  ASSERT_TRUE(reader.open(path).ok());
+  EXPECT_TRUE(reader.info().growing);
+  EXPECT_FALSE(reader.info().complete);
+  RecordingInfo info;
+  const Status verdict = verify_recording(path, info);
+  EXPECT_NE(verdict.message().find("still being recorded"), std::string::npos) << verdict.message();
+  ASSERT_TRUE(recorder.close().ok());
+  ASSERT_TRUE(reader.open(path).ok());
+  EXPECT_FALSE(reader.info().growing);
+  EXPECT_TRUE(reader.info().complete);
+}
+
+TEST(Recorder, DoesNotTouchAFileThatAnotherOneIsWriting) {
+  const std::string path = temporary_path("taken.mcap");
+  Recorder first, second, third;
+  ASSERT_TRUE(first.open(path, small_scene(), {}).ok());
+  ASSERT_TRUE(second.open(path, small_scene(), {}).ok());  // beside it, as .part
+  const Status status = third.open(path, small_scene(), {});
+  EXPECT_NE(status.message().find("another program"), std::string::npos) << status.message();
+  EXPECT_TRUE(first.close().ok());
+  EXPECT_TRUE(second.close().ok());
+}
+
 TEST(Recorder, LosesAtMostTheOpenChunkWhenKilled) {
   const std::string path = temporary_path("killed.mcap");
   const pid_t child = ::fork();
@@ -401,6 +429,7 @@ TEST(Recorder, LosesAtMostTheOpenChunkWhenKilled) {
   RecordingReader reader;
   ASSERT_TRUE(reader.open(path).ok());
   EXPECT_FALSE(reader.info().complete);
+  EXPECT_FALSE(reader.info().growing);
   const std::uint64_t whole = reader.info().ticks;
   EXPECT_GE(whole, 1130u - 250u);
 

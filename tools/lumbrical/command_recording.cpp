@@ -22,6 +22,7 @@ Json info_json(const RecordingInfo& info) {
   Json json;
   json["recording"] = info.path;
   json["complete"] = info.complete;
+  json["growing"] = info.growing;
   json["ticks"] = info.ticks;
   json["first_tick"] = info.first_tick;
   json["last_tick"] = info.last_tick;
@@ -60,13 +61,18 @@ std::string laws(const Settings& settings) {
   return std::string(law_name(settings.law[0]));
 }
 
+const char* completeness(const RecordingInfo& info) {
+  if (info.growing) return "not yet: it is being recorded, and this is what it holds so far";
+  return info.complete ? "yes" : "no: its writer was killed; recover completes it";
+}
+
 void add_info_rows(const RecordingInfo& info, Table& table) {
   table.add("recording", info.path + ", " + grouped(info.bytes) + " bytes");
   table.add("written by", info.library);
   table.add("format", "version " + std::to_string(info.version));
   if (info.metadata.contains("force_interval"))
     table.add("forces", "of some ticks are left out, their hashes are not");
-  table.add("complete", info.complete ? "yes" : "no: its writer was killed; recover completes it");
+  table.add("complete", completeness(info));
   table.add("ticks", info.ticks == 0 ? "none"
                                      : grouped(info.ticks) + ", from " + grouped(info.first_tick) + " to " +
                                            grouped(info.last_tick) + ", " + grouped(info.missing_ticks) +

@@ -107,7 +107,9 @@ Status replay_one(const std::string& path, const ReplaySwitches& switches, const
     text += "\n" + what_if_text(changes);
   }
   if (!reader.info().complete)
-    text += "The recording has no end (its writer was killed): all whole ticks were replayed.\n";
+    text += std::string("The recording has no end (") +
+            (reader.info().growing ? "it is still being recorded" : "its writer was killed") +
+            "): all whole ticks were replayed.\n";
   return {};
 }
 

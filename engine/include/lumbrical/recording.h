@@ -93,6 +93,7 @@ struct RecordingInfo {
   std::string compression;    ///< "lz4", "zstd", ""
   std::string library;        ///< who wrote it
   bool complete = false;      ///< has index, summary and footer; false after a crash
+  bool growing = false;       ///< its writer was at work when it was opened
   std::map<std::string, std::string> metadata;
 };
 

@@ -16,7 +16,23 @@ Status failed(const std::string& path, const char* what, int error) {
   return Status::error(path + ": " + what + ": " + std::generic_category().message(error));
 }
 
+// Held for as long as the file is open, by whoever has it open for writing; it ends with its process.
+bool lock_for_writing(int descriptor) {
+  struct flock lock {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  // A file system without locks can't tell of another writer.
+  return ::fcntl(descriptor, F_OFD_SETLK, &lock) == 0 || (errno != EAGAIN && errno != EACCES);
+}
+
 }  // namespace
+
+bool is_being_written(int descriptor) {
+  struct flock lock {};
+  lock.l_type = F_RDLCK;
+  lock.l_whence = SEEK_SET;
+  return ::fcntl(descriptor, F_OFD_GETLK, &lock) == 0 && lock.l_type == F_WRLCK;
+}
 
 OutputFile::~OutputFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
@@ -34,11 +50,19 @@ Status OutputFile::open(const std::string& path, Place place) {
   path_ = path;
   const bool beside = exists || place == Place::beside;
   const std::string growing_at = beside ? path + ".part" : path;
-  // A file of that name that came into being since stat() is not ours to overwrite, hence O_EXCL; a .part is
-  // always left over from a writer that was killed.
-  const int creation = beside ? O_TRUNC : O_EXCL;
+  // A file of that name that came into being since stat() is not ours to overwrite, hence O_EXCL; a .part
+  // that nobody holds is left over from a writer that was killed.
+  const int creation = beside ? 0 : O_EXCL;
   descriptor_ = ::open(growing_at.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | creation, 0666);
   if (descriptor_ < 0) return failed(growing_at, "cannot be created", errno);
+  const bool ours = lock_for_writing(descriptor_);
+  if (!ours || (beside && ::ftruncate(descriptor_, 0) != 0)) {
+    const int error = errno;
+    ::close(descriptor_);
+    descriptor_ = -1;
+    return ours ? failed(growing_at, "cannot be created", error)
+                : Status::error(growing_at + ": is being written by another program; name another file");
+  }
   growing_at_ = growing_at;
   size_ = 0;
   return {};

@@ -10,6 +10,10 @@
 
 namespace lumbrical {
 
+/// Whether an OutputFile, here or in another process, has the open file open. False where the file system has
+/// no locks.
+bool is_being_written(int descriptor);
+
 class OutputFile {
  public:
   enum class Place : std::uint8_t {

@@ -12,6 +12,8 @@
 #include <memory>
 #include <system_error>
 
+#include "files/output_file.h"
+
 namespace lumbrical {
 
 using namespace mcap;
@@ -117,6 +119,7 @@ Status InputFile::open(const std::string& path) {
   if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode))
     return Status::error(path + ": is not a file; name a recording");
   size_ = static_cast<std::uint64_t>(status.st_size);
+  growing_ = is_being_written(descriptor_);
   return {};
 }
 

@@ -24,6 +24,8 @@ class InputFile {
   /// `bytes` becomes exactly `count` bytes from `offset`. The caller has bounded `count`.
   Status read(std::uint64_t offset, std::uint64_t count, std::vector<std::uint8_t>& bytes) const;
   [[nodiscard]] std::uint64_t size() const { return size_; }
+  /// Its writer had it open when it was opened here: more may follow behind size().
+  [[nodiscard]] bool growing() const { return growing_; }
   /// "path: byte N: what"
   [[nodiscard]] Status broken(std::uint64_t offset, const std::string& what) const;
 
@@ -31,6 +33,7 @@ class InputFile {
   std::string path_;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
+  bool growing_ = false;
 };
 
 /// Where a record stands.

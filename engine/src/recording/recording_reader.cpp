@@ -314,6 +314,7 @@ Status RecordingReader::File::open(const std::string& path) {
   if (Status status = file.open(path); !status.ok()) return status;
   info.path = path;
   info.bytes = file.size();
+  info.growing = file.growing();
   Header header;
   if (Status status = read_start(file, header, data_start); !status.ok()) return status;
   info.library = std::move(header.library);

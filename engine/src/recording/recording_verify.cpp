@@ -284,6 +284,7 @@ Status verify_recording(const std::string& path, RecordingInfo& info) try {
   RecordingReader reader;
   if (Status status = reader.open(path); !status.ok()) return status;
   info = reader.info();
+  if (info.growing) return Status::error(path + ": is still being recorded; verify it when that has ended");
   return Verification(1e9 / reader.scene().settings.rate).run(path);
 } catch (const std::bad_alloc&) {
   return Status::error(path + ": not enough memory to verify the recording");
