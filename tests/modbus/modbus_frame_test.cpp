@@ -66,6 +66,76 @@ TEST(ModbusFrame, RefusesWhatItCannotDo) {
   EXPECT_TRUE(registers.words.empty());
 }
 
+// A question and the bytes of the right reply, both as they are on the wire.
+struct Exchange {
+  ModbusQuestion question;
+  Bytes reply;
+};
+
+Exchange make_exchange(bool serial, int function) {
+  ModbusQuestion question{serial, 77, 9, static_cast<std::uint8_t>(function)};
+  if (function != 16) question.read_address = 100, question.read_count = 3;
+  if (function == 16 || function == 23) question.write_address = 4, question.write_count = 2;
+  const std::uint16_t words[] = {500, 65535};
+  Bytes frame;
+  frame_question(question, words, frame);
+  ModbusRequest request;
+  EXPECT_EQ(serial ? cut_rtu(frame, request) : cut_tcp(frame, request), Cut::request);
+  EXPECT_TRUE(frame.empty());
+  Registers registers;
+  registers.words = {{100, 1}, {101, 2}, {102, 3}};
+  const Bytes answer = answer_request(registers.access, request.unit, request.body);
+  if (function == 16 || function == 23) {
+    EXPECT_EQ(registers.words.at(4), 500);
+    EXPECT_EQ(registers.words.at(5), 65535);
+  }
+  return {question, serial ? frame_rtu(request, answer) : frame_tcp(request, answer)};
+}
+
+TEST(ModbusFrame, OurOwnServersReplyIsRightAndEveryBeginningOfItIncomplete) {
+  for (const bool serial : {false, true}) {
+    for (const int function : {3, 4, 16, 23}) {
+      const auto [question, reply] = make_exchange(serial, function);
+      for (std::size_t size = 0; size < reply.size(); ++size) {
+        EXPECT_EQ(check_reply(question, std::span(reply).first(size)).kind, ReplyKind::incomplete);
+      }
+      const ReplyCheck check = check_reply(question, reply);
+      ASSERT_EQ(check.kind, ReplyKind::right) << check.why;
+      if (function != 16) {
+        EXPECT_EQ(reply[check.words + 3], 2) << "the second register";
+      }
+    }
+  }
+}
+
+TEST(ModbusFrame, NoReplyWithOneBitChangedIsBelievedUnlessItIsInTheData) {
+  for (const bool serial : {false, true}) {
+    for (const int function : {3, 4, 16, 23}) {
+      const auto [question, reply] = make_exchange(serial, function);
+      const std::size_t data = check_reply(question, reply).words;
+      for (std::size_t bit = 0; bit < 8 * reply.size(); ++bit) {
+        if (!serial && function != 16 && bit / 8 >= data) continue;  // TCP has its own checksum
+        Bytes changed = reply;
+        changed[bit / 8] = static_cast<std::uint8_t>(changed[bit / 8] ^ 1u << bit % 8);
+        EXPECT_NE(check_reply(question, changed).kind, ReplyKind::right)
+            << serial << function << " bit " << bit;
+      }
+      Bytes longer = reply;
+      longer.push_back(0);
+      EXPECT_EQ(check_reply(question, longer).kind, ReplyKind::wrong);
+    }
+  }
+}
+
+TEST(ModbusFrame, AnExceptionIsAnAnswerOnlyToWhatWasAsked) {
+  const auto [question, reply] = make_exchange(false, 16);
+  const Bytes refusal = {0, 77, 0, 0, 0, 3, 9, 0x90, 2};
+  EXPECT_EQ(check_reply(question, refusal).kind, ReplyKind::exception);
+  EXPECT_EQ(check_reply(question, refusal).exception, 2);
+  EXPECT_EQ(check_reply(question, Bytes{0, 77, 0, 0, 0, 3, 9, 0x83, 2}).kind, ReplyKind::wrong);
+  EXPECT_EQ(check_reply(question, Bytes{0, 77, 0, 0, 0, 3, 9, 0x10, 2}).kind, ReplyKind::wrong);
+}
+
 TEST(ModbusFrame, EveryBodyOfRandomBytesIsAnsweredWithoutHarm) {
   test::Random random(21);
   Registers registers;

@@ -2,8 +2,13 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <array>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <functional>
 #include <mutex>
@@ -39,6 +44,33 @@ inline bool eventually(const std::function<bool()>& holds) {
     std::this_thread::sleep_for(5ms);
   }
   return false;
+}
+
+/// A plain TCP connection to the device; -1: none.
+inline int connect_to(std::uint16_t port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const int file = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (connect(file, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return file;
+  close(file);
+  return -1;
+}
+
+/// Sends requests as fast as they go and takes no reply, again and again, until it is `enough`.
+inline void flood(std::uint16_t port, const std::atomic<bool>& enough) {
+  const std::array<std::uint8_t, 12> request = {0, 7, 0, 0, 0, 6, 1, 3, 0, 100, 0, 22};
+  std::vector<std::uint8_t> many;
+  for (int i = 0; i < 500; ++i) many.insert(many.end(), request.begin(), request.end());
+  while (!enough) {
+    const int file = connect_to(port);
+    while (!enough && send(file, many.data(), many.size(), MSG_NOSIGNAL | MSG_DONTWAIT) != 0) {
+      if (errno != EAGAIN && errno != EINTR) break;
+      std::this_thread::sleep_for(1ms);
+    }
+    close(file);
+  }
 }
 
 /// A simulated device that a thread serves. What the test reads of it is copied after each step.

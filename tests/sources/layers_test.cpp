@@ -110,11 +110,12 @@ const Outside kOutside[] = {
     {"nlohmann/.*", "(engine/src/motion/motion_\\w+[.].*|tools/.*|tests/.*)"},
     {"(lz4frame|zstd|zlib)[.]h", "(engine/src/recording/mcap_\\w+[.]cpp|tests/.*)"},
     {"(unistd|fcntl|sys/\\w+)[.]h",
-     "(engine/src/(files/(mapped|output)_file|recording/mcap_reader|modbus/modbus_server)[.]cpp|tools/"
+     "(engine/src/(files/(mapped|output)_file|recording/mcap_reader|modbus/"
+     "modbus_(server|link|network))[.]cpp|tools/"
      ".*|tests/"
      ".*|bench/.*)"},
     {"modbus/.*", "engine/src/modbus/modbus_link[.]cpp"},
-    {"(poll|sched|pthread|termios|errno|time|arpa/\\w+|netinet/\\w+)[.]h",
+    {"(poll|sched|pthread|termios|errno|time|netdb|arpa/\\w+|netinet/\\w+)[.]h",
      "(engine/src/modbus/modbus_\\w+[.]cpp|tools/.*|tests/.*)"},
     {"CLI/.*", "tools/lumbrical/command_line[.]cpp"},
     {"(gtest|boost)/.*", "tests/.*"},

@@ -184,6 +184,10 @@ struct ExchangePlan {
 };
 ExchangePlan plan_exchange(const DeviceProfile& profile);
 
+/// What a profile calls the registers of a block, for messages: "control to little distal (registers 0 to 16
+/// of unit 1)".
+std::string name_registers(const DeviceProfile& profile, const RegisterBlock& block);
+
 /// Whether the parts of a profile agree: limits that its registers can't hold, fields that overlap, a safe
 /// value outside the limits, more registers than Modbus allows. Names the field by its path in the file.
 Status check_profile(const DeviceProfile& profile);

@@ -13,16 +13,30 @@
 
 namespace lumbrical {
 
+/// What is wrong with a reply. `registers` is of the address that acknowledges a write (FC16), `behind` a
+/// byte too many.
+enum class WrongReply : std::uint8_t {
+  nothing,
+  transaction,
+  protocol,
+  length,
+  unit,
+  function,
+  registers,
+  behind
+};
+
 /// What goes wrong on the wire; may change while the server runs.
 struct ServerFaults {
-  std::atomic<bool> silent{false};      ///< takes requests, answers nothing
-  std::atomic<bool> cut_reply{false};   ///< sends half of a reply, then closes (TCP) or falls silent (RTU)
-  std::atomic<bool> wrong_unit{false};  ///< answers as another unit
-  std::atomic<bool> garbage{false};     ///< random bytes before every reply (RTU), in its place (TCP)
-  std::atomic<bool> refuse{false};      ///< closes every new connection at once
-  std::atomic<int> exception{0};        ///< exception code in the place of every answer; 0: none
-  std::atomic<double> delay{0};         ///< [s] before every reply
-  std::atomic<double> jitter{0};        ///< [s] up to this much more, at random
+  std::atomic<bool> silent{false};     ///< takes requests, answers nothing
+  std::atomic<bool> cut_reply{false};  ///< sends half of a reply, then closes (TCP) or falls silent (RTU)
+  std::atomic<WrongReply> wrong{WrongReply::nothing};
+  std::atomic<bool> garbage{false};  ///< random bytes before every reply (RTU), in its place (TCP)
+  std::atomic<bool> refuse{false};   ///< closes every new connection at once
+  std::atomic<int> exception{0};     ///< exception code in the place of every answer; 0: none
+  std::atomic<double> delay{0};      ///< [s] before every reply
+  std::atomic<double> jitter{0};     ///< [s] up to this much more, at random
+  std::atomic<double> trickle{0};    ///< [s] between the bytes of a reply
 };
 
 class ModbusServer {

@@ -215,6 +215,36 @@ void set_unit(DeviceProfile& profile, std::uint8_t unit) {
   profile.control.unit = profile.heartbeat.unit = profile.status.unit = unit;
 }
 
+std::string name_registers(const DeviceProfile& profile, const RegisterBlock& block) {
+  const auto inside = [&block](std::uint8_t unit, int address) {
+    return unit == block.unit && address >= block.address && address < block.address + block.count;
+  };
+  std::map<int, std::string> names;  // by address
+  const auto add = [&](std::uint8_t unit, int address, const std::string& name) {
+    if (inside(unit, address)) names.try_emplace(address, name);
+  };
+  for (const Actuator& actuator : profile.actuators) {
+    add(actuator.field.unit, actuator.field.address, actuator.name);
+    if (!actuator.local.present) continue;
+    add(actuator.local.angle.unit, actuator.local.angle.address, actuator.name + " angle");
+    add(actuator.local.stiffness.unit, actuator.local.stiffness.address, actuator.name + " stiffness");
+    add(actuator.local.radius.unit, actuator.local.radius.address, actuator.name + " radius");
+  }
+  for (const std::vector<NamedField>& fields : {written_fields(profile), read_fields(profile)}) {
+    for (const NamedField& named : fields) add(named.field.unit, named.field.address, named.path);
+  }
+  for (const RegisterWrite& write : profile.handshake) add(write.unit, write.address, "handshake");
+  for (const RegisterCheck& check : profile.expected) add(check.unit, check.address, "expected");
+  const int last = block.address + block.count - 1;
+  std::string text = block.count == 1
+                         ? "register " + std::to_string(last)
+                         : "registers " + std::to_string(block.address) + " to " + std::to_string(last);
+  text += " of unit " + std::to_string(block.unit);
+  if (names.empty()) return text;
+  const std::string &from = names.begin()->second, &to = names.rbegin()->second;
+  return (from == to ? from : from + " to " + to) + " (" + text + ")";
+}
+
 ExchangePlan plan_exchange(const DeviceProfile& profile) {
   ExchangePlan plan;
   const std::vector<NamedField> written = written_fields(profile);

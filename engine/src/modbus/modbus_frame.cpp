@@ -10,6 +10,7 @@ namespace {
 enum Exception : int { kIllegalFunction = 1, kIllegalAddress = 2, kIllegalValue = 3 };
 
 constexpr std::size_t kLongestBody = 253;
+constexpr std::uint8_t kWriteRegisters = 16;
 
 std::uint16_t word(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::uint16_t>(bytes[at] << 8 | bytes[at + 1]);
@@ -18,6 +19,12 @@ std::uint16_t word(std::span<const std::uint8_t> bytes, std::size_t at) {
 void put_word(Bytes& bytes, std::uint16_t value) {
   bytes.push_back(static_cast<std::uint8_t>(value >> 8));
   bytes.push_back(static_cast<std::uint8_t>(value & 0xFF));
+}
+
+void put_checksum(Bytes& frame) {
+  const std::uint16_t crc = modbus_crc(frame);
+  frame.push_back(static_cast<std::uint8_t>(crc & 0xFF));
+  frame.push_back(static_cast<std::uint8_t>(crc >> 8));
 }
 
 Bytes exception(std::uint8_t function, int code) {
@@ -159,10 +166,68 @@ Bytes frame_rtu(const ModbusRequest& request, const Bytes& answer) {
   frame.reserve(answer.size() + 3);  // the address before, the checksum behind
   frame.push_back(request.unit);
   frame.insert(frame.end(), answer.begin(), answer.end());
-  const std::uint16_t crc = modbus_crc(frame);
-  frame.push_back(static_cast<std::uint8_t>(crc & 0xFF));
-  frame.push_back(static_cast<std::uint8_t>(crc >> 8));
+  put_checksum(frame);
   return frame;
+}
+
+void frame_question(const ModbusQuestion& question, const std::uint16_t* words, Bytes& frame) {
+  frame.clear();
+  const bool reads = question.function != kWriteRegisters, writes = question.write_count > 0;
+  if (!question.serial) {
+    const int body = 1 + (reads ? 4 : 0) + (writes ? 5 + 2 * question.write_count : 0);
+    put_word(frame, question.transaction);
+    put_word(frame, 0);
+    put_word(frame, static_cast<std::uint16_t>(body + 1));
+  }
+  frame.push_back(question.unit);
+  frame.push_back(question.function);
+  if (reads) {
+    put_word(frame, question.read_address);
+    put_word(frame, question.read_count);
+  }
+  if (writes) {
+    put_word(frame, question.write_address);
+    put_word(frame, question.write_count);
+    frame.push_back(static_cast<std::uint8_t>(2 * question.write_count));
+    for (int i = 0; i < question.write_count; ++i) put_word(frame, words[i]);
+  }
+  if (question.serial) put_checksum(frame);
+}
+
+ReplyCheck check_reply(const ModbusQuestion& question, std::span<const std::uint8_t> received) {
+  const auto wrong = [](const char* why) { return ReplyCheck{ReplyKind::wrong, why}; };
+  const std::size_t size = received.size();
+  const std::size_t unit_at = question.serial ? 0 : 6, body = unit_at + 1, checksum = question.serial ? 2 : 0;
+  const bool reads = question.function != kWriteRegisters;
+  const std::size_t right = reads ? 2u + 2u * question.read_count : 5u;  // function code and data
+  if (!question.serial) {
+    if (size >= 2 && word(received, 0) != question.transaction) return wrong("a reply to another request");
+    if (size >= 4 && word(received, 2) != 0) return wrong("a reply of another protocol");
+    if (size >= 6 && word(received, 4) != right + 1 && word(received, 4) != 3)
+      return wrong("a reply of the wrong length");
+  }
+  if (size > unit_at && received[unit_at] != question.unit) return wrong("a reply of another unit");
+  if (size <= body) return {};
+  const bool exception = received[body] == (question.function | 0x80);
+  if (!exception && received[body] != question.function) return wrong("a reply to another function");
+  const std::size_t length = exception ? 2 : right;
+  if (!question.serial && word(received, 4) != length + 1) return wrong("a reply of the wrong length");
+  if (!exception && reads && size > body + 1 && received[body + 1] != 2 * question.read_count)
+    return wrong("a reply of the wrong length");
+  const std::size_t end = body + length + checksum;
+  if (size < end) return {};
+  if (size > end) return wrong("bytes behind the reply");
+  if (question.serial) {
+    const std::uint16_t crc = modbus_crc(received.first(end - 2));
+    if (received[end - 2] != (crc & 0xFF) || received[end - 1] != crc >> 8)
+      return wrong("a reply with a wrong checksum");
+  }
+  if (exception) return {ReplyKind::exception, "", received[body + 1]};
+  if (!reads && (word(received, body + 1) != question.write_address ||
+                 word(received, body + 3) != question.write_count)) {
+    return wrong("a reply about other registers");
+  }
+  return {ReplyKind::right, "", 0, body + 2};
 }
 
 }  // namespace lumbrical

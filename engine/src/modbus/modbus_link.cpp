@@ -3,10 +3,15 @@
 
 #include <errno.h>
 #include <modbus/modbus.h>
+#include <poll.h>
+#include <sys/socket.h>
 #include <termios.h>
 #include <time.h>
+#include <unistd.h>
 
-#include <cmath>
+#include <algorithm>
+#include <array>
+#include <cstring>
 
 namespace lumbrical {
 namespace {
@@ -36,7 +41,27 @@ Status check_baud(int file, const Transport& transport) {
                        "; use a rate that libmodbus and the driver know");
 }
 
-constexpr LinkResult kNoSuchUnit = {LinkOutcome::broken, "a unit id that this transport can't address"};
+const char* const kHungUp = "the device has hung up";
+constexpr std::int64_t kGlance = 1000000;  // [ns] between two looks at whether there is a hurry
+
+std::int64_t nanoseconds(double seconds) { return static_cast<std::int64_t>(seconds * 1e9); }
+
+std::int64_t clock_now() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::int64_t{now.tv_sec} * 1000000000 + now.tv_nsec;
+}
+
+bool wait_for_input(int file, std::int64_t span) {
+  pollfd poll_file{file, POLLIN, 0};
+  const timespec time{static_cast<time_t>(span / 1000000000), static_cast<long>(span % 1000000000)};
+  return ppoll(&poll_file, 1, &time, nullptr) > 0;
+}
+
+void sleep_for(double seconds) {
+  const timespec pause{0, static_cast<long>(seconds * 1e9)};
+  nanosleep(&pause, nullptr);
+}
 
 int character_bits(const Transport& transport) {
   return 9 + transport.stop_bits + (transport.parity == Parity::none ? 0 : 1);
@@ -62,17 +87,17 @@ Status ModbusLink::open(const Transport& transport, double timeout) {
   const auto microseconds = static_cast<std::uint32_t>((timeout - seconds) * 1e6);
   modbus_set_error_recovery(context_.get(), MODBUS_ERROR_RECOVERY_NONE);
   modbus_set_response_timeout(context_.get(), seconds, microseconds);
-  modbus_set_byte_timeout(context_.get(), seconds, microseconds);
-  modbus_set_slave(context_.get(), 1);
   if (modbus_connect(context_.get()) != 0) {
     const int error = errno;
     close();
     return Status::error(name + ": " + modbus_strerror(error));
   }
+  file_ = modbus_get_socket(context_.get());
+  serial_ = transport.serial;
   silence_ = 0;
   if (transport.serial) {
     silence_ = 3.5 * character_bits(transport) / transport.baud;
-    if (Status status = check_baud(modbus_get_socket(context_.get()), transport); !status.ok()) {
+    if (Status status = check_baud(file_, transport); !status.ok()) {
       close();
       return status;
     }
@@ -81,48 +106,108 @@ Status ModbusLink::open(const Transport& transport, double timeout) {
   return {};
 }
 
-void ModbusLink::close() { context_.reset(); }
-
-// False: a unit that no request can be sent to; the one before must not get it instead.
-bool ModbusLink::address(std::uint8_t unit) {
-  if (modbus_set_slave(context_.get(), unit) != 0) return false;
-  keep_silence();
-  return true;
-}
-
-void ModbusLink::keep_silence() const {
-  if (silence_ <= 0) return;
-  timespec pause{0, static_cast<long>(silence_ * 1e9)};
-  nanosleep(&pause, nullptr);
-}
-
-LinkResult ModbusLink::result(int answer, int count) {
-  if (answer == count) return {};
-  const int error = errno;
-  const char* const text = answer >= 0 ? "a reply of the wrong length" : modbus_strerror(error);
-  const bool exception = answer < 0 && error > MODBUS_ENOBASE && error < EMBBADCRC;
-  return {exception ? LinkOutcome::refused : LinkOutcome::broken, text};
+void ModbusLink::close() {
+  context_.reset();
+  file_ = -1;
 }
 
 LinkResult ModbusLink::write(const RegisterBlock& block, const std::uint16_t* words) {
-  if (!address(block.unit)) return kNoSuchUnit;
-  return result(modbus_write_registers(context_.get(), block.address, block.count, words), block.count);
+  return transact(
+      {.unit = block.unit, .function = 16, .write_address = block.address, .write_count = block.count}, words,
+      nullptr);
 }
 
 LinkResult ModbusLink::read(int function, const RegisterBlock& block, std::uint16_t* words) {
-  if (!address(block.unit)) return kNoSuchUnit;
-  const int answer = function == 4
-                         ? modbus_read_input_registers(context_.get(), block.address, block.count, words)
-                         : modbus_read_registers(context_.get(), block.address, block.count, words);
-  return result(answer, block.count);
+  return transact({.unit = block.unit,
+                   .function = static_cast<std::uint8_t>(function),
+                   .read_address = block.address,
+                   .read_count = block.count},
+                  nullptr, words);
 }
 
 LinkResult ModbusLink::exchange(const RegisterBlock& write, const std::uint16_t* sent,
                                 const RegisterBlock& read, std::uint16_t* words) {
-  if (!address(write.unit)) return kNoSuchUnit;
-  return result(modbus_write_and_read_registers(context_.get(), write.address, write.count, sent,
-                                                read.address, read.count, words),
-                read.count);
+  return transact({.unit = write.unit,
+                   .function = 23,
+                   .write_address = write.address,
+                   .write_count = write.count,
+                   .read_address = read.address,
+                   .read_count = read.count},
+                  sent, words);
+}
+
+LinkResult ModbusLink::transact(ModbusQuestion question, const std::uint16_t* sent, std::uint16_t* words) {
+  if (serial_) sleep_for(silence_);
+  if (const char* const why = forget_input(); why != nullptr) return {LinkOutcome::broken, why};
+  question.serial = serial_;
+  question.transaction = ++transaction_;
+  frame_question(question, sent, frame_);
+  const std::int64_t end = clock_now() + nanoseconds(patience.usual);
+  const LinkResult result = send(end);
+  return result.ok() ? receive(question, end, words) : result;
+}
+
+// What came before it was asked for. On a line that is noise; on a connection no one can know what it belongs
+// to.
+const char* ModbusLink::forget_input() {
+  pollfd poll_file{file_, POLLIN, 0};
+  if (poll(&poll_file, 1, 0) <= 0) return nullptr;
+  if (serial_) return tcflush(file_, TCIFLUSH) == 0 ? nullptr : "the line is gone";
+  std::uint8_t byte = 0;
+  const ssize_t count = recv(file_, &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+  return count == 0 ? kHungUp : count < 0 ? std::strerror(errno) : "bytes that no request asked for";
+}
+
+LinkResult ModbusLink::send(std::int64_t end) {
+  std::size_t sent = 0;
+  while (sent < frame_.size()) {
+    const std::size_t left = frame_.size() - sent;
+    const ssize_t count = serial_ ? ::write(file_, frame_.data() + sent, left)
+                                  : ::send(file_, frame_.data() + sent, left, MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (count > 0) {
+      sent += static_cast<std::size_t>(count);
+      continue;
+    }
+    if (count < 0 && errno != EAGAIN && errno != EINTR) return {LinkOutcome::broken, std::strerror(errno)};
+    if (clock_now() >= end) return {LinkOutcome::broken, "timed out: requests are not taken"};
+    pollfd poll_file{file_, POLLOUT, 0};
+    poll(&poll_file, 1, 1);
+  }
+  return {};
+}
+
+LinkResult ModbusLink::receive(const ModbusQuestion& question, std::int64_t end, std::uint16_t* words) {
+  received_.clear();
+  bool hurried = false;
+  for (;;) {
+    const std::int64_t now = clock_now();
+    if (!hurried && patience.hurry && patience.hurry()) {
+      hurried = true;
+      end = std::min(end, now + nanoseconds(patience.hurried));
+    }
+    if (now >= end) {
+      return {LinkOutcome::broken, hurried ? "timed out: no reply in two cycles to an emergency stop"
+                                   : received_.empty() ? "timed out: no reply"
+                                                       : "timed out: a reply that does not end"};
+    }
+    if (!wait_for_input(file_, std::min(end - now, kGlance))) continue;
+    std::array<std::uint8_t, 512> block{};
+    const ssize_t count = serial_ ? ::read(file_, block.data(), block.size())
+                                  : recv(file_, block.data(), block.size(), MSG_DONTWAIT);
+    if (count < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+    if (count <= 0) return {LinkOutcome::broken, count == 0 ? kHungUp : std::strerror(errno)};
+    received_.insert(received_.end(), block.begin(), block.begin() + count);
+    const ReplyCheck check = check_reply(question, received_);
+    if (check.kind == ReplyKind::incomplete) continue;
+    if (check.kind == ReplyKind::wrong) return {LinkOutcome::broken, check.why};
+    if (check.kind == ReplyKind::exception)
+      return {LinkOutcome::refused, modbus_strerror(MODBUS_ENOBASE + check.exception)};
+    for (std::size_t i = 0; i < question.read_count; ++i) {
+      words[i] = static_cast<std::uint16_t>(received_[check.words + 2 * i] << 8 |
+                                            received_[check.words + 2 * i + 1]);
+    }
+    return {};
+  }
 }
 
 double line_time(const DeviceProfile& profile) {

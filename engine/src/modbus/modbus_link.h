@@ -1,12 +1,14 @@
-// One Modbus connection: libmodbus with its recovery switched off and its traps checked.
+// One Modbus connection: libmodbus opens it; requests and replies are made, bounded and checked here.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
 
 #include "lumbrical/device_profile.h"
+#include "modbus/modbus_frame.h"
 
 struct _modbus;
 
@@ -24,6 +26,13 @@ struct LinkResult {
   [[nodiscard]] bool ok() const { return outcome == LinkOutcome::done; }
 };
 
+/// How long a reply may take [s], counted from its request, whatever arrives in the meantime.
+struct Patience {
+  double usual = 0.05;
+  double hurried = 0.05;        ///< once `hurry` says so, from then on
+  std::function<bool()> hurry;  ///< asked every millisecond; may be empty
+};
+
 class ModbusLink {
  public:
   ModbusLink() = default;
@@ -31,8 +40,8 @@ class ModbusLink {
   ModbusLink& operator=(ModbusLink&&) = default;
   ~ModbusLink() { close(); }
 
-  /// Connects within `timeout` [s], which is also what every later request waits for its reply. Refuses a
-  /// serial line that did not take the baud rate (libmodbus then silently uses 9600).
+  /// Connects within `timeout` [s]. Refuses a serial line that did not take the baud rate (libmodbus then
+  /// silently uses 9600).
   Status open(const Transport& transport, double timeout);
   void close();
   [[nodiscard]] bool is_open() const { return context_ != nullptr; }
@@ -42,15 +51,22 @@ class ModbusLink {
   LinkResult exchange(const RegisterBlock& write, const std::uint16_t* sent, const RegisterBlock& read,
                       std::uint16_t* words);  ///< FC23
 
+  Patience patience;  ///< of the next request on
+
  private:
-  LinkResult result(int answer, int count);
-  bool address(std::uint8_t unit);
-  void keep_silence() const;
+  LinkResult transact(ModbusQuestion question, const std::uint16_t* sent, std::uint16_t* words);
+  LinkResult send(std::int64_t end);
+  LinkResult receive(const ModbusQuestion& question, std::int64_t end, std::uint16_t* words);
+  const char* forget_input();
   struct Free {
     void operator()(_modbus* context) const;
   };
   std::unique_ptr<_modbus, Free> context_;
+  int file_ = -1;  // of the connection; libmodbus closes it
+  bool serial_ = false;
   double silence_ = 0;  // [s] between frames of a serial line
+  std::uint16_t transaction_ = 0;
+  Bytes frame_, received_;
 };
 
 /// [s] one cycle takes on a serial line: characters on the wire and the silence of 3.5 of them between

@@ -10,6 +10,7 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -25,9 +26,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// What a client may have sent and not been answered yet; beyond it the client is broken.
+// What a client may have sent and not been answered yet; no more is read before.
 constexpr std::size_t kMostBuffered = 4096;
 constexpr std::size_t kMostPeers = 16;
+// Answered to one client before the others, and the device's own clock, have their turn.
+constexpr int kMostAtOnce = 8;
+constexpr std::chrono::seconds kAtWork{1};  // after a request a client keeps its place for so long
 
 Status system_error(const std::string& what) { return Status::error(what + ": " + std::strerror(errno)); }
 
@@ -70,12 +74,27 @@ speed_t speed_of(std::uint32_t baud) {
   }
 }
 
+void spoil(WrongReply wrong, ModbusRequest& request, Bytes& answer) {
+  if (wrong == WrongReply::transaction) --request.transaction;
+  if (wrong == WrongReply::unit) ++request.unit;
+  if (wrong == WrongReply::function) ++answer[0];
+  if (wrong == WrongReply::registers && answer.size() > 2) ++answer[2];  // of an address, or of data
+}
+
+void spoil(WrongReply wrong, bool serial, Bytes& frame) {
+  if (wrong == WrongReply::protocol && !serial) frame[3] = 1;
+  if (wrong == WrongReply::length) ++frame[serial ? 2 : 5];
+  if (wrong == WrongReply::behind) frame.push_back(0);
+}
+
 }  // namespace
 
 struct ModbusServer::Peer {
   int file = -1;
   bool serial = false;
-  Bytes received;
+  Bytes received{};
+  Clock::time_point last{};  // when it asked something
+  bool more = false;         // requests wait in `received`
 };
 
 // One call of serve().
@@ -107,20 +126,25 @@ struct ModbusServer::Session {
     const double seconds = faults.delay + jitter;
     if (seconds > 0) std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
   }
+  // False: a client that takes no replies. No one waits for it.
   bool send(const Peer& peer, const Bytes& bytes) const {
+    const double pause = faults.trickle;
     std::size_t sent = 0;
     while (sent < bytes.size()) {
+      const std::size_t left = pause > 0 ? 1 : bytes.size() - sent;
       const ssize_t count = peer.serial
-                                ? ::write(peer.file, bytes.data() + sent, bytes.size() - sent)
-                                : ::send(peer.file, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
-      if (count < 0 && (errno == EINTR || errno == EAGAIN)) continue;
-      if (count <= 0) return false;
+                                ? ::write(peer.file, bytes.data() + sent, left)
+                                : ::send(peer.file, bytes.data() + sent, left, MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) return peer.serial;  // a line has no other end that could be closed
       sent += static_cast<std::size_t>(count);
+      if (pause > 0) std::this_thread::sleep_for(std::chrono::duration<double>(pause));
     }
     return true;
   }
   bool reply(Peer& peer, ModbusRequest request);
   bool receive(Peer& peer, std::atomic<std::uint64_t>& requests);
+  void welcome(int file);
 };
 
 // False: close the connection.
@@ -133,8 +157,9 @@ bool ModbusServer::Session::reply(Peer& peer, ModbusRequest request) {
   }
   wait_as_told();
   if (faults.silent) return true;
-  if (faults.wrong_unit) ++request.unit;
+  spoil(faults.wrong, request, answer);
   Bytes frame = peer.serial ? frame_rtu(request, answer) : frame_tcp(request, answer);
+  spoil(faults.wrong, peer.serial, frame);
   if (faults.garbage) {
     Bytes noise;
     for (int i = 0; i < 9; ++i) noise.push_back(static_cast<std::uint8_t>(next_random() >> 24));
@@ -150,19 +175,44 @@ bool ModbusServer::Session::reply(Peer& peer, ModbusRequest request) {
 
 bool ModbusServer::Session::receive(Peer& peer, std::atomic<std::uint64_t>& requests) {
   std::array<std::uint8_t, 1024> block{};
-  const ssize_t count = ::read(peer.file, block.data(), block.size());
-  // A terminal without anyone at its other end reports an input error and comes back to life later.
-  if (count < 0 && (errno == EINTR || errno == EAGAIN || (peer.serial && errno == EIO))) return true;
-  if (count <= 0) return peer.serial;
-  peer.received.insert(peer.received.end(), block.begin(), block.begin() + count);
+  if (peer.received.size() < kMostBuffered) {
+    errno = 0;
+    const ssize_t count = peer.serial ? ::read(peer.file, block.data(), block.size())
+                                      : ::recv(peer.file, block.data(), block.size(), MSG_DONTWAIT);
+    // A terminal without anyone at its other end reports an input error and comes back to life later.
+    const bool later = errno == EINTR || errno == EAGAIN || (peer.serial && errno == EIO);
+    if (count == 0 || (count < 0 && !later)) return peer.serial;
+    if (count > 0) peer.received.insert(peer.received.end(), block.begin(), block.begin() + count);
+  }
   ModbusRequest request;
-  for (;;) {
+  for (int i = 0; i < kMostAtOnce; ++i) {
     const Cut cut = peer.serial ? cut_rtu(peer.received, request) : cut_tcp(peer.received, request);
+    peer.more = cut == Cut::request;
     if (cut == Cut::broken) return false;
     if (cut == Cut::incomplete) return peer.received.size() < kMostBuffered;
+    peer.last = now;
     ++requests;
     if (!reply(peer, request)) return false;
   }
+  return true;
+}
+
+void ModbusServer::Session::welcome(int file) {
+  if (faults.refuse) {
+    ::close(file);
+    return;
+  }
+  if (peers.size() >= kMostPeers) {  // who has asked nothing of late makes room
+    const auto oldest = std::min_element(peers.begin(), peers.end(),
+                                         [](const Peer& a, const Peer& b) { return a.last < b.last; });
+    const bool at_work = now - oldest->last < kAtWork;
+    ::close(at_work ? file : oldest->file);
+    if (at_work) return;
+    peers.erase(oldest);
+  }
+  const int yes = 1;
+  setsockopt(file, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+  peers.push_back({file, false});
 }
 
 ModbusServer::ModbusServer() = default;
@@ -175,12 +225,12 @@ Status ModbusServer::listen(const std::string& host, std::uint16_t port) {
   if (inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1) {
     return Status::error(host + ": is no IPv4 address; use 127.0.0.1");
   }
-  listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const int yes = 1;
   setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   auto* const generic = reinterpret_cast<sockaddr*>(&address);
   socklen_t size = sizeof address;
-  if (listener_ < 0 || bind(listener_, generic, size) != 0 || ::listen(listener_, 8) != 0 ||
+  if (listener_ < 0 || bind(listener_, generic, size) != 0 || ::listen(listener_, 64) != 0 ||
       getsockname(listener_, generic, &size) != 0) {
     const Status status = system_error(host + ":" + std::to_string(port));
     close();
@@ -234,31 +284,30 @@ void ModbusServer::close() {
 void ModbusServer::serve(SimulatedDevice& device, ServerFaults& faults, const std::function<bool()>& stop,
                          const std::function<void(SimulatedDevice&)>& observe) {
   Session session(device, faults, observe);
-  if (line_ >= 0) session.peers.push_back({line_, true, {}});
+  if (line_ >= 0) session.peers.push_back({line_, true});
   while (!stop()) {
     std::vector<pollfd> files;
-    for (const Peer& peer : session.peers) files.push_back({peer.file, POLLIN, 0});
-    if (listener_ >= 0) files.push_back({listener_, POLLIN, 0});
-    poll(files.data(), files.size(), 1);
-    session.advance();
-    if (listener_ >= 0 && (files.back().revents & POLLIN) != 0) {
-      const int file = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
-      const int yes = 1;
-      if (file >= 0 && (faults.refuse || session.peers.size() >= kMostPeers)) {
-        ::close(file);
-      } else if (file >= 0) {
-        setsockopt(file, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-        session.peers.push_back({file, false, {}});
-      }
+    bool more = false;
+    for (const Peer& peer : session.peers) {
+      files.push_back({peer.file, POLLIN, 0});
+      more = more || peer.more;
     }
+    if (listener_ >= 0) files.push_back({listener_, POLLIN, 0});
+    poll(files.data(), files.size(), more ? 0 : 1);
+    session.advance();
     bool hung_up = false;
-    for (std::size_t i = files.size(); i-- > 0;) {
-      if (files[i].fd == listener_ || files[i].revents == 0) continue;
+    for (std::size_t i = session.peers.size(); i-- > 0;) {
       Peer& peer = session.peers[i];
+      if (files[i].revents == 0 && !peer.more) continue;
       if (peer.serial && (files[i].revents & POLLIN) == 0) hung_up = true;
       if (session.receive(peer, requests_)) continue;
       ::close(peer.file);
       session.peers.erase(session.peers.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+    for (int i = 0; listener_ >= 0 && i < kMostAtOnce; ++i) {
+      const int file = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
+      if (file < 0) break;
+      session.welcome(file);
     }
     if (hung_up) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }

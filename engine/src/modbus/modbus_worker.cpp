@@ -27,10 +27,10 @@ void ModbusSink::Worker::tell(std::string text) {
 }
 
 // The same trouble is told once, until something works again.
-void ModbusSink::Worker::problem(const char* text) {
+void ModbusSink::Worker::problem(std::string text) {
   if (last_problem == text) return;
   last_problem = text;
-  tell(text);
+  tell(std::move(text));
 }
 
 void ModbusSink::Worker::set_up_thread() {
@@ -72,28 +72,39 @@ void ModbusSink::Worker::connect() {
 
 // What the profile wants to be written first; then its conditions, until they hold.
 bool ModbusSink::Worker::shake_hands() {
-  LinkResult result;
   for (const RegisterWrite& write : profile.handshake) {
-    result = link.write({write.unit, write.address, 1}, &write.value);
-    if (!result.ok()) break;
+    const RegisterBlock block{write.unit, write.address, 1};
+    if (!answered(link.write(block, &write.value), "writing", block)) return false;
   }
   for (const RegisterCheck& check : profile.expected) {
+    const RegisterBlock block{check.unit, check.address, 1};
     std::uint16_t value = 0;
-    if (result.ok()) result = link.read(profile.read_function, {check.unit, check.address, 1}, &value);
-    if (result.ok() && (value & check.mask) != check.value) {
-      problem("the device is not ready yet: a register of its handshake holds another value");
+    if (!answered(link.read(profile.read_function, block, &value), "reading", block)) return false;
+    if ((value & check.mask) != check.value) {
+      problem("the device is not ready yet: " + name_registers(profile, block) + " holds another value");
       return false;
     }
   }
-  if (result.outcome == LinkOutcome::broken) lose(result.text);
-  if (result.outcome == LinkOutcome::refused) problem(result.text);
-  return result.ok();
+  return true;
 }
 
-void ModbusSink::Worker::lose(const char* why) {
+// What is wrong is told with the names of the registers it was about.
+bool ModbusSink::Worker::answered(const LinkResult& result, const char* doing, const RegisterBlock& block) {
+  if (result.ok()) return true;
+  {
+    const std::lock_guard lock(mutex);
+    ++(result.outcome == LinkOutcome::refused ? report.refused : report.broken);
+  }
+  std::string text = std::string(result.text) + ", " + doing + " " + name_registers(profile, block);
+  if (result.outcome == LinkOutcome::broken) return lose(std::move(text)), false;
+  problem(std::move(text));
+  return false;
+}
+
+void ModbusSink::Worker::lose(std::string why) {
   link.close();
   handshaken = false;
-  problem(why);
+  problem(std::move(why));
   // The first try follows at once, the others ever later.
   next_try = retry == 0 ? 0 : now_ns() + ns(retry);
   retry = retry == 0 ? profile.first_retry : std::min(2 * retry, profile.last_retry);
@@ -153,29 +164,22 @@ SafetyOutput ModbusSink::Worker::decide(std::int64_t now) {
 
 bool ModbusSink::Worker::transfer() {
   const ExchangePlan& plan = words.plan;
-  LinkResult result;
   if (plan.combined) {
-    result = link.exchange(plan.writes[0], words.written.data(), plan.reads[0], words.read.data());
-  } else {
-    std::size_t at = 0;
-    for (const RegisterBlock& block : plan.writes) {
-      if (result.ok()) result = link.write(block, words.written.data() + at);
-      at += block.count;
-    }
-    at = 0;
-    for (const RegisterBlock& block : plan.reads) {
-      if (result.ok()) result = link.read(profile.read_function, block, words.read.data() + at);
-      at += block.count;
-    }
+    return answered(link.exchange(plan.writes[0], words.written.data(), plan.reads[0], words.read.data()),
+                    "writing", plan.writes[0]);
   }
-  if (result.ok()) return true;
-  {
-    const std::lock_guard lock(mutex);
-    ++(result.outcome == LinkOutcome::refused ? report.refused : report.broken);
+  std::size_t at = 0;
+  for (const RegisterBlock& block : plan.writes) {
+    if (!answered(link.write(block, words.written.data() + at), "writing", block)) return false;
+    at += block.count;
   }
-  if (result.outcome == LinkOutcome::refused) problem(result.text);
-  if (result.outcome == LinkOutcome::broken) lose(result.text);
-  return false;
+  at = 0;
+  for (const RegisterBlock& block : plan.reads) {
+    if (!answered(link.read(profile.read_function, block, words.read.data() + at), "reading", block))
+      return false;
+    at += block.count;
+  }
+  return true;
 }
 
 void ModbusSink::Worker::take_feedback(std::int64_t now) {
@@ -223,6 +227,9 @@ void ModbusSink::Worker::count(bool acknowledged, std::int64_t now) {
 
 // One cycle. True: the device has acknowledged safe values with its control word off.
 bool ModbusSink::Worker::step() {
+  // While forces act, an emergency stop is answered soon or the link is closed: the device's watchdog acts
+  // then.
+  link.patience.hurried = 2 * std::max(running.usual, 1 / profile.rate);
   if (!link.is_open()) connect();
   if (link.is_open() && !handshaken) {
     handshaken = shake_hands();
@@ -247,7 +254,7 @@ bool ModbusSink::Worker::step() {
       last_answer = now;
       any_answer = true;
       retry = 0;
-      last_problem = nullptr;
+      last_problem.clear();
     }
     remember(output, sent, acknowledged ? now : 0);
   }

@@ -63,7 +63,7 @@ struct ModbusSink::Worker {
   std::uint64_t cycle = 0;
   std::array<std::int64_t, 2> rate_start{};
   std::array<std::uint64_t, 2> rate_count{};
-  const char* last_problem = nullptr;
+  std::string last_problem;
 
   explicit Worker(const DeviceProfile& wanted, const SinkOptions& chosen)
       : profile(wanted),
@@ -71,15 +71,19 @@ struct ModbusSink::Worker {
         words(wanted),
         safety(start_safety(wanted)),
         auto_arm(chosen.arm),
-        running{1 / wanted.rate} {}
+        running{1 / wanted.rate} {
+    link.patience.usual = wanted.response_timeout;
+    link.patience.hurry = [this] { return stop && !safe; };
+  }
 
   void run();
   void set_up_thread();
   void tell(std::string text);
-  void problem(const char* text);
+  void problem(std::string text);
   void connect();
   bool shake_hands();
-  void lose(const char* why);
+  void lose(std::string why);
+  bool answered(const LinkResult& result, const char* doing, const RegisterBlock& block);
   SafetyOutput decide(std::int64_t now);
   bool transfer();
   void take_feedback(std::int64_t now);
