@@ -82,8 +82,8 @@ class ServedDevice {
   }
   ~ServedDevice() { stop(); }
 
-  void listen(std::uint16_t port = 0) {
-    const Status status = server_->listen("127.0.0.1", port);
+  void listen(std::uint16_t port = 0, const std::string& host = "127.0.0.1") {
+    const Status status = server_->listen(host, port);
     ASSERT_TRUE(status.ok()) << status.message();
     start();
   }

@@ -208,11 +208,29 @@ TEST(DeviceProgram, SaysWhatIsWrongWithASink) {
   EXPECT_NE(error_of("modbus-tcp://h").find("names no device profile"), std::string::npos);
   EXPECT_NE(error_of("modbus-tcp://h?profile=device.json&speed=3").find("is no parameter"),
             std::string::npos);
+  EXPECT_NE(error_of("modbus-tcp://::1?profile=device.json").find("names no host and port"),
+            std::string::npos);
+  EXPECT_NE(error_of("modbus-tcp://[::1]x?profile=device.json").find("names no host and port"),
+            std::string::npos);
+  EXPECT_NE(error_of("modbus-tcp://8.8.8.8?profile=device.json").find("8.8.8.8: lies outside loopback"),
+            std::string::npos);
+  EXPECT_NE(error_of("modbus-tcp://[2001:db8::1]:502?profile=device.json").find("2001:db8::1: lies outside"),
+            std::string::npos);
   EXPECT_NE(error_of("modbus-tcp://h?profile=nothing.json").find("nothing.json: can't be opened"),
             std::string::npos);
   EXPECT_NE(error_of("modbus-tcp://h?profile=scene.json").find("scene.json:1:"), std::string::npos);
   EXPECT_EQ(shell("lumbrical sim-device --profile device.json", folder).exit_code, 2) << "no wire";
   EXPECT_EQ(shell("lumbrical sim-device --profile device.json --tcp x", folder).exit_code, 2);
+}
+
+TEST(DeviceProgram, TheSimulatedDeviceWarnsWhereOthersMayCommandIt) {
+  const auto folder = fresh_folder();
+  write_inputs(folder);
+  const std::string end = " --profile device.json --seconds 0.01";
+  EXPECT_EQ(shell("lumbrical sim-device --tcp 0" + end, folder).error.find("warning"), std::string::npos);
+  EXPECT_NE(shell("lumbrical sim-device --tcp 0.0.0.0:0" + end, folder)
+                .error.find("warning: whoever reaches 0.0.0.0"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "lumbrical/scene_file.h"
 #include "output.h"
 #include "real_time.h"
+#include "sink_uri.h"
 #include "switches.h"
 
 namespace lumbrical::tool {
@@ -46,13 +47,13 @@ Status intend_scene(const std::string& path, SimulationOptions& simulation) {
 
 // "[HOST:]PORT"
 Status listen(const std::string& text, ModbusServer& server) {
-  const std::size_t colon = text.rfind(':');
-  const std::string host = colon == std::string::npos ? "127.0.0.1" : text.substr(0, colon);
-  const std::string digits = colon == std::string::npos ? text : text.substr(colon + 1);
+  std::string host = "127.0.0.1";
+  std::string_view digits;
   int port = -1;
+  const bool parted = split_host(text, true, host, digits);
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
-  if (error != std::errc() || end != digits.data() + digits.size() || port < 0 || port > 65535) {
-    return Status::error("--tcp: \"" + text + "\" is no port; write 1502 or 127.0.0.1:1502");
+  if (!parted || error != std::errc() || end != digits.data() + digits.size() || port < 0 || port > 65535) {
+    return Status::error("--tcp: \"" + text + "\" is no port; write 1502, 127.0.0.1:1502 or [::1]:1502");
   }
   return server.listen(host, static_cast<std::uint16_t>(port));
 }
@@ -169,6 +170,11 @@ int simulate(SimOptions options) {
   std::signal(SIGINT, end_simulation);
   std::signal(SIGTERM, end_simulation);
   std::fprintf(stderr, "%s: listening on %s\n", profile.name.c_str(), server.name().c_str());
+  if (server.is_open_to_others()) {
+    std::fprintf(stderr,
+                 "warning: whoever reaches %s may command the device; 127.0.0.1 is for this machine only\n",
+                 server.name().c_str());
+  }
   const RealTime real_time = enter_real_time(kPriority, Pinning::none);
   Felt felt;
   server.serve(

@@ -30,6 +30,7 @@ bool parse_parameter(std::string_view name, std::string_view value, SinkUri& uri
   if (name == "baud") return parse(value, 300, 10000000, uri.baud);
   if (name == "unit") return parse(value, 0, 247, uri.unit);
   if (name == "rate") return parse(value, 0.1, 20000.0, uri.rate);
+  if (name == "network") return parse_switch(value, "any", "private", uri.anywhere);
   if (name == "feedback") return parse_switch(value, "on", "off", uri.feedback);
   if (name == "on-loss") return parse_switch(value, "stop", "continue", uri.stop_on_loss);
   if (name == "dry-run") return parse_switch(value, "on", "off", uri.dry_run);
@@ -44,13 +45,33 @@ bool parse_place(std::string_view place, SinkUri& uri) {
     uri.line = place;
     return !place.empty() && place.front() == '/';
   }
-  const std::size_t colon = place.rfind(':');
-  uri.host = place.substr(0, colon);
-  if (uri.host.empty()) return false;
-  return colon == std::string_view::npos || parse(place.substr(colon + 1), 1, 65535, uri.port);
+  std::string_view port;
+  if (!split_host(place, false, uri.host, port) || uri.host.empty()) return false;
+  return port.empty() || parse(port, 1, 65535, uri.port);
 }
 
 }  // namespace
+
+bool split_host(std::string_view text, bool alone_is_port, std::string& host, std::string_view& port) {
+  if (text.starts_with('[')) {  // an IPv6 address
+    const std::size_t end = text.find(']');
+    if (end == std::string_view::npos) return false;
+    host = text.substr(1, end - 1);
+    text.remove_prefix(end + 1);
+    if (!text.empty() && text.front() != ':') return false;
+    port = text.substr(std::min<std::size_t>(1, text.size()));
+    return true;
+  }
+  const std::size_t colon = text.find(':');
+  if (colon != text.rfind(':')) return false;  // one without brackets
+  if (colon == std::string_view::npos && alone_is_port) {
+    port = text;
+    return true;
+  }
+  host = text.substr(0, colon);
+  port = colon == std::string_view::npos ? std::string_view() : text.substr(colon + 1);
+  return true;
+}
 
 Status parse_sink_uri(const std::string& text, SinkUri& uri) {
   std::string_view rest = text;
@@ -74,7 +95,7 @@ Status parse_sink_uri(const std::string& text, SinkUri& uri) {
     if (equals == one.size() || !parse_parameter(one.substr(0, equals), one.substr(equals + 1), uri)) {
       return Status::error("\"" + std::string(one) +
                            "\" is no parameter of a sink; there are profile, baud, unit, " +
-                           "rate, feedback, on-loss, dry-run, limiter, observer and local");
+                           "rate, network, feedback, on-loss, dry-run, limiter, observer and local");
     }
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
@@ -87,6 +108,7 @@ Status load_profile(const SinkUri& uri, DeviceProfile& profile) {
   if (Status status = load_device_profile(uri.profile, profile); !status.ok()) return status;
   Transport& transport = profile.transport;
   transport.serial = uri.serial;
+  transport.anywhere = transport.anywhere || uri.anywhere;
   if (!uri.host.empty()) transport.host = uri.host;
   if (!uri.line.empty()) transport.line = uri.line;
   if (uri.port >= 0) transport.port = static_cast<std::uint16_t>(uri.port);

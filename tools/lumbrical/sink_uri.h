@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "lumbrical/device_profile.h"
 #include "lumbrical/status.h"
@@ -14,8 +15,13 @@ struct SinkUri {
   std::string host, line;
   int port = -1, baud = -1, unit = -1;  ///< -1: the profile's
   double rate = 0;                      ///< [Hz] 0: the profile's
+  bool anywhere = false;                ///< network=any; or the profile says so
   bool feedback = true, stop_on_loss = false, dry_run = false, limiter = true, observer = true, local = true;
 };
+
+/// Parts "host:port", "host", "[::1]:port" or, if `alone_is_port`, "port" into host, which stays as it is
+/// where there is none, and port, which may be any text. False: no such form.
+bool split_host(std::string_view text, bool alone_is_port, std::string& host, std::string_view& port);
 
 Status parse_sink_uri(const std::string& text, SinkUri& uri);
 

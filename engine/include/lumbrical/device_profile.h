@@ -120,7 +120,8 @@ struct Transport {
   bool serial = false;  ///< RTU; otherwise TCP
   std::string host = "127.0.0.1";
   std::uint16_t port = 502;
-  std::string line;  ///< "/dev/ttyUSB0"
+  bool anywhere = false;  ///< may lie outside loopback and private networks
+  std::string line;       ///< "/dev/ttyUSB0"
   std::uint32_t baud = 115200;
   Parity parity = Parity::none;
   std::uint8_t stop_bits = 1;

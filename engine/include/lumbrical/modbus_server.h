@@ -46,7 +46,8 @@ class ModbusServer {
   ModbusServer(const ModbusServer&) = delete;
   ModbusServer& operator=(const ModbusServer&) = delete;
 
-  /// Listens on the loopback interface; port 0 takes a free one, which port() tells.
+  /// Listens on an address of this machine, a number of IPv4 or IPv6; port 0 takes a free one, which port()
+  /// tells.
   Status listen(const std::string& host, std::uint16_t port);
   /// Opens a pseudo-terminal; its other end is name(), and `link` (if not empty) a symbolic link to that.
   Status open_terminal(const std::string& link);
@@ -55,6 +56,7 @@ class ModbusServer {
 
   [[nodiscard]] std::uint16_t port() const { return port_; }
   [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] bool is_open_to_others() const { return open_to_others_; }  ///< listens beyond loopback
 
   /// Serves until `stop()` is true, asked at least every few milliseconds. Simulated time follows the clock.
   /// `observe` (may be empty) is called after every advance of it, on this thread.
@@ -69,6 +71,7 @@ class ModbusServer {
   struct Session;
   int listener_ = -1, line_ = -1;
   std::uint16_t port_ = 0;
+  bool open_to_others_ = false;
   std::string name_, link_;
   std::atomic<std::uint64_t> requests_{0};
 };

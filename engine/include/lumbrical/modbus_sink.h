@@ -28,6 +28,9 @@ struct SinkReport {
   std::uint64_t refused = 0;      ///< answered by an exception
   std::uint64_t broken = 0;       ///< not answered, or not by a reply one could trust
   std::uint64_t connections = 0;  ///< opened so far
+  std::uint64_t losses = 0;       ///< of a device that was armed
+  std::uint64_t faults = 0;       ///< latched so far
+  std::string trouble;            ///< what last kept forces from the device, in words; empty: nothing yet
 };
 
 struct SinkOptions {

@@ -106,11 +106,13 @@ void ProfileReader::transport(const format::Transport* table) {
   if (table == nullptr) return;
   Transport& target = profile_.transport;
   static constexpr Name kKinds[] = {{"tcp", 0}, {"rtu", 1}};
+  static constexpr Name kNetworks[] = {{"private", 0}, {"any", 1}};
   static constexpr Name kParities[] = {{"none", 'N'}, {"even", 'E'}, {"odd", 'O'}};
   target.serial = name(table->kind(), "transport.kind", kKinds) == 1;
   if (table->host() != nullptr) target.host = table->host()->str();
   if (table->line() != nullptr) target.line = table->line()->str();
   word(table->port(), "transport.port", target.port);
+  target.anywhere = name(table->network(), "transport.network", kNetworks) == 1;
   read_.count(table->baud(), "transport.baud", 300, 10000000, target.baud);
   target.parity = static_cast<Parity>(name(table->parity(), "transport.parity", kParities));
   std::uint32_t stop_bits = target.stop_bits;

@@ -12,6 +12,9 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <vector>
+
+#include "modbus/modbus_network.h"
 
 namespace lumbrical {
 namespace {
@@ -63,6 +66,13 @@ void sleep_for(double seconds) {
   nanosleep(&pause, nullptr);
 }
 
+std::string in_words(int error) {
+  if (error == ECONNREFUSED)
+    return "connection refused: nothing listens there; is the device on, the port right?";
+  if (error == ETIMEDOUT) return "timed out: the host does not answer; check cable, power and address";
+  return modbus_strerror(error);
+}
+
 int character_bits(const Transport& transport) {
   return 9 + transport.stop_bits + (transport.parity == Parity::none ? 0 : 1);
 }
@@ -76,33 +86,40 @@ void ModbusLink::Free::operator()(_modbus* context) const {
 
 Status ModbusLink::open(const Transport& transport, double timeout) {
   close();
-  const std::string port = std::to_string(transport.port);
-  const std::string name = transport.serial ? transport.line : transport.host + ":" + port;
-  context_.reset(transport.serial
-                     ? modbus_new_rtu(transport.line.c_str(), static_cast<int>(transport.baud),
-                                      static_cast<char>(transport.parity), 8, transport.stop_bits)
-                     : modbus_new_tcp_pi(transport.host.c_str(), port.c_str()));
-  if (!context_) return Status::error(name + ": " + modbus_strerror(errno));
-  const auto seconds = static_cast<std::uint32_t>(timeout);
-  const auto microseconds = static_cast<std::uint32_t>((timeout - seconds) * 1e6);
-  modbus_set_error_recovery(context_.get(), MODBUS_ERROR_RECOVERY_NONE);
-  modbus_set_response_timeout(context_.get(), seconds, microseconds);
-  if (modbus_connect(context_.get()) != 0) {
-    const int error = errno;
-    close();
-    return Status::error(name + ": " + modbus_strerror(error));
-  }
+  const Status status = transport.serial ? open_line(transport) : open_tcp(transport, timeout);
+  if (!status.ok()) return close(), status;
   file_ = modbus_get_socket(context_.get());
   serial_ = transport.serial;
-  silence_ = 0;
-  if (transport.serial) {
-    silence_ = 3.5 * character_bits(transport) / transport.baud;
-    if (Status status = check_baud(file_, transport); !status.ok()) {
-      close();
-      return status;
-    }
-    modbus_flush(context_.get());
+  return {};
+}
+
+// The first of the host's addresses that answers.
+Status ModbusLink::open_tcp(const Transport& transport, double timeout) {
+  const std::string port = std::to_string(transport.port);
+  std::vector<std::string> addresses;
+  if (Status status = find_host(transport.host, transport.anywhere, addresses); !status.ok()) return status;
+  int error = 0;
+  for (const std::string& address : addresses) {
+    context_.reset(modbus_new_tcp_pi(address.c_str(), port.c_str()));
+    if (!context_) return Status::error(address + ": " + modbus_strerror(errno));
+    const auto seconds = static_cast<std::uint32_t>(timeout);
+    modbus_set_error_recovery(context_.get(), MODBUS_ERROR_RECOVERY_NONE);
+    modbus_set_response_timeout(context_.get(), seconds,
+                                static_cast<std::uint32_t>((timeout - seconds) * 1e6));
+    if (modbus_connect(context_.get()) == 0) return {};
+    error = errno;
   }
+  return Status::error(transport.host + ":" + port + ": " + in_words(error));
+}
+
+Status ModbusLink::open_line(const Transport& transport) {
+  context_.reset(modbus_new_rtu(transport.line.c_str(), static_cast<int>(transport.baud),
+                                static_cast<char>(transport.parity), 8, transport.stop_bits));
+  if (!context_ || modbus_connect(context_.get()) != 0)
+    return Status::error(transport.line + ": " + modbus_strerror(errno));
+  if (Status status = check_baud(modbus_get_socket(context_.get()), transport); !status.ok()) return status;
+  silence_ = 3.5 * character_bits(transport) / transport.baud;
+  modbus_flush(context_.get());
   return {};
 }
 

@@ -54,6 +54,8 @@ class ModbusLink {
   Patience patience;  ///< of the next request on
 
  private:
+  Status open_tcp(const Transport& transport, double timeout);
+  Status open_line(const Transport& transport);
   LinkResult transact(ModbusQuestion question, const std::uint16_t* sent, std::uint16_t* words);
   LinkResult send(std::int64_t end);
   LinkResult receive(const ModbusQuestion& question, std::int64_t end, std::uint16_t* words);

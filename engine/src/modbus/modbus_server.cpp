@@ -1,8 +1,8 @@
 // See lumbrical/modbus_server.h.
 #include "lumbrical/modbus_server.h"
 
-#include <arpa/inet.h>
 #include <fcntl.h>
+#include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "modbus/modbus_frame.h"
+#include "modbus/modbus_network.h"
 
 namespace lumbrical {
 namespace {
@@ -219,25 +220,32 @@ ModbusServer::ModbusServer() = default;
 ModbusServer::~ModbusServer() { close(); }
 
 Status ModbusServer::listen(const std::string& host, std::uint16_t port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  if (inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1) {
-    return Status::error(host + ": is no IPv4 address; use 127.0.0.1");
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  hints.ai_flags = AI_NUMERICHOST | AI_PASSIVE;
+  addrinfo* place = nullptr;
+  if (getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &place) != 0) {
+    return Status::error(host + ": is no address in numbers; use 127.0.0.1");
   }
-  listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  listener_ = socket(place->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const int yes = 1;
   setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  auto* const generic = reinterpret_cast<sockaddr*>(&address);
-  socklen_t size = sizeof address;
-  if (listener_ < 0 || bind(listener_, generic, size) != 0 || ::listen(listener_, 64) != 0 ||
-      getsockname(listener_, generic, &size) != 0) {
-    const Status status = system_error(host + ":" + std::to_string(port));
+  sockaddr_storage taken{};
+  socklen_t size = sizeof taken;
+  const bool listens = listener_ >= 0 && bind(listener_, place->ai_addr, place->ai_addrlen) == 0 &&
+                       ::listen(listener_, 64) == 0 &&
+                       getsockname(listener_, reinterpret_cast<sockaddr*>(&taken), &size) == 0;
+  const Status status = listens ? Status() : system_error(host + ":" + std::to_string(port));
+  const bool v6 = place->ai_family == AF_INET6;
+  open_to_others_ = !is_loopback(*place->ai_addr);
+  freeaddrinfo(place);
+  if (!listens) {
     close();
     return status;
   }
-  port_ = ntohs(address.sin_port);
-  name_ = host + ":" + std::to_string(port_);
+  port_ = ntohs(v6 ? reinterpret_cast<sockaddr_in6&>(taken).sin6_port
+                   : reinterpret_cast<sockaddr_in&>(taken).sin_port);
+  name_ = (v6 ? "[" + host + "]" : host) + ":" + std::to_string(port_);
   return {};
 }
 

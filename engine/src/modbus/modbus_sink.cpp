@@ -4,6 +4,7 @@
 #include <system_error>
 #include <utility>
 
+#include "modbus/modbus_network.h"
 #include "modbus/modbus_worker.h"
 
 namespace lumbrical {
@@ -14,6 +15,10 @@ ModbusSink::~ModbusSink() { close(); }
 Status ModbusSink::open(const DeviceProfile& profile, const SinkOptions& options) {
   if (worker_) return Status::error(profile.name + ": the sink is still open; close it first");
   if (Status status = check_profile(profile); !status.ok()) return status;
+  const Transport& transport = profile.transport;
+  if (!transport.serial) {
+    if (Status status = check_host(transport.host, transport.anywhere); !status.ok()) return status;
+  }
   auto worker = std::make_unique<Worker>(profile, options);
   try {
     worker->thread = std::thread([raw = worker.get()] { raw->run(); });

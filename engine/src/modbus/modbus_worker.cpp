@@ -30,6 +30,10 @@ void ModbusSink::Worker::tell(std::string text) {
 void ModbusSink::Worker::problem(std::string text) {
   if (last_problem == text) return;
   last_problem = text;
+  {
+    const std::lock_guard lock(mutex);
+    report.trouble = text;
+  }
   tell(std::move(text));
 }
 
@@ -60,12 +64,10 @@ void ModbusSink::Worker::connect() {
       ++report.connections;
     }
     tell("connected");
-    complained = false;
     handshaken = false;
     return;
   }
-  if (!complained) tell("not connected: " + status.message());
-  complained = true;
+  problem("not connected: " + status.message());
   retry = retry == 0 ? profile.first_retry : std::min(2 * retry, profile.last_retry);
   next_try = now_ns() + ns(retry);
 }
@@ -143,23 +145,32 @@ SafetyOutput ModbusSink::Worker::decide(std::int64_t now) {
   const SafetyOutput output = step_safety(profile, inputs, safety);
   if (safety.state == SafetyState::armed) auto_arm = false;
   state = safety.state;
-  if (safety.state != before || safety.causes != causes) {
-    std::string text =
-        std::string(safety_state_name(before)) + " -> " + std::string(safety_state_name(safety.state));
-    constexpr std::pair<SafetyFlag, const char*> kCauses[] = {
-        {kStopPressed, "emergency stop"},
-        {kDeviceFault, "the device reports a fault"},
-        {kTickStopped, "no new tick"},
-        {kCommandNotFinite, "a command that is no number"},
-        {kHeartbeatLost, "heartbeat not echoed"},
-        {kAnswerLost, "no answer"},
-        {kDeadManReleased, "dead-man switch released"}};
-    for (const auto& [flag, name] : kCauses) {
-      if ((output.flags & flag) != 0) text += std::string(": ") + name;
-    }
-    tell(std::move(text));
-  }
+  if (safety.state != before || safety.causes != causes) tell_transition(before, output.flags);
   return output;
+}
+
+void ModbusSink::Worker::tell_transition(SafetyState before, std::uint32_t flags) {
+  constexpr std::pair<SafetyFlag, const char*> kCauses[] = {
+      {kStopPressed, "emergency stop"},
+      {kDeviceFault, "the device reports a fault"},
+      {kTickStopped, "no new tick"},
+      {kCommandNotFinite, "a command that is no number"},
+      {kHeartbeatLost, "heartbeat not echoed"},
+      {kAnswerLost, "no answer"},
+      {kDeadManReleased, "dead-man switch released"}};
+  std::string causes;
+  for (const auto& [flag, name] : kCauses) {
+    if ((flags & flag) != 0) causes += std::string(": ") + name;
+  }
+  tell(std::string(safety_state_name(before)) + " -> " + std::string(safety_state_name(safety.state)) +
+       causes);
+  const std::lock_guard lock(mutex);
+  const bool was_on = before == SafetyState::armed || before == SafetyState::active;
+  if (safety.state == SafetyState::fault) {
+    ++report.faults;
+    report.trouble = "fault" + causes;
+  }
+  if (safety.state == SafetyState::disconnected && was_on) ++report.losses;
 }
 
 bool ModbusSink::Worker::transfer() {

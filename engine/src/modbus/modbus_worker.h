@@ -56,7 +56,7 @@ struct ModbusSink::Worker {
   RunningTime running;
   double lost_before = 0;  // of running.lost, when the newest command came
   double retry = 0;
-  bool any_answer = false, handshaken = false, complained = false;
+  bool any_answer = false, handshaken = false;
   DeviceStatus device;
   std::uint16_t last_echo = 0;
   ActuatorArray commanded{}, acting{};  // by this cycle's request, and by the last one acknowledged
@@ -84,6 +84,7 @@ struct ModbusSink::Worker {
   bool shake_hands();
   void lose(std::string why);
   bool answered(const LinkResult& result, const char* doing, const RegisterBlock& block);
+  void tell_transition(SafetyState before, std::uint32_t flags);
   SafetyOutput decide(std::int64_t now);
   bool transfer();
   void take_feedback(std::int64_t now);
