@@ -63,6 +63,7 @@ TEST(DeviceProgram, ClosesTheLoopAndRecordsIt) {
   EXPECT_TRUE(run.contains("wake_up_us") && run.contains("real_time") && run.contains("loop_us"));
   const json& device = run["device"];
   EXPECT_EQ(device["state"], "active");
+  EXPECT_EQ(run["trouble"], json::array());
   EXPECT_EQ(device["safe_at_end"], true);
   EXPECT_GT(device["acknowledged"], 10);
   EXPECT_EQ(device["certificate"]["measured"], true);
@@ -185,12 +186,42 @@ Outcome lose_device(const std::string& choice, int ticks, const std::filesystem:
 TEST(DeviceProgram, StopsWhenTheDeviceIsLostIfTold) {
   const json run = lose_device("stop", 2000, fresh_folder()).json();
   EXPECT_LT(run["ticks"], 2000);
+  EXPECT_EQ(std::string(run["trouble"].at(0)).find("forces no longer reached the device: "), 0u)
+      << run["trouble"];
+  EXPECT_EQ(run["trouble"].at(1), "1 loss of the device");
 }
 
 TEST(DeviceProgram, GoesOnWhenTheDeviceIsLostIfTold) {
   const json run = lose_device("continue", 600, fresh_folder()).json();
   EXPECT_EQ(run["ticks"], 600);
   EXPECT_EQ(run["device"]["state"], "disconnected");
+}
+
+TEST(DeviceProgram, ADeviceThatIsNotThereIsTheFirstThingSaidWithItsCause) {
+  const auto folder = fresh_folder();
+  write_inputs(folder);
+  json profile = json::parse(test::read_file((folder / "device.json").string()));
+  profile["response_timeout"] = 0.1;
+  profile["safety"]["answer_timeout"] = 0.2;
+  std::ofstream(folder / "device.json") << profile;
+  const std::string run =
+      "lumbrical run scene.json --rate 100 --sink 'modbus-tcp://127.0.0.1:1?profile=device.json";
+  const Outcome told = shell(run + "' --ticks 20 --json", folder);
+  EXPECT_EQ(told.exit_code, 4) << told.error;
+  EXPECT_EQ(told.output.find("\"trouble\""), told.output.find('"')) << "the first key";
+  const std::string trouble = told.json()["trouble"].at(0);
+  EXPECT_EQ(trouble.find("no force ever reached the device: not connected: 127.0.0.1:1: connection refused"),
+            0u)
+      << trouble;
+  const Outcome text = shell(run + "' --ticks 20", folder);
+  EXPECT_EQ(text.exit_code, 4);
+  EXPECT_EQ(text.output.substr(0, text.output.find('\n')).find("trouble"), 0u) << text.output;
+  EXPECT_EQ(text.output.find("the motion has ended"), std::string::npos) << text.output;
+  EXPECT_NE(text.output.find("angles of the device missing"), std::string::npos) << text.output;
+
+  const Outcome stopped = shell(run + "&on-loss=stop' --ticks 100000 --json", folder);
+  EXPECT_EQ(stopped.exit_code, 4);
+  EXPECT_LT(stopped.json()["ticks"], 100000);
 }
 
 TEST(DeviceProgram, SaysWhatIsWrongWithASink) {

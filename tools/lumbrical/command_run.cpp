@@ -143,9 +143,26 @@ double effort_for(double rate, const RunStatistics& run) {
   return run.evaluations > 0 ? std::floor(0.5e9 / rate / (run.evaluating_ns / run.evaluations)) : 0;
 }
 
+// Before any figure: what a person must know who reads one line.
+std::vector<std::string> trouble_of(const RunStatistics& run, const DeviceLoop* device) {
+  std::vector<std::string> lines = device != nullptr ? device->trouble() : std::vector<std::string>();
+  if (!run.recording_error.ok()) lines.push_back("the recording failed: " + run.recording_error.message());
+  if (run.not_recorded > 0) lines.push_back(grouped(run.not_recorded) + " ticks are not in the recording");
+  return lines;
+}
+
+// Of a flag: what is missing is the device's, not the motion's, where the device moves the hand.
+std::string remedy_of(const FlagText& text, std::uint64_t count, const DeviceLoop* device) {
+  if (text.flag != kInputLost || device == nullptr || device->ticks_without_angles() == 0) return text.remedy;
+  return device->ticks_without_angles() < count
+             ? "angles of the device missing or not believed, no tracking, or the motion has ended"
+             : "angles of the device missing or not believed";
+}
+
 Json run_json(const RunOptions& options, const Model& model, const RunStatistics& run,
               const DeviceLoop* device) {
   Json json;
+  json["trouble"] = trouble_of(run, device);
   json["ticks"] = run.ticks;
   json["rate_hz"] = rate_reached(run);
   json["tick_us"] = times_json(run.tick_times);
@@ -208,10 +225,10 @@ void add_peaks(const RunStatistics& run, Table& table) {
   }
 }
 
-void add_flags(const RunStatistics& run, Table& table) {
+void add_flags(const RunStatistics& run, const DeviceLoop* device, Table& table) {
   for (const FlagText& text : kFlagTexts) {
     const std::uint64_t count = ticks_with(run, text.flag);
-    if (count > 0) table.add(text.name, "in " + grouped(count) + " ticks: " + text.remedy);
+    if (count > 0) table.add(text.name, "in " + grouped(count) + " ticks: " + remedy_of(text, count, device));
   }
 }
 
@@ -244,6 +261,8 @@ void add_effort(const Model& model, const RunStatistics& run, Table& table) {
 std::string run_text(const RunOptions& options, const Model& model, const RunStatistics& run,
                      const DeviceLoop* device) {
   Table table;
+  for (const std::string& line : trouble_of(run, device))
+    table.add(table.rows.empty() ? "trouble" : "", line);
   table.add("ticks", grouped(run.ticks) + " of " + brief(1e3 / model.settings.rate) + " ms" +
                          (run.interrupted ? ", stopped by a signal" : ""));
   table.add("rate", grouped(static_cast<std::uint64_t>(rate_reached(run))) + " Hz reached, " +
@@ -264,7 +283,7 @@ std::string run_text(const RunOptions& options, const Model& model, const RunSta
     table.add("world file", model.world->path + ", " + grouped(model.world->byte_count) + " bytes, at most " +
                                 grouped(run.world_held) + " in memory");
   add_peaks(run, table);
-  add_flags(run, table);
+  add_flags(run, device, table);
   if (device != nullptr) device->add_rows(table);
   if (!options.record.empty()) {
     std::error_code error;

@@ -21,7 +21,43 @@ bool limiter_knows(const Settings& settings) {
                      [](Law law) { return law == Law::field; });
 }
 
+// Why forces do not reach the device, in its last state.
+std::string cause(const SinkReport& report) {
+  switch (report.state) {
+    case SafetyState::idle:
+      return "the device is not ready" + (report.trouble.empty() ? "" : " (" + report.trouble + ")");
+    case SafetyState::armed:
+      return (report.flags & kDeadManReleased) != 0 ? "the dead-man switch is not held"
+                                                    : "ticks came too late";
+    default:
+      return report.trouble.empty() ? "no answer" : report.trouble;
+  }
+}
+
+std::string counted(std::uint64_t count, const char* one, const char* many) {
+  return grouped(count) + " " + (count == 1 ? one : many);
+}
+
 }  // namespace
+
+std::vector<std::string> DeviceLoop::trouble() const {
+  const Loop& loop = *loop_;
+  const SinkReport& report = loop.last;
+  std::vector<std::string> lines;
+  if (!forces_flow()) {
+    lines.push_back(
+        (loop.was_active ? "forces no longer reached the device: " : "no force ever reached the device: ") +
+        cause(report));
+  }
+  if (report.faults > 0)
+    lines.push_back(counted(report.faults, "fault of the device loop", "faults of the device loop"));
+  if (report.losses > 0)
+    lines.push_back(counted(report.losses, "loss of the device", "losses of the device"));
+  if (loop.was_active && !loop.safe_at_end) lines.push_back("the device is NOT known to be at safe values");
+  return lines;
+}
+
+std::uint64_t DeviceLoop::ticks_without_angles() const { return loop_->blind_ticks; }
 
 Json DeviceLoop::json() const {
   const Loop& loop = *loop_;

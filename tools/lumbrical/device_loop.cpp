@@ -206,6 +206,7 @@ void DeviceLoop::before(DeviceFrame& frame) {
   if (!loop.any_feedback || age > loop.profile.safety.answer_timeout ||
       (loop.feedback.valid & wanted) != wanted) {
     frame.flags |= kTrackingLost;
+    if (loop.armed_at != 0) ++loop.blind_ticks;
   }
 }
 
@@ -256,9 +257,15 @@ bool DeviceLoop::after(const Scratch& scratch, const DeviceFrame& frame, const A
   if (loop.certified && loop.any_feedback && loop.was_active) {
     loop.oldest = max(loop.oldest, static_cast<double>(clock_ns() - loop.last_acknowledged) * 1e-9);
   }
-  const bool lost =
-      state == SafetyState::fault || state == SafetyState::disconnected || state == SafetyState::idle;
-  return !(loop.uri.stop_on_loss && loop.was_active && lost);
+  return !(loop.uri.stop_on_loss && loop.lost(state));
+}
+
+// A device that was never there has as long as it takes to notice one that falls silent.
+bool DeviceLoop::Loop::lost(SafetyState now) const {
+  if (now == SafetyState::fault || (was_active && now == SafetyState::idle)) return true;
+  if (now != SafetyState::disconnected || armed_at == 0) return false;
+  const double waited = static_cast<double>(clock_ns() - armed_at) * 1e-9;
+  return was_active || waited > profile.safety.answer_timeout + profile.response_timeout;
 }
 
 void DeviceLoop::certify() {
@@ -282,7 +289,10 @@ void DeviceLoop::certify() {
   loop.certified = true;
 }
 
-void DeviceLoop::arm() { loop_->sink.arm_when_ready(); }
+void DeviceLoop::arm() {
+  loop_->armed_at = clock_ns();
+  loop_->sink.arm_when_ready();
+}
 
 std::string DeviceLoop::certificate_text() const { return json()["certificate"].dump(); }
 

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "lumbrical/recording.h"
 #include "lumbrical/tick.h"
@@ -47,6 +48,10 @@ class DeviceLoop {
   void close();
   /// Whether the session ended with forces reaching the device, where they were meant to.
   [[nodiscard]] bool forces_flow() const;
+  /// What went wrong with the device, a sentence each, the worst first; empty if nothing did.
+  [[nodiscard]] std::vector<std::string> trouble() const;
+  /// Ticks since arm() whose angles were missing, or not believed.
+  [[nodiscard]] std::uint64_t ticks_without_angles() const;
   [[nodiscard]] Json json() const;
   void add_rows(Table& table) const;
 

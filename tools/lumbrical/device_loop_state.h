@@ -43,6 +43,8 @@ struct DeviceLoop::Loop {
   TickTimes loop_delays, intervals;
   std::int64_t sent_before = 0, last_acknowledged = 0;
   bool was_active = false;
+  std::int64_t armed_at = 0;
+  std::uint64_t blind_ticks = 0;  // since then, without angles to go by
   double largest_lost = 0, oldest = 0;
   std::array<double, kFingerCount> least_factor = {1, 1, 1, 1, 1};
 
@@ -60,6 +62,7 @@ struct DeviceLoop::Loop {
   void observe(const DeviceFrame& frame, const JointArray& wanted);
   JointArray acted_torque() const;
   void note(const SentCommand& sent);
+  bool lost(SafetyState now) const;
 };
 
 }  // namespace lumbrical::tool

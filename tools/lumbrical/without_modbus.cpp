@@ -23,6 +23,8 @@ bool DeviceLoop::after(const Scratch&, const DeviceFrame&, const ActuatorFrame&,
 void DeviceLoop::certify() {}
 void DeviceLoop::arm() {}
 bool DeviceLoop::forces_flow() const { return false; }
+std::vector<std::string> DeviceLoop::trouble() const { return {}; }
+std::uint64_t DeviceLoop::ticks_without_angles() const { return 0; }
 std::string DeviceLoop::certificate_text() const { return {}; }
 void DeviceLoop::close() {}
 Json DeviceLoop::json() const { return {}; }
