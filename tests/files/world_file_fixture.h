@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -26,6 +27,7 @@ inline Status write_world(const Scene& scene, const Execution& execution, const 
 /// The scene with its objects in a world file.
 inline Scene in_world(const Scene& scene, const Execution& execution, const std::string& path) {
   Scene mapped{scene.hand, {}, scene.settings};
+  std::remove(path.c_str());
   Status status = write_world(scene, execution, path);
   if (status.ok()) status = open_world(path, mapped.world);
   EXPECT_TRUE(status.ok()) << status.message();

@@ -26,6 +26,7 @@ void record(const Scene& scene, const std::string& path, std::uint32_t force_int
   Recorder recorder;
   RecorderOptions options;
   options.force_interval = force_interval;
+  fs::remove(path);
   const Status status = recorder.open(path, scene_of(model), options);
   ASSERT_TRUE(status.ok()) << status.message();
   State state;

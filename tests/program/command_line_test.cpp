@@ -329,15 +329,48 @@ TEST(CommandLine, RunDoesNotTouchItsInputs) {
   EXPECT_EQ(shell("lumbrical run demo.json --ticks 10 --record no/such/folder.mcap", folder).exit_code, 2);
 }
 
-TEST(CommandLine, AFailedRunLeavesTheGoodRecordingAlone) {
+TEST(CommandLine, NothingIsWrittenOverWhatIsThere) {
   const fs::path folder = folder_with_demo();
   ASSERT_EQ(shell("lumbrical run demo.json --ticks 100 --record a.mcap", folder).exit_code, 0);
   const std::string good = read_file((folder / "a.mcap").string());
-  // A file-size limit stands in for the full disk.
-  const Outcome run = shell("( ulimit -f 8; lumbrical run demo.json --ticks 500 --record a.mcap )", folder);
-  EXPECT_EQ(run.exit_code, 2) << run.error;
-  EXPECT_NE(run.error.find("a.mcap"), std::string::npos) << run.error;
+  std::ofstream(folder / "notes.txt") << "mine";
+  for (const char* const command :
+       {"lumbrical run demo.json --ticks 5 --record a.mcap", "lumbrical recover a.mcap -o a.mcap",
+        "lumbrical trim a.mcap --to-tick 5 -o a.mcap", "lumbrical export a.mcap -o a.mcap",
+        "lumbrical replay a.mcap --trace a.mcap --trace-tick 3", "lumbrical world demo.json --output a.mcap",
+        "lumbrical run demo.json --ticks 5 --record notes.txt"}) {
+    const Outcome refused = shell(command, folder);
+    EXPECT_EQ(refused.exit_code, 2) << command;
+    EXPECT_NE(refused.error.find("is there already"), std::string::npos) << command << refused.error;
+  }
   EXPECT_EQ(read_file((folder / "a.mcap").string()), good);
+  EXPECT_EQ(read_file((folder / "notes.txt").string()), "mine");
+}
+
+TEST(CommandLine, AnEmptyNameIsNoNameOfARecording) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 10 --record a.mcap", folder).exit_code, 0);
+  for (const char* const command :
+       {"lumbrical run demo.json --ticks 5 --record ''", "lumbrical run demo.json --ticks 5 --record=''",
+        "lumbrical run demo.json --ticks 5 --record=", "lumbrical recover a.mcap -o ''",
+        "lumbrical compress a.mcap -o ''", "lumbrical export a.mcap --output ''"}) {
+    const Outcome refused = shell(command, folder);
+    EXPECT_EQ(refused.exit_code, 2) << command;
+    EXPECT_NE(refused.error, "") << command;
+  }
+}
+
+TEST(CommandLine, OfTwoRunsToOneFileTheSecondIsRefused) {
+  const fs::path folder = folder_with_demo();
+  const Outcome runs = shell(
+      "lumbrical run demo.json --rate 100 --ticks 60 --record a.mcap & "
+      "until [ -e a.mcap.part ]; do sleep 0.01; done; "
+      "lumbrical run demo.json --ticks 5 --record a.mcap; echo $? >second; wait $!",
+      folder);
+  EXPECT_EQ(runs.exit_code, 0) << runs.error;
+  EXPECT_EQ(read_file((folder / "second").string()), "2\n");
+  EXPECT_NE(runs.error.find("is being written by another process"), std::string::npos) << runs.error;
+  EXPECT_EQ(shell("lumbrical verify a.mcap --json", folder).json()["ticks"], 60);
 }
 
 // A file system of its own, half full of the recording: the real thing, where the system lets us have one.
@@ -352,7 +385,8 @@ TEST(CommandLine, ARecordingOnAFullFileSystemStaysReadable) {
       "lumbrical recover small/a.mcap -o whole.mcap )'",
       folder);
   EXPECT_EQ(read_file((folder / "exit_code").string()), "2\n") << run.error;
-  EXPECT_NE(run.error.find("small/a.mcap: cannot be written: No space left on device"), std::string::npos)
+  EXPECT_NE(run.error.find("small/a.mcap.part: cannot be written: No space left on device"),
+            std::string::npos)
       << run.error;
   EXPECT_LT(std::stoul(read_file((folder / "left").string())), 400u) << "it was not full";  // [KiB]
   EXPECT_EQ(shell("lumbrical verify whole.mcap", folder).exit_code, 0);
@@ -390,8 +424,9 @@ TEST(CommandLine, AFailedRecordingEndsTheSessionOrNotAsAsked) {
   const std::string run = "( ulimit -f 200; lumbrical run demo.json --ticks 3000 --record a.mcap --json";
   const Outcome stopped = shell(run + " )", folder);
   EXPECT_EQ(stopped.exit_code, 2);
-  EXPECT_NE(stopped.error.find("a.mcap: cannot be written: File too large"), std::string::npos)
+  EXPECT_NE(stopped.error.find("a.mcap.part: cannot be written: File too large"), std::string::npos)
       << stopped.error;
+  fs::remove(folder / "a.mcap.part");
   const Outcome continued = shell(run + " --on-record-error continue )", folder);
   EXPECT_EQ(continued.exit_code, 2);
   EXPECT_NE(continued.error.find("cannot be written: File too large"), std::string::npos) << continued.error;
@@ -438,7 +473,8 @@ TEST(CommandLine, ASignalEndsARunWithAWholeRecording) {
   // the process and to its group. (A shell lets its background jobs ignore SIGINT, hence SIGTERM.)
   const Outcome run = shell(
       "lumbrical run demo.json --rate 100 --record a.mcap --json & "
-      "until [ -s a.mcap ]; do sleep 0.05; done; sleep 0.5; kill -TERM $!; sleep 0.002; kill -TERM $!; wait "
+      "until [ -s a.mcap.part ]; do sleep 0.05; done; sleep 0.5; kill -TERM $!; sleep 0.002; kill -TERM $!; "
+      "wait "
       "$!",
       folder);
   ASSERT_EQ(run.exit_code, 0) << run.error;

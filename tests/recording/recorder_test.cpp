@@ -347,8 +347,8 @@ TEST(Recorder, SaysClearlyWhyAFileCannotBeWritten) {
     return recorder.open(path, small_scene(), options).message();
   };
   EXPECT_NE(message(temporary_path("no/such.mcap")).find("No such file or directory"), std::string::npos);
-  EXPECT_NE(message(::testing::TempDir()).find("is a directory"), std::string::npos);
-  EXPECT_NE(message("/dev/null").find("not a regular file"), std::string::npos);
+  EXPECT_NE(message(::testing::TempDir()).find("is there already"), std::string::npos);
+  EXPECT_NE(message("/dev/null").find("is there already"), std::string::npos);
   EXPECT_NE(message("").find("empty"), std::string::npos);
   RecorderOptions options;
   options.chunk_seconds = 0.3;
@@ -366,21 +366,74 @@ TEST(Recorder, SaysClearlyWhyAFileCannotBeWritten) {
   }
 }
 
-TEST(Recorder, ReplacesAGoodFileOnlyByAWholeOne) {
-  const std::string path = temporary_path("a.mcap");
+TEST(Recorder, WritesOverNothingThatIsThere) {
+  const std::string path = temporary_path("a.mcap"), link = temporary_path("link.mcap");
   write_recording(path, small_scene(), random_records(20, 7));
   const std::vector<std::uint8_t> before = read_bytes(path);
-  Recorder recorder;
-  ASSERT_TRUE(recorder.open(path, small_scene(), {}).ok());
-  for (const TickRecord& record : random_records(600, 8)) ASSERT_TRUE(recorder.record(record));
-  EXPECT_EQ(read_bytes(path), before) << "while recording";
-  EXPECT_TRUE(std::filesystem::exists(path + ".part"));
-  ASSERT_TRUE(recorder.close().ok());
-  EXPECT_NE(read_bytes(path), before);
+  std::filesystem::create_symlink(path, link);
+  std::filesystem::create_symlink("/nonexistent/target", temporary_path("dangling.mcap"));
+  for (const std::string& there : {path, link, temporary_path("dangling.mcap")}) {
+    Recorder recorder;
+    EXPECT_EQ(
+        recorder.open(there, small_scene(), {}).message(),
+        there + ": is there already, and nothing is written over it; name another file or move it away");
+  }
+  // Nor over the part, were it a link to something.
+  const std::string other = temporary_path("b.mcap");
+  std::filesystem::create_symlink(path, other + ".part");
+  EXPECT_NE(Recorder().open(other, small_scene(), {}).message().find("killed"), std::string::npos);
+  EXPECT_EQ(read_bytes(path), before);
+}
+
+TEST(Recorder, IsTheOnlyWriterOfItsFile) {
+  const std::string path = temporary_path("a.mcap");
+  const std::vector<TickRecord> records = random_records(600, 8);
+  Recorder first, second;
+  ASSERT_TRUE(first.open(path, small_scene(), {}).ok());
+  for (const TickRecord& record : records) ASSERT_TRUE(first.record(record));
+  EXPECT_NE(second.open(path, small_scene(), {}).message().find("is being written by another process"),
+            std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(path)) << "before it is complete";
+  ASSERT_TRUE(first.close().ok());
   EXPECT_FALSE(std::filesystem::exists(path + ".part"));
+  EXPECT_NE(second.open(path, small_scene(), {}).message().find("is there already"), std::string::npos);
   RecordingInfo info;
   EXPECT_TRUE(verify_recording(path, info).ok());
-  EXPECT_EQ(info.ticks, 600u);
+  EXPECT_EQ(info.ticks, records.size());
+}
+
+TEST(Recorder, LeavesAFileAloneThatTookItsPathMeanwhile) {
+  const std::string path = temporary_path("a.mcap");
+  Recorder recorder;
+  ASSERT_TRUE(recorder.open(path, small_scene(), {}).ok());
+  for (const TickRecord& record : random_records(300, 8)) ASSERT_TRUE(recorder.record(record));
+  const std::vector<std::uint8_t> other = {1, 2, 3};
+  write_bytes(path, other);
+  EXPECT_NE(recorder.close().message().find("File exists"), std::string::npos);
+  EXPECT_EQ(read_bytes(path), other);
+  RecordingInfo info;
+  EXPECT_TRUE(verify_recording(path + ".part", info).ok()) << "what was recorded is whole beside it";
+}
+
+// Ticks come so slowly that no chunk would be full for a minute.
+TEST(Recorder, KeepsNoTickOfALiveSessionInMemoryForLong) {
+  const std::string path = temporary_path("slow.mcap");
+  RecorderOptions options;
+  options.wait_when_full = false;
+  Recorder recorder;
+  ASSERT_TRUE(recorder.open(path, small_scene(), options).ok());
+  const std::vector<TickRecord> records = random_records(5, 9);
+  for (const TickRecord& record : records) ASSERT_TRUE(recorder.record(record));
+  const auto in_the_file = [&path] {
+    RecordingReader reader;
+    EXPECT_TRUE(reader.open(path).ok());
+    return reader.info().ticks;
+  };
+  const auto given_up = std::chrono::steady_clock::now() + 30s;
+  while (in_the_file() < records.size() && std::chrono::steady_clock::now() < given_up)
+    std::this_thread::sleep_for(10ms);
+  EXPECT_EQ(in_the_file(), records.size());
+  ASSERT_TRUE(recorder.close().ok());
 }
 
 TEST(Recorder, AFileBeingRecordedSaysSoUntilItIsClosed) {
@@ -398,17 +451,6 @@ TEST(Recorder, AFileBeingRecordedSaysSoUntilItIsClosed) {
   ASSERT_TRUE(reader.open(path).ok());
   EXPECT_FALSE(reader.info().growing);
   EXPECT_TRUE(reader.info().complete);
-}
-
-TEST(Recorder, DoesNotTouchAFileThatAnotherOneIsWriting) {
-  const std::string path = temporary_path("taken.mcap");
-  Recorder first, second, third;
-  ASSERT_TRUE(first.open(path, small_scene(), {}).ok());
-  ASSERT_TRUE(second.open(path, small_scene(), {}).ok());  // beside it, as .part
-  const Status status = third.open(path, small_scene(), {});
-  EXPECT_NE(status.message().find("another program"), std::string::npos) << status.message();
-  EXPECT_TRUE(first.close().ok());
-  EXPECT_TRUE(second.close().ok());
 }
 
 TEST(Recorder, LosesAtMostTheOpenChunkWhenKilled) {
@@ -431,7 +473,7 @@ TEST(Recorder, LosesAtMostTheOpenChunkWhenKilled) {
   EXPECT_FALSE(reader.info().complete);
   EXPECT_FALSE(reader.info().growing);
   const std::uint64_t whole = reader.info().ticks;
-  EXPECT_GE(whole, 1130u - 250u);
+  EXPECT_GE(whole, 1130u - 200u);
 
   RecordingInfo info;
   const Status verdict = verify_recording(path, info);

@@ -12,6 +12,7 @@
 namespace lumbrical {
 namespace {
 
+using test::cleared;
 using test::random_records;
 using test::read_bytes;
 using test::read_records;
@@ -100,8 +101,7 @@ TEST_F(DamagedRecording, IsReadUpToWhereItIsTornAtEveryLength) {
     if (::testing::Test::HasFailure()) break;
     if (size % kRecoverEvery != 0) continue;
     std::uint64_t recovered = 0, lost = 0;
-    std::filesystem::remove(output_);
-    EXPECT_EQ(recover_recording(path_, output_, recovered, lost).ok(), size >= session_end_) << size;
+    EXPECT_EQ(recover_recording(path_, cleared(output_), recovered, lost).ok(), size >= session_end_) << size;
     EXPECT_EQ(recovered, size >= session_end_ ? ticks_before(size) : 0) << size;
     EXPECT_EQ(lost, 0u) << size;
   }
@@ -129,8 +129,7 @@ TEST_F(DamagedRecording, IsFoundOutAndRecoveredWhereverABitIsFlipped) {
     }
     std::uint64_t recovered = 0, lost = 0;
     const bool recover = at % kRecoverEvery == 0;
-    std::filesystem::remove(output_);
-    const Status status = recover ? recover_recording(path_, output_, recovered, lost) : Status{};
+    const Status status = recover ? recover_recording(path_, cleared(output_), recovered, lost) : Status{};
     if (recover && status.ok()) {
       EXPECT_GE(recovered, 8u) << "byte " << at << ": more than one chunk lost";
       EXPECT_EQ(recovered + lost, records_.size()) << at;

@@ -17,6 +17,7 @@
 #include <tuple>
 #include <vector>
 
+#include "files/output_file.h"
 #include "flatbuffers/flatbuffers.h"
 #include "lumbrical/recording.h"
 #include "lumbrical/shapes.h"
@@ -43,6 +44,14 @@ inline std::string temporary_path(const std::string& name) {
     }
   } cleaner;
   cleaner.paths.push_back(path);
+  cleaner.paths.push_back(path + kPartSuffix);
+  return path;
+}
+
+/// The path, where nothing is any more: no recording is written over another.
+inline const std::string& cleared(const std::string& path) {
+  std::remove(path.c_str());
+  std::remove((path + kPartSuffix).c_str());
   return path;
 }
 
@@ -172,7 +181,7 @@ inline std::vector<TickRecord> random_records(std::uint64_t count, std::uint64_t
 inline void write_recording(const std::string& path, const Scene& scene,
                             const std::vector<TickRecord>& records, const RecorderOptions& options = {}) {
   Recorder recorder;
-  Status status = recorder.open(path, scene, options);
+  Status status = recorder.open(cleared(path), scene, options);
   ASSERT_TRUE(status.ok()) << status.message();
   for (const TickRecord& record : records) ASSERT_TRUE(recorder.record(record));
   status = recorder.close();
@@ -200,8 +209,7 @@ inline void alter_recording(const std::string& from, const std::string& to,
   ASSERT_TRUE(encode_session(reader.scene(), session).ok());
   McapWriter writer;
   const double rate = reader.scene().settings.rate;
-  Status status = open_recording(to, OutputFile::Place::beside_existing, rate, session, {},
-                                 reader.info().metadata, {}, writer);
+  Status status = open_recording(cleared(to), rate, session, {}, reader.info().metadata, {}, writer);
   ASSERT_TRUE(status.ok()) << status.message();
   flatbuffers::FlatBufferBuilder builder;
   for (;;) {

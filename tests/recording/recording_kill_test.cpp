@@ -119,12 +119,12 @@ TEST(KilledWriter, LosesNothingThatHadReachedTheFile) {
   std::uint64_t with_ticks = 0;
   for (std::uint64_t i = 0; i < kill_count(); ++i) {
     SCOPED_TRACE("kill " + std::to_string(i));
-    std::filesystem::remove(path);
+    cleared(path);
     const std::chrono::microseconds delay(random.word() % (i % 4 == 0 ? 3000 : 60000));
     const std::uint64_t handed_over = kill_writer(path, records, delay);
     std::uint64_t recovered = 0, lost = 0;
     std::vector<TickRange> missing;
-    const Status status = recover_recording(path, recovered_path, recovered, lost, &missing);
+    const Status status = recover_recording(path, cleared(recovered_path), recovered, lost, &missing);
     if (!status.ok()) {  // killed before the session was in the file
       EXPECT_FALSE(RecordingReader().open(path).ok()) << status.message();
       EXPECT_LE(handed_over, kRing + 2 * kChunkTicks);

@@ -139,7 +139,7 @@ TEST_P(Replay, GoesAsFarAsATornFileGoesAndRefusesADamagedOne) {
   ReplayResult result;
   Status status = replay_file(copy, result);
   ASSERT_TRUE(status.ok()) << status.message();
-  EXPECT_EQ(result.ticks, 500u);
+  EXPECT_EQ(result.ticks, 400u);
   EXPECT_FALSE(result.first_divergence.has_value());
 
   bytes[second.offset + second.length / 2] ^= 1;

@@ -53,7 +53,7 @@ inline void record_touch(const std::string& path, InputKind kind, const Executio
   Status status = build_model(scene, execution, model);
   ASSERT_TRUE(status.ok()) << status.message();
   Recorder recorder;
-  status = recorder.open(path, scene, {});
+  status = recorder.open(cleared(path), scene, {});
   ASSERT_TRUE(status.ok()) << status.message();
   State state;
   Scratch scratch = make_scratch(model);

@@ -2,6 +2,7 @@
 #include "faulty_disk.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -9,6 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <condition_variable>
+#include <filesystem>
 #include <mutex>
 
 namespace {
@@ -21,6 +23,7 @@ struct Disk {
   int write_error = 0, cut_error = 0, sync_error = 0, rename_error = 0;
   bool held = false;
   int waiting = 0;  // writes that are held
+  lumbrical::test::Kept kept;
 };
 
 // Never destroyed: threads may write to the very end of the program.
@@ -31,12 +34,18 @@ Disk& disk() {
 
 bool is_ours(const std::string& path) { return !disk().path.empty() && path.starts_with(disk().path); }
 
-bool is_ours(int descriptor) {
-  if (disk().path.empty()) return false;
+std::string path_of(int descriptor) {
   std::array<char, 4096> target{};
   const std::string link = "/proc/self/fd/" + std::to_string(descriptor);
   const ssize_t size = ::readlink(link.c_str(), target.data(), target.size());
-  return size > 0 && is_ours(std::string(target.data(), static_cast<std::size_t>(size)));
+  return size > 0 ? std::string(target.data(), static_cast<std::size_t>(size)) : std::string();
+}
+
+bool is_ours(int descriptor) { return !disk().path.empty() && is_ours(path_of(descriptor)); }
+
+bool is_our_folder(int descriptor) {
+  return !disk().path.empty() &&
+         std::filesystem::path(disk().path).parent_path() == std::filesystem::path(path_of(descriptor));
 }
 
 int failed(int error) {
@@ -71,15 +80,30 @@ int ftruncate(int descriptor, off_t size) noexcept {
 }
 
 int fsync(int descriptor) {
-  const std::lock_guard lock(disk().mutex);
-  if (disk().sync_error != 0 && is_ours(descriptor)) return failed(disk().sync_error);
-  return static_cast<int>(::syscall(SYS_fsync, descriptor));
+  std::unique_lock lock(disk().mutex);
+  const bool ours = is_ours(descriptor), folder = is_our_folder(descriptor);
+  if (disk().sync_error != 0 && ours) return failed(disk().sync_error);
+  struct stat status {};
+  if (ours) ::fstat(descriptor, &status);
+  const bool part = ::access((disk().path + ".part").c_str(), F_OK) == 0;
+  const bool whole = ::access(disk().path.c_str(), F_OK) == 0;
+  lock.unlock();
+  const int result = static_cast<int>(::syscall(SYS_fsync, descriptor));
+  lock.lock();
+  if (ours) disk().kept.bytes = static_cast<std::uint64_t>(status.st_size);
+  if (ours) ++disk().kept.syncs;
+  if (folder) disk().kept.part = part;
+  if (folder) disk().kept.whole = whole;
+  return result;
 }
 
-int rename(const char* from, const char* to) noexcept {
+int renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned flags) noexcept {
   const std::lock_guard lock(disk().mutex);
   if (disk().rename_error != 0 && is_ours(std::string(to))) return failed(disk().rename_error);
-  return static_cast<int>(::syscall(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0));
+  struct stat status {};
+  if (is_ours(std::string(from)) && ::stat(from, &status) == 0)
+    disk().kept.renamed_unsynced = static_cast<std::uint64_t>(status.st_size) != disk().kept.bytes;
+  return static_cast<int>(::syscall(SYS_renameat2, from_folder, from, to_folder, to, flags));
 }
 
 }  // extern "C"
@@ -90,6 +114,7 @@ FaultyDisk::FaultyDisk(const std::string& path) {
   const std::lock_guard lock(disk().mutex);
   disk().path = path;
   disk().written = 0;
+  disk().kept = {};
 }
 
 FaultyDisk::~FaultyDisk() {
@@ -136,6 +161,11 @@ void FaultyDisk::release() {
 void FaultyDisk::wait_until_held() const {
   std::unique_lock lock(disk().mutex);
   disk().changed.wait(lock, [] { return disk().held && disk().waiting > 0; });
+}
+
+Kept FaultyDisk::kept() const {
+  const std::lock_guard lock(disk().mutex);
+  return disk().kept;
 }
 
 std::uint64_t FaultyDisk::written() const {

@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "lumbrical/recording.h"
 #include "output.h"
+#include "switches.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -202,6 +203,7 @@ void add_recover(Command& app, int& exit_code) {
   Command* const command = add_command(
       app, exit_code, "recover", "Rewrite what is whole of a torn or damaged recording", options, recover);
   command->add_option("--output,-o", options->output, "Recording to write; default: REC.recovered.mcap")
+      ->check(is_path())
       ->type_name("OUT.mcap");
   command->add_flag("--json", options->json, "Print one JSON object");
 }
@@ -215,6 +217,7 @@ void add_export(Command& app, int& exit_code) {
       ->check(one_of({"csv", "json"}))
       ->capture_default_str();
   command->add_option("--output,-o", options->output, "File to write; -: standard output")
+      ->check(is_path())
       ->capture_default_str();
 }
 

@@ -28,6 +28,12 @@ inline Check number_in(double low, double high) {
           "NUMBER"};
 }
 
+/// The name of a file to write: an empty one, as of a variable that is not set, must not pass for none.
+inline Check is_path() {
+  return {[](std::string& text) -> std::string { return text.empty() ? "is empty; name a file" : ""; },
+          "FILE"};
+}
+
 inline Check is_unit() { return one_of({"m", "cm", "mm"}); }
 inline Check is_law() { return one_of({"field", "column", "max-depth", "centroid", "point"}); }
 

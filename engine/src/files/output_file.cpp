@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <system_error>
 
 namespace lumbrical {
@@ -16,13 +17,52 @@ Status failed(const std::string& path, const char* what, int error) {
   return Status::error(path + ": " + what + ": " + std::generic_category().message(error));
 }
 
-// Held for as long as the file is open, by whoever has it open for writing; it ends with its process.
-bool lock_for_writing(int descriptor) {
+bool exists(const std::string& path) {
+  struct stat status {};
+  return ::lstat(path.c_str(), &status) == 0;
+}
+
+bool has_writer(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
+  if (descriptor < 0) return false;
+  const bool held = is_being_written(descriptor);
+  ::close(descriptor);
+  return held;
+}
+
+// Held for as long as the file is open; it ends with its process, however that ends.
+void lock_for_writing(int descriptor) {
   struct flock lock {};
   lock.l_type = F_WRLCK;
   lock.l_whence = SEEK_SET;
-  // A file system without locks can't tell of another writer.
-  return ::fcntl(descriptor, F_OFD_SETLK, &lock) == 0 || (errno != EAGAIN && errno != EACCES);
+  // Nobody else has the new file; where locks are unknown, O_EXCL alone keeps others out.
+  ::fcntl(descriptor, F_OFD_SETLK, &lock);
+}
+
+Status part_exists(const std::string& part) {
+  if (has_writer(part))
+    return Status::error(part + ": is being written by another process; name another file");
+  return Status::error(part +
+                       ": is left from a process that was killed, and nothing is written over it; recover it "
+                       "if it is a recording, then move it away");
+}
+
+// The names in a folder are on the disk when the folder is; some file systems have no such thing to ask for.
+int sync_folder_of(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return errno;
+  const int error = ::fsync(descriptor) == 0 || errno == EINVAL ? 0 : errno;
+  ::close(descriptor);
+  return error;
+}
+
+// Never over another file. File systems that can't promise it are asked first, which leaves a moment.
+bool rename_to_free(const std::string& from, const std::string& to) {
+  if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return true;
+  if (errno != EINVAL && errno != ENOSYS) return false;
+  errno = EEXIST;
+  return !exists(to) && std::rename(from.c_str(), to.c_str()) == 0;
 }
 
 }  // namespace
@@ -38,33 +78,20 @@ OutputFile::~OutputFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
 }
 
-Status OutputFile::open(const std::string& path, Place place) {
+Status OutputFile::open(const std::string& path) {
   if (descriptor_ >= 0) return Status::error(growing_at_ + ": is still open; close it first");
   if (path.empty()) return Status::error("the path of the file to write is empty; name one");
-  struct stat status {};
-  const bool exists = ::stat(path.c_str(), &status) == 0;
-  if (exists && S_ISDIR(status.st_mode)) return Status::error(path + ": is a directory; name a file in it");
-  if (exists && !S_ISREG(status.st_mode))
-    return Status::error(path + ": is not a regular file; name another");
-
+  if (exists(path))
+    return Status::error(
+        path + ": is there already, and nothing is written over it; name another file or move it away");
   path_ = path;
-  const bool beside = exists || place == Place::beside;
-  const std::string growing_at = beside ? path + ".part" : path;
-  // A file of that name that came into being since stat() is not ours to overwrite, hence O_EXCL; a .part
-  // that nobody holds is left over from a writer that was killed.
-  const int creation = beside ? 0 : O_EXCL;
-  descriptor_ = ::open(growing_at.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | creation, 0666);
-  if (descriptor_ < 0) return failed(growing_at, "cannot be created", errno);
-  const bool ours = lock_for_writing(descriptor_);
-  if (!ours || (beside && ::ftruncate(descriptor_, 0) != 0)) {
-    const int error = errno;
-    ::close(descriptor_);
-    descriptor_ = -1;
-    return ours ? failed(growing_at, "cannot be created", error)
-                : Status::error(growing_at + ": is being written by another program; name another file");
-  }
-  growing_at_ = growing_at;
+  const std::string part = path + kPartSuffix;
+  descriptor_ = ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) return errno == EEXIST ? part_exists(part) : failed(part, "cannot be created", errno);
+  growing_at_ = part;
   size_ = 0;
+  name_synced_ = false;
+  lock_for_writing(descriptor_);
   return {};
 }
 
@@ -87,16 +114,24 @@ Status OutputFile::cut(std::uint64_t size) {
   return {};
 }
 
+Status OutputFile::sync() {
+  if (::fsync(descriptor_) != 0) return failed(growing_at_, "cannot be written", errno);
+  if (name_synced_) return {};
+  if (const int error = sync_folder_of(growing_at_)) return failed(growing_at_, "cannot be written", error);
+  name_synced_ = true;
+  return {};
+}
+
 Status OutputFile::commit() {
-  // Only when the bytes are on the disk may they replace a good file; otherwise the system may take its time.
-  const bool replaces = growing_at_ != path_ && ::access(path_.c_str(), F_OK) == 0;
-  if (replaces && ::fsync(descriptor_) != 0) return failed(growing_at_, "cannot be written", errno);
+  if (::fsync(descriptor_) != 0) return failed(growing_at_, "cannot be written", errno);
+  // Renamed before it is closed: nobody finds the finished part without its lock.
+  if (!rename_to_free(growing_at_, path_))
+    return failed(path_, ("cannot be the name of " + growing_at_).c_str(), errno);
+  growing_at_.clear();
   const int descriptor = descriptor_;
   descriptor_ = -1;
-  if (::close(descriptor) != 0) return failed(growing_at_, "cannot be closed", errno);
-  if (growing_at_ != path_ && std::rename(growing_at_.c_str(), path_.c_str()) != 0)
-    return failed(path_, ("cannot be replaced by " + growing_at_).c_str(), errno);
-  growing_at_.clear();
+  if (::close(descriptor) != 0) return failed(path_, "cannot be closed", errno);
+  if (const int error = sync_folder_of(path_)) return failed(path_, "cannot be written", error);
   return {};
 }
 

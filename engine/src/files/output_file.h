@@ -1,5 +1,5 @@
-// A file being written: straight to the system without a buffer, and never half of one in the place of a good
-// one.
+// A file being written: straight to the system without a buffer, by one writer, in the place of none that is
+// there.
 #pragma once
 
 #include <cstdint>
@@ -14,26 +14,28 @@ namespace lumbrical {
 /// no locks.
 bool is_being_written(int descriptor);
 
+/// What a file is called until it is complete: its path and this.
+inline constexpr const char* kPartSuffix = ".part";
+
+/// Grows as path.part and takes its path when it is complete. A path that exists is refused, and so is one
+/// whose .part exists: another writer is at it, or was killed and left all there is of its work.
 class OutputFile {
  public:
-  enum class Place : std::uint8_t {
-    beside_existing,  ///< grows at the path itself, unless a file is there already
-    beside,           ///< always grows at path.part
-  };
-
   OutputFile() = default;
   ~OutputFile();  ///< closes; what was written so far stays where it grew
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  Status open(const std::string& path, Place place);
+  Status open(const std::string& path);
   /// All of the bytes or an error; after an error an unknown part of them is in the file.
   Status write(std::span<const std::uint8_t> bytes);
   /// Cuts the file, which goes on from there.
   Status cut(std::uint64_t size);
-  /// Puts the file at its path. Where it replaces another, it is on the disk before.
+  /// What was written so far, and the name it has, outlive a power cut.
+  Status sync();
+  /// Puts the file at its path, on the disk before it has that name. An error where another has come there.
   Status commit();
-  /// Removes what was written, unless it has been committed. A good file at the path stays.
+  /// Removes what was written, unless it has been committed.
   void discard();
 
   [[nodiscard]] std::uint64_t size() const { return size_; }
@@ -43,6 +45,7 @@ class OutputFile {
   std::string path_, growing_at_;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
+  bool name_synced_ = false;
 };
 
 }  // namespace lumbrical

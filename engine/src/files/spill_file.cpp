@@ -1,6 +1,10 @@
 #include "files/spill_file.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <cerrno>
+#include <cstdlib>
 #include <limits>
 #include <system_error>
 
@@ -11,15 +15,15 @@ Status SpillFile::failed(const char* what) const {
 }
 
 Status SpillFile::open(const std::string& path) {
-  path_ = path;
-  file_.reset(std::fopen(path.c_str(), "w+bx"));
-  if (!file_ && errno == EEXIST) {  // left over from a process that ended between the two calls below
-    std::remove(path.c_str());
-    file_.reset(std::fopen(path.c_str(), "w+bx"));
-  }
-  if (!file_) return failed("cannot be created");
-  std::remove(path.c_str());  // the open file lives on without its name
-  return {};
+  path_ = path + ".XXXXXX";  // a name that nothing has
+  const int descriptor = ::mkostemp(path_.data(), O_CLOEXEC);
+  if (descriptor < 0) return failed("cannot be created");
+  ::unlink(path_.c_str());  // the open file lives on without its name
+  file_.reset(::fdopen(descriptor, "w+b"));
+  if (file_) return {};
+  const Status status = failed("cannot be created");
+  ::close(descriptor);
+  return status;
 }
 
 Status SpillFile::append(std::span<const std::byte> bytes) {

@@ -13,7 +13,7 @@ class TextOutput {
  public:
   Status open(const std::string& path) {
     to_file_ = path != "-";
-    return to_file_ ? file_.open(path, OutputFile::Place::beside) : Status{};
+    return to_file_ ? file_.open(path) : Status{};
   }
   Status line(std::string_view text) {
     text_ += text;

@@ -28,7 +28,7 @@ constexpr std::size_t kSortMemory = std::size_t{64} << 20;  // [bytes]
 /// A file that is written once from start to end, with the hashes of its pieces.
 class HashedFile {
  public:
-  Status open(const std::string& path) { return file_.open(path, OutputFile::Place::beside); }
+  Status open(const std::string& path) { return file_.open(path); }
 
   Status append(std::span<const std::byte> bytes) {
     while (!bytes.empty()) {

@@ -88,6 +88,24 @@ void spoil(WrongReply wrong, bool serial, Bytes& frame) {
   if (wrong == WrongReply::behind) frame.push_back(0);
 }
 
+/// Where a symbolic link points; empty where there is none.
+std::string target_of(const std::string& link) {
+  std::array<char, 128> target{};
+  const ssize_t size = readlink(link.c_str(), target.data(), target.size());
+  return size > 0 ? std::string(target.data(), static_cast<std::size_t>(size)) : std::string();
+}
+
+// Nothing that is there is taken away but what a killed simulator has left: a link to a terminal that is
+// gone, or that is this one's by now.
+Status put_link(const std::string& terminal, const std::string& link) {
+  const std::string old = target_of(link);
+  const bool left_over = old.starts_with("/dev/pts/") && (old == terminal || access(old.c_str(), F_OK) != 0);
+  if (left_over) unlink(link.c_str());
+  if (symlink(terminal.c_str(), link.c_str()) == 0) return {};
+  if (errno != EEXIST) return system_error(link);
+  return Status::error(link + ": is there already, and nothing is taken away; name another link");
+}
+
 }  // namespace
 
 struct ModbusServer::Peer {
@@ -260,9 +278,7 @@ Status ModbusServer::open_terminal(const std::string& link) {
   }
   name_ = name.data();
   if (!link.empty()) {
-    unlink(link.c_str());
-    if (symlink(name_.c_str(), link.c_str()) != 0) {
-      const Status status = system_error(link);
+    if (Status status = put_link(name_, link); !status.ok()) {
       close();
       return status;
     }
@@ -285,7 +301,7 @@ void ModbusServer::close() {
     if (*file >= 0) ::close(*file);
     *file = -1;
   }
-  if (!link_.empty()) unlink(link_.c_str());
+  if (!link_.empty() && target_of(link_) == name_) unlink(link_.c_str());
   link_.clear();
 }
 

@@ -112,12 +112,18 @@ Status InputFile::broken(std::uint64_t offset, const std::string& what) const {
 Status InputFile::open(const std::string& path) {
   path_ = path;
   // O_NONBLOCK: opening a pipe that nobody writes to must not wait; for files it means nothing.
-  descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  constexpr int kMode = O_RDONLY | O_CLOEXEC | O_NONBLOCK;
+  descriptor_ = ::open(path.c_str(), kMode);
+  if (descriptor_ < 0 && errno == ENOENT) {
+    // What a writer that is at work, or was killed, has left.
+    descriptor_ = ::open((path + kPartSuffix).c_str(), kMode);
+    if (descriptor_ >= 0) path_ += kPartSuffix;
+  }
   if (descriptor_ < 0)
     return Status::error(path + ": cannot be opened: " + std::generic_category().message(errno));
   struct stat status {};
   if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode))
-    return Status::error(path + ": is not a file; name a recording");
+    return Status::error(path_ + ": is not a file; name a recording");
   size_ = static_cast<std::uint64_t>(status.st_size);
   growing_ = is_being_written(descriptor_);
   return {};

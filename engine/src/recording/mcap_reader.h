@@ -20,7 +20,9 @@ class InputFile {
   InputFile(const InputFile&) = delete;
   InputFile& operator=(const InputFile&) = delete;
 
+  /// Where there is no file of that name, what was to become it (path.part).
   Status open(const std::string& path);
+  [[nodiscard]] const std::string& path() const { return path_; }
   /// `bytes` becomes exactly `count` bytes from `offset`. The caller has bounded `count`.
   Status read(std::uint64_t offset, std::uint64_t count, std::vector<std::uint8_t>& bytes) const;
   [[nodiscard]] std::uint64_t size() const { return size_; }

@@ -61,10 +61,9 @@ Status McapWriter::write(Bytes bytes) {
   return {};
 }
 
-Status McapWriter::open(const std::string& path, OutputFile::Place place, const McapWriterOptions& options,
-                        const Start& start) {
+Status McapWriter::open(const std::string& path, const McapWriterOptions& options, const Start& start) {
   options_ = options;
-  if (Status status = file_.open(path, place); !status.ok()) return status;
+  if (Status status = file_.open(path); !status.ok()) return status;
 
   const Schema schema{kSchemaId, std::string(start.schema_name), "flatbuffer", start.schema};
   const Channel channel{kChannelId, kSchemaId, std::string(start.topic), "flatbuffer", {}};
@@ -197,9 +196,10 @@ void McapWriter::append_summary(ByteWriter& out) {
   out.raw(kMagic);
 }
 
+Status McapWriter::flush() { return is_chunk_open() ? write_chunk() : Status{}; }
+
 Status McapWriter::close() {
-  if (!chunk_index_.entries.empty())
-    if (Status status = write_chunk(); !status.ok()) return status;
+  if (Status status = flush(); !status.ok()) return status;
   const std::uint64_t whole = file_.size();
   statistics_.schema_count = 1;
   statistics_.channel_count = 1;

@@ -17,7 +17,7 @@ namespace lumbrical {
 struct McapWriterOptions {
   Compression compression = Compression::lz4;
   std::uint64_t period = 1'000'000;        ///< [ns] session time from one message to the next
-  std::uint64_t chunk_time = 250'000'000;  ///< [ns] session time a chunk may cover
+  std::uint64_t chunk_time = 200'000'000;  ///< [ns] session time a chunk may cover
   std::uint64_t chunk_bytes = 1u << 20;    ///< after which a chunk ends at the latest, uncompressed
 };
 
@@ -38,11 +38,20 @@ class McapWriter {
   };
 
   /// Creates the file and writes all that stands before the first message.
-  Status open(const std::string& path, OutputFile::Place place, const McapWriterOptions& options,
-              const Start& start);
+  Status open(const std::string& path, const McapWriterOptions& options, const Start& start);
   /// Adds one message; times [ns] must not descend. A full chunk goes to the file at once, whole. After an
   /// error the file ends with the last whole chunk and stays readable that far.
   Status message(std::uint64_t time, std::uint32_t sequence, mcap::Bytes data);
+  /// Writes the open chunk, if any message is in it; the next one begins another.
+  Status flush();
+  /// What has left in chunks outlives a power cut. May run beside all but open() and close().
+  Status sync() { return file_.sync(); }
+  /// Whether messages wait in an open chunk.
+  [[nodiscard]] bool is_chunk_open() const { return !chunk_index_.entries.empty(); }
+  /// Messages in chunks that are in the file.
+  [[nodiscard]] std::uint64_t written_messages() const {
+    return statistics_.message_count - chunk_index_.entries.size();
+  }
   /// Writes the open chunk, index and summary, and puts the file in its place.
   Status close();
   /// Removes the file.

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
+#include <mutex>
 #include <new>
 #include <optional>
 #include <system_error>
@@ -27,6 +29,9 @@ using namespace std::chrono_literals;
 // system call per tick. 2 ms are a few ticks, where the ring holds thousands.
 constexpr auto kWriterNap = 2ms;
 constexpr auto kFullRingNap = 200us;
+// A live session's chunk is open no longer than that by the clock, however slowly ticks come: with the
+// writer's nap less than the 0.25 s that a killed process may lose.
+constexpr auto kLongestOpen = 240ms;
 constexpr std::uint32_t kLargestRing = 1u << 18;
 
 // All of a record but the places for commands it does not have, which are a third of it.
@@ -44,6 +49,8 @@ void copy_record(const TickRecord& from, TickRecord& to) {
 Status check_options(const Scene& scene, const RecorderOptions& options) {
   if (!(options.chunk_seconds > 0 && options.chunk_seconds <= 0.25))
     return Status::error("chunk_seconds is out of range; choose more than 0 and at most 0.25");
+  if (!(options.sync_seconds > 0 && options.sync_seconds <= 3600))
+    return Status::error("sync_seconds is out of range; choose more than 0 and at most 3600");
   if (options.ring_capacity < 1 || options.ring_capacity > kLargestRing)
     return Status::error("ring_capacity is out of range; choose 1 to " + std::to_string(kLargestRing) +
                          " ticks");
@@ -54,8 +61,8 @@ Status check_options(const Scene& scene, const RecorderOptions& options) {
 
 }  // namespace
 
-Status open_recording(const std::string& path, OutputFile::Place place, double rate,
-                      const std::vector<std::uint8_t>& session, const std::vector<std::uint8_t>& state,
+Status open_recording(const std::string& path, double rate, const std::vector<std::uint8_t>& session,
+                      const std::vector<std::uint8_t>& state,
                       const std::map<std::string, std::string>& metadata, McapWriterOptions options,
                       McapWriter& writer) {
   options.period = tick_time(1, 1e9 / rate);
@@ -68,7 +75,7 @@ Status open_recording(const std::string& path, OutputFile::Place place, double r
   if (!state.empty()) start.attachments.push_back({kStateAttachment, state});
   start.metadata_name = kMetadataName;
   start.metadata = &metadata;
-  Status status = writer.open(path, place, options, start);
+  Status status = writer.open(path, options, start);
   if (!status.ok()) writer.discard();
   return status;
 }
@@ -77,7 +84,11 @@ struct Recorder::Writer {
   explicit Writer(std::uint32_t ring_capacity) : ring(ring_capacity) {}
 
   void run();
+  void run_syncs();
+  void fail(const Status& error);
+  void stop();
   Status write(const TickRecord& record);
+  Status flush_in_time();
   [[nodiscard]] bool keeps_forces(const TickRecord& record) const {
     return record.has_forces && force_interval > 0 && record.output.tick % force_interval == 0;
   }
@@ -86,16 +97,42 @@ struct Recorder::Writer {
   double period = 0;  // [ns]
   bool wait_when_full = true;
   std::uint32_t force_interval = 1;
+  std::chrono::duration<double> sync_interval{};
   std::optional<std::uint64_t> last_tick;  // handed over; the tick thread's own
 
-  McapWriter mcap;  // the writer thread's own, from open() until it has ended
+  McapWriter mcap;  // the writer thread's own, from open() until it has ended; but for its sync()
   flatbuffers::FlatBufferBuilder builder{4096};
-  Status status;
+  std::chrono::steady_clock::time_point opened;  // of the open chunk
 
+  std::mutex mutex;    // of `first_error` until `failed`, and of `ended`
+  Status first_error;  // that ended the recording
   std::atomic<bool> closing{false};
   std::atomic<bool> failed{false};
-  std::thread thread;
+  bool ended = false;
+  std::condition_variable end;
+  // A disk may take seconds to write all it was given, and the ring may not hold that many ticks: so the
+  // writer goes on meanwhile.
+  std::thread thread, syncs;
 };
+
+// Of two errors the first is told.
+void Recorder::Writer::fail(const Status& error) {
+  const std::lock_guard lock(mutex);
+  if (failed.load(std::memory_order_relaxed)) return;
+  first_error = error;
+  failed.store(true, std::memory_order_release);
+}
+
+void Recorder::Writer::stop() {
+  closing.store(true, std::memory_order_release);
+  if (thread.joinable()) thread.join();
+  {
+    const std::lock_guard lock(mutex);
+    ended = true;
+  }
+  end.notify_all();
+  if (syncs.joinable()) syncs.join();
+}
 
 Status Recorder::Writer::write(const TickRecord& record) {
   encode_tick(record, keeps_forces(record), make_input_check(input_fields(record)), builder);
@@ -105,20 +142,37 @@ Status Recorder::Writer::write(const TickRecord& record) {
                       {builder.GetBufferPointer(), builder.GetSize()});
 }
 
+// A live session can't be had again, so it isn't left in memory for long. One in lockstep can, to the bit:
+// there chunks end by session time alone, and the file's bytes depend on no clock.
+Status Recorder::Writer::flush_in_time() {
+  if (wait_when_full || !mcap.is_chunk_open()) return {};
+  return std::chrono::steady_clock::now() - opened < kLongestOpen ? Status{} : mcap.flush();
+}
+
 void Recorder::Writer::run() {
   for (;;) {
     const bool last_round =
         closing.load(std::memory_order_acquire);  // before looking: what is there then, is all
+    Status status;
     while (const TickRecord* const record = ring.front()) {
+      if (!mcap.is_chunk_open()) opened = std::chrono::steady_clock::now();
       status = write(*record);
-      if (!status.ok()) {
-        failed.store(true, std::memory_order_release);
-        return;
-      }
+      if (!status.ok() || failed.load(std::memory_order_acquire)) break;
       ring.pop();
     }
-    if (last_round) return;
+    if (status.ok()) status = flush_in_time();
+    if (!status.ok()) fail(status);
+    if (last_round || failed.load(std::memory_order_acquire)) return;
     std::this_thread::sleep_for(kWriterNap);
+  }
+}
+
+void Recorder::Writer::run_syncs() {
+  std::unique_lock lock(mutex);
+  while (!end.wait_for(lock, sync_interval, [this] { return ended; })) {
+    lock.unlock();
+    if (const Status synced = mcap.sync(); !synced.ok()) return fail(synced);
+    lock.lock();
   }
 }
 
@@ -141,18 +195,26 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   writer->period = 1e9 / scene.settings.rate;
   writer->wait_when_full = options.wait_when_full;
   writer->force_interval = options.force_interval;
+  writer->sync_interval = std::chrono::duration<double>(options.sync_seconds);
   McapWriterOptions mcap_options;
   mcap_options.compression = options.compression;
   mcap_options.chunk_time = static_cast<std::uint64_t>(options.chunk_seconds * 1e9);
   std::map<std::string, std::string> metadata = options.metadata;
   metadata.emplace("build", build_text());
   if (options.force_interval != 1) metadata.emplace("force_interval", std::to_string(options.force_interval));
-  Status status = open_recording(path, OutputFile::Place::beside_existing, scene.settings.rate, session, {},
-                                 metadata, mcap_options, writer->mcap);
+  Status status =
+      open_recording(path, scene.settings.rate, session, {}, metadata, mcap_options, writer->mcap);
   if (!status.ok()) return status;
+  status = writer->mcap.sync();
+  if (!status.ok()) {
+    writer->mcap.discard();
+    return status;
+  }
   try {
     writer->thread = std::thread([raw = writer.get()] { raw->run(); });
+    writer->syncs = std::thread([raw = writer.get()] { raw->run_syncs(); });
   } catch (const std::system_error&) {
+    writer->stop();
     writer->mcap.discard();
     return Status::error(path + ": no thread for the recorder; the system has reached its limit");
   }
@@ -183,15 +245,14 @@ bool Recorder::record(const TickRecord& record) noexcept {
 
 Status Recorder::failure() const {
   if (!writer_ || !writer_->failed.load(std::memory_order_acquire)) return {};
-  return writer_->status;
+  return writer_->first_error;
 }
 
 Status Recorder::close() {
   if (!writer_) return {};
   const std::unique_ptr<Writer> writer = std::move(writer_);
-  writer->closing.store(true, std::memory_order_release);
-  writer->thread.join();
-  return writer->status.ok() ? writer->mcap.close() : writer->status;
+  writer->stop();
+  return writer->first_error.ok() ? writer->mcap.close() : writer->first_error;
 }
 
 }  // namespace lumbrical

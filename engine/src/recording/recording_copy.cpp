@@ -117,8 +117,8 @@ Status Copy::start(RecordingReader& reader, const std::string& output) {
   period_ = 1e9 / scene.settings.rate;
   McapWriterOptions options;
   options.compression = options_.compression.value_or(compression_of(reader.info()));
-  const Status status = open_recording(output, OutputFile::Place::beside, scene.settings.rate, session_,
-                                       state, reader.info().metadata, options, writer_);
+  const Status status =
+      open_recording(output, scene.settings.rate, session_, state, reader.info().metadata, options, writer_);
   open_ = status.ok();
   return status;
 }
@@ -158,9 +158,6 @@ Status Copy::add(const std::string& path, const std::string& output) {
 
 Status copy_all(const std::vector<std::string>& inputs, const std::string& output, Copy& copy) {
   for (const std::string& input : inputs) {
-    std::error_code ignored;
-    if (std::filesystem::equivalent(input, output, ignored))
-      return Status::error(output + ": is one of the inputs; name another file to write to");
     if (Status status = copy.add(input, output); !status.ok()) return status;
   }
   return copy.close();

@@ -1,10 +1,8 @@
 // Export of a recording as text: CSV for spreadsheets, JSON lines for scripts.
 #include <cstdio>
-#include <filesystem>
 #include <new>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <type_traits>
 
 #include "files/text_output.h"
@@ -148,9 +146,6 @@ Status write_lines(RecordingReader& reader, ExportFormat format, TextOutput& out
 }  // namespace
 
 Status export_recording(RecordingReader& reader, ExportFormat format, const std::string& output) try {
-  std::error_code ignored;
-  if (std::filesystem::equivalent(reader.info().path, output, ignored))
-    return Status::error(output + ": is the recording itself; name another file to write to");
   TextOutput out;
   if (Status status = out.open(output); !status.ok()) return status;
   Status status = write_lines(reader, format, out);

@@ -312,7 +312,7 @@ Status RecordingReader::File::scan() {
 
 Status RecordingReader::File::open(const std::string& path) {
   if (Status status = file.open(path); !status.ok()) return status;
-  info.path = path;
+  info.path = file.path();
   info.bytes = file.size();
   info.growing = file.growing();
   Header header;

@@ -2,7 +2,6 @@
 // checksum is right is whole, so chunks (and the session) are looked for byte by byte and written to a new
 // file.
 #include <algorithm>
-#include <filesystem>
 #include <map>
 #include <new>
 #include <optional>
@@ -186,8 +185,7 @@ Status Recovery::copy_ticks(const std::string& output) {
   McapWriter writer;
   McapWriterOptions options;
   options.compression = compression_.value_or(Compression::lz4);
-  Status status = open_recording(output, OutputFile::Place::beside, scene_.settings.rate, session_, state_,
-                                 metadata_, options, writer);
+  Status status = open_recording(output, scene_.settings.rate, session_, state_, metadata_, options, writer);
   bool found = true;
   for (std::uint64_t offset = 0; status.ok() && found;) {
     RecordPlace place;
@@ -230,9 +228,6 @@ std::vector<TickRange> Recovery::missing() const {
 
 Status recover_recording(const std::string& path, const std::string& output, std::uint64_t& recovered,
                          std::uint64_t& lost, std::vector<TickRange>* missing) try {
-  std::error_code ignored;
-  if (std::filesystem::equivalent(path, output, ignored))
-    return Status::error(output + ": is the damaged file itself; name another to write to");
   Recovery recovery;
   if (Status status = recovery.open(path); !status.ok()) return status;
   if (Status status = recovery.find_session(); !status.ok()) return status;
