@@ -18,7 +18,7 @@
 namespace lumbrical::test {
 namespace {
 
-constexpr Isa kIsas[] = {Isa::scalar, Isa::sse2, Isa::avx2, Isa::avx512, Isa::neon};
+constexpr Isa kIsas[] = {Isa::scalar, Isa::sse2, Isa::avx2, Isa::avx512, Isa::neon, Isa::simd128};
 constexpr Broadphase kBroadphases[] = {Broadphase::tree, Broadphase::grid, Broadphase::brute};
 constexpr std::uint32_t kThreads[] = {1, 2, 4, 8};
 

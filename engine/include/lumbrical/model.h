@@ -45,7 +45,7 @@ inline constexpr double kGridExtent = 1000;
 bool available(Broadphase broadphase);
 
 /// What the kernels are compiled for. Never changes a result, only the time it takes.
-enum class Isa : std::uint8_t { automatic, scalar, sse2, avx2, avx512, neon };
+enum class Isa : std::uint8_t { automatic, scalar, sse2, avx2, avx512, neon, simd128 };
 
 /// Can this build on this machine run the kernels of `isa`?
 bool available(Isa isa);

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#if defined(__SSE2__)
+#if defined(__x86_64__)
 #include <immintrin.h>
 #endif
 
@@ -19,7 +19,7 @@ class FloatingPointGuard {
   FloatingPointGuard& operator=(const FloatingPointGuard&) = delete;
 
  private:
-#if defined(__SSE2__)
+#if defined(__x86_64__)
   static constexpr std::uint64_t kDefault = 0x1f80;  // MXCSR at process start
   static std::uint64_t get() { return _mm_getcsr(); }
   static void set(std::uint64_t mode) { _mm_setcsr(static_cast<unsigned>(mode)); }

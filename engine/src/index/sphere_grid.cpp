@@ -132,7 +132,7 @@ SphereGrid build_grid(const Triangles& triangles, const Execution& execution) {
   start.push_back(members.size());
   start.push_back(members.size() + wide.size());
   std::vector<TreeHead> heads;
-  const std::uint64_t line_count = plan_trees(start, execution, heads);
+  const auto line_count = static_cast<std::size_t>(plan_trees(start, execution, heads));
   const auto lines = make_lines(line_count);
   build_trees(triangles, members, start, execution, std::span(heads).first(cells.size()), lines.get());
   build_tree(triangles, wide, execution, heads.back(), lines.get() + heads.back().first_line);

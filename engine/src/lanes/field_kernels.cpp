@@ -15,6 +15,9 @@ const FieldKernels& field_kernels(Isa isa) {
 #elif defined(LUMBRICAL_XSIMD) && defined(__aarch64__)
     case Isa::neon:
       return neon::kFieldKernels;
+#elif defined(LUMBRICAL_XSIMD) && defined(__wasm__)
+    case Isa::simd128:
+      return simd128::kFieldKernels;
 #endif
     default:
       return scalar::kFieldKernels;

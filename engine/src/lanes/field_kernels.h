@@ -44,6 +44,9 @@ extern const FieldKernels kFieldKernels;
 namespace neon {
 extern const FieldKernels kFieldKernels;
 }
+namespace simd128 {
+extern const FieldKernels kFieldKernels;
+}
 
 /// The table of an instruction set that is available.
 const FieldKernels& field_kernels(Isa isa);

@@ -74,7 +74,7 @@ inline bool any(xsimd::batch_bool<T, A> const& which) noexcept { return xsimd::a
 // One bit per lane of floats, the first the lowest.
 template <class A>
 inline unsigned bits_of(xsimd::batch_bool<float, A> which, xsimd::batch<float, A> zero) {
-#if defined(__x86_64__)
+#if defined(__x86_64__) || defined(__wasm__)
   if constexpr (Lanes<xsimd::batch<float, A>>::kCount == 4) {
     return static_cast<unsigned>(_mm_movemask_ps(which.data));
 #if defined(__AVX__)

@@ -21,6 +21,9 @@ bool available(Isa isa) {
 #elif defined(LUMBRICAL_XSIMD) && defined(__aarch64__)
     case Isa::neon:
       return true;
+#elif defined(LUMBRICAL_XSIMD) && defined(__wasm__)
+    case Isa::simd128:
+      return true;
 #endif
     default:
       return false;
@@ -28,7 +31,7 @@ bool available(Isa isa) {
 }
 
 Isa widest_isa() {
-  for (const Isa isa : {Isa::avx512, Isa::avx2, Isa::sse2, Isa::neon}) {
+  for (const Isa isa : {Isa::avx512, Isa::avx2, Isa::sse2, Isa::neon, Isa::simd128}) {
     if (available(isa)) return isa;
   }
   return Isa::scalar;

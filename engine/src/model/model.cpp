@@ -30,13 +30,14 @@ constexpr std::array<std::pair<std::string_view, Broadphase>, 5> kBroadphaseName
     {"voxel", Broadphase::voxel},
     {"brute", Broadphase::brute},
 }};
-constexpr std::array<std::pair<std::string_view, Isa>, 6> kIsaNames = {{
+constexpr std::array<std::pair<std::string_view, Isa>, 7> kIsaNames = {{
     {"auto", Isa::automatic},
     {"scalar", Isa::scalar},
     {"sse2", Isa::sse2},
     {"avx2", Isa::avx2},
     {"avx512", Isa::avx512},
     {"neon", Isa::neon},
+    {"simd128", Isa::simd128},
 }};
 
 template <class Names, class T = typename Names::value_type::second_type>

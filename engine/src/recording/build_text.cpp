@@ -24,6 +24,8 @@ std::string build_text() {
   return text + ", x86_64";
 #elif defined(__aarch64__)
   return text + ", aarch64";
+#elif defined(__wasm__)
+  return text + ", WebAssembly";
 #else
   return text + ", other processor";
 #endif

@@ -15,6 +15,9 @@ const SampleKernels& sample_kernels(Isa isa) {
 #elif defined(LUMBRICAL_XSIMD) && defined(__aarch64__)
     case Isa::neon:
       return neon::kSampleKernels;
+#elif defined(LUMBRICAL_XSIMD) && defined(__wasm__)
+    case Isa::simd128:
+      return simd128::kSampleKernels;
 #endif
     default:
       return scalar::kSampleKernels;

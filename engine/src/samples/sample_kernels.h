@@ -145,6 +145,9 @@ extern const SampleKernels kSampleKernels;
 namespace neon {
 extern const SampleKernels kSampleKernels;
 }
+namespace simd128 {
+extern const SampleKernels kSampleKernels;
+}
 
 /// The table of an instruction set that is available.
 const SampleKernels& sample_kernels(Isa isa);

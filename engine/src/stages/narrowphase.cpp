@@ -218,7 +218,7 @@ void collide_round(Work& work) {
 }
 
 void collide_slabs(Work& work) {
-  std::span<const std::uint32_t> rest = work.slab;  // one slab after the other
+  std::span<const std::uint32_t> rest(work.slab.begin(), work.slab.end());  // one slab after the other
   while (!rest.empty()) {
     const std::uint32_t index = work.pairs.contact[rest[0]].primitive;
     std::size_t count = 0;
@@ -258,7 +258,7 @@ void add_slivers(Work& work) {
       }
     };
     const PairList& list = terms.patient ? uneven : work.slivers;
-    through_lanes(std::span<const std::uint32_t>(list), terms, work.pairs.kernels.cone_slivers, gather, give);
+    through_lanes(std::span(list.begin(), list.end()), terms, work.pairs.kernels.cone_slivers, gather, give);
     if (terms.patient) return;
   }
 }
@@ -344,7 +344,8 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
   parallel_chunks(candidates.size(), kChunk, threads, [&](std::size_t next, std::size_t last) {
     while (next < last) {
       const PairSlots pairs{model.triangles, hand, kernels, contacts.subspan(next)};
-      next += collide_some(pairs, hulls, model.settings.point_area, candidates.subspan(next, last - next));
+      next += collide_some(pairs, {hulls.begin(), hulls.end()}, model.settings.point_area,
+                           candidates.subspan(next, last - next));
     }
   });
   std::uint32_t count = 0;

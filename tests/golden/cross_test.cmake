@@ -1,6 +1,6 @@
-# Cross-builds the golden hashes' check for 64-bit ARM in FOLDER and runs it under qemu-user. Says "skipped: " and why
-# where compiler or emulator is missing.
-foreach(program aarch64-linux-gnu-g++ qemu-aarch64)
+# Cross-builds the golden hashes' check by engine/cmake/TOOLCHAIN.cmake in FOLDER and runs it as that file says. Says "skipped: "
+# and why where one of the PROGRAMS this takes is missing.
+foreach(program IN LISTS PROGRAMS)
   unset(found CACHE)
   find_program(found ${program})
   if(NOT found)
@@ -17,8 +17,8 @@ function(run)
   endif()
 endfunction()
 
-run(${CMAKE_COMMAND} -S ${SOURCE} -B ${FOLDER} -G Ninja -DCMAKE_TOOLCHAIN_FILE=${SOURCE}/engine/cmake/aarch64.cmake
+run(${CMAKE_COMMAND} -S ${SOURCE} -B ${FOLDER} -G Ninja -DCMAKE_TOOLCHAIN_FILE=${SOURCE}/engine/cmake/${TOOLCHAIN}.cmake
     -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DLUMBRICAL_WERROR=ON -DLUMBRICAL_GOLDEN=ON
-    -DLUMBRICAL_TBB=OFF -DLUMBRICAL_SESSION=OFF -DLUMBRICAL_PROGRAM=OFF -DLUMBRICAL_TESTS=OFF -DLUMBRICAL_BENCH=OFF)
+    -DLUMBRICAL_TBB=OFF -DLUMBRICAL_OPENVDB=OFF -DLUMBRICAL_SESSION=OFF -DLUMBRICAL_PROGRAM=OFF -DLUMBRICAL_TESTS=OFF -DLUMBRICAL_BENCH=OFF)
 run(${CMAKE_COMMAND} --build ${FOLDER} --target golden_hashes --parallel 2)
 run(ctest --test-dir ${FOLDER} --output-on-failure)
