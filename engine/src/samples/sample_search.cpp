@@ -1,8 +1,10 @@
 #include "samples/sample_search.h"
 
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 
+#include "base/parallel.h"
 #include "index/sphere_tree.h"
 #include "lanes/tree_search.h"
 #include "model/primitive.h"
@@ -12,19 +14,15 @@ namespace {
 
 constexpr std::size_t kWidth = PatchBlock::kWidth;
 
-// Blocks that are classified at a time: the list has room for all they may hold.
+// Blocks that are classified at a time, and what they may hold.
 constexpr std::size_t kBlocksAtATime = 64;
 constexpr std::size_t kSpare = kBlocksAtATime * kWidth;
 
-/// What bodies have found so far, and where each one's begins.
-struct Found {
-  std::span<FoundPatches> room;
-  std::size_t count = 0;
-  std::array<std::size_t, Bodies::kMostFingers + 2> begin{};
-
-  [[nodiscard]] bool has_room(std::size_t more) const { return count + more <= room.size(); }
-  [[nodiscard]] FoundPatches* end() const { return room.data() + count; }
-};
+// Patches that a world has for all bodies together, or that there may be.
+std::size_t most_patches(const Model& model) {
+  return std::min<std::size_t>(model.settings.max_candidates,
+                               (Bodies::kMostFingers + 1) * model.patches->block.size() * kWidth);
+}
 
 /// How one body asks: which spheres of blocks it may meet, which blocks have to be opened, as what it meets
 /// patches. Places are given as place << shift plus, if asked for, a bit per tile.
@@ -54,13 +52,13 @@ std::size_t every_sphere(std::span<const std::uint32_t> blocks, std::size_t sphe
 // left.
 template <class Search>
 std::size_t open_blocks(const Search& search, const Patches& patches, std::size_t level,
-                        std::span<std::uint32_t> blocks, Found& found) {
+                        std::span<std::uint32_t> blocks, PatchSearcher& searcher) {
   const std::uint32_t first = patches.first_samples[level];
   std::size_t open = 0;
   for (std::size_t i = 0; i < blocks.size(); i += kWidth) {
     const auto sorted = search.sort(patches.samples.data() + first, first, blocks.data() + i,
-                                    std::min(kWidth, blocks.size() - i), found.end());
-    found.count += sorted.whole_count;
+                                    std::min(kWidth, blocks.size() - i), searcher.end());
+    searcher.count += sorted.whole_count;
     std::copy_n(blocks.data() + i, sorted.open_count, blocks.data() + open);
     open += sorted.open_count;
   }
@@ -68,16 +66,18 @@ std::size_t open_blocks(const Search& search, const Patches& patches, std::size_
 }
 
 // A body's way down the levels of the tree, from one to the next by the spheres it may meet, and to patches.
-// False where there is no room.
+// It stops where a searcher has found too much: there is room for a step beyond that.
 template <class Search>
-bool find_for_body(const Search& search, const Patches& patches, bool brute, PatchSearchMemory& memory,
-                   Found& found) {
+void find_for_body(const Search& search, const Model& model, PatchSearcher& searcher) {
+  const Patches& patches = *model.patches;
   const SphereTree& tree = patches.tree;
-  if (tree.head.level_count == 0) return true;
+  const bool brute = model.execution.broadphase == Broadphase::brute;
+  const std::size_t most = most_patches(model);
+  if (tree.head.level_count == 0) return;
   const TreeLayout layout = layout_of(tree.head);
   std::size_t level = tree.head.level_count, count = layout.blocks[level - 1];
-  std::uint32_t* from = memory.frontier[0].data();
-  std::uint32_t* to = memory.frontier[1].data();
+  std::uint32_t* from = searcher.frontier[0].data();
+  std::uint32_t* to = searcher.frontier[1].data();
   std::iota(from, from + count, 0u);
   for (const SphereBlock* spheres = blocks_of(tree.lines.data()); level-- > 0;
        spheres += layout.blocks[level]) {
@@ -86,21 +86,18 @@ bool find_for_body(const Search& search, const Patches& patches, bool brute, Pat
     count = brute ? every_sphere({from, count}, all, has_samples, search.shift, search.every_tile, to)
                   : search.hits(spheres, from, count, has_samples, to);
     if (has_samples) {
-      if (!found.has_room(count)) return false;
-      count = open_blocks(search, patches, level, {to, count}, found);
+      count = open_blocks(search, patches, level, {to, count}, searcher);
       for (std::size_t i = 0; level > 0 && i < count; ++i) to[i] >>= search.shift;
     }
+    if (searcher.count > most) return;
     std::swap(from, to);
   }
-  for (std::size_t i = 0; i < count; i += kBlocksAtATime) {
-    if (!found.has_room(kSpare)) return false;
-    found.count += search.classify(from + i, std::min(kBlocksAtATime, count - i), found.end());
-  }
-  return found.has_room(kSpare);  // whatever else was looked at
+  for (std::size_t i = 0; i < count && searcher.count <= most; i += kBlocksAtATime)
+    searcher.count += search.classify(from + i, std::min(kBlocksAtATime, count - i), searcher.end());
 }
 
-bool find_for_finger(const Model& model, const Primitives& hand, const FingerBody& finger,
-                     PatchSearchMemory& memory, Found& found) {
+void find_for_finger(const Model& model, const Primitives& hand, const FingerBody& finger,
+                     PatchSearcher& searcher) {
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
   const Patches& patches = *model.patches;
   SphereQuery queries[FingerBody::kMostTiles];
@@ -117,7 +114,7 @@ bool find_for_finger(const Model& model, const Primitives& hand, const FingerBod
         return kernels.classify_finger(patches.block.data(), finger, blocks, count, to);
       },
       3, finger.tiles()};
-  return find_for_body(search, patches, model.execution.broadphase == Broadphase::brute, memory, found);
+  find_for_body(search, model, searcher);
 }
 
 void set_plane(Vec3 normal, double offset, float (&plane)[4]) {
@@ -144,8 +141,8 @@ PalmQuery query_of_palm(const TreeHead& tree, const SweptPolygon& palm) {
   return query;
 }
 
-bool find_for_palm(const Model& model, const Primitives& hand, const PalmBody& palm,
-                   PatchSearchMemory& memory, Found& found) {
+void find_for_palm(const Model& model, const Primitives& hand, const PalmBody& palm,
+                   PatchSearcher& searcher) {
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
   const Patches& patches = *model.patches;
   const PalmQuery query = query_of_palm(patches.tree.head, hand.palm);
@@ -158,34 +155,54 @@ bool find_for_palm(const Model& model, const Primitives& hand, const PalmBody& p
         return kernels.classify_palm(patches.block.data(), palm, blocks, count, to);
       },
       0, 0};
-  return find_for_body(search, patches, model.execution.broadphase == Broadphase::brute, memory, found);
+  find_for_body(search, model, searcher);
 }
 
-bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
-              Found& found) {
-  for (std::size_t i = 0; i < bodies.finger_count; ++i) {
-    if (!find_for_finger(model, hand, bodies.finger[i], memory, found)) return false;
-    found.begin[i + 1] = found.count;
-  }
-  if (bodies.palm.corner_count > 0 && !find_for_palm(model, hand, bodies.palm, memory, found)) return false;
-  found.begin[bodies.finger_count + 1] = found.count;
-  return true;
+// Listed patches, the last time, below which threads cost more than they bring.
+constexpr std::size_t kSerialBelow = 800;
+
+// Bodies are shared out among the searchers, whoever is free. False where they find too much.
+bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, std::size_t threads,
+              PatchSearchMemory& memory) {
+  const std::size_t most = most_patches(model);
+  for (PatchSearcher& searcher : memory.searcher) searcher.count = 0;
+  memory.found.fill({});
+  const std::size_t count = bodies.finger_count + (bodies.palm.corner_count > 0 ? 1 : 0);
+  std::atomic<std::size_t> next{0};
+  parallel_chunks(threads, 1, threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) {
+      PatchSearcher& searcher = memory.searcher[k];
+      for (std::size_t body = next++; body < count && searcher.count <= most; body = next++) {
+        const std::size_t begin = searcher.count;
+        if (body < bodies.finger_count) {
+          find_for_finger(model, hand, bodies.finger[body], searcher);
+        } else {
+          find_for_palm(model, hand, bodies.palm, searcher);
+        }
+        memory.found[body] = std::span(searcher.found).subspan(begin, searcher.count - begin);
+      }
+    }
+  });
+  std::size_t total = 0;
+  for (const PatchSearcher& searcher : memory.searcher) total += searcher.count;
+  return total <= most;
 }
 
 // ---- Order ----
 
 // Lists the patches of each body's entries, by key and, within a key, body by body.
-bool put_in_order(const Found& found, std::size_t body_count, NearPatches& near) {
+bool put_in_order(std::span<const std::span<const FoundPatches>> found, NearPatches& near) {
   near.begin.fill(0);
-  for (const FoundPatches& patches : found.room.first(found.count))
-    near.begin[patches.key + 1u] += static_cast<std::uint32_t>(__builtin_popcount(patches.lanes));
+  for (const auto& of_body : found) {
+    for (const FoundPatches& patches : of_body)
+      near.begin[patches.key + 1u] += static_cast<std::uint32_t>(__builtin_popcount(patches.lanes));
+  }
   std::partial_sum(near.begin.begin(), near.begin.end(), near.begin.begin());
   if (near.count() > near.listed.size()) return false;
   std::array<std::uint32_t, kKeyCount> next;
   std::copy_n(near.begin.begin(), kKeyCount, next.begin());
-  for (std::size_t body = 0; body < body_count; ++body) {
-    for (std::size_t i = found.begin[body]; i < found.begin[body + 1]; ++i) {
-      const auto [key, lanes, block] = found.room[i];
+  for (std::size_t body = 0; body < found.size(); ++body) {
+    for (const auto [key, lanes, block] : found[body]) {
       const std::uint32_t what = key % kind::kCount;
       const bool is_block = (what >= kind::kBlockInside && what < kind::kPalmSide) ||
                             what == kind::kPalmBlock || what == kind::kPalmBlockBeside,
@@ -206,19 +223,22 @@ bool put_in_order(const Found& found, std::size_t body_count, NearPatches& near)
 
 void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& near) {
   const Patches& patches = *model.patches;
+  const std::size_t most = most_patches(model);
   const std::size_t blocks =
       std::max<std::size_t>(patches.block.size(), frontier_capacity(patches.tree.head));
-  for (auto& frontier : memory.frontier) frontier.resize(blocks);
-  const std::size_t most = (Bodies::kMostFingers + 1) * patches.block.size() * kWidth;
-  const std::size_t room = std::min<std::size_t>(model.settings.max_candidates, most) + kSpare;
-  memory.found.resize(room);
-  near.listed.resize(room);
+  memory.searcher.resize(model.execution.threads);
+  for (PatchSearcher& searcher : memory.searcher) {
+    for (auto& frontier : searcher.frontier) frontier.resize(blocks);
+    searcher.found.resize(most + std::max(patches.block.size(), kSpare));
+  }
+  near.listed.resize(most + kSpare);
 }
 
 bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
                   NearPatches& near) {
-  Found found{memory.found};
-  if (find_all(model, hand, bodies, memory, found) && put_in_order(found, bodies.finger_count + 1, near))
+  const std::size_t threads = near.count() < kSerialBelow ? 1 : memory.searcher.size();
+  if (find_all(model, hand, bodies, threads, memory) &&
+      put_in_order(std::span(memory.found).first(bodies.finger_count + 1), near))
     return true;
   near.begin.fill(0);
   return false;

@@ -32,10 +32,19 @@ struct NearPatches {
   }
 };
 
+/// What one thread searches with, for one body after the other.
+struct PatchSearcher {
+  std::array<std::vector<std::uint32_t>, 2> frontier;
+  std::vector<FoundPatches> found;
+  std::size_t count = 0;  ///< found so far
+
+  [[nodiscard]] FoundPatches* end() { return found.data() + count; }
+};
+
 /// What the search works with, sized once for a model.
 struct PatchSearchMemory {
-  std::array<std::vector<std::uint32_t>, 2> frontier;
-  std::vector<FoundPatches> found;  ///< body by body
+  std::vector<PatchSearcher> searcher;
+  std::array<std::span<const FoundPatches>, Bodies::kMostFingers + 1> found;  ///< of each body, the palm last
 };
 
 /// The tile of its finger that a kind is about, the innermost of several.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "base/parallel.h"
 #include "model/primitive.h"
 #include "samples/effort.h"
 
@@ -46,19 +47,33 @@ void set_quanta(const Primitives& hand, BodySums& sums) {
   sums.moment_quantum = std::ldexp(1.0, 4 * exponent - 38);
 }
 
-/// A hand's patches, and who computes them.
+/// A hand's patches, and who computes them: one of `threads`, each of which takes its part of every list.
 struct SampleWork {
   const SampleKernels& kernels;
   const Patches& patches;
   const Bodies& bodies;
   const NearPatches& near;
-  SampleMemory& memory;
-  std::uint32_t touched = 0;
+  SampleThread& memory;
+  std::size_t number, threads;
+  std::size_t lists = 0;  ///< so far
 
   [[nodiscard]] const FingerBody* fingers() const { return bodies.finger.data(); }
   [[nodiscard]] BodySums* sums(std::size_t level) const { return memory.sums[level].data(); }
   [[nodiscard]] PatchList list(std::span<const ListedPatch> listed) const {
     return {patches.shape.data(), listed.data(), listed.size(), bodies.origin.data()};
+  }
+  /// Whole rows of sixteen; where there are too few for all, list by list others go without.
+  [[nodiscard]] std::span<const ListedPatch> own_part(std::span<const ListedPatch> all) {
+    if (threads == 1) return all;
+    const std::size_t rows = piece_count(all.size(), PatchBlock::kWidth), turn = lists++ % threads;
+    const auto begin = [&](std::size_t thread) {
+      return std::min(all.size(), (rows * thread + turn) / threads * PatchBlock::kWidth);
+    };
+    return all.subspan(begin(number), begin(number + 1) - begin(number));
+  }
+  [[nodiscard]] std::span<const ListedPatch> of_kinds(std::uint32_t first, std::uint32_t last,
+                                                      std::size_t patch_class) {
+    return own_part(near.of_kinds(first, last, patch_class));
   }
 };
 
@@ -83,7 +98,7 @@ std::span<const ListedPatch> wanted_of(SampleWork& work, std::uint32_t first, st
   const auto is_wanted = [innermost](const ListedPatch& patch) {
     return (innermost >> patch.tile % ListedPatch::kFarEnd & 1u) != 0;
   };
-  const std::span<const ListedPatch> all = work.near.of_kinds(first, last, patch_class);
+  const std::span<const ListedPatch> all = work.of_kinds(first, last, patch_class);
   if (std::all_of(all.begin(), all.end(), is_wanted)) return all;
   ListedPatch* const chosen = work.memory.chosen.data();
   return {chosen, std::copy_if(all.begin(), all.end(), chosen, is_wanted)};
@@ -94,7 +109,7 @@ std::span<const ListedPatch> wanted_of(SampleWork& work, std::uint32_t first, st
 void run_fingers(SampleWork& work, std::size_t patch_class, std::size_t steps, const TileSums& sums) {
   const auto run = [&](std::uint32_t first, std::uint32_t last, std::size_t sharers, const auto& kernel) {
     const auto listed = wanted_of(work, first, last, sharers, patch_class, sums.wanted);
-    if (!listed.empty()) work.touched += kernel(work.list(listed));
+    if (!listed.empty()) work.memory.touched += kernel(work.list(listed));
   };
   const auto run_part = [&](std::uint32_t first, std::uint32_t last, TilePart part) {
     run(first, last, 1, [&](const PatchList& list) {
@@ -118,9 +133,9 @@ void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level) 
   for (std::size_t steps = 1; steps <= kMostSteps; ++steps) {
     if (tiles[steps] != 0) run_fingers(work, patch_class, steps, {sums, tiles[steps]});
   }
-  const PatchList palm = work.list(work.near.of_kinds(kind::kPalm, kind::kPalm, patch_class));
+  const PatchList palm = work.list(work.of_kinds(kind::kPalm, kind::kPalm, patch_class));
   if (palm.count > 0) {
-    work.touched += work.kernels.palm_lattice(
+    work.memory.touched += work.kernels.palm_lattice(
         palm, work.bodies.palm, work.bodies.palm.steps[patch_class][level], sums[palm_number(work.bodies)]);
   }
 }
@@ -131,53 +146,63 @@ std::size_t rule_for(std::size_t size) { return size < 1 ? 0 : size < 2 ? 1 : si
 // What lies inside, where fields are smooth, or linear.
 void run_smooth(SampleWork& work, std::size_t patch_class) {
   const TileSums sums{work.sums(kEveryLevel), ~std::uint64_t{0}};
-  const PatchList inside = work.list(work.near.of_kinds(kind::kInside, kind::kInside + 2, patch_class)),
-                  side = work.list(work.near.of_kinds(kind::kPalmSide, kind::kPalmSide, patch_class)),
-                  through =
-                      work.list(work.near.of_kinds(kind::kPalmThrough, kind::kPalmThrough, patch_class));
+  const PatchList inside = work.list(work.of_kinds(kind::kInside, kind::kInside + 2, patch_class)),
+                  side = work.list(work.of_kinds(kind::kPalmSide, kind::kPalmSide, patch_class)),
+                  through = work.list(work.of_kinds(kind::kPalmThrough, kind::kPalmThrough, patch_class));
+  std::uint32_t& touched = work.memory.touched;
   if (inside.count > 0)
-    work.touched += work.kernels.tile_rule(inside, work.fingers(), rule_for(patch_class), sums);
+    touched += work.kernels.tile_rule(inside, work.fingers(), rule_for(patch_class), sums);
   BodySums& palm_sums = sums.of[palm_number(work.bodies)];
-  if (side.count > 0) work.touched += work.kernels.palm_side(side, work.bodies.palm, palm_sums);
-  if (through.count > 0) work.touched += work.kernels.palm_through(through, work.bodies.palm, palm_sums);
+  if (side.count > 0) touched += work.kernels.palm_side(side, work.bodies.palm, palm_sums);
+  if (through.count > 0) touched += work.kernels.palm_through(through, work.bodies.palm, palm_sums);
 }
 
 void run_blocks(SampleWork& work) {
   const BlockSamples* const samples = work.patches.samples.data();
-  const auto fingers = work.near.of_kinds(kind::kBlockInside, kind::kBlockInside + 2, 0),
-             palm = work.near.of_kinds(kind::kPalmBlock, kind::kPalmBlockBeside, 0);
+  const auto fingers = work.of_kinds(kind::kBlockInside, kind::kBlockInside + 2, 0),
+             palm = work.of_kinds(kind::kPalmBlock, kind::kPalmBlockBeside, 0);
   for (std::size_t i = 0, end = 0; i < fingers.size(); i = end) {
     const std::uint32_t tile = fingers[i].tile;
     while (end < fingers.size() && fingers[end].tile == tile) ++end;
     const BlockList list{samples, fingers.data() + i, end - i,
                          work.bodies.origin[tile / Bodies::kTilesApart]};
-    work.touched +=
+    work.memory.touched +=
         work.kernels.tile_blocks(list, tile_at(work.fingers(), tile), work.sums(kEveryLevel)[tile]);
   }
   if (!palm.empty()) {
     const BlockList list{samples, palm.data(), palm.size(), work.bodies.origin[work.bodies.finger_count]};
-    work.touched +=
+    work.memory.touched +=
         work.kernels.palm_blocks(list, work.bodies.palm, work.sums(kEveryLevel)[palm_number(work.bodies)]);
   }
 }
 
 // ---- Reduction ----
 
-// From the frame of a tile to W, about the segment's joint. Kernels leave twice the integral.
-Wrench wrench_of(const BodySums& sums, const float (&axis)[3][3], Vec3 origin, Vec3 joint) {
-  double total[6] = {};
-  for (std::size_t k = 0; k < 6; ++k) {
-    for (const double lane : sums.lane[k]) total[k] += lane;
+/// Twice the integral, as kernels leave it, and its moment.
+using SumOfLanes = std::array<double, 6>;
+
+SumOfLanes sum_of(const SampleMemory& memory, std::size_t threads, std::size_t level, std::size_t number) {
+  SumOfLanes total{};
+  for (std::size_t t = 0; t < threads; ++t) {
+    const BodySums& sums = memory.thread[t].sums[level][number];
+    for (std::size_t k = 0; k < 6; ++k) {
+      for (const double lane : sums.lane[k]) total[k] += lane;
+    }
   }
+  return total;
+}
+
+// From the frame of a tile to W, about the segment's joint.
+Wrench wrench_of(const SumOfLanes& total, const float (&axis)[3][3], Vec3 origin, Vec3 joint) {
   const auto to_world = [&](const double* v) {
     const auto row = [&](std::size_t i) { return v[0] * axis[0][i] + v[1] * axis[1][i] + v[2] * axis[2][i]; };
     return 0.5 * Vec3{row(0), row(1), row(2)};
   };
-  const Vec3 force = to_world(total);
-  return {force, to_world(total + 3) + cross(origin - joint, force)};
+  const Vec3 force = to_world(total.data());
+  return {force, to_world(total.data() + 3) + cross(origin - joint, force)};
 }
 
-Wrench wrench_of(const Bodies& bodies, const BodySums& sums, std::size_t number, Vec3 joint) {
+Wrench wrench_of(const Bodies& bodies, const SumOfLanes& sums, std::size_t number, Vec3 joint) {
   if (number == palm_number(bodies)) return wrench_of(sums, bodies.palm.axis, bodies.palm.origin, joint);
   const TileFrame& tile = tile_at(bodies.finger.data(), number);
   const Vec3 origin = bodies.finger[number / Bodies::kTilesApart].origin +
@@ -192,15 +217,6 @@ void add(const Wrench& more, double weight, Wrench& to) {
 
 using SegmentWrenches = std::array<Wrench, kSegmentCount>;
 
-SegmentWrenches wrenches_of(const Primitives& hand, const SampleMemory& memory, std::size_t level) {
-  SegmentWrenches wrenches{};
-  for_numbers(memory.bodies, [&](std::size_t number) {
-    const std::size_t i = segment_of(memory.bodies, number);
-    wrenches[i] = wrench_of(memory.bodies, memory.sums[level][number], number, hand.base_joint[i]);
-  });
-  return wrenches;
-}
-
 // What all segments feel together, on the coarsest lattices, in units of R^3.
 double force_of(const SegmentWrenches& coarsest, const SegmentWrenches& every_level, double radius3) {
   double force = 0;
@@ -208,49 +224,116 @@ double force_of(const SegmentWrenches& coarsest, const SegmentWrenches& every_le
   return force / radius3;
 }
 
-// The lattices of a level; true where there is a class of which other levels have another lattice.
-bool run_level(SampleWork& work, std::size_t level) {
-  bool has_levels = false;
+// Is a patch near of which levels have lattices of their own?
+bool has_levels(const Patches& patches, const NearPatches& near) {
   for (std::size_t k = 0; k < kPatchClasses; ++k) {
-    if (!work.near.has(k) || (level > 0 && !work.patches.has_levels[k])) continue;
-    run_lattices(work, k, level);
-    has_levels = has_levels || work.patches.has_levels[k];
+    if (near.has(k) && patches.has_levels[k]) return true;
   }
-  return has_levels;
+  return false;
+}
+
+// The lattices of a level; beyond the coarsest those that differ from it.
+void run_level(SampleWork& work, std::size_t level) {
+  for (std::size_t k = 0; k < kPatchClasses; ++k) {
+    if (work.near.has(k) && (level == 0 || level == kOneCell || work.patches.has_levels[k]))
+      run_lattices(work, k, level);
+  }
+}
+
+// ---- On threads ----
+
+// Evaluations below which threads cost more than they bring.
+constexpr std::uint64_t kSerialEvaluations = 20000;
+
+/// A hand near patches, and all who compute.
+struct SampleTeam {
+  const Model& model;
+  const Primitives& hand;
+  SampleMemory& memory;
+  BodySums zero;
+  std::size_t threads = 1;
+
+  [[nodiscard]] SegmentWrenches wrenches(std::size_t level) const {
+    SegmentWrenches wrenches{};
+    for_numbers(memory.bodies, [&](std::size_t number) {
+      const std::size_t i = segment_of(memory.bodies, number);
+      wrenches[i] =
+          wrench_of(memory.bodies, sum_of(memory, threads, level, number), number, hand.base_joint[i]);
+    });
+    return wrenches;
+  }
+  [[nodiscard]] std::uint32_t touched() const {
+    std::uint32_t touched = 0;
+    for (std::size_t t = 0; t < threads; ++t) touched += memory.thread[t].touched;
+    return touched;
+  }
+};
+
+// Calls stage(work) for each of as many threads as that many evaluations are worth; sums of `levels` are
+// begun anew.
+template <class Stage>
+void share_out(SampleTeam& team, std::uint64_t evaluations, std::initializer_list<std::size_t> levels,
+               const Stage& stage) {
+  team.threads = evaluations < kSerialEvaluations ? 1 : team.memory.thread.size();
+  parallel_chunks(team.threads, 1, team.threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t number = first; number < last; ++number) {
+      SampleThread& own = team.memory.thread[number];
+      for (const std::size_t level : levels)
+        for_numbers(team.memory.bodies, [&](std::size_t k) { own.sums[level][k] = team.zero; });
+      own.touched = 0;
+      SampleWork work{sample_kernels(team.model.execution.isa),
+                      *team.model.patches,
+                      team.memory.bodies,
+                      team.memory.near,
+                      own,
+                      number,
+                      team.threads};
+      stage(work);
+    }
+  });
+}
+
+// What is the same on all levels, and the lattices of one.
+void feel_on(SampleTeam& team, std::size_t level, std::uint64_t evaluations, SampledForces& forces) {
+  share_out(team, evaluations, {kEveryLevel, 0}, [&](SampleWork& work) {
+    run_blocks(work);
+    for (std::size_t k = 0; k < kPatchClasses; ++k) {
+      if (work.near.has(k)) run_smooth(work, k);
+    }
+    run_level(work, level);
+  });
+  forces.contact_count = team.touched();
+  forces.segment = team.wrenches(kEveryLevel);
+  forces.level = {1};
+  forces.evaluations = evaluations;
 }
 
 // On lattices of one cell a patch: the coarsest level would cost too much.
-void feel_in_one_cell(SampleWork& work, const Primitives& hand, const Effort& effort, SampledForces& forces) {
-  run_level(work, kOneCell);
-  forces.contact_count = work.touched;
-  forces.segment = wrenches_of(hand, work.memory, kEveryLevel);
-  forces.level = {1};
-  forces.evaluations = effort.one_cell;
+void feel_in_one_cell(SampleTeam& team, const Effort& effort, SampledForces& forces) {
+  const Patches& patches = *team.model.patches;
+  feel_on(team, kOneCell, effort.one_cell, forces);
   forces.coarsened = true;
   forces.error_factor =
-      one_cell_error_factor(work.patches, work.near, force_of({}, forces.segment, work.patches.radius3));
+      one_cell_error_factor(patches, team.memory.near, force_of({}, forces.segment, patches.radius3));
 }
 
 // On the coarsest level, and as far as its force, or `levels`, calls for and `most` evaluations allow on
 // finer ones.
-void feel_on_levels(SampleWork& work, const Primitives& hand, const Effort& effort, std::uint64_t most,
-                    const LevelWeights* levels, SampledForces& forces) {
-  const bool has_levels = run_level(work, 0);
-  forces.contact_count = work.touched;
-  forces.segment = wrenches_of(hand, work.memory, kEveryLevel);
-  forces.level = {1};
-  forces.evaluations = evaluations_of(effort, forces.level);
-  if (!has_levels) return;
-  const SegmentWrenches coarsest = wrenches_of(hand, work.memory, 0);
-  const double force = force_of(coarsest, forces.segment, work.patches.radius3);
+void feel_on_levels(SampleTeam& team, const Effort& effort, std::uint64_t most, const LevelWeights* levels,
+                    SampledForces& forces) {
+  feel_on(team, 0, evaluations_of(effort, {1}), forces);
+  if (!has_levels(*team.model.patches, team.memory.near)) return;
+  const SegmentWrenches coarsest = team.wrenches(0);
+  const double force = force_of(coarsest, forces.segment, team.model.patches->radius3);
   forces.level = levels != nullptr ? *levels : level_weights(force);
   forces.coarsened = keep_effort(effort, most, forces.level);
   forces.evaluations = evaluations_of(effort, forces.level);
   forces.error_factor = forces.coarsened ? error_factor_of(forces.level, force) : 1;
   for (std::size_t level = 0; level < kLevels; ++level) {
     if (!(forces.level[level] > 0)) continue;
-    if (level > 0) run_level(work, level);
-    const SegmentWrenches wrenches = level > 0 ? wrenches_of(hand, work.memory, level) : coarsest;
+    if (level > 0)
+      share_out(team, effort.level[level], {level}, [level](SampleWork& work) { run_level(work, level); });
+    const SegmentWrenches wrenches = level > 0 ? team.wrenches(level) : coarsest;
     for (std::size_t i = 0; i < kSegmentCount; ++i) add(wrenches[i], forces.level[level], forces.segment[i]);
   }
 }
@@ -260,8 +343,11 @@ void feel_on_levels(SampleWork& work, const Primitives& hand, const Effort& effo
 void size_samples(const Model& model, SampleMemory& memory) {
   if (!model.patches) return;
   size_search(model, memory.search, memory.near);
-  memory.chosen.resize(memory.near.listed.size());
-  for (auto& sums : memory.sums) sums.resize((Bodies::kMostFingers + 1) * Bodies::kTilesApart);
+  memory.thread.resize(model.execution.threads);
+  for (SampleThread& thread : memory.thread) {
+    thread.chosen.resize(memory.near.listed.size());
+    for (auto& sums : thread.sums) sums.resize((Bodies::kMostFingers + 1) * Bodies::kTilesApart);
+  }
 }
 
 std::uint32_t sampled_segments(const Model& model) {
@@ -284,20 +370,14 @@ bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t seg
   if (!find_patches(model, hand, bodies, memory.search, memory.near)) return false;
   forces.patch_count = static_cast<std::uint32_t>(memory.near.count());
   if (forces.patch_count == 0) return true;
-  BodySums zero;
-  set_quanta(hand, zero);
-  for (auto& sums : memory.sums) for_numbers(bodies, [&](std::size_t number) { sums[number] = zero; });
-  SampleWork work{sample_kernels(model.execution.isa), *model.patches, bodies, memory.near, memory};
-  run_blocks(work);
-  for (std::size_t k = 0; k < kPatchClasses; ++k) {
-    if (work.near.has(k)) run_smooth(work, k);
-  }
+  SampleTeam team{model, hand, memory, {}};
+  set_quanta(hand, team.zero);
   const Effort effort = effort_of(*model.patches, memory.near);
   const std::uint64_t most = model.settings.effort;
   if (most > 0 && effort.always + effort.level[0] > most) {
-    feel_in_one_cell(work, hand, effort, forces);
+    feel_in_one_cell(team, effort, forces);
   } else {
-    feel_on_levels(work, hand, effort, most, levels, forces);
+    feel_on_levels(team, effort, most, levels, forces);
   }
   return true;
 }

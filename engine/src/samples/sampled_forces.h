@@ -29,16 +29,22 @@ struct SampledForces {
   std::uint32_t contact_count = 0;  ///< pairs of a segment and a patch it touches, on the coarsest lattices
 };
 
+/// What one thread works with.
+struct SampleThread {
+  std::vector<ListedPatch> chosen;  ///< for one kernel
+  /// Of tiles by their numbers and, last, of the palm: by the lattices of each level, and what is the same on
+  /// all of them.
+  std::array<std::vector<BodySums>, kLevels + 1> sums;
+  std::uint32_t touched = 0;
+};
+
 /// Working memory, sized once for a model, and the last tick's result.
 struct SampleMemory {
   SampledForces forces;
   Bodies bodies;
   PatchSearchMemory search;
   NearPatches near;
-  std::vector<ListedPatch> chosen;  ///< for one kernel
-  /// Of tiles by their numbers and, last, of the palm: by the lattices of each level, and what is the same on
-  /// all of them.
-  std::array<std::vector<BodySums>, kLevels + 1> sums;
+  std::vector<SampleThread> thread;
 };
 
 void size_samples(const Model& model, SampleMemory& memory);
