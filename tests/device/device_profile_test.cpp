@@ -50,6 +50,7 @@ TEST(DeviceProfile, ShippedProfilesLoadAndThirdPartiesAreUnverified) {
     EXPECT_FALSE(profile.verified) << entry.path() << ": no one has run it on hardware";
     EXPECT_FALSE(profile.source.empty()) << entry.path();
     EXPECT_TRUE(check_profile(profile).ok());
+    EXPECT_FALSE(profile.unattended) << entry.path() << ": that is the user's to accept";
     ++count;
   }
   EXPECT_EQ(count, 5);

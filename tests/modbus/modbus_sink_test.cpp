@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <thread>
 #include <utility>
@@ -281,6 +282,44 @@ TEST_F(ModbusLoop, ACommandThatIsNoNumberIsAFault) {
   EXPECT_TRUE(sink.reaches(SafetyState::fault)) << sink.log();
   EXPECT_TRUE(sink.told("a command that is no number"));
   EXPECT_TRUE(rests());
+}
+
+TEST_F(ModbusLoop, TakingOverFadesFromWhatTheDeviceWasToldLast) {
+  profile.safety.fade = 1;
+  device.listen();
+  profile.transport.port = device.port();
+  const int other = test::connect_to(device.port());
+  const std::array<std::uint8_t, 25> force = {
+      0, 1, 0, 0, 0, 19, 1, 16, 0, 0, 0, 6,   12,
+      0, 1, 0, 9, 0, 0,  0, 0,  0, 0, 3, 0xE8};  // on, heartbeat, 0.1 N m for the index
+  ASSERT_EQ(send(other, force.data(), force.size(), 0), static_cast<ssize_t>(force.size()));
+  ASSERT_TRUE(acts());
+  close(other);
+  SinkOptions options;
+  options.arm = false;
+  options.take_over = true;
+  ModbusSink guard;
+  ASSERT_TRUE(guard.open(profile, options).ok());
+  EXPECT_TRUE(eventually([&] { return guard.is_safe(); }));
+  EXPECT_TRUE(guard.close());
+  EXPECT_TRUE(rests());
+  SentCommand first;
+  ASSERT_TRUE(guard.sent(first));
+  EXPECT_GT(first.value[3], 0.05) << "no step";
+  EXPECT_LE(first.value[3], 0.1);
+}
+
+TEST_F(ModbusLoop, ForcesAreRefusedWhereNothingWouldLetGoOfThem) {
+  device.listen();
+  profile.transport.port = device.port();
+  profile.heartbeat = {};
+  ModbusSink refused, dry, accepted;
+  EXPECT_NE(refused.open(profile, {}).message().find("has no heartbeat"), std::string::npos);
+  SinkOptions options;
+  options.dry_run = true;
+  EXPECT_TRUE(dry.open(profile, options).ok());
+  profile.unattended = true;
+  EXPECT_TRUE(accepted.open(profile, {}).ok());
 }
 
 TEST_F(ModbusLoop, TheDevicesOwnStopFaultHangAndDeadManCount) {

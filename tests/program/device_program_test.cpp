@@ -111,39 +111,56 @@ TEST(DeviceProgram, RunsOverATerminal) {
   EXPECT_FALSE(std::filesystem::is_symlink(folder / "line")) << "the link is taken away again";
 }
 
-// Waits for forces to flow, kills the program by a signal and lets the device go on for a while; what it
-// told.
-std::string kill_by(const std::string& signal, const std::filesystem::path& folder) {
+// Waits for forces to flow, kills the program by a signal, waits until `told` stands in what it told, and
+// lets the device go on for a while; what was told.
+std::string kill_by(const std::string& signal, const std::filesystem::path& folder,
+                    const std::string& uri_end = "", const std::string& told = "",
+                    const std::string& watchdog = "0.3") {
   write_inputs(folder);
   const std::string body =
-      kRun +
-      "--ticks 1000000 >run.out 2>run.err & run=$!; "
+      "lumbrical run scene.json --rate 100 --sink \"modbus-tcp://127.0.0.1:$port?profile=device.json" +
+      uri_end +
+      "\" --ticks 1000000 >run.out 2>run.err & run=$!; "
       "for i in $(seq 600); do grep -q 'armed -> active' run.err && break; sleep 0.05; done; "
       "sleep 1.5; kill -" +
-      signal + " $run; wait $run";
-  shell(with_device("--tcp 0 --watchdog 0.3", body), folder);
+      signal + " $run; wait $run; for i in $(seq 600); do grep -q '" + told +
+      "' run.err && break; sleep 0.05; done";
+  shell(with_device("--tcp 0 --watchdog " + watchdog, body), folder);
   const std::string error = test::read_file((folder / "run.err").string());
   EXPECT_NE(error.find("armed -> active"), std::string::npos) << error;
+  const json sim = sim_figures(folder);
+  EXPECT_GT(largest(sim, "peak_torque"), 0.001) << "there was something to fade";
+  EXPECT_EQ(largest(sim, "torque"), 0);
   return error;
 }
 
-TEST(DeviceProgram, AnInterruptFadesAndSaysSo) {
-  const auto folder = fresh_folder();
-  const std::string error = kill_by("INT", folder);
-  EXPECT_NE(error.find("closed: the device has acknowledged safe values"), std::string::npos) << error;
-  EXPECT_EQ(largest(sim_figures(folder), "torque"), 0);
+const std::string kClosed = "closed: the device has acknowledged safe values";
+
+TEST(DeviceProgram, InterruptsHangUpsAndQuitsFadeAndSaySo) {
+  for (const char* const signal : {"INT", "HUP", "QUIT", "TERM"}) {
+    const std::string error = kill_by(signal, fresh_folder(), "&guard=off");
+    EXPECT_NE(error.find(kClosed), std::string::npos) << signal << ": " << error;
+  }
 }
 
 TEST(DeviceProgram, ACrashOfTheTickingThreadFadesToo) {
-  const auto folder = fresh_folder();
-  kill_by("SEGV", folder);
-  EXPECT_EQ(largest(sim_figures(folder), "torque"), 0);
+  kill_by("SEGV", fresh_folder(), "&guard=off", "", "100");
 }
 
-TEST(DeviceProgram, KilledOutrightItLeavesTheFadingToTheDevicesWatchdog) {
+TEST(DeviceProgram, KilledOutrightItsGuardLetsGoOfADeviceThatHasNoWatchdog) {
+  const std::string error = kill_by("KILL", fresh_folder(), "", "guard: closed", "100");
+  EXPECT_NE(error.find("guard: the session was killed"), std::string::npos) << error;
+  EXPECT_NE(error.find("guard: " + kClosed), std::string::npos) << error;
+}
+
+TEST(DeviceProgram, KilledOutrightWithoutAGuardItLeavesTheFadingToTheDevicesWatchdog) {
+  kill_by("KILL", fresh_folder(), "&guard=off");
+}
+
+TEST(DeviceProgram, ASessionThatEndsWellLeavesNoGuardBehind) {
   const auto folder = fresh_folder();
-  kill_by("KILL", folder);
-  EXPECT_EQ(largest(sim_figures(folder), "torque"), 0);
+  const std::string error = kill_by("INT", folder);
+  EXPECT_EQ(error.find("guard"), std::string::npos) << error;
 }
 
 TEST(DeviceProgram, StopsAndArmsAgainBySignals) {
@@ -250,6 +267,11 @@ TEST(DeviceProgram, SaysWhatIsWrongWithASink) {
   EXPECT_NE(error_of("modbus-tcp://h?profile=nothing.json").find("nothing.json: can't be opened"),
             std::string::npos);
   EXPECT_NE(error_of("modbus-tcp://h?profile=scene.json").find("scene.json:1:"), std::string::npos);
+  json mute = json::parse(test::read_file((folder / "device.json").string()));
+  mute.erase("heartbeat");
+  std::ofstream(folder / "mute.json") << mute;
+  EXPECT_NE(error_of("modbus-tcp://127.0.0.1:1?profile=mute.json").find("has no heartbeat"),
+            std::string::npos);
   EXPECT_EQ(shell("lumbrical sim-device --profile device.json", folder).exit_code, 2) << "no wire";
   EXPECT_EQ(shell("lumbrical sim-device --profile device.json --tcp x", folder).exit_code, 2);
 }

@@ -115,7 +115,7 @@ const Outside kOutside[] = {
      ".*|tests/"
      ".*|bench/.*)"},
     {"modbus/.*", "engine/src/modbus/modbus_link[.]cpp"},
-    {"(poll|sched|pthread|termios|errno|time|netdb|arpa/\\w+|netinet/\\w+)[.]h",
+    {"(poll|sched|pthread|signal|spawn|termios|errno|time|netdb|arpa/\\w+|netinet/\\w+)[.]h",
      "(engine/src/modbus/modbus_\\w+[.]cpp|tools/.*|tests/.*)"},
     {"CLI/.*", "tools/lumbrical/command_line[.]cpp"},
     {"(gtest|boost)/.*", "tests/.*"},
@@ -171,8 +171,9 @@ std::vector<Include> includes_of(const fs::path& file) {
 // The path from the source root of a header of ours; empty for generated ones.
 std::string resolve(const std::string& name, const std::string& includer, const fs::path& root) {
   const std::string beside = (fs::path(includer).parent_path() / name).lexically_normal().generic_string();
-  for (const std::string& path : {beside, "engine/include/" + name, "engine/src/" + name,
-                                  "tests/support/" + name, "tests/" + name, "bench/" + name}) {
+  for (const std::string& path :
+       {beside, "engine/include/" + name, "engine/src/" + name, "tests/support/" + name, "tests/" + name,
+        "bench/" + name, "tools/lumbrical/" + name}) {
     if (fs::exists(root / path)) return path;
   }
   return {};

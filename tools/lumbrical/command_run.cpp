@@ -14,6 +14,7 @@
 #include "print_comparison.h"
 #include "run_session.h"
 #include "switches.h"
+#include "ways_out.h"
 
 namespace lumbrical::tool {
 namespace {

@@ -28,6 +28,7 @@ void add_compress(Command& app, int& exit_code);
 void add_probe(Command& app, int& exit_code);
 void add_inspect(Command& app, int& exit_code);
 void add_sim_device(Command& app, int& exit_code);
+void add_guard(Command& app, int& exit_code);
 void add_report(Command& app, int& exit_code);
 void add_world(Command& app, int& exit_code);
 

@@ -10,6 +10,7 @@
 
 #include "device_loop_state.h"
 #include "real_time.h"
+#include "ways_out.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -20,44 +21,36 @@ constexpr double kLocalPeriod = 0.001;                   // [s] of the device's 
 // Of the joint's own damping: what the passivity controller may add.
 constexpr double kControllerShare = 0.5;
 
-// The sink that a crashing thread turns off. Signals find nothing else.
-std::atomic<ModbusSink*> crash_sink{nullptr};
+// The sink that signals mean; they find nothing else.
+std::atomic<ModbusSink*> signalled_sink{nullptr};
 
 // The thread that crashed makes no more commands; the sink's thread fades them out meanwhile.
-extern "C" void fade_and_die(int signal) {
-  ModbusSink* const sink = crash_sink.exchange(nullptr);
-  if (sink != nullptr) {
-    sink->press_stop(true);
-    for (int i = 0; i < 100 && !sink->is_safe(); ++i) {
-      timespec pause{0, 5000000};
-      nanosleep(&pause, nullptr);
-    }
+void let_go() {
+  ModbusSink* const sink = signalled_sink;
+  if (sink == nullptr) return;
+  sink->press_stop(true);
+  for (int i = 0; i < 400 && !sink->is_safe() && sink->state() != SafetyState::disconnected; ++i) {
+    const timespec pause{0, 5000000};
+    nanosleep(&pause, nullptr);
   }
-  raise(signal);  // the handler was for once: now as usual
 }
 
 // SIGUSR2 is an emergency stop; SIGUSR1 releases it, resets whatever fault there is and arms again.
 extern "C" void stop_device(int) {
-  if (ModbusSink* const sink = crash_sink) sink->press_stop(true);
+  if (ModbusSink* const sink = signalled_sink) sink->press_stop(true);
 }
 std::atomic<bool> arm_asked{false};
 extern "C" void ask_to_arm(int) { arm_asked = true; }
 
-void listen_to_operator() {
+void listen_to_signals(ModbusSink* sink) {
+  signalled_sink = sink;
+  before_dying(sink != nullptr ? let_go : nullptr);
   struct sigaction action {};
   action.sa_flags = SA_RESTART;
   action.sa_handler = stop_device;
   sigaction(SIGUSR2, &action, nullptr);
   action.sa_handler = ask_to_arm;
   sigaction(SIGUSR1, &action, nullptr);
-}
-
-void watch_for_crashes(ModbusSink* sink) {
-  crash_sink = sink;
-  struct sigaction action {};
-  action.sa_handler = fade_and_die;
-  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
-  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) sigaction(signal, &action, nullptr);
 }
 
 }  // namespace
@@ -174,9 +167,14 @@ Status DeviceLoop::open(const std::string& text, const Model& model) {
   options.continue_after_loss = !loop->uri.stop_on_loss;
   options.dry_run = loop->uri.dry_run;
   options.priority = 81;  // its cycles are short, and a late command is worse than a late tick
-  if (Status status = loop->sink.open(loop->profile, options); !status.ok()) return status;
-  watch_for_crashes(&loop->sink);
-  listen_to_operator();
+  if (loop->uri.guard && !options.dry_run) {
+    if (Status status = loop->guard.start(text); !status.ok()) return status;
+  }
+  if (Status status = loop->sink.open(loop->profile, options); !status.ok()) {
+    loop->guard.dismiss();
+    return status;
+  }
+  listen_to_signals(&loop->sink);
   loop_ = std::move(loop);
   loop_->reporter = std::thread([raw = loop_.get()] { raw->report(); });
   return {};
@@ -307,7 +305,8 @@ void DeviceLoop::close() {
   Loop& loop = *loop_;
   loop.last = loop.sink.report();
   loop.safe_at_end = loop.sink.close();
-  crash_sink = nullptr;
+  if (loop.safe_at_end || !loop.was_active) loop.guard.dismiss();
+  listen_to_signals(nullptr);
   loop.ending = true;
   if (loop.reporter.joinable()) loop.reporter.join();
   for (SinkEvent& event : loop.sink.events()) {

@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "device_guard.h"
 #include "device_loop.h"
 #include "lumbrical/actuator_model.h"
 #include "lumbrical/modbus_sink.h"
@@ -21,6 +22,7 @@ struct DeviceLoop::Loop {
   const Model* model = nullptr;
   double period = 0.001;  // [s] of ticks
 
+  DeviceGuard guard;
   ModbusSink sink;
   DeviceFeedback feedback;
   bool any_feedback = false, fresh_feedback = false;

@@ -31,6 +31,7 @@ void add_commands(Command& root, int& exit_code) {
   add_inspect(root, exit_code);
   add_world(root, exit_code);
   add_sim_device(root, exit_code);
+  add_guard(root, exit_code);
   add_report(root, exit_code);
 }
 

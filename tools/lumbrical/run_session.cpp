@@ -2,15 +2,13 @@
 #include "run_session.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <csignal>
-#include <ctime>
 #include <limits>
 #include <span>
 
 #include "lumbrical/tick.h"
 #include "lumbrical/world.h"
+#include "ways_out.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -20,25 +18,6 @@ constexpr double kWarmUp = 0.05;
 
 // Above ordinary work, below the kernel's own threads for clocks and migration.
 constexpr int kTickPriority = 80;
-
-volatile std::sig_atomic_t stop_requested = 0;
-volatile std::time_t asked_at = 0;  // s, monotonic
-
-// One Ctrl-C often arrives twice (once for the process, once for its group): only a signal that comes a
-// second or more after the first is somebody losing patience, and kills as usual.
-extern "C" void request_stop(int signal) {
-  const int error = errno;
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  if (stop_requested == 0) {
-    asked_at = now.tv_sec;
-    stop_requested = 1;
-  } else if (now.tv_sec - asked_at > 1) {
-    std::signal(signal, SIG_DFL);
-    raise(signal);
-  }
-  errno = error;
-}
 
 std::uint32_t nanoseconds_between(std::int64_t start, std::int64_t end) {
   constexpr std::int64_t kMost = std::numeric_limits<std::uint32_t>::max();
@@ -76,7 +55,7 @@ void tick_unarmed(const Model& model, const Motion& motion, double seconds, Scra
   TickRecord record;
   const auto ticks = static_cast<std::uint64_t>(std::ceil(seconds * model.settings.rate));
   const std::int64_t first = clock_ns();
-  for (std::uint64_t i = 0; i < ticks && stop_requested == 0; ++i) {
+  for (std::uint64_t i = 0; i < ticks && !stop_requested(); ++i) {
     sleep_until_ns(first + session_ns(i, model.settings.rate));
     record.device = resample(motion, motion.samples[0].time);
     device.before(record.device);
@@ -87,27 +66,11 @@ void tick_unarmed(const Model& model, const Motion& motion, double seconds, Scra
 
 }  // namespace
 
-StopSignals::StopSignals() {
-  stop_requested = 0;
-  struct sigaction action {};
-  action.sa_handler = request_stop;
-  action.sa_flags = SA_RESTART;
-  sigaction(SIGINT, &action, &previous_interrupt_);
-  sigaction(SIGTERM, &action, &previous_terminate_);
-}
-
-StopSignals::~StopSignals() {
-  // What is left then takes a moment, in which the second of two signals must not kill.
-  if (stop_requested != 0) return;
-  sigaction(SIGINT, &previous_interrupt_, nullptr);
-  sigaction(SIGTERM, &previous_terminate_, nullptr);
-}
-
 bool measure_device(const Model& model, const Motion& motion, double seconds, DeviceLoop& device) {
   Scratch scratch = make_scratch(model);
   scratch.hash_stages = false;
   tick_unarmed(model, motion, seconds, scratch, device);
-  return stop_requested == 0;
+  return !stop_requested();
 }
 
 RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_t ticks,
@@ -131,7 +94,7 @@ RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_
   if (parts.device != nullptr) {
     tick_unarmed(model, motion, kWarmUp, scratch, *parts.device);
     parts.device->arm();  // last of all: from now on a tick that does not come is a fault
-    statistics.interrupted = stop_requested != 0;
+    statistics.interrupted = stop_requested();
   }
   const std::uint64_t faults_before = page_faults();
   const std::int64_t begin = clock_ns();
@@ -182,7 +145,7 @@ RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_
       if (!statistics.recording_error.ok() && !parts.unrecorded) break;
     }
     if (parts.device == nullptr) progress.update(i + 1, ticks);
-    statistics.interrupted = stop_requested != 0;
+    statistics.interrupted = stop_requested();
   }
   statistics.page_faults = page_faults() - faults_before;
   statistics.wall_seconds = static_cast<double>(clock_ns() - begin) * 1e-9;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <csignal>
 #include <cstdint>
 
 #include "device_loop.h"
@@ -33,22 +32,8 @@ struct RunStatistics {
   std::array<std::uint64_t, 32> flag_ticks{};         ///< ticks in which TickFlag bit i was set
   Status recording_error;                             ///< that ended the recording before the session
   std::uint64_t not_recorded = 0;                     ///< ticks the recorder had no room for
-  bool interrupted = false;                           ///< by SIGINT or SIGTERM
+  bool interrupted = false;                           ///< by a signal (ways_out.h)
   std::size_t world_held = 0;                         ///< [bytes] of a world file, at most
-};
-
-/// While it lives, SIGINT and SIGTERM only ask sessions for a stop. It outlives the session until its
-/// recording is closed: a signal that comes twice must not cut that short.
-class StopSignals {
- public:
-  StopSignals();
-  ~StopSignals();
-  StopSignals(const StopSignals&) = delete;
-  StopSignals& operator=(const StopSignals&) = delete;
-
- private:
-  struct sigaction previous_interrupt_ {};
-  struct sigaction previous_terminate_ {};
 };
 
 /// What a session has besides a model and a motion; each may be absent.
@@ -59,8 +44,8 @@ struct SessionParts {
   DeviceLoop* device = nullptr;  ///< open and certified
 };
 
-/// Runs `ticks` ticks, tick i at session time i / settings.rate, paced or as fast as it goes. SIGINT and
-/// SIGTERM end the loop after the tick at hand. A recording that fails (disk full) is told on standard error
+/// Runs `ticks` ticks, tick i at session time i / settings.rate, paced or as fast as it goes. StopSignals
+/// end the loop after the tick at hand. A recording that fails (disk full) is told on standard error
 /// at once. A paced session with a device that has fallen behind by more than one period does not catch up by
 /// a burst of ticks: the clock of the session stands still for what was missed. The device is armed last of
 /// all, after real time and a warm-up.

@@ -31,6 +31,8 @@ bool parse_parameter(std::string_view name, std::string_view value, SinkUri& uri
   if (name == "unit") return parse(value, 0, 247, uri.unit);
   if (name == "rate") return parse(value, 0.1, 20000.0, uri.rate);
   if (name == "network") return parse_switch(value, "any", "private", uri.anywhere);
+  if (name == "guard") return parse_switch(value, "on", "off", uri.guard);
+  if (name == "unattended") return parse_switch(value, "accepted", "refused", uri.unattended);
   if (name == "feedback") return parse_switch(value, "on", "off", uri.feedback);
   if (name == "on-loss") return parse_switch(value, "stop", "continue", uri.stop_on_loss);
   if (name == "dry-run") return parse_switch(value, "on", "off", uri.dry_run);
@@ -93,9 +95,9 @@ Status parse_sink_uri(const std::string& text, SinkUri& uri) {
     const std::string_view one = rest.substr(0, end);
     const std::size_t equals = std::min(one.find('='), one.size());
     if (equals == one.size() || !parse_parameter(one.substr(0, equals), one.substr(equals + 1), uri)) {
-      return Status::error("\"" + std::string(one) +
-                           "\" is no parameter of a sink; there are profile, baud, unit, " +
-                           "rate, network, feedback, on-loss, dry-run, limiter, observer and local");
+      return Status::error(
+          "\"" + std::string(one) + "\" is no parameter of a sink; there are profile, baud, unit, " +
+          "rate, network, feedback, on-loss, dry-run, guard, unattended, limiter, observer and local");
     }
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
@@ -108,6 +110,7 @@ Status load_profile(const SinkUri& uri, DeviceProfile& profile) {
   if (Status status = load_device_profile(uri.profile, profile); !status.ok()) return status;
   Transport& transport = profile.transport;
   transport.serial = uri.serial;
+  profile.unattended = profile.unattended || uri.unattended;
   transport.anywhere = transport.anywhere || uri.anywhere;
   if (!uri.host.empty()) transport.host = uri.host;
   if (!uri.line.empty()) transport.line = uri.line;

@@ -17,6 +17,8 @@ struct SinkUri {
   double rate = 0;                      ///< [Hz] 0: the profile's
   bool anywhere = false;                ///< network=any; or the profile says so
   bool feedback = true, stop_on_loss = false, dry_run = false, limiter = true, observer = true, local = true;
+  bool guard = true;        ///< a process that lets go of the device when this one is killed
+  bool unattended = false;  ///< unattended=accepted; or the profile says so
 };
 
 /// Parts "host:port", "host", "[::1]:port" or, if `alone_is_port`, "port" into host, which stays as it is

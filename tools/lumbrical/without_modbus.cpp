@@ -30,10 +30,15 @@ void DeviceLoop::close() {}
 Json DeviceLoop::json() const { return {}; }
 void DeviceLoop::add_rows(Table&) const {}
 
-void add_sim_device(Command& app, int& exit_code) {
-  Command* const command = app.add_subcommand("sim-device", kRemedy);
+namespace {
+void add_missing(Command& app, const char* name, int& exit_code) {
+  Command* const command = app.add_subcommand(name, kRemedy);
   command->allow_extras();
   command->callback([&exit_code] { exit_code = fail(kRemedy); });
 }
+}  // namespace
+
+void add_sim_device(Command& app, int& exit_code) { add_missing(app, "sim-device", exit_code); }
+void add_guard(Command& app, int& exit_code) { add_missing(app, "guard", exit_code); }
 
 }  // namespace lumbrical::tool

@@ -156,6 +156,8 @@ struct DeviceProfile {
   int read_function = 3;    ///< 3 holding registers or 4 input registers
   std::vector<Actuator> actuators;
   std::vector<Sensor> sensors;
+  /// Forces although there is no heartbeat by which the device would notice that no one drives it any more.
+  bool unattended = false;
   std::vector<RegisterWrite> handshake;  ///< written once after connecting, in this order
   std::vector<RegisterCheck> expected;   ///< then read until they hold
   ControlWord control;
@@ -192,6 +194,9 @@ std::string name_registers(const DeviceProfile& profile, const RegisterBlock& bl
 /// Whether the parts of a profile agree: limits that its registers can't hold, fields that overlap, a safe
 /// value outside the limits, more registers than Modbus allows. Names the field by its path in the file.
 Status check_profile(const DeviceProfile& profile);
+
+/// Whether a device may be given forces by it: it notices the end of whoever drives it, or that was accepted.
+Status check_attended(const DeviceProfile& profile);
 
 /// Makes every register of the profile one of the given unit (slave) id.
 void set_unit(DeviceProfile& profile, std::uint8_t unit);

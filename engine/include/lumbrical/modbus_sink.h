@@ -37,8 +37,11 @@ struct SinkOptions {
   bool arm = true;                  ///< arm by itself when the device is first ready (arm_when_ready)
   bool continue_after_loss = true;  ///< and again after a lost link; otherwise stay idle until request_arm
   bool dry_run = false;             ///< everything but forces: only safe values are written
-  int priority = 0;                 ///< SCHED_FIFO of the sink's thread, 0: leave it alone
-  int cpu = -1;                     ///< to pin it to, -1: any
+  /// Begins at what the device was told last, as far as that can be read, and without its handshake: to fade
+  /// what another left.
+  bool take_over = false;
+  int priority = 0;  ///< SCHED_FIFO of the sink's thread, 0: leave it alone
+  int cpu = -1;      ///< to pin it to, -1: any
 };
 
 class ModbusSink {
@@ -48,7 +51,8 @@ class ModbusSink {
   ModbusSink(const ModbusSink&) = delete;
   ModbusSink& operator=(const ModbusSink&) = delete;
 
-  /// Starts the thread. A device that is not there (yet) is no error: the sink keeps trying.
+  /// Starts the thread. A device that is not there (yet) is no error: the sink keeps trying. Refuses a public
+  /// address, and forces on a device that would not notice the end of them (check_attended).
   Status open(const DeviceProfile& profile, const SinkOptions& options);
   /// Forces to their safe values, tells the device so if it can be reached, ends the thread. True: the device
   /// acknowledged safe values. Takes at most fade, answer and response times and a little.

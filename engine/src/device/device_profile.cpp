@@ -204,6 +204,15 @@ Status check_profile(const DeviceProfile& profile) {
   return Status::error(profile.name + ": " + fault.path + " " + fault.what);
 }
 
+Status check_attended(const DeviceProfile& profile) {
+  if (profile.heartbeat.present || profile.unattended) return {};
+  return Status::error(
+      profile.name +
+      ": has no heartbeat, so nothing lets go of a force once this program, its "
+      "machine or the cable is gone; with a device that needs none, or at your own risk, write "
+      "\"unattended\": \"accepted\" in the profile or unattended=accepted in the address");
+}
+
 void set_unit(DeviceProfile& profile, std::uint8_t unit) {
   for (Actuator& actuator : profile.actuators) {
     actuator.field.unit = actuator.local.angle.unit = unit;

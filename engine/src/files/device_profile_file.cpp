@@ -276,6 +276,8 @@ void ProfileReader::timing(const format::Device& table) {
   if (profile_.read_write && profile_.read_function == 4) {
     read_.error("feedback", "must be \"FC3\" where the command is \"FC23\", which reads holding registers");
   }
+  static constexpr Name kUnattended[] = {{"refused", 0}, {"accepted", 1}};
+  profile_.unattended = name(table.unattended(), "unattended", kUnattended) == 1;
   read_.number(table.rate(), "rate", {0.1, 20000}, profile_.rate);
   read_.number(table.response_timeout(), "response_timeout", {0.001, 10}, profile_.response_timeout);
   read_.number(table.first_retry(), "first_retry", {0.001, 60}, profile_.first_retry);

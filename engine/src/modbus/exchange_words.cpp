@@ -5,6 +5,7 @@
 #include <span>
 
 #include "device/registers.h"
+#include "lumbrical/math.h"
 
 namespace lumbrical {
 namespace {
@@ -52,6 +53,16 @@ void ExchangeWords::write(const DeviceProfile& profile, const SafetyOutput& outp
   }
   if (profile.heartbeat.present) {
     *place(plan.writes, written, profile.heartbeat.unit, profile.heartbeat.address) = heartbeat;
+  }
+}
+
+void ExchangeWords::commands(const DeviceProfile& profile, ActuatorArray& command) const {
+  for (std::size_t i = 0; i < profile.actuators.size(); ++i) {
+    const Actuator& actuator = profile.actuators[i];
+    const int at = find_register(plan.writes, actuator.field.unit, actuator.field.address);
+    const std::span words(written.data() + at, static_cast<std::size_t>(register_count(actuator.field.type)));
+    const double value = decode_field(actuator.field, words);
+    command[i] = std::isfinite(value) ? clamp(value, actuator.lower, actuator.upper) : actuator.safe;
   }
 }
 

@@ -23,6 +23,8 @@ struct ExchangeWords {
   explicit ExchangeWords(const DeviceProfile& profile);
   void write(const DeviceProfile& profile, const SafetyOutput& output, const DeviceCommand& command,
              std::uint16_t heartbeat);
+  /// The commands that `written` stands for, within each actuator's limits.
+  void commands(const DeviceProfile& profile, ActuatorArray& command) const;
   [[nodiscard]] DeviceStatus status(const DeviceProfile& profile) const;
   void angles(const DeviceProfile& profile, std::array<float, 4 * kFingerCount>& angle,
               std::uint32_t& valid) const;

@@ -15,6 +15,9 @@ ModbusSink::~ModbusSink() { close(); }
 Status ModbusSink::open(const DeviceProfile& profile, const SinkOptions& options) {
   if (worker_) return Status::error(profile.name + ": the sink is still open; close it first");
   if (Status status = check_profile(profile); !status.ok()) return status;
+  if (!options.dry_run && !options.take_over) {
+    if (Status status = check_attended(profile); !status.ok()) return status;
+  }
   const Transport& transport = profile.transport;
   if (!transport.serial) {
     if (Status status = check_host(transport.host, transport.anywhere); !status.ok()) return status;

@@ -3,10 +3,12 @@
 
 #include <pthread.h>
 #include <sched.h>
+#include <signal.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <utility>
 
 namespace lumbrical {
@@ -38,6 +40,11 @@ void ModbusSink::Worker::problem(std::string text) {
 }
 
 void ModbusSink::Worker::set_up_thread() {
+  // Signals are other threads' affair: a handler that waits for this one must not run on it.
+  sigset_t signals;
+  sigfillset(&signals);
+  for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS}) sigdelset(&signals, own);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   if (options.priority > 0) {
     sched_param parameter{};
     parameter.sched_priority = options.priority;
@@ -87,6 +94,19 @@ bool ModbusSink::Worker::shake_hands() {
       return false;
     }
   }
+  return true;
+}
+
+// The commands as they stand; those that can't be read count as safe.
+bool ModbusSink::Worker::take_over() {
+  words.write(profile, {.command = start_safety(profile).output}, {}, 0);
+  std::size_t at = 0;
+  for (const RegisterBlock& block : words.plan.writes) {
+    if (!answered(link.read(3, block, words.written.data() + at), "reading", block) && !link.is_open())
+      return false;
+    at += block.count;
+  }
+  words.commands(profile, safety.output);
   return true;
 }
 
@@ -243,7 +263,7 @@ bool ModbusSink::Worker::step() {
   link.patience.hurried = 2 * std::max(running.usual, 1 / profile.rate);
   if (!link.is_open()) connect();
   if (link.is_open() && !handshaken) {
-    handshaken = shake_hands();
+    handshaken = options.take_over ? take_over() : shake_hands();
     if (handshaken) last_echo_change = now_ns();
   }
   SafetyOutput output = decide(now_ns());
@@ -291,7 +311,12 @@ void ModbusSink::Worker::run() {
       give_up = now_ns() +
                 ns(profile.safety.fade + profile.safety.answer_timeout + 2 * profile.response_timeout + 0.1);
     }
-    const bool off = step();
+    bool off = false;
+    try {
+      off = step();
+    } catch (const std::bad_alloc&) {  // for a message; the next cycle is told what this one was not
+      link.close();
+    }
     if (give_up != 0 && (off || now_ns() > give_up)) {
       tell(off ? "closed: the device has acknowledged safe values"
                : "closed: the device could not be told; its own watchdog must act");

@@ -82,6 +82,7 @@ struct ModbusSink::Worker {
   void problem(std::string text);
   void connect();
   bool shake_hands();
+  bool take_over();
   void lose(std::string why);
   bool answered(const LinkResult& result, const char* doing, const RegisterBlock& block);
   void tell_transition(SafetyState before, std::uint32_t flags);

@@ -1,0 +1,30 @@
+// A process of its own that outlives a session which is killed, and then lets go of the device.
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+
+#include "lumbrical/status.h"
+
+namespace lumbrical::tool {
+
+/// Started before the device is. It waits for the end of the pipe that only this process holds: if that comes
+/// without dismiss(), `lumbrical guard` opens a connection of its own and fades what the device was told
+/// last. It is in a session of its own, so that what kills this one's process group spares it.
+class DeviceGuard {
+ public:
+  DeviceGuard() = default;
+  ~DeviceGuard();  ///< without dismiss(): the guard acts
+  DeviceGuard(const DeviceGuard&) = delete;
+  DeviceGuard& operator=(const DeviceGuard&) = delete;
+
+  Status start(const std::string& sink_uri);
+  void dismiss();  ///< the device is at safe values: the guard ends
+
+ private:
+  int pipe_ = -1;
+  pid_t process_ = -1;
+};
+
+}  // namespace lumbrical::tool

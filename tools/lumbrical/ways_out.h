@@ -1,0 +1,30 @@
+// The ways out of a session: signals that ask for its end, and those that are the end of the process, before
+// which forces have to fade.
+#pragma once
+
+#include <array>
+#include <csignal>
+
+namespace lumbrical::tool {
+
+/// While it lives, SIGINT, SIGTERM, SIGQUIT and (but under nohup) SIGHUP only ask sessions for a stop. It
+/// outlives the session until its recording is closed: a signal that comes twice must not cut that short.
+class StopSignals {
+ public:
+  StopSignals();
+  ~StopSignals();
+  StopSignals(const StopSignals&) = delete;
+  StopSignals& operator=(const StopSignals&) = delete;
+
+ private:
+  std::array<struct sigaction, 4> before_{};
+};
+
+bool stop_requested();
+
+/// What is done, once, before the process dies of a signal that it can know of: a crash of any thread, an
+/// uncaught exception, an alarm, a second Ctrl-C. `act` must be fit for a signal handler and return within
+/// seconds; nullptr: nothing is done. The process dies of that signal afterwards.
+void before_dying(void (*act)());
+
+}  // namespace lumbrical::tool
