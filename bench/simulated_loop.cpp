@@ -32,7 +32,7 @@ class Host {
     const LoopTiming timing = loop.local_period > 0 ? LoopTiming{loop.local_period, 0, 0}
                                                     : LoopTiming{loop.period, loop.jitter, loop.delay};
     certificate_.joint[kJoint] = stiffness_bound(timing, loop.dynamics);
-    limits_.damping = 0.5 * loop.dynamics.damping;
+    profile_.dynamics[kJoint] = loop.dynamics;
   }
   lumbrical_local_model command(double angle, double acted) {
     const Touched touched = touch_(angle);
@@ -42,9 +42,20 @@ class Host {
     const double factor = limiter_.factor[kJoint / 3];
     least_factor = std::min(least_factor, factor);
     double torque = factor * touched.torque;
-    if (loop_.observer)
-      torque = observe_passivity(limits_, {loop_.period, angle, acted, torque, 0}, observer_);
-    const double k = factor * touched.stiffness;
+    double share = 1;
+    if (loop_.account) {
+      EnergyStep step;
+      step.dt = loop_.period;
+      step.moved[0] = started_ ? angle - angle_ : 0;
+      step.acted[0] = acted;
+      step.touching = torque != 0 || acted != 0;
+      keep_account(certificate_, profile_, kJoint / 3, step, account_);
+      share = payable_share(certificate_, kJoint / 3, {torque, 0, 0}, account_);
+    }
+    angle_ = angle;
+    started_ = true;
+    torque *= share;
+    const double k = share * factor * touched.stiffness;
     return {torque, angle, k, k > 0 ? kLocalShare * std::fabs(torque) / k : 0};
   }
   [[nodiscard]] double factor() const { return limiter_.factor[kJoint / 3]; }
@@ -55,8 +66,10 @@ class Host {
   const Touch& touch_;
   StiffnessCertificate certificate_;
   StiffnessLimiter limiter_;
-  PassivityObserver observer_;
-  PassivityLimits limits_;
+  DeviceProfile profile_;
+  EnergyAccount account_;
+  double angle_ = 0;
+  bool started_ = false;
 };
 
 struct Figures {

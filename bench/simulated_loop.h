@@ -1,6 +1,6 @@
 // One joint of a simulated device pressed against a touch, over a bus with period, delay and jitter: where
-// the loop starts to shake, and what limiter, observer and local model change. bench/z_width.cpp prints the
-// tables, the tests run them smaller. Simulated time throughout: the same figures on every machine.
+// the loop starts to shake, and what limiter, energy account and local model change. bench/z_width.cpp prints
+// the tables, the tests run them smaller. Simulated time throughout: the same figures on every machine.
 #pragma once
 
 #include <functional>
@@ -31,7 +31,7 @@ struct SimulatedLoop {
   double period = 0.001;         ///< [s] of commands
   double delay = 0.001;          ///< [s] from reading the angle to its torque
   double jitter = 0;             ///< [s] by which a command may come later
-  bool limiter = false, observer = false;
+  bool limiter = false, account = false;
   double local_period = 0;  ///< [s] of the device's own loop; 0: it holds the torque
   double seconds = 3;
   double start = 0.02;  ///< [rad] at which the joint is let go, at rest

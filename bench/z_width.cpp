@@ -47,7 +47,7 @@ void print_limiter() {
       "Index fingertip on a plane, law `field`; swing of the joint in mrad, * shakes; energy generated in "
       "mJ.\n\n");
   std::printf(
-      "| delay [ms] | K_s [N/m^3] | without | energy | observer only | energy | limiter | energy | least "
+      "| delay [ms] | K_s [N/m^3] | without | energy | account only | energy | limiter | energy | least "
       "factor |\n"
       "|---|---|---|---|---|---|---|---|---|\n");
   for (const double delay : {0.001, 0.004, 0.009}) {
@@ -59,7 +59,7 @@ void print_limiter() {
         SimulatedLoop loop;
         loop.delay = delay;
         loop.push = 0.05;
-        loop.observer = kind > 0;
+        loop.account = kind > 0;
         loop.limiter = kind == 2;
         last = simulate(loop, touch);
         std::printf(" %.2f%s | %.4f |", 1e3 * last.swing, last.shakes ? " *" : "", 1e3 * last.generated);

@@ -44,7 +44,8 @@ const Rule kRules[] = {
     {Layer::engine, "engine/src/tick", "*"},
 
     {Layer::device, "engine/include/lumbrical",
-     "device_profile actuator_model safety passivity local_model device_simulation device_link"},
+     "device_profile actuator_model safety passivity local_model loop_timing haptic_loop device_simulation "
+     "device_link"},
     {Layer::device, "engine/src/device", "*"},
 
     {Layer::session, "engine/include/lumbrical", "recording scene_file world"},

@@ -66,90 +66,40 @@ Status open_wire(const SimOptions& options, ModbusServer& server) {
 
 // Below the priority of what drives it: a device of its own would not be in the way either.
 constexpr int kPriority = 70;
-// Turning round by more than this [rad] sooner than this [s] after the last time is no intended motion.
-constexpr double kShake = 0.002, kShakeTime = 0.1;
-
-// One joint's turning points.
-struct Turns {
-  double extreme = 0, turned = -1;
-  int sense = 1;
-  std::uint64_t shakes = 0;
-
-  void look(double time, double angle) {
-    if (sense * (angle - extreme) >= 0) {
-      extreme = angle;
-    } else if (sense * (extreme - angle) > kShake) {
-      shakes += turned >= 0 && time - turned < kShakeTime ? 1 : 0;
-      turned = time;
-      extreme = angle;
-      sense = -sense;
-    }
-  }
-};
-
-// What the wearer went through.
-struct Felt {
-  std::array<Turns, kPhalanxCount> turns{};
-  JointArray peak{}, last{};
-  double largest_change = 0;  // [N m] between two looks, at most a few ms apart
-  double taken = 0;           // [J] energy the device has taken from the joints: negative means it gave
-  JointArray angle{};
-  bool started = false;
-
-  void look(const SimulatedDevice& device) {
-    for (std::size_t j = 0; j < kPhalanxCount; ++j) {
-      const double torque = device.torque()[j], at = device.joints()[j].angle;
-      peak[j] = std::max(peak[j], std::fabs(torque));
-      if (started) {
-        largest_change = std::max(largest_change, std::fabs(torque - last[j]));
-        taken += 0.5 * (torque + last[j]) * (at - angle[j]);
-      }
-      turns[j].look(device.time(), at);
-      last[j] = torque;
-      angle[j] = at;
-    }
-    started = true;
-  }
-};
-
-std::uint64_t shakes_of(const Felt& felt) {
-  std::uint64_t count = 0;
-  for (const Turns& turns : felt.turns) count += turns.shakes;
-  return count;
-}
-
-Json felt_json(const SimulatedDevice& device, const ModbusServer& server, const Felt& felt) {
+Json felt_json(const SimulatedDevice& device, const ModbusServer& server, const WornDevice& worn) {
   Json json;
   json["address"] = server.name();
   json["seconds"] = device.time();
   json["requests"] = server.requests();
-  json["largest_torque_change"] = felt.largest_change;
-  json["energy_taken"] = felt.taken;
-  json["shakes"] = shakes_of(felt);
+  json["largest_torque_change"] = worn.largest_change;
+  json["energy_taken"] = worn.taken;
+  json["energy_given"] = worn.given;
+  json["shakes"] = shakes_of(worn);
   json["joints"] = Json::array();
   for (std::size_t j = 0; j < kPhalanxCount; ++j) {
     json["joints"].push_back({{"joint", segment_name(static_cast<int>(j))},
-                              {"angle", felt.angle[j]},
-                              {"torque", felt.last[j]},
-                              {"peak_torque", felt.peak[j]}});
+                              {"angle", worn.angle[j]},
+                              {"torque", worn.torque[j]},
+                              {"peak_torque", worn.peak[j]}});
   }
   return json;
 }
 
-std::string felt_text(const SimulatedDevice& device, const ModbusServer& server, const Felt& felt) {
+std::string felt_text(const SimulatedDevice& device, const ModbusServer& server, const WornDevice& worn) {
   Table table;
   table.add("simulated", brief(device.time()) + " s, " + grouped(server.requests()) + " requests");
   std::string peaks;
   for (std::size_t f = 0; f < kFingerCount; ++f) {
     peaks += (f > 0 ? "   " : "") + std::string(finger_name(static_cast<int>(f))) + " " +
-             brief(1e3 * felt.peak[3 * f]);
+             brief(1e3 * worn.peak[3 * f]);
   }
   table.add("peak torque [N mm]", peaks + " (first joints)");
-  table.add("largest change", brief(1e3 * felt.largest_change) + " N mm between two looks");
-  table.add("shakes", grouped(shakes_of(felt)) + " turns of more than 2 mrad within 0.1 s");
-  table.add("energy", brief(1e3 * felt.taken) + " mJ taken from the hand");
+  table.add("largest change", brief(1e3 * worn.largest_change) + " N mm between two looks");
+  table.add("shakes", grouped(shakes_of(worn)) + " turns of more than 2 mrad within 0.1 s");
+  table.add("energy", brief(1e3 * worn.taken) + " mJ taken by the actuators, " + brief(1e3 * worn.given) +
+                          " mJ given to the hand beyond what the device took");
   double left = 0;
-  for (const double torque : felt.last) left = std::max(left, std::fabs(torque));
+  for (const double torque : worn.torque) left = std::max(left, std::fabs(torque));
   table.add("at the end", left == 0 ? "no torque" : "torques up to " + brief(1e3 * left) + " N mm");
   return table.text();
 }
@@ -176,15 +126,15 @@ int simulate(SimOptions options) {
                  server.name().c_str());
   }
   const RealTime real_time = enter_real_time(kPriority, Pinning::none);
-  Felt felt;
+  WornDevice worn;
   server.serve(
       device, faults,
       [&] { return ending != 0 || (options.seconds > 0 && device.time() >= options.seconds); },
-      [&](const SimulatedDevice& now) { felt.look(now); });
+      [&](const SimulatedDevice& now) { look(now, worn); });
   leave_real_time(real_time);
   server.close();
-  return options.json ? print_json(felt_json(device, server, felt))
-                      : print_text(felt_text(device, server, felt));
+  return options.json ? print_json(felt_json(device, server, worn))
+                      : print_text(felt_text(device, server, worn));
 }
 
 }  // namespace

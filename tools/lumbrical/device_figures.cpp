@@ -38,6 +38,21 @@ std::string counted(std::uint64_t count, const char* one, const char* many) {
   return grouped(count) + " " + (count == 1 ? one : many);
 }
 
+double most_generated(const HapticLoop& loop) {
+  double most = 0;
+  for (const EnergyAccount& account : loop.account) most = std::max(most, account.generated);
+  return most;
+}
+
+std::string by_finger(const std::array<double, kFingerCount>& values) {
+  std::string text;
+  for (int f = 0; f < kFingerCount; ++f) {
+    text +=
+        (f > 0 ? "   " : "") + std::string(finger_name(f)) + " " + brief(values[static_cast<std::size_t>(f)]);
+  }
+  return text;
+}
+
 }  // namespace
 
 std::vector<std::string> DeviceLoop::trouble() const {
@@ -77,20 +92,20 @@ Json DeviceLoop::json() const {
   json["loop_delay_us"] = {{"p50", loop.loop_delays.percentile(0.5) / 1000},
                            {"p99", loop.loop_delays.percentile(0.99) / 1000},
                            {"max", loop.loop_delays.max() / 1000.0}};
-  json["largest_lost_torque"] = loop.largest_lost;
+  json["largest_lost_torque"] = loop.control.largest_lost;
   json["limiter_knows_law"] = limiter_knows(loop.model->settings);
-  json["least_stiffness_factor"] = loop.least_factor;
-  double generated = 0, bled = 0;
-  for (const PassivityObserver& observer : loop.observer) {
-    generated = std::max(generated, observer.generated);
-    bled += observer.bled;
-  }
-  json["energy"] = {{"generated_most", generated}, {"bled", bled}};
-  const StiffnessCertificate& certificate = loop.certificate;
+  json["least_stiffness_factor"] = loop.control.least_factor;
+  json["energy"] = {{"generated_most", most_generated(loop.control)},
+                    {"least_share", loop.control.least_share}};
+  json["gaps"] = loop.control.gaps;
+  const StiffnessCertificate& certificate = loop.control.certificate;
   Json& text = json["certificate"];
-  text = {{"device", loop.profile.name},         {"measured", loop.measured},
-          {"period", certificate.timing.period}, {"jitter", certificate.timing.jitter},
-          {"delay", certificate.timing.delay},   {"margin", certificate.margin}};
+  text = {{"device", loop.profile.name},
+          {"measured", is_measured(loop.control.meter)},
+          {"period", certificate.timing.period},
+          {"jitter", certificate.timing.jitter},
+          {"delay", finite_or_null(certificate.timing.delay)},
+          {"margin", certificate.margin}};
   text["joints"] = Json::array();
   for (std::size_t j = 0; j < kPhalanxCount; ++j) {
     if (!certificate.known[j]) continue;
@@ -117,17 +132,17 @@ void DeviceLoop::add_rows(Table& table) const {
   table.add("loop delay", "p50 " + brief(loop.loop_delays.percentile(0.5) / 1000) + "   p99 " +
                               brief(loop.loop_delays.percentile(0.99) / 1000) + "   max " +
                               brief(loop.loop_delays.max() / 1000.0) + " us from angle to torque");
-  const LoopTiming& timing = loop.certificate.timing;
-  const bool measured = loop.measured && !loop.local_loop;
+  const LoopTiming& timing = loop.control.certificate.timing;
+  const bool measured = !loop.control.local_loop;
   table.add("stiffness certificate",
             std::string(measured ? "measured" : "assumed") + " period " + brief(1e3 * timing.period) +
                 " ms, jitter " + brief(1e3 * timing.jitter) + " ms, delay " + brief(1e3 * timing.delay) +
-                " ms" + (loop.local_loop ? " of the device's own loop" : ""));
-  const StiffnessBound& bound = loop.certificate.joint[3];
-  if (loop.certificate.known[3]) {
+                " ms" + (loop.control.local_loop ? " of the device's own loop" : ""));
+  const StiffnessBound& bound = loop.control.certificate.joint[3];
+  if (loop.control.certificate.known[3]) {
     table.add("", "index proximal: 2b/T " + brief(bound.sampled) + ", with delay " + brief(bound.delayed) +
                       ", friction " + brief(bound.friction) + "; allowed " +
-                      brief(loop.certificate.margin * bound.largest) + " N m/rad");
+                      brief(loop.control.certificate.margin * bound.largest) + " N m/rad");
   } else {
     table.add("",
               "the profile does not say the joints' damping: nothing can be promised, nothing is limited");
@@ -136,20 +151,14 @@ void DeviceLoop::add_rows(Table& table) const {
     table.add("",
               "the limiter knows the stiffness of the field law only: what follows another law may shake");
   }
-  std::string factors;
-  for (int f = 0; f < kFingerCount; ++f) {
-    factors += (f > 0 ? "   " : "") + std::string(finger_name(f)) + " " +
-               brief(loop.least_factor[static_cast<std::size_t>(f)]);
-  }
-  table.add("least stiffness factor", factors);
-  double generated = 0, bled = 0;
-  for (const PassivityObserver& observer : loop.observer) {
-    generated = std::max(generated, observer.generated);
-    bled += observer.bled;
-  }
-  table.add("energy observer", brief(1e3 * generated) + " mJ generated at most by one joint, " +
-                                   brief(1e3 * bled) + " mJ bled off");
-  if (loop.largest_lost > 0) table.add("lost torque", brief(1e3 * loop.largest_lost) + " N mm at most");
+  table.add("least stiffness factor", by_finger(loop.control.least_factor));
+  table.add("energy accounts",
+            brief(1e3 * most_generated(loop.control)) + " mJ generated at most by one finger");
+  table.add("", "torques paid for: " + by_finger(loop.control.least_share) + " at least");
+  if (loop.control.gaps > 0)
+    table.add("stale angles", grouped(loop.control.gaps) + " times in a touch: forces came back softly");
+  if (loop.control.largest_lost > 0)
+    table.add("lost torque", brief(1e3 * loop.control.largest_lost) + " N mm at most");
 }
 
 }  // namespace lumbrical::tool

@@ -10,13 +10,14 @@ namespace lumbrical {
 
 struct DeviceCommand {
   std::uint64_t tick = 0;
-  std::int64_t feedback_time = 0;                ///< DeviceFeedback::time of the angles behind it; 0: none
+  std::int64_t feedback_time = 0;                ///< DeviceFeedback::asked of the angles behind it; 0: none
   ActuatorArray wanted{};                        ///< in the actuators' units
   ActuatorArray angle{}, stiffness{}, radius{};  ///< local model, for actuators that have one
 };
 
 struct DeviceFeedback {
-  std::int64_t time = 0;                        ///< when the reply came
+  std::int64_t asked = 0;                       ///< when the request left: the angles may be as old as that
+  std::int64_t time = 0;                        ///< when the reply came: they are no newer
   std::array<float, 4 * kFingerCount> angle{};  ///< [rad] in the order of hand.h
   std::uint32_t valid = 0;                      ///< bit i: angle i was measured and is plausible
   ActuatorArray
@@ -29,7 +30,7 @@ struct SentCommand {
   std::uint64_t tick = 0;         ///< of the newest command behind it
   std::int64_t sent = 0;          ///< when the request left
   std::int64_t acknowledged = 0;  ///< when its reply came; 0: never
-  std::int64_t loop_delay = 0;    ///< [ns] from reading the angles behind it to its reply; 0: unknown
+  std::int64_t loop_delay = 0;    ///< [ns] from asking for the angles behind it to its reply; 0: unknown
   SafetyState state = SafetyState::disconnected;
   std::uint32_t flags = 0;  ///< SafetyFlag bits
   std::uint32_t actuator_count = 0;

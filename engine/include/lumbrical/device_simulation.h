@@ -46,6 +46,30 @@ struct SimulationOptions {
   std::function<void(double time, JointArray& target)> intention;
 };
 
+/// What the wearer of a simulated device goes through, look by look.
+struct WornDevice {
+  /// Turning points of a joint: one that turns round by more than kShake sooner than kShakeTime after the
+  /// last time makes no intended motion.
+  struct Turns {
+    double extreme = 0, turned = -1;
+    int sense = 1;
+    std::uint64_t shakes = 0;
+  };
+  std::array<Turns, kPhalanxCount> turns{};
+  JointArray angle{}, torque{}, peak{};  ///< [rad], [N m], [N m] the last ones and the largest torque
+  double time = 0;                       ///< [s] of the last look
+  double largest_change = 0;             ///< [N m] of a torque between two looks, at most a few ms apart
+  double taken = 0;                      ///< [J] by the actuators from the joints: negative means they gave
+  /// [J] per finger: what the device has taken in this touch, its damping and friction too. What is left when
+  /// the touch ends is gone; what was given too much stays.
+  std::array<double, kFingerCount> balance{};
+  double given = 0;  ///< [J] into the hand: the largest sum ever of what fingers were given too much
+  bool started = false;
+};
+inline constexpr double kShake = 0.002, kShakeTime = 0.1;  ///< [rad], [s]
+
+[[nodiscard]] std::uint64_t shakes_of(const WornDevice& worn);
+
 class SimulatedDevice {
  public:
   SimulatedDevice(const DeviceProfile& profile, SimulationOptions options);
@@ -65,6 +89,7 @@ class SimulatedDevice {
   void hang(bool hung) { hung_ = hung; }              ///< answers, but its program stands still
 
   [[nodiscard]] double time() const { return time_; }
+  [[nodiscard]] const DeviceProfile& profile() const { return profile_; }
   [[nodiscard]] const std::array<JointState, kPhalanxCount>& joints() const { return joints_; }
   [[nodiscard]] const JointArray& torque() const { return torque_; }       ///< [N m] opening, acting now
   [[nodiscard]] const ActuatorArray& command() const { return command_; }  ///< acting now, in commands' units
@@ -91,5 +116,7 @@ class SimulatedDevice {
   std::uint16_t last_heartbeat_ = 0;
   bool stop_ = false, dead_man_ = true, broken_ = false, hung_ = false;
 };
+
+void look(const SimulatedDevice& device, WornDevice& worn);
 
 }  // namespace lumbrical

@@ -1,5 +1,5 @@
 // How stiff a joint may be rendered, and what keeps it from shaking all the same: the stiffness certificate,
-// a limiter that holds the contact's stiffness under it, and a passivity observer and controller per joint.
+// a limiter that holds the contact's stiffness under it, and an energy account per finger.
 //
 // Angles close the hand, torques open it: power tau * dq/dt is what the hand gives to the device.
 #pragma once
@@ -9,15 +9,9 @@
 
 #include "lumbrical/device_profile.h"
 #include "lumbrical/jacobian.h"
+#include "lumbrical/loop_timing.h"
 
 namespace lumbrical {
-
-/// What was measured of the loop, device excepted.
-struct LoopTiming {
-  double period = 0.001;  ///< [s] between two commands that reach the device
-  double jitter = 0;      ///< [s] by which a period may be longer
-  double delay = 0;       ///< [s] from reading an angle to its torque, beyond the hold of one period
-};
 
 /// Largest passive stiffness of one joint, each bound by itself [N m/rad].
 struct StiffnessBound {
@@ -60,34 +54,38 @@ struct StiffnessLimiter {
 void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffness& stiffness, double dt,
                      StiffnessLimiter& limiter);
 
-/// Time-domain passivity observer and controller of one joint (Hannaford and Ryu, 2002). The energy is exact
-/// for a torque that is held between two samples (Stramigioli): what is observed is what the device did.
-struct PassivityObserver {
-  double energy = 0;     ///< [J] taken from the hand in this touch and not yet given back; < 0: generated
+/// What one finger has taken from the hand in this touch and not yet given back: a passivity observer in the
+/// time domain (Hannaford and Ryu, 2002), exact for torques held between two samples (Stramigioli). What the
+/// device's own damping takes, which the certificate counts on, is on the account too: the balance is that of
+/// the hand, not of the motors.
+struct EnergyAccount {
+  double energy = 0;     ///< [J] < 0: generated
   double generated = 0;  ///< [J] the lowest `energy` ever was, as a positive number
-  double bled = 0;       ///< [J] taken back by the controller's damping
-  double angle = 0;      ///< [rad] last
-  bool started = false;
 };
 
-struct PassivityLimits {
-  double damping = 0.01;    ///< [N m s/rad] largest the controller may add; keep below the device's own
-  double tolerance = 1e-6;  ///< [J] of generated energy that is let pass: encoder steps make some
+/// What happened between two fresh samples of a finger's joints. Stale ones tell nothing and are no step.
+struct EnergyStep {
+  double dt = 0.001;              ///< [s] between them; in doubt longer
+  std::array<double, 3> moved{};  ///< [rad] closing
+  std::array<double, 3> acted{};  ///< [N m] the torques the device made meanwhile
+  double given = 0;               ///< [J] what the touch has taken elsewhere: see arm_work
+  bool touching = false;          ///< torques act or are wanted
 };
 
-struct PassivityStep {
-  double dt = 0.001;  ///< [s] since the last step
-  double angle = 0;   ///< [rad] the newest
-  double acted = 0;   ///< [N m] the torque the device made since the last step
-  double torque = 0;  ///< [N m] what the touch asks for now
-  double given = 0;   ///< [J] what the touch has taken elsewhere since the last step: see arm_work
-};
+/// Without touch the account is closed: what an earlier touch has taken must not pay for what a later one
+/// gives, but what it has given too much stays owed. A step with a number that isn't finite closes it too.
+void keep_account(const StiffnessCertificate& certificate, const DeviceProfile& profile, std::size_t finger,
+                  const EnergyStep& step, EnergyAccount& account);
 
-/// Returns what to command: the torque, plus damping while more energy than the tolerance has been generated.
-/// Without touch (both torques 0) the account is closed: what an earlier touch has taken must not pay for
-/// what a later one gives.
-double observe_passivity(const PassivityLimits& limits, const PassivityStep& step,
-                         PassivityObserver& observer);
+/// The largest share, 0 .. 1, of a finger's torques [N m] that its account can pay for. A spring as stiff as
+/// the certificate allows, bent until it gives those torques, holds torque^2 / (2 K): that much must have
+/// been taken, but for kLentEnergy. So torques grow no faster than such a spring's and end when what was
+/// taken is given back, whatever the touch, its law, or the delay. Scaling only ever takes away: it can't
+/// shake by itself.
+double payable_share(const StiffnessCertificate& certificate, std::size_t finger,
+                     const std::array<double, 3>& torque, const EnergyAccount& account);
+
+inline constexpr double kLentEnergy = 1e-4;  ///< [J] lent to a finger, so that a touch can begin
 
 /// [J] what each finger's touch takes from the arm when the wrist moves from one pose to another [both X_WH].
 /// The arm feels none of it, but it comes back through the joints, and the observers must know.

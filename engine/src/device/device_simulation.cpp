@@ -24,6 +24,17 @@ void slow_grasp(double time, JointArray& target) {
   target.fill(0.1 + 0.9 * there_and_back(time / kSlowGrasp));
 }
 
+void turn(double time, double angle, WornDevice::Turns& turns) {
+  if (turns.sense * (angle - turns.extreme) >= 0) {
+    turns.extreme = angle;
+  } else if (turns.sense * (turns.extreme - angle) > kShake) {
+    turns.shakes += turns.turned >= 0 && time - turns.turned < kShakeTime ? 1 : 0;
+    turns.turned = time;
+    turns.extreme = angle;
+    turns.sense = -turns.sense;
+  }
+}
+
 }  // namespace
 
 void step_joint(const JointDynamics& dynamics, const HumanJoint& human, double target, double torque,
@@ -40,6 +51,40 @@ void step_joint(const JointDynamics& dynamics, const HumanJoint& human, double t
 double read_encoder(const JointDynamics& dynamics, double angle) {
   if (!(dynamics.encoder_step > 0)) return angle;
   return dynamics.encoder_step * std::floor(angle / dynamics.encoder_step + 0.5);
+}
+
+std::uint64_t shakes_of(const WornDevice& worn) {
+  std::uint64_t count = 0;
+  for (const WornDevice::Turns& turns : worn.turns) count += turns.shakes;
+  return count;
+}
+
+void look(const SimulatedDevice& device, WornDevice& worn) {
+  const double passed = device.time() - std::exchange(worn.time, device.time());
+  std::array<bool, kFingerCount> touching{};
+  for (std::size_t j = 0; j < kPhalanxCount; ++j) {
+    const double torque = device.torque()[j], at = device.joints()[j].angle;
+    const double mean = 0.5 * (torque + worn.torque[j]), moved = at - worn.angle[j];
+    turn(worn.time, at, worn.turns[j]);
+    worn.peak[j] = max(worn.peak[j], std::fabs(torque));
+    if (worn.started && passed > 0) {
+      const JointDynamics& joint = device.profile().dynamics[j];
+      worn.largest_change = max(worn.largest_change, std::fabs(torque - worn.torque[j]));
+      worn.taken += mean * moved;
+      worn.balance[j / 3] +=
+          mean * moved + joint.damping * moved * moved / passed + joint.friction * std::fabs(moved);
+    }
+    touching[j / 3] = touching[j / 3] || mean != 0;
+    worn.torque[j] = torque;
+    worn.angle[j] = at;
+  }
+  double given = 0;
+  for (std::size_t f = 0; f < kFingerCount; ++f) {
+    if (!touching[f]) worn.balance[f] = min(0, worn.balance[f]);
+    given -= min(0, worn.balance[f]);
+  }
+  worn.given = max(worn.given, given);
+  worn.started = true;
 }
 
 SimulatedDevice::SimulatedDevice(const DeviceProfile& profile, SimulationOptions options)

@@ -116,26 +116,32 @@ void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffnes
   }
 }
 
-double observe_passivity(const PassivityLimits& limits, const PassivityStep& step,
-                         PassivityObserver& observer) {
-  if (!is_finite(step.angle) || !is_finite(step.acted) || !is_finite(step.torque) || !is_finite(step.given)) {
-    observer = {};
-    return 0;
+void keep_account(const StiffnessCertificate& certificate, const DeviceProfile& profile, std::size_t finger,
+                  const EnergyStep& step, EnergyAccount& account) {
+  double taken = step.given;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const JointDynamics& joint = profile.dynamics[3 * finger + k];
+    // The least that viscous damping takes over a way in a time is at even speed; a way that rounding to
+    // encoder steps may have invented doesn't count.
+    const double way = max(0, std::fabs(step.moved[k]) - joint.encoder_step);
+    taken += step.acted[k] * step.moved[k];
+    if (step.dt > 0) taken += certificate.margin * joint.damping * way * way / step.dt;
   }
-  const double moved = observer.started ? step.angle - observer.angle : 0;
-  observer.energy += step.acted * moved + step.given;
-  observer.generated = max(observer.generated, -observer.energy);
-  observer.angle = step.angle;
-  observer.started = true;
-  if (step.torque == 0 && step.acted == 0) observer.energy = 0;
+  account.energy = is_finite(taken) ? account.energy + taken : min(0, account.energy);
+  if (!step.touching) account.energy = min(0, account.energy);
+  account.generated = max(account.generated, -account.energy);
+}
 
-  const double deficit = -limits.tolerance - observer.energy;
-  if (!(deficit > 0) || moved == 0 || !(step.dt > 0)) return step.torque;
-  // Takes the deficit back over the next sample, should the joint go on as fast as now.
-  const double speed = moved / step.dt;
-  const double damping = min(limits.damping, deficit / (step.dt * speed * speed));
-  observer.bled += damping * speed * moved;
-  return step.torque + damping * speed;
+double payable_share(const StiffnessCertificate& certificate, std::size_t finger,
+                     const std::array<double, 3>& torque, const EnergyAccount& account) {
+  double needed = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t j = 3 * finger + k;
+    if (!certificate.known[j] || torque[k] == 0) continue;
+    needed += quotient(0.5 * torque[k] * torque[k], certificate.margin * certificate.joint[j].largest);
+  }
+  const double held = max(0, account.energy + kLentEnergy);
+  return needed <= held ? 1 : needed > 0 ? std::sqrt(held / needed) : 0;
 }
 
 std::array<double, kFingerCount> arm_work(const Pose& before, const Pose& after,

@@ -195,6 +195,7 @@ void ModbusSink::Worker::tell_transition(SafetyState before, std::uint32_t flags
 
 bool ModbusSink::Worker::transfer() {
   const ExchangePlan& plan = words.plan;
+  asked_at = now_ns();
   if (plan.combined) {
     return answered(link.exchange(plan.writes[0], words.written.data(), plan.reads[0], words.read.data()),
                     "writing", plan.writes[0]);
@@ -205,6 +206,7 @@ bool ModbusSink::Worker::transfer() {
     at += block.count;
   }
   at = 0;
+  asked_at = now_ns();
   for (const RegisterBlock& block : plan.reads) {
     if (!answered(link.read(profile.read_function, block, words.read.data() + at), "reading", block))
       return false;
@@ -220,6 +222,7 @@ void ModbusSink::Worker::take_feedback(std::int64_t now) {
   last_echo = echo;
   if (profile.sensors.empty()) return;
   DeviceFeedback feedback;
+  feedback.asked = asked_at;
   feedback.time = now;
   feedback.acted = std::exchange(acting, commanded);
   words.angles(profile, feedback.angle, feedback.valid);

@@ -53,6 +53,7 @@ struct ModbusSink::Worker {
   // The thread's own.
   PublishedCommand newest;
   std::int64_t opened = 0, last_step = 0, last_answer = 0, next_try = 0, last_echo_change = 0;
+  std::int64_t asked_at = 0;  // when the request for the newest angles left
   RunningTime running;
   double lost_before = 0;  // of running.lost, when the newest command came
   double retry = 0;

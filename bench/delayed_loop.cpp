@@ -1,0 +1,190 @@
+// See delayed_loop.h.
+#include "delayed_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <optional>
+
+#include "lumbrical/tick.h"
+#include "modbus/exchange_words.h"
+#include "modbus/running_time.h"
+
+namespace lumbrical::bench {
+namespace {
+
+constexpr std::int64_t kStep = 100'000;  // [ns] of the device
+constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr double kBefore = 0.5;       // [s] of exchanges without forces
+constexpr double kHalfClosed = 0.25;  // of the motion, where joints without a hand are left
+
+double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+std::int64_t ns(double seconds) { return static_cast<std::int64_t>(seconds * 1e9); }
+
+JointArray closing(const DeviceFrame& frame) {
+  JointArray target;
+  for (std::size_t j = 0; j < kPhalanxCount; ++j)
+    target[j] = static_cast<double>(frame.angle[4 * (j / 3) + 1 + j % 3]);
+  return target;
+}
+
+// What is between the ticks and the device.
+class Wire {
+ public:
+  Wire(const DeviceProfile& profile, const Bus& bus, double length, SimulatedDevice& device)
+      : profile_(profile),
+        bus_(bus),
+        length_(length),
+        device_(device),
+        words_(profile),
+        safety_(start_safety(profile)),
+        running_{1 / bus.rate} {}
+
+  void publish(const DeviceCommand& command, std::int64_t now) {
+    newest_ = command;
+    published_ = now;
+  }
+  std::optional<DeviceFeedback> feedback() { return std::exchange(reply_, std::nullopt); }
+  std::optional<SentCommand> sent() { return std::exchange(told_, std::nullopt); }
+  bool arm = false;
+  double largest_step = 0;
+
+  // Sends, delivers, answers: whatever is due.
+  void pass(std::int64_t now) {
+    if (waiting_ && now >= arrives_ && !delivered_) deliver();
+    if (waiting_ && now >= answered_) take_reply();
+    if (!waiting_ && now >= next_) send(now);
+  }
+
+ private:
+  double exchange_time(std::int64_t now) {
+    random_ = random_ * 6364136223846793005u + 1442695040888963407u;
+    const double chance = static_cast<double>(random_ >> 40) / 16777216.0;
+    const double run = clamp((seconds(now) - kBefore) / length_, 0, 1);
+    switch (bus_.kind) {
+      case Delays::constant:
+        return bus_.delay;
+      case Delays::jittering:
+        return bus_.delay * (0.5 + chance);
+      case Delays::growing:
+        return bus_.delay * run;
+      case Delays::stepping:
+        return run < 0.4 ? 0 : bus_.delay;
+    }
+    return 0;
+  }
+  void send(std::int64_t now) {
+    SafetyInputs inputs;
+    inputs.dt = running_.advance(seconds(now - sent_at_));
+    inputs.connected = true;
+    inputs.arm = arm && safety_.state == SafetyState::idle;
+    inputs.tick_age = seconds(now - published_);
+    inputs.wanted = newest_.wanted;
+    const SafetyOutput output = step_safety(profile_, inputs, safety_);
+    for (std::size_t i = 0; i < profile_.actuators.size(); ++i) {
+      for (std::size_t j = 0; j < kPhalanxCount; ++j)
+        largest_step =
+            max(largest_step, std::fabs(profile_.actuators[i].arm[j] * (output.command[i] - commanded_[i])));
+    }
+    commanded_ = output.command;
+    words_.write(profile_, output, newest_, static_cast<std::uint16_t>(++cycle_));
+    sending_ = {cycle_, newest_.tick, now, 0, 0, safety_.state, output.flags, 0, {}};
+    asked_for_ = newest_.feedback_time;
+    sent_at_ = now;
+    const std::int64_t time = ns(exchange_time(now)) + kStep;
+    arrives_ = now + time / 2;
+    answered_ = now + time;
+    next_ = now + ns(1 / bus_.rate);
+    waiting_ = true;
+    delivered_ = false;
+  }
+  void deliver() {
+    const RegisterBlock& writes = words_.plan.writes[0];
+    const RegisterBlock& reads = words_.plan.reads[0];
+    device_.write(writes.unit, writes.address, std::span(words_.written.data(), writes.count));
+    device_.read(reads.unit, reads.address, std::span(words_.read.data(), reads.count));
+    delivered_ = true;
+  }
+  void take_reply() {
+    waiting_ = false;
+    DeviceFeedback feedback;
+    feedback.asked = sending_.sent;
+    feedback.time = answered_;
+    feedback.acted = std::exchange(acting_, commanded_);
+    words_.angles(profile_, feedback.angle, feedback.valid);
+    reply_ = feedback;
+    sending_.acknowledged = answered_;
+    sending_.loop_delay = asked_for_ != 0 ? answered_ - asked_for_ : 0;
+    told_ = sending_;
+  }
+
+  const DeviceProfile& profile_;
+  Bus bus_;
+  double length_;
+  SimulatedDevice& device_;
+  ExchangeWords words_;
+  SafetyMemory safety_;
+  RunningTime running_;
+  DeviceCommand newest_;
+  ActuatorArray commanded_{}, acting_{};
+  std::optional<DeviceFeedback> reply_;
+  std::optional<SentCommand> told_;
+  SentCommand sending_;
+  std::uint64_t cycle_ = 0, random_ = 1;
+  std::int64_t published_ = 0, sent_at_ = 0, next_ = 0, arrives_ = 0, answered_ = 0, asked_for_ = 0;
+  bool waiting_ = false, delivered_ = false;
+};
+
+}  // namespace
+
+LoopFelt run_delayed(const Model& model, const Motion& motion, const DeviceProfile& profile,
+                     const DelayedLoop& wanted) {
+  DeviceProfile truth = profile;
+  for (JointDynamics& joint : truth.dynamics) joint.friction *= wanted.friction;
+  const double length = duration(motion);
+  SimulationOptions simulation;
+  simulation.human = wanted.human;
+  simulation.watchdog = 1;
+  simulation.intention = [&](double time, JointArray& target) {
+    const bool held = wanted.human.stiffness > 0;
+    target = closing(resample(motion, held ? clamp(time, 0, length) : kHalfClosed * length));
+  };
+  SimulatedDevice device(truth, simulation);
+  HapticLoop loop = start_loop(profile, wanted.options);
+  Wire wire(profile, wanted.bus, length, device);
+  State state;
+  Scratch scratch = make_scratch(model);
+  scratch.hash_stages = false;
+  WornDevice worn;
+  LoopFelt felt;
+  const std::int64_t period = ns(1 / model.settings.rate), begin = ns(kBefore), end = begin + ns(length);
+  std::int64_t next_tick = kStep;
+  for (std::int64_t now = kStep; now < end; now += kStep) {
+    device.advance(seconds(kStep));
+    look(device, worn);
+    wire.pass(now);
+    if (now < next_tick) continue;
+    next_tick += period;
+    if (now >= begin && !loop.certified) {
+      certify_loop(loop);
+      wire.arm = true;
+    }
+    if (const auto sent = wire.sent()) note_exchange(*sent, loop);
+    if (const auto feedback = wire.feedback()) take_feedback(*feedback, loop);
+    DeviceFrame frame = resample(motion, max(0, seconds(now - begin)));
+    put_angles(loop, now, frame);
+    const ActuatorFrame output = tick(model, state, scratch, frame);
+    wire.publish(command_forces(model, scratch, frame, output, now, loop), now);
+    for (const double torque : device.torque()) felt.torque += std::fabs(torque);
+  }
+  felt.torque *= static_cast<double>(period) / static_cast<double>(end - begin);
+  felt.shakes = shakes_of(worn);
+  felt.given = worn.given;
+  felt.taken = worn.taken;
+  felt.step = wire.largest_step;
+  felt.factor = *std::min_element(loop.least_factor.begin(), loop.least_factor.end());
+  felt.share = *std::min_element(loop.least_share.begin(), loop.least_share.end());
+  return felt;
+}
+
+}  // namespace lumbrical::bench

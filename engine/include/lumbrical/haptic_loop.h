@@ -1,0 +1,94 @@
+// The control between a device and the ticks: angles and time stamps in, a command out. Functions over one
+// struct, without clock, thread, input, output or allocation: `lumbrical run` calls them by the clock,
+// bench/delay_sweep and the tests in simulated time. Times are nanoseconds of one steady clock.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "lumbrical/device_link.h"
+#include "lumbrical/jacobian.h"
+#include "lumbrical/passivity.h"
+
+namespace lumbrical {
+
+/// What may be left out, to see what it is good for.
+struct LoopOptions {
+  bool feedback = true;  ///< the device's angles move the hand; else the motion does
+  bool limiter = true;   ///< stiffness stays below the certificate
+  bool account = true;   ///< torques stay below what each finger's energy account can pay
+  bool follow = true;    ///< the certificate follows the bus; else it stays what certify_loop made of it
+  bool gaps = true;      ///< forces fade while angles are stale, and come back by soft start
+  bool local = true;     ///< local models, where the device has them
+};
+
+struct HapticLoop {
+  DeviceProfile profile;
+  LoopOptions options;
+
+  // What the device said.
+  DeviceFeedback feedback;
+  bool any_feedback = false;
+  bool fresh = false;                            ///< `feedback` came after the last command
+  std::array<double, 3 * kFingerCount> moved{};  ///< [rad] closing, between the two newest samples
+  double between = 0;                            ///< [s] the two newest samples
+  JointArray speed{};                            ///< [rad/s]
+
+  // The bus.
+  TimingMeter meter;
+  SentCommand sent;  ///< the newest one told
+  StiffnessCertificate certificate;
+  bool certified = false;
+  bool local_loop = false;  ///< every actuator has a local model: the fast loop is the device's own
+  LoopTiming told;          ///< what news_of_timing told last
+
+  // The touch.
+  std::size_t turn = 0;  ///< the finger whose stiffness the newest command looked at
+  std::array<SegmentJacobian, kSegmentCount> jacobians{};
+  HandStiffness stiffness{};
+  StiffnessLimiter limiter;
+  std::array<EnergyAccount, kFingerCount> account{};
+  std::array<double, kFingerCount> share = {1, 1, 1, 1, 1};  ///< of the torques, that the accounts pay for
+  std::array<double, kFingerCount> arm{};                    ///< [J] given by the arm since the last sample
+  std::array<Pose, kJointCount> X_WJ{};
+  Pose base_before;
+  double gain = 1;  ///< of the soft start after a gap
+  /// Gain times the limiter's factor, as far as it may have fallen: no command lets go of more than half of
+  /// what the one before gave, so that a bus that suddenly takes its time makes no kick of it.
+  std::array<double, kFingerCount> level{}, level_sent{};
+  std::int64_t now = 0;  ///< of the last command; 0: none yet
+
+  // Figures.
+  std::array<double, kFingerCount> least_factor = {1, 1, 1, 1, 1}, least_share = {1, 1, 1, 1, 1};
+  double largest_lost = 0;  ///< [N m] torque the actuators could not make
+  std::uint64_t gaps = 0;   ///< times the angles became stale while torques were wanted
+};
+
+HapticLoop start_loop(const DeviceProfile& profile, const LoopOptions& options);
+
+/// What the device said; call it with every feedback, once, before the tick that uses it.
+void take_feedback(const DeviceFeedback& feedback, HapticLoop& loop);
+
+/// Puts the device's angles into the place of the motion's fingers; the wrist stays the motion's. Flags
+/// kTrackingLost, and is false, where there are none, or none that are younger than
+/// SafetyTimes::answer_timeout.
+bool put_angles(const HapticLoop& loop, std::int64_t now, DeviceFrame& frame);
+
+/// What became of a command; call it with every one the link tells. Renews the certificate.
+void note_exchange(const SentCommand& sent, HapticLoop& loop);
+
+/// True: since the last true the certificate's timing has changed by a tenth of what it was, or more.
+bool news_of_timing(HapticLoop& loop);
+
+/// Forgets how long exchanges took: what was measured before is not how it will be.
+void forget_timing(HapticLoop& loop);
+
+/// From here on forces are let through: as far as the exchanges so far allow, and nothing before two of them
+/// were measured.
+void certify_loop(HapticLoop& loop);
+
+/// After the tick on `scratch` with `frame`: its forces as a command.
+DeviceCommand command_forces(const Model& model, const Scratch& scratch, const DeviceFrame& frame,
+                             const ActuatorFrame& output, std::int64_t now, HapticLoop& loop);
+
+}  // namespace lumbrical

@@ -1,0 +1,232 @@
+// See lumbrical/haptic_loop.h.
+#include "lumbrical/haptic_loop.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lumbrical/math.h"
+
+namespace lumbrical {
+namespace {
+
+// A local model is trusted as far as it takes to make the torque nothing, or twice what it is.
+constexpr double kLocalShare = 1, kLargestRadius = 0.1;  // [1], [rad]
+constexpr double kLocalPeriod = 0.001;                   // [s] of the device's own loop, at least as fast
+constexpr double kMostLetGo = 0.5;                       // of a finger's torque, from one command to the next
+constexpr double kWorthTelling = 0.1;                    // change of a bound, as a share
+
+double seconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-9; }
+
+// Where joint j stands in the order of hand.h.
+constexpr std::size_t angle_of(std::size_t joint) { return 4 * (joint / 3) + 1 + joint % 3; }
+
+JointArray acted_torque(const HapticLoop& loop) {
+  JointArray torque{};
+  for (std::size_t i = 0; i < loop.profile.actuators.size(); ++i) {
+    for (std::size_t j = 0; j < kPhalanxCount; ++j)
+      torque[j] += loop.profile.actuators[i].arm[j] * loop.feedback.acted[i];
+  }
+  return torque;
+}
+
+// One finger a tick: all of them would take longer than the tick itself.
+void update_stiffness(const Model& model, const Scratch& scratch, const ActuatorFrame& output, double dt,
+                      HapticLoop& loop) {
+  const std::size_t turn = loop.turn = (loop.turn + 1) % kFingerCount;
+  segment_jacobians(model, scratch, loop.jacobians, 7u << 3 * turn);
+  bool known = true;  // a finger folded upon itself may be unknown for a moment: then what it was counts
+  for (std::size_t i = 3 * turn; i < 3 * turn + 3; ++i)
+    known = known && (loop.jacobians[i].known || model.settings.law[i] != Law::field);
+  if (known) loop.stiffness[turn] = joint_stiffness(loop.X_WJ, output, loop.jacobians)[turn];
+  if (loop.certified && loop.options.limiter)
+    limit_stiffness(loop.certificate, loop.stiffness, dt, loop.limiter);
+}
+
+void follow_hand(const Model& model, const DeviceFrame& frame, const ActuatorFrame& output,
+                 HapticLoop& loop) {
+  std::array<double, kAngleCount> angles;
+  std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
+  forward_kinematics(model.hand, frame.base, angles, loop.X_WJ);
+  const std::array<double, kFingerCount> work = arm_work(loop.base_before, frame.base, loop.X_WJ, output);
+  loop.base_before = frame.base;
+  for (std::size_t f = 0; f < kFingerCount; ++f) loop.arm[f] += loop.level[f] * loop.share[f] * work[f];
+}
+
+void keep_accounts(const JointArray& wanted, HapticLoop& loop) {
+  const JointArray acted = acted_torque(loop);
+  for (std::size_t f = 0; f < kFingerCount; ++f) {
+    EnergyStep step;
+    step.dt = loop.between;
+    step.given = loop.arm[f];
+    for (std::size_t k = 0; k < 3; ++k) {
+      step.moved[k] = loop.moved[3 * f + k];
+      step.acted[k] = acted[3 * f + k];
+      step.touching = step.touching || step.acted[k] != 0 || wanted[3 * f + k] != 0;
+    }
+    keep_account(loop.certificate, loop.profile, f, step, loop.account[f]);
+    loop.arm[f] = 0;
+  }
+}
+
+// Angles that are older than the bus explains tell nothing about now: forces fade, as fast as those of late
+// ticks, and what is gone comes back by soft start.
+void weigh_gap(std::int64_t now, double dt, bool touching, HapticLoop& loop) {
+  const SafetyTimes& times = loop.profile.safety;
+  const LoopTiming& timing = loop.certificate.timing;
+  const double age = loop.any_feedback ? seconds(now - loop.feedback.asked) : times.answer_timeout;
+  const double usual = loop.certified ? timing.delay + timing.period + timing.jitter : 0;
+  const bool stale = age > usual + times.tick_hold;
+  if (stale && touching && loop.gain == 1) ++loop.gaps;
+  const double change = stale ? -dt / times.fade : times.soft_start > 0 ? dt / times.soft_start : 1;
+  loop.gain = clamp(loop.gain + change, 0, 1);
+}
+
+void set_levels(HapticLoop& loop) {
+  for (std::size_t f = 0; f < kFingerCount; ++f)
+    loop.level[f] = max(loop.gain * loop.limiter.factor[f], kMostLetGo * loop.level_sent[f]);
+}
+
+void renew_certificate(HapticLoop& loop) {
+  LoopTiming timing = timing_of(loop.meter);
+  // With a local model the fast loop is the device's own; the bus only tells it where the touch has moved to.
+  if (loop.local_loop) timing = {kLocalPeriod, 0, 0};
+  loop.certificate = make_certificate(loop.profile, timing);
+}
+
+void put_local_models(const DeviceFrame& frame, const JointArray& wanted, const HapticLoop& loop,
+                      DeviceCommand& command) {
+  for (std::size_t i = 0; i < loop.profile.actuators.size(); ++i) {
+    const Actuator& actuator = loop.profile.actuators[i];
+    if (!actuator.local.present) continue;
+    const auto j = static_cast<std::size_t>(
+        std::find_if(actuator.arm.begin(), actuator.arm.end(), [](double arm) { return arm != 0; }) -
+        actuator.arm.begin());
+    const double share = loop.level[j / 3] * loop.share[j / 3];
+    const double k = share * loop.stiffness[j / 3][j % 3][j % 3];
+    command.angle[i] = static_cast<double>(frame.angle[angle_of(j)]);
+    command.stiffness[i] = max(0, k);
+    command.radius[i] = k > 0 ? min(kLocalShare * std::fabs(wanted[j]) / k, kLargestRadius) : 0;
+  }
+}
+
+}  // namespace
+
+HapticLoop start_loop(const DeviceProfile& profile, const LoopOptions& options) {
+  HapticLoop loop;
+  loop.profile = profile;
+  loop.options = options;
+  if (profile.sensors.empty()) loop.options.feedback = false;
+  loop.local_loop = options.local;
+  for (const Actuator& actuator : profile.actuators)
+    loop.local_loop = loop.local_loop && actuator.local.present;
+  return loop;
+}
+
+void take_feedback(const DeviceFeedback& feedback, HapticLoop& loop) {
+  // Between the two moments of reading lies one of these; where they differ, the longer one counts.
+  const double between =
+      seconds(std::max(feedback.asked - loop.feedback.asked, feedback.time - loop.feedback.time));
+  loop.between = loop.any_feedback ? between : 0;
+  for (std::size_t j = 0; j < kPhalanxCount; ++j) {
+    const std::size_t a = angle_of(j);
+    const auto moved = static_cast<double>(feedback.angle[a] - loop.feedback.angle[a]);
+    loop.moved[j] = loop.any_feedback ? moved : 0;
+    loop.speed[j] = loop.between > 0 ? loop.moved[j] / loop.between : 0;
+  }
+  loop.feedback = feedback;
+  loop.any_feedback = loop.fresh = true;
+}
+
+bool put_angles(const HapticLoop& loop, std::int64_t now, DeviceFrame& frame) {
+  if (!loop.options.feedback) return true;
+  if (frame.kind == InputKind::joint_poses) {  // the wrist is the motion's, the fingers are the device's
+    const JointPose& wrist = frame.joint[kWrist];
+    const auto [px, py, pz] = wrist.position;
+    const auto [qx, qy, qz, qw] = wrist.orientation;
+    frame.base = frame.base * Pose{{px, py, pz}, normalized({qw, qx, qy, qz})};
+    frame.kind = InputKind::joint_angles;
+    frame.angle.fill(0);
+    if ((frame.valid >> kWrist & 1u) == 0) frame.flags |= kTrackingLost;
+    frame.joint = {};
+    frame.valid = (1u << kJointCount) - 1;
+  }
+  std::uint32_t wanted = 0;
+  for (const Sensor& sensor : loop.profile.sensors) wanted |= 1u << sensor.angle;
+  for (std::size_t a = 0; a < kAngleCount; ++a) {
+    if ((loop.feedback.valid >> a & 1u) != 0) frame.angle[a] = loop.feedback.angle[a];
+  }
+  const bool known = loop.any_feedback && (loop.feedback.valid & wanted) == wanted &&
+                     seconds(now - loop.feedback.asked) <= loop.profile.safety.answer_timeout;
+  if (!known) frame.flags |= kTrackingLost;
+  return known;
+}
+
+void note_exchange(const SentCommand& sent, HapticLoop& loop) {
+  const SentCommand before = loop.sent;
+  loop.sent = sent;
+  loop.level_sent = loop.level;
+  const bool next = sent.cycle == before.cycle + 1 && sent.acknowledged != 0 && before.acknowledged != 0;
+  const double interval = seconds(sent.sent - before.sent), delay = seconds(sent.loop_delay);
+  if (!next) return;
+  const bool known = is_measured(loop.meter);
+  measure_exchange(interval, delay, loop.meter);
+  if (loop.certified && !(known && !loop.options.follow)) renew_certificate(loop);
+}
+
+bool news_of_timing(HapticLoop& loop) {
+  const auto total = [](const LoopTiming& timing) { return timing.period + timing.jitter + timing.delay; };
+  const double before = total(loop.told), now = total(loop.certificate.timing);
+  if (!loop.certified || now == before || std::fabs(now - before) < kWorthTelling * before) return false;
+  loop.told = loop.certificate.timing;
+  return true;
+}
+
+void forget_timing(HapticLoop& loop) {
+  loop.meter = {};
+  if (loop.certified) renew_certificate(loop);
+}
+
+void certify_loop(HapticLoop& loop) {
+  loop.certified = true;
+  renew_certificate(loop);
+}
+
+DeviceCommand command_forces(const Model& model, const Scratch& scratch, const DeviceFrame& frame,
+                             const ActuatorFrame& output, std::int64_t now, HapticLoop& loop) {
+  const double dt = loop.now == 0 ? 0 : seconds(now - loop.now);
+  loop.now = now;
+  const bool angles = frame.kind == InputKind::joint_angles;
+  if (angles) {
+    follow_hand(model, frame, output, loop);
+    update_stiffness(model, scratch, output, dt, loop);
+  }
+  const bool touching = output.contact_count > 0;
+  if (loop.options.gaps && loop.options.feedback) weigh_gap(now, dt, touching, loop);
+  set_levels(loop);
+  JointArray wanted;
+  for (std::size_t j = 0; j < kPhalanxCount; ++j) wanted[j] = loop.level[j / 3] * output.flexion_torque[j];
+  // A local model's torque changes between two samples, which the account does not see.
+  if (angles && loop.certified && loop.options.account && loop.options.feedback && !loop.local_loop) {
+    if (loop.fresh) keep_accounts(wanted, loop);
+    for (std::size_t f = 0; f < kFingerCount; ++f) {
+      const std::array<double, 3> torque = {wanted[3 * f], wanted[3 * f + 1], wanted[3 * f + 2]};
+      loop.share[f] = payable_share(loop.certificate, f, torque, loop.account[f]);
+      loop.least_share[f] = min(loop.least_share[f], loop.share[f]);
+      for (std::size_t k = 0; k < 3; ++k) wanted[3 * f + k] *= loop.share[f];
+    }
+  }
+  loop.fresh = false;
+  for (std::size_t f = 0; f < kFingerCount; ++f)
+    loop.least_factor[f] = min(loop.least_factor[f], loop.limiter.factor[f]);
+
+  const ActuatorSolution solution = solve_actuators(loop.profile, wanted, loop.speed);
+  loop.largest_lost = max(loop.largest_lost, solution.lost_norm);
+  DeviceCommand command;
+  command.tick = output.tick;
+  command.feedback_time = loop.any_feedback ? loop.feedback.asked : 0;
+  command.wanted = solution.command;
+  if (loop.options.local) put_local_models(frame, wanted, loop, command);
+  return command;
+}
+
+}  // namespace lumbrical
