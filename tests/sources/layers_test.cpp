@@ -104,14 +104,14 @@ const Outside kOutside[] = {
     {"(oneapi/)?tbb/.*", "engine/src/base/parallel[.]cpp"},
     {"xsimd/.*", "engine/src/lanes/wide[.]h"},
     {"openvdb/.*", "engine/src/index/voxel_grid_openvdb[.]cpp"},
-    {"(xmmintrin|immintrin|cfenv)([.]h)?", "engine/src/base/floating_point[.].*"},
+    {"(xmmintrin|immintrin|cfenv)([.]h)?", "engine/src/base/floating_point[.].*|tests/.*"},
     {"flatbuffers/.*",
      "engine/src/(files/(json_file|device_profile_file|scene_file|scene_parts)|recording/\\w+)[.].*|tests/"
      ".*"},
     {"nlohmann/.*", "(engine/src/motion/motion_\\w+[.].*|tools/.*|tests/.*)"},
     {"(lz4frame|zstd|zlib)[.]h", "(engine/src/recording/mcap_\\w+[.]cpp|tests/.*)"},
     {"(unistd|fcntl|sys/\\w+)[.]h",
-     "(engine/src/(files/(mapped|output)_file|recording/mcap_reader|modbus/"
+     "(engine/src/(files/(mapped|output|spill|readable)_file|recording/mcap_reader|modbus/"
      "modbus_(server|link|network))[.]cpp|tools/"
      ".*|tests/"
      ".*|bench/.*)"},

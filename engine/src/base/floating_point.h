@@ -1,4 +1,5 @@
-// Rounding mode and denormal handling as the arithmetic contract wants them, for the length of a scope.
+// Rounding mode and denormal handling as the arithmetic contract wants them, for the length of a scope: of
+// whatever makes numbers that a result depends on, from reading a file to a tick.
 #pragma once
 
 #include <cstdint>
@@ -20,9 +21,19 @@ class FloatingPointGuard {
 
  private:
 #if defined(__x86_64__)
-  static constexpr std::uint64_t kDefault = 0x1f80;  // MXCSR at process start
-  static std::uint64_t get() { return _mm_getcsr(); }
-  static void set(std::uint64_t mode) { _mm_setcsr(static_cast<unsigned>(mode)); }
+  // As at process start: MXCSR below; above it the control word of the x87, by which the C library's strtod
+  // rounds.
+  static constexpr std::uint64_t kDefault = 0x037f'0000'1f80;
+  static std::uint64_t get() {
+    std::uint16_t x87 = 0;
+    asm volatile("fnstcw %0" : "=m"(x87));
+    return std::uint64_t{x87} << 32 | _mm_getcsr();
+  }
+  static void set(std::uint64_t mode) {
+    const auto x87 = static_cast<std::uint16_t>(mode >> 32);
+    asm volatile("fldcw %0" : : "m"(x87));
+    _mm_setcsr(static_cast<unsigned>(mode));
+  }
 #elif defined(__aarch64__)
   static constexpr std::uint64_t kDefault = 0;  // FPCR: round to nearest, no flush to zero
   static std::uint64_t get() {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/floating_point.h"
 #include "device/profile_check.h"
 #include "device_bfbs_generated.h"
 #include "device_generated.h"
@@ -315,6 +316,7 @@ Status ProfileReader::read(const format::Device& table) {
 }  // namespace
 
 Status load_device_profile(const std::string& path, DeviceProfile& profile) {
+  const FloatingPointGuard guard;
   JsonFile file;
   const std::span schema(format::DeviceBinarySchema::data(), format::DeviceBinarySchema::size());
   Status status = read_json_file(path, schema, "lumbrical.device_format.Device", file);

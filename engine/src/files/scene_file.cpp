@@ -1,5 +1,6 @@
 // Scene files: see lumbrical/scene_file.h. Objects and hand are put together in scene_parts.cpp.
 #include "lumbrical/scene_file.h"
+#include "base/floating_point.h"
 
 #include <filesystem>
 #include <utility>
@@ -237,6 +238,7 @@ Status load_scene_objects(const std::string& path, const std::function<Status(co
 }
 
 Status load_scene_file(const std::string& path, SceneFile& scene_file, const MotionOverride& motion) {
+  const FloatingPointGuard guard;
   JsonFile file;
   if (Status status = read_table(path, "lumbrical.scene_format.Scene", file); !status.ok()) return status;
   const format::Scene& scene = *format::GetScene(file.buffer.data());

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/floating_point.h"
 #include "files/world_format.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
@@ -262,6 +263,7 @@ Status Check::run() {
 }  // namespace
 
 Status open_world(const std::string& path, std::shared_ptr<const World>& world) try {
+  const FloatingPointGuard guard;
   std::shared_ptr<const std::byte> bytes;
   std::size_t size = 0;
   if (Status status = map_file(path, bytes, size); !status.ok()) return status;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/floating_point.h"
 #include "base/parallel.h"
 #include "files/cell_sort.h"
 #include "files/output_file.h"
@@ -344,6 +345,7 @@ Status WorldWriter::open(const std::string& path, const Execution& execution) tr
 }
 
 Status WorldWriter::add_object(const std::string& name, const Mesh& mesh) try {
+  const FloatingPointGuard guard;
   if (!build_) return Status::error("no world file is open; open one first");
   return build_->add(name, mesh);
 } catch (const std::bad_alloc&) {
@@ -351,6 +353,7 @@ Status WorldWriter::add_object(const std::string& name, const Mesh& mesh) try {
 }
 
 Status WorldWriter::finish() {
+  const FloatingPointGuard guard;
   if (!build_) return Status::error("no world file is open; open one first");
   const std::unique_ptr<Build> build = std::move(build_);
   Status status;

@@ -1,5 +1,6 @@
 // Names, the default hand and the check of a hand.
 #include "lumbrical/hand.h"
+#include "base/floating_point.h"
 
 #include <string>
 
@@ -183,6 +184,7 @@ std::string_view finger_name(int finger) {
 }
 
 Hand default_hand(Side side, double length) {
+  const FloatingPointGuard guard;
   Hand hand;
   hand.side = Side::right;
   for (int f = 0; f < kFingerCount; ++f) hand.finger[f] = make_finger(kRightHand[f], f == 0);
@@ -199,6 +201,7 @@ Hand default_hand(Side side, double length) {
 }
 
 Hand mirrored_hand(const Hand& hand) {
+  const FloatingPointGuard guard;
   Hand other = hand;
   other.side = hand.side == Side::right ? Side::left : Side::right;
   for (Finger& finger : other.finger) finger.base = mirrored(finger.base);

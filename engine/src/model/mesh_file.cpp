@@ -7,6 +7,7 @@
 #include <new>
 #include <system_error>
 
+#include "base/floating_point.h"
 #include "base/text_cursor.h"
 #include "model/mesh_formats.h"
 
@@ -136,6 +137,7 @@ std::optional<Unit> parse_unit(std::string_view text) {
 }
 
 Status parse_mesh(std::string_view content, const std::string& name, Unit unit, Mesh& mesh) {
+  const FloatingPointGuard guard;
   try {
     Mesh parsed;
     if (Status status = parse_in_file_units(content, name, parsed); !status.ok()) return status;

@@ -1,5 +1,6 @@
 // From a scene to an immutable model, and back.
 #include "lumbrical/model.h"
+#include "base/floating_point.h"
 
 #include <algorithm>
 #include <array>
@@ -204,6 +205,7 @@ std::string_view law_name(Law law) { return name_valued(kLawNames, law); }
 std::string_view broadphase_name(Broadphase broadphase) { return name_valued(kBroadphaseNames, broadphase); }
 
 Status build_model(const Scene& scene, const Execution& execution, Model& model) {
+  const FloatingPointGuard guard;
   if (Status status = check_settings(scene.settings); !status.ok()) return status;
   if (Status status = check_execution(execution); !status.ok()) return status;
   if (Status status = check_hand(scene.hand); !status.ok()) return status;

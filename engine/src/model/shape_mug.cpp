@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/elementary.h"
+#include "base/floating_point.h"
 #include "lumbrical/shapes.h"
 
 namespace lumbrical {
@@ -170,6 +171,7 @@ bool is_sound(const MugShape& mug) {
 }  // namespace
 
 Mesh make_mug(const MugShape& shape) {
+  const FloatingPointGuard guard;
   if (!is_sound(shape)) return {};
   const double step = 2.0 * kPi * shape.radius / shape.segments;
   // A tall thin mug could ask for any number of rings.

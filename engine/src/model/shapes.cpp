@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/elementary.h"
+#include "base/floating_point.h"
 #include "lumbrical/shapes.h"
 #include "model/vertex_merge.h"
 
@@ -86,6 +87,7 @@ SinCos wave(double turns, double phase) { return sin_cos(kTwoPi * (turns - std::
 }  // namespace
 
 Mesh make_plane(double extent, std::uint32_t cells, double irregularity, std::uint64_t seed) {
+  const FloatingPointGuard guard;
   if (!is_length(extent) || !are_cells(cells) || !(irregularity >= 0 && irregularity <= 1)) return {};
   Mesh mesh = grid_vertices(extent, cells);
   Random random{seed};
@@ -104,6 +106,7 @@ Mesh make_plane(double extent, std::uint32_t cells, double irregularity, std::ui
 }
 
 Mesh make_height_field(double extent, std::uint32_t cells, double amplitude, double wavelength) {
+  const FloatingPointGuard guard;
   if (!is_length(extent) || !are_cells(cells) || !(std::fabs(amplitude) < 1e6) || !is_length(wavelength))
     return {};
   Mesh mesh = grid_vertices(extent, cells);
@@ -118,6 +121,7 @@ Mesh make_height_field(double extent, std::uint32_t cells, double amplitude, dou
 }
 
 Mesh make_box(Vec3 size, std::uint32_t cells) {
+  const FloatingPointGuard guard;
   constexpr std::uint32_t kMaxBoxCells = 8192;  // six faces
   if (!is_length(size.x) || !is_length(size.y) || !is_length(size.z) || !are_cells(cells) ||
       cells > kMaxBoxCells) {
@@ -151,6 +155,7 @@ Mesh make_box(Vec3 size, std::uint32_t cells) {
 }
 
 Mesh make_sphere(double radius, std::uint32_t cells) {
+  const FloatingPointGuard guard;
   if (!is_length(radius)) return {};
   Mesh mesh = make_box({2, 2, 2}, cells);
   for (Vec3& p : mesh.vertices) p = p * (radius / norm(p));

@@ -1,5 +1,6 @@
 // Tells the format of a motion file by its content, lets that format's reader read it, and checks what all
 // have in common: time, completeness, size and side of the hand.
+#include "base/floating_point.h"
 #include "motion/motion_formats.h"
 
 #include <filesystem>
@@ -299,6 +300,7 @@ double right_handedness(const Motion& motion) {
 
 Status parse_motion(std::string_view content, const std::string& name, const MotionOptions& options,
                     Motion& motion) {
+  const FloatingPointGuard guard;
   try {
     return parse_checked(content, name, options, motion);
   } catch (const std::bad_alloc&) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/floating_point.h"
 #include "lumbrical/motion.h"
 #include "model/hand_from_positions.h"
 
@@ -146,6 +147,7 @@ bool shows_the_palm(const DeviceFrame& frame) {
 }  // namespace
 
 DeviceFrame resample(const Motion& motion, double time, const ResamplerOptions& options) {
+  const FloatingPointGuard guard;
   const MotionSample& first = motion.samples.front();
   const MotionSample& last = motion.samples.back();
   if (motion.samples.size() == 1) return first.frame;  // a still pose holds for ever
@@ -204,6 +206,7 @@ Status place_motion(const MotionPlacement& placement, Motion& motion) {
 }
 
 Hand fit_hand(const Hand& hand, const Motion& motion) {
+  const FloatingPointGuard guard;
   Hand fitted = hand.side == motion.side ? hand : mirrored_hand(hand);
   for (int j = 0; j < kJointCount; ++j) {
     if (motion.radius[j] > 0) fitted.radius[j] = motion.radius[j];
