@@ -8,6 +8,7 @@
 
 #include "commands.h"
 #include "device_loop.h"
+#include "live_view.h"
 #include "lumbrical/recording.h"
 #include "lumbrical/scene_file.h"
 #include "output.h"
@@ -27,7 +28,7 @@ struct RunOptions {
   std::optional<std::uint32_t> threads;
   std::string isa = "auto";
   std::optional<std::uint32_t> effort;
-  bool json = false, compare_precision = false;
+  bool json = false, compare_precision = false, view = false;
 };
 
 // How long a device and the ticks exchange before forces are let through [s].
@@ -75,6 +76,8 @@ Status load(const RunOptions& options, SceneFile& scene_file) {
   if (!options.law.empty()) settings.law.fill(*parse_law(options.law));
   if (options.stiffness) settings.stiffness = *options.stiffness;
   if (options.rate != "max") settings.rate = std::stod(options.rate);
+  if (options.view && options.rate == "max")
+    return Status::error("--view shows a session at the rate of the clock; give it one, --rate 1000 say");
   if (!options.broadphase.empty()) scene_file.execution.broadphase = *parse_broadphase(options.broadphase);
   scene_file.execution.voxel_cache = options.voxel_cache;
   // Helpers of a real-time thread have no real-time priority: it would wait for them.
@@ -313,6 +316,10 @@ int run(const RunOptions& options) {
   const bool paced = options.rate != "max";
   const bool with_device = options.sink != "null";
   const StopSignals stop_signals;
+  LiveView live_view;
+  if (options.view) {
+    if (status = live_view.start(model); !status.ok()) return fail(status);
+  }
   DeviceLoop device;
   if (with_device) {
     if (status = device.open(options.sink, model); !status.ok()) return fail(status);
@@ -339,7 +346,8 @@ int run(const RunOptions& options) {
   const bool unrecorded = options.on_record_error == "continue";
   const RunStatistics statistics =
       run_session(model, scene_file.motion, ticks,
-                  {paced, recording ? &recorder : nullptr, unrecorded, with_device ? &device : nullptr});
+                  {paced, recording ? &recorder : nullptr, unrecorded, with_device ? &device : nullptr,
+                   options.view ? &live_view : nullptr});
   device.close();  // forces end before anything else is done
   const bool told = !statistics.recording_error.ok();
   if (recording) {
@@ -413,6 +421,7 @@ void add_run(Command& app, int& exit_code) {
   command->add_flag(
       "--compare-precision", options->compare_precision,
       "Instead of a session: each precision's error and time on this scene and motion, and advice");
+  command->add_flag("--view", options->view, "Show the session in the browser while it runs (with a --rate)");
   command->add_option("--stiffness", options->stiffness, "K_s [N/m^3]")->check(number_in(1e-6, 1e15));
   command->add_option("--isa", options->isa, "Instruction set; never changes a result")->check(is_isa());
   command->add_option("--threads", options->threads, "1 .. 64; never changes a result")

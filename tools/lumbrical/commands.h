@@ -31,5 +31,6 @@ void add_sim_device(Command& app, int& exit_code);
 void add_guard(Command& app, int& exit_code);
 void add_report(Command& app, int& exit_code);
 void add_world(Command& app, int& exit_code);
+void add_view(Command& app, int& exit_code);
 
 }  // namespace lumbrical::tool

@@ -33,6 +33,7 @@ void add_commands(Command& root, int& exit_code) {
   add_sim_device(root, exit_code);
   add_guard(root, exit_code);
   add_report(root, exit_code);
+  add_view(root, exit_code);
 }
 
 }  // namespace

@@ -131,6 +131,7 @@ RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_
       statistics.evaluations += static_cast<double>(record.output.evaluations);
       statistics.evaluating_ns += record.duration_ns;
     }
+    if (parts.view != nullptr) parts.view->put(record);
     add_output(record.output, statistics);
     statistics.world_held = std::max(statistics.world_held, pager.held_bytes());
     ++statistics.ticks;

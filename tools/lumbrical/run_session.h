@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "device_loop.h"
+#include "live_view.h"
 #include "lumbrical/model.h"
 #include "lumbrical/motion.h"
 #include "lumbrical/recording.h"
@@ -42,6 +43,7 @@ struct SessionParts {
   Recorder* recorder = nullptr;  ///< open
   bool unrecorded = false;       ///< goes on when the recording fails; else that ends the session
   DeviceLoop* device = nullptr;  ///< open and certified
+  LiveView* view = nullptr;      ///< started
 };
 
 /// Runs `ticks` ticks, tick i at session time i / settings.rate, paced or as fast as it goes. StopSignals

@@ -265,4 +265,9 @@ Status diff_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& res
 enum class ExportFormat : std::uint8_t { csv, json };
 Status export_recording(RecordingReader& reader, ExportFormat format, const std::string& output);
 
+/// The messages a recording would hold, for whoever passes them on while a session runs. `bytes` is replaced.
+/// A scene of 2 GiB or more is refused.
+Status session_message(const Scene& scene, std::vector<std::uint8_t>& bytes);
+void tick_message(const TickRecord& record, std::vector<std::uint8_t>& bytes);
+
 }  // namespace lumbrical

@@ -255,4 +255,14 @@ Status Recorder::close() {
   return writer->first_error.ok() ? writer->mcap.close() : writer->first_error;
 }
 
+Status session_message(const Scene& scene, std::vector<std::uint8_t>& bytes) {
+  return encode_session(scene, bytes);
+}
+
+void tick_message(const TickRecord& record, std::vector<std::uint8_t>& bytes) {
+  flatbuffers::FlatBufferBuilder builder;
+  encode_tick(record, record.has_forces, make_input_check(input_fields(record)), builder);
+  bytes.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
+}
+
 }  // namespace lumbrical

@@ -1,0 +1,70 @@
+// lumbrical view: recordings in the browser.
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "commands.h"
+#include "output.h"
+#include "page_server.h"
+#include "switches.h"
+
+namespace lumbrical::tool {
+namespace {
+
+struct ViewOptions {
+  std::string recording, other;
+  std::uint32_t port = 0;
+  bool no_browser = false;
+};
+
+int view(const ViewOptions& options) {
+  PageContent content;
+  if (Status status = read_viewer_page(content.html); !status.ok()) return fail(status);
+  std::string link;
+  for (const std::filesystem::path file : {options.recording, options.other}) {
+    if (file.empty()) continue;
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error))
+      return fail(file.string() + ": there is no such file");
+    // What cannot be read is told by the page, which says what and where.
+    const std::string place = link.empty() ? "a/" : "b/", name = file.filename().string();
+    content.files["/" + place + name] = std::filesystem::absolute(file).string();
+    link += (link.empty() ? "#recording=" : "&recording=") + place + percent_encoded(name);
+  }
+  // Blocked before the server's threads are there, so that the signal comes to this one.
+  sigset_t ends;
+  sigemptyset(&ends);
+  sigaddset(&ends, SIGINT);
+  sigaddset(&ends, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &ends, nullptr);
+  PageServer server;
+  if (Status status = server.start(std::move(content), static_cast<std::uint16_t>(options.port));
+      !status.ok())
+    return fail(status);
+  const std::string address = "http://127.0.0.1:" + std::to_string(server.port()) + "/" + link;
+  if (const int printed = print_text(address + "\nOpen it in a browser on this machine; Ctrl-C ends it.\n");
+      printed != kDone)
+    return printed;
+  if (!options.no_browser) open_browser(address);
+  int signal = 0;
+  sigwait(&ends, &signal);
+  return kDone;
+}
+
+}  // namespace
+
+void add_view(Command& app, int& exit_code) {
+  const auto options = std::make_shared<ViewOptions>();
+  Command* const command =
+      app.add_subcommand("view", "Show recordings in the browser, the second against the first");
+  command->add_option("recording", options->recording, "What to show; without it the page asks for a file")
+      ->type_name("REC.mcap");
+  command->add_option("other", options->other, "What to compare it with")->type_name("OTHER.mcap");
+  command->add_option("--port", options->port, "Of 127.0.0.1 to serve on; 0: any that is free")
+      ->check(number_in(0, 65535));
+  command->add_flag("--no-browser", options->no_browser, "Print the address and open nothing");
+  command->callback([options, &exit_code] { exit_code = view(*options); });
+}
+
+}  // namespace lumbrical::tool

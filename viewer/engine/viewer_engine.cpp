@@ -1,0 +1,180 @@
+// The engine inside the viewer's page: it takes the messages of a recording as they stand in the file, and
+// answers what a tick looks like. A page writes a message to where `input` says and reads what `answer`
+// points at.
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lumbrical/model.h"
+#include "lumbrical/recording.h"
+#include "lumbrical/tick.h"
+#include "model/primitive.h"
+#include "model/swept_polygon.h"
+#include "recording/session_message.h"
+#include "recording/state_message.h"
+#include "recording/tick_message.h"
+#include "view_generated.h"
+
+#define PAGE_MAY_CALL(name) extern "C" __attribute__((export_name(#name)))
+
+namespace lumbrical {
+namespace {
+
+std::vector<std::uint8_t> in, out;
+Model model;
+State initial_state, state;
+Scratch scratch;
+TickRecord record;
+
+std::span<const std::uint8_t> message(std::uint32_t first, std::uint32_t size) {
+  return std::span(in).subspan(first, size);
+}
+
+bool answer_text(std::string_view text) {
+  out.assign(text.begin(), text.end());
+  return false;
+}
+
+bool answer_status(const Status& status) { return status.ok() || answer_text(status.message()); }
+
+Status open_session(std::span<const std::uint8_t> session, std::span<const std::uint8_t> first_state) {
+  Scene scene;
+  if (Status status = decode_session(session, scene); !status.ok()) return status;
+  if (scene.world)
+    return Status::error("the recording's world is a file of its own, " + scene.world->path +
+                         ", which a page does not have: forces are shown, contacts are not");
+  initial_state = {};
+  if (!first_state.empty()) {
+    if (Status status = decode_state(first_state, initial_state); !status.ok()) return status;
+  }
+  if (Status status = build_model(scene, {}, model); !status.ok()) return status;
+  scratch = make_scratch(model);
+  return {};
+}
+
+Status run_tick(std::span<const std::uint8_t> bytes) {
+  InputCheck check;
+  if (Status status = decode_tick(bytes, record, check); !status.ok()) return status;
+  const std::uint64_t recorded = record.output.tick;
+  if (recorded != state.tick)
+    return Status::error("tick " + std::to_string(recorded) + " came where tick " +
+                         std::to_string(state.tick) + " was due");
+  record.output = tick(model, state, scratch, record.device);
+  return {};
+}
+
+std::string_view first_difference() {
+  for (std::size_t stage = 0; stage < kStageCount; ++stage) {
+    if (scratch.stage_hash[stage] != record.stage_hash[stage]) return stage_name(static_cast<Stage>(stage));
+  }
+  return hash_state(state) == record.state_hash ? "" : "state";
+}
+
+fb::Vec3 to_fb(Vec3 v) { return {v.x, v.y, v.z}; }
+
+std::vector<fb::Vec3> to_fb(std::span<const Vec3> points) {
+  std::vector<fb::Vec3> result;
+  for (const Vec3& point : points) result.push_back(to_fb(point));
+  return result;
+}
+
+std::vector<fb::Vec3> joint_positions(const Joints& joints) {
+  std::vector<fb::Vec3> result;
+  for (int j = 0; j < kJointCount; ++j) result.push_back(to_fb(joints.position(j)));
+  return result;
+}
+
+std::vector<fb::Phalanx> phalanges(const Primitives& hand) {
+  std::vector<fb::Phalanx> result;
+  for (std::size_t i = 0; i < kPhalanxCount; ++i) {
+    const Primitive& whole = hand.capsule[i];
+    if (!hand.present[i]) continue;
+    result.emplace_back(to_fb(whole.end1), to_fb(whole.end2), whole.radius1, whole.radius2,
+                        static_cast<std::uint32_t>(i));
+  }
+  return result;
+}
+
+std::vector<fb::Contact> contacts(const Primitives& hand) {
+  std::vector<fb::Contact> result;
+  for (const Contact& contact : find_contacts(model, scratch)) {
+    result.emplace_back(contact.primitive, hand.primitive[contact.primitive].segment, contact.triangle,
+                        contact_depth(model, scratch, contact), contact.area, contact.volume, contact.error,
+                        to_fb(contact.centroid), to_fb(contact.centre), to_fb(contact.normal));
+  }
+  return result;
+}
+
+std::vector<fb::SegmentOutput> segments(const HandForces& forces) {
+  std::vector<fb::SegmentOutput> result;
+  for (std::size_t s = 0; s < kSegmentCount; ++s) {
+    const auto& [force, torque] = forces.segment[s];
+    result.emplace_back(static_cast<std::uint32_t>(s), to_fb(force), to_fb(torque),
+                        to_fb(forces.joint_torque[s]), forces.flexion_torque[s]);
+  }
+  return result;
+}
+
+void answer_view() {
+  const std::string_view differs = first_difference();  // before the hash of stages is of other contacts
+  const auto found = contacts(*scratch.primitives);
+  const Primitives& hand = *scratch.primitives;
+  // A tick that has no need of the palm does not place it.
+  const SweptPolygon palm =
+      hand.joints.has(kPalm) ? place_palm(model.hand.palm, hand.joints.pose[kPalm]) : SweptPolygon{};
+  flatbuffers::FlatBufferBuilder builder(1 << 16);
+  const auto joints = builder.CreateVectorOfStructs(joint_positions(hand.joints));
+  const auto shapes = builder.CreateVectorOfStructs(phalanges(hand));
+  const auto corners = builder.CreateVectorOfStructs(
+      to_fb(std::span(palm.corner).first(static_cast<std::size_t>(palm.corner_count))));
+  const auto all_contacts = builder.CreateVectorOfStructs(found);
+  const auto all_segments = builder.CreateVectorOfStructs(segments(record.output));
+  const auto bases = builder.CreateVectorOfStructs(to_fb(hand.base_joint));
+  const auto axes = builder.CreateVectorOfStructs(to_fb(hand.flexion_axis));
+  const auto text = differs.empty() ? 0 : builder.CreateString(differs.data(), differs.size());
+  builder.Finish(fb::CreateTickView(builder, record.output.tick, joints, hand.joints.valid, shapes, corners,
+                                    palm.radius, all_contacts, all_segments, bases, axes, text));
+  out.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
+}
+
+}  // namespace
+
+/// Where the next message of so many bytes goes.
+PAGE_MAY_CALL(input) std::uint8_t* input_of(std::uint32_t size) {
+  in.resize(size);
+  return in.data();
+}
+
+PAGE_MAY_CALL(answer) const std::uint8_t* answer_data() { return out.data(); }
+PAGE_MAY_CALL(answer_size) std::uint32_t answer_size() { return static_cast<std::uint32_t>(out.size()); }
+
+// Those that can fail return false, and the answer is then the error's text.
+
+/// A session message and behind it, of `state_size` bytes, the state before the first tick, if any.
+PAGE_MAY_CALL(open) bool open_recording(std::uint32_t session_size, std::uint32_t state_size) {
+  return answer_status(open_session(message(0, session_size), message(session_size, state_size)));
+}
+
+/// The next message is that of this tick: with the state the file begins with where it is the file's first.
+PAGE_MAY_CALL(begin) void begin_at(std::uint32_t tick, bool first) {
+  state = first ? initial_state : State{};
+  state.tick = tick;
+}
+
+/// Computes a tick and answers nothing.
+PAGE_MAY_CALL(pass) bool pass_tick(std::uint32_t size) { return answer_status(run_tick(message(0, size))); }
+
+/// Whether the state after the last tick is the recorded one.
+PAGE_MAY_CALL(is_recorded_state) bool has_recorded_state() { return hash_state(state) == record.state_hash; }
+
+/// Computes a tick and answers a TickView of it.
+PAGE_MAY_CALL(show) bool show_tick(std::uint32_t size) {
+  if (!pass_tick(size)) return false;
+  answer_view();
+  return true;
+}
+
+}  // namespace lumbrical

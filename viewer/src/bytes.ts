@@ -1,0 +1,51 @@
+// Where a recording's bytes come from: a file the user picked, or an address of the page's own origin, a range at a time.
+
+export interface Bytes {
+  name: string;
+  size(): Promise<bigint>;
+  read(offset: bigint, length: bigint): Promise<Uint8Array>;
+}
+
+export function bytesOfFile(file: Blob, name: string): Bytes {
+  return {
+    name,
+    size: async () => BigInt(file.size),
+    read: async (offset, length) => {
+      const end = offset + length;
+      if (end > BigInt(file.size)) throw new Error(`${name}: ends at byte ${file.size}, before byte ${end}`);
+      return new Uint8Array(await file.slice(Number(offset), Number(end)).arrayBuffer());
+    },
+  };
+}
+
+// What a server that knows no ranges may make the page hold.
+const kMostWhole = 256e6;
+
+export async function bytesOfUrl(url: string): Promise<Bytes> {
+  const name = decodeURIComponent(url.split("/").pop() ?? url);
+  const ask = async (range: string) => {
+    const response = await fetch(url, { headers: { Range: range }, cache: "no-store" });
+    if (!response.ok) throw new Error(`${name}: the server answers ${response.status} ${response.statusText}`);
+    return response;
+  };
+  const first = await ask("bytes=0-7");
+  if (first.status !== 206) {
+    if (Number(first.headers.get("Content-Length") ?? 0) > kMostWhole)
+      throw new Error(`${name}: this server does not send parts of a file, and the whole is too large for a page; ` +
+        "open it by lumbrical view, or from disk");
+    return bytesOfFile(await first.blob(), name);
+  }
+  const size = BigInt(first.headers.get("Content-Range")?.split("/")[1] ?? 0);
+  return {
+    name,
+    size: async () => size,
+    read: async (offset, length) => {
+      if (length === 0n) return new Uint8Array();
+      const response = await ask(`bytes=${offset}-${offset + length - 1n}`);
+      const bytes = new Uint8Array(await response.arrayBuffer());
+      if (BigInt(bytes.length) !== length)
+        throw new Error(`${name}: byte ${offset + BigInt(bytes.length)} and those behind it could not be read`);
+      return bytes;
+    },
+  };
+}

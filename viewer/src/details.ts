@@ -1,0 +1,106 @@
+// All that is known of what was clicked, or of the tick, in words.
+import { Vector3 } from "three";
+import type { Frame, World } from "./frame";
+import { pressureOf } from "./pressure";
+import type { Pick } from "./scene";
+import { brief, jointOf, kDeviceStates, kSegments, kTickFlags } from "./words";
+
+type Rows = [term: string, text: string][];
+
+const millimetres = (v: Vector3) => `${brief(1e3 * v.x)}, ${brief(1e3 * v.y)}, ${brief(1e3 * v.z)} mm`;
+const newtons = (v: Vector3) => `${brief(v.length())} N  (${brief(v.x)}, ${brief(v.y)}, ${brief(v.z)})`;
+const torque = (v: Vector3) => `${brief(1e3 * v.length())} N mm  (${brief(1e3 * v.x)}, ${brief(1e3 * v.y)}, ${brief(1e3 * v.z)})`;
+
+export function flagsText(flags: number): string {
+  return kTickFlags.filter((_, bit) => (flags >> bit) & 1).join(", ") || "none";
+}
+
+export function tickRows(frame: Frame, milliseconds: number, world: World, noContacts: string, live: boolean): Rows {
+  const total = frame.forces.reduce((sum, force) => sum.add(force), new Vector3());
+  const rows: Rows = [
+    ["tick", `${frame.tick} at ${(frame.tick / world.rate).toFixed(3)} s`],
+    ["force of the hand", newtons(total)],
+    ["off by at most", `${brief(frame.forceError)} N by integrals; about ${brief(frame.errorEstimate)} N by samples`],
+    ["contacts", `${frame.contacts.length} (${frame.contactCount} of the exact rung in the file)`],
+    ["flags", flagsText(frame.flags)],
+    ["tick took", `${brief(frame.duration)} us; here ${brief(milliseconds)} ms with contacts`],
+  ];
+  if (frame.sent.length > 0) {
+    const sent = frame.sent[frame.sent.length - 1];
+    rows.push(["device", `${kDeviceStates[sent.state]}: ${sent.values.map(brief).join(", ")}`]);
+  }
+  if (frame.leftOut) rows.push(["forces", "not in the file; computed here"]);
+  if (noContacts) rows.push(["contacts", noContacts]);
+  else if (!live) rows.push(["replayed here", frame.differs ? `parts from the file at stage "${frame.differs}"` : "the same bits"]);
+  return rows;
+}
+
+export function segmentRows(segment: number, frame: Frame, world: World): Rows {
+  const own = frame.contacts.filter((contact) => contact.segment === segment);
+  const sum = (value: (contact: (typeof own)[number]) => number) => own.reduce((all, contact) => all + value(contact), 0);
+  return [
+    ["force", newtons(frame.forces[segment])],
+    [`torque about ${jointOf(segment)} joint`, torque(frame.jointTorques[segment])],
+    ["of it, opening", `${brief(1e3 * frame.flexionTorques[segment])} N mm`],
+    ["contacted triangles", `${own.length}`],
+    ["contacted area", `${brief(1e6 * sum((contact) => contact.area))} mm²`],
+    ["deepest", `${brief(1e3 * Math.max(0, ...own.map((contact) => contact.depth)))} mm`],
+    ["highest pressure", `${brief(Math.max(0, ...own.map((contact) => pressureOf(contact, world))) / 1e3)} kPa, mean over a triangle`],
+  ];
+}
+
+export function objectOf(triangle: number, world: World): string {
+  const at = world.firstTriangle.findLastIndex((first) => first <= triangle);
+  return at < 0 ? "" : world.names[at];
+}
+
+export function triangleRows(triangle: number, frame: Frame, world: World): Rows {
+  const rows: Rows = [["object", objectOf(triangle, world)], ["triangle", `${triangle}`]];
+  for (let corner = 0; corner < 3; ++corner)
+    rows.push([`corner ${"abc"[corner]}`, millimetres(new Vector3().fromArray(world.positions, 9 * triangle + 3 * corner))]);
+  const touched = frame.contacts.filter((contact) => contact.triangle === triangle);
+  if (touched.length === 0) rows.push(["contact", "none in this tick"]);
+  for (const contact of touched) {
+    rows.push(
+      ["touched by", kSegments[contact.segment]],
+      ["area", `${brief(1e6 * contact.area)} mm²`],
+      ["pressure", `${brief(pressureOf(contact, world))} Pa, mean`],
+      ["force", `${brief(world.stiffness * contact.volume)} N along the normal, within ${brief(world.stiffness * contact.error)} N`],
+      ["depth", `${brief(1e3 * contact.depth)} mm`],
+      ["centre of pressure", millimetres(contact.centre)],
+      ["normal", contact.normal.toArray().map((value) => value.toFixed(3)).join(", ")],
+    );
+  }
+  return rows;
+}
+
+export function showRows(parent: HTMLElement, title: string, rows: Rows) {
+  const heading = document.createElement("h2");
+  heading.textContent = title;
+  const list = document.createElement("dl");
+  for (const [term, text] of rows) {
+    const dt = document.createElement("dt");
+    const dd = document.createElement("dd");
+    dt.textContent = term;
+    dd.textContent = text;
+    if (text.startsWith("parts from")) dd.className = "warn";
+    list.append(dt, dd);
+  }
+  parent.append(heading, list);
+}
+
+export function showDetails(parent: HTMLElement, pick: Pick | undefined, frame: Frame, world: World, general: Rows) {
+  parent.replaceChildren();
+  if (pick?.kind === "triangle") showRows(parent, "Triangle", triangleRows(pick.triangle, frame, world));
+  else if (pick) showRows(parent, kSegments[pick.segment], segmentRows(pick.segment, frame, world));
+  showRows(parent, "Tick", general);
+}
+
+export function tipText(pick: Pick, frame: Frame, world: World): string {
+  if (pick.kind === "force") return `${kSegments[pick.segment]}: ${brief(frame.forces[pick.segment].length())} N`;
+  if (pick.kind === "torque") return `${jointOf(pick.segment)} joint: ${brief(1e3 * frame.jointTorques[pick.segment].length())} N mm`;
+  if (pick.kind === "segment") return kSegments[pick.segment];
+  if (pick.kind !== "triangle") return "";
+  const contact = frame.contacts.find((one) => one.triangle === pick.triangle);
+  return contact ? `${objectOf(pick.triangle, world)}, triangle ${pick.triangle}: ${brief(pressureOf(contact, world) / 1e3)} kPa` : "";
+}

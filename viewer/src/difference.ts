@@ -1,0 +1,90 @@
+// Where two recordings part: the first tick, the first stage of it, and the field, as `lumbrical diff` names them.
+import { ByteBuffer } from "flatbuffers";
+import { Tick } from "../generated/lumbrical/fb/tick";
+import type { Recording } from "./recording";
+import { kSegments } from "./words";
+
+export interface Divergence {
+  tick: number;
+  stage: string;
+  field: string;
+  a: string;
+  b: string;
+}
+
+type Field = [name: string, value: number | bigint | string];
+
+const xyz = (name: string, v: { x(): number; y(): number; z(): number } | null): Field[] =>
+  v ? [[`${name}.x`, v.x()], [`${name}.y`, v.y()], [`${name}.z`, v.z()]] : [];
+
+function inputFields(tick: Tick): Field[] {
+  const base = tick.base();
+  const q = base?.orientation();
+  const fields: Field[] = [
+    ...xyz("base.position", base?.position() ?? null),
+    ...(q ? [["base.orientation.w", q.w()] as Field, ...xyz("base.orientation", q)] : []),
+    ["kind", tick.kind()], ["flags", tick.deviceFlags()], ["valid", tick.valid()],
+  ];
+  for (let j = 0; j < tick.jointsLength(); ++j) {
+    const pose = tick.joints(j)!;
+    fields.push(...xyz(`joint[${j}].position`, pose.position()), ...xyz(`joint[${j}].orientation`, pose.orientation()));
+    fields.push([`joint[${j}].orientation.w`, pose.orientation()!.w()]);
+  }
+  for (let i = 0; i < tick.anglesLength(); ++i) fields.push([`angle[${i}]`, tick.angles(i)!]);
+  return fields;
+}
+
+function outputFields(tick: Tick): Field[] {
+  const fields: Field[] = [["flags", tick.flags()], ["contact_count", tick.contactCount()]];
+  for (let i = 0; i < tick.segmentsLength(); ++i) {
+    const s = tick.segments(i)!;
+    const name = kSegments[s.segment()];
+    fields.push(...xyz(`force of ${name}`, s.force()), ...xyz(`torque of ${name}`, s.torque()),
+      ...xyz(`joint torque of ${name}`, s.jointTorque()), [`flexion torque of ${name}`, s.flexionTorque()]);
+  }
+  return fields;
+}
+
+function firstField(a: Field[], b: Field[]): Omit<Divergence, "tick" | "stage"> {
+  const others = new Map(b);
+  for (const [name, value] of a) {
+    const other = others.get(name) ?? "none";
+    others.delete(name);
+    if (!Object.is(value, other)) return { field: name, a: String(value), b: String(other) };
+  }
+  for (const [name, value] of others) return { field: name, a: "none", b: String(value) };
+  return { field: "hash", a: "", b: "" };
+}
+
+const kStages = ["input", "handPose", "broadphase", "narrowphase", "contactForce", "limits"] as const;
+const kStageNames = ["input", "hand pose", "broadphase", "narrowphase", "contact force", "limits"];
+
+function divergenceOf(tick: number, bytesA: Uint8Array, bytesB: Uint8Array): Divergence | undefined {
+  const a = Tick.getRootAsTick(new ByteBuffer(bytesA));
+  const b = Tick.getRootAsTick(new ByteBuffer(bytesB));
+  if (a.stateHash() === b.stateHash() && a.stageHashes()?.limits() === b.stageHashes()?.limits() &&
+      a.stageHashes()?.input() === b.stageHashes()?.input()) return undefined;
+  for (const [i, stage] of kStages.entries()) {
+    if (a.stageHashes()?.[stage]() === b.stageHashes()?.[stage]()) continue;
+    const fields = stage === "input" ? inputFields : outputFields;
+    return { tick, stage: kStageNames[i], ...firstField(fields(a), fields(b)) };
+  }
+  return { tick, stage: "state", field: "hash", a: "", b: "" };
+}
+
+/** Nothing where they are the same to the last bit. */
+export async function findDivergence(a: Recording, b: Recording): Promise<Divergence | undefined> {
+  const ends = (of: Recording) => `ticks ${of.first} to ${of.last}`;
+  for (let tick = Math.max(a.first, b.first); tick <= Math.min(a.last, b.last); ++tick) {
+    const bytesA = (await a.chunk(a.chunkOf(tick))).get(tick);
+    const bytesB = (await b.chunk(b.chunkOf(tick))).get(tick);
+    if (bytesA === undefined && bytesB === undefined) continue;
+    if (bytesA === undefined || bytesB === undefined)
+      return { tick, stage: "input", field: "tick", a: bytesA ? "there" : "missing", b: bytesB ? "there" : "missing" };
+    const found = divergenceOf(tick, bytesA, bytesB);
+    if (found) return found;
+  }
+  if (a.first !== b.first || a.last !== b.last)
+    return { tick: Math.min(a.last, b.last), stage: "input", field: "tick", a: ends(a), b: ends(b) };
+  return undefined;
+}

@@ -1,0 +1,67 @@
+// The engine as WebAssembly (viewer/engine/viewer_engine.cpp): messages of a recording go in, what a tick looks like comes out.
+
+export interface Engine {
+  /** Throws what is wrong with the session. */
+  open(session: Uint8Array, state: Uint8Array): void;
+  /** The next message is that of this tick. */
+  begin(tick: number, first: boolean): void;
+  /** Computes a tick; false where the state after it is not the recorded one. */
+  pass(message: Uint8Array): boolean;
+  /** Computes a tick and returns a TickView. */
+  show(message: Uint8Array): Uint8Array;
+}
+
+interface Exports {
+  memory: WebAssembly.Memory;
+  _initialize(): void;
+  input(size: number): number;
+  answer(): number;
+  answer_size(): number;
+  open(sessionSize: number, stateSize: number): number;
+  begin(tick: number, first: number): void;
+  pass(size: number): number;
+  is_recorded_state(): number;
+  show(size: number): number;
+}
+
+// System calls for files, of which there are none.
+const kNoSuchCall = -52;
+
+export async function loadEngine(wasm: BufferSource): Promise<Engine> {
+  const module = await WebAssembly.compile(wasm);
+  const imports: WebAssembly.Imports = {};
+  for (const { module: from, name } of WebAssembly.Module.imports(module))
+    (imports[from] ??= {})[name] = () => kNoSuchCall;
+  const instance = await WebAssembly.instantiate(module, imports);
+  const exports = instance.exports as unknown as Exports;
+  exports._initialize();
+
+  const put = (...messages: Uint8Array[]) => {
+    let at = exports.input(messages.reduce((sum, message) => sum + message.length, 0));
+    for (const message of messages) {
+      new Uint8Array(exports.memory.buffer, at, message.length).set(message);
+      at += message.length;
+    }
+  };
+  const answer = () => new Uint8Array(exports.memory.buffer, exports.answer(), exports.answer_size()).slice();
+  const must = (good: number) => {
+    if (!good) throw new Error(new TextDecoder().decode(answer()));
+  };
+  return {
+    open(session, state) {
+      put(session, state);
+      must(exports.open(session.length, state.length));
+    },
+    begin: (tick, first) => exports.begin(tick, Number(first)),
+    pass(message) {
+      put(message);
+      must(exports.pass(message.length));
+      return exports.is_recorded_state() !== 0;
+    },
+    show(message) {
+      put(message);
+      must(exports.show(message.length));
+      return answer();
+    },
+  };
+}

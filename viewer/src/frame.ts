@@ -1,0 +1,158 @@
+// One tick as the page draws it: what the file holds, and what the replay has found.
+import { ByteBuffer } from "flatbuffers";
+import { Vector3 } from "three";
+import { Session } from "../generated/lumbrical/fb/session";
+import { Tick } from "../generated/lumbrical/fb/tick";
+import { TickView } from "../generated/lumbrical/fb/tick-view";
+import type { Shown } from "./worker";
+import { kSegmentCount } from "./words";
+
+export interface Hull {
+  segment: number;
+  points: Vector3[];  // everything within its radius of these points' hull
+  radii: number[];
+}
+
+export interface ContactRecord {
+  segment: number;
+  triangle: number;
+  depth: number;
+  area: number;
+  volume: number;
+  error: number;
+  centroid: Vector3;
+  centre: Vector3;
+  normal: Vector3;
+}
+
+export interface Frame {
+  tick: number;
+  flags: number;
+  contactCount: number;
+  duration: number;  // [us]
+  forces: Vector3[];  // [N] by segment
+  jointTorques: Vector3[];  // [N m]
+  flexionTorques: number[];
+  forceError: number;
+  errorEstimate: number;
+  sent: { state: number; values: number[] }[];
+  leftOut: boolean;  // forces are not the file's but computed here
+  joints: Vector3[];
+  hulls: Hull[];
+  contacts: ContactRecord[];
+  baseJoints: Vector3[];
+  differs: string;  // the stage where the replay parts from the file
+}
+
+export interface World {
+  names: string[];
+  firstTriangle: number[];  // of every object
+  positions: Float64Array;  // [m] nine numbers per triangle
+  stiffness: number;
+  rate: number;
+}
+
+type Point = { x(): number; y(): number; z(): number };
+const toVector = (v: Point | null) => (v ? new Vector3(v.x(), v.y(), v.z()) : new Vector3());
+function vectors(count: number, at: (i: number) => Point | null): Vector3[] {
+  return Array.from({ length: count }, (_, i) => toVector(at(i)));
+}
+
+export function readWorld(bytes: Uint8Array): World {
+  const session = Session.getRootAsSession(new ByteBuffer(bytes));
+  const names: string[] = [];
+  const firstTriangle: number[] = [];
+  let count = 0;
+  for (let i = 0; i < session.objectsLength(); ++i) {
+    names.push(session.objects(i)!.name() ?? `object ${i}`);
+    firstTriangle.push(count);
+    count += session.objects(i)!.trianglesLength();
+  }
+  const positions = new Float64Array(9 * count);
+  let out = 0;
+  for (let i = 0; i < session.objectsLength(); ++i) {
+    const object = session.objects(i)!;
+    for (let t = 0; t < object.trianglesLength(); ++t) {
+      const triangle = object.triangles(t)!;
+      for (const corner of [triangle.a(), triangle.b(), triangle.c()]) {
+        const vertex = object.vertices(corner)!;
+        positions[out++] = vertex.x();
+        positions[out++] = vertex.y();
+        positions[out++] = vertex.z();
+      }
+    }
+  }
+  const settings = session.settings()!;
+  return { names, firstTriangle, positions, stiffness: settings.stiffness(), rate: settings.rate() };
+}
+
+function readHulls(view: TickView): Hull[] {
+  const hulls: Hull[] = [];
+  for (let i = 0; i < view.phalangesLength(); ++i) {
+    const phalanx = view.phalanges(i)!;
+    hulls.push({
+      segment: phalanx.segment(),
+      points: [toVector(phalanx.end1()), toVector(phalanx.end2())],
+      radii: [phalanx.radius1(), phalanx.radius2()],
+    });
+  }
+  if (view.palmLength() > 0) {
+    const points = vectors(view.palmLength(), (i) => view.palm(i));
+    hulls.push({ segment: 15, points, radii: points.map(() => view.palmRadius()) });
+  }
+  return hulls;
+}
+
+function readContacts(view: TickView): ContactRecord[] {
+  return Array.from({ length: view.contactsLength() }, (_, i) => {
+    const contact = view.contacts(i)!;
+    return {
+      segment: contact.segment(),
+      triangle: contact.triangle(),
+      depth: contact.depth(),
+      area: contact.area(),
+      volume: contact.volume(),
+      error: contact.error(),
+      centroid: toVector(contact.centroid()),
+      centre: toVector(contact.centre()),
+      normal: toVector(contact.normal()),
+    };
+  });
+}
+
+export function readFrame(shown: Shown): Frame {
+  const tick = Tick.getRootAsTick(new ByteBuffer(shown.message));
+  const view = shown.view && TickView.getRootAsTickView(new ByteBuffer(shown.view));
+  const leftOut = tick.forcesLeftOut();
+  const told = leftOut && view ? view : tick;
+  const frame: Frame = {
+    tick: shown.tick,
+    flags: tick.flags(),
+    contactCount: tick.contactCount(),
+    duration: tick.durationNs() / 1e3,
+    forces: vectors(kSegmentCount, () => null),
+    jointTorques: vectors(kSegmentCount, () => null),
+    flexionTorques: new Array(kSegmentCount).fill(0),
+    forceError: tick.forceError(),
+    errorEstimate: tick.errorEstimate() ?? 0,
+    sent: Array.from({ length: tick.sentLength() }, (_, i) => {
+      const sent = tick.sent(i)!;
+      return { state: sent.state(), values: Array.from(sent.valuesArray() ?? []) };
+    }),
+    leftOut,
+    joints: view ? vectors(view.jointsLength(), (i) => view.joints(i)) : [],
+    hulls: view ? readHulls(view) : [],
+    contacts: view ? readContacts(view) : [],
+    baseJoints: view ? vectors(view.baseJointsLength(), (i) => view.baseJoints(i)) : [],
+    differs: view?.differs() ?? "",
+  };
+  for (let i = 0; i < told.segmentsLength(); ++i) {
+    const output = told.segments(i)!;
+    const s = output.segment();
+    if (s >= kSegmentCount) continue;
+    frame.forces[s] = toVector(output.force());
+    frame.jointTorques[s] = toVector(output.jointTorque());
+    frame.flexionTorques[s] = output.flexionTorque();
+  }
+  return frame;
+}

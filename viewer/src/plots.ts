@@ -1,0 +1,164 @@
+// Plots along time: hover shows values, a drag zooms, a click goes there. All share one stretch of time.
+import uPlot from "uplot";
+import { kContacts, kDeviceState, kDuration, kForce, kTorque, type Columns } from "./series";
+import { brief, colourOf, kDeviceStates, kSegmentCount, kSegments, jointOf } from "./words";
+
+export interface Plots {
+  /** Times [s]; `other`: of the recording it is compared with. */
+  setData(columns: Columns, other: Columns | undefined): void;
+  setRange(from: number, to: number): void;
+  setTime(seconds: number): void;
+  setTheme(): void;
+}
+
+interface Chart {
+  title: string;
+  unit: string;
+  height: number;
+  labels: string[];
+  columns(own: Columns, other: Columns | undefined): Float32Array[];
+  stroke(i: number): string;
+  dash(i: number): number[] | undefined;
+  limit?: number;
+  text?(value: number): string;
+  comparesOnly?: boolean;
+}
+
+const kDashes = [undefined, [7, 3], [2, 3]];
+const byFinger = {
+  stroke: colourOf,
+  dash: (i: number) => kDashes[i % 3],
+};
+const ink = () => getComputedStyle(document.documentElement).getPropertyValue("--ink").trim();
+const single = (column: number) => ({
+  labels: [""],
+  columns: (own: Columns) => [own.values[column]],
+  stroke: ink,
+  dash: () => undefined,
+});
+
+/** By tick, since two recordings need not begin together. */
+function differences(own: Columns, other: Columns | undefined): Float32Array[] {
+  const place = new Map(Array.from(other?.tick ?? [], (tick, i) => [tick, i]));
+  return Array.from({ length: kSegmentCount }, (_, s) => {
+    const mine = own.values[kForce + s];
+    return mine.map((value, i) => Math.abs(value - (other?.values[kForce + s][place.get(own.tick[i]) ?? -1] ?? NaN)));
+  });
+}
+
+function charts(rate: number): Chart[] {
+  const segments = (first: number) => (own: Columns) => own.values.slice(first, first + kSegmentCount);
+  return [
+    { title: "Difference of force per segment", unit: "N", height: 120, labels: kSegments, columns: differences, comparesOnly: true, ...byFinger },
+    { title: "Force per segment", unit: "N", height: 150, labels: kSegments, columns: segments(kForce), ...byFinger },
+    { title: "Torque per joint", unit: "N mm", height: 130, labels: kSegments.map((_, s) => jointOf(s)), columns: segments(kTorque), ...byFinger },
+    { title: "Contacts", unit: "", height: 100, ...single(kContacts) },
+    { title: "Tick time, dashed: the deadline", unit: "us", height: 110, limit: 1e6 / rate, ...single(kDuration) },
+    { title: "Device", unit: "", height: 90, text: (value) => kDeviceStates[value] ?? "", ...single(kDeviceState) },
+  ];
+}
+
+/** The largest first, and only those that are there. */
+function valuesText(chart: Chart, values: (number | null)[]): DocumentFragment {
+  const told = values.map((value, i) => ({ value: value ?? NaN, i })).filter(({ value }) => !Number.isNaN(value));
+  const some = chart.labels.length > 1 ? told.filter(({ value }) => value > 0).sort((a, b) => b.value - a.value).slice(0, 4) : told;
+  const fragment = document.createDocumentFragment();
+  for (const { value, i } of some) {
+    const number = document.createElement("b");
+    number.textContent = chart.text ? chart.text(value) : `${brief(value)} ${chart.unit}`;
+    number.style.color = chart.labels.length > 1 ? chart.stroke(i) : "";
+    fragment.append(`${chart.labels[i]} `, number, "  ");
+  }
+  return fragment;
+}
+
+export function makePlots(parent: HTMLElement, rate: number, zoom: (from: number, to: number) => void, seek: (time: number) => void): Plots {
+  parent.replaceChildren();
+  let now = 0;
+  let range: [number, number] = [0, 1];
+  let last: [Columns, Columns | undefined] | undefined;
+  const made: { chart: Chart; plot: uPlot; box: HTMLElement; values: HTMLElement }[] = [];
+
+  function drawLines(u: uPlot, chart: Chart) {
+    const line = (x0: number, y0: number, x1: number, y1: number, dash: number[]) => {
+      u.ctx.save();
+      u.ctx.strokeStyle = ink();
+      u.ctx.setLineDash(dash);
+      u.ctx.beginPath();
+      u.ctx.moveTo(x0, y0);
+      u.ctx.lineTo(x1, y1);
+      u.ctx.stroke();
+      u.ctx.restore();
+    };
+    const { left, top, width, height } = u.bbox;
+    const x = u.valToPos(now, "x", true);
+    if (x >= left && x <= left + width) line(x, top, x, top + height, []);
+    const y = chart.limit === undefined ? -1 : u.valToPos(chart.limit, "y", true);
+    if (y >= top && y <= top + height) line(left, y, left + width, y, [6, 4]);
+  }
+
+  function make(chart: Chart) {
+    const box = document.createElement("div");
+    box.className = "plot";
+    const heading = document.createElement("h2");
+    heading.textContent = chart.title + (chart.unit ? ` [${chart.unit}]` : "");
+    const values = document.createElement("div");
+    values.className = "values";
+    const axis = { stroke: ink, font: "12px system-ui, sans-serif", grid: { stroke: "#8884", width: 1 }, ticks: { show: false } };
+    const plot = new uPlot({
+      width: 410, height: chart.height,
+      legend: { show: false },
+      scales: { x: { time: false, range: () => range }, y: { range: (_, low, high) => [Math.min(0, low ?? 0), Math.max(high ?? 0, 1e-9) * 1.05] } },
+      axes: [{ ...axis, size: 24, values: (_, at) => at.map((t) => `${+t.toFixed(4)} s`) }, { ...axis, size: 52, values: (_, at) => at.map((v) => (chart.text ? chart.text(v) : brief(v))) }],
+      series: [{}, ...chart.labels.map((label, i) => ({ label, stroke: () => chart.stroke(i), dash: chart.dash(i), width: 1.25, points: { show: false }, spanGaps: chart.text !== undefined }))],
+      cursor: { sync: { key: "time" }, drag: { x: true, y: false, setScale: false }, points: { show: false } },
+      hooks: {
+        draw: [(u) => drawLines(u, chart)],
+        setCursor: [(u) => values.replaceChildren(u.cursor.idx == null ? "" : valuesText(chart, u.data.slice(1).map((column) => column[u.cursor.idx!] ?? null)))],
+        setSelect: [(u) => {
+          if (u.select.width < 4) return;
+          zoom(u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x"));
+          u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+        }],
+      },
+    }, undefined, undefined);
+    plot.over.addEventListener("click", (event) => {
+      if (isClick(event)) seek(plot.posToVal(event.offsetX, "x"));
+    });
+    box.append(heading, plot.root, values);
+    parent.append(box);
+    made.push({ chart, plot, box, values });
+  }
+  let pressedAt = 0;
+  parent.addEventListener("pointerdown", (event) => (pressedAt = event.clientX), true);
+  const isClick = (event: MouseEvent) => Math.abs(event.clientX - pressedAt) < 4;
+  charts(rate).forEach(make);
+  new ResizeObserver(() => {
+    const width = Math.max(240, parent.clientWidth);
+    for (const { chart, plot } of made) if (plot.width !== width) plot.setSize({ width, height: chart.height });
+  }).observe(parent);
+
+  return {
+    setData(own, other) {
+      last = [own, other];
+      const times = Array.from(own.tick, (tick) => tick / rate);
+      for (const { chart, plot, box } of made) {
+        const columns = chart.columns(own, other);
+        const known = columns.some((column) => column.some((value) => !Number.isNaN(value)));
+        box.hidden = (chart.comparesOnly === true && other === undefined) || !known;
+        if (!box.hidden) plot.setData([times, ...columns.map((column) => Array.from(column, (value) => (Number.isNaN(value) ? null : value)))] as uPlot.AlignedData);
+      }
+    },
+    setRange(from, to) {
+      range = [from, to];
+      for (const { plot } of made) plot.setScale("x", { min: from, max: to });
+    },
+    setTime(seconds) {
+      now = seconds;
+      for (const { plot, box } of made) if (!box.hidden) plot.redraw(false, false);
+    },
+    setTheme() {
+      if (last) this.setData(...last);
+    },
+  };
+}

@@ -1,0 +1,114 @@
+// A recording through its MCAP index: a tick is found by its time, and only the chunk it lies in is read.
+import { McapIndexedReader } from "@mcap/core";
+import { decompress as decompressZstd } from "fzstd";
+import { ByteBuffer } from "flatbuffers";
+import type { Bytes } from "./bytes";
+import { decompressLz4 } from "./lz4";
+import { Session } from "../generated/lumbrical/fb/session";
+
+export interface Recording {
+  name: string;
+  bytes: bigint;
+  session: Uint8Array;  // the message, as it stands in the file
+  state: Uint8Array;  // empty where the file begins with its session
+  rate: number;  // [Hz]
+  first: number;  // tick
+  last: number;
+  metadata: ReadonlyMap<string, string>;
+  chunkCount: number;
+  chunkOf(tick: number): number;
+  chunk(index: number): Promise<Chunk>;
+}
+
+/** Messages of ticks by their numbers, ascending. */
+export type Chunk = ReadonlyMap<number, Uint8Array>;
+
+const kMagic = [0x89, 0x4d, 0x43, 0x41, 0x50, 0x30, 0x0d, 0x0a];
+const kChunksKept = 24;
+
+const decompressHandlers = {
+  lz4: (bytes: Uint8Array, size: bigint) => decompressLz4(bytes, Number(size)),
+  zstd: (bytes: Uint8Array, size: bigint) => decompressZstd(bytes, new Uint8Array(Number(size))),
+};
+
+async function openMcap(bytes: Bytes) {
+  const size = await bytes.size();
+  const start = size >= 8n ? await bytes.read(0n, 8n) : new Uint8Array();
+  if (!kMagic.every((byte, i) => start[i] === byte))
+    throw new Error(`${bytes.name}: byte 0: not a recording; an MCAP file begins with "MCAP0", this one does not`);
+  const end = await bytes.read(size - 8n, 8n);
+  if (!kMagic.every((byte, i) => end[i] === byte))
+    throw new Error(`${bytes.name}: byte ${size}: the file is torn, its index is missing. ` +
+      `What is whole comes back by\n  lumbrical recover ${bytes.name} -o WHOLE.mcap`);
+  try {
+    return await McapIndexedReader.Initialize({ readable: bytes, decompressHandlers, messageIndexCacheSizeBytes: 8 << 20 });
+  } catch (error) {
+    throw new Error(`${bytes.name}: the index near byte ${size} is damaged (${(error as Error).message}). ` +
+      `What is whole comes back by\n  lumbrical recover ${bytes.name} -o WHOLE.mcap`);
+  }
+}
+
+export async function openRecording(bytes: Bytes): Promise<Recording> {
+  const reader = await openMcap(bytes);
+  const attachments = new Map<string, Uint8Array>();
+  for await (const attachment of reader.readAttachments()) attachments.set(attachment.name, attachment.data);
+  const session = attachments.get("session");
+  const topics = [...reader.channelsById.values()].map((channel) => channel.topic);
+  if (session === undefined || !topics.includes("tick"))
+    throw new Error(`${bytes.name}: an MCAP file, but none of Lumbrical's: it has no ` +
+      `${session === undefined ? 'attachment "session"' : 'channel "tick"'}. Its channels: ${topics.join(", ") || "none"}`);
+  const statistics = reader.statistics;
+  if (statistics === undefined || statistics.messageCount === 0n) throw new Error(`${bytes.name}: holds no ticks`);
+  const metadata = new Map<string, string>();
+  for await (const record of reader.readMetadata({ name: "lumbrical" }))
+    for (const [key, value] of record.metadata) metadata.set(key, value);
+
+  const rate = Session.getRootAsSession(new ByteBuffer(session)).settings()?.rate() ?? 0;
+  if (!(rate >= 1 && rate <= 100000)) throw new Error(`${bytes.name}: the session's rate is out of range`);
+  const tickAt = (time: bigint) => Math.round((Number(time) * rate) / 1e9);
+  const chunks = reader.chunkIndexes.filter((chunk) => chunk.messageEndTime > 0n || chunk.messageIndexLength > 0n);
+  const starts = chunks.map((chunk) => tickAt(chunk.messageStartTime));
+
+  const kept = new Map<number, Promise<Chunk>>();
+  const load = async (index: number): Promise<Chunk> => {
+    const { messageStartTime: startTime, messageEndTime: endTime, chunkStartOffset } = chunks[index];
+    const chunk = new Map<number, Uint8Array>();
+    const from = starts[index];
+    try {
+      for await (const message of reader.readMessages({ topics: ["tick"], startTime, endTime }))
+        // A sequence number is a tick's lower 32 bits.
+        chunk.set(from + ((message.sequence - from) >>> 0), message.data);
+    } catch (error) {
+      throw new Error(`${bytes.name}: the chunk at byte ${chunkStartOffset} is damaged (${(error as Error).message}). ` +
+        `What is whole comes back by\n  lumbrical recover ${bytes.name} -o WHOLE.mcap`);
+    }
+    return chunk;
+  };
+  return {
+    name: bytes.name,
+    bytes: await bytes.size(),
+    session,
+    state: attachments.get("state") ?? new Uint8Array(),
+    rate,
+    first: tickAt(statistics.messageStartTime),
+    last: tickAt(statistics.messageEndTime),
+    metadata,
+    chunkCount: chunks.length,
+    chunkOf: (tick) => {
+      let low = 0;
+      for (let high = starts.length; high - low > 1; ) {
+        const middle = (low + high) >> 1;
+        if (starts[middle] <= tick) low = middle;
+        else high = middle;
+      }
+      return low;
+    },
+    chunk: (index) => {
+      const chunk = kept.get(index) ?? load(index);
+      kept.delete(index);
+      kept.set(index, chunk);  // the youngest is last
+      if (kept.size > kChunksKept) kept.delete(kept.keys().next().value!);
+      return chunk;
+    },
+  };
+}

@@ -1,0 +1,42 @@
+// What a tick looks like, by replaying: ticks in order carry their state on; anywhere else some ticks before are computed first,
+// as many as forces take to fade, since a state depends on no more.
+import { ByteBuffer } from "flatbuffers";
+import type { Engine } from "./engine";
+import type { Recording } from "./recording";
+import { Session } from "../generated/lumbrical/fb/session";
+
+export function makeReplay(engine: Engine, recording: Recording) {
+  const fade = Session.getRootAsSession(new ByteBuffer(recording.session)).settings()?.fadeTime() ?? 0;
+  const least = Math.ceil(2 * fade * recording.rate) + 1;
+  let next = -1;  // the tick whose state the engine holds
+
+  const message = async (tick: number) => (await recording.chunk(recording.chunkOf(tick))).get(tick);
+
+  /** Computes what lies before the tick, farther and farther back until the state before it is the recorded one. */
+  async function lead(tick: number) {
+    for (let back = least; ; back *= 8) {
+      let from = Math.max(recording.first, tick - back);
+      const before = [];
+      for (let i = from; i < tick; ++i) {
+        const bytes = await message(i);
+        before.push(bytes);
+        if (bytes === undefined) from = i + 1;  // behind a gap
+      }
+      engine.begin(from, from === recording.first);
+      let known = from === recording.first;
+      for (const bytes of before.slice(before.length - (tick - from))) known = engine.pass(bytes!);
+      if (known || tick - back <= recording.first || back > 1000) return;
+    }
+  }
+
+  /** A TickView, and the message it is of; none of either in a gap. */
+  return async (tick: number) => {
+    const bytes = await message(tick);
+    if (bytes === undefined) return undefined;
+    if (tick !== next) await lead(tick);
+    next = -1;
+    const view = engine.show(bytes);
+    next = tick + 1;
+    return { bytes, view };
+  };
+}

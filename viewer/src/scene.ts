@@ -1,0 +1,158 @@
+// The scene: objects, one hand or two, contacts; camera by mouse, touch and keys; what the pointer is on.
+import {
+  AmbientLight, BufferAttribute, BufferGeometry, Color, DirectionalLight, GridHelper, Mesh, MeshStandardMaterial,
+  PerspectiveCamera, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Object3D,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import type { Frame, World } from "./frame";
+import { makeHand, type HandView, type Scales } from "./hand";
+import { makePressure } from "./pressure";
+
+export type Pick = { kind: "segment" | "force" | "torque"; segment: number; place: number } | { kind: "triangle"; triangle: number };
+
+export interface View {
+  camera: PerspectiveCamera;
+  controls: OrbitControls;
+  setWorld(world: World): void;
+  setFrame(place: number, frame: Frame | undefined, scales: Scales, top: number): void;
+  setBeside(beside: boolean): void;
+  pick(x: number, y: number): Pick | undefined;
+  select(pick: Pick | undefined): void;
+  frameAll(): void;
+  draw(): void;
+}
+
+const kSkins = ["#d9a066", "#4f7cac"];
+
+function worldMesh(world: World, origin: Vector3): Mesh {
+  const positions = new Float32Array(world.positions.length);
+  const shift = [origin.x, origin.y, origin.z];
+  positions.forEach((_, i) => (positions[i] = world.positions[i] - shift[i % 3]));
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(positions, 3));
+  geometry.computeVertexNormals();
+  return new Mesh(geometry, new MeshStandardMaterial({ color: "#9aa3ad", roughness: 0.85, flatShading: true, side: 2 }));
+}
+
+export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
+  const renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+  const scene = new Scene();
+  const camera = new PerspectiveCamera(40, 1, 0.005, 50);
+  camera.up.set(0, 0, 1);
+  const controls = new OrbitControls(camera, canvas);
+  controls.addEventListener("change", redraw);
+  scene.add(new AmbientLight("#ffffff", 1.3));
+  const sun = new DirectionalLight("#ffffff", 2.2);
+  camera.add(sun);
+  sun.position.set(0.4, 0.8, 1);
+  const grid = new GridHelper(0.6, 12, "#888888", "#888888");
+  grid.rotation.x = Math.PI / 2;
+  grid.material.transparent = true;
+  grid.material.opacity = 0.25;
+  scene.add(camera, grid);
+
+  // Single precision must hold a hand far from the world's origin: everything is drawn about this point.
+  const origin = new Vector3();
+  let world: World | undefined;
+  let objects: Mesh | undefined;
+  let beside = false;
+  const hands: HandView[] = kSkins.map(makeHand);
+  const pressures = kSkins.map(makePressure);
+  const shown = [false, false];
+  hands.forEach((hand, place) => {
+    hand.group.visible = pressures[place].mesh.visible = false;
+    scene.add(hand.group, pressures[place].mesh);
+  });
+  const outline = new Mesh(new BufferGeometry(), new MeshStandardMaterial({ color: "#ffffff", emissive: "#665500", side: 2, polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -2 }));
+  outline.visible = false;
+  scene.add(outline);
+  const raycaster = new Raycaster();
+
+  /** Shows what belongs to a place, or to all. */
+  const only = (place: number | undefined) =>
+    hands.forEach((hand, i) => {
+      hand.group.visible = shown[i] && (place === undefined || place === i);
+      pressures[i].mesh.visible = shown[i] && (place === i || (place === undefined && i === (shown[0] ? 0 : 1)));
+    });
+
+  return {
+    camera, controls,
+    setWorld(next) {
+      world = next;
+      if (objects) scene.remove(objects);
+      origin.set(0, 0, 0);
+      const count = next.positions.length / 3;
+      for (let i = 0; i < count; ++i)
+        origin.x += next.positions[3 * i] / count, origin.y += next.positions[3 * i + 1] / count, origin.z += next.positions[3 * i + 2] / count;
+      objects = worldMesh(next, origin);
+      scene.add(objects);
+      objects.geometry.computeBoundingBox();
+      grid.position.set(0, 0, (objects.geometry.boundingBox?.min.z ?? 0) - 1e-3);
+      if (count === 0) grid.position.z = 0;
+    },
+    setFrame(place, frame, scales, top) {
+      shown[place] = frame !== undefined;
+      if (!frame || !world) return;
+      if (world.positions.length === 0 && place === 0 && frame.joints[0] && origin.lengthSq() === 0) origin.copy(frame.joints[0]);
+      hands[place].update(frame, origin, scales);
+      pressures[place].update(frame, world, origin, top);
+    },
+    setBeside: (next) => { beside = next; },
+    pick(x, y) {
+      const half = beside && shown[1];
+      const place = half && x > 0.5 ? 1 : 0;
+      const across = half ? (x * 2) % 1 : x;
+      raycaster.setFromCamera(new Vector2(2 * across - 1, 1 - 2 * y), camera);
+      const seen = hands.flatMap((hand, i) => (shown[i] && (!half || i === place) ? [hand] : []));
+      const targets: Object3D[] = seen.flatMap((hand) => [...hand.arrows, ...hand.arcs].filter((arrow) => arrow.group.visible).flatMap((arrow) => arrow.parts));
+      const owner = (object: Object3D) => hands.findIndex((hand) => hand.group === object.parent?.parent || hand.group === object.parent);
+      const arrow = raycaster.intersectObjects(targets, false)[0];
+      if (arrow) return { kind: arrow.object.userData.kind, segment: arrow.object.userData.segment, place: owner(arrow.object) };
+      const skins = seen.flatMap((hand) => hand.skins.filter((skin) => skin.visible));
+      const skin = raycaster.intersectObjects(skins, false)[0];
+      const triangle = objects && raycaster.intersectObject(objects, false)[0];
+      if (triangle && (!skin || triangle.distance < skin.distance)) return { kind: "triangle", triangle: triangle.faceIndex! };
+      return skin && { kind: "segment", segment: skin.object.userData.segment, place: owner(skin.object) };
+    },
+    select(pick) {
+      hands.forEach((hand, place) => hand.select(pick && pick.kind !== "triangle" && pick.place === place ? pick.segment : -1));
+      outline.visible = pick?.kind === "triangle";
+      if (pick?.kind !== "triangle" || !objects) return;
+      const from = (objects.geometry.getAttribute("position") as BufferAttribute).array.slice(9 * pick.triangle, 9 * pick.triangle + 9);
+      outline.geometry.dispose();
+      outline.geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(from as Float32Array, 3));
+      outline.geometry.computeVertexNormals();
+    },
+    frameAll() {
+      const sphere = objects?.geometry.boundingSphere ?? (objects?.geometry.computeBoundingSphere(), objects?.geometry.boundingSphere);
+      const radius = Math.min(Math.max(sphere && sphere.radius > 0 ? sphere.radius : 0.1, 0.08), 0.25);
+      controls.target.set(0, 0, 0);
+      camera.position.set(2.2, -2.9, 1.9).multiplyScalar(radius * 1.15);
+      controls.update();
+    },
+    draw() {
+      const { clientWidth: width, clientHeight: height } = canvas;
+      if (width === 0 || height === 0) return;
+      const ratio = Math.min(devicePixelRatio, 2);
+      const size = renderer.getSize(new Vector2());
+      if (size.x !== width || size.y !== height || renderer.getPixelRatio() !== ratio) {
+        renderer.setPixelRatio(ratio);
+        renderer.setSize(width, height, false);
+      }
+      const halves = beside && shown[1] ? [0, 1] : [undefined];
+      renderer.setScissorTest(halves.length > 1);
+      scene.background = null;
+      renderer.setClearColor(new Color("#000000"), 0);
+      camera.aspect = width / halves.length / height;
+      camera.updateProjectionMatrix();
+      halves.forEach((place, i) => {
+        only(place);
+        const x = (i * width) / halves.length;
+        renderer.setViewport(x, 0, width / halves.length, height);
+        renderer.setScissor(x, 0, width / halves.length, height);
+        renderer.render(scene, camera);
+      });
+      only(undefined);
+    },
+  };
+}

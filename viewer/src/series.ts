@@ -1,0 +1,122 @@
+// Numbers of ticks as columns, for plots and marks: exact for a stretch, or the largest of many ticks each for a whole session.
+import { ByteBuffer } from "flatbuffers";
+import { Tick } from "../generated/lumbrical/fb/tick";
+import { SegmentOutput } from "../generated/lumbrical/fb/segment-output";
+import { Vec3 } from "../generated/lumbrical/fb/vec3";
+import { Sent } from "../generated/lumbrical/fb/sent";
+import type { Recording } from "./recording";
+import { kDeviceStates, kFault, kSegmentCount, kTickFlags } from "./words";
+
+// Columns: force of each segment [N], torque at each segment's joint [N mm], then these.
+export const kForce = 0;
+export const kTorque = kSegmentCount;
+export const kContacts = 2 * kSegmentCount;
+export const kDuration = kContacts + 1;  // [us]
+export const kDeviceState = kContacts + 2;
+export const kColumnCount = kContacts + 3;
+
+export interface Columns {
+  tick: Float64Array;
+  values: Float32Array[];  // of every column, NaN: not known
+}
+
+export type MarkKind = "flag" | "fault" | "deadline" | "gap" | "divergence";
+export interface Mark {
+  tick: number;
+  kind: MarkKind;
+  text: string;
+}
+
+export function makeColumns(length: number): Columns {
+  const column = () => new Float32Array(length).fill(NaN);
+  return { tick: new Float64Array(length), values: Array.from({ length: kColumnCount }, column) };
+}
+
+const norm = (v: Vec3 | null) => (v ? Math.hypot(v.x(), v.y(), v.z()) : 0);
+const segment = new SegmentOutput();
+const vector = new Vec3();
+
+/** What a tick tells beside its numbers in columns. */
+export interface Circumstances {
+  flags: number;
+  late: boolean;
+  state: number;  // of the device, NaN: none
+}
+
+/** One tick's numbers into `row`. */
+export function readRow(bytes: Uint8Array, rate: number, row: Float32Array): Circumstances {
+  const tick = Tick.getRootAsTick(new ByteBuffer(bytes));
+  row.fill(tick.forcesLeftOut() ? NaN : 0, 0, kContacts);
+  for (let i = 0; i < tick.segmentsLength(); ++i) {
+    tick.segments(i, segment);
+    const s = segment.segment();
+    if (s >= kSegmentCount) continue;
+    row[kForce + s] = norm(segment.force(vector));
+    row[kTorque + s] = 1e3 * norm(segment.jointTorque(vector));
+  }
+  row[kContacts] = tick.contactCount();
+  row[kDuration] = tick.durationNs() / 1e3;
+  let state = NaN;
+  for (let i = 0; i < tick.sentLength(); ++i) state = tick.sent(i, new Sent())!.state();
+  row[kDeviceState] = state;
+  return { flags: tick.flags(), late: tick.durationNs() > 1e9 / rate, state };
+}
+
+/** Every tick of first .. last, for plots that show single ticks. */
+export async function readWindow(recording: Recording, first: number, last: number): Promise<Columns> {
+  const from = Math.max(first, recording.first);
+  const columns = makeColumns(Math.max(0, Math.min(last, recording.last) - from + 1));
+  const row = new Float32Array(kColumnCount);
+  for (let i = 0; i < columns.tick.length; ++i) {
+    columns.tick[i] = from + i;
+    const bytes = (await recording.chunk(recording.chunkOf(from + i))).get(from + i);
+    if (bytes === undefined) continue;
+    readRow(bytes, recording.rate, row);
+    columns.values.forEach((column, k) => (column[i] = row[k]));
+  }
+  return columns;
+}
+
+const kBuckets = 4096;
+const kMostMarks = 3000;
+
+/** Reads the whole recording a chunk at a time; `tell` is called now and then, and when all is read. */
+export async function scan(recording: Recording, tell: (columns: Columns, marks: Mark[], share: number) => void) {
+  const count = recording.last - recording.first + 1;
+  const per = Math.max(1, Math.ceil(count / kBuckets));
+  const columns = makeColumns(Math.ceil(count / per));
+  for (let i = 0; i < columns.tick.length; ++i) columns.tick[i] = recording.first + i * per;
+  const marks: Mark[] = [];
+  const mark = (tick: number, kind: MarkKind, text: string) => {
+    if (marks.length < kMostMarks) marks.push({ tick, kind, text });
+  };
+  const row = new Float32Array(kColumnCount);
+  let before: Circumstances = { flags: 0, late: false, state: NaN };
+  let next = recording.first;
+  let told = performance.now();
+  for (let index = 0; index < recording.chunkCount; ++index) {
+    for (const [tick, bytes] of await recording.chunk(index)) {
+      if (tick !== next) mark(next, "gap", `${tick - next} ticks are missing`);
+      next = tick + 1;
+      const now = readRow(bytes, recording.rate, row);
+      const bucket = Math.floor((tick - recording.first) / per);
+      columns.values.forEach((column, k) => {
+        if (!(column[bucket] >= row[k])) column[bucket] = row[k];
+      });
+      const risen = now.flags & ~before.flags;
+      kTickFlags.forEach((name, bit) => {
+        if ((risen >> bit) & 1) mark(tick, "flag", name);
+      });
+      if (now.late && !before.late) mark(tick, "deadline", `took ${(row[kDuration] / 1e3).toFixed(2)} ms`);
+      if (Number.isNaN(now.state)) now.state = before.state;
+      if (now.state === kFault && before.state !== kFault) mark(tick, "fault", `device: ${kDeviceStates[kFault]}`);
+      before = now;
+    }
+    if (performance.now() - told > 300) {
+      tell(columns, marks, (index + 1) / recording.chunkCount);
+      await new Promise((resolve) => setTimeout(resolve));  // requests of the page come first
+      told = performance.now();
+    }
+  }
+  tell(columns, marks, 1);
+}

@@ -1,0 +1,112 @@
+// The worker behind the page: it reads recordings and replays them, so that the page stays smooth. Which recording is meant is
+// told by its place: 0, or 1 for the one it is compared with.
+import { bytesOfFile, bytesOfUrl } from "./bytes";
+import { findDivergence, type Divergence } from "./difference";
+import { loadEngine } from "./engine";
+import { openLive } from "./live";
+import { openRecording, type Recording } from "./recording";
+import { makeReplay } from "./replay";
+import { readWindow, scan, type Columns, type Mark } from "./series";
+
+export type Source = { url: string } | { file: File } | { live: string };
+
+export interface Opened {
+  name: string;
+  bytes: bigint;
+  session: Uint8Array;
+  rate: number;
+  first: number;
+  last: number;
+  metadata: ReadonlyMap<string, string>;
+  noContacts: string;  // why there are none; empty: there are
+}
+
+export interface Shown {
+  tick: number;
+  message: Uint8Array;
+  view?: Uint8Array;  // a TickView
+  milliseconds: number;
+}
+
+export type Request =
+  | { type: "load"; wasm: ArrayBuffer }
+  | { type: "open"; place: number; source: Source }
+  | { type: "show"; place: number; tick: number }
+  | { type: "window"; place: number; first: number; last: number }
+  | { type: "diverge" };
+export type Answer =
+  | { type: "error"; id: number; text: string }
+  | { type: "opened"; id: number; opened: Opened }
+  | { type: "shown"; id: number; shown?: Shown }
+  | { type: "window"; id: number; columns: Columns }
+  | { type: "diverged"; id: number; divergence?: Divergence }
+  | { type: "loaded"; id: number }
+  | { type: "scanned"; place: number; columns: Columns; marks: Mark[]; share: number }
+  | { type: "live"; shown?: Shown; error?: string };
+
+interface Place {
+  recording: Recording;
+  show?: ReturnType<typeof makeReplay>;
+}
+
+let wasm: ArrayBuffer;
+const places: (Place | undefined)[] = [];
+const tell = (answer: Answer) => postMessage(answer);
+
+async function open(place: number, source: Source): Promise<Opened> {
+  if ("live" in source) return openLive(source.live, await loadEngine(wasm), tell);
+  const bytes = "url" in source ? await bytesOfUrl(source.url) : bytesOfFile(source.file, source.file.name);
+  const recording = await openRecording(bytes);
+  const opened: Place = { recording };
+  let noContacts = "";
+  try {
+    const engine = await loadEngine(wasm);
+    engine.open(recording.session, recording.state);
+    opened.show = makeReplay(engine, recording);
+  } catch (error) {
+    noContacts = (error as Error).message;
+  }
+  places[place] = opened;
+  scan(recording, (columns, marks, share) => {
+    if (places[place] === opened) tell({ type: "scanned", place, columns, marks, share });
+  }).catch((error) => tell({ type: "error", id: -1, text: (error as Error).message }));
+  const { name, bytes: size, session, rate, first, last, metadata } = recording;
+  return { name, bytes: size, session, rate, first, last, metadata, noContacts };
+}
+
+async function show(place: number, tick: number): Promise<Shown | undefined> {
+  const { recording, show } = places[place]!;
+  const start = performance.now();
+  if (show === undefined) {
+    const message = (await recording.chunk(recording.chunkOf(tick))).get(tick);
+    return message && { tick, message, milliseconds: performance.now() - start };
+  }
+  const shown = await show(tick);
+  return shown && { tick, message: shown.bytes, view: shown.view, milliseconds: performance.now() - start };
+}
+
+async function answer(id: number, request: Request): Promise<Answer> {
+  switch (request.type) {
+    case "load":
+      wasm = request.wasm;
+      return { type: "loaded", id };
+    case "open":
+      return { type: "opened", id, opened: await open(request.place, request.source) };
+    case "show":
+      return { type: "shown", id, shown: await show(request.place, request.tick) };
+    case "window":
+      return { type: "window", id, columns: await readWindow(places[request.place]!.recording, request.first, request.last) };
+    case "diverge":
+      return { type: "diverged", id, divergence: await findDivergence(places[0]!.recording, places[1]!.recording) };
+  }
+}
+
+// Ticks of one engine come one after the other; everything else may overlap.
+const turns = new Map<string, Promise<unknown>>();
+
+onmessage = ({ data: { id, request } }: MessageEvent<{ id: number; request: Request }>) => {
+  const line = request.type === "show" ? `show ${request.place}` : request.type;
+  const run = () => answer(id, request).catch((error: Error): Answer => ({ type: "error", id, text: error.message }));
+  const turn = (turns.get(line) ?? Promise.resolve()).then(run).then(tell);
+  turns.set(line, turn);
+};
