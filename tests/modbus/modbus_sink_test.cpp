@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "lumbrical/device.h"
 #include "simulated_wire.h"
 #include "terminals.h"
 
@@ -349,6 +350,24 @@ TEST_F(ModbusLoop, TheDevicesOwnStopFaultHangAndDeadManCount) {
   device.hang = true;
   EXPECT_TRUE(sink.told("heartbeat not echoed")) << sink.log();
   EXPECT_TRUE(rests()) << "its watchdog is its own";
+}
+
+TEST_F(ModbusLoop, AnglesThatCannotBeAreToldByTheNameOfTheirJoint) {
+  start();
+  device.sensors = SensorFault::out_of_range;
+  EXPECT_TRUE(sink.told("angle of thumb metacarpal out of its range")) << sink.log();
+  device.sensors = SensorFault::none;
+  EXPECT_TRUE(eventually([&] { return sink.doubts == 0; }));
+  device.sensors = SensorFault::jumping;
+  EXPECT_TRUE(sink.told("angle of thumb metacarpal jumps farther than a finger can move")) << sink.log();
+  device.sensors = SensorFault::none;
+  EXPECT_TRUE(eventually([&] { return sink.doubts == 0; }));
+  device.sensors = SensorFault::stuck;
+  EXPECT_TRUE(eventually([&] {
+    sink.wanted = 0.1 - sink.wanted;  // back and forth
+    return (sink.doubts & kAngleStuck) != 0;
+  })) << sink.log();
+  EXPECT_EQ(sink.sink.report().state, SafetyState::active) << "it is the ticks' forces that fade";
 }
 
 TEST_F(ModbusLoop, TheHostsEmergencyStopWorksFromAnywhere) {

@@ -115,6 +115,7 @@ class ServedDevice {
   [[nodiscard]] const std::string& name() const { return server_->name(); }
   [[nodiscard]] std::uint64_t requests() const { return server_->requests(); }
   std::atomic<bool> press_stop{false}, break_down{false}, hang{false}, release_dead_man{false};
+  std::atomic<SensorFault> sensors{SensorFault::none};
   ServerFaults faults;
 
  private:
@@ -132,6 +133,7 @@ class ServedDevice {
             device.press_stop(press_stop);
             device.break_down(break_down);
             device.hang(hang);
+            device.break_sensors(sensors);
             device.hold_dead_man(!release_dead_man);
             torque_ = device.torque()[3];
             largest_ = std::max(largest_.load(), device.torque()[3]);
@@ -161,6 +163,7 @@ class TickingSink {
         if (!stalled) {
           ++command.tick;
           if (sink.feedback(feedback)) command.feedback_time = feedback.time;
+          doubts = feedback.flags;
           command.wanted.fill(wanted);
           sink.publish(command);
           while (sink.sent(sent)) {
@@ -196,6 +199,7 @@ class TickingSink {
   std::atomic<bool> stalled{false};
   std::atomic<double> wanted{0.1};
   std::atomic<int> cycles{0}, acknowledged{0};
+  std::atomic<std::uint32_t> doubts{0};  ///< flags of the newest feedback
 
  private:
   std::thread thread_;

@@ -97,6 +97,34 @@ TEST(DeviceProgram, ClosesTheLoopAndRecordsIt) {
   EXPECT_EQ(shell("lumbrical replay session.mcap", folder).exit_code, 0);
 }
 
+TEST(DeviceProgram, AnglesThatCannotBeLetForcesFadeAndAreFlaggedInTheRecording) {
+  const auto folder = fresh_folder();
+  write_inputs(folder);
+  const Outcome outcome = shell(with_device("--tcp 0 --sensor-fault out-of-range --fault-after 2.5",
+                                            kRun + "--ticks 300 --record session.mcap --json"),
+                                folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_NE(outcome.output.find("angles of the device were not believed in"), std::string::npos)
+      << outcome.output;
+  EXPECT_NE(outcome.error.find("angle of thumb metacarpal out of its range"), std::string::npos)
+      << outcome.error;
+  RecordingReader reader;
+  ASSERT_TRUE(reader.open((folder / "session.mcap").string()).ok());
+  TickRecord record;
+  bool end = false, force_before = false, flagged = false;
+  double last = -1;
+  while (reader.next(record, end).ok() && !end) {
+    flagged = (record.device.flags & kAngleOutOfRange) != 0;
+    if (flagged) {
+      EXPECT_NE(record.device.flags & kTrackingLost, 0u);
+    }
+    last = norm(record.output.segment[3].force) + norm(record.output.segment[4].force);
+    force_before = force_before || (!flagged && last > 0);
+  }
+  EXPECT_TRUE(force_before && flagged);
+  EXPECT_EQ(last, 0);
+}
+
 TEST(DeviceProgram, RunsOverATerminal) {
   if (!test::have_terminals()) GTEST_SKIP() << test::kNoTerminals;
   const auto folder = fresh_folder();

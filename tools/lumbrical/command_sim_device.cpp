@@ -21,7 +21,8 @@ namespace {
 struct SimOptions {
   std::string profile, tcp, rtu, line, scene;
   std::uint32_t baud = 115200;
-  double seconds = 0, delay = 0, jitter = 0;
+  double seconds = 0, delay = 0, jitter = 0, fault_after = 0;
+  std::string sensor_fault = "none";
   SimulationOptions simulation;
   bool json = false;
 };
@@ -56,6 +57,13 @@ Status listen(const std::string& text, ModbusServer& server) {
     return Status::error("--tcp: \"" + text + "\" is no port; write 1502, 127.0.0.1:1502 or [::1]:1502");
   }
   return server.listen(host, static_cast<std::uint16_t>(port));
+}
+
+SensorFault sensor_fault_of(const std::string& name) {
+  return name == "stuck"     ? SensorFault::stuck
+         : name == "jumping" ? SensorFault::jumping
+         : name == "none"    ? SensorFault::none
+                             : SensorFault::out_of_range;
 }
 
 Status open_wire(const SimOptions& options, ModbusServer& server) {
@@ -127,10 +135,14 @@ int simulate(SimOptions options) {
   }
   const RealTime real_time = enter_real_time(kPriority, Pinning::none);
   WornDevice worn;
+  const SensorFault fault = sensor_fault_of(options.sensor_fault);
   server.serve(
       device, faults,
       [&] { return ending != 0 || (options.seconds > 0 && device.time() >= options.seconds); },
-      [&](const SimulatedDevice& now) { look(now, worn); });
+      [&](SimulatedDevice& now) {
+        if (now.time() >= options.fault_after) now.break_sensors(fault);
+        look(now, worn);
+      });
   leave_real_time(real_time);
   server.close();
   return options.json ? print_json(felt_json(device, server, worn))
@@ -171,6 +183,12 @@ void add_sim_device(Command& app, int& exit_code) {
   command->add_option("--human-damping", simulation.human.damping, "Of the hand in it [N m s/rad]")
       ->check(number_in(0, 10))
       ->capture_default_str();
+  command
+      ->add_option("--sensor-fault", options->sensor_fault, "What its angles say in the place of the truth")
+      ->check(one_of({"none", "stuck", "jumping", "out-of-range"}))
+      ->capture_default_str();
+  command->add_option("--fault-after", options->fault_after, "When that begins [s]")
+      ->check(number_in(0, 1e9));
   command->add_flag("--json", options->json, "Print one JSON object at the end");
   command->callback([options, &exit_code] { exit_code = simulate(*options); });
 }

@@ -53,6 +53,15 @@ std::string by_finger(const std::array<double, kFingerCount>& values) {
   return text;
 }
 
+std::string doubts_text(std::uint32_t flags) {
+  std::string text;
+  for (const auto& [flag, name] : {std::pair(kAngleOutOfRange, "out of range"),
+                                   std::pair(kAngleJumped, "jumped"), std::pair(kAngleStuck, "stuck")}) {
+    if ((flags & flag) != 0) text += (text.empty() ? " " : ", ") + std::string(name);
+  }
+  return text;
+}
+
 }  // namespace
 
 std::vector<std::string> DeviceLoop::trouble() const {
@@ -68,6 +77,10 @@ std::vector<std::string> DeviceLoop::trouble() const {
     lines.push_back(counted(report.faults, "fault of the device loop", "faults of the device loop"));
   if (report.losses > 0)
     lines.push_back(counted(report.losses, "loss of the device", "losses of the device"));
+  if (loop.doubted_ticks > 0) {
+    lines.push_back("angles of the device were not believed in " +
+                    counted(loop.doubted_ticks, "tick", "ticks") + ":" + doubts_text(loop.doubts));
+  }
   if (loop.was_active && !loop.safe_at_end) lines.push_back("the device is NOT known to be at safe values");
   return lines;
 }

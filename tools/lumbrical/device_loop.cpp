@@ -111,7 +111,11 @@ Status DeviceLoop::open(const std::string& text, const Model& model) {
 void DeviceLoop::before(DeviceFrame& frame) {
   Loop& loop = *loop_;
   if (DeviceFeedback feedback; loop.sink.feedback(feedback)) take_feedback(feedback, loop.control);
-  if (!put_angles(loop.control, clock_ns(), frame) && loop.armed_at != 0) ++loop.blind_ticks;
+  if (put_angles(loop.control, clock_ns(), frame) || loop.armed_at == 0) return;
+  ++loop.blind_ticks;
+  if (loop.control.feedback.flags == 0) return;
+  ++loop.doubted_ticks;
+  loop.doubts |= loop.control.feedback.flags;
 }
 
 bool DeviceLoop::after(const Scratch& scratch, const DeviceFrame& frame, const ActuatorFrame& output,

@@ -29,7 +29,9 @@ struct DeviceLoop::Loop {
   std::int64_t last_acknowledged = 0;
   bool was_active = false;
   std::int64_t armed_at = 0;
-  std::uint64_t blind_ticks = 0;  // since then, without angles to go by
+  std::uint64_t blind_ticks = 0;    // since then, without angles to go by
+  std::uint64_t doubted_ticks = 0;  // of them, with angles that could not be
+  std::uint32_t doubts = 0;         // DeviceFlag bits of those
   double oldest = 0;
 
   // Tells people what happens while it happens.

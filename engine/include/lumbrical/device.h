@@ -22,6 +22,10 @@ struct JointPose {
 enum DeviceFlag : std::uint32_t {
   kTrackingLost = 1u << 0,  ///< the source does not trust this frame: forces fade to zero
   kExtrapolated = 1u << 1,  ///< held or continued beyond the last sample; used all the same
+  // Why a device's angles were not believed; kTrackingLost stands beside them.
+  kAngleOutOfRange = 1u << 2,  ///< outside its sensor's lower .. upper
+  kAngleJumped = 1u << 3,      ///< farther than a finger can move in the time
+  kAngleStuck = 1u << 4,       ///< not moved by torques that must have moved it
 };
 
 /// What the device says. Recorded as received; replay needs nothing else.

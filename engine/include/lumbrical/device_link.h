@@ -20,6 +20,7 @@ struct DeviceFeedback {
   std::int64_t time = 0;                        ///< when the reply came: they are no newer
   std::array<float, 4 * kFingerCount> angle{};  ///< [rad] in the order of hand.h
   std::uint32_t valid = 0;                      ///< bit i: angle i was measured and is plausible
+  std::uint32_t flags = 0;                      ///< DeviceFlag bits: why others are not
   ActuatorArray
       acted{};  ///< what the device did while it came to these angles: the command acknowledged before
 };

@@ -70,6 +70,10 @@ inline constexpr double kShake = 0.002, kShakeTime = 0.1;  ///< [rad], [s]
 
 [[nodiscard]] std::uint64_t shakes_of(const WornDevice& worn);
 
+/// What the sensors say in the place of the truth: always the same; at times an angle 1 rad away; one that no
+/// joint has.
+enum class SensorFault : std::uint8_t { none, stuck, jumping, out_of_range };
+
 class SimulatedDevice {
  public:
   SimulatedDevice(const DeviceProfile& profile, SimulationOptions options);
@@ -86,7 +90,8 @@ class SimulatedDevice {
   void press_stop(bool pressed) { stop_ = pressed; }
   void hold_dead_man(bool held) { dead_man_ = held; }
   void break_down(bool broken) { broken_ = broken; }  ///< its fault bits
-  void hang(bool hung) { hung_ = hung; }              ///< answers, but its program stands still
+  void break_sensors(SensorFault fault) { sensor_fault_ = fault; }
+  void hang(bool hung) { hung_ = hung; }  ///< answers, but its program stands still
 
   [[nodiscard]] double time() const { return time_; }
   [[nodiscard]] const DeviceProfile& profile() const { return profile_; }
@@ -114,6 +119,7 @@ class SimulatedDevice {
   ActuatorArray command_{};
   double time_ = 0, left_ = 0, silence_ = 1e9, on_since_ = -1;
   std::uint16_t last_heartbeat_ = 0;
+  SensorFault sensor_fault_ = SensorFault::none;
   bool stop_ = false, dead_man_ = true, broken_ = false, hung_ = false;
 };
 

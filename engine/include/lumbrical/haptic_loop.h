@@ -70,8 +70,8 @@ HapticLoop start_loop(const DeviceProfile& profile, const LoopOptions& options);
 void take_feedback(const DeviceFeedback& feedback, HapticLoop& loop);
 
 /// Puts the device's angles into the place of the motion's fingers; the wrist stays the motion's. Flags
-/// kTrackingLost, and is false, where there are none, or none that are younger than
-/// SafetyTimes::answer_timeout.
+/// kTrackingLost and why the device's were not believed, and is false, where there are none, or none that are
+/// younger than SafetyTimes::answer_timeout.
 bool put_angles(const HapticLoop& loop, std::int64_t now, DeviceFrame& frame);
 
 /// What became of a command; call it with every one the link tells. Renews the certificate.

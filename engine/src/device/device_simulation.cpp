@@ -11,7 +11,8 @@
 namespace lumbrical {
 namespace {
 
-constexpr double kSlowGrasp = 4;  // [s] to close and open the hand
+constexpr double kJump = 1, kNoAngle = 3;  // [rad] of broken sensors
+constexpr double kSlowGrasp = 4;           // [s] to close and open the hand
 
 // 0 .. 1 .. 0 with a continuous speed.
 double there_and_back(double phase) {
@@ -202,10 +203,14 @@ void SimulatedDevice::read_commands() {
 
 void SimulatedDevice::write_feedback() {
   if (hung_) return;
+  const bool jumps = sensor_fault_ == SensorFault::jumping && std::fmod(time_, 0.2) < 0.005;
   for (const Sensor& sensor : profile_.sensors) {
+    if (sensor_fault_ == SensorFault::stuck) break;
     const int motion = sensor.angle % 4;
     const auto joint = static_cast<std::size_t>(3 * (sensor.angle / 4) + motion - 1);
-    put(sensor.field, motion == 0 ? 0 : read_encoder(profile_.dynamics[joint], joints_[joint].angle));
+    const double angle = motion == 0 ? 0 : read_encoder(profile_.dynamics[joint], joints_[joint].angle);
+    const bool nowhere = sensor_fault_ == SensorFault::out_of_range;
+    put(sensor.field, nowhere ? kNoAngle : angle + (jumps ? kJump : 0));
   }
   const Heartbeat& heartbeat = profile_.heartbeat;
   if (heartbeat.echoed) registers_[{heartbeat.unit, heartbeat.echo_address}] = last_heartbeat_;

@@ -157,7 +157,7 @@ bool put_angles(const HapticLoop& loop, std::int64_t now, DeviceFrame& frame) {
   }
   const bool known = loop.any_feedback && (loop.feedback.valid & wanted) == wanted &&
                      seconds(now - loop.feedback.asked) <= loop.profile.safety.answer_timeout;
-  if (!known) frame.flags |= kTrackingLost;
+  if (!known) frame.flags |= kTrackingLost | loop.feedback.flags;
   return known;
 }
 

@@ -215,6 +215,21 @@ bool ModbusSink::Worker::transfer() {
   return true;
 }
 
+// Each kind when it begins, with the first joint that it is about.
+void ModbusSink::Worker::tell_doubts(const DeviceFeedback& feedback) {
+  const std::uint32_t news = feedback.flags & ~std::exchange(doubts, feedback.flags);
+  if (news == 0) return;
+  const auto sensor = std::find_if(profile.sensors.begin(), profile.sensors.end(), [&](const Sensor& one) {
+    return (feedback.valid >> one.angle & 1u) == 0;
+  });
+  const int motion = sensor->angle % 4, joint = 3 * (sensor->angle / 4) + std::max(motion - 1, 0);
+  std::string text = "not believed, forces fade: angle of " + std::string(segment_name(joint));
+  if ((news & kAngleOutOfRange) != 0) text += " out of its range";
+  if ((news & kAngleJumped) != 0) text += " jumps farther than a finger can move";
+  if ((news & kAngleStuck) != 0) text += " is not moved by torques that must move it";
+  tell(std::move(text));
+}
+
 void ModbusSink::Worker::take_feedback(std::int64_t now) {
   device = words.status(profile);
   const std::uint16_t echo = device.echo;
@@ -226,6 +241,8 @@ void ModbusSink::Worker::take_feedback(std::int64_t now) {
   feedback.time = now;
   feedback.acted = std::exchange(acting, commanded);
   words.angles(profile, feedback.angle, feedback.valid);
+  check_feedback(profile, feedback, feedback_memory);
+  tell_doubts(feedback);
   feedbacks.put(feedback);
 }
 

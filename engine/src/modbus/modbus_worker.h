@@ -11,6 +11,7 @@
 
 #include "base/newest.h"
 #include "base/ring.h"
+#include "device/feedback_check.h"
 #include "lumbrical/modbus_sink.h"
 #include "modbus/exchange_words.h"
 #include "modbus/modbus_link.h"
@@ -59,6 +60,8 @@ struct ModbusSink::Worker {
   double retry = 0;
   bool any_answer = false, handshaken = false;
   DeviceStatus device;
+  FeedbackMemory feedback_memory{};
+  std::uint32_t doubts = 0;  // DeviceFlag bits of the newest feedback
   std::uint16_t last_echo = 0;
   ActuatorArray commanded{}, acting{};  // by this cycle's request, and by the last one acknowledged
   std::uint64_t cycle = 0;
@@ -89,6 +92,7 @@ struct ModbusSink::Worker {
   void tell_transition(SafetyState before, std::uint32_t flags);
   SafetyOutput decide(std::int64_t now);
   bool transfer();
+  void tell_doubts(const DeviceFeedback& feedback);
   void take_feedback(std::int64_t now);
   void remember(const SafetyOutput& output, std::int64_t sent, std::int64_t acknowledged);
   void count(bool acknowledged, std::int64_t now);

@@ -1,0 +1,34 @@
+// Whether what a device says about its joints can be true.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "lumbrical/device.h"
+#include "lumbrical/device_link.h"
+#include "lumbrical/device_profile.h"
+
+namespace lumbrical {
+
+inline constexpr double kFastestJoint = 50;  ///< [rad/s] no finger in a device is faster
+inline constexpr double kStillTime = 0.25;  ///< [s] an angle that stands still for less is none that is stuck
+inline constexpr double kStillShare = 0.25;  ///< of a joint's span of torques: more must have moved the joint
+
+/// What is remembered of one angle.
+struct AngleMemory {
+  float believed = 0;
+  std::int64_t asked = 0;    ///< when it was asked for, the one that was believed; 0: none yet
+  float still = 0;           ///< the value that it has had
+  std::int64_t since = 0;    ///< since then; 0: none yet
+  double low = 0, high = 0;  ///< [N m] torques about the joint meanwhile
+};
+using FeedbackMemory = std::array<AngleMemory, kAngleCount>;
+
+/// Takes back from `feedback.valid` what can't be, and says why in its flags (DeviceFlag): a sensor out of
+/// its range; an angle farther from the last one believed than kFastestJoint takes it in the time since that
+/// was asked for; one that has stood still, to the last bit, for kStillTime or more while motors and wires
+/// changed the joint's torque by more than kStillShare of their span and four times its friction. What is not
+/// believed is replaced by what was believed last, and is believed again as soon as it is possible.
+void check_feedback(const DeviceProfile& profile, DeviceFeedback& feedback, FeedbackMemory& memory);
+
+}  // namespace lumbrical

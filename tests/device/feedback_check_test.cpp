@@ -1,0 +1,144 @@
+// Angles that can't be: told apart from all that a hand in a device really does.
+#include "device/feedback_check.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "device_fixture.h"
+#include "lumbrical/device_simulation.h"
+
+namespace lumbrical {
+namespace {
+
+constexpr std::int64_t kMillisecond = 1000000;
+constexpr std::size_t kIndex = 5;  // flexion of the index' first joint: angle 5, joint 3, actuator 3
+
+class FeedbackCheck : public ::testing::Test {
+ protected:
+  FeedbackCheck() {
+    for (const Sensor& sensor : profile.sensors) all |= 1u << sensor.angle;
+    feedback.valid = all;
+  }
+  // One exchange of a millisecond.
+  std::uint32_t look() {
+    feedback.asked = feedback.time;
+    feedback.time += kMillisecond;
+    feedback.valid = all;
+    check_feedback(profile, feedback, memory);
+    return feedback.flags;
+  }
+  bool believed() const { return (feedback.valid >> kIndex & 1u) != 0; }
+  DeviceProfile profile = test::shipped_profile("exoskeleton");
+  std::uint32_t all = 0;
+  DeviceFeedback feedback{.time = 1000 * kMillisecond};
+  FeedbackMemory memory{};
+};
+
+TEST_F(FeedbackCheck, AJumpIsNotBelievedUntilAFingerCouldHaveMadeIt) {
+  EXPECT_EQ(look(), 0u);
+  feedback.angle[kIndex] = 1;
+  int doubted = 0;
+  while (look() != 0 && doubted < 1000) {
+    EXPECT_EQ(feedback.flags, kAngleJumped);
+    EXPECT_FALSE(believed());
+    EXPECT_EQ(feedback.valid, all & ~(1u << kIndex)) << "the others are";
+    EXPECT_EQ(feedback.angle[kIndex], 0) << "the last one believed";
+    feedback.angle[kIndex] = 1;
+    ++doubted;
+  }
+  EXPECT_NEAR(doubted, 1000 / kFastestJoint, 2);
+  feedback.angle[kIndex] = std::nextafter(1.0f, 2.0f);
+  EXPECT_EQ(look(), 0u);
+}
+
+TEST_F(FeedbackCheck, AFingerAsFastAsCanBeIsBelievedHoweverUnevenlyRepliesCome) {
+  test::Random random(5);
+  std::int64_t sampled = feedback.time;
+  double angle = 0;
+  for (int i = 0; i < 10000; ++i) {
+    feedback.asked = feedback.time;
+    const std::int64_t there =
+        feedback.asked + static_cast<std::int64_t>(random.between(0, 10) * kMillisecond);
+    const std::int64_t back = there + static_cast<std::int64_t>(random.between(0, 10) * kMillisecond);
+    const double sense = angle > 1.5 ? -1 : angle < 0 ? 1 : random.between(-1, 1);
+    angle += sense * kFastestJoint * static_cast<double>(there - sampled) * 1e-9;
+    sampled = there;
+    feedback.angle[kIndex] = static_cast<float>(angle);
+    feedback.time = back;
+    feedback.valid = all;
+    check_feedback(profile, feedback, memory);
+    ASSERT_EQ(feedback.flags, 0u) << i;
+  }
+}
+
+TEST_F(FeedbackCheck, AnAngleThatTorquesDoNotMoveIsStuckUntilItMoves) {
+  feedback.angle[kIndex] = 0.7f;
+  int first = 0;
+  for (int i = 1; i <= 600; ++i) {
+    feedback.acted[3] = 0.3 * std::sin(0.01 * i);
+    if (look() != 0 && first == 0) first = i;
+  }
+  EXPECT_EQ(feedback.flags, kAngleStuck);
+  EXPECT_FALSE(believed());
+  EXPECT_GE(first, 250);
+  EXPECT_LE(first, 350);
+  feedback.angle[kIndex] = 0.7005f;
+  EXPECT_EQ(look(), 0u);
+  EXPECT_TRUE(believed());
+}
+
+TEST_F(FeedbackCheck, AnAngleAtRestUnderASteadyTorqueIsNotStuck) {
+  feedback.angle[kIndex] = 0.7f;
+  for (int i = 0; i < 5000; ++i) {
+    feedback.acted[3] = 0.2 + 0.004 * std::sin(0.1 * i);
+    ASSERT_EQ(look(), 0u);
+  }
+}
+
+TEST_F(FeedbackCheck, ABrakeMovesNothing) {
+  for (Actuator& actuator : profile.actuators) actuator.drive = Drive::brake;
+  for (int i = 0; i < 1000; ++i) {
+    feedback.acted.fill(0.3 * std::sin(0.05 * i));
+    ASSERT_EQ(look(), 0u);
+  }
+}
+
+TEST_F(FeedbackCheck, WhatIsOutOfRangeIsFlaggedAndDoesNotCountAsKnown) {
+  feedback.angle[kIndex] = 0.1f;
+  EXPECT_EQ(look(), 0u);
+  feedback.valid = all & ~(1u << kIndex);  // as the registers' reader leaves it
+  check_feedback(profile, feedback, memory);
+  EXPECT_EQ(feedback.flags, kAngleOutOfRange);
+}
+
+TEST_F(FeedbackCheck, NothingIsDoubtedInASimulatedHandWhateverTorquesDoToIt) {
+  for (const double stiffness : {0.05, 0.5, 5.0}) {
+    SimulationOptions options;
+    options.human.stiffness = stiffness;
+    SimulatedDevice device(profile, options);
+    test::Random random(17);
+    memory = {};
+    ActuatorArray command{};
+    for (int i = 0; i < 5000; ++i) {
+      for (std::size_t k = 0; k < 15; ++k) {
+        const double wanted = command[k] + random.between(-0.02, 0.02);
+        command[k] = std::clamp(wanted, profile.actuators[k].lower, profile.actuators[k].upper);
+        std::array<std::uint16_t, 1> word = {static_cast<std::uint16_t>(std::lround(command[k] / 1e-4))};
+        ASSERT_EQ(device.write(1, static_cast<std::uint16_t>(2 + k), word), 0);
+      }
+      std::array<std::uint16_t, 2> control = {1, static_cast<std::uint16_t>(i)};
+      ASSERT_EQ(device.write(1, 0, control), 0);
+      device.advance(1e-3);
+      feedback.acted = command;
+      for (std::size_t j = 0; j < kPhalanxCount; ++j) {
+        feedback.angle[4 * (j / 3) + 1 + j % 3] =
+            static_cast<float>(read_encoder(profile.dynamics[j], device.joints()[j].angle));
+      }
+      ASSERT_EQ(look(), 0u) << "stiffness " << stiffness << ", " << i << " ms";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lumbrical
