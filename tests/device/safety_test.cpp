@@ -146,6 +146,7 @@ TEST(Safety, EveryCauseOfAFaultFadesTheOutput) {
   };
   cause([](SafetyInputs& inputs) { inputs.device_fault = true; }, kDeviceFault);
   cause([](SafetyInputs& inputs) { inputs.heartbeat_lost = true; }, kHeartbeatLost);
+  cause([](SafetyInputs& inputs) { inputs.other_master = true; }, kOtherMaster);
   cause([](SafetyInputs& inputs) { inputs.tick_age = 0.2; }, kTickStopped);
   cause([](SafetyInputs& inputs) { inputs.tick_age = kNan; }, kTickStopped);
   cause([](SafetyInputs& inputs) { inputs.wanted[3] = kNan; }, kCommandNotFinite);

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "device/registers.h"
 #include "device_fixture.h"
 
 namespace lumbrical {
@@ -39,6 +42,33 @@ TEST(ExchangeWords, WriteAndReadTheInspireHandsRegisters) {
   EXPECT_NEAR(angle[4 * 2 + 1], 0.75, 1e-6);
   EXPECT_EQ(valid >> (4 * 1 + 1) & 1u, 0u) << "65535 is no angle";
   EXPECT_EQ(valid >> (4 * 0 + 1) & 1u, 1u);
+}
+
+TEST(ExchangeWords, AreReadBackPartByPartAndHoldUnlessABitOfAFieldDiffers) {
+  for (const char* const name : {"exoskeleton", "exoskeleton_serial", "robotiq_2f", "inspire_rh56"}) {
+    ExchangeWords words(test::shipped_profile(name));
+    std::vector<int> seen(words.written.size(), 0);
+    for (std::size_t i = 0; i < words.written.size(); ++i)
+      words.written[i] = static_cast<std::uint16_t>(7 * i + 1);
+    std::size_t parts = 0;
+    for (; words.part(parts) != words.part(0) || parts == 0; ++parts) {
+      const auto [block, at] = words.part(parts);
+      ASSERT_LE(block.count, kLookBack);
+      std::copy_n(words.written.begin() + static_cast<std::ptrdiff_t>(at), block.count,
+                  words.read_back.begin());
+      EXPECT_TRUE(words.holds(block, at));
+      for (std::size_t k = 0; k < block.count; ++k) {
+        ++seen[at + k];
+        EXPECT_EQ(find_register(words.plan.writes, block.unit, static_cast<std::uint16_t>(block.address + k)),
+                  static_cast<int>(at + k));
+        words.read_back[k] ^= 1;
+        EXPECT_EQ(words.holds(block, at), (words.claimed[at + k] & 1) == 0);
+        words.read_back[k] ^= 1;
+      }
+      if (words.written.size() <= kLookBack && words.plan.writes.size() == 1) break;
+    }
+    EXPECT_EQ(seen, std::vector<int>(seen.size(), 1)) << name;
+  }
 }
 
 TEST(ExchangeWords, SendTheLocalModelOnlyWithTheTorqueItBelongsTo) {

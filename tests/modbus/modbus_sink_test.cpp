@@ -323,6 +323,30 @@ TEST_F(ModbusLoop, ForcesAreRefusedWhereNothingWouldLetGoOfThem) {
   EXPECT_TRUE(accepted.open(profile, {}).ok());
 }
 
+TEST_F(ModbusLoop, AnotherMastersWritesAreNoticedAndStopTheForces) {
+  start();
+  std::atomic<bool> enough{false};
+  std::thread other([&] { test::write_again_and_again(device.port(), 5, 3000, enough); });
+  EXPECT_TRUE(sink.told("active -> fault: another master writes to the device")) << sink.log();
+  enough = true;
+  other.join();
+  EXPECT_TRUE(rests());
+  sink.sink.request_reset();
+  EXPECT_TRUE(sink.reaches(SafetyState::idle)) << sink.log();
+  sink.sink.request_arm();
+  EXPECT_TRUE(acts()) << sink.log();
+}
+
+TEST_F(ModbusLoop, CommandsThatCannotBeReadBackAreToldOnceAndNoReasonToStop) {
+  device.faults.hide_commands = true;
+  start();
+  EXPECT_TRUE(sink.told("another master would not be noticed")) << sink.log();
+  const int before = sink.acknowledged;
+  EXPECT_TRUE(eventually([&] { return sink.acknowledged > before + 40; }));
+  EXPECT_EQ(sink.log().find("would not be noticed"), sink.log().rfind("would not be noticed"));
+  EXPECT_EQ(sink.sink.report().state, SafetyState::active);
+}
+
 TEST_F(ModbusLoop, TheDevicesOwnStopFaultHangAndDeadManCount) {
   start();
   device.release_dead_man = true;

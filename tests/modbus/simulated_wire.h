@@ -73,6 +73,30 @@ inline void flood(std::uint16_t port, const std::atomic<bool>& enough) {
   }
 }
 
+/// Another master: writes a register every millisecond until it is `enough`.
+inline void write_again_and_again(std::uint16_t port, std::uint8_t address, std::uint16_t value,
+                                  const std::atomic<bool>& enough) {
+  const int file = connect_to(port);
+  const std::array<std::uint8_t, 12> request = {0,
+                                                7,
+                                                0,
+                                                0,
+                                                0,
+                                                6,
+                                                1,
+                                                6,
+                                                0,
+                                                address,
+                                                static_cast<std::uint8_t>(value >> 8),
+                                                static_cast<std::uint8_t>(value)};
+  std::array<std::uint8_t, 12> reply{};
+  while (!enough && send(file, request.data(), request.size(), MSG_NOSIGNAL) > 0 &&
+         recv(file, reply.data(), reply.size(), 0) > 0) {
+    std::this_thread::sleep_for(1ms);
+  }
+  close(file);
+}
+
 /// A simulated device that a thread serves. What the test reads of it is copied after each step.
 class ServedDevice {
  public:

@@ -215,6 +215,22 @@ TEST(DeviceProgram, StopsAndArmsAgainBySignals) {
   EXPECT_NE(error.find("closed: the device has acknowledged safe values"), std::string::npos) << error;
 }
 
+TEST(DeviceProgram, AnotherMasterEndsTheSession) {
+  const auto folder = fresh_folder();
+  write_inputs(folder);
+  const std::string body =
+      kRun +
+      "--ticks 100000 --json 2>run.err & run=$!; "
+      "for i in $(seq 600); do grep -q 'armed -> active' run.err && break; sleep 0.05; done; " +
+      kRun + "--ticks 300 >other.out 2>other.err; wait $run";
+  const Outcome outcome = shell(with_device("--tcp 0", body), folder);
+  EXPECT_EQ(outcome.exit_code, 4);
+  const json run = outcome.json();
+  EXPECT_LT(run["ticks"], 100000);
+  EXPECT_NE(std::string(run["trouble"].at(0)).find("another master writes to the device"), std::string::npos)
+      << run["trouble"];
+}
+
 Outcome lose_device(const std::string& choice, int ticks, const std::filesystem::path& folder) {
   write_inputs(folder);
   const std::string body =

@@ -69,6 +69,7 @@ void DeviceLoop::Loop::note(const SentCommand& sent) {
     loop_delays.add(static_cast<std::uint32_t>(std::min<std::int64_t>(sent.loop_delay, 4000000000)));
   note_exchange(sent, control);
   if (sent.acknowledged != 0) last_acknowledged = sent.acknowledged;
+  other_master = other_master || (sent.flags & kOtherMaster) != 0;
 }
 
 std::string check_sink_uri(std::string& text) {
@@ -131,7 +132,7 @@ bool DeviceLoop::after(const Scratch& scratch, const DeviceFrame& frame, const A
   if (loop.control.certified && loop.control.any_feedback && loop.was_active) {
     loop.oldest = max(loop.oldest, static_cast<double>(clock_ns() - loop.last_acknowledged) * 1e-9);
   }
-  return !(loop.uri.stop_on_loss && loop.lost(state));
+  return !loop.other_master && !(loop.uri.stop_on_loss && loop.lost(state));
 }
 
 // A device that was never there has as long as it takes to notice one that falls silent.

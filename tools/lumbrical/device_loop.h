@@ -33,7 +33,8 @@ class DeviceLoop {
   /// Before a tick: `frame` comes from the motion; the device's angles take the place of the motion's.
   void before(DeviceFrame& frame);
   /// After it: forces to the device, and what was sent meanwhile into the record. False: the session shall
-  /// end (on-loss=stop). Neither locks, allocates nor calls the system except for the clock.
+  /// end (on-loss=stop, or another master drives the device). Neither locks, allocates nor calls the system
+  /// except for the clock.
   bool after(const Scratch& scratch, const DeviceFrame& frame, const ActuatorFrame& output,
              TickRecord& record);
 

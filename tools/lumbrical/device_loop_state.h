@@ -27,7 +27,7 @@ struct DeviceLoop::Loop {
   // Figures.
   TickTimes loop_delays;
   std::int64_t last_acknowledged = 0;
-  bool was_active = false;
+  bool was_active = false, other_master = false;
   std::int64_t armed_at = 0;
   std::uint64_t blind_ticks = 0;    // since then, without angles to go by
   std::uint64_t doubted_ticks = 0;  // of them, with angles that could not be

@@ -152,6 +152,7 @@ struct DeviceProfile {
   double rate = 100;                         ///< [Hz] largest number of exchanges per second
   double response_timeout = 0.05;            ///< [s] for the answer to one request
   double first_retry = 0.1, last_retry = 2;  ///< [s] pause before reconnecting; doubles in between
+  double read_back = 0.1;   ///< [s] between looks at whether the commands still are ours; 0: none
   bool read_write = false;  ///< FC23 in the place of FC16 and a read, where both are one block of one unit
   int read_function = 3;    ///< 3 holding registers or 4 input registers
   std::vector<Actuator> actuators;

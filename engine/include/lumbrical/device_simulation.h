@@ -86,6 +86,7 @@ class SimulatedDevice {
   int write(std::uint8_t unit, std::uint16_t address, std::span<const std::uint16_t> words);
   int read(std::uint8_t unit, std::uint16_t address, std::span<std::uint16_t> words) const;
   [[nodiscard]] bool has_unit(std::uint8_t unit) const;
+  [[nodiscard]] bool is_command(std::uint8_t unit, std::uint16_t address) const;  ///< written in every cycle
 
   void press_stop(bool pressed) { stop_ = pressed; }
   void hold_dead_man(bool held) { dead_man_ = held; }

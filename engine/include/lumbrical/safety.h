@@ -36,9 +36,11 @@ enum SafetyFlag : std::uint32_t {
   kClamped = 1u << 8,          ///< a command lay outside an actuator's limits
   kSlewLimited = 1u << 9,      ///< a command rose faster than the actuator's slew limit
   kSoftStart = 1u << 10,       ///< the output is still growing after arming
+  kOtherMaster = 1u << 11,     ///< the device's commands are not those written: someone else drives it, or it
+                               ///< has forgotten them. Find out who
 };
 inline constexpr std::uint32_t kLatchedFaults =
-    kStopPressed | kDeviceFault | kTickStopped | kCommandNotFinite | kHeartbeatLost;
+    kStopPressed | kDeviceFault | kTickStopped | kCommandNotFinite | kHeartbeatLost | kOtherMaster;
 
 /// What the outside says in one step. Requests are edges: true once.
 struct SafetyInputs {
@@ -49,6 +51,7 @@ struct SafetyInputs {
   bool stop = false;     ///< an emergency stop is pressed
   bool dead_man = true;  ///< held, or there is none
   bool heartbeat_lost = false;
+  bool other_master = false;  ///< commands read back are not those written
   bool arm = false, disarm = false, reset = false;
   bool continue_after_loss = false;  ///< arm by itself when the link is back, if it was armed when it broke
   double tick_age = 0;               ///< [s] since the last new command from the tick thread

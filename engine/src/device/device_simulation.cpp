@@ -113,6 +113,10 @@ bool SimulatedDevice::has_unit(std::uint8_t unit) const {
   return first != registers_.end() && first->first.first == unit;
 }
 
+bool SimulatedDevice::is_command(std::uint8_t unit, std::uint16_t address) const {
+  return find_register(plan_exchange(profile_).writes, unit, address) >= 0;
+}
+
 bool SimulatedDevice::switched_on() const {
   if (!profile_.control.present) return true;
   return registers_.at({profile_.control.unit, profile_.control.address}) == profile_.control.active;

@@ -15,6 +15,7 @@ std::uint32_t causes_now(const DeviceProfile& profile, const SafetyInputs& input
   // A device that does not answer says nothing about itself.
   if (inputs.connected && inputs.device_fault) causes |= kDeviceFault;
   if (inputs.connected && inputs.heartbeat_lost) causes |= kHeartbeatLost;
+  if (inputs.connected && inputs.other_master) causes |= kOtherMaster;
   const bool on = memory.state == SafetyState::armed || memory.state == SafetyState::active;
   if (on && !(inputs.tick_age <= profile.safety.tick_timeout)) causes |= kTickStopped;
   for (std::size_t i = 0; i < profile.actuators.size(); ++i) {

@@ -282,6 +282,9 @@ void ProfileReader::timing(const format::Device& table) {
   read_.number(table.rate(), "rate", {0.1, 20000}, profile_.rate);
   read_.number(table.response_timeout(), "response_timeout", {0.001, 10}, profile_.response_timeout);
   read_.number(table.first_retry(), "first_retry", {0.001, 60}, profile_.first_retry);
+  read_.number(table.read_back(), "read_back", {0, 10}, profile_.read_back);
+  if (profile_.read_back > 0 && profile_.read_back < 0.01)
+    read_.error("read_back", "must be 0, or 0.01 to 10 s");
   read_.number(table.last_retry(), "last_retry", {0.001, 600}, profile_.last_retry);
 }
 

@@ -1,6 +1,7 @@
 // See exchange_words.h.
 #include "modbus/exchange_words.h"
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 
@@ -29,6 +30,16 @@ double finite_or_zero(double value) { return std::isfinite(value) ? value : 0; }
 
 ExchangeWords::ExchangeWords(const DeviceProfile& profile) : plan(plan_exchange(profile)) {
   written.assign(static_cast<std::size_t>(total_count(plan.writes)), 0);
+  claimed.assign(written.size(), 0xFFFF);
+  for (const bool claims : {false, true}) {  // the other byte of a register may be the device's own
+    for (const Actuator& actuator : profile.actuators) {
+      const RegisterType type = actuator.field.type;
+      if (type != RegisterType::u8_high && type != RegisterType::u8_low) continue;
+      std::uint16_t& mask = *place(plan.writes, claimed, actuator.field.unit, actuator.field.address);
+      const unsigned byte = type == RegisterType::u8_high ? 0xFF00 : 0x00FF;
+      mask = static_cast<std::uint16_t>(claims ? mask | byte : 0);
+    }
+  }
   read.assign(static_cast<std::size_t>(total_count(plan.reads)), 0);
   for (const RegisterWrite& write : profile.handshake) {
     if (std::uint16_t* const at = place(plan.writes, written, write.unit, write.address)) *at = write.value;
@@ -64,6 +75,31 @@ void ExchangeWords::commands(const DeviceProfile& profile, ActuatorArray& comman
     const double value = decode_field(actuator.field, words);
     command[i] = std::isfinite(value) ? clamp(value, actuator.lower, actuator.upper) : actuator.safe;
   }
+}
+
+std::pair<RegisterBlock, std::size_t> ExchangeWords::part(std::size_t index) const {
+  const auto parts_of = [](const RegisterBlock& block) { return (block.count + kLookBack - 1) / kLookBack; };
+  std::size_t count = 0, at = 0;
+  for (const RegisterBlock& block : plan.writes) count += parts_of(block);
+  index %= count;
+  for (const RegisterBlock& block : plan.writes) {
+    if (index < parts_of(block)) {
+      const std::size_t first = index * kLookBack, size = std::min(kLookBack, block.count - first);
+      return {
+          {block.unit, static_cast<std::uint16_t>(block.address + first), static_cast<std::uint16_t>(size)},
+          at + first};
+    }
+    index -= parts_of(block);
+    at += block.count;
+  }
+  return {};
+}
+
+bool ExchangeWords::holds(const RegisterBlock& block, std::size_t at) const {
+  for (std::size_t i = 0; i < block.count; ++i) {
+    if (((read_back[i] ^ written[at + i]) & claimed[at + i]) != 0) return false;
+  }
+  return true;
 }
 
 DeviceStatus ExchangeWords::status(const DeviceProfile& profile) const {

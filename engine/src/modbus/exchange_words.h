@@ -3,11 +3,15 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "lumbrical/modbus_sink.h"
 
 namespace lumbrical {
+
+inline constexpr std::size_t kLookBack =
+    16;  ///< registers read back at once: little beside a cycle of a slow bus
 
 struct DeviceStatus {
   bool ready = true, fault = false, stop = false, dead_man = true;
@@ -18,6 +22,8 @@ struct DeviceStatus {
 struct ExchangeWords {
   ExchangePlan plan;
   std::vector<std::uint16_t> written, read;
+  std::vector<std::uint16_t> claimed;                ///< bits of `written` that fields write
+  std::array<std::uint16_t, kLookBack> read_back{};  ///< a part of `written` as the device has it
 
   /// Bytes that no field claims hold what the handshake wrote there, or 0.
   explicit ExchangeWords(const DeviceProfile& profile);
@@ -25,6 +31,11 @@ struct ExchangeWords {
              std::uint16_t heartbeat);
   /// The commands that `written` stands for, within each actuator's limits.
   void commands(const DeviceProfile& profile, ActuatorArray& command) const;
+  /// The index'th of the parts of at most kLookBack registers that what is written consists of, round and
+  /// round, and where it begins in `written`.
+  [[nodiscard]] std::pair<RegisterBlock, std::size_t> part(std::size_t index) const;
+  /// Whether `read_back` holds what was written to that part.
+  [[nodiscard]] bool holds(const RegisterBlock& block, std::size_t at) const;
   [[nodiscard]] DeviceStatus status(const DeviceProfile& profile) const;
   void angles(const DeviceProfile& profile, std::array<float, 4 * kFingerCount>& angle,
               std::uint32_t& valid) const;

@@ -78,8 +78,8 @@ speed_t speed_of(std::uint32_t baud) {
 void spoil(WrongReply wrong, ModbusRequest& request, Bytes& answer) {
   if (wrong == WrongReply::transaction) --request.transaction;
   if (wrong == WrongReply::unit) ++request.unit;
+  if (wrong == WrongReply::registers && answer[0] == 16) ++answer[2];
   if (wrong == WrongReply::function) ++answer[0];
-  if (wrong == WrongReply::registers && answer.size() > 2) ++answer[2];  // of an address, or of data
 }
 
 void spoil(WrongReply wrong, bool serial, Bytes& frame) {
@@ -130,7 +130,10 @@ struct ModbusServer::Session {
           const std::function<void(SimulatedDevice&)>& watch)
       : device(simulated), faults(wanted), observe(watch) {
     access.has_unit = [this](std::uint8_t unit) { return device.has_unit(unit); };
-    access.read = [this](auto unit, auto address, auto words) { return device.read(unit, address, words); };
+    access.read = [this](auto unit, auto address, auto words) {
+      if (faults.hide_commands && device.is_command(unit, address)) return 2;
+      return device.read(unit, address, words);
+    };
     access.write = [this](auto unit, auto address, auto words) { return device.write(unit, address, words); };
   }
 

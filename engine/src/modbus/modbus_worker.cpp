@@ -125,7 +125,7 @@ bool ModbusSink::Worker::answered(const LinkResult& result, const char* doing, c
 
 void ModbusSink::Worker::lose(std::string why) {
   link.close();
-  handshaken = false;
+  handshaken = standing = false;
   problem(std::move(why));
   // The first try follows at once, the others ever later.
   next_try = retry == 0 ? 0 : now_ns() + ns(retry);
@@ -150,6 +150,7 @@ SafetyOutput ModbusSink::Worker::decide(std::int64_t now) {
   inputs.dead_man = profile.status.dead_man != 0 ? device.dead_man : dead_man.load();
   inputs.heartbeat_lost = profile.heartbeat.echoed && any_answer &&
                           seconds(now - last_echo_change) > profile.safety.answer_timeout;
+  inputs.other_master = std::exchange(other_master, false);
   inputs.arm = (asked & kArm) != 0;
   inputs.disarm = (asked & kDisarm) != 0 || closing;
   inputs.reset = (asked & kReset) != 0;
@@ -176,6 +177,7 @@ void ModbusSink::Worker::tell_transition(SafetyState before, std::uint32_t flags
       {kTickStopped, "no new tick"},
       {kCommandNotFinite, "a command that is no number"},
       {kHeartbeatLost, "heartbeat not echoed"},
+      {kOtherMaster, "another master writes to the device, or it has lost what was written"},
       {kAnswerLost, "no answer"},
       {kDeadManReleased, "dead-man switch released"}};
   std::string causes;
@@ -191,6 +193,23 @@ void ModbusSink::Worker::tell_transition(SafetyState before, std::uint32_t flags
     report.trouble = "fault" + causes;
   }
   if (safety.state == SafetyState::disconnected && was_on) ++report.losses;
+}
+
+// Do the registers still hold what was written in the cycle before? A few of them at a time.
+void ModbusSink::Worker::look_back() {
+  const bool hurry = stop || closing || options.take_over;
+  if (!link.is_open() || !standing || hurry || !(profile.read_back > 0)) return;
+  if (seconds(now_ns() - last_look) < profile.read_back) return;
+  last_look = now_ns();
+  const auto [block, at] = words.part(look++);
+  const LinkResult result = link.read(3, block, words.read_back.data());
+  if (result.outcome == LinkOutcome::refused) {
+    profile.read_back = 0;
+    tell("another master would not be noticed: the device does not let its commands be read back (" +
+         std::string(result.text) + ")");
+    return;
+  }
+  if (answered(result, "reading back", block)) other_master = !words.holds(block, at);
 }
 
 bool ModbusSink::Worker::transfer() {
@@ -286,6 +305,7 @@ bool ModbusSink::Worker::step() {
     handshaken = options.take_over ? take_over() : shake_hands();
     if (handshaken) last_echo_change = now_ns();
   }
+  look_back();
   SafetyOutput output = decide(now_ns());
   if (options.dry_run) {
     for (std::size_t i = 0; i < profile.actuators.size(); ++i) output.command[i] = profile.actuators[i].safe;
@@ -299,6 +319,7 @@ bool ModbusSink::Worker::step() {
     ++cycle;
     if (!output.at_safe_values && !options.dry_run) safe = false;  // it may arrive even if its reply does not
     acknowledged = transfer();
+    standing = acknowledged;
     const std::int64_t now = now_ns();
     if (acknowledged) {
       take_feedback(now);

@@ -61,6 +61,10 @@ struct ModbusSink::Worker {
   bool any_answer = false, handshaken = false;
   DeviceStatus device;
   FeedbackMemory feedback_memory{};
+  bool standing = false;  // what `words` wrote in the cycle before was acknowledged on this connection
+  bool other_master = false;
+  std::int64_t last_look = 0;
+  std::size_t look = 0;
   std::uint32_t doubts = 0;  // DeviceFlag bits of the newest feedback
   std::uint16_t last_echo = 0;
   ActuatorArray commanded{}, acting{};  // by this cycle's request, and by the last one acknowledged
@@ -91,6 +95,7 @@ struct ModbusSink::Worker {
   bool answered(const LinkResult& result, const char* doing, const RegisterBlock& block);
   void tell_transition(SafetyState before, std::uint32_t flags);
   SafetyOutput decide(std::int64_t now);
+  void look_back();
   bool transfer();
   void tell_doubts(const DeviceFeedback& feedback);
   void take_feedback(std::int64_t now);
