@@ -21,7 +21,7 @@ export function tickRows(frame: Frame, milliseconds: number, world: World, noCon
     ["tick", `${frame.tick} at ${(frame.tick / world.rate).toFixed(3)} s`],
     ["force of the hand", newtons(total)],
     ["off by at most", `${brief(frame.forceError)} N by integrals; about ${brief(frame.errorEstimate)} N by samples`],
-    ["contacts", `${frame.contacts.length} (${frame.contactCount} of the exact rung in the file)`],
+    ["contacts", `${frame.contacts.length} triangles; the tick counted ${frame.contactCount} patches`],
     ["flags", flagsText(frame.flags)],
     ["tick took", `${brief(frame.duration)} us; here ${brief(milliseconds)} ms with contacts`],
   ];

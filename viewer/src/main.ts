@@ -9,7 +9,7 @@ import { readLink, writeLink } from "./link";
 import { makePlots, type Plots } from "./plots";
 import { pressureOf } from "./pressure";
 import { makeView, type Pick } from "./scene";
-import { kForce, kTorque, type Columns, type Mark } from "./series";
+import { kForce, kTorque, makeColumns, pushRow, type Columns, type Mark } from "./series";
 import { drawTimeline, kMarks } from "./timeline";
 import { kSegmentCount, timeText } from "./words";
 import type { Opened, Shown, Source } from "./worker";
@@ -42,8 +42,7 @@ const state = {
   beside: false,
   live: false,
   pick: undefined as Pick | undefined,
-  top: 1000,  // [Pa]
-  scales: { force: 0.005, torque: 20 },
+  most: { force: 1, torque: 0.1, pressure: 1000 },  // seen so far [N], [N m], [Pa]; what is drawn to scale keeps within it
   divergence: undefined as Divergence | undefined,
 };
 let plots: Plots | undefined;
@@ -76,7 +75,7 @@ async function open(place: number, source: Source, link: string) {
     document.body.classList.remove("empty");
     element("name").textContent = state.sides.map((side) => side.opened.name).join("  and  ");
     element("beside").hidden = state.sides.length < 2;
-    await show(state.wanted);
+    if (!state.live) await show(state.wanted);
   } catch (error) {
     say((error as Error).message, true);
   }
@@ -87,7 +86,8 @@ function beginWith(opened: Opened) {
   state.divergence = undefined;
   state.pick = undefined;
   view.setWorld(state.world);
-  view.setFrame(1, undefined, state.scales, state.top);
+  view.setFrame(1, undefined, scales(), 1);
+  state.most = { force: 1, torque: 0.1, pressure: 1000 };
   view.frameAll();
   state.tick = state.wanted = opened.first;
   plots = makePlots(element("plots"), opened.rate, (from, to) => setRange(from * opened.rate, to * opened.rate), (time) => seek(time * opened.rate));
@@ -112,22 +112,32 @@ client.onScanned = (place, columns, marks, share) => {
   if (!side) return;
   side.whole = columns;
   side.marks = [...marks, ...side.marks.filter((mark) => mark.kind === "divergence")].sort((a, b) => a.tick - b.tick);
-  setScales();
+  notice("force", ...whole(columns, kForce));
+  notice("torque", ...whole(columns, kTorque).map((value) => 1e-3 * value));
   if (share === 1 || !showsWindow()) fillPlots();
   document.body.dataset.scanned = String(share);
   redraw();
 };
 
+/** The largest of every segment but the palm, whose joint, the wrist, carries all and has no arc. */
+function whole(columns: Columns, first: number): number[] {
+  return columns.values.slice(first, first + kSegmentCount - 1).map((column) => column.reduce((most, value) => (value > most ? value : most), 0));
+}
+
+function notice(what: keyof typeof state.most, ...values: number[]) {
+  const most = niceAbove(Math.max(...values, state.most[what]));
+  if (most === state.most[what]) return;
+  state.most[what] = most;
+  for (const place of state.sides.keys()) setFrame(place);
+}
+
 /** Arrows no longer than 60 mm, arcs no wider than three quarters of a turn. */
-function setScales() {
-  const whole = state.sides[0]?.whole;
-  if (!whole) return;
-  const most = (first: number) => {
-    let top = 0;
-    for (let s = 0; s < kSegmentCount - 1; ++s) for (const value of whole.values[first + s]) if (value > top) top = value;
-    return top;
-  };
-  state.scales = { force: 0.06 / niceAbove(most(kForce) || 1), torque: (1.5 * Math.PI) / (niceAbove(most(kTorque) || 1) * 1e-3) };
+const scales = () => ({ force: 0.06 / state.most.force, torque: (1.5 * Math.PI) / state.most.torque });
+
+function setFrame(place: number) {
+  view.setFrame(place, state.sides[place].frame, scales(), state.most.pressure);
+  drawn = NaN;
+  redraw();
 }
 
 // ---- Time ----------------------------------------------------------------------------------------------------------
@@ -159,11 +169,11 @@ function take(place: number, shown: Shown | undefined, tick: number) {
   state.tick = tick;
   side.frame = shown && readFrame(shown);
   side.milliseconds = shown?.milliseconds ?? 0;
-  const highest = Math.max(0, ...(side.frame?.contacts ?? []).map((contact) => pressureOf(contact, state.world!)));
-  state.top = Math.max(state.top, niceAbove(highest));
-  view.setFrame(place, side.frame, state.scales, state.top);
-  drawn = NaN;
-  redraw();
+  const { forces, jointTorques, contacts } = side.frame ?? { forces: [], jointTorques: [], contacts: [] };
+  notice("force", ...forces.slice(0, kSegmentCount - 1).map((force) => force.length()));
+  notice("torque", ...jointTorques.slice(0, kSegmentCount - 1).map((torque) => torque.length()));
+  notice("pressure", ...contacts.map((contact) => pressureOf(contact, state.world!)));
+  setFrame(place);
 }
 
 const rate = () => state.sides[0]?.opened.rate ?? 1000;
@@ -212,6 +222,7 @@ function setRange(from: number, to: number) {
   state.from = Math.max(first(), Math.floor(from));
   state.to = Math.min(last(), Math.ceil(Math.max(to, from + 10)));
   plots?.setRange(state.from / rate(), state.to / rate());
+  document.body.dataset.range = `${state.from} ${state.to}`;
   fillPlots();
   redraw();
 }
@@ -226,14 +237,22 @@ async function fillPlots() {
 
 // ---- Live ----------------------------------------------------------------------------------------------------------
 
+const kLiveKept = 1200;  // ticks, twenty seconds of what comes
+let plotted = 0;
+
 client.onLive = (shown, error) => {
   if (error) say(error, true);
   if (!shown || !state.live) return;
-  const side = state.sides[0];
-  side.opened.last = shown.tick;
   take(0, shown, shown.tick);
-  const force = Math.max(0, ...(side.frame?.forces ?? []).map((f) => f.length()));
-  state.scales.force = Math.min(state.scales.force, 0.06 / niceAbove(force || 1));
+  const side = state.sides[0];
+  side.whole ??= makeColumns(kLiveKept);
+  pushRow(side.whole, shown, rate());
+  const [oldest, newest] = [side.whole.tick.find((tick) => tick > 0) ?? 0, shown.tick];
+  [side.opened.first, side.opened.last] = [oldest, newest];
+  if (performance.now() - plotted < 250) return;
+  plotted = performance.now();
+  setRange(oldest, newest);
+  plots?.setData(side.whole, undefined);
 };
 
 // ---- Drawing -------------------------------------------------------------------------------------------------------
@@ -256,7 +275,7 @@ function drawTick() {
   } else {
     details.textContent = `Tick ${state.tick} is missing in the file.`;
   }
-  drawLegend(element("legend"), state.top, state.scales);
+  drawLegend(element("legend"), state.most.pressure, scales(), state.sides.length > 1 && !state.beside);
   plots?.setTime(state.tick / rate());
 }
 
@@ -356,6 +375,7 @@ function toggleBeside() {
   state.beside = !state.beside;
   view.setBeside(state.beside);
   element("beside").setAttribute("aria-pressed", String(state.beside));
+  drawn = NaN;
   redraw();
 }
 
@@ -425,7 +445,7 @@ async function openLink() {
   if (given.live) await open(0, { live: new URL(given.live, location.href).href }, given.live);
   for (const [place, url] of given.recordings.entries()) {
     await open(place, { url: new URL(url.split("/").map(encodeURIComponent).join("/"), location.href).href }, url);
-    if (state.sides.length <= place) return;
+    if (state.sides.length <= place) break;
   }
   if (given.camera && state.sides.length > 0) {
     view.camera.position.fromArray(given.camera);

@@ -61,7 +61,7 @@ function charts(rate: number): Chart[] {
 /** The largest first, and only those that are there. */
 function valuesText(chart: Chart, values: (number | null)[]): DocumentFragment {
   const told = values.map((value, i) => ({ value: value ?? NaN, i })).filter(({ value }) => !Number.isNaN(value));
-  const some = chart.labels.length > 1 ? told.filter(({ value }) => value > 0).sort((a, b) => b.value - a.value).slice(0, 4) : told;
+  const some = chart.labels.length > 1 ? told.filter(({ value }) => value > 0).sort((a, b) => b.value - a.value).slice(0, 2) : told;
   const fragment = document.createDocumentFragment();
   for (const { value, i } of some) {
     const number = document.createElement("b");
@@ -108,7 +108,7 @@ export function makePlots(parent: HTMLElement, rate: number, zoom: (from: number
     const plot = new uPlot({
       width: 410, height: chart.height,
       legend: { show: false },
-      scales: { x: { time: false, range: () => range }, y: { range: (_, low, high) => [Math.min(0, low ?? 0), Math.max(high ?? 0, 1e-9) * 1.05] } },
+      scales: { x: { time: false, range: () => range }, y: { range: (_, low, high) => [Math.min(0, low ?? 0), (high ?? 0) > 0 ? 1.05 * high! : 1] } },
       axes: [{ ...axis, size: 24, values: (_, at) => at.map((t) => `${+t.toFixed(4)} s`) }, { ...axis, size: 52, values: (_, at) => at.map((v) => (chart.text ? chart.text(v) : brief(v))) }],
       series: [{}, ...chart.labels.map((label, i) => ({ label, stroke: () => chart.stroke(i), dash: chart.dash(i), width: 1.25, points: { show: false }, spanGaps: chart.text !== undefined }))],
       cursor: { sync: { key: "time" }, drag: { x: true, y: false, setScale: false }, points: { show: false } },
@@ -125,7 +125,10 @@ export function makePlots(parent: HTMLElement, rate: number, zoom: (from: number
     plot.over.addEventListener("click", (event) => {
       if (isClick(event)) seek(plot.posToVal(event.offsetX, "x"));
     });
-    box.append(heading, plot.root, values);
+    const title = document.createElement("div");
+    title.className = "title";
+    title.append(heading, values);
+    box.append(title, plot.root);
     parent.append(box);
     made.push({ chart, plot, box, values });
   }

@@ -127,7 +127,7 @@ export function makePressure() {
   return { mesh, update };
 }
 
-/** [Pa] mean over the contacted part of a triangle. */
-export function pressureOf(contact: { area: number; volume: number }, world: World): number {
-  return contact.area > 0 ? (world.stiffness * contact.volume) / contact.area : 0;
+/** [Pa] mean over the contacted part of a triangle; of slivers, whose area is rounding, no more than the deepest point's. */
+export function pressureOf(contact: { area: number; volume: number; depth: number }, world: World): number {
+  return contact.area > 0 ? world.stiffness * Math.min(contact.volume / contact.area, contact.depth) : 0;
 }

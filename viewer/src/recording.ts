@@ -39,12 +39,12 @@ async function openMcap(bytes: Bytes) {
   const end = await bytes.read(size - 8n, 8n);
   if (!kMagic.every((byte, i) => end[i] === byte))
     throw new Error(`${bytes.name}: byte ${size}: the file is torn, its index is missing. ` +
-      `What is whole comes back by\n  lumbrical recover ${bytes.name} -o WHOLE.mcap`);
+      `What is whole comes back by\n  lumbrical recover ${bytes.name} --output whole.mcap`);
   try {
     return await McapIndexedReader.Initialize({ readable: bytes, decompressHandlers, messageIndexCacheSizeBytes: 8 << 20 });
   } catch (error) {
     throw new Error(`${bytes.name}: the index near byte ${size} is damaged (${(error as Error).message}). ` +
-      `What is whole comes back by\n  lumbrical recover ${bytes.name} -o WHOLE.mcap`);
+      `What is whole comes back by\n  lumbrical recover ${bytes.name} --output whole.mcap`);
   }
 }
 
@@ -80,7 +80,7 @@ export async function openRecording(bytes: Bytes): Promise<Recording> {
         chunk.set(from + ((message.sequence - from) >>> 0), message.data);
     } catch (error) {
       throw new Error(`${bytes.name}: the chunk at byte ${chunkStartOffset} is damaged (${(error as Error).message}). ` +
-        `What is whole comes back by\n  lumbrical recover ${bytes.name} -o WHOLE.mcap`);
+        `What is whole comes back by\n  lumbrical recover ${bytes.name} --output whole.mcap`);
     }
     return chunk;
   };

@@ -4,7 +4,7 @@ import { Tick } from "../generated/lumbrical/fb/tick";
 import { SegmentOutput } from "../generated/lumbrical/fb/segment-output";
 import { Vec3 } from "../generated/lumbrical/fb/vec3";
 import { Sent } from "../generated/lumbrical/fb/sent";
-import type { Recording } from "./recording";
+import type { Chunk, Recording } from "./recording";
 import { kDeviceStates, kFault, kSegmentCount, kTickFlags } from "./words";
 
 // Columns: force of each segment [N], torque at each segment's joint [N mm], then these.
@@ -62,6 +62,15 @@ export function readRow(bytes: Uint8Array, rate: number, row: Float32Array): Cir
   return { flags: tick.flags(), late: tick.durationNs() > 1e9 / rate, state };
 }
 
+/** The newest tick at the end, the oldest falls out. */
+export function pushRow(columns: Columns, shown: { tick: number; message: Uint8Array }, rate: number) {
+  const row = new Float32Array(kColumnCount);
+  readRow(shown.message, rate, row);
+  for (const column of [columns.tick, ...columns.values]) column.copyWithin(0, 1);
+  columns.tick[columns.tick.length - 1] = shown.tick;
+  columns.values.forEach((column, k) => (column[column.length - 1] = row[k]));
+}
+
 /** Every tick of first .. last, for plots that show single ticks. */
 export async function readWindow(recording: Recording, first: number, last: number): Promise<Columns> {
   const from = Math.max(first, recording.first);
@@ -80,8 +89,8 @@ export async function readWindow(recording: Recording, first: number, last: numb
 const kBuckets = 4096;
 const kMostMarks = 3000;
 
-/** Reads the whole recording a chunk at a time; `tell` is called now and then, and when all is read. */
-export async function scan(recording: Recording, tell: (columns: Columns, marks: Mark[], share: number) => void) {
+/** Reads the whole recording a chunk at a time; `tell` is called now and then, and when all is read, `damaged` for each chunk that can't be. */
+export async function scan(recording: Recording, tell: (columns: Columns, marks: Mark[], share: number) => void, damaged: (text: string) => void) {
   const count = recording.last - recording.first + 1;
   const per = Math.max(1, Math.ceil(count / kBuckets));
   const columns = makeColumns(Math.ceil(count / per));
@@ -95,7 +104,14 @@ export async function scan(recording: Recording, tell: (columns: Columns, marks:
   let next = recording.first;
   let told = performance.now();
   for (let index = 0; index < recording.chunkCount; ++index) {
-    for (const [tick, bytes] of await recording.chunk(index)) {
+    let chunk: Chunk;
+    try {
+      chunk = await recording.chunk(index);
+    } catch (error) {
+      damaged((error as Error).message);
+      continue;  // its ticks are a gap
+    }
+    for (const [tick, bytes] of chunk) {
       if (tick !== next) mark(next, "gap", `${tick - next} ticks are missing`);
       next = tick + 1;
       const now = readRow(bytes, recording.rate, row);
@@ -112,7 +128,7 @@ export async function scan(recording: Recording, tell: (columns: Columns, marks:
       if (now.state === kFault && before.state !== kFault) mark(tick, "fault", `device: ${kDeviceStates[kFault]}`);
       before = now;
     }
-    if (performance.now() - told > 300) {
+    if (performance.now() - told > 500) {
       tell(columns, marks, (index + 1) / recording.chunkCount);
       await new Promise((resolve) => setTimeout(resolve));  // requests of the page come first
       told = performance.now();

@@ -50,6 +50,7 @@ interface Place {
 }
 
 let wasm: ArrayBuffer;
+const kBeforeScan = 200;  // [ms] the first tick comes first
 const places: (Place | undefined)[] = [];
 const tell = (answer: Answer) => postMessage(answer);
 
@@ -67,9 +68,10 @@ async function open(place: number, source: Source): Promise<Opened> {
     noContacts = (error as Error).message;
   }
   places[place] = opened;
-  scan(recording, (columns, marks, share) => {
+  const overview = () => scan(recording, (columns, marks, share) => {
     if (places[place] === opened) tell({ type: "scanned", place, columns, marks, share });
-  }).catch((error) => tell({ type: "error", id: -1, text: (error as Error).message }));
+  }, (text) => tell({ type: "error", id: -1, text }));
+  setTimeout(overview, kBeforeScan);
   const { name, bytes: size, session, rate, first, last, metadata } = recording;
   return { name, bytes: size, session, rate, first, last, metadata, noContacts };
 }
