@@ -1,5 +1,5 @@
-// Other libraries doing the hand's job, each behind one function: which triangles does each phalanx touch,
-// and how deep?
+// Other libraries and methods doing the hand's job, each behind one function: which triangles does each
+// phalanx touch, and how deep?
 //
 // They are fed millimetres: in metres Bullet misses a third of the pairs. Shapes are whole capsules, one for
 // each phalanx.
@@ -29,7 +29,16 @@ struct Peer {
   bool has_area = false;  ///< area, and the depth is that of its centroid
   /// Finds the contacts of the posed phalanges; adds them to the list, which is empty.
   std::function<void(std::span<const Primitive>, std::vector<PeerContact>&)> find;
+  std::string leaves_out =
+      has_area ? "the volume, for which area times depth at the centroid stands; torques"
+               : "areas, volumes and torques: it finds points and their depths";  ///< of what our tick does
 };
+
+// The paper's related work (baselines.cpp).
+Peer make_point_probes(const Mesh& mesh);
+Peer make_point_meshes(const Mesh& mesh);
+Peer make_sphere_hand(const Mesh& mesh);
+Peer make_point_shell(const Mesh& mesh);
 
 // Each is there if the library was found; `mesh` need not outlive the call unless said.
 Peer make_bullet(const Mesh& mesh);

@@ -1,6 +1,6 @@
-// bench_peers: every rung of our tick beside Bullet, FCL, ODE and Embree on the same meshes and poses,
-// interleaved in one run, with each one's contacts checked against brute force and its force against the
-// exact rung's.
+// bench_peers: every rung of our tick beside Bullet, FCL, ODE, Embree and what the paper's related work does,
+// on the same meshes and poses, interleaved in one run, with each one's contacts checked against brute force
+// and its force against the exact rung's.
 //
 // Debian: libbullet-dev libfcl-dev libode-dev libembree-dev; what is not there is left out. --most 1100000
 // adds a million triangles, --scenes B the growing scene alone. --clock processor leaves out what other
@@ -135,9 +135,7 @@ Contender theirs(const Task& task, const Mesh& mesh, Peer (*make)(const Mesh&)) 
   contender.build_ms = milliseconds_since(start);
   contender.name = peer->name;
   contender.has_area = peer->has_area;
-  contender.leaves_out = peer->has_area
-                             ? "the volume, for which area times depth at the centroid stands; torques"
-                             : "areas, volumes and torques: it finds points and their depths";
+  contender.leaves_out = peer->leaves_out;
   contender.run = [&task, peer, contacts](std::size_t pose) {
     contacts->clear();
     peer->find(peer->has_area ? task.tiles[pose] : task.capsules[pose], *contacts);
@@ -159,7 +157,7 @@ Contender theirs(const Task& task, const Mesh& mesh, Peer (*make)(const Mesh&)) 
 
 using Makers = std::vector<Peer (*)(const Mesh&)>;
 Makers all_peers() {
-  Makers makers;
+  Makers makers = {make_point_probes, make_point_meshes, make_sphere_hand, make_point_shell};
 #ifdef LUMBRICAL_BULLET
   makers.push_back(make_bullet);
   makers.push_back(make_bullet_tree);

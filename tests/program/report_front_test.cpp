@@ -32,11 +32,11 @@ TEST(Report, TheFirstPictureHasOurRungsAsALineAndOthersByNameUnderTheDeadline) {
   const Outcome outcome = shell("lumbrical report results", folder);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   const std::string page = read_file((folder / "report.html").string());
-  const std::string title = "A drape, 9,522 triangles, beside others";
+  const std::string title = "Whole hand, pressed in: 9,522 triangles";
   const std::size_t first = page.find("<text class=\"title\"");
   ASSERT_EQ(page.find(">" + title), page.find('>', first)) << "it comes first";
-  EXPECT_NE(page.find("A tips, 9,522 triangles, beside others"), std::string::npos);
-  EXPECT_NE(page.find("theirs, leaves out the &lt;hard&gt; part"), std::string::npos);
+  EXPECT_NE(page.find("Four fingertips: 9,522 triangles"), std::string::npos);
+  EXPECT_NE(page.find("leaves out the &lt;hard&gt; part"), std::string::npos);
 
   const std::string plot = plot_in(page, title);
   auto marks = marks_in(plot);
@@ -65,6 +65,73 @@ TEST(Report, TheFirstPictureHasOurRungsAsALineAndOthersByNameUnderTheDeadline) {
         EXPECT_TRUE(beside || std::abs(at.y - place.y) > 9) << name << " on " << other;
       }
     }
+  }
+}
+
+TEST(Report, EveryJobHasItsPictureAndOnlyWhatDoesItIsRingedAsUnbeaten) {
+  const fs::path folder = fresh_folder();
+  fs::create_directory(folder / "results");
+  std::ofstream(folder / "results" / "peers.json")
+      << peers_of({{"A one finger", "ours, exact", 9522, 12, 0},
+                   {"A one finger", "ours, 1e-4", 9522, 10, 1e-4},
+                   {"A one finger", "theirs", 9522, 90, 0.02},
+                   {"A one finger", "probes [8]", 9522, 5, 0.4}});
+  const auto tick_of = [](double time, double error, double triangles) {
+    return Json{
+        {"p50_us", time}, {"processor_p50_us", time}, {"force_error", error}, {"triangles", triangles}};
+  };
+  Json paper = tick_of(64, 0.9, 9522);
+  paper["paper_hz"] = 700;
+  std::ofstream(folder / "results" / "tick.json")
+      << google_of({{"A_one_finger/1e-4/9522", tick_of(8, 1e-5, 9522)},
+                    {"A_drape/1e-4/9999392", tick_of(6000, 1e-5, 9999392)},
+                    {"A_drape/exact/9999392", tick_of(120000, 0, 9999392)},
+                    {"table2_row_10/field/9522/levels_6", tick_of(24, 1e-4, 9522)},
+                    {"table2_row_10/max-depth/9522/levels_6", paper}});
+  ASSERT_EQ(shell("lumbrical report results", folder).exit_code, 0);
+  const std::string page = read_file((folder / "report.html").string());
+  const auto rings = [&](const std::string& plot) {
+    std::size_t count = 0;
+    for (std::size_t at = 0; (at = plot.find("class=\"ring\"", at)) != std::string::npos; ++at) ++count;
+    return count;
+  };
+  const std::string finger = plot_in(page, "One finger: 9,522 triangles");
+  EXPECT_EQ(rings(finger), 3u) << "exact, 1e-4 and the probes; the other hand's point does another job";
+  EXPECT_NE(finger.find("leaves out the &lt;hard&gt; part"), std::string::npos);
+  EXPECT_NE(finger.find("--benchmark_filter=&#39;^A_one_finger/1e-4/9522"), std::string::npos);
+  EXPECT_NE(finger.find("just noticeable"), std::string::npos);
+  const std::string table2 = plot_in(page, "The paper&#39;s Table 2, row 10: 52 contacts");
+  EXPECT_NEAR(read_off(ticks_in(table2, 'y'), marks_in(table2)["the paper, Table 2, row 10"].y) * 700 / 1e6,
+              1, 0.01);
+  EXPECT_EQ(names_in(plot_in(page, "A huge world: 9,999,392 triangles")).size(), 2u);
+}
+
+TEST(Report, TwoFoldersAreComparedInWordsTheBadNewsFirst) {
+  const fs::path folder = fresh_folder();
+  for (const bool after : {false, true}) {
+    const fs::path results = folder / (after ? "after" : "before");
+    fs::create_directory(results);
+    const auto row = [&](double before, double now, double error) {
+      return Json{{"p50_us", after ? now : before}, {"force_error", error}, {"triangles", 162}};
+    };
+    std::ofstream(results / "tick.json")
+        << google_of({{"A_drape/1e-4/162", row(10, 21, after ? 3e-5 : 1e-5)},
+                      {"A_tips/1e-4/162", row(10, 11, 1e-5)},
+                      {"B_drape/exact/162", row(10, 4, 0)},
+                      {after ? "new/1e-4/162" : "old/1e-4/162", row(10, 10, 0)}});
+  }
+  ASSERT_EQ(shell("lumbrical report before after", folder).exit_code, 0);
+  const std::string page = read_file((folder / "report.html").string());
+  std::size_t at = page.find("From before to after");
+  ASSERT_LT(at, page.find("How fast, at which error")) << "it comes first";
+  for (const char* const words :
+       {"1 of 3 is slower by more than 15 %, most A_drape/1e-4/162 (2.10 times as long)",
+        "1 of 3 is less accurate, most A_drape/1e-4/162 (1.0e-05 -&gt; 3.0e-05)",
+        "1 of 3 is faster by more than 15 %, most B_drape/exact/162 (2.50 times as fast)",
+        "None is more accurate"}) {
+    const std::size_t next = page.find(words, at);
+    ASSERT_NE(next, std::string::npos) << words << "\n" << page.substr(at, 1500);
+    at = next;
   }
 }
 

@@ -7,8 +7,8 @@
 
 namespace lumbrical::tool {
 
-/// Our rungs as lines and the other libraries as named points, for the dense drape and the fingertips of
-/// bench_peers; without plots where no file is of bench_peers.
+/// A plot for each job that the results tell of: the hand, fingertips and one finger of bench_peers, our
+/// rungs joined as lines, others as named points; the paper's Table 2; the largest world of tick_bench.
 Figure front_figure(const std::vector<Results>& results);
 
 }  // namespace lumbrical::tool

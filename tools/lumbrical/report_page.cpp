@@ -1,6 +1,7 @@
 // See report_page.h.
 #include "report_page.h"
 
+#include "report_compare.h"
 #include "report_front.h"
 #include "report_targets.h"
 
@@ -101,10 +102,19 @@ std::string table_html(const ResultTable& table) {
          plain_table_html(table) + "</details>\n";
 }
 
+std::string comparison_html(const ResultFolder& before, const ResultFolder& after) {
+  const Comparison comparison = compare_results(before.results, after.results);
+  std::string html =
+      "<section>\n<h2>From " + escaped(before.name) + " to " + escaped(after.name) + "</h2>\n<ul>\n";
+  for (const std::string& sentence : comparison.words) html += "<li>" + escaped(sentence) + "</li>\n";
+  return html + "</ul>\n" + table_html(comparison.table) + "</section>\n";
+}
+
 }  // namespace
 
 std::string page_html(const std::vector<ResultFolder>& folders) {
   std::string html = kHead;
+  for (std::size_t i = 1; i < folders.size(); ++i) html += comparison_html(folders[i - 1], folders[i]);
   for (const ResultFolder& folder : folders) {
     if (const Figure front = front_figure(folder.results); !front.plots.empty())
       html += "<section>\n<h2>How fast, at which error</h2>\n<p>" + escaped(folder.name) + "</p>\n" +

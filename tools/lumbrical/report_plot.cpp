@@ -81,9 +81,10 @@ struct Frame {
   [[nodiscard]] double y_of(double value) const { return y.place(value); }
 };
 
-Frame make_frame(const std::vector<PlotPoint>& points, double deadline) {
+Frame make_frame(const std::vector<PlotPoint>& points, double deadline, double limit) {
   Frame frame;
-  double least_x = HUGE_VAL, most_x = 0, least_y = deadline > 0 ? deadline : HUGE_VAL, most_y = deadline;
+  double least_x = limit > 0 ? limit : HUGE_VAL, most_x = limit, least_y = deadline > 0 ? deadline : HUGE_VAL,
+         most_y = deadline;
   for (const PlotPoint& point : points) {
     frame.has_zero |= point.x <= 0;
     if (point.x > 0) {
@@ -165,7 +166,9 @@ std::string front_svg(const Frame& frame, const std::vector<PlotPoint>& points,
 std::string lines_svg(const Frame& frame, const std::vector<PlotPoint>& points) {
   std::string svg;
   std::vector<const PlotPoint*> order;
-  for (const PlotPoint& point : points) order.push_back(&point);
+  for (const PlotPoint& point : points) {
+    if (point.joined) order.push_back(&point);
+  }
   std::stable_sort(order.begin(), order.end(), [](const PlotPoint* a, const PlotPoint* b) {
     return std::pair(a->series, a->x) < std::pair(b->series, b->x);
   });
@@ -185,6 +188,14 @@ std::string deadline_svg(const Frame& frame, const Figure& figure) {
   return print("<path class=\"deadline\" d=\"M%.1f %.2fH%.1f\"/>\n", kLeft, y, kWidth - kRight) +
          print("<text class=\"deadline\" x=\"%.1f\" y=\"%.2f\">", kLeft + 4, y - 4) +
          escaped(figure.deadline_name) + "</text>\n";
+}
+
+std::string limit_svg(const Frame& frame, const Figure& figure) {
+  if (figure.limit <= 0) return {};
+  const double x = frame.x_of(figure.limit);
+  return print("<path class=\"deadline\" d=\"M%.2f %.1fV%.1f\"/>\n", x, kTop, kHeight - kBottom) +
+         print("<text class=\"deadline left\" x=\"%.2f\" y=\"%.1f\">", x + 20, kTop - 2) +
+         escaped(figure.limit_name) + "</text>\n";
 }
 
 // ---- Names beside marks ----
@@ -237,14 +248,14 @@ std::string names_svg(const Frame& frame, const Figure& figure, const std::vecto
 }
 
 std::string plot_svg(const Figure& figure, const Plot& plot) {
-  const Frame frame = make_frame(plot.points, figure.deadline);
+  const Frame frame = make_frame(plot.points, figure.deadline, figure.limit);
   std::string svg = print("<svg viewBox=\"0 0 %g %g\" role=\"img\" aria-label=\"", kWidth, kHeight) +
                     escaped(plot.title + ": " + figure.y_label + " against " + figure.x_label) + "\">\n" +
                     print("<text class=\"title\" x=\"%.1f\" y=\"16\">", kLeft) + escaped(plot.title) +
                     "</text>\n" + axes_svg(frame, figure);
   std::vector<std::size_t> front;
   if (figure.front) front = pareto_front(plot.points);
-  svg += deadline_svg(frame, figure);
+  svg += deadline_svg(frame, figure) + limit_svg(frame, figure);
   if (figure.front) svg += front_svg(frame, plot.points, front);
   if (figure.joined) svg += lines_svg(frame, plot.points);
   for (std::size_t i = 0; i < plot.points.size(); ++i) {
@@ -288,8 +299,10 @@ Plot& plot_of(Figure& figure, const std::string& title) {
 }
 
 std::vector<std::size_t> pareto_front(const std::vector<PlotPoint>& points) {
-  std::vector<std::size_t> order(points.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points[i].compared) order.push_back(i);
+  }
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return std::pair(points[a].x, points[a].y) < std::pair(points[b].x, points[b].y);
   });
@@ -331,11 +344,10 @@ std::string escaped(std::string_view text) {
 }
 
 std::string figure_html(const Figure& figure) {
-  std::string html = "<figure>\n<figcaption><h3>" + escaped(figure.title) + "</h3>\n<p>" +
-                     escaped(figure.note) + "</p>\n" + legend_html(figure) +
-                     "</figcaption>\n<div class=\"plots" + (figure.deadline > 0 ? " large" : "") + "\">\n";
+  std::string html = "<figure>\n<h3>" + escaped(figure.title) + "</h3>\n" + legend_html(figure) +
+                     "<div class=\"plots" + (figure.deadline > 0 ? " large" : "") + "\">\n";
   for (const Plot& plot : figure.plots) html += plot_svg(figure, plot);
-  return html + "</div>\n</figure>\n";
+  return html + "</div>\n<figcaption><p>" + escaped(figure.note) + "</p></figcaption>\n</figure>\n";
 }
 
 }  // namespace lumbrical::tool
