@@ -1,4 +1,4 @@
-// Fuzzes one reader of meshes, the one of LUMBRICAL_MESH_FORMAT ("obj", "stl", "ply" or "off").
+// Fuzzes one reader of meshes, the one of LUMBRICAL_MESH_FORMAT ("obj", "stl", "ply", "off" or "gltf").
 #include <string>
 #include <string_view>
 

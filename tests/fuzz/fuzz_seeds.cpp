@@ -153,6 +153,34 @@ void write_meshes(const fs::path& folder) {
   write(folder / "mesh_ply" / "big", little.replace(at, 6, "big"));
 }
 
+// A mirroring node with a child, two primitives, an index buffer; as .glb, and with its bytes in the text.
+void write_gltf(const fs::path& folder) {
+  std::string json =
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"scale":[1,2,-1],"children":[1]},
+{"mesh":0,"translation":[1,0,0],"rotation":[0,0,0,1]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1},
+{"attributes":{"POSITION":0},"mode":5}]}],"buffers":[{"byteLength":42}],
+"bufferViews":[{"buffer":0,"byteLength":36,"byteStride":12},{"buffer":0,"byteOffset":36,"byteLength":6}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},
+{"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"}]})";
+  std::string buffer;
+  for (const float value : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f})
+    buffer.append(reinterpret_cast<const char*>(&value), 4);
+  buffer += std::string("\0\0\x01\0\x02\0\0\0", 8);
+  std::string text = json;
+  text.replace(text.find("\"byteLength\":42"), 15,
+               "\"uri\":\"data:application/"
+               "octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIA\"");
+  write(folder / "mesh_gltf" / "gltf", text);
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const auto number = [](std::size_t value) {
+    const auto word = static_cast<std::uint32_t>(value);
+    return std::string(reinterpret_cast<const char*>(&word), 4);
+  };
+  write(folder / "mesh_gltf" / "glb", "glTF" + number(2) + number(28 + json.size() + buffer.size()) +
+                                          number(json.size()) + "JSON" + json + number(buffer.size()) +
+                                          std::string("BIN\0", 4) + buffer);
+}
+
 void write_scenes(const fs::path& folder) {
   write(folder / "scene" / "a", R"({"objects": [{"name": "m", "mug": {"segments": 12}, "position": [0, 0, 1]},
 {"plane": {"cells": 2}}, {"box": {"size": [0.1, 0.2, 0.1], "cells": 1}}, {"sphere": {"cells": 2}}],
@@ -208,6 +236,19 @@ void write_motions(const fs::path& folder) {
     row += ",0.0" + number + ",0.1,0.00" + number;
   }
   write(folder / "motion" / "landmarks", header + "\n0" + row + "\n0.1" + row + "\n");
+  std::string fingers, frame = "1 2 3 4 5 6";
+  for (const char* const finger : {"Thumb", "Index", "Middle", "Ring", "Pinky"}) {
+    fingers +=
+        std::string("JOINT RightHand") + finger + "1\n{\nOFFSET " + std::to_string(frame.size() / 10 - 1) +
+        " 0 -8\nCHANNELS 3 Zrotation Xrotation Yrotation\nJOINT b\n{\nOFFSET 0 0 -4\nCHANNELS 1 Xrotation\n"
+        "JOINT c\n{\nOFFSET 0 0 -3\nCHANNELS 0\nEnd Site\n{\nOFFSET 0 0 -2\n}\n}\n}\n}\n";
+    frame += " 0.1 2 3 4";
+  }
+  write(folder / "motion" / "bvh",
+        "HIERARCHY\nROOT RightHand\n{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation "
+        "Xrotation "
+        "Yrotation\n" +
+            fingers + "}\nMOTION\nFrames: 2\nFrame Time: 0.01\n" + frame + "\n" + frame + "\n");
   write(folder / "motion" / "webxr", R"([{"time": 0, "joints": {"wrist": {"position": [0,0,0],
 "orientation": [0,0,0,1], "radius": 0.02}, "index_proximal": {"position": [0.1,0,0], "orientation": [0,0,0,1]}}}])");
   write(folder / "motion" / "leap",
@@ -222,6 +263,7 @@ int main(int argc, char** argv) {
   if (argc != 2) return 2;
   const fs::path folder = argv[1];
   write_meshes(folder);
+  write_gltf(folder);
   write_scenes(folder);
   write_hands(folder);
   write_devices(folder);

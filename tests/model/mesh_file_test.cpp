@@ -103,16 +103,30 @@ TEST(MeshFile, RefusesWhatIsNotFiniteInBinaryFilesAtItsByte) {
 
 TEST(MeshFile, SaysWhatToDoWithFilesItCannotRead) {
   expect_refusal("", "a.obj", "a.obj: ", "empty");
-  expect_refusal("glTF\x02\0\0\0", "duck.glb", "duck.glb: ", "export the mesh as OBJ, PLY, STL or OFF");
-  expect_refusal("{\"asset\":{\"version\":\"2.0\"}}", "duck",
-                 "duck: ", "export the mesh as OBJ, PLY, STL or OFF");
-  expect_refusal("hello world", "a.txt", "a.txt: ", "OBJ, STL, PLY and OFF are supported");
-  expect_refusal(std::string(500, '\0'), "a", "a: ", "OBJ, STL, PLY and OFF are supported");
+  expect_refusal("hello world", "a.txt", "a.txt: ", "OBJ, STL, PLY, OFF and glTF are read");
+  expect_refusal(std::string(500, '\0'), "a", "a: ", "OBJ, STL, PLY, OFF and glTF are read");
   expect_refusal(std::string("\xFF\xFEv\0", 4), "a", "a: ", "UTF-16");
   expect_refusal("\n \n", "a.obj", "a.obj: ", "no triangles");
   expect_refusal("v 0 0 0\n", "a", "a: ", "no triangles");
   expect_refusal("solid empty\nendsolid\n", "a", "a: ", "no triangles");
   expect_refusal("OFF 0 0 0\n", "a", "a: ", "no triangles");
+}
+
+TEST(MeshFile, NamesFormatsItDoesNotReadAndWhatToConvertTo) {
+  const struct {
+    const char *content, *name, *format, *advice;
+  } cases[] = {{"Kaydara FBX Binary  ", "hand", "FBX", "export glTF or OBJ"},
+               {"; FBX 7.3.0 project file", "cup.FBX", "FBX", "export glTF or OBJ"},
+               {"PK\3\4", "part.3mf", "3MF", "export STL"},
+               {"ISO-10303-21;", "part", "STEP", "export STL or glTF"},
+               {"<?xml", "scene.dae", "COLLADA", "export glTF or OBJ"},
+               {"\x80\4", "MANO_RIGHT.pkl", "MANO", "OBJ or PLY"},
+               {"#usda 1.0", "a", "USD", "export glTF or OBJ"}};
+  for (const auto& [content, name, format, advice] : cases) {
+    SCOPED_TRACE(name);
+    expect_refusal(content, name, std::string(name) + ": ", format);
+    expect_refusal(content, name, std::string(name) + ": ", advice);
+  }
 }
 
 TEST(MeshFile, PutsOnlyShortPrintableWordsIntoMessages) {

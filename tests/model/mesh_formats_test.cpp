@@ -83,6 +83,19 @@ TEST(MeshFile, MergesEqualStlVerticesInTheOrderOfTheirFirstOccurrence) {
   EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {2, 1, 3}, {1, 0, 3}}));
 }
 
+TEST(MeshFile, TakesAnAsciiStlThatClosesInTwoWordsAndAllSolidsOfAFile) {
+  const auto solid = [](const std::string& end) {
+    return "solid a b\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 " + end +
+           "\nendloop\nendfacet\n";
+  };
+  EXPECT_EQ(parsed(solid("0") + "end solid a b\n", "a.stl").triangles.size(), 1u);
+  EXPECT_EQ(parsed(solid("0") + "End Solid", "a.stl").triangles.size(), 1u);
+  const Mesh two = parsed(solid("0") + "end solid a\n" + solid("2") + "endsolid\n", "a.stl");
+  EXPECT_EQ(two.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 1, 3}}));
+  expect_refusal(solid("0") + "end sold\n", "a.stl", "a.stl:9:5: ", "'endsolid' is expected");
+  expect_refusal(solid("0") + solid("0") + "endsolid\n", "a.stl", "a.stl:9:1: ", "'endsolid' is expected");
+}
+
 TEST(MeshFile, KeepsDegenerateStlTriangles) {
   const std::string facet =
       "solid\nfacet normal 0 0 0 outer loop\nvertex 1 1 1\nvertex 1 1 1\nvertex 1 1 1\nendloop "
@@ -134,7 +147,6 @@ TEST(MeshFile, RefusesPlyHeadersItDoesNotUnderstand) {
   refused("ascii 1.0", "ascii 2.0", "2:14: ", "version '2.0'");
   refused("ascii 1.0", "binary 1.0", "2:8: ", "binary_little_endian");
   refused("format ascii 1.0\n", "", "19:1: ", "no 'format'");
-  refused("element edge", "element tristrips", "17:9: ", "triangle strips");
   refused("element edge", "element face", "17:9: ", "twice");
   refused("property float quality", "property half quality", "14:10: ", "type 'half'");
   refused("property float z", "property float x", "7:1: ", "x, y and z");
@@ -198,6 +210,20 @@ TEST(MeshFile, KnowsWhereBinaryPlyDataBegin) {
                    "more follows");
     EXPECT_EQ(parsed(bytes + "\n", "a.ply").triangles.size(), 1u);
   }
+}
+
+TEST(MeshFile, TurnsEveryOtherTriangleOfAPlyStripRound) {
+  const std::string strips = replaced(replaced(kPlyStrips, "element vertex 4", "element vertex 5"),
+                                      "16 0 2 1 -1 0 1 3 -1 1 2 3 -1 2 0 3 -1", "8 0 1 2 3 4 -1 4 2");
+  const Mesh mesh = parsed(replaced(strips, "0 0 1\n", "0 0 1\n5 5 5\n"), "a.ply");
+  EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {1, 3, 2}, {2, 3, 4}}));
+  // Two equal corners only join strips.
+  const Mesh joined =
+      parsed(replaced(kPlyStrips, "16 0 2 1 -1 0 1 3 -1 1 2 3 -1 2 0 3 -1", "6 0 1 2 2 2 3"), "a.ply");
+  EXPECT_EQ(joined.triangles, (std::vector<Triangle>{{0, 1, 2}}));
+  expect_refusal(replaced(kPlyStrips, "-1 2 0 3", "-2 2 0 3"), "a.ply", "a.ply:14:", "vertex index");
+  expect_refusal(replaced(kPlyStrips, "vertex_indices", "indices"), "a.ply",
+                 "a.ply:7:", "tristrips need one list");
 }
 
 // ---- OFF ----

@@ -113,14 +113,58 @@ inline std::string binary_ply(bool big) {
   return bytes;
 }
 
+/// A list of strips, each of one triangle.
+inline const std::string kPlyStrips =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+    "0 0 0\n1 0 0\n0 1 0\n0 0 1\n16 0 2 1 -1 0 1 3 -1 1 2 3 -1 2 0 3 -1\n";
+
+/// The JSON of a glTF file whose buffer 0 is gltf_buffer(); `more` are further members, each with a comma
+/// before it.
+inline std::string gltf_json(const std::string& nodes, const std::string& buffer = "",
+                             const std::string& more = "") {
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":)" + nodes +
+         R"(,"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"buffers":[{"byteLength":72)" +
+         buffer +
+         R"(}],"bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":24}],)" +
+         R"("accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},)" +
+         R"({"bufferView":1,"componentType":5123,"count":12,"type":"SCALAR"}])" + more + "}";
+}
+
+inline std::string gltf_buffer() {
+  std::string bytes;
+  for (const Vec3& p : kCorners)
+    for (const double coordinate : {p.x, p.y, p.z}) append_value(bytes, static_cast<float>(coordinate));
+  for (const Triangle& face : kFaces)
+    for (const std::uint32_t corner : face) append_value(bytes, static_cast<std::uint16_t>(corner));
+  return bytes;
+}
+
+inline std::string glb(std::string json, const std::string& buffer) {
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  std::string bytes = "glTF";
+  append_value(bytes, std::uint32_t{2});
+  append_value(bytes, static_cast<std::uint32_t>(28 + json.size() + buffer.size()));
+  append_value(bytes, static_cast<std::uint32_t>(json.size()));
+  bytes += "JSON" + json;
+  append_value(bytes, static_cast<std::uint32_t>(buffer.size()));
+  return bytes + std::string("BIN\0", 4) + buffer;
+}
+
 struct Sample {
   std::string name, content;
 };
 
 inline std::vector<Sample> all_samples() {
-  return {{"a.obj", kObj},      {"a.stl", kAsciiStl},         {"b.stl", binary_stl()},
-          {"a.ply", kAsciiPly}, {"b.ply", binary_ply(false)}, {"c.ply", binary_ply(true)},
-          {"a.off", kOff}};
+  return {{"a.obj", kObj},
+          {"a.stl", kAsciiStl},
+          {"b.stl", binary_stl()},
+          {"a.ply", kAsciiPly},
+          {"b.ply", binary_ply(false)},
+          {"c.ply", binary_ply(true)},
+          {"a.off", kOff},
+          {"d.ply", kPlyStrips},
+          {"a.glb", glb(gltf_json(R"([{"mesh":0}])"), gltf_buffer())}};
 }
 
 // ---- Helpers ----

@@ -64,7 +64,7 @@ TEST(LandmarkMotion, ReportsTheLineAndColumnOfWhatIsNoNumber) {
   expect_refused(row + "," + row, "found 126 columns");
   expect_refused(replaced(row, first, "1e6"), "10 km");
   expect_refused("", "no samples");
-  expect_refused("hello", "file:1:1: neither JSON nor a CSV");
+  expect_refused("hello", "file:1:1: neither JSON, BVH nor a CSV");
 }
 
 TEST(AngleMotion, ReadsWristAndAngles) {

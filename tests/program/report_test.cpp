@@ -57,7 +57,7 @@ TEST(Report, PointsStandWhereTheAxesSayTheyDo) {
   const std::vector<Alternative> alternatives = {
       {"field", "exact", 3051, 7.77e-16}, {"field", "1e-2", 2613, 5e-7}, {"point", "exact", 516, 0}};
   const fs::path folder = folder_with(accuracy_of(alternatives));
-  const Outcome outcome = shell("lumbrical report results --out page.html", folder);
+  const Outcome outcome = shell("lumbrical report results --output page.html", folder);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   const std::string page = read_file((folder / "page.html").string());
   for (const auto& [title, factor] :
@@ -89,7 +89,7 @@ TEST(Report, TheParetoFrontIsWhatNothingElseBeats) {
                                                    {"e", "exact", 950, 0},
                                                    {"f", "exact", 200, 1e-6},
                                                    {"g", "exact", 100, 1e-2}}));
-  ASSERT_EQ(shell("lumbrical report results --out page.html", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical report results --output page.html", folder).exit_code, 0);
   const std::string page = read_file((folder / "page.html").string());
   EXPECT_EQ(front_of(page, "sphere, 98 % of the pairs"),
             (std::set<std::string>{"a, exact, sphere", "b, exact, sphere", "d, exact, sphere",
@@ -244,12 +244,12 @@ TEST(Report, ForeignFilesAreRefusedAndAGoodPageStays) {
       {google.dump(), "benchmarks[0]"},
   };
   const fs::path folder = folder_with(good);
-  ASSERT_EQ(shell("lumbrical report results --out page.html", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical report results --output page.html", folder).exit_code, 0);
   const std::string page = read_file((folder / "page.html").string());
   for (const auto& [content, named] : cases) {
     std::ofstream(folder / "results" / "bad.json", std::ios::binary) << content;
     for (const char* const out : {"page.html", "new.html"}) {
-      const Outcome outcome = shell("lumbrical report results --out " + std::string(out), folder);
+      const Outcome outcome = shell("lumbrical report results --output " + std::string(out), folder);
       EXPECT_EQ(outcome.exit_code, 2) << content.substr(0, 100);
       EXPECT_NE(outcome.error.find("bad.json"), std::string::npos) << outcome.error;
       EXPECT_NE(outcome.error.find(named), std::string::npos) << named << "\n" << outcome.error;
@@ -271,9 +271,9 @@ TEST(Report, FoldersWithoutResultsAndPagesThatCannotBeWrittenAreNamed) {
       {"report empty", "empty: holds no .json"},
       {"report results/accuracy.json", "accuracy.json"},
       {"report pipes", "pipes/p.json"},
-      {"report results --out gone/page.html", "gone/page.html"},
-      {"report results --out empty", "empty: is not a file"},
-      {"report results --out /dev/full", "/dev/full: is not a file"},
+      {"report results --output gone/page.html", "gone/page.html"},
+      {"report results --output empty", "empty: is not a file"},
+      {"report results --output /dev/full", "/dev/full: is not a file"},
   };
   for (const auto& [arguments, named] : cases) {
     const Outcome outcome =
@@ -281,7 +281,7 @@ TEST(Report, FoldersWithoutResultsAndPagesThatCannotBeWrittenAreNamed) {
     EXPECT_EQ(outcome.exit_code, 2) << arguments;
     EXPECT_NE(outcome.error.find(named), std::string::npos) << arguments << "\n" << outcome.error;
   }
-  const Outcome limited = shell("ulimit -f 1; lumbrical report results --out page.html", folder);
+  const Outcome limited = shell("ulimit -f 1; lumbrical report results --output page.html", folder);
   EXPECT_EQ(limited.exit_code, 2);
   EXPECT_FALSE(fs::exists(folder / "page.html"));
   EXPECT_FALSE(fs::exists(folder / "page.html.part"));

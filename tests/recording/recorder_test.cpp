@@ -13,6 +13,7 @@
 
 #include "base/ring.h"
 #include "recording_fixture.h"
+#include "recording_generated.h"
 
 namespace lumbrical {
 namespace {
@@ -85,13 +86,26 @@ TEST(TickMessage, LeavesOutWhatIsNotThere) {
   flatbuffers::FlatBufferBuilder builder;
   TickRecord record;
   record.device.kind = InputKind::joint_angles;
-  encode_tick(record, true, {}, builder);
+  encode_tick(record, false, {}, builder);
   const std::size_t nothing = builder.GetSize();
   EXPECT_LT(nothing, 300u);
   record.device.angle[3] = 0.5f;
-  record.output.segment[4].force.z = 1;
-  encode_tick(record, true, {}, builder);
-  EXPECT_LT(builder.GetSize(), nothing + 80 + 88 + 40);
+  encode_tick(record, false, {}, builder);
+  EXPECT_LT(builder.GetSize(), nothing + 80 + 40);
+}
+
+TEST(TickMessage, HoldsAllSegmentsInTheirOrder) {
+  flatbuffers::FlatBufferBuilder builder;
+  TickRecord record;
+  for (const double force : {0.0, 1.0}) {
+    record.output.segment[4].force.z = force;
+    encode_tick(record, true, {}, builder);
+    const auto* const tick = flatbuffers::GetRoot<fb::Tick>(builder.GetBufferPointer());
+    ASSERT_NE(tick->segments(), nullptr);
+    ASSERT_EQ(tick->segments()->size(), kSegmentCount);
+    for (std::uint32_t s = 0; s < kSegmentCount; ++s) EXPECT_EQ(tick->segments()->Get(s)->segment(), s);
+    EXPECT_EQ(tick->segments()->Get(4)->force().z(), force);
+  }
 }
 
 TEST(TickMessage, SurvivesAnyDamage) {
@@ -220,6 +234,7 @@ TEST_P(Recording, BringsEveryTickBack) {
   EXPECT_DOUBLE_EQ(info.seconds, 1.3);
   EXPECT_GE(info.chunks, 6u);
   options.metadata["build"] = build_text();
+  options.metadata["arithmetic"] = arithmetic_version();
   EXPECT_EQ(info.metadata, options.metadata);
   EXPECT_EQ(info.bytes, std::filesystem::file_size(path));
   std::vector<TickRecord> read;

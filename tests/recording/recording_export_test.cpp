@@ -27,27 +27,97 @@ std::vector<std::string> cells_of(const std::string& line) {
   return cells;
 }
 
-TEST(Export, WritesEveryNumberExactlyAsCsv) {
-  const std::string path = temporary_path("a.mcap"), output = temporary_path("a.csv");
-  std::vector<TickRecord> records = test::random_records(5, 1);
+ExportOptions as(ExportFormat format) {
+  ExportOptions options;
+  options.format = format;
+  return options;
+}
+
+std::vector<std::vector<std::string>> table_of(RecordingReader& reader, const ExportOptions& options) {
+  const std::string output = temporary_path("table.csv");
+  std::filesystem::remove(output);
+  const Status status = export_recording(reader, options, output);
+  EXPECT_TRUE(status.ok()) << status.message();
+  std::vector<std::vector<std::string>> table;
+  for (const std::string& line : lines_of(output)) table.push_back(cells_of(line));
+  return table;
+}
+
+std::size_t column(const std::vector<std::vector<std::string>>& table, const std::string& name) {
+  const auto found = std::find(table.at(0).begin(), table.at(0).end(), name);
+  EXPECT_NE(found, table[0].end()) << name;
+  return static_cast<std::size_t>(found - table[0].begin());
+}
+
+void open_random(RecordingReader& reader, std::size_t count) {
+  const std::string path = temporary_path("a.mcap");
+  std::vector<TickRecord> records = test::random_records(count, 1);
+  for (TickRecord& record : records) record.device.base.position = {0.1, 1.0 / 3, 0.5};
   records[2].device.base.position.y = 0.1;
   test::write_recording(path, test::small_scene(), records);
-  RecordingReader reader;
   ASSERT_TRUE(reader.open(path).ok());
-  ASSERT_TRUE(export_recording(reader, ExportFormat::csv, output).ok());
-  const std::vector<std::string> lines = lines_of(output);
-  ASSERT_EQ(lines.size(), 6u);
-  const std::vector<std::string> header = cells_of(lines[0]);
-  const auto column = [&](const char* name) {
-    return std::find(header.begin(), header.end(), name) - header.begin();
-  };
-  for (const std::string& line : lines) EXPECT_EQ(cells_of(line).size(), header.size());
-  const auto y = static_cast<std::size_t>(column("device.base.position.y [m]"));
-  ASSERT_LT(y, header.size());
-  EXPECT_EQ(cells_of(lines[3])[y], "0.1");
-  EXPECT_EQ(cells_of(lines[3])[0], "2");
-  EXPECT_LT(static_cast<std::size_t>(column("output.segment[15].torque.z [N m]")), header.size());
-  EXPECT_EQ(header.back(), "hash.state");
+}
+
+TEST(Export, WritesEveryNumberExactlyAsCsvWhereThatIsAsked) {
+  RecordingReader reader;
+  open_random(reader, 5);
+  ExportOptions options;
+  options.columns = {"all"};
+  options.exact = true;
+  const auto table = table_of(reader, options);
+  ASSERT_EQ(table.size(), 6u);
+  for (const auto& line : table) EXPECT_EQ(line.size(), table[0].size());
+  EXPECT_EQ(table[3][column(table, "base.position.y [m]")], "0.1");
+  EXPECT_EQ(table[2][column(table, "base.position.y [m]")], "0.3333333333333333");
+  EXPECT_EQ(table[3][column(table, "tick")], "2");
+  EXPECT_EQ(table[3][column(table, "time [s]")], "0.002");
+  column(table, "palm.torque.z [N m]");
+  column(table, "joint.index_tip.orientation.w");
+  column(table, "angle.little.flexion_3 [rad]");
+  column(table, "thumb_metacarpal.joint_torque.x [N m]");
+  column(table, "ring_distal.flexion_torque [N m]");
+  EXPECT_EQ(table[0].back(), "hash.state");
+  // Every number has a name of its own.
+  std::vector<std::string> names = table[0];
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end());
+}
+
+TEST(Export, HoldsOnlyColumnsThatVaryUnlessTheyAreAskedFor) {
+  RecordingReader reader;
+  open_random(reader, 5);
+  const auto table = table_of(reader, {});
+  EXPECT_EQ(table[0][0], "tick");
+  EXPECT_EQ(table[0][1], "time [s]");
+  EXPECT_EQ(std::count(table[0].begin(), table[0].end(), "base.position.x [m]"), 0);
+  EXPECT_EQ(table[1][column(table, "base.position.y [m]")], "0.333333");
+  column(table, "index_distal.force.x [N]");
+  EXPECT_EQ(std::count(table[0].begin(), table[0].end(), "hash.state"), 0);
+  ExportOptions options;
+  options.columns = {"base.position"};
+  EXPECT_EQ(table_of(reader, options)[0],
+            (std::vector<std::string>{"tick", "time [s]", "base.position.x [m]", "base.position.y [m]",
+                                      "base.position.z [m]"}));
+  options.columns = {"force.z", "flags"};
+  options.segments = {kPalmSegment, 5};
+  EXPECT_EQ(table_of(reader, options)[0],
+            (std::vector<std::string>{"tick", "time [s]", "device_flags", "flags", "index_distal.force.z [N]",
+                                      "palm.force.z [N]"}));
+  options.columns = {"colour"};
+  EXPECT_NE(export_recording(reader, options, temporary_path("none.csv")).message().find("\"colour\""),
+            std::string::npos);
+}
+
+TEST(Export, TakesARangeOfTicksAndEveryNth) {
+  RecordingReader reader;
+  open_random(reader, 50);
+  ExportOptions options;
+  options.first = 10;
+  options.last = 30;
+  options.step = 5;
+  const auto table = table_of(reader, options);
+  ASSERT_EQ(table.size(), 6u);
+  for (std::size_t i = 1; i < table.size(); ++i) EXPECT_EQ(table[i][0], std::to_string(5 + 5 * i));
 }
 
 TEST(Export, WritesJsonLinesAndLeavesNothingHalfWritten) {
@@ -55,7 +125,7 @@ TEST(Export, WritesJsonLinesAndLeavesNothingHalfWritten) {
   test::write_recording(path, test::small_scene(), test::random_records(600, 1));
   RecordingReader reader;
   ASSERT_TRUE(reader.open(path).ok());
-  ASSERT_TRUE(export_recording(reader, ExportFormat::json, output).ok());
+  ASSERT_TRUE(export_recording(reader, as(ExportFormat::json), output).ok());
   const std::vector<std::string> lines = lines_of(output);
   ASSERT_EQ(lines.size(), 600u);
   for (const std::string& line : lines) {
@@ -71,12 +141,12 @@ TEST(Export, WritesJsonLinesAndLeavesNothingHalfWritten) {
   test::write_bytes(damaged, bytes);
   RecordingReader damaged_reader;
   if (damaged_reader.open(damaged).ok()) {
-    EXPECT_FALSE(export_recording(damaged_reader, ExportFormat::json, none).ok());
+    EXPECT_FALSE(export_recording(damaged_reader, as(ExportFormat::json), none).ok());
   }
   EXPECT_FALSE(std::filesystem::exists(none));
   EXPECT_FALSE(std::filesystem::exists(none + ".part"));
-  EXPECT_FALSE(export_recording(reader, ExportFormat::csv, path).ok()) << "over the recording itself";
-  EXPECT_FALSE(export_recording(reader, ExportFormat::csv, temporary_path("no/such.csv")).ok());
+  EXPECT_FALSE(export_recording(reader, {}, path).ok()) << "over the recording itself";
+  EXPECT_FALSE(export_recording(reader, {}, temporary_path("no/such.csv")).ok());
 }
 
 }  // namespace

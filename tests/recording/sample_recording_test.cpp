@@ -2,6 +2,11 @@
 // now.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdio>
+
+#include "base/hash.h"
+#include "golden/golden_hashes.h"
 #include "lumbrical/recording.h"
 
 namespace lumbrical {
@@ -47,6 +52,15 @@ TEST(SampleRecording, TouchesForAWhileAndLeavesOutSomeForces) {
   EXPECT_GT(felt, 1);
   EXPECT_GT(far, 10);
   EXPECT_EQ(with_forces, 20);
+}
+
+TEST(Arithmetic, VersionIsTheHashOfTheGoldenHashes) {
+  Hasher hasher;
+  for (const test::GoldenHash& golden : test::kGolden) hasher.value(golden.hash);
+  std::array<char, 9> digits{};
+  std::snprintf(digits.data(), digits.size(), "%08x", static_cast<unsigned>(hasher.digest() >> 32));
+  EXPECT_EQ(arithmetic_version(), std::string(digits.data()))
+      << "the golden hashes have changed: put these digits into engine/src/recording/build_text.cpp";
 }
 
 }  // namespace

@@ -2,15 +2,55 @@
 #include "command_line.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <utility>
 
 namespace lumbrical::tool {
 
+// Letters to insert, remove, replace or exchange with their neighbour.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) {
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        d[i][j] = i + j;
+        continue;
+      }
+      d[i][j] =
+          std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+    }
+  }
+  return d[a.size()][b.size()];
+}
+
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& names) {
+  constexpr std::size_t kLongest = 40;
+  const std::string* nearest = nullptr;
+  std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
+  if (word.size() > kLongest) return {};
+  for (const std::string& name : names) {
+    // A longer name that begins so is what was begun.
+    const std::size_t distance = name.starts_with(word) && word.size() > 2 ? 1 : edit_distance(word, name);
+    if (distance >= std::min(least, std::max(word.size(), name.size()))) continue;
+    least = distance;
+    nearest = &name;
+  }
+  return nearest == nullptr ? std::string() : "; did you mean " + *nearest + "?";
+}
+
 Check one_of(std::initializer_list<std::string> values) {
-  const CLI::Validator member = CLI::IsMember(std::vector<std::string>(values));
-  return {[member](std::string& text) { return member(text); }, member.get_description()};
+  const std::vector<std::string> names(values);
+  std::string form;
+  for (const std::string& name : names) form += (form.empty() ? "" : "|") + name;
+  return {[names, form](std::string& text) -> std::string {
+            if (std::find(names.begin(), names.end(), text) != names.end()) return {};
+            return '"' + text + "\" is none of " + form + did_you_mean(text, names);
+          },
+          form};
 }
 
 Option* Option::required() {
@@ -45,6 +85,11 @@ Option* Option::expected(int count) {
 
 Option* Option::repeatable() {
   option_->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  return this;
+}
+
+Option* Option::list() {
+  option_->expected(1)->delimiter(',')->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   return this;
 }
 
@@ -96,22 +141,60 @@ void refuse_option(const std::string& name, const std::string& message) {
 
 void demand_option(const std::string& what) { throw CLI::RequiredError(what); }
 
-bool run_command_line(const Program& program, int argc, char** argv,
-                      const std::function<void(Command&)>& add_commands, int& exit_code) {
+namespace {
+
+// What the command line says that nothing here has, and the nearest there is.
+std::string unexpected(const CLI::App& app) {
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  const CLI::App& command = chosen.empty() ? app : *chosen.front();
+  std::vector<std::string> names;
+  if (chosen.empty()) {
+    for (const CLI::App* const subcommand : app.get_subcommands(nullptr))
+      names.push_back(subcommand->get_name());
+  }
+  for (const CLI::Option* const option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  for (const CLI::App* const group : command.get_subcommands(nullptr)) {
+    if (!group->get_name().empty()) continue;  // a group of options has no name
+    for (const CLI::Option* const option : group->get_options())
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  const std::vector<std::string> extra = app.remaining(true);
+  if (extra.empty()) return "There is more on the command line than expected";
+  const std::string word = extra.front().substr(0, extra.front().find('='));
+  return "The following argument was not expected: " + word + did_you_mean(word, names);
+}
+
+}  // namespace
+
+std::string run_command_line(const Program& program, int argc, char** argv,
+                             const std::function<void(Command&)>& add_commands) {
   CLI::App app(program.help, program.name);
   app.set_version_flag("--version", program.version);
   app.require_subcommand(0, 1);  // none is refused below: so a misspelt one is named
   app.footer(program.footer);
   Command root(&app);
   add_commands(root);
+  std::string fault;
   try {
     app.parse(argc, argv);
     if (app.get_subcommands().empty()) demand_option("A subcommand");
+    return {};
+  } catch (const CLI::ExtrasError&) {
+    fault = unexpected(app);
+  } catch (const CLI::RequiredError& error) {
+    // What is missing may be there under a misspelt name.
+    fault = app.remaining(true).empty() ? error.what() : unexpected(app);
   } catch (const CLI::ParseError& error) {
-    exit_code = app.exit(error);
-    return false;
+    if (error.get_exit_code() == 0) {
+      app.exit(error);
+      return {};
+    }
+    fault = error.what();
   }
-  return true;
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  return fault + "\n" + program.name + (chosen.empty() ? "" : " " + chosen.front()->get_name()) +
+         " --help lists all there is.";
 }
 
 }  // namespace lumbrical::tool

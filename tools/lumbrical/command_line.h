@@ -35,6 +35,7 @@ class Option {
   Option* excludes(const std::string& other);
   Option* expected(int count);    ///< values; -1: any number, but one at least
   Option* repeatable();           ///< one value each time
+  Option* list();                 ///< values with commas between them
   Option* capture_default_str();  ///< --help shows the value that the variable has now
 
  private:
@@ -72,10 +73,12 @@ struct Program {
   std::string name, version, help, footer;
 };
 
-/// Parses and runs. False if that ended in a message, which is printed: then `exit_code` is CLI11's, 0 for
-/// --help and
-/// --version.
-bool run_command_line(const Program& program, int argc, char** argv,
-                      const std::function<void(Command&)>& add_commands, int& exit_code);
+/// Parses and runs. What is wrong with the command line, and the name that may have been meant; empty where
+/// nothing is, and after --help and --version, which are printed.
+std::string run_command_line(const Program& program, int argc, char** argv,
+                             const std::function<void(Command&)>& add_commands);
+
+/// "; did you mean NAME?": of all names the one with the fewest letters to change, unless those are too many.
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& names);
 
 }  // namespace lumbrical::tool

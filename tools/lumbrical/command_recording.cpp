@@ -1,6 +1,7 @@
 // lumbrical info, verify, recover, export: what is in a recording, whether it is whole, and how to get it
 // out.
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -15,8 +16,14 @@ namespace lumbrical::tool {
 namespace {
 
 struct RecordingOptions {
-  std::string recording, output, format = "csv";
+  std::string recording, output;
   bool json = false;
+};
+
+struct ExportSwitches {
+  std::string format = "csv", ticks;
+  std::vector<std::string> columns, segments;
+  bool exact = false;
 };
 
 Json info_json(const RecordingInfo& info) {
@@ -161,11 +168,55 @@ int recover(const RecordingOptions& options) {
                     " known to be lost" + ranges_text(missing) + ".\n");
 }
 
-int export_as_text(const RecordingOptions& options) {
+std::string check_segment(std::string& text) {
+  std::vector<std::string> names;
+  for (int segment = 0; segment < kSegmentCount; ++segment) names.emplace_back(segment_name(segment));
+  if (std::find(names.begin(), names.end(), text) != names.end()) return {};
+  return '"' + text + "\" is no hand segment; use \"index distal\", palm or the like" +
+         did_you_mean(text, names);
+}
+
+int segment_number(const std::string& name) {
+  int segment = 0;
+  while (segment_name(segment) != name) ++segment;
+  return segment;
+}
+
+// "5", "5:9", "5:", ":9", each with a step behind it, "5:9:2"
+bool parse_ticks(const std::string& text, ExportOptions& options) {
+  std::uint64_t* const targets[] = {&options.first, &options.last, &options.step};
+  std::size_t at = 0, part = 0;
+  for (; part < 3; ++part) {
+    const std::size_t end = std::min(text.find(':', at), text.size());
+    if (end > at) {
+      const auto [stop, error] = std::from_chars(text.data() + at, text.data() + end, *targets[part]);
+      if (error != std::errc() || stop != text.data() + end) return false;
+    }
+    if (end == text.size()) break;
+    at = end + 1;
+  }
+  if (part == 0) options.last = options.first;
+  return part < 3 && options.step > 0 && options.first <= options.last;
+}
+
+std::string check_ticks(std::string& text) {
+  ExportOptions ignored;
+  if (!text.empty() && parse_ticks(text, ignored)) return {};
+  return '"' + text + "\" is no range of ticks; use FIRST:LAST or FIRST:LAST:STEP";
+}
+
+int export_as_table(const RecordingOptions& options, const ExportSwitches& switches) {
   RecordingReader reader;
   if (Status status = reader.open(options.recording); !status.ok()) return fail(status);
-  const ExportFormat format = options.format == "json" ? ExportFormat::json : ExportFormat::csv;
-  const Status status = export_recording(reader, format, options.output);
+  ExportOptions wanted;
+  wanted.format = switches.format == "json"  ? ExportFormat::json
+                  : switches.format == "npz" ? ExportFormat::npz
+                                             : ExportFormat::csv;
+  wanted.columns = switches.columns;
+  for (const std::string& name : switches.segments) wanted.segments.push_back(segment_number(name));
+  wanted.exact = switches.exact;
+  if (!switches.ticks.empty()) parse_ticks(switches.ticks, wanted);
+  const Status status = export_recording(reader, wanted, options.output);
   return status.ok() ? kDone : fail(status);
 }
 
@@ -210,15 +261,33 @@ void add_recover(Command& app, int& exit_code) {
 
 void add_export(Command& app, int& exit_code) {
   const auto options = std::make_shared<RecordingOptions>();
+  const auto switches = std::make_shared<ExportSwitches>();
   options->output = "-";
-  Command* const command = add_command(
-      app, exit_code, "export", "Write a recording as text, one line per tick", options, export_as_text);
-  command->add_option("--format", options->format, "csv, or json: one object per line")
-      ->check(one_of({"csv", "json"}))
+  Command* const command = app.add_subcommand("export", "Write a recording as a table, one line per tick");
+  command->add_option("recording", options->recording, "Recording to read")
+      ->required()
+      ->type_name("REC.mcap");
+  command
+      ->add_option("--format", switches->format, "csv, npz (NumPy), or json: one object per line, all of it")
+      ->check(one_of({"csv", "npz", "json"}))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--columns", switches->columns,
+          "Columns with one of these words in their names, such as force, angle, all; default: of pose, "
+          "forces, flexion torques, flags and contacts those that vary")
+      ->list()
+      ->type_name("WORD[,WORD]");
+  command->add_option("--segments", switches->segments, "Only these segments, such as \"index distal\",palm")
+      ->list()
+      ->check(Check{check_segment, "SEGMENT[,SEGMENT]"});
+  command->add_option("--ticks", switches->ticks, "Only these ticks")
+      ->check(Check{check_ticks, "FIRST:LAST[:STEP]"});
+  command->add_flag("--exact", switches->exact, "csv: all digits, not six");
   command->add_option("--output,-o", options->output, "File to write; -: standard output")
       ->check(is_path())
       ->capture_default_str();
+  command->callback([options, switches, &exit_code] { exit_code = export_as_table(*options, *switches); });
 }
 
 }  // namespace lumbrical::tool

@@ -64,10 +64,18 @@ Status replay_options(const ReplaySwitches& switches, ReplayOptions& options) {
   return load_meshes(switches, options);
 }
 
-/// Whether something was changed that may change a force, or what a tick takes.
+/// Whether something was changed that may change a force. Then a difference is what was asked for; otherwise
+/// bits are promised.
 bool asks_what_if(const ReplaySwitches& switches) {
   return !switches.law.empty() || switches.stiffness || !switches.precision.empty() ||
-         !switches.meshes.empty() || !switches.broadphase.empty();
+         !switches.meshes.empty();
+}
+
+/// The arithmetic of who recorded, where that is known not to be this program's.
+std::optional<std::string> other_arithmetic(const RecordingInfo& info) {
+  const auto found = info.metadata.find("arithmetic");
+  if (found == info.metadata.end() || found->second == arithmetic_version()) return std::nullopt;
+  return found->second;
 }
 
 // What there is to say about one recording; without an error JSON and text.
@@ -85,27 +93,34 @@ Status replay_one(const std::string& path, const ReplaySwitches& switches, const
   ReplayResult result;
   WhatIfResult changes;
   if (Status status = replay(reader, options, result); !status.ok()) return status;
-  if (asks_what_if(switches)) {
+  const bool asked = asks_what_if(switches);
+  const auto other = result.first_divergence && !asked ? other_arithmetic(reader.info()) : std::nullopt;
+  const bool measured = asked || other || !switches.broadphase.empty();
+  if (measured)
     if (Status status = what_if(reader, options, changes); !status.ok()) return status;
-  }
-  replayed.diverged = result.first_divergence.has_value();
+  if (result.first_divergence && (asked || other)) result.first_divergence->ulp.reset();
+  replayed.diverged = result.first_divergence.has_value() && !asked;
   Json& json = replayed.json = divergence_json(result);
   json["complete"] = reader.info().complete;
   json["isa"] = isa_name(options.execution.isa == Isa::automatic ? widest_isa() : options.execution.isa);
   json["threads"] = options.execution.threads;
   json["broadphase"] = broadphase_name(result.broadphase);
   json["recording"] = path;
+  json["other_arithmetic"] = other ? Json(*other) : Json(nullptr);
   const double per_tick = 1e6 / static_cast<double>(std::max<std::uint64_t>(result.ticks, 1));
   json["mean_tick_us"] = {{"recorded", per_tick * result.recorded_time},
                           {"replayed", per_tick * result.replayed_time}};
-  std::string& text = replayed.text = divergence_text(result, "replayed");
-  if (!result.first_divergence)
+  if (measured) json["what_if"] = what_if_json(changes);
+  std::string& text = replayed.text;
+  if (other)
+    text += "Recorded by other arithmetic (" + *other + ", here " + std::string(arithmetic_version()) +
+            "): the same bits are not promised.\n";
+  if (asked || other) text += what_if_text(changes) + "\n";
+  if (!asked) text += divergence_text(result, "replayed");
+  if (!asked && !result.first_divergence)
     text += "Mean tick time " + brief(per_tick * result.replayed_time) + " us, when recorded " +
             brief(per_tick * result.recorded_time) + " us.\n";
-  if (asks_what_if(switches)) {
-    json["what_if"] = what_if_json(changes);
-    text += "\n" + what_if_text(changes);
-  }
+  if (measured && !asked && !other) text += "\n" + what_if_text(changes);
   if (!reader.info().complete)
     text += std::string("The recording has no end (") +
             (reader.info().growing ? "it is still being recorded" : "its writer was killed") +
@@ -172,8 +187,8 @@ int replay_recordings(const ReplaySwitches& switches) {
 
 void add_replay(Command& app, int& exit_code) {
   const auto switches = std::make_shared<ReplaySwitches>();
-  Command* const command =
-      app.add_subcommand("replay", "Run recordings again and compare every bit (exit code 3: they differ)");
+  Command* const command = app.add_subcommand(
+      "replay", "Run recordings again and compare every bit (exit code 3: they differ), or ask what if");
   command
       ->add_option("recording", switches->recordings,
                    "Recordings to replay; several share out all cores, one thread each")

@@ -98,7 +98,7 @@ void add_report(Command& app, int& exit_code) {
       ->required()
       ->expected(-1)
       ->type_name("FOLDER");
-  command->add_option("--out,-o", switches->out, "Page to write")
+  command->add_option("--output,-o", switches->out, "Page to write")
       ->type_name("PAGE.html")
       ->capture_default_str();
   command->add_option("--targets", switches->targets, "Also write the table of targets, as Markdown")

@@ -15,6 +15,7 @@
 #include "print_comparison.h"
 #include "run_session.h"
 #include "switches.h"
+#include "version.h"
 #include "ways_out.h"
 
 namespace lumbrical::tool {
@@ -157,7 +158,7 @@ std::string remedy_of(const FlagText& text, std::uint64_t count, const DeviceLoo
              : "angles of the device missing or not believed";
 }
 
-Json run_json(const RunOptions& options, const Model& model, const RunStatistics& run,
+Json run_json(const RunOptions& options, const Model& model, const RunStatistics& run, const LateReport& late,
               const DeviceLoop* device) {
   Json json;
   json["trouble"] = trouble_of(run, device);
@@ -192,6 +193,7 @@ Json run_json(const RunOptions& options, const Model& model, const RunStatistics
   }
   json["interrupted"] = run.interrupted;
   if (options.rate != "max") {
+    json["late"] = late_json(run.late, late);
     json["wake_up_us"] = times_json(run.wake_ups);
     json["page_faults"] = run.page_faults;
     json["real_time"] = {{"memory_locked", run.real_time.memory_locked},
@@ -257,17 +259,19 @@ void add_effort(const Model& model, const RunStatistics& run, Table& table) {
 }
 
 std::string run_text(const RunOptions& options, const Model& model, const RunStatistics& run,
-                     const DeviceLoop* device) {
+                     const LateReport& late, const DeviceLoop* device) {
   Table table;
   for (const std::string& line : trouble_of(run, device))
     table.add(table.rows.empty() ? "trouble" : "", line);
   table.add("ticks", grouped(run.ticks) + " of " + brief(1e3 / model.settings.rate) + " ms" +
                          (run.interrupted ? ", stopped by a signal" : ""));
-  table.add("rate", grouped(static_cast<std::uint64_t>(rate_reached(run))) + " Hz reached, " +
-                        grouped(run.deadline_misses) + " ticks missed their deadline");
+  const bool paced = options.rate != "max";
+  table.add("rate", grouped(static_cast<std::uint64_t>(rate_reached(run))) + " Hz reached" +
+                        (paced ? ", " + grouped(run.deadline_misses) + " ticks missed their deadline" : ""));
+  if (paced) add_late(run.late, late, 1e6 / model.settings.rate, table);
   table.add("tick time", times_text(run.tick_times));
   if (device != nullptr) table.add("with the device", times_text(run.loop_times));
-  if (options.rate != "max") {
+  if (paced) {
     add_real_time(run, table);
     add_effort(model, run, table);
   }
@@ -337,8 +341,10 @@ int run(const RunOptions& options) {
     recorder_options.wait_when_full = !paced;
     recorder_options.force_interval = force_interval(options.record_forces);
     recorder_options.metadata = {{"scene_file", options.scene},
-                                 {"program", "lumbrical " LUMBRICAL_VERSION},
-                                 {"execution", execution_text(model.execution)}};
+                                 {"program", version_text()},
+                                 {"execution", execution_text(model.execution)},
+                                 {"start_utc", utc_text()},
+                                 {"start_monotonic_ns", std::to_string(clock_ns())}};
     if (with_device) recorder_options.metadata["certificate"] = device.certificate_text();
     status = recorder.open(options.record, scene_of(model), recorder_options);
     if (!status.ok()) return fail(status);
@@ -356,10 +362,12 @@ int run(const RunOptions& options) {
     if (!status.ok() && !unrecorded) return kUnreadable;
   }
   const DeviceLoop* const shown = with_device ? &device : nullptr;
-  const int printed = options.json ? print_json(run_json(options, model, statistics, shown))
-                                   : print_text(run_text(options, model, statistics, shown));
+  const LateReport late = study(statistics.late, scene_file.scene, model);
+  const int printed = options.json ? print_json(run_json(options, model, statistics, late, shown))
+                                   : print_text(run_text(options, model, statistics, late, shown));
   if (printed != kDone || told) return kUnreadable;
-  return with_device && !device.forces_flow() ? kNoForces : kDone;
+  if (with_device && !device.forces_flow()) return kNoForces;
+  return statistics.interrupted ? kInterrupted : kDone;
 }
 
 std::string check_record_forces(std::string& text) {

@@ -76,7 +76,8 @@ void add_world(Command& app, int& exit_code) {
   command->add_option("scene", options->scene, "Scene file; only its objects and execution count")
       ->required();
   command
-      ->add_option("--output", options->output, "World file to write, which a scene names as its \"world\"")
+      ->add_option("--output,-o", options->output,
+                   "World file to write, which a scene names as its \"world\"")
       ->required()
       ->type_name("CITY.world");
   command->add_option("--cell-size", options->cell_size, "Of the grid [m]; the scene's, or 0.1")

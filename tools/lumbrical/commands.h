@@ -8,9 +8,10 @@ namespace lumbrical::tool {
 /// Exit codes of the command-line contract; README.md has the same table.
 enum ExitCode : int {
   kDone = 0,
-  kUnreadable = 2,  ///< bad input or usage, or a file that can't be read or written
-  kDiverged = 3,    ///< replay or diff found a difference
-  kNoForces = 4,    ///< run: a device was to be driven, and forces never or no longer reached it
+  kUnreadable = 2,     ///< bad input or usage, or a file that can't be read or written
+  kDiverged = 3,       ///< replay or diff found a difference
+  kNoForces = 4,       ///< run: a device was to be driven, and forces never or no longer reached it
+  kInterrupted = 130,  ///< run: a signal ended it early, with everything written that was to be
 };
 
 /// Each adds its subcommand to the app and stores the exit code of its run in `exit_code`.

@@ -1,19 +1,23 @@
 // The lumbrical program: one subcommand per file, put together here.
 #include <csignal>
 #include <exception>
+#include <string>
+#include <string_view>
 
 #include "commands.h"
 #include "output.h"
+#include "version.h"
 
 namespace {
 
 using namespace lumbrical::tool;
 
 const Program kProgram = {
-    "lumbrical", "lumbrical " LUMBRICAL_VERSION,
-    "Computes what a whole human hand feels when it touches a polygonal world.",
-    "Every subcommand has its own --help. Exit codes: 0 done, 2 bad input or usage, 3 replay diverged, 4 no "
-    "forces reached the device."};
+    "lumbrical", version_text(), "Computes what a whole human hand feels when it touches a polygonal world.",
+    "Every subcommand has its own --help. A scene, motion or mesh named - is read from standard input. Exit "
+    "codes: 0 done, 2 bad input or usage, 3 replay diverged, 4 no forces reached the device, 130 stopped by "
+    "a "
+    "signal."};
 
 void add_commands(Command& root, int& exit_code) {
   add_run(root, exit_code);
@@ -43,12 +47,15 @@ int main(int argc, char** argv) {
   // recording is closed properly and the exit code tells.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
-  int exit_code = kDone, refused = 0;
+  for (int i = 1; i < argc; ++i)
+    if (std::string_view(argv[i]) == "--json") failures_as_json();
+  int exit_code = kDone;
   try {
     const auto add = [&exit_code](Command& root) { add_commands(root, exit_code); };
-    if (!run_command_line(kProgram, argc, argv, add, refused)) return refused == 0 ? kDone : kUnreadable;
+    const std::string fault = run_command_line(kProgram, argc, argv, add);
+    if (!fault.empty()) exit_code = fail(fault);
   } catch (const std::exception& error) {
-    return fail(std::string("lumbrical: ") + error.what());
+    exit_code = fail(std::string("lumbrical: ") + error.what());
   }
-  return exit_code;
+  return finish(exit_code);
 }

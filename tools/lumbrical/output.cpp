@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 
@@ -12,7 +13,23 @@
 
 namespace lumbrical::tool {
 
+namespace {
+
+bool json_wanted = false, result_printed = false;
+std::string first_failure;
+
+}  // namespace
+
+void failures_as_json() { json_wanted = true; }
+
+int finish(int exit_code) {
+  if (exit_code == kDone || !json_wanted || result_printed) return exit_code;
+  print_json({{"error", first_failure}, {"exit_code", exit_code}});
+  return exit_code;
+}
+
 int fail(std::string_view message) {
+  if (first_failure.empty()) first_failure = message;
   std::fprintf(stderr, "%.*s\n", static_cast<int>(message.size()), message.data());
   return kUnreadable;
 }
@@ -20,9 +37,10 @@ int fail(std::string_view message) {
 int fail(const Status& status) { return fail(status.message()); }
 
 int print_text(std::string_view text) {
+  result_printed = true;
   const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
-  if (std::fflush(stdout) == 0 && written) return kDone;
-  return fail("standard output: can't write the result; is the disk full or the pipe closed?");
+  if ((std::fflush(stdout) == 0 && written) || errno == EPIPE) return kDone;
+  return fail("standard output: can't write the result; is the disk full?");
 }
 
 int print_json(const Json& object) {

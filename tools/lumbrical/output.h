@@ -19,12 +19,18 @@ namespace lumbrical::tool {
 
 using Json = nlohmann::ordered_json;  ///< keeps the order in which keys are added
 
+/// From now on a failure is also told as a JSON object on standard output, unless a result stands there.
+void failures_as_json();
+
+/// The exit code of the program, with whatever is left to say about a failure.
+int finish(int exit_code);
+
 /// Prints the message to standard error and answers kUnreadable.
 int fail(const Status& status);
 int fail(std::string_view message);
 
 /// Prints one JSON object to standard output. Answers kDone, or kUnreadable where it can't be written (full
-/// disk).
+/// disk). Whoever has closed the other end of a pipe has read enough: that is no failure.
 int print_json(const Json& object);
 
 /// Prints text to standard output under the same terms.

@@ -7,7 +7,9 @@
 #include <sys/resource.h>
 #include <time.h>
 
+#include <array>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 
 namespace lumbrical::tool {
@@ -77,6 +79,18 @@ std::int64_t clock_ns() {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
   return std::int64_t{now.tv_sec} * 1000000000 + now.tv_nsec;
+}
+
+std::string utc_text() {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  tm parts{};
+  gmtime_r(&now.tv_sec, &parts);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S", &parts);
+  std::array<char, 16> fraction{};
+  std::snprintf(fraction.data(), fraction.size(), ".%09ldZ", now.tv_nsec);
+  return std::string(text.data()) + fraction.data();
 }
 
 void sleep_until_ns(std::int64_t deadline) {

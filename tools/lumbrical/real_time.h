@@ -25,7 +25,10 @@ RealTime enter_real_time(int priority, Pinning pinning, std::span<const std::byt
 /// Undoes enter_real_time for the calling thread and the process.
 void leave_real_time(const RealTime& real_time);
 
-std::int64_t clock_ns();  ///< the steady clock
+std::int64_t clock_ns();
+
+/// The time of day, "2026-03-01T12:34:56.123456789Z".
+std::string utc_text();  ///< the steady clock
 
 /// Sleeps until `deadline` [ns]. SIGINT and the like don't wake it early.
 void sleep_until_ns(std::int64_t deadline);

@@ -96,6 +96,7 @@ RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_
     parts.device->arm();  // last of all: from now on a tick that does not come is a fault
     statistics.interrupted = stop_requested();
   }
+  statistics.late.reserve();
   const std::uint64_t faults_before = page_faults();
   const std::int64_t begin = clock_ns();
   std::int64_t first = begin;  // moves on where a device's session has fallen behind
@@ -122,6 +123,8 @@ RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_
     const std::int64_t end = clock_ns();
     const bool late = parts.paced ? end > moment + period : record.duration_ns > period;
     statistics.deadline_misses += late ? 1 : 0;
+    if (late && parts.paced)
+      statistics.late.add(start - moment, record.duration_ns, end - moment, record.device);
     if (parts.device != nullptr) {
       statistics.loop_times.add(nanoseconds_between(start, end));
       if (parts.paced && end > moment + 2 * period) first += end - (moment + period);

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "device_loop.h"
+#include "late_ticks.h"
 #include "live_view.h"
 #include "lumbrical/model.h"
 #include "lumbrical/motion.h"
@@ -24,6 +25,7 @@ struct RunStatistics {
   std::uint64_t page_faults = 0;  ///< of the ticking thread during the session
   std::uint64_t deadline_misses =
       0;                       ///< paced: results later than their period's end; else ticks longer than one
+  LateTicks late;              ///< paced: what was behind them
   std::uint64_t contacts = 0;  ///< sum over all ticks
   std::uint32_t max_contacts = 0;                     ///< of one tick
   std::uint64_t max_evaluations = 0;                  ///< of fields by samples, in one tick

@@ -23,6 +23,17 @@ std::size_t most_changed(const WhatIfResult& result) {
   return static_cast<std::size_t>(most - result.torque.begin());
 }
 
+// The largest change that was felt, or if none was the largest of all.
+std::string lead(const WhatIfResult& result) {
+  const auto by_max = [](const Change& a, const Change& b) { return a.max < b.max; };
+  const auto most = std::max_element(result.force_jnd.begin(), result.force_jnd.end(), by_max);
+  const auto part = static_cast<std::size_t>(most - result.force_jnd.begin());
+  if (!(most->max > 0)) return "No force changes.\n";
+  return "Forces change by up to " + brief(result.force[part].max) + " N, " + brief(most->max) +
+         " just-noticeable differences (" + part_name(part) + ", tick " + grouped(most->max_tick) +
+         "): felt in " + grouped(result.felt_ticks[part]) + " of " + grouped(result.ticks) + " ticks.\n";
+}
+
 }  // namespace
 
 Json what_if_json(const WhatIfResult& result) {
@@ -66,7 +77,7 @@ std::string what_if_text(const WhatIfResult& result) {
               grouped(result.unlike_recorded) +
                   " ticks without forces in the file, which this build computes otherwise: "
                   "compared with what it computes");
-  return table.text();
+  return lead(result) + table.text();
 }
 
 }  // namespace lumbrical::tool

@@ -25,17 +25,19 @@ enum class Unit : std::uint8_t { metre, centimetre, millimetre };
 /// "m", "cm" or "mm"; nothing for any other text.
 std::optional<Unit> parse_unit(std::string_view text);
 
-/// Reads OBJ, STL (binary or ASCII, whatever its header claims), PLY (ASCII, both endians) or OFF; the
-/// format is told by the content first and the file name second. Vertices of STL files at exactly the same
-/// position are merged (-0 equals +0). Triangles keep the order of the file and none is dropped, not even a
-/// degenerate one. At most 8 GiB, 2^32 - 2 vertices and as many triangles; at least one triangle.
-/// `unit` is the unit of the file's numbers; the mesh is in metres and all its coordinates are finite.
-/// On error `mesh` is unchanged and the message starts with "path:line:column:" or "path: byte N:" (from 0),
-/// or with "path:" alone where the fault has no place in the file.
+/// Reads OBJ, STL (binary or ASCII, whatever its header claims), PLY (ASCII, both endians), OFF or glTF 2
+/// (.glb, or .gltf with files beside it; builds with nlohmann-json); the format is told by the content first
+/// and the file name second. All groups, solids or nodes of a file are one mesh; those of glTF stand where
+/// the file's scene puts them. Vertices of STL files at exactly the same position are merged (-0 equals +0).
+/// Triangles keep the order of the file and none is dropped, not even a degenerate one, but for those that
+/// only join strips. "-" is standard input. At most 8 GiB, 2^32 - 2 vertices and as many triangles; at least
+/// one triangle. `unit` is the unit of the file's numbers; the mesh is in metres and all its coordinates are
+/// finite. On error `mesh` is unchanged and the message starts with "path:line:column:" or "path: byte N:"
+/// (from 0), or with "path:" alone where the fault has no place in the file.
 Status load_mesh(const std::string& path, Unit unit, Mesh& mesh);
 
 /// The same for a file already in memory; `name` stands in for the path in messages and in the choice of
-/// format.
+/// format. It may name no other files.
 Status parse_mesh(std::string_view content, const std::string& name, Unit unit, Mesh& mesh);
 
 /// What is wrong with a mesh. Vertices are compared by exact position (merged first, -0 equals +0), triangles

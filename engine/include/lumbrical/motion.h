@@ -22,8 +22,8 @@ struct Motion {
   Side side = Side::right;
   std::array<double, kJointCount> radius{};  ///< [m] as the source tells them; 0 where it does not
   std::vector<MotionSample> samples;         ///< at least one; all of one InputKind
-  std::string
-      format;  ///< what the file was taken for: "webxr", "leapjs", "landmarks", "angles"; or "grasp" (made)
+  std::string format;  ///< what the file was taken for: "webxr", "leapjs", "landmarks", "bvh", "angles"; or
+                       ///< "grasp" (made)
 };
 
 struct MotionOptions {
@@ -33,7 +33,7 @@ struct MotionOptions {
   double unit = 0;  ///< [m] per number of the file; 0: the format's own (LeapJS mm, the others m)
 };
 
-/// Reads a hand motion; the format is told by the content:
+/// Reads a hand motion, from standard input where `path` is "-"; the format is told by the content:
 ///
 /// - webxr, one pose:
 ///   `{"jointTransforms": {NAME: {"offsetMatrix": [16 numbers, column-major], "radius": r}, ...}}`.
@@ -52,6 +52,11 @@ struct MotionOptions {
 /// - landmarks: CSV of 21 points in MediaPipe's order, 63 columns x0,y0,z0,x1..., with or without a header
 ///   line; a leading 64th column of seconds if the header names it `time` or `t`. A frame whose points all
 ///   coincide is kTrackingLost.
+/// - bvh: a skeleton (`HIERARCHY`) and its frames (`MOTION`). Of its joints those below a joint named after a
+///   finger (thumb, index, middle, ring, little or pinky; of the side that names tell) are the hand's, the
+///   nearest joint they all hang on is the wrist. Position channels of a joint take the place of its offset
+///   where they repeat it in the first frame, else they come on top. The format doesn't say its unit, so
+///   options.unit must.
 /// - angles: `{"format": "lumbrical-angles", "side": "right", "samples": [SAMPLE, ...]}` where SAMPLE is
 ///   `{"time": s, "wrist": {"position": [x,y,z], "orientation": [w,x,y,z]}, "angles": [20 numbers]}`, the
 ///   angles in radians and in the order of hand.h. No other field is allowed.

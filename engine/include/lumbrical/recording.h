@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lumbrical/device.h"
@@ -52,8 +53,8 @@ struct RecorderOptions {
   /// them.
   std::uint32_t force_interval = 1;
   std::map<std::string, std::string>
-      metadata;  ///< free text for the file's metadata record, e.g. start time; "build" is added, and
-                 ///< "force_interval" where it is not 1
+      metadata;  ///< free text for the file's metadata record, e.g. start time; "build" and "arithmetic" are
+                 ///< added, and "force_interval" where it is not 1
 };
 
 /// Writes ticks to a file from a thread of its own. The tick thread only copies into a ring.
@@ -116,6 +117,11 @@ struct Divergence {
   std::string recorded_build{};  ///< build_text of who recorded, as far as the file tells
   std::string replayed_build{};
 };
+
+/// Which results ticks have, as eight hexadecimal digits: recordings of one arithmetic replay to the last bit
+/// in every build that has it, of others they need not. The recorder writes it into the metadata as
+/// "arithmetic".
+std::string_view arithmetic_version();
 
 /// Which build of the library this is: version, compiler, optimised or not, processor.
 std::string build_text();
@@ -258,12 +264,25 @@ Status what_if(RecordingReader& reader, const ReplayOptions& options, WhatIfResu
 /// from a, `replayed` from b, "none" where b or a has ended. Measured durations are not compared.
 Status diff_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& result);
 
-/// One line per tick (CSV with a header line of names and units, "output.segment[3].force.x [N]", or JSON
-/// lines; forces left out are empty cells or null), to the file `output`, which appears only when
-/// it is complete, or to standard output where `output` is "-". Numbers are exact: read back, they give the
-/// same bits.
-enum class ExportFormat : std::uint8_t { csv, json };
-Status export_recording(RecordingReader& reader, ExportFormat format, const std::string& output);
+/// csv: a table with a header of names and units, "index_distal.force.x [N]". npz: the same as a NumPy
+/// archive, an array per column, and as texts the arrays "columns" and "units". json: one object per line,
+/// with all there is of a tick in the engine's own names. Forces left out are empty cells, NaN or null.
+enum class ExportFormat : std::uint8_t { csv, json, npz };
+
+struct ExportOptions {
+  ExportFormat format = ExportFormat::csv;
+  /// Words: every column in whose name one of them is ("force", "angle.index", "all"), whether it varies or
+  /// not. None: of pose, forces, flexion torques, flags and contacts those that vary. Of tables only.
+  std::vector<std::string> columns;
+  std::vector<int> segments;                   ///< only these segments' columns; empty: all
+  std::uint64_t first = 0, last = UINT64_MAX;  ///< tick numbers
+  std::uint64_t step = 1;                      ///< every so many ticks, from `first` on
+  bool exact = false;  ///< csv: as many digits as it takes to read the same bits, not six
+};
+
+/// Writes to the file `output`, which appears only when it is complete, or to standard output where that is
+/// "-" (not npz). Tables are read twice, to know what varies; an npz is in memory as a whole.
+Status export_recording(RecordingReader& reader, const ExportOptions& options, const std::string& output);
 
 /// The messages a recording would hold, for whoever passes them on while a session runs. `bytes` is replaced.
 /// A scene of 2 GiB or more is refused.

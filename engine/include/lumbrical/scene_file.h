@@ -29,8 +29,8 @@ struct MotionOverride {
   double unit = 0;  ///< [m] per number of the motion file; 0: the scene's
 };
 
-/// Reads a scene file and every mesh and motion it names (paths relative to the scene file;
-/// MotionOverride::file as it stands). On error `scene_file` is unchanged and the message starts with
+/// Reads a scene file ("-": standard input) and every mesh and motion it names (paths relative to the scene
+/// file; MotionOverride::file as it stands). On error `scene_file` is unchanged and the message starts with
 /// "path:line:column:" of whatever file is at fault.
 /// A world file that the scene names is opened (world.h).
 Status load_scene_file(const std::string& path, SceneFile& scene_file, const MotionOverride& motion = {});

@@ -39,6 +39,13 @@ struct Primitives;    // posed spheres, cylinders and palm; primitive.h inside t
 struct SampleMemory;  // the passes of the rungs of samples; sampled_forces.h inside the engine
 struct NearPairs;     // what earlier searches found near; near_pairs.h inside the engine
 
+/// Told by a tick that a stage of it has ended (the stages of sampled hands take turns), for whoever measures
+/// how long they take: the engine itself has no clock. It must touch nothing of the tick's, and not throw.
+struct StageWatch {
+  void (*ended)(void* self, Stage stage) = nullptr;
+  void* self = nullptr;
+};
+
 /// Everything derived inside a tick. Sized once for a model; a tick allocates nothing.
 struct Scratch {
   std::shared_ptr<Primitives> primitives;
@@ -53,6 +60,7 @@ struct Scratch {
   std::uint32_t candidate_count = 0;
   std::uint32_t contact_count = 0;
   bool keep_near = true;                                ///< use `near`; false: search afresh every tick
+  StageWatch watch;                                     ///< nobody's, unless set
   bool hash_stages = true;                              ///< compute stage_hash (recording and replay need it)
   std::array<std::uint64_t, kStageCount> stage_hash{};  ///< of each stage's results in the last tick
 };

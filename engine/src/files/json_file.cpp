@@ -11,12 +11,15 @@
 #include <filesystem>
 #include <memory>
 
+#include "base/standard_input.h"
+
 namespace lumbrical {
 namespace {
 
 constexpr std::size_t kMaxSize = std::size_t{16} << 20;
 
 Status read_text(const std::string& path, std::string& text) {
+  if (names_standard_input(path)) return read_standard_input(kMaxSize, text);
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {
     return Status::error(path + ": is a folder; name a JSON file");
@@ -186,10 +189,10 @@ TextPlace find_json_value(std::string_view text, std::string_view path) {
 
 Status read_json_file(const std::string& path, std::span<const std::uint8_t> schema, const char* root,
                       JsonFile& file) {
-  file.name = path;
+  file.name = shown_name(path);
   if (Status status = read_text(path, file.text); !status.ok()) return status;
   if (const std::size_t zero = file.text.find('\0'); zero != std::string::npos) {
-    return Status::error(prefix(path, place_of(file.text, zero)) +
+    return Status::error(prefix(file.name, place_of(file.text, zero)) +
                          "holds a zero byte, so it is not a JSON text");
   }
   flatbuffers::IDLOptions options;
@@ -199,7 +202,7 @@ Status read_json_file(const std::string& path, std::span<const std::uint8_t> sch
   if (!parser.Deserialize(aligned.data(), aligned.size()) || !parser.SetRootType(root)) {
     return Status::error(std::string("the built-in schema of ") + root + " is damaged; rebuild the program");
   }
-  if (!parser.ParseJson(file.text.c_str())) return Status::error(located(path, parser.error_));
+  if (!parser.ParseJson(file.text.c_str())) return Status::error(located(file.name, parser.error_));
   const std::uint8_t* const data = parser.builder_.GetBufferPointer();
   file.buffer.assign(data, data + parser.builder_.GetSize());
   return {};

@@ -1,6 +1,7 @@
 // Text on its way to a file that appears when it is complete, or to standard output.
 #pragma once
 
+#include <cerrno>
 #include <cstdio>
 #include <string>
 #include <string_view>
@@ -25,13 +26,16 @@ class TextOutput {
     if (to_file_) return file_.commit();
     return std::fflush(stdout) == 0 ? Status{} : standard_output_failed();
   }
+  /// False once whoever read standard output through a pipe has closed it: that is no failure, and an end.
+  [[nodiscard]] bool wanted() const { return wanted_; }
   void discard() { file_.discard(); }
 
  private:
   static constexpr std::size_t kBufferSize = 1u << 16;
 
-  static Status standard_output_failed() {
-    return Status::error("standard output: cannot be written; is the disk full or the reader gone?");
+  Status standard_output_failed() {
+    wanted_ = errno != EPIPE;
+    return wanted_ ? Status::error("standard output: cannot be written; is the disk full?") : Status{};
   }
   Status flush() {
     Status status;
@@ -44,7 +48,7 @@ class TextOutput {
     return status;
   }
 
-  bool to_file_ = false;
+  bool to_file_ = false, wanted_ = true;
   OutputFile file_;
   std::string text_;
 };

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "base/floating_point.h"
+#include "base/standard_input.h"
 #include "base/text_cursor.h"
 #include "model/mesh_formats.h"
 
@@ -17,7 +18,7 @@ namespace {
 // Larger files would be more than a machine of today should be asked to feel; a sparse file of a terabyte
 // must not eat its memory.
 constexpr std::uintmax_t kMaxFileSize = std::uintmax_t{8} << 30;
-constexpr const char* kFormats = "OBJ, STL, PLY and OFF are supported";
+constexpr const char* kFormats = "OBJ, STL, PLY, OFF and glTF are read";
 
 enum class Format : std::uint8_t { unknown, obj, stl, ply, off, gltf };
 
@@ -53,7 +54,46 @@ Format detect_format(std::string_view content, const std::string& name) {
   return format_of_name(name);
 }
 
-Status parse_in_file_units(std::string_view content, const std::string& name, Mesh& mesh) {
+// Formats that people have and that are not read, by their file names or their first bytes, and the way out.
+struct Foreign {
+  std::string_view extension, start;
+  const char* what;
+};
+
+constexpr Foreign kForeign[] = {
+    {".fbx", "Kaydara FBX", "FBX is not read; open it in Blender and export glTF or OBJ"},
+    {".blend", "BLENDER", "Blender's own format is not read; export glTF or OBJ from it"},
+    {".dae", "", "COLLADA is not read; open it in Blender and export glTF or OBJ"},
+    {".3mf", "", "3MF is not read; export STL from the program that wrote it"},
+    {".step", "ISO-10303-21", "STEP has surfaces, no triangles; export STL or glTF from a CAD program"},
+    {".stp", "", "STEP has surfaces, no triangles; export STL or glTF from a CAD program"},
+    {".iges", "", "IGES has surfaces, no triangles; export STL or glTF from a CAD program"},
+    {".igs", "", "IGES has surfaces, no triangles; export STL or glTF from a CAD program"},
+    {".usd", "PXR-USDC", "USD is not read; open it in Blender and export glTF or OBJ"},
+    {".usda", "#usda", "USD is not read; open it in Blender and export glTF or OBJ"},
+    {".usdz", "", "USD is not read; open it in Blender and export glTF or OBJ"},
+    {".3ds", "", "3DS is not read; open it in Blender and export glTF or OBJ"},
+    {".wrl", "#VRML", "VRML is not read; open it in MeshLab and export PLY or OBJ"},
+    {".x3d", "", "X3D is not read; open it in MeshLab and export PLY or OBJ"},
+    {".vtk", "# vtk", "VTK is not read; open it in ParaView and export PLY or STL"},
+    {".drc", "DRACO", "Draco is not read; decompress it to PLY or OBJ"},
+    {".msh", "$MeshFormat", "Gmsh's format is not read; export STL or PLY from Gmsh"},
+    {".npz", "", "NumPy arrays are not read; write vertices and faces as OBJ or PLY (trimesh does it)"},
+    {".pkl", "", "pickled models (MANO, SMPL) are not read; write vertices and faces as OBJ or PLY"},
+};
+
+/// What to do with a file of another format; null where it is of none that is known.
+const char* foreign_format(std::string_view content, const std::string& name) {
+  const std::string extension = extension_of(name);
+  for (const Foreign& format : kForeign) {
+    if (extension == format.extension) return format.what;
+    if (!format.start.empty() && content.substr(0, format.start.size()) == format.start) return format.what;
+  }
+  return nullptr;
+}
+
+Status parse_in_file_units(std::string_view content, const std::string& name, const std::string& folder,
+                           Mesh& mesh) {
   if (content.empty()) return Status::error(name + ": the file is empty");
   switch (detect_format(content, name)) {
     case Format::obj:
@@ -65,10 +105,11 @@ Status parse_in_file_units(std::string_view content, const std::string& name, Me
     case Format::off:
       return parse_off(content, name, mesh);
     case Format::gltf:
-      return Status::error(name + ": glTF is not supported; export the mesh as OBJ, PLY, STL or OFF");
+      return parse_gltf(content, name, folder, mesh);
     case Format::unknown:
       break;
   }
+  if (const char* const what = foreign_format(content, name)) return Status::error(name + ": " + what);
   if (content.substr(0, 2) == "\xFF\xFE" || content.substr(0, 2) == "\xFE\xFF") {
     return Status::error(name + ": the text is in UTF-16; save it in UTF-8");
   }
@@ -100,7 +141,10 @@ Status system_error(const std::string& path, std::error_code code) {
   return Status::error(path + ": cannot read the file: " + code.message());
 }
 
-Status read_file(const std::string& path, std::string& content) {
+}  // namespace
+
+Status read_mesh_file(const std::string& path, std::string& content) {
+  if (names_standard_input(path)) return read_standard_input(kMaxFileSize, content);
   std::error_code error;
   const std::filesystem::file_status kind = std::filesystem::status(path, error);
   if (kind.type() == std::filesystem::file_type::not_found) {
@@ -127,6 +171,23 @@ Status read_file(const std::string& path, std::string& content) {
   return {};
 }
 
+namespace {
+
+Status parse_from(std::string_view content, const std::string& name, const std::string& folder, Unit unit,
+                  Mesh& mesh) {
+  const FloatingPointGuard guard;
+  try {
+    Mesh parsed;
+    if (Status status = parse_in_file_units(content, name, folder, parsed); !status.ok()) return status;
+    if (Status status = check_size(parsed, name); !status.ok()) return status;
+    convert_to_metres(unit, parsed.vertices);
+    mesh = std::move(parsed);
+    return {};
+  } catch (const std::bad_alloc&) {
+    return out_of_memory(name);
+  }
+}
+
 }  // namespace
 
 std::optional<Unit> parse_unit(std::string_view text) {
@@ -137,26 +198,17 @@ std::optional<Unit> parse_unit(std::string_view text) {
 }
 
 Status parse_mesh(std::string_view content, const std::string& name, Unit unit, Mesh& mesh) {
-  const FloatingPointGuard guard;
-  try {
-    Mesh parsed;
-    if (Status status = parse_in_file_units(content, name, parsed); !status.ok()) return status;
-    if (Status status = check_size(parsed, name); !status.ok()) return status;
-    convert_to_metres(unit, parsed.vertices);
-    mesh = std::move(parsed);
-    return {};
-  } catch (const std::bad_alloc&) {
-    return out_of_memory(name);
-  }
+  return parse_from(content, name, "", unit, mesh);
 }
 
 Status load_mesh(const std::string& path, Unit unit, Mesh& mesh) {
   try {
     std::string content;
-    if (Status status = read_file(path, content); !status.ok()) return status;
-    return parse_mesh(content, path, unit, mesh);
+    if (Status status = read_mesh_file(path, content); !status.ok()) return status;
+    const std::string folder = std::filesystem::path(path).parent_path().string();
+    return parse_from(content, shown_name(path), folder.empty() ? "." : folder, unit, mesh);
   } catch (const std::bad_alloc&) {
-    return out_of_memory(path);
+    return out_of_memory(shown_name(path));
   }
 }
 

@@ -19,6 +19,11 @@ Status parse_obj(std::string_view content, const std::string& name, Mesh& mesh);
 Status parse_stl(std::string_view content, const std::string& name, Mesh& mesh);
 Status parse_ply(std::string_view content, const std::string& name, Mesh& mesh);
 Status parse_off(std::string_view content, const std::string& name, Mesh& mesh);
+/// `folder` is where files that it names are looked for; empty: it may name none.
+Status parse_gltf(std::string_view content, const std::string& name, const std::string& folder, Mesh& mesh);
+
+/// The whole of a regular file of at most 8 GiB.
+Status read_mesh_file(const std::string& path, std::string& content);
 
 /// Is this certainly STL: a binary file of exactly the size its count asks for, or text that begins with
 /// "solid"?
@@ -39,6 +44,22 @@ inline Status byte_error(const std::string& name, std::size_t byte, const std::s
 inline void append_fan(const std::vector<std::uint32_t>& polygon, Mesh& mesh) {
   for (std::size_t i = 2; i < polygon.size(); ++i) {
     mesh.triangles.push_back({polygon[0], polygon[i - 1], polygon[i]});
+  }
+}
+
+/// Between the strips of a list of vertices, where no vertex can be.
+constexpr std::uint32_t kStripEnd = 0xFFFFFFFFu;
+
+/// Cuts triangle strips, parted by kStripEnd, into triangles; every other one is turned round. Those of which
+/// two corners are the same vertex only join strips and are left out.
+inline void append_strips(const std::vector<std::uint32_t>& corners, Mesh& mesh) {
+  std::size_t start = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (corners[i] == kStripEnd) start = i + 1;
+    if (i < start + 2) continue;
+    const bool turned = (i - start) % 2 != 0;
+    const std::uint32_t a = corners[i - 2], b = corners[turned ? i : i - 1], c = corners[turned ? i - 1 : i];
+    if (a != b && b != c && c != a) mesh.triangles.push_back({a, b, c});
   }
 }
 

@@ -120,9 +120,10 @@ bool read_length(BodyReader& body, const PlyProperty& property, std::size_t& len
 
 bool read_corners(BodyReader& body, const PlyProperty& property, std::size_t vertex_count,
                   std::vector<std::uint32_t>& polygon) {
+  const bool strip = property.role == PlyRole::strip;
   std::size_t length = 0;
   if (!read_length(body, property, length)) return false;
-  if (length < 3) {
+  if (length < 3 && !strip) {
     return body.fail("a face needs at least 3 corners, this one has " + std::to_string(length) +
                      "; delete or repair the face");
   }
@@ -130,6 +131,10 @@ bool read_corners(BodyReader& body, const PlyProperty& property, std::size_t ver
   for (std::size_t i = 0; i < length; ++i) {
     double index = 0;
     if (!read_value(body, property.type, index)) return false;
+    if (strip && index == -1) {
+      polygon.push_back(kStripEnd);
+      continue;
+    }
     if (!(index >= 0 && index < static_cast<double>(vertex_count)) || index != std::floor(index)) {
       return body.fail("a vertex index is not one of the " + std::to_string(vertex_count) +
                        " vertices (counted from 0); re-export the mesh");
@@ -153,6 +158,7 @@ bool read_property_value(BodyReader& body, const PlyProperty& property, std::siz
     case PlyRole::z:
       return read_value(body, property.type, row.point.z);
     case PlyRole::corners:
+    case PlyRole::strip:
       return read_corners(body, property, vertex_count, row.polygon);
     case PlyRole::ignored:
       break;
@@ -197,6 +203,7 @@ bool read_rows(BodyReader& body, const PlyElement& element, std::size_t vertex_c
                      " bytes that are left; copy or export the file again");
   }
   const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
+  const bool is_strip = element.name == "tristrips";
   if (is_vertex) mesh.vertices.reserve(element.count);
   if (is_face) mesh.triangles.reserve(element.count);
   Row row;
@@ -208,6 +215,7 @@ bool read_rows(BodyReader& body, const PlyElement& element, std::size_t vertex_c
     if (!end_row(body, element)) return false;
     if (is_vertex) mesh.vertices.push_back(row.point);
     if (is_face) append_fan(row.polygon, mesh);
+    if (is_strip) append_strips(row.polygon, mesh);
   }
   return true;
 }

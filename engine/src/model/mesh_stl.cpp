@@ -115,6 +115,14 @@ Status read_facet(TextCursor& cursor, const std::string& name, std::vector<Vec3>
   return expect(cursor, name, "endfacet");
 }
 
+/// Leaves the line that closes a solid: "endsolid" or, as some write, "end solid".
+Status read_end(TextCursor& cursor, const std::string& name, std::string_view word) {
+  const bool two_words = lower_case(word) == "end";
+  if (two_words) word = cursor.word();
+  if (lower_case(word) == (two_words ? "solid" : "endsolid")) return {};
+  return unexpected(cursor, name, word, "facet' or 'endsolid");
+}
+
 /// One or more solids; their names may be anything up to the end of the line.
 Status parse_ascii(std::string_view content, const std::string& name, std::vector<Vec3>& corners) {
   TextCursor cursor(content);
@@ -126,7 +134,7 @@ Status parse_ascii(std::string_view content, const std::string& name, std::vecto
       if (Status status = read_facet(cursor, name, corners); !status.ok()) return status;
       word = cursor.word_across_lines();
     }
-    if (lower_case(word) != "endsolid") return unexpected(cursor, name, word, "facet' or 'endsolid");
+    if (Status status = read_end(cursor, name, word); !status.ok()) return status;
     if (!cursor.next_line()) return {};
   }
 }

@@ -47,10 +47,7 @@ Status read_format(HeaderReader& reader) {
 Status read_element(HeaderReader& reader) {
   const TextPlace place = reader.cursor.place();
   PlyElement element{std::string(reader.cursor.word()), 0, place, {}};
-  if (element.name == "tristrips") {
-    return reader.fault("triangle strips are not supported; export the mesh with faces");
-  }
-  if (element.name == "vertex" || element.name == "face") {
+  if (element.name == "vertex" || element.name == "face" || element.name == "tristrips") {
     for (const PlyElement& other : reader.header.elements) {
       if (other.name != element.name) continue;
       return reader.fault("element " + quoted(element.name) + " is declared twice; re-export the mesh");
@@ -75,7 +72,8 @@ PlyRole role_of(const std::string& element, const std::string& property) {
   if (element == "vertex" && property == "y") return PlyRole::y;
   if (element == "vertex" && property == "z") return PlyRole::z;
   const bool corners = property == "vertex_indices" || property == "vertex_index";
-  return element == "face" && corners ? PlyRole::corners : PlyRole::ignored;
+  if (corners && element == "face") return PlyRole::corners;
+  return corners && element == "tristrips" ? PlyRole::strip : PlyRole::ignored;
 }
 
 Status read_type(HeaderReader& reader, std::string_view word, PlyType& type) {
@@ -105,10 +103,11 @@ Status read_property(HeaderReader& reader) {
   property.name = reader.cursor.word();
   if (property.name.empty()) return reader.fault("a property without a name; re-export the mesh");
   property.role = role_of(element.name, property.name);
-  if (property.role == PlyRole::corners && !(is_list && is_integer(property.type))) {
+  const bool corners = property.role == PlyRole::corners || property.role == PlyRole::strip;
+  if (corners && !(is_list && is_integer(property.type))) {
     return reader.fault("vertex indices must be a list of an integer type; re-export the mesh");
   }
-  if (property.role != PlyRole::corners && property.role != PlyRole::ignored && is_list) {
+  if (!corners && property.role != PlyRole::ignored && is_list) {
     return reader.fault("a coordinate must be a single value, not a list; re-export the mesh");
   }
   element.properties.push_back(std::move(property));
@@ -131,11 +130,13 @@ Status check_elements(const HeaderReader& reader) {
         return text_error(reader.name, element.place,
                           "vertices need the properties x, y and z, each once; re-export the mesh");
       }
-    } else if (element.name == "face") {
+    } else if (element.name == "face" || element.name == "tristrips") {
       has_faces = true;
-      if (count_role(element, PlyRole::corners) == 1) continue;
+      const PlyRole role = element.name == "face" ? PlyRole::corners : PlyRole::strip;
+      if (count_role(element, role) == 1) continue;
       return text_error(reader.name, element.place,
-                        "faces need one list vertex_indices or vertex_index; re-export the mesh");
+                        (element.name == "face" ? "faces" : element.name) +
+                            " need one list vertex_indices or vertex_index; re-export the mesh");
     }
   }
   if (!has_vertices) return reader.fault("no element 'vertex'; re-export the mesh");

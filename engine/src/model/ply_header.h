@@ -16,7 +16,8 @@ namespace lumbrical {
 enum class PlyEncoding : std::uint8_t { ascii, little_endian, big_endian };
 enum class PlyType : std::uint8_t { i8, u8, i16, u16, i32, u32, f32, f64 };
 /// What the engine reads a property for.
-enum class PlyRole : std::uint8_t { ignored, x, y, z, corners };
+/// `corners` are of one face, `strip` those of triangle strips, which -1 parts.
+enum class PlyRole : std::uint8_t { ignored, x, y, z, corners, strip };
 
 struct PlyProperty {
   std::string name;
@@ -40,8 +41,8 @@ struct PlyHeader {
 };
 
 /// Reads the header with a cursor at the start of the file and leaves it right behind "end_header". On
-/// success there are vertices with x, y and z, and faces with a list of corners; elements keep the order of
-/// the file.
+/// success there are vertices with x, y and z, and faces or triangle strips with a list of corners; elements
+/// keep the order of the file.
 Status read_ply_header(TextCursor& cursor, const std::string& name, PlyHeader& header);
 
 /// Offset of the first byte of data, where `at` is the offset right behind the word "end_header".

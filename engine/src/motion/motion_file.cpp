@@ -8,6 +8,9 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
+#include "base/standard_input.h"
+#include "base/text_cursor.h"
+
 namespace lumbrical {
 namespace {
 
@@ -87,6 +90,51 @@ bool looks_like_json(std::string_view content) {
   return first != content.npos && (content[first] == '{' || content[first] == '[');
 }
 
+bool looks_like_bvh(std::string_view content) {
+  const std::size_t first = content.find_first_not_of(" \t\r\n");
+  return first != content.npos && content.substr(first, 9) == "HIERARCHY";
+}
+
+// Captures that people have and that are not read, by their file names or by words near their start, and the
+// way out. All of them hold parameters of a model, which only that model turns into joints.
+struct Foreign {
+  std::string_view ending, word;
+  const char* what;
+};
+
+constexpr const char* kToLandmarks =
+    " is not read; let its model compute the 21 joints and save them as CSV (wrist, then thumb to little "
+    "finger, base to "
+    "tip; x,y,z in metres)";
+constexpr Foreign kForeign[] = {
+    {"", "umetrack", "UmeTrack"},
+    {"", "wrist_xform", "UmeTrack"},
+    {"", "wrist_transforms", "UmeTrack"},
+    {"", "hand_pose_labels", "UmeTrack"},
+    {"", "mano_pose", "MANO"},
+    {"", "\"betas\"", "MANO"},
+    {".pkl", "", "MANO (pickled)"},
+    {".npz", "", "MANO (NumPy archive)"},
+    {".npy", "", "a NumPy array"},
+    {".bag", "", "a ROS bag"},
+    {".c3d", "", "C3D (markers)"},
+    {".trc", "", "TRC (markers)"},
+};
+
+Status refuse_foreign(std::string_view content, const std::string& name) {
+  constexpr std::size_t kLookedAt = 4096;
+  const std::string start = lower_case(content.substr(0, kLookedAt));
+  const std::string file = lower_case(name);
+  if (start.substr(0, 11) == "kaydara fbx" || file.ends_with(".fbx"))
+    return refuse(name, "FBX is not read; open it in Blender and export BVH");
+  for (const Foreign& format : kForeign) {
+    const bool named = !format.ending.empty() && file.ends_with(format.ending);
+    const bool said = !format.word.empty() && (start.find(format.word) != start.npos);
+    if (named || said) return refuse(name, std::string(format.what) + kToLandmarks);
+  }
+  return {};
+}
+
 Status parse_json_motion(std::string_view content, const std::string& name, const MotionOptions& options,
                          Motion& motion) {
   json root;
@@ -96,9 +144,10 @@ Status parse_json_motion(std::string_view content, const std::string& name, cons
     return parse_webxr(root, name, options, motion);
   if (find_member(root, "format")) return parse_angles(root, name, options, motion);
   if (find_member(root, "frames")) return parse_leap(root, name, options, motion);
-  return refuse(name,
-                "not a hand motion: expected \"jointTransforms\" (WebXR), \"frames\" (LeapJS), \"format\" "
-                "(joint angles) or an array of frames (WebXR)");
+  return refuse(
+      name,
+      "not a hand motion that is read: expected \"jointTransforms\" (WebXR), \"frames\" (LeapJS), \"format\" "
+      "(joint angles) or an array of frames (WebXR)");
 }
 
 bool is_lost(const MotionSample& sample) { return (sample.frame.flags & kTrackingLost) != 0; }
@@ -182,8 +231,14 @@ Status parse_checked(std::string_view content, const std::string& name, const Mo
   if (!status.ok()) return status;
   Motion parsed;
   content = without_byte_order_mark(content);
-  status = looks_like_json(content) ? parse_json_motion(content, name, options, parsed)
-                                    : parse_landmarks(content, name, options, parsed);
+  status = refuse_foreign(content, name);
+  if (!status.ok()) return status;
+  if (looks_like_json(content))
+    status = parse_json_motion(content, name, options, parsed);
+  else if (looks_like_bvh(content))
+    status = parse_bvh(content, name, options, parsed);
+  else
+    status = parse_landmarks(content, name, options, parsed);
   if (status.ok()) status = complete_samples(name, parsed);
   if (status.ok() && parsed.samples.front().frame.kind == InputKind::joint_poses) {
     status = check_size(name, parsed);
@@ -311,6 +366,12 @@ Status parse_motion(std::string_view content, const std::string& name, const Mot
 }
 
 Status load_motion(const std::string& path, const MotionOptions& options, Motion& motion) {
+  if (names_standard_input(path)) {
+    constexpr std::size_t kMost = std::size_t{1} << 30;
+    std::string content;
+    const Status status = read_standard_input(kMost, content);
+    return status.ok() ? parse_motion(content, shown_name(path), options, motion) : status;
+  }
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
     return refuse(path, "no such file, or not a regular one");

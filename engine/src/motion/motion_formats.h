@@ -18,6 +18,8 @@ Status parse_leap(const nlohmann::json& root, const std::string& name, const Mot
                   Motion& motion);
 Status parse_angles(const nlohmann::json& root, const std::string& name, const MotionOptions& options,
                     Motion& motion);
+Status parse_bvh(std::string_view content, const std::string& name, const MotionOptions& options,
+                 Motion& motion);
 Status parse_landmarks(std::string_view content, const std::string& name, const MotionOptions& options,
                        Motion& motion);
 

@@ -174,7 +174,7 @@ Status parse_landmarks(std::string_view content, const std::string& name, const 
       if (reader.cells.size() < kCoordinateCount) {
         return reader.refuse_at(
             1,
-            "neither JSON nor a CSV of 21 landmarks; LZ-compressed LeapJS recordings must be "
+            "neither JSON, BVH nor a CSV of 21 landmarks; LZ-compressed LeapJS recordings must be "
             "saved uncompressed");
       }
       has_time = reader.cells[0].text == "time" || reader.cells[0].text == "t";

@@ -66,7 +66,8 @@ Status McapWriter::open(const std::string& path, const McapWriterOptions& option
   if (Status status = file_.open(path); !status.ok()) return status;
 
   const Schema schema{kSchemaId, std::string(start.schema_name), "flatbuffer", start.schema};
-  const Channel channel{kChannelId, kSchemaId, std::string(start.topic), "flatbuffer", {}};
+  const Channel channel{kChannelId, kSchemaId, std::string(start.topic), "flatbuffer",
+                        start.channel_metadata};
   append(once_, schema);
   schema_size_ = once_.size();
   append(once_, channel);

@@ -28,6 +28,7 @@ class McapWriter {
     std::string_view schema_name;  ///< FlatBuffers: the table's qualified name
     mcap::Bytes schema;            ///< FlatBuffers: the binary schema
     std::string_view topic;
+    std::map<std::string, std::string> channel_metadata;
     struct Content {
       std::string_view name;
       mcap::Bytes bytes;

@@ -15,6 +15,7 @@
 #include "base/ring.h"
 #include "flatbuffers/flatbuffers.h"
 #include "lumbrical/recording.h"
+#include "recording/channel_metadata.h"
 #include "recording/record_fields.h"
 #include "recording/session_message.h"
 #include "recording/state_message.h"
@@ -71,6 +72,7 @@ Status open_recording(const std::string& path, double rate, const std::vector<st
   start.schema_name = kTickSchemaName;
   start.schema = tick_schema();
   start.topic = "tick";
+  start.channel_metadata = channel_metadata();
   start.attachments.push_back({kSessionAttachment, session});
   if (!state.empty()) start.attachments.push_back({kStateAttachment, state});
   start.metadata_name = kMetadataName;
@@ -201,6 +203,7 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   mcap_options.chunk_time = static_cast<std::uint64_t>(options.chunk_seconds * 1e9);
   std::map<std::string, std::string> metadata = options.metadata;
   metadata.emplace("build", build_text());
+  metadata.emplace("arithmetic", arithmetic_version());
   if (options.force_interval != 1) metadata.emplace("force_interval", std::to_string(options.force_interval));
   Status status =
       open_recording(path, scene.settings.rate, session, {}, metadata, mcap_options, writer->mcap);

@@ -40,17 +40,15 @@ void copy_segment(Forces& forces, std::size_t segment, Output& output, Copy&& co
   });
 }
 
-/// The segments that feel anything; returns how many.
-std::size_t to_fb(const ActuatorFrame& frame, std::array<SegmentOutput, kSegmentCount>& segments) {
-  std::size_t count = 0;
+// All of them, in their order, so that a path such as segments[5].force.x is one curve in any plotting tool.
+// Zeros take next to no room once compressed.
+std::array<SegmentOutput, kSegmentCount> to_fb(const ActuatorFrame& frame) {
+  std::array<SegmentOutput, kSegmentCount> segments;
   for (std::size_t s = 0; s < kSegmentCount; ++s) {
-    SegmentOutput& output = segments[count];
-    copy_segment(frame, s, output, [](const double& from, double& to) { to = from; });
-    if (same_bits(output.number, SegmentOutput{}.number)) continue;
-    output.segment = s;
-    ++count;
+    copy_segment(frame, s, segments[s], [](const double& from, double& to) { to = from; });
+    segments[s].segment = s;
   }
-  return count;
+  return segments;
 }
 
 Status decode_device(const fb::Tick& message, DeviceFrame& device) {
@@ -140,9 +138,6 @@ void encode_tick(const TickRecord& record, bool keep_forces, const InputCheck& c
                  flatbuffers::FlatBufferBuilder& builder) {
   builder.Clear();
   const DeviceFrame& device = record.device;
-  std::array<SegmentOutput, kSegmentCount> segments;
-  const std::size_t segment_count = keep_forces ? to_fb(record.output, segments) : 0;
-
   flatbuffers::Offset<flatbuffers::Vector<const fb::JointPose*>> joints;
   if (!same_bits(device.joint, DeviceFrame{}.joint)) {
     joints = builder.CreateVectorOfStructs(reinterpret_cast<const fb::JointPose*>(device.joint.data()),
@@ -152,9 +147,11 @@ void encode_tick(const TickRecord& record, bool keep_forces, const InputCheck& c
   if (!same_bits(device.angle, DeviceFrame{}.angle))
     angles = builder.CreateVector(device.angle.data(), device.angle.size());
   flatbuffers::Offset<flatbuffers::Vector<const fb::SegmentOutput*>> outputs;
-  if (segment_count > 0)
+  if (keep_forces) {
+    const std::array<SegmentOutput, kSegmentCount> segments = to_fb(record.output);
     outputs = builder.CreateVectorOfStructs(reinterpret_cast<const fb::SegmentOutput*>(segments.data()),
-                                            segment_count);
+                                            segments.size());
+  }
 
   flatbuffers::Offset<flatbuffers::Vector<flatbuffers::Offset<fb::Sent>>> sent;
   if (record.sent_count > 0) {

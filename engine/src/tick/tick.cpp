@@ -78,6 +78,10 @@ bool find_exact_candidates(const Model& model, const Primitives& hand, Scratch& 
   return true;
 }
 
+void tell(const StageWatch& watch, Stage stage) {
+  if (watch.ended != nullptr) watch.ended(watch.self, stage);
+}
+
 void find_all_contacts(const Model& model, const Primitives& hand, Scratch& scratch) {
   const std::span<const std::uint64_t> candidates(scratch.candidates.data(), scratch.candidate_count);
   scratch.contact_count = find_contacts(model, hand, candidates, scratch.contacts);
@@ -108,26 +112,33 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   if ((frame.flags & kTrackingLost) != 0) flags |= kInputLost;
   if ((frame.flags & kExtrapolated) != 0) flags |= kInputExtrapolated;
   hand.flags = flags;
+  tell(scratch.watch, Stage::input);
   if ((flags & kUntrusted) == 0) {
     flags = hand.flags |= place_hand(model.hand, model.settings, frame, hand);
     hand.out_of_reach = !may_meet(model.hand, hand, model.extent);  // and needs no shape
     if (!hand.out_of_reach) {
       tile_hand(model.hand, model.settings, hand);
+      tell(scratch.watch, Stage::hand_pose);
       if (model.patches && !sample_forces(model, hand, sampled_segments(model), *scratch.samples, sampled))
         flags |= kCandidateOverflow;
       if (sampled.coarsened) flags |= kCoarsened;
+      tell(scratch.watch, Stage::narrowphase);
       if (!find_exact_candidates(model, hand, scratch)) flags |= kCandidateOverflow;
     }
   }
+  tell(scratch.watch, Stage::broadphase);
   find_all_contacts(model, hand, scratch);
+  tell(scratch.watch, Stage::narrowphase);
   const std::span<const std::uint64_t> candidates(scratch.candidates.data(), scratch.candidate_count);
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
   const HandForces forces = sum_forces(model.settings, hand, contacts, sampled.segment);
+  tell(scratch.watch, Stage::contact_force);
   ActuatorFrame output = limit_forces(model.settings, hand, forces, (flags & kUntrusted) == 0, flags, state);
   output.contact_count = scratch.contact_count + sampled.contact_count;
   output.evaluations = sampled.evaluations;
   output.force_error = force_error(model.settings, contacts);
   output.error_estimate = error_estimate(model.settings, sampled);
+  tell(scratch.watch, Stage::limits);
 
   if (scratch.hash_stages)
     hash_stages({frame, hand, sampled, candidates, contacts, forces, output}, scratch.stage_hash);

@@ -1,0 +1,379 @@
+// BVH (Biovision) skeletons: the joints of one hand are found by their names, posed, and taken as points.
+#include <algorithm>
+#include <span>
+
+#include "base/elementary.h"
+#include "base/text_cursor.h"
+#include "model/hand_from_positions.h"
+#include "motion/motion_formats.h"
+
+namespace lumbrical {
+namespace {
+
+constexpr double kRadian = 0.017453292519943295;
+constexpr std::size_t kMostNodes = 4096;  // a whole body with hands has about 80
+constexpr std::size_t kNone = SIZE_MAX;
+
+enum class ChannelKind : std::uint8_t { position, rotation };
+struct Channel {
+  ChannelKind kind;
+  int axis;  // 0 x, 1 y, 2 z
+};
+
+struct Node {
+  std::string name;  // lower case, without what stands before a colon; "end site" ends a chain
+  std::size_t parent = kNone;
+  Vec3 offset;
+  std::vector<Channel> channels;
+  bool adds_offset = true;  // its position channels come on top of the offset
+};
+
+// The nodes, parents first, and the numbers behind them.
+struct Skeleton {
+  std::vector<Node> nodes;
+  std::size_t channel_count = 0;
+};
+
+struct Reader {
+  TextCursor cursor;
+  const std::string& name;
+  [[nodiscard]] Status fault(const std::string& what) const { return text_error(name, cursor.place(), what); }
+  Status expect(std::string_view keyword) {
+    const std::string_view word = cursor.word_across_lines();
+    return lower_case(word) == keyword
+               ? Status()
+               : fault(quoted(word) + " where '" + std::string(keyword) + "' is expected; export it again");
+  }
+  Status number(double& value) {
+    const std::string_view word = cursor.word_across_lines();
+    const char* const wrong = word.empty() ? "is missing: the file ends" : read_finite(word, value);
+    return wrong == nullptr ? Status() : fault("number " + quoted(word) + " " + wrong + "; export it again");
+  }
+};
+
+std::string plain_name(std::string_view word) {
+  const std::size_t colon = word.rfind(':');
+  return lower_case(colon == word.npos ? word : word.substr(colon + 1));
+}
+
+Status read_channels(Reader& reader, Node& node) {
+  double count = 0;
+  if (Status status = reader.number(count); !status.ok()) return status;
+  if (!(count >= 0 && count <= 6)) return reader.fault("a joint has 0 to 6 channels; export it again");
+  for (int i = 0; i < static_cast<int>(count); ++i) {
+    const std::string word = lower_case(reader.cursor.word_across_lines());
+    const bool position = word.size() == 9 && word.substr(1) == "position";
+    const bool rotation = word.size() == 9 && word.substr(1) == "rotation";
+    const std::size_t axis = std::string_view("xyz").find(word.substr(0, 1));
+    if (!(position || rotation) || axis > 2)
+      return reader.fault(quoted(std::string_view(word)) + " is no channel");
+    node.channels.push_back(
+        {position ? ChannelKind::position : ChannelKind::rotation, static_cast<int>(axis)});
+  }
+  return {};
+}
+
+Status read_offset(Reader& reader, Node& node) {
+  for (double* const value : {&node.offset.x, &node.offset.y, &node.offset.z})
+    if (Status status = reader.number(*value); !status.ok()) return status;
+  return {};
+}
+
+// From "HIERARCHY" to the word "MOTION".
+Status read_hierarchy(Reader& reader, Skeleton& skeleton) {
+  if (Status status = reader.expect("hierarchy"); !status.ok()) return status;
+  std::size_t open = kNone;
+  for (;;) {
+    const std::string word = lower_case(reader.cursor.word_across_lines());
+    Status status;
+    if (word == "motion" && open == kNone) return {};
+    if (word == "root" || word == "joint" || word == "end") {
+      if (skeleton.nodes.size() == kMostNodes)
+        return reader.fault("more than 4096 joints; this is no skeleton");
+      Node node;
+      const std::string_view name = reader.cursor.word();
+      node.name = word == "end" ? "end site" : plain_name(name);
+      node.parent = open;
+      reader.cursor.skip_line();  // a name may have blanks
+      open = skeleton.nodes.size();
+      skeleton.nodes.push_back(std::move(node));
+      status = reader.expect("{");
+    } else if (open == kNone) {
+      status = reader.fault(quoted(std::string_view(word)) +
+                            " where 'ROOT' or 'MOTION' is expected; export it again");
+    } else if (word == "offset") {
+      status = read_offset(reader, skeleton.nodes[open]);
+    } else if (word == "channels") {
+      status = read_channels(reader, skeleton.nodes[open]);
+    } else if (word == "}") {
+      open = skeleton.nodes[open].parent;
+    } else {
+      status = reader.fault(quoted(std::string_view(word)) + " is unknown in a joint; export it again");
+    }
+    if (!status.ok()) return status;
+  }
+}
+
+// ---- Which joints are the hand's ----
+
+int finger_of(const std::string& name) {
+  constexpr struct {
+    const char* word;
+    int finger;
+  } kWords[] = {{"thumb", 0}, {"index", 1}, {"pointer", 1}, {"middle", 2}, {"mid", 2},
+                {"ring", 3},  {"pinky", 4}, {"pinkie", 4},  {"little", 4}};
+  for (const auto& [word, finger] : kWords)
+    if (name.find(word) != name.npos) return finger;
+  return -1;
+}
+
+// "righthandindex1", "index_01_r", "r_index1", "hand.l"
+std::optional<Side> side_in_name(const std::string& name) {
+  if (name.find("right") != name.npos) return Side::right;
+  if (name.find("left") != name.npos) return Side::left;
+  const auto is_part = [&name](char letter) {
+    for (std::size_t i = 0; i < name.size(); ++i) {
+      const bool starts = i == 0 || name[i - 1] == '_' || name[i - 1] == '.' || name[i - 1] == '-';
+      const bool ends =
+          i + 1 == name.size() || name[i + 1] == '_' || name[i + 1] == '.' || name[i + 1] == '-';
+      if (name[i] == letter && starts && ends) return true;
+    }
+    return false;
+  };
+  if (is_part('r')) return Side::right;
+  return is_part('l') ? std::optional(Side::left) : std::nullopt;
+}
+
+// Its own name tells, or that of the nearest joint above it that does.
+std::optional<Side> side_of(const Skeleton& skeleton, std::size_t node) {
+  for (; node != kNone; node = skeleton.nodes[node].parent)
+    if (const auto side = side_in_name(skeleton.nodes[node].name)) return side;
+  return std::nullopt;
+}
+
+// A finger's nodes from its base to the end of its chain.
+std::vector<std::size_t> chain_from(const Skeleton& skeleton, std::size_t base) {
+  std::vector<std::size_t> chain = {base};
+  for (std::size_t i = base + 1; i < skeleton.nodes.size(); ++i)
+    if (skeleton.nodes[i].parent == chain.back()) chain.push_back(i);
+  return chain;
+}
+
+bool names_metacarpal(const std::string& name) {
+  return name.find("meta") != name.npos || name.find("carpal") != name.npos ||
+         name.find("inhand") != name.npos || (!name.empty() && name.back() == '0');
+}
+
+struct HandNodes {
+  std::array<std::size_t, kJointCount> node;
+  HandNodes() { node.fill(kNone); }
+};
+
+Status take_chain(const std::string& name, const Skeleton& skeleton, int finger,
+                  std::span<const std::size_t> chain, HandNodes& hand) {
+  const bool metacarpal = finger > 0 && names_metacarpal(skeleton.nodes[chain[0]].name);
+  if (chain.size() < (metacarpal ? 5u : 4u)) {
+    return refuse(name, "the " + std::string(finger_name(finger)) + " (" +
+                            in_quotes(skeleton.nodes[chain[0]].name) +
+                            " and beyond) has too few joints: three and the end of its tip are needed");
+  }
+  const std::size_t first = static_cast<std::size_t>(finger == 0 ? int{kThumbMetacarpal} : 2 + 5 * finger);
+  if (metacarpal) hand.node[first - 1] = chain[0];
+  for (std::size_t i = 0; i < 4; ++i) hand.node[first + i] = chain[i + (metacarpal ? 1 : 0)];
+  return {};
+}
+
+std::size_t depth_of(const Skeleton& skeleton, std::size_t node) {
+  std::size_t depth = 0;
+  for (; node != kNone; node = skeleton.nodes[node].parent) ++depth;
+  return depth;
+}
+
+// The deepest joint that all of the fingers hang on.
+std::size_t common_parent(const Skeleton& skeleton, std::span<const std::size_t> bases) {
+  std::size_t common = skeleton.nodes[bases[0]].parent;
+  for (const std::size_t base : bases) {
+    std::size_t other = skeleton.nodes[base].parent;
+    while (common != other) {
+      if (common == kNone || other == kNone) return kNone;
+      std::size_t& deeper = depth_of(skeleton, common) > depth_of(skeleton, other) ? common : other;
+      deeper = skeleton.nodes[deeper].parent;
+    }
+  }
+  return common;
+}
+
+// The hand of one side; none of a known side: `side` is empty.
+Status find_hand(const std::string& name, const Skeleton& skeleton, std::optional<Side> side,
+                 HandNodes& hand) {
+  std::vector<std::size_t> bases;
+  for (int finger = 0; finger < kFingerCount; ++finger) {
+    std::size_t base = kNone;
+    for (std::size_t i = 0; i < skeleton.nodes.size() && base == kNone; ++i)
+      if (finger_of(skeleton.nodes[i].name) == finger && side_of(skeleton, i) == side) base = i;
+    if (base == kNone) {
+      return refuse(name,
+                    "no joint is named after the " + std::string(finger_name(finger)) +
+                        "; a hand's joints are found by thumb, index, middle, ring, little or pinky in their "
+                        "names");
+    }
+    bases.push_back(base);
+    Status status = take_chain(name, skeleton, finger, chain_from(skeleton, base), hand);
+    if (!status.ok()) return status;
+  }
+  hand.node[kWrist] = common_parent(skeleton, bases);
+  if (hand.node[kWrist] == kNone)
+    return refuse(name, "the fingers hang on no common joint, so there is no wrist");
+  return {};
+}
+
+// ---- Frames ----
+
+Vec3 turned(const std::array<Vec3, 3>& axes, Vec3 v) { return axes[0] * v.x + axes[1] * v.y + axes[2] * v.z; }
+
+// Where every node is, and how it is turned: the columns of its rotation.
+struct Posture {
+  std::vector<Vec3> position;
+  std::vector<std::array<Vec3, 3>> axes;
+};
+
+// Turns the axes about one of their own, as rotations are written: outermost first.
+void turn(std::array<Vec3, 3>& axes, int about, double degrees) {
+  const SinCos angle = sin_cos(degrees * kRadian);
+  const std::size_t b = (static_cast<std::size_t>(about) + 1) % 3, c = (b + 1) % 3;
+  const Vec3 u = axes[b], v = axes[c];
+  axes[b] = u * angle.cos + v * angle.sin;
+  axes[c] = v * angle.cos - u * angle.sin;
+}
+
+void pose(const Skeleton& skeleton, std::span<const double> values, Posture& posture) {
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < skeleton.nodes.size(); ++i) {
+    const Node& node = skeleton.nodes[i];
+    std::array<Vec3, 3> axes = {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+    Vec3 origin;
+    if (node.parent != kNone) {
+      axes = posture.axes[node.parent];
+      origin = posture.position[node.parent];
+    }
+    const std::array<Vec3, 3> above = axes;
+    std::array<double, 3> moved{};
+    bool moves = false;
+    for (const Channel channel : node.channels) {
+      const double value = values[at++];
+      if (channel.kind == ChannelKind::rotation) {
+        turn(axes, channel.axis, value);
+      } else {
+        moved[static_cast<std::size_t>(channel.axis)] = value;
+        moves = true;
+      }
+    }
+    Vec3 local = moves && !node.adds_offset ? Vec3{} : node.offset;
+    if (moves) local += Vec3{moved[0], moved[1], moved[2]};
+    posture.position[i] = origin + turned(above, local);
+    posture.axes[i] = axes;
+  }
+}
+
+// Some write the whole place of a joint into its position channels, others what comes on top of its offset.
+// The first frame tells: bones keep their length.
+void tell_offsets(Skeleton& skeleton, std::span<const double> first_frame) {
+  std::size_t at = 0;
+  for (Node& node : skeleton.nodes) {
+    std::array<double, 3> moved{};
+    for (const Channel channel : node.channels) {
+      const double value = first_frame[at++];
+      if (channel.kind == ChannelKind::position) moved[static_cast<std::size_t>(channel.axis)] = value;
+    }
+    const Vec3 place{moved[0], moved[1], moved[2]};
+    node.adds_offset = !(norm(place - node.offset) < norm(place));
+  }
+}
+
+Status read_motion_header(Reader& reader, const Skeleton& skeleton, std::size_t& frame_count,
+                          double& period) {
+  Status status = reader.expect("frames:");
+  double count = 0;
+  if (status.ok()) status = reader.number(count);
+  if (status.ok()) status = reader.expect("frame");
+  if (status.ok()) status = reader.expect("time:");
+  if (status.ok()) status = reader.number(period);
+  if (!status.ok()) return status;
+  // A number takes two bytes at least.
+  const double most = static_cast<double>(reader.cursor.remaining()) / 2 + 1;
+  if (!(count >= 1 && count * static_cast<double>(std::max<std::size_t>(skeleton.channel_count, 1)) <= most))
+    return reader.fault("the frames counted are none, or more than the file holds; export it again");
+  if (!(period > 0 && period <= 10)) return reader.fault("the frame time must be above 0 and at most 10 s");
+  frame_count = static_cast<std::size_t>(count);
+  return {};
+}
+
+std::optional<Side> choose_side(const Skeleton& skeleton, std::optional<Side> asked) {
+  bool right = false, left = false, unnamed = false;
+  for (std::size_t i = 0; i < skeleton.nodes.size(); ++i) {
+    if (finger_of(skeleton.nodes[i].name) < 0) continue;
+    const std::optional<Side> side = side_of(skeleton, i);
+    right |= side == Side::right;
+    left |= side == Side::left;
+    unnamed |= !side;
+  }
+  if (unnamed && !right && !left) return std::nullopt;
+  return asked ? *asked : right ? Side::right : Side::left;
+}
+
+DeviceFrame frame_of(const HandNodes& hand, const Posture& posture, Side side, double unit) {
+  HandPoints points;
+  points.side = side;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    if (hand.node[j] == kNone) continue;
+    points.position[j] = posture.position[hand.node[j]] * unit;
+    points.known |= 1u << j;
+  }
+  const std::array<Pose, kJointCount> poses = hand_from_positions(points);
+  DeviceFrame frame;
+  for (int j = 0; j < kJointCount; ++j) frame.joint[j] = to_joint_pose(poses[j]);
+  return frame;
+}
+
+}  // namespace
+
+Status parse_bvh(std::string_view content, const std::string& name, const MotionOptions& options,
+                 Motion& motion) {
+  motion.format = "bvh";
+  if (!(options.unit > 0))
+    return refuse(
+        name, "BVH doesn't say its unit; set it: cm as a rule (\"unit\" of the scene's motion, or --unit)");
+  Reader reader{TextCursor(content), name};
+  Skeleton skeleton;
+  if (Status status = read_hierarchy(reader, skeleton); !status.ok()) return status;
+  for (const Node& node : skeleton.nodes) skeleton.channel_count += node.channels.size();
+  const std::optional<Side> side = choose_side(skeleton, options.side);
+  HandNodes hand;
+  if (Status status = find_hand(name, skeleton, side, hand); !status.ok()) return status;
+  motion.side = side ? *side : options.side.value_or(Side::right);
+
+  std::size_t frame_count = 0;
+  double period = 0;
+  if (Status status = read_motion_header(reader, skeleton, frame_count, period); !status.ok()) return status;
+  std::vector<double> values(skeleton.channel_count);
+  Posture posture{std::vector<Vec3>(skeleton.nodes.size()),
+                  std::vector<std::array<Vec3, 3>>(skeleton.nodes.size())};
+  for (std::size_t i = 0; i < frame_count; ++i) {
+    for (double& value : values)
+      if (Status status = reader.number(value); !status.ok()) return status;
+    if (i == 0) tell_offsets(skeleton, values);
+    pose(skeleton, values, posture);
+    const std::string where = "frame " + std::to_string(i);
+    for (const std::size_t node : hand.node) {
+      if (node == kNone || norm(posture.position[node]) * options.unit <= kFarthest) continue;
+      return refuse(name, where + ": " + in_quotes(skeleton.nodes[node].name) +
+                              " is more than 10 km away; set the unit");
+    }
+    Status status = append_sample(name, where, static_cast<double>(i) * period,
+                                  frame_of(hand, posture, motion.side, options.unit), motion);
+    if (!status.ok()) return status;
+  }
+  return {};
+}
+
+}  // namespace lumbrical

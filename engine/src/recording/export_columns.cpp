@@ -1,0 +1,161 @@
+// See export_columns.h.
+#include "recording/export_columns.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "recording/record_fields.h"
+
+namespace lumbrical {
+namespace {
+
+using Source = ExportColumn::Source;
+
+std::string underscored(std::string_view text) {
+  std::string name(text);
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return name;
+}
+
+std::string angle_name(std::size_t angle) {
+  const std::string finger(finger_name(static_cast<int>(angle / 4)));
+  return finger + (angle % 4 == 0 ? ".abduction" : ".flexion_" + std::to_string(angle % 4));
+}
+
+// "segment[3].force.x" -> "index_proximal.force.x" and segment 3, "joint[7].position[1]" ->
+// "joint.index_proximal.position.y", "angle[5]" -> "angle.index.flexion_1"
+void name_column(const std::string& field, ExportColumn& column) {
+  const std::size_t open = field.find('[');
+  if (open == field.npos) {
+    column.name = field;
+    return;
+  }
+  const std::size_t close = field.find(']', open);
+  std::size_t index = 0;
+  std::from_chars(field.data() + open + 1, field.data() + close, index);
+  const std::string list = field.substr(0, open);
+  std::string rest = field.substr(close + 1);
+  if (rest.size() == 0 || rest.back() != ']') {
+    // nothing to rewrite
+  } else {  // a float vector's component
+    const char axis = "xyzw"[rest[rest.size() - 2] - '0'];
+    rest = rest.substr(0, rest.size() - 3) + '.' + axis;
+  }
+  if (list == "joint") {
+    column.name = "joint." + underscored(joint_name(static_cast<int>(index))) + rest;
+  } else if (list == "angle") {
+    column.name = "angle." + angle_name(index);
+  } else {
+    column.segment = static_cast<int>(index);
+    column.name = underscored(segment_name(column.segment)) + (list == "segment" ? "" : "." + list) + rest;
+  }
+}
+
+bool is_usual(const ExportColumn& column) {
+  if (column.segment >= 0)
+    return column.name.find(".force.") != column.name.npos || column.name.ends_with(".flexion_torque");
+  return column.name.starts_with("base.") || column.name == "flags" || column.name == "contact_count" ||
+         column.name == "device_flags";
+}
+
+template <class T>
+void add_fields(Source source, std::vector<ExportColumn>& columns) {
+  const std::vector<NumberField>& fields = fields_of<T>();
+  for (std::size_t i = 1; i < fields.size(); ++i) {  // the first is the tick's number
+    ExportColumn column;
+    column.unit = fields[i].unit;
+    column.type = fields[i].type;
+    column.source = source;
+    column.index = i;
+    column.force = source == Source::output && i >= kFirstForce;
+    name_column(fields[i].name, column);
+    if (source == Source::input && column.name == "flags") column.name = "device_flags";
+    column.usual = is_usual(column);
+    columns.push_back(std::move(column));
+  }
+}
+
+std::vector<ExportColumn> all_columns() {
+  std::vector<ExportColumn> columns(3);
+  columns[0] = {"tick", "", NumberType::whole, Source::tick, 0, -1, true, false};
+  columns[1] = {"time", "s", NumberType::real, Source::time, 0, -1, true, false};
+  columns[2] = {"duration", "ns", NumberType::whole, Source::duration, 0, -1, false, false};
+  add_fields<TickInput>(Source::input, columns);
+  add_fields<ActuatorFrame>(Source::output, columns);
+  for (std::size_t i = 0; i < kStageCount; ++i)
+    columns.push_back({"hash." + std::string(stage_name(static_cast<Stage>(i))), "", NumberType::whole,
+                       Source::stage_hash, i, -1, false, false});
+  columns.push_back({"hash.state", "", NumberType::whole, Source::state_hash, 0, -1, false, false});
+  return columns;
+}
+
+bool holds(const std::string& name, const std::string& word) {
+  return word == "all" || name.find(underscored(word)) != name.npos;
+}
+
+bool of_segments(const ExportColumn& column, const std::vector<int>& segments) {
+  return column.segment < 0 || segments.empty() ||
+         std::find(segments.begin(), segments.end(), column.segment) != segments.end();
+}
+
+}  // namespace
+
+const std::vector<ExportColumn>& export_columns() {
+  static const std::vector<ExportColumn> columns = all_columns();
+  return columns;
+}
+
+Status choose_columns(const ExportOptions& options, std::vector<ExportColumn>& columns) {
+  const std::vector<ExportColumn>& all = export_columns();
+  for (const std::string& word : options.columns) {
+    const bool known = std::any_of(all.begin(), all.end(),
+                                   [&word](const ExportColumn& column) { return holds(column.name, word); });
+    if (!known)
+      return Status::error("no column has \"" + word +
+                           "\" in its name; \"all\" exports every one, with its name");
+  }
+  columns.clear();
+  for (const ExportColumn& column : all) {
+    const auto asked = [&column](const std::string& word) { return holds(column.name, word); };
+    const bool chosen = options.columns.empty()
+                            ? column.usual
+                            : std::any_of(options.columns.begin(), options.columns.end(), asked);
+    const bool always = column.source == Source::tick || column.source == Source::time;
+    if (always || (chosen && of_segments(column, options.segments))) columns.push_back(column);
+  }
+  return {};
+}
+
+void column_bits(const TickRecord& record, double rate, const std::vector<ExportColumn>& columns,
+                 std::vector<std::uint64_t>& bits) {
+  const InputFields input = input_fields(record);
+  const OutputFields output = output_fields(record.output);
+  bits.clear();
+  for (const ExportColumn& column : columns) {
+    switch (column.source) {
+      case Source::tick:
+        bits.push_back(record.output.tick);
+        break;
+      case Source::time:
+        bits.push_back(bits_of(static_cast<double>(record.output.tick) / rate));
+        break;
+      case Source::duration:
+        bits.push_back(record.duration_ns);
+        break;
+      case Source::input:
+        bits.push_back(input[column.index]);
+        break;
+      case Source::output:
+        bits.push_back(output[column.index]);
+        break;
+      case Source::stage_hash:
+        bits.push_back(record.stage_hash[column.index]);
+        break;
+      case Source::state_hash:
+        bits.push_back(record.state_hash);
+        break;
+    }
+  }
+}
+
+}  // namespace lumbrical

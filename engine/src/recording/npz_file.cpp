@@ -1,0 +1,147 @@
+// See npz_file.h. ZIP: APPNOTE 6.3.3, without its 64-bit extension; arrays: NumPy's format 1.0.
+#include "recording/npz_file.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <bit>
+#include <string>
+
+namespace lumbrical {
+namespace {
+
+constexpr std::uint64_t kMostBytes = 0xFFFFFFFFu;
+constexpr std::uint16_t kDeflated = 8, kVersion = 20;
+constexpr std::uint32_t kDate = 0x00210000;  // 1980-01-01, so that equal tables are equal files
+
+using Bytes = std::vector<std::uint8_t>;
+
+void put(Bytes& out, std::uint64_t value, int size) {
+  for (int i = 0; i < size; ++i) out.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+}
+void put(Bytes& out, std::string_view text) { out.insert(out.end(), text.begin(), text.end()); }
+
+// What stands before an array's bytes, a multiple of 64 long.
+Bytes array_header(std::string_view type, std::size_t count) {
+  std::string text = "{'descr': '" + std::string(type) + "', 'fortran_order': False, 'shape': (" +
+                     std::to_string(count) + ",), }";
+  while ((10 + text.size() + 1) % 64 != 0) text += ' ';
+  text += '\n';
+  Bytes header;
+  put(header, "\x93NUMPY");
+  put(header, 0x0001, 2);  // version 1.0
+  put(header, text.size(), 2);
+  put(header, text);
+  return header;
+}
+
+// Deflated without zlib's own header, as ZIP has it. Empty where zlib fails.
+Bytes deflated(std::span<const std::uint8_t> head, std::span<const std::uint8_t> bytes) {
+  z_stream stream{};
+  if (deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY) != Z_OK) return {};
+  Bytes packed(deflateBound(&stream, static_cast<uLong>(head.size() + bytes.size())));
+  stream.next_out = packed.data();
+  stream.avail_out = static_cast<uInt>(packed.size());
+  int result = Z_OK;
+  for (const auto& [part, flush] : {std::pair{head, Z_NO_FLUSH}, std::pair{bytes, Z_FINISH}}) {
+    stream.next_in = const_cast<Bytef*>(part.data());  // zlib only reads it
+    stream.avail_in = static_cast<uInt>(part.size());
+    result = deflate(&stream, flush);
+  }
+  packed.resize(stream.total_out);
+  deflateEnd(&stream);
+  return result == Z_STREAM_END ? packed : Bytes{};
+}
+
+}  // namespace
+
+Status NpzFile::open(const std::string& path) {
+  path_ = path;
+  return file_.open(path);
+}
+
+Status NpzFile::add_bytes(std::string_view name, std::string_view type, std::size_t count,
+                          std::span<const std::uint8_t> bytes) {
+  const Bytes header = array_header(type, count);
+  if (file_.size() + 2 * (header.size() + bytes.size()) > kMostBytes)
+    return Status::error(path_ + ": would be larger than 4 GiB; export fewer ticks or columns");
+  Entry entry;
+  entry.name = std::string(name) + ".npy";
+  entry.offset = static_cast<std::uint32_t>(file_.size());
+  entry.size = static_cast<std::uint32_t>(header.size() + bytes.size());
+  const uLong head_crc = crc32(0, header.data(), static_cast<uInt>(header.size()));
+  entry.crc = static_cast<std::uint32_t>(crc32(head_crc, bytes.data(), static_cast<uInt>(bytes.size())));
+  const Bytes packed = deflated(header, bytes);
+  if (packed.empty()) return Status::error(path_ + ": can't be compressed; is there memory left?");
+  entry.packed = static_cast<std::uint32_t>(packed.size());
+
+  Bytes local;
+  put(local, 0x04034b50, 4);
+  put(local, kVersion, 2);
+  put(local, 0, 2);
+  put(local, kDeflated, 2);
+  put(local, kDate, 4);
+  put(local, entry.crc, 4);
+  put(local, entry.packed, 4);
+  put(local, entry.size, 4);
+  put(local, entry.name.size(), 2);
+  put(local, 0, 2);
+  put(local, entry.name);
+  Status status = file_.write(local);
+  if (status.ok()) status = file_.write(packed);
+  entries_.push_back(std::move(entry));
+  return status;
+}
+
+Status NpzFile::add(std::string_view name, std::string_view type, std::span<const std::uint64_t> values) {
+  if constexpr (std::endian::native == std::endian::little)
+    return add_bytes(name, type, values.size(),
+                     {reinterpret_cast<const std::uint8_t*>(values.data()), values.size_bytes()});
+  Bytes bytes;
+  for (const std::uint64_t value : values) put(bytes, value, 8);
+  return add_bytes(name, type, values.size(), bytes);
+}
+
+Status NpzFile::add(std::string_view name, const std::vector<std::string>& texts) {
+  std::size_t width = 1;
+  for (const std::string& text : texts) width = std::max(width, text.size());
+  Bytes bytes;
+  for (const std::string& text : texts) {
+    put(bytes, text);
+    bytes.insert(bytes.end(), width - text.size(), 0);
+  }
+  return add_bytes(name, "|S" + std::to_string(width), texts.size(), bytes);
+}
+
+Status NpzFile::close() {
+  Bytes directory;
+  for (const Entry& entry : entries_) {
+    put(directory, 0x02014b50, 4);
+    put(directory, kVersion, 2);
+    put(directory, kVersion, 2);
+    put(directory, 0, 2);
+    put(directory, kDeflated, 2);
+    put(directory, kDate, 4);
+    put(directory, entry.crc, 4);
+    put(directory, entry.packed, 4);
+    put(directory, entry.size, 4);
+    put(directory, entry.name.size(), 2);
+    put(directory, 0, 12);
+    put(directory, entry.offset, 4);
+    put(directory, entry.name);
+  }
+  const std::uint64_t start = file_.size(), size = directory.size();
+  if (start + size > kMostBytes || entries_.size() > 0xFFFF)
+    return Status::error(path_ + ": would be larger than 4 GiB; export fewer ticks or columns");
+  put(directory, 0x06054b50, 4);
+  put(directory, 0, 4);
+  put(directory, entries_.size(), 2);
+  put(directory, entries_.size(), 2);
+  put(directory, size, 4);
+  put(directory, start, 4);
+  put(directory, 0, 2);
+  Status status = file_.write(directory);
+  return status.ok() ? file_.commit() : status;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,164 @@
+// glTF: what a scene's nodes make of its meshes, where bytes may lie, and what is refused.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "files.h"
+#include "mesh_samples.h"
+
+namespace lumbrical {
+namespace {
+
+std::string file(const std::string& nodes) { return glb(gltf_json(nodes), gltf_buffer()); }
+
+std::string base64(const std::string& bytes) {
+  const char* const digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (int shift = 18; shift >= 0; shift -= 6) text += digits[group >> shift & 63];
+  }
+  return text;
+}
+
+TEST(MeshGltf, PlacesMeshesByTheNodesAboveThem) {
+  const Mesh mesh = parsed(file(R"([{"translation":[10,0,0],"children":[1,2]},)"
+                                R"({"mesh":0,"rotation":[0,0,0.70710678118654752,0.70710678118654752]},)"
+                                R"({"mesh":0,"scale":[2,2,2],"translation":[0,0,1]}])"),
+                           "a.glb", Unit::centimetre);
+  ASSERT_EQ(mesh.vertices.size(), 8u);
+  ASSERT_EQ(mesh.triangles.size(), 8u);
+  EXPECT_NEAR(mesh.vertices[1].x, 0.1, 1e-12);  // (1, 0, 0), turned to y, at 10 cm
+  EXPECT_NEAR(mesh.vertices[1].y, 0.01, 1e-12);
+  EXPECT_NEAR(mesh.vertices[7].z, 0.03, 1e-12);  // (0, 0, 1), doubled, 1 up
+  EXPECT_EQ(mesh.triangles[4], (Triangle{4, 6, 5}));
+  const Mesh by_matrix = parsed(file(R"([{"mesh":0,"matrix":[0,1,0,0,-1,0,0,0,0,0,1,0,5,6,7,1]}])"), "a.glb");
+  EXPECT_EQ(by_matrix.vertices[1], (Vec3{5, 7, 7}));
+}
+
+TEST(MeshGltf, AMirroringNodeKeepsTheOutsideOutside) {
+  for (const char* const nodes : {R"([{"mesh":0}])", R"([{"mesh":0,"scale":[-1,1,1]}])",
+                                  R"([{"scale":[1,-1,1],"children":[1]},{"mesh":0,"scale":[1,1,-2]}])"}) {
+    const MeshReport report = inspect_mesh(parsed(file(nodes), "a.glb"));
+    EXPECT_TRUE(report.watertight) << nodes;
+    EXPECT_GT(report.volume, 0) << nodes;
+  }
+}
+
+TEST(MeshGltf, ReadsBytesFromTheFileFromDataAndFromBesideIt) {
+  const std::string nodes = R"([{"mesh":0}])";
+  const std::string inlined =
+      gltf_json(nodes, R"(,"uri":"data:application/octet-stream;base64,)" + base64(gltf_buffer()) + "\"");
+  expect_tetrahedron(parsed(inlined, "a.gltf"));
+  const std::string path = test::write_file("a.gltf", gltf_json(nodes, R"(,"uri":"my%20bytes.bin")"));
+  Mesh mesh;
+  EXPECT_NE(load_mesh(path, Unit::metre, mesh).message().find("my bytes.bin: there is no such file"),
+            std::string::npos);
+  test::write_file("my bytes.bin", gltf_buffer());
+  ASSERT_TRUE(load_mesh(path, Unit::metre, mesh).ok());
+  expect_tetrahedron(mesh);
+}
+
+TEST(MeshGltf, NamesNoFileOutsideItsFolder) {
+  test::write_file("secret.bin", gltf_buffer());
+  const std::string folder = test::own_folder().string();
+  std::filesystem::create_directories(folder + "/inner");
+  for (const std::string uri : {"../secret.bin", "%2e%2e/secret.bin", "x/../../secret.bin", "file:secret.bin",
+                                "http://secret.bin", "", "%", "a%00b"}) {
+    const std::string path =
+        test::write_file("inner/a.gltf", gltf_json(R"([{"mesh":0}])", ",\"uri\":\"" + uri + "\""));
+    Mesh mesh;
+    EXPECT_NE(load_mesh(path, Unit::metre, mesh).message().find("no file beside this one"), std::string::npos)
+        << uri;
+  }
+  const std::string absolute = gltf_json(R"([{"mesh":0}])", ",\"uri\":\"" + folder + "/secret.bin\"");
+  Mesh mesh;
+  EXPECT_FALSE(load_mesh(test::write_file("b.gltf", absolute), Unit::metre, mesh).ok());
+  expect_refusal(gltf_json(R"([{"mesh":0}])", R"(,"uri":"secret.bin")"), folder + "/a.gltf", folder,
+                 "no file beside");  // in memory there is no folder
+}
+
+TEST(MeshGltf, ReadsStripsFansAndCornersWithoutIndices) {
+  const std::string json = gltf_json(R"([{"mesh":0}])");
+  const std::string indices = R"("indices":1)";
+  const auto triangles = [&](const std::string& mode) {
+    return parsed(glb(replaced(json, indices, mode), gltf_buffer()), "a.glb").triangles;
+  };
+  EXPECT_EQ(triangles(R"("mode":5)"), (std::vector<Triangle>{{0, 1, 2}, {1, 3, 2}}));
+  EXPECT_EQ(triangles(R"("mode":6)"), (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}}));
+  expect_refusal(glb(replaced(json, indices, R"("mode":4)"), gltf_buffer()), "a.glb",
+                 "a.glb: ", "no whole triangles");
+  expect_refusal(glb(replaced(json, indices, R"("mode":1)"), gltf_buffer()), "a.glb",
+                 "a.glb: ", "no triangles");
+}
+
+TEST(MeshGltf, RefusesWhatWouldLeadOutOfItsBytes) {
+  const std::string json = gltf_json(R"([{"mesh":0}])");
+  const struct {
+    const char *from, *to, *what;
+  } cases[] = {
+      {R"("count":4)", R"("count":5)", "do not fit"},
+      {R"("count":4)", R"("count":4000000000000)", "do not fit"},
+      {R"("count":4)", R"("count":18446744073709551615)", "whole numbers"},
+      {R"("count":4)", R"("count":-4)", "whole numbers"},
+      {R"("count":4)", R"("count":3)", "is not one of the 3 vertices"},
+      {R"("byteLength":48)", R"("byteLength":73)", "do not fit"},
+      {R"("byteOffset":48)", R"("byteOffset":9007199254740992)", "do not fit"},
+      {R"("byteLength":48)", R"("byteLength":48,"byteStride":4)", "do not fit"},
+      {R"("byteLength":48)", R"("byteLength":48,"byteStride":100)", "do not fit"},
+      {R"("bufferView":1)", R"("bufferView":2)", "bufferView"},
+      {R"("POSITION":0)", R"("POSITION":7)", "none of that number"},
+      {R"("mesh":0)", R"("mesh":1)", "mesh is none"},
+      {R"("nodes":[0])", R"("nodes":[3])", "none of the file's nodes"},
+      {R"("type":"VEC3")", R"("type":"VEC4")", "VEC3"},
+      {R"("componentType":5123)", R"("componentType":5122)", "unsigned integers"},
+      {R"("componentType":5126)", R"("componentType":7)", "componentType"},
+      {R"("mesh":0})", R"("mesh":0,"children":[0]})", "its own"},
+      {R"("mesh":0})", R"("mesh":0,"rotation":[0,0,0,0]})", "unit quaternion"},
+      {R"("mesh":0})", R"("mesh":0,"scale":[1,1]})", "3 numbers"},
+      {R"("version":"2.0")", R"("version":"1.0")", "only glTF 2"},
+      {R"("indices":1)", R"("indices":1,"extensions":{"KHR_draco_mesh_compression":{}})", "Draco"},
+      {R"("primitives":[)", R"("primitives":7,"x":[)", ""},
+  };
+  for (const auto& [from, to, what] : cases) {
+    SCOPED_TRACE(to);
+    expect_refusal(glb(replaced(json, from, to), gltf_buffer()), "a.glb", "a.glb: ", what);
+  }
+  expect_refusal(std::string(100000, '['), "a.gltf", "a.gltf: ", "JSON");
+  expect_refusal("{\"asset\":" + std::string(100000, '[') + std::string(100000, ']') + "}", "a.gltf",
+                 "a.gltf: ", "nested");
+}
+
+TEST(MeshGltf, ASmallFileMakesNoEndlessMesh) {
+  expect_refusal(file(R"([{"children":[1,1]},{"mesh":0}])"), "a.glb", "a.glb: node 1: ", "two parents");
+  // 2000 nodes that share a mesh of 3000 vertices.
+  std::string nodes = R"([{"children":[1)", children;
+  for (int i = 1; i < 2000; ++i) {
+    nodes += "," + std::to_string(i + 1);
+    children += R"({"mesh":0},)";
+  }
+  std::string json = gltf_json(nodes + "]}," + children + R"({"mesh":0}])");
+  json = replaced(replaced(json, R"("count":4)", R"("count":3000)"), R"("byteLength":48)",
+                  R"("byteLength":36000)");
+  json = replaced(json, R"(,"indices":1)", "");
+  expect_refusal(glb(json, std::string(36000, '\0')), "a.glb", "a.glb: mesh 0", "until there are more than");
+}
+
+TEST(MeshGltf, ReadsTheRealFile) {
+  const std::filesystem::path path = test::data_folder() / "meshes" / "duck.glb";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no real mesh at " << path << "; set LUMBRICAL_DATA";
+  Mesh mesh;
+  const Status status = load_mesh(path.string(), Unit::metre, mesh);
+  ASSERT_TRUE(status.ok()) << status.message();
+  const MeshReport report = inspect_mesh(mesh);
+  EXPECT_EQ(report.triangles, 4212u);
+  EXPECT_EQ(report.components, 1u);
+  EXPECT_EQ(report.non_manifold_edges, 0u);
+}
+
+}  // namespace
+}  // namespace lumbrical

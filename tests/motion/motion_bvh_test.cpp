@@ -1,0 +1,178 @@
+// BVH skeletons: which joints are a hand's, how channels pose them, and what is refused.
+#include <gtest/gtest.h>
+
+#include "motion_samples.h"
+
+namespace lumbrical::test {
+namespace {
+
+struct Style {
+  const char* prefix = "RightHand";  // before a finger's name
+  const char* suffix = "";
+  bool metacarpals = false;  // a joint "InHand" before each finger but the thumb
+  bool repeats_offsets = false;
+  int extra_joints = 0;  // beyond the tip
+};
+
+// The hand's joints as a chain of offsets without rotations, in centimetres.
+std::string skeleton_of(const Poses& poses, const Style& style, std::string& values) {
+  const auto offset = [&](Vec3 from, int joint) { return poses[joint].position - from; };
+  const auto text = [](Vec3 v) { return list({100 * v.x, 100 * v.y, 100 * v.z}) + " "; };
+  const auto spaced = [&](Vec3 v) {
+    std::string numbers = text(v);
+    for (char& c : numbers) c = c == ',' ? ' ' : c;
+    return numbers;
+  };
+  std::string bvh;
+  const auto open = [&](const std::string& name, Vec3 at) {
+    bvh += "JOINT " + name + "\n{\nOFFSET " + spaced(at) + "\nCHANNELS " +
+           (style.repeats_offsets ? "6 Xposition Yposition Zposition " : "3 ") +
+           "Zrotation Xrotation Yrotation\n";
+    values += (style.repeats_offsets ? spaced(at) : std::string()) + "0 0 0 ";
+  };
+  const char* const names[] = {"Thumb", "Index", "Middle", "Ring", "Pinky"};
+  for (int f = 0; f < kFingerCount; ++f) {
+    const int first = f == 0 ? kThumbMetacarpal : 2 + 5 * f;
+    Vec3 at = poses[kWrist].position;
+    int braces = 0;
+    if (style.metacarpals && f > 0) {
+      open(std::string("RightInHand") + names[f], offset(at, first - 1));
+      at = poses[first - 1].position;
+      ++braces;
+    }
+    for (int k = 0; k < 3 + style.extra_joints; ++k, ++braces) {
+      open(style.prefix + std::string(names[f]) + std::to_string(k + 1) + style.suffix,
+           k < 4 ? offset(at, first + k) : Vec3{});
+      if (k < 4) at = poses[first + k].position;
+    }
+    bvh +=
+        "End Site\n{\nOFFSET " + spaced(style.extra_joints == 0 ? offset(at, first + 3) : Vec3{}) + "\n}\n";
+    for (; braces > 0; --braces) bvh += "}\n";
+  }
+  return bvh;
+}
+
+std::string bvh_file(const Poses& poses, const Style& style = {}, int frames = 2) {
+  std::string values;
+  const std::string fingers = skeleton_of(poses, style, values);
+  const Vec3 wrist = poses[kWrist].position;
+  std::string place = list({100 * wrist.x, 100 * wrist.y, 100 * wrist.z});
+  for (char& c : place) c = c == ',' ? ' ' : c;
+  std::string text =
+      "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation "
+      "Yrotation\n"
+      "JOINT " +
+      std::string(style.prefix) + style.suffix +
+      "\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n" + fingers +
+      "}\n}\nMOTION\nFrames: " + std::to_string(frames) + "\nFrame Time: 0.01\n";
+  for (int i = 0; i < frames; ++i) text += place + " 0 0 0 0 0 0 " + values + "\n";
+  return text;
+}
+
+MotionOptions centimetres(std::optional<Side> side = {}) {
+  MotionOptions options;
+  options.unit = 0.01;
+  options.side = side;
+  return options;
+}
+
+void expect_joints(const Motion& motion, const Poses& poses, bool metacarpals) {
+  for (int j = 0; j < kJointCount; ++j) {
+    const bool derived = j == kPalm || (!metacarpals && (j == kIndexMetacarpal || j == kMiddleMetacarpal ||
+                                                         j == kRingMetacarpal || j == kLittleMetacarpal));
+    if (derived) continue;
+    EXPECT_LT(norm(position(motion.samples[0].frame, j) - poses[j].position), 2e-6) << joint_name(j);
+  }
+}
+
+TEST(MotionBvh, FindsTheHandInSkeletonsOfManyNames) {
+  const Poses poses = bent_hand(Side::right, 0.3);
+  for (const Style& style :
+       {Style{}, Style{"mixamorig:RightHand", "", false, false, 2}, Style{"r_", "", true, false, 0},
+        Style{"Avatar:right_", "_joint", false, true, 0}, Style{"Hand_", "_R", true, true, 1}}) {
+    SCOPED_TRACE(style.prefix);
+    const Motion motion = parse_good(bvh_file(poses, style), centimetres());
+    EXPECT_EQ(motion.format, "bvh");
+    EXPECT_EQ(motion.side, Side::right);
+    ASSERT_EQ(motion.samples.size(), 2u);
+    EXPECT_EQ(motion.samples[1].time, 0.01);
+    expect_joints(motion, poses, style.metacarpals);
+  }
+}
+
+TEST(MotionBvh, ASkeletonThatDoesNotSayItsSideIsTheOneAskedFor) {
+  const Poses poses = bent_hand(Side::left, 0.5);
+  const Style style{"Hand", "", false, false, 0};
+  EXPECT_EQ(parse_good(bvh_file(poses, style), centimetres(Side::left)).side, Side::left);
+}
+
+TEST(MotionBvh, ChannelsTurnInTheOrderInWhichTheyStand) {
+  // The root turns by 90 degrees about z, then about its own x: the fingers, along -z, come to point along
+  // +x.
+  const Poses poses = bent_hand(Side::right, 0.2);
+  const std::string file = bvh_file(poses, {}, 1);
+  const Vec3 wrist = poses[kWrist].position;
+  std::string place = list({100 * wrist.x, 100 * wrist.y, 100 * wrist.z});
+  for (char& c : place) c = c == ',' ? ' ' : c;
+  const Motion turned = parse_good(replaced(file, place + " 0 0 0 ", place + " 90 -90 0 "), centimetres());
+  for (const int j : {kThumbTip, kIndexTip, kLittleProximal}) {
+    const Vec3 p = poses[j].position - wrist;
+    // Rz(90) Rx(-90) p
+    const Vec3 x_turned{p.x, p.z, -p.y};
+    const Vec3 expected = wrist + Vec3{-x_turned.y, x_turned.x, x_turned.z};
+    EXPECT_LT(norm(position(turned.samples[0].frame, j) - expected), 2e-6) << joint_name(j);
+  }
+}
+
+TEST(MotionBvh, SaysWhatIsMissingAndWhere) {
+  const std::string file = bvh_file(bent_hand(Side::right, 0.3));
+  expect_refused(file, "set it: cm");
+  const MotionOptions options = centimetres();
+  expect_refused(replaced(file, "RightHandRing1", "RightHandRong1"), "ring", options);
+  expect_refused(replaced(file, "OFFSET 0 0 0", "OFFSET 0 x 0"), "file:4:", options);
+  expect_refused(replaced(file, "Zrotation", "Wrotation"), "no channel", options);
+  expect_refused(replaced(file, "CHANNELS 6", "CHANNELS 9"), "0 to 6 channels", options);
+  expect_refused(replaced(file, "Frames: 2", "Frames: 3"), "more than the file holds", options);
+  expect_refused(replaced(file, "Frames: 2", "Frames: 4000000000"), "more than the file holds", options);
+  expect_refused(replaced(file, "Frame Time: 0.01", "Frame Time: 0"), "frame time", options);
+  expect_refused(replaced(file, "MOTION", "MOVIE"), "expected", options);
+  expect_refused(replaced(file, "MOTION\n", "MOTION\n1e400 "), "expected", options);
+  MotionOptions metres;
+  metres.unit = 1;
+  expect_refused(file, "set the file's unit", metres);
+  std::string deep = "HIERARCHY\n";
+  for (int i = 0; i < 5000; ++i) deep += "JOINT a\n{\n";
+  expect_refused(deep, "no skeleton", options);
+}
+
+TEST(MotionBvh, SurvivesACutAtEveryPlace) {
+  const std::string file = bvh_file(bent_hand(Side::right, 0.3));
+  for (std::size_t size = 0; size < file.size(); ++size) {
+    Motion motion;
+    const Status status = parse(file.substr(0, size), motion, centimetres());
+    EXPECT_TRUE(!status.ok() || size + 8 > file.size()) << size;
+  }
+}
+
+TEST(MotionFile, NamesCapturesThatAreNotReadAndWhatToConvertThemTo) {
+  const struct {
+    const char *name, *content, *format, *advice;
+  } cases[] = {
+      {"pose.pkl", "\x80\x04", "MANO", "21 joints"},
+      {"grab.npz", "PK", "MANO", "21 joints"},
+      {"mano_hand_pose_trajectory.jsonl", "{\"mano_pose\": [0]}\n{}", "MANO", "21 joints"},
+      {"umetrack_hand_pose_trajectory.jsonl", "{\"hand_poses\": {\"0\": {\"wrist_xform\": {}}}}\n{}",
+       "UmeTrack", "21 joints"},
+      {"hand.FBX", "Kaydara FBX Binary", "FBX", "export BVH"},
+      {"walk.c3d", "\x02P", "C3D", "21 joints"},
+  };
+  for (const auto& [name, content, format, advice] : cases) {
+    Motion motion;
+    const std::string message = parse_motion(content, name, {}, motion).message();
+    EXPECT_NE(message.find(format), std::string::npos) << message;
+    EXPECT_NE(message.find(advice), std::string::npos) << message;
+  }
+}
+
+}  // namespace
+}  // namespace lumbrical::test

@@ -1,0 +1,204 @@
+// See late_ticks.h.
+#include "late_ticks.h"
+
+#include <algorithm>
+#include <chrono>
+#include <numeric>
+#include <optional>
+
+#include "lumbrical/batch.h"
+
+namespace lumbrical::tool {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kKept = 32;
+constexpr int kTimes = 3;             // that a tick is computed again, for its shortest time
+constexpr double kWorthwhile = 0.95;  // of the time: less help is noise
+constexpr std::uint32_t kMostThreads = 4;
+
+double microseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+}
+
+// Adds the time since the last stage's end to a stage.
+struct StageTimes {
+  std::array<double, kStageCount> microseconds{};
+  Clock::time_point last;
+  static void ended(void* self, Stage stage) {
+    auto& times = *static_cast<StageTimes*>(self);
+    const Clock::time_point now = Clock::now();
+    times.microseconds[static_cast<std::size_t>(stage)] +=
+        std::chrono::duration<double, std::micro>(now - times.last).count();
+    times.last = now;
+  }
+};
+
+Scratch fresh_scratch(const Model& model) {
+  Scratch scratch = make_scratch(model);
+  scratch.hash_stages = false;
+  scratch.keep_near = false;  // the same pose again must not be spared its search
+  return scratch;
+}
+
+// [us] The median over the frames of the shortest time of each.
+double time_of(const Model& model, const std::vector<DeviceFrame>& frames) {
+  Scratch scratch = fresh_scratch(model);
+  std::vector<double> times;
+  for (const DeviceFrame& frame : frames) {
+    double shortest = 1e300;
+    for (int i = 0; i < kTimes; ++i) {
+      State state;
+      const Clock::time_point start = Clock::now();
+      tick(model, state, scratch, frame);
+      shortest = std::min(shortest, microseconds_since(start));
+    }
+    times.push_back(shortest);
+  }
+  const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
+  std::nth_element(times.begin(), middle, times.end());
+  return *middle;
+}
+
+std::array<double, kStageCount> stage_shares(const Model& model, const std::vector<DeviceFrame>& frames) {
+  Scratch scratch = fresh_scratch(model);
+  StageTimes times;
+  scratch.watch = {&StageTimes::ended, &times};
+  for (const DeviceFrame& frame : frames) {
+    State state;
+    times.last = Clock::now();
+    tick(model, state, scratch, frame);
+  }
+  const double all = std::accumulate(times.microseconds.begin(), times.microseconds.end(), 0.0);
+  for (double& share : times.microseconds) share /= std::max(all, 1e-9);
+  return times.microseconds;
+}
+
+struct Trial {
+  std::string change;
+  Scene scene;
+  Execution execution;
+};
+
+// One decade coarser, or from exact to samples; nothing where that is as far as it goes.
+std::optional<Trial> coarser(const Scene& scene, const Execution& execution) {
+  Trial trial{"", scene, execution};
+  const double finest = *std::min_element(scene.settings.precision.begin(), scene.settings.precision.end());
+  const double next = finest == 0 ? 1e-4 : 10 * finest;
+  if (next > 0.011 || scene.world) return std::nullopt;
+  for (double& precision : trial.scene.settings.precision) precision = std::max(precision, next);
+  trial.change = "--precision " + brief(next, 1);
+  return trial;
+}
+
+std::optional<Trial> on_more_threads(const Scene& scene, const Execution& execution) {
+  const std::uint32_t threads = std::min(core_count(), kMostThreads);
+  if (execution.threads >= threads) return std::nullopt;
+  Trial trial{"--threads " + std::to_string(threads), scene, execution};
+  trial.execution.threads = threads;
+  return trial;
+}
+
+// Every other triangle: a hand that meets a coarser mesh meets about as many.
+std::optional<Trial> of_fewer_triangles(const Scene& scene, const Execution& execution) {
+  Trial trial{"half as many triangles (about)", scene, execution};
+  std::size_t left = 0;
+  for (SceneObject& object : trial.scene.objects) {
+    std::vector<Triangle>& triangles = object.mesh.triangles;
+    for (std::size_t i = 0; 2 * i < triangles.size(); ++i) triangles[i] = triangles[2 * i];
+    triangles.resize((triangles.size() + 1) / 2);
+    left += triangles.size();
+  }
+  return left > 500 ? std::optional(trial) : std::nullopt;
+}
+
+constexpr const char* kStageWords[kStageCount] = {"input",    "hand pose", "search",
+                                                  "contacts", "sums",      "limits"};
+
+}  // namespace
+
+void LateTicks::reserve() {
+  slowest.reserve(kKept);
+  slowest_duration.reserve(kKept);
+}
+
+void LateTicks::add(std::int64_t wake_up_ns, std::int64_t tick_ns, std::int64_t all_ns,
+                    const DeviceFrame& frame) {
+  const std::int64_t rest_ns = all_ns - wake_up_ns - tick_ns;
+  if (wake_up_ns > tick_ns && wake_up_ns > rest_ns) {
+    ++woken_late;
+    return;
+  }
+  if (rest_ns > tick_ns) {
+    ++beside;
+    return;
+  }
+  ++slow;
+  const auto duration = static_cast<std::uint32_t>(std::min<std::int64_t>(tick_ns, UINT32_MAX));
+  if (slowest.size() < kKept) {
+    slowest.push_back(frame);
+    slowest_duration.push_back(duration);
+    return;
+  }
+  const auto least = std::min_element(slowest_duration.begin(), slowest_duration.end());
+  if (duration <= *least) return;
+  *least = duration;
+  slowest[static_cast<std::size_t>(least - slowest_duration.begin())] = frame;
+}
+
+LateReport study(const LateTicks& late, const Scene& scene, const Model& model) {
+  LateReport report;
+  if (late.slowest.empty()) return report;
+  report.microseconds = time_of(model, late.slowest);
+  report.stage_share = stage_shares(model, late.slowest);
+  for (const auto& trial : {coarser(scene, model.execution), on_more_threads(scene, model.execution),
+                            of_fewer_triangles(scene, model.execution)}) {
+    Model changed;
+    if (!trial || !build_model(trial->scene, trial->execution, changed).ok()) continue;
+    const double microseconds = time_of(changed, late.slowest);
+    if (microseconds < kWorthwhile * report.microseconds)
+      report.remedies.push_back({trial->change, microseconds});
+  }
+  std::sort(report.remedies.begin(), report.remedies.end(), [](const Remedy& a, const Remedy& b) {
+    return a.microseconds != b.microseconds ? a.microseconds < b.microseconds : a.change < b.change;
+  });
+  return report;
+}
+
+Json late_json(const LateTicks& late, const LateReport& report) {
+  Json json = {{"woken_late", late.woken_late}, {"slow", late.slow}, {"beside", late.beside}};
+  json["tick_us"] = report.microseconds;
+  for (std::size_t i = 0; i < kStageCount; ++i) json["stage_share"][kStageWords[i]] = report.stage_share[i];
+  json["remedies"] = Json::array();
+  for (const Remedy& remedy : report.remedies)
+    json["remedies"].push_back({{"change", remedy.change}, {"tick_us", remedy.microseconds}});
+  return json;
+}
+
+void add_late(const LateTicks& late, const LateReport& report, double period_us, Table& table) {
+  if (late.slow + late.woken_late + late.beside == 0) return;
+  std::string causes;
+  const auto add = [&causes](std::uint64_t count, const char* cause) {
+    if (count > 0) causes += (causes.empty() ? "" : ", ") + grouped(count) + " since " + cause;
+  };
+  add(late.slow, "the tick took long");
+  add(late.woken_late, "other work had the processor");
+  add(late.beside, "what is beside the tick took long (device, motion, recording)");
+  table.add("late", causes);
+  if (late.slowest.empty()) return;
+  std::string stages;
+  for (std::size_t i = 0; i < kStageCount; ++i) {
+    const double percent = 100 * report.stage_share[i];
+    if (percent >= 5)
+      stages += (stages.empty() ? "" : ", ") + std::string(kStageWords[i]) + " " + brief(percent, 2) + " %";
+  }
+  table.add("", "a late tick's work takes " + brief(report.microseconds) + " us: " + stages);
+  for (const Remedy& remedy : report.remedies)
+    table.add("", remedy.change + ": " + brief(remedy.microseconds) + " us" +
+                      (remedy.microseconds < period_us ? ", within the period" : ""));
+  if (report.microseconds < period_us)
+    table.add("", "alone it is within the period: what delays it is other work on this machine");
+}
+
+}  // namespace lumbrical::tool
