@@ -166,7 +166,8 @@ TEST(RealData, EveryMeshMeetsEveryHand) {
            "Meshes and captures of others, none of which is in this repository, each fitted to 8 cm and put "
            "where a thing in that hand would be: the\nlargest force that a finger or the palm felt. Every "
            "run exited with 0, and its recording replayed bit for bit. The captures were not made of\nthese "
-           "meshes, so fingers may be deep inside. Made by\n\n"
+           "meshes, so fingers may be deep inside, where forces saturate (20 N a segment, of which a finger "
+           "has three). Made by\n\n"
            "    LUMBRICAL_DATA=DATA LUMBRICAL_TRIALS=docs/trials.md build/dev/tests/program_test "
            "--gtest_filter=RealData.EveryMeshMeetsEveryHand\n\n"
         << table << "\n";

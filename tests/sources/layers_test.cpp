@@ -223,8 +223,7 @@ TEST(Layers, FilesIncludeOnlyWhatLiesBelowThem) {
           check_outside(path, include.name);
         } else if (const std::string target = resolve(include.name, path, root); !target.empty()) {
           check_own(path, layer, target);
-        } else if ((layer != Layer::session && layer != Layer::program) ||
-                   !matches(include.name, "\\w+_generated[.]h")) {
+        } else if (layer < Layer::session || !matches(include.name, "\\w+_generated[.]h")) {
           check_outside(path, include.name);
         }
       }
