@@ -277,6 +277,57 @@ test("The page works from disk, with a file that is picked", async () => {
   assert.match(await details(), /replayed here\s+the same bits/);
 });
 
+test("Without a recording the page is a lab, and what was felt in it replays natively, bit for bit", async () => {
+  await open(`${new URL(await serve("view", "--no-browser")).origin}/`);
+  const contacts = () => page.waitForFunction(() => /contacts\s*[1-9]/.test(document.getElementById("details").innerText), null, kPatience);
+  const slide = (label, value) => page.locator("#lab label", { hasText: label }).locator("input").evaluate((input, to) => {
+    input.value = to;
+    input.dispatchEvent(new Event("input"));
+  }, value);
+  const replays = async (name) => {
+    const [download] = await Promise.all([page.waitForEvent("download"), page.getByText("Save what was felt").click()]);
+    await download.saveAs(file(name));
+    const result = JSON.parse(execFileSync(program, ["replay", "--json", file(name)]));
+    assert.ok(result.identical && result.ticks > 5, JSON.stringify(result));
+  };
+  for (const bend of [0.3, 0.6, 0.9]) {
+    await slide("All fingers", bend);
+    await page.waitForTimeout(200);
+  }
+  await contacts();
+  await shot("lab");
+  await replays("felt.mcap");
+
+  const corner = (i) => `v ${i & 1} ${(i >> 1) & 1} ${i >> 2}\n`;
+  const cube = [0, 1, 2, 3, 4, 5, 6, 7].map(corner).join("") + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+  await page.evaluate((text) => {
+    const dataTransfer = new DataTransfer();
+    dataTransfer.items.add(new File([text], "cube.obj"));
+    dispatchEvent(new DragEvent("drop", { dataTransfer }));
+  }, cube);
+  await page.waitForTimeout(500);
+  const box = await page.locator("#canvas").boundingBox();
+  await page.waitForFunction(() => Number(document.body.dataset.tick) > 5, null, kPatience);
+  const pointer = { x: 0.1 * box.width, y: 0.2 * box.height };
+  const move = () => page.mouse.move(box.x + pointer.x, box.y + pointer.y);
+  for (let i = 0; i < 200 && !/proximal|palm|metacarpal/.test(await page.locator("#tip").innerText()); ++i) {
+    pointer.x += 20;
+    if (pointer.x > 0.7 * box.width) Object.assign(pointer, { x: 0.1 * box.width, y: pointer.y + 30 });
+    await move();
+  }
+  await page.mouse.down();
+  for (let i = 0; i < 30 && !/contacts\s*[1-9]/.test(await details()); ++i) {
+    pointer.x += 8;
+    pointer.y += 6;
+    await move();
+    await page.waitForTimeout(150);
+  }
+  await page.mouse.up();
+  await shot("lab mesh");
+  await contacts();
+  await replays("felt mesh.mcap");
+});
+
 test("The page had nothing to complain of but what was meant to fail", () => {
   assert.deepEqual(complaints.filter((text) => !/Content Security Policy|violates/.test(text)), []);
 });

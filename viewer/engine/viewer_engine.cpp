@@ -1,8 +1,10 @@
 // The engine inside the viewer's page: it takes the messages of a recording as they stand in the file, and
 // answers what a tick looks like. A page writes a message to where `input` says and reads what `answer`
 // points at.
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,6 +12,7 @@
 
 #include "lumbrical/model.h"
 #include "lumbrical/recording.h"
+#include "lumbrical/shapes.h"
 #include "lumbrical/tick.h"
 #include "model/primitive.h"
 #include "model/swept_polygon.h"
@@ -140,6 +143,51 @@ void answer_view() {
   out.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
 }
 
+/// What the lab lets a hand touch, in the order of its list; the last is the mesh the page has put into
+/// `input`.
+bool lab_object(std::uint32_t which, std::uint32_t size, double metres, SceneObject& object) {
+  switch (which) {
+    case 0:
+      object = {"mug", make_mug({})};
+      return true;
+    case 1:
+      object = {"sphere", make_sphere(0.04, 24)};
+      return true;
+    case 2:
+      object = {"box", make_box({0.08, 0.08, 0.08}, 12)};
+      return true;
+    case 3:
+      object = {"bumpy field", make_height_field(0.3, 69, 0.003, 0.04)};
+      return true;
+    default:
+      break;
+  }
+  // A format without a word of its own at the start is told by the name, which the page puts first.
+  const std::string_view text(reinterpret_cast<const char*>(in.data()), size);
+  const std::string name(text.substr(0, text.find('\n')));
+  object.name = name;
+  Status status =
+      parse_mesh(text.substr(std::min(text.size(), name.size() + 1)), name, Unit::metre, object.mesh);
+  if (!status.ok()) return answer_status(status);
+  Box box;
+  for (const Vec3& v : object.mesh.vertices) box.add(v);
+  const Vec3 extent = box.upper - box.lower;
+  const double scale = metres / std::max({extent.x, extent.y, extent.z, 1e-12});
+  for (Vec3& v : object.mesh.vertices) v = scale * (v - 0.5 * (box.lower + box.upper));
+  return true;
+}
+
+/// The lab's hand: base pose (position, then w x y z) and angles, as doubles in `input`.
+DeviceFrame lab_frame() {
+  std::array<double, 7 + kAngleCount> numbers{};
+  std::memcpy(numbers.data(), in.data(), std::min(in.size(), sizeof numbers));
+  DeviceFrame frame;
+  frame.kind = InputKind::joint_angles;
+  frame.base = {{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5], numbers[6]}};
+  for (std::size_t i = 0; i < kAngleCount; ++i) frame.angle[i] = static_cast<float>(numbers[7 + i]);
+  return frame;
+}
+
 }  // namespace
 
 /// Where the next message of so many bytes goes.
@@ -176,5 +224,45 @@ PAGE_MAY_CALL(show) bool show_tick(std::uint32_t size) {
   answer_view();
   return true;
 }
+
+// ---- The lab: a session made in the page
+// --------------------------------------------------------------------------
+
+/// Answers the session message of a right hand and an object; `metres` is the largest extent of a mesh in
+/// `input`.
+PAGE_MAY_CALL(make_session)
+bool make_lab_session(std::uint32_t which, std::uint32_t size, double metres, std::uint32_t law,
+                      double precision, double stiffness, double rate) {
+  Scene scene;
+  scene.hand = default_hand(Side::right);
+  scene.objects.resize(1);
+  if (!lab_object(which, size, metres, scene.objects[0])) return false;
+  scene.settings.law.fill(static_cast<Law>(law));
+  scene.settings.precision.fill(precision);
+  scene.settings.stiffness = stiffness;
+  scene.settings.rate = rate;
+  return answer_status(encode_session(scene, out));
+}
+
+/// Answers the schema of tick messages.
+PAGE_MAY_CALL(schema) void answer_schema() {
+  const auto bytes = tick_schema();
+  out.assign(bytes.begin(), bytes.end());
+}
+
+/// Computes the next tick of the hand in `input` and answers its message, as a recording holds it.
+PAGE_MAY_CALL(touch) void touch_with_hand() {
+  record = {};
+  record.device = lab_frame();
+  record.output = tick(model, state, scratch, record.device);
+  record.stage_hash = scratch.stage_hash;
+  record.state_hash = hash_state(state);
+  flatbuffers::FlatBufferBuilder builder;
+  encode_tick(record, true, make_input_check(input_fields(record)), builder);
+  out.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
+}
+
+/// Answers a TickView of the last tick.
+PAGE_MAY_CALL(look) void look_at_tick() { answer_view(); }
 
 }  // namespace lumbrical

@@ -9,6 +9,23 @@ export interface Engine {
   pass(message: Uint8Array): boolean;
   /** Computes a tick and returns a TickView. */
   show(message: Uint8Array): Uint8Array;
+  /** A session of the lab: its message. */
+  makeSession(options: LabOptions): Uint8Array;
+  /** Of tick messages, in binary. */
+  schema(): Uint8Array;
+  /** Computes the next tick of the lab's hand, a base pose and angles as lab.ts lists them: its message, a TickView, and how long
+   *  the tick alone took. */
+  touch(hand: Float64Array): { message: Uint8Array; view: Uint8Array; microseconds: number };
+}
+
+/** What a hand touches in the lab, and how. */
+export interface LabOptions {
+  object: number;  // in the order of lab_object
+  mesh?: { name: string; bytes: Uint8Array; metres: number };
+  law: number;
+  precision: number;
+  stiffness: number;  // [N/m^3]
+  rate: number;  // [Hz]
 }
 
 interface Exports {
@@ -22,6 +39,10 @@ interface Exports {
   pass(size: number): number;
   is_recorded_state(): number;
   show(size: number): number;
+  make_session(object: number, size: number, metres: number, law: number, precision: number, stiffness: number, rate: number): number;
+  schema(): void;
+  touch(): void;
+  look(): void;
 }
 
 // System calls for files, of which there are none.
@@ -62,6 +83,25 @@ export async function loadEngine(wasm: BufferSource): Promise<Engine> {
       put(message);
       must(exports.show(message.length));
       return answer();
+    },
+    makeSession({ object, mesh, law, precision, stiffness, rate }) {
+      const name = new TextEncoder().encode(`${mesh?.name ?? ""}\n`);
+      put(name, mesh?.bytes ?? new Uint8Array());
+      must(exports.make_session(object, name.length + (mesh?.bytes.length ?? 0), mesh?.metres ?? 0, law, precision, stiffness, rate));
+      return answer();
+    },
+    schema() {
+      exports.schema();
+      return answer();
+    },
+    touch(hand) {
+      put(new Uint8Array(hand.buffer, hand.byteOffset, hand.byteLength));
+      const start = performance.now();
+      exports.touch();
+      const microseconds = 1e3 * (performance.now() - start);
+      const message = answer();
+      exports.look();
+      return { message, view: answer(), microseconds };
     },
   };
 }

@@ -129,7 +129,7 @@ export function readFrame(shown: Shown): Frame {
     tick: shown.tick,
     flags: tick.flags(),
     contactCount: tick.contactCount(),
-    duration: tick.durationNs() / 1e3,
+    duration: shown.microseconds ?? tick.durationNs() / 1e3,
     forces: vectors(kSegmentCount, () => null),
     jointTorques: vectors(kSegmentCount, () => null),
     flexionTorques: new Array(kSegmentCount).fill(0),

@@ -4,6 +4,7 @@ import { showDetails, tickRows, tipText } from "./details";
 import type { Divergence } from "./difference";
 import { readFrame, readWorld, type Frame, type World } from "./frame";
 import { fillHelp, listenToKeys, type Command } from "./keys";
+import { makeLab, type Lab } from "./lab";
 import { drawLegend, niceAbove } from "./legend";
 import { readLink, writeLink } from "./link";
 import { makePlots, type Plots } from "./plots";
@@ -40,7 +41,8 @@ const state = {
   from: 0,  // ticks that the plots show
   to: 1,
   beside: false,
-  live: false,
+  live: false,  // ticks come by themselves: from a session that runs, or from the lab
+  lab: undefined as Lab | undefined,
   pick: undefined as Pick | undefined,
   most: { force: 1, torque: 0.1, pressure: 1000 },  // seen so far [N], [N m], [Pa]; what is drawn to scale keeps within it
   divergence: undefined as Divergence | undefined,
@@ -69,7 +71,9 @@ async function open(place: number, source: Source, link: string) {
     const opened = await client.open(place, source);
     if (place === 0) state.sides = [];
     state.sides[place] = { opened, link, marks: [], milliseconds: 0 };
-    state.live = "live" in source;
+    state.live = "live" in source || "lab" in source;
+    document.body.classList.toggle("live", state.live);
+    if (!("lab" in source)) leaveLab();
     if (place === 0) beginWith(opened);
     else await compareWith();
     document.body.classList.remove("empty");
@@ -255,6 +259,44 @@ client.onLive = (shown, error) => {
   plots?.setData(side.whole, undefined);
 };
 
+// ---- The lab -------------------------------------------------------------------------------------------------------
+
+function enterLab() {
+  element("lab").hidden = false;
+  state.lab = makeLab(element("lab"), (options) => void open(0, { lab: options }, ""), saveFelt);
+  state.lab.position.set(-0.02, -0.115, 0.14);
+}
+
+function leaveLab() {
+  element("lab").hidden = true;
+  state.lab = undefined;
+}
+
+async function saveFelt() {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(await client.save());
+  link.download = "felt.mcap";
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+let touching = false;
+
+/** A tick for every picture. */
+async function touch(lab: Lab) {
+  if (touching || state.sides[0]?.opened.name !== "lab") return;
+  touching = true;
+  try {
+    const shown = await client.touch(lab.hand());
+    if (state.lab === lab) client.onLive(shown, undefined);
+  } catch (error) {
+    leaveLab();
+    say((error as Error).message, true);
+  } finally {
+    touching = false;
+  }
+}
+
 // ---- Drawing -------------------------------------------------------------------------------------------------------
 
 let drawn = NaN;
@@ -281,6 +323,7 @@ function drawTick() {
 
 let before = performance.now();
 function loop(now: number) {
+  if (state.lab) void touch(state.lab);
   if (state.playing) advance(Math.min(0.1, (now - before) / 1000));
   before = now;
   if (dirty) {
@@ -305,7 +348,22 @@ function pickAt(event: PointerEvent): Pick | undefined {
 }
 
 let pressed = { x: 0, y: 0 };
-canvas.addEventListener("pointerdown", (event) => { pressed = { x: event.clientX, y: event.clientY }; });
+let held: PointerEvent | undefined;  // the lab's hand, by it
+canvas.addEventListener("pointerdown", (event) => {
+  pressed = { x: event.clientX, y: event.clientY };
+  const pick = state.lab && event.isPrimary ? pickAt(event) : undefined;
+  held = pick && pick.kind !== "triangle" ? event : undefined;
+  view.controls.enabled = held === undefined;
+}, true);
+addEventListener("pointerup", () => {
+  held = undefined;
+  view.controls.enabled = true;
+});
+canvas.addEventListener("pointermove", (event) => {
+  if (!held || !state.lab) return;
+  view.drag(state.lab.position, event.clientX - held.clientX, event.clientY - held.clientY);
+  held = event;
+});
 canvas.addEventListener("pointerup", (event) => {
   if (Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > 4) return;
   state.pick = pickAt(event);
@@ -345,6 +403,11 @@ addEventListener("dragleave", () => document.body.classList.remove("drop"));
 addEventListener("drop", (event) => {
   event.preventDefault();
   document.body.classList.remove("drop");
+  const mesh = [...(event.dataTransfer?.files ?? [])].find(({ name }) => /\.(obj|stl|ply|off)$/i.test(name));
+  if (mesh) {
+    if (!state.lab) enterLab();
+    return void state.lab?.drop(mesh);
+  }
   [...(event.dataTransfer?.files ?? [])].slice(0, 2).reduce((done, file, i) => done.then(() => open(i, { file }, "")), Promise.resolve());
 });
 
@@ -411,6 +474,7 @@ const commands: Command[] = [
 listenToKeys(commands);
 fillHelp(help, commands);
 const press = (id: string, run: () => void) => element(id).addEventListener("click", run);
+press("lab-button", enterLab);
 press("play", () => setPlaying(!state.playing));
 press("to-start", () => seek(first()));
 press("back", () => seek(state.tick - 1));
@@ -460,4 +524,4 @@ document.documentElement.dataset.theme = matchMedia("(prefers-color-scheme: dark
 document.body.classList.add("empty");
 requestAnimationFrame(loop);
 await openLink();
-if (state.sides.length === 0 && element("message").hidden) say("Open a recording, or drop one here.", true);
+if (state.sides.length === 0 && element("message").hidden) enterLab();

@@ -19,6 +19,8 @@ export interface View {
   pick(x: number, y: number): Pick | undefined;
   select(pick: Pick | undefined): void;
   frameAll(): void;
+  /** Moves a point in the picture's plane with the pointer [CSS pixels]. */
+  drag(point: Vector3, right: number, down: number): void;
   draw(): void;
 }
 
@@ -129,6 +131,12 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
       controls.target.set(0, 0, 0);
       camera.position.set(2.2, -2.9, 1.9).multiplyScalar(radius * 1.15);
       controls.update();
+    },
+    drag(point, right, down) {
+      const away = camera.position.distanceTo(point.clone().sub(origin));
+      const metres = (2 * away * Math.tan((camera.fov * Math.PI) / 360)) / canvas.clientHeight;
+      const { elements: e } = camera.matrixWorld;
+      point.addScaledVector(new Vector3(e[0], e[1], e[2]), right * metres).addScaledVector(new Vector3(e[4], e[5], e[6]), -down * metres);
     },
     draw() {
       const { clientWidth: width, clientHeight: height } = canvas;

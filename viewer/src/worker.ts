@@ -2,13 +2,14 @@
 // told by its place: 0, or 1 for the one it is compared with.
 import { bytesOfFile, bytesOfUrl } from "./bytes";
 import { findDivergence, type Divergence } from "./difference";
-import { loadEngine } from "./engine";
+import { loadEngine, type Engine, type LabOptions } from "./engine";
 import { openLive } from "./live";
+import { toMcap, type Felt } from "./save";
 import { openRecording, type Recording } from "./recording";
 import { makeReplay } from "./replay";
 import { readWindow, scan, type Columns, type Mark } from "./series";
 
-export type Source = { url: string } | { file: File } | { live: string };
+export type Source = { url: string } | { file: File } | { live: string } | { lab: LabOptions };
 
 export interface Opened {
   name: string;
@@ -26,6 +27,7 @@ export interface Shown {
   message: Uint8Array;
   view?: Uint8Array;  // a TickView
   milliseconds: number;
+  microseconds?: number;  // that the tick alone took here, where the message can't know
 }
 
 export type Request =
@@ -33,6 +35,8 @@ export type Request =
   | { type: "open"; place: number; source: Source }
   | { type: "show"; place: number; tick: number }
   | { type: "window"; place: number; first: number; last: number }
+  | { type: "touch"; hand: Float64Array }
+  | { type: "save" }
   | { type: "diverge" };
 export type Answer =
   | { type: "error"; id: number; text: string }
@@ -40,6 +44,7 @@ export type Answer =
   | { type: "shown"; id: number; shown?: Shown }
   | { type: "window"; id: number; columns: Columns }
   | { type: "diverged"; id: number; divergence?: Divergence }
+  | { type: "saved"; id: number; file: Blob }
   | { type: "loaded"; id: number }
   | { type: "scanned"; place: number; columns: Columns; marks: Mark[]; share: number }
   | { type: "live"; shown?: Shown; error?: string };
@@ -54,7 +59,28 @@ const kBeforeScan = 200;  // [ms] the first tick comes first
 const places: (Place | undefined)[] = [];
 const tell = (answer: Answer) => postMessage(answer);
 
+// The lab's, whose ticks are kept for saving, ten minutes of them.
+let lab: (Felt & { engine: Engine }) | undefined;
+const kMostFelt = 36000;
+
+async function openLab(options: LabOptions): Promise<Opened> {
+  const engine = await loadEngine(wasm);
+  const session = engine.makeSession(options);
+  engine.open(session, new Uint8Array());
+  engine.begin(0, true);
+  lab = { engine, session, schema: engine.schema(), rate: options.rate, messages: [] };
+  return { name: "lab", bytes: 0n, session, rate: options.rate, first: 0, last: 0, metadata: new Map(), noContacts: "" };
+}
+
+function touch(hand: Float64Array): Shown {
+  const start = performance.now();
+  const { message, view, microseconds } = lab!.engine.touch(hand);
+  if (lab!.messages.length < kMostFelt) lab!.messages.push(message);
+  return { tick: lab!.messages.length - 1, message, view, microseconds, milliseconds: performance.now() - start };
+}
+
 async function open(place: number, source: Source): Promise<Opened> {
+  if ("lab" in source) return openLab(source.lab);
   if ("live" in source) return openLive(source.live, await loadEngine(wasm), tell);
   const bytes = "url" in source ? await bytesOfUrl(source.url) : bytesOfFile(source.file, source.file.name);
   const recording = await openRecording(bytes);
@@ -98,6 +124,10 @@ async function answer(id: number, request: Request): Promise<Answer> {
       return { type: "shown", id, shown: await show(request.place, request.tick) };
     case "window":
       return { type: "window", id, columns: await readWindow(places[request.place]!.recording, request.first, request.last) };
+    case "touch":
+      return { type: "shown", id, shown: touch(request.hand) };
+    case "save":
+      return { type: "saved", id, file: await toMcap(lab!) };
     case "diverge":
       return { type: "diverged", id, divergence: await findDivergence(places[0]!.recording, places[1]!.recording) };
   }

@@ -108,25 +108,6 @@ std::string_view kind_name(InputKind kind) {
   return kind == InputKind::joint_poses ? "joint_poses" : "joint_angles";
 }
 
-InputFields input_fields(const TickRecord& record) {
-  return numbers_of(TickInput{record.output.tick, record.device});
-}
-
-OutputFields output_fields(const ActuatorFrame& frame) { return numbers_of(frame); }
-
-InputCheck make_input_check(const InputFields& fields) {
-  InputCheck check;
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    const std::uint64_t low = fields[i] & 0xffffffffu, high = fields[i] >> 32;
-    check.low_sum += low;
-    check.low_moment += (i + 1) * low;
-    check.high_sum += high;
-    check.high_moment += (i + 1) * high;
-  }
-  check.hash = hash_rows(std::span<const std::uint64_t>(fields));
-  return check;
-}
-
 std::optional<Divergence> find_altered_input(const TickRecord& record, const InputCheck& recorded) {
   const InputFields fields = input_fields(record);
   const InputCheck present = make_input_check(fields);
