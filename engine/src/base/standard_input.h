@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <string>
 
@@ -18,7 +19,7 @@ inline std::string shown_name(const std::string& path) {
 }
 
 /// All there is to its end, at most `most` bytes.
-inline Status read_standard_input(std::size_t most, std::string& content) {
+inline Status read_standard_input(std::uintmax_t most, std::string& content) {
   content.clear();
   std::array<char, 65536> block{};
   while (const std::size_t size = std::fread(block.data(), 1, block.size(), stdin)) {
