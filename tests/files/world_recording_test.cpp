@@ -69,11 +69,11 @@ TEST(WorldRecording, NamesItsWorldAndReplaysFromWhereverThatIs) {
     RecordingReader reader;
     ASSERT_TRUE(reader.open(path).ok());
     ASSERT_TRUE(reader.scene().world);
-    EXPECT_EQ(reader.scene().world->path, world);
+    EXPECT_EQ(reader.scene().world->path, "field.world");
     EXPECT_FALSE(reader.scene().world->bytes);
     RecordingInfo info;
     EXPECT_TRUE(verify_recording(path, info).ok());
-    expect_identical(path, "");  // where it was
+    expect_identical(path, world);  // where it was
     fs::rename(world, other / "field.world");
     expect_identical(path, "");  // beside the recording
     fs::rename(other / "field.world", third / "renamed.world");

@@ -553,6 +553,37 @@ TEST(CommandLine, NothingIsWrittenOverWhatIsThere) {
   EXPECT_EQ(read_file((folder / "notes.txt").string()), "mine");
 }
 
+// ESC, the C1 set's own, BEL, DEL, a line end, in the names of a scene and of a recording's metadata.
+TEST(CommandLine, TextFromFilesHasItsControlCharactersEscaped) {
+  const fs::path folder = folder_with_demo();
+  const std::string name = "m\\u001b[2Jug\\u009b31m\\u0007\\u007f\\nforged: line";
+  std::ofstream(folder / "evil.json") << R"({"objects": [{"name": ")" + name + R"(", "mug": {"segments": 8}}],
+"motion": {"grasp": {}}})";
+  std::ofstream(folder / "wrong.json")
+      << R"({"objects": [{"name": ")" + name + R"(", "mesh": "\u001b[2J.obj", "unit": "m"}],
+"motion": {"grasp": {}}})";
+  std::ofstream(folder / "bad.json") << "{\"obj\x1b[2Jects\": 1}";
+  const auto expect_clean = [](const Outcome& outcome) {
+    for (const std::string* const text : {&outcome.output, &outcome.error}) {
+      EXPECT_EQ(text->find_first_of("\x1b\x07\x7f"), std::string::npos) << *text;
+      EXPECT_EQ(text->find("\xc2\x9b"), std::string::npos) << *text;
+      EXPECT_EQ(text->find("\nforged"), std::string::npos) << *text;
+    }
+  };
+  ASSERT_EQ(shell("lumbrical run evil.json --ticks 20 --record a.mcap", folder).exit_code, 0);
+  const Outcome info = shell("lumbrical info a.mcap", folder);
+  expect_clean(info);
+  EXPECT_NE(info.output.find("m\\x1b[2Jug\\x9b31m\\x07\\x7f\\nforged"), std::string::npos) << info.output;
+  const Outcome json = shell("lumbrical info a.mcap --json", folder);
+  expect_clean(json);
+  EXPECT_EQ(json.json()["scene"]["objects"][0]["name"],
+            "m\x1b[2Jug\xc2\x9b"
+            "31m\x07\x7f\nforged: line");
+  expect_clean(shell("lumbrical run wrong.json", folder));
+  expect_clean(shell("lumbrical run bad.json", folder));
+  expect_clean(shell("lumbrical replay a.mcap --mesh x=y", folder));
+}
+
 TEST(CommandLine, AnEmptyNameIsNoNameOfARecording) {
   const fs::path folder = folder_with_demo();
   ASSERT_EQ(shell("lumbrical run demo.json --ticks 10 --record a.mcap", folder).exit_code, 0);
@@ -564,6 +595,55 @@ TEST(CommandLine, AnEmptyNameIsNoNameOfARecording) {
     EXPECT_EQ(refused.exit_code, 2) << command;
     EXPECT_NE(refused.error, "") << command;
   }
+}
+
+// 100 .. 149 are missing: the file is whole, and replay refuses what is behind the gap.
+TEST(CommandLine, MissingTicksAreToldWithAnExitCodeOfTheirOwn) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 600 --record a.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical verify a.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical trim a.mcap --to-tick 100 -o b.mcap && lumbrical trim a.mcap --from-tick 150 -o "
+                  "c.mcap && "
+                  "lumbrical merge b.mcap c.mcap -o gap.mcap",
+                  folder)
+                .exit_code,
+            0);
+  const Outcome verify = shell("lumbrical verify gap.mcap", folder);
+  EXPECT_EQ(verify.exit_code, 5);
+  EXPECT_NE(verify.output.find("50 are missing: ticks 100 to 149"), std::string::npos) << verify.output;
+  EXPECT_EQ(shell("lumbrical verify gap.mcap --json", folder).json()["missing"].dump(), "[[100,149]]");
+  EXPECT_EQ(shell("lumbrical replay gap.mcap", folder).exit_code, 2);
+
+  std::string bytes = read_file((folder / "a.mcap").string());
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);  // in a chunk
+  std::ofstream(folder / "flipped.mcap", std::ios::binary) << bytes;
+  const Outcome recover = shell("lumbrical recover flipped.mcap -o whole.mcap --json", folder);
+  EXPECT_EQ(recover.exit_code, 5) << recover.error;
+  EXPECT_EQ(recover.json()["recovered"].get<int>() + recover.json()["lost"].get<int>(), 600);
+  ASSERT_EQ(recover.json()["missing"].size(), 1u);
+  const auto range = recover.json()["missing"][0];
+  EXPECT_EQ(range[1].get<int>() - range[0].get<int>() + 1, recover.json()["lost"]);
+  EXPECT_EQ(range[0].get<int>() % 20, 0) << "one chunk: a fifth of a second";
+  EXPECT_EQ(recover.json()["lost"], 20);
+  EXPECT_EQ(shell("lumbrical recover a.mcap -o again.mcap", folder).exit_code, 0);
+}
+
+TEST(CommandLine, AReplayThatComesOutRightStillTellsOfADamagedFile) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 50 --record a.mcap", folder).exit_code, 0);
+  std::string bytes = read_file((folder / "a.mcap").string());
+  bytes[13] = static_cast<char>(bytes[13] ^ 1);  // in the header's record, which no tick depends on
+  bytes[30] = static_cast<char>(bytes[30] ^ 1);
+  std::ofstream(folder / "flipped.mcap", std::ios::binary) << bytes;
+  std::ofstream(folder / "torn.mcap", std::ios::binary)
+      << read_file((folder / "a.mcap").string()).substr(0, bytes.size() - 30);
+  for (const char* const name : {"flipped.mcap", "torn.mcap"}) {
+    const Outcome replay = shell(std::string("lumbrical replay ") + name + " --json", folder);
+    EXPECT_EQ(replay.exit_code, 2) << name << replay.error;
+  }
+  EXPECT_TRUE(shell("lumbrical replay torn.mcap --json", folder).json()["identical"]);
+  EXPECT_NE(shell("lumbrical replay torn.mcap", folder).output.find("not whole"), std::string::npos);
+  EXPECT_TRUE(shell("lumbrical replay a.mcap --json", folder).json()["damage"].is_null());
 }
 
 TEST(CommandLine, OfTwoRunsToOneFileTheSecondIsRefused) {

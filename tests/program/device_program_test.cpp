@@ -95,6 +95,15 @@ TEST(DeviceProgram, ClosesTheLoopAndRecordsIt) {
   EXPECT_LE(acknowledged, sent);
   EXPECT_GT(moved, 0);
   EXPECT_EQ(shell("lumbrical replay session.mcap", folder).exit_code, 0);
+  const json told = shell("lumbrical info session.mcap --json", folder).json()["device"];
+  EXPECT_EQ(told["commands"], sent);
+  EXPECT_EQ(told["acknowledged"], acknowledged);
+  EXPECT_GT(told["delay"]["max"], 0);
+  EXPECT_EQ(told["certificate"]["measured"], true);
+  const std::string events = shell("lumbrical export session.mcap --events", folder).output;
+  EXPECT_NE(events.find("state,\"armed -> active\""), std::string::npos) << events;
+  EXPECT_NE(shell("lumbrical info session.mcap", folder).output.find("state: armed -> active"),
+            std::string::npos);
 }
 
 TEST(DeviceProgram, AnglesThatCannotBeLetForcesFadeAndAreFlaggedInTheRecording) {

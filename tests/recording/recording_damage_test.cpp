@@ -76,7 +76,7 @@ class DamagedRecording : public ::testing::Test {
   }
 
   // Reading and verifying meet every byte; recovery, which writes a file each time, every few.
-  static constexpr std::size_t kRecoverEvery = 7;
+  static constexpr std::size_t kRecoverEvery = 29;
   std::string good_path_ = temporary_path("good.mcap"), path_ = temporary_path("damaged.mcap"),
               output_ = temporary_path("output.mcap");
   std::vector<TickRecord> records_;
@@ -162,6 +162,21 @@ TEST_F(DamagedRecording, KeepsWhatComesBehindAHoleOfZeros) {
   ASSERT_TRUE(recover_recording(path_, output_, recovered, lost).ok());
   EXPECT_EQ(recovered, 8u);
   expect_truth(output_, 8);
+}
+
+// Without an index, whatever chunk is damaged: which ticks are lost is known to the last one.
+TEST_F(DamagedRecording, WhichTicksAreLostIsKnownWithoutAnIndexToo) {
+  for (std::size_t chunk = 0; chunk < chunk_ends_.size(); ++chunk) {
+    std::vector<std::uint8_t> torn(good_.begin(), good_.end() - 100);  // no footer
+    torn[chunk_ends_[chunk] - 20] ^= 1;                                // in the chunk's records
+    write_bytes(path_, torn);
+    std::uint64_t recovered = 0, lost = 0;
+    std::vector<TickRange> missing;
+    ASSERT_TRUE(recover_recording(path_, cleared(output_), recovered, lost, &missing).ok());
+    EXPECT_EQ(recovered, 8u) << chunk;
+    EXPECT_EQ(lost, 4u) << chunk;
+    EXPECT_EQ(missing, (std::vector<TickRange>{{4 * chunk, 4 * chunk + 3}})) << chunk;
+  }
 }
 
 TEST_F(DamagedRecording, IsNotReplacedByItsOwnRecovery) {

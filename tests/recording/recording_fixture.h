@@ -111,6 +111,12 @@ void fill(T& value, RandomBits& random) {
   });
 }
 
+/// Makes the hashes of input and output those of what is in the record, as verify wants them.
+inline void seal(TickRecord& record) {
+  record.stage_hash[static_cast<std::size_t>(Stage::input)] = hash_fields(record.device);
+  record.stage_hash[static_cast<std::size_t>(Stage::limits)] = hash_fields(record.output);
+}
+
 /// A tick of the given number in which any field may hold anything, or its default.
 inline TickRecord random_record(RandomBits& random, std::uint64_t tick) {
   TickRecord record;
@@ -125,11 +131,13 @@ inline TickRecord random_record(RandomBits& random, std::uint64_t tick) {
   // The one number in a table's field: its -0, which no sum of bounds is, would come back as +0.
   record.output.force_error = std::fabs(record.output.force_error);
   for (std::uint64_t& hash : record.stage_hash) hash = random.coin() ? random.word() : 0;
+  seal(record);
   record.state_hash = random.word();
   record.duration_ns = static_cast<std::uint32_t>(random.word());
   if (random.word() % 16 == 0) {
     record.sent_count = static_cast<std::uint32_t>(random.word() % (kMaxSentPerTick + 1));
   }
+  if (random.word() % 16 == 0) record.timing = {random.real(), random.real(), random.real()};
   for (std::uint32_t i = 0; i < record.sent_count; ++i) {
     SentCommand& sent = record.sent[i];
     sent.cycle = random.word();
@@ -154,6 +162,12 @@ inline void expect_same(const TickRecord& a, const TickRecord& b) {
   EXPECT_EQ(a.stage_hash, b.stage_hash);
   EXPECT_EQ(a.state_hash, b.state_hash);
   EXPECT_EQ(a.duration_ns, b.duration_ns);
+  ASSERT_EQ(a.timing.has_value(), b.timing.has_value());
+  if (a.timing) {
+    for (double LoopTiming::*const number : {&LoopTiming::period, &LoopTiming::jitter, &LoopTiming::delay})
+      EXPECT_EQ(std::bit_cast<std::uint64_t>(*a.timing.*number),
+                std::bit_cast<std::uint64_t>(*b.timing.*number));
+  }
   ASSERT_EQ(a.sent_count, b.sent_count);
   for (std::uint32_t i = 0; i < a.sent_count; ++i) {
     const SentCommand &x = a.sent[i], &y = b.sent[i];

@@ -51,6 +51,7 @@ class SharedMemory {
 TickRecord record_of(const std::vector<TickRecord>& records, std::uint64_t tick) {
   TickRecord record = records[tick % records.size()];
   record.output.tick = tick;
+  seal(record);
   return record;
 }
 

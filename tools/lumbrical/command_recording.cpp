@@ -4,6 +4,7 @@
 #include <charconv>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,7 @@ namespace {
 
 struct RecordingOptions {
   std::string recording, output;
-  bool json = false;
+  bool json = false, events = false;
 };
 
 struct ExportSwitches {
@@ -102,42 +103,56 @@ void add_scene_rows(const Scene& scene, Table& table) {
               scene.world->path + ", " + grouped(scene.world->byte_count) + " bytes; a replay needs it");
 }
 
+constexpr std::size_t kMostEvents = 20;  // that are told people; scripts and export get all
+
+Json device_json(const DeviceHistory& history, const std::string& certificate) {
+  Json json;
+  json["commands"] = history.commands;
+  json["acknowledged"] = history.acknowledged;
+  json["delay"] = {{"mean", history.mean_delay}, {"max", history.largest_delay}};
+  json["certificate"] = Json::parse(certificate, nullptr, false);
+  if (json["certificate"].is_discarded()) json["certificate"] = certificate;
+  json["events"] = Json::array();
+  for (const DeviceEvent& event : history.events)
+    json["events"].push_back(
+        {{"tick", event.tick}, {"time", event.time}, {"kind", event.kind}, {"text", event.text}});
+  return json;
+}
+
+void add_device_rows(const DeviceHistory& history, Table& table) {
+  table.add("device", grouped(history.commands) + " commands, " + grouped(history.acknowledged) +
+                          " acknowledged; delay mean " + brief(1e3 * history.mean_delay) + "   max " +
+                          brief(1e3 * history.largest_delay) + " ms");
+  for (std::size_t i = 0; i < std::min(history.events.size(), kMostEvents); ++i) {
+    const DeviceEvent& event = history.events[i];
+    table.add("", brief(event.time, 6) + " s  " + event.kind + ": " + event.text);
+  }
+  if (history.events.size() > kMostEvents)
+    table.add("", "and " + grouped(history.events.size() - kMostEvents) + " more: lumbrical export --events");
+}
+
+/// What became of a session's device; nothing where there was none, which takes no reading of all ticks.
+Status device_history(RecordingReader& reader, std::optional<DeviceHistory>& history) {
+  if (!reader.info().metadata.contains("certificate")) return {};
+  return read_device_history(reader, history.emplace());
+}
+
 int info(const RecordingOptions& options) {
   RecordingReader reader;
   if (Status status = reader.open(options.recording); !status.ok()) return fail(status);
+  std::optional<DeviceHistory> device;
+  if (Status status = device_history(reader, device); !status.ok()) return fail(status);
   if (options.json) {
     Json json = info_json(reader.info());
     json["scene"] = scene_json(reader.scene());
+    if (device) json["device"] = device_json(*device, reader.info().metadata.at("certificate"));
     return print_json(json);
   }
   Table table;
   add_info_rows(reader.info(), table);
   add_scene_rows(reader.scene(), table);
+  if (device) add_device_rows(*device, table);
   return print_text(table.text());
-}
-
-int verify(const RecordingOptions& options) {
-  RecordingInfo info;
-  const Status status = verify_recording(options.recording, info);
-  if (options.json) {
-    Json json;
-    json["whole"] = status.ok();
-    json["error"] = status.ok() ? Json(nullptr) : Json(status.message());
-    json.update(info_json(info));
-    json["recording"] = options.recording;
-    const int printed = print_json(json);
-    if (printed != kDone) return printed;
-  }
-  if (!status.ok()) return fail(status);
-  if (options.json) return kDone;
-  return print_text("Whole: " + grouped(info.ticks) + " ticks in " + grouped(info.chunks) +
-                    " chunks; every checksum, length and index is right.\n");
-}
-
-/// grasp.mcap becomes grasp.recovered.mcap.
-std::string recovered_name(const std::string& recording) {
-  const std::filesystem::path path(recording);
-  return (path.parent_path() / (path.stem().string() + ".recovered.mcap")).string();
 }
 
 /// ": ticks 5 to 9, 20 to 31"; the first few.
@@ -147,6 +162,49 @@ std::string ranges_text(const std::vector<TickRange>& ranges) {
   for (std::size_t i = 0; i < std::min(ranges.size(), kMost); ++i)
     text += (i == 0 ? ": ticks " : ", ") + grouped(ranges[i].first) + " to " + grouped(ranges[i].last);
   return ranges.size() > kMost ? text + " ..." : text;
+}
+
+std::uint64_t count_of(const std::vector<TickRange>& ranges) {
+  std::uint64_t count = 0;
+  for (const TickRange& range : ranges) count += range.last - range.first + 1;
+  return count;
+}
+
+Json ranges_json(const std::vector<TickRange>& ranges) {
+  Json json = Json::array();
+  for (const TickRange& range : ranges) json.push_back({range.first, range.last});
+  return json;
+}
+
+int verify(const RecordingOptions& options) {
+  RecordingInfo info;
+  std::vector<TickRange> missing;
+  const Status status = verify_recording(options.recording, info, &missing);
+  if (options.json) {
+    Json json;
+    json["whole"] = status.ok();
+    json["error"] = status.ok() ? Json(nullptr) : Json(status.message());
+    json.update(info_json(info));
+    json["missing"] = ranges_json(missing);
+    json["recording"] = options.recording;
+    const int printed = print_json(json);
+    if (printed != kDone) return printed;
+  }
+  if (!status.ok()) return fail(status);
+  const int verdict = missing.empty() ? kDone : kTicksMissing;
+  if (options.json) return verdict;
+  std::string text = "Whole: " + grouped(info.ticks) + " ticks in " + grouped(info.chunks) +
+                     " chunks; every checksum, length, index and hash is right.\n";
+  if (!missing.empty())
+    text += "But " + grouped(count_of(missing)) + " are missing" + ranges_text(missing) + ".\n";
+  const int printed = print_text(text);
+  return printed == kDone ? verdict : printed;
+}
+
+/// grasp.mcap becomes grasp.recovered.mcap.
+std::string recovered_name(const std::string& recording) {
+  const std::filesystem::path path(recording);
+  return (path.parent_path() / (path.stem().string() + ".recovered.mcap")).string();
 }
 
 int recover(const RecordingOptions& options) {
@@ -159,13 +217,14 @@ int recover(const RecordingOptions& options) {
     Json json;
     json["recovered"] = recovered;
     json["lost"] = lost;
-    json["missing"] = Json::array();
-    for (const TickRange& range : missing) json["missing"].push_back({range.first, range.last});
+    json["missing"] = ranges_json(missing);
     json["output"] = output;
-    return print_json(json);
+    const int printed = print_json(json);
+    return printed == kDone && lost > 0 ? kTicksMissing : printed;
   }
-  return print_text(grouped(recovered) + " ticks recovered to " + output + ", " + grouped(lost) +
-                    " known to be lost" + ranges_text(missing) + ".\n");
+  const int printed = print_text(grouped(recovered) + " ticks recovered to " + output + ", " + grouped(lost) +
+                                 " known to be lost" + ranges_text(missing) + ".\n");
+  return printed == kDone && lost > 0 ? kTicksMissing : printed;
 }
 
 std::string check_segment(std::string& text) {
@@ -216,7 +275,8 @@ int export_as_table(const RecordingOptions& options, const ExportSwitches& switc
   for (const std::string& name : switches.segments) wanted.segments.push_back(segment_number(name));
   wanted.exact = switches.exact;
   if (!switches.ticks.empty()) parse_ticks(switches.ticks, wanted);
-  const Status status = export_recording(reader, wanted, options.output);
+  const Status status = options.events ? export_device_events(reader, wanted.format, options.output)
+                                       : export_recording(reader, wanted, options.output);
   return status.ok() ? kDone : fail(status);
 }
 
@@ -244,7 +304,8 @@ void add_info(Command& app, int& exit_code) {
 void add_verify(Command& app, int& exit_code) {
   const auto options = std::make_shared<RecordingOptions>();
   Command* const command =
-      add_command(app, exit_code, "verify", "Check every checksum, length and index (exit code 2: damaged)",
+      add_command(app, exit_code, "verify",
+                  "Check every checksum, length, index and hash (exit code 2: damaged, 5: ticks are missing)",
                   options, verify);
   command->add_flag("--json", options->json, "Print one JSON object");
 }
@@ -252,7 +313,8 @@ void add_verify(Command& app, int& exit_code) {
 void add_recover(Command& app, int& exit_code) {
   const auto options = std::make_shared<RecordingOptions>();
   Command* const command = add_command(
-      app, exit_code, "recover", "Rewrite what is whole of a torn or damaged recording", options, recover);
+      app, exit_code, "recover",
+      "Rewrite what is whole of a torn or damaged recording (exit code 5: not all ticks)", options, recover);
   command->add_option("--output,-o", options->output, "Recording to write; default: REC.recovered.mcap")
       ->check(is_path())
       ->type_name("OUT.mcap");
@@ -284,6 +346,9 @@ void add_export(Command& app, int& exit_code) {
   command->add_option("--ticks", switches->ticks, "Only these ticks")
       ->check(Check{check_ticks, "FIRST:LAST[:STEP]"});
   command->add_flag("--exact", switches->exact, "csv: all digits, not six");
+  command->add_flag(
+      "--events", options->events,
+      "Instead: one line per event of the session's device (states, flags, delays, certificate)");
   command->add_option("--output,-o", options->output, "File to write; -: standard output")
       ->check(is_path())
       ->capture_default_str();

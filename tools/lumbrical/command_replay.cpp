@@ -81,7 +81,7 @@ std::optional<std::string> other_arithmetic(const RecordingInfo& info) {
 // What there is to say about one recording; without an error JSON and text.
 struct Replayed {
   Status error;
-  bool diverged = false;
+  bool diverged = false, damaged = false;
   Json json;
   std::string text;
 };
@@ -100,8 +100,10 @@ Status replay_one(const std::string& path, const ReplaySwitches& switches, const
     if (Status status = what_if(reader, options, changes); !status.ok()) return status;
   if (result.first_divergence && (asked || other)) result.first_divergence->ulp.reset();
   replayed.diverged = result.first_divergence.has_value() && !asked;
+  replayed.damaged = !result.damage.empty();
   Json& json = replayed.json = divergence_json(result);
   json["complete"] = reader.info().complete;
+  json["damage"] = result.damage.empty() ? Json(nullptr) : Json(result.damage);
   json["isa"] = isa_name(options.execution.isa == Isa::automatic ? widest_isa() : options.execution.isa);
   json["threads"] = options.execution.threads;
   json["broadphase"] = broadphase_name(result.broadphase);
@@ -125,6 +127,7 @@ Status replay_one(const std::string& path, const ReplaySwitches& switches, const
     text += std::string("The recording has no end (") +
             (reader.info().growing ? "it is still being recorded" : "its writer was killed") +
             "): all whole ticks were replayed.\n";
+  if (replayed.damaged) text += "But the file is not whole: " + result.damage + "\n";
   return {};
 }
 
@@ -138,7 +141,7 @@ int replay_single(const ReplaySwitches& switches, ReplayOptions& options) {
   if (!replayed.error.ok()) return fail(replayed.error);
   const int printed = switches.json ? print_json(replayed.json) : print_text(replayed.text);
   if (printed != kDone) return printed;
-  return replayed.diverged ? kDiverged : kDone;
+  return replayed.diverged ? kDiverged : replayed.damaged ? kUnreadable : kDone;
 }
 
 // All of them, whatever becomes of one, and told in the order given.
@@ -161,7 +164,7 @@ int replay_batch(const ReplaySwitches& switches, const ReplayOptions& options) {
   for (std::size_t i = 0; i < paths.size(); ++i) {
     Replayed& one = replayed[i];
     diverged |= one.diverged;
-    failed |= !one.error.ok();
+    failed |= !one.error.ok() || one.damaged;
     if (!one.error.ok()) {
       fail(one.error);
       one.json = {{"recording", paths[i]}, {"error", one.error.message()}};
@@ -210,8 +213,7 @@ void add_replay(Command& app, int& exit_code) {
       ->check(is_broadphase());
   command
       ->add_option("--world", switches->world,
-                   "World file, where the recording has its world in one; unless given, beside the recording "
-                   "or where it was")
+                   "World file, where the recording has its world in one; unless given, beside the recording")
       ->type_name("FILE");
   command->add_option("--voxel-cache", switches->voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");
   command->add_option("--isa", switches->isa, "Instruction set; never changes a result")->check(is_isa());

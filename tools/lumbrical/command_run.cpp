@@ -350,7 +350,7 @@ int run(const RunOptions& options) {
     if (!status.ok()) return fail(status);
   }
   const bool unrecorded = options.on_record_error == "continue";
-  const RunStatistics statistics =
+  RunStatistics statistics =
       run_session(model, scene_file.motion, ticks,
                   {paced, recording ? &recorder : nullptr, unrecorded, with_device ? &device : nullptr,
                    options.view ? &live_view : nullptr});
@@ -358,6 +358,7 @@ int run(const RunOptions& options) {
   const bool told = !statistics.recording_error.ok();
   if (recording) {
     status = recorder.close();
+    statistics.not_recorded = statistics.ticks - recorder.kept();
     if (!status.ok() && !told) return fail(status);
     if (!status.ok() && !unrecorded) return kUnreadable;
   }

@@ -127,7 +127,7 @@ int simulate(SimOptions options) {
   ending = 0;
   std::signal(SIGINT, end_simulation);
   std::signal(SIGTERM, end_simulation);
-  std::fprintf(stderr, "%s: listening on %s\n", profile.name.c_str(), server.name().c_str());
+  std::fprintf(stderr, "%s: listening on %s\n", printable(profile.name).c_str(), server.name().c_str());
   if (server.is_open_to_others()) {
     std::fprintf(stderr,
                  "warning: whoever reaches %s may command the device; 127.0.0.1 is for this machine only\n",

@@ -11,6 +11,7 @@ enum ExitCode : int {
   kUnreadable = 2,     ///< bad input or usage, or a file that can't be read or written
   kDiverged = 3,       ///< replay or diff found a difference
   kNoForces = 4,       ///< run: a device was to be driven, and forces never or no longer reached it
+  kTicksMissing = 5,   ///< verify: whole, but not all ticks are there; recover: not all could be kept
   kInterrupted = 130,  ///< run: a signal ended it early, with everything written that was to be
 };
 

@@ -45,7 +45,7 @@ int guard(const std::string& text) {
   if (Status status = parse_sink_uri(text, uri); !status.ok()) return fail(status);
   if (Status status = load_profile(uri, profile); !status.ok()) return fail(status);
   if (!bereaved()) return kDone;
-  std::fprintf(stderr, "guard: the session was killed; letting go of %s\n", profile.name.c_str());
+  std::fprintf(stderr, "guard: the session was killed; letting go of %s\n", printable(profile.name).c_str());
   SinkOptions options;
   options.arm = false;
   options.take_over = true;
@@ -56,7 +56,8 @@ int guard(const std::string& text) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   const bool safe = sink.close();
-  for (const SinkEvent& event : sink.events()) std::fprintf(stderr, "guard: %s\n", event.text.c_str());
+  for (const SinkEvent& event : sink.events())
+    std::fprintf(stderr, "guard: %s\n", printable(event.text).c_str());
   return safe ? kDone : kNoForces;
 }
 

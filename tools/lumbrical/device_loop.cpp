@@ -57,7 +57,7 @@ void DeviceLoop::Loop::report() {
       sink.arm_when_ready();
     }
     for (SinkEvent& event : sink.events()) {
-      std::fprintf(stderr, "device %8.3f s: %s\n", event.time, event.text.c_str());
+      std::fprintf(stderr, "device %8.3f s: %s\n", event.time, printable(event.text).c_str());
       events.push_back(std::move(event));
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -123,10 +123,12 @@ bool DeviceLoop::after(const Scratch& scratch, const DeviceFrame& frame, const A
                        TickRecord& record) {
   Loop& loop = *loop_;
   record.sent_count = 0;
+  record.timing.reset();
   while (record.sent_count < kMaxSentPerTick && loop.sink.sent(record.sent[record.sent_count])) {
     loop.note(record.sent[record.sent_count++]);
   }
   loop.sink.publish(command_forces(*loop.model, scratch, frame, output, clock_ns(), loop.control));
+  if (news_of_timing(loop.control)) record.timing = loop.control.certificate.timing;
   const SafetyState state = loop.sink.state();
   loop.was_active = loop.was_active || state == SafetyState::active;
   if (loop.control.certified && loop.control.any_feedback && loop.was_active) {
@@ -168,7 +170,7 @@ void DeviceLoop::close() {
   loop.ending = true;
   if (loop.reporter.joinable()) loop.reporter.join();
   for (SinkEvent& event : loop.sink.events()) {
-    std::fprintf(stderr, "device %8.3f s: %s\n", event.time, event.text.c_str());
+    std::fprintf(stderr, "device %8.3f s: %s\n", event.time, printable(event.text).c_str());
     loop.events.push_back(std::move(event));
   }
 }

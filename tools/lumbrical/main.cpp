@@ -15,9 +15,8 @@ using namespace lumbrical::tool;
 const Program kProgram = {
     "lumbrical", version_text(), "Computes what a whole human hand feels when it touches a polygonal world.",
     "Every subcommand has its own --help. A scene, motion or mesh named - is read from standard input. Exit "
-    "codes: 0 done, 2 bad input or usage, 3 replay diverged, 4 no forces reached the device, 130 stopped by "
-    "a "
-    "signal."};
+    "codes: 0 done, 2 bad input or usage, 3 replay diverged, 4 no forces reached the device, 5 ticks are "
+    "missing, 130 stopped by a signal."};
 
 void add_commands(Command& root, int& exit_code) {
   add_run(root, exit_code);

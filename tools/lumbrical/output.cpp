@@ -13,6 +13,26 @@
 
 namespace lumbrical::tool {
 
+std::string printable(std::string_view text, bool lines) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string result;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const unsigned char next = i + 1 < text.size() ? static_cast<unsigned char>(text[i + 1]) : 0;
+    const bool c1 = byte == 0xc2 && next >= 0x80 && next <= 0x9f;  // in UTF-8
+    if (!c1 && byte >= 0x20 && byte != 0x7f) {
+      result += text[i];
+    } else if (byte == '\n') {
+      result += lines ? "\n" : "\\n";
+    } else {
+      const unsigned code = c1 ? next : byte;
+      result += {'\\', 'x', kDigits[code >> 4], kDigits[code & 15]};
+      i += c1 ? 1 : 0;
+    }
+  }
+  return result;
+}
+
 namespace {
 
 bool json_wanted = false, result_printed = false;
@@ -30,22 +50,24 @@ int finish(int exit_code) {
 
 int fail(std::string_view message) {
   if (first_failure.empty()) first_failure = message;
-  std::fprintf(stderr, "%.*s\n", static_cast<int>(message.size()), message.data());
+  std::fprintf(stderr, "%s\n", printable(message).c_str());
   return kUnreadable;
 }
 
 int fail(const Status& status) { return fail(status.message()); }
 
-int print_text(std::string_view text) {
+int print_text(std::string_view unchecked) {
   result_printed = true;
+  const std::string text = printable(unchecked, true);
   const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
   if ((std::fflush(stdout) == 0 && written) || errno == EPIPE) return kDone;
   return fail("standard output: can't write the result; is the disk full?");
 }
 
 int print_json(const Json& object) {
-  // Names may come from files in any encoding; bytes that are not UTF-8 are replaced instead of throwing.
-  return print_text(object.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n');
+  // Names may come from files in any encoding; bytes that are not UTF-8 are replaced instead of throwing, and
+  // what is beyond ASCII, control characters among it, is escaped.
+  return print_text(object.dump(-1, ' ', true, Json::error_handler_t::replace) + '\n');
 }
 
 Json to_json(Vec3 v) { return Json::array({v.x, v.y, v.z}); }

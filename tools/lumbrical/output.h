@@ -25,7 +25,11 @@ void failures_as_json();
 /// The exit code of the program, with whatever is left to say about a failure.
 int finish(int exit_code);
 
-/// Prints the message to standard error and answers kUnreadable.
+/// The text for a terminal: names and messages may come from anybody's file, so control characters (ESC, line
+/// ends, the C1 set) become what they are written as in C. Line ends stay where `lines` says so.
+std::string printable(std::string_view text, bool lines = false);
+
+/// Prints the message, as printable, to standard error and answers kUnreadable.
 int fail(const Status& status);
 int fail(std::string_view message);
 
@@ -33,7 +37,7 @@ int fail(std::string_view message);
 /// disk). Whoever has closed the other end of a pipe has read enough: that is no failure.
 int print_json(const Json& object);
 
-/// Prints text to standard output under the same terms.
+/// Prints text, as printable lines, to standard output under the same terms.
 int print_text(std::string_view text);
 
 Json to_json(Vec3 v);  ///< [x, y, z]
@@ -41,7 +45,9 @@ Json to_json(Vec3 v);  ///< [x, y, z]
 /// Two columns: names on the left, what they are on the right. A row without a name continues the one above.
 struct Table {
   std::vector<std::pair<std::string, std::string>> rows;
-  void add(std::string name, std::string value) { rows.emplace_back(std::move(name), std::move(value)); }
+  void add(const std::string& name, const std::string& value) {
+    rows.emplace_back(printable(name), printable(value));
+  }
   [[nodiscard]] std::string text() const;
 };
 

@@ -17,6 +17,7 @@
 
 #include "lumbrical/device.h"
 #include "lumbrical/device_link.h"
+#include "lumbrical/loop_timing.h"
 #include "lumbrical/model.h"
 #include "lumbrical/status.h"
 #include "lumbrical/tick.h"
@@ -36,6 +37,8 @@ struct TickRecord {
   bool has_forces = true;        ///< false: the file leaves them out, `output` has zeros in their place
   std::uint32_t sent_count = 0;  ///< of `sent`, at most kMaxSentPerTick
   std::array<SentCommand, kMaxSentPerTick> sent{};  ///< to a device, since the last tick; never compared
+  /// Of the loop with a device, in ticks that renewed its certificate by a tenth or more; never compared.
+  std::optional<LoopTiming> timing;
 };
 
 enum class Compression : std::uint8_t { none, lz4, zstd };
@@ -79,8 +82,11 @@ class Recorder {
   [[nodiscard]] Status failure() const;
   /// Writes the rest, index and summary. Returns the first error of the whole recording, if any.
   Status close();
+  /// Ticks that are in the file of the last recording, once it was closed; exact whatever went wrong.
+  [[nodiscard]] std::uint64_t kept() const { return kept_; }
 
  private:
+  std::uint64_t kept_ = 0;
   struct Writer;
   std::unique_ptr<Writer> writer_;
 };
@@ -141,9 +147,9 @@ class RecordingReader {
   [[nodiscard]] const RecordingInfo& info() const;
   [[nodiscard]] const Scene& scene() const;
   /// Opens the world file of a recording that names one, since it was too large to be inside: `path`; if that
-  /// is empty, the file of its name beside the recording, or where that is missing the one that was recorded
-  /// with. It must have the same content. Until then scene().world is a name without a world. Nothing to do
-  /// for recordings that carry their meshes, or a second time.
+  /// is empty, the regular file (no link) of its name beside the recording. It must have the same content.
+  /// Until then scene().world is a name without a world. Nothing to do for recordings that carry their
+  /// meshes, or a second time.
   Status find_world(const std::string& path);
   /// The state before the first tick: not the default only where the file is a later part of a session.
   [[nodiscard]] const State& initial_state() const;
@@ -164,20 +170,25 @@ class RecordingReader {
   std::unique_ptr<File> file_;
 };
 
-/// Every checksum, every length, the index against the chunks, every record against its schema, every input
-/// against its check. An error for a torn file too: it names the byte where the file stops being whole.
-Status verify_recording(const std::string& path, RecordingInfo& info);
-
 /// Tick numbers first .. last.
 struct TickRange {
   std::uint64_t first = 0, last = 0;
   friend bool operator==(const TickRange&, const TickRange&) = default;
 };
 
-/// Rewrites what is whole of a torn or damaged file: `recovered` ticks kept, `lost` tick numbers missing, as
-/// far as they can be known (those behind the last whole chunk of a torn file can't), and which those are
-/// (`missing`, ascending; may be null). The session itself must be whole; `output` must be another file and
-/// appears only when it is complete.
+/// Every checksum, every length, the index against the chunks, every record against its schema, every input
+/// against its check, every output against its hash, the order of ticks. An error for a torn file too: it
+/// names the byte where the file stops being whole. What is whole may still lack ticks: `missing` (may be
+/// null) are the numbers between the session's first (or the part's, which its state tells) and the last that
+/// are not there, ascending.
+Status verify_recording(const std::string& path, RecordingInfo& info,
+                        std::vector<TickRange>* missing = nullptr);
+
+/// Rewrites what is whole of a torn or damaged file: `recovered` ticks kept, `lost` tick numbers missing, and
+/// which those are (`missing`, ascending; may be null): all between the first the file held and the last. The
+/// last is known from the index, or where there is none from the chunks met, damaged ones too; what came
+/// behind the last chunk of a torn file can't be. The session itself must be whole; `output` must be another
+/// file and appears only when it is complete.
 Status recover_recording(const std::string& path, const std::string& output, std::uint64_t& recovered,
                          std::uint64_t& lost, std::vector<TickRange>* missing = nullptr);
 
@@ -222,6 +233,9 @@ struct ReplayOptions {
 struct ReplayResult {
   std::uint64_t ticks = 0;                     ///< compared
   std::optional<Divergence> first_divergence;  ///< none: identical, bit for bit
+  /// What verify_recording says of the file, whatever the replay found; empty where it is whole, still
+  /// growing, or no engine runs.
+  std::string damage;
   double recorded_time = 0;  ///< [s] of all those ticks, as recorded on whatever machine that was
   double replayed_time = 0;  ///< [s] of all those ticks here; 0 where no engine runs
   Broadphase broadphase = Broadphase::automatic;  ///< that was used; automatic where no engine runs
@@ -264,6 +278,28 @@ Status what_if(RecordingReader& reader, const ReplayOptions& options, WhatIfResu
 /// from a, `replayed` from b, "none" where b or a has ended. Measured durations are not compared.
 Status diff_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& result);
 
+/// Something that happened between a session and its device.
+struct DeviceEvent {
+  std::uint64_t tick = 0;  ///< in whose record it stands
+  double time = 0;         ///< [s] of session time
+  std::string kind;        ///< "state", "flags", "commands", "delay", "certificate"
+  std::string text;        ///< what it was
+};
+
+/// A session's commands to its device: how many, what became of them, and what changed on the way.
+struct DeviceHistory {
+  std::uint64_t commands = 0, acknowledged = 0;
+  double mean_delay = 0, largest_delay = 0;  ///< [s] from reading angles to the reply, where it is known
+  std::vector<DeviceEvent> events;           ///< as they came
+};
+
+/// From the first tick to the last. Events: the safety envelope's state and flags where they change, the
+/// first of commands that were not acknowledged and the end of them, a delay a quarter longer than any
+/// before, a renewed certificate. `event` gets each as it is found (may be empty: then they are in
+/// `history.events`).
+Status read_device_history(RecordingReader& reader, DeviceHistory& history,
+                           const std::function<Status(const DeviceEvent&)>& event = {});
+
 /// csv: a table with a header of names and units, "index_distal.force.x [N]". npz: the same as a NumPy
 /// archive, an array per column, and as texts the arrays "columns" and "units". json: one object per line,
 /// with all there is of a tick in the engine's own names. Forces left out are empty cells, NaN or null.
@@ -283,6 +319,9 @@ struct ExportOptions {
 /// Writes to the file `output`, which appears only when it is complete, or to standard output where that is
 /// "-" (not npz). Tables are read twice, to know what varies; an npz is in memory as a whole.
 Status export_recording(RecordingReader& reader, const ExportOptions& options, const std::string& output);
+
+/// Likewise one line per DeviceEvent: csv (tick, time [s], kind, text) or json. No npz.
+Status export_device_events(RecordingReader& reader, ExportFormat format, const std::string& output);
 
 /// The messages a recording would hold, for whoever passes them on while a session runs. `bytes` is replaced.
 /// A scene of 2 GiB or more is refused.

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "lumbrical/actuator_model.h"
@@ -39,6 +40,8 @@ enum SafetyFlag : std::uint32_t {
   kOtherMaster = 1u << 11,     ///< the device's commands are not those written: someone else drives it, or it
                                ///< has forgotten them. Find out who
 };
+/// "stop pressed", ...; those that are set, separated by ", "
+std::string safety_flag_names(std::uint32_t flags);
 inline constexpr std::uint32_t kLatchedFaults =
     kStopPressed | kDeviceFault | kTickStopped | kCommandNotFinite | kHeartbeatLost | kOtherMaster;
 

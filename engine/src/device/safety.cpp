@@ -2,6 +2,8 @@
 #include "lumbrical/safety.h"
 
 #include <cmath>
+#include <iterator>
+#include <string>
 
 #include "lumbrical/math.h"
 
@@ -84,6 +86,20 @@ double limit_slew(const Actuator& actuator, double fade, bool gently, double dt,
 }
 
 }  // namespace
+
+std::string safety_flag_names(std::uint32_t flags) {
+  constexpr const char* kNames[] = {
+      "stop pressed",    "device fault", "tick stopped", "command not finite",
+      "heartbeat lost",  "answer lost",  "tick late",    "dead-man switch released",
+      "command clamped", "slew limited", "soft start",   "another master"};
+  std::string names;
+  for (std::size_t bit = 0; bit < 32; ++bit) {
+    if ((flags >> bit & 1u) == 0) continue;
+    names += names.empty() ? "" : ", ";
+    names += bit < std::size(kNames) ? std::string(kNames[bit]) : "flag " + std::to_string(bit);
+  }
+  return names;
+}
 
 std::string_view safety_state_name(SafetyState state) {
   constexpr std::array<std::string_view, 5> kNames = {"disconnected", "idle", "armed", "active", "fault"};

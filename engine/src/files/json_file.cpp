@@ -21,8 +21,11 @@ constexpr std::size_t kMaxSize = std::size_t{16} << 20;
 Status read_text(const std::string& path, std::string& text) {
   if (names_standard_input(path)) return read_standard_input(kMaxSize, text);
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    return Status::error(path + ": is a folder; name a JSON file");
+  const std::filesystem::file_status kind = std::filesystem::status(path, ignored);
+  if (std::filesystem::exists(kind) && !std::filesystem::is_regular_file(kind)) {
+    return Status::error(path +
+                         (std::filesystem::is_directory(kind) ? ": is a folder" : ": is no regular file") +
+                         "; name a JSON file");
   }
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
   if (!file) return Status::error(path + ": can't be opened; check the name and your permission to read it");

@@ -25,7 +25,7 @@ std::size_t page_size() {
 }  // namespace
 
 Status map_file(const std::string& path, std::shared_ptr<const std::byte>& bytes, std::size_t& size) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // no pipe is waited for
   if (descriptor < 0) return failed(path, "cannot be opened", errno);
   struct stat status {};
   Status result;

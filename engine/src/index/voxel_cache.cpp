@@ -101,9 +101,10 @@ bool lengths_fit(const Header& header, std::uintmax_t size) {
 
 Status read(const std::string& path, std::uint64_t source, std::size_t triangles, VoxelLists& lists,
             DistanceField& field) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return rejected(path, "it is no regular file");
   const File file(std::fopen(path.c_str(), "rb"), &std::fclose);
   if (!file) return rejected(path, "it can't be opened: " + system_words(errno));
-  std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error) return rejected(path, "it is no regular file");
   Header header;

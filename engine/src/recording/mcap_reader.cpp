@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <memory>
 #include <system_error>
 
@@ -21,10 +22,13 @@ using namespace mcap;
 namespace {
 
 // The recorder ends its chunks at 1 MiB; this much is granted to files that other tools have rewritten.
-constexpr std::uint64_t kLargestChunk = 64u << 20;
+constexpr std::uint64_t kLargestChunk = 16u << 20;
+// A hand that is held still, its forces left out, is compressed to an eighth. What claims to be many times
+// more is made to keep its reader busy.
+constexpr std::uint64_t kLargestRatio = 32, kLargestGift = 1024;
 // FlatBuffers holds less than 2 GiB, so no attachment of ours is larger.
 constexpr std::uint64_t kLargestAttachment = std::uint64_t{1} << 31;
-constexpr std::uint64_t kLargestOtherRecord = 16u << 20;
+constexpr std::uint64_t kLargestOtherRecord = 4u << 20;
 
 std::uint64_t largest_content(Opcode opcode) {
   if (opcode == Opcode::chunk) return kLargestChunk + (1u << 20);  // what cannot be compressed grows a little
@@ -175,8 +179,12 @@ Status load_chunk(const InputFile& file, const RecordPlace& place, std::vector<s
                        "the chunk's compression is unknown; only lz4, zstd and none can be read");
   if (header.uncompressed_size > kLargestChunk)
     return file.broken(place.offset, "the chunk declares " + std::to_string(header.uncompressed_size) +
-                                         " bytes of records; at most 64 MiB can be read");
+                                         " bytes of records; at most 16 MiB can be read");
   chunk.compressed_size = header.records.size();
+  if (header.uncompressed_size > kLargestRatio * chunk.compressed_size + kLargestGift)
+    return file.broken(place.offset, "the chunk declares " + std::to_string(header.uncompressed_size) +
+                                         " bytes of records in " + std::to_string(chunk.compressed_size) +
+                                         ", more than ticks can be compressed; the file is damaged");
   chunk.records.resize(header.uncompressed_size);
   if (!decompress(header.compression, header.records, chunk.records))
     return file.broken(place.offset, "the chunk cannot be decompressed; recover keeps the others");
@@ -202,6 +210,10 @@ Status load_attachment(const InputFile& file, const RecordPlace& place, std::vec
   if (!parse(content, record)) return file.broken(place.offset, "the attachment is shorter than it declares");
   if (record.crc != 0 && crc32(0, Bytes(content).first(record.checked_size)) != record.crc)
     return file.broken(place.offset, "the attachment's checksum is wrong; the scene in it is damaged");
+  // To the front, where it is aligned and can be read without a copy: it may be all of a large file.
+  const std::size_t size = record.data.size();
+  if (size > 0) std::memmove(content.data(), record.data.data(), size);
+  record.data = Bytes(content).first(size);
   return {};
 }
 

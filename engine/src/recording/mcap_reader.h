@@ -72,7 +72,7 @@ struct InnerRecord {
 };
 bool find_inner_record(mcap::Bytes records, std::size_t offset, InnerRecord& record);
 
-/// Reads an attachment and checks its checksum. `record` points into `content`.
+/// Reads an attachment and checks its checksum. `record` points to the front of `content`.
 Status load_attachment(const InputFile& file, const RecordPlace& place, std::vector<std::uint8_t>& content,
                        mcap::Attachment& record);
 

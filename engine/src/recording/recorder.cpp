@@ -45,6 +45,7 @@ void copy_record(const TickRecord& from, TickRecord& to) {
   to.has_forces = from.has_forces;
   to.sent_count = std::min(from.sent_count, kMaxSentPerTick);
   std::copy_n(from.sent.begin(), to.sent_count, to.sent.begin());
+  to.timing = from.timing;
 }
 
 Status check_options(const Scene& scene, const RecorderOptions& options) {
@@ -222,6 +223,7 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
     return Status::error(path + ": no thread for the recorder; the system has reached its limit");
   }
   writer_ = std::move(writer);
+  kept_ = 0;
   return {};
 } catch (const std::bad_alloc&) {
   return Status::error(path + ": not enough memory to record; use a smaller ring or scene");
@@ -255,7 +257,9 @@ Status Recorder::close() {
   if (!writer_) return {};
   const std::unique_ptr<Writer> writer = std::move(writer_);
   writer->stop();
-  return writer->first_error.ok() ? writer->mcap.close() : writer->first_error;
+  const Status status = writer->first_error.ok() ? writer->mcap.close() : writer->first_error;
+  kept_ = writer->mcap.written_messages();
+  return status;
 }
 
 Status session_message(const Scene& scene, std::vector<std::uint8_t>& bytes) {

@@ -140,6 +140,8 @@ Status RecordingReader::File::next_inside(TickRecord& record, bool& found) {
       good = take_schema(inner.content);
     } else if (inner.opcode == Opcode::channel) {
       good = take_channel(inner.content);
+    } else {
+      good = false;
     }
     if (!good) return file.broken(chunk_offset, "the chunk holds a damaged record");
   }
@@ -246,14 +248,25 @@ Status RecordingReader::File::take_indexed(const Summary& summary) {
     return Status{};
   };
   RecordPlace place;
+  // In the order of the file, so that no record is read twice.
+  std::uint64_t least = 0;
+  const auto in_order = [&](std::uint64_t at) {
+    if (at < least) return file.broken(at, "the summary points to a record twice; run recover");
+    return Status{};
+  };
   for (const AttachmentIndex& index : summary.attachments) {
-    Status status = find(index.offset, index.length, Opcode::attachment, place);
+    Status status = in_order(index.offset);
+    if (status.ok()) status = find(index.offset, index.length, Opcode::attachment, place);
+    least = place.end();
     const bool ours = index.name == kSessionAttachment || index.name == kStateAttachment;
     if (status.ok() && ours) status = take_attachment(place);
     if (!status.ok()) return status;
   }
+  least = 0;
   for (const MetadataIndex& index : summary.metadata) {
-    Status status = find(index.offset, index.length, Opcode::metadata, place);
+    Status status = in_order(index.offset);
+    if (status.ok()) status = find(index.offset, index.length, Opcode::metadata, place);
+    least = place.end();
     if (status.ok()) status = take_metadata(place);
     if (!status.ok()) return status;
   }
@@ -359,13 +372,16 @@ Status RecordingReader::find_world(const std::string& path) {
   const World& named = *file_->scene.world;
   std::string chosen = path;
   if (chosen.empty()) {
+    // A recording is somebody else's: it names no file but one beside it, and no link leads elsewhere.
     namespace fs = std::filesystem;
-    const fs::path beside = fs::path(info().path).parent_path() / fs::path(named.path).filename();
+    chosen = (fs::path(info().path).parent_path() / named.path).string();
     std::error_code ignored;
-    chosen = fs::exists(beside, ignored) ? beside.string() : named.path;
-    if (!fs::exists(chosen, ignored))
-      return Status::error(info().path + ": was recorded with the world file " + named.path +
-                           ", which is not there; name it with --world FILE, or put it beside the recording");
+    const fs::file_type type = fs::symlink_status(chosen, ignored).type();
+    if (type != fs::file_type::regular)
+      return Status::error(
+          info().path + ": was recorded with the world file " + named.path + ", which is " +
+          (type == fs::file_type::not_found ? "not beside it" : "no regular file beside it") +
+          "; name it with --world FILE, or put it beside the recording");
   }
   std::shared_ptr<const World> world;
   if (Status status = open_world(chosen, world); !status.ok()) return status;

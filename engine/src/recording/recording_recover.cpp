@@ -58,20 +58,21 @@ bool begins_record(Bytes head, std::uint64_t room, RecordPlace& place) {
 
 /// The first record worth keeping that seems to begin at `offset` or later.
 Status find_next(const InputFile& file, std::uint64_t offset, RecordPlace& place, bool& found) {
-  constexpr std::uint64_t kBlock = 1u << 16;
+  std::uint64_t step = 64;  // most often the next record begins right here
   std::vector<std::uint8_t> block;
   found = false;
   while (offset < file.size()) {
-    const std::uint64_t size = std::min(kBlock + kHeadSize, file.size() - offset);
+    const std::uint64_t size = std::min(step + kHeadSize, file.size() - offset);
     if (Status status = file.read(offset, size, block); !status.ok()) return status;
-    for (std::uint64_t i = 0; i < std::min(kBlock, size); ++i) {
+    for (std::uint64_t i = 0; i < std::min(step, size); ++i) {
       const std::uint64_t head = std::min(kHeadSize, size - i);
       if (!begins_record(Bytes(block).subspan(i, head), file.size() - offset - i, place)) continue;
       place.offset = offset + i;
       found = true;
       return {};
     }
-    offset += kBlock;
+    offset += step;
+    step = std::min<std::uint64_t>(4 * step, 1u << 16);
   }
   return {};
 }
@@ -90,7 +91,11 @@ class Recovery {
  private:
   Status copy_chunk(McapWriter& writer);
   Status copy_message(Bytes bytes, McapWriter& writer);
+  [[nodiscard]] std::uint64_t tick_at(std::uint64_t time) const;
+  [[nodiscard]] bool are_ticks(std::uint64_t start_time, std::uint64_t end_time) const;
   void expect(std::uint64_t start_time, std::uint64_t end_time);
+  bool expect_index();
+  void expect_damaged(const RecordPlace& place);
 
   InputFile file_;
   Scene scene_;
@@ -100,6 +105,7 @@ class Recovery {
   std::vector<std::uint8_t> content_;
   LoadedChunk chunk_;
 
+  std::uint64_t begin_ = 0;  // tick that the session, or the part of it, begins with
   std::uint64_t recovered_ = 0;
   std::uint64_t first_ = 0, last_ = 0;                     // ticks kept
   std::optional<std::uint64_t> first_known_, last_known_;  // ticks there once were, kept or not
@@ -120,8 +126,10 @@ Status Recovery::find_session() {
       State state;
       if (!load_attachment(file_, place, content_, attachment).ok()) continue;
       const Bytes data = attachment.data;
-      if (attachment.name == kStateAttachment && decode_state(data, state).ok())
+      if (attachment.name == kStateAttachment && decode_state(data, state).ok()) {
         state_.assign(data.begin(), data.end());
+        begin_ = state.tick;
+      }
       if (attachment.name == kSessionAttachment && session_.empty() && decode_session(data, scene_).ok())
         session_.assign(data.begin(), data.end());
     } else if (place.opcode == Opcode::metadata) {
@@ -143,16 +151,47 @@ Status Recovery::find_session() {
       "used, so nothing is recovered");
 }
 
-// Chunk times that are damaged themselves must not make up ticks: a chunk covers a quarter of a second.
+std::uint64_t Recovery::tick_at(std::uint64_t time) const {
+  return static_cast<std::uint64_t>(static_cast<double>(time) * scene_.settings.rate * 1e-9 + 0.5);
+}
+
+// Times that are damaged themselves must not make up ticks: those of ticks are few among all numbers, and a
+// chunk covers a quarter of a second.
+bool Recovery::are_ticks(std::uint64_t start_time, std::uint64_t end_time) const {
+  constexpr std::uint64_t kMostCovered = 1'000'000'000, kLatest = std::uint64_t{1} << 62;  // [ns]
+  if (end_time < start_time || end_time - start_time > kMostCovered || end_time > kLatest) return false;
+  const double period = 1e9 / scene_.settings.rate;
+  return tick_time(tick_at(start_time), period) == start_time &&
+         tick_time(tick_at(end_time), period) == end_time;
+}
+
 void Recovery::expect(std::uint64_t start_time, std::uint64_t end_time) {
-  constexpr std::uint64_t kMostCovered = 1'000'000'000;  // [ns]
-  if (end_time < start_time || end_time - start_time > kMostCovered) return;
-  const auto tick_at = [&](std::uint64_t time) {
-    return static_cast<std::uint64_t>(static_cast<double>(time) * scene_.settings.rate * 1e-9 + 0.5);
-  };
-  if (start_time > std::uint64_t{1} << 62) return;
   first_known_ = std::min(first_known_.value_or(tick_at(start_time)), tick_at(start_time));
   last_known_ = std::max(last_known_.value_or(tick_at(end_time)), tick_at(end_time));
+}
+
+/// What the index says there was, where it is whole; it has a checksum.
+bool Recovery::expect_index() {
+  Summary summary;
+  bool present = false;
+  if (!read_summary(file_, summary, present).ok() || !present) return false;
+  for (const ChunkIndex& chunk : summary.chunks)
+    if (are_ticks(chunk.start_time, chunk.end_time)) expect(chunk.start_time, chunk.end_time);
+  return true;
+}
+
+/// What there was in a damaged chunk: by the message index behind it, or by its own head.
+void Recovery::expect_damaged(const RecordPlace& place) {
+  RecordPlace behind;
+  bool whole = false;
+  MessageIndex index;
+  if (find_record(file_, place.end(), file_.size(), behind, whole).ok() && whole &&
+      behind.opcode == Opcode::message_index && read_content(file_, behind, content_).ok() &&
+      parse(content_, index) && !index.entries.empty() &&
+      are_ticks(index.entries.front().first, index.entries.back().first))
+    return expect(index.entries.front().first, index.entries.back().first);
+  if (are_ticks(chunk_.header.start_time, chunk_.header.end_time))
+    expect(chunk_.header.start_time, chunk_.header.end_time);
 }
 
 Status Recovery::copy_message(Bytes bytes, McapWriter& writer) {
@@ -186,6 +225,7 @@ Status Recovery::copy_ticks(const std::string& output) {
   McapWriterOptions options;
   options.compression = compression_.value_or(Compression::lz4);
   Status status = open_recording(output, scene_.settings.rate, session_, state_, metadata_, options, writer);
+  const bool has_index = expect_index();
   bool found = true;
   for (std::uint64_t offset = 0; status.ok() && found;) {
     RecordPlace place;
@@ -193,10 +233,11 @@ Status Recovery::copy_ticks(const std::string& output) {
     if (!status.ok() || !found) break;
     offset = place.end();
     if (place.opcode != Opcode::chunk) continue;
+    chunk_.header = {};
     if (load_chunk(file_, place, content_, chunk_).ok()) {
       status = copy_chunk(writer);
-    } else {
-      expect(chunk_.header.start_time, chunk_.header.end_time);
+    } else if (!has_index) {
+      expect_damaged(place);
     }
   }
   if (status.ok()) status = writer.close();
@@ -205,17 +246,15 @@ Status Recovery::copy_ticks(const std::string& output) {
     return status;
   }
 
-  Summary summary;
-  bool present = false;
-  if (read_summary(file_, summary, present).ok() && present)
-    for (const ChunkIndex& chunk : summary.chunks) expect(chunk.start_time, chunk.end_time);
+  // Without an index the first chunks may be missing without a trace, but not what the session began with.
+  if (!has_index && recovered_ > 0) first_known_ = begin_;
   return {};
 }
 
 std::vector<TickRange> Recovery::missing() const {
   std::vector<TickRange> ranges;
   if (recovered_ == 0) {
-    if (first_known_) ranges.push_back({*first_known_, *last_known_});
+    if (last_known_) ranges.push_back({*first_known_, *last_known_});
     return ranges;
   }
   if (first_known_ && *first_known_ < first_) ranges.push_back({*first_known_, first_ - 1});

@@ -17,11 +17,24 @@ using namespace mcap;
 
 namespace {
 
+/// What of a tick is not what its own hashes say; null: nothing. Of forces that are left out there is the
+/// hash alone, which a replay compares.
+const char* changed_result(const TickRecord& record) {
+  if (record.stage_hash[static_cast<std::size_t>(Stage::input)] != hash_fields(record.device))
+    return "the hash of its input was";
+  if (record.has_forces &&
+      record.stage_hash[static_cast<std::size_t>(Stage::limits)] != hash_fields(record.output))
+    return "its output was";
+  return nullptr;
+}
+
 /// What a walk through the data section has found, to be held against the summary.
 class Verification {
  public:
-  explicit Verification(double period) : period_(period) {}
+  /// `first_tick`: that the session, or the part of it, begins with.
+  Verification(double period, std::uint64_t first_tick) : period_(period), next_tick_(first_tick) {}
   Status run(const std::string& path);
+  [[nodiscard]] const std::vector<TickRange>& missing() const { return missing_; }
 
  private:
   Status walk(std::uint64_t data_start, std::uint64_t& data_end);
@@ -38,11 +51,12 @@ class Verification {
   void count_message(std::uint16_t channel, std::uint64_t time);
 
   InputFile file_;
-  double period_;  // [ns]
+  double period_;            // [ns]
+  std::uint64_t next_tick_;  // that is due
+  std::vector<TickRange> missing_;
   std::vector<std::uint8_t> content_;
   LoadedChunk chunk_;
   std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> chunk_messages_;
-  std::optional<std::uint64_t> last_tick_;
 
   std::map<std::uint16_t, std::string> schemas_;     // id, name
   std::map<std::uint16_t, std::uint16_t> channels_;  // id, schema
@@ -85,12 +99,19 @@ Status Verification::check_tick(const Message& message, std::uint64_t at) {
   if (const std::optional<Divergence> altered = find_altered_input(record, check))
     return file_.broken(at, name + ": its input was changed after it was recorded: " + altered->field +
                                 " was " + altered->recorded + " and is " + altered->replayed);
-  if (last_tick_ && tick <= *last_tick_)
-    return file_.broken(at, name + " stands behind tick " + std::to_string(*last_tick_));
-  last_tick_ = tick;
-  if (message.log_time != tick_time(tick, period_))
+  if (const char* const changed = changed_result(record))
+    return file_.broken(
+        at, name + ": " + changed + " changed after it was recorded: it is not what its hash says");
+  if (tick < next_tick_)
+    return file_.broken(at,
+                        name + " stands where tick " + std::to_string(next_tick_) + " or a later one is due");
+  if (tick > next_tick_) missing_.push_back({next_tick_, tick - 1});
+  next_tick_ = tick + 1;
+  if (message.log_time != tick_time(tick, period_) || message.publish_time != message.log_time)
     return file_.broken(at, name + " is logged at " + std::to_string(message.log_time) +
                                 " ns, which is not its time at the session's rate");
+  if (message.sequence != static_cast<std::uint32_t>(tick))
+    return file_.broken(at, name + " has the sequence number " + std::to_string(message.sequence));
   return {};
 }
 
@@ -280,12 +301,17 @@ Status Verification::run(const std::string& path) {
 
 }  // namespace
 
-Status verify_recording(const std::string& path, RecordingInfo& info) try {
+Status verify_recording(const std::string& path, RecordingInfo& info, std::vector<TickRange>* missing) try {
   RecordingReader reader;
   if (Status status = reader.open(path); !status.ok()) return status;
   info = reader.info();
   if (info.growing) return Status::error(path + ": is still being recorded; verify it when that has ended");
-  return Verification(1e9 / reader.scene().settings.rate).run(path);
+  Verification verification(1e9 / reader.scene().settings.rate, reader.initial_state().tick);
+  const std::string file = info.path;
+  reader = {};  // a scene may be as large as the file
+  const Status status = verification.run(file);
+  if (missing != nullptr) *missing = verification.missing();
+  return status;
 } catch (const std::bad_alloc&) {
   return Status::error(path + ": not enough memory to verify the recording");
 }

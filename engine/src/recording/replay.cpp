@@ -137,8 +137,9 @@ Status Run::tick_of(const TickRecord& recorded) {
 
 }  // namespace
 
-Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResult& result) {
-  result = {};
+namespace {
+
+Status replay_ticks(RecordingReader& reader, const ReplayOptions& options, ReplayResult& result) {
   Run run{reader, options, result, {}, {}, {}};
   Scene scene;
   Status status = scene_for(reader, options, scene);
@@ -173,6 +174,17 @@ Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResul
   if (!options.trace.empty() && options.trace_tick && !run.traced)
     return broken(reader,
                   "tick " + std::to_string(*options.trace_tick) + " is not in it; nothing was traced");
+  return {};
+}
+
+}  // namespace
+
+Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResult& result) {
+  result = {};
+  if (Status status = replay_ticks(reader, options, result); !status.ok()) return status;
+  // Ticks that come out as recorded say nothing about the rest of the file.
+  RecordingInfo info;
+  if (!reader.info().growing) result.damage = verify_recording(reader.info().path, info).message();
   return {};
 }
 

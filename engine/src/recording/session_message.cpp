@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -81,6 +83,13 @@ Offset<fb::Settings> to_fb(FlatBufferBuilder& builder, const Settings& settings)
                             settings.effort);
 }
 
+/// Of the path, what may stand in a recording: files are looked for beside it, nowhere else. Empty where it
+/// leads to no file.
+std::string file_name(const std::string& path) {
+  const std::string name = std::filesystem::path(path).filename().string();
+  return name == "." || name == ".." ? std::string() : name;
+}
+
 /// Room the objects take in the message, rounded up.
 double size_of(const Scene& scene) {
   double bytes = 0;
@@ -149,13 +158,18 @@ Status decode_settings(const fb::Settings* message, Settings& settings) {
 
 Status decode_objects(const fb::Session& message, std::size_t size, std::vector<SceneObject>& objects) {
   if (message.objects() == nullptr) return {};
-  // Many objects of a forged file may share one array; together they must not be larger than the file.
-  std::size_t room = size;
+  // Many objects of a forged file may share one array, or be one object: together, with what each takes in
+  // memory, they must not be larger than a file of as many would be.
+  std::size_t room = 2 * size;
+  if (message.objects()->size() > room / sizeof(SceneObject))
+    return Status::error("the session's objects overlap");
+  objects.reserve(message.objects()->size());
   for (const fb::Object* const object : *message.objects()) {
     SceneObject& out = objects.emplace_back();
     const auto* const vertices = object->vertices();
     const auto* const triangles = object->triangles();
-    const std::size_t needed = (vertices != nullptr ? vertices->size() * sizeof(Vec3) : 0) +
+    const std::size_t needed = sizeof(SceneObject) +
+                               (vertices != nullptr ? vertices->size() * sizeof(Vec3) : 0) +
                                (triangles != nullptr ? triangles->size() * sizeof(Triangle) : 0) +
                                (object->name() != nullptr ? object->name()->size() : 0);
     if (needed > room) return Status::error("the session's objects overlap");
@@ -175,6 +189,9 @@ Status decode_world(const fb::Session& message, Scene& scene) {
     return Status::error("the session's world is neither in it nor a file");
   auto world = std::make_shared<World>();
   world->path = message.world()->path()->str();
+  if (world->path != file_name(world->path))
+    return Status::error("the session's world is not a file beside the recording; it names \"" + world->path +
+                         "\"");
   world->content = message.world()->content();
   world->byte_count = message.world()->bytes();
   scene.world = std::move(world);
@@ -195,17 +212,22 @@ Status encode_session(const Scene& scene, std::vector<std::uint8_t>& bytes) {
   const auto settings = to_fb(builder, scene.settings);
   Offset<fb::WorldFile> world;
   if (scene.world)
-    world = fb::CreateWorldFile(builder, builder.CreateString(scene.world->path), scene.world->content,
-                                scene.world->byte_count);
+    world = fb::CreateWorldFile(builder, builder.CreateString(file_name(scene.world->path)),
+                                scene.world->content, scene.world->byte_count);
   builder.Finish(fb::CreateSession(builder, kVersion, hand, all_objects, settings, world));
   bytes.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
   return {};
 }
 
 Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene) {
-  std::vector<std::uint64_t> aligned((bytes.size() + 7) / 8);
-  if (!bytes.empty()) std::memcpy(aligned.data(), bytes.data(), bytes.size());
-  const auto* const data = reinterpret_cast<const std::uint8_t*>(aligned.data());
+  // FlatBuffers reads its numbers in place; what was read from a file is aligned already.
+  std::vector<std::uint64_t> aligned;
+  const std::uint8_t* data = bytes.data();
+  if (reinterpret_cast<std::uintptr_t>(data) % alignof(std::uint64_t) != 0) {
+    aligned.resize((bytes.size() + 7) / 8);
+    std::memcpy(aligned.data(), bytes.data(), bytes.size());
+    data = reinterpret_cast<const std::uint8_t*>(aligned.data());
+  }
   constexpr flatbuffers::uoffset_t kDepth = 8, kTables = std::numeric_limits<flatbuffers::uoffset_t>::max();
   flatbuffers::Verifier verifier(data, bytes.size(), kDepth, kTables);
   if (!verifier.VerifyBuffer<fb::Session>(nullptr))

@@ -166,11 +166,14 @@ void encode_tick(const TickRecord& record, bool keep_forces, const InputCheck& c
   static_assert(kStageCount == 6);
   const fb::InputCheck input_check(check.hash, check.low_sum, check.low_moment, check.high_sum,
                                    check.high_moment);
-  builder.Finish(fb::CreateTick(builder, record.output.tick, record.duration_ns, &base,
-                                static_cast<fb::InputKind>(device.kind), device.flags, device.valid, joints,
-                                angles, record.output.flags, record.output.contact_count, outputs, &hashes,
-                                record.state_hash, &input_check, record.output.force_error, sent,
-                                !keep_forces, record.output.error_estimate, record.output.evaluations));
+  const fb::Timing timing =
+      record.timing ? fb::Timing(record.timing->period, record.timing->jitter, record.timing->delay)
+                    : fb::Timing();
+  builder.Finish(fb::CreateTick(
+      builder, record.output.tick, record.duration_ns, &base, static_cast<fb::InputKind>(device.kind),
+      device.flags, device.valid, joints, angles, record.output.flags, record.output.contact_count, outputs,
+      &hashes, record.state_hash, &input_check, record.output.force_error, sent, !keep_forces,
+      record.output.error_estimate, record.output.evaluations, record.timing ? &timing : nullptr));
 }
 
 Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, InputCheck& check) {
@@ -189,6 +192,9 @@ Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, Inpu
   if (!record.has_forces && message.segments() != nullptr)
     return Status::error("the tick message has the forces it says it leaves out");
   if (Status status = decode_sent(message, record); !status.ok()) return status;
+  record.timing.reset();
+  if (const fb::Timing* const timing = message.timing())
+    record.timing = {timing->period(), timing->jitter(), timing->delay()};
   const fb::StageHashes* const hashes = message.stage_hashes();
   const fb::InputCheck* const input_check = message.input_check();
   if (hashes == nullptr || input_check == nullptr) return Status::error("the tick message has no hashes");

@@ -1,0 +1,162 @@
+// What happened between a session and its device, told from the commands in its ticks.
+#include <array>
+#include <cstdio>
+#include <new>
+#include <optional>
+#include <string>
+
+#include "files/text_output.h"
+#include "lumbrical/recording.h"
+#include "recording/record_fields.h"
+
+namespace lumbrical {
+namespace {
+
+std::string milliseconds(double seconds) {
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), "%.3g ms", 1e3 * seconds);
+  return text.data();
+}
+
+/// One pass over the ticks of a recording.
+class Pass {
+ public:
+  Pass(double rate, DeviceHistory& history, const std::function<Status(const DeviceEvent&)>& event)
+      : rate_(rate), history_(history), event_(event) {}
+  Status take(const TickRecord& record);
+  Status end();
+
+ private:
+  Status tell(const char* kind, std::string text);
+  Status take(const SentCommand& sent);
+  Status take_state(const SentCommand& sent);
+  Status take_flags(std::uint32_t flags);
+  Status take_answer(const SentCommand& sent);
+  Status take_delay(double delay);
+
+  double rate_;
+  DeviceHistory& history_;
+  const std::function<Status(const DeviceEvent&)>& event_;
+  std::uint64_t tick_ = 0;
+  std::optional<SafetyState> state_;
+  std::uint32_t flags_ = 0;
+  std::uint64_t unanswered_ = 0;  // in a row
+  double delays_ = 0, longest_told_ = 0;
+  std::uint64_t delay_count_ = 0;
+};
+
+Status Pass::tell(const char* kind, std::string text) {
+  DeviceEvent event{tick_, static_cast<double>(tick_) / rate_, kind, std::move(text)};
+  if (event_) return event_(event);
+  history_.events.push_back(std::move(event));
+  return {};
+}
+
+Status Pass::take_state(const SentCommand& sent) {
+  if (state_ == sent.state) return {};
+  const std::string from = state_ ? std::string(safety_state_name(*state_)) + " -> " : std::string();
+  state_ = sent.state;
+  return tell("state", from + std::string(safety_state_name(sent.state)));
+}
+
+Status Pass::take_flags(std::uint32_t flags) {
+  const std::uint32_t raised = flags & ~flags_, gone = flags_ & ~flags;
+  flags_ = flags;
+  if (raised != 0)
+    if (Status status = tell("flags", safety_flag_names(raised)); !status.ok()) return status;
+  return gone != 0 ? tell("flags", "no longer " + safety_flag_names(gone)) : Status{};
+}
+
+Status Pass::take_answer(const SentCommand& sent) {
+  ++history_.commands;
+  if (sent.acknowledged == 0)
+    return ++unanswered_ == 1
+               ? tell("commands", "command " + std::to_string(sent.cycle) + " not acknowledged")
+               : Status{};
+  ++history_.acknowledged;
+  const std::uint64_t missed = unanswered_;
+  unanswered_ = 0;
+  return missed == 0
+             ? Status{}
+             : tell("commands", "acknowledged again after " + std::to_string(missed) + " that were not");
+}
+
+Status Pass::take_delay(double delay) {
+  if (!(delay > 0)) return {};
+  delays_ += delay;
+  ++delay_count_;
+  history_.mean_delay = delays_ / static_cast<double>(delay_count_);
+  if (delay > history_.largest_delay) history_.largest_delay = delay;
+  if (delay < 1.25 * longest_told_) return {};
+  longest_told_ = delay;
+  return tell("delay", milliseconds(delay) + " from reading angles to the reply");
+}
+
+Status Pass::take(const SentCommand& sent) {
+  if (Status status = take_state(sent); !status.ok()) return status;
+  if (Status status = take_flags(sent.flags); !status.ok()) return status;
+  if (Status status = take_answer(sent); !status.ok()) return status;
+  return take_delay(1e-9 * static_cast<double>(sent.loop_delay));
+}
+
+Status Pass::take(const TickRecord& record) {
+  tick_ = record.output.tick;
+  for (std::uint32_t i = 0; i < record.sent_count; ++i)
+    if (Status status = take(record.sent[i]); !status.ok()) return status;
+  if (!record.timing) return {};
+  const LoopTiming& timing = *record.timing;
+  return tell("certificate", "renewed for a period of " + milliseconds(timing.period) + ", " +
+                                 milliseconds(timing.jitter) + " of jitter, a delay of " +
+                                 milliseconds(timing.delay));
+}
+
+Status Pass::end() {
+  return unanswered_ == 0 ? Status{}
+                          : tell("commands", std::to_string(unanswered_) + " not acknowledged at the end");
+}
+
+// Kinds and texts are made here, without a character that would have to be escaped.
+std::string event_line(const DeviceEvent& event, ExportFormat format) {
+  const std::string tick = std::to_string(event.tick), time = exact_text(event.time);
+  if (format == ExportFormat::csv) return tick + ',' + time + ',' + event.kind + ",\"" + event.text + '"';
+  return "{\"tick\":" + tick + ",\"time\":" + time + ",\"kind\":\"" + event.kind + "\",\"text\":\"" +
+         event.text + "\"}";
+}
+
+Status write_events(RecordingReader& reader, ExportFormat format, TextOutput& out) {
+  if (format == ExportFormat::csv)
+    if (Status status = out.line("tick,time [s],kind,text"); !status.ok()) return status;
+  DeviceHistory history;
+  return read_device_history(reader, history,
+                             [&](const DeviceEvent& event) { return out.line(event_line(event, format)); });
+}
+
+}  // namespace
+
+Status read_device_history(RecordingReader& reader, DeviceHistory& history,
+                           const std::function<Status(const DeviceEvent&)>& event) {
+  history = {};
+  if (Status status = reader.seek(0); !status.ok()) return status;
+  Pass pass(reader.scene().settings.rate, history, event);
+  for (TickRecord record;;) {
+    bool end = false;
+    if (Status status = reader.next(record, end); !status.ok()) return status;
+    if (end) return pass.end();
+    if (Status status = pass.take(record); !status.ok()) return status;
+  }
+}
+
+Status export_device_events(RecordingReader& reader, ExportFormat format, const std::string& output) try {
+  if (format == ExportFormat::npz)
+    return Status::error("events are no table of numbers; export them as csv or json");
+  TextOutput out;
+  if (Status status = out.open(output); !status.ok()) return status;
+  Status status = write_events(reader, format, out);
+  if (status.ok()) status = out.close();
+  if (!status.ok()) out.discard();
+  return status;
+} catch (const std::bad_alloc&) {
+  return Status::error(output + ": not enough memory to export the events");
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,216 @@
+// Files made to hang their reader, to fill its memory or to lead it elsewhere.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "flatbuffers/flatbuffers.h"
+#include "lumbrical/device_profile.h"
+#include "lumbrical/mesh.h"
+#include "lumbrical/motion.h"
+#include "lumbrical/scene_file.h"
+#include "lumbrical/world.h"
+#include "recording/recording_fixture.h"
+#include "recording_generated.h"
+
+namespace lumbrical::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string own_file(const std::string& name) {
+  const fs::path folder = temporary_path("folder");
+  fs::create_directories(folder);
+  return (folder / name).string();
+}
+
+// A pipe nobody writes to, a device without an end, a folder, nothing. (A reader that waits runs into the
+// test's time-out.)
+TEST(HostileFile, WhatIsNoRegularFileIsRefusedByEveryReader) {
+  const std::string pipe = own_file("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::string& path : {pipe, std::string("/dev/zero"), std::string("/"), own_file("nothing")}) {
+    SCOPED_TRACE(path);
+    RecordingInfo info;
+    std::uint64_t recovered = 0, lost = 0;
+    SceneFile scene;
+    DeviceProfile profile;
+    Mesh mesh;
+    Motion motion;
+    std::shared_ptr<const World> world;
+    EXPECT_FALSE(RecordingReader().open(path).ok());
+    EXPECT_FALSE(verify_recording(path, info).ok());
+    EXPECT_FALSE(recover_recording(path, own_file("recovered.mcap"), recovered, lost).ok());
+    EXPECT_FALSE(load_scene_file(path, scene).ok());
+    EXPECT_FALSE(load_device_profile(path, profile).ok());
+    EXPECT_FALSE(load_mesh(path, Unit::metre, mesh).ok());
+    EXPECT_FALSE(load_motion(path, {}, motion).ok());
+    EXPECT_FALSE(open_world(path, world).ok());
+  }
+  fs::remove_all(fs::path(pipe).parent_path());
+}
+
+// A session whose list of objects names one object again and again: 4 bytes in the file, a hundred in memory.
+TEST(HostileFile, ASessionOfOneObjectAMillionTimesIsRefused) {
+  std::vector<std::uint8_t> good;
+  ASSERT_TRUE(encode_session(small_scene(), good).ok());
+  Scene decoded;
+  ASSERT_TRUE(decode_session(good, decoded).ok());
+  flatbuffers::FlatBufferBuilder builder;
+  const auto object = fb::CreateObject(builder, builder.CreateString(""));
+  const auto objects = builder.CreateVector(std::vector(1'000'000, object));
+  // Hand and settings come before the objects when it is decoded; they are those of a good session.
+  const fb::Session& from = *flatbuffers::GetRoot<fb::Session>(good.data());
+  std::vector<flatbuffers::Offset<fb::Finger>> fingers;
+  for (const fb::Finger* const finger : *from.hand()->fingers()) {
+    const auto lengths = builder.CreateVector(finger->bone_lengths()->data(), finger->bone_lengths()->size());
+    const auto limits = builder.CreateVectorOfStructs(
+        reinterpret_cast<const fb::AngleLimit*>(finger->limits()->Data()), finger->limits()->size());
+    fingers.push_back(fb::CreateFinger(builder, finger->base(), lengths, limits));
+  }
+  const auto radii = builder.CreateVector(from.hand()->radii()->data(), from.hand()->radii()->size());
+  const auto all_fingers = builder.CreateVector(fingers);
+  const auto polygon =
+      builder.CreateVectorOfStructs(reinterpret_cast<const fb::Vec3*>(from.hand()->palm_polygon()->Data()),
+                                    from.hand()->palm_polygon()->size());
+  const auto hand =
+      fb::CreateHand(builder, from.hand()->side(), radii, all_fingers, polygon, from.hand()->palm_height(),
+                     from.hand()->palm_thickness(), from.hand()->palm_joint());
+  const fb::Settings& old = *from.settings();
+  const auto laws = builder.CreateVectorScalarCast<fb::Law>(old.laws()->data(), old.laws()->size());
+  const auto precisions = builder.CreateVector(old.precisions()->data(), old.precisions()->size());
+  const auto settings =
+      fb::CreateSettings(builder, laws, old.stiffness(), old.rate(), old.point_area(), old.max_force(),
+                         old.fade_time(), old.max_candidates(), precisions, old.effort());
+  builder.Finish(fb::CreateSession(builder, from.version(), hand, objects, settings));
+  const Status status = decode_session({builder.GetBufferPointer(), builder.GetSize()}, decoded);
+  EXPECT_EQ(status.message(), "the session's objects overlap");
+}
+
+double processor_seconds() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+/// A file of `size` bytes: a good session, then the same chunk over and over.
+std::vector<std::uint8_t> file_of_chunks(const mcap::Chunk& chunk, std::size_t size) {
+  const std::string path = temporary_path("start.mcap");
+  write_recording(path, small_scene(), {});
+  InputFile file;
+  Summary summary;
+  bool present = false;
+  EXPECT_TRUE(file.open(path).ok() && read_summary(file, summary, present).ok());
+  std::vector<std::uint8_t> bytes = read_bytes(path);
+  bytes.resize(summary.attachments.at(0).offset + summary.attachments.at(0).length);
+  mcap::ByteWriter out;
+  append(out, chunk);
+  while (bytes.size() < size) bytes.insert(bytes.end(), out.bytes().begin(), out.bytes().end());
+  return bytes;
+}
+
+// Zeros and foreign messages, compressed as far as they go: each chunk costs a thousand times its bytes.
+TEST(HostileFile, AMegabyteOfBombsIsReadWithinASecondOfProcessorTime) {
+  const std::vector<std::uint8_t> zeros(16u << 20, 0);
+  std::vector<std::uint8_t> packed(ZSTD_compressBound(zeros.size()));
+  packed.resize(ZSTD_compress(packed.data(), packed.size(), zeros.data(), zeros.size(), 1));
+  for (const std::uint64_t claimed : {std::uint64_t{16u << 20}, std::uint64_t{32 * packed.size()}}) {
+    const mcap::Chunk bomb{0, 0, claimed, 0, "zstd", packed};
+    const std::string path = temporary_path("bomb.mcap");
+    write_bytes(path, file_of_chunks(bomb, 1'000'000));
+    const double before = processor_seconds();
+    RecordingReader reader;
+    EXPECT_NE(reader.open(path).message().find("byte"), std::string::npos);
+    RecordingInfo info;
+    EXPECT_FALSE(verify_recording(path, info).ok());
+    const double read = processor_seconds();
+    std::uint64_t recovered = 0, lost = 0;
+    EXPECT_TRUE(recover_recording(path, cleared(temporary_path("recovered.mcap")), recovered, lost).ok());
+    EXPECT_LT(read - before, 1) << "read and verified";
+    EXPECT_LT(processor_seconds() - read, 1) << "recovered";
+  }
+}
+
+// Thousands of entries of the index for one large record.
+TEST(HostileFile, AnIndexThatNamesARecordTwiceIsRefused) {
+  const std::string path = temporary_path("twice.mcap");
+  write_recording(path, small_scene(), random_records(5, 91));
+  InputFile file;
+  Summary summary;
+  bool present = false;
+  ASSERT_TRUE(file.open(path).ok() && read_summary(file, summary, present).ok());
+  std::vector<std::uint8_t> bytes = read_bytes(path);
+  bytes.resize(summary.start);
+  mcap::ByteWriter out;
+  for (const mcap::Channel& channel : summary.channels) append(out, channel);
+  for (const mcap::ChunkIndex& chunk : summary.chunks) append(out, chunk);
+  for (int i = 0; i < 1000; ++i) append(out, summary.attachments.at(0));
+  append(out, mcap::Footer{summary.start, 0, 0});
+  out.raw(mcap::kMagic);
+  bytes.insert(bytes.end(), out.bytes().begin(), out.bytes().end());
+  write_bytes(path, bytes);
+  const Status status = RecordingReader().open(path);
+  EXPECT_NE(status.message().find("twice"), std::string::npos) << status.message();
+}
+
+/// A good session whose world's name is this one.
+std::vector<std::uint8_t> session_in_world(const std::string& name) {
+  Scene scene = small_scene();
+  scene.objects.clear();
+  auto world = std::make_shared<World>();
+  world->path = std::string(name.size(), 'x');
+  scene.world = world;
+  std::vector<std::uint8_t> session;
+  EXPECT_TRUE(encode_session(scene, session).ok());
+  const auto at = std::search(session.begin(), session.end(), world->path.begin(), world->path.end());
+  std::copy(name.begin(), name.end(), at);
+  return session;
+}
+
+TEST(HostileFile, ARecordingNamesNoWorldButOneBesideIt) {
+  for (const char* const name : {"/etc/passwd", "../up.world", "folder/a.world", "..", ".", "a/.."}) {
+    Scene scene;
+    EXPECT_NE(decode_session(session_in_world(name), scene).message().find("not a file beside"),
+              std::string::npos)
+        << name;
+  }
+  Scene scene;
+  EXPECT_TRUE(decode_session(session_in_world("a.world"), scene).ok());
+  // What is recorded of a path is its name.
+  auto world = std::make_shared<World>();
+  world->path = "/some/where/b.world";
+  scene.world = world;
+  std::vector<std::uint8_t> session;
+  ASSERT_TRUE(encode_session(scene, session).ok());
+  ASSERT_TRUE(decode_session(session, scene).ok());
+  EXPECT_EQ(scene.world->path, "b.world");
+}
+
+TEST(HostileFile, NoLinkBesideARecordingLeadsElsewhere) {
+  const std::string path = own_file("a.mcap"), beside = own_file("a.world"),
+                    elsewhere = temporary_path("elsewhere");
+  McapWriter writer;
+  ASSERT_TRUE(open_recording(path, 1000, session_in_world("a.world"), {}, {}, {}, writer).ok());
+  ASSERT_TRUE(writer.close().ok());
+  RecordingReader reader;
+  ASSERT_TRUE(reader.open(path).ok());
+  write_bytes(elsewhere, {});
+  fs::create_symlink(elsewhere, beside);
+  EXPECT_NE(reader.find_world("").message().find("no regular file beside it"), std::string::npos);
+  fs::remove(beside);
+  ASSERT_EQ(::mkfifo(beside.c_str(), 0600), 0);
+  EXPECT_NE(reader.find_world("").message().find("no regular file beside it"), std::string::npos);
+  fs::remove(beside);
+  EXPECT_NE(reader.find_world("").message().find("not beside it"), std::string::npos);
+  EXPECT_NE(reader.find_world(elsewhere).message().find(elsewhere), std::string::npos)
+      << "what --world says is read";
+  fs::remove_all(fs::path(path).parent_path());
+}
+
+}  // namespace
+}  // namespace lumbrical::test

@@ -1,0 +1,92 @@
+// A session's device as its recording tells it: one event per change, whatever lies between.
+#include <gtest/gtest.h>
+
+#include "files.h"
+#include "recording_fixture.h"
+
+namespace lumbrical::test {
+namespace {
+
+class Device : public ::testing::Test {
+ protected:
+  /// A tick with one command of that state, flags, answer and delay [ms].
+  void add(SafetyState state, std::uint32_t flags, bool answered, double delay) {
+    TickRecord record;
+    record.output.tick = records_.size();
+    seal(record);
+    record.sent_count = 1;
+    SentCommand& sent = record.sent[0];
+    sent.cycle = records_.size() + 1;
+    sent.sent = 1000;
+    sent.acknowledged = answered ? 2000 : 0;
+    sent.loop_delay = static_cast<std::int64_t>(1e6 * delay);
+    sent.state = state;
+    sent.flags = flags;
+    records_.push_back(record);
+  }
+  void SetUp() override {
+    for (int i = 0; i < 3; ++i) add(SafetyState::idle, 0, true, 2);
+    add(SafetyState::armed, kDeadManReleased, true, 2.1);
+    add(SafetyState::active, kSoftStart, true, 2.2);
+    add(SafetyState::active, kSoftStart | kClamped, true, 21);
+    for (int i = 0; i < 4; ++i) add(SafetyState::active, kAnswerLost, false, 0);
+    records_.back().timing = {0.002, 0.001, 0.021};
+    add(SafetyState::active, 0, true, 3);
+    add(SafetyState::fault, kStopPressed | kTickStopped, false, 0);
+    write_recording(path_, small_scene(), records_);
+    ASSERT_TRUE(reader_.open(path_).ok());
+  }
+
+  std::vector<TickRecord> records_;
+  std::string path_ = temporary_path("a.mcap");
+  RecordingReader reader_;
+};
+
+TEST_F(Device, EveryChangeIsAnEventAtItsTick) {
+  DeviceHistory history;
+  ASSERT_TRUE(read_device_history(reader_, history).ok());
+  std::vector<std::string> events;
+  for (const DeviceEvent& event : history.events) {
+    EXPECT_DOUBLE_EQ(event.time, 1e-3 * static_cast<double>(event.tick));
+    events.push_back(std::to_string(event.tick) + " " + event.kind + ": " + event.text);
+  }
+  const std::vector<std::string> expected = {
+      "0 state: idle",
+      "0 delay: 2 ms from reading angles to the reply",
+      "3 state: idle -> armed",
+      "3 flags: dead-man switch released",
+      "4 state: armed -> active",
+      "4 flags: soft start",
+      "4 flags: no longer dead-man switch released",
+      "5 flags: command clamped",
+      "5 delay: 21 ms from reading angles to the reply",
+      "6 flags: answer lost",
+      "6 flags: no longer command clamped, soft start",
+      "6 commands: command 7 not acknowledged",
+      "9 certificate: renewed for a period of 2 ms, 1 ms of jitter, a delay of 21 ms",
+      "10 flags: no longer answer lost",
+      "10 commands: acknowledged again after 4 that were not",
+      "11 state: active -> fault",
+      "11 flags: stop pressed, tick stopped",
+      "11 commands: command 12 not acknowledged",
+      "11 commands: 1 not acknowledged at the end"};
+  EXPECT_EQ(events, expected);
+  EXPECT_EQ(history.commands, 12u);
+  EXPECT_EQ(history.acknowledged, 7u);
+  EXPECT_DOUBLE_EQ(history.largest_delay, 0.021);
+  EXPECT_NEAR(history.mean_delay, (3 * 2 + 2.1 + 2.2 + 21 + 3) * 1e-3 / 7, 1e-12);
+}
+
+TEST_F(Device, EventsAreExportedOneALine) {
+  const std::string csv = temporary_path("events.csv"), json = temporary_path("events.json");
+  ASSERT_TRUE(export_device_events(reader_, ExportFormat::csv, csv).ok());
+  const std::string text = read_file(csv);
+  EXPECT_EQ(text.find("tick,time [s],kind,text\n0,0,state,\"idle\"\n"), 0u) << text;
+  EXPECT_NE(text.find("\n6,0.006,commands,\"command 7 not acknowledged\"\n"), std::string::npos) << text;
+  ASSERT_TRUE(export_device_events(reader_, ExportFormat::json, json).ok());
+  EXPECT_NE(read_file(json).find(R"({"tick":3,"time":0.003,"kind":"state","text":"idle -> armed"})"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace lumbrical::test
