@@ -9,6 +9,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const test::MemoryFile file(data, size);
   if (!file.good()) return 0;
   static const std::string output = "/dev/shm/lumbrical_fuzz_" + std::to_string(::getpid()) + ".mcap";
+  std::remove(output.c_str());
   std::uint64_t recovered = 0, lost = 0;
   if (!recover_recording(file.path(), output, recovered, lost).ok()) return 0;
   RecordingInfo info;

@@ -5,29 +5,23 @@
 #include <string>
 
 #include "flatbuffers/flatbuffers.h"
+#include "fuzz_seeds.h"
 #include "lumbrical/recording.h"
 #include "lumbrical/shapes.h"
+#include "lumbrical/world.h"
 #include "recording/mcap_reader.h"
 #include "recording/record_fields.h"
 #include "recording/session_message.h"
 #include "recording/state_message.h"
 #include "recording/tick_message.h"
+#include "world_input.h"
 
 namespace {
 
 using namespace lumbrical;
 namespace fs = std::filesystem;
 using ByteVector = std::vector<std::uint8_t>;
-
-void write(const fs::path& path, std::span<const std::uint8_t> bytes) {
-  fs::create_directories(path.parent_path());
-  std::ofstream out(path, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-}
-
-void write(const fs::path& path, const std::string& text) {
-  write(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-}
+using test::write;
 
 Scene seed_scene() {
   Scene scene;
@@ -46,6 +40,8 @@ TickRecord seed_record(std::uint64_t tick) {
   record.output.contact_count = 2;
   record.output.segment[4].force.z = 1.5;
   record.stage_hash = {1, 2, 3, 4, 5, 6};
+  record.stage_hash[static_cast<std::size_t>(Stage::input)] = hash_fields(record.device);
+  record.stage_hash[static_cast<std::size_t>(Stage::limits)] = hash_fields(record.output);
   record.state_hash = 7;
   return record;
 }
@@ -86,6 +82,7 @@ bool write_recordings(const fs::path& folder) {
     options.compression = compression;
     options.chunk_seconds = 0.003;
     options.metadata = {{"build", "seed"}};
+    fs::remove(path);
     Recorder recorder;
     if (!recorder.open(path.string(), seed_scene(), options).ok()) return false;
     for (std::uint64_t tick = 0; tick < 6; ++tick)
@@ -221,6 +218,27 @@ void write_devices(const fs::path& folder) {
 "dynamics": [{"joints": ["index distal"], "inertia": 1e-5}]})");
 }
 
+// A few triangles in two objects, one of them wider than a cell.
+bool write_world(const fs::path& folder) {
+  const fs::path path = folder / "a.world";
+  fs::create_directories(folder);
+  fs::remove(path);
+  WorldWriter writer;
+  Execution execution;
+  execution.cell_size = 0.1;
+  if (!writer.open(path.string(), execution).ok() ||
+      !writer.add_object("box", make_box({0.1, 0.1, 0.1}, 1)).ok() ||
+      !writer.add_object("plane", make_plane(2, 1, 0)).ok() || !writer.finish().ok())
+    return false;
+  const ByteVector file = read(path);
+  ByteVector input{0};
+  const ByteVector content = test::input_from_world(file);
+  input.insert(input.end(), content.begin(), content.end());
+  write(folder / "compact", input);
+  fs::remove(path);
+  return true;
+}
+
 void write_motions(const fs::path& folder) {
   std::string angles;
   for (int i = 0; i < 20; ++i) angles += i == 0 ? "0.1" : ", 0.1";
@@ -268,5 +286,11 @@ int main(int argc, char** argv) {
   write_hands(folder);
   write_devices(folder);
   write_motions(folder);
-  return write_recordings(folder / "recording") && write_messages(folder / "messages") ? 0 : 1;
+#ifdef LUMBRICAL_FUZZ_MODBUS
+  write_modbus(folder / "modbus");
+#endif
+  return write_world(folder / "world") && write_recordings(folder / "recording") &&
+                 write_messages(folder / "messages")
+             ? 0
+             : 1;
 }
