@@ -1,5 +1,7 @@
 // Fuzzes Modbus as both ends meet it: replies against the question they should answer, requests cut out of a
 // stream and answered.
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <span>
 

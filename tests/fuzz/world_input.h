@@ -1,6 +1,7 @@
 // World files without the zeros between their arrays, for a fuzzer to change, and back.
 #pragma once
 
+#include <algorithm>
 #include <cstring>
 #include <span>
 #include <vector>
