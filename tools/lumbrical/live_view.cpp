@@ -52,7 +52,7 @@ void LiveView::send(const std::function<bool(std::span<const std::uint8_t>)>& se
   while (send_bytes(framed) && server_.running()) {
     TickRecord record;
     for (bool fresh = false; !fresh && server_.running();) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(4));
+      std::this_thread::sleep_for(std::chrono::milliseconds(8));
       const std::lock_guard lock(mutex_);
       fresh = count_ != sent;
       sent = count_;

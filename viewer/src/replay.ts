@@ -29,12 +29,23 @@ export function makeReplay(engine: Engine, recording: Recording) {
     }
   }
 
+  /** Computes the few ticks from one to another, as when playing; false in a gap. */
+  async function pass(from: number, to: number) {
+    for (let tick = from; tick < to; ++tick) {
+      const bytes = await message(tick);
+      if (bytes === undefined) return false;
+      engine.pass(bytes);
+    }
+    return true;
+  }
+
   /** A TickView, and the message it is of; none of either in a gap. */
   return async (tick: number) => {
     const bytes = await message(tick);
     if (bytes === undefined) return undefined;
-    if (tick !== next) await lead(tick);
+    const from = next;
     next = -1;
+    if (from < 0 || tick < from || tick - from > least || !(await pass(from, tick))) await lead(tick);
     const view = engine.show(bytes);
     next = tick + 1;
     return { bytes, view };
