@@ -225,6 +225,32 @@ TEST(CommandLine, AWorldFileTakesTheObjectsPlace) {
   EXPECT_FALSE(fs::exists(folder / "other.world"));
 }
 
+TEST(CommandLine, AWorldFileThatChangesWhileItIsReadIsAnErrorAndNoSignal) {
+  const fs::path folder = folder_with_demo();
+  nlohmann::json scene = nlohmann::json::parse(read_file(folder / "demo.json"));
+  scene.erase("objects");
+  scene["world"] = "demo.world";
+  scene["motion"] = {{"grasp", {{"seconds", 60}}}};
+  write_file("in_world.json", scene.dump());
+  fs::rename(own_folder() / "in_world.json", folder / "in_world.json");
+  for (const std::string change : {"truncate -s 8192 demo.world", "truncate -s 0 demo.world",
+                                   "printf x | dd of=demo.world bs=1 seek=100 conv=notrunc 2>dd.err"}) {
+    fs::remove(folder / "demo.world");
+    const Outcome made = shell("lumbrical world demo.json --output demo.world", folder);
+    ASSERT_EQ(made.exit_code, 0) << made.error;
+    const Outcome run = shell(
+        "rm -f w.mcap; lumbrical run in_world.json --rate 200 --record w.mcap & run=$!; "
+        "for i in $(seq 600); do [ -s w.mcap ] || [ -s w.mcap.part ] && break; sleep 0.05; done; sleep "
+        "0.3; " +
+            change + "; wait $run",
+        folder);
+    EXPECT_EQ(run.exit_code, 2) << change;
+    EXPECT_NE(run.error.find("demo.world: was changed while it was read"), std::string::npos) << run.error;
+    const Outcome verified = shell("lumbrical verify w.mcap", folder);
+    EXPECT_EQ(verified.exit_code, 0) << "what was felt before is kept: " << verified.error;
+  }
+}
+
 TEST(CommandLine, ReplayOfSeveralTellsOfEachInTheOrderGiven) {
   const fs::path folder = folder_with_demo();
   ASSERT_EQ(shell("lumbrical run demo.json --ticks 300 --record a.mcap", folder).exit_code, 0);

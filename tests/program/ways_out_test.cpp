@@ -1,5 +1,9 @@
 // What ends a process, and that forces fade before. Each death is died in a child.
 #include "ways_out.h"
+#include "files.h"
+#include "lumbrical/mesh.h"
+#include "lumbrical/shapes.h"
+#include "lumbrical/world.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -8,7 +12,9 @@
 #include <array>
 #include <csignal>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -124,6 +130,25 @@ TEST(WaysOut, WhatAsksForAnEndOnlyAsksTheFirstTimeAndEndsAfterTheLastActOnceImpa
         raise(SIGINT);
       },
       SIGINT, "twice, with time between");
+}
+
+TEST(WaysOut, AWorldFileThatIsCutWhileMappedReadsAsZerosAndIsToldSo) {
+  const std::string path = (test::fresh_folder() / "sheet.world").string();
+  WorldWriter writer;
+  ASSERT_TRUE(writer.open(path, {}).ok());
+  ASSERT_TRUE(writer.add_object("sheet", make_plane(1, 60)).ok());
+  ASSERT_TRUE(writer.finish().ok());
+  const Death death = die_by([&path] {
+    std::shared_ptr<const World> world;
+    if (!open_world(path, world).ok() || any_page_lost()) raise(SIGKILL);
+    std::filesystem::resize_file(path, 4096);
+    unsigned sum = 0;
+    for (std::size_t i = 4096; i < world->byte_count; ++i)
+      sum += static_cast<unsigned>(world->bytes.get()[i]);
+    if (sum != 0 || !any_page_lost()) raise(SIGKILL);
+  });
+  EXPECT_EQ(death.signal, 0);
+  EXPECT_EQ(death.wrote, "") << "no way out, but a mishap";
 }
 
 TEST(WaysOut, ATerminalThatHangsUpIsNoReasonUnderNohup) {

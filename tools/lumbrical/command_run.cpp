@@ -362,6 +362,7 @@ int run(const RunOptions& options) {
     if (!status.ok() && !told) return fail(status);
     if (!status.ok() && !unrecorded) return kUnreadable;
   }
+  if (!statistics.world_error.ok()) return fail(statistics.world_error);
   const DeviceLoop* const shown = with_device ? &device : nullptr;
   const LateReport late = study(statistics.late, scene_file.scene, model);
   const int printed = options.json ? print_json(run_json(options, model, statistics, late, shown))

@@ -5,8 +5,10 @@
 #include <string_view>
 
 #include "commands.h"
+#include "lumbrical/world.h"
 #include "output.h"
 #include "version.h"
+#include "ways_out.h"
 
 namespace {
 
@@ -48,6 +50,7 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);
   for (int i = 1; i < argc; ++i)
     if (std::string_view(argv[i]) == "--json") failures_as_json();
+  outlive_lost_pages();
   int exit_code = kDone;
   try {
     const auto add = [&exit_code](Command& root) { add_commands(root, exit_code); };
@@ -55,6 +58,10 @@ int main(int argc, char** argv) {
     if (!fault.empty()) exit_code = fail(fault);
   } catch (const std::exception& error) {
     exit_code = fail(std::string("lumbrical: ") + error.what());
+  }
+  if (exit_code != kUnreadable && lumbrical::any_page_lost()) {
+    exit_code =
+        fail("lumbrical: a world file was shortened while it was read: nothing said above can be trusted");
   }
   return finish(exit_code);
 }

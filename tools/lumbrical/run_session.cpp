@@ -117,6 +117,10 @@ RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_
     record.output = tick(model, state, scratch, record.device);
     const std::int64_t tick_end = clock_ns();
     record.duration_ns = nanoseconds_between(tick_start, tick_end);
+    if (pager.changed()) {  // neither device nor recording learn of this tick
+      statistics.world_error = pager.failure();
+      break;
+    }
     if (parts.device != nullptr)
       stopped = !parts.device->after(scratch, record.device, record.output, record);
 

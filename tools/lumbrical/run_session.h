@@ -35,6 +35,7 @@ struct RunStatistics {
   std::array<std::uint64_t, 32> flag_ticks{};         ///< ticks in which TickFlag bit i was set
   Status recording_error;                             ///< that ended the recording before the session
   std::uint64_t not_recorded = 0;                     ///< ticks that are not in the file
+  Status world_error;                                 ///< that ended the session: its file was changed
   bool interrupted = false;                           ///< by a signal (ways_out.h)
   std::size_t world_held = 0;                         ///< [bytes] of a world file, at most
 };

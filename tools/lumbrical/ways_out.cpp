@@ -8,14 +8,16 @@
 #include <cstddef>
 #include <ctime>
 
+#include "lumbrical/world.h"
+
 namespace lumbrical::tool {
 namespace {
 
 constexpr std::array<int, 4> kStops = {SIGINT, SIGTERM, SIGQUIT, SIGHUP};
-// All that end a process unless it says otherwise, but for those above, the operator's and those the program
-// ignores.
-constexpr int kDeaths[] = {SIGSEGV, SIGBUS,  SIGFPE,    SIGILL,  SIGABRT, SIGSYS, SIGTRAP,
-                           SIGXCPU, SIGALRM, SIGVTALRM, SIGPROF, SIGIO,   SIGPWR, SIGSTKFLT};
+// All that end a process unless it says otherwise, but for those above, the operator's, those the program
+// ignores, and SIGBUS, which may be mended.
+constexpr int kDeaths[] = {SIGSEGV, SIGFPE,    SIGILL,  SIGABRT, SIGSYS, SIGTRAP,  SIGXCPU,
+                           SIGALRM, SIGVTALRM, SIGPROF, SIGIO,   SIGPWR, SIGSTKFLT};
 
 volatile std::sig_atomic_t stop_asked = 0;
 volatile std::time_t asked_at = 0;  // s, monotonic
@@ -36,6 +38,15 @@ extern "C" void die(int signal) {
   }
   std::signal(signal, SIG_DFL);
   raise(signal);
+}
+
+extern "C" void mend_or_die(int signal, siginfo_t* info, void*) {
+  const int error = errno;
+  if (info->si_code == BUS_ADRERR && replace_lost_page(info->si_addr)) {
+    errno = error;
+    return;
+  }
+  die(signal);
 }
 
 // One Ctrl-C often arrives twice (once for the process, once for its group): only a signal that comes a
@@ -73,6 +84,13 @@ StopSignals::~StopSignals() {
   for (std::size_t i = 0; i < kStops.size(); ++i) sigaction(kStops[i], &before_[i], nullptr);
 }
 
+void outlive_lost_pages() {
+  struct sigaction action {};
+  action.sa_sigaction = mend_or_die;
+  action.sa_flags = SA_NODEFER | SA_ONSTACK | SA_SIGINFO;
+  sigaction(SIGBUS, &action, nullptr);
+}
+
 bool stop_requested() { return stop_asked != 0; }
 
 void before_dying(void (*act)()) {
@@ -85,6 +103,7 @@ void before_dying(void (*act)()) {
   action.sa_handler = act != nullptr ? die : SIG_DFL;
   action.sa_flags = SA_NODEFER | SA_ONSTACK;
   for (const int signal : kDeaths) sigaction(signal, &action, nullptr);
+  outlive_lost_pages();
 }
 
 }  // namespace lumbrical::tool

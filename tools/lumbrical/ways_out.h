@@ -22,6 +22,10 @@ class StopSignals {
 
 bool stop_requested();
 
+/// From now on a world file that is shortened while it is read gives zeros, and no signal (world.h); any
+/// other SIGBUS is the end as usual.
+void outlive_lost_pages();
+
 /// What is done, once, before the process dies of a signal that it can know of: a crash of any thread, an
 /// uncaught exception, an alarm, a second Ctrl-C. `act` must be fit for a signal handler and return within
 /// seconds; nullptr: nothing is done. The process dies of that signal afterwards.

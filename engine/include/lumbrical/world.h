@@ -39,6 +39,13 @@ class WorldWriter {
 /// error names the byte, from 0.
 Status open_world(const std::string& path, std::shared_ptr<const World>& world);
 
+/// For a handler of SIGBUS, which is what a program gets that reads a world file someone has shortened: true
+/// if `address` lies in one, and then its page is zeros from now on, nothing that a tick could stumble over.
+/// What was computed since can't be trusted: see WorldPager::changed and any_page_lost. The library sets no
+/// handlers.
+bool replace_lost_page(const void* address) noexcept;
+bool any_page_lost() noexcept;  ///< whether that ever happened in this process
+
 /// Reads a model's world ahead of the hand on a thread of its own, so that no tick waits for a disk, and lets
 /// go of what is far behind it, so that memory stays bounded. Never changes a result.
 class WorldPager {
@@ -59,6 +66,11 @@ class WorldPager {
 
   /// Returns once everything near the hand as last told is in memory: before a first tick.
   void catch_up();
+
+  /// Whether the file was shortened (told at once, if SIGBUS is handled), or written to (told within a tenth
+  /// of a second): then forces of the ticks since can't be trusted. Wait-free.
+  [[nodiscard]] bool changed() const noexcept;
+  [[nodiscard]] Status failure() const;  ///< the same in words
 
   /// [bytes] of the file are held for the hand, at most.
   [[nodiscard]] std::size_t held_bytes() const noexcept;

@@ -268,7 +268,9 @@ Status open_world(const std::string& path, std::shared_ptr<const World>& world) 
   std::size_t size = 0;
   if (Status status = map_file(path, bytes, size); !status.ok()) return status;
   Check check(path, bytes.get(), size);
-  if (Status status = check.run(); !status.ok()) return status;
+  const Status checked = check.run();
+  if (Status status = check_mapped(path, bytes.get()); !status.ok()) return status;
+  if (!checked.ok()) return checked;
   const WorldEnd& end = check.end();
   const WorldLayout layout = layout_of(end);
   auto opened = std::make_shared<World>();

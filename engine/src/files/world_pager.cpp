@@ -24,6 +24,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kNap = std::chrono::milliseconds(2);
+constexpr auto kCheck = std::chrono::milliseconds(50);
 constexpr auto kAgain = std::chrono::seconds(1);
 constexpr double kFastest = 20;         // [m/s] of a hand; faster is a jump
 constexpr double kStep = 1.0 / 8;       // of the reach: moves shorter than that need no new look
@@ -159,7 +160,8 @@ struct WorldPager::Thread {
   std::uint64_t told = 0;  // the ticking thread's own
   std::atomic<std::uint64_t> looked{0};
   std::atomic<std::size_t> held{0};
-  std::atomic<bool> stop{false};
+  std::atomic<bool> stop{false}, changed{false};
+  Clock::time_point checked_at;
   std::mutex mutex;  // of the naps only
   std::condition_variable wake;
   std::thread thread;
@@ -188,6 +190,7 @@ void WorldPager::Thread::touch(const Box& box) {
       for (const auto* corners : {&triangles.a, &triangles.b, &triangles.c}) {
         const std::uint32_t* const vertex = corners->data() + numbers[k];
         held_parts.touch(vertex, sizeof(*vertex));
+        if (*vertex >= triangles.x.size()) return;  // the file was written to
         for (const auto* axis : {&triangles.x, &triangles.y, &triangles.z})
           held_parts.touch(axis->data() + *vertex, sizeof(double));
       }
@@ -208,6 +211,11 @@ void WorldPager::Thread::look(const Box& hand) {
 void WorldPager::Thread::run() {
   Told told_now;
   while (!stop.load(std::memory_order_relaxed)) {
+    if (const Clock::time_point now = Clock::now(); now - checked_at >= kCheck) {
+      checked_at = now;
+      if (!check_mapped(model.world->path, model.world->bytes.get()).ok())
+        changed.store(true, std::memory_order_release);
+    }
     if (newest.take(told_now)) {
       follow(told_now.frame);
       looked.store(told_now.number, std::memory_order_release);
@@ -261,6 +269,15 @@ void WorldPager::hand_at(const DeviceFrame& frame) noexcept {
 void WorldPager::catch_up() {
   while (thread_ && thread_->looked.load(std::memory_order_acquire) < thread_->told)
     std::this_thread::sleep_for(kNap);
+}
+
+bool WorldPager::changed() const noexcept {
+  return thread_ &&
+         (thread_->changed.load(std::memory_order_acquire) || !is_whole(thread_->model.world->bytes.get()));
+}
+
+Status WorldPager::failure() const {
+  return thread_ ? check_mapped(thread_->model.world->path, thread_->model.world->bytes.get()) : Status();
 }
 
 std::size_t WorldPager::held_bytes() const noexcept {
