@@ -84,8 +84,9 @@ int build(double triangles, const std::string& path) {
   WorldWriter writer;
   Status status = writer.open(path, execution);
   if (!status.ok()) return fail(status);
-  status = for_each_tile(
-      triangles, [&](const std::string& name, const Mesh& mesh) { return writer.add_object(name, mesh); });
+  status = for_each_tile(triangles, [&](const std::string& name, const Mesh& mesh) {
+    return writer.add_object({name, mesh});
+  });
   const double added = seconds_since(start);
   if (status.ok()) status = writer.finish();
   if (!status.ok()) return fail(status);

@@ -252,7 +252,7 @@ TEST(SceneFile, NamesAWorldFileInThePlaceOfObjects) {
   };
   const auto take = [&](SceneObject&& object) {
     ++count;
-    return writer.add_object(object.name, object.mesh);
+    return writer.add_object(object);
   };
   ASSERT_TRUE(load_scene_objects(scene, begin, take).ok());
   ASSERT_TRUE(writer.finish().ok());

@@ -20,7 +20,7 @@ inline Status write_world(const Scene& scene, const Execution& execution, const 
   WorldWriter writer;
   if (Status status = writer.open(path, execution); !status.ok()) return status;
   for (const SceneObject& object : scene.objects)
-    if (Status status = writer.add_object(object.name, object.mesh); !status.ok()) return status;
+    if (Status status = writer.add_object(object); !status.ok()) return status;
   return writer.finish();
 }
 

@@ -94,10 +94,11 @@ TEST(WorldFile, RefusesWhatBuildModelRefuses) {
   ASSERT_TRUE(writer.open(path.string(), {}).ok());
   Mesh mesh = make_plane(1, 3, 0);
   mesh.vertices[5].y = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_NE(writer.add_object("plane", mesh).message().find("vertex 5 is not finite"), std::string::npos);
+  EXPECT_NE(writer.add_object({"plane", mesh}).message().find("vertex 5 is not finite"), std::string::npos);
   mesh = make_plane(1, 3, 0);
   mesh.triangles[4][1] = 77;
-  EXPECT_NE(writer.add_object("plane", mesh).message().find("triangle 4 names vertex 77"), std::string::npos);
+  EXPECT_NE(writer.add_object({"plane", mesh}).message().find("triangle 4 names vertex 77"),
+            std::string::npos);
   EXPECT_FALSE(writer.open(path.string(), {}).ok());
   // What was refused is not in it.
   ASSERT_TRUE(writer.finish().ok());
@@ -105,7 +106,7 @@ TEST(WorldFile, RefusesWhatBuildModelRefuses) {
   ASSERT_TRUE(open_world(path.string(), world).ok());
   EXPECT_EQ(world->objects.size(), 0u);
   EXPECT_FALSE(writer.finish().ok());
-  EXPECT_FALSE(writer.add_object("plane", mesh).ok());
+  EXPECT_FALSE(writer.add_object({"plane", mesh}).ok());
   Execution bad;
   bad.cell_size = 0;
   EXPECT_FALSE(writer.open(path.string(), bad).ok());
@@ -118,7 +119,7 @@ TEST(WorldFile, LeavesNothingHalfWritten) {
   {
     WorldWriter writer;
     ASSERT_TRUE(writer.open(path, {}).ok());
-    ASSERT_TRUE(writer.add_object("plane", make_plane(1, 3, 0)).ok());
+    ASSERT_TRUE(writer.add_object({"plane", make_plane(1, 3, 0)}).ok());
   }
   EXPECT_TRUE(fs::is_empty(folder));
   ASSERT_TRUE(write_world(scene, {}, path).ok());

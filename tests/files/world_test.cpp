@@ -113,7 +113,7 @@ std::string write_street(int count) {
   for (int i = 0; i < count; ++i) {
     Mesh mesh = block;
     for (Vec3& p : mesh.vertices) p.x += 0.3 * i;
-    EXPECT_TRUE(writer.add_object("block " + std::to_string(i), mesh).ok());
+    EXPECT_TRUE(writer.add_object({"block " + std::to_string(i), mesh}).ok());
   }
   EXPECT_TRUE(writer.finish().ok());
   return path;

@@ -152,6 +152,8 @@ TEST(LeapMotion, FollowsOneHandOfSeveral) {
     if (ask) options.side = Side::right;
     const Motion motion = parse_good(file, options);
     EXPECT_EQ(motion.side, Side::right);
+    EXPECT_EQ(motion.other_frames, 3u);
+    EXPECT_EQ(motion.other_side, Side::left);
     for (const std::size_t i : {0u, 1u, 3u}) {
       EXPECT_EQ(motion.samples[i].frame.flags, 0u);
       EXPECT_LT(norm(position(motion.samples[i].frame, kIndexTip) - right[kIndexTip].position), 1e-6) << i;
@@ -160,7 +162,18 @@ TEST(LeapMotion, FollowsOneHandOfSeveral) {
   options.side = Side::left;
   const Motion other = parse_good(file, options);
   EXPECT_EQ(other.side, Side::left);
+  EXPECT_EQ(other.other_frames, 3u);
+  EXPECT_EQ(other.other_side, Side::right);
   EXPECT_LT(norm(position(other.samples[1].frame, kIndexTip) - left[kIndexTip].position), 1e-6);
+}
+
+TEST(LeapMotion, OfOneHandTellsNoOtherAndOfTheWrongSideWhichOneItShows) {
+  const std::string file =
+      leap_file({leap_frame(0, leap_hand(3, Side::left), leap_fingers(bent_hand(Side::left, 0.2), 3))});
+  EXPECT_EQ(parse_good(file).other_frames, 0u);
+  MotionOptions options;
+  options.side = Side::right;
+  expect_refused(file, "1 of its frames show a left one; set the side", options);
 }
 
 TEST(LeapMotion, DropsFramesWithTheSameTimeAndRefusesThoseThatGoBack) {

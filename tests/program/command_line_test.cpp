@@ -1,5 +1,6 @@
 // The command line as users' scripts rely on it: exit codes, JSON keys, and what happens to bad input and
 // files.
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <set>
@@ -8,6 +9,7 @@
 
 #include "lumbrical/model.h"
 #include "lumbrical/recording.h"
+#include "motion/motion_samples.h"
 #include "program.h"
 
 namespace lumbrical::test {
@@ -111,6 +113,178 @@ TEST(CommandLine, BadFilesExitWith2AndAreNamed) {
     const Outcome outcome = shell("lumbrical " + arguments, folder);
     EXPECT_EQ(outcome.exit_code, 2) << arguments;
     EXPECT_NE(outcome.error.find(named), std::string::npos) << arguments << "\n" << outcome.error;
+  }
+}
+
+// A cube of 0.1 m round the origin; its triangles face inwards if so wished.
+std::string cube_text(bool inside_out) {
+  std::string text;
+  for (int i = 0; i < 8; ++i)
+    text += "v " + std::to_string(0.1 * (i & 1) - 0.05) + " " + std::to_string(0.05 * (i & 2) - 0.05) + " " +
+            std::to_string(0.025 * (i & 4) - 0.05) + "\n";
+  for (const char* const face : {"1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"}) {
+    std::string corners = face;
+    if (inside_out) std::reverse(corners.begin(), corners.end());
+    text += "f " + corners + "\n";
+  }
+  return text;
+}
+
+// But for rounding: polygons that begin at other corners fall into other triangles.
+void expect_same_peaks(const nlohmann::json& a, const nlohmann::json& b) {
+  for (const auto& [name, force] : a["peak_force"].items())
+    EXPECT_NEAR(force.get<double>(), b["peak_force"][name].get<double>(), 1e-9) << name;
+}
+
+TEST(CommandLine, AMeshThatIsInsideOutIsFeltAsIfItWereRightAndTheRunSaysSo) {
+  const fs::path folder = fresh_folder();
+  std::ofstream(folder / "right.obj") << cube_text(false);
+  std::ofstream(folder / "wrong.obj") << cube_text(true);
+  const auto run = [&](const std::string& mesh, const std::string& more) {
+    std::ofstream(folder / "scene.json")
+        << R"({"objects": [{"mesh": ")" << mesh << R"(", "unit": "m")" << more
+        << R"(, "position": [0, 0, 0.05]}], "motion": {"grasp": {}}, "settings": {"rate": 100}})";
+    const Outcome outcome = shell(
+        "rm -f " + mesh + ".mcap; lumbrical run scene.json --ticks 600 --record " + mesh + ".mcap --json",
+        folder);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+    return outcome.json();
+  };
+  const nlohmann::json right = run("right.obj", ""), turned = run("wrong.obj", "");
+  EXPECT_GT(right["peak_force"]["index"], 0.1);
+  expect_same_peaks(turned, right);
+  EXPECT_EQ(right["objects"][0]["winding"]["turned_triangles"], 0);
+  EXPECT_EQ(turned["objects"][0]["winding"]["turned_triangles"], 12);
+  EXPECT_EQ(shell("lumbrical replay wrong.obj.mcap", folder).exit_code, 0);
+  EXPECT_NE(shell("lumbrical run scene.json --ticks 1", folder)
+                .output.find("wrong: 1 of 1 part turned outside out"),
+            std::string::npos);
+  const nlohmann::json as_is = run("wrong.obj", R"(, "winding": "as is")");
+  EXPECT_EQ(as_is["objects"][0]["winding"]["turned_triangles"], 0);
+  EXPECT_EQ(shell("lumbrical replay wrong.obj.mcap", folder).exit_code, 0);
+  const nlohmann::json flipped = run("right.obj", R"(, "winding": "flip")");
+  expect_same_peaks(flipped, as_is);
+  const Outcome outcome = shell("lumbrical inspect wrong.obj --unit m --json", folder);
+  EXPECT_EQ(outcome.json()["winding"]["turned_triangles"], 12);
+}
+
+TEST(CommandLine, AProbeFeelsTheFileAsItIsAndWarnsOfWhatASceneWouldTurn) {
+  const fs::path folder = fresh_folder();
+  std::ofstream(folder / "wrong.obj") << cube_text(true);
+  const Outcome outcome =
+      shell("lumbrical probe --mesh wrong.obj --unit m --sphere 0,0,0.055,0.01 --json", folder);
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_LT(outcome.json()["total"]["force"][2], 0);
+  EXPECT_NE(outcome.error.find("12 of its triangles turned outside out"), std::string::npos);
+}
+
+TEST(CommandLine, AnOpenMeshIsToldWithTheShareThatFacesOutwards) {
+  const fs::path folder = fresh_folder();
+  std::string open = cube_text(true);
+  std::ofstream(folder / "open.obj") << open.substr(0, open.rfind("f "));
+  std::ofstream(folder / "scene.json")
+      << R"({"objects": [{"mesh": "open.obj", "unit": "m"}], "motion": {"grasp": {}}})";
+  const Outcome outcome = shell("lumbrical run scene.json --ticks 10", folder);
+  EXPECT_NE(outcome.output.find(
+                "open: 1 part not closed, left as wound: 0 % of its area faces away from its middle, "
+                "100 % towards it"),
+            std::string::npos)
+      << outcome.output;
+}
+
+// A ball that the demo's hand misses by about a metre; `more` stands in the motion.
+fs::path folder_with_a_miss(const std::string& more) {
+  const fs::path folder = fresh_folder();
+  std::ofstream(folder / "scene.json")
+      << R"({"objects": [{"name": "ball", "sphere": {}, "position": [1, 0.5, 0.2]}], "motion": {"grasp": {})"
+      << more << R"(}, "settings": {"rate": 100}})";
+  return folder;
+}
+
+TEST(CommandLine, ARunThatTouchesNothingSaysSoFirstAndHowNearTheHandCame) {
+  const fs::path folder = folder_with_a_miss("");
+  const Outcome text = shell("lumbrical run scene.json", folder);
+  EXPECT_EQ(text.output.find("trouble"), 0u) << text.output;
+  EXPECT_NE(text.output.substr(0, text.output.find('\n')).find("nothing was touched"), std::string::npos);
+  EXPECT_NE(text.output.find("ball: nearest "), std::string::npos) << text.output;
+  const nlohmann::json run = shell("lumbrical run scene.json --json", folder).json();
+  const nlohmann::json inspected = shell("lumbrical inspect scene.json --json", folder).json();
+  const nlohmann::json& ball = run["clearance"]["objects"][0];
+  EXPECT_EQ(ball["name"], "ball");
+  EXPECT_GT(ball["distance"], 0.5);
+  EXPECT_LT(ball["distance"], 1.5);
+  EXPECT_NEAR(ball["box"]["upper"][0], 1.04, 1e-3);
+  EXPECT_EQ(inspected["objects"][0]["distance"], ball["distance"]);
+  EXPECT_EQ(inspected["hand"], run["clearance"]["hand"]);
+  EXPECT_NE(shell("lumbrical inspect scene.json", folder).output.find("ball: nearest "), std::string::npos);
+}
+
+TEST(CommandLine, ARunThatTouchesHasNoTroubleAndItsStartIsNoLossOfTracking) {
+  const Outcome outcome = shell("lumbrical run demo.json --json", folder_with_demo());
+  const nlohmann::json run = outcome.json();
+  EXPECT_EQ(run["trouble"], nlohmann::json::array());
+  EXPECT_FALSE(run.contains("clearance"));
+  EXPECT_FALSE(run["flags"].contains("fading")) << run["flags"];
+  EXPECT_GT(run["starting_ticks"], 0);
+  EXPECT_LE(run["peak_segment"]["force"], run["max_force"]);
+  EXPECT_GT(run["peak_segment"]["force"], 0);
+  const std::string text = shell("lumbrical run demo.json", folder_with_demo()).output;
+  EXPECT_EQ(text.find("loss of tracking"), std::string::npos) << text;
+  EXPECT_NE(text.find("as at every start"), std::string::npos) << text;
+  EXPECT_NE(text.find("at most max_force 20"), std::string::npos) << text;
+}
+
+TEST(CommandLine, AlignMovesTheMotionToTheObjectAndTellsWhereTo) {
+  for (const char* const way : {"contact", "ball:centre", "1,0.5,0.2"}) {
+    const nlohmann::json run =
+        shell(std::string("lumbrical run scene.json --json --align ") + way, folder_with_a_miss("")).json();
+    EXPECT_GT(run["contacts"]["max"], 0) << way;
+    const nlohmann::json in_scene = shell("lumbrical run scene.json --json",
+                                          folder_with_a_miss(std::string(R"(, "align": ")") + way + "\""))
+                                        .json();
+    EXPECT_EQ(in_scene["aligned"], run["aligned"]) << way;
+    std::string written = run["aligned"].dump();
+    written = ", " + written.substr(1, written.size() - 2);
+    const nlohmann::json again = shell("lumbrical run scene.json --json", folder_with_a_miss(written)).json();
+    EXPECT_EQ(again["peak_force"], run["peak_force"]) << way;
+    EXPECT_FALSE(again.contains("aligned"));
+  }
+  const Outcome wrong = shell("lumbrical run scene.json --align cup:top", folder_with_a_miss(""));
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.error.find("no object \"cup\""), std::string::npos) << wrong.error;
+  EXPECT_EQ(shell("lumbrical run scene.json --align sideways", folder_with_a_miss("")).exit_code, 2);
+}
+
+TEST(CommandLine, AHandThatIsLeftOutOfACaptureIsSaidAndCanBeChosen) {
+  const fs::path folder = folder_with_a_miss("");
+  const Poses right = bent_hand(Side::right, 0.2), left = bent_hand(Side::left, 0.6);
+  const std::string hands = leap_hand(3, Side::right) + "," + leap_hand(4, Side::left);
+  const std::string fingers = leap_fingers(right, 3) + "," + leap_fingers(left, 4);
+  std::ofstream(folder / "two.json") << leap_file(
+      {leap_frame(0, hands, fingers), leap_frame(9e5, hands, fingers)});
+  std::ofstream(folder / "scene.json") << R"({"objects": [{"sphere": {}}], "motion": {"file": "two.json"}})";
+  for (const auto& [taken, other] : {std::pair("right", "left"), std::pair("left", "right")}) {
+    const std::string command = std::string("lumbrical run scene.json --ticks 5 --side ") + taken;
+    const nlohmann::json hand = shell(command + " --json", folder).json()["hand"];
+    EXPECT_EQ(hand["side"], taken);
+    EXPECT_EQ(hand["other_side"], other);
+    EXPECT_EQ(hand["other_frames"], 2);
+    EXPECT_NE(shell(command, folder).output.find(std::string("2 frames show another one, a ") + other),
+              std::string::npos);
+  }
+  EXPECT_NE(shell("lumbrical inspect scene.json", folder).output.find("--side left takes that"),
+            std::string::npos);
+}
+
+TEST(CommandLine, AWrongUnitIsSuspectedByItsSize) {
+  const fs::path folder = fresh_folder();
+  std::ofstream(folder / "mug.obj")
+      << "v 0 0 0\nv 95 0 0\nv 0 80 0\nv 0 0 80\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+  for (const auto& [unit, hint] : {std::pair("m", "mm read as m"), std::pair("mm", "")}) {
+    std::ofstream(folder / "scene.json") << R"({"objects": [{"mesh": "mug.obj", "unit": ")" << unit
+                                         << R"(", "position": [1, 0, 0]}], "motion": {"grasp": {}}})";
+    const nlohmann::json scene = shell("lumbrical inspect scene.json --json", folder).json();
+    EXPECT_EQ(scene["objects"][0]["likely_unit"], hint) << scene;
   }
 }
 

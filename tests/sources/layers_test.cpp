@@ -40,7 +40,7 @@ const Rule kRules[] = {
 
     {Layer::stages, "engine/src/stages", "*"},
 
-    {Layer::engine, "engine/include/lumbrical", "tick probe jacobian batch"},
+    {Layer::engine, "engine/include/lumbrical", "tick probe jacobian batch clearance"},
     {Layer::engine, "engine/src/tick", "*"},
 
     {Layer::device, "engine/include/lumbrical",

@@ -284,5 +284,41 @@ TEST(Tick, MissingJointsSilenceOnlyTheirSegments) {
   EXPECT_EQ(without.segment[8].force, whole.segment[8].force);
 }
 
+// Two hands in one scene: each its own model, state and outputs, of one world.
+TEST(Tick, TwoHandsShareAWorldAndFeelWhatEachWouldAlone) {
+  for (const bool exact : {false, true}) {
+    Scene scene;
+    scene.hand = default_hand(Side::right);
+    scene.objects.push_back({"mug", make_mug({})});
+    if (exact) scene.settings.precision.fill(0);
+    Model right, left, alone;
+    ASSERT_TRUE(build_model(scene, {}, right).ok());
+    ASSERT_TRUE(share_world(right, default_hand(Side::left, 0.21), left).ok());
+    scene.hand = default_hand(Side::left, 0.21);
+    ASSERT_TRUE(build_model(scene, {}, alone).ok());
+    EXPECT_EQ(left.triangles.x.data(), right.triangles.x.data());
+    EXPECT_EQ(left.tree.lines.data(), right.tree.lines.data());
+    const Motion motion = make_grasp(left.hand, 0.037, 0.095, 2),
+                 other = make_grasp(right.hand, 0.037, 0.095, 2);
+    State a, b, c;
+    Scratch of_left = make_scratch(left), of_right = make_scratch(right), of_alone = make_scratch(alone);
+    std::uint32_t contacts = 0;
+    for (int i = 0; i < 40; ++i) {
+      const DeviceFrame frame = resample(motion, 0.05 * i);
+      const ActuatorFrame felt = tick(left, a, of_left, frame);
+      static_cast<void>(tick(right, b, of_right, resample(other, 0.05 * i)));
+      static_cast<void>(tick(alone, c, of_alone, frame));
+      ASSERT_EQ(of_left.stage_hash, of_alone.stage_hash) << i;
+      contacts = std::max(contacts, felt.contact_count);
+    }
+    EXPECT_EQ(hash_state(a), hash_state(c));
+    EXPECT_GT(contacts, 0u);
+  }
+  Model unbuilt;
+  Hand broken = default_hand(Side::left);
+  broken.radius[kIndexTip] = -1;
+  EXPECT_FALSE(share_world(Model{}, broken, unbuilt).ok());
+}
+
 }  // namespace
 }  // namespace lumbrical

@@ -4,10 +4,12 @@
 #include <string>
 
 #include "commands.h"
+#include "inspect_scene.h"
 #include "lumbrical/hand.h"
 #include "lumbrical/mesh.h"
 #include "output.h"
 #include "switches.h"
+#include "winding_text.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -86,19 +88,28 @@ Status index_report(const InspectOptions& options, const Mesh& mesh, std::option
 }
 
 int inspect(const InspectOptions& options) {
+  if (is_scene(options.mesh)) {
+    if (!options.unit.empty()) refuse_option("--unit", "a scene file tells the units of its meshes");
+    return inspect_scene(options.mesh, options.json);
+  }
+  if (options.unit.empty()) demand_option("--unit");
   Mesh mesh;
   if (Status status = load_mesh(options.mesh, *parse_unit(options.unit), mesh); !status.ok()) {
     return fail(status);
   }
   const MeshReport report = inspect_mesh(mesh);
+  Mesh turned = mesh;
+  const WindingReport winding = wind_outwards(turned);
   std::optional<VoxelReport> voxels;
   if (Status status = index_report(options, mesh, voxels); !status.ok()) return fail(status);
   if (options.json) {
     Json json = report_json(report);
+    json["winding"] = to_json(winding);
     if (voxels) json["voxel_index"] = to_json(*voxels);
     return print_json(json);
   }
   Table table;
+  for (const std::string& sentence : winding_sentences(winding)) table.add("in a scene", sentence);
   if (voxels) add_voxels(*voxels, table);
   return print_text(report_text(report) + table.text());
 }
@@ -107,9 +118,11 @@ int inspect(const InspectOptions& options) {
 
 void add_inspect(Command& app, int& exit_code) {
   const auto options = std::make_shared<InspectOptions>();
-  Command* const command = app.add_subcommand("inspect", "Report what is wrong with a mesh");
-  command->add_option("mesh", options->mesh, "OBJ, STL, PLY or OFF file")->required();
-  command->add_option("--unit", options->unit, "Unit of the file's numbers")->required()->check(is_unit());
+  Command* const command =
+      app.add_subcommand("inspect", "Report what is wrong with a mesh, or where the things of a scene are");
+  command->add_option("mesh", options->mesh, "OBJ, STL, PLY or OFF file, or a scene (.json)")->required();
+  command->add_option("--unit", options->unit, "Unit of the mesh file's numbers; needed for one")
+      ->check(is_unit());
   command
       ->add_option("--broadphase", options->broadphase, "With voxel: also what the mesh's voxel index takes")
       ->check(is_broadphase());

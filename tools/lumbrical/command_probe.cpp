@@ -13,6 +13,7 @@
 #include "lumbrical/probe.h"
 #include "output.h"
 #include "switches.h"
+#include "winding_text.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -160,7 +161,14 @@ int probe_mesh(const ProbeOptions& options, const std::vector<ProbePrimitive>& p
   std::vector<ProbeContact> contacts;
   Status status = probe(mesh, primitives, *parse_law(options.law), options.stiffness, contacts);
   if (!status.ok()) return fail(status);
-  return options.json ? print_json(contacts_json(contacts)) : print_text(contacts_text(contacts));
+  const WindingReport winding = wind_outwards(mesh);  // only to say what a scene would do
+  if (winding.turned_triangles > 0)
+    warn(options.mesh + ": a scene would have " + grouped(winding.turned_triangles) +
+         " of its triangles turned outside out; here all are felt as the file has them");
+  if (!options.json) return print_text(contacts_text(contacts));
+  Json json = contacts_json(contacts);
+  json["winding"] = to_json(winding);
+  return print_json(json);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // lumbrical run: a hand motion meets a scene, tick by tick.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -6,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "approach_text.h"
 #include "commands.h"
 #include "device_loop.h"
 #include "live_view.h"
@@ -17,12 +19,13 @@
 #include "switches.h"
 #include "version.h"
 #include "ways_out.h"
+#include "winding_text.h"
 
 namespace lumbrical::tool {
 namespace {
 
 struct RunOptions {
-  std::string scene, motion, side, unit, record, law, broadphase, voxel_cache, precision;
+  std::string scene, motion, side, unit, align, record, law, broadphase, voxel_cache, precision;
   std::string rate = "max", on_record_error = "stop", record_forces = "all", sink = "null";
   std::optional<double> motion_rate, stiffness;
   std::optional<std::uint64_t> ticks;
@@ -52,7 +55,7 @@ constexpr FlagText kFlagTexts[] = {
     {kCandidateOverflow, "candidate overflow", "raise settings.max_candidates"},
     {kForceLimited, "force limited", "a segment came near settings.max_force, and its force saturates"},
     {kCoarsened, "coarsened", "samples were coarser than asked, to stay within settings.effort"},
-    {kFading, "fading", "forces were rising or fading, as after a loss of tracking"},
+    {kFading, "fading", "forces faded to zero or rose again: their input could not be trusted for a while"},
 };
 
 std::optional<Side> parse_side(const std::string& text) {
@@ -70,6 +73,7 @@ Status load(const RunOptions& options, SceneFile& scene_file) {
   motion.rate = options.motion_rate.value_or(0);
   motion.side = parse_side(options.side);
   motion.unit = parse_metres(options.unit);
+  motion.align = parse_alignment(options.align);
   if (Status status = load_scene_file(options.scene, scene_file, motion); !status.ok()) return status;
   Settings& settings = scene_file.scene.settings;
   if (options.effort) settings.effort = *options.effort;
@@ -121,7 +125,12 @@ std::string finger_or_palm(int f) { return f < kFingerCount ? std::string(finger
 std::uint64_t ticks_with(const RunStatistics& run, TickFlag flag) {
   std::size_t bit = 0;
   while ((1u << bit) != flag) ++bit;
-  return run.flag_ticks[bit];
+  return run.flag_ticks[bit] - (flag == kFading ? run.starting_ticks : 0);
+}
+
+std::pair<int, double> largest_segment_force(const RunStatistics& run) {
+  const auto largest = std::max_element(run.peak_segment.begin(), run.peak_segment.end());
+  return {static_cast<int>(largest - run.peak_segment.begin()), *largest};
 }
 
 Json times_json(const TickTimes& times) {
@@ -147,6 +156,7 @@ std::vector<std::string> trouble_of(const RunStatistics& run, const DeviceLoop* 
   std::vector<std::string> lines = device != nullptr ? device->trouble() : std::vector<std::string>();
   if (!run.recording_error.ok()) lines.push_back("the recording failed: " + run.recording_error.message());
   if (run.not_recorded > 0) lines.push_back(grouped(run.not_recorded) + " ticks are not in the recording");
+  lines.insert(lines.end(), run.untouched.begin(), run.untouched.end());
   return lines;
 }
 
@@ -158,13 +168,17 @@ std::string remedy_of(const FlagText& text, std::uint64_t count, const DeviceLoo
              : "angles of the device missing or not believed";
 }
 
-Json run_json(const RunOptions& options, const Model& model, const RunStatistics& run, const LateReport& late,
-              const DeviceLoop* device) {
+Json run_json(const RunOptions& options, const SceneFile& scene_file, const Model& model,
+              const RunStatistics& run, const LateReport& late, const DeviceLoop* device) {
   Json json;
   json["trouble"] = trouble_of(run, device);
   json["ticks"] = run.ticks;
   json["rate_hz"] = rate_reached(run);
   json["tick_us"] = times_json(run.tick_times);
+  const auto side_text = [](Side side) { return side == Side::left ? "left" : "right"; };
+  json["hand"] = {{"side", side_text(scene_file.motion.side)},
+                  {"other_side", side_text(scene_file.motion.other_side)},
+                  {"other_frames", scene_file.motion.other_frames}};
   json["contacts"] = {{"mean", mean_contacts(run)}, {"max", run.max_contacts}};
   json["deadline_misses"] = run.deadline_misses;
   json["effort"] = {{"max_evaluations", run.max_evaluations},
@@ -178,6 +192,10 @@ Json run_json(const RunOptions& options, const Model& model, const RunStatistics
   json["not_recorded"] = run.not_recorded;
   json["session_rate_hz"] = model.settings.rate;
   json["triangles"] = model.triangles.size();
+  for (const World::Object& object : model.objects) {
+    json["objects"].push_back(
+        {{"name", object.name}, {"triangles", object.triangle_count}, {"winding", to_json(object.winding)}});
+  }
   if (model.world)
     json["world"] = {
         {"file", model.world->path}, {"bytes", model.world->byte_count}, {"held_bytes", run.world_held}};
@@ -187,11 +205,17 @@ Json run_json(const RunOptions& options, const Model& model, const RunStatistics
   for (int s = 0; s < kSegmentCount; ++s) {
     json["peak_torque"][moving_joint(s)] = run.peak_torque[static_cast<std::size_t>(s)];
   }
+  const auto [segment, force] = largest_segment_force(run);
+  json["peak_segment"] = {{"segment", segment_name(segment)}, {"force", force}};
+  json["max_force"] = model.settings.max_force;
+  json["starting_ticks"] = run.starting_ticks;
   json["flags"] = Json::object();
   for (const FlagText& text : kFlagTexts) {
     if (const std::uint64_t count = ticks_with(run, text.flag)) json["flags"][text.name] = count;
   }
   json["interrupted"] = run.interrupted;
+  if (!run.clearance.is_null()) json["clearance"] = run.clearance;
+  if (scene_file.aligned) json["aligned"] = pose_json(scene_file.placement.pose);
   if (options.rate != "max") {
     json["late"] = late_json(run.late, late);
     json["wake_up_us"] = times_json(run.wake_ups);
@@ -208,13 +232,17 @@ Json run_json(const RunOptions& options, const Model& model, const RunStatistics
   return json;
 }
 
-void add_peaks(const RunStatistics& run, Table& table) {
+void add_peaks(const RunStatistics& run, double max_force, Table& table) {
   std::string forces;
   for (int f = 0; f <= kFingerCount; ++f) {
     forces +=
         (f > 0 ? "   " : "") + finger_or_palm(f) + " " + brief(run.peak_force[static_cast<std::size_t>(f)]);
   }
   table.add("peak force [N]", forces);
+  const auto [segment, force] = largest_segment_force(run);
+  table.add("", "of a finger's three segments together; of one segment " + brief(force) +
+                    (force > 0 ? " (" + std::string(segment_name(segment)) + ")" : std::string()) +
+                    ", at most max_force " + brief(max_force));
   for (int first = 0; first < kSegmentCount; first += 3) {
     std::string torques;
     for (int s = first; s < std::min(first + 3, kSegmentCount); ++s) {
@@ -226,6 +254,9 @@ void add_peaks(const RunStatistics& run, Table& table) {
 }
 
 void add_flags(const RunStatistics& run, const DeviceLoop* device, Table& table) {
+  if (run.starting_ticks > 0)
+    table.add("starting", "in " + grouped(run.starting_ticks) +
+                              " ticks: forces rise from zero within settings.fade_time, as at every start");
   for (const FlagText& text : kFlagTexts) {
     const std::uint64_t count = ticks_with(run, text.flag);
     if (count > 0) table.add(text.name, "in " + grouped(count) + " ticks: " + remedy_of(text, count, device));
@@ -258,8 +289,8 @@ void add_effort(const Model& model, const RunStatistics& run, Table& table) {
                     " bounds them to half a period, by this session's times");
 }
 
-std::string run_text(const RunOptions& options, const Model& model, const RunStatistics& run,
-                     const LateReport& late, const DeviceLoop* device) {
+std::string run_text(const RunOptions& options, const SceneFile& scene_file, const Model& model,
+                     const RunStatistics& run, const LateReport& late, const DeviceLoop* device) {
   Table table;
   for (const std::string& line : trouble_of(run, device))
     table.add(table.rows.empty() ? "trouble" : "", line);
@@ -275,16 +306,20 @@ std::string run_text(const RunOptions& options, const Model& model, const RunSta
     add_real_time(run, table);
     add_effort(model, run, table);
   }
+  table.add("hand", hand_text(scene_file.motion));
   table.add("contacts", "mean " + brief(mean_contacts(run)) + "   max " + grouped(run.max_contacts) +
                             "   of " + grouped(model.triangles.size()) + " triangles");
   table.add("computed with", std::string(broadphase_name(model.execution.broadphase)) + ", law " +
                                  law_of(model.settings) + ", " + std::string(isa_name(model.execution.isa)) +
                                  ", " + std::to_string(model.execution.threads) + " thread(s)");
   if (const auto report = voxel_report(model)) add_voxels(*report, table);
+  add_windings(model.objects, table);
+  if (scene_file.aligned) table.add("aligned", "write into the scene's motion, in the place of align:");
+  if (scene_file.aligned) table.add("", pose_text(scene_file.placement.pose));
   if (model.world)
     table.add("world file", model.world->path + ", " + grouped(model.world->byte_count) + " bytes, at most " +
                                 grouped(run.world_held) + " in memory");
-  add_peaks(run, table);
+  add_peaks(run, model.settings.max_force, table);
   add_flags(run, device, table);
   if (device != nullptr) device->add_rows(table);
   if (!options.record.empty()) {
@@ -307,6 +342,16 @@ int run_comparison(const RunOptions& options, const SceneFile& scene_file) {
       compare_precision(scene_file.scene, scene_file.execution, scene_file.motion, seconds, comparison);
   return status.ok() ? print_comparison(comparison, options.json)
                      : fail(options.scene + ": " + status.message());
+}
+
+// A session without a contact is most often a motion that passes by, or a wrong unit.
+void explain_untouched(const SceneFile& scene_file, RunStatistics& statistics) {
+  const double seconds = static_cast<double>(statistics.ticks) / scene_file.scene.settings.rate;
+  const Clearance clearance = find_clearance(scene_file.scene, scene_file.motion, seconds);
+  statistics.clearance = to_json(clearance, scene_file.scene);
+  statistics.untouched = approach_sentences(clearance, scene_file.scene);
+  statistics.untouched.insert(statistics.untouched.begin(),
+                              "nothing was touched; --align contact moves the hand to the first object");
 }
 
 int run(const RunOptions& options) {
@@ -363,10 +408,12 @@ int run(const RunOptions& options) {
     if (!status.ok() && !unrecorded) return kUnreadable;
   }
   if (!statistics.world_error.ok()) return fail(statistics.world_error);
+  if (statistics.contacts == 0 && statistics.ticks > 0) explain_untouched(scene_file, statistics);
   const DeviceLoop* const shown = with_device ? &device : nullptr;
   const LateReport late = study(statistics.late, scene_file.scene, model);
-  const int printed = options.json ? print_json(run_json(options, model, statistics, late, shown))
-                                   : print_text(run_text(options, model, statistics, late, shown));
+  const int printed = options.json
+                          ? print_json(run_json(options, scene_file, model, statistics, late, shown))
+                          : print_text(run_text(options, scene_file, model, statistics, late, shown));
   if (printed != kDone || told) return kUnreadable;
   if (with_device && !device.forces_flow()) return kNoForces;
   return statistics.interrupted ? kInterrupted : kDone;
@@ -393,9 +440,14 @@ void add_run(Command& app, int& exit_code) {
       ->type_name("FILE");
   command->add_option("--motion-rate", options->motion_rate, "Of motion files without time stamps [Hz]")
       ->check(number_in(1e-3, 1e6));
-  command->add_option("--side", options->side, "Of motion files that don't say")
+  command
+      ->add_option("--side", options->side,
+                   "Which hand of a motion file, or what it is where it does not say")
       ->check(one_of({"left", "right"}));
   command->add_option("--unit", options->unit, "Of the motion file's numbers")->check(is_unit());
+  command->add_option("--align", options->align, "Move the motion to an object, and tell where to")
+      ->check(is_alignment())
+      ->type_name("[OBJECT:]centre|top|...|contact|x,y,z");
   command->add_option("--ticks", options->ticks, "Length of the session; default: the motion's")
       ->check(number_in(1, 1e9));
   command->add_option("--rate", options->rate, "Ticks per second by the clock, or max: as fast as it goes")

@@ -5,12 +5,14 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "commands.h"
 #include "lumbrical/scene_file.h"
 #include "lumbrical/world.h"
 #include "output.h"
 #include "switches.h"
+#include "winding_text.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -22,7 +24,8 @@ struct WorldOptions {
   bool json = false;
 };
 
-Status build_world(const WorldOptions& options) {
+// `objects` is told the names and what was turned.
+Status build_world(const WorldOptions& options, std::vector<World::Object>& objects) {
   WorldWriter writer;
   const auto begin = [&](const Execution& execution) {
     Execution chosen = execution;
@@ -31,7 +34,9 @@ Status build_world(const WorldOptions& options) {
     return writer.open(options.output, chosen);
   };
   Status status = load_scene_objects(options.scene, begin, [&](SceneObject&& object) {
-    return writer.add_object(object.name, object.mesh);
+    World::Object& added = objects.emplace_back();
+    added.name = object.name;
+    return writer.add_object(object, &added.winding);
   });
   return status.ok() ? writer.finish() : status;
 }
@@ -41,7 +46,8 @@ int make_world(const WorldOptions& options) {
   std::error_code ignored;
   if (std::filesystem::equivalent(options.scene, options.output, ignored))
     return fail(options.output + ": is the scene; name another file");
-  if (Status status = build_world(options); !status.ok()) return fail(status);
+  std::vector<World::Object> objects;
+  if (Status status = build_world(options, objects); !status.ok()) return fail(status);
   // What was written is read once more, as whoever uses it will.
   std::shared_ptr<const World> world;
   if (Status status = open_world(options.output, world); !status.ok()) return fail(status);
@@ -56,6 +62,8 @@ int make_world(const WorldOptions& options) {
     json["cell_size"] = world->grid.cell_size;
     json["bytes"] = world->byte_count;
     json["seconds"] = seconds;
+    json["windings"] = Json::object();
+    for (const World::Object& object : objects) json["windings"][object.name] = to_json(object.winding);
     return print_json(json);
   }
   Table table;
@@ -63,6 +71,7 @@ int make_world(const WorldOptions& options) {
   table.add("objects", grouped(world->objects.size()));
   table.add("triangles", grouped(world->triangles.size()));
   table.add("cells", grouped(world->grid.cell.size()) + " of " + brief(world->grid.cell_size) + " m");
+  add_windings(objects, table);
   table.add("time", brief(seconds) + " s");
   return print_text(table.text());
 }

@@ -54,6 +54,10 @@ int fail(std::string_view message) {
   return kUnreadable;
 }
 
+void warn(std::string_view message) {
+  std::fprintf(stderr, "warning: %.*s\n", static_cast<int>(message.size()), message.data());
+}
+
 int fail(const Status& status) { return fail(status.message()); }
 
 int print_text(std::string_view unchecked) {

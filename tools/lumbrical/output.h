@@ -33,6 +33,9 @@ std::string printable(std::string_view text, bool lines = false);
 int fail(const Status& status);
 int fail(std::string_view message);
 
+/// Prints "warning: " and the message to standard error.
+void warn(std::string_view message);
+
 /// Prints one JSON object to standard output. Answers kDone, or kUnreadable where it can't be written (full
 /// disk). Whoever has closed the other end of a pipe has read enough: that is no failure.
 int print_json(const Json& object);

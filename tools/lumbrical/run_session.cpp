@@ -29,7 +29,9 @@ std::int64_t session_ns(std::uint64_t tick, double rate) {
   return static_cast<std::int64_t>(static_cast<double>(tick) * 1e9 / rate);
 }
 
-void add_output(const ActuatorFrame& output, RunStatistics& statistics) {
+void add_output(const ActuatorFrame& output, const State& state, RunStatistics& statistics) {
+  const bool starting = statistics.starting_ticks == statistics.ticks;
+  if (starting && state.rise > 0 && (output.flags & kFading) != 0) ++statistics.starting_ticks;
   statistics.contacts += output.contact_count;
   statistics.max_contacts = std::max(statistics.max_contacts, output.contact_count);
   statistics.max_evaluations = std::max(statistics.max_evaluations, output.evaluations);
@@ -41,6 +43,7 @@ void add_output(const ActuatorFrame& output, RunStatistics& statistics) {
   double& palm = statistics.peak_force[kFingerCount];
   palm = std::max(palm, norm(output.segment[kPalmSegment].force));
   for (std::size_t s = 0; s < kSegmentCount; ++s) {
+    statistics.peak_segment[s] = std::max(statistics.peak_segment[s], norm(output.segment[s].force));
     statistics.peak_torque[s] = std::max(statistics.peak_torque[s], norm(output.joint_torque[s]));
   }
   for (std::size_t bit = 0; bit < statistics.flag_ticks.size(); ++bit) {
@@ -139,7 +142,7 @@ RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_
       statistics.evaluating_ns += record.duration_ns;
     }
     if (parts.view != nullptr) parts.view->put(record);
-    add_output(record.output, statistics);
+    add_output(record.output, state, statistics);
     statistics.world_held = std::max(statistics.world_held, pager.held_bytes());
     ++statistics.ticks;
     if (parts.recorder != nullptr) {

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "device_loop.h"
 #include "late_ticks.h"
@@ -31,13 +33,17 @@ struct RunStatistics {
   std::uint64_t max_evaluations = 0;                  ///< of fields by samples, in one tick
   double evaluations = 0, evaluating_ns = 0;          ///< sums over the ticks in which there were any
   std::array<double, kFingerCount + 1> peak_force{};  ///< [N] per finger (its segments' sum) and of the palm
+  std::array<double, kSegmentCount> peak_segment{};   ///< [N] per segment: what Settings::max_force bounds
   std::array<double, kSegmentCount> peak_torque{};    ///< [N m] about each segment's base joint
   std::array<std::uint64_t, 32> flag_ticks{};         ///< ticks in which TickFlag bit i was set
-  Status recording_error;                             ///< that ended the recording before the session
-  std::uint64_t not_recorded = 0;                     ///< ticks that are not in the file
-  Status world_error;                                 ///< that ended the session: its file was changed
-  bool interrupted = false;                           ///< by a signal (ways_out.h)
-  std::size_t world_held = 0;                         ///< [bytes] of a world file, at most
+  std::uint64_t starting_ticks = 0;    ///< the first ones, in which forces rose as at every start
+  Status recording_error;              ///< that ended the recording before the session
+  std::uint64_t not_recorded = 0;      ///< ticks that are not in the file
+  Status world_error;                  ///< that ended the session: its file was changed
+  bool interrupted = false;            ///< by a signal (ways_out.h)
+  std::size_t world_held = 0;          ///< [bytes] of a world file, at most
+  std::vector<std::string> untouched;  ///< where nothing was touched: how near the hand came
+  Json clearance;                      ///< the same; null where something was touched
 };
 
 /// What a session has besides a model and a motion; each may be absent.

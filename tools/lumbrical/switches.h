@@ -8,6 +8,7 @@
 #include <string>
 
 #include "command_line.h"
+#include "lumbrical/clearance.h"
 #include "lumbrical/model.h"
 
 namespace lumbrical::tool {
@@ -35,6 +36,13 @@ inline Check is_path() {
 }
 
 inline Check is_unit() { return one_of({"m", "cm", "mm"}); }
+inline Check is_alignment() {
+  return {[](std::string& text) -> std::string {
+            if (parse_alignment(text)) return {};
+            return "\"" + text + "\" is none of " + kAlignmentForms;
+          },
+          "ALIGNMENT"};
+}
 inline Check is_law() { return one_of({"field", "column", "max-depth", "centroid", "point"}); }
 
 /// Searches that this build has.

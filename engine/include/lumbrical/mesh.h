@@ -30,7 +30,7 @@ std::optional<Unit> parse_unit(std::string_view text);
 /// and the file name second. All groups, solids or nodes of a file are one mesh; those of glTF stand where
 /// the file's scene puts them. Vertices of STL files at exactly the same position are merged (-0 equals +0).
 /// Triangles keep the order of the file and none is dropped, not even a degenerate one, but for those that
-/// only join strips. "-" is standard input. At most 8 GiB, 2^32 - 2 vertices and as many triangles; at least
+/// only join strips. "-" is standard input. At most 8 GiB, 2^32 - 2 vertices and 2^31 - 1 triangles; at least
 /// one triangle. `unit` is the unit of the file's numbers; the mesh is in metres and all its coordinates are
 /// finite. On error `mesh` is unchanged and the message starts with "path:line:column:" or "path: byte N:"
 /// (from 0), or with "path:" alone where the fault has no place in the file.
@@ -68,7 +68,40 @@ struct MeshReport {
   std::vector<std::string> examples;
 };
 
-/// O(n log n). The triangles' indices must be in range and the vertices finite.
+/// O(n log n). Fewer than 2^31 triangles, their indices in range and the vertices finite.
 MeshReport inspect_mesh(const Mesh& mesh);
+
+/// Which way triangles are wound. Forces follow their normals: a mesh that is inside out pulls the hand in.
+enum class Winding : std::uint8_t {
+  automatic,  ///< closed parts are turned outside out, open ones stay as they are; see WindingReport
+  as_is,      ///< as the triangles stand
+  flip,       ///< every triangle the other way round
+};
+std::optional<Winding> parse_winding(std::string_view text);  ///< "auto", "as is" or "flip"
+std::string_view winding_name(Winding winding);
+
+/// What was done for a mesh to face outwards. Its parts are what hangs together across edges that exactly two
+/// triangles share (vertices at one position are one; copies of a triangle go with the first).
+///
+/// A part is closed when it can be wound one way throughout, encloses a volume, and what its holes leave open
+/// is at most a twentieth of its area. It is wound so that its volume is positive, each of its triangles. But
+/// where it lies inside the solid of another closed part it may be a cavity or a solid in a solid: then it
+/// stays as it is to the part it lies in, and is turned where that is turned as a whole.
+struct WindingReport {
+  std::size_t parts = 0;             ///< 0 where nobody looked: Winding::as_is and flip
+  std::size_t inner_parts = 0;       ///< closed and inside others
+  std::size_t turned_parts = 0;      ///< with at least one triangle turned
+  std::size_t turned_triangles = 0;  ///< their last two corners changed places
+  std::size_t open_parts = 0;        ///< left as they are: only the user knows which side is outside
+  std::size_t open_triangles = 0;
+  double open_area = 0;     ///< [m^2] of the open parts, of which
+  double outward_area = 0;  ///< [m^2] faces away from the middle of its part's bounding box,
+  double inward_area = 0;   ///< [m^2] faces it, and the rest neither
+  friend bool operator==(const WindingReport&, const WindingReport&) = default;
+};
+
+/// Turns a mesh's triangles as build_model does. What faces the right way keeps its bits. A pure function of
+/// the mesh.
+WindingReport wind_outwards(Mesh& mesh, Winding winding = Winding::automatic);
 
 }  // namespace lumbrical

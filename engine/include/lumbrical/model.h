@@ -101,6 +101,7 @@ struct Execution {
 struct SceneObject {
   std::string name;
   Mesh mesh;  ///< already in the world frame [m]
+  Winding winding = Winding::automatic;
 };
 
 struct World;
@@ -170,6 +171,7 @@ struct World {
     std::string name;
     std::uint32_t first_triangle = 0, triangle_count = 0;
     std::uint32_t first_vertex = 0, vertex_count = 0;
+    WindingReport winding{};  ///< what build_model turned; of a world file nothing: its writer has turned it
   };
   std::string path;           ///< of the file, as it was opened
   std::uint64_t content = 0;  ///< hash of what is in it
@@ -206,12 +208,19 @@ struct Model {
 };
 
 /// Checks the scene and builds what the ticks need. Refuses settings out of range, non-finite vertices and
-/// triangle indices out of range, naming the field or object; on error `model` is unchanged. A world comes
-/// with its grid: `execution` may ask for that or for brute force, the sizes of cells and leaves are the
-/// world's.
+/// triangle indices out of range, naming the field or object; on error `model` is unchanged. Meshes are
+/// turned outside out as their objects' winding says; Model::objects tells what was turned, and what could
+/// not be decided. A world comes with its grid: `execution` may ask for that or for brute force, the sizes of
+/// cells and leaves are the world's.
 Status build_model(const Scene& scene, const Execution& execution, Model& model);
 
-/// The scene a model was built from, equal bit for bit: what a recording carries.
+/// The same world and settings for another hand: everything that does not depend on the hand is shared, so
+/// that two hands in one scene take one world's memory. Each is ticked with a State and Scratch of its own.
+/// Refuses what build_model refuses of a hand; on error `model` is unchanged.
+Status share_world(const Model& world, const Hand& hand, Model& model);
+
+/// The scene a model was built from, equal bit for bit but for what was turned outside out, so that its
+/// objects are to be taken as they are: what a recording carries.
 Scene scene_of(const Model& model);
 
 }  // namespace lumbrical

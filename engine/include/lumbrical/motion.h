@@ -22,6 +22,8 @@ struct Motion {
   Side side = Side::right;
   std::array<double, kJointCount> radius{};  ///< [m] as the source tells them; 0 where it does not
   std::vector<MotionSample> samples;         ///< at least one; all of one InputKind
+  std::size_t other_frames = 0;              ///< frames of the file that also show a hand which was not taken
+  Side other_side = Side::left;              ///< of the first such hand: MotionOptions::side takes it
   std::string format;  ///< what the file was taken for: "webxr", "leapjs", "landmarks", "bvh", "angles"; or
                        ///< "grasp" (made)
 };
@@ -48,7 +50,7 @@ struct MotionOptions {
 ///   microseconds; frames are objects, or arrays of which the first describes the layout. LZ-compressed
 ///   recordings are refused. Frames without five fingers of the hand are kTrackingLost. With several hands,
 ///   the first of the side asked for (of any side by default) is followed by its id, and after its loss the
-///   next hand of the same side.
+///   next hand of the same side; Motion::other_frames tells of others.
 /// - landmarks: CSV of 21 points in MediaPipe's order, 63 columns x0,y0,z0,x1..., with or without a header
 ///   line; a leading 64th column of seconds if the header names it `time` or `t`. A frame whose points all
 ///   coincide is kTrackingLost.

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "lumbrical/clearance.h"
 #include "lumbrical/model.h"
 #include "lumbrical/motion.h"
 #include "lumbrical/status.h"
@@ -16,7 +17,10 @@ namespace lumbrical {
 struct SceneFile {
   Scene scene;  ///< meshes placed in the world, the hand fitted to the motion
   Execution execution;
-  Motion motion;                   ///< placed in the world
+  Motion motion;              ///< placed in the world
+  MotionPlacement placement;  ///< that it was placed with, alignment included
+  bool aligned =
+      false;  ///< it was moved to meet an object (find_shift): write the placement's pose into the scene
   double seconds = 0;              ///< [s] length of the session, > 0
   std::vector<std::string> files;  ///< every file that was read, the scene file first
 };
@@ -26,7 +30,8 @@ struct MotionOverride {
   std::string file;  ///< a motion file; empty: the scene's own motion
   double rate = 0;   ///< [Hz] of files without time stamps; 0: the scene's
   std::optional<Side> side;
-  double unit = 0;  ///< [m] per number of the motion file; 0: the scene's
+  double unit = 0;                 ///< [m] per number of the motion file; 0: the scene's
+  std::optional<Alignment> align;  ///< above the scene's
 };
 
 /// Reads a scene file ("-": standard input) and every mesh and motion it names (paths relative to the scene

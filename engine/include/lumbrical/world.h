@@ -23,9 +23,10 @@ class WorldWriter {
   /// The file grows as `path`.part and takes its place when it is finished. Of `execution` cell_size,
   /// leaf_size and tree_levels count, and threads.
   Status open(const std::string& path, const Execution& execution);
-  /// A mesh placed in the world [m]; refuses what build_model refuses. Triangles keep the order in which they
-  /// come: those that are near each other in it share pages.
-  Status add_object(const std::string& name, const Mesh& mesh);
+  /// A mesh placed in the world [m]; refuses what build_model refuses, and turns what build_model turns, for
+  /// good: a model takes a world as it is written. Triangles keep the order in which they come: those that
+  /// are near each other in it share pages.
+  Status add_object(const SceneObject& object, WindingReport* report = nullptr);
   /// Builds the grid and puts the file in its place.
   Status finish();
 

@@ -164,7 +164,7 @@ Status read_hand_and_motion(const format::Scene& scene, const format::Hand* hand
   hand = read_hand(hand_table, at, side.value_or(Side::right), hand_read);
   if (!hand_read.ok()) return hand_read.status();
   if (grasp) result.motion = read_grasp(*table->grasp(), hand, read);
-  MotionPlacement placement;
+  MotionPlacement& placement = result.placement;
   read_placement(table, read, placement);
   if (!read.ok()) return read.status();
   if (Status status = place_motion(placement, result.motion); !status.ok()) {
@@ -176,6 +176,29 @@ Status read_hand_and_motion(const format::Scene& scene, const format::Hand* hand
   if (Status status = check_hand(hand); !status.ok())
     hand_read.error(at, "makes no hand: " + status.message());
   return hand_read.status();
+}
+
+// Once hand, motion and objects are there.
+Status align_motion(const format::Motion* table, const MotionOverride& chosen, FieldReader& read,
+                    SceneFile& result) {
+  std::optional<Alignment> alignment = chosen.align;
+  if (!alignment && table != nullptr && table->align() != nullptr) {
+    alignment = parse_alignment(table->align()->string_view());
+    if (!alignment) {
+      read.error("motion.align", std::string("must be ") + kAlignmentForms);
+      return read.status();
+    }
+  }
+  if (!alignment) return {};
+  Vec3 shift;
+  if (Status status = find_shift(result.scene, result.motion, result.seconds, *alignment, shift);
+      !status.ok()) {
+    read.error("motion", status.message());
+    return read.status();
+  }
+  result.placement.pose.position += shift;
+  result.aligned = true;
+  return place_motion({{shift, {}}, 1}, result.motion);
 }
 
 Status read_session(const format::Scene& table, FieldReader& read, SceneFile& result) {
@@ -263,6 +286,7 @@ Status load_scene_file(const std::string& path, SceneFile& scene_file, const Mot
   Status status = read_hand_and_motion(scene, hand_table, at, motion, read, hand_read, result);
   if (status.ok()) status = read_session(scene, read, result);
   if (status.ok()) status = read_things(scene, read, result);
+  if (status.ok()) status = align_motion(scene.motion(), motion, read, result);
   if (!status.ok()) return status;
   scene_file = std::move(result);
   return {};

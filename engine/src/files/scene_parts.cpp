@@ -83,6 +83,8 @@ Status read_mesh(const format::Object& table, const std::string& at, FieldReader
                     (table.height_field() != nullptr);
   if (given != 1) {
     read.error(at, "must be exactly one of mesh, mug, plane, box, sphere and height_field");
+  } else if (table.mesh() == nullptr && table.winding() != nullptr) {
+    read.error(at + ".winding", "has no meaning for a built-in shape, which faces outwards");
   } else if (table.mesh() == nullptr && table.unit() != nullptr) {
     read.error(at + ".unit", "has no meaning for a built-in shape, which is in metres");
   } else if (table.mug() != nullptr) {
@@ -106,6 +108,11 @@ Status read_mesh(const format::Object& table, const std::string& at, FieldReader
     const std::string path = beside(files[0], table.mesh()->string_view());
     if (Status status = load_mesh(path, unit, object.mesh); !status.ok()) return status;
     files.push_back(path);
+    if (table.winding() != nullptr) {
+      const auto winding = parse_winding(table.winding()->string_view());
+      if (!winding) read.error(at + ".winding", R"(must be "auto", "as is" or "flip")");
+      object.winding = winding.value_or(Winding::automatic);
+    }
     object.name = std::filesystem::path(path).stem().string();
   }
   return read.status();
@@ -224,6 +231,7 @@ Status read_objects(const format::Scene& scene, FieldReader& read, std::vector<s
     const std::string at = "objects[" + std::to_string(i) + "]";
     SceneObject object;
     if (Status status = read_mesh(table, at, read, files, object); !status.ok()) return status;
+    if (table.mesh() == nullptr) object.winding = Winding::as_is;  // shapes face outwards
     place_object(table, at, read, object.mesh);
     if (table.name() != nullptr) object.name = table.name()->str();
     if (!read.ok()) return read.status();

@@ -17,6 +17,7 @@
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "lumbrical/world.h"
+#include "model/mesh_winding.h"
 #include "model/scene_check.h"
 
 namespace lumbrical {
@@ -175,7 +176,7 @@ struct WorldWriter::Build {
   WorldEnd end;
 
   Status open();
-  Status add(const std::string& name, const Mesh& mesh);
+  Status add(const SceneObject& object, WindingReport& report);
   Status write_triangles();
   Status write_grid();
   Status sort_by_cell(const Triangles& triangles, const std::shared_ptr<const std::byte>& mapped,
@@ -192,12 +193,15 @@ Status WorldWriter::Build::open() {
   return {};
 }
 
-Status WorldWriter::Build::add(const std::string& name, const Mesh& mesh) {
+Status WorldWriter::Build::add(const SceneObject& added, WindingReport& report) {
+  const std::string& name = added.name;
+  const Mesh& mesh = added.mesh;
   const std::uint64_t vertices = end.vertices + mesh.vertices.size();
   const std::uint64_t triangles = end.triangles + mesh.triangles.size();
   if (Status status = check_object(name, mesh, execution.threads); !status.ok()) return status;
   if (Status status = check_counts(vertices, triangles); !status.ok()) return status;
   if (name.size() > 65535) return Status::error("an object's name has more than 65535 bytes; shorten it");
+  const std::vector<bool> turned = turned_triangles(mesh, added.winding, execution.threads, report);
   constexpr std::array<double Vec3::*, 3> kAxis = {&Vec3::x, &Vec3::y, &Vec3::z};
   std::vector<double> numbers(mesh.vertices.size());
   std::vector<std::uint32_t> corners(mesh.triangles.size());
@@ -206,8 +210,10 @@ Status WorldWriter::Build::add(const std::string& name, const Mesh& mesh) {
                    [&](const Vec3& p) { return p.*kAxis[k]; });
     if (Status status = append_items(std::span<const double>(numbers), arrays[k]); !status.ok())
       return status;
-    std::transform(mesh.triangles.begin(), mesh.triangles.end(), corners.begin(),
-                   [&](const Triangle& t) { return static_cast<std::uint32_t>(end.vertices) + t[k]; });
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const bool swap = k > 0 && !turned.empty() && turned[i];
+      corners[i] = static_cast<std::uint32_t>(end.vertices) + mesh.triangles[i][swap ? 3 - k : k];
+    }
     if (Status status = append_items(std::span<const std::uint32_t>(corners), arrays[3 + k]); !status.ok())
       return status;
   }
@@ -344,12 +350,13 @@ Status WorldWriter::open(const std::string& path, const Execution& execution) tr
   return Status::error(path + ": not enough memory to write a world");
 }
 
-Status WorldWriter::add_object(const std::string& name, const Mesh& mesh) try {
+Status WorldWriter::add_object(const SceneObject& object, WindingReport* report) try {
   const FloatingPointGuard guard;
   if (!build_) return Status::error("no world file is open; open one first");
-  return build_->add(name, mesh);
+  WindingReport ignored;
+  return build_->add(object, report != nullptr ? *report : ignored);
 } catch (const std::bad_alloc&) {
-  return Status::error("object \"" + name + "\": not enough memory for it; split it");
+  return Status::error("object \"" + object.name + "\": not enough memory for it; split it");
 }
 
 Status WorldWriter::finish() {

@@ -11,6 +11,7 @@
 #include "base/standard_input.h"
 #include "base/text_cursor.h"
 #include "model/mesh_formats.h"
+#include "model/scene_check.h"
 
 namespace lumbrical {
 namespace {
@@ -119,8 +120,8 @@ Status parse_in_file_units(std::string_view content, const std::string& name, co
 Status check_size(const Mesh& mesh, const std::string& name) {
   if (mesh.triangles.empty())
     return Status::error(name + ": the file has no triangles; export the mesh with faces");
-  if (mesh.triangles.size() > kMaxVertexCount) {
-    return Status::error(name + ": more than 2^32 - 2 triangles; split the mesh");
+  if (mesh.triangles.size() >= kTriangleLimit) {
+    return Status::error(name + ": 2^31 triangles or more; split the mesh");
   }
   return {};
 }

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <numeric>
+#include <span>
 #include <tuple>
 
 #include "lumbrical/mesh.h"
+#include "model/mesh_edges.h"
+#include "model/triangle_parts.h"
 #include "model/vertex_merge.h"
 
 namespace lumbrical {
@@ -30,10 +32,7 @@ struct Subject {
     const Vec3& p = mesh.vertices[vertex];
     return {std::ldexp(p.x, -exponent), std::ldexp(p.y, -exponent), std::ldexp(p.z, -exponent)};
   }
-  Triangle merged(std::size_t triangle) const {
-    const Triangle& t = mesh.triangles[triangle];
-    return {first[t[0]], first[t[1]], first[t[2]]};
-  }
+  Triangle merged(std::size_t triangle) const { return merged_corners(mesh.triangles[triangle], first); }
 };
 
 struct Examples {
@@ -41,8 +40,6 @@ struct Examples {
   std::size_t given = 0;
   bool wanted() { return given++ < kExamplesPerKind; }
 };
-
-bool corners_coincide(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
 double largest_of(Vec3 v) { return max(max(std::fabs(v.x), std::fabs(v.y)), std::fabs(v.z)); }
 
@@ -181,98 +178,51 @@ void count_duplicates(const Subject& subject, MeshReport& report) {
 
 // ---- Edges ----
 
-/// An edge as one triangle runs through it.
-struct HalfEdge {
-  std::uint32_t low, high;  // merged vertices
-  std::uint32_t triangle;
-  bool upwards;  // from low to high
-  bool same_edge(const HalfEdge& other) const { return low == other.low && high == other.high; }
-  friend bool operator<(const HalfEdge& a, const HalfEdge& b) {
-    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
-  }
-};
-
-/// Without the triangles whose corners coincide: they have no three edges.
-std::vector<HalfEdge> sorted_half_edges(const Subject& subject) {
-  std::vector<HalfEdge> edges;
-  edges.reserve(3 * subject.mesh.triangles.size());
-  for (std::size_t i = 0; i < subject.mesh.triangles.size(); ++i) {
-    const Triangle t = subject.merged(i);
-    if (corners_coincide(t)) continue;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t from = t[k], to = t[(k + 1) % 3];
-      edges.push_back({std::min(from, to), std::max(from, to), static_cast<std::uint32_t>(i), from < to});
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  return edges;
-}
-
-/// Joins triangles into parts; the smallest triangle of a part stands for it.
-class Parts {
- public:
-  explicit Parts(std::size_t triangle_count) : parent_(triangle_count) {
-    std::iota(parent_.begin(), parent_.end(), 0u);
-  }
-  std::uint32_t find(std::uint32_t triangle) {
-    while (parent_[triangle] != triangle) triangle = parent_[triangle] = parent_[parent_[triangle]];
-    return triangle;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
-std::string named(const HalfEdge& edge) {
-  return "edge " + std::to_string(edge.low) + "-" + std::to_string(edge.high);
+std::string named(std::uint32_t low, HalfEdge half) {
+  return "edge " + std::to_string(low) + "-" + std::to_string(half.high());
 }
 
 struct EdgeExamples {
   Examples boundary, non_manifold, misoriented;
 };
 
-/// `edge` is the first of `count` half-edges between the same two vertices.
-void judge_edge(const HalfEdge* edge, std::size_t count, MeshReport& report, EdgeExamples& examples) {
-  if (count == 1) {
+void judge_edge(std::uint32_t low, std::span<const HalfEdge> edge, MeshReport& report,
+                EdgeExamples& examples) {
+  if (edge.size() == 1) {
     ++report.boundary_edges;
     if (examples.boundary.wanted()) {
-      report.examples.push_back(named(*edge) + " is open (only " + named(edge->triangle) + " has it)");
+      report.examples.push_back(named(low, edge[0]) + " is open (only " + named(edge[0].triangle()) +
+                                " has it)");
     }
-  } else if (count > 2) {
+  } else if (edge.size() > 2) {
     ++report.non_manifold_edges;
     if (examples.non_manifold.wanted()) {
-      report.examples.push_back(named(*edge) + " is not manifold (" + std::to_string(count) +
-                                " triangles share it, the first is " + named(edge->triangle) + ")");
+      report.examples.push_back(named(low, edge[0]) + " is not manifold (" + std::to_string(edge.size()) +
+                                " triangles share it, the first is " + named(edge[0].triangle()) + ")");
     }
-  } else if (edge[0].upwards == edge[1].upwards) {
+  } else if (edge[0].upwards() == edge[1].upwards()) {
     ++report.misoriented_edges;
     if (examples.misoriented.wanted()) {
-      report.examples.push_back(named(*edge) + " is misoriented (" + named(edge[0].triangle) + " and " +
-                                named(edge[1].triangle) + " run through it in the same direction)");
+      report.examples.push_back(named(low, edge[0]) + " is misoriented (" + named(edge[0].triangle()) +
+                                " and " + named(edge[1].triangle()) +
+                                " run through it in the same direction)");
     }
   }
 }
 
 void count_edges(const Subject& subject, MeshReport& report) {
-  const std::vector<HalfEdge> edges = sorted_half_edges(subject);
-  Parts parts(subject.mesh.triangles.size());
+  const MeshEdges edges = edges_of(subject.mesh, subject.first);
+  TriangleParts parts(subject.mesh.triangles.size());
   EdgeExamples examples{{report.examples}, {report.examples}, {report.examples}};
-  for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-    for (end = begin + 1; end < edges.size() && edges[end].same_edge(edges[begin]); ++end) {
-      parts.join(edges[begin].triangle, edges[end].triangle);
-    }
-    judge_edge(&edges[begin], end - begin, report, examples);
-  }
+  edges.for_each([&](std::uint32_t low, std::span<const HalfEdge> edge) {
+    for (const HalfEdge half : edge) parts.join(edge[0].triangle(), half.triangle(), false);
+    judge_edge(low, edge, report, examples);
+  });
   for (std::size_t i = 0; i < subject.mesh.triangles.size(); ++i) {
     const bool counted = !corners_coincide(subject.merged(i));
-    if (counted && parts.find(static_cast<std::uint32_t>(i)) == i) ++report.components;
+    if (counted && parts.find(static_cast<std::uint32_t>(i)).part == i) ++report.components;
   }
-  report.watertight = !edges.empty() && report.boundary_edges == 0 && report.non_manifold_edges == 0 &&
+  report.watertight = !edges.half.empty() && report.boundary_edges == 0 && report.non_manifold_edges == 0 &&
                       report.misoriented_edges == 0;
 }
 

@@ -12,6 +12,7 @@
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
+#include "model/mesh_winding.h"
 #include "model/scene_check.h"
 
 namespace lumbrical {
@@ -30,6 +31,11 @@ constexpr std::array<std::pair<std::string_view, Broadphase>, 5> kBroadphaseName
     {"grid", Broadphase::grid},
     {"voxel", Broadphase::voxel},
     {"brute", Broadphase::brute},
+}};
+constexpr std::array<std::pair<std::string_view, Winding>, 3> kWindingNames = {{
+    {"auto", Winding::automatic},
+    {"as is", Winding::as_is},
+    {"flip", Winding::flip},
 }};
 constexpr std::array<std::pair<std::string_view, Isa>, 7> kIsaNames = {{
     {"auto", Isa::automatic},
@@ -58,8 +64,9 @@ std::string_view name_valued(const Names& names, T wanted) {
 }
 
 // Each of the world's six arrays is written from end to end by one thread, whose memory it then is.
-Triangles gather_triangles(const Scene& scene, std::size_t vertex_count, std::size_t triangle_count,
-                           std::size_t threads) {
+// `turned` tells for each object whose last two corners change places; empty: none of its.
+Triangles gather_triangles(const Scene& scene, const std::vector<std::vector<bool>>& turned,
+                           std::size_t vertex_count, std::size_t triangle_count, std::size_t threads) {
   constexpr std::array<double Vec3::*, 3> kAxis = {&Vec3::x, &Vec3::y, &Vec3::z};
   std::array<std::vector<double>, 3> numbers;
   std::array<std::vector<std::uint32_t>, 3> corners;
@@ -74,10 +81,13 @@ Triangles gather_triangles(const Scene& scene, std::size_t vertex_count, std::si
       }
       std::uint32_t first_vertex = 0;
       corners[k / 2].reserve(triangle_count);
-      for (const SceneObject& object : scene.objects) {
-        for (const Triangle& triangle : object.mesh.triangles)
-          corners[k / 2].push_back(first_vertex + triangle[k / 2]);
-        first_vertex += static_cast<std::uint32_t>(object.mesh.vertices.size());
+      for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        const Mesh& mesh = scene.objects[i].mesh;
+        for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+          const bool swap = k / 2 > 0 && !turned[i].empty() && turned[i][t];
+          corners[k / 2].push_back(first_vertex + mesh.triangles[t][swap ? 3 - k / 2 : k / 2]);
+        }
+        first_vertex += static_cast<std::uint32_t>(mesh.vertices.size());
       }
     }
   });
@@ -137,6 +147,12 @@ std::shared_ptr<const Model> rest_of(const Model& model) {
   return rest;
 }
 
+// What depends on the hand: patches are cut by its radii.
+void build_samples(Model& model) {
+  model.patches = build_patches(model.hand, model.settings, model.triangles, model.extent, model.execution);
+  if (model.patches && !model.patches->exact.empty()) model.rest = rest_of(model);
+}
+
 Status build_index(Model& model) {
   Broadphase& broadphase = model.execution.broadphase;
   if (broadphase == Broadphase::automatic) broadphase = suited_broadphase(model.extent);
@@ -148,8 +164,7 @@ Status build_index(Model& model) {
     if (Status status = build_voxels(model.triangles, model.execution, model.voxels); !status.ok())
       return status;
   }
-  model.patches = build_patches(model.hand, model.settings, model.triangles, model.extent, model.execution);
-  if (model.patches && !model.patches->exact.empty()) model.rest = rest_of(model);
+  build_samples(model);
   return {};
 }
 
@@ -162,8 +177,13 @@ Status take_objects(const Scene& scene, Model& model) {
     triangles += object.mesh.triangles.size();
   }
   if (Status status = check_counts(vertices, triangles); !status.ok()) return status;
-  model.triangles = gather_triangles(scene, vertices, triangles, threads);
   list_objects(scene, model.objects);
+  std::vector<std::vector<bool>> turned;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const SceneObject& object = scene.objects[i];
+    turned.push_back(turned_triangles(object.mesh, object.winding, threads, model.objects[i].winding));
+  }
+  model.triangles = gather_triangles(scene, turned, vertices, triangles, threads);
   model.extent = extent_of(model.triangles, threads);
   return build_index(model);
 }
@@ -198,8 +218,10 @@ std::optional<Law> parse_law(std::string_view text) { return value_named(kLawNam
 std::optional<Broadphase> parse_broadphase(std::string_view text) {
   return value_named(kBroadphaseNames, text);
 }
+std::optional<Winding> parse_winding(std::string_view text) { return value_named(kWindingNames, text); }
 std::optional<Isa> parse_isa(std::string_view text) { return value_named(kIsaNames, text); }
 bool available(Broadphase broadphase) { return broadphase != Broadphase::voxel || has_openvdb(); }
+std::string_view winding_name(Winding winding) { return name_valued(kWindingNames, winding); }
 std::string_view isa_name(Isa isa) { return name_valued(kIsaNames, isa); }
 std::string_view law_name(Law law) { return name_valued(kLawNames, law); }
 std::string_view broadphase_name(Broadphase broadphase) { return name_valued(kBroadphaseNames, broadphase); }
@@ -221,6 +243,19 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   return {};
 }
 
+Status share_world(const Model& world, const Hand& hand, Model& model) {
+  const FloatingPointGuard guard;
+  if (Status status = check_hand(hand); !status.ok()) return status;
+  Model built = world;
+  built.build = next_build();
+  built.hand = hand;
+  built.patches.reset();
+  built.rest.reset();
+  if (!built.world) build_samples(built);
+  model = std::move(built);
+  return {};
+}
+
 Scene scene_of(const Model& model) {
   Scene scene;
   scene.hand = model.hand;
@@ -230,6 +265,7 @@ Scene scene_of(const Model& model) {
   for (const World::Object& part : model.objects) {
     SceneObject object;
     object.name = part.name;
+    object.winding = Winding::as_is;  // what there was to turn is turned
     for (std::uint32_t i = 0; i < part.vertex_count; ++i) {
       object.mesh.vertices.push_back(model.triangles.vertex(part.first_vertex + i));
     }

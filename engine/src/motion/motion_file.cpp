@@ -162,8 +162,12 @@ Status complete_samples(const std::string& name, Motion& motion) {
     }
   }
   if (!good) {
-    return refuse(name,
-                  motion.samples.empty() ? "no samples; record at least one" : "no frame shows a whole hand");
+    if (motion.samples.empty()) return refuse(name, "no samples; record at least one");
+    std::string what = "no frame shows a whole hand";
+    if (motion.other_frames > 0)
+      what += " that was asked for; " + std::to_string(motion.other_frames) + " of its frames show a " +
+              std::string(side_name(motion.other_side)) + " one; set the side";
+    return refuse(name, what);
   }
   const double start = motion.samples.front().time;
   for (MotionSample& sample : motion.samples) {

@@ -69,6 +69,18 @@ const json* choose_hand(const json& frame, Followed& followed) {
   return chosen;
 }
 
+// Hands beside the chosen one: nothing may be dropped in silence.
+void count_others(const json& frame, const json* chosen, Motion& motion) {
+  const json* hands = find_member(frame, "hands");
+  if (!hands || !hands->is_array()) return;
+  const json* other = nullptr;
+  for (const json& hand : *hands) {
+    if (&hand != chosen && hand.is_object() && !other) other = &hand;
+  }
+  if (!other) return;
+  if (motion.other_frames++ == 0) motion.other_side = side_of(*other).value_or(Side::left);
+}
+
 // 0 thumb to 4 little finger; -1 where the file does not tell. Without a type, ids are ten times the hand's
 // plus it.
 int finger_type(const json& pointable, double hand_id) {
@@ -147,6 +159,7 @@ Status read_frame(const std::string& name, const std::string& where, const json&
                   Followed& followed, DeviceFrame& frame, Motion& motion) {
   frame = lost_frame();
   const json* hand = choose_hand(source, followed);
+  count_others(source, hand, motion);
   if (!hand) return {};
   HandPoints points;
   points.side = followed.side.value_or(Side::right);

@@ -166,6 +166,7 @@ Status decode_objects(const fb::Session& message, std::size_t size, std::vector<
   objects.reserve(message.objects()->size());
   for (const fb::Object* const object : *message.objects()) {
     SceneObject& out = objects.emplace_back();
+    out.winding = Winding::as_is;  // it was felt like this
     const auto* const vertices = object->vertices();
     const auto* const triangles = object->triangles();
     const std::size_t needed = sizeof(SceneObject) +

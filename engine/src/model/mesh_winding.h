@@ -1,0 +1,15 @@
+// Which triangles of a mesh have to be turned for it to be outside out.
+#pragma once
+
+#include <vector>
+
+#include "lumbrical/mesh.h"
+
+namespace lumbrical {
+
+/// Of each triangle: do its last two corners change places? Empty: none does. Fewer than 2^31 triangles,
+/// their indices in range. The result does not depend on `threads`.
+std::vector<bool> turned_triangles(const Mesh& mesh, Winding winding, std::size_t threads,
+                                   WindingReport& report);
+
+}  // namespace lumbrical
