@@ -106,6 +106,34 @@ TEST(MotionBvh, ASkeletonThatDoesNotSayItsSideIsTheOneAskedFor) {
   EXPECT_EQ(parse_good(bvh_file(poses, style), centimetres(Side::left)).side, Side::left);
 }
 
+// The second file's hand as one more joint of the first one's root.
+std::string with_other_hand(std::string text, const std::string& other) {
+  const std::size_t joint = other.find("JOINT"), end = other.find("}\nMOTION");
+  text.insert(text.find("}\nMOTION"), other.substr(joint, end - joint));
+  std::size_t values = other.rfind('\n', other.size() - 2);
+  for (int of_root = 0; of_root < 6; ++of_root) values = other.find(' ', values + 1);
+  const std::string row = other.substr(values, other.size() - 1 - values);
+  for (std::size_t line = text.find('\n', text.find("Frame Time")) + 1; line < text.size();) {
+    const std::size_t line_end = text.find('\n', line);
+    text.insert(line_end, row);
+    line = line_end + row.size() + 1;
+  }
+  return text;
+}
+
+TEST(MotionBvh, OfTwoHandsOneIsTakenAndTheOtherIsTold) {
+  const Style right{"RightHand", "", false, false, 0}, left{"LeftHand", "", false, false, 0};
+  const std::string one = bvh_file(bent_hand(Side::right, 0.3), right);
+  const std::string both = with_other_hand(one, bvh_file(bent_hand(Side::left, 0.3), left));
+  EXPECT_EQ(parse_good(one, centimetres()).other_frames, 0u);
+  for (const Side side : {Side::right, Side::left}) {
+    const Motion motion = parse_good(both, centimetres(side));
+    EXPECT_EQ(motion.side, side);
+    EXPECT_EQ(motion.other_frames, 2u);
+    EXPECT_NE(motion.other_side, side);
+  }
+}
+
 TEST(MotionBvh, ChannelsTurnInTheOrderInWhichTheyStand) {
   // The root turns by 90 degrees about z, then about its own x: the fingers, along -z, come to point along
   // +x.

@@ -308,7 +308,8 @@ Status read_motion_header(Reader& reader, const Skeleton& skeleton, std::size_t&
   return {};
 }
 
-std::optional<Side> choose_side(const Skeleton& skeleton, std::optional<Side> asked) {
+// `both` tells whether the skeleton has hands of both sides.
+std::optional<Side> choose_side(const Skeleton& skeleton, std::optional<Side> asked, bool& both) {
   bool right = false, left = false, unnamed = false;
   for (std::size_t i = 0; i < skeleton.nodes.size(); ++i) {
     if (finger_of(skeleton.nodes[i].name) < 0) continue;
@@ -317,6 +318,7 @@ std::optional<Side> choose_side(const Skeleton& skeleton, std::optional<Side> as
     left |= side == Side::left;
     unnamed |= !side;
   }
+  both = left && right;
   if (unnamed && !right && !left) return std::nullopt;
   return asked ? *asked : right ? Side::right : Side::left;
 }
@@ -347,7 +349,8 @@ Status parse_bvh(std::string_view content, const std::string& name, const Motion
   Skeleton skeleton;
   if (Status status = read_hierarchy(reader, skeleton); !status.ok()) return status;
   for (const Node& node : skeleton.nodes) skeleton.channel_count += node.channels.size();
-  const std::optional<Side> side = choose_side(skeleton, options.side);
+  bool both = false;
+  const std::optional<Side> side = choose_side(skeleton, options.side, both);
   HandNodes hand;
   if (Status status = find_hand(name, skeleton, side, hand); !status.ok()) return status;
   motion.side = side ? *side : options.side.value_or(Side::right);
@@ -355,6 +358,10 @@ Status parse_bvh(std::string_view content, const std::string& name, const Motion
   std::size_t frame_count = 0;
   double period = 0;
   if (Status status = read_motion_header(reader, skeleton, frame_count, period); !status.ok()) return status;
+  if (both) {
+    motion.other_frames = frame_count;
+    motion.other_side = motion.side == Side::right ? Side::left : Side::right;
+  }
   std::vector<double> values(skeleton.channel_count);
   Posture posture{std::vector<Vec3>(skeleton.nodes.size()),
                   std::vector<std::array<Vec3, 3>>(skeleton.nodes.size())};
