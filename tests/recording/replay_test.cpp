@@ -1,6 +1,8 @@
 // Replay: the same bits again from the file alone, and the very field named where something was changed.
 #include <gtest/gtest.h>
 
+#include "lumbrical/shapes.h"
+#include "recording/session_message.h"
 #include "touch_session.h"
 
 namespace lumbrical::test {
@@ -150,6 +152,26 @@ TEST_P(Replay, GoesAsFarAsATornFileGoesAndRefusesADamagedOne) {
 
   write_recording(copy, touch_scene(), {});
   EXPECT_NE(replay_file(copy, result).message().find("holds no tick"), std::string::npos);
+}
+
+TEST(SessionMessage, HoldsMeshesAsAModelTurnsThem) {
+  Scene scene;
+  scene.hand = default_hand(Side::right);
+  const Mesh box = make_box({0.1, 0.1, 0.1}, 2);
+  for (const Winding winding : {Winding::automatic, Winding::as_is, Winding::flip}) {
+    SceneObject& object = scene.objects.emplace_back(SceneObject{"box", box, winding});
+    for (Triangle& t : object.mesh.triangles) std::swap(t[1], t[2]);
+  }
+  Model model;
+  ASSERT_TRUE(build_model(scene, {}, model).ok());
+  std::vector<std::uint8_t> message, of_model;
+  ASSERT_TRUE(encode_session(scene, message).ok());
+  ASSERT_TRUE(encode_session(scene_of(model), of_model).ok());
+  EXPECT_EQ(message, of_model);
+  Scene read;
+  ASSERT_TRUE(decode_session(message, read).ok());
+  EXPECT_EQ(read.objects[0].mesh.triangles, box.triangles);
+  EXPECT_EQ(read.objects[1].mesh.triangles, scene.objects[1].mesh.triangles);
 }
 
 }  // namespace

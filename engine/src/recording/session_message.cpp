@@ -64,7 +64,14 @@ Offset<fb::Hand> to_fb(FlatBufferBuilder& builder, const Hand& hand) {
                         hand.palm.height, hand.palm.thickness, &palm_joint);
 }
 
+// As a model takes it: readers take meshes as they are.
 Offset<fb::Object> to_fb(FlatBufferBuilder& builder, const SceneObject& object) {
+  if (object.winding != Winding::as_is) {
+    SceneObject turned = object;
+    wind_outwards(turned.mesh, object.winding);
+    turned.winding = Winding::as_is;
+    return to_fb(builder, turned);
+  }
   const Mesh& mesh = object.mesh;
   const auto name = builder.CreateString(object.name);
   const auto vertices = to_fb(builder, mesh.vertices);
