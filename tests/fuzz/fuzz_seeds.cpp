@@ -227,8 +227,8 @@ bool write_world(const fs::path& folder) {
   Execution execution;
   execution.cell_size = 0.1;
   if (!writer.open(path.string(), execution).ok() ||
-      !writer.add_object("box", make_box({0.1, 0.1, 0.1}, 1)).ok() ||
-      !writer.add_object("plane", make_plane(2, 1, 0)).ok() || !writer.finish().ok())
+      !writer.add_object({"box", make_box({0.1, 0.1, 0.1}, 1)}).ok() ||
+      !writer.add_object({"plane", make_plane(2, 1, 0)}).ok() || !writer.finish().ok())
     return false;
   const ByteVector file = read(path);
   ByteVector input{0};

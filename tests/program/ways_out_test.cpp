@@ -136,7 +136,7 @@ TEST(WaysOut, AWorldFileThatIsCutWhileMappedReadsAsZerosAndIsToldSo) {
   const std::string path = (test::fresh_folder() / "sheet.world").string();
   WorldWriter writer;
   ASSERT_TRUE(writer.open(path, {}).ok());
-  ASSERT_TRUE(writer.add_object("sheet", make_plane(1, 60)).ok());
+  ASSERT_TRUE(writer.add_object({"sheet", make_plane(1, 60)}).ok());
   ASSERT_TRUE(writer.finish().ok());
   const Death death = die_by([&path] {
     std::shared_ptr<const World> world;
