@@ -75,7 +75,9 @@ class Wire {
   }
   void send(std::int64_t now) {
     SafetyInputs inputs;
-    inputs.dt = running_.advance(seconds(now - sent_at_));
+    const double elapsed = seconds(now - sent_at_);
+    inputs.dt = running_.advance(elapsed);
+    inputs.gap = elapsed - inputs.dt;
     inputs.connected = true;
     inputs.arm = arm && safety_.state == SafetyState::idle;
     inputs.tick_age = seconds(now - published_);

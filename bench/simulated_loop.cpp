@@ -38,7 +38,9 @@ class Host {
     const Touched touched = touch_(angle);
     HandStiffness stiffness{};
     stiffness[kJoint / 3][0][0] = touched.stiffness;
-    if (loop_.limiter) limit_stiffness(certificate_, stiffness, loop_.period, limiter_);
+    JointArray wanted{};
+    wanted[kJoint] = touched.torque;
+    if (loop_.limiter) limit_stiffness(certificate_, stiffness, wanted, loop_.period, limiter_);
     const double factor = limiter_.factor[kJoint / 3];
     least_factor = std::min(least_factor, factor);
     double torque = factor * touched.torque;
@@ -50,7 +52,7 @@ class Host {
       step.acted[0] = acted;
       step.touching = torque != 0 || acted != 0;
       keep_account(certificate_, profile_, kJoint / 3, step, account_);
-      share = payable_share(certificate_, kJoint / 3, {torque, 0, 0}, account_);
+      share = pay(certificate_, kJoint / 3, {torque, 0, 0}, loop_.period, account_);
     }
     angle_ = angle;
     started_ = true;

@@ -125,16 +125,16 @@ TEST(StiffnessLimiter, HoldsWhatIsTooStiffAndLetsTheRestBe) {
   stiffness[1][0][0] = 4 * allowed;
   stiffness[2][0][0] = 0.9 * allowed;
   StiffnessLimiter limiter;
-  limit_stiffness(certificate, stiffness, 0.001, limiter);
+  limit_stiffness(certificate, stiffness, {}, 0.001, limiter);
   EXPECT_NEAR(limiter.factor[1], 0.25, 1e-12);
   EXPECT_EQ(limiter.factor[2], 1);
   stiffness = {};
-  limit_stiffness(certificate, stiffness, 0.001, limiter);
+  limit_stiffness(certificate, stiffness, {}, 0.001, limiter);
   EXPECT_LT(limiter.factor[1], 0.2512) << "recovers slowly";
-  for (int i = 0; i < 10000; ++i) limit_stiffness(certificate, stiffness, 0.001, limiter);
+  for (int i = 0; i < 10000; ++i) limit_stiffness(certificate, stiffness, {}, 0.001, limiter);
   EXPECT_GT(limiter.factor[1], 0.999);
   stiffness[1][2][0] = std::nan("");
-  limit_stiffness(certificate, stiffness, 0.001, limiter);
+  limit_stiffness(certificate, stiffness, {}, 0.001, limiter);
   EXPECT_EQ(limiter.factor[1], 0);
 }
 
@@ -150,7 +150,7 @@ TEST(StiffnessLimiter, ScalesAnyFingerUnderItsBounds) {
       for (double& entry : row) entry = random.between(-20, 20);
     }
     StiffnessLimiter limiter;
-    limit_stiffness(certificate, stiffness, 0.001, limiter);
+    limit_stiffness(certificate, stiffness, {}, 0.001, limiter);
     for (int trial = 0; trial < 20; ++trial) {
       const Vec3 v = random.direction();
       const double x[] = {v.x, v.y, v.z};
@@ -216,20 +216,62 @@ TEST(EnergyAccount, GivesNoMoreThanItHasTakenWhateverTheTouchWants) {
       largest = std::max(largest, -taken);
       keep_account(joint.certificate, joint.profile, 0, {0.001, {moved}, {acted}, 0, true}, account);
       const double torque = random.between(-1, 1) * (random.bits() % 8 == 0 ? 0 : 1);
-      const double share = payable_share(joint.certificate, 0, {torque, 0, 0}, account);
+      const double share = pay(joint.certificate, 0, {torque, 0, 0}, 0.001, account);
       ASSERT_GE(share, 0);
       ASSERT_LE(share, 1);
       scaled += share < 1 ? 1 : 0;
       acted = share * torque;
-      const double held = std::max(0.0, account.energy + kLentEnergy);
+      const double held = std::max(0.0, account.energy + kMostLent);
       ASSERT_LE(acted * acted / (2 * joint.certificate.margin * bound), held * (1 + 1e-9) + 1e-18);
     }
     const double step = 1.3 * way;
     const double reach =
-        std::sqrt(2 * joint.certificate.margin * bound * (kLentEnergy + 0.5 * bound * step * step));
-    EXPECT_LT(largest, kLentEnergy + reach * step) << round;
+        std::sqrt(2 * joint.certificate.margin * bound * (kMostLent + 0.5 * bound * step * step));
+    EXPECT_LT(largest, kMostLent + reach * step) << round;
   }
   EXPECT_GT(scaled, 1000);
+}
+
+// However much was taken before: a stiff touch grows no faster than the spring the certificate allows.
+TEST(EnergyAccount, LetsTorquesGrowNoFasterThanTheAllowedSprings) {
+  const OneJoint joint(0.5);
+  EnergyAccount account;
+  account.energy = 1;
+  const double allowed = joint.certificate.margin * 0.5;
+  double before = 0.3 * pay(joint.certificate, 0, {0.3, 0, 0}, 0, account);
+  EXPECT_NEAR(before, allowed * kLentWay, 1e-12);
+  for (int i = 0; i < 50; ++i) {
+    keep_account(joint.certificate, joint.profile, 0, {0.001, {0.001}, {before}, 0, true}, account);
+    const double given = 0.3 * pay(joint.certificate, 0, {0.3, 0, 0}, 0, account);
+    EXPECT_NEAR(given, before + allowed * 0.001, 1e-12);
+    before = given;
+  }
+  const double still = 0.3 * pay(joint.certificate, 0, {0.3, 0, 0}, 0.01, account);
+  EXPECT_GT(still, before) << "comes back by itself";
+  EXPECT_LT(still, before + 0.01) << "but slowly";
+}
+
+TEST(StiffnessLimiter, HoldsTheTorqueWhileATouchGetsStifferAndFollowsAShrinkingBound) {
+  StiffnessCertificate certificate;
+  certificate.known.fill(true);
+  for (StiffnessBound& bound : certificate.joint) bound.largest = 1;
+  StiffnessLimiter limiter;
+  HandStiffness stiffness{};
+  JointArray torque{};
+  torque[0] = 0.1;
+  stiffness[0][0][0] = 0.5;
+  limit_stiffness(certificate, stiffness, torque, 0.001, limiter);
+  EXPECT_EQ(limiter.factor[0], 1);
+  stiffness[0][0][0] = 8;  // ten times what is allowed
+  torque[0] = 0.125;
+  limit_stiffness(certificate, stiffness, torque, 0.001, limiter);
+  EXPECT_NEAR(limiter.factor[0] * torque[0], 0.1, 1e-12) << "as before, not a tenth";
+  torque[0] = 5;
+  limit_stiffness(certificate, stiffness, torque, 0.001, limiter);
+  EXPECT_NEAR(limiter.factor[0], 0.1, 1e-12) << "no less than the bound asks for";
+  for (StiffnessBound& bound : certificate.joint) bound.largest = 0.1;
+  limit_stiffness(certificate, stiffness, torque, 0.001, limiter);
+  EXPECT_NEAR(limiter.factor[0], 0.01, 1e-12) << "at once";
 }
 
 TEST(EnergyAccount, NeverTouchesASpringTheCertificateAllows) {
@@ -241,7 +283,7 @@ TEST(EnergyAccount, NeverTouchesASpringTheCertificateAllows) {
     // Half of what was held at the ends: as a device without delay would have done.
     const double torque = joint.certificate.margin * 2 * next, mean = 0.5 * (acted + torque);
     keep_account(joint.certificate, joint.profile, 0, {0.001, {next - angle}, {mean}, 0, true}, account);
-    ASSERT_EQ(payable_share(joint.certificate, 0, {torque, 0, 0}, account), 1) << i;
+    ASSERT_EQ(pay(joint.certificate, 0, {torque, 0, 0}, 0.001, account), 1) << i;
     acted = torque;
     angle = next;
   }

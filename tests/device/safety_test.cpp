@@ -153,7 +153,7 @@ TEST(Safety, EveryCauseOfAFaultFadesTheOutput) {
   cause([](SafetyInputs& inputs) { inputs.wanted[14] = -kInfinity; }, kCommandNotFinite);
 }
 
-TEST(Safety, ALateTickIsHeldThenFadesAndAFreshOneBringsItBack) {
+TEST(Safety, ALateTickIsHeldThenFadesAndAFreshOneBringsItBackSoftly) {
   Loop loop;
   loop.activate();
   loop.inputs.tick_age = 0.004;  // below tick_hold
@@ -164,8 +164,36 @@ TEST(Safety, ALateTickIsHeldThenFadesAndAFreshOneBringsItBack) {
   EXPECT_EQ(loop.memory.state, SafetyState::active);
   EXPECT_EQ(loop.output.flags & kTickLate, kTickLate);
   loop.inputs.tick_age = 0;
-  loop.step(30);
+  const double rise = 0.1 * loop.inputs.dt / loop.profile.safety.soft_start;
+  for (int i = 1; i <= 30; ++i) {
+    loop.step();
+    EXPECT_NEAR(loop.output.command[0], i * rise, 1e-12);
+  }
+  loop.step(static_cast<int>(loop.profile.safety.soft_start / loop.inputs.dt));
   EXPECT_NEAR(loop.output.command[0], 0.1, 1e-12);
+}
+
+TEST(Safety, WhatWouldHaveFadedInAGapComesBackSoftly) {
+  for (const double gap : {0.004, 0.012, 0.3}) {
+    Loop loop;
+    loop.activate();
+    loop.inputs.gap = gap;
+    loop.step();
+    loop.inputs.gap = 0;
+    const bool counts = gap > loop.profile.safety.tick_hold;
+    const double left = counts ? std::max(0.0, 1 - gap / loop.profile.safety.fade) : 1;
+    double before = loop.output.command[0];
+    EXPECT_GE(before, 0.1 - 0.021) << "no jump";
+    double least = before;
+    for (int i = 0; i < 100; ++i) {
+      loop.step();
+      EXPECT_LE(loop.output.command[0] - before,
+                0.1 * loop.inputs.dt / loop.profile.safety.soft_start + 1e-12);
+      before = loop.output.command[0];
+      least = std::min(least, before);
+    }
+    EXPECT_NEAR(least, 0.1 * left, 0.003) << gap;
+  }
 }
 
 TEST(Safety, LetsGoForLateTicksNoFasterThanTheFadeAsksAndForAFaultAsFastAsItMay) {
@@ -180,7 +208,10 @@ TEST(Safety, LetsGoForLateTicksNoFasterThanTheFadeAsksAndForAFaultAsFastAsItMay)
     loop.inputs.stop = fault;
     loop.step();
     const double fall = 0.1 - loop.output.command[0];
-    EXPECT_NEAR(fall, fault ? actuator.slew * loop.inputs.dt : gentle, 1e-12);
+    // Late ticks: so that all of it is gone after the fade.
+    const double late = 0.1 * loop.inputs.dt / loop.profile.safety.fade;
+    ASSERT_LE(late, gentle);
+    EXPECT_NEAR(fall, fault ? actuator.slew * loop.inputs.dt : late, 1e-12);
   }
 }
 

@@ -51,7 +51,7 @@ struct WornDevice {
   /// Turning points of a joint: one that turns round by more than kShake sooner than kShakeTime after the
   /// last time makes no intended motion.
   struct Turns {
-    double extreme = 0, turned = -1;
+    double extreme = 0, reached = 0, turned = -1;
     int sense = 1;
     std::uint64_t shakes = 0;
   };

@@ -45,14 +45,17 @@ HandStiffness joint_stiffness(const std::array<Pose, kJointCount>& X_WJ, const H
 /// A factor per finger, 0 .. 1, that holds its stiffness below the certificate's.
 struct StiffnessLimiter {
   std::array<double, kFingerCount> factor = {1, 1, 1, 1, 1};
+  std::array<double, kFingerCount> torque{}, bound{};  ///< [N m], [N m/rad] of the last step
 };
 
 /// One step of `dt` [s]. Stiffness matrix and bounds of a finger are compared by the largest gain of
 /// D^-1/2 K D^-1/2 (its Frobenius norm, which is no less; for a single contact equal), D holding margin times
-/// the bounds. A factor falls at once and recovers with the time constant of one second, so that it does not
-/// itself become part of a fast loop.
-void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffness& stiffness, double dt,
-                     StiffnessLimiter& limiter);
+/// the bounds. A factor falls at once, but while the touch gets stiffer with depth no further than holds the
+/// torque where it is: a torque that fell as a finger goes deeper would draw it in. Where the bounds shrink,
+/// it falls with them. It recovers with the time constant of one second, so that it does not itself become
+/// part of a fast loop. `torque` [N m] is what the touch asks for.
+void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffness& stiffness,
+                     const JointArray& torque, double dt, StiffnessLimiter& limiter);
 
 /// What one finger has taken from the hand in this touch and not yet given back: a passivity observer in the
 /// time domain (Hannaford and Ryu, 2002), exact for torques held between two samples (Stramigioli). What the
@@ -61,6 +64,7 @@ void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffnes
 struct EnergyAccount {
   double energy = 0;     ///< [J] < 0: generated
   double generated = 0;  ///< [J] the lowest `energy` ever was, as a positive number
+  double reach = 0;      ///< [sqrt J] what the torques of now may grow to: see pay
 };
 
 /// What happened between two fresh samples of a finger's joints. Stale ones tell nothing and are no step.
@@ -77,15 +81,19 @@ struct EnergyStep {
 void keep_account(const StiffnessCertificate& certificate, const DeviceProfile& profile, std::size_t finger,
                   const EnergyStep& step, EnergyAccount& account);
 
-/// The largest share, 0 .. 1, of a finger's torques [N m] that its account can pay for. A spring as stiff as
-/// the certificate allows, bent until it gives those torques, holds torque^2 / (2 K): that much must have
-/// been taken, but for kLentEnergy. So torques grow no faster than such a spring's and end when what was
-/// taken is given back, whatever the touch, its law, or the delay. Scaling only ever takes away: it can't
-/// shake by itself.
-double payable_share(const StiffnessCertificate& certificate, std::size_t finger,
-                     const std::array<double, 3>& torque, const EnergyAccount& account);
+/// The largest share, 0 .. 1, of a finger's torques [N m] that its account pays for; one step of `dt` [s].
+///
+/// A spring as stiff as the certificate allows, bent until it gives those torques, holds torque^2 / (2 K). No
+/// more than the account holds and a loan; and the torques grow from step to step by no more than such a
+/// spring's would over the way the joints went, or what the arm has put in, but for slow creep. So they are
+/// no stiffer than that spring, and end when what was taken is given back, whatever the touch, its law, or
+/// the delay. Scaling only ever takes away: it can't shake by itself.
+double pay(const StiffnessCertificate& certificate, std::size_t finger, const std::array<double, 3>& torque,
+           double dt, EnergyAccount& account);
 
-inline constexpr double kLentEnergy = 1e-4;  ///< [J] lent to a finger, so that a touch can begin
+/// Lent to a finger, so that a touch can begin: what the stiffest allowed spring holds this far in [rad], and
+/// at most so much [J].
+inline constexpr double kLentWay = 0.005, kMostLent = 1e-4;
 
 /// [J] what each finger's touch takes from the arm when the wrist moves from one pose to another [both X_WH].
 /// The arm feels none of it, but it comes back through the joints, and the observers must know.

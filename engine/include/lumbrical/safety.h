@@ -58,6 +58,7 @@ struct SafetyInputs {
   bool arm = false, disarm = false, reset = false;
   bool continue_after_loss = false;  ///< arm by itself when the link is back, if it was armed when it broke
   double tick_age = 0;               ///< [s] since the last new command from the tick thread
+  double gap = 0;                    ///< [s] in which nothing could be sent since the last step, beyond dt
   ActuatorArray wanted{};            ///< commands the ticks want
 };
 

@@ -28,10 +28,12 @@ void slow_grasp(double time, JointArray& target) {
 void turn(double time, double angle, WornDevice::Turns& turns) {
   if (turns.sense * (angle - turns.extreme) >= 0) {
     turns.extreme = angle;
+    turns.reached = time;
   } else if (turns.sense * (turns.extreme - angle) > kShake) {
-    turns.shakes += turns.turned >= 0 && time - turns.turned < kShakeTime ? 1 : 0;
-    turns.turned = time;
+    turns.shakes += turns.turned >= 0 && turns.reached - turns.turned < kShakeTime ? 1 : 0;
+    turns.turned = turns.reached;
     turns.extreme = angle;
+    turns.reached = time;
     turns.sense = -turns.sense;
   }
 }

@@ -38,8 +38,10 @@ void update_stiffness(const Model& model, const Scratch& scratch, const Actuator
   for (std::size_t i = 3 * turn; i < 3 * turn + 3; ++i)
     known = known && (loop.jacobians[i].known || model.settings.law[i] != Law::field);
   if (known) loop.stiffness[turn] = joint_stiffness(loop.X_WJ, output, loop.jacobians)[turn];
-  if (loop.certified && loop.options.limiter)
-    limit_stiffness(loop.certificate, loop.stiffness, dt, loop.limiter);
+  if (!loop.certified || !loop.options.limiter) return;
+  JointArray torque;
+  std::copy_n(output.flexion_torque.begin(), kPhalanxCount, torque.begin());
+  limit_stiffness(loop.certificate, loop.stiffness, torque, dt, loop.limiter);
 }
 
 void follow_hand(const Model& model, const DeviceFrame& frame, const ActuatorFrame& output,
@@ -210,7 +212,7 @@ DeviceCommand command_forces(const Model& model, const Scratch& scratch, const D
     if (loop.fresh) keep_accounts(wanted, loop);
     for (std::size_t f = 0; f < kFingerCount; ++f) {
       const std::array<double, 3> torque = {wanted[3 * f], wanted[3 * f + 1], wanted[3 * f + 2]};
-      loop.share[f] = payable_share(loop.certificate, f, torque, loop.account[f]);
+      loop.share[f] = pay(loop.certificate, f, torque, dt, loop.account[f]);
       loop.least_share[f] = min(loop.least_share[f], loop.share[f]);
       for (std::size_t k = 0; k < 3; ++k) wanted[3 * f + k] *= loop.share[f];
     }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "lumbrical/math.h"
 
@@ -11,6 +12,8 @@ namespace {
 
 // What a limiter's factor recovers with; slow against anything that shakes [s].
 constexpr double kRecovery = 1;
+// What torques grow with that no motion asked for, as after a gap [s].
+constexpr double kCreep = 2;
 
 double quotient(double a, double b) { return b > 0 ? a / b : std::numeric_limits<double>::infinity(); }
 
@@ -95,10 +98,10 @@ HandStiffness joint_stiffness(const std::array<Pose, kJointCount>& X_WJ, const H
   return stiffness;
 }
 
-void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffness& stiffness, double dt,
-                     StiffnessLimiter& limiter) {
+void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffness& stiffness,
+                     const JointArray& torque, double dt, StiffnessLimiter& limiter) {
   for (std::size_t finger = 0; finger < kFingerCount; ++finger) {
-    double squares = 0;
+    double squares = 0, size = 0, bound = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t a = 3 * finger + i, b = 3 * finger + k;
@@ -111,37 +114,69 @@ void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffnes
     }
     const double gain = std::sqrt(squares);
     const double wanted = gain > 1 ? 1 / gain : gain <= 1 ? 1 : 0;  // NaN: nothing can be promised
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t j = 3 * finger + i;
+      size += torque[j] * torque[j];
+      if (certificate.known[j]) bound = min(bound, certificate.joint[j].largest);
+    }
+    size = std::sqrt(size);
+    // What the torque has grown by and the bound has shrunk by since the last step: so far the factor may
+    // fall.
+    const double before = std::exchange(limiter.torque[finger], size);
+    const double bound_before = std::exchange(limiter.bound[finger], bound);
+    const double shrunk = bound < bound_before ? bound / bound_before : 1;
+    const double held = size > 0 ? min(1, before / size) * shrunk : 0;
     double& factor = limiter.factor[finger];
-    factor = wanted < factor ? wanted : factor + (wanted - factor) * min(1, max(0, dt) / kRecovery);
+    factor = wanted < factor ? max(wanted, held * factor)
+                             : factor + (wanted - factor) * min(1, max(0, dt) / kRecovery);
   }
 }
 
 void keep_account(const StiffnessCertificate& certificate, const DeviceProfile& profile, std::size_t finger,
                   const EnergyStep& step, EnergyAccount& account) {
-  double taken = step.given;
+  double taken = step.given, bent = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const JointDynamics& joint = profile.dynamics[3 * finger + k];
+    const std::size_t j = 3 * finger + k;
+    const JointDynamics& joint = profile.dynamics[j];
     // The least that viscous damping takes over a way in a time is at even speed; a way that rounding to
     // encoder steps may have invented doesn't count.
     const double way = max(0, std::fabs(step.moved[k]) - joint.encoder_step);
     taken += step.acted[k] * step.moved[k];
     if (step.dt > 0) taken += certificate.margin * joint.damping * way * way / step.dt;
+    if (certificate.known[j])
+      bent += 0.5 * certificate.margin * certificate.joint[j].largest * step.moved[k] * step.moved[k];
   }
-  account.energy = is_finite(taken) ? account.energy + taken : min(0, account.energy);
+  const bool finite = is_finite(taken) && is_finite(bent);
+  account.energy = finite ? account.energy + taken : min(0, account.energy);
   if (!step.touching) account.energy = min(0, account.energy);
   account.generated = max(account.generated, -account.energy);
+  const double reach = account.reach + std::sqrt(finite ? bent : 0);
+  account.reach = std::sqrt(reach * reach + max(0, finite ? step.given : 0));
 }
 
-double payable_share(const StiffnessCertificate& certificate, std::size_t finger,
-                     const std::array<double, 3>& torque, const EnergyAccount& account) {
-  double needed = 0;
+double pay(const StiffnessCertificate& certificate, std::size_t finger, const std::array<double, 3>& torque,
+           double dt, EnergyAccount& account) {
+  double needed = 0, softest = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t j = 3 * finger + k;
     if (!certificate.known[j] || torque[k] == 0) continue;
-    needed += quotient(0.5 * torque[k] * torque[k], certificate.margin * certificate.joint[j].largest);
+    const double allowed = certificate.margin * certificate.joint[j].largest;
+    needed += quotient(0.5 * torque[k] * torque[k], allowed);
+    softest = min(softest, allowed);
   }
-  const double held = max(0, account.energy + kLentEnergy);
-  return needed <= held ? 1 : needed > 0 ? std::sqrt(held / needed) : 0;
+  if (needed == 0) {
+    account.reach = 0;
+    return 1;
+  }
+  const double lent = min(kMostLent, 0.5 * softest * kLentWay * kLentWay);
+  const double most = std::sqrt(max(0, account.energy + lent));
+  double& reach = account.reach;
+  reach = max(reach, std::sqrt(lent)) + max(0, most - reach) * min(1, max(0, dt) / kCreep);
+  reach = min(reach, most);
+  const double wanted = std::sqrt(needed);
+  if (wanted > reach) return reach / wanted;
+  reach = wanted;
+  return 1;
 }
 
 std::array<double, kFingerCount> arm_work(const Pose& before, const Pose& after,

@@ -85,6 +85,13 @@ double limit_slew(const Actuator& actuator, double fade, bool gently, double dt,
   return actuator.safe + clamp(to, from - rise, from + rise);
 }
 
+// What fades while nothing comes, or would have faded while nothing could be sent, comes back by soft start
+// only.
+double next_gain(const SafetyTimes& times, double silent, double dt, double gain) {
+  if (silent > 0) return max(0, gain - silent / times.fade);
+  return times.soft_start > 0 ? min(1, gain + dt / times.soft_start) : 1;
+}
+
 }  // namespace
 
 std::string safety_flag_names(std::uint32_t flags) {
@@ -125,20 +132,23 @@ SafetyOutput step_safety(const DeviceProfile& profile, const SafetyInputs& input
   const bool late = active && !ticks_fresh(profile, inputs);
   if (late) output.flags |= kTickLate;
   if (!inputs.dead_man) output.flags |= kDeadManReleased;
-  const double soft_start = profile.safety.soft_start;
-  memory.gain = !active ? 0 : soft_start > 0 ? min(1, memory.gain + dt / soft_start) : 1;
+  const bool gap = inputs.gap > profile.safety.tick_hold;
+  const double gain = memory.gain;
+  memory.gain = active ? next_gain(profile.safety, late ? dt : gap ? inputs.gap : 0, dt, gain) : 0;
   if (active && memory.gain < 1) output.flags |= kSoftStart;
 
   output.at_safe_values = true;
   for (std::size_t i = 0; i < profile.actuators.size(); ++i) {
     const Actuator& actuator = profile.actuators[i];
     double target = actuator.safe;
-    if (active && !late) {
+    if (late && gain > 0) {  // all of them at one pace, and the gain with them
+      target = actuator.safe + memory.gain / gain * (memory.output[i] - actuator.safe);
+    } else if (active && !late) {
       const double within = clamp(inputs.wanted[i], actuator.lower, actuator.upper);
       if (within != inputs.wanted[i]) output.flags |= kClamped;
       target = actuator.safe + memory.gain * (within - actuator.safe);
     }
-    const double next = limit_slew(actuator, profile.safety.fade, late, dt, memory.output[i], target);
+    const double next = limit_slew(actuator, profile.safety.fade, late || gap, dt, memory.output[i], target);
     if (active && !late && next != target) output.flags |= kSlewLimited;
     memory.output[i] = clamp(next, actuator.lower, actuator.upper);
     output.command[i] = memory.output[i];

@@ -138,6 +138,7 @@ SafetyOutput ModbusSink::Worker::decide(std::int64_t now) {
   const unsigned asked = requests.exchange(0);
   SafetyInputs inputs;
   inputs.dt = running.advance(elapsed);
+  inputs.gap = elapsed - inputs.dt;
   if (PublishedCommand fresh; commands.take(fresh)) {
     newest = fresh;
     lost_before = running.lost;
