@@ -16,6 +16,10 @@ Json events_json(const std::vector<SinkEvent>& events) {
 // Infinity is no JSON number.
 Json finite_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
+Json timing_json(const LoopTiming& timing) {
+  return {{"period", timing.period}, {"jitter", timing.jitter}, {"delay", finite_or_null(timing.delay)}};
+}
+
 bool limiter_knows(const Settings& settings) {
   return std::all_of(settings.law.begin(), settings.law.begin() + kPhalanxCount,
                      [](Law law) { return law == Law::field; });
@@ -118,7 +122,9 @@ Json DeviceLoop::json() const {
           {"period", certificate.timing.period},
           {"jitter", certificate.timing.jitter},
           {"delay", finite_or_null(certificate.timing.delay)},
-          {"margin", certificate.margin}};
+          {"margin", certificate.margin},
+          {"renewals", loop.renewals.load()},
+          {"slowest", timing_json(loop.control.slowest)}};
   text["joints"] = Json::array();
   for (std::size_t j = 0; j < kPhalanxCount; ++j) {
     if (!certificate.known[j]) continue;
@@ -151,6 +157,11 @@ void DeviceLoop::add_rows(Table& table) const {
             std::string(measured ? "measured" : "assumed") + " period " + brief(1e3 * timing.period) +
                 " ms, jitter " + brief(1e3 * timing.jitter) + " ms, delay " + brief(1e3 * timing.delay) +
                 " ms" + (loop.control.local_loop ? " of the device's own loop" : ""));
+  const LoopTiming& slowest = loop.control.slowest;
+  if (measured)
+    table.add("", "renewed " + grouped(loop.renewals.load()) + " times; at the slowest period " +
+                      brief(1e3 * slowest.period) + " ms, jitter " + brief(1e3 * slowest.jitter) +
+                      " ms, delay " + brief(1e3 * slowest.delay) + " ms");
   const StiffnessBound& bound = loop.control.certificate.joint[3];
   if (loop.control.certificate.known[3]) {
     table.add("", "index proximal: 2b/T " + brief(bound.sampled) + ", with delay " + brief(bound.delayed) +

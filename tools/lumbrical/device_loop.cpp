@@ -15,6 +15,9 @@
 namespace lumbrical::tool {
 namespace {
 
+constexpr std::int64_t kTellingPause = 1000000000;  // [ns] between two words about the certificate
+constexpr std::size_t kToldJoint = 3;               // index proximal
+
 // The sink that signals mean; they find nothing else.
 std::atomic<ModbusSink*> signalled_sink{nullptr};
 
@@ -56,12 +59,33 @@ void DeviceLoop::Loop::report() {
       sink.request_reset();
       sink.arm_when_ready();
     }
-    for (SinkEvent& event : sink.events()) {
-      std::fprintf(stderr, "device %8.3f s: %s\n", event.time, printable(event.text).c_str());
-      events.push_back(std::move(event));
-    }
+    for (SinkEvent& event : sink.events()) tell(std::move(event));
+    tell_timing();
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
+}
+
+void DeviceLoop::Loop::tell(SinkEvent event) {
+  std::fprintf(stderr, "device %8.3f s: %s\n", event.time, printable(event.text).c_str());
+  events.push_back(std::move(event));
+}
+
+// At most once a second: a bus that gets slower all the time is told of often enough.
+void DeviceLoop::Loop::tell_timing() {
+  const std::int64_t now = clock_ns();
+  const std::uint64_t count = renewals;
+  if (now - timing_told < kTellingPause || count == renewals_told) return;
+  timing_told = now;
+  renewals_told = count;
+  const LoopTiming known = {period, jitter, delay};
+  const auto ms = [](double seconds) { return brief(1e3 * seconds) + " ms"; };
+  std::string text = "certificate: period " + ms(known.period) + ", jitter " + ms(known.jitter) + ", delay " +
+                     ms(known.delay);
+  const StiffnessCertificate certificate = make_certificate(profile, known);
+  if (certificate.known[kToldJoint])
+    text += "; index proximal " + brief(certificate.margin * certificate.joint[kToldJoint].largest) +
+            " N m/rad allowed";
+  tell({static_cast<double>(now - opened) * 1e-9, std::move(text)});
 }
 
 void DeviceLoop::Loop::note(const SentCommand& sent) {
@@ -103,6 +127,7 @@ Status DeviceLoop::open(const std::string& text, const Model& model) {
     loop->guard.dismiss();
     return status;
   }
+  loop->opened = clock_ns();
   listen_to_signals(&loop->sink);
   loop_ = std::move(loop);
   loop_->reporter = std::thread([raw = loop_.get()] { raw->report(); });
@@ -123,12 +148,18 @@ bool DeviceLoop::after(const Scratch& scratch, const DeviceFrame& frame, const A
                        TickRecord& record) {
   Loop& loop = *loop_;
   record.sent_count = 0;
-  record.timing.reset();
   while (record.sent_count < kMaxSentPerTick && loop.sink.sent(record.sent[record.sent_count])) {
     loop.note(record.sent[record.sent_count++]);
   }
+  record.timing.reset();
+  if (news_of_timing(loop.control)) {
+    record.timing = loop.control.certificate.timing;
+    loop.period = record.timing->period;
+    loop.jitter = record.timing->jitter;
+    loop.delay = record.timing->delay;
+    ++loop.renewals;
+  }
   loop.sink.publish(command_forces(*loop.model, scratch, frame, output, clock_ns(), loop.control));
-  if (news_of_timing(loop.control)) record.timing = loop.control.certificate.timing;
   const SafetyState state = loop.sink.state();
   loop.was_active = loop.was_active || state == SafetyState::active;
   if (loop.control.certified && loop.control.any_feedback && loop.was_active) {
@@ -146,6 +177,8 @@ bool DeviceLoop::Loop::lost(SafetyState now) const {
 }
 
 void DeviceLoop::certify() { certify_loop(loop_->control); }
+
+void DeviceLoop::measure_again() { forget_timing(loop_->control); }
 
 void DeviceLoop::arm() {
   loop_->armed_at = clock_ns();
@@ -169,10 +202,7 @@ void DeviceLoop::close() {
   listen_to_signals(nullptr);
   loop.ending = true;
   if (loop.reporter.joinable()) loop.reporter.join();
-  for (SinkEvent& event : loop.sink.events()) {
-    std::fprintf(stderr, "device %8.3f s: %s\n", event.time, printable(event.text).c_str());
-    loop.events.push_back(std::move(event));
-  }
+  for (SinkEvent& event : loop.sink.events()) loop.tell(std::move(event));
 }
 
 }  // namespace lumbrical::tool

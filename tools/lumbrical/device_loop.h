@@ -42,6 +42,8 @@ class DeviceLoop {
   void certify();
   /// Lets the device be armed; after everything else that may take its time.
   void arm();
+  /// Forgets what was measured: until now nothing had real-time priority.
+  void measure_again();
   /// The certificate and the profile's name as text for a recording's metadata.
   [[nodiscard]] std::string certificate_text() const;
 

@@ -35,6 +35,10 @@ struct DeviceLoop::Loop {
   double oldest = 0;
 
   // Tells people what happens while it happens.
+  std::atomic<double> period{0}, jitter{0}, delay{0};  // of the certificate, for the reporter
+  std::atomic<std::uint64_t> renewals{0};              // of the certificate, by a tenth or more
+  std::uint64_t renewals_told = 0;
+  std::int64_t opened = 0, timing_told = 0;
   std::thread reporter;
   std::atomic<bool> ending{false};
   std::vector<SinkEvent> events;
@@ -42,6 +46,8 @@ struct DeviceLoop::Loop {
   bool safe_at_end = false;
 
   void report();
+  void tell(SinkEvent event);
+  void tell_timing();
   void note(const SentCommand& sent);
   bool lost(SafetyState now) const;
 };

@@ -95,6 +95,7 @@ RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_
     statistics.real_time = enter_real_time(kTickPriority, Pinning::last_processor, pageable);
   }
   if (parts.device != nullptr) {
+    parts.device->measure_again();
     tick_unarmed(model, motion, kWarmUp, scratch, *parts.device);
     parts.device->arm();  // last of all: from now on a tick that does not come is a fault
     statistics.interrupted = stop_requested();

@@ -21,6 +21,7 @@ bool DeviceLoop::after(const Scratch&, const DeviceFrame&, const ActuatorFrame&,
   return false;
 }
 void DeviceLoop::certify() {}
+void DeviceLoop::measure_again() {}
 void DeviceLoop::arm() {}
 bool DeviceLoop::forces_flow() const { return false; }
 std::vector<std::string> DeviceLoop::trouble() const { return {}; }

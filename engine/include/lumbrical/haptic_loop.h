@@ -60,8 +60,9 @@ struct HapticLoop {
 
   // Figures.
   std::array<double, kFingerCount> least_factor = {1, 1, 1, 1, 1}, least_share = {1, 1, 1, 1, 1};
-  double largest_lost = 0;  ///< [N m] torque the actuators could not make
-  std::uint64_t gaps = 0;   ///< times the angles became stale while torques were wanted
+  LoopTiming slowest{0, 0, 0};  ///< that was measured since forces are let through
+  double largest_lost = 0;      ///< [N m] torque the actuators could not make
+  std::uint64_t gaps = 0;       ///< times the angles became stale while torques were wanted
 };
 
 HapticLoop start_loop(const DeviceProfile& profile, const LoopOptions& options);

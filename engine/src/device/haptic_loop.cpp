@@ -17,6 +17,8 @@ constexpr double kWorthTelling = 0.1;                    // change of a bound, a
 
 double seconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-9; }
 
+double total(const LoopTiming& timing) { return timing.period + timing.jitter + timing.delay; }
+
 // Where joint j stands in the order of hand.h.
 constexpr std::size_t angle_of(std::size_t joint) { return 4 * (joint / 3) + 1 + joint % 3; }
 
@@ -93,6 +95,7 @@ void renew_certificate(HapticLoop& loop) {
   // With a local model the fast loop is the device's own; the bus only tells it where the touch has moved to.
   if (loop.local_loop) timing = {kLocalPeriod, 0, 0};
   loop.certificate = make_certificate(loop.profile, timing);
+  if (is_measured(loop.meter) && total(timing) > total(loop.slowest)) loop.slowest = timing;
 }
 
 void put_local_models(const DeviceFrame& frame, const JointArray& wanted, const HapticLoop& loop,
@@ -132,7 +135,8 @@ void take_feedback(const DeviceFeedback& feedback, HapticLoop& loop) {
   for (std::size_t j = 0; j < kPhalanxCount; ++j) {
     const std::size_t a = angle_of(j);
     const auto moved = static_cast<double>(feedback.angle[a] - loop.feedback.angle[a]);
-    loop.moved[j] = loop.any_feedback ? moved : 0;
+    const bool believed = (feedback.valid & loop.feedback.valid) >> a & 1u;
+    loop.moved[j] = loop.any_feedback && believed ? moved : 0;
     loop.speed[j] = loop.between > 0 ? loop.moved[j] / loop.between : 0;
   }
   loop.feedback = feedback;
@@ -176,7 +180,6 @@ void note_exchange(const SentCommand& sent, HapticLoop& loop) {
 }
 
 bool news_of_timing(HapticLoop& loop) {
-  const auto total = [](const LoopTiming& timing) { return timing.period + timing.jitter + timing.delay; };
   const double before = total(loop.told), now = total(loop.certificate.timing);
   if (!loop.certified || now == before || std::fabs(now - before) < kWorthTelling * before) return false;
   loop.told = loop.certificate.timing;
