@@ -193,8 +193,8 @@ int main(int argc, char** argv) {
   const std::vector<Protection> list = protections();
   for (std::size_t p = 0; p < list.size(); ++p)
     print_row(list[p].name, worst_of(cells, [&](const Cell& c) {
-                return c.protection == p && c.stiffness > 0 && c.hand < 2 && c.friction == 0 &&
-                       c.rate == 1000;
+                return c.protection == p && c.stiffness > 0 && c.hand == 0 && c.friction == 0 &&
+                       c.rate == kRates[0];
               }));
   const Worst worst = worst_of(cells, all);
   if (worst.failed > 0) {
