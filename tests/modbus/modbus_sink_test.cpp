@@ -306,7 +306,7 @@ TEST_F(ModbusLoop, TakingOverFadesFromWhatTheDeviceWasToldLast) {
   EXPECT_TRUE(rests());
   SentCommand first;
   ASSERT_TRUE(guard.sent(first));
-  EXPECT_GT(first.value[3], 0.05) << "no step";
+  EXPECT_GT(first.value[3], 0) << "no step, however late the first command";
   EXPECT_LE(first.value[3], 0.1);
 }
 
