@@ -168,6 +168,28 @@ TEST(CommandLine, AMeshThatIsInsideOutIsFeltAsIfItWereRightAndTheRunSaysSo) {
   EXPECT_EQ(outcome.json()["winding"]["turned_triangles"], 12);
 }
 
+TEST(CommandLine, AFixedMeshIsWhatASceneWouldTakeAndNothingElseIsChanged) {
+  const fs::path folder = fresh_folder();
+  // A tetrahedron inside out, in numbers that no power of two makes shorter; one corner twice, one triangle
+  // flat.
+  std::ofstream(folder / "wrong.obj") << "v 0.1 0 0\nv 3 0.3 0\nv 0 3 0.7\nv 0 0 3\nv 0 0 3\n"
+                                         "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 1 3 5\nf 1 2 2\n";
+  const Outcome outcome = shell("lumbrical inspect wrong.obj --unit cm --fix right.obj --json", folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const nlohmann::json fixed = outcome.json()["fixed"];
+  EXPECT_EQ(fixed["turned_triangles"], 4);
+  EXPECT_EQ(fixed["merged_vertices"], 1);
+  EXPECT_EQ(fixed["degenerate_triangles"], 1);
+  EXPECT_EQ(read_file((folder / "right.obj").string()),
+            "v 0.1 0 0\nv 3 0.3 0\nv 0 3 0.7\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
+  const nlohmann::json again = shell("lumbrical inspect right.obj --unit cm --json", folder).json();
+  EXPECT_EQ(again["watertight"], true);
+  EXPECT_GT(again["volume"], 0);
+  EXPECT_EQ(shell("lumbrical inspect wrong.obj --unit cm --fix right.obj", folder).exit_code, 2)
+      << "not over it";
+  EXPECT_NE(shell("lumbrical inspect scene.json --fix a.obj", folder).exit_code, 0);
+}
+
 TEST(CommandLine, AProbeFeelsTheFileAsItIsAndWarnsOfWhatASceneWouldTurn) {
   const fs::path folder = fresh_folder();
   std::ofstream(folder / "wrong.obj") << cube_text(true);

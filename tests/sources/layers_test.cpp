@@ -48,7 +48,7 @@ const Rule kRules[] = {
      "device_link"},
     {Layer::device, "engine/src/device", "*"},
 
-    {Layer::session, "engine/include/lumbrical", "recording scene_file world"},
+    {Layer::session, "engine/include/lumbrical", "mesh_fix recording scene_file world"},
     {Layer::session, "engine/src/motion", "motion_*"},
     {Layer::session, "engine/src/files", "*"},
     {Layer::session, "engine/src/recording", "*"},

@@ -7,6 +7,7 @@
 #include "inspect_scene.h"
 #include "lumbrical/hand.h"
 #include "lumbrical/mesh.h"
+#include "lumbrical/mesh_fix.h"
 #include "output.h"
 #include "switches.h"
 #include "winding_text.h"
@@ -15,7 +16,7 @@ namespace lumbrical::tool {
 namespace {
 
 struct InspectOptions {
-  std::string mesh, unit, broadphase, voxel_cache;
+  std::string mesh, unit, broadphase, voxel_cache, fix;
   bool json = false;
 };
 
@@ -87,12 +88,23 @@ Status index_report(const InspectOptions& options, const Mesh& mesh, std::option
   return {};
 }
 
+// In the file's own unit, so that its numbers stay.
+Status write_fixed(const InspectOptions& options, FixReport& report) {
+  Mesh mesh;
+  if (Status status = load_mesh(options.mesh, Unit::metre, mesh); !status.ok()) return status;
+  const Mesh fixed = fixed_mesh(mesh, report);
+  if (fixed.triangles.empty()) return Status::error(options.mesh + ": has no triangle with an area to write");
+  return save_obj(options.fix, fixed);
+}
+
 int inspect(const InspectOptions& options) {
   if (is_scene(options.mesh)) {
     if (!options.unit.empty()) refuse_option("--unit", "a scene file tells the units of its meshes");
+    if (!options.fix.empty()) refuse_option("--fix", "it takes a mesh");
     return inspect_scene(options.mesh, options.json);
   }
   if (options.unit.empty()) demand_option("--unit");
+  if (options.fix == "-") refuse_option("--fix", "standard output is for the report");
   Mesh mesh;
   if (Status status = load_mesh(options.mesh, *parse_unit(options.unit), mesh); !status.ok()) {
     return fail(status);
@@ -102,8 +114,17 @@ int inspect(const InspectOptions& options) {
   const WindingReport winding = wind_outwards(turned);
   std::optional<VoxelReport> voxels;
   if (Status status = index_report(options, mesh, voxels); !status.ok()) return fail(status);
+  FixReport fixed;
+  if (!options.fix.empty()) {
+    if (Status status = write_fixed(options, fixed); !status.ok()) return fail(status);
+  }
   if (options.json) {
     Json json = report_json(report);
+    if (!options.fix.empty())
+      json["fixed"] = {{"file", options.fix},
+                       {"turned_triangles", fixed.winding.turned_triangles},
+                       {"merged_vertices", fixed.merged_vertices},
+                       {"degenerate_triangles", fixed.degenerate_triangles}};
     json["winding"] = to_json(winding);
     if (voxels) json["voxel_index"] = to_json(*voxels);
     return print_json(json);
@@ -111,6 +132,10 @@ int inspect(const InspectOptions& options) {
   Table table;
   for (const std::string& sentence : winding_sentences(winding)) table.add("in a scene", sentence);
   if (voxels) add_voxels(*voxels, table);
+  if (!options.fix.empty())
+    table.add("written to " + options.fix, grouped(fixed.winding.turned_triangles) + " triangles turned, " +
+                                               grouped(fixed.merged_vertices) + " vertices joined, " +
+                                               grouped(fixed.degenerate_triangles) + " triangles left out");
   return print_text(report_text(report) + table.text());
 }
 
@@ -127,6 +152,11 @@ void add_inspect(Command& app, int& exit_code) {
       ->add_option("--broadphase", options->broadphase, "With voxel: also what the mesh's voxel index takes")
       ->check(is_broadphase());
   command->add_option("--voxel-cache", options->voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");
+  command
+      ->add_option("--fix", options->fix,
+                   "Write the mesh as a scene takes it, as OBJ: outside out, vertices joined, without "
+                   "degenerate triangles")
+      ->type_name("OUT");
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options, &exit_code] { exit_code = inspect(*options); });
 }
