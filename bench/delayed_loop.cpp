@@ -14,9 +14,8 @@ namespace lumbrical::bench {
 namespace {
 
 constexpr std::int64_t kStep = 100'000;  // [ns] of the device
-constexpr std::int64_t kSecond = 1'000'000'000;
-constexpr double kBefore = 0.5;       // [s] of exchanges without forces
-constexpr double kHalfClosed = 0.25;  // of the motion, where joints without a hand are left
+constexpr double kBefore = 0.5;          // [s] of exchanges without forces
+constexpr double kHalfClosed = 0.25;     // of the motion, where joints without a hand are left
 
 double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 std::int64_t ns(double seconds) { return static_cast<std::int64_t>(seconds * 1e9); }

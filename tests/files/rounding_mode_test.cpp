@@ -65,7 +65,6 @@ void add(const Model& model, Hasher& hasher) {
 
 struct Read {
   std::uint64_t scene = 0, model = 0, world = 0, motion = 0, ticks = 0, device = 0;
-  friend bool operator==(const Read&, const Read&) = default;
 };
 
 std::uint64_t model_hash(const Scene& scene, const Execution& execution) {
