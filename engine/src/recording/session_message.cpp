@@ -232,7 +232,7 @@ Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene) {
   std::vector<std::uint64_t> aligned;
   const std::uint8_t* data = bytes.data();
   if (reinterpret_cast<std::uintptr_t>(data) % alignof(std::uint64_t) != 0) {
-    aligned.resize((bytes.size() + 7) / 8);
+    aligned.resize(bytes.size() / 8 + 1);  // never empty: memcpy wants a place
     std::memcpy(aligned.data(), bytes.data(), bytes.size());
     data = reinterpret_cast<const std::uint8_t*>(aligned.data());
   }
