@@ -1,5 +1,5 @@
-// Writes the samples of this folder, our own work: three small meshes, each in another format, and two hand
-// motions.
+// Writes the samples of this folder, our own work: three small meshes, each in another format, and three hand
+// motions, of which one is of both hands.
 //
 //   make_samples FOLDER
 #include <array>
@@ -161,6 +161,48 @@ std::string stroke_csv() {
   return text + "\n";
 }
 
+// One hand of hold_json: 1 of the right, -1 of the left. `closing` goes from 0 to 1.
+std::array<Pose, kJointCount> holding(double sign, double closing) {
+  const Hand hand = default_hand(sign > 0 ? Side::right : Side::left);
+  std::array<double, kAngleCount> angles{};
+  for (std::size_t f = 0; f < kFingerCount; ++f)
+    for (std::size_t k = 1; k < 4; ++k) angles[4 * f + k] = f == 0 ? 0.1 : 0.1 + 0.2 * closing;
+  // Fingers along +y, the thumb up, the palm towards the middle.
+  const Pose wrist = {{sign * (0.105 - 0.043 * closing), -0.125, 0.05}, {0.5, 0.5, sign * 0.5, sign * -0.5}};
+  std::array<Pose, kJointCount> poses;
+  forward_kinematics(hand, wrist, angles, poses);
+  return poses;
+}
+
+// Two hands take the cup between their palms and let go: a capture of both as LeapJS writes it, in
+// millimetres and packed, 2 s at 30 Hz.
+std::string hold_json() {
+  std::string text =
+      "{\"frames\": [[\"timestamp\", {\"hands\": [[\"id\", \"type\", \"direction\", \"palmNormal\", "
+      "\"wrist\"]]}, "
+      "{\"pointables\": [[\"handId\", \"type\", \"mcpPosition\", \"pipPosition\", \"dipPosition\", "
+      "\"btipPosition\"]]}]";
+  const auto point = [](Vec3 p) { return "[" + numbers(p, 0.001, 2, ",") + "]"; };
+  for (int i = 0; i <= 60; ++i) {
+    const double time = i / 30.0, closing = ease(time, 0.2, 0.8) - ease(time, 1.4, 1.9);
+    std::string hands, fingers;
+    for (const double sign : {1.0, -1.0}) {
+      const std::array<Pose, kJointCount> poses = holding(sign, closing);
+      const std::string id = sign > 0 ? "1" : "2";
+      hands += (hands.empty() ? "[" : ",[") + id + (sign > 0 ? ",\"right\"" : ",\"left\"") + ",[0,1,0]," +
+               (sign > 0 ? "[-1,0,0]" : "[1,0,0]") + "," + point(poses[kWrist].position) + "]";
+      for (std::size_t f = 0; f < kFingerCount; ++f) {
+        const std::size_t first = f == 0 ? static_cast<std::size_t>(kThumbMetacarpal) : 2 + 5 * f;
+        fingers += (fingers.empty() ? "[" : ",[") + id + "," + std::to_string(f);
+        for (std::size_t k = 0; k < 4; ++k) fingers += "," + point(poses[first + k].position);
+        fingers += "]";
+      }
+    }
+    text += ",\n[" + number(1e6 * time, 0) + ",[" + hands + "],[" + fingers + "]]";
+  }
+  return text + "\n]}\n";
+}
+
 bool write(const std::string& path, const std::string& content) {
   std::ofstream file(path, std::ios::binary);
   file << content;
@@ -180,6 +222,6 @@ int main(int argc, char** argv) {
   const bool written = write(folder + "cup.obj", cup_obj()) && write(folder + "stone.ply", stone_ply()) &&
                        write(folder + "bracket.stl", bracket_stl()) &&
                        write(folder + "grasp.json", grasp_json()) &&
-                       write(folder + "stroke.csv", stroke_csv());
+                       write(folder + "stroke.csv", stroke_csv()) && write(folder + "hold.json", hold_json());
   return written ? 0 : 2;
 }

@@ -12,6 +12,7 @@
 #include "files.h"
 #include "files/json_file.h"
 #include "lumbrical/world.h"
+#include "motion/motion_samples.h"
 
 namespace lumbrical {
 namespace {
@@ -112,6 +113,38 @@ TEST(SceneFile, ReadsSettingsAndLawsPerSegment) {
   EXPECT_EQ(scene_file.execution.broadphase, Broadphase::brute);
   EXPECT_EQ(scene_file.execution.leaf_size, 4u);
   EXPECT_EQ(scene_file.execution.threads, 2u);
+}
+
+// One description makes both hands, the other as its mirror image.
+TEST(SceneFile, OfACaptureOfBothMakesTwoHandsOfOneDescription) {
+  const std::string frame =
+      test::leap_frame(0, test::leap_hand(3, Side::right) + "," + test::leap_hand(4, Side::left),
+                       test::leap_fingers(test::bent_hand(Side::right, 0.2), 3) + "," +
+                           test::leap_fingers(test::bent_hand(Side::left, 0.6), 4));
+  write_file("both.json", test::leap_file({frame}));
+  const std::string motion = R"("motion": {"file": "both.json", "side": "both", "position": [1, 0, 0]}})";
+  const SceneFile plain = load(R"({"objects": [{"plane": {}}], )" + motion);
+  ASSERT_TRUE(plain.second);
+  EXPECT_EQ(plain.motion.side, Side::right);
+  EXPECT_EQ(plain.scene.hand.side, Side::right);
+  EXPECT_EQ(plain.second->motion.side, Side::left);
+  EXPECT_EQ(plain.second->hand.side, Side::left);
+  EXPECT_EQ(plain.second->motion.samples.size(), plain.motion.samples.size());
+  for (const char* const side : {"left", "right"}) {
+    const SceneFile described =
+        load(std::string(R"({"objects": [{"plane": {}}], "hand": {"side": ")") + side +
+             R"(", "radii": [{"joint": "index tip", "radius": 0.009}], "palm": {"polygon":
+             [{"x": 0.01, "z": 0}, {"x": 0.05, "z": 0}, {"x": 0.01, "z": 0.08}]}}, )" +
+             motion);
+    ASSERT_TRUE(described.second);
+    EXPECT_EQ(described.second->hand.radius[kIndexTip], 0.009);
+    const std::vector<Vec3>& right = described.scene.hand.palm.polygon;
+    const std::vector<Vec3>& left = described.second->hand.palm.polygon;
+    ASSERT_EQ(right.size(), 3u);
+    ASSERT_EQ(left.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(right[i].x, -left[i].x) << side;
+    EXPECT_EQ(right[0].x > 0, std::string(side) == "right");
+  }
 }
 
 TEST(SceneFile, TakesTheHandFromItsOwnFile) {

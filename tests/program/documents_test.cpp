@@ -168,7 +168,7 @@ TEST(Samples, AreWhatTheirProgramWrites) {
     EXPECT_EQ(read_file(entry.path()), read_file(kRoot / "examples" / name)) << name;
     ++files;
   }
-  EXPECT_EQ(files, 5u);
+  EXPECT_EQ(files, 6u);
 }
 
 TEST(Samples, AreTouchedByTheirMotions) {

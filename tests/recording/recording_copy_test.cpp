@@ -72,11 +72,11 @@ class Copied : public ::testing::Test {
     EXPECT_TRUE(reader.seek(from).ok());
     std::vector<std::vector<std::uint8_t>> list;
     for (;;) {
-      TickRecord record;
+      RecordedMessage message;
       bool end = false;
-      EXPECT_TRUE(reader.next(record, end).ok());
-      if (end || record.output.tick >= to) return list;
-      list.emplace_back(reader.message().begin(), reader.message().end());
+      EXPECT_TRUE(reader.next_message(message, end).ok());
+      if (end || message.tick >= to) return list;
+      list.emplace_back(message.bytes.begin(), message.bytes.end());
     }
   }
 };

@@ -1,6 +1,7 @@
 // lumbrical diff: where two recordings part, without running the engine.
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "commands.h"
 #include "divergence.h"
@@ -17,13 +18,22 @@ struct DiffOptions {
 };
 
 int diff(const DiffOptions& options) {
-  RecordingReader a, b;
-  if (Status status = a.open(options.a); !status.ok()) return fail(status);
-  if (Status status = b.open(options.b); !status.ok()) return fail(status);
+  std::vector<RecordingReader> a, b;
+  if (Status status = open_hands(options.a, a); !status.ok()) return fail(status);
+  if (Status status = open_hands(options.b, b); !status.ok()) return fail(status);
+  if (a.size() != b.size())
+    return fail((a.size() > 1 ? options.a : options.b) + " is of two hands and the other of one");
   ReplayResult result;
-  if (Status status = diff_recordings(a, b, result); !status.ok()) return fail(status);
-  const int printed =
-      options.json ? print_json(divergence_json(result)) : print_text(divergence_text(result, "compared"));
+  std::string side;  // of two hands, whose ticks differ
+  for (std::size_t hand = 0; hand < a.size() && !result.first_divergence; ++hand) {
+    if (Status status = diff_recordings(a[hand], b[hand], result); !status.ok()) return fail(status);
+    if (a.size() > 1 && result.first_divergence) side = side_name(a[hand].scene().hand.side);
+  }
+  Json json = divergence_json(result);
+  if (!side.empty()) json["first_divergence"]["side"] = side;
+  const std::string text =
+      (side.empty() ? "" : "The " + side + " hand:\n") + divergence_text(result, "compared");
+  const int printed = options.json ? print_json(json) : print_text(text);
   if (printed != kDone) return printed;
   return result.first_divergence ? kDiverged : kDone;
 }

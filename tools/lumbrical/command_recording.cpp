@@ -22,7 +22,7 @@ struct RecordingOptions {
 };
 
 struct ExportSwitches {
-  std::string format = "csv", ticks;
+  std::string format = "csv", ticks, side;
   std::vector<std::string> columns, segments;
   bool exact = false;
 };
@@ -30,6 +30,8 @@ struct ExportSwitches {
 Json info_json(const RecordingInfo& info) {
   Json json;
   json["recording"] = info.path;
+  json["hands"] = Json::array();
+  for (const Side side : info.hands) json["hands"].push_back(side_name(side));
   json["complete"] = info.complete;
   json["growing"] = info.growing;
   json["ticks"] = info.ticks;
@@ -49,7 +51,7 @@ Json info_json(const RecordingInfo& info) {
 
 Json scene_json(const Scene& scene) {
   Json json;
-  json["hand"] = scene.hand.side == Side::left ? "left" : "right";
+  json["hand"] = side_name(scene.hand.side);
   json["rate_hz"] = scene.settings.rate;
   json["stiffness"] = scene.settings.stiffness;
   json["law"] = Json::object();
@@ -86,6 +88,10 @@ void add_info_rows(const RecordingInfo& info, Table& table) {
                                      : grouped(info.ticks) + ", from " + grouped(info.first_tick) + " to " +
                                            grouped(info.last_tick) + ", " + grouped(info.missing_ticks) +
                                            " missing in between");
+  std::string hands;
+  for (const Side side : info.hands) hands += (hands.empty() ? "" : " and ") + std::string(side_name(side));
+  table.add(info.hands.size() > 1 ? "hands" : "hand",
+            hands + (info.hands.size() > 1 ? ", each with its ticks" : ""));
   table.add("session time", brief(info.seconds, 6) + " s");
   table.add("chunks",
             grouped(info.chunks) + (info.compression.empty() ? ", not compressed" : ", " + info.compression));
@@ -93,7 +99,6 @@ void add_info_rows(const RecordingInfo& info, Table& table) {
 }
 
 void add_scene_rows(const Scene& scene, Table& table) {
-  table.add("hand", scene.hand.side == Side::left ? "left" : "right");
   table.add("rate", brief(scene.settings.rate, 6) + " Hz");
   table.add("law", laws(scene.settings) + ", stiffness " + brief(scene.settings.stiffness) + " N/m^3");
   for (const SceneObject& object : scene.objects)
@@ -131,17 +136,29 @@ void add_device_rows(const DeviceHistory& history, Table& table) {
     table.add("", "and " + grouped(history.events.size() - kMostEvents) + " more: lumbrical export --events");
 }
 
+/// Of two hands the one that a device drove, whose ticks have its commands.
+RecordingReader& driven_hand(std::vector<RecordingReader>& readers) {
+  for (RecordingReader& reader : readers) {
+    DeviceHistory history;
+    const auto stop_at_first = [](const DeviceEvent&) { return Status::error(""); };
+    const Status status = read_device_history(reader, history, stop_at_first);
+    if (!status.ok() || history.commands > 0) return reader;
+  }
+  return readers[0];
+}
+
 /// What became of a session's device; nothing where there was none, which takes no reading of all ticks.
-Status device_history(RecordingReader& reader, std::optional<DeviceHistory>& history) {
-  if (!reader.info().metadata.contains("certificate")) return {};
-  return read_device_history(reader, history.emplace());
+Status device_history(std::vector<RecordingReader>& readers, std::optional<DeviceHistory>& history) {
+  if (!readers[0].info().metadata.contains("certificate")) return {};
+  return read_device_history(driven_hand(readers), history.emplace());
 }
 
 int info(const RecordingOptions& options) {
-  RecordingReader reader;
-  if (Status status = reader.open(options.recording); !status.ok()) return fail(status);
+  std::vector<RecordingReader> readers;
+  if (Status status = open_hands(options.recording, readers); !status.ok()) return fail(status);
   std::optional<DeviceHistory> device;
-  if (Status status = device_history(reader, device); !status.ok()) return fail(status);
+  if (Status status = device_history(readers, device); !status.ok()) return fail(status);
+  const RecordingReader& reader = readers[0];
   if (options.json) {
     Json json = info_json(reader.info());
     json["scene"] = scene_json(reader.scene());
@@ -265,8 +282,9 @@ std::string check_ticks(std::string& text) {
 }
 
 int export_as_table(const RecordingOptions& options, const ExportSwitches& switches) {
-  RecordingReader reader;
-  if (Status status = reader.open(options.recording); !status.ok()) return fail(status);
+  std::vector<RecordingReader> readers;
+  if (Status status = open_hands(options.recording, readers, parse_side(switches.side)); !status.ok())
+    return fail(status);
   ExportOptions wanted;
   wanted.format = switches.format == "json"  ? ExportFormat::json
                   : switches.format == "npz" ? ExportFormat::npz
@@ -275,8 +293,9 @@ int export_as_table(const RecordingOptions& options, const ExportSwitches& switc
   for (const std::string& name : switches.segments) wanted.segments.push_back(segment_number(name));
   wanted.exact = switches.exact;
   if (!switches.ticks.empty()) parse_ticks(switches.ticks, wanted);
-  const Status status = options.events ? export_device_events(reader, wanted.format, options.output)
-                                       : export_recording(reader, wanted, options.output);
+  const Status status = options.events
+                            ? export_device_events(driven_hand(readers), wanted.format, options.output)
+                            : export_recording(readers, wanted, options.output);
   return status.ok() ? kDone : fail(status);
 }
 
@@ -343,6 +362,8 @@ void add_export(Command& app, int& exit_code) {
   command->add_option("--segments", switches->segments, "Only these segments, such as \"index distal\",palm")
       ->list()
       ->check(Check{check_segment, "SEGMENT[,SEGMENT]"});
+  command->add_option("--side", switches->side, "Only this hand, of a session of two")
+      ->check(one_of({"left", "right"}));
   command->add_option("--ticks", switches->ticks, "Only these ticks")
       ->check(Check{check_ticks, "FIRST:LAST[:STEP]"});
   command->add_flag("--exact", switches->exact, "csv: all digits, not six");

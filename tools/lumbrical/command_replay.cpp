@@ -20,7 +20,7 @@ namespace {
 
 struct ReplaySwitches {
   std::vector<std::string> recordings;
-  std::string law, broadphase, voxel_cache, world;
+  std::string law, broadphase, voxel_cache, world, side;
   std::optional<double> stiffness;
   std::string precision, unit = "m", trace, trace_stage;
   std::vector<std::string> meshes;  // NAME=FILE
@@ -82,14 +82,12 @@ std::optional<std::string> other_arithmetic(const RecordingInfo& info) {
 struct Replayed {
   Status error;
   bool diverged = false, damaged = false;
-  Json json;
+  Json json, hands = Json::array();
   std::string text;
 };
 
-Status replay_one(const std::string& path, const ReplaySwitches& switches, const ReplayOptions& options,
-                  Replayed& replayed) {
-  RecordingReader reader;
-  if (Status status = reader.open(path); !status.ok()) return status;
+Status replay_hand(RecordingReader& reader, const std::string& path, const ReplaySwitches& switches,
+                   const ReplayOptions& options, Replayed& replayed) {
   ReplayResult result;
   WhatIfResult changes;
   if (Status status = replay(reader, options, result); !status.ok()) return status;
@@ -128,6 +126,29 @@ Status replay_one(const std::string& path, const ReplaySwitches& switches, const
             (reader.info().growing ? "it is still being recorded" : "its writer was killed") +
             "): all whole ticks were replayed.\n";
   if (replayed.damaged) text += "But the file is not whole: " + result.damage + "\n";
+  return {};
+}
+
+// Of two hands both, one after the other: what each gave, and the first difference of either.
+Status replay_one(const std::string& path, const ReplaySwitches& switches, const ReplayOptions& options,
+                  Replayed& replayed) {
+  std::vector<RecordingReader> readers;
+  if (Status status = open_hands(path, readers, parse_side(switches.side)); !status.ok()) return status;
+  if (readers.size() == 1) return replay_hand(readers[0], path, switches, options, replayed);
+  if (!switches.trace.empty())
+    return Status::error(path + ": holds two hands, and --trace takes one; choose it by --side");
+  for (RecordingReader& reader : readers) {
+    Replayed one;
+    if (Status status = replay_hand(reader, path, switches, options, one); !status.ok()) return status;
+    const std::string side(side_name(reader.scene().hand.side));
+    replayed.text += (replayed.text.empty() ? "" : "\n") + ("The " + side + " hand:\n") + one.text;
+    if (replayed.json.is_null() || (one.diverged && !replayed.diverged)) replayed.json = one.json;
+    replayed.diverged |= one.diverged;
+    replayed.damaged |= one.damaged;
+    one.json["side"] = side;
+    replayed.hands.push_back(std::move(one.json));
+  }
+  replayed.json["hands"] = std::move(replayed.hands);
   return {};
 }
 
@@ -211,6 +232,8 @@ void add_replay(Command& app, int& exit_code) {
       ->add_option("--broadphase", switches->broadphase,
                    "What if: search for candidate triangles; never changes a result, but a tick's time")
       ->check(is_broadphase());
+  command->add_option("--side", switches->side, "Only this hand, of a session of two")
+      ->check(one_of({"left", "right"}));
   command
       ->add_option("--world", switches->world,
                    "World file, where the recording has its world in one; unless given, beside the recording")

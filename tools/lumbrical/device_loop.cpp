@@ -101,14 +101,31 @@ std::string check_sink_uri(std::string& text) {
   return text == "null" ? std::string() : parse_sink_uri(text, uri).message();
 }
 
+namespace {
+
+// Torques of one hand must never reach a device that is worn on the other.
+Status choose_hand(const DeviceProfile& profile, const std::vector<Model>& models, std::size_t& hand) {
+  if (!profile.side && models.size() == 1) return {};
+  if (!profile.side)
+    return Status::error("the session is of two hands, and " + profile.name +
+                         " does not say which it drives; add side=left or side=right to the sink");
+  for (hand = 0; hand < models.size(); ++hand)
+    if (models[hand].hand.side == *profile.side) return {};
+  return Status::error(profile.name + " drives a " + std::string(side_name(*profile.side)) +
+                       " hand, and the session is of the other one");
+}
+
+}  // namespace
+
 DeviceLoop::DeviceLoop() = default;
 DeviceLoop::~DeviceLoop() { close(); }
 
-Status DeviceLoop::open(const std::string& text, const Model& model) {
+Status DeviceLoop::open(const std::string& text, const std::vector<Model>& models, std::size_t& hand) {
   auto loop = std::make_unique<Loop>();
   if (Status status = parse_sink_uri(text, loop->uri); !status.ok()) return status;
   if (Status status = load_profile(loop->uri, loop->profile); !status.ok()) return status;
-  loop->model = &model;
+  if (Status status = choose_hand(loop->profile, models, hand); !status.ok()) return status;
+  loop->model = &models[hand];
   LoopOptions control;
   control.feedback = loop->uri.feedback;
   control.limiter = loop->uri.limiter;

@@ -27,8 +27,9 @@ class DeviceLoop {
   DeviceLoop(const DeviceLoop&) = delete;
   DeviceLoop& operator=(const DeviceLoop&) = delete;
 
-  /// Reads the profile, starts the sink. Does not wait for the device.
-  Status open(const std::string& uri, const Model& model);
+  /// Reads the profile, starts the sink. Does not wait for the device. It drives one hand of the session,
+  /// that of `models[hand]`; refused where that can't be told, or is of the wrong side.
+  Status open(const std::string& uri, const std::vector<Model>& models, std::size_t& hand);
 
   /// Before a tick: `frame` comes from the motion; the device's angles take the place of the motion's.
   void before(DeviceFrame& frame);

@@ -25,6 +25,22 @@ std::vector<World::Object> objects_of(SceneFile& scene_file) {
   return objects;
 }
 
+// A hand of the scene, and where it is.
+struct PlacedHand {
+  const Motion& motion;
+  Clearance clearance;
+};
+
+std::vector<PlacedHand> placed_hands(const SceneFile& file) {
+  std::vector<PlacedHand> hands;
+  hands.push_back({file.motion, find_clearance(file.scene, file.motion, file.seconds)});
+  if (!file.second) return hands;
+  Scene scene = file.scene;
+  scene.hand = file.second->hand;
+  hands.push_back({file.second->motion, find_clearance(scene, file.second->motion, file.seconds)});
+  return hands;
+}
+
 }  // namespace
 
 bool is_scene(const std::string& path) { return path.size() > 5 && path.ends_with(".json"); }
@@ -33,25 +49,28 @@ int inspect_scene(const std::string& path, bool json) {
   SceneFile scene_file;
   if (Status status = load_scene_file(path, scene_file); !status.ok()) return fail(status);
   const std::vector<World::Object> objects = objects_of(scene_file);
-  const Clearance clearance = find_clearance(scene_file.scene, scene_file.motion, scene_file.seconds);
+  const std::vector<PlacedHand> hands = placed_hands(scene_file);
   if (json) {
-    Json printed = to_json(clearance, scene_file.scene);
+    Json printed = to_json(hands[0].clearance, scene_file.scene);
     for (std::size_t i = 0; i < objects.size(); ++i) {
       printed["objects"][i]["triangles"] = objects[i].triangle_count;
       printed["objects"][i]["winding"] = to_json(objects[i].winding);
     }
+    if (hands.size() > 1) printed["second_hand"] = to_json(hands[1].clearance, scene_file.scene);
     if (scene_file.aligned) printed["aligned"] = pose_json(scene_file.placement.pose);
     return print_json(printed);
   }
   Table table;
-  table.add("hand", hand_text(scene_file.motion));
-  table.add("objects", grouped(clearance.object.size()));
+  table.add("objects", grouped(hands[0].clearance.object.size()));
   add_windings(objects, table);
   if (scene_file.aligned) table.add("aligned", pose_text(scene_file.placement.pose));
-  bool first = true;
-  for (const std::string& sentence : approach_sentences(clearance, scene_file.scene)) {
-    table.add(first ? "where things are" : "", sentence);
-    first = false;
+  for (const PlacedHand& hand : hands) {
+    table.add("hand", hands.size() > 1 ? std::string(side_name(hand.motion.side)) : hand_text(hand.motion));
+    bool first = true;
+    for (const std::string& sentence : approach_sentences(hand.clearance, scene_file.scene)) {
+      table.add(first ? "where things are" : "", sentence);
+      first = false;
+    }
   }
   return print_text(table.text());
 }

@@ -35,23 +35,32 @@ struct StageTimes {
   }
 };
 
-Scratch fresh_scratch(const Model& model) {
-  Scratch scratch = make_scratch(model);
-  scratch.hash_stages = false;
-  scratch.keep_near = false;  // the same pose again must not be spared its search
-  return scratch;
+std::vector<Scratch> fresh_scratches(const std::vector<Model>& models) {
+  std::vector<Scratch> scratches;
+  for (const Model& model : models) {
+    Scratch& scratch = scratches.emplace_back(make_scratch(model));
+    scratch.hash_stages = false;
+    scratch.keep_near = false;  // the same pose again must not be spared its search
+  }
+  return scratches;
+}
+
+void tick_all(const std::vector<Model>& models, std::vector<Scratch>& scratches, const TickFrames& frames) {
+  for (std::size_t hand = 0; hand < models.size(); ++hand) {
+    State state;
+    tick(models[hand], state, scratches[hand], frames[hand]);
+  }
 }
 
 // [us] The median over the frames of the shortest time of each.
-double time_of(const Model& model, const std::vector<DeviceFrame>& frames) {
-  Scratch scratch = fresh_scratch(model);
+double time_of(const std::vector<Model>& models, const std::vector<TickFrames>& ticks) {
+  std::vector<Scratch> scratches = fresh_scratches(models);
   std::vector<double> times;
-  for (const DeviceFrame& frame : frames) {
+  for (const TickFrames& frames : ticks) {
     double shortest = 1e300;
     for (int i = 0; i < kTimes; ++i) {
-      State state;
       const Clock::time_point start = Clock::now();
-      tick(model, state, scratch, frame);
+      tick_all(models, scratches, frames);
       shortest = std::min(shortest, microseconds_since(start));
     }
     times.push_back(shortest);
@@ -61,14 +70,14 @@ double time_of(const Model& model, const std::vector<DeviceFrame>& frames) {
   return *middle;
 }
 
-std::array<double, kStageCount> stage_shares(const Model& model, const std::vector<DeviceFrame>& frames) {
-  Scratch scratch = fresh_scratch(model);
+std::array<double, kStageCount> stage_shares(const std::vector<Model>& models,
+                                             const std::vector<TickFrames>& ticks) {
+  std::vector<Scratch> scratches = fresh_scratches(models);
   StageTimes times;
-  scratch.watch = {&StageTimes::ended, &times};
-  for (const DeviceFrame& frame : frames) {
-    State state;
+  for (Scratch& scratch : scratches) scratch.watch = {&StageTimes::ended, &times};
+  for (const TickFrames& frames : ticks) {
     times.last = Clock::now();
-    tick(model, state, scratch, frame);
+    tick_all(models, scratches, frames);
   }
   const double all = std::accumulate(times.microseconds.begin(), times.microseconds.end(), 0.0);
   for (double& share : times.microseconds) share /= std::max(all, 1e-9);
@@ -113,6 +122,15 @@ std::optional<Trial> of_fewer_triangles(const Scene& scene, const Execution& exe
   return left > 500 ? std::optional(trial) : std::nullopt;
 }
 
+// The hands of `models` in another world; nothing where that can't be built.
+std::vector<Model> changed_models(const Trial& trial, const std::vector<Model>& models) {
+  std::vector<Model> changed(models.size());
+  if (!build_model(trial.scene, trial.execution, changed[0]).ok()) return {};
+  for (std::size_t hand = 1; hand < models.size(); ++hand)
+    if (!share_world(changed[0], models[hand].hand, changed[hand]).ok()) return {};
+  return changed;
+}
+
 constexpr const char* kStageWords[kStageCount] = {"input",    "hand pose", "search",
                                                   "contacts", "sums",      "limits"};
 
@@ -124,7 +142,7 @@ void LateTicks::reserve() {
 }
 
 void LateTicks::add(std::int64_t wake_up_ns, std::int64_t tick_ns, std::int64_t all_ns,
-                    const DeviceFrame& frame) {
+                    const TickFrames& frames) {
   const std::int64_t rest_ns = all_ns - wake_up_ns - tick_ns;
   if (wake_up_ns > tick_ns && wake_up_ns > rest_ns) {
     ++woken_late;
@@ -137,25 +155,27 @@ void LateTicks::add(std::int64_t wake_up_ns, std::int64_t tick_ns, std::int64_t 
   ++slow;
   const auto duration = static_cast<std::uint32_t>(std::min<std::int64_t>(tick_ns, UINT32_MAX));
   if (slowest.size() < kKept) {
-    slowest.push_back(frame);
+    slowest.push_back(frames);
     slowest_duration.push_back(duration);
     return;
   }
   const auto least = std::min_element(slowest_duration.begin(), slowest_duration.end());
   if (duration <= *least) return;
   *least = duration;
-  slowest[static_cast<std::size_t>(least - slowest_duration.begin())] = frame;
+  slowest[static_cast<std::size_t>(least - slowest_duration.begin())] = frames;
 }
 
-LateReport study(const LateTicks& late, const Scene& scene, const Model& model) {
+LateReport study(const LateTicks& late, const Scene& scene, const std::vector<Model>& models) {
   LateReport report;
   if (late.slowest.empty()) return report;
-  report.microseconds = time_of(model, late.slowest);
-  report.stage_share = stage_shares(model, late.slowest);
-  for (const auto& trial : {coarser(scene, model.execution), on_more_threads(scene, model.execution),
-                            of_fewer_triangles(scene, model.execution)}) {
-    Model changed;
-    if (!trial || !build_model(trial->scene, trial->execution, changed).ok()) continue;
+  report.microseconds = time_of(models, late.slowest);
+  report.stage_share = stage_shares(models, late.slowest);
+  const Execution& execution = models[0].execution;
+  for (const auto& trial :
+       {coarser(scene, execution), on_more_threads(scene, execution), of_fewer_triangles(scene, execution)}) {
+    if (!trial) continue;
+    const std::vector<Model> changed = changed_models(*trial, models);
+    if (changed.empty()) continue;
     const double microseconds = time_of(changed, late.slowest);
     if (microseconds < kWorthwhile * report.microseconds)
       report.remedies.push_back({trial->change, microseconds});

@@ -7,22 +7,26 @@
 #include <vector>
 
 #include "lumbrical/model.h"
+#include "lumbrical/recording.h"
 #include "lumbrical/tick.h"
 #include "output.h"
 
 namespace lumbrical::tool {
+
+/// What came in for a tick, by hand: of a session of one hand the first alone counts.
+using TickFrames = std::array<DeviceFrame, kMostHands>;
 
 /// What was behind deadlines that were missed: of each the longest of the three counts.
 struct LateTicks {
   std::uint64_t woken_late = 0;                 ///< other work had the processor when the tick was due
   std::uint64_t slow = 0;                       ///< the tick itself
   std::uint64_t beside = 0;                     ///< motion, device, recording
-  std::vector<DeviceFrame> slowest;             ///< some of them, the slowest
+  std::vector<TickFrames> slowest;              ///< some of them, the slowest
   std::vector<std::uint32_t> slowest_duration;  ///< [ns] theirs
 
   /// Room for what is kept, so that keeping allocates nothing.
   void reserve();
-  void add(std::int64_t wake_up_ns, std::int64_t tick_ns, std::int64_t all_ns, const DeviceFrame& frame);
+  void add(std::int64_t wake_up_ns, std::int64_t tick_ns, std::int64_t all_ns, const TickFrames& frames);
 };
 
 /// A change of the session, and what one of its late ticks takes with it.
@@ -38,7 +42,8 @@ struct LateReport {
 };
 
 /// Nothing where no tick was slow. Builds the scene once more for each remedy that is tried.
-LateReport study(const LateTicks& late, const Scene& scene, const Model& model);
+/// `models`: of the session's hands.
+LateReport study(const LateTicks& late, const Scene& scene, const std::vector<Model>& models);
 
 Json late_json(const LateTicks& late, const LateReport& report);
 void add_late(const LateTicks& late, const LateReport& report, double period_us, Table& table);

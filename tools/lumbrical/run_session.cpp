@@ -29,31 +29,37 @@ std::int64_t session_ns(std::uint64_t tick, double rate) {
   return static_cast<std::int64_t>(static_cast<double>(tick) * 1e9 / rate);
 }
 
-void add_output(const ActuatorFrame& output, const State& state, RunStatistics& statistics) {
-  const bool starting = statistics.starting_ticks == statistics.ticks;
-  if (starting && state.rise > 0 && (output.flags & kFading) != 0) ++statistics.starting_ticks;
-  statistics.contacts += output.contact_count;
-  statistics.max_contacts = std::max(statistics.max_contacts, output.contact_count);
-  statistics.max_evaluations = std::max(statistics.max_evaluations, output.evaluations);
+void add_output(const ActuatorFrame& output, const State& state, std::uint64_t ticks, HandFigures& figures) {
+  const bool starting = figures.starting_ticks == ticks;
+  if (starting && state.rise > 0 && (output.flags & kFading) != 0) ++figures.starting_ticks;
+  figures.contacts += output.contact_count;
+  figures.max_contacts = std::max(figures.max_contacts, output.contact_count);
   for (std::size_t finger = 0; finger < kFingerCount; ++finger) {
     Vec3 force;
     for (std::size_t s = 3 * finger; s < 3 * finger + 3; ++s) force += output.segment[s].force;
-    statistics.peak_force[finger] = std::max(statistics.peak_force[finger], norm(force));
+    figures.peak_force[finger] = std::max(figures.peak_force[finger], norm(force));
   }
-  double& palm = statistics.peak_force[kFingerCount];
+  double& palm = figures.peak_force[kFingerCount];
   palm = std::max(palm, norm(output.segment[kPalmSegment].force));
   for (std::size_t s = 0; s < kSegmentCount; ++s) {
-    statistics.peak_segment[s] = std::max(statistics.peak_segment[s], norm(output.segment[s].force));
-    statistics.peak_torque[s] = std::max(statistics.peak_torque[s], norm(output.joint_torque[s]));
+    figures.peak_segment[s] = std::max(figures.peak_segment[s], norm(output.segment[s].force));
+    figures.peak_torque[s] = std::max(figures.peak_torque[s], norm(output.joint_torque[s]));
   }
-  for (std::size_t bit = 0; bit < statistics.flag_ticks.size(); ++bit) {
-    statistics.flag_ticks[bit] += (output.flags >> bit) & 1u;
+  for (std::size_t bit = 0; bit < figures.flag_ticks.size(); ++bit) {
+    figures.flag_ticks[bit] += (output.flags >> bit) & 1u;
   }
 }
 
+void add_evaluations(const TickRecord& record, RunStatistics& statistics) {
+  statistics.max_evaluations = std::max<std::uint64_t>(statistics.max_evaluations, record.output.evaluations);
+  if (record.output.evaluations == 0) return;
+  statistics.evaluations += static_cast<double>(record.output.evaluations);
+  statistics.evaluating_ns += record.duration_ns;
+}
+
 // Ticks as the session's first one, whose forces go nowhere: the device is not armed.
-void tick_unarmed(const Model& model, const Motion& motion, double seconds, Scratch& scratch,
-                  DeviceLoop& device) {
+void tick_unarmed(const SessionHand& hand, double seconds, Scratch& scratch, DeviceLoop& device) {
+  const auto& [model, motion] = hand;
   State state;
   TickRecord record;
   const auto ticks = static_cast<std::uint64_t>(std::ceil(seconds * model.settings.rate));
@@ -67,27 +73,70 @@ void tick_unarmed(const Model& model, const Motion& motion, double seconds, Scra
   }
 }
 
+// What a hand carries from tick to tick.
+struct MovingHand {
+  const SessionHand& hand;
+  bool still;  // a single pose is held for the whole session
+  State state;
+  Scratch scratch;
+  TickRecord record;
+};
+
+std::vector<MovingHand> moving(const std::vector<SessionHand>& hands, bool recorded) {
+  std::vector<MovingHand> result;
+  for (const SessionHand& hand : hands) {
+    MovingHand& added = result.emplace_back(
+        MovingHand{hand, hand.motion.samples.size() == 1, {}, make_scratch(hand.model), {}});
+    added.scratch.hash_stages = recorded;
+    added.record.hand = static_cast<std::uint8_t>(result.size() - 1);
+  }
+  return result;
+}
+
+// One tick of one hand, its time included.
+void tick_hand(double time, const SessionParts& parts, WorldPager& pager, MovingHand& moving) {
+  TickRecord& record = moving.record;
+  const Motion& motion = moving.hand.motion;
+  record.device = resample(motion, moving.still ? motion.samples[0].time : time);
+  if (parts.device != nullptr && record.hand == parts.device_hand) parts.device->before(record.device);
+  pager.hand_at(record.device);
+  const std::int64_t start = clock_ns();
+  record.output = tick(moving.hand.model, moving.state, moving.scratch, record.device);
+  record.duration_ns = nanoseconds_between(start, clock_ns());
+}
+
+// False: the recording failed, and the session is to end with it.
+bool record_tick(MovingHand& moving, const SessionParts& parts, RunStatistics& statistics) {
+  moving.record.stage_hash = moving.scratch.stage_hash;
+  moving.record.state_hash = hash_state(moving.state);
+  static_cast<void>(parts.recorder->record(moving.record));  // what became of it, close() tells
+  if (statistics.recording_error.ok()) {
+    statistics.recording_error = parts.recorder->failure();
+    if (!statistics.recording_error.ok()) fail(statistics.recording_error);
+  }
+  return statistics.recording_error.ok() || parts.unrecorded;
+}
+
 }  // namespace
 
-bool measure_device(const Model& model, const Motion& motion, double seconds, DeviceLoop& device) {
-  Scratch scratch = make_scratch(model);
+bool measure_device(const SessionHand& hand, double seconds, DeviceLoop& device) {
+  Scratch scratch = make_scratch(hand.model);
   scratch.hash_stages = false;
-  tick_unarmed(model, motion, seconds, scratch, device);
+  tick_unarmed(hand, seconds, scratch, device);
   return !stop_requested();
 }
 
-RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_t ticks,
+RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t ticks,
                           const SessionParts& parts) {
   RunStatistics statistics;
-  State state;
-  Scratch scratch = make_scratch(model);
-  scratch.hash_stages = parts.recorder != nullptr;
+  statistics.hands.resize(hands.size());
+  std::vector<MovingHand> all = moving(hands, parts.recorder != nullptr);
+  MovingHand& driven = all[parts.device_hand];
+  const Model& model = hands[0].model;
   const double rate = model.settings.rate;
-  const bool still = motion.samples.size() == 1;  // a single pose is held for the whole session
-  TickRecord record;
   Progress progress("running");
   WorldPager pager(model, {});  // before real time, so that its thread has none of that
-  pager.hand_at(resample(motion, motion.samples[0].time));
+  pager.hand_at(resample(hands[0].motion, hands[0].motion.samples[0].time));
   pager.catch_up();
   if (parts.paced) {
     const auto pageable = model.world ? std::span(model.world->bytes.get(), model.world->byte_count)
@@ -96,7 +145,7 @@ RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_
   }
   if (parts.device != nullptr) {
     parts.device->measure_again();
-    tick_unarmed(model, motion, kWarmUp, scratch, *parts.device);
+    tick_unarmed(driven.hand, kWarmUp, driven.scratch, *parts.device);
     parts.device->arm();  // last of all: from now on a tick that does not come is a fault
     statistics.interrupted = stop_requested();
   }
@@ -114,48 +163,43 @@ RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_
       statistics.wake_ups.add(nanoseconds_between(moment, clock_ns()));
     }
     const std::int64_t start = clock_ns();
-    record.device = resample(motion, still ? motion.samples[0].time : static_cast<double>(i) / rate);
-    if (parts.device != nullptr) parts.device->before(record.device);
-    pager.hand_at(record.device);
-    const std::int64_t tick_start = clock_ns();
-    record.output = tick(model, state, scratch, record.device);
-    const std::int64_t tick_end = clock_ns();
-    record.duration_ns = nanoseconds_between(tick_start, tick_end);
+    std::uint32_t duration = 0;
+    for (MovingHand& hand : all) {
+      tick_hand(static_cast<double>(i) / rate, parts, pager, hand);
+      duration += hand.record.duration_ns;
+    }
     if (pager.changed()) {  // neither device nor recording learn of this tick
       statistics.world_error = pager.failure();
       break;
     }
     if (parts.device != nullptr)
-      stopped = !parts.device->after(scratch, record.device, record.output, record);
+      stopped =
+          !parts.device->after(driven.scratch, driven.record.device, driven.record.output, driven.record);
 
     const std::int64_t end = clock_ns();
-    const bool late = parts.paced ? end > moment + period : record.duration_ns > period;
+    const bool late = parts.paced ? end > moment + period : duration > period;
     statistics.deadline_misses += late ? 1 : 0;
-    if (late && parts.paced)
-      statistics.late.add(start - moment, record.duration_ns, end - moment, record.device);
+    if (late && parts.paced) {
+      TickFrames frames;
+      for (const MovingHand& hand : all) frames[hand.record.hand] = hand.record.device;
+      statistics.late.add(start - moment, duration, end - moment, frames);
+    }
     if (parts.device != nullptr) {
       statistics.loop_times.add(nanoseconds_between(start, end));
       if (parts.paced && end > moment + 2 * period) first += end - (moment + period);
     }
-    statistics.tick_times.add(record.duration_ns);
-    if (record.output.evaluations > 0) {
-      statistics.evaluations += static_cast<double>(record.output.evaluations);
-      statistics.evaluating_ns += record.duration_ns;
+    statistics.tick_times.add(duration);
+    for (MovingHand& hand : all) {
+      add_evaluations(hand.record, statistics);
+      add_output(hand.record.output, hand.state, statistics.ticks, statistics.hands[hand.record.hand]);
+      if (parts.view != nullptr) parts.view->put(hand.record);
     }
-    if (parts.view != nullptr) parts.view->put(record);
-    add_output(record.output, state, statistics);
     statistics.world_held = std::max(statistics.world_held, pager.held_bytes());
     ++statistics.ticks;
-    if (parts.recorder != nullptr) {
-      record.stage_hash = scratch.stage_hash;
-      record.state_hash = hash_state(state);
-      static_cast<void>(parts.recorder->record(record));  // what became of it, close() tells
-      if (statistics.recording_error.ok()) {
-        statistics.recording_error = parts.recorder->failure();
-        if (!statistics.recording_error.ok()) fail(statistics.recording_error);
-      }
-      if (!statistics.recording_error.ok() && !parts.unrecorded) break;
-    }
+    bool recorded = true;
+    for (MovingHand& hand : all)
+      if (parts.recorder != nullptr) recorded = recorded && record_tick(hand, parts, statistics);
+    if (!recorded) break;
     if (parts.device == nullptr) progress.update(i + 1, ticks);
     statistics.interrupted = stop_requested();
   }

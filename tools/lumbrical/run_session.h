@@ -17,33 +17,44 @@
 
 namespace lumbrical::tool {
 
-struct RunStatistics {
-  std::uint64_t ticks = 0;
-  double wall_seconds = 0;        ///< of the whole loop
-  TickTimes tick_times;           ///< of tick() alone
-  TickTimes loop_times;           ///< with a device: of everything done for a tick
-  TickTimes wake_ups;             ///< paced: how late after its moment a tick began
-  RealTime real_time;             ///< paced: what the system allowed
-  std::uint64_t page_faults = 0;  ///< of the ticking thread during the session
-  std::uint64_t deadline_misses =
-      0;                       ///< paced: results later than their period's end; else ticks longer than one
-  LateTicks late;              ///< paced: what was behind them
-  std::uint64_t contacts = 0;  ///< sum over all ticks
+/// What one hand of the session felt.
+struct HandFigures {
+  std::uint64_t contacts = 0;                         ///< sum over all ticks
   std::uint32_t max_contacts = 0;                     ///< of one tick
-  std::uint64_t max_evaluations = 0;                  ///< of fields by samples, in one tick
-  double evaluations = 0, evaluating_ns = 0;          ///< sums over the ticks in which there were any
   std::array<double, kFingerCount + 1> peak_force{};  ///< [N] per finger (its segments' sum) and of the palm
   std::array<double, kSegmentCount> peak_segment{};   ///< [N] per segment: what Settings::max_force bounds
   std::array<double, kSegmentCount> peak_torque{};    ///< [N m] about each segment's base joint
   std::array<std::uint64_t, 32> flag_ticks{};         ///< ticks in which TickFlag bit i was set
   std::uint64_t starting_ticks = 0;    ///< the first ones, in which forces rose as at every start
-  Status recording_error;              ///< that ended the recording before the session
-  std::uint64_t not_recorded = 0;      ///< ticks that are not in the file
-  Status world_error;                  ///< that ended the session: its file was changed
-  bool interrupted = false;            ///< by a signal (ways_out.h)
-  std::size_t world_held = 0;          ///< [bytes] of a world file, at most
-  std::vector<std::string> untouched;  ///< where nothing was touched: how near the hand came
-  Json clearance;                      ///< the same; null where something was touched
+  std::vector<std::string> untouched;  ///< where it touched nothing: how near it came
+  Json clearance;                      ///< the same; null where it touched something
+};
+
+struct RunStatistics {
+  std::uint64_t ticks = 0;
+  std::vector<HandFigures> hands;  ///< one, or two
+  double wall_seconds = 0;         ///< of the whole loop
+  TickTimes tick_times;            ///< of tick() alone, of both hands together
+  TickTimes loop_times;            ///< with a device: of everything done for a tick
+  TickTimes wake_ups;              ///< paced: how late after its moment a tick began
+  RealTime real_time;              ///< paced: what the system allowed
+  std::uint64_t page_faults = 0;   ///< of the ticking thread during the session
+  std::uint64_t deadline_misses =
+      0;           ///< paced: results later than their period's end; else ticks longer than one
+  LateTicks late;  ///< paced: what was behind them
+  std::uint64_t max_evaluations = 0;          ///< of fields by samples, in one hand's tick
+  double evaluations = 0, evaluating_ns = 0;  ///< sums over the ticks in which there were any
+  Status recording_error;                     ///< that ended the recording before the session
+  std::uint64_t not_recorded = 0;             ///< ticks that are not in the file
+  Status world_error;                         ///< that ended the session: its file was changed
+  bool interrupted = false;                   ///< by a signal (ways_out.h)
+  std::size_t world_held = 0;                 ///< [bytes] of a world file, at most
+};
+
+/// A hand of a session, and how it moves.
+struct SessionHand {
+  const Model& model;
+  const Motion& motion;
 };
 
 /// What a session has besides a model and a motion; each may be absent.
@@ -52,19 +63,20 @@ struct SessionParts {
   Recorder* recorder = nullptr;  ///< open
   bool unrecorded = false;       ///< goes on when the recording fails; else that ends the session
   DeviceLoop* device = nullptr;  ///< open and certified
+  std::size_t device_hand = 0;   ///< which hand it drives
   LiveView* view = nullptr;      ///< started
 };
 
-/// Runs `ticks` ticks, tick i at session time i / settings.rate, paced or as fast as it goes. StopSignals
-/// end the loop after the tick at hand. A recording that fails (disk full) is told on standard error
-/// at once. A paced session with a device that has fallen behind by more than one period does not catch up by
-/// a burst of ticks: the clock of the session stands still for what was missed. The device is armed last of
-/// all, after real time and a warm-up.
-RunStatistics run_session(const Model& model, const Motion& motion, std::uint64_t ticks,
+/// Runs `ticks` ticks of each hand, one hand after the other, tick i at session time i / settings.rate, paced
+/// or as fast as it goes. StopSignals end the loop after the tick at hand. A recording that fails (disk full)
+/// is told on standard error at once. A paced session with a device that has fallen behind by more than one
+/// period does not catch up by a burst of ticks: the clock of the session stands still for what was missed.
+/// The device is armed last of all, after real time and a warm-up.
+RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t ticks,
                           const SessionParts& parts);
 
 /// Lets device and ticks exchange for `seconds` without forces, so that the device can be certified. The hand
 /// is as at the session's start. False: a signal came.
-bool measure_device(const Model& model, const Motion& motion, double seconds, DeviceLoop& device);
+bool measure_device(const SessionHand& hand, double seconds, DeviceLoop& device);
 
 }  // namespace lumbrical::tool

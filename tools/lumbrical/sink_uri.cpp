@@ -27,6 +27,10 @@ bool parse_parameter(std::string_view name, std::string_view value, SinkUri& uri
     uri.profile = value;
     return !value.empty();
   }
+  if (name == "side") {
+    uri.side = value == "left" ? Side::left : Side::right;
+    return value == "left" || value == "right";
+  }
   if (name == "baud") return parse(value, 300, 10000000, uri.baud);
   if (name == "unit") return parse(value, 0, 247, uri.unit);
   if (name == "rate") return parse(value, 0.1, 20000.0, uri.rate);
@@ -96,7 +100,7 @@ Status parse_sink_uri(const std::string& text, SinkUri& uri) {
     const std::size_t equals = std::min(one.find('='), one.size());
     if (equals == one.size() || !parse_parameter(one.substr(0, equals), one.substr(equals + 1), uri)) {
       return Status::error(
-          "\"" + std::string(one) + "\" is no parameter of a sink; there are profile, baud, unit, " +
+          "\"" + std::string(one) + "\" is no parameter of a sink; there are profile, side, baud, unit, " +
           "rate, network, feedback, on-loss, dry-run, guard, unattended, limiter, observer and local");
     }
     rest.remove_prefix(std::min(end + 1, rest.size()));
@@ -116,6 +120,10 @@ Status load_profile(const SinkUri& uri, DeviceProfile& profile) {
   if (!uri.line.empty()) transport.line = uri.line;
   if (uri.port >= 0) transport.port = static_cast<std::uint16_t>(uri.port);
   if (uri.baud >= 0) transport.baud = static_cast<std::uint32_t>(uri.baud);
+  if (profile.side && uri.side && *profile.side != *uri.side)
+    return Status::error(uri.profile + ": drives a " + std::string(side_name(*profile.side)) +
+                         " hand, and side=" + std::string(side_name(*uri.side)) + " asks for another");
+  if (uri.side) profile.side = uri.side;
   if (uri.rate > 0) profile.rate = uri.rate;
   if (uri.unit >= 0) set_unit(profile, static_cast<std::uint8_t>(uri.unit));
   return check_profile(profile);

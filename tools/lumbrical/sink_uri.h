@@ -1,6 +1,7 @@
 // The address of a device as users write it.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -10,7 +11,8 @@
 namespace lumbrical::tool {
 
 struct SinkUri {
-  std::string profile;  ///< file
+  std::string profile;       ///< file
+  std::optional<Side> side;  ///< none: the profile's
   bool serial = false;
   std::string host, line;
   int port = -1, baud = -1, unit = -1;  ///< -1: the profile's

@@ -35,6 +35,11 @@ inline Check is_path() {
           "FILE"};
 }
 
+inline std::optional<Side> parse_side(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  return text == "left" ? Side::left : Side::right;
+}
+
 inline Check is_unit() { return one_of({"m", "cm", "mm"}); }
 inline Check is_alignment() {
   return {[](std::string& text) -> std::string {

@@ -15,7 +15,9 @@ std::string check_sink_uri(std::string& text) { return text == "null" ? std::str
 
 DeviceLoop::DeviceLoop() = default;
 DeviceLoop::~DeviceLoop() = default;
-Status DeviceLoop::open(const std::string&, const Model&) { return Status::error(kRemedy); }
+Status DeviceLoop::open(const std::string&, const std::vector<Model>&, std::size_t&) {
+  return Status::error(kRemedy);
+}
 void DeviceLoop::before(DeviceFrame&) {}
 bool DeviceLoop::after(const Scratch&, const DeviceFrame&, const ActuatorFrame&, TickRecord&) {
   return false;

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -146,8 +147,9 @@ struct JointDynamics {
 
 struct DeviceProfile {
   std::string name;
-  std::string source;     ///< where the register map comes from
-  bool verified = false;  ///< on hardware
+  std::string source;        ///< where the register map comes from
+  bool verified = false;     ///< on hardware
+  std::optional<Side> side;  ///< the hand it drives, and no other; none: either
   Transport transport;
   double rate = 100;                         ///< [Hz] largest number of exchanges per second
   double response_timeout = 0.05;            ///< [s] for the answer to one request

@@ -88,6 +88,9 @@ struct Palm {
 
 enum class Side : std::uint8_t { left, right };
 
+/// "left", "right".
+std::string_view side_name(Side side);
+
 struct Hand {
   Side side = Side::right;
   std::array<double, kJointCount> radius{};   ///< [m] from the joint to the skin, > 0

@@ -74,6 +74,10 @@ struct MotionOptions {
 /// contradicts. On error `motion` is unchanged.
 Status load_motion(const std::string& path, const MotionOptions& options, Motion& motion);
 
+/// Both hands of a capture, each as load_motion gives it for its side, with the same time stamps; nothing is
+/// read twice. Refused where the file does not show both; on error both motions are unchanged.
+Status load_both_motions(const std::string& path, const MotionOptions& options, Motion& right, Motion& left);
+
 /// The same for a file already in memory; `name` stands in for the path in messages.
 Status parse_motion(std::string_view content, const std::string& name, const MotionOptions& options,
                     Motion& motion);

@@ -24,6 +24,9 @@
 
 namespace lumbrical {
 
+/// Of one session, a left and a right one.
+inline constexpr std::size_t kMostHands = 2;
+
 /// Commands to a device that one tick's record can hold; what is more waits for the next.
 inline constexpr std::uint32_t kMaxSentPerTick = 4;
 
@@ -35,6 +38,7 @@ struct TickRecord {
   std::uint64_t state_hash = 0;                         ///< hash_state after the tick
   std::uint32_t duration_ns = 0;                        ///< measured time of the tick; never compared
   bool has_forces = true;        ///< false: the file leaves them out, `output` has zeros in their place
+  std::uint8_t hand = 0;         ///< whose: 0 of Scene::hand, 1 of RecorderOptions::second_hand
   std::uint32_t sent_count = 0;  ///< of `sent`, at most kMaxSentPerTick
   std::array<SentCommand, kMaxSentPerTick> sent{};  ///< to a device, since the last tick; never compared
   /// Of the loop with a device, in ticks that renewed its certificate by a tenth or more; never compared.
@@ -55,6 +59,7 @@ struct RecorderOptions {
   /// cost no room and still have their hash: a replay finds any bit that differs, but other tools can't plot
   /// them.
   std::uint32_t force_interval = 1;
+  std::optional<Hand> second_hand;  ///< of a session of two hands on one world, of the other side
   std::map<std::string, std::string>
       metadata;  ///< free text for the file's metadata record, e.g. start time; "build" and "arithmetic" are
                  ///< added, and "force_interval" where it is not 1
@@ -74,15 +79,16 @@ class Recorder {
   /// A world file of the scene is named in the recording, not copied into it.
   Status open(const std::string& path, const Scene& scene, const RecorderOptions& options);
   /// Hands over one tick; no allocation or system call while the ring has room. False: not kept (ring full in
-  /// live mode, tick number not above the last one, device.kind out of range, or the writer failed: see
-  /// close()).
+  /// live mode, tick number not above the hand's last one or below the other's, device.kind out of range, or
+  /// the writer failed: see close()).
   bool record(const TickRecord& record) noexcept;
   /// The error that ended the recording, as soon as the writer has met it (disk full, say); from then on
   /// record() keeps nothing. For the thread that calls record().
   [[nodiscard]] Status failure() const;
   /// Writes the rest, index and summary. Returns the first error of the whole recording, if any.
   Status close();
-  /// Ticks that are in the file of the last recording, once it was closed; exact whatever went wrong.
+  /// Ticks that are in the file of the last recording (of two hands: of both together), once it was closed;
+  /// exact whatever went wrong.
   [[nodiscard]] std::uint64_t kept() const { return kept_; }
 
  private:
@@ -93,6 +99,7 @@ class Recorder {
 
 struct RecordingInfo {
   std::string path;         ///< of the file that is read
+  std::vector<Side> hands;  ///< of the session, one or two; what follows is of the reader's
   std::uint64_t ticks = 0;  ///< records in the file
   std::uint64_t first_tick = 0, last_tick = 0;
   std::uint64_t missing_ticks = 0;  ///< numbers between first and last without a record
@@ -132,8 +139,16 @@ std::string_view arithmetic_version();
 /// Which build of the library this is: version, compiler, optimised or not, processor.
 std::string build_text();
 
-/// Reads a recording chunk by chunk: memory stays bounded however long the session was. Every byte is
-/// distrusted: lengths, offsets and checksums are verified before use.
+/// A message of a recording as it stands there: what copies pass on.
+struct RecordedMessage {
+  std::uint8_t hand = 0;  ///< whose tick: RecordingInfo::hands
+  std::uint64_t tick = 0;
+  std::span<const std::uint8_t> bytes;  ///< valid until the next is read
+};
+
+/// Reads a recording of one hand, or one hand's of two, chunk by chunk: memory stays bounded however long the
+/// session was. To scene(), next() and all that takes a reader a session of two hands is two recordings, each
+/// of one. Every byte is distrusted: lengths, offsets and checksums are verified before use.
 class RecordingReader {
  public:
   RecordingReader();
@@ -143,9 +158,13 @@ class RecordingReader {
 
   /// Where `path` is not there, `path`.part is read: of a writer at work, or killed.
   /// Opens by the index; a file without one (killed writer) is scanned instead, and info().complete is false.
-  Status open(const std::string& path);
+  /// Of two hands that of `side` is read, the session's first unless given; an error where there is none.
+  Status open(const std::string& path, std::optional<Side> side = {});
   [[nodiscard]] const RecordingInfo& info() const;
   [[nodiscard]] const Scene& scene() const;
+  /// The hand of the session that is not read, if there is one.
+  [[nodiscard]] const std::optional<Hand>& other_hand() const;
+  [[nodiscard]] const State& other_initial_state() const;  ///< its
   /// Opens the world file of a recording that names one, since it was too large to be inside: `path`; if that
   /// is empty, the regular file (no link) of its name beside the recording. It must have the same content.
   /// Until then scene().world is a name without a world. Nothing to do for recordings that carry their
@@ -155,8 +174,8 @@ class RecordingReader {
   [[nodiscard]] const State& initial_state() const;
   /// The next record in the order of the file. `end` tells that there is none; an error names the byte.
   Status next(TickRecord& record, bool& end);
-  /// The message next() has read the record from, byte for byte; valid until the next call.
-  [[nodiscard]] std::span<const std::uint8_t> message() const;
+  /// In the place of next(): the next tick of whichever hand, checked likewise, as the message it is.
+  Status next_message(RecordedMessage& message, bool& end);
   /// Whether the input of the record next() has just returned (device frame, tick number) was changed after
   /// it was recorded: `recorded` is then the original value of the field, `replayed` the present one. Every
   /// message carries a check that finds any change and names the field if it was the only one ("several"
@@ -169,6 +188,11 @@ class RecordingReader {
   struct File;
   std::unique_ptr<File> file_;
 };
+
+/// A reader for each hand of the session, in the order of RecordingInfo::hands; for that of `side` alone
+/// where one is given.
+Status open_hands(const std::string& path, std::vector<RecordingReader>& readers,
+                  std::optional<Side> side = {});
 
 /// Tick numbers first .. last.
 struct TickRange {
@@ -318,14 +342,22 @@ struct ExportOptions {
 
 /// Writes to the file `output`, which appears only when it is complete, or to standard output where that is
 /// "-" (not npz). Tables are read twice, to know what varies; an npz is in memory as a whole.
-Status export_recording(RecordingReader& reader, const ExportOptions& options, const std::string& output);
+/// Of a session of two hands a reader of each may be given: then a line tells both, in columns named "left."
+/// and "right." (empty, NaN or 0 where one hand's record is missing), and json has a line for each.
+Status export_recording(std::span<RecordingReader> readers, const ExportOptions& options,
+                        const std::string& output);
+inline Status export_recording(RecordingReader& reader, const ExportOptions& options,
+                               const std::string& output) {
+  return export_recording(std::span(&reader, 1), options, output);
+}
 
 /// Likewise one line per DeviceEvent: csv (tick, time [s], kind, text) or json. No npz.
 Status export_device_events(RecordingReader& reader, ExportFormat format, const std::string& output);
 
 /// The messages a recording would hold, for whoever passes them on while a session runs. `bytes` is replaced.
 /// A scene of 2 GiB or more is refused.
-Status session_message(const Scene& scene, std::vector<std::uint8_t>& bytes);
+Status session_message(const Scene& scene, std::vector<std::uint8_t>& bytes,
+                       const std::optional<Hand>& second = {});
 void tick_message(const TickRecord& record, std::vector<std::uint8_t>& bytes);
 
 }  // namespace lumbrical

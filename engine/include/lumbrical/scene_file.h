@@ -14,11 +14,18 @@
 
 namespace lumbrical {
 
+/// The other hand of a capture of both.
+struct SecondHand {
+  Hand hand;      ///< fitted to its motion
+  Motion motion;  ///< placed as the first
+};
+
 struct SceneFile {
   Scene scene;  ///< meshes placed in the world, the hand fitted to the motion
   Execution execution;
-  Motion motion;              ///< placed in the world
-  MotionPlacement placement;  ///< that it was placed with, alignment included
+  Motion motion;                     ///< placed in the world
+  std::optional<SecondHand> second;  ///< where both are felt: the left one, and the scene's is the right
+  MotionPlacement placement;         ///< that it was placed with, alignment included
   bool aligned =
       false;  ///< it was moved to meet an object (find_shift): write the placement's pose into the scene
   double seconds = 0;              ///< [s] length of the session, > 0
@@ -30,6 +37,7 @@ struct MotionOverride {
   std::string file;  ///< a motion file; empty: the scene's own motion
   double rate = 0;   ///< [Hz] of files without time stamps; 0: the scene's
   std::optional<Side> side;
+  bool both = false;               ///< hands of a capture are felt, whatever the sides say
   double unit = 0;                 ///< [m] per number of the motion file; 0: the scene's
   std::optional<Alignment> align;  ///< above the scene's
 };

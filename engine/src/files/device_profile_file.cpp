@@ -293,6 +293,9 @@ Status ProfileReader::read(const format::Device& table) {
   if (table.name() != nullptr) profile_.name = table.name()->str();
   if (table.source() != nullptr) profile_.source = table.source()->str();
   profile_.verified = table.verified();
+  constexpr Name kSides[] = {{"either", 0}, {"left", 1}, {"right", 2}};
+  if (const int side = name(table.side(), "side", kSides); side > 0)
+    profile_.side = side == 1 ? Side::left : Side::right;
   transport(table.transport());
   timing(table);
   for (uoffset_t i = 0; table.actuators() != nullptr && i < table.actuators()->size(); ++i) {

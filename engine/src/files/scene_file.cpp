@@ -97,6 +97,12 @@ void read_execution(const format::Execution* table, FieldReader& read, Execution
   }
 }
 
+bool says_both(const format::Motion* table, const MotionOverride& chosen) {
+  const bool in_scene =
+      table != nullptr && table->side() != nullptr && table->side()->string_view() == "both";
+  return chosen.both || (in_scene && !chosen.side);
+}
+
 // The motion's file with the options of the scene, and of the caller above them.
 Status read_motion_file(const format::Motion* table, const MotionOverride& chosen, FieldReader& read,
                         std::optional<Side> hand_side, SceneFile& result) {
@@ -105,7 +111,8 @@ Status read_motion_file(const format::Motion* table, const MotionOverride& chose
   options.side = hand_side;
   if (table != nullptr) {
     read.number(table->rate(), "motion.rate", {1e-3, 1e6}, options.rate);
-    if (table->side() != nullptr) options.side = read_side(table->side(), "motion.side", read);
+    if (table->side() != nullptr && table->side()->string_view() != "both")
+      options.side = read_side(table->side(), "motion.side", read);
     if (table->unit() != nullptr) options.unit = metres_per(read_unit(table->unit(), "motion.unit", read));
     if (path.empty() && table->file() != nullptr)
       path = beside(result.files[0], table->file()->string_view());
@@ -114,9 +121,11 @@ Status read_motion_file(const format::Motion* table, const MotionOverride& chose
   if (chosen.rate > 0) options.rate = chosen.rate;
   if (chosen.side) options.side = chosen.side;
   if (chosen.unit > 0) options.unit = chosen.unit;
-  if (Status status = load_motion(path, options, result.motion); !status.ok()) return status;
-  result.files.push_back(path);
-  return {};
+  Status status = says_both(table, chosen)
+                      ? load_both_motions(path, options, result.motion, result.second.emplace().motion)
+                      : load_motion(path, options, result.motion);
+  if (status.ok()) result.files.push_back(path);
+  return status;
 }
 
 Motion read_grasp(const format::Grasp& table, const Hand& hand, FieldReader& read) {
@@ -135,6 +144,25 @@ void read_placement(const format::Motion* table, FieldReader& read, MotionPlacem
   read.pose(table->position(), "motion.position", table->orientation(), "motion.orientation", placement.pose);
 }
 
+// Places the motion, and makes the hand that belongs to it. What the file says goes above what the motion
+// knows; it says it of the described hand, whose mirror image the other one is.
+Status fit(const Hand& described, const format::Hand* table, const std::string& at,
+           const MotionPlacement& placement, FieldReader& read, FieldReader& hand_read, Motion& motion,
+           Hand& hand) {
+  if (Status status = place_motion(placement, motion); !status.ok()) {
+    read.error("motion", "can't be placed: " + status.message());
+    return read.status();
+  }
+  hand = fit_hand(described, motion);
+  const bool other = described.side != hand.side;
+  if (other) hand = mirrored_hand(hand);
+  read_flesh(table, at, hand_read, hand);
+  if (other) hand = mirrored_hand(hand);
+  if (Status status = check_hand(hand); !status.ok())
+    hand_read.error(at, "makes no hand: " + status.message());
+  return hand_read.status();
+}
+
 // The hand's table comes from the scene file or from a file of its own; `hand_read` reads whichever it is.
 Status read_hand_and_motion(const format::Scene& scene, const format::Hand* hand_table, const std::string& at,
                             const MotionOverride& chosen, FieldReader& read, FieldReader& hand_read,
@@ -144,6 +172,8 @@ Status read_hand_and_motion(const format::Scene& scene, const format::Hand* hand
   const bool grasp = chosen.file.empty() && table != nullptr && table->grasp() != nullptr;
   if (from_file && grasp) read.error("motion", "names a file and a grasp; keep one");
   if (!from_file && !grasp) read.error("motion", "is missing; name a file or a grasp");
+  if (grasp && says_both(table, chosen))
+    read.error("motion", "is the built-in grasp, which is of one hand; both take a capture of both");
 
   std::optional<Side> side;
   if (hand_table != nullptr && hand_table->side() != nullptr) {
@@ -153,11 +183,11 @@ Status read_hand_and_motion(const format::Scene& scene, const format::Hand* hand
   if (!read.ok()) return read.status();
   if (from_file) {
     if (Status status = read_motion_file(table, chosen, read, side, result); !status.ok()) return status;
-    if (side && *side != result.motion.side) {
+    if (side && !result.second && *side != result.motion.side) {
       hand_read.error(at + "side", "is not the side of the motion");
       return hand_read.status();
     }
-    side = result.motion.side;
+    if (!result.second || !side) side = result.motion.side;
   }
 
   Hand& hand = result.scene.hand;
@@ -167,15 +197,31 @@ Status read_hand_and_motion(const format::Scene& scene, const format::Hand* hand
   MotionPlacement& placement = result.placement;
   read_placement(table, read, placement);
   if (!read.ok()) return read.status();
-  if (Status status = place_motion(placement, result.motion); !status.ok()) {
-    read.error("motion", "can't be placed: " + status.message());
-    return read.status();
-  }
-  hand = fit_hand(hand, result.motion);
-  read_flesh(hand_table, at, hand_read, hand);  // what the file says goes above what the motion knows
-  if (Status status = check_hand(hand); !status.ok())
-    hand_read.error(at, "makes no hand: " + status.message());
-  return hand_read.status();
+  const Hand described = hand;
+  if (Status status = fit(described, hand_table, at, placement, read, hand_read, result.motion, hand);
+      !status.ok() || !result.second)
+    return status;
+  return fit(described, hand_table, at, placement, read, hand_read, result.second->motion,
+             result.second->hand);
+}
+
+// Two hands move as one: until the first of them touches, or so that the target lies midway between them.
+Status find_common_shift(const SceneFile& scene_file, const Alignment& alignment, Vec3& shift) {
+  const Scene& scene = scene_file.scene;
+  if (Status status = find_shift(scene, scene_file.motion, scene_file.seconds, alignment, shift);
+      !status.ok() || !scene_file.second)
+    return status;
+  Vec3 second;
+  Scene other = scene;
+  other.hand = scene_file.second->hand;
+  if (Status status = find_shift(other, scene_file.second->motion, scene_file.seconds, alignment, second);
+      !status.ok())
+    return status;
+  if (alignment.target != Alignment::Target::contact)
+    shift = 0.5 * (shift + second);
+  else if (norm(second) < norm(shift))
+    shift = second;
+  return {};
 }
 
 // Once hand, motion and objects are there.
@@ -191,14 +237,15 @@ Status align_motion(const format::Motion* table, const MotionOverride& chosen, F
   }
   if (!alignment) return {};
   Vec3 shift;
-  if (Status status = find_shift(result.scene, result.motion, result.seconds, *alignment, shift);
-      !status.ok()) {
+  if (Status status = find_common_shift(result, *alignment, shift); !status.ok()) {
     read.error("motion", status.message());
     return read.status();
   }
   result.placement.pose.position += shift;
   result.aligned = true;
-  return place_motion({{shift, {}}, 1}, result.motion);
+  Status status = place_motion({{shift, {}}, 1}, result.motion);
+  if (status.ok() && result.second) status = place_motion({{shift, {}}, 1}, result.second->motion);
+  return status;
 }
 
 Status read_session(const format::Scene& table, FieldReader& read, SceneFile& result) {
@@ -286,6 +333,10 @@ Status load_scene_file(const std::string& path, SceneFile& scene_file, const Mot
   Status status = read_hand_and_motion(scene, hand_table, at, motion, read, hand_read, result);
   if (status.ok()) status = read_session(scene, read, result);
   if (status.ok()) status = read_things(scene, read, result);
+  if (status.ok() && result.scene.world && result.second) {
+    read.error("world", "is felt with one hand; choose a side");
+    status = read.status();
+  }
   if (status.ok()) status = align_motion(scene.motion(), motion, read, result);
   if (!status.ok()) return status;
   scene_file = std::move(result);

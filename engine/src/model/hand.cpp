@@ -179,6 +179,8 @@ std::string_view segment_name(int segment) {
                                                  : std::string_view("no segment");
 }
 
+std::string_view side_name(Side side) { return side == Side::right ? "right" : "left"; }
+
 std::string_view finger_name(int finger) {
   return finger >= 0 && finger < kFingerCount ? kFingerNames[finger] : std::string_view("no finger");
 }

@@ -341,8 +341,6 @@ JointPose to_joint_pose(const Pose& pose) {
       {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z), static_cast<float>(q.w)}};
 }
 
-std::string_view side_name(Side side) { return side == Side::right ? "right" : "left"; }
-
 double right_handedness(const Motion& motion) {
   double sum = 0;
   int count = 0;
@@ -369,28 +367,49 @@ Status parse_motion(std::string_view content, const std::string& name, const Mot
   }
 }
 
-Status load_motion(const std::string& path, const MotionOptions& options, Motion& motion) {
-  if (names_standard_input(path)) {
-    constexpr std::size_t kMost = std::size_t{1} << 30;
-    std::string content;
-    const Status status = read_standard_input(kMost, content);
-    return status.ok() ? parse_motion(content, shown_name(path), options, motion) : status;
-  }
+namespace {
+
+Status read_motion_text(const std::string& path, std::string& content) {
+  if (names_standard_input(path)) return read_standard_input(std::size_t{1} << 30, content);
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
     return refuse(path, "no such file, or not a regular one");
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   std::ifstream file(path, std::ios::binary);
   if (error || !file) return refuse(path, "cannot be opened for reading; check its permissions");
-  std::string content;
   try {
     content.resize(static_cast<std::size_t>(size));
   } catch (const std::exception&) {
     return refuse(path, "not enough memory to read it");
   }
   file.read(content.data(), static_cast<std::streamsize>(size));
-  if (!file) return refuse(path, "cannot be read to its end");
-  return parse_motion(content, path, options, motion);
+  return file ? Status{} : refuse(path, "cannot be read to its end");
+}
+
+}  // namespace
+
+Status load_motion(const std::string& path, const MotionOptions& options, Motion& motion) {
+  std::string content;
+  if (Status status = read_motion_text(path, content); !status.ok()) return status;
+  return parse_motion(content, shown_name(path), options, motion);
+}
+
+Status load_both_motions(const std::string& path, const MotionOptions& options, Motion& right, Motion& left) {
+  std::string content;
+  if (Status status = read_motion_text(path, content); !status.ok()) return status;
+  const std::string name = shown_name(path);
+  std::array<Motion, 2> motions;
+  MotionOptions of_side = options;
+  for (const Side side : {Side::right, Side::left}) {
+    of_side.side = side;
+    Motion& motion = motions[side == Side::right ? 0 : 1];
+    if (Status status = parse_motion(content, name, of_side, motion); !status.ok()) return status;
+    // A file that does not tell sides would be taken for either.
+    if (motion.other_frames == 0) return refuse(name, "shows one hand, not two; leave out the side \"both\"");
+  }
+  right = std::move(motions[0]);
+  left = std::move(motions[1]);
+  return {};
 }
 
 }  // namespace lumbrical

@@ -58,8 +58,6 @@ DeviceFrame lost_frame();
 
 JointPose to_joint_pose(const Pose& pose);
 
-std::string_view side_name(Side side);
-
 /// Where the little finger's knuckle lies as seen from the index's: the mean over all good frames of the
 /// direction's component along the wrist's x. Near 1 on a right hand, near -1 on a left one, 0 if it cannot
 /// be told. Says something only where the source told the orientation.

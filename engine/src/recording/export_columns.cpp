@@ -75,18 +75,18 @@ void add_fields(Source source, std::vector<ExportColumn>& columns) {
   }
 }
 
-std::vector<ExportColumn> all_columns() {
-  std::vector<ExportColumn> columns(3);
-  columns[0] = {"tick", "", NumberType::whole, Source::tick, 0, -1, true, false};
-  columns[1] = {"time", "s", NumberType::real, Source::time, 0, -1, true, false};
-  columns[2] = {"duration", "ns", NumberType::whole, Source::duration, 0, -1, false, false};
+void add_hand(std::vector<ExportColumn>& columns) {
+  columns.push_back({"duration", "ns", NumberType::whole, Source::duration});
   add_fields<TickInput>(Source::input, columns);
   add_fields<ActuatorFrame>(Source::output, columns);
   for (std::size_t i = 0; i < kStageCount; ++i)
     columns.push_back({"hash." + std::string(stage_name(static_cast<Stage>(i))), "", NumberType::whole,
-                       Source::stage_hash, i, -1, false, false});
-  columns.push_back({"hash.state", "", NumberType::whole, Source::state_hash, 0, -1, false, false});
-  return columns;
+                       Source::stage_hash, i});
+  columns.push_back({"hash.state", "", NumberType::whole, Source::state_hash});
+}
+
+bool is_common(const ExportColumn& column) {
+  return column.source == Source::tick || column.source == Source::time;
 }
 
 bool holds(const std::string& name, const std::string& word) {
@@ -100,13 +100,24 @@ bool of_segments(const ExportColumn& column, const std::vector<int>& segments) {
 
 }  // namespace
 
-const std::vector<ExportColumn>& export_columns() {
-  static const std::vector<ExportColumn> columns = all_columns();
+std::vector<ExportColumn> export_columns(const std::vector<Side>& hands) {
+  std::vector<ExportColumn> columns;
+  columns.push_back({"tick", "", NumberType::whole, Source::tick});
+  columns.push_back({"time", "s", NumberType::real, Source::time});
+  for (std::size_t hand = 0; hand < hands.size(); ++hand) {
+    const std::size_t begin = columns.size();
+    add_hand(columns);
+    for (std::size_t i = begin; i < columns.size(); ++i) {
+      columns[i].hand = hand;
+      if (hands.size() > 1) columns[i].name.insert(0, std::string(side_name(hands[hand])) + ".");
+    }
+  }
   return columns;
 }
 
-Status choose_columns(const ExportOptions& options, std::vector<ExportColumn>& columns) {
-  const std::vector<ExportColumn>& all = export_columns();
+Status choose_columns(const ExportOptions& options, const std::vector<Side>& hands,
+                      std::vector<ExportColumn>& columns) {
+  const std::vector<ExportColumn> all = export_columns(hands);
   for (const std::string& word : options.columns) {
     const bool known = std::any_of(all.begin(), all.end(),
                                    [&word](const ExportColumn& column) { return holds(column.name, word); });
@@ -120,42 +131,37 @@ Status choose_columns(const ExportOptions& options, std::vector<ExportColumn>& c
     const bool chosen = options.columns.empty()
                             ? column.usual
                             : std::any_of(options.columns.begin(), options.columns.end(), asked);
-    const bool always = column.source == Source::tick || column.source == Source::time;
-    if (always || (chosen && of_segments(column, options.segments))) columns.push_back(column);
+    if (is_common(column) || (chosen && of_segments(column, options.segments))) columns.push_back(column);
   }
   return {};
 }
 
-void column_bits(const TickRecord& record, double rate, const std::vector<ExportColumn>& columns,
+bool ExportRow::has(const ExportColumn& column) const {
+  const TickRecord* const of_hand = record[column.hand];
+  return is_common(column) || (of_hand != nullptr && (of_hand->has_forces || !column.force));
+}
+
+void column_bits(const ExportRow& row, double rate, const std::vector<ExportColumn>& columns,
                  std::vector<std::uint64_t>& bits) {
-  const InputFields input = input_fields(record);
-  const OutputFields output = output_fields(record.output);
-  bits.clear();
-  for (const ExportColumn& column : columns) {
-    switch (column.source) {
-      case Source::tick:
-        bits.push_back(record.output.tick);
-        break;
-      case Source::time:
-        bits.push_back(bits_of(static_cast<double>(record.output.tick) / rate));
-        break;
-      case Source::duration:
-        bits.push_back(record.duration_ns);
-        break;
-      case Source::input:
-        bits.push_back(input[column.index]);
-        break;
-      case Source::output:
-        bits.push_back(output[column.index]);
-        break;
-      case Source::stage_hash:
-        bits.push_back(record.stage_hash[column.index]);
-        break;
-      case Source::state_hash:
-        bits.push_back(record.state_hash);
-        break;
-    }
+  std::array<InputFields, kMostHands> input{};
+  std::array<OutputFields, kMostHands> output{};
+  for (std::size_t hand = 0; hand < kMostHands; ++hand) {
+    if (row.record[hand] == nullptr) continue;
+    input[hand] = input_fields(*row.record[hand]);
+    output[hand] = output_fields(row.record[hand]->output);
   }
+  const auto number = [&](const ExportColumn& column) -> std::uint64_t {
+    if (column.source == Source::tick) return row.tick;
+    if (column.source == Source::time) return bits_of(static_cast<double>(row.tick) / rate);
+    const TickRecord* const record = row.record[column.hand];
+    if (record == nullptr) return 0;
+    if (column.source == Source::duration) return record->duration_ns;
+    if (column.source == Source::input) return input[column.hand][column.index];
+    if (column.source == Source::output) return output[column.hand][column.index];
+    return column.source == Source::stage_hash ? record->stage_hash[column.index] : record->state_hash;
+  };
+  bits.clear();
+  for (const ExportColumn& column : columns) bits.push_back(number(column));
 }
 
 }  // namespace lumbrical

@@ -1,6 +1,7 @@
 // The columns of an exported table: every number of a tick record, by a name that says what it is of.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -19,19 +20,30 @@ struct ExportColumn {
   Source source = Source::tick;
   std::size_t index = 0;  ///< in input_fields, output_fields or stage_hash
   int segment = -1;       ///< whose it is; -1: no segment's
+  std::size_t hand = 0;   ///< whose it is, of a session of two
   bool usual = false;     ///< is of those that are exported unless others are asked for
   bool force = false;     ///< may be left out of a recording
 };
 
-/// All there are, in a fixed order: tick and time, then what came in, then what went out, then hashes.
-const std::vector<ExportColumn>& export_columns();
+/// All there are, in a fixed order: tick and time, then hand by hand what came in, what went out, and hashes.
+/// Of a session of two hands a side stands before the name of what is a hand's, "left.index_distal.force.x".
+std::vector<ExportColumn> export_columns(const std::vector<Side>& hands);
 
 /// Those that the options ask for: of the segments, and of the columns that a word of `columns` is in ("all":
 /// every one); without such words the usual ones. An error names the word that is in none.
-Status choose_columns(const ExportOptions& options, std::vector<ExportColumn>& columns);
+Status choose_columns(const ExportOptions& options, const std::vector<Side>& hands,
+                      std::vector<ExportColumn>& columns);
 
-/// Their numbers as bits (bits_of; of times those of a double), column by column.
-void column_bits(const TickRecord& record, double rate, const std::vector<ExportColumn>& columns,
+/// What became of a tick: the records of the hands that have one.
+struct ExportRow {
+  std::uint64_t tick = 0;
+  std::array<const TickRecord*, kMostHands> record{};
+  /// Whether it has this column's number.
+  [[nodiscard]] bool has(const ExportColumn& column) const;
+};
+
+/// Their numbers as bits (bits_of; of times those of a double), column by column; 0 where it has none.
+void column_bits(const ExportRow& row, double rate, const std::vector<ExportColumn>& columns,
                  std::vector<std::uint64_t>& bits);
 
 }  // namespace lumbrical

@@ -6,15 +6,13 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace lumbrical {
 
 using namespace mcap;
 
 namespace {
-
-constexpr std::uint16_t kSchemaId = 1;  // 0 would mean "no schema"
-constexpr std::uint16_t kChannelId = 1;
 
 /// The name MCAP gives a compression.
 std::string_view compression_text(Compression compression) {
@@ -65,13 +63,7 @@ Status McapWriter::open(const std::string& path, const McapWriterOptions& option
   options_ = options;
   if (Status status = file_.open(path); !status.ok()) return status;
 
-  const Schema schema{kSchemaId, std::string(start.schema_name), "flatbuffer", start.schema};
-  const Channel channel{kChannelId, kSchemaId, std::string(start.topic), "flatbuffer",
-                        start.channel_metadata};
-  append(once_, schema);
-  schema_size_ = once_.size();
-  append(once_, channel);
-
+  append_channels(start);
   ByteWriter first;
   first.raw(kMagic);
   append(first, Header{"", std::string(start.library)});
@@ -83,6 +75,28 @@ Status McapWriter::open(const std::string& path, const McapWriterOptions& option
   for (const Start::Content& content : start.attachments)
     if (Status status = write_attachment(content); !status.ok()) return status;
   return {};
+}
+
+void McapWriter::append_channels(const Start& start) {
+  std::vector<std::string_view> schemas;
+  std::vector<std::uint16_t> schema_ids;  // from 1 on: 0 would mean "no schema"
+  for (const Start::Channel& channel : start.channels) {
+    const auto known = std::find(schemas.begin(), schemas.end(), channel.schema_name);
+    schema_ids.push_back(static_cast<std::uint16_t>(known - schemas.begin() + 1));
+    if (known != schemas.end()) continue;
+    schemas.push_back(channel.schema_name);
+    append(once_, Schema{schema_ids.back(), std::string(channel.schema_name), "flatbuffer", channel.schema});
+  }
+  schemas_size_ = once_.size();
+  for (std::size_t i = 0; i < start.channels.size(); ++i) {
+    const auto id = static_cast<std::uint16_t>(i + 1);
+    append(once_,
+           Channel{id, schema_ids[i], start.channels[i].topic, "flatbuffer", start.channels[i].metadata});
+    chunk_index_.push_back({id, {}});
+  }
+  written_.assign(start.channels.size(), 0);
+  statistics_.schema_count = static_cast<std::uint16_t>(schemas.size());
+  statistics_.channel_count = static_cast<std::uint32_t>(start.channels.size());
 }
 
 // In three pieces: a world of millions of triangles is not copied once more.
@@ -110,20 +124,22 @@ Status McapWriter::write_attachment(const Start::Content& attached) {
   return {};
 }
 
-Status McapWriter::message(std::uint64_t time, std::uint32_t sequence, Bytes data) {
+Status McapWriter::message(std::uint64_t time, std::uint32_t sequence, Bytes data, std::size_t channel) {
   const auto covers_too_much = [&](std::uint64_t last) {
-    return !chunk_index_.entries.empty() && last - chunk_index_.entries.front().first >= options_.chunk_time;
+    return is_chunk_open() && last - chunk_start_ >= options_.chunk_time;
   };
   if (covers_too_much(time))
     if (Status status = write_chunk(); !status.ok()) return status;
 
-  chunk_index_.channel_id = kChannelId;
-  chunk_index_.entries.emplace_back(time, chunk_.size());
-  append(chunk_, Message{kChannelId, sequence, time, time, data});
+  if (!is_chunk_open()) chunk_start_ = time;
+  MessageIndex& index = chunk_index_[channel];
+  index.entries.emplace_back(time, chunk_.size());
+  append(chunk_, Message{index.channel_id, sequence, time, time, data});
   if (statistics_.message_count++ == 0) statistics_.start_time = time;
   statistics_.end_time = time;
 
   // A chunk that has no room for the next tick leaves now, not when that tick comes.
+  if (channel != options_.last_channel) return {};
   if (covers_too_much(time + options_.period) || chunk_.size() >= options_.chunk_bytes) return write_chunk();
   return {};
 }
@@ -132,21 +148,19 @@ Status McapWriter::append_chunk(ByteWriter& out) {
   if (!compress(options_.compression, chunk_.bytes(), compressed_))
     return Status::error(file_.growing_at() +
                          ": a chunk cannot be compressed; free memory or record uncompressed");
-  const std::uint64_t start_time = chunk_index_.entries.front().first;
-  const std::uint64_t end_time = chunk_index_.entries.back().first;
+  const std::uint64_t end_time = statistics_.end_time;
   const std::string compression(compression_text(options_.compression));
-  append(out, Chunk{start_time, end_time, chunk_.size(), crc32(0, chunk_.bytes()), compression, compressed_});
+  append(out,
+         Chunk{chunk_start_, end_time, chunk_.size(), crc32(0, chunk_.bytes()), compression, compressed_});
   const std::uint64_t chunk_length = out.size();
-  append(out, chunk_index_);
-  chunks_.push_back({start_time,
-                     end_time,
-                     file_.size(),
-                     chunk_length,
-                     {{kChannelId, file_.size() + chunk_length}},
-                     out.size() - chunk_length,
-                     compression,
-                     compressed_.size(),
-                     chunk_.size()});
+  std::map<std::uint16_t, std::uint64_t> indexes;
+  for (const MessageIndex& index : chunk_index_) {
+    if (index.entries.empty()) continue;
+    indexes[index.channel_id] = file_.size() + out.size();
+    append(out, index);
+  }
+  chunks_.push_back({chunk_start_, end_time, file_.size(), chunk_length, std::move(indexes),
+                     out.size() - chunk_length, compression, compressed_.size(), chunk_.size()});
   return {};
 }
 
@@ -161,7 +175,10 @@ Status McapWriter::write_chunk() {
     return cut.ok() ? status : Status::error(status.message() + "; " + cut.message());
   }
   chunk_.clear();
-  chunk_index_.entries.clear();
+  for (std::size_t i = 0; i < chunk_index_.size(); ++i) {
+    written_[i] += chunk_index_[i].entries.size();
+    chunk_index_[i].entries.clear();
+  }
   return {};
 }
 
@@ -174,8 +191,8 @@ void McapWriter::append_summary(ByteWriter& out) {
     append_records();
     if (out.size() > begun) groups.push_back({opcode, summary_start + begun, out.size() - begun});
   };
-  group(Opcode::schema, [&] { out.raw(once_.bytes().first(schema_size_)); });
-  group(Opcode::channel, [&] { out.raw(once_.bytes().subspan(schema_size_)); });
+  group(Opcode::schema, [&] { out.raw(once_.bytes().first(schemas_size_)); });
+  group(Opcode::channel, [&] { out.raw(once_.bytes().subspan(schemas_size_)); });
   group(Opcode::statistics, [&] { append(out, statistics_); });
   group(Opcode::chunk_index, [&] {
     for (const ChunkIndex& chunk : chunks_) append(out, chunk);
@@ -202,13 +219,11 @@ Status McapWriter::flush() { return is_chunk_open() ? write_chunk() : Status{}; 
 Status McapWriter::close() {
   if (Status status = flush(); !status.ok()) return status;
   const std::uint64_t whole = file_.size();
-  statistics_.schema_count = 1;
-  statistics_.channel_count = 1;
   statistics_.attachment_count = static_cast<std::uint32_t>(attachments_.size());
   statistics_.metadata_count = 1;
   statistics_.chunk_count = static_cast<std::uint32_t>(chunks_.size());
-  if (statistics_.message_count > 0)
-    statistics_.channel_message_counts[kChannelId] = statistics_.message_count;
+  for (std::size_t i = 0; i < written_.size(); ++i)
+    if (written_[i] > 0) statistics_.channel_message_counts[chunk_index_[i].channel_id] = written_[i];
 
   ByteWriter data_end;
   append_data_end(data_end, crc_);

@@ -15,7 +15,6 @@
 #include "base/ring.h"
 #include "flatbuffers/flatbuffers.h"
 #include "lumbrical/recording.h"
-#include "recording/channel_metadata.h"
 #include "recording/record_fields.h"
 #include "recording/session_message.h"
 #include "recording/state_message.h"
@@ -43,6 +42,7 @@ void copy_record(const TickRecord& from, TickRecord& to) {
   to.state_hash = from.state_hash;
   to.duration_ns = from.duration_ns;
   to.has_forces = from.has_forces;
+  to.hand = from.hand;
   to.sent_count = std::min(from.sent_count, kMaxSentPerTick);
   std::copy_n(from.sent.begin(), to.sent_count, to.sent.begin());
   to.timing = from.timing;
@@ -58,24 +58,28 @@ Status check_options(const Scene& scene, const RecorderOptions& options) {
                          " ticks");
   if (!(scene.settings.rate >= 1 && scene.settings.rate <= 100000))
     return Status::error("the scene's rate is out of range; choose 1 to 100000 Hz");
+  if (options.second_hand && options.second_hand->side == scene.hand.side)
+    return Status::error("both hands are " + std::string(side_name(scene.hand.side)) +
+                         " ones; a session of two has a left and a right one");
+  if (options.second_hand)
+    if (Status status = check_hand(*options.second_hand); !status.ok()) return status;
   return check_hand(scene.hand);
 }
 
 }  // namespace
 
 Status open_recording(const std::string& path, double rate, const std::vector<std::uint8_t>& session,
-                      const std::vector<std::uint8_t>& state,
-                      const std::map<std::string, std::string>& metadata, McapWriterOptions options,
-                      McapWriter& writer) {
+                      const StateMessages& states, const std::map<std::string, std::string>& metadata,
+                      McapWriterOptions options, McapWriter& writer,
+                      const std::vector<RecordingChannel>& channels) {
   options.period = tick_time(1, 1e9 / rate);
   McapWriter::Start start;
   start.library = "lumbrical";
-  start.schema_name = kTickSchemaName;
-  start.schema = tick_schema();
-  start.topic = "tick";
-  start.channel_metadata = channel_metadata();
+  options.last_channel = channels.size() - 1;
+  for (const RecordingChannel& channel : channels) start.channels.push_back(start_of(channel));
   start.attachments.push_back({kSessionAttachment, session});
-  if (!state.empty()) start.attachments.push_back({kStateAttachment, state});
+  for (std::size_t hand = 0; hand < states.size(); ++hand)
+    if (!states[hand].empty()) start.attachments.push_back({kStateAttachments[hand], states[hand]});
   start.metadata_name = kMetadataName;
   start.metadata = &metadata;
   Status status = writer.open(path, options, start);
@@ -101,7 +105,8 @@ struct Recorder::Writer {
   bool wait_when_full = true;
   std::uint32_t force_interval = 1;
   std::chrono::duration<double> sync_interval{};
-  std::optional<std::uint64_t> last_tick;  // handed over; the tick thread's own
+  std::size_t hand_count = 1;
+  std::array<std::optional<std::uint64_t>, kMostHands> last_tick;  // handed over; the tick thread's own
 
   McapWriter mcap;  // the writer thread's own, from open() until it has ended; but for its sync()
   flatbuffers::FlatBufferBuilder builder{4096};
@@ -142,7 +147,7 @@ Status Recorder::Writer::write(const TickRecord& record) {
   const std::uint64_t tick = record.output.tick;
   // The sequence number is the tick's, so that any MCAP tool shows a gap as a gap.
   return mcap.message(tick_time(tick, period), static_cast<std::uint32_t>(tick),
-                      {builder.GetBufferPointer(), builder.GetSize()});
+                      {builder.GetBufferPointer(), builder.GetSize()}, record.hand);
 }
 
 // A live session can't be had again, so it isn't left in memory for long. One in lockstep can, to the bit:
@@ -191,13 +196,14 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   if (Status status = check_options(scene, options); !status.ok())
     return Status::error(path + ": " + status.message());
   std::vector<std::uint8_t> session;
-  if (Status status = encode_session(scene, session); !status.ok())
+  if (Status status = encode_session(scene, session, options.second_hand); !status.ok())
     return Status::error(path + ": " + status.message());
 
   auto writer = std::make_unique<Writer>(options.ring_capacity);
   writer->period = 1e9 / scene.settings.rate;
   writer->wait_when_full = options.wait_when_full;
   writer->force_interval = options.force_interval;
+  writer->hand_count = options.second_hand ? 2 : 1;
   writer->sync_interval = std::chrono::duration<double>(options.sync_seconds);
   McapWriterOptions mcap_options;
   mcap_options.compression = options.compression;
@@ -206,8 +212,10 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   metadata.emplace("build", build_text());
   metadata.emplace("arithmetic", arithmetic_version());
   if (options.force_interval != 1) metadata.emplace("force_interval", std::to_string(options.force_interval));
-  Status status =
-      open_recording(path, scene.settings.rate, session, {}, metadata, mcap_options, writer->mcap);
+  std::vector<Side> sides = {scene.hand.side};
+  if (options.second_hand) sides.push_back(options.second_hand->side);
+  Status status = open_recording(path, scene.settings.rate, session, {}, metadata, mcap_options, writer->mcap,
+                                 channels_of(sides));
   if (!status.ok()) return status;
   status = writer->mcap.sync();
   if (!status.ok()) {
@@ -232,7 +240,10 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
 bool Recorder::record(const TickRecord& record) noexcept {
   if (!writer_ || writer_->failed.load(std::memory_order_acquire)) return false;
   const std::uint64_t tick = record.output.tick;
-  if (writer_->last_tick && tick <= *writer_->last_tick) return false;
+  if (record.hand >= writer_->hand_count) return false;
+  std::optional<std::uint64_t>& last_tick = writer_->last_tick[record.hand];
+  const std::optional<std::uint64_t>& other = writer_->last_tick[1 - record.hand];
+  if ((last_tick && tick <= *last_tick) || (other && tick < *other)) return false;
   if (record.device.kind > InputKind::joint_angles) return false;
 
   TickRecord* slot = writer_->ring.claim();
@@ -244,7 +255,7 @@ bool Recorder::record(const TickRecord& record) noexcept {
   copy_record(record, *slot);
   writer_->ring.publish();
   writer_->ring.prefetch(sizeof(TickRecord) - sizeof(record.sent));  // long out of the caches by now
-  writer_->last_tick = tick;
+  last_tick = tick;
   return true;
 }
 
@@ -258,12 +269,14 @@ Status Recorder::close() {
   const std::unique_ptr<Writer> writer = std::move(writer_);
   writer->stop();
   const Status status = writer->first_error.ok() ? writer->mcap.close() : writer->first_error;
-  kept_ = writer->mcap.written_messages();
+  kept_ = 0;
+  for (std::size_t hand = 0; hand < writer->hand_count; ++hand) kept_ += writer->mcap.written_messages(hand);
   return status;
 }
 
-Status session_message(const Scene& scene, std::vector<std::uint8_t>& bytes) {
-  return encode_session(scene, bytes);
+Status session_message(const Scene& scene, std::vector<std::uint8_t>& bytes,
+                       const std::optional<Hand>& second) {
+  return encode_session(scene, bytes, second);
 }
 
 void tick_message(const TickRecord& record, std::vector<std::uint8_t>& bytes) {

@@ -1,5 +1,6 @@
 // Copies of recordings: trimmed, merged, compressed otherwise, and every message as it was.
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <new>
 #include <system_error>
@@ -87,14 +88,15 @@ class Copy {
   Status start(RecordingReader& reader, const std::string& output);
   Status check_scene(const RecordingReader& reader) const;
   Status initial_state(RecordingReader& reader, std::vector<std::uint8_t>& bytes);
+  Status initial_states(RecordingReader& reader, StateMessages& states);
 
   const CopyOptions& options_;
   CopyResult& result_;
   McapWriter writer_;
   bool open_ = false;
   std::vector<std::uint8_t> session_;
-  double period_ = 0;       // [ns]
-  std::uint64_t next_ = 0;  // tick that may come next
+  double period_ = 0;                             // [ns]
+  std::array<std::uint64_t, kMostHands> next_{};  // tick that may come next, by hand
 };
 
 Status Copy::initial_state(RecordingReader& reader, std::vector<std::uint8_t>& bytes) {
@@ -104,28 +106,36 @@ Status Copy::initial_state(RecordingReader& reader, std::vector<std::uint8_t>& b
   if (options_.from > info.first_tick && options_.from <= info.last_tick) {
     if (Status status = find_state(reader, options_.from, state, found); !status.ok()) return status;
   }
-  result_.replayable = found;
+  result_.replayable = result_.replayable && found;
   if (found && state.tick > 0) bytes = encode_state(state);
   return {};
 }
 
+Status Copy::initial_states(RecordingReader& reader, StateMessages& states) {
+  if (Status status = initial_state(reader, states[0]); !status.ok() || !reader.other_hand()) return status;
+  RecordingReader second;
+  if (Status status = second.open(reader.info().path, reader.other_hand()->side); !status.ok()) return status;
+  return initial_state(second, states[1]);
+}
+
 Status Copy::start(RecordingReader& reader, const std::string& output) {
   const Scene& scene = reader.scene();
-  if (Status status = encode_session(scene, session_); !status.ok()) return status;
-  std::vector<std::uint8_t> state;
-  if (Status status = initial_state(reader, state); !status.ok()) return status;
+  if (Status status = encode_session(scene, session_, reader.other_hand()); !status.ok()) return status;
+  StateMessages states;
+  if (Status status = initial_states(reader, states); !status.ok()) return status;
   period_ = 1e9 / scene.settings.rate;
   McapWriterOptions options;
   options.compression = options_.compression.value_or(compression_of(reader.info()));
-  const Status status =
-      open_recording(output, scene.settings.rate, session_, state, reader.info().metadata, options, writer_);
+  const Status status = open_recording(output, scene.settings.rate, session_, states, reader.info().metadata,
+                                       options, writer_, channels_of(reader.info().hands));
   open_ = status.ok();
   return status;
 }
 
 Status Copy::check_scene(const RecordingReader& reader) const {
   std::vector<std::uint8_t> session;
-  if (Status status = encode_session(reader.scene(), session); !status.ok()) return status;
+  if (Status status = encode_session(reader.scene(), session, reader.other_hand()); !status.ok())
+    return status;
   if (session == session_) return {};
   return Status::error(reader.info().path +
                        ": its scene (hand, world, settings) is not that of the first; "
@@ -138,19 +148,20 @@ Status Copy::add(const std::string& path, const std::string& output) {
   if (Status status = open_ ? check_scene(reader) : start(reader, output); !status.ok()) return status;
   if (Status status = reader.seek(options_.from); !status.ok()) return status;
   for (;;) {
-    TickRecord record;
+    RecordedMessage message;
     bool end = false;
-    if (Status status = reader.next(record, end); !status.ok()) return status;
-    const std::uint64_t tick_number = record.output.tick;
+    if (Status status = reader.next_message(message, end); !status.ok()) return status;
+    const std::uint64_t tick_number = message.tick;
     if (end || tick_number >= options_.to) return {};
-    if (result_.ticks > 0 && tick_number < next_)
+    if (tick_number < next_[message.hand])
       return Status::error(path + ": tick " + std::to_string(tick_number) +
                            " does not follow the ticks before it; name the recordings in their order, and "
                            "none twice");
-    next_ = tick_number + 1;
-    ++result_.ticks;
+    next_[message.hand] = tick_number + 1;
+    next_[1 - message.hand] = std::max(next_[1 - message.hand], tick_number);
+    if (message.hand == 0) ++result_.ticks;
     if (Status status = writer_.message(tick_time(tick_number, period_),
-                                        static_cast<std::uint32_t>(tick_number), reader.message());
+                                        static_cast<std::uint32_t>(tick_number), message.bytes, message.hand);
         !status.ok())
       return status;
   }

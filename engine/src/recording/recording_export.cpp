@@ -1,10 +1,13 @@
 // Export of a recording: tables for spreadsheets (CSV) and NumPy, JSON lines for scripts.
 #include <array>
 #include <bit>
+#include <cassert>
 #include <charconv>
 #include <cmath>
 #include <limits>
 #include <new>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -24,35 +27,66 @@ bool chosen(const ExportOptions& options, std::uint64_t tick) {
   return tick >= options.first && tick <= options.last && (tick - options.first) % options.step == 0;
 }
 
-/// Every chosen record, front to back, until `take` fails or `out` is not wanted any more.
+using Readers = std::span<RecordingReader>;
+
+double rate_of(Readers readers) { return readers[0].scene().settings.rate; }
+
+std::vector<Side> hands_of(Readers readers) {
+  std::vector<Side> hands;
+  for (const RecordingReader& reader : readers) hands.push_back(reader.scene().hand.side);
+  return hands;
+}
+
+/// Every chosen tick, front to back, until `take` fails or `out` is not wanted any more. Of two hands a
+/// tick's records come together; where one is missing, the other's alone.
 template <class Take>
-Status for_each_record(RecordingReader& reader, const ExportOptions& options, Take&& take,
-                       const TextOutput* out = nullptr) {
-  if (Status status = reader.seek(options.first); !status.ok()) return status;
-  for (;;) {
-    TickRecord record;
-    if (out != nullptr && !out->wanted()) return {};
-    bool end = false;
-    if (Status status = reader.next(record, end); !status.ok()) return status;
-    if (end || record.output.tick > options.last) return {};
-    if (!chosen(options, record.output.tick)) continue;
-    if (Status status = take(record); !status.ok()) return status;
+Status for_each_row(Readers readers, const ExportOptions& options, Take&& take,
+                    const TextOutput* out = nullptr) {
+  std::array<TickRecord, kMostHands> records;
+  std::array<bool, kMostHands> ended{true, true};
+  const auto advance = [&](std::size_t hand) {
+    bool& end = ended[hand];
+    do {
+      if (Status status = readers[hand].next(records[hand], end); !status.ok()) return status;
+      end = end || records[hand].output.tick > options.last;
+    } while (!end && !chosen(options, records[hand].output.tick));
+    return Status{};
+  };
+  for (std::size_t hand = 0; hand < readers.size(); ++hand) {
+    if (Status status = readers[hand].seek(options.first); !status.ok()) return status;
+    if (Status status = advance(hand); !status.ok()) return status;
   }
+  while (!(ended[0] && ended[1]) && (out == nullptr || out->wanted())) {
+    ExportRow row;
+    const bool second_first = ended[0] || (!ended[1] && records[1].output.tick < records[0].output.tick);
+    row.tick = records[second_first ? 1 : 0].output.tick;
+    for (std::size_t hand = 0; hand < readers.size(); ++hand)
+      if (!ended[hand] && records[hand].output.tick == row.tick) row.record[hand] = &records[hand];
+    if (Status status = take(row); !status.ok()) return status;
+    for (std::size_t hand = 0; hand < readers.size(); ++hand)
+      if (row.record[hand] != nullptr)
+        if (Status status = advance(hand); !status.ok()) return status;
+  }
+  return {};
 }
 
 // The chosen columns, and unless they were asked for by name only those that vary.
-Status find_columns(RecordingReader& reader, const ExportOptions& options, std::vector<ExportColumn>& columns,
+Status find_columns(Readers readers, const ExportOptions& options, std::vector<ExportColumn>& columns,
                     std::uint64_t& rows) {
-  if (Status status = choose_columns(options, columns); !status.ok()) return status;
+  if (Status status = choose_columns(options, hands_of(readers), columns); !status.ok()) return status;
   std::vector<std::uint64_t> first, bits;
-  std::vector<bool> varies(columns.size(), false);
+  std::vector<bool> known(columns.size(), false), varies(columns.size(), false);
   rows = 0;
-  const double rate = reader.scene().settings.rate;
-  Status status = for_each_record(reader, options, [&](const TickRecord& record) {
-    column_bits(record, rate, columns, bits);
-    if (rows++ == 0) first = bits;
-    for (std::size_t i = 0; i < bits.size(); ++i)
-      if (bits[i] != first[i] && (record.has_forces || !columns[i].force)) varies[i] = true;
+  first.resize(columns.size());
+  Status status = for_each_row(readers, options, [&](const ExportRow& row) {
+    column_bits(row, rate_of(readers), columns, bits);
+    ++rows;
+    for (std::size_t i = 0; i < bits.size(); ++i) {
+      if (!row.has(columns[i])) continue;
+      if (!known[i]) first[i] = bits[i];
+      known[i] = true;
+      varies[i] = varies[i] || bits[i] != first[i];
+    }
     return Status{};
   });
   if (!status.ok() || !options.columns.empty()) return status;
@@ -79,21 +113,21 @@ std::string cell_text(const ExportColumn& column, std::uint64_t bits, bool exact
   return std::string(text.data(), end);
 }
 
-Status write_csv(RecordingReader& reader, const ExportOptions& options,
-                 const std::vector<ExportColumn>& columns, TextOutput& out) {
+Status write_csv(Readers readers, const ExportOptions& options, const std::vector<ExportColumn>& columns,
+                 TextOutput& out) {
   std::string line;
   for (const ExportColumn& column : columns)
     line += (line.empty() ? "" : ",") + column.name + (column.unit.empty() ? "" : " [" + column.unit + ']');
   if (Status status = out.line(line); !status.ok()) return status;
   std::vector<std::uint64_t> bits;
-  return for_each_record(
-      reader, options,
-      [&](const TickRecord& record) {
-        column_bits(record, reader.scene().settings.rate, columns, bits);
+  return for_each_row(
+      readers, options,
+      [&](const ExportRow& row) {
+        column_bits(row, rate_of(readers), columns, bits);
         line.clear();
         for (std::size_t i = 0; i < columns.size(); ++i) {
           if (i > 0) line += ',';
-          if (record.has_forces || !columns[i].force) line += cell_text(columns[i], bits[i], options.exact);
+          if (row.has(columns[i])) line += cell_text(columns[i], bits[i], options.exact);
         }
         return out.line(line);
       },
@@ -103,20 +137,21 @@ Status write_csv(RecordingReader& reader, const ExportOptions& options,
 // An array is written as a whole, so all of them are in memory.
 constexpr std::uint64_t kMostNumbers = std::uint64_t{1} << 28;
 
-Status write_npz(RecordingReader& reader, const ExportOptions& options,
-                 const std::vector<ExportColumn>& columns, std::uint64_t rows, NpzFile& out) {
+Status write_npz(Readers readers, const ExportOptions& options, const std::vector<ExportColumn>& columns,
+                 std::uint64_t rows, NpzFile& out) {
   if (rows * columns.size() > kMostNumbers)
     return Status::error("more than 268,435,456 numbers; export fewer with --ticks or --columns");
   std::vector<std::vector<std::uint64_t>> values(columns.size());
   for (std::vector<std::uint64_t>& column : values) column.reserve(rows);
   std::vector<std::uint64_t> bits;
-  Status status = for_each_record(reader, options, [&](const TickRecord& record) {
-    column_bits(record, reader.scene().settings.rate, columns, bits);
+  Status status = for_each_row(readers, options, [&](const ExportRow& row) {
+    column_bits(row, rate_of(readers), columns, bits);
     for (std::size_t i = 0; i < columns.size(); ++i) {
       std::uint64_t value = bits[i];
       if (columns[i].type == NumberType::real32)
         value = bits_of(static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(value))));
-      if (columns[i].force && !record.has_forces) value = bits_of(std::numeric_limits<double>::quiet_NaN());
+      if (is_real(columns[i].type) && !row.has(columns[i]))
+        value = bits_of(std::numeric_limits<double>::quiet_NaN());
       values[i].push_back(value);
     }
     return Status{};
@@ -204,9 +239,11 @@ void add_output(const TickRecord& record, JsonLine& json) {
   json.close('}');
 }
 
-std::string json_line(const TickRecord& record) {
+std::string json_line(const TickRecord& record, std::optional<Side> side) {
   JsonLine json;
-  json.open("", '{').number("tick", record.output.tick).number("duration_ns", record.duration_ns);
+  json.open("", '{').number("tick", record.output.tick);
+  if (side) json.string("hand", side_name(*side));
+  json.number("duration_ns", record.duration_ns);
   json.value("device", record.device);
   add_output(record, json);
   json.open("stage_hash", '{');
@@ -216,28 +253,37 @@ std::string json_line(const TickRecord& record) {
   return json.text();
 }
 
-Status write_json(RecordingReader& reader, const ExportOptions& options, TextOutput& out) {
-  return for_each_record(
-      reader, options, [&](const TickRecord& record) { return out.line(json_line(record)); }, &out);
+// Of two hands each has its line.
+Status write_json(Readers readers, const ExportOptions& options, TextOutput& out) {
+  const auto lines = [&](const ExportRow& row) {
+    for (std::size_t hand = 0; hand < readers.size(); ++hand) {
+      if (row.record[hand] == nullptr) continue;
+      std::optional<Side> side;
+      if (readers.size() > 1) side = readers[hand].scene().hand.side;
+      if (Status status = out.line(json_line(*row.record[hand], side)); !status.ok()) return status;
+    }
+    return Status{};
+  };
+  return for_each_row(readers, options, lines, &out);
 }
 
-Status export_text(RecordingReader& reader, const ExportOptions& options,
-                   const std::vector<ExportColumn>& columns, const std::string& output) {
+Status export_text(Readers readers, const ExportOptions& options, const std::vector<ExportColumn>& columns,
+                   const std::string& output) {
   TextOutput out;
   if (Status status = out.open(output); !status.ok()) return status;
-  Status status = options.format == ExportFormat::csv ? write_csv(reader, options, columns, out)
-                                                      : write_json(reader, options, out);
+  Status status = options.format == ExportFormat::csv ? write_csv(readers, options, columns, out)
+                                                      : write_json(readers, options, out);
   if (status.ok()) status = out.close();
   if (!status.ok()) out.discard();
   return status;
 }
 
-Status export_npz(RecordingReader& reader, const ExportOptions& options,
-                  const std::vector<ExportColumn>& columns, std::uint64_t rows, const std::string& output) {
+Status export_npz(Readers readers, const ExportOptions& options, const std::vector<ExportColumn>& columns,
+                  std::uint64_t rows, const std::string& output) {
   NpzFile out;
   if (output == "-") return Status::error("a NumPy archive needs a file; name one with --output");
   if (Status status = out.open(output); !status.ok()) return status;
-  Status status = write_npz(reader, options, columns, rows, out);
+  Status status = write_npz(readers, options, columns, rows, out);
   if (status.ok()) status = out.close();
   if (!status.ok()) out.discard();
   return status;
@@ -245,15 +291,16 @@ Status export_npz(RecordingReader& reader, const ExportOptions& options,
 
 }  // namespace
 
-Status export_recording(RecordingReader& reader, const ExportOptions& options,
+Status export_recording(std::span<RecordingReader> readers, const ExportOptions& options,
                         const std::string& output) try {
+  assert(!readers.empty() && readers.size() <= kMostHands);
   if (options.step == 0) return Status::error("ticks: a step of 0 leads nowhere; 1 is every tick");
   std::vector<ExportColumn> columns;
   std::uint64_t rows = 0;
   if (options.format != ExportFormat::json)
-    if (Status status = find_columns(reader, options, columns, rows); !status.ok()) return status;
-  return options.format == ExportFormat::npz ? export_npz(reader, options, columns, rows, output)
-                                             : export_text(reader, options, columns, output);
+    if (Status status = find_columns(readers, options, columns, rows); !status.ok()) return status;
+  return options.format == ExportFormat::npz ? export_npz(readers, options, columns, rows, output)
+                                             : export_text(readers, options, columns, output);
 } catch (const std::bad_alloc&) {
   return Status::error(output + ": not enough memory to export the recording");
 }

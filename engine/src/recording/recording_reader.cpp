@@ -1,13 +1,16 @@
 // Reading a recording: find its session and chunks, then hand out one tick after the other.
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <new>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "lumbrical/recording.h"
 #include "lumbrical/world.h"
+#include "recording/channels.h"
 #include "recording/mcap_reader.h"
 #include "recording/record_fields.h"
 #include "recording/recorder.h"
@@ -21,8 +24,11 @@ using namespace mcap;
 
 namespace {
 
-bool contains(const std::vector<std::uint16_t>& list, std::uint16_t id) {
-  return std::find(list.begin(), list.end(), id) != list.end();
+/// The hand's attachment, or none's.
+std::optional<std::size_t> hand_of_state(std::string_view name) {
+  const auto found = std::find(kStateAttachments.begin(), kStateAttachments.end(), name);
+  if (found == kStateAttachments.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - kStateAttachments.begin());
 }
 
 }  // namespace
@@ -32,12 +38,14 @@ struct RecordingReader::File {
   RecordingInfo info;
   Scene scene;
   bool has_scene = false;
-  State initial_state;
+  std::optional<Side> asked;       // for a session of two hands
+  std::optional<Hand> other_hand;  // the one that is not read
+  std::size_t hand = 0;            // that is read: 0 or 1
+  std::array<State, kMostHands> initial_state;
   std::uint64_t data_start = 0;
-  std::uint64_t data_end = 0;           // where walking stops at the latest
-  std::vector<ChunkIndex> chunks;       // of a complete file; every chunk met must be the next of these
-  std::vector<std::uint16_t> schemas;   // that are ticks
-  std::vector<std::uint16_t> channels;  // that carry ticks
+  std::uint64_t data_end = 0;      // where walking stops at the latest
+  std::vector<ChunkIndex> chunks;  // of a complete file; every chunk met must be the next of these
+  ChannelIds channels;
 
   bool scanning = false;  // session and metadata are taken where they are met
 
@@ -50,13 +58,18 @@ struct RecordingReader::File {
   std::uint64_t skip_below = 0;       // ticks that seek() passes over
   std::optional<Divergence> altered;  // what was changed in the last record handed out
   Bytes message;                      // that the last record was read from; in the chunk or in `content`
+  bool any_hand = false;              // whichever hand's tick is next; else that of `hand`
+  TickRecord passed_on;               // whose message next_message() hands out
   std::vector<std::uint8_t> content;  // room that is used again and again
 
   Status open(const std::string& path);
   Status read_summary_and_ends();
   Status scan();
   Status take_attachment(const RecordPlace& place);
+  Status take_session(Bytes bytes, std::uint64_t at);
   Status take_metadata(const RecordPlace& place);
+  [[nodiscard]] std::optional<std::size_t> hand_of(std::uint16_t channel) const;
+  [[nodiscard]] std::size_t last_chunk() const;
   Status take_indexed(const Summary& summary);
   void count_tick(const TickRecord& record);
 
@@ -67,42 +80,43 @@ struct RecordingReader::File {
   Status next_inside(TickRecord& record, bool& found);
   Status enter_chunk(const RecordPlace& place);
   Status take_message(Bytes bytes, std::uint64_t at, TickRecord& record, bool& found);
-  void add_schema(std::uint16_t id, const std::string& name, const std::string& encoding);
-  void add_channel(const Channel& channel);
   bool take_schema(Bytes bytes);
   bool take_channel(Bytes bytes);
 };
 
-void RecordingReader::File::add_schema(std::uint16_t id, const std::string& name,
-                                       const std::string& encoding) {
-  if (name == kTickSchemaName && encoding == "flatbuffer" && !contains(schemas, id)) schemas.push_back(id);
-}
-
-void RecordingReader::File::add_channel(const Channel& channel) {
-  if (contains(schemas, channel.schema_id) && !contains(channels, channel.id)) channels.push_back(channel.id);
+// Whose ticks a channel carries; none where nobody's of this session.
+std::optional<std::size_t> RecordingReader::File::hand_of(std::uint16_t id) const {
+  const RecordingChannel* const channel = channels.find(id);
+  if (channel == nullptr) return std::nullopt;
+  if (info.hands.size() < 2) return 0;
+  const auto found = std::find(info.hands.begin(), info.hands.end(), channel->side);
+  if (found == info.hands.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - info.hands.begin());
 }
 
 bool RecordingReader::File::take_schema(Bytes bytes) {
   Schema schema;
   if (!parse(bytes, schema)) return false;
-  add_schema(schema.id, schema.name, schema.encoding);
+  channels.add_schema(schema.id, schema.name, schema.encoding);
   return true;
 }
 
 bool RecordingReader::File::take_channel(Bytes bytes) {
   Channel channel;
   if (!parse(bytes, channel)) return false;
-  add_channel(channel);
+  channels.add_channel(channel);
   return true;
 }
 
 Status RecordingReader::File::take_message(Bytes bytes, std::uint64_t at, TickRecord& record, bool& found) {
   Message parsed;
   if (!parse(bytes, parsed)) return file.broken(at, "a message is shorter than it declares");
-  if (!contains(channels, parsed.channel_id)) return {};
+  const std::optional<std::size_t> whose = hand_of(parsed.channel_id);
+  if (!whose || (!any_hand && *whose != hand)) return {};
   InputCheck check;
   if (Status status = decode_tick(parsed.data, record, check); !status.ok())
     return file.broken(at, status.message() + "; the file is damaged or of another version");
+  record.hand = static_cast<std::uint8_t>(*whose);
   altered = find_altered_input(record, check);
   message = parsed.data;
   found = true;
@@ -211,16 +225,29 @@ void RecordingReader::File::go_to_chunk(std::size_t number) {
 Status RecordingReader::File::take_attachment(const RecordPlace& place) {
   Attachment attachment;
   if (Status status = load_attachment(file, place, content, attachment); !status.ok()) return status;
-  if (attachment.name == kStateAttachment) {
-    const Status status = decode_state(attachment.data, initial_state);
+  if (const auto whose = hand_of_state(attachment.name)) {
+    const Status status = decode_state(attachment.data, initial_state[*whose]);
     return status.ok() ? status : file.broken(place.offset, status.message());
   }
   if (attachment.name != kSessionAttachment || has_scene) return {};
-  if (Status status = decode_session(attachment.data, scene); !status.ok())
-    return file.broken(place.offset, status.message());
+  if (Status status = take_session(attachment.data, place.offset); !status.ok()) return status;
+  std::vector<std::uint8_t>().swap(content);  // it may be large, and the chunks to come are small
+  return {};
+}
+
+Status RecordingReader::File::take_session(Bytes bytes, std::uint64_t at) {
+  if (Status status = decode_session(bytes, scene, &other_hand); !status.ok())
+    return file.broken(at, status.message());
   has_scene = true;
   info.version = kVersion;
-  std::vector<std::uint8_t>().swap(content);  // it may be large, and the chunks to come are small
+  info.hands = {scene.hand.side};
+  if (other_hand) info.hands.push_back(other_hand->side);
+  if (!asked || *asked == scene.hand.side) return {};
+  if (!other_hand)
+    return Status::error(file.path() + ": holds no " + std::string(side_name(*asked)) + " hand, only a " +
+                         std::string(side_name(scene.hand.side)) + " one");
+  std::swap(scene.hand, *other_hand);
+  hand = 1;
   return {};
 }
 
@@ -258,7 +285,7 @@ Status RecordingReader::File::take_indexed(const Summary& summary) {
     Status status = in_order(index.offset);
     if (status.ok()) status = find(index.offset, index.length, Opcode::attachment, place);
     least = place.end();
-    const bool ours = index.name == kSessionAttachment || index.name == kStateAttachment;
+    const bool ours = index.name == kSessionAttachment || hand_of_state(index.name);
     if (status.ok() && ours) status = take_attachment(place);
     if (!status.ok()) return status;
   }
@@ -273,6 +300,14 @@ Status RecordingReader::File::take_indexed(const Summary& summary) {
   return {};
 }
 
+// The last one that holds ticks of this hand, as far as the index tells.
+std::size_t RecordingReader::File::last_chunk() const {
+  for (std::size_t i = chunks.size(); i-- > 0;)
+    for (const auto& index : chunks[i].message_index_offsets)
+      if (hand_of(index.first) == hand) return i;
+  return chunks.size() - 1;
+}
+
 // A complete file: everything is told by the summary, and the last tick stands in the last chunk.
 Status RecordingReader::File::read_summary_and_ends() {
   Summary summary;
@@ -280,8 +315,8 @@ Status RecordingReader::File::read_summary_and_ends() {
   if (!info.complete) return {};
   data_end = summary.start;
   chunks = std::move(summary.chunks);
-  for (const auto& [id, name, encoding] : summary.schemas) add_schema(id, name, encoding);
-  for (const Channel& channel : summary.channels) add_channel(channel);
+  for (const auto& [id, name, encoding] : summary.schemas) channels.add_schema(id, name, encoding);
+  for (const Channel& channel : summary.channels) channels.add_channel(channel);
   info.chunks = chunks.size();
   if (!chunks.empty()) info.compression = chunks.front().compression;
   if (Status status = take_indexed(summary); !status.ok()) return status;
@@ -294,9 +329,9 @@ Status RecordingReader::File::read_summary_and_ends() {
   std::uint64_t ticks = 0;
   if (summary.statistics)
     for (const auto& [channel, count] : summary.statistics->channel_message_counts)
-      if (contains(channels, channel)) ticks += count;
+      if (hand_of(channel) == hand) ticks += count;
   // Without statistics or chunks (other tools may leave them out) the ticks are counted one by one.
-  if (ticks > 0 && !chunks.empty()) go_to_chunk(chunks.size() - 1);
+  if (ticks > 0 && !chunks.empty()) go_to_chunk(last_chunk());
   for (;;) {
     if (Status status = next(record, end); !status.ok()) return status;
     if (end) break;
@@ -353,8 +388,9 @@ RecordingReader::~RecordingReader() = default;
 RecordingReader::RecordingReader(RecordingReader&&) noexcept = default;
 RecordingReader& RecordingReader::operator=(RecordingReader&&) noexcept = default;
 
-Status RecordingReader::open(const std::string& path) try {
+Status RecordingReader::open(const std::string& path, std::optional<Side> side) try {
   auto file = std::make_unique<File>();
+  file->asked = side;
   if (Status status = file->open(path); !status.ok()) return status;
   file_ = std::move(file);
   return {};
@@ -401,11 +437,17 @@ const Scene& RecordingReader::scene() const {
 
 const State& RecordingReader::initial_state() const {
   static const State kNothing;
-  return file_ ? file_->initial_state : kNothing;
+  return file_ ? file_->initial_state[file_->hand] : kNothing;
 }
 
-std::span<const std::uint8_t> RecordingReader::message() const {
-  return file_ ? file_->message : std::span<const std::uint8_t>{};
+const std::optional<Hand>& RecordingReader::other_hand() const {
+  static const std::optional<Hand> kNothing;
+  return file_ ? file_->other_hand : kNothing;
+}
+
+const State& RecordingReader::other_initial_state() const {
+  static const State kNothing;
+  return file_ ? file_->initial_state[1 - file_->hand] : kNothing;
 }
 
 Status RecordingReader::next(TickRecord& record, bool& end) try {
@@ -414,6 +456,17 @@ Status RecordingReader::next(TickRecord& record, bool& end) try {
   return file_->next(record, end);
 } catch (const std::bad_alloc&) {
   return Status::error("not enough memory to read the recording");
+}
+
+Status RecordingReader::next_message(RecordedMessage& message, bool& end) {
+  if (file_) file_->any_hand = true;
+  TickRecord none;
+  TickRecord& record = file_ ? file_->passed_on : none;
+  const Status status = next(record, end);
+  if (!file_) return status;
+  file_->any_hand = false;
+  message = {record.hand, record.output.tick, file_->message};
+  return status;
 }
 
 std::optional<Divergence> RecordingReader::altered_input() const {
@@ -434,6 +487,15 @@ Status RecordingReader::seek(std::uint64_t tick) {
   else
     file_->go_to_chunk(chunks.size() - 1);
   file_->skip_below = tick;
+  return {};
+}
+
+Status open_hands(const std::string& path, std::vector<RecordingReader>& readers, std::optional<Side> side) {
+  std::vector<RecordingReader> opened(1);
+  if (Status status = opened[0].open(path, side); !status.ok()) return status;
+  if (const std::optional<Hand> other = opened[0].other_hand(); other && !side)
+    if (Status status = opened.emplace_back().open(path, other->side); !status.ok()) return status;
+  readers = std::move(opened);
   return {};
 }
 

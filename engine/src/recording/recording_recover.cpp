@@ -2,18 +2,22 @@
 // checksum is right is whole, so chunks (and the session) are looked for byte by byte and written to a new
 // file.
 #include <algorithm>
+#include <array>
 #include <map>
 #include <new>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lumbrical/recording.h"
+#include "recording/channels.h"
 #include "recording/mcap_reader.h"
 #include "recording/recorder.h"
 #include "recording/session_message.h"
 #include "recording/state_message.h"
 #include "recording/tick_message.h"
+#include "recording/tick_ranges.h"
 
 namespace lumbrical {
 
@@ -29,7 +33,8 @@ constexpr std::uint64_t kHeadSize = 256;
 bool begins_record(Bytes head, std::uint64_t room, RecordPlace& place) {
   ByteReader in(head);
   place.opcode = static_cast<Opcode>(in.u8());
-  if (place.opcode != Opcode::chunk && place.opcode != Opcode::attachment && place.opcode != Opcode::metadata)
+  if (place.opcode != Opcode::chunk && place.opcode != Opcode::attachment &&
+      place.opcode != Opcode::metadata && place.opcode != Opcode::channel)
     return false;
   place.length = in.u64();
   if (!in.ok() || room < kRecordHeaderSize || place.length > room - kRecordHeaderSize) return false;
@@ -45,10 +50,16 @@ bool begins_record(Bytes head, std::uint64_t room, RecordPlace& place) {
   } else if (place.opcode == Opcode::attachment) {
     fields.take(2 * sizeof(std::uint64_t));  // times
     const std::string name = fields.text();
-    if (name != kSessionAttachment && name != kStateAttachment) return false;
+    const bool state =
+        std::find(kStateAttachments.begin(), kStateAttachments.end(), name) != kStateAttachments.end();
+    if (name != kSessionAttachment && !state) return false;
     fields.text();  // media type
     payload = fields.u64();
     behind = sizeof(std::uint32_t);  // checksum
+  } else if (place.opcode == Opcode::channel) {
+    fields.take(2 * sizeof(std::uint16_t));  // ids
+    if (!find_channel(kTickSchemaName, fields.text()) || fields.text() != "flatbuffer") return false;
+    payload = fields.u32();
   } else {
     if (fields.text() != kMetadataName) return false;
     payload = fields.u32();
@@ -77,6 +88,29 @@ Status find_next(const InputFile& file, std::uint64_t offset, RecordPlace& place
   return {};
 }
 
+/// What is known of one hand's ticks.
+struct KnownTicks {
+  std::uint64_t begin = 0;  // that the session, or the part of it, begins with
+  std::uint64_t recovered = 0;
+  std::uint64_t first = 0, last = 0;                     // ticks kept
+  std::optional<std::uint64_t> first_known, last_known;  // ticks there once were, kept or not
+  std::vector<TickRange> gaps;                           // between ticks kept
+};
+
+/// Tick numbers there once were, or that lie between such, and are not kept.
+std::vector<TickRange> missing_of(const KnownTicks& ticks) {
+  std::vector<TickRange> ranges;
+  const auto& [begin, recovered, first, last, first_known, last_known, gaps] = ticks;
+  if (recovered == 0) {
+    if (last_known) ranges.push_back({*first_known, *last_known});
+    return ranges;
+  }
+  if (first_known && *first_known < first) ranges.push_back({*first_known, first - 1});
+  ranges.insert(ranges.end(), gaps.begin(), gaps.end());
+  if (last_known && *last_known > last) ranges.push_back({last + 1, *last_known});
+  return ranges;
+}
+
 class Recovery {
  public:
   Status open(const std::string& path);
@@ -84,8 +118,9 @@ class Recovery {
   Status find_session();
   /// Copies the ticks of all whole chunks.
   Status copy_ticks(const std::string& output);
-  [[nodiscard]] std::uint64_t recovered() const { return recovered_; }
-  /// Tick numbers there once were, or that lie between such, and are not kept.
+  /// Of both hands together, where there are two.
+  [[nodiscard]] std::uint64_t recovered() const;
+  /// Of either hand.
   [[nodiscard]] std::vector<TickRange> missing() const;
 
  private:
@@ -96,23 +131,56 @@ class Recovery {
   void expect(std::uint64_t start_time, std::uint64_t end_time);
   bool expect_index();
   void expect_damaged(const RecordPlace& place);
+  void take_attachment(const Attachment& attachment);
+  [[nodiscard]] std::optional<std::size_t> hand_of(std::uint16_t channel) const;
 
   InputFile file_;
   Scene scene_;
-  std::vector<std::uint8_t> session_, state_;
+  std::vector<Side> sides_;  // of the session's hands
+  std::map<std::uint16_t, Side> channels_;
+  std::vector<std::uint8_t> session_;
+  StateMessages states_;
   std::map<std::string, std::string> metadata_;
   std::optional<Compression> compression_;
   std::vector<std::uint8_t> content_;
   LoadedChunk chunk_;
 
-  std::uint64_t begin_ = 0;  // tick that the session, or the part of it, begins with
-  std::uint64_t recovered_ = 0;
-  std::uint64_t first_ = 0, last_ = 0;                     // ticks kept
-  std::optional<std::uint64_t> first_known_, last_known_;  // ticks there once were, kept or not
-  std::vector<TickRange> gaps_;                            // between ticks kept
+  std::array<KnownTicks, kMostHands> ticks_;  // by hand
+  std::uint64_t newest_ = 0;                  // tick kept
 };
 
 Status Recovery::open(const std::string& path) { return file_.open(path); }
+
+void Recovery::take_attachment(const Attachment& attachment) {
+  const Bytes data = attachment.data;
+  State state;
+  for (std::size_t hand = 0; hand < kStateAttachments.size(); ++hand) {
+    if (attachment.name != kStateAttachments[hand] || !decode_state(data, state).ok()) continue;
+    states_[hand].assign(data.begin(), data.end());
+    ticks_[hand].begin = state.tick;
+  }
+  std::optional<Hand> second;
+  if (attachment.name != kSessionAttachment || !session_.empty() ||
+      !decode_session(data, scene_, &second).ok())
+    return;
+  session_.assign(data.begin(), data.end());
+  sides_ = {scene_.hand.side};
+  if (second) sides_.push_back(second->side);
+}
+
+// Of two hands a channel is that of the side its topic names, or where no channel record is whole, of the
+// recorder's numbering.
+std::optional<std::size_t> Recovery::hand_of(std::uint16_t channel) const {
+  if (sides_.size() < 2) return 0;
+  const auto found = channels_.find(channel);
+  const auto side =
+      found == channels_.end() ? sides_.end() : std::find(sides_.begin(), sides_.end(), found->second);
+  if (side != sides_.end()) return static_cast<std::size_t>(side - sides_.begin());
+  if (found != channels_.end() || channel < 1 || channel > sides_.size()) return std::nullopt;
+  for (const auto& [id, taken] : channels_)
+    if (taken == sides_[channel - 1u]) return std::nullopt;
+  return channel - 1u;
+}
 
 Status Recovery::find_session() {
   bool found = true;
@@ -123,15 +191,12 @@ Status Recovery::find_session() {
     offset = place.end();
     if (place.opcode == Opcode::attachment) {
       Attachment attachment;
-      State state;
-      if (!load_attachment(file_, place, content_, attachment).ok()) continue;
-      const Bytes data = attachment.data;
-      if (attachment.name == kStateAttachment && decode_state(data, state).ok()) {
-        state_.assign(data.begin(), data.end());
-        begin_ = state.tick;
-      }
-      if (attachment.name == kSessionAttachment && session_.empty() && decode_session(data, scene_).ok())
-        session_.assign(data.begin(), data.end());
+      if (load_attachment(file_, place, content_, attachment).ok()) take_attachment(attachment);
+    } else if (place.opcode == Opcode::channel) {
+      Channel channel;
+      if (!read_content(file_, place, content_).ok() || !parse(content_, channel)) continue;
+      if (const auto ours = find_channel(kTickSchemaName, channel.topic); ours && ours->side)
+        channels_.emplace(channel.id, *ours->side);
     } else if (place.opcode == Opcode::metadata) {
       Metadata metadata;
       if (read_content(file_, place, content_).ok() && parse(content_, metadata))
@@ -166,8 +231,10 @@ bool Recovery::are_ticks(std::uint64_t start_time, std::uint64_t end_time) const
 }
 
 void Recovery::expect(std::uint64_t start_time, std::uint64_t end_time) {
-  first_known_ = std::min(first_known_.value_or(tick_at(start_time)), tick_at(start_time));
-  last_known_ = std::max(last_known_.value_or(tick_at(end_time)), tick_at(end_time));
+  for (KnownTicks& ticks : ticks_) {
+    ticks.first_known = std::min(ticks.first_known.value_or(tick_at(start_time)), tick_at(start_time));
+    ticks.last_known = std::max(ticks.last_known.value_or(tick_at(end_time)), tick_at(end_time));
+  }
 }
 
 /// What the index says there was, where it is whole; it has a checksum.
@@ -199,14 +266,17 @@ Status Recovery::copy_message(Bytes bytes, McapWriter& writer) {
   TickRecord record;
   InputCheck check;
   if (!parse(bytes, message) || !decode_tick(message.data, record, check).ok()) return {};
+  const std::optional<std::size_t> hand = hand_of(message.channel_id);
+  if (!hand) return {};
+  KnownTicks& ticks = ticks_[*hand];
   const std::uint64_t tick = record.output.tick;
-  if (recovered_ > 0 && tick <= last_) return {};
-  if (recovered_ > 0 && tick > last_ + 1) gaps_.push_back({last_ + 1, tick - 1});
-  if (recovered_++ == 0) first_ = tick;
-  last_ = tick;
+  if (tick < newest_ || (ticks.recovered > 0 && tick <= ticks.last)) return {};
+  if (ticks.recovered > 0 && tick > ticks.last + 1) ticks.gaps.push_back({ticks.last + 1, tick - 1});
+  if (ticks.recovered++ == 0) ticks.first = tick;
+  ticks.last = newest_ = tick;
   // The message is copied as it is: its input check must go on telling what happened to it.
   return writer.message(tick_time(tick, 1e9 / scene_.settings.rate), static_cast<std::uint32_t>(tick),
-                        message.data);
+                        message.data, *hand);
 }
 
 Status Recovery::copy_chunk(McapWriter& writer) {
@@ -224,7 +294,8 @@ Status Recovery::copy_ticks(const std::string& output) {
   McapWriter writer;
   McapWriterOptions options;
   options.compression = compression_.value_or(Compression::lz4);
-  Status status = open_recording(output, scene_.settings.rate, session_, state_, metadata_, options, writer);
+  Status status = open_recording(output, scene_.settings.rate, session_, states_, metadata_, options, writer,
+                                 channels_of(sides_));
   const bool has_index = expect_index();
   bool found = true;
   for (std::uint64_t offset = 0; status.ok() && found;) {
@@ -247,20 +318,24 @@ Status Recovery::copy_ticks(const std::string& output) {
   }
 
   // Without an index the first chunks may be missing without a trace, but not what the session began with.
-  if (!has_index && recovered_ > 0) first_known_ = begin_;
+  for (KnownTicks& ticks : ticks_)
+    if (!has_index && ticks.recovered > 0) ticks.first_known = ticks.begin;
   return {};
+}
+
+std::uint64_t Recovery::recovered() const {
+  std::uint64_t recovered = 0;
+  for (const KnownTicks& ticks : ticks_) recovered += ticks.recovered;
+  return recovered;
 }
 
 std::vector<TickRange> Recovery::missing() const {
   std::vector<TickRange> ranges;
-  if (recovered_ == 0) {
-    if (last_known_) ranges.push_back({*first_known_, *last_known_});
-    return ranges;
+  for (std::size_t hand = 0; hand < sides_.size(); ++hand) {
+    const std::vector<TickRange> of_hand = missing_of(ticks_[hand]);
+    ranges.insert(ranges.end(), of_hand.begin(), of_hand.end());
   }
-  if (first_known_ && *first_known_ < first_) ranges.push_back({*first_known_, first_ - 1});
-  ranges.insert(ranges.end(), gaps_.begin(), gaps_.end());
-  if (last_known_ && *last_known_ > last_) ranges.push_back({last_ + 1, *last_known_});
-  return ranges;
+  return united(std::move(ranges));
 }
 
 }  // namespace

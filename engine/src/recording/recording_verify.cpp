@@ -3,13 +3,16 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lumbrical/recording.h"
+#include "recording/channels.h"
 #include "recording/mcap_reader.h"
 #include "recording/record_fields.h"
 #include "recording/session_message.h"
 #include "recording/tick_message.h"
+#include "recording/tick_ranges.h"
 
 namespace lumbrical {
 
@@ -31,10 +34,12 @@ const char* changed_result(const TickRecord& record) {
 /// What a walk through the data section has found, to be held against the summary.
 class Verification {
  public:
-  /// `first_tick`: that the session, or the part of it, begins with.
-  Verification(double period, std::uint64_t first_tick) : period_(period), next_tick_(first_tick) {}
+  /// `first_ticks`: by hand, that the session, or the part of it, begins with.
+  Verification(double period, std::map<Side, std::uint64_t> first_ticks)
+      : period_(period), next_tick_(std::move(first_ticks)) {}
   Status run(const std::string& path);
-  [[nodiscard]] const std::vector<TickRange>& missing() const { return missing_; }
+  /// Of either hand.
+  [[nodiscard]] std::vector<TickRange> missing() const { return united(missing_); }
 
  private:
   Status walk(std::uint64_t data_start, std::uint64_t& data_end);
@@ -42,7 +47,7 @@ class Verification {
   Status check_schema(Bytes bytes, std::uint64_t at);
   Status check_channel(Bytes bytes, std::uint64_t at);
   Status check_message(Bytes bytes, std::uint64_t at, std::uint64_t& time, std::uint16_t& channel);
-  Status check_tick(const Message& message, std::uint64_t at);
+  Status check_tick(const Message& message, std::optional<Side> side, std::uint64_t at);
   Status check_chunk(const RecordPlace& place);
   Status check_message_index(const RecordPlace& place);
   Status check_attachment(const RecordPlace& place);
@@ -51,8 +56,8 @@ class Verification {
   void count_message(std::uint16_t channel, std::uint64_t time);
 
   InputFile file_;
-  double period_;            // [ns]
-  std::uint64_t next_tick_;  // that is due
+  double period_;                            // [ns]
+  std::map<Side, std::uint64_t> next_tick_;  // that is due
   std::vector<TickRange> missing_;
   std::vector<std::uint8_t> content_;
   LoadedChunk chunk_;
@@ -60,6 +65,7 @@ class Verification {
 
   std::map<std::uint16_t, std::string> schemas_;     // id, name
   std::map<std::uint16_t, std::uint16_t> channels_;  // id, schema
+  ChannelIds ours_;                                  // of those
   std::vector<ChunkIndex> chunks_;
   std::vector<AttachmentIndex> attachments_;
   std::vector<MetadataIndex> metadata_;
@@ -77,6 +83,7 @@ Status Verification::check_schema(Bytes bytes, std::uint64_t at) {
   Schema schema;
   if (!parse(bytes, schema) || schema.id == 0) return file_.broken(at, "a schema record is damaged");
   schemas_[schema.id] = schema.name;
+  ours_.add_schema(schema.id, schema.name, schema.encoding);
   return {};
 }
 
@@ -86,27 +93,33 @@ Status Verification::check_channel(Bytes bytes, std::uint64_t at) {
   if (channel.schema_id != 0 && !schemas_.contains(channel.schema_id))
     return file_.broken(at, "a channel names a schema that has not been given");
   channels_[channel.id] = channel.schema_id;
+  ours_.add_channel(channel);
   return {};
 }
 
-Status Verification::check_tick(const Message& message, std::uint64_t at) {
+Status Verification::check_tick(const Message& message, std::optional<Side> side, std::uint64_t at) {
   TickRecord record;
   InputCheck check;
   if (Status status = decode_tick(message.data, record, check); !status.ok())
     return file_.broken(at, status.message());
   const std::uint64_t tick = record.output.tick;
-  const std::string name = "tick " + std::to_string(tick);
+  // A lone hand's channel needs no side in its topic.
+  const auto next = next_tick_.size() > 1 && side ? next_tick_.find(*side) : next_tick_.begin();
+  if (next == next_tick_.end() || (next_tick_.size() > 1 && !side))
+    return file_.broken(at, "a tick is of a hand that the session does not have");
+  const std::string whose = next_tick_.size() > 1 ? std::string(side_name(*side)) + " hand, " : std::string();
+  const std::string name = whose + "tick " + std::to_string(tick);
   if (const std::optional<Divergence> altered = find_altered_input(record, check))
     return file_.broken(at, name + ": its input was changed after it was recorded: " + altered->field +
                                 " was " + altered->recorded + " and is " + altered->replayed);
   if (const char* const changed = changed_result(record))
     return file_.broken(
         at, name + ": " + changed + " changed after it was recorded: it is not what its hash says");
-  if (tick < next_tick_)
-    return file_.broken(at,
-                        name + " stands where tick " + std::to_string(next_tick_) + " or a later one is due");
-  if (tick > next_tick_) missing_.push_back({next_tick_, tick - 1});
-  next_tick_ = tick + 1;
+  if (tick < next->second)
+    return file_.broken(
+        at, name + " stands where tick " + std::to_string(next->second) + " or a later one is due");
+  if (tick > next->second) missing_.push_back({next->second, tick - 1});
+  next->second = tick + 1;
   if (message.log_time != tick_time(tick, period_) || message.publish_time != message.log_time)
     return file_.broken(at, name + " is logged at " + std::to_string(message.log_time) +
                                 " ns, which is not its time at the session's rate");
@@ -124,9 +137,8 @@ Status Verification::check_message(Bytes bytes, std::uint64_t at, std::uint64_t&
   time = message.log_time;
   channel = message.channel_id;
   count_message(channel, time);
-  const auto schema = schemas_.find(found->second);
-  const bool is_tick = schema != schemas_.end() && schema->second == kTickSchemaName;
-  return is_tick ? check_tick(message, at) : Status{};
+  const RecordingChannel* const ours = ours_.find(message.channel_id);
+  return ours != nullptr ? check_tick(message, ours->side, at) : Status{};
 }
 
 Status Verification::check_chunk(const RecordPlace& place) {
@@ -306,7 +318,10 @@ Status verify_recording(const std::string& path, RecordingInfo& info, std::vecto
   if (Status status = reader.open(path); !status.ok()) return status;
   info = reader.info();
   if (info.growing) return Status::error(path + ": is still being recorded; verify it when that has ended");
-  Verification verification(1e9 / reader.scene().settings.rate, reader.initial_state().tick);
+  std::map<Side, std::uint64_t> first_ticks = {{reader.scene().hand.side, reader.initial_state().tick}};
+  if (const std::optional<Hand>& other = reader.other_hand())
+    first_ticks[other->side] = reader.other_initial_state().tick;
+  Verification verification(1e9 / reader.scene().settings.rate, std::move(first_ticks));
   const std::string file = info.path;
   reader = {};  // a scene may be as large as the file
   const Status status = verification.run(file);

@@ -208,7 +208,8 @@ Status decode_world(const fb::Session& message, Scene& scene) {
 
 }  // namespace
 
-Status encode_session(const Scene& scene, std::vector<std::uint8_t>& bytes) {
+Status encode_session(const Scene& scene, std::vector<std::uint8_t>& bytes,
+                      const std::optional<Hand>& second) {
   if (size_of(scene) > 2147000000.0)
     return Status::error("the scene takes 2 GiB or more and can't be recorded; use coarser meshes");
   FlatBufferBuilder builder;
@@ -218,16 +219,17 @@ Status encode_session(const Scene& scene, std::vector<std::uint8_t>& bytes) {
   const auto all_objects = builder.CreateVector(objects);
   const auto hand = to_fb(builder, scene.hand);
   const auto settings = to_fb(builder, scene.settings);
+  const auto second_hand = second ? to_fb(builder, *second) : Offset<fb::Hand>();
   Offset<fb::WorldFile> world;
   if (scene.world)
     world = fb::CreateWorldFile(builder, builder.CreateString(file_name(scene.world->path)),
                                 scene.world->content, scene.world->byte_count);
-  builder.Finish(fb::CreateSession(builder, kVersion, hand, all_objects, settings, world));
+  builder.Finish(fb::CreateSession(builder, kVersion, hand, all_objects, settings, world, second_hand));
   bytes.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
   return {};
 }
 
-Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene) {
+Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene, std::optional<Hand>* second) {
   // FlatBuffers reads its numbers in place; what was read from a file is aligned already.
   std::vector<std::uint64_t> aligned;
   const std::uint8_t* data = bytes.data();
@@ -251,6 +253,13 @@ Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene) {
   if (Status status = decode_settings(message.settings(), decoded.settings); !status.ok()) return status;
   if (Status status = decode_objects(message, bytes.size(), decoded.objects); !status.ok()) return status;
   if (Status status = decode_world(message, decoded); !status.ok()) return status;
+  std::optional<Hand> other;
+  if (message.second_hand() != nullptr) {
+    if (Status status = decode_hand(message.second_hand(), other.emplace()); !status.ok()) return status;
+    if (other->side == decoded.hand.side)
+      return Status::error("both hands of the session are " + std::string(side_name(other->side)) + " ones");
+  }
+  if (second != nullptr) *second = std::move(other);
   scene = std::move(decoded);
   return {};
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,11 +17,13 @@ inline constexpr const char* kSessionAttachment = "session";
 inline constexpr std::uint32_t kVersion = 1;
 
 /// Refuses a scene of 2 GiB or more, which a FlatBuffer can't hold. Of a scene with a world file that file is
-/// named.
-Status encode_session(const Scene& scene, std::vector<std::uint8_t>& bytes);
+/// named. `second` is there in a session of two hands.
+Status encode_session(const Scene& scene, std::vector<std::uint8_t>& bytes,
+                      const std::optional<Hand>& second = {});
 
 /// The error tells what is wrong, not where. Checks everything but the meshes, which build_model checks. A
-/// world file is only named (World::bytes is null).
-Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene);
+/// world file is only named (World::bytes is null). `second` may be null.
+Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene,
+                      std::optional<Hand>* second = nullptr);
 
 }  // namespace lumbrical

@@ -2,8 +2,10 @@
 // it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "lumbrical/status.h"
@@ -11,7 +13,8 @@
 
 namespace lumbrical {
 
-inline constexpr const char* kStateAttachment = "state";
+/// Attachments: of the session's first hand and its second.
+inline constexpr std::array<std::string_view, 2> kStateAttachments = {"state", "state of the second hand"};
 
 std::vector<std::uint8_t> encode_state(const State& state);
 

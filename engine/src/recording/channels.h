@@ -1,0 +1,51 @@
+// The channels of a recording: ticks of one hand or of two, and what a tool that does not know this project
+// needs to label their numbers.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lumbrical/hand.h"
+#include "recording/mcap_format.h"
+#include "recording/mcap_writer.h"
+
+namespace lumbrical {
+
+/// What a channel carries.
+struct RecordingChannel {
+  std::optional<Side> side;  ///< of whose hand, in a session of two; none in a session of one
+  friend bool operator==(const RecordingChannel&, const RecordingChannel&) = default;
+};
+
+/// "tick", "left/tick"
+std::string topic_of(const RecordingChannel& channel);
+
+/// What a channel of this topic carries, whose schema is of this name; none: somebody else's.
+std::optional<RecordingChannel> find_channel(std::string_view schema, std::string_view topic);
+
+/// Those of a session with these hands, in the order in which the recorder numbers them, from 1.
+std::vector<RecordingChannel> channels_of(const std::vector<Side>& hands);
+
+/// As the writer takes it, with its schema. Metadata: names of segments, joints, angles and flags in their
+/// order, units by the schema's names, and what log times are.
+McapWriter::Start::Channel start_of(const RecordingChannel& channel);
+
+/// Which ids stand for which of our channels, as schema and channel records are met.
+class ChannelIds {
+ public:
+  void add_schema(std::uint16_t id, const std::string& name, const std::string& encoding);
+  void add_channel(const mcap::Channel& channel);
+  /// None: somebody else's.
+  [[nodiscard]] const RecordingChannel* find(std::uint16_t id) const;
+  [[nodiscard]] const std::map<std::uint16_t, RecordingChannel>& all() const { return channels_; }
+
+ private:
+  std::map<std::uint16_t, std::string> schemas_;
+  std::map<std::uint16_t, RecordingChannel> channels_;
+};
+
+}  // namespace lumbrical

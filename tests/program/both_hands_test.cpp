@@ -1,0 +1,153 @@
+// Both hands of a capture through the whole program: felt, recorded, replayed, compared, cut, told.
+#include <fstream>
+#include <string>
+
+#include "motion/motion_samples.h"
+#include "program.h"
+
+namespace lumbrical::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kScene = std::string(LUMBRICAL_SOURCE_DIR) + "/examples/two_hands.json";
+
+Outcome lumbrical(const std::string& arguments, const fs::path& folder) {
+  return shell("lumbrical " + arguments, folder);
+}
+
+// The shipped capture at 100 Hz, felt with both hands.
+fs::path folder_with_both() {
+  const fs::path folder = fresh_folder();
+  fs::copy_file(kScene, folder / "scene.json");
+  for (const char* const name : {"cup.obj", "hold.json"})
+    fs::copy_file(fs::path(kScene).parent_path() / name, folder / name);
+  return folder;
+}
+
+TEST(BothHands, AreFeltInOneSessionAndReplayedBitForBit) {
+  const fs::path folder = folder_with_both();
+  const nlohmann::json run = lumbrical("run scene.json --record a.mcap --json", folder).json();
+  ASSERT_EQ(run["hands"].size(), 2u);
+  EXPECT_EQ(run["hands"][0]["side"], "right");
+  EXPECT_EQ(run["hands"][1]["side"], "left");
+  for (const nlohmann::json& hand : run["hands"]) EXPECT_GT(hand["peak_force"]["ring"], 1) << hand;
+  EXPECT_EQ(run["not_recorded"], 0);
+  EXPECT_EQ(run["trouble"].size(), 0u);
+
+  const Outcome replay = lumbrical("replay a.mcap --threads 2 --json", folder);
+  EXPECT_EQ(replay.exit_code, 0) << replay.output << replay.error;
+  EXPECT_EQ(replay.json()["hands"].size(), 2u);
+  EXPECT_EQ(lumbrical("verify a.mcap", folder).exit_code, 0);
+  EXPECT_EQ(lumbrical("info a.mcap --json", folder).json()["hands"], (nlohmann::json{"right", "left"}));
+  EXPECT_NE(lumbrical("info a.mcap", folder).output.find("right and left"), std::string::npos);
+}
+
+// What a hand feels does not depend on whether the other is felt too.
+TEST(BothHands, EachFeelsWhatItFeelsAlone) {
+  const fs::path folder = folder_with_both();
+  const nlohmann::json both = lumbrical("run scene.json --json", folder).json();
+  for (const auto& [i, side] : {std::pair(0, "right"), std::pair(1, "left")}) {
+    const nlohmann::json alone =
+        lumbrical(std::string("run scene.json --json --side ") + side, folder).json();
+    EXPECT_EQ(alone["hand"]["side"], side);
+    for (const char* const key : {"contacts", "peak_force", "peak_torque", "flags"})
+      EXPECT_EQ(alone[key], both["hands"][static_cast<std::size_t>(i)][key]) << side << ' ' << key;
+  }
+}
+
+TEST(BothHands, AreTrimmedExportedAndComparedTogether) {
+  const fs::path folder = folder_with_both();
+  ASSERT_EQ(lumbrical("run scene.json --record a.mcap", folder).exit_code, 0);
+  ASSERT_EQ(lumbrical("run scene.json --stiffness 1e7 --record b.mcap", folder).exit_code, 0);
+  EXPECT_EQ(lumbrical("trim a.mcap --from 0.5 --to 0.7 -o part.mcap", folder).exit_code, 0);
+  EXPECT_EQ(lumbrical("replay part.mcap", folder).exit_code, 0);
+  EXPECT_EQ(lumbrical("diff a.mcap a.mcap", folder).exit_code, 0);
+  EXPECT_EQ(lumbrical("diff a.mcap b.mcap", folder).exit_code, 3);
+  const std::string head = lumbrical("export part.mcap", folder).output.substr(0, 4000);
+  EXPECT_NE(head.find("right.ring_distal.force.x [N]"), std::string::npos) << head;
+  EXPECT_NE(head.find("left.ring_distal.force.x [N]"), std::string::npos) << head;
+  EXPECT_EQ(lumbrical("export part.mcap --side left", folder).output.find("right."), std::string::npos);
+  EXPECT_EQ(lumbrical("replay a.mcap --stiffness 1e7", folder).exit_code, 0) << "a question";
+  const Outcome traced = lumbrical("replay a.mcap --trace - --trace-tick 5", folder);
+  EXPECT_EQ(traced.exit_code, 2);
+  EXPECT_NE(traced.error.find("--side"), std::string::npos) << traced.error;
+  EXPECT_EQ(lumbrical("replay a.mcap --side left --trace - --trace-tick 5", folder).exit_code, 0);
+}
+
+TEST(BothHands, AreComparedNameTheHandThatDiffers) {
+  const fs::path folder = folder_with_both();
+  ASSERT_EQ(lumbrical("run scene.json --ticks 900 --record a.mcap", folder).exit_code, 0);
+  // The same right hand, and a left one whose wrist is a millimetre off at first.
+  std::string frames = read_file(folder / "hold.json");
+  const std::size_t left = frames.find("\"left\",[0,1,0],[1,0,0],[");
+  ASSERT_NE(left, std::string::npos);
+  char& digit = frames[frames.find('.', left) - 1];
+  digit = digit == '1' ? '2' : '1';
+  std::ofstream(folder / "moved.json") << frames;
+  const Outcome run =
+      lumbrical("run scene.json --motion moved.json --side both --ticks 900 --record b.mcap", folder);
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const Outcome diff = lumbrical("diff a.mcap b.mcap", folder);
+  EXPECT_EQ(diff.exit_code, 3);
+  EXPECT_EQ(diff.output.find("The left hand:"), 0u) << diff.output;
+}
+
+TEST(BothHands, WhatIsNotSupportedIsRefusedWithAWayOut) {
+  const fs::path folder = folder_with_both();
+  std::ofstream(folder / "grasp.json") << R"({"objects": [{"sphere": {}}], "motion": {"grasp": {}}})";
+  std::ofstream(folder / "one.json") << leap_file(
+      {leap_frame(0, leap_hand(3, Side::right), leap_fingers(bent_hand(Side::right, 0.2), 3))});
+  const auto error_of = [&folder](const std::string& arguments) {
+    const Outcome outcome = lumbrical("run " + arguments, folder);
+    EXPECT_EQ(outcome.exit_code, 2) << arguments;
+    return outcome.error;
+  };
+  EXPECT_NE(error_of("grasp.json --side both").find("capture of both"), std::string::npos);
+  EXPECT_NE(error_of("scene.json --motion one.json").find("shows one hand, not two"), std::string::npos);
+  EXPECT_NE(error_of("scene.json --rate 100 --view").find("--side left"), std::string::npos);
+  EXPECT_NE(error_of("scene.json --compare-precision").find("--side left"), std::string::npos);
+  EXPECT_NE(error_of("scene.json --side neither").find("both"), std::string::npos);
+}
+
+TEST(BothHands, AlignmentMovesThemTogether) {
+  const fs::path folder = folder_with_both();
+  nlohmann::json scene = nlohmann::json::parse(read_file(folder / "scene.json"));
+  scene["motion"]["position"] = {1, 2, 3};
+  std::ofstream(folder / "off.json") << scene;
+  const Outcome missed = lumbrical("run off.json", folder);
+  EXPECT_EQ(missed.output.find("trouble"), 0u) << missed.output;
+  EXPECT_NE(missed.output.find("nothing was touched"), std::string::npos);
+  const nlohmann::json met = lumbrical("run off.json --align contact --json", folder).json();
+  EXPECT_GT(met["hands"][0]["contacts"]["max"].get<int>() + met["hands"][1]["contacts"]["max"].get<int>(), 0);
+  // Between the hands, as they were made.
+  const nlohmann::json centred = lumbrical("run off.json --align centre --json", folder).json();
+  EXPECT_NEAR(centred["aligned"]["position"][0], 0, 0.002);
+  const std::string inspected = lumbrical("inspect off.json", folder).output;
+  EXPECT_NE(inspected.find("right"), std::string::npos);
+  EXPECT_NE(inspected.find("left"), std::string::npos);
+}
+
+// Torques of one hand must never reach a glove on the other.
+TEST(BothHands, ADeviceDrivesTheHandItNames) {
+  const fs::path folder = folder_with_both();
+  const std::string profile = std::string(LUMBRICAL_SOURCE_DIR) + "/examples/devices/exoskeleton.json";
+  const auto run = [&](const std::string& side, const std::string& more) {
+    return lumbrical("run scene.json --rate 200 --ticks 20 --side " + side +
+                         " --json --sink 'modbus-tcp://127.0.0.1:1?guard=off&profile=" + profile + more + "'",
+                     folder);
+  };
+  const Outcome unnamed = run("both", "");
+  if (unnamed.error.find("without libmodbus") != std::string::npos) GTEST_SKIP() << "no libmodbus";
+  EXPECT_EQ(unnamed.exit_code, 2);
+  EXPECT_NE(unnamed.error.find("side=left"), std::string::npos) << unnamed.error;
+  EXPECT_EQ(run("both", "&side=left").exit_code, 4) << "the session runs; there is no device";
+  const Outcome other = run("right", "&side=left");
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_NE(other.error.find("drives a left hand"), std::string::npos) << other.error;
+  EXPECT_EQ(run("right", "&side=right").exit_code, 4);
+  EXPECT_EQ(run("right", "&side=both").exit_code, 2);
+}
+
+}  // namespace
+}  // namespace lumbrical::test
