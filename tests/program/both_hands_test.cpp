@@ -128,6 +128,23 @@ TEST(BothHands, AlignmentMovesThemTogether) {
   EXPECT_NE(inspected.find("left"), std::string::npos);
 }
 
+TEST(BothHands, PosesAndContactsAreKeptForOthersAtAChosenRate) {
+  const fs::path folder = folder_with_both();
+  const std::string run = "run scene.json --record-poses 50 --record-contacts 20";
+  EXPECT_EQ(lumbrical(run, folder).exit_code, 2) << "there is no recording to put them into";
+  ASSERT_EQ(lumbrical(run + " --record a.mcap", folder).exit_code, 0);
+  EXPECT_EQ(lumbrical("replay a.mcap", folder).exit_code, 0);
+  const std::string info = lumbrical("info a.mcap", folder).output;
+  EXPECT_NE(info.find("of one tick in 20"), std::string::npos) << info;
+  EXPECT_NE(info.find("of one tick in 50"), std::string::npos) << info;
+  const std::string poses = lumbrical("export a.mcap --poses --ticks 1000", folder).output;
+  for (const char* const hand : {"right", "left"})
+    EXPECT_NE(poses.find(std::string("1000,1,") + hand + ",index tip,"), std::string::npos) << poses;
+  const std::string contacts = lumbrical("export a.mcap --contacts --ticks 1000", folder).output;
+  EXPECT_NE(contacts.find("1000,1,left,ring "), std::string::npos) << contacts;
+  EXPECT_EQ(lumbrical("export a.mcap --contacts --poses", folder).exit_code, 2);
+}
+
 // Torques of one hand must never reach a glove on the other.
 TEST(BothHands, ADeviceDrivesTheHandItNames) {
   const fs::path folder = folder_with_both();

@@ -18,7 +18,7 @@ namespace {
 
 struct RecordingOptions {
   std::string recording, output;
-  bool json = false, events = false;
+  bool json = false, events = false, poses = false, contacts = false;
 };
 
 struct ExportSwitches {
@@ -39,6 +39,8 @@ Json info_json(const RecordingInfo& info) {
   json["last_tick"] = info.last_tick;
   json["missing_ticks"] = info.missing_ticks;
   json["seconds"] = info.seconds;
+  json["posed_hands"] = info.has_poses;
+  json["contact_points"] = info.has_contacts;
   json["bytes"] = info.bytes;
   json["chunks"] = info.chunks;
   json["compression"] = info.compression;
@@ -77,12 +79,20 @@ const char* completeness(const RecordingInfo& info) {
   return info.complete ? "yes" : "no: its writer was killed; recover completes it";
 }
 
+void add_views(const RecordingInfo& info, const char* interval, const char* what, bool has, Table& table) {
+  if (!has) return;
+  const auto found = info.metadata.find(interval);
+  table.add(what, found == info.metadata.end() ? "of some ticks" : "of one tick in " + found->second);
+}
+
 void add_info_rows(const RecordingInfo& info, Table& table) {
   table.add("recording", info.path + ", " + grouped(info.bytes) + " bytes");
   table.add("written by", info.library);
   table.add("format", "version " + std::to_string(info.version));
   if (info.metadata.contains("force_interval"))
     table.add("forces", "of some ticks are left out, their hashes are not");
+  add_views(info, "pose_interval", "posed hands", info.has_poses, table);
+  add_views(info, "contact_interval", "contact points", info.has_contacts, table);
   table.add("complete", completeness(info));
   table.add("ticks", info.ticks == 0 ? "none"
                                      : grouped(info.ticks) + ", from " + grouped(info.first_tick) + " to " +
@@ -293,6 +303,13 @@ int export_as_table(const RecordingOptions& options, const ExportSwitches& switc
   for (const std::string& name : switches.segments) wanted.segments.push_back(segment_number(name));
   wanted.exact = switches.exact;
   if (!switches.ticks.empty()) parse_ticks(switches.ticks, wanted);
+  if (options.events + options.poses + options.contacts > 1)
+    return fail("--events, --poses and --contacts are tables of their own; choose one");
+  if (options.poses || options.contacts) {
+    const MessageKind kind = options.poses ? MessageKind::pose : MessageKind::contacts;
+    const Status status = export_views(readers[0], kind, wanted, options.output);
+    return status.ok() ? kDone : fail(status);
+  }
   const Status status = options.events
                             ? export_device_events(driven_hand(readers), wanted.format, options.output)
                             : export_recording(readers, wanted, options.output);
@@ -370,6 +387,10 @@ void add_export(Command& app, int& exit_code) {
   command->add_flag(
       "--events", options->events,
       "Instead: one line per event of the session's device (states, flags, delays, certificate)");
+  command->add_flag("--poses", options->poses,
+                    "Instead: one line per joint of the posed hands that run --record-poses keeps");
+  command->add_flag("--contacts", options->contacts,
+                    "Instead: one line per contact point that run --record-contacts keeps");
   command->add_option("--output,-o", options->output, "File to write; -: standard output")
       ->check(is_path())
       ->capture_default_str();

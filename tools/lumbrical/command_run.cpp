@@ -27,7 +27,7 @@ namespace {
 struct RunOptions {
   std::string scene, motion, side, unit, align, record, law, broadphase, voxel_cache, precision;
   std::string rate = "max", on_record_error = "stop", record_forces = "all", sink = "null";
-  std::optional<double> motion_rate, stiffness;
+  std::optional<double> motion_rate, stiffness, record_poses, record_contacts;
   std::optional<std::uint64_t> ticks;
   std::optional<std::uint32_t> threads;
   std::string isa = "auto";
@@ -75,6 +75,11 @@ std::uint32_t force_interval(const std::string& text) {
   return text == "none" ? 0 : static_cast<std::uint32_t>(std::stoul(text));
 }
 
+// Ticks from one to the next, at this many a second of session time.
+std::uint32_t interval_of(const std::optional<double>& wanted, double rate) {
+  return wanted ? static_cast<std::uint32_t>(std::max(1.0, std::round(rate / *wanted))) : 0;
+}
+
 std::string execution_text(const Execution& execution) {
   return std::string(isa_name(execution.isa)) + ", " + std::string(broadphase_name(execution.broadphase)) +
          ", " + std::to_string(execution.threads) + " thread(s)";
@@ -119,6 +124,9 @@ Status open_recorder(const RunOptions& options, const std::vector<Model>& models
   RecorderOptions recorder_options;
   recorder_options.wait_when_full = options.rate == "max";
   recorder_options.force_interval = force_interval(options.record_forces);
+  recorder_options.pose_interval = interval_of(options.record_poses, models[0].settings.rate);
+  recorder_options.contact_interval = interval_of(options.record_contacts, models[0].settings.rate);
+  for (const Model& model : models) recorder_options.models.push_back(&model);
   if (models.size() > 1) recorder_options.second_hand = models[1].hand;
   recorder_options.metadata = {{"scene_file", options.scene},
                                {"program", version_text()},
@@ -228,6 +236,19 @@ void add_run(Command& app, int& exit_code) {
           "Ticks whose forces the recording holds, every Nth or none; a replay checks all by their hashes")
       ->check(Check{check_record_forces, "all|none|N"})
       ->capture_default_str();
+  command
+      ->add_option("--record-poses", options->record_poses,
+                   "Posed hands a second of session time, recorded as foxglove.PosesInFrame")
+      ->check(number_in(0.01, 100000))
+      ->needs("--record")
+      ->type_name("RATE");
+  command
+      ->add_option(
+          "--record-contacts", options->record_contacts,
+          "Likewise contact points, as foxglove.PointCloud: where, how hard, which segment and triangle")
+      ->check(number_in(0.01, 100000))
+      ->needs("--record")
+      ->type_name("RATE");
   command
       ->add_option(
           "--on-record-error", options->on_record_error,

@@ -59,10 +59,15 @@ struct RecorderOptions {
   /// cost no room and still have their hash: a replay finds any bit that differs, but other tools can't plot
   /// them.
   std::uint32_t force_interval = 1;
-  std::optional<Hand> second_hand;  ///< of a session of two hands on one world, of the other side
+  /// Every so many ticks the recording also holds the posed hand, and contact points, for programs that draw
+  /// them; 0: never. They are computed by the recorder's thread, from `models`.
+  std::uint32_t pose_interval = 0, contact_interval = 0;
+  std::vector<const Model*> models;  ///< of the hands, while the recorder is open; needed for intervals only
+  std::optional<Hand> second_hand;   ///< of a session of two hands on one world, of the other side
   std::map<std::string, std::string>
       metadata;  ///< free text for the file's metadata record, e.g. start time; "build" and "arithmetic" are
-                 ///< added, and "force_interval" where it is not 1
+                 ///< added, and "force_interval" where it is not 1, "pose_interval" and "contact_interval"
+                 ///< where they are not 0
 };
 
 /// Writes ticks to a file from a thread of its own. The tick thread only copies into a ring.
@@ -100,7 +105,8 @@ class Recorder {
 struct RecordingInfo {
   std::string path;         ///< of the file that is read
   std::vector<Side> hands;  ///< of the session, one or two; what follows is of the reader's
-  std::uint64_t ticks = 0;  ///< records in the file
+  bool has_poses = false, has_contacts = false;  ///< beside the ticks
+  std::uint64_t ticks = 0;                       ///< records in the file
   std::uint64_t first_tick = 0, last_tick = 0;
   std::uint64_t missing_ticks = 0;  ///< numbers between first and last without a record
   double seconds = 0;               ///< of session time
@@ -139,9 +145,13 @@ std::string_view arithmetic_version();
 /// Which build of the library this is: version, compiler, optimised or not, processor.
 std::string build_text();
 
+/// What a message of a recording is: a tick, or of a tick the posed hand, or its contact points.
+enum class MessageKind : std::uint8_t { tick, pose, contacts };
+
 /// A message of a recording as it stands there: what copies pass on.
 struct RecordedMessage {
-  std::uint8_t hand = 0;  ///< whose tick: RecordingInfo::hands
+  MessageKind kind = MessageKind::tick;
+  std::uint8_t hand = 0;  ///< whose: RecordingInfo::hands
   std::uint64_t tick = 0;
   std::span<const std::uint8_t> bytes;  ///< valid until the next is read
 };
@@ -174,7 +184,7 @@ class RecordingReader {
   [[nodiscard]] const State& initial_state() const;
   /// The next record in the order of the file. `end` tells that there is none; an error names the byte.
   Status next(TickRecord& record, bool& end);
-  /// In the place of next(): the next tick of whichever hand, checked likewise, as the message it is.
+  /// In the place of next(): the next message of whatever kind and hand, ticks checked likewise.
   Status next_message(RecordedMessage& message, bool& end);
   /// Whether the input of the record next() has just returned (device frame, tick number) was changed after
   /// it was recorded: `recorded` is then the original value of the field, `replayed` the present one. Every
@@ -350,6 +360,20 @@ inline Status export_recording(RecordingReader& reader, const ExportOptions& opt
                                const std::string& output) {
   return export_recording(std::span(&reader, 1), options, output);
 }
+
+/// A contacted triangle, as recordings hold it for others.
+struct ContactPoint {
+  Vec3 centre;                 ///< [m] W: where its force acts
+  Vec3 force;                  ///< [N] W: on the hand, before limits
+  double depth = 0, area = 0;  ///< [m], [m^2] as of Contact
+  std::uint32_t segment = 0;
+  std::uint32_t triangle = 0;  ///< counted over all objects
+};
+
+/// Likewise of the posed hands a line per joint, or of the contact points a line per point, those of both
+/// hands as they come; csv or json. An error where the recording holds none.
+Status export_views(RecordingReader& reader, MessageKind kind, const ExportOptions& options,
+                    const std::string& output);
 
 /// Likewise one line per DeviceEvent: csv (tick, time [s], kind, text) or json. No npz.
 Status export_device_events(RecordingReader& reader, ExportFormat format, const std::string& output);

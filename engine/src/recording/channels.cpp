@@ -1,8 +1,11 @@
 // See channels.h.
 #include "recording/channels.h"
 
+#include <algorithm>
+
 #include "lumbrical/device.h"
 #include "lumbrical/hand.h"
+#include "recording/hand_views.h"
 #include "recording/tick_message.h"
 
 namespace lumbrical {
@@ -43,32 +46,69 @@ std::map<std::string, std::string> tick_metadata() {
        "session time: tick / rate in ns; the clock at its start: metadata start_utc, start_monotonic_ns"}};
 }
 
-constexpr std::string_view kTickTopic = "tick";
+std::map<std::string, std::string> view_metadata(MessageKind kind) {
+  std::map<std::string, std::string> metadata = {{"log_time", "session time of the tick it is of"}};
+  if (kind == MessageKind::pose) {
+    metadata["joints"] = listed(kJointCount, joint_name);
+    metadata["units"] = "poses.position m in the world frame";
+  } else {
+    metadata["segments"] = listed(kSegmentCount, segment_name);
+    metadata["units"] = "x m,y m,z m in the world frame,force_x N,force_y N,force_z N,depth m,area m^2";
+  }
+  return metadata;
+}
+
+constexpr MessageKind kKinds[] = {MessageKind::tick, MessageKind::pose, MessageKind::contacts};
+constexpr std::string_view kTopics[] = {"tick", "pose", "contacts"};
+constexpr std::string_view kSchemas[] = {kTickSchemaName, kPoseSchemaName, kContactsSchemaName};
 
 }  // namespace
 
 std::string topic_of(const RecordingChannel& channel) {
   return (channel.side ? std::string(side_name(*channel.side)) + "/" : std::string()) +
-         std::string(kTickTopic);
+         std::string(kTopics[static_cast<std::size_t>(channel.kind)]);
 }
 
-// Other tools may have given a lone channel another topic.
+// Other tools may have given a lone channel of ticks another topic.
 std::optional<RecordingChannel> find_channel(std::string_view schema, std::string_view topic) {
-  if (schema != kTickSchemaName) return std::nullopt;
-  for (const Side side : {Side::left, Side::right})
-    if (topic == topic_of({side})) return RecordingChannel{side};
-  return RecordingChannel{};
+  for (const MessageKind kind : kKinds) {
+    if (schema != kSchemas[static_cast<std::size_t>(kind)]) continue;
+    for (const std::optional<Side> side : {std::optional(Side::left), std::optional(Side::right), {}})
+      if (topic == topic_of({kind, side})) return RecordingChannel{kind, side};
+    if (kind == MessageKind::tick) return RecordingChannel{};
+  }
+  return std::nullopt;
 }
 
-std::vector<RecordingChannel> channels_of(const std::vector<Side>& hands) {
-  if (hands.size() == 1) return {{}};
+std::vector<RecordingChannel> channels_of(const std::vector<Side>& hands, bool poses, bool contacts) {
   std::vector<RecordingChannel> channels;
-  for (const Side side : hands) channels.push_back({side});
+  const bool wanted[] = {true, poses, contacts};
+  for (const MessageKind kind : kKinds) {
+    if (!wanted[static_cast<std::size_t>(kind)]) continue;
+    for (const Side side : hands)
+      channels.push_back({kind, hands.size() > 1 ? std::optional(side) : std::nullopt});
+  }
   return channels;
 }
 
+std::size_t channel_number(const std::vector<RecordingChannel>& channels, const std::vector<Side>& hands,
+                           MessageKind kind, std::size_t hand) {
+  std::size_t number = 0;
+  while (number < channels.size() &&
+         !(channels[number].kind == kind && (hands.size() < 2 || channels[number].side == hands[hand])))
+    ++number;
+  return number;
+}
+
 McapWriter::Start::Channel start_of(const RecordingChannel& channel) {
-  return {kTickSchemaName, tick_schema(), topic_of(channel), tick_metadata()};
+  const bool tick = channel.kind == MessageKind::tick;
+  return {kSchemas[static_cast<std::size_t>(channel.kind)], tick ? tick_schema() : view_schema(),
+          topic_of(channel), tick ? tick_metadata() : view_metadata(channel.kind)};
+}
+
+bool ChannelIds::has(MessageKind kind) const {
+  return std::any_of(channels_.begin(), channels_.end(),
+                     [kind](const auto& channel) { return channel.second.kind == kind; });
 }
 
 void ChannelIds::add_schema(std::uint16_t id, const std::string& name, const std::string& encoding) {

@@ -1,5 +1,5 @@
-// The channels of a recording: ticks of one hand or of two, and what a tool that does not know this project
-// needs to label their numbers.
+// The channels of a recording: ticks of one hand or of two, what of them others can draw, and what a tool
+// that does not know this project needs to label their numbers.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lumbrical/hand.h"
+#include "lumbrical/recording.h"
 #include "recording/mcap_format.h"
 #include "recording/mcap_writer.h"
 
@@ -17,18 +18,25 @@ namespace lumbrical {
 
 /// What a channel carries.
 struct RecordingChannel {
-  std::optional<Side> side;  ///< of whose hand, in a session of two; none in a session of one
+  MessageKind kind = MessageKind::tick;
+  std::optional<Side> side{};  ///< of whose hand, in a session of two; none in a session of one
   friend bool operator==(const RecordingChannel&, const RecordingChannel&) = default;
 };
 
-/// "tick", "left/tick"
+/// "tick", "left/tick", "pose"
 std::string topic_of(const RecordingChannel& channel);
 
 /// What a channel of this topic carries, whose schema is of this name; none: somebody else's.
 std::optional<RecordingChannel> find_channel(std::string_view schema, std::string_view topic);
 
-/// Those of a session with these hands, in the order in which the recorder numbers them, from 1.
-std::vector<RecordingChannel> channels_of(const std::vector<Side>& hands);
+/// Those of a session with these hands, in the order in which the recorder numbers them, from 1: the ticks of
+/// all hands first.
+std::vector<RecordingChannel> channels_of(const std::vector<Side>& hands, bool poses = false,
+                                          bool contacts = false);
+
+/// Which of them it is; their number where it is none.
+std::size_t channel_number(const std::vector<RecordingChannel>& channels, const std::vector<Side>& hands,
+                           MessageKind kind, std::size_t hand);
 
 /// As the writer takes it, with its schema. Metadata: names of segments, joints, angles and flags in their
 /// order, units by the schema's names, and what log times are.
@@ -41,7 +49,7 @@ class ChannelIds {
   void add_channel(const mcap::Channel& channel);
   /// None: somebody else's.
   [[nodiscard]] const RecordingChannel* find(std::uint16_t id) const;
-  [[nodiscard]] const std::map<std::uint16_t, RecordingChannel>& all() const { return channels_; }
+  [[nodiscard]] bool has(MessageKind kind) const;
 
  private:
   std::map<std::uint16_t, std::string> schemas_;

@@ -11,10 +11,12 @@
 #include <optional>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "base/ring.h"
 #include "flatbuffers/flatbuffers.h"
 #include "lumbrical/recording.h"
+#include "recording/hand_views.h"
 #include "recording/record_fields.h"
 #include "recording/session_message.h"
 #include "recording/state_message.h"
@@ -58,6 +60,11 @@ Status check_options(const Scene& scene, const RecorderOptions& options) {
                          " ticks");
   if (!(scene.settings.rate >= 1 && scene.settings.rate <= 100000))
     return Status::error("the scene's rate is out of range; choose 1 to 100000 Hz");
+  const bool views = options.pose_interval > 0 || options.contact_interval > 0;
+  if (views && options.models.size() != (options.second_hand ? 2u : 1u))
+    return Status::error("posed hands and contact points take the models of all hands");
+  if (options.contact_interval > 0 && scene.world)
+    return Status::error("contact points of a world file can't be recorded; leave them out");
   if (options.second_hand && options.second_hand->side == scene.hand.side)
     return Status::error("both hands are " + std::string(side_name(scene.hand.side)) +
                          " ones; a session of two has a left and a right one");
@@ -75,7 +82,10 @@ Status open_recording(const std::string& path, double rate, const std::vector<st
   options.period = tick_time(1, 1e9 / rate);
   McapWriter::Start start;
   start.library = "lumbrical";
-  options.last_channel = channels.size() - 1;
+  options.last_channel = 0;
+  while (options.last_channel + 1 < channels.size() &&
+         channels[options.last_channel + 1].kind == MessageKind::tick)
+    ++options.last_channel;
   for (const RecordingChannel& channel : channels) start.channels.push_back(start_of(channel));
   start.attachments.push_back({kSessionAttachment, session});
   for (std::size_t hand = 0; hand < states.size(); ++hand)
@@ -95,6 +105,7 @@ struct Recorder::Writer {
   void fail(const Status& error);
   void stop();
   Status write(const TickRecord& record);
+  Status write_views(const TickRecord& record);
   Status flush_in_time();
   [[nodiscard]] bool keeps_forces(const TickRecord& record) const {
     return record.has_forces && force_interval > 0 && record.output.tick % force_interval == 0;
@@ -105,7 +116,10 @@ struct Recorder::Writer {
   bool wait_when_full = true;
   std::uint32_t force_interval = 1;
   std::chrono::duration<double> sync_interval{};
-  std::size_t hand_count = 1;
+  std::vector<Side> sides;  // of the hands
+  std::vector<RecordingChannel> channels;
+  std::uint32_t pose_interval = 0, contact_interval = 0;
+  std::vector<HandViewer> viewers;                                 // of the hands, where there is an interval
   std::array<std::optional<std::uint64_t>, kMostHands> last_tick;  // handed over; the tick thread's own
 
   McapWriter mcap;  // the writer thread's own, from open() until it has ended; but for its sync()
@@ -142,7 +156,24 @@ void Recorder::Writer::stop() {
   if (syncs.joinable()) syncs.join();
 }
 
+// Before their tick, which ends the chunk.
+Status Recorder::Writer::write_views(const TickRecord& record) {
+  const std::uint64_t tick = record.output.tick, time = tick_time(tick, period);
+  const auto is_due = [tick](std::uint32_t interval) { return interval > 0 && tick % interval == 0; };
+  const auto put = [&](MessageKind kind) {
+    return mcap.message(time, static_cast<std::uint32_t>(tick),
+                        {builder.GetBufferPointer(), builder.GetSize()},
+                        channel_number(channels, sides, kind, record.hand));
+  };
+  if (is_due(pose_interval) && viewers[record.hand].pose(record, time, builder))
+    if (Status status = put(MessageKind::pose); !status.ok()) return status;
+  if (!is_due(contact_interval)) return {};
+  viewers[record.hand].contacts(record, time, builder);
+  return put(MessageKind::contacts);
+}
+
 Status Recorder::Writer::write(const TickRecord& record) {
+  if (Status status = write_views(record); !status.ok()) return status;
   encode_tick(record, keeps_forces(record), make_input_check(input_fields(record)), builder);
   const std::uint64_t tick = record.output.tick;
   // The sequence number is the tick's, so that any MCAP tool shows a gap as a gap.
@@ -203,7 +234,13 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   writer->period = 1e9 / scene.settings.rate;
   writer->wait_when_full = options.wait_when_full;
   writer->force_interval = options.force_interval;
-  writer->hand_count = options.second_hand ? 2 : 1;
+  writer->sides = {scene.hand.side};
+  if (options.second_hand) writer->sides.push_back(options.second_hand->side);
+  writer->channels = channels_of(writer->sides, options.pose_interval > 0, options.contact_interval > 0);
+  writer->pose_interval = options.pose_interval;
+  writer->contact_interval = options.contact_interval;
+  if (options.pose_interval > 0 || options.contact_interval > 0)
+    for (const Model* const model : options.models) writer->viewers.emplace_back(*model);
   writer->sync_interval = std::chrono::duration<double>(options.sync_seconds);
   McapWriterOptions mcap_options;
   mcap_options.compression = options.compression;
@@ -212,10 +249,11 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   metadata.emplace("build", build_text());
   metadata.emplace("arithmetic", arithmetic_version());
   if (options.force_interval != 1) metadata.emplace("force_interval", std::to_string(options.force_interval));
-  std::vector<Side> sides = {scene.hand.side};
-  if (options.second_hand) sides.push_back(options.second_hand->side);
+  for (const auto& [name, interval] : {std::pair("pose_interval", options.pose_interval),
+                                       std::pair("contact_interval", options.contact_interval)})
+    if (interval > 0) metadata.emplace(name, std::to_string(interval));
   Status status = open_recording(path, scene.settings.rate, session, {}, metadata, mcap_options, writer->mcap,
-                                 channels_of(sides));
+                                 writer->channels);
   if (!status.ok()) return status;
   status = writer->mcap.sync();
   if (!status.ok()) {
@@ -240,7 +278,7 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
 bool Recorder::record(const TickRecord& record) noexcept {
   if (!writer_ || writer_->failed.load(std::memory_order_acquire)) return false;
   const std::uint64_t tick = record.output.tick;
-  if (record.hand >= writer_->hand_count) return false;
+  if (record.hand >= writer_->sides.size()) return false;
   std::optional<std::uint64_t>& last_tick = writer_->last_tick[record.hand];
   const std::optional<std::uint64_t>& other = writer_->last_tick[1 - record.hand];
   if ((last_tick && tick <= *last_tick) || (other && tick < *other)) return false;
@@ -270,7 +308,8 @@ Status Recorder::close() {
   writer->stop();
   const Status status = writer->first_error.ok() ? writer->mcap.close() : writer->first_error;
   kept_ = 0;
-  for (std::size_t hand = 0; hand < writer->hand_count; ++hand) kept_ += writer->mcap.written_messages(hand);
+  for (std::size_t hand = 0; hand < writer->sides.size(); ++hand)
+    kept_ += writer->mcap.written_messages(hand);
   return status;
 }
 

@@ -95,6 +95,8 @@ class Copy {
   McapWriter writer_;
   bool open_ = false;
   std::vector<std::uint8_t> session_;
+  std::vector<Side> hands_;
+  std::vector<RecordingChannel> channels_;
   double period_ = 0;                             // [ns]
   std::array<std::uint64_t, kMostHands> next_{};  // tick that may come next, by hand
 };
@@ -121,13 +123,15 @@ Status Copy::initial_states(RecordingReader& reader, StateMessages& states) {
 Status Copy::start(RecordingReader& reader, const std::string& output) {
   const Scene& scene = reader.scene();
   if (Status status = encode_session(scene, session_, reader.other_hand()); !status.ok()) return status;
+  hands_ = reader.info().hands;
+  channels_ = channels_of(hands_, reader.info().has_poses, reader.info().has_contacts);
   StateMessages states;
   if (Status status = initial_states(reader, states); !status.ok()) return status;
   period_ = 1e9 / scene.settings.rate;
   McapWriterOptions options;
   options.compression = options_.compression.value_or(compression_of(reader.info()));
   const Status status = open_recording(output, scene.settings.rate, session_, states, reader.info().metadata,
-                                       options, writer_, channels_of(reader.info().hands));
+                                       options, writer_, channels_);
   open_ = status.ok();
   return status;
 }
@@ -157,11 +161,15 @@ Status Copy::add(const std::string& path, const std::string& output) {
       return Status::error(path + ": tick " + std::to_string(tick_number) +
                            " does not follow the ticks before it; name the recordings in their order, and "
                            "none twice");
-    next_[message.hand] = tick_number + 1;
     next_[1 - message.hand] = std::max(next_[1 - message.hand], tick_number);
-    if (message.hand == 0) ++result_.ticks;
+    if (message.kind == MessageKind::tick) {
+      next_[message.hand] = tick_number + 1;
+      if (message.hand == 0) ++result_.ticks;
+    }
+    const std::size_t channel = channel_number(channels_, hands_, message.kind, message.hand);
+    if (channel == channels_.size()) continue;  // the first recording had none of these
     if (Status status = writer_.message(tick_time(tick_number, period_),
-                                        static_cast<std::uint32_t>(tick_number), message.bytes, message.hand);
+                                        static_cast<std::uint32_t>(tick_number), message.bytes, channel);
         !status.ok())
       return status;
   }

@@ -57,8 +57,8 @@ struct RecordingReader::File {
   std::size_t inner_offset = 0;       // of the next record in the chunk
   std::uint64_t skip_below = 0;       // ticks that seek() passes over
   std::optional<Divergence> altered;  // what was changed in the last record handed out
-  Bytes message;                      // that the last record was read from; in the chunk or in `content`
-  bool any_hand = false;              // whichever hand's tick is next; else that of `hand`
+  RecordedMessage message;            // the last one; in the chunk or in `content`
+  bool all_messages = false;          // of whatever kind and hand; else the ticks of `hand`
   TickRecord passed_on;               // whose message next_message() hands out
   std::vector<std::uint8_t> content;  // room that is used again and again
 
@@ -68,7 +68,8 @@ struct RecordingReader::File {
   Status take_attachment(const RecordPlace& place);
   Status take_session(Bytes bytes, std::uint64_t at);
   Status take_metadata(const RecordPlace& place);
-  [[nodiscard]] std::optional<std::size_t> hand_of(std::uint16_t channel) const;
+  [[nodiscard]] std::optional<std::size_t> hand_of(const RecordingChannel& channel) const;
+  [[nodiscard]] bool is_read(std::uint16_t channel) const;
   [[nodiscard]] std::size_t last_chunk() const;
   Status take_indexed(const Summary& summary);
   void count_tick(const TickRecord& record);
@@ -84,14 +85,18 @@ struct RecordingReader::File {
   bool take_channel(Bytes bytes);
 };
 
-// Whose ticks a channel carries; none where nobody's of this session.
-std::optional<std::size_t> RecordingReader::File::hand_of(std::uint16_t id) const {
-  const RecordingChannel* const channel = channels.find(id);
-  if (channel == nullptr) return std::nullopt;
+// Whose a channel is; none where nobody's of this session.
+std::optional<std::size_t> RecordingReader::File::hand_of(const RecordingChannel& channel) const {
   if (info.hands.size() < 2) return 0;
-  const auto found = std::find(info.hands.begin(), info.hands.end(), channel->side);
+  const auto found = std::find(info.hands.begin(), info.hands.end(), channel.side);
   if (found == info.hands.end()) return std::nullopt;
   return static_cast<std::size_t>(found - info.hands.begin());
+}
+
+// Whether a channel carries the ticks of the hand that is read.
+bool RecordingReader::File::is_read(std::uint16_t id) const {
+  const RecordingChannel* const channel = channels.find(id);
+  return channel != nullptr && channel->kind == MessageKind::tick && hand_of(*channel) == hand;
 }
 
 bool RecordingReader::File::take_schema(Bytes bytes) {
@@ -111,15 +116,22 @@ bool RecordingReader::File::take_channel(Bytes bytes) {
 Status RecordingReader::File::take_message(Bytes bytes, std::uint64_t at, TickRecord& record, bool& found) {
   Message parsed;
   if (!parse(bytes, parsed)) return file.broken(at, "a message is shorter than it declares");
-  const std::optional<std::size_t> whose = hand_of(parsed.channel_id);
-  if (!whose || (!any_hand && *whose != hand)) return {};
+  const RecordingChannel* const channel = channels.find(parsed.channel_id);
+  if (channel == nullptr || !(all_messages || is_read(parsed.channel_id))) return {};
+  const std::optional<std::size_t> whose = hand_of(*channel);
+  if (!whose) return {};
+  message = {channel->kind, static_cast<std::uint8_t>(*whose), 0, parsed.data};
+  found = true;
+  if (channel->kind != MessageKind::tick) {
+    message.tick = record.output.tick = tick_at(parsed.log_time, scene.settings.rate);
+    return {};
+  }
   InputCheck check;
   if (Status status = decode_tick(parsed.data, record, check); !status.ok())
     return file.broken(at, status.message() + "; the file is damaged or of another version");
-  record.hand = static_cast<std::uint8_t>(*whose);
+  record.hand = message.hand;
+  message.tick = record.output.tick;
   altered = find_altered_input(record, check);
-  message = parsed.data;
-  found = true;
   return {};
 }
 
@@ -304,7 +316,7 @@ Status RecordingReader::File::take_indexed(const Summary& summary) {
 std::size_t RecordingReader::File::last_chunk() const {
   for (std::size_t i = chunks.size(); i-- > 0;)
     for (const auto& index : chunks[i].message_index_offsets)
-      if (hand_of(index.first) == hand) return i;
+      if (is_read(index.first)) return i;
   return chunks.size() - 1;
 }
 
@@ -329,7 +341,7 @@ Status RecordingReader::File::read_summary_and_ends() {
   std::uint64_t ticks = 0;
   if (summary.statistics)
     for (const auto& [channel, count] : summary.statistics->channel_message_counts)
-      if (hand_of(channel) == hand) ticks += count;
+      if (is_read(channel)) ticks += count;
   // Without statistics or chunks (other tools may leave them out) the ticks are counted one by one.
   if (ticks > 0 && !chunks.empty()) go_to_chunk(last_chunk());
   for (;;) {
@@ -369,6 +381,8 @@ Status RecordingReader::File::open(const std::string& path) {
   if (Status status = read_summary_and_ends(); !status.ok()) return status;
   if (!info.complete)
     if (Status status = scan(); !status.ok()) return status;
+  info.has_poses = channels.has(MessageKind::pose);
+  info.has_contacts = channels.has(MessageKind::contacts);
   if (!has_scene)
     return file.broken(file.size(), "the file has no session (hand, world, settings); it can't be used");
   if (info.ticks > 0) {
@@ -459,13 +473,12 @@ Status RecordingReader::next(TickRecord& record, bool& end) try {
 }
 
 Status RecordingReader::next_message(RecordedMessage& message, bool& end) {
-  if (file_) file_->any_hand = true;
   TickRecord none;
-  TickRecord& record = file_ ? file_->passed_on : none;
-  const Status status = next(record, end);
+  if (file_) file_->all_messages = true;
+  const Status status = next(file_ ? file_->passed_on : none, end);
   if (!file_) return status;
-  file_->any_hand = false;
-  message = {record.hand, record.output.tick, file_->message};
+  file_->all_messages = false;
+  message = file_->message;
   return status;
 }
 

@@ -12,6 +12,7 @@
 
 #include "lumbrical/recording.h"
 #include "recording/channels.h"
+#include "recording/hand_views.h"
 #include "recording/mcap_reader.h"
 #include "recording/recorder.h"
 #include "recording/session_message.h"
@@ -27,6 +28,13 @@ namespace {
 
 // A record head long enough to be told from chance: opcode, length, and the fields in front of the payload.
 constexpr std::uint64_t kHeadSize = 256;
+
+/// What a channel of ours carries; its schema stands elsewhere, and may be damaged.
+std::optional<RecordingChannel> channel_of_topic(const std::string& topic) {
+  for (const std::string_view schema : {kPoseSchemaName, kContactsSchemaName})
+    if (const auto channel = find_channel(schema, topic)) return channel;
+  return find_channel(kTickSchemaName, topic);
+}
 
 /// Whether the bytes at the start of `head` begin a record that fits itself and the `room` left in the file.
 /// With all its lengths in agreement it is not chance.
@@ -58,7 +66,7 @@ bool begins_record(Bytes head, std::uint64_t room, RecordPlace& place) {
     behind = sizeof(std::uint32_t);  // checksum
   } else if (place.opcode == Opcode::channel) {
     fields.take(2 * sizeof(std::uint16_t));  // ids
-    if (!find_channel(kTickSchemaName, fields.text()) || fields.text() != "flatbuffer") return false;
+    if (!channel_of_topic(fields.text()) || fields.text() != "flatbuffer") return false;
     payload = fields.u32();
   } else {
     if (fields.text() != kMetadataName) return false;
@@ -126,18 +134,19 @@ class Recovery {
  private:
   Status copy_chunk(McapWriter& writer);
   Status copy_message(Bytes bytes, McapWriter& writer);
-  [[nodiscard]] std::uint64_t tick_at(std::uint64_t time) const;
   [[nodiscard]] bool are_ticks(std::uint64_t start_time, std::uint64_t end_time) const;
   void expect(std::uint64_t start_time, std::uint64_t end_time);
   bool expect_index();
   void expect_damaged(const RecordPlace& place);
   void take_attachment(const Attachment& attachment);
-  [[nodiscard]] std::optional<std::size_t> hand_of(std::uint16_t channel) const;
+  [[nodiscard]] std::optional<RecordingChannel> channel_of(std::uint16_t id) const;
+  [[nodiscard]] std::size_t hand_of(const RecordingChannel& channel) const;
 
   InputFile file_;
   Scene scene_;
-  std::vector<Side> sides_;  // of the session's hands
-  std::map<std::uint16_t, Side> channels_;
+  std::vector<Side> sides_;                          // of the session's hands
+  std::map<std::uint16_t, RecordingChannel> found_;  // whose records are whole
+  std::vector<RecordingChannel> channels_;           // that are written
   std::vector<std::uint8_t> session_;
   StateMessages states_;
   std::map<std::string, std::string> metadata_;
@@ -168,18 +177,19 @@ void Recovery::take_attachment(const Attachment& attachment) {
   if (second) sides_.push_back(second->side);
 }
 
-// Of two hands a channel is that of the side its topic names, or where no channel record is whole, of the
-// recorder's numbering.
-std::optional<std::size_t> Recovery::hand_of(std::uint16_t channel) const {
-  if (sides_.size() < 2) return 0;
-  const auto found = channels_.find(channel);
-  const auto side =
-      found == channels_.end() ? sides_.end() : std::find(sides_.begin(), sides_.end(), found->second);
-  if (side != sides_.end()) return static_cast<std::size_t>(side - sides_.begin());
-  if (found != channels_.end() || channel < 1 || channel > sides_.size()) return std::nullopt;
-  for (const auto& [id, taken] : channels_)
-    if (taken == sides_[channel - 1u]) return std::nullopt;
-  return channel - 1u;
+// A channel is what its topic says, or where no such record is whole, what the recorder gives its number.
+std::optional<RecordingChannel> Recovery::channel_of(std::uint16_t id) const {
+  const auto found = found_.find(id);
+  if (found != found_.end()) return found->second;
+  const std::vector<RecordingChannel> ticks = channels_of(sides_);
+  if (id < 1 || id > ticks.size()) return std::nullopt;
+  for (const auto& other : found_)
+    if (other.second == ticks[id - 1u]) return std::nullopt;
+  return ticks[id - 1u];
+}
+
+std::size_t Recovery::hand_of(const RecordingChannel& channel) const {
+  return sides_.size() > 1 && channel.side == sides_[1] ? 1 : 0;
 }
 
 Status Recovery::find_session() {
@@ -195,8 +205,7 @@ Status Recovery::find_session() {
     } else if (place.opcode == Opcode::channel) {
       Channel channel;
       if (!read_content(file_, place, content_).ok() || !parse(content_, channel)) continue;
-      if (const auto ours = find_channel(kTickSchemaName, channel.topic); ours && ours->side)
-        channels_.emplace(channel.id, *ours->side);
+      if (const auto ours = channel_of_topic(channel.topic)) found_.emplace(channel.id, *ours);
     } else if (place.opcode == Opcode::metadata) {
       Metadata metadata;
       if (read_content(file_, place, content_).ok() && parse(content_, metadata))
@@ -216,24 +225,22 @@ Status Recovery::find_session() {
       "used, so nothing is recovered");
 }
 
-std::uint64_t Recovery::tick_at(std::uint64_t time) const {
-  return static_cast<std::uint64_t>(static_cast<double>(time) * scene_.settings.rate * 1e-9 + 0.5);
-}
-
 // Times that are damaged themselves must not make up ticks: those of ticks are few among all numbers, and a
 // chunk covers a quarter of a second.
 bool Recovery::are_ticks(std::uint64_t start_time, std::uint64_t end_time) const {
   constexpr std::uint64_t kMostCovered = 1'000'000'000, kLatest = std::uint64_t{1} << 62;  // [ns]
   if (end_time < start_time || end_time - start_time > kMostCovered || end_time > kLatest) return false;
   const double period = 1e9 / scene_.settings.rate;
-  return tick_time(tick_at(start_time), period) == start_time &&
-         tick_time(tick_at(end_time), period) == end_time;
+  return tick_time(tick_at(start_time, scene_.settings.rate), period) == start_time &&
+         tick_time(tick_at(end_time, scene_.settings.rate), period) == end_time;
 }
 
 void Recovery::expect(std::uint64_t start_time, std::uint64_t end_time) {
   for (KnownTicks& ticks : ticks_) {
-    ticks.first_known = std::min(ticks.first_known.value_or(tick_at(start_time)), tick_at(start_time));
-    ticks.last_known = std::max(ticks.last_known.value_or(tick_at(end_time)), tick_at(end_time));
+    ticks.first_known = std::min(ticks.first_known.value_or(tick_at(start_time, scene_.settings.rate)),
+                                 tick_at(start_time, scene_.settings.rate));
+    ticks.last_known = std::max(ticks.last_known.value_or(tick_at(end_time, scene_.settings.rate)),
+                                tick_at(end_time, scene_.settings.rate));
   }
 }
 
@@ -265,18 +272,26 @@ Status Recovery::copy_message(Bytes bytes, McapWriter& writer) {
   Message message;
   TickRecord record;
   InputCheck check;
-  if (!parse(bytes, message) || !decode_tick(message.data, record, check).ok()) return {};
-  const std::optional<std::size_t> hand = hand_of(message.channel_id);
-  if (!hand) return {};
-  KnownTicks& ticks = ticks_[*hand];
-  const std::uint64_t tick = record.output.tick;
-  if (tick < newest_ || (ticks.recovered > 0 && tick <= ticks.last)) return {};
-  if (ticks.recovered > 0 && tick > ticks.last + 1) ticks.gaps.push_back({ticks.last + 1, tick - 1});
-  if (ticks.recovered++ == 0) ticks.first = tick;
-  ticks.last = newest_ = tick;
+  if (!parse(bytes, message)) return {};
+  const std::optional<RecordingChannel> channel = channel_of(message.channel_id);
+  if (!channel || (sides_.size() > 1 && !channel->side)) return {};
+  const bool is_tick = channel->kind == MessageKind::tick;
+  if (is_tick && !decode_tick(message.data, record, check).ok()) return {};
+  const std::size_t hand = hand_of(*channel);
+  KnownTicks& ticks = ticks_[hand];
+  const std::uint64_t tick = is_tick ? record.output.tick : tick_at(message.log_time, scene_.settings.rate);
+  if (tick < newest_ || (is_tick && ticks.recovered > 0 && tick <= ticks.last)) return {};
+  const std::size_t number = channel_number(channels_, sides_, channel->kind, hand);
+  if (number == channels_.size()) return {};
+  if (is_tick) {
+    if (ticks.recovered > 0 && tick > ticks.last + 1) ticks.gaps.push_back({ticks.last + 1, tick - 1});
+    if (ticks.recovered++ == 0) ticks.first = tick;
+    ticks.last = tick;
+  }
+  newest_ = tick;
   // The message is copied as it is: its input check must go on telling what happened to it.
   return writer.message(tick_time(tick, 1e9 / scene_.settings.rate), static_cast<std::uint32_t>(tick),
-                        message.data, *hand);
+                        message.data, number);
 }
 
 Status Recovery::copy_chunk(McapWriter& writer) {
@@ -294,8 +309,12 @@ Status Recovery::copy_ticks(const std::string& output) {
   McapWriter writer;
   McapWriterOptions options;
   options.compression = compression_.value_or(Compression::lz4);
-  Status status = open_recording(output, scene_.settings.rate, session_, states_, metadata_, options, writer,
-                                 channels_of(sides_));
+  const auto holds = [this](MessageKind kind) {
+    return std::any_of(found_.begin(), found_.end(), [kind](const auto& c) { return c.second.kind == kind; });
+  };
+  channels_ = channels_of(sides_, holds(MessageKind::pose), holds(MessageKind::contacts));
+  Status status =
+      open_recording(output, scene_.settings.rate, session_, states_, metadata_, options, writer, channels_);
   const bool has_index = expect_index();
   bool found = true;
   for (std::uint64_t offset = 0; status.ok() && found;) {

@@ -8,6 +8,7 @@
 
 #include "lumbrical/recording.h"
 #include "recording/channels.h"
+#include "recording/hand_views.h"
 #include "recording/mcap_reader.h"
 #include "recording/record_fields.h"
 #include "recording/session_message.h"
@@ -48,6 +49,7 @@ class Verification {
   Status check_channel(Bytes bytes, std::uint64_t at);
   Status check_message(Bytes bytes, std::uint64_t at, std::uint64_t& time, std::uint16_t& channel);
   Status check_tick(const Message& message, std::optional<Side> side, std::uint64_t at);
+  Status check_view(const Message& message, MessageKind kind, std::uint64_t at);
   Status check_chunk(const RecordPlace& place);
   Status check_message_index(const RecordPlace& place);
   Status check_attachment(const RecordPlace& place);
@@ -128,6 +130,18 @@ Status Verification::check_tick(const Message& message, std::optional<Side> side
   return {};
 }
 
+Status Verification::check_view(const Message& message, MessageKind kind, std::uint64_t at) {
+  std::vector<Pose> joints;
+  std::vector<ContactPoint> points;
+  const Status status =
+      kind == MessageKind::pose ? decode_pose(message.data, joints) : decode_contacts(message.data, points);
+  if (!status.ok()) return file_.broken(at, status.message());
+  const std::uint64_t tick = tick_at(message.log_time, 1e9 / period_);
+  if (message.log_time != tick_time(tick, period_))
+    return file_.broken(at, "a posed hand or contact points stand at a time that is no tick's");
+  return {};
+}
+
 Status Verification::check_message(Bytes bytes, std::uint64_t at, std::uint64_t& time,
                                    std::uint16_t& channel) {
   Message message;
@@ -138,7 +152,9 @@ Status Verification::check_message(Bytes bytes, std::uint64_t at, std::uint64_t&
   channel = message.channel_id;
   count_message(channel, time);
   const RecordingChannel* const ours = ours_.find(message.channel_id);
-  return ours != nullptr ? check_tick(message, ours->side, at) : Status{};
+  if (ours == nullptr) return {};
+  return ours->kind == MessageKind::tick ? check_tick(message, ours->side, at)
+                                         : check_view(message, ours->kind, at);
 }
 
 Status Verification::check_chunk(const RecordPlace& place) {

@@ -214,4 +214,8 @@ std::uint64_t tick_time(std::uint64_t tick, double period) {
   return time < kLast ? static_cast<std::uint64_t>(time) : static_cast<std::uint64_t>(kLast);
 }
 
+std::uint64_t tick_at(std::uint64_t time, double rate) {
+  return static_cast<std::uint64_t>(static_cast<double>(time) * rate * 1e-9 + 0.5);
+}
+
 }  // namespace lumbrical

@@ -27,5 +27,7 @@ Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, Inpu
 
 /// Session time at which a tick takes place [ns], for a period of 1e9 / rate; the same on every machine.
 std::uint64_t tick_time(std::uint64_t tick, double period);
+/// The tick that takes place at a time [ns].
+std::uint64_t tick_at(std::uint64_t time, double rate);
 
 }  // namespace lumbrical

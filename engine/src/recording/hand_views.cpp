@@ -1,0 +1,186 @@
+// See hand_views.h.
+#include "recording/hand_views.h"
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "foxglove_bfbs_generated.h"
+#include "foxglove_generated.h"
+#include "model/primitive.h"
+
+namespace lumbrical {
+namespace {
+
+using flatbuffers::FlatBufferBuilder;
+using flatbuffers::Offset;
+using foxglove::NumericType;
+
+constexpr const char* kFrame = "world";
+
+struct PackedField {
+  const char* name;
+  NumericType type;
+  std::uint32_t size;  // [bytes]
+};
+
+constexpr std::array<PackedField, 10> kFields = {{{"x", NumericType::FLOAT64, 8},
+                                                  {"y", NumericType::FLOAT64, 8},
+                                                  {"z", NumericType::FLOAT64, 8},
+                                                  {"force_x", NumericType::FLOAT32, 4},
+                                                  {"force_y", NumericType::FLOAT32, 4},
+                                                  {"force_z", NumericType::FLOAT32, 4},
+                                                  {"depth", NumericType::FLOAT32, 4},
+                                                  {"area", NumericType::FLOAT32, 4},
+                                                  {"segment", NumericType::UINT32, 4},
+                                                  {"triangle", NumericType::UINT32, 4}}};
+constexpr std::size_t kStride = 3 * 8 + 7 * 4;
+
+template <class Number>
+void append(Number number, std::vector<std::uint8_t>& bytes) {
+  static_assert(std::endian::native == std::endian::little);
+  const auto* const raw = reinterpret_cast<const std::uint8_t*>(&number);
+  bytes.insert(bytes.end(), raw, raw + sizeof number);
+}
+
+template <class Number>
+void take(const std::uint8_t*& bytes, Number& number) {
+  std::memcpy(&number, bytes, sizeof number);
+  bytes += sizeof number;
+}
+
+void append(const ContactPoint& point, std::vector<std::uint8_t>& bytes) {
+  for (const double x : {point.centre.x, point.centre.y, point.centre.z}) append(x, bytes);
+  for (const double x : {point.force.x, point.force.y, point.force.z, point.depth, point.area})
+    append(static_cast<float>(x), bytes);
+  append(point.segment, bytes);
+  append(point.triangle, bytes);
+}
+
+ContactPoint point_at(const std::uint8_t* bytes) {
+  ContactPoint point;
+  for (double* const x : {&point.centre.x, &point.centre.y, &point.centre.z}) take(bytes, *x);
+  for (double* const x : {&point.force.x, &point.force.y, &point.force.z, &point.depth, &point.area}) {
+    float number = 0;
+    take(bytes, number);
+    *x = static_cast<double>(number);
+  }
+  take(bytes, point.segment);
+  take(bytes, point.triangle);
+  return point;
+}
+
+foxglove::Time to_fb(std::uint64_t time) {
+  constexpr std::uint64_t kSecond = 1000000000;
+  return {static_cast<std::uint32_t>(time / kSecond), static_cast<std::uint32_t>(time % kSecond)};
+}
+
+Offset<foxglove::Pose> to_fb(FlatBufferBuilder& builder, const Pose& pose) {
+  const auto& [p, q] = pose;
+  const auto position = foxglove::CreateVector3(builder, p.x, p.y, p.z);
+  const auto orientation = foxglove::CreateQuaternion(builder, q.x, q.y, q.z, q.w);
+  return foxglove::CreatePose(builder, position, orientation);
+}
+
+template <class Message>
+const Message* verified(std::span<const std::uint8_t> bytes, std::vector<std::uint64_t>& aligned) {
+  aligned.resize(bytes.size() / 8 + 1);
+  std::memcpy(aligned.data(), bytes.data(), bytes.size());
+  const auto* const data = reinterpret_cast<const std::uint8_t*>(aligned.data());
+  flatbuffers::Verifier verifier(data, bytes.size());
+  return verifier.VerifyBuffer<Message>(nullptr) ? flatbuffers::GetRoot<Message>(data) : nullptr;
+}
+
+}  // namespace
+
+std::span<const std::uint8_t> view_schema() {
+  return {foxglove::PosesInFrameBinarySchema::data(), foxglove::PosesInFrameBinarySchema::size()};
+}
+
+HandViewer::HandViewer(const Model& model) : model_(model) {
+  model_.execution.threads = 1;
+  scratch_ = make_scratch(model_);
+  scratch_.hash_stages = false;
+}
+
+// Where a hand is and what it touches depends on no tick before.
+void HandViewer::place(const TickRecord& record) {
+  State state;
+  tick(model_, state, scratch_, record.device);
+}
+
+bool HandViewer::pose(const TickRecord& record, std::uint64_t time, FlatBufferBuilder& builder) {
+  place(record);
+  const Joints& joints = scratch_.primitives->joints;
+  if (joints.valid == 0) return false;
+  builder.Clear();
+  builder.ForceDefaults(true);
+  std::vector<Offset<foxglove::Pose>> poses;
+  for (const Pose& joint : joints.pose) poses.push_back(to_fb(builder, joint));
+  const auto all = builder.CreateVector(poses);
+  const auto frame = builder.CreateString(kFrame);
+  const foxglove::Time stamp = to_fb(time);
+  builder.Finish(foxglove::CreatePosesInFrame(builder, &stamp, frame, all));
+  return true;
+}
+
+void HandViewer::contacts(const TickRecord& record, std::uint64_t time, FlatBufferBuilder& builder) {
+  place(record);
+  std::vector<std::uint8_t> data;
+  for (const Contact& contact : find_contacts(model_, scratch_)) {
+    const Vec3 force = (model_.settings.stiffness * contact.volume) * contact.normal;
+    const auto segment =
+        static_cast<std::uint32_t>(scratch_.primitives->primitive[contact.primitive].segment);
+    append({contact.centre, force, contact_depth(model_, scratch_, contact), contact.area, segment,
+            contact.triangle},
+           data);
+  }
+  builder.Clear();
+  builder.ForceDefaults(true);
+  std::vector<Offset<foxglove::PackedElementField>> fields;
+  std::uint32_t offset = 0;
+  for (const PackedField& field : kFields) {
+    fields.push_back(
+        foxglove::CreatePackedElementField(builder, builder.CreateString(field.name), offset, field.type));
+    offset += field.size;
+  }
+  const auto all_fields = builder.CreateVector(fields);
+  const auto bytes = builder.CreateVector(data);
+  const auto frame = builder.CreateString(kFrame);
+  const auto origin = to_fb(builder, Pose{});
+  const foxglove::Time stamp = to_fb(time);
+  builder.Finish(foxglove::CreatePointCloud(builder, &stamp, frame, origin, kStride, all_fields, bytes));
+}
+
+Status decode_pose(std::span<const std::uint8_t> bytes, std::vector<Pose>& joints) {
+  std::vector<std::uint64_t> aligned;
+  const auto* const message = verified<foxglove::PosesInFrame>(bytes, aligned);
+  if (message == nullptr || message->poses() == nullptr || message->poses()->size() != kJointCount)
+    return Status::error("a posed hand does not fit its schema");
+  joints.clear();
+  for (const foxglove::Pose* const pose : *message->poses()) {
+    const auto* const p = pose->position();
+    const auto* const q = pose->orientation();
+    if (p == nullptr || q == nullptr) return Status::error("a joint of a posed hand is incomplete");
+    joints.push_back({{p->x(), p->y(), p->z()}, {q->w(), q->x(), q->y(), q->z()}});
+  }
+  return {};
+}
+
+Status decode_contacts(std::span<const std::uint8_t> bytes, std::vector<ContactPoint>& points) {
+  std::vector<std::uint64_t> aligned;
+  const auto* const message = verified<foxglove::PointCloud>(bytes, aligned);
+  if (message == nullptr || message->data() == nullptr || message->point_stride() != kStride ||
+      message->data()->size() % kStride != 0)
+    return Status::error("contact points do not fit their schema");
+  points.clear();
+  for (std::size_t at = 0; at < message->data()->size(); at += kStride) {
+    points.push_back(point_at(message->data()->data() + at));
+    if (points.back().segment >= kSegmentCount)
+      return Status::error("a contact point is of a segment that no hand has");
+  }
+  return {};
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,45 @@
+// What other programs can draw of a tick: the posed hand and the contact points, as messages of schemas that
+// Foxglove knows (schemas/foxglove.fbs).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "lumbrical/model.h"
+#include "lumbrical/recording.h"
+#include "lumbrical/tick.h"
+
+namespace flatbuffers {
+class FlatBufferBuilder;
+}
+
+namespace lumbrical {
+
+inline constexpr std::string_view kPoseSchemaName = "foxglove.PosesInFrame";
+inline constexpr std::string_view kContactsSchemaName = "foxglove.PointCloud";
+/// The binary schema of both.
+std::span<const std::uint8_t> view_schema();
+
+/// Computes ticks anew to look at them; not for the thread of the ticks.
+class HandViewer {
+ public:
+  /// On one thread, however many the session has.
+  explicit HandViewer(const Model& model);
+  /// Clears the builder and leaves the message in it; false: the frame shows no hand that could be placed.
+  bool pose(const TickRecord& record, std::uint64_t time, flatbuffers::FlatBufferBuilder& builder);
+  /// Likewise; without contacts the message has no points.
+  void contacts(const TickRecord& record, std::uint64_t time, flatbuffers::FlatBufferBuilder& builder);
+
+ private:
+  void place(const TickRecord& record);
+  Model model_;
+  Scratch scratch_;
+};
+
+/// The error tells what is wrong, not where.
+Status decode_pose(std::span<const std::uint8_t> bytes, std::vector<Pose>& joints);
+Status decode_contacts(std::span<const std::uint8_t> bytes, std::vector<ContactPoint>& points);
+
+}  // namespace lumbrical
