@@ -105,6 +105,14 @@ TEST(BothHands, WhatIsNotSupportedIsRefusedWithAWayOut) {
   };
   EXPECT_NE(error_of("grasp.json --side both").find("capture of both"), std::string::npos);
   EXPECT_NE(error_of("scene.json --motion one.json").find("shows one hand, not two"), std::string::npos);
+  std::ofstream(folder / "left.json")
+      << leap_file({leap_frame(0, leap_hand(3, Side::left), leap_fingers(bent_hand(Side::left, 0.2), 3))});
+  EXPECT_NE(error_of("scene.json --motion left.json").find("shows one hand, not two"), std::string::npos);
+  // Two of the same side, as of two people.
+  std::ofstream(folder / "same.json") << leap_file({leap_frame(
+      0, leap_hand(3, Side::left) + "," + leap_hand(4, Side::left),
+      leap_fingers(bent_hand(Side::left, 0.2), 3) + "," + leap_fingers(bent_hand(Side::left, 0.2), 4))});
+  EXPECT_NE(error_of("scene.json --motion same.json").find("same.json"), std::string::npos);
   EXPECT_NE(error_of("scene.json --rate 100 --view").find("--side left"), std::string::npos);
   EXPECT_NE(error_of("scene.json --compare-precision").find("--side left"), std::string::npos);
   EXPECT_NE(error_of("scene.json --side neither").find("both"), std::string::npos);

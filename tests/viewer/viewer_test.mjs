@@ -186,6 +186,31 @@ test("Two recordings part where lumbrical diff says", async () => {
   await shot("overlaid");
 });
 
+test("Two hands of a session are shown together, each computed bit for bit", async () => {
+  execFileSync(program, ["run", join(dirname(scene), "two_hands.json"), "--record", file("two hands.mcap")]);
+  await open(at(await serve("view", file("two hands.mcap"), "--no-browser"), 1100));
+  await atTick(1100);
+  await scanned();
+  assert.equal(await message(), "");
+  const text = await details();
+  assert.match(text, /hand\s*right/);
+  assert.match(text, /the same bits/);
+  assert.doesNotMatch(text, /compared/);
+  assert.match(await page.locator("#legend").innerText(), /orange the right hand, blue the left one/);
+  assert.equal(await page.getByText("Difference of force per segment").isVisible(), false);
+  // The other hand is there too: a click on it tells whose it is.
+  const box = await page.locator("#canvas").boundingBox();
+  let left = false;
+  for (let x = 0.1; x < 0.95 && !left; x += 0.05)
+    for (let y = 0.2; y < 0.9 && !left; y += 0.1) {
+      await page.mouse.click(box.x + x * box.width, box.y + y * box.height);
+      left = /hand\s*left/.test(await details());
+    }
+  assert.ok(left, "no pixel of the left hand");
+  assert.match(await details(), /the same bits/);
+  await shot("two_hands");
+});
+
 test("A running session is shown, read-only", async () => {
   const slow = JSON.parse(readFileSync(scene, "utf8"));
   slow.motion.grasp.seconds = 60;  // however long the browser takes

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -43,9 +44,12 @@ bool answer_text(std::string_view text) {
 
 bool answer_status(const Status& status) { return status.ok() || answer_text(status.message()); }
 
-Status open_session(std::span<const std::uint8_t> session, std::span<const std::uint8_t> first_state) {
+Status open_session(std::span<const std::uint8_t> session, std::span<const std::uint8_t> first_state,
+                    std::uint32_t hand) {
   Scene scene;
-  if (Status status = decode_session(session, scene); !status.ok()) return status;
+  std::optional<Hand> second;
+  if (Status status = decode_session(session, scene, &second); !status.ok()) return status;
+  if (hand == 1 && second) scene.hand = *second;
   if (scene.world)
     return Status::error("the recording's world is a file of its own, " + scene.world->path +
                          ", which a page does not have: forces are shown, contacts are not");
@@ -201,9 +205,11 @@ PAGE_MAY_CALL(answer_size) std::uint32_t answer_size() { return static_cast<std:
 
 // Those that can fail return false, and the answer is then the error's text.
 
-/// A session message and behind it, of `state_size` bytes, the state before the first tick, if any.
-PAGE_MAY_CALL(open) bool open_recording(std::uint32_t session_size, std::uint32_t state_size) {
-  return answer_status(open_session(message(0, session_size), message(session_size, state_size)));
+/// A session message and behind it, of `state_size` bytes, the state before the first tick, if any; `hand` of
+/// two is the one whose ticks are to come.
+PAGE_MAY_CALL(open)
+bool open_recording(std::uint32_t session_size, std::uint32_t state_size, std::uint32_t hand) {
+  return answer_status(open_session(message(0, session_size), message(session_size, state_size), hand));
 }
 
 /// The next message is that of this tick: with the state the file begins with where it is the file's first.

@@ -1,8 +1,8 @@
 // The engine as WebAssembly (viewer/engine/viewer_engine.cpp): messages of a recording go in, what a tick looks like comes out.
 
 export interface Engine {
-  /** Throws what is wrong with the session. */
-  open(session: Uint8Array, state: Uint8Array): void;
+  /** Throws what is wrong with the session. `hand`: of two, which one's ticks are to come. */
+  open(session: Uint8Array, state: Uint8Array, hand?: number): void;
   /** The next message is that of this tick. */
   begin(tick: number, first: boolean): void;
   /** Computes a tick; false where the state after it is not the recorded one. */
@@ -34,7 +34,7 @@ interface Exports {
   input(size: number): number;
   answer(): number;
   answer_size(): number;
-  open(sessionSize: number, stateSize: number): number;
+  open(sessionSize: number, stateSize: number, hand: number): number;
   begin(tick: number, first: number): void;
   pass(size: number): number;
   is_recorded_state(): number;
@@ -69,9 +69,9 @@ export async function loadEngine(wasm: BufferSource): Promise<Engine> {
     if (!good) throw new Error(new TextDecoder().decode(answer()));
   };
   return {
-    open(session, state) {
+    open(session, state, hand = 0) {
       put(session, state);
-      must(exports.open(session.length, state.length));
+      must(exports.open(session.length, state.length, hand));
     },
     begin: (tick, first) => exports.begin(tick, Number(first)),
     pass(message) {

@@ -17,7 +17,7 @@ function colourAt(t: number): string {
   return `rgb(${channels.map((c) => polynomial(c, t)).join(",")})`;
 }
 
-export function drawLegend(parent: HTMLElement, top: number, scales: Scales, overlaid: boolean) {
+export function drawLegend(parent: HTMLElement, top: number, scales: Scales, skins: string) {
   const line = (className: string, ...children: (string | Node)[]) => {
     const div = document.createElement("div");
     div.className = className;
@@ -41,6 +41,6 @@ export function drawLegend(parent: HTMLElement, top: number, scales: Scales, ove
     line("", "Pressure"), bar, line("ends", span("0"), span(`${brief(top)} Pa`)),
     line("", `Arrows: 10 mm are ${brief(0.01 / scales.force)} N; arcs: a quarter is ${brief(torqueOf90)} N mm`),
     line("", ...fingers),
-    ...(overlaid ? [line("", "Skin: orange the first, blue the second, grey both")] : []),
+    ...(skins ? [line("", `Skin: ${skins}`)] : []),
   );
 }

@@ -52,5 +52,5 @@ export async function openLive(url: string, engine: Engine, tell: (answer: Answe
   };
   follow().catch((error: Error) => tell({ type: "live", error: error.message }));
   const rate = Session.getRootAsSession(new ByteBuffer(session)).settings()?.rate() ?? 1000;
-  return { name: "live", bytes: 0n, session, rate, first: 0, last: 0, metadata: new Map(), noContacts };
+  return { name: "live", sides: [], bytes: 0n, session, rate, first: 0, last: 0, metadata: new Map(), noContacts };
 }

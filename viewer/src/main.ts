@@ -41,6 +41,8 @@ const state = {
   from: 0,  // ticks that the plots show
   to: 1,
   beside: false,
+  plotted: 0,  // of two hands, the one in the plots
+  together: false,  // the two sides are two hands of one recording, not two recordings
   live: false,  // ticks come by themselves: from a session that runs, or from the lab
   lab: undefined as Lab | undefined,
   pick: undefined as Pick | undefined,
@@ -74,15 +76,29 @@ async function open(place: number, source: Source, link: string) {
     state.live = "live" in source || "lab" in source;
     document.body.classList.toggle("live", state.live);
     if (!("lab" in source)) leaveLab();
+    together(false);
     if (place === 0) beginWith(opened);
     else await compareWith();
+    if (place === 0 && opened.sides.length > 1) await openSecondHand(source);
     document.body.classList.remove("empty");
-    element("name").textContent = state.sides.map((side) => side.opened.name).join("  and  ");
+    element("name").textContent = state.together ? opened.name : state.sides.map((side) => side.opened.name).join("  and  ");
     element("beside").hidden = state.sides.length < 2;
     if (!state.live) await show(state.wanted);
   } catch (error) {
     say((error as Error).message, true);
   }
+}
+
+function together(hands: boolean) {
+  state.together = hands;
+  state.plotted = 0;
+  view.setTogether(hands);
+}
+
+/** Of a session of two hands the other one stands where a second recording would. */
+async function openSecondHand(source: Source) {
+  state.sides[1] = { opened: await client.open(1, { ...source, hand: 1 } as Source), link: "", marks: [], milliseconds: 0 };
+  together(true);
 }
 
 function beginWith(opened: Opened) {
@@ -236,7 +252,13 @@ async function fillPlots() {
   const turn = ++windowed;
   let columns = state.sides.map((side) => side.whole);
   if (showsWindow()) columns = await Promise.all(state.sides.map((_, place) => client.window(place, state.from, state.to)));
-  if (turn === windowed && columns[0]) plots?.setData(columns[0], columns[1]);
+  if (turn === windowed && columns[0]) plotColumns(columns);
+}
+
+/** Of two hands that which was picked last; of two recordings both, for their difference. */
+function plotColumns(columns: (Columns | undefined)[]) {
+  if (state.together) plots?.setData(columns[state.plotted] ?? columns[0]!, undefined);
+  else plots?.setData(columns[0]!, columns[1]);
 }
 
 // ---- Live ----------------------------------------------------------------------------------------------------------
@@ -301,6 +323,12 @@ async function touch(lab: Lab) {
 
 let drawn = NaN;
 
+function skinsText(): string {
+  if (state.sides.length < 2 || state.beside) return "";
+  const [one, two] = state.sides[0].opened.sides;
+  return state.together ? `orange the ${one} hand, blue the ${two} one` : "orange the first, blue the second, grey both";
+}
+
 function drawTick() {
   const side = state.sides[0];
   if (!side || !state.world) return;
@@ -308,16 +336,19 @@ function drawTick() {
   strip.setAttribute("aria-valuenow", String(state.tick));
   const details = element("details");
   if (side.frame) {
-    const rows = tickRows(side.frame, side.milliseconds, state.world, side.opened.noContacts, state.live);
-    if (state.divergence) rows.push(["compared", divergenceText(state.divergence)]);
-    else if (state.sides.length > 1) rows.push(["compared", "the same to the last bit"]);
     const pick = state.pick;
-    const at = pick && pick.kind !== "triangle" ? state.sides[pick.place] ?? side : side;
+    const place = pick && pick.kind !== "triangle" ? pick.place : 0;
+    const at = state.sides[place] ?? side;
+    const told = state.together ? at : side;  // of two recordings the first
+    const rows = tickRows(told.frame ?? side.frame, told.milliseconds, state.world, side.opened.noContacts, state.live);
+    if (state.together) rows.unshift(["hand", side.opened.sides[place]]);
+    else if (state.divergence) rows.push(["compared", divergenceText(state.divergence)]);
+    else if (state.sides.length > 1) rows.push(["compared", "the same to the last bit"]);
     showDetails(details, pick, at.frame ?? side.frame, state.world, rows);
   } else {
     details.textContent = `Tick ${state.tick} is missing in the file.`;
   }
-  drawLegend(element("legend"), state.most.pressure, scales(), state.sides.length > 1 && !state.beside);
+  drawLegend(element("legend"), state.most.pressure, scales(), skinsText());
   plots?.setTime(state.tick / rate());
 }
 
@@ -368,6 +399,11 @@ canvas.addEventListener("pointerup", (event) => {
   if (Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > 4) return;
   state.pick = pickAt(event);
   view.select(state.pick);
+  const plotted = state.pick && state.pick.kind !== "triangle" ? state.pick.place : state.plotted;
+  if (plotted !== state.plotted) {
+    state.plotted = plotted;
+    void fillPlots();
+  }
   drawn = NaN;
   redraw();
 });
@@ -500,7 +536,7 @@ const link = () => writeLink({
   camera: [...view.camera.position.toArray(), ...view.controls.target.toArray()],
 });
 setInterval(() => {
-  if (state.sides.length === 0 || state.sides.some((side) => !side.link) || state.live) return;
+  if (state.sides.length === 0 || state.sides.some((side, place) => !side.link && !(state.together && place === 1)) || state.live) return;
   if (location.hash !== link()) history.replaceState(null, "", link());
 }, 500);
 

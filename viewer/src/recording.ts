@@ -5,9 +5,12 @@ import { ByteBuffer } from "flatbuffers";
 import type { Bytes } from "./bytes";
 import { decompressLz4 } from "./lz4";
 import { Session } from "../generated/lumbrical/fb/session";
+import { Side } from "../generated/lumbrical/fb/side";
 
 export interface Recording {
   name: string;
+  sides: string[];  // of the session's hands, "left" or "right", one or two
+  hand: number;  // which of them the ticks are of
   bytes: bigint;
   session: Uint8Array;  // the message, as it stands in the file
   state: Uint8Array;  // empty where the file begins with its session
@@ -23,6 +26,7 @@ export interface Recording {
 /** Messages of ticks by their numbers, ascending. */
 export type Chunk = ReadonlyMap<number, Uint8Array>;
 
+const kStates = ["state", "state of the second hand"];
 const kMagic = [0x89, 0x4d, 0x43, 0x41, 0x50, 0x30, 0x0d, 0x0a];
 const kChunksKept = 24;
 
@@ -48,15 +52,24 @@ async function openMcap(bytes: Bytes) {
   }
 }
 
-export async function openRecording(bytes: Bytes): Promise<Recording> {
+/** "left" or "right", of each hand of a session. */
+export function sidesOf(session: Uint8Array): string[] {
+  const message = Session.getRootAsSession(new ByteBuffer(session));
+  return [message.hand(), message.secondHand()].flatMap((one) => (one ? [one.side() === Side.left ? "left" : "right"] : []));
+}
+
+/** The ticks of one hand of the file. */
+export async function openRecording(bytes: Bytes, hand = 0): Promise<Recording> {
   const reader = await openMcap(bytes);
   const attachments = new Map<string, Uint8Array>();
   for await (const attachment of reader.readAttachments()) attachments.set(attachment.name, attachment.data);
   const session = attachments.get("session");
+  const sides = session ? sidesOf(session) : [];
+  const topic = sides.length > 1 ? `${sides[hand]}/tick` : "tick";
   const topics = [...reader.channelsById.values()].map((channel) => channel.topic);
-  if (session === undefined || !topics.includes("tick"))
+  if (session === undefined || !topics.includes(topic))
     throw new Error(`${bytes.name}: an MCAP file, but none of Lumbrical's: it has no ` +
-      `${session === undefined ? 'attachment "session"' : 'channel "tick"'}. Its channels: ${topics.join(", ") || "none"}`);
+      `${session === undefined ? 'attachment "session"' : `channel "${topic}"`}. Its channels: ${topics.join(", ") || "none"}`);
   const statistics = reader.statistics;
   if (statistics === undefined || statistics.messageCount === 0n) throw new Error(`${bytes.name}: holds no ticks`);
   const metadata = new Map<string, string>();
@@ -75,7 +88,7 @@ export async function openRecording(bytes: Bytes): Promise<Recording> {
     const chunk = new Map<number, Uint8Array>();
     const from = starts[index];
     try {
-      for await (const message of reader.readMessages({ topics: ["tick"], startTime, endTime }))
+      for await (const message of reader.readMessages({ topics: [topic], startTime, endTime }))
         // A sequence number is a tick's lower 32 bits.
         chunk.set(from + ((message.sequence - from) >>> 0), message.data);
     } catch (error) {
@@ -86,9 +99,11 @@ export async function openRecording(bytes: Bytes): Promise<Recording> {
   };
   return {
     name: bytes.name,
+    sides,
+    hand,
     bytes: await bytes.size(),
     session,
-    state: attachments.get("state") ?? new Uint8Array(),
+    state: attachments.get(kStates[hand]) ?? new Uint8Array(),
     rate,
     first: tickAt(statistics.messageStartTime),
     last: tickAt(statistics.messageEndTime),

@@ -16,6 +16,7 @@ export interface View {
   setWorld(world: World): void;
   setFrame(place: number, frame: Frame | undefined, scales: Scales, top: number): void;
   setBeside(beside: boolean): void;
+  setTogether(together: boolean): void;
   pick(x: number, y: number): Pick | undefined;
   select(pick: Pick | undefined): void;
   frameAll(): void;
@@ -58,6 +59,7 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
   let world: World | undefined;
   let objects: Mesh | undefined;
   let beside = false;
+  let together = false;  // two hands of one session, not one hand twice: each has its pressures
   const hands: HandView[] = kSkins.map(makeHand);
   const pressures = kSkins.map(makePressure);
   const shown = [false, false];
@@ -74,7 +76,7 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
   const only = (place: number | undefined) =>
     hands.forEach((hand, i) => {
       hand.group.visible = shown[i] && (place === undefined || place === i);
-      pressures[i].mesh.visible = shown[i] && (place === i || (place === undefined && i === (shown[0] ? 0 : 1)));
+      pressures[i].mesh.visible = shown[i] && (place === i || (place === undefined && (together || i === (shown[0] ? 0 : 1))));
     });
 
   return {
@@ -100,6 +102,7 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
       pressures[place].update(frame, world, origin, top);
     },
     setBeside: (next) => { beside = next; },
+    setTogether: (next) => { together = next; },
     pick(x, y) {
       const half = beside && shown[1];
       const place = half && x > 0.5 ? 1 : 0;

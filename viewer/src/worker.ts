@@ -9,10 +9,12 @@ import { openRecording, type Recording } from "./recording";
 import { makeReplay } from "./replay";
 import { readWindow, scan, type Columns, type Mark } from "./series";
 
-export type Source = { url: string } | { file: File } | { live: string } | { lab: LabOptions };
+/** `hand`: of a recording of two, which one; the first. */
+export type Source = (({ url: string } | { file: File }) & { hand?: number }) | { live: string } | { lab: LabOptions };
 
 export interface Opened {
   name: string;
+  sides: string[];  // of the hands there are; empty: a session of one that runs, or the lab's
   bytes: bigint;
   session: Uint8Array;
   rate: number;
@@ -69,7 +71,7 @@ async function openLab(options: LabOptions): Promise<Opened> {
   engine.open(session, new Uint8Array());
   engine.begin(0, true);
   lab = { engine, session, schema: engine.schema(), rate: options.rate, messages: [] };
-  return { name: "lab", bytes: 0n, session, rate: options.rate, first: 0, last: 0, metadata: new Map(), noContacts: "" };
+  return { name: "lab", sides: [], bytes: 0n, session, rate: options.rate, first: 0, last: 0, metadata: new Map(), noContacts: "" };
 }
 
 function touch(hand: Float64Array): Shown {
@@ -83,12 +85,12 @@ async function open(place: number, source: Source): Promise<Opened> {
   if ("lab" in source) return openLab(source.lab);
   if ("live" in source) return openLive(source.live, await loadEngine(wasm), tell);
   const bytes = "url" in source ? await bytesOfUrl(source.url) : bytesOfFile(source.file, source.file.name);
-  const recording = await openRecording(bytes);
+  const recording = await openRecording(bytes, source.hand);
   const opened: Place = { recording };
   let noContacts = "";
   try {
     const engine = await loadEngine(wasm);
-    engine.open(recording.session, recording.state);
+    engine.open(recording.session, recording.state, recording.hand);
     opened.show = makeReplay(engine, recording);
   } catch (error) {
     noContacts = (error as Error).message;
@@ -98,8 +100,8 @@ async function open(place: number, source: Source): Promise<Opened> {
     if (places[place] === opened) tell({ type: "scanned", place, columns, marks, share });
   }, (text) => tell({ type: "error", id: -1, text }));
   setTimeout(overview, kBeforeScan);
-  const { name, bytes: size, session, rate, first, last, metadata } = recording;
-  return { name, bytes: size, session, rate, first, last, metadata, noContacts };
+  const { name, sides, bytes: size, session, rate, first, last, metadata } = recording;
+  return { name, sides, bytes: size, session, rate, first, last, metadata, noContacts };
 }
 
 async function show(place: number, tick: number): Promise<Shown | undefined> {

@@ -3,6 +3,7 @@
 #include "base/floating_point.h"
 #include "motion/motion_formats.h"
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <new>
@@ -398,14 +399,19 @@ Status load_both_motions(const std::string& path, const MotionOptions& options, 
   std::string content;
   if (Status status = read_motion_text(path, content); !status.ok()) return status;
   const std::string name = shown_name(path);
-  std::array<Motion, 2> motions;
+  // A file of one hand that does not tell its side would be taken for either.
+  Motion any;
   MotionOptions of_side = options;
+  of_side.side.reset();
+  if (Status status = parse_motion(content, name, of_side, any); status.ok() && any.other_frames == 0)
+    return refuse(name, "shows one hand, not two; leave out the side \"both\"");
+  std::array<Motion, 2> motions;
   for (const Side side : {Side::right, Side::left}) {
     of_side.side = side;
     Motion& motion = motions[side == Side::right ? 0 : 1];
     if (Status status = parse_motion(content, name, of_side, motion); !status.ok()) return status;
-    // A file that does not tell sides would be taken for either.
-    if (motion.other_frames == 0) return refuse(name, "shows one hand, not two; leave out the side \"both\"");
+    if (motion.other_frames == 0)
+      return refuse(name, "shows no two hands, a left and a right one; leave out the side \"both\"");
   }
   right = std::move(motions[0]);
   left = std::move(motions[1]);
