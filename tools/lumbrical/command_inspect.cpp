@@ -88,15 +88,6 @@ Status index_report(const InspectOptions& options, const Mesh& mesh, std::option
   return {};
 }
 
-// In the file's own unit, so that its numbers stay.
-Status write_fixed(const InspectOptions& options, FixReport& report) {
-  Mesh mesh;
-  if (Status status = load_mesh(options.mesh, Unit::metre, mesh); !status.ok()) return status;
-  const Mesh fixed = fixed_mesh(mesh, report);
-  if (fixed.triangles.empty()) return Status::error(options.mesh + ": has no triangle with an area to write");
-  return save_obj(options.fix, fixed);
-}
-
 int inspect(const InspectOptions& options) {
   if (is_scene(options.mesh)) {
     if (!options.unit.empty()) refuse_option("--unit", "a scene file tells the units of its meshes");
@@ -106,21 +97,22 @@ int inspect(const InspectOptions& options) {
   if (options.unit.empty()) demand_option("--unit");
   if (options.fix == "-") refuse_option("--fix", "standard output is for the report");
   Mesh mesh;
-  if (Status status = load_mesh(options.mesh, *parse_unit(options.unit), mesh); !status.ok()) {
-    return fail(status);
-  }
+  if (Status status = load_mesh(options.mesh, Unit::metre, mesh); !status.ok()) return fail(status);
+  const bool fix = !options.fix.empty();
+  FixReport fixed;
+  const Mesh repaired = fix ? fixed_mesh(mesh, fixed) : Mesh();  // in the file's own unit: its numbers stay
+  if (fix && repaired.triangles.empty())
+    return fail(options.mesh + ": has no triangle with an area to write");
+  convert_to_metres(*parse_unit(options.unit), mesh);
   const MeshReport report = inspect_mesh(mesh);
-  Mesh turned = mesh;
-  const WindingReport winding = wind_outwards(turned);
   std::optional<VoxelReport> voxels;
   if (Status status = index_report(options, mesh, voxels); !status.ok()) return fail(status);
-  FixReport fixed;
-  if (!options.fix.empty()) {
-    if (Status status = write_fixed(options, fixed); !status.ok()) return fail(status);
-  }
+  const WindingReport winding = fix ? fixed.winding : wind_outwards(mesh);
+  if (fix)
+    if (Status status = save_obj(options.fix, repaired); !status.ok()) return fail(status);
   if (options.json) {
     Json json = report_json(report);
-    if (!options.fix.empty())
+    if (fix)
       json["fixed"] = {{"file", options.fix},
                        {"turned_triangles", fixed.winding.turned_triangles},
                        {"merged_vertices", fixed.merged_vertices},
@@ -132,7 +124,7 @@ int inspect(const InspectOptions& options) {
   Table table;
   for (const std::string& sentence : winding_sentences(winding)) table.add("in a scene", sentence);
   if (voxels) add_voxels(*voxels, table);
-  if (!options.fix.empty())
+  if (fix)
     table.add("written to " + options.fix, grouped(fixed.winding.turned_triangles) + " triangles turned, " +
                                                grouped(fixed.merged_vertices) + " vertices joined, " +
                                                grouped(fixed.degenerate_triangles) + " triangles left out");

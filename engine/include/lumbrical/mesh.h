@@ -36,6 +36,9 @@ std::optional<Unit> parse_unit(std::string_view text);
 /// (from 0), or with "path:" alone where the fault has no place in the file.
 Status load_mesh(const std::string& path, Unit unit, Mesh& mesh);
 
+/// Of vertices that are numbers of this unit: what load_mesh makes of them.
+void convert_to_metres(Unit unit, Mesh& mesh);
+
 /// The same for a file already in memory; `name` stands in for the path in messages and in the choice of
 /// format. It may name no other files.
 Status parse_mesh(std::string_view content, const std::string& name, Unit unit, Mesh& mesh);

@@ -1,21 +1,26 @@
+// See mesh_fix.h.
 #include "lumbrical/mesh_fix.h"
 
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <new>
 
 #include "files/text_output.h"
+#include "model/triangle_shape.h"
 #include "model/vertex_merge.h"
 
 namespace lumbrical {
 namespace {
 
-// As inspect_mesh judges it, alone.
 bool is_degenerate(const Mesh& mesh, const Triangle& triangle) {
-  Mesh alone;
-  for (const std::uint32_t corner : triangle) alone.vertices.push_back(mesh.vertices[corner]);
-  alone.triangles.push_back({0, 1, 2});
-  return inspect_mesh(alone).degenerate > 0;
+  double largest = 0;
+  for (const std::uint32_t corner : triangle) largest = max(largest, largest_of(mesh.vertices[corner]));
+  int exponent = 0;
+  static_cast<void>(std::frexp(largest, &exponent));
+  std::array<Vec3, 3> p;
+  for (std::size_t k = 0; k < 3; ++k) p[k] = scaled_down(mesh.vertices[triangle[k]], exponent);
+  return shape_of(measure_triangle(p[0], p[1], p[2])) == TriangleShape::collinear;
 }
 
 void append(double number, std::string& text) {

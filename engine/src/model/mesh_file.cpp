@@ -126,14 +126,6 @@ Status check_size(const Mesh& mesh, const std::string& name) {
   return {};
 }
 
-/// Divides, because x / 1000 is the double nearest to the true value and x * 0.001 is not. The readers have
-/// refused what is not finite, and a division by more than 1 keeps it finite.
-void convert_to_metres(Unit unit, std::vector<Vec3>& points) {
-  if (unit == Unit::metre) return;
-  const double per_metre = unit == Unit::centimetre ? 100.0 : 1000.0;
-  for (Vec3& point : points) point = point / per_metre;
-}
-
 Status out_of_memory(const std::string& name) {
   return Status::error(name + ": not enough memory for this mesh; split or simplify it");
 }
@@ -181,7 +173,7 @@ Status parse_from(std::string_view content, const std::string& name, const std::
     Mesh parsed;
     if (Status status = parse_in_file_units(content, name, folder, parsed); !status.ok()) return status;
     if (Status status = check_size(parsed, name); !status.ok()) return status;
-    convert_to_metres(unit, parsed.vertices);
+    convert_to_metres(unit, parsed);
     mesh = std::move(parsed);
     return {};
   } catch (const std::bad_alloc&) {
@@ -190,6 +182,14 @@ Status parse_from(std::string_view content, const std::string& name, const std::
 }
 
 }  // namespace
+
+// Divides, because x / 1000 is the double nearest to the true value and x * 0.001 is not. The readers have
+// refused what is not finite, and a division by more than 1 keeps it finite.
+void convert_to_metres(Unit unit, Mesh& mesh) {
+  if (unit == Unit::metre) return;
+  const double per_metre = unit == Unit::centimetre ? 100.0 : 1000.0;
+  for (Vec3& point : mesh.vertices) point = point / per_metre;
+}
 
 std::optional<Unit> parse_unit(std::string_view text) {
   if (text == "m") return Unit::metre;

@@ -9,29 +9,19 @@
 #include "lumbrical/mesh.h"
 #include "model/mesh_edges.h"
 #include "model/triangle_parts.h"
+#include "model/triangle_shape.h"
 #include "model/vertex_merge.h"
 
 namespace lumbrical {
 namespace {
 
-// A triangle is degenerate when its doubled area is at most this share of its longest edge squared. Storing a
-// corner as a double moves it by up to 1.1e-16 of its distance from the origin, so three collinear points
-// come out as a triangle of about 1e-16 times (distance / longest edge); the bound leaves room for triangles
-// 10^4 times smaller than their distance. The flattest triangles in float files that are flat on purpose lie
-// near 1e-7, the spacing of floats, far above.
-constexpr double kFlat = 1e-12;
-constexpr double kSinOneDegree = 0.017452406437283512;
 constexpr std::size_t kExamplesPerKind = 3;
 
 struct Subject {
   const Mesh& mesh;
   std::vector<std::uint32_t> first;  // vertex -> the first vertex at its position
-  int exponent = 0;                  // coordinates are measured in 2^exponent metres, where none exceeds 1,
-                                     // so that no product of them overflows; a power of two rounds nothing
-  Vec3 scaled(std::uint32_t vertex) const {
-    const Vec3& p = mesh.vertices[vertex];
-    return {std::ldexp(p.x, -exponent), std::ldexp(p.y, -exponent), std::ldexp(p.z, -exponent)};
-  }
+  int exponent = 0;                  // no coordinate exceeds 2^exponent metres
+  Vec3 scaled(std::uint32_t vertex) const { return scaled_down(mesh.vertices[vertex], exponent); }
   Triangle merged(std::size_t triangle) const { return merged_corners(mesh.triangles[triangle], first); }
 };
 
@@ -40,8 +30,6 @@ struct Examples {
   std::size_t given = 0;
   bool wanted() { return given++ < kExamplesPerKind; }
 };
-
-double largest_of(Vec3 v) { return max(max(std::fabs(v.x), std::fabs(v.y)), std::fabs(v.z)); }
 
 // ---- Vertices and bounding box ----
 
@@ -73,17 +61,6 @@ Subject look_at_vertices(const Mesh& mesh, MeshReport& report) {
 }
 
 // ---- Shape of each triangle ----
-
-enum class TriangleShape : std::uint8_t { sound, sliver, collinear };
-
-/// `doubled_area` and the squared edge lengths belong to the same triangle in the same unit. The smallest
-/// angle lies between the two longest edges.
-TriangleShape shape_of(double doubled_area, std::array<double, 3> squared_edges) {
-  std::sort(squared_edges.begin(), squared_edges.end());
-  if (doubled_area <= kFlat * squared_edges[2]) return TriangleShape::collinear;
-  const double product = std::sqrt(squared_edges[1]) * std::sqrt(squared_edges[2]);
-  return doubled_area < kSinOneDegree * product ? TriangleShape::sliver : TriangleShape::sound;
-}
 
 std::string named(std::size_t triangle) { return "triangle " + std::to_string(triangle); }
 
@@ -121,17 +98,14 @@ void measure_triangles(const Subject& subject, MeshReport& report) {
   for (std::size_t i = 0; i < subject.mesh.triangles.size(); ++i) {
     const Triangle& t = subject.mesh.triangles[i];
     const Vec3 p = subject.scaled(t[0]), q = subject.scaled(t[1]), r = subject.scaled(t[2]);
-    const double size = max(max(largest_of(q - p), largest_of(r - q)), largest_of(p - r));
-    const double unit = size > 0 ? size : 1.0;  // squares of a tiny triangle's edges would vanish
-    const Vec3 a = (q - p) / unit, b = (r - q) / unit, c = (p - r) / unit;
-    const double doubled_area = norm(cross(a, b));
-    const std::array<double, 3> squared{dot(a, a), dot(b, b), dot(c, c)};
-    include_edges({std::sqrt(squared[0]) * unit, std::sqrt(squared[1]) * unit, std::sqrt(squared[2]) * unit},
-                  sums);
-    sums.area += 0.5 * doubled_area * unit * unit;
+    const TriangleMeasures measures = measure_triangle(p, q, r);
+    std::array<double, 3> lengths{};
+    for (std::size_t k = 0; k < 3; ++k) lengths[k] = std::sqrt(measures.squared_edges[k]) * measures.unit;
+    include_edges(lengths, sums);
+    sums.area += 0.5 * measures.doubled_area * measures.unit * measures.unit;
     sums.volume += dot(p - centre, cross(q - centre, r - centre)) / 6.0;
 
-    const TriangleShape shape = shape_of(doubled_area, squared);
+    const TriangleShape shape = shape_of(measures);
     if (corners_coincide(subject.merged(i)) || shape == TriangleShape::collinear) {
       ++report.degenerate;
       if (degenerates.wanted()) {

@@ -1,0 +1,269 @@
+// Recordings on the command line: replay, export, verify, recover, trim and their kin.
+#include <algorithm>
+#include <fstream>
+#include <string>
+
+#include "lumbrical/recording.h"
+#include "scenes.h"
+
+namespace lumbrical::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(CommandLine, ReplayOfSeveralTellsOfEachInTheOrderGiven) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 300 --record a.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 150 --law point --record b.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 200 --broadphase grid --record c.mcap", folder).exit_code,
+            0);
+  std::ofstream(folder / "bad.mcap") << "no recording";
+  for (const char* const threads : {"", " --threads 1", " --threads 7"}) {
+    const Outcome all =
+        shell("lumbrical replay a.mcap b.mcap c.mcap a.mcap --json" + std::string(threads), folder);
+    EXPECT_EQ(all.exit_code, 0) << all.error;
+    const nlohmann::json json = all.json();
+    ASSERT_EQ(json.size(), 4u);
+    const std::pair<const char*, int> expected[] = {
+        {"a.mcap", 300}, {"b.mcap", 150}, {"c.mcap", 200}, {"a.mcap", 300}};
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_EQ(json[i]["recording"], expected[i].first);
+      EXPECT_EQ(json[i]["ticks"], expected[i].second);
+      EXPECT_EQ(json[i]["identical"], true);
+      EXPECT_EQ(json[i]["threads"], 1);
+    }
+  }
+  // What can't be read keeps no other from being replayed.
+  Outcome some = shell("lumbrical replay a.mcap bad.mcap b.mcap --json", folder);
+  EXPECT_EQ(some.exit_code, 2);
+  EXPECT_NE(some.error.find("bad.mcap"), std::string::npos);
+  EXPECT_EQ(some.json()[0]["identical"], true);
+  EXPECT_TRUE(some.json()[1].contains("error"));
+  EXPECT_EQ(some.json()[2]["ticks"], 150);
+  // Only b was recorded under that law.
+  some = shell("lumbrical replay bad.mcap a.mcap b.mcap --law point --json", folder);
+  EXPECT_EQ(some.exit_code, 2);
+  EXPECT_EQ(some.json()[1]["identical"], false);
+  EXPECT_EQ(some.json()[2]["identical"], true);
+  EXPECT_EQ(shell("lumbrical replay a.mcap b.mcap --trace t.txt", folder).exit_code, 2);
+  const Outcome text = shell("lumbrical replay a.mcap b.mcap", folder);
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_LT(text.output.find("a.mcap"), text.output.find("b.mcap"));
+}
+
+TEST(CommandLine, ReplayWithAnotherLawAsksAndLeadsWithNewtons) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 400 --record a.mcap", folder).exit_code, 0);
+  const Outcome replay = shell("lumbrical replay a.mcap --law max-depth --json", folder);
+  EXPECT_EQ(replay.exit_code, 0) << replay.error;
+  const nlohmann::json divergence = replay.json()["first_divergence"];
+  EXPECT_EQ(replay.json()["identical"], false);
+  expect_keys(divergence, {"tick", "stage", "field", "recorded", "replayed"});
+  EXPECT_TRUE(divergence["ulp"].is_null());
+  const Outcome text = shell("lumbrical replay a.mcap --law max-depth", folder);
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_EQ(text.output.find("Forces change by up to "), 0u) << text.output;
+  EXPECT_NE(text.output.find(" N, "), std::string::npos) << text.output;
+  EXPECT_EQ(text.output.find("ulp"), std::string::npos) << text.output;
+  EXPECT_EQ(text.output.find("diverged"), std::string::npos) << text.output;
+  const Outcome same = shell("lumbrical replay a.mcap --law field", folder);
+  EXPECT_EQ(same.output.find("No force changes."), 0u) << same.output;
+}
+
+TEST(CommandLine, ARecordingOfOtherArithmeticSaysThatBeforeItSaysThatItDiverged) {
+  const fs::path folder = folder_with_demo();
+  // A recording whose forces are another law's, and whose metadata tell of another arithmetic.
+  RecordingReader reader;
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 400 --law column --record column.mcap", folder).exit_code,
+            0);
+  ASSERT_TRUE(reader.open((folder / "column.mcap").string()).ok());
+  Scene scene = reader.scene();
+  scene.settings.law.fill(Law::field);
+  for (const char* const arithmetic : {"0badbeef", ""}) {
+    RecorderOptions options;
+    options.metadata["arithmetic"] = *arithmetic == 0 ? std::string(arithmetic_version()) : arithmetic;
+    Recorder recorder;
+    fs::remove(folder / "other.mcap");
+    ASSERT_TRUE(recorder.open((folder / "other.mcap").string(), scene, options).ok());
+    ASSERT_TRUE(reader.seek(0).ok());
+    TickRecord record;
+    for (bool end = false; reader.next(record, end).ok() && !end;) recorder.record(record);
+    ASSERT_TRUE(recorder.close().ok());
+    const Outcome replay = shell("lumbrical replay other.mcap", folder);
+    EXPECT_EQ(replay.exit_code, 3);
+    const bool other = replay.output.find("Recorded by other arithmetic (0badbeef") == 0;
+    EXPECT_EQ(other, *arithmetic != 0) << replay.output;
+    EXPECT_EQ(replay.output.find("Forces change by up to") != std::string::npos, other) << replay.output;
+    EXPECT_NE(replay.output.find("diverged at"), std::string::npos) << replay.output;
+    EXPECT_EQ(shell("lumbrical replay other.mcap --json", folder).json()["other_arithmetic"].is_null(),
+              !other);
+  }
+}
+
+TEST(CommandLine, ExportIsSmallAndNumPyReadsItsArchive) {
+  const fs::path folder = fresh_folder();
+  ASSERT_EQ(shell("lumbrical run '" + kDemo + "' --record a.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical export a.mcap -o a.csv", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical export a.mcap --format npz -o a.npz", folder).exit_code, 0);
+  EXPECT_LT(fs::file_size(folder / "a.csv"), 5'000'000u);
+  EXPECT_LT(fs::file_size(folder / "a.npz"), 5'000'000u);
+  const std::string csv = read_file(folder / "a.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 10001);
+  EXPECT_EQ(shell("lumbrical export a.mcap --format npz", folder).exit_code, 2);
+  EXPECT_EQ(shell("lumbrical export a.mcap --ticks 9:3", folder).exit_code, 2);
+  EXPECT_NE(shell("lumbrical export a.mcap --segments 'index distl'", folder)
+                .error.find("did you mean index distal"),
+            std::string::npos);
+  const Outcome few = shell(
+      "lumbrical export a.mcap --ticks 4000:4004:2 --columns force.x --segments 'index distal,palm'", folder);
+  EXPECT_EQ(few.output.substr(0, few.output.find('\n')),
+            "tick,time [s],index_distal.force.x [N],palm.force.x [N]");
+  EXPECT_EQ(std::count(few.output.begin(), few.output.end(), '\n'), 4);
+  // An archive is a ZIP file of arrays whose headers Python can evaluate.
+  if (shell("python3 --version", folder).exit_code != 0) GTEST_SKIP() << "no python3";
+  std::ofstream(folder / "read.py") << R"(
+import ast, struct, sys, zipfile
+archive = zipfile.ZipFile('a.npz')
+assert archive.testzip() is None
+def array(name):
+    data = archive.read(name + '.npy')
+    assert data[:8] == b'\x93NUMPY\x01\x00'
+    size = struct.unpack('<H', data[8:10])[0]
+    assert (10 + size) % 64 == 0
+    header, body = ast.literal_eval(data[10:10 + size].decode()), data[10 + size:]
+    count, kind = header['shape'][0], header['descr']
+    if kind[1] == 'S':
+        width = int(kind[2:])
+        return [body[i * width:(i + 1) * width].rstrip(b'\0').decode() for i in range(count)]
+    return struct.unpack('<%d%s' % (count, 'd' if kind == '<f8' else 'Q'), body)
+columns, units = array('columns'), array('units')
+assert len(columns) == len(units) == len(archive.namelist()) - 2
+rows = [line.rstrip('\n').split(',') for line in open('a.csv')]
+for i, (name, unit) in enumerate(zip(columns, units)):
+    assert rows[0][i] == name + (' [%s]' % unit if unit else ''), rows[0][i]
+    values = array(name)
+    assert len(values) == len(rows) - 1
+    for row, value in zip(rows[1:], values):
+        assert abs(float(row[i]) - value) <= 1e-5 * abs(value), (name, row[i], value)
+)";
+  const Outcome read = shell("python3 read.py", folder);
+  EXPECT_EQ(read.exit_code, 0) << read.error;
+}
+
+TEST(CommandLine, ARecordingTellsWhenItWasMadeAndWhatItsNumbersAre) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 10 --record a.mcap", folder).exit_code, 0);
+  const nlohmann::json metadata = shell("lumbrical info a.mcap --json", folder).json()["metadata"];
+  expect_keys(metadata, {"start_utc", "start_monotonic_ns", "program", "arithmetic", "build"});
+  EXPECT_EQ(metadata["arithmetic"], std::string(arithmetic_version()));
+  const std::string utc = metadata["start_utc"];
+  EXPECT_EQ(utc.size(), 30u) << utc;
+  EXPECT_EQ(utc.back(), 'Z');
+  const std::string file = read_file(folder / "a.mcap");
+  for (const char* const text :
+       {"index proximal,index intermediate", "wrist,thumb metacarpal", "thumb abduction,thumb flexion 1",
+        "input lost", "segments.force N in the world frame", "about the joint at the segment's base"})
+    EXPECT_NE(file.find(text), std::string::npos) << text;
+}
+
+TEST(CommandLine, NothingIsWrittenOverWhatIsThere) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 100 --record a.mcap", folder).exit_code, 0);
+  const std::string good = read_file((folder / "a.mcap").string());
+  std::ofstream(folder / "notes.txt") << "mine";
+  for (const char* const command :
+       {"lumbrical run demo.json --ticks 5 --record a.mcap", "lumbrical recover a.mcap -o a.mcap",
+        "lumbrical trim a.mcap --to-tick 5 -o a.mcap", "lumbrical export a.mcap -o a.mcap",
+        "lumbrical replay a.mcap --trace a.mcap --trace-tick 3", "lumbrical world demo.json --output a.mcap",
+        "lumbrical run demo.json --ticks 5 --record notes.txt"}) {
+    const Outcome refused = shell(command, folder);
+    EXPECT_EQ(refused.exit_code, 2) << command;
+    EXPECT_NE(refused.error.find("is there already"), std::string::npos) << command << refused.error;
+  }
+  EXPECT_EQ(read_file((folder / "a.mcap").string()), good);
+  EXPECT_EQ(read_file((folder / "notes.txt").string()), "mine");
+}
+
+// 100 .. 149 are missing: the file is whole, and replay refuses what is behind the gap.
+TEST(CommandLine, MissingTicksAreToldWithAnExitCodeOfTheirOwn) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 600 --record a.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical verify a.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical trim a.mcap --to-tick 100 -o b.mcap && lumbrical trim a.mcap --from-tick 150 -o "
+                  "c.mcap && "
+                  "lumbrical merge b.mcap c.mcap -o gap.mcap",
+                  folder)
+                .exit_code,
+            0);
+  const Outcome verify = shell("lumbrical verify gap.mcap", folder);
+  EXPECT_EQ(verify.exit_code, 5);
+  EXPECT_NE(verify.output.find("50 are missing: ticks 100 to 149"), std::string::npos) << verify.output;
+  EXPECT_EQ(shell("lumbrical verify gap.mcap --json", folder).json()["missing"].dump(), "[[100,149]]");
+  EXPECT_EQ(shell("lumbrical replay gap.mcap", folder).exit_code, 2);
+
+  std::string bytes = read_file((folder / "a.mcap").string());
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);  // in a chunk
+  std::ofstream(folder / "flipped.mcap", std::ios::binary) << bytes;
+  const Outcome recover = shell("lumbrical recover flipped.mcap -o whole.mcap --json", folder);
+  EXPECT_EQ(recover.exit_code, 5) << recover.error;
+  EXPECT_EQ(recover.json()["recovered"].get<int>() + recover.json()["lost"].get<int>(), 600);
+  ASSERT_EQ(recover.json()["missing"].size(), 1u);
+  const auto range = recover.json()["missing"][0];
+  EXPECT_EQ(range[1].get<int>() - range[0].get<int>() + 1, recover.json()["lost"]);
+  EXPECT_EQ(range[0].get<int>() % 20, 0) << "one chunk: a fifth of a second";
+  EXPECT_EQ(recover.json()["lost"], 20);
+  EXPECT_EQ(shell("lumbrical recover a.mcap -o again.mcap", folder).exit_code, 0);
+}
+
+TEST(CommandLine, AReplayThatComesOutRightStillTellsOfADamagedFile) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 50 --record a.mcap", folder).exit_code, 0);
+  std::string bytes = read_file((folder / "a.mcap").string());
+  bytes[13] = static_cast<char>(bytes[13] ^ 1);  // in the header's record, which no tick depends on
+  bytes[30] = static_cast<char>(bytes[30] ^ 1);
+  std::ofstream(folder / "flipped.mcap", std::ios::binary) << bytes;
+  std::ofstream(folder / "torn.mcap", std::ios::binary)
+      << read_file((folder / "a.mcap").string()).substr(0, bytes.size() - 30);
+  for (const char* const name : {"flipped.mcap", "torn.mcap"}) {
+    const Outcome replay = shell(std::string("lumbrical replay ") + name + " --json", folder);
+    EXPECT_EQ(replay.exit_code, 2) << name << replay.error;
+  }
+  EXPECT_TRUE(shell("lumbrical replay torn.mcap --json", folder).json()["identical"]);
+  EXPECT_NE(shell("lumbrical replay torn.mcap", folder).output.find("not whole"), std::string::npos);
+  EXPECT_TRUE(shell("lumbrical replay a.mcap --json", folder).json()["damage"].is_null());
+}
+
+TEST(CommandLine, PartsOfARecordingReplayAndMakeTheWhole) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 900 --record a.mcap", folder).exit_code, 0);
+  const Outcome trim = shell("lumbrical trim a.mcap --from 3 --to 5 -o part.mcap --json", folder);
+  ASSERT_EQ(trim.exit_code, 0) << trim.error;
+  EXPECT_EQ(trim.json()["ticks"], 200);
+  EXPECT_EQ(trim.json()["replayable"], true);
+  EXPECT_EQ(shell("lumbrical replay part.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical split a.mcap --ticks 400 -o p.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical merge p.001.mcap p.002.mcap p.003.mcap -o m.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("cmp a.mcap m.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical compress a.mcap -o z.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical compress z.mcap --with lz4 -o b.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("cmp a.mcap b.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("lumbrical trim a.mcap --from 20 -o none.mcap", folder).exit_code, 2);
+  EXPECT_FALSE(fs::exists(folder / "none.mcap"));
+}
+
+TEST(CommandLine, ReplayTracesAndWeighsAChange) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 500 --record a.mcap", folder).exit_code, 0);
+  const Outcome what_if = shell("lumbrical replay a.mcap --stiffness 1e7 --trace t.txt --json", folder);
+  EXPECT_EQ(what_if.exit_code, 0);
+  expect_keys(what_if.json()["first_divergence"], {"primitive", "triangle", "ulp", "recorded_build"});
+  expect_keys(what_if.json()["what_if"], {"ticks", "force", "torque", "tick_us"});
+  expect_keys(what_if.json()["what_if"]["force"]["index"],
+              {"max", "rms", "max_jnd", "rms_jnd", "felt_ticks"});
+  EXPECT_NE(read_file((folder / "t.txt").string()).find(" contact_force segment"), std::string::npos);
+  EXPECT_EQ(shell("lumbrical replay a.mcap --mesh bowl=x.obj", folder).exit_code, 2);
+  EXPECT_EQ(shell("lumbrical replay a.mcap --mesh x.obj", folder).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace lumbrical::test
