@@ -309,6 +309,11 @@ TEST(CheckHand, NamesTheFieldThatIsWrong) {
   Hand hand = good;
   hand.radius[kRingTip] = 0;
   expect_refused(hand, "radius of ring tip");
+  for (const double radius : {5e-324, 2e252}) {  // no lattice has such steps
+    hand = good;
+    hand.radius[kIndexProximal] = radius;
+    expect_refused(hand, "radius of index proximal");
+  }
   hand = good;
   hand.radius[kPalm] = kNotANumber;
   expect_refused(hand, "radius of palm");

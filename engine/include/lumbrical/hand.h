@@ -107,9 +107,9 @@ Hand default_hand(Side side, double length = 0.19);
 /// The same hand for the other side: reflected in the yz-plane of the wrist.
 Hand mirrored_hand(const Hand& hand);
 
-/// Refuses what the engine cannot feel with: radii not finite or not > 0, bone lengths not finite or
-/// negative, limits the wrong way round, poses that are not finite and of unit quaternion, a palm polygon
-/// that is not flat, convex and of 3 to 16 corners. Names the field.
+/// Refuses what the engine cannot feel with: radii or a palm's thickness not in 1e-6 .. 1000 m, bone lengths
+/// not finite or negative, limits the wrong way round, poses that are not finite and of unit quaternion, a
+/// palm polygon that is not flat, convex and of 3 to 16 corners. Names the field.
 Status check_hand(const Hand& hand);
 
 /// Poses of all 26 joints in the wrist's parent frame B. Angles outside the limits are clamped; returns how

@@ -149,10 +149,12 @@ bool is_convex(const std::vector<Vec3>& polygon) {
   return left != right;
 }
 
+// [m] Cubes and quotients of such lengths are numbers yet.
+bool is_size(double length) { return length >= 1e-6 && length <= 1e3; }
+
 Status check_palm(const Palm& palm) {
   if (!is_finite(palm.height)) return refuse("palm.height must be finite");
-  if (!is_finite(palm.thickness) || palm.thickness <= 0)
-    return refuse("palm.thickness must be finite and > 0");
+  if (!is_size(palm.thickness)) return refuse("palm.thickness must lie between 1e-6 and 1000 m");
   if (palm.polygon.empty()) return {};
   if (palm.polygon.size() < 3 || palm.polygon.size() > 16) {
     return refuse("palm.polygon has " + std::to_string(palm.polygon.size()) +
@@ -214,9 +216,8 @@ Hand mirrored_hand(const Hand& hand) {
 
 Status check_hand(const Hand& hand) {
   for (int j = 0; j < kJointCount; ++j) {
-    if (!is_finite(hand.radius[j]) || hand.radius[j] <= 0) {
-      return refuse("radius of " + std::string(joint_name(j)) + " must be finite and > 0");
-    }
+    if (!is_size(hand.radius[j]))
+      return refuse("radius of " + std::string(joint_name(j)) + " must lie between 1e-6 and 1000 m");
   }
   for (int f = 0; f < kFingerCount; ++f) {
     Status status = check_finger(hand.finger[f], finger_name(f));
