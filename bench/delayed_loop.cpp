@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::int64_t kStep = 100'000;  // [ns] of the device
 constexpr double kBefore = 0.5;          // [s] of exchanges without forces
+constexpr double kStallPause = 0.5;      // [s] from one exchange that stalls to the next
 constexpr double kHalfClosed = 0.25;     // of the motion, where joints without a hand are left
 
 double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -26,6 +27,50 @@ JointArray closing(const DeviceFrame& frame) {
     target[j] = static_cast<double>(frame.angle[4 * (j / 3) + 1 + j % 3]);
   return target;
 }
+
+// What the arm gives to the touch while it moves the wrist, by the torques that act at the moment: they are a
+// share of what some tick wanted, and its forces, by as much, are what the arm would have felt.
+class Arm {
+ public:
+  explicit Arm(const Hand& hand) : hand_(hand) {}
+
+  void keep(const ActuatorFrame& output) {
+    Wanted& wanted = past_[output.tick % past_.size()];
+    wanted.tick = output.tick;
+    wanted.forces = output;
+  }
+  // The wrist moves to where `frame` has it while commands of tick `acting` act with `torque` [N m].
+  std::array<double, kFingerCount> move(const DeviceFrame& frame, std::uint64_t acting,
+                                        const JointArray& torque) {
+    std::array<double, kAngleCount> angles;
+    std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
+    forward_kinematics(hand_, frame.base, angles, X_WJ_);
+    const Pose before = std::exchange(base_, frame.base);
+    const Wanted& wanted = past_[acting % past_.size()];
+    if (!std::exchange(moved_, true) || wanted.tick != acting) return {};
+    std::array<double, kFingerCount> work = arm_work(before, frame.base, X_WJ_, wanted.forces);
+    for (std::size_t f = 0; f < kFingerCount; ++f) {
+      double acts = 0, asked = 0;
+      for (std::size_t j = 3 * f; j < 3 * f + 3; ++j) {
+        acts += torque[j] * wanted.forces.flexion_torque[j];
+        asked += wanted.forces.flexion_torque[j] * wanted.forces.flexion_torque[j];
+      }
+      work[f] *= asked > 0 ? acts / asked : 0;
+    }
+    return work;
+  }
+
+ private:
+  struct Wanted {
+    std::uint64_t tick = 0;
+    HandForces forces;
+  };
+  const Hand& hand_;
+  std::array<Wanted, 256> past_;
+  std::array<Pose, kJointCount> X_WJ_{};
+  Pose base_;
+  bool moved_ = false;
+};
 
 // What is between the ticks and the device.
 class Wire {
@@ -47,12 +92,13 @@ class Wire {
   std::optional<SentCommand> sent() { return std::exchange(told_, std::nullopt); }
   bool arm = false;
   double largest_step = 0;
+  std::uint64_t acting_tick = 0;  // of the command that acts
 
   // Sends, delivers, answers: whatever is due.
   void pass(std::int64_t now) {
     if (waiting_ && now >= arrives_ && !delivered_) deliver();
     if (waiting_ && now >= answered_) take_reply();
-    if (!waiting_ && now >= next_) send(now);
+    if (!waiting_ && now >= due()) send(now);
   }
 
  private:
@@ -69,8 +115,16 @@ class Wire {
         return bus_.delay * run;
       case Delays::stepping:
         return run < 0.4 ? 0 : bus_.delay;
+      case Delays::stalling:
+        if (now < stall_) return 0;
+        stall_ = now + ns(kStallPause);
+        return bus_.delay;
     }
     return 0;
+  }
+  std::int64_t due() const {
+    const double exchange = seconds(answered_ - sent_at_);
+    return std::max(next_, answered_) + ns(wait_for_tick(newest_, sent_at_, exchange, profile_.safety));
   }
   void send(std::int64_t now) {
     SafetyInputs inputs;
@@ -105,6 +159,7 @@ class Wire {
     device_.write(writes.unit, writes.address, std::span(words_.written.data(), writes.count));
     device_.read(reads.unit, reads.address, std::span(words_.read.data(), reads.count));
     delivered_ = true;
+    acting_tick = sending_.tick;
   }
   void take_reply() {
     waiting_ = false;
@@ -132,7 +187,8 @@ class Wire {
   std::optional<SentCommand> told_;
   SentCommand sending_;
   std::uint64_t cycle_ = 0, random_ = 1;
-  std::int64_t published_ = 0, sent_at_ = 0, next_ = 0, arrives_ = 0, answered_ = 0, asked_for_ = 0;
+  std::int64_t published_ = 0, stall_ = 0, sent_at_ = 0, next_ = 0, arrives_ = 0, answered_ = 0,
+               asked_for_ = 0;
   bool waiting_ = false, delivered_ = false;
 };
 
@@ -153,6 +209,7 @@ LoopFelt run_delayed(const Model& model, const Motion& motion, const DeviceProfi
   SimulatedDevice device(truth, simulation);
   HapticLoop loop = start_loop(profile, wanted.options);
   Wire wire(profile, wanted.bus, length, device);
+  Arm arm(model.hand);
   State state;
   Scratch scratch = make_scratch(model);
   scratch.hash_stages = false;
@@ -175,6 +232,9 @@ LoopFelt run_delayed(const Model& model, const Motion& motion, const DeviceProfi
     DeviceFrame frame = resample(motion, max(0, seconds(now - begin)));
     put_angles(loop, now, frame);
     const ActuatorFrame output = tick(model, state, scratch, frame);
+    const std::array<double, kFingerCount> work = arm.move(frame, wire.acting_tick, device.torque());
+    for (std::size_t f = 0; f < kFingerCount; ++f) worn.balance[f] += work[f];
+    arm.keep(output);
     wire.publish(command_forces(model, scratch, frame, output, now, loop), now);
     for (const double torque : device.torque()) felt.torque += std::fabs(torque);
   }

@@ -17,8 +17,9 @@ enum class Delays : std::uint8_t {
   jittering,  ///< evenly between half and one and a half of it
   growing,    ///< from nothing to all of it while the session runs
   stepping,   ///< nothing, then all of it from the middle of the session on
+  stalling,   ///< nothing, but for one exchange in every half second
 };
-inline constexpr const char* kDelayNames[] = {"constant", "jittering", "growing", "stepping"};
+inline constexpr const char* kDelayNames[] = {"constant", "jittering", "growing", "stepping", "stalling"};
 
 struct Bus {
   Delays kind = Delays::constant;

@@ -271,7 +271,23 @@ TEST(StiffnessLimiter, HoldsTheTorqueWhileATouchGetsStifferAndFollowsAShrinkingB
   EXPECT_NEAR(limiter.factor[0], 0.1, 1e-12) << "no less than the bound asks for";
   for (StiffnessBound& bound : certificate.joint) bound.largest = 0.1;
   limit_stiffness(certificate, stiffness, torque, 0.001, limiter);
-  EXPECT_NEAR(limiter.factor[0], 0.01, 1e-12) << "at once";
+  EXPECT_NEAR(limiter.factor[0], 0.1 / 8, 1e-5) << "at once to where it is passive";
+  for (int i = 0; i < 200; ++i) limit_stiffness(certificate, stiffness, torque, 0.001, limiter);
+  EXPECT_GT(limiter.factor[0], 0.0105) << "to the margin without a kick";
+  for (int i = 0; i < 5000; ++i) limit_stiffness(certificate, stiffness, torque, 0.001, limiter);
+  EXPECT_NEAR(limiter.factor[0], 0.01, 1e-12);
+}
+
+// A bus that has become slower makes the same torque a larger part of what may be held: no reason to drop it.
+TEST(EnergyAccount, LetsATorqueStandWhenTheBoundShrinks) {
+  const OneJoint before(0.5), after(0.05);
+  EnergyAccount account;
+  account.energy = 1;
+  const double torque = before.certificate.margin * 0.5 * kLentWay;
+  EXPECT_NEAR(pay(before.certificate, 0, {torque, 0, 0}, 0, account), 1, 1e-12);
+  renew_account(before.certificate, after.certificate, 0, account);
+  EXPECT_NEAR(pay(after.certificate, 0, {torque, 0, 0}, 0, account), 1, 1e-12);
+  EXPECT_LT(pay(after.certificate, 0, {2 * torque, 0, 0}, 0, account), 0.75) << "but it may not grow";
 }
 
 TEST(EnergyAccount, NeverTouchesASpringTheCertificateAllows) {

@@ -164,16 +164,21 @@ TEST(Safety, ALateTickIsHeldThenFadesAndAFreshOneBringsItBackSoftly) {
   EXPECT_EQ(loop.memory.state, SafetyState::active);
   EXPECT_EQ(loop.output.flags & kTickLate, kTickLate);
   loop.inputs.tick_age = 0;
+  loop.step(static_cast<int>(kSettling / loop.inputs.dt) - 1);
+  EXPECT_EQ(loop.output.command[0], 0) << "the hand settles first";
   const double rise = 0.1 * loop.inputs.dt / loop.profile.safety.soft_start;
+  double before = 0;
   for (int i = 1; i <= 30; ++i) {
     loop.step();
-    EXPECT_NEAR(loop.output.command[0], i * rise, 1e-12);
+    EXPECT_LE(loop.output.command[0] - before, rise + 1e-12);
+    before = loop.output.command[0];
   }
+  EXPECT_NEAR(before, 29 * rise, 1.1 * rise);
   loop.step(static_cast<int>(loop.profile.safety.soft_start / loop.inputs.dt));
   EXPECT_NEAR(loop.output.command[0], 0.1, 1e-12);
 }
 
-TEST(Safety, WhatWouldHaveFadedInAGapComesBackSoftly) {
+TEST(Safety, WhatWouldHaveFadedInAGapGoesAndComesBackSoftlyAndOnlyOnceTheHandHasSettled) {
   for (const double gap : {0.004, 0.012, 0.3}) {
     Loop loop;
     loop.activate();
@@ -182,17 +187,23 @@ TEST(Safety, WhatWouldHaveFadedInAGapComesBackSoftly) {
     loop.inputs.gap = 0;
     const bool counts = gap > loop.profile.safety.tick_hold;
     const double left = counts ? std::max(0.0, 1 - gap / loop.profile.safety.fade) : 1;
-    double before = loop.output.command[0];
-    EXPECT_GE(before, 0.1 - 0.021) << "no jump";
-    double least = before;
-    for (int i = 0; i < 100; ++i) {
+    const double pace = 0.1 * loop.inputs.dt / loop.profile.safety.soft_start;
+    double before = loop.output.command[0], least = before;
+    EXPECT_GE(before, 0.1 - pace - 1e-12) << "no jump";
+    int lowest = 0;
+    for (int i = 0; i < 1500; ++i) {
       loop.step();
-      EXPECT_LE(loop.output.command[0] - before,
-                0.1 * loop.inputs.dt / loop.profile.safety.soft_start + 1e-12);
-      before = loop.output.command[0];
-      least = std::min(least, before);
+      const double now = loop.output.command[0];
+      EXPECT_LE(std::fabs(now - before), pace + 1e-12);
+      if (now < least) lowest = i;
+      if (now > least + 1e-12) {
+        EXPECT_GE((i - lowest) * loop.inputs.dt, kSettling - 0.002);
+      }
+      least = std::min(least, now);
+      before = now;
     }
-    EXPECT_NEAR(least, 0.1 * left, 0.003) << gap;
+    EXPECT_NEAR(before, 0.1, 1e-12);
+    EXPECT_NEAR(least, 0.1 * left, 2 * pace) << gap;
   }
 }
 

@@ -57,6 +57,17 @@ TEST_F(ModbusLoop, CommandsArriveAreAcknowledgedAndReported) {
   EXPECT_TRUE(sink.told("closed: the device has acknowledged safe values")) << sink.log();
 }
 
+// On a bus that is slower than its rate the next command would otherwise leave before the tick that has felt
+// the angles of the last reply.
+TEST_F(ModbusLoop, ACommandWaitsForTheTickThatHasFeltTheLastReply) {
+  start();
+  device.faults.delay = 0.03;
+  EXPECT_TRUE(eventually([&] { return sink.cycles > 2 && sink.sink.report().rate < 50; })) << sink.log();
+  const int two = sink.two_exchanges, three = sink.three_exchanges;
+  EXPECT_TRUE(eventually([&] { return sink.two_exchanges + sink.three_exchanges > two + three + 20; }));
+  EXPECT_GT(sink.two_exchanges - two, sink.three_exchanges - three) << "all of them on an idle machine";
+}
+
 TEST_F(ModbusLoop, AKilledAndRestartedServerIsFoundAgain) {
   start();
   device.restart();

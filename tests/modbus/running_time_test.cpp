@@ -29,5 +29,17 @@ TEST(RunningTime, GetsUsedToASlowerBusAndToAFasterOne) {
   EXPECT_NEAR(running.advance(0.1), 0.002, 1e-6);
 }
 
+TEST(WaitForTick, IsNoLongerThanTheExchangeOrTheHoldAndOnlyForAnglesNotYetFelt) {
+  SafetyTimes times;
+  times.tick_hold = 0.005;
+  DeviceCommand command;
+  command.feedback_time = 10;
+  EXPECT_EQ(wait_for_tick(command, 20, 0.003, times), 0.003);
+  EXPECT_EQ(wait_for_tick(command, 20, 0.05, times), 0.005);
+  EXPECT_EQ(wait_for_tick(command, 10, 0.05, times), 0) << "felt already";
+  command.feedback_time = 0;
+  EXPECT_EQ(wait_for_tick(command, 20, 0.05, times), 0) << "not made of angles";
+}
+
 }  // namespace
 }  // namespace lumbrical

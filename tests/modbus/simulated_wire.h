@@ -186,13 +186,17 @@ class TickingSink {
       while (!ending_) {
         if (!stalled) {
           ++command.tick;
-          if (sink.feedback(feedback)) command.feedback_time = feedback.time;
+          if (sink.feedback(feedback)) command.feedback_time = feedback.asked;
           doubts = feedback.flags;
           command.wanted.fill(wanted);
           sink.publish(command);
           while (sink.sent(sent)) {
             ++cycles;
-            if (sent.acknowledged != 0) ++acknowledged;
+            if (sent.acknowledged == 0) continue;
+            ++acknowledged;
+            const double exchanges =
+                static_cast<double>(sent.loop_delay) / static_cast<double>(sent.acknowledged - sent.sent);
+            if (sent.loop_delay != 0) ++(exchanges < 2.5 ? two_exchanges : three_exchanges);
           }
         }
         std::this_thread::sleep_for(1ms);
@@ -223,6 +227,8 @@ class TickingSink {
   std::atomic<bool> stalled{false};
   std::atomic<double> wanted{0.1};
   std::atomic<int> cycles{0}, acknowledged{0};
+  /// From asking for angles to the reply to the command made of them: about so many exchanges.
+  std::atomic<int> two_exchanges{0}, three_exchanges{0};
   std::atomic<std::uint32_t> doubts{0};  ///< flags of the newest feedback
 
  private:

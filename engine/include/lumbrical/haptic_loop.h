@@ -22,6 +22,13 @@ struct LoopOptions {
   bool local = true;     ///< local models, where the device has them
 };
 
+/// What a command gave of each finger's touch.
+struct GivenTouch {
+  std::uint64_t tick = 0;
+  std::array<double, kFingerCount> level{};   ///< share of the torque, 0 .. 1
+  std::array<double, kFingerCount> torque{};  ///< [N m] norm of that share
+};
+
 struct HapticLoop {
   DeviceProfile profile;
   LoopOptions options;
@@ -48,15 +55,16 @@ struct HapticLoop {
   HandStiffness stiffness{};
   StiffnessLimiter limiter;
   std::array<EnergyAccount, kFingerCount> account{};
-  std::array<double, kFingerCount> share = {1, 1, 1, 1, 1};  ///< of the torques, that the accounts pay for
-  std::array<double, kFingerCount> arm{};                    ///< [J] given by the arm since the last sample
+  std::array<double, kFingerCount> arm{};  ///< [J] by the arm to the whole touch since the last sample
   std::array<Pose, kJointCount> X_WJ{};
   Pose base_before;
   double gain = 1;  ///< of the soft start after a gap
-  /// Gain times the limiter's factor, as far as it may have fallen: no command lets go of more than half of
-  /// what the one before gave, so that a bus that suddenly takes its time makes no kick of it.
-  std::array<double, kFingerCount> level{}, level_sent{};
-  std::int64_t now = 0;  ///< of the last command; 0: none yet
+  /// Share of its touch that each finger gets: gain, limiter and account, but no less than lets go of what
+  /// the last command gave without a kick.
+  std::array<double, kFingerCount> level{};
+  GivenTouch given, acting;            ///< by the last command acknowledged, and by the one before
+  std::array<GivenTouch, 256> past{};  ///< by the commands of the last ticks, each at its tick's place
+  std::int64_t now = 0;                ///< of the last command; 0: none yet
 
   // Figures.
   std::array<double, kFingerCount> least_factor = {1, 1, 1, 1, 1}, least_share = {1, 1, 1, 1, 1};

@@ -45,15 +45,16 @@ HandStiffness joint_stiffness(const std::array<Pose, kJointCount>& X_WJ, const H
 /// A factor per finger, 0 .. 1, that holds its stiffness below the certificate's.
 struct StiffnessLimiter {
   std::array<double, kFingerCount> factor = {1, 1, 1, 1, 1};
-  std::array<double, kFingerCount> torque{}, bound{};  ///< [N m], [N m/rad] of the last step
+  std::array<double, kFingerCount> torque{}, allowed{};  ///< [N m], [N m/rad] of the last step
 };
 
 /// One step of `dt` [s]. Stiffness matrix and bounds of a finger are compared by the largest gain of
 /// D^-1/2 K D^-1/2 (its Frobenius norm, which is no less; for a single contact equal), D holding margin times
 /// the bounds. A factor falls at once, but while the touch gets stiffer with depth no further than holds the
 /// torque where it is: a torque that fell as a finger goes deeper would draw it in. Where the bounds shrink,
-/// it falls with them. It recovers with the time constant of one second, so that it does not itself become
-/// part of a fast loop. `torque` [N m] is what the touch asks for.
+/// it falls with them: at once to where the touch is passive, without the margin, and in two seconds to the
+/// margin, since a small change of the bus is no reason for a kick. It recovers with the time constant of one
+/// second, so that it does not itself become part of a fast loop. `torque` [N m] is what the touch asks for.
 void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffness& stiffness,
                      const JointArray& torque, double dt, StiffnessLimiter& limiter);
 
@@ -90,6 +91,11 @@ void keep_account(const StiffnessCertificate& certificate, const DeviceProfile& 
 /// the delay. Scaling only ever takes away: it can't shake by itself.
 double pay(const StiffnessCertificate& certificate, std::size_t finger, const std::array<double, 3>& torque,
            double dt, EnergyAccount& account);
+
+/// With another certificate: what the finger's torques may grow to stays what it was. A bound that has shrunk
+/// is the limiter's affair.
+void renew_account(const StiffnessCertificate& before, const StiffnessCertificate& after, std::size_t finger,
+                   EnergyAccount& account);
 
 /// Lent to a finger, so that a touch can begin: what the stiffest allowed spring holds this far in [rad], and
 /// at most so much [J].

@@ -68,6 +68,8 @@ struct SafetyMemory {
   std::uint32_t causes = 0;  ///< latched faults that no one has reset yet
   bool arm_again = false;    ///< was armed when the link broke
   double gain = 0;           ///< share of the wanted command, 0 .. 1 (soft start)
+  double owed = 0;           ///< by how much the gain has still to fall for a gap
+  double settling = 0;       ///< [s] until it may grow again
   ActuatorArray output{};    ///< last commands
 };
 
@@ -79,6 +81,9 @@ struct SafetyOutput {
   std::uint32_t flags = 0;      ///< SafetyFlag bits of this step, with the latched ones
 };
 
+/// [s] that a hand takes to settle which was let go of: forces that came back sooner would shake it.
+inline constexpr double kSettling = 0.1;
+
 SafetyMemory start_safety(const DeviceProfile& profile);
 
 /// One step. Whatever the inputs:
@@ -89,6 +94,10 @@ SafetyMemory start_safety(const DeviceProfile& profile);
 /// - unless the state is active, and while ticks are late, all commands move to their safe values and reach
 /// them within
 ///   SafetyTimes::fade;
+/// - what faded while ticks were late, or would have faded in a gap longer than SafetyTimes::tick_hold, comes
+/// back
+///   by soft start only, kSettling after it is gone; what a gap would have taken goes at the soft start's
+///   pace;
 /// - a latched fault is left only by `reset` with its cause gone, and then only to idle.
 SafetyOutput step_safety(const DeviceProfile& profile, const SafetyInputs& inputs, SafetyMemory& memory);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "lumbrical/math.h"
 
@@ -12,8 +13,10 @@ namespace {
 // A local model is trusted as far as it takes to make the torque nothing, or twice what it is.
 constexpr double kLocalShare = 1, kLargestRadius = 0.1;  // [1], [rad]
 constexpr double kLocalPeriod = 0.001;                   // [s] of the device's own loop, at least as fast
-constexpr double kMostLetGo = 0.5;                       // of a finger's torque, from one command to the next
-constexpr double kWorthTelling = 0.1;                    // change of a bound, as a share
+// A finger's torque falls no faster than with these time constants, for bus and touch and for its account,
+// and by no more than that share from one command to the next: what the hand falls into is no kick then.
+constexpr double kLetGo = 0.2, kAccountLetGo = 0.015, kMostLetGo = 0.3;  // [s], [s], [1]
+constexpr double kWorthTelling = 0.1;                                    // change of a bound, as a share
 
 double seconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-9; }
 
@@ -53,7 +56,7 @@ void follow_hand(const Model& model, const DeviceFrame& frame, const ActuatorFra
   forward_kinematics(model.hand, frame.base, angles, loop.X_WJ);
   const std::array<double, kFingerCount> work = arm_work(loop.base_before, frame.base, loop.X_WJ, output);
   loop.base_before = frame.base;
-  for (std::size_t f = 0; f < kFingerCount; ++f) loop.arm[f] += loop.level[f] * loop.share[f] * work[f];
+  for (std::size_t f = 0; f < kFingerCount; ++f) loop.arm[f] += work[f];
 }
 
 void keep_accounts(const JointArray& wanted, HapticLoop& loop) {
@@ -61,12 +64,18 @@ void keep_accounts(const JointArray& wanted, HapticLoop& loop) {
   for (std::size_t f = 0; f < kFingerCount; ++f) {
     EnergyStep step;
     step.dt = loop.between;
-    step.given = loop.arm[f];
+    double squares = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       step.moved[k] = loop.moved[3 * f + k];
       step.acted[k] = acted[3 * f + k];
       step.touching = step.touching || step.acted[k] != 0 || wanted[3 * f + k] != 0;
+      squares += step.acted[k] * step.acted[k];
     }
+    // As large a share of it as of the touch acted: the safety envelope may have let less through than was
+    // asked for.
+    const double asked = loop.acting.torque[f],
+                 acted_share = asked > 0 ? min(1, std::sqrt(squares) / asked) : 0;
+    step.given = loop.acting.level[f] * acted_share * loop.arm[f];
     keep_account(loop.certificate, loop.profile, f, step, loop.account[f]);
     loop.arm[f] = 0;
   }
@@ -85,16 +94,42 @@ void weigh_gap(std::int64_t now, double dt, bool touching, HapticLoop& loop) {
   loop.gain = clamp(loop.gain + change, 0, 1);
 }
 
-void set_levels(HapticLoop& loop) {
-  for (std::size_t f = 0; f < kFingerCount; ++f)
-    loop.level[f] = max(loop.gain * loop.limiter.factor[f], kMostLetGo * loop.level_sent[f]);
+double touch_of(const ActuatorFrame& output, std::size_t finger) {
+  const std::size_t j = 3 * finger;
+  const double a = output.flexion_torque[j], b = output.flexion_torque[j + 1],
+               c = output.flexion_torque[j + 2];
+  return std::sqrt(a * a + b * b + c * c);
+}
+
+// The least share of its touch that each finger gets, for its torque to fall no faster. Where the touch
+// itself lets go, the share need not; where no one answers, nothing acts.
+std::array<double, kFingerCount> least_levels(const ActuatorFrame& output, std::int64_t now,
+                                              double time_constant, const HapticLoop& loop) {
+  const double since = seconds(now - loop.sent.sent);
+  std::array<double, kFingerCount> least{};
+  if (!(since <= loop.profile.safety.answer_timeout)) return least;
+  const double kept = 1 - clamp(since / time_constant, 0, kMostLetGo);
+  for (std::size_t f = 0; f < kFingerCount; ++f) {
+    const double level = loop.given.level[f], touch = touch_of(output, f),
+                 torque = kept * loop.given.torque[f];
+    least[f] = level * touch > torque ? torque / touch : level;
+  }
+  return least;
+}
+
+void keep_levels(const ActuatorFrame& output, HapticLoop& loop) {
+  GivenTouch& given = loop.past[output.tick % loop.past.size()];
+  given.tick = output.tick;
+  given.level = loop.level;
+  for (std::size_t f = 0; f < kFingerCount; ++f) given.torque[f] = loop.level[f] * touch_of(output, f);
 }
 
 void renew_certificate(HapticLoop& loop) {
   LoopTiming timing = timing_of(loop.meter);
   // With a local model the fast loop is the device's own; the bus only tells it where the touch has moved to.
   if (loop.local_loop) timing = {kLocalPeriod, 0, 0};
-  loop.certificate = make_certificate(loop.profile, timing);
+  const StiffnessCertificate before = std::exchange(loop.certificate, make_certificate(loop.profile, timing));
+  for (std::size_t f = 0; f < kFingerCount; ++f) renew_account(before, loop.certificate, f, loop.account[f]);
   if (is_measured(loop.meter) && total(timing) > total(loop.slowest)) loop.slowest = timing;
 }
 
@@ -106,8 +141,7 @@ void put_local_models(const DeviceFrame& frame, const JointArray& wanted, const 
     const auto j = static_cast<std::size_t>(
         std::find_if(actuator.arm.begin(), actuator.arm.end(), [](double arm) { return arm != 0; }) -
         actuator.arm.begin());
-    const double share = loop.level[j / 3] * loop.share[j / 3];
-    const double k = share * loop.stiffness[j / 3][j % 3][j % 3];
+    const double k = loop.level[j / 3] * loop.stiffness[j / 3][j % 3][j % 3];
     command.angle[i] = static_cast<double>(frame.angle[angle_of(j)]);
     command.stiffness[i] = max(0, k);
     command.radius[i] = k > 0 ? min(kLocalShare * std::fabs(wanted[j]) / k, kLargestRadius) : 0;
@@ -170,7 +204,9 @@ bool put_angles(const HapticLoop& loop, std::int64_t now, DeviceFrame& frame) {
 void note_exchange(const SentCommand& sent, HapticLoop& loop) {
   const SentCommand before = loop.sent;
   loop.sent = sent;
-  loop.level_sent = loop.level;
+  const GivenTouch& given = loop.past[sent.tick % loop.past.size()];
+  loop.acting = loop.given;
+  if (given.tick == sent.tick) loop.given = given;
   const bool next = sent.cycle == before.cycle + 1 && sent.acknowledged != 0 && before.acknowledged != 0;
   const double interval = seconds(sent.sent - before.sent), delay = seconds(sent.loop_delay);
   if (!next) return;
@@ -207,19 +243,25 @@ DeviceCommand command_forces(const Model& model, const Scratch& scratch, const D
   }
   const bool touching = output.contact_count > 0;
   if (loop.options.gaps && loop.options.feedback) weigh_gap(now, dt, touching, loop);
-  set_levels(loop);
   JointArray wanted;
+  std::array<double, kFingerCount> least = least_levels(output, now, kLetGo, loop);
+  for (std::size_t f = 0; f < kFingerCount; ++f)
+    loop.level[f] = max(loop.gain * loop.limiter.factor[f], least[f]);
   for (std::size_t j = 0; j < kPhalanxCount; ++j) wanted[j] = loop.level[j / 3] * output.flexion_torque[j];
   // A local model's torque changes between two samples, which the account does not see.
   if (angles && loop.certified && loop.options.account && loop.options.feedback && !loop.local_loop) {
     if (loop.fresh) keep_accounts(wanted, loop);
     for (std::size_t f = 0; f < kFingerCount; ++f) {
       const std::array<double, 3> torque = {wanted[3 * f], wanted[3 * f + 1], wanted[3 * f + 2]};
-      loop.share[f] = pay(loop.certificate, f, torque, dt, loop.account[f]);
-      loop.least_share[f] = min(loop.least_share[f], loop.share[f]);
-      for (std::size_t k = 0; k < 3; ++k) wanted[3 * f + k] *= loop.share[f];
+      const double share = pay(loop.certificate, f, torque, dt, loop.account[f]);
+      loop.least_share[f] = min(loop.least_share[f], share);
+      loop.level[f] *= share;
     }
   }
+  least = least_levels(output, now, kAccountLetGo, loop);
+  for (std::size_t f = 0; f < kFingerCount; ++f) loop.level[f] = max(loop.level[f], least[f]);
+  for (std::size_t j = 0; j < kPhalanxCount; ++j) wanted[j] = loop.level[j / 3] * output.flexion_torque[j];
+  keep_levels(output, loop);
   loop.fresh = false;
   for (std::size_t f = 0; f < kFingerCount; ++f)
     loop.least_factor[f] = min(loop.least_factor[f], loop.limiter.factor[f]);

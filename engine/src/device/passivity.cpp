@@ -12,6 +12,8 @@ namespace {
 
 // What a limiter's factor recovers with; slow against anything that shakes [s].
 constexpr double kRecovery = 1;
+// What a bound that shrinks is followed with down to the margin, once below the bound itself [s].
+constexpr double kEase = 2;
 // What torques grow with that no motion asked for, as after a gap [s].
 constexpr double kCreep = 2;
 
@@ -102,29 +104,32 @@ void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffnes
                      const JointArray& torque, double dt, StiffnessLimiter& limiter) {
   for (std::size_t finger = 0; finger < kFingerCount; ++finger) {
     double squares = 0, size = 0, bound = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::size_t a = 3 * finger + i, b = 3 * finger + k;
-        if (!certificate.known[a] || !certificate.known[b]) continue;
-        const double allowed = certificate.margin * std::sqrt(certificate.joint[a].largest) *
-                               std::sqrt(certificate.joint[b].largest);
-        const double share = stiffness[finger][i][k] / allowed;
-        squares += share * share;
-      }
-    }
-    const double gain = std::sqrt(squares);
-    const double wanted = gain > 1 ? 1 / gain : gain <= 1 ? 1 : 0;  // NaN: nothing can be promised
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::size_t j = 3 * finger + i;
+    for (std::size_t j = 3 * finger; j < 3 * finger + 3; ++j) {
       size += torque[j] * torque[j];
       if (certificate.known[j]) bound = min(bound, certificate.joint[j].largest);
     }
     size = std::sqrt(size);
-    // What the torque has grown by and the bound has shrunk by since the last step: so far the factor may
-    // fall.
     const double before = std::exchange(limiter.torque[finger], size);
-    const double bound_before = std::exchange(limiter.bound[finger], bound);
-    const double shrunk = bound < bound_before ? bound / bound_before : 1;
+    const double allowed_before = limiter.allowed[finger];
+    const double eased = min(bound, allowed_before) * (1 - min(1, max(0, dt) / kEase));
+    const double allowed = max(certificate.margin * bound, eased);
+    limiter.allowed[finger] = allowed;
+    const double share = bound > 0 && is_finite(bound) ? allowed / bound : certificate.margin;
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t a = 3 * finger + i, b = 3 * finger + k;
+        if (!certificate.known[a] || !certificate.known[b]) continue;
+        const double most =
+            share * std::sqrt(certificate.joint[a].largest) * std::sqrt(certificate.joint[b].largest);
+        const double part = stiffness[finger][i][k] / most;
+        squares += part * part;
+      }
+    }
+    const double gain = std::sqrt(squares);
+    const double wanted = gain > 1 ? 1 / gain : gain <= 1 ? 1 : 0;  // NaN: nothing can be promised
+    // What the torque has grown by and what is allowed has shrunk by since the last step: so far the factor
+    // may fall.
+    const double shrunk = allowed < allowed_before ? allowed / allowed_before : 1;
     const double held = size > 0 ? min(1, before / size) * shrunk : 0;
     double& factor = limiter.factor[finger];
     factor = wanted < factor ? max(wanted, held * factor)
@@ -177,6 +182,16 @@ double pay(const StiffnessCertificate& certificate, std::size_t finger, const st
   if (wanted > reach) return reach / wanted;
   reach = wanted;
   return 1;
+}
+
+void renew_account(const StiffnessCertificate& before, const StiffnessCertificate& after, std::size_t finger,
+                   EnergyAccount& account) {
+  double softer = 0;  // how many times: energy at the same torque goes with it
+  for (std::size_t j = 3 * finger; j < 3 * finger + 3; ++j) {
+    const double ratio = quotient(before.joint[j].largest, after.joint[j].largest);
+    if (before.known[j] && after.known[j] && is_finite(ratio)) softer = max(softer, ratio);
+  }
+  if (softer > 0) account.reach *= std::sqrt(softer);
 }
 
 std::array<double, kFingerCount> arm_work(const Pose& before, const Pose& after,

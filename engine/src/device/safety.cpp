@@ -86,10 +86,16 @@ double limit_slew(const Actuator& actuator, double fade, bool gently, double dt,
 }
 
 // What fades while nothing comes, or would have faded while nothing could be sent, comes back by soft start
-// only.
-double next_gain(const SafetyTimes& times, double silent, double dt, double gain) {
-  if (silent > 0) return max(0, gain - silent / times.fade);
-  return times.soft_start > 0 ? min(1, gain + dt / times.soft_start) : 1;
+// only. What a gap would have taken is taken after it and as softly: a force let go of quickly, or given back
+// before the hand has settled, is a kick.
+void step_gain(const SafetyTimes& times, bool late, double gap, double dt, SafetyMemory& memory) {
+  const bool silent = gap > times.tick_hold;
+  if (silent) memory.owed = min(memory.gain, memory.owed + gap / times.fade);
+  const double soft = times.soft_start > 0 ? dt / times.soft_start : 1;
+  const double fall = late ? dt / times.fade : min(memory.owed, soft);
+  memory.owed = max(0, memory.owed - fall);
+  memory.settling = silent || fall > 0 ? kSettling : max(0, memory.settling - dt);
+  memory.gain = clamp(memory.gain - fall + (memory.settling > 0 ? 0 : soft), 0, 1);
 }
 
 }  // namespace
@@ -132,9 +138,13 @@ SafetyOutput step_safety(const DeviceProfile& profile, const SafetyInputs& input
   const bool late = active && !ticks_fresh(profile, inputs);
   if (late) output.flags |= kTickLate;
   if (!inputs.dead_man) output.flags |= kDeadManReleased;
-  const bool gap = inputs.gap > profile.safety.tick_hold;
   const double gain = memory.gain;
-  memory.gain = active ? next_gain(profile.safety, late ? dt : gap ? inputs.gap : 0, dt, gain) : 0;
+  if (active) {
+    step_gain(profile.safety, late, inputs.gap, dt, memory);
+  } else {
+    memory.gain = memory.owed = memory.settling = 0;
+  }
+  const bool fading = late || memory.owed > 0;
   if (active && memory.gain < 1) output.flags |= kSoftStart;
 
   output.at_safe_values = true;
@@ -148,7 +158,7 @@ SafetyOutput step_safety(const DeviceProfile& profile, const SafetyInputs& input
       if (within != inputs.wanted[i]) output.flags |= kClamped;
       target = actuator.safe + memory.gain * (within - actuator.safe);
     }
-    const double next = limit_slew(actuator, profile.safety.fade, late || gap, dt, memory.output[i], target);
+    const double next = limit_slew(actuator, profile.safety.fade, fading, dt, memory.output[i], target);
     if (active && !late && next != target) output.flags |= kSlewLimited;
     memory.output[i] = clamp(next, actuator.lower, actuator.upper);
     output.command[i] = memory.output[i];

@@ -132,6 +132,27 @@ void ModbusSink::Worker::lose(std::string why) {
   retry = retry == 0 ? profile.first_retry : std::min(2 * retry, profile.last_retry);
 }
 
+void ModbusSink::Worker::take_command() {
+  PublishedCommand fresh;
+  if (!commands.take(fresh)) return;
+  newest = fresh;
+  lost_before = running.lost;
+}
+
+// Looks for the command again and again rather than being woken: the thread that ticks makes no system call.
+void ModbusSink::Worker::await_tick() {
+  constexpr std::chrono::microseconds kLook{50};
+  const std::int64_t begun = now_ns();
+  for (;;) {
+    take_command();
+    const std::int64_t now = now_ns();
+    const bool ticking = seconds(now - newest.time) <= profile.safety.tick_hold;
+    const double wait = wait_for_tick(newest.command, asked_at, exchange, profile.safety);
+    if (!standing || !ticking || stop || closing || seconds(now - begun) >= wait) return;
+    std::this_thread::sleep_for(kLook);
+  }
+}
+
 SafetyOutput ModbusSink::Worker::decide(std::int64_t now) {
   const double elapsed = seconds(now - last_step);
   last_step = now;
@@ -139,10 +160,7 @@ SafetyOutput ModbusSink::Worker::decide(std::int64_t now) {
   SafetyInputs inputs;
   inputs.dt = running.advance(elapsed);
   inputs.gap = elapsed - inputs.dt;
-  if (PublishedCommand fresh; commands.take(fresh)) {
-    newest = fresh;
-    lost_before = running.lost;
-  }
+  take_command();
   inputs.connected = link.is_open() && handshaken && any_answer &&
                      seconds(now - last_answer) <= profile.safety.answer_timeout;
   inputs.device_ready = device.ready;
@@ -307,6 +325,7 @@ bool ModbusSink::Worker::step() {
     if (handshaken) last_echo_change = now_ns();
   }
   look_back();
+  await_tick();
   SafetyOutput output = decide(now_ns());
   if (options.dry_run) {
     for (std::size_t i = 0; i < profile.actuators.size(); ++i) output.command[i] = profile.actuators[i].safe;
@@ -323,6 +342,7 @@ bool ModbusSink::Worker::step() {
     standing = acknowledged;
     const std::int64_t now = now_ns();
     if (acknowledged) {
+      exchange = seconds(now - sent);
       take_feedback(now);
       last_answer = now;
       any_answer = true;

@@ -55,6 +55,7 @@ struct ModbusSink::Worker {
   PublishedCommand newest;
   std::int64_t opened = 0, last_step = 0, last_answer = 0, next_try = 0, last_echo_change = 0;
   std::int64_t asked_at = 0;  // when the request for the newest angles left
+  double exchange = 0;        // [s] the last one acknowledged
   RunningTime running;
   double lost_before = 0;  // of running.lost, when the newest command came
   double retry = 0;
@@ -94,6 +95,8 @@ struct ModbusSink::Worker {
   void lose(std::string why);
   bool answered(const LinkResult& result, const char* doing, const RegisterBlock& block);
   void tell_transition(SafetyState before, std::uint32_t flags);
+  void take_command();
+  void await_tick();
   SafetyOutput decide(std::int64_t now);
   void look_back();
   bool transfer();

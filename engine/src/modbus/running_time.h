@@ -1,6 +1,7 @@
 // Time as a thread that sends commands counts it.
 #pragma once
 
+#include "lumbrical/device_link.h"
 #include "lumbrical/math.h"
 
 namespace lumbrical {
@@ -17,9 +18,19 @@ struct RunningTime {
   double advance(double elapsed) {
     const double counted = min(elapsed, 2 * usual);
     lost += elapsed - counted;
-    usual += (counted - usual) / 16;
+    usual += (counted - usual) / 8;
     return counted;
   }
 };
+
+/// [s] that a cycle waits, once it is due, for the tick that feels what the last reply, asked for at `asked`
+/// [ns], has told: without it the command of a slow bus is older by a whole exchange. No longer than the
+/// exchange took, so that little is lost where ticks are slower than the bus, and no longer than a command
+/// may be held.
+inline double wait_for_tick(const DeviceCommand& newest, std::int64_t asked, double exchange,
+                            const SafetyTimes& times) {
+  const bool made_of_angles = newest.feedback_time != 0;
+  return made_of_angles && newest.feedback_time < asked ? min(exchange, times.tick_hold) : 0;
+}
 
 }  // namespace lumbrical
