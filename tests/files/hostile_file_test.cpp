@@ -1,5 +1,6 @@
 // Files made to hang their reader, to fill its memory or to lead it elsewhere.
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -7,6 +8,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
 
 #include "flatbuffers/flatbuffers.h"
 #include "lumbrical/device_profile.h"
@@ -91,6 +95,26 @@ TEST(HostileFile, ASessionOfOneObjectAMillionTimesIsRefused) {
   EXPECT_EQ(status.message(), "the session's objects overlap");
 }
 
+/// A number of /proc/self/status [bytes].
+std::uint64_t memory(const std::string& name) {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    std::uint64_t kilobytes = 0;
+    if (word == name + ":" && status >> kilobytes) return 1024 * kilobytes;
+  }
+  return 0;
+}
+
+/// [bytes] by which this process grows at most meanwhile.
+template <class Work>
+std::uint64_t memory_taken(Work&& work) {
+  ::malloc_trim(0);
+  std::ofstream("/proc/self/clear_refs") << "5";  // the peak begins anew
+  const std::uint64_t before = memory("VmRSS");
+  work();
+  return memory("VmHWM") - std::min(memory("VmHWM"), before);
+}
+
 double processor_seconds() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
@@ -133,6 +157,111 @@ TEST(HostileFile, AMegabyteOfBombsIsReadWithinASecondOfProcessorTime) {
     EXPECT_TRUE(recover_recording(path, cleared(temporary_path("recovered.mcap")), recovered, lost).ok());
     EXPECT_LT(read - before, 1) << "read and verified";
     EXPECT_LT(processor_seconds() - read, 1) << "recovered";
+  }
+}
+
+/// The start of a good file, and all that a writer puts between a summary's beginning and the end.
+std::vector<std::uint8_t> file_with_summary(
+    const std::function<void(mcap::ByteWriter&, const Summary&)>& put) {
+  const std::string path = temporary_path("summary.mcap");
+  write_recording(cleared(path), small_scene(), random_records(5, 91));
+  InputFile file;
+  Summary summary;
+  bool present = false;
+  EXPECT_TRUE(file.open(path).ok() && read_summary(file, summary, present).ok());
+  std::vector<std::uint8_t> bytes = read_bytes(path);
+  bytes.resize(summary.start);
+  mcap::ByteWriter out;
+  put(out, summary);
+  append(out, mcap::Footer{summary.start, 0, 0});
+  out.raw(mcap::kMagic);
+  bytes.insert(bytes.end(), out.bytes().begin(), out.bytes().end());
+  return bytes;
+}
+
+/// A map of as many short texts as fit.
+std::map<std::string, std::string> short_texts(std::size_t count) {
+  std::map<std::string, std::string> map;
+  for (std::size_t i = 0; i < count; ++i) map[std::to_string(i)];
+  return map;
+}
+
+Scene scene_of_objects(std::size_t count) {
+  Scene scene = small_scene();
+  scene.objects.assign(count, {"", scene.objects[0].mesh});
+  return scene;
+}
+
+Scene scene_of_triangles(std::size_t count) {
+  Scene scene = small_scene();
+  scene.objects[0].mesh.triangles.assign(count, {0, 1, 2});
+  return scene;
+}
+
+std::vector<std::uint8_t> recording_of(const Scene& scene) {
+  const std::string path = temporary_path("scene.mcap");
+  write_recording(cleared(path), scene, {});
+  return read_bytes(path);
+}
+
+// Whether it is refused or not: whoever looks at a file needs at most four times its size, or 64 MB.
+TEST(HostileFile, TakesNoMoreMemoryThanFourTimesItsSizeOr64MB) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer's memory is its own";
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+  GTEST_SKIP() << "a sanitizer's memory is its own";
+#endif
+#endif
+  const std::vector<std::uint8_t> zeros(16u << 20, 0);
+  std::vector<std::uint8_t> packed(ZSTD_compressBound(zeros.size()));
+  packed.resize(ZSTD_compress(packed.data(), packed.size(), zeros.data(), zeros.size(), 1));
+  struct Made {
+    const char* name;
+    std::vector<std::uint8_t> bytes;
+  };
+  std::vector<Made> files;
+  files.push_back({"zeros", file_of_chunks({0, 0, zeros.size(), 0, "zstd", packed}, 1'000'000)});
+  files.push_back({"an index of chunks", file_with_summary([](mcap::ByteWriter& out, const Summary& good) {
+                     for (const mcap::Channel& channel : good.channels) append(out, channel);
+                     mcap::ChunkIndex chunk = good.chunks.at(0);
+                     chunk.message_index_offsets.clear();
+                     for (; out.size() < 20'000'000; chunk.offset += 100) append(out, chunk);
+                   })});
+  files.push_back(
+      {"channels of short texts", file_with_summary([](mcap::ByteWriter& out, const Summary& good) {
+         mcap::Channel channel = good.channels.at(0);
+         channel.metadata = short_texts(250'000);
+         while (out.size() < 20'000'000) append(out, channel), ++channel.id;
+       })});
+  files.push_back({"metadata of short texts", file_with_summary([](mcap::ByteWriter& out, const Summary&) {
+                     while (out.size() < 20'000'000)
+                       append(out, mcap::Metadata{"lumbrical", short_texts(250'000)});
+                   })});
+  files.push_back({"objects", recording_of(scene_of_objects(100'000))});
+  files.push_back({"triangles", recording_of(scene_of_triangles(1'700'000))});
+  for (const Made& made : files) {
+    SCOPED_TRACE(made.name);
+    const std::string path = temporary_path("made.mcap");
+    write_bytes(path, made.bytes);
+    const double most = std::max(64e6, 4 * static_cast<double>(made.bytes.size()));
+    EXPECT_LE(
+        static_cast<double>(memory_taken([&] { static_cast<void>(RecordingReader().open(path).ok()); })),
+        most)
+        << "opened";
+    EXPECT_LE(static_cast<double>(memory_taken([&] {
+                RecordingInfo info;
+                static_cast<void>(verify_recording(path, info).ok());
+              })),
+              most)
+        << "verified";
+    EXPECT_LE(static_cast<double>(memory_taken([&] {
+                std::uint64_t recovered = 0, lost = 0;
+                static_cast<void>(
+                    recover_recording(path, cleared(temporary_path("recovered.mcap")), recovered, lost).ok());
+              })),
+              most)
+        << "recovered";
   }
 }
 

@@ -134,6 +134,28 @@ TEST(DeviceProgram, AnglesThatCannotBeLetForcesFadeAndAreFlaggedInTheRecording) 
   EXPECT_EQ(last, 0);
 }
 
+// What the sink's URI may leave out is left out.
+TEST(DeviceProgram, GoesWithoutForcesOrWithoutAHeartbeatFeedbackAndProtectionsIfTold) {
+  const auto run = [](const std::string& parameters, const std::filesystem::path& folder) {
+    const Outcome outcome = shell(with_device("--tcp 0",
+                                              "lumbrical run scene.json --rate 100 --ticks 250 --json --sink "
+                                              "\"modbus-tcp://127.0.0.1:$port?profile=device.json&" +
+                                                  parameters + "\""),
+                                  folder);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+    EXPECT_GT(outcome.json()["device"]["acknowledged"], 10);
+    return largest(sim_figures(folder), "peak_torque");
+  };
+  const auto folder = fresh_folder();
+  write_inputs(folder);
+  EXPECT_EQ(run("dry-run=on", folder), 0);
+  json mute = json::parse(test::read_file((folder / "device.json").string()));
+  mute.erase("heartbeat");
+  std::ofstream(folder / "device.json") << mute;
+  const std::string all = "unattended=accepted&network=any&feedback=off&limiter=off&observer=off&local=off";
+  EXPECT_GT(run(all, folder), 0.001);
+}
+
 TEST(DeviceProgram, RunsOverATerminal) {
   if (!test::have_terminals()) GTEST_SKIP() << test::kNoTerminals;
   const auto folder = fresh_folder();

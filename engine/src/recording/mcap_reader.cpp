@@ -73,25 +73,40 @@ bool is_magic(Bytes bytes) {
          std::equal(bytes.begin(), bytes.end(), reinterpret_cast<const std::uint8_t*>(kMagic.data()));
 }
 
+// As many as there are channels at most: a list of records takes several times their room in the file.
+constexpr std::size_t kMostRecords = 65536;
+
 template <class Record>
 bool parse_into(Bytes content, std::vector<Record>& list) {
-  return parse(content, list.emplace_back());
+  return list.size() < kMostRecords && parse(content, list.emplace_back());
 }
 
-bool add_to_summary(Opcode opcode, Bytes content, Summary& summary) {
+// Chunks alone are many. Their list never grows, which would take it twice: `room` is of the whole summary.
+// One with messages of more channels is not from a recorder of hands.
+bool add_chunk(Bytes content, std::uint64_t room, Summary& summary) {
+  constexpr std::uint64_t kLeastIndex = 73;
+  constexpr std::size_t kMostChannels = 8;
+  if (summary.chunks.empty()) summary.chunks.reserve(room / kLeastIndex + 1);
+  return parse(content, summary.chunks.emplace_back()) &&
+         summary.chunks.back().message_index_offsets.size() <= kMostChannels;
+}
+
+bool add_to_summary(Opcode opcode, Bytes content, std::uint64_t room, Summary& summary) {
   switch (opcode) {
     case Opcode::schema: {
       Schema schema;
-      if (!parse(content, schema)) return false;
+      if (summary.schemas.size() == kMostRecords || !parse(content, schema)) return false;
       summary.schemas.push_back({schema.id, schema.name, schema.encoding});
       return true;
     }
     case Opcode::statistics:
       return !summary.statistics && parse(content, summary.statistics.emplace());
     case Opcode::channel:
-      return parse_into(content, summary.channels);
+      if (!parse_into(content, summary.channels)) return false;
+      summary.channels.back().metadata.clear();  // no one asks
+      return true;
     case Opcode::chunk_index:
-      return parse_into(content, summary.chunks);
+      return add_chunk(content, room, summary);
     case Opcode::attachment_index:
       return parse_into(content, summary.attachments);
     case Opcode::metadata_index:
@@ -270,7 +285,8 @@ Status read_summary(const InputFile& file, Summary& summary, bool& present) {
                          "a record of the summary is larger than any needs to be; recover rebuilds it");
     if (Status status = file.read(offset, place.end() - offset, bytes); !status.ok()) return status;
     crc = crc32(crc, bytes);
-    if (!add_to_summary(place.opcode, Bytes(bytes).subspan(kRecordHeaderSize), summary))
+    if (!add_to_summary(place.opcode, Bytes(bytes).subspan(kRecordHeaderSize), footer_at - summary.start,
+                        summary))
       return file.broken(offset,
                          "the summary holds a record that is damaged or does not belong there; "
                          "recover rebuilds it");
