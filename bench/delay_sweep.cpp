@@ -45,17 +45,25 @@ struct Cell {
   LoopFelt felt;
 };
 
-// All protections meet everything in the play they were tuned on; in the others, and where one is left out,
-// the device has no friction: there it is missed most.
+// What the protections are compared on. Where the device has no friction, what is left out is missed most.
+bool is_compared(const Cell& cell) {
+  return (cell.play == Play::grasp || cell.play == Play::press) && cell.stiffness > 0 && cell.hand == 0 &&
+         cell.friction == 0 && cell.rate == kRates[0];
+}
+
+// Cells of all protections where they were not tuned.
+bool is_other(const Cell& cell) {
+  return cell.play != Play::grasp && cell.stiffness == 1 && cell.friction == 0 && cell.rate == kRates[0];
+}
+
+// All protections meet everything in the play they were tuned on.
 bool is_wanted(const Cell& cell, bool everything) {
   const bool fast = cell.rate == kRates[0], slippery = cell.friction == 0, demo = cell.stiffness == 1;
-  if (cell.protection > 0)
-    return everything && (cell.play == Play::grasp || cell.play == Play::press) && cell.stiffness > 0 &&
-           cell.hand == 0 && slippery && fast;
-  if (!everything) return demo && cell.hand == 0 && slippery && fast;
-  if (cell.play != Play::grasp) return demo && slippery && fast;
+  if (!everything) return cell.protection == 0 && demo && cell.hand == 0 && slippery && fast;
+  if (is_compared(cell)) return true;
+  if (cell.protection > 0) return false;
   // A slower device adds little to a slow bus.
-  return fast || (demo && slippery);
+  return is_other(cell) || (cell.play == Play::grasp && (fast || (demo && slippery)));
 }
 
 std::vector<Cell> cells_of(bool everything) {
@@ -157,12 +165,6 @@ void print_head(const char* title, const char* what) {
       title, what);
 }
 
-// What the protections are compared on.
-bool is_compared(Cell cell) {
-  cell.protection = 1;
-  return is_wanted(cell, true);
-}
-
 std::string draw(const std::vector<Cell>& cells) {
   std::vector<DelayCurve> curves;
   const std::vector<Protection> list = protections();
@@ -226,7 +228,7 @@ int main(int argc, char** argv) {
   for (const Play play : kPlays) {
     if (play != Play::grasp)
       print_row(kPlayNames[static_cast<std::size_t>(play)],
-                worst_of(cells, [&](const Cell& c) { return anywhere(c) && c.play == play; }));
+                worst_of(cells, [&](const Cell& c) { return anywhere(c) && is_other(c) && c.play == play; }));
   }
   print_head(
       "With one protection left out (grasp and press, the stiffer two, relaxed hand, no friction, 1 kHz)",

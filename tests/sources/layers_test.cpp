@@ -116,6 +116,7 @@ const Outside kOutside[] = {
      "modbus_(server|link|network))[.]cpp|tools/"
      ".*|tests/"
      ".*|bench/.*)"},
+    {"malloc[.]h", "tests/.*"},
     {"modbus/.*", "engine/src/modbus/modbus_link[.]cpp"},
     {"(poll|sched|pthread|signal|spawn|termios|errno|time|netdb|arpa/\\w+|netinet/\\w+)[.]h",
      "(engine/src/modbus/modbus_\\w+[.]cpp|tools/.*|tests/.*)"},
