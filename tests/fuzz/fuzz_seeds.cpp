@@ -105,7 +105,7 @@ bool write_messages(const fs::path& folder) {
   flatbuffers::FlatBufferBuilder builder;
   for (const std::uint64_t tick : {0u, 1u}) {
     const TickRecord record = seed_record(tick);
-    encode_tick(record, true, make_input_check(input_fields(record)), builder);
+    encode_tick(record, true, input_check_of(record), builder);
     seed(tick == 0 ? "tick_angles" : "tick_poses", 0, {builder.GetBufferPointer(), builder.GetSize()});
   }
   ByteVector session;

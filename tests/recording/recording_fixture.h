@@ -232,7 +232,7 @@ inline void alter_recording(const std::string& from, const std::string& to,
     ASSERT_TRUE(reader.next(record, end).ok());
     if (end) break;
     const std::uint64_t tick = record.output.tick;
-    const InputCheck check = make_input_check(input_fields(record));
+    const InputCheck check = input_check_of(record);
     if (!edit(record)) continue;
     encode_tick(record, record.has_forces, check, builder);
     status = writer.message(tick_time(tick, 1e9 / rate), static_cast<std::uint32_t>(tick),

@@ -89,7 +89,7 @@ Status renumbered(const std::string& path,
   flatbuffers::FlatBufferBuilder builder;
   for (const auto& [tick, sequence] : ticks) {
     const TickRecord record = random_record(random, tick);
-    encode_tick(record, true, make_input_check(input_fields(record)), builder);
+    encode_tick(record, true, input_check_of(record), builder);
     EXPECT_TRUE(
         writer.message(tick_time(tick, 1e6), sequence, {builder.GetBufferPointer(), builder.GetSize()}).ok());
   }

@@ -26,7 +26,7 @@ const Rule kRules[] = {
     {Layer::base, "engine/include/lumbrical", "math shared_array status"},
     {Layer::base, "engine/src/base", "*"},
 
-    {Layer::model, "engine/include/lumbrical", "mesh shapes hand model contact voxel search_memory"},
+    {Layer::model, "engine/include/lumbrical", "mesh shapes hand model object contact voxel search_memory"},
     {Layer::model, "engine/src/model", "*"},
     {Layer::model, "engine/src/index", "*"},
 
@@ -41,6 +41,7 @@ const Rule kRules[] = {
     {Layer::stages, "engine/src/stages", "*"},
 
     {Layer::engine, "engine/include/lumbrical", "tick probe jacobian batch clearance"},
+    {Layer::engine, "engine/src/objects", "*"},
     {Layer::engine, "engine/src/tick", "*"},
 
     {Layer::device, "engine/include/lumbrical",
@@ -106,7 +107,8 @@ const Outside kOutside[] = {
     {"openvdb/.*", "engine/src/index/voxel_grid_openvdb[.]cpp"},
     {"(xmmintrin|immintrin|cfenv)([.]h)?", "engine/src/base/floating_point[.].*|tests/.*"},
     {"flatbuffers/.*",
-     "engine/src/(files/(json_file|device_profile_file|scene_file|scene_parts)|recording/\\w+)[.].*|tests/"
+     "engine/src/(files/(json_file|device_profile_file|scene_file|scene_mechanics|scene_parts)|recording/"
+     "\\w+)[.].*|tests/"
      ".*"},
     {"nlohmann/.*",
      "(engine/src/(motion/motion_\\w+|model/(mesh_gltf|gltf_buffers))[.].*|tools/.*|tests/.*)"},

@@ -40,7 +40,7 @@ inline std::vector<DeviceFrame> grasp_frames(const Hand& hand, std::size_t count
 /// Hash of all stages and states of a run.
 inline std::uint64_t hash_run(const Model& model, const std::vector<DeviceFrame>& frames,
                               std::uint32_t* contacts = nullptr) {
-  State state;
+  State state = make_state(model);
   Scratch scratch = make_scratch(model);
   Hasher hasher;
   for (const DeviceFrame& frame : frames) {

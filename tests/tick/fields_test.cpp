@@ -36,7 +36,7 @@ TEST(Fields, AreNamedFromTheOutermostStructInwards) {
   EXPECT_EQ(device[10 + 7 * 7 + 1].type, NumberType::real32);
   EXPECT_EQ(device.back().name, "angle[19]");
   EXPECT_EQ(device.back().unit, "rad");
-  const std::vector<NumberField>& state = fields_of<State>();
+  const std::vector<NumberField>& state = fields_of<HandState>();
   EXPECT_EQ(state[0].type, NumberType::whole);
   EXPECT_EQ(state.back().name, "held.flexion_torque[15]");
   EXPECT_EQ(state.back().unit, "N m");

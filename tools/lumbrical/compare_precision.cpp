@@ -91,6 +91,7 @@ Status compare_precision(const Scene& scene, const Execution& execution, const M
     free.settings.precision.fill(kRungs[i]);
     if (Status status = build_model(free, execution, rungs[i].model); !status.ok()) return status;
     rungs[i].scratch = make_scratch(rungs[i].model);
+    rungs[i].state = make_state(rungs[i].model);
     rungs[i].scratch.hash_stages = false;
   }
   const double rate = scene.settings.rate;

@@ -47,7 +47,7 @@ std::vector<Scratch> fresh_scratches(const std::vector<Model>& models) {
 
 void tick_all(const std::vector<Model>& models, std::vector<Scratch>& scratches, const TickFrames& frames) {
   for (std::size_t hand = 0; hand < models.size(); ++hand) {
-    State state;
+    State state = make_state(models[hand]);
     tick(models[hand], state, scratches[hand], frames[hand]);
   }
 }

@@ -60,7 +60,7 @@ void add_evaluations(const TickRecord& record, RunStatistics& statistics) {
 // Ticks as the session's first one, whose forces go nowhere: the device is not armed.
 void tick_unarmed(const SessionHand& hand, double seconds, Scratch& scratch, DeviceLoop& device) {
   const auto& [model, motion] = hand;
-  State state;
+  State state = make_state(model);
   TickRecord record;
   const auto ticks = static_cast<std::uint64_t>(std::ceil(seconds * model.settings.rate));
   const std::int64_t first = clock_ns();
@@ -85,8 +85,8 @@ struct MovingHand {
 std::vector<MovingHand> moving(const std::vector<SessionHand>& hands, bool recorded) {
   std::vector<MovingHand> result;
   for (const SessionHand& hand : hands) {
-    MovingHand& added = result.emplace_back(
-        MovingHand{hand, hand.motion.samples.size() == 1, {}, make_scratch(hand.model), {}});
+    MovingHand& added = result.emplace_back(MovingHand{
+        hand, hand.motion.samples.size() == 1, make_state(hand.model), make_scratch(hand.model), {}});
     added.scratch.hash_stages = recorded;
     added.record.hand = static_cast<std::uint8_t>(result.size() - 1);
   }
@@ -103,6 +103,7 @@ void tick_hand(double time, const SessionParts& parts, WorldPager& pager, Moving
   const std::int64_t start = clock_ns();
   record.output = tick(moving.hand.model, moving.state, moving.scratch, record.device);
   record.duration_ns = nanoseconds_between(start, clock_ns());
+  take_objects(moving.scratch, record);
 }
 
 // False: the recording failed, and the session is to end with it.

@@ -12,6 +12,12 @@
 namespace lumbrical::tool {
 namespace {
 
+std::size_t all_triangles(const Model& model) {
+  std::size_t count = model.triangles.size();
+  for (const ApartObject& object : model.apart) count += object.shape->triangles.size();
+  return count;
+}
+
 struct FlagText {
   TickFlag flag;
   const char* name;
@@ -29,6 +35,9 @@ constexpr FlagText kFlagTexts[] = {
     {kCandidateOverflow, "candidate overflow", "raise settings.max_candidates"},
     {kForceLimited, "force limited", "a segment came near settings.max_force, and its force saturates"},
     {kCoarsened, "coarsened", "samples were coarser than asked, to stay within settings.effort"},
+    {kObjectMissing, "object missing", "objects that are given were not told where they are, and stayed"},
+    {kObjectImplausible, "object implausible",
+     "poses of given objects were not finite or jumped: forces faded"},
     {kFading, "fading", "forces faded to zero or rose again: their input could not be trusted for a while"},
 };
 
@@ -151,8 +160,8 @@ void add_hands(const RunSummary& summary, Json& json) {
 }
 
 void add_objects(const Model& model, std::size_t world_held, Json& json) {
-  json["triangles"] = model.triangles.size();
-  for (const World::Object& object : model.objects) {
+  json["triangles"] = all_triangles(model);
+  for (const World::Object& object : all_objects(model)) {
     json["objects"].push_back(
         {{"name", object.name}, {"triangles", object.triangle_count}, {"winding", to_json(object.winding)}});
   }
@@ -220,7 +229,7 @@ void add_hand(const RunSummary& summary, std::size_t i, Table& table) {
   table.add("hand", run.hands.size() > 1 ? std::string(side_name(model.hand.side))
                                          : hand_text(summary.scene_file.motion));
   table.add("contacts", "mean " + brief(mean_contacts(run, hand)) + "   max " + grouped(hand.max_contacts) +
-                            "   of " + grouped(model.triangles.size()) + " triangles");
+                            "   of " + grouped(all_triangles(model)) + " triangles");
   for (std::size_t line = 0; run.hands.size() > 1 && line < hand.untouched.size(); ++line)
     table.add(line == 0 ? "not touched" : "", hand.untouched[line]);
   add_peaks(hand, model.settings.max_force, table);
@@ -233,7 +242,7 @@ void add_computed_with(const RunSummary& summary, Table& table) {
                                  law_of(model.settings) + ", " + std::string(isa_name(model.execution.isa)) +
                                  ", " + std::to_string(model.execution.threads) + " thread(s)");
   if (const auto report = voxel_report(model)) add_voxels(*report, table);
-  add_windings(model.objects, table);
+  add_windings(all_objects(model), table);
   const SceneFile& scene_file = summary.scene_file;
   if (scene_file.aligned) table.add("aligned", "write into the scene's motion, in the place of align:");
   if (scene_file.aligned) table.add("", pose_text(scene_file.placement.pose));

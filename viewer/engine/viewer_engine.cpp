@@ -59,6 +59,7 @@ Status open_session(std::span<const std::uint8_t> session, std::span<const std::
   }
   if (Status status = build_model(scene, {}, model); !status.ok()) return status;
   scratch = make_scratch(model);
+  if (initial_state.objects.size() != model.apart.size()) initial_state.objects = make_state(model).objects;
   return {};
 }
 
@@ -69,7 +70,10 @@ Status run_tick(std::span<const std::uint8_t> bytes) {
   if (recorded != state.tick)
     return Status::error("tick " + std::to_string(recorded) + " came where tick " +
                          std::to_string(state.tick) + " was due");
-  record.output = tick(model, state, scratch, record.device);
+  // Amid a session objects are where they were recorded; what skin remembered of them is not known.
+  for (std::size_t i = 0; i < state.objects.size() && i < record.object_count; ++i)
+    state.objects[i].pose = record.object[i].pose;
+  record.output = tick(model, state, scratch, record.device, given_of(record));
   return {};
 }
 
@@ -214,7 +218,7 @@ bool open_recording(std::uint32_t session_size, std::uint32_t state_size, std::u
 
 /// The next message is that of this tick: with the state the file begins with where it is the file's first.
 PAGE_MAY_CALL(begin) void begin_at(std::uint32_t tick, bool first) {
-  state = first ? initial_state : State{};
+  state = first ? initial_state : make_state(model);
   state.tick = tick;
 }
 
@@ -260,11 +264,11 @@ PAGE_MAY_CALL(schema) void answer_schema() {
 PAGE_MAY_CALL(touch) void touch_with_hand() {
   record = {};
   record.device = lab_frame();
-  record.output = tick(model, state, scratch, record.device);
+  record.output = tick(model, state, scratch, record.device, given_of(record));
   record.stage_hash = scratch.stage_hash;
   record.state_hash = hash_state(state);
   flatbuffers::FlatBufferBuilder builder;
-  encode_tick(record, true, make_input_check(input_fields(record)), builder);
+  encode_tick(record, true, input_check_of(record), builder);
   out.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
 }
 

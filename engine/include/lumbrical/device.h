@@ -54,6 +54,9 @@ enum TickFlag : std::uint32_t {
   kForceLimited = 1u << 8,  ///< a segment's force was above 4/5 of Settings::max_force and saturates
   kFading = 1u << 9,        ///< output is a fading or rising mixture, see limits
   kCoarsened = 1u << 10,  ///< lattices were coarser than the precision asks, to stay within Settings::effort
+  kObjectMissing = 1u << 11,  ///< a given object was not told where it is, and stays. Pass a pose for each
+  kObjectImplausible =
+      1u << 12,  ///< a given object's pose is not finite, or jumped: forces fade to zero. Check who moves it
 };
 
 /// Forces and torques of the whole hand, in the world frame W.

@@ -13,6 +13,7 @@
 
 #include "lumbrical/hand.h"
 #include "lumbrical/mesh.h"
+#include "lumbrical/object.h"
 #include "lumbrical/shared_array.h"
 #include "lumbrical/status.h"
 
@@ -98,11 +99,21 @@ struct Execution {
   std::string voxel_cache{};  ///< folder in which voxel indices are kept; empty: they are not
 };
 
+/// An object that neither moves nor rubs is part of the world; any other is felt apart from it (is_apart).
 struct SceneObject {
   std::string name;
-  Mesh mesh;  ///< already in the world frame [m]
+  Mesh mesh;  ///< [m] in the world frame; of an object apart in its own
   Winding winding = Winding::automatic;
+  Pose pose{};  ///< X_WO at the start, of an object apart
+  Material material{};
+  Mechanism mechanism{};
 };
+inline bool is_apart(const SceneObject& object) {
+  return rubs(object.material) || object.mechanism.mobility != Mobility::fixed;
+}
+
+/// Its mesh in the world, at the start.
+Mesh placed_mesh(const SceneObject& object);
 
 struct World;
 
@@ -112,6 +123,8 @@ struct Scene {
   std::vector<SceneObject> objects;
   Settings settings;
   std::shared_ptr<const World> world{};  ///< from a file (world.h), in the place of objects; else null
+  Vec3 gravity{0, 0, -9.81};             ///< [m/s^2] on objects that move by themselves
+  std::optional<Ground> ground{};        ///< that free ones rest on
 };
 
 /// All triangles of the world in the order of the scene, structure of arrays.
@@ -188,6 +201,22 @@ struct World {
 struct Patches;     // the world as sample points see it; patches.h inside the engine
 struct VoxelIndex;  // lists of triangles by voxel; voxel_index.h inside the engine, lumbrical/voxel.h outside
 
+struct Model;
+
+/// An object that is felt apart from the world.
+struct ApartObject {
+  std::string name;
+  std::size_t place = 0;  ///< in Scene::objects
+  std::shared_ptr<const Model>
+      shape;   ///< for the same hand, in the object's own frame O; equal meshes share it
+  Pose start;  ///< X_WO
+  Material material;
+  Mechanism mechanism;
+  std::vector<Vec3> supports;  ///< [m] in O: points that may rest on the ground
+  Vec3 middle;                 ///< [m] in O, and
+  double radius = 0;           ///< [m] of a sphere round it
+};
+
 /// Immutable once built; may be shared by any number of sessions and threads. Copies share the large arrays.
 struct Model {
   std::uint64_t build = 0;  ///< number of the build_model it is from, in this process; copies keep it
@@ -203,7 +232,10 @@ struct Model {
   /// What samples leave to the exact rung, triangles too large for them, as a world of its own; null:
   /// nothing.
   std::shared_ptr<const Model> rest;
-  std::vector<World::Object> objects;
+  std::vector<World::Object> objects;  ///< of the world
+  std::vector<ApartObject> apart;
+  Vec3 gravity;
+  std::optional<Ground> ground;
   std::shared_ptr<const World> world;  ///< that all of this is from; null: a scene in memory
 };
 
@@ -214,9 +246,13 @@ struct Model {
 /// cells and leaves are the world's.
 Status build_model(const Scene& scene, const Execution& execution, Model& model);
 
+/// The objects of the world, then those apart: what each is made of, and what was turned.
+std::vector<World::Object> all_objects(const Model& model);
+
 /// The same world and settings for another hand: everything that does not depend on the hand is shared, so
 /// that two hands in one scene take one world's memory. Each is ticked with a State and Scratch of its own.
-/// Refuses what build_model refuses of a hand; on error `model` is unchanged.
+/// Refuses what build_model refuses of a hand, and objects that move by themselves: a State each would move
+/// them apart. On error `model` is unchanged.
 Status share_world(const Model& world, const Hand& hand, Model& model);
 
 /// The scene a model was built from, equal bit for bit but for what was turned outside out, so that its

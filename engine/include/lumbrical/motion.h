@@ -121,7 +121,8 @@ double duration(const Motion& motion);
 /// = 0 with its axis through the origin, `height` [m] tall. A right hand's fingers go round by the -y side,
 /// its thumb by the +y side (a left hand's the other way round), so that a handle towards +x stays free.
 /// Meant for radii from 0.025 to 0.05 m, where every finger presses 1 to 2 mm into the surface; both lengths
-/// must be finite. `seconds` is clamped to 0.1 .. 3600.
-Motion make_grasp(const Hand& hand, double radius, double height, double seconds);
+/// must be finite. `seconds` is clamped to 0.1 .. 3600. Above 0, `lift` [m] takes the place of the stroke: so
+/// far the hand lifts what it holds, tilts it by 0.5 rad about the y axis and puts it down again.
+Motion make_grasp(const Hand& hand, double radius, double height, double seconds, double lift = 0);
 
 }  // namespace lumbrical

@@ -41,9 +41,16 @@ struct TickRecord {
   std::uint8_t hand = 0;         ///< whose: 0 of Scene::hand, 1 of RecorderOptions::second_hand
   std::uint32_t sent_count = 0;  ///< of `sent`, at most kMaxSentPerTick
   std::array<SentCommand, kMaxSentPerTick> sent{};  ///< to a device, since the last tick; never compared
+  std::uint32_t given_count = 0;                    ///< of `given`: input, with `device`
+  std::array<ObjectFrame, kMostObjects> given{};
+  std::uint32_t object_count = 0;  ///< of `object`: output, with `output`
+  std::array<ObjectOutput, kMostObjects> object{};
   /// Of the loop with a device, in ticks that renewed its certificate by a tenth or more; never compared.
   std::optional<LoopTiming> timing;
 };
+
+/// Takes a tick's objects from `scratch` into its record.
+void take_objects(const Scratch& scratch, TickRecord& record);
 
 enum class Compression : std::uint8_t { none, lz4, zstd };
 
@@ -180,8 +187,10 @@ class RecordingReader {
   /// Until then scene().world is a name without a world. Nothing to do for recordings that carry their
   /// meshes, or a second time.
   Status find_world(const std::string& path);
-  /// The state before the first tick: not the default only where the file is a later part of a session.
+  /// The state before the first tick as it is in the file: only where that is a later part of a session.
   [[nodiscard]] const State& initial_state() const;
+  /// The same for a model of its scene: where nothing is in the file, objects stand where they start.
+  [[nodiscard]] State initial_state(const Model& model) const;
   /// The next record in the order of the file. `end` tells that there is none; an error names the byte.
   Status next(TickRecord& record, bool& end);
   /// In the place of next(): the next message of whatever kind and hand, ticks checked likewise.

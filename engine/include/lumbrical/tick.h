@@ -20,15 +20,23 @@
 
 namespace lumbrical {
 
-/// The little that survives from one tick to the next. Copy it to take a snapshot. No padding: hashed as it
-/// stands.
-struct State {
+/// What of the hand's forces survives from one tick to the next. No padding: hashed as it stands.
+struct HandState {
   std::uint64_t tick = 0;  ///< number of the next tick: the engine's only clock
   double rise = 0;         ///< share of the fresh forces in the output, 0 .. 1
   double fall = 0;         ///< share of the held forces in the output, 0 .. 1
   HandForces last;         ///< the last output
   HandForces held;         ///< the output when trust was lost
 };
+
+/// The little that survives from one tick to the next. Copy it to take a snapshot. `State state;` does for a
+/// model without objects apart; with them, make_state.
+struct State : HandState {
+  std::vector<ObjectState> objects;  ///< of Model::apart, in their order
+};
+
+/// Before the first tick: objects stand where they start.
+State make_state(const Model& model);
 
 /// The stages of a tick, in order; a divergence between recording and replay names one of them.
 enum class Stage : std::uint8_t { input, hand_pose, broadphase, narrowphase, contact_force, limits };
@@ -59,9 +67,11 @@ struct Scratch {
   std::vector<std::uint32_t> cells;    ///< of the grid, that may be met
   std::uint32_t candidate_count = 0;
   std::uint32_t contact_count = 0;
-  bool keep_near = true;                                ///< use `near`; false: search afresh every tick
-  StageWatch watch;                                     ///< nobody's, unless set
-  bool hash_stages = true;                              ///< compute stage_hash (recording and replay need it)
+  bool keep_near = true;                    ///< use `near`; false: search afresh every tick
+  std::shared_ptr<Scratch> apart;           ///< for objects apart, one after the other; null: there is none
+  std::vector<ObjectOutput> object_output;  ///< of Model::apart in the last tick, in their order
+  StageWatch watch;                         ///< nobody's, unless set
+  bool hash_stages = true;                  ///< compute stage_hash (recording and replay need it)
   std::array<std::uint64_t, kStageCount> stage_hash{};  ///< of each stage's results in the last tick
 };
 
@@ -70,7 +80,10 @@ Scratch make_scratch(const Model& model);
 /// Computes one tick. A pure function of model, state and frame: no clock, input or output, allocation, lock
 /// or exception; the same bits on every machine, instruction set, thread count and broadphase. Whatever can
 /// go wrong is told in ActuatorFrame::flags; forces that can't be trusted fade to zero.
-ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame);
+/// `given` tells where the objects are that are moved from outside (Mobility::given), in the order of
+/// Model::apart; one that is left out stays where it was (kObjectMissing).
+ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame,
+                   std::span<const ObjectFrame> given = {});
 
 /// The contact records behind the last tick on `scratch`: of every law and rung, also of those that need none
 /// for their forces and leave them out of Scratch::contacts (sampled segments); those are then computed here,

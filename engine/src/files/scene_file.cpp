@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "files/json_file.h"
+#include "files/scene_mechanics.h"
 #include "files/scene_parts.h"
 #include "lumbrical/world.h"
 #include "scene_bfbs_generated.h"
@@ -135,7 +136,9 @@ Motion read_grasp(const format::Grasp& table, const Hand& hand, FieldReader& rea
   read.number(table.radius(), "motion.grasp.radius", {0.005, 0.1}, radius);
   read.number(table.height(), "motion.grasp.height", {0.01, 1}, height);
   read.number(table.seconds(), "motion.grasp.seconds", {0.5, 3600}, seconds);
-  return make_grasp(hand, radius, height, seconds);
+  double lift = 0;
+  read.number(table.lift(), "motion.grasp.lift", {0, 1}, lift);
+  return make_grasp(hand, radius, height, seconds, lift);
 }
 
 void read_placement(const format::Motion* table, FieldReader& read, MotionPlacement& placement) {
@@ -278,6 +281,7 @@ Status read_world(const format::Scene& scene, FieldReader& read, SceneFile& resu
 }
 
 Status read_things(const format::Scene& scene, FieldReader& read, SceneFile& result) {
+  read_surroundings(scene, read, result.scene);
   if (scene.world() != nullptr) return read_world(scene, read, result);
   std::size_t triangles = 0;
   return read_objects(scene, read, result.files, [&](SceneObject&& object) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "files/scene_mechanics.h"
 #include "lumbrical/shapes.h"
 
 namespace lumbrical {
@@ -135,7 +136,9 @@ Box bounding_box(const Mesh& mesh) {
   return box;
 }
 
-void place_object(const format::Object& table, const std::string& at, FieldReader& read, Mesh& mesh) {
+// Scaled, and told where it stands.
+void size_object(const format::Object& table, const std::string& at, FieldReader& read, SceneObject& object) {
+  Mesh& mesh = object.mesh;
   double scale = 1;
   Vec3 centre;
   if (table.fit() != nullptr) {
@@ -152,10 +155,16 @@ void place_object(const format::Object& table, const std::string& at, FieldReade
   } else {
     read.number(table.scale(), at + ".scale", {1e-9, 1e9}, scale);
   }
-  Pose pose;
-  read.pose(table.position(), at + ".position", table.orientation(), at + ".orientation", pose);
+  read.pose(table.position(), at + ".position", table.orientation(), at + ".orientation", object.pose);
   if (!read.ok()) return;
-  for (Vec3& v : mesh.vertices) v = transform(pose, scale * (v - centre));
+  for (Vec3& v : mesh.vertices) v = scale * (v - centre);
+}
+
+// What stands still lies in the world for good.
+void place_object(SceneObject& object) {
+  if (is_apart(object)) return;
+  object.mesh = placed_mesh(object);
+  object.pose = {};
 }
 
 void read_fingers(const format::Hand& table, const std::string& at, FieldReader& read, Hand& hand) {
@@ -232,7 +241,9 @@ Status read_objects(const format::Scene& scene, FieldReader& read, std::vector<s
     SceneObject object;
     if (Status status = read_mesh(table, at, read, files, object); !status.ok()) return status;
     if (table.mesh() == nullptr) object.winding = Winding::as_is;  // shapes face outwards
-    place_object(table, at, read, object.mesh);
+    size_object(table, at, read, object);
+    if (read.ok()) read_mechanics(table, at, read, object);
+    place_object(object);
     if (table.name() != nullptr) object.name = table.name()->str();
     if (!read.ok()) return read.status();
     if (Status status = take(std::move(object)); !status.ok()) {

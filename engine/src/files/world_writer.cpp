@@ -353,6 +353,9 @@ Status WorldWriter::open(const std::string& path, const Execution& execution) tr
 Status WorldWriter::add_object(const SceneObject& object, WindingReport* report) try {
   const FloatingPointGuard guard;
   if (!build_) return Status::error("no world file is open; open one first");
+  if (is_apart(object))
+    return Status::error("object \"" + object.name +
+                         "\" moves or rubs; leave it in the scene, beside the world file");
   WindingReport ignored;
   return build_->add(object, report != nullptr ? *report : ignored);
 } catch (const std::bad_alloc&) {

@@ -12,6 +12,7 @@
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
+#include "model/apart_objects.h"
 #include "model/mesh_winding.h"
 #include "model/scene_check.h"
 
@@ -36,6 +37,14 @@ constexpr std::array<std::pair<std::string_view, Winding>, 3> kWindingNames = {{
     {"auto", Winding::automatic},
     {"as is", Winding::as_is},
     {"flip", Winding::flip},
+}};
+constexpr std::array<std::pair<std::string_view, Mobility>, 6> kMobilityNames = {{
+    {"fixed", Mobility::fixed},
+    {"given", Mobility::given},
+    {"free", Mobility::free},
+    {"hinge", Mobility::hinge},
+    {"slider", Mobility::slider},
+    {"ball", Mobility::ball},
 }};
 constexpr std::array<std::pair<std::string_view, Isa>, 7> kIsaNames = {{
     {"auto", Isa::automatic},
@@ -63,9 +72,20 @@ std::string_view name_valued(const Names& names, T wanted) {
   return "unknown";
 }
 
+using ObjectList = std::vector<const SceneObject*>;
+
+// What is felt as one, as it stands.
+ObjectList world_objects(const Scene& scene) {
+  ObjectList objects;
+  for (const SceneObject& object : scene.objects) {
+    if (!is_apart(object)) objects.push_back(&object);
+  }
+  return objects;
+}
+
 // Each of the world's six arrays is written from end to end by one thread, whose memory it then is.
 // `turned` tells for each object whose last two corners change places; empty: none of its.
-Triangles gather_triangles(const Scene& scene, const std::vector<std::vector<bool>>& turned,
+Triangles gather_triangles(const ObjectList& objects, const std::vector<std::vector<bool>>& turned,
                            std::size_t vertex_count, std::size_t triangle_count, std::size_t threads) {
   constexpr std::array<double Vec3::*, 3> kAxis = {&Vec3::x, &Vec3::y, &Vec3::z};
   std::array<std::vector<double>, 3> numbers;
@@ -74,15 +94,15 @@ Triangles gather_triangles(const Scene& scene, const std::vector<std::vector<boo
     for (std::size_t k = first; k < last; ++k) {
       if (k % 2 == 0) {
         numbers[k / 2].reserve(vertex_count);
-        for (const SceneObject& object : scene.objects) {
-          for (const Vec3& p : object.mesh.vertices) numbers[k / 2].push_back(p.*kAxis[k / 2]);
+        for (const SceneObject* const object : objects) {
+          for (const Vec3& p : object->mesh.vertices) numbers[k / 2].push_back(p.*kAxis[k / 2]);
         }
         continue;
       }
       std::uint32_t first_vertex = 0;
       corners[k / 2].reserve(triangle_count);
-      for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-        const Mesh& mesh = scene.objects[i].mesh;
+      for (std::size_t i = 0; i < objects.size(); ++i) {
+        const Mesh& mesh = objects[i]->mesh;
         for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
           const bool swap = k / 2 > 0 && !turned[i].empty() && turned[i][t];
           corners[k / 2].push_back(first_vertex + mesh.triangles[t][swap ? 3 - k / 2 : k / 2]);
@@ -95,12 +115,12 @@ Triangles gather_triangles(const Scene& scene, const std::vector<std::vector<boo
           std::move(corners[0]), std::move(corners[1]), std::move(corners[2])};
 }
 
-void list_objects(const Scene& scene, std::vector<World::Object>& objects) {
+void list_objects(const ObjectList& from, std::vector<World::Object>& objects) {
   std::uint32_t triangle = 0, vertex = 0;
-  for (const SceneObject& object : scene.objects) {
-    const auto triangles = static_cast<std::uint32_t>(object.mesh.triangles.size());
-    const auto vertices = static_cast<std::uint32_t>(object.mesh.vertices.size());
-    objects.push_back({object.name, triangle, triangles, vertex, vertices});
+  for (const SceneObject* const object : from) {
+    const auto triangles = static_cast<std::uint32_t>(object->mesh.triangles.size());
+    const auto vertices = static_cast<std::uint32_t>(object->mesh.vertices.size());
+    objects.push_back({object->name, triangle, triangles, vertex, vertices});
     triangle += triangles;
     vertex += vertices;
   }
@@ -168,32 +188,82 @@ Status build_index(Model& model) {
   return {};
 }
 
-Status take_objects(const Scene& scene, Model& model) {
+Status take_objects(const ObjectList& objects, Model& model) {
   const std::size_t threads = model.execution.threads;
   std::size_t vertices = 0, triangles = 0;
-  for (const SceneObject& object : scene.objects) {
-    if (Status status = check_object(object.name, object.mesh, threads); !status.ok()) return status;
-    vertices += object.mesh.vertices.size();
-    triangles += object.mesh.triangles.size();
+  for (const SceneObject* const object : objects) {
+    if (Status status = check_object(object->name, object->mesh, threads); !status.ok()) return status;
+    vertices += object->mesh.vertices.size();
+    triangles += object->mesh.triangles.size();
   }
   if (Status status = check_counts(vertices, triangles); !status.ok()) return status;
-  list_objects(scene, model.objects);
+  list_objects(objects, model.objects);
   std::vector<std::vector<bool>> turned;
-  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-    const SceneObject& object = scene.objects[i];
-    turned.push_back(turned_triangles(object.mesh, object.winding, threads, model.objects[i].winding));
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    turned.push_back(
+        turned_triangles(objects[i]->mesh, objects[i]->winding, threads, model.objects[i].winding));
   }
-  model.triangles = gather_triangles(scene, turned, vertices, triangles, threads);
+  model.triangles = gather_triangles(objects, turned, vertices, triangles, threads);
   model.extent = extent_of(model.triangles, threads);
   return build_index(model);
+}
+
+// A model of one object in its own frame.
+Status build_shape(const SceneObject& object, const Model& model, std::shared_ptr<const Model>& shape) {
+  auto built = std::make_shared<Model>();
+  built->build = next_build();
+  built->hand = model.hand;
+  built->settings = model.settings;
+  built->execution = model.execution;
+  built->execution.broadphase = Broadphase::tree;  // whatever the world is searched with: objects are small
+  if (Status status = take_objects({&object}, *built); !status.ok()) return status;
+  shape = std::move(built);
+  return {};
+}
+
+// Equal meshes are built once.
+const ApartObject* find_instance(const Scene& scene, const SceneObject& object, const Model& model) {
+  for (const ApartObject& other : model.apart) {
+    const SceneObject& of = scene.objects[other.place];
+    if (of.winding == object.winding && of.mesh.triangles == object.mesh.triangles &&
+        of.mesh.vertices == object.mesh.vertices)
+      return &other;
+  }
+  return nullptr;
+}
+
+Status take_apart(const Scene& scene, Model& model) {
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const SceneObject& object = scene.objects[i];
+    if (!is_apart(object)) continue;
+    if (Status status = check_apart(object); !status.ok()) return status;
+    if (model.apart.size() == kMostObjects)
+      return Status::error(
+          "the scene has more than 32 objects that move or rub; give the rest no friction, or "
+          "put only those near the hand into the scene");
+    ApartObject apart{object.name, i, {}, object.pose, object.material, object.mechanism, {}, {}, 0};
+    apart.start.orientation = normalized(object.pose.orientation);
+    if (const ApartObject* const instance = find_instance(scene, object, model)) {
+      apart.shape = instance->shape;
+    } else if (Status status = build_shape(object, model, apart.shape); !status.ok()) {
+      return status;
+    }
+    const Box& extent = apart.shape->extent;
+    apart.middle = extent.middle();
+    apart.radius = 1.000001 * norm(extent.upper - apart.middle);
+    apart.supports = support_points(object.mesh);
+    model.apart.push_back(std::move(apart));
+  }
+  return {};
 }
 
 Status take_world(const Scene& scene, Model& model) {
   const World& world = *scene.world;
   if (!world.bytes)
     return Status::error("the world file " + world.path + " is only named; open it (replay: --world FILE)");
-  if (!scene.objects.empty())
-    return Status::error("the scene has a world file and objects; put the objects into the world");
+  if (!world_objects(scene).empty())
+    return Status::error(
+        "the scene has a world file and objects that stand still; put the objects into the world");
   Execution& execution = model.execution;
   if (execution.broadphase == Broadphase::automatic) execution.broadphase = Broadphase::grid;
   if (execution.broadphase != Broadphase::grid && execution.broadphase != Broadphase::brute) {
@@ -219,6 +289,8 @@ std::optional<Broadphase> parse_broadphase(std::string_view text) {
   return value_named(kBroadphaseNames, text);
 }
 std::optional<Winding> parse_winding(std::string_view text) { return value_named(kWindingNames, text); }
+std::optional<Mobility> parse_mobility(std::string_view text) { return value_named(kMobilityNames, text); }
+std::string_view mobility_name(Mobility mobility) { return name_valued(kMobilityNames, mobility); }
 std::optional<Isa> parse_isa(std::string_view text) { return value_named(kIsaNames, text); }
 bool available(Broadphase broadphase) { return broadphase != Broadphase::voxel || has_openvdb(); }
 std::string_view winding_name(Winding winding) { return name_valued(kWindingNames, winding); }
@@ -237,8 +309,12 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   built.settings = scene.settings;
   built.execution = execution;
   if (execution.isa == Isa::automatic) built.execution.isa = widest_isa();
-  if (Status status = scene.world ? take_world(scene, built) : take_objects(scene, built); !status.ok())
-    return status;
+  if (Status status = check_surroundings(scene); !status.ok()) return status;
+  built.gravity = scene.gravity;
+  built.ground = scene.ground;
+  Status status = scene.world ? take_world(scene, built) : take_objects(world_objects(scene), built);
+  if (status.ok()) status = take_apart(scene, built);
+  if (!status.ok()) return status;
   model = std::move(built);
   return {};
 }
@@ -252,20 +328,26 @@ Status share_world(const Model& world, const Hand& hand, Model& model) {
   built.patches.reset();
   built.rest.reset();
   if (!built.world) build_samples(built);
+  for (ApartObject& object : built.apart) {
+    if (object.mechanism.mobility >= Mobility::free)
+      return Status::error("object \"" + object.name +
+                           "\" moves by itself and can't be shared by hands; move it from outside (given)");
+    Model shape;
+    if (Status status = share_world(*object.shape, hand, shape); !status.ok()) return status;
+    object.shape = std::make_shared<const Model>(std::move(shape));
+  }
   model = std::move(built);
   return {};
 }
 
-Scene scene_of(const Model& model) {
-  Scene scene;
-  scene.hand = model.hand;
-  scene.settings = model.settings;
-  scene.world = model.world;
-  if (scene.world) return scene;
+namespace {
+
+// Appends the objects of a model as they were felt: what there was to turn is turned.
+void take_back(const Model& model, std::vector<SceneObject>& objects) {
   for (const World::Object& part : model.objects) {
     SceneObject object;
     object.name = part.name;
-    object.winding = Winding::as_is;  // what there was to turn is turned
+    object.winding = Winding::as_is;
     for (std::uint32_t i = 0; i < part.vertex_count; ++i) {
       object.mesh.vertices.push_back(model.triangles.vertex(part.first_vertex + i));
     }
@@ -274,7 +356,38 @@ Scene scene_of(const Model& model) {
                                        model.triangles.b[i] - part.first_vertex,
                                        model.triangles.c[i] - part.first_vertex});
     }
-    scene.objects.push_back(std::move(object));
+    objects.push_back(std::move(object));
+  }
+}
+
+}  // namespace
+
+std::vector<World::Object> all_objects(const Model& model) {
+  std::vector<World::Object> objects = model.objects;
+  for (const ApartObject& apart : model.apart) {
+    objects.push_back(apart.shape->objects[0]);
+    objects.back().name = apart.name;
+  }
+  return objects;
+}
+
+Scene scene_of(const Model& model) {
+  Scene scene;
+  scene.hand = model.hand;
+  scene.settings = model.settings;
+  scene.world = model.world;
+  scene.gravity = model.gravity;
+  scene.ground = model.ground;
+  if (!scene.world) take_back(model, scene.objects);
+  for (const ApartObject& apart : model.apart) {
+    std::vector<SceneObject> object;
+    take_back(*apart.shape, object);
+    object[0].name = apart.name;
+    object[0].pose = apart.start;
+    object[0].material = apart.material;
+    object[0].mechanism = apart.mechanism;
+    const auto place = static_cast<std::ptrdiff_t>(apart.place);
+    scene.objects.insert(scene.objects.begin() + place, std::move(object[0]));
   }
   return scene;
 }

@@ -1,5 +1,6 @@
-// The demo's motion: a hand reaches for an upright cylinder, closes on it, strokes it and lets go. The
-// closing angles are solved for by bisection, joint by joint from the base of each finger.
+// The demo's motions: a hand reaches for an upright cylinder, closes on it, strokes it, or lifts and tilts it
+// and puts it down, and lets go. The closing angles are solved for by bisection, joint by joint from the base
+// of each finger.
 #include "base/elementary.h"
 #include "lumbrical/motion.h"
 
@@ -12,6 +13,7 @@ constexpr double kLightPress = 0.0010;  // [m] how deep the phalanges do
 constexpr double kFirmPress = 0.0020;   // [m] the same when squeezing
 constexpr double kStroke = 0.010;       // [m] up and down from the middle
 constexpr double kTurn = 0.15;          // [rad] about the object's axis, either way
+constexpr double kTilt = 0.5;           // [rad] of what is lifted, away from the hand
 constexpr double kLift = 0.008;  // [m] of the palm above the object's middle, so that the fingers share it
 constexpr Vec3 kWithdrawal{-0.15, 0, 0.03};  // [m] from the grasp to where the motion starts and ends
 
@@ -21,13 +23,13 @@ using Angles = std::array<double, kAngleCount>;
 constexpr std::array<double, 4> kOpenThumb = {1.0, -0.5, 0, 0};
 constexpr std::array<double, 4> kOpenFinger = {0, 0.10, 0.20, 0.10};
 
-// What the hand does at a moment, each from 0 to 1 (height and turn from -1 to 1).
+// What the hand does at a moment, each from 0 to 1 (of a stroke height and turn from -1 to 1).
 struct Action {
   double away;     // at the start of the reach
   double closing;  // from the open hand to a light grasp
   double squeeze;  // from a light to a firm grasp
-  double height;   // of the stroke
-  double turn;     // about the object's axis
+  double height;   // of the stroke, or of the lift
+  double turn;     // about the object's axis, or away from the hand
 };
 struct Key {
   double time;  // of the whole duration, 0..1
@@ -42,6 +44,19 @@ constexpr std::array<Key, 9> kKeys = {{
     {0.68, {0, 1, 1, -1, -1}},  // stroke downwards, firmly
     {0.78, {0, 1, 0, 0, 0}},
     {0.88, {0, 0, 0, 0, 0}},  // let go
+    {1.00, {1, 0, 0, 0, 0}},  // withdraw
+}};
+
+// As firmly as the stroke's firmest, all the time.
+constexpr std::array<Key, 9> kLiftKeys = {{
+    {0.00, {1, 0, 0, 0, 0}},
+    {0.15, {0, 0, 0, 0, 0}},  // reach
+    {0.25, {0, 1, 0, 0, 0}},  // close
+    {0.32, {0, 1, 1, 0, 0}},  // squeeze
+    {0.45, {0, 1, 1, 1, 0}},  // lift
+    {0.58, {0, 1, 1, 1, 1}},  // tilt
+    {0.75, {0, 1, 1, 0, 0}},  // upright again, and down
+    {0.87, {0, 0, 0, 0, 0}},  // let go
     {1.00, {1, 0, 0, 0, 0}},  // withdraw
 }};
 
@@ -143,11 +158,11 @@ Pose grasp_pose(const Hand& hand, Cylinder object, double height) {
 // From 0 to 1 with the least jerk: speed and acceleration are zero at both ends.
 double minimum_jerk(double t) { return t * t * t * (10 + t * (6 * t - 15)); }
 
-Action action_at(double time) {
+Action action_at(const std::array<Key, 9>& keys, double time) {
   std::size_t next = 1;
-  while (next + 1 < kKeys.size() && time > kKeys[next].time) ++next;
-  const Key& a = kKeys[next - 1];
-  const Key& b = kKeys[next];
+  while (next + 1 < keys.size() && time > keys[next].time) ++next;
+  const Key& a = keys[next - 1];
+  const Key& b = keys[next];
   const double s = minimum_jerk(clamp((time - a.time) / (b.time - a.time), 0, 1));
   const auto between = [&](double Action::*part) {
     return a.action.*part + s * (b.action.*part - a.action.*part);
@@ -156,10 +171,20 @@ Action action_at(double time) {
           between(&Action::height), between(&Action::turn)};
 }
 
-Pose base_at(const Pose& grasp, const Action& action) {
+Pose stroke_at(const Action& action) {
   const SinCos half = sin_cos(0.5 * kTurn * action.turn);
-  const Pose stroke{{0, 0, kStroke * action.height}, {half.cos, 0, 0, half.sin}};
-  Pose base = stroke * grasp;
+  return {{0, 0, kStroke * action.height}, {half.cos, 0, 0, half.sin}};
+}
+
+// About the middle of what is held.
+Pose lift_at(const Action& action, double lift, double middle) {
+  const SinCos half = sin_cos(0.5 * kTilt * action.turn);
+  const Quat tilt{half.cos, 0, half.sin, 0};
+  return {Vec3{0, 0, lift * action.height + middle} - rotate(tilt, {0, 0, middle}), tilt};
+}
+
+Pose base_at(const Pose& grasp, const Pose& moved, const Action& action) {
+  Pose base = moved * grasp;
   base.position += action.away * kWithdrawal;
   base.orientation = normalized(base.orientation);
   return base;
@@ -167,7 +192,7 @@ Pose base_at(const Pose& grasp, const Action& action) {
 
 }  // namespace
 
-Motion make_grasp(const Hand& hand, double radius, double height, double seconds) {
+Motion make_grasp(const Hand& hand, double radius, double height, double seconds, double lift) {
   const Cylinder object{radius};
   const Pose grasp = grasp_pose(hand, object, height);
   const Angles open = open_hand(hand);
@@ -182,11 +207,13 @@ Motion make_grasp(const Hand& hand, double radius, double height, double seconds
   const int sample_count = static_cast<int>(std::floor(length * kRate + 0.5)) + 1;
   motion.samples.resize(static_cast<std::size_t>(sample_count));
   for (int i = 0; i < sample_count; ++i) {
-    const Action action = action_at(static_cast<double>(i) / (sample_count - 1));
+    const Action action =
+        action_at(lift > 0 ? kLiftKeys : kKeys, static_cast<double>(i) / (sample_count - 1));
     MotionSample& sample = motion.samples[static_cast<std::size_t>(i)];
     sample.time = i / kRate;
     sample.frame.kind = InputKind::joint_angles;
-    sample.frame.base = base_at(grasp, action);
+    const Pose moved = lift > 0 ? lift_at(action, lift, 0.5 * height) : stroke_at(action);
+    sample.frame.base = base_at(grasp, moved, action);
     for (int a = 0; a < kAngleCount; ++a) {
       sample.frame.angle[a] = static_cast<float>(open[a] + action.closing * (light[a] - open[a]) +
                                                  action.squeeze * (firm[a] - light[a]));

@@ -26,14 +26,16 @@ std::string angle_name(int angle) {
 // TickFlag, from bit 0 on.
 constexpr const char* kFlags =
     "input not finite,input implausible,input lost,input extrapolated,segment missing,segment degenerate,"
-    "angle clamped,candidate overflow,force limited,fading,coarsened";
-static_assert(kCoarsened == 1u << 10);
+    "angle clamped,candidate overflow,force limited,fading,coarsened,object missing,object implausible";
+static_assert(kObjectImplausible == 1u << 12);
 
 constexpr const char* kUnits =
     "base.position m,base.orientation quaternion w x y z,joints.position m in the base frame,"
     "joints.orientation quaternion x y z w,angles rad,segments.force N in the world frame,"
     "segments.torque N m,segments.joint_torque N m,segments.flexion_torque N m,force_error N,"
-    "error_estimate N,duration_ns ns";
+    "error_estimate N,duration_ns ns,given.position m,objects.pose.position m,objects.force N in the world "
+    "frame,"
+    "objects.torque N m,objects.coordinate m or rad";
 
 std::map<std::string, std::string> tick_metadata() {
   return {

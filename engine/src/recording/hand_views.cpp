@@ -9,6 +9,7 @@
 #include "foxglove_bfbs_generated.h"
 #include "foxglove_generated.h"
 #include "model/primitive.h"
+#include "recording/record_fields.h"
 
 namespace lumbrical {
 namespace {
@@ -106,8 +107,8 @@ HandViewer::HandViewer(const Model& model) : model_(model) {
 
 // Where a hand is and what it touches depends on no tick before.
 void HandViewer::place(const TickRecord& record) {
-  State state;
-  tick(model_, state, scratch_, record.device);
+  State state = make_state(model_);
+  tick(model_, state, scratch_, record.device, given_of(record));
 }
 
 bool HandViewer::pose(const TickRecord& record, std::uint64_t time, FlatBufferBuilder& builder) {

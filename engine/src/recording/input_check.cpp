@@ -11,7 +11,7 @@ InputFields input_fields(const TickRecord& record) {
 
 OutputFields output_fields(const ActuatorFrame& frame) { return numbers_of(frame); }
 
-InputCheck make_input_check(const InputFields& fields) {
+InputCheck make_input_check(const InputFields& fields, std::span<const ObjectFrame> given) {
   InputCheck check;
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const std::uint64_t low = fields[i] & 0xffffffffu, high = fields[i] >> 32;
@@ -20,8 +20,12 @@ InputCheck make_input_check(const InputFields& fields) {
     check.high_sum += high;
     check.high_moment += (i + 1) * high;
   }
-  check.hash = hash_rows(std::span<const std::uint64_t>(fields));
+  check.hash = with_objects(hash_rows(std::span<const std::uint64_t>(fields)), given);
   return check;
+}
+
+InputCheck input_check_of(const TickRecord& record) {
+  return make_input_check(input_fields(record), given_of(record));
 }
 
 }  // namespace lumbrical

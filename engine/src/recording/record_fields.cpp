@@ -38,7 +38,8 @@ std::int64_t difference(std::uint64_t a, std::uint64_t b) { return static_cast<s
 
 /// The one field that explains the change from `recorded` to `present`, put back to what it was; -1 if there
 /// is none.
-int restore_field(InputFields& fields, const InputCheck& recorded, const InputCheck& present) {
+int restore_field(InputFields& fields, std::span<const ObjectFrame> given, const InputCheck& recorded,
+                  const InputCheck& present) {
   const std::int64_t low = difference(present.low_sum, recorded.low_sum);
   const std::int64_t high = difference(present.high_sum, recorded.high_sum);
   const int low_field = changed_field(low, difference(present.low_moment, recorded.low_moment));
@@ -50,7 +51,7 @@ int restore_field(InputFields& fields, const InputCheck& recorded, const InputCh
   const std::uint64_t low_half = (bits & 0xffffffffu) - static_cast<std::uint64_t>(low);
   const std::uint64_t high_half = (bits >> 32) - static_cast<std::uint64_t>(high);
   bits = (high_half << 32) | (low_half & 0xffffffffu);
-  return make_input_check(fields) == recorded ? field : -1;
+  return make_input_check(fields, given) == recorded ? field : -1;
 }
 
 Divergence difference_of(std::uint64_t tick, const char* stage, const NumberField& field,
@@ -110,14 +111,14 @@ std::string_view kind_name(InputKind kind) {
 
 std::optional<Divergence> find_altered_input(const TickRecord& record, const InputCheck& recorded) {
   const InputFields fields = input_fields(record);
-  const InputCheck present = make_input_check(fields);
+  const InputCheck present = make_input_check(fields, given_of(record));
   if (present == recorded) return std::nullopt;
   Divergence altered{record.output.tick, "input", "several", hash_text(recorded.hash),
                      hash_text(present.hash)};
   InputFields original = fields;
   if (present.hash == recorded.hash) {
     altered.field = "input_check";  // the input is whole, its check is not
-  } else if (const int field = restore_field(original, recorded, present); field >= 0) {
+  } else if (const int field = restore_field(original, given_of(record), recorded, present); field >= 0) {
     const auto i = static_cast<std::size_t>(field);
     altered = difference_of(original[0], "input", fields_of<TickInput>()[i], original[i], fields[i]);
   }
@@ -126,7 +127,10 @@ std::optional<Divergence> find_altered_input(const TickRecord& record, const Inp
 
 std::optional<Divergence> compare_inputs(const TickRecord& recorded, const TickRecord& replayed) {
   const InputFields a = input_fields(recorded), b = input_fields(replayed);
-  return first_difference<TickInput>(std::min(a[0], b[0]), "input", a, b);
+  if (auto difference = first_difference<TickInput>(std::min(a[0], b[0]), "input", a, b)) return difference;
+  const std::uint64_t given_a = hash_rows(given_of(recorded)), given_b = hash_rows(given_of(replayed));
+  if (given_a == given_b) return std::nullopt;
+  return Divergence{recorded.output.tick, "input", "given", hash_text(given_a), hash_text(given_b)};
 }
 
 std::optional<Divergence> compare_settings(std::uint64_t tick, const Settings& recorded,

@@ -43,13 +43,22 @@ std::string_view kind_name(InputKind kind);
 ///
 /// A change of one field by d changes the sum by d and the weighted sum by (1 + field) d, so the two tell
 /// which field it was and what it held before. Sums of 32-bit halves stay below 2^47: they are exact, nothing
-/// wraps round. The hash then confirms it, and notices changes that cancel in the sums.
+/// wraps round. The hash then confirms it, and notices changes that cancel in the sums, and such of given
+/// objects.
 struct InputCheck {
   std::uint64_t hash = 0;
   std::uint64_t low_sum = 0, low_moment = 0, high_sum = 0, high_moment = 0;
   friend bool operator==(const InputCheck&, const InputCheck&) = default;
 };
-InputCheck make_input_check(const InputFields& fields);
+InputCheck make_input_check(const InputFields& fields, std::span<const ObjectFrame> given);
+InputCheck input_check_of(const TickRecord& record);
+/// Of a record: input and output that come in lists.
+inline std::span<const ObjectFrame> given_of(const TickRecord& record) {
+  return {record.given.data(), record.given_count};
+}
+inline std::span<const ObjectOutput> objects_of(const TickRecord& record) {
+  return {record.object.data(), record.object_count};
+}
 
 /// What was changed since `recorded` was made from the record's input; nothing if all is as it was.
 /// `recorded` of the answer is the original value, `replayed` the present one.

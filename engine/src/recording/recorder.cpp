@@ -48,6 +48,10 @@ void copy_record(const TickRecord& from, TickRecord& to) {
   to.sent_count = std::min(from.sent_count, kMaxSentPerTick);
   std::copy_n(from.sent.begin(), to.sent_count, to.sent.begin());
   to.timing = from.timing;
+  to.given_count = std::min<std::uint32_t>(from.given_count, kMostObjects);
+  std::copy_n(from.given.begin(), to.given_count, to.given.begin());
+  to.object_count = std::min<std::uint32_t>(from.object_count, kMostObjects);
+  std::copy_n(from.object.begin(), to.object_count, to.object.begin());
 }
 
 Status check_options(const Scene& scene, const RecorderOptions& options) {
@@ -174,7 +178,7 @@ Status Recorder::Writer::write_views(const TickRecord& record) {
 
 Status Recorder::Writer::write(const TickRecord& record) {
   if (Status status = write_views(record); !status.ok()) return status;
-  encode_tick(record, keeps_forces(record), make_input_check(input_fields(record)), builder);
+  encode_tick(record, keeps_forces(record), input_check_of(record), builder);
   const std::uint64_t tick = record.output.tick;
   // The sequence number is the tick's, so that any MCAP tool shows a gap as a gap.
   return mcap.message(tick_time(tick, period), static_cast<std::uint32_t>(tick),
@@ -313,6 +317,11 @@ Status Recorder::close() {
   return status;
 }
 
+void take_objects(const Scratch& scratch, TickRecord& record) {
+  record.object_count = static_cast<std::uint32_t>(scratch.object_output.size());
+  std::copy(scratch.object_output.begin(), scratch.object_output.end(), record.object.begin());
+}
+
 Status session_message(const Scene& scene, std::vector<std::uint8_t>& bytes,
                        const std::optional<Hand>& second) {
   return encode_session(scene, bytes, second);
@@ -320,7 +329,7 @@ Status session_message(const Scene& scene, std::vector<std::uint8_t>& bytes,
 
 void tick_message(const TickRecord& record, std::vector<std::uint8_t>& bytes) {
   flatbuffers::FlatBufferBuilder builder;
-  encode_tick(record, record.has_forces, make_input_check(input_fields(record)), builder);
+  encode_tick(record, record.has_forces, input_check_of(record), builder);
   bytes.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
 }
 

@@ -21,10 +21,10 @@ Compression compression_of(const RecordingInfo& info) {
 }
 
 /// Where to start so that the state before `tick` comes out: the state before `begin`. Past the time forces
-/// take to fade nothing is left of older ticks but the last output. Where that was left out, nothing stands
-/// for it: the next tick puts its own in that place.
-Status guess_state(RecordingReader& reader, std::uint64_t begin, State& state) {
-  state = reader.initial_state();
+/// take to fade nothing is left of older ticks but the last output, and objects. Where that was left out,
+/// nothing stands for it: the next tick puts its own in that place.
+Status guess_state(RecordingReader& reader, const Model& model, std::uint64_t begin, State& state) {
+  state = reader.initial_state(model);
   if (begin == reader.info().first_tick) return reader.seek(begin);
   if (Status status = reader.seek(begin - 1); !status.ok()) return status;
   TickRecord record;
@@ -49,7 +49,7 @@ Status run_up_to(RecordingReader& reader, const Model& model, std::uint64_t tick
     if (Status status = reader.next(record, end); !status.ok()) return status;
     found = false;
     if (end || record.output.tick != state.tick) return {};  // a gap
-    tick(model, state, scratch, record.device);
+    tick(model, state, scratch, record.device, given_of(record));
     found = hash_state(state) == record.state_hash;
   }
   return {};
@@ -65,9 +65,10 @@ Status find_state(RecordingReader& reader, std::uint64_t tick_number, State& sta
   const Settings& settings = reader.scene().settings;
   const std::uint64_t first = reader.info().first_tick;
   std::uint64_t back = 2 * static_cast<std::uint64_t>(settings.fade_time * settings.rate) + 8;
+  if (!model.apart.empty()) back = tick_number - first;  // where objects are depends on all ticks before
   for (;; back *= 8) {
     const std::uint64_t begin = tick_number - first > back ? tick_number - back : first;
-    if (Status status = guess_state(reader, begin, state); !status.ok()) return status;
+    if (Status status = guess_state(reader, model, begin, state); !status.ok()) return status;
     if (state.tick == begin)
       if (Status status = run_up_to(reader, model, tick_number, state, found); !status.ok()) return status;
     if (found || begin == first) return {};

@@ -454,6 +454,12 @@ const State& RecordingReader::initial_state() const {
   return file_ ? file_->initial_state[file_->hand] : kNothing;
 }
 
+State RecordingReader::initial_state(const Model& model) const {
+  State state = initial_state();
+  if (state.objects.size() != model.apart.size()) state.objects = make_state(model).objects;
+  return state;
+}
+
 const std::optional<Hand>& RecordingReader::other_hand() const {
   static const std::optional<Hand> kNothing;
   return file_ ? file_->other_hand : kNothing;

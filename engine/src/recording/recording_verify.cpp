@@ -24,10 +24,11 @@ namespace {
 /// What of a tick is not what its own hashes say; null: nothing. Of forces that are left out there is the
 /// hash alone, which a replay compares.
 const char* changed_result(const TickRecord& record) {
-  if (record.stage_hash[static_cast<std::size_t>(Stage::input)] != hash_fields(record.device))
+  if (record.stage_hash[static_cast<std::size_t>(Stage::input)] !=
+      hash_input(record.device, given_of(record)))
     return "the hash of its input was";
-  if (record.has_forces &&
-      record.stage_hash[static_cast<std::size_t>(Stage::limits)] != hash_fields(record.output))
+  if (record.has_forces && record.stage_hash[static_cast<std::size_t>(Stage::limits)] !=
+                               hash_output(record.output, objects_of(record)))
     return "its output was";
   return nullptr;
 }

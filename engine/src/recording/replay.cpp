@@ -22,7 +22,8 @@ Status broken(const RecordingReader& reader, const std::string& what) {
 }
 
 void run_tick(const Model& model, State& state, Scratch& scratch, TickRecord& result) {
-  result.output = tick(model, state, scratch, result.device);
+  result.output = tick(model, state, scratch, result.device, given_of(result));
+  take_objects(scratch, result);
   result.stage_hash = scratch.stage_hash;
   result.state_hash = hash_state(state);
 }
@@ -115,6 +116,8 @@ Status Run::tick_of(const TickRecord& recorded) {
   const State before = state;
   TickRecord replayed;
   replayed.device = recorded.device;
+  replayed.given_count = recorded.given_count;
+  replayed.given = recorded.given;
   const auto start = std::chrono::steady_clock::now();
   run_tick(model, state, scratch, replayed);
   result.replayed_time += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -151,7 +154,7 @@ Status replay_ticks(RecordingReader& reader, const ReplayOptions& options, Repla
   if (reader.info().ticks == 0)
     return broken(reader, "the recording holds no tick; there is nothing to replay");
 
-  run.state = reader.initial_state();
+  run.state = reader.initial_state(run.model);
   run.scratch = make_scratch(run.model);
   TickRecord recorded;
   for (;;) {

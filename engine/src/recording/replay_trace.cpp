@@ -104,7 +104,7 @@ Status name_difference(const Scene& recorded_scene, const State& before, const T
   if (Status status = build_model(recorded_scene, plain, model); !status.ok()) return status;
   State state = before;
   Scratch scratch = make_scratch(model);
-  const ActuatorFrame output = tick(model, state, scratch, recorded.device);
+  const ActuatorFrame output = tick(model, state, scratch, recorded.device, given_of(recorded));
   const int stage = stage_number(divergence.stage);
   const bool reproduced = stage == kStateStage ? hash_state(state) == recorded.state_hash
                                                : scratch.stage_hash[static_cast<std::size_t>(stage)] ==

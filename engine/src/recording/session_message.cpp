@@ -64,6 +64,44 @@ Offset<fb::Hand> to_fb(FlatBufferBuilder& builder, const Hand& hand) {
                         hand.palm.height, hand.palm.thickness, &palm_joint);
 }
 
+fb::Vec3 to_fb(Vec3 v) { return {v.x, v.y, v.z}; }
+Vec3 from_fb(const fb::Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+fb::Mechanism to_fb(const Mechanism& m) {
+  const auto& [mass, centre, inertia] = m.body;
+  return {mass,
+          to_fb(centre),
+          fb::Inertia(inertia[0], inertia[1], inertia[2], inertia[3], inertia[4], inertia[5]),
+          m.damping,
+          to_fb(m.pivot),
+          to_fb(m.axis),
+          m.lower,
+          m.upper,
+          m.spring,
+          m.rest,
+          m.dry_friction,
+          m.detent_force,
+          m.detent_pitch};
+}
+
+Mechanism from_fb(const fb::Mechanism& m, Mobility mobility) {
+  Mechanism mechanism;
+  mechanism.mobility = mobility;
+  const fb::Inertia& i = m.inertia();
+  mechanism.body = {m.mass(), from_fb(m.centre()), {i.xx(), i.yy(), i.zz(), i.xy(), i.yz(), i.zx()}};
+  mechanism.damping = m.damping();
+  mechanism.pivot = from_fb(m.pivot());
+  mechanism.axis = from_fb(m.axis());
+  mechanism.lower = m.lower();
+  mechanism.upper = m.upper();
+  mechanism.spring = m.spring();
+  mechanism.rest = m.rest();
+  mechanism.dry_friction = m.dry_friction();
+  mechanism.detent_force = m.detent_force();
+  mechanism.detent_pitch = m.detent_pitch();
+  return mechanism;
+}
+
 // As a model takes it: readers take meshes as they are.
 Offset<fb::Object> to_fb(FlatBufferBuilder& builder, const SceneObject& object) {
   if (object.winding != Winding::as_is) {
@@ -77,7 +115,13 @@ Offset<fb::Object> to_fb(FlatBufferBuilder& builder, const SceneObject& object) 
   const auto vertices = to_fb(builder, mesh.vertices);
   const auto triangles = builder.CreateVectorOfStructs(
       reinterpret_cast<const fb::Triangle*>(mesh.triangles.data()), mesh.triangles.size());
-  return fb::CreateObject(builder, name, vertices, triangles);
+  if (!is_apart(object)) return fb::CreateObject(builder, name, vertices, triangles);
+  const fb::Pose pose = to_fb(object.pose);
+  const Material& m = object.material;
+  const fb::Material material(m.static_friction, m.kinetic_friction, m.viscosity, m.shear_stiffness);
+  const fb::Mechanism mechanism = to_fb(object.mechanism);
+  return fb::CreateObject(builder, name, vertices, triangles, &pose, &material,
+                          static_cast<fb::Mobility>(object.mechanism.mobility), &mechanism);
 }
 
 Offset<fb::Settings> to_fb(FlatBufferBuilder& builder, const Settings& settings) {
@@ -163,6 +207,21 @@ Status decode_settings(const fb::Settings* message, Settings& settings) {
   return {};
 }
 
+// What is out of range build_model refuses.
+Status decode_apart(const fb::Object& message, SceneObject& object) {
+  if (message.mobility() > fb::Mobility::MAX) return Status::error("the session names an unknown mobility");
+  if (message.pose() != nullptr) object.pose = from_fb(*message.pose());
+  if (const fb::Material* const m = message.material())
+    object.material = {m->static_friction(), m->kinetic_friction(), m->viscosity(), m->shear_stiffness()};
+  const auto mobility = static_cast<Mobility>(message.mobility());
+  if (message.mechanism() != nullptr) {
+    object.mechanism = from_fb(*message.mechanism(), mobility);
+  } else if (mobility != Mobility::fixed) {
+    return Status::error("the session has an object that moves, but not how");
+  }
+  return {};
+}
+
 Status decode_objects(const fb::Session& message, std::size_t size, std::vector<SceneObject>& objects) {
   if (message.objects() == nullptr) return {};
   // Many objects of a forged file may share one array, or be one object: together, with what each takes in
@@ -183,6 +242,7 @@ Status decode_objects(const fb::Session& message, std::size_t size, std::vector<
     if (needed > room) return Status::error("the session's objects overlap");
     room -= needed;
     if (object->name() != nullptr) out.name = object->name()->str();
+    if (Status status = decode_apart(*object, out); !status.ok()) return status;
     out.mesh.vertices = from_fb(vertices);
     if (triangles == nullptr || triangles->size() == 0) continue;
     out.mesh.triangles.resize(triangles->size());
@@ -193,7 +253,9 @@ Status decode_objects(const fb::Session& message, std::size_t size, std::vector<
 
 Status decode_world(const fb::Session& message, Scene& scene) {
   if (message.world() == nullptr) return {};
-  if (message.world()->path() == nullptr || !scene.objects.empty())
+  const bool stands_still = std::any_of(scene.objects.begin(), scene.objects.end(),
+                                        [](const SceneObject& object) { return !is_apart(object); });
+  if (message.world()->path() == nullptr || stands_still)
     return Status::error("the session's world is neither in it nor a file");
   auto world = std::make_shared<World>();
   world->path = message.world()->path()->str();
@@ -224,7 +286,11 @@ Status encode_session(const Scene& scene, std::vector<std::uint8_t>& bytes,
   if (scene.world)
     world = fb::CreateWorldFile(builder, builder.CreateString(file_name(scene.world->path)),
                                 scene.world->content, scene.world->byte_count);
-  builder.Finish(fb::CreateSession(builder, kVersion, hand, all_objects, settings, world, second_hand));
+  const fb::Vec3 gravity = to_fb(scene.gravity);
+  fb::Ground ground;
+  if (scene.ground) ground = {to_fb(scene.ground->normal), scene.ground->offset, scene.ground->friction};
+  builder.Finish(fb::CreateSession(builder, kVersion, hand, all_objects, settings, world, second_hand,
+                                   &gravity, scene.ground ? &ground : nullptr));
   bytes.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
   return {};
 }
@@ -260,6 +326,9 @@ Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene, std::op
       return Status::error("both hands of the session are " + std::string(side_name(other->side)) + " ones");
   }
   if (second != nullptr) *second = std::move(other);
+  if (message.gravity() != nullptr) decoded.gravity = from_fb(*message.gravity());
+  if (const fb::Ground* const ground = message.ground())
+    decoded.ground = Ground{from_fb(ground->normal()), ground->offset(), ground->friction()};
   scene = std::move(decoded);
   return {};
 }

@@ -25,6 +25,24 @@ bool to_forces(const flatbuffers::Vector<double>* numbers, HandForces& forces) {
   return finite;
 }
 
+bool to_objects(const flatbuffers::Vector<double>* numbers, std::vector<ObjectState>& objects) {
+  constexpr std::size_t kNumbers = kNumberCount<ObjectState>;
+  objects.clear();
+  if (numbers == nullptr) return true;
+  if (numbers->size() % kNumbers != 0 || numbers->size() / kNumbers > kMostObjects || !is_aligned(numbers))
+    return false;
+  bool finite = true;
+  std::uint32_t next = 0;
+  objects.resize(numbers->size() / kNumbers);
+  for (ObjectState& object : objects) {
+    walk(object, [&](const FieldName&, double& number) {
+      number = numbers->Get(next++);
+      finite = finite && is_finite(number);
+    });
+  }
+  return finite;
+}
+
 bool is_share(double value) { return value >= 0 && value <= 1; }
 
 }  // namespace
@@ -37,7 +55,11 @@ std::vector<std::uint8_t> encode_state(const State& state) {
     return builder.CreateVector(numbers.data(), numbers.size());
   };
   const auto last = put(state.last), held = put(state.held);
-  builder.Finish(fb::CreateState(builder, state.tick, state.rise, state.fall, last, held));
+  std::vector<double> numbers;
+  for (const ObjectState& object : state.objects)
+    walk(object, [&numbers](const FieldName&, double number) { numbers.push_back(number); });
+  const auto objects = builder.CreateVector(numbers);
+  builder.Finish(fb::CreateState(builder, state.tick, state.rise, state.fall, last, held, objects));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 
@@ -54,7 +76,8 @@ Status decode_state(std::span<const std::uint8_t> bytes, State& state) {
   result.rise = message.rise();
   result.fall = message.fall();
   const bool good = is_share(result.rise) && is_share(result.fall) &&
-                    to_forces(message.last(), result.last) && to_forces(message.held(), result.held);
+                    to_forces(message.last(), result.last) && to_forces(message.held(), result.held) &&
+                    to_objects(message.objects(), result.objects);
   if (!good) return Status::error("the state message holds numbers out of range");
   state = result;
   return {};

@@ -15,6 +15,7 @@ namespace lumbrical {
 namespace {
 
 // The schema's structs lie in memory as the engine's do.
+static_assert(sizeof(fb::ObjectOutput) == sizeof(ObjectOutput) && sizeof(fb::Pose) == sizeof(ObjectFrame));
 static_assert(sizeof(fb::Pose) == sizeof(Pose) && sizeof(fb::JointPose) == sizeof(JointPose));
 
 // A comparison of numbers would take -0 for +0.
@@ -97,6 +98,26 @@ Status decode_output(const fb::Tick& message, ActuatorFrame& output) {
   return {};
 }
 
+// A list of structs that lie in memory as the engine's do.
+template <class Row, class Struct, std::size_t Most>
+Status decode_rows(const flatbuffers::Vector<const Struct*>* from, std::uint32_t& count,
+                   std::array<Row, Most>& rows) {
+  count = from == nullptr ? 0 : from->size();
+  if (count > Most || !is_aligned(from)) {
+    count = 0;
+    return Status::error("the tick message has more objects than a scene can have");
+  }
+  for (std::uint32_t i = 0; i < count; ++i) rows[i] = std::bit_cast<Row>(*from->Get(i));
+  return {};
+}
+
+template <class Struct, class Row>
+flatbuffers::Offset<flatbuffers::Vector<const Struct*>> to_rows(std::span<const Row> rows,
+                                                                flatbuffers::FlatBufferBuilder& builder) {
+  if (rows.empty()) return {};
+  return builder.CreateVectorOfStructs(reinterpret_cast<const Struct*>(rows.data()), rows.size());
+}
+
 flatbuffers::Offset<fb::Sent> to_fb(const SentCommand& sent, flatbuffers::FlatBufferBuilder& builder) {
   const auto values = builder.CreateVector(sent.value.data(), sent.actuator_count);
   return fb::CreateSent(builder, sent.cycle, sent.tick, sent.sent, sent.acknowledged, sent.loop_delay,
@@ -160,6 +181,9 @@ void encode_tick(const TickRecord& record, bool keep_forces, const InputCheck& c
     sent = builder.CreateVector(offsets.data(), record.sent_count);
   }
 
+  const auto given = to_rows<fb::Pose>(given_of(record), builder);
+  const auto objects = to_rows<fb::ObjectOutput>(objects_of(record), builder);
+
   const auto base = std::bit_cast<fb::Pose>(device.base);
   const auto& hash = record.stage_hash;
   const fb::StageHashes hashes(hash[0], hash[1], hash[2], hash[3], hash[4], hash[5]);
@@ -169,11 +193,12 @@ void encode_tick(const TickRecord& record, bool keep_forces, const InputCheck& c
   const fb::Timing timing =
       record.timing ? fb::Timing(record.timing->period, record.timing->jitter, record.timing->delay)
                     : fb::Timing();
-  builder.Finish(fb::CreateTick(
-      builder, record.output.tick, record.duration_ns, &base, static_cast<fb::InputKind>(device.kind),
-      device.flags, device.valid, joints, angles, record.output.flags, record.output.contact_count, outputs,
-      &hashes, record.state_hash, &input_check, record.output.force_error, sent, !keep_forces,
-      record.output.error_estimate, record.output.evaluations, record.timing ? &timing : nullptr));
+  builder.Finish(fb::CreateTick(builder, record.output.tick, record.duration_ns, &base,
+                                static_cast<fb::InputKind>(device.kind), device.flags, device.valid, joints,
+                                angles, record.output.flags, record.output.contact_count, outputs, &hashes,
+                                record.state_hash, &input_check, record.output.force_error, sent,
+                                !keep_forces, record.output.error_estimate, record.output.evaluations,
+                                record.timing ? &timing : nullptr, given, objects));
 }
 
 Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, InputCheck& check) {
@@ -192,6 +217,10 @@ Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, Inpu
   if (!record.has_forces && message.segments() != nullptr)
     return Status::error("the tick message has the forces it says it leaves out");
   if (Status status = decode_sent(message, record); !status.ok()) return status;
+  if (Status status = decode_rows(message.given(), record.given_count, record.given); !status.ok())
+    return status;
+  if (Status status = decode_rows(message.objects(), record.object_count, record.object); !status.ok())
+    return status;
   record.timing.reset();
   if (const fb::Timing* const timing = message.timing())
     record.timing = {timing->period(), timing->jitter(), timing->delay()};

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lumbrical/recording.h"
+#include "recording/record_fields.h"
 #include "recording/replay.h"
 #include "recording/session_message.h"
 
@@ -50,9 +51,9 @@ struct TimedRun {
     if (status.ok()) scratch = make_scratch(model);
     return status;
   }
-  ActuatorFrame run(const DeviceFrame& device) {
+  ActuatorFrame run(const TickRecord& recorded) {
     const auto start = std::chrono::steady_clock::now();
-    const ActuatorFrame output = tick(model, state, scratch, device);
+    const ActuatorFrame output = tick(model, state, scratch, recorded.device, given_of(recorded));
     seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return output;
   }
@@ -67,7 +68,10 @@ class WhatIf {
     plain.broadphase = Execution{}.broadphase;
     Status status = changed_.build(scene, options.execution);
     if (status.ok()) status = baseline_.build(reader.scene(), plain);
-    changed_.state = baseline_.state = reader.initial_state();
+    if (status.ok()) {
+      changed_.state = reader.initial_state(changed_.model);
+      baseline_.state = reader.initial_state(baseline_.model);
+    }
     return status.ok() ? status : Status::error(reader.info().path + ": " + status.message());
   }
 
@@ -77,9 +81,9 @@ class WhatIf {
     // Whichever goes first finds cold caches; they take turns.
     const bool baseline_first = recorded.output.tick % 2 == 0;
     ActuatorFrame before;
-    if (baseline_first) before = baseline_.run(recorded.device);
-    const ActuatorFrame changed = changed_.run(recorded.device);
-    if (!baseline_first) before = baseline_.run(recorded.device);
+    if (baseline_first) before = baseline_.run(recorded);
+    const ActuatorFrame changed = changed_.run(recorded);
+    if (!baseline_first) before = baseline_.run(recorded);
     constexpr auto kLimits = static_cast<std::size_t>(Stage::limits);
     if (recorded.has_forces) {
       before = recorded.output;

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <numeric>
 
+#include "base/at_least.h"
 #include "base/parallel.h"
 #include "index/sphere_tree.h"
 #include "lanes/tree_search.h"
@@ -226,12 +227,12 @@ void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& nea
   const std::size_t most = most_patches(model);
   const std::size_t blocks =
       std::max<std::size_t>(patches.block.size(), frontier_capacity(patches.tree.head));
-  memory.searcher.resize(model.execution.threads);
+  at_least(model.execution.threads, memory.searcher);
   for (PatchSearcher& searcher : memory.searcher) {
-    for (auto& frontier : searcher.frontier) frontier.resize(blocks);
-    searcher.found.resize(most + std::max(patches.block.size(), kSpare));
+    for (auto& frontier : searcher.frontier) at_least(blocks, frontier);
+    at_least(most + std::max(patches.block.size(), kSpare), searcher.found);
   }
-  near.listed.resize(most + kSpare);
+  at_least(most + kSpare, near.listed);
 }
 
 bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "base/at_least.h"
 #include "base/parallel.h"
 #include "model/primitive.h"
 #include "samples/effort.h"
@@ -343,9 +344,9 @@ void feel_on_levels(SampleTeam& team, const Effort& effort, std::uint64_t most, 
 void size_samples(const Model& model, SampleMemory& memory) {
   if (!model.patches) return;
   size_search(model, memory.search, memory.near);
-  memory.thread.resize(model.execution.threads);
+  at_least(model.execution.threads, memory.thread);
   for (SampleThread& thread : memory.thread) {
-    thread.chosen.resize(memory.near.listed.size());
+    at_least(memory.near.listed.size(), thread.chosen);
     for (auto& sums : thread.sums) sums.resize((Bodies::kMostFingers + 1) * Bodies::kTilesApart);
   }
 }

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <numeric>
 
+#include "base/at_least.h"
 #include "base/parallel.h"
 #include "base/radix_sort.h"
 #include "index/sphere_grid.h"
@@ -216,20 +217,20 @@ bool try_find(const Model& model, const Primitives& hand, bool lists, Scratch& s
 void size_candidates(const Model& model, Scratch& scratch) {
   const std::size_t all_pairs = Primitives::kMaxCount * model.triangles.size();
   const std::size_t capacity = std::min<std::size_t>(model.settings.max_candidates, all_pairs);
-  scratch.candidates.resize(capacity);
-  scratch.sorting.resize(capacity);
-  scratch.near = std::make_shared<NearPairs>();
-  scratch.near->pairs.resize(capacity);
-  scratch.near->other.resize(capacity);
+  at_least(capacity, scratch.candidates);
+  at_least(capacity, scratch.sorting);
+  if (!scratch.near) scratch.near = std::make_shared<NearPairs>();
+  at_least(capacity, scratch.near->pairs);
+  at_least(capacity, scratch.near->other);
   std::size_t frontier_size = std::max<std::size_t>(frontier_capacity(model.tree.head), model.grid.frontier);
   if (model.rest) frontier_size = std::max(frontier_size, frontier_capacity(model.rest->tree.head));
   if (model.voxels) frontier_size = std::max(frontier_size, frontier_capacity(model.voxels->wide.head));
-  scratch.searcher.resize(model.execution.threads);
+  at_least(model.execution.threads, scratch.searcher);
   for (SearchMemory& searcher : scratch.searcher) {
-    for (auto& frontier : searcher.frontier) frontier.resize(frontier_size);
-    searcher.cells.resize(model.voxels ? model.voxels->lists.voxel.size() : 0);
+    for (auto& frontier : searcher.frontier) at_least(frontier_size, frontier);
+    at_least(model.voxels ? model.voxels->lists.voxel.size() : 0, searcher.cells);
   }
-  scratch.cells.resize(model.grid.tree.size());
+  at_least(model.grid.tree.size(), scratch.cells);
 }
 
 bool find_candidates(const Model& model, const Primitives& hand, Scratch& scratch) {

@@ -21,6 +21,13 @@ HandForces sum_forces(const Settings& settings, const Primitives& hand, std::spa
   return forces;
 }
 
+double error_estimate(const Settings& settings, const SampledForces& sampled) {
+  double estimate = 0;
+  for (std::size_t i = 0; i < kSegmentCount; ++i)
+    estimate += min(1, sampled.error_factor * settings.precision[i]) * norm(sampled.segment[i].force);
+  return settings.stiffness * estimate;
+}
+
 double force_error(const Settings& settings, std::span<const Contact> contacts) {
   double error = 0;
   for (const Contact& contact : contacts) error += contact.error;

@@ -8,6 +8,7 @@
 
 #include "lumbrical/tick.h"
 #include "model/primitive.h"
+#include "samples/sampled_forces.h"
 
 namespace lumbrical {
 
@@ -19,5 +20,8 @@ HandForces sum_forces(const Settings& settings, const Primitives& hand, std::spa
 
 /// [N] Bound of the error of all contacts' forces together: K_s times the sum of their `error`.
 double force_error(const Settings& settings, std::span<const Contact> contacts);
+
+/// [N] What all sampled segments together may be off, by experience: see Settings::precision.
+double error_estimate(const Settings& settings, const SampledForces& sampled);
 
 }  // namespace lumbrical

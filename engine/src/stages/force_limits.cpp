@@ -54,7 +54,7 @@ double saturated(double force, double max_force) {
 }
 
 ActuatorFrame limit_forces(const Settings& settings, const Primitives& hand, HandForces fresh, bool trusted,
-                           std::uint32_t flags, State& state) {
+                           std::uint32_t flags, HandState& state) {
   trusted = trusted && all_finite(fresh);
   if (!trusted) fresh = {};
   if (trusted && saturate_segments(settings.max_force, hand, fresh)) flags |= kForceLimited;

@@ -27,6 +27,6 @@ double saturated(double force, double max_force);
 /// whatever comes in and however often trust changes, and is exactly the fresh force once trust has lasted.
 /// Advances `state` to the next tick. contact_count of the answer is left to the caller.
 ActuatorFrame limit_forces(const Settings& settings, const Primitives& hand, HandForces fresh, bool trusted,
-                           std::uint32_t flags, State& state);
+                           std::uint32_t flags, HandState& state);
 
 }  // namespace lumbrical

@@ -122,16 +122,28 @@ void add_phalanx(std::size_t i, Primitives& hand) {
   if (is_paper(hand, i) && !after) add_sphere(hand, i, true, hand);
 }
 
-void set_axes(Primitives& primitives) {
+std::uint32_t shape_hand(const Hand& hand, const Settings& settings, Primitives& primitives) {
+  primitives.count = 0;
+  primitives.palm.corner_count = 0;
+  std::uint32_t flags = set_capsules(hand, settings, primitives);
+  if (!primitives.joints.has(kPalm) && !hand.palm.polygon.empty()) flags |= kSegmentMissing;
+  return flags;
+}
+
+}  // namespace
+
+const Pose& base_pose(const Primitives& primitives, std::size_t segment) {
+  const int joint = segment == kPalmSegment ? int{kWrist} : int{kPhalanxJoints[segment].base};
+  return primitives.joints.pose[static_cast<std::size_t>(joint)];
+}
+
+void place_axes(Primitives& primitives) {
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    const int joint = i == kPalmSegment ? int{kWrist} : int{kPhalanxJoints[i].base};
-    const Pose& X_WJ = primitives.joints.pose[static_cast<std::size_t>(joint)];
+    const Pose& X_WJ = base_pose(primitives, i);
     primitives.base_joint[i] = X_WJ.position;
     primitives.flexion_axis[i] = rotate(X_WJ.orientation, {1, 0, 0});
   }
 }
-
-}  // namespace
 
 std::uint32_t check_input(const DeviceFrame& frame) {
   std::uint32_t flags = 0;
@@ -168,12 +180,15 @@ std::uint32_t check_input(const DeviceFrame& frame) {
 
 std::uint32_t place_hand(const Hand& hand, const Settings& settings, const DeviceFrame& frame,
                          Primitives& primitives) {
-  std::uint32_t flags = find_joints(hand, frame, primitives.joints);
-  primitives.count = 0;
-  primitives.palm.corner_count = 0;
-  flags |= set_capsules(hand, settings, primitives);
-  if (!primitives.joints.has(kPalm) && !hand.palm.polygon.empty()) flags |= kSegmentMissing;
-  return flags;
+  const std::uint32_t flags = find_joints(hand, frame, primitives.joints);
+  return flags | shape_hand(hand, settings, primitives);
+}
+
+std::uint32_t place_hand(const Hand& hand, const Settings& settings, const Joints& joints, const Pose& X_OW,
+                         Primitives& primitives) {
+  primitives.joints.valid = joints.valid;
+  for (std::size_t i = 0; i < kJointCount; ++i) primitives.joints.pose[i] = X_OW * joints.pose[i];
+  return shape_hand(hand, settings, primitives);
 }
 
 bool may_meet(const Hand& hand, const Primitives& primitives, const Box& world) {
@@ -204,7 +219,7 @@ void tile_hand(const Hand& hand, const Settings& settings, Primitives& primitive
     primitives.palm = place_palm(hand.palm, primitives.joints.pose[kPalm]);
     add_palm_parts(primitives.palm, settings.law[kPalmSegment], primitives);
   }
-  set_axes(primitives);
+  place_axes(primitives);
 }
 
 std::uint32_t pose_hand(const Hand& hand, const Settings& settings, const DeviceFrame& frame,

@@ -15,6 +15,16 @@ std::uint32_t check_input(const DeviceFrame& frame);
 std::uint32_t place_hand(const Hand& hand, const Settings& settings, const DeviceFrame& frame,
                          Primitives& primitives);
 
+/// The same of joints that are placed in a frame W already, as seen from another frame O.
+std::uint32_t place_hand(const Hand& hand, const Settings& settings, const Joints& joints, const Pose& X_OW,
+                         Primitives& primitives);
+
+/// Where segments turn, and about which axis they flex: `tile_hand` does it, too.
+void place_axes(Primitives& primitives);
+
+/// The pose of a segment's base joint.
+const Pose& base_pose(const Primitives& primitives, std::size_t segment);
+
 /// False where no part of a hand so placed can touch what is inside the box [m, W].
 bool may_meet(const Hand& hand, const Primitives& primitives, const Box& world);
 

@@ -220,6 +220,13 @@ Vec3 target_point(const Alignment& alignment, const Box& box) {
   return point;
 }
 
+// Where it stands at the start; only what has to be placed is copied.
+const Mesh& mesh_in_world(const SceneObject& object, Mesh& placed) {
+  if (!is_apart(object)) return object.mesh;
+  placed = placed_mesh(object);
+  return placed;
+}
+
 }  // namespace
 
 Clearance find_clearance(const Scene& scene, const Motion& motion, double seconds) {
@@ -233,9 +240,11 @@ Clearance find_clearance(const Scene& scene, const Motion& motion, double second
                 });
   if (scene.world) clearance.object.push_back(scene.world->extent);
   for (const SceneObject& object : scene.objects) {
-    clearance.object.push_back(box_of(object.mesh));
-    if (any && !object.mesh.triangles.empty())
-      find_approach(scene, motion, seconds, object.mesh, clearance.approach.emplace_back());
+    Mesh placed;
+    const Mesh& mesh = mesh_in_world(object, placed);
+    clearance.object.push_back(box_of(mesh));
+    if (any && !mesh.triangles.empty())
+      find_approach(scene, motion, seconds, mesh, clearance.approach.emplace_back());
     else
       clearance.approach.emplace_back();
   }
@@ -283,7 +292,8 @@ Status find_shift(const Scene& scene, const Motion& motion, double seconds, cons
   }
   if (alignment.target == Alignment::Target::contact) {
     Approach approach;
-    find_approach(scene, motion, seconds, object->mesh, approach);
+    Mesh placed;
+    find_approach(scene, motion, seconds, mesh_in_world(*object, placed), approach);
     if (!(approach.distance < 1e300)) return Status::error("no sample of the motion shows a hand to align");
     const Vec3 gap = approach.object - approach.hand;
     const double length = norm(gap);
@@ -293,7 +303,8 @@ Status find_shift(const Scene& scene, const Motion& motion, double seconds, cons
   Vec3 grasp;
   if (!find_grasp(scene, motion, seconds, grasp))
     return Status::error("no sample of the motion shows all fingertips; align it by contact");
-  shift = target_point(alignment, object == scene.objects.end() ? Box{} : box_of(object->mesh)) - grasp;
+  shift =
+      target_point(alignment, object == scene.objects.end() ? Box{} : box_of(placed_mesh(*object))) - grasp;
   return {};
 }
 

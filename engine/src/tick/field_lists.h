@@ -70,12 +70,39 @@ constexpr void list_fields(Is<ActuatorFrame> auto& frame, auto&& field) {
   list_forces(frame, field);
 }
 
-constexpr void list_fields(Is<State> auto& state, auto&& field) {
+constexpr void list_fields(Is<HandState> auto& state, auto&& field) {
   field("tick", "", state.tick);
   field("rise", "", state.rise);
   field("fall", "", state.fall);
   field("last", "", state.last);
   field("held", "", state.held);
+}
+
+constexpr void list_fields(Is<GripState> auto& grip, auto&& field) {
+  field("segment", "", grip.segment);
+  field("shear", "m", grip.shear);
+  field("twist", "rad", grip.twist);
+  field("slip", "m/s", grip.slip);
+  field("holds", "", grip.holds);
+}
+constexpr void list_fields(Is<SupportState> auto& support, auto&& field) {
+  field("shear", "m", support.shear);
+  field("holds", "", support.holds);
+}
+constexpr void list_fields(Is<ObjectState> auto& object, auto&& field) {
+  field("pose", "", object.pose);
+  field("velocity", "m/s", object.velocity);
+  field("angular_velocity", "rad/s", object.angular_velocity);
+  field("coordinate", "", object.coordinate);
+  field("told", "", object.told);
+  field("grip", "", object.grip);
+  field("support", "", object.support);
+}
+constexpr void list_fields(Is<ObjectFrame> auto& object, auto&& field) { field("pose", "", object.pose); }
+constexpr void list_fields(Is<ObjectOutput> auto& object, auto&& field) {
+  field("pose", "", object.pose);
+  field("wrench", "", object.wrench);
+  field("coordinate", "", object.coordinate);
 }
 
 constexpr void list_fields(Is<Settings> auto& settings, auto&& field) {
@@ -173,8 +200,24 @@ constexpr void list_fields(Is<Primitives> auto& hand, auto&& field) {
   field("flexion_axis", "", hand.flexion_axis);
 }
 
+/// Hashes of what goes into a tick and of what comes out, objects included: Stage::input and Stage::limits.
+inline std::uint64_t with_objects(std::uint64_t hash, auto rows) {
+  if (rows.empty()) return hash;
+  Hasher hasher;
+  hasher.value(hash);
+  hasher.value(hash_rows(rows));
+  return hasher.digest();
+}
+inline std::uint64_t hash_input(const DeviceFrame& frame, std::span<const ObjectFrame> given) {
+  return with_objects(hash_fields(frame), given);
+}
+inline std::uint64_t hash_output(const ActuatorFrame& output, std::span<const ObjectOutput> objects) {
+  return with_objects(hash_fields(output), objects);
+}
+
 // A field that is not listed fails here, where the struct has no padding or always the same.
-static_assert(kIsRow<Contact> && kIsRow<HandForces> && kIsRow<ActuatorFrame> && kIsRow<State>);
+static_assert(kIsRow<Contact> && kIsRow<HandForces> && kIsRow<ActuatorFrame>);
+static_assert(kIsRow<HandState> && kIsRow<ObjectState> && kIsRow<ObjectOutput> && kIsRow<ObjectFrame>);
 static_assert(kIsRow<JointPose> && kIsRow<HalfSpace> && kIsRow<Pose>);
 static_assert(listed_bytes<DeviceFrame>() + 7 == sizeof(DeviceFrame));
 static_assert(listed_bytes<Settings>() == sizeof(Settings));

@@ -1,36 +1,43 @@
 // The tick: one stage after the other, each a function of the data before it.
 #include "lumbrical/tick.h"
 
+#include <cassert>
+
 #include "base/floating_point.h"
+#include "objects/object_forces.h"
 #include "samples/sampled_forces.h"
 #include "stages/broadphase.h"
 #include "stages/contact_force.h"
 #include "stages/force_limits.h"
 #include "stages/hand_pose.h"
 #include "stages/narrowphase.h"
+#include "tick/felt_forces.h"
 #include "tick/field_lists.h"
 
 namespace lumbrical {
 namespace {
 
-constexpr std::uint32_t kUntrusted = kInputNotFinite | kInputImplausible | kInputLost | kCandidateOverflow;
+constexpr std::uint32_t kUntrusted =
+    kInputNotFinite | kInputImplausible | kInputLost | kCandidateOverflow | kObjectImplausible;
 
 /// What the stages of one tick have found.
 struct Findings {
   const DeviceFrame& frame;
+  std::span<const ObjectFrame> given;
   const Primitives& hand;
   const SampledForces& sampled;
   std::span<const std::uint64_t> candidates;
   std::span<const Contact> contacts;
   const HandForces& forces;
   const ActuatorFrame& output;
+  std::span<const ObjectOutput> objects;
 };
 
 void hash_stages(const Findings& found, std::array<std::uint64_t, kStageCount>& stage_hash) {
   const auto hash_of_stage = [&stage_hash](Stage stage) -> std::uint64_t& {
     return stage_hash[static_cast<std::size_t>(stage)];
   };
-  hash_of_stage(Stage::input) = hash_fields(found.frame);
+  hash_of_stage(Stage::input) = hash_input(found.frame, found.given);
   hash_of_stage(Stage::hand_pose) = hash_fields(found.hand);
   hash_of_stage(Stage::broadphase) = hash_rows(found.candidates);
   Hasher narrowphase;
@@ -38,7 +45,7 @@ void hash_stages(const Findings& found, std::array<std::uint64_t, kStageCount>& 
   narrowphase.value(hash_fields(found.sampled));
   hash_of_stage(Stage::narrowphase) = narrowphase.digest();
   hash_of_stage(Stage::contact_force) = hash_fields(found.forces);
-  hash_of_stage(Stage::limits) = hash_fields(found.output);
+  hash_of_stage(Stage::limits) = hash_output(found.output, found.objects);
 }
 
 }  // namespace
@@ -51,97 +58,65 @@ std::string_view stage_name(Stage stage) {
 
 Scratch make_scratch(const Model& model) {
   Scratch scratch;
-  scratch.primitives = std::make_shared<Primitives>();
-  size_candidates(model, scratch);
-  scratch.samples = std::make_shared<SampleMemory>();
-  size_samples(model, *scratch.samples);
-  scratch.contacts.resize(scratch.candidates.size());
+  make_room(model, scratch);
+  scratch.object_output.resize(model.apart.size());
+  for (const ApartObject& object : model.apart) {
+    if (!scratch.apart) {
+      scratch.apart = std::make_shared<Scratch>();
+      scratch.apart->keep_near = false;  // objects take turns: a list would be of another one's
+    }
+    make_room(*object.shape, *scratch.apart);
+  }
   return scratch;
 }
 
-// Candidates of what is left to the exact rung: segments that are not felt by samples, and triangles too
-// large for them. False where there are too many.
-bool find_exact_candidates(const Model& model, const Primitives& hand, Scratch& scratch) {
-  const std::uint32_t sampled = sampled_segments(model);
-  if (sampled == kAllSegments) return !model.rest || find_candidates(*model.rest, hand, scratch);
-  if (!find_candidates(model, hand, scratch)) return false;
-  if (sampled == 0) return true;
-  const auto is_left = [&](std::uint64_t pair) {
-    return !felt_by_samples(model, hand.primitive[pair >> 32].segment, static_cast<std::uint32_t>(pair));
-  };
-  std::uint32_t count = 0;
-  for (std::uint32_t i = 0; i < scratch.candidate_count; ++i) {
-    scratch.candidates[count] = scratch.candidates[i];
-    count += is_left(scratch.candidates[i]) ? 1 : 0;
-  }
-  scratch.candidate_count = count;
-  return true;
-}
-
-void tell(const StageWatch& watch, Stage stage) {
-  if (watch.ended != nullptr) watch.ended(watch.self, stage);
-}
-
-void find_all_contacts(const Model& model, const Primitives& hand, Scratch& scratch) {
-  const std::span<const std::uint64_t> candidates(scratch.candidates.data(), scratch.candidate_count);
-  scratch.contact_count = find_contacts(model, hand, candidates, scratch.contacts);
-}
-
-// [N] By experience: see Settings::precision.
-double error_estimate(const Settings& settings, const SampledForces& sampled) {
-  double estimate = 0;
-  for (std::size_t i = 0; i < kSegmentCount; ++i)
-    estimate += min(1, sampled.error_factor * settings.precision[i]) * norm(sampled.segment[i].force);
-  return settings.stiffness * estimate;
-}
-
-ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame) {
-  const FloatingPointGuard guard;
-  Primitives& hand = *scratch.primitives;
+// What this frame does not tell must not be left from another: a tick, hashes included, is a function of
+// model, state and frame. Even no force times an old axis has that axis' sign.
+void forget_hand(Primitives& hand) {
   hand.count = 0;
   hand.out_of_reach = false;
-  // What this frame does not tell must not be left from another: a tick, hashes included, is a function of
-  // model, state and frame. Even no force times an old axis has that axis' sign.
   hand.base_joint = hand.flexion_axis = {};
   hand.palm.corner_count = 0;
-  scratch.candidate_count = scratch.contact_count = 0;
+}
 
-  SampledForces& sampled = scratch.samples->forces;
-  sampled = {};
+std::uint32_t input_flags(const DeviceFrame& frame) {
   std::uint32_t flags = check_input(frame);
   if ((frame.flags & kTrackingLost) != 0) flags |= kInputLost;
   if ((frame.flags & kExtrapolated) != 0) flags |= kInputExtrapolated;
-  hand.flags = flags;
+  return flags;
+}
+
+bool is_trusted(std::uint32_t flags) { return (flags & kUntrusted) == 0; }
+
+ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame,
+                   std::span<const ObjectFrame> given) {
+  assert(state.objects.size() == model.apart.size() && "make_state(model)");
+  const FloatingPointGuard guard;
+  Primitives& hand = *scratch.primitives;
+  forget_hand(hand);
+  std::uint32_t flags = hand.flags = input_flags(frame);
   tell(scratch.watch, Stage::input);
-  if ((flags & kUntrusted) == 0) {
-    flags = hand.flags |= place_hand(model.hand, model.settings, frame, hand);
-    hand.out_of_reach = !may_meet(model.hand, hand, model.extent);  // and needs no shape
-    if (!hand.out_of_reach) {
-      tile_hand(model.hand, model.settings, hand);
-      tell(scratch.watch, Stage::hand_pose);
-      if (model.patches && !sample_forces(model, hand, sampled_segments(model), *scratch.samples, sampled))
-        flags |= kCandidateOverflow;
-      if (sampled.coarsened) flags |= kCoarsened;
-      tell(scratch.watch, Stage::narrowphase);
-      if (!find_exact_candidates(model, hand, scratch)) flags |= kCandidateOverflow;
-    }
-  }
-  tell(scratch.watch, Stage::broadphase);
-  find_all_contacts(model, hand, scratch);
-  tell(scratch.watch, Stage::narrowphase);
+  const bool placed = is_trusted(flags);
+  if (placed) flags = hand.flags |= place_hand(model.hand, model.settings, frame, hand);
+  HandForces forces = placed ? feel(model, scratch, flags) : feel_nothing(model, scratch);
+  ObjectFindings objects;
+  if (!model.apart.empty() && state.objects.size() == model.apart.size())
+    objects = feel_objects({model, hand, is_trusted(flags), given}, state, scratch, forces, flags);
+  tell(scratch.watch, Stage::contact_force);
+
+  const SampledForces& sampled = scratch.samples->forces;
   const std::span<const std::uint64_t> candidates(scratch.candidates.data(), scratch.candidate_count);
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
-  const HandForces forces = sum_forces(model.settings, hand, contacts, sampled.segment);
-  tell(scratch.watch, Stage::contact_force);
-  ActuatorFrame output = limit_forces(model.settings, hand, forces, (flags & kUntrusted) == 0, flags, state);
-  output.contact_count = scratch.contact_count + sampled.contact_count;
-  output.evaluations = sampled.evaluations;
-  output.force_error = force_error(model.settings, contacts);
-  output.error_estimate = error_estimate(model.settings, sampled);
+  ActuatorFrame output = limit_forces(model.settings, hand, forces, is_trusted(flags), flags, state);
+  output.contact_count = scratch.contact_count + sampled.contact_count + objects.contact_count;
+  output.evaluations = sampled.evaluations + objects.evaluations;
+  output.force_error = force_error(model.settings, contacts) + objects.force_error;
+  output.error_estimate = error_estimate(model.settings, sampled) + objects.error_estimate;
   tell(scratch.watch, Stage::limits);
 
   if (scratch.hash_stages)
-    hash_stages({frame, hand, sampled, candidates, contacts, forces, output}, scratch.stage_hash);
+    hash_stages({frame, given, hand, sampled, candidates, contacts, forces, output, scratch.object_output},
+                scratch.stage_hash);
   return output;
 }
 
@@ -150,7 +125,7 @@ std::span<const Contact> find_contacts(const Model& model, Scratch& scratch) {
   if (sampled_segments(model) != 0 && hand.count > 0) {
     const FloatingPointGuard guard;
     if (!find_candidates(model, hand, scratch)) scratch.candidate_count = 0;
-    find_all_contacts(model, hand, scratch);
+    find_all_contacts(model, scratch);
   }
   for (std::uint32_t i = 0; i < scratch.contact_count; ++i)
     scratch.contacts[i].depth = contact_depth(model, scratch, scratch.contacts[i]);
@@ -162,6 +137,15 @@ double contact_depth(const Model& model, const Scratch& scratch, const Contact& 
   return depth_of(model, *scratch.primitives, contact);
 }
 
-std::uint64_t hash_state(const State& state) { return hash_fields(state); }
+State make_state(const Model& model) {
+  State state;
+  for (const ApartObject& object : model.apart) state.objects.emplace_back().pose = object.start;
+  return state;
+}
+
+std::uint64_t hash_state(const State& state) {
+  const std::uint64_t hand = hash_fields(static_cast<const HandState&>(state));
+  return with_objects(hand, std::span<const ObjectState>(state.objects));
+}
 
 }  // namespace lumbrical

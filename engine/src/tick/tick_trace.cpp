@@ -92,7 +92,8 @@ std::vector<TraceValue> trace_stage(const Model& model, const Scratch& scratch, 
 
 std::vector<TraceValue> trace_state(const State& state) {
   Tracer to;
-  to.fields(state);
+  to.fields(static_cast<const HandState&>(state));
+  for (const ObjectState& object : state.objects) to.fields(object);
   return std::move(to.values);
 }
 

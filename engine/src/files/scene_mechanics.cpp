@@ -1,0 +1,97 @@
+#include "files/scene_mechanics.h"
+
+namespace lumbrical {
+namespace {
+
+namespace format = scene_format;
+
+constexpr Range kPlace{-1e8, 1e8}, kForce{0, 1e6};
+
+void read_direction(const flatbuffers::Vector<double>* values, const std::string& path, FieldReader& read,
+                    Vec3& direction) {
+  read.vector(values, path, {-1e3, 1e3}, direction);
+  const double length = norm(direction);
+  if (!(length > 1e-6)) {
+    read.error(path, "has no direction; give three numbers that are not all zero");
+  } else {
+    direction = direction / length;
+  }
+}
+
+void read_material(const format::Object& table, const std::string& at, FieldReader& read,
+                   Material& material) {
+  read.number(table.friction(), at + ".friction", {0, 10}, material.static_friction);
+  material.kinetic_friction = material.static_friction;
+  read.number(table.kinetic_friction(), at + ".kinetic_friction", {0, material.static_friction},
+              material.kinetic_friction);
+  read.number(table.viscosity(), at + ".viscosity", {0, 100}, material.viscosity);
+  read.number(table.shear_stiffness(), at + ".shear_stiffness", {1, 1e6}, material.shear_stiffness);
+}
+
+void read_joint(const format::Joint* table, const std::string& at, FieldReader& read, Mechanism& mechanism) {
+  if (table == nullptr) return;
+  read.vector(table->pivot(), at + ".pivot", kPlace, mechanism.pivot);
+  read_direction(table->axis(), at + ".axis", read, mechanism.axis);
+  read.number(table->lower(), at + ".lower", {-1e3, 0}, mechanism.lower);
+  read.number(table->upper(), at + ".upper", {0, 1e3}, mechanism.upper);
+  read.number(table->spring(), at + ".spring", {0, 1e9}, mechanism.spring);
+  read.number(table->rest(), at + ".rest", {-1e3, 1e3}, mechanism.rest);
+  read.number(table->dry_friction(), at + ".dry_friction", kForce, mechanism.dry_friction);
+  read.number(table->detent_force(), at + ".detent_force", kForce, mechanism.detent_force);
+  read.number(table->detent_pitch(), at + ".detent_pitch", {1e-6, 1e3}, mechanism.detent_pitch);
+}
+
+// Of the solid inside the mesh, as far as the file does not say otherwise.
+void read_body(const format::Object& table, const std::string& at, FieldReader& read,
+               const SceneObject& object, MassProperties& body) {
+  if (table.mass().has_value() == table.density().has_value())
+    return read.error(at, "moves, so give its mass [kg] or the density [kg/m^3] of its solid: one of them");
+  double density = 1000, mass = 0;
+  read.number(table.density(), at + ".density", {1e-3, 1e5}, density);
+  read.number(table.mass(), at + ".mass", {1e-6, 1e6}, mass);
+  const bool told = table.mass().has_value() && table.centre() != nullptr && table.inertia() != nullptr;
+  if (!told) {
+    Mesh solid = object.mesh;
+    wind_outwards(solid, object.winding);
+    if (Status status = mass_properties(solid, density, body); !status.ok())
+      return read.error(at, status.message());
+  }
+  if (table.mass().has_value()) {
+    for (double& moment : body.inertia) moment *= told ? 1 : mass / body.mass;
+    body.mass = mass;
+  }
+  read.vector(table.centre(), at + ".centre", kPlace, body.centre);
+  read.numbers(table.inertia(), at + ".inertia", {-1e9, 1e9}, body.inertia);
+}
+
+}  // namespace
+
+void read_mechanics(const format::Object& table, const std::string& at, FieldReader& read,
+                    SceneObject& object) {
+  read_material(table, at, read, object.material);
+  Mechanism& mechanism = object.mechanism;
+  if (table.moves() != nullptr) {
+    const auto mobility = parse_mobility(table.moves()->string_view());
+    if (!mobility)
+      return read.error(at + ".moves", R"(must be "fixed", "free", "hinge", "slider", "ball" or "given")");
+    mechanism.mobility = *mobility;
+  }
+  if (table.joint() != nullptr && mechanism.mobility < Mobility::hinge)
+    return read.error(at + ".joint", R"(needs "moves": "hinge", "slider" or "ball")");
+  if (mechanism.mobility < Mobility::free) return;
+  read.number(table.damping(), at + ".damping", kForce, mechanism.damping);
+  mechanism.pivot = object.pose.position;
+  read_joint(table.joint(), at + ".joint", read, mechanism);
+  if (read.ok()) read_body(table, at, read, object, mechanism.body);
+}
+
+void read_surroundings(const format::Scene& table, FieldReader& read, Scene& scene) {
+  read.vector(table.gravity(), "gravity", {-1e3, 1e3}, scene.gravity);
+  if (table.ground() == nullptr) return;
+  Ground& ground = scene.ground.emplace();
+  read_direction(table.ground()->normal(), "ground.normal", read, ground.normal);
+  read.number(table.ground()->height(), "ground.height", kPlace, ground.offset);
+  read.number(table.ground()->friction(), "ground.friction", {0, 10}, ground.friction);
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,19 @@
+// How the objects of a scene file rub and move.
+#pragma once
+
+#include <string>
+
+#include "files/json_file.h"
+#include "lumbrical/model.h"
+#include "scene_generated.h"
+
+namespace lumbrical {
+
+/// Material and mechanism of an object whose mesh is there, in its own frame, and whose pose is read.
+void read_mechanics(const scene_format::Object& table, const std::string& at, FieldReader& read,
+                    SceneObject& object);
+
+/// Gravity and ground.
+void read_surroundings(const scene_format::Scene& table, FieldReader& read, Scene& scene);
+
+}  // namespace lumbrical

@@ -1,0 +1,135 @@
+#include "model/apart_objects.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "model/scene_check.h"
+
+namespace lumbrical {
+namespace {
+
+// NaN fails every comparison, so it is refused as well.
+bool within(double value, double lower, double upper) { return value >= lower && value <= upper; }
+bool is_unit(Vec3 v) { return within(norm(v), 1 - 1e-9, 1 + 1e-9); }
+bool is_place(Vec3 p) { return norm(p) <= kWorldReach; }
+
+/// One field after the other; keeps the first that is out of range.
+struct FieldCheck {
+  const std::string& object;
+  Status status{};
+  void require(bool good, const char* field, const char* range) {
+    if (status.ok() && !good)
+      status = Status::error("object \"" + object + "\": " + field + " is out of range: give " + range);
+  }
+};
+
+void check_material(const Material& material, FieldCheck& check) {
+  check.require(within(material.static_friction, 0, 10), "static_friction", "0 to 10");
+  check.require(within(material.kinetic_friction, 0, material.static_friction), "kinetic_friction",
+                "0 to static_friction");
+  check.require(within(material.viscosity, 0, 100), "viscosity", "0 to 100 s/m");
+  check.require(within(material.shear_stiffness, 1, 1e6), "shear_stiffness", "1 to 1e6 N/m");
+}
+
+// Positive about every axis, and no axis above the sum of the others: else nothing has this inertia.
+bool is_inertia(const std::array<double, 6>& inertia) {
+  const auto& [xx, yy, zz, xy, yz, zx] = inertia;
+  const double least = 1e-15 * (xx + yy + zz);
+  const double minor = xx * yy - xy * xy,
+               whole = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx);
+  return least > 0 && xx > least && minor > least * least && whole > least * least * least &&
+         1.000001 * (xx + yy) >= zz && 1.000001 * (yy + zz) >= xx && 1.000001 * (zz + xx) >= yy;
+}
+
+void check_body(const MassProperties& body, FieldCheck& check) {
+  check.require(within(body.mass, 1e-6, 1e6), "mass", "0.000001 to 1e6 kg");
+  check.require(is_place(body.centre), "centre", "a place within 1e8 m");
+  check.require(is_inertia(body.inertia), "inertia",
+                "that of a body: positive, no moment above the sum of the others");
+}
+
+void check_joint(const Mechanism& mechanism, FieldCheck& check) {
+  check.require(is_place(mechanism.pivot), "pivot", "a place within 1e8 m");
+  if (mechanism.mobility == Mobility::ball) return;
+  check.require(is_unit(mechanism.axis), "axis", "a direction of length 1");
+  check.require(within(mechanism.lower, -1e3, 0) && within(mechanism.upper, 0, 1e3), "lower or upper",
+                "-1000 to 0 and 0 to 1000: the object starts at 0");
+  check.require(within(mechanism.spring, 0, 1e9), "spring", "0 to 1e9 N/m or N m/rad");
+  check.require(within(mechanism.rest, -1e3, 1e3), "rest", "-1000 to 1000 m or rad");
+  check.require(within(mechanism.dry_friction, 0, 1e6), "dry_friction", "0 to 1e6 N or N m");
+  check.require(within(mechanism.detent_force, 0, 1e6), "detent_force", "0 to 1e6 N or N m");
+  check.require(within(mechanism.detent_pitch, 1e-6, 1e3), "detent_pitch", "0.000001 to 1000 m or rad");
+}
+
+}  // namespace
+
+Status check_apart(const SceneObject& object) {
+  FieldCheck check{object.name};
+  const double square = dot(object.pose.orientation, object.pose.orientation);
+  check.require(is_place(object.pose.position) && within(square, 0.25, 4), "pose",
+                "a place within 1e8 m and a quaternion of length 1");
+  check.require(!object.mesh.triangles.empty(), "mesh", "one with triangles");
+  check_material(object.material, check);
+  const Mechanism& mechanism = object.mechanism;
+  check.require(mobility_name(mechanism.mobility) != "unknown", "mobility", "one of the six");
+  if (mechanism.mobility >= Mobility::free) {
+    check_body(mechanism.body, check);
+    check.require(within(mechanism.damping, 0, 1e6), "damping", "0 to 1e6 N s/m or N m s/rad");
+  }
+  if (mechanism.mobility >= Mobility::hinge) check_joint(mechanism, check);
+  return check.status;
+}
+
+Status check_surroundings(const Scene& scene) {
+  if (!(norm(scene.gravity) <= 1e3)) return Status::error("gravity is out of range: give at most 1000 m/s^2");
+  if (!scene.ground) return {};
+  if (!is_unit(scene.ground->normal)) return Status::error("ground.normal must have length 1");
+  if (!within(scene.ground->offset, -kWorldReach, kWorldReach) || !within(scene.ground->friction, 0, 10))
+    return Status::error(
+        "ground.offset or ground.friction is out of range: give a place within 1e8 m, 0 to 10");
+  return {};
+}
+
+Mesh placed_mesh(const SceneObject& object) {
+  Mesh mesh = object.mesh;
+  for (Vec3& v : mesh.vertices) v = transform(object.pose, v);
+  return mesh;
+}
+
+namespace {
+
+// Eight round each of the six axes, so little off it that all of a flat face's rim is found and nothing
+// behind a rounded edge, and the eight between three axes.
+std::vector<Vec3> support_directions() {
+  constexpr double kOff = 0.02;
+  std::vector<Vec3> directions;
+  for (int code = 0; code < 27; ++code) {
+    const Vec3 d{code % 3 - 1.0, code / 3 % 3 - 1.0, code / 9 - 1.0};
+    const double square = dot(d, d);
+    if (square == 3) directions.push_back(d);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double along = axis == 0 ? d.x : axis == 1 ? d.y : d.z;
+      if (along == 0 || square == 1) continue;
+      const Vec3 straight = along * Vec3{axis == 0 ? 1.0 : 0, axis == 1 ? 1.0 : 0, axis == 2 ? 1.0 : 0};
+      directions.push_back(straight + kOff * (d - straight));
+    }
+  }
+  return directions;
+}
+
+}  // namespace
+
+std::vector<Vec3> support_points(const Mesh& mesh) {
+  std::vector<Vec3> points;
+  if (mesh.vertices.empty()) return points;
+  for (const Vec3 direction : support_directions()) {
+    const Vec3 farthest = *std::max_element(mesh.vertices.begin(), mesh.vertices.end(), [&](Vec3 a, Vec3 b) {
+      return dot(direction, a) < dot(direction, b);
+    });
+    if (std::find(points.begin(), points.end(), farthest) == points.end()) points.push_back(farthest);
+  }
+  return points;
+}
+
+}  // namespace lumbrical

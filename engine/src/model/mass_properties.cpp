@@ -1,0 +1,64 @@
+// Mass, centre and inertia of the solid inside a mesh: see lumbrical/object.h.
+#include <cmath>
+
+#include "base/floating_point.h"
+#include "lumbrical/object.h"
+
+namespace lumbrical {
+namespace {
+
+/// Integrals over a solid of 1, of its coordinates and of their products.
+struct SolidIntegrals {
+  double volume = 0;
+  Vec3 first;
+  double xx = 0, yy = 0, zz = 0, xy = 0, yz = 0, zx = 0;
+};
+
+// Over the tetrahedron from the origin to a triangle.
+void add_tetrahedron(Vec3 a, Vec3 b, Vec3 c, SolidIntegrals& sums) {
+  const double volume = dot(a, cross(b, c)) / 6;
+  const Vec3 total = a + b + c;
+  sums.volume += volume;
+  sums.first += (volume / 4) * total;
+  const auto product = [&](double Vec3::*i, double Vec3::*j) {
+    return volume / 20 * (a.*i * a.*j + b.*i * b.*j + c.*i * c.*j + total.*i * total.*j);
+  };
+  sums.xx += product(&Vec3::x, &Vec3::x);
+  sums.yy += product(&Vec3::y, &Vec3::y);
+  sums.zz += product(&Vec3::z, &Vec3::z);
+  sums.xy += product(&Vec3::x, &Vec3::y);
+  sums.yz += product(&Vec3::y, &Vec3::z);
+  sums.zx += product(&Vec3::z, &Vec3::x);
+}
+
+}  // namespace
+
+Status mass_properties(const Mesh& mesh, double density, MassProperties& properties) {
+  const FloatingPointGuard guard;
+  if (!(density > 0 && density < 1e6)) return Status::error("a density must be above 0 and below 1e6 kg/m^3");
+  const MeshReport report = inspect_mesh(mesh);
+  if (!report.watertight)
+    return Status::error(
+        "the mesh is not closed (" + std::to_string(report.boundary_edges) +
+        " open edges), so what it weighs is unknown; close it, or give mass, centre and inertia");
+  const Vec3 middle = 0.5 * (report.lower + report.upper);  // keeps digits far from the origin
+  SolidIntegrals sums;
+  for (const Triangle& t : mesh.triangles)
+    add_tetrahedron(mesh.vertices[t[0]] - middle, mesh.vertices[t[1]] - middle, mesh.vertices[t[2]] - middle,
+                    sums);
+  if (!(sums.volume > 0)) return Status::error("the mesh encloses no volume; is it inside out?");
+  const Vec3 c = sums.first / sums.volume;
+  const double v = sums.volume;
+  const double xx = sums.xx - v * c.x * c.x, yy = sums.yy - v * c.y * c.y, zz = sums.zz - v * c.z * c.z;
+  properties.mass = density * v;
+  properties.centre = middle + c;
+  properties.inertia = {density * (yy + zz),
+                        density * (zz + xx),
+                        density * (xx + yy),
+                        -density * (sums.xy - v * c.x * c.y),
+                        -density * (sums.yz - v * c.y * c.z),
+                        -density * (sums.zx - v * c.z * c.x)};
+  return {};
+}
+
+}  // namespace lumbrical

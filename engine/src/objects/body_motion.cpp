@@ -1,0 +1,257 @@
+#include "objects/body_motion.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "base/elementary.h"
+
+namespace lumbrical {
+namespace {
+
+using Vector6 = std::array<double, 6>;  // three of translation, three of rotation
+
+constexpr double kPi = 3.141592653589793;
+
+Vector6 vector_of(Vec3 a, Vec3 b) { return {a.x, a.y, a.z, b.x, b.y, b.z}; }
+Vector6 vector_of(const Twist& twist) { return vector_of(twist.velocity, twist.angular_velocity); }
+
+double dot6(const Vector6& a, const Vector6& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < 6; ++i) sum += a[i] * b[i];
+  return sum;
+}
+Vector6 times(const Matrix6& matrix, const Vector6& v) {
+  Vector6 result;
+  for (std::size_t i = 0; i < 6; ++i) result[i] = dot6(matrix[i], v);
+  return result;
+}
+void add_scaled(double scale, const Vector6& v, Vector6& to) {
+  for (std::size_t i = 0; i < 6; ++i) to[i] += scale * v[i];
+}
+// to += scale row row^T
+void add_square(double scale, const Vector6& row, Matrix6& to) {
+  for (std::size_t i = 0; i < 6; ++i) add_scaled(scale * row[i], row, to[i]);
+}
+
+// The speed of a body's point along a direction, as a row.
+Vector6 along(Vec3 direction, Vec3 arm) { return vector_of(direction, cross(arm, direction)); }
+
+std::array<Vec3, 3> axes_with(Vec3 normal) {
+  const Vec3 other = std::fabs(normal.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 first = unit_or(cross(normal, other), {1, 0, 0});
+  return {normal, first, cross(normal, first)};
+}
+
+void add_spring(const Spring& spring, double scale, Matrix6& to) {
+  const auto [normal, first, second] = axes_with(spring.normal);
+  add_square(scale * spring.along, along(normal, spring.arm), to);
+  add_square(scale * spring.across, along(first, spring.arm), to);
+  add_square(scale * spring.across, along(second, spring.arm), to);
+  add_square(scale * spring.about, vector_of({}, normal), to);
+}
+
+Vec3 turned_inertia(const std::array<double, 6>& inertia, Quat orientation, Vec3 spin) {
+  const auto& [xx, yy, zz, xy, yz, zx] = inertia;
+  const Vec3 w = rotate(conjugate(orientation), spin);
+  return rotate(orientation, {xx * w.x + xy * w.y + zx * w.z, xy * w.x + yy * w.y + yz * w.z,
+                              zx * w.x + yz * w.y + zz * w.z});
+}
+
+void add_mass(const MassProperties& body, Quat orientation, Matrix6& to) {
+  const std::array<Vec3, 3> axis = {Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (std::size_t k = 0; k < 3; ++k) {
+    to[k][k] += body.mass;
+    const Vec3 column = turned_inertia(body.inertia, orientation, axis[k]);
+    to[3][3 + k] += column.x;
+    to[4][3 + k] += column.y;
+    to[5][3 + k] += column.z;
+  }
+}
+
+// Solves `size` equations by elimination with the largest pivot; a row without one gives 0.
+void solve(std::size_t size, Matrix6& a, Vector6& b) {
+  for (std::size_t k = 0; k < size; ++k) {
+    std::size_t pivot = k;
+    for (std::size_t i = k + 1; i < size; ++i) {
+      if (std::fabs(a[i][k]) > std::fabs(a[pivot][k])) pivot = i;
+    }
+    std::swap(a[k], a[pivot]);
+    std::swap(b[k], b[pivot]);
+    if (!(std::fabs(a[k][k]) > 0)) continue;
+    for (std::size_t i = k + 1; i < size; ++i) {
+      const double factor = a[i][k] / a[k][k];
+      for (std::size_t j = k; j < size; ++j) a[i][j] -= factor * a[k][j];
+      b[i] -= factor * b[k];
+    }
+  }
+  for (std::size_t k = size; k-- > 0;) {
+    for (std::size_t j = k + 1; j < size; ++j) b[k] -= a[k][j] * b[j];
+    b[k] = std::fabs(a[k][k]) > 0 ? b[k] / a[k][k] : 0;
+  }
+}
+
+/// The speeds a joint leaves a body.
+struct Freedom {
+  std::size_t size = 6;
+  std::array<Vector6, 6> speed{};
+};
+
+Freedom freedom_of(const Mechanism& mechanism, Vec3 centre) {
+  Freedom freedom;
+  const Vec3 arm = centre - mechanism.pivot;
+  const std::array<Vec3, 3> axis = {Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const auto turning = [&](Vec3 about) { return vector_of(cross(about, arm), about); };
+  if (mechanism.mobility == Mobility::hinge) {
+    freedom = {1, {turning(mechanism.axis)}};
+  } else if (mechanism.mobility == Mobility::slider) {
+    freedom = {1, {vector_of(mechanism.axis, {})}};
+  } else if (mechanism.mobility == Mobility::ball) {
+    freedom.size = 3;
+    for (std::size_t k = 0; k < 3; ++k) freedom.speed[k] = turning(axis[k]);
+  } else {
+    for (std::size_t k = 0; k < 6; ++k) freedom.speed[k][k] = 1;
+  }
+  return freedom;
+}
+
+// ---- One coordinate ----
+
+// The spring, damper and detents of a hinge or slider: their force at q and speed, and how stiff they are.
+struct CoordinateForce {
+  double force = 0, stiffness = 0, damping = 0;
+};
+
+CoordinateForce coordinate_force(const Mechanism& mechanism, double q) {
+  const double turn = 2 * kPi / mechanism.detent_pitch;
+  const SinCos detent = sin_cos(turn * q);
+  return {mechanism.spring * (mechanism.rest - q) - mechanism.detent_force * detent.sin,
+          mechanism.spring + max(0, mechanism.detent_force * turn * detent.cos), mechanism.damping};
+}
+
+// Dry friction takes up to so much speed away.
+double slowed(double speed, double most) {
+  return speed > most ? speed - most : speed < -most ? speed + most : 0;
+}
+
+Pose pose_at(const Mechanism& mechanism, const Pose& start, double q) {
+  if (mechanism.mobility == Mobility::slider) return {start.position + q * mechanism.axis, start.orientation};
+  const SinCos half = sin_cos(0.5 * q);
+  const Vec3 v = half.sin * mechanism.axis;
+  const Quat turn{half.cos, v.x, v.y, v.z};
+  return {mechanism.pivot + rotate(turn, start.position - mechanism.pivot), turn * start.orientation};
+}
+
+Quat turned(Quat orientation, Vec3 by) {
+  return normalized(Quat{1, 0.5 * by.x, 0.5 * by.y, 0.5 * by.z} * orientation);
+}
+
+/// A body's equation of motion for one step: matrix * change of speed = impulse.
+struct Equation {
+  Matrix6 matrix{};
+  Vector6 impulse{};
+};
+
+Equation equation_of(const Mechanism& mechanism, Quat orientation, std::span<const Spring> springs,
+                     const Wrench& wrench, const Twist& speed, double dt) {
+  Equation e;
+  Matrix6 resistance{};  // h D + h^2 K
+  for (const Spring& spring : springs) add_spring(spring, dt * dt, resistance);
+  if (mechanism.mobility == Mobility::free || mechanism.mobility == Mobility::ball) {
+    for (std::size_t k = 3; k < 6; ++k) resistance[k][k] += dt * mechanism.damping;
+  }
+  e.impulse = vector_of(dt * wrench.force, dt * wrench.torque);
+  add_scaled(-1, times(resistance, vector_of(speed)), e.impulse);
+  e.matrix = resistance;
+  add_mass(mechanism.body, orientation, e.matrix);
+  // The gyroscopic torque, as implicit as the rest: explicit, a spinning body would gain energy.
+  const auto momentum = [&](Vec3 spin) { return turned_inertia(mechanism.body.inertia, orientation, spin); };
+  const Vec3 spin = speed.angular_velocity, spun = momentum(spin);
+  const Vec3 gyro = cross(spin, spun);
+  add_scaled(-dt, vector_of({}, gyro), e.impulse);
+  const std::array<Vec3, 3> axis = {Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 column = cross(spin, momentum(axis[k])) + cross(axis[k], spun);
+    e.matrix[3][3 + k] += dt * column.x;
+    e.matrix[4][3 + k] += dt * column.y;
+    e.matrix[5][3 + k] += dt * column.z;
+  }
+  return e;
+}
+
+// The change of the coordinates that a joint leaves.
+Vector6 change_of_speed(const Equation& equation, const Freedom& freedom) {
+  Matrix6 matrix{};
+  Vector6 change{};
+  for (std::size_t j = 0; j < freedom.size; ++j) {
+    const Vector6 column = times(equation.matrix, freedom.speed[j]);
+    for (std::size_t i = 0; i < freedom.size; ++i) matrix[i][j] = dot6(freedom.speed[i], column);
+    change[j] = dot6(freedom.speed[j], equation.impulse);
+  }
+  solve(freedom.size, matrix, change);
+  return change;
+}
+
+// A hinge or slider: one coordinate, with what acts on it alone.
+double coordinate_speed(const Mechanism& mechanism, const Equation& equation, const Vector6& direction,
+                        double q, double speed, double dt) {
+  const CoordinateForce own = coordinate_force(mechanism, q);
+  const double resistance = dt * (own.damping + dt * own.stiffness);
+  const double mass = dot6(direction, times(equation.matrix, direction)) + resistance;
+  const double impulse = dot6(direction, equation.impulse) + dt * own.force - resistance * speed;
+  return slowed(speed + impulse / mass, dt * mechanism.dry_friction / mass);
+}
+
+void move_coordinate(const Mechanism& mechanism, const Pose& start, const Vector6& direction, double speed,
+                     double dt, ObjectState& state) {
+  const double q = clamp(state.coordinate + dt * speed, mechanism.lower, mechanism.upper);
+  speed = (q - state.coordinate) / dt;  // less where it stopped
+  state.coordinate = q;
+  state.pose = pose_at(mechanism, start, q);
+  state.velocity = speed * Vec3{direction[0], direction[1], direction[2]};
+  state.angular_velocity = speed * Vec3{direction[3], direction[4], direction[5]};
+}
+
+void move_freely(const Mechanism& mechanism, const Pose& start, Vec3 centre, double dt, ObjectState& state) {
+  state.pose.orientation = turned(state.pose.orientation, dt * state.angular_velocity);
+  if (mechanism.mobility == Mobility::ball) {
+    const Vec3 arm = rotate(conjugate(start.orientation), start.position - mechanism.pivot);
+    state.pose.position = mechanism.pivot + rotate(state.pose.orientation, arm);
+  } else {
+    const Vec3 moved = centre + dt * state.velocity;
+    state.pose.position = moved - rotate(state.pose.orientation, mechanism.body.centre);
+  }
+}
+
+}  // namespace
+
+Wrench change_of(const Spring& spring, const Twist& speed, double dt) {
+  const Vec3 point = speed.velocity + cross(speed.angular_velocity, spring.arm);
+  const double normal = dot(spring.normal, point), spin = dot(spring.normal, speed.angular_velocity);
+  return {(-dt * spring.across) * point - (dt * (spring.along - spring.across) * normal) * spring.normal,
+          (-dt * spring.about * spin) * spring.normal};
+}
+
+Twist advance_body(const Mechanism& mechanism, const Pose& start, std::span<const Spring> springs,
+                   const Wrench& wrench, double dt, ObjectState& state) {
+  const Vec3 centre = transform(state.pose, mechanism.body.centre);
+  const Twist speed{state.velocity, state.angular_velocity};
+  const Equation equation = equation_of(mechanism, state.pose.orientation, springs, wrench, speed, dt);
+  const Freedom freedom = freedom_of(mechanism, centre);
+  if (freedom.size == 1) {
+    const Vector6& direction = freedom.speed[0];
+    const double before = dot6(direction, vector_of(speed)) / dot6(direction, direction);
+    const double after = coordinate_speed(mechanism, equation, direction, state.coordinate, before, dt);
+    move_coordinate(mechanism, start, direction, after, dt, state);
+    return {state.velocity, state.angular_velocity};
+  }
+  const Vector6 change = change_of_speed(equation, freedom);
+  Vector6 gained{};
+  for (std::size_t j = 0; j < freedom.size; ++j) add_scaled(change[j], freedom.speed[j], gained);
+  state.velocity += {gained[0], gained[1], gained[2]};
+  state.angular_velocity += {gained[3], gained[4], gained[5]};
+  move_freely(mechanism, start, centre, dt, state);
+  return {state.velocity, state.angular_velocity};
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,72 @@
+#include "objects/friction.h"
+
+#include <cmath>
+
+namespace lumbrical {
+namespace {
+
+// [m/s] At this speed mu is half way from static to kinetic.
+constexpr double kStribeckSpeed = 0.02;
+
+// [s] Skin takes so long to notice that it slides, or has stopped: mu does not jump.
+constexpr double kSlideLag = 0.03;
+
+// [m] How far from the normal the skin's stiffness sits that resists a twist: half a fingertip's radius.
+constexpr double kTwistArm = 0.004;
+
+Vec3 across(Vec3 v, Vec3 normal) { return v - dot(normal, v) * normal; }
+
+// [rad] About the normal, from one orientation to another nearby.
+double turn_about(Vec3 normal, Quat from, Quat to) {
+  const Quat turn = to * conjugate(from);
+  const double twice = turn.w < 0 ? -2 : 2;
+  return twice * dot(normal, {turn.x, turn.y, turn.z});
+}
+
+}  // namespace
+
+double twist_stiffness(const Material& material) {
+  return material.shear_stiffness * (kTwistArm * kTwistArm);
+}
+
+double friction_at(const Material& material, double speed) {
+  const double x = speed / kStribeckSpeed, more = material.static_friction - material.kinetic_friction;
+  return material.kinetic_friction + more / (1 + x * x) + material.viscosity * speed;
+}
+
+Vec3 into_plane(Vec3 drawn, Vec3 normal) {
+  const Vec3 flat = across(drawn, normal);
+  const double before = dot(drawn, drawn), after = dot(flat, flat);
+  return after > 0.25 * before && after > 0 ? std::sqrt(before / after) * flat : flat;
+}
+
+Friction rub(const Material& material, const ContactPatch& patch, const Pose& X_OS, double dt,
+             GripState& grip) {
+  if (!(patch.force > 0)) {
+    grip = {};
+    return {};
+  }
+  if (!(grip.holds > 0)) {
+    grip = {};
+    grip.holds = 1;
+  } else {
+    // Where the skin that is now in the patch's middle was.
+    const Vec3 was = transform(grip.segment, transform(inverse(X_OS), patch.centre));
+    grip.shear = into_plane(grip.shear, patch.normal) + across(patch.centre - was, patch.normal);
+    grip.twist += turn_about(patch.normal, grip.segment.orientation, X_OS.orientation);
+  }
+  grip.segment = X_OS;
+
+  const double most = friction_at(material, grip.slip) * patch.force, about = twist_stiffness(material);
+  const double most_shear = most / material.shear_stiffness,
+               most_twist = max(most * patch.radius / about, 1e-12);
+  const double shear = most_shear > 0 ? norm(grip.shear) / most_shear : 2, twist = grip.twist / most_twist;
+  const double beyond = std::sqrt(shear * shear + twist * twist);
+  const double kept = most_shear > 0 ? (beyond > 1 ? 1 / beyond : 1) : 0;
+  grip.slip += min(1, dt / kSlideLag) * ((1 - kept) * norm(grip.shear) / dt - grip.slip);
+  grip.shear = kept * grip.shear;
+  grip.twist = kept * grip.twist;
+  return {-material.shear_stiffness * grip.shear, (-about * grip.twist) * patch.normal, kept < 1};
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,35 @@
+// Dry friction of one patch: Coulomb's, with stick and slip, for sliding and twisting together.
+//
+// While it sticks the skin is an elastic anchor: drawn sideways and turned about the normal by as much as the
+// segment has moved relative to the object at the patch, so that rolling, which moves the patch but not the
+// skin in it, draws nothing, and a skin at rest does not creep. Both together stay within the ellipsoid limit
+// surface (Howe and Cutkosky 1996): (f / mu N)^2 + (tau / (mu N r))^2 <= 1; what is beyond slides. So
+// friction begins and ends with the normal force, and no transition is a jump.
+#pragma once
+
+#include "lumbrical/object.h"
+#include "objects/contact_patch.h"
+
+namespace lumbrical {
+
+/// On the segment, in the frame O of the object.
+struct Friction {
+  Vec3 force;   ///< [N] at the patch's centre
+  Vec3 torque;  ///< [N m] along its normal
+  bool slides = false;
+};
+
+/// Friction of a patch [O] whose segment is now at X_OS, `dt` [s] after `grip` was left; updates `grip`.
+Friction rub(const Material& material, const ContactPatch& patch, const Pose& X_OS, double dt,
+             GripState& grip);
+
+/// [N m/rad] Of a patch that sticks, about its normal.
+double twist_stiffness(const Material& material);
+
+/// mu at a speed of sliding [m/s]: from the static to the kinetic one as it starts to slide.
+double friction_at(const Material& material, double speed);
+
+/// Takes a vector drawn at right angles to another normal into the plane of this one, as long as it was.
+Vec3 into_plane(Vec3 drawn, Vec3 normal);
+
+}  // namespace lumbrical

@@ -1,0 +1,184 @@
+#include "objects/object_forces.h"
+
+#include <cmath>
+
+#include "base/fixed_list.h"
+#include "objects/body_motion.h"
+#include "objects/contact_patch.h"
+#include "objects/friction.h"
+#include "objects/ground.h"
+#include "samples/sampled_forces.h"
+#include "stages/contact_force.h"
+#include "stages/hand_pose.h"
+#include "stages/joint_torques.h"
+#include "tick/felt_forces.h"
+
+namespace lumbrical {
+namespace {
+
+// [m], and the least cosine of half the angle: a given object that moves farther in a tick has not been
+// moved, but lost.
+constexpr double kFarthestStep = 0.1, kWidestTurn = 0.9;
+
+/// What a segment feels of an object.
+struct Touch {
+  std::size_t segment = 0;
+  Wrench wrench;  ///< W, about the segment's base joint
+  Spring spring;  ///< as the object has it
+};
+
+/// Of all segments.
+struct Touches {
+  std::array<Touch, kSegmentCount> touch;
+  std::size_t count = 0;
+};
+
+bool moves_by_itself(const Mechanism& mechanism) { return mechanism.mobility >= Mobility::free; }
+
+std::uint32_t take_frame(const ObjectFrame* frame, ObjectState& state) {
+  if (frame == nullptr) return kObjectMissing;
+  const Quat q = frame->pose.orientation;
+  const double square = dot(q, q);
+  if (!is_finite(frame->pose.position) || !(square > 0.25 && square < 4)) return kObjectImplausible;
+  const Pose pose{frame->pose.position, normalized(q)};
+  const bool jumped = norm(pose.position - state.pose.position) > kFarthestStep ||
+                      std::fabs(dot(pose.orientation, state.pose.orientation)) < kWidestTurn;
+  const bool first = !(state.told > 0);
+  state.pose = pose;
+  state.told = 1;
+  return jumped && !first ? kObjectImplausible : 0u;
+}
+
+bool may_reach(const ApartObject& object, const Pose& X_WO, const Hand& hand, const Primitives& placed) {
+  const Vec3 middle = transform(X_WO, object.middle), reach{object.radius, object.radius, object.radius};
+  return may_meet(hand, placed, {middle - reach, middle + reach});
+}
+
+Wrench operator+(const Wrench& a, const Wrench& b) { return {a.force + b.force, a.torque + b.torque}; }
+Wrench operator-(const Wrench& a) { return {-a.force, -a.torque}; }
+Wrench rotated(Quat q, const Wrench& a) { return {rotate(q, a.force), rotate(q, a.torque)}; }
+
+/// The same about a point that lies `arm` before it.
+Wrench about(Vec3 arm, const Wrench& a) { return {a.force, a.torque + cross(arm, a.force)}; }
+
+// A finger that an object leaves must not hold it back: it gives way no more than it pushes.
+double stiffness_kept(const ContactPatch& patch, double leaving, double dt) {
+  return leaving > 0 ? min(patch.stiffness, patch.force / (dt * leaving)) : patch.stiffness;
+}
+
+Spring spring_of(const ApartObject& object, const ContactPatch& patch, const Friction& friction, double dt,
+                 const ObjectState& state) {
+  const Pose& X_WO = state.pose;
+  const Vec3 arm = rotate(X_WO.orientation, patch.centre - object.mechanism.body.centre);
+  const Vec3 normal = rotate(X_WO.orientation, patch.normal);
+  const double leaving = -dot(normal, state.velocity + cross(state.angular_velocity, arm));
+  const bool sticks = rubs(object.material) && !friction.slides;
+  return {arm, normal, stiffness_kept(patch, leaving, dt), sticks ? object.material.shear_stiffness : 0,
+          sticks ? twist_stiffness(object.material) : 0};
+}
+
+void touch_object(const ApartObject& object, const Primitives& hand, double dt, Scratch& felt,
+                  ObjectState& state, Touches& touches, std::uint32_t& flags) {
+  const Model& shape = *object.shape;
+  Primitives& own = *felt.primitives;
+  place_hand(shape.hand, shape.settings, hand.joints, inverse(state.pose), own);
+  const HandForces forces = feel(shape, felt, flags);
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    const ContactPatch patch = contact_patch(own, i, forces.segment[i], shape.settings.stiffness);
+    GripState& grip = state.grip[i];
+    if (!(patch.force > 0)) {
+      if (grip.holds > 0) grip = {};
+      continue;
+    }
+    Friction friction;
+    if (rubs(object.material)) friction = rub(object.material, patch, base_pose(own, i), dt, grip);
+    const Wrench rubbed{friction.force,
+                        friction.torque + cross(patch.centre - own.base_joint[i], friction.force)};
+    touches.touch[touches.count++] = {i, rotated(state.pose.orientation, forces.segment[i] + rubbed),
+                                      spring_of(object, patch, friction, dt, state)};
+  }
+}
+
+void add_findings(const Settings& settings, const Scratch& felt, ObjectFindings& findings) {
+  const SampledForces& sampled = felt.samples->forces;
+  findings.contact_count += felt.contact_count + sampled.contact_count;
+  findings.evaluations += sampled.evaluations;
+  findings.error_estimate += error_estimate(settings, sampled);
+  findings.force_error += force_error(settings, {felt.contacts.data(), felt.contact_count});
+}
+
+// What the hand does to the object, about its centre of mass.
+Wrench wrench_on_object(const Touches& touches, const Primitives& hand, Vec3 centre) {
+  Wrench sum;
+  for (std::size_t k = 0; k < touches.count; ++k) {
+    const Touch& touch = touches.touch[k];
+    sum = sum + -about(hand.base_joint[touch.segment] - centre, touch.wrench);
+  }
+  return sum;
+}
+
+// As the object gives way, so do the forces.
+void give_way(const Twist& speed, double dt, const Primitives& hand, Vec3 centre, Touches& touches) {
+  for (std::size_t k = 0; k < touches.count; ++k) {
+    Touch& touch = touches.touch[k];
+    const Vec3 arm = centre + touch.spring.arm - hand.base_joint[touch.segment];
+    touch.wrench = touch.wrench + about(arm, -change_of(touch.spring, speed, dt));
+  }
+}
+
+void move_object(const Model& model, const ApartObject& object, const Primitives& hand, double dt,
+                 Touches& touches, ObjectState& state) {
+  const MassProperties& body = object.mechanism.body;
+  const Vec3 centre = transform(state.pose, body.centre);
+  FixedList<Spring, kSegmentCount + kMostSupports> springs;
+  for (std::size_t k = 0; k < touches.count; ++k) springs.push_back(touches.touch[k].spring);
+  Wrench wrench = wrench_on_object(touches, hand, centre);
+  wrench.force += body.mass * model.gravity;
+  if (model.ground && object.mechanism.mobility == Mobility::free) {
+    const double weight = body.mass * max(1, norm(model.gravity));
+    const Support support = rest_on(*model.ground, object.supports, body, weight, dt, state);
+    wrench = wrench + support.wrench;
+    for (std::size_t k = 0; k < support.count; ++k) springs.push_back(support.spring[k]);
+  }
+  const Twist speed =
+      advance_body(object.mechanism, object.start, {springs.begin(), springs.size()}, wrench, dt, state);
+  give_way(speed, dt, hand, centre, touches);
+}
+
+}  // namespace
+
+ObjectFindings feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, HandForces& forces,
+                            std::uint32_t& flags) {
+  const Model& model = tick.model;
+  const double dt = 1 / model.settings.rate;
+  if (tick.trusted) place_axes(tick.hand);
+  std::size_t given = 0;
+  ObjectFindings findings;
+  for (std::size_t i = 0; i < model.apart.size(); ++i) {
+    const ApartObject& object = model.apart[i];
+    ObjectState& own = state.objects[i];
+    if (object.mechanism.mobility == Mobility::given) {
+      flags |= take_frame(given < tick.given.size() ? &tick.given[given] : nullptr, own);
+      ++given;
+    }
+    const Pose felt_at = own.pose;
+    Touches touches;
+    if (tick.trusted && may_reach(object, own.pose, model.hand, tick.hand)) {
+      touch_object(object, tick.hand, dt, *scratch.apart, own, touches, flags);
+      add_findings(object.shape->settings, *scratch.apart, findings);
+    } else {
+      own.grip = {};
+    }
+    const double coordinate = own.coordinate;
+    if (moves_by_itself(object.mechanism)) move_object(model, object, tick.hand, dt, touches, own);
+    for (std::size_t k = 0; k < touches.count; ++k) {
+      Wrench& segment = forces.segment[touches.touch[k].segment];
+      segment = segment + touches.touch[k].wrench;
+    }
+    scratch.object_output[i] = {felt_at, wrench_on_object(touches, tick.hand, felt_at.position), coordinate};
+  }
+  if (tick.trusted) sum_joint_torques(tick.hand, forces);
+  return findings;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,33 @@
+// Objects apart from the world: each is felt in its own frame, rubs, and moves on.
+#pragma once
+
+#include "lumbrical/tick.h"
+#include "model/primitive.h"
+
+namespace lumbrical {
+
+/// What a tick does with a model's objects apart.
+struct ObjectTick {
+  const Model& model;
+  Primitives& hand;  ///< placed in W
+  bool trusted;      ///< false: no object feels the hand
+  std::span<const ObjectFrame> given;
+};
+
+/// What was found on the way, beside what the world's own stages have found.
+struct ObjectFindings {
+  std::uint32_t contact_count = 0;
+  std::uint64_t evaluations = 0;
+  double error_estimate = 0, force_error = 0;  ///< [N]
+};
+
+/// Feels every object where it stands, adds what the hand's segments feel to `forces`, and moves those that
+/// move by themselves. Adds TickFlag bits to `flags`.
+///
+/// The forces are those at the tick's end, as far as they change by what the objects give way in it: what an
+/// object feels and what the hand feels is the same to rounding, and is what the object's momentum changes
+/// by.
+ObjectFindings feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, HandForces& forces,
+                            std::uint32_t& flags);
+
+}  // namespace lumbrical

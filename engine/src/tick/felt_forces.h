@@ -1,0 +1,26 @@
+// What a hand feels of one model: all the stages between a placed hand and its forces before limits.
+#pragma once
+
+#include "lumbrical/tick.h"
+#include "model/primitive.h"
+
+namespace lumbrical {
+
+inline void tell(const StageWatch& watch, Stage stage) {
+  if (watch.ended != nullptr) watch.ended(watch.self, stage);
+}
+
+/// Makes room in `scratch` for a model's ticks, beside what it has room for already.
+void make_room(const Model& model, Scratch& scratch);
+
+/// Forces of the hand placed in the model's frame in `scratch`, and what was found on the way. Adds TickFlag
+/// bits to `flags`; without forces where there are more pairs than there is room for.
+HandForces feel(const Model& model, Scratch& scratch, std::uint32_t& flags);
+
+/// The same of a hand that can't be placed: nothing, but everything that is hashed is in place.
+HandForces feel_nothing(const Model& model, Scratch& scratch);
+
+/// Contacts of the candidates in `scratch`.
+void find_all_contacts(const Model& model, Scratch& scratch);
+
+}  // namespace lumbrical

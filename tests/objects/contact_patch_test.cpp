@@ -1,0 +1,99 @@
+// Patches that friction and motion rest on, held against closed forms and plain sums.
+#include "objects/contact_patch.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pads.h"
+#include "random.h"
+
+namespace lumbrical {
+namespace {
+
+constexpr double kPi = 3.141592653589793, kStiffness = 2e7;
+
+// Of the field law over a plane, by sums over a fine grid.
+struct PlainPatch {
+  double force = 0, radius = 0, stiffness = 0;
+  Vec3 centre;
+};
+
+double depth_below_skin(Vec3 p, const test::Pad& pad) {
+  const Vec3 base = pad.tip + pad.length * pad.away;
+  const Vec3 axis = pad.tip - base;
+  const double t = clamp(dot(p - base, axis) / dot(axis, axis), 0, 1);
+  return test::kPadRadius - norm(p - (base + t * axis));
+}
+
+PlainPatch plain_patch(const test::Pad& pad) {
+  const double cell = 5e-5;
+  const int reach = 800;
+  double sum = 0, touched = 0, around = 0;
+  Vec3 first;
+  const auto visit = [&](const auto& take) {
+    for (int i = -reach; i < reach; ++i) {
+      for (int j = -reach; j < reach; ++j) {
+        const Vec3 p{(i + 0.5) * cell, (j + 0.5) * cell, 0};
+        if (const double phi = depth_below_skin(p, pad); phi > 0) take(p, phi);
+      }
+    }
+  };
+  visit([&](Vec3 p, double phi) {
+    sum += phi;
+    first += phi * p;
+    touched += depth_below_skin(p + Vec3{0, 0, 1e-6}, pad) - depth_below_skin(p - Vec3{0, 0, 1e-6}, pad);
+  });
+  const Vec3 centre = first / sum;
+  visit([&](Vec3 p, double phi) { around += phi * norm(p - centre); });
+  const double area = cell * cell;
+  return {kStiffness * sum * area, around / sum, kStiffness * touched * area / 2e-6, centre};
+}
+
+ContactPatch patch_on_plane(const test::Pad& pad) {
+  Scene scene = test::pad_scene();
+  scene.objects.push_back({"plane", make_plane(0.2, 3)});
+  const Model model = test::model_of(scene);
+  Scratch scratch = make_scratch(model);
+  State state;
+  const ActuatorFrame output = tick(model, state, scratch, test::frame_of({pad}));
+  return contact_patch(*scratch.primitives, 2, output.segment[2], kStiffness);
+}
+
+TEST(ContactPatch, OfASphereOnAPlaneIsThatOfTheClosedForm) {
+  const double radius = test::kPadRadius;
+  for (const double pressed : {0.0005, 0.001, 0.002, 0.004, 0.006}) {
+    const double h = radius - pressed, rho = std::sqrt(radius * radius - h * h);
+    const ContactPatch patch = patch_on_plane({{0.003, -0.002, h}, {0, 0, 1}});
+    const double force =
+        kStiffness * kPi * (radius * radius * radius / 3 - radius * h * h + 2 * h * h * h / 3);
+    const double twist = 2 * kPi * kStiffness *
+                         (radius * rho * rho * rho / 3 - rho * (2 * rho * rho + h * h) * radius / 8 +
+                          h * h * h * h / 8 * std::log((rho + radius) / h));
+    EXPECT_NEAR(patch.force, force, 1e-6 * force);
+    EXPECT_NEAR(patch.radius, twist / force, 0.005 * rho) << pressed;
+    EXPECT_NEAR(patch.stiffness, 2 * kPi * kStiffness * h * (radius - h), 0.02 * patch.stiffness) << pressed;
+    EXPECT_LT(norm(patch.centre - Vec3{0.003, -0.002, 0}), 2e-5) << pressed;
+    EXPECT_LT(norm(patch.normal - Vec3{0, 0, 1}), 1e-9);
+  }
+}
+
+TEST(ContactPatch, OfALeaningOrLyingCapsuleIsThatOfPlainSums) {
+  test::Random random(7);
+  for (int i = 0; i < 12; ++i) {
+    const double lean = i == 0 ? 0 : random.between(-0.2, 1.3), turn = random.between(0, 6.28);
+    test::Pad pad;
+    pad.away = {std::cos(lean) * std::cos(turn), std::cos(lean) * std::sin(turn), std::sin(lean)};
+    const double lowest = min(0, pad.length * pad.away.z);
+    pad.tip = {0, 0, test::kPadRadius - lowest - random.between(0.0005, 0.004)};
+    const PlainPatch plain = plain_patch(pad);
+    const ContactPatch patch = patch_on_plane(pad);
+    EXPECT_NEAR(patch.force, plain.force, 0.005 * plain.force) << lean;
+    EXPECT_NEAR(patch.radius, plain.radius, 0.01 * plain.radius) << lean;
+    EXPECT_NEAR(patch.stiffness, plain.stiffness, 0.03 * plain.stiffness) << lean;
+    EXPECT_LT(norm(patch.centre - plain.centre), 1e-4) << lean;
+  }
+}
+
+}  // namespace
+}  // namespace lumbrical

@@ -1,0 +1,183 @@
+// Friction between skin and objects, held against Coulomb.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pads.h"
+
+namespace lumbrical {
+namespace {
+
+using test::Pad;
+using test::Session;
+
+constexpr double kGravity = 9.81, kTick = 1e-3;
+
+Quat about_z(double angle) { return {std::cos(0.5 * angle), 0, 0, std::sin(0.5 * angle)}; }
+Quat about_y(double angle) { return {std::cos(0.5 * angle), 0, std::sin(0.5 * angle), 0}; }
+
+// A block of 0.3 kg on four fingertips whose tops are a slope that falls towards +x. They stand so far apart
+// that it does not tilt while it slides, and are pressed in as far as they will be.
+struct Slope {
+  Quat tilt;
+  std::vector<Pad> pads;
+  explicit Slope(double angle) : tilt(about_y(angle)) {
+    const double load = 0.3 * kGravity * std::cos(angle) / 4;
+    double pressed = 0.001;
+    const auto force = [](double depth) {
+      const double r = test::kPadRadius, h = r - depth;
+      return 2e7 * 3.141592653589793 * (r * r * r / 3 - r * h * h + 2 * h * h * h / 3);
+    };
+    for (int i = 0; i < 60; ++i) pressed -= (force(pressed) - load) / 1000;
+    for (const double x : {-0.2, 0.2}) {
+      for (const double y : {-0.02, 0.02})
+        pads.push_back({rotate(tilt, {x, y, -0.025 - test::kPadRadius + pressed}), rotate(tilt, {0, 0, -1})});
+    }
+  }
+};
+
+Scene block_on_pads(double mu_s, double mu_k, Quat tilt) {
+  Scene scene = test::pad_scene();
+  scene.objects.push_back(
+      test::body_of("block", make_box({0.8, 0.06, 0.05}, 4), 0.3, {{0, 0, 0}, tilt}, {mu_s, mu_k, 0, 2000}));
+  return scene;
+}
+
+TEST(Friction, ABlockSticksBelowTheAngleOfFrictionAndSlidesAboveItAsCoulombSays) {
+  const double mu = 0.5;
+  for (const double degrees : {10.0, 20.0, 26.0, 27.2, 30.0, 40.0}) {
+    const double angle = degrees * 3.141592653589793 / 180;
+    const Slope slope(angle);
+    Session run(block_on_pads(mu, mu, slope.tilt));
+    const DeviceFrame frame = test::frame_of(slope.pads);
+    const Vec3 down = rotate(slope.tilt, {1, 0, 0});
+    const auto speed = [&] { return dot(down, run.state.objects[0].velocity); };
+    for (int i = 0; i < 50; ++i) run.step(frame);
+    const double early = speed();
+    for (int i = 0; i < 150; ++i) run.step(frame);
+    const double acceleration = (speed() - early) / (150 * kTick);
+    if (std::tan(angle) < mu) {
+      for (int i = 0; i < 3000; ++i)
+        run.step(frame);  // it was let go on slack skin, so slides a little first
+      EXPECT_LT(std::fabs(speed()), 1e-5) << degrees;
+      EXPECT_LT(norm(run.state.objects[0].pose.position), 5e-3) << degrees;
+    } else {
+      const double expected = kGravity * (std::sin(angle) - mu * std::cos(angle));
+      EXPECT_NEAR(acceleration, expected, 0.01 * expected + 0.003) << degrees;
+    }
+  }
+}
+
+TEST(Friction, ABlockThatSticksDoesNotCreep) {
+  const Slope slope(0.3);
+  Session run(block_on_pads(0.5, 0.4, slope.tilt));
+  const DeviceFrame frame = test::frame_of(slope.pads);
+  for (int i = 0; i < 2000; ++i) run.step(frame);
+  const Pose settled = run.state.objects[0].pose;
+  for (int i = 0; i < 20000; ++i) run.step(frame);
+  EXPECT_LT(norm(run.state.objects[0].pose.position - settled.position), 1e-7);
+}
+
+// A fingertip pressed on a plane and turned about the normal until it slips.
+TEST(Friction, ATwistedPadSlipsAtMuTimesTheMomentOfItsPressure) {
+  const double mu = 0.7;
+  for (const bool lying : {false, true}) {
+    Scene scene = test::pad_scene();
+    scene.objects.push_back(test::object_of("plane", make_plane(0.2, 5), {}, {mu, mu, 0, 20000}));
+    Session run(scene);
+    // One capsule in the plane z = 0, lying or upright, and its plain sums (contact_patch_test has more of
+    // them).
+    const double height = test::kPadRadius - 0.002;
+    const auto depth = [&](double x, double y) {
+      const double beyond = lying ? max(0, std::fabs(x) - 0.01) : std::fabs(x);
+      return test::kPadRadius - std::sqrt(beyond * beyond + y * y + height * height);
+    };
+    double moment = 0;
+    const double cell = 5e-5;
+    for (int i = -400; i < 400; ++i) {
+      for (int j = -200; j < 200; ++j) {
+        const double x = (i + 0.5) * cell, y = (j + 0.5) * cell;
+        moment += max(0, depth(x, y)) * std::hypot(x, y) * cell * cell;
+      }
+    }
+    double torque = 0;
+    for (int i = 0; i < 400; ++i) {
+      const double angle = 0.002 * i;
+      Pad pad{{0, 0, height}, {0, 0, 1}};
+      if (lying)
+        pad = {{0.01 * std::cos(angle), 0.01 * std::sin(angle), height},
+               {-std::cos(angle), -std::sin(angle), 0}};
+      DeviceFrame frame = test::frame_of({pad});
+      const auto turn = about_z(angle);
+      for (JointPose& joint : frame.joint)
+        joint.orientation = {0, 0, static_cast<float>(turn.z), static_cast<float>(turn.w)};
+      run.step(frame);
+      torque = run.scratch.object_output[0].wrench.torque.z;
+    }
+    EXPECT_NEAR(torque, mu * 2e7 * moment, 0.02 * torque) << lying;
+  }
+}
+
+TEST(Friction, RollsWithoutDragging) {
+  Scene scene = test::pad_scene();
+  scene.objects.push_back(test::object_of("plane", make_plane(0.4, 9), {}, {0.8, 0.8, 0, 1000}));
+  Session run(scene);
+  // A ball of a fingertip rolls along x at the height of its centre, 1 mm below where it would just touch.
+  const double height = test::kPadRadius - 0.001;
+  double worst = 0, pressed = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const double x = -0.05 + 5e-5 * i,
+                 angle = x / height;  // the patch is as far from the centre as the plane
+    const Quat turn = about_y(angle);
+    DeviceFrame frame = test::frame_of({{{x, 0, height}, rotate(turn, {0, 1, 0}), 1e-6}});
+    for (JointPose& joint : frame.joint)
+      joint.orientation = {0, static_cast<float>(turn.y), 0, static_cast<float>(turn.w)};
+    run.step(frame);
+    const Vec3 force = test::hand_force(run.output);
+    worst = max(worst, std::fabs(force.x));
+    pressed = force.z;
+  }
+  EXPECT_GT(pressed, 0.4);
+  EXPECT_LT(worst, 0.02 * pressed);
+}
+
+TEST(Friction, BeginsAndEndsWithTheNormalForceAndNeverJumps) {
+  Scene scene = test::pad_scene();
+  scene.objects.push_back(test::object_of("plane", make_plane(0.2, 5), {}, {0.8, 0.5, 0.5, 1000}));
+  Session run(scene);
+  Vec3 last;
+  double most = 0;
+  for (int i = 0; i < 4000; ++i) {  // down, along ever faster, up, all smoothly
+    const double t = i / 4000.0, down = 0.002 * std::sin(3.14159265 * t) - 0.0002, along = 0.08 * t * t * t;
+    run.step(test::frame_of({{{along - 0.04, 0, test::kPadRadius - down}, {0, 0, 1}}}));
+    const Vec3 force = test::hand_force(run.output);
+    const double friction = std::hypot(force.x, force.y);
+    EXPECT_LE(friction, (0.8 + 0.5 * 0.06 + 1e-9) * force.z + 1e-12);
+    most = max(most, norm(force - last));
+    last = force;
+  }
+  EXPECT_EQ(norm(last), 0);
+  EXPECT_LT(most, 0.05);  // [N] in a tick, of up to 1.7
+}
+
+// Two fingertips that loosen their grip slowly let go where mu N falls below the weight they carry.
+TEST(Friction, HoldsAnObjectUntilTheGripIsTooWeak) {
+  const double mu = 0.6;
+  Scene scene = test::pad_scene();
+  scene.objects.push_back(test::body_of("box", make_box({0.04, 0.04, 0.04}, 6), 0.1, {}, {mu, mu, 0, 1000}));
+  Session run(scene);
+  const auto hold = [&](double pressed) {
+    const double reach = 0.02 + test::kPadRadius - pressed;
+    run.step(test::frame_of({{{-reach, 0, 0}, {-1, 0, 0}}, {{reach, 0, 0}, {1, 0, 0}}}));
+    return 0.5 * (std::fabs(run.output.segment[2].force.x) + std::fabs(run.output.segment[5].force.x));
+  };
+  double pressed = 0.003, weakest = 0;
+  for (int i = 0; i < 1500; ++i) hold(pressed);
+  const double held_at = run.state.objects[0].pose.position.z;
+  while (pressed > 0 && run.state.objects[0].velocity.z > -0.01) weakest = hold(pressed -= 5e-8);
+  EXPECT_NEAR(weakest, 0.1 * kGravity / (2 * mu), 0.02 * weakest);
+  EXPECT_GT(held_at, -0.001);
+}
+
+}  // namespace
+}  // namespace lumbrical

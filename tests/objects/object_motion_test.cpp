@@ -1,0 +1,240 @@
+// Objects that move: free bodies, joints, and what the hand and they do to each other.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pads.h"
+#include "random.h"
+
+namespace lumbrical {
+namespace {
+
+using test::Pad;
+using test::Session;
+
+constexpr double kGravity = 9.81, kTick = 1e-3;
+
+Mesh cube(double size, std::uint32_t cells = 2) { return make_box({size, size, size}, cells); }
+
+// No finger anywhere.
+DeviceFrame no_hand() { return test::frame_of({{{0, 0, 10}}}); }
+
+TEST(ObjectMotion, AFreeBodyFallsAsGalileoSays) {
+  Scene scene = test::pad_scene();
+  scene.objects.push_back(test::body_of("box", cube(0.05), 0.2, {{0, 0, 1}, {}}, {}));
+  Session run(scene);
+  for (int i = 0; i <= 300; ++i) run.step(no_hand());
+  const double fallen = 1 - run.scratch.object_output[0].pose.position.z;
+  EXPECT_NEAR(fallen, 0.5 * kGravity * 0.3 * 0.301, 1e-9);  // Euler's step is half a tick ahead
+}
+
+TEST(ObjectMotion, ABoxComesToRestOnTheGroundWithoutABounceAndStays) {
+  Scene scene = test::pad_scene();
+  scene.ground.emplace();
+  scene.objects.push_back(test::body_of("box", cube(0.05), 0.2, {{0, 0, 0.06}, {1, 0.05, 0.02, 0}}, {}));
+  Session run(scene);
+  for (int i = 0; i < 1000; ++i) run.step(no_hand());
+  const Pose rested = run.scratch.object_output[0].pose;
+  EXPECT_NEAR(rested.position.z, 0.025, 1e-4);
+  for (int i = 0; i < 5000; ++i) run.step(no_hand());
+  const Pose later = run.scratch.object_output[0].pose;
+  EXPECT_LT(norm(later.position - rested.position), 1e-6);
+  EXPECT_LT(test::angle_of(later.orientation * conjugate(rested.orientation)), 1e-5);
+}
+
+TEST(ObjectMotion, ASpinningBodyNeverGainsEnergy) {
+  Scene scene = test::pad_scene();
+  scene.gravity = {};
+  scene.objects.push_back(test::body_of("plate", make_box({0.1, 0.06, 0.01}, 2), 0.3, {}, {}));
+  Session run(scene);
+  run.state.objects[0].angular_velocity = {0.3, 12, 0.2};  // about its middle axis: it tumbles
+  const auto energy = [&] {
+    const ObjectState& state = run.state.objects[0];
+    const Vec3 w = rotate(conjugate(state.pose.orientation), state.angular_velocity);
+    const auto& inertia = run.model.apart[0].mechanism.body.inertia;
+    return inertia[0] * w.x * w.x + inertia[1] * w.y * w.y + inertia[2] * w.z * w.z;
+  };
+  const double at_first = energy();
+  double most = at_first;
+  for (int i = 0; i < 5000; ++i) {
+    run.step(no_hand());
+    most = max(most, energy());
+  }
+  EXPECT_LT(most, 1.001 * at_first);
+  EXPECT_GT(energy(), 0.5 * at_first);
+}
+
+TEST(ObjectMotion, WhatTheHandFeelsIsWhatTheObjectsMomentumChangesBy) {
+  Scene scene = test::pad_scene();
+  scene.gravity = {};
+  scene.objects.push_back(
+      test::body_of("box", cube(0.05, 4), 0.2, {{0, 0, 0}, {1, 0.1, 0.05, 0.02}}, {0.8, 0.6, 0.1, 1000}));
+  Session run(scene);
+  test::Random random(3);
+  double worst = 0;
+  for (int i = 0; i < 400; ++i) {
+    const double push = 0.0008 * std::sin(0.02 * i);
+    const DeviceFrame frame =
+        test::frame_of({{{-0.0315 + push, 0.002 * std::sin(0.05 * i), 0.001}, {-1, 0, 0}},
+                        {{0.0318, 0.001, 0.002}, {1, 0, 0}},
+                        {{0.004, -0.0314, push}, {0, -1, 0}}});
+    const ObjectState before = run.state.objects[0];
+    const ObjectOutput out = run.step(frame);
+    const ObjectState& after = run.state.objects[0];
+    const Vec3 force = (0.2 / kTick) * (after.velocity - before.velocity);
+    worst = max(worst, norm(force - out.wrench.force));
+    worst = max(worst, norm(test::hand_force(run.output) + out.wrench.force));
+    EXPECT_LT(norm(out.pose.position), 0.05);
+  }
+  EXPECT_LT(worst, 1e-10);
+}
+
+TEST(ObjectMotion, AKeyOfFiveGramsIsStableUnderAStiffFinger) {
+  Scene scene = test::pad_scene();
+  SceneObject key = test::body_of("key", make_box({0.02, 0.02, 0.005}, 2), 0.005, {{0, 0, 0}, {}}, {});
+  key.mechanism.mobility = Mobility::slider;
+  key.mechanism.lower = -0.004;
+  key.mechanism.upper = 0;
+  key.mechanism.spring = 150;
+  key.mechanism.rest = 0.002;
+  scene.objects.push_back(key);
+  Session run(scene);
+  double last = 0, roughest = 0;
+  for (int i = 0; i < 3000; ++i) {  // slowly down to the stop and up again
+    const double down = 0.007 * std::sin(3.14159265 * i / 3000);
+    run.step(test::frame_of({{{0, 0, 0.0025 + test::kPadRadius - down}, {0, 0, 1}}}));
+    const double force = test::hand_force(run.output).z;
+    roughest = max(roughest, std::fabs(force - last));
+    last = force;
+    EXPECT_GE(force, -1e-9);
+    EXPECT_GE(run.state.objects[0].coordinate, -0.004);
+  }
+  EXPECT_LT(roughest, 0.03);  // [N] from one tick to the next
+}
+
+TEST(ObjectMotion, AHingeTurnsAboutItsAxisOnlyAndStopsAtItsLimits) {
+  Scene scene = test::pad_scene();
+  SceneObject lever = test::body_of("lever", make_box({0.1, 0.02, 0.02}, 4), 0.1, {{0.05, 0, 0}, {}}, {});
+  lever.mechanism.mobility = Mobility::hinge;
+  lever.mechanism.axis = {0, -1, 0};  // the free end rises as it turns
+  lever.mechanism.lower = -0.5;
+  lever.mechanism.upper = 0.8;
+  scene.objects.push_back(lever);
+  Session run(scene);
+  for (int i = 0; i < 2000; ++i) run.step(no_hand());
+  EXPECT_EQ(run.state.objects[0].coordinate, -0.5);
+  const Vec3 pivot = transform(run.state.objects[0].pose, {-0.05, 0, 0});
+  EXPECT_LT(norm(pivot), 1e-15);
+}
+
+TEST(ObjectMotion, DryFrictionHoldsALeverAndDetentsCatchIt) {
+  Scene scene = test::pad_scene();
+  SceneObject knob = test::body_of("knob", make_box({0.1, 0.02, 0.02}, 4), 0.1, {{0.05, 0, 0}, {}}, {});
+  knob.mechanism.mobility = Mobility::hinge;
+  knob.mechanism.axis = {0, -1, 0};
+  knob.mechanism.dry_friction = 0.06;  // its weight turns it with 0.049 N m
+  scene.objects.push_back(knob);
+  Session held(scene);
+  for (int i = 0; i < 1000; ++i) held.step(no_hand());
+  EXPECT_EQ(held.state.objects[0].coordinate, 0);
+
+  scene.gravity = {};
+  scene.objects[0].mechanism.dry_friction = 0;
+  scene.objects[0].mechanism.damping = 0.002;
+  scene.objects[0].mechanism.detent_force = 0.05;
+  scene.objects[0].mechanism.detent_pitch = 0.2;
+  Session caught(scene);
+  caught.state.objects[0].coordinate = 0.27;
+  for (int i = 0; i < 3000; ++i) caught.step(no_hand());
+  EXPECT_NEAR(caught.state.objects[0].coordinate, 0.2, 1e-3);
+}
+
+TEST(ObjectMotion, AGivenObjectIsFeltWhereItIsTold) {
+  Scene scene = test::pad_scene();
+  SceneObject box = test::object_of("box", cube(0.05, 3), {}, {});
+  box.mechanism.mobility = Mobility::given;
+  scene.objects.push_back(box);
+  Session run(scene);
+  const Pose X_WO{{0.3, -0.2, 0.1}, normalized({0.9, 0.1, -0.3, 0.2})};
+  const ObjectFrame told{X_WO};
+  const Pad pad{transform(X_WO, {0.003, 0.001, 0.025 + 0.006}), rotate(X_WO.orientation, {0, 0, 1})};
+  const ObjectOutput out = run.step(test::frame_of({pad}), {&told, 1});
+
+  Scene still = test::pad_scene();
+  still.objects.push_back({"box", cube(0.05, 3)});
+  const Model world = test::model_of(still);
+  Scratch scratch = make_scratch(world);
+  State state;
+  DeviceFrame frame = test::frame_of({pad});
+  frame.base = inverse(X_WO);
+  const Vec3 expected = test::hand_force(tick(world, state, scratch, frame));
+  EXPECT_GT(norm(expected), 1);
+  EXPECT_LT(norm(rotate(X_WO.orientation, expected) - test::hand_force(run.output)), 1e-5 * norm(expected));
+  EXPECT_LT(norm(out.wrench.force + test::hand_force(run.output)), 1e-12);
+  EXPECT_EQ(out.pose.position, X_WO.position);
+}
+
+TEST(ObjectMotion, PosesThatAreMissingBrokenOrJumpAreToldAndForcesFade) {
+  Scene scene = test::pad_scene();
+  scene.settings.fade_time = 0.02;
+  SceneObject box = test::object_of("box", cube(0.05, 3), {}, {});
+  box.mechanism.mobility = Mobility::given;
+  scene.objects.push_back(box);
+  Session run(scene);
+  const DeviceFrame frame = test::frame_of({{{0, 0, 0.031}, {0, 0, 1}}});
+  ObjectFrame told;
+  for (int i = 0; i < 50; ++i) run.step(frame, {&told, 1});
+  EXPECT_EQ(run.output.flags & (kObjectMissing | kObjectImplausible), 0u);
+  const double before = norm(test::hand_force(run.output));
+  run.step(frame);
+  EXPECT_NE(run.output.flags & kObjectMissing, 0u);
+  EXPECT_NEAR(norm(test::hand_force(run.output)), before, 1e-12);
+
+  for (const Pose bad :
+       {Pose{{std::nan(""), 0, 0}, {}}, Pose{{0, 0, 0}, {0, 0, 0, 0}}, Pose{{1, 0, 0}, {}}}) {
+    told.pose = bad;
+    run.step(frame, {&told, 1});
+    EXPECT_NE(run.output.flags & kObjectImplausible, 0u);
+    EXPECT_LT(norm(test::hand_force(run.output)), before);
+    EXPECT_GT(norm(test::hand_force(run.output)), 0.9 * before);  // fades, does not step
+    told.pose = {};
+    for (int i = 0; i < 60; ++i) run.step(frame, {&told, 1});
+    EXPECT_NEAR(norm(test::hand_force(run.output)), before, 1e-12);
+  }
+}
+
+TEST(ObjectMotion, InstancesShareOneSearchStructure) {
+  Scene scene = test::pad_scene();
+  for (int i = 0; i < 5; ++i)
+    scene.objects.push_back(test::body_of("box", cube(0.05), 0.2, {{0.1 * i, 0, 0}, {}}, {}));
+  const Model model = test::model_of(scene);
+  for (const ApartObject& object : model.apart) EXPECT_EQ(object.shape, model.apart[0].shape);
+}
+
+TEST(ObjectMotion, WhatCanNotBeIsRefusedByName) {
+  const auto refusal = [](const auto& spoil) {
+    Scene scene = test::pad_scene();
+    scene.objects.push_back(test::body_of("box", cube(0.05), 0.2, {}, {0.5, 0.4, 0, 1000}));
+    spoil(scene.objects[0]);
+    Model model;
+    return build_model(scene, {}, model).message();
+  };
+  EXPECT_NE(refusal([](SceneObject& o) { o.mechanism.body.mass = -1; }).find("\"box\": mass"),
+            std::string::npos);
+  EXPECT_NE(refusal([](SceneObject& o) { o.mechanism.body.inertia[0] = 0; }).find("inertia"),
+            std::string::npos);
+  EXPECT_NE(refusal([](SceneObject& o) { o.material.kinetic_friction = 0.6; }).find("kinetic"),
+            std::string::npos);
+  EXPECT_NE(refusal([](SceneObject& o) { o.pose.position.x = std::nan(""); }).find("pose"),
+            std::string::npos);
+  EXPECT_NE(refusal([](SceneObject& o) {
+              o.mechanism.mobility = Mobility::hinge;
+              o.mechanism.lower = 0.5;
+            }).find("lower"),
+            std::string::npos);
+  MassProperties body;
+  EXPECT_NE(mass_properties(make_plane(0.1, 3), 1000, body).message().find("not closed"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lumbrical

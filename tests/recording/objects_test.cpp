@@ -1,0 +1,149 @@
+// Objects that move and rub in recordings: what they are, where they are told to be, and what became of them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "recording_fixture.h"
+#include "session.h"
+
+namespace lumbrical {
+namespace {
+
+constexpr double kRate = 500;
+constexpr std::uint64_t kTicks = 600;
+
+Scene scene_of_objects() {
+  Scene scene;
+  scene.hand = default_hand(Side::right);
+  scene.settings.rate = kRate;
+  scene.ground.emplace(Ground{{0, 0, 1}, -0.001, 0.4});
+  SceneObject mug{"mug", make_mug({}), Winding::automatic, {}, {0.8, 0.6, 0.1, 1500}, {}};
+  mug.mechanism.mobility = Mobility::free;
+  mug.mechanism.body = {0.2, {0, 0, 0.04}, {3e-4, 3e-4, 2e-4, 0, 0, 0}};
+  SceneObject told{"told", make_sphere(0.02, 8), Winding::automatic, {{-0.1, 0, 0.05}, {}}, {}, {}};
+  told.mechanism.mobility = Mobility::given;
+  scene.objects = {told, mug, {"table", make_plane(0.3, 10), Winding::as_is}};
+  return scene;
+}
+
+// Where the given object is told to be.
+ObjectFrame frame_at(std::uint64_t tick) {
+  return {{{-0.1, 0.02 * std::sin(0.01 * static_cast<double>(tick)), 0.05}, {}}};
+}
+
+std::string recorded_session() {
+  const std::string path = test::cleared(test::temporary_path("objects.mcap"));
+  const Scene scene = scene_of_objects();
+  const Model model = test::model_of(scene);
+  State state = make_state(model);
+  Scratch scratch = make_scratch(model);
+  const Motion motion = make_grasp(scene.hand, 0.037, 0.095, 1.2, 0.03);
+  Recorder recorder;
+  EXPECT_TRUE(recorder.open(path, scene, {}).ok());
+  TickRecord record;
+  for (std::uint64_t i = 0; i < kTicks; ++i) {
+    record.device = resample(motion, static_cast<double>(i) / kRate);
+    record.given_count = 1;
+    record.given[0] = frame_at(i);
+    record.output = tick(model, state, scratch, record.device, given_of(record));
+    take_objects(scratch, record);
+    record.stage_hash = scratch.stage_hash;
+    record.state_hash = hash_state(state);
+    EXPECT_TRUE(recorder.record(record));
+  }
+  EXPECT_TRUE(recorder.close().ok());
+  return path;
+}
+
+TEST(RecordedObjects, ReplayToTheLastBitHoweverTheWorkIsDone) {
+  const std::string path = recorded_session();
+  for (const Isa isa : {Isa::scalar, Isa::automatic}) {
+    for (const std::uint32_t threads : {1u, 2u}) {
+      for (const Broadphase broadphase : {Broadphase::tree, Broadphase::grid, Broadphase::brute}) {
+        RecordingReader reader;
+        ASSERT_TRUE(reader.open(path).ok());
+        ReplayOptions options;
+        options.execution.isa = isa;
+        options.execution.threads = threads;
+        options.execution.broadphase = broadphase;
+        ReplayResult result;
+        const Status status = replay(reader, options, result);
+        EXPECT_TRUE(status.ok()) << status.message();
+        EXPECT_EQ(result.ticks, kTicks);
+        EXPECT_FALSE(result.first_divergence)
+            << result.first_divergence->stage << " " << result.first_divergence->field;
+        EXPECT_EQ(result.damage, "");
+      }
+    }
+  }
+}
+
+TEST(RecordedObjects, AreReadBackAsTheyWere) {
+  RecordingReader reader;
+  ASSERT_TRUE(reader.open(recorded_session()).ok());
+  const Scene expected = scene_of_objects(), &found = reader.scene();
+  ASSERT_EQ(found.objects.size(), expected.objects.size());
+  for (std::size_t i = 0; i < found.objects.size(); ++i) {
+    EXPECT_EQ(found.objects[i].name, expected.objects[i].name);
+    EXPECT_EQ(found.objects[i].pose, expected.objects[i].pose);
+    EXPECT_EQ(found.objects[i].material, expected.objects[i].material);
+    EXPECT_EQ(found.objects[i].mechanism, expected.objects[i].mechanism);
+  }
+  EXPECT_EQ(found.ground, expected.ground);
+  EXPECT_EQ(found.gravity, expected.gravity);
+  TickRecord record;
+  bool end = false;
+  double highest = 0;
+  for (std::uint64_t i = 0; reader.next(record, end).ok() && !end; ++i) {
+    ASSERT_EQ(record.object_count, 2u);
+    EXPECT_EQ(record.given[0], frame_at(i));
+    EXPECT_EQ(record.object[0].pose, frame_at(i).pose);
+    highest = std::max(highest, record.object[1].pose.position.z);
+  }
+  EXPECT_GT(highest, 0.02);  // it was lifted
+}
+
+TEST(RecordedObjects, ThatAreChangedAreNoticed) {
+  const std::string path = recorded_session();
+  for (const bool input : {true, false}) {
+    const std::string changed = test::cleared(test::temporary_path("changed.mcap"));
+    test::alter_recording(path, changed, [&](TickRecord& record) {
+      if (record.output.tick == 300)
+        (input ? record.given[0].pose : record.object[1].pose).position.x += 1e-9;
+      return true;
+    });
+    RecordingInfo info;
+    const Status status = verify_recording(changed, info);
+    EXPECT_NE(status.message().find("tick 300"), std::string::npos) << status.message();
+  }
+}
+
+TEST(RecordedObjects, APartOfASessionReplaysFromWhereItsObjectsWere) {
+  const std::string path = recorded_session(), part = test::cleared(test::temporary_path("part.mcap"));
+  CopyOptions options;
+  options.from = 350;  // amid the lift
+  CopyResult copied;
+  ASSERT_TRUE(copy_recordings({path}, part, options, copied).ok());
+  EXPECT_TRUE(copied.replayable);
+  RecordingReader reader;
+  ASSERT_TRUE(reader.open(part).ok());
+  ReplayResult result;
+  const Status status = replay(reader, {}, result);
+  EXPECT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(result.ticks, kTicks - 350);
+  EXPECT_FALSE(result.first_divergence);
+}
+
+TEST(RecordedObjects, ASceneOfAModelIsTheSceneItWasBuiltFrom) {
+  const Model model = test::model_of(scene_of_objects());
+  const Scene scene = scene_of(model);
+  ASSERT_EQ(scene.objects.size(), 3u);
+  EXPECT_EQ(scene.objects[0].name, "told");
+  EXPECT_EQ(scene.objects[1].name, "mug");
+  EXPECT_EQ(scene.objects[2].name, "table");
+  EXPECT_EQ(test::hash_run(test::model_of(scene), test::grasp_frames(scene.hand, 30)),
+            test::hash_run(model, test::grasp_frames(scene.hand, 30)));
+}
+
+}  // namespace
+}  // namespace lumbrical
