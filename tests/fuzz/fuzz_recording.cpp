@@ -10,12 +10,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (reader.open(file.path()).ok()) {
     TickRecord record;
     for (bool end = false; !end && reader.next(record, end).ok();) {
-      if (!end && reader.message().empty()) __builtin_trap();
     }
     for (const std::uint64_t tick : {std::uint64_t{0}, std::uint64_t{3}, ~std::uint64_t{0}}) {
       bool end = false;
       if (!reader.seek(tick).ok() || !reader.next(record, end).ok() || end) continue;
       if (record.output.tick < tick) __builtin_trap();
+    }
+  }
+  RecordingReader messages;
+  if (messages.open(file.path()).ok()) {
+    RecordedMessage message;
+    for (bool end = false; !end && messages.next_message(message, end).ok();) {
+      if (!end && message.bytes.empty()) __builtin_trap();
     }
   }
   RecordingInfo info;

@@ -186,6 +186,15 @@ test("Two recordings part where lumbrical diff says", async () => {
   await shot("overlaid");
 });
 
+test("A recording of a single tick, far from the first one, is shown like any other", async () => {
+  execFileSync(program, ["trim", file("grasp.mcap"), "--from-tick", "3000", "--to-tick", "3001", "-o", file("one tick.mcap")]);
+  await open(await serve("view", file("one tick.mcap"), "--no-browser"));
+  await atTick(3000);
+  await scanned();
+  assert.equal(await message(), "");
+  assert.match(await details(), /the same bits/);
+});
+
 test("Two hands of a session are shown together, each computed bit for bit", async () => {
   execFileSync(program, ["run", join(dirname(scene), "two_hands.json"), "--record", file("two hands.mcap")]);
   await open(at(await serve("view", file("two hands.mcap"), "--no-browser"), 1100));

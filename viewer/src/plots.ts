@@ -153,8 +153,9 @@ export function makePlots(parent: HTMLElement, rate: number, zoom: (from: number
       }
     },
     setRange(from, to) {
-      range = [from, to];
-      for (const { plot } of made) plot.setScale("x", { min: from, max: to });
+      // Never narrower than a tick: on an axis without a width that does not begin at 0, marks never end.
+      range = [from, Math.max(to, from + 1 / rate)];
+      for (const { plot } of made) plot.setScale("x", { min: range[0], max: range[1] });
     },
     setTime(seconds) {
       now = seconds;
