@@ -12,13 +12,14 @@ namespace {
 
 void record_session(const std::string& path, const GoldenSession& session, const Execution& execution) {
   const Model model = model_of(session.scene, execution);
-  State state;
+  State state = make_state(model);
   Scratch scratch = make_scratch(model);
   std::vector<TickRecord> records;
   for (const DeviceFrame& frame : session.frames) {
     TickRecord record;
     record.device = frame;
     record.output = tick(model, state, scratch, frame);
+    take_objects(scratch, record);
     record.stage_hash = scratch.stage_hash;
     record.state_hash = hash_state(state);
     records.push_back(record);
