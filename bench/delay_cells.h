@@ -9,7 +9,7 @@
 
 namespace lumbrical::bench {
 
-/// What hand does what. The control was tuned on the first only.
+/// What hand does what. The control was tuned on the first, then looked at on all.
 enum class Play : std::uint8_t {
   grasp,  ///< the demo's: a right hand grasps and strokes a mug, 10 s
   thin,   ///< the same by a smaller left hand and a thinner mug
