@@ -16,8 +16,8 @@ int main() {
     std::fprintf(stderr, "%s\n", status.message().c_str());
     return 1;
   }
-  lumbrical::State state;  // what one tick leaves for the next
-  lumbrical::Scratch scratch = lumbrical::make_scratch(model);
+  lumbrical::State state = lumbrical::make_state(model);        // what one tick leaves for the next
+  lumbrical::Scratch scratch = lumbrical::make_scratch(model);  // a tick allocates nothing
 
   // A tracker would deliver these frames; here a generated grasp does, 2 s of it at 1 kHz.
   const lumbrical::Motion motion = lumbrical::make_grasp(scene.hand, 0.037, 0.095, 2);

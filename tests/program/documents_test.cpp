@@ -3,6 +3,7 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <fstream>
 #include <regex>
 #include <string>
@@ -137,6 +138,23 @@ TEST(Documents, EverySceneInThemRuns) {
     ++scenes;
   }
   EXPECT_GE(scenes, 2u);
+}
+
+// Those files are built and run (examples.* in tests/CMakeLists.txt).
+TEST(Documents, EveryProgramInThemIsAPartOfAnExample) {
+  std::vector<std::string> examples;
+  for (const auto& entry : fs::recursive_directory_iterator(kRoot / "examples"))
+    if (entry.is_regular_file()) examples.push_back(read_file(entry.path()));
+  std::size_t programs = 0;
+  for (const Block& block : blocks()) {
+    if (block.language != "cpp" && block.language != "c" && block.language != "python") continue;
+    const bool found = std::any_of(examples.begin(), examples.end(), [&](const std::string& text) {
+      return text.find(block.text) != std::string::npos;
+    });
+    EXPECT_TRUE(found) << block.place() << "\n" << block.text;
+    ++programs;
+  }
+  EXPECT_GE(programs, 3u);
 }
 
 TEST(Documents, EverySwitchTheyNameIsThere) {

@@ -249,6 +249,9 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
 /// The objects of the world, then those apart: what each is made of, and what was turned.
 std::vector<World::Object> all_objects(const Model& model);
 
+/// Of Model::objects, the one that this triangle (Contact::triangle) belongs to.
+std::size_t object_of(const Model& model, std::uint32_t triangle);
+
 /// The same world and settings for another hand: everything that does not depend on the hand is shared, so
 /// that two hands in one scene take one world's memory. Each is ticked with a State and Scratch of its own.
 /// Refuses what build_model refuses of a hand, and objects that move by themselves: a State each would move

@@ -94,6 +94,13 @@ std::span<const Contact> find_contacts(const Model& model, Scratch& scratch);
 /// [m] Contact::depth of a contact of the last tick, worked out now where the tick had no need of it.
 double contact_depth(const Model& model, const Scratch& scratch, const Contact& contact);
 
+/// The hand segment that a contact of the last tick is felt by.
+int contact_segment(const Scratch& scratch, const Contact& contact);
+
+/// X_WJ of the joints as the last tick placed them; those of an earlier one where its frame could not be
+/// trusted.
+std::span<const Pose, kJointCount> placed_joints(const Scratch& scratch);
+
 /// Hash of everything in the state, for recordings and tests.
 std::uint64_t hash_state(const State& state);
 

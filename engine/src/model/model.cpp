@@ -319,6 +319,14 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   return {};
 }
 
+std::size_t object_of(const Model& model, std::uint32_t triangle) {
+  const auto begins_after = [](std::uint32_t number, const World::Object& object) {
+    return number < object.first_triangle;
+  };
+  const auto next = std::upper_bound(model.objects.begin(), model.objects.end(), triangle, begins_after);
+  return static_cast<std::size_t>(next - model.objects.begin()) - 1;
+}
+
 Status share_world(const Model& world, const Hand& hand, Model& model) {
   const FloatingPointGuard guard;
   if (Status status = check_hand(hand); !status.ok()) return status;

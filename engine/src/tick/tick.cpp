@@ -137,6 +137,14 @@ double contact_depth(const Model& model, const Scratch& scratch, const Contact& 
   return depth_of(model, *scratch.primitives, contact);
 }
 
+int contact_segment(const Scratch& scratch, const Contact& contact) {
+  return scratch.primitives->primitive[contact.primitive].segment;
+}
+
+std::span<const Pose, kJointCount> placed_joints(const Scratch& scratch) {
+  return scratch.primitives->joints.pose;
+}
+
 State make_state(const Model& model) {
   State state;
   for (const ApartObject& object : model.apart) state.objects.emplace_back().pose = object.start;

@@ -1,0 +1,107 @@
+// lumbrical.h: recordings, read and replayed.
+#include <cstdio>
+
+#include "capi/boundary.h"
+#include "capi/convert.h"
+
+using namespace lumbrical;
+using namespace lumbrical::capi;
+
+namespace {
+
+template <std::size_t kSize>
+void copy_text(const std::string& text, char (&out)[kSize]) {
+  std::snprintf(out, kSize, "%s", text.c_str());
+}
+
+}  // namespace
+
+int lumbrical_replay(const char* path, const lumbrical_execution* execution,
+                     lumbrical_replay_result* result) {
+  return call(__func__, [&]() -> Fault {
+    if (Fault fault = check_pointer(path, "path")) return fault;
+    if (Fault fault = check_struct(result, "result")) return fault;
+    ReplayOptions options;
+    if (Fault fault = to_execution(execution, options.execution)) return fault;
+    RecordingReader reader;
+    if (Fault fault = reader.open(path)) return fault;
+    ReplayResult found;
+    if (Fault fault = replay(reader, options, found)) return fault;
+    const Divergence first = found.first_divergence.value_or(Divergence{});
+    result->identical = found.first_divergence ? 0 : 1;
+    result->ticks = found.ticks;
+    result->tick = first.tick;
+    copy_text(first.stage, result->stage);
+    copy_text(first.field, result->field);
+    copy_text(first.recorded, result->recorded);
+    copy_text(first.replayed, result->replayed);
+    return {};
+  });
+}
+
+int lumbrical_reader_open(const char* path, lumbrical_reader** reader) {
+  return call(__func__, [&]() -> Fault {
+    if (Fault fault = check_pointer(path, "path")) return fault;
+    if (Fault fault = check_pointer(reader, "reader")) return fault;
+    auto opened = std::make_unique<lumbrical_reader>();
+    if (Fault fault = opened->reader.open(path)) return fault;
+    *reader = opened.release();
+    return {};
+  });
+}
+
+void lumbrical_reader_close(lumbrical_reader* reader) { destroy(__func__, reader); }
+
+int lumbrical_reader_describe(lumbrical_reader* reader, lumbrical_recording_info* info) {
+  return call_with(__func__, reader, [&]() -> Fault {
+    if (Fault fault = check_struct(info, "info")) return fault;
+    const RecordingInfo& from = reader->reader.info();
+    info->complete = from.complete ? 1 : 0;
+    info->side = static_cast<std::int32_t>(reader->reader.scene().hand.side);
+    info->hands = static_cast<std::int32_t>(from.hands.size());
+    info->ticks = from.ticks;
+    info->first_tick = from.first_tick;
+    info->last_tick = from.last_tick;
+    info->missing_ticks = from.missing_ticks;
+    info->seconds = from.seconds;
+    return {};
+  });
+}
+
+int lumbrical_reader_model(lumbrical_reader* reader, const lumbrical_execution* execution,
+                           lumbrical_model** model) {
+  return call_with(__func__, reader, [&]() -> Fault {
+    if (Fault fault = check_pointer(model, "model")) return fault;
+    Execution how;
+    if (Fault fault = to_execution(execution, how)) return fault;
+    if (Fault fault = reader->reader.find_world("")) return fault;
+    auto built = std::make_shared<BuiltModel>();
+    if (Fault fault = build_model(reader->reader.scene(), how, built->model)) return fault;
+    list_objects(*built);
+    built->start = reader->reader.initial_state(built->model);
+    *model = new lumbrical_model(std::move(built));
+    return {};
+  });
+}
+
+int lumbrical_reader_next(lumbrical_reader* reader, lumbrical_frame* frame, lumbrical_output* output,
+                          int32_t* end) {
+  return call_with(__func__, reader, [&]() -> Fault {
+    if (frame != nullptr)
+      if (Fault fault = check_struct(frame, "frame")) return fault;
+    if (output != nullptr)
+      if (Fault fault = check_struct(output, "output")) return fault;
+    TickRecord record;
+    bool at_end = false;
+    if (Fault fault = reader->reader.next(record, at_end)) return fault;
+    if (end != nullptr) *end = at_end ? 1 : 0;
+    if (at_end) return {};
+    if (frame != nullptr) to_c(record.device, *frame);
+    if (output != nullptr) to_c(record.output, record.object_count, *output);
+    return {};
+  });
+}
+
+int lumbrical_reader_seek(lumbrical_reader* reader, uint64_t tick) {
+  return call_with(__func__, reader, [&]() -> Fault { return reader->reader.seek(tick); });
+}

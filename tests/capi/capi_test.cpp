@@ -1,0 +1,328 @@
+// lumbrical.h, as C and others call it through liblumbrical.so, held against the C++ interface's bits.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <vector>
+
+#include "capi_fixture.h"
+#include "lumbrical/jacobian.h"
+
+namespace lumbrical::test {
+namespace {
+
+TEST(CApi, ForcesAreThoseOfTheCppInterfaceToTheLastBit) {
+  for (const bool exact : {true, false}) {
+    Scene scene = ball_scene();
+    if (exact) scene.settings.precision.fill(0);
+    const std::vector<lumbrical_frame> frames = touching_frames(120);
+    const MeshObject ball(scene.objects[0].mesh);
+    lumbrical_settings settings;
+    ASSERT_EQ(lumbrical_settings_init(&settings), LUMBRICAL_OK);
+    if (exact) std::fill(std::begin(settings.precision), std::end(settings.precision), 0);
+    std::vector<lumbrical_output> outputs(frames.size());
+    ASSERT_EQ(touch_mesh(&ball.object, &settings, frames.data(), frames.size(), outputs.data()), LUMBRICAL_OK)
+        << lumbrical_message();
+    const Model model = model_of(scene);
+    State state = make_state(model);
+    Scratch scratch = make_scratch(model);
+    double strongest = 0;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      const ActuatorFrame expected = tick(model, state, scratch, touching_frame(i));
+      expect_same(expected, outputs[i]);
+      strongest = max(strongest, norm(expected.segment[5].force));
+    }
+    EXPECT_GT(strongest, 0.1);
+  }
+}
+
+TEST(CApi, FloatVerticesAreTheSameMesh) {
+  Scene scene = ball_scene();
+  for (Vec3& v : scene.objects[0].mesh.vertices) {
+    const auto in_float = [](double x) { return static_cast<double>(static_cast<float>(x)); };
+    v = {in_float(v.x), in_float(v.y), in_float(v.z)};
+  }
+  MeshObject ball(scene.objects[0].mesh);
+  std::vector<float> vertices;
+  for (const Vec3& v : scene.objects[0].mesh.vertices)
+    for (const double x : {v.x, v.y, v.z}) vertices.push_back(static_cast<float>(x));
+  CSession from_double(ball.object);
+  ball.object.vertices = nullptr;
+  ball.object.float_vertices = vertices.data();
+  CSession from_float(ball.object);
+  for (std::size_t i = 0; i < 60; ++i)
+    EXPECT_EQ(std::memcmp(&from_double.step(i), &from_float.step(i), sizeof(lumbrical_output)), 0) << i;
+}
+
+TEST(CApi, ASceneFileGivesTheTicksOfItsOwnMotion) {
+  const std::string path = std::string(LUMBRICAL_SOURCE_DIR) + "/examples/cup.json";
+  SceneFile file;
+  ASSERT_TRUE(load_scene_file(path, file).ok());
+  const Model model = model_of(file.scene, file.execution);
+  State state = make_state(model);
+  Scratch scratch = make_scratch(model);
+  CSession c;
+  ASSERT_EQ(lumbrical_scene_load(path.c_str(), &c.scene), LUMBRICAL_OK) << lumbrical_message();
+  c.start();
+  double seconds = 0;
+  ASSERT_EQ(lumbrical_scene_seconds(c.scene, &seconds), LUMBRICAL_OK);
+  EXPECT_EQ(seconds, file.seconds);
+  std::uint32_t contacts = 0;
+  for (int i = 0; i < 100; ++i) {
+    const double time = 0.5 + i * 0.02;
+    lumbrical_frame frame = new_frame();
+    ASSERT_EQ(lumbrical_scene_frame(c.scene, time, &frame), LUMBRICAL_OK);
+    const ActuatorFrame expected = tick(model, state, scratch, resample(file.motion, time));
+    expect_same(expected, c.step(frame));
+    contacts += expected.contact_count;
+  }
+  EXPECT_GT(contacts, 0u);
+}
+
+TEST(CApi, ContactsNameSegmentObjectAndTriangleAndAddUpToTheForce) {
+  CSession c;
+  c.create();
+  const Mesh far_box = make_box({0.1, 0.1, 0.1}, 1);
+  MeshObject box(far_box), ball(ball_scene().objects[0].mesh);
+  box.object.pose.position[0] = 2;
+  box.object.name = "far";
+  ball.object.name = "near";
+  ASSERT_EQ(lumbrical_scene_add_object(c.scene, &box.object), LUMBRICAL_OK);
+  ASSERT_EQ(lumbrical_scene_add_object(c.scene, &ball.object), LUMBRICAL_OK);
+  c.set([](lumbrical_settings& settings) { std::fill(settings.precision, settings.precision + 16, 0); });
+  c.start();
+  lumbrical_output last{};
+  for (std::size_t i = 0; i < 60; ++i) last = c.step(touching_frame_c(60));
+  std::size_t count = 0;
+  EXPECT_EQ(lumbrical_session_contacts(c.session, nullptr, 0, &count), LUMBRICAL_TOO_SMALL);
+  ASSERT_EQ(count, last.contact_count);
+  ASSERT_GT(count, 0u);
+  std::vector<lumbrical_contact> contacts(count, sized<lumbrical_contact>());
+  ASSERT_EQ(lumbrical_session_contacts(c.session, contacts.data(), count, &count), LUMBRICAL_OK);
+  double sum[LUMBRICAL_SEGMENTS][3] = {};
+  const char* name = nullptr;
+  for (const lumbrical_contact& contact : contacts) {
+    ASSERT_LT(contact.segment, 16u);
+    EXPECT_EQ(contact.object, 1u);
+    EXPECT_LT(contact.triangle, ball.triangles.size() / 3);
+    EXPECT_GT(contact.depth, 0);
+    EXPECT_GT(contact.area, 0);
+    for (int k = 0; k < 3; ++k) sum[contact.segment][k] += contact.force[k];
+    ASSERT_EQ(lumbrical_model_object_name(c.model, contact.object, &name), LUMBRICAL_OK);
+    EXPECT_STREQ(name, "near");
+  }
+  ASSERT_EQ(last.flags & (LUMBRICAL_FADING | LUMBRICAL_FORCE_LIMITED), 0u);
+  for (int s = 0; s < LUMBRICAL_SEGMENTS; ++s)
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(sum[s][k], last.segment[s].force[k], 1e-9) << s;
+}
+
+TEST(CApi, GivenObjectsAreFeltWhereTheyAreTold) {
+  Scene scene = ball_scene();
+  scene.objects[0].mechanism.mobility = Mobility::given;
+  const Model model = model_of(scene);
+  State state = make_state(model);
+  Scratch scratch = make_scratch(model);
+  MeshObject ball(scene.objects[0].mesh);
+  ball.object.mobility = LUMBRICAL_GIVEN;
+  CSession c(ball.object);
+  auto object = sized<lumbrical_object_output>();
+  double most = 0;
+  for (std::size_t i = 0; i < 60; ++i) {
+    const double lift = 0.0001 * static_cast<double>(i);
+    const ObjectFrame given{{{0, 0, lift}, {}}};
+    const ActuatorFrame expected = tick(model, state, scratch, touching_frame(50), {&given, 1});
+    const lumbrical_pose pose = {{0, 0, lift}, {0, 0, 0, 1}};
+    const lumbrical_frame frame = touching_frame_c(50);
+    ASSERT_EQ(lumbrical_session_tick(c.session, &frame, &pose, 1, &c.output), LUMBRICAL_OK);
+    expect_same(expected, c.output);
+    std::size_t count = 0;
+    ASSERT_EQ(lumbrical_session_objects(c.session, &object, 1, &count), LUMBRICAL_OK);
+    EXPECT_EQ(count, 1u);
+    EXPECT_EQ(object.pose.position[2], lift);
+    EXPECT_EQ(object.wrench.force[2], scratch.object_output[0].wrench.force.z);
+    most = max(most, norm(scratch.object_output[0].wrench.force));
+  }
+  EXPECT_GT(most, 0.1);
+  const lumbrical_pose two[2] = {};
+  const lumbrical_frame frame = touching_frame_c(50);
+  EXPECT_EQ(lumbrical_session_tick(c.session, &frame, two, 2, &c.output), LUMBRICAL_BAD_ARGUMENT);
+}
+
+TEST(CApi, AHeavyBoxFallsAndAHingeTakesItsAxis) {
+  CSession c;
+  c.create();
+  MeshObject box(make_box({0.1, 0.1, 0.1}, 1)), door(make_box({0.1, 0.4, 0.01}, 1));
+  box.object.mobility = LUMBRICAL_FREE;
+  box.object.mass = 1;
+  box.object.pose.position[2] = 5;
+  door.object.mobility = LUMBRICAL_HINGE;
+  door.object.density = 500;
+  door.object.pose.position[0] = 3;
+  door.object.pivot[0] = 3;
+  door.object.axis[0] = 1;
+  door.object.axis[2] = 0;
+  ASSERT_EQ(lumbrical_scene_add_object(c.scene, &box.object), LUMBRICAL_OK) << lumbrical_message();
+  ASSERT_EQ(lumbrical_scene_add_object(c.scene, &door.object), LUMBRICAL_OK) << lumbrical_message();
+  c.start();
+  for (std::size_t i = 0; i < 100; ++i) c.step(touching_frame_c(0));
+  lumbrical_object_output objects[2] = {sized<lumbrical_object_output>(), {}};
+  std::size_t count = 0;
+  ASSERT_EQ(lumbrical_session_objects(c.session, objects, 2, &count), LUMBRICAL_OK);
+  EXPECT_EQ(objects[1].object, 1u);
+  EXPECT_NEAR(objects[0].pose.position[2], 5 - 0.5 * 9.81 * 0.099 * 0.1, 1e-6);
+  EXPECT_NEAR(objects[1].pose.position[0], 3, 1e-12);
+}
+
+TEST(CApi, JacobiansAreTheEnginesOwn) {
+  Scene scene = ball_scene();
+  scene.settings.precision.fill(0);
+  const Model model = model_of(scene);
+  State state = make_state(model);
+  Scratch scratch = make_scratch(model);
+  tick(model, state, scratch, touching_frame(60));
+  std::array<SegmentJacobian, kSegmentCount> expected{};
+  segment_jacobians(model, scratch, expected);
+  CSession c;
+  c.create();
+  MeshObject ball(scene.objects[0].mesh);
+  ASSERT_EQ(lumbrical_scene_add_object(c.scene, &ball.object), LUMBRICAL_OK);
+  c.set([](lumbrical_settings& settings) { std::fill(settings.precision, settings.precision + 16, 0); });
+  c.start();
+  c.step(touching_frame_c(60));
+  std::vector<double> values(16 * 36);
+  std::uint32_t known = 0;
+  ASSERT_EQ(lumbrical_session_jacobians(c.session, 0xffff, values.data(), &known), LUMBRICAL_OK);
+  double most = 0;
+  for (std::size_t s = 0; s < kSegmentCount; ++s) {
+    EXPECT_EQ((known >> s & 1u) != 0, expected[s].known) << s;
+    EXPECT_EQ(std::memcmp(&values[36 * s], expected[s].value.data(), 36 * sizeof(double)), 0) << s;
+    most = max(most, std::abs(values[36 * s]));
+  }
+  EXPECT_GT(most, 1);
+}
+
+TEST(CApi, JointPosesAreThoseOfForwardKinematics) {
+  CSession c(MeshObject(ball_scene().objects[0].mesh).object);
+  const DeviceFrame frame = touching_frame(60);
+  c.step(touching_frame_c(60));
+  std::array<double, kAngleCount> angles;
+  for (std::size_t i = 0; i < kAngleCount; ++i) angles[i] = frame.angle[i];
+  std::array<Pose, kJointCount> expected;
+  forward_kinematics(default_hand(Side::right), {frame.base.position, normalized(frame.base.orientation)},
+                     angles, expected);
+  lumbrical_pose joints[LUMBRICAL_JOINTS];
+  ASSERT_EQ(lumbrical_session_joints(c.session, joints), LUMBRICAL_OK);
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    EXPECT_EQ(joints[j].position[1], expected[j].position.y) << j;
+    EXPECT_EQ(joints[j].orientation[3], expected[j].orientation.w) << j;
+    EXPECT_EQ(joints[j].orientation[0], expected[j].orientation.x) << j;
+  }
+}
+
+TEST(CApi, ASnapshotBringsBackEveryBitAndADamagedOneIsRefused) {
+  MeshObject ball(ball_scene().objects[0].mesh);
+  ball.object.mobility = LUMBRICAL_FREE;
+  ball.object.mass = 0.3;
+  ball.object.static_friction = 0.5;
+  CSession c(ball.object);
+  for (std::size_t i = 0; i < 40; ++i) c.step(i);
+  std::size_t size = 0;
+  EXPECT_EQ(lumbrical_session_save(c.session, nullptr, 0, &size), LUMBRICAL_TOO_SMALL);
+  std::vector<unsigned char> bytes(size);
+  ASSERT_EQ(lumbrical_session_save(c.session, bytes.data(), size, &size), LUMBRICAL_OK);
+  std::vector<lumbrical_output> first;
+  for (std::size_t i = 40; i < 80; ++i) first.push_back(c.step(i));
+  ASSERT_EQ(lumbrical_session_restore(c.session, bytes.data(), size), LUMBRICAL_OK) << lumbrical_message();
+  CSession other(ball.object);  // in lockstep from here on, on another machine say
+  ASSERT_EQ(lumbrical_session_restore(other.session, bytes.data(), size), LUMBRICAL_OK);
+  std::uint64_t hash = 0, other_hash = 1;
+  for (std::size_t i = 40; i < 80; ++i) {
+    EXPECT_EQ(std::memcmp(&c.step(i), &first[i - 40], sizeof(lumbrical_output)), 0) << i;
+    EXPECT_EQ(std::memcmp(&other.step(i), &first[i - 40], sizeof(lumbrical_output)), 0) << i;
+  }
+  ASSERT_EQ(lumbrical_session_hash(c.session, &hash), LUMBRICAL_OK);
+  ASSERT_EQ(lumbrical_session_hash(other.session, &other_hash), LUMBRICAL_OK);
+  EXPECT_EQ(hash, other_hash);
+  for (std::size_t at = 0; at < size; at += 1 + size / 97) {
+    std::vector<unsigned char> damaged = bytes;
+    damaged[at] ^= 0x10;
+    EXPECT_EQ(lumbrical_session_restore(c.session, damaged.data(), size), LUMBRICAL_BAD_DATA) << at;
+  }
+  for (const std::size_t cut : {std::size_t{0}, std::size_t{3}, std::size_t{8}, size / 2, size - 1})
+    EXPECT_EQ(lumbrical_session_restore(c.session, bytes.data(), cut), LUMBRICAL_BAD_DATA) << cut;
+  CSession still(MeshObject(ball_scene().objects[0].mesh).object);  // has no object that moves
+  EXPECT_EQ(lumbrical_session_restore(still.session, bytes.data(), size), LUMBRICAL_BAD_DATA);
+}
+
+TEST(CApi, RecordsWhatReplaysIdenticalAndCanBeReadAgain) {
+  const std::string path = (own_folder() / "touch.mcap").string();
+  CSession c(MeshObject(ball_scene().objects[0].mesh).object);
+  std::vector<lumbrical_output> felt;
+  ASSERT_EQ(lumbrical_session_record(c.session, path.c_str(), nullptr), LUMBRICAL_OK) << lumbrical_message();
+  EXPECT_EQ(lumbrical_session_record(c.session, path.c_str(), nullptr), LUMBRICAL_BAD_ARGUMENT);
+  for (std::size_t i = 0; i < 80; ++i) felt.push_back(c.step(i));
+  std::uint64_t kept = 0;
+  ASSERT_EQ(lumbrical_session_stop_recording(c.session, &kept), LUMBRICAL_OK) << lumbrical_message();
+  EXPECT_EQ(kept, 80u);
+  EXPECT_EQ(lumbrical_session_stop_recording(c.session, &kept), LUMBRICAL_BAD_ARGUMENT);
+  EXPECT_EQ(lumbrical_session_record(c.session, path.c_str(), nullptr), LUMBRICAL_BAD_ARGUMENT)
+      << "amid a session";
+
+  auto result = sized<lumbrical_replay_result>();
+  ASSERT_EQ(lumbrical_replay(path.c_str(), nullptr, &result), LUMBRICAL_OK) << lumbrical_message();
+  EXPECT_EQ(result.identical, 1);
+  EXPECT_EQ(result.ticks, 80u);
+
+  lumbrical_reader* reader = nullptr;
+  ASSERT_EQ(lumbrical_reader_open(path.c_str(), &reader), LUMBRICAL_OK);
+  auto info = sized<lumbrical_recording_info>();
+  ASSERT_EQ(lumbrical_reader_describe(reader, &info), LUMBRICAL_OK);
+  EXPECT_EQ(info.ticks, 80u);
+  EXPECT_EQ(info.complete, 1);
+  EXPECT_EQ(info.side, LUMBRICAL_RIGHT);
+  CSession again;
+  ASSERT_EQ(lumbrical_reader_model(reader, nullptr, &again.model), LUMBRICAL_OK) << lumbrical_message();
+  ASSERT_EQ(lumbrical_session_create(again.model, &again.session), LUMBRICAL_OK);
+  lumbrical_frame frame = new_frame();
+  auto recorded = sized<lumbrical_output>();
+  std::int32_t end = 0;
+  for (std::size_t i = 0; i < 80; ++i) {
+    ASSERT_EQ(lumbrical_reader_next(reader, &frame, &recorded, &end), LUMBRICAL_OK);
+    ASSERT_EQ(end, 0);
+    EXPECT_EQ(std::memcmp(&recorded, &felt[i], sizeof recorded), 0) << i;
+    EXPECT_EQ(std::memcmp(&again.step(frame), &felt[i], sizeof recorded), 0) << i;
+  }
+  ASSERT_EQ(lumbrical_reader_next(reader, &frame, &recorded, &end), LUMBRICAL_OK);
+  EXPECT_EQ(end, 1);
+  ASSERT_EQ(lumbrical_reader_seek(reader, 33), LUMBRICAL_OK);
+  ASSERT_EQ(lumbrical_reader_next(reader, nullptr, &recorded, nullptr), LUMBRICAL_OK);
+  EXPECT_EQ(recorded.tick, 33u);
+  lumbrical_reader_close(reader);
+}
+
+TEST(CApi, TwoHandsShareAWorld) {
+  MeshObject ball(ball_scene().objects[0].mesh);
+  CSession right(ball.object), left, alone;
+  left.create(LUMBRICAL_LEFT);
+  ASSERT_EQ(lumbrical_model_share(right.model, left.scene, &left.model), LUMBRICAL_OK) << lumbrical_message();
+  ASSERT_EQ(lumbrical_session_create(left.model, &left.session), LUMBRICAL_OK);
+  alone.create(LUMBRICAL_LEFT);
+  ASSERT_EQ(lumbrical_scene_add_object(alone.scene, &ball.object), LUMBRICAL_OK);
+  alone.start();
+  auto info = sized<lumbrical_model_info>();
+  ASSERT_EQ(lumbrical_model_describe(left.model, &info), LUMBRICAL_OK);
+  EXPECT_EQ(info.side, LUMBRICAL_LEFT);
+  EXPECT_EQ(info.object_count, 1u);
+  EXPECT_EQ(info.triangle_count, ball.triangles.size() / 3);
+  for (std::size_t i = 40; i < 70; ++i)
+    EXPECT_EQ(std::memcmp(&left.step(i), &alone.step(i), sizeof(lumbrical_output)), 0) << i;
+}
+
+TEST(CApi, SessionsOutliveTheirModelAndScene) {
+  CSession c(MeshObject(ball_scene().objects[0].mesh).object);
+  lumbrical_scene_destroy(std::exchange(c.scene, nullptr));
+  lumbrical_model_destroy(std::exchange(c.model, nullptr));
+  EXPECT_GT(c.step(touching_frame_c(60)).contact_count, 0u);
+}
+
+}  // namespace
+}  // namespace lumbrical::test
