@@ -248,7 +248,33 @@ TEST(EnergyAccount, LetsTorquesGrowNoFasterThanTheAllowedSprings) {
   }
   const double still = 0.3 * pay(joint.certificate, 0, {0.3, 0, 0}, 0.01, account);
   EXPECT_GT(still, before) << "comes back by itself";
-  EXPECT_LT(still, before + 0.01) << "but slowly";
+  EXPECT_LT(still, 1.01 * before) << "but slowly";
+}
+
+// Whoever is pushed back feels what the spring held, not more, whatever the touch asks for and the arm adds.
+TEST(EnergyAccount, LetsNoTorqueGrowByTheWayItPushes) {
+  const OneJoint joint(0.5);
+  for (const double arm : {0.0, 5e-6}) {
+    EnergyAccount account;
+    account.energy = 1;
+    const double before = 0.3 * pay(joint.certificate, 0, {0.3, 0, 0}, 0, account);
+    for (int i = 0; i < 50; ++i) {
+      keep_account(joint.certificate, joint.profile, 0, {0.001, {-0.01}, {before}, arm, true}, account);
+      EXPECT_NEAR(0.3 * pay(joint.certificate, 0, {0.3, 0, 0}, 0, account), before, 1e-12);
+    }
+  }
+}
+
+// What is small comes back slowly: a torque that was let go of must not be back before the hand has settled.
+TEST(EnergyAccount, LetsASmallTorqueCreepByAShareOfItself) {
+  const OneJoint joint(0.5);
+  EnergyAccount account;
+  account.energy = 1;
+  const double before = 0.3 * pay(joint.certificate, 0, {0.3, 0, 0}, 0, account);
+  double after = before;
+  for (int i = 0; i < 100; ++i) after = 0.3 * pay(joint.certificate, 0, {0.3, 0, 0}, 0.001, account);
+  EXPECT_GT(after, 1.01 * before);
+  EXPECT_LT(after, 1.06 * before) << "a tenth of a second";
 }
 
 TEST(StiffnessLimiter, HoldsTheTorqueWhileATouchGetsStifferAndFollowsAShrinkingBound) {

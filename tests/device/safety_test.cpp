@@ -207,6 +207,31 @@ TEST(Safety, WhatWouldHaveFadedInAGapGoesAndComesBackSoftlyAndOnlyOnceTheHandHas
   }
 }
 
+// A bus that stalls again and again: forces that came back each time as far as the last would shake the hand.
+TEST(Safety, EachGapBeforeAllIsBackHalvesThePaceAtWhichForcesComeBack) {
+  Loop loop;
+  loop.activate();
+  const double pace = 0.1 * loop.inputs.dt / loop.profile.safety.soft_start;
+  for (const double slower : {1.0, 2.0, 4.0, 8.0, 8.0}) {
+    loop.inputs.gap = 1;
+    loop.step();
+    loop.inputs.gap = 0;
+    while (loop.memory.owed > 0 || loop.memory.settling > 0) loop.step();
+    const double before = loop.output.command[0];
+    loop.step(50);
+    EXPECT_NEAR(loop.output.command[0] - before, 50 * pace / slower, 1.1 * pace);
+  }
+  loop.step(10000);
+  EXPECT_NEAR(loop.output.command[0], 0.1, 1e-12) << "all is back";
+  loop.inputs.gap = 1;
+  loop.step();
+  loop.inputs.gap = 0;
+  while (loop.memory.owed > 0 || loop.memory.settling > 0) loop.step();
+  const double before = loop.output.command[0];
+  loop.step(50);
+  EXPECT_NEAR(loop.output.command[0] - before, 50 * pace, 1.1 * pace) << "and forgotten";
+}
+
 TEST(Safety, LetsGoForLateTicksNoFasterThanTheFadeAsksAndForAFaultAsFastAsItMay) {
   for (const bool fault : {false, true}) {
     Loop loop;

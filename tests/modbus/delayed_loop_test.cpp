@@ -40,6 +40,19 @@ TEST(DelayedLoop, DoesNotShakeAndGivesNoEnergyWhateverTheBusDoes) {
   EXPECT_GT(felt.torque, 5e-3) << "something is felt";
 }
 
+// Forces that come back after a gap while others are still being let go of would dip and rise again.
+TEST(DelayedLoop, DoesNotShakeWhenTheBusBecomesSlowAtABlow) {
+  const Sweep sweep;
+  DelayedLoop loop;
+  loop.bus = {Delays::stepping, 0.015, 200};
+  loop.human = kHands[2].hold;
+  loop.friction = 0;
+  const LoopFelt felt = run_delayed(sweep.model, mug_grasp(sweep.model, 10), sweep.profile, loop);
+  EXPECT_EQ(felt.shakes, 0u);
+  EXPECT_LT(felt.given, 1e-3);
+  EXPECT_GT(felt.torque, 5e-3) << "something is felt";
+}
+
 // A scene, hand and motion the control was not tuned on; while the forces start softly the arm already moves:
 // what it seems to give must not be counted for more than acts.
 TEST(DelayedLoop, GivesNoEnergyWhileTheArmPressesTheHandOntoSomething) {

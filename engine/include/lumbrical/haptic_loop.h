@@ -58,7 +58,9 @@ struct HapticLoop {
   std::array<double, kFingerCount> arm{};  ///< [J] by the arm to the whole touch since the last sample
   std::array<Pose, kJointCount> X_WJ{};
   Pose base_before;
-  double gain = 1;  ///< of the soft start after a gap
+  double gain = 1;          ///< of the soft start after a gap
+  double settling = 0;      ///< [s] until it may grow again
+  bool letting_go = false;  ///< some finger still gets more than gain and limiter say, so as not to fall
   /// Share of its touch that each finger gets: gain, limiter and account, but no less than lets go of what
   /// the last command gave without a kick.
   std::array<double, kFingerCount> level{};

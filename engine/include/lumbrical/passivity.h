@@ -86,9 +86,10 @@ void keep_account(const StiffnessCertificate& certificate, const DeviceProfile& 
 ///
 /// A spring as stiff as the certificate allows, bent until it gives those torques, holds torque^2 / (2 K). No
 /// more than the account holds and a loan; and the torques grow from step to step by no more than such a
-/// spring's would over the way the joints went, or what the arm has put in, but for slow creep. So they are
-/// no stiffer than that spring, and end when what was taken is given back, whatever the touch, its law, or
-/// the delay. Scaling only ever takes away: it can't shake by itself.
+/// spring's would over the way the joints went, or what the arm has put in, while the touch takes more than
+/// it gives, but for slow creep (by half of what they are in a second). So they are no stiffer than that
+/// spring, and end when what was taken is given back, whatever the touch, its law, or the delay. Scaling only
+/// ever takes away: it can't shake by itself.
 double pay(const StiffnessCertificate& certificate, std::size_t finger, const std::array<double, 3>& torque,
            double dt, EnergyAccount& account);
 

@@ -70,6 +70,7 @@ struct SafetyMemory {
   double gain = 0;           ///< share of the wanted command, 0 .. 1 (soft start)
   double owed = 0;           ///< by how much the gain has still to fall for a gap
   double settling = 0;       ///< [s] until it may grow again
+  double slower = 1;         ///< times the profile's soft start that it takes to grow: see kSlowest
   ActuatorArray output{};    ///< last commands
 };
 
@@ -83,6 +84,8 @@ struct SafetyOutput {
 
 /// [s] that a hand takes to settle which was let go of: forces that came back sooner would shake it.
 inline constexpr double kSettling = 0.1;
+/// Times the soft start that forces take at most to come back where gaps follow each other.
+inline constexpr double kSlowest = 8;
 
 SafetyMemory start_safety(const DeviceProfile& profile);
 
@@ -92,12 +95,10 @@ SafetyMemory start_safety(const DeviceProfile& profile);
 ///   the whole range per SafetyTimes::fade, whichever is faster; while ticks are late, by the latter, since
 ///   most late ticks do come and a force let go for them would be felt as a kick;
 /// - unless the state is active, and while ticks are late, all commands move to their safe values and reach
-/// them within
-///   SafetyTimes::fade;
+///   them within SafetyTimes::fade;
 /// - what faded while ticks were late, or would have faded in a gap longer than SafetyTimes::tick_hold, comes
-/// back
-///   by soft start only, kSettling after it is gone; what a gap would have taken goes at the soft start's
-///   pace;
+///   back by soft start only, kSettling after it is gone, and where the one before was not yet back at half
+///   its pace (kSlowest at most); what a gap would have taken goes at the soft start's pace;
 /// - a latched fault is left only by `reset` with its cause gone, and then only to idle.
 SafetyOutput step_safety(const DeviceProfile& profile, const SafetyInputs& inputs, SafetyMemory& memory);
 

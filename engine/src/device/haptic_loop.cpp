@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lumbrical/math.h"
+#include "lumbrical/safety.h"
 
 namespace lumbrical {
 namespace {
@@ -90,7 +91,9 @@ void weigh_gap(std::int64_t now, double dt, bool touching, HapticLoop& loop) {
   const double usual = loop.certified ? timing.delay + timing.period + timing.jitter : 0;
   const bool stale = age > usual + times.tick_hold;
   if (stale && touching && loop.gain == 1) ++loop.gaps;
-  const double change = stale ? -dt / times.fade : times.soft_start > 0 ? dt / times.soft_start : 1;
+  loop.settling = stale || loop.letting_go ? kSettling : max(0, loop.settling - dt);
+  const double soft = times.soft_start > 0 ? dt / times.soft_start : 1;
+  const double change = stale ? -dt / times.fade : loop.settling > 0 ? 0 : soft;
   loop.gain = clamp(loop.gain + change, 0, 1);
 }
 
@@ -259,7 +262,12 @@ DeviceCommand command_forces(const Model& model, const Scratch& scratch, const D
     }
   }
   least = least_levels(output, now, kAccountLetGo, loop);
-  for (std::size_t f = 0; f < kFingerCount; ++f) loop.level[f] = max(loop.level[f], least[f]);
+  loop.letting_go = false;
+  for (std::size_t f = 0; f < kFingerCount; ++f) {
+    loop.level[f] = max(loop.level[f], least[f]);
+    const bool above = loop.level[f] > loop.gain * loop.limiter.factor[f];
+    loop.letting_go = loop.letting_go || (above && touch_of(output, f) > 0);
+  }
   for (std::size_t j = 0; j < kPhalanxCount; ++j) wanted[j] = loop.level[j / 3] * output.flexion_torque[j];
   keep_levels(output, loop);
   loop.fresh = false;

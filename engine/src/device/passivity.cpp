@@ -139,24 +139,25 @@ void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffnes
 
 void keep_account(const StiffnessCertificate& certificate, const DeviceProfile& profile, std::size_t finger,
                   const EnergyStep& step, EnergyAccount& account) {
-  double taken = step.given, bent = 0;
+  double touch = step.given, damped = 0, bent = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t j = 3 * finger + k;
     const JointDynamics& joint = profile.dynamics[j];
     // The least that viscous damping takes over a way in a time is at even speed; a way that rounding to
     // encoder steps may have invented doesn't count.
     const double way = max(0, std::fabs(step.moved[k]) - joint.encoder_step);
-    taken += step.acted[k] * step.moved[k];
-    if (step.dt > 0) taken += certificate.margin * joint.damping * way * way / step.dt;
+    touch += step.acted[k] * step.moved[k];
+    if (step.dt > 0) damped += certificate.margin * joint.damping * way * way / step.dt;
     if (certificate.known[j])
       bent += 0.5 * certificate.margin * certificate.joint[j].largest * step.moved[k] * step.moved[k];
   }
-  const bool finite = is_finite(taken) && is_finite(bent);
-  account.energy = finite ? account.energy + taken : min(0, account.energy);
+  const bool finite = is_finite(touch + damped) && is_finite(bent);
+  account.energy = finite ? account.energy + touch + damped : min(0, account.energy);
   if (!step.touching) account.energy = min(0, account.energy);
   account.generated = max(account.generated, -account.energy);
-  const double reach = account.reach + std::sqrt(finite ? bent : 0);
-  account.reach = std::sqrt(reach * reach + max(0, finite ? step.given : 0));
+  if (!finite || touch < 0) return;  // a spring that gives back what it holds grows by no way
+  const double reach = account.reach + std::sqrt(bent);
+  account.reach = std::sqrt(reach * reach + max(0, step.given));
 }
 
 double pay(const StiffnessCertificate& certificate, std::size_t finger, const std::array<double, 3>& torque,
@@ -176,7 +177,8 @@ double pay(const StiffnessCertificate& certificate, std::size_t finger, const st
   const double lent = min(kMostLent, 0.5 * softest * kLentWay * kLentWay);
   const double most = std::sqrt(max(0, account.energy + lent));
   double& reach = account.reach;
-  reach = max(reach, std::sqrt(lent)) + max(0, most - reach) * min(1, max(0, dt) / kCreep);
+  reach = max(reach, std::sqrt(lent));
+  reach += max(0, min(reach, most - reach)) * min(1, max(0, dt) / kCreep);
   reach = min(reach, most);
   const double wanted = std::sqrt(needed);
   if (wanted > reach) return reach / wanted;
