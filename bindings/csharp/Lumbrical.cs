@@ -213,7 +213,7 @@ namespace Lumbrical
         public int kind;
         public uint flags;
         public uint valid;
-        public Pose base;
+        public Pose @base;
         public fixed float joint[182];
         public fixed float angle[20];
     }

@@ -218,12 +218,12 @@ typedef struct lumbrical_output {
   uint32_t size;
   uint32_t flags; /* lumbrical_output_flag */
   uint64_t tick;
-  uint32_t contact_count;
-  uint32_t object_count;                        /* for lumbrical_session_objects */
-  uint64_t evaluations;                         /* of a field, by samples: what settings.effort bounds */
-  double error_estimate;                        /* [N] what samples may be off by, from experience */
-  double force_error;                           /* [N] bound of what exact forces may be off by */
-  double hand_force[3];                         /* [N] sum over segments */
+  uint32_t contact_count; /* behind the forces, as they were computed: of samples, patches */
+  uint32_t object_count;  /* for lumbrical_session_objects */
+  uint64_t evaluations;   /* of a field, by samples: what settings.effort bounds */
+  double error_estimate;  /* [N] what samples may be off by, from experience */
+  double force_error;     /* [N] bound of what exact forces may be off by */
+  double hand_force[3];   /* [N] sum over segments */
   lumbrical_wrench segment[LUMBRICAL_SEGMENTS]; /* torque about the joint at the segment's base */
   double joint_torque[LUMBRICAL_SEGMENTS][3];   /* [N m] about that joint, of all it carries */
   double flexion_torque[LUMBRICAL_SEGMENTS];    /* [N m] of it along the flexion axis; > 0 opens the hand */

@@ -31,14 +31,16 @@ static class Embed
                 strongest = Math.Max(strongest, Math.Sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
             }
         }
-        var contacts = new Contact[output.contact_count + 1];
-        contacts[0].size = (uint)sizeof(Contact);
         UIntPtr count;
+        lumbrical_session_contacts(session, null, UIntPtr.Zero, out count);  // how many there are
+        var contacts = new Contact[(int)count + 1];
+        contacts[0].size = (uint)sizeof(Contact);
         Check(lumbrical_session_contacts(session, contacts, (UIntPtr)contacts.Length, out count));
-        Console.WriteLine(FormattableString.Invariant($"strongest force on a segment: {strongest:F2} N"));
+        Console.WriteLine(FormattableString.Invariant(
+            $"strongest force on a segment: {strongest:F2} N; {(int)count} contacts at the end"));
         lumbrical_session_destroy(session);
         lumbrical_model_destroy(model);
         lumbrical_scene_destroy(scene);
-        return strongest > 0 && (uint)count == output.contact_count ? 0 : 1;
+        return strongest > 0 ? 0 : 1;
     }
 }

@@ -60,6 +60,7 @@ const Rule kRules[] = {
     {Layer::capi, "engine/include", "lumbrical"},
     {Layer::capi, "engine/src/capi", "*"},
 
+    {Layer::program, "bindings/python", "*"},
     {Layer::program, "tools/lumbrical", "*"},
     {Layer::program, "examples", "*"},
     {Layer::test, "tests/*", "*"},
@@ -129,6 +130,7 @@ const Outside kOutside[] = {
     {"(poll|sched|pthread|signal|spawn|termios|errno|time|netdb|arpa/\\w+|netinet/\\w+)[.]h",
      "(engine/src/modbus/modbus_\\w+[.]cpp|tools/.*|tests/.*)"},
     {"CLI/.*", "tools/lumbrical/command_line[.]cpp"},
+    {"pybind11/.*", "bindings/python/\\w+[.](h|cpp)"},
     {"(gtest|boost)/.*", "tests/.*"},
     {"benchmark/.*", "bench/.*"},
     {"(btBulletCollisionCommon[.]h|fcl/.*|ode/ode[.]h|embree3/.*)", "bench/peer_\\w+[.]cpp"},
@@ -217,7 +219,8 @@ void check_own(const std::string& path, Layer layer, const std::string& target) 
 TEST(Layers, FilesIncludeOnlyWhatLiesBelowThem) {
   const fs::path root = LUMBRICAL_SOURCE_DIR;
   std::size_t file_count = 0;
-  for (const char* const folder : {"engine/include", "engine/src", "tools", "examples", "tests", "bench"}) {
+  for (const char* const folder :
+       {"engine/include", "engine/src", "bindings", "tools", "examples", "tests", "bench"}) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
       const std::string path = entry.path().lexically_relative(root).generic_string();
       if (!matches(path, ".*[.](h|cpp)")) continue;
@@ -249,7 +252,7 @@ bool has_header(const fs::path& file, const fs::path& root) {
 
 TEST(Layers, EveryFileOpensWithASentenceThatSaysWhatItDoes) {
   const fs::path root = LUMBRICAL_SOURCE_DIR;
-  for (const char* const folder : {"engine", "tools", "examples", "tests", "bench"}) {
+  for (const char* const folder : {"engine", "bindings", "tools", "examples", "tests", "bench"}) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
       const fs::path& file = entry.path();
       const bool header = file.extension() == ".h";

@@ -1,0 +1,127 @@
+// What the files of the Python module share: the engine's structs as NumPy dtypes, and arrays over their
+// memory.
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lumbrical/mesh.h"
+#include "lumbrical/recording.h"
+#include "lumbrical/scene_file.h"
+#include "lumbrical/tick.h"
+
+namespace lumbrical::python {
+
+namespace py = pybind11;
+
+/// A tick of a recording, as Recording.read gives it.
+struct RecordedTick {
+  DeviceFrame frame;
+  ActuatorFrame output;
+  std::uint64_t state_hash = 0;
+  std::uint32_t duration_ns = 0;
+};
+
+/// A contact with the names of what touches what.
+struct NamedContact {
+  std::uint32_t segment = 0, object = 0, triangle = 0, primitive = 0;
+  double depth = 0, area = 0, volume = 0, error = 0;
+  Vec3 centroid, centre, normal, force;
+};
+
+/// The dtype of one of the engine's structs, with its names: memory is shared, nothing is converted.
+template <class Struct>
+py::dtype dtype_of();
+
+/// Throws ValueError with the message.
+inline void check(const Status& status) {
+  if (!status.ok()) throw py::value_error(status.message());
+}
+
+/// One call at a time: while the GIL is released another thread may come.
+class Busy {
+ public:
+  explicit Busy(std::atomic<bool>& flag) : flag_(flag) {
+    if (flag_.exchange(true, std::memory_order_acquire))
+      throw std::runtime_error("another thread is in a call of this object");
+  }
+  ~Busy() { flag_.store(false, std::memory_order_release); }
+  Busy(const Busy&) = delete;
+  Busy& operator=(const Busy&) = delete;
+
+ private:
+  std::atomic<bool>& flag_;
+};
+
+/// A view of memory that `owner` keeps alive.
+template <class Struct>
+py::array view_of(const Struct* data, std::vector<py::ssize_t> shape, py::handle owner, bool writable) {
+  py::array array(dtype_of<Struct>(), std::move(shape), data, owner);
+  if (!writable) array.attr("flags").attr("writeable") = false;
+  return array;
+}
+
+/// An array that has taken a vector's memory over.
+template <class Struct>
+py::array array_of(std::vector<Struct>&& rows) {
+  auto kept = std::make_unique<std::vector<Struct>>(std::move(rows));
+  const auto size = static_cast<py::ssize_t>(kept->size());
+  const Struct* const data = kept->data();
+  const py::capsule owner(kept.release(), [](void* p) { delete static_cast<std::vector<Struct>*>(p); });
+  return view_of(data, {size}, owner, true);
+}
+
+/// Rows of a structured array of that dtype, of one dimension or none. Copied: nobody can change them
+/// meanwhile.
+template <class Struct>
+std::vector<Struct> rows_of(const py::handle& given, const char* name) {
+  const py::dtype wanted = dtype_of<Struct>();
+  if (!py::isinstance<py::array>(given) || !py::reinterpret_borrow<py::array>(given).dtype().equal(wanted))
+    throw py::type_error(std::string(name) +
+                         " is not an array of lumbrical's dtype for it; see lumbrical.frame_dtype");
+  const auto array = py::array::ensure(given, py::array::c_style);
+  if (!array || array.ndim() > 1) throw py::value_error(std::string(name) + " has more than one dimension");
+  std::vector<Struct> rows(static_cast<std::size_t>(array.size()));
+  std::memcpy(static_cast<void*>(rows.data()), array.data(), rows.size() * sizeof(Struct));
+  return rows;
+}
+
+/// Frames with a kind that is one.
+std::vector<DeviceFrame> frames_of(const py::handle& given);
+
+/// Numbers of this shape (-1: any), converted to Number if need be; none of them NaN or infinite.
+template <class Number>
+std::vector<Number> numbers_of(const py::handle& given, std::vector<py::ssize_t> shape, const char* name);
+
+using MeshArrays = std::pair<py::array, py::array>;  // vertices (n, 3), triangles (m, 3)
+Mesh mesh_of(const py::handle& vertices, const py::handle& triangles);
+Vec3 vec3_of(const py::handle& given, const char* name);
+Pose pose_of(const py::handle& position, const py::handle& orientation);
+
+template <class Enum>
+Enum parsed(const std::optional<Enum>& value, const std::string& text, const char* what) {
+  if (!value) throw py::value_error("\"" + text + "\" is no " + what);
+  return *value;
+}
+
+Execution execution_of(std::uint32_t threads, const std::string& broadphase, const std::string& isa);
+
+struct PyModel {
+  Model model;
+  State start;
+};
+
+void bind_scene(py::module_& module);
+void bind_session(py::module_& module);
+void bind_recording(py::module_& module);
+
+}  // namespace lumbrical::python

@@ -1,0 +1,193 @@
+// Recordings, for Python: read into arrays, replayed, changed.
+#include <limits>
+
+#include "bind.h"
+
+namespace lumbrical::python {
+namespace {
+
+class Recording {
+ public:
+  Recording(const std::string& path, const std::optional<std::string>& side) {
+    std::optional<Side> which;
+    if (side) {
+      if (*side != "left" && *side != "right")
+        throw py::value_error("side is neither \"left\" nor \"right\"");
+      which = *side == "left" ? Side::left : Side::right;
+    }
+    auto opened = std::make_unique<RecordingReader>();
+    Status status;
+    {
+      const py::gil_scoped_release release;
+      status = opened->open(path, which);
+    }
+    check(status);
+    reader_ = std::move(opened);
+  }
+  RecordingReader& reader() {
+    if (!reader_) throw py::value_error("the recording is closed");
+    return *reader_;
+  }
+  void close() {
+    const Busy guard(busy);
+    reader_.reset();
+  }
+  std::atomic<bool> busy{false};
+
+ private:
+  std::unique_ptr<RecordingReader> reader_;
+};
+
+// From a tick to another, without that, every so many.
+template <class Take>
+void read_ticks(Recording& self, std::uint64_t first, std::optional<std::uint64_t> last, std::uint64_t step,
+                const Take& take) {
+  if (step == 0) throw py::value_error("step is 0");
+  const Busy busy(self.busy);
+  RecordingReader& reader = self.reader();
+  Status status;
+  {
+    const py::gil_scoped_release release;
+    status = reader.seek(first);
+    TickRecord record;
+    bool end = false;
+    while (status.ok()) {
+      status = reader.next(record, end);
+      if (!status.ok() || end || (last && record.output.tick >= *last)) break;
+      if ((record.output.tick - first) % step == 0) take(record);
+    }
+  }
+  check(status);
+}
+
+py::array read(Recording& self, std::uint64_t first, std::optional<std::uint64_t> last, std::uint64_t step) {
+  std::vector<RecordedTick> rows;
+  read_ticks(self, first, last, step, [&rows](const TickRecord& record) {
+    RecordedTick& row =
+        rows.emplace_back(RecordedTick{record.device, record.output, record.state_hash, record.duration_ns});
+    if (record.has_forces) return;
+    static_assert(sizeof(HandForces) % sizeof(double) == 0);
+    auto* const numbers = reinterpret_cast<double*>(static_cast<HandForces*>(&row.output));
+    std::fill_n(numbers, sizeof(HandForces) / sizeof(double), std::numeric_limits<double>::quiet_NaN());
+  });
+  return array_of(std::move(rows));
+}
+
+py::object read_objects(Recording& self, std::uint64_t first, std::optional<std::uint64_t> last,
+                        std::uint64_t step) {
+  std::vector<ObjectOutput> rows;
+  py::ssize_t ticks = 0;
+  read_ticks(self, first, last, step, [&](const TickRecord& record) {
+    rows.insert(rows.end(), record.object.begin(), record.object.begin() + record.object_count);
+    ++ticks;
+  });
+  const py::ssize_t per_tick = ticks == 0 ? 0 : static_cast<py::ssize_t>(rows.size()) / ticks;
+  return array_of(std::move(rows)).attr("reshape")(py::make_tuple(ticks, per_tick));
+}
+
+py::dict info(Recording& self) {
+  using namespace py::literals;
+  const RecordingInfo& from = self.reader().info();
+  py::list hands;
+  for (const Side side : from.hands) hands.append(side_name(side));
+  return py::dict("path"_a = from.path, "hands"_a = hands, "ticks"_a = from.ticks,
+                  "first_tick"_a = from.first_tick, "last_tick"_a = from.last_tick,
+                  "missing_ticks"_a = from.missing_ticks, "seconds"_a = from.seconds,
+                  "complete"_a = from.complete, "metadata"_a = from.metadata);
+}
+
+std::shared_ptr<PyModel> model_of(Recording& self, std::uint32_t threads, const std::string& broadphase) {
+  const Execution execution = execution_of(threads, broadphase, "auto");
+  auto built = std::make_shared<PyModel>();
+  const Busy busy(self.busy);
+  RecordingReader& reader = self.reader();
+  Status status;
+  {
+    const py::gil_scoped_release release;
+    status = reader.find_world("");
+    if (status.ok()) status = build_model(reader.scene(), execution, built->model);
+    if (status.ok()) built->start = reader.initial_state(built->model);
+  }
+  check(status);
+  return built;
+}
+
+ReplayOptions options_of(std::uint32_t threads, const std::string& broadphase) {
+  ReplayOptions options;
+  options.execution = execution_of(threads, broadphase, "auto");
+  return options;
+}
+
+template <class Result, class Run>
+Result with_reader(const std::string& path, const Run& run) {
+  Result result;
+  Status status;
+  {
+    const py::gil_scoped_release release;
+    RecordingReader reader;
+    status = reader.open(path);
+    if (status.ok()) status = run(reader, result);
+  }
+  check(status);
+  return result;
+}
+
+py::dict run_replay(const std::string& path, std::uint32_t threads, const std::string& broadphase) {
+  using namespace py::literals;
+  const ReplayOptions options = options_of(threads, broadphase);
+  const auto result = with_reader<ReplayResult>(
+      path, [&](RecordingReader& reader, ReplayResult& out) { return replay(reader, options, out); });
+  py::object divergence = py::none();
+  if (const auto& first = result.first_divergence)
+    divergence = py::dict("tick"_a = first->tick, "stage"_a = first->stage, "field"_a = first->field,
+                          "recorded"_a = first->recorded, "replayed"_a = first->replayed);
+  return py::dict("identical"_a = !result.first_divergence, "ticks"_a = result.ticks,
+                  "divergence"_a = divergence, "recorded_time"_a = result.recorded_time,
+                  "replayed_time"_a = result.replayed_time);
+}
+
+template <std::size_t kCount>
+py::dict changes(const std::array<Change, kCount>& from) {
+  using namespace py::literals;
+  py::array_t<double> max(kCount), rms(kCount);
+  for (std::size_t i = 0; i < kCount; ++i) {
+    max.mutable_at(i) = from[i].max;
+    rms.mutable_at(i) = from[i].rms;
+  }
+  return py::dict("max"_a = max, "rms"_a = rms);
+}
+
+py::dict run_what_if(const std::string& path, std::optional<double> stiffness,
+                     const std::optional<std::string>& law, std::optional<double> precision,
+                     std::uint32_t threads) {
+  using namespace py::literals;
+  ReplayOptions options = options_of(threads, "auto");
+  options.stiffness = stiffness;
+  options.precision = precision;
+  if (law) options.law = parsed(parse_law(*law), *law, "law");
+  const auto result = with_reader<WhatIfResult>(
+      path, [&](RecordingReader& reader, WhatIfResult& out) { return what_if(reader, options, out); });
+  return py::dict("ticks"_a = result.ticks, "force"_a = changes(result.force),
+                  "force_jnd"_a = changes(result.force_jnd), "torque"_a = changes(result.torque),
+                  "baseline_time"_a = result.baseline_time, "changed_time"_a = result.changed_time);
+}
+
+}  // namespace
+
+void bind_recording(py::module_& module) {
+  using namespace py::literals;
+  py::class_<Recording>(module, "Recording")
+      .def(py::init<const std::string&, const std::optional<std::string>&>(), "path"_a, "side"_a = py::none())
+      .def_property_readonly("info", &info)
+      .def("read", &read, "first"_a = 0u, "last"_a = py::none(), "step"_a = 1u)
+      .def("read_objects", &read_objects, "first"_a = 0u, "last"_a = py::none(), "step"_a = 1u)
+      .def("model", &model_of, py::kw_only(), "threads"_a = 1u, "broadphase"_a = "auto")
+      .def("close", &Recording::close)
+      .def("__enter__", [](py::object self) { return self; })
+      .def("__exit__", [](Recording& self, const py::args&) { self.close(); });
+  module.def("replay", &run_replay, "path"_a, py::kw_only(), "threads"_a = 1u, "broadphase"_a = "auto");
+  module.def("what_if", &run_what_if, "path"_a, py::kw_only(), "stiffness"_a = py::none(),
+             "law"_a = py::none(), "precision"_a = py::none(), "threads"_a = 1u);
+}
+
+}  // namespace lumbrical::python

@@ -1,0 +1,230 @@
+// Scenes and the models built from them, for Python.
+#include "bind.h"
+#include "lumbrical/motion.h"
+
+namespace lumbrical::python {
+namespace {
+
+struct PyScene {
+  Scene scene;
+  Execution execution;
+  Motion motion;
+  double seconds = 0;
+};
+
+std::unique_ptr<PyScene> new_scene(const std::string& side, double hand_length) {
+  if (side != "left" && side != "right") throw py::value_error("side is neither \"left\" nor \"right\"");
+  if (!(hand_length >= 0.05 && hand_length <= 0.5)) throw py::value_error("hand_length is not 0.05 to 0.5 m");
+  auto made = std::make_unique<PyScene>();
+  made->scene.hand = default_hand(side == "left" ? Side::left : Side::right, hand_length);
+  return made;
+}
+
+std::unique_ptr<PyScene> load(const std::string& path) {
+  SceneFile file;
+  Status status;
+  {
+    const py::gil_scoped_release release;
+    status = load_scene_file(path, file);
+  }
+  check(status);
+  auto made = std::make_unique<PyScene>();
+  made->scene = std::move(file.scene);
+  made->execution = file.execution;
+  made->motion = std::move(file.motion);
+  made->seconds = file.seconds;
+  return made;
+}
+
+// What moves by itself takes its mass from its mesh.
+MassProperties mass_of(const Mesh& mesh, Winding winding, double density, double mass) {
+  if ((density > 0) == (mass > 0))
+    throw py::value_error("an object that moves by itself takes a density or a mass, one of the two");
+  Mesh wound = mesh;
+  wind_outwards(wound, winding);
+  MassProperties body;
+  check(mass_properties(wound, density > 0 ? density : 1, body));
+  if (mass > 0) {
+    const double share = mass / body.mass;
+    body.mass = mass;
+    for (double& moment : body.inertia) moment *= share;
+  }
+  return body;
+}
+
+struct Moves {
+  std::string moves;
+  double density, mass, damping;
+  py::object pivot, axis;
+  double lower, upper, spring, rest, dry_friction, detent_force, detent_pitch;
+};
+
+Mechanism mechanism_of(const Moves& given, const SceneObject& object) {
+  Mechanism mechanism;
+  mechanism.mobility = parsed(parse_mobility(given.moves), given.moves,
+                              "way to move: fixed, given, free, hinge, slider or ball");
+  if (mechanism.mobility < Mobility::free) return mechanism;
+  mechanism.body = mass_of(object.mesh, object.winding, given.density, given.mass);
+  mechanism.damping = given.damping;
+  mechanism.pivot = given.pivot.is_none() ? object.pose.position : vec3_of(given.pivot, "pivot");
+  mechanism.axis = unit_or(vec3_of(given.axis, "axis"), {});
+  mechanism.lower = given.lower;
+  mechanism.upper = given.upper;
+  mechanism.spring = given.spring;
+  mechanism.rest = given.rest;
+  mechanism.dry_friction = given.dry_friction;
+  mechanism.detent_force = given.detent_force;
+  mechanism.detent_pitch = given.detent_pitch;
+  return mechanism;
+}
+
+void add_object(PyScene& self, std::string name, const py::object& vertices, const py::object& triangles,
+                const py::object& position, const py::object& orientation, const std::string& winding,
+                Material material, const Moves& moves) {
+  SceneObject object;
+  object.name = std::move(name);
+  object.mesh = mesh_of(vertices, triangles);
+  object.winding = parsed(parse_winding(winding), winding, "winding: auto, as is or flip");
+  object.pose = pose_of(position, orientation);
+  object.material = material;
+  object.mechanism = mechanism_of(moves, object);
+  if (!is_apart(object)) {
+    for (Vec3& v : object.mesh.vertices) v = transform(object.pose, v);
+    object.pose = {};
+  }
+  self.scene.objects.push_back(std::move(object));
+}
+
+// The scene file's motion at the times of ticks.
+py::array motion_frames(const PyScene& self) {
+  if (self.motion.samples.empty()) throw py::value_error("the scene has no motion; only one from a file has");
+  const double rate = self.scene.settings.rate;
+  std::vector<DeviceFrame> frames;
+  const auto count = static_cast<std::size_t>(self.seconds * rate);
+  const bool still = self.motion.samples.size() == 1;
+  for (std::size_t i = 0; i < std::max<std::size_t>(count, 1); ++i)
+    frames.push_back(
+        resample(self.motion, still ? self.motion.samples[0].time : static_cast<double>(i) / rate));
+  return array_of(std::move(frames));
+}
+
+std::shared_ptr<PyModel> build(const PyScene& self, std::optional<std::uint32_t> threads,
+                               const std::optional<std::string>& broadphase, const std::string& isa) {
+  Execution execution = self.execution;
+  const Execution given = execution_of(threads.value_or(execution.threads), broadphase.value_or("auto"), isa);
+  execution.threads = given.threads;
+  execution.isa = given.isa;
+  if (broadphase) execution.broadphase = given.broadphase;
+  auto built = std::make_shared<PyModel>();
+  const Scene scene = self.scene;  // nobody changes it meanwhile
+  Status status;
+  {
+    const py::gil_scoped_release release;
+    status = build_model(scene, execution, built->model);
+  }
+  check(status);
+  built->start = make_state(built->model);
+  return built;
+}
+
+template <class T>
+py::array shared_view(const SharedArray<T>& items, py::handle owner) {
+  return view_of(items.data(), {static_cast<py::ssize_t>(items.size())}, owner, false);
+}
+
+py::tuple vertices(const py::object& self) {
+  const Triangles& world = self.cast<const PyModel&>().model.triangles;
+  return py::make_tuple(shared_view(world.x, self), shared_view(world.y, self), shared_view(world.z, self));
+}
+
+py::tuple triangles(const py::object& self) {
+  const Triangles& world = self.cast<const PyModel&>().model.triangles;
+  return py::make_tuple(shared_view(world.a, self), shared_view(world.b, self), shared_view(world.c, self));
+}
+
+std::vector<std::string> object_names(const PyModel& self) {
+  std::vector<std::string> names;
+  for (const World::Object& object : all_objects(self.model)) names.push_back(object.name);
+  return names;
+}
+
+// Settings that are one number.
+template <class Class, class Number>
+void bind_number(Class& bound, const char* name, Number Settings::*field) {
+  bound.def_property(
+      name, [field](const PyScene& self) { return self.scene.settings.*field; },
+      [field](PyScene& self, Number value) { self.scene.settings.*field = value; });
+}
+
+}  // namespace
+
+Execution execution_of(std::uint32_t threads, const std::string& broadphase, const std::string& isa) {
+  Execution execution;
+  execution.threads = threads;
+  execution.broadphase =
+      parsed(parse_broadphase(broadphase), broadphase, "broadphase: auto, tree, grid, voxel or brute");
+  execution.isa = parsed(parse_isa(isa), isa, "instruction set");
+  return execution;
+}
+
+void bind_scene(py::module_& module) {
+  using namespace py::literals;
+  const Mechanism mechanism;
+  py::class_<PyScene> scene(module, "Scene");
+  scene.def(py::init(&new_scene), "side"_a = "right", "hand_length"_a = 0.19);
+  scene.def_static("load", &load, "path"_a);
+  scene.def(
+      "add_object",
+      [](PyScene& self, std::string name, const py::object& xyz, const py::object& corners,
+         const py::object& position, const py::object& orientation, const std::string& winding,
+         double friction, std::optional<double> kinetic_friction, double viscosity, double shear_stiffness,
+         const std::string& moves, double density, double mass, double damping, const py::object& pivot,
+         const py::object& axis, double lower, double upper, double spring, double rest, double dry_friction,
+         double detent_force, double detent_pitch) {
+        add_object(self, std::move(name), xyz, corners, position, orientation, winding,
+                   {friction, kinetic_friction.value_or(friction), viscosity, shear_stiffness},
+                   {moves, density, mass, damping, pivot, axis, lower, upper, spring, rest, dry_friction,
+                    detent_force, detent_pitch});
+      },
+      "name"_a, "vertices"_a, "triangles"_a, py::kw_only(), "position"_a = py::make_tuple(0, 0, 0),
+      "orientation"_a = py::make_tuple(1, 0, 0, 0), "winding"_a = "auto", "friction"_a = 0.0,
+      "kinetic_friction"_a = py::none(), "viscosity"_a = 0.0,
+      "shear_stiffness"_a = Material{}.shear_stiffness, "moves"_a = "fixed", "density"_a = 0.0,
+      "mass"_a = 0.0, "damping"_a = 0.0, "pivot"_a = py::none(), "axis"_a = py::make_tuple(0, 0, 1),
+      "lower"_a = mechanism.lower, "upper"_a = mechanism.upper, "spring"_a = 0.0, "rest"_a = 0.0,
+      "dry_friction"_a = 0.0, "detent_force"_a = 0.0, "detent_pitch"_a = mechanism.detent_pitch);
+  scene.def("frames", &motion_frames);
+  bind_number(scene, "stiffness", &Settings::stiffness);
+  bind_number(scene, "rate", &Settings::rate);
+  bind_number(scene, "point_area", &Settings::point_area);
+  bind_number(scene, "max_force", &Settings::max_force);
+  bind_number(scene, "fade_time", &Settings::fade_time);
+  bind_number(scene, "effort", &Settings::effort);
+  bind_number(scene, "max_candidates", &Settings::max_candidates);
+  scene.def_property_readonly("precision", [](const py::object& self) {
+    return view_of(self.cast<PyScene&>().scene.settings.precision.data(), {kSegmentCount}, self, true);
+  });
+  scene.def_property_readonly("radii", [](const py::object& self) {
+    return view_of(self.cast<PyScene&>().scene.hand.radius.data(), {kJointCount}, self, true);
+  });
+  scene.def_property_readonly("gravity", [](const py::object& self) {
+    return view_of(&self.cast<PyScene&>().scene.gravity.x, {3}, self, true);
+  });
+  scene.def_property(
+      "law", [](const PyScene& self) { return law_name(self.scene.settings.law[0]); },
+      [](PyScene& self, const std::string& law) {
+        self.scene.settings.law.fill(parsed(parse_law(law), law, "law"));
+      });
+  scene.def_property_readonly("side", [](const PyScene& self) { return side_name(self.scene.hand.side); });
+
+  py::class_<PyModel, std::shared_ptr<PyModel>> model(module, "Model");
+  model.def(py::init(&build), "scene"_a, py::kw_only(), "threads"_a = py::none(), "broadphase"_a = py::none(),
+            "isa"_a = "auto");
+  model.def_property_readonly("vertices", &vertices);
+  model.def_property_readonly("triangles", &triangles);
+  model.def_property_readonly("object_names", &object_names);
+  model.def_property_readonly("rate", [](const PyModel& self) { return self.model.settings.rate; });
+  model.def_property_readonly("side", [](const PyModel& self) { return side_name(self.model.hand.side); });
+}
+
+}  // namespace lumbrical::python

@@ -1,0 +1,245 @@
+// Sessions and batches of hands, for Python.
+#include <chrono>
+
+#include "bind.h"
+#include "lumbrical/batch.h"
+#include "lumbrical/jacobian.h"
+
+namespace lumbrical::python {
+namespace {
+
+class Session {
+ public:
+  explicit Session(std::shared_ptr<PyModel> model)
+      : model_(std::move(model)), state(model_->start), scratch(make_scratch(model_->model)) {
+    scratch.hash_stages = false;
+  }
+  [[nodiscard]] const Model& model() const { return model_->model; }
+  void check_ticked() const {
+    if (!ticked) throw std::runtime_error("the session has not been ticked yet");
+  }
+
+ private:
+  std::shared_ptr<PyModel> model_;
+
+ public:
+  State state;
+  Scratch scratch;
+  std::unique_ptr<Recorder> recorder;
+  std::atomic<bool> busy{false};
+  bool ticked = false;
+};
+
+std::size_t given_count(const Model& model) {
+  std::size_t count = 0;
+  for (const ApartObject& object : model.apart) count += object.mechanism.mobility == Mobility::given ? 1 : 0;
+  return count;
+}
+
+// Of every tick one after the other: as many as there are frames.
+std::vector<ObjectFrame> given_of(const py::object& given, const Model& model, std::size_t ticks) {
+  if (given.is_none()) return {};
+  const std::size_t count = given_count(model);
+  const auto flat = given.attr("reshape")(-1);
+  std::vector<ObjectFrame> poses = rows_of<ObjectFrame>(flat, "given");
+  if (poses.size() != ticks * count)
+    throw py::value_error("given holds " + std::to_string(poses.size()) + " poses in the place of " +
+                          std::to_string(ticks * count) + ": " + std::to_string(count) +
+                          " given objects in every frame");
+  return poses;
+}
+
+void keep(Session& self, const DeviceFrame& frame, const ActuatorFrame& output,
+          std::span<const ObjectFrame> given) {
+  TickRecord record;
+  record.device = frame;
+  record.output = output;
+  record.given_count = static_cast<std::uint32_t>(given.size());
+  std::copy(given.begin(), given.end(), record.given.begin());
+  take_objects(self.scratch, record);
+  record.stage_hash = self.scratch.stage_hash;
+  record.state_hash = hash_state(self.state);
+  if (!self.recorder->record(record)) {
+    const Status failure = self.recorder->failure();
+    throw std::runtime_error(failure.ok() ? "a tick could not be recorded" : failure.message());
+  }
+}
+
+py::array run(Session& self, const py::object& given_frames, const py::object& given_poses) {
+  const std::vector<DeviceFrame> frames = frames_of(given_frames);
+  const std::vector<ObjectFrame> given = given_of(given_poses, self.model(), frames.size());
+  const std::size_t per_tick = frames.empty() ? 0 : given.size() / frames.size();
+  std::vector<ActuatorFrame> outputs(frames.size());
+  const Busy busy(self.busy);
+  {
+    const py::gil_scoped_release release;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      const auto now = std::span(given).subspan(i * per_tick, per_tick);
+      outputs[i] = tick(self.model(), self.state, self.scratch, frames[i], now);
+      self.ticked = true;
+      if (self.recorder) keep(self, frames[i], outputs[i], now);
+    }
+  }
+  return array_of(std::move(outputs));
+}
+
+// The same for one frame, whose output is of no dimension.
+py::object run_one(Session& self, const py::object& frame, const py::object& given) {
+  const py::object outputs = run(self, frame, given);
+  if (py::len(outputs) != 1) throw py::value_error("tick takes one frame; run takes many");
+  return outputs.attr("reshape")(py::tuple());
+}
+
+NamedContact named(const Session& self, const Contact& contact) {
+  const Model& model = self.model();
+  const std::size_t object = object_of(model, contact.triangle);
+  return {static_cast<std::uint32_t>(contact_segment(self.scratch, contact)),
+          static_cast<std::uint32_t>(object),
+          contact.triangle - model.objects[object].first_triangle,
+          contact.primitive,
+          contact.depth,
+          contact.area,
+          contact.volume,
+          contact.error,
+          contact.centroid,
+          contact.centre,
+          contact.normal,
+          model.settings.stiffness * contact.volume * contact.normal};
+}
+
+py::array contacts(Session& self) {
+  const Busy busy(self.busy);
+  self.check_ticked();
+  std::vector<NamedContact> rows;
+  {
+    const py::gil_scoped_release release;
+    for (const Contact& contact : find_contacts(self.model(), self.scratch))
+      rows.push_back(named(self, contact));
+  }
+  return array_of(std::move(rows));
+}
+
+py::tuple jacobians(Session& self, std::uint32_t segments) {
+  const Busy busy(self.busy);
+  self.check_ticked();
+  std::array<SegmentJacobian, kSegmentCount> found{};
+  {
+    const py::gil_scoped_release release;
+    segment_jacobians(self.model(), self.scratch, found, segments);
+  }
+  py::array_t<double> values({kSegmentCount, 6, 6});
+  py::list known;
+  for (std::size_t s = 0; s < kSegmentCount; ++s) {
+    std::memcpy(values.mutable_data(s), found[s].value.data(), sizeof found[s].value);
+    known.append(found[s].known);
+  }
+  return py::make_tuple(values, py::module_::import("numpy").attr("array")(known));
+}
+
+void record(Session& self, const std::string& path, std::uint32_t force_interval) {
+  const Busy busy(self.busy);
+  if (self.recorder) throw std::runtime_error("the session is recorded already");
+  if (hash_state(self.state) != hash_state(make_state(self.model())))
+    throw std::runtime_error("a recording begins with a session's first tick; make a new session");
+  auto recorder = std::make_unique<Recorder>();
+  RecorderOptions options;
+  options.force_interval = force_interval;
+  Status status;
+  {
+    const py::gil_scoped_release release;
+    status = recorder->open(path, scene_of(self.model()), options);
+  }
+  check(status);
+  self.recorder = std::move(recorder);
+  self.scratch.hash_stages = true;
+}
+
+std::uint64_t stop_recording(Session& self) {
+  const Busy busy(self.busy);
+  if (!self.recorder) throw std::runtime_error("the session is not recorded");
+  const std::unique_ptr<Recorder> recorder = std::move(self.recorder);
+  self.scratch.hash_stages = false;
+  Status status;
+  {
+    const py::gil_scoped_release release;
+    status = recorder->close();
+  }
+  check(status);
+  return recorder->kept();
+}
+
+void restore(Session& self, const State& state) {
+  const Busy busy(self.busy);
+  if (self.recorder) throw std::runtime_error("a session can't leave its course while it is recorded");
+  if (state.objects.size() != self.state.objects.size())
+    throw py::value_error("the state is of a model with other objects");
+  self.state = state;
+}
+
+/// Many hands on one model that have nothing to do with each other.
+struct Batch {
+  Batch(std::shared_ptr<PyModel> model_, std::size_t count)
+      : model(std::move(model_)), states(count, model->start) {}
+  std::shared_ptr<PyModel> model;
+  std::vector<State> states;
+  std::atomic<bool> busy{false};
+};
+
+py::array run_batch(Batch& self, const py::object& given_frames, std::uint32_t threads) {
+  const std::vector<DeviceFrame> frames = frames_of(given_frames);
+  if (frames.size() != self.states.size())
+    throw py::value_error("there are " + std::to_string(frames.size()) + " frames for " +
+                          std::to_string(self.states.size()) + " hands");
+  if (threads > 64) throw py::value_error("threads is above 64");
+  std::vector<ActuatorFrame> outputs(frames.size());
+  const Busy busy(self.busy);
+  {
+    const py::gil_scoped_release release;
+    tick_each(self.model->model, frames, self.states, outputs,
+              threads == 0 ? std::min(core_count(), 64u) : threads);
+  }
+  return array_of(std::move(outputs));
+}
+
+}  // namespace
+
+void bind_session(py::module_& module) {
+  using namespace py::literals;
+  py::class_<State>(module, "State")
+      .def_readonly("tick", &HandState::tick)
+      .def_property_readonly("hash", &hash_state);
+
+  py::class_<Session>(module, "Session")
+      .def(py::init<std::shared_ptr<PyModel>>(), py::arg("model").none(false))
+      .def("tick", &run_one, "frame"_a, "given"_a = py::none())
+      .def("run", &run, "frames"_a, "given"_a = py::none())
+      .def("contacts", &contacts)
+      .def("jacobians", &jacobians, "segments"_a = 0xffffu)
+      .def_property_readonly("objects",
+                             [](const py::object& self) {
+                               const Session& session = self.cast<const Session&>();
+                               session.check_ticked();
+                               const auto& rows = session.scratch.object_output;
+                               return view_of(rows.data(), {static_cast<py::ssize_t>(rows.size())}, self,
+                                              false);
+                             })
+      .def_property_readonly("joints",
+                             [](const py::object& self) {
+                               const Session& session = self.cast<const Session&>();
+                               session.check_ticked();
+                               return view_of(placed_joints(session.scratch).data(), {kJointCount}, self,
+                                              false);
+                             })
+      .def_property(
+          "state", [](const Session& self) { return self.state; }, &restore)
+      .def("record", &record, "path"_a, py::kw_only(), "force_interval"_a = 1u)
+      .def("stop_recording", &stop_recording);
+
+  py::class_<Batch>(module, "Batch")
+      .def(py::init<std::shared_ptr<PyModel>, std::size_t>(), py::arg("model").none(false), "count"_a)
+      .def("tick", &run_batch, "frames"_a, "threads"_a = 0u)
+      .def("__len__", [](const Batch& self) { return self.states.size(); });
+  module.def("core_count", &core_count);
+}
+
+}  // namespace lumbrical::python
