@@ -18,7 +18,7 @@ struct GoldenSession {
 /// The mug grasped under each law, then the hard ones: thousands of contacts at once, thin sheets, lost
 /// tracking and missing joints, input that is not finite, too many candidates, large triangles, a world far
 /// from its origin, a law per segment, every rung of samples, fingers bent and folded, objects that rub and
-/// move.
+/// move, a proxy.
 std::vector<GoldenSession> golden_sessions();
 
 /// Hash of the Jacobians along a grasp.

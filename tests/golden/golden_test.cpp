@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "golden/golden_sessions.h"
+#include "proxy/proxy_hand.h"
 
 namespace lumbrical::test {
 namespace {
@@ -11,6 +12,7 @@ struct Outcome {
   std::uint32_t contacts = 0, most_contacts = 0;
   std::uint32_t flags = 0;    // that any tick had
   std::uint32_t trusted = 0;  // ticks whose input was
+  std::uint32_t held = 0;     // ticks in which a proxy was held back
   std::uint64_t hash = 0;
 };
 
@@ -28,6 +30,7 @@ Outcome outcome_of(const GoldenSession& session) {
     constexpr std::uint32_t kUntrusted =
         kInputNotFinite | kInputImplausible | kInputLost | kCandidateOverflow;
     outcome.trusted += (output.flags & kUntrusted) == 0 ? 1 : 0;
+    outcome.held += scratch.proxy && !scratch.proxy->pushing.empty() ? 1 : 0;
     for (const std::uint64_t hash : scratch.stage_hash) hasher.value(hash);
     hasher.value(hash_state(state));
   }
@@ -45,6 +48,7 @@ void expect_hard(const std::string& name, const Outcome& outcome, std::size_t ti
   EXPECT_EQ(outcome.flags & flags, flags) << name;
   EXPECT_GT(outcome.contacts, name == "overflow" ? 50u : 300u) << name;
   EXPECT_EQ(outcome.trusted == ticks, flags == 0 || name == "objects") << name;
+  EXPECT_EQ(outcome.held > 1, name == "proxy") << name;
   EXPECT_GT(outcome.most_contacts, name == "crowd" ? 3000u : 3u) << name;
 }
 

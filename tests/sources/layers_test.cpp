@@ -42,6 +42,7 @@ const Rule kRules[] = {
 
     {Layer::engine, "engine/include/lumbrical", "tick probe jacobian batch clearance"},
     {Layer::engine, "engine/src/objects", "*"},
+    {Layer::engine, "engine/src/proxy", "*"},
     {Layer::engine, "engine/src/tick", "*"},
 
     {Layer::device, "engine/include/lumbrical",

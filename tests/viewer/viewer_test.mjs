@@ -62,6 +62,7 @@ before(async () => {
   const run = (name, ...args) => execFileSync(program, ["run", scene, "--record", file(name), ...args]);
   run("grasp.mcap", "--threads", "1");
   run("softer.mcap", "--threads", "1", "--stiffness", "1.9e7");
+  execFileSync(program, ["run", join(dirname(scene), "mug.json"), "--record", file("lift.mcap")]);
   run("hashes only.mcap", "--threads", "1", "--ticks", "4200", "--record-forces", "none");
   const whole = readFileSync(file("grasp.mcap"));
   writeFileSync(file("torn.mcap"), whole.subarray(0, whole.length >> 1));
@@ -97,6 +98,23 @@ test("Ticks whose forces the file leaves out are computed in the page", async ()
   await atTick(3980);
   assert.match(await details(), /forces\s+not in the file; computed here/);
   assert.match(await details(), /force of the hand\s+[1-9]/);
+});
+
+test("An object that moves is drawn where it is felt, and tells where that is when clicked", async () => {
+  await open(await serve("view", file("lift.mcap"), "--no-browser"));
+  await atTick(0);
+  const picture = await page.locator("#scene").boundingBox();
+  await page.mouse.click(picture.x + picture.width / 2, picture.y + picture.height / 2);
+  await page.waitForFunction(() => /stands at/.test(document.querySelector("#details").innerText), null, kPatience);
+  assert.match(await details(), /object\s+mug\s+stands at\s+0, 0, 0 mm/);
+  const line = await page.locator("#timeline").boundingBox();
+  await page.mouse.click(line.x + 0.55 * line.width, line.y + 30);
+  await page.waitForFunction(() => {
+    const height = /stands at\s+\S+ \S+ (\S+) mm/.exec(document.querySelector("#details").innerText);
+    return Number(height?.[1]) > 60;
+  }, null, kPatience);
+  assert.match(await details(), /force of the hand on it\s+[1-9]/);
+  await shot("lifted");
 });
 
 test("It plays, pauses, steps, loops and goes where the timeline is pressed", async () => {

@@ -74,6 +74,21 @@ export function triangleRows(triangle: number, frame: Frame, world: World): Rows
   return rows;
 }
 
+export function objectRows(object: number, frame: Frame, world: World): Rows {
+  const rows: Rows = [["object", world.apart[object].name]];
+  const told = frame.objects[object];
+  if (!told) return rows;
+  const { x, y, z, w } = told.pose.orientation;
+  rows.push(
+    ["stands at", millimetres(told.pose.position)],
+    ["turned by", `${brief((360 / Math.PI) * Math.atan2(Math.hypot(x, y, z), Math.abs(w)))}°`],
+    ["force of the hand on it", newtons(told.force)],
+    ["torque about its origin", torque(told.torque)],
+  );
+  if (told.coordinate !== 0) rows.push(["joint at", `${brief(told.coordinate)} rad or m`]);
+  return rows;
+}
+
 export function showRows(parent: HTMLElement, title: string, rows: Rows) {
   const heading = document.createElement("h2");
   heading.textContent = title;
@@ -92,6 +107,7 @@ export function showRows(parent: HTMLElement, title: string, rows: Rows) {
 export function showDetails(parent: HTMLElement, pick: Pick | undefined, frame: Frame, world: World, general: Rows) {
   parent.replaceChildren();
   if (pick?.kind === "triangle") showRows(parent, "Triangle", triangleRows(pick.triangle, frame, world));
+  else if (pick?.kind === "object") showRows(parent, "Object", objectRows(pick.object, frame, world));
   else if (pick) showRows(parent, kSegments[pick.segment], segmentRows(pick.segment, frame, world));
   showRows(parent, "Tick", general);
 }
@@ -100,7 +116,7 @@ export function tipText(pick: Pick, frame: Frame, world: World): string {
   if (pick.kind === "force") return `${kSegments[pick.segment]}: ${brief(frame.forces[pick.segment].length())} N`;
   if (pick.kind === "torque") return `${jointOf(pick.segment)} joint: ${brief(1e3 * frame.jointTorques[pick.segment].length())} N mm`;
   if (pick.kind === "segment") return kSegments[pick.segment];
-  if (pick.kind !== "triangle") return "";
+  if (pick.kind === "object") return `${world.apart[pick.object].name}: ${brief(frame.objects[pick.object]?.force.length() ?? 0)} N`;
   const contact = frame.contacts.find((one) => one.triangle === pick.triangle);
   return contact ? `${objectOf(pick.triangle, world)}, triangle ${pick.triangle}: ${brief(pressureOf(contact, world) / 1e3)} kPa` : "";
 }

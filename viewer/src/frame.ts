@@ -1,6 +1,8 @@
 // One tick as the page draws it: what the file holds, and what the replay has found.
 import { ByteBuffer } from "flatbuffers";
-import { Vector3 } from "three";
+import { Quaternion, Vector3 } from "three";
+import type { Object_ as SessionObject } from "../generated/lumbrical/fb/object";
+import type { Pose as FilePose } from "../generated/lumbrical/fb/pose";
 import { Session } from "../generated/lumbrical/fb/session";
 import { Tick } from "../generated/lumbrical/fb/tick";
 import { TickView } from "../generated/lumbrical/fb/tick-view";
@@ -25,6 +27,19 @@ export interface ContactRecord {
   normal: Vector3;
 }
 
+export interface Pose {
+  position: Vector3;
+  orientation: Quaternion;
+}
+
+/** What is felt of an object that moves or rubs. */
+export interface ObjectRecord {
+  pose: Pose;
+  force: Vector3;  // [N] of the hand on it
+  torque: Vector3;  // [N m]
+  coordinate: number;  // [rad], [m] of a hinge or slider
+}
+
 export interface Frame {
   tick: number;
   flags: number;
@@ -41,13 +56,23 @@ export interface Frame {
   hulls: Hull[];
   contacts: ContactRecord[];
   baseJoints: Vector3[];
+  objects: ObjectRecord[];  // in the order of World.apart
   differs: string;  // the stage where the replay parts from the file
 }
 
+/** An object that moves or rubs, in its own frame. */
+export interface Apart {
+  name: string;
+  positions: Float64Array;  // [m] nine numbers per triangle
+  pose: Pose;  // at the start
+}
+
+/** What neither moves nor rubs, as one; and the rest. */
 export interface World {
   names: string[];
   firstTriangle: number[];  // of every object
   positions: Float64Array;  // [m] nine numbers per triangle
+  apart: Apart[];
   stiffness: number;
   rate: number;
 }
@@ -58,32 +83,40 @@ function vectors(count: number, at: (i: number) => Point | null): Vector3[] {
   return Array.from({ length: count }, (_, i) => toVector(at(i)));
 }
 
-export function readWorld(bytes: Uint8Array): World {
-  const session = Session.getRootAsSession(new ByteBuffer(bytes));
-  const names: string[] = [];
-  const firstTriangle: number[] = [];
-  let count = 0;
-  for (let i = 0; i < session.objectsLength(); ++i) {
-    names.push(session.objects(i)!.name() ?? `object ${i}`);
-    firstTriangle.push(count);
-    count += session.objects(i)!.trianglesLength();
-  }
-  const positions = new Float64Array(9 * count);
-  let out = 0;
-  for (let i = 0; i < session.objectsLength(); ++i) {
-    const object = session.objects(i)!;
-    for (let t = 0; t < object.trianglesLength(); ++t) {
-      const triangle = object.triangles(t)!;
-      for (const corner of [triangle.a(), triangle.b(), triangle.c()]) {
-        const vertex = object.vertices(corner)!;
-        positions[out++] = vertex.x();
-        positions[out++] = vertex.y();
-        positions[out++] = vertex.z();
-      }
+const toPose = (pose: FilePose): Pose => {
+  const q = pose.orientation()!;
+  return { position: toVector(pose.position()), orientation: new Quaternion(q.x(), q.y(), q.z(), q.w()) };
+};
+
+function readTriangles(object: SessionObject, positions: Float64Array, at = 0) {
+  for (let t = 0; t < object.trianglesLength(); ++t) {
+    const triangle = object.triangles(t)!;
+    for (const corner of [triangle.a(), triangle.b(), triangle.c()]) {
+      const vertex = object.vertices(corner)!;
+      positions[at++] = vertex.x();
+      positions[at++] = vertex.y();
+      positions[at++] = vertex.z();
     }
   }
+  return positions;
+}
+
+export function readWorld(bytes: Uint8Array): World {
+  const session = Session.getRootAsSession(new ByteBuffer(bytes));
+  const objects = Array.from({ length: session.objectsLength() }, (_, i) => session.objects(i)!);
+  const name = (object: SessionObject) => object.name() ?? `object ${objects.indexOf(object)}`;
+  const still = objects.filter((object) => !object.pose());
+  let count = 0;
+  const firstTriangle = still.map((object) => (count += object.trianglesLength()) - object.trianglesLength());
+  const positions = new Float64Array(9 * count);
+  still.forEach((object, i) => readTriangles(object, positions, 9 * firstTriangle[i]));
+  const apart = objects.filter((object) => object.pose()).map((object) => ({
+    name: name(object),
+    positions: readTriangles(object, new Float64Array(9 * object.trianglesLength())),
+    pose: toPose(object.pose()!),
+  }));
   const settings = session.settings()!;
-  return { names, firstTriangle, positions, stiffness: settings.stiffness(), rate: settings.rate() };
+  return { names: still.map(name), firstTriangle, positions, apart, stiffness: settings.stiffness(), rate: settings.rate() };
 }
 
 function readHulls(view: TickView): Hull[] {
@@ -144,6 +177,10 @@ export function readFrame(shown: Shown): Frame {
     hulls: view ? readHulls(view) : [],
     contacts: view ? readContacts(view) : [],
     baseJoints: view ? vectors(view.baseJointsLength(), (i) => view.baseJoints(i)) : [],
+    objects: Array.from({ length: tick.objectsLength() }, (_, i) => {
+      const object = tick.objects(i)!;
+      return { pose: toPose(object.pose()!), force: toVector(object.force()), torque: toVector(object.torque()), coordinate: object.coordinate() };
+    }),
     differs: view?.differs() ?? "",
   };
   for (let i = 0; i < told.segmentsLength(); ++i) {

@@ -9,7 +9,7 @@ import { drawLegend, niceAbove } from "./legend";
 import { readLink, writeLink } from "./link";
 import { makePlots, type Plots } from "./plots";
 import { pressureOf } from "./pressure";
-import { makeView, type Pick } from "./scene";
+import { makeView, placeOf, type Pick } from "./scene";
 import { kForce, kTorque, makeColumns, pushRow, type Columns, type Mark } from "./series";
 import { drawTimeline, kMarks } from "./timeline";
 import { kSegmentCount, timeText } from "./words";
@@ -337,7 +337,7 @@ function drawTick() {
   const details = element("details");
   if (side.frame) {
     const pick = state.pick;
-    const place = pick && pick.kind !== "triangle" ? pick.place : 0;
+    const place = placeOf(pick) ?? 0;
     const at = state.sides[place] ?? side;
     const told = state.together ? at : side;  // of two recordings the first
     const rows = tickRows(told.frame ?? side.frame, told.milliseconds, state.world, side.opened.noContacts, state.live);
@@ -383,7 +383,7 @@ let held: PointerEvent | undefined;  // the lab's hand, by it
 canvas.addEventListener("pointerdown", (event) => {
   pressed = { x: event.clientX, y: event.clientY };
   const pick = state.lab && event.isPrimary ? pickAt(event) : undefined;
-  held = pick && pick.kind !== "triangle" ? event : undefined;
+  held = placeOf(pick) !== undefined ? event : undefined;
   view.controls.enabled = held === undefined;
 }, true);
 addEventListener("pointerup", () => {
@@ -399,7 +399,7 @@ canvas.addEventListener("pointerup", (event) => {
   if (Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > 4) return;
   state.pick = pickAt(event);
   view.select(state.pick);
-  const plotted = state.pick && state.pick.kind !== "triangle" ? state.pick.place : state.plotted;
+  const plotted = placeOf(state.pick) ?? state.plotted;
   if (plotted !== state.plotted) {
     state.plotted = plotted;
     void fillPlots();
@@ -410,7 +410,7 @@ canvas.addEventListener("pointerup", (event) => {
 canvas.addEventListener("pointermove", (event) => {
   const tip = element("tip");
   const pick = event.buttons === 0 ? pickAt(event) : undefined;
-  const frame = pick && (pick.kind === "triangle" ? state.sides[0] : state.sides[pick.place])?.frame;
+  const frame = pick && state.sides[placeOf(pick) ?? 0]?.frame;
   tip.textContent = pick && frame && state.world ? tipText(pick, frame, state.world) : "";
   tip.hidden = tip.textContent === "";
   const box = canvas.getBoundingClientRect();

@@ -1,14 +1,17 @@
 // The scene: objects, one hand or two, contacts; camera by mouse, touch and keys; what the pointer is on.
 import {
   AmbientLight, BufferAttribute, BufferGeometry, Color, DirectionalLight, GridHelper, Mesh, MeshStandardMaterial,
-  PerspectiveCamera, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Object3D,
+  Box3, Group, PerspectiveCamera, Raycaster, Scene, Sphere, Vector2, Vector3, WebGLRenderer, type Object3D,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import type { Frame, World } from "./frame";
+import type { Frame, Pose, World } from "./frame";
 import { makeHand, type HandView, type Scales } from "./hand";
 import { makePressure } from "./pressure";
 
-export type Pick = { kind: "segment" | "force" | "torque"; segment: number; place: number } | { kind: "triangle"; triangle: number };
+export type Pick = { kind: "segment" | "force" | "torque"; segment: number; place: number } | { kind: "triangle"; triangle: number } | { kind: "object"; object: number };
+
+/** Picks of the hand know whose it is. */
+export const placeOf = (pick: Pick | undefined) => (pick && "place" in pick ? pick.place : undefined);
 
 export interface View {
   camera: PerspectiveCamera;
@@ -27,14 +30,22 @@ export interface View {
 
 const kSkins = ["#d9a066", "#4f7cac"];
 
-function worldMesh(world: World, origin: Vector3): Mesh {
-  const positions = new Float32Array(world.positions.length);
+function meshOf(metres: Float64Array, origin: Vector3): Mesh {
+  const positions = new Float32Array(metres.length);
   const shift = [origin.x, origin.y, origin.z];
-  positions.forEach((_, i) => (positions[i] = world.positions[i] - shift[i % 3]));
+  positions.forEach((_, i) => (positions[i] = metres[i] - shift[i % 3]));
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(positions, 3));
   geometry.computeVertexNormals();
   return new Mesh(geometry, new MeshStandardMaterial({ color: "#9aa3ad", roughness: 0.85, flatShading: true, side: 2 }));
+}
+
+function middleOf(world: World): Vector3 {
+  const sum = new Vector3();
+  let count = 0;
+  for (let i = 0; i < world.positions.length; i += 3, ++count) sum.x += world.positions[i], sum.y += world.positions[i + 1], sum.z += world.positions[i + 2];
+  if (count === 0) world.apart.forEach(({ pose }) => (++count, sum.add(pose.position)));
+  return count > 0 ? sum.divideScalar(count) : sum;
 }
 
 export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
@@ -57,7 +68,9 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
   // Single precision must hold a hand far from the world's origin: everything is drawn about this point.
   const origin = new Vector3();
   let world: World | undefined;
-  let objects: Mesh | undefined;
+  let still: Mesh | undefined;
+  let apart: Mesh[] = [];
+  const things = new Group();  // both
   let beside = false;
   let together = false;  // two hands of one session, not one hand twice: each has its pressures
   const hands: HandView[] = kSkins.map(makeHand);
@@ -70,7 +83,12 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
   const outline = new Mesh(new BufferGeometry(), new MeshStandardMaterial({ color: "#ffffff", emissive: "#665500", side: 2, polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -2 }));
   outline.visible = false;
   scene.add(outline);
+  scene.add(things);
   const raycaster = new Raycaster();
+  const stand = (mesh: Mesh, pose: Pose) => {
+    mesh.position.copy(pose.position).sub(origin);
+    mesh.quaternion.copy(pose.orientation);
+  };
 
   /** Shows what belongs to a place, or to all. */
   const only = (place: number | undefined) =>
@@ -83,21 +101,24 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
     camera, controls,
     setWorld(next) {
       world = next;
-      if (objects) scene.remove(objects);
-      origin.set(0, 0, 0);
-      const count = next.positions.length / 3;
-      for (let i = 0; i < count; ++i)
-        origin.x += next.positions[3 * i] / count, origin.y += next.positions[3 * i + 1] / count, origin.z += next.positions[3 * i + 2] / count;
-      objects = worldMesh(next, origin);
-      scene.add(objects);
-      objects.geometry.computeBoundingBox();
-      grid.position.set(0, 0, (objects.geometry.boundingBox?.min.z ?? 0) - 1e-3);
-      if (count === 0) grid.position.z = 0;
+      origin.copy(middleOf(next));
+      still = next.positions.length > 0 ? meshOf(next.positions, origin) : undefined;
+      apart = next.apart.map((object, i) => {
+        const mesh = meshOf(object.positions, new Vector3());
+        mesh.userData = { object: i };
+        stand(mesh, object.pose);
+        return mesh;
+      });
+      things.clear();
+      things.add(...(still ? [still] : []), ...apart);
+      const box = new Box3().setFromObject(things);
+      grid.position.set(0, 0, box.isEmpty() ? 0 : box.min.z - 1e-3);
     },
     setFrame(place, frame, scales, top) {
       shown[place] = frame !== undefined;
       if (!frame || !world) return;
-      if (world.positions.length === 0 && place === 0 && frame.joints[0] && origin.lengthSq() === 0) origin.copy(frame.joints[0]);
+      frame.objects.forEach((object, i) => apart[i] && stand(apart[i], object.pose));
+      if (things.children.length === 0 && place === 0 && frame.joints[0] && origin.lengthSq() === 0) origin.copy(frame.joints[0]);
       hands[place].update(frame, origin, scales);
       pressures[place].update(frame, world, origin, top);
     },
@@ -115,22 +136,24 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
       if (arrow) return { kind: arrow.object.userData.kind, segment: arrow.object.userData.segment, place: owner(arrow.object) };
       const skins = seen.flatMap((hand) => hand.skins.filter((skin) => skin.visible));
       const skin = raycaster.intersectObjects(skins, false)[0];
-      const triangle = objects && raycaster.intersectObject(objects, false)[0];
-      if (triangle && (!skin || triangle.distance < skin.distance)) return { kind: "triangle", triangle: triangle.faceIndex! };
+      const thing = raycaster.intersectObjects(things.children, false)[0];
+      if (thing && (!skin || thing.distance < skin.distance))
+        return thing.object === still ? { kind: "triangle", triangle: thing.faceIndex! } : { kind: "object", object: thing.object.userData.object };
       return skin && { kind: "segment", segment: skin.object.userData.segment, place: owner(skin.object) };
     },
     select(pick) {
-      hands.forEach((hand, place) => hand.select(pick && pick.kind !== "triangle" && pick.place === place ? pick.segment : -1));
+      hands.forEach((hand, place) => hand.select(pick && "segment" in pick && pick.place === place ? pick.segment : -1));
+      apart.forEach((mesh, i) => (mesh.material as MeshStandardMaterial).emissive.set(pick?.kind === "object" && pick.object === i ? "#332b00" : "#000000"));
       outline.visible = pick?.kind === "triangle";
-      if (pick?.kind !== "triangle" || !objects) return;
-      const from = (objects.geometry.getAttribute("position") as BufferAttribute).array.slice(9 * pick.triangle, 9 * pick.triangle + 9);
+      if (pick?.kind !== "triangle" || !still) return;
+      const from = (still.geometry.getAttribute("position") as BufferAttribute).array.slice(9 * pick.triangle, 9 * pick.triangle + 9);
       outline.geometry.dispose();
       outline.geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(from as Float32Array, 3));
       outline.geometry.computeVertexNormals();
     },
     frameAll() {
-      const sphere = objects?.geometry.boundingSphere ?? (objects?.geometry.computeBoundingSphere(), objects?.geometry.boundingSphere);
-      const radius = Math.min(Math.max(sphere && sphere.radius > 0 ? sphere.radius : 0.1, 0.08), 0.25);
+      const box = new Box3().setFromObject(things);
+      const radius = Math.min(Math.max(box.isEmpty() ? 0.1 : box.getBoundingSphere(new Sphere()).radius, 0.08), 0.25);
       controls.target.set(0, 0, 0);
       camera.position.set(2.2, -2.9, 1.9).multiplyScalar(radius * 1.15);
       controls.update();

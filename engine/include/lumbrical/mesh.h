@@ -74,6 +74,9 @@ struct MeshReport {
 /// O(n log n). Fewer than 2^31 triangles, their indices in range and the vertices finite.
 MeshReport inspect_mesh(const Mesh& mesh);
 
+/// Round the vertices that triangles name: scans carry stray ones far away.
+Box bounding_box(const Mesh& mesh);
+
 /// Which way triangles are wound. Forces follow their normals: a mesh that is inside out pulls the hand in.
 enum class Winding : std::uint8_t {
   automatic,  ///< closed parts are turned outside out, open ones stay as they are; see WindingReport

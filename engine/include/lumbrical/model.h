@@ -78,6 +78,9 @@ struct Settings {
   double max_force = 20;    ///< [N] no segment's force exceeds it: above four fifths of it forces saturate,
                             ///< each segment's by itself
   double fade_time = 0.02;  ///< [s] in which forces that can't be trusted fade to zero, and return
+  /// [N/m] of the spring from the hand to its proxy (docs/proxy.md), 10 .. 1e5; 0: there is none, and what
+  /// is thinner than a finger is passed through.
+  double proxy_stiffness = 0;
   /// Most evaluations of a field that samples may spend in a tick, 0 .. 1e9; 0: as many as it takes. What a
   /// tick will spend is known before its kernels run; beyond the bound it takes the next coarser lattices,
   /// and in the end one cell a patch (kCoarsened, ActuatorFrame::error_estimate).
@@ -112,8 +115,8 @@ inline bool is_apart(const SceneObject& object) {
   return rubs(object.material) || object.mechanism.mobility != Mobility::fixed;
 }
 
-/// Its mesh in the world, at the start.
-Mesh placed_mesh(const SceneObject& object);
+/// Moves a mesh from the frame O into W.
+void place_mesh(const Pose& X_WO, Mesh& mesh);
 
 struct World;
 

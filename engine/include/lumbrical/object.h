@@ -9,6 +9,7 @@
 #include <optional>
 #include <string_view>
 
+#include "lumbrical/hand.h"
 #include "lumbrical/math.h"
 #include "lumbrical/mesh.h"
 #include "lumbrical/status.h"
@@ -74,6 +75,7 @@ struct Mechanism {
   double detent_pitch = 0.1;         ///< from one detent to the next, one of them at q = 0; > 0
   friend bool operator==(const Mechanism&, const Mechanism&) = default;
 };
+constexpr bool moves_by_itself(const Mechanism& mechanism) { return mechanism.mobility >= Mobility::free; }
 
 /// A plane that free bodies rest on; the hand does not feel it.
 struct Ground {
@@ -107,12 +109,12 @@ inline constexpr std::size_t kMostSupports = 56;
 
 /// What an object carries from one tick to the next. No padding: hashed as it stands.
 struct ObjectState {
-  Pose pose;                         ///< X_WO
-  Vec3 velocity;                     ///< [m/s] of its centre of mass, in W
-  Vec3 angular_velocity;             ///< [rad/s] in W
-  double coordinate = 0;             ///< q of a hinge or slider
-  double told = 0;                   ///< 1: a given object has been told where it is
-  std::array<GripState, 16> grip{};  ///< by segment
+  Pose pose;              ///< X_WO
+  Vec3 velocity;          ///< [m/s] of its centre of mass, in W
+  Vec3 angular_velocity;  ///< [rad/s] in W
+  double coordinate = 0;  ///< q of a hinge or slider
+  double told = 0;        ///< 1: a given object has been told where it is
+  std::array<GripState, kSegmentCount> grip{};
   std::array<SupportState, kMostSupports> support{};
 };
 

@@ -37,16 +37,17 @@ struct TickRecord {
   std::array<std::uint64_t, kStageCount> stage_hash{};  ///< Scratch::stage_hash
   std::uint64_t state_hash = 0;                         ///< hash_state after the tick
   std::uint32_t duration_ns = 0;                        ///< measured time of the tick; never compared
-  bool has_forces = true;        ///< false: the file leaves them out, `output` has zeros in their place
-  std::uint8_t hand = 0;         ///< whose: 0 of Scene::hand, 1 of RecorderOptions::second_hand
-  std::uint32_t sent_count = 0;  ///< of `sent`, at most kMaxSentPerTick
-  std::array<SentCommand, kMaxSentPerTick> sent{};  ///< to a device, since the last tick; never compared
-  std::uint32_t given_count = 0;                    ///< of `given`: input, with `device`
-  std::array<ObjectFrame, kMostObjects> given{};
-  std::uint32_t object_count = 0;  ///< of `object`: output, with `output`
-  std::array<ObjectOutput, kMostObjects> object{};
+  bool has_forces = true;  ///< false: the file leaves them out, `output` has zeros in their place
+  std::uint8_t hand = 0;   ///< whose: 0 of Scene::hand, 1 of RecorderOptions::second_hand
   /// Of the loop with a device, in ticks that renewed its certificate by a tenth or more; never compared.
   std::optional<LoopTiming> timing;
+  std::uint32_t sent_count = 0;    ///< of `sent`, at most kMaxSentPerTick
+  std::uint32_t given_count = 0;   ///< of `given`: input, with `device`
+  std::uint32_t object_count = 0;  ///< of `object`: output, with `output`
+  // ---- the lists, of which most ticks have no more than the first entries
+  std::array<SentCommand, kMaxSentPerTick> sent{};  ///< to a device, since the last tick; never compared
+  std::array<ObjectFrame, kMostObjects> given{};
+  std::array<ObjectOutput, kMostObjects> object{};
 };
 
 /// Takes a tick's objects from `scratch` into its record.

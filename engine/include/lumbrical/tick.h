@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -29,10 +30,17 @@ struct HandState {
   HandForces held;         ///< the output when trust was lost
 };
 
+/// The hand as far as surfaces let it follow (Settings::proxy_stiffness). No padding: hashed as it stands.
+struct ProxyState {
+  std::array<Pose, kJointCount> joint;  ///< X_WJ
+  double valid = 0;  ///< a whole number with a bit for each joint it has; 0: it starts anew
+};
+
 /// The little that survives from one tick to the next. Copy it to take a snapshot. `State state;` does for a
 /// model without objects apart; with them, make_state.
 struct State : HandState {
   std::vector<ObjectState> objects;  ///< of Model::apart, in their order
+  std::optional<ProxyState> proxy;   ///< where the model has one
 };
 
 /// Before the first tick: objects stand where they start.
@@ -45,6 +53,7 @@ std::string_view stage_name(Stage stage);
 
 struct Primitives;    // posed spheres, cylinders and palm; primitive.h inside the engine
 struct SampleMemory;  // the passes of the rungs of samples; sampled_forces.h inside the engine
+struct ProxyMemory;   // what holds the proxy back; proxy_hand.h inside the engine
 struct NearPairs;     // what earlier searches found near; near_pairs.h inside the engine
 
 /// Told by a tick that a stage of it has ended (the stages of sampled hands take turns), for whoever measures
@@ -68,6 +77,7 @@ struct Scratch {
   std::uint32_t candidate_count = 0;
   std::uint32_t contact_count = 0;
   bool keep_near = true;                    ///< use `near`; false: search afresh every tick
+  std::shared_ptr<ProxyMemory> proxy;       ///< null: there is none
   std::shared_ptr<Scratch> apart;           ///< for objects apart, one after the other; null: there is none
   std::vector<ObjectOutput> object_output;  ///< of Model::apart in the last tick, in their order
   StageWatch watch;                         ///< nobody's, unless set

@@ -119,23 +119,6 @@ Status read_mesh(const format::Object& table, const std::string& at, FieldReader
   return read.status();
 }
 
-struct Box {
-  Vec3 lower{1e300, 1e300, 1e300}, upper{-1e300, -1e300, -1e300};
-};
-
-// Of the vertices that triangles use: scans carry stray ones far away.
-Box bounding_box(const Mesh& mesh) {
-  Box box;
-  for (const Triangle& triangle : mesh.triangles) {
-    for (const std::uint32_t corner : triangle) {
-      const Vec3 v = mesh.vertices[corner];
-      box.lower = {min(box.lower.x, v.x), min(box.lower.y, v.y), min(box.lower.z, v.z)};
-      box.upper = {max(box.upper.x, v.x), max(box.upper.y, v.y), max(box.upper.z, v.z)};
-    }
-  }
-  return box;
-}
-
 // Scaled, and told where it stands.
 void size_object(const format::Object& table, const std::string& at, FieldReader& read, SceneObject& object) {
   Mesh& mesh = object.mesh;
@@ -146,7 +129,7 @@ void size_object(const format::Object& table, const std::string& at, FieldReader
     if (!table.fit()->size().has_value()) read.error(at + ".fit", "has no size [m]");
     if (table.scale().has_value()) read.error(at + ".scale", "stands beside fit; keep one");
     read.number(table.fit()->size(), at + ".fit.size", kLength, size);
-    const Box box = bounding_box(mesh);
+    const lumbrical::Box box = bounding_box(mesh);
     const Vec3 extent = box.upper - box.lower;
     const double largest = max(extent.x, max(extent.y, extent.z));
     if (!(largest > 1e-12)) read.error(at, "has no extent that could be fitted to a size");
@@ -163,7 +146,7 @@ void size_object(const format::Object& table, const std::string& at, FieldReader
 // What stands still lies in the world for good.
 void place_object(SceneObject& object) {
   if (is_apart(object)) return;
-  object.mesh = placed_mesh(object);
+  place_mesh(object.pose, object.mesh);
   object.pose = {};
 }
 

@@ -9,8 +9,6 @@
 namespace lumbrical {
 namespace {
 
-// NaN fails every comparison, so it is refused as well.
-bool within(double value, double lower, double upper) { return value >= lower && value <= upper; }
 bool is_unit(Vec3 v) { return within(norm(v), 1 - 1e-9, 1 + 1e-9); }
 bool is_place(Vec3 p) { return norm(p) <= kWorldReach; }
 
@@ -73,7 +71,7 @@ Status check_apart(const SceneObject& object) {
   check_material(object.material, check);
   const Mechanism& mechanism = object.mechanism;
   check.require(mobility_name(mechanism.mobility) != "unknown", "mobility", "one of the six");
-  if (mechanism.mobility >= Mobility::free) {
+  if (moves_by_itself(mechanism)) {
     check_body(mechanism.body, check);
     check.require(within(mechanism.damping, 0, 1e6), "damping", "0 to 1e6 N s/m or N m s/rad");
   }
@@ -91,10 +89,8 @@ Status check_surroundings(const Scene& scene) {
   return {};
 }
 
-Mesh placed_mesh(const SceneObject& object) {
-  Mesh mesh = object.mesh;
-  for (Vec3& v : mesh.vertices) v = transform(object.pose, v);
-  return mesh;
+void place_mesh(const Pose& X_WO, Mesh& mesh) {
+  for (Vec3& v : mesh.vertices) v = transform(X_WO, v);
 }
 
 namespace {

@@ -202,6 +202,14 @@ void count_edges(const Subject& subject, MeshReport& report) {
 
 }  // namespace
 
+Box bounding_box(const Mesh& mesh) {
+  Box box;
+  for (const Triangle& triangle : mesh.triangles) {
+    for (const std::uint32_t corner : triangle) box.add(mesh.vertices[corner]);
+  }
+  return box;
+}
+
 MeshReport inspect_mesh(const Mesh& mesh) {
   MeshReport report;
   const Subject subject = look_at_vertices(mesh, report);

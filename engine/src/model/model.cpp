@@ -152,13 +152,18 @@ std::uint64_t next_build() {
   return ++builds;
 }
 
+Model empty_model(const Hand& hand, const Settings& settings, const Execution& execution) {
+  Model model;
+  model.build = next_build();
+  model.hand = hand;
+  model.settings = settings;
+  model.execution = execution;
+  return model;
+}
+
 // One tree, whatever the whole is searched with: there are few of them.
 std::shared_ptr<const Model> rest_of(const Model& model) {
-  auto rest = std::make_shared<Model>();
-  rest->build = next_build();
-  rest->hand = model.hand;
-  rest->settings = model.settings;
-  rest->execution = model.execution;
+  auto rest = std::make_shared<Model>(empty_model(model.hand, model.settings, model.execution));
   rest->execution.broadphase = Broadphase::tree;
   rest->triangles = model.triangles;
   rest->extent = model.extent;
@@ -210,11 +215,7 @@ Status take_objects(const ObjectList& objects, Model& model) {
 
 // A model of one object in its own frame.
 Status build_shape(const SceneObject& object, const Model& model, std::shared_ptr<const Model>& shape) {
-  auto built = std::make_shared<Model>();
-  built->build = next_build();
-  built->hand = model.hand;
-  built->settings = model.settings;
-  built->execution = model.execution;
+  auto built = std::make_shared<Model>(empty_model(model.hand, model.settings, model.execution));
   built->execution.broadphase = Broadphase::tree;  // whatever the world is searched with: objects are small
   if (Status status = take_objects({&object}, *built); !status.ok()) return status;
   shape = std::move(built);
@@ -251,7 +252,7 @@ Status take_apart(const Scene& scene, Model& model) {
     const Box& extent = apart.shape->extent;
     apart.middle = extent.middle();
     apart.radius = 1.000001 * norm(extent.upper - apart.middle);
-    apart.supports = support_points(object.mesh);
+    if (object.mechanism.mobility == Mobility::free) apart.supports = support_points(object.mesh);
     model.apart.push_back(std::move(apart));
   }
   return {};
@@ -303,11 +304,7 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   if (Status status = check_settings(scene.settings); !status.ok()) return status;
   if (Status status = check_execution(execution); !status.ok()) return status;
   if (Status status = check_hand(scene.hand); !status.ok()) return status;
-  Model built;
-  built.build = next_build();
-  built.hand = scene.hand;
-  built.settings = scene.settings;
-  built.execution = execution;
+  Model built = empty_model(scene.hand, scene.settings, execution);
   if (execution.isa == Isa::automatic) built.execution.isa = widest_isa();
   if (Status status = check_surroundings(scene); !status.ok()) return status;
   built.gravity = scene.gravity;
@@ -337,7 +334,7 @@ Status share_world(const Model& world, const Hand& hand, Model& model) {
   built.rest.reset();
   if (!built.world) build_samples(built);
   for (ApartObject& object : built.apart) {
-    if (object.mechanism.mobility >= Mobility::free)
+    if (moves_by_itself(object.mechanism))
       return Status::error("object \"" + object.name +
                            "\" moves by itself and can't be shared by hands; move it from outside (given)");
     Model shape;

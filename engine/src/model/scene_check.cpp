@@ -14,9 +14,6 @@ Status out_of_range(const std::string& field, const std::string& range) {
   return Status::error(field + " is out of range: give " + range);
 }
 
-// NaN fails every comparison, so it is refused as well.
-bool within(double value, double lower, double upper) { return value >= lower && value <= upper; }
-
 constexpr std::size_t kPiece = 65536;  // numbers, the least that is worth another thread
 
 // The first of `count` for which `bad` holds; `count` if there is none.
@@ -44,6 +41,8 @@ Status check_settings(const Settings& settings) {
   }
   if (!within(settings.max_force, 0, 1e6)) return out_of_range("settings.max_force", "0 to 1e6 N");
   if (!within(settings.fade_time, 0, 60)) return out_of_range("settings.fade_time", "0 to 60 s");
+  if (settings.proxy_stiffness != 0 && !within(settings.proxy_stiffness, 10, 1e5))
+    return out_of_range("settings.proxy_stiffness", "0 or 10 to 1e5 N/m");
   if (settings.effort > 1000000000) return out_of_range("settings.effort", "0 to 1000000000");
   if (settings.max_candidates < 1 || settings.max_candidates > (1u << 24)) {
     return out_of_range("settings.max_candidates", "1 to 16777216");

@@ -12,6 +12,7 @@ namespace {
 using Vector6 = std::array<double, 6>;  // three of translation, three of rotation
 
 constexpr double kPi = 3.141592653589793;
+constexpr std::array<Vec3, 3> kAxis = {Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 Vector6 vector_of(Vec3 a, Vec3 b) { return {a.x, a.y, a.z, b.x, b.y, b.z}; }
 Vector6 vector_of(const Twist& twist) { return vector_of(twist.velocity, twist.angular_velocity); }
@@ -59,10 +60,9 @@ Vec3 turned_inertia(const std::array<double, 6>& inertia, Quat orientation, Vec3
 }
 
 void add_mass(const MassProperties& body, Quat orientation, Matrix6& to) {
-  const std::array<Vec3, 3> axis = {Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (std::size_t k = 0; k < 3; ++k) {
     to[k][k] += body.mass;
-    const Vec3 column = turned_inertia(body.inertia, orientation, axis[k]);
+    const Vec3 column = turned_inertia(body.inertia, orientation, kAxis[k]);
     to[3][3 + k] += column.x;
     to[4][3 + k] += column.y;
     to[5][3 + k] += column.z;
@@ -100,7 +100,6 @@ struct Freedom {
 Freedom freedom_of(const Mechanism& mechanism, Vec3 centre) {
   Freedom freedom;
   const Vec3 arm = centre - mechanism.pivot;
-  const std::array<Vec3, 3> axis = {Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const auto turning = [&](Vec3 about) { return vector_of(cross(about, arm), about); };
   if (mechanism.mobility == Mobility::hinge) {
     freedom = {1, {turning(mechanism.axis)}};
@@ -108,7 +107,7 @@ Freedom freedom_of(const Mechanism& mechanism, Vec3 centre) {
     freedom = {1, {vector_of(mechanism.axis, {})}};
   } else if (mechanism.mobility == Mobility::ball) {
     freedom.size = 3;
-    for (std::size_t k = 0; k < 3; ++k) freedom.speed[k] = turning(axis[k]);
+    for (std::size_t k = 0; k < 3; ++k) freedom.speed[k] = turning(kAxis[k]);
   } else {
     for (std::size_t k = 0; k < 6; ++k) freedom.speed[k][k] = 1;
   }
@@ -169,9 +168,8 @@ Equation equation_of(const Mechanism& mechanism, Quat orientation, std::span<con
   const Vec3 spin = speed.angular_velocity, spun = momentum(spin);
   const Vec3 gyro = cross(spin, spun);
   add_scaled(-dt, vector_of({}, gyro), e.impulse);
-  const std::array<Vec3, 3> axis = {Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 column = cross(spin, momentum(axis[k])) + cross(axis[k], spun);
+    const Vec3 column = cross(spin, momentum(kAxis[k])) + cross(kAxis[k], spun);
     e.matrix[3][3 + k] += dt * column.x;
     e.matrix[4][3 + k] += dt * column.y;
     e.matrix[5][3 + k] += dt * column.z;

@@ -23,21 +23,23 @@ double turn_about(Vec3 normal, Quat from, Quat to) {
   return twice * dot(normal, {turn.x, turn.y, turn.z});
 }
 
-}  // namespace
-
-double twist_stiffness(const Material& material) {
-  return material.shear_stiffness * (kTwistArm * kTwistArm);
-}
-
+// mu at a speed of sliding [m/s]: from the static to the kinetic one as it starts to slide.
 double friction_at(const Material& material, double speed) {
   const double x = speed / kStribeckSpeed, more = material.static_friction - material.kinetic_friction;
   return material.kinetic_friction + more / (1 + x * x) + material.viscosity * speed;
 }
 
+// Takes a vector drawn at right angles to another normal into the plane of this one, as long as it was.
 Vec3 into_plane(Vec3 drawn, Vec3 normal) {
   const Vec3 flat = across(drawn, normal);
   const double before = dot(drawn, drawn), after = dot(flat, flat);
   return after > 0.25 * before && after > 0 ? std::sqrt(before / after) * flat : flat;
+}
+
+}  // namespace
+
+double twist_stiffness(const Material& material) {
+  return material.shear_stiffness * (kTwistArm * kTwistArm);
 }
 
 Friction rub(const Material& material, const ContactPatch& patch, const Pose& X_OS, double dt,

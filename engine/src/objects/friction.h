@@ -26,10 +26,4 @@ Friction rub(const Material& material, const ContactPatch& patch, const Pose& X_
 /// [N m/rad] Of a patch that sticks, about its normal.
 double twist_stiffness(const Material& material);
 
-/// mu at a speed of sliding [m/s]: from the static to the kinetic one as it starts to slide.
-double friction_at(const Material& material, double speed);
-
-/// Takes a vector drawn at right angles to another normal into the plane of this one, as long as it was.
-Vec3 into_plane(Vec3 drawn, Vec3 normal);
-
 }  // namespace lumbrical

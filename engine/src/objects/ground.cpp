@@ -10,9 +10,9 @@ constexpr double kRestingDepth = 5e-5;
 
 }  // namespace
 
-Support rest_on(const Ground& ground, std::span<const Vec3> points, const MassProperties& body, double weight,
-                double dt, ObjectState& state) {
-  Support support;
+Wrench rest_on(const Ground& ground, std::span<const Vec3> points, const MassProperties& body, double weight,
+               double dt, ObjectState& state, Springs& springs) {
+  Wrench wrench;
   const Vec3 centre = transform(state.pose, body.centre);
   // Damped as strongly as does without a bounce.
   const double stiffness = weight / kRestingDepth, damping = 2 * std::sqrt(stiffness * body.mass);
@@ -32,12 +32,12 @@ Support rest_on(const Ground& ground, std::span<const Vec3> points, const MassPr
     const bool slides = drawn > most;
     if (slides) anchor.shear = (most / drawn) * anchor.shear;
     const Vec3 force = stiffness * depth * ground.normal - stiffness * anchor.shear;
-    support.wrench.force += force;
-    support.wrench.torque += cross(arm, force);
-    support.spring[support.count++] = {arm, ground.normal, stiffness + damping / dt,
-                                       slides ? 0 : stiffness + damping / dt, 0};
+    wrench.force += force;
+    wrench.torque += cross(arm, force);
+    const double resistance = stiffness + damping / dt;
+    springs.push_back({arm, ground.normal, resistance, slides ? 0 : resistance, 0});
   }
-  return support;
+  return wrench;
 }
 
 }  // namespace lumbrical

@@ -7,6 +7,7 @@
 #include "objects/contact_patch.h"
 #include "objects/friction.h"
 #include "objects/ground.h"
+#include "proxy/proxy_hand.h"
 #include "samples/sampled_forces.h"
 #include "stages/contact_force.h"
 #include "stages/hand_pose.h"
@@ -27,13 +28,8 @@ struct Touch {
   Spring spring;  ///< as the object has it
 };
 
-/// Of all segments.
-struct Touches {
-  std::array<Touch, kSegmentCount> touch;
-  std::size_t count = 0;
-};
-
-bool moves_by_itself(const Mechanism& mechanism) { return mechanism.mobility >= Mobility::free; }
+/// Of all segments, in their order.
+using Touches = FixedList<Touch, kSegmentCount>;
 
 std::uint32_t take_frame(const ObjectFrame* frame, ObjectState& state) {
   if (frame == nullptr) return kObjectMissing;
@@ -77,25 +73,40 @@ Spring spring_of(const ApartObject& object, const ContactPatch& patch, const Fri
           sticks ? twist_stiffness(object.material) : 0};
 }
 
-void touch_object(const ApartObject& object, const Primitives& hand, double dt, Scratch& felt,
+void let_go(GripState& grip) {
+  if (grip.holds > 0) grip = {};
+}
+
+/// An object that is in the hand's reach, and what holds the hand's proxy back, if it has one.
+struct Reached {
+  const ApartObject& object;
+  std::uint8_t number = 0;  ///< Gap::object
+  const GapList* pushing = nullptr;
+};
+
+void touch_object(const Reached& reached, const Primitives& hand, double dt, Scratch& felt,
                   ObjectState& state, Touches& touches, std::uint32_t& flags) {
+  const auto& [object, number, pushing] = reached;
   const Model& shape = *object.shape;
   Primitives& own = *felt.primitives;
   place_hand(shape.hand, shape.settings, hand.joints, inverse(state.pose), own);
   const HandForces forces = feel(shape, felt, flags);
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    const ContactPatch patch = contact_patch(own, i, forces.segment[i], shape.settings.stiffness);
+    const CorePush push = pushing != nullptr ? push_on(*pushing, number, hand, i) : CorePush{};
+    const Wrench pressed = forces.segment[i] + rotated(conjugate(state.pose.orientation), push.wrench);
+    ContactPatch patch = contact_patch(own, i, pressed, shape.settings.stiffness);
+    patch.stiffness += push.stiffness;
     GripState& grip = state.grip[i];
     if (!(patch.force > 0)) {
-      if (grip.holds > 0) grip = {};
+      let_go(grip);
       continue;
     }
     Friction friction;
     if (rubs(object.material)) friction = rub(object.material, patch, base_pose(own, i), dt, grip);
     const Wrench rubbed{friction.force,
                         friction.torque + cross(patch.centre - own.base_joint[i], friction.force)};
-    touches.touch[touches.count++] = {i, rotated(state.pose.orientation, forces.segment[i] + rubbed),
-                                      spring_of(object, patch, friction, dt, state)};
+    touches.push_back({i, rotated(state.pose.orientation, pressed + rubbed),
+                       spring_of(object, patch, friction, dt, state)});
   }
 }
 
@@ -110,17 +121,14 @@ void add_findings(const Settings& settings, const Scratch& felt, ObjectFindings&
 // What the hand does to the object, about its centre of mass.
 Wrench wrench_on_object(const Touches& touches, const Primitives& hand, Vec3 centre) {
   Wrench sum;
-  for (std::size_t k = 0; k < touches.count; ++k) {
-    const Touch& touch = touches.touch[k];
+  for (const Touch& touch : touches)
     sum = sum + -about(hand.base_joint[touch.segment] - centre, touch.wrench);
-  }
   return sum;
 }
 
 // As the object gives way, so do the forces.
 void give_way(const Twist& speed, double dt, const Primitives& hand, Vec3 centre, Touches& touches) {
-  for (std::size_t k = 0; k < touches.count; ++k) {
-    Touch& touch = touches.touch[k];
+  for (Touch& touch : touches) {
     const Vec3 arm = centre + touch.spring.arm - hand.base_joint[touch.segment];
     touch.wrench = touch.wrench + about(arm, -change_of(touch.spring, speed, dt));
   }
@@ -130,15 +138,13 @@ void move_object(const Model& model, const ApartObject& object, const Primitives
                  Touches& touches, ObjectState& state) {
   const MassProperties& body = object.mechanism.body;
   const Vec3 centre = transform(state.pose, body.centre);
-  FixedList<Spring, kSegmentCount + kMostSupports> springs;
-  for (std::size_t k = 0; k < touches.count; ++k) springs.push_back(touches.touch[k].spring);
+  Springs springs;
+  for (const Touch& touch : touches) springs.push_back(touch.spring);
   Wrench wrench = wrench_on_object(touches, hand, centre);
   wrench.force += body.mass * model.gravity;
   if (model.ground && object.mechanism.mobility == Mobility::free) {
     const double weight = body.mass * max(1, norm(model.gravity));
-    const Support support = rest_on(*model.ground, object.supports, body, weight, dt, state);
-    wrench = wrench + support.wrench;
-    for (std::size_t k = 0; k < support.count; ++k) springs.push_back(support.spring[k]);
+    wrench = wrench + rest_on(*model.ground, object.supports, body, weight, dt, state, springs);
   }
   const Twist speed =
       advance_body(object.mechanism, object.start, {springs.begin(), springs.size()}, wrench, dt, state);
@@ -147,33 +153,41 @@ void move_object(const Model& model, const ApartObject& object, const Primitives
 
 }  // namespace
 
+std::uint32_t move_given(const Model& model, std::span<const ObjectFrame> given, State& state) {
+  std::uint32_t flags = 0;
+  std::size_t told = 0;
+  for (std::size_t i = 0; i < model.apart.size(); ++i) {
+    if (model.apart[i].mechanism.mobility != Mobility::given) continue;
+    flags |= take_frame(told < given.size() ? &given[told] : nullptr, state.objects[i]);
+    ++told;
+  }
+  return flags;
+}
+
 ObjectFindings feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, HandForces& forces,
                             std::uint32_t& flags) {
   const Model& model = tick.model;
   const double dt = 1 / model.settings.rate;
   if (tick.trusted) place_axes(tick.hand);
-  std::size_t given = 0;
   ObjectFindings findings;
   for (std::size_t i = 0; i < model.apart.size(); ++i) {
     const ApartObject& object = model.apart[i];
     ObjectState& own = state.objects[i];
-    if (object.mechanism.mobility == Mobility::given) {
-      flags |= take_frame(given < tick.given.size() ? &tick.given[given] : nullptr, own);
-      ++given;
-    }
     const Pose felt_at = own.pose;
     Touches touches;
     if (tick.trusted && may_reach(object, own.pose, model.hand, tick.hand)) {
-      touch_object(object, tick.hand, dt, *scratch.apart, own, touches, flags);
+      const Reached reached{object, static_cast<std::uint8_t>(i + 1),
+                            scratch.proxy ? &scratch.proxy->pushing : nullptr};
+      touch_object(reached, tick.hand, dt, *scratch.apart, own, touches, flags);
       add_findings(object.shape->settings, *scratch.apart, findings);
     } else {
-      own.grip = {};
+      for (GripState& grip : own.grip) let_go(grip);
     }
     const double coordinate = own.coordinate;
     if (moves_by_itself(object.mechanism)) move_object(model, object, tick.hand, dt, touches, own);
-    for (std::size_t k = 0; k < touches.count; ++k) {
-      Wrench& segment = forces.segment[touches.touch[k].segment];
-      segment = segment + touches.touch[k].wrench;
+    for (const Touch& touch : touches) {
+      Wrench& segment = forces.segment[touch.segment];
+      segment = segment + touch.wrench;
     }
     scratch.object_output[i] = {felt_at, wrench_on_object(touches, tick.hand, felt_at.position), coordinate};
   }

@@ -11,8 +11,10 @@ struct ObjectTick {
   const Model& model;
   Primitives& hand;  ///< placed in W
   bool trusted;      ///< false: no object feels the hand
-  std::span<const ObjectFrame> given;
 };
+
+/// Puts the objects that are moved from outside to where they are told to be. Returns TickFlag bits.
+std::uint32_t move_given(const Model& model, std::span<const ObjectFrame> given, State& state);
 
 /// What was found on the way, beside what the world's own stages have found.
 struct ObjectFindings {

@@ -36,7 +36,7 @@ constexpr auto kFullRingNap = 200us;
 constexpr auto kLongestOpen = 240ms;
 constexpr std::uint32_t kLargestRing = 1u << 18;
 
-// All of a record but the places for commands it does not have, which are a third of it.
+// All of a record but the empty places of its lists, which are most of it.
 void copy_record(const TickRecord& from, TickRecord& to) {
   to.device = from.device;
   to.output = from.output;
@@ -45,12 +45,12 @@ void copy_record(const TickRecord& from, TickRecord& to) {
   to.duration_ns = from.duration_ns;
   to.has_forces = from.has_forces;
   to.hand = from.hand;
-  to.sent_count = std::min(from.sent_count, kMaxSentPerTick);
-  std::copy_n(from.sent.begin(), to.sent_count, to.sent.begin());
   to.timing = from.timing;
+  to.sent_count = std::min(from.sent_count, kMaxSentPerTick);
   to.given_count = std::min<std::uint32_t>(from.given_count, kMostObjects);
-  std::copy_n(from.given.begin(), to.given_count, to.given.begin());
   to.object_count = std::min<std::uint32_t>(from.object_count, kMostObjects);
+  std::copy_n(from.sent.begin(), to.sent_count, to.sent.begin());
+  std::copy_n(from.given.begin(), to.given_count, to.given.begin());
   std::copy_n(from.object.begin(), to.object_count, to.object.begin());
 }
 
@@ -296,7 +296,9 @@ bool Recorder::record(const TickRecord& record) noexcept {
   }
   copy_record(record, *slot);
   writer_->ring.publish();
-  writer_->ring.prefetch(sizeof(TickRecord) - sizeof(record.sent));  // long out of the caches by now
+  const auto* const lists = reinterpret_cast<const char*>(&record.sent);
+  const auto bytes = static_cast<std::size_t>(lists - reinterpret_cast<const char*>(&record));
+  writer_->ring.prefetch(bytes);  // long out of the caches by now
   last_tick = tick;
   return true;
 }

@@ -117,7 +117,7 @@ Status Run::tick_of(const TickRecord& recorded) {
   TickRecord replayed;
   replayed.device = recorded.device;
   replayed.given_count = recorded.given_count;
-  replayed.given = recorded.given;
+  std::copy_n(recorded.given.begin(), recorded.given_count, replayed.given.begin());
   const auto start = std::chrono::steady_clock::now();
   run_tick(model, state, scratch, replayed);
   result.replayed_time += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

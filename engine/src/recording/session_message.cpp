@@ -2,6 +2,7 @@
 #include "recording/session_message.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -22,16 +23,10 @@ using flatbuffers::Offset;
 // The engine's arrays and the schema's structs lie alike in memory, so meshes are copied in one go.
 static_assert(sizeof(fb::Vec3) == sizeof(Vec3) && sizeof(fb::Triangle) == sizeof(Triangle));
 
-fb::Pose to_fb(const Pose& pose) {
-  const auto& [p, q] = pose;
-  return {fb::Vec3(p.x, p.y, p.z), fb::Quat(q.w, q.x, q.y, q.z)};
-}
-
-Pose from_fb(const fb::Pose& pose) {
-  const fb::Vec3& p = pose.position();
-  const fb::Quat& q = pose.orientation();
-  return {{p.x(), p.y(), p.z()}, {q.w(), q.x(), q.y(), q.z()}};
-}
+fb::Vec3 to_fb(Vec3 v) { return std::bit_cast<fb::Vec3>(v); }
+Vec3 from_fb(const fb::Vec3& v) { return std::bit_cast<Vec3>(v); }
+fb::Pose to_fb(const Pose& pose) { return std::bit_cast<fb::Pose>(pose); }
+Pose from_fb(const fb::Pose& pose) { return std::bit_cast<Pose>(pose); }
 
 Offset<flatbuffers::Vector<const fb::Vec3*>> to_fb(FlatBufferBuilder& builder,
                                                    const std::vector<Vec3>& points) {
@@ -63,9 +58,6 @@ Offset<fb::Hand> to_fb(FlatBufferBuilder& builder, const Hand& hand) {
   return fb::CreateHand(builder, static_cast<fb::Side>(hand.side), radii, all_fingers, polygon,
                         hand.palm.height, hand.palm.thickness, &palm_joint);
 }
-
-fb::Vec3 to_fb(Vec3 v) { return {v.x, v.y, v.z}; }
-Vec3 from_fb(const fb::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 fb::Mechanism to_fb(const Mechanism& m) {
   const auto& [mass, centre, inertia] = m.body;
@@ -117,8 +109,7 @@ Offset<fb::Object> to_fb(FlatBufferBuilder& builder, const SceneObject& object) 
       reinterpret_cast<const fb::Triangle*>(mesh.triangles.data()), mesh.triangles.size());
   if (!is_apart(object)) return fb::CreateObject(builder, name, vertices, triangles);
   const fb::Pose pose = to_fb(object.pose);
-  const Material& m = object.material;
-  const fb::Material material(m.static_friction, m.kinetic_friction, m.viscosity, m.shear_stiffness);
+  const auto material = std::bit_cast<fb::Material>(object.material);
   const fb::Mechanism mechanism = to_fb(object.mechanism);
   return fb::CreateObject(builder, name, vertices, triangles, &pose, &material,
                           static_cast<fb::Mobility>(object.mechanism.mobility), &mechanism);
@@ -131,7 +122,7 @@ Offset<fb::Settings> to_fb(FlatBufferBuilder& builder, const Settings& settings)
   const auto precisions = builder.CreateVector(settings.precision.data(), settings.precision.size());
   return fb::CreateSettings(builder, all_laws, settings.stiffness, settings.rate, settings.point_area,
                             settings.max_force, settings.fade_time, settings.max_candidates, precisions,
-                            settings.effort);
+                            settings.effort, settings.proxy_stiffness);
 }
 
 /// Of the path, what may stand in a recording: files are looked for beside it, nowhere else. Empty where it
@@ -201,6 +192,7 @@ Status decode_settings(const fb::Settings* message, Settings& settings) {
   settings.fade_time = message->fade_time();
   settings.max_candidates = message->max_candidates();
   settings.effort = message->effort();
+  settings.proxy_stiffness = message->proxy_stiffness();
   // Session time is computed from the rate before build_model sees it.
   if (!(settings.rate >= 1 && settings.rate <= 100000))
     return Status::error("the session's rate is out of range");
@@ -211,8 +203,7 @@ Status decode_settings(const fb::Settings* message, Settings& settings) {
 Status decode_apart(const fb::Object& message, SceneObject& object) {
   if (message.mobility() > fb::Mobility::MAX) return Status::error("the session names an unknown mobility");
   if (message.pose() != nullptr) object.pose = from_fb(*message.pose());
-  if (const fb::Material* const m = message.material())
-    object.material = {m->static_friction(), m->kinetic_friction(), m->viscosity(), m->shear_stiffness()};
+  if (const fb::Material* const m = message.material()) object.material = std::bit_cast<Material>(*m);
   const auto mobility = static_cast<Mobility>(message.mobility());
   if (message.mechanism() != nullptr) {
     object.mechanism = from_fb(*message.mechanism(), mobility);
@@ -288,7 +279,7 @@ Status encode_session(const Scene& scene, std::vector<std::uint8_t>& bytes,
                                 scene.world->content, scene.world->byte_count);
   const fb::Vec3 gravity = to_fb(scene.gravity);
   fb::Ground ground;
-  if (scene.ground) ground = {to_fb(scene.ground->normal), scene.ground->offset, scene.ground->friction};
+  if (scene.ground) ground = std::bit_cast<fb::Ground>(*scene.ground);
   builder.Finish(fb::CreateSession(builder, kVersion, hand, all_objects, settings, world, second_hand,
                                    &gravity, scene.ground ? &ground : nullptr));
   bytes.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
@@ -327,8 +318,7 @@ Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene, std::op
   }
   if (second != nullptr) *second = std::move(other);
   if (message.gravity() != nullptr) decoded.gravity = from_fb(*message.gravity());
-  if (const fb::Ground* const ground = message.ground())
-    decoded.ground = Ground{from_fb(ground->normal()), ground->offset(), ground->friction()};
+  if (const fb::Ground* const ground = message.ground()) decoded.ground = std::bit_cast<Ground>(*ground);
   scene = std::move(decoded);
   return {};
 }

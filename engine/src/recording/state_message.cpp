@@ -25,17 +25,19 @@ bool to_forces(const flatbuffers::Vector<double>* numbers, HandForces& forces) {
   return finite;
 }
 
-bool to_objects(const flatbuffers::Vector<double>* numbers, std::vector<ObjectState>& objects) {
-  constexpr std::size_t kNumbers = kNumberCount<ObjectState>;
-  objects.clear();
+// Structs of nothing but doubles, number by number.
+template <class Row>
+bool to_rows(const flatbuffers::Vector<double>* numbers, std::size_t most, std::vector<Row>& rows) {
+  constexpr std::size_t kNumbers = kNumberCount<Row>;
+  rows.clear();
   if (numbers == nullptr) return true;
-  if (numbers->size() % kNumbers != 0 || numbers->size() / kNumbers > kMostObjects || !is_aligned(numbers))
+  if (numbers->size() % kNumbers != 0 || numbers->size() / kNumbers > most || !is_aligned(numbers))
     return false;
   bool finite = true;
   std::uint32_t next = 0;
-  objects.resize(numbers->size() / kNumbers);
-  for (ObjectState& object : objects) {
-    walk(object, [&](const FieldName&, double& number) {
+  rows.resize(numbers->size() / kNumbers);
+  for (Row& row : rows) {
+    walk(row, [&](const FieldName&, double& number) {
       number = numbers->Get(next++);
       finite = finite && is_finite(number);
     });
@@ -55,11 +57,15 @@ std::vector<std::uint8_t> encode_state(const State& state) {
     return builder.CreateVector(numbers.data(), numbers.size());
   };
   const auto last = put(state.last), held = put(state.held);
-  std::vector<double> numbers;
-  for (const ObjectState& object : state.objects)
-    walk(object, [&numbers](const FieldName&, double number) { numbers.push_back(number); });
-  const auto objects = builder.CreateVector(numbers);
-  builder.Finish(fb::CreateState(builder, state.tick, state.rise, state.fall, last, held, objects));
+  const auto put_rows = [&builder](auto rows) {
+    std::vector<double> numbers;
+    for (const auto& row : rows)
+      walk(row, [&numbers](const FieldName&, double number) { numbers.push_back(number); });
+    return builder.CreateVector(numbers);
+  };
+  const auto objects = put_rows(std::span(state.objects));
+  const auto proxy = put_rows(state.proxy ? std::span(&*state.proxy, 1) : std::span<const ProxyState>());
+  builder.Finish(fb::CreateState(builder, state.tick, state.rise, state.fall, last, held, objects, proxy));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 
@@ -72,13 +78,16 @@ Status decode_state(std::span<const std::uint8_t> bytes, State& state) {
     return Status::error("the state message does not fit its schema");
   const fb::State& message = *flatbuffers::GetRoot<fb::State>(data);
   State result;
+  std::vector<ProxyState> proxy;
   result.tick = message.tick();
   result.rise = message.rise();
   result.fall = message.fall();
   const bool good = is_share(result.rise) && is_share(result.fall) &&
                     to_forces(message.last(), result.last) && to_forces(message.held(), result.held) &&
-                    to_objects(message.objects(), result.objects);
+                    to_rows(message.objects(), kMostObjects, result.objects) &&
+                    to_rows(message.proxy(), 1, proxy);
   if (!good) return Status::error("the state message holds numbers out of range");
+  if (!proxy.empty()) result.proxy = proxy[0];
   state = result;
   return {};
 }

@@ -154,14 +154,6 @@ void for_each_pose(const Scene& scene, const Motion& motion, double seconds, con
   }
 }
 
-Box box_of(const Mesh& mesh) {
-  Box box;
-  for (const Triangle& t : mesh.triangles) {
-    for (const std::uint32_t corner : t) box.add(mesh.vertices[corner]);
-  }
-  return box;
-}
-
 void find_approach(const Scene& scene, const Motion& motion, double seconds, const Mesh& mesh,
                    Approach& approach) {
   const Surface surface(mesh);
@@ -223,7 +215,8 @@ Vec3 target_point(const Alignment& alignment, const Box& box) {
 // Where it stands at the start; only what has to be placed is copied.
 const Mesh& mesh_in_world(const SceneObject& object, Mesh& placed) {
   if (!is_apart(object)) return object.mesh;
-  placed = placed_mesh(object);
+  placed = object.mesh;
+  place_mesh(object.pose, placed);
   return placed;
 }
 
@@ -242,7 +235,7 @@ Clearance find_clearance(const Scene& scene, const Motion& motion, double second
   for (const SceneObject& object : scene.objects) {
     Mesh placed;
     const Mesh& mesh = mesh_in_world(object, placed);
-    clearance.object.push_back(box_of(mesh));
+    clearance.object.push_back(bounding_box(mesh));
     if (any && !mesh.triangles.empty())
       find_approach(scene, motion, seconds, mesh, clearance.approach.emplace_back());
     else
@@ -303,8 +296,9 @@ Status find_shift(const Scene& scene, const Motion& motion, double seconds, cons
   Vec3 grasp;
   if (!find_grasp(scene, motion, seconds, grasp))
     return Status::error("no sample of the motion shows all fingertips; align it by contact");
-  shift =
-      target_point(alignment, object == scene.objects.end() ? Box{} : box_of(placed_mesh(*object))) - grasp;
+  Mesh placed;
+  const Box box = object == scene.objects.end() ? Box{} : bounding_box(mesh_in_world(*object, placed));
+  shift = target_point(alignment, box) - grasp;
   return {};
 }
 

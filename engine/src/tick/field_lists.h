@@ -78,6 +78,11 @@ constexpr void list_fields(Is<HandState> auto& state, auto&& field) {
   field("held", "", state.held);
 }
 
+constexpr void list_fields(Is<ProxyState> auto& proxy, auto&& field) {
+  field("joint", "", proxy.joint);
+  field("valid", "", proxy.valid);
+}
+
 constexpr void list_fields(Is<GripState> auto& grip, auto&& field) {
   field("segment", "", grip.segment);
   field("shear", "m", grip.shear);
@@ -113,6 +118,7 @@ constexpr void list_fields(Is<Settings> auto& settings, auto&& field) {
   field("precision", "", settings.precision);
   field("max_force", "N", settings.max_force);
   field("fade_time", "s", settings.fade_time);
+  field("proxy_stiffness", "N/m", settings.proxy_stiffness);
   field("effort", "", settings.effort);
   field("max_candidates", "", settings.max_candidates);
 }
@@ -217,7 +223,8 @@ inline std::uint64_t hash_output(const ActuatorFrame& output, std::span<const Ob
 
 // A field that is not listed fails here, where the struct has no padding or always the same.
 static_assert(kIsRow<Contact> && kIsRow<HandForces> && kIsRow<ActuatorFrame>);
-static_assert(kIsRow<HandState> && kIsRow<ObjectState> && kIsRow<ObjectOutput> && kIsRow<ObjectFrame>);
+static_assert(kIsRow<HandState> && kIsRow<ProxyState> && kIsRow<ObjectState> && kIsRow<ObjectOutput> &&
+              kIsRow<ObjectFrame>);
 static_assert(kIsRow<JointPose> && kIsRow<HalfSpace> && kIsRow<Pose>);
 static_assert(listed_bytes<DeviceFrame>() + 7 == sizeof(DeviceFrame));
 static_assert(listed_bytes<Settings>() == sizeof(Settings));

@@ -4,6 +4,7 @@
 #include "borders/border_cut.h"
 #include "borders/contact_differences.h"
 #include "model/corners.h"
+#include "proxy/proxy_hand.h"
 #include "samples/sampled_forces.h"
 #include "section/contact_jacobian.h"
 #include "section/slab.h"
@@ -120,6 +121,20 @@ void add_sampled(const Model& model, const Primitives& hand, std::uint32_t segme
     add_sampled_body(model, hand, kPalmSegment, kPalmSegment, 1u << kPalmSegment, memory, jacobians);
 }
 
+// A core that is held pushes back along the normal; together no more stiffly than each by itself.
+void add_pushes(const GapList& pushing, const Primitives& hand, std::uint32_t segments,
+                std::array<SegmentJacobian, kSegmentCount>& jacobians) {
+  for (const Gap& gap : pushing) {
+    if ((segments >> gap.segment & 1u) == 0) continue;
+    const Vec3 turn = cross(gap.point - hand.base_joint[gap.segment], gap.normal);
+    const double row[6] = {gap.normal.x, gap.normal.y, gap.normal.z, turn.x, turn.y, turn.z};
+    for (std::size_t i = 0; i < 6; ++i) {
+      for (std::size_t j = 0; j < 6; ++j)
+        jacobians[gap.segment].value[i][j] -= gap.stiffness * row[i] * row[j];
+    }
+  }
+}
+
 }  // namespace
 
 void segment_jacobians(const Model& model, const Scratch& scratch,
@@ -160,6 +175,7 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
       for (double& entry : row) entry *= model.settings.stiffness;
     }
   }
+  if (scratch.proxy) add_pushes(scratch.proxy->pushing, hand, segments, jacobians);
 }
 
 }  // namespace lumbrical

@@ -5,6 +5,7 @@
 
 #include "base/floating_point.h"
 #include "objects/object_forces.h"
+#include "proxy/proxy_hand.h"
 #include "samples/sampled_forces.h"
 #include "stages/broadphase.h"
 #include "stages/contact_force.h"
@@ -60,6 +61,7 @@ Scratch make_scratch(const Model& model) {
   Scratch scratch;
   make_room(model, scratch);
   scratch.object_output.resize(model.apart.size());
+  if (model.settings.proxy_stiffness > 0) scratch.proxy = make_proxy_memory(model);
   for (const ApartObject& object : model.apart) {
     if (!scratch.apart) {
       scratch.apart = std::make_shared<Scratch>();
@@ -98,10 +100,13 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   tell(scratch.watch, Stage::input);
   const bool placed = is_trusted(flags);
   if (placed) flags = hand.flags |= place_hand(model.hand, model.settings, frame, hand);
+  const bool apart = !model.apart.empty() && state.objects.size() == model.apart.size();
+  if (apart) flags |= move_given(model, given, state);
+  if (scratch.proxy) flags |= follow_hand(model, is_trusted(flags), state, scratch, hand);
   HandForces forces = placed ? feel(model, scratch, flags) : feel_nothing(model, scratch);
+  if (scratch.proxy) add_pushes(scratch.proxy->pushing, hand, forces);
   ObjectFindings objects;
-  if (!model.apart.empty() && state.objects.size() == model.apart.size())
-    objects = feel_objects({model, hand, is_trusted(flags), given}, state, scratch, forces, flags);
+  if (apart) objects = feel_objects({model, hand, is_trusted(flags)}, state, scratch, forces, flags);
   tell(scratch.watch, Stage::contact_force);
 
   const SampledForces& sampled = scratch.samples->forces;
@@ -153,7 +158,8 @@ State make_state(const Model& model) {
 
 std::uint64_t hash_state(const State& state) {
   const std::uint64_t hand = hash_fields(static_cast<const HandState&>(state));
-  return with_objects(hand, std::span<const ObjectState>(state.objects));
+  const std::uint64_t all = with_objects(hand, std::span<const ObjectState>(state.objects));
+  return state.proxy ? with_objects(all, std::span<const ProxyState>(&*state.proxy, 1)) : all;
 }
 
 }  // namespace lumbrical

@@ -94,6 +94,7 @@ std::vector<TraceValue> trace_state(const State& state) {
   Tracer to;
   to.fields(static_cast<const HandState&>(state));
   for (const ObjectState& object : state.objects) to.fields(object);
+  if (state.proxy) to.fields(*state.proxy);
   return std::move(to.values);
 }
 

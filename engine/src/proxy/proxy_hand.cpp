@@ -1,0 +1,246 @@
+#include "proxy/proxy_hand.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "proxy/hand_pull.h"
+#include "stages/broadphase.h"
+#include "stages/hand_pose.h"
+#include "stages/joint_torques.h"
+
+namespace lumbrical {
+namespace {
+
+// A tick's way is so many steps of a quarter of the thinnest segment's radius at most: 5 cm for a hand of
+// usual size. What is left of it waits for the next tick.
+constexpr int kMostSteps = 32;
+constexpr double kLongestStep = 0.25;
+
+// The share of an axis' distance from the nearest triangle that a step may take.
+constexpr double kShareOfClearance = 0.5;
+
+// The joint that carries another one: the wrist those of the palm and the first of a finger.
+constexpr std::array<std::uint8_t, kJointCount> kCarrier = [] {
+  std::array<std::uint8_t, kJointCount> carrier{};
+  for (auto& joint : carrier) joint = kWrist;
+  for (std::size_t i = 0; i < kPhalanxCount; ++i) carrier[kPhalanxJoints[i].tip] = kPhalanxJoints[i].base;
+  return carrier;
+}();
+
+// The phalanx whose base joint it is; -1: none's.
+constexpr std::array<std::int8_t, kJointCount> kPhalanxAt = [] {
+  std::array<std::int8_t, kJointCount> phalanx{};
+  for (auto& of_joint : phalanx) of_joint = -1;
+  for (std::size_t i = 0; i < kPhalanxCount; ++i)
+    phalanx[kPhalanxJoints[i].base] = static_cast<std::int8_t>(i);
+  return phalanx;
+}();
+
+// Where a joint's carrier is not known its carrier's carrier is taken.
+std::size_t carrier_of(std::size_t joint, const Joints& joints) {
+  std::size_t carrier = kCarrier[joint];
+  while (carrier != kWrist && !joints.has(static_cast<int>(carrier))) carrier = kCarrier[carrier];
+  return carrier;
+}
+
+Pose relative(std::size_t joint, const Joints& joints) {
+  return inverse(joints.pose[carrier_of(joint, joints)]) * joints.pose[joint];
+}
+
+// Twice the tangent of half the angle, along the axis: what `turned_by` undoes.
+Vec3 turn_between(Quat from, Quat to) {
+  const Quat q = to * conjugate(from);
+  const double w = max(0.05, std::fabs(q.w)), scale = q.w < 0 ? -2 / w : 2 / w;
+  return scale * Vec3{q.x, q.y, q.z};
+}
+Quat quat_of(Vec3 turn) { return normalized({1, 0.5 * turn.x, 0.5 * turn.y, 0.5 * turn.z}); }
+
+// The move that would bring the proxy to the hand.
+HandMove way_to(const Joints& hand, const Joints& proxy) {
+  HandMove move;
+  const Pose &to = hand.pose[kWrist], &from = proxy.pose[kWrist];
+  move.shift = to.position - from.position;
+  move.turn = turn_between(from.orientation, to.orientation);
+  for (std::size_t i = 0; i < kPhalanxCount; ++i) {
+    const std::size_t joint = kPhalanxJoints[i].base;
+    if (!hand.has(static_cast<int>(joint))) continue;
+    const Quat is = relative(joint, proxy).orientation, wanted = relative(joint, hand).orientation;
+    move.bend[i] = rotate(conjugate(is), turn_between(is, wanted));
+  }
+  return move;
+}
+
+// The proxy after `share` of a move. Bones become as long as the hand's.
+Joints moved(const Joints& proxy, const HandMove& move, double share, const Joints& hand) {
+  Joints result = proxy;
+  Pose& wrist = result.pose[kWrist];
+  wrist = {wrist.position + share * move.shift, quat_of(share * move.turn) * wrist.orientation};
+  for (std::size_t joint = 0; joint < kJointCount; ++joint) {
+    if (joint == kWrist || !hand.has(static_cast<int>(joint))) continue;
+    const Pose is = relative(joint, proxy), wanted = relative(joint, hand);
+    Pose now{is.position + share * (wanted.position - is.position), is.orientation};
+    now.orientation =
+        now.orientation * quat_of(kPhalanxAt[joint] >= 0
+                                      ? share * move.bend[static_cast<std::size_t>(kPhalanxAt[joint])]
+                                      : share * rotate(conjugate(is.orientation),
+                                                       turn_between(is.orientation, wanted.orientation)));
+    result.pose[joint] = result.pose[carrier_of(joint, hand)] * now;
+  }
+  return result;
+}
+
+// [m] The most that a segment's axis moves by.
+double distance_moved(const Hand& hand, std::size_t segment, const Joints& from, const Joints& to) {
+  const auto way = [&](int joint) { return norm(to.position(joint) - from.position(joint)); };
+  if (segment != kPalmSegment) {
+    const auto [base, tip] = kPhalanxJoints[segment];
+    return from.has(base) && from.has(tip) ? max(way(base), way(tip)) : 0;
+  }
+  double most = 0;
+  for (const Vec3 corner : hand.palm.polygon) {
+    const Vec3 place = corner - Vec3{0, hand.palm.height - 0.5 * hand.palm.thickness, 0};
+    most = max(most, norm(transform(to.pose[kPalm], place) - transform(from.pose[kPalm], place)));
+  }
+  return from.has(kPalm) ? most : 0;
+}
+
+/// How far each segment may go in a step.
+using Allowance = std::array<double, kSegmentCount>;
+
+// A finger's tiles tell only together how far its axes are from a triangle.
+Allowance allowance_of(double longest, const CoreGaps& gaps) {
+  Allowance allowed;
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    const std::size_t first = i - i % 3, last = std::min<std::size_t>(first + 3, kSegmentCount);
+    double clearance = 1e300;
+    for (std::size_t k = first; k < last; ++k) clearance = min(clearance, gaps.clearance[k]);
+    allowed[i] = min(longest, kShareOfClearance * clearance);
+  }
+  return allowed;
+}
+
+// The share of a move that no segment is taken too far by. Turns are not quite in proportion: so it is tried.
+double share_within(const Hand& hand, const Allowance& allowed, const HandMove& move, const Joints& tracked,
+                    const Joints& proxy) {
+  double share = 1;
+  for (int attempt = 0; attempt < 8; ++attempt) {
+    const Joints there = moved(proxy, move, share, tracked);
+    double part = 1;
+    for (std::size_t i = 0; i < kSegmentCount; ++i) {
+      const double way = distance_moved(hand, i, proxy, there);
+      if (way > allowed[i]) part = min(part, allowed[i] / way);
+    }
+    if (part == 1) return share;
+    share *= 0.95 * part;
+  }
+  return 0;
+}
+
+double thinnest(const Hand& hand) {
+  double radius = hand.palm.polygon.empty() ? 1e300 : 0.5 * hand.palm.thickness;
+  for (const auto& [base, tip] : kPhalanxJoints)
+    radius = min(radius, min(hand.radius[base], hand.radius[tip]));
+  return radius;
+}
+
+bool find_gaps(const Model& model, const State& state, const Joints& proxy, double reach, Scratch& scratch,
+               CoreGaps& gaps) {
+  if (!add_gaps({model, {}, 0}, proxy, reach, scratch.proxy->search, gaps)) return false;
+  for (std::size_t i = 0; i < model.apart.size(); ++i) {
+    const Surroundings object{*model.apart[i].shape, state.objects[i].pose, static_cast<std::uint8_t>(i + 1)};
+    if (!add_gaps(object, proxy, reach, *scratch.apart, gaps)) return false;
+  }
+  return true;
+}
+
+// Takes the proxy as far as it gets in a tick, and lists what holds it. False where there are too many
+// candidates.
+bool advance(const Model& model, const State& state, const Joints& tracked, Scratch& scratch, Joints& proxy) {
+  GapList& pushing = scratch.proxy->pushing;
+  const double longest = kLongestStep * thinnest(model.hand), stiffness = model.settings.proxy_stiffness;
+  for (int step = 0; step < kMostSteps; ++step) {
+    CoreGaps gaps;
+    if (!find_gaps(model, state, proxy, longest, scratch, gaps)) return false;
+    const std::span<Gap> all{gaps.gap.begin(), gaps.gap.size()};
+    HandMove wanted = way_to(tracked, proxy);
+    const bool shortened = shorten(stiffness, wanted);
+    const HandMove move = pull(proxy, wanted, stiffness, all);
+    const double share = share_within(model.hand, allowance_of(longest, gaps), move, tracked, proxy);
+    pushing.clear();
+    for (const Gap& gap : all) {
+      if (gap.push > 0) pushing.push_back(gap);
+    }
+    const bool arrives = share == 1 && !shortened && pushing.empty();
+    proxy = arrives ? tracked : moved(proxy, move, share, tracked);
+    if (arrives || (share == 1 && !pushing.empty())) break;
+  }
+  return true;
+}
+
+// Is every core outside all surfaces? False where there are too many candidates.
+bool is_free(const Model& model, const State& state, const Joints& hand, Scratch& scratch, bool& free) {
+  CoreGaps gaps;
+  if (!find_gaps(model, state, hand, 0, scratch, gaps)) return false;
+  free = gaps.gap.empty() && *std::min_element(gaps.clearance.begin(), gaps.clearance.end()) > 0;
+  return true;
+}
+
+}  // namespace
+
+std::shared_ptr<ProxyMemory> make_proxy_memory(const Model& model) {
+  auto memory = std::make_shared<ProxyMemory>();
+  memory->search.primitives = std::make_shared<Primitives>();
+  size_candidates(model, memory->search);
+  return memory;
+}
+
+std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratch& scratch,
+                          Primitives& hand) {
+  scratch.proxy->pushing.clear();
+  if (!state.proxy) state.proxy.emplace();
+  ProxyState& kept = *state.proxy;
+  if (!trusted) {
+    kept = {};
+    return 0;
+  }
+  Joints& joints = hand.joints;
+  if (kept.valid == 0) {
+    bool free = false;
+    if (!is_free(model, state, joints, scratch, free)) return kCandidateOverflow;
+    if (free) kept = {joints.pose, static_cast<double>(joints.valid)};
+    return 0;
+  }
+  if (joints.has(kWrist) && kept.valid == static_cast<double>(joints.valid)) {
+    Joints proxy{kept.joint, joints.valid};
+    if (!advance(model, state, joints, scratch, proxy)) return kCandidateOverflow;
+    const bool held = proxy.pose != joints.pose;
+    if (held) static_cast<void>(place_hand(model.hand, model.settings, proxy, {}, hand));
+  }
+  kept = {joints.pose, static_cast<double>(joints.valid)};
+  return 0;
+}
+
+void add_pushes(const GapList& pushing, Primitives& hand, HandForces& forces) {
+  if (pushing.empty()) return;
+  place_axes(hand);
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    const Wrench push = push_on(pushing, 0, hand, i).wrench;
+    forces.segment[i].force += push.force;
+    forces.segment[i].torque += push.torque;
+  }
+  sum_joint_torques(hand, forces);
+}
+
+CorePush push_on(const GapList& pushing, std::uint8_t object, const Primitives& hand, std::size_t segment) {
+  CorePush sum;
+  for (const Gap& gap : pushing) {
+    if (gap.object != object || gap.segment != segment) continue;
+    const Vec3 force = gap.push * gap.normal;
+    sum.wrench.force += force;
+    sum.wrench.torque += cross(gap.point - hand.base_joint[segment], force);
+    sum.stiffness += gap.stiffness;
+  }
+  return sum;
+}
+
+}  // namespace lumbrical

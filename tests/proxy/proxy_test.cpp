@@ -1,0 +1,253 @@
+// The proxy: never through, never a jump, and the hand itself where nothing is in the way.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/primitive.h"
+#include "pads.h"
+#include "pressed_hand.h"
+#include "random.h"
+
+namespace lumbrical {
+namespace {
+
+using test::kPadRadius;
+using test::Session;
+
+constexpr double kStiffness = 3000;  // [N/m]
+
+// A fingertip of its own on a wrist that does not turn, so that it gives way like the wrist's spring.
+DeviceFrame fingertip_at(Vec3 tip, Vec3 away = {0, 0, 1}) {
+  DeviceFrame frame = test::frame_of({{tip, away}});
+  const Vec3 wrist = tip + 0.15 * away;
+  frame.joint[kWrist].position = {static_cast<float>(wrist.x), static_cast<float>(wrist.y),
+                                  static_cast<float>(wrist.z)};
+  frame.valid |= 1u << kWrist;
+  return frame;
+}
+
+Scene proxy_scene(Mesh mesh) {
+  Scene scene = test::pad_scene();
+  scene.settings.proxy_stiffness = kStiffness;
+  scene.objects.push_back({"object", std::move(mesh)});
+  return scene;
+}
+
+const ActuatorFrame& feel(Session& run, const DeviceFrame& frame) {
+  return run.output = tick(run.model, run.state, run.scratch, frame);
+}
+
+Vec3 proxy_at(const Session& run, int joint) {
+  return run.state.proxy->joint[static_cast<std::size_t>(joint)].position;
+}
+
+TEST(Proxy, IsTheHandToTheBitWhereNoCoreIsInTheWay) {
+  Scene with = test::mug_scene(Law::field), without = with;
+  with.settings.proxy_stiffness = kStiffness;
+  Session proxied(with), plain(without);
+  std::uint32_t contacts = 0;
+  for (const DeviceFrame& frame : test::grasp_frames(with.hand, 300)) {
+    feel(proxied, frame);
+    feel(plain, frame);
+    ASSERT_EQ(proxied.scratch.stage_hash, plain.scratch.stage_hash);
+    contacts += plain.output.contact_count;
+  }
+  EXPECT_GT(contacts, 1000u);
+}
+
+TEST(Proxy, DoesNotBeginWithinASurfaceButOnceTheHandIsOutOfIt) {
+  Session run(proxy_scene(make_box({0.1, 0.1, 0.1}, 5)));
+  feel(run, fingertip_at({0, 0, 0.05}));
+  EXPECT_EQ(run.state.proxy->valid, 0);
+  EXPECT_LT(norm(test::hand_force(run.output)), 11);  // the field's alone
+  feel(run, fingertip_at({0, 0, 0.056}));
+  EXPECT_GT(run.state.proxy->valid, 0);
+}
+
+// ---- Slow presses ----
+
+struct Press {
+  std::string name;
+  Mesh mesh;
+  Vec3 start;           // of the fingertip's centre, skin at the surface
+  Vec3 down{0, 0, -1};  // unit
+  Vec3 away{0, 0, 1};   // the finger
+};
+void PrintTo(const Press& press, std::ostream* to) { *to << press.name; }
+
+std::vector<Press> presses() {
+  const double r = kPadRadius, half = std::sqrt(0.5), third = std::sqrt(1.0 / 3);
+  const Mesh solid = make_box({0.1, 0.1, 0.1}, 7);
+  const Vec3 edge{half, 0, half}, across{half, 0, -half}, corner{third, third, third};
+  return {
+      {"sheet of 0.1 mm", make_box({0.1, 0.1, 1e-4}, 7), {0.003, 0.001, 0.5e-4 + r}},
+      {"plate of 1 mm", make_box({0.1, 0.1, 0.001}, 7), {0.003, 0.001, 0.0005 + r}},
+      {"wall of 4 mm", make_box({0.1, 0.1, 0.004}, 7), {0.003, 0.001, 0.002 + r}},
+      {"open sheet", make_plane(0.1, 7, 0.5), {0.003, 0.001, r}},
+      {"solid", solid, {0.003, 0.001, 0.05 + r}},
+      {"solid by the finger's side", solid, {0.003, -0.01, 0.05 + r}, {0, 0, -1}, {0, 1, 0}},
+      {"edge", solid, Vec3{0.05, 0.003, 0.05} + r * edge, -edge, edge},
+      {"edge by the finger's side", solid, Vec3{0.05, 0.003, 0.05} + r * edge - 0.01 * across, -edge, across},
+      {"corner", solid, Vec3{0.05, 0.05, 0.05} + r * corner, -corner, corner},
+  };
+}
+
+class SlowPress : public testing::TestWithParam<Press> {};
+
+// By 10 um a tick to 16 mm, a fingertip's thickness, and back out.
+TEST_P(SlowPress, NeverFallsNeverJumpsAndComesBackTheSameWay) {
+  const Press& press = GetParam();
+  Session run(proxy_scene(press.mesh));
+  const int deepest = 1600;
+  const auto force_at = [&](int step) {
+    const Vec3 tip = press.start + (1e-5 * step) * press.down;
+    return -dot(test::hand_force(feel(run, fingertip_at(tip, press.away))), press.down);
+  };
+  std::vector<double> in;
+  for (int i = 0; i <= deepest; ++i) in.push_back(force_at(i));
+  const double most = in.back();
+  EXPECT_GT(most, 10);
+  for (std::size_t i = 1; i < in.size(); ++i) {
+    EXPECT_GE(in[i], in[i - 1] - 1e-3 * in[i - 1] - 1e-4) << i;
+    EXPECT_LT(in[i] - in[i - 1], 0.01 * in[i] + 0.031) << i;  // 10 um of the spring are up to 30 mN
+  }
+  for (int i = deepest; i >= 0; --i)
+    EXPECT_NEAR(force_at(i), in[static_cast<std::size_t>(i)], 0.01 * most) << i;
+}
+INSTANTIATE_TEST_SUITE_P(Proxy, SlowPress, testing::ValuesIn(presses()), [](const auto& one) {
+  std::string name = one.param.name;
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return !std::isalnum(c); }, '_');
+  return name;
+});
+
+TEST(Proxy, KeepsACoreAsFarFromAWallAsTheForceLets) {
+  Session run(proxy_scene(make_box({0.1, 0.1, 0.002}, 5)));
+  for (int i = 0; i <= 20; ++i) feel(run, fingertip_at({0, 0, 0.001 + kPadRadius - 0.001 * i}));
+  const double force = test::hand_force(run.output).z;
+  EXPECT_NEAR(proxy_at(run, kPhalanxJoints[2].tip).z, 0.001 + 0.5 * kPadRadius, 1.1e-5 * force);
+}
+
+// ---- Strikes ----
+
+// Does anything of the hand lie below z = 0, the sheet's middle?
+bool is_through(const Session& run) {
+  const Joints hand{run.state.proxy->joint, static_cast<std::uint32_t>(run.state.proxy->valid)};
+  bool through = false;
+  for (const auto& [base, tip] : kPhalanxJoints) {
+    for (const int joint : {base, tip})
+      through = through || (hand.has(joint) && !(hand.position(joint).z > 0));
+  }
+  const Palm& palm = run.model.hand.palm;
+  for (const Vec3 corner : palm.polygon) {
+    const Vec3 below{0, 0.5 * palm.thickness - palm.height, 0};
+    through = through || !(transform(hand.pose[kPalm], corner + below).z > 0);
+  }
+  return through;
+}
+
+TEST(Proxy, LetsNoFingertipThroughASheetHoweverFast) {
+  test::Random random(11);
+  int deep = 0;
+  for (const double thickness : {0.0, 1e-4, 1e-3}) {
+    const Mesh sheet = thickness > 0 ? make_box({0.2, 0.2, thickness}, 9) : make_plane(0.2, 9, 0.7);
+    Session run(proxy_scene(sheet));
+    for (int strike = 0; strike < 100; ++strike) {
+      const Vec3 away{random.between(-1, 1), random.between(-1, 1), random.between(0.1, 1)};
+      const Vec3 finger = unit_or(away, {0, 0, 1});
+      Vec3 tip{random.between(-0.05, 0.05), random.between(-0.05, 0.05), random.between(0.01, 0.02)};
+      Vec3 speed{random.between(-1, 1), random.between(-1, 1), random.between(-3, -0.5)};  // [m/s]
+      DeviceFrame lost;
+      lost.flags = kTrackingLost;
+      feel(run, lost);  // each strike begins anew
+      for (int i = 0; i < 30; ++i) {
+        feel(run, fingertip_at(tip, finger));
+        ASSERT_FALSE(is_through(run)) << thickness << " strike " << strike << " tick " << i;
+        tip += 1e-3 * speed;
+      }
+      deep += tip.z < -0.01;
+    }
+  }
+  EXPECT_GT(deep, 100);
+}
+
+TEST(Proxy, LetsNoPartOfAWholeHandThroughASheet) {
+  Scene scene = proxy_scene(make_plane(0.6, 20, 0.7));
+  scene.hand = default_hand(Side::right);
+  Session run(scene);
+  test::Random random(5);
+  for (int strike = 0; strike < 40; ++strike) {
+    DeviceFrame frame;
+    frame.flags = kTrackingLost;
+    feel(run, frame);
+    frame.flags = 0;
+    frame.kind = InputKind::joint_angles;
+    for (float& angle : frame.angle) angle = static_cast<float>(random.between(-0.2, 1.2));
+    const Vec3 turn = random.direction();
+    const double angle = random.between(0, 1.5);
+    frame.base.orientation = normalized({1, angle * turn.x, angle * turn.y, angle * turn.z});
+    frame.base.position = {random.between(-0.05, 0.05), random.between(-0.05, 0.05), 0.25};
+    const Vec3 speed{random.between(-0.5, 0.5), random.between(-0.5, 0.5), random.between(-3, -1)};
+    for (int i = 0; i < 300 && frame.base.position.z > -0.25; ++i) {
+      feel(run, frame);
+      ASSERT_FALSE(is_through(run)) << strike << " tick " << i;
+      frame.base.position += 1e-3 * speed;
+      frame.angle[static_cast<std::size_t>(i) % kAngleCount] += 0.05f;
+    }
+  }
+}
+
+TEST(Proxy, FollowsTheHandAgainWhereItComesOutAndStartsAnewAfterALoss) {
+  Session run(proxy_scene(make_box({0.1, 0.1, 0.001}, 5)));
+  const auto tip = [&] { return proxy_at(run, kPhalanxJoints[2].tip); };
+  for (int i = 0; i < 30; ++i) feel(run, fingertip_at({0, 0, 0.015 - 0.001 * i}));
+  EXPECT_GT(tip().z, 0.0035);
+  for (int i = 30; i >= 0; --i) feel(run, fingertip_at({0, 0, 0.015 - 0.001 * i}));
+  EXPECT_EQ(static_cast<float>(tip().z), 0.015f);
+  for (int i = 0; i < 30; ++i) feel(run, fingertip_at({0, 0, 0.015 - 0.001 * i}));
+  DeviceFrame lost;
+  lost.flags = kTrackingLost;
+  feel(run, lost);
+  feel(run, fingertip_at({0, 0, -0.04}));  // as if it had always been there
+  EXPECT_EQ(static_cast<float>(tip().z), -0.04f);
+}
+
+TEST(Proxy, BendsTheFingersOfAHandThatIsPressedOntoAWall) {
+  Scene scene = proxy_scene(make_box({0.4, 0.4, 0.02}, 10));
+  scene.hand = default_hand(Side::right);
+  Session run(scene);
+  DeviceFrame frame = test::pressed_frame(scene.hand, -0.08, 0);
+  for (int i = 0; i < 120; ++i) {
+    frame.base.position.z -= 0.001;
+    feel(run, frame);
+  }
+  const double below = frame.base.position.z;
+  for (int joint = kIndexProximal; joint <= kLittleTip; ++joint)
+    EXPECT_GT(proxy_at(run, joint).z, 0.01) << joint_name(joint);
+  EXPECT_LT(below, 0.01);
+  EXPECT_GT(test::hand_force(run.output).z, 20);
+}
+
+TEST(Proxy, WhatItFeelsOfAnObjectIsWhatTheObjectFeels) {
+  Scene scene = proxy_scene(make_plane(0.01, 1));
+  scene.objects.clear();
+  scene.gravity = {};
+  scene.objects.push_back(
+      test::body_of("plate", make_box({0.06, 0.06, 0.001}, 4), 0.2, {}, {0.5, 0.5, 0, 1000}));
+  Session run(scene);
+  double worst = 0, most = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Vec3 before = run.state.objects[0].velocity;
+    const ObjectOutput out = run.step(fingertip_at({0.002, 0.001, 0.009 - 4e-4 * i}));
+    const Vec3 force = 200.0 * (run.state.objects[0].velocity - before);
+    worst = max(worst, norm(force - out.wrench.force));
+    worst = max(worst, norm(test::hand_force(run.output) + out.wrench.force));
+    most = max(most, norm(force));
+  }
+  EXPECT_LT(worst, 1e-10);
+  EXPECT_GT(most, 1);
+}
+
+}  // namespace
+}  // namespace lumbrical
