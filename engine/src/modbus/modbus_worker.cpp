@@ -320,13 +320,18 @@ bool ModbusSink::Worker::step() {
   // then.
   link.patience.hurried = 2 * std::max(running.usual, 1 / profile.rate);
   if (!link.is_open()) connect();
+  bool taken_over = false;
   if (link.is_open() && !handshaken) {
     handshaken = options.take_over ? take_over() : shake_hands();
     if (handshaken) last_echo_change = now_ns();
+    taken_over = handshaken && options.take_over;
   }
   look_back();
   await_tick();
-  SafetyOutput output = decide(now_ns());
+  const std::int64_t begun = now_ns();
+  // Letting go begins here, however long the way to the device took: else the first command would be a step.
+  if (taken_over) last_step = begun - ns(1 / profile.rate);
+  SafetyOutput output = decide(begun);
   if (options.dry_run) {
     for (std::size_t i = 0; i < profile.actuators.size(); ++i) output.command[i] = profile.actuators[i].safe;
     output.device_on = false;
