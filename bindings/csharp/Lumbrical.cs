@@ -178,6 +178,7 @@ namespace Lumbrical
         public double point_area;
         public double max_force;
         public double fade_time;
+        public double proxy_stiffness;
         public fixed double gravity[3];
         public fixed double ground_normal[3];
         public double ground_offset;

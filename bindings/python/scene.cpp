@@ -63,7 +63,7 @@ Mechanism mechanism_of(const Moves& given, const SceneObject& object) {
   Mechanism mechanism;
   mechanism.mobility = parsed(parse_mobility(given.moves), given.moves,
                               "way to move: fixed, given, free, hinge, slider or ball");
-  if (mechanism.mobility < Mobility::free) return mechanism;
+  if (!moves_by_itself(mechanism)) return mechanism;
   mechanism.body = mass_of(object.mesh, object.winding, given.density, given.mass);
   mechanism.damping = given.damping;
   mechanism.pivot = given.pivot.is_none() ? object.pose.position : vec3_of(given.pivot, "pivot");
@@ -89,7 +89,7 @@ void add_object(PyScene& self, std::string name, const py::object& vertices, con
   object.material = material;
   object.mechanism = mechanism_of(moves, object);
   if (!is_apart(object)) {
-    for (Vec3& v : object.mesh.vertices) v = transform(object.pose, v);
+    place_mesh(object.pose, object.mesh);
     object.pose = {};
   }
   self.scene.objects.push_back(std::move(object));
@@ -199,6 +199,7 @@ void bind_scene(py::module_& module) {
   bind_number(scene, "point_area", &Settings::point_area);
   bind_number(scene, "max_force", &Settings::max_force);
   bind_number(scene, "fade_time", &Settings::fade_time);
+  bind_number(scene, "proxy_stiffness", &Settings::proxy_stiffness);
   bind_number(scene, "effort", &Settings::effort);
   bind_number(scene, "max_candidates", &Settings::max_candidates);
   scene.def_property_readonly("precision", [](const py::object& self) {

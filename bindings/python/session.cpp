@@ -173,6 +173,8 @@ void restore(Session& self, const State& state) {
   if (self.recorder) throw std::runtime_error("a session can't leave its course while it is recorded");
   if (state.objects.size() != self.state.objects.size())
     throw py::value_error("the state is of a model with other objects");
+  if (state.proxy && self.model().settings.proxy_stiffness == 0)
+    throw py::value_error("the state is of a model with a proxy, and this one has none");
   self.state = state;
 }
 

@@ -177,10 +177,11 @@ typedef struct lumbrical_settings {
   double point_area;                    /* [m^2] of POINT: 1e-4 */
   double max_force;                     /* [N] of a segment: 20 */
   double fade_time;                     /* [s] 0.02 */
-  double gravity[3];                    /* [m/s^2] W: 0 0 -9.81 */
-  double ground_normal[3];              /* unit, away from it: 0 0 1 */
-  double ground_offset;                 /* [m] ground_normal . p = ground_offset on it: 0 */
-  double ground_friction;               /* 0.5 */
+  double proxy_stiffness;  /* [N/m] to a hand that surfaces hold, 10 .. 1e5; 0: there is none. 0 */
+  double gravity[3];       /* [m/s^2] W: 0 0 -9.81 */
+  double ground_normal[3]; /* unit, away from it: 0 0 1 */
+  double ground_offset;    /* [m] ground_normal . p = ground_offset on it: 0 */
+  double ground_friction;  /* 0.5 */
 } lumbrical_settings;
 
 /* How work is done; never changes a result. */

@@ -299,6 +299,27 @@ TEST(CApi, RecordsWhatReplaysIdenticalAndCanBeReadAgain) {
   lumbrical_reader_close(reader);
 }
 
+TEST(CApi, AProxyIsASettingAndAPartOfASnapshot) {
+  Scene scene = ball_scene();
+  scene.settings.proxy_stiffness = 500;
+  const Model model = model_of(scene);
+  State state = make_state(model);
+  Scratch scratch = make_scratch(model);
+  MeshObject ball(scene.objects[0].mesh);
+  CSession c, without(ball.object);
+  c.create();
+  ASSERT_EQ(lumbrical_scene_add_object(c.scene, &ball.object), LUMBRICAL_OK);
+  c.set([](lumbrical_settings& settings) { settings.proxy_stiffness = 500; });
+  c.set([](lumbrical_settings& settings) { EXPECT_EQ(settings.proxy_stiffness, 500); });
+  c.start();
+  for (std::size_t i = 0; i < 60; ++i) expect_same(tick(model, state, scratch, touching_frame(i)), c.step(i));
+  std::vector<unsigned char> bytes(100000);
+  std::size_t size = 0;
+  ASSERT_EQ(lumbrical_session_save(c.session, bytes.data(), bytes.size(), &size), LUMBRICAL_OK);
+  EXPECT_EQ(lumbrical_session_restore(without.session, bytes.data(), size), LUMBRICAL_BAD_DATA);
+  EXPECT_EQ(lumbrical_session_restore(c.session, bytes.data(), size), LUMBRICAL_OK);
+}
+
 TEST(CApi, TwoHandsShareAWorld) {
   MeshObject ball(ball_scene().objects[0].mesh);
   CSession right(ball.object), left, alone;

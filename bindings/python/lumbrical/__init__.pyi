@@ -46,6 +46,7 @@ class Scene:
     point_area: float  # [m^2]
     max_force: float  # [N]
     fade_time: float  # [s]
+    proxy_stiffness: float  # [N/m]; 0: no proxy
     effort: int
     max_candidates: int
     law: str  # of every segment

@@ -64,7 +64,7 @@ Fault take_mass(const lumbrical_object& given, const Mesh& mesh, Winding winding
 
 Fault take_mechanism(const lumbrical_object& given, Convention convention, SceneObject& object) {
   Mechanism& mechanism = object.mechanism;
-  if (mechanism.mobility < Mobility::free) return {};
+  if (!moves_by_itself(mechanism)) return {};
   if (Fault fault = take_mass(given, object.mesh, object.winding, mechanism.body)) return fault;
   mechanism.damping = given.damping;
   if (mechanism.mobility == Mobility::free) return {};
@@ -103,7 +103,7 @@ Fault to_object(const lumbrical_object& given, SceneObject& object) {
   if (Fault fault = take_mesh(given, convention, object.mesh)) return fault;
   if (Fault fault = take_mechanism(given, convention, object)) return fault;
   if (is_apart(object)) return {};
-  for (Vec3& v : object.mesh.vertices) v = transform(object.pose, v);
+  place_mesh(object.pose, object.mesh);
   object.pose = {};
   return {};
 }
@@ -132,6 +132,7 @@ void to_c(const Scene& scene, lumbrical_settings& out) {
   out.point_area = settings.point_area;
   out.max_force = settings.max_force;
   out.fade_time = settings.fade_time;
+  out.proxy_stiffness = settings.proxy_stiffness;
   capi::to_c(scene.gravity, out.gravity);
   const Ground ground = scene.ground.value_or(Ground{});
   out.has_ground = scene.ground ? 1 : 0;
@@ -153,6 +154,7 @@ Fault to_scene(const lumbrical_settings& given, Scene& scene) {
   settings.point_area = given.point_area;
   settings.max_force = given.max_force;
   settings.fade_time = given.fade_time;
+  settings.proxy_stiffness = given.proxy_stiffness;
   scene.settings = settings;
   scene.gravity = to_vec3(given.gravity);
   scene.ground.reset();
