@@ -109,7 +109,9 @@ TEST(CApiMistakes, AHandleOfAnotherKindIsNoticed) {
   auto* const wrong = reinterpret_cast<lumbrical_session*>(c.scene);
   expect_mistake(lumbrical_session_tick(wrong, &frame, nullptr, 0, &c.output), "no session");
   lumbrical_session_destroy(wrong);  // leaves it alone
-  EXPECT_EQ(lumbrical_model_build(c.scene, nullptr, &(c.model = nullptr)), LUMBRICAL_OK);
+  lumbrical_model* other = nullptr;
+  EXPECT_EQ(lumbrical_model_build(c.scene, nullptr, &other), LUMBRICAL_OK);
+  lumbrical_model_destroy(other);
 }
 
 TEST(CApiMistakes, WhatTheEngineRefusesIsBadData) {
