@@ -4,6 +4,7 @@ LUMBRICAL_BUILD names a build folder that has it already; else one is made in bu
 """
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -28,6 +29,9 @@ class CMakeBuild(build_ext):
         for package in destination.rglob("lumbrical/__init__.py"):
             if package.parent != destination / "lumbrical":  # of a build for the system's folders
                 package.parent.rename(destination / "lumbrical")
+        for other in destination.iterdir():  # what belongs to a package of Debian's only
+            if other.name != "lumbrical":
+                shutil.rmtree(other)
 
     @staticmethod
     def cmake(*arguments):
