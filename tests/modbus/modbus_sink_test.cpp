@@ -1,47 +1,21 @@
-// The sink against a simulated device on a real socket or terminal, with everything that can go wrong between
-// them. In every case forces get to their safe values, the loop goes on or stops as told, and the log says
-// why.
+// The sink against a simulated device on a real socket, with everything that can go wrong between them. In
+// every case forces get to their safe values, the loop goes on or stops as told, and the log says why.
 #include "lumbrical/modbus_sink.h"
 
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cmath>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "lumbrical/device.h"
-#include "simulated_wire.h"
-#include "terminals.h"
+#include "modbus_loop.h"
 
 namespace lumbrical {
 namespace {
 
 using test::eventually;
-using test::ServedDevice;
-using test::TickingSink;
-
-class ModbusLoop : public ::testing::Test {
- protected:
-  // Connected, armed, and 0.1 N m acting.
-  void start(const SinkOptions& options = {}) {
-    device.listen();
-    profile.transport.port = device.port();
-    sink.open(profile, options);
-    ASSERT_TRUE(acts()) << sink.log();
-  }
-  bool acts() {
-    return eventually([&] { return std::fabs(device.torque() - 0.1) < 1e-6; });
-  }
-  bool rests() {
-    return eventually([&] { return device.torque() == 0; });
-  }
-  const std::chrono::steady_clock::time_point begun = std::chrono::steady_clock::now();
-  DeviceProfile profile = test::patient_profile();
-  ServedDevice device{profile};
-  TickingSink sink;
-};
+using test::ModbusLoop;
 
 TEST_F(ModbusLoop, CommandsArriveAreAcknowledgedAndReported) {
   start();
@@ -242,178 +216,6 @@ TEST_F(ModbusLoop, AServerThatHangsUpOnEveryone) {
   EXPECT_TRUE(acts()) << sink.log();
 }
 
-TEST_F(ModbusLoop, AStalledTickThreadIsHeldThenFadesAndComesBack) {
-  profile.safety.tick_hold = 0.3;
-  profile.safety.tick_timeout = 9;
-  start();
-  sink.stalled = true;
-  EXPECT_TRUE(rests()) << sink.log();
-  EXPECT_EQ(sink.sink.report().state, SafetyState::active);
-  sink.stalled = false;
-  EXPECT_TRUE(acts()) << sink.log();
-}
-
-TEST_F(ModbusLoop, ATickThreadThatNeverComesBackIsAFault) {
-  start();
-  sink.stalled = true;
-  EXPECT_TRUE(sink.reaches(SafetyState::fault)) << sink.log();
-  EXPECT_TRUE(sink.told("active -> fault: no new tick")) << sink.log();
-  EXPECT_TRUE(rests());
-  sink.stalled = false;
-  sink.sink.request_arm();
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  EXPECT_EQ(sink.sink.report().state, SafetyState::fault) << "until someone resets it";
-  sink.sink.request_reset();
-  EXPECT_TRUE(sink.reaches(SafetyState::idle));
-  sink.sink.request_arm();
-  EXPECT_TRUE(acts()) << sink.log();
-}
-
-TEST_F(ModbusLoop, IsArmedOnlyWhenTicksAreFreshHoweverLongTheyTookToBegin) {
-  profile.safety.tick_hold = 0.2;
-  profile.safety.tick_timeout = 0.2;
-  device.listen();
-  profile.transport.port = device.port();
-  SinkOptions options;
-  options.arm = false;
-  sink.open(profile, options);
-  EXPECT_TRUE(sink.reaches(SafetyState::idle)) << sink.log();
-  sink.stalled = true;  // as while a recording is opened, memory locked, a large world read
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  sink.sink.arm_when_ready();
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  EXPECT_EQ(sink.sink.report().state, SafetyState::idle) << sink.log();
-  sink.stalled = false;
-  EXPECT_TRUE(sink.reaches(SafetyState::active)) << sink.log();
-  EXPECT_EQ(sink.log().find("fault"), std::string::npos) << sink.log();
-}
-
-TEST_F(ModbusLoop, ACommandThatIsNoNumberIsAFault) {
-  start();
-  sink.wanted = std::nan("");
-  EXPECT_TRUE(sink.reaches(SafetyState::fault)) << sink.log();
-  EXPECT_TRUE(sink.told("a command that is no number"));
-  EXPECT_TRUE(rests());
-}
-
-TEST_F(ModbusLoop, TakingOverFadesFromWhatTheDeviceWasToldLast) {
-  profile.safety.fade = 1;
-  profile.actuators[3].slew = 5;  // [N m/s] a period's part of the 0.1 N m that act
-  device.listen();
-  profile.transport.port = device.port();
-  const int other = test::connect_to(device.port());
-  const std::array<std::uint8_t, 25> force = {
-      0, 1, 0, 0, 0, 19, 1, 16, 0, 0, 0, 6,   12,
-      0, 1, 0, 9, 0, 0,  0, 0,  0, 0, 3, 0xE8};  // on, heartbeat, 0.1 N m for the index
-  ASSERT_EQ(send(other, force.data(), force.size(), 0), static_cast<ssize_t>(force.size()));
-  ASSERT_TRUE(acts());
-  close(other);
-  SinkOptions options;
-  options.arm = false;
-  options.take_over = true;
-  ModbusSink guard;
-  ASSERT_TRUE(guard.open(profile, options).ok());
-  EXPECT_TRUE(eventually([&] { return guard.is_safe(); }));
-  EXPECT_TRUE(guard.close());
-  EXPECT_TRUE(rests());
-  SentCommand first;
-  ASSERT_TRUE(guard.sent(first));
-  EXPECT_NEAR(first.value[3], 0.1 - profile.actuators[3].slew / profile.rate, 1e-9)
-      << "one period's part, however late the first command";
-}
-
-TEST_F(ModbusLoop, ForcesAreRefusedWhereNothingWouldLetGoOfThem) {
-  device.listen();
-  profile.transport.port = device.port();
-  profile.heartbeat = {};
-  ModbusSink refused, dry, accepted;
-  EXPECT_NE(refused.open(profile, {}).message().find("has no heartbeat"), std::string::npos);
-  SinkOptions options;
-  options.dry_run = true;
-  EXPECT_TRUE(dry.open(profile, options).ok());
-  profile.unattended = true;
-  EXPECT_TRUE(accepted.open(profile, {}).ok());
-}
-
-TEST_F(ModbusLoop, AnotherMastersWritesAreNoticedAndStopTheForces) {
-  start();
-  std::atomic<bool> enough{false};
-  std::thread other([&] { test::write_again_and_again(device.port(), 5, 3000, enough); });
-  EXPECT_TRUE(sink.told("active -> fault: another master writes to the device")) << sink.log();
-  enough = true;
-  other.join();
-  EXPECT_TRUE(rests());
-  sink.sink.request_reset();
-  EXPECT_TRUE(sink.reaches(SafetyState::idle)) << sink.log();
-  sink.sink.request_arm();
-  EXPECT_TRUE(acts()) << sink.log();
-}
-
-TEST_F(ModbusLoop, CommandsThatCannotBeReadBackAreToldOnceAndNoReasonToStop) {
-  device.faults.hide_commands = true;
-  start();
-  EXPECT_TRUE(sink.told("another master would not be noticed")) << sink.log();
-  const int before = sink.acknowledged;
-  EXPECT_TRUE(eventually([&] { return sink.acknowledged > before + 40; }));
-  EXPECT_EQ(sink.log().find("would not be noticed"), sink.log().rfind("would not be noticed"));
-  EXPECT_EQ(sink.sink.report().state, SafetyState::active);
-}
-
-TEST_F(ModbusLoop, TheDevicesOwnStopFaultHangAndDeadManCount) {
-  start();
-  device.release_dead_man = true;
-  EXPECT_TRUE(sink.reaches(SafetyState::armed)) << sink.log();
-  EXPECT_TRUE(rests());
-  device.release_dead_man = false;
-  EXPECT_TRUE(acts());
-  device.press_stop = true;
-  EXPECT_TRUE(sink.reaches(SafetyState::fault));
-  EXPECT_TRUE(sink.told("emergency stop"));
-  device.press_stop = false;
-  EXPECT_TRUE(eventually([&] {
-    sink.sink.request_reset();
-    sink.sink.request_arm();
-    return sink.sink.report().state == SafetyState::active;
-  })) << sink.log();
-  device.break_down = true;
-  EXPECT_TRUE(sink.told("the device reports a fault")) << sink.log();
-  device.break_down = false;
-  EXPECT_TRUE(eventually([&] {
-    sink.sink.request_reset();
-    sink.sink.request_arm();
-    return sink.sink.report().state == SafetyState::active;
-  })) << sink.log();
-  device.hang = true;
-  EXPECT_TRUE(sink.told("heartbeat not echoed")) << sink.log();
-  EXPECT_TRUE(rests()) << "its watchdog is its own";
-}
-
-TEST_F(ModbusLoop, AnglesThatCannotBeAreToldByTheNameOfTheirJoint) {
-  start();
-  device.sensors = SensorFault::out_of_range;
-  EXPECT_TRUE(sink.told("angle of thumb metacarpal out of its range")) << sink.log();
-  device.sensors = SensorFault::none;
-  EXPECT_TRUE(eventually([&] { return sink.doubts == 0; }));
-  device.sensors = SensorFault::jumping;
-  EXPECT_TRUE(sink.told("angle of thumb metacarpal jumps farther than a finger can move")) << sink.log();
-  device.sensors = SensorFault::none;
-  EXPECT_TRUE(eventually([&] { return sink.doubts == 0; }));
-  device.sensors = SensorFault::stuck;
-  EXPECT_TRUE(eventually([&] {
-    sink.wanted = 0.1 - sink.wanted;  // back and forth
-    return (sink.doubts & kAngleStuck) != 0;
-  })) << sink.log();
-  EXPECT_EQ(sink.sink.report().state, SafetyState::active) << "it is the ticks' forces that fade";
-}
-
-TEST_F(ModbusLoop, TheHostsEmergencyStopWorksFromAnywhere) {
-  start();
-  sink.sink.press_stop(true);
-  EXPECT_TRUE(rests());
-  EXPECT_TRUE(eventually([&] { return sink.sink.is_safe(); }));
-  EXPECT_EQ(sink.sink.report().state, SafetyState::fault);
-}
-
 TEST_F(ModbusLoop, ADryRunDoesEverythingButForces) {
   SinkOptions options;
   options.dry_run = true;
@@ -461,58 +263,6 @@ TEST_F(ModbusLoop, SixteenAndThreeInThePlaceOfTwentyThree) {
   profile.read_write = false;
   start();
   EXPECT_TRUE(eventually([&] { return sink.acknowledged > 20; }));
-}
-
-class SerialLoop : public ModbusLoop {
- protected:
-  void SetUp() override {
-    if (!test::have_terminals()) GTEST_SKIP() << test::kNoTerminals;
-  }
-  void start_serial() {
-    device.open_terminal();
-    profile.transport.serial = true;
-    profile.transport.line = device.name();
-    sink.open(profile);
-    ASSERT_TRUE(acts()) << sink.log();
-  }
-};
-
-TEST_F(SerialLoop, RunsOverATerminal) {
-  start_serial();
-  EXPECT_TRUE(sink.close());
-  EXPECT_TRUE(rests());
-}
-
-TEST_F(SerialLoop, GarbageBytesBeforeRepliesAndRepliesCutShort) {
-  start_serial();
-  device.faults.garbage = true;
-  EXPECT_TRUE(sink.reaches(SafetyState::disconnected)) << sink.log();
-  EXPECT_TRUE(rests());
-  device.faults.garbage = false;
-  EXPECT_TRUE(acts()) << sink.log();
-  device.faults.cut_reply = true;
-  EXPECT_TRUE(sink.reaches(SafetyState::disconnected)) << sink.log();
-  device.faults.cut_reply = false;
-  EXPECT_TRUE(acts()) << sink.log();
-}
-
-TEST_F(SerialLoop, RepliesOfAnotherUnitAreNoAcknowledgement) {
-  start_serial();
-  device.faults.wrong = WrongReply::unit;
-  EXPECT_TRUE(sink.told("a reply of another unit")) << sink.log();
-  EXPECT_TRUE(rests());
-  device.faults.wrong = WrongReply::nothing;
-  EXPECT_TRUE(acts()) << sink.log();
-}
-
-TEST_F(SerialLoop, ABaudRateThatTheLineDidNotTakeIsRefused) {
-  device.open_terminal();
-  profile.transport.serial = true;
-  profile.transport.line = device.name();
-  profile.transport.baud = 2000000;
-  sink.open(profile);
-  EXPECT_TRUE(sink.told("asked for 2000000 baud, the line runs at 9600")) << sink.log();
-  EXPECT_EQ(device.requests(), 0u);
 }
 
 TEST(BusCycle, IsWhatTheLineCanCarry) {
