@@ -96,6 +96,71 @@ TEST(MeshGltf, ReadsStripsFansAndCornersWithoutIndices) {
                  "a.glb: ", "no triangles");
 }
 
+/// A glTF file with the tetrahedron's corners, interleaved with normals, in one buffer and its faces, by twos
+/// and with indices of `index_type`, in another; quantised to 16 bits where asked, and placed back by its
+/// node.
+std::string split_tetrahedron(int index_type, bool quantised) {
+  std::string corners, faces;
+  for (const Vec3& p : kCorners) {
+    for (const double coordinate : {p.x, p.y, p.z}) {
+      if (quantised)
+        append_value(corners, static_cast<std::int16_t>(coordinate * 32767));
+      else
+        append_value(corners, static_cast<float>(coordinate));
+    }
+    corners += std::string(quantised ? 2 : 12, '\x7f');  // padding, or a normal
+  }
+  const std::size_t size = index_type == 5121 ? 1 : index_type == 5123 ? 2 : 4;
+  for (const Triangle& face : kFaces) {
+    for (const std::uint32_t corner : face) {
+      std::string number;
+      append_value(number, corner);
+      faces += number.substr(0, size);
+    }
+  }
+  const auto inlined = [](const std::string& bytes) {
+    return R"({"byteLength":)" + std::to_string(bytes.size()) +
+           R"(,"uri":"data:application/gltf-buffer;base64,)" + base64(bytes) + "\"}";
+  };
+  const auto primitive = [&](int number) {
+    return R"({"attributes":{"POSITION":0,"NORMAL":0},"indices":)" + std::to_string(number) + "}";
+  };
+  const auto indices = [&](std::size_t from) {
+    return R"({"bufferView":1,"byteOffset":)" + std::to_string(from * size) + R"(,"componentType":)" +
+           std::to_string(index_type) + R"(,"count":6,"type":"SCALAR"})";
+  };
+  return R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"children":[1,2],"translation":[1,2,3]},)"
+         R"({"mesh":0,"scale":[4,4,4]},{"mesh":1,"scale":[4,4,4]}],"meshes":[{"primitives":[)" +
+         primitive(1) + R"(]},{"primitives":[)" + primitive(2) + R"(]}],"buffers":[)" + inlined(corners) +
+         "," + inlined(faces) + R"(],"bufferViews":[{"buffer":0,"byteLength":)" +
+         std::to_string(corners.size()) + R"(,"byteStride":)" + std::to_string(corners.size() / 4) +
+         R"(},{"buffer":1,"byteLength":)" + std::to_string(faces.size()) + R"(}],"accessors":[)" +
+         R"({"bufferView":0,"componentType":)" + (quantised ? R"(5122,"normalized":true)" : "5126") +
+         R"(,"count":4,"type":"VEC3"},)" + indices(0) + "," + indices(6) + "]}";
+}
+
+TEST(MeshGltf, PutsPartsOfManyBuffersAndLayoutsTogether) {
+  for (const int index_type : {5121, 5123, 5125}) {
+    for (const bool quantised : {false, true}) {
+      SCOPED_TRACE(index_type);
+      const Mesh mesh = parsed(split_tetrahedron(index_type, quantised), "a.gltf");
+      ASSERT_EQ(mesh.triangles.size(), 4u);
+      for (std::size_t t = 0; t < 4; ++t) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          const Vec3 expected = 4 * kCorners[kFaces[t][i]] + Vec3{1, 2, 3};
+          EXPECT_LT(norm(mesh.vertices[mesh.triangles[t][i]] - expected), 1e-12) << t;
+        }
+      }
+    }
+  }
+}
+
+TEST(MeshGltf, SaysThatSparseAccessorsAreNotRead) {
+  const std::string json =
+      replaced(gltf_json(R"([{"mesh":0}])"), R"("type":"VEC3")", R"("type":"VEC3","sparse":{"count":1})");
+  expect_refusal(glb(json, gltf_buffer()), "a.glb", "a.glb: ", "sparse accessors are not read");
+}
+
 TEST(MeshGltf, RefusesWhatWouldLeadOutOfItsBytes) {
   const std::string json = gltf_json(R"([{"mesh":0}])");
   const struct {

@@ -1,7 +1,10 @@
 // BVH skeletons: which joints are a hand's, how channels pose them, and what is refused.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "motion_samples.h"
+#include "random.h"
 
 namespace lumbrical::test {
 namespace {
@@ -149,6 +152,84 @@ TEST(MotionBvh, ChannelsTurnInTheOrderInWhichTheyStand) {
     const Vec3 x_turned{p.x, p.z, -p.y};
     const Vec3 expected = wrist + Vec3{-x_turned.y, x_turned.x, x_turned.z};
     EXPECT_LT(norm(position(turned.samples[0].frame, j) - expected), 2e-6) << joint_name(j);
+  }
+}
+
+// A hand whose bones all rest turned some way, as exporters leave them: every joint has rotations of its own,
+// in an order of its own, and its offset stands in the axes of the joint above.
+struct TurnedSkeleton {
+  test::Random random;
+  double unit = 0.01;  // [m]
+  std::string hierarchy{}, values{};
+
+  using Axes = std::array<Vec3, 3>;  // columns
+  static Vec3 in(const Axes& axes, Vec3 v) { return {dot(axes[0], v), dot(axes[1], v), dot(axes[2], v)}; }
+
+  // Rodrigues, about the x, y or z that earlier rotations have turned.
+  static Axes turned(const Axes& axes, std::size_t about, double degrees) {
+    const double angle = degrees * 3.14159265358979323846 / 180;
+    const Vec3 k = axes[about];
+    Axes result;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 v = axes[i];
+      result[i] = std::cos(angle) * v + std::sin(angle) * cross(k, v) + (1 - std::cos(angle)) * dot(k, v) * k;
+    }
+    return result;
+  }
+  std::string numbers(Vec3 v) const {
+    std::ostringstream text;
+    text.precision(12);
+    text << v.x / unit << ' ' << v.y / unit << ' ' << v.z / unit << ' ';
+    return text.str();
+  }
+  // Opens a joint at `at` [m, world] below one at `above` with these axes, and turns it at random.
+  void open(const std::string& name, Vec3 at, Vec3 above, Axes& axes, bool root = false) {
+    constexpr const char* kOrders[] = {"XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"};
+    const std::string order = kOrders[random.bits() % 6];
+    const Vec3 offset = root ? Vec3{} : in(axes, at - above);
+    hierarchy += (root ? "ROOT " : "JOINT ") + name + "\n{\nOFFSET " + numbers(offset) + "\nCHANNELS " +
+                 (root ? "6 Xposition Yposition Zposition" : "3");
+    if (root) values += numbers(at);
+    for (const char axis : order) {
+      const double angle = random.between(-170, 170);
+      hierarchy += std::string(" ") + axis + "rotation";
+      values += list({angle}) + " ";
+      axes = turned(axes, static_cast<std::size_t>(axis - 'X'), std::stod(list({angle})));
+    }
+    hierarchy += "\n";
+  }
+  std::string file(const Poses& poses) {
+    Axes wrist = {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+    const Vec3 origin = poses[kWrist].position;
+    open("hand.R", origin, {}, wrist, true);
+    const char* const names[] = {"thumb", "index", "middle", "ring", "little"};
+    for (int f = 0; f < kFingerCount; ++f) {
+      const int first = f == 0 ? kThumbMetacarpal : 2 + 5 * f;
+      Axes axes = wrist;
+      Vec3 at = origin;
+      for (int k = 0; k < 3; ++k) {
+        open(std::string(names[f]) + "." + std::to_string(k + 1) + ".R", poses[first + k].position, at, axes);
+        at = poses[first + k].position;
+      }
+      hierarchy +=
+          "End Site\n{\nOFFSET " + numbers(in(axes, poses[first + 3].position - at)) + "\n}\n}\n}\n}\n";
+    }
+    return "HIERARCHY\n" + hierarchy + "}\nMOTION\nFrames: 1\nFrame Time: 0.0083333\n" + values + "\n";
+  }
+};
+
+TEST(MotionBvh, PosesBonesThatRestTurnedWithChannelsOfAnyOrderAndUnit) {
+  test::Random random(31);
+  for (int round = 0; round < 60; ++round) {
+    SCOPED_TRACE(round);
+    const Poses poses = bent_hand(Side::right, random.between(0, 1));
+    constexpr double kUnits[] = {0.001, 0.01, 0.0254, 1};
+    TurnedSkeleton skeleton{test::Random(random.bits()), kUnits[round % 4]};
+    MotionOptions options;
+    options.unit = skeleton.unit;
+    const Motion motion = parse_good(skeleton.file(poses), options);
+    EXPECT_EQ(motion.side, Side::right);
+    expect_joints(motion, poses, false);
   }
 }
 
