@@ -1,6 +1,8 @@
-// Fuzzes the FlatBuffers messages of a recording: ticks, sessions, states. What is taken must come out again.
+// Fuzzes the FlatBuffers messages of a recording: ticks, sessions, states, posed hands, contact points. What
+// is taken of a session must come out again.
 #include "flatbuffers/flatbuffers.h"
 #include "fuzz_input.h"
+#include "recording/hand_views.h"
 #include "recording/session_message.h"
 #include "recording/state_message.h"
 #include "recording/tick_message.h"
@@ -41,20 +43,32 @@ void state_message(std::span<const std::uint8_t> bytes) {
     __builtin_trap();
 }
 
+void views(std::span<const std::uint8_t> bytes) {
+  std::vector<Pose> joints;
+  if (decode_pose(bytes, joints).ok() && joints.size() != kJointCount) __builtin_trap();
+  std::vector<ContactPoint> points;
+  if (!decode_contacts(bytes, points).ok()) return;
+  for (const ContactPoint& point : points)
+    if (point.segment >= kSegmentCount) __builtin_trap();
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const std::span<const std::uint8_t> bytes(data + 1, size - 1);
-  switch (data[0] % 3) {
+  switch (data[0] % 4) {
     case 0:
       tick_message(bytes);
       break;
     case 1:
       session_message(bytes);
       break;
-    default:
+    case 2:
       state_message(bytes);
+      break;
+    default:
+      views(bytes);
   }
   return 0;
 }

@@ -8,7 +8,9 @@
 #include "fuzz_seeds.h"
 #include "lumbrical/recording.h"
 #include "lumbrical/shapes.h"
+#include "lumbrical/tick.h"
 #include "lumbrical/world.h"
+#include "recording/hand_views.h"
 #include "recording/mcap_reader.h"
 #include "recording/record_fields.h"
 #include "recording/session_message.h"
@@ -96,6 +98,44 @@ bool write_recordings(const fs::path& folder) {
   return true;
 }
 
+// A hand that lies on the triangle, with its posed joints and contact points beside its ticks.
+bool write_views(const fs::path& folder) {
+  fs::create_directories(folder);
+  Scene scene = seed_scene();
+  Model model;
+  if (!build_model(scene, {}, model).ok()) return false;
+  State state = make_state(model);
+  Scratch scratch = make_scratch(model);
+  const fs::path path = folder / "lz4";
+  fs::remove(path);
+  RecorderOptions options;
+  options.pose_interval = 1;
+  options.contact_interval = 2;
+  options.models = {&model};
+  options.metadata = {{"build", "seed"}};
+  Recorder recorder;
+  if (!recorder.open(path.string(), scene, options).ok()) return false;
+  for (int i = 0; i < 4; ++i) {
+    TickRecord record;
+    record.device.base.position = {0.03, 0.02, 0.005};
+    record.output = tick(model, state, scratch, record.device);
+    record.stage_hash = scratch.stage_hash;
+    record.state_hash = hash_state(state);
+    if (!recorder.record(record)) return false;
+  }
+  if (!recorder.close().ok()) return false;
+  CopyOptions uncompressed;
+  uncompressed.compression = Compression::none;
+  CopyResult copied;
+  const fs::path plain = folder / "none_unchecked";
+  fs::remove(plain);
+  if (!copy_recordings({path.string()}, plain.string(), uncompressed, copied).ok()) return false;
+  ByteVector bytes = read(plain);
+  clear_checksums(plain, bytes);
+  write(plain, bytes);
+  return true;
+}
+
 bool write_messages(const fs::path& folder) {
   const auto seed = [&](const char* name, std::uint8_t kind, std::span<const std::uint8_t> bytes) {
     ByteVector all{kind};
@@ -115,6 +155,16 @@ bool write_messages(const fs::path& folder) {
   state.tick = 5;
   state.rise = 0.5;
   seed("state", 2, encode_state(state));
+  Model model;
+  if (!build_model(seed_scene(), {}, model).ok()) return false;
+  HandViewer viewer(model);
+  TickRecord record;
+  record.device.base.position = {0.03, 0.02, 0.005};
+  viewer.place(record);
+  if (!viewer.pose(5, builder)) return false;
+  seed("pose", 3, {builder.GetBufferPointer(), builder.GetSize()});
+  viewer.contacts(5, builder);
+  seed("contacts", 3, {builder.GetBufferPointer(), builder.GetSize()});
   return true;
 }
 
@@ -290,7 +340,7 @@ int main(int argc, char** argv) {
   write_modbus(folder / "modbus");
 #endif
   return write_world(folder / "world") && write_recordings(folder / "recording") &&
-                 write_messages(folder / "messages")
+                 write_views(folder / "views") && write_messages(folder / "messages")
              ? 0
              : 1;
 }

@@ -4,6 +4,7 @@
 
 #include "motion/motion_samples.h"
 #include "program.h"
+#include "read_archive.h"
 
 namespace lumbrical::test {
 namespace {
@@ -114,8 +115,26 @@ TEST(BothHands, WhatIsNotSupportedIsRefusedWithAWayOut) {
       leap_fingers(bent_hand(Side::left, 0.2), 3) + "," + leap_fingers(bent_hand(Side::left, 0.2), 4))});
   EXPECT_NE(error_of("scene.json --motion same.json").find("same.json"), std::string::npos);
   EXPECT_NE(error_of("scene.json --rate 100 --view").find("--side left"), std::string::npos);
-  EXPECT_NE(error_of("scene.json --compare-precision").find("--side left"), std::string::npos);
   EXPECT_NE(error_of("scene.json --side neither").find("both"), std::string::npos);
+}
+
+TEST(BothHands, PrecisionsAreComparedHandByHand) {
+  const fs::path folder = folder_with_both();
+  const nlohmann::json both =
+      lumbrical("run scene.json --compare-precision --ticks 2000 --json", folder).json()["hands"];
+  ASSERT_EQ(both.size(), 2u);
+  for (const nlohmann::json& hand : both) {
+    const std::string side = hand["side"];
+    const nlohmann::json alone =
+        lumbrical("run scene.json --compare-precision --ticks 2000 --json --side " + side, folder).json();
+    EXPECT_GT(hand["ticks"], 0);
+    EXPECT_EQ(hand["ticks"], alone["ticks"]);
+    for (std::size_t rung = 0; rung < hand["rungs"].size(); ++rung)
+      EXPECT_EQ(hand["rungs"][rung]["hand_error"], alone["rungs"][rung]["hand_error"]) << side;
+  }
+  const std::string text = lumbrical("run scene.json --compare-precision --ticks 2000", folder).output;
+  EXPECT_NE(text.find("right"), std::string::npos) << text;
+  EXPECT_NE(text.find("left"), std::string::npos) << text;
 }
 
 TEST(BothHands, AlignmentMovesThemTogether) {
@@ -151,6 +170,42 @@ TEST(BothHands, PosesAndContactsAreKeptForOthersAtAChosenRate) {
   const std::string contacts = lumbrical("export a.mcap --contacts --ticks 1000", folder).output;
   EXPECT_NE(contacts.find("1000,1,left,ring "), std::string::npos) << contacts;
   EXPECT_EQ(lumbrical("export a.mcap --contacts --poses", folder).exit_code, 2);
+  EXPECT_EQ(lumbrical("export a.mcap --poses --columns x", folder).exit_code, 2);
+  const std::string left = lumbrical("export a.mcap --poses --ticks 1000 --side left", folder).output;
+  EXPECT_NE(left.find(",left,"), std::string::npos);
+  EXPECT_EQ(left.find(",right,"), std::string::npos);
+  // The first point's segment alone: its points, and no other's.
+  const std::size_t first = contacts.find("1000,1,");
+  const std::size_t name = contacts.find(',', first + 7) + 1;
+  const std::string segment = contacts.substr(name, contacts.find(',', name) - name);
+  const std::string chosen =
+      lumbrical("export a.mcap --contacts --ticks 1000 --segments '" + segment + "'", folder).output;
+  const auto count = [](const std::string& text, const std::string& word) {
+    std::size_t found = 0;
+    for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) ++found;
+    return found;
+  };
+  EXPECT_EQ(count(chosen, "\n1000,"), count(contacts, "," + segment + ",")) << chosen;
+  EXPECT_EQ(count(chosen, "," + segment + ","), count(chosen, "\n1000,"));
+}
+
+TEST(BothHands, NumPyReadsTheArchivesOfPosesAndContacts) {
+  const fs::path folder = folder_with_both();
+  ASSERT_EQ(
+      lumbrical("run scene.json --record-poses 50 --record-contacts 20 --record a.mcap", folder).exit_code,
+      0);
+  if (shell("python3 --version", folder).exit_code != 0) GTEST_SKIP() << "no python3";
+  std::ofstream(folder / "read.py") << kReadArchive;
+  for (const char* const kind : {"poses", "contacts"}) {
+    const std::string name = kind, table = "export a.mcap --" + name;
+    ASSERT_EQ(lumbrical(table + " -o " + name + ".csv", folder).exit_code, 0);
+    const Outcome made = lumbrical(table + " --format npz -o " + name + ".npz", folder);
+    ASSERT_EQ(made.exit_code, 0) << made.error;
+    EXPECT_GT(fs::file_size(folder / (name + ".csv")), 10'000u);
+    const Outcome read = shell("python3 read.py " + name + ".npz " + name + ".csv", folder);
+    EXPECT_EQ(read.exit_code, 0) << read.error;
+    EXPECT_EQ(lumbrical(table + " --format npz", folder).exit_code, 2) << "not to standard output";
+  }
 }
 
 // Torques of one hand must never reach a glove on the other.

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "lumbrical/recording.h"
+#include "read_archive.h"
 #include "scenes.h"
 
 namespace lumbrical::test {
@@ -119,34 +120,9 @@ TEST(CommandLine, ExportIsSmallAndNumPyReadsItsArchive) {
   EXPECT_EQ(few.output.substr(0, few.output.find('\n')),
             "tick,time [s],index_distal.force.x [N],palm.force.x [N]");
   EXPECT_EQ(std::count(few.output.begin(), few.output.end(), '\n'), 4);
-  // An archive is a ZIP file of arrays whose headers Python can evaluate.
   if (shell("python3 --version", folder).exit_code != 0) GTEST_SKIP() << "no python3";
-  std::ofstream(folder / "read.py") << R"(
-import ast, struct, sys, zipfile
-archive = zipfile.ZipFile('a.npz')
-assert archive.testzip() is None
-def array(name):
-    data = archive.read(name + '.npy')
-    assert data[:8] == b'\x93NUMPY\x01\x00'
-    size = struct.unpack('<H', data[8:10])[0]
-    assert (10 + size) % 64 == 0
-    header, body = ast.literal_eval(data[10:10 + size].decode()), data[10 + size:]
-    count, kind = header['shape'][0], header['descr']
-    if kind[1] == 'S':
-        width = int(kind[2:])
-        return [body[i * width:(i + 1) * width].rstrip(b'\0').decode() for i in range(count)]
-    return struct.unpack('<%d%s' % (count, 'd' if kind == '<f8' else 'Q'), body)
-columns, units = array('columns'), array('units')
-assert len(columns) == len(units) == len(archive.namelist()) - 2
-rows = [line.rstrip('\n').split(',') for line in open('a.csv')]
-for i, (name, unit) in enumerate(zip(columns, units)):
-    assert rows[0][i] == name + (' [%s]' % unit if unit else ''), rows[0][i]
-    values = array(name)
-    assert len(values) == len(rows) - 1
-    for row, value in zip(rows[1:], values):
-        assert abs(float(row[i]) - value) <= 1e-5 * abs(value), (name, row[i], value)
-)";
-  const Outcome read = shell("python3 read.py", folder);
+  std::ofstream(folder / "read.py") << kReadArchive;
+  const Outcome read = shell("python3 read.py a.npz a.csv", folder);
   EXPECT_EQ(read.exit_code, 0) << read.error;
 }
 

@@ -202,7 +202,7 @@ TEST(HandViews, ComeOutAsTables) {
   ExportOptions options;
   options.first = 100;
   options.last = 199;
-  ASSERT_TRUE(export_views(reader, MessageKind::pose, options, table).ok());
+  ASSERT_TRUE(export_views({&reader, 1}, MessageKind::pose, options, table).ok());
   const auto lines_of = [&table] {
     std::ifstream in(table);
     std::vector<std::string> lines;
@@ -215,7 +215,7 @@ TEST(HandViews, ComeOutAsTables) {
   EXPECT_EQ(lines[0].find("tick,time [s],hand,joint,x [m]"), 0u);
   EXPECT_EQ(lines[1].find("100,0.1,right,palm,"), 0u) << lines[1];
   options = {};
-  ASSERT_TRUE(export_views(reader, MessageKind::contacts, options, table).ok());
+  ASSERT_TRUE(export_views({&reader, 1}, MessageKind::contacts, options, table).ok());
   std::size_t points = 0;
   for (const View& view : views_of(path)) {
     std::vector<ContactPoint> of_tick;
@@ -227,8 +227,9 @@ TEST(HandViews, ComeOutAsTables) {
   EXPECT_GT(points, 100u);
   record_touch(path, InputKind::joint_poses);
   ASSERT_TRUE(reader.open(path).ok());
-  EXPECT_NE(export_views(reader, MessageKind::contacts, options, table).message().find("--record-contacts"),
-            std::string::npos);
+  EXPECT_NE(
+      export_views({&reader, 1}, MessageKind::contacts, options, table).message().find("--record-contacts"),
+      std::string::npos);
 }
 
 TEST(HandViews, WithoutModelsAreRefused) {

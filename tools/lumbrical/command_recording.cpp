@@ -307,7 +307,7 @@ int export_as_table(const RecordingOptions& options, const ExportSwitches& switc
     return fail("--events, --poses and --contacts are tables of their own; choose one");
   if (options.poses || options.contacts) {
     const MessageKind kind = options.poses ? MessageKind::pose : MessageKind::contacts;
-    const Status status = export_views(readers[0], kind, wanted, options.output);
+    const Status status = export_views(readers, kind, wanted, options.output);
     return status.ok() ? kDone : fail(status);
   }
   const Status status = options.events

@@ -380,9 +380,10 @@ struct ContactPoint {
   std::uint32_t triangle = 0;  ///< counted over all objects
 };
 
-/// Likewise of the posed hands a line per joint, or of the contact points a line per point, those of both
-/// hands as they come; csv or json. An error where the recording holds none.
-Status export_views(RecordingReader& reader, MessageKind kind, const ExportOptions& options,
+/// Likewise of the posed hands a line per joint, or of the contact points a line per point, those of the
+/// readers' hands as they come; in an npz an array per column. Of the contact points only those of the chosen
+/// segments; columns can't be chosen. An error where the recording holds none.
+Status export_views(std::span<RecordingReader> readers, MessageKind kind, const ExportOptions& options,
                     const std::string& output);
 
 /// Likewise one line per DeviceEvent: csv (tick, time [s], kind, text) or json. No npz.

@@ -1,13 +1,20 @@
 // Tables of posed hands and contact points.
+#include <algorithm>
 #include <array>
+#include <bit>
+#include <cassert>
 #include <charconv>
+#include <cmath>
 #include <new>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "files/text_output.h"
 #include "lumbrical/recording.h"
 #include "recording/hand_views.h"
+#include "recording/npz_file.h"
 
 namespace lumbrical {
 namespace {
@@ -15,6 +22,7 @@ namespace {
 struct ViewColumn {
   const char* name;
   const char* unit;
+  bool whole = false;
 };
 
 constexpr ViewColumn kPoseColumns[] = {{"x", "m"},
@@ -26,7 +34,78 @@ constexpr ViewColumn kPoseColumns[] = {{"x", "m"},
                                        {"orientation.z", ""}};
 constexpr ViewColumn kContactColumns[] = {{"x", "m"},       {"y", "m"},       {"z", "m"},
                                           {"force.x", "N"}, {"force.y", "N"}, {"force.z", "N"},
-                                          {"depth", "m"},   {"area", "m^2"},  {"triangle", ""}};
+                                          {"depth", "m"},   {"area", "m^2"},  {"triangle", "", true}};
+
+std::span<const ViewColumn> columns_of(MessageKind kind) {
+  if (kind == MessageKind::pose) return kPoseColumns;
+  return kContactColumns;
+}
+/// What the lines of a message are of.
+const char* part_of(MessageKind kind) { return kind == MessageKind::pose ? "joint" : "segment"; }
+
+/// One joint of a posed hand, or one contact point.
+struct ViewRow {
+  std::uint64_t tick = 0;
+  double time = 0;  // [s]
+  std::string_view hand, part;
+  std::vector<double> numbers;  // of columns_of
+};
+
+bool has_segment(const ExportOptions& options, int segment) {
+  const std::vector<int>& asked = options.segments;
+  return asked.empty() || std::find(asked.begin(), asked.end(), segment) != asked.end();
+}
+
+using Readers = std::span<RecordingReader>;
+
+/// `take(row)` for every row of the chosen ticks, front to back, until it fails or is `wanted()` no more.
+template <class Take, class Wanted>
+Status for_each_row(Readers readers, MessageKind kind, const ExportOptions& options, Take&& take,
+                    Wanted&& wanted) {
+  RecordingReader& reader = readers[0];  // it hands out the messages of all hands
+  const auto is_asked_for = [readers](Side side) {
+    for (const RecordingReader& asked : readers)
+      if (asked.scene().hand.side == side) return true;
+    return false;
+  };
+  if (Status status = reader.seek(options.first); !status.ok()) return status;
+  std::vector<Pose> joints;
+  std::vector<ContactPoint> points;
+  ViewRow row;
+  while (wanted()) {
+    RecordedMessage message;
+    bool end = false;
+    if (Status status = reader.next_message(message, end); !status.ok()) return status;
+    if (end || message.tick > options.last) return {};
+    const Side side = reader.info().hands[message.hand];
+    const bool chosen = (message.tick - options.first) % options.step == 0 && is_asked_for(side);
+    if (message.kind != kind || !chosen) continue;
+    joints.clear();
+    points.clear();
+    if (Status status = kind == MessageKind::pose ? decode_pose(message.bytes, joints)
+                                                  : decode_contacts(message.bytes, points);
+        !status.ok())
+      return status;
+    row.tick = message.tick;
+    row.time = static_cast<double>(message.tick) / reader.scene().settings.rate;
+    row.hand = side_name(side);
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      const auto& [p, q] = joints[j];
+      row.part = joint_name(static_cast<int>(j));
+      row.numbers = {p.x, p.y, p.z, q.w, q.x, q.y, q.z};
+      if (Status status = take(row); !status.ok()) return status;
+    }
+    for (const ContactPoint& c : points) {
+      if (!has_segment(options, static_cast<int>(c.segment))) continue;
+      row.part = segment_name(static_cast<int>(c.segment));
+      row.numbers = {c.centre.x, c.centre.y, c.centre.z,
+                     c.force.x,  c.force.y,  c.force.z,
+                     c.depth,    c.area,     static_cast<double>(c.triangle)};
+      if (Status status = take(row); !status.ok()) return status;
+    }
+  }
+  return {};
+}
 
 std::string number(double value, bool exact) {
   std::array<char, 32> text;
@@ -36,108 +115,135 @@ std::string number(double value, bool exact) {
   return {text.data(), result.ptr};
 }
 
-/// Lines of one message: what they are of (joint or segment), and their numbers.
-class ViewTable {
- public:
-  ViewTable(const RecordingReader& reader, MessageKind kind, const ExportOptions& options, TextOutput& out)
-      : reader_(reader),
-        options_(options),
-        part_(kind == MessageKind::pose ? "joint" : "segment"),
-        columns_(kind == MessageKind::pose ? std::span<const ViewColumn>(kPoseColumns)
-                                           : std::span<const ViewColumn>(kContactColumns)),
-        out_(out) {}
+std::string csv_head(MessageKind kind) {
+  std::string line = std::string("tick,time [s],hand,") + part_of(kind);
+  for (const ViewColumn& column : columns_of(kind))
+    line += std::string(",") + column.name + (*column.unit != 0 ? std::string(" [") + column.unit + "]" : "");
+  return line;
+}
 
-  Status head() {
-    if (options_.format == ExportFormat::json) return {};
-    std::string line = "tick,time [s],hand," + part_;
-    for (const auto& [name, unit] : columns_)
-      line += std::string(",") + name + (*unit != 0 ? std::string(" [") + unit + "]" : "");
-    return out_.line(line);
+std::string csv_line(const ViewRow& row, bool exact) {
+  std::string line = std::to_string(row.tick) + ',' + number(row.time, exact);
+  for (const std::string_view text : {row.hand, row.part}) line += ',' + std::string(text);
+  for (const double value : row.numbers) line += ',' + number(value, exact);
+  return line;
+}
+
+std::string json_line(const ViewRow& row, MessageKind kind, bool exact) {
+  std::string line = "{\"tick\":" + std::to_string(row.tick) + ",\"time\":" + number(row.time, exact) +
+                     ",\"hand\":\"" + std::string(row.hand) + "\",\"" + part_of(kind) + "\":\"" +
+                     std::string(row.part) + '"';
+  for (std::size_t i = 0; i < row.numbers.size(); ++i) {
+    const std::string text = number(row.numbers[i], true);
+    const bool in_json = std::isfinite(row.numbers[i]);
+    line += std::string(",\"") + columns_of(kind)[i].name + "\":" + (in_json ? text : '"' + text + '"');
   }
+  return line + '}';
+}
 
-  Status line(const RecordedMessage& message, std::string_view part, std::span<const double> numbers) {
-    const std::string time =
-        number(static_cast<double>(message.tick) / reader_.scene().settings.rate, options_.exact);
-    const std::string hand(side_name(reader_.info().hands[message.hand]));
-    const bool json = options_.format == ExportFormat::json;
-    const auto text = [json](std::string_view key, const std::string& value, bool quoted) {
-      if (!json) return value;
-      return '"' + std::string(key) + "\":" + (quoted ? '"' + value + '"' : value);
-    };
-    std::string line = text("tick", std::to_string(message.tick), false) + ',' + text("time", time, false) +
-                       ',' + text("hand", hand, true) + ',' + text(part_, std::string(part), true);
-    for (std::size_t i = 0; i < numbers.size(); ++i)
-      line += ',' + text(columns_[i].name, number(numbers[i], options_.exact || json), false);
-    return out_.line(json ? '{' + line + '}' : line);
-  }
+Status export_text(Readers readers, MessageKind kind, const ExportOptions& options,
+                   const std::string& output) {
+  TextOutput out;
+  if (Status status = out.open(output); !status.ok()) return status;
+  const bool json = options.format == ExportFormat::json;
+  Status status = json ? Status{} : out.line(csv_head(kind));
+  if (status.ok())
+    status = for_each_row(
+        readers, kind, options,
+        [&](const ViewRow& row) {
+          return out.line(json ? json_line(row, kind, options.exact) : csv_line(row, options.exact));
+        },
+        [&] { return out.wanted(); });
+  if (status.ok()) status = out.close();
+  if (!status.ok()) out.discard();
+  return status;
+}
 
-  Status lines(const RecordedMessage& message, const std::vector<Pose>& joints) {
-    for (std::size_t j = 0; j < joints.size(); ++j) {
-      const auto& [p, q] = joints[j];
-      const double numbers[] = {p.x, p.y, p.z, q.w, q.x, q.y, q.z};
-      if (Status status = line(message, joint_name(static_cast<int>(j)), numbers); !status.ok())
-        return status;
-    }
-    return {};
-  }
-
-  Status lines(const RecordedMessage& message, const std::vector<ContactPoint>& points) {
-    for (const ContactPoint& c : points) {
-      const double numbers[] = {c.centre.x, c.centre.y, c.centre.z,
-                                c.force.x,  c.force.y,  c.force.z,
-                                c.depth,    c.area,     static_cast<double>(c.triangle)};
-      if (Status status = line(message, segment_name(static_cast<int>(c.segment)), numbers); !status.ok())
-        return status;
-    }
-    return {};
-  }
-
- private:
-  const RecordingReader& reader_;
-  const ExportOptions& options_;
-  std::string part_;
-  std::span<const ViewColumn> columns_;
-  TextOutput& out_;
+// A row of an archive in memory, before its names are texts: so many fit.
+struct PackedRow {
+  std::uint64_t tick = 0, time = 0;
+  std::string_view hand, part;
+  std::array<std::uint64_t, std::size(kContactColumns)> number{};
 };
+constexpr std::size_t kMostRows = std::size_t{1} << 24;
 
-Status write_views(RecordingReader& reader, MessageKind kind, const ExportOptions& options, TextOutput& out) {
-  ViewTable table(reader, kind, options, out);
-  if (Status status = table.head(); !status.ok()) return status;
-  if (Status status = reader.seek(options.first); !status.ok()) return status;
-  std::vector<Pose> joints;
-  std::vector<ContactPoint> points;
-  while (out.wanted()) {
-    RecordedMessage message;
-    bool end = false;
-    if (Status status = reader.next_message(message, end); !status.ok()) return status;
-    if (end || message.tick > options.last) return {};
-    if (message.kind != kind || (message.tick - options.first) % options.step != 0) continue;
-    Status status = kind == MessageKind::pose ? decode_pose(message.bytes, joints)
-                                              : decode_contacts(message.bytes, points);
-    if (status.ok())
-      status = kind == MessageKind::pose ? table.lines(message, joints) : table.lines(message, points);
-    if (!status.ok()) return status;
-  }
-  return {};
+Status write_npz(MessageKind kind, const std::vector<PackedRow>& rows, NpzFile& out) {
+  Status status;
+  std::vector<std::string> names, units;
+  const auto add = [&](const char* name, const char* unit, const char* type, auto&& value_of) {
+    std::vector<std::uint64_t> values;
+    values.reserve(rows.size());
+    for (const PackedRow& row : rows) values.push_back(value_of(row));
+    if (status.ok()) status = out.add(name, type, values);
+    names.emplace_back(name);
+    units.emplace_back(unit);
+  };
+  const auto add_texts = [&](const char* name, auto&& text_of) {
+    std::vector<std::string> texts;
+    texts.reserve(rows.size());
+    for (const PackedRow& row : rows) texts.emplace_back(text_of(row));
+    if (status.ok()) status = out.add(name, texts);
+    names.emplace_back(name);
+    units.emplace_back();
+  };
+  add("tick", "", "<u8", [](const PackedRow& row) { return row.tick; });
+  add("time", "s", "<f8", [](const PackedRow& row) { return row.time; });
+  add_texts("hand", [](const PackedRow& row) { return row.hand; });
+  add_texts(part_of(kind), [](const PackedRow& row) { return row.part; });
+  const std::span<const ViewColumn> columns = columns_of(kind);
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    add(columns[i].name, columns[i].unit, columns[i].whole ? "<u8" : "<f8",
+        [i](const PackedRow& row) { return row.number[i]; });
+  if (status.ok()) status = out.add("columns", names);
+  return status.ok() ? out.add("units", units) : status;
+}
+
+Status export_npz(Readers readers, MessageKind kind, const ExportOptions& options,
+                  const std::string& output) {
+  if (output == "-") return Status::error("a NumPy archive needs a file; name one with --output");
+  std::vector<PackedRow> rows;
+  Status status = for_each_row(
+      readers, kind, options,
+      [&](const ViewRow& row) {
+        if (rows.size() == kMostRows)
+          return Status::error("more than 16,777,216 lines; export fewer with --ticks");
+        PackedRow& packed = rows.emplace_back();
+        packed.tick = row.tick;
+        packed.time = std::bit_cast<std::uint64_t>(row.time);
+        packed.hand = row.hand;
+        packed.part = row.part;
+        for (std::size_t i = 0; i < row.numbers.size(); ++i)
+          packed.number[i] = columns_of(kind)[i].whole ? static_cast<std::uint64_t>(row.numbers[i])
+                                                       : std::bit_cast<std::uint64_t>(row.numbers[i]);
+        return Status{};
+      },
+      [] { return true; });
+  NpzFile out;
+  if (status.ok()) status = out.open(output);
+  if (!status.ok()) return status;
+  status = write_npz(kind, rows, out);
+  if (status.ok()) status = out.close();
+  if (!status.ok()) out.discard();
+  return status;
 }
 
 }  // namespace
 
-Status export_views(RecordingReader& reader, MessageKind kind, const ExportOptions& options,
+Status export_views(Readers readers, MessageKind kind, const ExportOptions& options,
                     const std::string& output) try {
+  assert(!readers.empty());
   const bool poses = kind == MessageKind::pose;
-  if (poses ? !reader.info().has_poses : !reader.info().has_contacts)
-    return Status::error(reader.info().path + ": holds no " + (poses ? "posed hands" : "contact points") +
+  const RecordingInfo& info = readers[0].info();
+  if (options.step == 0) return Status::error("ticks: a step of 0 leads nowhere; 1 is every tick");
+  if (!options.columns.empty() || (poses && !options.segments.empty()))
+    return Status::error(std::string("columns can't be chosen of ") +
+                         (poses ? "posed hands, nor segments" : "contact points"));
+  if (poses ? !info.has_poses : !info.has_contacts)
+    return Status::error(info.path + ": holds no " + (poses ? "posed hands" : "contact points") +
                          "; record them with lumbrical run " +
                          (poses ? "--record-poses" : "--record-contacts") + " RATE");
-  if (options.format == ExportFormat::npz)
-    return Status::error("posed hands and contact points are written as csv or json");
-  TextOutput out;
-  if (Status status = out.open(output); !status.ok()) return status;
-  Status status = write_views(reader, kind, options, out);
-  if (status.ok()) status = out.close();
-  if (!status.ok()) out.discard();
-  return status;
+  return options.format == ExportFormat::npz ? export_npz(readers, kind, options, output)
+                                             : export_text(readers, kind, options, output);
 } catch (const std::bad_alloc&) {
   return Status::error(output + ": not enough memory to export the recording");
 }

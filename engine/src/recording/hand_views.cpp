@@ -111,8 +111,7 @@ void HandViewer::place(const TickRecord& record) {
   tick(model_, state, scratch_, record.device, given_of(record));
 }
 
-bool HandViewer::pose(const TickRecord& record, std::uint64_t time, FlatBufferBuilder& builder) {
-  place(record);
+bool HandViewer::pose(std::uint64_t time, FlatBufferBuilder& builder) {
   const Joints& joints = scratch_.primitives->joints;
   if (joints.valid == 0) return false;
   builder.Clear();
@@ -126,8 +125,7 @@ bool HandViewer::pose(const TickRecord& record, std::uint64_t time, FlatBufferBu
   return true;
 }
 
-void HandViewer::contacts(const TickRecord& record, std::uint64_t time, FlatBufferBuilder& builder) {
-  place(record);
+void HandViewer::contacts(std::uint64_t time, FlatBufferBuilder& builder) {
   std::vector<std::uint8_t> data;
   for (const Contact& contact : find_contacts(model_, scratch_)) {
     const Vec3 force = (model_.settings.stiffness * contact.volume) * contact.normal;

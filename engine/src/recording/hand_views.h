@@ -27,13 +27,14 @@ class HandViewer {
  public:
   /// On one thread, however many the session has.
   explicit HandViewer(const Model& model);
-  /// Clears the builder and leaves the message in it; false: the frame shows no hand that could be placed.
-  bool pose(const TickRecord& record, std::uint64_t time, flatbuffers::FlatBufferBuilder& builder);
+  /// Puts the hand where this tick had it: what the messages are of.
+  void place(const TickRecord& record);
+  /// Clears the builder and leaves the message in it; false: the frame showed no hand that could be placed.
+  bool pose(std::uint64_t time, flatbuffers::FlatBufferBuilder& builder);
   /// Likewise; without contacts the message has no points.
-  void contacts(const TickRecord& record, std::uint64_t time, flatbuffers::FlatBufferBuilder& builder);
+  void contacts(std::uint64_t time, flatbuffers::FlatBufferBuilder& builder);
 
  private:
-  void place(const TickRecord& record);
   Model model_;
   Scratch scratch_;
 };

@@ -24,6 +24,18 @@ void put(Bytes& out, std::string_view text) {
   for (const char c : text) out.push_back(static_cast<std::uint8_t>(c));
 }
 
+// What an archive says of an entry, before it and again in its directory.
+void put(Bytes& out, const ZipEntry& entry) {
+  put(out, kVersion, 2);
+  put(out, 0, 2);
+  put(out, kDeflated, 2);
+  put(out, kDate, 4);
+  put(out, entry.crc, 4);
+  put(out, entry.packed, 4);
+  put(out, entry.size, 4);
+  put(out, entry.name.size(), 2);
+}
+
 // What stands before an array's bytes, a multiple of 64 long.
 Bytes array_header(std::string_view type, std::size_t count) {
   std::string text = "{'descr': '" + std::string(type) + "', 'fortran_order': False, 'shape': (" +
@@ -68,7 +80,7 @@ Status NpzFile::add_bytes(std::string_view name, std::string_view type, std::siz
   const Bytes header = array_header(type, count);
   if (file_.size() + 2 * (header.size() + bytes.size()) > kMostBytes)
     return Status::error(path_ + ": would be larger than 4 GiB; export fewer ticks or columns");
-  Entry entry;
+  ZipEntry entry;
   entry.name = std::string(name) + ".npy";
   entry.offset = static_cast<std::uint32_t>(file_.size());
   entry.size = static_cast<std::uint32_t>(header.size() + bytes.size());
@@ -80,14 +92,7 @@ Status NpzFile::add_bytes(std::string_view name, std::string_view type, std::siz
 
   Bytes local;
   put(local, 0x04034b50, 4);
-  put(local, kVersion, 2);
-  put(local, 0, 2);
-  put(local, kDeflated, 2);
-  put(local, kDate, 4);
-  put(local, entry.crc, 4);
-  put(local, entry.packed, 4);
-  put(local, entry.size, 4);
-  put(local, entry.name.size(), 2);
+  put(local, entry);
   put(local, 0, 2);
   put(local, entry.name);
   Status status = file_.write(local);
@@ -118,17 +123,10 @@ Status NpzFile::add(std::string_view name, const std::vector<std::string>& texts
 
 Status NpzFile::close() {
   Bytes directory;
-  for (const Entry& entry : entries_) {
+  for (const ZipEntry& entry : entries_) {
     put(directory, 0x02014b50, 4);
     put(directory, kVersion, 2);
-    put(directory, kVersion, 2);
-    put(directory, 0, 2);
-    put(directory, kDeflated, 2);
-    put(directory, kDate, 4);
-    put(directory, entry.crc, 4);
-    put(directory, entry.packed, 4);
-    put(directory, entry.size, 4);
-    put(directory, entry.name.size(), 2);
+    put(directory, entry);
     put(directory, 0, 12);
     put(directory, entry.offset, 4);
     put(directory, entry.name);

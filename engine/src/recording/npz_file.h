@@ -11,6 +11,12 @@
 
 namespace lumbrical {
 
+/// A file in an archive; sizes and offset in bytes.
+struct ZipEntry {
+  std::string name;
+  std::uint32_t crc = 0, packed = 0, size = 0, offset = 0;
+};
+
 /// Writes arrays that numpy.load(path) reads by their names. The archive stays below 4 GiB, as ZIP without
 /// extensions does.
 class NpzFile {
@@ -25,16 +31,12 @@ class NpzFile {
   void discard() { file_.discard(); }
 
  private:
-  struct Entry {
-    std::string name;
-    std::uint32_t crc = 0, packed = 0, size = 0, offset = 0;
-  };
   Status add_bytes(std::string_view name, std::string_view type, std::size_t count,
                    std::span<const std::uint8_t> bytes);
 
   std::string path_;
   OutputFile file_;
-  std::vector<Entry> entries_;
+  std::vector<ZipEntry> entries_;
 };
 
 }  // namespace lumbrical

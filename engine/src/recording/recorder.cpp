@@ -169,10 +169,13 @@ Status Recorder::Writer::write_views(const TickRecord& record) {
                         {builder.GetBufferPointer(), builder.GetSize()},
                         channel_number(channels, sides, kind, record.hand));
   };
-  if (is_due(pose_interval) && viewers[record.hand].pose(record, time, builder))
+  if (!is_due(pose_interval) && !is_due(contact_interval)) return {};
+  HandViewer& viewer = viewers[record.hand];
+  viewer.place(record);
+  if (is_due(pose_interval) && viewer.pose(time, builder))
     if (Status status = put(MessageKind::pose); !status.ok()) return status;
   if (!is_due(contact_interval)) return {};
-  viewers[record.hand].contacts(record, time, builder);
+  viewer.contacts(time, builder);
   return put(MessageKind::contacts);
 }
 

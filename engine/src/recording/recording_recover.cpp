@@ -236,11 +236,11 @@ bool Recovery::are_ticks(std::uint64_t start_time, std::uint64_t end_time) const
 }
 
 void Recovery::expect(std::uint64_t start_time, std::uint64_t end_time) {
+  const std::uint64_t first = tick_at(start_time, scene_.settings.rate),
+                      last = tick_at(end_time, scene_.settings.rate);
   for (KnownTicks& ticks : ticks_) {
-    ticks.first_known = std::min(ticks.first_known.value_or(tick_at(start_time, scene_.settings.rate)),
-                                 tick_at(start_time, scene_.settings.rate));
-    ticks.last_known = std::max(ticks.last_known.value_or(tick_at(end_time, scene_.settings.rate)),
-                                tick_at(end_time, scene_.settings.rate));
+    ticks.first_known = std::min(ticks.first_known.value_or(first), first);
+    ticks.last_known = std::max(ticks.last_known.value_or(last), last);
   }
 }
 
