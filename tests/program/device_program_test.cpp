@@ -106,10 +106,11 @@ TEST(DeviceProgram, ClosesTheLoopAndRecordsIt) {
             std::string::npos);
 }
 
+// However late a busy machine lets the touch begin: the sensors break in it, and not before.
 TEST(DeviceProgram, AnglesThatCannotBeLetForcesFadeAndAreFlaggedInTheRecording) {
   const auto folder = fresh_folder();
   write_inputs(folder);
-  const Outcome outcome = shell(with_device("--tcp 0 --sensor-fault out-of-range --fault-after 2.5",
+  const Outcome outcome = shell(with_device("--tcp 0 --sensor-fault out-of-range --fault-after 0.3",
                                             kRun + "--ticks 300 --record session.mcap --json"),
                                 folder);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
@@ -127,7 +128,8 @@ TEST(DeviceProgram, AnglesThatCannotBeLetForcesFadeAndAreFlaggedInTheRecording) 
     if (flagged) {
       EXPECT_NE(record.device.flags & kTrackingLost, 0u);
     }
-    last = norm(record.output.segment[3].force) + norm(record.output.segment[4].force);
+    last = 0;
+    for (const Wrench& wrench : record.output.segment) last += norm(wrench.force);
     force_before = force_before || (!flagged && last > 0);
   }
   EXPECT_TRUE(force_before && flagged);

@@ -21,7 +21,8 @@ namespace {
 struct SimOptions {
   std::string profile, tcp, rtu, line, scene;
   std::uint32_t baud = 115200;
-  double seconds = 0, delay = 0, jitter = 0, fault_after = 0;
+  double seconds = 0, delay = 0, jitter = 0;
+  std::optional<double> fault_after;  // [s] of touch; none: from the start
   std::string sensor_fault = "none";
   SimulationOptions simulation;
   bool json = false;
@@ -136,12 +137,16 @@ int simulate(SimOptions options) {
   const RealTime real_time = enter_real_time(kPriority, Pinning::none);
   WornDevice worn;
   const SensorFault fault = sensor_fault_of(options.sensor_fault);
+  std::optional<double> fault_at;  // [s] of the device
+  if (!options.fault_after) fault_at = 0;
   server.serve(
       device, faults,
       [&] { return ending != 0 || (options.seconds > 0 && device.time() >= options.seconds); },
       [&](SimulatedDevice& now) {
-        if (now.time() >= options.fault_after) now.break_sensors(fault);
         look(now, worn);
+        const bool felt = worn.torque != JointArray{};
+        if (felt && !fault_at) fault_at = now.time() + *options.fault_after;
+        if (fault_at && now.time() >= *fault_at) now.break_sensors(fault);
       });
   leave_real_time(real_time);
   server.close();
@@ -187,7 +192,9 @@ void add_sim_device(Command& app, int& exit_code) {
       ->add_option("--sensor-fault", options->sensor_fault, "What its angles say in the place of the truth")
       ->check(one_of({"none", "stuck", "jumping", "out-of-range"}))
       ->capture_default_str();
-  command->add_option("--fault-after", options->fault_after, "When that begins [s]")
+  command
+      ->add_option("--fault-after", options->fault_after,
+                   "When that begins: after the first torque [s]; without, from the start")
       ->check(number_in(0, 1e9));
   command->add_flag("--json", options->json, "Print one JSON object at the end");
   command->callback([options, &exit_code] { exit_code = simulate(*options); });
