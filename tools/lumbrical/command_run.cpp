@@ -85,16 +85,21 @@ std::string execution_text(const Execution& execution) {
          ", " + std::to_string(execution.threads) + " thread(s)";
 }
 
+// Of two hands each by itself: what one touches costs the other nothing.
 int run_comparison(const RunOptions& options, const SceneFile& scene_file) {
-  if (scene_file.second)
-    return fail("--compare-precision compares one hand; choose one by --side left or --side right");
   double seconds = scene_file.seconds;
   if (options.ticks) seconds = static_cast<double>(*options.ticks) / scene_file.scene.settings.rate;
-  PrecisionComparison comparison;
-  const Status status =
-      compare_precision(scene_file.scene, scene_file.execution, scene_file.motion, seconds, comparison);
-  return status.ok() ? print_comparison(comparison, options.json)
-                     : fail(options.scene + ": " + status.message());
+  std::vector<HandComparison> hands;
+  const auto compare = [&](const Hand& hand, const Motion& motion) {
+    Scene scene = scene_file.scene;
+    scene.hand = hand;
+    HandComparison& added = hands.emplace_back();
+    added.side = hand.side;
+    return compare_precision(scene, scene_file.execution, motion, seconds, added.comparison);
+  };
+  Status status = compare(scene_file.scene.hand, scene_file.motion);
+  if (status.ok() && scene_file.second) status = compare(scene_file.second->hand, scene_file.second->motion);
+  return status.ok() ? print_comparison(hands, options.json) : fail(options.scene + ": " + status.message());
 }
 
 // A hand without a contact is most often a motion that passes by, or a wrong unit.
