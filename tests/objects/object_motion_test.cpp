@@ -19,6 +19,29 @@ Mesh cube(double size, std::uint32_t cells = 2) { return make_box({size, size, s
 // No finger anywhere.
 DeviceFrame no_hand() { return test::frame_of({{{0, 0, 10}}}); }
 
+TEST(ObjectMotion, ContactsOfAnObjectAreThoseOfTheSameMeshInTheWorld) {
+  const Pose pose{{0.01, 0.02, 0.03}, normalized({1, 0.3, 0.1, 0.2})};
+  Scene apart = test::pad_scene(), world = apart;
+  apart.objects.push_back(test::object_of("sphere", make_sphere(0.03, 12), pose, {0.5, 0.5, 0, 1000}));
+  world.objects.push_back({"sphere", make_sphere(0.03, 12)});
+  place_mesh(pose, world.objects[0].mesh);
+  Session own(apart), same(world);
+  const DeviceFrame frame = test::frame_of({{pose.position + Vec3{0, 0, 0.035}, {0, 0, 1}}});
+  own.step(frame);
+  tick(same.model, same.state, same.scratch, frame);
+  const std::span<const Contact> expected = find_contacts(same.model, same.scratch);
+  EXPECT_TRUE(find_contacts(own.model, own.scratch).empty());
+  const std::span<const Contact> found = find_contacts(own.model, own.scratch, 0);
+  ASSERT_EQ(found.size(), expected.size());
+  ASSERT_GT(found.size(), 10u);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_EQ(found[i].triangle, expected[i].triangle);
+    EXPECT_NEAR(found[i].volume, expected[i].volume, 1e-18);
+    EXPECT_NEAR(found[i].depth, expected[i].depth, 1e-12);
+    EXPECT_LT(norm(transform(pose, found[i].centroid) - expected[i].centroid), 1e-9);
+  }
+}
+
 TEST(ObjectMotion, AFreeBodyFallsAsGalileoSays) {
   Scene scene = test::pad_scene();
   scene.objects.push_back(test::body_of("box", cube(0.05), 0.2, {{0, 0, 1}, {}}, {}));

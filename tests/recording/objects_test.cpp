@@ -3,11 +3,15 @@
 
 #include <cmath>
 
+#include "pads.h"
+#include "recording/state_message.h"
 #include "recording_fixture.h"
 #include "session.h"
 
 namespace lumbrical {
 namespace {
+
+using test::Session;
 
 constexpr double kRate = 500;
 constexpr std::uint64_t kTicks = 600;
@@ -49,7 +53,7 @@ std::string recorded_session() {
     take_objects(scratch, record);
     record.stage_hash = scratch.stage_hash;
     record.state_hash = hash_state(state);
-    EXPECT_TRUE(recorder.record(record));
+    EXPECT_TRUE(recorder.record(record, &state));
   }
   EXPECT_TRUE(recorder.close().ok());
   return path;
@@ -101,6 +105,35 @@ TEST(RecordedObjects, AreReadBackAsTheyWere) {
     highest = std::max(highest, record.object[1].pose.position.z);
   }
   EXPECT_GT(highest, 0.02);  // it was lifted
+}
+
+// Whoever looks at a tick amid a session goes on from the last state before it; the viewer's test does.
+TEST(RecordedObjects, StateIsKeptBesideItsTickAndKnownByItsHash) {
+  Scene scene = scene_of_objects();
+  scene.settings.proxy_stiffness = 1000;
+  Session run(scene);
+  const Motion motion = make_grasp(scene.hand, 0.037, 0.095, 1.2, 0.03);
+  TickRecord record;
+  for (std::uint64_t i = 0; i < 300; ++i) {
+    record.device = resample(motion, static_cast<double>(i) / kRate);
+    const ObjectFrame given = frame_at(i);
+    run.step(record.device, {&given, 1});
+  }
+  record.output = run.output;
+  record.state_hash = hash_state(run.state);
+  flatbuffers::FlatBufferBuilder builder;
+  const auto encoded = [&] {
+    encode_tick(record, true, input_check_of(record), builder, encode_state(run.state));
+    return std::span<const std::uint8_t>(builder.GetBufferPointer(), builder.GetSize());
+  };
+  std::optional<State> after;
+  ASSERT_TRUE(decode_state_after(encoded(), after).ok());
+  ASSERT_TRUE(after.has_value());
+  EXPECT_EQ(hash_state(*after), record.state_hash);
+  EXPECT_TRUE(after->proxy.has_value());
+  record.state_hash ^= 1;
+  EXPECT_FALSE(decode_state_after(encoded(), after).ok());
+  EXPECT_FALSE(after.has_value());
 }
 
 TEST(RecordedObjects, ThatAreChangedAreNoticed) {

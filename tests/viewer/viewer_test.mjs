@@ -114,6 +114,8 @@ test("An object that moves is drawn where it is felt, and tells where that is wh
     return Number(height?.[1]) > 60;
   }, null, kPatience);
   assert.match(await details(), /force of the hand on it\s+[1-9]/);
+  assert.match(await details(), /contacted triangles\s+[1-9]\d/);
+  assert.match(await details(), /replayed here\s+the same bits/);
   await shot("lifted");
 });
 

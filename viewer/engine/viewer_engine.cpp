@@ -30,6 +30,7 @@ namespace {
 std::vector<std::uint8_t> in, out;
 Model model;
 State initial_state, state;
+bool is_known = true;  // `state` is the session's, not a guess amid it
 Scratch scratch;
 TickRecord record;
 
@@ -70,10 +71,17 @@ Status run_tick(std::span<const std::uint8_t> bytes) {
   if (recorded != state.tick)
     return Status::error("tick " + std::to_string(recorded) + " came where tick " +
                          std::to_string(state.tick) + " was due");
-  // Amid a session objects are where they were recorded; what skin remembered of them is not known.
-  for (std::size_t i = 0; i < state.objects.size() && i < record.object_count; ++i)
+  // Amid a session objects are where they were recorded; what else is carried from tick to tick is known from
+  // the first tick on that has it beside it.
+  for (std::size_t i = 0; !is_known && i < state.objects.size() && i < record.object_count; ++i)
     state.objects[i].pose = record.object[i].pose;
   record.output = tick(model, state, scratch, record.device, given_of(record));
+  std::optional<State> after;
+  if (Status status = decode_state_after(bytes, after); !status.ok()) return status;
+  if (!is_known && after && after->objects.size() == model.apart.size()) {
+    state = std::move(*after);
+    is_known = true;
+  }
   return {};
 }
 
@@ -109,12 +117,22 @@ std::vector<fb::Phalanx> phalanges(const Primitives& hand) {
   return result;
 }
 
-std::vector<fb::Contact> contacts(const Primitives& hand) {
+void add_contacts(std::span<const Contact> from, const Primitives& hand, const Pose& X_WO,
+                  std::uint32_t object, std::vector<fb::Contact>& to) {
+  for (const Contact& contact : from) {
+    to.emplace_back(contact.primitive, hand.primitive[contact.primitive].segment, contact.triangle,
+                    contact.depth, contact.area, contact.volume, contact.error,
+                    to_fb(transform(X_WO, contact.centroid)), to_fb(transform(X_WO, contact.centre)),
+                    to_fb(rotate(X_WO.orientation, contact.normal)), object);
+  }
+}
+
+std::vector<fb::Contact> contacts() {
   std::vector<fb::Contact> result;
-  for (const Contact& contact : find_contacts(model, scratch)) {
-    result.emplace_back(contact.primitive, hand.primitive[contact.primitive].segment, contact.triangle,
-                        contact_depth(model, scratch, contact), contact.area, contact.volume, contact.error,
-                        to_fb(contact.centroid), to_fb(contact.centre), to_fb(contact.normal));
+  add_contacts(find_contacts(model, scratch), *scratch.primitives, {}, 0, result);
+  for (std::uint32_t i = 0; i < model.apart.size(); ++i) {
+    const std::span<const Contact> found = find_contacts(model, scratch, i);
+    add_contacts(found, *scratch.apart->primitives, scratch.object_output[i].pose, i + 1, result);
   }
   return result;
 }
@@ -131,7 +149,7 @@ std::vector<fb::SegmentOutput> segments(const HandForces& forces) {
 
 void answer_view() {
   const std::string_view differs = first_difference();  // before the hash of stages is of other contacts
-  const auto found = contacts(*scratch.primitives);
+  const auto found = contacts();
   const Primitives& hand = *scratch.primitives;
   // A tick that has no need of the palm does not place it.
   const SweptPolygon palm =
@@ -219,6 +237,7 @@ bool open_recording(std::uint32_t session_size, std::uint32_t state_size, std::u
 /// The next message is that of this tick: with the state the file begins with where it is the file's first.
 PAGE_MAY_CALL(begin) void begin_at(std::uint32_t tick, bool first) {
   state = first ? initial_state : make_state(model);
+  is_known = first;
   state.tick = tick;
 }
 

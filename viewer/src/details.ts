@@ -58,7 +58,7 @@ export function triangleRows(triangle: number, frame: Frame, world: World): Rows
   const rows: Rows = [["object", objectOf(triangle, world)], ["triangle", `${triangle}`]];
   for (let corner = 0; corner < 3; ++corner)
     rows.push([`corner ${"abc"[corner]}`, millimetres(new Vector3().fromArray(world.positions, 9 * triangle + 3 * corner))]);
-  const touched = frame.contacts.filter((contact) => contact.triangle === triangle);
+  const touched = frame.contacts.filter((contact) => contact.object === 0 && contact.triangle === triangle);
   if (touched.length === 0) rows.push(["contact", "none in this tick"]);
   for (const contact of touched) {
     rows.push(
@@ -75,6 +75,7 @@ export function triangleRows(triangle: number, frame: Frame, world: World): Rows
 }
 
 export function objectRows(object: number, frame: Frame, world: World): Rows {
+  const own = frame.contacts.filter((contact) => contact.object === object + 1);
   const rows: Rows = [["object", world.apart[object].name]];
   const told = frame.objects[object];
   if (!told) return rows;
@@ -84,6 +85,7 @@ export function objectRows(object: number, frame: Frame, world: World): Rows {
     ["turned by", `${brief((360 / Math.PI) * Math.atan2(Math.hypot(x, y, z), Math.abs(w)))}°`],
     ["force of the hand on it", newtons(told.force)],
     ["torque about its origin", torque(told.torque)],
+    ["contacted triangles", `${own.length}`],
   );
   if (told.coordinate !== 0) rows.push(["joint at", `${brief(told.coordinate)} rad or m`]);
   return rows;
@@ -117,6 +119,6 @@ export function tipText(pick: Pick, frame: Frame, world: World): string {
   if (pick.kind === "torque") return `${jointOf(pick.segment)} joint: ${brief(1e3 * frame.jointTorques[pick.segment].length())} N mm`;
   if (pick.kind === "segment") return kSegments[pick.segment];
   if (pick.kind === "object") return `${world.apart[pick.object].name}: ${brief(frame.objects[pick.object]?.force.length() ?? 0)} N`;
-  const contact = frame.contacts.find((one) => one.triangle === pick.triangle);
+  const contact = frame.contacts.find((one) => one.object === 0 && one.triangle === pick.triangle);
   return contact ? `${objectOf(pick.triangle, world)}, triangle ${pick.triangle}: ${brief(pressureOf(contact, world) / 1e3)} kPa` : "";
 }

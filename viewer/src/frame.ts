@@ -17,6 +17,7 @@ export interface Hull {
 
 export interface ContactRecord {
   segment: number;
+  object: number;  // 0: of what stands still, else World.apart[object - 1], whose triangle it is
   triangle: number;
   depth: number;
   area: number;
@@ -141,6 +142,7 @@ function readContacts(view: TickView): ContactRecord[] {
     const contact = view.contacts(i)!;
     return {
       segment: contact.segment(),
+      object: contact.object(),
       triangle: contact.triangle(),
       depth: contact.depth(),
       area: contact.area(),

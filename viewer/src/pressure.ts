@@ -97,12 +97,17 @@ export function makePressure() {
   function update(frame: Frame, world: World, origin: Vector3, top: number) {
     const [position, pressure, segment] = ["position", "pressure", "segment"].map(
       (name) => geometry.getAttribute(name) as BufferAttribute);
-    const shift = [origin.x, origin.y, origin.z];
+    const place = new Vector3();
     const count = Math.min(frame.contacts.length, kMostTriangles);
     for (let i = 0; i < count; ++i) {
       const contact = frame.contacts[i];
-      for (let k = 0; k < 9; ++k)
-        position.array[9 * i + k] = world.positions[9 * contact.triangle + k] - shift[k % 3];
+      const pose = frame.objects[contact.object - 1]?.pose;
+      const positions = contact.object > 0 ? world.apart[contact.object - 1].positions : world.positions;
+      for (let corner = 0; corner < 3; ++corner) {
+        place.fromArray(positions, 9 * contact.triangle + 3 * corner);
+        if (pose) place.applyQuaternion(pose.orientation).add(pose.position);
+        place.sub(origin).toArray(position.array, 9 * i + 3 * corner);
+      }
       for (let corner = 0; corner < 3; ++corner) {
         pressure.array[3 * i + corner] = pressureOf(contact, world);
         segment.array[3 * i + corner] = contact.segment;

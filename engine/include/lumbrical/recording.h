@@ -94,7 +94,9 @@ class Recorder {
   /// Hands over one tick; no allocation or system call while the ring has room. False: not kept (ring full in
   /// live mode, tick number not above the hand's last one or below the other's, device.kind out of range, or
   /// the writer failed: see close()).
-  bool record(const TickRecord& record) noexcept;
+  /// `after` is the State it left. With objects or a proxy every 250th is kept beside its tick: whoever looks
+  /// at a tick amid the session begins there. That allocates until the first sixteen are kept.
+  bool record(const TickRecord& record, const State* after = nullptr) noexcept;
   /// The error that ended the recording, as soon as the writer has met it (disk full, say); from then on
   /// record() keeps nothing. For the thread that calls record().
   [[nodiscard]] Status failure() const;

@@ -101,6 +101,10 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
 /// that tick's frame could not be trusted, or where there are more pairs than Settings::max_candidates.
 std::span<const Contact> find_contacts(const Model& model, Scratch& scratch);
 
+/// The same of one of Model::apart, in its frame O, which stood at ObjectOutput::pose; Contact::triangle
+/// counts its own. Until the next call.
+std::span<const Contact> find_contacts(const Model& model, Scratch& scratch, std::size_t object);
+
 /// [m] Contact::depth of a contact of the last tick, worked out now where the tick had no need of it.
 double contact_depth(const Model& model, const Scratch& scratch, const Contact& contact);
 

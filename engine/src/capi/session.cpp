@@ -34,7 +34,7 @@ Fault keep(lumbrical_session& session) {
   take_objects(session.scratch, record);
   record.stage_hash = session.scratch.stage_hash;
   record.state_hash = hash_state(session.state);
-  if (session.recorder->record(record) || session.recorder->failure().ok()) return {};
+  if (session.recorder->record(record, &session.state) || session.recorder->failure().ok()) return {};
   return {session.recorder->failure(), LUMBRICAL_NOT_RECORDED};
 }
 

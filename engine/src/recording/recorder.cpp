@@ -36,6 +36,18 @@ constexpr auto kFullRingNap = 200us;
 constexpr auto kLongestOpen = 240ms;
 constexpr std::uint32_t kLargestRing = 1u << 18;
 
+// Ticks between the states that are kept, and how many may wait for the writer.
+constexpr std::uint64_t kStateInterval = 250;
+constexpr std::uint32_t kStateRing = 16;
+
+/// A state and whose it is.
+struct KeptState {
+  State state;
+  std::uint8_t hand = 0;
+};
+
+bool reaches_back(const State& state) { return !state.objects.empty() || state.proxy.has_value(); }
+
 // All of a record but the empty places of its lists, which are most of it.
 void copy_record(const TickRecord& from, TickRecord& to) {
   to.device = from.device;
@@ -110,13 +122,17 @@ struct Recorder::Writer {
   void stop();
   Status write(const TickRecord& record);
   Status write_views(const TickRecord& record);
+  std::vector<std::uint8_t> state_after(const TickRecord& record);
+  template <class T>
+  T* place_in(Ring<T>& of) noexcept;
   Status flush_in_time();
   [[nodiscard]] bool keeps_forces(const TickRecord& record) const {
     return record.has_forces && force_interval > 0 && record.output.tick % force_interval == 0;
   }
 
   Ring<TickRecord> ring;
-  double period = 0;  // [ns]
+  Ring<KeptState> states{kStateRing};  // of ticks in `ring`, put there first
+  double period = 0;                   // [ns]
   bool wait_when_full = true;
   std::uint32_t force_interval = 1;
   std::chrono::duration<double> sync_interval{};
@@ -179,9 +195,18 @@ Status Recorder::Writer::write_views(const TickRecord& record) {
   return put(MessageKind::contacts);
 }
 
+// The message of the state that was kept of this tick, if one was.
+std::vector<std::uint8_t> Recorder::Writer::state_after(const TickRecord& record) {
+  const KeptState* const kept = states.front();
+  if (kept == nullptr || kept->hand != record.hand || kept->state.tick != record.output.tick + 1) return {};
+  std::vector<std::uint8_t> bytes = encode_state(kept->state);
+  states.pop();
+  return bytes;
+}
+
 Status Recorder::Writer::write(const TickRecord& record) {
   if (Status status = write_views(record); !status.ok()) return status;
-  encode_tick(record, keeps_forces(record), input_check_of(record), builder);
+  encode_tick(record, keeps_forces(record), input_check_of(record), builder, state_after(record));
   const std::uint64_t tick = record.output.tick;
   // The sequence number is the tick's, so that any MCAP tool shows a gap as a gap.
   return mcap.message(tick_time(tick, period), static_cast<std::uint32_t>(tick),
@@ -282,7 +307,19 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   return Status::error(path + ": not enough memory to record; use a smaller ring or scene");
 }
 
-bool Recorder::record(const TickRecord& record) noexcept {
+// Null where there is no room and it is not waited for.
+template <class T>
+T* Recorder::Writer::place_in(Ring<T>& of) noexcept {
+  T* slot = of.claim();
+  while (slot == nullptr) {
+    if (!wait_when_full || failed.load(std::memory_order_acquire)) return nullptr;
+    std::this_thread::sleep_for(kFullRingNap);
+    slot = of.claim();
+  }
+  return slot;
+}
+
+bool Recorder::record(const TickRecord& record, const State* after) noexcept {
   if (!writer_ || writer_->failed.load(std::memory_order_acquire)) return false;
   const std::uint64_t tick = record.output.tick;
   if (record.hand >= writer_->sides.size()) return false;
@@ -291,11 +328,17 @@ bool Recorder::record(const TickRecord& record) noexcept {
   if ((last_tick && tick <= *last_tick) || (other && tick < *other)) return false;
   if (record.device.kind > InputKind::joint_angles) return false;
 
-  TickRecord* slot = writer_->ring.claim();
-  while (slot == nullptr) {
-    if (!writer_->wait_when_full || writer_->failed.load(std::memory_order_acquire)) return false;
-    std::this_thread::sleep_for(kFullRingNap);
-    slot = writer_->ring.claim();
+  TickRecord* const slot = writer_->place_in(writer_->ring);
+  if (slot == nullptr) return false;
+  const bool keeps_state = after != nullptr && after->tick == tick + 1 && tick % kStateInterval == 0;
+  if (keeps_state && reaches_back(*after)) {
+    try {
+      if (KeptState* const kept = writer_->place_in(writer_->states)) {
+        *kept = {*after, record.hand};
+        writer_->states.publish();
+      }
+    } catch (const std::bad_alloc&) {  // then this one is not kept
+    }
   }
   copy_record(record, *slot);
   writer_->ring.publish();

@@ -105,6 +105,9 @@ Status Verification::check_tick(const Message& message, std::optional<Side> side
   InputCheck check;
   if (Status status = decode_tick(message.data, record, check); !status.ok())
     return file_.broken(at, status.message());
+  std::optional<State> after;
+  if (Status status = decode_state_after(message.data, after); !status.ok())
+    return file_.broken(at, status.message());
   const std::uint64_t tick = record.output.tick;
   // A lone hand's channel needs no side in its topic.
   const auto next = next_tick_.size() > 1 && side ? next_tick_.find(*side) : next_tick_.begin();

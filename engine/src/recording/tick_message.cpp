@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "recording/message_alignment.h"
+#include "recording/state_message.h"
 #include "recording_bfbs_generated.h"
 #include "recording_generated.h"
 
@@ -156,7 +157,7 @@ std::span<const std::uint8_t> tick_schema() {
 }
 
 void encode_tick(const TickRecord& record, bool keep_forces, const InputCheck& check,
-                 flatbuffers::FlatBufferBuilder& builder) {
+                 flatbuffers::FlatBufferBuilder& builder, std::span<const std::uint8_t> after) {
   builder.Clear();
   const DeviceFrame& device = record.device;
   flatbuffers::Offset<flatbuffers::Vector<const fb::JointPose*>> joints;
@@ -183,6 +184,8 @@ void encode_tick(const TickRecord& record, bool keep_forces, const InputCheck& c
 
   const auto given = to_rows<fb::Pose>(given_of(record), builder);
   const auto objects = to_rows<fb::ObjectOutput>(objects_of(record), builder);
+  flatbuffers::Offset<flatbuffers::Vector<std::uint8_t>> state;
+  if (!after.empty()) state = builder.CreateVector(after.data(), after.size());
 
   const auto base = std::bit_cast<fb::Pose>(device.base);
   const auto& hash = record.stage_hash;
@@ -198,18 +201,41 @@ void encode_tick(const TickRecord& record, bool keep_forces, const InputCheck& c
                                 angles, record.output.flags, record.output.contact_count, outputs, &hashes,
                                 record.state_hash, &input_check, record.output.force_error, sent,
                                 !keep_forces, record.output.error_estimate, record.output.evaluations,
-                                record.timing ? &timing : nullptr, given, objects));
+                                record.timing ? &timing : nullptr, given, objects, state));
 }
 
-Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, InputCheck& check) {
-  // Messages stand anywhere in a chunk; FlatBuffers reads its numbers in place and wants them aligned.
-  std::vector<std::uint64_t> aligned((bytes.size() + 7) / 8);
+namespace {
+
+// Messages stand anywhere in a chunk; FlatBuffers reads its numbers in place and wants them aligned.
+const fb::Tick* verified_tick(std::span<const std::uint8_t> bytes, std::vector<std::uint64_t>& aligned) {
+  aligned.assign((bytes.size() + 7) / 8, 0);
   if (!bytes.empty()) std::memcpy(aligned.data(), bytes.data(), bytes.size());
   const auto* const data = reinterpret_cast<const std::uint8_t*>(aligned.data());
   flatbuffers::Verifier verifier(data, bytes.size());
-  if (!verifier.VerifyBuffer<fb::Tick>(nullptr))
-    return Status::error("the tick message does not fit its schema");
-  const fb::Tick& message = *flatbuffers::GetRoot<fb::Tick>(data);
+  return verifier.VerifyBuffer<fb::Tick>(nullptr) ? flatbuffers::GetRoot<fb::Tick>(data) : nullptr;
+}
+
+}  // namespace
+
+Status decode_state_after(std::span<const std::uint8_t> bytes, std::optional<State>& after) {
+  after.reset();
+  std::vector<std::uint64_t> aligned;
+  const fb::Tick* const message = verified_tick(bytes, aligned);
+  if (message == nullptr || message->after() == nullptr) return {};
+  State state;
+  if (Status status = decode_state({message->after()->data(), message->after()->size()}, state); !status.ok())
+    return status;
+  if (hash_state(state) != message->state_hash())
+    return Status::error("the state kept beside the tick is not the one it left");
+  after = std::move(state);
+  return {};
+}
+
+Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, InputCheck& check) {
+  std::vector<std::uint64_t> aligned;
+  const fb::Tick* const verified = verified_tick(bytes, aligned);
+  if (verified == nullptr) return Status::error("the tick message does not fit its schema");
+  const fb::Tick& message = *verified;
 
   if (Status status = decode_device(message, record.device); !status.ok()) return status;
   if (Status status = decode_output(message, record.output); !status.ok()) return status;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "lumbrical/recording.h"
@@ -18,9 +19,14 @@ inline constexpr const char* kTickSchemaName = "lumbrical.fb.Tick";
 std::span<const std::uint8_t> tick_schema();
 
 /// Clears the builder and leaves the finished message in it. Segments without any output and joints or angles
-/// that hold their defaults take no room, nor do the forces of a tick that is not to keep them.
+/// that hold their defaults take no room, nor do the forces of a tick that is not to keep them. `after` is
+/// the state message of the state it left, or empty.
 void encode_tick(const TickRecord& record, bool keep_forces, const InputCheck& check,
-                 flatbuffers::FlatBufferBuilder& builder);
+                 flatbuffers::FlatBufferBuilder& builder, std::span<const std::uint8_t> after = {});
+
+/// The state that a message says its tick left; none where it says none. It is the one whose hash the message
+/// has, or an error.
+Status decode_state_after(std::span<const std::uint8_t> bytes, std::optional<State>& after);
 
 /// The error tells what is wrong, not where. `bytes` may come from anywhere and need no alignment.
 Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, InputCheck& check);

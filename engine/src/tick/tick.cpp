@@ -125,16 +125,44 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   return output;
 }
 
-std::span<const Contact> find_contacts(const Model& model, Scratch& scratch) {
-  const Primitives& hand = *scratch.primitives;
-  if (sampled_segments(model) != 0 && hand.count > 0) {
-    const FloatingPointGuard guard;
-    if (!find_candidates(model, hand, scratch)) scratch.candidate_count = 0;
-    find_all_contacts(model, scratch);
-  }
+namespace {
+
+// Contacts of the hand that is placed in `scratch`, by the exact rung.
+void find_exact_contacts(const Model& model, Scratch& scratch) {
+  if (!find_candidates(model, *scratch.primitives, scratch)) scratch.candidate_count = 0;
+  find_all_contacts(model, scratch);
+}
+
+std::span<const Contact> with_depths(const Model& model, Scratch& scratch) {
   for (std::uint32_t i = 0; i < scratch.contact_count; ++i)
     scratch.contacts[i].depth = contact_depth(model, scratch, scratch.contacts[i]);
   return {scratch.contacts.data(), scratch.contact_count};
+}
+
+}  // namespace
+
+std::span<const Contact> find_contacts(const Model& model, Scratch& scratch) {
+  if (sampled_segments(model) != 0 && scratch.primitives->count > 0) {
+    const FloatingPointGuard guard;
+    find_exact_contacts(model, scratch);
+  }
+  return with_depths(model, scratch);
+}
+
+std::span<const Contact> find_contacts(const Model& model, Scratch& scratch, std::size_t object) {
+  assert(object < model.apart.size() && scratch.apart && "make_scratch(model)");
+  const FloatingPointGuard guard;
+  const Model& shape = *model.apart[object].shape;
+  const Primitives& hand = *scratch.primitives;
+  Scratch& own = *scratch.apart;
+  Primitives& placed = *own.primitives;
+  placed.count = 0;
+  if (is_trusted(hand.flags)) {
+    place_hand(shape.hand, shape.settings, hand.joints, inverse(scratch.object_output[object].pose), placed);
+    if (may_meet(shape.hand, placed, shape.extent)) tile_hand(shape.hand, shape.settings, placed);
+  }
+  find_exact_contacts(shape, own);
+  return with_depths(shape, own);
 }
 
 double contact_depth(const Model& model, const Scratch& scratch, const Contact& contact) {
