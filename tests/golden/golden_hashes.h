@@ -32,7 +32,7 @@ inline constexpr GoldenHash kGolden[] = {
     {"samples.1e-4", 0x4d1d24dd592cae6a},
     {"samples.1e-5", 0x8c7286212545f89f},
     {"bent", 0xc00b90d647139697},
-    {"objects", 0xc2efad8feb3cc953},
+    {"objects", 0x148db35dc35ddb73},
     {"proxy", 0xa743d3b26d48bcf8},
     {"jacobians", 0x9d955d8cf77ad843},
     {"pairs", 0x767409ad08b40967},

@@ -79,6 +79,27 @@ TEST(Friction, ABlockThatSticksDoesNotCreep) {
 }
 
 // A fingertip pressed on a plane and turned about the normal until it slips.
+TEST(Friction, HoldsAMugBetweenThreeFingersForAMinute) {
+  Scene scene = test::pad_scene();
+  scene.settings.precision = every_segment(1e-4);
+  const MugShape shape;
+  scene.objects.push_back(test::body_of("mug", make_mug(shape), 0.2, {}, {0.8, 0.6, 0, 1000}));
+  Session run(scene);
+  std::vector<test::Pad> pads;
+  for (const double angle : {2.1, -2.1, 0.6}) {  // the handle is at angle 0
+    const Vec3 out{std::cos(angle), std::sin(angle), 0};
+    pads.push_back({(shape.radius + test::kPadRadius - 0.002) * out + Vec3{0, 0, 0.05}, out});
+  }
+  const DeviceFrame frame = test::frame_of(pads);
+  for (int i = 0; i < 1000; ++i) run.step(frame);  // the grip settles
+  const Pose before = run.state.objects[0].pose;
+  for (int i = 0; i < 59000; ++i) run.step(frame);
+  const Pose after = run.state.objects[0].pose;
+  EXPECT_LT(norm(after.position - before.position), 1e-4);
+  EXPECT_LT(test::angle_of(after.orientation * conjugate(before.orientation)), 0.1 * 3.14159 / 180);
+  EXPECT_GT(after.position.z, -0.004);  // skin gives way
+}
+
 TEST(Friction, ATwistedPadSlipsAtMuTimesTheMomentOfItsPressure) {
   const double mu = 0.7;
   for (const bool lying : {false, true}) {

@@ -64,12 +64,14 @@ Interval inside_of(const Outline& o) {
   return inside;
 }
 
-/// Integrals of phi over the plane: of itself, times u, and times the distance from a point.
+/// Integrals of phi over the plane: of itself, and times u.
 struct PlaneSums {
-  double volume = 0, first = 0, around = 0;
+  double volume = 0, first = 0;
 };
 
-void add_line(const Outline& o, double u, double weight, double about, PlaneSums& sums) {
+// Adds what lies across the axis at u: `add(part of the volume, v)` for each node on one side of it.
+template <class Add>
+void visit_line(const Outline& o, double u, double weight, const Add& add) {
   const double t = clamp(o.share_at(u), 0, 1);
   const double x = u - t * o.length, y = o.height1 + t * (o.height2 - o.height1);
   const double square = x * x + y * y, radius = o.radius1 + t * (o.radius2 - o.radius1);
@@ -77,36 +79,63 @@ void add_line(const Outline& o, double u, double weight, double about, PlaneSums
   const double half = std::sqrt(radius * radius - square);
   for (std::size_t j = 0; j < kNodeAcross.size(); ++j) {
     const double v = half * kNodeAcross[j], phi = radius - std::sqrt(square + v * v);
-    const double part = 2 * half * weight * kWeightAcross[j] * phi;
-    sums.volume += part;
-    sums.first += part * u;
-    sums.around += part * std::sqrt((u - about) * (u - about) + v * v);
+    add(2 * half * weight * kWeightAcross[j] * phi, v);
   }
 }
 
-void add_piece(const Outline& o, double from, double to, double about, PlaneSums& sums) {
-  if (!(to > from)) return;
-  for (std::size_t i = 0; i < kNodeAlong.size(); ++i)
-    add_line(o, from + (to - from) * kNodeAlong[i], (to - from) * kWeightAlong[i], about, sums);
-}
-
-PlaneSums sums_over(const Outline& o, double about = 0) {
-  PlaneSums sums;
+// Calls visit(from, to) for the pieces of the axis' shadow between which phi has kinks.
+template <class Visit>
+void visit_pieces(const Outline& o, const Visit& visit) {
   Interval inside = inside_of(o);
   std::array<double, 4> mark = {inside.low, inside.low, inside.high, inside.high};
-  if (o.length * o.length > 1e-6 * o.axis_square) {
+  const bool lies = o.length * o.length > 1e-6 * o.axis_square;
+  if (lies) {
     const double shift = o.height1 * (o.height2 - o.height1);
     mark[1] = clamp(shift / o.length, inside.low, inside.high);
     mark[2] = clamp((o.axis_square + shift) / o.length, inside.low, inside.high);
   }
+  if (!lies) {  // a sphere: phi has its kink above the centre
+    const double middle = 0.5 * (inside.low + inside.high);
+    if (middle > inside.low) visit(inside.low, middle);
+    if (inside.high > middle) visit(middle, inside.high);
+    return;
+  }
   for (std::size_t piece = 0; piece < 3; ++piece) {
     if ((piece == 0 && !o.open1) || (piece == 2 && !o.open2)) continue;
-    // The distance from a point has a kink there.
-    const double middle = clamp(about, mark[piece], mark[piece + 1]);
-    add_piece(o, mark[piece], middle, about, sums);
-    add_piece(o, middle, mark[piece + 1], about, sums);
+    if (mark[piece + 1] > mark[piece]) visit(mark[piece], mark[piece + 1]);
   }
+}
+
+PlaneSums sums_over(const Outline& o) {
+  PlaneSums sums;
+  visit_pieces(o, [&](double from, double to) {
+    for (std::size_t i = 0; i < kNodeAlong.size(); ++i) {
+      const double u = from + (to - from) * kNodeAlong[i];
+      visit_line(o, u, (to - from) * kWeightAlong[i], [&](double part, double) {
+        sums.volume += part;
+        sums.first += part * u;
+      });
+    }
+  });
   return sums;
+}
+
+// The integral of phi times the distance from the point `about`, where that has a kink.
+double moment_about(const Outline& o, double about) {
+  double sum = 0;
+  const auto add_piece = [&](double from, double to) {
+    for (std::size_t i = 0; to > from && i < kNodeAlong.size(); ++i) {
+      const double u = from + (to - from) * kNodeAlong[i], along = u - about;
+      visit_line(o, u, (to - from) * kWeightAlong[i],
+                 [&](double part, double v) { sum += part * std::sqrt(along * along + v * v); });
+    }
+  };
+  visit_pieces(o, [&](double from, double to) {
+    const double middle = clamp(about, from, to);
+    add_piece(from, middle);
+    add_piece(middle, to);
+  });
+  return sum;
 }
 
 Outline lowered(const Outline& o, double by) {
@@ -179,12 +208,12 @@ void take_phalanx(const Primitives& hand, std::size_t segment, double stiffness,
   const double deepest = min(height1, height2) - touch, volume = patch.force / stiffness;
   if (!(sums_over(lowered(outline, deepest)).volume > 0)) outline.open1 = outline.open2 = true;
   const double depth = depth_of_plane(outline, deepest, volume), step = 1e-3 * deepest;
-  const PlaneSums sums = sums_over(lowered(outline, depth));
-  const PlaneSums around = sums_over(lowered(outline, depth), sums.volume > 0 ? sums.first / sums.volume : 0);
+  const Outline pressed = lowered(outline, depth);
+  const PlaneSums sums = sums_over(pressed);
   const double ahead = sums_over(lowered(outline, depth + step)).volume,
                behind = sums_over(lowered(outline, depth - step)).volume;
   patch.centre += (touch + depth - dot(patch.normal, patch.centre)) * patch.normal;
-  patch.radius = around.volume > 0 ? around.around / around.volume : 0;
+  patch.radius = sums.volume > 0 ? moment_about(pressed, sums.first / sums.volume) / sums.volume : 0;
   patch.stiffness = max(0, stiffness * (ahead - behind) / (2 * step));
 }
 
