@@ -110,7 +110,8 @@ void tick_hand(double time, const SessionParts& parts, WorldPager& pager, Moving
 bool record_tick(MovingHand& moving, const SessionParts& parts, RunStatistics& statistics) {
   moving.record.stage_hash = moving.scratch.stage_hash;
   moving.record.state_hash = hash_state(moving.state);
-  static_cast<void>(parts.recorder->record(moving.record, &moving.state));  // what became of it, close() tells
+  static_cast<void>(
+      parts.recorder->record(moving.record, &moving.state));  // what became of it, close() tells
   if (statistics.recording_error.ok()) {
     statistics.recording_error = parts.recorder->failure();
     if (!statistics.recording_error.ok()) fail(statistics.recording_error);
