@@ -59,7 +59,7 @@ void keep(Session& self, const DeviceFrame& frame, const ActuatorFrame& output,
   take_objects(self.scratch, record);
   record.stage_hash = self.scratch.stage_hash;
   record.state_hash = hash_state(self.state);
-  if (!self.recorder->record(record)) {
+  if (!self.recorder->record(record, &self.state)) {
     const Status failure = self.recorder->failure();
     throw std::runtime_error(failure.ok() ? "a tick could not be recorded" : failure.message());
   }
