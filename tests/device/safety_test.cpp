@@ -212,24 +212,20 @@ TEST(Safety, EachGapBeforeAllIsBackHalvesThePaceAtWhichForcesComeBack) {
   Loop loop;
   loop.activate();
   const double pace = 0.1 * loop.inputs.dt / loop.profile.safety.soft_start;
-  for (const double slower : {1.0, 2.0, 4.0, 8.0, 8.0}) {
+  const auto back_in_50_steps_after_a_gap = [&loop] {
     loop.inputs.gap = 1;
     loop.step();
     loop.inputs.gap = 0;
     while (loop.memory.owed > 0 || loop.memory.settling > 0) loop.step();
     const double before = loop.output.command[0];
     loop.step(50);
-    EXPECT_NEAR(loop.output.command[0] - before, 50 * pace / slower, 1.1 * pace);
-  }
+    return loop.output.command[0] - before;
+  };
+  for (const double slower : {1.0, 2.0, 4.0, 8.0, 8.0})
+    EXPECT_NEAR(back_in_50_steps_after_a_gap(), 50 * pace / slower, 1.1 * pace);
   loop.step(10000);
   EXPECT_NEAR(loop.output.command[0], 0.1, 1e-12) << "all is back";
-  loop.inputs.gap = 1;
-  loop.step();
-  loop.inputs.gap = 0;
-  while (loop.memory.owed > 0 || loop.memory.settling > 0) loop.step();
-  const double before = loop.output.command[0];
-  loop.step(50);
-  EXPECT_NEAR(loop.output.command[0] - before, 50 * pace, 1.1 * pace) << "and forgotten";
+  EXPECT_NEAR(back_in_50_steps_after_a_gap(), 50 * pace, 1.1 * pace) << "and forgotten";
 }
 
 TEST(Safety, LetsGoForLateTicksNoFasterThanTheFadeAsksAndForAFaultAsFastAsItMay) {

@@ -119,9 +119,15 @@ Allowance allowance_of(double longest, const CoreGaps& gaps) {
   return allowed;
 }
 
-// The share of a move that no segment is taken too far by. Turns are not quite in proportion: so it is tried.
-double share_within(const Hand& hand, const Allowance& allowed, const HandMove& move, const Joints& tracked,
-                    const Joints& proxy) {
+/// Where a proxy gets to, and by how much of the move it wants.
+struct Reached {
+  double share = 1;
+  Joints joints;
+};
+
+// As far as no segment is taken too far. Turns are not quite in proportion: so it is tried.
+Reached reach_within(const Hand& hand, const Allowance& allowed, const HandMove& move, const Joints& tracked,
+                     const Joints& proxy) {
   double share = 1;
   for (int attempt = 0; attempt < 8; ++attempt) {
     const Joints there = moved(proxy, move, share, tracked);
@@ -130,10 +136,10 @@ double share_within(const Hand& hand, const Allowance& allowed, const HandMove& 
       const double way = distance_moved(hand, i, proxy, there);
       if (way > allowed[i]) part = min(part, allowed[i] / way);
     }
-    if (part == 1) return share;
+    if (part == 1) return {share, there};
     share *= 0.95 * part;
   }
-  return 0;
+  return {0, moved(proxy, move, 0, tracked)};
 }
 
 double thinnest(const Hand& hand) {
@@ -165,14 +171,14 @@ bool advance(const Model& model, const State& state, const Joints& tracked, Scra
     HandMove wanted = way_to(tracked, proxy);
     const bool shortened = shorten(stiffness, wanted);
     const HandMove move = pull(proxy, wanted, stiffness, all);
-    const double share = share_within(model.hand, allowance_of(longest, gaps), move, tracked, proxy);
+    const Reached reached = reach_within(model.hand, allowance_of(longest, gaps), move, tracked, proxy);
     pushing.clear();
     for (const Gap& gap : all) {
       if (gap.push > 0) pushing.push_back(gap);
     }
-    const bool arrives = share == 1 && !shortened && pushing.empty();
-    proxy = arrives ? tracked : moved(proxy, move, share, tracked);
-    if (arrives || (share == 1 && !pushing.empty())) break;
+    const bool arrives = reached.share == 1 && !shortened && pushing.empty();
+    proxy = arrives ? tracked : reached.joints;
+    if (arrives || (reached.share == 1 && !pushing.empty())) break;
   }
   return true;
 }
