@@ -6,9 +6,9 @@
 #include <deque>
 #include <optional>
 
+#include "loop/running_time.h"
 #include "lumbrical/tick.h"
 #include "modbus/exchange_words.h"
-#include "modbus/running_time.h"
 
 namespace lumbrical::bench {
 namespace {
@@ -72,10 +72,10 @@ class Arm {
   bool moved_ = false;
 };
 
-// What is between the ticks and the device.
-class Wire {
+// What is between the ticks and the device, in the time that pass() was last told.
+class SimulatedLink final : public DeviceLink {
  public:
-  Wire(const DeviceProfile& profile, const Bus& bus, double length, SimulatedDevice& device)
+  SimulatedLink(const DeviceProfile& profile, const Bus& bus, double length, SimulatedDevice& device)
       : profile_(profile),
         bus_(bus),
         length_(length),
@@ -84,18 +84,26 @@ class Wire {
         safety_(start_safety(profile)),
         running_{1 / bus.rate} {}
 
-  void publish(const DeviceCommand& command, std::int64_t now) {
+  [[nodiscard]] std::int64_t now() const noexcept override { return now_; }
+  void publish(const DeviceCommand& command) noexcept override {
     newest_ = command;
-    published_ = now;
+    published_ = now_;
   }
-  std::optional<DeviceFeedback> feedback() { return std::exchange(reply_, std::nullopt); }
-  std::optional<SentCommand> sent() { return std::exchange(told_, std::nullopt); }
+  bool feedback(DeviceFeedback& feedback) noexcept override {
+    if (reply_) feedback = *reply_;
+    return std::exchange(reply_, std::nullopt).has_value();
+  }
+  bool sent(SentCommand& command) noexcept override {
+    if (told_) command = *told_;
+    return std::exchange(told_, std::nullopt).has_value();
+  }
   bool arm = false;
   double largest_step = 0;
   std::uint64_t acting_tick = 0;  // of the command that acts
 
   // Sends, delivers, answers: whatever is due.
   void pass(std::int64_t now) {
+    now_ = now;
     if (waiting_ && now >= arrives_ && !delivered_) deliver();
     if (waiting_ && now >= answered_) take_reply();
     if (!waiting_ && now >= due()) send(now);
@@ -142,7 +150,7 @@ class Wire {
             max(largest_step, std::fabs(profile_.actuators[i].arm[j] * (output.command[i] - commanded_[i])));
     }
     commanded_ = output.command;
-    words_.write(profile_, output, newest_, static_cast<std::uint16_t>(++cycle_));
+    words_.write(profile_, {++cycle_, output, newest_});
     sending_ = {cycle_, newest_.tick, now, 0, 0, safety_.state, output.flags, 0, {}};
     asked_for_ = newest_.feedback_time;
     sent_at_ = now;
@@ -187,7 +195,7 @@ class Wire {
   std::optional<SentCommand> told_;
   SentCommand sending_;
   std::uint64_t cycle_ = 0, random_ = 1;
-  std::int64_t published_ = 0, stall_ = 0, sent_at_ = 0, next_ = 0, arrives_ = 0, answered_ = 0,
+  std::int64_t now_ = 0, published_ = 0, stall_ = 0, sent_at_ = 0, next_ = 0, arrives_ = 0, answered_ = 0,
                asked_for_ = 0;
   bool waiting_ = false, delivered_ = false;
 };
@@ -208,7 +216,7 @@ LoopFelt run_delayed(const Model& model, const Motion& motion, const DeviceProfi
   };
   SimulatedDevice device(truth, simulation);
   HapticLoop loop = start_loop(profile, wanted.options);
-  Wire wire(profile, wanted.bus, length, device);
+  SimulatedLink link(profile, wanted.bus, length, device);
   Arm arm(model.hand);
   State state;
   Scratch scratch = make_scratch(model);
@@ -220,29 +228,30 @@ LoopFelt run_delayed(const Model& model, const Motion& motion, const DeviceProfi
   for (std::int64_t now = kStep; now < end; now += kStep) {
     device.advance(seconds(kStep));
     look(device, worn);
-    wire.pass(now);
+    link.pass(now);
     if (now < next_tick) continue;
     next_tick += period;
     if (now >= begin && !loop.certified) {
       certify_loop(loop);
-      wire.arm = true;
+      link.arm = true;
     }
-    if (const auto sent = wire.sent()) note_exchange(*sent, loop);
-    if (const auto feedback = wire.feedback()) take_feedback(*feedback, loop);
-    DeviceFrame frame = resample(motion, max(0, seconds(now - begin)));
-    put_angles(loop, now, frame);
-    const ActuatorFrame output = tick(model, state, scratch, frame);
-    const std::array<double, kFingerCount> work = arm.move(frame, wire.acting_tick, device.torque());
-    for (std::size_t f = 0; f < kFingerCount; ++f) worn.balance[f] += work[f];
-    arm.keep(output);
-    wire.publish(command_forces(model, scratch, frame, output, now, loop), now);
+    const auto feel = [&](LoopStep& step) {
+      step.output = tick(model, state, scratch, step.frame);
+      const std::array<double, kFingerCount> work = arm.move(step.frame, link.acting_tick, device.torque());
+      for (std::size_t f = 0; f < kFingerCount; ++f) worn.balance[f] += work[f];
+      arm.keep(step.output);
+      return true;
+    };
+    LoopStep step;
+    step.frame = resample(motion, max(0, seconds(now - begin)));
+    step_loop(model, scratch, feel, link, loop, step);
     for (const double torque : device.torque()) felt.torque += std::fabs(torque);
   }
   felt.torque *= static_cast<double>(period) / static_cast<double>(end - begin);
   felt.shakes = shakes_of(worn);
   felt.given = worn.given;
   felt.taken = worn.taken;
-  felt.step = wire.largest_step;
+  felt.step = link.largest_step;
   felt.factor = *std::min_element(loop.least_factor.begin(), loop.least_factor.end());
   felt.share = *std::min_element(loop.least_share.begin(), loop.least_share.end());
   return felt;

@@ -53,7 +53,17 @@ TEST(DeviceProfile, ShippedProfilesLoadAndThirdPartiesAreUnverified) {
     EXPECT_FALSE(profile.unattended) << entry.path() << ": that is the user's to accept";
     ++count;
   }
-  EXPECT_EQ(count, 5);
+  EXPECT_EQ(count, 6);
+}
+
+TEST(DeviceProfile, NeedsRegistersOnlyWhereTheyAreWhatCrosses) {
+  const DeviceProfile profile = load((kShipped / "shared_memory.json").string());
+  EXPECT_EQ(profile.transport.kind, TransportKind::memory);
+  EXPECT_TRUE(check_attended(profile).ok()) << "each of its commands is numbered";
+  DeviceProfile modbus = profile;
+  modbus.transport.kind = TransportKind::tcp;
+  EXPECT_FALSE(check_profile(modbus).ok()) << "all its fields lie in one register";
+  EXPECT_FALSE(check_attended(modbus).ok());
 }
 
 TEST(DeviceProfile, TheExoskeletonTakesATorquePerJointInOneExchange) {
@@ -85,7 +95,7 @@ TEST(DeviceProfile, TheGlovePullsOnlyHasPreloadAndNoLittleFinger) {
 
 TEST(DeviceProfile, FillsInWhatIsLeftOut) {
   const DeviceProfile profile = load(write(profile_text(kMotor)));
-  EXPECT_FALSE(profile.transport.serial);
+  EXPECT_EQ(profile.transport.kind, TransportKind::tcp);
   EXPECT_EQ(profile.transport.port, 502);
   EXPECT_EQ(profile.actuators[0].slew, 2 / 0.02);
   EXPECT_EQ(profile.actuators[0].field.type, RegisterType::s16);

@@ -6,6 +6,7 @@
 
 #include "flatbuffers/flatbuffers.h"
 #include "fuzz_seeds.h"
+#include "loop/datagram_message.h"
 #include "lumbrical/recording.h"
 #include "lumbrical/shapes.h"
 #include "lumbrical/tick.h"
@@ -96,6 +97,25 @@ bool write_recordings(const fs::path& folder) {
     write(folder / (std::string(name) + "_unchecked"), bytes);
   }
   return true;
+}
+
+void write_datagrams(const fs::path& folder) {
+  SafetyOutput output;
+  output.command.fill(0.25);
+  DeviceCommand made_of;
+  made_of.wanted = output.command;
+  std::vector<std::byte> bytes;
+  const auto keep = [&](const char* name) {
+    write(folder / name, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+  };
+  write_command(1, {2, output, made_of}, 3, bytes);
+  keep("command");
+  DeviceStatus status;
+  status.has_dead_man = true;
+  CommandDatagram command;
+  command.session = 1;
+  write_feedback(command, status, std::array<float, 4 * kFingerCount>{}, 7, bytes);
+  keep("feedback");
 }
 
 // A hand that lies on the triangle, with its posed joints and contact points beside its ticks.
@@ -336,6 +356,7 @@ int main(int argc, char** argv) {
   write_hands(folder);
   write_devices(folder);
   write_motions(folder);
+  write_datagrams(folder / "datagram");
 #ifdef LUMBRICAL_FUZZ_MODBUS
   write_modbus(folder / "modbus");
 #endif

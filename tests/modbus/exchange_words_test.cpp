@@ -18,9 +18,9 @@ TEST(ExchangeWords, WriteTheRobotiqGrippersRegisters) {
   SafetyOutput output;
   output.command[0] = 255;
   output.device_on = true;
-  words.write(profile, output, {}, 1);
+  words.write(profile, {1, output, {}});
   EXPECT_EQ(words.written, (std::vector<std::uint16_t>{0x0900, 0xFFFF})) << "as in the frame of its manual";
-  words.write(profile, SafetyOutput{}, {}, 2);
+  words.write(profile, {2, SafetyOutput{}, {}});
   EXPECT_EQ(words.written, (std::vector<std::uint16_t>{0x0100, 0xFF00})) << "the speed is the handshake's";
 }
 
@@ -31,7 +31,7 @@ TEST(ExchangeWords, WriteAndReadTheInspireHandsRegisters) {
   ASSERT_EQ(words.plan.reads, (std::vector<RegisterBlock>{{1, 1546, 5}}));
   SafetyOutput output;
   output.command[3] = 400;  // index
-  words.write(profile, output, {}, 1);
+  words.write(profile, {1, output, {}});
   EXPECT_EQ(words.written, (std::vector<std::uint16_t>{0, 0, 0, 400, 0}));
   words.read = {0, 1000, 500, 65535, 0};
   std::array<float, kAngleCount> angle{};
@@ -82,11 +82,11 @@ TEST(ExchangeWords, SendTheLocalModelOnlyWithTheTorqueItBelongsTo) {
   command.radius[0] = 0.05;
   SafetyOutput output;
   output.command[0] = 0.1;
-  words.write(profile, output, command, 7);
+  words.write(profile, {7, output, command});
   EXPECT_EQ(std::vector<std::uint16_t>(words.written.begin(), words.written.begin() + 6),
             (std::vector<std::uint16_t>{0, 7, 1000, 5000, 2000, 500}));
   output.command[0] = 0.05;  // the envelope has cut it
-  words.write(profile, output, command, 8);
+  words.write(profile, {8, output, command});
   EXPECT_EQ(std::vector<std::uint16_t>(words.written.begin(), words.written.begin() + 6),
             (std::vector<std::uint16_t>{0, 8, 500, 5000, 0, 0}));
 }

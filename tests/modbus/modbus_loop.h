@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "lumbrical/modbus_sink.h"
+#include "lumbrical/device_sink.h"
 #include "simulated_wire.h"
 
 namespace lumbrical::test {

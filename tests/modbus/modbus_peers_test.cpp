@@ -123,7 +123,7 @@ TEST(ModbusPeers, AnRtuLoopRunsOverASocatPairOfTerminals) {
   DeviceProfile profile = test::patient_profile();
   test::ServedDevice device(profile);
   device.open_line(theirs);
-  profile.transport.serial = true;
+  profile.transport.kind = TransportKind::rtu;
   profile.transport.line = ours;
   test::TickingSink sink;
   sink.open(profile);

@@ -1,6 +1,6 @@
 // What stops the forces of a sink though its device answers: ticks that stall, commands and angles that can't
 // be, other masters, the device's own switches, the host's emergency stop; and who takes over.
-#include "lumbrical/modbus_sink.h"
+#include "lumbrical/device_sink.h"
 
 #include <gtest/gtest.h>
 
@@ -86,8 +86,8 @@ TEST_F(ModbusLoop, TakingOverFadesFromWhatTheDeviceWasToldLast) {
   SinkOptions options;
   options.arm = false;
   options.take_over = true;
-  ModbusSink guard;
-  ASSERT_TRUE(guard.open(profile, options).ok());
+  DeviceSink guard;
+  ASSERT_TRUE(test::open_modbus(profile, options, guard).ok());
   EXPECT_TRUE(eventually([&] { return guard.is_safe(); }));
   EXPECT_TRUE(guard.close());
   EXPECT_TRUE(rests());
@@ -101,13 +101,13 @@ TEST_F(ModbusLoop, ForcesAreRefusedWhereNothingWouldLetGoOfThem) {
   device.listen();
   profile.transport.port = device.port();
   profile.heartbeat = {};
-  ModbusSink refused, dry, accepted;
-  EXPECT_NE(refused.open(profile, {}).message().find("has no heartbeat"), std::string::npos);
+  DeviceSink refused, dry, accepted;
+  EXPECT_NE(test::open_modbus(profile, {}, refused).message().find("has no heartbeat"), std::string::npos);
   SinkOptions options;
   options.dry_run = true;
-  EXPECT_TRUE(dry.open(profile, options).ok());
+  EXPECT_TRUE(test::open_modbus(profile, options, dry).ok());
   profile.unattended = true;
-  EXPECT_TRUE(accepted.open(profile, {}).ok());
+  EXPECT_TRUE(test::open_modbus(profile, {}, accepted).ok());
 }
 
 TEST_F(ModbusLoop, AnotherMastersWritesAreNoticedAndStopTheForces) {

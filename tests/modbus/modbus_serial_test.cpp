@@ -1,5 +1,5 @@
 // The sink against a simulated device on a terminal.
-#include "lumbrical/modbus_sink.h"
+#include "lumbrical/device_sink.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ class SerialLoop : public ModbusLoop {
   }
   void start_serial() {
     device.open_terminal();
-    profile.transport.serial = true;
+    profile.transport.kind = TransportKind::rtu;
     profile.transport.line = device.name();
     sink.open(profile);
     ASSERT_TRUE(acts()) << sink.log();
@@ -55,7 +55,7 @@ TEST_F(SerialLoop, RepliesOfAnotherUnitAreNoAcknowledgement) {
 
 TEST_F(SerialLoop, ABaudRateThatTheLineDidNotTakeIsRefused) {
   device.open_terminal();
-  profile.transport.serial = true;
+  profile.transport.kind = TransportKind::rtu;
   profile.transport.line = device.name();
   profile.transport.baud = 2000000;
   sink.open(profile);

@@ -1,6 +1,6 @@
 // The sink against a simulated device on a real socket, with everything that can go wrong between them. In
 // every case forces get to their safe values, the loop goes on or stops as told, and the log says why.
-#include "lumbrical/modbus_sink.h"
+#include "lumbrical/device_sink.h"
 
 #include <gtest/gtest.h>
 
@@ -230,8 +230,8 @@ TEST_F(ModbusLoop, ADryRunDoesEverythingButForces) {
 TEST_F(ModbusLoop, EveryCommandSentIsHandedBackWithItsAcknowledgement) {
   device.listen();
   profile.transport.port = device.port();
-  ModbusSink plain;
-  ASSERT_TRUE(plain.open(profile, {}).ok());
+  DeviceSink plain;
+  ASSERT_TRUE(test::open_modbus(profile, {}, plain).ok());
   SentCommand sent;
   DeviceFeedback feedback;
   DeviceCommand command;

@@ -11,13 +11,16 @@
 #include <cerrno>
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "device_fixture.h"
+#include "lumbrical/device_sink.h"
 #include "lumbrical/modbus_server.h"
-#include "lumbrical/modbus_sink.h"
+#include "lumbrical/modbus_wire.h"
 
 namespace lumbrical::test {
 
@@ -173,11 +176,19 @@ class ServedDevice {
   std::atomic<double> torque_{0}, largest_{0};
 };
 
+/// A sink with a thread of its own, on a Modbus wire.
+inline Status open_modbus(const DeviceProfile& profile, SinkOptions options, DeviceSink& sink) {
+  options.thread = true;
+  std::unique_ptr<DeviceWire> wire;
+  if (Status status = make_modbus_wire(profile, wire); !status.ok()) return status;
+  return sink.open(profile, std::move(wire), options);
+}
+
 /// A sink and a thread that publishes 0.1 N m for every joint, a thousand times a second.
 class TickingSink {
  public:
   void open(const DeviceProfile& profile, const SinkOptions& options = {}) {
-    const Status status = sink.open(profile, options);
+    const Status status = open_modbus(profile, options, sink);
     ASSERT_TRUE(status.ok()) << status.message();
     thread_ = std::thread([this] {
       DeviceCommand command;
@@ -223,7 +234,7 @@ class TickingSink {
     return eventually([&] { return sink.report().state == state; });
   }
 
-  ModbusSink sink;
+  DeviceSink sink;
   std::atomic<bool> stalled{false};
   std::atomic<double> wanted{0.1};
   std::atomic<int> cycles{0}, acknowledged{0};

@@ -17,6 +17,11 @@ run(${CMAKE_COMMAND} -G Ninja -S ${SOURCE} -B ${folder}/build -DCMAKE_PREFIX_PAT
 run(${CMAKE_COMMAND} --build ${folder}/build)
 run(${folder}/build/embed)
 run(${folder}/build/embed_c ${SOURCE}/cup.json)
+# The example of a loop, and its device in another process.
+function(run_loop command)
+  run(sh -c "${command} /lumbrical_device 30 & device=$! ; sleep 0.3 ; ${folder}/build/loop ${SOURCE}/demo.json ${SOURCE}/devices/shared_memory.json 6 ; result=$? ; kill $device ; exit $result")
+endfunction()
+run_loop(${folder}/build/shared_device)
 # Without CMake: what pkg-config says, from a place that the installation was moved to.
 file(RENAME ${folder}/prefix ${folder}/moved)
 file(GLOB_RECURSE description ${folder}/moved/lumbrical.pc)

@@ -14,7 +14,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-enum class Layer { base, model, motion, kernels, stages, engine, device, session, wire, capi, program, test };
+enum class Layer {
+  base,
+  model,
+  motion,
+  kernels,
+  stages,
+  engine,
+  device,
+  loop,
+  session,
+  wire,
+  capi,
+  program,
+  test
+};
 
 struct Rule {
   Layer layer;
@@ -50,12 +64,17 @@ const Rule kRules[] = {
      "device_link"},
     {Layer::device, "engine/src/device", "*"},
 
+    {Layer::loop, "engine/include/lumbrical",
+     "datagram_wire device_guard device_sink device_wire loop real_time shared_device shared_memory_wire "
+     "ways_out"},
+    {Layer::loop, "engine/src/loop", "*"},
+
     {Layer::session, "engine/include/lumbrical", "mesh_fix recording scene_file world"},
     {Layer::session, "engine/src/motion", "motion_*"},
     {Layer::session, "engine/src/files", "*"},
     {Layer::session, "engine/src/recording", "*"},
 
-    {Layer::wire, "engine/include/lumbrical", "modbus_sink modbus_server"},
+    {Layer::wire, "engine/include/lumbrical", "modbus_wire modbus_server"},
     {Layer::wire, "engine/src/modbus", "*"},
 
     {Layer::capi, "engine/include", "lumbrical"},
@@ -84,12 +103,15 @@ bool may_include(Layer from, Layer to) {
       return to <= Layer::engine;
     case Layer::device:
       return to <= Layer::device && to != Layer::kernels && to != Layer::stages;
+    case Layer::loop:
+      return to <= Layer::loop && to != Layer::kernels && to != Layer::stages;
     case Layer::wire:
-      return (to <= Layer::device && to != Layer::kernels && to != Layer::stages) || to == Layer::wire;
+      return (to <= Layer::loop && to != Layer::kernels && to != Layer::stages) || to == Layer::wire;
     case Layer::session:
-      return to <= Layer::session && to != Layer::kernels && to != Layer::stages;
+      return to <= Layer::session && to != Layer::loop && to != Layer::kernels && to != Layer::stages;
     case Layer::capi:
-      return to == Layer::capi || (to <= Layer::session && to != Layer::kernels && to != Layer::stages);
+      return to == Layer::capi ||
+             (to <= Layer::session && to != Layer::loop && to != Layer::kernels && to != Layer::stages);
     case Layer::program:
     case Layer::test:
       return true;
@@ -115,21 +137,21 @@ const Outside kOutside[] = {
     {"(xmmintrin|immintrin|cfenv)([.]h)?", "engine/src/base/floating_point[.].*|tests/.*"},
     {"flatbuffers/.*",
      "engine/src/(files/(json_file|device_profile_file|scene_file|scene_mechanics|scene_parts)|recording/"
-     "\\w+)[.].*|tests/"
+     "\\w+)[.].*|engine/src/loop/datagram_message[.]cpp|tests/"
      ".*"},
     {"nlohmann/.*",
      "(engine/src/(motion/motion_\\w+|model/(mesh_gltf|gltf_buffers))[.].*|tools/.*|tests/.*)"},
     {"(lz4frame|zstd|zlib)[.]h", "(engine/src/recording/(mcap_\\w+|npz_file)[.]cpp|tests/.*)"},
     {"(unistd|fcntl|sys/\\w+)[.]h",
      "(engine/src/(files/(mapped|output|spill|readable)_file|recording/mcap_reader|modbus/"
-     "modbus_(server|link|network))[.]cpp|tools/"
+     "modbus_(server|link)|loop/\\w+)[.]cpp|engine/include/lumbrical/device_guard[.]h|tools/"
      ".*|tests/"
      ".*|bench/.*)"},
     {"malloc[.]h", "tests/.*"},
-    {"(stddef|stdint)[.]h", "engine/include/lumbrical[.]h"},
+    {"(stddef|stdint|string)[.]h", "engine/include/(lumbrical|lumbrical/shared_device)[.]h"},
     {"modbus/.*", "engine/src/modbus/modbus_link[.]cpp"},
     {"(poll|sched|pthread|signal|spawn|termios|errno|time|netdb|arpa/\\w+|netinet/\\w+)[.]h",
-     "(engine/src/modbus/modbus_\\w+[.]cpp|tools/.*|tests/.*)"},
+     "(engine/src/(modbus/modbus_|loop/)\\w+[.]cpp|tools/.*|tests/.*)"},
     {"CLI/.*", "tools/lumbrical/command_line[.]cpp"},
     {"pybind11/.*", "bindings/python/\\w+[.](h|cpp)"},
     {"(gtest|boost)/.*", "tests/.*"},
@@ -236,7 +258,7 @@ TEST(Layers, FilesIncludeOnlyWhatLiesBelowThem) {
           check_outside(path, include.name);
         } else if (const std::string target = resolve(include.name, path, root); !target.empty()) {
           check_own(path, layer, target);
-        } else if (layer < Layer::session || !matches(include.name, "\\w+_generated[.]h")) {
+        } else if (layer < Layer::loop || !matches(include.name, "\\w+_generated[.]h")) {
           check_outside(path, include.name);
         }
       }

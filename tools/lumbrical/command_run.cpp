@@ -1,6 +1,9 @@
 // lumbrical run: a hand motion meets a scene, tick by tick.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -9,17 +12,19 @@
 
 #include "approach_text.h"
 #include "commands.h"
-#include "device_loop.h"
+#include "device_session.h"
 #include "live_view.h"
+#include "lumbrical/real_time.h"
 #include "lumbrical/recording.h"
 #include "lumbrical/scene_file.h"
+#include "lumbrical/ways_out.h"
 #include "output.h"
 #include "print_comparison.h"
 #include "run_session.h"
 #include "run_summary.h"
+#include "sink_uri.h"
 #include "switches.h"
 #include "version.h"
-#include "ways_out.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -37,6 +42,19 @@ struct RunOptions {
 
 // How long a device and the ticks exchange before forces are let through [s].
 constexpr double kMeasuring = 0.5;
+
+// The time of day, "2026-03-01T12:34:56.123456789Z".
+std::string utc_text() {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  tm parts{};
+  gmtime_r(&now.tv_sec, &parts);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S", &parts);
+  std::array<char, 16> fraction{};
+  std::snprintf(fraction.data(), fraction.size(), ".%09ldZ", now.tv_nsec);
+  return std::string(text.data()) + fraction.data();
+}
 
 double parse_metres(const std::string& unit) {
   return unit.empty() ? 0 : unit == "mm" ? 0.001 : unit == "cm" ? 0.01 : 1;
@@ -124,7 +142,7 @@ Status build_models(const SceneFile& scene_file, std::vector<Model>& models) {
   return status;
 }
 
-Status open_recorder(const RunOptions& options, const std::vector<Model>& models, const DeviceLoop* device,
+Status open_recorder(const RunOptions& options, const std::vector<Model>& models, const DeviceSession* device,
                      Recorder& recorder) {
   RecorderOptions recorder_options;
   recorder_options.wait_when_full = options.rate == "max";
@@ -159,16 +177,15 @@ int run(const RunOptions& options) {
   if (options.view) {
     if (status = live_view.start(models[0]); !status.ok()) return fail(status);
   }
-  DeviceLoop device;
+  DeviceSession device;
   std::size_t device_hand = 0;
   if (with_device) {
     if (status = device.open(options.sink, models, device_hand); !status.ok()) return fail(status);
     if (!measure_device(hands[device_hand], kMeasuring, device)) {
       return fail(options.scene + ": stopped by a signal before the first tick");
     }
-    device.certify();
   }
-  const DeviceLoop* const shown = with_device ? &device : nullptr;
+  const DeviceSession* const shown = with_device ? &device : nullptr;
   const double planned = std::ceil(scene_file.seconds * models[0].settings.rate - 1e-6);
   const std::uint64_t ticks = options.ticks.value_or(static_cast<std::uint64_t>(std::max(planned, 1.0)));
   Recorder recorder;
@@ -263,7 +280,8 @@ void add_run(Command& app, int& exit_code) {
   command
       ->add_option(
           "--sink", options->sink,
-          "Where forces go: null, modbus-tcp://HOST:PORT?profile=FILE, modbus-rtu:///dev/ttyX?profile=FILE")
+          "Where forces go: null, modbus-tcp://HOST:PORT?profile=FILE, modbus-rtu:///dev/ttyX?profile=FILE, "
+          "udp://HOST:PORT?profile=FILE, memory:///NAME?profile=FILE")
       ->check(Check{check_sink_uri, "URI"});
   command->add_option("--broadphase", options->broadphase, "Search for candidate triangles")
       ->check(is_broadphase());

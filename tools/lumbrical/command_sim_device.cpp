@@ -9,9 +9,9 @@
 #include "commands.h"
 #include "lumbrical/modbus_server.h"
 #include "lumbrical/motion.h"
+#include "lumbrical/real_time.h"
 #include "lumbrical/scene_file.h"
 #include "output.h"
-#include "real_time.h"
 #include "sink_uri.h"
 #include "switches.h"
 

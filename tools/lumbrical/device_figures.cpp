@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "device_loop_state.h"
+#include "device_session_state.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -68,63 +68,65 @@ std::string doubts_text(std::uint32_t flags) {
 
 }  // namespace
 
-std::vector<std::string> DeviceLoop::trouble() const {
-  const Loop& loop = *loop_;
-  const SinkReport& report = loop.last;
+std::vector<std::string> DeviceSession::trouble() const {
+  const LoopFigures& figures = told_->loop.figures;
+  const SinkReport& report = figures.last;
   std::vector<std::string> lines;
   if (!forces_flow()) {
-    lines.push_back(
-        (loop.was_active ? "forces no longer reached the device: " : "no force ever reached the device: ") +
-        cause(report));
+    lines.push_back((figures.was_active ? "forces no longer reached the device: "
+                                        : "no force ever reached the device: ") +
+                    cause(report));
   }
   if (report.faults > 0)
     lines.push_back(counted(report.faults, "fault of the device loop", "faults of the device loop"));
   if (report.losses > 0)
     lines.push_back(counted(report.losses, "loss of the device", "losses of the device"));
-  if (loop.doubted_ticks > 0) {
+  if (figures.doubted_steps > 0) {
     lines.push_back("angles of the device were not believed in " +
-                    counted(loop.doubted_ticks, "tick", "ticks") + ":" + doubts_text(loop.doubts));
+                    counted(figures.doubted_steps, "tick", "ticks") + ":" + doubts_text(figures.doubts));
   }
-  if (loop.was_active && !loop.safe_at_end) lines.push_back("the device is NOT known to be at safe values");
+  if (figures.was_active && !figures.safe_at_end)
+    lines.push_back("the device is NOT known to be at safe values");
   return lines;
 }
 
-std::uint64_t DeviceLoop::ticks_without_angles() const { return loop_->blind_ticks; }
+std::uint64_t DeviceSession::ticks_without_angles() const { return told_->loop.figures.blind_steps; }
 
-Json DeviceLoop::json() const {
-  const Loop& loop = *loop_;
-  const SinkReport& report = loop.last;
+Json DeviceSession::json() const {
+  const Told& told = *told_;
+  const HapticLoop& control = told.loop.control;
+  const LoopFigures& figures = told.loop.figures;
+  const SinkReport& report = figures.last;
   Json json;
-  json["profile"] = loop.profile.name;
-  json["verified_on_hardware"] = loop.profile.verified;
+  json["profile"] = told.profile.name;
+  json["verified_on_hardware"] = told.profile.verified;
   json["state"] = safety_state_name(report.state);
   json["rate_hz"] = report.rate;
-  json["oldest_command_ms"] = 1e3 * loop.oldest;
+  json["oldest_command_ms"] = 1e3 * figures.oldest;
   json["cycles"] = report.cycles;
   json["acknowledged"] = report.acknowledged;
   json["refused"] = report.refused;
   json["broken"] = report.broken;
   json["connections"] = report.connections;
-  json["safe_at_end"] = loop.safe_at_end;
-  json["loop_delay_us"] = {{"p50", loop.loop_delays.percentile(0.5) / 1000},
-                           {"p99", loop.loop_delays.percentile(0.99) / 1000},
-                           {"max", loop.loop_delays.max() / 1000.0}};
-  json["largest_lost_torque"] = loop.control.largest_lost;
-  json["limiter_knows_law"] = limiter_knows(loop.model->settings);
-  json["least_stiffness_factor"] = loop.control.least_factor;
-  json["energy"] = {{"generated_most", most_generated(loop.control)},
-                    {"least_share", loop.control.least_share}};
-  json["gaps"] = loop.control.gaps;
-  const StiffnessCertificate& certificate = loop.control.certificate;
+  json["safe_at_end"] = figures.safe_at_end;
+  json["loop_delay_us"] = {{"p50", told.loop_delays.percentile(0.5) / 1000},
+                           {"p99", told.loop_delays.percentile(0.99) / 1000},
+                           {"max", told.loop_delays.max() / 1000.0}};
+  json["largest_lost_torque"] = control.largest_lost;
+  json["limiter_knows_law"] = limiter_knows(told.model->settings);
+  json["least_stiffness_factor"] = control.least_factor;
+  json["energy"] = {{"generated_most", most_generated(control)}, {"least_share", control.least_share}};
+  json["gaps"] = control.gaps;
+  const StiffnessCertificate& certificate = control.certificate;
   Json& text = json["certificate"];
-  text = {{"device", loop.profile.name},
-          {"measured", is_measured(loop.control.meter)},
+  text = {{"device", told.profile.name},
+          {"measured", is_measured(control.meter)},
           {"period", certificate.timing.period},
           {"jitter", certificate.timing.jitter},
           {"delay", finite_or_null(certificate.timing.delay)},
           {"margin", certificate.margin},
-          {"renewals", loop.renewals.load()},
-          {"slowest", timing_json(loop.control.slowest)}};
+          {"renewals", figures.renewals},
+          {"slowest", timing_json(control.slowest)}};
   text["joints"] = Json::array();
   for (std::size_t j = 0; j < kPhalanxCount; ++j) {
     if (!certificate.known[j]) continue;
@@ -135,54 +137,54 @@ Json DeviceLoop::json() const {
                               {"friction", finite_or_null(bound.friction)},
                               {"largest", finite_or_null(bound.largest)}});
   }
-  json["events"] = events_json(loop.events);
+  json["events"] = events_json(told.events);
   return json;
 }
 
-void DeviceLoop::add_rows(Table& table) const {
-  const Loop& loop = *loop_;
-  const SinkReport& report = loop.last;
+void DeviceSession::add_rows(Table& table) const {
+  const Told& told = *told_;
+  const HapticLoop& control = told.loop.control;
+  const LoopFigures& figures = told.loop.figures;
+  const SinkReport& report = figures.last;
   table.add("device",
-            loop.profile.name + (loop.profile.verified ? "" : " (profile not verified on hardware)"));
+            told.profile.name + (told.profile.verified ? "" : " (profile not verified on hardware)"));
   table.add("", grouped(report.acknowledged) + " of " + grouped(report.cycles) + " commands acknowledged, " +
-                    brief(report.rate) + " Hz, oldest " + brief(1e3 * loop.oldest) + " ms; ended " +
+                    brief(report.rate) + " Hz, oldest " + brief(1e3 * figures.oldest) + " ms; ended " +
                     std::string(safety_state_name(report.state)) +
-                    (loop.safe_at_end ? ", at safe values" : ", NOT known to be at safe values"));
-  table.add("loop delay", "p50 " + brief(loop.loop_delays.percentile(0.5) / 1000) + "   p99 " +
-                              brief(loop.loop_delays.percentile(0.99) / 1000) + "   max " +
-                              brief(loop.loop_delays.max() / 1000.0) + " us from angle to torque");
-  const LoopTiming& timing = loop.control.certificate.timing;
-  const bool measured = !loop.control.local_loop;
+                    (figures.safe_at_end ? ", at safe values" : ", NOT known to be at safe values"));
+  table.add("loop delay", "p50 " + brief(told.loop_delays.percentile(0.5) / 1000) + "   p99 " +
+                              brief(told.loop_delays.percentile(0.99) / 1000) + "   max " +
+                              brief(told.loop_delays.max() / 1000.0) + " us from angle to torque");
+  const LoopTiming& timing = control.certificate.timing;
+  const bool measured = !control.local_loop;
   table.add("stiffness certificate",
             std::string(measured ? "measured" : "assumed") + " period " + brief(1e3 * timing.period) +
                 " ms, jitter " + brief(1e3 * timing.jitter) + " ms, delay " + brief(1e3 * timing.delay) +
-                " ms" + (loop.control.local_loop ? " of the device's own loop" : ""));
-  const LoopTiming& slowest = loop.control.slowest;
+                " ms" + (control.local_loop ? " of the device's own loop" : ""));
+  const LoopTiming& slowest = control.slowest;
   if (measured)
-    table.add("", "renewed " + grouped(loop.renewals.load()) + " times; at the slowest period " +
+    table.add("", "renewed " + grouped(figures.renewals) + " times; at the slowest period " +
                       brief(1e3 * slowest.period) + " ms, jitter " + brief(1e3 * slowest.jitter) +
                       " ms, delay " + brief(1e3 * slowest.delay) + " ms");
-  const StiffnessBound& bound = loop.control.certificate.joint[3];
-  if (loop.control.certificate.known[3]) {
+  const StiffnessBound& bound = control.certificate.joint[3];
+  if (control.certificate.known[3]) {
     table.add("", "index proximal: 2b/T " + brief(bound.sampled) + ", with delay " + brief(bound.delayed) +
                       ", friction " + brief(bound.friction) + "; allowed " +
-                      brief(loop.control.certificate.margin * bound.largest) + " N m/rad");
+                      brief(control.certificate.margin * bound.largest) + " N m/rad");
   } else {
     table.add("",
               "the profile does not say the joints' damping: nothing can be promised, nothing is limited");
   }
-  if (!limiter_knows(loop.model->settings)) {
+  if (!limiter_knows(told.model->settings)) {
     table.add("",
               "the limiter knows the stiffness of the field law only: what follows another law may shake");
   }
-  table.add("least stiffness factor", by_finger(loop.control.least_factor));
-  table.add("energy accounts",
-            brief(1e3 * most_generated(loop.control)) + " mJ generated at most by one finger");
-  table.add("", "torques paid for: " + by_finger(loop.control.least_share) + " at least");
-  if (loop.control.gaps > 0)
-    table.add("stale angles", grouped(loop.control.gaps) + " times in a touch: forces came back softly");
-  if (loop.control.largest_lost > 0)
-    table.add("lost torque", brief(1e3 * loop.control.largest_lost) + " N mm at most");
+  table.add("least stiffness factor", by_finger(control.least_factor));
+  table.add("energy accounts", brief(1e3 * most_generated(control)) + " mJ generated at most by one finger");
+  table.add("", "torques paid for: " + by_finger(control.least_share) + " at least");
+  if (control.gaps > 0)
+    table.add("stale angles", grouped(control.gaps) + " times in a touch: forces came back softly");
+  if (control.largest_lost > 0) table.add("lost torque", brief(1e3 * control.largest_lost) + " N mm at most");
 }
 
 }  // namespace lumbrical::tool

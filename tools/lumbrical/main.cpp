@@ -5,10 +5,10 @@
 #include <string_view>
 
 #include "commands.h"
+#include "lumbrical/ways_out.h"
 #include "lumbrical/world.h"
 #include "output.h"
 #include "version.h"
-#include "ways_out.h"
 
 namespace {
 
@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);
   for (int i = 1; i < argc; ++i)
     if (std::string_view(argv[i]) == "--json") failures_as_json();
-  outlive_lost_pages();
+  lumbrical::mend_bus_errors(lumbrical::replace_lost_page);
   int exit_code = kDone;
   try {
     const auto add = [&exit_code](Command& root) { add_commands(root, exit_code); };

@@ -1,20 +1,19 @@
 // See run_session.h.
 #include "run_session.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <span>
 
 #include "lumbrical/tick.h"
+#include "lumbrical/ways_out.h"
 #include "lumbrical/world.h"
-#include "ways_out.h"
 
 namespace lumbrical::tool {
 namespace {
-
-// What is computed before a device is armed [s]: the first ticks meet cold caches and unmapped pages.
-constexpr double kWarmUp = 0.05;
 
 // Above ordinary work, below the kernel's own threads for clocks and migration.
 constexpr int kTickPriority = 80;
@@ -24,9 +23,11 @@ std::uint32_t nanoseconds_between(std::int64_t start, std::int64_t end) {
   return static_cast<std::uint32_t>(std::clamp<std::int64_t>(end - start, 0, kMost));
 }
 
-// Every period is counted from the first one, so that rounding never adds up.
-std::int64_t session_ns(std::uint64_t tick, double rate) {
-  return static_cast<std::int64_t>(static_cast<double>(tick) * 1e9 / rate);
+// Of the calling thread so far, minor and major.
+std::uint64_t page_faults() {
+  rusage usage{};
+  getrusage(RUSAGE_THREAD, &usage);
+  return static_cast<std::uint64_t>(usage.ru_minflt) + static_cast<std::uint64_t>(usage.ru_majflt);
 }
 
 void add_output(const ActuatorFrame& output, const State& state, std::uint64_t ticks, HandFigures& figures) {
@@ -57,22 +58,6 @@ void add_evaluations(const TickRecord& record, RunStatistics& statistics) {
   statistics.evaluating_ns += record.duration_ns;
 }
 
-// Ticks as the session's first one, whose forces go nowhere: the device is not armed.
-void tick_unarmed(const SessionHand& hand, double seconds, Scratch& scratch, DeviceLoop& device) {
-  const auto& [model, motion] = hand;
-  State state = make_state(model);
-  TickRecord record;
-  const auto ticks = static_cast<std::uint64_t>(std::ceil(seconds * model.settings.rate));
-  const std::int64_t first = clock_ns();
-  for (std::uint64_t i = 0; i < ticks && !stop_requested(); ++i) {
-    sleep_until_ns(first + session_ns(i, model.settings.rate));
-    record.device = resample(motion, motion.samples[0].time);
-    device.before(record.device);
-    record.output = tick(model, state, scratch, record.device);
-    device.after(scratch, record.device, record.output, record);
-  }
-}
-
 // What a hand carries from tick to tick.
 struct MovingHand {
   const SessionHand& hand;
@@ -93,17 +78,47 @@ std::vector<MovingHand> moving(const std::vector<SessionHand>& hands, bool recor
   return result;
 }
 
-// One tick of one hand, its time included.
-void tick_hand(double time, const SessionParts& parts, WorldPager& pager, MovingHand& moving) {
-  TickRecord& record = moving.record;
+DeviceFrame frame_at(double time, const MovingHand& moving) {
   const Motion& motion = moving.hand.motion;
-  record.device = resample(motion, moving.still ? motion.samples[0].time : time);
-  if (parts.device != nullptr && record.hand == parts.device_hand) parts.device->before(record.device);
+  return resample(motion, moving.still ? motion.samples[0].time : time);
+}
+
+// One tick of one hand, its time included.
+void tick_hand(const DeviceFrame& frame, WorldPager& pager, MovingHand& moving) {
+  TickRecord& record = moving.record;
+  record.device = frame;
   pager.hand_at(record.device);
   const std::int64_t start = clock_ns();
   record.output = tick(moving.hand.model, moving.state, moving.scratch, record.device);
   record.duration_ns = nanoseconds_between(start, clock_ns());
   take_objects(moving.scratch, record);
+}
+
+// One tick of each hand, that of the device in a step of its loop. False: the session shall end.
+bool tick_hands(double time, const SessionParts& parts, WorldPager& pager, std::vector<MovingHand>& all) {
+  const auto tick_others = [&](std::size_t from, std::size_t end) {
+    for (std::size_t i = from; i < end; ++i) tick_hand(frame_at(time, all[i]), pager, all[i]);
+  };
+  if (parts.device == nullptr) {
+    tick_others(0, all.size());
+    return true;
+  }
+  tick_others(0, parts.device_hand);
+  MovingHand& driven = all[parts.device_hand];
+  const auto feel = [&](LoopStep& step) {
+    tick_hand(step.frame, pager, driven);
+    tick_others(parts.device_hand + 1, all.size());
+    step.output = driven.record.output;
+    return !pager.changed();
+  };
+  LoopStep step;
+  step.frame = frame_at(time, driven);
+  const bool goes_on = parts.device->loop().step(driven.hand.model, driven.scratch, feel, step);
+  parts.device->note(step);
+  driven.record.sent_count = step.sent_count;
+  driven.record.sent = step.sent;
+  driven.record.timing = step.news;
+  return goes_on;
 }
 
 // False: the recording failed, and the session is to end with it.
@@ -121,11 +136,11 @@ bool record_tick(MovingHand& moving, const SessionParts& parts, RunStatistics& s
 
 }  // namespace
 
-bool measure_device(const SessionHand& hand, double seconds, DeviceLoop& device) {
+bool measure_device(const SessionHand& hand, double seconds, DeviceSession& device) {
   Scratch scratch = make_scratch(hand.model);
   scratch.hash_stages = false;
-  tick_unarmed(hand, seconds, scratch, device);
-  return !stop_requested();
+  const DeviceFrame frame = resample(hand.motion, hand.motion.samples[0].time);
+  return device.loop().measure(hand.model, scratch, frame, seconds);
 }
 
 RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t ticks,
@@ -133,7 +148,6 @@ RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t t
   RunStatistics statistics;
   statistics.hands.resize(hands.size());
   std::vector<MovingHand> all = moving(hands, parts.recorder != nullptr);
-  MovingHand& driven = all[parts.device_hand];
   const Model& model = hands[0].model;
   const double rate = model.settings.rate;
   Progress progress("running");
@@ -146,37 +160,31 @@ RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t t
     statistics.real_time = enter_real_time(kTickPriority, Pinning::last_processor, pageable);
   }
   if (parts.device != nullptr) {
-    parts.device->measure_again();
-    tick_unarmed(driven.hand, kWarmUp, driven.scratch, *parts.device);
-    parts.device->arm();  // last of all: from now on a tick that does not come is a fault
-    statistics.interrupted = stop_requested();
+    MovingHand& driven = all[parts.device_hand];
+    const Motion& motion = driven.hand.motion;
+    const DeviceFrame frame = resample(motion, motion.samples[0].time);
+    statistics.interrupted = !parts.device->loop().start(driven.hand.model, driven.scratch, frame);
   }
   statistics.late.reserve();
   const std::uint64_t faults_before = page_faults();
-  const std::int64_t begin = clock_ns();
-  std::int64_t first = begin;  // moves on where a device's session has fallen behind
-  const std::int64_t period = session_ns(1, rate);
+  Pace pace = start_pace(rate);
+  const std::int64_t begin = pace.first, period = period_of(pace);
   bool stopped = false;
 
   for (std::uint64_t i = 0; i < ticks && !statistics.interrupted && !stopped; ++i) {
-    const std::int64_t moment = first + session_ns(i, rate);
+    const std::int64_t moment = moment_of(pace, i);
     if (parts.paced) {
       sleep_until_ns(moment);
       statistics.wake_ups.add(nanoseconds_between(moment, clock_ns()));
     }
     const std::int64_t start = clock_ns();
-    std::uint32_t duration = 0;
-    for (MovingHand& hand : all) {
-      tick_hand(static_cast<double>(i) / rate, parts, pager, hand);
-      duration += hand.record.duration_ns;
-    }
+    stopped = !tick_hands(static_cast<double>(i) / rate, parts, pager, all);
     if (pager.changed()) {  // neither device nor recording learn of this tick
       statistics.world_error = pager.failure();
       break;
     }
-    if (parts.device != nullptr)
-      stopped =
-          !parts.device->after(driven.scratch, driven.record.device, driven.record.output, driven.record);
+    std::uint32_t duration = 0;
+    for (const MovingHand& hand : all) duration += hand.record.duration_ns;
 
     const std::int64_t end = clock_ns();
     const bool late = parts.paced ? end > moment + period : duration > period;
@@ -188,7 +196,7 @@ RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t t
     }
     if (parts.device != nullptr) {
       statistics.loop_times.add(nanoseconds_between(start, end));
-      if (parts.paced && end > moment + 2 * period) first += end - (moment + period);
+      if (parts.paced) forgive_late(i, end, pace);
     }
     statistics.tick_times.add(duration);
     for (MovingHand& hand : all) {

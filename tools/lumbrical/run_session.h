@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "device_loop.h"
+#include "device_session.h"
 #include "late_ticks.h"
 #include "live_view.h"
 #include "lumbrical/model.h"
 #include "lumbrical/motion.h"
+#include "lumbrical/real_time.h"
 #include "lumbrical/recording.h"
 #include "output.h"
-#include "real_time.h"
 
 namespace lumbrical::tool {
 
@@ -59,12 +59,12 @@ struct SessionHand {
 
 /// What a session has besides a model and a motion; each may be absent.
 struct SessionParts {
-  bool paced = false;            ///< tick i starts i / settings.rate after the first by the clock
-  Recorder* recorder = nullptr;  ///< open
-  bool unrecorded = false;       ///< goes on when the recording fails; else that ends the session
-  DeviceLoop* device = nullptr;  ///< open and certified
-  std::size_t device_hand = 0;   ///< which hand it drives
-  LiveView* view = nullptr;      ///< started
+  bool paced = false;               ///< tick i starts i / settings.rate after the first by the clock
+  Recorder* recorder = nullptr;     ///< open
+  bool unrecorded = false;          ///< goes on when the recording fails; else that ends the session
+  DeviceSession* device = nullptr;  ///< open and certified by measure_device
+  std::size_t device_hand = 0;      ///< which hand it drives
+  LiveView* view = nullptr;         ///< started
 };
 
 /// Runs `ticks` ticks of each hand, one hand after the other, tick i at session time i / settings.rate, paced
@@ -75,8 +75,8 @@ struct SessionParts {
 RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t ticks,
                           const SessionParts& parts);
 
-/// Lets device and ticks exchange for `seconds` without forces, so that the device can be certified. The hand
-/// is as at the session's start. False: a signal came.
-bool measure_device(const SessionHand& hand, double seconds, DeviceLoop& device);
+/// Certifies the device by what it and the ticks exchange in `seconds` without forces. The hand is as at the
+/// session's start. False: a signal came.
+bool measure_device(const SessionHand& hand, double seconds, DeviceSession& device);
 
 }  // namespace lumbrical::tool

@@ -96,7 +96,7 @@ double effort_for(double rate, const RunStatistics& run) {
 }
 
 // Before any figure: what a person must know who reads one line.
-std::vector<std::string> trouble_of(const RunStatistics& run, const DeviceLoop* device) {
+std::vector<std::string> trouble_of(const RunStatistics& run, const DeviceSession* device) {
   std::vector<std::string> lines = device != nullptr ? device->trouble() : std::vector<std::string>();
   if (!run.recording_error.ok()) lines.push_back("the recording failed: " + run.recording_error.message());
   if (run.not_recorded > 0) lines.push_back(grouped(run.not_recorded) + " ticks are not in the recording");
@@ -109,7 +109,7 @@ std::vector<std::string> trouble_of(const RunStatistics& run, const DeviceLoop* 
 }
 
 // Of a flag: what is missing is the device's, not the motion's, where the device moves the hand.
-std::string remedy_of(const FlagText& text, std::uint64_t count, const DeviceLoop* device) {
+std::string remedy_of(const FlagText& text, std::uint64_t count, const DeviceSession* device) {
   if (text.flag != kInputLost || device == nullptr || device->ticks_without_angles() == 0) return text.remedy;
   return device->ticks_without_angles() < count
              ? "angles of the device missing or not believed, no tracking, or the motion has ended"
@@ -191,7 +191,7 @@ void add_peaks(const HandFigures& hand, double max_force, Table& table) {
   }
 }
 
-void add_flags(const HandFigures& hand, const DeviceLoop* device, Table& table) {
+void add_flags(const HandFigures& hand, const DeviceSession* device, Table& table) {
   if (hand.starting_ticks > 0)
     table.add("starting", "in " + grouped(hand.starting_ticks) +
                               " ticks: forces rise from zero within settings.fade_time, as at every start");

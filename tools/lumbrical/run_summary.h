@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "device_loop.h"
+#include "device_session.h"
 #include "late_ticks.h"
 #include "lumbrical/model.h"
 #include "lumbrical/scene_file.h"
@@ -18,7 +18,7 @@ struct RunSummary {
   const std::vector<Model>& models;  ///< of the hands
   const RunStatistics& run;
   const LateReport& late;
-  const DeviceLoop* device = nullptr;
+  const DeviceSession* device = nullptr;
   bool paced = false;
   std::string recording;  ///< empty: none
 };

@@ -3,12 +3,26 @@
 
 #include <algorithm>
 #include <charconv>
+#include <iterator>
 #include <string_view>
+
+#include "lumbrical/datagram_wire.h"
+#include "lumbrical/modbus_wire.h"
+#include "lumbrical/shared_memory_wire.h"
 
 namespace lumbrical::tool {
 namespace {
 
-constexpr std::string_view kTcp = "modbus-tcp://", kRtu = "modbus-rtu://";
+struct Scheme {
+  std::string_view text;
+  TransportKind kind;
+};
+constexpr const char* kPlaces[] = {"host and port", "line such as /dev/ttyUSB0", "host and port",
+                                   "region such as /device"};  // by TransportKind
+constexpr Scheme kSchemes[] = {{"modbus-tcp://", TransportKind::tcp},
+                               {"modbus-rtu://", TransportKind::rtu},
+                               {"udp://", TransportKind::udp},
+                               {"memory://", TransportKind::memory}};
 
 template <class Number>
 bool parse(std::string_view text, Number low, Number high, Number& number) {
@@ -47,9 +61,13 @@ bool parse_parameter(std::string_view name, std::string_view value, SinkUri& uri
 }
 
 bool parse_place(std::string_view place, SinkUri& uri) {
-  if (uri.serial) {
+  if (uri.kind == TransportKind::rtu) {
     uri.line = place;
     return !place.empty() && place.front() == '/';
+  }
+  if (uri.kind == TransportKind::memory) {
+    uri.region = place;
+    return place.size() > 1 && place.front() == '/';
   }
   std::string_view port;
   if (!split_host(place, false, uri.host, port) || uri.host.empty()) return false;
@@ -81,17 +99,19 @@ bool split_host(std::string_view text, bool alone_is_port, std::string& host, st
 
 Status parse_sink_uri(const std::string& text, SinkUri& uri) {
   std::string_view rest = text;
-  uri.serial = rest.starts_with(kRtu);
-  if (!uri.serial && !rest.starts_with(kTcp)) {
-    return Status::error("\"" + text + "\" is no sink; use null, modbus-tcp://HOST:PORT?profile=FILE or " +
-                         "modbus-rtu:///dev/ttyX?profile=FILE");
+  const auto* const scheme = std::find_if(std::begin(kSchemes), std::end(kSchemes),
+                                          [&](const Scheme& one) { return rest.starts_with(one.text); });
+  if (scheme == std::end(kSchemes)) {
+    return Status::error(
+        "\"" + text +
+        "\" is no sink; use null, or modbus-tcp://HOST:PORT, modbus-rtu:///dev/ttyX, udp://HOST:PORT or " +
+        "memory:///NAME, with ?profile=FILE");
   }
-  rest.remove_prefix(kTcp.size());
-  static_assert(kTcp.size() == kRtu.size());
+  uri.kind = scheme->kind;
+  rest.remove_prefix(scheme->text.size());
   const std::size_t question = rest.find('?');
   if (!parse_place(rest.substr(0, question), uri)) {
-    return Status::error("\"" + text + "\" names no " +
-                         (uri.serial ? "line such as /dev/ttyUSB0" : "host and port"));
+    return Status::error("\"" + text + "\" names no " + kPlaces[static_cast<std::size_t>(uri.kind)]);
   }
   rest = question == std::string_view::npos ? std::string_view() : rest.substr(question + 1);
   while (!rest.empty()) {
@@ -113,11 +133,12 @@ Status parse_sink_uri(const std::string& text, SinkUri& uri) {
 Status load_profile(const SinkUri& uri, DeviceProfile& profile) {
   if (Status status = load_device_profile(uri.profile, profile); !status.ok()) return status;
   Transport& transport = profile.transport;
-  transport.serial = uri.serial;
+  transport.kind = uri.kind;
   profile.unattended = profile.unattended || uri.unattended;
   transport.anywhere = transport.anywhere || uri.anywhere;
   if (!uri.host.empty()) transport.host = uri.host;
   if (!uri.line.empty()) transport.line = uri.line;
+  if (!uri.region.empty()) transport.region = uri.region;
   if (uri.port >= 0) transport.port = static_cast<std::uint16_t>(uri.port);
   if (uri.baud >= 0) transport.baud = static_cast<std::uint32_t>(uri.baud);
   if (profile.side && uri.side && *profile.side != *uri.side)
@@ -127,6 +148,22 @@ Status load_profile(const SinkUri& uri, DeviceProfile& profile) {
   if (uri.rate > 0) profile.rate = uri.rate;
   if (uri.unit >= 0) set_unit(profile, static_cast<std::uint8_t>(uri.unit));
   return check_profile(profile);
+}
+
+std::string check_sink_uri(std::string& text) {
+  SinkUri uri;
+  return text == "null" ? std::string() : parse_sink_uri(text, uri).message();
+}
+
+Status make_wire(const DeviceProfile& profile, std::unique_ptr<DeviceWire>& wire) {
+  switch (profile.transport.kind) {
+    case TransportKind::udp:
+      return make_datagram_wire(profile, wire);
+    case TransportKind::memory:
+      return make_shared_memory_wire(profile, wire);
+    default:
+      return make_modbus_wire(profile, wire);
+  }
 }
 
 }  // namespace lumbrical::tool

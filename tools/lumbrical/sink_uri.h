@@ -1,11 +1,13 @@
 // The address of a device as users write it.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "lumbrical/device_profile.h"
+#include "lumbrical/device_wire.h"
 #include "lumbrical/status.h"
 
 namespace lumbrical::tool {
@@ -13,8 +15,8 @@ namespace lumbrical::tool {
 struct SinkUri {
   std::string profile;       ///< file
   std::optional<Side> side;  ///< none: the profile's
-  bool serial = false;
-  std::string host, line;
+  TransportKind kind = TransportKind::tcp;
+  std::string host, line, region;
   int port = -1, baud = -1, unit = -1;  ///< -1: the profile's
   double rate = 0;                      ///< [Hz] 0: the profile's
   bool anywhere = false;                ///< network=any; or the profile says so
@@ -29,7 +31,20 @@ bool split_host(std::string_view text, bool alone_is_port, std::string& host, st
 
 Status parse_sink_uri(const std::string& text, SinkUri& uri);
 
+/// What is wrong with a sink's URI; empty if nothing is.
+///   null
+///   modbus-tcp://HOST[:PORT]?profile=FILE&...
+///   modbus-rtu:///dev/ttyX?profile=FILE&baud=N&...
+///   udp://HOST:PORT?profile=FILE&...
+///   memory:///NAME?profile=FILE&...
+/// with feedback=on|off (do the device's angles move the hand?), on-loss=continue|stop, dry-run=on|off,
+/// limiter=on|off, observer=on|off, local=on|off (where the device has a local model), rate=HZ, unit=ID.
+std::string check_sink_uri(std::string& uri);
+
 /// Reads the profile and puts in what the URI says.
 Status load_profile(const SinkUri& uri, DeviceProfile& profile);
+
+/// The wire of a profile's transport.
+Status make_wire(const DeviceProfile& profile, std::unique_ptr<DeviceWire>& wire);
 
 }  // namespace lumbrical::tool

@@ -38,4 +38,22 @@ struct SentCommand {
   ActuatorArray value{};  ///< as sent
 };
 
+/// Most exchanges that are told, and recorded, in one tick; more wait for the next.
+inline constexpr std::uint32_t kMaxSentPerTick = 4;
+
+/// What a loop has of a device: a sink (DeviceSink), or a simulation in its own time. None of these waits.
+class DeviceLink {
+ public:
+  [[nodiscard]] virtual std::int64_t now() const noexcept = 0;   ///< [ns] by the clock of the times above
+  virtual bool feedback(DeviceFeedback& feedback) noexcept = 0;  ///< false: nothing newer than last time
+  virtual bool sent(SentCommand& command) noexcept = 0;  ///< the next one not yet asked for; false: none
+  virtual void publish(const DeviceCommand& command) noexcept = 0;
+
+ protected:
+  DeviceLink() = default;
+  ~DeviceLink() = default;
+  DeviceLink(const DeviceLink&) = default;
+  DeviceLink& operator=(const DeviceLink&) = default;
+};
+
 }  // namespace lumbrical

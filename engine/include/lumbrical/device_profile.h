@@ -117,11 +117,23 @@ struct StatusBits {
 
 enum class Parity : char { none = 'N', even = 'E', odd = 'O' };
 
+enum class TransportKind : std::uint8_t {
+  tcp,     ///< Modbus
+  rtu,     ///< Modbus on a serial line
+  udp,     ///< datagrams (datagram_wire.h)
+  memory,  ///< shared with another process (shared_memory_wire.h)
+};
+/// Whether numbers cross as the registers of a profile; else as they are, in its units.
+constexpr bool has_registers(TransportKind kind) {
+  return kind == TransportKind::tcp || kind == TransportKind::rtu;
+}
+
 struct Transport {
-  bool serial = false;  ///< RTU; otherwise TCP
+  TransportKind kind = TransportKind::tcp;
   std::string host = "127.0.0.1";
   std::uint16_t port = 502;
   bool anywhere = false;  ///< may lie outside loopback and private networks
+  std::string region;     ///< of shared memory, "/name"
   std::string line;       ///< "/dev/ttyUSB0"
   std::uint32_t baud = 115200;
   Parity parity = Parity::none;

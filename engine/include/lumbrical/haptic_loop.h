@@ -1,10 +1,12 @@
 // The control between a device and the ticks: angles and time stamps in, a command out. Functions over one
-// struct, without clock, thread, input, output or allocation: `lumbrical run` calls them by the clock,
-// bench/delay_sweep and the tests in simulated time. Times are nanoseconds of one steady clock.
+// struct, without thread, input, output or allocation; step_loop calls them in their order, on whatever link
+// and clock: DeviceLoop (loop.h) on a device's, bench/delay_sweep in simulated time. Times are nanoseconds of
+// that one clock.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "lumbrical/device_link.h"
 #include "lumbrical/jacobian.h"
@@ -101,5 +103,32 @@ void certify_loop(HapticLoop& loop);
 /// After the tick on `scratch` with `frame`: its forces as a command.
 DeviceCommand command_forces(const Model& model, const Scratch& scratch, const DeviceFrame& frame,
                              const ActuatorFrame& output, std::int64_t now, HapticLoop& loop);
+
+/// One step: what goes in and what comes out.
+struct LoopStep {
+  DeviceFrame frame;               ///< in: the motion's; the tick gets it with the device's angles
+  ActuatorFrame output;            ///< of the tick
+  bool blind = false;              ///< there were no angles that could be believed
+  std::optional<LoopTiming> news;  ///< of the certificate, where news_of_timing had some
+  std::uint32_t sent_count = 0;
+  std::array<SentCommand, kMaxSentPerTick> sent{};  ///< what became of commands since the last step
+};
+
+/// The half of a step before its tick, and the one after it.
+void take_angles(DeviceLink& link, HapticLoop& loop, LoopStep& step);
+void give_forces(const Model& model, const Scratch& scratch, DeviceLink& link, HapticLoop& loop,
+                 LoopStep& step);
+
+/// One step of the loop: what the device says, `tick`, what the device is told. `tick(step)` makes
+/// `step.output` of `step.frame` on `scratch`; false: nothing of this step may reach the device. Neither
+/// locks, allocates nor calls the system except for the link's clock.
+template <class Tick>
+bool step_loop(const Model& model, const Scratch& scratch, Tick&& tick, DeviceLink& link, HapticLoop& loop,
+               LoopStep& step) {
+  take_angles(link, loop, step);
+  if (!tick(step)) return false;
+  give_forces(model, scratch, link, loop, step);
+  return true;
+}
 
 }  // namespace lumbrical

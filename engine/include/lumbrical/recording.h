@@ -27,9 +27,6 @@ namespace lumbrical {
 /// Of one session, a left and a right one.
 inline constexpr std::size_t kMostHands = 2;
 
-/// Commands to a device that one tick's record can hold; what is more waits for the next.
-inline constexpr std::uint32_t kMaxSentPerTick = 4;
-
 /// One tick as it stands in a file.
 struct TickRecord {
   DeviceFrame device;                                   ///< the input as received

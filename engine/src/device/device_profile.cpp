@@ -127,10 +127,6 @@ ProfileFault limits_fault(const Actuator& actuator, const std::string& path) {
 
 ProfileFault actuator_fault(const Actuator& actuator, const std::string& path) {
   if (ProfileFault fault = limits_fault(actuator, path); !fault.what.empty()) return fault;
-  if (ProfileFault fault = range_fault(actuator.field, actuator.lower, actuator.upper, path + ".at");
-      !fault.what.empty()) {
-    return fault;
-  }
   int joint_count = 0;
   for (const double ratio : actuator.arm) {
     if (!std::isfinite(ratio)) return {path + ".joints", "has a ratio that is not finite"};
@@ -141,6 +137,15 @@ ProfileFault actuator_fault(const Actuator& actuator, const std::string& path) {
   if (actuator.drive != Drive::motor || joint_count != 1) {
     return {path + ".local", "needs a motor tied to a single joint"};
   }
+  return {};
+}
+
+ProfileFault fields_fault(const Actuator& actuator, const std::string& path) {
+  if (ProfileFault fault = range_fault(actuator.field, actuator.lower, actuator.upper, path + ".at");
+      !fault.what.empty()) {
+    return fault;
+  }
+  if (!actuator.local.present) return {};
   const LocalFields& local = actuator.local;
   for (const auto& [field, low, high, name] : {std::tuple(&local.angle, -0.5, 2.0, ".local.angle"),
                                                std::tuple(&local.stiffness, 0.0, 0.0, ".local.stiffness"),
@@ -177,12 +182,15 @@ ProfileFault times_fault(const DeviceProfile& profile) {
 }  // namespace
 
 ProfileFault find_fault(const DeviceProfile& profile) {
+  const bool registers = has_registers(profile.transport.kind);
   if (profile.actuators.empty() || profile.actuators.size() > kMaxActuators) {
     return {"actuators", "must be 1 to " + std::to_string(kMaxActuators)};
   }
   for (std::size_t i = 0; i < profile.actuators.size(); ++i) {
     const std::string path = "actuators[" + std::to_string(i) + "]";
     if (ProfileFault fault = actuator_fault(profile.actuators[i], path); !fault.what.empty()) return fault;
+    if (!registers) continue;
+    if (ProfileFault fault = fields_fault(profile.actuators[i], path); !fault.what.empty()) return fault;
   }
   if (profile.sensors.size() > kMaxSensors) {
     return {"sensors", "must be at most " + std::to_string(kMaxSensors)};
@@ -191,8 +199,10 @@ ProfileFault find_fault(const DeviceProfile& profile) {
     const Sensor& sensor = profile.sensors[i];
     const std::string path = "sensors[" + std::to_string(i) + "]";
     if (!(sensor.lower < sensor.upper)) return {path + ".upper", "must be above lower"};
+    if (!registers) continue;
     if (ProfileFault fault = range_fault(sensor.field, 0, 0, path + ".at"); !fault.what.empty()) return fault;
   }
+  if (!registers) return times_fault(profile);
   if (ProfileFault fault = overlap_fault(written_fields(profile)); !fault.what.empty()) return fault;
   if (profile.status.dead_man != 0 && !profile.status.present) return {"status", "has no address"};
   return times_fault(profile);
@@ -205,7 +215,8 @@ Status check_profile(const DeviceProfile& profile) {
 }
 
 Status check_attended(const DeviceProfile& profile) {
-  if (profile.heartbeat.present || profile.unattended) return {};
+  const bool numbered = !has_registers(profile.transport.kind);  // every command has its cycle with it
+  if (numbered || profile.heartbeat.present || profile.unattended) return {};
   return Status::error(
       profile.name +
       ": has no heartbeat, so nothing lets go of a force once this program, its "

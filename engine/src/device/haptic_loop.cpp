@@ -284,4 +284,19 @@ DeviceCommand command_forces(const Model& model, const Scratch& scratch, const D
   return command;
 }
 
+void take_angles(DeviceLink& link, HapticLoop& loop, LoopStep& step) {
+  if (DeviceFeedback feedback; link.feedback(feedback)) take_feedback(feedback, loop);
+  step.blind = !put_angles(loop, link.now(), step.frame);
+}
+
+void give_forces(const Model& model, const Scratch& scratch, DeviceLink& link, HapticLoop& loop,
+                 LoopStep& step) {
+  step.sent_count = 0;
+  while (step.sent_count < kMaxSentPerTick && link.sent(step.sent[step.sent_count]))
+    note_exchange(step.sent[step.sent_count++], loop);
+  step.news.reset();
+  if (news_of_timing(loop)) step.news = loop.certificate.timing;
+  link.publish(command_forces(model, scratch, step.frame, step.output, link.now(), loop));
+}
+
 }  // namespace lumbrical

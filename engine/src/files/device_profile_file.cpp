@@ -87,6 +87,7 @@ void ProfileReader::word(flatbuffers::Optional<std::uint32_t> value, const std::
 
 void ProfileReader::field(const format::Field* table, const std::string& path, RegisterField& target) {
   target.unit = unit_;
+  if (table == nullptr && !has_registers(profile_.transport.kind)) return;
   if (table == nullptr) return read_.error(path, "is missing");
   static constexpr Name kTypes[] = {{"s16", static_cast<int>(RegisterType::s16)},
                                     {"u16", static_cast<int>(RegisterType::u16)},
@@ -106,11 +107,15 @@ void ProfileReader::field(const format::Field* table, const std::string& path, R
 void ProfileReader::transport(const format::Transport* table) {
   if (table == nullptr) return;
   Transport& target = profile_.transport;
-  static constexpr Name kKinds[] = {{"tcp", 0}, {"rtu", 1}};
+  static constexpr Name kKinds[] = {{"tcp", static_cast<int>(TransportKind::tcp)},
+                                    {"rtu", static_cast<int>(TransportKind::rtu)},
+                                    {"udp", static_cast<int>(TransportKind::udp)},
+                                    {"memory", static_cast<int>(TransportKind::memory)}};
   static constexpr Name kNetworks[] = {{"private", 0}, {"any", 1}};
   static constexpr Name kParities[] = {{"none", 'N'}, {"even", 'E'}, {"odd", 'O'}};
-  target.serial = name(table->kind(), "transport.kind", kKinds) == 1;
+  target.kind = static_cast<TransportKind>(name(table->kind(), "transport.kind", kKinds));
   if (table->host() != nullptr) target.host = table->host()->str();
+  if (table->region() != nullptr) target.region = table->region()->str();
   if (table->line() != nullptr) target.line = table->line()->str();
   word(table->port(), "transport.port", target.port);
   target.anywhere = name(table->network(), "transport.network", kNetworks) == 1;

@@ -24,8 +24,6 @@ void put(ExchangeWords& exchange, const RegisterField& field, double value) {
   encode_field(field, value, std::span(at, static_cast<std::size_t>(register_count(field.type))));
 }
 
-double finite_or_zero(double value) { return std::isfinite(value) ? value : 0; }
-
 }  // namespace
 
 ExchangeWords::ExchangeWords(const DeviceProfile& profile) : plan(plan_exchange(profile)) {
@@ -46,24 +44,24 @@ ExchangeWords::ExchangeWords(const DeviceProfile& profile) : plan(plan_exchange(
   }
 }
 
-void ExchangeWords::write(const DeviceProfile& profile, const SafetyOutput& output,
-                          const DeviceCommand& command, std::uint16_t heartbeat) {
+void ExchangeWords::write(const DeviceProfile& profile, const WireCommand& command) {
+  const SafetyOutput& output = command.output;
   for (std::size_t i = 0; i < profile.actuators.size(); ++i) {
     const Actuator& actuator = profile.actuators[i];
     put(*this, actuator.field, output.command[i]);
     if (!actuator.local.present) continue;
-    // What the envelope has cut must not come back through the stiffness.
-    const bool as_wanted = output.command[i] == command.wanted[i];
-    put(*this, actuator.local.angle, finite_or_zero(command.angle[i]));
-    put(*this, actuator.local.stiffness, as_wanted ? finite_or_zero(command.stiffness[i]) : 0);
-    put(*this, actuator.local.radius, as_wanted ? finite_or_zero(command.radius[i]) : 0);
+    const LocalModel local = local_model_of(command, i);
+    put(*this, actuator.local.angle, local.angle);
+    put(*this, actuator.local.stiffness, local.stiffness);
+    put(*this, actuator.local.radius, local.radius);
   }
   if (profile.control.present) {
     *place(plan.writes, written, profile.control.unit, profile.control.address) =
         output.device_on ? profile.control.active : profile.control.idle;
   }
   if (profile.heartbeat.present) {
-    *place(plan.writes, written, profile.heartbeat.unit, profile.heartbeat.address) = heartbeat;
+    *place(plan.writes, written, profile.heartbeat.unit, profile.heartbeat.address) =
+        static_cast<std::uint16_t>(command.cycle);
   }
 }
 
@@ -104,6 +102,8 @@ bool ExchangeWords::holds(const RegisterBlock& block, std::size_t at) const {
 
 DeviceStatus ExchangeWords::status(const DeviceProfile& profile) const {
   DeviceStatus status;
+  status.has_dead_man = profile.status.dead_man != 0;
+  status.echoes = profile.heartbeat.echoed;
   if (profile.heartbeat.echoed) {
     const int at = find_register(plan.reads, profile.heartbeat.unit, profile.heartbeat.echo_address);
     status.echo = read[static_cast<std::size_t>(at)];

@@ -6,17 +6,12 @@
 #include <utility>
 #include <vector>
 
-#include "lumbrical/modbus_sink.h"
+#include "lumbrical/device_wire.h"
 
 namespace lumbrical {
 
 inline constexpr std::size_t kLookBack =
     16;  ///< registers read back at once: little beside a cycle of a slow bus
-
-struct DeviceStatus {
-  bool ready = true, fault = false, stop = false, dead_man = true;
-  std::uint16_t echo = 0;
-};
 
 /// The words of all blocks of a profile's plan, one behind the other. Sized once.
 struct ExchangeWords {
@@ -27,8 +22,7 @@ struct ExchangeWords {
 
   /// Bytes that no field claims hold what the handshake wrote there, or 0.
   explicit ExchangeWords(const DeviceProfile& profile);
-  void write(const DeviceProfile& profile, const SafetyOutput& output, const DeviceCommand& command,
-             std::uint16_t heartbeat);
+  void write(const DeviceProfile& profile, const WireCommand& command);
   /// The commands that `written` stands for, within each actuator's limits.
   void commands(const DeviceProfile& profile, ActuatorArray& command) const;
   /// The index'th of the parts of at most kLookBack registers that what is written consists of, round and

@@ -14,7 +14,7 @@
 #include <cstring>
 #include <vector>
 
-#include "modbus/modbus_network.h"
+#include "loop/private_network.h"
 
 namespace lumbrical {
 namespace {
@@ -86,10 +86,11 @@ void ModbusLink::Free::operator()(_modbus* context) const {
 
 Status ModbusLink::open(const Transport& transport, double timeout) {
   close();
-  const Status status = transport.serial ? open_line(transport) : open_tcp(transport, timeout);
+  const Status status =
+      transport.kind == TransportKind::rtu ? open_line(transport) : open_tcp(transport, timeout);
   if (!status.ok()) return close(), status;
   file_ = modbus_get_socket(context_.get());
-  serial_ = transport.serial;
+  serial_ = transport.kind == TransportKind::rtu;
   return {};
 }
 
@@ -228,7 +229,7 @@ LinkResult ModbusLink::receive(const ModbusQuestion& question, std::int64_t end,
 }
 
 double line_time(const DeviceProfile& profile) {
-  if (!profile.transport.serial) return 0;
+  if (profile.transport.kind != TransportKind::rtu) return 0;
   const ExchangePlan plan = plan_exchange(profile);
   double characters = 0;
   if (plan.combined) {

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
 
 #include "lumbrical/device_profile.h"
+#include "lumbrical/device_wire.h"
 #include "modbus/modbus_frame.h"
 
 struct _modbus;
@@ -24,13 +24,6 @@ struct LinkResult {
   LinkOutcome outcome = LinkOutcome::done;
   const char* text = "";  ///< of the error; static
   [[nodiscard]] bool ok() const { return outcome == LinkOutcome::done; }
-};
-
-/// How long a reply may take [s], counted from its request, whatever arrives in the meantime.
-struct Patience {
-  double usual = 0.05;
-  double hurried = 0.05;        ///< once `hurry` says so, from then on
-  std::function<bool()> hurry;  ///< asked every millisecond; may be empty
 };
 
 class ModbusLink {

@@ -19,8 +19,8 @@
 #include <thread>
 #include <vector>
 
+#include "loop/private_network.h"
 #include "modbus/modbus_frame.h"
-#include "modbus/modbus_network.h"
 
 namespace lumbrical {
 namespace {

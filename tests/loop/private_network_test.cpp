@@ -1,5 +1,5 @@
 // Which hosts a sink talks to, and on which a simulated device listens.
-#include "modbus/modbus_network.h"
+#include "loop/private_network.h"
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "simulated_wire.h"
+#include "modbus/simulated_wire.h"
 
 namespace lumbrical {
 namespace {
@@ -52,8 +52,8 @@ TEST(ModbusNetwork, ASinkDoesNotEvenBeginToTalkToAPublicAddressUnlessTold) {
   DeviceProfile profile = test::patient_profile();
   for (const char* const host : {"203.0.113.7", "2001:db8::7"}) {
     profile.transport.host = host;
-    ModbusSink sink;
-    const Status status = sink.open(profile, {});
+    DeviceSink sink;
+    const Status status = test::open_modbus(profile, {}, sink);
     EXPECT_NE(status.message().find("lies outside loopback and private networks"), std::string::npos)
         << status.message();
     EXPECT_TRUE(check_host(host, true).ok());

@@ -1,5 +1,5 @@
-// See modbus_network.h.
-#include "modbus/modbus_network.h"
+// See private_network.h.
+#include "loop/private_network.h"
 
 #include <arpa/inet.h>
 #include <netdb.h>
@@ -64,9 +64,9 @@ int resolve(const std::string& host, int flags, Addresses& list) {
 }
 
 Status outside(const std::string& host) {
-  return Status::error(host +
-                       ": lies outside loopback and private networks, and Modbus lets anyone on the way " +
-                       "command the device; put a tunnel in between (docs/device.md), or write network=any");
+  return Status::error(
+      host + ": lies outside loopback and private networks, and whoever is on the way " +
+      "could command the device; put a tunnel in between (docs/device.md), or write network=any");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // What ends a process, and that forces fade before. Each death is died in a child.
-#include "ways_out.h"
+#include "lumbrical/ways_out.h"
 #include "files.h"
 #include "lumbrical/mesh.h"
 #include "lumbrical/shapes.h"
@@ -20,7 +20,7 @@
 #include <string>
 #include <thread>
 
-namespace lumbrical::tool {
+namespace lumbrical {
 namespace {
 
 struct Death {
@@ -139,6 +139,7 @@ TEST(WaysOut, AWorldFileThatIsCutWhileMappedReadsAsZerosAndIsToldSo) {
   ASSERT_TRUE(writer.add_object({"sheet", make_plane(1, 60)}).ok());
   ASSERT_TRUE(writer.finish().ok());
   const Death death = die_by([&path] {
+    mend_bus_errors(replace_lost_page);
     std::shared_ptr<const World> world;
     if (!open_world(path, world).ok() || any_page_lost()) raise(SIGKILL);
     std::filesystem::resize_file(path, 4096);
@@ -162,4 +163,4 @@ TEST(WaysOut, ATerminalThatHangsUpIsNoReasonUnderNohup) {
 }
 
 }  // namespace
-}  // namespace lumbrical::tool
+}  // namespace lumbrical

@@ -4,14 +4,16 @@
 #include <sys/types.h>
 
 #include <string>
+#include <vector>
 
 #include "lumbrical/status.h"
 
-namespace lumbrical::tool {
+namespace lumbrical {
 
 /// Started before the device is. It waits for the end of the pipe that only this process holds: if that comes
-/// without dismiss(), `lumbrical guard` opens a connection of its own and fades what the device was told
-/// last. It is in a session of its own, so that what kills this one's process group spares it.
+/// without dismiss(), it opens a connection of its own and fades what the device was told last:
+/// SinkOptions::take_over, as `lumbrical guard SINK` does. It is in a session of its own, so that what kills
+/// this one's process group spares it.
 class DeviceGuard {
  public:
   DeviceGuard() = default;
@@ -19,7 +21,8 @@ class DeviceGuard {
   DeviceGuard(const DeviceGuard&) = delete;
   DeviceGuard& operator=(const DeviceGuard&) = delete;
 
-  Status start(const std::string& sink_uri);
+  /// `command`: the program, by its path, and its arguments. It reads the pipe as its standard input.
+  Status start(std::vector<std::string> command);
   void dismiss();  ///< the device is at safe values: the guard ends
 
  private:
@@ -27,4 +30,7 @@ class DeviceGuard {
   pid_t process_ = -1;
 };
 
-}  // namespace lumbrical::tool
+/// In that program: waits for the end of the pipe. True: it came without dismiss().
+bool bereaved();
+
+}  // namespace lumbrical

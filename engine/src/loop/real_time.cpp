@@ -1,18 +1,18 @@
-// See real_time.h.
-#include "real_time.h"
+// See lumbrical/real_time.h.
+#include "lumbrical/real_time.h"
 
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
-#include <sys/resource.h>
 #include <time.h>
 
-#include <array>
+#include <cassert>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 
-namespace lumbrical::tool {
+#include "base/steady_clock.h"
+
+namespace lumbrical {
 namespace {
 
 constexpr std::size_t kStackTouched = std::size_t{256} << 10;
@@ -75,23 +75,7 @@ void leave_real_time(const RealTime& real_time) {
   }
 }
 
-std::int64_t clock_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1000000000 + now.tv_nsec;
-}
-
-std::string utc_text() {
-  timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
-  tm parts{};
-  gmtime_r(&now.tv_sec, &parts);
-  std::array<char, 32> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S", &parts);
-  std::array<char, 16> fraction{};
-  std::snprintf(fraction.data(), fraction.size(), ".%09ldZ", now.tv_nsec);
-  return std::string(text.data()) + fraction.data();
-}
+std::int64_t clock_ns() { return steady_ns(); }
 
 void sleep_until_ns(std::int64_t deadline) {
   const timespec until{static_cast<time_t>(deadline / 1000000000), static_cast<long>(deadline % 1000000000)};
@@ -99,10 +83,20 @@ void sleep_until_ns(std::int64_t deadline) {
   }
 }
 
-std::uint64_t page_faults() {
-  rusage usage{};
-  getrusage(RUSAGE_THREAD, &usage);
-  return static_cast<std::uint64_t>(usage.ru_minflt) + static_cast<std::uint64_t>(usage.ru_majflt);
+Pace start_pace(double rate) {
+  assert(rate > 0);
+  return {rate, clock_ns()};
 }
 
-}  // namespace lumbrical::tool
+std::int64_t period_of(const Pace& pace) { return static_cast<std::int64_t>(1e9 / pace.rate); }
+
+std::int64_t moment_of(const Pace& pace, std::uint64_t tick) {
+  return pace.first + static_cast<std::int64_t>(static_cast<double>(tick) * 1e9 / pace.rate);
+}
+
+void forgive_late(std::uint64_t tick, std::int64_t end, Pace& pace) {
+  const std::int64_t moment = moment_of(pace, tick), period = period_of(pace);
+  if (end > moment + 2 * period) pace.first += end - (moment + period);
+}
+
+}  // namespace lumbrical

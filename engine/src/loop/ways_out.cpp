@@ -1,5 +1,5 @@
-// See ways_out.h.
-#include "ways_out.h"
+// See lumbrical/ways_out.h.
+#include "lumbrical/ways_out.h"
 
 #include <signal.h>
 
@@ -8,9 +8,7 @@
 #include <cstddef>
 #include <ctime>
 
-#include "lumbrical/world.h"
-
-namespace lumbrical::tool {
+namespace lumbrical {
 namespace {
 
 constexpr std::array<int, 4> kStops = {SIGINT, SIGTERM, SIGQUIT, SIGHUP};
@@ -24,6 +22,7 @@ volatile std::time_t asked_at = 0;  // s, monotonic
 
 std::atomic<void (*)()> last_act{nullptr};
 std::atomic<bool> dying{false};
+std::atomic<bool (*)(const void*) noexcept> mend_page{nullptr};
 
 // A stack that has run over can't carry a handler.
 alignas(16) std::array<std::byte, 65536> spare_stack;
@@ -42,7 +41,8 @@ extern "C" void die(int signal) {
 
 extern "C" void mend_or_die(int signal, siginfo_t* info, void*) {
   const int error = errno;
-  if (info->si_code == BUS_ADRERR && replace_lost_page(info->si_addr)) {
+  if (bool (*const mend)(const void*) noexcept = mend_page;
+      mend != nullptr && info->si_code == BUS_ADRERR && mend(info->si_addr)) {
     errno = error;
     return;
   }
@@ -62,6 +62,26 @@ extern "C" void request_stop(int signal) {
     die(signal);
   }
   errno = error;
+}
+
+std::atomic<DeviceSink*> fading_sink{nullptr};
+
+// The thread that crashed makes no more commands; the sink's thread fades them out meanwhile.
+void fade() {
+  DeviceSink* const sink = fading_sink;
+  if (sink == nullptr) return;
+  sink->press_stop(true);
+  for (int i = 0; i < 400 && !sink->is_safe() && sink->state() != SafetyState::disconnected; ++i) {
+    const timespec pause{0, 5000000};
+    nanosleep(&pause, nullptr);
+  }
+}
+
+void handle_bus_errors() {
+  struct sigaction action {};
+  action.sa_sigaction = mend_or_die;
+  action.sa_flags = SA_NODEFER | SA_ONSTACK | SA_SIGINFO;
+  sigaction(SIGBUS, &action, nullptr);
 }
 
 }  // namespace
@@ -84,11 +104,9 @@ StopSignals::~StopSignals() {
   for (std::size_t i = 0; i < kStops.size(); ++i) sigaction(kStops[i], &before_[i], nullptr);
 }
 
-void outlive_lost_pages() {
-  struct sigaction action {};
-  action.sa_sigaction = mend_or_die;
-  action.sa_flags = SA_NODEFER | SA_ONSTACK | SA_SIGINFO;
-  sigaction(SIGBUS, &action, nullptr);
+void mend_bus_errors(bool (*mend)(const void*) noexcept) {
+  mend_page = mend;
+  handle_bus_errors();
 }
 
 bool stop_requested() { return stop_asked != 0; }
@@ -103,7 +121,12 @@ void before_dying(void (*act)()) {
   action.sa_handler = act != nullptr ? die : SIG_DFL;
   action.sa_flags = SA_NODEFER | SA_ONSTACK;
   for (const int signal : kDeaths) sigaction(signal, &action, nullptr);
-  outlive_lost_pages();
+  handle_bus_errors();
 }
 
-}  // namespace lumbrical::tool
+void fade_before_dying(DeviceSink* sink) {
+  fading_sink = sink;
+  before_dying(sink != nullptr ? fade : nullptr);
+}
+
+}  // namespace lumbrical

@@ -1,5 +1,5 @@
-// See modbus_worker.h.
-#include "modbus/modbus_worker.h"
+// See sink_worker.h.
+#include "loop/sink_worker.h"
 
 #include <pthread.h>
 #include <sched.h>
@@ -23,13 +23,13 @@ double seconds(std::int64_t nanoseconds) { return static_cast<double>(nanosecond
 
 }  // namespace
 
-void ModbusSink::Worker::tell(std::string text) {
+void DeviceSink::Worker::tell(std::string text) {
   const std::lock_guard lock(mutex);
-  if (events.size() < kMostEvents) events.push_back({seconds(now_ns() - opened), std::move(text)});
+  if (events.size() < kMostEvents) events.push_back({seconds(steady_ns() - opened), std::move(text)});
 }
 
 // The same trouble is told once, until something works again.
-void ModbusSink::Worker::problem(std::string text) {
+void DeviceSink::Worker::problem(std::string text) {
   if (last_problem == text) return;
   last_problem = text;
   {
@@ -39,7 +39,7 @@ void ModbusSink::Worker::problem(std::string text) {
   tell(std::move(text));
 }
 
-void ModbusSink::Worker::set_up_thread() {
+void DeviceSink::Worker::set_up_thread() {
   // Signals are other threads' affair: a handler that waits for this one must not run on it.
   sigset_t signals;
   sigfillset(&signals);
@@ -61,78 +61,56 @@ void ModbusSink::Worker::set_up_thread() {
   }
 }
 
-void ModbusSink::Worker::connect() {
-  const std::int64_t now = now_ns();
+void DeviceSink::Worker::connect() {
+  const std::int64_t now = steady_ns();
   if (now < next_try) return;
-  const Status status = link.open(profile.transport, profile.response_timeout);
+  const Status status = wire->open();
   if (status.ok()) {
     {
       const std::lock_guard lock(mutex);
       ++report.connections;
     }
     tell("connected");
+    connected = true;
     handshaken = false;
     return;
   }
   problem("not connected: " + status.message());
   retry = retry == 0 ? profile.first_retry : std::min(2 * retry, profile.last_retry);
-  next_try = now_ns() + ns(retry);
+  next_try = steady_ns() + ns(retry);
 }
 
-// What the profile wants to be written first; then its conditions, until they hold.
-bool ModbusSink::Worker::shake_hands() {
-  for (const RegisterWrite& write : profile.handshake) {
-    const RegisterBlock block{write.unit, write.address, 1};
-    if (!answered(link.write(block, &write.value), "writing", block)) return false;
-  }
-  for (const RegisterCheck& check : profile.expected) {
-    const RegisterBlock block{check.unit, check.address, 1};
-    std::uint16_t value = 0;
-    if (!answered(link.read(profile.read_function, block, &value), "reading", block)) return false;
-    if ((value & check.mask) != check.value) {
-      problem("the device is not ready yet: " + name_registers(profile, block) + " holds another value");
-      return false;
-    }
-  }
-  return true;
+// What has to come before commands; or, to fade what another left, what that was.
+bool DeviceSink::Worker::greet() {
+  if (!options.take_over) return answered(wire->greet());
+  return answered(wire->read_commands(safety.output)) || connected;
 }
 
-// The commands as they stand; those that can't be read count as safe.
-bool ModbusSink::Worker::take_over() {
-  words.write(profile, {.command = start_safety(profile).output}, {}, 0);
-  std::size_t at = 0;
-  for (const RegisterBlock& block : words.plan.writes) {
-    if (!answered(link.read(3, block, words.written.data() + at), "reading", block) && !link.is_open())
-      return false;
-    at += block.count;
-  }
-  words.commands(profile, safety.output);
-  return true;
-}
-
-// What is wrong is told with the names of the registers it was about.
-bool ModbusSink::Worker::answered(const LinkResult& result, const char* doing, const RegisterBlock& block) {
+bool DeviceSink::Worker::answered(WireResult result) {
   if (result.ok()) return true;
-  {
+  const bool refused = result.outcome == WireOutcome::refused;
+  if (result.outcome != WireOutcome::waiting) {
     const std::lock_guard lock(mutex);
-    ++(result.outcome == LinkOutcome::refused ? report.refused : report.broken);
+    ++(refused ? report.refused : report.broken);
   }
-  std::string text = std::string(result.text) + ", " + doing + " " + name_registers(profile, block);
-  if (result.outcome == LinkOutcome::broken) return lose(std::move(text)), false;
-  problem(std::move(text));
+  if (result.outcome == WireOutcome::broken) {
+    lose(std::move(result.text));
+  } else {
+    problem(std::move(result.text));
+  }
   return false;
 }
 
-void ModbusSink::Worker::lose(std::string why) {
-  link.close();
-  handshaken = standing = false;
+void DeviceSink::Worker::lose(std::string why) {
+  wire->close();
+  connected = handshaken = standing = false;
   problem(std::move(why));
   // The first try follows at once, the others ever later.
-  next_try = retry == 0 ? 0 : now_ns() + ns(retry);
+  next_try = retry == 0 ? 0 : steady_ns() + ns(retry);
   retry = retry == 0 ? profile.first_retry : std::min(2 * retry, profile.last_retry);
 }
 
-void ModbusSink::Worker::take_command() {
+void DeviceSink::Worker::take_command() {
   PublishedCommand fresh;
   if (!commands.take(fresh)) return;
   newest = fresh;
@@ -140,35 +118,36 @@ void ModbusSink::Worker::take_command() {
 }
 
 // Looks for the command again and again rather than being woken: the thread that ticks makes no system call.
-void ModbusSink::Worker::await_tick() {
+void DeviceSink::Worker::await_tick() {
   constexpr std::chrono::microseconds kLook{50};
-  const std::int64_t begun = now_ns();
+  const std::int64_t begun = steady_ns();
   for (;;) {
     take_command();
-    const std::int64_t now = now_ns();
+    const std::int64_t now = steady_ns();
     const bool ticking = seconds(now - newest.time) <= profile.safety.tick_hold;
     const double wait = wait_for_tick(newest.command, asked_at, exchange, profile.safety);
-    if (!standing || !ticking || stop || closing || seconds(now - begun) >= wait) return;
+    if (!options.thread || !standing || !ticking || stop || closing || seconds(now - begun) >= wait) return;
     std::this_thread::sleep_for(kLook);
   }
 }
 
-SafetyOutput ModbusSink::Worker::decide(std::int64_t now) {
+SafetyOutput DeviceSink::Worker::decide(std::int64_t now) {
   const double elapsed = seconds(now - last_step);
   last_step = now;
   const unsigned asked = requests.exchange(0);
+  const DeviceStatus& device = answer.status;
   SafetyInputs inputs;
   inputs.dt = running.advance(elapsed);
   inputs.gap = elapsed - inputs.dt;
   take_command();
-  inputs.connected = link.is_open() && handshaken && any_answer &&
-                     seconds(now - last_answer) <= profile.safety.answer_timeout;
+  inputs.connected =
+      connected && handshaken && any_answer && seconds(now - last_answer) <= profile.safety.answer_timeout;
   inputs.device_ready = device.ready;
   inputs.device_fault = device.fault;
   inputs.stop = stop || device.stop;
-  inputs.dead_man = profile.status.dead_man != 0 ? device.dead_man : dead_man.load();
-  inputs.heartbeat_lost = profile.heartbeat.echoed && any_answer &&
-                          seconds(now - last_echo_change) > profile.safety.answer_timeout;
+  inputs.dead_man = device.has_dead_man ? device.dead_man : dead_man.load();
+  inputs.heartbeat_lost =
+      device.echoes && any_answer && seconds(now - last_echo_change) > profile.safety.answer_timeout;
   inputs.other_master = std::exchange(other_master, false);
   inputs.arm = (asked & kArm) != 0;
   inputs.disarm = (asked & kDisarm) != 0 || closing;
@@ -189,7 +168,7 @@ SafetyOutput ModbusSink::Worker::decide(std::int64_t now) {
   return output;
 }
 
-void ModbusSink::Worker::tell_transition(SafetyState before, std::uint32_t flags) {
+void DeviceSink::Worker::tell_transition(SafetyState before, std::uint32_t flags) {
   constexpr std::pair<SafetyFlag, const char*> kCauses[] = {
       {kStopPressed, "emergency stop"},
       {kDeviceFault, "the device reports a fault"},
@@ -214,47 +193,27 @@ void ModbusSink::Worker::tell_transition(SafetyState before, std::uint32_t flags
   if (safety.state == SafetyState::disconnected && was_on) ++report.losses;
 }
 
-// Do the registers still hold what was written in the cycle before? A few of them at a time.
-void ModbusSink::Worker::look_back() {
-  const bool hurry = stop || closing || options.take_over;
-  if (!link.is_open() || !standing || hurry || !(profile.read_back > 0)) return;
-  if (seconds(now_ns() - last_look) < profile.read_back) return;
-  last_look = now_ns();
-  const auto [block, at] = words.part(look++);
-  const LinkResult result = link.read(3, block, words.read_back.data());
-  if (result.outcome == LinkOutcome::refused) {
-    profile.read_back = 0;
-    tell("another master would not be noticed: the device does not let its commands be read back (" +
-         std::string(result.text) + ")");
-    return;
+// Are the device's commands still those that were sent in the cycle before?
+void DeviceSink::Worker::look_back() {
+  if (!connected || !standing || !looks_back || stop || closing || options.take_over) return;
+  WireResult result = wire->look_back(other_master);
+  looks_back = result.outcome != WireOutcome::refused;
+  if (looks_back) {
+    answered(std::move(result));
+  } else {
+    tell("another master would not be noticed: " + result.text);
   }
-  if (answered(result, "reading back", block)) other_master = !words.holds(block, at);
 }
 
-bool ModbusSink::Worker::transfer() {
-  const ExchangePlan& plan = words.plan;
-  asked_at = now_ns();
-  if (plan.combined) {
-    return answered(link.exchange(plan.writes[0], words.written.data(), plan.reads[0], words.read.data()),
-                    "writing", plan.writes[0]);
-  }
-  std::size_t at = 0;
-  for (const RegisterBlock& block : plan.writes) {
-    if (!answered(link.write(block, words.written.data() + at), "writing", block)) return false;
-    at += block.count;
-  }
-  at = 0;
-  asked_at = now_ns();
-  for (const RegisterBlock& block : plan.reads) {
-    if (!answered(link.read(profile.read_function, block, words.read.data() + at), "reading", block))
-      return false;
-    at += block.count;
-  }
-  return true;
+bool DeviceSink::Worker::exchange_with(const SafetyOutput& output) {
+  answer.asked = steady_ns();
+  const bool done = answered(wire->exchange({cycle_count, output, newest.command}, answer));
+  asked_at = answer.asked;
+  return done;
 }
 
 // Each kind when it begins, with the first joint that it is about.
-void ModbusSink::Worker::tell_doubts(const DeviceFeedback& feedback) {
+void DeviceSink::Worker::tell_doubts(const DeviceFeedback& feedback) {
   const std::uint32_t news = feedback.flags & ~std::exchange(doubts, feedback.flags);
   if (news == 0) return;
   const auto sensor = std::find_if(profile.sensors.begin(), profile.sensors.end(), [&](const Sensor& one) {
@@ -268,9 +227,21 @@ void ModbusSink::Worker::tell_doubts(const DeviceFeedback& feedback) {
   tell(std::move(text));
 }
 
-void ModbusSink::Worker::take_feedback(std::int64_t now) {
-  device = words.status(profile);
-  const std::uint16_t echo = device.echo;
+// Those that the profile knows, within their sensors' ranges.
+void DeviceSink::Worker::take_angles(DeviceFeedback& feedback) const {
+  for (const Sensor& sensor : profile.sensors) {
+    const auto a = static_cast<std::size_t>(sensor.angle);
+    const float angle = answer.angle[a];
+    const bool possible =
+        angle >= static_cast<float>(sensor.lower) && angle <= static_cast<float>(sensor.upper);
+    if ((answer.valid >> a & 1u) == 0 || !possible) continue;
+    feedback.angle[a] = angle;
+    feedback.valid |= 1u << a;
+  }
+}
+
+void DeviceSink::Worker::take_feedback(std::int64_t now) {
+  const std::uint16_t echo = answer.status.echo;
   if (!any_answer || echo != last_echo) last_echo_change = now;
   last_echo = echo;
   if (profile.sensors.empty()) return;
@@ -278,16 +249,16 @@ void ModbusSink::Worker::take_feedback(std::int64_t now) {
   feedback.asked = asked_at;
   feedback.time = now;
   feedback.acted = std::exchange(acting, commanded);
-  words.angles(profile, feedback.angle, feedback.valid);
+  take_angles(feedback);
   check_feedback(profile, feedback, feedback_memory);
   tell_doubts(feedback);
   feedbacks.put(feedback);
 }
 
-void ModbusSink::Worker::remember(const SafetyOutput& output, std::int64_t sent, std::int64_t acknowledged) {
+void DeviceSink::Worker::remember(const SafetyOutput& output, std::int64_t sent, std::int64_t acknowledged) {
   SentCommand* const slot = history.claim();
   if (slot == nullptr) return;  // no one listens
-  slot->cycle = cycle;
+  slot->cycle = cycle_count;
   slot->tick = newest.command.tick;
   slot->sent = sent;
   slot->acknowledged = acknowledged;
@@ -300,13 +271,13 @@ void ModbusSink::Worker::remember(const SafetyOutput& output, std::int64_t sent,
   history.publish();
 }
 
-void ModbusSink::Worker::count(bool acknowledged, std::int64_t now) {
+void DeviceSink::Worker::count(bool acknowledged, std::int64_t now) {
   if (now - rate_start[1] > ns(1)) {
     rate_start = {rate_start[1], now};
     rate_count = {rate_count[1], report.acknowledged};
   }
   const std::lock_guard lock(mutex);
-  report.cycles = cycle;
+  report.cycles = cycle_count;
   report.acknowledged += acknowledged ? 1 : 0;
   report.state = safety.state;
   report.age = any_answer ? seconds(now - last_answer) : std::numeric_limits<double>::infinity();
@@ -315,20 +286,20 @@ void ModbusSink::Worker::count(bool acknowledged, std::int64_t now) {
 }
 
 // One cycle. True: the device has acknowledged safe values with its control word off.
-bool ModbusSink::Worker::step() {
+bool DeviceSink::Worker::cycle() {
   // While forces act, an emergency stop is answered soon or the link is closed: the device's watchdog acts
   // then.
-  link.patience.hurried = 2 * std::max(running.usual, 1 / profile.rate);
-  if (!link.is_open()) connect();
+  wire->patience.hurried = 2 * std::max(running.usual, 1 / profile.rate);
+  if (!connected) connect();
   bool taken_over = false;
-  if (link.is_open() && !handshaken) {
-    handshaken = options.take_over ? take_over() : shake_hands();
-    if (handshaken) last_echo_change = now_ns();
+  if (connected && !handshaken) {
+    handshaken = greet();
+    if (handshaken) last_echo_change = steady_ns();
     taken_over = handshaken && options.take_over;
   }
   look_back();
   await_tick();
-  const std::int64_t begun = now_ns();
+  const std::int64_t begun = steady_ns();
   // Letting go begins here, however long the way to the device took: else the first command would be a step.
   if (taken_over) last_step = begun - ns(1 / profile.rate);
   SafetyOutput output = decide(begun);
@@ -336,16 +307,15 @@ bool ModbusSink::Worker::step() {
     for (std::size_t i = 0; i < profile.actuators.size(); ++i) output.command[i] = profile.actuators[i].safe;
     output.device_on = false;
   }
-  const std::int64_t sent = now_ns();
+  const std::int64_t sent = steady_ns();
   bool acknowledged = false;
-  if (link.is_open() && handshaken) {
+  if (connected && handshaken) {
     commanded = output.command;
-    words.write(profile, output, newest.command, static_cast<std::uint16_t>(cycle + 1));
-    ++cycle;
+    ++cycle_count;
     if (!output.at_safe_values && !options.dry_run) safe = false;  // it may arrive even if its reply does not
-    acknowledged = transfer();
+    acknowledged = exchange_with(output);
     standing = acknowledged;
-    const std::int64_t now = now_ns();
+    const std::int64_t now = steady_ns();
     if (acknowledged) {
       exchange = seconds(now - sent);
       take_feedback(now);
@@ -356,7 +326,7 @@ bool ModbusSink::Worker::step() {
     }
     remember(output, sent, acknowledged ? now : 0);
   }
-  count(acknowledged, now_ns());
+  count(acknowledged, steady_ns());
   {
     const std::lock_guard lock(mutex);
     report.flags = output.flags;
@@ -365,35 +335,40 @@ bool ModbusSink::Worker::step() {
   return acknowledged && safe && !output.device_on;
 }
 
-void ModbusSink::Worker::run() {
-  set_up_thread();
-  const auto period =
-      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / profile.rate));
-  Clock::time_point next = Clock::now();
-  last_step = opened = now_ns();
-  rate_start.fill(opened);
-  std::int64_t give_up = 0;
-  for (;;) {
-    if (closing && give_up == 0) {
-      give_up = now_ns() +
-                ns(profile.safety.fade + profile.safety.answer_timeout + 2 * profile.response_timeout + 0.1);
-    }
-    bool off = false;
-    try {
-      off = step();
-    } catch (const std::bad_alloc&) {  // for a message; the next cycle is told what this one was not
-      link.close();
-    }
-    if (give_up != 0 && (off || now_ns() > give_up)) {
-      tell(off ? "closed: the device has acknowledged safe values"
-               : "closed: the device could not be told; its own watchdog must act");
-      return;
-    }
-    next += period;
-    const Clock::time_point now = Clock::now();
-    if (next < now) next = now;  // a late cycle is not made up for
-    std::this_thread::sleep_until(next);
+// A cycle that does not throw, and when the next one is due: a late one is not made up for.
+bool DeviceSink::Worker::step() {
+  bool off = false;
+  try {
+    off = cycle();
+  } catch (const std::bad_alloc&) {  // for a message; the next cycle is told what this one was not
+    wire->close();
+    connected = handshaken = standing = false;
   }
+  next_cycle = std::max(next_cycle + ns(1 / profile.rate), steady_ns());
+  return off;
+}
+
+void DeviceSink::Worker::let_go() {
+  const std::int64_t give_up = steady_ns() + ns(profile.safety.fade + profile.safety.answer_timeout +
+                                                2 * profile.response_timeout + 0.1);
+  while (!step()) {
+    if (steady_ns() > give_up) return tell("closed: the device could not be told; its own watchdog must act");
+    await_cycle();
+  }
+  tell("closed: the device has acknowledged safe values");
+}
+
+void DeviceSink::Worker::await_cycle() const {
+  std::this_thread::sleep_until(Clock::time_point(std::chrono::nanoseconds(next_cycle)));
+}
+
+void DeviceSink::Worker::run() {
+  set_up_thread();
+  while (!closing) {
+    step();
+    await_cycle();
+  }
+  let_go();
 }
 
 }  // namespace lumbrical

@@ -1,4 +1,4 @@
-// Which hosts may be talked to: Modbus has no lock on its door.
+// Which hosts may be talked to: neither Modbus nor datagrams have a lock on their door.
 #pragma once
 
 #include <string>

@@ -1,29 +1,25 @@
-// What runs on a sink's own thread: connection, handshake, safety envelope and exchange, cycle after cycle.
+// What a sink does cycle after cycle: connection, handshake, safety envelope and exchange.
 #pragma once
 
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "base/newest.h"
 #include "base/ring.h"
+#include "base/steady_clock.h"
 #include "device/feedback_check.h"
-#include "lumbrical/modbus_sink.h"
-#include "modbus/exchange_words.h"
-#include "modbus/modbus_link.h"
-#include "modbus/running_time.h"
+#include "loop/running_time.h"
+#include "lumbrical/device_sink.h"
 
 namespace lumbrical {
-
-/// The steady clock [ns].
-inline std::int64_t now_ns() {
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
-}
 
 struct PublishedCommand {
   DeviceCommand command;
@@ -32,11 +28,10 @@ struct PublishedCommand {
 
 enum SinkRequest : unsigned { kArm = 1, kDisarm = 2, kReset = 4 };
 
-struct ModbusSink::Worker {
+struct DeviceSink::Worker {
   DeviceProfile profile;
   SinkOptions options;
-  ExchangeWords words;
-  ModbusLink link;
+  std::unique_ptr<DeviceWire> wire;
   SafetyMemory safety;
 
   // Between threads.
@@ -51,60 +46,65 @@ struct ModbusSink::Worker {
   std::vector<SinkEvent> events;
   std::thread thread;
 
-  // The thread's own.
+  // Of whoever makes the cycles.
   PublishedCommand newest;
+  std::int64_t next_cycle = 0;  // when it is due
   std::int64_t opened = 0, last_step = 0, last_answer = 0, next_try = 0, last_echo_change = 0;
   std::int64_t asked_at = 0;  // when the request for the newest angles left
   double exchange = 0;        // [s] the last one acknowledged
   RunningTime running;
   double lost_before = 0;  // of running.lost, when the newest command came
   double retry = 0;
-  bool any_answer = false, handshaken = false;
-  DeviceStatus device;
+  bool any_answer = false, connected = false, handshaken = false;
+  WireAnswer answer;
   FeedbackMemory feedback_memory{};
-  bool standing = false;  // what `words` wrote in the cycle before was acknowledged on this connection
+  bool standing = false;  // what was sent in the cycle before was acknowledged on this connection
   bool other_master = false;
-  std::int64_t last_look = 0;
-  std::size_t look = 0;
+  bool looks_back = true;
   std::uint32_t doubts = 0;  // DeviceFlag bits of the newest feedback
   std::uint16_t last_echo = 0;
   ActuatorArray commanded{}, acting{};  // by this cycle's request, and by the last one acknowledged
-  std::uint64_t cycle = 0;
+  std::uint64_t cycle_count = 0;
   std::array<std::int64_t, 2> rate_start{};
   std::array<std::uint64_t, 2> rate_count{};
   std::string last_problem;
 
-  explicit Worker(const DeviceProfile& wanted, const SinkOptions& chosen)
+  Worker(const DeviceProfile& wanted, std::unique_ptr<DeviceWire> way, const SinkOptions& chosen)
       : profile(wanted),
         options(chosen),
-        words(wanted),
+        wire(std::move(way)),
         safety(start_safety(wanted)),
         auto_arm(chosen.arm),
         running{1 / wanted.rate} {
-    link.patience.usual = wanted.response_timeout;
-    link.patience.hurry = [this] { return stop && !safe; };
+    wire->patience.usual = wanted.response_timeout;
+    wire->patience.hurry = [this] { return stop && !safe; };
+    last_step = opened = next_cycle = steady_ns();
+    rate_start.fill(opened);
   }
 
   void run();
+  bool step();
+  bool cycle();
+  void let_go();
+  void await_cycle() const;
   void set_up_thread();
   void tell(std::string text);
   void problem(std::string text);
   void connect();
-  bool shake_hands();
-  bool take_over();
+  bool greet();
   void lose(std::string why);
-  bool answered(const LinkResult& result, const char* doing, const RegisterBlock& block);
+  bool answered(WireResult result);
   void tell_transition(SafetyState before, std::uint32_t flags);
   void take_command();
   void await_tick();
   SafetyOutput decide(std::int64_t now);
   void look_back();
-  bool transfer();
+  bool exchange_with(const SafetyOutput& output);
   void tell_doubts(const DeviceFeedback& feedback);
+  void take_angles(DeviceFeedback& feedback) const;
   void take_feedback(std::int64_t now);
   void remember(const SafetyOutput& output, std::int64_t sent, std::int64_t acknowledged);
   void count(bool acknowledged, std::int64_t now);
-  bool step();
 };
 
 }  // namespace lumbrical

@@ -1,5 +1,5 @@
-// The sink that carries commands to a device and its angles back: Modbus on a thread of its own, behind the
-// safety envelope, newest value only. Never holds up the thread that ticks.
+// The sink that carries commands to a device and its angles back over some wire: behind the safety envelope,
+// newest value only, on a thread of its own if asked.
 #pragma once
 
 #include <array>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lumbrical/device_link.h"
+#include "lumbrical/device_wire.h"
 #include "lumbrical/status.h"
 
 namespace lumbrical {
@@ -34,34 +35,42 @@ struct SinkReport {
 };
 
 struct SinkOptions {
+  /// Cycles on a thread of its own, so that a wire that takes its time never holds up the ticks, and forces
+  /// fade when the ticks stop. Without it each cycle() exchanges, and when no one calls it any more only the
+  /// device's own watchdog lets go.
+  bool thread = false;
   bool arm = true;                  ///< arm by itself when the device is first ready (arm_when_ready)
   bool continue_after_loss = true;  ///< and again after a lost link; otherwise stay idle until request_arm
   bool dry_run = false;             ///< everything but forces: only safe values are written
   /// Begins at what the device was told last, as far as that can be read, and without its handshake: to fade
   /// what another left.
   bool take_over = false;
-  int priority = 0;  ///< SCHED_FIFO of the sink's thread, 0: leave it alone
+  int priority = 0;  ///< SCHED_FIFO of that thread, 0: leave it alone
   int cpu = -1;      ///< to pin it to, -1: any
 };
 
-class ModbusSink {
+class DeviceSink final : public DeviceLink {
  public:
-  ModbusSink();
-  ~ModbusSink();  ///< closes
-  ModbusSink(const ModbusSink&) = delete;
-  ModbusSink& operator=(const ModbusSink&) = delete;
+  DeviceSink();
+  ~DeviceSink();  ///< closes
+  DeviceSink(const DeviceSink&) = delete;
+  DeviceSink& operator=(const DeviceSink&) = delete;
 
-  /// Starts the thread. A device that is not there (yet) is no error: the sink keeps trying. Refuses a public
-  /// address, and forces on a device that would not notice the end of them (check_attended).
-  Status open(const DeviceProfile& profile, const SinkOptions& options);
+  /// A device that is not there (yet) is no error: the sink keeps trying. Refuses a profile whose parts
+  /// don't agree, and forces on a device that would not notice the end of them (check_attended).
+  Status open(const DeviceProfile& profile, std::unique_ptr<DeviceWire> wire, const SinkOptions& options);
+  /// Without a thread: one exchange, unless the profile's rate says that it is too early for it. Takes as
+  /// long as the wire does.
+  void cycle();
   /// Forces to their safe values, tells the device so if it can be reached, ends the thread. True: the device
   /// acknowledged safe values. Takes at most fade, answer and response times and a little.
   bool close();
 
   // For the thread that ticks (one thread): no lock, allocation or system call but the clock.
-  void publish(const DeviceCommand& command) noexcept;
-  bool feedback(DeviceFeedback& feedback) noexcept;  ///< false: nothing newer than last time
-  bool sent(SentCommand& command) noexcept;          ///< the next one not yet asked for; false: none
+  [[nodiscard]] std::int64_t now() const noexcept override;
+  void publish(const DeviceCommand& command) noexcept override;
+  bool feedback(DeviceFeedback& feedback) noexcept override;
+  bool sent(SentCommand& command) noexcept override;
 
   // From any thread.
   void arm_when_ready() noexcept;  ///< as soon as there is a device that is ready and a fresh tick; once
@@ -80,8 +89,5 @@ class ModbusSink {
   struct Worker;
   std::unique_ptr<Worker> worker_;
 };
-
-/// [s] one cycle of the profile takes on its serial line at best; 0 for TCP.
-double bus_cycle(const DeviceProfile& profile);
 
 }  // namespace lumbrical

@@ -5,7 +5,9 @@
 #include <array>
 #include <csignal>
 
-namespace lumbrical::tool {
+#include "lumbrical/device_sink.h"
+
+namespace lumbrical {
 
 /// While it lives, SIGINT, SIGTERM, SIGQUIT and (but under nohup) SIGHUP only ask sessions for a stop. It
 /// outlives the session until its recording is closed: a signal that comes twice must not cut that short.
@@ -22,13 +24,16 @@ class StopSignals {
 
 bool stop_requested();
 
-/// From now on a world file that is shortened while it is read gives zeros, and no signal (world.h); any
-/// other SIGBUS is the end as usual.
-void outlive_lost_pages();
+/// From now on a SIGBUS at an address that `mend` knows how to mend is none (replace_lost_page of world.h: a
+/// world file that is shortened while it is read gives zeros); any other is the end as usual.
+void mend_bus_errors(bool (*mend)(const void* address) noexcept);
 
 /// What is done, once, before the process dies of a signal that it can know of: a crash of any thread, an
 /// uncaught exception, an alarm, a second Ctrl-C. `act` must be fit for a signal handler and return within
 /// seconds; nullptr: nothing is done. The process dies of that signal afterwards.
 void before_dying(void (*act)());
 
-}  // namespace lumbrical::tool
+/// Before the process dies the sink fades, for up to 2 s; nullptr: no longer. One sink of a process.
+void fade_before_dying(DeviceSink* sink);
+
+}  // namespace lumbrical

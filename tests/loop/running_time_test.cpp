@@ -1,5 +1,5 @@
 // Time as the sink's thread counts it: its own sleep is no time.
-#include "modbus/running_time.h"
+#include "loop/running_time.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace lumbrical::tool {
+namespace lumbrical {
 
 struct RealTime {
   bool memory_locked = false;
@@ -25,15 +25,22 @@ RealTime enter_real_time(int priority, Pinning pinning, std::span<const std::byt
 /// Undoes enter_real_time for the calling thread and the process.
 void leave_real_time(const RealTime& real_time);
 
+/// The steady clock [ns].
 std::int64_t clock_ns();
-
-/// The time of day, "2026-03-01T12:34:56.123456789Z".
-std::string utc_text();  ///< the steady clock
 
 /// Sleeps until `deadline` [ns]. SIGINT and the like don't wake it early.
 void sleep_until_ns(std::int64_t deadline);
 
-/// Page faults of the calling thread so far, minor and major.
-std::uint64_t page_faults();
+/// Ticks by the clock: tick i is due i periods after the first, so that rounding never adds up.
+struct Pace {
+  double rate = 1000;      ///< [Hz]
+  std::int64_t first = 0;  ///< [ns] when tick 0 was due
+};
+Pace start_pace(double rate);  ///< tick 0 is due now
+std::int64_t period_of(const Pace& pace);
+std::int64_t moment_of(const Pace& pace, std::uint64_t tick);
+/// After a tick that ended at `end`: more than a period late, it is not caught up with by a burst of ticks;
+/// the clock of the session stands still for what was missed.
+void forgive_late(std::uint64_t tick, std::int64_t end, Pace& pace);
 
-}  // namespace lumbrical::tool
+}  // namespace lumbrical

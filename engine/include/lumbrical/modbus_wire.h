@@ -1,0 +1,18 @@
+// The wire that speaks Modbus: registers of a device's profile, over TCP or a serial line.
+#pragma once
+
+#include <memory>
+
+#include "lumbrical/device_profile.h"
+#include "lumbrical/device_wire.h"
+#include "lumbrical/status.h"
+
+namespace lumbrical {
+
+/// Refuses a profile whose registers don't agree (check_profile), and a public address.
+Status make_modbus_wire(const DeviceProfile& profile, std::unique_ptr<DeviceWire>& wire);
+
+/// [s] one cycle of the profile takes on its serial line at best; 0 for TCP.
+double bus_cycle(const DeviceProfile& profile);
+
+}  // namespace lumbrical

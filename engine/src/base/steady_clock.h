@@ -1,0 +1,15 @@
+// The clock of whatever has to do with a device.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+namespace lumbrical {
+
+/// [ns] of the steady clock.
+inline std::int64_t steady_ns() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+}
+
+}  // namespace lumbrical

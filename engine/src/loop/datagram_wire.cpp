@@ -1,0 +1,133 @@
+// See lumbrical/datagram_wire.h.
+#include "lumbrical/datagram_wire.h"
+
+#include <errno.h>
+#include <netdb.h>
+#include <poll.h>
+#include <sys/random.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "base/steady_clock.h"
+#include "loop/datagram_message.h"
+#include "loop/private_network.h"
+
+namespace lumbrical {
+namespace {
+
+double seconds_since(std::int64_t start) { return static_cast<double>(steady_ns() - start) * 1e-9; }
+
+// A socket that hears of that address only; -1: errno says why.
+int connect_socket(const std::string& address, std::uint16_t port, bool anywhere) {
+  addrinfo hints{};
+  hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV;
+  hints.ai_socktype = SOCK_DGRAM;
+  addrinfo* found = nullptr;
+  if (getaddrinfo(address.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) return -1;
+  int file = -1;
+  if (anywhere || is_loopback(*found->ai_addr)) {
+    file = socket(found->ai_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  } else {
+    errno = EACCES;
+  }
+  if (file >= 0 && connect(file, found->ai_addr, found->ai_addrlen) != 0) {
+    ::close(file);
+    file = -1;
+  }
+  freeaddrinfo(found);
+  return file;
+}
+
+class DatagramWire final : public DeviceWire {
+ public:
+  explicit DatagramWire(const DeviceProfile& profile)
+      : transport_(profile.transport), actuator_count_(profile.actuators.size()) {}
+  ~DatagramWire() override { close_socket(); }
+
+  Status open() override;
+  WireResult exchange(const WireCommand& command, WireAnswer& answer) override;
+  void close() override { close_socket(); }
+
+ private:
+  void close_socket() {
+    if (file_ >= 0) ::close(file_);
+    file_ = -1;
+  }
+  WireResult broken(int error) const {
+    return {WireOutcome::broken,
+            error == ECONNREFUSED ? "nothing listens at " + place() : place() + ": " + std::strerror(error)};
+  }
+  [[nodiscard]] std::string place() const { return transport_.host + ":" + std::to_string(transport_.port); }
+  bool await_datagram(std::int64_t begun) const;
+
+  Transport transport_;
+  std::size_t actuator_count_;
+  int file_ = -1;
+  std::uint64_t session_ = 0;
+  std::vector<std::byte> sent_;
+};
+
+Status DatagramWire::open() {
+  close_socket();
+  std::vector<std::string> addresses;
+  if (Status status = find_host(transport_.host, transport_.anywhere, addresses); !status.ok()) return status;
+  for (const std::string& address : addresses)
+    if (file_ < 0) file_ = connect_socket(address, transport_.port, transport_.anywhere);
+  if (file_ < 0 && errno == EACCES)
+    return Status::error(
+        place() +
+        ": is not this machine, and whoever is on the way could command the device; write network=any");
+  if (file_ < 0) return Status::error(place() + ": " + std::strerror(errno));
+  // Who does not see the datagrams can't guess it.
+  if (getrandom(&session_, sizeof session_, 0) != sizeof session_)
+    return Status::error(place() + ": no random number for the session");
+  return {};
+}
+
+// False: it is too late for one.
+bool DatagramWire::await_datagram(std::int64_t begun) const {
+  for (;;) {
+    const bool hurry = patience.hurry && patience.hurry();
+    const double left = (hurry ? patience.hurried : patience.usual) - seconds_since(begun);
+    if (left <= 0) return false;
+    pollfd waiting{file_, POLLIN, 0};
+    const timespec glance{0, static_cast<long>(1e9 * std::min(left, 0.001))};
+    if (ppoll(&waiting, 1, &glance, nullptr) > 0) return true;
+  }
+}
+
+WireResult DatagramWire::exchange(const WireCommand& command, WireAnswer& answer) {
+  write_command(session_, command, actuator_count_, sent_);
+  const std::int64_t begun = answer.asked = steady_ns();
+  if (send(file_, sent_.data(), sent_.size(), MSG_NOSIGNAL) < 0 && errno != EAGAIN) return broken(errno);
+  std::array<std::byte, kMostDatagram + 1> received;
+  for (int i = 0; i < kMostDatagramsPerCycle; ++i) {
+    if (!await_datagram(begun)) return {WireOutcome::missed, "no answer from " + place()};
+    const ssize_t size = recv(file_, received.data(), received.size(), 0);
+    if (size < 0 && (errno == EAGAIN || errno == EINTR)) continue;
+    if (size < 0) return broken(errno);
+    std::uint64_t cycle = 0;
+    WireAnswer news;
+    const std::span whole(received.data(), static_cast<std::size_t>(size));
+    if (!read_feedback(whole, session_, cycle, news) || cycle != command.cycle) continue;
+    news.asked = answer.asked;
+    answer = news;
+    return {};
+  }
+  return {WireOutcome::missed, "no answer among too many datagrams from " + place()};
+}
+
+}  // namespace
+
+Status make_datagram_wire(const DeviceProfile& profile, std::unique_ptr<DeviceWire>& wire) {
+  if (has_registers(profile.transport.kind) || profile.actuators.size() > kMaxActuators)
+    return Status::error(profile.name + ": is no device of datagrams by its transport");
+  wire = std::make_unique<DatagramWire>(profile);
+  return {};
+}
+
+}  // namespace lumbrical

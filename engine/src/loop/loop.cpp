@@ -1,0 +1,106 @@
+// See lumbrical/loop.h.
+#include "lumbrical/loop.h"
+
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+#include "lumbrical/math.h"
+#include "lumbrical/real_time.h"
+#include "lumbrical/ways_out.h"
+
+namespace lumbrical {
+namespace {
+
+// What is computed before a device is armed [s]: the first ticks meet cold caches and unmapped pages.
+constexpr double kWarmUp = 0.05;
+
+double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+
+}  // namespace
+
+Status DeviceLoop::open(const DeviceProfile& profile, std::unique_ptr<DeviceWire> wire,
+                        const LoopSettings& settings) {
+  settings_ = settings;
+  settings_.sink.arm = false;
+  settings_.sink.continue_after_loss = !settings.stop_on_loss;
+  if (Status status = sink.open(profile, std::move(wire), settings_.sink); !status.ok()) return status;
+  control = start_loop(profile, settings.control);
+  figures = {};
+  open_ = true;
+  return {};
+}
+
+bool DeviceLoop::step_unarmed(const Model& model, Scratch& scratch, const DeviceFrame& frame,
+                              double duration) {
+  State state = make_state(model);
+  const auto ticks = static_cast<std::uint64_t>(std::ceil(duration * model.settings.rate));
+  const Pace pace = start_pace(model.settings.rate);
+  for (std::uint64_t i = 0; i < ticks && !stop_requested(); ++i) {
+    sleep_until_ns(moment_of(pace, i));
+    LoopStep next;
+    next.frame = frame;
+    step(model, state, scratch, next);
+  }
+  return !stop_requested();
+}
+
+bool DeviceLoop::measure(const Model& model, Scratch& scratch, const DeviceFrame& frame, double duration) {
+  assert(open_ && figures.armed_at == 0);
+  const bool whole = step_unarmed(model, scratch, frame, duration);
+  certify_loop(control);
+  return whole;
+}
+
+bool DeviceLoop::start(const Model& model, Scratch& scratch, const DeviceFrame& frame) {
+  assert(open_ && control.certified);
+  forget_timing(control);
+  step_unarmed(model, scratch, frame, kWarmUp);
+  figures.armed_at = clock_ns();
+  sink.arm_when_ready();
+  return !stop_requested();
+}
+
+bool DeviceLoop::step(const Model& model, State& state, Scratch& scratch, LoopStep& next) {
+  const auto feel = [&](LoopStep& now) {
+    now.output = tick(model, state, scratch, now.frame);
+    return true;
+  };
+  return step(model, scratch, feel, next);
+}
+
+bool DeviceLoop::look_after(const LoopStep& step) {
+  if (!settings_.sink.thread) sink.cycle();
+  if (step.blind && figures.armed_at != 0) {
+    ++figures.blind_steps;
+    if (control.feedback.flags != 0) ++figures.doubted_steps;
+    figures.doubts |= control.feedback.flags;
+  }
+  for (std::uint32_t i = 0; i < step.sent_count; ++i) {
+    if (step.sent[i].acknowledged != 0) figures.last_acknowledged = step.sent[i].acknowledged;
+    figures.other_master = figures.other_master || (step.sent[i].flags & kOtherMaster) != 0;
+  }
+  if (step.news) ++figures.renewals;
+  const SafetyState state = sink.state();
+  figures.was_active = figures.was_active || state == SafetyState::active;
+  if (control.certified && control.any_feedback && figures.was_active)
+    figures.oldest = max(figures.oldest, seconds(clock_ns() - figures.last_acknowledged));
+  return !figures.other_master && !(settings_.stop_on_loss && lost(state));
+}
+
+// A device that was never there has as long as it takes to notice one that falls silent.
+bool DeviceLoop::lost(SafetyState now) const {
+  if (now == SafetyState::fault || (figures.was_active && now == SafetyState::idle)) return true;
+  if (now != SafetyState::disconnected || figures.armed_at == 0) return false;
+  const double patience = control.profile.safety.answer_timeout + control.profile.response_timeout;
+  return figures.was_active || seconds(clock_ns() - figures.armed_at) > patience;
+}
+
+bool DeviceLoop::close() {
+  if (!std::exchange(open_, false)) return figures.safe_at_end;
+  figures.last = sink.report();
+  figures.safe_at_end = sink.close();
+  return figures.safe_at_end;
+}
+
+}  // namespace lumbrical

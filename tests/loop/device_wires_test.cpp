@@ -1,0 +1,362 @@
+// Datagrams and shared memory: a device at the other end of each, and what must not be taken for one.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "device_fixture.h"
+#include "loop/datagram_message.h"
+#include "lumbrical/datagram_wire.h"
+#include "lumbrical/device_sink.h"
+#include "lumbrical/shared_device.h"
+#include "lumbrical/shared_memory_wire.h"
+#include "random.h"
+
+namespace lumbrical {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t kIndex = 3;  // the actuator that is looked at
+
+DeviceProfile device_of(TransportKind kind) {
+  DeviceProfile profile = test::shipped_profile("exoskeleton");
+  profile.transport.kind = kind;
+  profile.rate = 500;
+  profile.response_timeout = 0.4;
+  profile.first_retry = 0.02;
+  profile.last_retry = 0.1;
+  profile.safety.soft_start = 0.02;
+  profile.safety.tick_hold = 0.5;
+  profile.safety.tick_timeout = 2;
+  profile.safety.answer_timeout = 1;
+  return profile;
+}
+
+bool eventually(const std::function<bool()>& holds) {
+  for (int i = 0; i < 10000; ++i) {
+    if (holds()) return true;
+    std::this_thread::sleep_for(2ms);
+  }
+  return false;
+}
+
+// A loopback socket; its port.
+int bound_socket(std::uint16_t& port) {
+  const int file = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  EXPECT_EQ(bind(file, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  socklen_t size = sizeof address;
+  getsockname(file, reinterpret_cast<sockaddr*>(&address), &size);
+  port = ntohs(address.sin_port);
+  const timeval patience{0, 20000};
+  setsockopt(file, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  return file;
+}
+
+// Answers each command; before it sends `noise`.
+class DatagramDevice {
+ public:
+  explicit DatagramDevice(const DeviceProfile& profile) : count_(profile.actuators.size()) {
+    file_ = bound_socket(port_);
+    thread_ = std::thread([this] { serve(); });
+  }
+  ~DatagramDevice() {
+    ending_ = true;
+    thread_.join();
+    close(file_);
+  }
+  std::uint16_t port_ = 0;
+  std::atomic<double> value{0};
+  std::atomic<bool> active{false}, silent{false};
+  std::atomic<int> commands{0};
+  std::vector<std::vector<std::byte>> noise;
+
+ private:
+  void serve() {
+    std::array<std::byte, 4096> received;
+    std::array<float, 4 * kFingerCount> angle{};
+    std::vector<std::byte> reply;
+    while (!ending_) {
+      sockaddr_in from{};
+      socklen_t size = sizeof from;
+      const auto to = reinterpret_cast<sockaddr*>(&from);
+      const ssize_t bytes = recvfrom(file_, received.data(), received.size(), 0, to, &size);
+      CommandDatagram command;
+      if (bytes <= 0 ||
+          !read_command(std::span(received.data(), static_cast<std::size_t>(bytes)), count_, command))
+        continue;
+      ++commands;
+      value = command.value[kIndex];
+      active = command.active;
+      for (const std::vector<std::byte>& one : noise) sendto(file_, one.data(), one.size(), 0, to, size);
+      CommandDatagram another = command;
+      another.session ^= 1;
+      DeviceStatus stopped;
+      stopped.stop = true;
+      write_feedback(another, stopped, angle, 0, reply);
+      sendto(file_, reply.data(), reply.size(), 0, to, size);
+      if (silent) continue;
+      angle[5] = 0.3f;
+      write_feedback(command, {}, angle, 1u << 5, reply);
+      sendto(file_, reply.data(), reply.size(), 0, to, size);
+    }
+  }
+  std::size_t count_;
+  int file_ = -1;
+  std::thread thread_;
+  std::atomic<bool> ending_{false};
+};
+
+// Publishes until it holds.
+bool acts(DeviceSink& sink, const std::function<bool()>& holds, DeviceFeedback* heard = nullptr) {
+  DeviceCommand command;
+  command.wanted.fill(0.1);
+  return eventually([&] {
+    ++command.tick;
+    DeviceFeedback feedback;
+    if (sink.feedback(feedback) && heard != nullptr) *heard = feedback;
+    sink.publish(command);
+    return holds();
+  });
+}
+
+TEST(DatagramWire, CarriesCommandsThereAndAnglesBackAndOnlyTheSessionsOwn) {
+  DeviceProfile profile = device_of(TransportKind::udp);
+  DatagramDevice device(profile);
+  test::Random random(7);
+  for (int i = 0; i < 20; ++i) {
+    std::vector<std::byte>& bytes = device.noise.emplace_back(random.below(3000));
+    for (std::byte& byte : bytes) byte = static_cast<std::byte>(random.bits());
+  }
+  profile.transport.port = device.port_;
+  std::unique_ptr<DeviceWire> wire;
+  ASSERT_TRUE(make_datagram_wire(profile, wire).ok());
+  DeviceSink sink;
+  SinkOptions options;
+  options.thread = true;
+  ASSERT_TRUE(sink.open(profile, std::move(wire), options).ok());
+  DeviceFeedback heard;
+  ASSERT_TRUE(acts(
+      sink, [&] { return std::fabs(device.value - 0.1) < 1e-9; }, &heard))
+      << sink.report().trouble;
+  EXPECT_TRUE(acts(
+      sink, [&] { return heard.valid == 1u << 5; }, &heard));
+  EXPECT_EQ(heard.angle[5], 0.3f);
+  EXPECT_EQ(sink.report().faults, 0u) << "an emergency stop of another session is none";
+  EXPECT_TRUE(sink.close());
+  EXPECT_EQ(device.value, 0);
+  EXPECT_FALSE(device.active);
+}
+
+TEST(DatagramWire, ADeviceThatFallsSilentIsDisconnectedAndOneThatFloodsDoesNotHoldUpTheSink) {
+  DeviceProfile profile = device_of(TransportKind::udp);
+  profile.response_timeout = 0.01;
+  profile.safety.answer_timeout = 0.1;
+  DatagramDevice device(profile);
+  device.noise.assign(500, std::vector<std::byte>(30));
+  profile.transport.port = device.port_;
+  std::unique_ptr<DeviceWire> wire;
+  ASSERT_TRUE(make_datagram_wire(profile, wire).ok());
+  DeviceSink sink;
+  SinkOptions options;
+  options.thread = true;
+  ASSERT_TRUE(sink.open(profile, std::move(wire), options).ok());
+  EXPECT_TRUE(acts(sink, [&] { return device.commands > 5; }));
+  EXPECT_EQ(device.value, 0) << "never acknowledged, so never armed";
+  EXPECT_EQ(sink.state(), SafetyState::disconnected);
+  EXPECT_GT(sink.report().broken, 0u);
+}
+
+TEST(DatagramWire, TalksToThisMachineOnlyUnlessTold) {
+  DeviceProfile profile = device_of(TransportKind::udp);
+  std::unique_ptr<DeviceWire> wire;
+  for (const char* const host : {"192.168.0.1", "203.0.113.7"}) {
+    profile.transport.host = host;
+    ASSERT_TRUE(make_datagram_wire(profile, wire).ok());
+    EXPECT_FALSE(wire->open().ok()) << host;
+  }
+  profile.transport.host = "localhost";
+  ASSERT_TRUE(make_datagram_wire(profile, wire).ok());
+  EXPECT_TRUE(wire->open().ok());
+}
+
+TEST(Datagrams, AreReadAsTheyWereWrittenAndNeverBeyondTheirEnd) {
+  SafetyOutput output;
+  output.device_on = true;
+  output.command.fill(0.25);
+  DeviceCommand made_of;
+  made_of.wanted = output.command;
+  made_of.wanted[1] = 1;  // cut by the envelope
+  made_of.stiffness.fill(2);
+  std::vector<std::byte> datagram;
+  write_command(9, {4, output, made_of}, 3, datagram);
+  ASSERT_LE(datagram.size(), kMostDatagram);
+  CommandDatagram command;
+  ASSERT_TRUE(read_command(datagram, 3, command));
+  EXPECT_EQ(command.session, 9u);
+  EXPECT_EQ(command.cycle, 4u);
+  EXPECT_TRUE(command.active);
+  EXPECT_EQ(command.value[2], 0.25);
+  EXPECT_EQ(command.local[0].stiffness, 2);
+  EXPECT_EQ(command.local[1].stiffness, 0) << "what the envelope cut does not come back through it";
+  EXPECT_FALSE(read_command(datagram, 4, command)) << "of another number of actuators";
+  std::uint64_t cycle = 0;
+  WireAnswer answer;
+  EXPECT_FALSE(read_feedback(datagram, 9, cycle, answer)) << "a command is no answer";
+  made_of.wanted = output.command;
+  output.command[2] = std::nan("");
+  write_command(9, {4, output, made_of}, 3, datagram);
+  EXPECT_FALSE(read_command(datagram, 3, command)) << "a number that is none";
+
+  std::array<float, 4 * kFingerCount> angle{};
+  angle[19] = 0.5f;
+  DeviceStatus status;
+  status.has_dead_man = true;
+  status.dead_man = false;
+  write_feedback(command, status, angle, 1u << 19, datagram);
+  ASSERT_TRUE(read_feedback(datagram, 9, cycle, answer));
+  EXPECT_EQ(cycle, 4u);
+  EXPECT_EQ(answer.angle[19], 0.5f);
+  EXPECT_TRUE(answer.status.has_dead_man && !answer.status.dead_man);
+  for (std::size_t size = 0; size < datagram.size(); ++size)
+    EXPECT_FALSE(read_feedback(std::span(datagram).first(size), 9, cycle, answer)) << size;
+  test::Random random(3);
+  for (int i = 0; i < 20000; ++i) {
+    std::vector<std::byte> damaged = datagram;
+    for (int k = 0; k < 3; ++k)
+      damaged[random.below(damaged.size())] ^= static_cast<std::byte>(1u << random.below(8));
+    static_cast<void>(read_feedback(damaged, 9, cycle, answer));
+  }
+}
+
+// A region of shared memory with a device's thread on it.
+class SharedDevice {
+ public:
+  explicit SharedDevice(const std::string& name, mode_t mode = 0600, off_t size = sizeof(Region))
+      : name_(name) {
+    shm_unlink(name.c_str());
+    const int file = shm_open(name.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
+    EXPECT_GE(file, 0);
+    EXPECT_EQ(fchmod(file, mode), 0);
+    EXPECT_EQ(ftruncate(file, size), 0);
+    if (size == sizeof(Region)) {
+      region_ =
+          static_cast<Region*>(mmap(nullptr, sizeof(Region), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0));
+      lumbrical_shared_init(region_);
+      thread_ = std::thread([this] { serve(); });
+    }
+    close(file);
+  }
+  ~SharedDevice() {
+    ending_ = true;
+    if (thread_.joinable()) thread_.join();
+    if (region_ != nullptr) munmap(region_, sizeof(Region));
+    shm_unlink(name_.c_str());
+  }
+  std::atomic<double> value{0};
+  std::atomic<bool> silent{false};
+
+ private:
+  using Region = lumbrical_shared_device;
+  void serve() {
+    lumbrical_shared_command command{};
+    lumbrical_shared_feedback feedback{};
+    feedback.angle[5] = 0.3;
+    feedback.valid = 1u << 5;
+    while (!ending_) {
+      if (!silent && lumbrical_shared_take(region_, &command)) {
+        value = command.value[kIndex];
+        feedback.session = command.session;
+        feedback.cycle = command.cycle;
+        lumbrical_shared_answer(region_, &feedback);
+      }
+      std::this_thread::sleep_for(100us);
+    }
+  }
+  std::string name_;
+  Region* region_ = nullptr;
+  std::thread thread_;
+  std::atomic<bool> ending_{false};
+};
+
+std::string own_name(const char* what) {
+  return "/lumbrical_test_" + std::string(what) + std::to_string(getpid());
+}
+
+TEST(SharedMemoryWire, CarriesCommandsThereAndAnglesBackAndTakesOverWhatWasLeft) {
+  DeviceProfile profile = device_of(TransportKind::memory);
+  profile.transport.region = own_name("device");
+  std::unique_ptr<DeviceWire> wire;
+  ASSERT_TRUE(make_shared_memory_wire(profile, wire).ok());
+  EXPECT_FALSE(wire->open().ok()) << "there is no region yet";
+  SharedDevice device(profile.transport.region);
+  auto sink = std::make_unique<DeviceSink>();
+  SinkOptions options;
+  options.thread = true;
+  ASSERT_TRUE(sink->open(profile, std::move(wire), options).ok());
+  DeviceFeedback heard;
+  ASSERT_TRUE(acts(
+      *sink, [&] { return std::fabs(device.value - 0.1) < 1e-9; }, &heard))
+      << sink->report().trouble;
+  EXPECT_TRUE(acts(
+      *sink, [&] { return heard.valid == 1u << 5; }, &heard));
+  EXPECT_TRUE(sink->close());
+  EXPECT_EQ(device.value, 0);
+
+  // As after a kill: a force stands there, and a guard lets go of it.
+  ASSERT_TRUE(make_shared_memory_wire(profile, wire).ok());
+  ASSERT_TRUE(wire->open().ok());
+  SafetyOutput force;
+  force.device_on = true;
+  force.command[kIndex] = 0.1;
+  WireAnswer answer;
+  ASSERT_TRUE(wire->exchange({1, force, {}}, answer).ok());
+  EXPECT_EQ(device.value, 0.1);
+  options.arm = false;
+  options.take_over = true;
+  profile.safety.fade = 0.5;
+  profile.actuators[kIndex].slew = 1;
+  DeviceSink guard;
+  std::unique_ptr<DeviceWire> second;
+  ASSERT_TRUE(make_shared_memory_wire(profile, second).ok());
+  ASSERT_TRUE(guard.open(profile, std::move(second), options).ok());
+  EXPECT_TRUE(eventually([&] { return guard.is_safe(); }));
+  SentCommand first;
+  ASSERT_TRUE(guard.sent(first));
+  EXPECT_GT(first.value[kIndex], 0.05) << "it began where the other ended";
+  EXPECT_TRUE(guard.close());
+  EXPECT_EQ(device.value, 0);
+}
+
+TEST(SharedMemoryWire, RefusesARegionThatOthersMayWriteToAndOneThatIsTooSmall) {
+  DeviceProfile profile = device_of(TransportKind::memory);
+  std::unique_ptr<DeviceWire> wire;
+  profile.transport.region = own_name("open");
+  ASSERT_TRUE(make_shared_memory_wire(profile, wire).ok());
+  const SharedDevice writable(profile.transport.region, 0666);
+  EXPECT_NE(wire->open().message().find("written by others"), std::string::npos);
+  profile.transport.region = own_name("small");
+  ASSERT_TRUE(make_shared_memory_wire(profile, wire).ok());
+  const SharedDevice small(profile.transport.region, 0600, 100);
+  EXPECT_NE(wire->open().message().find("too small"), std::string::npos);
+  for (const char* const name : {"", "/", "name", "/a/b"}) {
+    profile.transport.region = name;
+    EXPECT_FALSE(make_shared_memory_wire(profile, wire).ok()) << name;
+  }
+}
+
+}  // namespace
+}  // namespace lumbrical
