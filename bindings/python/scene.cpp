@@ -44,11 +44,7 @@ MassProperties mass_of(const Mesh& mesh, Winding winding, double density, double
   wind_outwards(wound, winding);
   MassProperties body;
   check(mass_properties(wound, density > 0 ? density : 1, body));
-  if (mass > 0) {
-    const double share = mass / body.mass;
-    body.mass = mass;
-    for (double& moment : body.inertia) moment *= share;
-  }
+  if (mass > 0) scale_to_mass(mass, body);
   return body;
 }
 

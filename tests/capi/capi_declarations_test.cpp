@@ -12,6 +12,7 @@
 
 #include "files.h"
 #include "lumbrical.h"
+#include "tick/field_lists.h"
 
 namespace lumbrical::test {
 namespace {
@@ -112,6 +113,32 @@ TEST(CApiDeclarations, CSharpHasTheSameEnumerations) {
     ++enums;
   }
   EXPECT_EQ(enums, theirs.size());
+}
+
+// ---- Settings, which each interface tells in words of its own
+
+TEST(CApiDeclarations, EverySettingOfTheEngineIsToldByEveryInterface) {
+  const auto part = [](const std::string& file, const char* from, const char* to) {
+    const std::string text = read_file(kRoot + file);
+    const std::size_t start = text.find(from);
+    EXPECT_NE(start, std::string::npos) << file;
+    return text.substr(start, text.find(to, start) - start);
+  };
+  // Each way of telling it, and what stands before a setting's name there. C# is held against lumbrical.h.
+  const std::pair<std::string, const char*> told[] = {
+      {part("/engine/include/lumbrical.h", "struct lumbrical_settings {", "}"), "[^.]\\b"},
+      {part("/engine/src/capi/scene.cpp", "void to_c(const Scene&", "Fault to_scene"), "\\bout[.]"},
+      {part("/engine/src/capi/scene.cpp", "Fault to_scene(", "Fault build"), "\\bgiven[.]"},
+      {part("/bindings/python/scene.cpp", "void bind_scene", "PyModel"), "\""},
+      {part("/bindings/python/lumbrical/__init__.pyi", "class Scene:", "class Model:"), "\\b"}};
+  int count = 0;
+  const Settings settings;
+  list_fields(settings, [&](const std::string& name, const char*, const auto&) {
+    ++count;
+    for (const auto& [text, before] : told)
+      EXPECT_TRUE(std::regex_search(text, std::regex(before + name + "\\b"))) << name << " in\n" << text;
+  });
+  EXPECT_GE(count, 10);
 }
 
 using Fields = std::vector<std::string>;  // "name type count", nested structs as what they are made of

@@ -62,8 +62,7 @@ inline SceneObject body_of(const char* name, Mesh mesh, double mass, const Pose&
   object.mechanism.mobility = Mobility::free;
   if (Status status = mass_properties(object.mesh, 1000, body); !status.ok())
     throw std::runtime_error(status.message());
-  for (double& moment : body.inertia) moment *= mass / body.mass;
-  body.mass = mass;
+  scale_to_mass(mass, body);
   return object;
 }
 

@@ -57,6 +57,9 @@ struct MassProperties {
 /// and one that encloses no volume.
 Status mass_properties(const Mesh& mesh, double density, MassProperties& properties);
 
+/// The same solid of another density, so that its mass is `mass` [kg] > 0.
+void scale_to_mass(double mass, MassProperties& properties);
+
 /// What moves an object by itself, and what holds it. Of a hinge, the coordinate q is its angle [rad], of a
 /// slider its way [m], from where it stands at the start; force means torque at a hinge.
 struct Mechanism {

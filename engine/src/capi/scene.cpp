@@ -56,9 +56,7 @@ Fault take_mass(const lumbrical_object& given, const Mesh& mesh, Winding winding
   wind_outwards(wound, winding);
   if (given.density > 0) return mass_properties(wound, given.density, body);
   if (Fault fault = mass_properties(wound, 1, body)) return fault;
-  const double share = given.mass / body.mass;
-  body.mass = given.mass;
-  for (double& moment : body.inertia) moment *= share;
+  scale_to_mass(given.mass, body);
   return {};
 }
 

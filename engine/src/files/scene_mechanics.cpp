@@ -56,9 +56,10 @@ void read_body(const format::Object& table, const std::string& at, FieldReader& 
     if (Status status = mass_properties(solid, density, body); !status.ok())
       return read.error(at, status.message());
   }
-  if (table.mass().has_value()) {
-    for (double& moment : body.inertia) moment *= told ? 1 : mass / body.mass;
+  if (told) {
     body.mass = mass;
+  } else if (table.mass().has_value() && mass > 0) {
+    scale_to_mass(mass, body);
   }
   read.vector(table.centre(), at + ".centre", kPlace, body.centre);
   read.numbers(table.inertia(), at + ".inertia", {-1e9, 1e9}, body.inertia);

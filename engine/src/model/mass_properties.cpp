@@ -1,4 +1,5 @@
 // Mass, centre and inertia of the solid inside a mesh: see lumbrical/object.h.
+#include <cassert>
 #include <cmath>
 
 #include "base/floating_point.h"
@@ -59,6 +60,13 @@ Status mass_properties(const Mesh& mesh, double density, MassProperties& propert
                         -density * (sums.yz - v * c.y * c.z),
                         -density * (sums.zx - v * c.z * c.x)};
   return {};
+}
+
+void scale_to_mass(double mass, MassProperties& properties) {
+  assert(mass > 0 && properties.mass > 0);
+  const double share = mass / properties.mass;
+  for (double& moment : properties.inertia) moment *= share;
+  properties.mass = mass;
 }
 
 }  // namespace lumbrical
