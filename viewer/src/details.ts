@@ -114,11 +114,15 @@ export function showDetails(parent: HTMLElement, pick: Pick | undefined, frame: 
   showRows(parent, "Tick", general);
 }
 
+function triangleTip(triangle: number, frame: Frame, world: World): string {
+  const contact = frame.contacts.find((one) => one.object === 0 && one.triangle === triangle);
+  return contact ? `${objectOf(triangle, world)}, triangle ${triangle}: ${brief(pressureOf(contact, world) / 1e3)} kPa` : "";
+}
+
 export function tipText(pick: Pick, frame: Frame, world: World): string {
+  if (pick.kind === "triangle") return triangleTip(pick.triangle, frame, world);
   if (pick.kind === "force") return `${kSegments[pick.segment]}: ${brief(frame.forces[pick.segment].length())} N`;
   if (pick.kind === "torque") return `${jointOf(pick.segment)} joint: ${brief(1e3 * frame.jointTorques[pick.segment].length())} N mm`;
-  if (pick.kind === "segment") return kSegments[pick.segment];
   if (pick.kind === "object") return `${world.apart[pick.object].name}: ${brief(frame.objects[pick.object]?.force.length() ?? 0)} N`;
-  const contact = frame.contacts.find((one) => one.object === 0 && one.triangle === pick.triangle);
-  return contact ? `${objectOf(pick.triangle, world)}, triangle ${pick.triangle}: ${brief(pressureOf(contact, world) / 1e3)} kPa` : "";
+  return kSegments[pick.segment];
 }
