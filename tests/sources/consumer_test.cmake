@@ -16,6 +16,7 @@ run(${CMAKE_COMMAND} -G Ninja -S ${SOURCE} -B ${folder}/build -DCMAKE_PREFIX_PAT
     -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_FLAGS=${FLAGS})
 run(${CMAKE_COMMAND} --build ${folder}/build)
 run(${folder}/build/embed)
+run(${folder}/build/embedders)
 run(${folder}/build/embed_c ${SOURCE}/cup.json)
 # The example of a loop, and its device in another process.
 function(run_loop command)

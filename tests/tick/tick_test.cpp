@@ -317,7 +317,7 @@ TEST(Tick, TwoHandsShareAWorldAndFeelWhatEachWouldAlone) {
   Model unbuilt;
   Hand broken = default_hand(Side::left);
   broken.radius[kIndexTip] = -1;
-  EXPECT_FALSE(share_world(Model{}, broken, unbuilt).ok());
+  EXPECT_FALSE(share_world(test::model_of(test::mug_scene(Law::field)), broken, unbuilt).ok());
 }
 
 }  // namespace

@@ -63,8 +63,17 @@ struct StageWatch {
   void* self = nullptr;
 };
 
-/// Everything derived inside a tick. Sized once for a model; a tick allocates nothing.
+/// Everything derived inside a tick. Sized once for a model (make_scratch), and of use for that and its
+/// copies only; a tick allocates nothing. It is moved and not copied: two ticks on one memory would be two
+/// threads on it some day.
 struct Scratch {
+  Scratch() = default;
+  Scratch(Scratch&&) = default;
+  Scratch& operator=(Scratch&&) = default;
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+
+  std::uint64_t build = 0;  ///< Model::build of that model; 0: it is empty, and no tick takes it
   std::shared_ptr<Primitives> primitives;
   std::shared_ptr<NearPairs> near;  ///< spares searches while the hand moves little; never changes a result
   std::shared_ptr<SampleMemory> samples;
@@ -108,7 +117,8 @@ std::span<const Contact> find_contacts(const Model& model, Scratch& scratch, std
 /// [m] Contact::depth of a contact of the last tick, worked out now where the tick had no need of it.
 double contact_depth(const Model& model, const Scratch& scratch, const Contact& contact);
 
-/// The hand segment that a contact of the last tick is felt by.
+/// The hand segment that a contact of the last tick is felt by; the object is object_of(model, triangle)
+/// (model.h).
 int contact_segment(const Scratch& scratch, const Contact& contact);
 
 /// X_WJ of the joints as the last tick placed them; those of an earlier one where its frame could not be

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cassert>
 #include <utility>
 
 #include "base/parallel.h"
@@ -317,6 +318,7 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
 }
 
 std::size_t object_of(const Model& model, std::uint32_t triangle) {
+  assert(triangle < model.triangles.size());
   const auto begins_after = [](std::uint32_t number, const World::Object& object) {
     return number < object.first_triangle;
   };
@@ -324,24 +326,57 @@ std::size_t object_of(const Model& model, std::uint32_t triangle) {
   return static_cast<std::size_t>(next - model.objects.begin()) - 1;
 }
 
-Status share_world(const Model& world, const Hand& hand, Model& model) {
-  const FloatingPointGuard guard;
-  if (Status status = check_hand(hand); !status.ok()) return status;
-  Model built = world;
+namespace {
+
+// The same world, its shapes included, felt by another hand or otherwise. Patches are cut by the hand's radii
+// and as finely as law and precision ask for.
+Model remade(const Model& from, const Hand& hand, const Settings& settings, std::uint32_t threads) {
+  Model built = from;
   built.build = next_build();
   built.hand = hand;
-  built.patches.reset();
-  built.rest.reset();
-  if (!built.world) build_samples(built);
-  for (ApartObject& object : built.apart) {
+  built.settings = settings;
+  built.execution.threads = threads;
+  const bool cut_so = hand.radius == from.hand.radius && hand.palm.thickness == from.hand.palm.thickness &&
+                      settings.law == from.settings.law && settings.precision == from.settings.precision;
+  if (!cut_so) {
+    built.patches.reset();
+    built.rest.reset();
+    if (!built.world) build_samples(built);
+  } else if (from.rest) {
+    built.rest = std::make_shared<const Model>(remade(*from.rest, hand, settings, threads));
+  }
+  for (std::size_t i = 0; i < built.apart.size(); ++i) {
+    std::size_t first = 0;  // equal meshes share one
+    while (from.apart[first].shape != from.apart[i].shape) ++first;
+    std::shared_ptr<const Model>& shape = built.apart[i].shape;
+    shape = first < i ? built.apart[first].shape
+                      : std::make_shared<const Model>(remade(*from.apart[i].shape, hand, settings, threads));
+  }
+  return built;
+}
+
+}  // namespace
+
+Status share_world(const Model& world, const Hand& hand, Model& model) {
+  assert(world.build != 0 && "build_model first");
+  const FloatingPointGuard guard;
+  if (Status status = check_hand(hand); !status.ok()) return status;
+  for (const ApartObject& object : world.apart)
     if (moves_by_itself(object.mechanism))
       return Status::error("object \"" + object.name +
                            "\" moves by itself and can't be shared by hands; move it from outside (given)");
-    Model shape;
-    if (Status status = share_world(*object.shape, hand, shape); !status.ok()) return status;
-    object.shape = std::make_shared<const Model>(std::move(shape));
-  }
-  model = std::move(built);
+  model = remade(world, hand, world.settings, world.execution.threads);
+  return {};
+}
+
+Status change_settings(const Model& model, const Settings& settings, std::uint32_t threads, Model& changed) {
+  assert(model.build != 0 && "build_model first");
+  const FloatingPointGuard guard;
+  Execution execution = model.execution;
+  execution.threads = threads;
+  if (Status status = check_settings(settings); !status.ok()) return status;
+  if (Status status = check_execution(execution); !status.ok()) return status;
+  changed = remade(model, model.hand, settings, threads);
   return {};
 }
 

@@ -2,6 +2,7 @@
 // number, the normalised linear blend for what is a rotation. Also the placing of a motion and the hand that
 // fits it.
 #include <algorithm>
+#include <cassert>
 #include <limits>
 
 #include "base/floating_point.h"
@@ -147,6 +148,7 @@ bool shows_the_palm(const DeviceFrame& frame) {
 }  // namespace
 
 DeviceFrame resample(const Motion& motion, double time, const ResamplerOptions& options) {
+  assert(!motion.samples.empty());
   const FloatingPointGuard guard;
   const MotionSample& first = motion.samples.front();
   const MotionSample& last = motion.samples.back();

@@ -12,6 +12,7 @@ namespace lumbrical {
 std::uint32_t core_count() { return std::max(1u, std::thread::hardware_concurrency()); }
 
 void run_jobs(std::size_t count, std::uint32_t threads, const std::function<void(std::size_t)>& job) {
+  assert(threads >= 1 && threads <= 64);
   parallel_chunks(count, 1, threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) job(i);
   });

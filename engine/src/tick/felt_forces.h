@@ -10,6 +10,9 @@ inline void tell(const StageWatch& watch, Stage stage) {
   if (watch.ended != nullptr) watch.ended(watch.self, stage);
 }
 
+/// Whether it is that of this model or of a copy.
+bool is_made_for(const Model& model, const Scratch& scratch);
+
 /// Makes room in `scratch` for a model's ticks, beside what it has room for already.
 void make_room(const Model& model, Scratch& scratch);
 

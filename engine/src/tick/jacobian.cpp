@@ -1,5 +1,7 @@
 #include "lumbrical/jacobian.h"
 
+#include <cassert>
+
 #include "base/floating_point.h"
 #include "borders/border_cut.h"
 #include "borders/contact_differences.h"
@@ -9,6 +11,7 @@
 #include "section/contact_jacobian.h"
 #include "section/slab.h"
 #include "stages/narrowphase.h"
+#include "tick/felt_forces.h"
 
 namespace lumbrical {
 
@@ -139,6 +142,7 @@ void add_pushes(const GapList& pushing, const Primitives& hand, std::uint32_t se
 
 void segment_jacobians(const Model& model, const Scratch& scratch,
                        std::array<SegmentJacobian, kSegmentCount>& jacobians, std::uint32_t segments) {
+  assert(is_made_for(model, scratch) && "of its last tick");
   const FloatingPointGuard guard;
   const auto asked = [segments](std::size_t segment) { return (segments >> segment & 1u) != 0; };
   for (std::size_t i = 0; i < kSegmentCount; ++i) {

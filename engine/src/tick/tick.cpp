@@ -51,14 +51,21 @@ void hash_stages(const Findings& found, std::array<std::uint64_t, kStageCount>& 
 
 }  // namespace
 
+bool is_made_for(const Model& model, const Scratch& scratch) {
+  return scratch.build != 0 && scratch.build == model.build;
+}
+
 std::string_view stage_name(Stage stage) {
+  assert(static_cast<std::size_t>(stage) < kStageCount);
   constexpr std::array<std::string_view, kStageCount> names = {"input",       "hand_pose",     "broadphase",
                                                                "narrowphase", "contact_force", "limits"};
   return names[static_cast<std::size_t>(stage)];
 }
 
 Scratch make_scratch(const Model& model) {
+  assert(model.build != 0 && "build_model first");
   Scratch scratch;
+  scratch.build = model.build;
   make_room(model, scratch);
   scratch.object_output.resize(model.apart.size());
   if (model.settings.proxy_stiffness > 0) scratch.proxy = make_proxy_memory(model);
@@ -92,6 +99,7 @@ bool is_trusted(std::uint32_t flags) { return (flags & kUntrusted) == 0; }
 
 ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame,
                    std::span<const ObjectFrame> given) {
+  assert(is_made_for(model, scratch) && "make_scratch(model)");
   assert(state.objects.size() == model.apart.size() && "make_state(model)");
   const FloatingPointGuard guard;
   Primitives& hand = *scratch.primitives;
@@ -142,6 +150,7 @@ std::span<const Contact> with_depths(const Model& model, Scratch& scratch) {
 }  // namespace
 
 std::span<const Contact> find_contacts(const Model& model, Scratch& scratch) {
+  assert(is_made_for(model, scratch) && "make_scratch(model)");
   if (sampled_segments(model) != 0 && scratch.primitives->count > 0) {
     const FloatingPointGuard guard;
     find_exact_contacts(model, scratch);
@@ -150,7 +159,8 @@ std::span<const Contact> find_contacts(const Model& model, Scratch& scratch) {
 }
 
 std::span<const Contact> find_contacts(const Model& model, Scratch& scratch, std::size_t object) {
-  assert(object < model.apart.size() && scratch.apart && "make_scratch(model)");
+  assert(is_made_for(model, scratch) && "make_scratch(model)");
+  assert(object < model.apart.size());
   const FloatingPointGuard guard;
   const Model& shape = *model.apart[object].shape;
   const Primitives& hand = *scratch.primitives;
@@ -166,15 +176,18 @@ std::span<const Contact> find_contacts(const Model& model, Scratch& scratch, std
 }
 
 double contact_depth(const Model& model, const Scratch& scratch, const Contact& contact) {
+  assert(contact.primitive < static_cast<std::uint32_t>(scratch.primitives->count));
   const FloatingPointGuard guard;
   return depth_of(model, *scratch.primitives, contact);
 }
 
 int contact_segment(const Scratch& scratch, const Contact& contact) {
+  assert(scratch.primitives && contact.primitive < static_cast<std::uint32_t>(scratch.primitives->count));
   return scratch.primitives->primitive[contact.primitive].segment;
 }
 
 std::span<const Pose, kJointCount> placed_joints(const Scratch& scratch) {
+  assert(scratch.primitives && "make_scratch(model)");
   return scratch.primitives->joints.pose;
 }
 

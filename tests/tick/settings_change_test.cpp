@@ -1,0 +1,81 @@
+// Settings that change while a session runs, and memory that is not a model's own.
+#include <gtest/gtest.h>
+
+#include <type_traits>
+
+#include "lumbrical/batch.h"
+#include "session.h"
+
+namespace lumbrical {
+namespace {
+
+Scene plates_scene() {
+  Scene scene = test::mug_scene(Law::field);
+  scene.settings.precision.fill(1e-4);
+  SceneObject rubbing;  // felt apart, by a model of its own
+  rubbing.name = "plate";
+  rubbing.mesh = make_box({0.1, 0.1, 0.01}, 4);
+  rubbing.material.static_friction = rubbing.material.kinetic_friction = 0.5;
+  rubbing.pose.position = {0, 0, 0.1};
+  scene.objects.push_back(rubbing);
+  // Triangles far larger than a finger's lattices can be: the rest that samples leave to the exact rung.
+  scene.objects.push_back({"floor", make_plane(4000, 1)});
+  return scene;
+}
+
+std::uint64_t hash_of(const Model& model) {
+  return test::hash_run(model, test::grasp_frames(model.hand, 20));
+}
+
+TEST(SettingsChange, GivesTheBitsOfAModelThatWasBuiltWithThem) {
+  const Scene scene = plates_scene();
+  const Model before = test::model_of(scene);
+  ASSERT_NE(before.rest, nullptr);
+  for (int change = 0; change < 4; ++change) {
+    Scene other = scene;
+    if (change == 0) other.settings.stiffness *= 3;
+    if (change == 1) other.settings.precision.fill(1e-3);
+    if (change == 2) other.settings.precision.fill(0);
+    if (change == 3) other.settings.law.fill(Law::max_depth);
+    Model changed;
+    ASSERT_TRUE(change_settings(before, other.settings, 2, changed).ok());
+    EXPECT_EQ(changed.triangles.x.data(), before.triangles.x.data()) << "nothing is there twice";
+    EXPECT_EQ(changed.patches == before.patches, change == 0) << "patches are cut anew where they differ";
+    EXPECT_EQ(hash_of(changed), hash_of(test::model_of(other))) << change;
+    EXPECT_NE(hash_of(changed), hash_of(before)) << change;
+    ASSERT_TRUE(change_settings(changed, scene.settings, 1, changed).ok()) << "in place";
+    EXPECT_EQ(hash_of(changed), hash_of(before)) << "and back";
+  }
+}
+
+TEST(SettingsChange, RefusesWhatABuildRefuses) {
+  const Model model = test::model_of(plates_scene());
+  Model changed = model;
+  Settings settings = model.settings;
+  settings.stiffness = -1;
+  EXPECT_FALSE(change_settings(model, settings, 1, changed).ok());
+  EXPECT_FALSE(change_settings(model, model.settings, 0, changed).ok());
+  EXPECT_FALSE(change_settings(model, model.settings, 65, changed).ok());
+  EXPECT_EQ(changed.build, model.build) << "unchanged";
+}
+
+static_assert(!std::is_copy_constructible_v<Scratch> && !std::is_copy_assignable_v<Scratch>);
+static_assert(std::is_nothrow_move_constructible_v<Scratch>);
+
+#if !defined(NDEBUG) && !defined(__SANITIZE_THREAD__)
+TEST(ScratchDeathTest, ATickRefusesMemoryThatIsNotItsModels) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const Model model = test::model_of(plates_scene()), other = test::model_of(plates_scene());
+  State state = make_state(model);
+  Scratch empty, foreign = make_scratch(other), own = make_scratch(model);
+  EXPECT_DEATH(tick(model, state, empty, {}), "make_scratch");
+  EXPECT_DEATH(tick(model, state, foreign, {}), "make_scratch");
+  EXPECT_DEATH(make_scratch(Model{}), "build_model");
+  EXPECT_DEATH(run_jobs(1, 0, [](std::size_t) {}), "threads");
+  const Model copy = model;
+  tick(copy, state, own, {});
+}
+#endif
+
+}  // namespace
+}  // namespace lumbrical
