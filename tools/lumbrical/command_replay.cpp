@@ -12,6 +12,7 @@
 #include "lumbrical/batch.h"
 #include "lumbrical/recording.h"
 #include "output.h"
+#include "result_lines.h"
 #include "switches.h"
 #include "what_if.h"
 
@@ -28,6 +29,7 @@ struct ReplaySwitches {
   std::optional<std::uint32_t> threads;
   std::string isa = "auto";
   bool json = false;
+  std::string list, shard, results;
 };
 
 std::optional<Stage> parse_stage(const std::string& text) {
@@ -56,7 +58,8 @@ Status replay_options(const ReplaySwitches& switches, ReplayOptions& options) {
   options.stiffness = switches.stiffness;
   if (!switches.precision.empty()) options.precision = parse_precision(switches.precision);
   // Of several recordings each has one thread.
-  options.execution.threads = switches.recordings.size() == 1 ? switches.threads.value_or(1) : 1;
+  options.execution.threads =
+      switches.recordings.size() == 1 && switches.results.empty() ? switches.threads.value_or(1) : 1;
   options.execution.isa = *parse_isa(switches.isa);
   options.trace = switches.trace;
   options.trace_tick = switches.trace_tick;
@@ -199,11 +202,61 @@ int replay_batch(const ReplaySwitches& switches, const ReplayOptions& options) {
   return diverged ? kDiverged : failed ? kUnreadable : kDone;
 }
 
-int replay_recordings(const ReplaySwitches& switches) {
+// What of a list has no line among the results yet, a line each. They are the result: nothing else is told
+// but how many there were.
+int replay_share(const ReplaySwitches& switches, const ReplayOptions& options) {
+  ResultLines results;
+  if (Status status = results.open(switches.results); !status.ok()) return fail(status);
+  std::vector<std::string> paths;
+  for (const std::string& path : switches.recordings)
+    if (!results.has(path)) paths.push_back(path);
+  std::uint64_t done = 0, diverged = 0, failed = 0;
+  Status written;
+  {
+    Progress progress("replaying");
+    std::mutex mutex;
+    run_jobs(paths.size(), switches.threads.value_or(std::min(core_count(), 64u)), [&](std::size_t i) {
+      Replayed one;
+      one.error = replay_one(paths[i], switches, options, one);
+      if (!one.error.ok()) one.json = {{"recording", paths[i]}, {"error", one.error.message()}};
+      Status status = results.add(one.json);
+      const std::lock_guard lock(mutex);
+      if (!status.ok()) written = std::move(status);
+      diverged += one.diverged ? 1 : 0;
+      failed += !one.error.ok() || one.damaged ? 1 : 0;
+      progress.update(++done, paths.size());
+    });
+  }
+  if (!written.ok()) return fail(written);
+  const Json json = {{"recordings", paths.size()},
+                     {"done_before", switches.recordings.size() - paths.size()},
+                     {"diverged", diverged},
+                     {"failed", failed}};
+  if (const int printed = print_json(json); printed != kDone) return printed;
+  return diverged > 0 ? kDiverged : failed > 0 ? kUnreadable : kDone;
+}
+
+// The recordings named, those of the list, and of all of them the shard's.
+Status choose_recordings(ReplaySwitches& switches) {
+  std::vector<std::string>& paths = switches.recordings;
+  if (!switches.list.empty())
+    if (Status status = read_list(switches.list, paths); !status.ok()) return status;
+  if (paths.empty()) return Status::error("no recording is named; give paths, or --list FILE");
+  Shard shard;
+  if (!switches.shard.empty() && !parse_shard(switches.shard, shard))
+    return Status::error("--shard: \"" + switches.shard + "\" is not I/N with 1 <= I <= N, 3/100 say");
+  paths = share_of(paths, shard);
+  return {};
+}
+
+int replay_recordings(ReplaySwitches switches) {
+  if (Status status = choose_recordings(switches); !status.ok()) return fail(status);
   const bool single = switches.recordings.size() == 1;
   if (!single && !switches.trace.empty()) return fail("--trace: takes one recording at a time");
   ReplayOptions options;
   if (Status status = replay_options(switches, options); !status.ok()) return fail(status);
+  if (!switches.results.empty()) return replay_share(switches, options);
+  if (switches.recordings.empty()) return kDone;  // there are fewer than shards
   return single ? replay_single(switches, options) : replay_batch(switches, options);
 }
 
@@ -216,8 +269,16 @@ void add_replay(Command& app, int& exit_code) {
   command
       ->add_option("recording", switches->recordings,
                    "Recordings to replay; several share out all cores, one thread each")
-      ->required()
       ->type_name("REC.mcap");
+  command->add_option("--list", switches->list, "A file with a recording per line, -: standard input")
+      ->type_name("LIST|-");
+  command->add_option("--shard", switches->shard, "Of all these only the Ith, I+Nth, ...: for many machines")
+      ->type_name("I/N");
+  command
+      ->add_option("--results", switches->results,
+                   "Write a line of JSON per recording, and leave out those that have one there already")
+      ->check(is_path())
+      ->type_name("RESULTS.jsonl");
   command->add_option("--law", switches->law, "What if: contact law of the whole hand")->check(is_law());
   command->add_option("--precision", switches->precision, std::string("What if: ") + kPrecisionHelp)
       ->check(is_precision());

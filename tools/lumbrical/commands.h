@@ -27,6 +27,7 @@ void add_trim(Command& app, int& exit_code);
 void add_split(Command& app, int& exit_code);
 void add_merge(Command& app, int& exit_code);
 void add_compress(Command& app, int& exit_code);
+void add_merge_results(Command& app, int& exit_code);
 void add_probe(Command& app, int& exit_code);
 void add_inspect(Command& app, int& exit_code);
 void add_sim_device(Command& app, int& exit_code);

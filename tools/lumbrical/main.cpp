@@ -31,6 +31,7 @@ void add_commands(Command& root, int& exit_code) {
   add_trim(root, exit_code);
   add_split(root, exit_code);
   add_merge(root, exit_code);
+  add_merge_results(root, exit_code);
   add_compress(root, exit_code);
   add_probe(root, exit_code);
   add_inspect(root, exit_code);

@@ -1,0 +1,81 @@
+// lumbrical merge-results: what shards of `replay --results` have found, as one list and in one sentence.
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "commands.h"
+#include "output.h"
+#include "result_lines.h"
+
+namespace lumbrical::tool {
+namespace {
+
+struct MergeSwitches {
+  std::vector<std::string> files;
+  std::string list, output;
+};
+
+Status write_lines(const std::vector<Json>& results, const std::string& path) {
+  std::ofstream file(path, std::ios::binary);
+  for (const Json& result : results) file << result.dump() << '\n';
+  file.flush();
+  return file ? Status() : Status::error(path + ": can't be written");
+}
+
+// Of the list, those without a result: what is to be run again.
+std::vector<std::string> missing_of(const std::vector<std::string>& list, const std::vector<Json>& results) {
+  std::set<std::string> there;
+  for (const Json& result : results) there.insert(result["recording"].get<std::string>());
+  std::vector<std::string> missing;
+  for (const std::string& path : list)
+    if (!there.contains(path)) missing.push_back(path);
+  return missing;
+}
+
+int merge_results(const MergeSwitches& switches) {
+  std::vector<Json> results;
+  std::vector<std::string> list;
+  if (Status status = read_results(switches.files, results); !status.ok()) return fail(status);
+  if (!switches.list.empty())
+    if (Status status = read_list(switches.list, list); !status.ok()) return fail(status);
+  if (!switches.output.empty())
+    if (Status status = write_lines(results, switches.output); !status.ok()) return fail(status);
+  const std::vector<std::string> missing = missing_of(list, results);
+  std::size_t identical = 0, diverged = 0, changed = 0, failed = 0;
+  std::uint64_t ticks = 0;
+  for (const Json& result : results) {
+    const bool error = result.contains("error") || !result.value("damage", Json()).is_null();
+    const bool same = !error && result.value("identical", false);
+    ++(error ? failed : same ? identical : result.contains("what_if") ? changed : diverged);
+    if (!error) ticks += result.value("ticks", std::uint64_t{0});
+  }
+  const Json json = {{"recordings", results.size()},
+                     {"identical", identical},
+                     {"diverged", diverged},
+                     {"changed", changed},
+                     {"failed", failed},
+                     {"ticks", ticks},
+                     {"missing", missing}};
+  if (const int printed = print_json(json); printed != kDone) return printed;
+  return failed > 0 || !missing.empty() ? kUnreadable : diverged > 0 ? kDiverged : kDone;
+}
+
+}  // namespace
+
+void add_merge_results(Command& app, int& exit_code) {
+  const auto switches = std::make_shared<MergeSwitches>();
+  Command* const command = app.add_subcommand(
+      "merge-results", "Put the results of replay's shards together, and tell what is missing");
+  command->add_option("results", switches->files, "Files of replay --results")
+      ->required()
+      ->type_name("RESULTS.jsonl");
+  command->add_option("--list", switches->list, "The list that the shards are of, to tell what is missing")
+      ->type_name("LIST");
+  command->add_option("--output", switches->output, "All of them, the newest of each recording, by name")
+      ->check(is_path())
+      ->type_name("ALL.jsonl");
+  command->callback([switches, &exit_code] { exit_code = merge_results(*switches); });
+}
+
+}  // namespace lumbrical::tool
