@@ -9,6 +9,8 @@ set(CPACK_PACKAGE_VENDOR Lumbrical)
 set(CPACK_PACKAGE_CONTACT "Lumbrical <lumbrical@example.org>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
+# Files have the time of the commit, not that of the build.
+set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/same_times.cmake)
 set(CPACK_COMPONENTS_ALL runtime dev tools)
 if(TARGET lumbrical_python)
   list(APPEND CPACK_COMPONENTS_ALL python)
