@@ -69,7 +69,9 @@ int bound_socket(std::uint16_t& port) {
 // Answers each command; before it sends `noise`.
 class DatagramDevice {
  public:
-  explicit DatagramDevice(const DeviceProfile& profile) : count_(profile.actuators.size()) {
+  using Datagrams = std::vector<std::vector<std::byte>>;
+  explicit DatagramDevice(const DeviceProfile& profile, Datagrams noise = {})
+      : noise_(std::move(noise)), count_(profile.actuators.size()) {
     file_ = bound_socket(port_);
     thread_ = std::thread([this] { serve(); });
   }
@@ -82,7 +84,6 @@ class DatagramDevice {
   std::atomic<double> value{0};
   std::atomic<bool> active{false}, silent{false};
   std::atomic<int> commands{0};
-  std::vector<std::vector<std::byte>> noise;
 
  private:
   void serve() {
@@ -101,7 +102,7 @@ class DatagramDevice {
       ++commands;
       value = command.value[kIndex];
       active = command.active;
-      for (const std::vector<std::byte>& one : noise) sendto(file_, one.data(), one.size(), 0, to, size);
+      for (const std::vector<std::byte>& one : noise_) sendto(file_, one.data(), one.size(), 0, to, size);
       CommandDatagram another = command;
       another.session ^= 1;
       DeviceStatus stopped;
@@ -114,6 +115,7 @@ class DatagramDevice {
       sendto(file_, reply.data(), reply.size(), 0, to, size);
     }
   }
+  const Datagrams noise_;
   std::size_t count_;
   int file_ = -1;
   std::thread thread_;
@@ -135,12 +137,13 @@ bool acts(DeviceSink& sink, const std::function<bool()>& holds, DeviceFeedback* 
 
 TEST(DatagramWire, CarriesCommandsThereAndAnglesBackAndOnlyTheSessionsOwn) {
   DeviceProfile profile = device_of(TransportKind::udp);
-  DatagramDevice device(profile);
+  DatagramDevice::Datagrams noise;
   test::Random random(7);
   for (int i = 0; i < 20; ++i) {
-    std::vector<std::byte>& bytes = device.noise.emplace_back(random.below(3000));
+    std::vector<std::byte>& bytes = noise.emplace_back(random.below(3000));
     for (std::byte& byte : bytes) byte = static_cast<std::byte>(random.bits());
   }
+  DatagramDevice device(profile, std::move(noise));
   profile.transport.port = device.port_;
   std::unique_ptr<DeviceWire> wire;
   ASSERT_TRUE(make_datagram_wire(profile, wire).ok());
@@ -165,8 +168,7 @@ TEST(DatagramWire, ADeviceThatFallsSilentIsDisconnectedAndOneThatFloodsDoesNotHo
   DeviceProfile profile = device_of(TransportKind::udp);
   profile.response_timeout = 0.01;
   profile.safety.answer_timeout = 0.1;
-  DatagramDevice device(profile);
-  device.noise.assign(500, std::vector<std::byte>(30));
+  DatagramDevice device(profile, DatagramDevice::Datagrams(500, std::vector<std::byte>(30)));
   profile.transport.port = device.port_;
   std::unique_ptr<DeviceWire> wire;
   ASSERT_TRUE(make_datagram_wire(profile, wire).ok());

@@ -58,11 +58,10 @@ static inline void lumbrical_shared_write(uint64_t* turn, uint64_t* to, const vo
   const uint64_t now = __atomic_load_n(turn, __ATOMIC_RELAXED);
   size_t i;
   __atomic_store_n(turn, now | 1, __ATOMIC_RELAXED);
-  __atomic_thread_fence(__ATOMIC_RELEASE);
   for (i = 0; i < size / 8; ++i) {
     uint64_t word;
     memcpy(&word, (const char*)from + 8 * i, 8);
-    __atomic_store_n(to + i, word, __ATOMIC_RELAXED);
+    __atomic_store_n(to + i, word, __ATOMIC_RELEASE);  // not before the turn
   }
   __atomic_store_n(turn, (now | 1) + 1, __ATOMIC_RELEASE);
 }
@@ -73,10 +72,9 @@ static inline int lumbrical_shared_read(const uint64_t* turn, const uint64_t* fr
   size_t i;
   if (before & 1) return 0;
   for (i = 0; i < size / 8; ++i) {
-    const uint64_t word = __atomic_load_n(from + i, __ATOMIC_RELAXED);
+    const uint64_t word = __atomic_load_n(from + i, __ATOMIC_ACQUIRE);  // not after the turn
     memcpy((char*)to + 8 * i, &word, 8);
   }
-  __atomic_thread_fence(__ATOMIC_ACQUIRE);
   return __atomic_load_n(turn, __ATOMIC_RELAXED) == before;
 }
 
