@@ -179,6 +179,9 @@ namespace Lumbrical
         public double max_force;
         public double fade_time;
         public double proxy_stiffness;
+        public fixed double pad_from[2];
+        public fixed double pad_stiffness[2];
+        public double pad_damping;
         public fixed double gravity[3];
         public fixed double ground_normal[3];
         public double ground_offset;

@@ -198,6 +198,13 @@ void bind_scene(py::module_& module) {
   bind_number(scene, "proxy_stiffness", &Settings::proxy_stiffness);
   bind_number(scene, "effort", &Settings::effort);
   bind_number(scene, "max_candidates", &Settings::max_candidates);
+  scene.def_property_readonly("pad_layers", [](const py::object& self) {
+    static_assert(sizeof(PadLayer) == 2 * sizeof(double));
+    return view_of(&self.cast<PyScene&>().scene.settings.pad.layer[0].from, {kPadLayers, 2}, self, true);
+  });
+  scene.def_property(
+      "pad_damping", [](const PyScene& self) { return self.scene.settings.pad.damping; },
+      [](PyScene& self, double value) { self.scene.settings.pad.damping = value; });
   scene.def_property_readonly("precision", [](const py::object& self) {
     return view_of(self.cast<PyScene&>().scene.settings.precision.data(), {kSegmentCount}, self, true);
   });

@@ -178,6 +178,9 @@ typedef struct lumbrical_settings {
   double max_force;                     /* [N] of a segment: 20 */
   double fade_time;                     /* [s] 0.02 */
   double proxy_stiffness;  /* [N/m] to a hand that surfaces hold, 10 .. 1e5; 0: there is none. 0 */
+  double pad_from[2];      /* share of the radius, 0.01 .. 0.99, the shallower first: 0 */
+  double pad_stiffness[2]; /* times `stiffness` that skin is harder beyond; 0: no layer. 0 */
+  double pad_damping;      /* [s/m] 0 .. 1000: 0 */
   double gravity[3];       /* [m/s^2] W: 0 0 -9.81 */
   double ground_normal[3]; /* unit, away from it: 0 0 1 */
   double ground_offset;    /* [m] ground_normal . p = ground_offset on it: 0 */

@@ -302,6 +302,7 @@ TEST(CApi, RecordsWhatReplaysIdenticalAndCanBeReadAgain) {
 TEST(CApi, AProxyIsASettingAndAPartOfASnapshot) {
   Scene scene = ball_scene();
   scene.settings.proxy_stiffness = 500;
+  scene.settings.pad = {{{{0.2, 3}, {0.5, -1}}}, 2};
   const Model model = model_of(scene);
   State state = make_state(model);
   Scratch scratch = make_scratch(model);
@@ -309,7 +310,14 @@ TEST(CApi, AProxyIsASettingAndAPartOfASnapshot) {
   CSession c, without(ball.object);
   c.create();
   ASSERT_EQ(lumbrical_scene_add_object(c.scene, &ball.object), LUMBRICAL_OK);
-  c.set([](lumbrical_settings& settings) { settings.proxy_stiffness = 500; });
+  c.set([](lumbrical_settings& settings) {
+    settings.proxy_stiffness = 500;
+    settings.pad_from[0] = 0.2;
+    settings.pad_stiffness[0] = 3;
+    settings.pad_from[1] = 0.5;
+    settings.pad_stiffness[1] = -1;
+    settings.pad_damping = 2;
+  });
   c.set([](lumbrical_settings& settings) { EXPECT_EQ(settings.proxy_stiffness, 500); });
   c.start();
   for (std::size_t i = 0; i < 60; ++i) expect_same(tick(model, state, scratch, touching_frame(i)), c.step(i));

@@ -22,6 +22,7 @@ inline constexpr GoldenHash kGolden[] = {
     {"crowd", 0x572dddf05b6e8a4d},
     {"thin.field", 0xb44bf9e79cf3441c},
     {"thin.column", 0x07a9faf375fd7ac5},
+    {"pads", 0x54e779ceae462db7},
     {"lost", 0x51057f31a3f9d583},
     {"not_finite", 0x7ab3275c232fb9f4},
     {"overflow", 0xc9ff04ce6b56fdd9},

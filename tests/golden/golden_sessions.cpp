@@ -212,6 +212,22 @@ Primitive random_primitive(Random& random, std::uint64_t shape) {
 
 }  // namespace
 
+/// Pads with both layers and damping: on the world, and on a box that gives way.
+GoldenSession pads() {
+  GoldenSession session = press("pads", pressed_scene(0.3, 60), 0.004, 8);
+  Settings& settings = session.scene.settings;
+  settings.pad = {{{{0.2, 3}, {0.5, -2}}}, 5};
+  settings.precision.fill(1e-4);
+  settings.precision[2] = settings.precision[kPalmSegment] = 0;
+  SceneObject block{
+      "block", make_box({0.04, 0.04, 0.02}, 4), Winding::as_is, {{0, 0, 0.006}, {}}, {0.8, 0.5, 0.2, 1500},
+      {}};
+  block.mechanism.mobility = Mobility::free;
+  block.mechanism.body = {0.1, {}, {2e-5, 2e-5, 3e-5, 0, 0, 0}};
+  session.scene.objects.push_back(block);
+  return session;
+}
+
 SceneObject body(const char* name, Mesh mesh, Mobility mobility, Vec3 position) {
   SceneObject object{name, std::move(mesh), Winding::as_is, {position, {}}, {0.8, 0.5, 0.2, 1500}, {}};
   object.mechanism.mobility = mobility;
@@ -254,6 +270,7 @@ std::vector<GoldenSession> golden_sessions() {
   sessions.push_back(crowd());
   sessions.push_back(thin_sheets(Law::field));
   sessions.push_back(thin_sheets(Law::column));
+  sessions.push_back(pads());
   sessions.push_back(lost_tracking());
   sessions.push_back(not_finite());
   sessions.push_back(overflow());

@@ -57,7 +57,7 @@ ContactPatch patch_on_plane(const test::Pad& pad) {
   Scratch scratch = make_scratch(model);
   State state;
   const ActuatorFrame output = tick(model, state, scratch, test::frame_of({pad}));
-  return contact_patch(*scratch.primitives, 2, output.segment[2], kStiffness);
+  return contact_patch(*scratch.primitives, 2, output.segment[2], kStiffness, {});
 }
 
 TEST(ContactPatch, OfASphereOnAPlaneIsThatOfTheClosedForm) {

@@ -64,6 +64,18 @@ def test_poses_of_joints_give_what_their_angles_gave(session):
     assert by_poses["contact_count"] == by_angles["contact_count"]
 
 
+def test_pads_harden_and_are_damped():
+    frames = touching_frames(90)
+    plain = lum.Session(lum.Model(ball_scene())).run(frames)[-1]
+    scene = ball_scene(pad_damping=2)
+    scene.pad_layers[0] = (0.1, 5)
+    hard = lum.Session(lum.Model(scene)).run(frames)[-1]
+    assert np.linalg.norm(lum.hand_force(hard)) > np.linalg.norm(lum.hand_force(plain))
+    scene.pad_layers[0] = (0.1, -2)
+    with pytest.raises(ValueError, match="pad"):
+        lum.Model(scene)
+
+
 def test_contacts_add_up_to_the_forces():
     scene = ball_scene(max_force=1000)
     scene.precision[:] = 0

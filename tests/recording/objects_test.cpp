@@ -20,6 +20,7 @@ Scene scene_of_objects() {
   Scene scene;
   scene.hand = default_hand(Side::right);
   scene.settings.rate = kRate;
+  scene.settings.pad = {{{{0.3, 2}, {0.6, -1.5}}}, 3};
   scene.ground.emplace(Ground{{0, 0, 1}, -0.001, 0.4});
   SceneObject mug{"mug", make_mug({}), Winding::automatic, {}, {0.8, 0.6, 0.1, 1500}, {}};
   mug.mechanism.mobility = Mobility::free;
@@ -95,6 +96,7 @@ TEST(RecordedObjects, AreReadBackAsTheyWere) {
   }
   EXPECT_EQ(found.ground, expected.ground);
   EXPECT_EQ(found.gravity, expected.gravity);
+  EXPECT_EQ(reader.scene().settings.pad, expected.settings.pad);
   TickRecord record;
   bool end = false;
   double highest = 0;
@@ -111,6 +113,7 @@ TEST(RecordedObjects, AreReadBackAsTheyWere) {
 TEST(RecordedObjects, StateIsKeptBesideItsTickAndKnownByItsHash) {
   Scene scene = scene_of_objects();
   scene.settings.proxy_stiffness = 1000;
+  scene.settings.pad.damping = 2;
   Session run(scene);
   const Motion motion = make_grasp(scene.hand, 0.037, 0.095, 1.2, 0.03);
   TickRecord record;
@@ -131,6 +134,7 @@ TEST(RecordedObjects, StateIsKeptBesideItsTickAndKnownByItsHash) {
   ASSERT_TRUE(after.has_value());
   EXPECT_EQ(hash_state(*after), record.state_hash);
   EXPECT_TRUE(after->proxy.has_value());
+  EXPECT_TRUE(after->pad.has_value());
   record.state_hash ^= 1;
   EXPECT_FALSE(decode_state_after(encoded(), after).ok());
   EXPECT_FALSE(after.has_value());

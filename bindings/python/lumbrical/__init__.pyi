@@ -47,6 +47,7 @@ class Scene:
     max_force: float  # [N]
     fade_time: float  # [s]
     proxy_stiffness: float  # [N/m]; 0: no proxy
+    pad_damping: float  # [s/m]; 0: none
     effort: int
     max_candidates: int
     law: str  # of every segment
@@ -63,6 +64,8 @@ class Scene:
     def frames(self) -> NDArray[np.void]: ...  # the scene file's motion, a frame per tick
     @property
     def precision(self) -> NDArray[np.float64]: ...  # (16,), a view to write into
+    @property
+    def pad_layers(self) -> NDArray[np.float64]: ...  # (2, 2): from, stiffness; a view to write into
     @property
     def radii(self) -> NDArray[np.float64]: ...  # (26,) [m], likewise
     @property

@@ -65,6 +65,24 @@ constexpr std::array<double, kSegmentCount> every_segment(double value) {
   return values;
 }
 
+/// Where skin is pressed in beyond the share `from` of its radius it is harder by `stiffness` times K_s, or
+/// softer.
+struct PadLayer {
+  double from = 0;       ///< 0.01 .. 0.99
+  double stiffness = 0;  ///< -1000 .. 1000; 0: there is no layer
+  bool operator==(const PadLayer&) const = default;
+};
+inline constexpr std::size_t kPadLayers = 2;
+
+/// How a finger's pad and a palm give way (docs/pads.md).
+struct Pad {
+  std::array<PadLayer, kPadLayers>
+      layer{};  ///< the shallower first; together pressure never falls with depth
+  double damping =
+      0;  ///< [s/m] a force grows by this times the speed of pressing in, 0 .. 1000, and at most doubles
+  bool operator==(const Pad&) const = default;
+};
+
 /// What decides the result of a tick, besides hand and world. Travels inside a recording.
 struct Settings {
   std::array<Law, kSegmentCount> law{};  ///< per hand segment
@@ -81,6 +99,7 @@ struct Settings {
   /// [N/m] of the spring from the hand to its proxy (docs/proxy.md), 10 .. 1e5; 0: there is none, and what
   /// is thinner than a finger is passed through.
   double proxy_stiffness = 0;
+  Pad pad;
   /// Most evaluations of a field that samples may spend in a tick, 0 .. 1e9; 0: as many as it takes. What a
   /// tick will spend is known before its kernels run; beyond the bound it takes the next coarser lattices,
   /// and in the end one cell a patch (kCoarsened, ActuatorFrame::error_estimate).
@@ -235,6 +254,8 @@ struct Model {
   /// What samples leave to the exact rung, triangles too large for them, as a world of its own; null:
   /// nothing.
   std::shared_ptr<const Model> rest;
+  /// What a pad's layers feel: the same world for a thinner hand, of the layer's stiffness [N/m^3].
+  std::vector<std::shared_ptr<const Model>> layers;
   std::vector<World::Object> objects;  ///< of the world
   std::vector<ApartObject> apart;
   Vec3 gravity;

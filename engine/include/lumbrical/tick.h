@@ -36,11 +36,18 @@ struct ProxyState {
   double valid = 0;  ///< a whole number with a bit for each joint it has; 0: it starts anew
 };
 
+/// Where segments were (Pad::damping). No padding: hashed as it stands.
+struct PadState {
+  std::array<Pose, kSegmentCount> segment;  ///< X_WS of their base joints
+  double valid = 0;                         ///< a whole number with a bit for each joint the last tick had
+};
+
 /// The little that survives from one tick to the next. Copy it to take a snapshot. `State state;` does for a
 /// model without objects apart; with them, make_state.
 struct State : HandState {
   std::vector<ObjectState> objects;  ///< of Model::apart, in their order
   std::optional<ProxyState> proxy;   ///< where the model has one
+  std::optional<PadState> pad;       ///< where pads are damped
 };
 
 /// Before the first tick: objects stand where they start.
@@ -87,6 +94,7 @@ struct Scratch {
   std::uint32_t contact_count = 0;
   bool keep_near = true;                    ///< use `near`; false: search afresh every tick
   std::shared_ptr<ProxyMemory> proxy;       ///< null: there is none
+  std::vector<Scratch> layers;              ///< of Model::layers
   std::shared_ptr<Scratch> apart;           ///< for objects apart, one after the other; null: there is none
   std::vector<ObjectOutput> object_output;  ///< of Model::apart in the last tick, in their order
   StageWatch watch;                         ///< nobody's, unless set

@@ -131,6 +131,11 @@ void to_c(const Scene& scene, lumbrical_settings& out) {
   out.max_force = settings.max_force;
   out.fade_time = settings.fade_time;
   out.proxy_stiffness = settings.proxy_stiffness;
+  for (std::size_t i = 0; i < kPadLayers; ++i) {
+    out.pad_from[i] = settings.pad.layer[i].from;
+    out.pad_stiffness[i] = settings.pad.layer[i].stiffness;
+  }
+  out.pad_damping = settings.pad.damping;
   capi::to_c(scene.gravity, out.gravity);
   const Ground ground = scene.ground.value_or(Ground{});
   out.has_ground = scene.ground ? 1 : 0;
@@ -153,6 +158,9 @@ Fault to_scene(const lumbrical_settings& given, Scene& scene) {
   settings.max_force = given.max_force;
   settings.fade_time = given.fade_time;
   settings.proxy_stiffness = given.proxy_stiffness;
+  for (std::size_t i = 0; i < kPadLayers; ++i)
+    settings.pad.layer[i] = {given.pad_from[i], given.pad_stiffness[i]};
+  settings.pad.damping = given.pad_damping;
   scene.settings = settings;
   scene.gravity = to_vec3(given.gravity);
   scene.ground.reset();

@@ -67,6 +67,20 @@ void read_segments(const format::Settings& table, FieldReader& read, Settings& s
   }
 }
 
+void read_pad(const format::Pad* table, FieldReader& read, Pad& pad) {
+  if (table == nullptr) return;
+  read.number(table->damping(), "settings.pad.damping", {0, 1000}, pad.damping);
+  if (table->layers() == nullptr) return;
+  if (table->layers()->size() > kPadLayers) read.error("settings.pad.layers", "has more than two");
+  for (flatbuffers::uoffset_t i = 0; i < table->layers()->size() && i < kPadLayers; ++i) {
+    const format::PadLayer& layer = *table->layers()->Get(i);
+    const std::string path = "settings.pad.layers[" + std::to_string(i) + "]";
+    read.number(layer.from(), path + ".from", {0.01, 0.99}, pad.layer[i].from);
+    read.number(layer.stiffness(), path + ".stiffness", {-1000, 1000}, pad.layer[i].stiffness);
+    if (!layer.from() || !layer.stiffness()) read.error(path, "needs \"from\" and \"stiffness\"");
+  }
+}
+
 void read_settings(const format::Settings* table, FieldReader& read, Settings& settings) {
   if (table == nullptr) return;
   read.number(table->rate(), "settings.rate", {1, 100000}, settings.rate);
@@ -75,6 +89,7 @@ void read_settings(const format::Settings* table, FieldReader& read, Settings& s
   read.number(table->max_force(), "settings.max_force", {1e-6, 1e9}, settings.max_force);
   read.number(table->fade_time(), "settings.fade_time", {1e-6, 10}, settings.fade_time);
   read.number(table->proxy_stiffness(), "settings.proxy_stiffness", {0, 1e5}, settings.proxy_stiffness);
+  read_pad(table->pad(), read, settings.pad);
   read.count(table->effort(), "settings.effort", 0, 1000000000, settings.effort);
   read.count(table->max_candidates(), "settings.max_candidates", 1, 1u << 24, settings.max_candidates);
   read_law(table->law(), "settings.law", read, settings.law[0]);

@@ -179,6 +179,34 @@ void build_samples(Model& model) {
   if (model.patches && !model.patches->exact.empty()) model.rest = rest_of(model);
 }
 
+// The hand within the hand that a pad's layer is felt by: its axes, and the palm's core, are the same.
+Hand inner_hand(const Hand& hand, double from) {
+  Hand inner = hand;
+  for (double& radius : inner.radius) radius *= 1 - from;
+  inner.palm.height -= 0.5 * from * hand.palm.thickness;
+  inner.palm.thickness *= 1 - from;
+  return inner;
+}
+
+Model remade(const Model& from, const Hand& hand, const Settings& settings, std::uint32_t threads);
+
+// The layers of a model's pads; what `from`, the same world, has of them is taken over as far as it fits.
+std::vector<std::shared_ptr<const Model>> layers_of(const Model& model, const Model& from) {
+  std::vector<std::shared_ptr<const Model>> layers;
+  for (const PadLayer& layer : model.settings.pad.layer) {
+    if (layer.stiffness == 0) continue;
+    Settings settings = model.settings;
+    settings.pad = {};
+    settings.stiffness *= layer.stiffness;
+    Model base = layers.size() < from.layers.size() ? *from.layers[layers.size()] : model;
+    base.apart.clear();
+    base.layers.clear();
+    layers.push_back(std::make_shared<const Model>(
+        remade(base, inner_hand(model.hand, layer.from), settings, model.execution.threads)));
+  }
+  return layers;
+}
+
 Status build_index(Model& model) {
   Broadphase& broadphase = model.execution.broadphase;
   if (broadphase == Broadphase::automatic) broadphase = suited_broadphase(model.extent);
@@ -191,6 +219,7 @@ Status build_index(Model& model) {
       return status;
   }
   build_samples(model);
+  model.layers = layers_of(model, model);
   return {};
 }
 
@@ -281,6 +310,7 @@ Status take_world(const Scene& scene, Model& model) {
   model.objects = world.objects;
   if (execution.broadphase == Broadphase::grid) model.grid = world.grid;
   model.world = scene.world;
+  model.layers = layers_of(model, model);
   return {};
 }
 
@@ -345,6 +375,7 @@ Model remade(const Model& from, const Hand& hand, const Settings& settings, std:
   } else if (from.rest) {
     built.rest = std::make_shared<const Model>(remade(*from.rest, hand, settings, threads));
   }
+  built.layers = layers_of(built, from);
   for (std::size_t i = 0; i < built.apart.size(); ++i) {
     std::size_t first = 0;  // equal meshes share one
     while (from.apart[first].shape != from.apart[i].shape) ++first;

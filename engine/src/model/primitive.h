@@ -100,4 +100,12 @@ struct Primitives {
   std::array<Vec3, kSegmentCount> flexion_axis{};  ///< W, unit; turning about it opens the hand
 };
 
+/// A segment's base joint, and its pose.
+inline std::size_t base_joint_of(std::size_t segment) {
+  return static_cast<std::size_t>(segment == kPalmSegment ? int{kWrist} : int{kPhalanxJoints[segment].base});
+}
+inline const Pose& base_pose(const Primitives& primitives, std::size_t segment) {
+  return primitives.joints.pose[base_joint_of(segment)];
+}
+
 }  // namespace lumbrical

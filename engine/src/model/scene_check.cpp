@@ -30,6 +30,26 @@ std::size_t first_bad(std::size_t count, std::size_t threads, const Bad& bad) {
 
 }  // namespace
 
+Status check_pad(const Pad& pad) {
+  double slope = 1, above = 0;
+  for (std::size_t i = 0; i < kPadLayers; ++i) {
+    const PadLayer& layer = pad.layer[i];
+    const std::string name = "settings.pad.layers[" + std::to_string(i) + "]";
+    if (layer.stiffness == 0) continue;
+    if (!within(layer.from, 0.01, 0.99) || layer.from <= above)
+      return out_of_range(name + ".from", "0.01 to 0.99, the shallower layer first");
+    above = layer.from;
+    slope += layer.stiffness;
+    if (!within(layer.stiffness, -1000, 1000)) return out_of_range(name + ".stiffness", "-1000 to 1000");
+    if (slope < 0)
+      return Status::error(name +
+                           ".stiffness: a pad that is pressed deeper must not push less; it and those "
+                           "before it must come to -1 at least");
+  }
+  if (!within(pad.damping, 0, 1000)) return out_of_range("settings.pad.damping", "0 to 1000 s/m");
+  return {};
+}
+
 Status check_settings(const Settings& settings) {
   if (!within(settings.stiffness, 1e-3, 1e15))
     return out_of_range("settings.stiffness", "0.001 to 1e15 N/m^3");
@@ -43,6 +63,7 @@ Status check_settings(const Settings& settings) {
   if (!within(settings.fade_time, 0, 60)) return out_of_range("settings.fade_time", "0 to 60 s");
   if (settings.proxy_stiffness != 0 && !within(settings.proxy_stiffness, 10, 1e5))
     return out_of_range("settings.proxy_stiffness", "0 or 10 to 1e5 N/m");
+  if (Status status = check_pad(settings.pad); !status.ok()) return status;
   if (settings.effort > 1000000000) return out_of_range("settings.effort", "0 to 1000000000");
   if (settings.max_candidates < 1 || settings.max_candidates > (1u << 24)) {
     return out_of_range("settings.max_candidates", "1 to 16777216");

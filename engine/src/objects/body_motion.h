@@ -23,13 +23,9 @@ struct Spring {
   double about = 0;              ///< [N m/rad]
 };
 
-/// [m/s] of the centre of mass, [rad/s].
-struct Twist {
-  Vec3 velocity, angular_velocity;
-};
-
 /// Moves a body by `dt` [s] under `wrench` [W, about its centre of mass], of which springs have a part, and
-/// which changes as they give way. Returns the speed it then has. `start` is where its coordinate is 0.
+/// which changes as they give way. Returns the speed its centre of mass then has. `start` is where its
+/// coordinate is 0.
 Twist advance_body(const Mechanism& mechanism, const Pose& start, std::span<const Spring> springs,
                    const Wrench& wrench, double dt, ObjectState& state);
 

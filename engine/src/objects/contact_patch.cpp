@@ -170,12 +170,25 @@ double depth_of_plane(const Outline& touching, double deepest, double volume) {
   return 0.5 * (low + high);
 }
 
+// What a pad presses with, over its field's stiffness [m^3].
+double pressed_volume(const Outline& pressed, const Pad& pad) {
+  double volume = sums_over(pressed).volume;
+  for (const PadLayer& layer : pad.layer) {
+    if (layer.stiffness == 0) continue;
+    Outline inner = pressed;
+    inner.radius1 *= 1 - layer.from;
+    inner.radius2 *= 1 - layer.from;
+    volume += layer.stiffness * sums_over(inner).volume;
+  }
+  return volume;
+}
+
 // The point of the line of action nearest the base joint.
 Vec3 on_line_of_action(Vec3 joint, const Wrench& wrench, double square) {
   return joint + cross(wrench.force, wrench.torque) / square;
 }
 
-void take_palm(const SweptPolygon& palm, double stiffness, ContactPatch& patch) {
+void take_palm(const SweptPolygon& palm, double stiffness, const Pad& pad, ContactPatch& patch) {
   const double across = dot(patch.normal, palm.normal);
   if (std::fabs(across) > 0.3) {
     const double side = across < 0 ? 1.0 : -1.0;  // the palm is pushed on the side that looks at the object
@@ -183,7 +196,10 @@ void take_palm(const SweptPolygon& palm, double stiffness, ContactPatch& patch) 
     patch.centre += (dot(palm.normal, skin - patch.centre) / across) * patch.normal;
   }
   patch.radius = 8.0 / 15 * palm.radius;
-  patch.stiffness = 3.141592653589793 * stiffness * palm.radius * palm.radius;
+  double hardness = 1;
+  for (const PadLayer& layer : pad.layer)
+    hardness += max(0, layer.stiffness) * (1 - layer.from) * (1 - layer.from);
+  patch.stiffness = hardness * (3.141592653589793 * stiffness * palm.radius * palm.radius);
 }
 
 bool is_joined(const Primitives& hand, std::size_t phalanx, bool outward) {
@@ -191,7 +207,8 @@ bool is_joined(const Primitives& hand, std::size_t phalanx, bool outward) {
                  : phalanx % 3 > 0 && hand.present[phalanx - 1];
 }
 
-void take_phalanx(const Primitives& hand, std::size_t segment, double stiffness, ContactPatch& patch) {
+void take_phalanx(const Primitives& hand, std::size_t segment, double stiffness, const Pad& pad,
+                  ContactPatch& patch) {
   const Primitive& capsule = hand.capsule[segment];
   const double height1 = dot(patch.normal, capsule.end1), height2 = dot(patch.normal, capsule.end2);
   const Vec3 axis = capsule.end2 - capsule.end1;
@@ -210,8 +227,8 @@ void take_phalanx(const Primitives& hand, std::size_t segment, double stiffness,
   const double depth = depth_of_plane(outline, deepest, volume), step = 1e-3 * deepest;
   const Outline pressed = lowered(outline, depth);
   const PlaneSums sums = sums_over(pressed);
-  const double ahead = sums_over(lowered(outline, depth + step)).volume,
-               behind = sums_over(lowered(outline, depth - step)).volume;
+  const double ahead = pressed_volume(lowered(outline, depth + step), pad),
+               behind = pressed_volume(lowered(outline, depth - step), pad);
   patch.centre += (touch + depth - dot(patch.normal, patch.centre)) * patch.normal;
   patch.radius = sums.volume > 0 ? moment_about(pressed, sums.first / sums.volume) / sums.volume : 0;
   patch.stiffness = max(0, stiffness * (ahead - behind) / (2 * step));
@@ -220,7 +237,7 @@ void take_phalanx(const Primitives& hand, std::size_t segment, double stiffness,
 }  // namespace
 
 ContactPatch contact_patch(const Primitives& hand, std::size_t segment, const Wrench& wrench,
-                           double stiffness) {
+                           double stiffness, const Pad& pad) {
   ContactPatch patch;
   const double square = dot(wrench.force, wrench.force);
   patch.force = std::sqrt(square);
@@ -228,9 +245,9 @@ ContactPatch contact_patch(const Primitives& hand, std::size_t segment, const Wr
   patch.normal = wrench.force / patch.force;
   patch.centre = on_line_of_action(hand.base_joint[segment], wrench, square);
   if (segment == kPalmSegment) {
-    take_palm(hand.palm, stiffness, patch);
+    take_palm(hand.palm, stiffness, pad, patch);
   } else {
-    take_phalanx(hand, segment, stiffness, patch);
+    take_phalanx(hand, segment, stiffness, pad, patch);
   }
   return patch;
 }

@@ -2,6 +2,7 @@
 // over how wide a patch, and how stiffly.
 #pragma once
 
+#include "lumbrical/model.h"
 #include "model/primitive.h"
 
 namespace lumbrical {
@@ -19,8 +20,9 @@ struct ContactPatch {
 /// A wrench tells the line along which a segment is pushed, not where on it the surface lies. So the surface
 /// is taken for the plane across that line which would push as hard by the field law of this stiffness
 /// [N/m^3]: exact on planes, and near it where the contact is flatter than the finger is round. The palm's
-/// patch lies on its skin, as narrow as a sphere of its radius would make it.
+/// patch lies on its skin, as narrow as a sphere of its radius would make it. The wrench is that of the field
+/// alone, without `pad`'s layers; the patch's stiffness is with them.
 ContactPatch contact_patch(const Primitives& hand, std::size_t segment, const Wrench& wrench,
-                           double stiffness);
+                           double stiffness, const Pad& pad);
 
 }  // namespace lumbrical

@@ -31,7 +31,9 @@ struct Touch {
 /// Of all segments, in their order.
 using Touches = FixedList<Touch, kSegmentCount>;
 
-std::uint32_t take_frame(const ObjectFrame* frame, ObjectState& state) {
+std::uint32_t take_frame(const ObjectFrame* frame, const Settings& settings, Vec3 centre,
+                         ObjectState& state) {
+  state.velocity = state.angular_velocity = {};
   if (frame == nullptr) return kObjectMissing;
   const Quat q = frame->pose.orientation;
   const double square = dot(q, q);
@@ -40,6 +42,11 @@ std::uint32_t take_frame(const ObjectFrame* frame, ObjectState& state) {
   const bool jumped = norm(pose.position - state.pose.position) > kFarthestStep ||
                       std::fabs(dot(pose.orientation, state.pose.orientation)) < kWidestTurn;
   const bool first = !(state.told > 0);
+  if (settings.pad.damping > 0 && !first && !jumped) {
+    const Twist speed = speed_between(state.pose, pose, settings.rate);
+    state.angular_velocity = speed.angular_velocity;
+    state.velocity = speed.velocity + cross(speed.angular_velocity, rotate(pose.orientation, centre));
+  }
   state.pose = pose;
   state.told = 1;
   return jumped && !first ? kObjectImplausible : 0u;
@@ -62,12 +69,17 @@ double stiffness_kept(const ContactPatch& patch, double leaving, double dt) {
   return leaving > 0 ? min(patch.stiffness, patch.force / (dt * leaving)) : patch.stiffness;
 }
 
+// Of a point that lies `arm` from the centre of mass, both in W.
+Vec3 velocity_at(const ObjectState& state, Vec3 arm) {
+  return state.velocity + cross(state.angular_velocity, arm);
+}
+
 Spring spring_of(const ApartObject& object, const ContactPatch& patch, const Friction& friction, double dt,
                  const ObjectState& state) {
   const Pose& X_WO = state.pose;
   const Vec3 arm = rotate(X_WO.orientation, patch.centre - object.mechanism.body.centre);
   const Vec3 normal = rotate(X_WO.orientation, patch.normal);
-  const double leaving = -dot(normal, state.velocity + cross(state.angular_velocity, arm));
+  const double leaving = -dot(normal, velocity_at(state, arm));
   const bool sticks = rubs(object.material) && !friction.slides;
   return {arm, normal, stiffness_kept(patch, leaving, dt), sticks ? object.material.shear_stiffness : 0,
           sticks ? twist_stiffness(object.material) : 0};
@@ -84,18 +96,58 @@ struct Reached {
   const GapList* pushing = nullptr;
 };
 
-void touch_object(const Reached& reached, const Primitives& hand, double dt, Scratch& felt,
+// How fast a segment moves relative to an object, both in W.
+Twist relative_speed(const ObjectTick& tick, std::size_t segment, const ApartObject& object,
+                     const ObjectState& state) {
+  const Vec3 arm = tick.hand.base_joint[segment] - transform(state.pose, object.mechanism.body.centre);
+  const auto& [velocity, angular_velocity] = tick.speeds[segment];
+  return {velocity - velocity_at(state, arm), angular_velocity - state.angular_velocity};
+}
+
+// What pads make of the field's patch: layers are in `pressed` [O] already, damping is added. Returns the
+// damper [N s/m] they then are along the patch's normal.
+double press(const ObjectTick& tick, const ApartObject& object, std::size_t segment, const ObjectState& state,
+             Wrench& pressed, ContactPatch& patch) {
+  const Pad& pad = object.shape->settings.pad;
+  if (object.shape->layers.empty() && !(pad.damping > 0)) return 0;
+  patch.force = patch.force > 0 ? norm(pressed.force) : 0;
+  if (!(pad.damping > 0)) return 0;
+  const double share = damping_share(pad.damping, rotated(state.pose.orientation, pressed),
+                                     relative_speed(tick, segment, object, state));
+  const double damper = std::fabs(share) < 1 ? pad.damping * patch.force : 0;
+  pressed = {(1 + share) * pressed.force, (1 + share) * pressed.torque};
+  patch.force *= 1 + share;
+  return damper;
+}
+
+// The solver takes a damper as a spring that is slack now: what it does at the speed the object already has
+// is taken out of the wrench. `arm` [W] is that of the patch from the segment's base joint.
+void add_damper(double damper, Vec3 arm, double dt, const ObjectState& state, Touch& touch) {
+  Spring& spring = touch.spring;
+  const double speed = dot(spring.normal, velocity_at(state, spring.arm));
+  const Vec3 force = (-damper * speed) * spring.normal;
+  touch.wrench = touch.wrench + Wrench{force, cross(arm, force)};
+  spring.along += damper / dt;
+}
+
+void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scratch& felt,
                   ObjectState& state, Touches& touches, std::uint32_t& flags) {
   const auto& [object, number, pushing] = reached;
   const Model& shape = *object.shape;
+  const Primitives& hand = tick.hand;
+  const Pad& pad = shape.settings.pad;
   Primitives& own = *felt.primitives;
   place_hand(shape.hand, shape.settings, hand.joints, inverse(state.pose), own);
-  const HandForces forces = feel(shape, felt, flags);
+  const HandForces field = feel(shape, felt, flags);
+  HandForces forces = field;
+  add_layers(shape, felt, flags, forces);
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     const CorePush push = pushing != nullptr ? push_on(*pushing, number, hand, i) : CorePush{};
-    const Wrench pressed = forces.segment[i] + rotated(conjugate(state.pose.orientation), push.wrench);
-    ContactPatch patch = contact_patch(own, i, pressed, shape.settings.stiffness);
+    const Wrench pushed = rotated(conjugate(state.pose.orientation), push.wrench);
+    Wrench pressed = forces.segment[i] + pushed;
+    ContactPatch patch = contact_patch(own, i, field.segment[i] + pushed, shape.settings.stiffness, pad);
     patch.stiffness += push.stiffness;
+    const double damper = press(tick, object, i, state, pressed, patch);
     GripState& grip = state.grip[i];
     if (!(patch.force > 0)) {
       let_go(grip);
@@ -103,19 +155,14 @@ void touch_object(const Reached& reached, const Primitives& hand, double dt, Scr
     }
     Friction friction;
     if (rubs(object.material)) friction = rub(object.material, patch, base_pose(own, i), dt, grip);
-    const Wrench rubbed{friction.force,
-                        friction.torque + cross(patch.centre - own.base_joint[i], friction.force)};
-    touches.push_back({i, rotated(state.pose.orientation, pressed + rubbed),
-                       spring_of(object, patch, friction, dt, state)});
+    const Vec3 arm = patch.centre - own.base_joint[i];
+    const Wrench rubbed{friction.force, friction.torque + cross(arm, friction.force)};
+    Touch touch{i, rotated(state.pose.orientation, pressed + rubbed),
+                spring_of(object, patch, friction, dt, state)};
+    if (moves_by_itself(object.mechanism))
+      add_damper(damper, rotate(state.pose.orientation, arm), dt, state, touch);
+    touches.push_back(touch);
   }
-}
-
-void add_findings(const Settings& settings, const Scratch& felt, ObjectFindings& findings) {
-  const SampledForces& sampled = felt.samples->forces;
-  findings.contact_count += felt.contact_count + sampled.contact_count;
-  findings.evaluations += sampled.evaluations;
-  findings.error_estimate += error_estimate(settings, sampled);
-  findings.force_error += force_error(settings, {felt.contacts.data(), felt.contact_count});
 }
 
 // What the hand does to the object, about its centre of mass.
@@ -158,18 +205,19 @@ std::uint32_t move_given(const Model& model, std::span<const ObjectFrame> given,
   std::size_t told = 0;
   for (std::size_t i = 0; i < model.apart.size(); ++i) {
     if (model.apart[i].mechanism.mobility != Mobility::given) continue;
-    flags |= take_frame(told < given.size() ? &given[told] : nullptr, state.objects[i]);
+    flags |= take_frame(told < given.size() ? &given[told] : nullptr, model.settings,
+                        model.apart[i].mechanism.body.centre, state.objects[i]);
     ++told;
   }
   return flags;
 }
 
-ObjectFindings feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, HandForces& forces,
-                            std::uint32_t& flags) {
+Findings feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, HandForces& forces,
+                      std::uint32_t& flags) {
   const Model& model = tick.model;
   const double dt = 1 / model.settings.rate;
   if (tick.trusted) place_axes(tick.hand);
-  ObjectFindings findings;
+  Findings findings;
   for (std::size_t i = 0; i < model.apart.size(); ++i) {
     const ApartObject& object = model.apart[i];
     ObjectState& own = state.objects[i];
@@ -178,8 +226,8 @@ ObjectFindings feel_objects(const ObjectTick& tick, State& state, Scratch& scrat
     if (tick.trusted && may_reach(object, own.pose, model.hand, tick.hand)) {
       const Reached reached{object, static_cast<std::uint8_t>(i + 1),
                             scratch.proxy ? &scratch.proxy->pushing : nullptr};
-      touch_object(reached, tick.hand, dt, *scratch.apart, own, touches, flags);
-      add_findings(object.shape->settings, *scratch.apart, findings);
+      touch_object(tick, reached, dt, *scratch.apart, own, touches, flags);
+      findings += findings_of(*object.shape, *scratch.apart);
     } else {
       for (GripState& grip : own.grip) let_go(grip);
     }

@@ -3,25 +3,21 @@
 
 #include "lumbrical/tick.h"
 #include "model/primitive.h"
+#include "stages/pad_damping.h"
+#include "tick/felt_forces.h"
 
 namespace lumbrical {
 
 /// What a tick does with a model's objects apart.
 struct ObjectTick {
   const Model& model;
-  Primitives& hand;  ///< placed in W
-  bool trusted;      ///< false: no object feels the hand
+  Primitives& hand;         ///< placed in W
+  const PadSpeeds& speeds;  ///< of the hand
+  bool trusted;             ///< false: no object feels the hand
 };
 
 /// Puts the objects that are moved from outside to where they are told to be. Returns TickFlag bits.
 std::uint32_t move_given(const Model& model, std::span<const ObjectFrame> given, State& state);
-
-/// What was found on the way, beside what the world's own stages have found.
-struct ObjectFindings {
-  std::uint32_t contact_count = 0;
-  std::uint64_t evaluations = 0;
-  double error_estimate = 0, force_error = 0;  ///< [N]
-};
 
 /// Feels every object where it stands, adds what the hand's segments feel to `forces`, and moves those that
 /// move by themselves. Adds TickFlag bits to `flags`.
@@ -29,7 +25,7 @@ struct ObjectFindings {
 /// The forces are those at the tick's end, as far as they change by what the objects give way in it: what an
 /// object feels and what the hand feels is the same to rounding, and is what the object's momentum changes
 /// by.
-ObjectFindings feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, HandForces& forces,
-                            std::uint32_t& flags);
+Findings feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, HandForces& forces,
+                      std::uint32_t& flags);
 
 }  // namespace lumbrical

@@ -120,9 +120,11 @@ Offset<fb::Settings> to_fb(FlatBufferBuilder& builder, const Settings& settings)
   for (std::size_t s = 0; s < kSegmentCount; ++s) laws[s] = static_cast<std::uint8_t>(settings.law[s]);
   const auto all_laws = builder.CreateVectorScalarCast<fb::Law>(laws.data(), laws.size());
   const auto precisions = builder.CreateVector(settings.precision.data(), settings.precision.size());
+  const auto pad = std::bit_cast<fb::Pad>(settings.pad);
   return fb::CreateSettings(builder, all_laws, settings.stiffness, settings.rate, settings.point_area,
                             settings.max_force, settings.fade_time, settings.max_candidates, precisions,
-                            settings.effort, settings.proxy_stiffness);
+                            settings.effort, settings.proxy_stiffness,
+                            settings.pad == Pad{} ? nullptr : &pad);
 }
 
 /// Of the path, what may stand in a recording: files are looked for beside it, nowhere else. Empty where it
@@ -193,6 +195,7 @@ Status decode_settings(const fb::Settings* message, Settings& settings) {
   settings.max_candidates = message->max_candidates();
   settings.effort = message->effort();
   settings.proxy_stiffness = message->proxy_stiffness();
+  if (const fb::Pad* const pad = message->pad()) settings.pad = std::bit_cast<Pad>(*pad);
   // Session time is computed from the rate before build_model sees it.
   if (!(settings.rate >= 1 && settings.rate <= 100000))
     return Status::error("the session's rate is out of range");

@@ -65,7 +65,9 @@ std::vector<std::uint8_t> encode_state(const State& state) {
   };
   const auto objects = put_rows(std::span(state.objects));
   const auto proxy = put_rows(state.proxy ? std::span(&*state.proxy, 1) : std::span<const ProxyState>());
-  builder.Finish(fb::CreateState(builder, state.tick, state.rise, state.fall, last, held, objects, proxy));
+  const auto pad = put_rows(state.pad ? std::span(&*state.pad, 1) : std::span<const PadState>());
+  builder.Finish(
+      fb::CreateState(builder, state.tick, state.rise, state.fall, last, held, objects, proxy, pad));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 
@@ -79,15 +81,17 @@ Status decode_state(std::span<const std::uint8_t> bytes, State& state) {
   const fb::State& message = *flatbuffers::GetRoot<fb::State>(data);
   State result;
   std::vector<ProxyState> proxy;
+  std::vector<PadState> pad;
   result.tick = message.tick();
   result.rise = message.rise();
   result.fall = message.fall();
   const bool good = is_share(result.rise) && is_share(result.fall) &&
                     to_forces(message.last(), result.last) && to_forces(message.held(), result.held) &&
                     to_rows(message.objects(), kMostObjects, result.objects) &&
-                    to_rows(message.proxy(), 1, proxy);
+                    to_rows(message.proxy(), 1, proxy) && to_rows(message.pad(), 1, pad);
   if (!good) return Status::error("the state message holds numbers out of range");
   if (!proxy.empty()) result.proxy = proxy[0];
+  if (!pad.empty()) result.pad = pad[0];
   state = result;
   return {};
 }

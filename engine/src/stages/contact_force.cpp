@@ -1,5 +1,7 @@
 #include "stages/contact_force.h"
 
+#include <cmath>
+
 #include "stages/joint_torques.h"
 
 namespace lumbrical {
@@ -25,13 +27,13 @@ double error_estimate(const Settings& settings, const SampledForces& sampled) {
   double estimate = 0;
   for (std::size_t i = 0; i < kSegmentCount; ++i)
     estimate += min(1, sampled.error_factor * settings.precision[i]) * norm(sampled.segment[i].force);
-  return settings.stiffness * estimate;
+  return std::fabs(settings.stiffness) * estimate;
 }
 
 double force_error(const Settings& settings, std::span<const Contact> contacts) {
   double error = 0;
   for (const Contact& contact : contacts) error += contact.error;
-  return settings.stiffness * error;
+  return std::fabs(settings.stiffness) * error;
 }
 
 }  // namespace lumbrical

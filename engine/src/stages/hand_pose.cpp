@@ -132,11 +132,6 @@ std::uint32_t shape_hand(const Hand& hand, const Settings& settings, Primitives&
 
 }  // namespace
 
-const Pose& base_pose(const Primitives& primitives, std::size_t segment) {
-  const int joint = segment == kPalmSegment ? int{kWrist} : int{kPhalanxJoints[segment].base};
-  return primitives.joints.pose[static_cast<std::size_t>(joint)];
-}
-
 void place_axes(Primitives& primitives) {
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     const Pose& X_WJ = base_pose(primitives, i);

@@ -22,9 +22,6 @@ std::uint32_t place_hand(const Hand& hand, const Settings& settings, const Joint
 /// Where segments turn, and about which axis they flex: `tile_hand` does it, too.
 void place_axes(Primitives& primitives);
 
-/// The pose of a segment's base joint.
-const Pose& base_pose(const Primitives& primitives, std::size_t segment);
-
 /// False where no part of a hand so placed can touch what is inside the box [m, W].
 bool may_meet(const Hand& hand, const Primitives& primitives, const Box& world);
 

@@ -37,6 +37,15 @@ HandForces sum_up(const Model& model, Scratch& scratch) {
   return sum_forces(model.settings, *scratch.primitives, contacts, scratch.samples->forces.segment);
 }
 
+void add(const HandForces& more, HandForces& forces) {
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    forces.segment[i].force += more.segment[i].force;
+    forces.segment[i].torque += more.segment[i].torque;
+    forces.joint_torque[i] += more.joint_torque[i];
+    forces.flexion_torque[i] += more.flexion_torque[i];
+  }
+}
+
 }  // namespace
 
 void make_room(const Model& model, Scratch& scratch) {
@@ -45,6 +54,11 @@ void make_room(const Model& model, Scratch& scratch) {
   size_candidates(model, scratch);
   size_samples(model, *scratch.samples);
   scratch.contacts.resize(scratch.candidates.size());
+  if (scratch.layers.size() < model.layers.size()) scratch.layers.resize(model.layers.size());
+  for (std::size_t i = 0; i < model.layers.size(); ++i) {
+    scratch.layers[i].keep_near = scratch.keep_near;
+    make_room(*model.layers[i], scratch.layers[i]);
+  }
 }
 
 void find_all_contacts(const Model& model, Scratch& scratch) {
@@ -74,6 +88,39 @@ HandForces feel_nothing(const Model& model, Scratch& scratch) {
   scratch.samples->forces = {};
   scratch.candidate_count = 0;
   return sum_up(model, scratch);
+}
+
+void add_layers(const Model& model, Scratch& scratch, std::uint32_t& flags, HandForces& forces) {
+  const bool touches = scratch.contact_count > 0 || scratch.samples->forces.contact_count > 0;
+  for (std::size_t i = 0; i < model.layers.size(); ++i) {
+    const Model& layer = *model.layers[i];
+    Scratch& own = scratch.layers[i];
+    if (!touches) {
+      feel_nothing(layer, own);
+      continue;
+    }
+    place_hand(layer.hand, layer.settings, scratch.primitives->joints, {}, *own.primitives);
+    add(feel(layer, own, flags), forces);
+  }
+}
+
+void operator+=(Findings& to, const Findings& more) {
+  to.contact_count += more.contact_count;
+  to.evaluations += more.evaluations;
+  to.error_estimate += more.error_estimate;
+  to.force_error += more.force_error;
+}
+
+Findings findings_of(const Model& model, const Scratch& scratch) {
+  const SampledForces& sampled = scratch.samples->forces;
+  const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
+  Findings findings{scratch.contact_count + sampled.contact_count, sampled.evaluations,
+                    error_estimate(model.settings, sampled), force_error(model.settings, contacts)};
+  for (std::size_t i = 0; i < model.layers.size(); ++i) {
+    const Findings more = findings_of(*model.layers[i], scratch.layers[i]);
+    findings += {0, more.evaluations, more.error_estimate, more.force_error};
+  }
+  return findings;
 }
 
 }  // namespace lumbrical

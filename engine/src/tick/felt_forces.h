@@ -16,12 +16,27 @@ bool is_made_for(const Model& model, const Scratch& scratch);
 /// Makes room in `scratch` for a model's ticks, beside what it has room for already.
 void make_room(const Model& model, Scratch& scratch);
 
-/// Forces of the hand placed in the model's frame in `scratch`, and what was found on the way. Adds TickFlag
-/// bits to `flags`; without forces where there are more pairs than there is room for.
+/// Forces of the hand placed in the model's frame in `scratch`, and what was found on the way, but for its
+/// pads' layers. Adds TickFlag bits to `flags`; without forces where there are more pairs than there is room
+/// for.
 HandForces feel(const Model& model, Scratch& scratch, std::uint32_t& flags);
+
+/// Adds what the pads' layers feel; after `feel`, or `feel_nothing`.
+void add_layers(const Model& model, Scratch& scratch, std::uint32_t& flags, HandForces& forces);
 
 /// The same of a hand that can't be placed: nothing, but everything that is hashed is in place.
 HandForces feel_nothing(const Model& model, Scratch& scratch);
+
+/// What was found on the way to the forces.
+struct Findings {
+  std::uint32_t contact_count = 0;  ///< layers find the same ones again, and are not counted
+  std::uint64_t evaluations = 0;
+  double error_estimate = 0, force_error = 0;  ///< [N]
+};
+void operator+=(Findings& to, const Findings& more);
+
+/// Of the last time `model` was felt on `scratch`, layers included.
+Findings findings_of(const Model& model, const Scratch& scratch);
 
 /// Contacts of the candidates in `scratch`.
 void find_all_contacts(const Model& model, Scratch& scratch);

@@ -83,6 +83,11 @@ constexpr void list_fields(Is<ProxyState> auto& proxy, auto&& field) {
   field("valid", "", proxy.valid);
 }
 
+constexpr void list_fields(Is<PadState> auto& pad, auto&& field) {
+  field("segment", "", pad.segment);
+  field("valid", "", pad.valid);
+}
+
 constexpr void list_fields(Is<GripState> auto& grip, auto&& field) {
   field("segment", "", grip.segment);
   field("shear", "m", grip.shear);
@@ -110,6 +115,14 @@ constexpr void list_fields(Is<ObjectOutput> auto& object, auto&& field) {
   field("coordinate", "", object.coordinate);
 }
 
+constexpr void list_fields(Is<PadLayer> auto& layer, auto&& field) {
+  field("from", "", layer.from);
+  field("stiffness", "", layer.stiffness);
+}
+constexpr void list_fields(Is<Pad> auto& pad, auto&& field) {
+  field("layer", "", pad.layer);
+  field("damping", "s/m", pad.damping);
+}
 constexpr void list_fields(Is<Settings> auto& settings, auto&& field) {
   field("law", "", settings.law);
   field("stiffness", "N/m^3", settings.stiffness);
@@ -119,6 +132,7 @@ constexpr void list_fields(Is<Settings> auto& settings, auto&& field) {
   field("max_force", "N", settings.max_force);
   field("fade_time", "s", settings.fade_time);
   field("proxy_stiffness", "N/m", settings.proxy_stiffness);
+  field("pad", "", settings.pad);
   field("effort", "", settings.effort);
   field("max_candidates", "", settings.max_candidates);
 }
@@ -223,8 +237,8 @@ inline std::uint64_t hash_output(const ActuatorFrame& output, std::span<const Ob
 
 // A field that is not listed fails here, where the struct has no padding or always the same.
 static_assert(kIsRow<Contact> && kIsRow<HandForces> && kIsRow<ActuatorFrame>);
-static_assert(kIsRow<HandState> && kIsRow<ProxyState> && kIsRow<ObjectState> && kIsRow<ObjectOutput> &&
-              kIsRow<ObjectFrame>);
+static_assert(kIsRow<HandState> && kIsRow<ProxyState> && kIsRow<PadState> && kIsRow<ObjectState> &&
+              kIsRow<ObjectOutput> && kIsRow<ObjectFrame>);
 static_assert(kIsRow<JointPose> && kIsRow<HalfSpace> && kIsRow<Pose>);
 static_assert(listed_bytes<DeviceFrame>() + 7 == sizeof(DeviceFrame));
 static_assert(listed_bytes<Settings>() == sizeof(Settings));

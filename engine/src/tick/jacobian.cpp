@@ -124,6 +124,22 @@ void add_sampled(const Model& model, const Primitives& hand, std::uint32_t segme
     add_sampled_body(model, hand, kPalmSegment, kPalmSegment, 1u << kPalmSegment, memory, jacobians);
 }
 
+// What a pad's layer feels besides.
+void add_layer(const Model& layer, const Scratch& scratch, std::uint32_t segments,
+               std::array<SegmentJacobian, kSegmentCount>& jacobians) {
+  std::array<SegmentJacobian, kSegmentCount> more;
+  segment_jacobians(layer, scratch, more, segments);
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    if ((segments >> i & 1u) == 0) continue;
+    jacobians[i].known = jacobians[i].known && more[i].known;
+    for (std::size_t row = 0; row < 6; ++row) {
+      for (std::size_t column = 0; column < 6; ++column)
+        jacobians[i].value[row][column] += more[i].value[row][column];
+    }
+    if (!jacobians[i].known) jacobians[i].value = {};
+  }
+}
+
 // A core that is held pushes back along the normal; together no more stiffly than each by itself.
 void add_pushes(const GapList& pushing, const Primitives& hand, std::uint32_t segments,
                 std::array<SegmentJacobian, kSegmentCount>& jacobians) {
@@ -179,6 +195,8 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
       for (double& entry : row) entry *= model.settings.stiffness;
     }
   }
+  for (std::size_t i = 0; i < model.layers.size(); ++i)
+    add_layer(*model.layers[i], scratch.layers[i], segments, jacobians);
   if (scratch.proxy) add_pushes(scratch.proxy->pushing, hand, segments, jacobians);
 }
 

@@ -8,10 +8,10 @@
 #include "proxy/proxy_hand.h"
 #include "samples/sampled_forces.h"
 #include "stages/broadphase.h"
-#include "stages/contact_force.h"
 #include "stages/force_limits.h"
 #include "stages/hand_pose.h"
 #include "stages/narrowphase.h"
+#include "stages/pad_damping.h"
 #include "tick/felt_forces.h"
 #include "tick/field_lists.h"
 
@@ -21,8 +21,8 @@ namespace {
 constexpr std::uint32_t kUntrusted =
     kInputNotFinite | kInputImplausible | kInputLost | kCandidateOverflow | kObjectImplausible;
 
-/// What the stages of one tick have found.
-struct Findings {
+/// What the stages of one tick have made.
+struct StageResults {
   const DeviceFrame& frame;
   std::span<const ObjectFrame> given;
   const Primitives& hand;
@@ -34,7 +34,7 @@ struct Findings {
   std::span<const ObjectOutput> objects;
 };
 
-void hash_stages(const Findings& found, std::array<std::uint64_t, kStageCount>& stage_hash) {
+void hash_stages(const StageResults& found, std::array<std::uint64_t, kStageCount>& stage_hash) {
   const auto hash_of_stage = [&stage_hash](Stage stage) -> std::uint64_t& {
     return stage_hash[static_cast<std::size_t>(stage)];
   };
@@ -112,19 +112,23 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   if (apart) flags |= move_given(model, given, state);
   if (scratch.proxy) flags |= follow_hand(model, is_trusted(flags), state, scratch, hand);
   HandForces forces = placed ? feel(model, scratch, flags) : feel_nothing(model, scratch);
+  add_layers(model, scratch, flags, forces);
   if (scratch.proxy) add_pushes(scratch.proxy->pushing, hand, forces);
-  ObjectFindings objects;
-  if (apart) objects = feel_objects({model, hand, is_trusted(flags)}, state, scratch, forces, flags);
+  const PadSpeeds speeds = speeds_of_pads(model.settings, is_trusted(flags), hand, state.pad);
+  damp_pads(model.settings.pad, speeds, hand, forces);
+  Findings findings = findings_of(model, scratch);
+  if (apart)
+    findings += feel_objects({model, hand, speeds, is_trusted(flags)}, state, scratch, forces, flags);
   tell(scratch.watch, Stage::contact_force);
 
   const SampledForces& sampled = scratch.samples->forces;
   const std::span<const std::uint64_t> candidates(scratch.candidates.data(), scratch.candidate_count);
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
   ActuatorFrame output = limit_forces(model.settings, hand, forces, is_trusted(flags), flags, state);
-  output.contact_count = scratch.contact_count + sampled.contact_count + objects.contact_count;
-  output.evaluations = sampled.evaluations + objects.evaluations;
-  output.force_error = force_error(model.settings, contacts) + objects.force_error;
-  output.error_estimate = error_estimate(model.settings, sampled) + objects.error_estimate;
+  output.contact_count = findings.contact_count;
+  output.evaluations = findings.evaluations;
+  output.force_error = findings.force_error;
+  output.error_estimate = findings.error_estimate;
   tell(scratch.watch, Stage::limits);
 
   if (scratch.hash_stages)
@@ -200,7 +204,8 @@ State make_state(const Model& model) {
 std::uint64_t hash_state(const State& state) {
   const std::uint64_t hand = hash_fields(static_cast<const HandState&>(state));
   const std::uint64_t all = with_objects(hand, std::span<const ObjectState>(state.objects));
-  return state.proxy ? with_objects(all, std::span<const ProxyState>(&*state.proxy, 1)) : all;
+  const std::uint64_t held = state.proxy ? with_objects(all, std::span(&*state.proxy, 1)) : all;
+  return state.pad ? with_objects(held, std::span(&*state.pad, 1)) : held;
 }
 
 }  // namespace lumbrical
