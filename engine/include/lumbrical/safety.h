@@ -84,7 +84,7 @@ struct SafetyOutput {
 
 /// [s] that a hand takes to settle which was let go of: forces that came back sooner would shake it.
 inline constexpr double kSettling = 0.1;
-/// Times the soft start that forces take at most to come back where gaps follow each other.
+/// Times the soft start that forces take at most to go and to come back where gaps follow each other.
 inline constexpr double kSlowest = 8;
 
 SafetyMemory start_safety(const DeviceProfile& profile);
@@ -98,7 +98,7 @@ SafetyMemory start_safety(const DeviceProfile& profile);
 ///   them within SafetyTimes::fade;
 /// - what faded while ticks were late, or would have faded in a gap longer than SafetyTimes::tick_hold, comes
 ///   back by soft start only, kSettling after it is gone, and where the one before was not yet back at half
-///   its pace (kSlowest at most); what a gap would have taken goes at the soft start's pace;
+///   its pace (kSlowest at most); what a gap would have taken goes at the pace at which it comes back;
 /// - a latched fault is left only by `reset` with its cause gone, and then only to idle.
 SafetyOutput step_safety(const DeviceProfile& profile, const SafetyInputs& inputs, SafetyMemory& memory);
 

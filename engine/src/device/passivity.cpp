@@ -128,9 +128,10 @@ void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffnes
     const double gain = std::sqrt(squares);
     const double wanted = gain > 1 ? 1 / gain : gain <= 1 ? 1 : 0;  // NaN: nothing can be promised
     // What the torque has grown by and what is allowed has shrunk by since the last step: so far the factor
-    // may fall.
+    // may fall at once, and on from there slowly: a torque that stayed where it is would stay too stiff.
     const double shrunk = allowed < allowed_before ? allowed / allowed_before : 1;
-    const double held = size > 0 ? min(1, before / size) * shrunk : 0;
+    const double slowly = 1 - min(1, max(0, dt) / kEase);
+    const double held = size > 0 ? min(1, before / size) * shrunk * slowly : 0;
     double& factor = limiter.factor[finger];
     factor = wanted < factor ? max(wanted, held * factor)
                              : factor + (wanted - factor) * min(1, max(0, dt) / kRecovery);

@@ -88,17 +88,18 @@ double limit_slew(const Actuator& actuator, double fade, bool gently, double dt,
 // What fades while nothing comes, or would have faded while nothing could be sent, comes back by soft start
 // only. What a gap would have taken is taken after it and as softly: a force let go of quickly, or given back
 // before the hand has settled, is a kick. Where gaps come again before all is back, each takes twice as long
-// to come back from as the one before: a force that comes and goes with the bus is a shake, however soft.
+// as the one before, to go and to come back: a force that comes and goes with the bus is a shake, however
+// soft.
 void step_gain(const SafetyTimes& times, bool late, double gap, double dt, SafetyMemory& memory) {
   const bool silent = gap > times.tick_hold;
   const bool begins = (silent || late) && memory.settling == 0;
   if (begins) memory.slower = memory.gain < 1 ? min(2 * memory.slower, kSlowest) : 1;
   if (silent) memory.owed = min(memory.gain, memory.owed + gap / times.fade);
-  const double soft = times.soft_start > 0 ? dt / times.soft_start : 1;
+  const double soft = (times.soft_start > 0 ? dt / times.soft_start : 1) / memory.slower;
   const double fall = late ? dt / times.fade : min(memory.owed, soft);
   memory.owed = max(0, memory.owed - fall);
   memory.settling = silent || fall > 0 ? kSettling : max(0, memory.settling - dt);
-  memory.gain = clamp(memory.gain - fall + (memory.settling > 0 ? 0 : soft / memory.slower), 0, 1);
+  memory.gain = clamp(memory.gain - fall + (memory.settling > 0 ? 0 : soft), 0, 1);
 }
 
 }  // namespace
