@@ -193,8 +193,8 @@ std::string run_command_line(const Program& program, int argc, char** argv,
     fault = error.what();
   }
   const std::vector<CLI::App*> chosen = app.get_subcommands();
-  return fault + "\n" + program.name + (chosen.empty() ? "" : " " + chosen.front()->get_name()) +
-         " --help lists all there is.";
+  return fault + "; " + program.name + (chosen.empty() ? "" : " " + chosen.front()->get_name()) +
+         " --help lists all there is";
 }
 
 }  // namespace lumbrical::tool

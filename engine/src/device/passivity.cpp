@@ -131,7 +131,7 @@ void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffnes
     // may fall at once, and on from there slowly: a torque that stayed where it is would stay too stiff.
     const double shrunk = allowed < allowed_before ? allowed / allowed_before : 1;
     const double slowly = 1 - min(1, max(0, dt) / kEase);
-    const double held = size > 0 ? min(1, before / size) * shrunk * slowly : 0;
+    const double held = size > 0 ? min(slowly, before / size) * shrunk : 0;
     double& factor = limiter.factor[finger];
     factor = wanted < factor ? max(wanted, held * factor)
                              : factor + (wanted - factor) * min(1, max(0, dt) / kRecovery);
