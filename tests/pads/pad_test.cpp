@@ -219,6 +219,25 @@ TEST(Pad, DampedAndHardKeepsAKeyOfFiveGramsStableAndMomentum) {
 
 // ---- In and out ----
 
+TEST(Pad, GoesWithChangedSettingsAndOtherHandsAsIfBuiltSo) {
+  const Scene plain = plane_scene({}, 1e-4), hard = plane_scene(kHardening, 1e-4);
+  const Model from = test::model_of(plain), built = test::model_of(hard);
+  Model changed, harder, back, other;
+  ASSERT_TRUE(change_settings(from, hard.settings, 1, changed).ok());
+  Settings settings = hard.settings;
+  settings.stiffness *= 2;
+  settings.pad.layer[0].from = 0.3;
+  ASSERT_TRUE(change_settings(changed, settings, 1, harder).ok());
+  ASSERT_TRUE(change_settings(harder, hard.settings, 1, back).ok());
+  ASSERT_TRUE(share_world(changed, mirrored_hand(hard.hand), other).ok());
+  EXPECT_EQ(other.layers.size(), 2u);
+  const std::vector<DeviceFrame> frames = {upright(0.001), upright(0.003), upright(0.005)};
+  const std::uint64_t expected = test::hash_run(built, frames);
+  EXPECT_EQ(test::hash_run(changed, frames), expected);
+  EXPECT_EQ(test::hash_run(back, frames), expected);
+  EXPECT_NE(test::hash_run(harder, frames), expected);
+}
+
 TEST(Pad, IsRefusedWhereItWouldPushLessTheDeeperItIs) {
   const auto error = [](const Pad& pad) {
     Model model;

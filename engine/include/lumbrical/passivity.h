@@ -51,11 +51,12 @@ struct StiffnessLimiter {
 /// One step of `dt` [s]. Stiffness matrix and bounds of a finger are compared by the largest gain of
 /// D^-1/2 K D^-1/2 (its Frobenius norm, which is no less; for a single contact equal), D holding margin times
 /// the bounds. A factor falls at once, but while the touch gets stiffer with depth no further than holds the
-/// torque where it is, and on from there with a time constant of two seconds: a torque that fell fast as a
-/// finger goes deeper would draw it in. Where the bounds shrink, it falls with them: at once to where the
-/// touch is passive, without the margin, and in two seconds to the margin, since a small change of the bus is
-/// no reason for a kick. It recovers with the time constant of one second, so that it does not itself become
-/// part of a fast loop. `torque` [N m] is what the touch asks for.
+/// torque where it is, and where it stays far too stiff, 2.5 times and more, on from there with a time
+/// constant of two seconds: a torque that fell fast as a finger goes deeper would draw it in. Where the
+/// bounds shrink, it falls with them: at once to where the touch is passive, without the margin, and in two
+/// seconds to the margin, since a small change of the bus is no reason for a kick. It recovers with the time
+/// constant of one second, so that it does not itself become part of a fast loop. `torque` [N m] is what the
+/// touch asks for.
 void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffness& stiffness,
                      const JointArray& torque, double dt, StiffnessLimiter& limiter);
 

@@ -14,6 +14,8 @@ namespace {
 constexpr double kRecovery = 1;
 // What a bound that shrinks is followed with down to the margin, once below the bound itself [s].
 constexpr double kEase = 2;
+// How many times too stiff a touch may stay that has got stiffer as it deepened.
+constexpr double kFarTooStiff = 2.5;
 // What torques grow with that no motion asked for, as after a gap [s].
 constexpr double kCreep = 2;
 
@@ -128,11 +130,12 @@ void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffnes
     const double gain = std::sqrt(squares);
     const double wanted = gain > 1 ? 1 / gain : gain <= 1 ? 1 : 0;  // NaN: nothing can be promised
     // What the torque has grown by and what is allowed has shrunk by since the last step: so far the factor
-    // may fall at once, and on from there slowly: a torque that stayed where it is would stay too stiff.
-    const double shrunk = allowed < allowed_before ? allowed / allowed_before : 1;
-    const double slowly = 1 - min(1, max(0, dt) / kEase);
-    const double held = size > 0 ? min(slowly, before / size) * shrunk : 0;
+    // may fall at once. A torque that stays where it is is let down slowly while it is far too stiff; nearer
+    // to what is passive the hand's own damping makes up for it, and letting go of a touch is felt, too.
     double& factor = limiter.factor[finger];
+    const double shrunk = allowed < allowed_before ? allowed / allowed_before : 1;
+    const double slowly = factor > kFarTooStiff * wanted ? 1 - min(1, max(0, dt) / kEase) : 1;
+    const double held = size > 0 ? min(slowly, before / size) * shrunk : 0;
     factor = wanted < factor ? max(wanted, held * factor)
                              : factor + (wanted - factor) * min(1, max(0, dt) / kRecovery);
   }

@@ -58,6 +58,7 @@ void make_room(const Model& model, Scratch& scratch) {
   for (std::size_t i = 0; i < model.layers.size(); ++i) {
     scratch.layers[i].keep_near = scratch.keep_near;
     make_room(*model.layers[i], scratch.layers[i]);
+    scratch.layers[i].build = model.layers[i]->build;
   }
 }
 
