@@ -143,7 +143,7 @@ TEST(HostileFile, AMegabyteOfBombsIsReadWithinASecondOfProcessorTime) {
   const std::vector<std::uint8_t> zeros(16u << 20, 0);
   std::vector<std::uint8_t> packed(ZSTD_compressBound(zeros.size()));
   packed.resize(ZSTD_compress(packed.data(), packed.size(), zeros.data(), zeros.size(), 1));
-  for (const std::uint64_t claimed : {std::uint64_t{16u << 20}, std::uint64_t{32 * packed.size()}}) {
+  for (const std::uint64_t claimed : {std::uint64_t{16u << 20}, mcap::kLargestRatio * packed.size()}) {
     const mcap::Chunk bomb{0, 0, claimed, 0, "zstd", packed};
     const std::string path = temporary_path("bomb.mcap");
     write_bytes(path, file_of_chunks(bomb, 1'000'000));

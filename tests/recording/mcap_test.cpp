@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -149,6 +150,36 @@ TEST_P(McapFile, KeepsToTheSpecification) {
   for (const SummaryOffset& group : summary.summary_offsets)
     EXPECT_TRUE(groups.insert(group.group).second) << "a group is told twice";
   EXPECT_EQ(groups.size(), 6u);
+}
+
+// What nobody moves is the same over and over: the more of it, the further it can be compressed.
+TEST_P(McapFile, WritesNothingThatItsReaderTakesForABomb) {
+  const std::string path = test::cleared(temporary_path("still.mcap"));
+  McapWriter writer;
+  McapWriterOptions options;
+  options.compression = GetParam();
+  McapWriter::Start start;
+  const std::map<std::string, std::string> metadata;
+  start.metadata = &metadata;
+  start.channels.push_back({"still", {}, "tick", {}});
+  ASSERT_TRUE(writer.open(path, options, start).ok());
+  const std::vector<std::uint8_t> still(10'000, 0);
+  for (std::uint32_t i = 0; i < 100; ++i) ASSERT_TRUE(writer.message(0, 0, still).ok());
+  ASSERT_TRUE(writer.close().ok());
+
+  InputFile file;
+  Summary summary;
+  bool present = false;
+  ASSERT_TRUE(file.open(path).ok() && read_summary(file, summary, present).ok());
+  ASSERT_EQ(summary.chunks.size(), 1u);
+  RecordPlace place;
+  bool whole = false;
+  ASSERT_TRUE(find_record(file, summary.chunks[0].offset, file.size(), place, whole).ok());
+  std::vector<std::uint8_t> content;
+  LoadedChunk chunk;
+  const Status status = load_chunk(file, place, content, chunk);
+  EXPECT_TRUE(status.ok()) << status.message();
+  EXPECT_GT(chunk.records.size(), 100 * still.size());
 }
 
 INSTANTIATE_TEST_SUITE_P(Compressions, McapFile,

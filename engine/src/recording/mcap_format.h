@@ -17,6 +17,10 @@ inline constexpr std::string_view kMagic{"\x89MCAP0\r\n", 8};
 inline constexpr std::uint64_t kRecordHeaderSize = 9;  // opcode, length
 inline constexpr std::uint64_t kFooterContentSize = 20;
 
+/// How many times its compressed size a chunk may have: no less than LZ4 can reach at all. Zstandard goes on
+/// to thousands, which is how a small file keeps its reader busy.
+inline constexpr std::uint64_t kLargestRatio = 256, kLargestGift = 1024;
+
 enum class Opcode : std::uint8_t {
   none = 0x00,
   header = 0x01,

@@ -23,9 +23,6 @@ namespace {
 
 // The recorder ends its chunks at 1 MiB; this much is granted to files that other tools have rewritten.
 constexpr std::uint64_t kLargestChunk = 16u << 20;
-// A hand that is held still, its forces left out, is compressed to an eighth. What claims to be many times
-// more is made to keep its reader busy.
-constexpr std::uint64_t kLargestRatio = 32, kLargestGift = 1024;
 // FlatBuffers holds less than 2 GiB, so no attachment of ours is larger.
 constexpr std::uint64_t kLargestAttachment = std::uint64_t{1} << 31;
 constexpr std::uint64_t kLargestOtherRecord = 4u << 20;

@@ -144,12 +144,19 @@ Status McapWriter::message(std::uint64_t time, std::uint32_t sequence, Bytes dat
   return {};
 }
 
+// False where the library fails, and where the chunk becomes so small that no reader would believe it.
+bool McapWriter::compress_chunk(Compression compression) {
+  return compress(compression, chunk_.bytes(), compressed_) &&
+         chunk_.size() <= kLargestRatio * compressed_.size() + kLargestGift;
+}
+
 Status McapWriter::append_chunk(ByteWriter& out) {
-  if (!compress(options_.compression, chunk_.bytes(), compressed_))
+  Compression used = options_.compression;
+  if (!compress_chunk(used) && !compress_chunk(used = Compression::lz4))
     return Status::error(file_.growing_at() +
                          ": a chunk cannot be compressed; free memory or record uncompressed");
   const std::uint64_t end_time = statistics_.end_time;
-  const std::string compression(compression_text(options_.compression));
+  const std::string compression(compression_text(used));
   append(out,
          Chunk{chunk_start_, end_time, chunk_.size(), crc32(0, chunk_.bytes()), compression, compressed_});
   const std::uint64_t chunk_length = out.size();

@@ -65,6 +65,7 @@ class McapWriter {
   Status write_attachment(const Start::Content& content);
   Status write_chunk();
   Status append_chunk(mcap::ByteWriter& out);
+  bool compress_chunk(Compression compression);
   void append_summary(mcap::ByteWriter& out);
 
   OutputFile file_;
@@ -77,7 +78,7 @@ class McapWriter {
   std::uint64_t chunk_start_ = 0;                // [ns] time of its first message
   std::vector<mcap::MessageIndex> chunk_index_;  // its messages, by channel
   std::vector<std::uint64_t> written_;           // messages by channel
-  std::vector<std::uint8_t> compressed_;
+  std::vector<std::uint8_t> compressed_;         // and what becomes of it
 
   mcap::Statistics statistics_;
   std::vector<mcap::ChunkIndex> chunks_;
