@@ -87,8 +87,8 @@ std::optional<Winding> parse_winding(std::string_view text);  ///< "auto", "as i
 std::string_view winding_name(Winding winding);
 
 /// What was done for a mesh to face outwards. Its parts are what hangs together across edges that exactly two
-/// triangles share (vertices at one position are one; copies of a triangle go with the first).
-///
+/// triangles share (vertices at one position are one, on open edges also those that rounding drove apart, by
+/// less than 5e-6 of the mesh's diagonal; copies of a triangle go with the first).
 /// A part is closed when it can be wound one way throughout, encloses a volume, and what its holes leave open
 /// is at most a twentieth of its area. It is wound so that its volume is positive, each of its triangles. But
 /// where it lies inside the solid of another closed part it may be a cavity or a solid in a solid: then it
@@ -101,7 +101,7 @@ struct WindingReport {
   std::size_t open_parts = 0;        ///< left as they are: only the user knows which side is outside
   std::size_t open_triangles = 0;
   double open_area = 0;     ///< [m^2] of the open parts, of which
-  double outward_area = 0;  ///< [m^2] faces away from the middle of its part's bounding box,
+  double outward_area = 0;  ///< [m^2] faces away from the middle of their bounding box,
   double inward_area = 0;   ///< [m^2] faces it, and the rest neither
   friend bool operator==(const WindingReport&, const WindingReport&) = default;
 };

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "base/floating_point.h"
+#include "model/border_merge.h"
 #include "model/mesh_edges.h"
 #include "model/part_nesting.h"
 #include "model/triangle_parts.h"
@@ -165,6 +166,16 @@ void fill_holes(const Mesh& mesh, std::vector<Border> borders, std::vector<MeshP
   }
 }
 
+// [of the diagonal] Corners nearer than half of this are one to triangles that would otherwise end there:
+// exporters round, each triangle's corner by itself.
+constexpr double kRounding = 1e-5;
+
+double diagonal(const Mesh& mesh) {
+  Box box;
+  for (const Vec3& vertex : mesh.vertices) box.add(vertex);
+  return mesh.vertices.empty() ? 0 : norm(box.upper - box.lower);
+}
+
 bool has_open_edge(const MeshEdges& edges) {
   bool open = false;
   edges.for_each([&](std::uint32_t, std::span<const HalfEdge> around) { open = open || around.size() == 1; });
@@ -178,6 +189,7 @@ Taken take_apart(const Mesh& mesh, std::size_t threads) {
   if (has_open_edge(edges)) {
     first = first_at_same_position(mesh.vertices);
     edges = edges_of(mesh, first, threads);
+    if (merge_borders(mesh, edges, kRounding * diagonal(mesh), first)) edges = edges_of(mesh, first, threads);
   }
   const std::vector<std::uint32_t> original = find_copies(mesh, first, edges);
   TriangleParts joined(mesh.triangles.size());
@@ -247,13 +259,18 @@ std::vector<int> sides_wanted(const std::vector<MeshPart>& parts, const std::vec
 /// What is left as it is, and which way it faces.
 void report_open(const Mesh& mesh, const Taken& taken, const std::vector<bool>& decided,
                  WindingReport& report) {
+  Box box;
+  for (std::size_t part = 0; part < decided.size(); ++part) {
+    if (decided[part]) continue;
+    box.add(taken.parts[part].box.lower);
+    box.add(taken.parts[part].box.upper);
+  }
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const std::uint32_t part = taken.part_of[i];
     if (part == kNoPart || decided[part]) continue;
     const Triangle& t = mesh.triangles[i];
     const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-    const Vec3 doubled = cross(b - a, c - a),
-               arm = (a - taken.parts[part].box.middle()) + ((b - a) + (c - a)) / 3;
+    const Vec3 doubled = cross(b - a, c - a), arm = (a - box.middle()) + ((b - a) + (c - a)) / 3;
     const double area = 0.5 * norm(doubled), facing = dot(doubled, arm);
     ++report.open_triangles;
     report.open_area += area;
