@@ -48,7 +48,7 @@ TEST(Pad, PressesAsTheSumOfItsLayersClosedForms) {
     for (const double precision : {0.0, 1e-4}) {
       Session run(plane_scene(pad, precision));
       for (const double deep : {0.0005, 0.001, 0.002, 0.003, 0.005, 0.0075}) {
-        run.step(upright(deep, {0.0013, 0.0007, 0}));
+        run.feel(upright(deep, {0.0013, 0.0007, 0}));
         const double expected = layered_force(pad, kPadRadius - deep);
         EXPECT_NEAR(run.output.segment[2].force.z, expected, (precision > 0 ? 2e-3 : 1e-6) * expected)
             << deep << ' ' << precision;
@@ -82,7 +82,7 @@ TEST(Pad, TakesNoWorkRoundAClosedPath) {
         const double share = i / 1000.0;
         const Vec3 at = (1 - share) * corner[side] + share * corner[(side + 1) % corner.size()];
         const DeviceFrame frame = test::frame_of({{at, {0.6, 0, 0.8}}});
-        run.step(frame);
+        run.feel(frame);
         const auto& tip = frame.joint[kPhalanxJoints[2].tip].position;  // as the engine gets it
         const Vec3 there{tip[0], tip[1], tip[2]};
         const Vec3 force = run.output.segment[2].force;
@@ -115,9 +115,9 @@ TEST(Pad, CappedPressureKeepsAPalmFromPushingWithoutBound) {
   double last = 0, last_plain = 0;
   for (double deep = 0;; deep += 0.0005) {
     const DeviceFrame frame = test::pressed_frame(scene.hand, deep, 0);
-    plain.step(frame);
+    plain.feel(frame);
     if (force_of(plain) < last_plain) break;  // the surface has passed the core
-    capped.step(frame);
+    capped.feel(frame);
     EXPECT_GE(force_of(capped), last) << deep;
     last = force_of(capped);
     last_plain = force_of(plain);
@@ -130,7 +130,7 @@ TEST(Pad, JacobianIsThatOfAllLayers) {
   Scene scene = plane_scene(kHardening);
   Session run(scene);
   const auto force_at = [&](double deep) {
-    run.step(upright(deep));
+    run.feel(upright(deep));
     return run.output.segment[2].force.z;
   };
   std::array<SegmentJacobian, kSegmentCount> jacobians;
@@ -152,12 +152,12 @@ TEST(Pad, DampingGrowsWithTheSpeedOfPressingInAndIsNothingAtRest) {
   Session run(scene), plain(plane_scene({}));
   for (const double speed : {0.05, -0.05, 0.0}) {
     run.state = make_state(run.model);
-    run.step(upright(0.003 - 0.001 * speed));
-    run.step(upright(0.003));
-    plain.step(upright(0.003));
+    run.feel(upright(0.003 - 0.001 * speed));
+    run.feel(upright(0.003));
+    plain.feel(upright(0.003));
     EXPECT_NEAR(run.output.segment[2].force.z, (1 + 4 * speed) * plain.output.segment[2].force.z, 1e-4);
   }
-  run.step(upright(0.003));
+  run.feel(upright(0.003));
   EXPECT_EQ(run.output.segment[2].force, plain.output.segment[2].force);
 }
 
@@ -168,7 +168,7 @@ TEST(Pad, DampingOnlyTakesEnergyAndNeverPulls) {
     const double deep = 0.004 * std::sin(0.02 * i);  // 80 mm/s
     const DeviceFrame frame = upright(deep);
     const double z = frame.joint[kPhalanxJoints[2].tip].position[2];
-    run.step(frame);
+    run.feel(frame);
     const double force = run.output.segment[2].force.z;
     EXPECT_GE(force, 0);
     EXPECT_LT(std::fabs(force - last_force), 0.4);  // 5.4 N in 50 ms
@@ -181,12 +181,12 @@ TEST(Pad, DampingOnlyTakesEnergyAndNeverPulls) {
 
 TEST(Pad, DampingForgetsWhereAHandWasThatWasLost) {
   Session run(plane_scene(kDamped)), plain(plane_scene({}));
-  run.step(upright(0.002, {0.02, 0, 0.01}));
+  run.feel(upright(0.002, {0.02, 0, 0.01}));
   DeviceFrame lost = upright(0.003);
   lost.flags = kTrackingLost;
-  run.step(lost);
-  run.step(upright(0.003));
-  plain.step(upright(0.003));
+  run.feel(lost);
+  run.feel(upright(0.003));
+  plain.feel(upright(0.003));
   EXPECT_EQ(run.output.segment[2].force, plain.output.segment[2].force);
 }
 

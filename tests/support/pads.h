@@ -75,8 +75,12 @@ struct Session {
 
   explicit Session(const Scene& scene, const Execution& execution = {})
       : model(model_of(scene, execution)), state(make_state(model)), scratch(make_scratch(model)) {}
+  const ActuatorFrame& feel(const DeviceFrame& frame, std::span<const ObjectFrame> given = {}) {
+    return output = tick(model, state, scratch, frame, given);
+  }
+  /// Of the first object apart: there has to be one.
   const ObjectOutput& step(const DeviceFrame& frame, std::span<const ObjectFrame> given = {}) {
-    output = tick(model, state, scratch, frame, given);
+    feel(frame, given);
     return scratch.object_output[0];
   }
 };
