@@ -136,7 +136,8 @@ TEST(CApiDeclarations, EverySettingOfTheEngineIsToldByEveryInterface) {
   list_fields(settings, [&](const std::string& name, const char*, const auto&) {
     ++count;
     for (const auto& [text, before] : told)
-      EXPECT_TRUE(std::regex_search(text, std::regex(before + name + "(_\\w+)?\\b"))) << name << " in\n" << text;
+      EXPECT_TRUE(std::regex_search(text, std::regex(before + name + "(_\\w+)?\\b"))) << name << " in\n"
+                                                                                      << text;
   });
   EXPECT_GE(count, 10);
 }

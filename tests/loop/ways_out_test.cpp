@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <csignal>
 #include <cstdint>
 #include <filesystem>
@@ -95,13 +96,15 @@ TEST(WaysOut, AStackThatHasRunOverIsToo) {
 TEST(WaysOut, ASecondThreadThatCrashesDoesNotCutTheLastActShort) {
   expect_faded(
       [] {
+        static std::atomic<bool> fading{false};
         before_dying([] {
+          fading = true;
           const timespec pause{0, 300000000};
           nanosleep(&pause, nullptr);
           say_so();
         });
         std::thread first([] { raise(SIGSEGV); });
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        while (!fading) std::this_thread::yield();
         raise(SIGFPE);
         first.join();
       },

@@ -108,7 +108,8 @@ TEST(CommandLine, SuggestsTheNameThatWasMeant) {
     const Outcome outcome = shell("lumbrical " + arguments, folder);
     EXPECT_EQ(outcome.exit_code, 2) << arguments;
     EXPECT_NE(outcome.error.find(suggestion), std::string::npos) << arguments << "\n" << outcome.error;
-    EXPECT_EQ(outcome.error.find("\\n"), std::string::npos) << "a line break that was escaped: " << outcome.error;
+    EXPECT_EQ(outcome.error.find("\\n"), std::string::npos)
+        << "a line break that was escaped: " << outcome.error;
   }
   EXPECT_EQ(shell("lumbrical inspect square.obj --unit m --xyzzy", folder).error.find("did you mean"),
             std::string::npos);

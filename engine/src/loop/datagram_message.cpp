@@ -2,6 +2,7 @@
 #include "loop/datagram_message.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 
 #include "datagram_generated.h"
@@ -37,10 +38,12 @@ void finish(flatbuffers::FlatBufferBuilder& builder, fb::Message kind, flatbuffe
   datagram.assign(first, first + builder.GetSize());
 }
 
-// Another number of them, or one that is none, is no list.
+// Another number of them, or one that is none, is no list; nor is what lies where a double can't, which the
+// verifier lets pass.
 template <class Take>
 bool take_numbers(const flatbuffers::Vector<double>* numbers, std::size_t count, Take&& take) {
   if (numbers == nullptr || numbers->size() != count) return false;
+  if (count > 0 && reinterpret_cast<std::uintptr_t>(numbers->Data()) % alignof(double) != 0) return false;
   for (std::size_t i = 0; i < count; ++i) {
     const double number = numbers->Get(static_cast<flatbuffers::uoffset_t>(i));
     if (!is_finite(number)) return false;
