@@ -8,7 +8,8 @@ set(CMAKE_AR emar)
 set(CMAKE_RANLIB emranlib)
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
 set(CMAKE_EXECUTABLE_SUFFIX_CXX .wasm)
-set(CMAKE_CROSSCOMPILING_EMULATOR node;--no-warnings;${CMAKE_CURRENT_LIST_DIR}/wasm_run.mjs)
+# On one thread: node 20 dies at its end while another one still compiles.
+set(CMAKE_CROSSCOMPILING_EMULATOR node;--no-warnings;--single-threaded;${CMAKE_CURRENT_LIST_DIR}/wasm_run.mjs)
 # xsimd has no lanes of WebAssembly; those of SSE2 are translated one to one by emscripten's headers.
 set(CMAKE_CXX_FLAGS_INIT "-msimd128 -msse2 -include ${CMAKE_CURRENT_LIST_DIR}/wasm_standard_library.h")
 # Beyond -O1 em++ optimises the JavaScript that nobody asks for, with a package that Debian's emscripten does not bring.
