@@ -135,6 +135,16 @@ bool acts(DeviceSink& sink, const std::function<bool()>& holds, DeviceFeedback* 
   });
 }
 
+// With a thread of its own, on a wire to the device.
+Status open_sink(DeviceProfile& profile, const DatagramDevice& device, DeviceSink& sink) {
+  profile.transport.port = device.port_;
+  std::unique_ptr<DeviceWire> wire;
+  if (Status status = make_datagram_wire(profile, wire); !status.ok()) return status;
+  SinkOptions options;
+  options.thread = true;
+  return sink.open(profile, std::move(wire), options);
+}
+
 TEST(DatagramWire, CarriesCommandsThereAndAnglesBackAndOnlyTheSessionsOwn) {
   DeviceProfile profile = device_of(TransportKind::udp);
   DatagramDevice::Datagrams noise;
@@ -144,13 +154,8 @@ TEST(DatagramWire, CarriesCommandsThereAndAnglesBackAndOnlyTheSessionsOwn) {
     for (std::byte& byte : bytes) byte = static_cast<std::byte>(random.bits());
   }
   DatagramDevice device(profile, std::move(noise));
-  profile.transport.port = device.port_;
-  std::unique_ptr<DeviceWire> wire;
-  ASSERT_TRUE(make_datagram_wire(profile, wire).ok());
   DeviceSink sink;
-  SinkOptions options;
-  options.thread = true;
-  ASSERT_TRUE(sink.open(profile, std::move(wire), options).ok());
+  ASSERT_TRUE(open_sink(profile, device, sink).ok());
   DeviceFeedback heard;
   ASSERT_TRUE(acts(
       sink, [&] { return std::fabs(device.value - 0.1) < 1e-9; }, &heard))
@@ -169,13 +174,8 @@ TEST(DatagramWire, ADeviceThatFallsSilentIsDisconnectedAndOneThatFloodsDoesNotHo
   profile.response_timeout = 0.01;
   profile.safety.answer_timeout = 0.1;
   DatagramDevice device(profile, DatagramDevice::Datagrams(500, std::vector<std::byte>(30)));
-  profile.transport.port = device.port_;
-  std::unique_ptr<DeviceWire> wire;
-  ASSERT_TRUE(make_datagram_wire(profile, wire).ok());
   DeviceSink sink;
-  SinkOptions options;
-  options.thread = true;
-  ASSERT_TRUE(sink.open(profile, std::move(wire), options).ok());
+  ASSERT_TRUE(open_sink(profile, device, sink).ok());
   EXPECT_TRUE(acts(sink, [&] { return device.commands > 5; }));
   EXPECT_EQ(device.value, 0) << "never acknowledged, so never armed";
   EXPECT_EQ(sink.state(), SafetyState::disconnected);

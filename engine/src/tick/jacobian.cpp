@@ -60,6 +60,12 @@ void move_segments(std::size_t first, std::size_t last, Vec3 pivot, Vec3 shift, 
   }
 }
 
+void add(const Matrix6& more, Matrix6& value) {
+  for (std::size_t row = 0; row < 6; ++row) {
+    for (std::size_t column = 0; column < 6; ++column) value[row][column] += more[row][column];
+  }
+}
+
 // Adds a column: the change of a wrench per unit of one translation or rotation.
 void add_column(const Wrench& change, std::size_t column, Matrix6& value) {
   const double rows[6] = {change.force.x,  change.force.y,  change.force.z,
@@ -132,10 +138,7 @@ void add_layer(const Model& layer, const Scratch& scratch, std::uint32_t segment
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     if ((segments >> i & 1u) == 0) continue;
     jacobians[i].known = jacobians[i].known && more[i].known;
-    for (std::size_t row = 0; row < 6; ++row) {
-      for (std::size_t column = 0; column < 6; ++column)
-        jacobians[i].value[row][column] += more[i].value[row][column];
-    }
+    add(more[i].value, jacobians[i].value);
     if (!jacobians[i].known) jacobians[i].value = {};
   }
 }
@@ -182,10 +185,7 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
     std::array<SegmentJacobian, kSegmentCount> sampled{};
     add_sampled(model, hand, segments, *scratch.samples, sampled);
     for (std::size_t i = 0; i < kSegmentCount; ++i) {
-      for (std::size_t row = 0; asked(i) && row < 6; ++row) {
-        for (std::size_t column = 0; column < 6; ++column)
-          jacobians[i].value[row][column] += sampled[i].value[row][column];
-      }
+      if (asked(i)) add(sampled[i].value, jacobians[i].value);
     }
   }
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
