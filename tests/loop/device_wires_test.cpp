@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "device_fixture.h"
+#include "eventually.h"
 #include "loop/datagram_message.h"
 #include "lumbrical/datagram_wire.h"
 #include "lumbrical/device_sink.h"
@@ -41,14 +42,6 @@ DeviceProfile device_of(TransportKind kind) {
   profile.safety.tick_timeout = 2;
   profile.safety.answer_timeout = 1;
   return profile;
-}
-
-bool eventually(const std::function<bool()>& holds) {
-  for (int i = 0; i < 10000; ++i) {
-    if (holds()) return true;
-    std::this_thread::sleep_for(2ms);
-  }
-  return false;
 }
 
 // A loopback socket; its port.
@@ -126,7 +119,7 @@ class DatagramDevice {
 bool acts(DeviceSink& sink, const std::function<bool()>& holds, DeviceFeedback* heard = nullptr) {
   DeviceCommand command;
   command.wanted.fill(0.1);
-  return eventually([&] {
+  return test::eventually([&] {
     ++command.tick;
     DeviceFeedback feedback;
     if (sink.feedback(feedback) && heard != nullptr) *heard = feedback;
@@ -335,7 +328,7 @@ TEST(SharedMemoryWire, CarriesCommandsThereAndAnglesBackAndTakesOverWhatWasLeft)
   std::unique_ptr<DeviceWire> second;
   ASSERT_TRUE(make_shared_memory_wire(profile, second).ok());
   ASSERT_TRUE(guard.open(profile, std::move(second), options).ok());
-  EXPECT_TRUE(eventually([&] { return guard.is_safe(); }));
+  EXPECT_TRUE(test::eventually([&] { return guard.is_safe(); }));
   SentCommand first;
   ASSERT_TRUE(guard.sent(first));
   EXPECT_GT(first.value[kIndex], 0.05) << "it began where the other ended";

@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "device_fixture.h"
+#include "eventually.h"
 #include "lumbrical/device_sink.h"
 #include "lumbrical/modbus_server.h"
 #include "lumbrical/modbus_wire.h"
@@ -38,15 +39,6 @@ inline DeviceProfile patient_profile() {
   profile.safety.tick_timeout = 2;
   profile.safety.answer_timeout = 1;
   return profile;
-}
-
-/// Waits until it holds; 30 s are more than anything here takes on the slowest machine.
-inline bool eventually(const std::function<bool()>& holds) {
-  for (int i = 0; i < 6000; ++i) {
-    if (holds()) return true;
-    std::this_thread::sleep_for(5ms);
-  }
-  return false;
 }
 
 /// A plain TCP connection to the device; -1: none.

@@ -137,7 +137,7 @@ const Outside kOutside[] = {
     {"(xmmintrin|immintrin|cfenv)([.]h)?", "engine/src/base/floating_point[.].*|tests/.*"},
     {"flatbuffers/.*",
      "engine/src/(files/(json_file|device_profile_file|scene_file|scene_mechanics|scene_parts)|recording/"
-     "\\w+)[.].*|engine/src/loop/datagram_message[.]cpp|tests/"
+     "\\w+)[.].*|engine/src/(loop/datagram_message[.]cpp|base/message_alignment[.]h)|tests/"
      ".*"},
     {"nlohmann/.*",
      "(engine/src/(motion/motion_\\w+|model/(mesh_gltf|gltf_buffers))[.].*|tools/.*|tests/.*)"},

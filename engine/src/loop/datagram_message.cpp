@@ -2,9 +2,9 @@
 #include "loop/datagram_message.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <cstring>
 
+#include "base/message_alignment.h"
 #include "datagram_generated.h"
 #include "lumbrical/math.h"
 
@@ -38,12 +38,10 @@ void finish(flatbuffers::FlatBufferBuilder& builder, fb::Message kind, flatbuffe
   datagram.assign(first, first + builder.GetSize());
 }
 
-// Another number of them, or one that is none, is no list; nor is what lies where a double can't, which the
-// verifier lets pass.
+// Another number of them, or one that is none, is no list.
 template <class Take>
 bool take_numbers(const flatbuffers::Vector<double>* numbers, std::size_t count, Take&& take) {
-  if (numbers == nullptr || numbers->size() != count) return false;
-  if (count > 0 && reinterpret_cast<std::uintptr_t>(numbers->Data()) % alignof(double) != 0) return false;
+  if (numbers == nullptr || numbers->size() != count || !is_aligned(numbers)) return false;
   for (std::size_t i = 0; i < count; ++i) {
     const double number = numbers->Get(static_cast<flatbuffers::uoffset_t>(i));
     if (!is_finite(number)) return false;

@@ -11,7 +11,7 @@
 #include <memory>
 #include <utility>
 
-#include "recording/message_alignment.h"
+#include "base/message_alignment.h"
 #include "recording_generated.h"
 
 namespace lumbrical {

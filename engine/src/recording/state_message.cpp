@@ -5,7 +5,7 @@
 #include <bit>
 #include <cstring>
 
-#include "recording/message_alignment.h"
+#include "base/message_alignment.h"
 #include "recording_generated.h"
 #include "tick/field_lists.h"
 

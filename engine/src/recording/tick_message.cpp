@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "recording/message_alignment.h"
+#include "base/message_alignment.h"
 #include "recording/state_message.h"
 #include "recording_bfbs_generated.h"
 #include "recording_generated.h"
