@@ -263,6 +263,26 @@ GoldenSession objects() {
   return session;
 }
 
+/// The same mug standing still, of few facets that are felt round, ridged, and rough in places.
+GoldenSession surface() {
+  GoldenSession session{"surface", mug_scene(Law::field), {}};
+  Scene& scene = session.scene;
+  scene.settings.precision.fill(1e-4);
+  scene.settings.precision[5] = 0;
+  MugShape shape;
+  shape.segments = 14;
+  SceneObject& mug = scene.objects[0];
+  mug.mesh = make_mug(shape);
+  mug.material = {0.6, 0.4, 0.1, 1200};
+  mug.surface.crease_angle = 0.6;
+  for (std::size_t i = 0; i < mug.mesh.triangles.size(); ++i)
+    mug.surface.friction_factor.push_back(static_cast<double>(i % 5) / 4);
+  mug.surface.grip = {{2, 2, {65535, 30000, 20000, 65535}}, 0.03, 0.2, 1.5};
+  mug.surface.bumps = {{3, 2, {0, 30000, 65535, 50000, 10000, 40000}}, 0.01, 0, 0.0005};
+  session.frames = grasp_frames(scene.hand, 200);
+  return session;
+}
+
 std::vector<GoldenSession> golden_sessions() {
   std::vector<GoldenSession> sessions;
   for (const Law law : {Law::field, Law::column, Law::max_depth, Law::centroid, Law::point})
@@ -283,6 +303,7 @@ std::vector<GoldenSession> golden_sessions() {
   sessions.push_back(bent());
   sessions.push_back(objects());
   sessions.push_back(proxy());
+  sessions.push_back(surface());
   return sessions;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pads.h"
+#include "recording/session_message.h"
 #include "recording/state_message.h"
 #include "recording_fixture.h"
 #include "session.h"
@@ -25,6 +26,8 @@ Scene scene_of_objects() {
   SceneObject mug{"mug", make_mug({}), Winding::automatic, {}, {0.8, 0.6, 0.1, 1500}, {}};
   mug.mechanism.mobility = Mobility::free;
   mug.mechanism.body = {0.2, {0, 0, 0.04}, {3e-4, 3e-4, 2e-4, 0, 0, 0}};
+  mug.surface = {0.6, {}, {{1, 2, {65535, 40000}}, 0.01, 0, 1}, {{2, 1, {0, 65535}}, 0.004, 0, 0.0002}};
+  mug.surface.friction_factor.assign(mug.mesh.triangles.size(), 0.875);
   SceneObject told{"told", make_sphere(0.02, 8), Winding::automatic, {{-0.1, 0, 0.05}, {}}, {}, {}};
   told.mechanism.mobility = Mobility::given;
   scene.objects = {told, mug, {"table", make_plane(0.3, 10), Winding::as_is}};
@@ -93,6 +96,7 @@ TEST(RecordedObjects, AreReadBackAsTheyWere) {
     EXPECT_EQ(found.objects[i].pose, expected.objects[i].pose);
     EXPECT_EQ(found.objects[i].material, expected.objects[i].material);
     EXPECT_EQ(found.objects[i].mechanism, expected.objects[i].mechanism);
+    EXPECT_EQ(found.objects[i].surface, expected.objects[i].surface);
   }
   EXPECT_EQ(found.ground, expected.ground);
   EXPECT_EQ(found.gravity, expected.gravity);
@@ -169,6 +173,18 @@ TEST(RecordedObjects, APartOfASessionReplaysFromWhereItsObjectsWere) {
   EXPECT_TRUE(status.ok()) << status.message();
   EXPECT_EQ(result.ticks, kTicks - 350);
   EXPECT_FALSE(result.first_divergence);
+}
+
+// What a forged file may take in memory is bounded by its size; this is the most that a true one takes.
+TEST(RecordedObjects, MayBeManyOfATriangleEach) {
+  Scene scene = scene_of_objects(), found;
+  const SceneObject chip{"", {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}, Winding::as_is};
+  scene.objects.assign(1000, chip);
+  std::vector<std::uint8_t> bytes;
+  ASSERT_TRUE(encode_session(scene, bytes, {}).ok());
+  const Status status = decode_session(bytes, found, nullptr);
+  EXPECT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(found.objects.size(), 1000u);
 }
 
 TEST(RecordedObjects, ASceneOfAModelIsTheSceneItWasBuiltFrom) {

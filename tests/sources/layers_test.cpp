@@ -40,7 +40,7 @@ const Rule kRules[] = {
     {Layer::base, "engine/include/lumbrical", "math shared_array status"},
     {Layer::base, "engine/src/base", "*"},
 
-    {Layer::model, "engine/include/lumbrical", "mesh shapes hand model object contact voxel search_memory"},
+    {Layer::model, "engine/include/lumbrical", "mesh shapes hand model object surface contact voxel search_memory"},
     {Layer::model, "engine/src/model", "*"},
     {Layer::model, "engine/src/index", "*"},
 
@@ -69,7 +69,7 @@ const Rule kRules[] = {
      "ways_out"},
     {Layer::loop, "engine/src/loop", "*"},
 
-    {Layer::session, "engine/include/lumbrical", "mesh_fix recording scene_file world"},
+    {Layer::session, "engine/include/lumbrical", "mesh_fix recording scene_file surface_file world"},
     {Layer::session, "engine/src/motion", "motion_*"},
     {Layer::session, "engine/src/files", "*"},
     {Layer::session, "engine/src/recording", "*"},

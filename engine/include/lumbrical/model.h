@@ -16,6 +16,7 @@
 #include "lumbrical/object.h"
 #include "lumbrical/shared_array.h"
 #include "lumbrical/status.h"
+#include "lumbrical/surface.h"
 
 namespace lumbrical {
 
@@ -121,7 +122,8 @@ struct Execution {
   std::string voxel_cache{};  ///< folder in which voxel indices are kept; empty: they are not
 };
 
-/// An object that neither moves nor rubs is part of the world; any other is felt apart from it (is_apart).
+/// An object that neither moves nor rubs nor has a surface feel is part of the world; any other is felt apart
+/// from it (is_apart).
 struct SceneObject {
   std::string name;
   Mesh mesh;  ///< [m] in the world frame; of an object apart in its own
@@ -129,9 +131,10 @@ struct SceneObject {
   Pose pose{};  ///< X_WO at the start, of an object apart
   Material material{};
   Mechanism mechanism{};
+  Surface surface{};
 };
 inline bool is_apart(const SceneObject& object) {
-  return rubs(object.material) || object.mechanism.mobility != Mobility::fixed;
+  return rubs(object.material) || object.mechanism.mobility != Mobility::fixed || !is_plain(object.surface);
 }
 
 /// Moves a mesh from the frame O into W.
@@ -222,6 +225,7 @@ struct World {
 
 struct Patches;     // the world as sample points see it; patches.h inside the engine
 struct VoxelIndex;  // lists of triangles by voxel; voxel_index.h inside the engine, lumbrical/voxel.h outside
+struct FeltSurface;  // a Surface as ticks ask for it; felt_surface.h inside the engine
 
 struct Model;
 
@@ -237,6 +241,8 @@ struct ApartObject {
   std::vector<Vec3> supports;  ///< [m] in O: points that may rest on the ground
   Vec3 middle;                 ///< [m] in O, and
   double radius = 0;           ///< [m] of a sphere round it
+  Surface surface;
+  std::shared_ptr<const FeltSurface> felt;  ///< of the surface; null: it is plain
 };
 
 /// Immutable once built; may be shared by any number of sessions and threads. Copies share the large arrays.

@@ -1,7 +1,8 @@
 // Objects that are felt by themselves: they rub, or move; and what they rest on.
 //
-// An object that neither moves nor rubs is part of the world, and costs what the world costs. All others have
-// a search structure each, in a frame O of their own, into which a tick poses the hand.
+// An object that neither moves nor rubs nor has a surface feel (surface.h) is part of the world, and costs
+// what the world costs. All others have a search structure each, in a frame O of their own, into which a tick
+// poses the hand.
 #pragma once
 
 #include <array>

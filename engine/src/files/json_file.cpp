@@ -8,36 +8,12 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <memory>
 
 #include "base/standard_input.h"
+#include "files/small_file.h"
 
 namespace lumbrical {
 namespace {
-
-constexpr std::size_t kMaxSize = std::size_t{16} << 20;
-
-Status read_text(const std::string& path, std::string& text) {
-  if (names_standard_input(path)) return read_standard_input(kMaxSize, text);
-  std::error_code ignored;
-  const std::filesystem::file_status kind = std::filesystem::status(path, ignored);
-  if (std::filesystem::exists(kind) && !std::filesystem::is_regular_file(kind)) {
-    return Status::error(path +
-                         (std::filesystem::is_directory(kind) ? ": is a folder" : ": is no regular file") +
-                         "; name a JSON file");
-  }
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
-  if (!file) return Status::error(path + ": can't be opened; check the name and your permission to read it");
-  text.clear();
-  std::array<char, 65536> block{};
-  while (const std::size_t size = std::fread(block.data(), 1, block.size(), file.get())) {
-    text.append(block.data(), size);
-    if (text.size() > kMaxSize) return Status::error(path + ": is larger than 16 MiB; is it the right file?");
-  }
-  if (std::ferror(file.get())) return Status::error(path + ": can't be read to its end; check the disk");
-  return {};
-}
 
 TextPlace place_of(std::string_view text, std::size_t offset) {
   TextPlace place;
@@ -193,7 +169,7 @@ TextPlace find_json_value(std::string_view text, std::string_view path) {
 Status read_json_file(const std::string& path, std::span<const std::uint8_t> schema, const char* root,
                       JsonFile& file) {
   file.name = shown_name(path);
-  if (Status status = read_text(path, file.text); !status.ok()) return status;
+  if (Status status = read_small_file(path, "a JSON file", file.text); !status.ok()) return status;
   if (const std::size_t zero = file.text.find('\0'); zero != std::string::npos) {
     return Status::error(prefix(file.name, place_of(file.text, zero)) +
                          "holds a zero byte, so it is not a JSON text");

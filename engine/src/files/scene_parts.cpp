@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "files/scene_mechanics.h"
+#include "files/scene_surface.h"
 #include "lumbrical/shapes.h"
 
 namespace lumbrical {
@@ -226,6 +227,7 @@ Status read_objects(const format::Scene& scene, FieldReader& read, std::vector<s
     if (table.mesh() == nullptr) object.winding = Winding::as_is;  // shapes face outwards
     size_object(table, at, read, object);
     if (read.ok()) read_mechanics(table, at, read, object);
+    if (Status status = read_surface(table, at, read, files, object); !status.ok()) return status;
     place_object(object);
     if (table.name() != nullptr) object.name = table.name()->str();
     if (!read.ok()) return read.status();

@@ -60,6 +60,33 @@ void check_joint(const Mechanism& mechanism, FieldCheck& check) {
   check.require(within(mechanism.detent_pitch, 1e-6, 1e3), "detent_pitch", "0.000001 to 1000 m or rad");
 }
 
+void check_texture(const Texture& texture, const char* name, double least, double most, FieldCheck& check) {
+  if (is_plain(texture)) return;
+  const std::string field = name;
+  const GreyImage& image = texture.image;
+  const std::uint64_t texels = std::uint64_t{image.width} * image.height;
+  check.require(texels == image.grey.size() && texels <= kMostTexels, (field + ".image").c_str(),
+                "width times height texels, at most 4194304");
+  check.require(within(texture.period, 1e-6, 10), (field + ".period").c_str(), "0.000001 to 10 m");
+  check.require(within(texture.black, least, most) && within(texture.white, least, most),
+                (field + ".black or white").c_str(),
+                least < 0 ? "heights of -1 to 1 m" : "factors of 0 to 10");
+}
+
+void check_surface(const SceneObject& object, FieldCheck& check) {
+  const Surface& surface = object.surface;
+  check.require(within(surface.crease_angle, 0, 3.1415926535897936), "crease_angle", "0 to pi");
+  const std::vector<double>& factor = surface.friction_factor;
+  check.require(factor.empty() || factor.size() == object.mesh.triangles.size(), "friction_factor",
+                "one number for each triangle of the mesh");
+  const bool in_range = std::all_of(factor.begin(), factor.end(), [](double f) { return within(f, 0, 10); });
+  check.require(in_range, "friction_factor", "0 to 10");
+  check_texture(surface.grip, "grip", 0, 10, check);
+  check_texture(surface.bumps, "bumps", -1, 1, check);
+  check.require(rubs(object.material) || (factor.empty() && is_plain(surface.grip)), "static_friction",
+                "what friction_factor and grip are factors of");
+}
+
 }  // namespace
 
 Status check_apart(const SceneObject& object) {
@@ -69,6 +96,7 @@ Status check_apart(const SceneObject& object) {
                 "a place within 1e8 m and a quaternion of length 1");
   check.require(!object.mesh.triangles.empty(), "mesh", "one with triangles");
   check_material(object.material, check);
+  check_surface(object, check);
   const Mechanism& mechanism = object.mechanism;
   check.require(mobility_name(mechanism.mobility) != "unknown", "mobility", "one of the six");
   if (moves_by_itself(mechanism)) {

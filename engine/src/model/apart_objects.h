@@ -7,7 +7,7 @@
 
 namespace lumbrical {
 
-/// Refuses frictions, masses, joints and poses that make no sense, and names object and field.
+/// Refuses frictions, masses, joints, surfaces and poses that make no sense, and names object and field.
 Status check_apart(const SceneObject& object);
 
 /// Gravity and ground.

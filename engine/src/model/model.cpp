@@ -14,6 +14,7 @@
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
 #include "model/apart_objects.h"
+#include "model/felt_surface.h"
 #include "model/mesh_winding.h"
 #include "model/scene_check.h"
 
@@ -162,21 +163,22 @@ Model empty_model(const Hand& hand, const Settings& settings, const Execution& e
   return model;
 }
 
-// One tree, whatever the whole is searched with: there are few of them.
-std::shared_ptr<const Model> rest_of(const Model& model) {
-  auto rest = std::make_shared<Model>(empty_model(model.hand, model.settings, model.execution));
-  rest->execution.broadphase = Broadphase::tree;
-  rest->triangles = model.triangles;
-  rest->extent = model.extent;
-  std::vector<std::uint32_t> members = model.patches->exact;
-  rest->tree = build_tree(rest->triangles, members, rest->execution);
-  return rest;
+// Some of a model's triangles, ascending. One tree, whatever the whole is searched with: there are few of
+// them.
+Model part_of(const Model& model, std::vector<std::uint32_t> members) {
+  Model part = empty_model(model.hand, model.settings, model.execution);
+  part.execution.broadphase = Broadphase::tree;
+  part.triangles = model.triangles;
+  part.extent = model.extent;
+  part.tree = build_tree(part.triangles, members, part.execution);
+  return part;
 }
 
 // What depends on the hand: patches are cut by its radii.
 void build_samples(Model& model) {
   model.patches = build_patches(model.hand, model.settings, model.triangles, model.extent, model.execution);
-  if (model.patches && !model.patches->exact.empty()) model.rest = rest_of(model);
+  if (model.patches && !model.patches->exact.empty())
+    model.rest = std::make_shared<const Model>(part_of(model, model.patches->exact));
 }
 
 // The hand within the hand that a pad's layer is felt by: its axes, and the palm's core, are the same.
@@ -252,6 +254,33 @@ Status build_shape(const SceneObject& object, const Model& model, std::shared_pt
   return {};
 }
 
+Mesh mesh_of(const Model& model, const World::Object& part) {
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < part.vertex_count; ++i)
+    mesh.vertices.push_back(model.triangles.vertex(part.first_vertex + i));
+  for (std::uint32_t i = part.first_triangle; i < part.first_triangle + part.triangle_count; ++i) {
+    mesh.triangles.push_back({model.triangles.a[i] - part.first_vertex,
+                              model.triangles.b[i] - part.first_vertex,
+                              model.triangles.c[i] - part.first_vertex});
+  }
+  return mesh;
+}
+
+Settings exactly(Settings settings) {
+  settings.precision.fill(0);
+  settings.pad = {};
+  return settings;
+}
+
+void build_feel(const Surface& surface, const Model& shape, std::shared_ptr<const FeltSurface>& felt) {
+  if (is_plain(surface)) return;
+  auto built = std::make_shared<FeltSurface>();
+  feel_of(surface, mesh_of(shape, shape.objects[0]), *built);
+  built->part = part_of(shape, built->triangle);
+  built->part.settings = exactly(shape.settings);
+  felt = std::move(built);
+}
+
 // Equal meshes are built once.
 const ApartObject* find_instance(const Scene& scene, const SceneObject& object, const Model& model) {
   for (const ApartObject& other : model.apart) {
@@ -270,14 +299,21 @@ Status take_apart(const Scene& scene, Model& model) {
     if (Status status = check_apart(object); !status.ok()) return status;
     if (model.apart.size() == kMostObjects)
       return Status::error(
-          "the scene has more than 32 objects that move or rub; give the rest no friction, or "
+          "the scene has more than 32 objects that move, rub or have a surface; give the rest neither, or "
           "put only those near the hand into the scene");
-    ApartObject apart{object.name, i, {}, object.pose, object.material, object.mechanism, {}, {}, 0};
+    ApartObject apart{object.name, i, {}, object.pose, object.material, object.mechanism, {}, {}, 0, {}, {}};
     apart.start.orientation = normalized(object.pose.orientation);
-    if (const ApartObject* const instance = find_instance(scene, object, model)) {
+    const ApartObject* const instance = find_instance(scene, object, model);
+    if (instance != nullptr) {
       apart.shape = instance->shape;
     } else if (Status status = build_shape(object, model, apart.shape); !status.ok()) {
       return status;
+    }
+    apart.surface = object.surface;
+    if (instance != nullptr && instance->surface == object.surface) {
+      apart.felt = instance->felt;
+    } else {
+      build_feel(object.surface, *apart.shape, apart.felt);
     }
     const Box& extent = apart.shape->extent;
     apart.middle = extent.middle();
@@ -382,6 +418,10 @@ Model remade(const Model& from, const Hand& hand, const Settings& settings, std:
     std::shared_ptr<const Model>& shape = built.apart[i].shape;
     shape = first < i ? built.apart[first].shape
                       : std::make_shared<const Model>(remade(*from.apart[i].shape, hand, settings, threads));
+    if (!from.apart[i].felt) continue;
+    auto felt = std::make_shared<FeltSurface>(*from.apart[i].felt);
+    felt->part = remade(felt->part, hand, exactly(settings), threads);
+    built.apart[i].felt = std::move(felt);
   }
   return built;
 }
@@ -419,14 +459,7 @@ void take_back(const Model& model, std::vector<SceneObject>& objects) {
     SceneObject object;
     object.name = part.name;
     object.winding = Winding::as_is;
-    for (std::uint32_t i = 0; i < part.vertex_count; ++i) {
-      object.mesh.vertices.push_back(model.triangles.vertex(part.first_vertex + i));
-    }
-    for (std::uint32_t i = part.first_triangle; i < part.first_triangle + part.triangle_count; ++i) {
-      object.mesh.triangles.push_back({model.triangles.a[i] - part.first_vertex,
-                                       model.triangles.b[i] - part.first_vertex,
-                                       model.triangles.c[i] - part.first_vertex});
-    }
+    object.mesh = mesh_of(model, part);
     objects.push_back(std::move(object));
   }
 }
@@ -457,6 +490,7 @@ Scene scene_of(const Model& model) {
     object[0].pose = apart.start;
     object[0].material = apart.material;
     object[0].mechanism = apart.mechanism;
+    object[0].surface = apart.surface;
     const auto place = static_cast<std::ptrdiff_t>(apart.place);
     scene.objects.insert(scene.objects.begin() + place, std::move(object[0]));
   }

@@ -7,6 +7,7 @@
 #include "objects/contact_patch.h"
 #include "objects/friction.h"
 #include "objects/ground.h"
+#include "objects/surface_feel.h"
 #include "proxy/proxy_hand.h"
 #include "samples/sampled_forces.h"
 #include "stages/contact_force.h"
@@ -89,6 +90,14 @@ void let_go(GripState& grip) {
   if (grip.holds > 0) grip = {};
 }
 
+void add_findings(const Settings& settings, const Scratch& felt, ObjectFindings& findings) {
+  const SampledForces& sampled = felt.samples->forces;
+  findings.contact_count += felt.contact_count + sampled.contact_count;
+  findings.evaluations += sampled.evaluations;
+  findings.error_estimate += error_estimate(settings, sampled);
+  findings.force_error += force_error(settings, {felt.contacts.data(), felt.contact_count});
+}
+
 /// An object that is in the hand's reach, and what holds the hand's proxy back, if it has one.
 struct Reached {
   const ApartObject& object;
@@ -131,7 +140,7 @@ void add_damper(double damper, Vec3 arm, double dt, const ObjectState& state, To
 }
 
 void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scratch& felt,
-                  ObjectState& state, Touches& touches, std::uint32_t& flags) {
+                  ObjectState& state, Touches& touches, Findings& findings, std::uint32_t& flags) {
   const auto& [object, number, pushing] = reached;
   const Model& shape = *object.shape;
   const Primitives& hand = tick.hand;
@@ -141,6 +150,9 @@ void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scr
   const HandForces field = feel(shape, felt, flags);
   HandForces forces = field;
   add_layers(shape, felt, flags, forces);
+  findings += findings_of(shape, felt);
+  SurfaceSums sums;
+  if (object.felt) sums = sum_surface(*object.felt, felt, flags);
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     const CorePush push = pushing != nullptr ? push_on(*pushing, number, hand, i) : CorePush{};
     const Wrench pushed = rotated(conjugate(state.pose.orientation), push.wrench);
@@ -153,8 +165,14 @@ void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scr
       let_go(grip);
       continue;
     }
+    Material material = object.material;
+    if (object.felt) {
+      const SurfacePart part{sums.turn[i], sums.rub[i], field.segment[i].force};
+      material = material_at(*object.felt, part, patch, material);
+      turn_force(*object.felt, part, own.base_joint[i], patch, pressed);
+    }
     Friction friction;
-    if (rubs(object.material)) friction = rub(object.material, patch, base_pose(own, i), dt, grip);
+    if (rubs(material)) friction = rub(material, patch, base_pose(own, i), dt, grip);
     const Vec3 arm = patch.centre - own.base_joint[i];
     const Wrench rubbed{friction.force, friction.torque + cross(arm, friction.force)};
     Touch touch{i, rotated(state.pose.orientation, pressed + rubbed),
@@ -226,8 +244,7 @@ Findings feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, Ha
     if (tick.trusted && may_reach(object, own.pose, model.hand, tick.hand)) {
       const Reached reached{object, static_cast<std::uint8_t>(i + 1),
                             scratch.proxy ? &scratch.proxy->pushing : nullptr};
-      touch_object(tick, reached, dt, *scratch.apart, own, touches, flags);
-      findings += findings_of(*object.shape, *scratch.apart);
+      touch_object(tick, reached, dt, *scratch.apart, own, touches, findings, flags);
     } else {
       for (GripState& grip : own.grip) let_go(grip);
     }

@@ -94,6 +94,52 @@ Mechanism from_fb(const fb::Mechanism& m, Mobility mobility) {
   return mechanism;
 }
 
+Offset<fb::Texture> to_fb(FlatBufferBuilder& builder, const Texture& texture) {
+  if (is_plain(texture)) return {};
+  const auto& [width, height, grey] = texture.image;
+  const auto greys = builder.CreateVector(grey.data(), grey.size());
+  return fb::CreateTexture(builder, width, height, greys, texture.period, texture.black, texture.white);
+}
+
+Offset<fb::Surface> to_fb(FlatBufferBuilder& builder, const Surface& surface) {
+  if (is_plain(surface)) return {};
+  const auto factors = builder.CreateVector(surface.friction_factor.data(), surface.friction_factor.size());
+  const auto grip = to_fb(builder, surface.grip), bumps = to_fb(builder, surface.bumps);
+  return fb::CreateSurface(builder, surface.crease_angle, factors, grip, bumps);
+}
+
+// Copied as bytes: the file may hold them anywhere.
+template <class T>
+std::vector<T> numbers_of(const flatbuffers::Vector<T>* numbers) {
+  std::vector<T> result(numbers != nullptr ? numbers->size() : 0);
+  if (!result.empty()) std::memcpy(result.data(), numbers->Data(), result.size() * sizeof(T));
+  return result;
+}
+
+Texture from_fb(const fb::Texture* texture) {
+  if (texture == nullptr) return {};
+  return {{texture->width(), texture->height(), numbers_of(texture->grey())},
+          texture->period(),
+          texture->black(),
+          texture->white()};
+}
+
+Surface from_fb(const fb::Surface* surface) {
+  if (surface == nullptr) return {};
+  return {surface->crease_angle(), numbers_of(surface->friction_factor()), from_fb(surface->grip()),
+          from_fb(surface->bumps())};
+}
+
+std::size_t size_of(const fb::Surface* surface) {
+  if (surface == nullptr) return 0;
+  const auto texels = [](const fb::Texture* texture) {
+    return texture != nullptr && texture->grey() != nullptr ? std::size_t{texture->grey()->size()} : 0;
+  };
+  const auto* const factors = surface->friction_factor();
+  return sizeof(std::uint16_t) * (texels(surface->grip()) + texels(surface->bumps())) +
+         sizeof(double) * (factors != nullptr ? factors->size() : 0);
+}
+
 // As a model takes it: readers take meshes as they are.
 Offset<fb::Object> to_fb(FlatBufferBuilder& builder, const SceneObject& object) {
   if (object.winding != Winding::as_is) {
@@ -111,8 +157,9 @@ Offset<fb::Object> to_fb(FlatBufferBuilder& builder, const SceneObject& object) 
   const fb::Pose pose = to_fb(object.pose);
   const auto material = std::bit_cast<fb::Material>(object.material);
   const fb::Mechanism mechanism = to_fb(object.mechanism);
+  const auto surface = to_fb(builder, object.surface);
   return fb::CreateObject(builder, name, vertices, triangles, &pose, &material,
-                          static_cast<fb::Mobility>(object.mechanism.mobility), &mechanism);
+                          static_cast<fb::Mobility>(object.mechanism.mobility), &mechanism, surface);
 }
 
 Offset<fb::Settings> to_fb(FlatBufferBuilder& builder, const Settings& settings) {
@@ -138,9 +185,12 @@ std::string file_name(const std::string& path) {
 double size_of(const Scene& scene) {
   double bytes = 0;
   for (const SceneObject& object : scene.objects) {
+    const Surface& surface = object.surface;
     bytes += 24.0 * static_cast<double>(object.mesh.vertices.size()) +
              12.0 * static_cast<double>(object.mesh.triangles.size()) +
-             static_cast<double>(object.name.size()) + 100;
+             8.0 * static_cast<double>(surface.friction_factor.size()) +
+             2.0 * static_cast<double>(surface.grip.image.grey.size() + surface.bumps.image.grey.size()) +
+             static_cast<double>(object.name.size()) + 500;
   }
   return bytes;
 }
@@ -207,6 +257,7 @@ Status decode_apart(const fb::Object& message, SceneObject& object) {
   if (message.mobility() > fb::Mobility::MAX) return Status::error("the session names an unknown mobility");
   if (message.pose() != nullptr) object.pose = from_fb(*message.pose());
   if (const fb::Material* const m = message.material()) object.material = std::bit_cast<Material>(*m);
+  object.surface = from_fb(message.surface());
   const auto mobility = static_cast<Mobility>(message.mobility());
   if (message.mechanism() != nullptr) {
     object.mechanism = from_fb(*message.mechanism(), mobility);
@@ -219,8 +270,9 @@ Status decode_apart(const fb::Object& message, SceneObject& object) {
 Status decode_objects(const fb::Session& message, std::size_t size, std::vector<SceneObject>& objects) {
   if (message.objects() == nullptr) return {};
   // Many objects of a forged file may share one array, or be one object: together, with what each takes in
-  // memory, they must not be larger than a file of as many would be.
-  std::size_t room = 2 * size;
+  // memory, they must not be larger than a file of as many would be. Of a single triangle it takes most, five
+  // times its room in the file.
+  std::size_t room = 5 * size;
   if (message.objects()->size() > room / sizeof(SceneObject))
     return Status::error("the session's objects overlap");
   objects.reserve(message.objects()->size());
@@ -229,10 +281,10 @@ Status decode_objects(const fb::Session& message, std::size_t size, std::vector<
     out.winding = Winding::as_is;  // it was felt like this
     const auto* const vertices = object->vertices();
     const auto* const triangles = object->triangles();
-    const std::size_t needed = sizeof(SceneObject) +
-                               (vertices != nullptr ? vertices->size() * sizeof(Vec3) : 0) +
-                               (triangles != nullptr ? triangles->size() * sizeof(Triangle) : 0) +
-                               (object->name() != nullptr ? object->name()->size() : 0);
+    const std::size_t needed =
+        sizeof(SceneObject) + (vertices != nullptr ? vertices->size() * sizeof(Vec3) : 0) +
+        (triangles != nullptr ? triangles->size() * sizeof(Triangle) : 0) +
+        (object->name() != nullptr ? object->name()->size() : 0) + size_of(object->surface());
     if (needed > room) return Status::error("the session's objects overlap");
     room -= needed;
     if (object->name() != nullptr) out.name = object->name()->str();
