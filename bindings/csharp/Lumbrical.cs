@@ -130,6 +130,17 @@ namespace Lumbrical
     }
 
     [StructLayout(LayoutKind.Sequential)]
+    public unsafe struct Texture
+    {
+        public IntPtr grey;
+        public uint width;
+        public uint height;
+        public double period;
+        public double black;
+        public double white;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
     public unsafe struct Object
     {
         public uint size;
@@ -162,6 +173,10 @@ namespace Lumbrical
         public double dry_friction;
         public double detent_force;
         public double detent_pitch;
+        public double crease_angle;
+        public IntPtr friction_factors;
+        public Texture grip;
+        public Texture bumps;
     }
 
     [StructLayout(LayoutKind.Sequential)]

@@ -74,9 +74,48 @@ Mechanism mechanism_of(const Moves& given, const SceneObject& object) {
   return mechanism;
 }
 
+struct Feel {
+  double crease_angle;
+  py::object friction_factors, grip, bumps;
+};
+
+// (image, period, black, white); greys of 0 .. 1, rows from the top.
+Texture texture_of(const py::object& given, const char* name) {
+  if (given.is_none()) return {};
+  if (!py::isinstance<py::sequence>(given) || py::len(given) != 4)
+    throw py::type_error(std::string(name) + " is not (image, period, black, white)");
+  const auto parts = given.cast<py::sequence>();
+  const py::object image = parts[0];
+  const std::vector<double> greys = numbers_of<double>(image, {-1, -1}, name);
+  const auto shape = py::array::ensure(image);
+  if (greys.empty() || greys.size() > kMostTexels)
+    throw py::value_error(std::string(name) + " has no texels, or more than 4194304");
+  Texture texture{
+      {static_cast<std::uint32_t>(shape.shape(1)), static_cast<std::uint32_t>(shape.shape(0)), {}},
+      parts[1].cast<double>(),
+      parts[2].cast<double>(),
+      parts[3].cast<double>()};
+  for (const double grey : greys) {
+    if (!(grey >= 0 && grey <= 1))
+      throw py::value_error(std::string(name) + " has a grey that is not 0 to 1");
+    texture.image.grey.push_back(static_cast<std::uint16_t>(65535 * grey + 0.5));
+  }
+  return texture;
+}
+
+Surface surface_of(const Feel& given) {
+  Surface surface;
+  surface.crease_angle = given.crease_angle;
+  if (!given.friction_factors.is_none())
+    surface.friction_factor = numbers_of<double>(given.friction_factors, {-1}, "friction_factors");
+  surface.grip = texture_of(given.grip, "grip");
+  surface.bumps = texture_of(given.bumps, "bumps");
+  return surface;
+}
+
 void add_object(PyScene& self, std::string name, const py::object& vertices, const py::object& triangles,
                 const py::object& position, const py::object& orientation, const std::string& winding,
-                Material material, const Moves& moves) {
+                Material material, const Moves& moves, const Feel& feel) {
   SceneObject object;
   object.name = std::move(name);
   object.mesh = mesh_of(vertices, triangles);
@@ -84,6 +123,7 @@ void add_object(PyScene& self, std::string name, const py::object& vertices, con
   object.pose = pose_of(position, orientation);
   object.material = material;
   object.mechanism = mechanism_of(moves, object);
+  object.surface = surface_of(feel);
   if (!is_apart(object)) {
     place_mesh(object.pose, object.mesh);
     object.pose = {};
@@ -176,11 +216,13 @@ void bind_scene(py::module_& module) {
          double friction, std::optional<double> kinetic_friction, double viscosity, double shear_stiffness,
          const std::string& moves, double density, double mass, double damping, const py::object& pivot,
          const py::object& axis, double lower, double upper, double spring, double rest, double dry_friction,
-         double detent_force, double detent_pitch) {
+         double detent_force, double detent_pitch, double crease_angle, const py::object& friction_factors,
+         const py::object& grip, const py::object& bumps) {
         add_object(self, std::move(name), xyz, corners, position, orientation, winding,
                    {friction, kinetic_friction.value_or(friction), viscosity, shear_stiffness},
                    {moves, density, mass, damping, pivot, axis, lower, upper, spring, rest, dry_friction,
-                    detent_force, detent_pitch});
+                    detent_force, detent_pitch},
+                   {crease_angle, friction_factors, grip, bumps});
       },
       "name"_a, "vertices"_a, "triangles"_a, py::kw_only(), "position"_a = py::make_tuple(0, 0, 0),
       "orientation"_a = py::make_tuple(1, 0, 0, 0), "winding"_a = "auto", "friction"_a = 0.0,
@@ -188,7 +230,9 @@ void bind_scene(py::module_& module) {
       "shear_stiffness"_a = Material{}.shear_stiffness, "moves"_a = "fixed", "density"_a = 0.0,
       "mass"_a = 0.0, "damping"_a = 0.0, "pivot"_a = py::none(), "axis"_a = py::make_tuple(0, 0, 1),
       "lower"_a = mechanism.lower, "upper"_a = mechanism.upper, "spring"_a = 0.0, "rest"_a = 0.0,
-      "dry_friction"_a = 0.0, "detent_force"_a = 0.0, "detent_pitch"_a = mechanism.detent_pitch);
+      "dry_friction"_a = 0.0, "detent_force"_a = 0.0, "detent_pitch"_a = mechanism.detent_pitch,
+      "crease_angle"_a = 0.0, "friction_factors"_a = py::none(), "grip"_a = py::none(),
+      "bumps"_a = py::none());
   scene.def("frames", &motion_frames);
   bind_number(scene, "stiffness", &Settings::stiffness);
   bind_number(scene, "rate", &Settings::rate);

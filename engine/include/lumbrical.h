@@ -129,6 +129,16 @@ typedef struct lumbrical_joint {
   float orientation[4]; /* x y z w: -z along the bone to the tip, y to the back of the hand */
 } lumbrical_joint;
 
+/* A grey image repeated without end in the planes of the object's axes (OPENXR's, whatever the convention):
+ * its lower left corner is at the origin, and it goes right along x, or y where it is seen along x, and up
+ * along z, or y where it is seen along z. */
+typedef struct lumbrical_texture {
+  const uint16_t* grey; /* rows from the top, 0 .. 65535; null: there is none */
+  uint32_t width, height;
+  double period;       /* [m] of the image's width, 1e-6 .. 10 */
+  double black, white; /* what its darkest and its brightest grey stand for */
+} lumbrical_texture;
+
 /* What is touched. Its mesh: either `mesh_file`, or one of the two vertex arrays with triangles. */
 typedef struct lumbrical_object {
   uint32_t size;
@@ -162,6 +172,11 @@ typedef struct lumbrical_object {
   double dry_friction; /* [N], [N m]: 0 */
   double detent_force; /* [N], [N m]: 0 */
   double detent_pitch; /* from one detent to the next: 0.1 */
+  /* ---- how it feels beside its shape */
+  double crease_angle;            /* [rad] triangles that meet at less are felt as something round: 0, none */
+  const double* friction_factors; /* 0 .. 10, of each triangle; null: 1 */
+  lumbrical_texture grip;         /* friction factor, too, 0 .. 10 */
+  lumbrical_texture bumps;        /* [m] height, -1 .. 1: its slope tilts the force */
 } lumbrical_object;
 
 /* What decides results, besides hand and objects. */

@@ -167,7 +167,8 @@ std::map<std::string, Fields> structs_of_header() {
   const std::map<std::string, std::pair<std::string, std::size_t>> nested = {
       {"lumbrical_pose", {"double", 7}},
       {"lumbrical_wrench", {"double", 6}},
-      {"lumbrical_joint", {"float", 7}}};
+      {"lumbrical_joint", {"float", 7}},
+      {"lumbrical_texture", {"Texture", 1}}};
   std::map<std::string, Fields> structs;
   for (const auto& match :
        find_all(header(), R"(typedef struct lumbrical_\w+ \{([^}]*)\} lumbrical_(\w+);)")) {

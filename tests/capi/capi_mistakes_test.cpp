@@ -139,6 +139,10 @@ TEST(CApiMistakes, WhatTheEngineRefusesIsBadData) {
   expect_refused(lumbrical_scene_add_object(c.scene, &open.object), LUMBRICAL_BAD_DATA, "closed");
   open.object.density = 0;
   expect_mistake(lumbrical_scene_add_object(c.scene, &open.object), "density or a mass");
+  open.object.mobility = LUMBRICAL_FIXED;
+  const std::uint16_t grey = 0;
+  open.object.bumps = {&grey, 65536, 65536, 0.01, 0, 1};
+  expect_mistake(lumbrical_scene_add_object(c.scene, &open.object), "texels");
   double radii[LUMBRICAL_JOINTS] = {};
   expect_refused(lumbrical_scene_set_radii(c.scene, radii), LUMBRICAL_BAD_DATA, "radius");
   expect_mistake(lumbrical_scene_create(LUMBRICAL_LEFT, std::nan(""), &c.scene), "hand_length");

@@ -218,6 +218,37 @@ TEST(CApi, JointPosesAreThoseOfForwardKinematics) {
   }
 }
 
+TEST(CApi, ASurfaceIsThatOfTheEngine) {
+  Scene scene = ball_scene();
+  SceneObject& expected = scene.objects[0];
+  expected.material = {0.5, 0.5, 0, 1000};
+  expected.surface = {
+      0.8, {}, {{1, 2, {65535, 30000}}, 0.02, 0.1, 1}, {{2, 1, {0, 65535}}, 0.004, 0, 0.0003}};
+  expected.surface.friction_factor.assign(expected.mesh.triangles.size(), 0.75);
+  const Surface& surface = expected.surface;
+  MeshObject ball(expected.mesh);
+  ball.object.static_friction = ball.object.kinetic_friction = 0.5;
+  ball.object.crease_angle = surface.crease_angle;
+  ball.object.friction_factors = surface.friction_factor.data();
+  const auto given = [](const Texture& texture) {
+    const auto& [width, height, grey] = texture.image;
+    return lumbrical_texture{grey.data(), width, height, texture.period, texture.black, texture.white};
+  };
+  ball.object.grip = given(surface.grip);
+  ball.object.bumps = given(surface.bumps);
+  CSession c(ball.object);
+  const Model model = model_of(scene);
+  State state = make_state(model);
+  Scratch scratch = make_scratch(model);
+  for (std::size_t i = 0; i < 80; ++i) {
+    c.step(i);
+    tick(model, state, scratch, touching_frame(i));
+  }
+  std::uint64_t hash = 0;
+  ASSERT_EQ(lumbrical_session_hash(c.session, &hash), LUMBRICAL_OK);
+  EXPECT_EQ(hash, hash_state(state));
+}
+
 TEST(CApi, ASnapshotBringsBackEveryBitAndADamagedOneIsRefused) {
   MeshObject ball(ball_scene().objects[0].mesh);
   ball.object.mobility = LUMBRICAL_FREE;

@@ -48,6 +48,22 @@ TEST(SurfaceFile, RefusesDamagedImagesAndSaysWhere) {
   EXPECT_NE(refusal("P2 0 1 1 0").find("the width"), std::string::npos);
 }
 
+TEST(SurfaceFile, DamagedImagesAreRefusedOrSound) {
+  const std::string plain = "P2\n3 2\n15\n0 5 15\n15 10 1", raw("P5\n3 2\n15\n\0\5\17\17\12\1", 16);
+  for (const std::string& whole : {plain, raw}) {
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+      for (int byte = 0; byte < 256; ++byte) {
+        std::string damaged = whole;
+        damaged[i] = static_cast<char>(byte);
+        GreyImage image;
+        if (!parse_grey_image(damaged, "f", image).ok()) continue;
+        EXPECT_EQ(image.grey.size(), std::size_t{image.width} * image.height);
+        EXPECT_LT(image.grey.size(), damaged.size());
+      }
+    }
+  }
+}
+
 TEST(SurfaceFile, ReadsFactorsAndRefusesWhatIsNone) {
   std::vector<double> factors;
   ASSERT_TRUE(parse_friction_factors("1 0.5 # ice\n\n10\n", "f", factors).ok());

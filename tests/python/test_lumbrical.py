@@ -134,6 +134,26 @@ def test_given_objects_go_where_they_are_told():
         session.run(frames, given[:39])
 
 
+def test_a_surface_is_felt():
+    sphere = lum.make_sphere(0.04, 4)
+    ribs = (np.array([[0, 1]]), 0.004, 0, 0.0005)
+    forces = []
+    for surface in ({}, {"crease_angle": 0.8}, {"bumps": ribs}, {"friction_factors": np.full(len(sphere[1]), 0.1)}):
+        scene = lum.Scene("right")
+        scene.add_object("ball", *sphere, friction=0.5, **surface)
+        outputs = lum.Session(lum.Model(scene)).run(touching_frames(80))
+        forces.append(outputs["segment"]["force"].copy())
+    for other in forces[1:]:
+        assert np.abs(other - forces[0]).max() > 1e-3
+    for grip in (3, ribs[:3], (np.array([[2.0]]), 0.1, 0, 1), (np.zeros(3), 0.1, 0, 1), (np.zeros((0, 2)), 0.1, 0, 1)):
+        with pytest.raises((TypeError, ValueError)):
+            lum.Scene().add_object("ball", *sphere, friction=0.5, grip=grip)
+    scene = lum.Scene()
+    scene.add_object("ball", *sphere, friction=0.5, friction_factors=[1, 2])
+    with pytest.raises(ValueError, match="friction_factor"):
+        lum.Model(scene)
+
+
 def test_a_free_body_falls():
     scene = lum.Scene("right")
     scene.add_object("box", *lum.make_box((0.1, 0.1, 0.1), 1), moves="free", density=500, position=(0, 0, 5))

@@ -60,7 +60,9 @@ class Scene:
                    moves: str = ..., density: float = ..., mass: float = ..., damping: float = ...,
                    pivot: Optional[ArrayLike] = ..., axis: ArrayLike = ..., lower: float = ..., upper: float = ...,
                    spring: float = ..., rest: float = ..., dry_friction: float = ..., detent_force: float = ...,
-                   detent_pitch: float = ...) -> None: ...
+                   detent_pitch: float = ..., crease_angle: float = ..., friction_factors: Optional[ArrayLike] = ...,
+                   grip: Optional[Tuple[ArrayLike, float, float, float]] = ...,  # image of 0 .. 1, period, black, white
+                   bumps: Optional[Tuple[ArrayLike, float, float, float]] = ...) -> None: ...
     def frames(self) -> NDArray[np.void]: ...  # the scene file's motion, a frame per tick
     @property
     def precision(self) -> NDArray[np.float64]: ...  # (16,), a view to write into

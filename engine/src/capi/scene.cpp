@@ -80,6 +80,27 @@ Fault take_mechanism(const lumbrical_object& given, Convention convention, Scene
   return {};
 }
 
+Fault take_texture(const lumbrical_texture& given, Texture& texture) {
+  if (given.grey == nullptr) return {};
+  const std::uint64_t texels = std::uint64_t{given.width} * given.height;
+  if (texels == 0 || texels > kMostTexels)
+    return bad_argument("a texture of the object has no texels, or more than 4194304");
+  texture.image = {given.width, given.height, {given.grey, given.grey + texels}};
+  texture.period = given.period;
+  texture.black = given.black;
+  texture.white = given.white;
+  return {};
+}
+
+Fault take_surface(const lumbrical_object& given, SceneObject& object) {
+  Surface& surface = object.surface;
+  surface.crease_angle = given.crease_angle;
+  if (const double* const factors = given.friction_factors)
+    surface.friction_factor.assign(factors, factors + object.mesh.triangles.size());
+  if (Fault fault = take_texture(given.grip, surface.grip)) return fault;
+  return take_texture(given.bumps, surface.bumps);
+}
+
 Fault check_pose(const Pose& pose) {
   const double square = dot(pose.orientation, pose.orientation);
   if (is_finite(pose.position) && square > 0.25 && square < 4) return {};
@@ -99,6 +120,7 @@ Fault to_object(const lumbrical_object& given, SceneObject& object) {
   if (Fault fault = check_pose(pose)) return fault;
   object.pose = {pose.position, normalized(pose.orientation)};
   if (Fault fault = take_mesh(given, convention, object.mesh)) return fault;
+  if (Fault fault = take_surface(given, object)) return fault;
   if (Fault fault = take_mechanism(given, convention, object)) return fault;
   if (is_apart(object)) return {};
   place_mesh(object.pose, object.mesh);

@@ -5,12 +5,19 @@
 namespace lumbrical {
 namespace {
 
-constexpr double kLeastTurn = 0.0044;  // of a unit normal: a quarter of a degree
+// [m] Longest edge times the farthest turn of a unit normal: four times the depth of a facet's middle below
+// what it stands for. A finger is as wide as very many facets of less.
+constexpr double kLeastTurn = 2e-4;
 
-bool is_turned(const std::array<Vec3, 3>& turn) {
+double square_of_longest_edge(const Mesh& mesh, const Triangle& triangle) {
+  const Vec3 a = mesh.vertices[triangle[0]], b = mesh.vertices[triangle[1]], c = mesh.vertices[triangle[2]];
+  return max(dot(b - a, b - a), max(dot(c - b, c - b), dot(a - c, a - c)));
+}
+
+bool is_turned(const Mesh& mesh, const Triangle& triangle, const std::array<Vec3, 3>& turn) {
   double most = 0;
   for (const Vec3 of_corner : turn) most = max(most, dot(of_corner, of_corner));
-  return most > kLeastTurn * kLeastTurn;
+  return most * square_of_longest_edge(mesh, triangle) > kLeastTurn * kLeastTurn;
 }
 
 }  // namespace
@@ -25,10 +32,11 @@ void feel_of(const Surface& surface, const Mesh& mesh, FeltSurface& felt) {
     if (!corners.empty()) {
       const Vec3 normal = triangle_normal(mesh, mesh.triangles[t]);
       for (std::size_t k = 0; k < 3; ++k) turn[k] = corners[t][k] - normal;
-      if (!is_turned(turn)) turn = {};
     }
+    const bool turned = is_turned(mesh, mesh.triangles[t], turn);
     const double rub = surface.friction_factor.empty() ? 0 : surface.friction_factor[t] - 1;
-    if (rub == 0 && !is_turned(turn)) continue;
+    if (rub == 0 && !turned) continue;
+    if (!turned) turn = {};
     felt.triangle.push_back(t);
     felt.turn.push_back(turn);
     felt.rub.push_back(rub);

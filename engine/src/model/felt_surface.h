@@ -20,9 +20,8 @@ struct FeltSurface {
   TextureMeans grip, bumps;
 };
 
-/// Fills all but `part`. A triangle whose corners' normals are all
-/// within a quarter of a degree of its own is felt as it is: much finer facets than a finger can tell from
-/// round cost nothing.
+/// Fills all but `part`. A triangle whose middle lies less than 50 um below the round surface it stands for
+/// is felt as it is: facets much finer than a finger cost nothing.
 void feel_of(const Surface& surface, const Mesh& mesh, FeltSurface& felt);
 
 }  // namespace lumbrical

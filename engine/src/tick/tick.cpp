@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "base/floating_point.h"
+#include "model/felt_surface.h"
 #include "objects/object_forces.h"
 #include "proxy/proxy_hand.h"
 #include "samples/sampled_forces.h"
@@ -75,6 +76,7 @@ Scratch make_scratch(const Model& model) {
       scratch.apart->keep_near = false;  // objects take turns: a list would be of another one's
     }
     make_room(*object.shape, *scratch.apart);
+    if (object.felt) size_candidates(object.felt->part, *scratch.apart);
   }
   return scratch;
 }
