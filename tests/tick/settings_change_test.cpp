@@ -16,6 +16,7 @@ Scene plates_scene() {
   rubbing.name = "plate";
   rubbing.mesh = make_box({0.1, 0.1, 0.01}, 4);
   rubbing.material.static_friction = rubbing.material.kinetic_friction = 0.5;
+  rubbing.surface.friction_factor.assign(rubbing.mesh.triangles.size(), 0.7);
   rubbing.pose.position = {0, 0, 0.1};
   scene.objects.push_back(rubbing);
   // Triangles far larger than a finger's lattices can be: the rest that samples leave to the exact rung.
