@@ -40,7 +40,8 @@ const Rule kRules[] = {
     {Layer::base, "engine/include/lumbrical", "math shared_array status"},
     {Layer::base, "engine/src/base", "*"},
 
-    {Layer::model, "engine/include/lumbrical", "mesh shapes hand model object surface contact voxel search_memory"},
+    {Layer::model, "engine/include/lumbrical",
+     "mesh shapes hand model object surface contact voxel search_memory"},
     {Layer::model, "engine/src/model", "*"},
     {Layer::model, "engine/src/index", "*"},
 
