@@ -35,7 +35,7 @@ inline constexpr GoldenHash kGolden[] = {
     {"bent", 0xc00b90d647139697},
     {"objects", 0x148db35dc35ddb73},
     {"proxy", 0xa743d3b26d48bcf8},
-    {"surface", 0x06eda8623bfac242},
+    {"surface", 0x0a0d1b3430619702},
     {"jacobians", 0x9d955d8cf77ad843},
     {"pairs", 0x767409ad08b40967},
 };

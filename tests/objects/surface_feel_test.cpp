@@ -80,9 +80,10 @@ struct Stroke {
   double worst_magnitude = 0;                     // share by which shading changes it
 };
 
-Stroke stroke_round(std::uint32_t facets, double precision) {
+Stroke stroke_round(std::uint32_t facets, double precision, const Pad& pad = {}) {
   Scene plain = scene_with(faceted_cylinder(facets, 0.06, 15), {});
   plain.settings.precision.fill(precision);
+  plain.settings.pad = pad;
   Scene shaded = plain;
   shaded.objects[0].surface = smooth();
   Session with(shaded), without(plain);
@@ -112,6 +113,15 @@ TEST(SurfaceFeel, ForceOnAFacetedCylinderFollowsTheNormalOfARoundOneAndStaysAsLa
     EXPECT_LT(coarse.worst_magnitude, 1e-12);
     EXPECT_LT(fine.worst_magnitude, 1e-12);
   }
+}
+
+TEST(SurfaceFeel, PadsThatHardenAreTurnedAsTheFieldIs) {
+  const Pad pad{{{{0.05, 3}}}, 0.5};
+  const Stroke stroke = stroke_round(16, 1e-4, pad);
+  EXPECT_GT(stroke.plain, 5);
+  EXPECT_LT(stroke.worst, 1.5);
+  EXPECT_LT(stroke.largest_step, 0.2);
+  EXPECT_LT(stroke.worst_magnitude, 1e-12);
 }
 
 TEST(SurfaceFeel, SharpEdgesAndFlatFacesKeepTheirBits) {

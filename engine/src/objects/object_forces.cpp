@@ -90,14 +90,6 @@ void let_go(GripState& grip) {
   if (grip.holds > 0) grip = {};
 }
 
-void add_findings(const Settings& settings, const Scratch& felt, ObjectFindings& findings) {
-  const SampledForces& sampled = felt.samples->forces;
-  findings.contact_count += felt.contact_count + sampled.contact_count;
-  findings.evaluations += sampled.evaluations;
-  findings.error_estimate += error_estimate(settings, sampled);
-  findings.force_error += force_error(settings, {felt.contacts.data(), felt.contact_count});
-}
-
 /// An object that is in the hand's reach, and what holds the hand's proxy back, if it has one.
 struct Reached {
   const ApartObject& object;
