@@ -193,6 +193,35 @@ TEST(World, IsReadAheadOfTheHand) {
   EXPECT_EQ(resident_bytes(world), ahead);
 }
 
+TEST(World, IsReadAheadOfBothHandsWhereverTheyAre) {
+  Scene scene;
+  scene.settings.precision.fill(0);
+  scene.hand = default_hand(Side::right);
+  ASSERT_TRUE(open_world(write_street(12), scene.world).ok());
+  const World& world = *scene.world;
+  const Model model = built(scene);
+  Model other;
+  ASSERT_TRUE(share_world(model, default_hand(Side::left), other).ok());
+  WorldPager pager(model, {});
+  const auto touches_nothing_new = [&](const Model& felt, double place) {
+    const std::size_t before = resident_bytes(world);
+    State state;
+    Scratch scratch = make_scratch(felt);
+    EXPECT_GT(tick(felt, state, scratch, hand_on_street(felt.hand, place)).contact_count, 100u);
+    EXPECT_EQ(resident_bytes(world), before) << place;
+  };
+  pager.hand_at(hand_on_street(scene.hand, 0.5), 0);
+  pager.hand_at(hand_on_street(other.hand, 9.0), 1);
+  pager.catch_up();
+  touches_nothing_new(model, 0.5);
+  touches_nothing_new(other, 9.0);
+  // One hand goes elsewhere: what was near it may be let go of, what is near the other may not.
+  pager.hand_at(hand_on_street(scene.hand, 4.0), 0);
+  pager.catch_up();
+  touches_nothing_new(model, 4.0);
+  touches_nothing_new(other, 9.0);
+}
+
 TEST(World, FramesThatTellNoPlaceAreNoTroubleToThePager) {
   Scene scene;
   scene.settings.precision.fill(0);

@@ -63,6 +63,9 @@ TEST(BothHands, AreTrimmedExportedAndComparedTogether) {
   ASSERT_EQ(lumbrical("run scene.json --stiffness 1e7 --record b.mcap", folder).exit_code, 0);
   EXPECT_EQ(lumbrical("trim a.mcap --from 0.5 --to 0.7 -o part.mcap", folder).exit_code, 0);
   EXPECT_EQ(lumbrical("replay part.mcap", folder).exit_code, 0);
+  EXPECT_EQ(lumbrical("compress a.mcap -o small.mcap", folder).exit_code, 0);
+  const Outcome small = lumbrical("replay small.mcap", folder);
+  EXPECT_EQ(small.exit_code, 0) << small.error;
   EXPECT_EQ(lumbrical("diff a.mcap a.mcap", folder).exit_code, 0);
   EXPECT_EQ(lumbrical("diff a.mcap b.mcap", folder).exit_code, 3);
   const std::string head = lumbrical("export part.mcap", folder).output.substr(0, 4000);
@@ -114,8 +117,12 @@ TEST(BothHands, WhatIsNotSupportedIsRefusedWithAWayOut) {
       0, leap_hand(3, Side::left) + "," + leap_hand(4, Side::left),
       leap_fingers(bent_hand(Side::left, 0.2), 3) + "," + leap_fingers(bent_hand(Side::left, 0.2), 4))});
   EXPECT_NE(error_of("scene.json --motion same.json").find("same.json"), std::string::npos);
-  EXPECT_NE(error_of("scene.json --rate 100 --view").find("--side left"), std::string::npos);
   EXPECT_NE(error_of("scene.json --side neither").find("both"), std::string::npos);
+  nlohmann::json scene = nlohmann::json::parse(read_file(folder / "scene.json"));
+  scene["objects"][0]["moves"] = "free";
+  scene["objects"][0]["mass"] = 0.2;
+  std::ofstream(folder / "free.json") << scene;
+  EXPECT_NE(error_of("free.json").find("choose one hand"), std::string::npos) << error_of("free.json");
 }
 
 TEST(BothHands, PrecisionsAreComparedHandByHand) {
@@ -135,6 +142,21 @@ TEST(BothHands, PrecisionsAreComparedHandByHand) {
   const std::string text = lumbrical("run scene.json --compare-precision --ticks 2000", folder).output;
   EXPECT_NE(text.find("right"), std::string::npos) << text;
   EXPECT_NE(text.find("left"), std::string::npos) << text;
+}
+
+TEST(BothHands, AreFeltOnAWorldFileAsOnItsObjects) {
+  const fs::path folder = folder_with_both();
+  ASSERT_EQ(lumbrical("world scene.json -o cup.world", folder).exit_code, 0);
+  std::ofstream(folder / "world.json")
+      << R"({"world": "cup.world", "motion": {"file": "hold.json", "side": "both"}})";
+  const Outcome run = lumbrical("run world.json --record a.mcap --json", folder);
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const nlohmann::json on_objects = lumbrical("run scene.json --precision exact --json", folder).json();
+  ASSERT_EQ(run.json()["hands"].size(), 2u);
+  for (std::size_t hand = 0; hand < 2; ++hand)
+    for (const char* const key : {"contacts", "peak_force", "peak_torque", "flags"})
+      EXPECT_EQ(run.json()["hands"][hand][key], on_objects["hands"][hand][key]) << key;
+  EXPECT_EQ(lumbrical("replay a.mcap", folder).exit_code, 0);
 }
 
 TEST(BothHands, AlignmentMovesThemTogether) {

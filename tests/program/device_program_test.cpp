@@ -307,6 +307,8 @@ TEST(DeviceProgram, ADeviceThatIsNotThereIsTheFirstThingSaidWithItsCause) {
   EXPECT_EQ(trouble.find("no force ever reached the device: not connected: 127.0.0.1:1: connection refused"),
             0u)
       << trouble;
+  EXPECT_EQ(told.json()["trouble"].at(1), "nothing was felt: in no tick was it known where the hand is");
+  EXPECT_FALSE(told.json().contains("clearance")) << "it is no motion that passes by";
   const Outcome text = shell(run + "' --ticks 20", folder);
   EXPECT_EQ(text.exit_code, 4);
   EXPECT_EQ(text.output.substr(0, text.output.find('\n')).find("trouble"), 0u) << text.output;

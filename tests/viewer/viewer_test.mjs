@@ -3,7 +3,7 @@
 // PACKAGES has node_modules with playwright-core; recordings and screenshots of the main views go to FOLDER.
 import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
-import { mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { createRequire } from "node:module";
 import { join, dirname, resolve } from "node:path";
@@ -215,6 +215,16 @@ test("A recording of a single tick, far from the first one, is shown like any ot
   assert.match(await details(), /the same bits/);
 });
 
+async function clickOnLeftHand() {
+  const box = await page.locator("#canvas").boundingBox();
+  for (let x = 0.1; x < 0.95; x += 0.05)
+    for (let y = 0.2; y < 0.9; y += 0.1) {
+      await page.mouse.click(box.x + x * box.width, box.y + y * box.height);
+      if (/hand\s*left/.test(await details())) return true;
+    }
+  return false;
+}
+
 test("Two hands of a session are shown together, each computed bit for bit", async () => {
   execFileSync(program, ["run", join(dirname(scene), "two_hands.json"), "--record", file("two hands.mcap")]);
   await open(at(await serve("view", file("two hands.mcap"), "--no-browser"), 1100));
@@ -228,14 +238,7 @@ test("Two hands of a session are shown together, each computed bit for bit", asy
   assert.match(await page.locator("#legend").innerText(), /orange the right hand, blue the left one/);
   assert.equal(await page.getByText("Difference of force per segment").isVisible(), false);
   // The other hand is there too: a click on it tells whose it is.
-  const box = await page.locator("#canvas").boundingBox();
-  let left = false;
-  for (let x = 0.1; x < 0.95 && !left; x += 0.05)
-    for (let y = 0.2; y < 0.9 && !left; y += 0.1) {
-      await page.mouse.click(box.x + x * box.width, box.y + y * box.height);
-      left = /hand\s*left/.test(await details());
-    }
-  assert.ok(left, "no pixel of the left hand");
+  assert.ok(await clickOnLeftHand(), "no pixel of the left hand");
   assert.match(await details(), /the same bits/);
   await shot("two_hands");
 });
@@ -253,6 +256,25 @@ test("A running session is shown, read-only", async () => {
   await page.keyboard.press("Space");
   await page.keyboard.press("Home");
   assert.equal(await page.locator("#message").isVisible(), false);
+});
+
+test("A running session of two hands is shown with both", async () => {
+  const examples = dirname(scene);
+  const hold = JSON.parse(readFileSync(join(examples, "hold.json"), "utf8"));
+  const [titles, ...frames] = hold.frames;
+  const length = frames.at(-1)[0] + frames[1][0] - frames[0][0];
+  hold.frames = [titles, ...[...Array(40).keys()].flatMap((turn) => frames.map(([time, ...rest]) => [time + turn * length, ...rest]))];
+  writeFileSync(file("hold.json"), JSON.stringify(hold));
+  copyFileSync(join(examples, "cup.obj"), file("cup.obj"));
+  copyFileSync(join(examples, "two_hands.json"), file("both.json"));
+  await open(await serve("run", file("both.json"), "--rate", "500", "--view"));
+  await page.waitForFunction(() => /contacts\s*[1-9]/.test(document.getElementById("details").innerText), null, kPatience);
+  assert.match(await details(), /hand\s*right/);
+  assert.match(await page.locator("#legend").innerText(), /orange the right hand, blue the left one/);
+  await page.waitForTimeout(1000);
+  await shot("live_two_hands");
+  assert.ok(await clickOnLeftHand(), "no pixel of the left hand");
+  assert.equal(await message(), "");
 });
 
 test("A torn, damaged or foreign file is told what is wrong and where", async () => {

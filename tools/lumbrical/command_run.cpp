@@ -69,8 +69,6 @@ Status load(const RunOptions& options, SceneFile& scene_file) {
   motion.unit = parse_metres(options.unit);
   motion.align = parse_alignment(options.align);
   if (Status status = load_scene_file(options.scene, scene_file, motion); !status.ok()) return status;
-  if (scene_file.second && options.view)
-    return Status::error("--view shows one hand; choose one by --side left or --side right");
   Settings& settings = scene_file.scene.settings;
   if (options.effort) settings.effort = *options.effort;
   if (!options.precision.empty()) settings.precision.fill(*parse_precision(options.precision));
@@ -125,7 +123,7 @@ void explain_untouched(const SceneFile& scene_file, RunStatistics& statistics) {
   const double seconds = static_cast<double>(statistics.ticks) / scene_file.scene.settings.rate;
   for (std::size_t i = 0; i < statistics.hands.size() && statistics.ticks > 0; ++i) {
     HandFigures& hand = statistics.hands[i];
-    if (hand.contacts > 0) continue;
+    if (hand.contacts > 0 || lost_throughout(statistics, hand)) continue;
     Scene scene = scene_file.scene;
     if (i > 0) scene.hand = scene_file.second->hand;
     const Clearance clearance =
@@ -175,7 +173,7 @@ int run(const RunOptions& options) {
   const StopSignals stop_signals;
   LiveView live_view;
   if (options.view) {
-    if (status = live_view.start(models[0]); !status.ok()) return fail(status);
+    if (status = live_view.start(models); !status.ok()) return fail(status);
   }
   DeviceSession device;
   std::size_t device_hand = 0;

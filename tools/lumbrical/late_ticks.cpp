@@ -5,6 +5,7 @@
 #include <chrono>
 #include <numeric>
 #include <optional>
+#include <span>
 
 #include "lumbrical/batch.h"
 
@@ -45,22 +46,21 @@ std::vector<Scratch> fresh_scratches(const std::vector<Model>& models) {
   return scratches;
 }
 
-void tick_all(const std::vector<Model>& models, std::vector<Scratch>& scratches, const TickFrames& frames) {
-  for (std::size_t hand = 0; hand < models.size(); ++hand) {
-    State state = make_state(models[hand]);
-    tick(models[hand], state, scratches[hand], frames[hand]);
-  }
+void tick_all(const std::vector<Model>& models, std::vector<Scratch>& scratches, TickStart& start) {
+  for (std::size_t hand = 0; hand < models.size(); ++hand)
+    tick(models[hand], start.state[hand], scratches[hand], start.frame[hand]);
 }
 
-// [us] The median over the frames of the shortest time of each.
-double time_of(const std::vector<Model>& models, const std::vector<TickFrames>& ticks) {
+// [us] The median over the ticks of the shortest time of each.
+double time_of(const std::vector<Model>& models, std::span<const TickStart> ticks) {
   std::vector<Scratch> scratches = fresh_scratches(models);
   std::vector<double> times;
-  for (const TickFrames& frames : ticks) {
+  for (const TickStart& late : ticks) {
     double shortest = 1e300;
     for (int i = 0; i < kTimes; ++i) {
+      TickStart again = late;
       const Clock::time_point start = Clock::now();
-      tick_all(models, scratches, frames);
+      tick_all(models, scratches, again);
       shortest = std::min(shortest, microseconds_since(start));
     }
     times.push_back(shortest);
@@ -71,13 +71,16 @@ double time_of(const std::vector<Model>& models, const std::vector<TickFrames>& 
 }
 
 std::array<double, kStageCount> stage_shares(const std::vector<Model>& models,
-                                             const std::vector<TickFrames>& ticks) {
+                                             std::span<const TickStart> ticks) {
   std::vector<Scratch> scratches = fresh_scratches(models);
   StageTimes times;
-  for (Scratch& scratch : scratches) scratch.watch = {&StageTimes::ended, &times};
-  for (const TickFrames& frames : ticks) {
+  for (Scratch& scratch : scratches) {
+    scratch.watch = {&StageTimes::ended, &times};
+    if (scratch.apart) scratch.apart->watch = scratch.watch;  // objects go through the same stages
+  }
+  for (TickStart again : ticks) {
     times.last = Clock::now();
-    tick_all(models, scratches, frames);
+    tick_all(models, scratches, again);
   }
   const double all = std::accumulate(times.microseconds.begin(), times.microseconds.end(), 0.0);
   for (double& share : times.microseconds) share /= std::max(all, 1e-9);
@@ -136,47 +139,43 @@ constexpr const char* kStageWords[kStageCount] = {"input",    "hand pose", "sear
 
 }  // namespace
 
-void LateTicks::reserve() {
-  slowest.reserve(kKept);
-  slowest_duration.reserve(kKept);
+void LateTicks::reserve(const TickStart& any) {
+  slowest.assign(kKept, any);
+  slowest_duration.assign(kKept, 0);
 }
 
-void LateTicks::add(std::int64_t wake_up_ns, std::int64_t tick_ns, std::int64_t all_ns,
-                    const TickFrames& frames) {
-  const std::int64_t rest_ns = all_ns - wake_up_ns - tick_ns;
-  if (wake_up_ns > tick_ns && wake_up_ns > rest_ns) {
-    ++woken_late;
-    return;
-  }
-  if (rest_ns > tick_ns) {
-    ++beside;
-    return;
-  }
-  ++slow;
-  const auto duration = static_cast<std::uint32_t>(std::min<std::int64_t>(tick_ns, UINT32_MAX));
-  if (slowest.size() < kKept) {
-    slowest.push_back(frames);
-    slowest_duration.push_back(duration);
-    return;
-  }
+void LateTicks::add(const LateTime& time, const TickStart& start) {
+  // What ticks before it owe, it owes for the same reasons.
+  const double before = owed_[0] + owed_[1] + owed_[2];
+  const double share = before > 0 ? static_cast<double>(time.behind) / before : 0;
+  const std::array<std::int64_t, 3> own = {time.wake_up, time.tick, time.beside};
+  for (std::size_t cause = 0; cause < own.size(); ++cause)
+    owed_[cause] = share * owed_[cause] + static_cast<double>(own[cause]);
+  const auto most = std::max_element(owed_.begin(), owed_.end());
+  ++*std::array{&woken_late, &slow, &beside}[static_cast<std::size_t>(most - owed_.begin())];
+  if (most != owed_.begin() + 1) return;
+
+  const auto duration = static_cast<std::uint32_t>(std::min<std::int64_t>(time.tick, UINT32_MAX));
   const auto least = std::min_element(slowest_duration.begin(), slowest_duration.end());
   if (duration <= *least) return;
+  kept = std::min(kept + 1, slowest.size());
   *least = duration;
-  slowest[static_cast<std::size_t>(least - slowest_duration.begin())] = frames;
+  slowest[static_cast<std::size_t>(least - slowest_duration.begin())] = start;
 }
 
 LateReport study(const LateTicks& late, const Scene& scene, const std::vector<Model>& models) {
   LateReport report;
-  if (late.slowest.empty()) return report;
-  report.microseconds = time_of(models, late.slowest);
-  report.stage_share = stage_shares(models, late.slowest);
+  const std::span ticks = std::span(late.slowest).first(late.kept);
+  if (ticks.empty()) return report;
+  report.microseconds = time_of(models, ticks);
+  report.stage_share = stage_shares(models, ticks);
   const Execution& execution = models[0].execution;
   for (const auto& trial :
        {coarser(scene, execution), on_more_threads(scene, execution), of_fewer_triangles(scene, execution)}) {
     if (!trial) continue;
     const std::vector<Model> changed = changed_models(*trial, models);
     if (changed.empty()) continue;
-    const double microseconds = time_of(changed, late.slowest);
+    const double microseconds = time_of(changed, ticks);
     if (microseconds < kWorthwhile * report.microseconds)
       report.remedies.push_back({trial->change, microseconds});
   }
@@ -206,7 +205,7 @@ void add_late(const LateTicks& late, const LateReport& report, double period_us,
   add(late.woken_late, "other work had the processor");
   add(late.beside, "what is beside the tick took long (device, motion, recording)");
   table.add("late", causes);
-  if (late.slowest.empty()) return;
+  if (late.kept == 0) return;
   std::string stages;
   for (std::size_t i = 0; i < kStageCount; ++i) {
     const double percent = 100 * report.stage_share[i];

@@ -13,20 +13,36 @@
 
 namespace lumbrical::tool {
 
-/// What came in for a tick, by hand: of a session of one hand the first alone counts.
-using TickFrames = std::array<DeviceFrame, kMostHands>;
+/// What a tick came from, by hand: of a session of one hand the first alone counts.
+struct TickStart {
+  std::array<DeviceFrame, kMostHands> frame;
+  std::array<State, kMostHands> state;  ///< before it: where objects stood, where the proxy was
+};
 
-/// What was behind deadlines that were missed: of each the longest of the three counts.
+/// What a late tick's time went into [ns].
+struct LateTime {
+  std::int64_t behind = 0;   ///< ticks before it, which ended after it was due
+  std::int64_t wake_up = 0;  ///< other work, which had the processor
+  std::int64_t tick = 0;     ///< the tick itself
+  std::int64_t beside = 0;   ///< motion, device, recording
+};
+
+/// What was behind deadlines that were missed: of each the longest of the three counts. Ticks that wait for
+/// others before them have their causes.
 struct LateTicks {
-  std::uint64_t woken_late = 0;                 ///< other work had the processor when the tick was due
-  std::uint64_t slow = 0;                       ///< the tick itself
+  std::uint64_t woken_late = 0;                 ///< other work had the processor
+  std::uint64_t slow = 0;                       ///< ticks took long
   std::uint64_t beside = 0;                     ///< motion, device, recording
-  std::vector<TickFrames> slowest;              ///< some of them, the slowest
+  std::vector<TickStart> slowest;               ///< some of them, the slowest
   std::vector<std::uint32_t> slowest_duration;  ///< [ns] theirs
+  std::size_t kept = 0;                         ///< so many of both
 
-  /// Room for what is kept, so that keeping allocates nothing.
-  void reserve();
-  void add(std::int64_t wake_up_ns, std::int64_t tick_ns, std::int64_t all_ns, const TickFrames& frames);
+  /// Room for what is kept, so that keeping allocates nothing: states are as large as those of `any`.
+  void reserve(const TickStart& any);
+  void add(const LateTime& time, const TickStart& start);
+
+ private:
+  std::array<double, 3> owed_{};  // [ns] of the last late tick: woken_late, slow, beside
 };
 
 /// A change of the session, and what one of its late ticks takes with it.

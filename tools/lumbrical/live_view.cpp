@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <optional>
 #include <span>
 #include <string>
 #include <thread>
@@ -14,19 +15,23 @@ namespace {
 
 constexpr double kPerSecond = 60;
 
-/// Every message stands behind its length, four bytes, the lowest first.
-void frame_message(const std::vector<std::uint8_t>& message, std::vector<std::uint8_t>& framed) {
+/// Every message stands behind its length, four bytes, the lowest first, and the number of its hand.
+void frame_message(const std::vector<std::uint8_t>& message, std::size_t hand,
+                   std::vector<std::uint8_t>& framed) {
   framed.clear();
   for (int byte = 0; byte < 4; ++byte)
     framed.push_back(static_cast<std::uint8_t>(message.size() >> (8 * byte)));
+  framed.push_back(static_cast<std::uint8_t>(hand));
   framed.insert(framed.end(), message.begin(), message.end());
 }
 
 }  // namespace
 
-Status LiveView::start(const Model& model) {
-  every_ = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(model.settings.rate / kPerSecond));
-  if (Status status = session_message(scene_of(model), session_); !status.ok()) return status;
+Status LiveView::start(const std::vector<Model>& models) {
+  every_ = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(models[0].settings.rate / kPerSecond));
+  std::optional<Hand> second;
+  if (models.size() > 1) second = models[1].hand;
+  if (Status status = session_message(scene_of(models[0]), session_, second); !status.ok()) return status;
   PageContent content;
   if (Status status = read_viewer_page(content.html); !status.ok()) return status;
   content.live = [this](const auto& send_bytes) { send(send_bytes); };
@@ -38,28 +43,34 @@ Status LiveView::start(const Model& model) {
 }
 
 void LiveView::put(const TickRecord& record) noexcept {
-  if (record.output.tick < next_ || !mutex_.try_lock()) return;
-  next_ = record.output.tick + every_;
-  newest_ = record;
-  ++count_;
+  std::uint64_t& next = next_[record.hand];
+  if (record.output.tick < next || !mutex_.try_lock()) return;
+  next = record.output.tick + every_;
+  Newest& newest = newest_[record.hand];
+  newest.record = record;
+  ++newest.count;
   mutex_.unlock();
 }
 
 void LiveView::send(const std::function<bool(std::span<const std::uint8_t>)>& send_bytes) {
   std::vector<std::uint8_t> message, framed;
-  frame_message(session_, framed);
-  std::uint64_t sent = 0;
-  while (send_bytes(framed) && server_.running()) {
-    TickRecord record;
-    for (bool fresh = false; !fresh && server_.running();) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(8));
-      const std::lock_guard lock(mutex_);
-      fresh = count_ != sent;
-      sent = count_;
-      if (fresh) record = newest_;
+  frame_message(session_, 0, framed);
+  bool wanted = send_bytes(framed);
+  std::array<std::uint64_t, kMostHands> sent{};
+  TickRecord record;
+  while (wanted && server_.running()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(8));
+    for (std::size_t hand = 0; hand < kMostHands && wanted; ++hand) {
+      {
+        const std::lock_guard lock(mutex_);
+        if (newest_[hand].count == sent[hand]) continue;
+        sent[hand] = newest_[hand].count;
+        record = newest_[hand].record;
+      }
+      tick_message(record, message);
+      frame_message(message, hand, framed);
+      wanted = send_bytes(framed);
     }
-    tick_message(record, message);
-    frame_message(message, framed);
   }
 }
 

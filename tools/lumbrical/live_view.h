@@ -2,6 +2,7 @@
 // second, read-only.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <mutex>
 #include <vector>
@@ -13,22 +14,28 @@ namespace lumbrical::tool {
 
 class LiveView {
  public:
-  /// Serves the page on a free port and tells its address on standard error.
-  Status start(const Model& model);
+  /// Serves the page on a free port and tells its address on standard error. `models`: of the session's
+  /// hands.
+  Status start(const std::vector<Model>& models);
 
-  /// For the ticking thread: copies one tick in rate / 60, and never waits. A tick that meets a reader is
-  /// passed over.
+  /// For the ticking thread: copies one tick in rate / 60 of each hand, and never waits. A tick that meets a
+  /// reader is passed over.
   void put(const TickRecord& record) noexcept;
 
  private:
   void send(const std::function<bool(std::span<const std::uint8_t>)>& send_bytes);
 
+  struct Newest {
+    TickRecord record;
+    std::uint64_t count = 0;  // of ticks put
+  };
+
   std::vector<std::uint8_t> session_;
-  std::uint64_t every_ = 1, next_ = 0;  // ticks
+  std::uint64_t every_ = 1;                       // ticks
+  std::array<std::uint64_t, kMostHands> next_{};  // tick, of each hand; the ticking thread's own
   std::mutex mutex_;
-  TickRecord newest_;        // under the mutex, as is the next
-  std::uint64_t count_ = 0;  // of ticks put
-  PageServer server_;        // last: its threads use what is above
+  std::array<Newest, kMostHands> newest_;  // under the mutex
+  PageServer server_;                      // last: its threads use what is above
 };
 
 }  // namespace lumbrical::tool

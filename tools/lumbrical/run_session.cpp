@@ -87,7 +87,7 @@ DeviceFrame frame_at(double time, const MovingHand& moving) {
 void tick_hand(const DeviceFrame& frame, WorldPager& pager, MovingHand& moving) {
   TickRecord& record = moving.record;
   record.device = frame;
-  pager.hand_at(record.device);
+  pager.hand_at(record.device, record.hand);
   const std::int64_t start = clock_ns();
   record.output = tick(moving.hand.model, moving.state, moving.scratch, record.device);
   record.duration_ns = nanoseconds_between(start, clock_ns());
@@ -121,6 +121,14 @@ bool tick_hands(double time, const SessionParts& parts, WorldPager& pager, std::
   return goes_on;
 }
 
+void note_state(const std::vector<MovingHand>& all, TickStart& start) {
+  for (const MovingHand& hand : all) start.state[hand.record.hand] = hand.state;
+}
+
+void note_frame(const std::vector<MovingHand>& all, TickStart& start) {
+  for (const MovingHand& hand : all) start.frame[hand.record.hand] = hand.record.device;
+}
+
 // False: the recording failed, and the session is to end with it.
 bool record_tick(MovingHand& moving, const SessionParts& parts, RunStatistics& statistics) {
   moving.record.stage_hash = moving.scratch.stage_hash;
@@ -152,7 +160,8 @@ RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t t
   const double rate = model.settings.rate;
   Progress progress("running");
   WorldPager pager(model, {});  // before real time, so that its thread has none of that
-  pager.hand_at(resample(hands[0].motion, hands[0].motion.samples[0].time));
+  for (std::size_t hand = 0; hand < hands.size(); ++hand)
+    pager.hand_at(resample(hands[hand].motion, hands[hand].motion.samples[0].time), hand);
   pager.catch_up();
   if (parts.paced) {
     const auto pageable = model.world ? std::span(model.world->bytes.get(), model.world->byte_count)
@@ -165,17 +174,25 @@ RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t t
     const DeviceFrame frame = resample(motion, motion.samples[0].time);
     statistics.interrupted = !parts.device->loop().start(driven.hand.model, driven.scratch, frame);
   }
-  statistics.late.reserve();
+  TickStart tick_start;
+  if (parts.paced) {
+    note_state(all, tick_start);
+    statistics.late.reserve(tick_start);
+  }
   const std::uint64_t faults_before = page_faults();
   Pace pace = start_pace(rate);
   const std::int64_t begin = pace.first, period = period_of(pace);
+  std::int64_t end = begin;  // of the tick before
   bool stopped = false;
 
   for (std::uint64_t i = 0; i < ticks && !statistics.interrupted && !stopped; ++i) {
     const std::int64_t moment = moment_of(pace, i);
+    const std::int64_t behind = std::max<std::int64_t>(0, end - moment);
+    const std::int64_t waiting = std::max(moment, clock_ns());  // later, where the tick before is being kept
     if (parts.paced) {
       sleep_until_ns(moment);
-      statistics.wake_ups.add(nanoseconds_between(moment, clock_ns()));
+      statistics.wake_ups.add(nanoseconds_between(waiting, clock_ns()));
+      note_state(all, tick_start);
     }
     const std::int64_t start = clock_ns();
     stopped = !tick_hands(static_cast<double>(i) / rate, parts, pager, all);
@@ -186,13 +203,14 @@ RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t t
     std::uint32_t duration = 0;
     for (const MovingHand& hand : all) duration += hand.record.duration_ns;
 
-    const std::int64_t end = clock_ns();
+    end = clock_ns();
     const bool late = parts.paced ? end > moment + period : duration > period;
     statistics.deadline_misses += late ? 1 : 0;
     if (late && parts.paced) {
-      TickFrames frames;
-      for (const MovingHand& hand : all) frames[hand.record.hand] = hand.record.device;
-      statistics.late.add(start - moment, duration, end - moment, frames);
+      note_frame(all, tick_start);
+      statistics.late.add(
+          {behind, start - waiting, duration, end - moment - behind - (start - waiting) - duration},
+          tick_start);
     }
     if (parts.device != nullptr) {
       statistics.loop_times.add(nanoseconds_between(start, end));

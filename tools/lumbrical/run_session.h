@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -36,7 +37,7 @@ struct RunStatistics {
   double wall_seconds = 0;         ///< of the whole loop
   TickTimes tick_times;            ///< of tick() alone, of both hands together
   TickTimes loop_times;            ///< with a device: of everything done for a tick
-  TickTimes wake_ups;              ///< paced: how late after its moment a tick began
+  TickTimes wake_ups;              ///< paced: how late after its moment a tick began that could have begun
   RealTime real_time;              ///< paced: what the system allowed
   std::uint64_t page_faults = 0;   ///< of the ticking thread during the session
   std::uint64_t deadline_misses =
@@ -50,6 +51,12 @@ struct RunStatistics {
   bool interrupted = false;                   ///< by a signal (ways_out.h)
   std::size_t world_held = 0;                 ///< [bytes] of a world file, at most
 };
+
+/// Whether no tick knew where the hand is.
+inline bool lost_throughout(const RunStatistics& run, const HandFigures& hand) {
+  constexpr auto kBit = static_cast<std::size_t>(std::countr_zero(static_cast<std::uint32_t>(kInputLost)));
+  return hand.flag_ticks[kBit] == run.ticks;
+}
 
 /// A hand of a session, and how it moves.
 struct SessionHand {

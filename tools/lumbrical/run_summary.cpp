@@ -100,8 +100,13 @@ std::vector<std::string> trouble_of(const RunStatistics& run, const DeviceSessio
   std::vector<std::string> lines = device != nullptr ? device->trouble() : std::vector<std::string>();
   if (!run.recording_error.ok()) lines.push_back("the recording failed: " + run.recording_error.message());
   if (run.not_recorded > 0) lines.push_back(grouped(run.not_recorded) + " ticks are not in the recording");
-  const auto touched = [](const HandFigures& hand) { return hand.untouched.empty(); };
-  if (std::any_of(run.hands.begin(), run.hands.end(), touched)) return lines;
+  const auto touched = [](const HandFigures& hand) { return hand.contacts > 0; };
+  const auto lost = [&run](const HandFigures& hand) { return lost_throughout(run, hand); };
+  if (run.ticks == 0 || std::any_of(run.hands.begin(), run.hands.end(), touched)) return lines;
+  if (std::all_of(run.hands.begin(), run.hands.end(), lost)) {
+    lines.push_back("nothing was felt: in no tick was it known where the hand is");
+    return lines;
+  }
   lines.push_back("nothing was touched; --align contact moves the hand to the first object");
   for (const HandFigures& hand : run.hands)
     lines.insert(lines.end(), hand.untouched.begin(), hand.untouched.end());

@@ -14,7 +14,7 @@ export interface Client {
   touch(hand: Float64Array): Promise<Shown>;
   save(): Promise<Blob>;
   onScanned: (place: number, columns: Columns, marks: Mark[], share: number) => void;
-  onLive: (shown: Shown | undefined, error: string | undefined) => void;
+  onLive: (hand: number, shown: Shown | undefined, error: string | undefined) => void;
   onError: (text: string) => void;
 }
 
@@ -40,7 +40,7 @@ export async function startClient(): Promise<Client> {
   };
   worker.onmessage = ({ data }: MessageEvent<Answer>) => {
     if (data.type === "scanned") return client.onScanned(data.place, data.columns, data.marks, data.share);
-    if (data.type === "live") return client.onLive(data.shown, data.error);
+    if (data.type === "live") return client.onLive(data.hand, data.shown, data.error);
     const waiter = waiting.get(data.id);
     waiting.delete(data.id);
     if (data.type !== "error") waiter?.resolve(data);

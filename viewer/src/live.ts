@@ -1,23 +1,30 @@
-// A session while it runs: `lumbrical run --view` sends messages, each behind its length in four bytes: the session first, then
-// the newest tick sixty times a second. Contacts are computed here.
+// A session while it runs: `lumbrical run --view` sends messages, each behind its length in four bytes and the number of its hand
+// in one: the session first, then every hand's newest tick sixty times a second. Contacts are computed here.
 import { ByteBuffer } from "flatbuffers";
 import type { Engine } from "./engine";
+import { sidesOf } from "./recording";
 import type { Answer, Opened } from "./worker";
 import { Session } from "../generated/lumbrical/fb/session";
 import { Tick } from "../generated/lumbrical/fb/tick";
 
 const kMostBytes = 2 ** 31;
+const kHead = 5;
 
-async function* messages(body: ReadableStream<Uint8Array>): AsyncGenerator<Uint8Array> {
+interface Sent {
+  hand: number;
+  message: Uint8Array;
+}
+
+async function* messages(body: ReadableStream<Uint8Array>): AsyncGenerator<Sent> {
   let have: Uint8Array = new Uint8Array();
   const reader = body.getReader();
   for (;;) {
-    while (have.length >= 4) {
+    while (have.length >= kHead) {
       const length = new DataView(have.buffer, have.byteOffset).getUint32(0, true);
       if (length > kMostBytes) throw new Error("live: the stream is damaged");
-      if (have.length < 4 + length) break;
-      yield have.slice(4, 4 + length);
-      have = have.subarray(4 + length);
+      if (have.length < kHead + length) break;
+      yield { hand: have[4], message: have.slice(kHead, kHead + length) };
+      have = have.subarray(kHead + length);
     }
     const { value, done } = await reader.read();
     if (done) return;
@@ -28,29 +35,32 @@ async function* messages(body: ReadableStream<Uint8Array>): AsyncGenerator<Uint8
   }
 }
 
-export async function openLive(url: string, engine: Engine, tell: (answer: Answer) => void): Promise<Opened> {
+export async function openLive(url: string, load: () => Promise<Engine>, tell: (answer: Answer) => void): Promise<Opened> {
   const response = await fetch(url, { cache: "no-store" });
   if (!response.ok || response.body === null) throw new Error(`live: the program answers ${response.status}`);
   const stream = messages(response.body);
-  const { value: session } = await stream.next();
-  if (!session) throw new Error("live: the session ended before it began");
+  const { value: began } = await stream.next();
+  if (!began) throw new Error("live: the session ended before it began");
+  const session = began.message;
+  const sides = sidesOf(session);
+  const engines = await Promise.all(sides.map(load));
   let noContacts = "";
   try {
-    engine.open(session, new Uint8Array());
+    engines.forEach((engine, hand) => engine.open(session, new Uint8Array(), hand));
   } catch (error) {
     noContacts = (error as Error).message;
   }
   const follow = async () => {
-    for await (const message of stream) {
+    for await (const { hand, message } of stream) {
       const start = performance.now();
       const tick = Number(Tick.getRootAsTick(new ByteBuffer(message)).tick());
-      engine.begin(tick, false);
-      const view = noContacts ? undefined : engine.show(message);
-      tell({ type: "live", shown: { tick, message, view, milliseconds: performance.now() - start } });
+      engines[hand].begin(tick, false);
+      const view = noContacts ? undefined : engines[hand].show(message);
+      tell({ type: "live", hand, shown: { tick, message, view, milliseconds: performance.now() - start } });
     }
-    tell({ type: "live", error: "the session has ended" });
+    tell({ type: "live", hand: 0, error: "the session has ended" });
   };
-  follow().catch((error: Error) => tell({ type: "live", error: error.message }));
+  follow().catch((error: Error) => tell({ type: "live", hand: 0, error: error.message }));
   const rate = Session.getRootAsSession(new ByteBuffer(session)).settings()?.rate() ?? 1000;
-  return { name: "live", sides: [], bytes: 0n, session, rate, first: 0, last: 0, metadata: new Map(), noContacts };
+  return { name: "live", sides, bytes: 0n, session, rate, first: 0, last: 0, metadata: new Map(), noContacts };
 }

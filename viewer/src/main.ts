@@ -79,7 +79,7 @@ async function open(place: number, source: Source, link: string) {
     together(false);
     if (place === 0) beginWith(opened);
     else await compareWith();
-    if (place === 0 && opened.sides.length > 1) await openSecondHand(source);
+    if (place === 0 && opened.sides.length > 1) await openSecondHand(source, opened);
     document.body.classList.remove("empty");
     element("name").textContent = state.together ? opened.name : state.sides.map((side) => side.opened.name).join("  and  ");
     element("beside").hidden = state.sides.length < 2;
@@ -96,8 +96,9 @@ function together(hands: boolean) {
 }
 
 /** Of a session of two hands the other one stands where a second recording would. */
-async function openSecondHand(source: Source) {
-  state.sides[1] = { opened: await client.open(1, { ...source, hand: 1 } as Source), link: "", marks: [], milliseconds: 0 };
+async function openSecondHand(source: Source, one: Opened) {
+  const opened = "live" in source ? { ...one } : await client.open(1, { ...source, hand: 1 } as Source);
+  state.sides[1] = { opened, link: "", marks: [], milliseconds: 0 };
   together(true);
 }
 
@@ -266,16 +267,16 @@ function plotColumns(columns: (Columns | undefined)[]) {
 const kLiveKept = 1200;  // ticks, twenty seconds of what comes
 let plotted = 0;
 
-client.onLive = (shown, error) => {
+client.onLive = (hand, shown, error) => {
   if (error) say(error, true);
-  if (!shown || !state.live) return;
-  take(0, shown, shown.tick);
-  const side = state.sides[0];
+  const side = state.sides[hand];
+  if (!shown || !side || !state.live) return;
+  take(hand, shown, shown.tick);
   side.whole ??= makeColumns(kLiveKept);
   pushRow(side.whole, shown, rate());
   const [oldest, newest] = [side.whole.tick.find((tick) => tick > 0) ?? 0, shown.tick];
   [side.opened.first, side.opened.last] = [oldest, newest];
-  if (performance.now() - plotted < 250) return;
+  if (hand !== state.plotted || performance.now() - plotted < 250) return;
   plotted = performance.now();
   setRange(oldest, newest);
   plots?.setData(side.whole, undefined);
@@ -310,7 +311,7 @@ async function touch(lab: Lab) {
   touching = true;
   try {
     const shown = await client.touch(lab.hand());
-    if (state.lab === lab) client.onLive(shown, undefined);
+    if (state.lab === lab) client.onLive(0, shown, undefined);
   } catch (error) {
     leaveLab();
     say((error as Error).message, true);

@@ -14,7 +14,7 @@ export type Source = (({ url: string } | { file: File }) & { hand?: number }) | 
 
 export interface Opened {
   name: string;
-  sides: string[];  // of the hands there are; empty: a session of one that runs, or the lab's
+  sides: string[];  // of the hands there are; none: the lab's
   bytes: bigint;
   session: Uint8Array;
   rate: number;
@@ -49,7 +49,7 @@ export type Answer =
   | { type: "saved"; id: number; file: Blob }
   | { type: "loaded"; id: number }
   | { type: "scanned"; place: number; columns: Columns; marks: Mark[]; share: number }
-  | { type: "live"; shown?: Shown; error?: string };
+  | { type: "live"; hand: number; shown?: Shown; error?: string };
 
 interface Place {
   recording: Recording;
@@ -83,7 +83,7 @@ function touch(hand: Float64Array): Shown {
 
 async function open(place: number, source: Source): Promise<Opened> {
   if ("lab" in source) return openLab(source.lab);
-  if ("live" in source) return openLive(source.live, await loadEngine(wasm), tell);
+  if ("live" in source) return openLive(source.live, () => loadEngine(wasm), tell);
   const bytes = "url" in source ? await bytesOfUrl(source.url) : bytesOfFile(source.file, source.file.name);
   const recording = await openRecording(bytes, source.hand);
   const opened: Place = { recording };

@@ -47,8 +47,8 @@ Status open_world(const std::string& path, std::shared_ptr<const World>& world);
 bool replace_lost_page(const void* address) noexcept;
 bool any_page_lost() noexcept;  ///< whether that ever happened in this process
 
-/// Reads a model's world ahead of the hand on a thread of its own, so that no tick waits for a disk, and lets
-/// go of what is far behind it, so that memory stays bounded. Never changes a result.
+/// Reads a model's world ahead of the hand, or of both, on a thread of its own, so that no tick waits for a
+/// disk, and lets go of what is far behind it, so that memory stays bounded. Never changes a result.
 class WorldPager {
  public:
   struct Options {
@@ -62,10 +62,11 @@ class WorldPager {
   WorldPager(const WorldPager&) = delete;
   WorldPager& operator=(const WorldPager&) = delete;
 
-  /// Where the hand is now. Wait-free, for the thread of the ticks, before each.
-  void hand_at(const DeviceFrame& frame) noexcept;
+  /// Where the hand is now; of two that share the world (share_world) also which, 0 or 1. Wait-free, for the
+  /// thread of the ticks, before each.
+  void hand_at(const DeviceFrame& frame, std::size_t hand = 0) noexcept;
 
-  /// Returns once everything near the hand as last told is in memory: before a first tick.
+  /// Returns once everything near the hands as last told is in memory: before a first tick.
   void catch_up();
 
   /// Whether the file was shortened (told at once, if SIGBUS is handled), or written to (told within a tenth
@@ -73,7 +74,7 @@ class WorldPager {
   [[nodiscard]] bool changed() const noexcept;
   [[nodiscard]] Status failure() const;  ///< the same in words
 
-  /// [bytes] of the file are held for the hand, at most.
+  /// [bytes] of the file are held for the hands, at most.
   [[nodiscard]] std::size_t held_bytes() const noexcept;
 
  private:

@@ -257,7 +257,7 @@ Status align_motion(const format::Motion* table, const MotionOverride& chosen, F
   if (!alignment) return {};
   Vec3 shift;
   if (Status status = find_common_shift(result, *alignment, shift); !status.ok()) {
-    read.error("motion", status.message());
+    read.error("motion", "can't be aligned: " + status.message());
     return read.status();
   }
   result.placement.pose.position += shift;
@@ -353,10 +353,6 @@ Status load_scene_file(const std::string& path, SceneFile& scene_file, const Mot
   Status status = read_hand_and_motion(scene, hand_table, at, motion, read, hand_read, result);
   if (status.ok()) status = read_session(scene, read, result);
   if (status.ok()) status = read_things(scene, read, result);
-  if (status.ok() && result.scene.world && result.second) {
-    read.error("world", "is felt with one hand; choose a side");
-    status = read.status();
-  }
   if (status.ok()) status = align_motion(scene.motion(), motion, read, result);
   if (!status.ok()) return status;
   scene_file = std::move(result);

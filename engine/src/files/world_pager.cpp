@@ -1,7 +1,9 @@
-// The thread ahead of the hand: see lumbrical/world.h. It keeps an account of pages, so that what it holds is
-// bounded by what lies near the hand, whatever the order of the file.
+// The thread ahead of the hands: see lumbrical/world.h. It keeps an account of pages, so that what it holds
+// is bounded by what lies near them, whatever the order of the file.
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cassert>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -16,6 +18,7 @@
 #include "files/mapped_file.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
+#include "lumbrical/recording.h"
 #include "lumbrical/world.h"
 
 namespace lumbrical {
@@ -134,31 +137,60 @@ class HeldParts {
 
 }  // namespace
 
+namespace {
+
+struct Told {
+  DeviceFrame frame;
+  std::uint64_t number = 0;
+};
+
+/// A hand as the thread knows it.
+struct FollowedHand {
+  Newest<Told> newest;
+  std::uint64_t told = 0;  // the ticking thread's own
+  std::atomic<std::uint64_t> looked{0};
+  Box box;   // where it is, and
+  Box seen;  // where it was when its neighbourhood was last touched; far from everything at first
+  bool known = false;
+  Vec3 place, velocity;  // [m], [m/s] of its middle
+  Clock::time_point placed_at;
+};
+
+// False where the frame does not tell where the hand is.
+bool follow(const DeviceFrame& frame, Clock::time_point now, FollowedHand& hand) {
+  if (!box_round(frame, hand.box)) return false;
+  hand.known = true;
+  const double passed = std::chrono::duration<double>(now - hand.placed_at).count();
+  if (passed < kVelocityTime) return true;
+  hand.velocity = (hand.box.middle() - hand.place) / passed;
+  if (!(norm(hand.velocity) <= kFastest)) hand.velocity = {};
+  hand.place = hand.box.middle();
+  hand.placed_at = now;
+  return true;
+}
+
+double moved(const FollowedHand& hand) {
+  return max(norm(hand.box.lower - hand.seen.lower), norm(hand.box.upper - hand.seen.upper));
+}
+
+}  // namespace
+
 struct WorldPager::Thread {
   Thread(const Model& of, const Options& chosen)
       : model(of), options(chosen), held_parts(*of.world), trees(of.world->grid.tree.size()) {}
 
-  struct Told {
-    DeviceFrame frame;
-    std::uint64_t number = 0;
-  };
-
   void run();
-  void follow(const DeviceFrame& frame);
-  void look(const Box& hand);
+  void follow_hands();
+  void look();
   void touch(const Box& box);
 
   Model model;  // shares the world, so that the mapping outlives the thread
   const Options options;
   HeldParts held_parts;
   std::vector<std::uint32_t> trees;
-  Box seen;              // the hand when its neighbourhood was last touched; far from everything at first
-  Vec3 place, velocity;  // [m], [m/s] of the hand's middle
-  Clock::time_point seen_at, placed_at;
+  std::array<FollowedHand, kMostHands> hands;
+  Clock::time_point seen_at;
 
-  Newest<Told> newest;
-  std::uint64_t told = 0;  // the ticking thread's own
-  std::atomic<std::uint64_t> looked{0};
   std::atomic<std::size_t> held{0};
   std::atomic<bool> stop{false}, changed{false};
   Clock::time_point checked_at;
@@ -198,50 +230,52 @@ void WorldPager::Thread::touch(const Box& box) {
   }
 }
 
-void WorldPager::Thread::look(const Box& hand) {
-  Box ahead = hand;
-  ahead.add(hand.lower + options.horizon * velocity);
-  ahead.add(hand.upper + options.horizon * velocity);
+// Near all hands in one round: what one needs is not let go of for the other.
+void WorldPager::Thread::look() {
   held_parts.begin_round();
-  touch(widened(ahead, options.reach));
+  for (FollowedHand& hand : hands) {
+    if (!hand.known) continue;
+    Box ahead = hand.box;
+    ahead.add(hand.box.lower + options.horizon * hand.velocity);
+    ahead.add(hand.box.upper + options.horizon * hand.velocity);
+    touch(widened(ahead, options.reach));
+    hand.seen = hand.box;
+  }
   held_parts.release_others();
   held.store(held_parts.bytes(), std::memory_order_relaxed);
 }
 
 void WorldPager::Thread::run() {
-  Told told_now;
   while (!stop.load(std::memory_order_relaxed)) {
     if (const Clock::time_point now = Clock::now(); now - checked_at >= kCheck) {
       checked_at = now;
       if (!check_mapped(model.world->path, model.world->bytes.get()).ok())
         changed.store(true, std::memory_order_release);
     }
-    if (newest.take(told_now)) {
-      follow(told_now.frame);
-      looked.store(told_now.number, std::memory_order_release);
-    }
+    follow_hands();
     std::unique_lock lock(mutex);
     wake.wait_for(lock, kNap, [&] { return stop.load(std::memory_order_relaxed); });
   }
 }
 
-// Looks again when the hand has moved, and from time to time, for what the system has taken away.
-void WorldPager::Thread::follow(const DeviceFrame& frame) {
-  Box hand;
-  if (!box_round(frame, hand)) return;
+// Looks again when a hand has moved, and from time to time, for what the system has taken away.
+void WorldPager::Thread::follow_hands() {
   const Clock::time_point now = Clock::now();
-  const double passed = std::chrono::duration<double>(now - placed_at).count();
-  if (passed >= kVelocityTime) {
-    velocity = (hand.middle() - place) / passed;
-    if (!(norm(velocity) <= kFastest)) velocity = {};
-    place = hand.middle();
-    placed_at = now;
+  std::array<std::uint64_t, kMostHands> number{};
+  bool wanted = false;
+  for (std::size_t i = 0; i < hands.size(); ++i) {
+    Told told;
+    if (!hands[i].newest.take(told)) continue;
+    number[i] = told.number;
+    if (follow(told.frame, now, hands[i]))
+      wanted = wanted || moved(hands[i]) > kStep * options.reach || now - seen_at >= kAgain;
   }
-  const double moved = max(norm(hand.lower - seen.lower), norm(hand.upper - seen.upper));
-  if (moved <= kStep * options.reach && now - seen_at < kAgain) return;
-  look(hand);
-  seen = hand;
-  seen_at = now;
+  if (wanted) {
+    look();
+    seen_at = now;
+  }
+  for (std::size_t i = 0; i < hands.size(); ++i)
+    if (number[i] > 0) hands[i].looked.store(number[i], std::memory_order_release);
 }
 
 WorldPager::WorldPager(const Model& model, const Options& options) {
@@ -262,13 +296,17 @@ WorldPager::~WorldPager() {
   thread_->thread.join();
 }
 
-void WorldPager::hand_at(const DeviceFrame& frame) noexcept {
-  if (thread_) thread_->newest.put({frame, ++thread_->told});
+void WorldPager::hand_at(const DeviceFrame& frame, std::size_t hand) noexcept {
+  assert(hand < kMostHands);
+  if (!thread_) return;
+  FollowedHand& followed = thread_->hands[hand];
+  followed.newest.put({frame, ++followed.told});
 }
 
 void WorldPager::catch_up() {
-  while (thread_ && thread_->looked.load(std::memory_order_acquire) < thread_->told)
-    std::this_thread::sleep_for(kNap);
+  if (!thread_) return;
+  for (const FollowedHand& hand : thread_->hands)
+    while (hand.looked.load(std::memory_order_acquire) < hand.told) std::this_thread::sleep_for(kNap);
 }
 
 bool WorldPager::changed() const noexcept {

@@ -434,8 +434,10 @@ Status share_world(const Model& world, const Hand& hand, Model& model) {
   if (Status status = check_hand(hand); !status.ok()) return status;
   for (const ApartObject& object : world.apart)
     if (moves_by_itself(object.mechanism))
-      return Status::error("object \"" + object.name +
-                           "\" moves by itself and can't be shared by hands; move it from outside (given)");
+      return Status::error(
+          "object \"" + object.name +
+          "\" moves by itself, which two hands at once can't make it do; choose one hand, or "
+          "move it from outside (given)");
   model = remade(world, hand, world.settings, world.execution.threads);
   return {};
 }
