@@ -121,7 +121,9 @@ TEST(MeshFile, NamesFormatsItDoesNotReadAndWhatToConvertTo) {
                {"ISO-10303-21;", "part", "STEP", "export STL or glTF"},
                {"<?xml", "scene.dae", "COLLADA", "export glTF or OBJ"},
                {"\x80\4", "MANO_RIGHT.pkl", "MANO", "OBJ or PLY"},
-               {"#usda 1.0", "a", "USD", "export glTF or OBJ"}};
+               {"#usda 1.0", "a", "USD", "export glTF or OBJ"},
+               {"\x1f\x8b\b", "cup.obj.gz", "compressed", "gunzip"},
+               {"PK\3\4", "meshes.zip", "archive", "unzip"}};
   for (const auto& [content, name, format, advice] : cases) {
     SCOPED_TRACE(name);
     expect_refusal(content, name, std::string(name) + ": ", format);

@@ -61,7 +61,8 @@ TEST(CommandLine, AlignMovesTheMotionToTheObjectAndTellsWhereTo) {
   }
   const Outcome wrong = shell("lumbrical run scene.json --align cup:top", folder_with_a_miss(""));
   EXPECT_EQ(wrong.exit_code, 2);
-  EXPECT_NE(wrong.error.find("no object \"cup\""), std::string::npos) << wrong.error;
+  EXPECT_NE(wrong.error.find("motion can't be aligned: the scene has no object \"cup\""), std::string::npos)
+      << wrong.error;
   EXPECT_EQ(shell("lumbrical run scene.json --align sideways", folder_with_a_miss("")).exit_code, 2);
 }
 

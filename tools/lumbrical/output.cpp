@@ -54,9 +54,7 @@ int fail(std::string_view message) {
   return kUnreadable;
 }
 
-void warn(std::string_view message) {
-  std::fprintf(stderr, "warning: %.*s\n", static_cast<int>(message.size()), message.data());
-}
+void warn(std::string_view message) { std::fprintf(stderr, "warning: %s\n", printable(message).c_str()); }
 
 int fail(const Status& status) { return fail(status.message()); }
 

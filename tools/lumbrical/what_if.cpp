@@ -2,6 +2,7 @@
 #include "what_if.h"
 
 #include <algorithm>
+#include <array>
 
 namespace lumbrical::tool {
 namespace {
@@ -23,15 +24,24 @@ std::size_t most_changed(const WhatIfResult& result) {
   return static_cast<std::size_t>(most - result.torque.begin());
 }
 
-// The largest change that was felt, or if none was the largest of all.
+std::size_t largest(const std::array<Change, kFingerCount + 1>& changes) {
+  const auto most = std::max_element(changes.begin(), changes.end(),
+                                     [](const Change& a, const Change& b) { return a.max < b.max; });
+  return static_cast<std::size_t>(most - changes.begin());
+}
+
+std::string at_tick(std::size_t part, const Change& change) {
+  return " (" + part_name(part) + ", tick " + grouped(change.max_tick) + ")";
+}
+
+// The most newtons, and the most that a person would notice, which may be elsewhere.
 std::string lead(const WhatIfResult& result) {
-  const auto by_max = [](const Change& a, const Change& b) { return a.max < b.max; };
-  const auto most = std::max_element(result.force_jnd.begin(), result.force_jnd.end(), by_max);
-  const auto part = static_cast<std::size_t>(most - result.force_jnd.begin());
-  if (!(most->max > 0)) return "No force changes.\n";
-  return "Forces change by up to " + brief(result.force[part].max) + " N, " + brief(most->max) +
-         " just-noticeable differences (" + part_name(part) + ", tick " + grouped(most->max_tick) +
-         "): felt in " + grouped(result.felt_ticks[part]) + " of " + grouped(result.ticks) + " ticks.\n";
+  const std::size_t newtons = largest(result.force), noticed = largest(result.force_jnd);
+  const Change &force = result.force[newtons], &jnd = result.force_jnd[noticed];
+  if (!(force.max > 0)) return "No force changes.\n";
+  return "Forces change by up to " + brief(force.max) + " N" + at_tick(newtons, force) + " and " +
+         brief(jnd.max) + " just-noticeable differences" + at_tick(noticed, jnd) + ": felt in " +
+         grouped(result.felt_ticks[noticed]) + " of " + grouped(result.ticks) + " ticks.\n";
 }
 
 }  // namespace

@@ -81,6 +81,11 @@ constexpr Foreign kForeign[] = {
     {".msh", "$MeshFormat", "Gmsh's format is not read; export STL or PLY from Gmsh"},
     {".npz", "", "NumPy arrays are not read; write vertices and faces as OBJ or PLY (trimesh does it)"},
     {".pkl", "", "pickled models (MANO, SMPL) are not read; write vertices and faces as OBJ or PLY"},
+    {".gz", "\x1f\x8b", "the file is compressed; unpack it first (gunzip)"},
+    {".zip", "PK\x03\x04", "the file is an archive; unpack it first (unzip)"},
+    {".xz", "\3757zXZ", "the file is compressed; unpack it first (unxz)"},
+    {".zst", "\x28\xb5\x2f\xfd", "the file is compressed; unpack it first (unzstd)"},
+    {".7z", "7z\xbc\xaf", "the file is an archive; unpack it first (7z x)"},
 };
 
 /// What to do with a file of another format; null where it is of none that is known.
