@@ -1,9 +1,11 @@
 // The paper's experiments, under every law: writes one CSV file per experiment and a summary in Markdown.
 //
 //   paper_experiments FOLDER [triangles] [ridge] [slide] [slope] [fingertip] [poke] [hook] [loop]
-//                           [bending_loop] [bend]
+//                           [bending_loop] [bend] [figures]
 //
-// The folder must exist; without names all experiments run. bench/experiments.h says what each of them is.
+// The folder must exist; without names all experiments run. `figures` writes paper.json for the report alone.
+// bench/experiments.h says what each of them is.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <exception>
@@ -16,6 +18,7 @@
 
 #include "experiments.h"
 #include "lumbrical/shapes.h"
+#include "paper_figures.h"
 #include "print.h"
 
 namespace {
@@ -275,7 +278,18 @@ constexpr Experiment kExperiments[] = {
     {"bending_loop", run_bending_loop}, {"bend", run_bend},
 };
 
+int cannot_write(const std::string& folder) {
+  std::fprintf(stderr, "%s: cannot write here; make the folder first\n", folder.c_str());
+  return 2;
+}
+
 int run(const std::string& folder, const std::vector<std::string>& wanted) {
+  if (wanted.empty() || std::find(wanted.begin(), wanted.end(), "figures") != wanted.end()) {
+    std::ofstream file(folder + "/paper.json");
+    if (!file) return cannot_write(folder);
+    file << paper_figures_json("build/release/bench/paper_experiments FOLDER figures");
+    if (wanted.size() == 1) return 0;
+  }
   std::ofstream summary(folder + "/paper_experiments.md");
   for (const Experiment& experiment : kExperiments) {
     bool asked = wanted.empty();
@@ -283,10 +297,7 @@ int run(const std::string& folder, const std::vector<std::string>& wanted) {
     if (!asked) continue;
     Output output;
     output.csv.open(folder + "/" + experiment.name + ".csv");
-    if (!output.csv) {
-      std::fprintf(stderr, "%s: cannot write here; make the folder first\n", folder.c_str());
-      return 2;
-    }
+    if (!output.csv) return cannot_write(folder);
     experiment.run(output);
     const std::string part = "## " + std::string(experiment.name) + "\n\n" + output.summary + "\n";
     std::fputs(part.c_str(), stdout);

@@ -13,6 +13,7 @@
 
 #include "commands.h"
 #include "output.h"
+#include "report_front.h"
 #include "report_page.h"
 #include "report_targets.h"
 
@@ -23,7 +24,7 @@ namespace fs = std::filesystem;
 
 struct ReportSwitches {
   std::vector<std::string> folders;
-  std::string out = "report.html", targets;
+  std::string out = "report.html", targets, picture;
   bool json = false;
 };
 
@@ -73,7 +74,8 @@ int report(const ReportSwitches& switches) {
   for (std::size_t i = 0; i < folders.size(); ++i) {
     if (Status status = read_folder(switches.folders[i], folders[i]); !status.ok()) return fail(status);
     files += folders[i].results.size();
-    for (const Results& results : folders[i].results) figures += results.figures.size();
+    for (const Results& results : folders[i].results)
+      figures += results.figures.size() + results.curves.size() + results.bars.size();
   }
   const std::string page = page_html(folders);
   if (Status status = write_page(switches.out, page); !status.ok()) return fail(status);
@@ -82,6 +84,14 @@ int report(const ReportSwitches& switches) {
     targets += table_markdown("Targets: " + folder.name, targets_of(folder.results));
   if (!switches.targets.empty()) {
     if (Status status = write_page(switches.targets, targets); !status.ok()) return fail(status);
+  }
+  if (!switches.picture.empty()) {
+    const Figure front = front_figure(folders.back().results);
+    if (front.plots.empty())
+      return fail(switches.folders.back() +
+                  ": holds no times against errors to draw; add those of bench_peers");
+    if (Status status = write_page(switches.picture, picture_svg(front, front.plots[0])); !status.ok())
+      return fail(status);
   }
   if (switches.json) return print_json({{"page", switches.out}, {"files", files}, {"figures", figures}});
   return print_text(switches.out + ": " + grouped(figures) + " figures from " + grouped(files) + " files, " +
@@ -103,6 +113,9 @@ void add_report(Command& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--targets", switches->targets, "Also write the table of targets, as Markdown")
       ->type_name("FILE.md");
+  command
+      ->add_option("--picture", switches->picture, "Also write the first picture, time against error, as SVG")
+      ->type_name("FILE.svg");
   command->add_flag("--json", switches->json, "Print one JSON object");
   command->callback([switches, &exit_code] { exit_code = report(*switches); });
 }

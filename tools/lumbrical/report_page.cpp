@@ -3,13 +3,14 @@
 
 #include "report_compare.h"
 #include "report_front.h"
+#include "report_style.h"
 #include "report_targets.h"
 
 namespace lumbrical::tool {
 namespace {
 
 // The policy forbids whatever a name in a file of results might try to fetch or run.
-constexpr const char* kHead = R"(<!DOCTYPE html>
+constexpr const char* kBeforeColours = R"(<!DOCTYPE html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
@@ -18,17 +19,10 @@ constexpr const char* kHead = R"(<!DOCTYPE html>
 <meta name="color-scheme" content="light dark">
 <title>Lumbrical: benchmark results</title>
 <style>
-:root {
-  --back: #fff; --text: #1c2126; --weak: #59636e; --grid: #dfe3e8; --front: #1c2126;
-  --s0: #1f66b5; --s1: #c4501b; --s2: #27824a; --s3: #8446ad; --s4: #967000; --s5: #bd3377; --s6: #55606b; --s7: #0b8088;
-}
-@media (prefers-color-scheme: dark) {
-  :root {
-    --back: #14181c; --text: #e4e8ec; --weak: #9aa5b0; --grid: #2d343b; --front: #e4e8ec;
-    --s0: #6fb1f5; --s1: #f08a5d; --s2: #6ccf8b; --s3: #c79af0; --s4: #e3bd4d; --s5: #f283b6; --s6: #a9b6c2; --s7: #57cdd2;
-  }
-}
-body { background: var(--back); color: var(--text); font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto;
+)";
+
+constexpr const char* kBeforeMarks =
+    R"(body { background: var(--back); color: var(--text); font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto;
   max-width: 84rem; padding: 0 1rem; }
 h1, h2, h3 { line-height: 1.2; }
 h2 { border-bottom: 1px solid var(--grid); margin-top: 3rem; }
@@ -40,31 +34,9 @@ figcaption p { margin: 0.3rem 0; max-width: 60rem; color: var(--weak); }
 .large svg { max-width: 46rem; }
 .legend span { display: inline-block; margin-right: 1.2rem; color: var(--text); }
 .key { width: 18px; height: 18px; vertical-align: -4px; margin-right: 4px; }
-svg text { fill: var(--weak); font-size: 11px; }
-svg .title { fill: var(--text); font-size: 13px; font-weight: 600; }
-svg .x { text-anchor: middle; }
-svg .y { text-anchor: end; }
-.grid { stroke: var(--grid); }
-.zero { stroke: var(--weak); stroke-dasharray: 2 3; }
-.point { stroke: var(--back); stroke-width: 0.7; }
-.ring { fill: none; stroke: var(--front); stroke-width: 1.4; }
-.staircase { fill: none; stroke: var(--front); stroke-width: 1; stroke-dasharray: 5 3; opacity: 0.6; }
-.line { fill: none; stroke-width: 1.6; }
-.deadline { stroke: var(--s1); stroke-dasharray: 6 3; }
-svg text.deadline { stroke: none; fill: var(--s1); }
-.leader { stroke: var(--weak); stroke-width: 0.6; }
-svg .name { fill: var(--text); font-size: 10px; stroke: var(--back); stroke-width: 2.5px; paint-order: stroke; }
-svg .left { text-anchor: end; }
-.plain { fill: var(--weak); }
-.s0.point { fill: var(--s0); } .s0.line { stroke: var(--s0); }
-.s1.point { fill: var(--s1); } .s1.line { stroke: var(--s1); }
-.s2.point { fill: var(--s2); } .s2.line { stroke: var(--s2); }
-.s3.point { fill: var(--s3); } .s3.line { stroke: var(--s3); }
-.s4.point { fill: var(--s4); } .s4.line { stroke: var(--s4); }
-.s5.point { fill: var(--s5); } .s5.line { stroke: var(--s5); }
-.s6.point { fill: var(--s6); } .s6.line { stroke: var(--s6); }
-.s7.point { fill: var(--s7); } .s7.line { stroke: var(--s7); }
-.wide { overflow-x: auto; }
+)";
+
+constexpr const char* kAfterMarks = R"(.wide { overflow-x: auto; }
 table { border-collapse: collapse; font-size: 13px; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; padding: 0.2rem 0.7rem 0.2rem 0; border-bottom: 1px solid var(--grid); vertical-align: top; }
 pre { overflow-x: auto; border: 1px solid var(--grid); padding: 0.6rem; }
@@ -73,8 +45,8 @@ summary { cursor: pointer; }
 </head>
 <body>
 <h1>Lumbrical: benchmark results</h1>
-<p>Times and errors as the benchmark programs wrote them. Both axes are logarithmic; what is exactly 0 stands left of
-the axis. Rest the pointer on a mark for its figures; the tables hold all of them.</p>
+<p>Times and errors as the benchmark programs wrote them. Where marks stand, both axes are logarithmic, and what is exactly
+0 stands left of the axis. Rest the pointer on a mark for its figures; the tables hold all of them.</p>
 )";
 
 std::string cells(const std::vector<std::string>& texts, const char* element) {
@@ -113,7 +85,7 @@ std::string comparison_html(const ResultFolder& before, const ResultFolder& afte
 }  // namespace
 
 std::string page_html(const std::vector<ResultFolder>& folders) {
-  std::string html = kHead;
+  std::string html = std::string(kBeforeColours) + kPlotColours + kBeforeMarks + kPlotMarks + kAfterMarks;
   for (std::size_t i = 1; i < folders.size(); ++i) html += comparison_html(folders[i - 1], folders[i]);
   for (const ResultFolder& folder : folders) {
     if (const Figure front = front_figure(folder.results); !front.plots.empty())
@@ -126,6 +98,8 @@ std::string page_html(const std::vector<ResultFolder>& folders) {
       html += "<section>\n<h2>" + escaped(results.title) + "</h2>\n<p>" +
               escaped(folder.name + "/" + results.file) + "</p>\n" + origin_html(results);
       for (const Figure& figure : results.figures) html += figure_html(figure);
+      for (const CurveFigure& figure : results.curves) html += figure_html(figure);
+      for (const BarFigure& figure : results.bars) html += figure_html(figure);
       html += table_html(results.table) + "</section>\n";
     }
   }

@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "output.h"
+#include "report_style.h"
+#include "report_text.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -16,13 +18,6 @@ namespace {
 constexpr double kWidth = 400, kHeight = 300, kLeft = 62, kRight = 14, kTop = 28, kBottom = 46;
 constexpr double kZeroWidth = 66;  // of the place for x = 0
 constexpr std::size_t kColourCount = 8, kShapeCount = 8;
-
-template <class... Values>
-std::string print(const char* format, Values... values) {
-  std::array<char, 512> text{};
-  std::snprintf(text.data(), text.size(), format, values...);
-  return text.data();
-}
 
 struct Tick {
   double value = 0;
@@ -247,11 +242,14 @@ std::string names_svg(const Frame& frame, const Figure& figure, const std::vecto
   return svg;
 }
 
+std::string opening_tag(const Figure& figure, const Plot& plot, double height, const char* space) {
+  return print("<svg%s viewBox=\"0 0 %g %g\" role=\"img\" aria-label=\"", space, kWidth, height) +
+         escaped(plot.title + ": " + figure.y_label + " against " + figure.x_label) + "\">\n";
+}
+
 std::string plot_svg(const Figure& figure, const Plot& plot) {
   const Frame frame = make_frame(plot.points, figure.deadline, figure.limit);
-  std::string svg = print("<svg viewBox=\"0 0 %g %g\" role=\"img\" aria-label=\"", kWidth, kHeight) +
-                    escaped(plot.title + ": " + figure.y_label + " against " + figure.x_label) + "\">\n" +
-                    print("<text class=\"title\" x=\"%.1f\" y=\"16\">", kLeft) + escaped(plot.title) +
+  std::string svg = print("<text class=\"title\" x=\"%.1f\" y=\"16\">", kLeft) + escaped(plot.title) +
                     "</text>\n" + axes_svg(frame, figure);
   std::vector<std::size_t> front;
   if (figure.front) front = pareto_front(plot.points);
@@ -262,7 +260,7 @@ std::string plot_svg(const Figure& figure, const Plot& plot) {
     const bool on_front = std::find(front.begin(), front.end(), i) != front.end();
     svg += point_svg(frame, plot.points[i], on_front);
   }
-  return svg + names_svg(frame, figure, plot.points) + "</svg>\n";
+  return svg + names_svg(frame, figure, plot.points);
 }
 
 std::string key_html(const std::string& drawing, const std::string& name) {
@@ -346,8 +344,26 @@ std::string escaped(std::string_view text) {
 std::string figure_html(const Figure& figure) {
   std::string html = "<figure>\n<h3>" + escaped(figure.title) + "</h3>\n" + legend_html(figure) +
                      "<div class=\"plots" + (figure.deadline > 0 ? " large" : "") + "\">\n";
-  for (const Plot& plot : figure.plots) html += plot_svg(figure, plot);
+  for (const Plot& plot : figure.plots)
+    html += opening_tag(figure, plot, kHeight, "") + plot_svg(figure, plot) + "</svg>\n";
   return html + "</div>\n<figcaption><p>" + escaped(figure.note) + "</p></figcaption>\n</figure>\n";
+}
+
+std::string picture_svg(const Figure& figure, const Plot& plot) {
+  constexpr double kRow = 15;
+  const double height = kHeight + 6 + kRow * static_cast<double>(figure.series.size());
+  std::string svg = opening_tag(figure, plot, height, " xmlns=\"http://www.w3.org/2000/svg\"") + "<style>\n" +
+                    kPlotColours + "svg { font-family: system-ui, sans-serif; }\n" + kPlotMarks +
+                    "</style>\n" +
+                    print("<rect width=\"%g\" height=\"%g\" fill=\"var(--back)\"/>\n", kWidth, height) +
+                    plot_svg(figure, plot);
+  for (std::size_t i = 0; i < figure.series.size(); ++i) {
+    const double y = kHeight + 4 + kRow * static_cast<double>(i);
+    svg += print("<g class=\"point s%zu\" transform=\"translate(%.1f %.1f)\">", i % kColourCount, kLeft, y) +
+           shape_svg(0) + "</g>" + print("<text x=\"%.1f\" y=\"%.1f\">", kLeft + 10, y + 4) +
+           escaped(figure.series[i]) + "</text>\n";
+  }
+  return svg + "</svg>\n";
 }
 
 }  // namespace lumbrical::tool

@@ -51,7 +51,10 @@ std::vector<std::size_t> pareto_front(const std::vector<PlotPoint>& points);
 /// Text that HTML takes literally, in elements and in quoted attributes.
 std::string escaped(std::string_view text);
 
-/// The figure with its title, note, legend and plots. Colours are CSS classes s0 .. s7 of the page.
+/// The figure with its title, note, legend and plots.
 std::string figure_html(const Figure& figure);
+
+/// One of its plots with the legend as an SVG file of its own, light and dark.
+std::string picture_svg(const Figure& figure, const Plot& plot);
 
 }  // namespace lumbrical::tool

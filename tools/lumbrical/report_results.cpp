@@ -2,6 +2,7 @@
 #include "report_results.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -229,6 +230,95 @@ void read_meshes(const Json& json, Results& results) {
   if (rows.empty()) throw std::runtime_error("meshes: is empty");
 }
 
+// ---- paper_experiments ----
+
+std::vector<double> numbers_at(const Json& object, const char* key, const std::string& where) {
+  const Json& member = member_at(object, key, where);
+  std::vector<double> numbers;
+  for (const Json& number : member) {
+    const double value = number.is_number() ? number.get<double>() : HUGE_VAL;
+    if (!(std::fabs(value) <= 1e100)) refuse(where, key, "is not a list of numbers up to 1e100");
+    numbers.push_back(value);
+  }
+  if (!member.is_array() || numbers.empty()) refuse(where, key, "is not a list of numbers up to 1e100");
+  return numbers;
+}
+
+Curve curve_at(const Json& json, const std::string& where, CurveFigure& figure) {
+  Curve curve;
+  curve.series = index_of(figure.series, text_at(json, "series", where));
+  const std::vector<double> x = numbers_at(json, "x", where), y = numbers_at(json, "y", where);
+  if (x.size() != y.size()) refuse(where, "y", "is not as long as x");
+  for (std::size_t i = 0; i < x.size(); ++i) curve.points.emplace_back(x[i], y[i]);
+  return curve;
+}
+
+void add_panel(const Json& json, const std::string& where, ResultTable& table, CurveFigure& figure) {
+  CurvePanel& panel = figure.panels.emplace_back();
+  panel.title = text_at(json, "title", where);
+  panel.x_label = text_at(json, "x_label", where);
+  panel.y_label = text_at(json, "y_label", where);
+  const Json& curves = member_at(json, "curves", where);
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    const std::string at = where + "." + place("curves", i);
+    const Curve& curve = panel.curves.emplace_back(curve_at(curves.at(i), at, figure));
+    const auto [least, most] =
+        std::minmax_element(curve.points.begin(), curve.points.end(),
+                            [](const auto& a, const auto& b) { return a.second < b.second; });
+    table.rows.push_back({figure.title, panel.title, figure.series[curve.series], panel.y_label,
+                          count_text(static_cast<double>(curve.points.size())), brief(least->second),
+                          brief(most->second)});
+  }
+}
+
+void read_curves(const Json& json, Results& results) {
+  results.title = text_at(json, "title", "");
+  results.command = text_at(json, "command", "");
+  results.table.head = {"figure", "panel", "curve", "of", "points", "least", "most"};
+  const Json& figures = array_at(json, "figures");
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    const std::string where = place("figures", i);
+    CurveFigure& figure = results.curves.emplace_back();
+    figure.title = text_at(figures[i], "title", where);
+    figure.note = text_at(figures[i], "note", where);
+    const Json& panels = member_at(figures[i], "panels", where);
+    for (std::size_t k = 0; k < panels.size(); ++k)
+      add_panel(panels.at(k), where + "." + place("panels", k), results.table, figure);
+  }
+  if (results.table.rows.empty()) throw std::runtime_error("figures: has no curve");
+}
+
+// ---- stage_times ----
+
+void read_stages(const Json& json, Results& results) {
+  results.title = "Where a tick's time goes";
+  add_origin(json, results);
+  BarFigure& figure = results.bars.emplace_back();
+  figure.title = "A tick, stage by stage";
+  figure.note = text_at(json, "note", "");
+  figure.unit = "us";
+  for (const Json& stage : array_at(json, "stages")) {
+    if (!stage.is_string()) throw std::runtime_error("stages: is not a list of names");
+    figure.parts.push_back(stage.get<std::string>());
+  }
+  results.table.head = {"scene"};
+  for (const std::string& stage : figure.parts) results.table.head.push_back(stage + " [us]");
+  const Json& scenes = array_at(json, "scenes");
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const std::string where = place("scenes", i);
+    Bar& bar = figure.bars.emplace_back();
+    bar.name = bar.label = text_at(scenes[i], "scene", where);
+    bar.parts = numbers_at(scenes[i], "stage_us", where);
+    if (bar.parts.size() != figure.parts.size()) refuse(where, "stage_us", "is not as long as stages");
+    std::vector<std::string>& row = results.table.rows.emplace_back(std::vector{bar.name});
+    for (const double time : bar.parts) {
+      if (time < 0) refuse(where, "stage_us", "has a negative time");
+      row.push_back(brief(time));
+    }
+  }
+  if (scenes.empty()) throw std::runtime_error("scenes: is empty");
+}
+
 // ---- Files ----
 
 // Line and column of a byte, both from 1.
@@ -265,9 +355,14 @@ void interpret(const Json& json, Results& results) {
     read_peers(json, results);
   } else if (json.is_object() && json.contains("meshes")) {
     read_meshes(json, results);
+  } else if (json.is_object() && json.contains("figures")) {
+    read_curves(json, results);
+  } else if (json.is_object() && json.contains("stages") && json.contains("scenes")) {
+    read_stages(json, results);
   } else {
     throw std::runtime_error(
-        "is no result of accuracy, bench_peers, mesh_grasps or --benchmark_out_format=json");
+        "is no result of accuracy, bench_peers, mesh_grasps, paper_experiments, stage_times or "
+        "--benchmark_out_format=json");
   }
 }
 

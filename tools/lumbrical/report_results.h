@@ -1,5 +1,5 @@
-// What the benchmark programs wrote (accuracy, bench_peers, mesh_grasps, and Google Benchmark's own JSON), as
-// figures and tables for the report.
+// What the benchmark programs wrote (accuracy, bench_peers, mesh_grasps, paper_experiments, stage_times, and
+// Google Benchmark's own JSON), as figures and tables for the report.
 #pragma once
 
 #include <map>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lumbrical/status.h"
+#include "report_curves.h"
 #include "report_plot.h"
 
 namespace lumbrical::tool {
@@ -33,6 +34,8 @@ struct Results {
   std::vector<std::pair<std::string, std::string>> origin;  ///< machine, compiler, flags ...
   std::string command;                                      ///< repeats them
   std::vector<Figure> figures;
+  std::vector<CurveFigure> curves;
+  std::vector<BarFigure> bars;
   ResultTable table;
   std::map<std::string, std::map<std::string, double>> counters;  ///< by benchmark
   std::vector<PeerResult> peers;
