@@ -332,5 +332,60 @@ TEST(JsonPlace, FindsValuesBehindStringsCommentsAndNesting) {
     find_json_value(text.substr(0, length), "d.e[1]");
 }
 
+std::string with_object(const std::string& fields) {
+  return R"({"objects": [{"name": "thing", "box": {}, )" + fields + "}], " + kGrasp + "}";
+}
+
+TEST(SceneFile, AGivenObjectsPathIsReadAndSmooth) {
+  const SceneFile scene_file = load(with_object(
+      R"("moves": "given", "path": [{"time": 1, "position": [0, 0, 0.1]}, {"time": 2, "position": [0.2, 0, 0.1]},
+         {"time": 4, "position": [0.2, 0.4, 0.1], "orientation": [0, 0, 0, 2]}])"));
+  ASSERT_EQ(scene_file.paths.size(), 1u);
+  const ObjectPath& path = scene_file.paths[0];
+  ASSERT_EQ(path.size(), 3u);
+  EXPECT_EQ(scene_file.scene.objects[0].pose, path[0].pose);
+  EXPECT_EQ(path[2].pose.orientation, (Quat{0, 0, 0, 1}));
+  EXPECT_EQ(resample(path, -1), path[0].pose);
+  EXPECT_EQ(resample(path, 2), path[1].pose);
+  EXPECT_EQ(resample(path, 9), path[2].pose);
+  EXPECT_NEAR(resample(path, 1.5).position.x, 0.1, 0.03);
+  Vec3 last = resample(path, 0).position, speed;
+  for (int i = 1; i <= 5000; ++i) {
+    const Vec3 now = resample(path, 0.001 * i).position;
+    EXPECT_LT(norm(1000 * (now - last) - speed), 0.002);  // no jump of speed
+    speed = 1000 * (now - last);
+    last = now;
+  }
+}
+
+TEST(SceneFile, WhoMovesGivenObjectsIsRead) {
+  const SceneFile scene_file =
+      load(R"({"objects": [{"box": {}, "moves": "given", "mass": 0.3}, {"box": {}, "moves": "given"}],
+               "physics": {"engine": "bullet", "friction": 0.7}, )" +
+           std::string(kGrasp) + "}");
+  ASSERT_TRUE(scene_file.physics.has_value());
+  EXPECT_EQ(scene_file.physics->engine, "bullet");
+  EXPECT_EQ(scene_file.physics->friction, 0.7);
+  EXPECT_EQ(scene_file.scene.objects[0].mechanism.body.mass, 0.3);
+  EXPECT_EQ(scene_file.scene.objects[1].mechanism.body, MassProperties{});
+  ASSERT_EQ(scene_file.paths.size(), 2u);
+  EXPECT_TRUE(scene_file.paths[0].empty() && scene_file.paths[1].empty());
+}
+
+TEST(SceneFile, MistakesOfPathsAndPhysicsAreNamed) {
+  const auto expect = [](const std::string& text, const std::string& part) {
+    EXPECT_NE(error_of(text).find(part), std::string::npos) << error_of(text);
+  };
+  const std::string given = R"("moves": "given", )";
+  expect(with_object(R"("path": [{"time": 0}])"), "needs \"moves\": \"given\"");
+  expect(with_object(given + R"("path": [])"), "has no points");
+  expect(with_object(given + R"("path": [{}])"), "path[0] has no time");
+  expect(with_object(given + R"("path": [{"time": 1}, {"time": 1}])"), "path[1].time is not after");
+  expect(with_object(given + R"("path": [{"time": 0}], "mass": 1)"), "stands beside a mass");
+  expect(with_object(given + R"("path": [{"time": 0}], "position": [0, 0, 0])"), "stands beside a position");
+  expect(R"({"objects": [{"box": {}}], "physics": {"engine": "newton"}, )" + std::string(kGrasp) + "}",
+         "physics.engine must be \"bullet\"");
+}
+
 }  // namespace
 }  // namespace lumbrical

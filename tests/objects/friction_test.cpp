@@ -200,5 +200,45 @@ TEST(Friction, HoldsAnObjectUntilTheGripIsTooWeak) {
   EXPECT_GT(held_at, -0.001);
 }
 
+// A strip along x of triangles 0.1 mm wide, 1,000 edges across the way; the half at y > 0 is shifted by a
+// third of one, so that all its corners are T-junctions.
+Mesh strip_of_edges(bool twice) {
+  Mesh mesh;
+  constexpr int kCells = 1400;
+  constexpr double kWidth = 1e-4;
+  const auto add_half = [&](double y0, double y1, double shift) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (int i = 0; i <= kCells; ++i)
+      for (const double y : {y0, y1}) mesh.vertices.push_back({(i + shift - 0.5 * kCells) * kWidth, y, 0});
+    for (std::uint32_t i = 0; i < 2 * kCells; i += 2) {
+      mesh.triangles.push_back({first + i, first + i + 2, first + i + 3});
+      mesh.triangles.push_back({first + i, first + i + 3, first + i + 1});
+    }
+  };
+  add_half(-0.02, 0, 0);
+  add_half(0, 0.02, 1.0 / 3);
+  const std::size_t once = mesh.triangles.size();
+  for (std::size_t i = 0; twice && i < once; ++i) mesh.triangles.push_back(Triangle(mesh.triangles[i]));
+  return mesh;
+}
+
+TEST(Friction, SlidesOverAThousandCoplanarEdgesWithoutABump) {
+  for (const bool twice : {false, true}) {
+    Scene scene = test::pad_scene();
+    scene.objects.push_back(test::object_of("strip", strip_of_edges(twice), {}, Material{0.6, 0.6, 0, 1000}));
+    Session run(scene);
+    Vec3 steady;
+    double worst = 0;
+    for (int i = 0; i <= 1000; ++i) {
+      run.step(test::frame_of({{{-0.05 + 1e-4 * i, 0.0007, test::kPadRadius - 0.002}, {0, 0, 1}}}));
+      const Vec3 force = test::hand_force(run.output);
+      if (i == 100) steady = force;  // by then it slides
+      if (i > 100) worst = max(worst, norm(force - steady));
+    }
+    EXPECT_LT(worst, 1e-6 * norm(steady)) << twice;
+    EXPECT_NEAR(-steady.x, 0.6 * steady.z, 1e-6 * steady.z);
+  }
+}
+
 }  // namespace
 }  // namespace lumbrical

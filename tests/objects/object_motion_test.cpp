@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "lumbrical/shared_objects.h"
 #include "pads.h"
 #include "random.h"
 
@@ -224,6 +225,44 @@ TEST(ObjectMotion, PosesThatAreMissingBrokenOrJumpAreToldAndForcesFade) {
     for (int i = 0; i < 60; ++i) run.step(frame, {&told, 1});
     EXPECT_NEAR(norm(test::hand_force(run.output)), before, 1e-12);
   }
+}
+
+TEST(ObjectMotion, TwoHandsPullOnOneObjectAndEveryForceHasItsCounterpart) {
+  Scene scene = test::pad_scene();
+  scene.gravity = {};
+  scene.objects.push_back(test::object_of("shelf", cube(0.1), {{0, 0, -1}, {}}, {0.5, 0.5, 0, 1000}));
+  scene.objects.push_back(
+      test::body_of("box", cube(0.05, 4), 0.2, {{0, 0, 0}, {1, 0.1, 0.05, 0.02}}, {0.8, 0.6, 0.1, 1000}));
+  SharedObjects shared;
+  ASSERT_TRUE(share_objects(scene, {}, shared).ok());
+  Session right(given_objects(scene)), left(given_objects(scene));
+  Hand other = mirrored_hand(scene.hand);
+  ASSERT_TRUE(share_world(right.model, other, left.model).ok());
+  left.scratch = make_scratch(left.model);
+  std::vector<ObjectFrame> given = start_frames(right.model);
+  double worst = 0, farthest = 0;
+  for (int i = 0; i < 600; ++i) {
+    const double pull = 0.0006 * std::sin(0.02 * i);
+    const auto hold = [&](double side, double by) {
+      return test::frame_of({{{side * 0.0315 + by, 0.004 * side, 0.001}, {side, 0, 0}},
+                             {{side * 0.012, 0.0316, by}, {0, 1, 0}},
+                             {{side * 0.012, -0.0316, by}, {0, -1, 0}}});
+    };
+    right.step(hold(1, pull), given);
+    left.step(hold(-1, -0.7 * pull), given);
+    const Vec3 before = shared.state.objects[1].velocity;
+    push_objects(shared, right.scratch.object_output);
+    push_objects(shared, left.scratch.object_output);
+    move_objects(shared, given);
+    const Vec3 gained = (0.2 / kTick) * (shared.state.objects[1].velocity - before);
+    const Vec3 felt = test::hand_force(right.output) + test::hand_force(left.output);
+    worst = max(worst, norm(gained + felt));
+    farthest = max(farthest, norm(given[0].pose.position));
+    EXPECT_EQ((right.output.flags | left.output.flags) & kObjectImplausible, 0u);
+  }
+  EXPECT_LT(worst, 1e-10);
+  EXPECT_GT(farthest, 1e-5);
+  EXPECT_LT(farthest, 0.005);
 }
 
 TEST(ObjectMotion, InstancesShareOneSearchStructure) {

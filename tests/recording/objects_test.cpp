@@ -39,9 +39,10 @@ ObjectFrame frame_at(std::uint64_t tick) {
   return {{{-0.1, 0.02 * std::sin(0.01 * static_cast<double>(tick)), 0.05}, {}}};
 }
 
-std::string recorded_session() {
+std::string recorded_session(double proxy_stiffness = 0) {
   const std::string path = test::cleared(test::temporary_path("objects.mcap"));
-  const Scene scene = scene_of_objects();
+  Scene scene = scene_of_objects();
+  scene.settings.proxy_stiffness = proxy_stiffness;
   const Model model = test::model_of(scene);
   State state = make_state(model);
   Scratch scratch = make_scratch(model);
@@ -63,27 +64,40 @@ std::string recorded_session() {
   return path;
 }
 
+void expect_replay(const std::string& path, const Execution& execution) {
+  RecordingReader reader;
+  ASSERT_TRUE(reader.open(path).ok());
+  ReplayOptions options;
+  options.execution = execution;
+  ReplayResult result;
+  const Status status = replay(reader, options, result);
+  EXPECT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(result.ticks, kTicks);
+  EXPECT_FALSE(result.first_divergence)
+      << result.first_divergence->stage << " " << result.first_divergence->field;
+  EXPECT_EQ(result.damage, "");
+}
+
+Execution execution_of(Isa isa, std::uint32_t threads, Broadphase broadphase) {
+  Execution execution;
+  execution.isa = isa;
+  execution.threads = threads;
+  execution.broadphase = broadphase;
+  return execution;
+}
+
 TEST(RecordedObjects, ReplayToTheLastBitHoweverTheWorkIsDone) {
   const std::string path = recorded_session();
-  for (const Isa isa : {Isa::scalar, Isa::automatic}) {
-    for (const std::uint32_t threads : {1u, 2u}) {
-      for (const Broadphase broadphase : {Broadphase::tree, Broadphase::grid, Broadphase::brute}) {
-        RecordingReader reader;
-        ASSERT_TRUE(reader.open(path).ok());
-        ReplayOptions options;
-        options.execution.isa = isa;
-        options.execution.threads = threads;
-        options.execution.broadphase = broadphase;
-        ReplayResult result;
-        const Status status = replay(reader, options, result);
-        EXPECT_TRUE(status.ok()) << status.message();
-        EXPECT_EQ(result.ticks, kTicks);
-        EXPECT_FALSE(result.first_divergence)
-            << result.first_divergence->stage << " " << result.first_divergence->field;
-        EXPECT_EQ(result.damage, "");
-      }
-    }
-  }
+  for (const Isa isa : {Isa::scalar, Isa::automatic})
+    for (const std::uint32_t threads : {1u, 2u})
+      for (const Broadphase broadphase : {Broadphase::tree, Broadphase::grid, Broadphase::brute})
+        expect_replay(path, execution_of(isa, threads, broadphase));
+}
+
+TEST(RecordedObjects, ReplayToTheLastBitWithAProxyToo) {
+  const std::string path = recorded_session(2000);
+  expect_replay(path, execution_of(Isa::scalar, 2, Broadphase::grid));
+  expect_replay(path, execution_of(Isa::automatic, 1, Broadphase::brute));
 }
 
 TEST(RecordedObjects, AreReadBackAsTheyWere) {

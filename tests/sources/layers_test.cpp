@@ -25,6 +25,7 @@ enum class Layer {
   loop,
   session,
   wire,
+  physics,
   capi,
   program,
   test
@@ -45,7 +46,7 @@ const Rule kRules[] = {
     {Layer::model, "engine/src/model", "*"},
     {Layer::model, "engine/src/index", "*"},
 
-    {Layer::motion, "engine/include/lumbrical", "device motion"},
+    {Layer::motion, "engine/include/lumbrical", "device motion object_path"},
     {Layer::motion, "engine/src/motion", "resampler grasp_motion"},
 
     {Layer::kernels, "engine/src/lanes", "*"},
@@ -55,7 +56,7 @@ const Rule kRules[] = {
 
     {Layer::stages, "engine/src/stages", "*"},
 
-    {Layer::engine, "engine/include/lumbrical", "tick probe jacobian batch clearance"},
+    {Layer::engine, "engine/include/lumbrical", "tick probe jacobian batch clearance shared_objects"},
     {Layer::engine, "engine/src/objects", "*"},
     {Layer::engine, "engine/src/proxy", "*"},
     {Layer::engine, "engine/src/tick", "*"},
@@ -77,6 +78,9 @@ const Rule kRules[] = {
 
     {Layer::wire, "engine/include/lumbrical", "modbus_wire modbus_server"},
     {Layer::wire, "engine/src/modbus", "*"},
+
+    {Layer::physics, "engine/include/lumbrical", "bullet"},
+    {Layer::physics, "engine/src/bullet", "*"},
 
     {Layer::capi, "engine/include", "lumbrical"},
     {Layer::capi, "engine/src/capi", "*"},
@@ -110,6 +114,8 @@ bool may_include(Layer from, Layer to) {
       return (to <= Layer::loop && to != Layer::kernels && to != Layer::stages) || to == Layer::wire;
     case Layer::session:
       return to <= Layer::session && to != Layer::loop && to != Layer::kernels && to != Layer::stages;
+    case Layer::physics:
+      return (to <= Layer::engine && to != Layer::kernels && to != Layer::stages) || to == Layer::physics;
     case Layer::capi:
       return to == Layer::capi ||
              (to <= Layer::session && to != Layer::loop && to != Layer::kernels && to != Layer::stages);
@@ -158,6 +164,9 @@ const Outside kOutside[] = {
     {"(gtest|boost)/.*", "tests/.*"},
     {"benchmark/.*", "bench/.*"},
     {"(btBulletCollisionCommon[.]h|fcl/.*|ode/ode[.]h|embree3/.*)", "bench/peer_\\w+[.]cpp"},
+    {"(btBulletDynamicsCommon[.]h|BulletCollision/.*|LinearMath/.*)",
+     "engine/src/bullet/.*|bench/hold_bullet[.]cpp"},
+    {"mujoco/mujoco[.]h", "bench/hold_mujoco[.]cpp"},
 };
 
 bool matches(const std::string& text, const char* pattern) {

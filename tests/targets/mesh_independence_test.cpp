@@ -12,6 +12,7 @@
 
 #include "experiments.h"
 #include "lumbrical/probe.h"
+#include "pressed_hand.h"
 #include "random.h"
 
 namespace lumbrical::bench {
@@ -134,6 +135,29 @@ void expect_within_target(const Spread& spread, Cut cut) {
   EXPECT_LT(spread.torque, 10 * most);
   EXPECT_LT(spread.area_here, most);
   EXPECT_LT(spread.area, std::max(most, spread.input));
+}
+
+TEST(PalmOnAPlane, FeelsTheSameOfTwoTrianglesAsOfTwoMillion) {
+  const double most = wanted_in_print() ? static_cast<double>(largest_count()) : 2e6;
+  Wrench few;
+  for (const double count : {2.0, most}) {
+    Scene scene;
+    scene.hand = default_hand(Side::right);
+    scene.settings.precision.fill(0);
+    scene.settings.fade_time = 0;
+    scene.objects.push_back({"plane", make_plane(1, static_cast<std::uint32_t>(std::sqrt(count / 2)))});
+    Model model;
+    ASSERT_TRUE(build_model(scene, {}, model).ok());
+    State state;
+    Scratch scratch = make_scratch(model);
+    const ActuatorFrame out = tick(model, state, scratch, test::pressed_frame(scene.hand, 0.0005, 0.1));
+    const Wrench& palm = out.segment[kPalmSegment];
+    if (count == 2) few = palm;
+    EXPECT_GT(norm(palm.force), 3);
+    EXPECT_EQ(out.flags & (kForceLimited | kCandidateOverflow), 0u);
+    EXPECT_LT(norm(palm.force - few.force), 1e-6 * norm(few.force)) << count;
+    EXPECT_LT(norm(palm.torque - few.torque), 1e-6 * norm(few.torque)) << count;
+  }
 }
 
 class MeshIndependence : public testing::TestWithParam<Cut> {};

@@ -135,7 +135,7 @@ void explain_untouched(const SceneFile& scene_file, RunStatistics& statistics) {
 
 Status build_models(const SceneFile& scene_file, std::vector<Model>& models) {
   models.resize(scene_file.second ? 2 : 1);
-  Status status = build_model(scene_file.scene, scene_file.execution, models[0]);
+  Status status = build_model(felt_scene(scene_file), scene_file.execution, models[0]);
   if (status.ok() && scene_file.second) status = share_world(models[0], scene_file.second->hand, models[1]);
   return status;
 }
@@ -165,6 +165,9 @@ int run(const RunOptions& options) {
   std::vector<Model> models;
   Status status = build_models(scene_file, models);
   if (!status.ok()) return fail(options.scene + ": " + status.message());
+  GivenObjects given;
+  if (status = start_given(scene_file, models[0], given); !status.ok())
+    return fail(options.scene + ": " + status.message());
   std::vector<SessionHand> hands = {{models[0], scene_file.motion}};
   if (scene_file.second) hands.push_back({models[1], scene_file.second->motion});
 
@@ -194,7 +197,7 @@ int run(const RunOptions& options) {
   RunStatistics statistics =
       run_session(hands, ticks,
                   {paced, recording ? &recorder : nullptr, unrecorded, with_device ? &device : nullptr,
-                   device_hand, options.view ? &live_view : nullptr});
+                   device_hand, options.view ? &live_view : nullptr, &given});
   device.close();  // forces end before anything else is done
   const bool told = !statistics.recording_error.ok();
   if (recording) {

@@ -78,18 +78,26 @@ std::vector<MovingHand> moving(const std::vector<SessionHand>& hands, bool recor
   return result;
 }
 
+std::span<const ObjectFrame> given_to(const SessionParts& parts) {
+  if (parts.given == nullptr) return {};
+  return parts.given->frames;
+}
+
 DeviceFrame frame_at(double time, const MovingHand& moving) {
   const Motion& motion = moving.hand.motion;
   return resample(motion, moving.still ? motion.samples[0].time : time);
 }
 
 // One tick of one hand, its time included.
-void tick_hand(const DeviceFrame& frame, WorldPager& pager, MovingHand& moving) {
+void tick_hand(const DeviceFrame& frame, const SessionParts& parts, WorldPager& pager, MovingHand& moving) {
   TickRecord& record = moving.record;
   record.device = frame;
   pager.hand_at(record.device, record.hand);
+  const std::span<const ObjectFrame> given = given_to(parts);
+  record.given_count = static_cast<std::uint32_t>(given.size());
+  std::copy(given.begin(), given.end(), record.given.begin());
   const std::int64_t start = clock_ns();
-  record.output = tick(moving.hand.model, moving.state, moving.scratch, record.device);
+  record.output = tick(moving.hand.model, moving.state, moving.scratch, record.device, given);
   record.duration_ns = nanoseconds_between(start, clock_ns());
   take_objects(moving.scratch, record);
 }
@@ -97,7 +105,7 @@ void tick_hand(const DeviceFrame& frame, WorldPager& pager, MovingHand& moving) 
 // One tick of each hand, that of the device in a step of its loop. False: the session shall end.
 bool tick_hands(double time, const SessionParts& parts, WorldPager& pager, std::vector<MovingHand>& all) {
   const auto tick_others = [&](std::size_t from, std::size_t end) {
-    for (std::size_t i = from; i < end; ++i) tick_hand(frame_at(time, all[i]), pager, all[i]);
+    for (std::size_t i = from; i < end; ++i) tick_hand(frame_at(time, all[i]), parts, pager, all[i]);
   };
   if (parts.device == nullptr) {
     tick_others(0, all.size());
@@ -106,7 +114,7 @@ bool tick_hands(double time, const SessionParts& parts, WorldPager& pager, std::
   tick_others(0, parts.device_hand);
   MovingHand& driven = all[parts.device_hand];
   const auto feel = [&](LoopStep& step) {
-    tick_hand(step.frame, pager, driven);
+    tick_hand(step.frame, parts, pager, driven);
     tick_others(parts.device_hand + 1, all.size());
     step.output = driven.record.output;
     return !pager.changed();
@@ -199,6 +207,10 @@ RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t t
     if (pager.changed()) {  // neither device nor recording learn of this tick
       statistics.world_error = pager.failure();
       break;
+    }
+    if (parts.given != nullptr) {
+      for (const MovingHand& hand : all) push_given(hand.scratch, *parts.given);
+      move_given(static_cast<double>(i + 1) / rate, 1 / rate, *parts.given);
     }
     std::uint32_t duration = 0;
     for (const MovingHand& hand : all) duration += hand.record.duration_ns;

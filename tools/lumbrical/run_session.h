@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "device_session.h"
+#include "given_objects.h"
 #include "late_ticks.h"
 #include "live_view.h"
 #include "lumbrical/model.h"
@@ -72,6 +73,7 @@ struct SessionParts {
   DeviceSession* device = nullptr;  ///< open and certified by measure_device
   std::size_t device_hand = 0;      ///< which hand it drives
   LiveView* view = nullptr;         ///< started
+  GivenObjects* given = nullptr;    ///< started
 };
 
 /// Runs `ticks` ticks of each hand, one hand after the other, tick i at session time i / settings.rate, paced

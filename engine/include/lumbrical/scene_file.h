@@ -10,6 +10,7 @@
 #include "lumbrical/clearance.h"
 #include "lumbrical/model.h"
 #include "lumbrical/motion.h"
+#include "lumbrical/object_path.h"
 #include "lumbrical/status.h"
 
 namespace lumbrical {
@@ -20,6 +21,12 @@ struct SecondHand {
   Motion motion;  ///< placed as the first
 };
 
+/// Who moves the given objects that have a mass.
+struct PhysicsChoice {
+  std::string engine;  ///< "bullet"
+  double friction = 0.5;
+};
+
 struct SceneFile {
   Scene scene;  ///< meshes placed in the world, the hand fitted to the motion
   Execution execution;
@@ -28,8 +35,10 @@ struct SceneFile {
   MotionPlacement placement;         ///< that it was placed with, alignment included
   bool aligned =
       false;  ///< it was moved to meet an object (find_shift): write the placement's pose into the scene
-  double seconds = 0;              ///< [s] length of the session, > 0
-  std::vector<std::string> files;  ///< every file that was read, the scene file first
+  std::vector<ObjectPath> paths;           ///< of the scene's given objects, in their order; empty: none
+  std::optional<PhysicsChoice> physics{};  ///< for a program that has it, such as `lumbrical run`
+  double seconds = 0;                      ///< [s] length of the session, > 0
+  std::vector<std::string> files;          ///< every file that was read, the scene file first
 };
 
 /// What takes the place of the file's own motion.

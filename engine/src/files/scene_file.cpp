@@ -300,14 +300,18 @@ Status read_things(const format::Scene& scene, FieldReader& read, SceneFile& res
   read_surroundings(scene, read, result.scene);
   if (scene.world() != nullptr) return read_world(scene, read, result);
   std::size_t triangles = 0;
-  return read_objects(scene, read, result.files, [&](SceneObject&& object) {
+  const auto take = [&](SceneObject&& object, ObjectPath&& path) {
     triangles += object.mesh.triangles.size();
     if (triangles > kMaxTriangles)
       return Status::error(
           "brings the scene above 67,108,864 triangles; make it a world file (lumbrical world)");
+    if (object.mechanism.mobility == Mobility::given) result.paths.push_back(std::move(path));
     result.scene.objects.push_back(std::move(object));
     return Status();
-  });
+  };
+  if (Status status = read_objects(scene, read, result.files, take); !status.ok()) return status;
+  read_physics(scene, read, result.physics);
+  return read.status();
 }
 
 }  // namespace
@@ -324,7 +328,8 @@ Status load_scene_objects(const std::string& path, const std::function<Status(co
   if (!read.ok()) return read.status();
   if (Status status = begin(execution); !status.ok()) return status;
   std::vector<std::string> files = {path};
-  return read_objects(scene, read, files, take);
+  return read_objects(scene, read, files,
+                      [&](SceneObject&& object, ObjectPath&&) { return take(std::move(object)); });
 }
 
 Status load_scene_file(const std::string& path, SceneFile& scene_file, const MotionOverride& motion) {

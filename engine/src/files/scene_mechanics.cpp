@@ -41,6 +41,20 @@ void read_joint(const format::Joint* table, const std::string& at, FieldReader& 
   read.number(table->detent_pitch(), at + ".detent_pitch", {1e-6, 1e3}, mechanism.detent_pitch);
 }
 
+void read_path(const flatbuffers::Vector<flatbuffers::Offset<format::PathPoint>>& points,
+               const std::string& at, FieldReader& read, ObjectPath& path) {
+  for (flatbuffers::uoffset_t i = 0; i < points.size(); ++i) {
+    const format::PathPoint& point = *points.Get(i);
+    const std::string here = at + "[" + std::to_string(i) + "]";
+    PathPoint& added = path.emplace_back();
+    if (!point.time().has_value()) read.error(here, "has no time [s]");
+    read.number(point.time(), here + ".time", {0, 1e6}, added.time);
+    read.pose(point.position(), here + ".position", point.orientation(), here + ".orientation", added.pose);
+    if (i > 0 && !(added.time > path[i - 1].time)) read.error(here + ".time", "is not after the one before");
+  }
+  if (path.empty()) read.error(at, "has no points");
+}
+
 // Of the solid inside the mesh, as far as the file does not say otherwise.
 void read_body(const format::Object& table, const std::string& at, FieldReader& read,
                const SceneObject& object, MassProperties& body) {
@@ -65,10 +79,22 @@ void read_body(const format::Object& table, const std::string& at, FieldReader& 
   read.numbers(table.inertia(), at + ".inertia", {-1e9, 1e9}, body.inertia);
 }
 
+void read_given(const format::Object& table, const std::string& at, FieldReader& read, SceneObject& object,
+                ObjectPath& path) {
+  const bool heavy = table.mass().has_value() || table.density().has_value();
+  if (heavy && table.path() != nullptr) read.error(at + ".path", "stands beside a mass; keep one");
+  if (heavy) read_body(table, at, read, object, object.mechanism.body);
+  if (table.path() == nullptr) return;
+  if (table.position() != nullptr || table.orientation() != nullptr)
+    read.error(at + ".path", "stands beside a position or orientation; keep one");
+  read_path(*table.path(), at + ".path", read, path);
+  if (read.ok()) object.pose = path[0].pose;
+}
+
 }  // namespace
 
 void read_mechanics(const format::Object& table, const std::string& at, FieldReader& read,
-                    SceneObject& object) {
+                    SceneObject& object, ObjectPath& path) {
   read_material(table, at, read, object.material);
   Mechanism& mechanism = object.mechanism;
   if (table.moves() != nullptr) {
@@ -79,11 +105,25 @@ void read_mechanics(const format::Object& table, const std::string& at, FieldRea
   }
   if (table.joint() != nullptr && mechanism.mobility < Mobility::hinge)
     return read.error(at + ".joint", R"(needs "moves": "hinge", "slider" or "ball")");
+  if (table.path() != nullptr && mechanism.mobility != Mobility::given)
+    return read.error(at + ".path", R"(needs "moves": "given")");
+  if (mechanism.mobility == Mobility::given) return read_given(table, at, read, object, path);
   if (mechanism.mobility < Mobility::free) return;
   read.number(table.damping(), at + ".damping", kForce, mechanism.damping);
   mechanism.pivot = object.pose.position;
   read_joint(table.joint(), at + ".joint", read, mechanism);
   if (read.ok()) read_body(table, at, read, object, mechanism.body);
+}
+
+void read_physics(const format::Scene& table, FieldReader& read, std::optional<PhysicsChoice>& physics) {
+  if (table.physics() == nullptr) return;
+  const format::Physics& own = *table.physics();
+  physics.emplace();
+  if (own.engine() == nullptr || own.engine()->string_view() != "bullet")
+    read.error("physics.engine", "must be \"bullet\"");
+  else
+    physics->engine = own.engine()->str();
+  read.number(own.friction(), "physics.friction", {0, 10}, physics->friction);
 }
 
 void read_surroundings(const format::Scene& table, FieldReader& read, Scene& scene) {

@@ -4,14 +4,17 @@
 #include <string>
 
 #include "files/json_file.h"
-#include "lumbrical/model.h"
+#include "lumbrical/scene_file.h"
 #include "scene_generated.h"
 
 namespace lumbrical {
 
-/// Material and mechanism of an object whose mesh is there, in its own frame, and whose pose is read.
+/// Material, mechanism and path (empty: none) of an object whose mesh is there, in its own frame, and whose
+/// pose is read.
 void read_mechanics(const scene_format::Object& table, const std::string& at, FieldReader& read,
-                    SceneObject& object);
+                    SceneObject& object, ObjectPath& path);
+
+void read_physics(const scene_format::Scene& table, FieldReader& read, std::optional<PhysicsChoice>& physics);
 
 /// Gravity and ground.
 void read_surroundings(const scene_format::Scene& table, FieldReader& read, Scene& scene);

@@ -214,7 +214,7 @@ double metres_per(Unit unit) {
 }
 
 Status read_objects(const format::Scene& scene, FieldReader& read, std::vector<std::string>& files,
-                    const std::function<Status(SceneObject&&)>& take) {
+                    const std::function<Status(SceneObject&&, ObjectPath&&)>& take) {
   if (scene.objects() == nullptr || scene.objects()->size() == 0) {
     read.error("objects", "is missing or empty; name at least one mesh or shape to touch");
     return read.status();
@@ -226,12 +226,13 @@ Status read_objects(const format::Scene& scene, FieldReader& read, std::vector<s
     if (Status status = read_mesh(table, at, read, files, object); !status.ok()) return status;
     if (table.mesh() == nullptr) object.winding = Winding::as_is;  // shapes face outwards
     size_object(table, at, read, object);
-    if (read.ok()) read_mechanics(table, at, read, object);
+    ObjectPath path;
+    if (read.ok()) read_mechanics(table, at, read, object, path);
     if (Status status = read_surface(table, at, read, files, object); !status.ok()) return status;
     place_object(object);
     if (table.name() != nullptr) object.name = table.name()->str();
     if (!read.ok()) return read.status();
-    if (Status status = take(std::move(object)); !status.ok()) {
+    if (Status status = take(std::move(object), std::move(path)); !status.ok()) {
       read.error(at, status.message());
       return read.status();
     }

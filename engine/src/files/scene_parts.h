@@ -19,10 +19,10 @@ Side read_side(const flatbuffers::String* text, const std::string& path, FieldRe
 Unit read_unit(const flatbuffers::String* text, const std::string& path, FieldReader& read);
 double metres_per(Unit unit);
 
-/// Loads or builds one object after the other, puts it in its place, and hands it over. The files read are
-/// added to `files`, of which the first is the scene's.
+/// Loads or builds one object after the other, puts it in its place, and hands it and its path over. The
+/// files read are added to `files`, of which the first is the scene's.
 Status read_objects(const scene_format::Scene& scene, FieldReader& read, std::vector<std::string>& files,
-                    const std::function<Status(SceneObject&&)>& take);
+                    const std::function<Status(SceneObject&&, ObjectPath&&)>& take);
 
 /// A hand of the given side as `table` describes it; null: the default hand. `at` stands before the fields'
 /// names.

@@ -99,6 +99,9 @@ Status check_apart(const SceneObject& object) {
   check_surface(object, check);
   const Mechanism& mechanism = object.mechanism;
   check.require(mobility_name(mechanism.mobility) != "unknown", "mobility", "one of the six");
+  // A given object has a mass where a physics engine moves it.
+  if (mechanism.mobility == Mobility::given && mechanism.body != MassProperties{})
+    check_body(mechanism.body, check);
   if (moves_by_itself(mechanism)) {
     check_body(mechanism.body, check);
     check.require(within(mechanism.damping, 0, 1e6), "damping", "0 to 1e6 N s/m or N m s/rad");

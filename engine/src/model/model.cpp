@@ -436,8 +436,7 @@ Status share_world(const Model& world, const Hand& hand, Model& model) {
     if (moves_by_itself(object.mechanism))
       return Status::error(
           "object \"" + object.name +
-          "\" moves by itself, which two hands at once can't make it do; choose one hand, or "
-          "move it from outside (given)");
+          "\" moves by itself and can't be shared by hands; move it from outside (shared_objects.h)");
   model = remade(world, hand, world.settings, world.execution.threads);
   return {};
 }

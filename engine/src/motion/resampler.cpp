@@ -7,29 +7,31 @@
 
 #include "base/floating_point.h"
 #include "lumbrical/motion.h"
+#include "lumbrical/object_path.h"
 #include "model/hand_from_positions.h"
 
 namespace lumbrical {
 namespace {
 
 // The samples round one time: `left` <= time < `right`, and the fraction of the way between them.
+template <class Sample>
 struct Interval {
-  const MotionSample* before;  // of `left`; the same as `left` where there is none
-  const MotionSample* left;
-  const MotionSample* right;
-  const MotionSample* after;  // of `right`; the same as `right` where there is none
-  double fraction;            // 0..1
+  const Sample* before;  // of `left`; the same as `left` where there is none
+  const Sample* left;
+  const Sample* right;
+  const Sample* after;  // of `right`; the same as `right` where there is none
+  double fraction;      // 0..1
   // The neighbouring intervals' lengths in units of this one's; 0 where there is none.
   double length_before, length_after;
 };
 
 // `time` lies between the first and the last sample.
-Interval find_interval(const Motion& motion, double time) {
-  const MotionSample* first = motion.samples.data();
-  const MotionSample* last = first + motion.samples.size() - 1;
-  Interval found;
-  found.right =
-      std::upper_bound(first + 1, last, time, [](double t, const MotionSample& s) { return t < s.time; });
+template <class Sample>
+Interval<Sample> find_interval(const std::vector<Sample>& samples, double time) {
+  const Sample* first = samples.data();
+  const Sample* last = first + samples.size() - 1;
+  Interval<Sample> found;
+  found.right = std::upper_bound(first + 1, last, time, [](double t, const Sample& s) { return t < s.time; });
   found.left = found.right - 1;
   found.before = found.left == first ? first : found.left - 1;
   found.after = found.right == last ? last : found.right + 1;
@@ -55,7 +57,8 @@ double limited_slope(double a, double a_length, double b, double b_length) {
 
 // The cubic of one coordinate. The final clamp keeps rounding, and overflow of absurd input, between the
 // neighbours.
-double blend(double before, double left, double right, double after, const Interval& at) {
+template <class Sample>
+double blend(double before, double left, double right, double after, const Interval<Sample>& at) {
   const double rise = right - left;
   const double left_slope = limited_slope(left - before, at.length_before, rise, 1);
   const double right_slope = limited_slope(rise, 1, after - right, at.length_after);
@@ -65,7 +68,7 @@ double blend(double before, double left, double right, double after, const Inter
   return clamp(value, min(left, right), max(left, right));
 }
 
-float blend(float before, float left, float right, float after, const Interval& at) {
+float blend(float before, float left, float right, float after, const Interval<MotionSample>& at) {
   return static_cast<float>(blend(double{before}, double{left}, double{right}, double{after}, at));
 }
 
@@ -82,20 +85,24 @@ std::array<float, 4> to_floats(Quat q) {
   return {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z), static_cast<float>(q.w)};
 }
 
-Pose blend_base(const Interval& at) {
-  const Pose& before = at.before->frame.base;
-  const Pose& left = at.left->frame.base;
-  const Pose& right = at.right->frame.base;
-  const Pose& after = at.after->frame.base;
-  Pose base;
-  base.position.x = blend(before.position.x, left.position.x, right.position.x, after.position.x, at);
-  base.position.y = blend(before.position.y, left.position.y, right.position.y, after.position.y, at);
-  base.position.z = blend(before.position.z, left.position.z, right.position.z, after.position.z, at);
-  base.orientation = blend(left.orientation, right.orientation, at.fraction);
-  return base;
+const Pose& pose_of(const MotionSample& sample) { return sample.frame.base; }
+const Pose& pose_of(const PathPoint& point) { return point.pose; }
+
+template <class Sample>
+Pose blend_pose(const Interval<Sample>& at) {
+  const Pose& before = pose_of(*at.before);
+  const Pose& left = pose_of(*at.left);
+  const Pose& right = pose_of(*at.right);
+  const Pose& after = pose_of(*at.after);
+  Pose pose;
+  pose.position.x = blend(before.position.x, left.position.x, right.position.x, after.position.x, at);
+  pose.position.y = blend(before.position.y, left.position.y, right.position.y, after.position.y, at);
+  pose.position.z = blend(before.position.z, left.position.z, right.position.z, after.position.z, at);
+  pose.orientation = blend(left.orientation, right.orientation, at.fraction);
+  return pose;
 }
 
-void blend_joints(const Interval& at, DeviceFrame& frame) {
+void blend_joints(const Interval<MotionSample>& at, DeviceFrame& frame) {
   for (int j = 0; j < kJointCount; ++j) {
     const JointPose& before = at.before->frame.joint[j];
     const JointPose& left = at.left->frame.joint[j];
@@ -110,7 +117,7 @@ void blend_joints(const Interval& at, DeviceFrame& frame) {
   }
 }
 
-void blend_angles(const Interval& at, DeviceFrame& frame) {
+void blend_angles(const Interval<MotionSample>& at, DeviceFrame& frame) {
   for (int i = 0; i < kAngleCount; ++i) {
     frame.angle[i] = blend(at.before->frame.angle[i], at.left->frame.angle[i], at.right->frame.angle[i],
                            at.after->frame.angle[i], at);
@@ -155,20 +162,28 @@ DeviceFrame resample(const Motion& motion, double time, const ResamplerOptions& 
   if (motion.samples.size() == 1) return first.frame;  // a still pose holds for ever
   if (!(time > first.time)) return held(first, time, options.max_gap);
   if (time >= last.time) return held(last, time, options.max_gap);
-  const Interval at = find_interval(motion, time);
+  const Interval at = find_interval(motion.samples, time);
   if (at.fraction == 0) return at.left->frame;
   DeviceFrame frame;
   frame.kind = at.left->frame.kind;
   frame.flags = at.left->frame.flags | at.right->frame.flags;
   if (!(at.right->time - at.left->time <= options.max_gap)) frame.flags |= kTrackingLost;
   frame.valid = at.left->frame.valid & at.right->frame.valid;
-  frame.base = blend_base(at);
+  frame.base = blend_pose(at);
   if (frame.kind == InputKind::joint_poses) {
     blend_joints(at, frame);
   } else {
     blend_angles(at, frame);
   }
   return frame;
+}
+
+Pose resample(const ObjectPath& path, double time) {
+  const FloatingPointGuard guard;
+  if (!(time > path.front().time)) return path.front().pose;
+  if (time >= path.back().time) return path.back().pose;
+  const Interval at = find_interval(path, time);
+  return at.fraction == 0 ? at.left->pose : blend_pose(at);
 }
 
 double duration(const Motion& motion) {

@@ -6,7 +6,7 @@
 #include "objects/body_motion.h"
 #include "objects/contact_patch.h"
 #include "objects/friction.h"
-#include "objects/ground.h"
+#include "objects/move_on.h"
 #include "objects/surface_feel.h"
 #include "proxy/proxy_hand.h"
 #include "samples/sampled_forces.h"
@@ -198,13 +198,7 @@ void move_object(const Model& model, const ApartObject& object, const Primitives
   Springs springs;
   for (const Touch& touch : touches) springs.push_back(touch.spring);
   Wrench wrench = wrench_on_object(touches, hand, centre);
-  wrench.force += body.mass * model.gravity;
-  if (model.ground && object.mechanism.mobility == Mobility::free) {
-    const double weight = body.mass * max(1, norm(model.gravity));
-    wrench = wrench + rest_on(*model.ground, object.supports, body, weight, dt, state, springs);
-  }
-  const Twist speed =
-      advance_body(object.mechanism, object.start, {springs.begin(), springs.size()}, wrench, dt, state);
+  const Twist speed = move_on(model, object, wrench, springs, state);
   give_way(speed, dt, hand, centre, touches);
 }
 

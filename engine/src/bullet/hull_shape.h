@@ -1,0 +1,25 @@
+// The shape that Bullet gives a body: the convex hulls of a mesh's parts.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
+
+#include "lumbrical/model.h"
+
+namespace lumbrical {
+
+/// Bullet's thresholds are made for things of some units; so they suit what a hand can hold.
+inline constexpr double kUnitsPerMetre = 100;
+
+/// A body's shape, and what it refers to.
+struct HullShape {
+  std::vector<std::unique_ptr<btCollisionShape>> hulls;
+  std::unique_ptr<btCompoundShape> whole;
+};
+
+/// Of triangles [m] in O, as seen from a frame C [kUnitsPerMetre]; X_CO. False: a part is flat.
+bool make_hull_shape(const Triangles& triangles, const btTransform& X_CO, HullShape& shape);
+
+}  // namespace lumbrical

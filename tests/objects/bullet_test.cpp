@@ -1,0 +1,225 @@
+// Bodies that touch each other: the hand's contact is ours, theirs is Bullet's.
+#include "lumbrical/bullet.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "lumbrical/shared_objects.h"
+#include "pads.h"
+#include "recording/recording_fixture.h"
+
+namespace lumbrical {
+namespace {
+
+using test::Pad;
+using test::Session;
+
+// A body that Bullet moves.
+SceneObject body_of(const char* name, Mesh mesh, double mass, Vec3 position, const Material& material = {}) {
+  SceneObject object = test::body_of(name, std::move(mesh), mass, {position, {}}, material);
+  object.mechanism.mobility = Mobility::given;
+  return object;
+}
+
+/// A session with a physics engine beside it.
+struct World : Session {
+  BulletWorld world;
+  std::vector<ObjectFrame> given;
+
+  explicit World(const Scene& scene) : Session(scene), given(start_frames(model)) {
+    const Status status = make_bullet_world(model, {}, world);
+    if (!status.ok()) throw std::runtime_error(status.message());
+  }
+  void advance(const DeviceFrame& frame) {
+    step(frame, given);
+    push_bodies(world, scratch.object_output);
+    move_bodies(world, 1 / model.settings.rate, given);
+  }
+};
+
+DeviceFrame no_hand() { return test::frame_of({{{0, 0, 10}}}); }
+
+TEST(Bullet, AMugComesToRestOnATableAndStays) {
+  Scene scene = test::pad_scene();
+  scene.objects.push_back({"table", make_box({0.4, 0.4, 0.02}, 4)});
+  scene.objects.push_back(body_of("mug", make_mug({}), 0.3, {0, 0, 0.02}));
+  World run(scene);
+  for (int i = 0; i < 800; ++i) run.advance(no_hand());
+  const Pose rested = run.given[0].pose;
+  EXPECT_NEAR(rested.position.z, 0.01, 1e-4);
+  for (int i = 0; i < 2000; ++i) run.advance(no_hand());
+  EXPECT_LT(norm(run.given[0].pose.position - rested.position), 2e-4);
+  EXPECT_LT(test::angle_of(run.given[0].pose.orientation * conjugate(rested.orientation)), 2e-3);
+}
+
+// Blocks of 40 mm and 0.1 kg, one on the other, on the ground.
+Scene stack(int count) {
+  Scene scene = test::pad_scene();
+  scene.ground.emplace();
+  for (int i = 0; i < count; ++i)
+    scene.objects.push_back(
+        body_of("block", make_box({0.04, 0.04, 0.04}, 3), 0.1, {0, 0, 0.02 + 0.04 * i}, {0.8, 0.6, 0, 1000}));
+  return scene;
+}
+
+TEST(Bullet, StackedBlocksStandAndFallWhereAFingerPushes) {
+  World run(stack(5));
+  for (int i = 0; i < 1000; ++i) run.advance(no_hand());
+  for (int i = 0; i < 5; ++i)
+    EXPECT_LT(norm(run.given[static_cast<std::size_t>(i)].pose.position - Vec3{0, 0, 0.02 + 0.04 * i}), 3e-4);
+  // A finger pushes the topmost but one over the edge of those below.
+  for (int i = 0; i < 1200; ++i) {
+    const double x = -0.03 + 0.00004 * i;
+    run.advance(test::frame_of({{{x, 0, 0.145}, {-1, 0, 0}}}));
+    EXPECT_LT(norm(test::hand_force(run.output)), 8);
+    EXPECT_EQ(run.output.flags & kObjectImplausible, 0u);
+  }
+  EXPECT_LT(run.given[4].pose.position.z, 0.1);
+  EXPECT_NEAR(run.given[0].pose.position.z, 0.02, 1e-3);
+}
+
+TEST(Bullet, WhatTheHandDoesIsWhatTheBodysMomentumChangesBy) {
+  Scene scene = test::pad_scene();
+  scene.gravity = {};
+  scene.objects.push_back(body_of("box", make_box({0.05, 0.03, 0.04}, 4), 0.2, {0.001, 0.002, 0}));
+  scene.objects[0].mechanism.body.centre = {0.004, -0.003, 0.002};
+  scene.objects[0].mechanism.body.inertia = {8e-5, 1e-4, 9e-5, 1e-5, -2e-5, 5e-6};
+  World run(scene);
+  const auto moved = [&] {
+    const Pose& pose = run.given[0].pose;
+    return transform(pose, scene.objects[0].mechanism.body.centre);
+  };
+  Vec3 last = moved(), speed;
+  for (int i = 0; i < 40; ++i) {
+    run.advance(test::frame_of({{{0.002, 0.006, 0.0265}, {0, 0, 1}}}));
+    const Vec3 now = moved(), gained = 1000 * (now - last) - speed;
+    EXPECT_LT(norm(200 * gained - run.scratch.object_output[0].wrench.force), 1e-6);
+    EXPECT_LT(norm(test::hand_force(run.output) + run.scratch.object_output[0].wrench.force), 1e-12);
+    last = now;
+    speed += gained;
+  }
+  EXPECT_GT(norm(speed), 0.05);
+}
+
+TEST(Bullet, ABodyWithoutAMassGoesWhereItIsToldAndPushesTheOthers) {
+  Scene scene = test::pad_scene();
+  scene.ground.emplace();
+  scene.objects.push_back(body_of("pusher", make_box({0.04, 0.04, 0.04}, 2), 0.1, {0, 0, 0.021}));
+  scene.objects[0].mechanism.body = {};
+  scene.objects.push_back(body_of("pushed", make_box({0.04, 0.04, 0.04}, 2), 0.1, {0.045, 0, 0.02}));
+  World run(scene);
+  for (int i = 0; i < 600; ++i) {
+    run.given[0].pose.position.x = 0.0001 * i;
+    run.advance(no_hand());
+  }
+  EXPECT_NEAR(run.given[1].pose.position.x, 0.0599 + 0.04, 5e-4);
+}
+
+// Rings of abutting pieces hang in each other; the first is held.
+Mesh ring() {
+  Mesh mesh;
+  constexpr int kPieces = 12;
+  constexpr double kRadius = 0.012, kThick = 0.005;
+  for (int i = 0; i < kPieces; ++i) {
+    const double angle = 2 * 3.141592653589793 * i / kPieces;
+    const Quat turn{std::cos(angle / 2), 0, 0, std::sin(angle / 2)};
+    const double length = 2 * (kRadius + kThick / 2) * std::tan(3.141592653589793 / kPieces);
+    const Mesh piece = make_box({kThick, length, kThick}, 1);
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const Vec3 v : piece.vertices) mesh.vertices.push_back(rotate(turn, v + Vec3{kRadius, 0, 0}));
+    for (const Triangle& t : piece.triangles)
+      mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+  return mesh;
+}
+
+TEST(Bullet, RingsOfAChainHoldEachOther) {
+  Scene scene = test::pad_scene();
+  for (int i = 0; i < 6; ++i) {
+    SceneObject link = test::object_of("link", ring(), {{0, 0, -0.018 * i}, {}}, {0.5, 0.4, 0, 1000});
+    const double half = std::sqrt(0.5);
+    link.pose.orientation = i % 2 == 0 ? Quat{half, half, 0, 0} : Quat{0.5, 0.5, 0.5, 0.5};
+    link.mechanism.mobility = Mobility::given;
+    if (i > 0) link.mechanism.body = {0.02, {}, {2e-6, 2e-6, 4e-6, 0, 0, 0}};
+    scene.objects.push_back(link);
+  }
+  World run(scene);
+  // A finger pushes the lowest ring aside.
+  for (int i = 0; i < 1500; ++i)
+    run.advance(test::frame_of({{{-0.06 + 0.00006 * std::min(i, 1200), 0, -0.095}, {-1, 0, 0}}}));
+  for (std::size_t i = 1; i < 6; ++i) {
+    const double apart = norm(run.given[i].pose.position - run.given[i - 1].pose.position);
+    EXPECT_GT(apart, 0.005) << i;
+    EXPECT_LT(apart, 0.0205) << i;
+  }
+  EXPECT_GT(run.given[5].pose.position.x, 0.003);
+}
+
+TEST(Bullet, WhatItHasLostIsFlaggedAndForcesFade) {
+  World run(stack(1));
+  run.model.settings.fade_time = 0.02;
+  const DeviceFrame frame = test::frame_of({{{0, 0, 0.0465}, {0, 0, 1}}});
+  for (int i = 0; i < 100; ++i) run.advance(frame);
+  double before = norm(test::hand_force(run.output));
+  EXPECT_GT(before, 0.3);
+  run.given[0].pose.position.x = std::nan("");  // as a solver that has failed would say
+  for (int i = 0; i < 40; ++i) {
+    const ObjectFrame lost = run.given[0];
+    run.step(frame, {&lost, 1});
+    EXPECT_NE(run.output.flags & kObjectImplausible, 0u);
+    const double now = norm(test::hand_force(run.output));
+    EXPECT_LE(now, before + 1e-12);
+    EXPECT_GE(now, before - 0.1);
+    before = now;
+  }
+  EXPECT_EQ(before, 0);
+}
+
+TEST(Bullet, SessionsReplayWithoutIt) {
+  const Scene scene = stack(3);
+  World run(scene);
+  std::vector<TickRecord> records;
+  for (int i = 0; i < 300; ++i) {
+    TickRecord& record = records.emplace_back();
+    record.device = test::frame_of({{{-0.0275 + 0.00002 * i, 0.004, 0.1}, {-1, 0, 0}}});
+    record.given_count = 3;
+    std::copy(run.given.begin(), run.given.end(), record.given.begin());
+    run.advance(record.device);
+    record.output = run.output;
+    take_objects(run.scratch, record);
+    record.stage_hash = run.scratch.stage_hash;
+    record.state_hash = hash_state(run.state);
+  }
+  EXPECT_GT(run.given[2].pose.position.x, 0.001);
+  const std::string path = test::cleared(test::temporary_path("bullet.mcap"));
+  test::write_recording(path, scene, records);
+  RecordingReader reader;
+  ASSERT_TRUE(reader.open(path).ok());
+  ReplayOptions options;
+  options.execution.isa = Isa::scalar;
+  options.execution.broadphase = Broadphase::brute;
+  ReplayResult result;
+  const Status status = replay(reader, options, result);
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(result.ticks, 300u);
+  EXPECT_FALSE(result.first_divergence);
+}
+
+TEST(Bullet, WhatItCanNotMoveIsRefusedByName) {
+  Scene scene = test::pad_scene();
+  SceneObject sheet = test::object_of("sheet", make_plane(0.1, 3), {}, {});
+  sheet.mechanism.mobility = Mobility::given;
+  sheet.mechanism.body = {0.1, {}, {1e-4, 1e-4, 1e-4, 0, 0, 0}};
+  scene.objects.push_back(sheet);
+  BulletWorld world;
+  EXPECT_NE(make_bullet_world(test::model_of(scene), {}, world).message().find("\"sheet\""),
+            std::string::npos);
+  scene.objects[0].mechanism.body.mass = -1;
+  Model model;
+  EXPECT_NE(build_model(scene, {}, model).message().find("\"sheet\": mass"), std::string::npos);
+  EXPECT_FALSE(make_bullet_world(test::model_of(stack(1)), {-1}, world).ok());
+}
+
+}  // namespace
+}  // namespace lumbrical

@@ -1,0 +1,122 @@
+// Work and energy without friction: what is put in comes back, and nothing is added.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pads.h"
+
+namespace lumbrical {
+namespace {
+
+using test::Pad;
+using test::Session;
+
+constexpr double kPi = 3.141592653589793;
+
+// A thing that is felt apart from the world but neither moves nor, as good as, rubs.
+Scene still_scene(Mesh mesh) {
+  Scene scene = test::pad_scene();
+  scene.objects.push_back(test::object_of("still", std::move(mesh), {}, {}));
+  scene.objects[0].mechanism.mobility = Mobility::given;
+  return scene;
+}
+
+/// What a fingertip has taken from what it touches.
+struct Work {
+  double done = 0, most = 0;  ///< [J]
+};
+
+// Round a closed path of as many steps; what is felt is taken as straight from one to the next.
+template <class Path>
+Work work_round(Session& run, int steps, Vec3 away, const Path& path) {
+  const ObjectFrame still{};
+  Work work;
+  Vec3 last_place, last_force;
+  for (int i = 0; i <= steps; ++i) {
+    const DeviceFrame frame = test::frame_of({{path(2 * kPi * i / steps), away}});
+    const auto& tip = frame.joint[static_cast<std::size_t>(kPhalanxJoints[2].tip)].position;
+    run.step(frame, {&still, 1});
+    const Vec3 place{tip[0], tip[1], tip[2]}, force = test::hand_force(run.output);
+    if (i > 0) work.done += 0.5 * dot(force + last_force, place - last_place);
+    work.most = std::max(work.most, std::fabs(work.done));
+    last_place = place;
+    last_force = force;
+  }
+  return work;
+}
+
+TEST(Energy, AStrokeRoundAClosedPathCostsNoWork) {
+  Session run(still_scene(make_sphere(0.03, 16)));
+  const auto path = [](double t) {  // deeper and less deep, round and along
+    const double reach = 0.03 + test::kPadRadius - 0.002 + 0.001 * std::sin(t);
+    const Vec3 way{0.4 * std::cos(t), 0.3 * std::sin(2 * t), 1.0};
+    return reach * unit_or(way, {});
+  };
+  const Work work = work_round(run, 2000, {0, 0, 1}, path);
+  EXPECT_GT(work.most, 1e-3);
+  EXPECT_LT(std::fabs(work.done), 1e-5 * work.most);
+}
+
+// A hole 14 mm square, narrower than the finger: it is pressed all round.
+Mesh hole() {
+  Mesh mesh;
+  for (int side = 0; side < 4; ++side) {
+    const double angle = 0.5 * kPi * side;
+    const Mesh wall = make_box({0.02, 0.054, 0.06}, 6);
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const Vec3 v : wall.vertices) {
+      const Vec3 p = v + Vec3{0.017, -0.01, 0};
+      mesh.vertices.push_back({std::cos(angle) * p.x - std::sin(angle) * p.y,
+                               std::sin(angle) * p.x + std::cos(angle) * p.y, p.z});
+    }
+    for (const Triangle& t : wall.triangles)
+      mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+  return mesh;
+}
+
+TEST(Energy, AFingerWiggledInATightHoleGainsNothing) {
+  Scene scene = still_scene(hole());
+  scene.objects[0].winding = Winding::as_is;
+  Session run(scene);
+  const auto wiggle = [](double t) {
+    return Vec3{0.0015 * std::sin(3 * t), 0.0012 * std::sin(2 * t + 0.3), 0.002 * std::cos(t)};
+  };
+  double sum = 0;
+  for (int round = 0; round < 3; ++round) {
+    const Work work = work_round(run, 2000, {0, 0, 1}, wiggle);
+    EXPECT_GT(work.most, 1e-4);
+    EXPECT_LT(std::fabs(work.done), 2e-5 * work.most) << round;
+    sum += work.done;
+  }
+  EXPECT_LT(std::fabs(sum), 1e-7);
+}
+
+TEST(Energy, ABounceNeverGainsHeight) {
+  Scene scene = test::pad_scene();
+  scene.objects.push_back(test::body_of("ball", make_sphere(0.02, 10), 0.1, {{0, 0, 0.02}, {}}, {}));
+  Session run(scene);
+  const double top = 0.02 + 0.004;  // where the ball would just touch the finger, and above it
+  run.state.objects[0].pose.position.z = top + test::kPadRadius;
+  const DeviceFrame frame = test::frame_of({{{-0.01, 0, 0}, {1, 0, 0}}});  // lies along x
+  double last_peak = run.state.objects[0].pose.position.z, lowest = 1, before = last_peak;
+  int bounces = 0;
+  bool rising = false;
+  for (int i = 0; i < 1200; ++i) {
+    run.step(frame);
+    const double z = run.state.objects[0].pose.position.z;
+    lowest = std::min(lowest, z);
+    if (rising && z < before) {
+      EXPECT_LE(before, last_peak) << bounces;
+      last_peak = before;
+      ++bounces;
+    }
+    rising = z > before;
+    before = z;
+  }
+  EXPECT_GE(bounces, 2);
+  EXPECT_GT(lowest, 0.02);
+}
+
+}  // namespace
+}  // namespace lumbrical
