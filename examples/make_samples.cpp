@@ -1,5 +1,5 @@
-// Writes the samples of this folder, our own work: three small meshes, each in another format, and three hand
-// motions, of which one is of both hands.
+// Writes the samples of this folder, our own work: small meshes, of several formats, and hand motions, of
+// which one is of both hands.
 //
 //   make_samples FOLDER
 #include <array>
@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "lumbrical/motion.h"
 #include "lumbrical/shapes.h"
@@ -99,13 +100,82 @@ std::string bracket_stl() {
   return text + "endsolid bracket\n";
 }
 
-// The built-in grasp of the cup as joint angles, 3 s at 40 Hz.
-std::string grasp_json() {
-  const Motion motion = make_grasp(default_hand(Side::right), 0.037, 0.095, 3);
+// A mesh of rings of points, one above the other, closed by fans; in millimetres.
+std::string rings_obj(const char* what, const std::vector<std::vector<Vec3>>& rings) {
+  std::string text = std::string("# ") + what + ", made by examples/make_samples.cpp; unit: mm\n";
+  const std::size_t sides = rings[0].size(), last = rings.size() - 1;
+  for (const auto& ring : rings)
+    for (const Vec3 point : ring) text += "v " + numbers(point, 0.001, 4, " ") + "\n";
+  const auto face = [&text](std::size_t a, std::size_t b, std::size_t c) {
+    text += "f " + std::to_string(a + 1) + " " + std::to_string(b + 1) + " " + std::to_string(c + 1) + "\n";
+  };
+  for (std::size_t r = 0; r < last; ++r) {
+    for (std::size_t i = 0; i < sides; ++i) {
+      const std::size_t a = r * sides + i, b = r * sides + (i + 1) % sides;
+      face(a, b, b + sides);
+      face(a, b + sides, a + sides);
+    }
+  }
+  for (std::size_t i = 2; i < sides; ++i) {
+    face(0, i, i - 1);
+    face(last * sides, last * sides + i - 1, last * sides + i);
+  }
+  return text;
+}
+
+std::vector<Vec3> ring_at(double height, double radius, double ribs, int sides) {
+  std::vector<Vec3> ring;
+  for (int i = 0; i < sides; ++i) {
+    const double angle = 2 * 3.14159265358979 * i / sides, r = radius + (i % 2 == 0 ? ribs : -ribs);
+    ring.push_back({r * std::cos(angle), r * std::sin(angle), height});
+  }
+  return ring;
+}
+
+// A jar's ribbed cap, its middle at the origin.
+std::string cap_obj() {
+  std::vector<std::vector<Vec3>> rings;
+  for (int i = 0; i <= 8; ++i) rings.push_back(ring_at(-0.03 + 0.0075 * i, 0.03, 0.0005, 48));
+  return rings_obj("A cap", rings);
+}
+
+// A pen along z, its middle at the origin.
+std::string pen_obj() {
+  std::vector<std::vector<Vec3>> rings;
+  for (int i = 0; i <= 20; ++i) rings.push_back(ring_at(-0.07 + 0.007 * i, 0.005, 0, 16));
+  return rings_obj("A pen", rings);
+}
+
+// A link of a chain in the plane of x and y: twelve pieces a hair apart, since physics engines take each by
+// its convex hull.
+std::string link_obj() {
+  std::string text = "# A link of a chain, made by examples/make_samples.cpp; unit: mm\n";
+  constexpr int kPieces = 12;
+  constexpr double kRadius = 0.012, kHalf = 0.0025;
+  int first = 1;
+  for (int i = 0; i < kPieces; ++i, first += 8) {
+    for (int corner = 0; corner < 8; ++corner) {
+      const double angle = 2 * 3.14159265358979 * (i + ((corner & 1) != 0 ? 0.995 : 0.005)) / kPieces;
+      const double r = kRadius + ((corner & 2) != 0 ? kHalf : -kHalf), z = (corner & 4) != 0 ? kHalf : -kHalf;
+      text += "v " + numbers({r * std::cos(angle), r * std::sin(angle), z}, 0.001, 4, " ") + "\n";
+    }
+    for (const char* face : {"1 3 2 0", "6 7 5 4", "4 5 1 0", "3 7 6 2", "2 6 4 0", "5 7 3 1"}) {
+      text += "f";
+      for (const char* c = face; *c != 0; ++c)
+        if (*c != ' ') text += " " + std::to_string(first + (*c - '0'));
+      text += "\n";
+    }
+  }
+  return text;
+}
+
+// A motion in joint angles at 40 Hz.
+template <class FrameAt>
+std::string angles_json(int samples, const FrameAt& frame_at) {
   std::string text = "{\"format\": \"lumbrical-angles\", \"side\": \"right\", \"samples\": [";
-  for (int i = 0; i <= 120; ++i) {
+  for (int i = 0; i < samples; ++i) {
     const double time = i / 40.0;
-    const DeviceFrame frame = resample(motion, time);
+    const DeviceFrame frame = frame_at(time);
     const Quat q = frame.base.orientation;
     text += std::string(i == 0 ? "" : ",") + "\n{\"time\": " + number(time, 3) +
             ", \"wrist\": {\"position\": [" + numbers(frame.base.position, 1, 6, ", ") +
@@ -116,6 +186,12 @@ std::string grasp_json() {
     text += "]}";
   }
   return text + "\n]}\n";
+}
+
+// The built-in grasp of the cup, 3 s.
+std::string grasp_json() {
+  const Motion motion = make_grasp(default_hand(Side::right), 0.037, 0.095, 3);
+  return angles_json(121, [&](double time) { return resample(motion, time); });
 }
 
 // From 0 to 1 between two times, at rest at both.
@@ -159,6 +235,63 @@ std::string stroke_csv() {
       text += "," + numbers(wrist + poses[static_cast<std::size_t>(joint)].position, 1, 5, ",");
   }
   return text + "\n";
+}
+
+// A hand closes round a jar's cap, turns it, lets go and leaves, 4 s.
+std::string twist_json() {
+  const Motion motion = make_grasp(default_hand(Side::right), 0.03, 0.06, 1, 1e-6);
+  constexpr double kClosed = 0.4;  // [s] of the grasp, before it would lift
+  return angles_json(161, [&](double time) {
+    DeviceFrame frame = resample(motion, kClosed * (ease(time, 0, 1.2) - ease(time, 2.6, 3.8)));
+    const double half = 0.35 * (ease(time, 1.3, 2.5) - 0.5);
+    frame.base = Pose{{}, {std::cos(half), 0, 0, std::sin(half)}} * frame.base;
+    frame.base.position.z -= 0.03;  // the cap's middle is the origin
+    return frame;
+  });
+}
+
+// A flat hand, palm up, comes from below, lifts by 0.1 m and carries by 0.1 m, 4 s.
+std::string carry_json() {
+  const Quat level{0.70710678118654752, 0.70710678118654752, 0, 0}, over{0, 0, 0, 1};
+  return angles_json(161, [&](double time) {
+    DeviceFrame frame;
+    frame.kind = InputKind::joint_angles;
+    for (std::size_t f = 1; f < kFingerCount; ++f)
+      for (std::size_t k = 1; k < 4; ++k) frame.angle[4 * f + k] = 0.03F;
+    frame.base = {{0.1 * ease(time, 2.6, 3.8), -0.1, -0.045 + 0.13 * ease(time, 0.2, 2.4)}, level * over};
+    return frame;
+  });
+}
+
+// Thumb, index and middle fingertip hold a pen that stands on its point, and roll it to and fro: a capture in
+// WebXR's names that shows no more of the hand than that, 3 s at 40 Hz.
+std::string twirl_json() {
+  constexpr double kTip = 0.008, kPen = 0.005, kPressed = 0.0012, kPhalanx = 0.025;
+  std::string text = "[";
+  for (int i = 0; i <= 120; ++i) {
+    const double time = i / 40.0, away = 0.02 * (1 - ease(time, 0, 0.5) + ease(time, 2.6, 3));
+    const double roll = 0.006 * (ease(time, 0.7, 1.2) - 2 * ease(time, 1.3, 2.1) + ease(time, 2.1, 2.5));
+    text += std::string(i == 0 ? "" : ",") + "\n{\"time\": " + number(time, 3) + ", \"joints\": {";
+    const auto joint = [&](const std::string& name, Vec3 p, double radius, bool last) {
+      text += "\"" + name + "\": {\"position\": [" + numbers(p, 1, 5, ", ") +
+              "], \"radius\": " + number(radius, 4) + "}" + (last ? "" : ", ");
+    };
+    joint("wrist", {0, -0.15, 0.05}, 0.02, false);
+    struct Fingertip {
+      const char *name, *before;
+      double side, height;
+    };
+    for (const auto& [name, before, side, height] :
+         {Fingertip{"thumb-tip", "thumb-phalanx-distal", -1, 0},
+          {"index-finger-tip", "index-finger-phalanx-distal", 1, 0.012},
+          {"middle-finger-tip", "middle-finger-phalanx-distal", 1, -0.012}}) {
+      const Vec3 tip{side * (kPen + kTip - kPressed + away), -side * roll, height};
+      joint(before, tip + Vec3{side * kPhalanx, 0, 0}, kTip, false);
+      joint(name, tip, kTip, side > 0 && height < 0);
+    }
+    text += "}}";
+  }
+  return text + "\n]\n";
 }
 
 // One hand of hold_json: 1 of the right, -1 of the left. `closing` goes from 0 to 1.
@@ -219,9 +352,12 @@ int main(int argc, char** argv) {
     return 2;
   }
   const std::string folder = std::string(argv[1]) + "/";
-  const bool written = write(folder + "cup.obj", cup_obj()) && write(folder + "stone.ply", stone_ply()) &&
-                       write(folder + "bracket.stl", bracket_stl()) &&
-                       write(folder + "grasp.json", grasp_json()) &&
-                       write(folder + "stroke.csv", stroke_csv()) && write(folder + "hold.json", hold_json());
+  const bool written =
+      write(folder + "cup.obj", cup_obj()) && write(folder + "stone.ply", stone_ply()) &&
+      write(folder + "bracket.stl", bracket_stl()) && write(folder + "grasp.json", grasp_json()) &&
+      write(folder + "stroke.csv", stroke_csv()) && write(folder + "hold.json", hold_json()) &&
+      write(folder + "cap.obj", cap_obj()) && write(folder + "pen.obj", pen_obj()) &&
+      write(folder + "link.obj", link_obj()) && write(folder + "twist.json", twist_json()) &&
+      write(folder + "carry.json", carry_json()) && write(folder + "twirl.json", twirl_json());
   return written ? 0 : 2;
 }
