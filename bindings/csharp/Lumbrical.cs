@@ -173,6 +173,9 @@ namespace Lumbrical
         public double dry_friction;
         public double detent_force;
         public double detent_pitch;
+        public int has_latch;
+        public uint latch_object;
+        public double latch_opens;
         public double crease_angle;
         public IntPtr friction_factors;
         public Texture grip;

@@ -53,6 +53,8 @@ struct Moves {
   double density, mass, damping;
   py::object pivot, axis;
   double lower, upper, spring, rest, dry_friction, detent_force, detent_pitch;
+  std::optional<std::uint32_t> latch_object;
+  double latch_opens;
 };
 
 Mechanism mechanism_of(const Moves& given, const SceneObject& object) {
@@ -71,6 +73,7 @@ Mechanism mechanism_of(const Moves& given, const SceneObject& object) {
   mechanism.dry_friction = given.dry_friction;
   mechanism.detent_force = given.detent_force;
   mechanism.detent_pitch = given.detent_pitch;
+  if (given.latch_object) mechanism.latch = {*given.latch_object, given.latch_opens};
   return mechanism;
 }
 
@@ -216,12 +219,13 @@ void bind_scene(py::module_& module) {
          double friction, std::optional<double> kinetic_friction, double viscosity, double shear_stiffness,
          const std::string& moves, double density, double mass, double damping, const py::object& pivot,
          const py::object& axis, double lower, double upper, double spring, double rest, double dry_friction,
-         double detent_force, double detent_pitch, double crease_angle, const py::object& friction_factors,
-         const py::object& grip, const py::object& bumps) {
+         double detent_force, double detent_pitch, std::optional<std::uint32_t> latch_object,
+         double latch_opens, double crease_angle, const py::object& friction_factors, const py::object& grip,
+         const py::object& bumps) {
         add_object(self, std::move(name), xyz, corners, position, orientation, winding,
                    {friction, kinetic_friction.value_or(friction), viscosity, shear_stiffness},
                    {moves, density, mass, damping, pivot, axis, lower, upper, spring, rest, dry_friction,
-                    detent_force, detent_pitch},
+                    detent_force, detent_pitch, latch_object, latch_opens},
                    {crease_angle, friction_factors, grip, bumps});
       },
       "name"_a, "vertices"_a, "triangles"_a, py::kw_only(), "position"_a = py::make_tuple(0, 0, 0),
@@ -231,8 +235,8 @@ void bind_scene(py::module_& module) {
       "mass"_a = 0.0, "damping"_a = 0.0, "pivot"_a = py::none(), "axis"_a = py::make_tuple(0, 0, 1),
       "lower"_a = mechanism.lower, "upper"_a = mechanism.upper, "spring"_a = 0.0, "rest"_a = 0.0,
       "dry_friction"_a = 0.0, "detent_force"_a = 0.0, "detent_pitch"_a = mechanism.detent_pitch,
-      "crease_angle"_a = 0.0, "friction_factors"_a = py::none(), "grip"_a = py::none(),
-      "bumps"_a = py::none());
+      "latch_object"_a = py::none(), "latch_opens"_a = 0.0, "crease_angle"_a = 0.0,
+      "friction_factors"_a = py::none(), "grip"_a = py::none(), "bumps"_a = py::none());
   scene.def("frames", &motion_frames);
   bind_number(scene, "stiffness", &Settings::stiffness);
   bind_number(scene, "rate", &Settings::rate);

@@ -165,13 +165,16 @@ typedef struct lumbrical_object {
   double mass;    /* [kg] of all of it */
   double damping; /* [N s/m], [N m s/rad]: 0 */
   /* ---- of HINGE, SLIDER and BALL; the coordinate is the hinge's angle or the slider's way from the start */
-  double pivot[3];     /* in W, at the start */
-  double axis[3];      /* unit, in W */
-  double lower, upper; /* of the coordinate: -1000, 1000 */
-  double spring, rest; /* [N/m], [N m/rad], and the coordinate where it is slack: 0, 0 */
-  double dry_friction; /* [N], [N m]: 0 */
-  double detent_force; /* [N], [N m]: 0 */
-  double detent_pitch; /* from one detent to the next: 0.1 */
+  double pivot[3];       /* in W, at the start */
+  double axis[3];        /* unit, in W */
+  double lower, upper;   /* of the coordinate: -1000, 1000 */
+  double spring, rest;   /* [N/m], [N m/rad], and the coordinate where it is slack: 0, 0 */
+  double dry_friction;   /* [N], [N m]: 0 */
+  double detent_force;   /* [N], [N m]: 0 */
+  double detent_pitch;   /* from one detent to the next: 0.1 */
+  int32_t has_latch;     /* 0; else of HINGE and SLIDER: the coordinate stays at 0 and below until ... */
+  uint32_t latch_object; /* ... this other HINGE or SLIDER, in the order they are added, ... */
+  double latch_opens;    /* ... has this coordinate, > 0 */
   /* ---- how it feels beside its shape */
   double crease_angle;            /* [rad] triangles that meet at less are felt as something round: 0, none */
   const double* friction_factors; /* 0 .. 10, of each triangle; null: 1 */

@@ -372,7 +372,17 @@ TEST(SceneFile, WhoMovesGivenObjectsIsRead) {
   EXPECT_TRUE(scene_file.paths[0].empty() && scene_file.paths[1].empty());
 }
 
-TEST(SceneFile, MistakesOfPathsAndPhysicsAreNamed) {
+TEST(SceneFile, ALatchNamesItsHandle) {
+  const SceneFile scene_file = load(
+      R"({"objects": [{"name": "door", "box": {}, "moves": "hinge", "mass": 1,
+                       "joint": {"latch": {"object": "handle", "opens": 0.3}}},
+                      {"name": "handle", "box": {}, "moves": "hinge", "mass": 0.1}], )" +
+      std::string(kGrasp) + "}");
+  EXPECT_EQ(scene_file.scene.objects[0].mechanism.latch, (Latch{1, 0.3}));
+  EXPECT_EQ(scene_file.scene.objects[1].mechanism.latch, Latch{});
+}
+
+TEST(SceneFile, MistakesOfPathsLatchesAndPhysicsAreNamed) {
   const auto expect = [](const std::string& text, const std::string& part) {
     EXPECT_NE(error_of(text).find(part), std::string::npos) << error_of(text);
   };
@@ -383,6 +393,10 @@ TEST(SceneFile, MistakesOfPathsAndPhysicsAreNamed) {
   expect(with_object(given + R"("path": [{"time": 1}, {"time": 1}])"), "path[1].time is not after");
   expect(with_object(given + R"("path": [{"time": 0}], "mass": 1)"), "stands beside a mass");
   expect(with_object(given + R"("path": [{"time": 0}], "position": [0, 0, 0])"), "stands beside a position");
+  expect(with_object(R"("moves": "hinge", "mass": 1, "joint": {"latch": {"object": "key", "opens": 1}})"),
+         "latch.object names no object");
+  expect(with_object(R"("moves": "hinge", "mass": 1, "joint": {"latch": {"object": "thing"}})"),
+         "does not say where it opens");
   expect(R"({"objects": [{"box": {}}], "physics": {"engine": "newton"}, )" + std::string(kGrasp) + "}",
          "physics.engine must be \"bullet\"");
 }

@@ -173,6 +173,58 @@ TEST(ObjectMotion, DryFrictionHoldsALeverAndDetentsCatchIt) {
   EXPECT_NEAR(caught.state.objects[0].coordinate, 0.2, 1e-3);
 }
 
+// A door that fingers may push from either side, and a handle that stands where it is put.
+Scene door_scene() {
+  Scene scene = test::pad_scene();
+  scene.gravity = {};
+  SceneObject door = test::body_of("door", make_box({0.02, 0.3, 0.2}, 4), 0.5, {}, {});
+  door.mechanism.mobility = Mobility::hinge;
+  door.mechanism.pivot = {0, -0.15, 0};
+  door.mechanism.axis = {0, 0, -1};
+  door.mechanism.lower = 0;
+  door.mechanism.damping = 0.05;
+  door.mechanism.latch = {1, 0.4};
+  SceneObject handle = test::body_of("handle", cube(0.02), 0.05, {{0, 1, 0}, {}}, {});
+  handle.mechanism.mobility = Mobility::hinge;
+  scene.objects = {door, handle};
+  return scene;
+}
+
+TEST(ObjectMotion, ALatchHoldsADoorUntilItsHandleIsTurnedAndCatchesItWhenShut) {
+  Session run(door_scene());
+  const double& door = run.state.objects[0].coordinate;
+  double &handle = run.state.objects[1].coordinate, last = 0, roughest = 0, most = 0;
+  const auto push = [&](double x, double side) {
+    run.step(test::frame_of({{{x - side * (0.01 + test::kPadRadius - 0.002), 0.1, 0}, {-side, 0, 0}}}));
+    const double force = norm(test::hand_force(run.output));
+    roughest = max(roughest, std::fabs(force - last));
+    last = force;
+    most = max(most, force);
+  };
+  const auto shove = [&](double from, double to, double side) {
+    for (int i = 0; i <= 500; ++i) push(from + (to - from) * i / 500, side);
+  };
+  shove(-0.004, 0, 1);
+  EXPECT_EQ(door, 0);  // latched
+  EXPECT_GT(last, 1);
+  handle = 0.39;
+  push(0, 1);
+  EXPECT_EQ(door, 0);  // not far enough
+  handle = 0.41;
+  shove(0, 0.03, 1);
+  EXPECT_GT(door, 0.1);
+  handle = 0;
+  shove(0.03, 0.04, 1);
+  EXPECT_GT(door, 0.13);  // what is open stays free
+  last = 0;
+  shove(0.08, -0.002, -1);
+  EXPECT_EQ(door, 0);  // shut
+  last = 0;
+  shove(-0.004, 0, 1);
+  EXPECT_EQ(door, 0);  // caught
+  EXPECT_LT(roughest, 0.15 * most);
+}
+
 TEST(ObjectMotion, AGivenObjectIsFeltWhereItIsTold) {
   Scene scene = test::pad_scene();
   SceneObject box = test::object_of("box", cube(0.05, 3), {}, {});
@@ -294,6 +346,12 @@ TEST(ObjectMotion, WhatCanNotBeIsRefusedByName) {
               o.mechanism.lower = 0.5;
             }).find("lower"),
             std::string::npos);
+  for (const Latch latch : {Latch{0, 0.4}, Latch{7, 0.4}, Latch{1, -1}}) {
+    Scene scene = door_scene();
+    scene.objects[0].mechanism.latch = latch;
+    Model model;
+    EXPECT_NE(build_model(scene, {}, model).message().find("\"door\": latch"), std::string::npos);
+  }
   MassProperties body;
   EXPECT_NE(mass_properties(make_plane(0.1, 3), 1000, body).message().find("not closed"), std::string::npos);
 }

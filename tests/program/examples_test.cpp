@@ -43,10 +43,25 @@ double most(const std::vector<ObjectOutput>& object, const std::function<double(
   return result;
 }
 
+double coordinate(const ObjectOutput& out) { return out.coordinate; }
 double height(const ObjectOutput& out) { return out.pose.position.z; }
 double turned(const ObjectOutput& out) {
   const Quat q = out.pose.orientation;
   return 2 * std::atan2(norm(Vec3{q.x, q.y, q.z}), std::fabs(q.w));
+}
+
+TEST(Examples, ADoorSpringsOpenOnceItsHandleIsPressed) {
+  const Told told = run_example("door");
+  const auto& door = told.at("door");
+  const auto& handle = told.at("handle");
+  for (std::size_t i = 0; i < door.size(); ++i) {
+    if (door[i].coordinate > 0) {
+      EXPECT_GE(most({handle.begin(), handle.begin() + static_cast<std::ptrdiff_t>(i)}, coordinate), 0.06);
+      break;
+    }
+  }
+  EXPECT_EQ(door[500].coordinate, 0);
+  EXPECT_GT(door.back().coordinate, 0.5);
 }
 
 TEST(Examples, ACapIsTurnedAndStaysSo) {

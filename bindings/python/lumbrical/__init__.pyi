@@ -60,7 +60,8 @@ class Scene:
                    moves: str = ..., density: float = ..., mass: float = ..., damping: float = ...,
                    pivot: Optional[ArrayLike] = ..., axis: ArrayLike = ..., lower: float = ..., upper: float = ...,
                    spring: float = ..., rest: float = ..., dry_friction: float = ..., detent_force: float = ...,
-                   detent_pitch: float = ..., crease_angle: float = ..., friction_factors: Optional[ArrayLike] = ...,
+                   detent_pitch: float = ..., latch_object: Optional[int] = ..., latch_opens: float = ...,
+                   crease_angle: float = ..., friction_factors: Optional[ArrayLike] = ...,
                    grip: Optional[Tuple[ArrayLike, float, float, float]] = ...,  # image of 0 .. 1, period, black, white
                    bumps: Optional[Tuple[ArrayLike, float, float, float]] = ...) -> None: ...
     def frames(self) -> NDArray[np.void]: ...  # the scene file's motion, a frame per tick

@@ -238,6 +238,7 @@ struct ApartObject {
   Pose start;  ///< X_WO
   Material material;
   Mechanism mechanism;
+  std::size_t latch = 0;       ///< in Model::apart, of Mechanism::latch; itself: nothing holds it
   std::vector<Vec3> supports;  ///< [m] in O: points that may rest on the ground
   Vec3 middle;                 ///< [m] in O, and
   double radius = 0;           ///< [m] of a sphere round it

@@ -61,11 +61,21 @@ Status mass_properties(const Mesh& mesh, double density, MassProperties& propert
 /// The same solid of another density, so that its mass is `mass` [kg] > 0.
 void scale_to_mass(double mass, MassProperties& properties);
 
+/// A latch that holds a hinge or slider where it stands at the start until another one has opened it: while
+/// q <= 0 and the other's coordinate is below `opens`, q does not rise above 0. So a door that has been
+/// opened may be shut at any time, and is caught.
+struct Latch {
+  std::uint32_t object = kNone;  ///< in Scene::objects: the handle, a hinge or slider
+  double opens = 0;              ///< [rad] or [m] of the handle's coordinate, > 0
+  static constexpr std::uint32_t kNone = 0xffffffff;
+  friend bool operator==(const Latch&, const Latch&) = default;
+};
+
 /// What moves an object by itself, and what holds it. Of a hinge, the coordinate q is its angle [rad], of a
 /// slider its way [m], from where it stands at the start; force means torque at a hinge.
 struct Mechanism {
   Mobility mobility = Mobility::fixed;
-  MassProperties body;  ///< of all but fixed and given; mass > 0
+  MassProperties body;  ///< of all but fixed; mass > 0. Of given: zero, unless a physics engine moves it
   double damping = 0;   ///< of a hinge or slider [N s/m], [N m s/rad]; of others of their rotation, too
   // ---- of a hinge, slider or ball
   Vec3 pivot;          ///< [m] in W, at the start
@@ -77,6 +87,7 @@ struct Mechanism {
   double dry_friction = 0;           ///< [N], [N m]
   double detent_force = 0;           ///< [N], [N m] most that holds it in a detent
   double detent_pitch = 0.1;         ///< from one detent to the next, one of them at q = 0; > 0
+  Latch latch{};
   friend bool operator==(const Mechanism&, const Mechanism&) = default;
 };
 constexpr bool moves_by_itself(const Mechanism& mechanism) { return mechanism.mobility >= Mobility::free; }

@@ -77,6 +77,7 @@ Fault take_mechanism(const lumbrical_object& given, Convention convention, Scene
   mechanism.dry_friction = given.dry_friction;
   mechanism.detent_force = given.detent_force;
   mechanism.detent_pitch = given.detent_pitch;
+  if (given.has_latch != 0) mechanism.latch = {given.latch_object, given.latch_opens};
   return {};
 }
 

@@ -310,6 +310,7 @@ Status read_things(const format::Scene& scene, FieldReader& read, SceneFile& res
     return Status();
   };
   if (Status status = read_objects(scene, read, result.files, take); !status.ok()) return status;
+  read_latches(scene, read, result.scene.objects);
   read_physics(scene, read, result.physics);
   return read.status();
 }

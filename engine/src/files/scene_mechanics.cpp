@@ -115,6 +115,22 @@ void read_mechanics(const format::Object& table, const std::string& at, FieldRea
   if (read.ok()) read_body(table, at, read, object, mechanism.body);
 }
 
+void read_latches(const format::Scene& table, FieldReader& read, std::vector<SceneObject>& objects) {
+  for (flatbuffers::uoffset_t i = 0; table.objects() != nullptr && i < table.objects()->size(); ++i) {
+    const format::Joint* const joint = table.objects()->Get(i)->joint();
+    const format::Latch* const latch = joint != nullptr ? joint->latch() : nullptr;
+    if (latch == nullptr) continue;
+    const std::string at = "objects[" + std::to_string(i) + "].joint.latch";
+    if (!latch->opens().has_value())
+      read.error(at, "does not say where it opens; give the handle's coordinate");
+    Latch& own = objects[i].mechanism.latch;
+    read.number(latch->opens(), at + ".opens", {1e-9, 1e3}, own.opens);
+    for (std::uint32_t k = 0; k < objects.size() && latch->object() != nullptr; ++k)
+      if (objects[k].name == latch->object()->string_view()) own.object = k;
+    if (own.object == Latch::kNone) read.error(at + ".object", "names no object of the scene");
+  }
+}
+
 void read_physics(const format::Scene& table, FieldReader& read, std::optional<PhysicsChoice>& physics) {
   if (table.physics() == nullptr) return;
   const format::Physics& own = *table.physics();

@@ -14,6 +14,9 @@ namespace lumbrical {
 void read_mechanics(const scene_format::Object& table, const std::string& at, FieldReader& read,
                     SceneObject& object, ObjectPath& path);
 
+/// What opens what, once all objects are there.
+void read_latches(const scene_format::Scene& table, FieldReader& read, std::vector<SceneObject>& objects);
+
 void read_physics(const scene_format::Scene& table, FieldReader& read, std::optional<PhysicsChoice>& physics);
 
 /// Gravity and ground.

@@ -120,6 +120,33 @@ Status check_surroundings(const Scene& scene) {
   return {};
 }
 
+namespace {
+
+bool has_coordinate(const Mechanism& mechanism) {
+  return mechanism.mobility == Mobility::hinge || mechanism.mobility == Mobility::slider;
+}
+
+}  // namespace
+
+Status find_latches(std::vector<ApartObject>& objects) {
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    ApartObject& object = objects[i];
+    const Latch& latch = object.mechanism.latch;
+    object.latch = i;
+    if (latch == Latch{}) continue;
+    const auto opener = std::find_if(objects.begin(), objects.end(), [&](const ApartObject& other) {
+      return other.place == latch.object && has_coordinate(other.mechanism);
+    });
+    if (opener == objects.end() || opener->place == object.place || !has_coordinate(object.mechanism))
+      return Status::error("object \"" + object.name +
+                           "\": latch must be of a hinge or slider, and opened by another one");
+    if (!within(latch.opens, 1e-9, 1e3))
+      return Status::error("object \"" + object.name + "\": latch.opens is out of range: give up to 1000");
+    object.latch = static_cast<std::size_t>(opener - objects.begin());
+  }
+  return {};
+}
+
 void place_mesh(const Pose& X_WO, Mesh& mesh) {
   for (Vec3& v : mesh.vertices) v = transform(X_WO, v);
 }

@@ -17,4 +17,7 @@ Status check_surroundings(const Scene& scene);
 /// to an axis.
 std::vector<Vec3> support_points(const Mesh& mesh);
 
+/// Finds what each object's latch is opened by.
+Status find_latches(std::vector<ApartObject>& objects);
+
 }  // namespace lumbrical

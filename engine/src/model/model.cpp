@@ -301,8 +301,12 @@ Status take_apart(const Scene& scene, Model& model) {
       return Status::error(
           "the scene has more than 32 objects that move, rub or have a surface; give the rest neither, or "
           "put only those near the hand into the scene");
-    ApartObject apart{object.name, i, {}, object.pose, object.material, object.mechanism, {}, {}, 0, {}, {}};
-    apart.start.orientation = normalized(object.pose.orientation);
+    ApartObject apart;
+    apart.name = object.name;
+    apart.place = i;
+    apart.start = {object.pose.position, normalized(object.pose.orientation)};
+    apart.material = object.material;
+    apart.mechanism = object.mechanism;
     const ApartObject* const instance = find_instance(scene, object, model);
     if (instance != nullptr) {
       apart.shape = instance->shape;
@@ -321,7 +325,7 @@ Status take_apart(const Scene& scene, Model& model) {
     if (object.mechanism.mobility == Mobility::free) apart.supports = support_points(object.mesh);
     model.apart.push_back(std::move(apart));
   }
-  return {};
+  return find_latches(model.apart);
 }
 
 Status take_world(const Scene& scene, Model& model) {

@@ -1,8 +1,20 @@
 #include "objects/move_on.h"
 
 namespace lumbrical {
-Twist move_on(const Model& model, const ApartObject& object, Wrench wrench, Springs& springs,
-              ObjectState& state) {
+namespace {
+
+// What holds it in this tick.
+Mechanism held_by_latch(const ApartObject& object, const ObjectState& state, const ObjectState& handle) {
+  Mechanism mechanism = object.mechanism;
+  if (&state != &handle && state.coordinate <= 0 && handle.coordinate < mechanism.latch.opens)
+    mechanism.upper = 0;
+  return mechanism;
+}
+
+}  // namespace
+
+Twist move_on(const Model& model, const ApartObject& object, Wrench wrench, const ObjectState& handle,
+              Springs& springs, ObjectState& state) {
   const MassProperties& body = object.mechanism.body;
   const double dt = 1 / model.settings.rate;
   wrench.force += body.mass * model.gravity;
@@ -12,7 +24,8 @@ Twist move_on(const Model& model, const ApartObject& object, Wrench wrench, Spri
     wrench.force += borne.force;
     wrench.torque += borne.torque;
   }
-  return advance_body(object.mechanism, object.start, {springs.begin(), springs.size()}, wrench, dt, state);
+  return advance_body(held_by_latch(object, state, handle), object.start, {springs.begin(), springs.size()},
+                      wrench, dt, state);
 }
 
 }  // namespace lumbrical

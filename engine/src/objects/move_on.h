@@ -9,8 +9,8 @@
 namespace lumbrical {
 
 /// Moves an object by a tick under `wrench` [about its centre of mass, W] of those who touch it and give way
-/// like `springs`, to which the ground's are added. Returns the speed it then has.
-Twist move_on(const Model& model, const ApartObject& object, Wrench wrench, Springs& springs,
-              ObjectState& state);
+/// like `springs`, to which the ground's are added. `handle` opens its latch. Returns the speed it then has.
+Twist move_on(const Model& model, const ApartObject& object, Wrench wrench, const ObjectState& handle,
+              Springs& springs, ObjectState& state);
 
 }  // namespace lumbrical

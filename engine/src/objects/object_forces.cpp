@@ -192,13 +192,13 @@ void give_way(const Twist& speed, double dt, const Primitives& hand, Vec3 centre
 }
 
 void move_object(const Model& model, const ApartObject& object, const Primitives& hand, double dt,
-                 Touches& touches, ObjectState& state) {
+                 const ObjectState& handle, Touches& touches, ObjectState& state) {
   const MassProperties& body = object.mechanism.body;
   const Vec3 centre = transform(state.pose, body.centre);
   Springs springs;
   for (const Touch& touch : touches) springs.push_back(touch.spring);
   Wrench wrench = wrench_on_object(touches, hand, centre);
-  const Twist speed = move_on(model, object, wrench, springs, state);
+  const Twist speed = move_on(model, object, wrench, handle, springs, state);
   give_way(speed, dt, hand, centre, touches);
 }
 
@@ -235,7 +235,8 @@ Findings feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, Ha
       for (GripState& grip : own.grip) let_go(grip);
     }
     const double coordinate = own.coordinate;
-    if (moves_by_itself(object.mechanism)) move_object(model, object, tick.hand, dt, touches, own);
+    if (moves_by_itself(object.mechanism))
+      move_object(model, object, tick.hand, dt, state.objects[object.latch], touches, own);
     for (const Touch& touch : touches) {
       Wrench& segment = forces.segment[touch.segment];
       segment = segment + touch.wrench;

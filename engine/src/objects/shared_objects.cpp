@@ -37,10 +37,11 @@ void push_objects(SharedObjects& shared, std::span<const ObjectOutput> outputs) 
 
 namespace {
 
-void move_object(const Model& model, const ApartObject& object, const Wrench& pushed, ObjectState& state) {
+void move_object(const Model& model, const ApartObject& object, const Wrench& pushed,
+                 const ObjectState& handle, ObjectState& state) {
   const Vec3 arm = state.pose.position - transform(state.pose, object.mechanism.body.centre);
   Springs springs;
-  move_on(model, object, {pushed.force, pushed.torque + cross(arm, pushed.force)}, springs, state);
+  move_on(model, object, {pushed.force, pushed.torque + cross(arm, pushed.force)}, handle, springs, state);
 }
 
 }  // namespace
@@ -54,7 +55,7 @@ void move_objects(SharedObjects& shared, std::span<ObjectFrame> given) {
     const Mobility mobility = object.mechanism.mobility;
     if (mobility == Mobility::fixed) continue;
     if (mobility != Mobility::given) {
-      move_object(shared.model, object, shared.pushed[i], state);
+      move_object(shared.model, object, shared.pushed[i], shared.state.objects[object.latch], state);
       if (next < given.size()) given[next].pose = state.pose;
     }
     shared.pushed[i] = {};

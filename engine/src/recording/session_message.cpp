@@ -158,8 +158,10 @@ Offset<fb::Object> to_fb(FlatBufferBuilder& builder, const SceneObject& object) 
   const auto material = std::bit_cast<fb::Material>(object.material);
   const fb::Mechanism mechanism = to_fb(object.mechanism);
   const auto surface = to_fb(builder, object.surface);
+  const fb::Latch latch(object.mechanism.latch.object, object.mechanism.latch.opens);
   return fb::CreateObject(builder, name, vertices, triangles, &pose, &material,
-                          static_cast<fb::Mobility>(object.mechanism.mobility), &mechanism, surface);
+                          static_cast<fb::Mobility>(object.mechanism.mobility), &mechanism,
+                          object.mechanism.latch == Latch{} ? nullptr : &latch, surface);
 }
 
 Offset<fb::Settings> to_fb(FlatBufferBuilder& builder, const Settings& settings) {
@@ -264,6 +266,7 @@ Status decode_apart(const fb::Object& message, SceneObject& object) {
   } else if (mobility != Mobility::fixed) {
     return Status::error("the session has an object that moves, but not how");
   }
+  if (const fb::Latch* const l = message.latch()) object.mechanism.latch = {l->object(), l->opens()};
   return {};
 }
 
