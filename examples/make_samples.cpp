@@ -272,11 +272,13 @@ std::string twirl_json() {
     const double time = i / 40.0, away = 0.02 * (1 - ease(time, 0, 0.5) + ease(time, 2.6, 3));
     const double roll = 0.006 * (ease(time, 0.7, 1.2) - 2 * ease(time, 1.3, 2.1) + ease(time, 2.1, 2.5));
     text += std::string(i == 0 ? "" : ",") + "\n{\"time\": " + number(time, 3) + ", \"joints\": {";
-    const auto joint = [&](const std::string& name, Vec3 p, double radius, bool last) {
-      text += "\"" + name + "\": {\"position\": [" + numbers(p, 1, 5, ", ") +
-              "], \"radius\": " + number(radius, 4) + "}" + (last ? "" : ", ");
+    // The bone along -z of the orientation, the back of the hand along y.
+    const auto joint = [&](const std::string& name, Vec3 p, const char* orientation, double radius,
+                           bool last) {
+      text += "\"" + name + "\": {\"position\": [" + numbers(p, 1, 5, ", ") + "], \"orientation\": [" +
+              orientation + "], \"radius\": " + number(radius, 4) + "}" + (last ? "" : ", ");
     };
-    joint("wrist", {0, -0.15, 0.05}, 0.02, false);
+    joint("wrist", {0, -0.15, 0.05}, "0.70711, 0, 0, 0.70711", 0.02, false);
     struct Fingertip {
       const char *name, *before;
       double side, height;
@@ -286,8 +288,9 @@ std::string twirl_json() {
           {"index-finger-tip", "index-finger-phalanx-distal", 1, 0.012},
           {"middle-finger-tip", "middle-finger-phalanx-distal", 1, -0.012}}) {
       const Vec3 tip{side * (kPen + kTip - kPressed + away), -side * roll, height};
-      joint(before, tip + Vec3{side * kPhalanx, 0, 0}, kTip, false);
-      joint(name, tip, kTip, side > 0 && height < 0);
+      const char* const inwards = side > 0 ? "0.5, 0.5, 0.5, 0.5" : "0.5, -0.5, -0.5, 0.5";
+      joint(before, tip + Vec3{side * kPhalanx, 0, 0}, inwards, kTip, false);
+      joint(name, tip, inwards, kTip, side > 0 && height < 0);
     }
     text += "}}";
   }

@@ -94,10 +94,11 @@ TEST(Energy, AFingerWiggledInATightHoleGainsNothing) {
 
 TEST(Energy, ABounceNeverGainsHeight) {
   Scene scene = test::pad_scene();
-  scene.objects.push_back(test::body_of("ball", make_sphere(0.02, 10), 0.1, {{0, 0, 0.02}, {}}, {}));
-  Session run(scene);
   const double top = 0.02 + 0.004;  // where the ball would just touch the finger, and above it
-  run.state.objects[0].pose.position.z = top + test::kPadRadius;
+  const Pose start{{0, 0, top + test::kPadRadius}, {}};
+  scene.objects.push_back(test::body_of("ball", make_sphere(0.02, 10), 0.1, start, {}));
+  scene.objects[0].mechanism.mobility = Mobility::slider;  // or it rolls off
+  Session run(scene);
   const DeviceFrame frame = test::frame_of({{{-0.01, 0, 0}, {1, 0, 0}}});  // lies along x
   double last_peak = run.state.objects[0].pose.position.z, lowest = 1, before = last_peak;
   int bounces = 0;

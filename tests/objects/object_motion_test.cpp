@@ -352,6 +352,10 @@ TEST(ObjectMotion, WhatCanNotBeIsRefusedByName) {
     Model model;
     EXPECT_NE(build_model(scene, {}, model).message().find("\"door\": latch"), std::string::npos);
   }
+  Scene crowd = test::pad_scene();
+  crowd.objects.assign(kMostSceneObjects + 1, {"", cube(0.01)});
+  Model model;
+  EXPECT_NE(build_model(crowd, {}, model).message().find("32768"), std::string::npos);
   MassProperties body;
   EXPECT_NE(mass_properties(make_plane(0.1, 3), 1000, body).message().find("not closed"), std::string::npos);
 }

@@ -118,11 +118,18 @@ TEST(BothHands, WhatIsNotSupportedIsRefusedWithAWayOut) {
       leap_fingers(bent_hand(Side::left, 0.2), 3) + "," + leap_fingers(bent_hand(Side::left, 0.2), 4))});
   EXPECT_NE(error_of("scene.json --motion same.json").find("same.json"), std::string::npos);
   EXPECT_NE(error_of("scene.json --side neither").find("both"), std::string::npos);
+}
+
+TEST(BothHands, PushWhatMovesByItselfAndReplayTheSame) {
+  const fs::path folder = folder_with_both();
   nlohmann::json scene = nlohmann::json::parse(read_file(folder / "scene.json"));
   scene["objects"][0]["moves"] = "free";
   scene["objects"][0]["mass"] = 0.2;
   std::ofstream(folder / "free.json") << scene;
-  EXPECT_NE(error_of("free.json").find("choose one hand"), std::string::npos) << error_of("free.json");
+  const Outcome run = lumbrical("run free.json --record free.mcap", folder);
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const Outcome replay = lumbrical("replay free.mcap", folder);
+  EXPECT_EQ(replay.exit_code, 0) << replay.error;
 }
 
 TEST(BothHands, PrecisionsAreComparedHandByHand) {

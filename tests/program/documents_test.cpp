@@ -186,7 +186,7 @@ TEST(Samples, AreWhatTheirProgramWrites) {
     EXPECT_EQ(read_file(entry.path()), read_file(kRoot / "examples" / name)) << name;
     ++files;
   }
-  EXPECT_EQ(files, 6u);
+  EXPECT_EQ(files, 12u);
 }
 
 TEST(Samples, AreTouchedByTheirMotions) {

@@ -98,7 +98,7 @@ TEST(Examples, BulletMovesAMugBlocksAndAChain) {
   SceneFile scene_file;
   ASSERT_TRUE(load_scene_file(LUMBRICAL_SOURCE_DIR "/examples/bodies.json", scene_file).ok());
   for (std::size_t i = 0; i < records.size(); i += 100)
-    EXPECT_EQ(records[i].given[9].pose, resample(scene_file.paths[9], 0.001 * static_cast<double>(i)));
+    EXPECT_EQ(records[i].given[9].pose, resample(scene_file.paths[9], static_cast<double>(i) / 1000));
 }
 #endif
 

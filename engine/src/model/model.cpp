@@ -377,6 +377,8 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   if (Status status = check_hand(scene.hand); !status.ok()) return status;
   Model built = empty_model(scene.hand, scene.settings, execution);
   if (execution.isa == Isa::automatic) built.execution.isa = widest_isa();
+  if (scene.objects.size() > kMostSceneObjects)
+    return Status::error("the scene has more than 32768 objects; join meshes that stand still");
   if (Status status = check_surroundings(scene); !status.ok()) return status;
   built.gravity = scene.gravity;
   built.ground = scene.ground;
