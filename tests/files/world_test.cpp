@@ -211,15 +211,15 @@ TEST(World, IsReadAheadOfBothHandsWhereverTheyAre) {
     EXPECT_EQ(resident_bytes(world), before) << place;
   };
   pager.hand_at(hand_on_street(scene.hand, 0.5), 0);
-  pager.hand_at(hand_on_street(other.hand, 9.0), 1);
+  pager.hand_at(hand_on_street(other.hand, 3.2), 1);
   pager.catch_up();
   touches_nothing_new(model, 0.5);
-  touches_nothing_new(other, 9.0);
+  touches_nothing_new(other, 3.2);
   // One hand goes elsewhere: what was near it may be let go of, what is near the other may not.
-  pager.hand_at(hand_on_street(scene.hand, 4.0), 0);
+  pager.hand_at(hand_on_street(scene.hand, 1.9), 0);
   pager.catch_up();
-  touches_nothing_new(model, 4.0);
-  touches_nothing_new(other, 9.0);
+  touches_nothing_new(model, 1.9);
+  touches_nothing_new(other, 3.2);
 }
 
 TEST(World, FramesThatTellNoPlaceAreNoTroubleToThePager) {

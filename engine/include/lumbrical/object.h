@@ -21,8 +21,8 @@ namespace lumbrical {
 /// (Mobility::given).
 inline constexpr std::size_t kMostObjects = 32;
 
-/// Most objects of a scene, those included that the world is made of: so many fit into the memory that reading
-/// a file may take (docs/recording.md).
+/// Most objects of a scene, those included that the world is made of: so many fit into the memory that
+/// reading a file may take (docs/recording.md).
 inline constexpr std::size_t kMostSceneObjects = 1u << 15;
 
 /// Dry friction between a hand's skin and an object. All zero: none, and it costs nothing.

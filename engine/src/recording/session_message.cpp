@@ -276,6 +276,8 @@ Status decode_objects(const fb::Session& message, std::size_t size, std::vector<
   // memory, they must not be larger than a file of as many would be. Of a single triangle it takes most, five
   // times its room in the file.
   std::size_t room = 5 * size;
+  if (message.objects()->size() > room / sizeof(SceneObject))
+    return Status::error("the session's objects overlap");
   if (message.objects()->size() > kMostSceneObjects)
     return Status::error("the session has more than 32768 objects");
   objects.reserve(message.objects()->size());
