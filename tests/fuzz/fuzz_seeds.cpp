@@ -34,6 +34,36 @@ Scene seed_scene() {
   return scene;
 }
 
+// What moves, what it is held by, and how it feels.
+Scene seed_scene_of_objects() {
+  Scene scene = seed_scene();
+  scene.ground = Ground{};
+  scene.settings.proxy_stiffness = 500;
+  scene.settings.pad = {{{{0.2, 0.5}, {0.5, -0.3}}}, 0.5};
+  SceneObject object;
+  object.mesh = make_box({0.1, 0.1, 0.1}, 1);
+  object.material = {0.5, 0.4, 0.1, 2000};
+  object.mechanism.mobility = Mobility::hinge;
+  static_cast<void>(mass_properties(object.mesh, 500, object.mechanism.body).ok());
+  object.mechanism.lower = 0;
+  object.mechanism.latch = {2, 0.1};
+  for (const char* const name : {"door", "handle", "body", "tool"}) {
+    object.name = name;
+    scene.objects.push_back(object);
+    object.mechanism.latch = {};
+    object.pose.position.x += 0.5;
+  }
+  scene.objects[3].mechanism.mobility = Mobility::free;
+  SceneObject& tool = scene.objects[4];
+  tool.mechanism = {};
+  tool.mechanism.mobility = Mobility::given;
+  tool.surface.crease_angle = 0.5;
+  tool.surface.friction_factor.assign(tool.mesh.triangles.size(), 0.5);
+  tool.surface.grip = {{2, 1, {0, 65535}}, 0.01, 0.5, 1.5};
+  tool.surface.bumps = {{1, 2, {0, 65535}}, 0.01, 0, 0.001};
+  return scene;
+}
+
 TickRecord seed_record(std::uint64_t tick) {
   TickRecord record;
   record.device.kind = tick % 2 == 0 ? InputKind::joint_angles : InputKind::joint_poses;
@@ -171,11 +201,15 @@ bool write_messages(const fs::path& folder) {
   ByteVector session;
   if (!encode_session(seed_scene(), session).ok()) return false;
   seed("session", 1, session);
+  if (!encode_session(seed_scene_of_objects(), session).ok()) return false;
+  seed("session_of_objects", 1, session);
   State state;
   state.tick = 5;
   state.rise = 0.5;
   seed("state", 2, encode_state(state));
   Model model;
+  if (!build_model(seed_scene_of_objects(), {}, model).ok()) return false;
+  seed("state_of_objects", 2, encode_state(make_state(model)));
   if (!build_model(seed_scene(), {}, model).ok()) return false;
   HandViewer viewer(model);
   TickRecord record;
@@ -255,6 +289,29 @@ void write_scenes(const fs::path& folder) {
 "settings": {"rate": 100, "stiffness": 2e7, "law": "column"}, "execution": {"threads": 2, "broadphase": "grid"}})");
   write(folder / "scene" / "b", R"({"objects": [{"mesh": "x.obj", "unit": "mm"}], "hand_file": "hand.json",
 "motion": {"file": "m.json"}, "settings": {"max_force": 5, "fade_time": 0.1, "precision": 0.01}})");
+}
+
+// Of every kind that moves, given and held.
+void write_moving_scenes(const fs::path& folder) {
+  write(folder / "scene" / "moves", R"({"objects": [
+{"name": "door", "box": {"cells": 1}, "moves": "hinge", "density": 400, "damping": 0.02, "joint": {"pivot": [0, 0, 1],
+"axis": [0, 1, 0], "lower": 0, "upper": 1, "spring": 0.4, "rest": 1.5, "latch": {"object": "handle", "opens": 0.1}}},
+{"name": "handle", "box": {"cells": 1}, "moves": "slider", "mass": 0.1, "joint": {"dry_friction": 0.1,
+"detent_force": 0.4, "detent_pitch": 0.01}},
+{"name": "ball", "sphere": {"cells": 2}, "moves": "ball", "mass": 1, "centre": [0, 0, 0.1], "inertia": [1, 1, 1, 0, 0, 0]},
+{"name": "tool", "box": {"cells": 1}, "moves": "given", "friction": 0.5, "kinetic_friction": 0.4,
+"path": [{"time": 0, "position": [0, 0, 1]}, {"time": 1, "position": [0, 1, 1], "orientation": [1, 0, 0, 1]}]},
+{"name": "body", "box": {"cells": 1}, "moves": "free", "mass": 1, "surface": {"crease_angle": 0.5}}],
+"ground": {"height": -0.1, "friction": 0.5}, "gravity": [0, 0, -9.8], "physics": {"engine": "bullet", "friction": 0.5},
+"motion": {"grasp": {}}, "settings": {"proxy_stiffness": 500, "pad": {"damping": 0.5, "layers": [{"from": 0.2,
+"stiffness": 0.5}]}}})");
+}
+
+void write_surfaces(const fs::path& folder) {
+  write(folder / "surface" / "plain", "P2\n# dots\n3 2 255\n0 128 255\n 7 9 11\n");
+  write(folder / "surface" / "raw", "P5 2 2 255\nabcd");
+  write(folder / "surface" / "deep", "P5 2 1 1000\n" + std::string("\x01\x02\x03\x04"));
+  write(folder / "surface" / "factors", "1 0.5 # rough\n10 0\n");
 }
 
 void write_hands(const fs::path& folder) {
@@ -353,6 +410,8 @@ int main(int argc, char** argv) {
   write_meshes(folder);
   write_gltf(folder);
   write_scenes(folder);
+  write_moving_scenes(folder);
+  write_surfaces(folder);
   write_hands(folder);
   write_devices(folder);
   write_motions(folder);
