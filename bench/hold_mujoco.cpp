@@ -16,6 +16,7 @@ struct MujocoHold {
   mjModel* model = nullptr;
   mjData* data = nullptr;
   std::vector<Vec3> felt;
+  Vec3 weight;  // of the held body; the fingers carry their own
   MujocoHold() = default;
   MujocoHold(const MujocoHold&) = delete;
   MujocoHold& operator=(const MujocoHold&) = delete;
@@ -36,6 +37,9 @@ struct MujocoHold {
       force[2] = pull.z;
       felt[i] = -pull;
     }
+    data->qfrc_applied[0] = weight.x;
+    data->qfrc_applied[1] = weight.y;
+    data->qfrc_applied[2] = weight.z;
     mj_step(model, data);
   }
 };
@@ -44,8 +48,7 @@ std::string text_of(const HeldBody& body, std::span<const Vec3> tips, const char
   std::ostringstream text;
   text.precision(17);
   const double twist = body.friction * kTwistRadius;
-  text << "<mujoco><option timestep=\"" << kHoldTick << "\" gravity=\"" << body.gravity.x << ' '
-       << body.gravity.y << ' ' << body.gravity.z << "\" " << options
+  text << "<mujoco><option timestep=\"" << kHoldTick << "\" gravity=\"0 0 0\" " << options
        << "/><default><geom condim=\"4\" friction=\"" << body.friction << ' ' << twist
        << " 0\"/></default><worldbody><body><freejoint/><geom mass=\"" << body.mass << "\" ";
   if (body.cylinder)
@@ -54,10 +57,9 @@ std::string text_of(const HeldBody& body, std::span<const Vec3> tips, const char
     text << "type=\"box\" size=\"" << body.half.x << ' ' << body.half.y << ' ' << body.half.z << "\"";
   text << "/></body>";
   for (const Vec3 tip : tips) {
-    text
-        << "<body gravcomp=\"1\"><joint type=\"slide\" axis=\"1 0 0\"/><joint type=\"slide\" axis=\"0 1 0\"/>"
-        << "<joint type=\"slide\" axis=\"0 0 1\"/><geom type=\"sphere\" size=\"" << kTipRadius << "\" mass=\""
-        << kTipMass << "\"/></body>";
+    text << "<body><joint type=\"slide\" axis=\"1 0 0\"/><joint type=\"slide\" axis=\"0 1 0\"/>"
+         << "<joint type=\"slide\" axis=\"0 0 1\"/><geom type=\"sphere\" size=\"" << kTipRadius
+         << "\" mass=\"" << kTipMass << "\"/></body>";
     static_cast<void>(tip);
   }
   text << "</worldbody></mujoco>";
@@ -77,6 +79,7 @@ std::shared_ptr<MujocoHold> make_hold(const HeldBody& body, std::span<const Vec3
   if (hold->model == nullptr) throw std::runtime_error(error);
   hold->data = mj_makeData(hold->model);
   hold->felt.resize(tips.size());
+  hold->weight = body.mass * body.gravity;
   for (std::size_t i = 0; i < tips.size(); ++i) {
     double* const x = hold->data->qpos + 7 + 3 * i;
     x[0] = tips[i].x;

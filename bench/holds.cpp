@@ -16,6 +16,14 @@ constexpr double kGravity = 9.81, kFriction = 0.6, kPi = 3.141592653589793;
 
 double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
+// [mm] of what is held, or was.
+std::string way(double millimetres) {
+  if (!(std::fabs(millimetres) < 100)) return "lost";
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.4f", std::fabs(millimetres));
+  return text.data();
+}
+
 double degrees_of(Quat q) { return 360 / kPi * std::atan2(norm(Vec3{q.x, q.y, q.z}), std::fabs(q.w)); }
 
 // ---- A cylinder of a mug's size, 0.2 kg, between three fingertips ----
@@ -154,8 +162,11 @@ int main() {
       "largest force jump [N] | ticks per s |\n|---|---|---|---|---|---|\n");
   for (const HoldEngine& engine : engines) {
     const GraspFigures g = run_grasp(engine);
-    std::printf("| %s | %.4f | %.4f | %.3f | %.4f | %.0f |\n", engine.name.c_str(), g.drift, g.turn,
-                g.slips_at, g.jump, g.rate);
+    if (way(g.drift) == "lost")
+      std::printf("| %s | lost | | | | %.0f |\n", engine.name.c_str(), g.rate);
+    else
+      std::printf("| %s | %s | %.4f | %.3f | %.4f | %.0f |\n", engine.name.c_str(), way(g.drift).c_str(),
+                  g.turn, g.slips_at, g.jump, g.rate);
     std::fflush(stdout);
   }
   std::printf(
@@ -164,7 +175,8 @@ int main() {
       180 / kPi * std::atan(kFriction));
   for (const HoldEngine& engine : engines) {
     const SlopeFigures s = run_slope(engine);
-    std::printf("| %s | %.4f | %.2f | %.3f |\n", engine.name.c_str(), s.creep, s.slips_at, s.acceleration);
+    std::printf("| %s | %s | %.2f | %.3f |\n", engine.name.c_str(), way(s.creep).c_str(), s.slips_at,
+                s.acceleration);
     std::fflush(stdout);
   }
   return 0;
