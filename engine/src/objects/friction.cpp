@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "base/small_turn.h"
+
 namespace lumbrical {
 namespace {
 
@@ -15,13 +17,6 @@ constexpr double kSlideLag = 0.03;
 constexpr double kTwistArm = 0.004;
 
 Vec3 across(Vec3 v, Vec3 normal) { return v - dot(normal, v) * normal; }
-
-// [rad] About the normal, from one orientation to another nearby.
-double turn_about(Vec3 normal, Quat from, Quat to) {
-  const Quat turn = to * conjugate(from);
-  const double twice = turn.w < 0 ? -2 : 2;
-  return twice * dot(normal, {turn.x, turn.y, turn.z});
-}
 
 // mu at a speed of sliding [m/s]: from the static to the kinetic one as it starts to slide.
 double friction_at(const Material& material, double speed) {
@@ -55,7 +50,7 @@ Friction rub(const Material& material, const ContactPatch& patch, const Pose& X_
     // Where the skin that is now in the patch's middle was.
     const Vec3 was = transform(grip.segment, transform(inverse(X_OS), patch.centre));
     grip.shear = into_plane(grip.shear, patch.normal) + across(patch.centre - was, patch.normal);
-    grip.twist += turn_about(patch.normal, grip.segment.orientation, X_OS.orientation);
+    grip.twist += dot(patch.normal, small_turn(grip.segment.orientation, X_OS.orientation));
   }
   grip.segment = X_OS;
 

@@ -1,13 +1,12 @@
 #include "stages/pad_damping.h"
 
+#include "base/small_turn.h"
 #include "stages/joint_torques.h"
 
 namespace lumbrical {
 
 Twist speed_between(const Pose& from, const Pose& to, double rate) {
-  const Quat turn = to.orientation * conjugate(from.orientation);
-  const double twice = turn.w < 0 ? -2 : 2;
-  return {rate * (to.position - from.position), (rate * twice) * Vec3{turn.x, turn.y, turn.z}};
+  return {rate * (to.position - from.position), rate * small_turn(from.orientation, to.orientation)};
 }
 
 PadSpeeds speeds_of_pads(const Settings& settings, bool trusted, const Primitives& hand,
