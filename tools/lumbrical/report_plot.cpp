@@ -351,14 +351,20 @@ std::string figure_html(const Figure& figure) {
 
 std::string picture_svg(const Figure& figure, const Plot& plot) {
   constexpr double kRow = 15;
-  const double height = kHeight + 6 + kRow * static_cast<double>(figure.series.size());
+  std::vector<std::size_t> shown;  // series that have a point here
+  for (std::size_t i = 0; i < figure.series.size(); ++i)
+    if (std::any_of(plot.points.begin(), plot.points.end(),
+                    [i](const PlotPoint& p) { return p.series == i; }))
+      shown.push_back(i);
+  const double height = kHeight + 6 + kRow * static_cast<double>(shown.size());
   std::string svg = opening_tag(figure, plot, height, " xmlns=\"http://www.w3.org/2000/svg\"") + "<style>\n" +
                     kPlotColours + "svg { font-family: system-ui, sans-serif; }\n" + kPlotMarks +
                     "</style>\n" +
                     print("<rect width=\"%g\" height=\"%g\" fill=\"var(--back)\"/>\n", kWidth, height) +
                     plot_svg(figure, plot);
-  for (std::size_t i = 0; i < figure.series.size(); ++i) {
-    const double y = kHeight + 4 + kRow * static_cast<double>(i);
+  for (std::size_t row = 0; row < shown.size(); ++row) {
+    const std::size_t i = shown[row];
+    const double y = kHeight + 4 + kRow * static_cast<double>(row);
     svg += print("<g class=\"point s%zu\" transform=\"translate(%.1f %.1f)\">", i % kColourCount, kLeft, y) +
            shape_svg(0) + "</g>" + print("<text x=\"%.1f\" y=\"%.1f\">", kLeft + 10, y + 4) +
            escaped(figure.series[i]) + "</text>\n";
