@@ -1,6 +1,8 @@
-// Many recordings over many machines: lists, shards, lines of results, and the scripts for schedulers.
+// Many recordings and scenes over many machines: lists, shards, lines of results, and the scripts for
+// schedulers.
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <set>
 #include <sstream>
 #include <string>
@@ -26,14 +28,28 @@ fs::path folder_with_list() {
   return folder;
 }
 
-std::set<std::string> recordings_of(const fs::path& file) {
+std::set<std::string> entries_of(const fs::path& file, const char* key) {
   std::set<std::string> names;
   std::istringstream lines(read_file(file.string()));
   for (std::string line; std::getline(lines, line);) {
     const nlohmann::json json = nlohmann::json::parse(line);
-    EXPECT_TRUE(names.insert(json["recording"]).second) << line;
+    EXPECT_TRUE(names.insert(json[key]).second) << line;
   }
   return names;
+}
+
+std::set<std::string> recordings_of(const fs::path& file) { return entries_of(file, "recording"); }
+std::set<std::string> scenes_of(const fs::path& file) { return entries_of(file, "scene"); }
+
+// The results of a file by the lines of their list.
+std::map<std::string, nlohmann::json> results_in(const fs::path& file) {
+  std::map<std::string, nlohmann::json> results;
+  std::istringstream lines(read_file(file.string()));
+  for (std::string line; std::getline(lines, line);) {
+    const nlohmann::json json = nlohmann::json::parse(line);
+    results[json["scene"]] = json;
+  }
+  return results;
 }
 
 TEST(Shards, ShareOutAListEachEntryOnceAndGoOnWhereTheyEnded) {
@@ -88,16 +104,89 @@ TEST(Shards, SayWhatIsWrongWithThem) {
 // As a task of an array has it, without the scheduler.
 TEST(Shards, ATaskOfAJobArrayDoesItsShare) {
   const fs::path folder = folder_with_list();
-  const std::string script = std::string(LUMBRICAL_SOURCE_DIR) + "/tools/cluster/replay_slurm";
+  const std::string script = std::string(LUMBRICAL_SOURCE_DIR) + "/tools/cluster/shards_slurm";
   for (const char* const task : {"1", "2"}) {
     const Outcome done = shell("LUMBRICAL='" LUMBRICAL_PROGRAM "' SLURM_ARRAY_TASK_ID=" + std::string(task) +
-                                   " bash '" + script + "' list 2 results",
+                                   " bash '" + script + "' replay list 2 results",
                                folder);
     EXPECT_EQ(done.exit_code, 0) << done.error << " what could not be read stands in the results";
   }
   EXPECT_EQ(
       recordings_of(folder / "results/1.jsonl").size() + recordings_of(folder / "results/2.jsonl").size(),
       8u);
+}
+
+// Scenes of a sweep: one, with switches of its own in each line.
+constexpr const char* kSweep =
+    "demo.json\ndemo.json --stiffness 4e7\n\n\"a copy.json\" --ticks 30\ndemo.json --law max-depth\n"
+    "none.json\ndemo.json --record x.mcap\n";
+
+fs::path folder_with_sweep() {
+  const fs::path folder = folder_with_demo();
+  fs::copy_file(folder / "demo.json", folder / "a copy.json");
+  std::ofstream(folder / "list") << kSweep;
+  return folder;
+}
+
+TEST(Shards, RunALineOfASweepAsTheCommandLineWould) {
+  const fs::path folder = folder_with_sweep();
+  const Outcome done = shell("lumbrical run --list list --results all.jsonl --threads 2 --ticks 700", folder);
+  EXPECT_EQ(done.exit_code, 2) << "one is no scene, one has a switch that a line can't have";
+  EXPECT_EQ(done.json()["sessions"], 6);
+  EXPECT_EQ(done.json()["failed"], 2);
+  const auto results = results_in(folder / "all.jsonl");
+  ASSERT_EQ(results.size(), 6u);
+  for (const char* const line : {"demo.json", "demo.json --stiffness 4e7", "demo.json --law max-depth"}) {
+    ASSERT_TRUE(results.contains(line)) << line;
+    const Outcome alone = shell("lumbrical run --json --ticks 700 " + std::string(line), folder);
+    for (const char* const key : {"ticks", "contacts", "peak_force", "peak_torque", "law", "flags"})
+      EXPECT_EQ(results.at(line)[key], alone.json()[key]) << line << " " << key;
+    EXPECT_GT(alone.json()["peak_force"]["thumb"], 0) << line;
+  }
+  EXPECT_EQ(results.at("\"a copy.json\" --ticks 30")["ticks"], 30) << "the line has the last word";
+  EXPECT_NE(results.at("none.json")["error"].get<std::string>().find("none.json"), std::string::npos);
+  EXPECT_NE(results.at("demo.json --record x.mcap")["error"].get<std::string>().find("--record"),
+            std::string::npos);
+  EXPECT_FALSE(fs::exists(folder / "x.mcap"));
+}
+
+TEST(Shards, OfASweepGoOnWhereTheyEnded) {
+  const fs::path folder = folder_with_sweep();
+  for (const char* const shard : {"1", "2"})
+    shell("lumbrical run --ticks 10 --list list --shard " + std::string(shard) + "/2 --results " + shard,
+          folder);
+  EXPECT_EQ(scenes_of(folder / "1"),
+            (std::set<std::string>{"demo.json", "\"a copy.json\" --ticks 30", "none.json"}));
+  EXPECT_EQ(scenes_of(folder / "2").size(), 3u);
+  const std::string whole = read_file((folder / "2").string());
+  std::ofstream(folder / "2") << whole.substr(0, whole.size() - 1);  // torn at its very end
+
+  const std::string merge = "lumbrical merge-results 1 2 --list list --output ";
+  EXPECT_EQ(shell(merge + "torn", folder).json()["missing"].size(), 1u);
+  const Outcome again = shell("lumbrical run --ticks 10 --list list --shard 2/2 --results 2", folder);
+  EXPECT_EQ(again.json()["sessions"], 1) << again.error;
+  EXPECT_EQ(again.json()["done_before"], 2);
+  const nlohmann::json merged = shell(merge + "all", folder).json();
+  EXPECT_EQ(merged["sessions"], 6);
+  EXPECT_EQ(merged["recordings"], 0);
+  EXPECT_EQ(merged["failed"], 2);
+  EXPECT_EQ(merged["ticks"], 10 + 10 + 30 + 10);
+  EXPECT_EQ(merged["missing"].size(), 0u);
+  EXPECT_EQ(scenes_of(folder / "all").size(), 6u);
+}
+
+TEST(Shards, OfScenesRefuseWhatASessionAloneHas) {
+  const fs::path folder = folder_with_sweep();
+  for (const char* const wrong :
+       {"", "demo.json --list list", "--list list", "--list list --results r --record x.mcap",
+        "--list list --results r --rate 100", "--list list --results r --view",
+        "--list list --results r --compare-precision", "--list list --results r --shard 3/2",
+        "--list nowhere --results r", "demo.json --results r", "demo.json --shard 1/2"}) {
+    const Outcome refused = shell("lumbrical run " + std::string(wrong), folder);
+    EXPECT_EQ(refused.exit_code, 2) << wrong;
+    EXPECT_FALSE(refused.error.empty()) << wrong;
+    EXPECT_FALSE(fs::exists(folder / "r")) << wrong;
+  }
 }
 
 }  // namespace

@@ -197,4 +197,19 @@ std::string run_command_line(const Program& program, int argc, char** argv,
          " --help lists all there is";
 }
 
+std::string parse_line(const std::string& line, const std::function<void(Command&)>& add_options) {
+  CLI::App app;
+  app.set_help_flag();
+  Command command(&app);
+  add_options(command);
+  try {
+    app.parse(line);
+    return {};
+  } catch (const CLI::ExtrasError&) {
+    return unexpected(app);
+  } catch (const CLI::ParseError& error) {
+    return error.what();
+  }
+}
+
 }  // namespace lumbrical::tool

@@ -78,6 +78,10 @@ struct Program {
 std::string run_command_line(const Program& program, int argc, char** argv,
                              const std::function<void(Command&)>& add_commands);
 
+/// Parses a line of a file as if its words stood on the command line; quotes hold a word with blanks
+/// together. What is wrong with it, as above.
+std::string parse_line(const std::string& line, const std::function<void(Command&)>& add_options);
+
 /// "; did you mean NAME?": of all names the one with the fewest letters to change, unless those are too many.
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& names);
 

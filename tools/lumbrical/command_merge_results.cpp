@@ -1,4 +1,5 @@
-// lumbrical merge-results: what shards of `replay --results` have found, as one list and in one sentence.
+// lumbrical merge-results: what shards of `replay --results` and `run --results` have found, as one list and
+// in one sentence.
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -7,6 +8,7 @@
 #include "commands.h"
 #include "output.h"
 #include "result_lines.h"
+#include "work_list.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -26,7 +28,7 @@ Status write_lines(const std::vector<Json>& results, const std::string& path) {
 // Of the list, those without a result: what is to be run again.
 std::vector<std::string> missing_of(const std::vector<std::string>& list, const std::vector<Json>& results) {
   std::set<std::string> there;
-  for (const Json& result : results) there.insert(result["recording"].get<std::string>());
+  for (const Json& result : results) there.insert(entry_of(result));
   std::vector<std::string> missing;
   for (const std::string& path : list)
     if (!there.contains(path)) missing.push_back(path);
@@ -42,15 +44,21 @@ int merge_results(const MergeSwitches& switches) {
   if (!switches.output.empty())
     if (Status status = write_lines(results, switches.output); !status.ok()) return fail(status);
   const std::vector<std::string> missing = missing_of(list, results);
-  std::size_t identical = 0, diverged = 0, changed = 0, failed = 0;
+  std::size_t sessions = 0, identical = 0, diverged = 0, changed = 0, failed = 0;
   std::uint64_t ticks = 0;
   for (const Json& result : results) {
     const bool error = result.contains("error") || !result.value("damage", Json()).is_null();
+    const bool session = result.contains("scene");
     const bool same = !error && result.value("identical", false);
-    ++(error ? failed : same ? identical : result.contains("what_if") ? changed : diverged);
+    sessions += session ? 1 : 0;
+    if (error)
+      ++failed;
+    else if (!session)
+      ++(same ? identical : result.contains("what_if") ? changed : diverged);
     if (!error) ticks += result.value("ticks", std::uint64_t{0});
   }
-  const Json json = {{"recordings", results.size()},
+  const Json json = {{"recordings", results.size() - sessions},
+                     {"sessions", sessions},
                      {"identical", identical},
                      {"diverged", diverged},
                      {"changed", changed},
@@ -66,13 +74,15 @@ int merge_results(const MergeSwitches& switches) {
 void add_merge_results(Command& app, int& exit_code) {
   const auto switches = std::make_shared<MergeSwitches>();
   Command* const command = app.add_subcommand(
-      "merge-results", "Put the results of replay's shards together, and tell what is missing");
-  command->add_option("results", switches->files, "Files of replay --results")
+      "merge-results", "Put the results of shards of replay or run together, and tell what is missing");
+  command->add_option("results", switches->files, "Files of replay --results or run --results")
       ->required()
       ->type_name("RESULTS.jsonl");
   command->add_option("--list", switches->list, "The list that the shards are of, to tell what is missing")
       ->type_name("LIST");
-  command->add_option("--output", switches->output, "All of them, the newest of each recording, by name")
+  command
+      ->add_option("--output", switches->output,
+                   "All of them, the newest of each recording or scene, by name")
       ->check(is_path())
       ->type_name("ALL.jsonl");
   command->callback([switches, &exit_code] { exit_code = merge_results(*switches); });

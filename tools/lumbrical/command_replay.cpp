@@ -12,9 +12,9 @@
 #include "lumbrical/batch.h"
 #include "lumbrical/recording.h"
 #include "output.h"
-#include "result_lines.h"
 #include "switches.h"
 #include "what_if.h"
+#include "work_list.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -29,7 +29,7 @@ struct ReplaySwitches {
   std::optional<std::uint32_t> threads;
   std::string isa = "auto";
   bool json = false;
-  std::string list, shard, results;
+  WorkSwitches work;
 };
 
 std::optional<Stage> parse_stage(const std::string& text) {
@@ -59,7 +59,7 @@ Status replay_options(const ReplaySwitches& switches, ReplayOptions& options) {
   if (!switches.precision.empty()) options.precision = parse_precision(switches.precision);
   // Of several recordings each has one thread.
   options.execution.threads =
-      switches.recordings.size() == 1 && switches.results.empty() ? switches.threads.value_or(1) : 1;
+      switches.recordings.size() == 1 && switches.work.results.empty() ? switches.threads.value_or(1) : 1;
   options.execution.isa = *parse_isa(switches.isa);
   options.trace = switches.trace;
   options.trace_tick = switches.trace_tick;
@@ -168,6 +168,10 @@ int replay_single(const ReplaySwitches& switches, ReplayOptions& options) {
   return replayed.diverged ? kDiverged : replayed.damaged ? kUnreadable : kDone;
 }
 
+std::uint32_t jobs_of(const ReplaySwitches& switches) {
+  return switches.threads.value_or(std::min(core_count(), 64u));
+}
+
 // All of them, whatever becomes of one, and told in the order given.
 int replay_batch(const ReplaySwitches& switches, const ReplayOptions& options) {
   const std::vector<std::string>& paths = switches.recordings;
@@ -176,7 +180,7 @@ int replay_batch(const ReplaySwitches& switches, const ReplayOptions& options) {
     Progress progress("replaying");
     std::mutex mutex;
     std::uint64_t done = 0;
-    run_jobs(paths.size(), switches.threads.value_or(std::min(core_count(), 64u)), [&](std::size_t i) {
+    run_jobs(paths.size(), jobs_of(switches), [&](std::size_t i) {
       replayed[i].error = replay_one(paths[i], switches, options, replayed[i]);
       const std::lock_guard lock(mutex);
       progress.update(++done, paths.size());
@@ -202,60 +206,36 @@ int replay_batch(const ReplaySwitches& switches, const ReplayOptions& options) {
   return diverged ? kDiverged : failed ? kUnreadable : kDone;
 }
 
-// What of a list has no line among the results yet, a line each. They are the result: nothing else is told
-// but how many there were.
+// Lines are the result: nothing else is told but how many there were.
 int replay_share(const ReplaySwitches& switches, const ReplayOptions& options) {
-  ResultLines results;
-  if (Status status = results.open(switches.results); !status.ok()) return fail(status);
-  std::vector<std::string> paths;
-  for (const std::string& path : switches.recordings)
-    if (!results.has(path)) paths.push_back(path);
-  std::uint64_t done = 0, diverged = 0, failed = 0;
-  Status written;
-  {
-    Progress progress("replaying");
-    std::mutex mutex;
-    run_jobs(paths.size(), switches.threads.value_or(std::min(core_count(), 64u)), [&](std::size_t i) {
-      Replayed one;
-      one.error = replay_one(paths[i], switches, options, one);
-      if (!one.error.ok()) one.json = {{"recording", paths[i]}, {"error", one.error.message()}};
-      Status status = results.add(one.json);
-      const std::lock_guard lock(mutex);
-      if (!status.ok()) written = std::move(status);
-      diverged += one.diverged ? 1 : 0;
-      failed += !one.error.ok() || one.damaged ? 1 : 0;
-      progress.update(++done, paths.size());
-    });
-  }
-  if (!written.ok()) return fail(written);
-  const Json json = {{"recordings", paths.size()},
-                     {"done_before", switches.recordings.size() - paths.size()},
-                     {"diverged", diverged},
-                     {"failed", failed}};
+  const auto work = [&](const std::string& path) {
+    Replayed one;
+    one.error = replay_one(path, switches, options, one);
+    if (!one.error.ok()) one.json = {{"recording", path}, {"error", one.error.message()}};
+    return WorkResult{std::move(one.json), one.diverged, !one.error.ok() || one.damaged};
+  };
+  WorkDone done;
+  if (Status status = work_through(switches.recordings, switches.work.results, jobs_of(switches), "replaying",
+                                   work, done);
+      !status.ok())
+    return fail(status);
+  const Json json = {{"recordings", done.entries},
+                     {"done_before", done.done_before},
+                     {"diverged", done.diverged},
+                     {"failed", done.failed}};
   if (const int printed = print_json(json); printed != kDone) return printed;
-  return diverged > 0 ? kDiverged : failed > 0 ? kUnreadable : kDone;
-}
-
-// The recordings named, those of the list, and of all of them the shard's.
-Status choose_recordings(ReplaySwitches& switches) {
-  std::vector<std::string>& paths = switches.recordings;
-  if (!switches.list.empty())
-    if (Status status = read_list(switches.list, paths); !status.ok()) return status;
-  if (paths.empty()) return Status::error("no recording is named; give paths, or --list FILE");
-  Shard shard;
-  if (!switches.shard.empty() && !parse_shard(switches.shard, shard))
-    return Status::error("--shard: \"" + switches.shard + "\" is not I/N with 1 <= I <= N, 3/100 say");
-  paths = share_of(paths, shard);
-  return {};
+  return done.diverged > 0 ? kDiverged : done.failed > 0 ? kUnreadable : kDone;
 }
 
 int replay_recordings(ReplaySwitches switches) {
-  if (Status status = choose_recordings(switches); !status.ok()) return fail(status);
+  if (switches.recordings.empty() && switches.work.list.empty())
+    return fail("no recording is named; give paths, or --list FILE");
+  if (Status status = choose_entries(switches.work, switches.recordings); !status.ok()) return fail(status);
   const bool single = switches.recordings.size() == 1;
   if (!single && !switches.trace.empty()) return fail("--trace: takes one recording at a time");
   ReplayOptions options;
   if (Status status = replay_options(switches, options); !status.ok()) return fail(status);
-  if (!switches.results.empty()) return replay_share(switches, options);
+  if (!switches.work.results.empty()) return replay_share(switches, options);
   if (switches.recordings.empty()) return kDone;  // there are fewer than shards
   return single ? replay_single(switches, options) : replay_batch(switches, options);
 }
@@ -270,15 +250,7 @@ void add_replay(Command& app, int& exit_code) {
       ->add_option("recording", switches->recordings,
                    "Recordings to replay; several share out all cores, one thread each")
       ->type_name("REC.mcap");
-  command->add_option("--list", switches->list, "A file with a recording per line, -: standard input")
-      ->type_name("LIST|-");
-  command->add_option("--shard", switches->shard, "Of all these only the Ith, I+Nth, ...: for many machines")
-      ->type_name("I/N");
-  command
-      ->add_option("--results", switches->results,
-                   "Write a line of JSON per recording, and leave out those that have one there already")
-      ->check(is_path())
-      ->type_name("RESULTS.jsonl");
+  add_work_switches("recording", switches->work, *command);
   command->add_option("--law", switches->law, "What if: contact law of the whole hand")->check(is_law());
   command->add_option("--precision", switches->precision, std::string("What if: ") + kPrecisionHelp)
       ->check(is_precision());

@@ -14,6 +14,7 @@
 #include "commands.h"
 #include "device_session.h"
 #include "live_view.h"
+#include "lumbrical/batch.h"
 #include "lumbrical/real_time.h"
 #include "lumbrical/recording.h"
 #include "lumbrical/scene_file.h"
@@ -25,6 +26,7 @@
 #include "sink_uri.h"
 #include "switches.h"
 #include "version.h"
+#include "work_list.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -38,6 +40,7 @@ struct RunOptions {
   std::string isa = "auto";
   std::optional<std::uint32_t> effort;
   bool json = false, compare_precision = false, view = false;
+  WorkSwitches work;
 };
 
 // How long a device and the ticks exchange before forces are let through [s].
@@ -133,11 +136,33 @@ void explain_untouched(const SceneFile& scene_file, RunStatistics& statistics) {
   }
 }
 
+// What the ticks of a session need; its parts refer to each other.
+struct Session {
+  SceneFile scene_file;
+  std::vector<Model> models;
+  GivenObjects given;
+  std::vector<SessionHand> hands;
+  std::uint64_t ticks = 0;
+};
+
 Status build_models(const SceneFile& scene_file, std::vector<Model>& models) {
   models.resize(scene_file.second ? 2 : 1);
   Status status = build_model(felt_scene(scene_file), scene_file.execution, models[0]);
   if (status.ok() && scene_file.second) status = share_world(models[0], scene_file.second->hand, models[1]);
   return status;
+}
+
+// Of a scene that is loaded.
+Status open_session(const RunOptions& options, Session& session) {
+  auto& [scene_file, models, given, hands, ticks] = session;
+  Status status = build_models(scene_file, models);
+  if (status.ok()) status = start_given(scene_file, models[0], given);
+  if (!status.ok()) return Status::error(options.scene + ": " + status.message());
+  hands.push_back({models[0], scene_file.motion});
+  if (scene_file.second) hands.push_back({models[1], scene_file.second->motion});
+  const double planned = std::ceil(scene_file.seconds * models[0].settings.rate - 1e-6);
+  ticks = options.ticks.value_or(static_cast<std::uint64_t>(std::max(planned, 1.0)));
+  return {};
 }
 
 Status open_recorder(const RunOptions& options, const std::vector<Model>& models, const DeviceSession* device,
@@ -159,17 +184,12 @@ Status open_recorder(const RunOptions& options, const std::vector<Model>& models
 }
 
 int run(const RunOptions& options) {
-  SceneFile scene_file;
-  if (Status status = load(options, scene_file); !status.ok()) return fail(status);
+  Session session;
+  auto& [scene_file, models, given, hands, ticks] = session;
+  Status status = load(options, scene_file);
+  if (!status.ok()) return fail(status);
   if (options.compare_precision) return run_comparison(options, scene_file);
-  std::vector<Model> models;
-  Status status = build_models(scene_file, models);
-  if (!status.ok()) return fail(options.scene + ": " + status.message());
-  GivenObjects given;
-  if (status = start_given(scene_file, models[0], given); !status.ok())
-    return fail(options.scene + ": " + status.message());
-  std::vector<SessionHand> hands = {{models[0], scene_file.motion}};
-  if (scene_file.second) hands.push_back({models[1], scene_file.second->motion});
+  if (status = open_session(options, session); !status.ok()) return fail(status);
 
   const bool paced = options.rate != "max";
   const bool with_device = options.sink != "null";
@@ -187,8 +207,6 @@ int run(const RunOptions& options) {
     }
   }
   const DeviceSession* const shown = with_device ? &device : nullptr;
-  const double planned = std::ceil(scene_file.seconds * models[0].settings.rate - 1e-6);
-  const std::uint64_t ticks = options.ticks.value_or(static_cast<std::uint64_t>(std::max(planned, 1.0)));
   Recorder recorder;
   const bool recording = !options.record.empty();
   if (recording)
@@ -216,6 +234,76 @@ int run(const RunOptions& options) {
   return statistics.interrupted ? kInterrupted : kDone;
 }
 
+// What is computed: switches that a line of a list may have as well.
+void add_scene_switches(RunOptions& options, Command& command) {
+  command.add_option("scene", options.scene, "Scene file (JSON, see schemas/scene.fbs)");
+  command.add_option("--motion", options.motion, "Hand motion in the place of the scene's")
+      ->type_name("FILE");
+  command.add_option("--motion-rate", options.motion_rate, "Of motion files without time stamps [Hz]")
+      ->check(number_in(1e-3, 1e6));
+  command
+      .add_option("--side", options.side,
+                  "Which hand of a motion file, or what it is where it does not say; both: each is felt")
+      ->check(one_of({"left", "right", "both"}));
+  command.add_option("--unit", options.unit, "Of the motion file's numbers")->check(is_unit());
+  command.add_option("--align", options.align, "Move the motion to an object, and tell where to")
+      ->check(is_alignment())
+      ->type_name("[OBJECT:]centre|top|...|contact|x,y,z");
+  command.add_option("--ticks", options.ticks, "Length of the session; default: the motion's")
+      ->check(number_in(1, 1e9));
+  command.add_option("--broadphase", options.broadphase, "Search for candidate triangles")
+      ->check(is_broadphase());
+  command.add_option("--voxel-cache", options.voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");
+  command.add_option("--law", options.law, "Contact law of the whole hand")->check(is_law());
+  command.add_option("--precision", options.precision, kPrecisionHelp)->check(is_precision());
+  command.add_option("--effort", options.effort, "Most evaluations a tick may spend on samples; 0: no bound");
+  command.add_option("--stiffness", options.stiffness, "K_s [N/m^3]")->check(number_in(1e-6, 1e15));
+  command.add_option("--isa", options.isa, "Instruction set; never changes a result")->check(is_isa());
+}
+
+// A session of a list: the line names a scene and may have switches of its own behind it.
+Status run_line(const std::string& line, const RunOptions& common, Json& json) {
+  RunOptions options = common;
+  const auto add = [&options](Command& command) { add_scene_switches(options, command); };
+  if (const std::string fault = parse_line(line, add); !fault.empty())
+    return Status::error(line + ": " + fault);
+  Session session;
+  Status status = load(options, session.scene_file);
+  if (status.ok()) status = open_session(options, session);
+  if (!status.ok()) return status;
+  SessionParts parts;
+  parts.given = &session.given;
+  parts.silent = true;
+  RunStatistics statistics = run_session(session.hands, session.ticks, parts);
+  if (!statistics.world_error.ok()) return statistics.world_error;
+  explain_untouched(session.scene_file, statistics);
+  json.update(run_json({session.scene_file, session.models, statistics, {}, nullptr, false, {}}));
+  return {};
+}
+
+// Every session by itself, as fast as it goes and on one thread.
+int run_list(RunOptions options) {
+  if (options.work.results.empty()) return fail("--list: what comes of it needs a file; add --results");
+  if (options.view || options.compare_precision)
+    return fail("--list: runs sessions only; leave out --view and --compare-precision");
+  std::vector<std::string> lines;
+  if (Status status = choose_entries(options.work, lines); !status.ok()) return fail(status);
+  const std::uint32_t jobs = options.threads.value_or(std::min(core_count(), 64u));
+  options.threads = 1;
+  const auto work = [&options](const std::string& line) {
+    Json json = {{"scene", line}};
+    const Status status = run_line(line, options, json);
+    if (!status.ok()) json["error"] = status.message();
+    return WorkResult{std::move(json), false, !status.ok()};
+  };
+  WorkDone done;
+  if (Status status = work_through(lines, options.work.results, jobs, "running", work, done); !status.ok())
+    return fail(status);
+  const int printed =
+      print_json({{"sessions", done.entries}, {"done_before", done.done_before}, {"failed", done.failed}});
+  return printed != kDone ? printed : done.failed > 0 ? kUnreadable : kDone;
+}
+
 std::string check_record_forces(std::string& text) {
   const bool whole = text.find_first_not_of("0123456789") == std::string::npos;
   if (text == "all" || text == "none" || (whole && number_in(1, 1000000).fault(text).empty())) return {};
@@ -232,26 +320,15 @@ void add_run(Command& app, int& exit_code) {
   const auto options = std::make_shared<RunOptions>();
   Command* const command =
       app.add_subcommand("run", "Let a hand motion meet a scene; print figures, record ticks");
-  command->add_option("scene", options->scene, "Scene file (JSON, see schemas/scene.fbs)")->required();
-  command->add_option("--motion", options->motion, "Hand motion in the place of the scene's")
-      ->type_name("FILE");
-  command->add_option("--motion-rate", options->motion_rate, "Of motion files without time stamps [Hz]")
-      ->check(number_in(1e-3, 1e6));
-  command
-      ->add_option("--side", options->side,
-                   "Which hand of a motion file, or what it is where it does not say; both: each is felt")
-      ->check(one_of({"left", "right", "both"}));
-  command->add_option("--unit", options->unit, "Of the motion file's numbers")->check(is_unit());
-  command->add_option("--align", options->align, "Move the motion to an object, and tell where to")
-      ->check(is_alignment())
-      ->type_name("[OBJECT:]centre|top|...|contact|x,y,z");
-  command->add_option("--ticks", options->ticks, "Length of the session; default: the motion's")
-      ->check(number_in(1, 1e9));
+  add_scene_switches(*options, *command);
+  add_work_switches("scene, and switches for it alone,", options->work, *command);
   command->add_option("--rate", options->rate, "Ticks per second by the clock, or max: as fast as it goes")
       ->check(Check{check_rate, "HZ|max"})
+      ->excludes("--list")
       ->capture_default_str();
   command->add_option("--record", options->record, "Recording to write, where no file is yet")
       ->check(is_path())
+      ->excludes("--list")
       ->type_name("OUT.mcap");
   command
       ->add_option(
@@ -283,24 +360,26 @@ void add_run(Command& app, int& exit_code) {
           "--sink", options->sink,
           "Where forces go: null, modbus-tcp://HOST:PORT?profile=FILE, modbus-rtu:///dev/ttyX?profile=FILE, "
           "udp://HOST:PORT?profile=FILE, memory:///NAME?profile=FILE")
-      ->check(Check{check_sink_uri, "URI"});
-  command->add_option("--broadphase", options->broadphase, "Search for candidate triangles")
-      ->check(is_broadphase());
-  command->add_option("--voxel-cache", options->voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");
-  command->add_option("--law", options->law, "Contact law of the whole hand")->check(is_law());
-  command->add_option("--precision", options->precision, kPrecisionHelp)->check(is_precision());
-  command->add_option("--effort", options->effort,
-                      "Most evaluations a tick may spend on samples; 0: no bound");
+      ->check(Check{check_sink_uri, "URI"})
+      ->excludes("--list");
   command->add_flag(
       "--compare-precision", options->compare_precision,
       "Instead of a session: each precision's error and time on this scene and motion, and advice");
   command->add_flag("--view", options->view, "Show the session in the browser while it runs (with a --rate)");
-  command->add_option("--stiffness", options->stiffness, "K_s [N/m^3]")->check(number_in(1e-6, 1e15));
-  command->add_option("--isa", options->isa, "Instruction set; never changes a result")->check(is_isa());
-  command->add_option("--threads", options->threads, "1 .. 64; never changes a result")
+  command
+      ->add_option(
+          "--threads", options->threads,
+          "1 .. 64; never changes a result. Of a list: how many sessions at a time, all cores unless "
+          "given")
       ->check(number_in(1, 64));
   command->add_flag("--json", options->json, "Print one JSON object");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->callback([options, &exit_code] {
+    const WorkSwitches& work = options->work;
+    if (options->scene.empty() == work.list.empty()) demand_option("Either a scene or --list LIST");
+    if (work.list.empty() && !(work.shard.empty() && work.results.empty()))
+      refuse_option(work.results.empty() ? "--shard" : "--results", "is for a --list of scenes");
+    exit_code = options->scene.empty() ? run_list(*options) : run(*options);
+  });
 }
 
 }  // namespace lumbrical::tool

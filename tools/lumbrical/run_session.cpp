@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "lumbrical/tick.h"
@@ -166,7 +167,8 @@ RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t t
   std::vector<MovingHand> all = moving(hands, parts.recorder != nullptr);
   const Model& model = hands[0].model;
   const double rate = model.settings.rate;
-  Progress progress("running");
+  std::optional<Progress> progress;
+  if (!parts.silent && parts.device == nullptr) progress.emplace("running");
   WorldPager pager(model, {});  // before real time, so that its thread has none of that
   for (std::size_t hand = 0; hand < hands.size(); ++hand)
     pager.hand_at(resample(hands[hand].motion, hands[hand].motion.samples[0].time), hand);
@@ -240,7 +242,7 @@ RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t t
     for (MovingHand& hand : all)
       if (parts.recorder != nullptr) recorded = recorded && record_tick(hand, parts, statistics);
     if (!recorded) break;
-    if (parts.device == nullptr) progress.update(i + 1, ticks);
+    if (progress) progress->update(i + 1, ticks);
     statistics.interrupted = stop_requested();
   }
   statistics.page_faults = page_faults() - faults_before;

@@ -74,6 +74,7 @@ struct SessionParts {
   std::size_t device_hand = 0;      ///< which hand it drives
   LiveView* view = nullptr;         ///< started
   GivenObjects* given = nullptr;    ///< started
+  bool silent = false;              ///< shows no progress
 };
 
 /// Runs `ticks` ticks of each hand, one hand after the other, tick i at session time i / settings.rate, paced

@@ -1,0 +1,95 @@
+// See work_list.h.
+#include "work_list.h"
+
+#include <charconv>
+#include <fstream>
+#include <iostream>
+#include <mutex>
+
+#include "lumbrical/batch.h"
+#include "result_lines.h"
+#include "switches.h"
+
+namespace lumbrical::tool {
+namespace {
+
+// Share `index` of `count`, counted from 1: entries index - 1, index - 1 + count, ... of a list.
+struct Shard {
+  std::size_t index = 1, count = 1;
+};
+
+bool parse_shard(const std::string& text, Shard& shard) {
+  const char *const first = text.data(), *const last = first + text.size();
+  const auto [middle, error] = std::from_chars(first, last, shard.index);
+  if (error != std::errc() || middle == last || *middle != '/') return false;
+  const auto [end, second] = std::from_chars(middle + 1, last, shard.count);
+  return second == std::errc() && end == last && shard.index >= 1 && shard.index <= shard.count &&
+         shard.count <= 1000000;
+}
+
+std::vector<std::string> share_of(const std::vector<std::string>& entries, const Shard& shard) {
+  std::vector<std::string> share;
+  for (std::size_t i = shard.index - 1; i < entries.size(); i += shard.count) share.push_back(entries[i]);
+  return share;
+}
+
+}  // namespace
+
+void add_work_switches(const std::string& entry, WorkSwitches& switches, Command& command) {
+  command.add_option("--list", switches.list, "A file with a " + entry + " per line, -: standard input")
+      ->check(is_path())
+      ->type_name("LIST|-");
+  command.add_option("--shard", switches.shard, "Of all these only the Ith, I+Nth, ...: for many machines")
+      ->type_name("I/N");
+  command
+      .add_option("--results", switches.results,
+                  "Write a line of JSON per " + entry + ", and leave out those that have one there already")
+      ->check(is_path())
+      ->type_name("RESULTS.jsonl");
+}
+
+Status read_list(const std::string& file, std::vector<std::string>& entries) {
+  std::ifstream opened;
+  if (file != "-") opened.open(file);
+  std::istream& list = file == "-" ? std::cin : opened;
+  if (!list) return Status::error(file + ": can't be read");
+  for (std::string line; std::getline(list, line);)
+    if (!line.empty()) entries.push_back(line);
+  return {};
+}
+
+Status choose_entries(const WorkSwitches& switches, std::vector<std::string>& entries) {
+  if (!switches.list.empty())
+    if (Status status = read_list(switches.list, entries); !status.ok()) return status;
+  Shard shard;
+  if (!switches.shard.empty() && !parse_shard(switches.shard, shard))
+    return Status::error("--shard: \"" + switches.shard + "\" is not I/N with 1 <= I <= N, 3/100 say");
+  entries = share_of(entries, shard);
+  return {};
+}
+
+Status work_through(const std::vector<std::string>& entries, const std::string& results, std::uint32_t jobs,
+                    const std::string& doing, const std::function<WorkResult(const std::string&)>& work,
+                    WorkDone& done) {
+  ResultLines lines;
+  if (Status status = lines.open(results); !status.ok()) return status;
+  std::vector<std::string> left;
+  for (const std::string& entry : entries)
+    if (!lines.has(entry)) left.push_back(entry);
+  done.done_before = entries.size() - left.size();
+  Progress progress(doing);
+  std::mutex mutex;
+  Status written;
+  run_jobs(left.size(), jobs, [&](std::size_t i) {
+    const WorkResult result = work(left[i]);
+    Status status = lines.add(result.json);
+    const std::lock_guard lock(mutex);
+    if (!status.ok()) written = std::move(status);
+    done.diverged += result.diverged ? 1 : 0;
+    done.failed += result.failed ? 1 : 0;
+    progress.update(++done.entries, left.size());
+  });
+  return written;
+}
+
+}  // namespace lumbrical::tool

@@ -1,0 +1,45 @@
+// Many recordings to replay or scenes to run, on one machine or many: a list of them, a share of it, and what
+// is left of that to do.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "command_line.h"
+#include "lumbrical/status.h"
+#include "output.h"
+
+namespace lumbrical::tool {
+
+struct WorkSwitches {
+  std::string list, shard, results;
+};
+
+/// Adds --list, --shard and --results; `entry` is what a line of the list is: "recording", "scene".
+void add_work_switches(const std::string& entry, WorkSwitches& switches, Command& command);
+
+/// Adds the entries of a file, one per line ("-": standard input); empty lines are none.
+Status read_list(const std::string& file, std::vector<std::string>& entries);
+
+/// Adds those of the list to the entries that are there already, and leaves the shard's of them all.
+Status choose_entries(const WorkSwitches& switches, std::vector<std::string>& entries);
+
+/// What came of one entry: a line of the results.
+struct WorkResult {
+  Json json;
+  bool diverged = false, failed = false;
+};
+
+struct WorkDone {
+  std::uint64_t entries = 0, done_before = 0, diverged = 0, failed = 0;
+};
+
+/// Does, `jobs` at a time, what has no line among the results yet, and adds one for each as soon as it is
+/// there. `doing` is what Progress shows. An error: the results can't be read or written.
+Status work_through(const std::vector<std::string>& entries, const std::string& results, std::uint32_t jobs,
+                    const std::string& doing, const std::function<WorkResult(const std::string&)>& work,
+                    WorkDone& done);
+
+}  // namespace lumbrical::tool
