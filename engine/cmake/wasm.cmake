@@ -17,7 +17,7 @@ set(CMAKE_EXE_LINKER_FLAGS_INIT "-O1 -sSTANDALONE_WASM -sALLOW_MEMORY_GROWTH -sT
 
 # Headers only and the same for every machine, but the rest of /usr/include is not.
 file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/headers)
-foreach(library xsimd flatbuffers)
+foreach(library xsimd flatbuffers nlohmann)
   if(EXISTS /usr/include/${library})
     file(CREATE_LINK /usr/include/${library} ${CMAKE_BINARY_DIR}/headers/${library} SYMBOLIC)
   endif()

@@ -1,4 +1,4 @@
-# Runs viewer_test.mjs. Says "skipped: " and why where the page has not been built or there is no browser.
+# Runs the tests in a browser. Says "skipped: " and why where the page has not been built or there is no browser.
 find_program(CHROMIUM NAMES chromium chromium-browser google-chrome)
 find_program(NODE node)
 if(NOT EXISTS ${VIEWER}/viewer.html)
@@ -11,8 +11,12 @@ if(missing)
   execute_process(COMMAND ${CMAKE_COMMAND} -E echo "skipped: ${missing}")
   return()
 endif()
-execute_process(COMMAND ${NODE} ${SOURCE}/tests/viewer/viewer_test.mjs ${PROGRAM} ${VIEWER} ${CHROMIUM} ${SOURCE}/examples/demo.json
-                ${VIEWER}/screenshots RESULT_VARIABLE result)
-if(NOT result EQUAL 0)
-  message(FATAL_ERROR "the viewer failed in the browser; its screenshots: ${VIEWER}/screenshots")
-endif()
+file(REMOVE_RECURSE ${VIEWER}/screenshots)
+file(MAKE_DIRECTORY ${VIEWER}/screenshots)
+foreach(name viewer lab)
+  execute_process(COMMAND ${NODE} ${SOURCE}/tests/viewer/${name}_test.mjs ${PROGRAM} ${VIEWER} ${CHROMIUM} ${SOURCE}/examples/demo.json
+                  ${VIEWER}/screenshots RESULT_VARIABLE result)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "the ${name} failed in the browser; its screenshots: ${VIEWER}/screenshots")
+  endif()
+endforeach()

@@ -1,64 +1,16 @@
-// The viewer in a real browser, Chromium without a screen: what a person does with it, and that nothing leaves the page's origin.
-//   node viewer_test.mjs PROGRAM PACKAGES CHROMIUM SCENE FOLDER
-// PACKAGES has node_modules with playwright-core; recordings and screenshots of the main views go to FOLDER.
+// The viewer in a real browser: what a person does with a recording, and that nothing leaves the page's origin. Arguments: browser.mjs.
 import assert from "node:assert/strict";
-import { execFileSync, spawn } from "node:child_process";
-import { copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { execFileSync } from "node:child_process";
+import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
-import { createRequire } from "node:module";
 import { join, dirname, resolve } from "node:path";
-import { after, before, test } from "node:test";
-
-const [program, packages, chromiumPath, scene, folder] = process.argv.slice(2);
-const { chromium } = createRequire(join(packages, "package.json"))("playwright-core");
-const kPatience = { timeout: 30000 };
-const file = (name) => join(folder, name);
-const started = [];
-let browser, page;
-const requests = [];
-const complaints = [];
-
-/** Starts the program and answers the address it prints. */
-function serve(...args) {
-  const child = spawn(program, args, { stdio: ["ignore", "pipe", "pipe"] });
-  started.push(child);
-  return new Promise((found, failed) => {
-    let text = "";
-    const read = (data) => {
-      text += data;
-      const address = /http:\/\/127\.0\.0\.1:\d+\/\S*/.exec(text);
-      if (address) found(address[0]);
-    };
-    child.stdout.on("data", read);
-    child.stderr.on("data", read);
-    child.on("exit", () => failed(new Error(`${args.join(" ")} ended: ${text}`)));
-  });
-}
-
-async function open(address, options = {}) {
-  await page?.context().close();
-  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme: "light", ...options });
-  page = await context.newPage();
-  page.on("request", (request) => requests.push(request.url()));
-  page.on("pageerror", (error) => complaints.push(String(error)));
-  page.on("console", (message) => { if (message.type() === "error") complaints.push(message.text()); });
-  await page.goto(address);
-  await page.waitForSelector("body[data-ready]", kPatience);
-}
-
-const scanned = () => page.waitForSelector('body[data-scanned="1"]', kPatience);
-const tick = async () => Number(await page.getAttribute("body", "data-tick"));
-const atTick = (wanted) => page.waitForSelector(`body[data-tick="${wanted}"]`, kPatience);
-const details = () => page.locator("#details").innerText();
-const shot = (name) => page.screenshot({ path: file(`${name}.png`) });
-const message = () => page.locator("#message").innerText();
+import { before, test } from "node:test";
+import { atTick, complaints, details, file, kPatience, message, open, page, program, requests, scanned, scene, serve, shot, tick } from "./browser.mjs";
 
 /** As a link says it. */
 const at = (address, wanted) => `${address}&tick=${wanted}`;
 
 before(async () => {
-  rmSync(folder, { recursive: true, force: true });
-  mkdirSync(folder, { recursive: true });
   const run = (name, ...args) => execFileSync(program, ["run", scene, "--record", file(name), ...args]);
   run("grasp.mcap", "--threads", "1");
   run("softer.mcap", "--threads", "1", "--stiffness", "1.9e7");
@@ -70,12 +22,6 @@ before(async () => {
   damaged.fill(0x55, whole.length >> 1, (whole.length >> 1) + 2000);
   writeFileSync(file("damaged.mcap"), damaged);
   writeFileSync(file("foreign.mcap"), "solid cube\n".repeat(100));
-  browser = await chromium.launch({ executablePath: chromiumPath, args: ["--no-sandbox"] });
-});
-
-after(async () => {
-  await browser?.close();
-  for (const child of started) child.kill("SIGTERM");
 });
 
 let one;
@@ -351,57 +297,6 @@ test("The page works from disk, with a file that is picked", async () => {
   await page.keyboard.press("End");
   await atTick(9999);
   assert.match(await details(), /replayed here\s+the same bits/);
-});
-
-test("Without a recording the page is a lab, and what was felt in it replays natively, bit for bit", async () => {
-  await open(`${new URL(await serve("view", "--no-browser")).origin}/`);
-  const contacts = () => page.waitForFunction(() => /contacts\s*[1-9]/.test(document.getElementById("details").innerText), null, kPatience);
-  const slide = (label, value) => page.locator("#lab label", { hasText: label }).locator("input").evaluate((input, to) => {
-    input.value = to;
-    input.dispatchEvent(new Event("input"));
-  }, value);
-  const replays = async (name) => {
-    const [download] = await Promise.all([page.waitForEvent("download"), page.getByText("Save what was felt").click()]);
-    await download.saveAs(file(name));
-    const result = JSON.parse(execFileSync(program, ["replay", "--json", file(name)]));
-    assert.ok(result.identical && result.ticks > 5, JSON.stringify(result));
-  };
-  for (const bend of [0.3, 0.6, 0.9]) {
-    await slide("All fingers", bend);
-    await page.waitForTimeout(200);
-  }
-  await contacts();
-  await shot("lab");
-  await replays("felt.mcap");
-
-  const corner = (i) => `v ${i & 1} ${(i >> 1) & 1} ${i >> 2}\n`;
-  const cube = [0, 1, 2, 3, 4, 5, 6, 7].map(corner).join("") + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
-  await page.evaluate((text) => {
-    const dataTransfer = new DataTransfer();
-    dataTransfer.items.add(new File([text], "cube.obj"));
-    dispatchEvent(new DragEvent("drop", { dataTransfer }));
-  }, cube);
-  await page.waitForTimeout(500);
-  const box = await page.locator("#canvas").boundingBox();
-  await page.waitForFunction(() => Number(document.body.dataset.tick) > 5, null, kPatience);
-  const pointer = { x: 0.1 * box.width, y: 0.2 * box.height };
-  const move = () => page.mouse.move(box.x + pointer.x, box.y + pointer.y);
-  for (let i = 0; i < 200 && !/proximal|palm|metacarpal/.test(await page.locator("#tip").innerText()); ++i) {
-    pointer.x += 20;
-    if (pointer.x > 0.7 * box.width) Object.assign(pointer, { x: 0.1 * box.width, y: pointer.y + 30 });
-    await move();
-  }
-  await page.mouse.down();
-  for (let i = 0; i < 30 && !/contacts\s*[1-9]/.test(await details()); ++i) {
-    pointer.x += 8;
-    pointer.y += 6;
-    await move();
-    await page.waitForTimeout(150);
-  }
-  await page.mouse.up();
-  await shot("lab mesh");
-  await contacts();
-  await replays("felt mesh.mcap");
 });
 
 test("The page had nothing to complain of but what was meant to fail", () => {

@@ -3,8 +3,10 @@
 // points at.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <new>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,6 +14,7 @@
 #include <vector>
 
 #include "lumbrical/model.h"
+#include "lumbrical/motion.h"
 #include "lumbrical/recording.h"
 #include "lumbrical/shapes.h"
 #include "lumbrical/tick.h"
@@ -33,6 +36,7 @@ State initial_state, state;
 bool is_known = true;  // `state` is the session's, not a guess amid it
 Scratch scratch;
 TickRecord record;
+std::optional<Motion> motion;  // moves the lab's hand; none: pointer and sliders do
 
 std::span<const std::uint8_t> message(std::uint32_t first, std::uint32_t size) {
   return std::span(in).subspan(first, size);
@@ -169,6 +173,19 @@ void answer_view() {
   out.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
 }
 
+/// A file that the page has put into `input` behind its name and a line's end. Formats without a word of
+/// their own at the start are told by the name.
+struct NamedFile {
+  std::string name;
+  std::string_view content;
+};
+
+NamedFile named_file(std::uint32_t size) {
+  const std::string_view text(reinterpret_cast<const char*>(in.data()), size);
+  const std::size_t end = std::min(text.find('\n'), text.size());
+  return {std::string(text.substr(0, end)), text.substr(std::min(end + 1, text.size()))};
+}
+
 /// What the lab lets a hand touch, in the order of its list; the last is the mesh the page has put into
 /// `input`.
 bool lab_object(std::uint32_t which, std::uint32_t size, double metres, SceneObject& object) {
@@ -188,12 +205,9 @@ bool lab_object(std::uint32_t which, std::uint32_t size, double metres, SceneObj
     default:
       break;
   }
-  // A format without a word of its own at the start is told by the name, which the page puts first.
-  const std::string_view text(reinterpret_cast<const char*>(in.data()), size);
-  const std::string name(text.substr(0, text.find('\n')));
-  object.name = name;
-  Status status =
-      parse_mesh(text.substr(std::min(text.size(), name.size() + 1)), name, Unit::metre, object.mesh);
+  const NamedFile file = named_file(size);
+  object.name = file.name;
+  Status status = parse_mesh(file.content, object.name, Unit::metre, object.mesh);
   if (!status.ok()) return answer_status(status);
   Box box;
   for (const Vec3& v : object.mesh.vertices) box.add(v);
@@ -203,15 +217,67 @@ bool lab_object(std::uint32_t which, std::uint32_t size, double metres, SceneObj
   return true;
 }
 
-/// The lab's hand: base pose (position, then w x y z) and angles, as doubles in `input`.
-DeviceFrame lab_frame() {
+/// X_BH of the wrist joint.
+Pose wrist_of(const DeviceFrame& frame) {
+  if (frame.kind == InputKind::joint_angles) return frame.base;
+  const auto& [p, q] = frame.joint[kWrist];
+  return frame.base * Pose{{p[0], p[1], p[2]}, {q[3], q[0], q[1], q[2]}};
+}
+
+Status read_motion_of(const NamedFile& file, const MotionOptions& options) {
+  Motion read;
+  if (Status status = parse_motion(file.content, file.name, options, read); !status.ok()) return status;
+  // Captures stand anywhere in their rooms: this one starts where the page has the hand.
+  const Pose start = inverse(wrist_of(read.samples.front().frame));
+  const Pose unit = {start.position, normalized(start.orientation)};
+  if (Status status = place_motion({unit}, read); !status.ok()) return status;
+  motion = std::move(read);
+  return {};
+}
+
+/// Over and over, from tick to tick at the session's rate.
+DeviceFrame motion_frame(const Pose& X_WM) {
+  const double time = static_cast<double>(state.tick) / model.settings.rate;
+  const double period = duration(*motion);
+  DeviceFrame frame = resample(*motion, period > 0 ? std::fmod(time, period) : 0);
+  frame.base = X_WM * frame.base;
+  frame.base.orientation = normalized(frame.base.orientation);
+  return frame;
+}
+
+/// What a headset tells, read as any capture of WebXR. A hand that is not in it is lost where it was last.
+DeviceFrame tracked_frame(std::string_view text, const DeviceFrame& last) {
+  MotionOptions options;
+  options.side = model.hand.side;
+  Motion seen;
+  if (parse_motion(text, "hand tracking", options, seen).ok()) return seen.samples.front().frame;
+  DeviceFrame frame = last;
+  frame.flags |= kTrackingLost;
+  return frame;
+}
+
+/// The lab's hand: X_WH of the wrist (position, then w x y z) and angles as doubles in `input`; behind them
+/// what a headset tells, which then counts instead.
+DeviceFrame lab_frame(std::uint32_t size, const DeviceFrame& last) {
   std::array<double, 7 + kAngleCount> numbers{};
-  std::memcpy(numbers.data(), in.data(), std::min(in.size(), sizeof numbers));
+  const std::size_t head = std::min<std::size_t>(size, sizeof numbers);
+  std::memcpy(numbers.data(), in.data(), head);
+  if (size > head) return tracked_frame({reinterpret_cast<const char*>(in.data()) + head, size - head}, last);
+  const Pose X_WH = {{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5], numbers[6]}};
+  if (motion) return motion_frame(X_WH);
   DeviceFrame frame;
   frame.kind = InputKind::joint_angles;
-  frame.base = {{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5], numbers[6]}};
+  frame.base = X_WH;
   for (std::size_t i = 0; i < kAngleCount; ++i) frame.angle[i] = static_cast<float>(numbers[7 + i]);
   return frame;
+}
+
+/// What `work` answers; where memory ends, a text as for any other error.
+template <class Work>
+bool unless_memory_ends(Work&& work) try {
+  return work();
+} catch (const std::bad_alloc&) {
+  return answer_text("not enough memory in this page");
 }
 
 }  // namespace
@@ -231,7 +297,9 @@ PAGE_MAY_CALL(answer_size) std::uint32_t answer_size() { return static_cast<std:
 /// two is the one whose ticks are to come.
 PAGE_MAY_CALL(open)
 bool open_recording(std::uint32_t session_size, std::uint32_t state_size, std::uint32_t hand) {
-  return answer_status(open_session(message(0, session_size), message(session_size, state_size), hand));
+  return unless_memory_ends([=] {
+    return answer_status(open_session(message(0, session_size), message(session_size, state_size), hand));
+  });
 }
 
 /// The next message is that of this tick: with the state the file begins with where it is the file's first.
@@ -257,20 +325,32 @@ PAGE_MAY_CALL(show) bool show_tick(std::uint32_t size) {
 // ---- The lab: a session made in the page
 // --------------------------------------------------------------------------
 
-/// Answers the session message of a right hand and an object; `metres` is the largest extent of a mesh in
-/// `input`.
+/// From now on the motion file in `input` moves the hand. `side`: 0 that which the file tells, 1 right, 2
+/// left; `unit` [m] per number of the file, 0 its own.
+PAGE_MAY_CALL(read_motion) bool read_lab_motion(std::uint32_t size, std::uint32_t side, double unit) {
+  MotionOptions options;
+  options.unit = unit;
+  if (side != 0) options.side = side == 1 ? Side::right : Side::left;
+  return answer_status(read_motion_of(named_file(size), options));
+}
+
+/// Answers the session message of an object and a right hand, or that of the motion; `metres` is the largest
+/// extent of a mesh in `input`.
 PAGE_MAY_CALL(make_session)
 bool make_lab_session(std::uint32_t which, std::uint32_t size, double metres, std::uint32_t law,
                       double precision, double stiffness, double rate) {
-  Scene scene;
-  scene.hand = default_hand(Side::right);
-  scene.objects.resize(1);
-  if (!lab_object(which, size, metres, scene.objects[0])) return false;
-  scene.settings.law.fill(static_cast<Law>(law));
-  scene.settings.precision.fill(precision);
-  scene.settings.stiffness = stiffness;
-  scene.settings.rate = rate;
-  return answer_status(encode_session(scene, out));
+  return unless_memory_ends([=] {
+    Scene scene;
+    scene.hand = default_hand(Side::right);
+    if (motion) scene.hand = fit_hand(scene.hand, *motion);
+    scene.objects.resize(1);
+    if (!lab_object(which, size, metres, scene.objects[0])) return false;
+    scene.settings.law.fill(static_cast<Law>(law));
+    scene.settings.precision.fill(precision);
+    scene.settings.stiffness = stiffness;
+    scene.settings.rate = rate;
+    return answer_status(encode_session(scene, out));
+  });
 }
 
 /// Answers the schema of tick messages.
@@ -279,10 +359,11 @@ PAGE_MAY_CALL(schema) void answer_schema() {
   out.assign(bytes.begin(), bytes.end());
 }
 
-/// Computes the next tick of the hand in `input` and answers its message, as a recording holds it.
-PAGE_MAY_CALL(touch) void touch_with_hand() {
+/// Computes the next tick of the lab's hand and answers its message, as a recording holds it.
+PAGE_MAY_CALL(touch) void touch_with_hand(std::uint32_t size) {
+  const DeviceFrame frame = lab_frame(size, record.device);
   record = {};
-  record.device = lab_frame();
+  record.device = frame;
   record.output = tick(model, state, scratch, record.device, given_of(record));
   record.stage_hash = scratch.stage_hash;
   record.state_hash = hash_state(state);

@@ -11,7 +11,7 @@ export interface Client {
   show(place: number, tick: number): Promise<Shown | undefined>;
   window(place: number, first: number, last: number): Promise<Columns>;
   diverge(): Promise<Divergence | undefined>;
-  touch(hand: Float64Array): Promise<Shown>;
+  touch(hand: Float64Array, joints?: string): Promise<Shown>;
   save(): Promise<Blob>;
   onScanned: (place: number, columns: Columns, marks: Mark[], share: number) => void;
   onLive: (hand: number, shown: Shown | undefined, error: string | undefined) => void;
@@ -32,7 +32,7 @@ export async function startClient(): Promise<Client> {
     show: async (place, tick) => (await ask({ type: "show", place, tick })).shown,
     window: async (place, first, last) => (await ask({ type: "window", place, first, last })).columns,
     diverge: async () => (await ask({ type: "diverge" })).divergence,
-    touch: async (hand) => (await ask({ type: "touch", hand })).shown,
+    touch: async (hand, joints) => (await ask({ type: "touch", hand, joints })).shown,
     save: async () => (await ask({ type: "save" })).file,
     onScanned() {},
     onLive() {},

@@ -9,19 +9,25 @@ export interface Engine {
   pass(message: Uint8Array): boolean;
   /** Computes a tick and returns a TickView. */
   show(message: Uint8Array): Uint8Array;
-  /** A session of the lab: its message. */
+  /** A session of the lab: its message. A motion in its options moves the hand from then on. */
   makeSession(options: LabOptions): Uint8Array;
   /** Of tick messages, in binary. */
   schema(): Uint8Array;
-  /** Computes the next tick of the lab's hand, a base pose and angles as lab.ts lists them: its message, a TickView, and how long
-   *  the tick alone took. */
-  touch(hand: Float64Array): { message: Uint8Array; view: Uint8Array; microseconds: number };
+  /** Computes the next tick of the lab's hand, a base pose and angles as lab.ts lists them, or the joints that a headset tells: its
+   *  message, a TickView, and how long the tick took, reading joints included. */
+  touch(hand: Float64Array, joints?: string): { message: Uint8Array; view: Uint8Array; microseconds: number };
+}
+
+export interface NamedFile {
+  name: string;
+  bytes: Uint8Array;
 }
 
 /** What a hand touches in the lab, and how. */
 export interface LabOptions {
   object: number;  // in the order of lab_object
-  mesh?: { name: string; bytes: Uint8Array; metres: number };
+  mesh?: NamedFile & { metres: number };
+  motion?: NamedFile & { side: number; unit: number };  // 0: which the file tells, 1 right, 2 left; [m] a number, 0: its own
   law: number;
   precision: number;
   stiffness: number;  // [N/m^3]
@@ -39,9 +45,10 @@ interface Exports {
   pass(size: number): number;
   is_recorded_state(): number;
   show(size: number): number;
+  read_motion(size: number, side: number, unit: number): number;
   make_session(object: number, size: number, metres: number, law: number, precision: number, stiffness: number, rate: number): number;
   schema(): void;
-  touch(): void;
+  touch(size: number): void;
   look(): void;
 }
 
@@ -64,6 +71,11 @@ export async function loadEngine(wasm: BufferSource): Promise<Engine> {
       at += message.length;
     }
   };
+  const putFile = (file: NamedFile | undefined) => {
+    const name = new TextEncoder().encode(`${file?.name ?? ""}\n`);
+    put(name, file?.bytes ?? new Uint8Array());
+    return name.length + (file?.bytes.length ?? 0);
+  };
   const answer = () => new Uint8Array(exports.memory.buffer, exports.answer(), exports.answer_size()).slice();
   const must = (good: number) => {
     if (!good) throw new Error(new TextDecoder().decode(answer()));
@@ -84,20 +96,20 @@ export async function loadEngine(wasm: BufferSource): Promise<Engine> {
       must(exports.show(message.length));
       return answer();
     },
-    makeSession({ object, mesh, law, precision, stiffness, rate }) {
-      const name = new TextEncoder().encode(`${mesh?.name ?? ""}\n`);
-      put(name, mesh?.bytes ?? new Uint8Array());
-      must(exports.make_session(object, name.length + (mesh?.bytes.length ?? 0), mesh?.metres ?? 0, law, precision, stiffness, rate));
+    makeSession({ object, mesh, motion, law, precision, stiffness, rate }) {
+      if (motion) must(exports.read_motion(putFile(motion), motion.side, motion.unit));
+      must(exports.make_session(object, putFile(mesh), mesh?.metres ?? 0, law, precision, stiffness, rate));
       return answer();
     },
     schema() {
       exports.schema();
       return answer();
     },
-    touch(hand) {
-      put(new Uint8Array(hand.buffer, hand.byteOffset, hand.byteLength));
+    touch(hand, joints = "") {
+      const text = new TextEncoder().encode(joints);
+      put(new Uint8Array(hand.buffer, hand.byteOffset, hand.byteLength), text);
       const start = performance.now();
-      exports.touch();
+      exports.touch(hand.byteLength + text.length);
       const microseconds = 1e3 * (performance.now() - start);
       const message = answer();
       exports.look();

@@ -4,7 +4,7 @@ import { showDetails, tickRows, tipText } from "./details";
 import type { Divergence } from "./difference";
 import { readFrame, readWorld, type Frame, type World } from "./frame";
 import { fillHelp, listenToKeys, type Command } from "./keys";
-import { makeLab, type Lab } from "./lab";
+import { isForLab, makeLab, type Lab } from "./lab";
 import { drawLegend, niceAbove } from "./legend";
 import { readLink, writeLink } from "./link";
 import { makePlots, type Plots } from "./plots";
@@ -67,7 +67,8 @@ client.onError = (text) => say(text, true);
 
 // ---- Opening -------------------------------------------------------------------------------------------------------
 
-async function open(place: number, source: Source, link: string) {
+/** False: what is wrong was told. */
+async function open(place: number, source: Source, link: string): Promise<boolean> {
   say("");
   try {
     const opened = await client.open(place, source);
@@ -84,9 +85,15 @@ async function open(place: number, source: Source, link: string) {
     element("name").textContent = state.together ? opened.name : state.sides.map((side) => side.opened.name).join("  and  ");
     element("beside").hidden = state.sides.length < 2;
     if (!state.live) await show(state.wanted);
+    return true;
   } catch (error) {
     say((error as Error).message, true);
+    return false;
   }
+}
+
+async function openFiles(files: File[]) {
+  for (const [place, file] of files.entries()) await open(place, { file }, "");
 }
 
 function together(hands: boolean) {
@@ -286,12 +293,18 @@ client.onLive = (hand, shown, error) => {
 
 function enterLab() {
   element("lab").hidden = false;
-  state.lab = makeLab(element("lab"), (options) => void open(0, { lab: options }, ""), saveFelt);
+  state.lab = makeLab(element("lab"), {
+    begin: (options) => open(0, { lab: options }, ""),
+    save: () => void saveFelt(),
+    enter: (tracking) => view.enter(tracking),
+    say: (text) => say(text, true),
+  });
   state.lab.position.set(-0.02, -0.115, 0.14);
 }
 
 function leaveLab() {
   element("lab").hidden = true;
+  state.lab?.leave();
   state.lab = undefined;
 }
 
@@ -306,11 +319,13 @@ async function saveFelt() {
 let touching = false;
 
 /** A tick for every picture. */
-async function touch(lab: Lab) {
+async function touch(lab: Lab, frame?: XRFrame) {
   if (touching || state.sides[0]?.opened.name !== "lab") return;
+  const joints = lab.tracked(frame);
+  if (joints === "") return;
   touching = true;
   try {
-    const shown = await client.touch(lab.hand());
+    const shown = await client.touch(lab.hand(), joints);
     if (state.lab === lab) client.onLive(0, shown, undefined);
   } catch (error) {
     leaveLab();
@@ -354,11 +369,11 @@ function drawTick() {
 }
 
 let before = performance.now();
-function loop(now: number) {
-  if (state.lab) void touch(state.lab);
+function loop(now: number, frame?: XRFrame) {
+  if (state.lab) void touch(state.lab, frame);
   if (state.playing) advance(Math.min(0.1, (now - before) / 1000));
   before = now;
-  if (dirty) {
+  if (dirty || view.inHeadset()) {
     dirty = false;
     view.draw();
     drawTimeline(strip, {
@@ -369,7 +384,6 @@ function loop(now: number) {
     drawn = state.tick;
     document.body.dataset.tick = String(state.tick);
   }
-  requestAnimationFrame(loop);
 }
 
 // ---- Pointer -------------------------------------------------------------------------------------------------------
@@ -440,12 +454,12 @@ addEventListener("dragleave", () => document.body.classList.remove("drop"));
 addEventListener("drop", (event) => {
   event.preventDefault();
   document.body.classList.remove("drop");
-  const mesh = [...(event.dataTransfer?.files ?? [])].find(({ name }) => /\.(obj|stl|ply|off)$/i.test(name));
-  if (mesh) {
+  const touched = [...(event.dataTransfer?.files ?? [])].find(isForLab);
+  if (touched) {
     if (!state.lab) enterLab();
-    return void state.lab?.drop(mesh);
+    return void state.lab?.take(touched);
   }
-  [...(event.dataTransfer?.files ?? [])].slice(0, 2).reduce((done, file, i) => done.then(() => open(i, { file }, "")), Promise.resolve());
+  void openFiles([...(event.dataTransfer?.files ?? [])].slice(0, 2));
 });
 
 // ---- Commands ------------------------------------------------------------------------------------------------------
@@ -559,6 +573,6 @@ async function openLink() {
 
 document.documentElement.dataset.theme = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
 document.body.classList.add("empty");
-requestAnimationFrame(loop);
+view.animate(loop);
 await openLink();
 if (state.sides.length === 0 && element("message").hidden) enterLab();

@@ -7,6 +7,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Frame, Pose, World } from "./frame";
 import { makeHand, type HandView, type Scales } from "./hand";
 import { makePressure } from "./pressure";
+import type { Tracking } from "./tracking";
 
 export type Pick = { kind: "segment" | "force" | "torque"; segment: number; place: number } | { kind: "triangle"; triangle: number } | { kind: "object"; object: number };
 
@@ -26,6 +27,11 @@ export interface View {
   /** Moves a point in the picture's plane with the pointer [CSS pixels]. */
   drag(point: Vector3, right: number, down: number): void;
   draw(): void;
+  /** Calls back before every picture, of the page or of the headset. */
+  animate(picture: (time: number, frame?: XRFrame) => void): void;
+  /** Draws in a headset as well, until its session ends. */
+  enter(tracking: Tracking): Promise<void>;
+  inHeadset(): boolean;
 }
 
 const kSkins = ["#d9a066", "#4f7cac"];
@@ -164,7 +170,25 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
       const { elements: e } = camera.matrixWorld;
       point.addScaledVector(new Vector3(e[0], e[1], e[2]), right * metres).addScaledVector(new Vector3(e[4], e[5], e[6]), -down * metres);
     },
+    animate: (picture) => renderer.setAnimationLoop(picture),
+    inHeadset: () => renderer.xr.isPresenting,
+    async enter({ session, space }) {
+      const [position, turned, angle] = [camera.position.clone(), camera.quaternion.clone(), camera.fov];
+      session.addEventListener("end", () => {
+        renderer.xr.enabled = false;
+        camera.position.copy(position);
+        camera.quaternion.copy(turned);
+        camera.fov = angle;
+        controls.update();
+        redraw();
+      });
+      renderer.xr.enabled = true;
+      renderer.xr.setReferenceSpaceType("local");
+      await renderer.xr.setSession(session);
+      renderer.xr.setReferenceSpace(space.getOffsetReferenceSpace(new XRRigidTransform(origin)));
+    },
     draw() {
+      if (renderer.xr.isPresenting) return renderer.render(scene, camera);
       const { clientWidth: width, clientHeight: height } = canvas;
       if (width === 0 || height === 0) return;
       const ratio = Math.min(devicePixelRatio, 2);

@@ -37,7 +37,7 @@ export type Request =
   | { type: "open"; place: number; source: Source }
   | { type: "show"; place: number; tick: number }
   | { type: "window"; place: number; first: number; last: number }
-  | { type: "touch"; hand: Float64Array }
+  | { type: "touch"; hand: Float64Array; joints?: string }
   | { type: "save" }
   | { type: "diverge" };
 export type Answer =
@@ -74,9 +74,9 @@ async function openLab(options: LabOptions): Promise<Opened> {
   return { name: "lab", sides: [], bytes: 0n, session, rate: options.rate, first: 0, last: 0, metadata: new Map(), noContacts: "" };
 }
 
-function touch(hand: Float64Array): Shown {
+function touch(hand: Float64Array, joints?: string): Shown {
   const start = performance.now();
-  const { message, view, microseconds } = lab!.engine.touch(hand);
+  const { message, view, microseconds } = lab!.engine.touch(hand, joints);
   if (lab!.messages.length < kMostFelt) lab!.messages.push(message);
   return { tick: lab!.messages.length - 1, message, view, microseconds, milliseconds: performance.now() - start };
 }
@@ -127,7 +127,7 @@ async function answer(id: number, request: Request): Promise<Answer> {
     case "window":
       return { type: "window", id, columns: await readWindow(places[request.place]!.recording, request.first, request.last) };
     case "touch":
-      return { type: "shown", id, shown: touch(request.hand) };
+      return { type: "shown", id, shown: touch(request.hand, request.joints) };
     case "save":
       return { type: "saved", id, file: await toMcap(lab!) };
     case "diverge":

@@ -1,0 +1,62 @@
+// What the tests of the viewer share: the program that serves its page, and Chromium without a screen.
+//   node A_TEST.mjs PROGRAM PACKAGES CHROMIUM SCENE FOLDER
+// PACKAGES has node_modules with playwright-core; recordings and screenshots of the main views go to FOLDER, which exists.
+import { spawn } from "node:child_process";
+import { createRequire } from "node:module";
+import { join } from "node:path";
+import { after, before } from "node:test";
+
+export const [program, packages, chromiumPath, scene, folder] = process.argv.slice(2);
+const { chromium } = createRequire(join(packages, "package.json"))("playwright-core");
+export const kPatience = { timeout: 30000 };
+export const file = (name) => join(folder, name);
+const started = [];
+let browser;
+export let page;
+export const requests = [];
+export const complaints = [];
+
+/** Starts the program and answers the address it prints. */
+export function serve(...args) {
+  const child = spawn(program, args, { stdio: ["ignore", "pipe", "pipe"] });
+  started.push(child);
+  return new Promise((found, failed) => {
+    let text = "";
+    const read = (data) => {
+      text += data;
+      const address = /http:\/\/127\.0\.0\.1:\d+\/\S*/.exec(text);
+      if (address) found(address[0]);
+    };
+    child.stdout.on("data", read);
+    child.stderr.on("data", read);
+    child.on("exit", () => failed(new Error(`${args.join(" ")} ended: ${text}`)));
+  });
+}
+
+export async function open(address, options = {}, script) {
+  await page?.context().close();
+  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme: "light", ...options });
+  page = await context.newPage();
+  if (script) await page.addInitScript(script);
+  page.on("request", (request) => requests.push(request.url()));
+  page.on("pageerror", (error) => complaints.push(String(error)));
+  page.on("console", (message) => { if (message.type() === "error") complaints.push(message.text()); });
+  await page.goto(address);
+  await page.waitForSelector("body[data-ready]", kPatience);
+}
+
+export const scanned = () => page.waitForSelector('body[data-scanned="1"]', kPatience);
+export const tick = async () => Number(await page.getAttribute("body", "data-tick"));
+export const atTick = (wanted) => page.waitForSelector(`body[data-tick="${wanted}"]`, kPatience);
+export const details = () => page.locator("#details").innerText();
+export const shot = (name) => page.screenshot({ path: file(`${name}.png`) });
+export const message = () => page.locator("#message").innerText();
+
+before(async () => {
+  browser = await chromium.launch({ executablePath: chromiumPath, args: ["--no-sandbox"] });
+});
+
+after(async () => {
+  await browser?.close();
+  for (const child of started) child.kill("SIGTERM");
+});
