@@ -106,6 +106,7 @@ namespace Lumbrical
         Coarsened = 1024,
         ObjectMissing = 2048,
         ObjectImplausible = 4096,
+        MemoryForeign = 8192,
     }
 
     [StructLayout(LayoutKind.Sequential)]

@@ -111,7 +111,8 @@ enum lumbrical_output_flag {
   LUMBRICAL_FADING = 512,
   LUMBRICAL_COARSENED = 1024,
   LUMBRICAL_OBJECT_MISSING = 2048,
-  LUMBRICAL_OBJECT_IMPLAUSIBLE = 4096
+  LUMBRICAL_OBJECT_IMPLAUSIBLE = 4096,
+  LUMBRICAL_MEMORY_FOREIGN = 8192 /* never here: a handle has its own memory */
 };
 
 typedef struct lumbrical_pose {

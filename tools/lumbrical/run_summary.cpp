@@ -38,6 +38,8 @@ constexpr FlagText kFlagTexts[] = {
     {kObjectMissing, "object missing", "objects that are given were not told where they are, and stayed"},
     {kObjectImplausible, "object implausible",
      "poses of given objects were not finite or jumped: forces faded"},
+    {kMemoryForeign, "memory foreign",
+     "a tick was given memory of another model, and computed nothing: please report it"},
     {kFading, "fading", "forces faded to zero or rose again: their input could not be trusted for a while"},
 };
 

@@ -81,6 +81,7 @@ struct Scratch {
   Scratch& operator=(const Scratch&) = delete;
 
   std::uint64_t build = 0;  ///< Model::build of that model; 0: it is empty, and no tick takes it
+                            ///< (kMemoryForeign)
   std::shared_ptr<Primitives> primitives;
   std::shared_ptr<NearPairs> near;  ///< spares searches while the hand moves little; never changes a result
   std::shared_ptr<SampleMemory> samples;

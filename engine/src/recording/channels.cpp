@@ -26,8 +26,9 @@ std::string angle_name(int angle) {
 // TickFlag, from bit 0 on.
 constexpr const char* kFlags =
     "input not finite,input implausible,input lost,input extrapolated,segment missing,segment degenerate,"
-    "angle clamped,candidate overflow,force limited,fading,coarsened,object missing,object implausible";
-static_assert(kObjectImplausible == 1u << 12);
+    "angle clamped,candidate overflow,force limited,fading,coarsened,object missing,object implausible,"
+    "memory foreign";
+static_assert(kMemoryForeign == 1u << 13);
 
 constexpr const char* kUnits =
     "base.position m,base.orientation quaternion w x y z,joints.position m in the base frame,"

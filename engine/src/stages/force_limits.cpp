@@ -42,6 +42,26 @@ HandForces mix(double a, const HandForces& x, double b, const HandForces& y) {
   return sum;
 }
 
+// Fresh forces are zero where they are not trusted.
+ActuatorFrame mix_with_held(const Settings& settings, const HandForces& fresh, bool trusted,
+                            std::uint32_t flags, HandState& state) {
+  const double step = 1 / max(1, settings.fade_time * settings.rate);
+  if (!trusted && state.rise > 0) {
+    state.held = state.last;
+    state.rise = 0;
+    state.fall = 1;
+  }
+  if (trusted) state.rise = min(1, state.rise + step);
+  state.fall = max(0, state.fall - step);
+  if (state.rise != 1 || state.fall != 0) flags |= kFading;
+  if (state.fall == 0) state.held = {};
+
+  state.last = mix(state.rise, fresh, state.fall, state.held);
+  ActuatorFrame output{state.last, state.tick, flags, 0};
+  ++state.tick;
+  return output;
+}
+
 }  // namespace
 
 double saturated(double force, double max_force) {
@@ -58,21 +78,11 @@ ActuatorFrame limit_forces(const Settings& settings, const Primitives& hand, Han
   trusted = trusted && all_finite(fresh);
   if (!trusted) fresh = {};
   if (trusted && saturate_segments(settings.max_force, hand, fresh)) flags |= kForceLimited;
-  const double step = 1 / max(1, settings.fade_time * settings.rate);
-  if (!trusted && state.rise > 0) {
-    state.held = state.last;
-    state.rise = 0;
-    state.fall = 1;
-  }
-  if (trusted) state.rise = min(1, state.rise + step);
-  state.fall = max(0, state.fall - step);
-  if (state.rise != 1 || state.fall != 0) flags |= kFading;
-  if (state.fall == 0) state.held = {};
+  return mix_with_held(settings, fresh, trusted, flags, state);
+}
 
-  state.last = mix(state.rise, fresh, state.fall, state.held);
-  ActuatorFrame output{state.last, state.tick, flags, 0};
-  ++state.tick;
-  return output;
+ActuatorFrame fade_forces(const Settings& settings, std::uint32_t flags, HandState& state) {
+  return mix_with_held(settings, {}, false, flags, state);
 }
 
 }  // namespace lumbrical

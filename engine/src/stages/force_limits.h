@@ -29,4 +29,7 @@ double saturated(double force, double max_force);
 ActuatorFrame limit_forces(const Settings& settings, const Primitives& hand, HandForces fresh, bool trusted,
                            std::uint32_t flags, HandState& state);
 
+/// The same of a tick that has computed nothing to be trusted.
+ActuatorFrame fade_forces(const Settings& settings, std::uint32_t flags, HandState& state);
+
 }  // namespace lumbrical

@@ -163,10 +163,12 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
                        std::array<SegmentJacobian, kSegmentCount>& jacobians, std::uint32_t segments) {
   assert(is_made_for(model, scratch) && "of its last tick");
   const FloatingPointGuard guard;
+  const bool own = is_made_for(model, scratch);
   const auto asked = [segments](std::size_t segment) { return (segments >> segment & 1u) != 0; };
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    if (asked(i)) jacobians[i] = {{}, model.settings.law[i] == Law::field};
+    if (asked(i)) jacobians[i] = {{}, own && model.settings.law[i] == Law::field};
   }
+  if (!own) return;
   const Primitives& hand = *scratch.primitives;
   const FieldKernels& kernels = field_kernels(model.execution.isa);
   const Triangles& world = model.triangles;

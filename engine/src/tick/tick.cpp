@@ -99,18 +99,27 @@ std::uint32_t input_flags(const DeviceFrame& frame) {
 
 bool is_trusted(std::uint32_t flags) { return (flags & kUntrusted) == 0; }
 
+// Of memory that is not the model's nothing is read: it ends anywhere.
+ActuatorFrame feel_no_more(const Model& model, State& state, Scratch& scratch) {
+  scratch.stage_hash = {};
+  return fade_forces(model.settings, kMemoryForeign, state);
+}
+
 ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame,
                    std::span<const ObjectFrame> given) {
-  assert(is_made_for(model, scratch) && "make_scratch(model)");
-  assert(state.objects.size() == model.apart.size() && "make_state(model)");
+  const bool own_scratch = is_made_for(model, scratch);
+  const bool own_state = state.objects.size() == model.apart.size();
+  assert(own_scratch && "make_scratch(model)");
+  assert(own_state && "make_state(model)");
   const FloatingPointGuard guard;
+  if (!own_scratch || !own_state) return feel_no_more(model, state, scratch);
   Primitives& hand = *scratch.primitives;
   forget_hand(hand);
   std::uint32_t flags = hand.flags = input_flags(frame);
   tell(scratch.watch, Stage::input);
   const bool placed = is_trusted(flags);
   if (placed) flags = hand.flags |= place_hand(model.hand, model.settings, frame, hand);
-  const bool apart = !model.apart.empty() && state.objects.size() == model.apart.size();
+  const bool apart = !model.apart.empty();
   if (apart) flags |= move_given(model, given, state);
   if (scratch.proxy) flags |= follow_hand(model, is_trusted(flags), state, scratch, hand);
   HandForces forces = placed ? feel(model, scratch, flags) : feel_nothing(model, scratch);
@@ -157,6 +166,7 @@ std::span<const Contact> with_depths(const Model& model, Scratch& scratch) {
 
 std::span<const Contact> find_contacts(const Model& model, Scratch& scratch) {
   assert(is_made_for(model, scratch) && "make_scratch(model)");
+  if (!is_made_for(model, scratch)) return {};
   if (sampled_segments(model) != 0 && scratch.primitives->count > 0) {
     const FloatingPointGuard guard;
     find_exact_contacts(model, scratch);
@@ -167,6 +177,7 @@ std::span<const Contact> find_contacts(const Model& model, Scratch& scratch) {
 std::span<const Contact> find_contacts(const Model& model, Scratch& scratch, std::size_t object) {
   assert(is_made_for(model, scratch) && "make_scratch(model)");
   assert(object < model.apart.size());
+  if (!is_made_for(model, scratch) || object >= model.apart.size()) return {};
   const FloatingPointGuard guard;
   const Model& shape = *model.apart[object].shape;
   const Primitives& hand = *scratch.primitives;
@@ -193,8 +204,9 @@ int contact_segment(const Scratch& scratch, const Contact& contact) {
 }
 
 std::span<const Pose, kJointCount> placed_joints(const Scratch& scratch) {
+  static constexpr std::array<Pose, kJointCount> kNowhere{};
   assert(scratch.primitives && "make_scratch(model)");
-  return scratch.primitives->joints.pose;
+  return scratch.primitives ? std::span<const Pose, kJointCount>(scratch.primitives->joints.pose) : kNowhere;
 }
 
 State make_state(const Model& model) {
