@@ -91,7 +91,7 @@ std::vector<Struct> rows_of(const py::handle& given, const char* name) {
   const auto array = py::array::ensure(given, py::array::c_style);
   if (!array || array.ndim() > 1) throw py::value_error(std::string(name) + " has more than one dimension");
   std::vector<Struct> rows(static_cast<std::size_t>(array.size()));
-  std::memcpy(static_cast<void*>(rows.data()), array.data(), rows.size() * sizeof(Struct));
+  if (!rows.empty()) std::memcpy(static_cast<void*>(rows.data()), array.data(), rows.size() * sizeof(Struct));
   return rows;
 }
 

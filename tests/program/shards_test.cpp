@@ -116,6 +116,49 @@ TEST(Shards, ATaskOfAJobArrayDoesItsShare) {
       8u);
 }
 
+TEST(Shards, ThatAreKilledLeaveOnlyTheRestToDo) {
+  const fs::path folder = folder_with_demo();
+  EXPECT_EQ(shell("lumbrical run demo.json --record rec.mcap", folder).exit_code, 0);
+  std::ofstream list(folder / "list");
+  for (int i = 0; i < 12; ++i) {
+    const std::string name = "rec" + std::to_string(i) + ".mcap";
+    fs::create_hard_link(folder / "rec.mcap", folder / name);
+    list << name << "\n";
+  }
+  list.close();
+  const std::string replay = "lumbrical replay --list list --shard 1/1 --results r --threads 1";
+  shell(replay +
+            " & for i in $(seq 3000); do [ \"$(wc -l <r)\" -gt 1 ] && break; sleep 0.01; done; kill -9 $!; "
+            "wait",
+        folder);
+  const std::string killed = read_file((folder / "r").string());
+  const auto lines = std::count(killed.begin(), killed.end(), '\n');
+  EXPECT_GE(lines, 2);
+  const nlohmann::json again = shell(replay, folder).json();
+  EXPECT_EQ(again["done_before"], lines);
+  EXPECT_EQ(again["recordings"], 12 - lines);
+  EXPECT_EQ(recordings_of(folder / "r").size(), 12u) << "each once";
+  const std::string all = read_file((folder / "r").string());
+  EXPECT_TRUE(all.starts_with(killed.substr(0, killed.rfind('\n') + 1))) << "what was done stands as it was";
+}
+
+TEST(Shards, GnuParallelWorksThroughAListAndGoesOnWhereItEnded) {
+  if (shell("command -v parallel", fresh_folder()).exit_code != 0)
+    GTEST_SKIP() << "parallel is missing; install parallel";
+  const fs::path folder = folder_with_list();
+  const std::string script = "LUMBRICAL='" LUMBRICAL_PROGRAM "' HOME=$PWD bash '" LUMBRICAL_SOURCE_DIR
+                             "/tools/cluster/shards_parallel' replay list 3 results";
+  for (int i = 0; i < 2; ++i) {
+    const Outcome done = shell(script, folder);
+    EXPECT_EQ(done.exit_code, 2) << "one could not be read" << done.error;
+    EXPECT_EQ(done.json()["identical"], 7);
+    EXPECT_EQ(done.json()["missing"].size(), 0u);
+    const std::string first = read_file((folder / "results/1.summary").string());
+    EXPECT_EQ(nlohmann::json::parse(first)["done_before"], i == 0 ? 0 : 3);
+  }
+  EXPECT_EQ(recordings_of(folder / "results/results").size(), 8u);
+}
+
 // Scenes of a sweep: one, with switches of its own in each line.
 constexpr const char* kSweep =
     "demo.json\ndemo.json --stiffness 4e7\n\n\"a copy.json\" --ticks 30\ndemo.json --law max-depth\n"

@@ -24,6 +24,13 @@ def touching_frames(count):
     return lum.angle_frames(angles, position, (np.sqrt(0.5), np.sqrt(0.5), 0, 0))
 
 
+def same_bits(a, b):
+    """Of all fields; bytes between them are nobody's."""
+    if a.dtype.names is None:
+        return a.tobytes() == b.tobytes()
+    return a.dtype == b.dtype and all(same_bits(a[name], b[name]) for name in a.dtype.names)
+
+
 @pytest.fixture
 def session():
     return lum.Session(lum.Model(ball_scene()))
@@ -49,7 +56,7 @@ def test_a_run_is_its_ticks_one_by_one(session):
     for frame, expected in zip(frames, outputs):
         out = again.tick(np.asarray(frame))
         assert out.shape == () and out["segment"]["force"].shape == (16, 3)
-        assert out.tobytes() == expected.tobytes()
+        assert same_bits(out, expected)
 
 
 def test_poses_of_joints_give_what_their_angles_gave(session):
@@ -169,7 +176,7 @@ def test_a_state_brings_back_every_bit(session):
     assert state.tick == 40
     first = session.run(frames[40:])
     session.state = state
-    assert session.run(frames[40:]).tobytes() == first.tobytes()
+    assert same_bits(session.run(frames[40:]), first)
 
 
 def test_a_batch_is_its_hands_one_by_one():
@@ -180,7 +187,7 @@ def test_a_batch_is_its_hands_one_by_one():
         outputs = batch.tick(frames)
     for i in (0, 50, 99):
         alone = lum.Session(model).run(np.repeat(frames[i:i + 1], 3))
-        assert alone[-1].tobytes() == outputs[i].tobytes()
+        assert same_bits(alone[-1], outputs[i])
     assert len(batch) == 100
 
 
@@ -215,13 +222,13 @@ def test_a_recording_is_read_replayed_and_changed(tmp_path, session):
     with lum.Recording(path) as recording:
         assert recording.info["ticks"] == 100 and recording.info["hands"] == ["right"]
         ticks = recording.read()
-        assert ticks["frame"].tobytes() == frames.tobytes()
-        assert ticks["output"].tobytes() == outputs.tobytes()
+        assert same_bits(ticks["frame"], frames)
+        assert same_bits(ticks["output"], outputs)
         assert np.shares_memory(ticks["output"]["segment"]["force"], ticks)
         assert list(recording.read(10, 50, 10)["output"]["tick"]) == [10, 20, 30, 40]
         assert recording.read_objects().shape == (100, 0)
         again = lum.Session(recording.model()).run(ticks["frame"])
-        assert again.tobytes() == outputs.tobytes()
+        assert same_bits(again, outputs)
     changed = lum.what_if(path, stiffness=1e7)
     assert changed["ticks"] == 100 and changed["force"]["max"].max() > 0.01
 
@@ -265,7 +272,7 @@ def test_frames_of_another_kind_are_refused(session, frames, error):
 def test_strided_and_empty_frames_are_frames(session):
     frames = touching_frames(60)
     strided = session.run(frames[::2])
-    assert strided.tobytes() == lum.Session(lum.Model(ball_scene())).run(frames[::2].copy()).tobytes()
+    assert same_bits(strided, lum.Session(lum.Model(ball_scene())).run(frames[::2].copy()))
     assert len(session.run(frames[:0])) == 0
     assert len(session.run(frames[::-1])) == 60
 
