@@ -1,0 +1,69 @@
+// Ticks that come by themselves: from a session that runs, or from the lab.
+import { makeLab, type Lab } from "./lab";
+import { open } from "./opening";
+import { client, element, rate, say, state, view } from "./page";
+import { take } from "./playing";
+import { setRange } from "./range";
+import { makeColumns, pushRow } from "./series";
+
+const kLiveKept = 1200;  // ticks, twenty seconds of what comes
+let plotted = 0;
+
+client.onLive = (hand, shown, error) => {
+  if (error) say(error, true);
+  const side = state.sides[hand];
+  if (!shown || !side || !state.live) return;
+  take(hand, shown, shown.tick);
+  side.whole ??= makeColumns(kLiveKept);
+  pushRow(side.whole, shown, rate());
+  const [oldest, newest] = [side.whole.tick.find((tick) => tick > 0) ?? 0, shown.tick];
+  [side.opened.first, side.opened.last] = [oldest, newest];
+  if (hand !== state.plotted || performance.now() - plotted < 250) return;
+  plotted = performance.now();
+  setRange(oldest, newest);
+  state.plots?.setData(side.whole, undefined);
+};
+
+export function enterLab() {
+  element("lab").hidden = false;
+  state.lab = makeLab(element("lab"), {
+    begin: (options) => open(0, { lab: options }, ""),
+    save: () => void saveFelt(),
+    enter: (tracking) => view.enter(tracking),
+    say: (text) => say(text, true),
+  });
+  state.lab.position.set(-0.02, -0.115, 0.14);
+}
+
+export function leaveLab() {
+  element("lab").hidden = true;
+  state.lab?.leave();
+  state.lab = undefined;
+}
+
+async function saveFelt() {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(await client.save());
+  link.download = "felt.mcap";
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+let touching = false;
+
+/** A tick for every picture. */
+export async function touch(lab: Lab, frame?: XRFrame) {
+  if (touching || state.sides[0]?.opened.name !== "lab") return;
+  const joints = lab.tracked(frame);
+  if (joints === "") return;
+  touching = true;
+  try {
+    const shown = await client.touch(lab.hand(), joints);
+    if (state.lab === lab) client.onLive(0, shown, undefined);
+  } catch (error) {
+    leaveLab();
+    say((error as Error).message, true);
+  } finally {
+    touching = false;
+  }
+}

@@ -1,0 +1,68 @@
+// What all parts of the page share: its state, the view, the worker, and how the person is told.
+import { startClient } from "./client";
+import type { Divergence } from "./difference";
+import type { Frame, World } from "./frame";
+import type { Lab } from "./lab";
+import type { Plots } from "./plots";
+import { makeView, type Pick } from "./scene";
+import type { Columns, Mark } from "./series";
+import type { Opened } from "./worker";
+
+export const element = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
+export const canvas = element<HTMLCanvasElement>("canvas");
+export const strip = element<HTMLCanvasElement>("timeline");
+
+export interface Side {
+  opened: Opened;
+  link: string;  // empty: a file from disk
+  frame?: Frame;
+  whole?: Columns;
+  marks: Mark[];
+  milliseconds: number;
+}
+
+export const state = {
+  sides: [] as Side[],
+  world: undefined as World | undefined,
+  tick: 0,
+  wanted: 0,  // what is asked for next, with fractions while playing
+  playing: false,
+  looping: false,
+  speed: 1,
+  from: 0,  // ticks that the plots show
+  to: 1,
+  beside: false,
+  plotted: 0,  // of two hands, the one in the plots
+  together: false,  // the two sides are two hands of one recording, not two recordings
+  live: false,  // ticks come by themselves: from a session that runs, or from the lab
+  lab: undefined as Lab | undefined,
+  pick: undefined as Pick | undefined,
+  most: { force: 1, torque: 0.1, pressure: 1000 },  // seen so far [N], [N m], [Pa]; what is drawn to scale keeps within it
+  divergence: undefined as Divergence | undefined,
+  plots: undefined as Plots | undefined,
+  dirty: true,  // the picture is not that of what is said here
+  told: NaN,  // tick that the details are of
+};
+
+/** The picture is drawn anew. */
+export const redraw = () => { state.dirty = true; };
+/** And so is what stands beside it. */
+export function renew() {
+  state.told = NaN;
+  redraw();
+}
+export const view = makeView(canvas, redraw);
+export const client = await startClient();
+
+export const rate = () => state.sides[0]?.opened.rate ?? 1000;
+export const first = () => state.sides[0]?.opened.first ?? 0;
+export const last = () => state.sides[0]?.opened.last ?? 0;
+export const marks = () => state.sides.flatMap((side) => side.marks);
+
+export function say(text: string, lasts = false) {
+  const message = element("message");
+  message.textContent = text;
+  message.hidden = text === "";
+  if (!lasts && text) setTimeout(() => { if (message.textContent === text) message.hidden = true; }, 6000);
+}
+client.onError = (text) => say(text, true);

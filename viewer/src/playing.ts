@@ -1,0 +1,73 @@
+// Time: which tick is shown, and how the page gets to another.
+import { readFrame } from "./frame";
+import { client, element, first, last, marks, rate, say, state } from "./page";
+import { pressureOf } from "./pressure";
+import { notice, setFrame } from "./scales";
+import { kMarks } from "./timeline";
+import { kSegmentCount } from "./words";
+import type { Shown } from "./worker";
+
+let asking = false;
+
+/** Shows the newest tick asked for; those that come too fast are passed over. */
+export async function show(tick: number) {
+  state.wanted = tick;
+  if (asking) return;
+  asking = true;
+  try {
+    for (let shown = NaN; shown !== Math.floor(state.wanted); ) {
+      shown = Math.floor(state.wanted);
+      const ticks = await Promise.all(state.sides.map((_, place) => client.show(place, shown)));
+      ticks.forEach((one, place) => take(place, one, shown));
+    }
+  } catch (error) {
+    state.playing = false;
+    say((error as Error).message, true);
+  } finally {
+    asking = false;
+  }
+}
+
+export function take(place: number, shown: Shown | undefined, tick: number) {
+  const side = state.sides[place];
+  if (!side || !state.world) return;
+  state.tick = tick;
+  side.frame = shown && readFrame(shown);
+  side.milliseconds = shown?.milliseconds ?? 0;
+  const { forces, jointTorques, contacts } = side.frame ?? { forces: [], jointTorques: [], contacts: [] };
+  notice("force", ...forces.slice(0, kSegmentCount - 1).map((force) => force.length()));
+  notice("torque", ...jointTorques.slice(0, kSegmentCount - 1).map((torque) => torque.length()));
+  notice("pressure", ...contacts.map((contact) => pressureOf(contact, state.world!)));
+  setFrame(place);
+}
+
+export function seek(tick: number) {
+  if (state.live || state.sides.length === 0) return;
+  void show(Math.round(Math.min(Math.max(tick, first()), last())));
+}
+
+export function setPlaying(playing: boolean) {
+  if (state.live || state.sides.length === 0) return;
+  state.playing = playing;
+  if (playing && state.wanted >= last()) state.wanted = first();
+  element("play").textContent = playing ? "❚❚ Pause" : "▶ Play";
+}
+
+export function advance(seconds: number) {
+  const [begin, end] = state.looping ? [state.from, state.to] : [first(), last()];
+  let next = state.wanted + seconds * state.speed * rate();
+  if (state.looping && (next > end || next < begin)) next = begin;
+  if (next >= end && !state.looping) {
+    next = end;
+    setPlaying(false);
+  }
+  void show(next);
+}
+
+export function jump(direction: 1 | -1) {
+  const ahead = marks().filter((mark) => (mark.tick - state.tick) * direction > 0);
+  const to = ahead.sort((a, b) => (a.tick - b.tick) * direction)[0];
+  if (!to) return say("No further mark.");
+  seek(to.tick);
+  say(`${kMarks[to.kind].sign} tick ${to.tick}: ${to.text}`);
+}

@@ -1,0 +1,31 @@
+// The stretch of time that the plots show, and what fills them.
+import { client, first, last, rate, redraw, state } from "./page";
+import type { Columns } from "./series";
+
+const kMostWindow = 6000;  // ticks that plots show one by one
+
+export const showsWindow = () => state.to - state.from <= kMostWindow;
+let windowed = 0;
+
+export function setRange(from: number, to: number) {
+  state.from = Math.max(first(), Math.floor(from));
+  state.to = Math.min(last(), Math.ceil(Math.max(to, from + 10)));
+  state.plots?.setRange(state.from / rate(), state.to / rate());
+  document.body.dataset.range = `${state.from} ${state.to}`;
+  fillPlots();
+  redraw();
+}
+
+export async function fillPlots() {
+  if (state.live) return;
+  const turn = ++windowed;
+  let columns = state.sides.map((side) => side.whole);
+  if (showsWindow()) columns = await Promise.all(state.sides.map((_, place) => client.window(place, state.from, state.to)));
+  if (turn === windowed && columns[0]) plotColumns(columns);
+}
+
+/** Of two hands that which was picked last; of two recordings both, for their difference. */
+function plotColumns(columns: (Columns | undefined)[]) {
+  if (state.together) state.plots?.setData(columns[state.plotted] ?? columns[0]!, undefined);
+  else state.plots?.setData(columns[0]!, columns[1]);
+}

@@ -1,0 +1,25 @@
+// What is drawn to scale: forces, torques and pressures, as long or bright as the largest seen so far lets them be.
+import { niceAbove } from "./legend";
+import { renew, state, view } from "./page";
+import { kSegmentCount } from "./words";
+import type { Columns } from "./series";
+
+/** The largest of every segment but the palm, whose joint, the wrist, carries all and has no arc. */
+export function whole(columns: Columns, first: number): number[] {
+  return columns.values.slice(first, first + kSegmentCount - 1).map((column) => column.reduce((most, value) => (value > most ? value : most), 0));
+}
+
+export function notice(what: keyof typeof state.most, ...values: number[]) {
+  const most = niceAbove(Math.max(...values, state.most[what]));
+  if (most === state.most[what]) return;
+  state.most[what] = most;
+  for (const place of state.sides.keys()) setFrame(place);
+}
+
+/** Arrows no longer than 60 mm, arcs no wider than three quarters of a turn. */
+export const scales = () => ({ force: 0.06 / state.most.force, torque: (1.5 * Math.PI) / state.most.torque });
+
+export function setFrame(place: number) {
+  view.setFrame(place, state.sides[place].frame, scales(), state.most.pressure);
+  renew();
+}
