@@ -1,8 +1,9 @@
-// Fuzzes the FlatBuffers messages of a recording: ticks, sessions, states, posed hands, contact points. What
-// is taken of a session must come out again.
+// Fuzzes the FlatBuffers messages of a recording: ticks, sessions, states, posed hands, contact points, drawn
+// scenes. What is taken of a session must come out again.
 #include "flatbuffers/flatbuffers.h"
 #include "fuzz_input.h"
 #include "recording/hand_views.h"
+#include "recording/scene_views.h"
 #include "recording/session_message.h"
 #include "recording/state_message.h"
 #include "recording/tick_message.h"
@@ -46,6 +47,8 @@ void state_message(std::span<const std::uint8_t> bytes) {
 void views(std::span<const std::uint8_t> bytes) {
   std::vector<Pose> joints;
   if (decode_pose(bytes, joints).ok() && joints.size() != kJointCount) __builtin_trap();
+  static_cast<void>(check_scene(bytes).ok());
+  static_cast<void>(check_transforms(bytes).ok());
   std::vector<ContactPoint> points;
   if (!decode_contacts(bytes, points).ok()) return;
   for (const ContactPoint& point : points)

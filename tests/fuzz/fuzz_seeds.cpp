@@ -14,6 +14,7 @@
 #include "recording/hand_views.h"
 #include "recording/mcap_reader.h"
 #include "recording/record_fields.h"
+#include "recording/scene_views.h"
 #include "recording/session_message.h"
 #include "recording/state_message.h"
 #include "recording/tick_message.h"
@@ -161,6 +162,7 @@ bool write_views(const fs::path& folder) {
   RecorderOptions options;
   options.pose_interval = 1;
   options.contact_interval = 2;
+  options.scene_interval = 2;
   options.models = {&model};
   options.metadata = {{"build", "seed"}};
   Recorder recorder;
@@ -219,6 +221,13 @@ bool write_messages(const fs::path& folder) {
   seed("pose", 3, {builder.GetBufferPointer(), builder.GetSize()});
   viewer.contacts(5, builder);
   seed("contacts", 3, {builder.GetBufferPointer(), builder.GetSize()});
+  viewer.scene(record.output, 5, builder);
+  seed("scene", 3, {builder.GetBufferPointer(), builder.GetSize()});
+  draw_objects(seed_scene(), 5, builder);
+  seed("objects", 3, {builder.GetBufferPointer(), builder.GetSize()});
+  record.object_count = 1;
+  draw_transforms(record, 5, builder);
+  seed("transforms", 3, {builder.GetBufferPointer(), builder.GetSize()});
   return true;
 }
 

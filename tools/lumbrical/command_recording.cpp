@@ -41,6 +41,7 @@ Json info_json(const RecordingInfo& info) {
   json["seconds"] = info.seconds;
   json["posed_hands"] = info.has_poses;
   json["contact_points"] = info.has_contacts;
+  json["drawn_scene"] = info.has_scene;
   json["bytes"] = info.bytes;
   json["chunks"] = info.chunks;
   json["compression"] = info.compression;
@@ -93,6 +94,7 @@ void add_info_rows(const RecordingInfo& info, Table& table) {
     table.add("forces", "of some ticks are left out, their hashes are not");
   add_views(info, "pose_interval", "posed hands", info.has_poses, table);
   add_views(info, "contact_interval", "contact points", info.has_contacts, table);
+  add_views(info, "scene_interval", "drawn scene", info.has_scene, table);
   table.add("complete", completeness(info));
   table.add("ticks", info.ticks == 0 ? "none"
                                      : grouped(info.ticks) + ", from " + grouped(info.first_tick) + " to " +

@@ -34,7 +34,7 @@ namespace {
 struct RunOptions {
   std::string scene, motion, side, unit, align, record, law, broadphase, voxel_cache, precision;
   std::string rate = "max", on_record_error = "stop", record_forces = "all", sink = "null";
-  std::optional<double> motion_rate, stiffness, record_poses, record_contacts;
+  std::optional<double> motion_rate, stiffness, record_poses, record_contacts, record_scene;
   std::optional<std::uint64_t> ticks;
   std::optional<std::uint32_t> threads;
   std::string isa = "auto";
@@ -172,6 +172,7 @@ Status open_recorder(const RunOptions& options, const std::vector<Model>& models
   recorder_options.force_interval = force_interval(options.record_forces);
   recorder_options.pose_interval = interval_of(options.record_poses, models[0].settings.rate);
   recorder_options.contact_interval = interval_of(options.record_contacts, models[0].settings.rate);
+  recorder_options.scene_interval = interval_of(options.record_scene, models[0].settings.rate);
   for (const Model& model : models) recorder_options.models.push_back(&model);
   if (models.size() > 1) recorder_options.second_hand = models[1].hand;
   recorder_options.metadata = {{"scene_file", options.scene},
@@ -346,6 +347,14 @@ void add_run(Command& app, int& exit_code) {
       ->add_option(
           "--record-contacts", options->record_contacts,
           "Likewise contact points, as foxglove.PointCloud: where, how hard, which segment and triangle")
+      ->check(number_in(0.01, 100000))
+      ->needs("--record")
+      ->type_name("RATE");
+  command
+      ->add_option(
+          "--record-scene", options->record_scene,
+          "Likewise hand, forces and objects for Foxglove's 3D panel, as foxglove.SceneUpdate; 60 is "
+          "smooth")
       ->check(number_in(0.01, 100000))
       ->needs("--record")
       ->type_name("RATE");

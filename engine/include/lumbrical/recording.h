@@ -64,15 +64,16 @@ struct RecorderOptions {
   /// cost no room and still have their hash: a replay finds any bit that differs, but other tools can't plot
   /// them.
   std::uint32_t force_interval = 1;
-  /// Every so many ticks the recording also holds the posed hand, and contact points, for programs that draw
-  /// them; 0: never. They are computed by the recorder's thread, from `models`.
-  std::uint32_t pose_interval = 0, contact_interval = 0;
+  /// Every so many ticks the recording also holds the posed hand, contact points, and hand, forces and
+  /// objects as a scene, for programs that draw them; 0: never. They are computed by the recorder's thread,
+  /// from `models`.
+  std::uint32_t pose_interval = 0, contact_interval = 0, scene_interval = 0;
   std::vector<const Model*> models;  ///< of the hands, while the recorder is open; needed for intervals only
   std::optional<Hand> second_hand;   ///< of a session of two hands on one world, of the other side
   std::map<std::string, std::string>
       metadata;  ///< free text for the file's metadata record, e.g. start time; "build" and "arithmetic" are
-                 ///< added, and "force_interval" where it is not 1, "pose_interval" and "contact_interval"
-                 ///< where they are not 0
+                 ///< added, and "force_interval" where it is not 1, "pose_interval", "contact_interval"
+                 ///< and "scene_interval" where they are not 0
 };
 
 /// Writes ticks to a file from a thread of its own. The tick thread only copies into a ring.
@@ -112,8 +113,8 @@ class Recorder {
 struct RecordingInfo {
   std::string path;         ///< of the file that is read
   std::vector<Side> hands;  ///< of the session, one or two; what follows is of the reader's
-  bool has_poses = false, has_contacts = false;  ///< beside the ticks
-  std::uint64_t ticks = 0;                       ///< records in the file
+  bool has_poses = false, has_contacts = false, has_scene = false;  ///< beside the ticks
+  std::uint64_t ticks = 0;                                          ///< records in the file
   std::uint64_t first_tick = 0, last_tick = 0;
   std::uint64_t missing_ticks = 0;  ///< numbers between first and last without a record
   double seconds = 0;               ///< of session time
@@ -152,8 +153,9 @@ std::string_view arithmetic_version();
 /// Which build of the library this is: version, compiler, optimised or not, processor.
 std::string build_text();
 
-/// What a message of a recording is: a tick, or of a tick the posed hand, or its contact points.
-enum class MessageKind : std::uint8_t { tick, pose, contacts };
+/// What a message of a recording is: a tick; of a tick the posed hand, its contact points, or hand and forces
+/// as a scene; of the session the objects, once; of a tick where they are.
+enum class MessageKind : std::uint8_t { tick, pose, contacts, scene, objects, transforms, count };
 
 /// A message of a recording as it stands there: what copies pass on.
 struct RecordedMessage {

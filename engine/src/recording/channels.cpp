@@ -2,10 +2,12 @@
 #include "recording/channels.h"
 
 #include <algorithm>
+#include <array>
 
 #include "lumbrical/device.h"
 #include "lumbrical/hand.h"
 #include "recording/hand_views.h"
+#include "recording/scene_views.h"
 #include "recording/tick_message.h"
 
 namespace lumbrical {
@@ -51,31 +53,51 @@ std::map<std::string, std::string> tick_metadata() {
 
 std::map<std::string, std::string> view_metadata(MessageKind kind) {
   std::map<std::string, std::string> metadata = {{"log_time", "session time of the tick it is of"}};
-  if (kind == MessageKind::pose) {
-    metadata["joints"] = listed(kJointCount, joint_name);
-    metadata["units"] = "poses.position m in the world frame";
-  } else {
-    metadata["segments"] = listed(kSegmentCount, segment_name);
-    metadata["units"] = "x m,y m,z m in the world frame,force_x N,force_y N,force_z N,depth m,area m^2";
+  switch (kind) {
+    case MessageKind::pose:
+      metadata["joints"] = listed(kJointCount, joint_name);
+      metadata["units"] = "poses.position m in the world frame";
+      break;
+    case MessageKind::contacts:
+      metadata["segments"] = listed(kSegmentCount, segment_name);
+      metadata["units"] = "x m,y m,z m in the world frame,force_x N,force_y N,force_z N,depth m,area m^2";
+      break;
+    case MessageKind::scene:
+      metadata["arrows"] = "forces of the segments, 5 mm for each newton";
+      [[fallthrough]];
+    default:
+      metadata["units"] = "lengths m";
   }
   return metadata;
 }
+static_assert(kArrowScale == 0.005);
 
-constexpr MessageKind kKinds[] = {MessageKind::tick, MessageKind::pose, MessageKind::contacts};
-constexpr std::string_view kTopics[] = {"tick", "pose", "contacts"};
-constexpr std::string_view kSchemas[] = {kTickSchemaName, kPoseSchemaName, kContactsSchemaName};
+struct Kind {
+  std::string_view topic, schema;
+  bool of_session = false;  // not of a hand: the first one's channel carries it
+};
+constexpr std::array<Kind, static_cast<std::size_t>(MessageKind::count)> kKinds = {
+    {{"tick", kTickSchemaName},
+     {"pose", kPoseSchemaName},
+     {"contacts", kContactsSchemaName},
+     {"scene", kSceneSchemaName},
+     {"objects", kSceneSchemaName, true},
+     {"transforms", kTransformsSchemaName, true}}};
+
+const Kind& kind_of(MessageKind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
 
 }  // namespace
 
 std::string topic_of(const RecordingChannel& channel) {
   return (channel.side ? std::string(side_name(*channel.side)) + "/" : std::string()) +
-         std::string(kTopics[static_cast<std::size_t>(channel.kind)]);
+         std::string(kind_of(channel.kind).topic);
 }
 
 // Other tools may have given a lone channel of ticks another topic.
 std::optional<RecordingChannel> find_channel(std::string_view schema, std::string_view topic) {
-  for (const MessageKind kind : kKinds) {
-    if (schema != kSchemas[static_cast<std::size_t>(kind)]) continue;
+  for (std::size_t i = 0; i < kKinds.size(); ++i) {
+    if (schema != kKinds[i].schema) continue;
+    const auto kind = static_cast<MessageKind>(i);
     for (const std::optional<Side> side : {std::optional(Side::left), std::optional(Side::right), {}})
       if (topic == topic_of({kind, side})) return RecordingChannel{kind, side};
     if (kind == MessageKind::tick) return RecordingChannel{};
@@ -83,14 +105,16 @@ std::optional<RecordingChannel> find_channel(std::string_view schema, std::strin
   return std::nullopt;
 }
 
-std::vector<RecordingChannel> channels_of(const std::vector<Side>& hands, bool poses, bool contacts) {
+std::vector<RecordingChannel> channels_of(const std::vector<Side>& hands,
+                                          const std::vector<MessageKind>& views) {
   std::vector<RecordingChannel> channels;
-  const bool wanted[] = {true, poses, contacts};
-  for (const MessageKind kind : kKinds) {
-    if (!wanted[static_cast<std::size_t>(kind)]) continue;
-    for (const Side side : hands)
-      channels.push_back({kind, hands.size() > 1 ? std::optional(side) : std::nullopt});
-  }
+  const auto add = [&](MessageKind kind) {
+    const std::size_t count = kind_of(kind).of_session ? 1 : hands.size();
+    for (std::size_t hand = 0; hand < count; ++hand)
+      channels.push_back({kind, hands.size() > 1 ? std::optional(hands[hand]) : std::nullopt});
+  };
+  add(MessageKind::tick);
+  for (const MessageKind kind : views) add(kind);
   return channels;
 }
 
@@ -105,8 +129,8 @@ std::size_t channel_number(const std::vector<RecordingChannel>& channels, const 
 
 McapWriter::Start::Channel start_of(const RecordingChannel& channel) {
   const bool tick = channel.kind == MessageKind::tick;
-  return {kSchemas[static_cast<std::size_t>(channel.kind)], tick ? tick_schema() : view_schema(),
-          topic_of(channel), tick ? tick_metadata() : view_metadata(channel.kind)};
+  return {kind_of(channel.kind).schema, tick ? tick_schema() : view_schema(), topic_of(channel),
+          tick ? tick_metadata() : view_metadata(channel.kind)};
 }
 
 bool ChannelIds::has(MessageKind kind) const {

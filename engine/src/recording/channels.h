@@ -30,9 +30,19 @@ std::string topic_of(const RecordingChannel& channel);
 std::optional<RecordingChannel> find_channel(std::string_view schema, std::string_view topic);
 
 /// Those of a session with these hands, in the order in which the recorder numbers them, from 1: the ticks of
-/// all hands first.
-std::vector<RecordingChannel> channels_of(const std::vector<Side>& hands, bool poses = false,
-                                          bool contacts = false);
+/// all hands first, then of each kind of `views`, which are in order. What is no hand's is the first one's.
+std::vector<RecordingChannel> channels_of(const std::vector<Side>& hands,
+                                          const std::vector<MessageKind>& views = {});
+
+/// Those kinds but ticks, in order, of which `holds(kind)`.
+template <class Holds>
+std::vector<MessageKind> views_that(Holds&& holds) {
+  std::vector<MessageKind> views;
+  for (auto kind = MessageKind::pose; kind < MessageKind::count;
+       kind = static_cast<MessageKind>(static_cast<int>(kind) + 1))
+    if (holds(kind)) views.push_back(kind);
+  return views;
+}
 
 /// Which of them it is; their number where it is none.
 std::size_t channel_number(const std::vector<RecordingChannel>& channels, const std::vector<Side>& hands,

@@ -7,9 +7,10 @@
 #include <cstring>
 
 #include "foxglove_bfbs_generated.h"
-#include "foxglove_generated.h"
 #include "model/primitive.h"
+#include "recording/foxglove_parts.h"
 #include "recording/record_fields.h"
+#include "recording/scene_views.h"
 
 namespace lumbrical {
 namespace {
@@ -17,8 +18,6 @@ namespace {
 using flatbuffers::FlatBufferBuilder;
 using flatbuffers::Offset;
 using foxglove::NumericType;
-
-constexpr const char* kFrame = "world";
 
 struct PackedField {
   const char* name;
@@ -72,27 +71,6 @@ ContactPoint point_at(const std::uint8_t* bytes) {
   return point;
 }
 
-foxglove::Time to_fb(std::uint64_t time) {
-  constexpr std::uint64_t kSecond = 1000000000;
-  return {static_cast<std::uint32_t>(time / kSecond), static_cast<std::uint32_t>(time % kSecond)};
-}
-
-Offset<foxglove::Pose> to_fb(FlatBufferBuilder& builder, const Pose& pose) {
-  const auto& [p, q] = pose;
-  const auto position = foxglove::CreateVector3(builder, p.x, p.y, p.z);
-  const auto orientation = foxglove::CreateQuaternion(builder, q.x, q.y, q.z, q.w);
-  return foxglove::CreatePose(builder, position, orientation);
-}
-
-template <class Message>
-const Message* verified(std::span<const std::uint8_t> bytes, std::vector<std::uint64_t>& aligned) {
-  aligned.resize(bytes.size() / 8 + 1);
-  std::memcpy(aligned.data(), bytes.data(), bytes.size());
-  const auto* const data = reinterpret_cast<const std::uint8_t*>(aligned.data());
-  flatbuffers::Verifier verifier(data, bytes.size());
-  return verifier.VerifyBuffer<Message>(nullptr) ? flatbuffers::GetRoot<Message>(data) : nullptr;
-}
-
 }  // namespace
 
 std::span<const std::uint8_t> view_schema() {
@@ -105,9 +83,11 @@ HandViewer::HandViewer(const Model& model) : model_(model) {
   scratch_.hash_stages = false;
 }
 
-// Where a hand is and what it touches depends on no tick before.
+// Where a hand is and what it touches depends on no tick before, but for where objects are.
 void HandViewer::place(const TickRecord& record) {
   State state = make_state(model_);
+  for (std::size_t i = 0; i < state.objects.size() && i < record.object_count; ++i)
+    state.objects[i].pose = record.object[i].pose;
   tick(model_, state, scratch_, record.device, given_of(record));
 }
 
@@ -119,10 +99,14 @@ bool HandViewer::pose(std::uint64_t time, FlatBufferBuilder& builder) {
   std::vector<Offset<foxglove::Pose>> poses;
   for (const Pose& joint : joints.pose) poses.push_back(to_fb(builder, joint));
   const auto all = builder.CreateVector(poses);
-  const auto frame = builder.CreateString(kFrame);
+  const auto frame = builder.CreateString(kWorldFrame);
   const foxglove::Time stamp = to_fb(time);
   builder.Finish(foxglove::CreatePosesInFrame(builder, &stamp, frame, all));
   return true;
+}
+
+void HandViewer::scene(const ActuatorFrame& output, std::uint64_t time, FlatBufferBuilder& builder) {
+  draw_hand(model_, scratch_, output, time, builder);
 }
 
 void HandViewer::contacts(std::uint64_t time, FlatBufferBuilder& builder) {
@@ -146,7 +130,7 @@ void HandViewer::contacts(std::uint64_t time, FlatBufferBuilder& builder) {
   }
   const auto all_fields = builder.CreateVector(fields);
   const auto bytes = builder.CreateVector(data);
-  const auto frame = builder.CreateString(kFrame);
+  const auto frame = builder.CreateString(kWorldFrame);
   const auto origin = to_fb(builder, Pose{});
   const foxglove::Time stamp = to_fb(time);
   builder.Finish(foxglove::CreatePointCloud(builder, &stamp, frame, origin, kStride, all_fields, bytes));

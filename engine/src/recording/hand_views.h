@@ -1,5 +1,5 @@
-// What other programs can draw of a tick: the posed hand and the contact points, as messages of schemas that
-// Foxglove knows (schemas/foxglove.fbs).
+// What other programs can draw of a tick: the posed hand, the contact points, hand and forces in a scene
+// (scene_views.h), as messages of schemas that Foxglove knows (schemas/foxglove.fbs).
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace lumbrical {
 
 inline constexpr std::string_view kPoseSchemaName = "foxglove.PosesInFrame";
 inline constexpr std::string_view kContactsSchemaName = "foxglove.PointCloud";
-/// The binary schema of both.
+/// The binary schema of all that others draw.
 std::span<const std::uint8_t> view_schema();
 
 /// Computes ticks anew to look at them; not for the thread of the ticks.
@@ -33,6 +33,8 @@ class HandViewer {
   bool pose(std::uint64_t time, flatbuffers::FlatBufferBuilder& builder);
   /// Likewise; without contacts the message has no points.
   void contacts(std::uint64_t time, flatbuffers::FlatBufferBuilder& builder);
+  /// Likewise hand and forces, which are those of `output`.
+  void scene(const ActuatorFrame& output, std::uint64_t time, flatbuffers::FlatBufferBuilder& builder);
 
  private:
   Model model_;

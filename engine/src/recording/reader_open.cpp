@@ -172,6 +172,7 @@ Status RecordingReader::File::open(const std::string& path) {
   if (!info.complete)
     if (Status status = scan(); !status.ok()) return status;
   info.has_poses = channels.has(MessageKind::pose);
+  info.has_scene = channels.has(MessageKind::scene);
   info.has_contacts = channels.has(MessageKind::contacts);
   if (!has_scene)
     return file.broken(file.size(), "the file has no session (hand, world, settings); it can't be used");

@@ -18,6 +18,7 @@
 #include "lumbrical/recording.h"
 #include "recording/hand_views.h"
 #include "recording/record_fields.h"
+#include "recording/scene_views.h"
 #include "recording/session_message.h"
 #include "recording/state_message.h"
 #include "recording/tick_message.h"
@@ -76,11 +77,13 @@ Status check_options(const Scene& scene, const RecorderOptions& options) {
                          " ticks");
   if (!(scene.settings.rate >= 1 && scene.settings.rate <= 100000))
     return Status::error("the scene's rate is out of range; choose 1 to 100000 Hz");
-  const bool views = options.pose_interval > 0 || options.contact_interval > 0;
+  const bool views = options.pose_interval > 0 || options.contact_interval > 0 || options.scene_interval > 0;
   if (views && options.models.size() != (options.second_hand ? 2u : 1u))
-    return Status::error("posed hands and contact points take the models of all hands");
+    return Status::error("posed hands, contact points and scenes take the models of all hands");
   if (options.contact_interval > 0 && scene.world)
     return Status::error("contact points of a world file can't be recorded; leave them out");
+  if (options.scene_interval > 0)
+    if (Status status = check_drawable(scene); !status.ok()) return status;
   if (options.second_hand && options.second_hand->side == scene.hand.side)
     return Status::error("both hands are " + std::string(side_name(scene.hand.side)) +
                          " ones; a session of two has a left and a right one");
@@ -138,8 +141,9 @@ struct Recorder::Writer {
   std::chrono::duration<double> sync_interval{};
   std::vector<Side> sides;  // of the hands
   std::vector<RecordingChannel> channels;
-  std::uint32_t pose_interval = 0, contact_interval = 0;
+  std::uint32_t pose_interval = 0, contact_interval = 0, scene_interval = 0;
   std::vector<HandViewer> viewers;                                 // of the hands, where there is an interval
+  std::vector<std::uint8_t> objects;                               // their message, before the first tick
   std::array<std::optional<std::uint64_t>, kMostHands> last_tick;  // handed over; the tick thread's own
 
   McapWriter mcap;  // the writer thread's own, from open() until it has ended; but for its sync()
@@ -180,19 +184,33 @@ void Recorder::Writer::stop() {
 Status Recorder::Writer::write_views(const TickRecord& record) {
   const std::uint64_t tick = record.output.tick, time = tick_time(tick, period);
   const auto is_due = [tick](std::uint32_t interval) { return interval > 0 && tick % interval == 0; };
-  const auto put = [&](MessageKind kind) {
-    return mcap.message(time, static_cast<std::uint32_t>(tick),
-                        {builder.GetBufferPointer(), builder.GetSize()},
+  const auto put_bytes = [&](MessageKind kind, std::span<const std::uint8_t> bytes) {
+    return mcap.message(time, static_cast<std::uint32_t>(tick), bytes,
                         channel_number(channels, sides, kind, record.hand));
   };
-  if (!is_due(pose_interval) && !is_due(contact_interval)) return {};
+  const auto put = [&](MessageKind kind) {
+    return put_bytes(kind, {builder.GetBufferPointer(), builder.GetSize()});
+  };
+  if (record.hand == 0 && !objects.empty()) {
+    if (Status status = put_bytes(MessageKind::objects, objects); !status.ok()) return status;
+    std::vector<std::uint8_t>().swap(objects);
+  }
+  if (!is_due(pose_interval) && !is_due(contact_interval) && !is_due(scene_interval)) return {};
   HandViewer& viewer = viewers[record.hand];
   viewer.place(record);
   if (is_due(pose_interval) && viewer.pose(time, builder))
     if (Status status = put(MessageKind::pose); !status.ok()) return status;
-  if (!is_due(contact_interval)) return {};
-  viewer.contacts(time, builder);
-  return put(MessageKind::contacts);
+  if (is_due(contact_interval)) {
+    viewer.contacts(time, builder);
+    if (Status status = put(MessageKind::contacts); !status.ok()) return status;
+  }
+  if (!is_due(scene_interval)) return {};
+  if (record.hand == 0 && record.object_count > 0) {
+    draw_transforms(record, time, builder);
+    if (Status status = put(MessageKind::transforms); !status.ok()) return status;
+  }
+  viewer.scene(record.output, time, builder);
+  return put(MessageKind::scene);
 }
 
 // The message of the state that was kept of this tick, if one was.
@@ -268,11 +286,22 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   writer->force_interval = options.force_interval;
   writer->sides = {scene.hand.side};
   if (options.second_hand) writer->sides.push_back(options.second_hand->side);
-  writer->channels = channels_of(writer->sides, options.pose_interval > 0, options.contact_interval > 0);
   writer->pose_interval = options.pose_interval;
   writer->contact_interval = options.contact_interval;
-  if (options.pose_interval > 0 || options.contact_interval > 0)
+  writer->scene_interval = options.scene_interval;
+  writer->channels = channels_of(writer->sides, views_that([&options](MessageKind kind) {
+                                   if (kind == MessageKind::pose) return options.pose_interval > 0;
+                                   return kind == MessageKind::contacts ? options.contact_interval > 0
+                                                                        : options.scene_interval > 0;
+                                 }));
+  if (writer->channels.size() > writer->sides.size())
     for (const Model* const model : options.models) writer->viewers.emplace_back(*model);
+  if (options.scene_interval > 0 && !scene.objects.empty()) {
+    draw_objects(scene, 0, writer->builder);
+    writer->objects.assign(writer->builder.GetBufferPointer(),
+                           writer->builder.GetBufferPointer() + writer->builder.GetSize());
+    writer->builder.Reset();  // gives back the room
+  }
   writer->sync_interval = std::chrono::duration<double>(options.sync_seconds);
   McapWriterOptions mcap_options;
   mcap_options.compression = options.compression;
@@ -282,7 +311,8 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   metadata.emplace("arithmetic", arithmetic_version());
   if (options.force_interval != 1) metadata.emplace("force_interval", std::to_string(options.force_interval));
   for (const auto& [name, interval] : {std::pair("pose_interval", options.pose_interval),
-                                       std::pair("contact_interval", options.contact_interval)})
+                                       std::pair("contact_interval", options.contact_interval),
+                                       std::pair("scene_interval", options.scene_interval)})
     if (interval > 0) metadata.emplace(name, std::to_string(interval));
   Status status = open_recording(path, scene.settings.rate, session, {}, metadata, mcap_options, writer->mcap,
                                  writer->channels);

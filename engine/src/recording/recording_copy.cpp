@@ -88,6 +88,8 @@ class Copy {
  private:
   Status start(RecordingReader& reader, const std::string& output);
   Status check_scene(const RecordingReader& reader) const;
+  Status copy_objects(RecordingReader& reader);
+  Status write(const RecordedMessage& message, std::uint64_t tick_number);
   Status initial_state(RecordingReader& reader, std::vector<std::uint8_t>& bytes);
   Status initial_states(RecordingReader& reader, StateMessages& states);
 
@@ -125,7 +127,11 @@ Status Copy::start(RecordingReader& reader, const std::string& output) {
   const Scene& scene = reader.scene();
   if (Status status = encode_session(scene, session_, reader.other_hand()); !status.ok()) return status;
   hands_ = reader.info().hands;
-  channels_ = channels_of(hands_, reader.info().has_poses, reader.info().has_contacts);
+  const RecordingInfo& info = reader.info();
+  channels_ = channels_of(hands_, views_that([&info](MessageKind kind) {
+                            if (kind == MessageKind::pose) return info.has_poses;
+                            return kind == MessageKind::contacts ? info.has_contacts : info.has_scene;
+                          }));
   StateMessages states;
   if (Status status = initial_states(reader, states); !status.ok()) return status;
   period_ = 1e9 / scene.settings.rate;
@@ -147,10 +153,34 @@ Status Copy::check_scene(const RecordingReader& reader) const {
                        "only recordings of one session can be merged");
 }
 
+Status Copy::write(const RecordedMessage& message, std::uint64_t tick_number) {
+  const std::size_t channel = channel_number(channels_, hands_, message.kind, message.hand);
+  if (channel == channels_.size()) return {};  // the first recording had none of these
+  return writer_.message(tick_time(tick_number, period_), static_cast<std::uint32_t>(tick_number),
+                         message.bytes, channel);
+}
+
+// Objects are drawn once, where a session begins; so a part of it has to begin.
+Status Copy::copy_objects(RecordingReader& reader) {
+  const RecordingInfo& info = reader.info();
+  if (!info.has_scene || options_.from <= info.first_tick || options_.from > info.last_tick) return {};
+  if (Status status = reader.seek(0); !status.ok()) return status;
+  for (;;) {
+    RecordedMessage message;
+    bool end = false;
+    if (Status status = reader.next_message(message, end); !status.ok()) return status;
+    if (end || message.kind == MessageKind::tick) return {};
+    if (message.kind == MessageKind::objects) return write(message, options_.from);
+  }
+}
+
 Status Copy::add(const std::string& path, const std::string& output) {
   RecordingReader reader;
   if (Status status = reader.open(path); !status.ok()) return status;
-  if (Status status = open_ ? check_scene(reader) : start(reader, output); !status.ok()) return status;
+  const bool is_first = !open_;
+  if (Status status = is_first ? start(reader, output) : check_scene(reader); !status.ok()) return status;
+  if (is_first)
+    if (Status status = copy_objects(reader); !status.ok()) return status;
   if (Status status = reader.seek(options_.from); !status.ok()) return status;
   for (;;) {
     RecordedMessage message;
@@ -167,12 +197,8 @@ Status Copy::add(const std::string& path, const std::string& output) {
       next_[message.hand] = tick_number + 1;
       if (message.hand == 0) ++result_.ticks;
     }
-    const std::size_t channel = channel_number(channels_, hands_, message.kind, message.hand);
-    if (channel == channels_.size()) continue;  // the first recording had none of these
-    if (Status status = writer_.message(tick_time(tick_number, period_),
-                                        static_cast<std::uint32_t>(tick_number), message.bytes, channel);
-        !status.ok())
-      return status;
+    if (message.kind == MessageKind::objects && !is_first) continue;
+    if (Status status = write(message, tick_number); !status.ok()) return status;
   }
 }
 

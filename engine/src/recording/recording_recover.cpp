@@ -312,7 +312,7 @@ Status Recovery::copy_ticks(const std::string& output) {
   const auto holds = [this](MessageKind kind) {
     return std::any_of(found_.begin(), found_.end(), [kind](const auto& c) { return c.second.kind == kind; });
   };
-  channels_ = channels_of(sides_, holds(MessageKind::pose), holds(MessageKind::contacts));
+  channels_ = channels_of(sides_, views_that(holds));
   Status status =
       open_recording(output, scene_.settings.rate, session_, states_, metadata_, options, writer, channels_);
   const bool has_index = expect_index();

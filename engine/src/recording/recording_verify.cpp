@@ -11,6 +11,7 @@
 #include "recording/hand_views.h"
 #include "recording/mcap_reader.h"
 #include "recording/record_fields.h"
+#include "recording/scene_views.h"
 #include "recording/session_message.h"
 #include "recording/tick_message.h"
 #include "recording/tick_ranges.h"
@@ -31,6 +32,21 @@ const char* changed_result(const TickRecord& record) {
                                hash_output(record.output, objects_of(record)))
     return "its output was";
   return nullptr;
+}
+
+Status check_view_bytes(Bytes bytes, MessageKind kind) {
+  std::vector<Pose> joints;
+  std::vector<ContactPoint> points;
+  switch (kind) {
+    case MessageKind::pose:
+      return decode_pose(bytes, joints);
+    case MessageKind::contacts:
+      return decode_contacts(bytes, points);
+    case MessageKind::transforms:
+      return check_transforms(bytes);
+    default:
+      return check_scene(bytes);
+  }
 }
 
 /// What a walk through the data section has found, to be held against the summary.
@@ -135,14 +151,11 @@ Status Verification::check_tick(const Message& message, std::optional<Side> side
 }
 
 Status Verification::check_view(const Message& message, MessageKind kind, std::uint64_t at) {
-  std::vector<Pose> joints;
-  std::vector<ContactPoint> points;
-  const Status status =
-      kind == MessageKind::pose ? decode_pose(message.data, joints) : decode_contacts(message.data, points);
-  if (!status.ok()) return file_.broken(at, status.message());
+  if (const Status status = check_view_bytes(message.data, kind); !status.ok())
+    return file_.broken(at, status.message());
   const std::uint64_t tick = tick_at(message.log_time, 1e9 / period_);
   if (message.log_time != tick_time(tick, period_))
-    return file_.broken(at, "a posed hand or contact points stand at a time that is no tick's");
+    return file_.broken(at, "what others draw stands at a time that is no tick's");
   return {};
 }
 
