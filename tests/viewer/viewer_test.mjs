@@ -61,8 +61,27 @@ test("An object that moves is drawn where it is felt, and tells where that is wh
   }, null, kPatience);
   assert.match(await details(), /force of the hand on it\s+[1-9]/);
   assert.match(await details(), /contacted triangles\s+[1-9]\d/);
+  assert.match(await details(), /triangle\s+\d+\s+(touched by|contact\s+none)/);
   assert.match(await details(), /replayed here\s+the same bits/);
   await shot("lifted");
+});
+
+test("A proxy is told apart from the tracked hand", async () => {
+  execFileSync(program, ["run", join(dirname(scene), "sheet.json"), "--record", file("proxy.mcap")]);
+  await open(await serve("view", file("proxy.mcap"), "--no-browser"));
+  await atTick(0);
+  const line = await page.locator("#timeline").boundingBox();
+  const lag = async () => Number(/proxy\s+up to (\S+) mm/.exec(await details())[1]);
+  const lags = [];
+  for (let share = 0.05; share < 1; share += 0.1) {
+    const before = await tick();
+    await page.mouse.click(line.x + share * line.width, line.y + 30);
+    await page.waitForFunction((from) => Number(document.body.dataset.tick) !== from, before, kPatience);
+    lags.push(await lag());
+    if (lags.at(-1) > 1) await shot("proxy");
+  }
+  assert.ok(Math.min(...lags) < 0.1 && Math.max(...lags) > 1, `${lags}`);
+  assert.match(await details(), /replayed here\s+the same bits/);
 });
 
 test("It plays, pauses, steps, loops and goes where the timeline is pressed", async () => {

@@ -23,6 +23,7 @@
 #include "recording/session_message.h"
 #include "recording/state_message.h"
 #include "recording/tick_message.h"
+#include "stages/hand_pose.h"
 #include "view_generated.h"
 
 #define PAGE_MAY_CALL(name) extern "C" __attribute__((export_name(#name)))
@@ -110,6 +111,15 @@ std::vector<fb::Vec3> joint_positions(const Joints& joints) {
   return result;
 }
 
+/// As the device told them, where a proxy stands in their place.
+std::vector<fb::Vec3> tracked_joints() {
+  constexpr std::uint32_t kNowhere = kInputNotFinite | kInputImplausible | kInputLost;
+  if (!scratch.proxy || (scratch.primitives->flags & kNowhere) != 0) return {};
+  Primitives tracked;
+  place_hand(model.hand, model.settings, record.device, tracked);
+  return joint_positions(tracked.joints);
+}
+
 std::vector<fb::Phalanx> phalanges(const Primitives& hand) {
   std::vector<fb::Phalanx> result;
   for (std::size_t i = 0; i < kPhalanxCount; ++i) {
@@ -167,9 +177,10 @@ void answer_view() {
   const auto all_segments = builder.CreateVectorOfStructs(segments(record.output));
   const auto bases = builder.CreateVectorOfStructs(to_fb(hand.base_joint));
   const auto axes = builder.CreateVectorOfStructs(to_fb(hand.flexion_axis));
+  const auto tracked = builder.CreateVectorOfStructs(tracked_joints());
   const auto text = differs.empty() ? 0 : builder.CreateString(differs.data(), differs.size());
   builder.Finish(fb::CreateTickView(builder, record.output.tick, joints, hand.joints.valid, shapes, corners,
-                                    palm.radius, all_contacts, all_segments, bases, axes, text));
+                                    palm.radius, all_contacts, all_segments, bases, axes, text, tracked));
   out.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
 }
 

@@ -9,7 +9,7 @@ const kHead = new ConeGeometry(1, 1, 16).translate(0, 0.5, 0);
 const kThickness = 0.0008;  // [m]
 const kUp = new Vector3(0, 1, 0);
 const kAxis = new Vector3(0, 0, 1);
-const kArcRadius = 0.012;  // [m]
+const kArcRadius = 0.017;  // [m] outside the thickest finger
 const kWidestArc = 1.6 * Math.PI;
 
 export interface Arrow {
@@ -45,7 +45,8 @@ export function updateArrow({ group, parts: [shaft, head] }: Arrow, at: Vector3,
 
 export function makeArc(segment: number): Arrow {
   const group = new Group();
-  const material = new MeshBasicMaterial({ color: colourOf(segment), transparent: true, opacity: 0.85 });
+  // Not transparent: it would be hidden by the skin round it, whose depth is drawn before all that is.
+  const material = new MeshBasicMaterial({ color: colourOf(segment) });
   return { group, material, parts: [makePart(material, new TorusGeometry(), group), makePart(material, kHead, group)] };
 }
 
@@ -57,7 +58,7 @@ export function updateArc({ group, parts: [arc, head] }: Arrow, at: Vector3, tor
   group.position.copy(at);
   group.quaternion.copy(new Quaternion().setFromUnitVectors(kAxis, torque.clone().normalize()));
   arc.geometry.dispose();
-  arc.geometry = new TorusGeometry(kArcRadius, 0.6 * kThickness, 8, 32, angle);
+  arc.geometry = new TorusGeometry(kArcRadius, kThickness, 8, 32, angle);
   head.position.set(kArcRadius * Math.cos(angle), kArcRadius * Math.sin(angle), 0);
   head.rotation.set(0, 0, angle);
   head.scale.set(1.8 * kThickness, 4 * kThickness, 1.8 * kThickness);

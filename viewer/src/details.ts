@@ -15,6 +15,9 @@ export function flagsText(flags: number): string {
   return kTickFlags.filter((_, bit) => (flags >> bit) & 1).join(", ") || "none";
 }
 
+/** [m] How far the proxy's joints are from the tracked ones. */
+const lag = ({ joints, tracked }: Frame) => Math.max(...tracked.map((joint, j) => joint.distanceTo(joints[j])));
+
 export function tickRows(frame: Frame, milliseconds: number, world: World, noContacts: string, live: boolean): Rows {
   const total = frame.forces.reduce((sum, force) => sum.add(force), new Vector3());
   const rows: Rows = [
@@ -25,6 +28,7 @@ export function tickRows(frame: Frame, milliseconds: number, world: World, noCon
     ["flags", flagsText(frame.flags)],
     ["tick took", `${brief(frame.duration)} us; here ${brief(milliseconds)} ms with contacts`],
   ];
+  if (frame.tracked.length > 0) rows.push(["proxy", `up to ${brief(1e3 * lag(frame))} mm from the tracked joints, which are the lines`]);
   if (frame.sent.length > 0) {
     const sent = frame.sent[frame.sent.length - 1];
     rows.push(["device", `${kDeviceStates[sent.state]}: ${sent.values.map(brief).join(", ")}`]);
@@ -54,11 +58,10 @@ export function objectOf(triangle: number, world: World): string {
   return at < 0 ? "" : world.names[at];
 }
 
-export function triangleRows(triangle: number, frame: Frame, world: World): Rows {
-  const rows: Rows = [["object", objectOf(triangle, world)], ["triangle", `${triangle}`]];
-  for (let corner = 0; corner < 3; ++corner)
-    rows.push([`corner ${"abc"[corner]}`, millimetres(new Vector3().fromArray(world.positions, 9 * triangle + 3 * corner))]);
-  const touched = frame.contacts.filter((contact) => contact.object === 0 && contact.triangle === triangle);
+/** Of a triangle of what stands still (0), or of World.apart[object - 1]. */
+function contactRows(object: number, triangle: number, frame: Frame, world: World): Rows {
+  const rows: Rows = [];
+  const touched = frame.contacts.filter((contact) => contact.object === object && contact.triangle === triangle);
   if (touched.length === 0) rows.push(["contact", "none in this tick"]);
   for (const contact of touched) {
     rows.push(
@@ -74,7 +77,15 @@ export function triangleRows(triangle: number, frame: Frame, world: World): Rows
   return rows;
 }
 
-export function objectRows(object: number, frame: Frame, world: World): Rows {
+export function triangleRows(triangle: number, frame: Frame, world: World): Rows {
+  const rows: Rows = [["object", objectOf(triangle, world)], ["triangle", `${triangle}`]];
+  for (let corner = 0; corner < 3; ++corner)
+    rows.push([`corner ${"abc"[corner]}`, millimetres(new Vector3().fromArray(world.positions, 9 * triangle + 3 * corner))]);
+  rows.push(...contactRows(0, triangle, frame, world));
+  return rows;
+}
+
+export function objectRows(object: number, triangle: number, frame: Frame, world: World): Rows {
   const own = frame.contacts.filter((contact) => contact.object === object + 1);
   const rows: Rows = [["object", world.apart[object].name]];
   const told = frame.objects[object];
@@ -88,6 +99,7 @@ export function objectRows(object: number, frame: Frame, world: World): Rows {
     ["contacted triangles", `${own.length}`],
   );
   if (told.coordinate !== 0) rows.push(["joint at", `${brief(told.coordinate)} rad or m`]);
+  rows.push(["triangle", `${triangle}`], ...contactRows(object + 1, triangle, frame, world));
   return rows;
 }
 
@@ -109,7 +121,7 @@ export function showRows(parent: HTMLElement, title: string, rows: Rows) {
 export function showDetails(parent: HTMLElement, pick: Pick | undefined, frame: Frame, world: World, general: Rows) {
   parent.replaceChildren();
   if (pick?.kind === "triangle") showRows(parent, "Triangle", triangleRows(pick.triangle, frame, world));
-  else if (pick?.kind === "object") showRows(parent, "Object", objectRows(pick.object, frame, world));
+  else if (pick?.kind === "object") showRows(parent, "Object", objectRows(pick.object, pick.triangle, frame, world));
   else if (pick) showRows(parent, kSegments[pick.segment], segmentRows(pick.segment, frame, world));
   showRows(parent, "Tick", general);
 }

@@ -53,7 +53,8 @@ export interface Frame {
   errorEstimate: number;
   sent: { state: number; values: number[] }[];
   leftOut: boolean;  // forces are not the file's but computed here
-  joints: Vector3[];
+  joints: Vector3[];  // felt with
+  tracked: Vector3[];  // as the device told them, where a proxy is felt with; else none
   hulls: Hull[];
   contacts: ContactRecord[];
   baseJoints: Vector3[];
@@ -176,6 +177,7 @@ export function readFrame(shown: Shown): Frame {
     }),
     leftOut,
     joints: view ? vectors(view.jointsLength(), (i) => view.joints(i)) : [],
+    tracked: view ? vectors(view.trackedLength(), (i) => view.tracked(i)) : [],
     hulls: view ? readHulls(view) : [],
     contacts: view ? readContacts(view) : [],
     baseJoints: view ? vectors(view.baseJointsLength(), (i) => view.baseJoints(i)) : [],

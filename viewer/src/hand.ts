@@ -1,4 +1,4 @@
-// One hand: translucent skin, the joints it was told, forces and torques.
+// One hand: the translucent skin it feels with, the joints it was told, forces and torques.
 import {
   BufferGeometry, Color, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshStandardMaterial, Vector3,
 } from "three";
@@ -75,8 +75,8 @@ export function makeHand(colour: string): HandView {
         skins[hull.segment].visible = true;
         updateHullGeometry(skins[hull.segment].geometry, hull, origin);
       }
-      if (frame.joints.length > 0)
-        bones.geometry.setFromPoints(kBones.flatMap(([a, b]) => [frame.joints[a], frame.joints[b]].map((p) => p.clone().sub(origin))));
+      const real = frame.tracked.length > 0 ? frame.tracked : frame.joints;
+      if (real.length > 0) bones.geometry.setFromPoints(kBones.flatMap(([a, b]) => [real[a], real[b]].map((p) => p.clone().sub(origin))));
       for (let s = 0; s < kSegmentCount; ++s) {
         updateArrow(arrows[s], actsAt(frame, s).sub(origin), frame.forces[s], scales.force);
         const joint = frame.baseJoints[s] ?? origin;

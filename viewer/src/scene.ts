@@ -9,7 +9,7 @@ import { makeHand, type HandView, type Scales } from "./hand";
 import { makePressure } from "./pressure";
 import type { Tracking } from "./tracking";
 
-export type Pick = { kind: "segment" | "force" | "torque"; segment: number; place: number } | { kind: "triangle"; triangle: number } | { kind: "object"; object: number };
+export type Pick = { kind: "segment" | "force" | "torque"; segment: number; place: number } | { kind: "triangle"; triangle: number } | { kind: "object"; object: number; triangle: number };
 
 /** Picks of the hand know whose it is. */
 export const placeOf = (pick: Pick | undefined) => (pick && "place" in pick ? pick.place : undefined);
@@ -144,7 +144,7 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
       const skin = raycaster.intersectObjects(skins, false)[0];
       const thing = raycaster.intersectObjects(things.children, false)[0];
       if (thing && (!skin || thing.distance < skin.distance))
-        return thing.object === still ? { kind: "triangle", triangle: thing.faceIndex! } : { kind: "object", object: thing.object.userData.object };
+        return thing.object === still ? { kind: "triangle", triangle: thing.faceIndex! } : { kind: "object", object: thing.object.userData.object, triangle: thing.faceIndex! };
       return skin && { kind: "segment", segment: skin.object.userData.segment, place: owner(skin.object) };
     },
     select(pick) {
