@@ -11,6 +11,7 @@
 #include <string>
 
 #include "flatbuffers/reflection_generated.h"
+#include "recorded_views.h"
 #include "touch_session.h"
 
 namespace lumbrical::test {
@@ -41,26 +42,6 @@ void record_views(const std::string& path) {
   }
   status = recorder.close();
   ASSERT_TRUE(status.ok()) << status.message();
-}
-
-struct View {
-  MessageKind kind;
-  std::uint64_t tick;
-  std::vector<std::uint8_t> bytes;
-};
-
-std::vector<View> views_of(const std::string& path) {
-  RecordingReader reader;
-  EXPECT_TRUE(reader.open(path).ok());
-  std::vector<View> views;
-  for (;;) {
-    RecordedMessage message;
-    bool end = true;
-    EXPECT_TRUE(reader.next_message(message, end).ok());
-    if (end) return views;
-    if (message.kind != MessageKind::tick)
-      views.push_back({message.kind, message.tick, {message.bytes.begin(), message.bytes.end()}});
-  }
 }
 
 std::size_t count_of(const std::vector<View>& views, MessageKind kind) {

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "foxglove_generated.h"
+#include "recorded_views.h"
 #include "touch_session.h"
 
 namespace lumbrical::test {
@@ -65,27 +66,8 @@ std::string recorded_scene() {
   return path;
 }
 
-struct View {
-  MessageKind kind;
-  std::uint64_t tick;
-  std::vector<std::uint8_t> bytes;
-  [[nodiscard]] const foxglove::SceneUpdate& scene() const {
-    return *flatbuffers::GetRoot<foxglove::SceneUpdate>(bytes.data());
-  }
-};
-
-std::vector<View> views_of(const std::string& path) {
-  RecordingReader reader;
-  EXPECT_TRUE(reader.open(path).ok());
-  std::vector<View> views;
-  for (;;) {
-    RecordedMessage message;
-    bool end = true;
-    EXPECT_TRUE(reader.next_message(message, end).ok());
-    if (end) return views;
-    if (message.kind != MessageKind::tick)
-      views.push_back({message.kind, message.tick, {message.bytes.begin(), message.bytes.end()}});
-  }
+const foxglove::SceneUpdate& update_of(const View& view) {
+  return *flatbuffers::GetRoot<foxglove::SceneUpdate>(view.bytes.data());
 }
 
 std::map<MessageKind, int> count(const std::vector<View>& views) {
@@ -101,8 +83,8 @@ Pose pose_of(const foxglove::Pose& pose) {
 }
 
 const foxglove::SceneEntity* entity(const View& view, std::string_view id) {
-  if (view.scene().entities() != nullptr)
-    for (const auto* const found : *view.scene().entities())
+  if (update_of(view).entities() != nullptr)
+    for (const auto* const found : *update_of(view).entities())
       if (found->id()->string_view() == id) return found;
   return nullptr;
 }
@@ -155,7 +137,7 @@ TEST(DrawnScene, HandIsWhereTheFramePutItAndIsTakenAwayWhereItCouldNotBePlaced) 
     const auto* const hand = entity(view, "hand");
     if (hand == nullptr) {
       ASSERT_LT(view.tick, 40u);
-      EXPECT_EQ(view.scene().deletions()->Get(0)->type(), foxglove::SceneEntityDeletionType::ALL);
+      EXPECT_EQ(update_of(view).deletions()->Get(0)->type(), foxglove::SceneEntityDeletionType::ALL);
       ++gone;
       continue;
     }
