@@ -183,7 +183,7 @@ TEST(DatagramWire, TalksToThisMachineOnlyUnlessTold) {
     ASSERT_TRUE(make_datagram_wire(profile, wire).ok());
     EXPECT_FALSE(wire->open().ok()) << host;
   }
-  profile.transport.host = "localhost";
+  profile.transport.host = "127.0.0.1";
   ASSERT_TRUE(make_datagram_wire(profile, wire).ok());
   EXPECT_TRUE(wire->open().ok());
 }
