@@ -232,10 +232,11 @@ test("A running session of two hands is shown with both", async () => {
   writeFileSync(file("hold.json"), JSON.stringify(hold));
   copyFileSync(join(examples, "cup.obj"), file("cup.obj"));
   copyFileSync(join(examples, "two_hands.json"), file("both.json"));
-  await open(await serve("run", file("both.json"), "--rate", "500", "--view"));
+  await open(await serve("run", file("both.json"), "--rate", "100", "--view"));
   await page.waitForFunction(() => /contacts\s*[1-9]/.test(document.getElementById("details").innerText), null, kPatience);
   assert.match(await details(), /hand\s*right/);
   assert.match(await page.locator("#legend").innerText(), /orange the right hand, blue the left one/);
+  await page.keyboard.press("Space");
   await page.waitForTimeout(1000);
   await shot("live_two_hands");
   assert.ok(await clickOnLeftHand(), "no pixel of the left hand");
