@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "model/corner_normals.h"
 #include "nearest_grid.h"
 #include "peer.h"
 
@@ -94,10 +95,7 @@ Voxels::Voxels(const Mesh& source) : mesh(source) {
   count = {static_cast<std::size_t>(extent.x / kSize) + 1, static_cast<std::size_t>(extent.y / kSize) + 1,
            static_cast<std::size_t>(extent.z / kSize) + 1};
   triangle.assign(count[0] * count[1] * count[2], kNone);
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3 a = mesh.vertices[t[0]];
-    normal.push_back(unit_or(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a), {}));
-  }
+  for (const Triangle& t : mesh.triangles) normal.push_back(triangle_normal(mesh, t));
   const NearestGrid grid(mesh);
   NearestTriangle nearest;
   for (std::size_t i = 0; i < triangle.size(); ++i) {

@@ -18,6 +18,7 @@
 
 #include "hand_scenes.h"
 #include "machine.h"
+#include "model/corner_normals.h"
 #include "peer.h"
 #include "peer_table.h"
 #include "peer_truth.h"
@@ -71,12 +72,6 @@ double milliseconds_since(Clock::time_point start) {
 void sort_out(std::vector<std::uint32_t>& triangles) {
   std::sort(triangles.begin(), triangles.end());
   triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
-}
-
-Vec3 normal_of(const Mesh& mesh, std::uint32_t triangle) {
-  const Triangle& t = mesh.triangles[triangle];
-  const Vec3 a = mesh.vertices[t[0]];
-  return unit_or(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a), {});
 }
 
 struct Rung {
@@ -146,7 +141,8 @@ Contender theirs(const Task& task, const Mesh& mesh, Peer (*make)(const Mesh&)) 
     for (const PeerContact& contact : *contacts) {
       const auto triangle = static_cast<std::uint32_t>(contact.pair);
       outcome.triangles.push_back(triangle);
-      outcome.force += contact.depth * (peer->has_area ? contact.area : 1) * normal_of(mesh, triangle);
+      outcome.force += contact.depth * (peer->has_area ? contact.area : 1) *
+                       triangle_normal(mesh, mesh.triangles[triangle]);
       outcome.area += contact.area;
     }
     sort_out(outcome.triangles);

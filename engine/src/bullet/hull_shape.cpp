@@ -3,7 +3,7 @@
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 #include <LinearMath/btConvexHullComputer.h>
 
-#include <numeric>
+#include "base/disjoint_sets.h"
 
 namespace lumbrical {
 namespace {
@@ -14,25 +14,14 @@ constexpr double kMargin = 4e-4;
 // The most that is taken off, as a share of a hull's inner radius.
 constexpr double kMostOff = 0.2;
 
-std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
-// For each vertex the first of those it hangs together with.
-std::vector<std::uint32_t> parts_of(const Triangles& triangles) {
-  std::vector<std::uint32_t> parent(triangles.x.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto join = [&](std::uint32_t i, std::uint32_t j) {
-    const std::uint32_t a = root_of(parent, i), b = root_of(parent, j);
-    parent[std::max(a, b)] = std::min(a, b);
-  };
+// Vertices that hang together.
+DisjointSets parts_of(const Triangles& triangles) {
+  DisjointSets parts(triangles.x.size());
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    join(triangles.a[t], triangles.b[t]);
-    join(triangles.a[t], triangles.c[t]);
+    parts.join(triangles.a[t], triangles.b[t]);
+    parts.join(triangles.a[t], triangles.c[t]);
   }
-  for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = root_of(parent, i);
-  return parent;
+  return parts;
 }
 
 bool add_hull(const std::vector<btVector3>& points, HullShape& shape) {
@@ -53,14 +42,14 @@ bool add_hull(const std::vector<btVector3>& points, HullShape& shape) {
 
 bool make_hull_shape(const Triangles& triangles, const btTransform& X_CO, HullShape& shape) {
   shape.whole = std::make_unique<btCompoundShape>();
-  const std::vector<std::uint32_t> part = parts_of(triangles);
-  std::vector<std::vector<btVector3>> points(part.size());
-  for (std::uint32_t i = 0; i < part.size(); ++i) {
+  DisjointSets parts = parts_of(triangles);
+  std::vector<std::vector<btVector3>> points(triangles.x.size());
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
     const Vec3 p = kUnitsPerMetre * triangles.vertex(i);
-    points[part[i]].push_back(X_CO * btVector3(p.x, p.y, p.z));
+    points[parts.find(i)].push_back(X_CO * btVector3(p.x, p.y, p.z));
   }
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    std::vector<btVector3>& own = points[part[triangles.a[t]]];
+    std::vector<btVector3>& own = points[parts.find(triangles.a[t])];
     if (own.empty()) continue;  // done already
     if (!add_hull(own, shape)) return false;
     own.clear();

@@ -1,7 +1,6 @@
 #include "model/corner_normals.h"
 
-#include <numeric>
-
+#include "base/disjoint_sets.h"
 #include "base/elementary.h"
 #include "model/mesh_edges.h"
 #include "model/vertex_merge.h"
@@ -11,22 +10,6 @@ namespace {
 
 // Least cosine of the angle between a corner's normal and its triangle's.
 constexpr double kWidestTurn = 0.5;
-
-/// Corners that share a normal: 3 times the triangle plus 0, 1 or 2.
-struct Groups {
-  std::vector<std::uint32_t> parent;
-  explicit Groups(std::size_t count) : parent(count) { std::iota(parent.begin(), parent.end(), 0u); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  }
-  // The lower number leads.
-  void join(std::uint32_t i, std::uint32_t k) {
-    i = find(i);
-    k = find(k);
-    parent[std::max(i, k)] = std::min(i, k);
-  }
-};
 
 std::uint32_t corner_at(const Mesh& mesh, const std::vector<std::uint32_t>& first, std::uint32_t triangle,
                         std::uint32_t vertex) {
@@ -48,10 +31,11 @@ std::vector<Vec3> normals_of(const Mesh& mesh) {
   return normals;
 }
 
-Groups smooth_groups(const Mesh& mesh, const std::vector<Vec3>& normals, double crease_angle) {
+// Corners that share a normal: 3 times the triangle plus 0, 1 or 2.
+DisjointSets smooth_groups(const Mesh& mesh, const std::vector<Vec3>& normals, double crease_angle) {
   const std::vector<std::uint32_t> first = first_at_same_position(mesh.vertices);
   const double least = sin_cos(crease_angle).cos;
-  Groups groups(3 * mesh.triangles.size());
+  DisjointSets groups(3 * mesh.triangles.size());
   edges_of(mesh, first).for_each([&](std::uint32_t low, std::span<const HalfEdge> edge) {
     if (edge.size() != 2 || edge[0].upwards() == edge[1].upwards()) return;
     const std::uint32_t t = edge[0].triangle(), u = edge[1].triangle();
@@ -71,7 +55,7 @@ Vec3 triangle_normal(const Mesh& mesh, const Triangle& triangle) {
 
 std::vector<std::array<Vec3, 3>> corner_normals(const Mesh& mesh, double crease_angle) {
   const std::vector<Vec3> normals = normals_of(mesh);
-  Groups groups = smooth_groups(mesh, normals, crease_angle);
+  DisjointSets groups = smooth_groups(mesh, normals, crease_angle);
   std::vector<Vec3> sum(3 * normals.size());
   for (std::uint32_t t = 0; t < normals.size(); ++t) {
     for (std::uint32_t k = 0; k < 3; ++k)

@@ -1,0 +1,80 @@
+// The names that scene files, options and messages use.
+#include <array>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "lumbrical/model.h"
+
+namespace lumbrical {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, Law>, 5> kLawNames = {{
+    {"field", Law::field},
+    {"column", Law::column},
+    {"max-depth", Law::max_depth},
+    {"centroid", Law::centroid},
+    {"point", Law::point},
+}};
+constexpr std::array<std::pair<std::string_view, Broadphase>, 5> kBroadphaseNames = {{
+    {"auto", Broadphase::automatic},
+    {"tree", Broadphase::tree},
+    {"grid", Broadphase::grid},
+    {"voxel", Broadphase::voxel},
+    {"brute", Broadphase::brute},
+}};
+constexpr std::array<std::pair<std::string_view, Winding>, 3> kWindingNames = {{
+    {"auto", Winding::automatic},
+    {"as is", Winding::as_is},
+    {"flip", Winding::flip},
+}};
+constexpr std::array<std::pair<std::string_view, Mobility>, 6> kMobilityNames = {{
+    {"fixed", Mobility::fixed},
+    {"given", Mobility::given},
+    {"free", Mobility::free},
+    {"hinge", Mobility::hinge},
+    {"slider", Mobility::slider},
+    {"ball", Mobility::ball},
+}};
+constexpr std::array<std::pair<std::string_view, Isa>, 7> kIsaNames = {{
+    {"auto", Isa::automatic},
+    {"scalar", Isa::scalar},
+    {"sse2", Isa::sse2},
+    {"avx2", Isa::avx2},
+    {"avx512", Isa::avx512},
+    {"neon", Isa::neon},
+    {"simd128", Isa::simd128},
+}};
+
+template <class Names, class T = typename Names::value_type::second_type>
+std::optional<T> value_named(const Names& names, std::string_view text) {
+  for (const auto& [name, value] : names) {
+    if (name == text) return value;
+  }
+  return std::nullopt;
+}
+
+template <class Names, class T>
+std::string_view name_valued(const Names& names, T wanted) {
+  for (const auto& [name, value] : names) {
+    if (value == wanted) return name;
+  }
+  return "unknown";
+}
+
+}  // namespace
+
+std::optional<Law> parse_law(std::string_view text) { return value_named(kLawNames, text); }
+std::optional<Broadphase> parse_broadphase(std::string_view text) {
+  return value_named(kBroadphaseNames, text);
+}
+std::optional<Winding> parse_winding(std::string_view text) { return value_named(kWindingNames, text); }
+std::optional<Mobility> parse_mobility(std::string_view text) { return value_named(kMobilityNames, text); }
+std::string_view mobility_name(Mobility mobility) { return name_valued(kMobilityNames, mobility); }
+std::optional<Isa> parse_isa(std::string_view text) { return value_named(kIsaNames, text); }
+std::string_view winding_name(Winding winding) { return name_valued(kWindingNames, winding); }
+std::string_view isa_name(Isa isa) { return name_valued(kIsaNames, isa); }
+std::string_view law_name(Law law) { return name_valued(kLawNames, law); }
+std::string_view broadphase_name(Broadphase broadphase) { return name_valued(kBroadphaseNames, broadphase); }
+
+}  // namespace lumbrical
