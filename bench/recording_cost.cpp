@@ -55,8 +55,7 @@ class Session {
     record.output = tick(model_, state_, scratch_, frame);
     if (recorder == nullptr) return;
     record.device = frame;
-    record.stage_hash = scratch_.stage_hash;
-    record.state_hash = hash_state(state_);
+    take_results(state_, scratch_, record);
     if (!recorder->record(record)) std::abort();
   }
 

@@ -35,8 +35,7 @@ void record(const Scene& scene, const std::string& path, std::uint32_t force_int
     TickRecord record;
     record.device = pressed_frame(scene.hand, 0.002, i / 60.0);
     record.output = tick(model, state, scratch, record.device);
-    record.stage_hash = scratch.stage_hash;
-    record.state_hash = hash_state(state);
+    take_results(state, scratch, record);
     ASSERT_TRUE(recorder.record(record));
   }
   ASSERT_TRUE(recorder.close().ok());

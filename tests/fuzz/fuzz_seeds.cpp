@@ -171,8 +171,7 @@ bool write_views(const fs::path& folder) {
     TickRecord record;
     record.device.base.position = {0.03, 0.02, 0.005};
     record.output = tick(model, state, scratch, record.device);
-    record.stage_hash = scratch.stage_hash;
-    record.state_hash = hash_state(state);
+    take_results(state, scratch, record);
     if (!recorder.record(record)) return false;
   }
   if (!recorder.close().ok()) return false;

@@ -187,9 +187,7 @@ TEST(Bullet, SessionsReplayWithoutIt) {
     std::copy(run.given.begin(), run.given.end(), record.given.begin());
     run.advance(record.device);
     record.output = run.output;
-    take_objects(run.scratch, record);
-    record.stage_hash = run.scratch.stage_hash;
-    record.state_hash = hash_state(run.state);
+    take_results(run.state, run.scratch, record);
   }
   EXPECT_GT(run.given[2].pose.position.x, 0.001);
   const std::string path = test::cleared(test::temporary_path("bullet.mcap"));

@@ -247,5 +247,29 @@ TEST(CommandLine, ReplayTracesAndWeighsAChange) {
   EXPECT_EQ(shell("lumbrical replay a.mcap --mesh x.obj", folder).exit_code, 2);
 }
 
+TEST(CommandLine, WhatIfIsKeptAsARecordingOfItsOwn) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 2000 --record a.mcap", folder).exit_code, 0);
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 2000 --stiffness 1e7 --record b.mcap", folder).exit_code,
+            0);
+  const Outcome asked = shell("lumbrical replay a.mcap --stiffness 1e7 --record soft.mcap --json", folder);
+  EXPECT_EQ(asked.exit_code, 0) << asked.error;
+  EXPECT_EQ(shell("lumbrical replay soft.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("lumbrical verify soft.mcap", folder).exit_code, 0);
+  EXPECT_EQ(shell("lumbrical diff b.mcap soft.mcap", folder).exit_code, 0) << "as if it had been run so";
+  EXPECT_EQ(shell("lumbrical diff a.mcap soft.mcap", folder).exit_code, 3);
+  EXPECT_EQ(shell("lumbrical info soft.mcap --json", folder).json()["metadata"]["what_if_of"], "a.mcap");
+  // What is there already stays; a part of a session has no beginning; and a question must be asked.
+  ASSERT_EQ(shell("lumbrical trim a.mcap --from 1 --to 1.5 -o part.mcap", folder).exit_code, 0);
+  for (const char* const wrong :
+       {"a.mcap --stiffness 9e6 --record soft.mcap", "part.mcap --stiffness 1e7 --record none.mcap",
+        "a.mcap --record none.mcap", "a.mcap b.mcap --stiffness 1e7 --record none.mcap"}) {
+    const Outcome outcome = shell(std::string("lumbrical replay ") + wrong, folder);
+    EXPECT_EQ(outcome.exit_code, 2) << wrong;
+    EXPECT_NE(outcome.error, "") << wrong;
+    EXPECT_FALSE(fs::exists(folder / "none.mcap")) << wrong;
+  }
+}
+
 }  // namespace
 }  // namespace lumbrical::test

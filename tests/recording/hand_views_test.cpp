@@ -36,8 +36,7 @@ void record_views(const std::string& path) {
     TickRecord record;
     record.device = touch_frame(i, InputKind::joint_poses, scene.hand);
     record.output = tick(model, state, scratch, record.device);
-    record.stage_hash = scratch.stage_hash;
-    record.state_hash = hash_state(state);
+    take_results(state, scratch, record);
     ASSERT_TRUE(recorder.record(record));
   }
   status = recorder.close();

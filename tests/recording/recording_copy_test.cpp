@@ -30,8 +30,7 @@ class Copied : public ::testing::Test {
       record.device = frame;
       if (records.size() % 500 > 480) record.device.flags |= kTrackingLost;
       record.output = tick(model, state, scratch, record.device);
-      record.stage_hash = scratch.stage_hash;
-      record.state_hash = hash_state(state);
+      take_results(state, scratch, record);
       records.push_back(record);
     }
     write_recording(path(), scene, records);

@@ -26,8 +26,7 @@ void record_grasp(const std::string& path, std::uint32_t interval) {
   for (const DeviceFrame& frame : grasp_frames(scene.hand, kTicks)) {
     record.device = frame;
     record.output = tick(model, state, scratch, frame);
-    record.stage_hash = scratch.stage_hash;
-    record.state_hash = hash_state(state);
+    take_results(state, scratch, record);
     ASSERT_TRUE(recorder.record(record));
   }
   ASSERT_TRUE(recorder.close().ok());

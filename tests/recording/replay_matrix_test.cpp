@@ -19,9 +19,7 @@ void record_session(const std::string& path, const GoldenSession& session, const
     TickRecord record;
     record.device = frame;
     record.output = tick(model, state, scratch, frame);
-    take_objects(scratch, record);
-    record.stage_hash = scratch.stage_hash;
-    record.state_hash = hash_state(state);
+    take_results(state, scratch, record);
     records.push_back(record);
   }
   write_recording(path, session.scene, records);

@@ -57,9 +57,7 @@ std::string recorded_scene() {
     record.given_count = 1;
     record.given[0] = {told_at(i)};
     record.output = tick(model, state, scratch, record.device, given_of(record));
-    take_objects(scratch, record);
-    record.stage_hash = scratch.stage_hash;
-    record.state_hash = hash_state(state);
+    take_results(state, scratch, record);
     EXPECT_TRUE(recorder.record(record, &state));
   }
   EXPECT_TRUE(recorder.close().ok());

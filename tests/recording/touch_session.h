@@ -63,8 +63,7 @@ inline void record_touch(const std::string& path, InputKind kind, const Executio
     record.device = touch_frame(i, kind, scene.hand);
     if (i == 450) record.device.flags = kTrackingLost;
     record.output = tick(model, state, scratch, record.device);
-    record.stage_hash = scratch.stage_hash;
-    record.state_hash = hash_state(state);
+    take_results(state, scratch, record);
     record.duration_ns = static_cast<std::uint32_t>(i);
     contacts += record.output.contact_count;
     ASSERT_TRUE(recorder.record(record));

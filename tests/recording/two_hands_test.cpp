@@ -39,8 +39,7 @@ void record_both(const std::string& path, Keep&& keep) {
       record.hand = hand;
       record.device = hand == 0 ? touch_frame(i, InputKind::joint_poses, scene.hand) : left_frame(i);
       record.output = tick(models[hand], states[hand], scratches[hand], record.device);
-      record.stage_hash = scratches[hand].stage_hash;
-      record.state_hash = hash_state(states[hand]);
+      take_results(states[hand], scratches[hand], record);
       contacts[hand] += record.output.contact_count;
       if (hand == 0 || keep(i)) {
         ASSERT_TRUE(recorder.record(record));

@@ -21,7 +21,7 @@ namespace {
 
 struct ReplaySwitches {
   std::vector<std::string> recordings;
-  std::string law, broadphase, voxel_cache, world, side;
+  std::string law, broadphase, voxel_cache, world, side, record;
   std::optional<double> stiffness;
   std::string precision, unit = "m", trace, trace_stage;
   std::vector<std::string> meshes;  // NAME=FILE
@@ -55,6 +55,7 @@ Status replay_options(const ReplaySwitches& switches, ReplayOptions& options) {
   if (!switches.broadphase.empty()) options.execution.broadphase = *parse_broadphase(switches.broadphase);
   options.execution.voxel_cache = switches.voxel_cache;
   options.world = switches.world;
+  options.record = switches.record;
   options.stiffness = switches.stiffness;
   if (!switches.precision.empty()) options.precision = parse_precision(switches.precision);
   // Of several recordings each has one thread.
@@ -138,8 +139,10 @@ Status replay_one(const std::string& path, const ReplaySwitches& switches, const
   std::vector<RecordingReader> readers;
   if (Status status = open_hands(path, readers, parse_side(switches.side)); !status.ok()) return status;
   if (readers.size() == 1) return replay_hand(readers[0], path, switches, options, replayed);
-  if (!switches.trace.empty())
-    return Status::error(path + ": holds two hands, and --trace takes one; choose it by --side");
+  if (!switches.trace.empty() || !switches.record.empty())
+    return Status::error(path + ": holds two hands, and " +
+                         (switches.trace.empty() ? "--record" : "--trace") +
+                         " takes one; choose it by --side");
   for (RecordingReader& reader : readers) {
     Replayed one;
     if (Status status = replay_hand(reader, path, switches, options, one); !status.ok()) return status;
@@ -233,6 +236,9 @@ int replay_recordings(ReplaySwitches switches) {
   if (Status status = choose_entries(switches.work, switches.recordings); !status.ok()) return fail(status);
   const bool single = switches.recordings.size() == 1;
   if (!single && !switches.trace.empty()) return fail("--trace: takes one recording at a time");
+  if (!single && !switches.record.empty()) return fail("--record: takes one recording at a time");
+  if (!switches.record.empty() && !asks_what_if(switches))
+    return fail("--record: nothing is changed; give --law, --precision, --stiffness or --mesh");
   ReplayOptions options;
   if (Status status = replay_options(switches, options); !status.ok()) return fail(status);
   if (!switches.work.results.empty()) return replay_share(switches, options);
@@ -261,6 +267,10 @@ void add_replay(Command& app, int& exit_code) {
   command->add_option("--unit", switches->unit, "Of the meshes' numbers")
       ->check(is_unit())
       ->capture_default_str();
+  command
+      ->add_option("--record", switches->record,
+                   "What if: the changed session as a recording, which lumbrical view holds beside this one")
+      ->type_name("OUT.mcap");
   command
       ->add_option("--broadphase", switches->broadphase,
                    "What if: search for candidate triangles; never changes a result, but a tick's time")

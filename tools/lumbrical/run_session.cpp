@@ -92,15 +92,12 @@ DeviceFrame frame_at(double time, const MovingHand& moving) {
 // One tick of one hand, its time included.
 void tick_hand(const DeviceFrame& frame, const SessionParts& parts, WorldPager& pager, MovingHand& moving) {
   TickRecord& record = moving.record;
-  record.device = frame;
-  pager.hand_at(record.device, record.hand);
   const std::span<const ObjectFrame> given = given_to(parts);
-  record.given_count = static_cast<std::uint32_t>(given.size());
-  std::copy(given.begin(), given.end(), record.given.begin());
+  take_input(frame, given, record);
+  pager.hand_at(record.device, record.hand);
   const std::int64_t start = clock_ns();
   record.output = tick(moving.hand.model, moving.state, moving.scratch, record.device, given);
   record.duration_ns = nanoseconds_between(start, clock_ns());
-  take_objects(moving.scratch, record);
 }
 
 // One tick of each hand, that of the device in a step of its loop. False: the session shall end.
@@ -140,8 +137,6 @@ void note_frame(const std::vector<MovingHand>& all, TickStart& start) {
 
 // False: the recording failed, and the session is to end with it.
 bool record_tick(MovingHand& moving, const SessionParts& parts, RunStatistics& statistics) {
-  moving.record.stage_hash = moving.scratch.stage_hash;
-  moving.record.state_hash = hash_state(moving.state);
   static_cast<void>(
       parts.recorder->record(moving.record, &moving.state));  // what became of it, close() tells
   if (statistics.recording_error.ok()) {
@@ -149,6 +144,103 @@ bool record_tick(MovingHand& moving, const SessionParts& parts, RunStatistics& s
     if (!statistics.recording_error.ok()) fail(statistics.recording_error);
   }
   return statistics.recording_error.ok() || parts.unrecorded;
+}
+
+/// A session while it runs.
+struct RunningSession {
+  const SessionParts& parts;
+  std::vector<MovingHand> hands;
+  WorldPager pager;  // made before real time, so that its thread has none of that
+  RunStatistics statistics{};
+  TickStart tick_start{};  // paced: what a late tick is studied from
+  Pace pace{};
+  std::int64_t end = 0;  // of the tick before
+};
+
+// Reads what a world file has near the hands' first places.
+void read_first_places(const std::vector<SessionHand>& hands, WorldPager& pager) {
+  for (std::size_t hand = 0; hand < hands.size(); ++hand)
+    pager.hand_at(resample(hands[hand].motion, hands[hand].motion.samples[0].time), hand);
+  pager.catch_up();
+}
+
+void enter_pace(const Model& model, RunningSession& session) {
+  const auto pageable = model.world ? std::span(model.world->bytes.get(), model.world->byte_count)
+                                    : std::span<const std::byte>();
+  session.statistics.real_time = enter_real_time(kTickPriority, Pinning::last_processor, pageable);
+}
+
+void start_device(RunningSession& session) {
+  MovingHand& driven = session.hands[session.parts.device_hand];
+  const Motion& motion = driven.hand.motion;
+  const DeviceFrame frame = resample(motion, motion.samples[0].time);
+  session.statistics.interrupted =
+      !session.parts.device->loop().start(driven.hand.model, driven.scratch, frame);
+}
+
+/// [ns] by the clock: when a tick was due, by how much the one before had passed that, since when this one
+/// could have begun, and when it did.
+struct TickMoment {
+  std::int64_t due = 0, behind = 0, waiting = 0, start = 0;
+};
+
+TickMoment wait_for_tick(std::uint64_t number, RunningSession& session) {
+  TickMoment at;
+  at.due = moment_of(session.pace, number);
+  at.behind = std::max<std::int64_t>(0, session.end - at.due);
+  at.waiting = std::max(at.due, clock_ns());  // later, where the tick before is being kept
+  if (session.parts.paced) {
+    sleep_until_ns(at.due);
+    session.statistics.wake_ups.add(nanoseconds_between(at.waiting, clock_ns()));
+    note_state(session.hands, session.tick_start);
+  }
+  at.start = clock_ns();
+  return at;
+}
+
+void note_times(std::uint64_t number, const TickMoment& at, RunningSession& session) {
+  const bool paced = session.parts.paced;
+  const std::int64_t end = session.end = clock_ns(), period = period_of(session.pace);
+  RunStatistics& statistics = session.statistics;
+  std::uint32_t duration = 0;
+  for (const MovingHand& hand : session.hands) duration += hand.record.duration_ns;
+  statistics.tick_times.add(duration);
+  const bool late = paced ? end > at.due + period : duration > period;
+  statistics.deadline_misses += late ? 1 : 0;
+  if (late && paced) {
+    note_frame(session.hands, session.tick_start);
+    const std::int64_t woken = at.start - at.waiting;
+    statistics.late.add({at.behind, woken, duration, end - at.due - at.behind - woken - duration},
+                        session.tick_start);
+  }
+  if (session.parts.device == nullptr) return;
+  statistics.loop_times.add(nanoseconds_between(at.start, end));
+  if (paced) forgive_late(number, end, session.pace);
+}
+
+// False: the recording failed, and the session is to end with it.
+bool keep_results(RunningSession& session) {
+  RunStatistics& statistics = session.statistics;
+  const bool is_kept = session.parts.recorder != nullptr || session.parts.view != nullptr;
+  for (MovingHand& hand : session.hands) {
+    if (is_kept) take_results(hand.state, hand.scratch, hand.record);
+    add_evaluations(hand.record, statistics);
+    add_output(hand.record.output, hand.state, statistics.ticks, statistics.hands[hand.record.hand]);
+    if (session.parts.view != nullptr) session.parts.view->put(hand.record);
+  }
+  statistics.world_held = std::max(statistics.world_held, session.pager.held_bytes());
+  ++statistics.ticks;
+  bool kept = true;
+  for (MovingHand& hand : session.hands)
+    if (session.parts.recorder != nullptr) kept = kept && record_tick(hand, session.parts, statistics);
+  return kept;
+}
+
+// What is given to the next tick.
+void move_given_objects(std::uint64_t next, double rate, RunningSession& session) {
+  if (session.parts.given == nullptr) return;
+  for (const MovingHand& hand : session.hands) push_given(hand.scratch, *session.parts.given);
+  move_given(static_cast<double>(next) / rate, 1 / rate, *session.parts.given);
 }
 
 }  // namespace
@@ -162,86 +254,34 @@ bool measure_device(const SessionHand& hand, double seconds, DeviceSession& devi
 
 RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t ticks,
                           const SessionParts& parts) {
-  RunStatistics statistics;
-  statistics.hands.resize(hands.size());
-  std::vector<MovingHand> all = moving(hands, parts.recorder != nullptr);
   const Model& model = hands[0].model;
   const double rate = model.settings.rate;
+  RunningSession session{parts, moving(hands, parts.recorder != nullptr), WorldPager(model, {})};
+  RunStatistics& statistics = session.statistics;
+  statistics.hands.resize(hands.size());
   std::optional<Progress> progress;
   if (!parts.silent && parts.device == nullptr) progress.emplace("running");
-  WorldPager pager(model, {});  // before real time, so that its thread has none of that
-  for (std::size_t hand = 0; hand < hands.size(); ++hand)
-    pager.hand_at(resample(hands[hand].motion, hands[hand].motion.samples[0].time), hand);
-  pager.catch_up();
+  read_first_places(hands, session.pager);
+  if (parts.paced) enter_pace(model, session);
+  if (parts.device != nullptr) start_device(session);
   if (parts.paced) {
-    const auto pageable = model.world ? std::span(model.world->bytes.get(), model.world->byte_count)
-                                      : std::span<const std::byte>();
-    statistics.real_time = enter_real_time(kTickPriority, Pinning::last_processor, pageable);
-  }
-  if (parts.device != nullptr) {
-    MovingHand& driven = all[parts.device_hand];
-    const Motion& motion = driven.hand.motion;
-    const DeviceFrame frame = resample(motion, motion.samples[0].time);
-    statistics.interrupted = !parts.device->loop().start(driven.hand.model, driven.scratch, frame);
-  }
-  TickStart tick_start;
-  if (parts.paced) {
-    note_state(all, tick_start);
-    statistics.late.reserve(tick_start);
+    note_state(session.hands, session.tick_start);
+    statistics.late.reserve(session.tick_start);
   }
   const std::uint64_t faults_before = page_faults();
-  Pace pace = start_pace(rate);
-  const std::int64_t begin = pace.first, period = period_of(pace);
-  std::int64_t end = begin;  // of the tick before
+  session.pace = start_pace(rate);
+  const std::int64_t begin = session.end = session.pace.first;
   bool stopped = false;
-
   for (std::uint64_t i = 0; i < ticks && !statistics.interrupted && !stopped; ++i) {
-    const std::int64_t moment = moment_of(pace, i);
-    const std::int64_t behind = std::max<std::int64_t>(0, end - moment);
-    const std::int64_t waiting = std::max(moment, clock_ns());  // later, where the tick before is being kept
-    if (parts.paced) {
-      sleep_until_ns(moment);
-      statistics.wake_ups.add(nanoseconds_between(waiting, clock_ns()));
-      note_state(all, tick_start);
-    }
-    const std::int64_t start = clock_ns();
-    stopped = !tick_hands(static_cast<double>(i) / rate, parts, pager, all);
-    if (pager.changed()) {  // neither device nor recording learn of this tick
-      statistics.world_error = pager.failure();
+    const TickMoment at = wait_for_tick(i, session);
+    stopped = !tick_hands(static_cast<double>(i) / rate, parts, session.pager, session.hands);
+    if (session.pager.changed()) {  // neither device nor recording learn of this tick
+      statistics.world_error = session.pager.failure();
       break;
     }
-    if (parts.given != nullptr) {
-      for (const MovingHand& hand : all) push_given(hand.scratch, *parts.given);
-      move_given(static_cast<double>(i + 1) / rate, 1 / rate, *parts.given);
-    }
-    std::uint32_t duration = 0;
-    for (const MovingHand& hand : all) duration += hand.record.duration_ns;
-
-    end = clock_ns();
-    const bool late = parts.paced ? end > moment + period : duration > period;
-    statistics.deadline_misses += late ? 1 : 0;
-    if (late && parts.paced) {
-      note_frame(all, tick_start);
-      statistics.late.add(
-          {behind, start - waiting, duration, end - moment - behind - (start - waiting) - duration},
-          tick_start);
-    }
-    if (parts.device != nullptr) {
-      statistics.loop_times.add(nanoseconds_between(start, end));
-      if (parts.paced) forgive_late(i, end, pace);
-    }
-    statistics.tick_times.add(duration);
-    for (MovingHand& hand : all) {
-      add_evaluations(hand.record, statistics);
-      add_output(hand.record.output, hand.state, statistics.ticks, statistics.hands[hand.record.hand]);
-      if (parts.view != nullptr) parts.view->put(hand.record);
-    }
-    statistics.world_held = std::max(statistics.world_held, pager.held_bytes());
-    ++statistics.ticks;
-    bool recorded = true;
-    for (MovingHand& hand : all)
-      if (parts.recorder != nullptr) recorded = recorded && record_tick(hand, parts, statistics);
-    if (!recorded) break;
+    move_given_objects(i + 1, rate, session);
+    note_times(i, at, session);
+    if (!keep_results(session)) break;
     if (progress) progress->update(i + 1, ticks);
     statistics.interrupted = stop_requested();
   }

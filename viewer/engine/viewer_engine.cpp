@@ -376,8 +376,7 @@ PAGE_MAY_CALL(touch) void touch_with_hand(std::uint32_t size) {
   record = {};
   record.device = frame;
   record.output = tick(model, state, scratch, record.device, given_of(record));
-  record.stage_hash = scratch.stage_hash;
-  record.state_hash = hash_state(state);
+  take_results(state, scratch, record);
   flatbuffers::FlatBufferBuilder builder;
   encode_tick(record, true, input_check_of(record), builder);
   out.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());

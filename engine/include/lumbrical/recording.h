@@ -47,8 +47,12 @@ struct TickRecord {
   std::array<ObjectOutput, kMostObjects> object{};
 };
 
-/// Takes a tick's objects from `scratch` into its record.
-void take_objects(const Scratch& scratch, TickRecord& record);
+/// Takes a tick's input into its record; `given` holds at most kMostObjects.
+void take_input(const DeviceFrame& frame, std::span<const ObjectFrame> given, TickRecord& record);
+
+/// Takes what a tick made beside its output into its record: hashes and objects. `after` is the State it
+/// left. The stages have hashes where Scratch::hash_stages was on.
+void take_results(const State& after, const Scratch& scratch, TickRecord& record);
 
 enum class Compression : std::uint8_t { none, lz4, zstd };
 
@@ -266,6 +270,9 @@ struct ReplayOptions {
   /// "What if": objects by their names in the scene; other meshes take their places, in the world frame [m].
   std::map<std::string, Mesh> mesh;
   std::string world;  ///< for RecordingReader::find_world
+  /// "What if": what_if writes the changed session here, a recording like any other; empty: nowhere. Of whole
+  /// sessions only, and of one hand: the reader's.
+  std::string record;
   /// Writes the intermediate values of a tick as text, a line per number, to this file ("-": standard
   /// output), for comparison with the same on another machine: of `trace_tick`, or where none is given of the
   /// first tick that differs (none, nothing is written).
@@ -316,7 +323,8 @@ struct WhatIfResult {
 };
 
 /// Runs the recorded inputs through the changed scene, and through the recorded one for the time it takes
-/// here. Where the file leaves out forces, those this build computes take their place. Errors as of replay.
+/// here. Where the file leaves out forces, those this build computes take their place. Errors as of replay,
+/// and of the recording that ReplayOptions::record asks for.
 Status what_if(RecordingReader& reader, const ReplayOptions& options, WhatIfResult& result);
 
 /// Compares two recordings tick by tick without running the engine, up to the first divergence: `recorded` is

@@ -31,9 +31,7 @@ Fault take_given(const Model& model, const lumbrical_pose* given, std::size_t co
 
 Fault keep(lumbrical_session& session) {
   TickRecord& record = session.record;
-  take_objects(session.scratch, record);
-  record.stage_hash = session.scratch.stage_hash;
-  record.state_hash = hash_state(session.state);
+  take_results(session.state, session.scratch, record);
   if (session.recorder->record(record, &session.state) || session.recorder->failure().ok()) return {};
   return {session.recorder->failure(), LUMBRICAL_NOT_RECORDED};
 }

@@ -135,10 +135,6 @@ class HeldParts {
   std::vector<std::size_t> held_;
 };
 
-}  // namespace
-
-namespace {
-
 struct Told {
   DeviceFrame frame;
   std::uint64_t number = 0;

@@ -395,11 +395,6 @@ Status Recorder::close() {
   return status;
 }
 
-void take_objects(const Scratch& scratch, TickRecord& record) {
-  record.object_count = static_cast<std::uint32_t>(scratch.object_output.size());
-  std::copy(scratch.object_output.begin(), scratch.object_output.end(), record.object.begin());
-}
-
 Status session_message(const Scene& scene, std::vector<std::uint8_t>& bytes,
                        const std::optional<Hand>& second) {
   return encode_session(scene, bytes, second);

@@ -23,9 +23,7 @@ Status broken(const RecordingReader& reader, const std::string& what) {
 
 void run_tick(const Model& model, State& state, Scratch& scratch, TickRecord& result) {
   result.output = tick(model, state, scratch, result.device, given_of(result));
-  take_objects(scratch, result);
-  result.stage_hash = scratch.stage_hash;
-  result.state_hash = hash_state(state);
+  take_results(state, scratch, result);
 }
 
 std::string build_of(const RecordingReader& reader) {
@@ -115,9 +113,7 @@ Status Run::tick_of(const TickRecord& recorded) {
   if (recorded.output.tick != state.tick) return missing_tick(reader, state.tick, recorded.output.tick);
   const State before = state;
   TickRecord replayed;
-  replayed.device = recorded.device;
-  replayed.given_count = recorded.given_count;
-  std::copy_n(recorded.given.begin(), recorded.given_count, replayed.given.begin());
+  take_input(recorded.device, given_of(recorded), replayed);
   const auto start = std::chrono::steady_clock::now();
   run_tick(model, state, scratch, replayed);
   result.replayed_time += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -1,6 +1,7 @@
 // Encoding and checked decoding of tick messages.
 #include "recording/tick_message.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -260,6 +261,19 @@ Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, Inpu
   check = {input_check->hash(), input_check->low_sum(), input_check->low_moment(), input_check->high_sum(),
            input_check->high_moment()};
   return {};
+}
+
+void take_input(const DeviceFrame& frame, std::span<const ObjectFrame> given, TickRecord& record) {
+  record.device = frame;
+  record.given_count = static_cast<std::uint32_t>(given.size());
+  std::copy(given.begin(), given.end(), record.given.begin());
+}
+
+void take_results(const State& after, const Scratch& scratch, TickRecord& record) {
+  record.stage_hash = scratch.stage_hash;
+  record.state_hash = hash_state(after);
+  record.object_count = static_cast<std::uint32_t>(scratch.object_output.size());
+  std::copy(scratch.object_output.begin(), scratch.object_output.end(), record.object.begin());
 }
 
 std::uint64_t tick_time(std::uint64_t tick, double period) {

@@ -1,6 +1,9 @@
 // "What if": the recorded hand meets a changed scene, and the forces are held against the recorded ones.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <optional>
 
 #include "lumbrical/recording.h"
 #include "recording/record_fields.h"
@@ -44,7 +47,7 @@ struct TimedRun {
   Model model;
   State state;
   Scratch scratch;
-  double seconds = 0;
+  double seconds = 0, last = 0;  // of all ticks, and of the last one
 
   Status build(const Scene& scene, const Execution& execution) {
     Status status = build_model(scene, execution, model);
@@ -54,10 +57,32 @@ struct TimedRun {
   ActuatorFrame run(const TickRecord& recorded) {
     const auto start = std::chrono::steady_clock::now();
     const ActuatorFrame output = tick(model, state, scratch, recorded.device, given_of(recorded));
-    seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    last = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    seconds += last;
     return output;
   }
 };
+
+// The changed session as a recording of its own.
+Status open_record(const RecordingReader& reader, const Model& changed, const std::string& path,
+                   Recorder& recorder) {
+  const RecordingInfo& info = reader.info();
+  if (info.first_tick > 0 || info.missing_ticks > 0)
+    return Status::error(info.path + ": begins at tick " + std::to_string(info.first_tick) + " and lacks " +
+                         std::to_string(info.missing_ticks) + "; what if is recorded of whole sessions only");
+  RecorderOptions options;
+  options.metadata["what_if_of"] = std::filesystem::path(info.path).filename().string();
+  return recorder.open(path, scene_of(changed), options);
+}
+
+TickRecord record_of(const TickRecord& recorded, const ActuatorFrame& output, const TimedRun& run) {
+  TickRecord record;
+  take_input(recorded.device, given_of(recorded), record);
+  record.output = output;
+  record.duration_ns = static_cast<std::uint32_t>(std::min(1e9 * run.last, 4e9));
+  take_results(run.state, run.scratch, record);
+  return record;
+}
 
 class WhatIf {
  public:
@@ -72,7 +97,9 @@ class WhatIf {
       changed_.state = reader.initial_state(changed_.model);
       baseline_.state = reader.initial_state(baseline_.model);
     }
-    return status.ok() ? status : Status::error(reader.info().path + ": " + status.message());
+    if (!status.ok()) return Status::error(reader.info().path + ": " + status.message());
+    if (options.record.empty()) return {};
+    return open_record(reader, changed_.model, options.record, recorder_.emplace());
   }
 
   [[nodiscard]] std::uint64_t next_tick() const { return changed_.state.tick; }
@@ -83,6 +110,7 @@ class WhatIf {
     ActuatorFrame before;
     if (baseline_first) before = baseline_.run(recorded);
     const ActuatorFrame changed = changed_.run(recorded);
+    if (recorder_) recorder_->record(record_of(recorded, changed, changed_), &changed_.state);
     if (!baseline_first) before = baseline_.run(recorded);
     constexpr auto kLimits = static_cast<std::size_t>(Stage::limits);
     if (recorded.has_forces) {
@@ -95,7 +123,7 @@ class WhatIf {
     ++ticks_;
   }
 
-  void finish(WhatIfResult& result) const {
+  Status finish(WhatIfResult& result) {
     result.ticks = ticks_;
     result.unlike_recorded = unlike_recorded_;
     const double per = 1 / static_cast<double>(ticks_);
@@ -108,6 +136,7 @@ class WhatIf {
     result.recorded_time = recorded_seconds_ * per;
     result.baseline_time = baseline_.seconds * per;
     result.changed_time = changed_.seconds * per;
+    return recorder_ ? recorder_->close() : Status();
   }
 
  private:
@@ -127,6 +156,7 @@ class WhatIf {
   }
 
   TimedRun changed_, baseline_;
+  std::optional<Recorder> recorder_;
   double recorded_seconds_ = 0;
   std::uint64_t ticks_ = 0, unlike_recorded_ = 0;
   std::array<Sum, kFingerCount + 1> force_, force_jnd_;
@@ -153,8 +183,7 @@ Status what_if(RecordingReader& reader, const ReplayOptions& options, WhatIfResu
     comparison.add(recorded);
     if (options.progress && done % kProgressInterval == 0) options.progress(done, reader.info().ticks);
   }
-  comparison.finish(result);
-  return {};
+  return comparison.finish(result);
 }
 
 }  // namespace lumbrical
