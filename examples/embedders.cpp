@@ -118,6 +118,7 @@ void rollback(const Model& model, const Motion& grasp) {
 // Ten thousand hands: ten lengths, each in a thousand poses, on all cores.
 void sweep(const Model& model) {
   std::vector<double> force;
+  std::vector<Scratch> scratch;
   for (int length = 0; length < 10; ++length) {
     Model sized;
     require(share_world(model, default_hand(Side::right, 0.16 + 0.006 * length), sized));
@@ -129,7 +130,7 @@ void sweep(const Model& model) {
     for (int i = 0; i < 1000; ++i) frames.push_back(grasping(grasp, 1e-3 * i));
     std::vector<State> states(frames.size());
     std::vector<ActuatorFrame> outputs(frames.size());
-    tick_each(sized, frames, states, outputs, core_count());
+    tick_each(sized, frames, states, outputs, core_count(), scratch);
     for (const ActuatorFrame& output : outputs) force.push_back(strongest(output));
   }
   std::sort(force.begin(), force.end());
@@ -166,8 +167,7 @@ void record_and_replay(const Model& model, const Motion& grasp) {
   for (int i = 0; i < 500; ++i) {
     record.device = grasping(grasp, 1e-3 * i);
     record.output = tick(model, state, scratch, record.device);
-    record.stage_hash = scratch.stage_hash;
-    record.state_hash = hash_state(state);
+    take_results(state, scratch, record);
     require(recorder.record(record, &state), "recorded");
   }
   require(recorder.close());

@@ -52,13 +52,9 @@ std::vector<ObjectFrame> given_of(const py::object& given, const Model& model, s
 void keep(Session& self, const DeviceFrame& frame, const ActuatorFrame& output,
           std::span<const ObjectFrame> given) {
   TickRecord record;
-  record.device = frame;
+  take_input(frame, given, record);
   record.output = output;
-  record.given_count = static_cast<std::uint32_t>(given.size());
-  std::copy(given.begin(), given.end(), record.given.begin());
-  take_objects(self.scratch, record);
-  record.stage_hash = self.scratch.stage_hash;
-  record.state_hash = hash_state(self.state);
+  take_results(self.state, self.scratch, record);
   if (!self.recorder->record(record, &self.state)) {
     const Status failure = self.recorder->failure();
     throw std::runtime_error(failure.ok() ? "a tick could not be recorded" : failure.message());
@@ -184,6 +180,7 @@ struct Batch {
       : model(std::move(model_)), states(count, model->start) {}
   std::shared_ptr<PyModel> model;
   std::vector<State> states;
+  std::vector<Scratch> scratch;
   std::atomic<bool> busy{false};
 };
 
@@ -198,7 +195,7 @@ py::array run_batch(Batch& self, const py::object& given_frames, std::uint32_t t
   {
     const py::gil_scoped_release release;
     tick_each(self.model->model, frames, self.states, outputs,
-              threads == 0 ? std::min(core_count(), 64u) : threads);
+              threads == 0 ? std::min(core_count(), 64u) : threads, self.scratch);
   }
   return array_of(std::move(outputs));
 }

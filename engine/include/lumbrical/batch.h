@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "lumbrical/tick.h"
 
@@ -21,9 +22,10 @@ void run_jobs(std::size_t count, std::uint32_t threads, const std::function<void
 /// One tick for each of many poses that have nothing to do with each other, each from its own state, which
 /// then is the one after it: output[i] = tick(model, state[i], scratch, frame[i]). All three must have the
 /// same size. Forces rise from a new State within Settings::fade_time; where that is 0 they are there at
-/// once. Allocates up to four Scratches per thread. A model with Execution::threads above 1 shares out single
-/// ticks as well.
+/// once. `scratch` is working memory, empty at first: up to four Scratches per thread are made in it, and are
+/// there for the next call with this model. A model with Execution::threads above 1 shares out single ticks
+/// as well.
 void tick_each(const Model& model, std::span<const DeviceFrame> frame, std::span<State> state,
-               std::span<ActuatorFrame> output, std::uint32_t threads);
+               std::span<ActuatorFrame> output, std::uint32_t threads, std::vector<Scratch>& scratch);
 
 }  // namespace lumbrical
