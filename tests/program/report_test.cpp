@@ -189,16 +189,22 @@ TEST(Report, TicksAreDrawnOverForceErrorAndHeldAgainstTheTargets) {
                           Json{{"p50_us", 70}, {"triangles", 9522}, {"contacts", 1003}});
   benchmarks.emplace_back("build_A/tree/1002528/threads_2",
                           Json{{"triangles", 1002528}, {"bytes_per_triangle", 45.1}});
+  benchmarks.emplace_back("search/threads:2/9522", Json{{"triangles", 9522}, {"candidates", 1700}});
+  benchmarks.emplace_back("hands/threads:2/100", Json{{"hands", 100}});
   std::ofstream(folder / "results" / "tick.json") << google_of(benchmarks);
   const Outcome outcome = shell("lumbrical report results --targets targets.md --json", folder);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
-  EXPECT_EQ(outcome.json()["figures"], 4);
+  EXPECT_EQ(outcome.json()["figures"], 7);
   const std::string page = read_file((folder / "report.html").string());
   EXPECT_EQ(front_of(page, "A"),
             (std::set<std::string>{"error_A/field/exact/tree_avx2", "error_A/field/1e-3/tree_avx2"}));
   EXPECT_EQ(marks_in(plot_in(page, "contacts")).size(), 1u);
   EXPECT_EQ(marks_in(plot_in(page, "A_drape")).size(), 3u);
   EXPECT_EQ(marks_in(plot_in(page, "build_A")).size(), 1u);
+  EXPECT_EQ(marks_in(plot_in(page, "search")).size(), 1u);
+  EXPECT_EQ(marks_in(plot_in(page, "hands")).size(), 1u);
+  for (const char* const title : {"Memory of a model", "What threads bring", "hands in one call"})
+    EXPECT_NE(page.find(title), std::string::npos) << title;
   EXPECT_NE(page.find("<h2>Targets</h2>"), std::string::npos);
   const std::string targets = read_file((folder / "targets.md").string());
   for (const char* const row :

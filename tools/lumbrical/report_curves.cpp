@@ -113,11 +113,8 @@ std::string panel_svg(const CurveFigure& figure, const CurvePanel& panel) {
 std::string legend_html(const std::vector<std::string>& names) {
   std::string html = "<p class=\"legend\">\n";
   for (std::size_t i = 0; i < names.size(); ++i)
-    html += print(
-                "<span><svg class=\"key\" viewBox=\"-9 -9 18 18\" aria-hidden=\"true\"><path class=\"point "
-                "s%zu\" d=\"M-8 -4H8V4H-8Z\"/></svg>",
-                i % kSeriesColours) +
-            escaped(names[i]) + "</span>\n";
+    html +=
+        key_html(print("<path class=\"point s%zu\" d=\"M-8 -4H8V4H-8Z\"/>", i % kSeriesColours), names[i]);
   return html + "</p>\n";
 }
 

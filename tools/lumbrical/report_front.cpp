@@ -55,13 +55,10 @@ std::string point_label(const std::string& who, double time, double error, const
          (command.empty() ? "" : "\n" + command);
 }
 
-// A method that is known by the paper's reference to it.
-bool is_named(const PeerResult& peer) { return peer.contender.ends_with("]"); }
-
 void add_peer(const PeerResult& peer, const std::string& command, Figure& figure, Plot& plot) {
-  const std::string series = peer.is_ours()   ? "ours, the same hand of capsules"
-                             : is_named(peer) ? "methods of the paper's related work"
-                                              : "other libraries";
+  const std::string series = peer.is_ours()     ? "ours, the same hand of capsules"
+                             : peer.is_method() ? "methods of the paper's related work"
+                                                : "other libraries";
   const std::string name = peer.is_ours() ? rung_of(peer.contender) : peer.contender;
   std::string label = point_label(peer.contender, peer.median_us, peer.force_error, command);
   if (!peer.leaves_out.empty()) label += "\nleaves out " + peer.leaves_out;
@@ -161,7 +158,40 @@ void add_paper(const std::vector<Results>& all, Figure& figure) {
   }
 }
 
+std::string time_and_error(const PeerResult& peer) {
+  return brief(peer.median_us) + " us " +
+         (peer.force_error > 0 ? "at an error of " + scientific(peer.force_error) : "without an error");
+}
+
+// The default rung, the exact one, and the fastest library, as a sentence; empty where there are no rungs.
+std::string answer(const Job& job, const std::vector<Results>& all) {
+  const double triangles = densest(all, job.peer_scene);
+  const PeerResult *sampled = nullptr, *exact = nullptr, *fastest = nullptr;
+  for (const Results& one : all) {
+    for (const PeerResult& peer : one.peers) {
+      if (peer.scene != job.peer_scene || peer.triangles != triangles) continue;
+      if (peer.contender == "ours, 1e-4") sampled = &peer;
+      if (peer.contender == "ours, exact") exact = &peer;
+      if (peer.is_library() && (fastest == nullptr || peer.median_us < fastest->median_us)) fastest = &peer;
+    }
+  }
+  if (sampled == nullptr || exact == nullptr) return {};
+  std::string text = std::string(job.title) + ", " + count_text(triangles) + " triangles: a tick takes " +
+                     time_and_error(*sampled) + ", or " + time_and_error(*exact) + ".";
+  if (fastest != nullptr)
+    text += " The fastest of other libraries, " + fastest->contender + ", takes " + time_and_error(*fastest) +
+            ".";
+  return text;
+}
+
 }  // namespace
+
+std::vector<std::string> front_words(const std::vector<Results>& results) {
+  std::vector<std::string> words;
+  for (const Job& job : kJobs)
+    if (std::string text = answer(job, results); !text.empty()) words.push_back(std::move(text));
+  return words;
+}
 
 Figure front_figure(const std::vector<Results>& results) {
   Figure figure = empty_figure();

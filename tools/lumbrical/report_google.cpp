@@ -111,13 +111,14 @@ void add_pair(const Measured& measured, Figure& figure) {
 }
 
 // WHAT/HOW/SIZE, and perhaps more of how
-void add_size(const Measured& measured, double time, Figure& figure) {
+void add_size(const Measured& measured, double value, const char* unit, Figure& figure) {
   const double triangles = positive_at(*measured.row, "triangles", measured.where);
   const std::string rest = words(measured.parts, 3, measured.parts.size());
   const std::string how = measured.parts[1] + (rest.empty() ? "" : ", " + rest);
   plot_of(figure, measured.parts[0])
-      .points.push_back({triangles, time, index_of(figure.series, how), 0,
-                         measured.name + ", " + brief(triangles) + " triangles: " + brief(time) + " us"});
+      .points.push_back(
+          {triangles, value, index_of(figure.series, how), 0,
+           measured.name + ", " + brief(triangles) + " triangles: " + brief(value) + " " + unit});
 }
 
 // error_SCENE/LAW/PRECISION/WAY
@@ -178,6 +179,17 @@ struct GoogleFigures {
                               "metres", "search [us]");
   Figure builds = size_figure("Build time against triangle count",
                               "From a scene in memory to a model that ticks can run on.", "build [us]");
+  Figure bytes =
+      size_figure("Memory of a model against triangle count", "All included.", "bytes per triangle");
+  Figure threads = size_figure("What threads bring",
+                               "The exact rung's search, afresh and with lists that outlive a tick, its "
+                               "contacts, and its whole tick, for a hand pressed into scene A. Wall time.",
+                               "time [us]");
+  Figure hands =
+      named_figure("Time of a hand against hands in one call",
+                   "Independent hands that grasp a mug, ticked by one call of tick_each. Wall time "
+                   "of the call, by the number of hands.",
+                   "hands", "tick of a hand [us]");
 };
 
 void add_to_figure(const Measured& measured, GoogleFigures& figures) {
@@ -186,28 +198,38 @@ void add_to_figure(const Measured& measured, GoogleFigures& figures) {
   const bool has_tick = has_number(measured, "p50_us") && has_triangles;
   const bool has_search = has_number(measured, "candidates") && has_triangles;
   const auto median = [&] { return positive_at(*measured.row, "p50_us", measured.where); };
-  if (parts >= 5 && has_number(measured, "ns_per_pair") && has_number(measured, "error_R3")) {
+  const bool by_threads = parts >= 3 && measured.parts[1].starts_with("threads:");
+  if (by_threads && has_number(measured, "hands")) {
+    add_over(measured, "hands", measured.microseconds / positive_at(*measured.row, "hands", measured.where),
+             figures.hands);
+  } else if (by_threads && has_triangles) {
+    add_over(measured, "triangles", measured.microseconds, figures.threads);
+  } else if (parts >= 5 && has_number(measured, "ns_per_pair") && has_number(measured, "error_R3")) {
     add_pair(measured, figures.pairs);
   } else if (parts >= 4 && has_tick && measured.name.starts_with(kErrorPrefix)) {
     add_error(measured, figures.errors);
   } else if (parts >= 3 && has_tick && measured.parts[0] == "contacts") {
     add_over(measured, "contacts", median(), figures.contacts);
   } else if (parts >= 3 && has_tick && !has_number(measured, "paper_hz")) {
-    add_size(measured, median(), figures.ticks);
+    add_size(measured, median(), "us", figures.ticks);
   } else if (parts >= 3 && has_search && has_number(measured, "metres")) {
     add_over(measured, "metres", measured.microseconds, figures.apart);
   } else if (parts >= 3 && has_search) {
-    add_size(measured, measured.microseconds, figures.searches);
+    add_size(measured, measured.microseconds, "us", figures.searches);
   } else if (parts >= 3 && has_triangles && measured.name.starts_with("build_")) {
-    add_size(measured, measured.microseconds, figures.builds);
+    add_size(measured, measured.microseconds, "us", figures.builds);
+    if (has_number(measured, "bytes_per_triangle"))
+      add_size(measured, positive_at(*measured.row, "bytes_per_triangle", measured.where), "bytes",
+               figures.bytes);
   }
 }
 
 void add_figures(const std::vector<Measured>& all, Results& results) {
   GoogleFigures figures;
   for (const Measured& measured : all) add_to_figure(measured, figures);
-  for (Figure* const figure : {&figures.errors, &figures.ticks, &figures.contacts, &figures.pairs,
-                               &figures.searches, &figures.apart, &figures.builds}) {
+  for (Figure* const figure :
+       {&figures.errors, &figures.ticks, &figures.contacts, &figures.pairs, &figures.searches, &figures.apart,
+        &figures.builds, &figures.bytes, &figures.threads, &figures.hands}) {
     if (!figure->plots.empty()) results.figures.push_back(std::move(*figure));
   }
 }

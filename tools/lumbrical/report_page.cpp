@@ -31,7 +31,8 @@ figcaption p { margin: 0.3rem 0; max-width: 60rem; color: var(--weak); }
 .plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(22rem, 1fr)); gap: 1rem; }
 .plots.large { grid-template-columns: repeat(auto-fit, minmax(min(100%, 34rem), 1fr)); }
 .plots svg { width: 100%; height: auto; }
-.large svg { max-width: 46rem; }
+.large svg { max-width: 46rem; min-width: 28rem; }
+.large { overflow-x: auto; }
 .legend span { display: inline-block; margin-right: 1.2rem; color: var(--text); }
 .key { width: 18px; height: 18px; vertical-align: -4px; margin-right: 4px; }
 )";
@@ -69,17 +70,29 @@ std::string plain_table_html(const ResultTable& table) {
   return html + "</tbody></table></div>\n";
 }
 
+std::string folded_html(const std::string& summary, const ResultTable& table) {
+  return "<details><summary>" + summary + "</summary>\n" + plain_table_html(table) + "</details>\n";
+}
+
 std::string table_html(const ResultTable& table) {
-  return "<details><summary>" + std::to_string(table.rows.size()) + " rows of figures</summary>\n" +
-         plain_table_html(table) + "</details>\n";
+  return folded_html(std::to_string(table.rows.size()) + " rows of figures", table);
+}
+
+std::string list_html(const std::vector<std::string>& sentences) {
+  std::string html = "<ul>\n";
+  for (const std::string& sentence : sentences) html += "<li>" + escaped(sentence) + "</li>\n";
+  return html + "</ul>\n";
+}
+
+std::string targets_html(const ResultTable& targets) {
+  const std::size_t met = met_targets(targets), all = targets.rows.size();
+  return folded_html(std::to_string(met) + " of " + std::to_string(all) + " are met", targets);
 }
 
 std::string comparison_html(const ResultFolder& before, const ResultFolder& after) {
   const Comparison comparison = compare_results(before.results, after.results);
-  std::string html =
-      "<section>\n<h2>From " + escaped(before.name) + " to " + escaped(after.name) + "</h2>\n<ul>\n";
-  for (const std::string& sentence : comparison.words) html += "<li>" + escaped(sentence) + "</li>\n";
-  return html + "</ul>\n" + table_html(comparison.table) + "</section>\n";
+  return "<section>\n<h2>From " + escaped(before.name) + " to " + escaped(after.name) + "</h2>\n" +
+         list_html(comparison.words) + table_html(comparison.table) + "</section>\n";
 }
 
 }  // namespace
@@ -90,10 +103,10 @@ std::string page_html(const std::vector<ResultFolder>& folders) {
   for (const ResultFolder& folder : folders) {
     if (const Figure front = front_figure(folder.results); !front.plots.empty())
       html += "<section>\n<h2>How fast, at which error</h2>\n<p>" + escaped(folder.name) + "</p>\n" +
-              figure_html(front) + "</section>\n";
+              list_html(front_words(folder.results)) + figure_html(front) + "</section>\n";
     if (const ResultTable targets = targets_of(folder.results); !targets.rows.empty())
-      html += "<section>\n<h2>Targets</h2>\n<p>" + escaped(folder.name) + "</p>\n" +
-              plain_table_html(targets) + "</section>\n";
+      html += "<section>\n<h2>Targets</h2>\n<p>" + escaped(folder.name) + "</p>\n" + targets_html(targets) +
+              "</section>\n";
     for (const Results& results : folder.results) {
       html += "<section>\n<h2>" + escaped(results.title) + "</h2>\n<p>" +
               escaped(folder.name + "/" + results.file) + "</p>\n" + origin_html(results);

@@ -263,11 +263,6 @@ std::string plot_svg(const Figure& figure, const Plot& plot) {
   return svg + names_svg(frame, figure, plot.points);
 }
 
-std::string key_html(const std::string& drawing, const std::string& name) {
-  return "<span><svg class=\"key\" viewBox=\"-9 -9 18 18\" aria-hidden=\"true\">" + drawing + "</svg>" +
-         escaped(name) + "</span>\n";
-}
-
 std::string legend_html(const Figure& figure) {
   std::string html = "<p class=\"legend\">\n";
   for (std::size_t i = 0; i < figure.series.size(); ++i)
@@ -281,6 +276,11 @@ std::string legend_html(const Figure& figure) {
 }
 
 }  // namespace
+
+std::string key_html(const std::string& drawing, const std::string& name) {
+  return "<span><svg class=\"key\" viewBox=\"-9 -9 18 18\" aria-hidden=\"true\">" + drawing + "</svg>" +
+         escaped(name) + "</span>\n";
+}
 
 std::size_t index_of(std::vector<std::string>& names, const std::string& name) {
   const auto place = std::find(names.begin(), names.end(), name);

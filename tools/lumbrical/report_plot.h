@@ -51,6 +51,9 @@ std::vector<std::size_t> pareto_front(const std::vector<PlotPoint>& points);
 /// Text that HTML takes literally, in elements and in quoted attributes.
 std::string escaped(std::string_view text);
 
+/// One entry of a legend: `drawing` is SVG about (0, 0), within 9 of it.
+std::string key_html(const std::string& drawing, const std::string& name);
+
 /// The figure with its title, note, legend and plots.
 std::string figure_html(const Figure& figure);
 

@@ -25,6 +25,9 @@ struct PeerResult {
   double times_ours = 0;  ///< its median over that of our tick at 1e-4; 0: the file doesn't say
   bool has_area = false;  ///< finds areas; otherwise contacts alone
   [[nodiscard]] bool is_ours() const { return contender.starts_with("ours"); }
+  /// Of the paper's related work, by its references, and no library: it touches the world in a few points.
+  [[nodiscard]] bool is_method() const { return contender.ends_with(']'); }
+  [[nodiscard]] bool is_library() const { return !is_ours() && !is_method(); }
 };
 
 /// One file of results.

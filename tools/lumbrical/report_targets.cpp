@@ -11,6 +11,9 @@
 namespace lumbrical::tool {
 namespace {
 
+constexpr std::size_t kMetColumn = 3;
+constexpr const char* kMet = "yes";
+
 /// How a figure is made of a benchmark's counters, and which way it should go.
 struct Quantity {
   const char *counter, *over;  ///< `over`: divides it, where it is not empty
@@ -105,7 +108,7 @@ std::vector<std::string> row_of(const std::string& what, bool at_least, double l
                                 const std::string& unit, const std::string& benchmark) {
   const bool met = at_least ? reached >= limit : reached <= limit;
   return {what, (at_least ? "at least " : "at most ") + brief(limit) + " " + unit,
-          brief(reached) + " " + unit, met ? "yes" : "MISSED", benchmark};
+          brief(reached) + " " + unit, met ? kMet : "MISSED", benchmark};
 }
 
 // The worst of the benchmarks that a target names, and where it stands.
@@ -203,7 +206,7 @@ void add_peers(const std::vector<Results>& all, const Peers& peers, ResultTable&
   const PeerResult* fastest = nullptr;
   for (const Results& results : all) {
     for (const PeerResult& peer : results.peers) {
-      if (peer.is_ours() || peer.times_ours <= 0 || peer.has_area != peers.has_area) continue;
+      if (!peer.is_library() || peer.times_ours <= 0 || peer.has_area != peers.has_area) continue;
       if (scene_of(peer, peers.least) != peers.scene) continue;
       if (fastest == nullptr || peer.times_ours < fastest->times_ours) fastest = &peer;
     }
@@ -228,6 +231,11 @@ ResultTable targets_of(const std::vector<Results>& results) {
   for (const Threads& threads : kThreads) add_threads(results, threads, table);
   for (const Peers& peers : kPeers) add_peers(results, peers, table);
   return table;
+}
+
+std::size_t met_targets(const ResultTable& targets) {
+  return static_cast<std::size_t>(std::count_if(targets.rows.begin(), targets.rows.end(),
+                                                [](const auto& row) { return row[kMetColumn] == kMet; }));
 }
 
 std::string table_markdown(const std::string& title, const ResultTable& table) {

@@ -11,6 +11,9 @@ namespace lumbrical::tool {
 /// One row per target that these results say something about: what, target, reached, met, benchmark.
 ResultTable targets_of(const std::vector<Results>& results);
 
+/// How many of them were reached.
+std::size_t met_targets(const ResultTable& targets);
+
 /// The table in Markdown; `title` as its heading. Empty where it has no row.
 std::string table_markdown(const std::string& title, const ResultTable& table);
 
