@@ -1,16 +1,16 @@
-// What the tests of the viewer share: the program that serves its page, and Chromium without a screen.
+// What tests and measurements of the viewer share: the program that serves its page, and Chromium without a screen.
 //   node A_TEST.mjs PROGRAM PACKAGES CHROMIUM SCENE FOLDER
 // PACKAGES has node_modules with playwright-core; recordings and screenshots of the main views go to FOLDER, which exists.
 import { spawn } from "node:child_process";
 import { createRequire } from "node:module";
-import { join } from "node:path";
+import { join, resolve } from "node:path";
 import { after, before } from "node:test";
 
 export const [program, packages, chromiumPath, scene, folder] = process.argv.slice(2);
-const { chromium } = createRequire(join(packages, "package.json"))("playwright-core");
+const { chromium } = createRequire(resolve(packages, "package.json"))("playwright-core");
 export const kPatience = { timeout: 30000 };
 export const file = (name) => join(folder, name);
-const started = [];
+export const started = [];
 let browser;
 export let page;
 export const requests = [];

@@ -37,13 +37,13 @@ function decodeBlock(from: Uint8Array, to: Uint8Array, start: number): number {
   return o;
 }
 
-export function decompressLz4(bytes: Uint8Array, size: number): Uint8Array {
+/** Into `out`, which has to be as large as announced. */
+export function decompressLz4(bytes: Uint8Array, out: Uint8Array): Uint8Array {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   if (bytes.length < 7 || view.getUint32(0, true) !== kMagic) throw new Error("LZ4: not a frame");
   const flags = bytes[4];
   const blockChecksum = (flags & 16) !== 0 ? 4 : 0;
   let i = 7 + ((flags & 8) !== 0 ? 8 : 0) + ((flags & 1) !== 0 ? 4 : 0);
-  const out = new Uint8Array(size);
   let o = 0;
   for (;;) {
     if (i + 4 > bytes.length) throw new Error("LZ4: the frame is torn");
@@ -54,7 +54,7 @@ export function decompressLz4(bytes: Uint8Array, size: number): Uint8Array {
     if (i + length > bytes.length) throw new Error("LZ4: a block is torn");
     const block = bytes.subarray(i, i + length);
     if ((header & kStored) !== 0) {
-      if (o + length > size) throw new Error("LZ4: more than was announced");
+      if (o + length > out.length) throw new Error("LZ4: more than was announced");
       out.set(block, o);
       o += length;
     } else {
@@ -62,6 +62,6 @@ export function decompressLz4(bytes: Uint8Array, size: number): Uint8Array {
     }
     i += length + blockChecksum;
   }
-  if (o !== size) throw new Error("LZ4: less than was announced");
+  if (o !== out.length) throw new Error("LZ4: less than was announced");
   return out;
 }

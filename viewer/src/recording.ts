@@ -1,9 +1,8 @@
 // A recording through its MCAP index: a tick is found by its time, and only the chunk it lies in is read.
 import { McapIndexedReader } from "@mcap/core";
-import { decompress as decompressZstd } from "fzstd";
 import { ByteBuffer } from "flatbuffers";
 import type { Bytes } from "./bytes";
-import { decompressLz4 } from "./lz4";
+import { messagesOf } from "./chunk";
 import { Session } from "../generated/lumbrical/fb/session";
 import { Side } from "../generated/lumbrical/fb/side";
 
@@ -23,17 +22,12 @@ export interface Recording {
   chunk(index: number): Promise<Chunk>;
 }
 
-/** Messages of ticks by their numbers, ascending. */
+/** Messages of ticks by their numbers, ascending. They lie in the memory of their chunk: who keeps one or posts it takes a copy. */
 export type Chunk = ReadonlyMap<number, Uint8Array>;
 
 const kStates = ["state", "state of the second hand"];
 const kMagic = [0x89, 0x4d, 0x43, 0x41, 0x50, 0x30, 0x0d, 0x0a];
 const kChunksKept = 24;
-
-const decompressHandlers = {
-  lz4: (bytes: Uint8Array, size: bigint) => decompressLz4(bytes, Number(size)),
-  zstd: (bytes: Uint8Array, size: bigint) => decompressZstd(bytes, new Uint8Array(Number(size))),
-};
 
 async function openMcap(bytes: Bytes) {
   const size = await bytes.size();
@@ -45,7 +39,7 @@ async function openMcap(bytes: Bytes) {
     throw new Error(`${bytes.name}: byte ${size}: the file is torn, its index is missing. ` +
       `What is whole comes back by\n  lumbrical recover ${bytes.name} --output whole.mcap`);
   try {
-    return await McapIndexedReader.Initialize({ readable: bytes, decompressHandlers, messageIndexCacheSizeBytes: 8 << 20 });
+    return await McapIndexedReader.Initialize({ readable: bytes });
   } catch (error) {
     throw new Error(`${bytes.name}: the index near byte ${size} is damaged (${(error as Error).message}). ` +
       `What is whole comes back by\n  lumbrical recover ${bytes.name} --output whole.mcap`);
@@ -67,7 +61,8 @@ export async function openRecording(bytes: Bytes, hand = 0): Promise<Recording> 
   const sides = session ? sidesOf(session) : [];
   const topic = sides.length > 1 ? `${sides[hand]}/tick` : "tick";
   const topics = [...reader.channelsById.values()].map((channel) => channel.topic);
-  if (session === undefined || !topics.includes(topic))
+  const channel = [...reader.channelsById.values()].find((one) => one.topic === topic)?.id;
+  if (session === undefined || channel === undefined)
     throw new Error(`${bytes.name}: an MCAP file, but none of Lumbrical's: it has no ` +
       `${session === undefined ? 'attachment "session"' : `channel "${topic}"`}. Its channels: ${topics.join(", ") || "none"}`);
   const statistics = reader.statistics;
@@ -84,13 +79,14 @@ export async function openRecording(bytes: Bytes, hand = 0): Promise<Recording> 
 
   const kept = new Map<number, Promise<Chunk>>();
   const load = async (index: number): Promise<Chunk> => {
-    const { messageStartTime: startTime, messageEndTime: endTime, chunkStartOffset } = chunks[index];
+    const { chunkStartOffset, chunkLength } = chunks[index];
     const chunk = new Map<number, Uint8Array>();
     const from = starts[index];
+    const record = await bytes.read(chunkStartOffset, chunkLength);
     try {
-      for await (const message of reader.readMessages({ topics: [topic], startTime, endTime }))
+      for (const message of messagesOf(record))
         // A sequence number is a tick's lower 32 bits.
-        chunk.set(from + ((message.sequence - from) >>> 0), message.data);
+        if (message.channel === channel) chunk.set(from + ((message.sequence - from) >>> 0), message.bytes);
     } catch (error) {
       throw new Error(`${bytes.name}: the chunk at byte ${chunkStartOffset} is damaged (${(error as Error).message}). ` +
         `What is whole comes back by\n  lumbrical recover ${bytes.name} --output whole.mcap`);

@@ -109,10 +109,10 @@ async function show(place: number, tick: number): Promise<Shown | undefined> {
   const start = performance.now();
   if (show === undefined) {
     const message = (await recording.chunk(recording.chunkOf(tick))).get(tick);
-    return message && { tick, message, milliseconds: performance.now() - start };
+    return message && { tick, message: message.slice(), milliseconds: performance.now() - start };
   }
   const shown = await show(tick);
-  return shown && { tick, message: shown.bytes, view: shown.view, milliseconds: performance.now() - start };
+  return shown && { tick, message: shown.bytes.slice(), view: shown.view, milliseconds: performance.now() - start };
 }
 
 async function answer(id: number, request: Request): Promise<Answer> {
