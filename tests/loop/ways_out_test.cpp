@@ -1,6 +1,7 @@
 // What ends a process, and that forces fade before. Each death is died in a child.
 #include "lumbrical/ways_out.h"
 #include "files.h"
+#include "fork.h"
 #include "lumbrical/mesh.h"
 #include "lumbrical/shapes.h"
 #include "lumbrical/world.h"
@@ -39,7 +40,7 @@ void say_so() {
 Death die_by(const std::function<void()>& way) {
   std::array<int, 2> ends{};
   EXPECT_EQ(pipe(ends.data()), 0);
-  const pid_t child = fork();
+  const pid_t child = test::fork_alone();
   if (child == 0) {
     last_words = ends[1];
     before_dying(say_so);

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "fork.h"
 #include "recording_fixture.h"
 
 namespace lumbrical {
@@ -285,7 +286,7 @@ TEST(Recorder, AFileBeingRecordedSaysSoUntilItIsClosed) {
 
 TEST(Recorder, LosesAtMostTheOpenChunkWhenKilled) {
   const std::string path = temporary_path("killed.mcap");
-  const pid_t child = ::fork();
+  const pid_t child = test::fork_alone();
   ASSERT_GE(child, 0);
   if (child == 0) {
     Recorder recorder;

@@ -13,6 +13,7 @@
 #include <new>
 #include <thread>
 
+#include "fork.h"
 #include "recording_fixture.h"
 
 namespace lumbrical::test {
@@ -74,7 +75,7 @@ std::uint64_t kill_writer(const std::string& path, const std::vector<TickRecord>
                           std::chrono::microseconds delay) {
   SharedMemory shared;
   EXPECT_TRUE(shared.good());
-  const pid_t child = ::fork();
+  const pid_t child = test::fork_alone();
   if (child == 0) record_for_ever(path, records, *shared);
   EXPECT_GT(child, 0);
   std::this_thread::sleep_for(delay);
