@@ -24,7 +24,7 @@ inline unsigned hits_in_block(const SphereBlock& block, const SphereQuery& query
     const V gx = px - t * dx, gy = py - t * dy, gz = pz - t * dz;
     const V reach = get(block.r.data() + i, V{}) + V(query.reach);
     const V square = (gx * gx + gy * gy + gz * gz) * number<V>(0.99999);
-    bits |= wide::bits_of((reach > zero) & (square <= reach * reach), zero) << i;
+    bits |= wide::bits_of((reach > zero) & (square <= reach * reach)) << i;
   }
   return bits;
 }

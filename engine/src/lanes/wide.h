@@ -33,7 +33,7 @@ inline void put(float* at, float value) { *at = value; }
 inline double select(bool which, double yes, double no) { return which ? yes : no; }
 inline float select(bool which, float yes, float no) { return which ? yes : no; }
 inline bool any(bool which) { return which; }
-inline unsigned bits_of(bool which, float) { return which ? 1u : 0u; }
+inline unsigned bits_of(bool which) { return which ? 1u : 0u; }
 inline double sqrt(double value) { return std::sqrt(value); }
 inline float sqrt(float value) { return std::sqrt(value); }
 inline double abs(double value) { return std::fabs(value); }
@@ -73,7 +73,7 @@ requires Real<T>
 inline bool any(xsimd::batch_bool<T, A> const& which) noexcept { return xsimd::any(which); }
 // One bit per lane of floats, the first the lowest.
 template <class A>
-inline unsigned bits_of(xsimd::batch_bool<float, A> which, xsimd::batch<float, A> zero) {
+inline unsigned bits_of(xsimd::batch_bool<float, A> which) {
 #if defined(__x86_64__) || defined(__wasm__)
   if constexpr (Lanes<xsimd::batch<float, A>>::kCount == 4) {
     return static_cast<unsigned>(_mm_movemask_ps(which.data));
@@ -86,8 +86,8 @@ inline unsigned bits_of(xsimd::batch_bool<float, A> which, xsimd::batch<float, A
     return static_cast<unsigned>(which.data);
 #endif
   }
-  static_cast<void>(zero);
 #else
+  const xsimd::batch<float, A> zero(0.0f);
   constexpr std::size_t kCount = Lanes<xsimd::batch<float, A>>::kCount;
   alignas(64) float lane[kCount];
   xsimd::select(which, zero + 1.0f, zero).store_aligned(lane);

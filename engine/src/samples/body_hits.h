@@ -53,8 +53,7 @@ std::size_t palm_hits(const SphereBlock* spheres, const PalmQuery& palm, const s
         const float(&plane)[4] = palm.plane[k];
         farthest = max(farthest, V(plane[0]) * x + V(plane[1]) * y + V(plane[2]) * z + V(plane[3]));
       }
-      for (unsigned bits = wide::bits_of(reach > zero && farthest <= reach, zero); bits != 0;
-           bits &= bits - 1) {
+      for (unsigned bits = wide::bits_of(reach > zero && farthest <= reach); bits != 0; bits &= bits - 1) {
         hits[count++] =
             blocks[i] * SphereBlock::kWidth + lane + static_cast<std::uint32_t>(__builtin_ctz(bits));
       }

@@ -36,7 +36,7 @@ inline void list_patches(const float (&keys)[PatchBlock::kWidth], std::uint32_t 
   const auto bits_of = [&](const auto& is) {
     unsigned bits = 0;
     for (unsigned lane = 0; lane < PatchBlock::kWidth; lane += kCount)
-      bits |= wide::bits_of(is(get(keys + lane, V{})), number<V>(0)) << lane;
+      bits |= wide::bits_of(is(get(keys + lane, V{}))) << lane;
     return bits;
   };
   unsigned open = bits_of([](V key) { return key >= number<V>(0); });

@@ -2,6 +2,7 @@
 // each is seen from its own.
 #pragma once
 
+#include "samples/columns.h"
 #include "samples/lattice.h"
 #include "samples/sample_kernels.h"
 
@@ -15,17 +16,41 @@ struct PatchRows {
   alignas(64) float seen_from[kWidth];   // the tile's number, by kFarEnd more at its far end
 };
 
+/// A body's origin in fours, kept as long as patches are of the same body.
+struct OriginFours {
+  Four high{}, low{};
+  std::uint32_t body = ~0u;
+  void see(const SplitPoint* origins, std::uint32_t of) {
+    if (of == body) return;
+    body = of;
+    const SplitPoint& origin = origins[of];
+    high = Four{origin.high[0], origin.high[1], origin.high[2], 0};
+    low = Four{origin.low[0], origin.low[1], origin.low[2], 0};
+  }
+};
+
 inline void gather(const PatchList& list, std::size_t first, std::size_t count, PatchRows& rows) {
-  for (std::size_t lane = 0; lane < PatchRows::kWidth; ++lane) {
-    const ListedPatch& patch = list.patches[first + (lane < count ? lane : count - 1)];
-    const PatchShape& shape = list.shapes[patch.place];
-    const SplitPoint& origin = list.origins[patch.tile % ListedPatch::kFarEnd / Bodies::kTilesApart];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      rows.corner[axis][lane] = difference(shape.corner, origin, axis);
-      rows.edge[0][axis][lane] = shape.edge[0][axis];
-      rows.edge[1][axis][lane] = shape.edge[1][axis];
+  static_assert(sizeof(PatchShape) == 12 * sizeof(float));
+  OriginFours origin;
+  for (std::size_t lane = 0; lane < PatchRows::kWidth; lane += 4) {
+    Four corner[4], edges[4], edges_end[4];
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::size_t at = lane + k;
+      const ListedPatch& patch = list.patches[first + (at < count ? at : count - 1)];
+      const float* const numbers = list.shapes[patch.place].corner.high;
+      origin.see(list.origins, patch.tile % ListedPatch::kFarEnd / Bodies::kTilesApart);
+      corner[k] = (four_at(numbers) - origin.high) + (four_at(numbers + 3) - origin.low);
+      edges[k] = four_at(numbers + 6);
+      edges_end[k] = four_at(numbers + 8);
+      rows.seen_from[at] = static_cast<float>(patch.tile);
     }
-    rows.seen_from[lane] = static_cast<float>(patch.tile);
+    transpose(corner);
+    transpose(edges);
+    transpose(edges_end);
+    put_fours(corner, 3, rows.corner, lane);
+    put_fours(edges, 2, rows.edge[0], lane);
+    put_fours(edges_end, 1, rows.edge[0] + 2, lane);
+    put_fours(edges_end + 1, 3, rows.edge[1], lane);
   }
   for (std::size_t lane = count; lane < PatchRows::kWidth; ++lane) {
     for (std::size_t axis = 0; axis < 3; ++axis) rows.edge[0][axis][lane] = rows.edge[1][axis][lane] = 0;
@@ -79,14 +104,14 @@ inline TileNumbers<V> numbers_of(const TileFrame& tile) {
 /// register, and its lanes.
 template <class V, class Take>
 LUMBRICAL_INLINE inline void for_tiles(const PatchRows& rows, std::size_t lane, const Take& take) {
-  const auto& code = rows.seen_from;
-  const std::size_t end = lane + wide::Lanes<V>::kCount;
-  for (std::size_t first = lane; first < end;) {
-    std::size_t last = first + 1;
-    while (last < end && code[last] == code[first]) ++last;
-    take(static_cast<std::uint32_t>(code[first]), last - first == wide::Lanes<V>::kCount,
-         get(code + lane, V{}) == V(code[first]));
-    first = last;
+  constexpr std::size_t kCount = wide::Lanes<V>::kCount;
+  const V codes = get(rows.seen_from + lane, V{});
+  for (std::size_t first = 0; first < kCount;) {
+    const float code = rows.seen_from[lane + first];
+    const auto its = codes == V(code);
+    const auto run = static_cast<std::size_t>(__builtin_ctz(~(wide::bits_of(its) >> first)));
+    take(static_cast<std::uint32_t>(code), run == kCount, its);
+    first += run;
   }
 }
 
@@ -146,7 +171,7 @@ inline void add_wrench(Wide3<V> force, Wide3<V> moment, std::size_t lane, BodySu
 template <class V>
 inline unsigned lanes_with(Wide3<V> force) {
   const V size = abs(force.x) + (abs(force.y) + abs(force.z));
-  return wide::bits_of(size > number<V>(0), number<V>(0));
+  return wide::bits_of(size > number<V>(0));
 }
 
 /// A share whose moments are known, as force and moment about the frame's origin.

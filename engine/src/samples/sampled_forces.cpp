@@ -182,13 +182,20 @@ void run_blocks(SampleWork& work) {
 /// Twice the integral, as kernels leave it, and its moment.
 using SumOfLanes = std::array<double, 6>;
 
+// Exact in any order: half onto half is quickest.
+double sum_of(const double (&lanes)[PatchBlock::kWidth]) {
+  double half[PatchBlock::kWidth];
+  std::copy_n(lanes, PatchBlock::kWidth, half);
+  for (std::size_t width = PatchBlock::kWidth / 2; width > 0; width /= 2) {
+    for (std::size_t i = 0; i < width; ++i) half[i] += half[i + width];
+  }
+  return half[0];
+}
+
 SumOfLanes sum_of(const SampleMemory& memory, std::size_t threads, std::size_t level, std::size_t number) {
   SumOfLanes total{};
   for (std::size_t t = 0; t < threads; ++t) {
-    const BodySums& sums = memory.thread[t].sums[level][number];
-    for (std::size_t k = 0; k < 6; ++k) {
-      for (const double lane : sums.lane[k]) total[k] += lane;
-    }
+    for (std::size_t k = 0; k < 6; ++k) total[k] += sum_of(memory.thread[t].sums[level][number].lane[k]);
   }
   return total;
 }

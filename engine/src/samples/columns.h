@@ -1,0 +1,35 @@
+// From records of floats to lanes: four floats of four records at a time, by shuffles that every machine has.
+#pragma once
+
+#include <cstddef>
+#include <cstring>
+
+namespace lumbrical::LUMBRICAL_ISA {
+
+using Four = float __attribute__((vector_size(16)));
+
+inline Four four_at(const float* at) {
+  Four four;
+  std::memcpy(&four, at, sizeof four);
+  return four;
+}
+
+/// Row k is to hold the k-th numbers of the four.
+inline void transpose(Four (&of)[4]) {
+  const Four ab = __builtin_shufflevector(of[0], of[1], 0, 4, 1, 5),
+             ab_end = __builtin_shufflevector(of[0], of[1], 2, 6, 3, 7),
+             cd = __builtin_shufflevector(of[2], of[3], 0, 4, 1, 5),
+             cd_end = __builtin_shufflevector(of[2], of[3], 2, 6, 3, 7);
+  of[0] = __builtin_shufflevector(ab, cd, 0, 1, 4, 5);
+  of[1] = __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
+  of[2] = __builtin_shufflevector(ab_end, cd_end, 0, 1, 4, 5);
+  of[3] = __builtin_shufflevector(ab_end, cd_end, 2, 3, 6, 7);
+}
+
+/// Puts `count` fours into four lanes of that many rows.
+template <std::size_t kWidth>
+inline void put_fours(const Four* from, std::size_t count, float (*rows)[kWidth], std::size_t lane) {
+  for (std::size_t k = 0; k < count; ++k) std::memcpy(rows[k] + lane, from + k, sizeof(Four));
+}
+
+}  // namespace lumbrical::LUMBRICAL_ISA
