@@ -9,6 +9,7 @@
 #include "index/sphere_tree.h"
 #include "lanes/tree_search.h"
 #include "model/primitive.h"
+#include "samples/near_skeleton.h"
 
 namespace lumbrical {
 namespace {
@@ -98,7 +99,7 @@ void find_for_body(const Search& search, const Model& model, PatchSearcher& sear
 }
 
 void find_for_finger(const Model& model, const Primitives& hand, const FingerBody& finger,
-                     PatchSearcher& searcher) {
+                     const SplitPoint& origin, PatchSearcher& searcher) {
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
   const Patches& patches = *model.patches;
   SphereQuery queries[FingerBody::kMostTiles];
@@ -112,7 +113,8 @@ void find_for_finger(const Model& model, const Primitives& hand, const FingerBod
       [&](const BlockSamples* samples, std::uint32_t first, std::uint32_t* blocks, std::size_t count,
           FoundPatches* to) { return kernels.sort_blocks(samples, finger, first, blocks, count, to); },
       [&](const std::uint32_t* blocks, std::size_t count, FoundPatches* to) {
-        return kernels.classify_finger(patches.block.data(), finger, blocks, count, to);
+        return leave_near(patches, origin, finger, to,
+                          kernels.classify_finger(patches.block.data(), finger, blocks, count, to));
       },
       3, finger.tiles()};
   find_for_body(search, model, searcher);
@@ -142,7 +144,7 @@ PalmQuery query_of_palm(const TreeHead& tree, const SweptPolygon& palm) {
   return query;
 }
 
-void find_for_palm(const Model& model, const Primitives& hand, const PalmBody& palm,
+void find_for_palm(const Model& model, const Primitives& hand, const PalmBody& palm, const SplitPoint& origin,
                    PatchSearcher& searcher) {
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
   const Patches& patches = *model.patches;
@@ -153,7 +155,8 @@ void find_for_palm(const Model& model, const Primitives& hand, const PalmBody& p
       [&](const BlockSamples* samples, std::uint32_t first, std::uint32_t* blocks, std::size_t count,
           FoundPatches* to) { return kernels.sort_palm_blocks(samples, palm, first, blocks, count, to); },
       [&](const std::uint32_t* blocks, std::size_t count, FoundPatches* to) {
-        return kernels.classify_palm(patches.block.data(), palm, blocks, count, to);
+        return leave_near(patches, origin, palm, to,
+                          kernels.classify_palm(patches.block.data(), palm, blocks, count, to));
       },
       0, 0};
   find_for_body(search, model, searcher);
@@ -176,9 +179,9 @@ bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, 
       for (std::size_t body = next++; body < count && searcher.count <= most; body = next++) {
         const std::size_t begin = searcher.count;
         if (body < bodies.finger_count) {
-          find_for_finger(model, hand, bodies.finger[body], searcher);
+          find_for_finger(model, hand, bodies.finger[body], bodies.origin[body], searcher);
         } else {
-          find_for_palm(model, hand, bodies.palm, searcher);
+          find_for_palm(model, hand, bodies.palm, bodies.origin[body], searcher);
         }
         memory.found[body] = std::span(searcher.found).subspan(begin, searcher.count - begin);
       }

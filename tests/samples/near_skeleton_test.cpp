@@ -1,0 +1,124 @@
+// Patches that no skeleton comes near to get coarse lattices: are they really far from every skeleton?
+#include <gtest/gtest.h>
+
+#include "lumbrical/shapes.h"
+#include "sampled_hand.h"
+#include "samples/near_skeleton.h"
+#include "samples/sampled_forces.h"
+
+namespace lumbrical::test {
+namespace {
+
+// A skeleton may be near where it comes within so many radii of a patch's centroid (kSkeletonReach of
+// classify.h).
+constexpr double kSphereReach = 1.25;
+
+Vec3 vec3_of(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
+
+Vec3 point_of(const SplitPoint& p) {
+  return {double{p.high[0]} + p.low[0], double{p.high[1]} + p.low[1], double{p.high[2]} + p.low[2]};
+}
+
+double distance_to_segment(Vec3 p, Vec3 a, Vec3 b) {
+  const Vec3 along = b - a;
+  const double square = dot(along, along), t = square > 0 ? clamp(dot(p - a, along) / square, 0, 1) : 0;
+  return norm(p - (a + t * along));
+}
+
+double distance_to_tile(Vec3 p, const TileFrame& tile) {
+  const Vec3 from = vec3_of(tile.origin);
+  return distance_to_segment(p, from, from + double{tile.length} * vec3_of(tile.axis[0]));
+}
+
+double distance_to_palm(Vec3 p, const PalmBody& palm) {
+  const double x = dot(p, vec3_of(palm.axis[0])), y = dot(p, vec3_of(palm.axis[1])),
+               z = dot(p, vec3_of(palm.axis[2]));
+  double least = 1;
+  bool inside = true;
+  for (std::size_t k = 0; k < palm.corner_count; ++k) {
+    const std::size_t next = (k + 1) % palm.corner_count;
+    inside = inside && palm.out_x[k] * (x - palm.x[k]) + palm.out_y[k] * (y - palm.y[k]) <= 0;
+    least = min(least,
+                distance_to_segment({x, y, z}, {palm.x[k], palm.y[k], 0}, {palm.x[next], palm.y[next], 0}));
+  }
+  return inside ? std::abs(z) : least;
+}
+
+Vec3 point_on(const PatchShape& patch, double u, double v) {
+  return point_of(patch.corner) + u * vec3_of(patch.edge[0]) + v * vec3_of(patch.edge[1]);
+}
+
+/// What the search made of patches of lattices, over all poses.
+struct Tally {
+  int near = 0, far = 0, cleared = 0;  // cleared: of those far, whose spheres say otherwise
+};
+
+// In a class without a skeleton a patch is a quarter of its sphere's radius away from any, or kClearOfPlane
+// of the body's.
+template <class Distance>
+void look_at(const Patches& patches, std::uint32_t place, double body_radius, bool is_near,
+             const Distance& distance, Tally& tally) {
+  if (is_near) {
+    ++tally.near;
+    return;
+  }
+  const PatchShape& patch = patches.shape[place];
+  const double radius = patches.block[place / PatchBlock::kWidth].radius[place % PatchBlock::kWidth];
+  constexpr int kSteps = 16;
+  double least = 1;
+  for (int i = 0; i <= kSteps; ++i) {
+    for (int j = 0; i + j <= kSteps; ++j)
+      least = min(least, distance(point_on(patch, i / double{kSteps}, j / double{kSteps})));
+  }
+  ++tally.far;
+  tally.cleared += distance(point_on(patch, 1.0 / 3, 1.0 / 3)) < kSphereReach * radius;
+  EXPECT_GE(least, 0.98 * min((kSphereReach - 1) * radius, double{kClearOfPlane} * body_radius));
+}
+
+void look_at(const Patches& patches, const SampleMemory& memory, Tally& tally) {
+  const Bodies& bodies = memory.bodies;
+  for (std::size_t patch_class = 0; patch_class < kPatchClasses; ++patch_class) {
+    const bool is_near = patch_class >= kPatchSizes;
+    const auto look = [&](std::uint32_t first, std::uint32_t last, std::size_t sharers) {
+      for (const ListedPatch& listed : memory.near.of_kinds(first, last, patch_class)) {
+        const std::size_t number = listed.tile % ListedPatch::kFarEnd;
+        const FingerBody& finger = bodies.finger[number / Bodies::kTilesApart];
+        for (std::size_t k = 0; k < sharers; ++k) {
+          const TileFrame& tile = finger.tile[number % Bodies::kTilesApart + k];
+          const auto distance = [&](Vec3 p) { return distance_to_tile(p - finger.origin, tile); };
+          look_at(patches, listed.place, tile.radius, is_near, distance, tally);
+        }
+      }
+    };
+    look(kind::kTile, kind::kFarEnd + 2, 1);
+    look(kind::kInnerJoint, kind::kOuterJoint, 2);
+    look(kind::kFinger, kind::kFinger, 3);
+    const auto to_palm = [&](Vec3 p) { return distance_to_palm(p - bodies.palm.origin, bodies.palm); };
+    for (const ListedPatch& listed : memory.near.of_kinds(kind::kPalm, kind::kPalm, patch_class))
+      look_at(patches, listed.place, bodies.palm.radius, is_near, to_palm, tally);
+  }
+}
+
+TEST(NearSkeleton, LatticesAreCoarseOnlyWhereNoSkeletonIsNear) {
+  Tally tally;
+  for (const int cells : {3, 12, 60}) {
+    const Scene scene = sampled_scene(default_hand(Side::right),
+                                      {{"field", make_plane(0.3, static_cast<std::uint32_t>(cells), 1, 3)}});
+    const Model model = model_at(scene, 1e-4);
+    Scratch scratch = make_scratch(model);
+    Random random(31);
+    for (int i = 0; i < 200; ++i) {
+      const DeviceFrame frame =
+          dropped_hand(scene.hand, random, -0.1, random.between(0, 1.7), 0.4, random.between(0, 0.012), 0.03);
+      State state;
+      tick(model, state, scratch, frame);
+      look_at(*model.patches, *scratch.samples, tally);
+    }
+  }
+  EXPECT_GT(tally.near, 1000);
+  EXPECT_GT(tally.far, 10000);
+  EXPECT_GT(tally.cleared, 100) << "large patches under lying fingers";
+}
+
+}  // namespace
+}  // namespace lumbrical::test
