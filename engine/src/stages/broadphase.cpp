@@ -21,7 +21,7 @@ constexpr std::uint32_t kBatch = MissTerms::kCapacity;
 
 // Pairs below which threads cost more than they bring (measured, bench/results), when searching and when
 // lists are gone through.
-constexpr std::size_t kSerialSearch = 2048, kSerialLists = 16384;
+constexpr std::size_t kSerialSearch = 1024, kSerialLists = 16384;
 
 // A list costs twice a search: no more than this many are made in a tick, so that none takes much longer than
 // one without lists.

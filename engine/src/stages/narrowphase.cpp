@@ -20,9 +20,15 @@
 namespace lumbrical {
 namespace {
 
-// Pairs one thread takes at a time, and the number below which threads cost more than they bring (measured,
-// bench).
+// Pairs one thread takes at a time, at most, and the number below which threads cost more than they bring
+// (measured, bench).
 constexpr std::size_t kChunk = 512, kSerialBelow = 1024;
+
+// Chunks of which every thread gets as many, unless they would be too small to fill lanes.
+std::size_t chunk_for(std::size_t count, std::size_t threads) {
+  const std::size_t rounds = piece_count(count, threads * kChunk);
+  return std::max(kChunk / 2, piece_count(count, threads * rounds));
+}
 
 // Pairs with cuts of their own that go through the passes together, and pairs that are sorted at once.
 constexpr std::size_t kMostOwn = 512, kMostOfRun = KindTerms::kCapacity;
@@ -341,7 +347,8 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
   for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i)
     hulls.push_back(suits_lanes(hand.primitive[i]) ? round_hull(hand.primitive[i]) : RoundHull{});
   const std::uint32_t threads = candidates.size() < kSerialBelow ? 1 : model.execution.threads;
-  parallel_chunks(candidates.size(), kChunk, threads, [&](std::size_t next, std::size_t last) {
+  const std::size_t chunk = chunk_for(candidates.size(), threads);
+  parallel_chunks(candidates.size(), chunk, threads, [&](std::size_t next, std::size_t last) {
     while (next < last) {
       const PairSlots pairs{model.triangles, hand, kernels, contacts.subspan(next)};
       next += collide_some(pairs, {hulls.begin(), hulls.end()}, model.settings.point_area,
