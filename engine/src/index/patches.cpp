@@ -21,6 +21,11 @@ namespace {
 // --compare-precision`. The error falls with the step's fourth power.
 constexpr std::array<double, kLevels> kAloneStep = {0.42, 0.31, 0.16}, kStep = {0.42, 0.31, 0.25};
 
+// How many times finer than the finest lattice, level by level, one is where a skeleton comes near.
+// Those of patches of few steps cost less than a second look would: they are twice the finest on all levels.
+constexpr std::array<double, kLevels> kNearSkeleton = {1, 1.5, 2};
+constexpr std::size_t kSmallNear = 6;
+
 // [R] Largest radius of a block that is taken as one at a precision of 1e-4; the error falls with its third
 // power.
 constexpr double kBlockRadius = 0.36;
@@ -327,9 +332,12 @@ std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& s
         steps[level] = steps_for(size / step_of(hand, settings, i, level));
       steps[kOneCell] = 1;
       patches->has_levels[k] = patches->has_levels[k] || steps[0] != steps[kLevels - 1];
-      LatticeSteps& twice = patches->steps[i][kPatchSizes + k];
-      twice.fill(static_cast<std::uint8_t>(2 * steps[kLevels - 1]));
-      twice[kOneCell] = 1;
+      LatticeSteps& near = patches->steps[i][kPatchSizes + k];
+      const bool has_levels = k >= kSmallNear;
+      for (std::size_t level = 0; level < kLevels; ++level)
+        near[level] = steps_for(kNearSkeleton[has_levels ? level : kLevels - 1] * steps[kLevels - 1]);
+      near[kOneCell] = 1;
+      patches->has_levels[kPatchSizes + k] = has_levels;
       for (const std::size_t patch_class : {k, kPatchSizes + k})
         take_most(patches->steps[i][patch_class], patches->most_steps[patch_class]);
     }
