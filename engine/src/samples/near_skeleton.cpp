@@ -53,8 +53,7 @@ bool is_clear(const PatchPlane& plane, const TileFrame& tile) {
 
 // Of every tile that may share patches of that kind.
 bool is_clear(const PatchPlane& plane, const FingerBody& finger, std::uint32_t kind) {
-  const std::size_t sharers = kind == kind::kFinger ? 3 : kind >= kind::kInnerJoint ? 2 : 1;
-  for (std::size_t k = 0; k < sharers; ++k) {
+  for (std::size_t k = 0; k < sharers_of(kind); ++k) {
     if (!is_clear(plane, finger.tile[kTileOfKind[kind] + k])) return false;
   }
   return true;

@@ -197,6 +197,7 @@ bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, 
 // Lists the patches of each body's entries, by key and, within a key, body by body.
 bool put_in_order(std::span<const std::span<const FoundPatches>> found, NearPatches& near) {
   near.begin.fill(0);
+  near.tiles = 0;
   for (const auto& of_body : found) {
     for (const FoundPatches& patches : of_body)
       near.begin[patches.key + 1u] += static_cast<std::uint32_t>(__builtin_popcount(patches.lanes));
@@ -213,6 +214,7 @@ bool put_in_order(std::span<const std::span<const FoundPatches>> found, NearPatc
                  at_far_end = what >= kind::kFarEnd && what < kind::kInside;
       const auto tile = static_cast<std::uint32_t>(body * Bodies::kTilesApart + kTileOfKind[what] +
                                                    (at_far_end ? ListedPatch::kFarEnd : 0));
+      near.tiles |= ((std::uint64_t{1} << sharers_of(what)) - 1) << tile % ListedPatch::kFarEnd;
       const std::uint32_t first = is_block ? block : block * PatchBlock::kWidth;
       ListedPatch* to = near.listed.data() + next[key];
       for (std::uint32_t left = lanes; left != 0; left &= left - 1)

@@ -19,6 +19,7 @@ struct Primitives;
 struct NearPatches {
   std::vector<ListedPatch> listed;
   std::array<std::uint32_t, kKeyCount + 1> begin{};  ///< those of key k go from begin[k] to begin[k + 1]
+  std::uint64_t tiles = 0;                           ///< that are near any, a bit each by their numbers
 
   [[nodiscard]] std::size_t count() const { return begin.back(); }
   [[nodiscard]] bool has(std::size_t patch_class) const {
@@ -46,6 +47,11 @@ struct PatchSearchMemory {
   std::vector<PatchSearcher> searcher;
   std::array<std::span<const FoundPatches>, Bodies::kMostFingers + 1> found;  ///< of each body, the palm last
 };
+
+/// How many neighbouring tiles share patches of a kind.
+constexpr std::uint32_t sharers_of(std::uint32_t kind) {
+  return kind == kind::kFinger ? 3 : kind == kind::kInnerJoint || kind == kind::kOuterJoint ? 2 : 1;
+}
 
 /// The tile of its finger that a kind is about, the innermost of several.
 inline constexpr std::array<std::uint8_t, kind::kCount> kTileOfKind = [] {

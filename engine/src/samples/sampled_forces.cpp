@@ -23,13 +23,10 @@ std::size_t segment_of(const Bodies& bodies, std::size_t number) {
   return bodies.finger[number / Bodies::kTilesApart].segment[number % Bodies::kTilesApart];
 }
 
-// Calls take(number) for every tile there is, and for the palm.
+// Calls take(number) for every tile whose bit is set.
 template <class Take>
-void for_numbers(const Bodies& bodies, const Take& take) {
-  for (std::size_t i = 0; i < bodies.finger_count; ++i) {
-    for (std::size_t k = 0; k < bodies.finger[i].tile_count; ++k) take(i * Bodies::kTilesApart + k);
-  }
-  if (bodies.palm.corner_count > 0) take(palm_number(bodies));
+void for_numbers(std::uint64_t tiles, const Take& take) {
+  for (; tiles != 0; tiles &= tiles - 1) take(static_cast<std::size_t>(__builtin_ctzll(tiles)));
 }
 
 // ---- Kernels ----
@@ -263,7 +260,7 @@ struct SampleTeam {
 
   [[nodiscard]] SegmentWrenches wrenches(std::size_t level) const {
     SegmentWrenches wrenches{};
-    for_numbers(memory.bodies, [&](std::size_t number) {
+    for_numbers(memory.near.tiles, [&](std::size_t number) {
       const std::size_t i = segment_of(memory.bodies, number);
       wrenches[i] =
           wrench_of(memory.bodies, sum_of(memory, threads, level, number), number, hand.base_joint[i]);
@@ -287,7 +284,7 @@ void share_out(SampleTeam& team, std::uint64_t evaluations, std::initializer_lis
     for (std::size_t number = first; number < last; ++number) {
       SampleThread& own = team.memory.thread[number];
       for (const std::size_t level : levels)
-        for_numbers(team.memory.bodies, [&](std::size_t k) { own.sums[level][k] = team.zero; });
+        for_numbers(team.memory.near.tiles, [&](std::size_t k) { own.sums[level][k] = team.zero; });
       own.touched = 0;
       SampleWork work{sample_kernels(team.model.execution.isa),
                       *team.model.patches,
