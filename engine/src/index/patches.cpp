@@ -22,9 +22,10 @@ namespace {
 constexpr std::array<double, kLevels> kAloneStep = {0.42, 0.31, 0.16}, kStep = {0.42, 0.31, 0.25};
 
 // How many times finer than the finest lattice, level by level, one is where a skeleton comes near.
-// Those of patches of few steps cost less than a second look would: they are twice the finest on all levels.
 constexpr std::array<double, kLevels> kNearSkeleton = {1, 1.5, 2};
-constexpr std::size_t kSmallNear = 6;
+
+// Patches of smaller sizes have the last of these on every level: theirs cost less than a second look would.
+constexpr std::size_t kLeastSizeWithLevels = 6;
 
 // [R] Largest radius of a block that is taken as one at a precision of 1e-4; the error falls with its third
 // power.
@@ -333,7 +334,7 @@ std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& s
       steps[kOneCell] = 1;
       patches->has_levels[k] = patches->has_levels[k] || steps[0] != steps[kLevels - 1];
       LatticeSteps& near = patches->steps[i][kPatchSizes + k];
-      const bool has_levels = k >= kSmallNear;
+      const bool has_levels = k >= kLeastSizeWithLevels;
       for (std::size_t level = 0; level < kLevels; ++level)
         near[level] = steps_for(kNearSkeleton[has_levels ? level : kLevels - 1] * steps[kLevels - 1]);
       near[kOneCell] = 1;

@@ -87,12 +87,11 @@ std::array<std::uint64_t, kMostSteps + 1> tiles_by_steps(const Bodies& bodies, s
   return tiles;
 }
 
-// Patches of kinds `first` to `last` of which at least one of the `sharers` neighbouring tiles that share
-// them is wanted.
+// Patches of kinds `first` to `last`, shared by as many tiles, of which at least one of those is wanted.
 std::span<const ListedPatch> wanted_of(SampleWork& work, std::uint32_t first, std::uint32_t last,
-                                       std::size_t sharers, std::size_t patch_class, std::uint64_t wanted) {
+                                       std::size_t patch_class, std::uint64_t wanted) {
   std::uint64_t innermost = 0;
-  for (std::size_t k = 0; k < sharers; ++k) innermost |= wanted >> k;
+  for (std::uint32_t k = 0; k < sharers_of(first); ++k) innermost |= wanted >> k;
   const auto is_wanted = [innermost](const ListedPatch& patch) {
     return (innermost >> patch.tile % ListedPatch::kFarEnd & 1u) != 0;
   };
@@ -105,21 +104,21 @@ std::span<const ListedPatch> wanted_of(SampleWork& work, std::uint32_t first, st
 // Each tile's share goes by its own lattice, so that it does not change where a neighbour comes near or goes:
 // what tiles of different lattices share is done once for each.
 void run_fingers(SampleWork& work, std::size_t patch_class, std::size_t steps, const TileSums& sums) {
-  const auto run = [&](std::uint32_t first, std::uint32_t last, std::size_t sharers, const auto& kernel) {
-    const auto listed = wanted_of(work, first, last, sharers, patch_class, sums.wanted);
+  const auto run = [&](std::uint32_t first, std::uint32_t last, const auto& kernel) {
+    const auto listed = wanted_of(work, first, last, patch_class, sums.wanted);
     if (!listed.empty()) work.memory.touched += kernel(work.list(listed));
   };
   const auto run_part = [&](std::uint32_t first, std::uint32_t last, TilePart part) {
-    run(first, last, 1, [&](const PatchList& list) {
+    run(first, last, [&](const PatchList& list) {
       return work.kernels.tile_lattice(list, work.fingers(), part, steps, sums);
     });
   };
   run_part(kind::kTile, kind::kTile + 2, TilePart::whole);
   run_part(kind::kSide, kind::kSide + 2, TilePart::side);
   run_part(kind::kNearEnd, kind::kFarEnd + 2, TilePart::end);
-  run(kind::kInnerJoint, kind::kOuterJoint, 2,
+  run(kind::kInnerJoint, kind::kOuterJoint,
       [&](const PatchList& list) { return work.kernels.joint_lattice(list, work.fingers(), steps, sums); });
-  run(kind::kFinger, kind::kFinger, 3,
+  run(kind::kFinger, kind::kFinger,
       [&](const PatchList& list) { return work.kernels.finger_lattice(list, work.fingers(), steps, sums); });
 }
 
