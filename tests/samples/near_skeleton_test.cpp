@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "lumbrical/shapes.h"
+#include "patch_points.h"
 #include "sampled_hand.h"
 #include "samples/near_skeleton.h"
 #include "samples/sampled_forces.h"
@@ -12,12 +13,6 @@ namespace {
 // A skeleton may be near where it comes within so many radii of a patch's centroid (kSkeletonReach of
 // classify.h).
 constexpr double kSphereReach = 1.25;
-
-Vec3 vec3_of(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
-
-Vec3 point_of(const SplitPoint& p) {
-  return {double{p.high[0]} + p.low[0], double{p.high[1]} + p.low[1], double{p.high[2]} + p.low[2]};
-}
 
 double distance_to_segment(Vec3 p, Vec3 a, Vec3 b) {
   const Vec3 along = b - a;
@@ -42,10 +37,6 @@ double distance_to_palm(Vec3 p, const PalmBody& palm) {
                 distance_to_segment({x, y, z}, {palm.x[k], palm.y[k], 0}, {palm.x[next], palm.y[next], 0}));
   }
   return inside ? std::abs(z) : least;
-}
-
-Vec3 point_on(const PatchShape& patch, double u, double v) {
-  return point_of(patch.corner) + u * vec3_of(patch.edge[0]) + v * vec3_of(patch.edge[1]);
 }
 
 /// What the search made of patches of lattices, over all poses.

@@ -71,8 +71,8 @@ inline TileView<V> view_tile(const TileFrame& frame, std::uint32_t k, Wide3<V> c
   const TileNumbers<V> tile = numbers_of<V>(frame);
   const Wide3<V> p = turn_into(frame.axis, centre - in_all_lanes<V>(frame.origin));
   const TilePoint<V> point{p.x, p.y * p.y + p.z * p.z};
-  const auto [level, distance] = tile_depth(tile, point);
-  const V field = level - distance, place = place_on(tile, point);
+  const TileDepth<V> depth = tile_depth(tile, point);
+  const V distance = depth.distance, field = depth.level - distance, place = place_on(tile, point);
   const V end = tile.cosine * tile.length, zero = number<V>(0);
   const auto is_near = distance < number<V>(kSkeletonReach) * reach;
   const auto id = [k](std::uint32_t part) { return number<V>(part + k); };

@@ -14,6 +14,7 @@ struct PatchRows {
   alignas(64) float corner[3][kWidth];   // [m]
   alignas(64) float edge[2][3][kWidth];  // [m]
   alignas(64) float seen_from[kWidth];   // the tile's number, by kFarEnd more at its far end
+  std::size_t first;                     // of the list
 };
 
 /// A body's origin in fours, kept as long as patches are of the same body.
@@ -64,6 +65,7 @@ LUMBRICAL_INLINE inline void for_rows(const PatchList& list, const Take& take) {
   for (std::size_t first = 0; first < list.count; first += PatchRows::kWidth) {
     const std::size_t left = list.count - first;
     gather(list, first, left < PatchRows::kWidth ? left : PatchRows::kWidth, rows);
+    rows.first = first;
     for (std::size_t lane = 0; lane < PatchRows::kWidth; lane += wide::Lanes<V>::kCount) take(rows, lane);
   }
 }
@@ -146,6 +148,19 @@ LUMBRICAL_INLINE inline SeenPatch<V> see_patches(const PatchRows& rows, std::siz
         select(its, tile.cosine2, seen.tile.cosine2)};
   });
   return seen;
+}
+
+/// Says which of a register's patches are `outside`. What tiles of several lattices share is asked once,
+/// where the tile is wanted that it is listed for.
+template <class V>
+inline void mark_outside(const PatchList& list, const PatchRows& rows, std::size_t lane, unsigned outside,
+                         std::uint64_t wanted) {
+  const std::size_t first = rows.first + lane;
+  for (std::size_t i = 0; i < wide::Lanes<V>::kCount && first + i < list.count; ++i) {
+    if ((wanted >> list.patches[first + i].tile % ListedPatch::kFarEnd & 1u) == 0) continue;
+    const std::size_t number = list.numbers != nullptr ? list.numbers[first + i] : first + i;
+    list.outside[number] = static_cast<std::uint8_t>(outside >> i & 1u);
+  }
 }
 
 inline std::uint32_t count_of(unsigned lanes) {

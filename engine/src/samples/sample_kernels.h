@@ -52,6 +52,9 @@ struct PatchList {
   const ListedPatch* patches;
   std::size_t count;
   const SplitPoint* origins;  ///< of the bodies: Bodies::origin
+  /// Unless null: gets a 1 for each patch that no tile can meet, at its number (null: its place in the list).
+  std::uint8_t* outside = nullptr;
+  const std::uint32_t* numbers = nullptr;
 };
 
 /// Blocks that are taken as wholes.

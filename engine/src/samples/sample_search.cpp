@@ -204,6 +204,7 @@ bool put_in_order(std::span<const std::span<const FoundPatches>> found, NearPatc
   }
   std::partial_sum(near.begin.begin(), near.begin.end(), near.begin.begin());
   if (near.count() > near.listed.size()) return false;
+  std::fill_n(near.outside.begin(), near.count(), std::uint8_t{0});
   std::array<std::uint32_t, kKeyCount> next;
   std::copy_n(near.begin.begin(), kKeyCount, next.begin());
   for (std::size_t body = 0; body < found.size(); ++body) {
@@ -238,6 +239,7 @@ void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& nea
     at_least(most + std::max(patches.block.size(), kSpare), searcher.found);
   }
   at_least(most + kSpare, near.listed);
+  at_least(most + kSpare, near.outside);
 }
 
 bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
@@ -248,6 +250,18 @@ bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodi
     return true;
   near.begin.fill(0);
   return false;
+}
+
+void leave_outside(NearPatches& near) {
+  std::uint32_t kept = 0, i = 0;
+  for (std::size_t key = 0; key < kKeyCount; ++key) {
+    near.begin[key] = kept;
+    for (; i < near.begin[key + 1]; ++i) {
+      near.listed[kept] = near.listed[i];
+      kept += near.outside[i] == 0 ? 1 : 0;
+    }
+  }
+  near.begin[kKeyCount] = kept;
 }
 
 }  // namespace lumbrical

@@ -18,6 +18,7 @@ struct Primitives;
 /// Patches near a hand, sorted by their keys.
 struct NearPatches {
   std::vector<ListedPatch> listed;
+  std::vector<std::uint8_t> outside;                 ///< 1 for each that a kernel has found to meet nothing
   std::array<std::uint32_t, kKeyCount + 1> begin{};  ///< those of key k go from begin[k] to begin[k + 1]
   std::uint64_t tiles = 0;                           ///< that are near any, a bit each by their numbers
 
@@ -68,5 +69,8 @@ void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& nea
 /// False where more is near than there is room for (Settings::max_candidates).
 bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
                   NearPatches& near);
+
+/// Drops what is `outside`.
+void leave_outside(NearPatches& near);
 
 }  // namespace lumbrical

@@ -50,7 +50,7 @@ struct SampleWork {
   const SampleKernels& kernels;
   const Patches& patches;
   const Bodies& bodies;
-  const NearPatches& near;
+  NearPatches& near;
   SampleThread& memory;
   std::size_t number, threads;
   std::size_t lists = 0;  ///< so far
@@ -73,6 +73,10 @@ struct SampleWork {
                                                       std::size_t patch_class) {
     return own_part(near.of_kinds(first, last, patch_class));
   }
+  /// What is outside is to be said of those patches, of which the list holds all or those with `numbers`.
+  void mark_outside(std::span<const ListedPatch> all, PatchList& list) const {
+    list.outside = near.outside.data() + (all.data() - near.listed.data());
+  }
 };
 
 // Of every number of steps the tiles whose lattices have so many in patches of a class, a bit each.
@@ -88,25 +92,36 @@ std::array<std::uint64_t, kMostSteps + 1> tiles_by_steps(const Bodies& bodies, s
 }
 
 // Patches of kinds `first` to `last`, shared by as many tiles, of which at least one of those is wanted.
-std::span<const ListedPatch> wanted_of(SampleWork& work, std::uint32_t first, std::uint32_t last,
-                                       std::size_t patch_class, std::uint64_t wanted) {
+PatchList wanted_of(SampleWork& work, std::uint32_t first, std::uint32_t last, std::size_t patch_class,
+                    bool mark, std::uint64_t wanted) {
   std::uint64_t innermost = 0;
   for (std::uint32_t k = 0; k < sharers_of(first); ++k) innermost |= wanted >> k;
   const auto is_wanted = [innermost](const ListedPatch& patch) {
     return (innermost >> patch.tile % ListedPatch::kFarEnd & 1u) != 0;
   };
   const std::span<const ListedPatch> all = work.of_kinds(first, last, patch_class);
-  if (std::all_of(all.begin(), all.end(), is_wanted)) return all;
-  ListedPatch* const chosen = work.memory.chosen.data();
-  return {chosen, std::copy_if(all.begin(), all.end(), chosen, is_wanted)};
+  PatchList list = work.list(all);
+  if (mark) work.mark_outside(all, list);
+  if (std::all_of(all.begin(), all.end(), is_wanted)) return list;
+  SampleThread& memory = work.memory;
+  list.patches = memory.chosen.data();
+  list.numbers = memory.numbers.data();
+  list.count = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    memory.chosen[list.count] = all[i];
+    memory.numbers[list.count] = static_cast<std::uint32_t>(i);
+    list.count += is_wanted(all[i]) ? 1 : 0;
+  }
+  return list;
 }
 
 // Each tile's share goes by its own lattice, so that it does not change where a neighbour comes near or goes:
 // what tiles of different lattices share is done once for each.
-void run_fingers(SampleWork& work, std::size_t patch_class, std::size_t steps, const TileSums& sums) {
+void run_fingers(SampleWork& work, std::size_t patch_class, std::size_t steps, bool mark,
+                 const TileSums& sums) {
   const auto run = [&](std::uint32_t first, std::uint32_t last, const auto& kernel) {
-    const auto listed = wanted_of(work, first, last, patch_class, sums.wanted);
-    if (!listed.empty()) work.memory.touched += kernel(work.list(listed));
+    const PatchList list = wanted_of(work, first, last, patch_class, mark, sums.wanted);
+    if (list.count > 0) work.memory.touched += kernel(list);
   };
   const auto run_part = [&](std::uint32_t first, std::uint32_t last, TilePart part) {
     run(first, last, [&](const PatchList& list) {
@@ -122,13 +137,15 @@ void run_fingers(SampleWork& work, std::size_t patch_class, std::size_t steps, c
       [&](const PatchList& list) { return work.kernels.finger_lattice(list, work.fingers(), steps, sums); });
 }
 
-// Lattices of a level over the patches of a class.
+// Lattices of a level over the patches of a class. The coarsest ones tell which patches finer ones needn't
+// see.
 void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level) {
   const bool has_levels = level != kOneCell && work.patches.has_levels[patch_class];
   BodySums* const sums = work.sums(has_levels ? level : kEveryLevel);
   const auto tiles = tiles_by_steps(work.bodies, level, patch_class);
   for (std::size_t steps = 1; steps <= kMostSteps; ++steps) {
-    if (tiles[steps] != 0) run_fingers(work, patch_class, steps, {sums, tiles[steps]});
+    if (tiles[steps] != 0)
+      run_fingers(work, patch_class, steps, has_levels && level == 0, {sums, tiles[steps]});
   }
   const PatchList palm = work.list(work.of_kinds(kind::kPalm, kind::kPalm, patch_class));
   if (palm.count > 0) {
@@ -321,15 +338,23 @@ void feel_in_one_cell(SampleTeam& team, const Effort& effort, SampledForces& for
       one_cell_error_factor(patches, team.memory.near, force_of({}, forces.segment, patches.radius3));
 }
 
+// What finer levels cost over patches that the coarsest one has not found to meet nothing.
+void leave_outside(const Patches& patches, NearPatches& near, Effort& effort) {
+  leave_outside(near);
+  const Effort left = effort_of(patches, near);
+  std::copy(left.level.begin() + 1, left.level.end(), effort.level.begin() + 1);
+}
+
 // On the coarsest level, and as far as its force, or `levels`, calls for and `most` evaluations allow on
 // finer ones.
-void feel_on_levels(SampleTeam& team, const Effort& effort, std::uint64_t most, const LevelWeights* levels,
+void feel_on_levels(SampleTeam& team, Effort effort, std::uint64_t most, const LevelWeights* levels,
                     SampledForces& forces) {
   feel_on(team, 0, evaluations_of(effort, {1}), forces);
   if (!has_levels(*team.model.patches, team.memory.near)) return;
   const SegmentWrenches coarsest = team.wrenches(0);
   const double force = force_of(coarsest, forces.segment, team.model.patches->radius3);
   forces.level = levels != nullptr ? *levels : level_weights(force);
+  if (forces.level[0] < 1) leave_outside(*team.model.patches, team.memory.near, effort);
   forces.coarsened = keep_effort(effort, most, forces.level);
   forces.evaluations = evaluations_of(effort, forces.level);
   forces.error_factor = forces.coarsened ? error_factor_of(forces.level, force) : 1;
@@ -350,6 +375,7 @@ void size_samples(const Model& model, SampleMemory& memory) {
   at_least(model.execution.threads, memory.thread);
   for (SampleThread& thread : memory.thread) {
     at_least(memory.near.listed.size(), thread.chosen);
+    at_least(memory.near.listed.size(), thread.numbers);
     for (auto& sums : thread.sums) sums.resize((Bodies::kMostFingers + 1) * Bodies::kTilesApart);
   }
 }

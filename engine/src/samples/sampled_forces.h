@@ -31,7 +31,8 @@ struct SampledForces {
 
 /// What one thread works with.
 struct SampleThread {
-  std::vector<ListedPatch> chosen;  ///< for one kernel
+  std::vector<ListedPatch> chosen;     ///< for one kernel
+  std::vector<std::uint32_t> numbers;  ///< theirs in the list they are of
   /// Of tiles by their numbers and, last, of the palm: by the lattices of each level, and what is the same on
   /// all of them.
   std::array<std::vector<BodySums>, kLevels + 1> sums;

@@ -12,10 +12,13 @@ struct TilePoint {
 };
 
 /// phi, positive inside, is what `level` is above `distance`: the radius next to a point, and how far that is
-/// from the axis, across the skin.
+/// from the axis, across the skin: is it from the side, and else how far along the axis from the end's
+/// centre.
 template <class V>
 struct TileDepth {
   V level, distance;
+  decltype(V{} > V{}) is_side;
+  V axial;
 };
 template <class V>
 inline TileDepth<V> tile_depth(const TileNumbers<V>& tile, TilePoint<V> p) {
@@ -23,21 +26,38 @@ inline TileDepth<V> tile_depth(const TileNumbers<V>& tile, TilePoint<V> p) {
   const auto before = p.along * abs(p.along) <= slope, beyond = from_end * abs(from_end) >= slope;
   const V axial = select(before, p.along, from_end);
   const V round = p.square + axial * axial;
-  const V under = select(before, round, select(beyond, round, tile.cosine2 * p.square));
+  const auto is_side = !(before || beyond);
+  const V under = select(is_side, tile.cosine2 * p.square, round);
   const V level =
       select(before, tile.radius, select(beyond, tile.end_radius, tile.radius - tile.sine * p.along));
-  return {level, sqrt(under)};
+  return {level, sqrt(under), is_side, axial};
 }
 template <class V>
 inline V tile_field(const TileNumbers<V>& tile, TilePoint<V> p) {
-  const auto [level, distance] = tile_depth(tile, p);
-  return level - distance;
+  const TileDepth<V> depth = tile_depth(tile, p);
+  return depth.level - depth.distance;
 }
 
 /// Where along its axis the tile is nearest to p, but for the tile's ends.
 template <class V>
 inline V place_on(const TileNumbers<V>& tile, TilePoint<V> p) {
   return tile.cosine * p.along - tile.sine * sqrt(p.square);
+}
+
+/// Are patches out of a tile's reach? Its field is concave, so over a patch it is nowhere above its tangent
+/// at the centroid, which is largest at a corner.
+template <class V>
+inline auto is_outside(const TileNumbers<V>& tile, const PatchInFrame<V>& patch) {
+  const V zero = number<V>(0), third = number<V>(1.0 / 3);
+  const Wide3<V> centre = patch.corner + third * (patch.edge1 + patch.edge2);
+  const TilePoint<V> point{centre.x, centre.y * centre.y + centre.z * centre.z};
+  const auto [level, distance, is_side, axial] = tile_depth(tile, point);
+  // The way the field falls by 1 a metre, as long as `distance`.
+  const V across = select(is_side, tile.cosine2, number<V>(1));
+  const Wide3<V> away{select(is_side, tile.sine * distance, axial), across * centre.y, across * centre.z};
+  const V one = dot(away, patch.edge1), other = dot(away, patch.edge2);
+  const V nearest = min(zero, min(one, other)) - third * (one + other);
+  return distance * (level - distance) < nearest;
 }
 
 /// Turns a patch in the plane of two coordinates until its second edge has nothing of the second one.
