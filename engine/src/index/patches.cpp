@@ -191,14 +191,12 @@ Cutting cut_triangles(const Triangles& triangles, double step, const Execution& 
   return cutting;
 }
 
-struct Patch {
-  Corners at;
-  std::size_t size;
-};
+Corners patch_at(const Triangles& triangles, const Cutting& cutting, std::uint32_t number) {
+  return part_at(corners_of(triangles, cutting.owner[number]), cutting.path[number]);
+}
 
-Patch patch_of(const Triangles& triangles, const Cutting& cutting, std::uint32_t number) {
-  const Corners at = part_at(corners_of(triangles, cutting.owner[number]), cutting.path[number]);
-  return {at, std::min<std::size_t>(steps_for(steps_along(at, cutting.step)), kPatchSizes) - 1};
+std::size_t size_of(const Corners& patch, double step) {
+  return std::min<std::size_t>(steps_for(steps_along(patch, step)), kPatchSizes) - 1;
 }
 
 Sphere sphere_round(const Corners& at, Vec3 origin) {
@@ -207,18 +205,18 @@ Sphere sphere_round(const Corners& at, Vec3 origin) {
   return {a + from_centre, std::sqrt(max(dot(from_centre, from_centre), max(dot(b, b), dot(c, c))))};
 }
 
-void put_patch(const Patch& patch, std::size_t lane, PatchBlock& block, PatchShape& shape) {
-  const Vec3 ab = patch.at.b - patch.at.a, ac = patch.at.c - patch.at.a;
-  shape.corner = split_point(patch.at.a);
+void put_patch(const Corners& at, std::size_t size, std::size_t lane, PatchBlock& block, PatchShape& shape) {
+  const Vec3 ab = at.b - at.a, ac = at.c - at.a;
+  shape.corner = split_point(at.a);
   put(ab, shape.edge[0]);
   put(ac, shape.edge[1]);
-  const SplitPoint centroid = split_point(patch.at.a + (ab + ac) / 3.0);
+  const SplitPoint centroid = split_point(at.a + (ab + ac) / 3.0);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     block.centroid[0][axis][lane] = centroid.high[axis];
     block.centroid[1][axis][lane] = centroid.low[axis];
   }
-  block.radius[lane] = static_cast<float>((1 + 1e-6) * sphere_round(patch.at, patch.at.a).radius);
-  block.size[lane] = static_cast<float>(patch.size);
+  block.radius[lane] = static_cast<float>((1 + 1e-6) * sphere_round(at, at.a).radius);
+  block.size[lane] = static_cast<float>(size);
 }
 
 // An empty place lies where its block does.
@@ -247,7 +245,7 @@ void put_samples(const Triangles& triangles, const Cutting& cutting, std::span<c
                         members.clear();
                         for (const std::uint32_t number :
                              order.subspan(i * width).first(std::min(width, order.size() - i * width)))
-                          members.push_back(patch_of(triangles, cutting, number).at);
+                          members.push_back(patch_at(triangles, cutting, number));
                         samples[first + i] = samples_of(members);
                       }
                     });
@@ -272,7 +270,7 @@ void put_blocks(const Triangles& triangles, const Box& box, const Cutting& cutti
   for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
   const SpatialCode code({box.lower - origin, box.upper - origin});
   sort_by_code(order, code.bits(), kWidth, execution.threads, [&](std::uint32_t number) {
-    return code(sphere_round(patch_of(triangles, cutting, number).at, origin).centre);
+    return code(sphere_round(patch_at(triangles, cutting, number), origin).centre);
   });
   std::vector<PatchBlock> blocks(piece_count(order.size(), kWidth));
   std::vector<PatchShape> shapes(blocks.size() * kWidth);
@@ -288,9 +286,9 @@ void put_blocks(const Triangles& triangles, const Box& box, const Cutting& cutti
                           put_nothing(lane, blocks[i], shapes[begin + lane]);
                           continue;
                         }
-                        const Patch patch = patch_of(triangles, cutting, order[begin + lane]);
-                        put_patch(patch, lane, blocks[i], shapes[begin + lane]);
-                        spheres[lane] = sphere_round(patch.at, origin);
+                        const Corners patch = patch_at(triangles, cutting, order[begin + lane]);
+                        put_patch(patch, size_of(patch, cutting.step), lane, blocks[i], shapes[begin + lane]);
+                        spheres[lane] = sphere_round(patch, origin);
                       }
                       leaves[i] = bound({spheres.data(), count});
                     }
