@@ -31,7 +31,7 @@ inline constexpr GoldenHash kGolden[] = {
     {"mixed", 0xb9e1774d9b236288},
     {"samples.1e-3", 0x5db30c0a478890fd},
     {"samples.1e-4", 0xe3db0ac501859dec},
-    {"samples.1e-5", 0x8ed2759f063ddfcb},
+    {"samples.1e-5", 0x4d10cc0d28f30732},
     {"bent", 0xc00b90d647139697},
     {"objects", 0x0393fc5150fdcb6c},
     {"proxy", 0xa743d3b26d48bcf8},

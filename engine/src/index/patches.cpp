@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/fixed_list.h"
 #include "base/parallel.h"
 #include "base/parallel_sort.h"
 #include "index/block_samples.h"
@@ -229,26 +230,63 @@ void put_nothing(std::size_t lane, PatchBlock& block, PatchShape& shape) {
   shape = {};
 }
 
+Corners corners_of(const PatchShape& shape) {
+  const auto coordinate = [&](std::size_t axis) {
+    return double{shape.corner.high[axis]} + shape.corner.low[axis];
+  };
+  const Vec3 a{coordinate(0), coordinate(1), coordinate(2)};
+  const auto [ab, ac] = shape.edge;
+  return {a, a + Vec3{ab[0], ab[1], ab[2]}, a + Vec3{ac[0], ac[1], ac[2]}};
+}
+
+// Calls take(corners) for the patches of blocks `first` to `last`.
+template <class Take>
+void for_patches(const Patches& patches, std::size_t first, std::size_t last, const Take& take) {
+  for (std::size_t i = first; i < std::min(last, patches.block.size()); ++i) {
+    for (std::size_t lane = 0; lane < PatchBlock::kWidth; ++lane) {
+      if (patches.block[i].radius[lane] >= 0) take(corners_of(patches.shape[i * PatchBlock::kWidth + lane]));
+    }
+  }
+}
+
+BlockMoments moments_of_block(const Patches& patches, std::size_t block) {
+  FixedList<Corners, PatchBlock::kWidth> members;
+  for_patches(patches, block, block + 1, [&](const Corners& at) { members.push_back(at); });
+  return moments_of(std::span<const Corners>(members.begin(), members.end()));
+}
+
+// Of `width` blocks of patches from `first` on as one.
+BlockSamples samples_of_blocks(const Patches& patches, const BlockMoments& moments, std::size_t first,
+                               std::size_t width) {
+  const Vec3 centre = centre_of(moments);
+  double square = 0;
+  for_patches(patches, first, first + width, [&](const Corners& at) {
+    for (const Vec3 corner : {at.a, at.b, at.c}) square = max(square, dot(corner - centre, corner - centre));
+  });
+  return samples_of(moments, std::sqrt(square));
+}
+
 // Blocks as ones, and blocks of those, level by level, as long as a segment may take one.
-void put_samples(const Triangles& triangles, const Cutting& cutting, std::span<const std::uint32_t> order,
-                 const Execution& execution, Patches& patches) {
+void put_samples(const Execution& execution, Patches& patches) {
+  constexpr std::size_t kWidth = PatchBlock::kWidth;
   const double largest = max(patches.block_above_palm,
                              *std::max_element(patches.block_radius.begin(), patches.block_radius.end()));
   std::vector<BlockSamples> samples;
-  for (std::size_t width = PatchBlock::kWidth;; width *= PatchBlock::kWidth) {
-    const std::size_t first = samples.size(), count = piece_count(order.size(), width);
+  std::vector<BlockMoments> below, here;
+  for (std::size_t width = 1;; width *= kWidth) {  // in blocks of patches
+    const std::size_t first = samples.size(), count = piece_count(patches.block.size(), width);
     samples.resize(first + count);
-    parallel_pieces(count, std::max<std::size_t>(1, kPiece / width), execution.threads,
-                    [&](std::size_t, std::size_t begin, std::size_t end) {
-                      std::vector<Corners> members;
-                      for (std::size_t i = begin; i < end; ++i) {
-                        members.clear();
-                        for (const std::uint32_t number :
-                             order.subspan(i * width).first(std::min(width, order.size() - i * width)))
-                          members.push_back(patch_at(triangles, cutting, number));
-                        samples[first + i] = samples_of(members);
-                      }
-                    });
+    here.resize(count);
+    const std::size_t piece = std::max<std::size_t>(1, kPiece / (width * kWidth));
+    parallel_pieces(count, piece, execution.threads, [&](std::size_t, std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const std::size_t members = i * kWidth;
+        here[i] = below.empty() ? moments_of_block(patches, i)
+                                : moments_of(std::span<const BlockMoments>(below).subspan(
+                                      members, std::min(kWidth, below.size() - members)));
+        samples[first + i] = samples_of_blocks(patches, here[i], i * width, width);
+      }
+    });
     const auto is_small = [&](const BlockSamples& block) { return double{block.size} <= largest; };
     const bool is_used =
         std::any_of(samples.begin() + static_cast<std::ptrdiff_t>(first), samples.end(), is_small);
@@ -258,6 +296,7 @@ void put_samples(const Triangles& triangles, const Cutting& cutting, std::span<c
     }
     patches.first_samples.push_back(static_cast<std::uint32_t>(first));
     if (count <= 1) break;
+    std::swap(below, here);
   }
   patches.samples = std::move(samples);
 }
@@ -295,7 +334,7 @@ void put_blocks(const Triangles& triangles, const Box& box, const Cutting& cutti
                   });
   patches.block = std::move(blocks);
   patches.shape = std::move(shapes);
-  put_samples(triangles, cutting, order, execution, patches);
+  put_samples(execution, patches);
   patches.tree = build_levels(std::move(leaves), origin, execution);
 }
 
