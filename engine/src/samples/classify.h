@@ -102,6 +102,11 @@ inline Kinds<V> finger_kinds(const FingerBody& finger, Wide3<V> centre, V radius
       view[k] = view_tile(finger.tile[k], static_cast<std::uint32_t>(k), centre, reach);
     view[k].field = select(radius >= zero, view[k].field, far);
   }
+  if ((tiles & (tiles - 1)) == 0) {  // one tile at most: the usual case
+    const TileView<V>& alone = view[tiles >> 1];
+    const auto meets = alone.field + reach > zero;
+    return {select(meets, alone.kind, number<V>(-1)), select(meets, alone.is_near, zero)};
+  }
   // Neighbours part where their places along their axes are the same.
   const V limit = reach + reach, below = zero - limit;
   V inner = zero, outer = zero;  // how much farther out than a joint the patch is, where both tiles meet it
