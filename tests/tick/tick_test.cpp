@@ -252,6 +252,30 @@ TEST(Tick, TheHashOfAHandOutOfReachTellsEveryPhalanx) {
   EXPECT_FALSE(scratch.primitives->out_of_reach);
 }
 
+TEST(Tick, AHandFeltBySamplesHasNoPrimitivesUntilItsContactsAreAskedFor) {
+  Scene scene = test::mug_scene(Law::field);
+  const Model exact = test::model_of(scene);
+  scene.settings.precision.fill(1e-4);
+  const Model sampled = test::model_of(scene);
+  std::size_t found = 0;
+  for (const DeviceFrame& frame : test::grasp_frames(scene.hand, 5)) {
+    State exact_state, state;
+    Scratch exact_scratch = make_scratch(exact), scratch = make_scratch(sampled);
+    tick(exact, exact_state, exact_scratch, frame);
+    tick(sampled, state, scratch, frame);
+    EXPECT_EQ(scratch.primitives->count, 0);
+    const auto wanted = find_contacts(exact, exact_scratch), contacts = find_contacts(sampled, scratch);
+    ASSERT_EQ(contacts.size(), wanted.size());
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      EXPECT_EQ(contacts[i].triangle, wanted[i].triangle);
+      EXPECT_EQ(contacts[i].area, wanted[i].area);
+      EXPECT_EQ(contact_segment(scratch, contacts[i]), contact_segment(exact_scratch, wanted[i]));
+    }
+    found += wanted.size();
+  }
+  EXPECT_GT(found, 20u);
+}
+
 TEST(Tick, MissingJointsSilenceOnlyTheirSegments) {
   Scene scene = test::mug_scene(Law::max_depth);
   scene.objects = {{"plane", make_plane(0.6, 40, 1)}};

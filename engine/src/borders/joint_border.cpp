@@ -134,19 +134,24 @@ bool reaches(const Primitive& capsule, Vec3 a, Vec3 b, Vec3 c) {
          kMargin * (max(capsule.radius1, capsule.radius2) + bound.radius);
 }
 
+// Of what a finger's tiles share out.
+bool takes_part(const Primitives& hand, std::size_t phalanx) {
+  return hand.present[phalanx] && hand.capsule[phalanx].law == Law::field;
+}
+
 }  // namespace
 
 void set_joint_borders(Primitives& hand) {
-  const auto takes_part = [&](std::size_t i) { return hand.present[i] && hand.capsule[i].law == Law::field; };
   for (std::size_t i = 0; i < kPhalanxCount; ++i) {
     hand.border[i] = {};
-    if (i % 3 < 2 && takes_part(i) && takes_part(i + 1)) {
-      hand.border[i] = border_of(hand, i);
-    }
+    if (i % 3 < 2 && takes_part(hand, i) && takes_part(hand, i + 1)) hand.border[i] = border_of(hand, i);
   }
+}
+
+void set_folded_fingers(Primitives& hand) {
   for (std::size_t finger = 0; finger < kFingerCount; ++finger) {
     const Primitive &first = hand.capsule[3 * finger], &last = hand.capsule[3 * finger + 2];
-    hand.folded[finger] = takes_part(3 * finger) && takes_part(3 * finger + 2) &&
+    hand.folded[finger] = takes_part(hand, 3 * finger) && takes_part(hand, 3 * finger + 2) &&
                           segment_distance(first, last) <
                               kMargin * (max(first.radius1, first.radius2) + max(last.radius1, last.radius2));
   }

@@ -15,9 +15,12 @@ namespace lumbrical {
 /// Everything here is about a finger's tiles: wherever a function takes one, its segment is a phalanx. So is
 /// that of every tile; parts of the palm have no such borders.
 
-/// Fills hand.border and hand.folded from hand.capsule and hand.present. Only phalanges that both follow the
-/// field law share out space exactly.
+/// Fills hand.border from hand.capsule and hand.present. Only phalanges that both follow the field law share
+/// out space exactly.
 void set_joint_borders(Primitives& hand);
+
+/// Fills hand.folded, likewise.
+void set_folded_fingers(Primitives& hand);
 
 /// Least distance of the axes of two primitives, of an end from the other axis or of the lines between their
 /// ends [m].

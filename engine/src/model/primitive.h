@@ -85,10 +85,11 @@ struct Joints {
 struct Primitives {
   /// 15 phalanges, 15 joints and 5 tips; the palm's slabs and edges.
   static constexpr int kMaxCount = 15 + 15 + 5 + 2 + SweptPolygon::kMostCorners;
-  int count = 0;
+  int count = 0;  ///< 0 until the exact rung asks for them (`tile_hand`)
   std::array<Primitive, kMaxCount> primitive{};
   std::uint32_t flags = 0;    ///< TickFlag bits so far: of the input and of placing the hand
-  bool out_of_reach = false;  ///< the hand was placed but, far from everything, given no shape: `count` is 0
+  bool in_reach = false;      ///< the hand was placed near what it may touch, and given its shape
+  bool out_of_reach = false;  ///< it was placed but, far from everything, given none
   std::array<Primitive, kPhalanxCount> capsule{};  ///< whole phalanges, uncut, for the paper's depth
   std::array<bool, kPhalanxCount> present{};       ///< which of them this pose has
   std::array<Vec3, kPhalanxCount> direction{};  ///< W, unit, of their axes, away from the wrist; 0: no length

@@ -5,6 +5,7 @@
 
 #include "model/corners.h"
 #include "stages/broadphase.h"
+#include "stages/hand_pose.h"
 #include "stages/narrowphase.h"
 
 namespace lumbrical {
@@ -68,8 +69,9 @@ Vec3 turned(Vec3 v, Vec3 from, Vec3 to) {
 SurfaceSums sum_surface(const FeltSurface& surface, Scratch& felt, std::uint32_t& flags) {
   SurfaceSums sums;
   const Model& part = surface.part;
-  const Primitives& hand = *felt.primitives;
+  Primitives& hand = *felt.primitives;
   if (surface.triangle.empty() || hand.out_of_reach) return sums;
+  tile_hand(part.settings, hand);
   if (!find_candidates(part, hand, felt)) {
     flags |= kCandidateOverflow;
     return sums;

@@ -144,7 +144,8 @@ bool add_gaps(const Surroundings& around, const Joints& hand, double reach, Scra
   Primitives& placed = *scratch.primitives;
   static_cast<void>(place_hand(model.hand, model.settings, hand, inverse(around.X_WM), placed));
   if (!may_meet(model.hand, placed, model.extent)) return true;
-  tile_hand(model.hand, model.settings, placed);
+  shape_hand(model.hand, placed);
+  tile_hand(model.settings, placed);
   if (!find_candidates(model, placed, scratch)) return false;
   for (std::uint32_t i = 0; i < scratch.candidate_count; ++i) {
     const std::uint64_t pair = scratch.candidates[i];

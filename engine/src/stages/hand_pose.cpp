@@ -122,7 +122,7 @@ void add_phalanx(std::size_t i, Primitives& hand) {
   if (is_paper(hand, i) && !after) add_sphere(hand, i, true, hand);
 }
 
-std::uint32_t shape_hand(const Hand& hand, const Settings& settings, Primitives& primitives) {
+std::uint32_t place_parts(const Hand& hand, const Settings& settings, Primitives& primitives) {
   primitives.count = 0;
   primitives.palm.corner_count = 0;
   std::uint32_t flags = set_capsules(hand, settings, primitives);
@@ -176,14 +176,14 @@ std::uint32_t check_input(const DeviceFrame& frame) {
 std::uint32_t place_hand(const Hand& hand, const Settings& settings, const DeviceFrame& frame,
                          Primitives& primitives) {
   const std::uint32_t flags = find_joints(hand, frame, primitives.joints);
-  return flags | shape_hand(hand, settings, primitives);
+  return flags | place_parts(hand, settings, primitives);
 }
 
 std::uint32_t place_hand(const Hand& hand, const Settings& settings, const Joints& joints, const Pose& X_OW,
                          Primitives& primitives) {
   primitives.joints.valid = joints.valid;
   for (std::size_t i = 0; i < kJointCount; ++i) primitives.joints.pose[i] = X_OW * joints.pose[i];
-  return shape_hand(hand, settings, primitives);
+  return place_parts(hand, settings, primitives);
 }
 
 bool may_meet(const Hand& hand, const Primitives& primitives, const Box& world) {
@@ -204,23 +204,27 @@ bool may_meet(const Hand& hand, const Primitives& primitives, const Box& world) 
   return box.meets(world);
 }
 
-void tile_hand(const Hand& hand, const Settings& settings, Primitives& primitives) {
+void shape_hand(const Hand& hand, Primitives& primitives) {
   primitives.palm = {};
+  if (primitives.joints.has(kPalm)) primitives.palm = place_palm(hand.palm, primitives.joints.pose[kPalm]);
+  set_folded_fingers(primitives);
+  place_axes(primitives);
+}
+
+void tile_hand(const Settings& settings, Primitives& primitives) {
+  if (primitives.count > 0) return;
   set_joint_borders(primitives);
   for (std::size_t i = 0; i < kPhalanxCount; ++i) {
     if (primitives.present[i]) add_phalanx(i, primitives);
   }
-  if (primitives.joints.has(kPalm)) {
-    primitives.palm = place_palm(hand.palm, primitives.joints.pose[kPalm]);
-    add_palm_parts(primitives.palm, settings.law[kPalmSegment], primitives);
-  }
-  place_axes(primitives);
+  if (primitives.joints.has(kPalm)) add_palm_parts(primitives.palm, settings.law[kPalmSegment], primitives);
 }
 
 std::uint32_t pose_hand(const Hand& hand, const Settings& settings, const DeviceFrame& frame,
                         Primitives& primitives) {
   const std::uint32_t flags = place_hand(hand, settings, frame, primitives);
-  tile_hand(hand, settings, primitives);
+  shape_hand(hand, primitives);
+  tile_hand(settings, primitives);
   return flags;
 }
 

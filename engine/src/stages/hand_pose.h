@@ -19,16 +19,20 @@ std::uint32_t place_hand(const Hand& hand, const Settings& settings, const Devic
 std::uint32_t place_hand(const Hand& hand, const Settings& settings, const Joints& joints, const Pose& X_OW,
                          Primitives& primitives);
 
-/// Where segments turn, and about which axis they flex: `tile_hand` does it, too.
+/// Where segments turn, and about which axis they flex: `shape_hand` does it, too.
 void place_axes(Primitives& primitives);
 
 /// False where no part of a hand so placed can touch what is inside the box [m, W].
 bool may_meet(const Hand& hand, const Primitives& primitives, const Box& world);
 
-/// Lists the primitives of a hand so placed.
-void tile_hand(const Hand& hand, const Settings& settings, Primitives& primitives);
+/// The palm of a hand so placed, which of its fingers are folded, and its axes: all that samples ask for.
+void shape_hand(const Hand& hand, Primitives& primitives);
 
-/// Both: `place_hand` and `tile_hand`.
+/// Lists the primitives of a hand so shaped, and how they border on each other, unless it was done: for the
+/// exact rung.
+void tile_hand(const Settings& settings, Primitives& primitives);
+
+/// All three: `place_hand`, `shape_hand` and `tile_hand`.
 std::uint32_t pose_hand(const Hand& hand, const Settings& settings, const DeviceFrame& frame,
                         Primitives& primitives);
 

@@ -72,9 +72,11 @@ HandForces feel(const Model& model, Scratch& scratch, std::uint32_t& flags) {
   SampledForces& sampled = scratch.samples->forces;
   sampled = {};
   scratch.candidate_count = 0;
-  hand.out_of_reach = !may_meet(model.hand, hand, model.extent);  // and needs no shape
-  if (!hand.out_of_reach) {
-    tile_hand(model.hand, model.settings, hand);
+  hand.in_reach = may_meet(model.hand, hand, model.extent);
+  hand.out_of_reach = !hand.in_reach;  // and needs no shape
+  if (hand.in_reach) {
+    shape_hand(model.hand, hand);
+    if (sampled_segments(model) != kAllSegments || model.rest) tile_hand(model.settings, hand);
     tell(scratch.watch, Stage::hand_pose);
     if (model.patches && !sample_forces(model, hand, sampled_segments(model), *scratch.samples, sampled))
       flags |= kCandidateOverflow;
@@ -86,6 +88,7 @@ HandForces feel(const Model& model, Scratch& scratch, std::uint32_t& flags) {
 }
 
 HandForces feel_nothing(const Model& model, Scratch& scratch) {
+  scratch.primitives->in_reach = false;
   scratch.samples->forces = {};
   scratch.candidate_count = 0;
   return sum_up(model, scratch);

@@ -205,16 +205,19 @@ constexpr void list_fields(Is<Joints> auto& joints, auto&& field) {
   field("pose", "", joints.pose);
 }
 
-/// Of a hand far from everything the joints are all there is; of one that could not be placed, nothing.
+/// Of a hand far from everything the joints are all there is, and of one that is felt by samples they stand
+/// for the primitives that nobody has asked for; of one that could not be placed there is nothing.
 constexpr void list_fields(Is<Primitives> auto& hand, auto&& field) {
   field("flags", "", hand.flags);
   field("out_of_reach", "", hand.out_of_reach);
   field("count", "", hand.count);
-  if (hand.out_of_reach) field("joints", "", hand.joints);
-  if (hand.count == 0) return;
-  field("primitive", "", std::span(hand.primitive).first(static_cast<std::size_t>(hand.count)));
+  if (hand.count == 0 && (hand.in_reach || hand.out_of_reach)) field("joints", "", hand.joints);
+  if (!hand.in_reach) return;
+  if (hand.count > 0) {
+    field("primitive", "", std::span(hand.primitive).first(static_cast<std::size_t>(hand.count)));
+    field("border", "", hand.border);
+  }
   field("palm", "", hand.palm);
-  field("border", "", hand.border);
   field("folded", "", hand.folded);
   field("base_joint", "m", hand.base_joint);
   field("flexion_axis", "", hand.flexion_axis);

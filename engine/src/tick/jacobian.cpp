@@ -117,7 +117,7 @@ void add_sampled_body(const Model& model, const Primitives& hand, std::size_t fi
 void add_sampled(const Model& model, const Primitives& hand, std::uint32_t segments, SampleMemory& memory,
                  std::array<SegmentJacobian, kSegmentCount>& jacobians) {
   segments &= sampled_segments(model);
-  if (hand.count == 0) return;
+  if (!hand.in_reach) return;
   for (std::size_t finger = 0; finger < kFingerCount; ++finger) {
     const std::uint32_t own = 7u << 3 * finger;
     if ((segments & own) != 0) {

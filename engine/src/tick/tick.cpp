@@ -85,7 +85,7 @@ Scratch make_scratch(const Model& model) {
 // model, state and frame. Even no force times an old axis has that axis' sign.
 void forget_hand(Primitives& hand) {
   hand.count = 0;
-  hand.out_of_reach = false;
+  hand.in_reach = hand.out_of_reach = false;
   hand.base_joint = hand.flexion_axis = {};
   hand.palm.corner_count = 0;
 }
@@ -167,8 +167,9 @@ std::span<const Contact> with_depths(const Model& model, Scratch& scratch) {
 std::span<const Contact> find_contacts(const Model& model, Scratch& scratch) {
   assert(is_made_for(model, scratch) && "make_scratch(model)");
   if (!is_made_for(model, scratch)) return {};
-  if (sampled_segments(model) != 0 && scratch.primitives->count > 0) {
+  if (sampled_segments(model) != 0 && scratch.primitives->in_reach) {
     const FloatingPointGuard guard;
+    tile_hand(model.settings, *scratch.primitives);
     find_exact_contacts(model, scratch);
   }
   return with_depths(model, scratch);
@@ -186,7 +187,10 @@ std::span<const Contact> find_contacts(const Model& model, Scratch& scratch, std
   placed.count = 0;
   if (is_trusted(hand.flags)) {
     place_hand(shape.hand, shape.settings, hand.joints, inverse(scratch.object_output[object].pose), placed);
-    if (may_meet(shape.hand, placed, shape.extent)) tile_hand(shape.hand, shape.settings, placed);
+    if (may_meet(shape.hand, placed, shape.extent)) {
+      shape_hand(shape.hand, placed);
+      tile_hand(shape.settings, placed);
+    }
   }
   find_exact_contacts(shape, own);
   return with_depths(shape, own);
