@@ -107,6 +107,16 @@ TEST(BlockSamples, OfAPlaneIntegrateFieldsOfSecondDegreeAsTheirPatchesDo) {
   for (int i = 0; i < 200; ++i) EXPECT_LT(worst_error(random, 0, random_field(random)), 1e-6);
 }
 
+TEST(BlockSamples, OfSliversThatHaveNoAreaAreFiniteAndFeelNothing) {
+  const Vec3 edge{0.01, 0.01, 0}, ones{1, 1, 1};
+  const Corners sliver{{}, edge, 0.5 * edge};
+  const BlockMoments block = moments_of(std::span(&sliver, 1));
+  ASSERT_EQ(block.area.sum, 0);
+  const BlockSamples samples = samples_of(block, 0.02);
+  EXPECT_TRUE(is_finite(point_of(samples.centre)) && std::isfinite(samples.size));
+  EXPECT_EQ(force_on(samples, Field{1, ones, {ones, ones, ones}}), Vec3{});
+}
+
 TEST(BlockSamples, OfBentSurfacesIntegrateLinearFieldsAsTheirPatchesDo) {
   Random random(6);
   for (int i = 0; i < 200; ++i) {

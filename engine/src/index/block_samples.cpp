@@ -114,7 +114,7 @@ BlockMoments moments_of(std::span<const BlockMoments> blocks) {
 
 Vec3 centre_of(const BlockMoments& block) {
   const auto& [x, y, z] = block.area.first;
-  return block.origin + Vec3{x, y, z} / block.area.sum;
+  return block.area.sum > 0 ? block.origin + Vec3{x, y, z} / block.area.sum : block.origin;
 }
 
 BlockSamples samples_of(const BlockMoments& block, double radius) {

@@ -24,11 +24,11 @@ struct BlockMoments {
   Moments<Vec3> normal;  ///< the same
 };
 
-/// At least one patch, or block, all with an area.
+/// At least one patch, or block.
 BlockMoments moments_of(std::span<const Corners> patches);
 BlockMoments moments_of(std::span<const BlockMoments> blocks);
 
-/// [m] W, of the area.
+/// [m] W, of the area, or near slivers that in single precision have none.
 Vec3 centre_of(const BlockMoments& block);
 
 /// `radius` [m]: of the sphere about the centre that holds the patches.
