@@ -5,7 +5,6 @@
 
 #include <vector>
 
-#include "patch_points.h"
 #include "random.h"
 
 namespace lumbrical::test {

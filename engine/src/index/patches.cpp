@@ -231,12 +231,8 @@ void put_nothing(std::size_t lane, PatchBlock& block, PatchShape& shape) {
 }
 
 Corners corners_of(const PatchShape& shape) {
-  const auto coordinate = [&](std::size_t axis) {
-    return double{shape.corner.high[axis]} + shape.corner.low[axis];
-  };
-  const Vec3 a{coordinate(0), coordinate(1), coordinate(2)};
-  const auto [ab, ac] = shape.edge;
-  return {a, a + Vec3{ab[0], ab[1], ab[2]}, a + Vec3{ac[0], ac[1], ac[2]}};
+  const Vec3 a = point_of(shape.corner);
+  return {a, a + vec3_of(shape.edge[0]), a + vec3_of(shape.edge[1])};
 }
 
 // Calls take(corners) for the patches of blocks `first` to `last`.

@@ -23,11 +23,17 @@ inline SplitPoint split_point(Vec3 p) {
   return split;
 }
 
+/// [m] W, with all its digits again.
+inline Vec3 point_of(const SplitPoint& p) {
+  return {double{p.high[0]} + p.low[0], double{p.high[1]} + p.low[1], double{p.high[2]} + p.low[2]};
+}
+
 /// [m] One coordinate of a point, seen from another.
 inline float difference(const SplitPoint& p, const SplitPoint& from, std::size_t axis) {
   return (p.high[axis] - from.high[axis]) + (p.low[axis] - from.low[axis]);
 }
 
+inline Vec3 vec3_of(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 inline void put(Vec3 v, float (&to)[3]) {
   to[0] = static_cast<float>(v.x);
   to[1] = static_cast<float>(v.y);

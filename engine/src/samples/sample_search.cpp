@@ -252,7 +252,7 @@ bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodi
   return false;
 }
 
-void leave_outside(NearPatches& near) {
+void drop_outside(NearPatches& near) {
   std::uint32_t kept = 0, i = 0;
   for (std::size_t key = 0; key < kKeyCount; ++key) {
     near.begin[key] = kept;

@@ -71,6 +71,6 @@ bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodi
                   NearPatches& near);
 
 /// Drops what is `outside`.
-void leave_outside(NearPatches& near);
+void drop_outside(NearPatches& near);
 
 }  // namespace lumbrical

@@ -73,10 +73,6 @@ struct SampleWork {
                                                       std::size_t patch_class) {
     return own_part(near.of_kinds(first, last, patch_class));
   }
-  /// What is outside is to be said of those patches, of which the list holds all or those with `numbers`.
-  void mark_outside(std::span<const ListedPatch> all, PatchList& list) const {
-    list.outside = near.outside.data() + (all.data() - near.listed.data());
-  }
 };
 
 // Of every number of steps the tiles whose lattices have so many in patches of a class, a bit each.
@@ -91,7 +87,8 @@ std::array<std::uint64_t, kMostSteps + 1> tiles_by_steps(const Bodies& bodies, s
   return tiles;
 }
 
-// Patches of kinds `first` to `last`, shared by as many tiles, of which at least one of those is wanted.
+// Patches of kinds `first` to `last`, shared by as many tiles, of which at least one of those is wanted;
+// `mark`: which of them are outside is to be said.
 PatchList wanted_of(SampleWork& work, std::uint32_t first, std::uint32_t last, std::size_t patch_class,
                     bool mark, std::uint64_t wanted) {
   std::uint64_t innermost = 0;
@@ -101,7 +98,7 @@ PatchList wanted_of(SampleWork& work, std::uint32_t first, std::uint32_t last, s
   };
   const std::span<const ListedPatch> all = work.of_kinds(first, last, patch_class);
   PatchList list = work.list(all);
-  if (mark) work.mark_outside(all, list);
+  if (mark) list.outside = work.near.outside.data() + (all.data() - work.near.listed.data());
   if (std::all_of(all.begin(), all.end(), is_wanted)) return list;
   SampleThread& memory = work.memory;
   list.patches = memory.chosen.data();
@@ -339,8 +336,8 @@ void feel_in_one_cell(SampleTeam& team, const Effort& effort, SampledForces& for
 }
 
 // What finer levels cost over patches that the coarsest one has not found to meet nothing.
-void leave_outside(const Patches& patches, NearPatches& near, Effort& effort) {
-  leave_outside(near);
+void drop_outside(const Patches& patches, NearPatches& near, Effort& effort) {
+  drop_outside(near);
   const Effort left = effort_of(patches, near);
   std::copy(left.level.begin() + 1, left.level.end(), effort.level.begin() + 1);
 }
@@ -354,7 +351,7 @@ void feel_on_levels(SampleTeam& team, Effort effort, std::uint64_t most, const L
   const SegmentWrenches coarsest = team.wrenches(0);
   const double force = force_of(coarsest, forces.segment, team.model.patches->radius3);
   forces.level = levels != nullptr ? *levels : level_weights(force);
-  if (forces.level[0] < 1) leave_outside(*team.model.patches, team.memory.near, effort);
+  if (forces.level[0] < 1) drop_outside(*team.model.patches, team.memory.near, effort);
   forces.coarsened = keep_effort(effort, most, forces.level);
   forces.evaluations = evaluations_of(effort, forces.level);
   forces.error_factor = forces.coarsened ? error_factor_of(forces.level, force) : 1;
