@@ -6,15 +6,20 @@
 namespace lumbrical {
 namespace {
 
-// Gauss and Legendre's rules on 0 .. 1.
-constexpr std::array<double, 5> kNodeAlong = {0.04691007703066802, 0.23076534494715845, 0.5,
-                                              0.76923465505284155, 0.95308992296933198};
-constexpr std::array<double, 5> kWeightAlong = {0.11846344252809454, 0.23931433524968324, 0.28444444444444444,
-                                                0.23931433524968324, 0.11846344252809454};
-constexpr std::array<double, 4> kNodeAcross = {0.06943184420297371, 0.33000947820757187, 0.66999052179242813,
-                                               0.93056815579702629};
-constexpr std::array<double, 4> kWeightAcross = {0.17392742256872693, 0.32607257743127307,
-                                                 0.32607257743127307, 0.17392742256872693};
+/// Gauss and Legendre's rule of N nodes on 0 .. 1.
+template <std::size_t N>
+struct Rule {
+  std::array<double, N> node, weight;
+};
+constexpr Rule<3> kThree = {{0.11270166537925831, 0.5, 0.88729833462074169},
+                            {0.27777777777777778, 0.44444444444444444, 0.27777777777777778}};
+constexpr Rule<4> kFour = {
+    {0.06943184420297371, 0.33000947820757187, 0.66999052179242813, 0.93056815579702629},
+    {0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693}};
+constexpr Rule<5> kFive = {
+    {0.04691007703066802, 0.23076534494715845, 0.5, 0.76923465505284155, 0.95308992296933198},
+    {0.11846344252809454, 0.23931433524968324, 0.28444444444444444, 0.23931433524968324,
+     0.11846344252809454}};
 
 /// A phalanx over a plane, seen along it at right angles to the axis: its ends over the plane, `length` apart
 /// on it. What lies beyond a joint is the neighbour's.
@@ -64,59 +69,86 @@ Interval inside_of(const Outline& o) {
   return inside;
 }
 
-/// Integrals of phi over the plane: of itself, and times u.
-struct PlaneSums {
-  double volume = 0, first = 0;
+/// The field across the axis at u: of a point v beside it phi is radius - sqrt(square + v^2), and lowering
+/// the outline lets it grow by turning + height / sqrt(square + v^2).
+struct Line {
+  double radius = 0, square = 0, height = 0, turning = 0;
+  double half = 0;  ///< phi is above 0 on both sides up to here [m]
 };
+Line line_at(const Outline& o, double u) {
+  const double share = o.share_at(u), t = clamp(share, 0, 1), rise = o.height2 - o.height1;
+  const double x = u - t * o.length, y = o.height1 + t * rise,
+               radius = o.radius1 + t * (o.radius2 - o.radius1);
+  const double square = x * x + y * y, left = radius * radius - square;
+  const double turning =
+      t == share && o.axis_square > 1e-18 ? rise / o.axis_square * (o.radius2 - o.radius1) : 0;
+  return {radius, square, y, turning, left > 0 ? std::sqrt(left) : 0};
+}
 
-// Adds what lies across the axis at u: `add(part of the volume, v)` for each node on one side of it.
-template <class Add>
-void visit_line(const Outline& o, double u, double weight, const Add& add) {
-  const double t = clamp(o.share_at(u), 0, 1);
-  const double x = u - t * o.length, y = o.height1 + t * (o.height2 - o.height1);
-  const double square = x * x + y * y, radius = o.radius1 + t * (o.radius2 - o.radius1);
-  if (!(radius * radius > square)) return;
-  const double half = std::sqrt(radius * radius - square);
-  for (std::size_t j = 0; j < kNodeAcross.size(); ++j) {
-    const double v = half * kNodeAcross[j], phi = radius - std::sqrt(square + v * v);
-    add(2 * half * weight * kWeightAcross[j] * phi, v);
+/// Integrals of phi over the plane: of itself, times u, and by how much the first grows a metre of depth.
+struct PlaneSums {
+  double volume = 0, first = 0, growth = 0;
+};
+void add_line(const Line& line, double u, double weight, PlaneSums& sums) {
+  if (!(line.half > 0)) return;
+  double volume = 0, nearness = 0;
+  for (std::size_t j = 0; j < kThree.node.size(); ++j) {
+    const double v = line.half * kThree.node[j], distance = std::sqrt(line.square + v * v);
+    volume += kThree.weight[j] * (line.radius - distance);
+    nearness += kThree.weight[j] / distance;
+  }
+  const double area = 2 * line.half * weight;
+  sums.volume += area * volume;
+  sums.first += area * volume * u;
+  sums.growth += area * (line.turning + line.height * nearness);
+}
+
+/// The axis' shadow: where phi is above 0, parted where it has kinks. Of one that lies, below whose ends; of
+/// a sphere's, or an upright one's, below its middle.
+struct Shadow {
+  bool lies = false;
+  std::array<double, 4> mark{};  ///< ascending [m]
+};
+Shadow shadow_of(const Outline& o) {
+  const Interval inside = inside_of(o);
+  if (!(o.length * o.length > 1e-6 * o.axis_square)) {
+    const double middle = 0.5 * (inside.low + inside.high);
+    return {false, {inside.low, middle, middle, inside.high}};
+  }
+  const double shift = o.height1 * (o.height2 - o.height1);
+  return {true,
+          {inside.low, clamp(shift / o.length, inside.low, inside.high),
+           clamp((o.axis_square + shift) / o.length, inside.low, inside.high), inside.high}};
+}
+
+// Calls visit(from, to) for the pieces of the shadow that are not a neighbour's.
+template <class Visit>
+void visit_pieces(const Outline& o, const Shadow& shadow, const Visit& visit) {
+  for (std::size_t piece = 0; piece < 3; ++piece) {
+    if (shadow.lies && ((piece == 0 && !o.open1) || (piece == 2 && !o.open2))) continue;
+    if (shadow.mark[piece + 1] > shadow.mark[piece]) visit(shadow.mark[piece], shadow.mark[piece + 1]);
   }
 }
 
-// Calls visit(from, to) for the pieces of the axis' shadow between which phi has kinks.
-template <class Visit>
-void visit_pieces(const Outline& o, const Visit& visit) {
-  Interval inside = inside_of(o);
-  std::array<double, 4> mark = {inside.low, inside.low, inside.high, inside.high};
-  const bool lies = o.length * o.length > 1e-6 * o.axis_square;
-  if (lies) {
-    const double shift = o.height1 * (o.height2 - o.height1);
-    mark[1] = clamp(shift / o.length, inside.low, inside.high);
-    mark[2] = clamp((o.axis_square + shift) / o.length, inside.low, inside.high);
-  }
-  if (!lies) {  // a sphere: phi has its kink above the centre
-    const double middle = 0.5 * (inside.low + inside.high);
-    if (middle > inside.low) visit(inside.low, middle);
-    if (inside.high > middle) visit(middle, inside.high);
-    return;
-  }
-  for (std::size_t piece = 0; piece < 3; ++piece) {
-    if ((piece == 0 && !o.open1) || (piece == 2 && !o.open2)) continue;
-    if (mark[piece + 1] > mark[piece]) visit(mark[piece], mark[piece + 1]);
-  }
+// What the field gains as the outline is lowered because a cut at an end moves along the axis' shadow.
+double growth_at_cuts(const Outline& o, const Shadow& shadow) {
+  if (!shadow.lies || (o.open1 && o.open2)) return 0;
+  PlaneSums at1, at2;
+  if (!o.open1) add_line(line_at(o, shadow.mark[1]), 0, 1, at1);
+  if (!o.open2) add_line(line_at(o, shadow.mark[2]), 0, 1, at2);
+  return (o.height2 - o.height1) / o.length * (at1.volume - at2.volume);
 }
 
 PlaneSums sums_over(const Outline& o) {
   PlaneSums sums;
-  visit_pieces(o, [&](double from, double to) {
-    for (std::size_t i = 0; i < kNodeAlong.size(); ++i) {
-      const double u = from + (to - from) * kNodeAlong[i];
-      visit_line(o, u, (to - from) * kWeightAlong[i], [&](double part, double) {
-        sums.volume += part;
-        sums.first += part * u;
-      });
+  const Shadow shadow = shadow_of(o);
+  visit_pieces(o, shadow, [&](double from, double to) {
+    for (std::size_t i = 0; i < kFive.node.size(); ++i) {
+      const double u = from + (to - from) * kFive.node[i];
+      add_line(line_at(o, u), u, (to - from) * kFive.weight[i], sums);
     }
   });
+  sums.growth += growth_at_cuts(o, shadow);
   return sums;
 }
 
@@ -124,13 +156,18 @@ PlaneSums sums_over(const Outline& o) {
 double moment_about(const Outline& o, double about) {
   double sum = 0;
   const auto add_piece = [&](double from, double to) {
-    for (std::size_t i = 0; to > from && i < kNodeAlong.size(); ++i) {
-      const double u = from + (to - from) * kNodeAlong[i], along = u - about;
-      visit_line(o, u, (to - from) * kWeightAlong[i],
-                 [&](double part, double v) { sum += part * std::sqrt(along * along + v * v); });
+    for (std::size_t i = 0; to > from && i < kFour.node.size(); ++i) {
+      const double u = from + (to - from) * kFour.node[i], along = u - about;
+      const Line line = line_at(o, u);
+      double moment = 0;
+      for (std::size_t j = 0; j < kThree.node.size(); ++j) {
+        const double v = line.half * kThree.node[j], phi = line.radius - std::sqrt(line.square + v * v);
+        moment += kThree.weight[j] * phi * std::sqrt(along * along + v * v);
+      }
+      sum += 2 * line.half * (to - from) * kFour.weight[i] * moment;
     }
   };
-  visit_pieces(o, [&](double from, double to) {
+  visit_pieces(o, shadow_of(o), [&](double from, double to) {
     const double middle = clamp(about, from, to);
     add_piece(from, middle);
     add_piece(middle, to);
@@ -145,42 +182,42 @@ Outline lowered(const Outline& o, double by) {
   return result;
 }
 
-// How far above `touching`, where the outline just meets the plane, it is pushed `volume` [m^3] hard; no
-// farther than `deepest`. The root of the volume is nearly a straight line, so false position does.
-double depth_of_plane(const Outline& touching, double deepest, double volume) {
-  const double wanted = std::sqrt(volume);
-  const auto miss = [&](double depth) {
-    return std::sqrt(sums_over(lowered(touching, depth)).volume) - wanted;
-  };
-  double low = 0, high = deepest, below = -wanted, above = miss(deepest);
-  if (!(above > 0)) return deepest;
+/// An outline pushed into the plane [m], and its sums there.
+struct Pressed {
+  double depth = 0;
+  PlaneSums sums;
+};
+
+// How far below `touching`, where the outline just meets the plane, it is pushed `volume` [m^3] hard; no
+// deeper than `deepest`. The root of the volume is nearly a straight line, so few of Newton's steps do.
+Pressed press_into(const Outline& touching, const Pressed& deepest, double volume) {
+  const double wanted = std::sqrt(volume), share = wanted / std::sqrt(deepest.sums.volume);
+  if (!(share < 1)) return deepest;
+  Pressed pressed;
+  pressed.depth = deepest.depth * share * std::sqrt(1 / (3 - 1.15 * share));  // a sphere's, within 1 %
+  double low = 0, high = deepest.depth;
   for (int step = 0; step < 12; ++step) {
-    const double depth = low + (high - low) * (below / (below - above)), here = miss(depth);
-    if (std::fabs(here) < 1e-5 * wanted) return depth;
-    if (here < 0) {
-      low = depth;
-      below = here;
-      above *= 0.5;  // Illinois: the other end must move, too
-    } else {
-      high = depth;
-      above = here;
-      below *= 0.5;
-    }
+    pressed.sums = sums_over(lowered(touching, pressed.depth));
+    const double root = std::sqrt(pressed.sums.volume), miss = root - wanted;
+    if (std::fabs(miss) < 1e-5 * wanted) break;
+    (miss < 0 ? low : high) = pressed.depth;
+    const double next = pressed.depth - 2 * root * miss / pressed.sums.growth;
+    pressed.depth = next > low && next < high ? next : 0.5 * (low + high);
   }
-  return 0.5 * (low + high);
+  return pressed;
 }
 
-// What a pad presses with, over its field's stiffness [m^3].
-double pressed_volume(const Outline& pressed, const Pad& pad) {
-  double volume = sums_over(pressed).volume;
+// How much more a pad presses per metre of depth, over its field's stiffness [m^2].
+double growth_of(const Outline& pressed, const PlaneSums& field, const Pad& pad) {
+  double growth = field.growth;
   for (const PadLayer& layer : pad.layer) {
     if (layer.stiffness == 0) continue;
     Outline inner = pressed;
     inner.radius1 *= 1 - layer.from;
     inner.radius2 *= 1 - layer.from;
-    volume += layer.stiffness * sums_over(inner).volume;
+    growth += layer.stiffness * sums_over(inner).growth;
   }
-  return volume;
+  return growth;
 }
 
 // The point of the line of action nearest the base joint.
@@ -222,16 +259,18 @@ void take_phalanx(const Primitives& hand, std::size_t segment, double stiffness,
                   !is_joined(hand, segment, false),
                   !is_joined(hand, segment, true),
                   square};
-  const double deepest = min(height1, height2) - touch, volume = patch.force / stiffness;
-  if (!(sums_over(lowered(outline, deepest)).volume > 0)) outline.open1 = outline.open2 = true;
-  const double depth = depth_of_plane(outline, deepest, volume), step = 1e-3 * deepest;
+  Pressed deepest{min(height1, height2) - touch, {}};
+  const auto press_deepest = [&] { deepest.sums = sums_over(lowered(outline, deepest.depth)); };
+  press_deepest();
+  if (!(deepest.sums.volume > 0)) {
+    outline.open1 = outline.open2 = true;
+    press_deepest();
+  }
+  const auto [depth, sums] = press_into(outline, deepest, patch.force / stiffness);
   const Outline pressed = lowered(outline, depth);
-  const PlaneSums sums = sums_over(pressed);
-  const double ahead = pressed_volume(lowered(outline, depth + step), pad),
-               behind = pressed_volume(lowered(outline, depth - step), pad);
   patch.centre += (touch + depth - dot(patch.normal, patch.centre)) * patch.normal;
   patch.radius = sums.volume > 0 ? moment_about(pressed, sums.first / sums.volume) / sums.volume : 0;
-  patch.stiffness = max(0, stiffness * (ahead - behind) / (2 * step));
+  patch.stiffness = max(0, stiffness * growth_of(pressed, sums, pad));
 }
 
 }  // namespace
