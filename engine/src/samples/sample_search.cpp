@@ -194,35 +194,85 @@ bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, 
 
 // ---- Order ----
 
-// Lists the patches of each body's entries, by key and, within a key, body by body.
-bool put_in_order(std::span<const std::span<const FoundPatches>> found, NearPatches& near) {
-  near.begin.fill(0);
-  near.tiles = 0;
-  for (const auto& of_body : found) {
-    for (const FoundPatches& patches : of_body)
-      near.begin[patches.key + 1u] += static_cast<std::uint32_t>(__builtin_popcount(patches.lanes));
-  }
-  std::partial_sum(near.begin.begin(), near.begin.end(), near.begin.begin());
-  if (near.count() > near.listed.size()) return false;
-  std::fill_n(near.outside.begin(), near.count(), std::uint8_t{0});
-  std::array<std::uint32_t, kKeyCount> next;
-  std::copy_n(near.begin.begin(), kKeyCount, next.begin());
-  for (std::size_t body = 0; body < found.size(); ++body) {
-    for (const auto [key, lanes, block] : found[body]) {
-      const std::uint32_t what = key % kind::kCount;
-      const bool is_block = (what >= kind::kBlockInside && what < kind::kPalmSide) ||
-                            what == kind::kPalmBlock || what == kind::kPalmBlockBeside,
-                 at_far_end = what >= kind::kFarEnd && what < kind::kInside;
-      const auto tile = static_cast<std::uint32_t>(body * Bodies::kTilesApart + kTileOfKind[what] +
-                                                   (at_far_end ? ListedPatch::kFarEnd : 0));
-      near.tiles |= ((std::uint64_t{1} << sharers_of(what)) - 1) << tile % ListedPatch::kFarEnd;
-      const std::uint32_t first = is_block ? block : block * PatchBlock::kWidth;
-      ListedPatch* to = near.listed.data() + next[key];
-      for (std::uint32_t left = lanes; left != 0; left &= left - 1)
-        *to++ = {first + static_cast<std::uint32_t>(__builtin_ctz(left)), tile};
-      next[key] = static_cast<std::uint32_t>(to - near.listed.data());
+/// Which of four lanes are set, and how many.
+struct SetLanes {
+  ListedPatch lane[4];
+  std::uint32_t count;
+};
+constexpr std::array<SetLanes, 16> kSetLanes = [] {
+  std::array<SetLanes, 16> all{};
+  for (std::size_t bits = 0; bits < all.size(); ++bits) {
+    for (std::uint32_t lane = 0; lane < 4; ++lane) {
+      if ((bits >> lane & 1u) != 0) all[bits].lane[all[bits].count++].place = lane;
     }
   }
+  return all;
+}();
+
+std::uint32_t count_of(std::uint32_t lanes) {
+  return kSetLanes[lanes & 15u].count + kSetLanes[lanes >> 4 & 15u].count +
+         kSetLanes[lanes >> 8 & 15u].count + kSetLanes[lanes >> 12].count;
+}
+
+// Lists a run's patches, four lanes at a time, set or not: what is too much is written over by what follows.
+ListedPatch* put_run(const PatchRun& run, ListedPatch* to) {
+  for (std::uint32_t from = 0; from < PatchBlock::kWidth; from += 4) {
+    const SetLanes& set = kSetLanes[run.lanes >> from & 15u];
+    for (std::size_t i = 0; i < 4; ++i)
+      to[i] = {set.lane[i].place + (run.first + from), set.lane[i].tile + run.tile};
+    to += set.count;
+  }
+  return to;
+}
+
+using CountByKey = std::array<std::uint32_t, kKeyCount + 1>;
+
+// Where each key's patches begin, in `near`, and, returned, its entries.
+CountByKey count_keys(std::span<const std::span<const FoundPatches>> found, NearPatches& near) {
+  CountByKey entries{};
+  near.begin.fill(0);
+  for (const auto& of_body : found) {
+    for (const FoundPatches& patches : of_body) {
+      near.begin[patches.key + 1u] += count_of(patches.lanes);
+      ++entries[patches.key + 1u];
+    }
+  }
+  std::partial_sum(near.begin.begin(), near.begin.end(), near.begin.begin());
+  std::partial_sum(entries.begin(), entries.end(), entries.begin());
+  return entries;
+}
+
+// An entry of a body as patches that follow each other.
+PatchRun run_of(const FoundPatches& found, std::size_t body) {
+  const std::uint32_t what = found.key % kind::kCount;
+  const bool is_block = (what >= kind::kBlockInside && what < kind::kPalmSide) || what == kind::kPalmBlock ||
+                        what == kind::kPalmBlockBeside,
+             at_far_end = what >= kind::kFarEnd && what < kind::kInside;
+  return {is_block ? found.block : found.block * PatchBlock::kWidth,
+          static_cast<std::uint32_t>(body * Bodies::kTilesApart + kTileOfKind[what] +
+                                     (at_far_end ? ListedPatch::kFarEnd : 0)),
+          found.lanes};
+}
+
+// Lists the patches of each body's entries, by key and, within a key, body by body.
+bool put_in_order(std::span<const std::span<const FoundPatches>> found, std::span<PatchRun> runs,
+                  NearPatches& near) {
+  CountByKey next = count_keys(found, near);
+  if (near.count() > near.listed.size() - PatchBlock::kWidth) return false;
+  const std::size_t run_count = next[kKeyCount];
+  near.tiles = 0;
+  near.innermost.fill(0);
+  for (std::size_t body = 0; body < found.size(); ++body) {
+    for (const FoundPatches& patches : found[body]) {
+      const PatchRun run = runs[next[patches.key]++] = run_of(patches, body);
+      const std::uint64_t innermost = std::uint64_t{1} << run.tile % ListedPatch::kFarEnd;
+      near.innermost[patches.key] |= innermost;
+      for (std::uint32_t k = 0; k < sharers_of(patches.key % kind::kCount); ++k) near.tiles |= innermost << k;
+    }
+  }
+  ListedPatch* to = near.listed.data();
+  for (const PatchRun& run : runs.first(run_count)) to = put_run(run, to);
+  std::fill_n(near.outside.begin(), near.count(), std::uint8_t{0});
   return true;
 }
 
@@ -238,6 +288,7 @@ void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& nea
     for (auto& frontier : searcher.frontier) at_least(blocks, frontier);
     at_least(most + std::max(patches.block.size(), kSpare), searcher.found);
   }
+  at_least(most + kSpare, memory.runs);
   at_least(most + kSpare, near.listed);
   at_least(most + kSpare, near.outside);
 }
@@ -246,7 +297,7 @@ bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodi
                   NearPatches& near) {
   const std::size_t threads = near.count() < kSerialBelow ? 1 : memory.searcher.size();
   if (find_all(model, hand, bodies, threads, memory) &&
-      put_in_order(std::span(memory.found).first(bodies.finger_count + 1), near))
+      put_in_order(std::span(memory.found).first(bodies.finger_count + 1), memory.runs, near))
     return true;
   near.begin.fill(0);
   return false;

@@ -21,6 +21,7 @@ struct NearPatches {
   std::vector<std::uint8_t> outside;                 ///< 1 for each that a kernel has found to meet nothing
   std::array<std::uint32_t, kKeyCount + 1> begin{};  ///< those of key k go from begin[k] to begin[k + 1]
   std::uint64_t tiles = 0;                           ///< that are near any, a bit each by their numbers
+  std::array<std::uint64_t, kKeyCount> innermost{};  ///< the tiles that patches of each key are listed for
 
   [[nodiscard]] std::size_t count() const { return begin.back(); }
   [[nodiscard]] bool has(std::size_t patch_class) const {
@@ -31,6 +32,13 @@ struct NearPatches {
                                                       std::size_t patch_class) const {
     const std::size_t key = patch_class * kind::kCount;
     return std::span(listed).subspan(begin[key + first], begin[key + last + 1] - begin[key + first]);
+  }
+  /// The tiles that those are listed for, a bit each.
+  [[nodiscard]] std::uint64_t tiles_of_kinds(std::uint32_t first, std::uint32_t last,
+                                             std::size_t patch_class) const {
+    std::uint64_t tiles_of_any = 0;
+    for (std::size_t k = first; k <= last; ++k) tiles_of_any |= innermost[patch_class * kind::kCount + k];
+    return tiles_of_any;
   }
 };
 
@@ -43,10 +51,18 @@ struct PatchSearcher {
   [[nodiscard]] FoundPatches* end() { return found.data() + count; }
 };
 
+/// Patches of a block that a body has found of one key, by their lanes.
+struct PatchRun {
+  std::uint32_t first;  ///< patch of the block; or the block as one
+  std::uint32_t tile;   ///< as ListedPatch has it
+  std::uint32_t lanes;  ///< a bit each
+};
+
 /// What the search works with, sized once for a model.
 struct PatchSearchMemory {
   std::vector<PatchSearcher> searcher;
   std::array<std::span<const FoundPatches>, Bodies::kMostFingers + 1> found;  ///< of each body, the palm last
+  std::vector<PatchRun> runs;                                                 ///< in order of their keys
 };
 
 /// How many neighbouring tiles share patches of a kind.

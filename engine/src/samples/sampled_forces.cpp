@@ -96,10 +96,12 @@ PatchList wanted_of(SampleWork& work, std::uint32_t first, std::uint32_t last, s
   const auto is_wanted = [innermost](const ListedPatch& patch) {
     return (innermost >> patch.tile % ListedPatch::kFarEnd & 1u) != 0;
   };
+  const std::uint64_t listed_for = work.near.tiles_of_kinds(first, last, patch_class);
+  if ((listed_for & innermost) == 0) return {};
   const std::span<const ListedPatch> all = work.of_kinds(first, last, patch_class);
   PatchList list = work.list(all);
   if (mark) list.outside = work.near.outside.data() + (all.data() - work.near.listed.data());
-  if (std::all_of(all.begin(), all.end(), is_wanted)) return list;
+  if ((listed_for & ~innermost) == 0) return list;
   SampleThread& memory = work.memory;
   list.patches = memory.chosen.data();
   list.numbers = memory.numbers.data();
