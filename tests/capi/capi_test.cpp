@@ -1,6 +1,7 @@
 // lumbrical.h, as C and others call it through liblumbrical.so, held against the C++ interface's bits.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <vector>
 
@@ -36,15 +37,10 @@ TEST(CApi, ForcesAreThoseOfTheCppInterfaceToTheLastBit) {
 }
 
 TEST(CApi, FloatVerticesAreTheSameMesh) {
-  Scene scene = ball_scene();
-  for (Vec3& v : scene.objects[0].mesh.vertices) {
-    const auto in_float = [](double x) { return static_cast<double>(static_cast<float>(x)); };
-    v = {in_float(v.x), in_float(v.y), in_float(v.z)};
-  }
-  MeshObject ball(scene.objects[0].mesh);
+  MeshObject ball(ball_scene().objects[0].mesh);
   std::vector<float> vertices;
-  for (const Vec3& v : scene.objects[0].mesh.vertices)
-    for (const double x : {v.x, v.y, v.z}) vertices.push_back(static_cast<float>(x));
+  for (const double x : ball.vertices) vertices.push_back(static_cast<float>(x));
+  std::copy(vertices.begin(), vertices.end(), ball.vertices.begin());
   CSession from_double(ball.object);
   ball.object.vertices = nullptr;
   ball.object.float_vertices = vertices.data();

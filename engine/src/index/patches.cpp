@@ -17,12 +17,19 @@ namespace lumbrical {
 namespace {
 
 // [R] Longest steps of the lattices at a precision of 1e-4 of the hand's force, from the coarsest level to
-// the finest: of the last phalanx of a finger and of the palm, which often are alone in touching lightly, and
-// of the others. Measured: docs/mechanics.md; a user measures his own scene with `lumbrical run
-// --compare-precision`. The error falls with the step's fourth power.
-constexpr std::array<double, kLevels> kAloneStep = {0.42, 0.31, 0.16}, kStep = {0.42, 0.31, 0.25};
+// the finest, R the hand's smallest radius: all its segments have the same lattices, so that patches of
+// several go through kernels together. Measured: docs/mechanics.md; a user measures his own scene with
+// `lumbrical run --compare-precision`. The error falls with the step's fourth power.
+constexpr std::array<double, kLevels> kStep = {0.6, 0.33, 0.15};
 
-// How many times finer than the finest lattice, level by level, one is where a skeleton comes near.
+// But no segment has steps below this share of its own radius in the place of R.
+constexpr double kOwnRadius = 0.5;
+
+// [R] The steps that patches are measured in.
+constexpr double kSizeStep = 0.18;
+
+// How many times finer than a patch is long in those, level by level, lattices are where a skeleton comes
+// near.
 constexpr std::array<double, kLevels> kNearSkeleton = {1, 1.5, 2};
 
 // Patches of smaller sizes have the last of these on every level: theirs cost less than a second look would.
@@ -36,8 +43,7 @@ constexpr double kBlockRadius = 0.36;
 // it, where its curvature jumps.
 constexpr double kBlockAbovePalm = 2, kBlockBesidePalm = 0.25;
 
-// Slivers are cut into patches no longer than so many times their width, or so many steps of the finest
-// lattice.
+// Slivers are cut into patches no longer than so many times their width, or so many steps.
 constexpr double kSliver = 3, kSliverSteps = 3, kFinerSlivers = 2.2;
 
 // A triangle that has to be halved more often in a row is left to the exact rung.
@@ -61,10 +67,14 @@ double radius_of(const Hand& hand, std::size_t segment) {
   return min(hand.radius[base], hand.radius[tip]);
 }
 
-double step_of(const Hand& hand, const Settings& settings, std::size_t segment, std::size_t level) {
+// [m] Of so many R at a precision of 1e-4 what it is at a segment's.
+double step_of(const Hand& hand, const Settings& settings, std::size_t segment, double in_radii) {
+  double radius = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    if (is_sampled(settings, i)) radius = min(radius, radius_of(hand, i));
+  }
   const double share = std::sqrt(std::sqrt(settings.precision[segment] / 1e-4));
-  const bool is_alone = segment == kPalmSegment || segment % 3 == 2;
-  return (is_alone ? kAloneStep : kStep)[level] * share * radius_of(hand, segment);
+  return in_radii * share * max(radius, kOwnRadius * radius_of(hand, segment));
 }
 
 double block_radius_of(const Hand& hand, const Settings& settings, std::size_t segment, double share) {
@@ -94,7 +104,7 @@ double length_allowed(const Corners& at, double step) {
   return clamp(kSliver * width_of(at), kSliverSteps * step, static_cast<double>(kPatchSizes) * step);
 }
 
-// How many steps of the finest lattice a patch is long. Slivers lie side by side and are all off the same
+// How many steps a patch is long. Slivers lie side by side and are all off the same
 // way, so they get finer ones.
 double steps_along(const Corners& at, double step) {
   const double longest = longest_edge(at);
@@ -145,7 +155,7 @@ bool has_area(const Corners& at) {
 
 /// What becomes of the triangles.
 struct Cutting {
-  double step = 0;                   // [m] the finest there is
+  double step = 0;                   // [m] the least that any segment measures patches in
   std::vector<std::uint32_t> owner;  // of each patch
   std::vector<std::uint16_t> path;   // to it, of each patch
 };
@@ -343,12 +353,11 @@ bool is_sampled(const Settings& settings, std::size_t segment) {
 std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& settings,
                                              const Triangles& triangles, const Box& extent,
                                              const Execution& execution) {
-  double finest = std::numeric_limits<double>::infinity();
+  double unit = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    if (!is_sampled(settings, i)) continue;
-    finest = min(finest, step_of(hand, settings, i, kLevels - 1));
+    if (is_sampled(settings, i)) unit = min(unit, step_of(hand, settings, i, kSizeStep));
   }
-  if (!is_finite(finest)) return nullptr;
+  if (!is_finite(unit)) return nullptr;
   auto patches = std::make_shared<Patches>();
   double radius3 = 0, sampled = 0;
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
@@ -360,16 +369,17 @@ std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& s
     if (is_palm) patches->block_above_palm = block_radius_of(hand, settings, i, kBlockAbovePalm);
     ++sampled;
     for (std::size_t k = 0; k < kPatchSizes; ++k) {
-      const double size = finest * static_cast<double>(k + 1);
+      const double size = unit * static_cast<double>(k + 1);
       LatticeSteps& steps = patches->steps[i][k];
       for (std::size_t level = 0; level < kLevels; ++level)
-        steps[level] = steps_for(size / step_of(hand, settings, i, level));
+        steps[level] = steps_for(size / step_of(hand, settings, i, kStep[level]));
       steps[kOneCell] = 1;
       patches->has_levels[k] = patches->has_levels[k] || steps[0] != steps[kLevels - 1];
       LatticeSteps& near = patches->steps[i][kPatchSizes + k];
       const bool has_levels = k >= kLeastSizeWithLevels;
+      const std::uint8_t own_size = steps_for(size / step_of(hand, settings, i, kSizeStep));
       for (std::size_t level = 0; level < kLevels; ++level)
-        near[level] = steps_for(kNearSkeleton[has_levels ? level : kLevels - 1] * steps[kLevels - 1]);
+        near[level] = steps_for(kNearSkeleton[has_levels ? level : kLevels - 1] * own_size);
       near[kOneCell] = 1;
       patches->has_levels[kPatchSizes + k] = has_levels;
       for (const std::size_t patch_class : {k, kPatchSizes + k})
@@ -377,7 +387,7 @@ std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& s
     }
   }
   patches->radius3 = radius3 / sampled;
-  const Cutting cutting = cut_triangles(triangles, finest, execution, *patches);
+  const Cutting cutting = cut_triangles(triangles, unit, execution, *patches);
   put_blocks(triangles, extent, cutting, execution, *patches);
   return patches;
 }

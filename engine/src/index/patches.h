@@ -14,12 +14,12 @@
 
 namespace lumbrical {
 
-/// A patch's size is one less than how many of the finest lattice's steps it is long, rounded up. Its class
+/// A patch's size is one less than how many steps of a length of their own it is long, rounded up. Its class
 /// is that, or by kPatchSizes more where a body's skeleton comes near (an axis, a centre, the palm's
 /// polygon): there its field has a kink.
 inline constexpr std::size_t kPatchSizes = 8, kPatchClasses = 2 * kPatchSizes;
 
-/// The lattice with most steps: twice the finest where a skeleton comes near.
+/// The lattice with most steps: twice as many as a patch is long, where a skeleton comes near.
 inline constexpr std::size_t kMostSteps = 2 * kPatchSizes;
 
 /// Lattices from coarse to fine. How fine the one is by which a hand is felt depends on its force

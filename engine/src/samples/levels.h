@@ -20,7 +20,7 @@ using LevelWeights = std::array<double, kLevels>;
 /// Least forces for which level k will do without the next finer one, and half of which is too little for it:
 /// sums of what segments feel, of a stiffness of 1, in units of Patches::radius3. Measured over drapes and
 /// fingertips (docs/mechanics.md).
-inline constexpr std::array<double, kLevels - 1> kEnoughForce = {20, 3};
+inline constexpr std::array<double, kLevels - 1> kEnoughForce = {8, 0.5};
 
 inline LevelWeights level_weights(double force) {
   LevelWeights weights{};

@@ -153,7 +153,7 @@ void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level) 
   }
 }
 
-// By the patch's size in steps of the finest lattice.
+// By the patch's size in steps.
 std::size_t rule_for(std::size_t size) { return size < 1 ? 0 : size < 2 ? 1 : size < 5 ? 2 : 3; }
 
 // What lies inside, where fields are smooth, or linear.
