@@ -20,7 +20,7 @@ namespace {
 // the finest, R the hand's smallest radius: all its segments have the same lattices, so that patches of
 // several go through kernels together. Measured: docs/mechanics.md; a user measures his own scene with
 // `lumbrical run --compare-precision`. The error falls with the step's fourth power.
-constexpr std::array<double, kLevels> kStep = {0.6, 0.33, 0.15};
+constexpr std::array<double, kLevels> kStep = {0.6, 0.31, 0.15};
 
 // But no segment has steps below this share of its own radius in the place of R.
 constexpr double kOwnRadius = 0.5;
