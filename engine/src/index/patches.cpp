@@ -17,23 +17,23 @@ namespace lumbrical {
 namespace {
 
 // [R] Longest steps of the lattices at a precision of 1e-4 of the hand's force, from the coarsest level to
-// the finest, R the hand's smallest radius: all its segments have the same lattices, so that patches of
+// the finest, R the mean radius of what is sampled: all segments have the same lattices, so that patches of
 // several go through kernels together. Measured: docs/mechanics.md; a user measures his own scene with
 // `lumbrical run --compare-precision`. The error falls with the step's fourth power.
-constexpr std::array<double, kLevels> kStep = {0.6, 0.31, 0.15};
+constexpr std::array<double, kLevels> kStep = {0.39, 0.21, 0.102};
 
-// But no segment has steps below this share of its own radius in the place of R.
-constexpr double kOwnRadius = 0.5;
+// R is no less and no more than these shares of a segment's own radius.
+constexpr double kThick = 0.5, kThin = 1.5;
 
 // [R] The steps that patches are measured in.
-constexpr double kSizeStep = 0.18;
+constexpr double kSizeStep = 0.13;
 
 // How many times finer than a patch is long in those, level by level, lattices are where a skeleton comes
 // near.
 constexpr std::array<double, kLevels> kNearSkeleton = {1, 1.5, 2};
 
 // Patches of smaller sizes have the last of these on every level: theirs cost less than a second look would.
-constexpr std::size_t kLeastSizeWithLevels = 6;
+constexpr std::size_t kLeastSizeWithLevels = 5;
 
 // [R] Largest radius of a block that is taken as one at a precision of 1e-4; the error falls with its third
 // power.
@@ -67,14 +67,21 @@ double radius_of(const Hand& hand, std::size_t segment) {
   return min(hand.radius[base], hand.radius[tip]);
 }
 
+double mean_radius(const Hand& hand, const Settings& settings) {
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    if (!is_sampled(settings, i)) continue;
+    sum += radius_of(hand, i);
+    ++count;
+  }
+  return sum / count;
+}
+
 // [m] Of so many R at a precision of 1e-4 what it is at a segment's.
 double step_of(const Hand& hand, const Settings& settings, std::size_t segment, double in_radii) {
-  double radius = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    if (is_sampled(settings, i)) radius = min(radius, radius_of(hand, i));
-  }
-  const double share = std::sqrt(std::sqrt(settings.precision[segment] / 1e-4));
-  return in_radii * share * max(radius, kOwnRadius * radius_of(hand, segment));
+  const double own = radius_of(hand, segment),
+               radius = clamp(mean_radius(hand, settings), kThick * own, kThin * own);
+  return in_radii * std::sqrt(std::sqrt(settings.precision[segment] / 1e-4)) * radius;
 }
 
 double block_radius_of(const Hand& hand, const Settings& settings, std::size_t segment, double share) {
@@ -104,8 +111,8 @@ double length_allowed(const Corners& at, double step) {
   return clamp(kSliver * width_of(at), kSliverSteps * step, static_cast<double>(kPatchSizes) * step);
 }
 
-// How many steps a patch is long. Slivers lie side by side and are all off the same
-// way, so they get finer ones.
+// How many steps a patch is long. Slivers lie side by side and are all off the same way, so they get finer
+// ones.
 double steps_along(const Corners& at, double step) {
   const double longest = longest_edge(at);
   return longest / step * clamp(longest / (kSliver * width_of(at)), 1, kFinerSlivers);
