@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "../narrowphase/posed_finger.h"
 #include "pads.h"
 #include "random.h"
 
@@ -95,42 +96,25 @@ TEST(ContactPatch, OfALeaningOrLyingCapsuleIsThatOfPlainSums) {
   }
 }
 
-// A straight index finger that leans on a plane: what its segments feel as one.
-struct LeaningFinger {
-  Model model;
-  Scratch scratch;
-  State state;
-  explicit LeaningFinger(const Scene& scene) : model(test::model_of(scene)), scratch(make_scratch(model)) {}
-
-  ActuatorFrame at(double lean, double pressed) {
-    DeviceFrame frame;
-    frame.valid = 0;
-    const Vec3 along{std::cos(lean), 0, std::sin(lean)};
-    for (const int joint : {kIndexProximal, kIndexIntermediate, kIndexDistal, kIndexTip}) {
-      const Vec3 p = Vec3{0, 0, test::kPadRadius - pressed} + (0.025 * (kIndexTip - joint)) * along;
-      frame.joint[static_cast<std::size_t>(joint)].position = {
-          static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-      frame.valid |= 1u << joint;
-    }
-    return tick(model, state, scratch, frame);
-  }
-};
-
 TEST(ContactPatch, OfAPhalanxBetweenItsNeighboursIsAsStiffAsItsForceGrows) {
   Scene scene = test::pad_scene();
   scene.objects.push_back({"plane", make_plane(0.4, 3)});
-  LeaningFinger finger(scene);
+  test::Session session(scene);
+  const auto feel_leaning = [&](double lean, double pressed) {
+    const Vec3 tip{0, 0, test::kPadRadius - pressed}, bone{0.025 * std::cos(lean), 0, 0.025 * std::sin(lean)};
+    return session.feel(test::finger_frame({tip + 3.0 * bone, tip + 2.0 * bone, tip + bone, tip}));
+  };
   const double step = 2e-5;
   std::size_t compared = 0;
   for (const double lean : {0.0, 0.05, 0.1, 0.2, 0.3}) {
     for (const double pressed : {0.002, 0.006}) {
-      const ActuatorFrame above = finger.at(lean, pressed - step), below = finger.at(lean, pressed + step),
-                          here = finger.at(lean, pressed);
+      const ActuatorFrame above = feel_leaning(lean, pressed - step),
+                          below = feel_leaning(lean, pressed + step), here = feel_leaning(lean, pressed);
       for (std::size_t i = 3; i < 6; ++i) {
         const double growth = (below.segment[i].force.z - above.segment[i].force.z) / (2 * step);
         if (!(here.segment[i].force.z > 0.1)) continue;
         const ContactPatch patch =
-            contact_patch(*finger.scratch.primitives, i, here.segment[i], kStiffness, {});
+            contact_patch(*session.scratch.primitives, i, here.segment[i], kStiffness, {});
         EXPECT_NEAR(patch.stiffness, growth, 0.02 * growth) << segment_name(static_cast<int>(i)) << lean;
         ++compared;
       }

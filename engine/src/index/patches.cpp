@@ -77,11 +77,10 @@ double mean_radius(const Hand& hand, const Settings& settings) {
   return sum / count;
 }
 
-// [m] Of so many R at a precision of 1e-4 what it is at a segment's.
-double step_of(const Hand& hand, const Settings& settings, std::size_t segment, double in_radii) {
-  const double own = radius_of(hand, segment),
-               radius = clamp(mean_radius(hand, settings), kThick * own, kThin * own);
-  return in_radii * std::sqrt(std::sqrt(settings.precision[segment] / 1e-4)) * radius;
+// [m] R, at a precision of 1e-4, as long as a segment's precision makes it.
+double step_unit(const Hand& hand, const Settings& settings, std::size_t segment, double mean) {
+  const double own = radius_of(hand, segment);
+  return std::sqrt(std::sqrt(settings.precision[segment] / 1e-4)) * clamp(mean, kThick * own, kThin * own);
 }
 
 double block_radius_of(const Hand& hand, const Settings& settings, std::size_t segment, double share) {
@@ -360,11 +359,15 @@ bool is_sampled(const Settings& settings, std::size_t segment) {
 std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& settings,
                                              const Triangles& triangles, const Box& extent,
                                              const Execution& execution) {
-  double unit = std::numeric_limits<double>::infinity();
+  const double mean = mean_radius(hand, settings);
+  double least = std::numeric_limits<double>::infinity();
+  std::array<double, kSegmentCount> unit{};
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    if (is_sampled(settings, i)) unit = min(unit, step_of(hand, settings, i, kSizeStep));
+    if (!is_sampled(settings, i)) continue;
+    unit[i] = step_unit(hand, settings, i, mean);
+    least = min(least, kSizeStep * unit[i]);
   }
-  if (!is_finite(unit)) return nullptr;
+  if (!is_finite(least)) return nullptr;
   auto patches = std::make_shared<Patches>();
   double radius3 = 0, sampled = 0;
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
@@ -376,15 +379,15 @@ std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& s
     if (is_palm) patches->block_above_palm = block_radius_of(hand, settings, i, kBlockAbovePalm);
     ++sampled;
     for (std::size_t k = 0; k < kPatchSizes; ++k) {
-      const double size = unit * static_cast<double>(k + 1);
+      const double size = least * static_cast<double>(k + 1);
       LatticeSteps& steps = patches->steps[i][k];
       for (std::size_t level = 0; level < kLevels; ++level)
-        steps[level] = steps_for(size / step_of(hand, settings, i, kStep[level]));
+        steps[level] = steps_for(size / (kStep[level] * unit[i]));
       steps[kOneCell] = 1;
       patches->has_levels[k] = patches->has_levels[k] || steps[0] != steps[kLevels - 1];
       LatticeSteps& near = patches->steps[i][kPatchSizes + k];
       const bool has_levels = k >= kLeastSizeWithLevels;
-      const std::uint8_t own_size = steps_for(size / step_of(hand, settings, i, kSizeStep));
+      const std::uint8_t own_size = steps_for(size / (kSizeStep * unit[i]));
       for (std::size_t level = 0; level < kLevels; ++level)
         near[level] = steps_for(kNearSkeleton[has_levels ? level : kLevels - 1] * own_size);
       near[kOneCell] = 1;
@@ -394,7 +397,7 @@ std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& s
     }
   }
   patches->radius3 = radius3 / sampled;
-  const Cutting cutting = cut_triangles(triangles, unit, execution, *patches);
+  const Cutting cutting = cut_triangles(triangles, least, execution, *patches);
   put_blocks(triangles, extent, cutting, execution, *patches);
   return patches;
 }

@@ -3,23 +3,20 @@
 #include <array>
 #include <cmath>
 
+#include "section/gauss.h"
+
 namespace lumbrical {
 namespace {
 
-/// Gauss and Legendre's rule of N nodes on 0 .. 1.
-template <std::size_t N>
-struct Rule {
-  std::array<double, N> node, weight;
+// Of five nodes. Last places as they always were, which golden hashes hold: the outer two are off by one and
+// two.
+constexpr GaussNode kAlong[] = {
+    {0.04691007703066802, 0.11846344252809454},
+    {0.23076534494715845, 0.23931433524968324},
+    {0.5, 0.28444444444444444},
+    {0.76923465505284155, 0.23931433524968324},
+    {0.95308992296933198, 0.11846344252809454},
 };
-constexpr Rule<3> kThree = {{0.11270166537925831, 0.5, 0.88729833462074169},
-                            {0.27777777777777778, 0.44444444444444444, 0.27777777777777778}};
-constexpr Rule<4> kFour = {
-    {0.06943184420297371, 0.33000947820757187, 0.66999052179242813, 0.93056815579702629},
-    {0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693}};
-constexpr Rule<5> kFive = {
-    {0.04691007703066802, 0.23076534494715845, 0.5, 0.76923465505284155, 0.95308992296933198},
-    {0.11846344252809454, 0.23931433524968324, 0.28444444444444444, 0.23931433524968324,
-     0.11846344252809454}};
 
 /// A phalanx over a plane, seen along it at right angles to the axis: its ends over the plane, `length` apart
 /// on it. What lies beyond a joint is the neighbour's.
@@ -92,10 +89,10 @@ struct PlaneSums {
 void add_line(const Line& line, double u, double weight, PlaneSums& sums) {
   if (!(line.half > 0)) return;
   double volume = 0, nearness = 0;
-  for (std::size_t j = 0; j < kThree.node.size(); ++j) {
-    const double v = line.half * kThree.node[j], distance = std::sqrt(line.square + v * v);
-    volume += kThree.weight[j] * (line.radius - distance);
-    nearness += kThree.weight[j] / distance;
+  for (const auto [at, share] : kGauss3) {
+    const double v = line.half * at, distance = std::sqrt(line.square + v * v);
+    volume += share * (line.radius - distance);
+    nearness += share / distance;
   }
   const double area = 2 * line.half * weight;
   sums.volume += area * volume;
@@ -143,9 +140,9 @@ PlaneSums sums_over(const Outline& o) {
   PlaneSums sums;
   const Shadow shadow = shadow_of(o);
   visit_pieces(o, shadow, [&](double from, double to) {
-    for (std::size_t i = 0; i < kFive.node.size(); ++i) {
-      const double u = from + (to - from) * kFive.node[i];
-      add_line(line_at(o, u), u, (to - from) * kFive.weight[i], sums);
+    for (const auto [at, share] : kAlong) {
+      const double u = from + (to - from) * at;
+      add_line(line_at(o, u), u, (to - from) * share, sums);
     }
   });
   sums.growth += growth_at_cuts(o, shadow);
@@ -156,15 +153,16 @@ PlaneSums sums_over(const Outline& o) {
 double moment_about(const Outline& o, double about) {
   double sum = 0;
   const auto add_piece = [&](double from, double to) {
-    for (std::size_t i = 0; to > from && i < kFour.node.size(); ++i) {
-      const double u = from + (to - from) * kFour.node[i], along = u - about;
+    if (!(to > from)) return;
+    for (const GaussNode& node : kGauss4) {
+      const double u = from + (to - from) * node.at, along = u - about;
       const Line line = line_at(o, u);
       double moment = 0;
-      for (std::size_t j = 0; j < kThree.node.size(); ++j) {
-        const double v = line.half * kThree.node[j], phi = line.radius - std::sqrt(line.square + v * v);
-        moment += kThree.weight[j] * phi * std::sqrt(along * along + v * v);
+      for (const auto [at, share] : kGauss3) {
+        const double v = line.half * at, phi = line.radius - std::sqrt(line.square + v * v);
+        moment += share * phi * std::sqrt(along * along + v * v);
       }
-      sum += 2 * line.half * (to - from) * kFour.weight[i] * moment;
+      sum += 2 * line.half * (to - from) * node.weight * moment;
     }
   };
   visit_pieces(o, shadow_of(o), [&](double from, double to) {
