@@ -14,29 +14,9 @@ namespace {
 // classify.h).
 constexpr double kSphereReach = 1.25;
 
-double distance_to_segment(Vec3 p, Vec3 a, Vec3 b) {
-  const Vec3 along = b - a;
-  const double square = dot(along, along), t = square > 0 ? clamp(dot(p - a, along) / square, 0, 1) : 0;
-  return norm(p - (a + t * along));
-}
-
 double distance_to_tile(Vec3 p, const TileFrame& tile) {
   const Vec3 from = vec3_of(tile.origin);
   return distance_to_segment(p, from, from + double{tile.length} * vec3_of(tile.axis[0]));
-}
-
-double distance_to_palm(Vec3 p, const PalmBody& palm) {
-  const double x = dot(p, vec3_of(palm.axis[0])), y = dot(p, vec3_of(palm.axis[1])),
-               z = dot(p, vec3_of(palm.axis[2]));
-  double least = 1;
-  bool inside = true;
-  for (std::size_t k = 0; k < palm.corner_count; ++k) {
-    const std::size_t next = (k + 1) % palm.corner_count;
-    inside = inside && palm.out_x[k] * (x - palm.x[k]) + palm.out_y[k] * (y - palm.y[k]) <= 0;
-    least = min(least,
-                distance_to_segment({x, y, z}, {palm.x[k], palm.y[k], 0}, {palm.x[next], palm.y[next], 0}));
-  }
-  return inside ? std::abs(z) : least;
 }
 
 /// What the search made of patches of lattices, over all poses.
@@ -85,7 +65,7 @@ void look_at(const Patches& patches, const SampleMemory& memory, Tally& tally) {
     look(kind::kInnerJoint, kind::kOuterJoint, 2);
     look(kind::kFinger, kind::kFinger, 3);
     const auto to_palm = [&](Vec3 p) { return distance_to_palm(p - bodies.palm.origin, bodies.palm); };
-    for (const ListedPatch& listed : memory.near.of_kinds(kind::kPalm, kind::kPalm, patch_class))
+    for (const ListedPatch& listed : memory.near.of_kinds(kind::kPalmEdge, kind::kPalm, patch_class))
       look_at(patches, listed.place, bodies.palm.radius, is_near, to_palm, tally);
   }
 }

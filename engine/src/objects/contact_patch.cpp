@@ -8,16 +8,6 @@
 namespace lumbrical {
 namespace {
 
-// Of five nodes. Last places as they always were, which golden hashes hold: the outer two are off by one and
-// two.
-constexpr GaussNode kAlong[] = {
-    {0.04691007703066802, 0.11846344252809454},
-    {0.23076534494715845, 0.23931433524968324},
-    {0.5, 0.28444444444444444},
-    {0.76923465505284155, 0.23931433524968324},
-    {0.95308992296933198, 0.11846344252809454},
-};
-
 /// A phalanx over a plane, seen along it at right angles to the axis: its ends over the plane, `length` apart
 /// on it. What lies beyond a joint is the neighbour's.
 struct Outline {
@@ -140,7 +130,7 @@ PlaneSums sums_over(const Outline& o) {
   PlaneSums sums;
   const Shadow shadow = shadow_of(o);
   visit_pieces(o, shadow, [&](double from, double to) {
-    for (const auto [at, share] : kAlong) {
+    for (const auto [at, share] : kGauss5) {
       const double u = from + (to - from) * at;
       add_line(line_at(o, u), u, (to - from) * share, sums);
     }

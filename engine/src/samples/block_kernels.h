@@ -77,7 +77,7 @@ SampleKernels::Sorted sort_palm_blocks(const BlockSamples* blocks, const PalmBod
     const V reach = radius + number<V>(kDistanceSlack) * (V(palm.radius) + radius);
     const V field = palm_field(palm, turn_into(palm.axis, centre)), distance = V(palm.radius) - field;
     const auto is_smooth = field > reach && distance >= number<V>(kSmoothReach) * reach;
-    const auto is_beside = kind == number<V>(kind::kPalm) && is_smooth;
+    const auto is_beside = kind >= number<V>(kind::kPalmEdge) && is_smooth;
     put(kinds + lane, select(is_beside, number<V>(kind::kPalmBlockBeside), kind));
   }
   return part_blocks(kinds, rows, kind::kPalmBlock, palm.block_radius, kind::kPalmBlock, 0, first, found,

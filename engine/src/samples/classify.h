@@ -170,8 +170,25 @@ std::size_t classify_finger(const PatchBlock* blocks, const FingerBody& finger, 
   return count;
 }
 
+/// Is one edge of the palm's polygon nearer to all of spheres than the others are? `out`: how far beyond the
+/// farthest edge their centres are.
+template <class V>
+inline auto is_at_one_edge(const PalmBody& palm, Wide3<V> centre, V reach, V out) {
+  const V zero = number<V>(0);
+  V next = number<V>(-1e30), within = number<V>(1e30);  // beyond the others; from the ends of the farthest
+  for (std::size_t k = 0; k < palm.corner_count; ++k) {
+    const V x = centre.x - V(palm.x[k]), y = centre.y - V(palm.y[k]);
+    const V beside = V(palm.out_x[k]) * x + V(palm.out_y[k]) * y;
+    const V along = V(palm.out_x[k]) * y - V(palm.out_y[k]) * x;
+    const auto is_farthest = beside == out;
+    next = select(is_farthest, next, max(next, beside));
+    within = select(is_farthest, min(within, min(along, V(palm.length[k]) - along)), within);
+  }
+  return within > reach && (out > reach || next + reach < zero);
+}
+
 /// What spheres have to do with the palm: nothing; above the polygon kPalmSide or kPalmThrough, or kPalmBlock
-/// inside the skin; else kPalm.
+/// inside the skin; by one edge and no other kPalmEdge; else kPalm.
 template <class V>
 inline Kinds<V> palm_kinds(const PalmBody& palm, Wide3<V> centre, V radius) {
   const V zero = number<V>(0), one = number<V>(1);
@@ -185,7 +202,9 @@ inline Kinds<V> palm_kinds(const PalmBody& palm, Wide3<V> centre, V radius) {
   V above = select(height + reach < V(palm.radius), number<V>(kind::kPalmBlock), number<V>(kind::kPalmSide));
   above = select(height > reach, above, number<V>(kind::kPalmThrough));
   const auto is_above = out + reach < zero, is_palm = radius >= zero && square <= limit * limit;
-  const V kind = select(is_above, above, number<V>(kind::kPalm));
+  V kind = select(is_above, above, number<V>(kind::kPalm));
+  if (any(is_palm && !is_above))
+    kind = select(!is_above && is_at_one_edge(palm, p, reach, out), number<V>(kind::kPalmEdge), kind);
   return {select(is_palm, kind, zero - one), select(square < near * near && out + reach >= zero, one, zero)};
 }
 

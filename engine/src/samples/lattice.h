@@ -11,6 +11,9 @@
 #include "index/patches.h"
 #include "lanes/wide_geometry.h"
 
+// Kernels are one piece of code: registers would be spilled round every call.
+#define LUMBRICAL_INLINE __attribute__((always_inline))
+
 namespace lumbrical::LUMBRICAL_ISA {
 
 /// The mean of the positive part of a linear function over a triangle, from its values at the corners, and
@@ -52,7 +55,7 @@ inline auto odd_corner(V a, V b, V c) {
 /// The share of a function, from its values f at the corners, that is where another is positive, from its
 /// values a, b, c: both as if they were linear, and what is below 0 of f left out.
 template <class V>
-inline V share_where_positive(V a, V b, V c, V fa, V fb, V fc) {
+LUMBRICAL_INLINE inline V share_where_positive(V a, V b, V c, V fa, V fb, V fc) {
   const V zero = number<V>(0), one = number<V>(1);
   const auto [second, third] = odd_corner(a, b, c);
   const V odd = select(second, b, select(third, c, a)), next = select(second, c, select(third, a, b)),
@@ -143,9 +146,6 @@ template <class V>
 inline Cell<V> operator*(V share, const Cell<V>& cell) {
   return {share * cell.mean, share * cell.to_b, share * cell.to_c};
 }
-
-// Kernels are one piece of code: registers would be spilled round every call.
-#define LUMBRICAL_INLINE __attribute__((always_inline))
 
 /// Goes through the cells row by row. `row(u)` is what a row's points have in common, `corner(row, v)` the
 /// field at one of them, or the fields; `take(row, u, v, upright, a, b, c)` gets the row of a cell's centroid

@@ -30,6 +30,54 @@ inline unsigned add_share(const PatchInFrame<V>& patch, const LatticeMoments<V>&
   return lanes_with(force);
 }
 
+/// Patches beside one edge of the polygon, in the plane across it: how far beyond the edge, and how high.
+template <class V>
+struct EdgeRows {
+  V radius;
+  Wide2<V> corner, edge1, edge2;
+
+  EdgeRows(const PalmBody& palm, const PatchInFrame<V>& patch) : radius(palm.radius) {
+    const Wide3<V> centre = patch.corner + number<V>(1.0 / 3) * (patch.edge1 + patch.edge2);
+    V most = number<V>(-1e30), out_x = most, out_y = most, offset = most;
+    for (std::size_t k = 0; k < palm.corner_count; ++k) {
+      const V x(palm.out_x[k]), y(palm.out_y[k]),
+          of_edge(palm.out_x[k] * palm.x[k] + palm.out_y[k] * palm.y[k]);
+      const V beside = x * centre.x + y * centre.y - of_edge;
+      const auto is_farther = beside > most;
+      most = select(is_farther, beside, most);
+      out_x = select(is_farther, x, out_x);
+      out_y = select(is_farther, y, out_y);
+      offset = select(is_farther, of_edge, offset);
+    }
+    const auto across = [&](Wide3<V> p) { return Wide2<V>{out_x * p.x + out_y * p.y, p.z}; };
+    corner = across(patch.corner);
+    corner.x = corner.x - offset;
+    edge1 = across(patch.edge1);
+    edge2 = across(patch.edge2);
+  }
+  [[nodiscard]] Wide2<V> row(V u) const { return corner + u * edge1; }
+  [[nodiscard]] V field(Wide2<V> row, V v) const {
+    const Wide2<V> p = row + v * edge2;
+    const V beyond = max(p.x, number<V>(0));
+    return radius - sqrt(beyond * beyond + p.y * p.y);
+  }
+};
+
+template <class V>
+std::uint32_t palm_edge_lattice(const PatchList& list, const PalmBody& palm, std::size_t steps,
+                                BodySums& sums) {
+  std::uint32_t touched = 0;
+  for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
+    const PatchInFrame<V> patch = see_patch(rows, lane, palm.axis, Wide3<V>{V(0.0f), V(0.0f), V(0.0f)});
+    const EdgeRows<V> edge(palm, patch);
+    const LatticeMoments<V> m = lattice_moments<V>(
+        steps, [&](float u) LUMBRICAL_INLINE { return edge.row(V(u)); },
+        [&](Wide2<V> row, float v) LUMBRICAL_INLINE { return edge.field(row, V(v)); });
+    touched += count_of(add_share(patch, m, lane, sums));
+  });
+  return touched;
+}
+
 template <class V>
 std::uint32_t palm_lattice(const PatchList& list, const PalmBody& palm, std::size_t steps, BodySums& sums) {
   std::uint32_t touched = 0;
@@ -46,7 +94,7 @@ std::uint32_t palm_lattice(const PatchList& list, const PalmBody& palm, std::siz
 /// Zeroth and first moments of the positive part of the linear function with these values at the corners
 /// (0, 0), (1, 0), (0, 1): exact.
 template <class V>
-inline LatticeMoments<V> linear_moments(V a, V b, V c) {
+LUMBRICAL_INLINE inline LatticeMoments<V> linear_moments(V a, V b, V c) {
   const V zero = number<V>(0), one = number<V>(1), third = number<V>(1.0 / 3);
   const auto [b_alone, c_alone] = odd_corner(a, b, c);
   const V f = select(b_alone, b, select(c_alone, c, a)), g = select(b_alone, c, select(c_alone, a, b)),

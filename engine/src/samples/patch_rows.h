@@ -33,7 +33,7 @@ struct OriginFours {
 inline void gather(const PatchList& list, std::size_t first, std::size_t count, PatchRows& rows) {
   static_assert(sizeof(PatchShape) == 12 * sizeof(float));
   OriginFours origin;
-  for (std::size_t lane = 0; lane < PatchRows::kWidth; lane += 4) {
+  for (std::size_t lane = 0; lane < count; lane += 4) {
     Four corner[4], edges[4], edges_end[4];
     for (std::size_t k = 0; k < 4; ++k) {
       const std::size_t at = lane + k;
@@ -54,7 +54,9 @@ inline void gather(const PatchList& list, std::size_t first, std::size_t count, 
     put_fours(edges_end + 1, 3, rows.edge[1], lane);
   }
   for (std::size_t lane = count; lane < PatchRows::kWidth; ++lane) {
-    for (std::size_t axis = 0; axis < 3; ++axis) rows.edge[0][axis][lane] = rows.edge[1][axis][lane] = 0;
+    rows.seen_from[lane] = rows.seen_from[count - 1];
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      rows.corner[axis][lane] = rows.edge[0][axis][lane] = rows.edge[1][axis][lane] = 0;
   }
 }
 
@@ -169,7 +171,7 @@ inline std::uint32_t count_of(unsigned lanes) {
 
 /// Adds force and moment of a register's patches to a body's sums.
 template <class V>
-inline void add_wrench(Wide3<V> force, Wide3<V> moment, std::size_t lane, BodySums& sums) {
+LUMBRICAL_INLINE inline void add_wrench(Wide3<V> force, Wide3<V> moment, std::size_t lane, BodySums& sums) {
   constexpr double kRounder = 6755399441055744.0;  // 1.5 * 2^52: its last place is that of units
   const V rows[6] = {force.x, force.y, force.z, moment.x, moment.y, moment.z};
   for (std::size_t k = 0; k < 6; ++k) {
@@ -195,7 +197,7 @@ struct Share {
   Wide3<V> force, moment;
 };
 template <class V>
-inline Share<V> share_of(const PatchInFrame<V>& patch, const LatticeMoments<V>& m) {
+LUMBRICAL_INLINE inline Share<V> share_of(const PatchInFrame<V>& patch, const LatticeMoments<V>& m) {
   const Wide3<V> normal = cross(patch.edge1, patch.edge2);
   const Wide3<V> first = m.sum * patch.corner + (m.u * patch.edge1 + m.v * patch.edge2);
   return {m.sum * normal, cross(first, normal)};

@@ -22,10 +22,10 @@ inline constexpr std::uint32_t kInnerJoint = 15, kOuterJoint = 16, kFinger = 17;
 /// A block as one that lies inside tile j and meets no other.
 inline constexpr std::uint32_t kBlockInside = 18;
 /// Above the palm's polygon on one side of it; through it; a block as one inside the skin, above the polygon
-/// or beside it; or anywhere about it.
+/// or beside it; by one edge of it, and no other; or anywhere about it.
 inline constexpr std::uint32_t kPalmSide = 21, kPalmThrough = 22, kPalmBlock = 23, kPalmBlockBeside = 24,
-                               kPalm = 25;
-inline constexpr std::uint32_t kCount = 26;
+                               kPalmEdge = 25, kPalm = 26;
+inline constexpr std::uint32_t kCount = 27;
 }  // namespace kind
 
 /// What of a tile a kernel needs to know: all of it, its side, or the sphere at one end.
@@ -122,6 +122,8 @@ struct SampleKernels {
   std::uint32_t (*palm_blocks)(const BlockList& list, const PalmBody& palm, BodySums& sums);
   std::uint32_t (*palm_through)(const PatchList& list, const PalmBody& palm, BodySums& sums);
   std::uint32_t (*palm_side)(const PatchList& list, const PalmBody& palm, BodySums& sums);
+  std::uint32_t (*palm_edge_lattice)(const PatchList& list, const PalmBody& palm, std::size_t steps,
+                                     BodySums& sums);
   std::uint32_t (*palm_lattice)(const PatchList& list, const PalmBody& palm, std::size_t steps,
                                 BodySums& sums);
   /// Which spheres of the blocks the tree's query meets, as sphere_hits does, for up to three queries: the

@@ -21,7 +21,7 @@ struct TileDepth {
   V axial;
 };
 template <class V>
-inline TileDepth<V> tile_depth(const TileNumbers<V>& tile, TilePoint<V> p) {
+LUMBRICAL_INLINE inline TileDepth<V> tile_depth(const TileNumbers<V>& tile, TilePoint<V> p) {
   const V from_end = p.along - tile.length, slope = tile.tangent2 * p.square;
   const auto before = p.along * abs(p.along) <= slope, beyond = from_end * abs(from_end) >= slope;
   const V axial = select(before, p.along, from_end);
@@ -33,7 +33,7 @@ inline TileDepth<V> tile_depth(const TileNumbers<V>& tile, TilePoint<V> p) {
   return {level, sqrt(under), is_side, axial};
 }
 template <class V>
-inline V tile_field(const TileNumbers<V>& tile, TilePoint<V> p) {
+LUMBRICAL_INLINE inline V tile_field(const TileNumbers<V>& tile, TilePoint<V> p) {
   const TileDepth<V> depth = tile_depth(tile, p);
   return depth.level - depth.distance;
 }

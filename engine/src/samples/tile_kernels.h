@@ -204,7 +204,7 @@ std::uint32_t tile_rule(const PatchList& list, const FingerBody* fingers, std::s
   for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
     const SeenPatch<V> seen = see_patches<V>(rows, lane, fingers);
     LatticeMoments<V> m;
-    for_nodes(kTriangleRules[rule], [&](double u, double v, double weight) {
+    for_nodes(kTriangleRules[rule], [&](double u, double v, double weight) LUMBRICAL_INLINE {
       const V at_u = number<V>(u), at_v = number<V>(v);
       const Wide3<V> p = seen.patch.at(at_u, at_v);
       const V mean = number<V>(weight) * tile_field(seen.tile, TilePoint<V>{p.x, p.y * p.y + p.z * p.z});
