@@ -21,13 +21,18 @@ inline V palm_field(const PalmBody& palm, Wide3<V> p) {
   return V(palm.radius) - sqrt(p.z * p.z + select(out > zero, square, zero));
 }
 
-/// Adds a register's patches to one body's sums; returns a bit per lane that has any.
-template <class V>
-inline unsigned add_share(const PatchInFrame<V>& patch, const LatticeMoments<V>& m, std::size_t lane,
-                          BodySums& sums) {
-  const auto [force, moment] = share_of(patch, m);
-  add_wrench(force, moment, lane, sums);
-  return lanes_with(force);
+/// Adds the shares of all patches to the palm's sums: `moments_of(patch)` from its frame.
+template <class V, class Moments>
+LUMBRICAL_INLINE inline std::uint32_t sum_patches(const PatchList& list, const PalmBody& palm, BodySums& sums,
+                                                  const Moments& moments_of) {
+  std::uint32_t touched = 0;
+  for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
+    const PatchInFrame<V> patch = see_patch(rows, lane, palm.axis, Wide3<V>{V(0.0f), V(0.0f), V(0.0f)});
+    const auto [force, moment] = share_of(patch, moments_of(patch));
+    add_wrench(force, moment, lane, sums);
+    touched += count_of(lanes_with(force));
+  });
+  return touched;
 }
 
 /// Patches beside one edge of the polygon, in the plane across it: how far beyond the edge, and how high.
@@ -66,29 +71,21 @@ struct EdgeRows {
 template <class V>
 std::uint32_t palm_edge_lattice(const PatchList& list, const PalmBody& palm, std::size_t steps,
                                 BodySums& sums) {
-  std::uint32_t touched = 0;
-  for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
-    const PatchInFrame<V> patch = see_patch(rows, lane, palm.axis, Wide3<V>{V(0.0f), V(0.0f), V(0.0f)});
+  return sum_patches<V>(list, palm, sums, [&](const PatchInFrame<V>& patch) LUMBRICAL_INLINE {
     const EdgeRows<V> edge(palm, patch);
-    const LatticeMoments<V> m = lattice_moments<V>(
+    return lattice_moments<V>(
         steps, [&](float u) LUMBRICAL_INLINE { return edge.row(V(u)); },
         [&](Wide2<V> row, float v) LUMBRICAL_INLINE { return edge.field(row, V(v)); });
-    touched += count_of(add_share(patch, m, lane, sums));
   });
-  return touched;
 }
 
 template <class V>
 std::uint32_t palm_lattice(const PatchList& list, const PalmBody& palm, std::size_t steps, BodySums& sums) {
-  std::uint32_t touched = 0;
-  for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
-    const PatchInFrame<V> patch = see_patch(rows, lane, palm.axis, Wide3<V>{V(0.0f), V(0.0f), V(0.0f)});
-    const LatticeMoments<V> m = lattice_moments<V>(
+  return sum_patches<V>(list, palm, sums, [&](const PatchInFrame<V>& patch) LUMBRICAL_INLINE {
+    return lattice_moments<V>(
         steps, [&](float u) LUMBRICAL_INLINE { return patch.corner + V(u) * patch.edge1; },
         [&](Wide3<V> row, float v) LUMBRICAL_INLINE { return palm_field(palm, row + V(v) * patch.edge2); });
-    touched += count_of(add_share(patch, m, lane, sums));
   });
-  return touched;
 }
 
 /// Zeroth and first moments of the positive part of the linear function with these values at the corners
@@ -122,23 +119,18 @@ LUMBRICAL_INLINE inline LatticeMoments<V> linear_moments(V a, V b, V c) {
 
 template <class V>
 std::uint32_t palm_side(const PatchList& list, const PalmBody& palm, BodySums& sums) {
-  std::uint32_t touched = 0;
-  for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
-    const PatchInFrame<V> patch = see_patch(rows, lane, palm.axis, Wide3<V>{V(0.0f), V(0.0f), V(0.0f)});
+  return sum_patches<V>(list, palm, sums, [&](const PatchInFrame<V>& patch) LUMBRICAL_INLINE {
     const V a = V(palm.radius) - abs(patch.corner.z);
     const V b = V(palm.radius) - abs(patch.corner.z + patch.edge1.z);
     const V c = V(palm.radius) - abs(patch.corner.z + patch.edge2.z);
-    touched += count_of(add_share(patch, linear_moments(a, b, c), lane, sums));
+    return linear_moments(a, b, c);
   });
-  return touched;
 }
 
 /// The positive part of radius - |z| is that of radius - z, less twice that of -z, and that of -z - radius.
 template <class V>
 std::uint32_t palm_through(const PatchList& list, const PalmBody& palm, BodySums& sums) {
-  std::uint32_t touched = 0;
-  for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
-    const PatchInFrame<V> patch = see_patch(rows, lane, palm.axis, Wide3<V>{V(0.0f), V(0.0f), V(0.0f)});
+  return sum_patches<V>(list, palm, sums, [&](const PatchInFrame<V>& patch) LUMBRICAL_INLINE {
     const V zero = number<V>(0), radius(palm.radius);
     const V a = zero - patch.corner.z, b = a - patch.edge1.z, c = a - patch.edge2.z;
     LatticeMoments<V> m = linear_moments(radius + a, radius + b, radius + c);
@@ -146,9 +138,8 @@ std::uint32_t palm_through(const PatchList& list, const PalmBody& palm, BodySums
                             below = linear_moments(a - radius, b - radius, c - radius);
     add_to(m, below.sum - (middle.sum + middle.sum), below.u - (middle.u + middle.u),
            below.v - (middle.v + middle.v));
-    touched += count_of(add_share(patch, m, lane, sums));
+    return m;
   });
-  return touched;
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA
