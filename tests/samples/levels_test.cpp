@@ -11,7 +11,7 @@ namespace {
 TEST(Levels, MixFromFineToCoarseAsForceGrowsAndNeverJump) {
   LevelWeights before = level_weights(0);
   EXPECT_EQ(before.back(), 1);
-  const double step = 1e-3, most = 1.05 * step * 2 / kEnoughForce.back();
+  const double step = 1e-3, most = 1.05 * step / ((1 - kTooLittle) * kEnoughForce.back());
   for (double force = 0; force < 2 * kEnoughForce[0]; force += step) {
     const LevelWeights weights = level_weights(force);
     EXPECT_NEAR(std::accumulate(weights.begin(), weights.end(), 0.0), 1, 1e-15) << force;

@@ -31,7 +31,10 @@ BlockMoments moments_of(std::span<const BlockMoments> blocks);
 /// [m] W, of the area, or near slivers that in single precision have none.
 Vec3 centre_of(const BlockMoments& block);
 
-/// `radius` [m]: of the sphere about the centre that holds the patches.
-BlockSamples samples_of(const BlockMoments& block, double radius);
+/// [m] How far patches are from a block's centre, and along the direction of its normal.
+struct BlockExtent {
+  double radius = 0, thickness = 0;
+};
+BlockSamples samples_of(const BlockMoments& block, const BlockExtent& extent);
 
 }  // namespace lumbrical

@@ -20,20 +20,20 @@ namespace {
 // the finest, R the mean radius of what is sampled: all segments have the same lattices, so that patches of
 // several go through kernels together. Measured: docs/mechanics.md; a user measures his own scene with
 // `lumbrical run --compare-precision`. The error falls with the step's fourth power.
-constexpr std::array<double, kLevels> kStep = {0.39, 0.21, 0.102};
+constexpr std::array<double, kLevels> kStep = {0.46, 0.34, 0.25, 0.185, 0.137, 0.102};
 
 // R is no less and no more than these shares of a segment's own radius.
 constexpr double kThick = 0.5, kThin = 1.5;
 
 // [R] The steps that patches are measured in.
-constexpr double kSizeStep = 0.13;
+constexpr double kSizeStep = 0.16;
 
 // How many times finer than a patch is long in those, level by level, lattices are where a skeleton comes
 // near.
-constexpr std::array<double, kLevels> kNearSkeleton = {1, 1.5, 2};
+constexpr std::array<double, kLevels> kNearSkeleton = {1, 1.2, 1.4, 1.6, 1.8, 2};
 
 // Patches of smaller sizes have the last of these on every level: theirs cost less than a second look would.
-constexpr std::size_t kLeastSizeWithLevels = 5;
+constexpr std::size_t kLeastSizeWithLevels = 4;
 
 // [R] Largest radius of a block that is taken as one at a precision of 1e-4; the error falls with its third
 // power.
@@ -232,7 +232,12 @@ void put_patch(const Corners& at, std::size_t size, std::size_t lane, PatchBlock
     block.centroid[0][axis][lane] = centroid.high[axis];
     block.centroid[1][axis][lane] = centroid.low[axis];
   }
-  block.radius[lane] = static_cast<float>((1 + 1e-6) * sphere_round(at, at.a).radius);
+  const double radius = (1 + 1e-6) * sphere_round(at, at.a).radius;
+  block.radius[lane] = static_cast<float>(radius);
+  const Vec3 normal = cross(ab, ac) / (radius * radius);
+  block.normal[0][lane] = static_cast<float>(normal.x);
+  block.normal[1][lane] = static_cast<float>(normal.y);
+  block.normal[2][lane] = static_cast<float>(normal.z);
   block.size[lane] = static_cast<float>(size);
 }
 
@@ -243,6 +248,7 @@ void put_nothing(std::size_t lane, PatchBlock& block, PatchShape& shape) {
   }
   block.radius[lane] = -1;
   block.size[lane] = 0;
+  for (auto& row : block.normal) row[lane] = 0;
   shape = {};
 }
 
@@ -271,11 +277,19 @@ BlockMoments moments_of_block(const Patches& patches, std::size_t block) {
 BlockSamples samples_of_blocks(const Patches& patches, const BlockMoments& moments, std::size_t first,
                                std::size_t width) {
   const Vec3 centre = centre_of(moments);
+  const double size = norm(moments.normal.sum);
+  const Vec3 normal = size > 0 ? moments.normal.sum / size : Vec3{};
+  BlockExtent extent;
   double square = 0;
   for_patches(patches, first, first + width, [&](const Corners& at) {
-    for (const Vec3 corner : {at.a, at.b, at.c}) square = max(square, dot(corner - centre, corner - centre));
+    for (const Vec3 corner : {at.a, at.b, at.c}) {
+      const Vec3 from = corner - centre;
+      square = max(square, dot(from, from));
+      extent.thickness = max(extent.thickness, std::fabs(dot(from, normal)));
+    }
   });
-  return samples_of(moments, std::sqrt(square));
+  extent.radius = std::sqrt(square);
+  return samples_of(moments, extent);
 }
 
 // Blocks as ones, and blocks of those, level by level, as long as a segment may take one.

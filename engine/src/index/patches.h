@@ -24,7 +24,7 @@ inline constexpr std::size_t kMostSteps = 2 * kPatchSizes;
 
 /// Lattices from coarse to fine. How fine the one is by which a hand is felt depends on its force
 /// (samples/levels.h).
-inline constexpr std::size_t kLevels = 3;
+inline constexpr std::size_t kLevels = 6;
 /// Steps by level and, behind them, 1: one cell a patch, for a tick that must not take longer.
 inline constexpr std::size_t kOneCell = kLevels;
 using LatticeSteps = std::array<std::uint8_t, kLevels + 1>;
@@ -34,6 +34,7 @@ struct alignas(64) PatchBlock {
   static constexpr std::uint32_t kWidth = 16;
   float centroid[2][3][kWidth];  ///< [m] W: rounded, and what rounding left out
   float radius[kWidth];          ///< [m] of the sphere about it; negative: an empty place
+  float normal[3][kWidth];       ///< twice the integral of n dA, over the square of that radius
   float size[kWidth];            ///< kPatchSizes, above
 };
 
@@ -50,6 +51,8 @@ struct BlockSamples {
   SplitPoint centre;       ///< [m] W
   float radius;            ///< [m] of the sphere about it that holds the patches
   float size;              ///< [m] that radius, and more where the patches face different ways
+  float normal[3];         ///< [m^2] twice the integral of n dA
+  float thickness;         ///< [m] how far along that patches are from the centre, to either side
   float arm[3][3];         ///< [m]
   float weight[2][3][3];   ///< [m^2] of the samples at centre + arm and - arm: twice the share of n dA
   float centre_weight[3];  ///< [m^2]

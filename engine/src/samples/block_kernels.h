@@ -14,28 +14,47 @@ struct BlockRows {
   alignas(64) float centre[3][kWidth];
   alignas(64) float radius[kWidth];
   alignas(64) float size[kWidth];
+  alignas(64) float normal[3][kWidth];  // twice n dA [m^2]
+  alignas(64) float thickness[kWidth];
 };
 inline void put_block(const BlockSamples& block, const SplitPoint& origin, std::size_t lane,
                       BlockRows& rows) {
-  for (std::size_t axis = 0; axis < 3; ++axis)
+  for (std::size_t axis = 0; axis < 3; ++axis) {
     rows.centre[axis][lane] = difference(block.centre, origin, axis);
+    rows.normal[axis][lane] = block.normal[axis];
+  }
   rows.radius[lane] = block.radius;
   rows.size[lane] = block.size;
+  rows.thickness[lane] = block.thickness;
+}
+template <class V>
+inline Plates<V> plates_of(const BlockRows& rows, std::size_t lane, float largest) {
+  const V radius = get(rows.radius + lane, V{});
+  return {
+      {vector_at<V>(rows.centre, lane), radius, reach_of(radius, largest), vector_at<V>(rows.normal, lane)},
+      get(rows.thickness + lane, V{})};
 }
 
-/// From the blocks' kinds (-1: nothing; `inside` and above it: inside something that takes blocks up to one
-/// of `sizes` as wholes) to those to be opened and those that are taken so.
-inline SampleKernels::Sorted part_blocks(const float* kinds, const BlockRows& rows, std::uint32_t inside,
+/// Blocks' kinds (-1: nothing; `inside` and above it: inside something that takes blocks up to one of `sizes`
+/// as wholes), and the field at their centres.
+struct BlockKinds {
+  alignas(64) float kind[BlockRows::kWidth];
+  alignas(64) float field[BlockRows::kWidth];
+};
+/// From them to those to be opened and those that are taken as wholes.
+inline SampleKernels::Sorted part_blocks(const BlockKinds& kinds, const BlockRows& rows, std::uint32_t inside,
                                          std::span<const float> sizes, std::uint32_t whole, unsigned shift,
                                          std::uint32_t first, std::uint32_t* found, std::size_t count,
-                                         FoundPatches* patches) {
+                                         FoundPatches* patches, CentroidForce& force) {
   SampleKernels::Sorted sorted{0, 0};
   for (std::size_t lane = 0; lane < count; ++lane) {
-    if (kinds[lane] < 0) continue;
-    const auto kind = static_cast<std::uint32_t>(kinds[lane]);
+    if (kinds.kind[lane] < 0) continue;
+    const auto kind = static_cast<std::uint32_t>(kinds.kind[lane]);
     if (kind >= inside && kind < inside + sizes.size() && rows.size[lane] <= sizes[kind - inside]) {
       patches[sorted.whole_count++] = {static_cast<std::uint16_t>(whole + (kind - inside)), 1,
                                        first + (found[lane] >> shift)};
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        force.lane[axis][lane] += kinds.field[lane] * rows.normal[axis][lane];
     } else {
       found[sorted.open_count++] = found[lane];
     }
@@ -45,43 +64,52 @@ inline SampleKernels::Sorted part_blocks(const float* kinds, const BlockRows& ro
 
 template <class V>
 SampleKernels::Sorted sort_blocks(const BlockSamples* blocks, const FingerBody& finger, std::uint32_t first,
-                                  std::uint32_t* found, std::size_t count, FoundPatches* patches) {
+                                  std::uint32_t* found, std::size_t count, FoundPatches* patches,
+                                  CentroidForce& force) {
   const SplitPoint origin = split_point(finger.origin);
   const float largest = largest_radius(finger);
   BlockRows rows;
   for (std::size_t lane = 0; lane < BlockRows::kWidth; ++lane)
     put_block(blocks[found[lane < count ? lane : 0] >> 3], origin, lane, rows);
-  alignas(64) float kinds[BlockRows::kWidth];
+  BlockKinds of;
+  unsigned met[FingerBody::kMostTiles] = {};
   for (unsigned lane = 0; lane < BlockRows::kWidth; lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
-    const V radius = get(rows.radius + lane, V{});
-    const V reach = radius + number<V>(kDistanceSlack) * (V(largest) + radius);
-    put(kinds + lane,
-        finger_kinds(finger, vector_at<V>(rows.centre, lane), radius, reach, finger.tiles()).kind);
+    const Plates<V> plates = plates_of<V>(rows, lane, largest);
+    const FingerView<V> view = view_finger(finger, plates, finger.tiles());
+    for (std::size_t k = 0; k < FingerBody::kMostTiles; ++k) met[k] |= wide::bits_of(view.meets(k)) << lane;
+    const Kinds<V> kinds = shared_kinds(finger, view, plates.reach, finger.tiles());
+    put(of.kind + lane, kinds.kind);
+    put(of.field + lane, kinds.field);
   }
-  return part_blocks(kinds, rows, kind::kInside, finger.block_radius, kind::kBlockInside, 3, first, found,
-                     count, patches);
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    const std::uint32_t tiles =
+        (met[0] >> lane & 1u) | (met[1] >> lane & 1u) << 1 | (met[2] >> lane & 1u) << 2;
+    found[lane] = (found[lane] & ~7u) | tiles;
+  }
+  return part_blocks(of, rows, kind::kInside, finger.block_radius, kind::kBlockInside, 3, first, found, count,
+                     patches, force);
 }
 
 template <class V>
 SampleKernels::Sorted sort_palm_blocks(const BlockSamples* blocks, const PalmBody& palm, std::uint32_t first,
-                                       std::uint32_t* found, std::size_t count, FoundPatches* patches) {
+                                       std::uint32_t* found, std::size_t count, FoundPatches* patches,
+                                       CentroidForce& force) {
   const SplitPoint origin = split_point(palm.origin);
   BlockRows rows;
   for (std::size_t lane = 0; lane < BlockRows::kWidth; ++lane)
     put_block(blocks[found[lane < count ? lane : 0]], origin, lane, rows);
-  alignas(64) float kinds[BlockRows::kWidth];
+  BlockKinds of;
   for (unsigned lane = 0; lane < BlockRows::kWidth; lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
-    const V radius = get(rows.radius + lane, V{});
-    const Wide3<V> centre = vector_at<V>(rows.centre, lane);
-    const V kind = palm_kinds(palm, centre, radius).kind;
-    const V reach = radius + number<V>(kDistanceSlack) * (V(palm.radius) + radius);
-    const V field = palm_field(palm, turn_into(palm.axis, centre)), distance = V(palm.radius) - field;
+    const Plates<V> plates = plates_of<V>(rows, lane, palm.radius);
+    const V kind = palm_kinds(palm, plates).kind, reach = plates.reach;
+    const V field = palm_field(palm, turn_into(palm.axis, plates.centre)), distance = V(palm.radius) - field;
     const auto is_smooth = field > reach && distance >= number<V>(kSmoothReach) * reach;
     const auto is_beside = kind >= number<V>(kind::kPalmEdge) && is_smooth;
-    put(kinds + lane, select(is_beside, number<V>(kind::kPalmBlockBeside), kind));
+    put(of.kind + lane, select(is_beside, number<V>(kind::kPalmBlockBeside), kind));
+    put(of.field + lane, field);
   }
-  return part_blocks(kinds, rows, kind::kPalmBlock, palm.block_radius, kind::kPalmBlock, 0, first, found,
-                     count, patches);
+  return part_blocks(of, rows, kind::kPalmBlock, palm.block_radius, kind::kPalmBlock, 0, first, found, count,
+                     patches, force);
 }
 
 /// The numbers of sixteen blocks, by number and lane.

@@ -12,15 +12,52 @@ inline constexpr double kSkeletonReach = 1.25, kSmoothReach = 2.5;
 /// Share of a radius by which single precision may move a distance here, generously.
 inline constexpr double kDistanceSlack = 1e-5;
 
-/// Centroids of a block's patches, relative to a body's origin [m].
+/// Patches as discs about their centroids, relative to a body's origin.
 template <class V>
-inline Wide3<V> centroids_of(const PatchBlock& block, const SplitPoint& origin, std::size_t lane) {
+struct Discs {
+  Wide3<V> centre;  // [m]
+  V radius, reach;  // [m], and by what rounding may take away more; radius negative: nothing
+  Wide3<V> normal;  // twice n dA over radius^2
+};
+template <class V>
+inline V reach_of(V radius, float largest) {
+  return radius + number<V>(kDistanceSlack) * (V(largest) + radius);
+}
+/// `largest`: the body's radius.
+template <class V>
+inline Discs<V> discs_of(const PatchBlock& block, const SplitPoint& origin, float largest, std::size_t lane) {
   V at[3];
   for (std::size_t axis = 0; axis < 3; ++axis) {
     at[axis] = (get(block.centroid[0][axis] + lane, V{}) - V(origin.high[axis])) +
                (get(block.centroid[1][axis] + lane, V{}) - V(origin.low[axis]));
   }
-  return {at[0], at[1], at[2]};
+  const V radius = get(block.radius + lane, V{});
+  return {{at[0], at[1], at[2]}, radius, reach_of(radius, largest), vector_at<V>(block.normal, lane)};
+}
+
+/// Blocks of patches: discs that are as thick as this to either side.
+template <class V>
+struct Plates : Discs<V> {
+  V thickness;  // [m]
+};
+
+/// Are discs nowhere inside a concave field? It is nowhere above its tangent at their centres, where it is
+/// `field` and falls by 1 a metre along a vector of that length, of which `away` is along their normals.
+constexpr double kRoundedSine2 = 1e-6;  // what rounding may take away of the square of an angle's sine
+template <class V>
+LUMBRICAL_INLINE inline auto is_outside(const Discs<V>& discs, V field, V length, V away) {
+  const V f = field + (discs.reach - discs.radius),
+          square = length * length * dot(discs.normal, discs.normal);
+  const V across = square * number<V>(1 + kRoundedSine2) - away * away;
+  return f < number<V>(0) && f * f * square > discs.reach * discs.reach * across;
+}
+template <class V>
+LUMBRICAL_INLINE inline auto is_outside(const Plates<V>& plates, V field, V length, V away) {
+  const V zero = number<V>(0), one = number<V>(1), size = length * sqrt(dot(plates.normal, plates.normal));
+  const V cosine = divide(abs(away), select(size > zero, size, one));
+  const V f = field + (plates.reach - plates.radius) + cosine * plates.thickness;
+  return size > zero && f < zero &&
+         f * f > plates.reach * plates.reach * (number<V>(1 + kRoundedSine2) - cosine * cosine);
 }
 
 inline void prefetch_block(const PatchBlock& block) {
@@ -28,7 +65,12 @@ inline void prefetch_block(const PatchBlock& block) {
   for (std::size_t line = 0; line < sizeof(PatchBlock); line += 64) __builtin_prefetch(bytes + line);
 }
 
-/// Lists a block's patches by their keys, those of a key as one; keys below 0 are of nothing.
+/// The keys of the patches of blocks; below 0 are those of nothing.
+struct BlockKeys {
+  alignas(64) float of[kBlocksAtATime][PatchBlock::kWidth];
+};
+
+/// Lists a block's patches by their keys, those of a key as one.
 template <class V>
 inline void list_patches(const float (&keys)[PatchBlock::kWidth], std::uint32_t block, FoundPatches* found,
                          std::size_t& count) {
@@ -47,12 +89,20 @@ inline void list_patches(const float (&keys)[PatchBlock::kWidth], std::uint32_t 
     open &= ~its;
   }
 }
-/// What patches are to a body: their kind, negative if they are nothing to it, and whether its skeleton comes
-/// near (1).
+/// What patches are to a body: their kind, negative if they are nothing to it, whether its skeleton comes
+/// near (1), and the field at their centroids.
 template <class V>
 struct Kinds {
-  V kind, is_near;
+  V kind, is_near, field;
 };
+/// Adds what the centroids of patches tell of the force.
+template <class V>
+inline void add_centroids(const Discs<V>& discs, const Kinds<V>& kinds, std::size_t lane,
+                          CentroidForce& force) {
+  const V zero = number<V>(0);
+  const V depth = select(kinds.kind >= zero, max(kinds.field, zero), zero) * (discs.radius * discs.radius);
+  put_vector(vector_at<V>(force.lane, lane) + depth * discs.normal, lane, force.lane);
+}
 template <class V>
 inline V key_of(const Kinds<V>& kinds, V size) {
   const V patch_class = size + number<V>(kPatchSizes) * kinds.is_near;
@@ -60,20 +110,28 @@ inline V key_of(const Kinds<V>& kinds, V size) {
                 number<V>(-1));
 }
 
-/// What a tile has to do with patches: its field and place there, whether its skeleton comes near (1), and
-/// the kind they are if they meet no other.
+/// What a tile has to do with patches: its field at their centroids, kNowhere where it does not meet them,
+/// and their place along it, whether its skeleton comes near (1), and the kind they are if they meet no
+/// other.
+inline constexpr double kNowhere = -1e30;
 template <class V>
 struct TileView {
   V field, place, is_near, kind;
 };
-template <class V>
-inline TileView<V> view_tile(const TileFrame& frame, std::uint32_t k, Wide3<V> centre, V reach) {
+template <class V, template <class> class Shape>
+LUMBRICAL_INLINE inline TileView<V> view_tile(const TileFrame& frame, std::uint32_t k,
+                                              const Shape<V>& discs) {
   const TileNumbers<V> tile = numbers_of<V>(frame);
-  const Wide3<V> p = turn_into(frame.axis, centre - in_all_lanes<V>(frame.origin));
+  const Wide3<V> from = discs.centre - in_all_lanes<V>(frame.origin), p = turn_into(frame.axis, from);
   const TilePoint<V> point{p.x, p.y * p.y + p.z * p.z};
-  const TileDepth<V> depth = tile_depth(tile, point);
-  const V distance = depth.distance, field = depth.level - distance, place = place_on(tile, point);
+  const auto [level, distance, is_side, axial] = tile_depth(tile, point);
+  const V field = level - distance, place = place_on(tile, point), reach = discs.reach;
   const V end = tile.cosine * tile.length, zero = number<V>(0);
+  // The way the field falls, as long as `distance`, along the normal.
+  const V axis_along = dot(in_all_lanes<V>(frame.axis[0]), discs.normal);
+  const V away = select(is_side, tile.sine * distance, axial) * axis_along +
+                 select(is_side, tile.cosine2, number<V>(1)) * (dot(from, discs.normal) - p.x * axis_along);
+  const auto meets = field + reach > zero && !is_outside(discs, field, distance, away);
   const auto is_near = distance < number<V>(kSkeletonReach) * reach;
   const auto id = [k](std::uint32_t part) { return number<V>(part + k); };
   V kind = id(kind::kTile);
@@ -81,7 +139,8 @@ inline TileView<V> view_tile(const TileFrame& frame, std::uint32_t k, Wide3<V> c
   kind = select(place + reach < zero, id(kind::kNearEnd), kind);
   kind = select(place - reach > end, id(kind::kFarEnd), kind);
   const auto inside = field > reach && distance >= number<V>(kSmoothReach) * reach;
-  return {field, place, select(is_near, number<V>(1), zero), select(inside, id(kind::kInside), kind)};
+  return {select(meets && discs.radius >= zero, field, number<V>(kNowhere)), place,
+          select(is_near, number<V>(1), zero), select(inside, id(kind::kInside), kind)};
 }
 
 template <class V>
@@ -90,27 +149,43 @@ inline V side_of_joint(const FingerBody& finger, std::size_t k, V inner_place, V
                        numbers_of<V>(finger.tile[k + 1]), outer_place);
 }
 
-/// What the lanes from `lane` on have to do with a finger, -1: nothing; `tiles` are those the block's sphere
-/// may reach.
+/// What discs have to do with one tile of a finger, and no other.
 template <class V>
-inline Kinds<V> finger_kinds(const FingerBody& finger, Wide3<V> centre, V radius, V reach, unsigned tiles) {
-  const V zero = number<V>(0), far = number<V>(-1e30);
-  TileView<V> view[FingerBody::kMostTiles];
+LUMBRICAL_INLINE inline Kinds<V> tile_kinds(const FingerBody& finger, const Discs<V>& discs,
+                                            std::uint32_t k) {
+  const TileView<V> view = view_tile(finger.tile[k], k, discs);
+  const auto is_met = view.field > number<V>(kNowhere);
+  return {select(is_met, view.kind, number<V>(-1)), view.is_near, view.field};
+}
+
+/// What the tiles of a finger have to do with discs, of those whose bit is set.
+template <class V>
+struct FingerView {
+  TileView<V> tile[FingerBody::kMostTiles];
+  [[nodiscard]] auto meets(std::size_t k) const { return tile[k].field > number<V>(kNowhere); }
+};
+template <class V, template <class> class Shape>
+LUMBRICAL_INLINE inline FingerView<V> view_finger(const FingerBody& finger, const Shape<V>& discs,
+                                                  unsigned tiles) {
+  const V zero = number<V>(0);
+  FingerView<V> view;
   for (std::size_t k = 0; k < FingerBody::kMostTiles; ++k) {
-    view[k] = {far, zero, zero, zero};
+    view.tile[k] = {number<V>(kNowhere), zero, zero, zero};
     if ((tiles >> k & 1u) != 0)
-      view[k] = view_tile(finger.tile[k], static_cast<std::uint32_t>(k), centre, reach);
-    view[k].field = select(radius >= zero, view[k].field, far);
+      view.tile[k] = view_tile(finger.tile[k], static_cast<std::uint32_t>(k), discs);
   }
-  if ((tiles & (tiles - 1)) == 0) {  // one tile at most: the usual case
-    const TileView<V>& alone = view[tiles >> 1];
-    const auto meets = alone.field + reach > zero;
-    return {select(meets, alone.kind, number<V>(-1)), select(meets, alone.is_near, zero)};
-  }
+  return view;
+}
+
+/// What discs are to a finger that is seen so.
+template <class V>
+inline Kinds<V> shared_kinds(const FingerBody& finger, const FingerView<V>& seen, V reach, unsigned tiles) {
+  const V zero = number<V>(0);
+  const TileView<V>(&view)[FingerBody::kMostTiles] = seen.tile;
+  const auto meets = [&](std::size_t k) { return seen.meets(k); };
   // Neighbours part where their places along their axes are the same.
   const V limit = reach + reach, below = zero - limit;
   V inner = zero, outer = zero;  // how much farther out than a joint the patch is, where both tiles meet it
-  const auto meets = [&](std::size_t k) { return view[k].field + reach > zero; };
   if ((tiles & 3u) == 3u) {
     const V side = side_of_joint(finger, 0, view[0].place, view[1].place);
     inner = select(meets(0) && meets(1), side, zero);
@@ -135,7 +210,15 @@ inline Kinds<V> finger_kinds(const FingerBody& finger, Wide3<V> centre, V radius
   kind = select(first && last, number<V>(kind::kFinger), kind);
   const V is_near = max(select(first, view[0].is_near, zero),
                         max(select(middle, view[1].is_near, zero), select(last, view[2].is_near, zero)));
-  return {kind, is_near};
+  return {kind, is_near, max(view[0].field, max(view[1].field, view[2].field))};
+}
+
+/// What discs have to do with a finger; `tiles` are those that their block's sphere may reach.
+template <class V>
+LUMBRICAL_INLINE inline Kinds<V> finger_kinds(const FingerBody& finger, const Discs<V>& discs,
+                                              unsigned tiles) {
+  if ((tiles & (tiles - 1)) == 0) return tile_kinds(finger, discs, tiles >> 1);  // the usual case
+  return shared_kinds(finger, view_finger(finger, discs, tiles), discs.reach, tiles);
 }
 
 inline float largest_radius(const FingerBody& finger) {
@@ -145,29 +228,41 @@ inline float largest_radius(const FingerBody& finger) {
   return largest;
 }
 
-template <class V>
-std::size_t classify_finger(const PatchBlock* blocks, const FingerBody& finger, const std::uint32_t* found,
-                            std::size_t block_count, FoundPatches* patches) {
+/// Puts the patches of blocks that a body meets into `patches` and adds what their centroids feel to `force`:
+/// `kinds_of(discs, found)`. Keys come first and lists after, so that no branch waits for a key to be
+/// computed.
+template <class V, class Place, class KindsOf>
+inline std::size_t classify(const PatchBlock* blocks, const SplitPoint& origin, float largest,
+                            const std::uint32_t* found, std::size_t block_count, const Place& place_of,
+                            const KindsOf& kinds_of, FoundPatches* patches, CentroidForce& force) {
   constexpr std::size_t kAhead = 3;
-  const SplitPoint origin = split_point(finger.origin);
-  const float largest = largest_radius(finger);
-  std::size_t count = 0;
+  BlockKeys keys;
   for (std::size_t i = 0; i < block_count; ++i) {
-    if (i + kAhead < block_count) prefetch_block(blocks[found[i + kAhead] >> 3]);
-    const std::uint32_t place = found[i] >> 3;
-    const PatchBlock& block = blocks[place];
-    alignas(64) float keys[PatchBlock::kWidth];
+    if (i + kAhead < block_count) prefetch_block(blocks[place_of(found[i + kAhead])]);
+    const PatchBlock& block = blocks[place_of(found[i])];
     for (unsigned lane = 0; lane < PatchBlock::kWidth;
          lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
-      const V radius = get(block.radius + lane, V{});
-      const V reach = radius + number<V>(kDistanceSlack) * (V(largest) + radius);
-      const Kinds<V> kinds =
-          finger_kinds(finger, centroids_of<V>(block, origin, lane), radius, reach, found[i] & 7u);
-      put(keys + lane, key_of(kinds, get(block.size + lane, V{})));
+      const Discs<V> discs = discs_of<V>(block, origin, largest, lane);
+      const Kinds<V> kinds = kinds_of(discs, found[i]);
+      add_centroids(discs, kinds, lane, force);
+      put(keys.of[i] + lane, key_of(kinds, get(block.size + lane, V{})));
     }
-    list_patches<V>(keys, place, patches, count);
   }
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < block_count; ++i)
+    list_patches<V>(keys.of[i], place_of(found[i]), patches, count);
   return count;
+}
+
+template <class V>
+std::size_t classify_finger(const PatchBlock* blocks, const FingerBody& finger, const std::uint32_t* found,
+                            std::size_t block_count, FoundPatches* patches, CentroidForce& force) {
+  return classify<V>(
+      blocks, split_point(finger.origin), largest_radius(finger), found, block_count,
+      [](std::uint32_t block) { return block >> 3; },
+      [&](const Discs<V>& discs, std::uint32_t block)
+          LUMBRICAL_INLINE { return finger_kinds(finger, discs, block & 7u); },
+      patches, force);
 }
 
 /// Is one edge of the palm's polygon nearer to all of spheres than the others are? `out`: how far beyond the
@@ -187,47 +282,47 @@ inline auto is_at_one_edge(const PalmBody& palm, Wide3<V> centre, V reach, V out
   return within > reach && (out > reach || next + reach < zero);
 }
 
-/// What spheres have to do with the palm: nothing; above the polygon kPalmSide or kPalmThrough, or kPalmBlock
-/// inside the skin; by one edge and no other kPalmEdge; else kPalm.
-template <class V>
-inline Kinds<V> palm_kinds(const PalmBody& palm, Wide3<V> centre, V radius) {
-  const V zero = number<V>(0), one = number<V>(1);
-  const Wide3<V> p = turn_into(palm.axis, centre);
-  const V reach = radius + number<V>(kDistanceSlack) * (V(palm.radius) + radius);
-  V out = number<V>(-1e30);
-  for (std::size_t k = 0; k < palm.corner_count; ++k)
-    out = max(out, V(palm.out_x[k]) * (p.x - V(palm.x[k])) + V(palm.out_y[k]) * (p.y - V(palm.y[k])));
-  const V height = abs(p.z), aside = max(out, zero), limit = V(palm.radius) + reach,
-          near = number<V>(kSkeletonReach) * reach, square = aside * aside + height * height;
+/// What discs have to do with the palm: nothing; above the polygon kPalmSide or kPalmThrough, or kPalmBlock
+/// inside the skin; by one edge and no other kPalmEdge; else kPalm. The field is that of the farthest edge.
+template <class V, template <class> class Shape>
+inline Kinds<V> palm_kinds(const PalmBody& palm, const Shape<V>& discs) {
+  const V zero = number<V>(0), one = number<V>(1), reach = discs.reach;
+  const Wide3<V> p = turn_into(palm.axis, discs.centre), normal = turn_into(palm.axis, discs.normal);
+  V out = number<V>(-1e30), out_along = zero;  // beyond the farthest edge, and its direction along the normal
+  for (std::size_t k = 0; k < palm.corner_count; ++k) {
+    const V x(palm.out_x[k]), y(palm.out_y[k]);
+    const V beside = x * (p.x - V(palm.x[k])) + y * (p.y - V(palm.y[k]));
+    out_along = select(beside > out, x * normal.x + y * normal.y, out_along);
+    out = max(out, beside);
+  }
+  const V height = abs(p.z), aside = max(out, zero), near = number<V>(kSkeletonReach) * reach,
+          square = aside * aside + height * height, distance = sqrt(square),
+          field = V(palm.radius) - distance;
   V above = select(height + reach < V(palm.radius), number<V>(kind::kPalmBlock), number<V>(kind::kPalmSide));
   above = select(height > reach, above, number<V>(kind::kPalmThrough));
-  const auto is_above = out + reach < zero, is_palm = radius >= zero && square <= limit * limit;
+  const auto is_palm = discs.radius >= zero && field + reach >= zero &&
+                       !is_outside(discs, field, distance, aside * out_along + p.z * normal.z);
+  const auto is_above = out + reach < zero;
   V kind = select(is_above, above, number<V>(kind::kPalm));
   if (any(is_palm && !is_above))
     kind = select(!is_above && is_at_one_edge(palm, p, reach, out), number<V>(kind::kPalmEdge), kind);
-  return {select(is_palm, kind, zero - one), select(square < near * near && out + reach >= zero, one, zero)};
+  return {select(is_palm, kind, zero - one), select(square < near * near && out + reach >= zero, one, zero),
+          field};
 }
 
 template <class V>
 std::size_t classify_palm(const PatchBlock* blocks, const PalmBody& palm, const std::uint32_t* found,
-                          std::size_t block_count, FoundPatches* patches) {
-  constexpr std::size_t kAhead = 3;
-  const SplitPoint origin = split_point(palm.origin);
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < block_count; ++i) {
-    if (i + kAhead < block_count) prefetch_block(blocks[found[i + kAhead]]);
-    const PatchBlock& block = blocks[found[i]];
-    alignas(64) float keys[PatchBlock::kWidth];
-    for (unsigned lane = 0; lane < PatchBlock::kWidth;
-         lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
-      const V radius = get(block.radius + lane, V{});
-      Kinds<V> kinds = palm_kinds(palm, centroids_of<V>(block, origin, lane), radius);
-      kinds.kind = select(kinds.kind == number<V>(kind::kPalmBlock), number<V>(kind::kPalmSide), kinds.kind);
-      put(keys + lane, key_of(kinds, get(block.size + lane, V{})));
-    }
-    list_patches<V>(keys, found[i], patches, count);
-  }
-  return count;
+                          std::size_t block_count, FoundPatches* patches, CentroidForce& force) {
+  return classify<V>(
+      blocks, split_point(palm.origin), palm.radius, found, block_count,
+      [](std::uint32_t block) { return block; },
+      [&](const Discs<V>& discs, std::uint32_t) LUMBRICAL_INLINE {
+        Kinds<V> kinds = palm_kinds(palm, discs);
+        kinds.kind =
+            select(kinds.kind == number<V>(kind::kPalmBlock), number<V>(kind::kPalmSide), kinds.kind);
+        return kinds;
+      },
+      patches, force);
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

@@ -42,8 +42,8 @@ Effort effort_of(const Patches& patches, const NearPatches& near) {
 }
 
 std::uint64_t evaluations_of(const Effort& effort, const LevelWeights& weights) {
-  std::uint64_t evaluations = effort.always + effort.level[0];
-  for (std::size_t level = 1; level < kLevels; ++level)
+  std::uint64_t evaluations = effort.always;
+  for (std::size_t level = 0; level < kLevels; ++level)
     evaluations += weights[level] > 0 ? effort.level[level] : 0;
   return evaluations;
 }

@@ -19,10 +19,10 @@ struct Effort {
 Effort effort_of(const Patches& patches, const NearPatches& near);
 
 /// Takes weight from fine levels to coarser ones until what remains is within `most` (0: no bound); true if
-/// it had to. The coarsest level is always run.
+/// it had to. The coarsest level may take more.
 bool keep_effort(const Effort& effort, std::uint64_t most, LevelWeights& weights);
 
-/// What the levels of those weights cost together, the coarsest included.
+/// What the levels of those weights cost together.
 std::uint64_t evaluations_of(const Effort& effort, const LevelWeights& weights);
 
 /// How many times the precision asked for the error is, by estimate, on lattices mixed like this under a

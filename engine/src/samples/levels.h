@@ -2,9 +2,9 @@
 //
 // What a lattice is off by hardly depends on how deep a part of the hand is in: it comes from where the world
 // crosses the skin. So the harder a hand presses, the smaller the share of its force that is, and the coarser
-// a lattice will do; and a hand that touches lightly meets few patches and can afford a fine one. Every hand
-// is felt on the coarsest lattices, whose force decides whether finer ones are called for. Between two levels
-// lies a range of forces where both are felt and mixed, so that a growing force never jumps.
+// a lattice will do; and a hand that touches lightly meets few patches and can afford a fine one. How hard it
+// presses is told by the patches' centroids, nearly, before any lattice is gone through. Between two levels
+// lies a narrow range of forces where both are felt and mixed, so that a growing force never jumps.
 #pragma once
 
 #include <array>
@@ -17,16 +17,19 @@ namespace lumbrical {
 /// How much each level counts, 1 in all.
 using LevelWeights = std::array<double, kLevels>;
 
-/// Least forces for which level k will do without the next finer one, and half of which is too little for it:
-/// sums of what segments feel, of a stiffness of 1, in units of Patches::radius3. Measured over drapes and
-/// fingertips (docs/mechanics.md).
-inline constexpr std::array<double, kLevels - 1> kEnoughForce = {8, 0.5};
+/// Least forces for which level k will do without the next finer one: sums of what bodies feel by centroids,
+/// of a stiffness of 1, in units of Patches::radius3. A step's fourth power goes with them. Measured over
+/// drapes, fingertips, grasps and real meshes (docs/mechanics.md).
+inline constexpr std::array<double, kLevels - 1> kEnoughForce = {18, 4, 1.1, 0.3, 0.09};
+
+/// Share of them that is too little.
+inline constexpr double kTooLittle = 0.85;
 
 inline LevelWeights level_weights(double force) {
   LevelWeights weights{};
   double left = 1;
   for (std::size_t k = 0; k + 1 < kLevels; ++k) {
-    const double enough = min(left, clamp(2 * force / kEnoughForce[k] - 1, 0, 1));
+    const double enough = min(left, clamp((force / kEnoughForce[k] - kTooLittle) / (1 - kTooLittle), 0, 1));
     weights[k] = enough;
     left -= enough;
   }

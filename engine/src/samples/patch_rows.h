@@ -14,7 +14,6 @@ struct PatchRows {
   alignas(64) float corner[3][kWidth];   // [m]
   alignas(64) float edge[2][3][kWidth];  // [m]
   alignas(64) float seen_from[kWidth];   // the tile's number, by kFarEnd more at its far end
-  std::size_t first;                     // of the list
 };
 
 /// A body's origin in fours, kept as long as patches are of the same body.
@@ -67,7 +66,6 @@ LUMBRICAL_INLINE inline void for_rows(const PatchList& list, const Take& take) {
   for (std::size_t first = 0; first < list.count; first += PatchRows::kWidth) {
     const std::size_t left = list.count - first;
     gather(list, first, left < PatchRows::kWidth ? left : PatchRows::kWidth, rows);
-    rows.first = first;
     for (std::size_t lane = 0; lane < PatchRows::kWidth; lane += wide::Lanes<V>::kCount) take(rows, lane);
   }
 }
@@ -152,36 +150,29 @@ LUMBRICAL_INLINE inline SeenPatch<V> see_patches(const PatchRows& rows, std::siz
   return seen;
 }
 
-/// Says which of a register's patches are `outside`. What tiles of several lattices share is asked once,
-/// where the tile is wanted that it is listed for.
-template <class V>
-inline void mark_outside(const PatchList& list, const PatchRows& rows, std::size_t lane, unsigned outside,
-                         std::uint64_t wanted) {
-  const std::size_t first = rows.first + lane;
-  for (std::size_t i = 0; i < wide::Lanes<V>::kCount && first + i < list.count; ++i) {
-    if ((wanted >> list.patches[first + i].tile % ListedPatch::kFarEnd & 1u) == 0) continue;
-    const std::size_t number = list.numbers != nullptr ? list.numbers[first + i] : first + i;
-    list.outside[number] = static_cast<std::uint8_t>(outside >> i & 1u);
-  }
-}
-
 inline std::uint32_t count_of(unsigned lanes) {
   return static_cast<std::uint32_t>(__builtin_popcount(lanes));
+}
+
+/// Adds numbers to sums from `lane` on, each first rounded to a multiple of the quantum.
+template <class V>
+LUMBRICAL_INLINE inline void add_rounded(V values, std::size_t lane, double quantum,
+                                         double (&sums)[PatchBlock::kWidth]) {
+  constexpr double kRounder = 6755399441055744.0;  // 1.5 * 2^52: its last place is that of units
+  constexpr std::size_t kLanes = wide::Lanes<V>::kCount;
+  const double rounder = kRounder * quantum;
+  alignas(64) float row[kLanes];
+  put(row, values);
+  for (std::size_t i = 0; i < kLanes; ++i)
+    sums[lane + i] += (static_cast<double>(row[i]) + rounder) - rounder;
 }
 
 /// Adds force and moment of a register's patches to a body's sums.
 template <class V>
 LUMBRICAL_INLINE inline void add_wrench(Wide3<V> force, Wide3<V> moment, std::size_t lane, BodySums& sums) {
-  constexpr double kRounder = 6755399441055744.0;  // 1.5 * 2^52: its last place is that of units
   const V rows[6] = {force.x, force.y, force.z, moment.x, moment.y, moment.z};
-  for (std::size_t k = 0; k < 6; ++k) {
-    constexpr std::size_t kLanes = wide::Lanes<V>::kCount;
-    const double rounder = kRounder * (k < 3 ? sums.force_quantum : sums.moment_quantum);
-    alignas(64) float row[kLanes];
-    put(row, rows[k]);
-    for (std::size_t i = 0; i < kLanes; ++i)
-      sums.lane[k][lane + i] += (static_cast<double>(row[i]) + rounder) - rounder;
-  }
+  for (std::size_t k = 0; k < 6; ++k)
+    add_rounded(rows[k], lane, k < 3 ? sums.force_quantum : sums.moment_quantum, sums.lane[k]);
 }
 
 /// Lanes whose force is not 0, a bit each.

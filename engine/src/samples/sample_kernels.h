@@ -52,9 +52,6 @@ struct PatchList {
   const ListedPatch* patches;
   std::size_t count;
   const SplitPoint* origins;  ///< of the bodies: Bodies::origin
-  /// Unless null: gets a 1 for each patch that no tile can meet, at its number (null: its place in the list).
-  std::uint8_t* outside = nullptr;
-  const std::uint32_t* numbers = nullptr;
 };
 
 /// Blocks that are taken as wholes.
@@ -75,10 +72,27 @@ struct BodySums {
   double force_quantum = 0, moment_quantum = 0;  ///< [m^3], [m^4], powers of two
 };
 
+/// Exact in any order: half onto half is quickest.
+inline double sum_of(const double (&lanes)[PatchBlock::kWidth]) {
+  double half[PatchBlock::kWidth];
+  for (std::size_t i = 0; i < PatchBlock::kWidth; ++i) half[i] = lanes[i];
+  for (std::size_t width = PatchBlock::kWidth / 2; width > 0; width /= 2) {
+    for (std::size_t i = 0; i < width; ++i) half[i] += half[i + width];
+  }
+  return half[0];
+}
+
 /// Sums of tiles by their numbers, and a bit for each tile whose shares are wanted.
 struct TileSums {
   BodySums* of;
   std::uint64_t wanted;
+};
+
+/// What a body feels of patches as their centroids alone tell it: twice the sum of phi n A, in W, in sixteen
+/// lanes. By that it is known how fine lattices have to be (levels.h). Summed block by block, which come in
+/// the same order whatever finds them. [m^3]
+struct CentroidForce {
+  alignas(64) float lane[3][PatchBlock::kWidth] = {};
 };
 
 /// The palm as sphere trees see it: planes `normal . p + offset` that are at most 0 in its skin's convex
@@ -89,6 +103,9 @@ struct PalmQuery {
   float slack;                                 ///< [m] what rounding may take away
 };
 
+/// Blocks that are classified at a time, at most.
+inline constexpr std::size_t kBlocksAtATime = 64;
+
 struct SampleKernels {
   struct Sorted {
     std::size_t open_count, whole_count;
@@ -97,14 +114,16 @@ struct SampleKernels {
   /// small ones that lie inside go to `patches` as wholes, by their numbers plus `first`. A finger's are
   /// given as place << 3, plus a bit per tile that the block's sphere may reach; the palm's as places.
   Sorted (*sort_blocks)(const BlockSamples* blocks, const FingerBody& finger, std::uint32_t first,
-                        std::uint32_t* found, std::size_t count, FoundPatches* patches);
+                        std::uint32_t* found, std::size_t count, FoundPatches* patches, CentroidForce& force);
   Sorted (*sort_palm_blocks)(const BlockSamples* blocks, const PalmBody& palm, std::uint32_t first,
-                             std::uint32_t* found, std::size_t count, FoundPatches* patches);
+                             std::uint32_t* found, std::size_t count, FoundPatches* patches,
+                             CentroidForce& force);
   /// Writes the blocks' patches that the body may meet, and in what way; returns how many.
   std::size_t (*classify_finger)(const PatchBlock* blocks, const FingerBody& finger,
-                                 const std::uint32_t* found, std::size_t count, FoundPatches* patches);
+                                 const std::uint32_t* found, std::size_t count, FoundPatches* patches,
+                                 CentroidForce& force);
   std::size_t (*classify_palm)(const PatchBlock* blocks, const PalmBody& palm, const std::uint32_t* found,
-                               std::size_t count, FoundPatches* patches);
+                               std::size_t count, FoundPatches* patches, CentroidForce& force);
   // Kernels add to sums (of tiles by their numbers) and return how many of the patches they found touched.
   /// One tile, by a lattice of `steps`.
   std::uint32_t (*tile_lattice)(const PatchList& list, const FingerBody* fingers, TilePart part,

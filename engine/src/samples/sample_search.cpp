@@ -16,8 +16,7 @@ namespace {
 
 constexpr std::size_t kWidth = PatchBlock::kWidth;
 
-// Blocks that are classified at a time, and what they may hold.
-constexpr std::size_t kBlocksAtATime = 64;
+// Patches of the blocks that are classified at a time.
 constexpr std::size_t kSpare = kBlocksAtATime * kWidth;
 
 // Patches that a world has for all bodies together, or that there may be.
@@ -99,7 +98,7 @@ void find_for_body(const Search& search, const Model& model, PatchSearcher& sear
 }
 
 void find_for_finger(const Model& model, const Primitives& hand, const FingerBody& finger,
-                     const SplitPoint& origin, PatchSearcher& searcher) {
+                     const SplitPoint& origin, PatchSearcher& searcher, CentroidForce& force) {
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
   const Patches& patches = *model.patches;
   SphereQuery queries[FingerBody::kMostTiles];
@@ -111,10 +110,10 @@ void find_for_finger(const Model& model, const Primitives& hand, const FingerBod
         return kernels.finger_hits(spheres, queries, finger.tile_count, blocks, count, with_bits, to);
       },
       [&](const BlockSamples* samples, std::uint32_t first, std::uint32_t* blocks, std::size_t count,
-          FoundPatches* to) { return kernels.sort_blocks(samples, finger, first, blocks, count, to); },
+          FoundPatches* to) { return kernels.sort_blocks(samples, finger, first, blocks, count, to, force); },
       [&](const std::uint32_t* blocks, std::size_t count, FoundPatches* to) {
         return leave_near(patches, origin, finger, to,
-                          kernels.classify_finger(patches.block.data(), finger, blocks, count, to));
+                          kernels.classify_finger(patches.block.data(), finger, blocks, count, to, force));
       },
       3, finger.tiles()};
   find_for_body(search, model, searcher);
@@ -145,7 +144,7 @@ PalmQuery query_of_palm(const TreeHead& tree, const SweptPolygon& palm) {
 }
 
 void find_for_palm(const Model& model, const Primitives& hand, const PalmBody& palm, const SplitPoint& origin,
-                   PatchSearcher& searcher) {
+                   PatchSearcher& searcher, CentroidForce& force) {
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
   const Patches& patches = *model.patches;
   const PalmQuery query = query_of_palm(patches.tree.head, hand.palm);
@@ -153,10 +152,12 @@ void find_for_palm(const Model& model, const Primitives& hand, const PalmBody& p
       [&](const SphereBlock* spheres, const std::uint32_t* blocks, std::size_t count, bool,
           std::uint32_t* to) { return kernels.palm_hits(spheres, query, blocks, count, to); },
       [&](const BlockSamples* samples, std::uint32_t first, std::uint32_t* blocks, std::size_t count,
-          FoundPatches* to) { return kernels.sort_palm_blocks(samples, palm, first, blocks, count, to); },
+          FoundPatches* to) {
+        return kernels.sort_palm_blocks(samples, palm, first, blocks, count, to, force);
+      },
       [&](const std::uint32_t* blocks, std::size_t count, FoundPatches* to) {
         return leave_near(patches, origin, palm, to,
-                          kernels.classify_palm(patches.block.data(), palm, blocks, count, to));
+                          kernels.classify_palm(patches.block.data(), palm, blocks, count, to, force));
       },
       0, 0};
   find_for_body(search, model, searcher);
@@ -171,6 +172,7 @@ bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, 
   const std::size_t most = most_patches(model);
   for (PatchSearcher& searcher : memory.searcher) searcher.count = 0;
   memory.found.fill({});
+  memory.force.fill({});
   const std::size_t count = bodies.finger_count + (bodies.palm.corner_count > 0 ? 1 : 0);
   std::atomic<std::size_t> next{0};
   parallel_chunks(threads, 1, threads, [&](std::size_t first, std::size_t last) {
@@ -179,9 +181,10 @@ bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, 
       for (std::size_t body = next++; body < count && searcher.count <= most; body = next++) {
         const std::size_t begin = searcher.count;
         if (body < bodies.finger_count) {
-          find_for_finger(model, hand, bodies.finger[body], bodies.origin[body], searcher);
+          find_for_finger(model, hand, bodies.finger[body], bodies.origin[body], searcher,
+                          memory.force[body]);
         } else {
-          find_for_palm(model, hand, bodies.palm, bodies.origin[body], searcher);
+          find_for_palm(model, hand, bodies.palm, bodies.origin[body], searcher, memory.force[body]);
         }
         memory.found[body] = std::span(searcher.found).subspan(begin, searcher.count - begin);
       }
@@ -272,7 +275,6 @@ bool put_in_order(std::span<const std::span<const FoundPatches>> found, std::spa
   }
   ListedPatch* to = near.listed.data();
   for (const PatchRun& run : runs.first(run_count)) to = put_run(run, to);
-  std::fill_n(near.outside.begin(), near.count(), std::uint8_t{0});
   return true;
 }
 
@@ -290,7 +292,6 @@ void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& nea
   }
   at_least(most + kSpare, memory.runs);
   at_least(most + kSpare, near.listed);
-  at_least(most + kSpare, near.outside);
 }
 
 bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
@@ -303,16 +304,16 @@ bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodi
   return false;
 }
 
-void drop_outside(NearPatches& near) {
-  std::uint32_t kept = 0, i = 0;
-  for (std::size_t key = 0; key < kKeyCount; ++key) {
-    near.begin[key] = kept;
-    for (; i < near.begin[key + 1]; ++i) {
-      near.listed[kept] = near.listed[i];
-      kept += near.outside[i] == 0 ? 1 : 0;
+double force_at_centroids(const PatchSearchMemory& memory) {
+  double sum = 0;
+  for (const CentroidForce& force : memory.force) {
+    float total[3] = {};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (const float lane : force.lane[axis]) total[axis] += lane;
     }
+    sum += 0.5 * norm(vec3_of(total));
   }
-  near.begin[kKeyCount] = kept;
+  return sum;
 }
 
 }  // namespace lumbrical

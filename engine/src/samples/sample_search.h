@@ -18,7 +18,6 @@ struct Primitives;
 /// Patches near a hand, sorted by their keys.
 struct NearPatches {
   std::vector<ListedPatch> listed;
-  std::vector<std::uint8_t> outside;                 ///< 1 for each that a kernel has found to meet nothing
   std::array<std::uint32_t, kKeyCount + 1> begin{};  ///< those of key k go from begin[k] to begin[k + 1]
   std::uint64_t tiles = 0;                           ///< that are near any, a bit each by their numbers
   std::array<std::uint64_t, kKeyCount> innermost{};  ///< the tiles that patches of each key are listed for
@@ -62,6 +61,7 @@ struct PatchRun {
 struct PatchSearchMemory {
   std::vector<PatchSearcher> searcher;
   std::array<std::span<const FoundPatches>, Bodies::kMostFingers + 1> found;  ///< of each body, the palm last
+  std::array<CentroidForce, Bodies::kMostFingers + 1> force;                  ///< on each body
   std::vector<PatchRun> runs;                                                 ///< in order of their keys
 };
 
@@ -86,7 +86,8 @@ void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& nea
 bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
                   NearPatches& near);
 
-/// Drops what is `outside`.
-void drop_outside(NearPatches& near);
+/// What bodies feel together by the patches' centroids alone: the sum of their forces' sizes [m^3], of a
+/// stiffness of 1.
+double force_at_centroids(const PatchSearchMemory& memory);
 
 }  // namespace lumbrical

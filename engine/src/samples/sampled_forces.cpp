@@ -12,7 +12,8 @@
 namespace lumbrical {
 namespace {
 
-constexpr std::size_t kEveryLevel = kLevels;  // sums of what is the same on all of them
+// Sums of what is felt once and, where two levels are mixed, by the lattices of either.
+enum Part : std::size_t { kOnce, kCoarser, kFiner };
 
 // ---- Numbers of tiles, and of the palm behind the last finger's ----
 
@@ -34,15 +35,17 @@ void for_numbers(std::uint64_t tiles, const Take& take) {
 // What is added to sums is rounded to: 4e-12 of R^3 or less, so that a thousand addends are not off by a
 // share of 1e-9 that a hand feels, and 4000 R^3 fit in, forty times what a whole hand laid flat and deep
 // comes to.
-void set_quanta(const Primitives& hand, BodySums& sums) {
+BodySums empty_sums(const Primitives& hand) {
   double largest = hand.palm.radius;
   for (std::size_t i = 0; i < kPhalanxCount; ++i) {
     if (hand.present[i]) largest = max(largest, max(hand.capsule[i].radius1, hand.capsule[i].radius2));
   }
   int exponent = 0;
   std::frexp(largest, &exponent);
+  BodySums sums;
   sums.force_quantum = std::ldexp(1.0, 3 * exponent - 38);
   sums.moment_quantum = std::ldexp(1.0, 4 * exponent - 38);
+  return sums;
 }
 
 /// A hand's patches, and who computes them: one of `threads`, each of which takes its part of every list.
@@ -56,7 +59,7 @@ struct SampleWork {
   std::size_t lists = 0;  ///< so far
 
   [[nodiscard]] const FingerBody* fingers() const { return bodies.finger.data(); }
-  [[nodiscard]] BodySums* sums(std::size_t level) const { return memory.sums[level].data(); }
+  [[nodiscard]] BodySums* sums(Part part) const { return memory.sums[part].data(); }
   [[nodiscard]] PatchList list(std::span<const ListedPatch> listed) const {
     return {patches.shape.data(), listed.data(), listed.size(), bodies.origin.data()};
   }
@@ -87,10 +90,9 @@ std::array<std::uint64_t, kMostSteps + 1> tiles_by_steps(const Bodies& bodies, s
   return tiles;
 }
 
-// Patches of kinds `first` to `last`, shared by as many tiles, of which at least one of those is wanted;
-// `mark`: which of them are outside is to be said.
+// Patches of kinds `first` to `last`, shared by as many tiles, of which at least one of those is wanted.
 PatchList wanted_of(SampleWork& work, std::uint32_t first, std::uint32_t last, std::size_t patch_class,
-                    bool mark, std::uint64_t wanted) {
+                    std::uint64_t wanted) {
   std::uint64_t innermost = 0;
   for (std::uint32_t k = 0; k < sharers_of(first); ++k) innermost |= wanted >> k;
   const auto is_wanted = [innermost](const ListedPatch& patch) {
@@ -100,26 +102,19 @@ PatchList wanted_of(SampleWork& work, std::uint32_t first, std::uint32_t last, s
   if ((listed_for & innermost) == 0) return {};
   const std::span<const ListedPatch> all = work.of_kinds(first, last, patch_class);
   PatchList list = work.list(all);
-  if (mark) list.outside = work.near.outside.data() + (all.data() - work.near.listed.data());
   if ((listed_for & ~innermost) == 0) return list;
-  SampleThread& memory = work.memory;
-  list.patches = memory.chosen.data();
-  list.numbers = memory.numbers.data();
-  list.count = 0;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    memory.chosen[list.count] = all[i];
-    memory.numbers[list.count] = static_cast<std::uint32_t>(i);
-    list.count += is_wanted(all[i]) ? 1 : 0;
-  }
+  list.patches = work.memory.chosen.data();
+  list.count =
+      static_cast<std::size_t>(std::copy_if(all.begin(), all.end(), work.memory.chosen.begin(), is_wanted) -
+                               work.memory.chosen.begin());
   return list;
 }
 
 // Each tile's share goes by its own lattice, so that it does not change where a neighbour comes near or goes:
 // what tiles of different lattices share is done once for each.
-void run_fingers(SampleWork& work, std::size_t patch_class, std::size_t steps, bool mark,
-                 const TileSums& sums) {
+void run_fingers(SampleWork& work, std::size_t patch_class, std::size_t steps, const TileSums& sums) {
   const auto run = [&](std::uint32_t first, std::uint32_t last, const auto& kernel) {
-    const PatchList list = wanted_of(work, first, last, patch_class, mark, sums.wanted);
+    const PatchList list = wanted_of(work, first, last, patch_class, sums.wanted);
     if (list.count > 0) work.memory.touched += kernel(list);
   };
   const auto run_part = [&](std::uint32_t first, std::uint32_t last, TilePart part) {
@@ -136,15 +131,12 @@ void run_fingers(SampleWork& work, std::size_t patch_class, std::size_t steps, b
       [&](const PatchList& list) { return work.kernels.finger_lattice(list, work.fingers(), steps, sums); });
 }
 
-// Lattices of a level over the patches of a class. The coarsest ones tell which patches finer ones needn't
-// see.
-void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level) {
-  const bool has_levels = level != kOneCell && work.patches.has_levels[patch_class];
-  BodySums* const sums = work.sums(has_levels ? level : kEveryLevel);
+// Lattices of a level over the patches of a class.
+void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level, Part part) {
+  BodySums* const sums = work.sums(part);
   const auto tiles = tiles_by_steps(work.bodies, level, patch_class);
   for (std::size_t steps = 1; steps <= kMostSteps; ++steps) {
-    if (tiles[steps] != 0)
-      run_fingers(work, patch_class, steps, has_levels && level == 0, {sums, tiles[steps]});
+    if (tiles[steps] != 0) run_fingers(work, patch_class, steps, {sums, tiles[steps]});
   }
   const auto run_palm = [&](std::uint32_t kind, const auto& kernel) {
     const PatchList list = work.list(work.of_kinds(kind, kind, patch_class));
@@ -161,7 +153,7 @@ std::size_t rule_for(std::size_t size) { return size < 1 ? 0 : size < 2 ? 1 : si
 
 // What lies inside, where fields are smooth, or linear.
 void run_smooth(SampleWork& work, std::size_t patch_class) {
-  const TileSums sums{work.sums(kEveryLevel), ~std::uint64_t{0}};
+  const TileSums sums{work.sums(kOnce), ~std::uint64_t{0}};
   const PatchList inside = work.list(work.of_kinds(kind::kInside, kind::kInside + 2, patch_class)),
                   side = work.list(work.of_kinds(kind::kPalmSide, kind::kPalmSide, patch_class)),
                   through = work.list(work.of_kinds(kind::kPalmThrough, kind::kPalmThrough, patch_class));
@@ -183,12 +175,12 @@ void run_blocks(SampleWork& work) {
     const BlockList list{samples, fingers.data() + i, end - i,
                          work.bodies.origin[tile / Bodies::kTilesApart]};
     work.memory.touched +=
-        work.kernels.tile_blocks(list, tile_at(work.fingers(), tile), work.sums(kEveryLevel)[tile]);
+        work.kernels.tile_blocks(list, tile_at(work.fingers(), tile), work.sums(kOnce)[tile]);
   }
   if (!palm.empty()) {
     const BlockList list{samples, palm.data(), palm.size(), work.bodies.origin[work.bodies.finger_count]};
     work.memory.touched +=
-        work.kernels.palm_blocks(list, work.bodies.palm, work.sums(kEveryLevel)[palm_number(work.bodies)]);
+        work.kernels.palm_blocks(list, work.bodies.palm, work.sums(kOnce)[palm_number(work.bodies)]);
   }
 }
 
@@ -197,20 +189,10 @@ void run_blocks(SampleWork& work) {
 /// Twice the integral, as kernels leave it, and its moment.
 using SumOfLanes = std::array<double, 6>;
 
-// Exact in any order: half onto half is quickest.
-double sum_of(const double (&lanes)[PatchBlock::kWidth]) {
-  double half[PatchBlock::kWidth];
-  std::copy_n(lanes, PatchBlock::kWidth, half);
-  for (std::size_t width = PatchBlock::kWidth / 2; width > 0; width /= 2) {
-    for (std::size_t i = 0; i < width; ++i) half[i] += half[i + width];
-  }
-  return half[0];
-}
-
-SumOfLanes sum_of(const SampleMemory& memory, std::size_t threads, std::size_t level, std::size_t number) {
+SumOfLanes total_of(const SampleMemory& memory, std::size_t threads, Part part, std::size_t number) {
   SumOfLanes total{};
   for (std::size_t t = 0; t < threads; ++t) {
-    for (std::size_t k = 0; k < 6; ++k) total[k] += sum_of(memory.thread[t].sums[level][number].lane[k]);
+    for (std::size_t k = 0; k < 6; ++k) total[k] += sum_of(memory.thread[t].sums[part][number].lane[k]);
   }
   return total;
 }
@@ -240,29 +222,6 @@ void add(const Wrench& more, double weight, Wrench& to) {
 
 using SegmentWrenches = std::array<Wrench, kSegmentCount>;
 
-// What all segments feel together, on the coarsest lattices, in units of R^3.
-double force_of(const SegmentWrenches& coarsest, const SegmentWrenches& every_level, double radius3) {
-  double force = 0;
-  for (std::size_t i = 0; i < kSegmentCount; ++i) force += norm(coarsest[i].force + every_level[i].force);
-  return force / radius3;
-}
-
-// Is a patch near of which levels have lattices of their own?
-bool has_levels(const Patches& patches, const NearPatches& near) {
-  for (std::size_t k = 0; k < kPatchClasses; ++k) {
-    if (near.has(k) && patches.has_levels[k]) return true;
-  }
-  return false;
-}
-
-// The lattices of a level; beyond the coarsest those that differ from it.
-void run_level(SampleWork& work, std::size_t level) {
-  for (std::size_t k = 0; k < kPatchClasses; ++k) {
-    if (work.near.has(k) && (level == 0 || level == kOneCell || work.patches.has_levels[k]))
-      run_lattices(work, k, level);
-  }
-}
-
 // ---- On threads ----
 
 // Evaluations below which threads cost more than they bring.
@@ -276,12 +235,12 @@ struct SampleTeam {
   BodySums zero;
   std::size_t threads = 1;
 
-  [[nodiscard]] SegmentWrenches wrenches(std::size_t level) const {
+  [[nodiscard]] SegmentWrenches wrenches(Part part) const {
     SegmentWrenches wrenches{};
     for_numbers(memory.near.tiles, [&](std::size_t number) {
       const std::size_t i = segment_of(memory.bodies, number);
       wrenches[i] =
-          wrench_of(memory.bodies, sum_of(memory, threads, level, number), number, hand.base_joint[i]);
+          wrench_of(memory.bodies, total_of(memory, threads, part, number), number, hand.base_joint[i]);
     });
     return wrenches;
   }
@@ -292,17 +251,17 @@ struct SampleTeam {
   }
 };
 
-// Calls stage(work) for each of as many threads as that many evaluations are worth; sums of `levels` are
-// begun anew.
+// Calls stage(work) for each of as many threads as that many evaluations are worth; sums of `parts` are begun
+// anew.
 template <class Stage>
-void share_out(SampleTeam& team, std::uint64_t evaluations, std::initializer_list<std::size_t> levels,
+void share_out(SampleTeam& team, std::uint64_t evaluations, std::initializer_list<Part> parts,
                const Stage& stage) {
   team.threads = evaluations < kSerialEvaluations ? 1 : team.memory.thread.size();
   parallel_chunks(team.threads, 1, team.threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t number = first; number < last; ++number) {
       SampleThread& own = team.memory.thread[number];
-      for (const std::size_t level : levels)
-        for_numbers(team.memory.near.tiles, [&](std::size_t k) { own.sums[level][k] = team.zero; });
+      for (const Part part : parts)
+        for_numbers(team.memory.near.tiles, [&](std::size_t k) { own.sums[part][k] = team.zero; });
       own.touched = 0;
       SampleWork work{sample_kernels(team.model.execution.isa),
                       *team.model.patches,
@@ -311,62 +270,62 @@ void share_out(SampleTeam& team, std::uint64_t evaluations, std::initializer_lis
                       own,
                       number,
                       team.threads};
-      stage(work);
+      run_blocks(work);
+      for (std::size_t k = 0; k < kPatchClasses; ++k) {
+        if (!work.near.has(k)) continue;
+        run_smooth(work, k);
+        stage(work, k);
+      }
     }
   });
 }
 
-// What is the same on all levels, and the lattices of one.
-void feel_on(SampleTeam& team, std::size_t level, std::uint64_t evaluations, SampledForces& forces) {
-  share_out(team, evaluations, {kEveryLevel, 0}, [&](SampleWork& work) {
-    run_blocks(work);
-    for (std::size_t k = 0; k < kPatchClasses; ++k) {
-      if (work.near.has(k)) run_smooth(work, k);
-    }
-    run_level(work, level);
+void feel_on_one_level(SampleTeam& team, std::size_t level, SampledForces& forces) {
+  share_out(team, forces.evaluations, {kOnce}, [level](SampleWork& work, std::size_t patch_class) {
+    run_lattices(work, patch_class, level, kOnce);
   });
-  forces.contact_count = team.touched();
-  forces.segment = team.wrenches(kEveryLevel);
-  forces.level = {1};
-  forces.evaluations = evaluations;
+  forces.segment = team.wrenches(kOnce);
 }
 
-// On lattices of one cell a patch: the coarsest level would cost too much.
-void feel_in_one_cell(SampleTeam& team, const Effort& effort, SampledForces& forces) {
+// On a level and the next finer one. Patches whose lattices are the same on all levels are felt once.
+void feel_on_two_levels(SampleTeam& team, std::size_t coarser, SampledForces& forces) {
+  const auto& has_levels = team.model.patches->has_levels;
+  share_out(team, forces.evaluations, {kOnce, kCoarser, kFiner},
+            [&](SampleWork& work, std::size_t patch_class) {
+              if (!has_levels[patch_class]) return run_lattices(work, patch_class, coarser, kOnce);
+              const std::uint32_t touched = work.memory.touched;
+              run_lattices(work, patch_class, coarser + 1, kFiner);
+              work.memory.touched = touched;
+              run_lattices(work, patch_class, coarser, kCoarser);
+            });
+  forces.segment = team.wrenches(kOnce);
+  for (const Part part : {kCoarser, kFiner}) {
+    const SegmentWrenches wrenches = team.wrenches(part);
+    for (std::size_t i = 0; i < kSegmentCount; ++i)
+      add(wrenches[i], forces.level[part == kFiner ? coarser + 1 : coarser], forces.segment[i]);
+  }
+}
+
+// On the levels that the force `at_centroids` calls for, or `levels`, as far as Settings::effort allows.
+void feel(SampleTeam& team, double at_centroids, const LevelWeights* levels, SampledForces& forces) {
   const Patches& patches = *team.model.patches;
-  feel_on(team, kOneCell, effort.one_cell, forces);
-  forces.coarsened = true;
-  forces.error_factor =
-      one_cell_error_factor(patches, team.memory.near, force_of({}, forces.segment, patches.radius3));
-}
-
-// What finer levels cost over patches that the coarsest one has not found to meet nothing.
-void drop_outside(const Patches& patches, NearPatches& near, Effort& effort) {
-  drop_outside(near);
-  const Effort left = effort_of(patches, near);
-  std::copy(left.level.begin() + 1, left.level.end(), effort.level.begin() + 1);
-}
-
-// On the coarsest level, and as far as its force, or `levels`, calls for and `most` evaluations allow on
-// finer ones.
-void feel_on_levels(SampleTeam& team, Effort effort, std::uint64_t most, const LevelWeights* levels,
-                    SampledForces& forces) {
-  feel_on(team, 0, evaluations_of(effort, {1}), forces);
-  if (!has_levels(*team.model.patches, team.memory.near)) return;
-  const SegmentWrenches coarsest = team.wrenches(0);
-  const double force = force_of(coarsest, forces.segment, team.model.patches->radius3);
-  forces.level = levels != nullptr ? *levels : level_weights(force);
-  if (forces.level[0] < 1) drop_outside(*team.model.patches, team.memory.near, effort);
+  const Effort effort = effort_of(patches, team.memory.near);
+  const std::uint64_t most = team.model.settings.effort;
+  if (most > 0 && effort.always + effort.level[0] > most) {
+    forces.level = {1};
+    forces.evaluations = effort.one_cell;
+    forces.coarsened = true;
+    forces.error_factor = one_cell_error_factor(patches, team.memory.near, at_centroids);
+    return feel_on_one_level(team, kOneCell, forces);
+  }
+  forces.level = levels != nullptr ? *levels : level_weights(at_centroids);
   forces.coarsened = keep_effort(effort, most, forces.level);
   forces.evaluations = evaluations_of(effort, forces.level);
-  forces.error_factor = forces.coarsened ? error_factor_of(forces.level, force) : 1;
-  for (std::size_t level = 0; level < kLevels; ++level) {
-    if (!(forces.level[level] > 0)) continue;
-    if (level > 0)
-      share_out(team, effort.level[level], {level}, [level](SampleWork& work) { run_level(work, level); });
-    const SegmentWrenches wrenches = level > 0 ? team.wrenches(level) : coarsest;
-    for (std::size_t i = 0; i < kSegmentCount; ++i) add(wrenches[i], forces.level[level], forces.segment[i]);
-  }
+  forces.error_factor = forces.coarsened ? error_factor_of(forces.level, at_centroids) : 1;
+  std::size_t coarsest = 0;
+  while (!(forces.level[coarsest] > 0)) ++coarsest;
+  if (forces.level[coarsest] < 1) return feel_on_two_levels(team, coarsest, forces);
+  feel_on_one_level(team, coarsest, forces);
 }
 
 }  // namespace
@@ -377,7 +336,6 @@ void size_samples(const Model& model, SampleMemory& memory) {
   at_least(model.execution.threads, memory.thread);
   for (SampleThread& thread : memory.thread) {
     at_least(memory.near.listed.size(), thread.chosen);
-    at_least(memory.near.listed.size(), thread.numbers);
     for (auto& sums : thread.sums) sums.resize((Bodies::kMostFingers + 1) * Bodies::kTilesApart);
   }
 }
@@ -402,15 +360,9 @@ bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t seg
   if (!find_patches(model, hand, bodies, memory.search, memory.near)) return false;
   forces.patch_count = static_cast<std::uint32_t>(memory.near.count());
   if (forces.patch_count == 0) return true;
-  SampleTeam team{model, hand, memory, {}};
-  set_quanta(hand, team.zero);
-  const Effort effort = effort_of(*model.patches, memory.near);
-  const std::uint64_t most = model.settings.effort;
-  if (most > 0 && effort.always + effort.level[0] > most) {
-    feel_in_one_cell(team, effort, forces);
-  } else {
-    feel_on_levels(team, effort, most, levels, forces);
-  }
+  SampleTeam team{model, hand, memory, empty_sums(hand)};
+  feel(team, force_at_centroids(memory.search) / model.patches->radius3, levels, forces);
+  forces.contact_count = team.touched();
   return true;
 }
 

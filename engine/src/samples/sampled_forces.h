@@ -26,16 +26,15 @@ struct SampledForces {
   double error_factor = 1;          ///< how many times the error is what the precision asks, by estimate
   bool coarsened = false;           ///< to stay within Settings::effort
   std::uint32_t patch_count = 0;    ///< near bodies, those of blocks taken as wholes counted as one
-  std::uint32_t contact_count = 0;  ///< pairs of a segment and a patch it touches, on the coarsest lattices
+  std::uint32_t contact_count = 0;  ///< pairs of a segment and a patch it touches
 };
 
 /// What one thread works with.
 struct SampleThread {
-  std::vector<ListedPatch> chosen;     ///< for one kernel
-  std::vector<std::uint32_t> numbers;  ///< theirs in the list they are of
-  /// Of tiles by their numbers and, last, of the palm: by the lattices of each level, and what is the same on
-  /// all of them.
-  std::array<std::vector<BodySums>, kLevels + 1> sums;
+  std::vector<ListedPatch> chosen;  ///< for one kernel
+  /// Of tiles by their numbers and, last, of the palm: of what is felt once and, where two levels are mixed,
+  /// by the lattices of either.
+  std::array<std::vector<BodySums>, 3> sums;
   std::uint32_t touched = 0;
 };
 

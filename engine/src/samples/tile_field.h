@@ -44,22 +44,6 @@ inline V place_on(const TileNumbers<V>& tile, TilePoint<V> p) {
   return tile.cosine * p.along - tile.sine * sqrt(p.square);
 }
 
-/// Are patches out of a tile's reach? Its field is concave, so over a patch it is nowhere above its tangent
-/// at the centroid, which is largest at a corner.
-template <class V>
-inline auto is_outside(const TileNumbers<V>& tile, const PatchInFrame<V>& patch) {
-  const V zero = number<V>(0), third = number<V>(1.0 / 3);
-  const Wide3<V> centre = patch.corner + third * (patch.edge1 + patch.edge2);
-  const TilePoint<V> point{centre.x, centre.y * centre.y + centre.z * centre.z};
-  const auto [level, distance, is_side, axial] = tile_depth(tile, point);
-  // The way the field falls by 1 a metre, as long as `distance`.
-  const V across = select(is_side, tile.cosine2, number<V>(1));
-  const Wide3<V> away{select(is_side, tile.sine * distance, axial), across * centre.y, across * centre.z};
-  const V one = dot(away, patch.edge1), other = dot(away, patch.edge2);
-  const V nearest = min(zero, min(one, other)) - third * (one + other);
-  return distance * (level - distance) < nearest;
-}
-
 /// Turns a patch in the plane of two coordinates until its second edge has nothing of the second one.
 template <class V>
 inline void turn_edge(PatchInFrame<V>& patch, V Wide3<V>::*kept, V Wide3<V>::*gone) {

@@ -13,8 +13,6 @@ inline std::uint32_t part_lattice(const PatchList& list, const FingerBody* finge
   std::uint32_t touched = 0;
   for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
     const SeenPatch<V> seen = see_patches<V>(rows, lane, fingers);
-    if (list.outside != nullptr)
-      mark_outside<V>(list, rows, lane, wide::bits_of(is_outside(seen.tile, seen.patch)), sums.wanted);
     const PartRows<kPart, V> part(seen);
     const LatticeMoments<V> m = lattice_moments<V>(
         steps, [&](float u) LUMBRICAL_INLINE { return part.row(V(u)); },
@@ -126,11 +124,6 @@ inline std::uint32_t shared_lattice(const PatchList& list, const FingerBody* fin
   std::uint32_t touched = 0;
   for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
     const Neighbours<V, N> near = see_neighbours<V, N>(rows, lane, fingers);
-    if (list.outside != nullptr) {
-      unsigned outside = ~0u;
-      for (const SeenPatch<V>& seen : near.seen) outside &= wide::bits_of(is_outside(seen.tile, seen.patch));
-      mark_outside<V>(list, rows, lane, outside, sums.wanted);
-    }
     TileRows<V> tile[N];
     for (std::size_t k = 0; k < N; ++k) tile[k] = tile_rows(near.seen[k].patch);
     CellSums<V> cells[N];
