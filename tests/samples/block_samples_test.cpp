@@ -95,7 +95,7 @@ double worst_error(Random& random, double bend, const Field& field) {
                      added = moments_of(std::span<const BlockMoments>(moments));
   double worst = 0;
   for (const BlockMoments& block : {own, added}) {
-    const BlockSamples samples = samples_of(block, {radius_of(all, centre_of(block)), 0});
+    const BlockSamples samples = samples_of(block, radius_of(all, centre_of(block)));
     worst = max(worst, norm(force_on(samples, field) - force_on(all, field)) / area_of(all));
   }
   return worst;
@@ -111,7 +111,7 @@ TEST(BlockSamples, OfSliversThatHaveNoAreaAreFiniteAndFeelNothing) {
   const Corners sliver{{}, edge, 0.5 * edge};
   const BlockMoments block = moments_of(std::span(&sliver, 1));
   ASSERT_EQ(block.area.sum, 0);
-  const BlockSamples samples = samples_of(block, {0.02, 0});
+  const BlockSamples samples = samples_of(block, 0.02);
   EXPECT_TRUE(is_finite(point_of(samples.centre)) && std::isfinite(samples.size));
   EXPECT_EQ(force_on(samples, Field{1, ones, {ones, ones, ones}}), Vec3{});
 }

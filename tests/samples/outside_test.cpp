@@ -1,4 +1,4 @@
-// What classification leaves out, because the discs of patches and the plates of blocks lie outside of a
+// What classification leaves out, because the discs of patches and the boxes of blocks lie outside of a
 // body: is it?
 #include <gtest/gtest.h>
 

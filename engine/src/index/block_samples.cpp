@@ -117,13 +117,11 @@ Vec3 centre_of(const BlockMoments& block) {
   return block.area.sum > 0 ? block.origin + Vec3{x, y, z} / block.area.sum : block.origin;
 }
 
-BlockSamples samples_of(const BlockMoments& block, const BlockExtent& extent) {
+BlockSamples samples_of(const BlockMoments& block, double radius) {
   const auto [centre, area, normal] = seen_from(centre_of(block), block);
   BlockSamples samples{};
   samples.centre = split_point(centre);
-  const double radius = extent.radius;
   samples.radius = static_cast<float>((1 + 1e-6) * radius);
-  samples.thickness = static_cast<float>((1 + 1e-6) * extent.thickness);
   double flatness = norm(normal.sum) / area.sum;
   for (int k = 0; k < 4; ++k) flatness *= flatness;
   samples.size = static_cast<float>(radius / max(flatness, kLeastFlatness));

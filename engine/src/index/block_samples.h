@@ -31,10 +31,7 @@ BlockMoments moments_of(std::span<const BlockMoments> blocks);
 /// [m] W, of the area, or near slivers that in single precision have none.
 Vec3 centre_of(const BlockMoments& block);
 
-/// [m] How far patches are from a block's centre, and along the direction of its normal.
-struct BlockExtent {
-  double radius = 0, thickness = 0;
-};
-BlockSamples samples_of(const BlockMoments& block, const BlockExtent& extent);
+/// `radius` [m]: of the sphere about the centre that holds the patches. Without the extent.
+BlockSamples samples_of(const BlockMoments& block, double radius);
 
 }  // namespace lumbrical

@@ -20,17 +20,18 @@ namespace {
 // the finest, R the mean radius of what is sampled: all segments have the same lattices, so that patches of
 // several go through kernels together. Measured: docs/mechanics.md; a user measures his own scene with
 // `lumbrical run --compare-precision`. The error falls with the step's fourth power.
-constexpr std::array<double, kLevels> kStep = {0.46, 0.34, 0.25, 0.185, 0.137, 0.102};
+constexpr std::array<double, kLevels> kStep = {0.46, 0.37, 0.3, 0.245, 0.2, 0.165, 0.132, 0.102};
 
 // R is no less and no more than these shares of a segment's own radius.
 constexpr double kThick = 0.5, kThin = 1.5;
 
-// [R] The steps that patches are measured in.
+// [R] The steps that patches are measured in, at a precision of 1e-4 or less: of longer patches most would be
+// nowhere near a finger.
 constexpr double kSizeStep = 0.16;
 
 // How many times finer than a patch is long in those, level by level, lattices are where a skeleton comes
 // near.
-constexpr std::array<double, kLevels> kNearSkeleton = {1, 1.2, 1.4, 1.6, 1.8, 2};
+constexpr std::array<double, kLevels> kNearSkeleton = {1, 1.1, 1.25, 1.4, 1.55, 1.7, 1.85, 2};
 
 // Patches of smaller sizes have the last of these on every level: theirs cost less than a second look would.
 constexpr std::size_t kLeastSizeWithLevels = 4;
@@ -277,19 +278,21 @@ BlockMoments moments_of_block(const Patches& patches, std::size_t block) {
 BlockSamples samples_of_blocks(const Patches& patches, const BlockMoments& moments, std::size_t first,
                                std::size_t width) {
   const Vec3 centre = centre_of(moments);
-  const double size = norm(moments.normal.sum);
-  const Vec3 normal = size > 0 ? moments.normal.sum / size : Vec3{};
-  BlockExtent extent;
+  const auto for_corners = [&](const auto& take) {
+    for_patches(patches, first, first + width, [&](const Corners& at) {
+      for (const Vec3 corner : {at.a, at.b, at.c}) take(corner - centre);
+    });
+  };
   double square = 0;
-  for_patches(patches, first, first + width, [&](const Corners& at) {
-    for (const Vec3 corner : {at.a, at.b, at.c}) {
-      const Vec3 from = corner - centre;
-      square = max(square, dot(from, from));
-      extent.thickness = max(extent.thickness, std::fabs(dot(from, normal)));
-    }
-  });
-  extent.radius = std::sqrt(square);
-  return samples_of(moments, extent);
+  for_corners([&](Vec3 from) { square = max(square, dot(from, from)); });
+  BlockSamples samples = samples_of(moments, std::sqrt(square));
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 arm = vec3_of(samples.arm[k]);
+    double most = 0;
+    for_corners([&](Vec3 from) { most = max(most, std::fabs(dot(from, arm))); });
+    samples.extent[k] = most > 0 ? static_cast<float>((1 + 1e-5) * most / dot(arm, arm)) : 0;
+  }
+  return samples;
 }
 
 // Blocks as ones, and blocks of those, level by level, as long as a segment may take one.
@@ -379,7 +382,7 @@ std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& s
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     if (!is_sampled(settings, i)) continue;
     unit[i] = step_unit(hand, settings, i, mean);
-    least = min(least, kSizeStep * unit[i]);
+    least = min(least, kSizeStep * min(unit[i], mean));
   }
   if (!is_finite(least)) return nullptr;
   auto patches = std::make_shared<Patches>();

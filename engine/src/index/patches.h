@@ -24,7 +24,7 @@ inline constexpr std::size_t kMostSteps = 2 * kPatchSizes;
 
 /// Lattices from coarse to fine. How fine the one is by which a hand is felt depends on its force
 /// (samples/levels.h).
-inline constexpr std::size_t kLevels = 6;
+inline constexpr std::size_t kLevels = 8;
 /// Steps by level and, behind them, 1: one cell a patch, for a tick that must not take longer.
 inline constexpr std::size_t kOneCell = kLevels;
 using LatticeSteps = std::array<std::uint8_t, kLevels + 1>;
@@ -52,8 +52,8 @@ struct BlockSamples {
   float radius;            ///< [m] of the sphere about it that holds the patches
   float size;              ///< [m] that radius, and more where the patches face different ways
   float normal[3];         ///< [m^2] twice the integral of n dA
-  float thickness;         ///< [m] how far along that patches are from the centre, to either side
   float arm[3][3];         ///< [m]
+  float extent[3];         ///< how many arms far patches are from the centre, to either side
   float weight[2][3][3];   ///< [m^2] of the samples at centre + arm and - arm: twice the share of n dA
   float centre_weight[3];  ///< [m^2]
 };

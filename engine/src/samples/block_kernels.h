@@ -13,26 +13,29 @@ struct BlockRows {
   static constexpr std::size_t kWidth = PatchBlock::kWidth;
   alignas(64) float centre[3][kWidth];
   alignas(64) float radius[kWidth];
-  alignas(64) float size[kWidth];
-  alignas(64) float normal[3][kWidth];  // twice n dA [m^2]
-  alignas(64) float thickness[kWidth];
+  alignas(64) float arm[3][3][kWidth];
+  alignas(64) float extent[3][kWidth];
 };
-inline void put_block(const BlockSamples& block, const SplitPoint& origin, std::size_t lane,
-                      BlockRows& rows) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    rows.centre[axis][lane] = difference(block.centre, origin, axis);
-    rows.normal[axis][lane] = block.normal[axis];
+/// Those at places `found` >> `shift`.
+inline void gather(const BlockSamples* blocks, const SplitPoint& origin, const std::uint32_t* found,
+                   unsigned shift, std::size_t count, BlockRows& rows) {
+  for (std::size_t lane = 0; lane < BlockRows::kWidth; ++lane) {
+    const BlockSamples& block = blocks[found[lane < count ? lane : 0] >> shift];
+    rows.radius[lane] = block.radius;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      rows.centre[axis][lane] = difference(block.centre, origin, axis);
+      rows.extent[axis][lane] = block.extent[axis];
+      for (std::size_t k = 0; k < 3; ++k) rows.arm[k][axis][lane] = block.arm[k][axis];
+    }
   }
-  rows.radius[lane] = block.radius;
-  rows.size[lane] = block.size;
-  rows.thickness[lane] = block.thickness;
 }
 template <class V>
-inline Plates<V> plates_of(const BlockRows& rows, std::size_t lane, float largest) {
+inline Boxes<V> boxes_of(const BlockRows& rows, std::size_t lane, float largest) {
   const V radius = get(rows.radius + lane, V{});
-  return {
-      {vector_at<V>(rows.centre, lane), radius, reach_of(radius, largest), vector_at<V>(rows.normal, lane)},
-      get(rows.thickness + lane, V{})};
+  Boxes<V> boxes{vector_at<V>(rows.centre, lane), radius, reach_of(radius, largest), {}};
+  for (std::size_t k = 0; k < 3; ++k)
+    boxes.arm[k] = get(rows.extent[k] + lane, V{}) * vector_at<V>(rows.arm[k], lane);
+  return boxes;
 }
 
 /// Blocks' kinds (-1: nothing; `inside` and above it: inside something that takes blocks up to one of `sizes`
@@ -41,20 +44,26 @@ struct BlockKinds {
   alignas(64) float kind[BlockRows::kWidth];
   alignas(64) float field[BlockRows::kWidth];
 };
-/// From them to those to be opened and those that are taken as wholes.
-inline SampleKernels::Sorted part_blocks(const BlockKinds& kinds, const BlockRows& rows, std::uint32_t inside,
-                                         std::span<const float> sizes, std::uint32_t whole, unsigned shift,
-                                         std::uint32_t first, std::uint32_t* found, std::size_t count,
-                                         FoundPatches* patches, CentroidForce& force) {
+/// Which blocks a body takes as wholes: of kinds from `inside` on, up to one of `sizes` each, as kinds from
+/// `whole` on; and how their places are given.
+struct WholeBlocks {
+  std::uint32_t inside, whole;
+  std::span<const float> sizes;
+  unsigned shift;
+};
+/// From kinds to those to be opened and those that are taken as wholes.
+inline SampleKernels::Sorted part_blocks(const BlockKinds& kinds, const BlockSamples* blocks,
+                                         const WholeBlocks& takes, std::uint32_t first, std::uint32_t* found,
+                                         std::size_t count, FoundPatches* patches, CentroidForce& force) {
   SampleKernels::Sorted sorted{0, 0};
   for (std::size_t lane = 0; lane < count; ++lane) {
     if (kinds.kind[lane] < 0) continue;
-    const auto kind = static_cast<std::uint32_t>(kinds.kind[lane]);
-    if (kind >= inside && kind < inside + sizes.size() && rows.size[lane] <= sizes[kind - inside]) {
-      patches[sorted.whole_count++] = {static_cast<std::uint16_t>(whole + (kind - inside)), 1,
-                                       first + (found[lane] >> shift)};
+    const std::uint32_t among = static_cast<std::uint32_t>(kinds.kind[lane]) - takes.inside,
+                        place = found[lane] >> takes.shift;
+    if (among < takes.sizes.size() && blocks[place].size <= takes.sizes[among]) {
+      patches[sorted.whole_count++] = {static_cast<std::uint16_t>(takes.whole + among), 1, first + place};
       for (std::size_t axis = 0; axis < 3; ++axis)
-        force.lane[axis][lane] += kinds.field[lane] * rows.normal[axis][lane];
+        force.lane[axis][lane] += kinds.field[lane] * blocks[place].normal[axis];
     } else {
       found[sorted.open_count++] = found[lane];
     }
@@ -66,18 +75,16 @@ template <class V>
 SampleKernels::Sorted sort_blocks(const BlockSamples* blocks, const FingerBody& finger, std::uint32_t first,
                                   std::uint32_t* found, std::size_t count, FoundPatches* patches,
                                   CentroidForce& force) {
-  const SplitPoint origin = split_point(finger.origin);
   const float largest = largest_radius(finger);
   BlockRows rows;
-  for (std::size_t lane = 0; lane < BlockRows::kWidth; ++lane)
-    put_block(blocks[found[lane < count ? lane : 0] >> 3], origin, lane, rows);
+  gather(blocks, split_point(finger.origin), found, 3, count, rows);
   BlockKinds of;
   unsigned met[FingerBody::kMostTiles] = {};
   for (unsigned lane = 0; lane < BlockRows::kWidth; lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
-    const Plates<V> plates = plates_of<V>(rows, lane, largest);
-    const FingerView<V> view = view_finger(finger, plates, finger.tiles());
+    const Boxes<V> boxes = boxes_of<V>(rows, lane, largest);
+    const FingerView<V> view = view_finger(finger, boxes, finger.tiles());
     for (std::size_t k = 0; k < FingerBody::kMostTiles; ++k) met[k] |= wide::bits_of(view.meets(k)) << lane;
-    const Kinds<V> kinds = shared_kinds(finger, view, plates.reach, finger.tiles());
+    const Kinds<V> kinds = shared_kinds(finger, view, boxes.reach, finger.tiles());
     put(of.kind + lane, kinds.kind);
     put(of.field + lane, kinds.field);
   }
@@ -86,30 +93,28 @@ SampleKernels::Sorted sort_blocks(const BlockSamples* blocks, const FingerBody& 
         (met[0] >> lane & 1u) | (met[1] >> lane & 1u) << 1 | (met[2] >> lane & 1u) << 2;
     found[lane] = (found[lane] & ~7u) | tiles;
   }
-  return part_blocks(of, rows, kind::kInside, finger.block_radius, kind::kBlockInside, 3, first, found, count,
-                     patches, force);
+  return part_blocks(of, blocks, {kind::kInside, kind::kBlockInside, finger.block_radius, 3}, first, found,
+                     count, patches, force);
 }
 
 template <class V>
 SampleKernels::Sorted sort_palm_blocks(const BlockSamples* blocks, const PalmBody& palm, std::uint32_t first,
                                        std::uint32_t* found, std::size_t count, FoundPatches* patches,
                                        CentroidForce& force) {
-  const SplitPoint origin = split_point(palm.origin);
   BlockRows rows;
-  for (std::size_t lane = 0; lane < BlockRows::kWidth; ++lane)
-    put_block(blocks[found[lane < count ? lane : 0]], origin, lane, rows);
+  gather(blocks, split_point(palm.origin), found, 0, count, rows);
   BlockKinds of;
   for (unsigned lane = 0; lane < BlockRows::kWidth; lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
-    const Plates<V> plates = plates_of<V>(rows, lane, palm.radius);
-    const V kind = palm_kinds(palm, plates).kind, reach = plates.reach;
-    const V field = palm_field(palm, turn_into(palm.axis, plates.centre)), distance = V(palm.radius) - field;
+    const Boxes<V> boxes = boxes_of<V>(rows, lane, palm.radius);
+    const V kind = palm_kinds(palm, boxes).kind, reach = boxes.reach;
+    const V field = palm_field(palm, turn_into(palm.axis, boxes.centre)), distance = V(palm.radius) - field;
     const auto is_smooth = field > reach && distance >= number<V>(kSmoothReach) * reach;
     const auto is_beside = kind >= number<V>(kind::kPalmEdge) && is_smooth;
     put(of.kind + lane, select(is_beside, number<V>(kind::kPalmBlockBeside), kind));
     put(of.field + lane, field);
   }
-  return part_blocks(of, rows, kind::kPalmBlock, palm.block_radius, kind::kPalmBlock, 0, first, found, count,
-                     patches, force);
+  return part_blocks(of, blocks, {kind::kPalmBlock, kind::kPalmBlock, palm.block_radius, 0}, first, found,
+                     count, patches, force);
 }
 
 /// The numbers of sixteen blocks, by number and lane.

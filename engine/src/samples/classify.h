@@ -35,29 +35,29 @@ inline Discs<V> discs_of(const PatchBlock& block, const SplitPoint& origin, floa
   return {{at[0], at[1], at[2]}, radius, reach_of(radius, largest), vector_at<V>(block.normal, lane)};
 }
 
-/// Blocks of patches: discs that are as thick as this to either side.
-template <class V>
-struct Plates : Discs<V> {
-  V thickness;  // [m]
-};
-
 /// Are discs nowhere inside a concave field? It is nowhere above its tangent at their centres, where it is
-/// `field` and falls by 1 a metre along a vector of that length, of which `away` is along their normals.
-constexpr double kRoundedSine2 = 1e-6;  // what rounding may take away of the square of an angle's sine
+/// `field` and falls by 1 a metre along `away`, a vector of that length.
 template <class V>
-LUMBRICAL_INLINE inline auto is_outside(const Discs<V>& discs, V field, V length, V away) {
-  const V f = field + (discs.reach - discs.radius),
+LUMBRICAL_INLINE inline auto is_outside(const Discs<V>& discs, V field, V length, Wide3<V> away) {
+  constexpr double kRoundedSine2 = 1e-6;  // what rounding may take away of the square of an angle's sine
+  const V f = field + (discs.reach - discs.radius), along = dot(away, discs.normal),
           square = length * length * dot(discs.normal, discs.normal);
-  const V across = square * number<V>(1 + kRoundedSine2) - away * away;
+  const V across = square * number<V>(1 + kRoundedSine2) - along * along;
   return f < number<V>(0) && f * f * square > discs.reach * discs.reach * across;
 }
+
+/// Blocks of patches: boxes along their arms, and the spheres about them.
 template <class V>
-LUMBRICAL_INLINE inline auto is_outside(const Plates<V>& plates, V field, V length, V away) {
-  const V zero = number<V>(0), one = number<V>(1), size = length * sqrt(dot(plates.normal, plates.normal));
-  const V cosine = divide(abs(away), select(size > zero, size, one));
-  const V f = field + (plates.reach - plates.radius) + cosine * plates.thickness;
-  return size > zero && f < zero &&
-         f * f > plates.reach * plates.reach * (number<V>(1 + kRoundedSine2) - cosine * cosine);
+struct Boxes {
+  Wide3<V> centre;  // [m]
+  V radius, reach;  // as those of discs
+  Wide3<V> arm[3];  // [m] times the extent
+};
+template <class V>
+LUMBRICAL_INLINE inline auto is_outside(const Boxes<V>& boxes, V field, V length, Wide3<V> away) {
+  V along = abs(dot(away, boxes.arm[0]));
+  for (std::size_t k = 1; k < 3; ++k) along = along + abs(dot(away, boxes.arm[k]));
+  return (field + (boxes.reach - boxes.radius)) * length + along < number<V>(0);
 }
 
 inline void prefetch_block(const PatchBlock& block) {
@@ -127,10 +127,10 @@ LUMBRICAL_INLINE inline TileView<V> view_tile(const TileFrame& frame, std::uint3
   const auto [level, distance, is_side, axial] = tile_depth(tile, point);
   const V field = level - distance, place = place_on(tile, point), reach = discs.reach;
   const V end = tile.cosine * tile.length, zero = number<V>(0);
-  // The way the field falls, as long as `distance`, along the normal.
-  const V axis_along = dot(in_all_lanes<V>(frame.axis[0]), discs.normal);
-  const V away = select(is_side, tile.sine * distance, axial) * axis_along +
-                 select(is_side, tile.cosine2, number<V>(1)) * (dot(from, discs.normal) - p.x * axis_along);
+  // The way the field falls, as long as `distance`.
+  const V across = select(is_side, tile.cosine2, number<V>(1)),
+          along = select(is_side, tile.sine * distance, axial) - across * p.x;
+  const Wide3<V> away = across * from + along * in_all_lanes<V>(frame.axis[0]);
   const auto meets = field + reach > zero && !is_outside(discs, field, distance, away);
   const auto is_near = distance < number<V>(kSkeletonReach) * reach;
   const auto id = [k](std::uint32_t part) { return number<V>(part + k); };
@@ -287,21 +287,24 @@ inline auto is_at_one_edge(const PalmBody& palm, Wide3<V> centre, V reach, V out
 template <class V, template <class> class Shape>
 inline Kinds<V> palm_kinds(const PalmBody& palm, const Shape<V>& discs) {
   const V zero = number<V>(0), one = number<V>(1), reach = discs.reach;
-  const Wide3<V> p = turn_into(palm.axis, discs.centre), normal = turn_into(palm.axis, discs.normal);
-  V out = number<V>(-1e30), out_along = zero;  // beyond the farthest edge, and its direction along the normal
+  const Wide3<V> p = turn_into(palm.axis, discs.centre);
+  V out = number<V>(-1e30), out_x = zero, out_y = zero;  // beyond the farthest edge, and which way
   for (std::size_t k = 0; k < palm.corner_count; ++k) {
     const V x(palm.out_x[k]), y(palm.out_y[k]);
     const V beside = x * (p.x - V(palm.x[k])) + y * (p.y - V(palm.y[k]));
-    out_along = select(beside > out, x * normal.x + y * normal.y, out_along);
+    out_x = select(beside > out, x, out_x);
+    out_y = select(beside > out, y, out_y);
     out = max(out, beside);
   }
   const V height = abs(p.z), aside = max(out, zero), near = number<V>(kSkeletonReach) * reach,
           square = aside * aside + height * height, distance = sqrt(square),
           field = V(palm.radius) - distance;
+  const Wide3<V> away = (aside * out_x) * in_all_lanes<V>(palm.axis[0]) +
+                        (aside * out_y) * in_all_lanes<V>(palm.axis[1]) + p.z * in_all_lanes<V>(palm.axis[2]);
   V above = select(height + reach < V(palm.radius), number<V>(kind::kPalmBlock), number<V>(kind::kPalmSide));
   above = select(height > reach, above, number<V>(kind::kPalmThrough));
-  const auto is_palm = discs.radius >= zero && field + reach >= zero &&
-                       !is_outside(discs, field, distance, aside * out_along + p.z * normal.z);
+  const auto is_palm =
+      discs.radius >= zero && field + reach >= zero && !is_outside(discs, field, distance, away);
   const auto is_above = out + reach < zero;
   V kind = select(is_above, above, number<V>(kind::kPalm));
   if (any(is_palm && !is_above))

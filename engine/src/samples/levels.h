@@ -20,10 +20,10 @@ using LevelWeights = std::array<double, kLevels>;
 /// Least forces for which level k will do without the next finer one: sums of what bodies feel by centroids,
 /// of a stiffness of 1, in units of Patches::radius3. A step's fourth power goes with them. Measured over
 /// drapes, fingertips, grasps and real meshes (docs/mechanics.md).
-inline constexpr std::array<double, kLevels - 1> kEnoughForce = {18, 4, 1.1, 0.3, 0.09};
+inline constexpr std::array<double, kLevels - 1> kEnoughForce = {17, 6, 2.3, 1.0, 0.43, 0.2, 0.08};
 
 /// Share of them that is too little.
-inline constexpr double kTooLittle = 0.85;
+inline constexpr double kTooLittle = 0.9;
 
 inline LevelWeights level_weights(double force) {
   LevelWeights weights{};
