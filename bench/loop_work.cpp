@@ -3,9 +3,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/gauss.h"
 #include "experiments.h"
 #include "lumbrical/shapes.h"
-#include "section/gauss.h"
 
 namespace lumbrical::bench {
 namespace {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "lanes/near_pairs.h"
 #include "pressed_hand.h"
+#include "search/near_pairs.h"
 #include "stages/broadphase.h"
 #include "stages/hand_pose.h"
 #include "timing.h"

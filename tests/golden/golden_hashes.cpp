@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "golden_sessions.h"
-#include "lanes/wide.h"
 #include "random.h"
+#include "simd/wide.h"
 
 namespace lumbrical::test {
 namespace {

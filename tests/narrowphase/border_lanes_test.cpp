@@ -7,15 +7,15 @@
 #include <numbers>
 #include <vector>
 
+#include "base/gauss.h"
 #include "borders/border_bulge.h"
 #include "borders/border_pairs.h"
 #include "borders/joint_border.h"
 #include "borders/root.h"
-#include "lanes/lane_vectors.h"
 #include "loose_triangles.h"
 #include "posed_finger.h"
 #include "random.h"
-#include "section/gauss.h"
+#include "simd/lane_vectors.h"
 #include "stages/hand_pose.h"
 
 namespace lumbrical {

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "contact_pairs.h"
-#include "lanes/round_pairs.h"
-#include "lanes/through_lanes.h"
+#include "exact/round_pairs.h"
+#include "exact/through_lanes.h"
 #include "lumbrical/probe.h"
 #include "stages/narrowphase.h"
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "lanes/field_kernels.h"
+#include "exact/field_kernels.h"
 #include "random.h"
 #include "stages/narrowphase.h"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "lanes/slab_pairs.h"
+#include "exact/slab_pairs.h"
 #include "loose_triangles.h"
 #include "random.h"
 #include "section/slab.h"

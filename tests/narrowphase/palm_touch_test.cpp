@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/gauss.h"
 #include "box_palm.h"
-#include "section/gauss.h"
 #include "session.h"
 
 namespace lumbrical {

@@ -11,7 +11,7 @@
 #include "stages/narrowphase.h"
 
 #define LUMBRICAL_ISA scalar
-#include "lanes/point_rules.h"
+#include "exact/point_rules.h"
 
 namespace lumbrical::test {
 namespace {

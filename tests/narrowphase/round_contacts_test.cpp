@@ -8,8 +8,8 @@
 #include <memory>
 #include <vector>
 
-#include "lanes/round_pairs.h"
-#include "lanes/through_lanes.h"
+#include "exact/round_pairs.h"
+#include "exact/through_lanes.h"
 #include "mesh_world.h"
 #include "random.h"
 #include "stages/narrowphase.h"

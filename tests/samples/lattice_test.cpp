@@ -4,10 +4,10 @@
 
 #include <cmath>
 
+#include "base/gauss.h"
 #include "lumbrical/shapes.h"
 #include "mesh_world.h"
 #include "random.h"
-#include "section/gauss.h"
 
 #define LUMBRICAL_ISA scalar
 #include "samples/sample_table.h"

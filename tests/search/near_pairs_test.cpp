@@ -1,6 +1,6 @@
 // Lists of pairs that outlive a tick: the candidates are those of a fresh search, whatever the hand does, and
 // the lists do spare searches.
-#include "lanes/near_pairs.h"
+#include "search/near_pairs.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <cstdlib>
 
 #include "box_palm.h"
-#include "lanes/field_kernels.h"
+#include "exact/field_kernels.h"
 #include "pressed_hand.h"
 #include "random.h"
 #include "session.h"

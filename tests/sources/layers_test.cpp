@@ -49,7 +49,9 @@ const Rule kRules[] = {
     {Layer::motion, "engine/include/lumbrical", "device motion object_path"},
     {Layer::motion, "engine/src/motion", "resampler grasp_motion"},
 
-    {Layer::kernels, "engine/src/lanes", "*"},
+    {Layer::kernels, "engine/src/simd", "*"},
+    {Layer::kernels, "engine/src/search", "*"},
+    {Layer::kernels, "engine/src/exact", "*"},
     {Layer::kernels, "engine/src/section", "*"},
     {Layer::kernels, "engine/src/borders", "*"},
     {Layer::kernels, "engine/src/samples", "*"},
@@ -139,7 +141,7 @@ struct Outside {
 
 const Outside kOutside[] = {
     {"(oneapi/)?tbb/.*", "engine/src/base/parallel[.]cpp"},
-    {"xsimd/.*", "engine/src/lanes/wide[.]h"},
+    {"xsimd/.*", "engine/src/simd/wide[.]h"},
     {"openvdb/.*", "engine/src/index/voxel_grid_openvdb[.]cpp"},
     {"(xmmintrin|immintrin|cfenv)([.]h)?", "engine/src/base/floating_point[.].*|tests/.*"},
     {"flatbuffers/.*",

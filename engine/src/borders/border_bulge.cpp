@@ -4,10 +4,10 @@
 
 #include <array>
 
+#include "base/gauss.h"
 #include "borders/root.h"
-#include "lanes/field.h"
-#include "lanes/lane_vectors.h"
-#include "section/gauss.h"
+#include "exact/field.h"
+#include "simd/lane_vectors.h"
 
 namespace lumbrical {
 namespace {

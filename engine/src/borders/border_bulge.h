@@ -3,7 +3,7 @@
 #pragma once
 
 #include "borders/tile_rival.h"
-#include "lanes/field_kernels.h"
+#include "exact/field_kernels.h"
 #include "section/pressure.h"
 
 namespace lumbrical {

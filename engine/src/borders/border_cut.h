@@ -5,7 +5,7 @@
 #include <array>
 
 #include "borders/border_cross.h"
-#include "lanes/field_kernels.h"
+#include "exact/field_kernels.h"
 #include "lumbrical/contact.h"
 #include "section/pressure.h"
 

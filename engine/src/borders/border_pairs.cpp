@@ -1,6 +1,6 @@
 #include "borders/border_pairs.h"
 
-#include "lanes/through_lanes.h"
+#include "exact/through_lanes.h"
 
 namespace lumbrical {
 namespace {

@@ -6,8 +6,8 @@
 #include <span>
 
 #include "borders/border_cut.h"
-#include "lanes/pair_slots.h"
-#include "lanes/round_pairs.h"
+#include "exact/pair_slots.h"
+#include "exact/round_pairs.h"
 
 namespace lumbrical {
 

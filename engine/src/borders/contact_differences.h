@@ -1,7 +1,7 @@
 // The Jacobian of any contact of a hand, by differences: for the few that have no closed form.
 #pragma once
 
-#include "lanes/field_kernels.h"
+#include "exact/field_kernels.h"
 #include "lumbrical/contact.h"
 #include "model/corners.h"
 #include "model/primitive.h"

@@ -2,7 +2,7 @@
 // unsure of.
 #pragma once
 
-#include "lanes/field_kernels.h"
+#include "exact/field_kernels.h"
 #include "lumbrical/contact.h"
 #include "model/primitive.h"
 #include "section/section.h"

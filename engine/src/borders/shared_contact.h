@@ -3,7 +3,7 @@
 #pragma once
 
 #include "borders/joint_border.h"
-#include "lanes/field_kernels.h"
+#include "exact/field_kernels.h"
 #include "lumbrical/contact.h"
 #include "model/primitive.h"
 #include "section/section.h"

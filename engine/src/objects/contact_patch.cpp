@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "section/gauss.h"
+#include "base/gauss.h"
 
 namespace lumbrical {
 namespace {

@@ -1,8 +1,8 @@
 // Which spheres of a tree a body may meet (sphere_hits.h): a finger's tiles at once, or the palm.
 #pragma once
 
-#include "lanes/sphere_hits.h"
 #include "samples/sample_kernels.h"
+#include "search/sphere_hits.h"
 
 namespace lumbrical::LUMBRICAL_ISA {
 

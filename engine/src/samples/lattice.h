@@ -9,7 +9,7 @@
 #include <type_traits>
 
 #include "index/patches.h"
-#include "lanes/wide_geometry.h"
+#include "simd/wide_geometry.h"
 
 // Kernels are one piece of code: registers would be spilled round every call.
 #define LUMBRICAL_INLINE __attribute__((always_inline))

@@ -5,9 +5,9 @@
 #include <cstdint>
 
 #include "index/patches.h"
-#include "lanes/sphere_query.h"
 #include "lumbrical/model.h"
 #include "samples/bodies.h"
+#include "search/sphere_query.h"
 
 namespace lumbrical {
 

@@ -7,9 +7,9 @@
 #include "base/at_least.h"
 #include "base/parallel.h"
 #include "index/sphere_tree.h"
-#include "lanes/tree_search.h"
 #include "model/primitive.h"
 #include "samples/near_skeleton.h"
+#include "search/tree_search.h"
 
 namespace lumbrical {
 namespace {

@@ -1,7 +1,7 @@
 // What the tiles of a finger feel of sixteen patches (sample_kernels.h).
 #pragma once
 
-#include "lanes/triangle_rules.h"
+#include "exact/triangle_rules.h"
 #include "samples/lattice.h"
 #include "samples/tile_field.h"
 

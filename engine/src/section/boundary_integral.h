@@ -9,7 +9,7 @@
 #include <array>
 #include <cmath>
 
-#include "section/gauss.h"
+#include "base/gauss.h"
 #include "section/section.h"
 
 namespace lumbrical {

@@ -15,7 +15,7 @@
 #include <array>
 #include <cmath>
 
-#include "lanes/field.h"
+#include "exact/field.h"
 #include "section/small_region.h"
 
 namespace lumbrical {

@@ -1,7 +1,7 @@
 // Integrals of depth over the contacted area: what the exact laws multiply with the stiffness.
 #pragma once
 
-#include "lanes/field_kernels.h"
+#include "exact/field_kernels.h"
 #include "section/section.h"
 
 namespace lumbrical {

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lanes/field.h"
-#include "lanes/field_kernels.h"
+#include "exact/field.h"
+#include "exact/field_kernels.h"
 #include "section/boundary_integral.h"
 #include "section/pressure.h"
 #include "section/stated_errors.h"

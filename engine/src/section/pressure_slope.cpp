@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "base/elementary.h"
-#include "lanes/field.h"
+#include "exact/field.h"
 #include "section/boundary_integral.h"
 #include "section/small_region.h"
 

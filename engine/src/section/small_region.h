@@ -3,7 +3,7 @@
 // slope.
 #pragma once
 
-#include "lanes/field.h"
+#include "exact/field.h"
 #include "section/boundary_integral.h"
 
 namespace lumbrical {

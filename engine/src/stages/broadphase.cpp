@@ -7,12 +7,12 @@
 #include "base/at_least.h"
 #include "base/parallel.h"
 #include "base/radix_sort.h"
+#include "exact/field_kernels.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
-#include "lanes/field_kernels.h"
-#include "lanes/near_pairs.h"
-#include "lanes/pair_search.h"
+#include "search/near_pairs.h"
+#include "search/pair_search.h"
 
 namespace lumbrical {
 namespace {

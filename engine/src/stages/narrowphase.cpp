@@ -11,10 +11,10 @@
 #include "base/parallel.h"
 #include "borders/border_pairs.h"
 #include "borders/joint_border.h"
-#include "lanes/pair_slots.h"
-#include "lanes/round_pairs.h"
-#include "lanes/slab_pairs.h"
-#include "lanes/through_lanes.h"
+#include "exact/pair_slots.h"
+#include "exact/round_pairs.h"
+#include "exact/slab_pairs.h"
+#include "exact/through_lanes.h"
 #include "section/slab.h"
 
 namespace lumbrical {

@@ -1,0 +1,64 @@
+#include "search/tree_search.h"
+
+#include <cmath>
+#include <utility>
+
+namespace lumbrical {
+namespace {
+
+// Share by which single precision may move a coordinate of the query, generously.
+constexpr double kFloatSlack = 1.6e-6;
+
+// Shorter axes are taken for points; that much is added to the reach.
+constexpr double kShortest = 1e-15;
+
+}  // namespace
+
+bool may_reach(const TreeHead& tree, const Primitive& primitive) {
+  const Vec3 axis = primitive.end2 - primitive.end1, from = tree.centre - (primitive.end1 - tree.origin);
+  const double square = dot(axis, axis);
+  const double t = square > 0 ? clamp(dot(from, axis) / square, 0, 1) : 0;
+  const Vec3 gap = from - t * axis;
+  const double reach = (1 + 1e-6) * (max(primitive.radius1, primitive.radius2) + tree.radius);
+  return dot(gap, gap) <= reach * reach;
+}
+
+SphereQuery query_of(const TreeHead& tree, const Primitive& primitive) {
+  const Vec3 from = primitive.end1 - tree.origin, axis = primitive.end2 - primitive.end1;
+  const double square = dot(axis, axis);
+  const double size = max(std::fabs(from.x), max(std::fabs(from.y), std::fabs(from.z))) + norm(axis);
+  const double reach = 1.00001 * max(primitive.radius1, primitive.radius2) + kFloatSlack * size + kShortest;
+  return {static_cast<float>(from.x),
+          static_cast<float>(from.y),
+          static_cast<float>(from.z),
+          static_cast<float>(axis.x),
+          static_cast<float>(axis.y),
+          static_cast<float>(axis.z),
+          static_cast<float>(square > kShortest * kShortest ? 1 / square : 0),
+          static_cast<float>(reach)};
+}
+
+std::span<const std::uint32_t> search_leaves(const TreeHead& tree, const TreeLayout& layout,
+                                             const TreeLine* lines, const SphereQuery& query,
+                                             const FieldKernels& kernels,
+                                             std::array<std::vector<std::uint32_t>, 2>& frontier) {
+  if (tree.level_count == 0) return {};
+  std::size_t level = tree.level_count;
+  std::size_t count = layout.blocks[level - 1];
+  for (std::size_t block = 0; block < count; ++block) frontier[0][block] = static_cast<std::uint32_t>(block);
+  // A sphere that was hit is the bound of the block of the same number one level down.
+  for (const SphereBlock* blocks = blocks_of(lines); level-- > 0; blocks += layout.blocks[level]) {
+    count = kernels.sphere_hits(blocks, query, frontier[0].data(), count, frontier[1].data());
+    std::swap(frontier[0], frontier[1]);
+  }
+  if (tree.blocks_per_leaf == 1) return {frontier[0].data(), count};
+  std::size_t block_count = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::uint32_t k = 0; k < tree.blocks_per_leaf; ++k)
+      frontier[1][block_count++] = frontier[0][i] * tree.blocks_per_leaf + k;
+  }
+  std::swap(frontier[0], frontier[1]);
+  return {frontier[0].data(), block_count};
+}
+
+}  // namespace lumbrical
