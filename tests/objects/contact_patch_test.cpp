@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "../narrowphase/posed_finger.h"
+#include "../exact/posed_finger.h"
 #include "pads.h"
 #include "random.h"
 
