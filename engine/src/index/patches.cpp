@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "base/fixed_list.h"
 #include "base/parallel.h"
@@ -20,7 +21,7 @@ namespace {
 // the finest, R the mean radius of what is sampled: all segments have the same lattices, so that patches of
 // several go through kernels together. Measured: docs/mechanics.md; a user measures his own scene with
 // `lumbrical run --compare-precision`. The error falls with the step's fourth power.
-constexpr std::array<double, kLevels> kStep = {0.46, 0.37, 0.3, 0.245, 0.2, 0.165, 0.132, 0.102};
+constexpr std::array<double, kLevels> kStep = {0.46, 0.46, 0.37, 0.3, 0.245, 0.2, 0.165, 0.132, 0.102};
 
 // R is no less and no more than these shares of a segment's own radius.
 constexpr double kThick = 0.5, kThin = 1.5;
@@ -31,7 +32,7 @@ constexpr double kSizeStep = 0.16;
 
 // How many times finer than a patch is long in those, level by level, lattices are where a skeleton comes
 // near.
-constexpr std::array<double, kLevels> kNearSkeleton = {1, 1.1, 1.25, 1.4, 1.55, 1.7, 1.85, 2};
+constexpr std::array<double, kLevels> kNearSkeleton = {1, 1, 1.1, 1.25, 1.4, 1.55, 1.7, 1.85, 2};
 
 // Patches of smaller sizes have the last of these on every level: theirs cost less than a second look would.
 constexpr std::size_t kLeastSizeWithLevels = 4;
@@ -43,6 +44,10 @@ constexpr double kBlockRadius = 0.36;
 // The same above the palm's polygon, where its field is linear and forces exact whatever the size, and beside
 // it, where its curvature jumps.
 constexpr double kBlockAbovePalm = 2, kBlockBesidePalm = 0.25;
+
+// [R] The same where a body's skin goes through, by level: the error falls with the size's power of 2.5, and
+// with the hand's force.
+constexpr std::array<double, kLevels> kBlockOnSkin = {0.25, 0.18, 0.11, 0.078, 0.057, 0.041, 0.03, 0.02, 0};
 
 // Slivers are cut into patches no longer than so many times their width, or so many steps.
 constexpr double kSliver = 3, kSliverSteps = 3, kFinerSlivers = 2.2;
@@ -295,6 +300,19 @@ BlockSamples samples_of_blocks(const Patches& patches, const BlockMoments& momen
   return samples;
 }
 
+// Blocks are taken as ones on the skin where half of them are no larger than half as large as they may be:
+// other levels have to search anew, which must pay.
+constexpr double kClearlySmall = 0.8;
+void leave_few_on_skin(std::span<const BlockSamples> samples, Patches& patches) {
+  const auto lowest = samples.first(patches.block.size());
+  for (double& radius : patches.block_on_skin) {
+    const auto small = std::count_if(lowest.begin(), lowest.end(), [&](const BlockSamples& block) {
+      return double{block.size} <= kClearlySmall * radius;
+    });
+    if (2 * static_cast<std::size_t>(small) < lowest.size() || small == 0) radius = 0;
+  }
+}
+
 // Blocks as ones, and blocks of those, level by level, as long as a segment may take one.
 void put_samples(const Execution& execution, Patches& patches) {
   constexpr std::size_t kWidth = PatchBlock::kWidth;
@@ -327,6 +345,7 @@ void put_samples(const Execution& execution, Patches& patches) {
     if (count <= 1) break;
     std::swap(below, here);
   }
+  leave_few_on_skin(samples, patches);
   patches.samples = std::move(samples);
 }
 
@@ -364,6 +383,12 @@ void put_blocks(const Triangles& triangles, const Box& box, const Cutting& cutti
   patches.block = std::move(blocks);
   patches.shape = std::move(shapes);
   put_samples(execution, patches);
+  // A block that is taken as one where its sphere meets a body has to be found there.
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    const BlockSamples& block = patches.samples[i];
+    leaves[i].radius = max(leaves[i].radius,
+                           norm(point_of(block.centre) - origin - leaves[i].centre) + double{block.radius});
+  }
   patches.tree = build_levels(std::move(leaves), origin, execution);
 }
 
@@ -377,12 +402,15 @@ std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& s
                                              const Triangles& triangles, const Box& extent,
                                              const Execution& execution) {
   const double mean = mean_radius(hand, settings);
-  double least = std::numeric_limits<double>::infinity();
+  double least = std::numeric_limits<double>::infinity(), finest = least;
   std::array<double, kSegmentCount> unit{};
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     if (!is_sampled(settings, i)) continue;
     unit[i] = step_unit(hand, settings, i, mean);
     least = min(least, kSizeStep * min(unit[i], mean));
+    // Its power of 0.4, or less.
+    const double share = settings.precision[i] / 1e-4;
+    finest = min(finest, min(std::sqrt(share), cube_root(share)));
   }
   if (!is_finite(least)) return nullptr;
   auto patches = std::make_shared<Patches>();
@@ -414,6 +442,8 @@ std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& s
     }
   }
   patches->radius3 = radius3 / sampled;
+  for (std::size_t level = 0; level < kLevels; ++level)
+    patches->block_on_skin[level] = kBlockOnSkin[level] * finest * mean;
   const Cutting cutting = cut_triangles(triangles, least, execution, *patches);
   put_blocks(triangles, extent, cutting, execution, *patches);
   return patches;

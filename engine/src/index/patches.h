@@ -24,7 +24,7 @@ inline constexpr std::size_t kMostSteps = 2 * kPatchSizes;
 
 /// Lattices from coarse to fine. How fine the one is by which a hand is felt depends on its force
 /// (samples/levels.h).
-inline constexpr std::size_t kLevels = 8;
+inline constexpr std::size_t kLevels = 9;
 /// Steps by level and, behind them, 1: one cell a patch, for a tick that must not take longer.
 inline constexpr std::size_t kOneCell = kLevels;
 using LatticeSteps = std::array<std::uint8_t, kLevels + 1>;
@@ -65,7 +65,9 @@ struct Patches {
   std::array<bool, kPatchClasses> has_levels{};          ///< or do each segment's lattices agree?
   /// [m] Largest radius of a block that a segment takes as one.
   std::array<double, kSegmentCount> block_radius{};
-  double block_above_palm = 0;               ///< [m] the same of the palm above its polygon
+  double block_above_palm = 0;  ///< [m] the same of the palm above its polygon
+  /// [m] The same of blocks that a body's skin goes through, by level; 0 where the world has few as small.
+  std::array<double, kLevels> block_on_skin{};
   double radius3 = 0;                        ///< [m^3] mean of the sampled segments' radii cubed
   SphereTree tree;                           ///< of spheres round the blocks, without triangles
   SharedArray<PatchBlock> block;             ///< in the order of the tree's leaves

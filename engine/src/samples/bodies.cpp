@@ -95,6 +95,12 @@ void set_palm(const SweptPolygon& polygon, const Patches& patches, PalmBody& pal
 
 }  // namespace
 
+void take_blocks_on_skin(double radius, Bodies& bodies) {
+  const auto size = static_cast<float>(radius);
+  for (std::size_t i = 0; i < bodies.finger_count; ++i) bodies.finger[i].block_on_skin = size;
+  bodies.palm.block_on_skin = size;
+}
+
 void set_bodies(const Primitives& hand, std::uint32_t segments, const Patches& patches, Bodies& bodies) {
   bodies.finger_count = 0;
   const auto takes_part = [&](std::size_t i) { return hand.present[i] && (segments >> i & 1u) != 0; };

@@ -39,6 +39,7 @@ struct FingerBody {
   std::uint8_t segment[kMostTiles] = {};
   LatticeSteps steps[kMostTiles][kPatchClasses] = {};  ///< of each tile's lattices in a patch of a class
   float block_radius[kMostTiles] = {};                 ///< [m] of the largest block each tile takes as one
+  float block_on_skin = 0;                             ///< [m] of the largest block taken as one on the skin
   bool folded = false;                                 ///< the first tile may meet the last
   Vec3 origin;                                         ///< [m] W
   TileFrame tile[kMostTiles] = {};
@@ -56,6 +57,7 @@ struct PalmBody {
   float axis[3][3];       ///< W, unit: x, y, z
   float radius;           ///< [m]
   float block_radius[2];  ///< [m] of the largest block that is taken as one, above the polygon and beside it
+  float block_on_skin;    ///< [m] the same on the skin
   LatticeSteps steps[kPatchClasses];
   float x[kMostCorners], y[kMostCorners];          ///< [m] corners
   float out_x[kMostCorners], out_y[kMostCorners];  ///< unit, away from the polygon across each edge
@@ -75,6 +77,9 @@ struct Bodies {
 inline const TileFrame& tile_at(const FingerBody* fingers, std::size_t number) {
   return fingers[number / Bodies::kTilesApart].tile[number % Bodies::kTilesApart];
 }
+
+/// Bodies take blocks up to that radius [m] as ones where their skin goes through.
+void take_blocks_on_skin(double radius, Bodies& bodies);
 
 /// Sets the bodies of the segments whose bit is set in `segments`.
 void set_bodies(const Primitives& hand, std::uint32_t segments, const Patches& patches, Bodies& bodies);

@@ -28,6 +28,21 @@ inline constexpr std::uint32_t kPalmSide = 21, kPalmThrough = 22, kPalmBlock = 2
 inline constexpr std::uint32_t kCount = 27;
 }  // namespace kind
 
+/// How many neighbouring tiles share patches of a kind.
+constexpr std::uint32_t sharers_of(std::uint32_t kind) {
+  return kind == kind::kFinger ? 3 : kind == kind::kInnerJoint || kind == kind::kOuterJoint ? 2 : 1;
+}
+
+/// The tile of its finger that a kind is about, the innermost of several.
+inline constexpr std::array<std::uint8_t, kind::kCount> kTileOfKind = [] {
+  std::array<std::uint8_t, kind::kCount> tile{};
+  for (std::uint32_t k = 0; k < kind::kPalmSide; ++k)
+    tile[k] = static_cast<std::uint8_t>(k % FingerBody::kMostTiles);
+  tile[kind::kInnerJoint] = tile[kind::kFinger] = 0;
+  tile[kind::kOuterJoint] = 1;
+  return tile;
+}();
+
 /// What of a tile a kernel needs to know: all of it, its side, or the sphere at one end.
 enum class TilePart : std::uint8_t { whole, side, end };
 

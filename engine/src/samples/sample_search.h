@@ -65,21 +65,6 @@ struct PatchSearchMemory {
   std::vector<PatchRun> runs;                                                 ///< in order of their keys
 };
 
-/// How many neighbouring tiles share patches of a kind.
-constexpr std::uint32_t sharers_of(std::uint32_t kind) {
-  return kind == kind::kFinger ? 3 : kind == kind::kInnerJoint || kind == kind::kOuterJoint ? 2 : 1;
-}
-
-/// The tile of its finger that a kind is about, the innermost of several.
-inline constexpr std::array<std::uint8_t, kind::kCount> kTileOfKind = [] {
-  std::array<std::uint8_t, kind::kCount> tile{};
-  for (std::uint32_t k = 0; k < kind::kPalmSide; ++k)
-    tile[k] = static_cast<std::uint8_t>(k % FingerBody::kMostTiles);
-  tile[kind::kInnerJoint] = tile[kind::kFinger] = 0;
-  tile[kind::kOuterJoint] = 1;
-  return tile;
-}();
-
 void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& near);
 
 /// False where more is near than there is room for (Settings::max_candidates).

@@ -306,26 +306,91 @@ void feel_on_two_levels(SampleTeam& team, std::size_t coarser, SampledForces& fo
   }
 }
 
-// On the levels that the force `at_centroids` calls for, or `levels`, as far as Settings::effort allows.
-void feel(SampleTeam& team, double at_centroids, const LevelWeights* levels, SampledForces& forces) {
-  const Patches& patches = *team.model.patches;
-  const Effort effort = effort_of(patches, team.memory.near);
+// Looks for what is near as a level wants it: blocks that the skin goes through are taken as ones or opened.
+bool find_for(SampleTeam& team, std::size_t level) {
+  take_blocks_on_skin(team.model.patches->block_on_skin[level], team.memory.bodies);
+  return find_patches(team.model, team.hand, team.memory.bodies, team.memory.search, team.memory.near);
+}
+
+std::size_t coarsest_of(const LevelWeights& weights) {
+  std::size_t level = 0;
+  while (!(weights[level] > 0)) ++level;
+  return level;
+}
+
+void feel_in_one_cell(SampleTeam& team, const Effort& effort, double force, SampledForces& forces) {
+  forces.level = {1};
+  forces.evaluations = effort.one_cell;
+  forces.coarsened = true;
+  forces.error_factor = one_cell_error_factor(*team.model.patches, team.memory.near, force);
+  feel_on_one_level(team, kOneCell, forces);
+}
+
+LevelWeights only(std::size_t level) {
+  LevelWeights weights{};
+  weights[level] = 1;
+  return weights;
+}
+
+// On a level and, as far as the effort allows, the next finer one, which takes other blocks as ones.
+bool feel_apart(SampleTeam& team, std::size_t coarser, const Effort& effort, double force,
+                SampledForces& forces) {
+  forces.evaluations = evaluations_of(effort, only(coarser));
+  feel_on_one_level(team, coarser, forces);
+  if (!find_for(team, coarser + 1)) return false;
+  SampledForces finer;
+  finer.evaluations = evaluations_of(effort_of(*team.model.patches, team.memory.near), only(coarser + 1));
   const std::uint64_t most = team.model.settings.effort;
-  if (most > 0 && effort.always + effort.level[0] > most) {
-    forces.level = {1};
-    forces.evaluations = effort.one_cell;
+  if (most > 0 && forces.evaluations + finer.evaluations > most) {
+    forces.level = only(coarser);
     forces.coarsened = true;
-    forces.error_factor = one_cell_error_factor(patches, team.memory.near, at_centroids);
-    return feel_on_one_level(team, kOneCell, forces);
+    forces.error_factor = error_factor_of(forces.level, force);
+    return true;
   }
-  forces.level = levels != nullptr ? *levels : level_weights(at_centroids);
+  feel_on_one_level(team, coarser + 1, finer);
+  forces.evaluations += finer.evaluations;
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    Wrench mixed;
+    add(forces.segment[i], forces.level[coarser], mixed);
+    add(finer.segment[i], forces.level[coarser + 1], mixed);
+    forces.segment[i] = mixed;
+  }
+  return true;
+}
+
+// On the levels that the force at centroids calls for, or `levels`, as far as Settings::effort allows. What
+// is near has been found for the coarsest one, which asks for the least.
+bool feel(SampleTeam& team, const LevelWeights* levels, SampledForces& forces) {
+  const Patches& patches = *team.model.patches;
+  const auto same_blocks = [&](std::size_t a, std::size_t b) {
+    return patches.block_on_skin[a] == patches.block_on_skin[b];
+  };
+  const double force = force_at_centroids(team.memory.search) / patches.radius3;
+  const std::uint64_t most = team.model.settings.effort;
+  forces.level = levels != nullptr ? *levels : level_weights(force);
+  std::size_t coarsest = coarsest_of(forces.level);
+  if (!same_blocks(coarsest, 0) && !find_for(team, coarsest)) return false;
+  Effort effort = effort_of(patches, team.memory.near);
+  if (most > 0 && !same_blocks(coarsest, 0) && evaluations_of(effort, forces.level) > most) {
+    if (!find_for(team, 0)) return false;
+    effort = effort_of(patches, team.memory.near);
+  }
+  if (most > 0 && effort.always + effort.level[0] > most) {
+    feel_in_one_cell(team, effort, force, forces);
+    return true;
+  }
   forces.coarsened = keep_effort(effort, most, forces.level);
   forces.evaluations = evaluations_of(effort, forces.level);
-  forces.error_factor = forces.coarsened ? error_factor_of(forces.level, at_centroids) : 1;
-  std::size_t coarsest = 0;
-  while (!(forces.level[coarsest] > 0)) ++coarsest;
-  if (forces.level[coarsest] < 1) return feel_on_two_levels(team, coarsest, forces);
-  feel_on_one_level(team, coarsest, forces);
+  forces.error_factor = forces.coarsened ? error_factor_of(forces.level, force) : 1;
+  coarsest = coarsest_of(forces.level);
+  if (!(forces.level[coarsest] < 1)) {
+    feel_on_one_level(team, coarsest, forces);
+  } else if (same_blocks(coarsest, coarsest + 1)) {
+    feel_on_two_levels(team, coarsest, forces);
+  } else {
+    return feel_apart(team, coarsest, effort, force, forces);
+  }
+  return true;
 }
 
 }  // namespace
@@ -355,13 +420,12 @@ bool felt_by_samples(const Model& model, std::size_t segment, std::uint32_t tria
 bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t segments, SampleMemory& memory,
                    SampledForces& forces, const LevelWeights* levels) {
   forces = {};
-  const Bodies& bodies = memory.bodies;
   set_bodies(hand, segments, *model.patches, memory.bodies);
-  if (!find_patches(model, hand, bodies, memory.search, memory.near)) return false;
+  SampleTeam team{model, hand, memory, empty_sums(hand)};
+  if (!find_for(team, 0)) return false;
   forces.patch_count = static_cast<std::uint32_t>(memory.near.count());
   if (forces.patch_count == 0) return true;
-  SampleTeam team{model, hand, memory, empty_sums(hand)};
-  feel(team, force_at_centroids(memory.search) / model.patches->radius3, levels, forces);
+  if (!feel(team, levels, forces)) return false;
   forces.contact_count = team.touched();
   return true;
 }
