@@ -53,7 +53,7 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
     case Law::column: {
       const PressureMoments moments =
           exact_moments(section, palm ? Law::field : query.law, query, area, boundary);
-      contact.error = moments.error + section.rounded * area.area;
+      contact.error = moments.error;
       contact.volume = max(0, moments.volume);
       contact.centre = centre_of(section, moments, contact.centroid);
       break;
@@ -81,8 +81,12 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
 bool general_contact(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3 b, Vec3 c,
                      Boundary& boundary, Contact& contact) {
   Section section;
-  return look_from_plane(primitive, a, b, c, section) &&
-         collide_section(primitive, query, section, boundary, contact);
+  if (!look_from_plane(primitive, a, b, c, section) ||
+      !collide_section(primitive, query, section, boundary, contact))
+    return false;
+  if (query.law == Law::field || query.law == Law::column)
+    contact.error += plane_rounding(section, a, b, c) * contact.area;
+  return true;
 }
 
 void hand_contact(const Primitives& hand, const FieldKernels& kernels, double point_area, Vec3 a, Vec3 b,

@@ -192,11 +192,6 @@ Interval positive_interval(double a, double b, double c, double lower, double up
   return left.second - left.first > right.second - right.first ? left : right;
 }
 
-double eta_squared(const Zone& zone, double x) {
-  const double d = x - zone.x0;
-  return zone.alpha + d * (2 * zone.beta - zone.gamma * d);
-}
-
 void cut_polygon(Point2 direction, double offset, Polygon2& polygon) {
   std::array<double, Polygon2::kMaxCorners> excess;  // of as many as there are corners
   bool outside = false;
@@ -237,32 +232,21 @@ bool look_along(const Primitive& primitive, Vec3 point, Vec3 n, Vec3 along, Sect
   return section.zone_count > 0;
 }
 
-namespace {
-
-// The corners from the primitive.
-double plane_rounding(Vec3 a, Vec3 b, Vec3 c) {
+double plane_rounding(const Section& section, Vec3 a, Vec3 b, Vec3 c) {
+  a -= section.origin;
+  b -= section.origin;
+  c -= section.origin;
   const Vec3 ab = b - a, ac = c - a, bc = c - b, raw = cross(ab, ac);
   const double far = max(dot(a, a), max(dot(b, b), dot(c, c)));
   const double longest = max(dot(ab, ab), max(dot(ac, ac), dot(bc, bc)));
   return kPlaneRounding * std::sqrt(far) * (longest / norm(raw));
 }
 
-}  // namespace
-
 bool look_from_plane(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& section) {
   Vec3 n;
   if (!normal_of(a, b, c, n) || !look_along(primitive, a, n, b - a, section)) return false;
-  section.rounded = plane_rounding(a - section.origin, b - section.origin, c - section.origin);
   set_polygon(primitive, a, b, c, section);
   return section.polygon.count >= 3;
-}
-
-bool inside_section(const Section& section, Point2 p) {
-  for (int i = 0; i < section.zone_count; ++i) {
-    const Zone& zone = section.zone[static_cast<std::size_t>(i)];
-    if (p.x >= zone.lower && p.x <= zone.upper) return eta_squared(zone, p.x) >= p.y * p.y;
-  }
-  return false;
 }
 
 Overlap classify(const Section& section) {

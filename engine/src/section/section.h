@@ -33,12 +33,15 @@ struct Polygon2 {
 
 /// On lower <= x <= upper the section is |y| <= eta, eta^2 = alpha + 2 beta (x - x0) - gamma (x - x0)^2.
 struct Zone {
-  enum Part : std::uint8_t { first_end, side, second_end } part = side;  ///< whose surface the curve lies on
-  double lower = 0, upper = 0;
-  double x0 = 0, alpha = 0, beta = 0, gamma = 0;
-  double real_lower = 0, real_upper = 0;  ///< the part of [lower, upper] where eta is real; equal: none
+  enum Part : std::uint8_t { first_end, side, second_end } part;  ///< whose surface the curve lies on
+  double lower, upper;
+  double x0, alpha, beta, gamma;
+  double real_lower, real_upper;  ///< the part of [lower, upper] where eta is real; equal: none
 };
-double eta_squared(const Zone& zone, double x);
+inline double eta_squared(const Zone& zone, double x) {
+  const double d = x - zone.x0;
+  return zone.alpha + d * (2 * zone.beta - zone.gamma * d);
+}
 
 /// A primitive seen from the plane of a triangle.
 struct Section {
@@ -51,9 +54,8 @@ struct Section {
   double radius1 = 0, radius2 = 0;  ///< [m]
   Shape shape = Shape::round;
   int zone_count = 0;
-  std::array<Zone, 3> zone{};
-  double rounded = 0;  ///< [m] what rounding of the triangle leaves in the heights (kPlaneRounding)
-  Polygon2 polygon;    ///< the triangle, cut by the primitive's half-spaces
+  std::array<Zone, 3> zone;  // not initialised: only the first `zone_count` are ever read
+  Polygon2 polygon;          ///< the triangle, cut by the primitive's half-spaces
 };
 
 /// Where in x a round section's first zone ends and its last begins. At abscissa x the sphere of the hull
@@ -76,6 +78,9 @@ bool look_from_plane(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section
 /// everything but the polygon. False where the plane misses the primitive.
 bool look_along(const Primitive& primitive, Vec3 point, Vec3 n, Vec3 along, Section& section);
 
+/// [m] What rounding of the triangle a, b, c [m, W] leaves in the heights over its plane (kPlaneRounding).
+double plane_rounding(const Section& section, Vec3 a, Vec3 b, Vec3 c);
+
 /// Area and centroid of a polygon, 0 where it is empty.
 struct AreaMoments {
   double area = 0;    ///< [m^2], 0 where there is nothing
@@ -92,7 +97,13 @@ inline Vec3 to_world(const Section& section, Point2 p) {
 }
 
 /// Is the point of the plane inside the section?
-bool inside_section(const Section& section, Point2 p);
+inline bool inside_section(const Section& section, Point2 p) {
+  for (int i = 0; i < section.zone_count; ++i) {
+    const Zone& zone = section.zone[static_cast<std::size_t>(i)];
+    if (p.x >= zone.lower && p.x <= zone.upper) return eta_squared(zone, p.x) >= p.y * p.y;
+  }
+  return false;
+}
 
 /// A quick look before the boundary is traced: `apart` is certain, `inside` (the whole polygon) is exact.
 enum class Overlap : std::uint8_t { apart, partial, inside };
