@@ -18,17 +18,23 @@ double value_at(const SweptDepth& f, double t) {
   return q >= 0 ? std::sqrt(q) - f.h1 - t * f.dh : -1e300;
 }
 
-// The t of the largest value. Its stationary point solves (a t + b) / sqrt(q) = dh; the form is chosen so
-// that nothing cancels whatever the sign of b. A wrong candidate does no harm: the ends are tried as well.
-double best_parameter(const SweptDepth& f) {
-  double best = value_at(f, 0) >= value_at(f, 1) ? 0 : 1;
+struct Largest {
+  double t, value;
+};
+
+// Its stationary point solves (a t + b) / sqrt(q) = dh; the form is chosen so that nothing cancels whatever
+// the sign of b. A wrong candidate does no harm: the ends are tried as well.
+Largest largest_value(const SweptDepth& f) {
+  const Largest first{0, value_at(f, 0)}, last{1, value_at(f, 1)};
+  const Largest end = first.value >= last.value ? first : last;
   const double g = f.dh * f.dh - f.a;
-  if (!(g > 0)) return best;
+  if (!(g > 0)) return end;
   const double root = std::sqrt(max(0, (f.b * f.b - f.a * f.c) / g));
   const double with = f.b + f.dh * root, against = f.b - f.dh * root;
   const double t = f.b * f.dh >= 0 ? (f.b * f.b - f.dh * f.dh * f.c) / (g * with) : -against / f.a;
-  if (t > 0 && t < 1 && value_at(f, t) > value_at(f, best)) best = t;
-  return best;
+  if (!(t > 0 && t < 1)) return end;
+  const Largest inner{t, value_at(f, t)};
+  return inner.value > end.value ? inner : end;
 }
 
 double round_depth(const Section& section, Point2 p) {
@@ -36,7 +42,7 @@ double round_depth(const Section& section, Point2 p) {
   const double y2 = p.y * p.y;
   const SweptDepth f{dr * dr - section.x2 * section.x2, r1 * dr + p.x * section.x2, r1 * r1 - p.x * p.x - y2,
                      section.h1, section.h2 - section.h1};
-  return value_at(f, section.length > 0 ? best_parameter(f) : 0);
+  return section.length > 0 ? largest_value(f).value : value_at(f, 0);
 }
 
 // Side or lower base, whichever comes first.
@@ -91,7 +97,7 @@ double deepest_on_line(const Section& section, Point2 base, Point2 unit) {
   const double dr = section.radius2 - section.radius1, r1 = section.radius1;
   const SweptDepth f{dr * dr - slope * slope, r1 * dr - distance * slope, r1 * r1 - distance * distance,
                      section.h1, section.h2 - section.h1};
-  const double t = section.length > 0 ? best_parameter(f) : 0;
+  const double t = section.length > 0 ? largest_value(f).t : 0;
   return dot(Point2{t * section.x2, 0} - base, unit);
 }
 
@@ -132,6 +138,20 @@ void consider_flat_line(const Section& section, Point2 base, Point2 unit, Interv
   }
 }
 
+// Concave along the line: nothing is deeper than the part inside that is nearest to the line's deepest point.
+// What the edge has of that lies inside as a rule, and then nobody needs to know where the others begin.
+void consider_round_line(const Section& section, Point2 base, Point2 unit, double lower, double upper,
+                         Deepest& best) {
+  const double deepest = deepest_on_line(section, base, unit);
+  double t = clamp(deepest, lower, upper);
+  if (!inside_section(section, base + t * unit)) {
+    const Interval inside = inside_interval(section, base, unit, lower, upper);
+    if (!(inside.first < inside.second)) return;
+    t = clamp(deepest, inside.first, inside.second);
+  }
+  consider(section, base + t * unit, best);
+}
+
 void consider_edge(const Section& section, Point2 p, Point2 q, Deepest& best) {
   const Point2 d = q - p;
   const double length = std::sqrt(dot(d, d));
@@ -139,17 +159,13 @@ void consider_edge(const Section& section, Point2 p, Point2 q, Deepest& best) {
   const Point2 unit = (1 / length) * d;
   const double nearest = clamp(-dot(p, unit), 0, length);
   const Point2 base = nearest == 0 ? p : p + nearest * unit;
+  if (section.shape == Shape::round)
+    return consider_round_line(section, base, unit, -nearest, length - nearest, best);
   const Interval inside = inside_interval(section, base, unit, -nearest, length - nearest);
   if (!(inside.first < inside.second)) return;
-  if (section.shape == Shape::flat) {
-    consider(section, base + inside.first * unit, best);
-    consider(section, base + inside.second * unit, best);
-    return consider_flat_line(section, base, unit, inside, best);
-  }
-  // Concave along the line: nothing is deeper than the part inside that is nearest to the line's deepest
-  // point.
-  const double t = clamp(deepest_on_line(section, base, unit), inside.first, inside.second);
-  consider(section, base + t * unit, best);
+  consider(section, base + inside.first * unit, best);
+  consider(section, base + inside.second * unit, best);
+  consider_flat_line(section, base, unit, inside, best);
 }
 
 }  // namespace

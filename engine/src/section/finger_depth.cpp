@@ -7,7 +7,9 @@ namespace {
 double onward(const Primitives& hand, int first, int own, Vec3 from, Vec3 n, Vec3 along) {
   bool passed[3] = {own == first, own == first + 1, own == first + 2};
   double depth = 0;
-  for (int step = 0; step < 2; ++step) {
+  bool moved = true;  // else all others have been asked from here
+  for (int step = 0; step < 2 && moved; ++step) {
+    moved = false;
     for (int i = 0; i < 3; ++i) {
       const std::size_t phalanx = static_cast<std::size_t>(first + i);
       if (passed[i] || !hand.present[phalanx]) continue;
@@ -17,7 +19,7 @@ double onward(const Primitives& hand, int first, int own, Vec3 from, Vec3 n, Vec
       const Point2 p{dot(point - section.origin, section.u), dot(point - section.origin, section.v)};
       if (!inside_section(section, p)) continue;
       depth += max(0, depth_at(section, p));
-      passed[i] = true;
+      passed[i] = moved = true;
     }
   }
   return depth;
