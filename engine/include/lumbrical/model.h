@@ -189,6 +189,7 @@ struct alignas(64) TreeLine {
 
 struct SphereTree {
   TreeHead head;
+  Box box;  ///< [m] relative to head.origin: round the spheres of all triangles
   SharedArray<TreeLine> lines;
 };
 

@@ -20,6 +20,9 @@ constexpr std::uint32_t kWidth = SphereBlock::kWidth;
 constexpr std::size_t kLargestLeaf = 64;  // triangles; Execution::leaf_size
 constexpr std::size_t kPiece = 1024;      // blocks, the least that is worth another thread
 
+// By this share the box round the spheres is wider: rounding must not lose a contact.
+constexpr double kBoxSlack = 1e-6;
+
 // Single precision moves centres and radii by less than this share of their size; bounds are widened by it.
 constexpr double kFloatSlack = 4e-7;
 
@@ -60,14 +63,30 @@ void put_level(const std::vector<Sphere>& spheres, SphereBlock* level, std::size
                   });
 }
 
-// Fills blocks and numbers of the triangles, leaf by leaf; returns the leaves' bounds.
-std::vector<Sphere> put_leaves(const Triangles& triangles, std::span<const std::uint32_t> members,
-                               const Execution& execution, const TreeHead& head, SphereBlock* blocks,
-                               std::uint32_t* numbers) {
+Box box_round(const std::vector<Box>& boxes) {
+  Box all;
+  for (const Box& box : boxes) {
+    all.add(box.lower);
+    all.add(box.upper);
+  }
+  return all;
+}
+
+struct Leaves {
+  std::vector<Sphere> bound;  // of each
+  Box box;                    // round the spheres of all triangles
+};
+
+// Fills blocks and numbers of the triangles, leaf by leaf.
+Leaves put_leaves(const Triangles& triangles, std::span<const std::uint32_t> members,
+                  const Execution& execution, const TreeHead& head, SphereBlock* blocks,
+                  std::uint32_t* numbers) {
   const std::size_t leaf_size = execution.leaf_size, leaf_blocks = head.blocks_per_leaf;
   std::vector<Sphere> leaves(head.leaf_count);
+  std::vector<Box> boxes(piece_count(leaves.size(), kPiece));
   parallel_pieces(
-      leaves.size(), kPiece, execution.threads, [&](std::size_t, std::size_t first, std::size_t last) {
+      leaves.size(), kPiece, execution.threads, [&](std::size_t piece, std::size_t first, std::size_t last) {
+        Box box;
         std::fill(blocks + first * leaf_blocks, blocks + last * leaf_blocks, empty_block());
         std::fill(numbers + first * leaf_blocks * kWidth, numbers + last * leaf_blocks * kWidth, 0u);
         std::array<Sphere, kLargestLeaf> within;
@@ -79,13 +98,15 @@ std::vector<Sphere> put_leaves(const Triangles& triangles, std::span<const std::
             const std::uint32_t triangle = members[begin + i];
             const TriangleBound around = bound_triangle(triangles, triangle, head.origin);
             within[i] = {around.centre, around.radius};
+            box.add(around.centre, (1 + kBoxSlack) * around.radius);
             put_sphere(within[i], place + i, blocks);
             numbers[place + i] = triangle;
           }
           leaves[leaf] = bound({within.data(), size});
         }
+        boxes[piece] = box;
       });
-  return leaves;
+  return {std::move(leaves), box_round(boxes)};
 }
 
 // Round all corners of the members, in W.
@@ -101,12 +122,7 @@ Box box_round_members(const Triangles& triangles, std::span<const std::uint32_t>
                     }
                     boxes[piece] = box;
                   });
-  Box all;
-  for (const Box& box : boxes) {
-    all.add(box.lower);
-    all.add(box.upper);
-  }
-  return all;
+  return box_round(boxes);
 }
 
 // Writes the leaves' spheres and all levels above them, the last one first and all of them before
@@ -152,9 +168,9 @@ std::shared_ptr<TreeLine[]> make_lines(std::size_t count) {
   return std::shared_ptr<TreeLine[]>(new TreeLine[count]);  // a TreeLine has no initial value
 }
 
-void build_tree(const Triangles& triangles, std::vector<std::uint32_t>& members, const Execution& execution,
-                TreeHead& head, TreeLine* lines) {
-  if (members.empty()) return;
+Box build_tree(const Triangles& triangles, std::vector<std::uint32_t>& members, const Execution& execution,
+               TreeHead& head, TreeLine* lines) {
+  if (members.empty()) return {};
   const std::size_t threads = execution.threads;
   const Box box = box_round_members(triangles, members, threads);
   head.origin = box.middle();
@@ -167,9 +183,9 @@ void build_tree(const Triangles& triangles, std::vector<std::uint32_t>& members,
   auto* const blocks = reinterpret_cast<SphereBlock*>(lines);
   auto* const numbers =
       reinterpret_cast<std::uint32_t*>(lines + kLinesPerBlock * (layout.upper + layout.lowest));
-  std::vector<Sphere> spheres =
-      put_leaves(triangles, members, execution, head, blocks + layout.upper, numbers);
-  put_levels(std::move(spheres), layout, threads, head, blocks + layout.upper);
+  Leaves leaves = put_leaves(triangles, members, execution, head, blocks + layout.upper, numbers);
+  put_levels(std::move(leaves.bound), layout, threads, head, blocks + layout.upper);
+  return leaves.box;
 }
 
 SphereTree build_levels(std::vector<Sphere> leaves, Vec3 origin, const Execution& execution) {
@@ -181,6 +197,7 @@ SphereTree build_levels(std::vector<Sphere> leaves, Vec3 origin, const Execution
   tree.head.origin = origin;
   const TreeLayout layout = layout_of(tree.head);
   const auto lines = make_lines(layout.lines);
+  for (const Sphere& leaf : leaves) tree.box.add(leaf.centre, (1 + kBoxSlack) * leaf.radius);
   if (!leaves.empty()) {
     put_levels(std::move(leaves), layout, execution.threads, tree.head,
                reinterpret_cast<SphereBlock*>(lines.get()) + layout.upper);
@@ -195,7 +212,7 @@ SphereTree build_tree(const Triangles& triangles, std::vector<std::uint32_t>& me
   tree.head = plan_tree(members.size(), execution);
   const std::size_t count = layout_of(tree.head).lines;
   const auto lines = make_lines(count);
-  build_tree(triangles, members, execution, tree.head, lines.get());
+  tree.box = build_tree(triangles, members, execution, tree.head, lines.get());
   tree.lines = {lines.get(), count, lines};
   return tree;
 }

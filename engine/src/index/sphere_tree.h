@@ -56,9 +56,10 @@ SphereTree build_tree(const Triangles& triangles, const Execution& execution);
 SphereTree build_tree(const Triangles& triangles, std::vector<std::uint32_t>& members,
                       const Execution& execution);
 
-/// The same in memory of the caller's: `lines` as many as the layout of `head` has, which is a plan.
-void build_tree(const Triangles& triangles, std::vector<std::uint32_t>& members, const Execution& execution,
-                TreeHead& head, TreeLine* lines);
+/// The same in memory of the caller's: `lines` as many as the layout of `head` has, which is a plan. Returns
+/// SphereTree::box.
+Box build_tree(const Triangles& triangles, std::vector<std::uint32_t>& members, const Execution& execution,
+               TreeHead& head, TreeLine* lines);
 
 /// A sphere [m], relative to its tree's origin.
 struct Sphere {

@@ -144,7 +144,8 @@ bool search_for(PairSearch& search, std::span<const std::uint32_t> cells) {
   set_terms(*search.hull, search.skin, search.terms);
   switch (search.model.execution.broadphase) {
     case Broadphase::tree:
-      return search_tree(search, primitive, search.model.tree.head, search.model.tree.lines.data());
+      return !may_reach(search.model.tree, primitive) ||
+             search_tree(search, primitive, search.model.tree.head, search.model.tree.lines.data());
     case Broadphase::grid:
       return search_cells(search, primitive, cells);
     case Broadphase::voxel:

@@ -12,6 +12,14 @@ constexpr double kFloatSlack = 1.6e-6;
 // Shorter axes are taken for points; that much is added to the reach.
 constexpr double kShortest = 1e-15;
 
+double farthest(Vec3 p) { return max(std::fabs(p.x), max(std::fabs(p.y), std::fabs(p.z))); }
+
+// [m] From the segment between the ends, the first of which is at `from`.
+double reach_of(Vec3 from, Vec3 axis, const Primitive& primitive) {
+  const double size = farthest(from) + norm(axis);
+  return 1.00001 * max(primitive.radius1, primitive.radius2) + kFloatSlack * size + kShortest;
+}
+
 }  // namespace
 
 bool may_reach(const TreeHead& tree, const Primitive& primitive) {
@@ -23,11 +31,18 @@ bool may_reach(const TreeHead& tree, const Primitive& primitive) {
   return dot(gap, gap) <= reach * reach;
 }
 
+bool may_reach(const SphereTree& tree, const Primitive& primitive) {
+  const Vec3 end1 = primitive.end1 - tree.head.origin, end2 = primitive.end2 - tree.head.origin;
+  const double reach = reach_of(end1, end2 - end1, primitive);
+  Box hull;
+  hull.add(end1, reach);
+  hull.add(end2, reach);
+  return hull.meets(tree.box);
+}
+
 SphereQuery query_of(const TreeHead& tree, const Primitive& primitive) {
   const Vec3 from = primitive.end1 - tree.origin, axis = primitive.end2 - primitive.end1;
   const double square = dot(axis, axis);
-  const double size = max(std::fabs(from.x), max(std::fabs(from.y), std::fabs(from.z))) + norm(axis);
-  const double reach = 1.00001 * max(primitive.radius1, primitive.radius2) + kFloatSlack * size + kShortest;
   return {static_cast<float>(from.x),
           static_cast<float>(from.y),
           static_cast<float>(from.z),
@@ -35,7 +50,7 @@ SphereQuery query_of(const TreeHead& tree, const Primitive& primitive) {
           static_cast<float>(axis.y),
           static_cast<float>(axis.z),
           static_cast<float>(square > kShortest * kShortest ? 1 / square : 0),
-          static_cast<float>(reach)};
+          static_cast<float>(reach_of(from, axis, primitive))};
 }
 
 std::span<const std::uint32_t> search_leaves(const TreeHead& tree, const TreeLayout& layout,

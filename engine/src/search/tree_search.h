@@ -15,6 +15,9 @@ namespace lumbrical {
 /// Does the sphere round the whole tree reach the primitive's hull? In doubt yes.
 bool may_reach(const TreeHead& tree, const Primitive& primitive);
 
+/// The same of the box round all spheres: tighter where a world is flat.
+bool may_reach(const SphereTree& tree, const Primitive& primitive);
+
 /// The primitive's hull, from the tree's origin.
 SphereQuery query_of(const TreeHead& tree, const Primitive& primitive);
 
