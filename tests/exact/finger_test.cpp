@@ -7,6 +7,7 @@
 #include "lumbrical/probe.h"
 #include "posed_finger.h"
 #include "random.h"
+#include "section/finger_depth.h"
 
 namespace lumbrical {
 namespace {
@@ -125,6 +126,39 @@ TEST(Finger, DepthRunsThroughTheWholeFinger) {
       test::touch(test::plain_hand(kRadius), Law::max_depth, plane, test::finger_frame(joints));
   ASSERT_FALSE(poke.contacts.empty());
   for (const Contact& contact : poke.contacts) EXPECT_NEAR(contact.depth, deep, 1e-8);
+}
+
+// A sphere's depth is told without a look at the phalanx where both have one surface.
+TEST(Finger, DepthInAnEndSphereIsThatInItsPhalanx) {
+  test::Random random(11);
+  int touching = 0;
+  for (int i = 0; i < 20000; ++i) {
+    Primitives hand;
+    hand.present[0] = true;
+    Primitive& capsule = hand.capsule[0];
+    capsule.end1 = random.in_box(0.1);
+    capsule.end2 = capsule.end1 + random.between(0.005, 0.05) * random.direction();
+    capsule.radius1 = random.between(0.005, 0.012);
+    capsule.radius2 = random.between(0.005, 0.012);
+    const bool first = random.below(2) == 0;
+    const Vec3 centre = first ? capsule.end1 : capsule.end2, other = first ? capsule.end2 : capsule.end1;
+    Primitive sphere = capsule, cut_capsule = capsule;
+    sphere.end1 = sphere.end2 = centre;
+    sphere.radius1 = sphere.radius2 = first ? capsule.radius1 : capsule.radius2;
+    sphere.phalanx = {0, -1};
+    sphere.cut_count = cut_capsule.cut_count = 1;
+    sphere.cut[0] = cut_capsule.cut[0] = {unit_or(other - centre, {}), centre};
+    const auto corner = [&] { return centre + random.in_box(random.between(0.002, 0.03)); };
+    const Vec3 a = corner(), b = corner(), c = corner();
+    Section section, whole;
+    if (!look_from_plane(sphere, a, b, c, section) || classify(section) == Overlap::apart) continue;
+    const double depth = finger_depth(hand, sphere, section).depth;
+    if (!(depth > 1e-6)) continue;
+    ++touching;
+    ASSERT_TRUE(look_from_plane(cut_capsule, a, b, c, whole));
+    EXPECT_NEAR(depth, largest_depth(whole).depth, 1e-13) << i;
+  }
+  EXPECT_GT(touching, 4000);
 }
 
 TEST(Finger, EachContactLoadsItsJointAndAllTowardsTheWrist) {

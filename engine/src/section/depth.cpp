@@ -174,26 +174,23 @@ double depth_at(const Section& section, Point2 p) {
   return section.shape == Shape::flat ? flat_depth(section, p) : round_depth(section, p);
 }
 
-bool deepest_in_polygon(const Section& section, Deepest& deepest) {
-  if (section.shape == Shape::round) {
-    const double x = deeper_end(section);
-    const bool own = inside_section(section, {x, 0});
-    if (own && !polygon_holds(section.polygon, {x, 0})) return false;
-  }
-  const Deepest all = deepest_of_section(section);
-  if (!polygon_holds(section.polygon, all.point)) return false;
-  deepest = all;
-  return true;
-}
-
 Deepest largest_depth(const Section& section) {
-  Deepest deepest;
-  if (deepest_in_polygon(section, deepest)) return deepest;
-  Deepest best{0, section.polygon.corner[0]};
-  for (int i = 0; i < section.polygon.count; ++i) {
-    const int next = i + 1 == section.polygon.count ? 0 : i + 1;
-    consider_edge(section, section.polygon.corner[static_cast<std::size_t>(i)],
-                  section.polygon.corner[static_cast<std::size_t>(next)], best);
+  const Polygon2& polygon = section.polygon;
+  const bool round = section.shape == Shape::round;
+  const Point2 middle{round ? deeper_end(section) : 0, 0};
+  // From the deepest point of all depth falls to every side. So where the polygon doesn't hold it, none of
+  // its points is deeper than the one at which the way to it enters, on an edge that faces the deepest point.
+  const bool falls = round && inside_section(section, middle);
+  if (!falls || polygon_holds(polygon, middle)) {
+    const Deepest all = deepest_of_section(section);
+    if (polygon_holds(polygon, all.point)) return all;
+  }
+  Deepest best{0, polygon.corner[0]};
+  for (int i = 0; i < polygon.count; ++i) {
+    const int next = i + 1 == polygon.count ? 0 : i + 1;
+    const Point2 p = polygon.corner[static_cast<std::size_t>(i)],
+                 q = polygon.corner[static_cast<std::size_t>(next)];
+    if (!falls || cross(q - p, middle - p) < 0) consider_edge(section, p, q, best);
   }
   return best;
 }

@@ -15,9 +15,6 @@ struct Deepest {
   Point2 point{0, 0};  ///< where
 };
 
-/// The deepest point of the whole section, where the polygon holds it; false where it does not.
-bool deepest_in_polygon(const Section& section, Deepest& deepest);
-
 /// The largest depth over the common part of polygon and section, which must not be empty. Depth is a concave
 /// function of the point (the primitives are convex), so it is largest at the section's own deepest point or,
 /// if the polygon doesn't hold that, on an edge of the polygon.
