@@ -22,7 +22,7 @@ inline constexpr GoldenHash kGolden[] = {
     {"crowd", 0x8cd8ef885435912c},
     {"thin.field", 0x4f5ca3ad71208562},
     {"thin.column", 0x1ae8de4535a051d0},
-    {"pads", 0xdf05d950c1a20a5b},
+    {"pads", 0xde9e4a04716f0a89},
     {"lost", 0x6600c41a9c31bbe6},
     {"not_finite", 0x2b44b6e994f303b5},
     {"overflow", 0x913c86da50ab79a3},

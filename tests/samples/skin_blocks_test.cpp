@@ -108,6 +108,16 @@ TEST(SkinBlocks, AreTheSameOnEveryWayToRun) {
   }
 }
 
+// They differ by such blocks only: where there are none, a mixture would be the same work twice.
+TEST(SkinBlocks, WhereThereAreNoneTheTwoCoarsestLevelsAreOne) {
+  const Model model =
+      model_at(sampled_scene(default_hand(Side::right), pressed_scene(kWidthA, 9).objects), 1e-4);
+  ASSERT_EQ(model.patches->block_on_skin[0], 0);
+  LevelsOf levels_of(model);
+  for (double depth = -0.001; depth < 0.005; depth += 1e-4)
+    EXPECT_EQ(levels_of(pressed_frame(model.hand, depth, 0))[0], 0) << depth;
+}
+
 TEST(SkinBlocks, StayWithinABoundOnEffort) {
   Scene scene = fine_scene();
   FeelingHand free(scene, 1e-4);

@@ -20,7 +20,8 @@ namespace {
 // [R] Longest steps of the lattices at a precision of 1e-4 of the hand's force, from the coarsest level to
 // the finest, R the mean radius of what is sampled: all segments have the same lattices, so that patches of
 // several go through kernels together. Measured: docs/mechanics.md; a user measures his own scene with
-// `lumbrical run --compare-precision`. The error falls with the step's fourth power.
+// `lumbrical run --compare-precision`. The error falls with the step's fourth power. The first two differ by
+// the blocks that are taken as ones (kBlockOnSkin).
 constexpr std::array<double, kLevels> kStep = {0.46, 0.46, 0.37, 0.3, 0.245, 0.2, 0.165, 0.132, 0.102};
 
 // R is no less and no more than these shares of a segment's own radius.
@@ -33,6 +34,7 @@ constexpr double kSizeStep = 0.16;
 // How many times finer than a patch is long in those, level by level, lattices are where a skeleton comes
 // near.
 constexpr std::array<double, kLevels> kNearSkeleton = {1, 1, 1.1, 1.25, 1.4, 1.55, 1.7, 1.85, 2};
+static_assert(kStep[0] == kStep[1] && kNearSkeleton[0] == kNearSkeleton[1]);
 
 // Patches of smaller sizes have the last of these on every level: theirs cost less than a second look would.
 constexpr std::size_t kLeastSizeWithLevels = 4;

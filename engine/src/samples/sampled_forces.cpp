@@ -368,6 +368,10 @@ bool feel(SampleTeam& team, const LevelWeights* levels, SampledForces& forces) {
   const double force = force_at_centroids(team.memory.search) / patches.radius3;
   const std::uint64_t most = team.model.settings.effort;
   forces.level = levels != nullptr ? *levels : level_weights(force);
+  if (same_blocks(0, 1)) {  // they have the same lattices
+    forces.level[1] += forces.level[0];
+    forces.level[0] = 0;
+  }
   std::size_t coarsest = coarsest_of(forces.level);
   if (!same_blocks(coarsest, 0) && !find_for(team, coarsest)) return false;
   Effort effort = effort_of(patches, team.memory.near);
