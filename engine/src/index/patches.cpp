@@ -27,8 +27,8 @@ constexpr std::array<double, kLevels> kStep = {0.46, 0.46, 0.37, 0.3, 0.245, 0.2
 // R is no less and no more than these shares of a segment's own radius.
 constexpr double kThick = 0.5, kThin = 1.5;
 
-// [R] The steps that patches are measured in, at a precision of 1e-4 or less: of longer patches most would be
-// nowhere near a finger.
+// [R] The steps that patches are measured in, at a precision of 1e-4 and at coarser ones: of longer patches
+// most would be nowhere near a finger.
 constexpr double kSizeStep = 0.16;
 
 // How many times finer than a patch is long in those, level by level, lattices are where a skeleton comes
@@ -293,17 +293,18 @@ BlockSamples samples_of_blocks(const Patches& patches, const BlockMoments& momen
   double square = 0;
   for_corners([&](Vec3 from) { square = max(square, dot(from, from)); });
   BlockSamples samples = samples_of(moments, std::sqrt(square));
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 arm = vec3_of(samples.arm[k]);
-    double most = 0;
-    for_corners([&](Vec3 from) { most = max(most, std::fabs(dot(from, arm))); });
-    samples.extent[k] = most > 0 ? static_cast<float>((1 + 1e-5) * most / dot(arm, arm)) : 0;
-  }
+  const Vec3 arm[3] = {vec3_of(samples.arm[0]), vec3_of(samples.arm[1]), vec3_of(samples.arm[2])};
+  double most[3] = {};
+  for_corners([&](Vec3 from) {
+    for (std::size_t k = 0; k < 3; ++k) most[k] = max(most[k], std::fabs(dot(from, arm[k])));
+  });
+  for (std::size_t k = 0; k < 3; ++k)
+    samples.extent[k] = most[k] > 0 ? static_cast<float>((1 + 1e-5) * most[k] / dot(arm[k], arm[k])) : 0;
   return samples;
 }
 
-// Blocks are taken as ones on the skin where half of them are no larger than half as large as they may be:
-// other levels have to search anew, which must pay.
+// Blocks are taken as ones on the skin where half of them are clearly as small as they may be: other levels
+// have to search anew, so it must pay.
 constexpr double kClearlySmall = 0.8;
 void leave_few_on_skin(std::span<const BlockSamples> samples, Patches& patches) {
   const auto lowest = samples.first(patches.block.size());

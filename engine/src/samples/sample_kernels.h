@@ -1,6 +1,7 @@
 // The kernels of the rungs of samples, one table per instruction set, every one with the same bits.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
