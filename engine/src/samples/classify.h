@@ -127,7 +127,10 @@ LUMBRICAL_INLINE inline TileView<V> view_tile(const TileFrame& frame, std::uint3
   const Wide3<V> from = discs.centre - in_all_lanes<V>(frame.origin), p = turn_into(frame.axis, from);
   const TilePoint<V> point{p.x, p.y * p.y + p.z * p.z};
   const auto [level, distance, is_side, axial] = tile_depth(tile, point);
-  const V field = level - distance, place = place_on(tile, point), reach = discs.reach;
+  const V field = level - distance, reach = discs.reach;
+  if (!any(field + reach > number<V>(0)))
+    return {number<V>(kNowhere), number<V>(0), number<V>(0), number<V>(0)};
+  const V place = place_on(tile, point);
   const V end = tile.cosine * tile.length, zero = number<V>(0);
   // The way the field falls, as long as `distance`.
   const V across = select(is_side, tile.cosine2, number<V>(1)),
