@@ -111,7 +111,9 @@ void breaks_on_chord(const RoundPart<V>& part, const RoundPlane<V>& plane, const
   at[1] = select(proper(roots.y), roots.y, l);
 }
 
-// On the border that is in a plane through the joint, which meets the triangle's plane in a line.
+// On the border f is the same for both of its tiles i and j, and so is the distance g across the cone: q_i =
+// cos(alpha_i) f + sin(alpha_i) g. So there f is 0 in a plane through the joint, q_i sin(alpha_j) = q_j
+// sin(alpha_i), which meets the triangle's plane in a line.
 template <class V>
 void breaks_on_border(const BorderChord<V>& chord, Wide3<V> line, V (&at)[kBreaks]) {
   const V zero = number<V>(0), l = chord.length, two = number<V>(2);
