@@ -1,6 +1,5 @@
 // The curve along which two tiles border inside a convex part of a triangle, and what lies between it and its
-// chord. That is all the tile's or all the rival's: polygon, section and the rival's section are convex, so it
-// lies in all three and nothing else cuts it.
+// chord. Polygon, section and the rival's section are convex, so it lies in all three: nothing else cuts it.
 #pragma once
 
 #include "borders/tile_rival.h"
