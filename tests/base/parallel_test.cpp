@@ -1,5 +1,5 @@
-// Work on several threads: sorting by code, the order along the Morton curve, and the same trees, grids,
-// messages and ticks for any number of threads.
+// Work on several threads: sorting by code, the order in space, and the same trees, grids, messages and ticks
+// for any number of threads.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "base/parallel_sort.h"
-#include "index/spatial_code.h"
+#include "index/spatial_order.h"
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "lumbrical/shapes.h"
@@ -41,55 +41,89 @@ TEST(SortByCode, SortsCodesOfAnyWidthStablyOnAnyNumberOfThreads) {
       });
       for (const std::size_t threads : {1u, 2u, 4u}) {
         std::vector<std::uint32_t> members = first_numbers(count);
-        sort_by_code(members, bits, 1, threads, [&](std::uint32_t i) { return codes[i]; });
+        sort_by_code(members, bits, threads, [&](std::uint32_t i) { return codes[i]; });
         EXPECT_EQ(members, expected) << bits << " bits, " << count << ", " << threads << " threads";
       }
     }
   }
 }
 
-TEST(SortByCode, RunsOfUpToTheGivenLengthKeepTheirOrder) {
-  // Four codes agree in the upper half; a run of four is left alone, one of five is not.
-  for (const std::size_t length : {4u, 5u}) {
-    std::vector<std::uint32_t> members = first_numbers(length);
-    sort_by_code(members, 40, 4, 1, [](std::uint32_t i) { return std::uint64_t{1} << 39 | (7 - i); });
-    EXPECT_EQ(members.front(), length == 4 ? 0u : 4u);
+// By the definition: sorted whole, and halved.
+void order_slowly(std::span<PlacedNumber> points, std::size_t run) {
+  const auto by_number = [](const PlacedNumber& a, const PlacedNumber& b) { return a.number < b.number; };
+  if (points.size() <= run) return std::sort(points.begin(), points.end(), by_number);
+  float side[3];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto [low, high] =
+        std::minmax_element(points.begin(), points.end(),
+                            [axis](const auto& a, const auto& b) { return a.at[axis] < b.at[axis]; });
+    side[axis] = high->at[axis] - low->at[axis];
   }
+  const auto axis = static_cast<std::size_t>(std::max_element(side, side + 3) - side);
+  std::sort(points.begin(), points.end(), [axis](const PlacedNumber& a, const PlacedNumber& b) {
+    return a.at[axis] != b.at[axis] ? a.at[axis] < b.at[axis] : a.number < b.number;
+  });
+  std::size_t lower = run;
+  while (2 * lower < points.size()) lower *= 2;
+  order_slowly(points.first(lower), run);
+  order_slowly(points.subspan(lower), run);
 }
 
-// Bit by bit: the definition.
-bool is_before(std::array<std::uint32_t, 3> a, std::array<std::uint32_t, 3> b) {
-  for (int bit = 20; bit >= 0; --bit) {
-    for (std::size_t axis = 3; axis-- > 0;) {
-      const std::uint32_t of_a = a[axis] >> bit & 1, of_b = b[axis] >> bit & 1;
-      if (of_a != of_b) return of_a < of_b;
-    }
-  }
-  return false;
+std::vector<std::uint32_t> numbers_of(std::span<const PlacedNumber> points) {
+  std::vector<std::uint32_t> numbers;
+  for (const PlacedNumber& point : points) numbers.push_back(point.number);
+  return numbers;
 }
 
-TEST(SpatialCode, OrdersPointsAlongTheMortonCurve) {
+// Anywhere, on a grid with many at the same place, in a row, at one place, rising to the middle and falling
+// again, and so far apart that their box has no size.
+enum class Places { anywhere, grid, row, one, peak, far };
+PlacedNumber place(Places places, std::uint32_t i, std::size_t count, Random& random) {
+  const auto any = [&](double size) { return static_cast<float>(random.between(-size, size)); };
+  const auto whole = [&](double size) { return std::round(any(size)); };
+  switch (places) {
+    case Places::anywhere:
+      return {{any(1), any(3), any(0.01)}, i};
+    case Places::grid:
+      return {{whole(4), whole(4), whole(2)}, i};
+    case Places::row:
+      return {{0, 0, static_cast<float>(i)}, i};
+    case Places::one:
+      return {{1, 2, 3}, i};
+    case Places::peak:
+      return {{static_cast<float>(std::min<std::size_t>(i, count - i)), 0, 0}, i};
+    case Places::far:
+      break;
+  }
+  return {{any(3e38), 0, any(1)}, i};
+}
+
+TEST(OrderInSpace, HalvesBoxesAcrossTheirLongestSideOnAnyNumberOfThreads) {
   Random random(2);
-  for (const Vec3 size : {Vec3{1, 1, 1}, {3, 0.2, 0.01}, {1e-3, 5, 5}, {2, 0, 1e-9}, {0, 0, 0}}) {
-    const Box box{{-1, 2, 1000}, Vec3{-1, 2, 1000} + size};
-    const SpatialCode code(box);
-    EXPECT_LE(code.bits(), 63);
-    const double longest = max(size.x, max(size.y, size.z));
-    const auto cells = [&](Vec3 p) {
-      const Vec3 scaled = longest > 0 ? 2097151 / longest * (p - box.lower) : Vec3{};
-      return std::array{static_cast<std::uint32_t>(scaled.x), static_cast<std::uint32_t>(scaled.y),
-                        static_cast<std::uint32_t>(scaled.z)};
-    };
-    const auto point = [&] {
-      return box.lower + Vec3{size.x * random.between(0, 1), size.y * random.between(0, 1),
-                              size.z * random.between(0, 1)};
-    };
-    for (int i = 0; i < 2000; ++i) {
-      const Vec3 p = point(), q = point();
-      EXPECT_EQ(code(p) < code(q), is_before(cells(p), cells(q))) << i;
-      EXPECT_LT(code(p) >> code.bits(), 1u);
+  for (const Places places :
+       {Places::anywhere, Places::grid, Places::row, Places::one, Places::peak, Places::far}) {
+    for (const std::size_t count : {0u, 1u, 16u, 17u, 33u, 1000u, 70000u}) {
+      std::vector<PlacedNumber> points;
+      for (std::uint32_t i = 0; i < count; ++i) points.push_back(place(places, i, count, random));
+      for (const std::size_t run : {1u, 16u, 24u}) {
+        std::vector<PlacedNumber> expected = points;
+        order_slowly(expected, run);
+        for (const std::size_t threads : {1u, 2u, 4u}) {
+          std::vector<PlacedNumber> ordered = points;
+          order_in_space(ordered, run, threads);
+          EXPECT_EQ(numbers_of(ordered), numbers_of(expected))
+              << static_cast<int>(places) << ", " << count << ", runs of " << run << ", " << threads
+              << " threads";
+        }
+      }
     }
   }
+}
+
+TEST(OrderInSpace, OrdersMembersByWhereTheyAre) {
+  std::vector<std::uint32_t> members = {7, 1, 4, 9};
+  order_in_space(members, 2, 1, [](std::uint32_t member) { return Vec3{0, member < 5 ? 1.0 : -1.0, 0}; });
+  EXPECT_EQ(members, (std::vector<std::uint32_t>{7, 9, 1, 4}));
 }
 
 bool same_lines(const SharedArray<TreeLine>& a, const SharedArray<TreeLine>& b) {

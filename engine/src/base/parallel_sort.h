@@ -18,12 +18,9 @@ namespace lumbrical {
 void sort_by_upper_half(std::span<std::uint64_t> keys, std::span<std::uint64_t> other, std::size_t threads);
 
 /// Sorts `members`, given ascending, by code_of(member), a number of `bits` <= 63 bits; a tie goes by the
-/// member. Of longer codes the upper 32 bits decide first, the rest only where more than `run` members agree
-/// in those: shorter runs stay in the order of the members. The result does not depend on `threads`. Takes 16
-/// bytes per member of working memory.
+/// member. The result does not depend on `threads`. Takes 16 bytes per member of working memory.
 template <class CodeOf>
-void sort_by_code(std::vector<std::uint32_t>& members, int bits, std::size_t run, std::size_t threads,
-                  const CodeOf& code_of) {
+void sort_by_code(std::vector<std::uint32_t>& members, int bits, std::size_t threads, const CodeOf& code_of) {
   constexpr std::size_t kPiece = 16384;
   const std::size_t count = members.size();
   const int rest = std::max(0, bits - 32);
@@ -40,7 +37,7 @@ void sort_by_code(std::vector<std::uint32_t>& members, int bits, std::size_t run
     while (first < last && first > 0 && agree(first, first - 1)) ++first;
     for (std::size_t end = first; first < last; first = end) {
       while (end < count && agree(first, end)) ++end;
-      const bool refine = rest > 0 && end - first > run;
+      const bool refine = rest > 0 && end - first > 1;  // the upper 32 bits agree
       const auto low_key = [&](std::uint64_t key) {
         const auto member = static_cast<std::uint32_t>(key);
         return (code_of(member) & ((std::uint64_t{1} << rest) - 1)) << 32 | member;

@@ -8,9 +8,8 @@
 
 #include "base/fixed_list.h"
 #include "base/parallel.h"
-#include "base/parallel_sort.h"
 #include "index/block_samples.h"
-#include "index/spatial_code.h"
+#include "index/spatial_order.h"
 #include "index/sphere_tree.h"
 #include "model/corners.h"
 
@@ -358,9 +357,8 @@ void put_blocks(const Triangles& triangles, const Box& box, const Cutting& cutti
   const Vec3 origin = box.middle();
   std::vector<std::uint32_t> order(cutting.owner.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-  const SpatialCode code({box.lower - origin, box.upper - origin});
-  sort_by_code(order, code.bits(), kWidth, execution.threads, [&](std::uint32_t number) {
-    return code(sphere_round(patch_at(triangles, cutting, number), origin).centre);
+  order_in_space(order, kWidth, execution.threads, [&](std::uint32_t number) {
+    return sphere_round(patch_at(triangles, cutting, number), origin).centre;
   });
   std::vector<PatchBlock> blocks(piece_count(order.size(), kWidth));
   std::vector<PatchShape> shapes(blocks.size() * kWidth);

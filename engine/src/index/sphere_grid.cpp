@@ -119,7 +119,7 @@ SphereGrid build_grid(const Triangles& triangles, const Execution& execution) {
   for (std::uint32_t i = 0; i < count; ++i)
     (cell_of_triangle(grid, triangles, i) == kWideCell ? wide : members).push_back(i);
   const ShortKey key = short_key(grid, box.upper);
-  sort_by_code(members, key.x + key.y + key.z, 1, threads,
+  sort_by_code(members, key.x + key.y + key.z, threads,
                [&](std::uint32_t i) { return key(cell_of(cell_of_triangle(grid, triangles, i))); });
   std::vector<std::uint64_t> cells;
   std::vector<std::size_t> start;

@@ -8,8 +8,7 @@
 #include <span>
 
 #include "base/parallel.h"
-#include "base/parallel_sort.h"
-#include "index/spatial_code.h"
+#include "index/spatial_order.h"
 #include "index/triangle_bound.h"
 #include "model/corners.h"
 
@@ -174,9 +173,8 @@ Box build_tree(const Triangles& triangles, std::vector<std::uint32_t>& members, 
   const std::size_t threads = execution.threads;
   const Box box = box_round_members(triangles, members, threads);
   head.origin = box.middle();
-  const SpatialCode code({box.lower - head.origin, box.upper - head.origin});
-  sort_by_code(members, code.bits(), kWidth, threads, [&](std::uint32_t triangle) {
-    return code(bound_triangle(triangles, triangle, head.origin).centre);
+  order_in_space(members, execution.leaf_size, threads, [&](std::uint32_t triangle) {
+    return bound_triangle(triangles, triangle, head.origin).centre;
   });
 
   const TreeLayout layout = layout_of(head);

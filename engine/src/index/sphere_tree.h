@@ -46,7 +46,7 @@ inline const std::uint32_t* numbers_of(const TreeLine* lines, const TreeLayout& 
   return reinterpret_cast<const std::uint32_t*>(lines + kLinesPerBlock * (layout.upper + layout.lowest));
 }
 
-/// Sorts the triangles along a Morton curve, bounds every `leaf_size` of them by a leaf sphere and every
+/// Puts the triangles in order (spatial_order.h), bounds every `leaf_size` of them by a leaf sphere and every
 /// sixteen spheres by one above, until sixteen or fewer are left or there are `tree_levels` levels (0: no
 /// limit; 1: the leaves alone, a linear scan). On `execution.threads` threads, with the same result for any
 /// number of them.
@@ -71,7 +71,7 @@ struct Sphere {
 Sphere bound(std::span<const Sphere> spheres);
 
 /// A tree of levels alone, over leaves that are somebody else's: a search ends at their numbers. `leaves` are
-/// in spatial order, `origin` [m, W] is what they are relative to.
+/// in the order of spatial_order.h, `origin` [m, W] is what they are relative to.
 SphereTree build_levels(std::vector<Sphere> leaves, Vec3 origin, const Execution& execution);
 
 /// The head of a tree of so many triangles, as far as that depends on nothing else: enough for its layout.
