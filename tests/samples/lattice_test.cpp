@@ -71,6 +71,41 @@ void for_corner_values(const Take& take) {
   }
 }
 
+// Of a linear function over the square from -1 to 1, which falls into two triangles.
+TEST(PositiveInSquare, HasMeanShareAndMomentsOfALinearFunction) {
+  Random random(5);
+  for (int i = 0; i < 20000; ++i) {
+    const double size = std::pow(10, random.between(-6, 0)), angle = random.between(-4, 4);
+    const double rise[2] = {size * std::cos(angle), size * std::sin(angle)},
+                 mean = size * random.between(-2, 2);
+    const auto f = [&](double s, double t) { return mean + rise[0] * s + rise[1] * t; };
+    const Means lower = means_of_positive(f(-1, -1), f(1, -1), f(-1, 1)),
+                upper = means_of_positive(f(1, 1), f(-1, 1), f(1, -1));
+    const double sum = 0.5 * (lower.sum + upper.sum);
+    // A triangle's corner is at -1 or 1, and u and v lead away from there.
+    const double along[2] = {(lower.u - 0.5 * lower.sum) - (upper.u - 0.5 * upper.sum),
+                             (lower.v - 0.5 * lower.sum) - (upper.v - 0.5 * upper.sum)};
+    const auto in = scalar::positive_in_square(static_cast<float>(mean), static_cast<float>(rise[0]),
+                                               static_cast<float>(rise[1]));
+    // Where a rise is below a fiftieth of both it counts as that.
+    const double least = min(std::abs(rise[0]), std::abs(rise[1]));
+    const bool is_plain = least > 0.02 * (std::abs(rise[0]) + std::abs(rise[1]));
+    EXPECT_NEAR(in.mean, sum, (is_plain ? 1e-5 : 1e-4) * size) << i;
+    EXPECT_NEAR(in.share, 0.5 * (lower.share + upper.share), is_plain ? 2e-5 : 0.01) << i;
+    for (std::size_t k = 0; k < 2; ++k)
+      EXPECT_NEAR(in.along[k], along[k], (is_plain ? 5e-4 : 0.01) * size) << i;
+  }
+}
+
+TEST(PositiveInSquare, OfAConstantIsTheConstant) {
+  for (const float mean : {-1.0f, 0.0f, 1e-3f, 2.0f}) {
+    const auto in = scalar::positive_in_square(mean, 0.0f, 0.0f);
+    EXPECT_NEAR(in.mean, std::max(mean, 0.0f), 1e-30);
+    EXPECT_NEAR(in.along[0], 0, 1e-30);
+    EXPECT_NEAR(in.along[1], 0, 1e-30);
+  }
+}
+
 TEST(Lattice, PositivePartOfALinearFunctionIsExact) {
   for_corner_values([](float a, float b, float c) {
     const Means means = means_of_positive(a, b, c);

@@ -3,6 +3,9 @@
 // way?
 #include <gtest/gtest.h>
 
+#include <vector>
+
+#include "index/sphere_tree.h"
 #include "lumbrical/shapes.h"
 #include "pressed_hand.h"
 #include "sampled_hand.h"
@@ -17,6 +20,15 @@ constexpr double kWidth = 0.2;
 Scene fine_scene() {
   Scene scene =
       sampled_scene(default_hand(Side::right), {{"field", make_height_field(kWidth, 640, 0.002, 0.04)}});
+  scene.settings.max_candidates = 1u << 20;
+  return scene;
+}
+
+// At a coarse precision blocks of blocks are taken as ones too: triangles of 0.28 mm.
+constexpr double kCoarse = 1e-3;
+Scene finer_scene() {
+  Scene scene =
+      sampled_scene(default_hand(Side::right), {{"field", make_height_field(kWidth, 700, 0.002, 0.04)}});
   scene.settings.max_candidates = 1u << 20;
   return scene;
 }
@@ -40,6 +52,16 @@ class LevelsOf {
     EXPECT_TRUE(sample_forces(model_, *scratch_.primitives, kAllSegments, memory_, forces));
     return forces.level;
   }
+  /// Blocks of blocks that the last frame took as ones.
+  [[nodiscard]] std::size_t large_blocks() const {
+    std::size_t count = 0;
+    for (const auto& [first, last] : {std::pair{kind::kBlockInside, kind::kBlockInside + 2},
+                                      std::pair{kind::kPalmBlock, kind::kPalmBlockBeside}}) {
+      for (const ListedPatch& block : memory_.near.of_kinds(first, last, 0))
+        count += block.place >= model_.patches->first_samples[1];
+    }
+    return count;
+  }
 
  private:
   const Model& model_;
@@ -47,15 +69,17 @@ class LevelsOf {
   SampleMemory memory_;
 };
 
-// A depth at which levels of different blocks are mixed.
-double mixed_depth(const Model& model) {
+// A depth at which a level and the next finer one are mixed.
+double mixed_depth(const Model& model, std::size_t coarser = 0) {
   LevelsOf levels_of(model);
-  double low = -0.004, high = 0.008;
+  double low = -0.04, high = 0.008;
   for (int i = 0; i < 30; ++i) {
     const double middle = 0.5 * (low + high);
     const LevelWeights levels = levels_of(pressed(model.hand, middle));
-    if (levels[0] > 0 && levels[0] < 1) return middle;
-    (levels[0] > 0 ? high : low) = middle;
+    double coarse = 0;
+    for (std::size_t k = 0; k <= coarser; ++k) coarse += levels[k];
+    if (coarse > 0 && coarse < 1) return middle;
+    (coarse > 0 ? high : low) = middle;
   }
   ADD_FAILURE() << "no depth calls for two levels";
   return low;
@@ -73,38 +97,105 @@ TEST(SkinBlocks, KeepThePrecisionUnderHardAndLightTouches) {
   }
 }
 
-TEST(SkinBlocks, AreMixedWithOpenedOnesWithoutAStep) {
-  const Scene scene = fine_scene();
-  FeelingHand sampled(scene, 1e-4);
-  const double depth = mixed_depth(sampled.model());
-  constexpr double kStep = 2e-6;
-  const auto force_at = [&](int i) {
-    return norm(total_force(sampled(pressed(scene.hand, depth + i * kStep))));
-  };
-  double last = force_at(-100), here = force_at(-99);
-  for (int i = -98; i <= 100; ++i) {
-    const double next = force_at(i);
-    EXPECT_LT(std::abs((next - here) - (here - last)), 4e-6 * here) << i;
-    last = here;
-    here = next;
+TEST(SkinBlocks, OfBlocksKeepThePrecisionToo) {
+  const Scene scene = finer_scene();
+  FeelingHand exact(scene, 0), sampled(scene, kCoarse);
+  LevelsOf levels_of(sampled.model());
+  for (const double depth : {-0.002, 0.001, 0.003}) {
+    const DeviceFrame frame = pressed(scene.hand, depth);
+    const ActuatorFrame truth = exact(frame), felt = sampled(frame);
+    EXPECT_LT(norm(total_force(felt) - total_force(truth)), kCoarse * force_size(truth)) << depth;
+    if (levels_of(frame)[0] == 1) {
+      EXPECT_GT(levels_of.large_blocks(), 100u) << depth;
+    }
   }
 }
 
-TEST(SkinBlocks, AreTheSameOnEveryWayToRun) {
-  const Scene scene = fine_scene();
-  std::vector<Execution> ways(3);
-  ways[0].isa = Isa::scalar;
-  ways[1].broadphase = Broadphase::brute;
-  ways[2].threads = 3;
-  const Model plain = model_at(scene, 1e-4);
-  const double depth = mixed_depth(plain);
-  std::vector<DeviceFrame> frames;
-  for (const double deep : {-0.003, depth - 0.001, depth, depth + 0.002})
-    frames.push_back(pressed(scene.hand, deep));
+// At which block after block is opened.
+constexpr std::size_t kMixedLevels[] = {0, 1, 2};
+
+void expect_no_step(const Scene& scene, double precision, double most) {
+  FeelingHand sampled(scene, precision);
+  for (const std::size_t level : kMixedLevels) {
+    const double depth = mixed_depth(sampled.model(), level);
+    constexpr double kStep = 2e-6;
+    const auto force_at = [&](int i) {
+      return norm(total_force(sampled(pressed(scene.hand, depth + i * kStep))));
+    };
+    double last = force_at(-60), here = force_at(-59);
+    for (int i = -58; i <= 60; ++i) {
+      const double next = force_at(i);
+      EXPECT_LT(std::abs((next - here) - (here - last)), most * here) << level << " " << i;
+      last = here;
+      here = next;
+    }
+  }
+}
+TEST(SkinBlocks, AreMixedWithOpenedOnesWithoutAStep) {
+  expect_no_step(fine_scene(), 1e-4, 4e-6);
+  expect_no_step(finer_scene(), kCoarse, 4e-5);
+}
+
+Execution on(Isa isa) {
+  Execution execution;
+  execution.isa = isa;
+  return execution;
+}
+Execution by(Broadphase broadphase, std::uint32_t threads) {
+  Execution execution;
+  execution.broadphase = broadphase;
+  execution.threads = threads;
+  return execution;
+}
+
+void expect_the_same(const Scene& scene, double precision, const std::vector<Execution>& ways) {
+  const Model plain = model_at(scene, precision);
+  std::vector<DeviceFrame> frames{pressed(scene.hand, 0.004)};
+  for (const std::size_t level : kMixedLevels) {
+    const double depth = mixed_depth(plain, level);
+    for (const double deep : {depth - 0.0005, depth}) frames.push_back(pressed(scene.hand, deep));
+  }
   const std::uint64_t hash = hash_run(plain, frames);
   for (const Execution& way : ways) {
-    EXPECT_EQ(hash_run(model_at(scene, 1e-4, way), frames), hash)
+    EXPECT_EQ(hash_run(model_at(scene, precision, way), frames), hash)
         << isa_name(way.isa) << " " << broadphase_name(way.broadphase) << " " << way.threads;
+  }
+}
+TEST(SkinBlocks, AreTheSameOnEveryWayToRun) {
+  expect_the_same(fine_scene(), 1e-4, {on(Isa::scalar), by(Broadphase::brute, 1), by(Broadphase::tree, 3)});
+  expect_the_same(finer_scene(), kCoarse, {by(Broadphase::brute, 3)});
+}
+
+// Or brute force would find more than the tree.
+TEST(SkinBlocks, LieInTheSpheresOfTheTreeOnEveryLevel) {
+  const Model model = model_at(finer_scene(), kCoarse);
+  const Patches& patches = *model.patches;
+  const TreeLayout layout = layout_of(patches.tree.head);
+  const SphereBlock* spheres = blocks_of(patches.tree.lines.data()) + layout.upper;
+  std::size_t held[2] = {};
+  for (std::size_t level = 0; level < patches.first_samples.size(); ++level) {
+    spheres -= layout.blocks[level];
+    const auto blocks = samples_of_level(patches, level);
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      if (double{blocks[i].size} > patches.block_on_skin[0]) continue;
+      const SphereBlock& of = spheres[i / SphereBlock::kWidth];
+      const std::size_t lane = i % SphereBlock::kWidth;
+      const Vec3 from =
+          point_of(blocks[i].centre) - (patches.tree.head.origin + Vec3{of.x[lane], of.y[lane], of.z[lane]});
+      ASSERT_LE(norm(from) + double{blocks[i].radius}, double{of.r[lane]}) << level << " " << i;
+      ++held[level > 0 ? 1 : 0];
+    }
+  }
+  EXPECT_GT(held[0], 1000u);
+  EXPECT_GT(held[1], 1000u);
+}
+
+// What is felt of a block is within the rectangle of its first two arms: so none that is not met may be felt.
+TEST(SkinBlocks, HoldTheirRectangles) {
+  const Model model = model_at(fine_scene(), 1e-4);
+  for (const BlockSamples& block : std::span(model.patches->samples.data(), model.patches->samples.size())) {
+    for (const float extent : block.extent) ASSERT_GE(extent, 1);
+    ASSERT_LE(norm(vec3_of(block.arm[0]) + vec3_of(block.arm[1])), double{block.radius});
   }
 }
 

@@ -46,9 +46,9 @@ constexpr double kBlockRadius = 0.36;
 // it, where its curvature jumps.
 constexpr double kBlockAbovePalm = 2, kBlockBesidePalm = 0.25;
 
-// [R] The same where a body's skin goes through, by level: the error falls with the size's power of 2.5, and
-// with the hand's force.
-constexpr std::array<double, kLevels> kBlockOnSkin = {0.25, 0.18, 0.11, 0.078, 0.057, 0.041, 0.03, 0.02, 0};
+// [R] The same where a body's skin goes through, by level: the error falls with the size's fifth power or so,
+// and with the hand's force.
+constexpr std::array<double, kLevels> kBlockOnSkin = {0.25, 0.21, 0.17, 0.14, 0.12, 0.1, 0.087, 0.073, 0.06};
 
 // Slivers are cut into patches no longer than so many times their width, or so many steps.
 constexpr double kSliver = 3, kSliverSteps = 3, kFinerSlivers = 2.2;
@@ -297,8 +297,12 @@ BlockSamples samples_of_blocks(const Patches& patches, const BlockMoments& momen
   for_corners([&](Vec3 from) {
     for (std::size_t k = 0; k < 3; ++k) most[k] = max(most[k], std::fabs(dot(from, arm[k])));
   });
-  for (std::size_t k = 0; k < 3; ++k)
-    samples.extent[k] = most[k] > 0 ? static_cast<float>((1 + 1e-5) * most[k] / dot(arm[k], arm[k])) : 0;
+  // The rectangle of the first two arms may have corners that no patch reaches.
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double square_arm = dot(arm[k], arm[k]);
+    samples.extent[k] = square_arm > 0 ? static_cast<float>((1 + 1e-5) * max(1, most[k] / square_arm)) : 0;
+  }
+  samples.radius = std::max(samples.radius, static_cast<float>((1 + 1e-6) * norm(arm[0] + arm[1])));
   return samples;
 }
 
@@ -351,6 +355,24 @@ void put_samples(const Execution& execution, Patches& patches) {
   patches.samples = std::move(samples);
 }
 
+// A block that is taken as one where its sphere meets a body has to be found there: of each level the
+// spheres of those that may be, and less than nothing of the others.
+std::vector<std::vector<Sphere>> spheres_on_skin(const Patches& patches, Vec3 origin) {
+  const double largest = patches.block_on_skin[0];
+  std::vector<std::vector<Sphere>> spheres;
+  for (std::size_t level = 0; largest > 0 && level < patches.first_samples.size(); ++level) {
+    const auto blocks = samples_of_level(patches, level);
+    spheres.emplace_back();
+    spheres.back().reserve(blocks.size());
+    for (const BlockSamples& block : blocks) {
+      const bool may_be = double{block.size} <= largest;
+      spheres.back().push_back({point_of(block.centre) - origin,
+                                may_be ? double{block.radius} : -std::numeric_limits<double>::infinity()});
+    }
+  }
+  return spheres;
+}
+
 void put_blocks(const Triangles& triangles, const Box& box, const Cutting& cutting,
                 const Execution& execution, Patches& patches) {
   constexpr std::uint32_t kWidth = PatchBlock::kWidth;
@@ -384,13 +406,7 @@ void put_blocks(const Triangles& triangles, const Box& box, const Cutting& cutti
   patches.block = std::move(blocks);
   patches.shape = std::move(shapes);
   put_samples(execution, patches);
-  // A block that is taken as one where its sphere meets a body has to be found there.
-  for (std::size_t i = 0; i < leaves.size(); ++i) {
-    const BlockSamples& block = patches.samples[i];
-    leaves[i].radius = max(leaves[i].radius,
-                           norm(point_of(block.centre) - origin - leaves[i].centre) + double{block.radius});
-  }
-  patches.tree = build_levels(std::move(leaves), origin, execution);
+  patches.tree = build_levels(std::move(leaves), spheres_on_skin(patches, origin), origin, execution);
 }
 
 }  // namespace
@@ -409,9 +425,7 @@ std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& s
     if (!is_sampled(settings, i)) continue;
     unit[i] = step_unit(hand, settings, i, mean);
     least = min(least, kSizeStep * min(unit[i], mean));
-    // Its power of 0.4, or less.
-    const double share = settings.precision[i] / 1e-4;
-    finest = min(finest, min(std::sqrt(share), cube_root(share)));
+    finest = min(finest, std::sqrt(std::sqrt(settings.precision[i] / 1e-4)));
   }
   if (!is_finite(least)) return nullptr;
   auto patches = std::make_shared<Patches>();

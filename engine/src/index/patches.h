@@ -48,12 +48,12 @@ struct PatchShape {
 /// along three arms, with vectors for weights, so chosen that fields of second degree are integrated as the
 /// patches themselves would be.
 struct BlockSamples {
-  SplitPoint centre;       ///< [m] W
-  float radius;            ///< [m] of the sphere about it that holds the patches
-  float size;              ///< [m] that radius, and more where the patches face different ways
-  float normal[3];         ///< [m^2] twice the integral of n dA
-  float arm[3][3];         ///< [m]
-  float extent[3];         ///< how many arms far patches are from the centre, to either side
+  SplitPoint centre;  ///< [m] W
+  float radius;       ///< [m] of the sphere about it that holds patches and samples
+  float size;         ///< [m] how far patches are from the centre, and more where they face different ways
+  float normal[3];    ///< [m^2] twice the integral of n dA
+  float arm[3][3];    ///< [m]
+  float extent[3];    ///< how many arms far patches and samples are from the centre, to either side
   float weight[2][3][3];   ///< [m^2] of the samples at centre + arm and - arm: twice the share of n dA
   float centre_weight[3];  ///< [m^2]
 };
@@ -87,6 +87,14 @@ bool is_sampled(const Settings& settings, std::size_t segment);
 std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& settings,
                                              const Triangles& triangles, const Box& extent,
                                              const Execution& execution);
+
+/// The blocks of a level as ones.
+inline std::span<const BlockSamples> samples_of_level(const Patches& patches, std::size_t level) {
+  const std::size_t first = patches.first_samples[level];
+  const std::size_t end =
+      level + 1 < patches.first_samples.size() ? patches.first_samples[level + 1] : patches.samples.size();
+  return {patches.samples.data() + first, end - first};
+}
 
 inline bool is_sampled(const Patches& patches, std::uint32_t triangle) {
   return (patches.is_sampled[triangle / 64] >> triangle % 64 & 1) != 0;

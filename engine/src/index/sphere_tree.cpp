@@ -126,10 +126,13 @@ Box box_round_members(const Triangles& triangles, std::span<const std::uint32_t>
 
 // Writes the leaves' spheres and all levels above them, the last one first and all of them before
 // `level_end`.
-void put_levels(std::vector<Sphere> spheres, const TreeLayout& layout, std::size_t threads, TreeHead& head,
-                SphereBlock* level_end) {
+void put_levels(std::vector<Sphere> spheres, std::span<const std::vector<Sphere>> held,
+                const TreeLayout& layout, std::size_t threads, TreeHead& head, SphereBlock* level_end) {
   for (std::size_t level = 0; level < head.level_count; ++level) {
     if (level > 0) spheres = bound_blocks(spheres, threads);
+    if (level < held.size()) {
+      for (std::size_t i = 0; i < spheres.size(); ++i) hold(held[level][i], spheres[i]);
+    }
     level_end -= layout.blocks[level];
     put_level(spheres, level_end, threads);
   }
@@ -144,10 +147,12 @@ Sphere bound(std::span<const Sphere> spheres) {
   Box box;
   for (const Sphere& sphere : spheres) box.add(sphere.centre, sphere.radius);
   Sphere result{box.middle(), 0};
-  for (const Sphere& sphere : spheres) {
-    result.radius = max(result.radius, norm(sphere.centre - result.centre) + sphere.radius);
-  }
+  for (const Sphere& sphere : spheres) hold(sphere, result);
   return result;
+}
+
+void hold(const Sphere& other, Sphere& sphere) {
+  sphere.radius = max(sphere.radius, norm(other.centre - sphere.centre) + other.radius);
 }
 
 TreeHead plan_tree(std::size_t triangle_count, const Execution& execution) {
@@ -182,11 +187,12 @@ Box build_tree(const Triangles& triangles, std::vector<std::uint32_t>& members, 
   auto* const numbers =
       reinterpret_cast<std::uint32_t*>(lines + kLinesPerBlock * (layout.upper + layout.lowest));
   Leaves leaves = put_leaves(triangles, members, execution, head, blocks + layout.upper, numbers);
-  put_levels(std::move(leaves.bound), layout, threads, head, blocks + layout.upper);
+  put_levels(std::move(leaves.bound), {}, layout, threads, head, blocks + layout.upper);
   return leaves.box;
 }
 
-SphereTree build_levels(std::vector<Sphere> leaves, Vec3 origin, const Execution& execution) {
+SphereTree build_levels(std::vector<Sphere> leaves, std::span<const std::vector<Sphere>> held, Vec3 origin,
+                        const Execution& execution) {
   Execution sized = execution;
   sized.leaf_size = 1;
   SphereTree tree;
@@ -197,7 +203,7 @@ SphereTree build_levels(std::vector<Sphere> leaves, Vec3 origin, const Execution
   const auto lines = make_lines(layout.lines);
   for (const Sphere& leaf : leaves) tree.box.add(leaf.centre, (1 + kBoxSlack) * leaf.radius);
   if (!leaves.empty()) {
-    put_levels(std::move(leaves), layout, execution.threads, tree.head,
+    put_levels(std::move(leaves), held, layout, execution.threads, tree.head,
                reinterpret_cast<SphereBlock*>(lines.get()) + layout.upper);
   }
   tree.lines = {lines.get(), layout.lines, lines};

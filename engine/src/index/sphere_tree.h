@@ -70,9 +70,14 @@ struct Sphere {
 /// A sphere round spheres, about the middle of their box.
 Sphere bound(std::span<const Sphere> spheres);
 
+/// Makes a sphere so large that it holds another.
+void hold(const Sphere& other, Sphere& sphere);
+
 /// A tree of levels alone, over leaves that are somebody else's: a search ends at their numbers. `leaves` are
-/// in the order of spatial_order.h, `origin` [m, W] is what they are relative to.
-SphereTree build_levels(std::vector<Sphere> leaves, Vec3 origin, const Execution& execution);
+/// in the order of spatial_order.h, `origin` [m, W] is what they are relative to. The spheres of each level
+/// hold those of `held`, as far as there are any for it.
+SphereTree build_levels(std::vector<Sphere> leaves, std::span<const std::vector<Sphere>> held, Vec3 origin,
+                        const Execution& execution);
 
 /// The head of a tree of so many triangles, as far as that depends on nothing else: enough for its layout.
 TreeHead plan_tree(std::size_t triangle_count, const Execution& execution);

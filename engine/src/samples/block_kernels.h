@@ -72,18 +72,18 @@ inline SampleKernels::Sorted part_blocks(const BlockKinds& kinds, const BlockSam
   return sorted;
 }
 
-/// Inside one tile, or, of the lowest level, where its skin goes through.
-inline TakenWhole taken_by_finger(const FingerBody& finger, std::uint32_t kind, bool on_skin) {
+/// Inside one tile, or where its skin goes through and no skeleton comes near.
+inline TakenWhole taken_by_finger(const FingerBody& finger, std::uint32_t kind, bool is_clear) {
   const std::uint32_t tile = kTileOfKind[kind];
   if (kind >= kind::kInside && kind < kind::kInnerJoint)
     return {kind::kBlockInside + tile, finger.block_radius[tile]};
-  return {kind::kBlockInside + tile, kind < kind::kInside && on_skin ? finger.block_on_skin : -1};
+  return {kind::kBlockInside + tile, kind < kind::kInside && is_clear ? finger.block_on_skin : -1};
 }
-/// Inside the palm's skin, or, of the lowest level, where that goes through.
-inline TakenWhole taken_by_palm(const PalmBody& palm, std::uint32_t kind, bool on_skin) {
+/// Inside the palm's skin, or where that goes through and no skeleton comes near.
+inline TakenWhole taken_by_palm(const PalmBody& palm, std::uint32_t kind, bool is_clear) {
   if (kind == kind::kPalmBlock) return {kind, palm.block_radius[0]};
   if (kind == kind::kPalmBlockBeside) return {kind, palm.block_radius[1]};
-  return {kind::kPalmBlockBeside, kind != kind::kPalmThrough && on_skin ? palm.block_on_skin : -1};
+  return {kind::kPalmBlockBeside, kind != kind::kPalmThrough && is_clear ? palm.block_on_skin : -1};
 }
 
 template <class V>
@@ -110,10 +110,7 @@ SampleKernels::Sorted sort_blocks(const BlockSamples* blocks, const FingerBody& 
     found[lane] = (found[lane] & ~7u) | tiles;
   }
   return part_blocks(
-      of, blocks,
-      [&](std::uint32_t kind, bool is_clear) {
-        return taken_by_finger(finger, kind, is_clear && first == 0);
-      },
+      of, blocks, [&](std::uint32_t kind, bool is_clear) { return taken_by_finger(finger, kind, is_clear); },
       3, first, found, count, patches, force);
 }
 
@@ -136,8 +133,7 @@ SampleKernels::Sorted sort_palm_blocks(const BlockSamples* blocks, const PalmBod
     put(of.is_near + lane, is_near);
   }
   return part_blocks(
-      of, blocks,
-      [&](std::uint32_t kind, bool is_clear) { return taken_by_palm(palm, kind, is_clear && first == 0); }, 0,
+      of, blocks, [&](std::uint32_t kind, bool is_clear) { return taken_by_palm(palm, kind, is_clear); }, 0,
       first, found, count, patches, force);
 }
 
@@ -164,7 +160,41 @@ inline void gather(const BlockList& list, std::size_t first, std::size_t count, 
   }
 }
 
-/// Adds what a body with this frame and field feels of the blocks, sample by sample where that is positive.
+/// Of a linear function over the square from -1 to 1: the mean of its positive part, that part's share of the
+/// area, and its mean moments along either side.
+template <class V>
+struct PositiveInSquare {
+  V mean, share, along[2];
+};
+/// From the function's mean and by how much it rises from the middle to either side. A rise counts as a
+/// fiftieth of both together at least, for what is divided by it must not vanish.
+template <class V>
+LUMBRICAL_INLINE inline PositiveInSquare<V> positive_in_square(V mean, V rise0, V rise1) {
+  const V zero = number<V>(0), one = number<V>(1), third = number<V>(1.0 / 3);
+  const V size = max(abs(rise0) + abs(rise1), number<V>(1e-30)), scale = divide(one, size);
+  const V least = number<V>(0.02), a = max(abs(rise0) * scale, least), b = max(abs(rise1) * scale, least);
+  const V both = a + b, m = clamp(mean * scale, zero - both, both);
+  // The positive parts at the corners, and their powers.
+  const V y[4] = {m + both, max(m + (a - b), zero), max(m - (a - b), zero), max(m - both, zero)};
+  V y2[4], y3[4];
+  for (std::size_t k = 0; k < 4; ++k) {
+    y2[k] = y[k] * y[k];
+    y3[k] = y2[k] * y[k];
+  }
+  const V inverse = divide(one, a * b), part = number<V>(1.0 / 8) * inverse, across = third * part * size;
+  const V fourth = number<V>(0.25) * ((y2[0] * y2[0] - y2[1] * y2[1]) - (y2[2] * y2[2] - y2[3] * y2[3]));
+  const V along0 = across * (((y3[0] - y3[1]) + (y3[2] - y3[3])) - inverse * b * fourth),
+          along1 = across * (((y3[0] + y3[1]) - (y3[2] + y3[3])) - inverse * a * fourth);
+  const auto whole = m >= both;
+  return {select(whole, mean, across * ((y3[0] - y3[1]) - (y3[2] - y3[3]))),
+          select(whole, one, part * ((y2[0] - y2[1]) - (y2[2] - y2[3]))),
+          {select(whole, third * rise0, select(rise0 < zero, zero - along0, along0)),
+           select(whole, third * rise1, select(rise1 < zero, zero - along1, along1))}};
+}
+
+/// Adds what a body with this frame and field feels of the blocks. A block is what its samples tell, as far
+/// as it is inside: its patches fill about the rectangle of its first two arms, along which the field is
+/// linear.
 template <class V, class Field>
 LUMBRICAL_INLINE inline std::uint32_t sum_blocks(const BlockList& list, const float (&axis)[3][3],
                                                  Wide3<V> frame_origin, const Field& field, BodySums& sums) {
@@ -175,16 +205,26 @@ LUMBRICAL_INLINE inline std::uint32_t sum_blocks(const BlockList& list, const fl
     gather(list, first, left < SampleRows::kWidth ? left : SampleRows::kWidth, rows);
     for (std::size_t lane = 0; lane < SampleRows::kWidth; lane += wide::Lanes<V>::kCount) {
       const Wide3<V> centre = vector_at<V>(rows.centre, lane) - frame_origin, at = turn_into(axis, centre);
-      const auto depth = [&](Wide3<V> p) LUMBRICAL_INLINE { return max(field(p), number<V>(0)); };
-      Wide3<V> force = depth(at) * vector_at<V>(rows.weight[6], lane);
-      Wide3<V> moment{number<V>(0), number<V>(0), number<V>(0)};
+      Wide3<V> normal = vector_at<V>(rows.weight[6], lane), force = field(at) * normal;
+      Wide3<V> arm[3], moment{number<V>(0), number<V>(0), number<V>(0)};
+      V mean = number<V>(0), rise[3];
       for (std::size_t k = 0; k < 3; ++k) {
-        const Wide3<V> arm = vector_at<V>(rows.arm[k], lane), to = turn_into(axis, arm);
-        const Wide3<V> one = depth(at + to) * vector_at<V>(rows.weight[2 * k], lane);
-        const Wide3<V> other = depth(at - to) * vector_at<V>(rows.weight[2 * k + 1], lane);
+        arm[k] = vector_at<V>(rows.arm[k], lane);
+        const Wide3<V> to = turn_into(axis, arm[k]), plus = vector_at<V>(rows.weight[2 * k], lane),
+                       minus = vector_at<V>(rows.weight[2 * k + 1], lane);
+        const V ahead = field(at + to), behind = field(at - to);
+        const Wide3<V> one = ahead * plus, other = behind * minus;
         force = force + (one + other);
-        moment = moment + cross(arm, one - other);
+        moment = moment + cross(arm[k], one - other);
+        normal = normal + (plus + minus);
+        mean = mean + number<V>(1.0 / 6) * (ahead + behind);
+        rise[k] = number<V>(0.5) * (ahead - behind);
       }
+      const PositiveInSquare<V> in = positive_in_square(mean, rise[0], rise[1]);
+      const Wide3<V> lean = number<V>(1.0 / 3) * (rise[0] * arm[0] + rise[1] * arm[1]),
+                     part = in.along[0] * arm[0] + in.along[1] * arm[1];
+      force = in.mean * normal + in.share * (force - mean * normal);
+      moment = cross(part, normal) + in.share * (moment - cross(lean, normal));
       moment = moment + cross(centre, force);
       add_wrench(turn_into(axis, force), turn_into(axis, moment), lane, sums);
       touched += count_of(lanes_with(force));
