@@ -33,7 +33,7 @@ inline constexpr GoldenHash kGolden[] = {
     {"samples.1e-4", 0x6c894dabefd9ee3d},
     {"samples.1e-5", 0xb50a4e317505beda},
     {"bent", 0x09a8144b746ad1c7},
-    {"objects", 0x0e1f5f74d21b5663},
+    {"objects", 0xc1814309e5cacfd6},
     {"proxy", 0xf4fbf12b00a20b39},
     {"surface", 0x307463071c42d8dc},
     {"jacobians", 0x9d955d8cf77ad843},

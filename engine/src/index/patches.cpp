@@ -379,7 +379,8 @@ void put_blocks(const Triangles& triangles, const Box& box, const Cutting& cutti
   const Vec3 origin = box.middle();
   std::vector<std::uint32_t> order(cutting.owner.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-  order_in_space(order, kWidth, execution.threads, [&](std::uint32_t number) {
+  const Box within{box.lower - origin, box.upper - origin};
+  order_in_space(order, within, kWidth, execution.threads, [&](std::uint32_t number) {
     return sphere_round(patch_at(triangles, cutting, number), origin).centre;
   });
   std::vector<PatchBlock> blocks(piece_count(order.size(), kWidth));

@@ -178,9 +178,9 @@ Box build_tree(const Triangles& triangles, std::vector<std::uint32_t>& members, 
   const std::size_t threads = execution.threads;
   const Box box = box_round_members(triangles, members, threads);
   head.origin = box.middle();
-  order_in_space(members, execution.leaf_size, threads, [&](std::uint32_t triangle) {
-    return bound_triangle(triangles, triangle, head.origin).centre;
-  });
+  order_in_space(
+      members, {box.lower - head.origin, box.upper - head.origin}, execution.leaf_size, threads,
+      [&](std::uint32_t triangle) { return bound_triangle(triangles, triangle, head.origin).centre; });
 
   const TreeLayout layout = layout_of(head);
   auto* const blocks = reinterpret_cast<SphereBlock*>(lines);
