@@ -13,7 +13,7 @@
 
 #include "lumbrical/model.h"
 #include "samples/levels.h"
-#include "samples/sample_search.h"
+#include "samples/sample_lists.h"
 
 namespace lumbrical {
 
@@ -27,15 +27,6 @@ struct SampledForces {
   bool coarsened = false;           ///< to stay within Settings::effort
   std::uint32_t patch_count = 0;    ///< near bodies, those of blocks taken as wholes counted as one
   std::uint32_t contact_count = 0;  ///< pairs of a segment and a patch it touches
-};
-
-/// What one thread works with.
-struct SampleThread {
-  std::vector<ListedPatch> chosen;  ///< for one kernel
-  /// Of tiles by their numbers and, last, of the palm: of what is felt once and, where two levels are mixed,
-  /// by the lattices of either.
-  std::array<std::vector<BodySums>, 3> sums;
-  std::uint32_t touched = 0;
 };
 
 /// Working memory, sized once for a model, and the last tick's result.

@@ -1,0 +1,114 @@
+#include "samples/sample_lists.h"
+
+#include <algorithm>
+
+namespace lumbrical {
+namespace {
+
+// Of every number of steps the tiles whose lattices have so many in patches of a class, a bit each.
+std::array<std::uint64_t, kMostSteps + 1> tiles_by_steps(const Bodies& bodies, std::size_t level,
+                                                         std::size_t patch_class) {
+  std::array<std::uint64_t, kMostSteps + 1> tiles{};
+  for (std::size_t i = 0; i < bodies.finger_count; ++i) {
+    for (std::size_t k = 0; k < bodies.finger[i].tile_count; ++k)
+      tiles[bodies.finger[i].steps[k][patch_class][level]] |= std::uint64_t{1}
+                                                              << (i * Bodies::kTilesApart + k);
+  }
+  return tiles;
+}
+
+// Patches of kinds `first` to `last`, shared by as many tiles, of which at least one of those is wanted.
+PatchList wanted_of(SampleWork& work, std::uint32_t first, std::uint32_t last, std::size_t patch_class,
+                    std::uint64_t wanted) {
+  std::uint64_t innermost = 0;
+  for (std::uint32_t k = 0; k < sharers_of(first); ++k) innermost |= wanted >> k;
+  const auto is_wanted = [innermost](const ListedPatch& patch) {
+    return (innermost >> patch.tile % ListedPatch::kFarEnd & 1u) != 0;
+  };
+  const std::uint64_t listed_for = work.near.tiles_of_kinds(first, last, patch_class);
+  if ((listed_for & innermost) == 0) return {};
+  const std::span<const ListedPatch> all = work.of_kinds(first, last, patch_class);
+  PatchList list = work.list(all);
+  if ((listed_for & ~innermost) == 0) return list;
+  list.patches = work.memory.chosen.data();
+  list.count =
+      static_cast<std::size_t>(std::copy_if(all.begin(), all.end(), work.memory.chosen.begin(), is_wanted) -
+                               work.memory.chosen.begin());
+  return list;
+}
+
+// Each tile's share goes by its own lattice, so that it does not change where a neighbour comes near or goes:
+// what tiles of different lattices share is done once for each.
+void run_fingers(SampleWork& work, std::size_t patch_class, std::size_t steps, const TileSums& sums) {
+  const auto run = [&](std::uint32_t first, std::uint32_t last, const auto& kernel) {
+    const PatchList list = wanted_of(work, first, last, patch_class, sums.wanted);
+    if (list.count > 0) work.memory.touched += kernel(list);
+  };
+  const auto run_part = [&](std::uint32_t first, std::uint32_t last, TilePart part) {
+    run(first, last, [&](const PatchList& list) {
+      return work.kernels.tile_lattice(list, work.fingers(), part, steps, sums);
+    });
+  };
+  run_part(kind::kTile, kind::kTile + 2, TilePart::whole);
+  run_part(kind::kSide, kind::kSide + 2, TilePart::side);
+  run_part(kind::kNearEnd, kind::kFarEnd + 2, TilePart::end);
+  run(kind::kInnerJoint, kind::kOuterJoint,
+      [&](const PatchList& list) { return work.kernels.joint_lattice(list, work.fingers(), steps, sums); });
+  run(kind::kFinger, kind::kFinger,
+      [&](const PatchList& list) { return work.kernels.finger_lattice(list, work.fingers(), steps, sums); });
+}
+
+// By the patch's size in steps.
+std::size_t rule_for(std::size_t size) { return size < 1 ? 0 : size < 2 ? 1 : size < 5 ? 2 : 3; }
+
+}  // namespace
+
+void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level, Part part) {
+  BodySums* const sums = work.sums(part);
+  const auto tiles = tiles_by_steps(work.bodies, level, patch_class);
+  for (std::size_t steps = 1; steps <= kMostSteps; ++steps) {
+    if (tiles[steps] != 0) run_fingers(work, patch_class, steps, {sums, tiles[steps]});
+  }
+  const auto run_palm = [&](std::uint32_t kind, const auto& kernel) {
+    const PatchList list = work.list(work.of_kinds(kind, kind, patch_class));
+    if (list.count == 0) return;
+    const PalmBody& palm = work.bodies.palm;
+    work.memory.touched += kernel(list, palm, palm.steps[patch_class][level], sums[palm_number(work.bodies)]);
+  };
+  run_palm(kind::kPalmEdge, work.kernels.palm_edge_lattice);
+  run_palm(kind::kPalm, work.kernels.palm_lattice);
+}
+
+void run_smooth(SampleWork& work, std::size_t patch_class) {
+  const TileSums sums{work.sums(kOnce), ~std::uint64_t{0}};
+  const PatchList inside = work.list(work.of_kinds(kind::kInside, kind::kInside + 2, patch_class)),
+                  side = work.list(work.of_kinds(kind::kPalmSide, kind::kPalmSide, patch_class)),
+                  through = work.list(work.of_kinds(kind::kPalmThrough, kind::kPalmThrough, patch_class));
+  std::uint32_t& touched = work.memory.touched;
+  if (inside.count > 0)
+    touched += work.kernels.tile_rule(inside, work.fingers(), rule_for(patch_class), sums);
+  BodySums& palm_sums = sums.of[palm_number(work.bodies)];
+  if (side.count > 0) touched += work.kernels.palm_side(side, work.bodies.palm, palm_sums);
+  if (through.count > 0) touched += work.kernels.palm_through(through, work.bodies.palm, palm_sums);
+}
+
+void run_blocks(SampleWork& work) {
+  const BlockSamples* const samples = work.patches.samples.data();
+  const auto fingers = work.of_kinds(kind::kBlockInside, kind::kBlockInside + 2, 0),
+             palm = work.of_kinds(kind::kPalmBlock, kind::kPalmBlockBeside, 0);
+  for (std::size_t i = 0, end = 0; i < fingers.size(); i = end) {
+    const std::uint32_t tile = fingers[i].tile;
+    while (end < fingers.size() && fingers[end].tile == tile) ++end;
+    const BlockList list{samples, fingers.data() + i, end - i,
+                         work.bodies.origin[tile / Bodies::kTilesApart]};
+    work.memory.touched +=
+        work.kernels.tile_blocks(list, tile_at(work.fingers(), tile), work.sums(kOnce)[tile]);
+  }
+  if (!palm.empty()) {
+    const BlockList list{samples, palm.data(), palm.size(), work.bodies.origin[work.bodies.finger_count]};
+    work.memory.touched +=
+        work.kernels.palm_blocks(list, work.bodies.palm, work.sums(kOnce)[palm_number(work.bodies)]);
+  }
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,67 @@
+// What is near a hand, list by list through the kernels (sample_kernels.h) to the sums of tiles and palm.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/parallel.h"
+#include "samples/sample_search.h"
+
+namespace lumbrical {
+
+/// Sums of what is felt once and, where two levels are mixed, by the lattices of either.
+enum Part : std::size_t { kOnce, kCoarser, kFiner };
+
+/// The palm's number, behind those of the last finger's tiles.
+inline std::size_t palm_number(const Bodies& bodies) { return bodies.finger_count * Bodies::kTilesApart; }
+
+/// What one thread works with.
+struct SampleThread {
+  std::vector<ListedPatch> chosen;            ///< for one kernel
+  std::array<std::vector<BodySums>, 3> sums;  ///< of each part, of tiles and palm by their numbers
+  std::uint32_t touched = 0;
+};
+
+/// A hand's patches, and who computes them: one of `threads`, each of which takes its part of every list.
+struct SampleWork {
+  const SampleKernels& kernels;
+  const Patches& patches;
+  const Bodies& bodies;
+  NearPatches& near;
+  SampleThread& memory;
+  std::size_t number, threads;
+  std::size_t lists = 0;  ///< shared out so far
+
+  [[nodiscard]] const FingerBody* fingers() const { return bodies.finger.data(); }
+  [[nodiscard]] BodySums* sums(Part part) const { return memory.sums[part].data(); }
+  [[nodiscard]] PatchList list(std::span<const ListedPatch> listed) const {
+    return {patches.shape.data(), listed.data(), listed.size(), bodies.origin.data()};
+  }
+  /// Whole rows of sixteen; where there are too few for all, list by list others go without.
+  [[nodiscard]] std::span<const ListedPatch> own_part(std::span<const ListedPatch> all) {
+    if (threads == 1) return all;
+    const std::size_t rows = piece_count(all.size(), PatchBlock::kWidth), turn = lists++ % threads;
+    const auto begin = [&](std::size_t thread) {
+      return std::min(all.size(), (rows * thread + turn) / threads * PatchBlock::kWidth);
+    };
+    return all.subspan(begin(number), begin(number + 1) - begin(number));
+  }
+  [[nodiscard]] std::span<const ListedPatch> of_kinds(std::uint32_t first, std::uint32_t last,
+                                                      std::size_t patch_class) {
+    return own_part(near.of_kinds(first, last, patch_class));
+  }
+};
+
+/// Blocks as ones.
+void run_blocks(SampleWork& work);
+
+/// What lies inside, where fields are smooth, or linear: of the patches of a class.
+void run_smooth(SampleWork& work, std::size_t patch_class);
+
+/// Lattices of a level over the patches of a class.
+void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level, Part part);
+
+}  // namespace lumbrical
