@@ -3,6 +3,8 @@
 // way?
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <tuple>
 #include <vector>
 
 #include "index/sphere_tree.h"
@@ -52,12 +54,12 @@ class LevelsOf {
     EXPECT_TRUE(sample_forces(model_, *scratch_.primitives, kAllSegments, memory_, forces));
     return forces.level;
   }
-  /// Blocks of blocks that the last frame took as ones.
+  /// Blocks of blocks that the last frame took as ones on the skin.
   [[nodiscard]] std::size_t large_blocks() const {
     std::size_t count = 0;
     for (const auto& [first, last] : {std::pair{kind::kBlockInside, kind::kBlockInside + 2},
                                       std::pair{kind::kPalmBlock, kind::kPalmBlockBeside}}) {
-      for (const ListedPatch& block : memory_.near.of_kinds(first, last, 0))
+      for (const ListedPatch& block : memory_.near.of_kinds(first, last, 1))
         count += block.place >= model_.patches->first_samples[1];
     }
     return count;
@@ -196,6 +198,46 @@ TEST(SkinBlocks, HoldTheirRectangles) {
   for (const BlockSamples& block : std::span(model.patches->samples.data(), model.patches->samples.size())) {
     for (const float extent : block.extent) ASSERT_GE(extent, 1);
     ASSERT_LE(norm(vec3_of(block.arm[0]) + vec3_of(block.arm[1])), double{block.radius});
+  }
+}
+
+/// What is near, body by body: in which order it was found does not matter.
+using Near = std::vector<std::tuple<std::size_t, std::uint32_t, std::uint32_t>>;
+Near sorted(const NearPatches& near) {
+  Near all;
+  for (std::size_t key = 0; key < kKeyCount; ++key) {
+    for (std::uint32_t i = near.begin[key]; i < near.begin[key + 1]; ++i)
+      all.emplace_back(key, near.listed[i].tile, near.listed[i].place);
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+TEST(SkinBlocks, OfACoarserLevelAreOpenedToWhatASearchFinds) {
+  const Scene scene = finer_scene();
+  for (const std::uint32_t threads : {1u, 3u}) {
+    Execution execution;
+    execution.threads = threads;
+    const Model model = model_at(scene, kCoarse, execution);
+    Scratch scratch = make_scratch(model);
+    State state;
+    tick(model, state, scratch, pressed(scene.hand, 0.002));
+    SampleMemory memory;
+    size_samples(model, memory);
+    set_bodies(*scratch.primitives, kAllSegments, *model.patches, memory.bodies);
+    const auto search = [&](std::size_t level, const auto& find) {
+      take_blocks_on_skin(model.patches->block_on_skin[level], memory.bodies);
+      EXPECT_TRUE(find(model, *scratch.primitives, memory.bodies, memory.search, memory.near));
+      return sorted(memory.near);
+    };
+    std::vector<Near> found;
+    for (std::size_t level = 0; level < 4; ++level) found.push_back(search(level, find_patches));
+    EXPECT_TRUE(found[0] != found[3]);
+    search(0, find_patches);
+    for (std::size_t level = 1; level < 4; ++level)
+      EXPECT_TRUE(search(level, open_patches) == found[level]) << level;
+    search(0, find_patches);
+    EXPECT_TRUE(search(3, open_patches) == found[3]);
   }
 }
 

@@ -43,9 +43,9 @@ struct BlockKinds {
   alignas(64) float field[BlockRows::kWidth];
   alignas(64) float is_near[BlockRows::kWidth];
 };
-/// The kind that a block is listed as if a body takes it as one, and the largest one that it takes so [m].
+/// The key that a block is listed by if a body takes it as one, and the largest one that it takes so [m].
 struct TakenWhole {
-  std::uint32_t kind;
+  std::uint32_t key;
   float size;
 };
 /// From kinds to blocks that have to be opened and those that are taken as wholes: `whole(kind, no skeleton
@@ -61,7 +61,7 @@ inline SampleKernels::Sorted part_blocks(const BlockKinds& kinds, const BlockSam
     const TakenWhole taken = whole(static_cast<std::uint32_t>(kinds.kind[lane]), !(kinds.is_near[lane] > 0));
     const std::uint32_t place = found[lane] >> shift;
     if (blocks[place].size <= taken.size) {
-      patches[sorted.whole_count++] = {static_cast<std::uint16_t>(taken.kind), 1, first + place};
+      patches[sorted.whole_count++] = {static_cast<std::uint16_t>(taken.key), 1, first + place};
       const float field = kinds.field[lane] > 0 ? kinds.field[lane] : 0;
       for (std::size_t axis = 0; axis < 3; ++axis)  // in a lane of its own, whatever blocks are beside it
         force.lane[axis][place % BlockRows::kWidth] += field * blocks[place].normal[axis];
@@ -77,13 +77,15 @@ inline TakenWhole taken_by_finger(const FingerBody& finger, std::uint32_t kind, 
   const std::uint32_t tile = kTileOfKind[kind];
   if (kind >= kind::kInside && kind < kind::kInnerJoint)
     return {kind::kBlockInside + tile, finger.block_radius[tile]};
-  return {kind::kBlockInside + tile, kind < kind::kInside && is_clear ? finger.block_on_skin : -1};
+  return {kAcrossSkin * kind::kCount + kind::kBlockInside + tile,
+          kind < kind::kInside && is_clear ? finger.block_on_skin : -1};
 }
 /// Inside the palm's skin, or where that goes through and no skeleton comes near.
 inline TakenWhole taken_by_palm(const PalmBody& palm, std::uint32_t kind, bool is_clear) {
   if (kind == kind::kPalmBlock) return {kind, palm.block_radius[0]};
   if (kind == kind::kPalmBlockBeside) return {kind, palm.block_radius[1]};
-  return {kind::kPalmBlockBeside, kind != kind::kPalmThrough && is_clear ? palm.block_on_skin : -1};
+  return {kAcrossSkin * kind::kCount + kind::kPalmBlockBeside,
+          kind != kind::kPalmThrough && is_clear ? palm.block_on_skin : -1};
 }
 
 template <class V>

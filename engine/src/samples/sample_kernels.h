@@ -47,13 +47,25 @@ inline constexpr std::array<std::uint8_t, kind::kCount> kTileOfKind = [] {
 /// What of a tile a kernel needs to know: all of it, its side, or the sphere at one end.
 enum class TilePart : std::uint8_t { whole, side, end };
 
+/// The classes of blocks as ones: inside a body's skin, or where that goes through.
+inline constexpr std::uint32_t kWithinSkin = 0, kAcrossSkin = 1;
+
 /// Patches of a block that are found near a body and have the same key, or a block that is taken as one.
 struct FoundPatches {
-  std::uint16_t key;    ///< class (0 of a block) * kind::kCount + kind
+  std::uint16_t key;    ///< class (of a block as one kWithinSkin or kAcrossSkin) * kind::kCount + kind
   std::uint16_t lanes;  ///< a bit each (1 of a block)
   std::uint32_t block;
 };
 inline constexpr std::size_t kKeyCount = kind::kCount * kPatchClasses;
+
+constexpr bool is_block(std::uint32_t kind) {
+  return (kind >= kind::kBlockInside && kind < kind::kPalmSide) || kind == kind::kPalmBlock ||
+         kind == kind::kPalmBlockBeside;
+}
+/// A block as one that a body's skin goes through; one of a finer level may open it.
+constexpr bool is_on_skin(const FoundPatches& found) {
+  return found.key / kind::kCount == kAcrossSkin && is_block(found.key % kind::kCount);
+}
 
 /// A patch, or a block, in order of its key.
 struct ListedPatch {

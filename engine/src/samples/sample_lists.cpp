@@ -92,10 +92,10 @@ void run_smooth(SampleWork& work, std::size_t patch_class) {
   if (through.count > 0) touched += work.kernels.palm_through(through, work.bodies.palm, palm_sums);
 }
 
-void run_blocks(SampleWork& work) {
+void run_blocks(SampleWork& work, std::size_t block_class) {
   const BlockSamples* const samples = work.patches.samples.data();
-  const auto fingers = work.of_kinds(kind::kBlockInside, kind::kBlockInside + 2, 0),
-             palm = work.of_kinds(kind::kPalmBlock, kind::kPalmBlockBeside, 0);
+  const auto fingers = work.of_kinds(kind::kBlockInside, kind::kBlockInside + 2, block_class),
+             palm = work.of_kinds(kind::kPalmBlock, kind::kPalmBlockBeside, block_class);
   for (std::size_t i = 0, end = 0; i < fingers.size(); i = end) {
     const std::uint32_t tile = fingers[i].tile;
     while (end < fingers.size() && fingers[end].tile == tile) ++end;

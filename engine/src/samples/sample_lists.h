@@ -55,8 +55,8 @@ struct SampleWork {
   }
 };
 
-/// Blocks as ones.
-void run_blocks(SampleWork& work);
+/// Blocks as ones, inside the skin or on it.
+void run_blocks(SampleWork& work, std::size_t block_class);
 
 /// What lies inside, where fields are smooth, or linear: of the patches of a class.
 void run_smooth(SampleWork& work, std::size_t patch_class);

@@ -66,6 +66,14 @@ std::size_t open_blocks(const Search& search, const Patches& patches, std::size_
   return open;
 }
 
+template <class Search>
+void classify_blocks(const Search& search, std::span<const std::uint32_t> blocks, std::size_t most,
+                     PatchSearcher& searcher) {
+  for (std::size_t i = 0; i < blocks.size() && searcher.count <= most; i += kBlocksAtATime)
+    searcher.count +=
+        search.classify(blocks.data() + i, std::min(kBlocksAtATime, blocks.size() - i), searcher.end());
+}
+
 // A body's way down the levels of the tree, from one to the next by the spheres it may meet, and to patches.
 // It stops where a searcher has found too much: there is room for a step beyond that.
 template <class Search>
@@ -93,12 +101,51 @@ void find_for_body(const Search& search, const Model& model, PatchSearcher& sear
     if (searcher.count > most) return;
     std::swap(from, to);
   }
-  for (std::size_t i = 0; i < count && searcher.count <= most; i += kBlocksAtATime)
-    searcher.count += search.classify(from + i, std::min(kBlocksAtATime, count - i), searcher.end());
+  classify_blocks(search, {from, count}, most, searcher);
+}
+
+// The same from what was found for larger blocks on the skin: those are asked again, and what is in those
+// that are opened now.
+template <class Search>
+void open_for_body(const Search& search, const Model& model, std::span<const FoundPatches> before,
+                   PatchSearcher& searcher) {
+  const Patches& patches = *model.patches;
+  const std::size_t most = most_patches(model);
+  for (const FoundPatches& found : before) {
+    if (!is_on_skin(found)) searcher.found[searcher.count++] = found;
+  }
+  std::uint32_t* from = searcher.frontier[0].data();
+  std::uint32_t* to = searcher.frontier[1].data();
+  std::size_t count = 0;
+  for (std::size_t level = patches.first_samples.size(); level-- > 0; std::swap(from, to)) {
+    const auto blocks = samples_of_level(patches, level);
+    const std::uint32_t first = patches.first_samples[level];
+    count = every_sphere({from, count}, blocks.size(), true, search.shift, search.every_tile, to);
+    for (const FoundPatches& found : before) {
+      if (is_on_skin(found) && found.block >= first && found.block - first < blocks.size())
+        to[count++] = (found.block - first) << search.shift | search.every_tile;
+    }
+    count = open_blocks(search, patches, level, {to, count}, searcher);
+    for (std::size_t i = 0; level > 0 && i < count; ++i) to[i] >>= search.shift;
+    if (searcher.count > most) return;
+  }
+  classify_blocks(search, {from, count}, most, searcher);
+}
+
+/// Where a body is searched for: among all patches, or in what was found before.
+struct SearchFrom {
+  bool open = false;
+  std::span<const FoundPatches> before;
+};
+template <class Search>
+void find_or_open(const Search& search, const Model& model, const SearchFrom& from, PatchSearcher& searcher) {
+  if (from.open) return open_for_body(search, model, from.before, searcher);
+  find_for_body(search, model, searcher);
 }
 
 void find_for_finger(const Model& model, const Primitives& hand, const FingerBody& finger,
-                     const SplitPoint& origin, PatchSearcher& searcher, CentroidForce& force) {
+                     const SplitPoint& origin, const SearchFrom& from, PatchSearcher& searcher,
+                     CentroidForce& force) {
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
   const Patches& patches = *model.patches;
   SphereQuery queries[FingerBody::kMostTiles];
@@ -116,7 +163,7 @@ void find_for_finger(const Model& model, const Primitives& hand, const FingerBod
                           kernels.classify_finger(patches.block.data(), finger, blocks, count, to, force));
       },
       3, finger.tiles()};
-  find_for_body(search, model, searcher);
+  find_or_open(search, model, from, searcher);
 }
 
 void set_plane(Vec3 normal, double offset, float (&plane)[4]) {
@@ -144,7 +191,7 @@ PalmQuery query_of_palm(const TreeHead& tree, const SweptPolygon& palm) {
 }
 
 void find_for_palm(const Model& model, const Primitives& hand, const PalmBody& palm, const SplitPoint& origin,
-                   PatchSearcher& searcher, CentroidForce& force) {
+                   const SearchFrom& from, PatchSearcher& searcher, CentroidForce& force) {
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
   const Patches& patches = *model.patches;
   const PalmQuery query = query_of_palm(patches.tree.head, hand.palm);
@@ -160,19 +207,23 @@ void find_for_palm(const Model& model, const Primitives& hand, const PalmBody& p
                           kernels.classify_palm(patches.block.data(), palm, blocks, count, to, force));
       },
       0, 0};
-  find_for_body(search, model, searcher);
+  find_or_open(search, model, from, searcher);
 }
 
 // Listed patches, the last time, below which threads cost more than they bring.
 constexpr std::size_t kSerialBelow = 800;
 
 // Bodies are shared out among the searchers, whoever is free. False where they find too much.
-bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, std::size_t threads,
-              PatchSearchMemory& memory) {
+bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, bool open,
+              std::size_t threads, PatchSearchMemory& memory) {
   const std::size_t most = most_patches(model);
-  for (PatchSearcher& searcher : memory.searcher) searcher.count = 0;
+  for (PatchSearcher& searcher : memory.searcher) {
+    searcher.count = 0;
+    if (open) std::swap(searcher.found, searcher.before);
+  }
+  const auto before = memory.found;
   memory.found.fill({});
-  memory.force.fill({});
+  if (!open) memory.force.fill({});
   const std::size_t count = bodies.finger_count + (bodies.palm.corner_count > 0 ? 1 : 0);
   std::atomic<std::size_t> next{0};
   parallel_chunks(threads, 1, threads, [&](std::size_t first, std::size_t last) {
@@ -180,11 +231,12 @@ bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, 
       PatchSearcher& searcher = memory.searcher[k];
       for (std::size_t body = next++; body < count && searcher.count <= most; body = next++) {
         const std::size_t begin = searcher.count;
+        const SearchFrom from{open, before[body]};
+        CentroidForce unused, &force = open ? unused : memory.force[body];
         if (body < bodies.finger_count) {
-          find_for_finger(model, hand, bodies.finger[body], bodies.origin[body], searcher,
-                          memory.force[body]);
+          find_for_finger(model, hand, bodies.finger[body], bodies.origin[body], from, searcher, force);
         } else {
-          find_for_palm(model, hand, bodies.palm, bodies.origin[body], searcher, memory.force[body]);
+          find_for_palm(model, hand, bodies.palm, bodies.origin[body], from, searcher, force);
         }
         memory.found[body] = std::span(searcher.found).subspan(begin, searcher.count - begin);
       }
@@ -248,10 +300,8 @@ CountByKey count_keys(std::span<const std::span<const FoundPatches>> found, Near
 // An entry of a body as patches that follow each other.
 PatchRun run_of(const FoundPatches& found, std::size_t body) {
   const std::uint32_t what = found.key % kind::kCount;
-  const bool is_block = (what >= kind::kBlockInside && what < kind::kPalmSide) || what == kind::kPalmBlock ||
-                        what == kind::kPalmBlockBeside,
-             at_far_end = what >= kind::kFarEnd && what < kind::kInside;
-  return {is_block ? found.block : found.block * PatchBlock::kWidth,
+  const bool at_far_end = what >= kind::kFarEnd && what < kind::kInside;
+  return {is_block(what) ? found.block : found.block * PatchBlock::kWidth,
           static_cast<std::uint32_t>(body * Bodies::kTilesApart + kTileOfKind[what] +
                                      (at_far_end ? ListedPatch::kFarEnd : 0)),
           found.lanes};
@@ -278,6 +328,16 @@ bool put_in_order(std::span<const std::span<const FoundPatches>> found, std::spa
   return true;
 }
 
+bool find_in_order(const Model& model, const Primitives& hand, const Bodies& bodies, bool open,
+                   PatchSearchMemory& memory, NearPatches& near) {
+  const std::size_t threads = near.count() < kSerialBelow ? 1 : memory.searcher.size();
+  if (find_all(model, hand, bodies, open, threads, memory) &&
+      put_in_order(std::span(memory.found).first(bodies.finger_count + 1), memory.runs, near))
+    return true;
+  near.begin.fill(0);
+  return false;
+}
+
 }  // namespace
 
 void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& near) {
@@ -289,6 +349,7 @@ void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& nea
   for (PatchSearcher& searcher : memory.searcher) {
     for (auto& frontier : searcher.frontier) at_least(blocks, frontier);
     at_least(most + std::max(patches.block.size(), kSpare), searcher.found);
+    if (patches.block_on_skin[0] > 0) at_least(searcher.found.size(), searcher.before);
   }
   at_least(most + kSpare, memory.runs);
   at_least(most + kSpare, near.listed);
@@ -296,12 +357,11 @@ void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& nea
 
 bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
                   NearPatches& near) {
-  const std::size_t threads = near.count() < kSerialBelow ? 1 : memory.searcher.size();
-  if (find_all(model, hand, bodies, threads, memory) &&
-      put_in_order(std::span(memory.found).first(bodies.finger_count + 1), memory.runs, near))
-    return true;
-  near.begin.fill(0);
-  return false;
+  return find_in_order(model, hand, bodies, false, memory, near);
+}
+bool open_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
+                  NearPatches& near) {
+  return find_in_order(model, hand, bodies, true, memory, near);
 }
 
 double force_at_centroids(const PatchSearchMemory& memory) {

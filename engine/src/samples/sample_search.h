@@ -44,8 +44,8 @@ struct NearPatches {
 /// What one thread searches with, for one body after the other.
 struct PatchSearcher {
   std::array<std::vector<std::uint32_t>, 2> frontier;
-  std::vector<FoundPatches> found;
-  std::size_t count = 0;  ///< found so far
+  std::vector<FoundPatches> found, before;  ///< before: for a coarser level
+  std::size_t count = 0;                    ///< found so far
 
   [[nodiscard]] FoundPatches* end() { return found.data() + count; }
 };
@@ -71,8 +71,13 @@ void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& nea
 bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
                   NearPatches& near);
 
+/// The same, from what was found for bodies that take larger blocks as ones on the skin and are otherwise the
+/// same: those that are too large now are opened.
+bool open_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
+                  NearPatches& near);
+
 /// What bodies feel together by the patches' centroids alone: the sum of their forces' sizes [m^3], of a
-/// stiffness of 1.
+/// stiffness of 1. As the last search of all patches has it.
 double force_at_centroids(const PatchSearchMemory& memory);
 
 }  // namespace lumbrical

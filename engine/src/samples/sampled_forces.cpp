@@ -126,7 +126,7 @@ void share_out(SampleTeam& team, std::uint64_t evaluations, std::initializer_lis
                       own,
                       number,
                       team.threads};
-      run_blocks(work);
+      for (const std::size_t block_class : {kWithinSkin, kAcrossSkin}) run_blocks(work, block_class);
       for (std::size_t k = 0; k < kPatchClasses; ++k) {
         if (!work.near.has(k)) continue;
         run_smooth(work, k);
@@ -168,6 +168,12 @@ bool find_for(SampleTeam& team, std::size_t level) {
   return find_patches(team.model, team.hand, team.memory.bodies, team.memory.search, team.memory.near);
 }
 
+// The same from what was found for a coarser level.
+bool open_for(SampleTeam& team, std::size_t level) {
+  take_blocks_on_skin(team.model.patches->block_on_skin[level], team.memory.bodies);
+  return open_patches(team.model, team.hand, team.memory.bodies, team.memory.search, team.memory.near);
+}
+
 std::size_t coarsest_of(const LevelWeights& weights) {
   std::size_t level = 0;
   while (!(weights[level] > 0)) ++level;
@@ -193,7 +199,7 @@ bool feel_apart(SampleTeam& team, std::size_t coarser, const Effort& effort, dou
                 SampledForces& forces) {
   forces.evaluations = evaluations_of(effort, only(coarser));
   feel_on_one_level(team, coarser, forces);
-  if (!find_for(team, coarser + 1)) return false;
+  if (!open_for(team, coarser + 1)) return false;
   SampledForces finer;
   finer.evaluations = evaluations_of(effort_of(*team.model.patches, team.memory.near), only(coarser + 1));
   const std::uint64_t most = team.model.settings.effort;
@@ -229,7 +235,7 @@ bool feel(SampleTeam& team, const LevelWeights* levels, SampledForces& forces) {
     forces.level[0] = 0;
   }
   std::size_t coarsest = coarsest_of(forces.level);
-  if (!same_blocks(coarsest, 0) && !find_for(team, coarsest)) return false;
+  if (!same_blocks(coarsest, 0) && !open_for(team, coarsest)) return false;
   Effort effort = effort_of(patches, team.memory.near);
   if (most > 0 && !same_blocks(coarsest, 0) && evaluations_of(effort, forces.level) > most) {
     if (!find_for(team, 0)) return false;
