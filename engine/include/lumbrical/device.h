@@ -79,7 +79,7 @@ struct ActuatorFrame : HandForces {
   std::uint32_t contact_count = 0;  ///< contacts behind this frame, before limits
   std::uint64_t evaluations = 0;    ///< of a field, by samples: what Settings::effort bounds
   /// [N] About what samples may be off, all sampled segments together, before limits: measured, no bound. 98
-  /// % of ticks stay below it, the worst seen were five times as far off (docs/mechanics.md).
+  /// % of ticks stay below it, the worst seen were ten times as far off (docs/mechanics.md).
   double error_estimate = 0;
   double force_error =
       0;  ///< [N] bound of what the integrals behind all forces together may be off, before limits
