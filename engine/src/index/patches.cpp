@@ -306,8 +306,8 @@ BlockSamples samples_of_blocks(const Patches& patches, const BlockMoments& momen
   return samples;
 }
 
-// Blocks are taken as ones on the skin where half of them are clearly as small as they may be: other levels
-// have to search anew, so it must pay.
+// Blocks are taken as ones on the skin where half of them are clearly as small as they may be: finer levels
+// have to open what coarser ones take, so it must pay.
 constexpr double kClearlySmall = 0.8;
 void leave_few_on_skin(std::span<const BlockSamples> samples, Patches& patches) {
   const auto lowest = samples.first(patches.block.size());

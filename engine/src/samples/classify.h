@@ -120,6 +120,10 @@ template <class V>
 struct TileView {
   V field, place, is_near, kind;
 };
+template <class V>
+inline TileView<V> not_met() {
+  return {number<V>(kNowhere), number<V>(0), number<V>(0), number<V>(0)};
+}
 template <class V, template <class> class Shape>
 LUMBRICAL_INLINE inline TileView<V> view_tile(const TileFrame& frame, std::uint32_t k,
                                               const Shape<V>& discs) {
@@ -128,10 +132,9 @@ LUMBRICAL_INLINE inline TileView<V> view_tile(const TileFrame& frame, std::uint3
   const TilePoint<V> point{p.x, p.y * p.y + p.z * p.z};
   const auto [level, distance, is_side, axial] = tile_depth(tile, point);
   const V field = level - distance, reach = discs.reach;
-  if (!any(field + reach > number<V>(0)))
-    return {number<V>(kNowhere), number<V>(0), number<V>(0), number<V>(0)};
-  const V place = place_on(tile, point);
-  const V end = tile.cosine * tile.length, zero = number<V>(0);
+  const V zero = number<V>(0);
+  if (!any(field + reach > zero)) return not_met<V>();
+  const V place = place_on(tile, point), end = tile.cosine * tile.length;
   // The way the field falls, as long as `distance`.
   const V across = select(is_side, tile.cosine2, number<V>(1)),
           along = select(is_side, tile.sine * distance, axial) - across * p.x;
@@ -172,10 +175,9 @@ struct FingerView {
 template <class V, template <class> class Shape>
 LUMBRICAL_INLINE inline FingerView<V> view_finger(const FingerBody& finger, const Shape<V>& discs,
                                                   unsigned tiles) {
-  const V zero = number<V>(0);
   FingerView<V> view;
   for (std::size_t k = 0; k < FingerBody::kMostTiles; ++k) {
-    view.tile[k] = {number<V>(kNowhere), zero, zero, zero};
+    view.tile[k] = not_met<V>();
     if ((tiles >> k & 1u) != 0)
       view.tile[k] = view_tile(finger.tile[k], static_cast<std::uint32_t>(k), discs);
   }
