@@ -30,7 +30,7 @@ Corner crossing(const Corner& p, const Corner& q) {
   const double t = p.f / (p.f - q.f);
   return {p.u + t * (q.u - p.u), p.v + t * (q.v - p.v), 0};
 }
-Means means_of_positive(double a, double b, double c) {
+std::vector<Corner> positive_polygon(double a, double b, double c) {
   const Corner corners[] = {{0, 0, a}, {1, 0, b}, {0, 1, c}};
   std::vector<Corner> polygon;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -38,6 +38,9 @@ Means means_of_positive(double a, double b, double c) {
     if (p.f >= 0) polygon.push_back(p);
     if ((p.f > 0 && q.f < 0) || (p.f < 0 && q.f > 0)) polygon.push_back(crossing(p, q));
   }
+  return polygon;
+}
+Means means_of(const std::vector<Corner>& polygon) {
   Means means;
   for (std::size_t i = 2; i < polygon.size(); ++i) {
     const Corner p[] = {polygon[0], polygon[i - 1], polygon[i]};
@@ -50,6 +53,14 @@ Means means_of_positive(double a, double b, double c) {
     means.v += area * (f * v + p[0].f * p[0].v + p[1].f * p[1].v + p[2].f * p[2].v) / 12;
   }
   return means;
+}
+Means means_of_positive(double a, double b, double c) { return means_of(positive_polygon(a, b, c)); }
+
+// Area, and its moments, of the part where f > 0, as means over the triangle.
+Means moments_of_part(double a, double b, double c) {
+  std::vector<Corner> polygon = positive_polygon(a, b, c);
+  for (Corner& corner : polygon) corner.f = 1;
+  return means_of(polygon);
 }
 
 // Every pattern of signs and zeros, with values of any size.
@@ -109,7 +120,7 @@ TEST(PositiveInSquare, OfAConstantIsTheConstant) {
 TEST(Lattice, PositivePartOfALinearFunctionIsExact) {
   for_corner_values([](float a, float b, float c) {
     const Means means = means_of_positive(a, b, c);
-    const auto [mean, share] = scalar::positive_part(a, b, c, (a + b + c) / 3);
+    const auto [mean, share] = scalar::part_above(0.0f, a, b, c, (a + b + c) / 3);
     const double size = std::max({std::fabs(a), std::fabs(b), std::fabs(c)});
     EXPECT_NEAR(mean, means.sum, 3e-7 * size) << a << " " << b << " " << c;
     if (size > 0 && (a != 0 || b != 0 || c != 0)) {
@@ -131,6 +142,35 @@ TEST(Lattice, MomentsOfALinearFunctionsPositivePartAreExact) {
     EXPECT_NEAR(m.sum, means.sum, 3e-7 * size) << a << " " << b << " " << c;
     EXPECT_NEAR(m.u, means.u, 3e-7 * size) << a << " " << b << " " << c;
     EXPECT_NEAR(m.v, means.v, 3e-7 * size) << a << " " << b << " " << c;
+  });
+}
+
+TEST(Lattice, PartAboveAFloorIsThePositivePartOfWhatIsAbove) {
+  for_corner_values([](float a, float b, float c) {
+    const float floor = 0.3f;
+    const Means means = means_of_positive(a - floor, b - floor, c - floor);
+    const auto [mean, share] = scalar::part_above(floor, a, b, c, (a + b + c) / 3);
+    EXPECT_NEAR(mean, means.sum, 3e-7) << a << " " << b << " " << c;
+    EXPECT_NEAR(share, means.share, 1e-4) << a << " " << b << " " << c;
+  });
+}
+
+TEST(Lattice, ShareWhereALinearFunctionIsPositiveIsExact) {
+  Random random(9);
+  for_corner_values([&](float a, float b, float c) {
+    if (a * b * c == 0) return;
+    const std::array<float, 3> f = {static_cast<float>(random.between(0, 1)),
+                                    static_cast<float>(random.between(0, 1)),
+                                    static_cast<float>(random.between(0, 1))};
+    const float whole = f[0] + f[1] + f[2];
+    const Means means = means_of_positive(a, b, c);
+    // Of f, linear: its mean over the part is its value at the part's centroid.
+    const Means of_part = moments_of_part(a, b, c);
+    const double expected =
+        3 * (f[0] * of_part.sum + (f[1] - f[0]) * of_part.u + (f[2] - f[0]) * of_part.v) / whole;
+    EXPECT_NEAR(of_part.sum, means.share, 1e-12);
+    EXPECT_NEAR(scalar::share_where_positive(a, b, c, f[0], f[1], f[2], whole), expected, 3e-6)
+        << a << " " << b << " " << c;
   });
 }
 
@@ -394,11 +434,8 @@ PalmBody palm_of(const Frame& frame, double half_x, double half_y) {
   const double x[] = {-half_x, half_x, half_x, -half_x}, y[] = {-half_y, -half_y, half_y, half_y};
   const float out_x[] = {0, 1, 0, -1}, out_y[] = {-1, 0, 1, 0};
   for (std::size_t k = 0; k < 4; ++k) {
-    palm.x[k] = static_cast<float>(x[k]);
-    palm.y[k] = static_cast<float>(y[k]);
-    palm.out_x[k] = out_x[k];
-    palm.out_y[k] = out_y[k];
-    palm.length[k] = static_cast<float>(2 * (k % 2 == 0 ? half_x : half_y));
+    palm.edge[k] = {static_cast<float>(x[k]), static_cast<float>(y[k]), out_x[k], out_y[k],
+                    static_cast<float>(2 * (k % 2 == 0 ? half_x : half_y))};
   }
   for (std::size_t k = 0; k < 3; ++k) {
     const double axis[] = {frame.axis[k].x, frame.axis[k].y, frame.axis[k].z};

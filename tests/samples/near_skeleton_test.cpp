@@ -65,7 +65,7 @@ void look_at(const Patches& patches, const SampleMemory& memory, Tally& tally) {
     look(kind::kInnerJoint, kind::kOuterJoint, 2);
     look(kind::kFinger, kind::kFinger, 3);
     const auto to_palm = [&](Vec3 p) { return distance_to_palm(p - bodies.palm.origin, bodies.palm); };
-    for (const ListedPatch& listed : memory.near.of_kinds(kind::kPalmEdge, kind::kPalm, patch_class))
+    for (const ListedPatch& listed : memory.near.of_kinds(kind::kPalm, kind::kPalm, patch_class))
       look_at(patches, listed.place, bodies.palm.radius, is_near, to_palm, tally);
   }
 }

@@ -25,9 +25,10 @@ inline double distance_to_palm(Vec3 p, const PalmBody& palm) {
   bool inside = true;
   for (std::size_t k = 0; k < palm.corner_count; ++k) {
     const std::size_t next = (k + 1) % palm.corner_count;
-    inside = inside && palm.out_x[k] * (x - palm.x[k]) + palm.out_y[k] * (y - palm.y[k]) <= 0;
-    least = min(least,
-                distance_to_segment({x, y, z}, {palm.x[k], palm.y[k], 0}, {palm.x[next], palm.y[next], 0}));
+    inside =
+        inside && palm.edge[k].out_x * (x - palm.edge[k].x) + palm.edge[k].out_y * (y - palm.edge[k].y) <= 0;
+    least = min(least, distance_to_segment({x, y, z}, {palm.edge[k].x, palm.edge[k].y, 0},
+                                           {palm.edge[next].x, palm.edge[next].y, 0}));
   }
   return inside ? std::abs(z) : least;
 }

@@ -129,7 +129,7 @@ SampleKernels::Sorted sort_palm_blocks(const BlockSamples* blocks, const PalmBod
     const V reach = boxes.reach;
     const V field = palm_field(palm, turn_into(palm.axis, boxes.centre)), distance = V(palm.radius) - field;
     const auto is_smooth = field > reach && distance >= number<V>(kSmoothReach) * reach;
-    const auto is_beside = kind >= number<V>(kind::kPalmEdge) && is_smooth;
+    const auto is_beside = kind == number<V>(kind::kPalm) && is_smooth;
     put(of.kind + lane, select(is_beside, number<V>(kind::kPalmBlockBeside), kind));
     put(of.field + lane, field);
     put(of.is_near + lane, is_near);

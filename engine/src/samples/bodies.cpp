@@ -9,14 +9,19 @@
 namespace lumbrical {
 namespace {
 
-Vec3 across(Vec3 axis) {
-  return unit_or(cross(axis, std::fabs(axis.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}), {0, 0, 1});
+// Two unit vectors across a third and each other, without a root: T. Duff et al., "Building an orthonormal
+// basis, revisited", 2017.
+std::array<Vec3, 2> across(Vec3 axis) {
+  const double sign = axis.z < 0 ? -1 : 1, a = -1 / (sign + axis.z), b = axis.x * axis.y * a;
+  return {Vec3{1 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x},
+          Vec3{b, sign + axis.y * axis.y * a, -axis.y}};
 }
 
 // The phalanx from its larger sphere; true where that is the outer one. One that lies inside the other's
-// sphere, or has no length, is that sphere.
+// sphere, or has no length, is that sphere. `direction` is its axis, a unit vector or 0.
 bool set_tile(const Primitive& phalanx, Vec3 direction, Vec3 origin, TileFrame& tile) {
-  Vec3 from = phalanx.end1, to = phalanx.end2, axis = direction;
+  Vec3 from = phalanx.end1, to = phalanx.end2,
+       axis = dot(direction, direction) > 0 ? direction : Vec3{1, 0, 0};
   double radius = phalanx.radius1, end_radius = phalanx.radius2;
   const bool turned = end_radius > radius;
   if (turned) {
@@ -24,18 +29,17 @@ bool set_tile(const Primitive& phalanx, Vec3 direction, Vec3 origin, TileFrame& 
     std::swap(radius, end_radius);
     axis = -axis;
   }
-  double length = norm(to - from);
+  double length = dot(to - from, axis);
   if (!(length > radius - end_radius)) {
     length = 0;
     end_radius = radius;
   }
-  axis = unit_or(axis, {1, 0, 0});
-  const Vec3 side = across(axis);
+  const auto [side, other_side] = across(axis);
   const double sine = length > 0 ? (radius - end_radius) / length : 0, cosine2 = (1 - sine) * (1 + sine);
   put(from - origin, tile.origin);
   put(axis, tile.axis[0]);
   put(side, tile.axis[1]);
-  put(cross(axis, side), tile.axis[2]);
+  put(other_side, tile.axis[2]);
   tile.length = static_cast<float>(length);
   tile.radius = static_cast<float>(radius);
   tile.end_radius = static_cast<float>(end_radius);
@@ -61,7 +65,7 @@ void set_finger(const Primitives& hand, std::size_t first, std::size_t last, con
   for (std::size_t k = 0; k < finger.tile_count; ++k) {
     finger.segment[k] = static_cast<std::uint8_t>(first + k);
     finger.block_radius[k] = static_cast<float>(patches.block_radius[first + k]);
-    std::copy(patches.steps[first + k].begin(), patches.steps[first + k].end(), finger.steps[k]);
+    finger.steps[k] = patches.steps[first + k].data();
     turned[k] = set_tile(hand.capsule[first + k], hand.direction[first + k], finger.origin, finger.tile[k]);
     if (k > 0) finger.joint[k - 1] = sides_of(finger.tile[k - 1], turned[k - 1], finger.tile[k], turned[k]);
   }
@@ -78,18 +82,16 @@ void set_palm(const SweptPolygon& polygon, const Patches& patches, PalmBody& pal
   put(x, palm.axis[0]);
   put(y, palm.axis[1]);
   put(z, palm.axis[2]);
-  std::copy(patches.steps[kPalmSegment].begin(), patches.steps[kPalmSegment].end(), palm.steps);
+  palm.steps = patches.steps[kPalmSegment].data();
   palm.radius = static_cast<float>(polygon.radius);
   palm.block_radius[0] = static_cast<float>(patches.block_above_palm);
   palm.block_radius[1] = static_cast<float>(patches.block_radius[kPalmSegment]);
   for (std::size_t k = 0; k < palm.corner_count; ++k) {
     const Vec3 from = polygon.corner[k] - middle,
                edge = polygon.corner[(k + 1) % palm.corner_count] - polygon.corner[k];
-    palm.x[k] = static_cast<float>(dot(x, from));
-    palm.y[k] = static_cast<float>(dot(y, from));
-    palm.out_x[k] = static_cast<float>(dot(x, polygon.outward[k]));
-    palm.out_y[k] = static_cast<float>(dot(y, polygon.outward[k]));
-    palm.length[k] = static_cast<float>(norm(edge));
+    palm.edge[k] = {static_cast<float>(dot(x, from)), static_cast<float>(dot(y, from)),
+                    static_cast<float>(dot(x, polygon.outward[k])),
+                    static_cast<float>(dot(y, polygon.outward[k])), static_cast<float>(norm(edge))};
   }
 }
 

@@ -37,16 +37,23 @@ struct FingerBody {
   static constexpr std::size_t kMostTiles = 3;
   std::size_t tile_count = 0;
   std::uint8_t segment[kMostTiles] = {};
-  LatticeSteps steps[kMostTiles][kPatchClasses] = {};  ///< of each tile's lattices in a patch of a class
-  float block_radius[kMostTiles] = {};                 ///< [m] of the largest block each tile takes as one
-  float block_on_skin = 0;                             ///< [m] of the largest block taken as one on the skin
-  bool folded = false;                                 ///< the first tile may meet the last
-  Vec3 origin;                                         ///< [m] W
+  const LatticeSteps* steps[kMostTiles] = {};  ///< of each tile's lattices in a patch of each class
+  float block_radius[kMostTiles] = {};         ///< [m] of the largest block each tile takes as one
+  float block_on_skin = 0;                     ///< [m] of the largest block taken as one on the skin
+  bool folded = false;                         ///< the first tile may meet the last
+  Vec3 origin;                                 ///< [m] W
   TileFrame tile[kMostTiles] = {};
   JointSides joint[kMostTiles - 1] = {};
 
   /// A bit per tile; what is beyond them may be left from another pose.
   [[nodiscard]] std::uint32_t tiles() const { return (1u << tile_count) - 1; }
+};
+
+/// An edge of the palm's polygon, counterclockwise: it runs a quarter turn to the left of `out`.
+struct PalmEdge {
+  float x, y;          ///< [m] the corner it begins at
+  float out_x, out_y;  ///< unit, away from the polygon
+  float length;        ///< [m]
 };
 
 /// The palm in the plane of its polygon: x and y in it, z towards the palmar side.
@@ -58,10 +65,8 @@ struct PalmBody {
   float radius;           ///< [m]
   float block_radius[2];  ///< [m] of the largest block that is taken as one, above the polygon and beside it
   float block_on_skin;    ///< [m] the same on the skin
-  LatticeSteps steps[kPatchClasses];
-  float x[kMostCorners], y[kMostCorners];          ///< [m] corners
-  float out_x[kMostCorners], out_y[kMostCorners];  ///< unit, away from the polygon across each edge
-  float length[kMostCorners];                      ///< [m] of each edge
+  const LatticeSteps* steps;  ///< of its lattices in a patch of each class
+  PalmEdge edge[kMostCorners];
 };
 
 /// All bodies of a hand that are felt by samples. Tile k of finger i has the number kTilesApart i + k.

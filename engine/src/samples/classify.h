@@ -272,33 +272,17 @@ std::size_t classify_finger(const PatchBlock* blocks, const FingerBody& finger, 
       patches, force);
 }
 
-/// Is one edge of the palm's polygon nearer to all of spheres than the others are? `out`: how far beyond the
-/// farthest edge their centres are.
-template <class V>
-inline auto is_at_one_edge(const PalmBody& palm, Wide3<V> centre, V reach, V out) {
-  const V zero = number<V>(0);
-  V next = number<V>(-1e30), within = number<V>(1e30);  // beyond the others; from the ends of the farthest
-  for (std::size_t k = 0; k < palm.corner_count; ++k) {
-    const V x = centre.x - V(palm.x[k]), y = centre.y - V(palm.y[k]);
-    const V beside = V(palm.out_x[k]) * x + V(palm.out_y[k]) * y;
-    const V along = V(palm.out_x[k]) * y - V(palm.out_y[k]) * x;
-    const auto is_farthest = beside == out;
-    next = select(is_farthest, next, max(next, beside));
-    within = select(is_farthest, min(within, min(along, V(palm.length[k]) - along)), within);
-  }
-  return within > reach && (out > reach || next + reach < zero);
-}
-
 /// What discs have to do with the palm: nothing; above the polygon kPalmSide or kPalmThrough, or kPalmBlock
-/// inside the skin; by one edge and no other kPalmEdge; else kPalm. The field is that of the farthest edge.
+/// inside the skin; else kPalm. The field is that of the farthest edge.
 template <class V, template <class> class Shape>
 inline Kinds<V> palm_kinds(const PalmBody& palm, const Shape<V>& discs) {
   const V zero = number<V>(0), one = number<V>(1), reach = discs.reach;
   const Wide3<V> p = turn_into(palm.axis, discs.centre);
   V out = number<V>(-1e30), out_x = zero, out_y = zero;  // beyond the farthest edge, and which way
   for (std::size_t k = 0; k < palm.corner_count; ++k) {
-    const V x(palm.out_x[k]), y(palm.out_y[k]);
-    const V beside = x * (p.x - V(palm.x[k])) + y * (p.y - V(palm.y[k]));
+    const PalmEdge& edge = palm.edge[k];
+    const V x(edge.out_x), y(edge.out_y);
+    const V beside = x * (p.x - V(edge.x)) + y * (p.y - V(edge.y));
     out_x = select(beside > out, x, out_x);
     out_y = select(beside > out, y, out_y);
     out = max(out, beside);
@@ -313,9 +297,7 @@ inline Kinds<V> palm_kinds(const PalmBody& palm, const Shape<V>& discs) {
   const auto is_palm =
       discs.radius >= zero && field + reach >= zero && !is_outside(discs, field, distance, away);
   const auto is_above = out + reach < zero;
-  V kind = select(is_above, above, number<V>(kind::kPalm));
-  if (any(is_palm && !is_above))
-    kind = select(!is_above && is_at_one_edge(palm, p, reach, out), number<V>(kind::kPalmEdge), kind);
+  const V kind = select(is_above, above, number<V>(kind::kPalm));
   return {select(is_palm, kind, zero - one), select(square < near * near && out + reach >= zero, one, zero),
           field};
 }

@@ -27,7 +27,7 @@ Effort effort_of(const Patches& patches, const NearPatches& near) {
     const std::uint64_t shares = count_of(near, kind::kTile, kind::kFarEnd + 2, k) +
                                  2 * count_of(near, kind::kInnerJoint, kind::kOuterJoint, k) +
                                  3 * count_of(near, kind::kFinger, kind::kFinger, k) +
-                                 count_of(near, kind::kPalmEdge, kind::kPalm, k);
+                                 count_of(near, kind::kPalm, kind::kPalm, k);
     effort.one_cell += kPerCell * shares;
     for (std::size_t level = 0; level < kLevels; ++level) {
       const std::uint64_t steps = patches.most_steps[k][level], all = kPerCell * shares * steps * steps;

@@ -6,7 +6,9 @@
 // with the fourth power of the step, and everywhere it is a continuous function of the values.
 #pragma once
 
+#include <array>
 #include <type_traits>
+#include <utility>
 
 #include "index/patches.h"
 #include "simd/wide_geometry.h"
@@ -16,60 +18,61 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-/// The mean of the positive part of a linear function over a triangle, from its values at the corners, and
-/// the share of the area in which it is positive.
+/// The mean of what a linear function is above a floor over a triangle, and the share of the area in which it
+/// is above, from its values at the corners and their mean.
 template <class V>
 struct Positive {
   V mean, share;
 };
 template <class V>
-inline Positive<V> positive_part(V a, V b, V c, V third_of_sum) {
+inline Positive<V> part_above(V floor, V a, V b, V c, V mean) {
   const V zero = number<V>(0), one = number<V>(1);
-  const V ab_low = min(a, b), ab_high = max(a, b);
-  const V low = min(ab_low, c), high = max(ab_high, c);
-  const V middle = max(ab_low, min(ab_high, c));
-  // The corner whose sign is its own: the highest, or the lowest. It cuts off a triangle.
-  const auto one_inside = middle <= zero;
-  const V odd = select(one_inside, max(high, zero), min(low, zero));
-  const V product = (high - low) * select(one_inside, high - middle, middle - low);
-  const V cut = divide(odd * odd, max(product, number<V>(1e-36)));  // at least odd^2, or odd is 0
-  const V part = cut * odd * number<V>(1.0 / 3);
-  return {select(one_inside, part, third_of_sum - part), select(one_inside, cut, one - cut)};
+  const V bc_low = min(b, c), bc_high = max(b, c);
+  const V low = min(bc_low, a), high = max(bc_high, a);
+  const V middle = max(bc_low, min(bc_high, a));
+  // One corner is on its own side of the floor: the highest, or the lowest. It cuts off a triangle.
+  const auto one_above = middle <= floor;
+  const V beyond = max(select(one_above, high - floor, floor - low), zero);
+  const V product = (high - low) * select(one_above, high - middle, middle - low);
+  const V cut = divide(beyond * beyond, max(product, number<V>(1e-36)));  // at least beyond^2, or that is 0
+  const V part = cut * beyond * number<V>(1.0 / 3);
+  return {part + select(one_above, zero, mean - floor), select(one_above, cut, one - cut)};
 }
 
-/// Which corner's sign is its own: the second, or the third, else the first.
+/// Which corner's sign is its own: the second, the third, or, where there is any, else the first.
 template <class M>
 struct OddCorner {
-  M second, third;
+  M second, third, any;
 };
 template <class V>
 inline auto odd_corner(V a, V b, V c) {
   const V zero = number<V>(0);
-  const auto second = ((b > zero && c <= zero) || (b <= zero && c > zero)) &&
-                      ((a > zero && c > zero) || (a <= zero && c <= zero));
-  const auto third = ((c > zero && b <= zero) || (c <= zero && b > zero)) &&
-                     ((a > zero && b > zero) || (a <= zero && b <= zero));
-  return OddCorner<std::remove_const_t<decltype(second)>>{second, third};
+  const auto a_in = a > zero, b_in = b > zero, c_in = c > zero;
+  const auto a_out = a <= zero, b_out = b <= zero, c_out = c <= zero;
+  return OddCorner<std::remove_const_t<decltype(a_in)>>{
+      (b_in && (a_out && c_out)) || (b_out && (a_in && c_in)),
+      (c_in && (a_out && b_out)) || (c_out && (a_in && b_in)),
+      (a_in || b_in || c_in) && (a_out || b_out || c_out)};
 }
 
-/// The share of a function, from its values f at the corners, that is where another is positive, from its
-/// values a, b, c: both as if they were linear, and what is below 0 of f left out.
+/// The share of a function, from its values f >= 0 at the corners and their sum, that is where another is
+/// positive, from its values a, b, c: both as if they were linear.
 template <class V>
-LUMBRICAL_INLINE inline V share_where_positive(V a, V b, V c, V fa, V fb, V fc) {
+LUMBRICAL_INLINE inline V share_where_positive(V a, V b, V c, V fa, V fb, V fc, V f_sum) {
   const V zero = number<V>(0), one = number<V>(1);
-  const auto [second, third] = odd_corner(a, b, c);
+  const auto [second, third, mixed] = odd_corner(a, b, c);
   const V odd = select(second, b, select(third, c, a)), next = select(second, c, select(third, a, b)),
           last = select(second, a, select(third, b, c));
-  fa = max(fa, zero);
-  fb = max(fb, zero);
-  fc = max(fc, zero);
   const V f = select(second, fb, select(third, fc, fa)), f_next = select(second, fc, select(third, fa, fb)),
-          f_last = select(second, fa, select(third, fb, fc)), whole = fa + fb + fc;
-  const auto inside = odd > zero, mixed = (inside && next <= zero) || (odd <= zero && next > zero);
-  const V s = divide(odd, select(mixed, odd - next, one)), t = divide(odd, select(mixed, odd - last, one));
+          f_last = select(second, fa, select(third, fb, fc));
+  // How far along the odd corner's sides the other function is 0: s and t.
+  const V to_next = odd - next, to_last = odd - last;
+  const V scale = divide(odd, max(to_next * to_last, number<V>(1e-36)));
+  const V s = scale * to_last, t = scale * to_next;
   const V part = s * (f_next - f) + t * (f_last - f) + number<V>(3) * f;
-  const V cut_off = s * t * select(whole > zero, divide(part, select(whole > zero, whole, one)), one);
-  return select(mixed, select(inside, cut_off, one - cut_off), select(inside, one, zero));
+  const V cut_off = s * t * divide(part, max(f_sum, number<V>(1e-30)));
+  const V of_odd = select(mixed, cut_off, one);
+  return select(odd > zero, of_odd, one - of_odd);
 }
 
 /// Zeroth and first moments of a share in barycentric coordinates u and v: means over the triangle.
@@ -85,43 +88,58 @@ inline void add_to(LatticeMoments<V>& m, V sum, V u, V v) {
   m.v = m.v + v;
 }
 
-/// One cell's mean, and how it leans towards its second and third corner.
+/// One cell's mean, and how it leans towards its corners b and c.
 template <class V>
 struct Cell {
   V mean, to_b, to_c;
 };
-/// From the corners' values, their mean and by how much the field's mean is above that.
+/// From the corners' values, their mean and by how much the field's mean is below that.
 template <class V>
-inline Cell<V> raised_cell(V a, V b, V c, V level, V bubble) {
-  const auto [mean, share] = positive_part(a + bubble, b + bubble, c + bubble, level + bubble);
+inline Cell<V> lowered_cell(V a, V b, V c, V level, V drop) {
+  const auto [mean, share] = part_above(drop, a, b, c, level);
   return {mean, share * (b - level), share * (c - level)};
 }
-/// `a` at the corner the cell's sides are counted from, `b` along u, `c` along v, `centre` at the centroid.
+template <class V>
+inline V mean_of(V a, V b, V c) {
+  return (a + (b + c)) * number<V>(1.0 / 3);
+}
+/// By how much less a field's mean is than its corners' when its centroid is `centre`.
+template <class V>
+inline V drop_of(V level, V centre) {
+  return number<V>(0.75) * (level - centre);
+}
 template <class V>
 inline Cell<V> cell_of(V a, V b, V c, V centre) {
-  const V level = (a + b + c) * number<V>(1.0 / 3);
-  return raised_cell(a, b, c, level, number<V>(0.75) * (centre - level));
+  const V level = mean_of(a, b, c);
+  return lowered_cell(a, b, c, level, drop_of(level, centre));
 }
 
-/// The largest of N fields: their corners' values, a kind of cell each. Where two are equal the largest one
-/// has a kink, which its corners alone would tell too large; each by itself is smooth.
+/// N fields at a corner, and the largest of them.
 template <class V, std::size_t N>
-inline Cell<V> cell_of_largest(const V (&a)[N], const V (&b)[N], const V (&c)[N], const V (&centre)[N]) {
-  const V third = number<V>(1.0 / 3), zero = number<V>(0), one = number<V>(1);
-  const auto bubble_of = [&](std::size_t k) {
-    return number<V>(0.75) * (centre[k] - (a[k] + b[k] + c[k]) * third);
-  };
-  V most_a = a[0], most_b = b[0], most_c = c[0], bubble = bubble_of(0), excess = zero;
+struct Fields {
+  V of[N], largest;
+};
+/// A cell of the largest. Where two are equal that has a kink, which its corners alone would tell too large;
+/// each by itself is smooth.
+template <class V, std::size_t N>
+inline Cell<V> cell_of_largest(const Fields<V, N>& a, const Fields<V, N>& b, const Fields<V, N>& c,
+                               const std::array<V, N>& centre) {
+  V most_a = a.of[0], most_b = b.of[0], most_c = c.of[0], level = mean_of(most_a, most_b, most_c),
+    drop = drop_of(level, centre[0]), excess = number<V>(0);
   for (std::size_t k = 1; k < N; ++k) {
-    const V lead_a = a[k] - most_a, lead_b = b[k] - most_b, lead_c = c[k] - most_c;
-    const auto [mean, share] = positive_part(lead_a, lead_b, lead_c, (lead_a + lead_b + lead_c) * third);
-    excess = excess + ((max(lead_a, zero) + max(lead_b, zero) + max(lead_c, zero)) * third - mean);
-    bubble = (one - share) * bubble + share * bubble_of(k);
-    most_a = max(most_a, a[k]);
-    most_b = max(most_b, b[k]);
-    most_c = max(most_c, c[k]);
+    const V own_level = mean_of(a.of[k], b.of[k], c.of[k]);
+    const auto [mean, share] =
+        part_above(number<V>(0), a.of[k] - most_a, b.of[k] - most_b, c.of[k] - most_c, own_level - level);
+    const bool is_last = k + 1 == N;
+    most_a = is_last ? a.largest : max(most_a, a.of[k]);
+    most_b = is_last ? b.largest : max(most_b, b.of[k]);
+    most_c = is_last ? c.largest : max(most_c, c.of[k]);
+    const V of_largest = mean_of(most_a, most_b, most_c);
+    excess = excess + ((of_largest - level) - mean);
+    drop = drop + share * (drop_of(own_level, centre[k]) - drop);
+    level = of_largest;
   }
-  return raised_cell(most_a, most_b, most_c, (most_a + most_b + most_c) * third, bubble - excess);
+  return lowered_cell(most_a, most_b, most_c, level, drop + excess);
 }
 
 /// Sums over the cells of a lattice.
@@ -129,13 +147,13 @@ template <class V>
 struct CellSums {
   V sum = number<V>(0), u = number<V>(0), v = number<V>(0), lean_u = number<V>(0), lean_v = number<V>(0);
 
-  /// A share of the cell with its centroid at (u, v); `upright`: its sides run along u and v and not against.
+  /// A share of the cell with its centroid at (u, v); `upright` or not as in for_cells.
   void add(V at_u, V at_v, bool upright, const Cell<V>& cell) {
     sum = sum + cell.mean;
     u = u + at_u * cell.mean;
     v = v + at_v * cell.mean;
-    lean_u = upright ? lean_u + cell.to_b : lean_u - cell.to_b;
-    lean_v = upright ? lean_v + cell.to_c : lean_v - cell.to_c;
+    lean_u = upright ? lean_u + cell.to_b : lean_u - cell.to_c;
+    lean_v = upright ? lean_v + cell.to_c : lean_v - cell.to_b;
   }
   [[nodiscard]] LatticeMoments<V> means(std::size_t steps) const {
     const V share(1.0f / static_cast<float>(steps * steps)), lean(1.0f / static_cast<float>(12 * steps));
@@ -146,36 +164,60 @@ template <class V>
 inline Cell<V> operator*(V share, const Cell<V>& cell) {
   return {share * cell.mean, share * cell.to_b, share * cell.to_c};
 }
+template <class V>
+inline CellSums<V> operator-(const CellSums<V>& all, const CellSums<V>& some) {
+  return {all.sum - some.sum, all.u - some.u, all.v - some.v, all.lean_u - some.lean_u,
+          all.lean_v - some.lean_v};
+}
+
+/// Where points and cells' centroids of a lattice are, along a side of 1.
+struct LatticePlaces {
+  float point[kMostSteps + 1], upright[kMostSteps], inverted[kMostSteps];
+};
+inline constexpr std::array<LatticePlaces, kMostSteps + 1> kLatticePlaces = [] {
+  std::array<LatticePlaces, kMostSteps + 1> all{};
+  for (std::size_t steps = 1; steps <= kMostSteps; ++steps) {
+    const float side = 1.0f / static_cast<float>(steps);
+    for (std::size_t i = 0; i <= steps; ++i) {
+      const auto at = static_cast<float>(i);
+      all[steps].point[i] = side * at;
+      if (i == steps) break;
+      all[steps].upright[i] = side * (at + 1.0f / 3);
+      all[steps].inverted[i] = side * (at + 2.0f / 3);
+    }
+  }
+  return all;
+}();
 
 /// Goes through the cells row by row. `row(u)` is what a row's points have in common, `corner(row, v)` the
-/// field at one of them, or the fields; `take(row, u, v, upright, a, b, c)` gets the row of a cell's centroid
-/// (u, v) and the values at its corners.
-template <class Value, class Row, class Corner, class Take>
+/// field at one of them, or the fields, `centre(row, v)` the same at a cell's centroid (u, v), and
+/// `take(u, v, upright, a, b, c, centre)` gets a cell. Two cells that make a square have b and c in common,
+/// of which b has the greater u and c the greater v; a is at the corner with less of both where the cell is
+/// upright. Fields come first and cells after: each by itself has less to wait for.
+template <class Value, class Centre, class Row, class Corner, class AtCentre, class Take>
 LUMBRICAL_INLINE inline void for_cells(std::size_t steps, const Row& row, const Corner& corner,
-                                       const Take& take) {
-  constexpr float kThird = 1.0f / 3, kTwoThirds = 2.0f / 3;
+                                       const AtCentre& centre, const Take& take) {
+  const LatticePlaces& at = kLatticePlaces[steps];
   Value values[2][kMostSteps + 1];
+  Centre upright[kMostSteps], inverted[kMostSteps];
   Value *above = values[0], *below = values[1];
-  const float side = 1.0f / static_cast<float>(steps);
-  const auto first = row(0.0f);
-  for (std::size_t j = 0; j <= steps; ++j) above[j] = corner(first, side * static_cast<float>(j));
+  const auto fill_row = [&](const auto& of_row, std::size_t count, Value* to) LUMBRICAL_INLINE {
+    for (std::size_t j = 0; j < count; ++j) to[j] = corner(of_row, at.point[j]);
+  };
+  fill_row(row(0.0f), steps + 1, above);
   for (std::size_t i = 0; i < steps; ++i) {
-    const auto at = static_cast<float>(i);
-    const float up = side * (at + kThird), down = side * (at + kTwoThirds);
-    const auto up_row = row(up), down_row = row(down), next_row = row(side * (at + 1));
-    below[0] = corner(next_row, 0.0f);
+    const float up = at.upright[i], down = at.inverted[i];
+    const auto up_row = row(up), down_row = row(down);
     const std::size_t last = steps - i - 1;
+    fill_row(row(at.point[i + 1]), last + 1, below);
+    for (std::size_t j = 0; j <= last; ++j) upright[j] = centre(up_row, at.upright[j]);
+    for (std::size_t j = 0; j < last; ++j) inverted[j] = centre(down_row, at.inverted[j]);
     for (std::size_t j = 0; j < last; ++j) {
-      const auto v = static_cast<float>(j);
-      below[j + 1] = corner(next_row, side * (v + 1));
-      take(up_row, up, side * (v + kThird), true, above[j], below[j], above[j + 1]);
-      take(down_row, down, side * (v + kTwoThirds), false, below[j + 1], above[j + 1], below[j]);
+      take(up, at.upright[j], true, above[j], below[j], above[j + 1], upright[j]);
+      take(down, at.inverted[j], false, below[j + 1], below[j], above[j + 1], inverted[j]);
     }
-    take(up_row, up, side * (static_cast<float>(last) + kThird), true, above[last], below[last],
-         above[last + 1]);
-    Value* const kept = above;
-    above = below;
-    below = kept;
+    take(up, at.upright[last], true, above[last], below[last], above[last + 1], upright[last]);
+    std::swap(above, below);
   }
 }
 
@@ -184,9 +226,9 @@ template <class V, class Row, class Field>
 LUMBRICAL_INLINE inline LatticeMoments<V> lattice_moments(std::size_t steps, const Row& row,
                                                           const Field& field) {
   CellSums<V> sums;
-  for_cells<V>(steps, row, field,
-               [&](const auto& at, float u, float v, bool upright, V a, V b, V c)
-                   LUMBRICAL_INLINE { sums.add(V(u), V(v), upright, cell_of(a, b, c, field(at, v))); });
+  for_cells<V, V>(steps, row, field, field,
+                  [&](float u, float v, bool upright, V a, V b, V c, V centre)
+                      LUMBRICAL_INLINE { sums.add(V(u), V(v), upright, cell_of(a, b, c, centre)); });
   return sums.means(steps);
 }
 

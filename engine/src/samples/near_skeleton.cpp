@@ -61,7 +61,9 @@ bool is_clear(const PatchPlane& plane, const FingerBody& finger, std::uint32_t k
 
 bool is_clear(const PatchPlane& plane, const PalmBody& palm, std::uint32_t) {
   const float x = plane.along(palm.axis[0]), y = plane.along(palm.axis[1]);
-  const auto height = [&](std::size_t k) { return palm.x[k] * x + palm.y[k] * y + plane.origin_height; };
+  const auto height = [&](std::size_t k) {
+    return palm.edge[k].x * x + palm.edge[k].y * y + plane.origin_height;
+  };
   Heights heights(height(0));
   for (std::size_t k = 1; k < palm.corner_count; ++k) heights.add(height(k));
   return heights.clear_by(kClearOfPlane * palm.radius, plane);

@@ -5,20 +5,35 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
+/// How far a point of the polygon's plane is beyond the line of an edge, and the square of how far from the
+/// edge.
+template <class V>
+struct FromEdge {
+  V beside, square;
+};
+template <class V>
+LUMBRICAL_INLINE inline FromEdge<V> from_edge(const PalmEdge& edge, Wide3<V> p) {
+  const V x = p.x - V(edge.x), y = p.y - V(edge.y);
+  const V beside = V(edge.out_x) * x + V(edge.out_y) * y, along = V(edge.out_x) * y - V(edge.out_y) * x;
+  const V past = along - clamp(along, number<V>(0), V(edge.length));
+  return {beside, beside * beside + past * past};
+}
+
+/// phi where the farthest of the edges is `out` away and the nearest sqrt(square).
+template <class V>
+inline V palm_field(float radius, V out, V square, V height) {
+  const V zero = number<V>(0);
+  return V(radius) - sqrt(height * height + select(out > zero, square, zero));
+}
 template <class V>
 inline V palm_field(const PalmBody& palm, Wide3<V> p) {
-  const V zero = number<V>(0);
   V out = number<V>(-1e30), square = number<V>(1e30);
   for (std::size_t k = 0; k < palm.corner_count; ++k) {
-    const V x = p.x - V(palm.x[k]), y = p.y - V(palm.y[k]);
-    const V beside = V(palm.out_x[k]) * x + V(palm.out_y[k]) * y;
-    // Counterclockwise: the edge runs a quarter turn to the left of `out`.
-    const V along = V(palm.out_x[k]) * y - V(palm.out_y[k]) * x;
-    const V past = along - clamp(along, zero, V(palm.length[k]));
-    out = max(out, beside);
-    square = min(square, beside * beside + past * past);
+    const FromEdge<V> from = from_edge(palm.edge[k], p);
+    out = max(out, from.beside);
+    square = min(square, from.square);
   }
-  return V(palm.radius) - sqrt(p.z * p.z + select(out > zero, square, zero));
+  return palm_field(palm.radius, out, square, p.z);
 }
 
 /// Adds the shares of all patches to the palm's sums: `moments_of(patch)` from its frame.
@@ -35,56 +50,52 @@ LUMBRICAL_INLINE inline std::uint32_t sum_patches(const PatchList& list, const P
   return touched;
 }
 
-/// Patches beside one edge of the polygon, in the plane across it: how far beyond the edge, and how high.
+/// The palm for patches of a register: edges that no point of any of them is nearest to are left out.
 template <class V>
-struct EdgeRows {
-  V radius;
-  Wide2<V> corner, edge1, edge2;
+struct PalmNearby {
+  const PalmBody& palm;
+  std::size_t count = 0;
+  const PalmEdge* edge[PalmBody::kMostCorners];
+  V most[PalmBody::kMostCorners];  // what the edge may say of a patch's being outside: nothing if it is not
+                                   // near
 
-  EdgeRows(const PalmBody& palm, const PatchInFrame<V>& patch) : radius(palm.radius) {
-    const Wide3<V> centre = patch.corner + number<V>(1.0 / 3) * (patch.edge1 + patch.edge2);
-    V most = number<V>(-1e30), out_x = most, out_y = most, offset = most;
+  PalmNearby(const PalmBody& whole, const PatchInFrame<V>& patch) : palm(whole) {
+    constexpr double kSlack = 1e-4;  // of the radius
+    const Wide3<V> to_centre = number<V>(1.0 / 3) * (patch.edge1 + patch.edge2),
+                   centre = patch.corner + to_centre;
+    const auto square_to = [&](Wide3<V> corner) { return dot(corner - to_centre, corner - to_centre); };
+    const V size = sqrt(max(dot(to_centre, to_centre), max(square_to(patch.edge1), square_to(patch.edge2))));
+    V distance[PalmBody::kMostCorners], least = number<V>(1e30);
     for (std::size_t k = 0; k < palm.corner_count; ++k) {
-      const V x(palm.out_x[k]), y(palm.out_y[k]),
-          of_edge(palm.out_x[k] * palm.x[k] + palm.out_y[k] * palm.y[k]);
-      const V beside = x * centre.x + y * centre.y - of_edge;
-      const auto is_farther = beside > most;
-      most = select(is_farther, beside, most);
-      out_x = select(is_farther, x, out_x);
-      out_y = select(is_farther, y, out_y);
-      offset = select(is_farther, of_edge, offset);
+      distance[k] = sqrt(from_edge(palm.edge[k], centre).square);
+      least = min(least, distance[k]);
     }
-    const auto across = [&](Wide3<V> p) { return Wide2<V>{out_x * p.x + out_y * p.y, p.z}; };
-    corner = across(patch.corner);
-    corner.x = corner.x - offset;
-    edge1 = across(patch.edge1);
-    edge2 = across(patch.edge2);
+    const V reach = least + (number<V>(2.001) * size + number<V>(kSlack) * V(palm.radius));
+    for (std::size_t k = 0; k < palm.corner_count; ++k) {
+      const auto is_near = distance[k] <= reach;
+      if (!any(is_near)) continue;
+      most[count] = select(is_near, number<V>(1e30), number<V>(-1e30));
+      edge[count++] = &palm.edge[k];
+    }
   }
-  [[nodiscard]] Wide2<V> row(V u) const { return corner + u * edge1; }
-  [[nodiscard]] V field(Wide2<V> row, V v) const {
-    const Wide2<V> p = row + v * edge2;
-    const V beyond = max(p.x, number<V>(0));
-    return radius - sqrt(beyond * beyond + p.y * p.y);
+  [[nodiscard]] V field(Wide3<V> p) const {
+    V out = number<V>(-1e30), square = number<V>(1e30);
+    for (std::size_t k = 0; k < count; ++k) {
+      const FromEdge<V> from = from_edge(*edge[k], p);
+      out = max(out, min(from.beside, most[k]));
+      square = min(square, from.square);
+    }
+    return palm_field(palm.radius, out, square, p.z);
   }
 };
 
 template <class V>
-std::uint32_t palm_edge_lattice(const PatchList& list, const PalmBody& palm, std::size_t steps,
-                                BodySums& sums) {
-  return sum_patches<V>(list, palm, sums, [&](const PatchInFrame<V>& patch) LUMBRICAL_INLINE {
-    const EdgeRows<V> edge(palm, patch);
-    return lattice_moments<V>(
-        steps, [&](float u) LUMBRICAL_INLINE { return edge.row(V(u)); },
-        [&](Wide2<V> row, float v) LUMBRICAL_INLINE { return edge.field(row, V(v)); });
-  });
-}
-
-template <class V>
 std::uint32_t palm_lattice(const PatchList& list, const PalmBody& palm, std::size_t steps, BodySums& sums) {
   return sum_patches<V>(list, palm, sums, [&](const PatchInFrame<V>& patch) LUMBRICAL_INLINE {
+    const PalmNearby<V> nearby(palm, patch);
     return lattice_moments<V>(
         steps, [&](float u) LUMBRICAL_INLINE { return patch.corner + V(u) * patch.edge1; },
-        [&](Wide3<V> row, float v) LUMBRICAL_INLINE { return palm_field(palm, row + V(v) * patch.edge2); });
+        [&](Wide3<V> row, float v) LUMBRICAL_INLINE { return nearby.field(row + V(v) * patch.edge2); });
   });
 }
 
@@ -93,14 +104,14 @@ std::uint32_t palm_lattice(const PatchList& list, const PalmBody& palm, std::siz
 template <class V>
 LUMBRICAL_INLINE inline LatticeMoments<V> linear_moments(V a, V b, V c) {
   const V zero = number<V>(0), one = number<V>(1), third = number<V>(1.0 / 3);
-  const auto [b_alone, c_alone] = odd_corner(a, b, c);
+  const auto [b_alone, c_alone, mixed] = odd_corner(a, b, c);
   const V f = select(b_alone, b, select(c_alone, c, a)), g = select(b_alone, c, select(c_alone, a, b)),
           h = select(b_alone, a, select(c_alone, b, c));
   const Wide2<V> at_a{zero, zero}, at_b{one, zero}, at_c{zero, one};
   const Wide2<V> p = select(b_alone, at_b, select(c_alone, at_c, at_a)),
                  q = select(b_alone, at_c, select(c_alone, at_a, at_b)),
                  r = select(b_alone, at_a, select(c_alone, at_b, at_c));
-  const auto inside = f > zero, mixed = (inside && g <= zero) || (f <= zero && g > zero);
+  const auto inside = f > zero;
   const V to_g = f - g, to_h = f - h;
   const V s = select(mixed, divide(f, select(mixed, to_g, one)), zero);
   const V t = select(mixed, divide(f, select(mixed, to_h, one)), zero);

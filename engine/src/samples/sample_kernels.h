@@ -23,10 +23,10 @@ inline constexpr std::uint32_t kInnerJoint = 15, kOuterJoint = 16, kFinger = 17;
 /// A block as one that lies inside tile j and meets no other.
 inline constexpr std::uint32_t kBlockInside = 18;
 /// Above the palm's polygon on one side of it; through it; a block as one inside the skin, above the polygon
-/// or beside it; by one edge of it, and no other; or anywhere about it.
+/// or beside it; or anywhere about it.
 inline constexpr std::uint32_t kPalmSide = 21, kPalmThrough = 22, kPalmBlock = 23, kPalmBlockBeside = 24,
-                               kPalmEdge = 25, kPalm = 26;
-inline constexpr std::uint32_t kCount = 27;
+                               kPalm = 25;
+inline constexpr std::uint32_t kCount = 26;
 }  // namespace kind
 
 /// How many neighbouring tiles share patches of a kind.
@@ -100,9 +100,10 @@ struct BodySums {
   double force_quantum = 0, moment_quantum = 0;  ///< [m^3], [m^4], powers of two
 };
 
-/// Exact in any order: half onto half is quickest.
-inline double sum_of(const double (&lanes)[PatchBlock::kWidth]) {
-  double half[PatchBlock::kWidth];
+/// Half onto half, which is quickest. Sums of bodies are exact in any order.
+template <class Number>
+inline Number sum_of(const Number (&lanes)[PatchBlock::kWidth]) {
+  Number half[PatchBlock::kWidth];
   for (std::size_t i = 0; i < PatchBlock::kWidth; ++i) half[i] = lanes[i];
   for (std::size_t width = PatchBlock::kWidth / 2; width > 0; width /= 2) {
     for (std::size_t i = 0; i < width; ++i) half[i] += half[i + width];
@@ -169,8 +170,6 @@ struct SampleKernels {
   std::uint32_t (*palm_blocks)(const BlockList& list, const PalmBody& palm, BodySums& sums);
   std::uint32_t (*palm_through)(const PatchList& list, const PalmBody& palm, BodySums& sums);
   std::uint32_t (*palm_side)(const PatchList& list, const PalmBody& palm, BodySums& sums);
-  std::uint32_t (*palm_edge_lattice)(const PatchList& list, const PalmBody& palm, std::size_t steps,
-                                     BodySums& sums);
   std::uint32_t (*palm_lattice)(const PatchList& list, const PalmBody& palm, std::size_t steps,
                                 BodySums& sums);
   /// Which spheres of the blocks the tree's query meets, as sphere_hits does, for up to three queries: the

@@ -69,14 +69,11 @@ void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level, 
   for (std::size_t steps = 1; steps <= kMostSteps; ++steps) {
     if (tiles[steps] != 0) run_fingers(work, patch_class, steps, {sums, tiles[steps]});
   }
-  const auto run_palm = [&](std::uint32_t kind, const auto& kernel) {
-    const PatchList list = work.list(work.of_kinds(kind, kind, patch_class));
-    if (list.count == 0) return;
-    const PalmBody& palm = work.bodies.palm;
-    work.memory.touched += kernel(list, palm, palm.steps[patch_class][level], sums[palm_number(work.bodies)]);
-  };
-  run_palm(kind::kPalmEdge, work.kernels.palm_edge_lattice);
-  run_palm(kind::kPalm, work.kernels.palm_lattice);
+  const PatchList list = work.list(work.of_kinds(kind::kPalm, kind::kPalm, patch_class));
+  if (list.count == 0) return;
+  const PalmBody& palm = work.bodies.palm;
+  work.memory.touched +=
+      work.kernels.palm_lattice(list, palm, palm.steps[patch_class][level], sums[palm_number(work.bodies)]);
 }
 
 void run_smooth(SampleWork& work, std::size_t patch_class) {

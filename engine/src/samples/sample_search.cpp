@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <numeric>
+#include <utility>
 
 #include "base/at_least.h"
 #include "base/parallel.h"
@@ -223,7 +224,7 @@ bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, 
   }
   const auto before = memory.found;
   memory.found.fill({});
-  if (!open) memory.force.fill({});
+  if (!open) std::fill_n(memory.force.begin(), bodies.finger_count + 1, CentroidForce{});
   const std::size_t count = bodies.finger_count + (bodies.palm.corner_count > 0 ? 1 : 0);
   std::atomic<std::size_t> next{0};
   parallel_chunks(threads, 1, threads, [&](std::size_t first, std::size_t last) {
@@ -282,18 +283,34 @@ ListedPatch* put_run(const PatchRun& run, ListedPatch* to) {
 
 using CountByKey = std::array<std::uint32_t, kKeyCount + 1>;
 
+// From how many there are of each key to where they begin; `classes`: a bit for each that has any.
+void begin_in_order(std::uint32_t classes, CountByKey& by_key) {
+  std::uint32_t sum = 0;
+  for (std::size_t k = 0; k < kPatchClasses; ++k) {
+    const auto of_class = std::span(by_key).subspan(k * kind::kCount, kind::kCount);
+    if ((classes >> k & 1u) == 0) {
+      std::fill(of_class.begin(), of_class.end(), sum);
+    } else {
+      for (std::uint32_t& number : of_class) sum += std::exchange(number, sum);
+    }
+  }
+  by_key[kKeyCount] = sum;
+}
+
 // Where each key's patches begin, in `near`, and, returned, its entries.
 CountByKey count_keys(std::span<const std::span<const FoundPatches>> found, NearPatches& near) {
   CountByKey entries{};
   near.begin.fill(0);
+  std::uint32_t classes = 0;
   for (const auto& of_body : found) {
     for (const FoundPatches& patches : of_body) {
-      near.begin[patches.key + 1u] += count_of(patches.lanes);
-      ++entries[patches.key + 1u];
+      near.begin[patches.key] += count_of(patches.lanes);
+      ++entries[patches.key];
+      classes |= 1u << patches.key / kind::kCount;
     }
   }
-  std::partial_sum(near.begin.begin(), near.begin.end(), near.begin.begin());
-  std::partial_sum(entries.begin(), entries.end(), entries.begin());
+  begin_in_order(classes, near.begin);
+  begin_in_order(classes, entries);
   return entries;
 }
 
@@ -364,14 +381,11 @@ bool open_patches(const Model& model, const Primitives& hand, const Bodies& bodi
   return find_in_order(model, hand, bodies, true, memory, near);
 }
 
-double force_at_centroids(const PatchSearchMemory& memory) {
+double force_at_centroids(const Bodies& bodies, const PatchSearchMemory& memory) {
   double sum = 0;
-  for (const CentroidForce& force : memory.force) {
-    float total[3] = {};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      for (const float lane : force.lane[axis]) total[axis] += lane;
-    }
-    sum += 0.5 * norm(vec3_of(total));
+  for (std::size_t body = 0; body <= bodies.finger_count; ++body) {
+    const auto& lane = memory.force[body].lane;
+    sum += 0.5 * norm(Vec3{sum_of(lane[0]), sum_of(lane[1]), sum_of(lane[2])});
   }
   return sum;
 }

@@ -78,6 +78,6 @@ bool open_patches(const Model& model, const Primitives& hand, const Bodies& bodi
 
 /// What bodies feel together by the patches' centroids alone: the sum of their forces' sizes [m^3], of a
 /// stiffness of 1. As the last search of all patches has it.
-double force_at_centroids(const PatchSearchMemory& memory);
+double force_at_centroids(const Bodies& bodies, const PatchSearchMemory& memory);
 
 }  // namespace lumbrical

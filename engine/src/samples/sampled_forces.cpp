@@ -227,7 +227,7 @@ bool feel(SampleTeam& team, const LevelWeights* levels, SampledForces& forces) {
   const auto same_blocks = [&](std::size_t a, std::size_t b) {
     return patches.block_on_skin[a] == patches.block_on_skin[b];
   };
-  const double force = force_at_centroids(team.memory.search) / patches.radius3;
+  const double force = force_at_centroids(team.memory.bodies, team.memory.search) / patches.radius3;
   const std::uint64_t most = team.model.settings.effort;
   forces.level = levels != nullptr ? *levels : level_weights(force);
   if (same_blocks(0, 1)) {  // they have the same lattices

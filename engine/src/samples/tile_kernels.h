@@ -66,20 +66,23 @@ LUMBRICAL_INLINE inline Neighbours<V, N> see_neighbours(const PatchRows& rows, s
   return near;
 }
 
-/// What a corner of a lattice that N tiles share is told by: their fields, the largest of them, and by how
-/// much each joint's outer tile is nearer than the inner one.
+/// What a corner of a lattice that N tiles share is told by: their fields, what of the largest is felt, and
+/// by how much each joint's outer tile is nearer than the inner one.
 template <class V, std::size_t N>
 struct SharedCorner {
-  V field[N], largest, lead[N - 1];
+  Fields<V, N> field;
+  V felt, lead[N - 1];
 };
 template <class V, std::size_t N>
 LUMBRICAL_INLINE inline SharedCorner<V, N> shared_corner(const Neighbours<V, N>& near,
                                                          const TilePoint<V> (&at)[N]) {
   SharedCorner<V, N> corner;
   for (std::size_t k = 0; k < N; ++k) {
-    corner.field[k] = tile_field(near.seen[k].tile, at[k]);
-    corner.largest = k == 0 ? corner.field[0] : max(corner.largest, corner.field[k]);
+    const V field = tile_field(near.seen[k].tile, at[k]);
+    corner.field.of[k] = field;
+    corner.field.largest = k == 0 ? field : max(corner.field.largest, field);
   }
+  corner.felt = max(corner.field.largest, number<V>(0));
   for (std::size_t k = 0; k + 1 < N; ++k) {
     const TileNumbers<V>&inner = near.seen[k].tile, &outer = near.seen[k + 1].tile;
     corner.lead[k] =
@@ -88,29 +91,29 @@ LUMBRICAL_INLINE inline SharedCorner<V, N> shared_corner(const Neighbours<V, N>&
   return corner;
 }
 
-/// Shares of two or three tiles in a cell. Neighbours part along their joint's border; tiles that are none
-/// (of a folded finger) where their fields are equal.
+/// Shares of the outer tiles in a cell: the inner one has the rest. Neighbours part along their joint's
+/// border; tiles that are none (of a folded finger) where their fields are equal.
 template <class V, std::size_t N>
-LUMBRICAL_INLINE inline void cell_shares(const Neighbours<V, N>& near, const SharedCorner<V, N>& a,
-                                         const SharedCorner<V, N>& b, const SharedCorner<V, N>& c,
-                                         V (&share)[N]) {
-  const V zero = number<V>(0), one = number<V>(1);
-  const auto beyond = [&](std::size_t k) LUMBRICAL_INLINE {
-    return share_where_positive(a.lead[k], b.lead[k], c.lead[k], a.largest, b.largest, c.largest);
+LUMBRICAL_INLINE inline void outer_shares(const Neighbours<V, N>& near, const SharedCorner<V, N>& a,
+                                          const SharedCorner<V, N>& b, const SharedCorner<V, N>& c,
+                                          V (&share)[N - 1]) {
+  const V felt = a.felt + (b.felt + c.felt);
+  const auto where_positive = [&](V of_a, V of_b, V of_c) LUMBRICAL_INLINE {
+    return share_where_positive(of_a, of_b, of_c, a.felt, b.felt, c.felt, felt);
   };
+  const auto beyond = [&](std::size_t k)
+                          LUMBRICAL_INLINE { return where_positive(a.lead[k], b.lead[k], c.lead[k]); };
   const V outer = beyond(0);
   if constexpr (N == 2) {
-    share[0] = one - outer;
-    share[1] = outer;
+    share[0] = outer;
   } else {
-    const V outermost = beyond(1);
-    const auto folded = near.folded > zero;
-    const V upon = share_where_positive(a.field[2] - a.field[0], b.field[2] - b.field[0],
-                                        c.field[2] - c.field[0], a.largest, b.largest, c.largest);
-    const V last = select(folded, upon, outermost);
-    share[0] = (one - outer) * select(folded, one - last, one);
-    share[2] = last * select(folded, outermost, outer);
-    share[1] = one - share[0] - share[2];
+    const V one = number<V>(1), outermost = beyond(1);
+    const auto folded = near.folded > number<V>(0);
+    const auto ahead = [](const SharedCorner<V, N>& at) { return at.field.of[2] - at.field.of[0]; };
+    const V last = select(folded, where_positive(ahead(a), ahead(b), ahead(c)), outermost);
+    const V first = (one - outer) * select(folded, one - last, one);
+    share[1] = last * select(folded, outermost, outer);
+    share[0] = one - first - share[1];
   }
 }
 
@@ -126,8 +129,8 @@ inline std::uint32_t shared_lattice(const PatchList& list, const FingerBody* fin
     const Neighbours<V, N> near = see_neighbours<V, N>(rows, lane, fingers);
     TileRows<V> tile[N];
     for (std::size_t k = 0; k < N; ++k) tile[k] = tile_rows(near.seen[k].patch);
-    CellSums<V> cells[N];
-    for_cells<Corner>(
+    CellSums<V> cells[N];  // all tiles' first, until those of the others are taken off
+    for_cells<Corner, std::array<V, N>>(
         steps,
         [&](float u) LUMBRICAL_INLINE {
           RowOfAll row;
@@ -139,15 +142,21 @@ inline std::uint32_t shared_lattice(const PatchList& list, const FingerBody* fin
           for (std::size_t k = 0; k < N; ++k) at[k] = tile[k].at(row.of[k], V(v));
           return shared_corner<V, N>(near, at);
         },
-        [&](const RowOfAll& row, float u, float v, bool upright, const Corner& a, const Corner& b,
-            const Corner& c) LUMBRICAL_INLINE {
-          V centre[N], share[N];
+        [&](const RowOfAll& row, float v) LUMBRICAL_INLINE {
+          std::array<V, N> field;
           for (std::size_t k = 0; k < N; ++k)
-            centre[k] = tile_field(near.seen[k].tile, tile[k].at(row.of[k], V(v)));
+            field[k] = tile_field(near.seen[k].tile, tile[k].at(row.of[k], V(v)));
+          return field;
+        },
+        [&](float u, float v, bool upright, const Corner& a, const Corner& b, const Corner& c,
+            const std::array<V, N>& centre) LUMBRICAL_INLINE {
+          V share[N - 1];
           const Cell<V> cell = cell_of_largest(a.field, b.field, c.field, centre);
-          cell_shares<V, N>(near, a, b, c, share);
-          for (std::size_t k = 0; k < N; ++k) cells[k].add(V(u), V(v), upright, share[k] * cell);
+          outer_shares<V, N>(near, a, b, c, share);
+          cells[0].add(V(u), V(v), upright, cell);
+          for (std::size_t k = 1; k < N; ++k) cells[k].add(V(u), V(v), upright, share[k - 1] * cell);
         });
+    for (std::size_t k = 1; k < N; ++k) cells[0] = cells[0] - cells[k];
     for (std::size_t k = 0; k < N; ++k) {
       const auto outward = static_cast<std::uint32_t>(k);
       touched += count_of(add_shares(near.seen[k].patch, cells[k].means(steps), rows, lane, sums, outward));
