@@ -1,62 +1,14 @@
-// The hand model, its forward kinematics, and hands built from joint positions.
-#include <gtest/gtest.h>
-
-#include <algorithm>
+// The hand model and its forward kinematics.
 #include <limits>
-#include <random>
 #include <string>
 
-#include "lumbrical/hand.h"
-#include "model/hand_from_positions.h"
+#include "hand_poses.h"
 
-namespace lumbrical {
+namespace lumbrical::test {
 namespace {
-
-using Angles = std::array<double, kAngleCount>;
-using Poses = std::array<Pose, kJointCount>;
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
-
-double uniform(std::mt19937& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
-
-Vec3 random_vector(std::mt19937& random, double size) {
-  return {uniform(random, -size, size), uniform(random, -size, size), uniform(random, -size, size)};
-}
-
-Pose random_pose(std::mt19937& random) {
-  const Quat q{uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1),
-               uniform(random, -1, 1)};
-  return {random_vector(random, 1), normalized(q)};
-}
-
-Angles random_angles(std::mt19937& random, const Hand& hand) {
-  Angles angles;
-  for (int i = 0; i < kAngleCount; ++i) {
-    const AngleLimit limit = hand.finger[i / 4].limit[i % 4];
-    angles[i] = uniform(random, limit.lower, limit.upper);
-  }
-  return angles;
-}
-
-Poses pose_hand(const Hand& hand, const Pose& wrist, const Angles& angles) {
-  Poses poses;
-  forward_kinematics(hand, wrist, angles, poses);
-  return poses;
-}
-
-// The angle between two rotations [rad].
-double turn_between(Quat a, Quat b) {
-  return 2 * std::acos(std::min(1.0, std::fabs(dot(normalized(a), normalized(b)))));
-}
-
-void expect_near(Vec3 a, Vec3 b, double tolerance) {
-  EXPECT_NEAR(a.x, b.x, tolerance);
-  EXPECT_NEAR(a.y, b.y, tolerance);
-  EXPECT_NEAR(a.z, b.z, tolerance);
-}
 
 // A hand whose fingers are all straight chains along -z from the wrist, with wide limits.
 Hand plain_hand(Side side) {
@@ -90,9 +42,9 @@ TEST(Names, OfWhatDoesNotExistSaySo) {
 }
 
 TEST(QuatFromAxes, TurnsTheUnitVectorsIntoTheAxes) {
-  std::mt19937 random(1);
+  Random random(1);
   for (int i = 0; i < 2000; ++i) {
-    Quat q = random_pose(random).orientation;
+    Quat q = random.pose(1).orientation;
     if (i % 4 == 1)
       q = normalized({1e-9 * q.w, q.x, q.y, q.z});  // half turns, where the trace is at its least
     if (i % 4 == 2) q = normalized({0, q.x, 1e-12 * q.y, 0});
@@ -131,7 +83,7 @@ TEST(DefaultHand, HasTheLengthAskedFor) {
 }
 
 TEST(DefaultHand, OfTheLeftMirrorsTheRightBitForBit) {
-  std::mt19937 random(2);
+  Random random(2);
   const Hand right = default_hand(Side::right), left = default_hand(Side::left);
   EXPECT_EQ(right.radius, left.radius);
   for (int i = 0; i < 200; ++i) {
@@ -257,10 +209,10 @@ TEST(ForwardKinematics, AbductsAwayFromTheMiddleFingerOnBothHands) {
 }
 
 TEST(ForwardKinematics, KeepsTheLengthOfEveryBone) {
-  std::mt19937 random(3);
+  Random random(3);
   const Hand hand = default_hand(Side::left, 0.2);
   for (int i = 0; i < 200; ++i) {
-    const Poses poses = pose_hand(hand, random_pose(random), random_angles(random, hand));
+    const Poses poses = pose_hand(hand, random.pose(1), random_angles(random, hand));
     for (int s = 0; s < kPhalanxCount; ++s) {
       const auto [base, tip] = kPhalanxJoints[s];
       const double length = norm(poses[tip].position - poses[base].position);
@@ -271,10 +223,10 @@ TEST(ForwardKinematics, KeepsTheLengthOfEveryBone) {
 }
 
 TEST(ForwardKinematics, FollowsTheWristRigidly) {
-  std::mt19937 random(4);
+  Random random(4);
   const Hand hand = default_hand(Side::right);
   for (int i = 0; i < 100; ++i) {
-    const Pose wrist = random_pose(random), move = random_pose(random);
+    const Pose wrist = random.pose(1), move = random.pose(1);
     const Angles angles = random_angles(random, hand);
     const Poses here = pose_hand(hand, wrist, angles), there = pose_hand(hand, move * wrist, angles);
     for (int j = 0; j < kJointCount; ++j) {
@@ -362,150 +314,5 @@ TEST(CheckHand, TakesConvexPalmsOfEitherSenseAndNone) {
   EXPECT_TRUE(check_hand(hand).ok());
 }
 
-// The points a tracker of 21 landmarks would deliver of these poses.
-HandPoints landmarks_of(const Poses& poses, Side side) {
-  HandPoints points;
-  points.side = side;
-  for (int j = 0; j < kJointCount; ++j) {
-    const bool is_metacarpal =
-        j == kIndexMetacarpal || j == kMiddleMetacarpal || j == kRingMetacarpal || j == kLittleMetacarpal;
-    if (j == kPalm || is_metacarpal) continue;
-    points.position[j] = poses[j].position;
-    points.known |= 1u << j;
-  }
-  return points;
-}
-
-TEST(HandFromPositions, FindsWhatTheForwardKinematicsPosed) {
-  std::mt19937 random(5);
-  for (const Side side : {Side::left, Side::right}) {
-    const Hand hand = default_hand(side);
-    for (int i = 0; i < 100; ++i) {
-      const Poses truth = pose_hand(hand, random_pose(random), random_angles(random, hand));
-      const Poses found = hand_from_positions(landmarks_of(truth, side));
-      for (int j = 0; j < kJointCount; ++j) {
-        EXPECT_LT(norm(found[j].position - truth[j].position), 0.012) << joint_name(j);
-        EXPECT_NEAR(dot(found[j].orientation, found[j].orientation), 1, 1e-12);
-        const double limit =
-            j == kPalm || j == kWrist ? 0.25 : 0.9;  // a straight thumb that is spread is guessed worst
-        EXPECT_LT(turn_between(found[j].orientation, truth[j].orientation), limit) << joint_name(j);
-      }
-      for (int s = 0; s < kPhalanxCount; ++s) {  // along the bone there is nothing to guess
-        const auto [base, tip] = kPhalanxJoints[s];
-        const Vec3 bone = unit_or(truth[tip].position - truth[base].position, {});
-        expect_near(rotate(found[base].orientation, {0, 0, -1}), bone, 1e-9);
-      }
-    }
-  }
-}
-
-TEST(HandFromPositions, MovesWithThePoints) {
-  std::mt19937 random(6);
-  const Hand hand = default_hand(Side::right);
-  for (int i = 0; i < 50; ++i) {
-    const HandPoints points = landmarks_of(pose_hand(hand, Pose{}, random_angles(random, hand)), Side::right);
-    const Pose move = random_pose(random);
-    HandPoints moved = points;
-    for (Vec3& p : moved.position) p = transform(move, p);
-    const Poses here = hand_from_positions(points), there = hand_from_positions(moved);
-    for (int j = 0; j < kJointCount; ++j) {
-      expect_near(there[j].position, transform(move, here[j].position), 1e-12);
-      EXPECT_LT(turn_between(there[j].orientation, move.orientation * here[j].orientation), 1e-6);
-    }
-  }
-}
-
-TEST(HandFromPositions, KeepsOneFlexionAxisPerBentFinger) {
-  Angles angles{};
-  for (int f = 1; f < kFingerCount; ++f) angles[4 * f + 1] = angles[4 * f + 2] = angles[4 * f + 3] = 0.6;
-  const Poses truth = pose_hand(default_hand(Side::right), Pose{}, angles);
-  const Poses found = hand_from_positions(landmarks_of(truth, Side::right));
-  for (const int joint : {kIndexProximal, kMiddleProximal, kRingProximal, kLittleProximal}) {
-    const Vec3 axis = rotate(found[joint].orientation, {1, 0, 0});
-    expect_near(rotate(found[joint + 1].orientation, {1, 0, 0}), axis, 1e-2);
-    expect_near(rotate(found[joint + 2].orientation, {1, 0, 0}), axis, 1e-2);
-    EXPECT_GT(dot(axis, rotate(truth[joint].orientation, {1, 0, 0})), 0.99) << joint_name(joint);
-  }
-}
-
-TEST(HandFromPositions, DerivesAWristWhereOnlyThePalmIsKnown) {
-  const Poses truth = pose_hand(default_hand(Side::left), Pose{}, Angles{});
-  HandPoints points = landmarks_of(truth, Side::left);
-  points.known &= ~(1u << kWrist);
-  points.position[kWrist] = {};
-  points.forward = {0, 0, -1};
-  points.dorsal = {0, 1, 0};
-  EXPECT_LT(norm(hand_from_positions(points)[kWrist].position - truth[kWrist].position), 0.015);
-  points.position[kMiddleMetacarpal] = truth[kMiddleMetacarpal].position;
-  points.known |= 1u << kMiddleMetacarpal;
-  EXPECT_LT(norm(hand_from_positions(points)[kWrist].position - truth[kWrist].position), 0.012);
-}
-
-TEST(HandFromPositions, IsFiniteWhateverThePointsAre) {
-  std::mt19937 random(7);
-  for (int i = 0; i < 3000; ++i) {
-    HandPoints points;
-    points.side = i % 2 ? Side::left : Side::right;
-    points.known = i % 3 == 0 ? 0 : static_cast<std::uint32_t>(random()) & ((1u << kJointCount) - 1);
-    for (Vec3& p : points.position) {
-      const auto kind = random() % 4;
-      p = kind == 0   ? Vec3{}
-          : kind == 1 ? Vec3{0, 0, 1}
-          : kind == 2 ? random_vector(random, 1e-320)
-                      : random_vector(random, 1e4);
-    }
-    if (i % 5 == 0) points.forward = points.dorsal = {0, 1, 0};
-    for (const Pose& pose : hand_from_positions(points)) {
-      ASSERT_TRUE(is_finite(pose.position));
-      ASSERT_NEAR(dot(pose.orientation, pose.orientation), 1, 1e-9);
-    }
-  }
-}
-
-TEST(FitPalmPolygon, IsConvexAndHoldsTheMetacarpals) {
-  const Hand hand = default_hand(Side::right);
-  const Poses poses = pose_hand(hand, Pose{{1, 2, 3}, {}}, Angles{});
-  Hand fitted = hand;
-  fitted.palm.polygon = fit_palm_polygon(poses, hand.radius, hand.palm.thickness);
-  ASSERT_GE(fitted.palm.polygon.size(), 4u);
-  const Status status = check_hand(fitted);
-  EXPECT_TRUE(status.ok()) << status.message();
-}
-
-// The skin at the sides is where the knuckles' is, and no farther in front than the joints.
-TEST(FitPalmPolygon, LiesHalfAThicknessInsideTheOutlineOfTheMetacarpals) {
-  for (const double length : {0.19, 0.12}) {
-    const Hand hand = default_hand(Side::right, length);
-    const Poses poses = pose_hand(hand, inverse(hand.palm_joint), Angles{});
-    const auto at = [&](int joint) { return poses[joint].position; };
-    double left = 1, right = -1, front = 1;
-    for (const Vec3 corner : hand.palm.polygon) {
-      left = std::min(left, corner.x);
-      right = std::max(right, corner.x);
-      front = std::min(front, corner.z);
-    }
-    const double r = 0.5 * hand.palm.thickness;
-    EXPECT_NEAR(left - r, at(kIndexProximal).x - hand.radius[kIndexProximal], 0.004);
-    EXPECT_NEAR(right + r, at(kLittleProximal).x + hand.radius[kLittleProximal], 0.004);
-    EXPECT_NEAR(front - r, at(kMiddleProximal).z, 0.004);
-    EXPECT_GE(hand.palm.polygon.size(), 4u);
-  }
-}
-
-// A palm so thick that nothing of the outline is that far inside.
-TEST(FitPalmPolygon, KeepsACoreWhereThePalmIsThick) {
-  const Hand hand = default_hand(Side::right);
-  Hand thick = hand;
-  thick.palm.thickness = 0.1;
-  thick.palm.polygon = fit_palm_polygon(pose_hand(hand, Pose{}, Angles{}), hand.radius, thick.palm.thickness);
-  EXPECT_GE(thick.palm.polygon.size(), 3u);
-  EXPECT_TRUE(check_hand(thick).ok());
-}
-
-TEST(FitPalmPolygon, IsEmptyWhereAllJointsCoincide) {
-  const std::array<double, kJointCount> radius{};
-  EXPECT_TRUE(fit_palm_polygon(Poses{}, radius, 0.024).empty());
-}
-
 }  // namespace
-}  // namespace lumbrical
+}  // namespace lumbrical::test

@@ -72,20 +72,12 @@ void look_at(const Patches& patches, const SampleMemory& memory, Tally& tally) {
 
 TEST(NearSkeleton, LatticesAreCoarseOnlyWhereNoSkeletonIsNear) {
   Tally tally;
-  for (const int cells : {3, 12, 60}) {
-    const Scene scene = sampled_scene(default_hand(Side::right),
-                                      {{"field", make_plane(0.3, static_cast<std::uint32_t>(cells), 1, 3)}});
-    const Model model = model_at(scene, 1e-4);
-    Scratch scratch = make_scratch(model);
-    Random random(31);
-    for (int i = 0; i < 200; ++i) {
-      const DeviceFrame frame =
-          dropped_hand(scene.hand, random, -0.1, random.between(0, 1.7), 0.4, random.between(0, 0.012), 0.03);
-      State state;
-      tick(model, state, scratch, frame);
-      look_at(*model.patches, *scratch.samples, tally);
-    }
-  }
+  for_hands_on_planes(
+      31,
+      [](const Hand& hand, Random& random) {
+        return dropped_hand(hand, random, -0.1, random.between(0, 1.7), 0.4, random.between(0, 0.012), 0.03);
+      },
+      [&](const Patches& patches, const SampleMemory& memory) { look_at(patches, memory, tally); });
   EXPECT_GT(tally.near, 1000);
   EXPECT_GT(tally.far, 10000);
   EXPECT_GT(tally.cleared, 100) << "large patches under lying fingers";

@@ -105,6 +105,23 @@ inline DeviceFrame dropped_hand(const Hand& hand, Random& random, double low, do
   return frame;
 }
 
+/// Calls look(patches, what samples found) for hands dropped onto planes of large to small triangles, each in
+/// the pose drop(hand, random).
+template <class Drop, class Look>
+void for_hands_on_planes(std::uint64_t seed, const Drop& drop, const Look& look) {
+  for (const std::uint32_t cells : {3u, 12u, 60u}) {
+    const Scene scene = sampled_scene(default_hand(Side::right), {{"field", make_plane(0.3, cells, 1, 3)}});
+    const Model model = model_at(scene, 1e-4);
+    Scratch scratch = make_scratch(model);
+    Random random(seed);
+    for (int i = 0; i < 200; ++i) {
+      State state;
+      tick(model, state, scratch, drop(scene.hand, random));
+      look(*model.patches, *scratch.samples);
+    }
+  }
+}
+
 /// The same hand told by the poses of its joints.
 inline DeviceFrame as_joint_poses(const Hand& hand, const DeviceFrame& frame) {
   std::array<double, kAngleCount> angles;
