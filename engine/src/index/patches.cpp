@@ -306,16 +306,14 @@ BlockSamples samples_of_blocks(const Patches& patches, const BlockMoments& momen
   return samples;
 }
 
-// Blocks are taken as ones on the skin where half of them are clearly as small as they may be: finer levels
+// Blocks are taken as ones on the skin where two thirds of them are as small as they may be: finer levels
 // have to open what coarser ones take, so it must pay.
-constexpr double kClearlySmall = 0.8;
 void leave_few_on_skin(std::span<const BlockSamples> samples, Patches& patches) {
   const auto lowest = samples.first(patches.block.size());
   for (double& radius : patches.block_on_skin) {
-    const auto small = std::count_if(lowest.begin(), lowest.end(), [&](const BlockSamples& block) {
-      return double{block.size} <= kClearlySmall * radius;
-    });
-    if (2 * static_cast<std::size_t>(small) < lowest.size() || small == 0) radius = 0;
+    const auto small = std::count_if(lowest.begin(), lowest.end(),
+                                     [&](const BlockSamples& block) { return double{block.size} <= radius; });
+    if (3 * static_cast<std::size_t>(small) < 2 * lowest.size() || small == 0) radius = 0;
   }
 }
 
