@@ -219,6 +219,11 @@ void add_errors() {
 // ---- Time against triangles and contacts ----
 
 void add_sizes() {
+  for (const double precision : kPrecisions) {  // a table of two triangles
+    const std::string rung = std::string("/") + precision_name(precision) + "/2";
+    add_field("A_drape" + rung, {.cells = 1, .precision = precision});
+    add_field("A_tips" + rung, {.cells = 1, .touch = Touch::tips, .precision = precision});
+  }
   for (const std::uint32_t cells : {9u, 29u, 49u, 69u, 224u, 708u, 2236u}) {
     const std::string size = triangles_of(cells);
     for (const double precision : kPrecisions) {

@@ -1,6 +1,7 @@
 #include "index/patches.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -53,11 +54,12 @@ constexpr std::array<double, kLevels> kBlockOnSkin = {0.25, 0.21, 0.17, 0.14, 0.
 // Slivers are cut into patches no longer than so many times their width, or so many steps.
 constexpr double kSliver = 3, kSliverSteps = 3, kFinerSlivers = 2.2;
 
-// A triangle that has to be halved more often in a row is left to the exact rung.
-constexpr unsigned kMostHalvings = 8;
+// A triangle that has to be halved more often in a row is left to the exact rung; a sliver, of whose patches
+// a finger meets many, sooner.
+constexpr unsigned kMostHalvings = 15, kMostOfSliver = 8;
 
-// Patches there may be beside one per triangle, or as many as there are triangles: a third of a gigabyte.
-constexpr std::size_t kSparePatches = std::size_t{1} << 22;
+// Patches there may be beside one per triangle, or as many as there are triangles: a tenth of a gigabyte.
+constexpr std::size_t kSparePatches = std::size_t{1} << 20;
 
 constexpr std::size_t kPiece = 4096;  // triangles or patches, the least that is worth another thread
 
@@ -136,14 +138,19 @@ Corners half_of(const Corners& at, bool second) {
   return bc >= ca ? halve(at.b, at.c, at.a) : halve(at.c, at.a, at.b);
 }
 
-// Into how many patches a triangle is cut; 0: it would have to be halved more often than `most` times in a
-// row.
-std::size_t count_parts(const Corners& at, double step, unsigned most) {
+// Into how many patches a part of a triangle is cut; 0: it would have to be halved more often than `most`
+// times in a row.
+std::size_t count_of_part(const Corners& at, double step, unsigned most) {
   if (!(longest_edge(at) > length_allowed(at, step))) return 1;
   if (most == 0) return 0;
-  const std::size_t first = count_parts(half_of(at, false), step, most - 1),
-                    second = first > 0 ? count_parts(half_of(at, true), step, most - 1) : 0;
+  const std::size_t first = count_of_part(half_of(at, false), step, most - 1),
+                    second = first > 0 ? count_of_part(half_of(at, true), step, most - 1) : 0;
   return second > 0 ? first + second : 0;
+}
+// The same of a triangle.
+std::size_t count_parts(const Corners& at, double step, unsigned most) {
+  const bool is_sliver = longest_edge(at) > kSliver * width_of(at);
+  return count_of_part(at, step, is_sliver ? std::min(most, kMostOfSliver) : most);
 }
 
 // Calls take(path) for every one of them: from a leading 1 on a bit for every halving, which half it is.
@@ -173,17 +180,18 @@ struct Cutting {
   std::vector<std::uint16_t> path;   // to it, of each patch
 };
 
-std::size_t count_patches(const Triangles& triangles, double step, unsigned most, std::size_t threads) {
-  std::vector<std::size_t> counts(piece_count(triangles.size(), kPiece));
-  parallel_pieces(triangles.size(), kPiece, threads,
-                  [&](std::size_t piece, std::size_t first, std::size_t last) {
-                    for (std::size_t i = first; i < last; ++i) {
-                      const Corners at = corners_of(triangles, static_cast<std::uint32_t>(i));
-                      if (has_area(at)) counts[piece] += count_parts(at, step, most);
-                    }
-                  });
-  std::size_t total = 0;
-  for (const std::size_t count : counts) total += count;
+// How many patches there are; where that is more than `room`, any number above.
+std::size_t count_patches(const Triangles& triangles, double step, unsigned most, std::size_t room,
+                          std::size_t threads) {
+  std::atomic<std::size_t> total{0};
+  parallel_pieces(triangles.size(), kPiece, threads, [&](std::size_t, std::size_t first, std::size_t last) {
+    std::size_t count = 0;
+    for (std::size_t i = first; i < last && total + count <= room; ++i) {
+      const Corners at = corners_of(triangles, static_cast<std::uint32_t>(i));
+      if (has_area(at)) count += count_parts(at, step, most);
+    }
+    total += count;
+  });
   return total;
 }
 
@@ -192,9 +200,9 @@ Cutting cut_triangles(const Triangles& triangles, double step, const Execution& 
   Cutting cutting;
   cutting.step = step;
   unsigned most = kMostHalvings;
-  std::size_t total = count_patches(triangles, step, most, execution.threads);
   const std::size_t room = triangles.size() + std::max(kSparePatches, triangles.size());
-  while (most > 0 && total > room) total = count_patches(triangles, step, --most, execution.threads);
+  std::size_t total = count_patches(triangles, step, most, room, execution.threads);
+  while (most > 0 && total > room) total = count_patches(triangles, step, --most, room, execution.threads);
   cutting.owner.reserve(total);
   cutting.path.reserve(total);
   patches.is_sampled.resize(piece_count(triangles.size(), 64));
