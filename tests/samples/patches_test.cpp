@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "lumbrical/shapes.h"
+#include "model/primitive.h"
 #include "pressed_hand.h"
 #include "sampled_hand.h"
 #include "samples/sampled_forces.h"
@@ -49,6 +50,25 @@ TEST(Patches, AreFeltTogetherWithTrianglesThatAreLeftToTheExactRung) {
     const double size = force_size(right);
     ASSERT_GT(size, 0.1);
     EXPECT_LT(norm(total_force(felt) - total_force(right)), 1e-4 * size) << i;
+  }
+}
+
+// A table that samples have, above a floor that they have not.
+TEST(Patches, ShapesForTheExactRungAreMadeOnlyWhereItsTrianglesAreNear) {
+  Mesh floor = make_plane(3, 1);
+  move(floor, {0, 0, -0.7});
+  const Scene scene =
+      sampled_scene(default_hand(Side::right), {{"floor", floor}, {"table", make_plane(0.6, 1)}});
+  const Model model = model_at(scene, 1e-4);
+  ASSERT_NE(model.rest, nullptr);
+  Scratch scratch = make_scratch(model);
+  for (const double lower : {0.0, 0.7}) {
+    DeviceFrame frame = pressed_frame(scene.hand, 0.002, 0.2);
+    frame.base.position.z -= lower;
+    State state;
+    EXPECT_GT(force_size(tick(model, state, scratch, frame)), 0.1);
+    EXPECT_EQ(scratch.primitives->count > 0, lower > 0);
+    EXPECT_EQ(scratch.contact_count > 0, lower > 0);
   }
 }
 

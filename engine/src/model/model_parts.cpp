@@ -9,6 +9,7 @@
 #include "base/floating_point.h"
 #include "index/patches.h"
 #include "index/sphere_tree.h"
+#include "model/corners.h"
 #include "model/felt_surface.h"
 #include "model/scene_check.h"
 
@@ -77,7 +78,10 @@ Model part_of(const Model& model, std::vector<std::uint32_t> members) {
   Model part = empty_model(model.hand, model.settings, model.execution);
   part.execution.broadphase = Broadphase::tree;
   part.triangles = model.triangles;
-  part.extent = model.extent;
+  for (const std::uint32_t member : members) {
+    const Corners at = corners_of(part.triangles, member);
+    for (const Vec3 corner : {at.a, at.b, at.c}) part.extent.add(corner);
+  }
   part.tree = build_tree(part.triangles, members, part.execution);
   return part;
 }

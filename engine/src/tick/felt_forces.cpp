@@ -10,6 +10,12 @@
 namespace lumbrical {
 namespace {
 
+// Is any of the world left to the exact rung where the hand is? Only that needs shapes of it.
+bool asks_exact(const Model& model, const Primitives& hand) {
+  if (sampled_segments(model) != kAllSegments) return true;
+  return model.rest && may_meet(model.hand, hand, model.rest->extent);
+}
+
 // Candidates of what is left to the exact rung: segments that are not felt by samples, and triangles too
 // large for them. False where there are too many.
 bool find_exact_candidates(const Model& model, const Primitives& hand, Scratch& scratch) {
@@ -76,7 +82,7 @@ HandForces feel(const Model& model, Scratch& scratch, std::uint32_t& flags) {
   hand.out_of_reach = !hand.in_reach;  // and needs no shape
   if (hand.in_reach) {
     shape_hand(model.hand, hand);
-    if (sampled_segments(model) != kAllSegments || model.rest) tile_hand(model.settings, hand);
+    if (asks_exact(model, hand)) tile_hand(model.settings, hand);
     tell(scratch.watch, Stage::hand_pose);
     if (model.patches && !sample_forces(model, hand, sampled_segments(model), *scratch.samples, sampled))
       flags |= kCandidateOverflow;
