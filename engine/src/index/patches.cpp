@@ -56,10 +56,10 @@ constexpr double kSliver = 3, kSliverSteps = 3, kFinerSlivers = 2.2;
 
 // A triangle that has to be halved more often in a row is left to the exact rung; a sliver, of whose patches
 // a finger meets many, sooner.
-constexpr unsigned kMostHalvings = 15, kMostOfSliver = 8;
+constexpr unsigned kMostHalvings = 20, kMostOfSliver = 8;
 
-// Patches there may be beside one per triangle, or as many as there are triangles: a tenth of a gigabyte.
-constexpr std::size_t kSparePatches = std::size_t{1} << 20;
+// Patches there may be beside one per triangle, or as many as there are triangles: some 60 MB.
+constexpr std::size_t kSparePatches = std::size_t{1} << 19;
 
 constexpr std::size_t kPiece = 4096;  // triangles or patches, the least that is worth another thread
 
@@ -149,20 +149,19 @@ std::size_t count_of_part(const Corners& at, double step, unsigned most) {
 }
 // The same of a triangle.
 std::size_t count_parts(const Corners& at, double step, unsigned most) {
-  const bool is_sliver = longest_edge(at) > kSliver * width_of(at);
+  const bool is_sliver = kSliver * width_of(at) < static_cast<double>(kPatchSizes) * step;
   return count_of_part(at, step, is_sliver ? std::min(most, kMostOfSliver) : most);
 }
 
 // Calls take(path) for every one of them: from a leading 1 on a bit for every halving, which half it is.
 template <class Take>
-void cut_triangle(const Corners& at, double step, std::uint16_t path, const Take& take) {
+void cut_triangle(const Corners& at, double step, std::uint32_t path, const Take& take) {
   if (!(longest_edge(at) > length_allowed(at, step))) return take(path);
-  const auto twice = static_cast<std::uint16_t>(2 * path);
-  cut_triangle(half_of(at, false), step, twice, take);
-  cut_triangle(half_of(at, true), step, static_cast<std::uint16_t>(twice + 1), take);
+  cut_triangle(half_of(at, false), step, 2 * path, take);
+  cut_triangle(half_of(at, true), step, 2 * path + 1, take);
 }
 
-Corners part_at(Corners at, std::uint16_t path) {
+Corners part_at(Corners at, std::uint32_t path) {
   for (int bit = static_cast<int>(std::bit_width(path)) - 2; bit >= 0; --bit)
     at = half_of(at, (path >> bit & 1u) != 0);
   return at;
@@ -177,7 +176,7 @@ bool has_area(const Corners& at) {
 struct Cutting {
   double step = 0;                   // [m] the least that any segment measures patches in
   std::vector<std::uint32_t> owner;  // of each patch
-  std::vector<std::uint16_t> path;   // to it, of each patch
+  std::vector<std::uint32_t> path;   // to it, of each patch
 };
 
 // How many patches there are; where that is more than `room`, any number above.
@@ -215,7 +214,7 @@ Cutting cut_triangles(const Triangles& triangles, double step, const Execution& 
     }
     patches.is_sampled[i / 64] |= std::uint64_t{1} << i % 64;
     if (!has) continue;
-    cut_triangle(at, step, 1, [&](std::uint16_t path) {
+    cut_triangle(at, step, 1, [&](std::uint32_t path) {
       cutting.owner.push_back(i);
       cutting.path.push_back(path);
     });
