@@ -212,7 +212,7 @@ void find_for_palm(const Model& model, const Primitives& hand, const PalmBody& p
 }
 
 // Listed patches, the last time, below which threads cost more than they bring.
-constexpr std::size_t kSerialBelow = 800;
+constexpr std::size_t kSerialBelow = 1600;
 
 // Bodies are shared out among the searchers, whoever is free. False where they find too much.
 bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, bool open,
