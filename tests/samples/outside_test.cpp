@@ -69,11 +69,9 @@ std::set<std::uint32_t> patches_of(const Patches& patches, const NearPatches& ne
   };
   for (std::uint32_t key = 0; key < kKeyCount; ++key) {
     const std::uint32_t what = key % kind::kCount;
-    const bool is_block = (what >= kind::kBlockInside && what < kind::kPalmSide) ||
-                          what == kind::kPalmBlock || what == kind::kPalmBlockBeside;
     for (const ListedPatch& patch : near.of_kinds(what, what, key / kind::kCount)) {
       if (!is_its(patch)) continue;
-      if (is_block) {
+      if (is_block(what)) {
         add_block(patch.place);
       } else {
         places.insert(patch.place);

@@ -147,10 +147,12 @@ std::size_t count_of_part(const Corners& at, double step, unsigned most) {
                     second = first > 0 ? count_of_part(half_of(at, true), step, most - 1) : 0;
   return second > 0 ? first + second : 0;
 }
-// The same of a triangle.
+// The same of a triangle. Nearly all need few halvings, whether they are slivers or not.
 std::size_t count_parts(const Corners& at, double step, unsigned most) {
+  const std::size_t count = count_of_part(at, step, std::min(most, kMostOfSliver));
+  if (count > 0 || most <= kMostOfSliver) return count;
   const bool is_sliver = kSliver * width_of(at) < static_cast<double>(kPatchSizes) * step;
-  return count_of_part(at, step, is_sliver ? std::min(most, kMostOfSliver) : most);
+  return is_sliver ? 0 : count_of_part(at, step, most);
 }
 
 // Calls take(path) for every one of them: from a leading 1 on a bit for every halving, which half it is.

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "samples/classify.h"
-#include "samples/palm_kernels.h"
 
 namespace lumbrical::LUMBRICAL_ISA {
 

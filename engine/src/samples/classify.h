@@ -2,6 +2,7 @@
 // whatever else their block holds. In doubt a patch is of the more general kind.
 #pragma once
 
+#include "samples/palm_kernels.h"
 #include "samples/tile_field.h"
 
 namespace lumbrical::LUMBRICAL_ISA {
@@ -281,10 +282,9 @@ inline Kinds<V> palm_kinds(const PalmBody& palm, const Shape<V>& discs) {
   V out = number<V>(-1e30), out_x = zero, out_y = zero;  // beyond the farthest edge, and which way
   for (std::size_t k = 0; k < palm.corner_count; ++k) {
     const PalmEdge& edge = palm.edge[k];
-    const V x(edge.out_x), y(edge.out_y);
-    const V beside = x * (p.x - V(edge.x)) + y * (p.y - V(edge.y));
-    out_x = select(beside > out, x, out_x);
-    out_y = select(beside > out, y, out_y);
+    const V beside = from_edge(edge, p).beside;
+    out_x = select(beside > out, V(edge.out_x), out_x);
+    out_y = select(beside > out, V(edge.out_y), out_y);
     out = max(out, beside);
   }
   const V height = abs(p.z), aside = max(out, zero), near = number<V>(kSkeletonReach) * reach,

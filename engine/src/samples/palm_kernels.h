@@ -56,7 +56,7 @@ struct PalmNearby {
   const PalmBody& palm;
   std::size_t count = 0;
   const PalmEdge* edge[PalmBody::kMostCorners];
-  V most[PalmBody::kMostCorners];  // what the edge may say of a patch's being outside: nothing if it is not
+  V most[PalmBody::kMostCorners];  // a bound of what it is asked about being outside: low where it is not
                                    // near
 
   PalmNearby(const PalmBody& whole, const PatchInFrame<V>& patch) : palm(whole) {
