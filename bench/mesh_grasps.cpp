@@ -5,7 +5,7 @@
 // round it as round the demo's mug, every rung in turn at each of up to 2000 moments. Files that are no
 // meshes are named and left out.
 //
-//   mesh_grasps MESHES [--size 0.11] [--seconds 3] [--out FOLDER]
+//   mesh_grasps MESHES [--size 0.11] [--seconds 3] [--felt-once no] [--out FOLDER]
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -29,6 +29,7 @@ namespace fs = std::filesystem;
 struct Options {
   std::string meshes, out;
   double size = 0.11, seconds = 3;
+  bool felt_once = false;
 };
 
 struct Row {
@@ -46,6 +47,8 @@ bool parse(int count, char** words, Options& options) {
       options.size = std::strtod(words[i + 1], nullptr);
     } else if (name == "--seconds") {
       options.seconds = std::strtod(words[i + 1], nullptr);
+    } else if (name == "--felt-once") {
+      options.felt_once = std::string(words[i + 1]) == "yes";
     } else if (name == "--out") {
       options.out = words[i + 1];
     } else {
@@ -78,6 +81,7 @@ Status measure(const std::string& path, const Options& options, Row& row) {
   Scene scene;
   scene.hand = default_hand(Side::right);
   scene.settings.max_candidates = 1u << 19;
+  scene.settings.felt_once = options.felt_once;
   scene.objects.push_back({"mesh", std::move(mesh)});
   const Motion motion = make_grasp(scene.hand, 0.45 * options.size, options.size, options.seconds);
   return tool::compare_precision(scene, {}, motion, options.seconds, row.comparison);

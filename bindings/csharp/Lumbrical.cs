@@ -205,6 +205,7 @@ namespace Lumbrical
         public fixed double ground_normal[3];
         public double ground_offset;
         public double ground_friction;
+        public int felt_once;
     }
 
     [StructLayout(LayoutKind.Sequential)]

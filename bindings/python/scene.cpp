@@ -244,6 +244,7 @@ void bind_scene(py::module_& module) {
   bind_number(scene, "max_force", &Settings::max_force);
   bind_number(scene, "fade_time", &Settings::fade_time);
   bind_number(scene, "proxy_stiffness", &Settings::proxy_stiffness);
+  bind_number(scene, "felt_once", &Settings::felt_once);
   bind_number(scene, "effort", &Settings::effort);
   bind_number(scene, "max_candidates", &Settings::max_candidates);
   scene.def_property_readonly("pad_layers", [](const py::object& self) {

@@ -204,6 +204,8 @@ typedef struct lumbrical_settings {
   double ground_normal[3]; /* unit, away from it: 0 0 1 */
   double ground_offset;    /* [m] ground_normal . p = ground_offset on it: 0 */
   double ground_friction;  /* 0.5 */
+  int32_t felt_once; /* not 0: what several fingers, or fingers and palm, hold together is felt by the deepest
+                        only. 0 */
 } lumbrical_settings;
 
 /* How work is done; never changes a result. */

@@ -330,6 +330,7 @@ TEST(CApi, AProxyIsASettingAndAPartOfASnapshot) {
   Scene scene = ball_scene();
   scene.settings.proxy_stiffness = 500;
   scene.settings.pad = {{{{0.2, 3}, {0.5, -1}}}, 2};
+  scene.settings.felt_once = true;
   const Model model = model_of(scene);
   State state = make_state(model);
   Scratch scratch = make_scratch(model);
@@ -344,8 +345,12 @@ TEST(CApi, AProxyIsASettingAndAPartOfASnapshot) {
     settings.pad_from[1] = 0.5;
     settings.pad_stiffness[1] = -1;
     settings.pad_damping = 2;
+    settings.felt_once = 1;
   });
-  c.set([](lumbrical_settings& settings) { EXPECT_EQ(settings.proxy_stiffness, 500); });
+  c.set([](lumbrical_settings& settings) {
+    EXPECT_EQ(settings.proxy_stiffness, 500);
+    EXPECT_EQ(settings.felt_once, 1);
+  });
   c.start();
   for (std::size_t i = 0; i < 60; ++i) expect_same(tick(model, state, scratch, touching_frame(i)), c.step(i));
   std::vector<unsigned char> bytes(100000);

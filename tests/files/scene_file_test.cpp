@@ -98,14 +98,15 @@ TEST(SceneFile, BuildsEveryShape) {
 }
 
 TEST(SceneFile, ReadsSettingsAndLawsPerSegment) {
-  const SceneFile scene_file =
-      load(R"({"objects": [{"plane": {}}], "settings": {"rate": 2500, "stiffness": 1e6, "seconds": 0.5,
+  const SceneFile scene_file = load(
+      R"({"objects": [{"plane": {}}], "settings": {"rate": 2500, "stiffness": 1e6, "felt_once": true, "seconds": 0.5,
                "law": "max-depth", "segments": [{"segment": "palm", "law": "point"}]},
                "execution": {"broadphase": "brute", "leaf_size": 4, "threads": 2}, )" +
-           std::string(kGrasp) + "}");
+      std::string(kGrasp) + "}");
   const Settings& settings = scene_file.scene.settings;
   EXPECT_EQ(settings.rate, 2500);
   EXPECT_EQ(settings.stiffness, 1e6);
+  EXPECT_TRUE(settings.felt_once);
   EXPECT_EQ(scene_file.seconds, 0.5);
   EXPECT_EQ(settings.law[0], Law::max_depth);
   EXPECT_EQ(settings.law[kPalmSegment - 1], Law::max_depth);

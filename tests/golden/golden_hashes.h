@@ -32,6 +32,8 @@ inline constexpr GoldenHash kGolden[] = {
     {"samples.1e-3", 0x13fa17a9ba75d556},
     {"samples.1e-4", 0x7ba02d17e476973c},
     {"samples.1e-5", 0x9b5b233203eaf9b0},
+    {"once.1e-4", 0xa98b849f56b4538d},
+    {"once.exact", 0x66ece8ff977511c2},
     {"bent", 0x09a8144b746ad1c7},
     {"objects", 0x688f581d48859496},
     {"proxy", 0xf4fbf12b00a20b39},

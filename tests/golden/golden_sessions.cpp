@@ -189,6 +189,13 @@ GoldenSession sampled(const std::string& name, double precision) {
   return session;
 }
 
+/// What several fingers, or fingers and palm, hold together, felt once.
+GoldenSession felt_once(const std::string& name, double precision) {
+  GoldenSession session = sampled(name, precision);
+  session.scene.settings.felt_once = true;
+  return session;
+}
+
 GoldenSession mixed_laws() {
   GoldenSession session = grasp("mixed", Law::field, 50);
   for (std::size_t s = 0; s < kSegmentCount; ++s) session.scene.settings.law[s] = static_cast<Law>(s % 5);
@@ -300,6 +307,8 @@ std::vector<GoldenSession> golden_sessions() {
   sessions.push_back(sampled("samples.1e-3", 1e-3));
   sessions.push_back(sampled("samples.1e-4", 1e-4));
   sessions.push_back(sampled("samples.1e-5", 1e-5));
+  sessions.push_back(felt_once("once.1e-4", 1e-4));
+  sessions.push_back(felt_once("once.exact", 0));
   sessions.push_back(bent());
   sessions.push_back(objects());
   sessions.push_back(proxy());

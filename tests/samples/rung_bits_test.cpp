@@ -59,6 +59,23 @@ TEST(SampledBits, AreTheSameForEveryInstructionSetThreadCountAndSearch) {
   }
 }
 
+// Also what several bodies hold together, exactly and by samples.
+TEST(SampledBits, AreTheSameWhereThatIsFeltOnce) {
+  Scene scene = irregular_scene();
+  scene.settings.felt_once = true;
+  const std::vector<DeviceFrame> frames = postures(scene.hand, 5);
+  for (const double precision : {0.0, 1e-3, 1e-4}) {
+    Execution plain;
+    plain.isa = Isa::scalar;
+    plain.broadphase = Broadphase::brute;
+    const std::uint64_t hash = hash_run(model_at(scene, precision, plain), frames);
+    for (const Execution& way : ways_to_run()) {
+      EXPECT_EQ(hash_run(model_at(scene, precision, way), frames), hash)
+          << isa_name(way.isa) << " " << broadphase_name(way.broadphase) << " " << way.threads;
+    }
+  }
+}
+
 // Fingertips finer than the rest, some segments exact, one under another law.
 TEST(SampledBits, AreTheSameWhereSegmentsDiffer) {
   Scene scene = irregular_scene();

@@ -74,6 +74,19 @@ TEST(SampledContinuity, SlidingByMicrometresMovesForcesNoFasterThanTheirAreaAllo
   }
 }
 
+// Also what fingers and palm hold together, where the deepest one takes over from another.
+TEST(SampledContinuity, WhatIsFeltOnceMovesNoFasterEither) {
+  Scene scene = sampled_scene(default_hand(Side::right), {{"mesh", make_plane(0.2, 60, 1, 3)}});
+  scene.settings.felt_once = true;
+  const Vec3 direction = unit_or(Vec3{0.6, -0.8, 0.1}, {});
+  for (const double precision : {0.0, 1e-4}) {
+    const Walk slide = walk(scene, precision, pressed_frame(scene.hand, 0.004, 0.3), 200, 5e-6,
+                            [&](DeviceFrame& frame, double way) { move(frame, way * direction); });
+    EXPECT_GT(slide.size, 1);
+    EXPECT_LE(slide.worst, 1) << precision;
+  }
+}
+
 // Farther, through many triangles.
 TEST(SampledContinuity, SlidingFartherMovesForcesNoFasterThanTheirAreaAllows) {
   for (const Mesh& mesh : surfaces()) {

@@ -32,16 +32,17 @@ TEST(SettingsChange, GivesTheBitsOfAModelThatWasBuiltWithThem) {
   const Scene scene = plates_scene();
   const Model before = test::model_of(scene);
   ASSERT_NE(before.rest, nullptr);
-  for (int change = 0; change < 4; ++change) {
+  for (int change = 0; change < 5; ++change) {
     Scene other = scene;
     if (change == 0) other.settings.stiffness *= 3;
     if (change == 1) other.settings.precision.fill(1e-3);
     if (change == 2) other.settings.precision.fill(0);
     if (change == 3) other.settings.law.fill(Law::max_depth);
+    if (change == 4) other.settings.felt_once = true;
     Model changed;
     ASSERT_TRUE(change_settings(before, other.settings, 2, changed).ok());
     EXPECT_EQ(changed.triangles.x.data(), before.triangles.x.data()) << "nothing is there twice";
-    EXPECT_EQ(changed.patches == before.patches, change == 0) << "patches are cut anew where they differ";
+    EXPECT_EQ(changed.patches == before.patches, change == 0 || change == 4) << "patches are cut anew where they differ";
     EXPECT_EQ(hash_of(changed), hash_of(test::model_of(other))) << change;
     EXPECT_NE(hash_of(changed), hash_of(before)) << change;
     ASSERT_TRUE(change_settings(changed, scene.settings, 1, changed).ok()) << "in place";

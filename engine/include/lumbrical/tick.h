@@ -58,10 +58,11 @@ enum class Stage : std::uint8_t { input, hand_pose, broadphase, narrowphase, con
 inline constexpr int kStageCount = 6;
 std::string_view stage_name(Stage stage);
 
-struct Primitives;    // posed spheres, cylinders and palm; primitive.h inside the engine
-struct SampleMemory;  // the passes of the rungs of samples; sampled_forces.h inside the engine
-struct ProxyMemory;   // what holds the proxy back; proxy_hand.h inside the engine
-struct NearPairs;     // what earlier searches found near; near_pairs.h inside the engine
+struct Primitives;     // posed spheres, cylinders and palm; primitive.h inside the engine
+struct SampleMemory;   // the passes of the rungs of samples; sampled_forces.h inside the engine
+struct ExactOverlaps;  // what exact contacts leave to deeper bodies; exact_overlaps.h inside the engine
+struct ProxyMemory;    // what holds the proxy back; proxy_hand.h inside the engine
+struct NearPairs;      // what earlier searches found near; near_pairs.h inside the engine
 
 /// Told by a tick that a stage of it has ended (the stages of sampled hands take turns), for whoever measures
 /// how long they take: the engine itself has no clock. It must touch nothing of the tick's, and not throw.
@@ -85,6 +86,7 @@ struct Scratch {
   std::shared_ptr<Primitives> primitives;
   std::shared_ptr<NearPairs> near;  ///< spares searches while the hand moves little; never changes a result
   std::shared_ptr<SampleMemory> samples;
+  std::shared_ptr<ExactOverlaps> overlaps;  ///< null: what several bodies hold is felt by all
   std::vector<std::uint64_t>
       candidates;  ///< primitive << 32 | Contact::triangle, ascending; `candidate_count` of them
   std::vector<Contact> contacts;       ///< sorted by primitive, then triangle; `contact_count` of them

@@ -70,6 +70,13 @@ Status check_settings(const Settings& settings) {
   }
   for (const Law law : settings.law) {
     if (law_name(law) == "unknown") return out_of_range("settings.law", "one of the five laws");
+    if (settings.felt_once && law != Law::field)
+      return Status::error("settings.felt_once: needs law \"field\" on every segment");
+  }
+  for (const double precision : settings.precision) {
+    if (settings.felt_once && (precision > 0) != (settings.precision[0] > 0))
+      return Status::error(
+          "settings.felt_once: needs every segment by samples, or every one exact (precision 0)");
   }
   return {};
 }

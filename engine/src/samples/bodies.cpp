@@ -97,6 +97,19 @@ void set_palm(const SweptPolygon& polygon, const Patches& patches, PalmBody& pal
 
 }  // namespace
 
+BodyOffsets offsets_from(Vec3 point, const Bodies& bodies) {
+  BodyOffsets offsets;
+  offsets.largest = bodies.palm.corner_count > 0 ? bodies.palm.radius : 0;
+  for (std::size_t i = 0; i < bodies.finger_count; ++i) {
+    const FingerBody& finger = bodies.finger[i];
+    put(finger.origin - point, offsets.of[i]);
+    for (std::size_t k = 0; k < finger.tile_count; ++k)
+      offsets.largest = std::max(offsets.largest, finger.tile[k].radius);
+  }
+  put(bodies.palm.origin - point, offsets.of[bodies.finger_count]);
+  return offsets;
+}
+
 void take_blocks_on_skin(double radius, Bodies& bodies) {
   const auto size = static_cast<float>(radius);
   for (std::size_t i = 0; i < bodies.finger_count; ++i) bodies.finger[i].block_on_skin = size;

@@ -83,6 +83,17 @@ inline const TileFrame& tile_at(const FingerBody* fingers, std::size_t number) {
   return fingers[number / Bodies::kTilesApart].tile[number % Bodies::kTilesApart];
 }
 
+/// The palm's number, behind those of the last finger's tiles.
+inline std::size_t palm_number(const Bodies& bodies) { return bodies.finger_count * Bodies::kTilesApart; }
+
+/// [m] Where all bodies' origins are, seen from one point, and the largest radius of all.
+struct BodyOffsets {
+  float of[Bodies::kMostFingers + 1][3];
+  float largest;
+  [[nodiscard]] const float* operator[](std::size_t body) const { return of[body]; }
+};
+BodyOffsets offsets_from(Vec3 point, const Bodies& bodies);
+
 /// Bodies take blocks up to that radius [m] as ones where their skin goes through.
 void take_blocks_on_skin(double radius, Bodies& bodies);
 

@@ -69,9 +69,10 @@ constexpr bool is_on_skin(const FoundPatches& found) {
 
 /// A patch, or a block, in order of its key.
 struct ListedPatch {
-  static constexpr std::uint32_t kFarEnd = 64;
+  static constexpr std::uint32_t kFarEnd = 64, kRivals = 128;
   std::uint32_t place;  ///< of the patch: 16 times its block plus the lane; or the block
-  std::uint32_t tile;   ///< the (innermost) tile's number (bodies.h), plus kFarEnd at its far end
+  std::uint32_t tile;   ///< the (innermost) tile's number (bodies.h), plus kFarEnd at its far end; of an
+                        ///< overlap plus kRivals times a bit for each body that may be deeper
 };
 
 /// Patches for a kernel, best in runs of the same tile.
@@ -179,6 +180,19 @@ struct SampleKernels {
                              std::uint32_t* hits);
   std::size_t (*palm_hits)(const SphereBlock* spheres, const PalmQuery& query, const std::uint32_t* blocks,
                            std::size_t block_count, std::uint32_t* hits);
+  // What several bodies hold together (overlaps.h); `offset`: of their origins, from the tree's, from
+  // `origin`, or from that of the part's body.
+  /// Which spheres two bodies may reach: the places. `slack`: [m] what rounding may take away.
+  std::size_t (*overlap_hits)(const SphereBlock* spheres, const Bodies& bodies, const BodyOffsets& offset,
+                              float slack, const std::uint32_t* blocks, std::size_t block_count,
+                              std::uint32_t* hits);
+  /// Lists the blocks' patches of which a part may have to leave something to other bodies; returns how many.
+  std::size_t (*overlap_patches)(const PatchBlock* blocks, const Bodies& bodies, const BodyOffsets& offset,
+                                 const SplitPoint& origin, const std::uint32_t* found,
+                                 std::size_t block_count, ListedPatch* patches);
+  /// Takes that off the part's sums.
+  void (*overlap_lattice)(const PatchList& list, const Bodies& bodies, std::size_t part,
+                          const BodyOffsets& offset, std::size_t steps, BodySums& sums);
 };
 
 namespace scalar {

@@ -108,4 +108,22 @@ void run_blocks(SampleWork& work, std::size_t block_class) {
   }
 }
 
+void run_overlaps(SampleWork& work, std::size_t level) {
+  if (work.overlaps.count() == 0) return;
+  for_numbers(work.near.tiles, [&](std::size_t part) {
+    const std::size_t body = part / Bodies::kTilesApart;
+    const bool is_palm = part == palm_number(work.bodies);
+    const BodyOffsets offsets =
+        offsets_from(is_palm ? work.bodies.palm.origin : work.bodies.finger[body].origin, work.bodies);
+    const LatticeSteps* const steps =
+        is_palm ? work.bodies.palm.steps : work.bodies.finger[body].steps[part % Bodies::kTilesApart];
+    for (std::size_t size = 0; size < kPatchSizes; ++size) {
+      const PatchList list = work.list(work.own_part(work.overlaps.of(part, size)));
+      if (list.count > 0)
+        work.kernels.overlap_lattice(list, work.bodies, part, offsets, steps[size][level],
+                                     work.sums(kOnce)[part]);
+    }
+  });
+}
+
 }  // namespace lumbrical

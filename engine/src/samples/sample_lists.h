@@ -8,15 +8,13 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "samples/overlaps.h"
 #include "samples/sample_search.h"
 
 namespace lumbrical {
 
 /// Sums of what is felt once and, where two levels are mixed, by the lattices of either.
 enum Part : std::size_t { kOnce, kCoarser, kFiner };
-
-/// The palm's number, behind those of the last finger's tiles.
-inline std::size_t palm_number(const Bodies& bodies) { return bodies.finger_count * Bodies::kTilesApart; }
 
 /// What one thread works with.
 struct SampleThread {
@@ -31,6 +29,7 @@ struct SampleWork {
   const Patches& patches;
   const Bodies& bodies;
   NearPatches& near;
+  const Overlaps& overlaps;
   SampleThread& memory;
   std::size_t number, threads;
   std::size_t lists = 0;  ///< shared out so far
@@ -60,6 +59,9 @@ void run_blocks(SampleWork& work, std::size_t block_class);
 
 /// What lies inside, where fields are smooth, or linear: of the patches of a class.
 void run_smooth(SampleWork& work, std::size_t patch_class);
+
+/// Takes off what others are deeper in.
+void run_overlaps(SampleWork& work, std::size_t level);
 
 /// Lattices of a level over the patches of a class.
 void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level, Part part);

@@ -18,12 +18,6 @@ std::size_t segment_of(const Bodies& bodies, std::size_t number) {
   return bodies.finger[number / Bodies::kTilesApart].segment[number % Bodies::kTilesApart];
 }
 
-// Calls take(number) for every tile whose bit is set.
-template <class Take>
-void for_numbers(std::uint64_t tiles, const Take& take) {
-  for (; tiles != 0; tiles &= tiles - 1) take(static_cast<std::size_t>(__builtin_ctzll(tiles)));
-}
-
 // What is added to sums is rounded to: 4e-12 of R^3 or less, so that a thousand addends are not off by a
 // share of 1e-9 that a hand feels, and 4000 R^3 fit in, forty times what a whole hand laid flat and deep
 // comes to.
@@ -83,6 +77,9 @@ using SegmentWrenches = std::array<Wrench, kSegmentCount>;
 // Evaluations below which threads cost more than they bring.
 constexpr std::uint64_t kSerialEvaluations = 20000;
 
+// The level of the lattices by which overlaps are felt, whatever the hand's force.
+constexpr std::size_t kOverlapLevel = 4;
+
 /// A hand near patches, and all who compute.
 struct SampleTeam {
   const Model& model;
@@ -90,6 +87,7 @@ struct SampleTeam {
   SampleMemory& memory;
   BodySums zero;
   std::size_t threads = 1;
+  std::size_t overlap_level = kOverlapLevel;
 
   [[nodiscard]] SegmentWrenches wrenches(Part part) const {
     SegmentWrenches wrenches{};
@@ -123,10 +121,12 @@ void share_out(SampleTeam& team, std::uint64_t evaluations, std::initializer_lis
                       *team.model.patches,
                       team.memory.bodies,
                       team.memory.near,
+                      team.memory.overlaps,
                       own,
                       number,
                       team.threads};
       for (const std::size_t block_class : {kWithinSkin, kAcrossSkin}) run_blocks(work, block_class);
+      run_overlaps(work, team.overlap_level);
       for (std::size_t k = 0; k < kPatchClasses; ++k) {
         if (!work.near.has(k)) continue;
         run_smooth(work, k);
@@ -181,11 +181,20 @@ std::size_t coarsest_of(const LevelWeights& weights) {
 }
 
 void feel_in_one_cell(SampleTeam& team, const Effort& effort, double force, SampledForces& forces) {
+  team.overlap_level = kOneCell;
   forces.level = {1};
   forces.evaluations = effort.one_cell;
   forces.coarsened = true;
   forces.error_factor = one_cell_error_factor(*team.model.patches, team.memory.near, force);
   feel_on_one_level(team, kOneCell, forces);
+}
+
+Effort effort_of(const SampleTeam& team) {
+  const Patches& patches = *team.model.patches;
+  Effort effort = effort_of(patches, team.memory.near);
+  effort.always += effort_of(patches, team.memory.overlaps, kOverlapLevel);
+  effort.one_cell += effort_of(patches, team.memory.overlaps, kOneCell);
+  return effort;
 }
 
 LevelWeights only(std::size_t level) {
@@ -201,7 +210,7 @@ bool feel_apart(SampleTeam& team, std::size_t coarser, const Effort& effort, dou
   feel_on_one_level(team, coarser, forces);
   if (!open_for(team, coarser + 1)) return false;
   SampledForces finer;
-  finer.evaluations = evaluations_of(effort_of(*team.model.patches, team.memory.near), only(coarser + 1));
+  finer.evaluations = evaluations_of(effort_of(team), only(coarser + 1));
   const std::uint64_t most = team.model.settings.effort;
   if (most > 0 && forces.evaluations + finer.evaluations > most) {
     forces.level = only(coarser);
@@ -236,10 +245,10 @@ bool feel(SampleTeam& team, const LevelWeights* levels, SampledForces& forces) {
   }
   std::size_t coarsest = coarsest_of(forces.level);
   if (!same_blocks(coarsest, 0) && !open_for(team, coarsest)) return false;
-  Effort effort = effort_of(patches, team.memory.near);
+  Effort effort = effort_of(team);
   if (most > 0 && !same_blocks(coarsest, 0) && evaluations_of(effort, forces.level) > most) {
     if (!find_for(team, 0)) return false;
-    effort = effort_of(patches, team.memory.near);
+    effort = effort_of(team);
   }
   if (most > 0 && effort.always + effort.level[0] > most) {
     feel_in_one_cell(team, effort, force, forces);
@@ -264,6 +273,7 @@ bool feel(SampleTeam& team, const LevelWeights* levels, SampledForces& forces) {
 void size_samples(const Model& model, SampleMemory& memory) {
   if (!model.patches) return;
   size_search(model, memory.search, memory.near);
+  if (model.settings.felt_once) size_overlaps(model, memory.overlaps);
   at_least(model.execution.threads, memory.thread);
   for (SampleThread& thread : memory.thread) {
     at_least(memory.near.listed.size(), thread.chosen);
@@ -291,6 +301,7 @@ bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t seg
   if (!find_for(team, 0)) return false;
   forces.patch_count = static_cast<std::uint32_t>(memory.near.count());
   if (forces.patch_count == 0) return true;
+  if (model.settings.felt_once && !find_overlaps(model, memory.bodies, memory.overlaps)) return false;
   if (!feel(team, levels, forces)) return false;
   forces.contact_count = team.touched();
   return true;

@@ -35,6 +35,7 @@ struct SampleMemory {
   Bodies bodies;
   PatchSearchMemory search;
   NearPatches near;
+  Overlaps overlaps;
   std::vector<SampleThread> thread;
 };
 

@@ -4,6 +4,7 @@
 #include "samples/sampled_forces.h"
 #include "stages/broadphase.h"
 #include "stages/contact_force.h"
+#include "stages/exact_overlaps.h"
 #include "stages/hand_pose.h"
 #include "stages/narrowphase.h"
 
@@ -40,7 +41,15 @@ HandForces sum_up(const Model& model, Scratch& scratch) {
   find_all_contacts(model, scratch);
   tell(scratch.watch, Stage::narrowphase);
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
-  return sum_forces(model.settings, *scratch.primitives, contacts, scratch.samples->forces.segment);
+  auto other = scratch.samples->forces.segment;
+  if (model.settings.felt_once) {
+    find_overlaps(model, *scratch.primitives, contacts, *scratch.overlaps);
+    for (std::size_t i = 0; i < kSegmentCount; ++i) {
+      other[i].force += scratch.overlaps->segment[i].force;
+      other[i].torque += scratch.overlaps->segment[i].torque;
+    }
+  }
+  return sum_forces(model.settings, *scratch.primitives, contacts, other);
 }
 
 void add(const HandForces& more, HandForces& forces) {
@@ -60,6 +69,10 @@ void make_room(const Model& model, Scratch& scratch) {
   size_candidates(model, scratch);
   size_samples(model, *scratch.samples);
   scratch.contacts.resize(scratch.candidates.size());
+  if (model.settings.felt_once) {
+    if (!scratch.overlaps) scratch.overlaps = std::make_shared<ExactOverlaps>();
+    scratch.overlaps->touched.resize(scratch.contacts.size());
+  }
   if (scratch.layers.size() < model.layers.size()) scratch.layers.resize(model.layers.size());
   for (std::size_t i = 0; i < model.layers.size(); ++i) {
     scratch.layers[i].keep_near = scratch.keep_near;
@@ -126,6 +139,7 @@ Findings findings_of(const Model& model, const Scratch& scratch) {
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
   Findings findings{scratch.contact_count + sampled.contact_count, sampled.evaluations,
                     error_estimate(model.settings, sampled), force_error(model.settings, contacts)};
+  if (model.settings.felt_once) findings.force_error += model.settings.stiffness * scratch.overlaps->error;
   for (std::size_t i = 0; i < model.layers.size(); ++i) {
     const Findings more = findings_of(*model.layers[i], scratch.layers[i]);
     findings += {0, more.evaluations, more.error_estimate, more.force_error};

@@ -132,6 +132,7 @@ constexpr void list_fields(Is<Settings> auto& settings, auto&& field) {
   field("max_force", "N", settings.max_force);
   field("fade_time", "s", settings.fade_time);
   field("proxy_stiffness", "N/m", settings.proxy_stiffness);
+  field("felt_once", "", settings.felt_once);
   field("pad", "", settings.pad);
   field("effort", "", settings.effort);
   field("max_candidates", "", settings.max_candidates);
@@ -244,6 +245,6 @@ static_assert(kIsRow<HandState> && kIsRow<ProxyState> && kIsRow<PadState> && kIs
               kIsRow<ObjectOutput> && kIsRow<ObjectFrame>);
 static_assert(kIsRow<JointPose> && kIsRow<HalfSpace> && kIsRow<Pose>);
 static_assert(listed_bytes<DeviceFrame>() + 7 == sizeof(DeviceFrame));
-static_assert(listed_bytes<Settings>() == sizeof(Settings));
+static_assert(listed_bytes<Settings>() + 7 == sizeof(Settings));
 
 }  // namespace lumbrical

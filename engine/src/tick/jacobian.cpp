@@ -10,6 +10,7 @@
 #include "samples/sampled_forces.h"
 #include "section/contact_jacobian.h"
 #include "section/slab.h"
+#include "stages/exact_overlaps.h"
 #include "stages/narrowphase.h"
 #include "tick/felt_forces.h"
 
@@ -80,6 +81,8 @@ void add_sampled_body(const Model& model, const Primitives& hand, std::size_t fi
   const Vec3 pivot = hand.base_joint[first];
   // By the same lattices as the tick: what its mixture would change by is of the size of their errors.
   const LevelWeights* const levels = memory.forces.contact_count > 0 ? &memory.forces.level : nullptr;
+  // What others are deeper in is theirs, so they have to be there.
+  const std::uint32_t with = model.settings.felt_once ? sampled_segments(model) : segments;
   std::array<Matrix6, kSegmentCount> about_pivot{};
   for (std::size_t column = 0; column < 6; ++column) {
     const auto axis = [&](double size) {
@@ -91,7 +94,7 @@ void add_sampled_body(const Model& model, const Primitives& hand, std::size_t fi
       Primitives moved = hand;
       move_segments(first, last, pivot, axis(column < 3 ? side * step : 0),
                     axis(column < 3 ? 0 : side * step), hand, moved);
-      if (!sample_forces(model, moved, segments, memory, side > 0 ? ahead : behind, levels)) return;
+      if (!sample_forces(model, moved, with, memory, side > 0 ? ahead : behind, levels)) return;
     }
     for (std::size_t i = first; i <= last; ++i) {
       const Vec3 force = (0.5 / step) * (ahead.segment[i].force - behind.segment[i].force);
@@ -157,6 +160,11 @@ void add_pushes(const GapList& pushing, const Primitives& hand, std::uint32_t se
   }
 }
 
+// Has the exact rung taken off a segment what others are deeper in? How that changes isn't known.
+bool shares(const Scratch& scratch, std::size_t segment) {
+  return scratch.overlaps && scratch.overlaps->segment[segment].force != Vec3{};
+}
+
 }  // namespace
 
 void segment_jacobians(const Model& model, const Scratch& scratch,
@@ -166,7 +174,7 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
   const bool own = is_made_for(model, scratch);
   const auto asked = [segments](std::size_t segment) { return (segments >> segment & 1u) != 0; };
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    if (asked(i)) jacobians[i] = {{}, own && model.settings.law[i] == Law::field};
+    if (asked(i)) jacobians[i] = {{}, own && model.settings.law[i] == Law::field && !shares(scratch, i)};
   }
   if (!own) return;
   const Primitives& hand = *scratch.primitives;

@@ -1,0 +1,108 @@
+#include "samples/overlaps.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "base/at_least.h"
+#include "index/sphere_tree.h"
+
+namespace lumbrical {
+namespace {
+
+constexpr std::size_t kWidth = PatchBlock::kWidth;
+
+// What a block's patches may be listed for.
+constexpr std::size_t kMostOfBlock = kWidth * (Bodies::kMostFingers * FingerBody::kMostTiles + 1);
+
+// [m] What rounding may take away of distances between a tree's spheres and bodies.
+float slack_of(const TreeHead& tree, const BodyOffsets& offsets, std::size_t body_count) {
+  constexpr double kFloatSlack = 1.6e-6;
+  double size = tree.radius + norm(tree.centre);
+  for (std::size_t i = 0; i < body_count; ++i)
+    size = max(size, norm(Vec3{offsets[i][0], offsets[i][1], offsets[i][2]}));
+  return static_cast<float>(kFloatSlack * (size + offsets.largest));
+}
+
+// Blocks of patches that two bodies may reach: all of them, or by the tree.
+std::span<const std::uint32_t> shared_blocks(const Model& model, const Bodies& bodies, Overlaps& overlaps) {
+  const SphereTree& tree = model.patches->tree;
+  std::uint32_t* from = overlaps.frontier[0].data();
+  if (model.execution.broadphase == Broadphase::brute) {
+    std::iota(from, from + model.patches->block.size(), 0u);
+    return {from, model.patches->block.size()};
+  }
+  const BodyOffsets offsets = offsets_from(tree.head.origin, bodies);
+  const float slack = slack_of(tree.head, offsets, bodies.finger_count + 1);
+  const TreeLayout layout = layout_of(tree.head);
+  std::uint32_t* to = overlaps.frontier[1].data();
+  std::size_t level = tree.head.level_count, count = layout.blocks[level - 1];
+  std::iota(from, from + count, 0u);
+  for (const SphereBlock* spheres = blocks_of(tree.lines.data()); level-- > 0;
+       spheres += layout.blocks[level]) {
+    count =
+        sample_kernels(model.execution.isa).overlap_hits(spheres, bodies, offsets, slack, from, count, to);
+    std::swap(from, to);
+  }
+  return {from, count};
+}
+
+std::size_t key_of(const Patches& patches, const ListedPatch& patch) {
+  const PatchBlock& block = patches.block[patch.place / kWidth];
+  return patch.tile % ListedPatch::kFarEnd * kPatchSizes +
+         static_cast<std::size_t>(block.size[patch.place % kWidth]);
+}
+
+void put_in_order(const Patches& patches, std::span<const ListedPatch> found, Overlaps& overlaps) {
+  auto& begin = overlaps.begin;
+  begin.fill(0);
+  for (const ListedPatch& patch : found) ++begin[key_of(patches, patch) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  auto next = begin;
+  for (const ListedPatch& patch : found) overlaps.listed[next[key_of(patches, patch)]++] = patch;
+}
+
+}  // namespace
+
+void size_overlaps(const Model& model, Overlaps& overlaps) {
+  const std::size_t blocks =
+      std::max<std::size_t>(model.patches->block.size(), frontier_capacity(model.patches->tree.head));
+  for (auto& frontier : overlaps.frontier) at_least(blocks, frontier);
+  const std::size_t most =
+      std::min<std::size_t>(model.settings.max_candidates, model.patches->block.size() * kMostOfBlock);
+  at_least(most + kMostOfBlock, overlaps.found);
+  at_least(most + kMostOfBlock, overlaps.listed);
+}
+
+bool find_overlaps(const Model& model, const Bodies& bodies, Overlaps& overlaps) {
+  const Patches& patches = *model.patches;
+  overlaps.begin.fill(0);
+  if (patches.tree.head.level_count == 0) return true;
+  const std::size_t most = overlaps.found.size() - kMostOfBlock;
+  const Vec3 middle = bodies.finger_count > 0 ? bodies.finger[0].origin : bodies.palm.origin;
+  const BodyOffsets offsets = offsets_from(middle, bodies);
+  const SplitPoint origin = split_point(middle);
+  std::size_t count = 0;
+  for (const std::uint32_t& block : shared_blocks(model, bodies, overlaps)) {
+    count += sample_kernels(model.execution.isa)
+                 .overlap_patches(patches.block.data(), bodies, offsets, origin, &block, 1,
+                                  overlaps.found.data() + count);
+    if (count > most) return false;
+  }
+  put_in_order(patches, std::span(overlaps.found).first(count), overlaps);
+  return true;
+}
+
+std::uint64_t effort_of(const Patches& patches, const Overlaps& overlaps, std::size_t level) {
+  constexpr std::uint64_t kPerCell = 6;  // points, of the part and of those deeper
+  std::uint64_t effort = 0;
+  for (std::size_t part = 0; part < Overlaps::kParts; ++part) {
+    for (std::size_t size = 0; size < kPatchSizes; ++size) {
+      const std::uint64_t steps = patches.most_steps[size][level];
+      effort += kPerCell * steps * steps * overlaps.of(part, size).size();
+    }
+  }
+  return effort;
+}
+
+}  // namespace lumbrical

@@ -1,0 +1,248 @@
+// What several fingers, or fingers and palm, hold together is felt once: against the definition, the deepest
+// body at each point, by brute quadrature; and where two bodies are in the same place.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "exact/finger_reference.h"
+#include "lumbrical/jacobian.h"
+#include "model/primitive.h"
+#include "pressed_hand.h"
+#include "sampled_hand.h"
+#include "samples/sampled_forces.h"
+
+namespace lumbrical::test {
+namespace {
+
+constexpr std::size_t kBodies = kFingerCount + 1, kPalmBody = kFingerCount;
+using BodyForces = std::array<Vec3, kBodies>;
+
+double palm_reference(const SweptPolygon& palm, Vec3 p) {
+  const double height = dot(p - palm.corner[0], palm.normal);
+  const Vec3 foot = p - height * palm.normal;
+  bool outside = false;
+  double aside = 1e300;
+  for (int k = 0; k < palm.corner_count; ++k) {
+    const Vec3 a = palm.corner[static_cast<std::size_t>(k)],
+               b = palm.corner[static_cast<std::size_t>((k + 1) % palm.corner_count)];
+    outside = outside || dot(foot - a, palm.outward[static_cast<std::size_t>(k)]) > 0;
+    const double t = std::clamp(dot(foot - a, b - a) / dot(b - a, b - a), 0.0, 1.0);
+    aside = std::min(aside, norm(foot - (a + t * (b - a))));
+  }
+  return palm.radius - std::hypot(height, outside ? aside : 0);
+}
+
+// The fields of fingers and palm at a point.
+class BodyFields {
+ public:
+  explicit BodyFields(const Primitives& hand) : palm_(hand.palm) {
+    for (std::size_t i = 0; i < kPhalanxCount; ++i) {
+      const Primitive& phalanx = hand.capsule[i];
+      if (hand.present[i])
+        finger_[i / 3].push_back({phalanx.end1, phalanx.end2, phalanx.radius1, phalanx.radius2});
+    }
+  }
+  [[nodiscard]] std::array<double, kBodies> at(Vec3 p) const {
+    std::array<double, kBodies> field;
+    for (std::size_t i = 0; i < kFingerCount; ++i)
+      field[i] = finger_[i].empty() ? -1 : finger_field(finger_[i], p);
+    field[kPalmBody] = palm_.corner_count > 0 ? palm_reference(palm_, p) : -1;
+    return field;
+  }
+
+ private:
+  std::array<std::vector<ReferenceCapsule>, kFingerCount> finger_;
+  const SweptPolygon& palm_;
+};
+
+// By the centroids of pieces of 0.15 mm, of a stiffness of 1: each piece to the deepest body, or to all.
+struct Reference {
+  BodyForces once{}, by_all{};
+};
+Reference reference_of(const Model& model, const Primitives& hand) {
+  const BodyFields fields(hand);
+  Reference reference;
+  for (std::uint32_t i = 0; i < model.triangles.size(); ++i) {
+    const Vec3 a = model.triangles.vertex(model.triangles.a[i]),
+               b = model.triangles.vertex(model.triangles.b[i]),
+               c = model.triangles.vertex(model.triangles.c[i]);
+    const Vec3 middle = (a + b + c) / 3.0;
+    const double size = std::max({norm(a - middle), norm(b - middle), norm(c - middle)});
+    const auto there = fields.at(middle);
+    if (*std::max_element(there.begin(), there.end()) < -size) continue;
+    const int cuts = static_cast<int>(std::ceil(size / 1.5e-4));
+    const Vec3 piece = 0.5 / (cuts * cuts) * cross(b - a, c - a);
+    const auto add = [&](double u, double v) {
+      const auto field = fields.at(a + u / cuts * (b - a) + v / cuts * (c - a));
+      const auto deepest =
+          static_cast<std::size_t>(std::max_element(field.begin(), field.end()) - field.begin());
+      for (std::size_t k = 0; k < kBodies; ++k) {
+        const Vec3 force = std::max(0.0, field[k]) * piece;
+        reference.by_all[k] += force;
+        if (k == deepest) reference.once[k] += force;
+      }
+    };
+    for (int u = 0; u < cuts; ++u) {
+      for (int v = 0; u + v < cuts; ++v) {
+        add(u + 1.0 / 3, v + 1.0 / 3);
+        if (u + v + 1 < cuts) add(u + 2.0 / 3, v + 2.0 / 3);
+      }
+    }
+  }
+  return reference;
+}
+
+BodyForces by_bodies(const HandForces& forces, double stiffness) {
+  BodyForces sum{};
+  for (std::size_t i = 0; i < kSegmentCount; ++i) sum[i / 3] += forces.segment[i].force / stiffness;
+  return sum;
+}
+
+// Of the hand's force, and of the worst body's, as a share of what bodies feel together.
+struct Difference {
+  double hand = 0, body = 0;
+};
+Difference difference(const BodyForces& one, const BodyForces& other) {
+  Vec3 sum;
+  double size = 0;
+  Difference difference;
+  for (std::size_t k = 0; k < kBodies; ++k) {
+    sum += one[k] - other[k];
+    size += norm(other[k]);
+    difference.body = std::max(difference.body, norm(one[k] - other[k]));
+  }
+  return {norm(sum) / size, difference.body / size};
+}
+
+struct Held {
+  std::string name;
+  Mesh mesh;
+  DeviceFrame frame;
+  double shared;  // of the hand's force, at least, that several bodies would feel
+};
+std::vector<Held> what_hands_hold(const Hand& hand) {
+  std::vector<Held> all;
+  const DeviceFrame flat = pressed_frame(hand, 0.003, 0.2);
+  all.push_back({"a flat hand on a plane", make_plane(0.3, 60, 1, 3), flat, 0.01});
+  all.push_back({"a flat hand on two triangles", make_plane(0.3, 1), flat, 0.01});
+  all.push_back({"a flat hand on an irregular plane", make_plane(0.3, 24, 1, 5), flat, 0.01});
+  all.push_back({"fingers side by side", make_plane(0.3, 60, 1, 3), flat, 0.01});
+  for (std::size_t i = 4; i < kAngleCount; i += 4) all.back().frame.angle[i] = i == 8 ? 0.0f : -0.3f;
+  all.push_back(
+      {"a grasp", make_box({0.04, 0.04, 0.08}, 12), resample(make_grasp(hand, 0.02, 0.08, 6), 3), 0.003});
+  return all;
+}
+
+double torque_difference(const HandForces& one, const HandForces& other) {
+  double most = 0, size = 0;
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    most = std::max(most, norm(one.segment[i].torque - other.segment[i].torque));
+    size += norm(other.segment[i].torque);
+  }
+  return most / size;
+}
+
+TEST(FeltOnce, IsWhatTheDeepestBodyFeelsOnEveryRung) {
+  const Hand hand = default_hand(Side::right);
+  for (const Held& held : what_hands_hold(hand)) {
+    Scene scene = sampled_scene(hand, {{"mesh", held.mesh}});
+    scene.settings.felt_once = true;
+    const double stiffness = scene.settings.stiffness;
+    const Model exact = model_at(scene, 0);
+    Scratch scratch = make_scratch(exact);
+    State state;
+    const ActuatorFrame felt = tick(exact, state, scratch, held.frame);
+    const Reference reference = reference_of(exact, *scratch.primitives);
+    EXPECT_GT(difference(reference.by_all, reference.once).hand, held.shared) << held.name;
+    const Difference off = difference(by_bodies(felt, stiffness), reference.once);
+    EXPECT_LT(off.hand, 5e-5) << held.name;  // the reference's own error
+    EXPECT_LT(off.body, 5e-5) << held.name;
+    for (const double precision : {1e-3, 1e-4, 1e-5}) {
+      FeelingHand samples(scene, precision);
+      const ActuatorFrame by_samples = samples(held.frame);
+      const Difference error = difference(by_bodies(by_samples, stiffness), by_bodies(felt, stiffness));
+      EXPECT_LT(error.hand, precision + 3e-5) << held.name << " at " << precision;
+      EXPECT_LT(error.body, 3 * precision + 3e-5) << held.name << " at " << precision;
+      EXPECT_LT(torque_difference(by_samples, felt), 6 * precision + 3e-5)
+          << held.name << " at " << precision;
+    }
+  }
+}
+
+// The middle finger where the index is: the first of the two has it all.
+TEST(FeltOnce, TwoFingersInOnePlaceFeelWhatOneFeels) {
+  Hand hand = default_hand(Side::right);
+  for (std::size_t k = 0; k < 5; ++k) hand.radius[kMiddleMetacarpal + k] = hand.radius[kIndexMetacarpal + k];
+  hand.palm.polygon.clear();
+  Scene scene = sampled_scene(hand, {{"mesh", make_plane(0.3, 60, 1, 3)}});
+  DeviceFrame both = as_joint_poses(hand, pressed_frame(hand, 0.003, 0.2));
+  for (std::size_t k = 0; k < 5; ++k) both.joint[kMiddleMetacarpal + k] = both.joint[kIndexMetacarpal + k];
+  DeviceFrame one = both;
+  for (std::uint32_t k = 0; k < 5; ++k) one.valid &= ~(1u << (kMiddleMetacarpal + k));
+  for (const double precision : {0.0, 1e-4, 1e-5}) {
+    scene.settings.felt_once = false;
+    FeelingHand twice(scene, precision);
+    scene.settings.felt_once = true;
+    FeelingHand once(scene, precision);
+    const Vec3 by_both = total_force(once(both)), by_one = total_force(once(one));
+    EXPECT_GT(norm(total_force(twice(both))), 1.1 * norm(by_one));
+    EXPECT_LT(norm(by_both - by_one), (precision > 0 ? precision : 1e-6) * norm(by_one)) << precision;
+  }
+}
+
+TEST(FeltOnce, JacobiansAreThoseOfWhatIsFelt) {
+  const Hand hand = default_hand(Side::right);
+  Scene scene = sampled_scene(hand, {{"mesh", make_plane(0.3, 60, 1, 3)}});
+  scene.settings.felt_once = true;
+  const Model model = model_at(scene, 1e-4);
+  Scratch scratch = make_scratch(model);
+  const DeviceFrame flat = as_joint_poses(hand, pressed_frame(hand, 0.003, 0.2));
+  State state;
+  tick(model, state, scratch, flat);
+  std::array<SegmentJacobian, kSegmentCount> jacobians;
+  segment_jacobians(model, scratch, jacobians);
+  const LevelWeights level = scratch.samples->forces.level;
+  // The palm by itself 10 um down: its polygon goes with its joint, fingers stay.
+  constexpr double kStep = 1e-5;
+  std::array<Vec3, 2> force;
+  for (const double side : {-1.0, 1.0}) {
+    Primitives moved = *scratch.primitives;
+    for (Vec3& corner : moved.palm.corner) corner.z += side * kStep;
+    SampledForces felt;
+    ASSERT_TRUE(sample_forces(model, moved, kAllSegments, *scratch.samples, felt, &level));
+    force[side > 0 ? 1 : 0] = scene.settings.stiffness * felt.segment[kPalmSegment].force;
+  }
+  const Vec3 change = (force[1] - force[0]) / (2 * kStep);
+  ASSERT_TRUE(jacobians[kPalmSegment].known);
+  const auto& value = jacobians[kPalmSegment].value;
+  EXPECT_LT(change.z, -100);
+  EXPECT_NEAR(value[2][2], change.z, 1e-3 * norm(change));
+  EXPECT_NEAR(value[0][2], change.x, 1e-3 * norm(change));
+  EXPECT_NEAR(value[1][2], change.y, 1e-3 * norm(change));
+
+  const Model exact = model_at(scene, 0);
+  Scratch of_exact = make_scratch(exact);
+  tick(exact, state, of_exact, flat);
+  segment_jacobians(exact, of_exact, jacobians);
+  EXPECT_FALSE(jacobians[kPalmSegment].known);  // borders between bodies move in a way that nobody knows
+}
+
+TEST(FeltOnce, NeedsTheFieldLawAndOneRungForAll) {
+  Scene scene = sampled_scene(default_hand(Side::right), {{"mesh", make_plane(0.3, 4)}});
+  scene.settings.felt_once = true;
+  const auto error_of = [&] {
+    Model model;
+    return build_model(scene, {}, model).message();
+  };
+  EXPECT_EQ(error_of(), "");
+  scene.settings.precision[4] = 0;
+  EXPECT_NE(error_of().find("settings.felt_once"), std::string::npos);
+  scene.settings.precision.fill(0);
+  EXPECT_EQ(error_of(), "");
+  scene.settings.law[2] = Law::column;
+  EXPECT_NE(error_of().find("settings.felt_once"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lumbrical::test
