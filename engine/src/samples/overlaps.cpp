@@ -24,24 +24,22 @@ float slack_of(const TreeHead& tree, const BodyOffsets& offsets, std::size_t bod
   return static_cast<float>(kFloatSlack * (size + offsets.largest));
 }
 
-// Blocks of patches that two bodies may reach: all of them, or by the tree.
+// Blocks of patches whose spheres two bodies may reach. That is asked of all blocks' spheres, or of those
+// that the tree leads to: for levels above, rounding counts twice, so that no block's is missed.
 std::span<const std::uint32_t> shared_blocks(const Model& model, const Bodies& bodies, Overlaps& overlaps) {
   const SphereTree& tree = model.patches->tree;
-  std::uint32_t* from = overlaps.frontier[0].data();
-  if (model.execution.broadphase == Broadphase::brute) {
-    std::iota(from, from + model.patches->block.size(), 0u);
-    return {from, model.patches->block.size()};
-  }
   const BodyOffsets offsets = offsets_from(tree.head.origin, bodies);
   const float slack = slack_of(tree.head, offsets, bodies.finger_count + 1);
   const TreeLayout layout = layout_of(tree.head);
-  std::uint32_t* to = overlaps.frontier[1].data();
-  std::size_t level = tree.head.level_count, count = layout.blocks[level - 1];
+  const std::size_t top = model.execution.broadphase == Broadphase::brute ? 0 : tree.head.level_count - 1;
+  std::uint32_t *from = overlaps.frontier[0].data(), *to = overlaps.frontier[1].data();
+  std::size_t count = layout.blocks[top];
   std::iota(from, from + count, 0u);
-  for (const SphereBlock* spheres = blocks_of(tree.lines.data()); level-- > 0;
-       spheres += layout.blocks[level]) {
-    count =
-        sample_kernels(model.execution.isa).overlap_hits(spheres, bodies, offsets, slack, from, count, to);
+  const SphereBlock* spheres = blocks_of(tree.lines.data());
+  for (std::size_t level = tree.head.level_count; level-- > 0; spheres += layout.blocks[level]) {
+    if (level > top) continue;
+    count = sample_kernels(model.execution.isa)
+                .overlap_hits(spheres, bodies, offsets, level > 0 ? 2 * slack : slack, from, count, to);
     std::swap(from, to);
   }
   return {from, count};
