@@ -96,7 +96,7 @@ std::uint64_t effort_of(const Patches& patches, const Overlaps& overlaps, std::s
   std::uint64_t effort = 0;
   for (std::size_t part = 0; part < Overlaps::kParts; ++part) {
     for (std::size_t size = 0; size < kPatchSizes; ++size) {
-      const std::uint64_t steps = patches.most_steps[size][level];
+      const std::uint64_t steps = patches.most_steps[kPatchSizes + size][level];
       effort += kPerCell * steps * steps * overlaps.of(part, size).size();
     }
   }

@@ -77,8 +77,9 @@ using SegmentWrenches = std::array<Wrench, kSegmentCount>;
 // Evaluations below which threads cost more than they bring.
 constexpr std::uint64_t kSerialEvaluations = 20000;
 
-// The level of the lattices by which overlaps are felt, whatever the hand's force.
-constexpr std::size_t kOverlapLevel = 4;
+// The level of the lattices by which overlaps are felt, whatever the hand's force: the coarsest, for they are
+// those of patches that a skeleton is near to, twice as fine as others.
+constexpr std::size_t kOverlapLevel = 0;
 
 /// A hand near patches, and all who compute.
 struct SampleTeam {
