@@ -42,7 +42,8 @@ TEST(SettingsChange, GivesTheBitsOfAModelThatWasBuiltWithThem) {
     Model changed;
     ASSERT_TRUE(change_settings(before, other.settings, 2, changed).ok());
     EXPECT_EQ(changed.triangles.x.data(), before.triangles.x.data()) << "nothing is there twice";
-    EXPECT_EQ(changed.patches == before.patches, change == 0 || change == 4) << "patches are cut anew where they differ";
+    EXPECT_EQ(changed.patches == before.patches, change == 0 || change == 4)
+        << "patches are cut anew where they differ";
     EXPECT_EQ(hash_of(changed), hash_of(test::model_of(other))) << change;
     EXPECT_NE(hash_of(changed), hash_of(before)) << change;
     ASSERT_TRUE(change_settings(changed, scene.settings, 1, changed).ok()) << "in place";
