@@ -42,20 +42,26 @@ std::vector<Execution> ways_to_run() {
   return ways;
 }
 
+// Returns the contacts of all ticks.
+std::uint32_t expect_the_same_on_every_way(const Scene& scene, const std::vector<DeviceFrame>& frames) {
+  Execution plain;
+  plain.isa = Isa::scalar;
+  plain.broadphase = Broadphase::brute;
+  std::uint32_t contacts = 0;
+  const std::uint64_t hash = hash_run(model_of(scene, plain), frames, &contacts);
+  for (const Execution& way : ways_to_run()) {
+    EXPECT_EQ(hash_run(model_of(scene, way), frames), hash)
+        << isa_name(way.isa) << " " << broadphase_name(way.broadphase) << " " << way.threads;
+  }
+  return contacts;
+}
+
 TEST(SampledBits, AreTheSameForEveryInstructionSetThreadCountAndSearch) {
-  const Scene scene = irregular_scene();
+  Scene scene = irregular_scene();
   const std::vector<DeviceFrame> frames = postures(scene.hand, 5);
   for (const double precision : kPrecisions) {
-    Execution plain;
-    plain.isa = Isa::scalar;
-    plain.broadphase = Broadphase::brute;
-    std::uint32_t contacts = 0;
-    const std::uint64_t hash = hash_run(model_at(scene, precision, plain), frames, &contacts);
-    EXPECT_GT(contacts, 1000u);
-    for (const Execution& way : ways_to_run()) {
-      EXPECT_EQ(hash_run(model_at(scene, precision, way), frames), hash)
-          << isa_name(way.isa) << " " << broadphase_name(way.broadphase) << " " << way.threads;
-    }
+    scene.settings.precision.fill(precision);
+    EXPECT_GT(expect_the_same_on_every_way(scene, frames), 1000u);
   }
 }
 
@@ -65,14 +71,8 @@ TEST(SampledBits, AreTheSameWhereThatIsFeltOnce) {
   scene.settings.felt_once = true;
   const std::vector<DeviceFrame> frames = postures(scene.hand, 5);
   for (const double precision : {0.0, 1e-3, 1e-4}) {
-    Execution plain;
-    plain.isa = Isa::scalar;
-    plain.broadphase = Broadphase::brute;
-    const std::uint64_t hash = hash_run(model_at(scene, precision, plain), frames);
-    for (const Execution& way : ways_to_run()) {
-      EXPECT_EQ(hash_run(model_at(scene, precision, way), frames), hash)
-          << isa_name(way.isa) << " " << broadphase_name(way.broadphase) << " " << way.threads;
-    }
+    scene.settings.precision.fill(precision);
+    EXPECT_GT(expect_the_same_on_every_way(scene, frames), 1000u);
   }
 }
 
@@ -82,14 +82,7 @@ TEST(SampledBits, AreTheSameWhereSegmentsDiffer) {
   for (std::size_t i = 0; i < kSegmentCount; ++i)
     scene.settings.precision[i] = i == kPalmSegment ? 1e-3 : i % 3 == 2 ? 1e-5 : i < 6 ? 0 : 1e-4;
   scene.settings.law[10] = Law::column;
-  const std::vector<DeviceFrame> frames = postures(scene.hand, 6);
-  Execution plain;
-  plain.isa = Isa::scalar;
-  plain.broadphase = Broadphase::brute;
-  const std::uint64_t hash = hash_run(model_of(scene, plain), frames);
-  for (const Execution& way : ways_to_run())
-    EXPECT_EQ(hash_run(model_of(scene, way), frames), hash)
-        << isa_name(way.isa) << " " << broadphase_name(way.broadphase) << " " << way.threads;
+  expect_the_same_on_every_way(scene, postures(scene.hand, 6));
 }
 
 void expect_same_forces(const HandForces& one, const HandForces& other, double share) {

@@ -126,27 +126,21 @@ inline ListedPatch* list_rivals(const Rivals& rivals, std::uint32_t first, std::
   return to;
 }
 
-/// The patches of blocks that a part may have to leave to other bodies; returns how many.
+/// The patches of a block that a part may have to leave to other bodies; returns how many.
 template <class V>
 std::size_t overlap_patches(const PatchBlock* blocks, const Bodies& bodies, const BodyOffsets& offset,
-                            const SplitPoint& origin, const std::uint32_t* found, std::size_t block_count,
-                            ListedPatch* patches) {
+                            const SplitPoint& origin, std::uint32_t block, ListedPatch* patches) {
   ListedPatch* to = patches;
-  for (std::size_t i = 0; i < block_count; ++i) {
-    const PatchBlock& block = blocks[found[i]];
-    for (unsigned lane = 0; lane < PatchBlock::kWidth;
-         lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
-      const Discs<V> discs = discs_of<V>(block, origin, offset.largest, lane);
-      const PartFields<V> fields(bodies, offset, MetDiscs<V>{discs});
-      if (!any(fields.second > number<V>(kNowhere))) continue;
-      const std::uint32_t first = found[i] * PatchBlock::kWidth + lane;
-      for (std::size_t body = 0; body < fields.body_count; ++body) {
-        const std::size_t tiles = body < bodies.finger_count ? bodies.finger[body].tile_count : 1;
-        for (std::size_t k = 0; k < tiles; ++k) {
-          const std::size_t part = body * Bodies::kTilesApart + k;
-          const Rivals rivals = rivals_of(fields, body, part, discs.reach);
-          if (rivals.any != 0) to = list_rivals(rivals, first, part, to);
-        }
+  for (unsigned lane = 0; lane < PatchBlock::kWidth; lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
+    const Discs<V> discs = discs_of<V>(blocks[block], origin, offset.largest, lane);
+    const PartFields<V> fields(bodies, offset, MetDiscs<V>{discs});
+    if (!any(fields.second > number<V>(kNowhere))) continue;
+    for (std::size_t body = 0; body < fields.body_count; ++body) {
+      const std::size_t tiles = body < bodies.finger_count ? bodies.finger[body].tile_count : 1;
+      for (std::size_t k = 0; k < tiles; ++k) {
+        const std::size_t part = body * Bodies::kTilesApart + k;
+        const Rivals rivals = rivals_of(fields, body, part, discs.reach);
+        if (rivals.any != 0) to = list_rivals(rivals, block * PatchBlock::kWidth + lane, part, to);
       }
     }
   }
@@ -234,14 +228,6 @@ struct OwnPart {
                          place_on(outer.tile, outer.at(u, v)));
   }
 };
-
-/// How far a patch's corners are from its centroid at most.
-template <class V>
-inline V size_of(const PatchInFrame<V>& patch) {
-  const Wide3<V> to_centre = number<V>(1.0 / 3) * (patch.edge1 + patch.edge2), at_1 = patch.edge1 - to_centre,
-                 at_2 = patch.edge2 - to_centre;
-  return sqrt(max(dot(to_centre, to_centre), max(dot(at_1, at_1), dot(at_2, at_2))));
-}
 
 template <class V>
 inline OwnPart<V> see_own(const PatchRows& rows, std::size_t lane, const Bodies& bodies, std::size_t part,

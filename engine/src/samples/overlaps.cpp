@@ -6,6 +6,7 @@
 
 #include "base/at_least.h"
 #include "index/sphere_tree.h"
+#include "search/tree_search.h"
 
 namespace lumbrical {
 namespace {
@@ -17,7 +18,6 @@ constexpr std::size_t kMostOfBlock = kWidth * (Bodies::kMostFingers * FingerBody
 
 // [m] What rounding may take away of distances between a tree's spheres and bodies.
 float slack_of(const TreeHead& tree, const BodyOffsets& offsets, std::size_t body_count) {
-  constexpr double kFloatSlack = 1.6e-6;
   double size = tree.radius + norm(tree.centre);
   for (std::size_t i = 0; i < body_count; ++i)
     size = max(size, norm(Vec3{offsets[i][0], offsets[i][1], offsets[i][2]}));
@@ -81,9 +81,9 @@ bool find_overlaps(const Model& model, const Bodies& bodies, Overlaps& overlaps)
   const BodyOffsets offsets = offsets_from(middle, bodies);
   const SplitPoint origin = split_point(middle);
   std::size_t count = 0;
-  for (const std::uint32_t& block : shared_blocks(model, bodies, overlaps)) {
+  for (const std::uint32_t block : shared_blocks(model, bodies, overlaps)) {
     count += sample_kernels(model.execution.isa)
-                 .overlap_patches(patches.block.data(), bodies, offsets, origin, &block, 1,
+                 .overlap_patches(patches.block.data(), bodies, offsets, origin, block,
                                   overlaps.found.data() + count);
     if (count > most) return false;
   }
@@ -94,6 +94,7 @@ bool find_overlaps(const Model& model, const Bodies& bodies, Overlaps& overlaps)
 std::uint64_t effort_of(const Patches& patches, const Overlaps& overlaps, std::size_t level) {
   constexpr std::uint64_t kPerCell = 6;  // points, of the part and of those deeper
   std::uint64_t effort = 0;
+  if (overlaps.count() == 0) return effort;  // as in every tick that feels by all
   for (std::size_t part = 0; part < Overlaps::kParts; ++part) {
     for (std::size_t size = 0; size < kPatchSizes; ++size) {
       const std::uint64_t steps = patches.most_steps[kPatchSizes + size][level];

@@ -61,16 +61,13 @@ struct PalmNearby {
 
   PalmNearby(const PalmBody& whole, const PatchInFrame<V>& patch) : palm(whole) {
     constexpr double kSlack = 1e-4;  // of the radius
-    const Wide3<V> to_centre = number<V>(1.0 / 3) * (patch.edge1 + patch.edge2),
-                   centre = patch.corner + to_centre;
-    const auto square_to = [&](Wide3<V> corner) { return dot(corner - to_centre, corner - to_centre); };
-    const V size = sqrt(max(dot(to_centre, to_centre), max(square_to(patch.edge1), square_to(patch.edge2))));
+    const Wide3<V> centre = patch.corner + number<V>(1.0 / 3) * (patch.edge1 + patch.edge2);
     V distance[PalmBody::kMostCorners], least = number<V>(1e30);
     for (std::size_t k = 0; k < palm.corner_count; ++k) {
       distance[k] = sqrt(from_edge(palm.edge[k], centre).square);
       least = min(least, distance[k]);
     }
-    const V reach = least + (number<V>(2.001) * size + number<V>(kSlack) * V(palm.radius));
+    const V reach = least + (number<V>(2.001) * size_of(patch) + number<V>(kSlack) * V(palm.radius));
     for (std::size_t k = 0; k < palm.corner_count; ++k) {
       const auto is_near = distance[k] <= reach;
       if (!any(is_near)) continue;

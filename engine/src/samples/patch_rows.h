@@ -77,6 +77,14 @@ struct PatchInFrame {
   [[nodiscard]] Wide3<V> at(V u, V v) const { return corner + (u * edge1 + v * edge2); }
 };
 
+/// How far a patch's corners are from its centroid at most.
+template <class V>
+inline V size_of(const PatchInFrame<V>& patch) {
+  const Wide3<V> to_centre = number<V>(1.0 / 3) * (patch.edge1 + patch.edge2), at_1 = patch.edge1 - to_centre,
+                 at_2 = patch.edge2 - to_centre;
+  return sqrt(max(dot(to_centre, to_centre), max(dot(at_1, at_1), dot(at_2, at_2))));
+}
+
 template <class V>
 inline Wide3<V> turn_into(const float (&axis)[3][3], Wide3<V> p) {
   return {dot(in_all_lanes<V>(axis[0]), p), dot(in_all_lanes<V>(axis[1]), p),

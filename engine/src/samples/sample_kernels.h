@@ -186,10 +186,9 @@ struct SampleKernels {
   std::size_t (*overlap_hits)(const SphereBlock* spheres, const Bodies& bodies, const BodyOffsets& offset,
                               float slack, const std::uint32_t* blocks, std::size_t block_count,
                               std::uint32_t* hits);
-  /// Lists the blocks' patches of which a part may have to leave something to other bodies; returns how many.
+  /// Lists the block's patches of which a part may have to leave something to other bodies; returns how many.
   std::size_t (*overlap_patches)(const PatchBlock* blocks, const Bodies& bodies, const BodyOffsets& offset,
-                                 const SplitPoint& origin, const std::uint32_t* found,
-                                 std::size_t block_count, ListedPatch* patches);
+                                 const SplitPoint& origin, std::uint32_t block, ListedPatch* patches);
   /// Takes that off the part's sums.
   void (*overlap_lattice)(const PatchList& list, const Bodies& bodies, std::size_t part,
                           const BodyOffsets& offset, std::size_t steps, BodySums& sums);

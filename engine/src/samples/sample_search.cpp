@@ -175,7 +175,6 @@ void set_plane(Vec3 normal, double offset, float (&plane)[4]) {
 }
 
 PalmQuery query_of_palm(const TreeHead& tree, const SweptPolygon& palm) {
-  constexpr double kFloatSlack = 1.6e-6;
   PalmQuery query;
   double size = tree.radius + norm(tree.centre);
   const auto add = [&](Vec3 normal, Vec3 point) {

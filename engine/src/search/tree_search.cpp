@@ -6,9 +6,6 @@
 namespace lumbrical {
 namespace {
 
-// Share by which single precision may move a coordinate of the query, generously.
-constexpr double kFloatSlack = 1.6e-6;
-
 // Shorter axes are taken for points; that much is added to the reach.
 constexpr double kShortest = 1e-15;
 

@@ -12,6 +12,9 @@
 
 namespace lumbrical {
 
+/// Share by which single precision may move a coordinate of a query, generously.
+inline constexpr double kFloatSlack = 1.6e-6;
+
 /// Does the sphere round the whole tree reach the primitive's hull? In doubt yes.
 bool may_reach(const TreeHead& tree, const Primitive& primitive);
 

@@ -41,13 +41,13 @@ HandForces sum_up(const Model& model, Scratch& scratch) {
   find_all_contacts(model, scratch);
   tell(scratch.watch, Stage::narrowphase);
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
-  auto other = scratch.samples->forces.segment;
-  if (model.settings.felt_once) {
-    find_overlaps(model, *scratch.primitives, contacts, *scratch.overlaps);
-    for (std::size_t i = 0; i < kSegmentCount; ++i) {
-      other[i].force += scratch.overlaps->segment[i].force;
-      other[i].torque += scratch.overlaps->segment[i].torque;
-    }
+  const auto& sampled = scratch.samples->forces.segment;
+  if (!model.settings.felt_once) return sum_forces(model.settings, *scratch.primitives, contacts, sampled);
+  find_overlaps(model, *scratch.primitives, contacts, *scratch.overlaps);
+  auto other = scratch.overlaps->segment;
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    other[i].force += sampled[i].force;
+    other[i].torque += sampled[i].torque;
   }
   return sum_forces(model.settings, *scratch.primitives, contacts, other);
 }
