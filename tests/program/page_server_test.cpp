@@ -8,9 +8,14 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <future>
+#include <memory>
 #include <string>
+#include <thread>
 
 #include "files.h"
 #include "http_request.h"
@@ -123,6 +128,23 @@ TEST(PageServer, AnswersALiveSessionUntilItEnds) {
   };
   ASSERT_TRUE(server.start({kPage, {}, live}, 0).ok());
   EXPECT_EQ(body_of(get(server.port(), "/live")), "2\r\nab\r\n2\r\nab\r\n2\r\nab\r\n0\r\n\r\n");
+}
+
+TEST(PageServer, EndsALiveSessionWhereItStops) {
+  auto server = std::make_unique<PageServer>();
+  std::promise<void> sent;
+  const auto live = [&, server = server.get()](const auto& send) {
+    const std::uint8_t bytes[] = {'a', 'b'};
+    send(bytes);
+    sent.set_value();
+    while (server->running() && send(bytes)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  };
+  ASSERT_TRUE(server->start({kPage, {}, live}, 0).ok());
+  auto answer = std::async(std::launch::async, [port = server->port()] { return get(port, "/live"); });
+  sent.get_future().wait();
+  server.reset();
+  const std::string body = body_of(answer.get());
+  EXPECT_EQ(body.substr(body.size() - std::min<std::size_t>(body.size(), 12)), "2\r\nab\r\n0\r\n\r\n");
 }
 
 }  // namespace

@@ -5,7 +5,7 @@ import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { join, dirname, resolve } from "node:path";
 import { before, test } from "node:test";
-import { atTick, complaints, details, file, kPatience, message, open, page, program, requests, scanned, scene, serve, shot, tick } from "./browser.mjs";
+import { atTick, complaints, details, file, kPatience, message, open, page, program, requests, scanned, scene, serve, shot, started, tick } from "./browser.mjs";
 
 /** As a link says it. */
 const at = (address, wanted) => `${address}&tick=${wanted}`;
@@ -221,6 +221,8 @@ test("A running session is shown, read-only", async () => {
   await page.keyboard.press("Space");
   await page.keyboard.press("Home");
   assert.equal(await page.locator("#message").isVisible(), false);
+  started.at(-1).kill("SIGTERM");
+  await page.waitForFunction(() => /the session has ended/.test(document.getElementById("message").innerText), null, kPatience);
 });
 
 test("A running session of two hands is shown with both", async () => {

@@ -172,13 +172,16 @@ struct PageServer::Server {
     Head head{"200 OK", "application/octet-stream"};
     head.chunked = true;
     if (!to.send(head_text(head, policy, false))) return false;
-    content.live([&to](std::span<const std::uint8_t> bytes) {
+    std::string chunk;
+    content.live([&](std::span<const std::uint8_t> bytes) {
       char size[24];
-      const int length = std::snprintf(size, sizeof size, "%zx\r\n", bytes.size());
-      return to.send(size, static_cast<std::size_t>(length)) && to.send(bytes.data(), bytes.size()) &&
-             to.send("\r\n");
+      std::snprintf(size, sizeof size, "%zx\r\n", bytes.size());
+      chunk.assign(size).append(bytes.begin(), bytes.end()).append("\r\n");
+      return to.send(chunk);  // at once, so that the end does not come amid it
     });
-    to.send("0\r\n\r\n");
+    // When the session ends the server stops, and to.send() sends no more.
+    constexpr std::string_view kEnd = "0\r\n\r\n";
+    ::send(to.socket, kEnd.data(), kEnd.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     return false;
   }
 

@@ -12,9 +12,9 @@ export interface Client {
   window(place: number, first: number, last: number): Promise<Columns>;
   diverge(): Promise<Divergence | undefined>;
   touch(hand: Float64Array, joints?: string): Promise<Shown>;
+  newest(): Promise<(Shown | undefined)[]>;
   save(): Promise<Blob>;
   onScanned: (place: number, columns: Columns, marks: Mark[], share: number) => void;
-  onLive: (hand: number, shown: Shown | undefined, error: string | undefined) => void;
   onError: (text: string) => void;
 }
 
@@ -33,14 +33,13 @@ export async function startClient(): Promise<Client> {
     window: async (place, first, last) => (await ask({ type: "window", place, first, last })).columns,
     diverge: async () => (await ask({ type: "diverge" })).divergence,
     touch: async (hand, joints) => (await ask({ type: "touch", hand, joints })).shown,
+    newest: async () => (await ask({ type: "newest" })).hands,
     save: async () => (await ask({ type: "save" })).file,
     onScanned() {},
-    onLive() {},
     onError() {},
   };
   worker.onmessage = ({ data }: MessageEvent<Answer>) => {
     if (data.type === "scanned") return client.onScanned(data.place, data.columns, data.marks, data.share);
-    if (data.type === "live") return client.onLive(data.hand, data.shown, data.error);
     const waiter = waiting.get(data.id);
     waiting.delete(data.id);
     if (data.type !== "error") waiter?.resolve(data);

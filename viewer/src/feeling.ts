@@ -5,12 +5,12 @@ import { client, element, rate, say, state, view } from "./page";
 import { take } from "./playing";
 import { setRange } from "./range";
 import { makeColumns, pushRow } from "./series";
+import type { Shown } from "./worker";
 
 const kLiveKept = 1200;  // ticks, twenty seconds of what comes
 let plotted = 0;
 
-client.onLive = (hand, shown, error) => {
-  if (error) say(error, true);
+function feel(hand: number, shown: Shown | undefined) {
   const side = state.sides[hand];
   if (!shown || !side || !state.live) return;
   take(hand, shown, shown.tick);
@@ -22,7 +22,23 @@ client.onLive = (hand, shown, error) => {
   plotted = performance.now();
   setRange(oldest, newest);
   state.plots?.setData(side.whole, undefined);
-};
+}
+
+let following = false;
+
+/** The newest ticks of a session that runs, for every picture. */
+export async function follow() {
+  if (following) return;
+  following = true;
+  try {
+    (await client.newest()).forEach((shown, hand) => feel(hand, shown));
+  } catch (error) {
+    state.running = false;
+    say((error as Error).message, true);
+  } finally {
+    following = false;
+  }
+}
 
 export function enterLab() {
   element("lab").hidden = false;
@@ -59,7 +75,7 @@ export async function touch(lab: Lab, frame?: XRFrame) {
   touching = true;
   try {
     const shown = await client.touch(lab.hand(), joints);
-    if (state.lab === lab) client.onLive(0, shown, undefined);
+    if (state.lab === lab) feel(0, shown);
   } catch (error) {
     leaveLab();
     say((error as Error).message, true);

@@ -1,9 +1,10 @@
 // A session while it runs: `lumbrical run --view` sends messages, each behind its length in four bytes and the number of its hand
-// in one: the session first, then every hand's newest tick sixty times a second. Contacts are computed here.
+// in one: the session first, then every hand's newest tick sixty times a second. Contacts are computed here, of as many ticks as the
+// page asks for: one that is slower than the session shows fewer, and never old ones.
 import { ByteBuffer } from "flatbuffers";
 import type { Engine } from "./engine";
 import { sidesOf } from "./recording";
-import type { Answer, Opened } from "./worker";
+import type { Opened, Shown } from "./worker";
 import { Session } from "../generated/lumbrical/fb/session";
 import { Tick } from "../generated/lumbrical/fb/tick";
 
@@ -26,7 +27,7 @@ async function* messages(body: ReadableStream<Uint8Array>): AsyncGenerator<Sent>
       yield { hand: have[4], message: have.slice(kHead, kHead + length) };
       have = have.subarray(kHead + length);
     }
-    const { value, done } = await reader.read();
+    const { value, done } = await reader.read().catch(() => { throw new Error("the session was cut off"); });
     if (done) return;
     const more = new Uint8Array(have.length + value.length);
     more.set(have);
@@ -35,7 +36,13 @@ async function* messages(body: ReadableStream<Uint8Array>): AsyncGenerator<Sent>
   }
 }
 
-export async function openLive(url: string, load: () => Promise<Engine>, tell: (answer: Answer) => void): Promise<Opened> {
+export interface Live {
+  opened: Opened;
+  /** Of every hand the newest tick that was not shown yet, where there is one. Throws when the session has ended. */
+  newest(): (Shown | undefined)[];
+}
+
+export async function openLive(url: string, load: () => Promise<Engine>): Promise<Live> {
   const response = await fetch(url, { cache: "no-store" });
   if (!response.ok || response.body === null) throw new Error(`live: the program answers ${response.status}`);
   const stream = messages(response.body);
@@ -50,17 +57,31 @@ export async function openLive(url: string, load: () => Promise<Engine>, tell: (
   } catch (error) {
     noContacts = (error as Error).message;
   }
-  const follow = async () => {
+  const waiting: (Uint8Array | undefined)[] = sides.map(() => undefined);
+  let end = "";
+  const receive = async () => {
     for await (const { hand, message } of stream) {
-      const start = performance.now();
-      const tick = Number(Tick.getRootAsTick(new ByteBuffer(message)).tick());
-      engines[hand].begin(tick, false);
-      const view = noContacts ? undefined : engines[hand].show(message);
-      tell({ type: "live", hand, shown: { tick, message, view, milliseconds: performance.now() - start } });
+      if (hand >= sides.length) throw new Error("live: the stream is damaged");
+      waiting[hand] = message;
     }
-    tell({ type: "live", hand: 0, error: "the session has ended" });
+    throw new Error("the session has ended");
   };
-  follow().catch((error: Error) => tell({ type: "live", hand: 0, error: error.message }));
+  receive().catch((error: Error) => { end = error.message; });
+  const showNewest = (message: Uint8Array | undefined, hand: number): Shown | undefined => {
+    if (!message) return undefined;
+    waiting[hand] = undefined;
+    const start = performance.now();
+    const tick = Number(Tick.getRootAsTick(new ByteBuffer(message)).tick());
+    engines[hand].begin(tick, false);
+    const view = noContacts ? undefined : engines[hand].show(message);
+    return { tick, message, view, milliseconds: performance.now() - start };
+  };
   const rate = Session.getRootAsSession(new ByteBuffer(session)).settings()?.rate() ?? 1000;
-  return { name: "live", sides, bytes: 0n, session, rate, first: 0, last: 0, metadata: new Map(), noContacts };
+  return {
+    opened: { name: "live", sides, bytes: 0n, session, rate, first: 0, last: 0, metadata: new Map(), noContacts },
+    newest() {
+      if (end && waiting.every((message) => !message)) throw new Error(end);
+      return waiting.map(showNewest);
+    },
+  };
 }

@@ -1,7 +1,7 @@
 // The page: draws what is shown, follows the link it was opened by, and begins.
 import "./commands";
 import { showDetails, tickRows } from "./details";
-import { enterLab, touch } from "./feeling";
+import { enterLab, follow, touch } from "./feeling";
 import { drawLegend } from "./legend";
 import { readLink, writeLink } from "./link";
 import { divergenceText, open } from "./opening";
@@ -45,6 +45,7 @@ function drawTick() {
 let before = performance.now();
 function loop(now: number, frame?: XRFrame) {
   if (state.lab) void touch(state.lab, frame);
+  else if (state.running) void follow();
   if (state.playing) advance(Math.min(0.1, (now - before) / 1000));
   before = now;
   if (state.dirty || view.inHeadset()) {

@@ -17,7 +17,8 @@ export async function open(place: number, source: Source, link: string): Promise
     const opened = await client.open(place, source);
     if (place === 0) state.sides = [];
     state.sides[place] = { opened, link, marks: [], milliseconds: 0 };
-    state.live = "live" in source || "lab" in source;
+    state.running = "live" in source;
+    state.live = state.running || "lab" in source;
     document.body.classList.toggle("live", state.live);
     if (!("lab" in source)) leaveLab();
     together(false);

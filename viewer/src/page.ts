@@ -35,6 +35,7 @@ export const state = {
   plotted: 0,  // of two hands, the one in the plots
   together: false,  // the two sides are two hands of one recording, not two recordings
   live: false,  // ticks come by themselves: from a session that runs, or from the lab
+  running: false,  // the session has not ended yet
   lab: undefined as Lab | undefined,
   pick: undefined as Pick | undefined,
   most: { force: 1, torque: 0.1, pressure: 1000 },  // seen so far [N], [N m], [Pa]; what is drawn to scale keeps within it

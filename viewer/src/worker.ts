@@ -3,7 +3,7 @@
 import { bytesOfFile, bytesOfUrl } from "./bytes";
 import { findDivergence, type Divergence } from "./difference";
 import { loadEngine, type Engine, type LabOptions } from "./engine";
-import { openLive } from "./live";
+import { openLive, type Live } from "./live";
 import { toMcap, type Felt } from "./save";
 import { openRecording, type Recording } from "./recording";
 import { makeReplay } from "./replay";
@@ -38,6 +38,7 @@ export type Request =
   | { type: "show"; place: number; tick: number }
   | { type: "window"; place: number; first: number; last: number }
   | { type: "touch"; hand: Float64Array; joints?: string }
+  | { type: "newest" }
   | { type: "save" }
   | { type: "diverge" };
 export type Answer =
@@ -48,8 +49,8 @@ export type Answer =
   | { type: "diverged"; id: number; divergence?: Divergence }
   | { type: "saved"; id: number; file: Blob }
   | { type: "loaded"; id: number }
-  | { type: "scanned"; place: number; columns: Columns; marks: Mark[]; share: number }
-  | { type: "live"; hand: number; shown?: Shown; error?: string };
+  | { type: "newest"; id: number; hands: (Shown | undefined)[] }
+  | { type: "scanned"; place: number; columns: Columns; marks: Mark[]; share: number };
 
 interface Place {
   recording: Recording;
@@ -60,6 +61,7 @@ let wasm: ArrayBuffer;
 const kBeforeScan = 200;  // [ms] the first tick comes first
 const places: (Place | undefined)[] = [];
 const tell = (answer: Answer) => postMessage(answer);
+let live: Live | undefined;
 
 // The lab's, whose ticks are kept for saving, ten minutes of them.
 let lab: (Felt & { engine: Engine }) | undefined;
@@ -83,7 +85,10 @@ function touch(hand: Float64Array, joints?: string): Shown {
 
 async function open(place: number, source: Source): Promise<Opened> {
   if ("lab" in source) return openLab(source.lab);
-  if ("live" in source) return openLive(source.live, () => loadEngine(wasm), tell);
+  if ("live" in source) {
+    live = await openLive(source.live, () => loadEngine(wasm));
+    return live.opened;
+  }
   const bytes = "url" in source ? await bytesOfUrl(source.url) : bytesOfFile(source.file, source.file.name);
   const recording = await openRecording(bytes, source.hand);
   const opened: Place = { recording };
@@ -128,6 +133,8 @@ async function answer(id: number, request: Request): Promise<Answer> {
       return { type: "window", id, columns: await readWindow(places[request.place]!.recording, request.first, request.last) };
     case "touch":
       return { type: "shown", id, shown: touch(request.hand, request.joints) };
+    case "newest":
+      return { type: "newest", id, hands: live!.newest() };
     case "save":
       return { type: "saved", id, file: await toMcap(lab!) };
     case "diverge":
