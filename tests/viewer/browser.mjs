@@ -48,6 +48,14 @@ export async function open(address, options = {}, script) {
 export const scanned = () => page.waitForSelector('body[data-scanned="1"]', kPatience);
 export const tick = async () => Number(await page.getAttribute("body", "data-tick"));
 export const atTick = (wanted) => page.waitForSelector(`body[data-tick="${wanted}"]`, kPatience);
+/** What `read` answers once that stays the same for a second, however slow the page is. */
+export async function settled(read) {
+  for (let before; ; await page.waitForTimeout(1000)) {
+    const now = await read();
+    if (now === before) return now;
+    before = now;
+  }
+}
 export const details = () => page.locator("#details").innerText();
 export const shot = (name) => page.screenshot({ path: file(`${name}.png`) });
 export const message = () => page.locator("#message").innerText();

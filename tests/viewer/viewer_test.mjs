@@ -5,7 +5,7 @@ import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { join, dirname, resolve } from "node:path";
 import { before, test } from "node:test";
-import { atTick, complaints, details, file, kPatience, message, open, page, program, requests, scanned, scene, serve, shot, started, tick } from "./browser.mjs";
+import { atTick, complaints, details, file, kPatience, message, open, page, program, requests, scanned, scene, serve, settled, shot, started, tick } from "./browser.mjs";
 
 /** As a link says it. */
 const at = (address, wanted) => `${address}&tick=${wanted}`;
@@ -89,12 +89,12 @@ test("It plays, pauses, steps, loops and goes where the timeline is pressed", as
   await page.keyboard.press("Space");
   await page.waitForFunction(() => Number(document.body.dataset.tick) > 3050, null, kPatience);
   await page.keyboard.press("Space");
-  await page.waitForTimeout(300);
-  const paused = await tick();
+  const paused = await settled(tick);
   await page.keyboard.press("ArrowRight");
-  await atTick(paused + 1);
+  await page.keyboard.press("ArrowRight");
+  await atTick(paused + 2);
   await page.keyboard.press("ArrowLeft");
-  await atTick(paused);
+  await atTick(paused + 1);
   const box = await page.locator("#timeline").boundingBox();
   await page.mouse.click(box.x + box.width / 2, box.y + 30);
   await page.waitForFunction(() => Math.abs(Number(document.body.dataset.tick) - 5000) < 30, null, kPatience);
@@ -288,12 +288,10 @@ test("A link brings back tick and camera", async () => {
   await atTick(4200);
   for (let i = 0; i < 5; ++i) await page.keyboard.press("d");
   await page.waitForFunction(() => /camera=/.test(location.hash), null, kPatience);
-  await page.waitForTimeout(700);
-  const link = page.url();
+  const link = await settled(() => page.url());
   await open(link);
   await atTick(4200);
-  await page.waitForTimeout(700);
-  assert.equal(page.url(), link);
+  assert.equal(await settled(() => page.url()), link);
 });
 
 test("Nothing leaves the page's origin, and nothing but the named files is reachable", async () => {

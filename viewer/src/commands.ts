@@ -2,7 +2,7 @@
 import { enterLab } from "./feeling";
 import { fillHelp, listenToKeys, type Command } from "./keys";
 import { element, first, last, redraw, renew, state, strip, view } from "./page";
-import { jump, seek, setPlaying } from "./playing";
+import { jump, seek, setPlaying, step } from "./playing";
 import { setRange } from "./range";
 
 const kSpeeds = [0.01, 0.03, 0.1, 0.25, 0.5, 1, 2, 4];
@@ -39,12 +39,11 @@ function changeSpeed(by: number) {
   element<HTMLSelectElement>("speed").value = String(state.speed);
 }
 
-const step = (direction: number) => (event: KeyboardEvent) => seek(state.tick + direction * (event.shiftKey ? 100 : 1));
 const help = element<HTMLDialogElement>("help");
 const commands: Command[] = [
   { keys: [" "], text: "play or pause", run: () => setPlaying(!state.playing) },
-  { keys: ["ArrowLeft"], text: "one tick back; with shift a hundred", run: step(-1) },
-  { keys: ["ArrowRight"], text: "one tick on; with shift a hundred", run: step(1) },
+  { keys: ["ArrowLeft"], text: "one tick back; with shift a hundred", run: (event) => step(event.shiftKey ? -100 : -1) },
+  { keys: ["ArrowRight"], text: "one tick on; with shift a hundred", run: (event) => step(event.shiftKey ? 100 : 1) },
   { keys: ["Home"], text: "to the start", run: () => seek(first()) },
   { keys: ["End"], text: "to the end", run: () => seek(last()) },
   { keys: ["["], text: "the mark before", run: () => jump(-1) },
@@ -69,8 +68,8 @@ const press = (id: string, run: () => void) => element(id).addEventListener("cli
 press("lab-button", enterLab);
 press("play", () => setPlaying(!state.playing));
 press("to-start", () => seek(first()));
-press("back", () => seek(state.tick - 1));
-press("forward", () => seek(state.tick + 1));
+press("back", () => step(-1));
+press("forward", () => step(1));
 press("mark-back", () => jump(-1));
 press("mark-forward", () => jump(1));
 press("loop", toggleLoop);

@@ -46,6 +46,9 @@ export function seek(tick: number) {
   void show(Math.round(Math.min(Math.max(tick, first()), last())));
 }
 
+/** From the tick that is asked for, which a slow page may not show yet. */
+export const step = (ticks: number) => seek(Math.floor(state.wanted) + ticks);
+
 export function setPlaying(playing: boolean) {
   if (state.live || state.sides.length === 0) return;
   state.playing = playing;
@@ -65,7 +68,7 @@ export function advance(seconds: number) {
 }
 
 export function jump(direction: 1 | -1) {
-  const ahead = marks().filter((mark) => (mark.tick - state.tick) * direction > 0);
+  const ahead = marks().filter((mark) => (mark.tick - Math.floor(state.wanted)) * direction > 0);
   const to = ahead.sort((a, b) => (a.tick - b.tick) * direction)[0];
   if (!to) return say("No further mark.");
   seek(to.tick);
