@@ -3,19 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-#define LUMBRICAL_ISA in_doubles
 #include "borders/tile_rival.h"
 #include "model/corners.h"
-#include "samples/lattice.h"
+#include "section/palm_polygon.h"
+#include "section/quadratic_part.h"
 
 namespace lumbrical {
 namespace {
 
-using in_doubles::Cell;
-
-// Parts are halved both ways until that changes the integral by less than this share of R^3 and they are
-// smaller than a share of R, another one where nothing was found yet; or until they are the last share of R.
-constexpr double kTolerance = 1e-8, kLargest = 0.25, kLargestEmpty = 0.06, kLeast = 1e-3;
+// Parts are halved both ways until that changes the integral by less than this share of R^3, which leaves it
+// off by an eighth of that, and until their edges are below a share of R, another one where nothing was found
+// yet; or until they are below the last share.
+constexpr double kTolerance = 1e-7, kLargest = 0.5, kLargestEmpty = 0.2, kLeast = 1e-3;
 
 // [m] A lead that is more than rounding: where two bodies have a field in common, the first one has it.
 constexpr double kTie = 1e-14;
@@ -23,40 +22,30 @@ constexpr double kTie = 1e-14;
 // The palm's is the last.
 std::size_t body_of(std::size_t segment) { return segment / 3; }
 
-double palm_field(const SweptPolygon& palm, Vec3 p) {
-  const double height = dot(palm.normal, p - palm.corner[0]);
-  const Vec3 foot = p - height * palm.normal;
-  double outside = -1e300, square = 1e300;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(palm.corner_count); ++k) {
-    const Vec3 from = palm.corner[k],
-               edge = palm.corner[(k + 1) % static_cast<std::size_t>(palm.corner_count)] - from;
-    const double along = clamp(dot(foot - from, edge) / dot(edge, edge), 0, 1);
-    const Vec3 beside = foot - (from + along * edge);
-    outside = max(outside, dot(palm.outward[k], foot - from));
-    square = min(square, dot(beside, beside));
-  }
-  return palm.radius - std::sqrt(height * height + (outside > 0 ? square : 0));
-}
-
 /// A triangle's plane, and the bodies that touch it.
 struct Touched {
   const Primitives& hand;
+  const PalmPolygon& palm;
   Section plane;  // of which only the axes are there
   std::array<Cone, kPhalanxCount> cone;
   std::uint32_t segments = 0;  // that touch it, a bit each
 
   [[nodiscard]] double field(std::size_t segment, Point2 p) const {
     if (segment != kPalmSegment) return cone_field(cone[segment], sight_of(cone[segment], p));
-    return palm_field(hand.palm, plane.origin + p.x * plane.u + p.y * plane.v);
+    return palm.field(plane.origin + p.x * plane.u + p.y * plane.v);
   }
-  /// By how much the deepest of the other bodies that touch it is deeper than this one.
-  [[nodiscard]] double lack(std::size_t body, Point2 p) const {
-    double own = -1e300, others = -1e300;
-    for (std::uint32_t left = segments; left != 0; left &= left - 1) {
-      const auto segment = static_cast<std::size_t>(__builtin_ctz(left));
-      const std::size_t its = body_of(segment);
-      double& most = its == body ? own : others;
-      most = max(most, field(segment, p) + (its < body ? kTie : its > body ? -kTie : 0));
+  /// By how much the deepest of the other bodies that touch it is deeper than a segment's, which has the
+  /// field `own` there.
+  [[nodiscard]] double lack(std::size_t segment, double own, Point2 p) const {
+    const std::size_t body = body_of(segment);
+    double others = -1e300;
+    for (std::uint32_t left = segments & ~(1u << segment); left != 0; left &= left - 1) {
+      const auto other = static_cast<std::size_t>(__builtin_ctz(left));
+      const double its = field(other, p);
+      if (body_of(other) == body)
+        own = max(own, its);
+      else
+        others = max(others, its + (other < segment ? kTie : -kTie));
     }
     return others - own;
   }
@@ -69,14 +58,10 @@ struct Told {
   double own, lead, lack;
 };
 
-struct Sum {
-  double volume = 0, error = 0;  // [m^3] integral of the field, and how much it still changed
-  Point2 first{0, 0};            // [m^4]
-};
-
 class Overlap {
  public:
-  Overlap(const Touched& touched, std::size_t segment) : touched_(touched), segment_(segment) {
+  Overlap(const Touched& touched, std::size_t segment, double radius)
+      : touched_(touched), segment_(segment), radius_(radius) {
     if (segment == kPalmSegment) return;
     const Primitives& hand = touched.hand;
     const auto add = [&](std::size_t inner, bool is_first) {
@@ -85,64 +70,99 @@ class Overlap {
     };
     if (segment % 3 > 0) add(segment - 1, false);
     if (segment % 3 < 2) add(segment, true);
+    if (segment % 3 == 1 || !hand.folded[segment / 3]) return;
+    const std::size_t across = segment % 3 == 0 ? segment + 2 : segment - 2;
+    if ((touched.segments >> across & 1u) != 0) across_ = across;
   }
+  /// What others are deeper in, of a triangle of that area [m^2]; adds to `error` [m^3] by how much that
+  /// still changed.
+  PartMoments lost(Point2 a, Point2 b, Point2 c, double area, double& error) const {
+    const Told of_a = tell(a), of_b = tell(b), of_c = tell(c);
+    const SixPoints<Told> told{
+        of_a, of_b, of_c, between(of_b, of_c), between(of_c, of_a), between(of_a, of_b)};
+    return halved(told, area, integral(told, area), error);
+  }
+
+ private:
+  [[nodiscard]] bool has_kin() const { return count_ > 0 || across_ < kPhalanxCount; }
   [[nodiscard]] Told tell(Point2 p) const {
     const double own = touched_.field(segment_, p);
     double lead = 1e300;
     for (std::size_t k = 0; k < count_; ++k) lead = min(lead, precedence(rival_[k], p));
-    if (segment_ != kPalmSegment && touched_.hand.folded[segment_ / 3] && segment_ % 3 != 1) {
-      const std::size_t other = segment_ % 3 == 0 ? segment_ + 2 : segment_ - 2;
-      if (touched_.hand.present[other]) lead = min(lead, own - touched_.field(other, p));
-    }
-    return {p, own, lead, touched_.lack(body_of(segment_), p)};
+    if (across_ < kPhalanxCount) lead = min(lead, own - touched_.field(across_, p));
+    return {p, own, lead, touched_.lack(segment_, own, p)};
   }
-  /// What others are deeper in, over a part of that area [m^2].
-  void add(const Told& a, const Told& b, const Told& c, double area, double radius, Sum& sum) const {
-    const Point2 middle = (1.0 / 3) * (a.at + b.at + c.at);
-    const Told centre = tell(middle);
-    const auto square = [&](const Told& corner) { return dot(corner.at - middle, corner.at - middle); };
-    const double size = std::sqrt(max(square(a), max(square(b), square(c))));
-    if (centre.own + size <= 0 || centre.lack + 2 * size <= 0) return;
-    const Told ab = tell(0.5 * (a.at + b.at)), bc = tell(0.5 * (b.at + c.at)), ca = tell(0.5 * (c.at + a.at));
-    Sum whole, parts;
-    add_cell(a, b, c, centre.own, area, whole);
-    add_cell(a, ab, ca, area / 4, parts);
-    add_cell(b, bc, ab, area / 4, parts);
-    add_cell(c, ca, bc, area / 4, parts);
-    add_cell(ab, bc, ca, centre.own, area / 4, parts);
-    const double change = std::fabs(parts.volume - whole.volume);
-    if ((size < (parts.volume > 0 ? kLargest : kLargestEmpty) * radius &&
-         change <= kTolerance * radius * radius * radius) ||
-        size < kLeast * radius) {
-      sum.volume += parts.volume;
-      sum.first = sum.first + parts.first;
-      sum.error += change;
-      return;
+  [[nodiscard]] Told between(const Told& a, const Told& b) const { return tell(0.5 * (a.at + b.at)); }
+
+  [[nodiscard]] PartMoments integral(const SixPoints<Told>& told, double area) const {
+    SixPoints<Point2> place;
+    std::array<SixPoints<double>, 3> field;
+    for (std::size_t k = 0; k < told.size(); ++k) {
+      place[k] = told[k].at;
+      field[0][k] = told[k].own;
+      field[1][k] = told[k].lack;
+      field[2][k] = told[k].lead;
     }
-    add(a, ab, ca, area / 4, radius, sum);
-    add(b, bc, ab, area / 4, radius, sum);
-    add(c, ca, bc, area / 4, radius, sum);
-    add(ab, bc, ca, area / 4, radius, sum);
+    return has_kin() ? integral_where_positive(place, area, field)
+                     : integral_where_positive(place, area, std::array{field[0], field[1]});
+  }
+  /// `reach` [m] from the nearest of its points, the triangle has nowhere anything to lose: fields change by
+  /// no more than the distance, and what they differ by twice as fast.
+  [[nodiscard]] static bool has_nothing(const SixPoints<Told>& told, double reach) {
+    double own = -1e300, lack = -1e300;
+    for (const Told& point : told) {
+      own = max(own, point.own);
+      lack = max(lack, point.lack);
+    }
+    return own + reach <= 0 || lack + 2 * reach <= 0;
+  }
+  PartMoments halved(const SixPoints<Told>& told, double area, const PartMoments& whole,
+                     double& error) const {
+    double square = 0;  // of the longest edge
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Point2 edge = told[(k + 1) % 3].at - told[k].at;
+      square = max(square, dot(edge, edge));
+    }
+    const double size = std::sqrt(square);
+    // No point of a triangle is farther from its nearest corner than the longest edge over the root of 3.
+    if (has_nothing(told, 0.289 * size)) return {};
+    const std::array<SixPoints<Told>, 4> part = parts_of(told);
+    std::array<PartMoments, 4> of_part;
+    PartMoments sum;
+    for (std::size_t k = 0; k < part.size(); ++k) add(of_part[k] = integral(part[k], area / 4), sum);
+    const double change = std::fabs(sum.volume - whole.volume);
+    if ((size < (sum.volume > 0 ? kLargest : kLargestEmpty) * radius_ &&
+         change <= kTolerance * radius_ * radius_ * radius_) ||
+        size < kLeast * radius_) {
+      error += change;
+      return sum;
+    }
+    sum = {};
+    for (std::size_t k = 0; k < part.size(); ++k) add(halved(part[k], area / 4, of_part[k], error), sum);
+    return sum;
+  }
+  /// At its corners, and between the middles of its edges.
+  [[nodiscard]] std::array<SixPoints<Told>, 4> parts_of(const SixPoints<Told>& told) const {
+    std::array<SixPoints<Told>, 4> part;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Told &corner = told[k], &to_next = told[3 + (k + 2) % 3], &to_last = told[3 + (k + 1) % 3];
+      const Told inner = between(to_next, to_last);
+      part[k] = {corner, to_next, to_last, inner, between(to_last, corner), between(corner, to_next)};
+      part[3][k] = told[3 + k];
+      part[3][3 + k] = inner;
+    }
+    return part;
+  }
+  static void add(const PartMoments& part, PartMoments& sum) {
+    sum.volume += part.volume;
+    sum.first = sum.first + part.first;
   }
 
- private:
-  void add_cell(const Told& a, const Told& b, const Told& c, double area, Sum& sum) const {
-    const Point2 middle = (1.0 / 3) * (a.at + b.at + c.at);
-    add_cell(a, b, c, touched_.field(segment_, middle), area, sum);
-  }
-  static void add_cell(const Told& a, const Told& b, const Told& c, double centre, double area, Sum& sum) {
-    const double of_a = max(a.own, 0), of_b = max(b.own, 0), of_c = max(c.own, 0), all = of_a + of_b + of_c;
-    const double lost = in_doubles::share_where_positive(a.lead, b.lead, c.lead, of_a, of_b, of_c, all) *
-                        in_doubles::share_where_positive(a.lack, b.lack, c.lack, of_a, of_b, of_c, all) *
-                        area;
-    const Cell<double> cell = lost * in_doubles::cell_of(a.own, b.own, c.own, centre);
-    const Point2 middle = (1.0 / 3) * (a.at + b.at + c.at);
-    sum.volume += cell.mean;
-    sum.first =
-        sum.first + cell.mean * middle + (1.0 / 12) * (cell.to_b * (b.at - a.at) + cell.to_c * (c.at - a.at));
-  }
   const Touched& touched_;
   std::size_t segment_, count_ = 0;
+  std::size_t across_ =
+      kPhalanxCount;  // the tile that a folded finger's first or last meets, if it does here
+  double radius_;
   std::array<Rival, 2> rival_;
 };
 
@@ -154,10 +174,10 @@ bool touches_two_bodies(std::uint32_t segments) {
   return false;
 }
 
-void take_off(const Model& model, const Primitives& hand, std::uint32_t triangle, std::uint32_t segments,
-              ExactOverlaps& overlaps) {
+void take_off(const Model& model, const Primitives& hand, const PalmPolygon& palm, std::uint32_t triangle,
+              std::uint32_t segments, ExactOverlaps& overlaps) {
   const auto [a, b, c] = corners_of(model.triangles, triangle);
-  Touched touched{hand, {}, {}, segments};
+  Touched touched{hand, palm, {}, {}, segments};
   Section& plane = touched.plane;
   if (!normal_of(a, b, c, plane.n)) return;
   plane.origin = a;
@@ -175,23 +195,21 @@ void take_off(const Model& model, const Primitives& hand, std::uint32_t triangle
   for (std::uint32_t left = segments; left != 0; left &= left - 1) {
     const auto segment = static_cast<std::size_t>(__builtin_ctz(left));
     const double radius = segment == kPalmSegment ? hand.palm.radius : hand.capsule[segment].radius1;
-    const Overlap overlap(touched, segment);
-    Sum sum;
-    overlap.add(overlap.tell(in_plane(a)), overlap.tell(in_plane(b)), overlap.tell(in_plane(c)), area, radius,
-                sum);
+    const PartMoments sum =
+        Overlap(touched, segment, radius).lost(in_plane(a), in_plane(b), in_plane(c), area, overlaps.error);
     if (!(sum.volume > 0)) continue;
     const Point2 centre = (1 / sum.volume) * sum.first;
     const Vec3 at = a + centre.x * plane.u + centre.y * plane.v, force = -sum.volume * plane.n;
     overlaps.segment[segment].force += force;
     overlaps.segment[segment].torque += cross(at - hand.base_joint[segment], force);
-    overlaps.error += sum.error;
   }
 }
 
 }  // namespace
 
-void find_overlaps(const Model& model, const Primitives& hand, std::span<const Contact> contacts,
-                   ExactOverlaps& overlaps) {
+void take_off_overlaps(const Model& model, const Primitives& hand, std::span<const Contact> contacts,
+                       ExactOverlaps& overlaps) {
+  const PalmPolygon palm(hand.palm);
   overlaps.segment = {};
   overlaps.error = 0;
   for (std::size_t i = 0; i < contacts.size(); ++i)
@@ -203,7 +221,7 @@ void find_overlaps(const Model& model, const Primitives& hand, std::span<const C
     const auto triangle = static_cast<std::uint32_t>(*next >> 32);
     std::uint32_t segments = 0;
     for (; next != end && *next >> 32 == triangle; ++next) segments |= 1u << (*next & 31u);
-    if (touches_two_bodies(segments)) take_off(model, hand, triangle, segments, overlaps);
+    if (touches_two_bodies(segments)) take_off(model, hand, palm, triangle, segments, overlaps);
   }
 }
 

@@ -1,8 +1,8 @@
 // What several bodies of a hand hold together, to be felt once (Settings::felt_once), of contacts that the
 // exact rung has found: for every triangle that two bodies touch, what others are deeper in is taken off what
 // a segment feels. Borders between bodies are curves of the eighth degree in a triangle's plane, so this is
-// not in closed form: each triangle is halved both ways, in double precision, until that changes next to
-// nothing.
+// not in closed form: each triangle is halved both ways, in double precision, until quadratics tell all that
+// is in the parts (section/quadratic_part.h).
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ struct ExactOverlaps {
 };
 
 /// Of the last tick's contacts. `overlaps.touched` has room for a number per contact.
-void find_overlaps(const Model& model, const Primitives& hand, std::span<const Contact> contacts,
-                   ExactOverlaps& overlaps);
+void take_off_overlaps(const Model& model, const Primitives& hand, std::span<const Contact> contacts,
+                       ExactOverlaps& overlaps);
 
 }  // namespace lumbrical

@@ -43,7 +43,7 @@ HandForces sum_up(const Model& model, Scratch& scratch) {
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
   const auto& sampled = scratch.samples->forces.segment;
   if (!model.settings.felt_once) return sum_forces(model.settings, *scratch.primitives, contacts, sampled);
-  find_overlaps(model, *scratch.primitives, contacts, *scratch.overlaps);
+  take_off_overlaps(model, *scratch.primitives, contacts, *scratch.overlaps);
   auto other = scratch.overlaps->segment;
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     other[i].force += sampled[i].force;
