@@ -30,7 +30,7 @@ class PalmPolygon {
     for (std::size_t k = 0; k < count_; ++k) {
       const auto& [corner, out, length] = edge_[k];
       const Point2 from = foot - corner;
-      const double across = dot(out, from), along = out.x * from.y - out.y * from.x,
+      const double across = dot(out, from), along = cross(out, from),
                    beyond = along - clamp(along, 0, length);
       outside = max(outside, across);
       square = min(square, across * across + beyond * beyond);

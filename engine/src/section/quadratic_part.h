@@ -19,14 +19,21 @@ namespace lumbrical {
 template <class T>
 using SixPoints = std::array<T, 6>;
 
+inline constexpr std::size_t kMostConditions = 3;
+
+/// c + b x + a x^2.
+struct Quadratic {
+  double c, b, a;
+  [[nodiscard]] double at(double x) const { return c + x * (b + x * a); }
+};
+
 /// Numbers of [0, 1] in ascending order, 0 and 1 among them.
 struct Cuts {
-  static constexpr std::size_t kMost = 8;
-  std::array<double, kMost> at{0, 1};
+  std::array<double, 2 * kMostConditions + 2> at{0, 1};
   std::size_t count = 2;
 
-  /// Adds where c + b x + a x^2 is 0.
-  void add_roots(double c, double b, double a) {
+  void add_roots(const Quadratic& f) {
+    const auto [c, b, a] = f;
     const double square = b * b - 4 * a * c;
     if (!(square >= 0)) return;
     const double q = -0.5 * (b + std::copysign(std::sqrt(square), b));
@@ -46,15 +53,14 @@ struct Cuts {
 struct OnRays {
   double apex, slope[2], bend[3];
 
-  [[nodiscard]] double slope_at(double t) const { return slope[0] + t * (slope[1] - slope[0]); }
-  [[nodiscard]] double bend_at(double t) const {
-    return (1 - t) * (1 - t) * bend[0] + t * (1 - t) * bend[2] + t * t * bend[1];
+  [[nodiscard]] Quadratic along(double t) const {
+    return {apex, slope[0] + t * (slope[1] - slope[0]),
+            (1 - t) * (1 - t) * bend[0] + t * (1 - t) * bend[2] + t * t * bend[1]};
   }
-  [[nodiscard]] double at(double r, double t) const { return apex + r * (slope_at(t) + r * bend_at(t)); }
-  /// Where it is 0 on the edge itself.
-  void cut_edge(Cuts& cuts) const {
-    cuts.add_roots(apex + slope[0] + bend[0], slope[1] - slope[0] + bend[2] - 2 * bend[0],
-                   bend[0] - bend[2] + bend[1]);
+  /// On the edge itself.
+  [[nodiscard]] Quadratic across() const {
+    return {apex + slope[0] + bend[0], slope[1] - slope[0] + bend[2] - 2 * bend[0],
+            bend[0] - bend[2] + bend[1]};
   }
 };
 
@@ -88,17 +94,21 @@ struct RayMoments {
 };
 inline RayMoments moments_on_ray(const OnRays& f, std::span<const OnRays> conditions, double t) {
   Cuts cuts;
-  for (const OnRays& condition : conditions)
-    cuts.add_roots(condition.apex, condition.slope_at(t), condition.bend_at(t));
+  std::array<Quadratic, kMostConditions> of_ray;
+  for (std::size_t n = 0; n < conditions.size(); ++n) cuts.add_roots(of_ray[n] = conditions[n].along(t));
   cuts.sort();
-  const double c = f.apex, b = f.slope_at(t), a = f.bend_at(t);
-  const auto zeroth = [&](double r) { return r * r * (c / 2 + r * (b / 3 + r * a / 4)); };
-  const auto first = [&](double r) { return r * r * r * (c / 3 + r * (b / 4 + r * a / 5)); };
+  const auto [c, b, a] = f.along(t);
+  const auto zeroth = [c = c, b = b, a = a](double r) { return r * r * (c / 2 + r * (b / 3 + r * a / 4)); };
+  const auto first = [c = c, b = b, a = a](double r) {
+    return r * r * r * (c / 3 + r * (b / 4 + r * a / 5));
+  };
   RayMoments sum;
   for (std::size_t k = 0; k + 1 < cuts.count; ++k) {
     const double low = cuts.at[k], high = cuts.at[k + 1];
-    const auto is_positive = [&](const OnRays& condition) { return condition.at(0.5 * (low + high), t) > 0; };
-    if (!std::all_of(conditions.begin(), conditions.end(), is_positive)) continue;
+    const auto is_positive = [x = 0.5 * (low + high)](const Quadratic& of) { return of.at(x) > 0; };
+    if (!std::all_of(of_ray.begin(), of_ray.begin() + static_cast<std::ptrdiff_t>(conditions.size()),
+                     is_positive))
+      continue;
     sum.zeroth += zeroth(high) - zeroth(low);
     sum.first += first(high) - first(low);
   }
@@ -144,7 +154,7 @@ inline PartMoments integral_round_corner(const Fan& fan, const OnRays& f, OnRays
   if (!inside) other = negative(other);
   const auto place = [&](double t) {
     Cuts cuts;
-    cuts.add_roots(other.apex, other.slope_at(t), other.bend_at(t));
+    cuts.add_roots(other.along(t));
     cuts.sort();
     return cuts.at[1];
   };
@@ -158,7 +168,7 @@ inline PartMoments integral_round_corner(const Fan& fan, const OnRays& f, OnRays
 template <std::size_t N>
 PartMoments integral_where_positive(const SixPoints<Point2>& place, double area,
                                     const std::array<SixPoints<double>, N>& functions) {
-  static_assert(2 * N + 2 <= Cuts::kMost);
+  static_assert(N <= kMostConditions);
   std::size_t cut = 0, cut_count = 0;
   for (std::size_t n = 0; n < N; ++n) {
     const auto is_positive = [](double value) { return value > 0; };
@@ -178,7 +188,7 @@ PartMoments integral_where_positive(const SixPoints<Point2>& place, double area,
   if (cut_count == 0) return integral_on_rays(fan, rays[0], {}, {});
   if (is_round_corner) return integral_round_corner(fan, rays[0], rays[cut]);
   Cuts edge;
-  for (const OnRays& f : rays) f.cut_edge(edge);
+  for (const OnRays& f : rays) edge.add_roots(f.across());
   edge.sort();
   return integral_on_rays(fan, rays[0], rays, edge);
 }

@@ -160,8 +160,7 @@ class Overlap {
 
   const Touched& touched_;
   std::size_t segment_, count_ = 0;
-  std::size_t across_ =
-      kPhalanxCount;  // the tile that a folded finger's first or last meets, if it does here
+  std::size_t across_ = kPhalanxCount;  // the tile that a folded finger's first or last meets here
   double radius_;
   std::array<Rival, 2> rival_;
 };
