@@ -63,7 +63,7 @@ TEST(WebxrMotion, MarksLeftOutJointsAsNotTrackedAndFramesWithoutAHandAsLost) {
 TEST(WebxrMotion, SaysWhichJointOrFieldIsWrong) {
   const Poses poses = bent_hand(Side::right, 0.5);
   const std::string pose = webxr_pose(poses);
-  expect_refused(replaced(pose, "thumb-tip", "thumb-nail"), "\"thumb-nail\" is no joint");
+  expect_refused(replaced(pose, "thumb-tip", "thumb-nail"), "'thumb-nail' is no joint");
   expect_refused(replaced(pose, "thumb-tip", "pinky-finger-tip"), "thumb tip is missing");
   expect_refused(replaced(pose, "thumb-tip", "little_tip"), "little tip: given twice");
   expect_refused(replaced(pose, "\"radius\": 0.01", "\"radius\": -1"), "wrist: \"radius\"");

@@ -82,11 +82,11 @@ TEST(AngleMotion, ReadsWristAndAngles) {
 
 TEST(AngleMotion, RefusesUnknownFieldsByName) {
   const std::string good = angle_file();
-  expect_refused(replaced(good, "\"side\"", "\"sida\": 1, \"side\""), "unknown field \"sida\"");
+  expect_refused(replaced(good, "\"side\"", "\"sida\": 1, \"side\""), "unknown field 'sida'");
   expect_refused(replaced(good, "\"time\": 2.25", "\"time\": 2.25, \"angels\": []"),
-                 "sample 1: unknown field \"angels\"");
+                 "sample 1: unknown field 'angels'");
   expect_refused(replaced(good, "\"position\"", "\"speed\": 0, \"position\""),
-                 "sample 0: wrist: unknown field \"speed\"");
+                 "sample 0: wrist: unknown field 'speed'");
 }
 
 TEST(AngleMotion, RefusesWrongSizesAndValues) {

@@ -39,6 +39,8 @@ inline bool is_finite(Vec3 a) { return std::isfinite(a.x) && std::isfinite(a.y) 
 // Own minimum, maximum and clamp: fixed by compare and select, so NaN and -0 behave alike everywhere.
 constexpr double min(double a, double b) { return a < b ? a : b; }
 constexpr double max(double a, double b) { return a > b ? a : b; }
+/// The largest coordinate's amount.
+inline double largest_of(Vec3 a) { return max(std::fabs(a.x), max(std::fabs(a.y), std::fabs(a.z))); }
 constexpr double clamp(double a, double low, double high) { return min(max(a, low), high); }
 
 /// Unit quaternion w + xi + yj + zk; rotates column vectors.

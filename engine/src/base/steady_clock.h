@@ -12,4 +12,6 @@ inline std::int64_t steady_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
 }
 
+inline double in_seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+
 }  // namespace lumbrical

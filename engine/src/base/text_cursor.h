@@ -126,12 +126,12 @@ inline Status text_error(std::string_view name, TextPlace place, const std::stri
                        std::to_string(place.column) + ": " + what);
 }
 
-/// A word of the file in quotes, short and printable whatever the file holds.
-inline std::string quoted(std::string_view word) {
+/// Text of a file in quotes, short and printable whatever the file holds.
+inline std::string in_quotes(std::string_view text) {
   constexpr std::size_t kShown = 32;
   std::string shown = "'";
-  for (const char c : word.substr(0, kShown)) shown += c > ' ' && c < '\x7f' ? c : '?';
-  return shown + (word.size() > kShown ? "...'" : "'");
+  for (const char c : text.substr(0, kShown)) shown += c >= ' ' && c < '\x7f' ? c : '?';
+  return shown + (text.size() > kShown ? "...'" : "'");
 }
 
 /// ASCII only, so that no locale can change what a file means.
@@ -197,7 +197,7 @@ inline Status read_point(TextCursor& cursor, std::string_view name, Vec3& point)
     }
     if (const char* fault = read_finite(word, value)) {
       return text_error(name, cursor.place(),
-                        "coordinate " + quoted(word) + " " + fault + "; repair or re-export the mesh");
+                        "coordinate " + in_quotes(word) + " " + fault + "; repair or re-export the mesh");
     }
   }
   point = {coordinate[0], coordinate[1], coordinate[2]};

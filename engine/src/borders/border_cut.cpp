@@ -10,7 +10,7 @@ namespace lumbrical {
 namespace {
 
 // Rounding must not lose one.
-constexpr double kMargin = 1.000001;
+constexpr double kCutMargin = 1.000001;
 
 constexpr double kFar = 1e300;
 
@@ -35,7 +35,7 @@ double height_bound(const JointBorder& border, Vec3 from, Vec3 to, Vec3 n) {
     slope[i] = std::fabs(rise / fall);
   }
   const double sum = slope[0] + slope[1];
-  return sum > 0 ? kMargin * length * slope[0] * slope[1] / sum : 0;
+  return sum > 0 ? kCutMargin * length * slope[0] * slope[1] / sum : 0;
 }
 
 // Does the tile keep clear of a chord and of all that may lie between it and its border?
@@ -45,7 +45,7 @@ bool keeps_clear(const Primitive& tile, Vec3 joint, Vec3 from, Vec3 to, double h
   axis.end2 = tile.end2 - joint;
   chord.end1 = from;
   chord.end2 = to;
-  return segment_distance(axis, chord) > kMargin * (max(tile.radius1, tile.radius2) + height);
+  return segment_distance(axis, chord) > kCutMargin * (max(tile.radius1, tile.radius2) + height);
 }
 
 // Where the border misses the section: does cutting along the chord give the same? Not if the chord runs

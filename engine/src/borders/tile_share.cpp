@@ -10,7 +10,7 @@ namespace lumbrical {
 namespace {
 
 // Edges are searched for borders in steps of this share of the joint's radius.
-constexpr double kStep = 0.25;
+constexpr double kShareStep = 0.25;
 
 // Roots along an edge, as shares of it: what a chord's end misses the border by counts squared.
 constexpr double kEdgeRoot = 1e-12;
@@ -91,7 +91,7 @@ void cross_edge(const Rival& rival, Point2 p, Point2 q, double at_p, double at_q
     add_root(edge, t, f, 1, at_q);
     return;
   }
-  const double wanted = edge.length / (kStep * rival.first.radius);
+  const double wanted = edge.length / (kShareStep * rival.first.radius);
   const int steps = wanted < 1 ? 2 : wanted < 31 ? static_cast<int>(wanted) + 1 : 32;
   double t0 = 0, f0 = at_p;
   for (int i = 1; i <= steps; ++i) {

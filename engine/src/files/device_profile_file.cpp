@@ -14,7 +14,6 @@
 namespace lumbrical {
 namespace {
 
-namespace format = device_format;
 using flatbuffers::uoffset_t;
 
 // What an actuator may rise in where the file does not say: its whole range in this time [s].
@@ -30,7 +29,7 @@ class ProfileReader {
  public:
   ProfileReader(const JsonFile& file, DeviceProfile& profile) : read_(file), profile_(profile) {}
 
-  Status read(const format::Device& table);
+  Status read(const device_format::Device& table);
 
  private:
   int name(const flatbuffers::String* text, const std::string& path, std::span<const Name> names);
@@ -38,17 +37,17 @@ class ProfileReader {
   template <class Integer>
   void word(flatbuffers::Optional<std::uint32_t> value, const std::string& path, Integer& target,
             bool needed = false, std::uint32_t most = 65535);
-  void field(const format::Field* table, const std::string& path, RegisterField& target);
-  void transport(const format::Transport* table);
-  void actuator(const format::Actuator& table, const std::string& path, Actuator& target);
-  void arms(const format::Actuator& table, const std::string& path, Actuator& target);
-  void sensor(const format::Sensor& table, const std::string& path, Sensor& target);
-  void handshake(const format::Device& table);
-  void words(const format::Device& table);
-  void safety(const format::Safety* table);
-  void dynamics(const format::Dynamics& table, const std::string& path, JointDynamics& target);
-  void all_dynamics(const format::Device& table);
-  void timing(const format::Device& table);
+  void field(const device_format::Field* table, const std::string& path, RegisterField& target);
+  void transport(const device_format::Transport* table);
+  void actuator(const device_format::Actuator& table, const std::string& path, Actuator& target);
+  void arms(const device_format::Actuator& table, const std::string& path, Actuator& target);
+  void sensor(const device_format::Sensor& table, const std::string& path, Sensor& target);
+  void handshake(const device_format::Device& table);
+  void words(const device_format::Device& table);
+  void safety(const device_format::Safety* table);
+  void dynamics(const device_format::Dynamics& table, const std::string& path, JointDynamics& target);
+  void all_dynamics(const device_format::Device& table);
+  void timing(const device_format::Device& table);
 
   FieldReader read_;
   DeviceProfile& profile_;
@@ -85,7 +84,7 @@ void ProfileReader::word(flatbuffers::Optional<std::uint32_t> value, const std::
   target = static_cast<Integer>(number);
 }
 
-void ProfileReader::field(const format::Field* table, const std::string& path, RegisterField& target) {
+void ProfileReader::field(const device_format::Field* table, const std::string& path, RegisterField& target) {
   target.unit = unit_;
   if (table == nullptr && !has_registers(profile_.transport.kind)) return;
   if (table == nullptr) return read_.error(path, "is missing");
@@ -104,7 +103,7 @@ void ProfileReader::field(const format::Field* table, const std::string& path, R
   read_.number(table->offset(), path + ".offset", {-kLargest, kLargest}, target.offset);
 }
 
-void ProfileReader::transport(const format::Transport* table) {
+void ProfileReader::transport(const device_format::Transport* table) {
   if (table == nullptr) return;
   Transport& target = profile_.transport;
   static constexpr Name kKinds[] = {{"tcp", static_cast<int>(TransportKind::tcp)},
@@ -127,7 +126,7 @@ void ProfileReader::transport(const format::Transport* table) {
   word(table->unit(), "transport.unit", unit_, false, 247);
 }
 
-void ProfileReader::arms(const format::Actuator& table, const std::string& path, Actuator& target) {
+void ProfileReader::arms(const device_format::Actuator& table, const std::string& path, Actuator& target) {
   const auto* const joints = table.joints();
   for (uoffset_t i = 0; joints != nullptr && i < joints->size(); ++i) {
     const std::string at = path + ".joints[" + std::to_string(i) + "]";
@@ -139,7 +138,8 @@ void ProfileReader::arms(const format::Actuator& table, const std::string& path,
   }
 }
 
-void ProfileReader::actuator(const format::Actuator& table, const std::string& path, Actuator& target) {
+void ProfileReader::actuator(const device_format::Actuator& table, const std::string& path,
+                             Actuator& target) {
   static constexpr Name kDrives[] = {{"motor", static_cast<int>(Drive::motor)},
                                      {"wire", static_cast<int>(Drive::wire)},
                                      {"brake", static_cast<int>(Drive::brake)}};
@@ -163,7 +163,7 @@ void ProfileReader::actuator(const format::Actuator& table, const std::string& p
   field(table.local()->radius(), path + ".local.radius", target.local.radius);
 }
 
-void ProfileReader::sensor(const format::Sensor& table, const std::string& path, Sensor& target) {
+void ProfileReader::sensor(const device_format::Sensor& table, const std::string& path, Sensor& target) {
   static constexpr Name kMotions[] = {{"flexion", 1}, {"abduction", 0}};
   const int segment = joint(table.joint(), path + ".joint");
   const bool flexion = name(table.motion(), path + ".motion", kMotions) == 1;
@@ -180,7 +180,7 @@ void ProfileReader::sensor(const format::Sensor& table, const std::string& path,
   }
 }
 
-void ProfileReader::handshake(const format::Device& table) {
+void ProfileReader::handshake(const device_format::Device& table) {
   const auto* const writes = table.handshake();
   if (writes != nullptr && writes->size() > 64) read_.error("handshake", "may hold at most 64 writes");
   for (uoffset_t i = 0; writes != nullptr && i < writes->size(); ++i) {
@@ -205,8 +205,8 @@ void ProfileReader::handshake(const format::Device& table) {
   }
 }
 
-void ProfileReader::words(const format::Device& table) {
-  if (const format::Control* const control = table.control()) {
+void ProfileReader::words(const device_format::Device& table) {
+  if (const device_format::Control* const control = table.control()) {
     ControlWord& target = profile_.control;
     target.present = true;
     target.unit = unit_;
@@ -215,7 +215,7 @@ void ProfileReader::words(const format::Device& table) {
     word(control->idle(), "control.idle", target.idle);
     word(control->active(), "control.active", target.active);
   }
-  if (const format::Heartbeat* const heartbeat = table.heartbeat()) {
+  if (const device_format::Heartbeat* const heartbeat = table.heartbeat()) {
     Heartbeat& target = profile_.heartbeat;
     target.present = true;
     target.unit = unit_;
@@ -224,7 +224,7 @@ void ProfileReader::words(const format::Device& table) {
     word(heartbeat->address(), "heartbeat.address", target.address, true);
     word(heartbeat->echo(), "heartbeat.echo", target.echo_address);
   }
-  if (const format::StatusBits* const status = table.status()) {
+  if (const device_format::StatusBits* const status = table.status()) {
     StatusBits& target = profile_.status;
     target.present = true;
     target.unit = unit_;
@@ -237,7 +237,7 @@ void ProfileReader::words(const format::Device& table) {
   }
 }
 
-void ProfileReader::safety(const format::Safety* table) {
+void ProfileReader::safety(const device_format::Safety* table) {
   if (table == nullptr) return;
   SafetyTimes& target = profile_.safety;
   read_.number(table->fade(), "safety.fade", {0.001, 1}, target.fade);
@@ -247,18 +247,19 @@ void ProfileReader::safety(const format::Safety* table) {
   read_.number(table->answer_timeout(), "safety.answer_timeout", {0.001, 10}, target.answer_timeout);
 }
 
-void ProfileReader::dynamics(const format::Dynamics& table, const std::string& path, JointDynamics& target) {
+void ProfileReader::dynamics(const device_format::Dynamics& table, const std::string& path,
+                             JointDynamics& target) {
   read_.number(table.inertia(), path + ".inertia", {0, 1}, target.inertia);
   read_.number(table.damping(), path + ".damping", {0, 1e3}, target.damping);
   read_.number(table.friction(), path + ".friction", {0, 1e3}, target.friction);
   read_.number(table.encoder_step(), path + ".encoder_step", {0, 1}, target.encoder_step);
 }
 
-void ProfileReader::all_dynamics(const format::Device& table) {
+void ProfileReader::all_dynamics(const device_format::Device& table) {
   const auto* const all = table.dynamics();
   for (const bool named : {false, true}) {  // what names its joints goes above what doesn't
     for (uoffset_t i = 0; all != nullptr && i < all->size(); ++i) {
-      const format::Dynamics& entry = *all->Get(i);
+      const device_format::Dynamics& entry = *all->Get(i);
       const std::string path = "dynamics[" + std::to_string(i) + "]";
       if ((entry.joints() != nullptr) != named) continue;
       if (!named) {
@@ -274,7 +275,7 @@ void ProfileReader::all_dynamics(const format::Device& table) {
   }
 }
 
-void ProfileReader::timing(const format::Device& table) {
+void ProfileReader::timing(const device_format::Device& table) {
   static constexpr Name kCommands[] = {{"FC16", 0}, {"FC23", 1}};
   static constexpr Name kFeedbacks[] = {{"FC3", 3}, {"FC4", 4}};
   profile_.read_write = name(table.command(), "command", kCommands) == 1;
@@ -293,7 +294,7 @@ void ProfileReader::timing(const format::Device& table) {
   read_.number(table.last_retry(), "last_retry", {0.001, 600}, profile_.last_retry);
 }
 
-Status ProfileReader::read(const format::Device& table) {
+Status ProfileReader::read(const device_format::Device& table) {
   if (table.name() == nullptr || table.name()->size() == 0) read_.error("name", "is missing");
   if (table.name() != nullptr) profile_.name = table.name()->str();
   if (table.source() != nullptr) profile_.source = table.source()->str();
@@ -329,11 +330,12 @@ Status ProfileReader::read(const format::Device& table) {
 Status load_device_profile(const std::string& path, DeviceProfile& profile) {
   const FloatingPointGuard guard;
   JsonFile file;
-  const std::span schema(format::DeviceBinarySchema::data(), format::DeviceBinarySchema::size());
+  const std::span schema(device_format::DeviceBinarySchema::data(),
+                         device_format::DeviceBinarySchema::size());
   Status status = read_json_file(path, schema, "lumbrical.device_format.Device", file);
   if (!status.ok()) return status;
   DeviceProfile result;
-  status = ProfileReader(file, result).read(*format::GetDevice(file.buffer.data()));
+  status = ProfileReader(file, result).read(*device_format::GetDevice(file.buffer.data()));
   if (status.ok()) profile = std::move(result);
   return status;
 }

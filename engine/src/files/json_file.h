@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/text_cursor.h"
 #include "lumbrical/math.h"
 #include "lumbrical/status.h"
 
@@ -26,10 +27,6 @@ struct JsonFile {
 /// Reads a file of at most 16 MiB and parses it as the table `root` of the binary schema.
 Status read_json_file(const std::string& path, std::span<const std::uint8_t> schema, const char* root,
                       JsonFile& file);
-
-struct TextPlace {
-  std::size_t line = 1, column = 1;
-};
 
 /// Where the value at `path` ("objects[1].fit.size") starts in a JSON text, or the innermost part of the path
 /// that is there. Never fails: text that is not JSON gives some place inside it.

@@ -12,16 +12,12 @@
 #include <cstdint>
 #include <ctime>
 #include <mutex>
-#include <system_error>
 
+#include "base/system_status.h"
 #include "lumbrical/world.h"
 
 namespace lumbrical {
 namespace {
-
-Status failed(const std::string& path, const char* what, int error) {
-  return Status::error(path + ": " + what + ": " + std::generic_category().message(error));
-}
 
 const auto kSystemPage = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
 std::size_t page_size() { return kSystemPage; }
@@ -76,17 +72,17 @@ void end_watch(const void* memory) {
 
 Status map_file(const std::string& path, std::shared_ptr<const std::byte>& bytes, std::size_t& size) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // no pipe is waited for
-  if (descriptor < 0) return failed(path, "cannot be opened", errno);
+  if (descriptor < 0) return system_status(path, "cannot be opened", errno);
   struct stat status {};
   Status result;
   void* memory = nullptr;
   if (::fstat(descriptor, &status) != 0) {
-    result = failed(path, "cannot be opened", errno);
+    result = system_status(path, "cannot be opened", errno);
   } else if (!S_ISREG(status.st_mode)) {
     result = Status::error(path + ": is no regular file; name another");
   } else if (status.st_size > 0) {
     memory = ::mmap(nullptr, static_cast<std::size_t>(status.st_size), PROT_READ, MAP_SHARED, descriptor, 0);
-    if (memory == MAP_FAILED) result = failed(path, "cannot be mapped", errno);
+    if (memory == MAP_FAILED) result = system_status(path, "cannot be mapped", errno);
   }
   size = static_cast<std::size_t>(status.st_size);
   const bool watched =
@@ -110,7 +106,7 @@ Status check_mapped(const std::string& path, const std::byte* mapped) {
   const Mapping* const mapping = find_mapping(mapped);
   if (mapping == nullptr) return {};
   struct stat now {};
-  if (::fstat(mapping->descriptor, &now) != 0) return failed(path, "cannot be looked at", errno);
+  if (::fstat(mapping->descriptor, &now) != 0) return system_status(path, "cannot be looked at", errno);
   const struct timespec written = now.st_mtim;
   const bool same = written.tv_sec == mapping->written.tv_sec && written.tv_nsec == mapping->written.tv_nsec;
   if (same && is_whole(mapped) && static_cast<std::size_t>(now.st_size) == mapping->size) return {};

@@ -8,14 +8,11 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
-#include <system_error>
+
+#include "base/system_status.h"
 
 namespace lumbrical {
 namespace {
-
-Status failed(const std::string& path, const char* what, int error) {
-  return Status::error(path + ": " + what + ": " + std::generic_category().message(error));
-}
 
 bool exists(const std::string& path) {
   struct stat status {};
@@ -87,7 +84,8 @@ Status OutputFile::open(const std::string& path) {
   path_ = path;
   const std::string part = path + kPartSuffix;
   descriptor_ = ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) return errno == EEXIST ? part_exists(part) : failed(part, "cannot be created", errno);
+  if (descriptor_ < 0)
+    return errno == EEXIST ? part_exists(part) : system_status(part, "cannot be created", errno);
   growing_at_ = part;
   size_ = 0;
   name_synced_ = false;
@@ -99,7 +97,7 @@ Status OutputFile::write(std::span<const std::uint8_t> bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return failed(growing_at_, "cannot be written", written < 0 ? errno : ENOSPC);
+    if (written <= 0) return system_status(growing_at_, "cannot be written", written < 0 ? errno : ENOSPC);
     bytes = bytes.subspan(static_cast<std::size_t>(written));
     size_ += static_cast<std::uint64_t>(written);
   }
@@ -109,29 +107,30 @@ Status OutputFile::write(std::span<const std::uint8_t> bytes) {
 Status OutputFile::cut(std::uint64_t size) {
   const off_t end = static_cast<off_t>(size);
   if (::ftruncate(descriptor_, end) != 0 || ::lseek(descriptor_, end, SEEK_SET) != end)
-    return failed(growing_at_, "cannot be cut back", errno);
+    return system_status(growing_at_, "cannot be cut back", errno);
   size_ = size;
   return {};
 }
 
 Status OutputFile::sync() {
-  if (::fsync(descriptor_) != 0) return failed(growing_at_, "cannot be written", errno);
+  if (::fsync(descriptor_) != 0) return system_status(growing_at_, "cannot be written", errno);
   if (name_synced_) return {};
-  if (const int error = sync_folder_of(growing_at_)) return failed(growing_at_, "cannot be written", error);
+  if (const int error = sync_folder_of(growing_at_))
+    return system_status(growing_at_, "cannot be written", error);
   name_synced_ = true;
   return {};
 }
 
 Status OutputFile::commit() {
-  if (::fsync(descriptor_) != 0) return failed(growing_at_, "cannot be written", errno);
+  if (::fsync(descriptor_) != 0) return system_status(growing_at_, "cannot be written", errno);
   // Renamed before it is closed: nobody finds the finished part without its lock.
   if (!rename_to_free(growing_at_, path_))
-    return failed(path_, ("cannot be the name of " + growing_at_).c_str(), errno);
+    return system_status(path_, "cannot be the name of " + growing_at_, errno);
   growing_at_.clear();
   const int descriptor = descriptor_;
   descriptor_ = -1;
-  if (::close(descriptor) != 0) return failed(path_, "cannot be closed", errno);
-  if (const int error = sync_folder_of(path_)) return failed(path_, "cannot be written", error);
+  if (::close(descriptor) != 0) return system_status(path_, "cannot be closed", errno);
+  if (const int error = sync_folder_of(path_)) return system_status(path_, "cannot be written", error);
   return {};
 }
 

@@ -6,13 +6,12 @@
 #include <cerrno>
 #include <cstdlib>
 #include <limits>
-#include <system_error>
+
+#include "base/system_status.h"
 
 namespace lumbrical {
 
-Status SpillFile::failed(const char* what) const {
-  return Status::error(path_ + ": " + what + ": " + std::generic_category().message(errno));
-}
+Status SpillFile::failed(const char* what) const { return system_status(path_, what, errno); }
 
 Status SpillFile::open(const std::string& path) {
   path_ = path + ".XXXXXX";  // a name that nothing has

@@ -22,7 +22,7 @@ Status read_number(ImageReader& reader, const char* what, std::int64_t low, std:
   if (word.empty())
     return reader.error("the file ends before " + std::string(what) + "; save the image again");
   if (read_integer(word, value) && value >= low && value <= high) return {};
-  return reader.error(std::string(what) + " is " + quoted(word) + ", no whole number of " +
+  return reader.error(std::string(what) + " is " + in_quotes(word) + ", no whole number of " +
                       std::to_string(low) + " to " + std::to_string(high) + "; save the image again");
 }
 
@@ -101,10 +101,10 @@ Status parse_friction_factors(std::string_view content, const std::string& name,
   for (std::string_view word = cursor.word_across_lines(); !word.empty(); word = cursor.word_across_lines()) {
     double factor = 0;
     if (const char* const fault = read_finite(word, factor))
-      return text_error(name, cursor.place(), "friction factor " + quoted(word) + " " + fault);
+      return text_error(name, cursor.place(), "friction factor " + in_quotes(word) + " " + fault);
     if (!(factor >= 0 && factor <= 10))
       return text_error(name, cursor.place(),
-                        "friction factor " + quoted(word) + " is out of range; give 0 to 10");
+                        "friction factor " + in_quotes(word) + " is out of range; give 0 to 10");
     if (parsed.size() == kMostTexels)
       return text_error(name, cursor.place(), "more than 4194304 friction factors; simplify the mesh");
     parsed.push_back(factor);

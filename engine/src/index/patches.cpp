@@ -61,7 +61,7 @@ constexpr unsigned kMostHalvings = 20, kMostOfSliver = 8;
 // Patches there may be beside one per triangle, or as many as there are triangles: some 60 MB.
 constexpr std::size_t kSparePatches = std::size_t{1} << 19;
 
-constexpr std::size_t kPiece = 4096;  // triangles or patches, the least that is worth another thread
+constexpr std::size_t kPatchPiece = 4096;  // triangles or patches, the least that is worth another thread
 
 // By Newton's method, since the C library's differs between machines.
 double cube_root(double x) {
@@ -185,14 +185,15 @@ struct Cutting {
 std::size_t count_patches(const Triangles& triangles, double step, unsigned most, std::size_t room,
                           std::size_t threads) {
   std::atomic<std::size_t> total{0};
-  parallel_pieces(triangles.size(), kPiece, threads, [&](std::size_t, std::size_t first, std::size_t last) {
-    std::size_t count = 0;
-    for (std::size_t i = first; i < last && total + count <= room; ++i) {
-      const Corners at = corners_of(triangles, static_cast<std::uint32_t>(i));
-      if (has_area(at)) count += count_parts(at, step, most);
-    }
-    total += count;
-  });
+  parallel_pieces(triangles.size(), kPatchPiece, threads,
+                  [&](std::size_t, std::size_t first, std::size_t last) {
+                    std::size_t count = 0;
+                    for (std::size_t i = first; i < last && total + count <= room; ++i) {
+                      const Corners at = corners_of(triangles, static_cast<std::uint32_t>(i));
+                      if (has_area(at)) count += count_parts(at, step, most);
+                    }
+                    total += count;
+                  });
   return total;
 }
 
@@ -337,7 +338,7 @@ void put_samples(const Execution& execution, Patches& patches) {
     const std::size_t first = samples.size(), count = piece_count(patches.block.size(), width);
     samples.resize(first + count);
     here.resize(count);
-    const std::size_t piece = std::max<std::size_t>(1, kPiece / (width * kWidth));
+    const std::size_t piece = std::max<std::size_t>(1, kPatchPiece / (width * kWidth));
     parallel_pieces(count, piece, execution.threads, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const std::size_t members = i * kWidth;
@@ -393,7 +394,7 @@ void put_blocks(const Triangles& triangles, const Box& box, const Cutting& cutti
   std::vector<PatchBlock> blocks(piece_count(order.size(), kWidth));
   std::vector<PatchShape> shapes(blocks.size() * kWidth);
   std::vector<Sphere> leaves(blocks.size());
-  parallel_pieces(blocks.size(), kPiece / kWidth, execution.threads,
+  parallel_pieces(blocks.size(), kPatchPiece / kWidth, execution.threads,
                   [&](std::size_t, std::size_t first, std::size_t last) {
                     for (std::size_t i = first; i < last; ++i) {
                       const std::size_t begin = i * kWidth,

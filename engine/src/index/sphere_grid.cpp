@@ -37,7 +37,7 @@ Cell re_entry(Cell cell, Cell low, Cell high) {
   return {low.x, cell.y + 1, cell.z};
 }
 
-constexpr std::size_t kPiece = 16384;  // triangles, the least that is worth another thread
+constexpr std::size_t kGridPiece = 16384;  // triangles, the least that is worth another thread
 
 // Keys of cells with no more bits than this grid needs, in the same order.
 struct ShortKey {
@@ -56,8 +56,8 @@ ShortKey short_key(const SphereGrid& grid, Vec3 upper) {
 Box box_round_centres(const Triangles& triangles, std::uint32_t first, std::uint32_t last,
                       std::size_t threads) {
   const std::size_t count = last - first;
-  std::vector<Box> boxes(piece_count(count, kPiece));
-  parallel_pieces(count, kPiece, threads, [&](std::size_t piece, std::size_t begin, std::size_t end) {
+  std::vector<Box> boxes(piece_count(count, kGridPiece));
+  parallel_pieces(count, kGridPiece, threads, [&](std::size_t piece, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       boxes[piece].add(bound_triangle(triangles, first + static_cast<std::uint32_t>(i), {}).centre);
   });
@@ -147,9 +147,9 @@ SphereGrid build_grid(const Triangles& triangles, const Execution& execution) {
 std::size_t find_cells(const SphereGrid& grid, const Box& box, std::vector<std::uint32_t>& trees) {
   if (grid.tree.empty()) return 0;
   // A triangle's sphere reaches half a cell beyond the cell of its centre, and coordinates are rounded.
-  const auto farthest = [](Vec3 p) { return max(std::fabs(p.x), max(std::fabs(p.y), std::fabs(p.z))); };
-  const double reach = 0.500001 * grid.cell_size +
-                       1e-14 * max(farthest(grid.origin), max(farthest(box.lower), farthest(box.upper)));
+  const double reach =
+      0.500001 * grid.cell_size +
+      1e-14 * max(largest_of(grid.origin), max(largest_of(box.lower), largest_of(box.upper)));
   const Vec3 margin{reach, reach, reach};
   const Cell low = cell_at(grid, box.lower - margin), high = cell_at(grid, box.upper + margin);
   std::size_t count = 0;

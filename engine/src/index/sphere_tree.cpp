@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint32_t kWidth = SphereBlock::kWidth;
 constexpr std::size_t kLargestLeaf = 64;  // triangles; Execution::leaf_size
-constexpr std::size_t kPiece = 1024;      // blocks, the least that is worth another thread
+constexpr std::size_t kTreePiece = 1024;  // blocks, the least that is worth another thread
 
 // By this share the box round the spheres is wider: rounding must not lose a contact.
 constexpr double kBoxSlack = 1e-6;
@@ -38,14 +38,14 @@ void put_sphere(const Sphere& sphere, std::size_t place, SphereBlock* level) {
   block.x[lane] = static_cast<float>(c.x);
   block.y[lane] = static_cast<float>(c.y);
   block.z[lane] = static_cast<float>(c.z);
-  const double size = max(std::fabs(c.x), max(std::fabs(c.y), std::fabs(c.z))) + sphere.radius;
+  const double size = largest_of(c) + sphere.radius;
   block.r[lane] = static_cast<float>(sphere.radius + kFloatSlack * size);
 }
 
 // Bounds every block of a level by one sphere, which become the next level.
 std::vector<Sphere> bound_blocks(const std::vector<Sphere>& spheres, std::size_t threads) {
   std::vector<Sphere> bounds(piece_count(spheres.size(), kWidth));
-  parallel_pieces(bounds.size(), kPiece, threads, [&](std::size_t, std::size_t first, std::size_t last) {
+  parallel_pieces(bounds.size(), kTreePiece, threads, [&](std::size_t, std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       const std::size_t begin = i * kWidth, size = std::min<std::size_t>(kWidth, spheres.size() - begin);
       bounds[i] = bound(std::span(spheres).subspan(begin, size));
@@ -55,7 +55,7 @@ std::vector<Sphere> bound_blocks(const std::vector<Sphere>& spheres, std::size_t
 }
 
 void put_level(const std::vector<Sphere>& spheres, SphereBlock* level, std::size_t threads) {
-  parallel_pieces(spheres.size(), kPiece * kWidth, threads,
+  parallel_pieces(spheres.size(), kTreePiece * kWidth, threads,
                   [&](std::size_t, std::size_t first, std::size_t last) {
                     std::fill(level + first / kWidth, level + piece_count(last, kWidth), empty_block());
                     for (std::size_t i = first; i < last; ++i) put_sphere(spheres[i], i, level);
@@ -82,37 +82,38 @@ Leaves put_leaves(const Triangles& triangles, std::span<const std::uint32_t> mem
                   std::uint32_t* numbers) {
   const std::size_t leaf_size = execution.leaf_size, leaf_blocks = head.blocks_per_leaf;
   std::vector<Sphere> leaves(head.leaf_count);
-  std::vector<Box> boxes(piece_count(leaves.size(), kPiece));
-  parallel_pieces(
-      leaves.size(), kPiece, execution.threads, [&](std::size_t piece, std::size_t first, std::size_t last) {
-        Box box;
-        std::fill(blocks + first * leaf_blocks, blocks + last * leaf_blocks, empty_block());
-        std::fill(numbers + first * leaf_blocks * kWidth, numbers + last * leaf_blocks * kWidth, 0u);
-        std::array<Sphere, kLargestLeaf> within;
-        for (std::size_t leaf = first; leaf < last; ++leaf) {
-          const std::size_t begin = leaf * leaf_size;
-          const std::size_t size = std::min(leaf_size, members.size() - begin);
-          const std::size_t place = leaf * leaf_blocks * kWidth;
-          for (std::size_t i = 0; i < size; ++i) {
-            const std::uint32_t triangle = members[begin + i];
-            const TriangleBound around = bound_triangle(triangles, triangle, head.origin);
-            within[i] = {around.centre, around.radius};
-            box.add(around.centre, (1 + kBoxSlack) * around.radius);
-            put_sphere(within[i], place + i, blocks);
-            numbers[place + i] = triangle;
-          }
-          leaves[leaf] = bound({within.data(), size});
-        }
-        boxes[piece] = box;
-      });
+  std::vector<Box> boxes(piece_count(leaves.size(), kTreePiece));
+  parallel_pieces(leaves.size(), kTreePiece, execution.threads,
+                  [&](std::size_t piece, std::size_t first, std::size_t last) {
+                    Box box;
+                    std::fill(blocks + first * leaf_blocks, blocks + last * leaf_blocks, empty_block());
+                    std::fill(numbers + first * leaf_blocks * kWidth, numbers + last * leaf_blocks * kWidth,
+                              0u);
+                    std::array<Sphere, kLargestLeaf> within;
+                    for (std::size_t leaf = first; leaf < last; ++leaf) {
+                      const std::size_t begin = leaf * leaf_size;
+                      const std::size_t size = std::min(leaf_size, members.size() - begin);
+                      const std::size_t place = leaf * leaf_blocks * kWidth;
+                      for (std::size_t i = 0; i < size; ++i) {
+                        const std::uint32_t triangle = members[begin + i];
+                        const TriangleBound around = bound_triangle(triangles, triangle, head.origin);
+                        within[i] = {around.centre, around.radius};
+                        box.add(around.centre, (1 + kBoxSlack) * around.radius);
+                        put_sphere(within[i], place + i, blocks);
+                        numbers[place + i] = triangle;
+                      }
+                      leaves[leaf] = bound({within.data(), size});
+                    }
+                    boxes[piece] = box;
+                  });
   return {std::move(leaves), box_round(boxes)};
 }
 
 // Round all corners of the members, in W.
 Box box_round_members(const Triangles& triangles, std::span<const std::uint32_t> members,
                       std::size_t threads) {
-  std::vector<Box> boxes(piece_count(members.size(), kPiece * kWidth));
-  parallel_pieces(members.size(), kPiece * kWidth, threads,
+  std::vector<Box> boxes(piece_count(members.size(), kTreePiece * kWidth));
+  parallel_pieces(members.size(), kTreePiece * kWidth, threads,
                   [&](std::size_t piece, std::size_t first, std::size_t last) {
                     Box box;
                     for (std::size_t i = first; i < last; ++i) {

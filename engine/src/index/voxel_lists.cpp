@@ -45,18 +45,18 @@ double size_of_voxels(const Execution& execution, const Box& box, std::vector<do
 }
 
 // The voxel of a coordinate, which is at least -kRounding and at most 2^20 - 1.
-std::uint64_t voxel_at(double x) { return static_cast<std::uint64_t>(max(x, 0)); }
+std::uint64_t voxel_of(double x) { return static_cast<std::uint64_t>(max(x, 0)); }
 
 // Adds the triangle, corners in voxels from the origin, to every voxel it touches.
 void add_entries(Vec3 a, Vec3 b, Vec3 c, std::uint32_t triangle, std::vector<Entry>& entries) {
   const Vec3 centre = a + ((b - a) + (c - a)) / 3.0;
-  const std::uint64_t home = voxel_key(voxel_at(centre.x), voxel_at(centre.y), voxel_at(centre.z));
+  const std::uint64_t home = voxel_key(voxel_of(centre.x), voxel_of(centre.y), voxel_of(centre.z));
   Box box;
   for (const Vec3 p : {a, b, c, centre}) box.add(p, kRounding);
   const Vec3 low = box.lower, high = box.upper;
-  for (std::uint64_t x = voxel_at(low.x); x <= voxel_at(high.x); ++x) {
-    for (std::uint64_t y = voxel_at(low.y); y <= voxel_at(high.y); ++y) {
-      for (std::uint64_t z = voxel_at(low.z); z <= voxel_at(high.z); ++z) {
+  for (std::uint64_t x = voxel_of(low.x); x <= voxel_of(high.x); ++x) {
+    for (std::uint64_t y = voxel_of(low.y); y <= voxel_of(high.y); ++y) {
+      for (std::uint64_t z = voxel_of(low.z); z <= voxel_of(high.z); ++z) {
         const std::uint64_t key = voxel_key(x, y, z);
         const Vec3 middle{static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5,
                           static_cast<double>(z) + 0.5};

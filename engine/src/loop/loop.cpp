@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/steady_clock.h"
 #include "lumbrical/math.h"
 #include "lumbrical/real_time.h"
 #include "lumbrical/ways_out.h"
@@ -14,8 +15,6 @@ namespace {
 
 // What is computed before a device is armed [s]: the first ticks meet cold caches and unmapped pages.
 constexpr double kWarmUp = 0.05;
-
-double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 }  // namespace
 
@@ -84,7 +83,7 @@ bool DeviceLoop::look_after(const LoopStep& step) {
   const SafetyState state = sink.state();
   figures.was_active = figures.was_active || state == SafetyState::active;
   if (control.certified && control.any_feedback && figures.was_active)
-    figures.oldest = max(figures.oldest, seconds(clock_ns() - figures.last_acknowledged));
+    figures.oldest = max(figures.oldest, in_seconds(clock_ns() - figures.last_acknowledged));
   return !figures.other_master && !(settings_.stop_on_loss && lost(state));
 }
 
@@ -93,7 +92,7 @@ bool DeviceLoop::lost(SafetyState now) const {
   if (now == SafetyState::fault || (figures.was_active && now == SafetyState::idle)) return true;
   if (now != SafetyState::disconnected || figures.armed_at == 0) return false;
   const double patience = control.profile.safety.answer_timeout + control.profile.response_timeout;
-  return figures.was_active || seconds(clock_ns() - figures.armed_at) > patience;
+  return figures.was_active || in_seconds(clock_ns() - figures.armed_at) > patience;
 }
 
 bool DeviceLoop::close() {

@@ -19,13 +19,12 @@ constexpr std::size_t kMostEvents = 1000;
 using Clock = std::chrono::steady_clock;
 
 std::int64_t ns(double seconds) { return static_cast<std::int64_t>(seconds * 1e9); }
-double seconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-9; }
 
 }  // namespace
 
 void DeviceSink::Worker::tell(std::string text) {
   const std::lock_guard lock(mutex);
-  if (events.size() < kMostEvents) events.push_back({seconds(steady_ns() - opened), std::move(text)});
+  if (events.size() < kMostEvents) events.push_back({in_seconds(steady_ns() - opened), std::move(text)});
 }
 
 // The same trouble is told once, until something works again.
@@ -124,15 +123,16 @@ void DeviceSink::Worker::await_tick() {
   for (;;) {
     take_command();
     const std::int64_t now = steady_ns();
-    const bool ticking = seconds(now - newest.time) <= profile.safety.tick_hold;
+    const bool ticking = in_seconds(now - newest.time) <= profile.safety.tick_hold;
     const double wait = wait_for_tick(newest.command, asked_at, exchange, profile.safety);
-    if (!options.thread || !standing || !ticking || stop || closing || seconds(now - begun) >= wait) return;
+    if (!options.thread || !standing || !ticking || stop || closing || in_seconds(now - begun) >= wait)
+      return;
     std::this_thread::sleep_for(kLook);
   }
 }
 
 SafetyOutput DeviceSink::Worker::decide(std::int64_t now) {
-  const double elapsed = seconds(now - last_step);
+  const double elapsed = in_seconds(now - last_step);
   last_step = now;
   const unsigned asked = requests.exchange(0);
   const DeviceStatus& device = answer.status;
@@ -141,20 +141,20 @@ SafetyOutput DeviceSink::Worker::decide(std::int64_t now) {
   inputs.gap = elapsed - inputs.dt;
   take_command();
   inputs.connected =
-      connected && handshaken && any_answer && seconds(now - last_answer) <= profile.safety.answer_timeout;
+      connected && handshaken && any_answer && in_seconds(now - last_answer) <= profile.safety.answer_timeout;
   inputs.device_ready = device.ready;
   inputs.device_fault = device.fault;
   inputs.stop = stop || device.stop;
   inputs.dead_man = device.has_dead_man ? device.dead_man : dead_man.load();
   inputs.heartbeat_lost =
-      device.echoes && any_answer && seconds(now - last_echo_change) > profile.safety.answer_timeout;
+      device.echoes && any_answer && in_seconds(now - last_echo_change) > profile.safety.answer_timeout;
   inputs.other_master = std::exchange(other_master, false);
   inputs.arm = (asked & kArm) != 0;
   inputs.disarm = (asked & kDisarm) != 0 || closing;
   inputs.reset = (asked & kReset) != 0;
   inputs.continue_after_loss = options.continue_after_loss && !closing;
   inputs.tick_age = newest.time == 0 ? std::numeric_limits<double>::infinity()
-                                     : seconds(now - newest.time) - (running.lost - lost_before);
+                                     : in_seconds(now - newest.time) - (running.lost - lost_before);
   inputs.wanted = newest.command.wanted;
   const bool can_arm =
       safety.state == SafetyState::idle && inputs.device_ready && inputs.tick_age <= profile.safety.tick_hold;
@@ -280,9 +280,9 @@ void DeviceSink::Worker::count(bool acknowledged, std::int64_t now) {
   report.cycles = cycle_count;
   report.acknowledged += acknowledged ? 1 : 0;
   report.state = safety.state;
-  report.age = any_answer ? seconds(now - last_answer) : std::numeric_limits<double>::infinity();
+  report.age = any_answer ? in_seconds(now - last_answer) : std::numeric_limits<double>::infinity();
   const std::int64_t span = now - rate_start[0];
-  if (span > 0) report.rate = static_cast<double>(report.acknowledged - rate_count[0]) / seconds(span);
+  if (span > 0) report.rate = static_cast<double>(report.acknowledged - rate_count[0]) / in_seconds(span);
 }
 
 // One cycle. True: the device has acknowledged safe values with its control word off.
@@ -317,7 +317,7 @@ bool DeviceSink::Worker::cycle() {
     standing = acknowledged;
     const std::int64_t now = steady_ns();
     if (acknowledged) {
-      exchange = seconds(now - sent);
+      exchange = in_seconds(now - sent);
       take_feedback(now);
       last_answer = now;
       any_answer = true;

@@ -223,7 +223,7 @@ Status GltfBuffers::load_buffer(std::size_t number) {
   } else {
     const std::optional<std::string> file = file_of_uri(text);
     if (!file || folder_.empty())
-      return fault(place, "its uri " + quoted(std::string_view(text)) +
+      return fault(place, "its uri " + in_quotes(std::string_view(text)) +
                               " is no file beside this one; export the mesh as .glb");
     const std::string path = (std::filesystem::path(folder_) / *file).string();
     if (Status status = read_mesh_file(path, bytes); !status.ok()) return status;

@@ -133,8 +133,6 @@ Status check_finger(const Finger& finger, std::string_view name) {
   return {};
 }
 
-double turn(Vec3 a, Vec3 b, Vec3 c) { return (b.x - a.x) * (c.z - a.z) - (b.z - a.z) * (c.x - a.x); }
-
 // Every corner lies on the same side of every edge, and not all on one line: that also refuses stars.
 bool is_convex(const std::vector<Vec3>& polygon) {
   bool left = false, right = false;

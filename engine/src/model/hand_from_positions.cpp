@@ -111,8 +111,6 @@ void orient_phalanges(int first, Vec3 rest_axis, const Axes& palm, const HandPoi
   poses[first + 3] = {points.position[first + 3], poses[first + 2].orientation};
 }
 
-double turn(Vec3 a, Vec3 b, Vec3 c) { return (b.x - a.x) * (c.z - a.z) - (b.z - a.z) * (c.x - a.x); }
-
 // Andrew's monotone chain in the xz-plane; corners within a hair of a straight line are left out.
 std::vector<Vec3> convex_hull(std::vector<Vec3> points) {
   const auto before = [](Vec3 a, Vec3 b) { return a.x < b.x || (a.x == b.x && a.z < b.z); };

@@ -8,7 +8,7 @@
 namespace lumbrical {
 namespace {
 
-constexpr std::size_t kPiece = 16384;  // vertices
+constexpr std::size_t kVertexPiece = 16384;  // vertices
 
 template <class Visit>
 void for_each_half_edge(const Mesh& mesh, const std::vector<std::uint32_t>& first, const Visit& visit) {
@@ -35,7 +35,7 @@ MeshEdges edges_of(const Mesh& mesh, const std::vector<std::uint32_t>& first, st
     const std::uint64_t high = std::max(from, to);
     edges.half[--start[std::min(from, to)]] = {high << 32 | i << 1 | (from < to ? 1u : 0u)};
   });
-  parallel_pieces(mesh.vertices.size(), kPiece, threads,
+  parallel_pieces(mesh.vertices.size(), kVertexPiece, threads,
                   [&](std::size_t, std::size_t begin, std::size_t end) {
                     const auto at = [&](std::uint64_t place) {
                       return edges.half.begin() + static_cast<std::ptrdiff_t>(place);

@@ -52,7 +52,7 @@ Status read_corner(ObjReader& reader, std::string_view word) {
   if (!read_integer(word.substr(0, slash), index) ||
       word.find_first_not_of("+-0123456789/", slash) != std::string_view::npos) {
     return text_error(reader.name, place,
-                      "corner " + quoted(word) + " is not of the form 1, 1/2, 1//3 or 1/2/3");
+                      "corner " + in_quotes(word) + " is not of the form 1, 1/2, 1//3 or 1/2/3");
   }
   if (index == 0) {
     return text_error(reader.name, place,

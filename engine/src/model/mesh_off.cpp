@@ -29,9 +29,9 @@ struct OffReader {
 Status read_count(OffReader& reader, std::string_view word, const char* what, std::size_t& count) {
   std::int64_t value = 0;
   if (!read_integer(word, value) || value < 0) {
-    return text_error(
-        reader.name, reader.cursor.place(),
-        "expected the number of " + std::string(what) + ", found " + quoted(word) + "; re-export the mesh");
+    return text_error(reader.name, reader.cursor.place(),
+                      "expected the number of " + std::string(what) + ", found " + in_quotes(word) +
+                          "; re-export the mesh");
   }
   // A vertex takes 6 bytes at least ("0 0 0" and a line end), a face 8: what cannot fit is not worth a try.
   if (static_cast<std::uint64_t>(value) > reader.cursor.remaining() / 6 + 1) {
@@ -53,7 +53,7 @@ Status read_header(OffReader& reader) {
     if (word.empty()) word = cursor.word();
   } else if (word.size() > 3 && word.substr(word.size() - 3) == "OFF") {
     return text_error(reader.name, cursor.place(),
-                      quoted(word) +
+                      in_quotes(word) +
                           " is not supported, only OFF with the prefixes ST, C "
                           "and N in three dimensions; export as plain OFF");
   }
@@ -84,7 +84,7 @@ Status read_face(OffReader& reader, std::vector<std::uint32_t>& polygon) {
   std::int64_t corner_count = 0;
   if (!read_integer(word, corner_count) || corner_count < 3) {
     return text_error(reader.name, cursor.place(),
-                      "a face begins with its number of corners, 3 or more, not with " + quoted(word) +
+                      "a face begins with its number of corners, 3 or more, not with " + in_quotes(word) +
                           "; repair or re-export the mesh");
   }
   polygon.clear();
@@ -98,7 +98,7 @@ Status read_face(OffReader& reader, std::vector<std::uint32_t>& polygon) {
     std::int64_t index = -1;
     if (!read_integer(word, index) || index < 0 || static_cast<std::uint64_t>(index) >= reader.vertex_count) {
       return text_error(reader.name, cursor.place(),
-                        "vertex index " + quoted(word) + " is not one of the " +
+                        "vertex index " + in_quotes(word) + " is not one of the " +
                             std::to_string(reader.vertex_count) +
                             " vertices (counted from 0); re-export the mesh");
     }

@@ -81,7 +81,7 @@ bool read_value(BodyReader& body, PlyType type, double& value) {
     if (!read_word(body, word)) return false;
     const char* const fault = read_finite(word, value);
     return fault == nullptr ||
-           body.fail("value " + quoted(word) + " " + fault + "; repair or re-export the mesh");
+           body.fail("value " + in_quotes(word) + " " + fault + "; repair or re-export the mesh");
   }
   if (!read_binary_value(body, type, value)) return false;
   return std::isfinite(value) || body.fail("a value is not finite; repair or re-export the mesh");
@@ -172,7 +172,7 @@ bool read_property_value(BodyReader& body, const PlyProperty& property, std::siz
 bool start_row(BodyReader& body, const PlyElement& element, std::size_t index) {
   if (body.encoding != PlyEncoding::ascii || body.cursor.next_line()) return true;
   return body.fail("the file ends after " + std::to_string(index) + " of " + std::to_string(element.count) +
-                   " " + quoted(element.name) + " elements; copy or export it again");
+                   " " + in_quotes(element.name) + " elements; copy or export it again");
 }
 
 /// Faces may have more values than declared: VCG writes colours of the corners that its header forgets. For
@@ -180,7 +180,7 @@ bool start_row(BodyReader& body, const PlyElement& element, std::size_t index) {
 bool end_row(BodyReader& body, const PlyElement& element) {
   if (body.encoding != PlyEncoding::ascii || element.name == "face" || body.cursor.word().empty())
     return true;
-  return body.fail("the line has more values than the header gives " + quoted(element.name) +
+  return body.fail("the line has more values than the header gives " + in_quotes(element.name) +
                    "; re-export the mesh");
 }
 
@@ -198,7 +198,7 @@ bool read_rows(BodyReader& body, const PlyElement& element, std::size_t vertex_c
   if (size == 0) return true;  // no properties, no bytes
   body.value_at = body.at;
   if (element.count > (body.remaining() + 1) / size) {  // the last line of a text may lack its end
-    return body.fail(std::to_string(element.count) + " " + quoted(element.name) +
+    return body.fail(std::to_string(element.count) + " " + in_quotes(element.name) +
                      " elements do not fit into the " + std::to_string(body.remaining()) +
                      " bytes that are left; copy or export the file again");
   }

@@ -91,7 +91,7 @@ Status parse_binary(std::string_view content, const std::string& name, std::vect
 
 Status unexpected(const TextCursor& cursor, const std::string& name, std::string_view word,
                   const char* wanted) {
-  const std::string found = word.empty() ? "the file ends" : "found " + quoted(word);
+  const std::string found = word.empty() ? "the file ends" : "found " + in_quotes(word);
   return text_error(name, cursor.place(), found + " where '" + wanted + "' is expected; export it again");
 }
 

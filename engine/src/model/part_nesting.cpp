@@ -114,9 +114,9 @@ void keep_wound(std::vector<Crossing>& crossings, std::size_t rays_per_part, std
 bool MeshPart::closed() const {
   // A hole of a few hundredths of the surface leaves no doubt which side is outside; a volume of nothing
   // does.
-  constexpr double kMostHoles = 0.05, kFlat = 1e-9;
+  constexpr double kMostHoles = 0.05, kLeastVolume = 1e-9;
   return triangles >= kFewestEnclosing && !twisted && hole_area <= kMostHoles * area &&
-         std::fabs(volume) > kFlat * area * std::sqrt(area);
+         std::fabs(volume) > kLeastVolume * area * std::sqrt(area);
 }
 
 bool find_nested(const Mesh& mesh, const std::vector<std::uint32_t>& part_of,

@@ -36,12 +36,12 @@ Status read_format(HeaderReader& reader) {
   } else if (word == "binary_big_endian") {
     reader.header.encoding = PlyEncoding::big_endian;
   } else {
-    return reader.fault("format " + quoted(word) +
+    return reader.fault("format " + in_quotes(word) +
                         " is unknown; it must be ascii, binary_little_endian or binary_big_endian");
   }
   const std::string_view version = reader.cursor.word();
   return version == "1.0" ? Status()
-                          : reader.fault("version " + quoted(version) + " is unknown; it must be 1.0");
+                          : reader.fault("version " + in_quotes(version) + " is unknown; it must be 1.0");
 }
 
 Status read_element(HeaderReader& reader) {
@@ -50,13 +50,13 @@ Status read_element(HeaderReader& reader) {
   if (element.name == "vertex" || element.name == "face" || element.name == "tristrips") {
     for (const PlyElement& other : reader.header.elements) {
       if (other.name != element.name) continue;
-      return reader.fault("element " + quoted(element.name) + " is declared twice; re-export the mesh");
+      return reader.fault("element " + in_quotes(element.name) + " is declared twice; re-export the mesh");
     }
   }
   const std::string_view word = reader.cursor.word();
   std::int64_t count = 0;
   if (!read_integer(word, count) || count < 0) {
-    return reader.fault(quoted(word) + " is not a count of elements; re-export the mesh");
+    return reader.fault(in_quotes(word) + " is not a count of elements; re-export the mesh");
   }
   element.count = static_cast<std::size_t>(count);
   if (element.name == "vertex") {
@@ -78,7 +78,7 @@ PlyRole role_of(const std::string& element, const std::string& property) {
 
 Status read_type(HeaderReader& reader, std::string_view word, PlyType& type) {
   const std::optional<PlyType> known = scalar_type(word);
-  if (!known) return reader.fault("type " + quoted(word) + " is unknown; re-export the mesh");
+  if (!known) return reader.fault("type " + in_quotes(word) + " is unknown; re-export the mesh");
   type = *known;
   return {};
 }
@@ -166,7 +166,7 @@ Status read_header(HeaderReader& reader) {
     } else if (keyword == "property") {
       status = read_property(reader);
     } else {
-      status = reader.fault("unknown line " + quoted(keyword) + " in the header; re-export the mesh");
+      status = reader.fault("unknown line " + in_quotes(keyword) + " in the header; re-export the mesh");
     }
     if (!status.ok()) return status;
   }

@@ -14,13 +14,13 @@ Status out_of_range(const std::string& field, const std::string& range) {
   return Status::error(field + " is out of range: give " + range);
 }
 
-constexpr std::size_t kPiece = 65536;  // numbers, the least that is worth another thread
+constexpr std::size_t kNumberPiece = 65536;  // numbers, the least that is worth another thread
 
 // The first of `count` for which `bad` holds; `count` if there is none.
 template <class Bad>
 std::size_t first_bad(std::size_t count, std::size_t threads, const Bad& bad) {
-  std::vector<std::size_t> found(piece_count(count, kPiece), count);
-  parallel_pieces(count, kPiece, threads, [&](std::size_t piece, std::size_t first, std::size_t last) {
+  std::vector<std::size_t> found(piece_count(count, kNumberPiece), count);
+  parallel_pieces(count, kNumberPiece, threads, [&](std::size_t piece, std::size_t first, std::size_t last) {
     std::size_t i = first;
     while (i < last && !bad(i)) ++i;
     if (i < last) found[piece] = i;

@@ -27,8 +27,6 @@ struct TriangleMeasures {
   std::array<double, 3> squared_edges{};  ///< [unit^2] from the first corner on
 };
 
-inline double largest_of(Vec3 v) { return max(max(std::fabs(v.x), std::fabs(v.y)), std::fabs(v.z)); }
-
 /// Of corners none of which is so large that their differences overflow.
 inline TriangleMeasures measure_triangle(Vec3 p, Vec3 q, Vec3 r) {
   const double size = max(max(largest_of(q - p), largest_of(r - q)), largest_of(p - r));

@@ -3,7 +3,6 @@
 #include <span>
 
 #include "base/elementary.h"
-#include "base/text_cursor.h"
 #include "model/hand_from_positions.h"
 #include "motion/motion_formats.h"
 
@@ -34,29 +33,30 @@ struct Skeleton {
   std::size_t channel_count = 0;
 };
 
-struct Reader {
+struct BvhReader {
   TextCursor cursor;
   const std::string& name;
   [[nodiscard]] Status fault(const std::string& what) const { return text_error(name, cursor.place(), what); }
   Status expect(std::string_view keyword) {
     const std::string_view word = cursor.word_across_lines();
-    return lower_case(word) == keyword
-               ? Status()
-               : fault(quoted(word) + " where '" + std::string(keyword) + "' is expected; export it again");
+    return lower_case(word) == keyword ? Status()
+                                       : fault(in_quotes(word) + " where '" + std::string(keyword) +
+                                               "' is expected; export it again");
   }
   Status number(double& value) {
     const std::string_view word = cursor.word_across_lines();
     const char* const wrong = word.empty() ? "is missing: the file ends" : read_finite(word, value);
-    return wrong == nullptr ? Status() : fault("number " + quoted(word) + " " + wrong + "; export it again");
+    return wrong == nullptr ? Status()
+                            : fault("number " + in_quotes(word) + " " + wrong + "; export it again");
   }
 };
 
-std::string plain_name(std::string_view word) {
+std::string node_name(std::string_view word) {
   const std::size_t colon = word.rfind(':');
   return lower_case(colon == word.npos ? word : word.substr(colon + 1));
 }
 
-Status read_channels(Reader& reader, Node& node) {
+Status read_channels(BvhReader& reader, Node& node) {
   double count = 0;
   if (Status status = reader.number(count); !status.ok()) return status;
   if (!(count >= 0 && count <= 6)) return reader.fault("a joint has 0 to 6 channels; export it again");
@@ -66,21 +66,21 @@ Status read_channels(Reader& reader, Node& node) {
     const bool rotation = word.size() == 9 && word.substr(1) == "rotation";
     const std::size_t axis = std::string_view("xyz").find(word.substr(0, 1));
     if (!(position || rotation) || axis > 2)
-      return reader.fault(quoted(std::string_view(word)) + " is no channel");
+      return reader.fault(in_quotes(std::string_view(word)) + " is no channel");
     node.channels.push_back(
         {position ? ChannelKind::position : ChannelKind::rotation, static_cast<int>(axis)});
   }
   return {};
 }
 
-Status read_offset(Reader& reader, Node& node) {
+Status read_offset(BvhReader& reader, Node& node) {
   for (double* const value : {&node.offset.x, &node.offset.y, &node.offset.z})
     if (Status status = reader.number(*value); !status.ok()) return status;
   return {};
 }
 
 // From "HIERARCHY" to the word "MOTION".
-Status read_hierarchy(Reader& reader, Skeleton& skeleton) {
+Status read_hierarchy(BvhReader& reader, Skeleton& skeleton) {
   if (Status status = reader.expect("hierarchy"); !status.ok()) return status;
   std::size_t open = kNone;
   for (;;) {
@@ -92,14 +92,14 @@ Status read_hierarchy(Reader& reader, Skeleton& skeleton) {
         return reader.fault("more than 4096 joints; this is no skeleton");
       Node node;
       const std::string_view name = reader.cursor.word();
-      node.name = word == "end" ? "end site" : plain_name(name);
+      node.name = word == "end" ? "end site" : node_name(name);
       node.parent = open;
       reader.cursor.skip_line();  // a name may have blanks
       open = skeleton.nodes.size();
       skeleton.nodes.push_back(std::move(node));
       status = reader.expect("{");
     } else if (open == kNone) {
-      status = reader.fault(quoted(std::string_view(word)) +
+      status = reader.fault(in_quotes(std::string_view(word)) +
                             " where 'ROOT' or 'MOTION' is expected; export it again");
     } else if (word == "offset") {
       status = read_offset(reader, skeleton.nodes[open]);
@@ -108,7 +108,7 @@ Status read_hierarchy(Reader& reader, Skeleton& skeleton) {
     } else if (word == "}") {
       open = skeleton.nodes[open].parent;
     } else {
-      status = reader.fault(quoted(std::string_view(word)) + " is unknown in a joint; export it again");
+      status = reader.fault(in_quotes(std::string_view(word)) + " is unknown in a joint; export it again");
     }
     if (!status.ok()) return status;
   }
@@ -290,7 +290,7 @@ void tell_offsets(Skeleton& skeleton, std::span<const double> first_frame) {
   }
 }
 
-Status read_motion_header(Reader& reader, const Skeleton& skeleton, std::size_t& frame_count,
+Status read_motion_header(BvhReader& reader, const Skeleton& skeleton, std::size_t& frame_count,
                           double& period) {
   Status status = reader.expect("frames:");
   double count = 0;
@@ -345,7 +345,7 @@ Status parse_bvh(std::string_view content, const std::string& name, const Motion
   if (!(options.unit > 0))
     return refuse(
         name, "BVH doesn't say its unit; set it: cm as a rule (\"unit\" of the scene's motion, or --unit)");
-  Reader reader{TextCursor(content), name};
+  BvhReader reader{TextCursor(content), name};
   Skeleton skeleton;
   if (Status status = read_hierarchy(reader, skeleton); !status.ok()) return status;
   for (const Node& node : skeleton.nodes) skeleton.channel_count += node.channels.size();

@@ -7,8 +7,6 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
-#include "base/text_cursor.h"
-
 namespace lumbrical {
 namespace {
 
@@ -304,12 +302,6 @@ bool read_quaternion(const json* value, bool first_is_w, Quat& quaternion) {
 }
 
 Status refuse(const std::string& name, const std::string& what) { return Status::error(name + ": " + what); }
-
-std::string in_quotes(std::string_view text) {
-  std::string shown = "\"";
-  for (const char c : text.substr(0, 40)) shown += c >= ' ' && c <= '~' ? c : '?';
-  return shown + (text.size() > 40 ? "...\"" : "\"");
-}
 
 Status append_sample(const std::string& name, const std::string& where, double time, const DeviceFrame& frame,
                      Motion& motion) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/text_cursor.h"
 #include "lumbrical/motion.h"
 
 namespace lumbrical {
@@ -44,9 +45,6 @@ inline constexpr double kLargestRadius = 0.2;  ///< [m] of a joint
 
 /// "name: " and what follows it.
 Status refuse(const std::string& name, const std::string& what);
-
-/// Text from a file, fit to be shown: in quotes, printable, and cut after 40 characters.
-std::string in_quotes(std::string_view text);
 
 /// Appends a sample unless its time equals the last one's. Refuses one that goes back in time; `where`
 /// ("frame 7") names it in the message.

@@ -22,7 +22,7 @@ struct Outline {
   }
 };
 
-struct Interval {
+struct Inside {
   double low = 1e300, high = -1e300;
   void add(double u) {
     low = min(low, u);
@@ -31,19 +31,19 @@ struct Interval {
 };
 
 // Where the circle at an end, or the straight side from (a, at height p) to (b, q), crosses the plane.
-void add_circle(double u, double height, double radius, Interval& inside) {
+void add_circle(double u, double height, double radius, Inside& inside) {
   const double square = radius * radius - height * height;
   if (!(square > 0)) return;
   inside.add(u - std::sqrt(square));
   inside.add(u + std::sqrt(square));
 }
-void add_side(double a, double p, double b, double q, Interval& inside) {
+void add_side(double a, double p, double b, double q, Inside& inside) {
   if ((p < 0) == (q < 0)) return;
   inside.add(a + (b - a) * (p / (p - q)));
 }
 
-Interval inside_of(const Outline& o) {
-  Interval inside;
+Inside inside_of(const Outline& o) {
+  Inside inside;
   add_circle(0, o.height1, o.radius1, inside);
   add_circle(o.length, o.height2, o.radius2, inside);
   if (o.axis_square > 1e-18) {
@@ -97,7 +97,7 @@ struct Shadow {
   std::array<double, 4> mark{};  ///< ascending [m]
 };
 Shadow shadow_of(const Outline& o) {
-  const Interval inside = inside_of(o);
+  const Inside inside = inside_of(o);
   if (!(o.length * o.length > 1e-6 * o.axis_square)) {
     const double middle = 0.5 * (inside.low + inside.high);
     return {false, {inside.low, middle, middle, inside.high}};

@@ -11,22 +11,22 @@ namespace lumbrical {
 namespace {
 
 constexpr std::uint64_t kMostBytes = 0xFFFFFFFFu;
-constexpr std::uint16_t kDeflated = 8, kVersion = 20;
+constexpr std::uint16_t kDeflated = 8, kZipVersion = 20;
 constexpr std::uint32_t kDate = 0x00210000;  // 1980-01-01, so that equal tables are equal files
 
-using Bytes = std::vector<std::uint8_t>;
+using Buffer = std::vector<std::uint8_t>;
 
-void put(Bytes& out, std::uint64_t value, int size) {
+void put(Buffer& out, std::uint64_t value, int size) {
   for (int i = 0; i < size; ++i) out.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
 }
 // Not insert: with -O3 gcc 12 warns of an overflow in it that can't be.
-void put(Bytes& out, std::string_view text) {
+void put(Buffer& out, std::string_view text) {
   for (const char c : text) out.push_back(static_cast<std::uint8_t>(c));
 }
 
 // What an archive says of an entry, before it and again in its directory.
-void put(Bytes& out, const ZipEntry& entry) {
-  put(out, kVersion, 2);
+void put(Buffer& out, const ZipEntry& entry) {
+  put(out, kZipVersion, 2);
   put(out, 0, 2);
   put(out, kDeflated, 2);
   put(out, kDate, 4);
@@ -37,12 +37,12 @@ void put(Bytes& out, const ZipEntry& entry) {
 }
 
 // What stands before an array's bytes, a multiple of 64 long.
-Bytes array_header(std::string_view type, std::size_t count) {
+Buffer array_header(std::string_view type, std::size_t count) {
   std::string text = "{'descr': '" + std::string(type) + "', 'fortran_order': False, 'shape': (" +
                      std::to_string(count) + ",), }";
   while ((10 + text.size() + 1) % 64 != 0) text += ' ';
   text += '\n';
-  Bytes header;
+  Buffer header;
   put(header, "\x93NUMPY");
   put(header, 0x0001, 2);  // version 1.0
   put(header, text.size(), 2);
@@ -51,10 +51,10 @@ Bytes array_header(std::string_view type, std::size_t count) {
 }
 
 // Deflated without zlib's own header, as ZIP has it. Empty where zlib fails.
-Bytes deflated(std::span<const std::uint8_t> head, std::span<const std::uint8_t> bytes) {
+Buffer deflated(std::span<const std::uint8_t> head, std::span<const std::uint8_t> bytes) {
   z_stream stream{};
   if (deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY) != Z_OK) return {};
-  Bytes packed(deflateBound(&stream, static_cast<uLong>(head.size() + bytes.size())));
+  Buffer packed(deflateBound(&stream, static_cast<uLong>(head.size() + bytes.size())));
   stream.next_out = packed.data();
   stream.avail_out = static_cast<uInt>(packed.size());
   int result = Z_OK;
@@ -65,7 +65,7 @@ Bytes deflated(std::span<const std::uint8_t> head, std::span<const std::uint8_t>
   }
   packed.resize(stream.total_out);
   deflateEnd(&stream);
-  return result == Z_STREAM_END ? packed : Bytes{};
+  return result == Z_STREAM_END ? packed : Buffer{};
 }
 
 }  // namespace
@@ -77,20 +77,20 @@ Status NpzFile::open(const std::string& path) {
 
 Status NpzFile::add_bytes(std::string_view name, std::string_view type, std::size_t count,
                           std::span<const std::uint8_t> bytes) {
-  const Bytes header = array_header(type, count);
+  const Buffer header = array_header(type, count);
   if (file_.size() + 2 * (header.size() + bytes.size()) > kMostBytes)
     return Status::error(path_ + ": would be larger than 4 GiB; export fewer ticks or columns");
   ZipEntry entry;
   entry.name = std::string(name) + ".npy";
   entry.offset = static_cast<std::uint32_t>(file_.size());
   entry.size = static_cast<std::uint32_t>(header.size() + bytes.size());
-  const uLong head_crc = crc32(0, header.data(), static_cast<uInt>(header.size()));
-  entry.crc = static_cast<std::uint32_t>(crc32(head_crc, bytes.data(), static_cast<uInt>(bytes.size())));
-  const Bytes packed = deflated(header, bytes);
+  const uLong head_crc = ::crc32(0, header.data(), static_cast<uInt>(header.size()));
+  entry.crc = static_cast<std::uint32_t>(::crc32(head_crc, bytes.data(), static_cast<uInt>(bytes.size())));
+  const Buffer packed = deflated(header, bytes);
   if (packed.empty()) return Status::error(path_ + ": can't be compressed; is there memory left?");
   entry.packed = static_cast<std::uint32_t>(packed.size());
 
-  Bytes local;
+  Buffer local;
   put(local, 0x04034b50, 4);
   put(local, entry);
   put(local, 0, 2);
@@ -105,7 +105,7 @@ Status NpzFile::add(std::string_view name, std::string_view type, std::span<cons
   if constexpr (std::endian::native == std::endian::little)
     return add_bytes(name, type, values.size(),
                      {reinterpret_cast<const std::uint8_t*>(values.data()), values.size_bytes()});
-  Bytes bytes;
+  Buffer bytes;
   for (const std::uint64_t value : values) put(bytes, value, 8);
   return add_bytes(name, type, values.size(), bytes);
 }
@@ -113,7 +113,7 @@ Status NpzFile::add(std::string_view name, std::string_view type, std::span<cons
 Status NpzFile::add(std::string_view name, const std::vector<std::string>& texts) {
   std::size_t width = 1;
   for (const std::string& text : texts) width = std::max(width, text.size());
-  Bytes bytes;
+  Buffer bytes;
   for (const std::string& text : texts) {
     put(bytes, text);
     bytes.insert(bytes.end(), width - text.size(), 0);
@@ -122,10 +122,10 @@ Status NpzFile::add(std::string_view name, const std::vector<std::string>& texts
 }
 
 Status NpzFile::close() {
-  Bytes directory;
+  Buffer directory;
   for (const ZipEntry& entry : entries_) {
     put(directory, 0x02014b50, 4);
-    put(directory, kVersion, 2);
+    put(directory, kZipVersion, 2);
     put(directory, entry);
     put(directory, 0, 12);
     put(directory, entry.offset, 4);

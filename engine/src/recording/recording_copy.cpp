@@ -3,7 +3,6 @@
 #include <array>
 #include <filesystem>
 #include <new>
-#include <system_error>
 
 #include "lumbrical/recording.h"
 #include "recording/mcap_writer.h"

@@ -15,8 +15,6 @@
 namespace lumbrical {
 namespace {
 
-constexpr std::uint64_t kProgressInterval = 1000;  // ticks between reports
-
 Status broken(const RecordingReader& reader, const std::string& what) {
   return Status::error(reader.info().path + ": " + what);
 }

@@ -5,6 +5,8 @@
 
 namespace lumbrical {
 
+inline constexpr std::uint64_t kProgressInterval = 1000;  ///< ticks between reports
+
 /// The recorded scene with the changes the options ask for.
 Status scene_for(RecordingReader& reader, const ReplayOptions& options, Scene& scene);
 

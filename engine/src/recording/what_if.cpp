@@ -17,8 +17,6 @@ namespace {
 // floor gives 15 % at 0.23 N and 27 % at 0.13 N.
 constexpr double kWeber = 0.07, kWeberFloor = 0.5;  // [N]
 
-constexpr std::uint64_t kProgressInterval = 1000;  // ticks between reports
-
 /// One quantity over the ticks: largest, and sum of squares.
 struct Sum {
   Change change;

@@ -11,10 +11,10 @@
 namespace lumbrical {
 namespace {
 
-constexpr std::size_t kWidth = PatchBlock::kWidth;
+constexpr std::size_t kLanes = PatchBlock::kWidth;
 
 // What a block's patches may be listed for.
-constexpr std::size_t kMostOfBlock = kWidth * (Bodies::kMostFingers * FingerBody::kMostTiles + 1);
+constexpr std::size_t kMostOfBlock = kLanes * (Bodies::kMostFingers * FingerBody::kMostTiles + 1);
 
 // [m] What rounding may take away of distances between a tree's spheres and bodies.
 float slack_of(const TreeHead& tree, const BodyOffsets& offsets, std::size_t body_count) {
@@ -46,9 +46,9 @@ std::span<const std::uint32_t> shared_blocks(const Model& model, const Bodies& b
 }
 
 std::size_t key_of(const Patches& patches, const ListedPatch& patch) {
-  const PatchBlock& block = patches.block[patch.place / kWidth];
+  const PatchBlock& block = patches.block[patch.place / kLanes];
   return patch.tile % ListedPatch::kFarEnd * kPatchSizes +
-         static_cast<std::size_t>(block.size[patch.place % kWidth]);
+         static_cast<std::size_t>(block.size[patch.place % kLanes]);
 }
 
 void put_in_order(const Patches& patches, std::span<const ListedPatch> found, Overlaps& overlaps) {
@@ -92,13 +92,13 @@ bool find_overlaps(const Model& model, const Bodies& bodies, Overlaps& overlaps)
 }
 
 std::uint64_t effort_of(const Patches& patches, const Overlaps& overlaps, std::size_t level) {
-  constexpr std::uint64_t kPerCell = 6;  // points, of the part and of those deeper
+  constexpr std::uint64_t kPerSharedCell = 6;  // points, of the part and of those deeper
   std::uint64_t effort = 0;
   if (overlaps.count() == 0) return effort;  // as in every tick that feels by all
   for (std::size_t part = 0; part < Overlaps::kParts; ++part) {
     for (std::size_t size = 0; size < kPatchSizes; ++size) {
       const std::uint64_t steps = patches.most_steps[kPatchSizes + size][level];
-      effort += kPerCell * steps * steps * overlaps.of(part, size).size();
+      effort += kPerSharedCell * steps * steps * overlaps.of(part, size).size();
     }
   }
   return effort;

@@ -21,8 +21,6 @@ constexpr double kFarthest = 0x1p46, kLongest = 1e4;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-double farthest(Vec3 p) { return max(std::fabs(p.x), max(std::fabs(p.y), std::fabs(p.z))); }
-
 void add_plane(const HalfSpace& space, double overhang, Hull& hull) {
   hull.plane[static_cast<std::size_t>(hull.plane_count++)] = {
       space.normal, dot(space.normal, space.point - hull.end1) + overhang};
@@ -83,7 +81,7 @@ SkinLimits skin_limits(const Primitives& hand) {
   for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i) {
     const Primitive& primitive = hand.primitive[i];
     least = min(least, min(primitive.radius1, primitive.radius2));
-    coordinate = max(coordinate, max(farthest(primitive.end1), farthest(primitive.end2)));
+    coordinate = max(coordinate, max(largest_of(primitive.end1), largest_of(primitive.end2)));
     longest = max(longest, norm(primitive.end2 - primitive.end1) + max(primitive.radius1, primitive.radius2));
   }
   const double skin = kLeastSkin * least;

@@ -9,11 +9,9 @@ namespace {
 // Shorter axes are taken for points; that much is added to the reach.
 constexpr double kShortest = 1e-15;
 
-double farthest(Vec3 p) { return max(std::fabs(p.x), max(std::fabs(p.y), std::fabs(p.z))); }
-
 // [m] From the segment between the ends, the first of which is at `from`.
 double reach_of(Vec3 from, Vec3 axis, const Primitive& primitive) {
-  const double size = farthest(from) + norm(axis);
+  const double size = largest_of(from) + norm(axis);
   return 1.00001 * max(primitive.radius1, primitive.radius2) + kFloatSlack * size + kShortest;
 }
 

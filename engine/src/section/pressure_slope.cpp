@@ -32,12 +32,12 @@ Slope slope_in(const Section& section, const Slant& slant, int zone, double x) {
 }
 
 // Integrals over y of the slope times 1, y and y^2.
-struct Strip {
+struct SlopeStrip {
   double zeroth = 0, first = 0, second = 0;
 };
 
 // The antiderivatives of 1, y and y^2 over sqrt(d2 + y^2), y >= 0.
-Strip inverse_root_integral(double d2, double y) {
+SlopeStrip inverse_root_integral(double d2, double y) {
   const double d = std::sqrt(d2), r = std::sqrt(d2 + y * y), angle = arc_sinh(y / d);
   return {angle, y * y / (r + d), 0.5 * (y * r - d2 * angle)};
 }
@@ -45,7 +45,7 @@ Strip inverse_root_integral(double d2, double y) {
 // Where a strip is this short against the distance from the axis, the closed form of y^2 / r would cancel.
 constexpr double kShort = 0.3;
 
-void add_strip(const Slope& slope, double from, double to, Strip& strip) {
+void add_strip(const Slope& slope, double from, double to, SlopeStrip& strip) {
   if (!(from < to)) return;
   const auto [constant, factor, d2] = slope;
   if (to * to < kShort * kShort * d2) {
@@ -63,17 +63,17 @@ void add_strip(const Slope& slope, double from, double to, Strip& strip) {
   strip.first += 0.5 * constant * width * sum;
   strip.second += constant * width * (sum * sum - to * from) / 3;
   if (!(d2 > 1e-280)) return;  // the factor is no larger than the root of d2, and the integral vanishes
-  const Strip upper = inverse_root_integral(d2, to), lower = inverse_root_integral(d2, from);
+  const SlopeStrip upper = inverse_root_integral(d2, to), lower = inverse_root_integral(d2, from);
   strip.zeroth += factor * (upper.zeroth - lower.zeroth);
   strip.first += factor * (upper.first - lower.first);
   strip.second += factor * (upper.second - lower.second);
 }
 
-Strip strip_to(const Section& section, const Slant& slant, double x, double y) {
+SlopeStrip slope_strip_to(const Section& section, const Slant& slant, double x, double y) {
   const Abscissa a = at_abscissa(section, slant, x);
   const double reach = std::fabs(y);
   const double side = min(reach, a.to_side), first = min(reach, a.to_first);
-  Strip strip;
+  SlopeStrip strip;
   add_strip(slope_in(section, slant, 2, x), 0, side, strip);
   add_strip(slope_in(section, slant, 1, x), side, first, strip);
   add_strip(slope_in(section, slant, 0, x), max(first, side), reach, strip);
@@ -87,7 +87,7 @@ Strip strip_to(const Section& section, const Slant& slant, double x, double y) {
 SlopeMoments slope_by_boundary(const Section& section, const Slant& slant, const Boundary& boundary) {
   SlopeMoments sum;
   const auto add = [&](double x, double y, double weight) {
-    const Strip strip = strip_to(section, slant, x, y);
+    const SlopeStrip strip = slope_strip_to(section, slant, x, y);
     sum.one -= weight * strip.zeroth;
     sum.x -= weight * x * strip.zeroth;
     sum.xx -= weight * x * x * strip.zeroth;

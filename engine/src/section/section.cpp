@@ -291,19 +291,19 @@ Interval inside_zone(const Zone& zone, Point2 base, Point2 direction, Interval r
 
 // A polygon edge as base + t * direction with the base at the point nearest to the origin: an edge of 100 m
 // through a section of millimetres then loses nothing.
-struct Line {
+struct EdgeLine {
   Point2 base, direction;
   double lower = 0, upper = 0;
   [[nodiscard]] Point2 at(double t) const { return base + t * direction; }
 };
 
-Line line_through(Point2 p, Point2 q) {
+EdgeLine line_through(Point2 p, Point2 q) {
   const bool reverse = runs_back(p, q);
   const Point2 from = reverse ? q : p, to = reverse ? p : q, d = to - from;
   const double length2 = dot(d, d);
   const double t = length2 > 0 ? clamp(-dot(from, d) / length2, 0, 1) : 0;
   const Point2 base = t == 0 ? from : t == 1 ? to : from + t * d;
-  return reverse ? Line{base, q - p, t - 1, t} : Line{base, d, -t, 1 - t};
+  return reverse ? EdgeLine{base, q - p, t - 1, t} : EdgeLine{base, d, -t, 1 - t};
 }
 
 void add_piece(Piece::Kind kind, int side, int zone, Point2 from, Point2 to, Boundary& boundary) {
@@ -323,7 +323,8 @@ double eta(const Zone& zone, double x) {
 }
 
 // The part t1..t2 of an edge that runs outside the section: the section's own curve takes its place.
-void add_outside(const Zone& zone, int index, const Line& line, double t1, double t2, Boundary& boundary) {
+void add_outside(const Zone& zone, int index, const EdgeLine& line, double t1, double t2,
+                 Boundary& boundary) {
   if (!(t1 < t2)) return;
   const Point2 from = line.at(t1), to = line.at(t2);
   if (!(zone.real_lower < zone.real_upper)) return add_nothing(from.x, to.x, boundary);
@@ -339,7 +340,7 @@ void add_outside(const Zone& zone, int index, const Line& line, double t1, doubl
 }
 
 void trace_edge(const Section& section, Point2 p, Point2 q, Boundary& boundary) {
-  const Line line = line_through(p, q);
+  const EdgeLine line = line_through(p, q);
   double covered_lower = line.upper, covered_upper = line.lower;
   for (int i = 0; i < section.zone_count; ++i) {
     const Zone& zone = section.zone[static_cast<std::size_t>(i)];

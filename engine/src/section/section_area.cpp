@@ -44,12 +44,12 @@ Bulge bulge_of(double u, double cosine) {
   return {s, (1 - cosine * s) / u};
 }
 
-struct Moments {
+struct ChordArea {
   double area = 0, x = 0, y = 0;
 };
 
 // Integrals of Y, (x - base.x) Y and Y^2 / 2 over x along the piece, Y measured from base.y.
-Moments under_chord(const Piece& piece, Point2 base) {
+ChordArea under_chord(const Piece& piece, Point2 base) {
   const double delta = piece.to_x - piece.from_x, rise = piece.to_y - piece.from_y;
   const double middle = 0.5 * (piece.from_x + piece.to_x) - base.x;
   const double a = piece.from_y - base.y, b = piece.to_y - base.y;
@@ -57,7 +57,7 @@ Moments under_chord(const Piece& piece, Point2 base) {
   return {area, middle * area + delta * delta * rise / 12, delta * (a * a + a * b + b * b) / 6};
 }
 
-void add_bulge(const Piece& piece, double gamma, Point2 base, Moments& sum) {
+void add_bulge(const Piece& piece, double gamma, Point2 base, ChordArea& sum) {
   const double delta = piece.to_x - piece.from_x;
   const double a = std::fabs(piece.from_y), b = std::fabs(piece.to_y), rise = b - a;
   const double mean = 0.5 * (a + b);
@@ -105,10 +105,10 @@ AreaMoments section_area(const Section& section, const Boundary& boundary) {
   const double extent = extent_of(section.polygon);
   const bool small = extent < 0.5 * section.radius1;
   const Point2 base = small ? section.polygon.corner[0] : Point2{0, 0};
-  Moments sum;
+  ChordArea sum;
   for (int i = 0; i < boundary.count; ++i) {
     const Piece& piece = boundary.piece[static_cast<std::size_t>(i)];
-    const Moments chord = under_chord(piece, base);
+    const ChordArea chord = under_chord(piece, base);
     sum.area += chord.area;
     sum.x += chord.x;
     sum.y += chord.y;

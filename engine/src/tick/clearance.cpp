@@ -61,12 +61,12 @@ bool pose_spheres(const Scene& scene, const DeviceFrame& frame, Primitives& pose
 }
 
 /// An object's triangles with a tree of their own.
-struct Surface {
+struct ObjectSurface {
   Triangles triangles;
   SphereTree tree;
   TreeLayout layout;
 
-  explicit Surface(const Mesh& mesh) {
+  explicit ObjectSurface(const Mesh& mesh) {
     std::array<std::vector<double>, 3> numbers;
     std::array<std::vector<std::uint32_t>, 3> corners;
     for (const Vec3& p : mesh.vertices) {
@@ -156,7 +156,7 @@ void for_each_pose(const Scene& scene, const Motion& motion, double seconds, con
 
 void find_approach(const Scene& scene, const Motion& motion, double seconds, const Mesh& mesh,
                    Approach& approach) {
-  const Surface surface(mesh);
+  const ObjectSurface surface(mesh);
   for_each_pose(scene, motion, seconds,
                 [&](const MotionSample& sample, const Primitives&, const std::vector<SkinSphere>& spheres) {
                   for (const SkinSphere& sphere : spheres) {
