@@ -19,8 +19,6 @@
 namespace lumbrical {
 namespace {
 
-double seconds_since(std::int64_t start) { return static_cast<double>(steady_ns() - start) * 1e-9; }
-
 // A socket that hears of that address only; -1: errno says why.
 int connect_socket(const std::string& address, std::uint16_t port, bool anywhere) {
   addrinfo hints{};
@@ -92,7 +90,7 @@ Status DatagramWire::open() {
 bool DatagramWire::await_datagram(std::int64_t begun) const {
   for (;;) {
     const bool hurry = patience.hurry && patience.hurry();
-    const double left = (hurry ? patience.hurried : patience.usual) - seconds_since(begun);
+    const double left = (hurry ? patience.hurried : patience.usual) - in_seconds(steady_ns() - begun);
     if (left <= 0) return false;
     pollfd waiting{file_, POLLIN, 0};
     const timespec glance{0, static_cast<long>(1e9 * std::min(left, 0.001))};

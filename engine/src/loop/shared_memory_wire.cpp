@@ -97,7 +97,7 @@ WireResult SharedMemoryWire::exchange(const WireCommand& command, WireAnswer& an
   lumbrical_shared_write(&region_->command_turn, region_->command, &told, sizeof told);
   while (!take_answer(command.cycle, answer)) {
     const bool hurry = patience.hurry && patience.hurry();
-    const double waited = static_cast<double>(steady_ns() - answer.asked) * 1e-9;
+    const double waited = in_seconds(steady_ns() - answer.asked);
     if (waited > (hurry ? patience.hurried : patience.usual))
       return {WireOutcome::missed, "no answer in " + profile_.transport.region};
     nanosleep(&kGlance, nullptr);

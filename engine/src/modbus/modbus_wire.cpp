@@ -92,7 +92,7 @@ WireResult ModbusWire::look_back(bool& foreign) {
   foreign = false;
   if (!(profile_.read_back > 0)) return {};
   const std::int64_t now = steady_ns();
-  if (static_cast<double>(now - last_look_) * 1e-9 < profile_.read_back) return {};
+  if (in_seconds(now - last_look_) < profile_.read_back) return {};
   last_look_ = now;
   set_patience();
   const auto [block, at] = words_.part(look_++);

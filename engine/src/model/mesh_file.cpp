@@ -9,6 +9,7 @@
 
 #include "base/floating_point.h"
 #include "base/standard_input.h"
+#include "base/system_status.h"
 #include "base/text_cursor.h"
 #include "model/mesh_formats.h"
 #include "model/scene_check.h"
@@ -135,8 +136,8 @@ Status out_of_memory(const std::string& name) {
   return Status::error(name + ": not enough memory for this mesh; split or simplify it");
 }
 
-Status system_error(const std::string& path, std::error_code code) {
-  return Status::error(path + ": cannot read the file: " + code.message());
+Status unreadable(const std::string& path, int error) {
+  return system_status(path, "cannot read the file", error);
 }
 
 }  // namespace
@@ -148,7 +149,7 @@ Status read_mesh_file(const std::string& path, std::string& content) {
   if (kind.type() == std::filesystem::file_type::not_found) {
     return Status::error(path + ": there is no such file; check the path");
   }
-  if (error) return system_error(path, error);
+  if (error) return unreadable(path, error.value());
   if (kind.type() == std::filesystem::file_type::directory) {
     return Status::error(path + ": this is a directory; give the path of a mesh file");
   }
@@ -156,15 +157,14 @@ Status read_mesh_file(const std::string& path, std::string& content) {
     return Status::error(path + ": this is not a regular file; give the path of a mesh file");
   }
   const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) return system_error(path, error);
+  if (error) return unreadable(path, error.value());
   if (size > kMaxFileSize) return Status::error(path + ": the file is larger than 8 GiB; split the mesh");
 
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-  if (!file) return system_error(path, std::error_code(errno, std::generic_category()));
+  if (!file) return unreadable(path, errno);
   content.resize(static_cast<std::size_t>(size));
   const std::size_t read = std::fread(content.data(), 1, content.size(), file.get());
-  if (std::ferror(file.get()) != 0)
-    return system_error(path, std::error_code(errno, std::generic_category()));
+  if (std::ferror(file.get()) != 0) return unreadable(path, errno);
   content.resize(read);  // someone may have cut the file meanwhile
   return {};
 }

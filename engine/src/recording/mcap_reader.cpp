@@ -13,6 +13,7 @@
 #include <memory>
 #include <system_error>
 
+#include "base/system_status.h"
 #include "files/output_file.h"
 
 namespace lumbrical {
@@ -135,8 +136,7 @@ Status InputFile::open(const std::string& path) {
     descriptor_ = ::open((path + kPartSuffix).c_str(), kMode);
     if (descriptor_ >= 0) path_ += kPartSuffix;
   }
-  if (descriptor_ < 0)
-    return Status::error(path + ": cannot be opened: " + std::generic_category().message(errno));
+  if (descriptor_ < 0) return system_status(path, "cannot be opened", errno);
   struct stat status {};
   if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode))
     return Status::error(path_ + ": is not a file; name a recording");
