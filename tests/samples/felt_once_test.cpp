@@ -129,6 +129,8 @@ std::vector<Held> what_hands_hold(const Hand& hand) {
   all.push_back({"a flat hand on an irregular plane", make_plane(0.3, 24, 1, 5), flat, 0.01});
   all.push_back({"fingers side by side", make_plane(0.3, 60, 1, 3), flat, 0.01});
   for (std::size_t i = 4; i < kAngleCount; i += 4) all.back().frame.angle[i] = i == 8 ? 0.0f : -0.3f;
+  all.push_back({"a flat hand deep in a fine plane", make_plane(0.2, 250, 1, 3),
+                 pressed_frame(hand, 0.006, 0.2), 0.01});
   all.push_back(
       {"a grasp", make_box({0.04, 0.04, 0.08}, 12), resample(make_grasp(hand, 0.02, 0.08, 6), 3), 0.003});
   return all;

@@ -2,7 +2,9 @@
 // them.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "random.h"
 
@@ -166,6 +168,33 @@ TEST(Lattice, ShareWhereALinearFunctionIsPositiveIsExact) {
     EXPECT_NEAR(of_part.sum, means.share, 1e-12);
     EXPECT_NEAR(scalar::share_where_positive(a, b, c, f[0], f[1], f[2], whole), expected, 3e-6)
         << a << " " << b << " " << c;
+  });
+}
+
+// The mean of f's positive part where another linear function is positive.
+double mean_where_positive(double a, double b, double c, const std::array<double, 3>& f) {
+  const auto value = [&](const Corner& p) { return f[0] + p.u * (f[1] - f[0]) + p.v * (f[2] - f[0]); };
+  const std::vector<Corner> polygon = positive_polygon(a, b, c);
+  double mean = 0;
+  for (std::size_t i = 2; i < polygon.size(); ++i) {
+    const Corner &p = polygon[0], &q = polygon[i - 1], &r = polygon[i];
+    const double area = (q.u - p.u) * (r.v - p.v) - (q.v - p.v) * (r.u - p.u);
+    mean += area * means_of_positive(value(p), value(q), value(r)).sum;
+  }
+  return mean;
+}
+
+TEST(Lattice, ShareOfAPartAboveAFloorIsExactWhereBothFunctionsCrossACell) {
+  Random random(10);
+  for_corner_values([&](float a, float b, float c) {
+    if (a * b * c == 0) return;
+    const float floor = 0.1f;
+    std::array<float, 3> f;
+    for (float& at : f) at = static_cast<float>(random.between(-1, 1));
+    const float above = scalar::part_above(floor, f[0], f[1], f[2], (f[0] + f[1] + f[2]) / 3).mean;
+    const double expected = mean_where_positive(a, b, c, {f[0] - floor, f[1] - floor, f[2] - floor});
+    const float share = scalar::share_of_part_above(a, b, c, f[0], f[1], f[2], floor, above);
+    EXPECT_NEAR(share * above, expected, 1e-6) << a << " " << b << " " << c;
   });
 }
 

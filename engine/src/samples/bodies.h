@@ -86,6 +86,12 @@ inline const TileFrame& tile_at(const FingerBody* fingers, std::size_t number) {
 /// The palm's number, behind those of the last finger's tiles.
 inline std::size_t palm_number(const Bodies& bodies) { return bodies.finger_count * Bodies::kTilesApart; }
 
+/// Calls take(number) for every tile whose bit is set, or part of the hand.
+template <class Take>
+inline void for_numbers(std::uint64_t numbers, const Take& take) {
+  for (; numbers != 0; numbers &= numbers - 1) take(static_cast<std::size_t>(__builtin_ctzll(numbers)));
+}
+
 /// [m] Where all bodies' origins are, seen from one point, and the largest radius of all.
 struct BodyOffsets {
   float of[Bodies::kMostFingers + 1][3];

@@ -25,7 +25,7 @@ struct Positive {
   V mean, share;
 };
 template <class V>
-inline Positive<V> part_above(V floor, V a, V b, V c, V mean) {
+LUMBRICAL_INLINE inline Positive<V> part_above(V floor, V a, V b, V c, V mean) {
   const V zero = number<V>(0), one = number<V>(1);
   const V bc_low = min(b, c), bc_high = max(b, c);
   const V low = min(bc_low, a), high = max(bc_high, a);
@@ -45,7 +45,7 @@ struct OddCorner {
   M second, third, any;
 };
 template <class V>
-inline auto odd_corner(V a, V b, V c) {
+LUMBRICAL_INLINE inline auto odd_corner(V a, V b, V c) {
   const V zero = number<V>(0);
   const auto a_in = a > zero, b_in = b > zero, c_in = c > zero;
   const auto a_out = a <= zero, b_out = b <= zero, c_out = c <= zero;
@@ -55,24 +55,54 @@ inline auto odd_corner(V a, V b, V c) {
       (a_in || b_in || c_in) && (a_out || b_out || c_out)};
 }
 
+/// Where a linear function's zero cuts off the corner whose sign is its own: how far along that corner's
+/// sides, and of another linear function its value there and by how much it is more at the ends of the cut.
+template <class V>
+struct CutCorner {
+  decltype(V{} > V{}) is_cut;
+  V own;  // the first function's value there, or at a corner where nothing is cut off
+  V s, t;
+  V f, more_s, more_t;
+
+  /// The share of what is where the first function is positive, from that of what is cut off.
+  [[nodiscard]] LUMBRICAL_INLINE V positive_share(V cut_off) const {
+    const V one = number<V>(1), its = select(is_cut, cut_off, one);
+    return select(own > number<V>(0), its, one - its);
+  }
+};
+template <class V>
+LUMBRICAL_INLINE inline CutCorner<V> cut_corner(V a, V b, V c, V fa, V fb, V fc) {
+  const auto [second, third, is_cut] = odd_corner(a, b, c);
+  const V own = select(second, b, select(third, c, a)), next = select(second, c, select(third, a, b)),
+          last = select(second, a, select(third, b, c));
+  const V f = select(second, fb, select(third, fc, fa)), f_next = select(second, fc, select(third, fa, fb)),
+          f_last = select(second, fa, select(third, fb, fc));
+  const V to_next = own - next, to_last = own - last;
+  const V scale = divide(own, max(to_next * to_last, number<V>(1e-36)));
+  const V s = scale * to_last, t = scale * to_next;
+  return {is_cut, own, s, t, f, s * (f_next - f), t * (f_last - f)};
+}
+
 /// The share of a function, from its values f >= 0 at the corners and their sum, that is where another is
 /// positive, from its values a, b, c: both as if they were linear.
 template <class V>
 LUMBRICAL_INLINE inline V share_where_positive(V a, V b, V c, V fa, V fb, V fc, V f_sum) {
-  const V zero = number<V>(0), one = number<V>(1);
-  const auto [second, third, mixed] = odd_corner(a, b, c);
-  const V odd = select(second, b, select(third, c, a)), next = select(second, c, select(third, a, b)),
-          last = select(second, a, select(third, b, c));
-  const V f = select(second, fb, select(third, fc, fa)), f_next = select(second, fc, select(third, fa, fb)),
-          f_last = select(second, fa, select(third, fb, fc));
-  // How far along the odd corner's sides the other function is 0: s and t.
-  const V to_next = odd - next, to_last = odd - last;
-  const V scale = divide(odd, max(to_next * to_last, number<V>(1e-36)));
-  const V s = scale * to_last, t = scale * to_next;
-  const V part = s * (f_next - f) + t * (f_last - f) + number<V>(3) * f;
-  const V cut_off = s * t * divide(part, max(f_sum, number<V>(1e-30)));
-  const V of_odd = select(mixed, cut_off, one);
-  return select(odd > zero, of_odd, one - of_odd);
+  const CutCorner<V> cut = cut_corner(a, b, c, fa, fb, fc);
+  const V part = cut.more_s + cut.more_t + number<V>(3) * cut.f;
+  return cut.positive_share(cut.s * cut.t * divide(part, max(f_sum, number<V>(1e-30))));
+}
+
+template <class V>
+inline V mean_of(V a, V b, V c) {
+  return (a + (b + c)) * number<V>(1.0 / 3);
+}
+/// The same of what a linear function of any sign is above a floor, `above` on average.
+template <class V>
+LUMBRICAL_INLINE inline V share_of_part_above(V a, V b, V c, V fa, V fb, V fc, V floor, V above) {
+  const CutCorner<V> cut = cut_corner(a, b, c, fa, fb, fc);
+  const V at_s = cut.f + cut.more_s, at_t = cut.f + cut.more_t;
+  const V part = part_above(floor, cut.f, at_s, at_t, mean_of(cut.f, at_s, at_t)).mean;
+  return cut.positive_share(min(cut.s * cut.t * divide(part, max(above, number<V>(1e-30))), number<V>(1)));
 }
 
 /// Zeroth and first moments of a share in barycentric coordinates u and v: means over the triangle.
@@ -98,10 +128,6 @@ template <class V>
 inline Cell<V> lowered_cell(V a, V b, V c, V level, V drop) {
   const auto [mean, share] = part_above(drop, a, b, c, level);
   return {mean, share * (b - level), share * (c - level)};
-}
-template <class V>
-inline V mean_of(V a, V b, V c) {
-  return (a + (b + c)) * number<V>(1.0 / 3);
 }
 /// By how much less a field's mean is than its corners' when its centroid is `centre`.
 template <class V>

@@ -32,90 +32,98 @@ struct MetDiscs {
     return view_tile(tile, k, from(offset)).field;
   }
   [[nodiscard]] V field_of(const PalmBody& palm, Wide3<V> offset) const {
-    const Kinds<V> kinds = palm_kinds(palm, from(offset));
-    return select(kinds.kind >= number<V>(0), kinds.field, number<V>(kNowhere));
+    const V field = palm_field(palm, turn_into(palm.axis, discs.centre - offset));
+    const auto meets = discs.radius >= number<V>(0) && field + discs.reach > number<V>(0);
+    return select(meets, field, number<V>(kNowhere));
   }
 };
 
-/// The fields of all parts of a hand, and of its bodies: of each the largest of its parts.
+/// The fields of the parts of a hand that have rivals, and of its bodies: of each the largest of those. The
+/// palm, which costs as much as several tiles, is asked where a finger is above `least`, and else nowhere.
 template <class V>
 struct PartFields {
-  std::size_t body_count = 0;
-  V part[(Bodies::kMostFingers + 1) * Bodies::kTilesApart];
+  V part[Rivals::kParts];
   V body[Bodies::kMostFingers + 1];
   V second = number<V>(kNowhere);  // the largest but one of all bodies
 
   template <class Shape>
-  PartFields(const Bodies& bodies, const BodyOffsets& offset, const Shape& shape) {
+  PartFields(const Bodies& bodies, std::uint64_t parts, const BodyOffsets& offset, const Shape& shape,
+             V least) {
     V first = number<V>(kNowhere);
-    const auto end_body = [&](V field) LUMBRICAL_INLINE {
-      body[body_count++] = field;
-      second = max(second, min(first, field));
-      first = max(first, field);
-    };
     for (std::size_t i = 0; i < bodies.finger_count; ++i) {
-      const FingerBody& finger = bodies.finger[i];
-      V largest = number<V>(kNowhere);
-      for (std::size_t k = 0; k < finger.tile_count; ++k) {
-        const V field =
-            shape.field_of(finger.tile[k], static_cast<std::uint32_t>(k), in_all_lanes<V>(offset[i]));
+      const std::uint64_t tiles = parts >> i * Bodies::kTilesApart & bodies.finger[i].tiles();
+      body[i] = number<V>(kNowhere);
+      for_numbers(tiles, [&](std::size_t k) LUMBRICAL_INLINE {
+        const V field = shape.field_of(bodies.finger[i].tile[k], static_cast<std::uint32_t>(k),
+                                       in_all_lanes<V>(offset[i]));
         part[i * Bodies::kTilesApart + k] = field;
-        largest = max(largest, field);
-      }
-      end_body(largest);
+        body[i] = max(body[i], field);
+      });
+      second = max(second, min(first, body[i]));
+      first = max(first, body[i]);
     }
-    if (bodies.palm.corner_count == 0) return;
-    const std::size_t i = bodies.finger_count;
-    part[i * Bodies::kTilesApart] = shape.field_of(bodies.palm, in_all_lanes<V>(offset[i]));
-    end_body(part[i * Bodies::kTilesApart]);
+    const std::size_t palm = palm_number(bodies), i = bodies.finger_count;
+    body[i] = part[palm] = number<V>(kNowhere);
+    if ((parts >> palm & 1u) == 0 || !any(first > least)) return;
+    body[i] = part[palm] = shape.field_of(bodies.palm, in_all_lanes<V>(offset[i]));
+    second = max(second, min(first, body[i]));
   }
 };
 
-/// Spheres that two bodies may reach.
+/// Of each block's sixteen spheres those that two bodies may reach, and which parts do.
 template <class V>
 std::size_t overlap_hits(const SphereBlock* spheres, const Bodies& bodies, const BodyOffsets& offset,
-                         float slack, const std::uint32_t* blocks, std::size_t block_count,
-                         std::uint32_t* hits) {
-  std::size_t count = 0;
+                         float slack, const SharedBlock* blocks, std::size_t block_count, SharedBlock* hits) {
+  const SharedBlock* const begin = hits;
   for (std::size_t i = 0; i < block_count; ++i) {
-    const SphereBlock& block = spheres[blocks[i]];
+    const SphereBlock& block = spheres[blocks[i].place];
     for (unsigned lane = 0; lane < SphereBlock::kWidth;
          lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
       const Spheres<V> centres{{get(block.x.data() + lane, V{}), get(block.y.data() + lane, V{}),
                                 get(block.z.data() + lane, V{})}};
-      const V reach = get(block.r.data() + lane, V{}) + V(slack);
-      const PartFields<V> fields(bodies, offset, centres);
-      unsigned bits = wide::bits_of(reach > number<V>(0) && fields.second + reach > number<V>(0));
-      for (; bits != 0; bits &= bits - 1)
-        hits[count++] =
-            blocks[i] * SphereBlock::kWidth + lane + static_cast<std::uint32_t>(__builtin_ctz(bits));
+      const V reach = get(block.r.data() + lane, V{}) + V(slack), least = number<V>(0) - reach;
+      const PartFields<V> fields(bodies, blocks[i].parts, offset, centres, least);
+      const unsigned shared = wide::bits_of(reach > number<V>(0) && fields.second > least);
+      if (shared == 0) continue;
+      SharedBlock* const of_lanes = hits;
+      for (unsigned open = shared; open != 0; open &= open - 1)
+        *hits++ = {
+            blocks[i].place * SphereBlock::kWidth + lane + static_cast<std::uint32_t>(__builtin_ctz(open)),
+            0};
+      for_numbers(blocks[i].parts, [&](std::size_t part) LUMBRICAL_INLINE {
+        const unsigned reached = wide::bits_of(fields.part[part] > least);
+        SharedBlock* hit = of_lanes;
+        for (unsigned open = shared; open != 0; open &= open - 1, ++hit)
+          hit->parts |= std::uint64_t{reached >> static_cast<std::uint32_t>(__builtin_ctz(open)) & 1u}
+                        << part;
+      });
     }
   }
-  return count;
+  return static_cast<std::size_t>(hits - begin);
 }
 
 /// Where a part of the hand may be the deepest of its body, and other bodies deeper yet: a bit per lane for
 /// each of those.
-struct Rivals {
+struct RivalLanes {
   unsigned of_body[Bodies::kMostFingers + 1] = {}, any = 0;
 };
 template <class V>
-inline Rivals rivals_of(const PartFields<V>& fields, std::size_t body, std::size_t part, V reach) {
-  Rivals rivals;
+inline RivalLanes rival_lanes(const PartFields<V>& fields, std::size_t part, std::uint64_t rivals, V reach) {
+  RivalLanes lanes;
   const V nowhere = number<V>(kNowhere), twice = reach + reach, own = fields.part[part];
-  const auto is_deepest = own > nowhere && own + twice > fields.body[body];
-  if (!any(is_deepest)) return rivals;
-  for (std::size_t i = 0; i < fields.body_count; ++i) {
-    if (i == body) continue;
+  const auto is_deepest = own > nowhere && own + twice > fields.body[part / Bodies::kTilesApart];
+  if (!any(is_deepest)) return lanes;
+  for (std::size_t i = 0; i <= Bodies::kMostFingers; ++i, rivals >>= Bodies::kTilesApart) {
+    if ((rivals & ((1u << Bodies::kTilesApart) - 1)) == 0) continue;
     const V other = fields.body[i];
-    rivals.of_body[i] = wide::bits_of(is_deepest && (other > nowhere && other + twice > own));
-    rivals.any |= rivals.of_body[i];
+    lanes.of_body[i] = wide::bits_of(is_deepest && (other > nowhere && other + twice > own));
+    lanes.any |= lanes.of_body[i];
   }
-  return rivals;
+  return lanes;
 }
 
 /// Lists the lanes of a part's patches that have rivals, as ListedPatch has them.
-inline ListedPatch* list_rivals(const Rivals& rivals, std::uint32_t first, std::size_t number,
+inline ListedPatch* list_rivals(const RivalLanes& rivals, std::uint32_t first, std::size_t number,
                                 ListedPatch* to) {
   for (unsigned open = rivals.any; open != 0; open &= open - 1) {
     const auto lane = static_cast<std::uint32_t>(__builtin_ctz(open));
@@ -128,21 +136,19 @@ inline ListedPatch* list_rivals(const Rivals& rivals, std::uint32_t first, std::
 
 /// The patches of a block that a part may have to leave to other bodies; returns how many.
 template <class V>
-std::size_t overlap_patches(const PatchBlock* blocks, const Bodies& bodies, const BodyOffsets& offset,
-                            const SplitPoint& origin, std::uint32_t block, ListedPatch* patches) {
+std::size_t overlap_patches(const PatchBlock* blocks, const Bodies& bodies, const Rivals& rivals,
+                            const BodyOffsets& offset, const SplitPoint& origin, const SharedBlock& block,
+                            ListedPatch* patches) {
   ListedPatch* to = patches;
   for (unsigned lane = 0; lane < PatchBlock::kWidth; lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
-    const Discs<V> discs = discs_of<V>(blocks[block], origin, offset.largest, lane);
-    const PartFields<V> fields(bodies, offset, MetDiscs<V>{discs});
-    if (!any(fields.second > number<V>(kNowhere))) continue;
-    for (std::size_t body = 0; body < fields.body_count; ++body) {
-      const std::size_t tiles = body < bodies.finger_count ? bodies.finger[body].tile_count : 1;
-      for (std::size_t k = 0; k < tiles; ++k) {
-        const std::size_t part = body * Bodies::kTilesApart + k;
-        const Rivals rivals = rivals_of(fields, body, part, discs.reach);
-        if (rivals.any != 0) to = list_rivals(rivals, block * PatchBlock::kWidth + lane, part, to);
-      }
-    }
+    const Discs<V> discs = discs_of<V>(blocks[block.place], origin, offset.largest, lane);
+    const V nowhere = number<V>(kNowhere);
+    const PartFields<V> fields(bodies, block.parts, offset, MetDiscs<V>{discs}, nowhere);
+    if (!any(fields.second > nowhere)) continue;
+    for_numbers(block.parts, [&](std::size_t part) LUMBRICAL_INLINE {
+      const RivalLanes lanes = rival_lanes(fields, part, rivals.of[part] & block.parts, discs.reach);
+      if (lanes.any != 0) to = list_rivals(lanes, block.place * PatchBlock::kWidth + lane, part, to);
+    });
   }
   return static_cast<std::size_t>(to - patches);
 }
@@ -163,7 +169,9 @@ struct LargestField {
       const Wide3<V> p = patch.at(u, v);
       return {p.x, p.y * p.y + p.z * p.z};
     }
-    [[nodiscard]] V field(V u, V v) const { return min(tile_field(tile, at(u, v)) + lead, most); }
+    [[nodiscard]] LUMBRICAL_INLINE V field(V u, V v) const {
+      return min(tile_field(tile, at(u, v)) + lead, most);
+    }
   };
   std::size_t count = 0;
   Tile tile[Bodies::kMostFingers * FingerBody::kMostTiles];
@@ -183,7 +191,7 @@ struct LargestField {
     palm_most = most;
     palm_lead = lead;
   }
-  [[nodiscard]] V field(V u, V v) const {
+  [[nodiscard]] LUMBRICAL_INLINE V field(V u, V v) const {
     V largest = number<V>(kNowhere);
     for (std::size_t k = 0; k < count; ++k) largest = max(largest, tile[k].field(u, v));
     if (palm) largest = max(largest, min(palm->field(palm_patch.at(u, v)) + palm_lead, palm_most));
@@ -258,10 +266,10 @@ inline OwnPart<V> see_own(const PatchRows& rows, std::size_t lane, const Bodies&
   return own;
 }
 
-/// The other bodies that may be deeper than `body`, each in its lanes.
+/// The other bodies that may be deeper than `body`, each in its lanes, by their parts in `rivals`.
 template <class V>
 inline LargestField<V> see_rivals(const PatchRows& rows, std::size_t lane, const Bodies& bodies,
-                                  std::size_t body, const BodyOffsets& offset, V size) {
+                                  std::size_t body, std::uint64_t rivals, const BodyOffsets& offset, V size) {
   V most[Bodies::kMostFingers + 1];
   for (V& of : most) of = number<V>(kNowhere);
   std::uint32_t open = 0;
@@ -273,21 +281,18 @@ inline LargestField<V> see_rivals(const PatchRows& rows, std::size_t lane, const
     }
     open |= of_code;
   });
-  LargestField<V> rivals;
-  for (; open != 0; open &= open - 1) {
-    const auto i = static_cast<std::size_t>(__builtin_ctz(open));
+  LargestField<V> seen;
+  for_numbers(rivals, [&](std::size_t part) LUMBRICAL_INLINE {
+    const std::size_t i = part / Bodies::kTilesApart;
+    if ((open >> i & 1u) == 0) return;
     const Wide3<V> from = in_all_lanes<V>(offset[i]);
     const V lead((i < body ? kTie : -kTie) * offset.largest);
-    if (i == bodies.finger_count) {
-      rivals.add(rows, lane, bodies.palm, from, most[i], lead);
-      continue;
-    }
-    for (std::size_t k = 0; k < bodies.finger[i].tile_count; ++k)
-      rivals.add(rows, lane, bodies.finger[i].tile[k], from, most[i], lead);
-  }
+    if (part == palm_number(bodies)) return seen.add(rows, lane, bodies.palm, from, most[i], lead);
+    seen.add(rows, lane, tile_at(bodies.finger.data(), part), from, most[i], lead);
+  });
   const V third = number<V>(1.0 / 3);
-  rivals.leave_out(rivals.field(third, third) - number<V>(2.001) * size - V(kOverlapSlack * offset.largest));
-  return rivals;
+  seen.leave_out(seen.field(third, third) - number<V>(2.001) * size - V(kOverlapSlack * offset.largest));
+  return seen;
 }
 
 /// What a corner of a lattice is told by: the part's field, by how much the point is more its own than its
@@ -297,34 +302,43 @@ struct OverlapCorner {
   V own, lead, lack;
 };
 
+template <class V>
+struct OverlapCentre {
+  V own, lack;
+};
+
 /// Takes off the sums of a part what other bodies are deeper in than it. All patches are listed for that
 /// part.
 template <class V>
-void overlap_lattice(const PatchList& list, const Bodies& bodies, std::size_t part, const BodyOffsets& offset,
-                     std::size_t steps, BodySums& sums) {
+void overlap_lattice(const PatchList& list, const Bodies& bodies, std::size_t part, std::uint64_t others,
+                     const BodyOffsets& offset, std::size_t steps, BodySums& sums) {
   for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
     const OwnPart<V> own = see_own<V>(rows, lane, bodies, part, offset.largest);
     const LargestField<V> rivals =
-        see_rivals(rows, lane, bodies, part / Bodies::kTilesApart, offset, size_of(own.patch));
+        see_rivals(rows, lane, bodies, part / Bodies::kTilesApart, others, offset, size_of(own.patch));
     CellSums<V> cells;
-    for_cells<OverlapCorner<V>, V>(
+    for_cells<OverlapCorner<V>, OverlapCentre<V>>(
         steps, [](float u) LUMBRICAL_INLINE { return V(u); },
         [&](V u, float v) LUMBRICAL_INLINE {
           const V field = own.field.field(u, V(v));
           const V of_body = max(field, own.kin.field(u, V(v)));
           return OverlapCorner<V>{field, own.lead(u, V(v)), rivals.field(u, V(v)) - of_body};
         },
-        [&](V u, float v) LUMBRICAL_INLINE { return own.field.field(u, V(v)); },
+        [&](V u, float v) LUMBRICAL_INLINE {
+          const V field = own.field.field(u, V(v));
+          return OverlapCentre<V>{field, rivals.field(u, V(v)) - max(field, own.kin.field(u, V(v)))};
+        },
         [&](float u, float v, bool upright, const OverlapCorner<V>& a, const OverlapCorner<V>& b,
-            const OverlapCorner<V>& c, V centre) LUMBRICAL_INLINE {
-          const V zero = number<V>(0), of_a = max(a.own, zero), of_b = max(b.own, zero),
-                  of_c = max(c.own, zero), of_all = of_a + (of_b + of_c);
+            const OverlapCorner<V>& c, const OverlapCentre<V>& centre) LUMBRICAL_INLINE {
+          const V level = mean_of(a.own, b.own, c.own), floor = drop_of(level, centre.own);
+          const Cell<V> cell = lowered_cell(a.own, b.own, c.own, level, floor);
           const auto where = [&](V at_a, V at_b, V at_c) LUMBRICAL_INLINE {
-            return share_where_positive(at_a, at_b, at_c, of_a, of_b, of_c, of_all);
+            return share_of_part_above(at_a, at_b, at_c, a.own, b.own, c.own, floor, cell.mean);
           };
-          V share = where(a.lack, b.lack, c.lack);
+          const V drop = drop_of(mean_of(a.lack, b.lack, c.lack), centre.lack);
+          V share = where(a.lack - drop, b.lack - drop, c.lack - drop);
           if (own.kin.count > 0) share = share * where(a.lead, b.lead, c.lead);
-          cells.add(V(u), V(v), upright, share * cell_of(a.own, b.own, c.own, centre));
+          cells.add(V(u), V(v), upright, share * cell);
         });
     const auto [force, moment] = share_of(own.patch, cells.means(steps));
     const Wide3<V> zero{number<V>(0), number<V>(0), number<V>(0)};

@@ -26,20 +26,21 @@ float slack_of(const TreeHead& tree, const BodyOffsets& offsets, std::size_t bod
 
 // Blocks of patches whose spheres two bodies may reach. That is asked of all blocks' spheres, or of those
 // that the tree leads to: for levels above, rounding counts twice, so that no block's is missed.
-std::span<const std::uint32_t> shared_blocks(const Model& model, const Bodies& bodies, Overlaps& overlaps) {
+std::span<const SharedBlock> shared_blocks(const Model& model, const Bodies& bodies, Overlaps& overlaps) {
   const SphereTree& tree = model.patches->tree;
   const BodyOffsets offsets = offsets_from(tree.head.origin, bodies);
   const float slack = slack_of(tree.head, offsets, bodies.finger_count + 1);
   const TreeLayout layout = layout_of(tree.head);
   const std::size_t top = model.execution.broadphase == Broadphase::brute ? 0 : tree.head.level_count - 1;
-  std::uint32_t *from = overlaps.frontier[0].data(), *to = overlaps.frontier[1].data();
-  std::size_t count = layout.blocks[top];
-  std::iota(from, from + count, 0u);
+  SharedBlock *from = overlaps.frontier[0].data(), *to = overlaps.frontier[1].data();
+  std::uint32_t count = 0;
+  for (; count < layout.blocks[top]; ++count) from[count] = {count, overlaps.rivals.any};
   const SphereBlock* spheres = blocks_of(tree.lines.data());
   for (std::size_t level = tree.head.level_count; level-- > 0; spheres += layout.blocks[level]) {
     if (level > top) continue;
-    count = sample_kernels(model.execution.isa)
-                .overlap_hits(spheres, bodies, offsets, level > 0 ? 2 * slack : slack, from, count, to);
+    count = static_cast<std::uint32_t>(
+        sample_kernels(model.execution.isa)
+            .overlap_hits(spheres, bodies, offsets, level > 0 ? 2 * slack : slack, from, count, to));
     std::swap(from, to);
   }
   return {from, count};
@@ -72,18 +73,19 @@ void size_overlaps(const Model& model, Overlaps& overlaps) {
   at_least(most + kMostOfBlock, overlaps.listed);
 }
 
-bool find_overlaps(const Model& model, const Bodies& bodies, Overlaps& overlaps) {
+bool find_overlaps(const Model& model, const Primitives& hand, const Bodies& bodies, Overlaps& overlaps) {
   const Patches& patches = *model.patches;
   overlaps.begin.fill(0);
-  if (patches.tree.head.level_count == 0) return true;
+  overlaps.rivals = find_rivals(hand, bodies);
+  if (patches.tree.head.level_count == 0 || overlaps.rivals.any == 0) return true;
   const std::size_t most = overlaps.found.size() - kMostOfBlock;
   const Vec3 middle = bodies.finger_count > 0 ? bodies.finger[0].origin : bodies.palm.origin;
   const BodyOffsets offsets = offsets_from(middle, bodies);
   const SplitPoint origin = split_point(middle);
   std::size_t count = 0;
-  for (const std::uint32_t block : shared_blocks(model, bodies, overlaps)) {
+  for (const SharedBlock& block : shared_blocks(model, bodies, overlaps)) {
     count += sample_kernels(model.execution.isa)
-                 .overlap_patches(patches.block.data(), bodies, offsets, origin, block,
+                 .overlap_patches(patches.block.data(), bodies, overlaps.rivals, offsets, origin, block,
                                   overlaps.found.data() + count);
     if (count > most) return false;
   }
@@ -97,7 +99,7 @@ std::uint64_t effort_of(const Patches& patches, const Overlaps& overlaps, std::s
   if (overlaps.count() == 0) return effort;  // as in every tick that feels by all
   for (std::size_t part = 0; part < Overlaps::kParts; ++part) {
     for (std::size_t size = 0; size < kPatchSizes; ++size) {
-      const std::uint64_t steps = patches.most_steps[kPatchSizes + size][level];
+      const std::uint64_t steps = overlap_steps(patches.most_steps.data(), size, level);
       effort += kPerSharedCell * steps * steps * overlaps.of(part, size).size();
     }
   }

@@ -15,9 +15,10 @@ namespace lumbrical {
 
 /// Patches of which parts of a hand may have to leave something to other bodies, by part and size.
 struct Overlaps {
-  static constexpr std::size_t kParts = (Bodies::kMostFingers + 1) * Bodies::kTilesApart;
+  static constexpr std::size_t kParts = Rivals::kParts;
+  Rivals rivals;
   std::vector<ListedPatch> listed, found;
-  std::array<std::vector<std::uint32_t>, 2> frontier;
+  std::array<std::vector<SharedBlock>, 2> frontier;
   std::array<std::uint32_t, kParts * kPatchSizes + 1> begin{};
 
   [[nodiscard]] std::size_t count() const { return begin.back(); }
@@ -30,7 +31,14 @@ struct Overlaps {
 void size_overlaps(const Model& model, Overlaps& overlaps);
 
 /// False where there are more than there is room for (Settings::max_candidates).
-bool find_overlaps(const Model& model, const Bodies& bodies, Overlaps& overlaps);
+bool find_overlaps(const Model& model, const Primitives& hand, const Bodies& bodies, Overlaps& overlaps);
+
+/// Steps of the lattice over a patch of a size, by which a part leaves something to others; `steps` are that
+/// part's own lattices. A third of those where a skeleton comes near: that much is exact where fields are
+/// linear, and a small share of what is felt.
+inline std::size_t overlap_steps(const LatticeSteps* steps, std::size_t size, std::size_t level) {
+  return (steps[kPatchSizes + size][level] + 2u) / 3;
+}
 
 /// Evaluations that it will take to take them off: `level` as that of lattices.
 std::uint64_t effort_of(const Patches& patches, const Overlaps& overlaps, std::size_t level);

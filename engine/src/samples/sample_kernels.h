@@ -7,7 +7,7 @@
 
 #include "index/patches.h"
 #include "lumbrical/model.h"
-#include "samples/bodies.h"
+#include "samples/rivals.h"
 #include "search/sphere_query.h"
 
 namespace lumbrical {
@@ -133,6 +133,12 @@ struct PalmQuery {
   float slack;                                 ///< [m] what rounding may take away
 };
 
+/// A block whose sphere two bodies may reach.
+struct SharedBlock {
+  std::uint32_t place;
+  std::uint64_t parts;  ///< that may, a bit each
+};
+
 /// Blocks that are classified at a time, at most.
 inline constexpr std::size_t kBlocksAtATime = 64;
 
@@ -182,15 +188,16 @@ struct SampleKernels {
                            std::size_t block_count, std::uint32_t* hits);
   // What several bodies hold together (overlaps.h); `offset`: of their origins, from the tree's, from
   // `origin`, or from that of the part's body.
-  /// Which spheres two bodies may reach: the places. `slack`: [m] what rounding may take away.
+  /// Which spheres of blocks two bodies may reach. `slack`: [m] what rounding may take away.
   std::size_t (*overlap_hits)(const SphereBlock* spheres, const Bodies& bodies, const BodyOffsets& offset,
-                              float slack, const std::uint32_t* blocks, std::size_t block_count,
-                              std::uint32_t* hits);
+                              float slack, const SharedBlock* blocks, std::size_t block_count,
+                              SharedBlock* hits);
   /// Lists the block's patches of which a part may have to leave something to other bodies; returns how many.
-  std::size_t (*overlap_patches)(const PatchBlock* blocks, const Bodies& bodies, const BodyOffsets& offset,
-                                 const SplitPoint& origin, std::uint32_t block, ListedPatch* patches);
+  std::size_t (*overlap_patches)(const PatchBlock* blocks, const Bodies& bodies, const Rivals& rivals,
+                                 const BodyOffsets& offset, const SplitPoint& origin,
+                                 const SharedBlock& block, ListedPatch* patches);
   /// Takes that off the part's sums.
-  void (*overlap_lattice)(const PatchList& list, const Bodies& bodies, std::size_t part,
+  void (*overlap_lattice)(const PatchList& list, const Bodies& bodies, std::size_t part, std::uint64_t rivals,
                           const BodyOffsets& offset, std::size_t steps, BodySums& sums);
 };
 

@@ -120,8 +120,8 @@ void run_overlaps(SampleWork& work, std::size_t level) {
     for (std::size_t size = 0; size < kPatchSizes; ++size) {
       const PatchList list = work.list(work.own_part(work.overlaps.of(part, size)));
       if (list.count > 0)
-        work.kernels.overlap_lattice(list, work.bodies, part, offsets, steps[kPatchSizes + size][level],
-                                     work.sums(kOnce)[part]);
+        work.kernels.overlap_lattice(list, work.bodies, part, work.overlaps.rivals.of[part], offsets,
+                                     overlap_steps(steps, size, level), work.sums(kOnce)[part]);
     }
   });
 }

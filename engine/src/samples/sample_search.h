@@ -15,12 +15,6 @@ namespace lumbrical {
 
 struct Primitives;
 
-/// Calls take(number) for every tile whose bit is set.
-template <class Take>
-void for_numbers(std::uint64_t tiles, const Take& take) {
-  for (; tiles != 0; tiles &= tiles - 1) take(static_cast<std::size_t>(__builtin_ctzll(tiles)));
-}
-
 /// Patches near a hand, sorted by their keys.
 struct NearPatches {
   std::vector<ListedPatch> listed;

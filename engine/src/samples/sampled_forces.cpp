@@ -77,8 +77,7 @@ using SegmentWrenches = std::array<Wrench, kSegmentCount>;
 // Evaluations below which threads cost more than they bring.
 constexpr std::uint64_t kSerialEvaluations = 20000;
 
-// The level of the lattices by which overlaps are felt, whatever the hand's force: the coarsest, for they are
-// those of patches that a skeleton is near to, twice as fine as others.
+// The level of the lattices by which overlaps are felt, whatever the hand's force: the coarsest.
 constexpr std::size_t kOverlapLevel = 0;
 
 /// A hand near patches, and all who compute.
@@ -302,7 +301,7 @@ bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t seg
   if (!find_for(team, 0)) return false;
   forces.patch_count = static_cast<std::uint32_t>(memory.near.count());
   if (forces.patch_count == 0) return true;
-  if (model.settings.felt_once && !find_overlaps(model, memory.bodies, memory.overlaps)) return false;
+  if (model.settings.felt_once && !find_overlaps(model, hand, memory.bodies, memory.overlaps)) return false;
   if (!feel(team, levels, forces)) return false;
   forces.contact_count = team.touched();
   return true;
