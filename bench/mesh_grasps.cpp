@@ -1,11 +1,11 @@
 // mesh_grasps: the built-in grasp on every mesh of a folder, with every precision's time and error against
-// the exact rung's.
+// the exact rung's, which feels once what several bodies hold wherever samples do.
 //
 // Each mesh is moved onto the plane z = 0 and scaled to --size [m]; the default hand, its palm included, goes
 // round it as round the demo's mug, every rung in turn at each of up to 2000 moments. Files that are no
 // meshes are named and left out.
 //
-//   mesh_grasps MESHES [--size 0.11] [--seconds 3] [--felt-once no] [--out FOLDER]
+//   mesh_grasps MESHES [--size 0.11] [--seconds 3] [--felt-once by-samples] [--out FOLDER]
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 struct Options {
   std::string meshes, out;
   double size = 0.11, seconds = 3;
-  bool felt_once = false;
+  FeltOnce felt_once = FeltOnce::by_samples;
 };
 
 struct Row {
@@ -48,7 +48,9 @@ bool parse(int count, char** words, Options& options) {
     } else if (name == "--seconds") {
       options.seconds = std::strtod(words[i + 1], nullptr);
     } else if (name == "--felt-once") {
-      options.felt_once = std::string(words[i + 1]) == "yes";
+      const auto parsed = parse_felt_once(words[i + 1]);
+      if (!parsed) return false;
+      options.felt_once = *parsed;
     } else if (name == "--out") {
       options.out = words[i + 1];
     } else {

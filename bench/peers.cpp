@@ -106,6 +106,7 @@ Contender ours(const Task& task, const Rung& rung) {
   const auto session = std::make_shared<Session>();
   Scene scene = task.scene;
   scene.settings.precision.fill(rung.precision);
+  scene.settings.felt_once = FeltOnce::never;  // others know nothing of it
   const auto start = Clock::now();
   if (!build_model(scene, {}, session->model).ok()) std::abort();
   Contender contender;

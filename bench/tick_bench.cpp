@@ -63,6 +63,8 @@ Answers answers_of(const Model& model, const std::vector<DeviceFrame>& frames) {
 Answers exact_answers_of(const Model& model, const std::vector<DeviceFrame>& frames) {
   Model without_samples = model;
   without_samples.settings.law.fill(Law::field);
+  if (model.patches && model.settings.felt_once == FeltOnce::by_samples)
+    without_samples.settings.felt_once = FeltOnce::always;
   without_samples.patches = nullptr;
   without_samples.rest = nullptr;
   return answers_of(without_samples, frames);

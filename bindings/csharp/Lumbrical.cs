@@ -32,6 +32,13 @@ namespace Lumbrical
         Point = 4,
     }
 
+    public enum FeltOnce
+    {
+        FeltOnceNever = 0,
+        FeltOnceBySamples = 1,
+        FeltOnceAlways = 2,
+    }
+
     public enum Mobility
     {
         Fixed = 0,

@@ -244,7 +244,6 @@ void bind_scene(py::module_& module) {
   bind_number(scene, "max_force", &Settings::max_force);
   bind_number(scene, "fade_time", &Settings::fade_time);
   bind_number(scene, "proxy_stiffness", &Settings::proxy_stiffness);
-  bind_number(scene, "felt_once", &Settings::felt_once);
   bind_number(scene, "effort", &Settings::effort);
   bind_number(scene, "max_candidates", &Settings::max_candidates);
   scene.def_property_readonly("pad_layers", [](const py::object& self) {
@@ -267,6 +266,11 @@ void bind_scene(py::module_& module) {
       "law", [](const PyScene& self) { return law_name(self.scene.settings.law[0]); },
       [](PyScene& self, const std::string& law) {
         self.scene.settings.law.fill(parsed(parse_law(law), law, "law"));
+      });
+  scene.def_property(
+      "felt_once", [](const PyScene& self) { return felt_once_name(self.scene.settings.felt_once); },
+      [](PyScene& self, const std::string& felt_once) {
+        self.scene.settings.felt_once = parsed(parse_felt_once(felt_once), felt_once, "felt_once");
       });
   scene.def_property_readonly("side", [](const PyScene& self) { return side_name(self.scene.hand.side); });
 

@@ -64,6 +64,11 @@ enum lumbrical_law {
   LUMBRICAL_CENTROID = 3,
   LUMBRICAL_POINT = 4
 };
+enum lumbrical_felt_once {
+  LUMBRICAL_FELT_ONCE_NEVER = 0,
+  LUMBRICAL_FELT_ONCE_BY_SAMPLES = 1, /* exact segments feel by themselves */
+  LUMBRICAL_FELT_ONCE_ALWAYS = 2
+};
 enum lumbrical_mobility {
   LUMBRICAL_FIXED = 0,
   LUMBRICAL_GIVEN = 1, /* goes where each tick is told that it is */
@@ -204,8 +209,8 @@ typedef struct lumbrical_settings {
   double ground_normal[3]; /* unit, away from it: 0 0 1 */
   double ground_offset;    /* [m] ground_normal . p = ground_offset on it: 0 */
   double ground_friction;  /* 0.5 */
-  int32_t felt_once; /* not 0: what several fingers, or fingers and palm, hold together is felt by the deepest
-                        only. 0 */
+  int32_t felt_once; /* what several fingers, or fingers and palm, hold together is felt by the deepest only:
+                        BY_SAMPLES */
 } lumbrical_settings;
 
 /* How work is done; never changes a result. */

@@ -330,7 +330,7 @@ TEST(CApi, AProxyIsASettingAndAPartOfASnapshot) {
   Scene scene = ball_scene();
   scene.settings.proxy_stiffness = 500;
   scene.settings.pad = {{{{0.2, 3}, {0.5, -1}}}, 2};
-  scene.settings.felt_once = true;
+  scene.settings.felt_once = FeltOnce::always;
   const Model model = model_of(scene);
   State state = make_state(model);
   Scratch scratch = make_scratch(model);
@@ -345,11 +345,11 @@ TEST(CApi, AProxyIsASettingAndAPartOfASnapshot) {
     settings.pad_from[1] = 0.5;
     settings.pad_stiffness[1] = -1;
     settings.pad_damping = 2;
-    settings.felt_once = 1;
+    settings.felt_once = LUMBRICAL_FELT_ONCE_ALWAYS;
   });
   c.set([](lumbrical_settings& settings) {
     EXPECT_EQ(settings.proxy_stiffness, 500);
-    EXPECT_EQ(settings.felt_once, 1);
+    EXPECT_EQ(settings.felt_once, LUMBRICAL_FELT_ONCE_ALWAYS);
   });
   c.start();
   for (std::size_t i = 0; i < 60; ++i) expect_same(tick(model, state, scratch, touching_frame(i)), c.step(i));

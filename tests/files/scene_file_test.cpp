@@ -99,14 +99,14 @@ TEST(SceneFile, BuildsEveryShape) {
 
 TEST(SceneFile, ReadsSettingsAndLawsPerSegment) {
   const SceneFile scene_file = load(
-      R"({"objects": [{"plane": {}}], "settings": {"rate": 2500, "stiffness": 1e6, "felt_once": true, "seconds": 0.5,
+      R"({"objects": [{"plane": {}}], "settings": {"rate": 2500, "stiffness": 1e6, "felt_once": "always", "seconds": 0.5,
                "law": "max-depth", "segments": [{"segment": "palm", "law": "point"}]},
                "execution": {"broadphase": "brute", "leaf_size": 4, "threads": 2}, )" +
       std::string(kGrasp) + "}");
   const Settings& settings = scene_file.scene.settings;
   EXPECT_EQ(settings.rate, 2500);
   EXPECT_EQ(settings.stiffness, 1e6);
-  EXPECT_TRUE(settings.felt_once);
+  EXPECT_EQ(settings.felt_once, FeltOnce::always);
   EXPECT_EQ(scene_file.seconds, 0.5);
   EXPECT_EQ(settings.law[0], Law::max_depth);
   EXPECT_EQ(settings.law[kPalmSegment - 1], Law::max_depth);
@@ -216,6 +216,8 @@ TEST(SceneFile, TellsEveryMistakeWithItsPlace) {
        ":1:47: objects[0].mug can't be made"},
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"law": "hard"}})",
        ":1:75: settings.law is not a law"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"felt_once": "twice"}})",
+       ":1:81: settings.felt_once has to be"},
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"rate": 0}})",
        ":1:76: settings.rate is 0 but must lie in 1 .. 100000"},
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"segments": [{"segment": "toe"}]}})",

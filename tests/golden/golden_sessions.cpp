@@ -192,7 +192,7 @@ GoldenSession sampled(const std::string& name, double precision) {
 /// What several fingers, or fingers and palm, hold together, felt once.
 GoldenSession felt_once(const std::string& name, double precision) {
   GoldenSession session = sampled(name, precision);
-  session.scene.settings.felt_once = true;
+  session.scene.settings.felt_once = FeltOnce::always;
   return session;
 }
 

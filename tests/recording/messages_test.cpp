@@ -134,6 +134,8 @@ TEST(SessionMessage, BringsEverySettingBack) {
   walk(scene.settings, [&next]<class N>(const FieldName&, N& number) {
     if constexpr (std::is_same_v<N, Law>) {
       number = static_cast<Law>(++next % 5);
+    } else if constexpr (std::is_same_v<N, FeltOnce>) {
+      number = FeltOnce::always;
     } else {
       number = static_cast<N>(++next);
     }

@@ -22,7 +22,7 @@ Scene scene_of_objects() {
   scene.hand = default_hand(Side::right);
   scene.settings.rate = kRate;
   scene.settings.pad = {{{{0.3, 2}, {0.6, -1.5}}}, 3};
-  scene.settings.felt_once = true;
+  scene.settings.felt_once = FeltOnce::always;
   scene.ground.emplace(Ground{{0, 0, 1}, -0.001, 0.4});
   SceneObject mug{"mug", make_mug({}), Winding::automatic, {}, {0.8, 0.6, 0.1, 1500}, {}};
   mug.mechanism.mobility = Mobility::free;
@@ -114,7 +114,7 @@ TEST(RecordedObjects, AreReadBackAsTheyWere) {
   EXPECT_EQ(found.ground, expected.ground);
   EXPECT_EQ(found.gravity, expected.gravity);
   EXPECT_EQ(reader.scene().settings.pad, expected.settings.pad);
-  EXPECT_TRUE(reader.scene().settings.felt_once);
+  EXPECT_EQ(reader.scene().settings.felt_once, FeltOnce::always);
   TickRecord record;
   bool end = false;
   double highest = 0;

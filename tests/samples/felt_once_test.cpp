@@ -1,5 +1,5 @@
-// What several fingers, or fingers and palm, hold together is felt once: against the definition, the deepest
-// body at each point, by brute quadrature; and where two bodies are in the same place.
+// What several fingers, or fingers and palm, hold together is felt once (FeltOnce): against the definition,
+// the deepest body at each point, by brute quadrature; and where two bodies are in the same place.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -149,7 +149,7 @@ TEST(FeltOnce, IsWhatTheDeepestBodyFeelsOnEveryRung) {
   const Hand hand = default_hand(Side::right);
   for (const Held& held : what_hands_hold(hand)) {
     Scene scene = sampled_scene(hand, {{"mesh", held.mesh}});
-    scene.settings.felt_once = true;
+    scene.settings.felt_once = FeltOnce::always;
     const double stiffness = scene.settings.stiffness;
     const Model exact = model_at(scene, 0);
     Scratch scratch = make_scratch(exact);
@@ -183,9 +183,9 @@ TEST(FeltOnce, TwoFingersInOnePlaceFeelWhatOneFeels) {
   DeviceFrame one = both;
   for (std::uint32_t k = 0; k < 5; ++k) one.valid &= ~(1u << (kMiddleMetacarpal + k));
   for (const double precision : {0.0, 1e-4, 1e-5}) {
-    scene.settings.felt_once = false;
+    scene.settings.felt_once = FeltOnce::never;
     FeelingHand twice(scene, precision);
-    scene.settings.felt_once = true;
+    scene.settings.felt_once = FeltOnce::always;
     FeelingHand once(scene, precision);
     const Vec3 by_both = total_force(once(both)), by_one = total_force(once(one));
     EXPECT_GT(norm(total_force(twice(both))), 1.1 * norm(by_one));
@@ -193,10 +193,35 @@ TEST(FeltOnce, TwoFingersInOnePlaceFeelWhatOneFeels) {
   }
 }
 
+TEST(FeltOnce, ByDefaultSamplesFeelOnceAndExactSegmentsByThemselves) {
+  const Hand hand = default_hand(Side::right);
+  const DeviceFrame flat = pressed_frame(hand, 0.003, 0.2);
+  Scene scene = sampled_scene(hand, {{"mesh", make_plane(0.3, 60, 1, 3)}});
+  const auto felt = [&](double precision, FeltOnce once) {
+    scene.settings.felt_once = once;
+    return FeelingHand(scene, precision)(flat);
+  };
+  const auto is_same = [](const HandForces& one, const HandForces& other) {
+    return std::equal(
+        one.segment.begin(), one.segment.end(), other.segment.begin(),
+        [](const Wrench& a, const Wrench& b) { return a.force == b.force && a.torque == b.torque; });
+  };
+  EXPECT_EQ(Settings{}.felt_once, FeltOnce::by_samples);
+  EXPECT_TRUE(is_same(felt(1e-4, FeltOnce::by_samples), felt(1e-4, FeltOnce::always)));
+  EXPECT_TRUE(is_same(felt(0, FeltOnce::by_samples), felt(0, FeltOnce::never)));
+  EXPECT_GT(norm(total_force(felt(1e-4, FeltOnce::never)) - total_force(felt(1e-4, FeltOnce::by_samples))),
+            0.1);
+  // Any laws and rungs may stand beside each other: it is for those that are felt by samples.
+  scene.settings.law[2] = Law::column;
+  scene.settings.law[kPalmSegment] = Law::max_depth;
+  scene.settings.felt_once = FeltOnce::by_samples;
+  EXPECT_GT(total_force(FeelingHand(scene, 1e-4)(flat)).z, 1);
+}
+
 TEST(FeltOnce, JacobiansAreThoseOfWhatIsFelt) {
   const Hand hand = default_hand(Side::right);
   Scene scene = sampled_scene(hand, {{"mesh", make_plane(0.3, 60, 1, 3)}});
-  scene.settings.felt_once = true;
+  scene.settings.felt_once = FeltOnce::always;
   const Model model = model_at(scene, 1e-4);
   Scratch scratch = make_scratch(model);
   const DeviceFrame flat = as_joint_poses(hand, pressed_frame(hand, 0.003, 0.2));
@@ -232,7 +257,7 @@ TEST(FeltOnce, JacobiansAreThoseOfWhatIsFelt) {
 
 TEST(FeltOnce, NeedsTheFieldLawAndOneRungForAll) {
   Scene scene = sampled_scene(default_hand(Side::right), {{"mesh", make_plane(0.3, 4)}});
-  scene.settings.felt_once = true;
+  scene.settings.felt_once = FeltOnce::always;
   const auto error_of = [&] {
     Model model;
     return build_model(scene, {}, model).message();

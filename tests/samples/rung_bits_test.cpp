@@ -68,7 +68,7 @@ TEST(SampledBits, AreTheSameForEveryInstructionSetThreadCountAndSearch) {
 // Also what several bodies hold together, exactly and by samples.
 TEST(SampledBits, AreTheSameWhereThatIsFeltOnce) {
   Scene scene = irregular_scene();
-  scene.settings.felt_once = true;
+  scene.settings.felt_once = FeltOnce::always;
   const std::vector<DeviceFrame> frames = postures(scene.hand, 5);
   for (const double precision : {0.0, 1e-3, 1e-4}) {
     scene.settings.precision.fill(precision);

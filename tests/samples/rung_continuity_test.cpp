@@ -77,7 +77,7 @@ TEST(SampledContinuity, SlidingByMicrometresMovesForcesNoFasterThanTheirAreaAllo
 // Also what fingers and palm hold together, where the deepest one takes over from another.
 TEST(SampledContinuity, WhatIsFeltOnceMovesNoFasterEither) {
   Scene scene = sampled_scene(default_hand(Side::right), {{"mesh", make_plane(0.2, 60, 1, 3)}});
-  scene.settings.felt_once = true;
+  scene.settings.felt_once = FeltOnce::always;
   const Vec3 direction = unit_or(Vec3{0.6, -0.8, 0.1}, {});
   for (const double precision : {0.0, 1e-4}) {
     const Walk slide = walk(scene, precision, pressed_frame(scene.hand, 0.004, 0.3), 200, 5e-6,

@@ -12,13 +12,15 @@
 
 namespace lumbrical::test {
 
-/// Forces are neither limited nor faded: what comes out is what the narrowphase felt.
+/// Forces are neither limited nor faded: what comes out is what the narrowphase felt, every part of the hand
+/// by itself, as exact rungs feel where nothing else is asked for.
 inline Scene sampled_scene(const Hand& hand, std::vector<SceneObject> objects) {
   Scene scene;
   scene.hand = hand;
   scene.objects = std::move(objects);
   scene.settings.max_force = 1e6;
   scene.settings.fade_time = 0;
+  scene.settings.felt_once = FeltOnce::never;
   scene.settings.max_candidates = 1u << 16;
   return scene;
 }

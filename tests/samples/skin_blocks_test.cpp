@@ -224,7 +224,7 @@ TEST(SkinBlocks, OfACoarserLevelAreOpenedToWhatASearchFinds) {
     tick(model, state, scratch, pressed(scene.hand, 0.002));
     SampleMemory memory;
     size_samples(model, memory);
-    set_bodies(*scratch.primitives, kAllSegments, *model.patches, memory.bodies);
+    set_bodies(*scratch.primitives, kAllSegments, kAllSegments, *model.patches, memory.bodies);
     const auto search = [&](std::size_t level, const auto& find) {
       take_blocks_on_skin(model.patches->block_on_skin[level], memory.bodies);
       EXPECT_TRUE(find(model, *scratch.primitives, memory.bodies, memory.search, memory.near));

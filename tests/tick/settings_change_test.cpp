@@ -38,7 +38,7 @@ TEST(SettingsChange, GivesTheBitsOfAModelThatWasBuiltWithThem) {
     if (change == 1) other.settings.precision.fill(1e-3);
     if (change == 2) other.settings.precision.fill(0);
     if (change == 3) other.settings.law.fill(Law::max_depth);
-    if (change == 4) other.settings.felt_once = true;
+    if (change == 4) other.settings.felt_once = FeltOnce::never;
     Model changed;
     ASSERT_TRUE(change_settings(before, other.settings, 2, changed).ok());
     EXPECT_EQ(changed.triangles.x.data(), before.triangles.x.data()) << "nothing is there twice";

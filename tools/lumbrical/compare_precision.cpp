@@ -79,16 +79,28 @@ std::size_t advised_rung(const std::vector<PrecisionFigures>& rungs, double want
   return advised;
 }
 
+// Of the exact rung too what the others feel once is felt once, or it would not be what they are held
+// against.
+Settings settings_of(const Settings& given, double precision) {
+  Settings settings = given;
+  settings.max_force = 1e6;
+  settings.fade_time = 0;
+  settings.precision.fill(precision);
+  const bool by_field =
+      std::all_of(given.law.begin(), given.law.end(), [](Law law) { return law == Law::field; });
+  if (precision == 0 && by_field && given.felt_once == FeltOnce::by_samples)
+    settings.felt_once = FeltOnce::always;
+  return settings;
+}
+
 }  // namespace
 
 Status compare_precision(const Scene& scene, const Execution& execution, const Motion& motion, double seconds,
                          PrecisionComparison& comparison) {
   std::array<Rung, kRungs.size()> rungs;
   Scene free = scene;
-  free.settings.max_force = 1e6;
-  free.settings.fade_time = 0;
   for (std::size_t i = 0; i < kRungs.size(); ++i) {
-    free.settings.precision.fill(kRungs[i]);
+    free.settings = settings_of(scene.settings, kRungs[i]);
     if (Status status = build_model(free, execution, rungs[i].model); !status.ok()) return status;
     rungs[i].scratch = make_scratch(rungs[i].model);
     rungs[i].state = make_state(rungs[i].model);

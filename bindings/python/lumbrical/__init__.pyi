@@ -48,7 +48,7 @@ class Scene:
     fade_time: float  # [s]
     proxy_stiffness: float  # [N/m]; 0: no proxy
     pad_damping: float  # [s/m]; 0: none
-    felt_once: bool
+    felt_once: str  # "never", "by-samples" or "always"
     effort: int
     max_candidates: int
     law: str  # of every segment

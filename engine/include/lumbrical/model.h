@@ -29,6 +29,16 @@ enum class Law : std::uint8_t {
   point,      ///< K_s times the deepest point's depth times a fixed area: what point-based libraries do
 };
 
+/// What several fingers, or fingers and palm, hold together is felt once, by the one that is deepest in it,
+/// or by all of them: up to 4 % of the hand's force on what is flat, more in a fist.
+enum class FeltOnce : std::uint8_t {
+  never,  ///< each part of the hand feels as if it were alone
+  /// By samples, for half as much time again; exact segments, and triangles too large for samples, don't
+  /// know.
+  by_samples,
+  always,  ///< exactly too, in ten times the time: for the field law, and one rung for all segments
+};
+
 /// Where candidate triangles come from. Never changes a result, only the time it takes.
 enum class Broadphase : std::uint8_t {
   automatic,  ///< grid where triangles lie farther than kGridExtent apart along an axis, else tree
@@ -54,9 +64,11 @@ bool available(Isa isa);
 Isa widest_isa();  ///< that is available
 
 std::optional<Law> parse_law(std::string_view text);                ///< "field", "column", "max-depth", ...
+std::optional<FeltOnce> parse_felt_once(std::string_view text);     ///< "never", "by-samples", "always"
 std::optional<Broadphase> parse_broadphase(std::string_view text);  ///< "auto", "tree", "grid", ...
 std::optional<Isa> parse_isa(std::string_view text);                ///< "auto", "scalar", "sse2", "avx2", ...
 std::string_view law_name(Law law);
+std::string_view felt_once_name(FeltOnce felt_once);
 std::string_view broadphase_name(Broadphase broadphase);
 std::string_view isa_name(Isa isa);
 
@@ -100,10 +112,7 @@ struct Settings {
   /// [N/m] of the spring from the hand to its proxy (docs/proxy.md), 10 .. 1e5; 0: there is none, and what
   /// is thinner than a finger is passed through.
   double proxy_stiffness = 0;
-  /// What several fingers, or fingers and palm, hold together is felt once, by the one that is deepest in it;
-  /// else by all of them. For the field law, and segments that are all exact or all felt by samples. Contact
-  /// records stay those of each part by itself.
-  bool felt_once = false;
+  FeltOnce felt_once = FeltOnce::by_samples;  ///< contact records stay those of each part by itself
   Pad pad;
   /// Most evaluations of a field that samples may spend in a tick, 0 .. 1e9; 0: as many as it takes. What a
   /// tick will spend is known before its kernels run; beyond the bound it takes the next coarser lattices,

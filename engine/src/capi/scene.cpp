@@ -154,7 +154,7 @@ void to_c(const Scene& scene, lumbrical_settings& out) {
   out.max_force = settings.max_force;
   out.fade_time = settings.fade_time;
   out.proxy_stiffness = settings.proxy_stiffness;
-  out.felt_once = settings.felt_once ? 1 : 0;
+  out.felt_once = static_cast<std::int32_t>(settings.felt_once);
   for (std::size_t i = 0; i < kPadLayers; ++i) {
     out.pad_from[i] = settings.pad.layer[i].from;
     out.pad_stiffness[i] = settings.pad.layer[i].stiffness;
@@ -182,7 +182,7 @@ Fault to_scene(const lumbrical_settings& given, Scene& scene) {
   settings.max_force = given.max_force;
   settings.fade_time = given.fade_time;
   settings.proxy_stiffness = given.proxy_stiffness;
-  settings.felt_once = given.felt_once != 0;
+  if (Fault fault = check_enum(given.felt_once, 3, "settings->felt_once", settings.felt_once)) return fault;
   for (std::size_t i = 0; i < kPadLayers; ++i)
     settings.pad.layer[i] = {given.pad_from[i], given.pad_stiffness[i]};
   settings.pad.damping = given.pad_damping;

@@ -33,6 +33,15 @@ void read_law(const flatbuffers::String* name, const std::string& path, FieldRea
   }
 }
 
+void read_felt_once(const flatbuffers::String* name, FieldReader& read, FeltOnce& felt_once) {
+  if (name == nullptr) return;
+  if (const auto parsed = parse_felt_once(name->string_view())) {
+    felt_once = *parsed;
+  } else {
+    read.error("settings.felt_once", "has to be \"never\", \"by-samples\" or \"always\"");
+  }
+}
+
 // Below, rounding in single precision would show.
 constexpr double kFinestPrecision = 1e-6, kCoarsestPrecision = 0.1;
 
@@ -89,7 +98,7 @@ void read_settings(const format::Settings* table, FieldReader& read, Settings& s
   read.number(table->max_force(), "settings.max_force", {1e-6, 1e9}, settings.max_force);
   read.number(table->fade_time(), "settings.fade_time", {1e-6, 10}, settings.fade_time);
   read.number(table->proxy_stiffness(), "settings.proxy_stiffness", {0, 1e5}, settings.proxy_stiffness);
-  settings.felt_once = table->felt_once().value_or(settings.felt_once);
+  read_felt_once(table->felt_once(), read, settings.felt_once);
   read_pad(table->pad(), read, settings.pad);
   read.count(table->effort(), "settings.effort", 0, 1000000000, settings.effort);
   read.count(table->max_candidates(), "settings.max_candidates", 1, 1u << 24, settings.max_candidates);

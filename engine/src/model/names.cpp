@@ -16,6 +16,11 @@ constexpr std::array<std::pair<std::string_view, Law>, 5> kLawNames = {{
     {"centroid", Law::centroid},
     {"point", Law::point},
 }};
+constexpr std::array<std::pair<std::string_view, FeltOnce>, 3> kFeltOnceNames = {{
+    {"never", FeltOnce::never},
+    {"by-samples", FeltOnce::by_samples},
+    {"always", FeltOnce::always},
+}};
 constexpr std::array<std::pair<std::string_view, Broadphase>, 5> kBroadphaseNames = {{
     {"auto", Broadphase::automatic},
     {"tree", Broadphase::tree},
@@ -65,6 +70,7 @@ std::string_view name_valued(const Names& names, T wanted) {
 }  // namespace
 
 std::optional<Law> parse_law(std::string_view text) { return value_named(kLawNames, text); }
+std::optional<FeltOnce> parse_felt_once(std::string_view text) { return value_named(kFeltOnceNames, text); }
 std::optional<Broadphase> parse_broadphase(std::string_view text) {
   return value_named(kBroadphaseNames, text);
 }
@@ -75,6 +81,7 @@ std::optional<Isa> parse_isa(std::string_view text) { return value_named(kIsaNam
 std::string_view winding_name(Winding winding) { return name_valued(kWindingNames, winding); }
 std::string_view isa_name(Isa isa) { return name_valued(kIsaNames, isa); }
 std::string_view law_name(Law law) { return name_valued(kLawNames, law); }
+std::string_view felt_once_name(FeltOnce felt_once) { return name_valued(kFeltOnceNames, felt_once); }
 std::string_view broadphase_name(Broadphase broadphase) { return name_valued(kBroadphaseNames, broadphase); }
 
 }  // namespace lumbrical

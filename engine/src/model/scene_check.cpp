@@ -68,15 +68,17 @@ Status check_settings(const Settings& settings) {
   if (settings.max_candidates < 1 || settings.max_candidates > (1u << 24)) {
     return out_of_range("settings.max_candidates", "1 to 16777216");
   }
+  if (felt_once_name(settings.felt_once) == "unknown")
+    return out_of_range("settings.felt_once", "never, by_samples or always");
   for (const Law law : settings.law) {
     if (law_name(law) == "unknown") return out_of_range("settings.law", "one of the five laws");
-    if (settings.felt_once && law != Law::field)
-      return Status::error("settings.felt_once: needs law \"field\" on every segment");
+    if (settings.felt_once == FeltOnce::always && law != Law::field)
+      return Status::error("settings.felt_once: \"always\" needs law \"field\" on every segment");
   }
   for (const double precision : settings.precision) {
-    if (settings.felt_once && (precision > 0) != (settings.precision[0] > 0))
+    if (settings.felt_once == FeltOnce::always && (precision > 0) != (settings.precision[0] > 0))
       return Status::error(
-          "settings.felt_once: needs every segment by samples, or every one exact (precision 0)");
+          "settings.felt_once: \"always\" needs every segment by samples, or every one exact (precision 0)");
   }
   return {};
 }

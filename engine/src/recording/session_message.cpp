@@ -173,7 +173,7 @@ Offset<fb::Settings> to_fb(FlatBufferBuilder& builder, const Settings& settings)
   return fb::CreateSettings(builder, all_laws, settings.stiffness, settings.rate, settings.point_area,
                             settings.max_force, settings.fade_time, settings.max_candidates, precisions,
                             settings.effort, settings.proxy_stiffness, settings.pad == Pad{} ? nullptr : &pad,
-                            settings.felt_once);
+                            static_cast<fb::FeltOnce>(settings.felt_once));
 }
 
 /// Of the path, what may stand in a recording: files are looked for beside it, nowhere else. Empty where it
@@ -247,7 +247,9 @@ Status decode_settings(const fb::Settings* message, Settings& settings) {
   settings.max_candidates = message->max_candidates();
   settings.effort = message->effort();
   settings.proxy_stiffness = message->proxy_stiffness();
-  settings.felt_once = message->felt_once();
+  if (message->felt_once() > fb::FeltOnce::MAX)
+    return Status::error("the session says in an unknown way what is felt once");
+  settings.felt_once = static_cast<FeltOnce>(message->felt_once());
   if (const fb::Pad* const pad = message->pad()) settings.pad = std::bit_cast<Pad>(*pad);
   // Session time is computed from the rate before build_model sees it.
   if (!(settings.rate >= 1 && settings.rate <= 100000))

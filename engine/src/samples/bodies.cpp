@@ -116,8 +116,10 @@ void take_blocks_on_skin(double radius, Bodies& bodies) {
   bodies.palm.block_on_skin = size;
 }
 
-void set_bodies(const Primitives& hand, std::uint32_t segments, const Patches& patches, Bodies& bodies) {
+void set_bodies(const Primitives& hand, std::uint32_t segments, std::uint32_t felt, const Patches& patches,
+                Bodies& bodies) {
   bodies.finger_count = 0;
+  bodies.felt = 0;
   const auto takes_part = [&](std::size_t i) { return hand.present[i] && (segments >> i & 1u) != 0; };
   for (std::size_t first = 0; first < kPhalanxCount;) {
     std::size_t last = first;
@@ -125,6 +127,7 @@ void set_bodies(const Primitives& hand, std::uint32_t segments, const Patches& p
     if (takes_part(first)) {
       FingerBody& finger = bodies.finger[bodies.finger_count];
       set_finger(hand, first, last, patches, finger);
+      bodies.felt |= (felt >> first & 1u) << bodies.finger_count;
       bodies.origin[bodies.finger_count++] = split_point(finger.origin);
     }
     first = last + 1;
@@ -132,6 +135,7 @@ void set_bodies(const Primitives& hand, std::uint32_t segments, const Patches& p
   bodies.palm.corner_count = 0;
   if ((segments >> kPalmSegment & 1u) != 0 && hand.joints.has(kPalm))
     set_palm(hand.palm, patches, bodies.palm);
+  bodies.felt |= (felt >> kPalmSegment & 1u) << bodies.finger_count;
   bodies.origin[bodies.finger_count] = split_point(bodies.palm.origin);
 }
 

@@ -76,6 +76,7 @@ struct Bodies {
   std::size_t finger_count = 0;
   std::array<FingerBody, kMostFingers> finger;
   PalmBody palm;
+  std::uint32_t felt = 0;  ///< a bit each, the palm's behind the last finger's; others are only in their way
   /// [m] W, of the fingers and, behind the last of them, of the palm.
   std::array<SplitPoint, kMostFingers + 1> origin;
 };
@@ -85,6 +86,11 @@ inline const TileFrame& tile_at(const FingerBody* fingers, std::size_t number) {
 
 /// The palm's number, behind those of the last finger's tiles.
 inline std::size_t palm_number(const Bodies& bodies) { return bodies.finger_count * Bodies::kTilesApart; }
+
+/// Is a part of the hand felt, by its number?
+inline bool is_felt(const Bodies& bodies, std::size_t part) {
+  return (bodies.felt >> part / Bodies::kTilesApart & 1u) != 0;
+}
 
 /// Calls take(number) for every tile whose bit is set, or part of the hand.
 template <class Take>
@@ -103,7 +109,8 @@ BodyOffsets offsets_from(Vec3 point, const Bodies& bodies);
 /// Bodies take blocks up to that radius [m] as ones where their skin goes through.
 void take_blocks_on_skin(double radius, Bodies& bodies);
 
-/// Sets the bodies of the segments whose bit is set in `segments`.
-void set_bodies(const Primitives& hand, std::uint32_t segments, const Patches& patches, Bodies& bodies);
+/// Sets the bodies of the segments whose bit is set in `segments`, of which those in `felt` are felt.
+void set_bodies(const Primitives& hand, std::uint32_t segments, std::uint32_t felt, const Patches& patches,
+                Bodies& bodies);
 
 }  // namespace lumbrical

@@ -61,6 +61,14 @@ void put_in_order(const Patches& patches, std::span<const ListedPatch> found, Ov
   for (const ListedPatch& patch : found) overlaps.listed[next[key_of(patches, patch)]++] = patch;
 }
 
+// Nobody has asked what is near them.
+std::uint64_t unfelt_parts(const Bodies& bodies) {
+  std::uint64_t parts = 0;
+  for (std::size_t part = 0; part < Rivals::kParts; ++part)
+    parts |= std::uint64_t{!is_felt(bodies, part)} << part;
+  return parts;
+}
+
 }  // namespace
 
 void size_overlaps(const Model& model, Overlaps& overlaps) {
@@ -73,10 +81,11 @@ void size_overlaps(const Model& model, Overlaps& overlaps) {
   at_least(most + kMostOfBlock, overlaps.listed);
 }
 
-bool find_overlaps(const Model& model, const Primitives& hand, const Bodies& bodies, Overlaps& overlaps) {
+bool find_overlaps(const Model& model, const Primitives& hand, const Bodies& bodies, std::uint64_t tiles,
+                   Overlaps& overlaps) {
   const Patches& patches = *model.patches;
   overlaps.begin.fill(0);
-  overlaps.rivals = find_rivals(hand, bodies);
+  overlaps.rivals = find_rivals(hand, bodies, tiles | unfelt_parts(bodies));
   if (patches.tree.head.level_count == 0 || overlaps.rivals.any == 0) return true;
   const std::size_t most = overlaps.found.size() - kMostOfBlock;
   const Vec3 middle = bodies.finger_count > 0 ? bodies.finger[0].origin : bodies.palm.origin;

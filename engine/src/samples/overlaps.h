@@ -30,8 +30,10 @@ struct Overlaps {
 
 void size_overlaps(const Model& model, Overlaps& overlaps);
 
-/// False where there are more than there is room for (Settings::max_candidates).
-bool find_overlaps(const Model& model, const Primitives& hand, const Bodies& bodies, Overlaps& overlaps);
+/// Of what felt bodies have found near, as `tiles` tells. False where there are more than there is room for
+/// (Settings::max_candidates).
+bool find_overlaps(const Model& model, const Primitives& hand, const Bodies& bodies, std::uint64_t tiles,
+                   Overlaps& overlaps);
 
 /// Steps of the lattice over a patch of a size, by which a part leaves something to others; `steps` are that
 /// part's own lattices. A third of those where a skeleton comes near: that much is exact where fields are

@@ -34,32 +34,42 @@ bool meet(const SweptPolygon& palm, const Primitive& phalanx) {
   return true;
 }
 
-void pair_up(std::size_t one, std::size_t other, Rivals& rivals) {
-  rivals.of[one] |= std::uint64_t{1} << other;
-  rivals.of[other] |= std::uint64_t{1} << one;
-  rivals.any |= std::uint64_t{1} << one | std::uint64_t{1} << other;
-}
+/// Rivals of the parts that are felt.
+struct Pairs {
+  const Bodies& bodies;
+  Rivals rivals;
+
+  void add(std::size_t one, std::size_t other) {
+    if (!is_felt(bodies, one) && !is_felt(bodies, other)) return;
+    const std::uint64_t both = std::uint64_t{1} << one | std::uint64_t{1} << other;
+    for (const std::size_t part : {one, other})
+      if (is_felt(bodies, part)) rivals.of[part] |= both & ~(std::uint64_t{1} << part);
+    rivals.any |= both;
+  }
+};
 
 }  // namespace
 
-Rivals find_rivals(const Primitives& hand, const Bodies& bodies) {
-  Rivals rivals;
-  const bool has_palm = bodies.palm.corner_count > 0;
-  for (std::size_t i = 0; i < bodies.finger_count; ++i) {
-    const FingerBody& finger = bodies.finger[i];
-    for (std::size_t k = 0; k < finger.tile_count; ++k) {
-      const std::size_t number = i * Bodies::kTilesApart + k;
-      const Primitive& own = hand.capsule[finger.segment[k]];
-      if (has_palm && meet(hand.palm, own)) pair_up(number, palm_number(bodies), rivals);
-      for (std::size_t j = 0; j < i; ++j) {
-        for (std::size_t of_other = 0; of_other < bodies.finger[j].tile_count; ++of_other) {
-          if (meet(own, hand.capsule[bodies.finger[j].segment[of_other]]))
-            pair_up(number, j * Bodies::kTilesApart + of_other, rivals);
-        }
-      }
-    }
-  }
-  return rivals;
+Rivals find_rivals(const Primitives& hand, const Bodies& bodies, std::uint64_t parts) {
+  Pairs pairs{bodies, {}};
+  const std::size_t palm = palm_number(bodies);
+  std::uint64_t tiles = 0;
+  for (std::size_t i = 0; i < bodies.finger_count; ++i)
+    tiles |= std::uint64_t{bodies.finger[i].tiles()} << i * Bodies::kTilesApart;
+  tiles &= parts;
+  const auto phalanx = [&](std::size_t number) -> const Primitive& {
+    const FingerBody& finger = bodies.finger[number / Bodies::kTilesApart];
+    return hand.capsule[finger.segment[number % Bodies::kTilesApart]];
+  };
+  const bool has_palm = bodies.palm.corner_count > 0 && (parts >> palm & 1u) != 0;
+  for_numbers(tiles, [&](std::size_t own) {
+    if (has_palm && meet(hand.palm, phalanx(own))) pairs.add(own, palm);
+    const std::uint64_t inward = (std::uint64_t{1} << own / Bodies::kTilesApart * Bodies::kTilesApart) - 1;
+    for_numbers(tiles & inward, [&](std::size_t other) {
+      if (meet(phalanx(own), phalanx(other))) pairs.add(own, other);
+    });
+  });
+  return pairs.rivals;
 }
 
 }  // namespace lumbrical

@@ -15,7 +15,8 @@ struct Rivals {
   std::uint64_t any = 0;                   ///< the parts that have some
 };
 
-/// Parts are rivals from a tenth of their radii apart: lattices don't tell where fields meet to the digit.
-Rivals find_rivals(const Primitives& hand, const Bodies& bodies);
+/// Those among `parts` of which at least one is felt. Parts are rivals from a tenth of their radii apart:
+/// lattices don't tell where fields meet to the digit.
+Rivals find_rivals(const Primitives& hand, const Bodies& bodies, std::uint64_t parts = ~std::uint64_t{0});
 
 }  // namespace lumbrical

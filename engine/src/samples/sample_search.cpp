@@ -230,6 +230,7 @@ bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, 
     for (std::size_t k = first; k < last; ++k) {
       PatchSearcher& searcher = memory.searcher[k];
       for (std::size_t body = next++; body < count && searcher.count <= most; body = next++) {
+        if ((bodies.felt >> body & 1u) == 0) continue;
         const std::size_t begin = searcher.count;
         const SearchFrom from{open, before[body]};
         CentroidForce unused, &force = open ? unused : memory.force[body];

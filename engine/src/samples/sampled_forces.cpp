@@ -273,7 +273,7 @@ bool feel(SampleTeam& team, const LevelWeights* levels, SampledForces& forces) {
 void size_samples(const Model& model, SampleMemory& memory) {
   if (!model.patches) return;
   size_search(model, memory.search, memory.near);
-  if (model.settings.felt_once) size_overlaps(model, memory.overlaps);
+  if (model.settings.felt_once != FeltOnce::never) size_overlaps(model, memory.overlaps);
   at_least(model.execution.threads, memory.thread);
   for (SampleThread& thread : memory.thread) {
     at_least(memory.near.listed.size(), thread.chosen);
@@ -296,12 +296,16 @@ bool felt_by_samples(const Model& model, std::size_t segment, std::uint32_t tria
 bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t segments, SampleMemory& memory,
                    SampledForces& forces, const LevelWeights* levels) {
   forces = {};
-  set_bodies(hand, segments, *model.patches, memory.bodies);
+  // What others are deeper in is theirs, so they have to be there.
+  const bool once = model.settings.felt_once != FeltOnce::never;
+  set_bodies(hand, once ? sampled_segments(model) : segments, segments, *model.patches, memory.bodies);
   SampleTeam team{model, hand, memory, empty_sums(hand)};
   if (!find_for(team, 0)) return false;
   forces.patch_count = static_cast<std::uint32_t>(memory.near.count());
   if (forces.patch_count == 0) return true;
-  if (model.settings.felt_once && !find_overlaps(model, hand, memory.bodies, memory.overlaps)) return false;
+  if (model.settings.felt_once != FeltOnce::never &&
+      !find_overlaps(model, hand, memory.bodies, memory.near.tiles, memory.overlaps))
+    return false;
   if (!feel(team, levels, forces)) return false;
   forces.contact_count = team.touched();
   return true;

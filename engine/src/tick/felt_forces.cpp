@@ -42,7 +42,8 @@ HandForces sum_up(const Model& model, Scratch& scratch) {
   tell(scratch.watch, Stage::narrowphase);
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
   const auto& sampled = scratch.samples->forces.segment;
-  if (!model.settings.felt_once) return sum_forces(model.settings, *scratch.primitives, contacts, sampled);
+  if (model.settings.felt_once != FeltOnce::always)
+    return sum_forces(model.settings, *scratch.primitives, contacts, sampled);
   take_off_overlaps(model, *scratch.primitives, contacts, *scratch.overlaps);
   auto other = scratch.overlaps->segment;
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
@@ -69,7 +70,7 @@ void make_room(const Model& model, Scratch& scratch) {
   size_candidates(model, scratch);
   size_samples(model, *scratch.samples);
   scratch.contacts.resize(scratch.candidates.size());
-  if (model.settings.felt_once) {
+  if (model.settings.felt_once == FeltOnce::always) {
     if (!scratch.overlaps) scratch.overlaps = std::make_shared<ExactOverlaps>();
     scratch.overlaps->touched.resize(scratch.contacts.size());
   }
@@ -139,7 +140,8 @@ Findings findings_of(const Model& model, const Scratch& scratch) {
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
   Findings findings{scratch.contact_count + sampled.contact_count, sampled.evaluations,
                     error_estimate(model.settings, sampled), force_error(model.settings, contacts)};
-  if (model.settings.felt_once) findings.force_error += model.settings.stiffness * scratch.overlaps->error;
+  if (model.settings.felt_once == FeltOnce::always)
+    findings.force_error += model.settings.stiffness * scratch.overlaps->error;
   for (std::size_t i = 0; i < model.layers.size(); ++i) {
     const Findings more = findings_of(*model.layers[i], scratch.layers[i]);
     findings += {0, more.evaluations, more.error_estimate, more.force_error};

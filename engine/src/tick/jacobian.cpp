@@ -81,8 +81,6 @@ void add_sampled_body(const Model& model, const Primitives& hand, std::size_t fi
   const Vec3 pivot = hand.base_joint[first];
   // By the same lattices as the tick: what its mixture would change by is of the size of their errors.
   const LevelWeights* const levels = memory.forces.contact_count > 0 ? &memory.forces.level : nullptr;
-  // What others are deeper in is theirs, so they have to be there.
-  const std::uint32_t with = model.settings.felt_once ? sampled_segments(model) : segments;
   std::array<Matrix6, kSegmentCount> about_pivot{};
   for (std::size_t column = 0; column < 6; ++column) {
     const auto axis = [&](double size) {
@@ -94,7 +92,7 @@ void add_sampled_body(const Model& model, const Primitives& hand, std::size_t fi
       Primitives moved = hand;
       move_segments(first, last, pivot, axis(column < 3 ? side * step : 0),
                     axis(column < 3 ? 0 : side * step), hand, moved);
-      if (!sample_forces(model, moved, with, memory, side > 0 ? ahead : behind, levels)) return;
+      if (!sample_forces(model, moved, segments, memory, side > 0 ? ahead : behind, levels)) return;
     }
     for (std::size_t i = first; i <= last; ++i) {
       const Vec3 force = (0.5 / step) * (ahead.segment[i].force - behind.segment[i].force);
