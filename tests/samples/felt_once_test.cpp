@@ -131,6 +131,9 @@ std::vector<Held> what_hands_hold(const Hand& hand) {
   for (std::size_t i = 4; i < kAngleCount; i += 4) all.back().frame.angle[i] = i == 8 ? 0.0f : -0.3f;
   all.push_back({"a flat hand deep in a fine plane", make_plane(0.2, 250, 1, 3),
                  pressed_frame(hand, 0.006, 0.2), 0.01});
+  // Its sides nearly cancel, and what is taken off them has to as well.
+  all.push_back(
+      {"a thin tray", make_box({0.09, 0.09, 0.002}, 6), resample(make_grasp(hand, 0.045, 0.01, 6), 3), 0});
   all.push_back(
       {"a grasp", make_box({0.04, 0.04, 0.08}, 12), resample(make_grasp(hand, 0.02, 0.08, 6), 3), 0.003});
   return all;

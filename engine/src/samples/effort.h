@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "samples/levels.h"
+#include "samples/overlaps.h"
 #include "samples/sample_search.h"
 
 namespace lumbrical {
@@ -16,7 +17,7 @@ struct Effort {
   std::array<std::uint64_t, kLevels> level{};  ///< the other lattices of each level
   std::uint64_t one_cell = 0;                  ///< all lattices, were they of one cell
 };
-Effort effort_of(const Patches& patches, const NearPatches& near);
+Effort effort_of(const Patches& patches, const NearPatches& near, const Overlaps& overlaps);
 
 /// Takes weight from fine levels to coarser ones until what remains is within `most` (0: no bound); true if
 /// it had to. The coarsest level may take more.

@@ -48,8 +48,8 @@ std::span<const SharedBlock> shared_blocks(const Model& model, const Bodies& bod
 
 std::size_t key_of(const Patches& patches, const ListedPatch& patch) {
   const PatchBlock& block = patches.block[patch.place / kLanes];
-  return patch.tile % ListedPatch::kFarEnd * kPatchSizes +
-         static_cast<std::size_t>(block.size[patch.place % kLanes]);
+  return static_cast<std::size_t>(block.size[patch.place % kLanes]) * Overlaps::kParts +
+         patch.tile % ListedPatch::kFarEnd;
 }
 
 void put_in_order(const Patches& patches, std::span<const ListedPatch> found, Overlaps& overlaps) {
@@ -100,19 +100,6 @@ bool find_overlaps(const Model& model, const Primitives& hand, const Bodies& bod
   }
   put_in_order(patches, std::span(overlaps.found).first(count), overlaps);
   return true;
-}
-
-std::uint64_t effort_of(const Patches& patches, const Overlaps& overlaps, std::size_t level) {
-  constexpr std::uint64_t kPerSharedCell = 6;  // points, of the part and of those deeper
-  std::uint64_t effort = 0;
-  if (overlaps.count() == 0) return effort;  // as in every tick that feels by all
-  for (std::size_t part = 0; part < Overlaps::kParts; ++part) {
-    for (std::size_t size = 0; size < kPatchSizes; ++size) {
-      const std::uint64_t steps = overlap_steps(patches.most_steps.data(), size, level);
-      effort += kPerSharedCell * steps * steps * overlaps.of(part, size).size();
-    }
-  }
-  return effort;
 }
 
 }  // namespace lumbrical

@@ -1,6 +1,6 @@
-// What several bodies of a hand hold together, to be felt once (Settings::felt_once): a pass of its own,
-// after each body has been felt by itself. Patches that two bodies may reach are searched for, and for every
-// part of the hand that may be in one, what others are deeper in is taken off its sums.
+// What several bodies of a hand hold together, to be felt once (FeltOnce): patches that two bodies may reach
+// are searched for, and of every part of the hand that may be in one what others are deeper in is taken off
+// its sums, by lattices of the level that the part is felt by.
 #pragma once
 
 #include <array>
@@ -13,17 +13,21 @@
 
 namespace lumbrical {
 
-/// Patches of which parts of a hand may have to leave something to other bodies, by part and size.
+/// Patches of which parts of a hand may have to leave something to other bodies, by size and part.
 struct Overlaps {
   static constexpr std::size_t kParts = Rivals::kParts;
   Rivals rivals;
   std::vector<ListedPatch> listed, found;
   std::array<std::vector<SharedBlock>, 2> frontier;
-  std::array<std::uint32_t, kParts * kPatchSizes + 1> begin{};
+  std::array<std::uint32_t, kPatchSizes * kParts + 1> begin{};
 
-  [[nodiscard]] std::size_t count() const { return begin.back(); }
-  [[nodiscard]] std::span<const ListedPatch> of(std::size_t part, std::size_t size) const {
-    const std::size_t key = part * kPatchSizes + size;
+  /// Of a class: where a skeleton comes near lattices are no finer than elsewhere, for what is lost there is
+  /// a small share of what is felt.
+  [[nodiscard]] std::size_t count_of(std::size_t patch_class) const {
+    return patch_class < kPatchSizes ? begin[(patch_class + 1) * kParts] - begin[patch_class * kParts] : 0;
+  }
+  [[nodiscard]] std::span<const ListedPatch> of(std::size_t size, std::size_t part) const {
+    const std::size_t key = size * kParts + part;
     return std::span(listed).subspan(begin[key], begin[key + 1] - begin[key]);
   }
 };
@@ -34,15 +38,5 @@ void size_overlaps(const Model& model, Overlaps& overlaps);
 /// (Settings::max_candidates).
 bool find_overlaps(const Model& model, const Primitives& hand, const Bodies& bodies, std::uint64_t tiles,
                    Overlaps& overlaps);
-
-/// Steps of the lattice over a patch of a size, by which a part leaves something to others; `steps` are that
-/// part's own lattices. A third of those where a skeleton comes near: that much is exact where fields are
-/// linear, and a small share of what is felt.
-inline std::size_t overlap_steps(const LatticeSteps* steps, std::size_t size, std::size_t level) {
-  return (steps[kPatchSizes + size][level] + 2u) / 3;
-}
-
-/// Evaluations that it will take to take them off: `level` as that of lattices.
-std::uint64_t effort_of(const Patches& patches, const Overlaps& overlaps, std::size_t level);
 
 }  // namespace lumbrical

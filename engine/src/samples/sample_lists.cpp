@@ -61,6 +61,23 @@ void run_fingers(SampleWork& work, std::size_t patch_class, std::size_t steps, c
 // By the patch's size in steps.
 std::size_t rule_for(std::size_t size) { return size < 1 ? 0 : size < 2 ? 1 : size < 5 ? 2 : 3; }
 
+// Takes off what others are deeper in.
+void run_overlaps(SampleWork& work, std::size_t patch_class, std::size_t level, BodySums* sums) {
+  if (work.overlaps.count_of(patch_class) == 0) return;
+  for_numbers(work.near.tiles, [&](std::size_t part) {
+    const PatchList list = work.list(work.own_part(work.overlaps.of(patch_class, part)));
+    if (list.count == 0) return;
+    const std::size_t body = part / Bodies::kTilesApart;
+    const bool is_palm = part == palm_number(work.bodies);
+    const BodyOffsets offsets =
+        offsets_from(is_palm ? work.bodies.palm.origin : work.bodies.finger[body].origin, work.bodies);
+    const LatticeSteps* const steps =
+        is_palm ? work.bodies.palm.steps : work.bodies.finger[body].steps[part % Bodies::kTilesApart];
+    work.kernels.overlap_lattice(list, work.bodies, part, work.overlaps.rivals.of[part], offsets,
+                                 steps[patch_class][level], sums[part]);
+  });
+}
+
 }  // namespace
 
 void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level, Part part) {
@@ -69,6 +86,7 @@ void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level, 
   for (std::size_t steps = 1; steps <= kMostSteps; ++steps) {
     if (tiles[steps] != 0) run_fingers(work, patch_class, steps, {sums, tiles[steps]});
   }
+  run_overlaps(work, patch_class, level, sums);
   const PatchList list = work.list(work.of_kinds(kind::kPalm, kind::kPalm, patch_class));
   if (list.count == 0) return;
   const PalmBody& palm = work.bodies.palm;
@@ -106,24 +124,6 @@ void run_blocks(SampleWork& work, std::size_t block_class) {
     work.memory.touched +=
         work.kernels.palm_blocks(list, work.bodies.palm, work.sums(kOnce)[palm_number(work.bodies)]);
   }
-}
-
-void run_overlaps(SampleWork& work, std::size_t level) {
-  if (work.overlaps.count() == 0) return;
-  for_numbers(work.near.tiles, [&](std::size_t part) {
-    const std::size_t body = part / Bodies::kTilesApart;
-    const bool is_palm = part == palm_number(work.bodies);
-    const BodyOffsets offsets =
-        offsets_from(is_palm ? work.bodies.palm.origin : work.bodies.finger[body].origin, work.bodies);
-    const LatticeSteps* const steps =
-        is_palm ? work.bodies.palm.steps : work.bodies.finger[body].steps[part % Bodies::kTilesApart];
-    for (std::size_t size = 0; size < kPatchSizes; ++size) {
-      const PatchList list = work.list(work.own_part(work.overlaps.of(part, size)));
-      if (list.count > 0)
-        work.kernels.overlap_lattice(list, work.bodies, part, work.overlaps.rivals.of[part], offsets,
-                                     overlap_steps(steps, size, level), work.sums(kOnce)[part]);
-    }
-  });
 }
 
 }  // namespace lumbrical

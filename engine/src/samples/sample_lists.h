@@ -60,10 +60,7 @@ void run_blocks(SampleWork& work, std::size_t block_class);
 /// What lies inside, where fields are smooth, or linear: of the patches of a class.
 void run_smooth(SampleWork& work, std::size_t patch_class);
 
-/// Takes off what others are deeper in.
-void run_overlaps(SampleWork& work, std::size_t level);
-
-/// Lattices of a level over the patches of a class.
+/// Lattices of a level over the patches of a class, less what others are deeper in.
 void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level, Part part);
 
 }  // namespace lumbrical

@@ -77,9 +77,6 @@ using SegmentWrenches = std::array<Wrench, kSegmentCount>;
 // Evaluations below which threads cost more than they bring.
 constexpr std::uint64_t kSerialEvaluations = 20000;
 
-// The level of the lattices by which overlaps are felt, whatever the hand's force: the coarsest.
-constexpr std::size_t kOverlapLevel = 0;
-
 /// A hand near patches, and all who compute.
 struct SampleTeam {
   const Model& model;
@@ -87,7 +84,6 @@ struct SampleTeam {
   SampleMemory& memory;
   BodySums zero;
   std::size_t threads = 1;
-  std::size_t overlap_level = kOverlapLevel;
 
   [[nodiscard]] SegmentWrenches wrenches(Part part) const {
     SegmentWrenches wrenches{};
@@ -126,9 +122,8 @@ void share_out(SampleTeam& team, std::uint64_t evaluations, std::initializer_lis
                       number,
                       team.threads};
       for (const std::size_t block_class : {kWithinSkin, kAcrossSkin}) run_blocks(work, block_class);
-      run_overlaps(work, team.overlap_level);
       for (std::size_t k = 0; k < kPatchClasses; ++k) {
-        if (!work.near.has(k)) continue;
+        if (!work.near.has(k) && work.overlaps.count_of(k) == 0) continue;
         run_smooth(work, k);
         stage(work, k);
       }
@@ -181,7 +176,6 @@ std::size_t coarsest_of(const LevelWeights& weights) {
 }
 
 void feel_in_one_cell(SampleTeam& team, const Effort& effort, double force, SampledForces& forces) {
-  team.overlap_level = kOneCell;
   forces.level = {1};
   forces.evaluations = effort.one_cell;
   forces.coarsened = true;
@@ -190,11 +184,7 @@ void feel_in_one_cell(SampleTeam& team, const Effort& effort, double force, Samp
 }
 
 Effort effort_of(const SampleTeam& team) {
-  const Patches& patches = *team.model.patches;
-  Effort effort = effort_of(patches, team.memory.near);
-  effort.always += effort_of(patches, team.memory.overlaps, kOverlapLevel);
-  effort.one_cell += effort_of(patches, team.memory.overlaps, kOneCell);
-  return effort;
+  return effort_of(*team.model.patches, team.memory.near, team.memory.overlaps);
 }
 
 LevelWeights only(std::size_t level) {
