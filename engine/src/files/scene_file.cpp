@@ -24,22 +24,21 @@ Status read_table(const std::string& path, const char* root, JsonFile& file) {
   return read_json_file(path, schema, root, file);
 }
 
-void read_law(const flatbuffers::String* name, const std::string& path, FieldReader& read, Law& law) {
-  if (name == nullptr) return;
-  if (const auto parsed = parse_law(name->string_view())) {
-    law = *parsed;
+// A word that `parse` knows; `otherwise` says what is wrong with others.
+template <class Parse, class Value>
+void read_word(const flatbuffers::String* word, const std::string& path, const Parse& parse,
+               const char* otherwise, FieldReader& read, Value& value) {
+  if (word == nullptr) return;
+  if (const std::optional<Value> parsed = parse(word->string_view())) {
+    value = *parsed;
   } else {
-    read.error(path, "is not a law; use \"field\", \"column\", \"max-depth\", \"centroid\" or \"point\"");
+    read.error(path, otherwise);
   }
 }
 
-void read_felt_once(const flatbuffers::String* name, FieldReader& read, FeltOnce& felt_once) {
-  if (name == nullptr) return;
-  if (const auto parsed = parse_felt_once(name->string_view())) {
-    felt_once = *parsed;
-  } else {
-    read.error("settings.felt_once", "has to be \"never\", \"by-samples\" or \"always\"");
-  }
+void read_law(const flatbuffers::String* word, const std::string& path, FieldReader& read, Law& law) {
+  read_word(word, path, parse_law,
+            "is not a law; use \"field\", \"column\", \"max-depth\", \"centroid\" or \"point\"", read, law);
 }
 
 // Below, rounding in single precision would show.
@@ -98,7 +97,8 @@ void read_settings(const format::Settings* table, FieldReader& read, Settings& s
   read.number(table->max_force(), "settings.max_force", {1e-6, 1e9}, settings.max_force);
   read.number(table->fade_time(), "settings.fade_time", {1e-6, 10}, settings.fade_time);
   read.number(table->proxy_stiffness(), "settings.proxy_stiffness", {0, 1e5}, settings.proxy_stiffness);
-  read_felt_once(table->felt_once(), read, settings.felt_once);
+  read_word(table->felt_once(), "settings.felt_once", parse_felt_once,
+            "has to be \"never\", \"by-samples\" or \"always\"", read, settings.felt_once);
   read_pad(table->pad(), read, settings.pad);
   read.count(table->effort(), "settings.effort", 0, 1000000000, settings.effort);
   read.count(table->max_candidates(), "settings.max_candidates", 1, 1u << 24, settings.max_candidates);
@@ -115,13 +115,9 @@ void read_execution(const format::Execution* table, FieldReader& read, Execution
   read.count(table->leaf_size(), "execution.leaf_size", 1, 64, execution.leaf_size);
   read.number(table->cell_size(), "execution.cell_size", {1e-3, 1e6}, execution.cell_size);
   read.count(table->threads(), "execution.threads", 1, 64, execution.threads);
-  if (table->broadphase() == nullptr) return;
-  if (const auto parsed = parse_broadphase(table->broadphase()->string_view())) {
-    execution.broadphase = *parsed;
-  } else {
-    read.error("execution.broadphase",
-               "is no search this version has; use \"auto\", \"tree\", \"grid\", \"voxel\" or \"brute\"");
-  }
+  read_word(table->broadphase(), "execution.broadphase", parse_broadphase,
+            "is no search this version has; use \"auto\", \"tree\", \"grid\", \"voxel\" or \"brute\"", read,
+            execution.broadphase);
 }
 
 bool says_both(const format::Motion* table, const MotionOverride& chosen) {

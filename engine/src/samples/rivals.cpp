@@ -40,11 +40,10 @@ struct Pairs {
   Rivals rivals;
 
   void add(std::size_t one, std::size_t other) {
-    if (!is_felt(bodies, one) && !is_felt(bodies, other)) return;
-    const std::uint64_t both = std::uint64_t{1} << one | std::uint64_t{1} << other;
-    for (const std::size_t part : {one, other})
-      if (is_felt(bodies, part)) rivals.of[part] |= both & ~(std::uint64_t{1} << part);
-    rivals.any |= both;
+    const std::uint64_t its = std::uint64_t{1} << one, others = std::uint64_t{1} << other;
+    if (is_felt(bodies, one)) rivals.of[one] |= others;
+    if (is_felt(bodies, other)) rivals.of[other] |= its;
+    if (is_felt(bodies, one) || is_felt(bodies, other)) rivals.any |= its | others;
   }
 };
 

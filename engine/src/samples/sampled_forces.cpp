@@ -293,9 +293,7 @@ bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t seg
   if (!find_for(team, 0)) return false;
   forces.patch_count = static_cast<std::uint32_t>(memory.near.count());
   if (forces.patch_count == 0) return true;
-  if (model.settings.felt_once != FeltOnce::never &&
-      !find_overlaps(model, hand, memory.bodies, memory.near.tiles, memory.overlaps))
-    return false;
+  if (once && !find_overlaps(model, hand, memory.bodies, memory.near.tiles, memory.overlaps)) return false;
   if (!feel(team, levels, forces)) return false;
   forces.contact_count = team.touched();
   return true;
