@@ -189,10 +189,10 @@ GoldenSession sampled(const std::string& name, double precision) {
   return session;
 }
 
-/// What several fingers, or fingers and palm, hold together, felt once.
-GoldenSession felt_once(const std::string& name, double precision) {
+/// What several fingers, or fingers and palm, hold together, felt otherwise than by default.
+GoldenSession held_together(const std::string& name, double precision, FeltOnce felt_once) {
   GoldenSession session = sampled(name, precision);
-  session.scene.settings.felt_once = FeltOnce::always;
+  session.scene.settings.felt_once = felt_once;
   return session;
 }
 
@@ -307,8 +307,8 @@ std::vector<GoldenSession> golden_sessions() {
   sessions.push_back(sampled("samples.1e-3", 1e-3));
   sessions.push_back(sampled("samples.1e-4", 1e-4));
   sessions.push_back(sampled("samples.1e-5", 1e-5));
-  sessions.push_back(felt_once("once.1e-4", 1e-4));
-  sessions.push_back(felt_once("once.exact", 0));
+  sessions.push_back(held_together("never.1e-4", 1e-4, FeltOnce::never));
+  sessions.push_back(held_together("once.exact", 0, FeltOnce::always));
   sessions.push_back(bent());
   sessions.push_back(objects());
   sessions.push_back(proxy());

@@ -150,6 +150,7 @@ double torque_difference(const HandForces& one, const HandForces& other) {
 
 TEST(FeltOnce, IsWhatTheDeepestBodyFeelsOnEveryRung) {
   const Hand hand = default_hand(Side::right);
+  std::size_t with_palm = 0, of_two = 0, of_any = 0;  // patches that go through each kernel
   for (const Held& held : what_hands_hold(hand)) {
     Scene scene = sampled_scene(hand, {{"mesh", held.mesh}});
     scene.settings.felt_once = FeltOnce::always;
@@ -166,6 +167,12 @@ TEST(FeltOnce, IsWhatTheDeepestBodyFeelsOnEveryRung) {
     for (const double precision : {1e-3, 1e-4, 1e-5}) {
       FeelingHand samples(scene, precision);
       const ActuatorFrame by_samples = samples(held.frame);
+      const Overlaps& overlaps = samples.scratch().samples->overlaps;
+      for (std::size_t k = 0; k < kPatchClasses; ++k) {
+        with_palm += overlaps.together_of(1, k).size();
+        of_two += overlaps.together_of(2, k).size();
+        of_any += overlaps.count_by_parts[k];
+      }
       const Difference error = difference(by_bodies(by_samples, stiffness), by_bodies(felt, stiffness));
       EXPECT_LT(error.hand, precision + 3e-5) << held.name << " at " << precision;
       EXPECT_LT(error.body, 3 * precision + 3e-5) << held.name << " at " << precision;
@@ -173,6 +180,9 @@ TEST(FeltOnce, IsWhatTheDeepestBodyFeelsOnEveryRung) {
           << held.name << " at " << precision;
     }
   }
+  EXPECT_GT(with_palm, 1000u);
+  EXPECT_GT(of_two, 100u);
+  EXPECT_GT(of_any, 100u);
 }
 
 // The middle finger where the index is: the first of the two has it all.

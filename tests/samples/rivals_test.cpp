@@ -15,8 +15,8 @@ namespace {
 constexpr double kNowhere = -1;
 
 // The fields of all parts at a point, by their numbers.
-std::array<double, Rivals::kParts> fields_at(const Primitives& hand, const Bodies& bodies, Vec3 p) {
-  std::array<double, Rivals::kParts> field;
+std::array<double, Bodies::kMostParts> fields_at(const Primitives& hand, const Bodies& bodies, Vec3 p) {
+  std::array<double, Bodies::kMostParts> field;
   field.fill(kNowhere);
   for (std::size_t i = 0; i < bodies.finger_count; ++i) {
     for (std::size_t k = 0; k < bodies.finger[i].tile_count; ++k) {
@@ -50,7 +50,7 @@ TEST(Rivals, AreAllPartsOfDifferentBodiesThatHaveAPointInCommon) {
     const Primitives& posed = *scratch.primitives;
     const Bodies& bodies = scratch.samples->bodies;
     const Rivals rivals = find_rivals(posed, bodies);
-    std::array<std::uint64_t, Rivals::kParts> met{};
+    std::array<std::uint64_t, Bodies::kMostParts> met{};
     for (int i = 0; i < 20000; ++i) {
       const auto phalanx = static_cast<std::size_t>(random.between(0, 14.999));
       const Primitive& by = posed.capsule[phalanx];

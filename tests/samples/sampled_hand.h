@@ -50,6 +50,8 @@ class FeelingHand {
     return area;
   }
   [[nodiscard]] const Model& model() const { return model_; }
+  /// As the last frame left it.
+  [[nodiscard]] const Scratch& scratch() const { return scratch_; }
   ActuatorFrame operator()(const DeviceFrame& frame) {
     State state;
     return tick(model_, state, scratch_, frame);

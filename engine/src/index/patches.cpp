@@ -355,6 +355,7 @@ void put_samples(const Execution& execution, Patches& patches) {
       samples.resize(first);
       break;
     }
+    patches.has_wholes = patches.has_wholes || is_used;
     patches.first_samples.push_back(static_cast<std::uint32_t>(first));
     if (count <= 1) break;
     std::swap(below, here);

@@ -68,6 +68,7 @@ struct Patches {
   double block_above_palm = 0;  ///< [m] the same of the palm above its polygon
   /// [m] The same of blocks that a body's skin goes through, by level; 0 where the world has few as small.
   std::array<double, kLevels> block_on_skin{};
+  bool has_wholes = false;                   ///< may any block be taken as one?
   double radius3 = 0;                        ///< [m^3] mean of the sampled segments' radii cubed
   SphereTree tree;                           ///< of spheres round the blocks, without triangles
   SharedArray<PatchBlock> block;             ///< in the order of the tree's leaves

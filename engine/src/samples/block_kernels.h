@@ -1,7 +1,7 @@
 // Blocks of small patches as wholes: which are, and what a body feels of them.
 #pragma once
 
-#include "samples/classify.h"
+#include "samples/body_fields.h"
 
 namespace lumbrical::LUMBRICAL_ISA {
 
@@ -47,20 +47,53 @@ struct TakenWhole {
   std::uint32_t key;
   float size;
 };
+/// Blocks of which a body has nothing, since others are deeper throughout, and those in which they may be
+/// somewhere: a bit per lane.
+struct BlockClaims {
+  unsigned outdone = 0, contested = 0;
+};
+template <class V>
+inline BlockClaims claims_of(const BlockRows& rows, const BlockKinds& kinds, const OtherParts& others,
+                             std::uint64_t parts) {
+  BlockClaims claims;
+  if (parts == 0) return claims;
+  for (unsigned lane = 0; lane < BlockRows::kWidth; lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
+    const BodyFields<V> fields(others.bodies, parts, others.offset, vector_at<V>(rows.centre, lane));
+    const V reach = reach_of(get(rows.radius + lane, V{}), others.offset.largest), zero = number<V>(0),
+            lead = fields.first - get(kinds.field + lane, V{}), twice = reach + reach;
+    claims.outdone |= wide::bits_of(lead > twice) << lane;
+    claims.contested |= wide::bits_of(fields.first + reach > zero && lead + twice >= zero) << lane;
+  }
+  return claims;
+}
+
 /// From kinds to blocks that have to be opened and those that are taken as wholes: `whole(kind, no skeleton
 /// near)`. Places are given in `found`, from the bit `shift` on.
-template <class Whole>
-inline SampleKernels::Sorted part_blocks(const BlockKinds& kinds, const BlockSamples* blocks,
+template <class V, class Whole>
+inline SampleKernels::Sorted part_blocks(const BlockRows& rows, const BlockKinds& kinds,
+                                         const OtherParts& others, const BlockSamples* blocks,
                                          const Whole& whole, unsigned shift, std::uint32_t first,
                                          std::uint32_t* found, std::size_t count, FoundPatches* patches,
                                          CentroidForce& force) {
   SampleKernels::Sorted sorted{0, 0};
+  TakenWhole taken[BlockRows::kWidth];
+  unsigned small = 0;
+  std::uint64_t others_near = 0;
   for (std::size_t lane = 0; lane < count; ++lane) {
     if (kinds.kind[lane] < 0) continue;
-    const TakenWhole taken = whole(static_cast<std::uint32_t>(kinds.kind[lane]), !(kinds.is_near[lane] > 0));
+    taken[lane] = whole(static_cast<std::uint32_t>(kinds.kind[lane]), !(kinds.is_near[lane] > 0));
+    if (!(blocks[found[lane] >> shift].size <= taken[lane].size)) continue;
+    small |= 1u << lane;
+    others_near |= others.of_tile[kTileOfKind[static_cast<std::uint32_t>(kinds.kind[lane])]];
+  }
+  const BlockClaims claims = claims_of<V>(rows, kinds, others, others_near);
+  small &= claims.outdone | ~claims.contested;
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    if (kinds.kind[lane] < 0) continue;
     const std::uint32_t place = found[lane] >> shift;
-    if (blocks[place].size <= taken.size) {
-      patches[sorted.whole_count++] = {static_cast<std::uint16_t>(taken.key), 1, first + place};
+    if ((small >> lane & 1u) != 0) {
+      if ((claims.outdone >> lane & 1u) == 0)
+        patches[sorted.whole_count++] = {static_cast<std::uint16_t>(taken[lane].key), 1, first + place};
       const float field = kinds.field[lane] > 0 ? kinds.field[lane] : 0;
       for (std::size_t axis = 0; axis < 3; ++axis)  // in a lane of its own, whatever blocks are beside it
         force.lane[axis][place % BlockRows::kWidth] += field * blocks[place].normal[axis];
@@ -88,9 +121,9 @@ inline TakenWhole taken_by_palm(const PalmBody& palm, std::uint32_t kind, bool i
 }
 
 template <class V>
-SampleKernels::Sorted sort_blocks(const BlockSamples* blocks, const FingerBody& finger, std::uint32_t first,
-                                  std::uint32_t* found, std::size_t count, FoundPatches* patches,
-                                  CentroidForce& force) {
+SampleKernels::Sorted sort_blocks(const BlockSamples* blocks, const FingerBody& finger,
+                                  const OtherParts& others, std::uint32_t first, std::uint32_t* found,
+                                  std::size_t count, FoundPatches* patches, CentroidForce& force) {
   const float largest = largest_radius(finger);
   BlockRows rows;
   gather(blocks, split_point(finger.origin), found, 3, count, rows);
@@ -110,15 +143,16 @@ SampleKernels::Sorted sort_blocks(const BlockSamples* blocks, const FingerBody& 
         (met[0] >> lane & 1u) | (met[1] >> lane & 1u) << 1 | (met[2] >> lane & 1u) << 2;
     found[lane] = (found[lane] & ~7u) | tiles;
   }
-  return part_blocks(
-      of, blocks, [&](std::uint32_t kind, bool is_clear) { return taken_by_finger(finger, kind, is_clear); },
-      3, first, found, count, patches, force);
+  return part_blocks<V>(
+      rows, of, others, blocks,
+      [&](std::uint32_t kind, bool is_clear) { return taken_by_finger(finger, kind, is_clear); }, 3, first,
+      found, count, patches, force);
 }
 
 template <class V>
-SampleKernels::Sorted sort_palm_blocks(const BlockSamples* blocks, const PalmBody& palm, std::uint32_t first,
-                                       std::uint32_t* found, std::size_t count, FoundPatches* patches,
-                                       CentroidForce& force) {
+SampleKernels::Sorted sort_palm_blocks(const BlockSamples* blocks, const PalmBody& palm,
+                                       const OtherParts& others, std::uint32_t first, std::uint32_t* found,
+                                       std::size_t count, FoundPatches* patches, CentroidForce& force) {
   BlockRows rows;
   gather(blocks, split_point(palm.origin), found, 0, count, rows);
   BlockKinds of;
@@ -133,9 +167,10 @@ SampleKernels::Sorted sort_palm_blocks(const BlockSamples* blocks, const PalmBod
     put(of.field + lane, field);
     put(of.is_near + lane, is_near);
   }
-  return part_blocks(
-      of, blocks, [&](std::uint32_t kind, bool is_clear) { return taken_by_palm(palm, kind, is_clear); }, 0,
-      first, found, count, patches, force);
+  return part_blocks<V>(
+      rows, of, others, blocks,
+      [&](std::uint32_t kind, bool is_clear) { return taken_by_palm(palm, kind, is_clear); }, 0, first, found,
+      count, patches, force);
 }
 
 /// The numbers of sixteen blocks, by number and lane.

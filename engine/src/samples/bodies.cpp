@@ -97,6 +97,13 @@ void set_palm(const SweptPolygon& polygon, const Patches& patches, PalmBody& pal
 
 }  // namespace
 
+std::uint64_t parts_of(const Bodies& bodies) {
+  std::uint64_t parts = std::uint64_t{bodies.palm.corner_count > 0} << palm_number(bodies);
+  for (std::size_t i = 0; i < bodies.finger_count; ++i)
+    parts |= std::uint64_t{bodies.finger[i].tiles()} << i * Bodies::kTilesApart;
+  return parts;
+}
+
 BodyOffsets offsets_from(Vec3 point, const Bodies& bodies) {
   BodyOffsets offsets;
   offsets.largest = bodies.palm.corner_count > 0 ? bodies.palm.radius : 0;

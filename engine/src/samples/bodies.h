@@ -61,8 +61,8 @@ struct PalmBody {
   static constexpr std::size_t kMostCorners = 16;
   std::size_t corner_count = 0;
   Vec3 origin;            ///< [m] W
-  float axis[3][3];       ///< W, unit: x, y, z
-  float radius;           ///< [m]
+  float axis[3][3] = {};  ///< W, unit: x, y, z
+  float radius = 0;       ///< [m]
   float block_radius[2];  ///< [m] of the largest block that is taken as one, above the polygon and beside it
   float block_on_skin;    ///< [m] the same on the skin
   const LatticeSteps* steps;  ///< of its lattices in a patch of each class
@@ -72,7 +72,7 @@ struct PalmBody {
 /// All bodies of a hand that are felt by samples. Tile k of finger i has the number kTilesApart i + k.
 struct Bodies {
   static constexpr std::size_t kMostFingers = 2 * kFingerCount;  ///< a finger that lacks a phalanx is two
-  static constexpr std::size_t kTilesApart = 4;
+  static constexpr std::size_t kTilesApart = 4, kMostParts = (kMostFingers + 1) * kTilesApart;
   std::size_t finger_count = 0;
   std::array<FingerBody, kMostFingers> finger;
   PalmBody palm;
@@ -86,6 +86,9 @@ inline const TileFrame& tile_at(const FingerBody* fingers, std::size_t number) {
 
 /// The palm's number, behind those of the last finger's tiles.
 inline std::size_t palm_number(const Bodies& bodies) { return bodies.finger_count * Bodies::kTilesApart; }
+
+/// All parts that there are, tiles and palm, a bit each by their numbers.
+std::uint64_t parts_of(const Bodies& bodies);
 
 /// Is a part of the hand felt, by its number?
 inline bool is_felt(const Bodies& bodies, std::size_t part) {
@@ -104,6 +107,13 @@ struct BodyOffsets {
   float largest;
   [[nodiscard]] const float* operator[](std::size_t body) const { return of[body]; }
 };
+/// Those among `parts` that are felt.
+inline std::uint64_t felt_of(const Bodies& bodies, std::uint64_t parts) {
+  std::uint64_t felt = 0;
+  for_numbers(parts, [&](std::size_t part) { felt |= std::uint64_t{is_felt(bodies, part)} << part; });
+  return felt;
+}
+
 BodyOffsets offsets_from(Vec3 point, const Bodies& bodies);
 
 /// Bodies take blocks up to that radius [m] as ones where their skin goes through.

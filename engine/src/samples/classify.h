@@ -111,9 +111,6 @@ inline V key_of(const Kinds<V>& kinds, V size) {
                 number<V>(-1));
 }
 
-/// [m] The field of a tile that does not meet a patch.
-inline constexpr double kNowhere = -1e30;
-
 /// What a tile has to do with patches: its field at their centroids, kNowhere where it does not meet them,
 /// and their place along it, whether its skeleton comes near (1), and the kind they are if they meet no
 /// other.

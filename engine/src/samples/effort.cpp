@@ -9,8 +9,8 @@ namespace {
 constexpr std::uint64_t kPerCell = 2;
 // Points of a block, and about those of a rule.
 constexpr std::uint64_t kPerBlock = 7, kPerRule = 16;
-// Fields of a point where others may be deeper: the part's and theirs.
-constexpr std::uint64_t kPerOverlap = 3;
+// Fields of a point that any parts share: about three, for each of them.
+constexpr std::uint64_t kPerParts = 9;
 
 std::uint64_t count_of(const NearPatches& near, std::uint32_t first, std::uint32_t last,
                        std::size_t patch_class) {
@@ -22,7 +22,7 @@ std::uint64_t count_of(const NearPatches& near, std::uint32_t first, std::uint32
 Effort effort_of(const Patches& patches, const NearPatches& near, const Overlaps& overlaps) {
   Effort effort;
   for (std::size_t k = 0; k < kPatchClasses; ++k) {
-    if (!near.has(k) && overlaps.count_of(k) == 0) continue;
+    if (!near.has(k) && !overlaps.has(k)) continue;
     effort.always += kPerRule * count_of(near, kind::kInside, kind::kInside + 2, k) +
                      kPerBlock * count_of(near, kind::kBlockInside, kind::kBlockInside + 2, k) +
                      kPerBlock * count_of(near, kind::kPalmSide, kind::kPalmBlockBeside, k);
@@ -30,7 +30,7 @@ Effort effort_of(const Patches& patches, const NearPatches& near, const Overlaps
                                  2 * count_of(near, kind::kInnerJoint, kind::kOuterJoint, k) +
                                  3 * count_of(near, kind::kFinger, kind::kFinger, k) +
                                  count_of(near, kind::kPalm, kind::kPalm, k) +
-                                 kPerOverlap * overlaps.count_of(k);
+                                 2 * overlaps.count_together(k) + kPerParts * overlaps.count_by_parts[k];
     effort.one_cell += kPerCell * shares;
     for (std::size_t level = 0; level < kLevels; ++level) {
       const std::uint64_t steps = patches.most_steps[k][level], all = kPerCell * shares * steps * steps;

@@ -2,104 +2,303 @@
 
 #include <algorithm>
 #include <numeric>
-#include <utility>
+#include <tuple>
 
 #include "base/at_least.h"
-#include "index/sphere_tree.h"
-#include "search/tree_search.h"
 
 namespace lumbrical {
 namespace {
 
-constexpr std::size_t kLanes = PatchBlock::kWidth;
+constexpr std::uint32_t kLanes = PatchBlock::kWidth;
 
 // What a block's patches may be listed for.
 constexpr std::size_t kMostOfBlock = kLanes * (Bodies::kMostFingers * FingerBody::kMostTiles + 1);
 
-// [m] What rounding may take away of distances between a tree's spheres and bodies.
-float slack_of(const TreeHead& tree, const BodyOffsets& offsets, std::size_t body_count) {
-  double size = tree.radius + norm(tree.centre);
-  for (std::size_t i = 0; i < body_count; ++i)
-    size = max(size, norm(Vec3{offsets[i][0], offsets[i][1], offsets[i][2]}));
-  return static_cast<float>(kFloatSlack * (size + offsets.largest));
+// The tiles that share patches of a kind, a bit each from the body's first on; the palm's is its first.
+constexpr std::array<std::uint8_t, kind::kCount> kPartsOfKind = [] {
+  std::array<std::uint8_t, kind::kCount> parts{};
+  for (std::uint32_t k = 0; k < kind::kCount; ++k)
+    parts[k] = static_cast<std::uint8_t>(((1u << sharers_of(k)) - 1) << kTileOfKind[k]);
+  return parts;
+}();
+
+using FoundByBody = std::span<const std::span<const FoundPatches>>;
+
+std::uint32_t kind_of(const FoundPatches& found) { return found.key % kind::kCount; }
+std::uint32_t class_of(const FoundPatches& found) { return found.key / kind::kCount; }
+
+std::uint16_t lanes_of(unsigned lanes) { return static_cast<std::uint16_t>(lanes); }
+
+// The parts of a body that an entry is about.
+std::uint64_t parts_in(const FoundPatches& found, std::size_t body) {
+  return std::uint64_t{kPartsOfKind[kind_of(found)]} << body * Bodies::kTilesApart;
 }
 
-// Blocks of patches whose spheres two bodies may reach. That is asked of all blocks' spheres, or of those
-// that the tree leads to: for levels above, rounding counts twice, so that no block's is missed.
-std::span<const SharedBlock> shared_blocks(const Model& model, const Bodies& bodies, Overlaps& overlaps) {
-  const SphereTree& tree = model.patches->tree;
-  const BodyOffsets offsets = offsets_from(tree.head.origin, bodies);
-  const float slack = slack_of(tree.head, offsets, bodies.finger_count + 1);
-  const TreeLayout layout = layout_of(tree.head);
-  const std::size_t top = model.execution.broadphase == Broadphase::brute ? 0 : tree.head.level_count - 1;
-  SharedBlock *from = overlaps.frontier[0].data(), *to = overlaps.frontier[1].data();
-  std::uint32_t count = 0;
-  for (; count < layout.blocks[top]; ++count) from[count] = {count, overlaps.rivals.any};
-  const SphereBlock* spheres = blocks_of(tree.lines.data());
-  for (std::size_t level = tree.head.level_count; level-- > 0; spheres += layout.blocks[level]) {
-    if (level > top) continue;
-    count = static_cast<std::uint32_t>(
-        sample_kernels(model.execution.isa)
-            .overlap_hits(spheres, bodies, offsets, level > 0 ? 2 * slack : slack, from, count, to));
-    std::swap(from, to);
+// Entries of parts that have rivals: all others are their body's alone.
+template <class Take>
+void for_entries(FoundByBody found, const Rivals& rivals, const Take& take) {
+  for (std::size_t body = 0; body < found.size(); ++body) {
+    for (const FoundPatches& entry : found[body]) {
+      if ((parts_in(entry, body) & rivals.any) != 0) take(body, entry);
+    }
   }
-  return {from, count};
 }
 
-std::size_t key_of(const Patches& patches, const ListedPatch& patch) {
-  const PatchBlock& block = patches.block[patch.place / kLanes];
-  return static_cast<std::size_t>(block.size[patch.place % kLanes]) * Overlaps::kParts +
-         patch.tile % ListedPatch::kFarEnd;
+// A finger's tiles that are near a block, or the palm.
+std::uint64_t tiles_of(const SharedBlock& shared, std::size_t body) {
+  return shared.parts >> body * Bodies::kTilesApart & ((1u << Bodies::kTilesApart) - 1);
 }
 
-void put_in_order(const Patches& patches, std::span<const ListedPatch> found, Overlaps& overlaps) {
-  auto& begin = overlaps.begin;
-  begin.fill(0);
-  for (const ListedPatch& patch : found) ++begin[key_of(patches, patch) + 1];
+// ---- Who meets what ----
+
+// Marks what bodies have found and lists the blocks that they share patches of; true if any block is a whole.
+bool mark_blocks(FoundByBody found, Overlaps& overlaps) {
+  bool any_whole = false;
+  overlaps.shared.clear();
+  for_entries(found, overlaps.rivals, [&](std::size_t body, const FoundPatches& entry) {
+    if (is_block(kind_of(entry))) {
+      any_whole = true;
+      overlaps.taken_by[entry.block] = static_cast<std::uint8_t>(body + 1);
+      return;
+    }
+    MetLanes& met = overlaps.met[entry.block];
+    const unsigned again = met.once & entry.lanes;
+    if (again != 0 && met.again == 0) {
+      met.number = static_cast<std::uint32_t>(overlaps.shared.size());
+      overlaps.shared.push_back({entry.block});
+    }
+    met.again = lanes_of(met.again | again);
+    met.once = lanes_of(met.once | entry.lanes);
+  });
+  return any_whole;
+}
+
+void unmark_blocks(FoundByBody found, Overlaps& overlaps) {
+  for_entries(found, overlaps.rivals, [&](std::size_t, const FoundPatches& entry) {
+    if (is_block(kind_of(entry))) {
+      overlaps.taken_by[entry.block] = 0;
+    } else {
+      overlaps.met[entry.block] = {};
+    }
+  });
+}
+
+void see_sharers(FoundByBody found, Overlaps& overlaps) {
+  for_entries(found, overlaps.rivals, [&](std::size_t body, const FoundPatches& entry) {
+    if (is_block(kind_of(entry))) return;
+    const MetLanes& met = overlaps.met[entry.block];
+    const unsigned lanes = met.again & entry.lanes;
+    if (lanes == 0) return;
+    SharedBlock& shared = overlaps.shared[met.number];
+    shared.of_body[body] = lanes_of(shared.of_body[body] | lanes);
+    shared.parts |= parts_in(entry, body);
+    if (sharers_of(kind_of(entry)) > 1) shared.at_joint = lanes_of(shared.at_joint | lanes);
+    if (class_of(entry) >= kPatchSizes) shared.near_skeleton = lanes_of(shared.near_skeleton | lanes);
+  });
+}
+
+// Lanes that at least one of some bodies has, at least two, and more.
+struct LaneCounts {
+  unsigned once = 0, twice = 0, more = 0;
+  void add(unsigned lanes) {
+    more |= twice & lanes;
+    twice |= once & lanes;
+    once |= lanes;
+  }
+};
+
+// What goes through which kernel. Of two fingers in one block each has a single tile there, or they are left
+// to what takes any.
+void sort_lanes(const Bodies& bodies, SharedBlock& shared) {
+  const unsigned palm = shared.of_body[bodies.finger_count];
+  LaneCounts fingers;
+  unsigned plain = ~unsigned{shared.at_joint};
+  for (std::size_t i = 0; i < bodies.finger_count; ++i) {
+    const unsigned lanes = shared.of_body[i];
+    const std::uint64_t tiles = tiles_of(shared, i);
+    if ((tiles & (tiles - 1)) != 0) plain &= ~lanes;
+    fingers.add(lanes);
+  }
+  shared.of_tile = lanes_of(fingers.once & ~fingers.twice & palm & ~shared.at_joint);
+  shared.of_two = lanes_of(fingers.twice & ~fingers.more & plain);
+  shared.of_others = lanes_of(((fingers.once & palm) | fingers.twice) & ~(shared.of_tile | shared.of_two));
+}
+
+// Leaves patches to those who have a say in them.
+void part_lanes(const Model& model, const Bodies& bodies, Overlaps& overlaps) {
+  const Vec3 middle = bodies.finger_count > 0 ? bodies.finger[0].origin : bodies.palm.origin;
+  const BodyOffsets offsets = offsets_from(middle, bodies);
+  const SplitPoint origin = split_point(middle);
+  const auto outdone_lanes = sample_kernels(model.execution.isa).outdone_lanes;
+  for (SharedBlock& shared : overlaps.shared) {
+    outdone_lanes(model.patches->block[shared.block], bodies, shared.parts, offsets, origin, shared.outdone);
+    for (std::size_t i = 0; i <= bodies.finger_count; ++i)
+      shared.of_body[i] = lanes_of(shared.of_body[i] & ~shared.outdone[i]);
+    sort_lanes(bodies, shared);
+  }
+}
+
+// ---- What is left to whom ----
+
+// Are patches in a block that another body takes as one? Then that is deeper throughout.
+bool is_taken(const Patches& patches, const Overlaps& overlaps, std::size_t body, std::uint32_t block) {
+  for (const std::uint32_t first : patches.first_samples) {
+    const std::uint8_t by = overlaps.taken_by[first + block];
+    if (by != 0 && by != body + 1) return true;
+    block /= kLanes;
+  }
+  return false;
+}
+
+/// Lists what is found, as long as there is room.
+struct Lists {
+  const Bodies& bodies;
+  Overlaps& overlaps;
+  std::size_t kept = 0, together = 0, by_parts = 0;
+
+  // Lanes of a finger's entry, by the first of two fingers.
+  void add_together(const FoundPatches& entry, std::size_t body, unsigned lanes, const SharedBlock& shared) {
+    const auto first = static_cast<std::uint32_t>(body * Bodies::kTilesApart) + kTileOfKind[kind_of(entry)];
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const auto lane = static_cast<std::uint32_t>(__builtin_ctz(lanes));
+      const auto is_of = [&](std::size_t i) { return (shared.of_body[i] >> lane & 1u) != 0; };
+      const bool has_two = (shared.of_two >> lane & 1u) != 0, has_palm = is_of(bodies.finger_count);
+      std::size_t other = body + 1;
+      while (has_two && other < bodies.finger_count && !is_of(other)) ++other;
+      if (has_two && other == bodies.finger_count) continue;  // listed by the other finger
+      const std::uint64_t second = has_two ? tiles_of(shared, other) << other * Bodies::kTilesApart : 0;
+      overlaps.parts |= std::uint64_t{1} << first | second | std::uint64_t{has_palm} << palm_number(bodies);
+      std::uint32_t code = first;
+      if (has_two) code += ListedPatch::kSecond * static_cast<std::uint32_t>(__builtin_ctzll(second));
+      if (!has_palm) code += ListedPatch::kWithoutPalm;
+      const std::size_t size = class_of(entry) % kPatchSizes,
+                        patch_class = size + kPatchSizes * (shared.near_skeleton >> lane & 1u);
+      overlaps.found_together[together++] = {
+          {entry.block * kLanes + lane, code},
+          static_cast<std::uint32_t>((has_two ? kPatchClasses : 0) + patch_class)};
+    }
+  }
+  void add_by_parts(const FoundPatches& entry, std::size_t body, unsigned lanes, const SharedBlock& shared) {
+    const std::size_t size = class_of(entry) % kPatchSizes;
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const auto lane = static_cast<std::uint32_t>(__builtin_ctz(lanes));
+      const std::size_t patch_class = size + kPatchSizes * (shared.near_skeleton >> lane & 1u);
+      overlaps.found_by_parts[by_parts++] = {entry.block * kLanes + lane,
+                                             static_cast<std::uint32_t>(patch_class), parts_in(entry, body)};
+    }
+  }
+};
+
+// Takes out of a body's entry the lanes that are not its alone and lists them; returns those that it keeps.
+unsigned part_entry(const FoundPatches& entry, std::size_t body, Lists& lists) {
+  const MetLanes& met = lists.overlaps.met[entry.block];
+  if ((met.again & entry.lanes) == 0) return entry.lanes;
+  const SharedBlock& shared = lists.overlaps.shared[met.number];
+  const unsigned lanes = entry.lanes & ~(shared.outdone[body] & met.again),
+                 together = lanes & (shared.of_tile | shared.of_two), others = lanes & shared.of_others;
+  if (body < lists.bodies.finger_count) lists.add_together(entry, body, together, shared);
+  lists.add_by_parts(entry, body, others, shared);
+  return lanes & ~(together | others);
+}
+
+// What each body that is felt keeps; false where lists are too long.
+bool part_entries(const Model& model, bool any_whole, FoundByBody found, Lists& lists) {
+  Overlaps& overlaps = lists.overlaps;
+  const std::size_t most = overlaps.found_together.size() - kMostOfBlock;
+  for (std::size_t body = 0; body < found.size(); ++body) {
+    const std::size_t begin = lists.kept;
+    for (const FoundPatches& entry : found[body]) {
+      if ((parts_in(entry, body) & overlaps.rivals.any) == 0 || is_block(kind_of(entry))) {
+        overlaps.kept[lists.kept++] = entry;
+        continue;
+      }
+      if (any_whole && is_taken(*model.patches, overlaps, body, entry.block)) continue;
+      const unsigned lanes = part_entry(entry, body, lists);
+      if (lanes != 0) overlaps.kept[lists.kept++] = {entry.key, lanes_of(lanes), entry.block};
+      if (lists.together > most || lists.by_parts > most) return false;
+    }
+    if (!is_felt(lists.bodies, body * Bodies::kTilesApart)) lists.kept = begin;
+    overlaps.left[body] = std::span(overlaps.kept).subspan(begin, lists.kept - begin);
+  }
+  return true;
+}
+
+// ---- Order ----
+
+// From a list to another one in order of their keys, where each key's begin in `begin`.
+template <std::size_t N>
+void put_in_order(std::span<const FoundTogether> found, std::array<std::uint32_t, N>& begin,
+                  std::vector<ListedPatch>& listed) {
+  for (const FoundTogether& shared : found) ++begin[shared.key + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   auto next = begin;
-  for (const ListedPatch& patch : found) overlaps.listed[next[key_of(patches, patch)]++] = patch;
+  for (const FoundTogether& shared : found) listed[next[shared.key]++] = shared.patch;
 }
 
-// Nobody has asked what is near them.
-std::uint64_t unfelt_parts(const Bodies& bodies) {
-  std::uint64_t parts = 0;
-  for (std::size_t part = 0; part < Rivals::kParts; ++part)
-    parts |= std::uint64_t{!is_felt(bodies, part)} << part;
-  return parts;
+// The parts of each patch in one, and patches of the same class and parts in a row.
+void put_by_parts_in_order(std::span<FoundByParts> found, Overlaps& overlaps) {
+  const auto by_place = [](const FoundByParts& a, const FoundByParts& b) {
+    return std::tie(a.place, a.parts) < std::tie(b.place, b.parts);
+  };
+  std::sort(found.begin(), found.end(), by_place);
+  std::size_t count = 0;
+  for (const FoundByParts& patch : found) {
+    if (count > 0 && found[count - 1].place == patch.place) {
+      found[count - 1].parts |= patch.parts;
+    } else {
+      found[count++] = patch;
+    }
+  }
+  found = found.first(count);
+  std::sort(found.begin(), found.end(), [](const FoundByParts& a, const FoundByParts& b) {
+    return std::tie(a.patch_class, a.parts, a.place) < std::tie(b.patch_class, b.parts, b.place);
+  });
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const FoundByParts& patch = found[i];
+    if (overlaps.runs.empty() || overlaps.runs.back().patch_class != patch.patch_class ||
+        overlaps.runs.back().parts != patch.parts)
+      overlaps.runs.push_back({patch.parts, patch.patch_class, i, i});
+    ++overlaps.runs.back().end;
+    ++overlaps.count_by_parts[patch.patch_class];
+    overlaps.parts |= patch.parts;
+    const std::uint64_t first = patch.parts & (~patch.parts + 1);
+    overlaps.by_parts[i] = {patch.place, static_cast<std::uint32_t>(__builtin_ctzll(first))};
+  }
 }
 
 }  // namespace
 
 void size_overlaps(const Model& model, Overlaps& overlaps) {
-  const std::size_t blocks =
-      std::max<std::size_t>(model.patches->block.size(), frontier_capacity(model.patches->tree.head));
-  for (auto& frontier : overlaps.frontier) at_least(blocks, frontier);
+  const Patches& patches = *model.patches;
+  at_least(patches.block.size(), overlaps.met);
+  at_least(patches.samples.size(), overlaps.taken_by);
   const std::size_t most =
-      std::min<std::size_t>(model.settings.max_candidates, model.patches->block.size() * kMostOfBlock);
-  at_least(most + kMostOfBlock, overlaps.found);
-  at_least(most + kMostOfBlock, overlaps.listed);
+      std::min<std::size_t>(model.settings.max_candidates, patches.block.size() * kMostOfBlock);
+  overlaps.shared.reserve(std::min(patches.block.size(), most));
+  at_least(most + kMostOfBlock, overlaps.kept);
+  at_least(most + kMostOfBlock, overlaps.found_together);
+  at_least(most + kMostOfBlock, overlaps.together);
+  at_least(most + kMostOfBlock, overlaps.found_by_parts);
+  at_least(most + kMostOfBlock, overlaps.by_parts);
+  overlaps.runs.reserve(most + kMostOfBlock);
 }
 
-bool find_overlaps(const Model& model, const Primitives& hand, const Bodies& bodies, std::uint64_t tiles,
-                   Overlaps& overlaps) {
-  const Patches& patches = *model.patches;
-  overlaps.begin.fill(0);
-  overlaps.rivals = find_rivals(hand, bodies, tiles | unfelt_parts(bodies));
-  if (patches.tree.head.level_count == 0 || overlaps.rivals.any == 0) return true;
-  const std::size_t most = overlaps.found.size() - kMostOfBlock;
-  const Vec3 middle = bodies.finger_count > 0 ? bodies.finger[0].origin : bodies.palm.origin;
-  const BodyOffsets offsets = offsets_from(middle, bodies);
-  const SplitPoint origin = split_point(middle);
-  std::size_t count = 0;
-  for (const SharedBlock& block : shared_blocks(model, bodies, overlaps)) {
-    count += sample_kernels(model.execution.isa)
-                 .overlap_patches(patches.block.data(), bodies, overlaps.rivals, offsets, origin, block,
-                                  overlaps.found.data() + count);
-    if (count > most) return false;
+bool part_overlaps(const Model& model, const Bodies& bodies, FoundByBody found, Overlaps& overlaps) {
+  overlaps.forget();
+  if (overlaps.rivals.any == 0) {
+    std::copy(found.begin(), found.end(), overlaps.left.begin());
+    return true;
   }
-  put_in_order(patches, std::span(overlaps.found).first(count), overlaps);
-  return true;
+  const bool any_whole = mark_blocks(found, overlaps);
+  see_sharers(found, overlaps);
+  part_lanes(model, bodies, overlaps);
+  Lists lists{bodies, overlaps};
+  const bool has_room = part_entries(model, any_whole, found, lists);
+  unmark_blocks(found, overlaps);
+  put_in_order(std::span(overlaps.found_together).first(lists.together), overlaps.together_begin,
+               overlaps.together);
+  put_by_parts_in_order(std::span(overlaps.found_by_parts).first(lists.by_parts), overlaps);
+  return has_room;
 }
 
 }  // namespace lumbrical

@@ -1,6 +1,7 @@
-// What several bodies of a hand hold together, to be felt once (FeltOnce): patches that two bodies may reach
-// are searched for, and of every part of the hand that may be in one what others are deeper in is taken off
-// its sums, by lattices of the level that the part is felt by.
+// Patches that several bodies of a hand have found, to be felt once (FeltOnce). Where one body is deeper
+// throughout, it alone keeps the patch. All others leave their bodies' lists and go through kernels that give
+// each part what is its own: one for what a finger's tile and the palm share, or two tiles, as nearly all
+// are; and one for any parts.
 #pragma once
 
 #include <array>
@@ -9,34 +10,93 @@
 #include <vector>
 
 #include "lumbrical/model.h"
+#include "samples/rivals.h"
 #include "samples/sample_kernels.h"
 
 namespace lumbrical {
 
-/// Patches of which parts of a hand may have to leave something to other bodies, by size and part.
-struct Overlaps {
-  static constexpr std::size_t kParts = Rivals::kParts;
-  Rivals rivals;
-  std::vector<ListedPatch> listed, found;
-  std::array<std::vector<SharedBlock>, 2> frontier;
-  std::array<std::uint32_t, kPatchSizes * kParts + 1> begin{};
+/// Of a block of patches: lanes that any body has found, and that several have; and, if there are any of
+/// those, its number among such blocks.
+struct MetLanes {
+  std::uint16_t once, again;
+  std::uint32_t number;
+};
 
-  /// Of a class: where a skeleton comes near lattices are no finer than elsewhere, for what is lost there is
-  /// a small share of what is felt.
-  [[nodiscard]] std::size_t count_of(std::size_t patch_class) const {
-    return patch_class < kPatchSizes ? begin[(patch_class + 1) * kParts] - begin[patch_class * kParts] : 0;
+/// A block of which several bodies have found the same patches: a bit per lane.
+struct SharedBlock {
+  std::uint32_t block;
+  std::uint64_t parts = 0;                               ///< near any of its patches
+  std::uint16_t of_body[Bodies::kMostFingers + 1] = {};  ///< found by each
+  std::uint16_t outdone[Bodies::kMostFingers + 1] = {};  ///< others are deeper throughout
+  std::uint16_t near_skeleton = 0, at_joint = 0;         ///< of any body; shared by tiles of a finger
+  std::uint16_t of_tile = 0, of_two = 0;                 ///< of one or two tiles and the palm
+  std::uint16_t of_others = 0;                           ///< else of several
+};
+
+/// A patch that a tile shares with the palm, or with another one, and the key of its list.
+struct FoundTogether {
+  ListedPatch patch;
+  std::uint32_t key;
+};
+/// A patch that other parts share, and its class.
+struct FoundByParts {
+  std::uint32_t place, patch_class;
+  std::uint64_t parts;
+};
+/// Patches of a class that the same parts share, in Overlaps::by_parts.
+struct PartsRun {
+  std::uint64_t parts;
+  std::uint32_t patch_class, begin, end;
+};
+
+/// What there is room for is sized once; blocks that are met are unmarked again after every search.
+struct Overlaps {
+  Rivals rivals;
+  std::vector<MetLanes> met;           ///< of each block
+  std::vector<std::uint8_t> taken_by;  ///< of each block as one: the body's number plus 1, or 0
+  std::vector<SharedBlock> shared;
+  std::vector<FoundPatches> kept;
+  std::array<std::span<const FoundPatches>, Bodies::kMostFingers + 1> left;  ///< to each body by itself
+
+  std::uint64_t parts = 0;  ///< that share any patch, a bit each
+  std::vector<FoundTogether> found_together;
+  std::vector<ListedPatch> together;
+  std::array<std::uint32_t, 2 * kPatchClasses + 1> together_begin{};  ///< by number of tiles and class
+  std::vector<FoundByParts> found_by_parts;
+  std::vector<ListedPatch> by_parts;
+  std::vector<PartsRun> runs;  ///< of those
+  std::array<std::uint32_t, kPatchClasses> count_by_parts{};
+
+  /// What one or two tiles and the palm share.
+  [[nodiscard]] std::span<const ListedPatch> together_of(std::size_t tiles, std::size_t patch_class) const {
+    const std::size_t key = (tiles - 1) * kPatchClasses + patch_class;
+    return std::span(together).subspan(together_begin[key], together_begin[key + 1] - together_begin[key]);
   }
-  [[nodiscard]] std::span<const ListedPatch> of(std::size_t size, std::size_t part) const {
-    const std::size_t key = size * kParts + part;
-    return std::span(listed).subspan(begin[key], begin[key + 1] - begin[key]);
+  [[nodiscard]] std::size_t count_together(std::size_t patch_class) const {
+    return together_of(1, patch_class).size() + together_of(2, patch_class).size();
+  }
+  /// Of all, by the bodies that share them: two at least.
+  [[nodiscard]] std::uint32_t patch_count() const {
+    std::uint32_t count = together_begin.back();
+    for (const PartsRun& run : runs) count += run.end - run.begin;
+    return 2 * count;
+  }
+  [[nodiscard]] bool has(std::size_t patch_class) const {
+    return count_together(patch_class) + count_by_parts[patch_class] > 0;
+  }
+  void forget() {
+    together_begin.fill(0);
+    count_by_parts.fill(0);
+    runs.clear();
+    parts = 0;
   }
 };
 
 void size_overlaps(const Model& model, Overlaps& overlaps);
 
-/// Of what felt bodies have found near, as `tiles` tells. False where there are more than there is room for
-/// (Settings::max_candidates).
-bool find_overlaps(const Model& model, const Primitives& hand, const Bodies& bodies, std::uint64_t tiles,
-                   Overlaps& overlaps);
+/// From what each body has found to what it feels by itself and what several share. False where that is more
+/// than there is room for (Settings::max_candidates).
+bool part_overlaps(const Model& model, const Bodies& bodies,
+                   std::span<const std::span<const FoundPatches>> found, Overlaps& overlaps);
 
 }  // namespace lumbrical

@@ -110,18 +110,18 @@ inline TileNumbers<V> numbers_of(const TileFrame& tile) {
           V(tile.cosine), V(tile.tangent2), V(tile.cosine2)};
 }
 
-/// Calls take(code, all, its) for each run of patches that are seen from the same tile: is it the whole
-/// register, and its lanes.
+/// Calls take(code, all, its) for the patches that are listed for the same tile: are they the whole register,
+/// and their lanes.
 template <class V, class Take>
 LUMBRICAL_INLINE inline void for_tiles(const PatchRows& rows, std::size_t lane, const Take& take) {
-  constexpr std::size_t kCount = wide::Lanes<V>::kCount;
+  constexpr unsigned kAll = (1u << wide::Lanes<V>::kCount) - 1;
   const V codes = get(rows.seen_from + lane, V{});
-  for (std::size_t first = 0; first < kCount;) {
-    const float code = rows.seen_from[lane + first];
+  for (unsigned left = kAll; left != 0;) {
+    const float code = rows.seen_from[lane + static_cast<unsigned>(__builtin_ctz(left))];
     const auto its = codes == V(code);
-    const auto run = static_cast<std::size_t>(__builtin_ctz(~(wide::bits_of(its) >> first)));
-    take(static_cast<std::uint32_t>(code), run == kCount, its);
-    first += run;
+    const unsigned lanes = wide::bits_of(its);
+    take(static_cast<std::uint32_t>(code), lanes == kAll, its);
+    left &= ~lanes;
   }
 }
 
@@ -132,14 +132,14 @@ struct SeenPatch {
   TileNumbers<V> tile;
   decltype(V{} > V{}) at_far_end;
 };
-/// From the tiles they are listed for, or from those `outward` of them.
-template <class V>
-LUMBRICAL_INLINE inline SeenPatch<V> see_patches(const PatchRows& rows, std::size_t lane,
-                                                 const FingerBody* fingers, std::uint32_t outward = 0) {
+/// From the frames `frame_of(code)`.
+template <class V, class FrameOf>
+LUMBRICAL_INLINE inline SeenPatch<V> see_patches_from(const PatchRows& rows, std::size_t lane,
+                                                      const FrameOf& frame_of) {
   SeenPatch<V> seen;
   seen.at_far_end = get(rows.seen_from + lane, V{}) >= V(static_cast<float>(ListedPatch::kFarEnd));
   for_tiles<V>(rows, lane, [&](std::uint32_t code, bool all, auto its) LUMBRICAL_INLINE {
-    const TileFrame& frame = tile_at(fingers, code % ListedPatch::kFarEnd + outward);
+    const TileFrame& frame = frame_of(code);
     const PatchInFrame<V> patch = see_patch(rows, lane, frame.axis, in_all_lanes<V>(frame.origin));
     const TileNumbers<V> tile = numbers_of<V>(frame);
     if (all) {
@@ -156,6 +156,15 @@ LUMBRICAL_INLINE inline SeenPatch<V> see_patches(const PatchRows& rows, std::siz
         select(its, tile.cosine2, seen.tile.cosine2)};
   });
   return seen;
+}
+
+/// From the tiles they are listed for, or from those `outward` of them.
+template <class V>
+LUMBRICAL_INLINE inline SeenPatch<V> see_patches(const PatchRows& rows, std::size_t lane,
+                                                 const FingerBody* fingers, std::uint32_t outward = 0) {
+  return see_patches_from<V>(rows, lane, [&](std::uint32_t code) LUMBRICAL_INLINE -> const TileFrame& {
+    return tile_at(fingers, first_tile(code) + outward);
+  });
 }
 
 inline std::uint32_t count_of(unsigned lanes) {
@@ -202,16 +211,16 @@ LUMBRICAL_INLINE inline Share<V> share_of(const PatchInFrame<V>& patch, const La
   return {m.sum * normal, cross(first, normal)};
 }
 
-/// Adds the patches' shares to the sums of the tiles they go to, `outward` of those they are listed for, as
-/// far as those are wanted; returns a bit per lane that has any.
-template <class V>
+/// Adds the patches' shares to the sums of the tiles they go to, `tile_of(code)`, as far as those are wanted;
+/// returns a bit per lane that has any.
+template <class V, class TileOf>
 LUMBRICAL_INLINE inline unsigned add_shares(const PatchInFrame<V>& patch, const LatticeMoments<V>& m,
                                             const PatchRows& rows, std::size_t lane, const TileSums& sums,
-                                            std::uint32_t outward = 0) {
+                                            const TileOf& tile_of) {
   const Share<V> share = share_of(patch, m);
   unsigned any = 0;
   for_tiles<V>(rows, lane, [&](std::uint32_t code, bool all, auto its) LUMBRICAL_INLINE {
-    const std::uint32_t tile = code % ListedPatch::kFarEnd + outward;
+    const std::uint32_t tile = tile_of(code);
     if ((sums.wanted >> tile & 1u) == 0) return;
     const Wide3<V> zero{number<V>(0), number<V>(0), number<V>(0)};
     const Wide3<V> own = select(its, share.force, zero);

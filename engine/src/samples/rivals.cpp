@@ -34,41 +34,47 @@ bool meet(const SweptPolygon& palm, const Primitive& phalanx) {
   return true;
 }
 
-/// Rivals of the parts that are felt.
-struct Pairs {
-  const Bodies& bodies;
-  Rivals rivals;
+// At least one of two has to be felt.
+bool matter(const Bodies& bodies, std::size_t one, std::size_t other) {
+  return is_felt(bodies, one) || is_felt(bodies, other);
+}
 
-  void add(std::size_t one, std::size_t other) {
-    const std::uint64_t its = std::uint64_t{1} << one, others = std::uint64_t{1} << other;
-    if (is_felt(bodies, one)) rivals.of[one] |= others;
-    if (is_felt(bodies, other)) rivals.of[other] |= its;
-    if (is_felt(bodies, one) || is_felt(bodies, other)) rivals.any |= its | others;
-  }
-};
+void add_pair(std::size_t one, std::size_t other, Rivals& rivals) {
+  const std::uint64_t its = std::uint64_t{1} << one, others = std::uint64_t{1} << other;
+  rivals.of[one] |= others;
+  rivals.of[other] |= its;
+  rivals.any |= its | others;
+}
 
 }  // namespace
 
-Rivals find_rivals(const Primitives& hand, const Bodies& bodies, std::uint64_t parts) {
-  Pairs pairs{bodies, {}};
-  const std::size_t palm = palm_number(bodies);
-  std::uint64_t tiles = 0;
-  for (std::size_t i = 0; i < bodies.finger_count; ++i)
-    tiles |= std::uint64_t{bodies.finger[i].tiles()} << i * Bodies::kTilesApart;
-  tiles &= parts;
+Rivals all_rivals(const Bodies& bodies) {
+  Rivals rivals;
+  rivals.any = parts_of(bodies);
+  for_numbers(rivals.any, [&](std::size_t part) {
+    rivals.of[part] = rivals.any & ~(std::uint64_t{15} << part / Bodies::kTilesApart * Bodies::kTilesApart);
+  });
+  return rivals;
+}
+
+Rivals find_rivals(const Primitives& hand, const Bodies& bodies) {
+  Rivals rivals;
+  const std::uint64_t palm = std::uint64_t{1} << palm_number(bodies), parts = parts_of(bodies),
+                      tiles = parts & ~palm;
   const auto phalanx = [&](std::size_t number) -> const Primitive& {
     const FingerBody& finger = bodies.finger[number / Bodies::kTilesApart];
     return hand.capsule[finger.segment[number % Bodies::kTilesApart]];
   };
-  const bool has_palm = bodies.palm.corner_count > 0 && (parts >> palm & 1u) != 0;
   for_numbers(tiles, [&](std::size_t own) {
-    if (has_palm && meet(hand.palm, phalanx(own))) pairs.add(own, palm);
+    const std::size_t of_palm = palm_number(bodies);
+    if ((parts & palm) != 0 && matter(bodies, own, of_palm) && meet(hand.palm, phalanx(own)))
+      add_pair(own, of_palm, rivals);
     const std::uint64_t inward = (std::uint64_t{1} << own / Bodies::kTilesApart * Bodies::kTilesApart) - 1;
     for_numbers(tiles & inward, [&](std::size_t other) {
-      if (meet(phalanx(own), phalanx(other))) pairs.add(own, other);
+      if (matter(bodies, own, other) && meet(phalanx(own), phalanx(other))) add_pair(own, other, rivals);
     });
   });
-  return pairs.rivals;
+  return rivals;
 }
 
 }  // namespace lumbrical

@@ -10,13 +10,21 @@
 namespace lumbrical {
 
 struct Rivals {
-  static constexpr std::size_t kParts = (Bodies::kMostFingers + 1) * Bodies::kTilesApart;
-  std::array<std::uint64_t, kParts> of{};  ///< those of each part, a bit each
-  std::uint64_t any = 0;                   ///< the parts that have some
+  std::array<std::uint64_t, Bodies::kMostParts> of{};  ///< those of each part, a bit each
+  std::uint64_t any = 0;                               ///< the parts that have some
+
+  /// Those of any part of a body.
+  [[nodiscard]] std::uint64_t of_body(std::size_t body) const {
+    std::uint64_t others = 0;
+    for (std::size_t k = 0; k < Bodies::kTilesApart; ++k) others |= of[body * Bodies::kTilesApart + k];
+    return others;
+  }
 };
 
-/// Those among `parts` of which at least one is felt. Parts are rivals from a tenth of their radii apart:
-/// lattices don't tell where fields meet to the digit.
-Rivals find_rivals(const Primitives& hand, const Bodies& bodies, std::uint64_t parts = ~std::uint64_t{0});
+/// All parts of other bodies.
+Rivals all_rivals(const Bodies& bodies);
+/// Those of which at least one is felt. Parts are rivals from a tenth of their radii apart: lattices don't
+/// tell where fields meet to the digit.
+Rivals find_rivals(const Primitives& hand, const Bodies& bodies);
 
 }  // namespace lumbrical

@@ -7,7 +7,7 @@
 
 #include "index/patches.h"
 #include "lumbrical/model.h"
-#include "samples/rivals.h"
+#include "samples/bodies.h"
 #include "search/sphere_query.h"
 
 namespace lumbrical {
@@ -69,11 +69,18 @@ constexpr bool is_on_skin(const FoundPatches& found) {
 
 /// A patch, or a block, in order of its key.
 struct ListedPatch {
-  static constexpr std::uint32_t kFarEnd = 64, kRivals = 128;
+  static constexpr std::uint32_t kFarEnd = 64, kSecond = 128, kWithoutPalm = 64 * kSecond;
   std::uint32_t place;  ///< of the patch: 16 times its block plus the lane; or the block
-  std::uint32_t tile;   ///< the (innermost) tile's number (bodies.h), plus kFarEnd at its far end; of an
-                        ///< overlap plus kRivals times a bit for each body that may be deeper
+  std::uint32_t tile;   ///< the (innermost) tile's number (bodies.h), plus kFarEnd at its far end; more where
+                        ///< several bodies meet it (overlaps.h)
 };
+/// Of the number a patch is listed for: its tile; and, kSecond times, another one that meets it, plus
+/// kWithoutPalm if the palm does not.
+constexpr std::uint32_t first_tile(std::uint32_t code) { return code % ListedPatch::kFarEnd; }
+constexpr std::uint32_t second_tile(std::uint32_t code) {
+  return code % ListedPatch::kWithoutPalm / ListedPatch::kSecond;
+}
+constexpr bool is_without_palm(std::uint32_t code) { return code >= ListedPatch::kWithoutPalm; }
 
 /// Patches for a kernel, best in runs of the same tile.
 struct PatchList {
@@ -133,10 +140,12 @@ struct PalmQuery {
   float slack;                                 ///< [m] what rounding may take away
 };
 
-/// A block whose sphere two bodies may reach.
-struct SharedBlock {
-  std::uint32_t place;
-  std::uint64_t parts;  ///< that may, a bit each
+/// The parts of a hand that share space with those of a body (a finger's tiles, the palm), a bit each, and
+/// where bodies are, seen from that one's origin.
+struct OtherParts {
+  const Bodies& bodies;
+  std::array<std::uint64_t, FingerBody::kMostTiles> of_tile;
+  BodyOffsets offset;
 };
 
 /// Blocks that are classified at a time, at most.
@@ -148,12 +157,14 @@ struct SampleKernels {
   };
   /// Of up to sixteen blocks, of patches or of blocks, `found` keeps, first, those that have to be opened;
   /// small ones that lie inside go to `patches` as wholes, by their numbers plus `first`. A finger's are
-  /// given as place << 3, plus a bit per tile that the block's sphere may reach; the palm's as places.
-  Sorted (*sort_blocks)(const BlockSamples* blocks, const FingerBody& finger, std::uint32_t first,
-                        std::uint32_t* found, std::size_t count, FoundPatches* patches, CentroidForce& force);
-  Sorted (*sort_palm_blocks)(const BlockSamples* blocks, const PalmBody& palm, std::uint32_t first,
-                             std::uint32_t* found, std::size_t count, FoundPatches* patches,
-                             CentroidForce& force);
+  /// given as place << 3, plus a bit per tile that the block's sphere may reach; the palm's as places. Where
+  /// others may be deeper in some of a block it is no whole, and where they are in all of it, nothing.
+  Sorted (*sort_blocks)(const BlockSamples* blocks, const FingerBody& finger, const OtherParts& others,
+                        std::uint32_t first, std::uint32_t* found, std::size_t count, FoundPatches* patches,
+                        CentroidForce& force);
+  Sorted (*sort_palm_blocks)(const BlockSamples* blocks, const PalmBody& palm, const OtherParts& others,
+                             std::uint32_t first, std::uint32_t* found, std::size_t count,
+                             FoundPatches* patches, CentroidForce& force);
   /// Writes the blocks' patches that the body may meet, and in what way; returns how many.
   std::size_t (*classify_finger)(const PatchBlock* blocks, const FingerBody& finger,
                                  const std::uint32_t* found, std::size_t count, FoundPatches* patches,
@@ -186,19 +197,17 @@ struct SampleKernels {
                              std::uint32_t* hits);
   std::size_t (*palm_hits)(const SphereBlock* spheres, const PalmQuery& query, const std::uint32_t* blocks,
                            std::size_t block_count, std::uint32_t* hits);
-  // What several bodies hold together (overlaps.h); `offset`: of their origins, from the tree's, from
-  // `origin`, or from that of the part's body.
-  /// Which spheres of blocks two bodies may reach. `slack`: [m] what rounding may take away.
-  std::size_t (*overlap_hits)(const SphereBlock* spheres, const Bodies& bodies, const BodyOffsets& offset,
-                              float slack, const SharedBlock* blocks, std::size_t block_count,
-                              SharedBlock* hits);
-  /// Lists the block's patches of which a part may have to leave something to other bodies; returns how many.
-  std::size_t (*overlap_patches)(const PatchBlock* blocks, const Bodies& bodies, const Rivals& rivals,
-                                 const BodyOffsets& offset, const SplitPoint& origin,
-                                 const SharedBlock& block, ListedPatch* patches);
-  /// Takes that off the part's sums.
-  void (*overlap_lattice)(const PatchList& list, const Bodies& bodies, std::size_t part, std::uint64_t rivals,
-                          const BodyOffsets& offset, std::size_t steps, BodySums& sums);
+  // What several bodies hold together (overlaps.h).
+  /// Of a block's patches, the lanes in which another body is deeper throughout than each: by the parts that
+  /// are near any of them, seen from `origin`.
+  void (*outdone_lanes)(const PatchBlock& block, const Bodies& bodies, std::uint64_t parts,
+                        const BodyOffsets& offset, const SplitPoint& origin, std::uint16_t* outdone);
+  /// One or two tiles, of different fingers, and the palm, each where it is the deepest.
+  std::uint32_t (*deepest_lattice)(const PatchList& list, const Bodies& bodies, std::size_t tiles,
+                                   std::size_t steps, const TileSums& sums);
+  /// Any parts, the same for all patches.
+  std::uint32_t (*parts_lattice)(const PatchList& list, const Bodies& bodies, std::uint64_t parts,
+                                 std::size_t steps, const TileSums& sums);
 };
 
 namespace scalar {

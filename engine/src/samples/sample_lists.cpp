@@ -61,21 +61,35 @@ void run_fingers(SampleWork& work, std::size_t patch_class, std::size_t steps, c
 // By the patch's size in steps.
 std::size_t rule_for(std::size_t size) { return size < 1 ? 0 : size < 2 ? 1 : size < 5 ? 2 : 3; }
 
-// Takes off what others are deeper in.
-void run_overlaps(SampleWork& work, std::size_t patch_class, std::size_t level, BodySums* sums) {
-  if (work.overlaps.count_of(patch_class) == 0) return;
-  for_numbers(work.near.tiles, [&](std::size_t part) {
-    const PatchList list = work.list(work.own_part(work.overlaps.of(patch_class, part)));
-    if (list.count == 0) return;
-    const std::size_t body = part / Bodies::kTilesApart;
-    const bool is_palm = part == palm_number(work.bodies);
-    const BodyOffsets offsets =
-        offsets_from(is_palm ? work.bodies.palm.origin : work.bodies.finger[body].origin, work.bodies);
-    const LatticeSteps* const steps =
-        is_palm ? work.bodies.palm.steps : work.bodies.finger[body].steps[part % Bodies::kTilesApart];
-    work.kernels.overlap_lattice(list, work.bodies, part, work.overlaps.rivals.of[part], offsets,
-                                 steps[patch_class][level], sums[part]);
-  });
+// What several bodies share, each by its own lattice.
+void run_together(SampleWork& work, std::size_t patch_class, std::size_t steps, const TileSums& sums) {
+  const Overlaps& overlaps = work.overlaps;
+  for (const std::size_t tiles : {1, 2}) {
+    const PatchList list = work.list(work.own_part(overlaps.together_of(tiles, patch_class)));
+    if (list.count > 0)
+      work.memory.touched += work.kernels.deepest_lattice(list, work.bodies, tiles, steps, sums);
+  }
+  if (overlaps.count_by_parts[patch_class] == 0) return;
+  for (const PartsRun& run : overlaps.runs) {
+    if (run.patch_class != patch_class) continue;
+    const auto all = std::span(overlaps.by_parts).subspan(run.begin, run.end - run.begin);
+    const PatchList list = work.list(work.own_part(all));
+    if (list.count > 0)
+      work.memory.touched += work.kernels.parts_lattice(list, work.bodies, run.parts, steps, sums);
+  }
+}
+
+// Of every number of steps the parts of the hand that have lattices of so many, over what they share.
+void run_together(SampleWork& work, std::size_t patch_class, std::size_t level, Part part) {
+  if (!work.overlaps.has(patch_class)) return;
+  auto parts = tiles_by_steps(work.bodies, level, patch_class);
+  const PalmBody& palm = work.bodies.palm;
+  if (palm.corner_count > 0)
+    parts[palm.steps[patch_class][level]] |= std::uint64_t{1} << palm_number(work.bodies);
+  for (std::size_t steps = 1; steps <= kMostSteps; ++steps) {
+    const std::uint64_t wanted = parts[steps] & work.near.tiles;
+    if (wanted != 0) run_together(work, patch_class, steps, {work.sums(part), wanted});
+  }
 }
 
 }  // namespace
@@ -86,7 +100,7 @@ void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level, 
   for (std::size_t steps = 1; steps <= kMostSteps; ++steps) {
     if (tiles[steps] != 0) run_fingers(work, patch_class, steps, {sums, tiles[steps]});
   }
-  run_overlaps(work, patch_class, level, sums);
+  run_together(work, patch_class, level, part);
   const PatchList list = work.list(work.of_kinds(kind::kPalm, kind::kPalm, patch_class));
   if (list.count == 0) return;
   const PalmBody& palm = work.bodies.palm;

@@ -60,7 +60,7 @@ void run_blocks(SampleWork& work, std::size_t block_class);
 /// What lies inside, where fields are smooth, or linear: of the patches of a class.
 void run_smooth(SampleWork& work, std::size_t patch_class);
 
-/// Lattices of a level over the patches of a class, less what others are deeper in.
+/// Lattices of a level over the patches of a class, those that several bodies share too.
 void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level, Part part);
 
 }  // namespace lumbrical

@@ -133,20 +133,31 @@ void open_for_body(const Search& search, const Model& model, std::span<const Fou
   classify_blocks(search, {from, count}, most, searcher);
 }
 
-/// Where a body is searched for: among all patches, or in what was found before.
+/// Where a body is searched for: among all patches, in what was found before, or in some blocks of patches.
 struct SearchFrom {
-  bool open = false;
+  enum class Where : std::uint8_t { everywhere, before, blocks } where = Where::everywhere;
   std::span<const FoundPatches> before;
+  std::span<const std::uint32_t> blocks;
 };
 template <class Search>
-void find_or_open(const Search& search, const Model& model, const SearchFrom& from, PatchSearcher& searcher) {
-  if (from.open) return open_for_body(search, model, from.before, searcher);
-  find_for_body(search, model, searcher);
+void find_from(const Search& search, const Model& model, const SearchFrom& from, PatchSearcher& searcher) {
+  switch (from.where) {
+    case SearchFrom::Where::everywhere:
+      return find_for_body(search, model, searcher);
+    case SearchFrom::Where::before:
+      return open_for_body(search, model, from.before, searcher);
+    case SearchFrom::Where::blocks:
+      break;
+  }
+  std::uint32_t* const blocks = searcher.frontier[0].data();
+  std::transform(from.blocks.begin(), from.blocks.end(), blocks,
+                 [&](std::uint32_t block) { return block << search.shift | search.every_tile; });
+  classify_blocks(search, {blocks, from.blocks.size()}, most_patches(model), searcher);
 }
 
 void find_for_finger(const Model& model, const Primitives& hand, const FingerBody& finger,
-                     const SplitPoint& origin, const SearchFrom& from, PatchSearcher& searcher,
-                     CentroidForce& force) {
+                     const SplitPoint& origin, const OtherParts& others, const SearchFrom& from,
+                     PatchSearcher& searcher, CentroidForce& force) {
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
   const Patches& patches = *model.patches;
   SphereQuery queries[FingerBody::kMostTiles];
@@ -158,13 +169,15 @@ void find_for_finger(const Model& model, const Primitives& hand, const FingerBod
         return kernels.finger_hits(spheres, queries, finger.tile_count, blocks, count, with_bits, to);
       },
       [&](const BlockSamples* samples, std::uint32_t first, std::uint32_t* blocks, std::size_t count,
-          FoundPatches* to) { return kernels.sort_blocks(samples, finger, first, blocks, count, to, force); },
+          FoundPatches* to) {
+        return kernels.sort_blocks(samples, finger, others, first, blocks, count, to, force);
+      },
       [&](const std::uint32_t* blocks, std::size_t count, FoundPatches* to) {
         return leave_near(patches, origin, finger, to,
                           kernels.classify_finger(patches.block.data(), finger, blocks, count, to, force));
       },
       3, finger.tiles()};
-  find_or_open(search, model, from, searcher);
+  find_from(search, model, from, searcher);
 }
 
 void set_plane(Vec3 normal, double offset, float (&plane)[4]) {
@@ -191,7 +204,8 @@ PalmQuery query_of_palm(const TreeHead& tree, const SweptPolygon& palm) {
 }
 
 void find_for_palm(const Model& model, const Primitives& hand, const PalmBody& palm, const SplitPoint& origin,
-                   const SearchFrom& from, PatchSearcher& searcher, CentroidForce& force) {
+                   const OtherParts& others, const SearchFrom& from, PatchSearcher& searcher,
+                   CentroidForce& force) {
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
   const Patches& patches = *model.patches;
   const PalmQuery query = query_of_palm(patches.tree.head, hand.palm);
@@ -200,22 +214,79 @@ void find_for_palm(const Model& model, const Primitives& hand, const PalmBody& p
           std::uint32_t* to) { return kernels.palm_hits(spheres, query, blocks, count, to); },
       [&](const BlockSamples* samples, std::uint32_t first, std::uint32_t* blocks, std::size_t count,
           FoundPatches* to) {
-        return kernels.sort_palm_blocks(samples, palm, first, blocks, count, to, force);
+        return kernels.sort_palm_blocks(samples, palm, others, first, blocks, count, to, force);
       },
       [&](const std::uint32_t* blocks, std::size_t count, FoundPatches* to) {
         return leave_near(patches, origin, palm, to,
                           kernels.classify_palm(patches.block.data(), palm, blocks, count, to, force));
       },
       0, 0};
-  find_or_open(search, model, from, searcher);
+  find_from(search, model, from, searcher);
 }
 
 // Listed patches, the last time, below which threads cost more than they bring.
 constexpr std::size_t kSerialBelow = 1600;
 
+OtherParts others_of(const Bodies& bodies, const Rivals& rivals, std::size_t body, Vec3 origin) {
+  OtherParts others{bodies, {}, offsets_from(origin, bodies)};
+  std::copy_n(rivals.of.begin() + static_cast<std::ptrdiff_t>(body * Bodies::kTilesApart),
+              FingerBody::kMostTiles, others.of_tile.begin());
+  return others;
+}
+
+// What a body finds from there.
+std::span<const FoundPatches> find_for(const Model& model, const Primitives& hand, const Bodies& bodies,
+                                       const Rivals& rivals, std::size_t body, const SearchFrom& from,
+                                       PatchSearcher& searcher, CentroidForce& force) {
+  const std::size_t begin = searcher.count;
+  const SplitPoint& origin = bodies.origin[body];
+  if (body < bodies.finger_count) {
+    const FingerBody& finger = bodies.finger[body];
+    const OtherParts others = others_of(bodies, rivals, body, finger.origin);
+    find_for_finger(model, hand, finger, origin, others, from, searcher, force);
+  } else {
+    const OtherParts others = others_of(bodies, rivals, body, bodies.palm.origin);
+    find_for_palm(model, hand, bodies.palm, origin, others, from, searcher, force);
+  }
+  return std::span(searcher.found).subspan(begin, searcher.count - begin);
+}
+
+// Blocks of which some bodies have found patches, ascending; there is room for one more than all.
+std::span<const std::uint32_t> blocks_found(const PatchSearchMemory& memory, std::uint64_t parts,
+                                            std::span<std::uint32_t> blocks) {
+  auto end = blocks.begin();
+  const auto leave_out_doubles = [&] {
+    std::sort(blocks.begin(), end);
+    end = std::unique(blocks.begin(), end);
+  };
+  for (std::size_t body = 0; parts != 0; ++body, parts >>= Bodies::kTilesApart) {
+    if ((parts & ((1u << Bodies::kTilesApart) - 1)) == 0) continue;
+    for (const FoundPatches& found : memory.found[body]) {
+      if (is_block(found.key % kind::kCount)) continue;
+      if (end == blocks.end()) leave_out_doubles();
+      *end++ = found.block;
+    }
+  }
+  leave_out_doubles();
+  return {blocks.begin(), end};
+}
+
+// Bodies that are not felt but may be in the way of others: of the blocks that those have found patches of.
+void find_in_the_way(const Model& model, const Primitives& hand, const Bodies& bodies, const Rivals& rivals,
+                     PatchSearchMemory& memory) {
+  PatchSearcher& searcher = memory.searcher[0];
+  for (std::size_t body = 0; body <= bodies.finger_count; ++body) {
+    const std::uint64_t others = felt_of(bodies, rivals.of_body(body));
+    if (is_felt(bodies, body * Bodies::kTilesApart) || others == 0) continue;
+    CentroidForce unused;
+    const SearchFrom from{SearchFrom::Where::blocks, {}, blocks_found(memory, others, searcher.frontier[1])};
+    memory.found[body] = find_for(model, hand, bodies, rivals, body, from, searcher, unused);
+  }
+}
+
 // Bodies are shared out among the searchers, whoever is free. False where they find too much.
-bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, bool open,
-              std::size_t threads, PatchSearchMemory& memory) {
+bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, const Rivals& rivals,
+              bool open, std::size_t threads, PatchSearchMemory& memory) {
   const std::size_t most = most_patches(model);
   for (PatchSearcher& searcher : memory.searcher) {
     searcher.count = 0;
@@ -230,19 +301,16 @@ bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, 
     for (std::size_t k = first; k < last; ++k) {
       PatchSearcher& searcher = memory.searcher[k];
       for (std::size_t body = next++; body < count && searcher.count <= most; body = next++) {
-        if ((bodies.felt >> body & 1u) == 0) continue;
-        const std::size_t begin = searcher.count;
-        const SearchFrom from{open, before[body]};
-        CentroidForce unused, &force = open ? unused : memory.force[body];
-        if (body < bodies.finger_count) {
-          find_for_finger(model, hand, bodies.finger[body], bodies.origin[body], from, searcher, force);
-        } else {
-          find_for_palm(model, hand, bodies.palm, bodies.origin[body], from, searcher, force);
-        }
-        memory.found[body] = std::span(searcher.found).subspan(begin, searcher.count - begin);
+        if (!is_felt(bodies, body * Bodies::kTilesApart)) continue;
+        SearchFrom from;
+        if (open) from = {SearchFrom::Where::before, before[body], {}};
+        CentroidForce unused;
+        memory.found[body] =
+            find_for(model, hand, bodies, rivals, body, from, searcher, open ? unused : memory.force[body]);
       }
     }
   });
+  find_in_the_way(model, hand, bodies, rivals, memory);
   std::size_t total = 0;
   for (const PatchSearcher& searcher : memory.searcher) total += searcher.count;
   return total <= most;
@@ -345,13 +413,27 @@ bool put_in_order(std::span<const std::span<const FoundPatches>> found, std::spa
   return true;
 }
 
+// Who may be deeper than whom; asking is worth its time where it spares a search, or whole blocks that
+// question.
+Rivals rivals_of(const Model& model, const Primitives& hand, const Bodies& bodies) {
+  if (model.settings.felt_once == FeltOnce::never) return {};
+  const bool all_felt = felt_of(bodies, parts_of(bodies)) == parts_of(bodies);
+  return model.patches->has_wholes || !all_felt ? find_rivals(hand, bodies) : all_rivals(bodies);
+}
+
 bool find_in_order(const Model& model, const Primitives& hand, const Bodies& bodies, bool open,
-                   PatchSearchMemory& memory, NearPatches& near) {
-  const std::size_t threads = near.count() < kSerialBelow ? 1 : memory.searcher.size();
-  if (find_all(model, hand, bodies, open, threads, memory) &&
-      put_in_order(std::span(memory.found).first(bodies.finger_count + 1), memory.runs, near))
+                   PatchSearchMemory& memory, NearPatches& near, Overlaps& overlaps) {
+  const std::size_t threads = near.count() < kSerialBelow ? 1 : memory.searcher.size(),
+                    body_count = bodies.finger_count + 1;
+  if (!open) overlaps.rivals = rivals_of(model, hand, bodies);
+  if (find_all(model, hand, bodies, overlaps.rivals, open, threads, memory) &&
+      part_overlaps(model, bodies, std::span(memory.found).first(body_count), overlaps) &&
+      put_in_order(std::span(overlaps.left).first(body_count), memory.runs, near)) {
+    near.tiles |= felt_of(bodies, overlaps.parts);
     return true;
+  }
   near.begin.fill(0);
+  overlaps.forget();
   return false;
 }
 
@@ -364,7 +446,7 @@ void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& nea
       std::max<std::size_t>(patches.block.size(), frontier_capacity(patches.tree.head));
   at_least(model.execution.threads, memory.searcher);
   for (PatchSearcher& searcher : memory.searcher) {
-    for (auto& frontier : searcher.frontier) at_least(blocks, frontier);
+    for (auto& frontier : searcher.frontier) at_least(blocks + 1, frontier);
     at_least(most + std::max(patches.block.size(), kSpare), searcher.found);
     if (patches.block_on_skin[0] > 0) at_least(searcher.found.size(), searcher.before);
   }
@@ -373,17 +455,18 @@ void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& nea
 }
 
 bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
-                  NearPatches& near) {
-  return find_in_order(model, hand, bodies, false, memory, near);
+                  NearPatches& near, Overlaps& overlaps) {
+  return find_in_order(model, hand, bodies, false, memory, near, overlaps);
 }
 bool open_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
-                  NearPatches& near) {
-  return find_in_order(model, hand, bodies, true, memory, near);
+                  NearPatches& near, Overlaps& overlaps) {
+  return find_in_order(model, hand, bodies, true, memory, near, overlaps);
 }
 
 double force_at_centroids(const Bodies& bodies, const PatchSearchMemory& memory) {
   double sum = 0;
   for (std::size_t body = 0; body <= bodies.finger_count; ++body) {
+    if (!is_felt(bodies, body * Bodies::kTilesApart)) continue;
     const auto& lane = memory.force[body].lane;
     sum += 0.5 * norm(Vec3{sum_of(lane[0]), sum_of(lane[1]), sum_of(lane[2])});
   }

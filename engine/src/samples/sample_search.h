@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lumbrical/model.h"
-#include "samples/sample_kernels.h"
+#include "samples/overlaps.h"
 
 namespace lumbrical {
 
@@ -67,14 +67,15 @@ struct PatchSearchMemory {
 
 void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& near);
 
-/// False where more is near than there is room for (Settings::max_candidates).
+/// What each body feels by itself, and, if others leave or take something, `overlaps`. False where more is
+/// near than there is room for (Settings::max_candidates).
 bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
-                  NearPatches& near);
+                  NearPatches& near, Overlaps& overlaps);
 
 /// The same, from what was found for bodies that take larger blocks as ones on the skin and are otherwise the
 /// same: those that are too large now are opened.
 bool open_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
-                  NearPatches& near);
+                  NearPatches& near, Overlaps& overlaps);
 
 /// What bodies feel together by the patches' centroids alone: the sum of their forces' sizes [m^3], of a
 /// stiffness of 1. As the last search of all patches has it.

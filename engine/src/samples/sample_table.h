@@ -4,7 +4,7 @@
 #include "samples/block_kernels.h"
 #include "samples/body_hits.h"
 #include "samples/classify.h"
-#include "samples/overlap_kernels.h"
+#include "samples/deepest_kernels.h"
 #include "samples/palm_kernels.h"
 #include "samples/tile_kernels.h"
 
@@ -15,7 +15,7 @@ constexpr SampleKernels table_of() {
   return {sort_blocks<V>,   sort_palm_blocks<V>, classify_finger<V>, classify_palm<V>, tile_lattice<V>,
           joint_lattice<V>, finger_lattice<V>,   tile_rule<V>,       tile_blocks<V>,   palm_blocks<V>,
           palm_through<V>,  palm_side<V>,        palm_lattice<V>,    finger_hits<V>,   palm_hits<V>,
-          overlap_hits<V>,  overlap_patches<V>,  overlap_lattice<V>};
+          outdone_lanes<V>, deepest_lattice<V>,  parts_lattice<V>};
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

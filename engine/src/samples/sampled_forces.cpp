@@ -123,7 +123,7 @@ void share_out(SampleTeam& team, std::uint64_t evaluations, std::initializer_lis
                       team.threads};
       for (const std::size_t block_class : {kWithinSkin, kAcrossSkin}) run_blocks(work, block_class);
       for (std::size_t k = 0; k < kPatchClasses; ++k) {
-        if (!work.near.has(k) && work.overlaps.count_of(k) == 0) continue;
+        if (!work.near.has(k) && !work.overlaps.has(k)) continue;
         run_smooth(work, k);
         stage(work, k);
       }
@@ -160,13 +160,15 @@ void feel_on_two_levels(SampleTeam& team, std::size_t coarser, SampledForces& fo
 // Looks for what is near as a level wants it: blocks that the skin goes through are taken as ones or opened.
 bool find_for(SampleTeam& team, std::size_t level) {
   take_blocks_on_skin(team.model.patches->block_on_skin[level], team.memory.bodies);
-  return find_patches(team.model, team.hand, team.memory.bodies, team.memory.search, team.memory.near);
+  return find_patches(team.model, team.hand, team.memory.bodies, team.memory.search, team.memory.near,
+                      team.memory.overlaps);
 }
 
 // The same from what was found for a coarser level.
 bool open_for(SampleTeam& team, std::size_t level) {
   take_blocks_on_skin(team.model.patches->block_on_skin[level], team.memory.bodies);
-  return open_patches(team.model, team.hand, team.memory.bodies, team.memory.search, team.memory.near);
+  return open_patches(team.model, team.hand, team.memory.bodies, team.memory.search, team.memory.near,
+                      team.memory.overlaps);
 }
 
 std::size_t coarsest_of(const LevelWeights& weights) {
@@ -291,9 +293,8 @@ bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t seg
   set_bodies(hand, once ? sampled_segments(model) : segments, segments, *model.patches, memory.bodies);
   SampleTeam team{model, hand, memory, empty_sums(hand)};
   if (!find_for(team, 0)) return false;
-  forces.patch_count = static_cast<std::uint32_t>(memory.near.count());
+  forces.patch_count = static_cast<std::uint32_t>(memory.near.count()) + memory.overlaps.patch_count();
   if (forces.patch_count == 0) return true;
-  if (once && !find_overlaps(model, hand, memory.bodies, memory.near.tiles, memory.overlaps)) return false;
   if (!feel(team, levels, forces)) return false;
   forces.contact_count = team.touched();
   return true;

@@ -5,6 +5,9 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
+/// [m] The field of what a patch does not meet.
+inline constexpr double kNowhere = -1e30;
+
 /// Where a point is in a tile's frame: along its axis, and the square of how far from that.
 template <class V>
 struct TilePoint {

@@ -17,7 +17,7 @@ inline std::uint32_t part_lattice(const PatchList& list, const FingerBody* finge
     const LatticeMoments<V> m = lattice_moments<V>(
         steps, [&](float u) LUMBRICAL_INLINE { return part.row(V(u)); },
         [&](const auto& row, float v) LUMBRICAL_INLINE { return part.field(row, V(v)); });
-    touched += count_of(add_shares(seen.patch, m, rows, lane, sums));
+    touched += count_of(add_shares(seen.patch, m, rows, lane, sums, first_tile));
   });
   return touched;
 }
@@ -50,7 +50,7 @@ LUMBRICAL_INLINE inline Neighbours<V, N> see_neighbours(const PatchRows& rows, s
   for (std::size_t k = 0; k < N; ++k)
     near.seen[k] = see_patches<V>(rows, lane, fingers, static_cast<std::uint32_t>(k));
   for_tiles<V>(rows, lane, [&](std::uint32_t code, bool all, auto its) LUMBRICAL_INLINE {
-    const FingerBody& finger = fingers[code % ListedPatch::kFarEnd / Bodies::kTilesApart];
+    const FingerBody& finger = fingers[first_tile(code) / Bodies::kTilesApart];
     for (std::size_t k = 0; k + 1 < N; ++k) {
       const auto joint = numbers_of<V>(finger.joint[code % Bodies::kTilesApart + k]);
       JointNumbers<V>& to = near.joint[k];
@@ -158,8 +158,10 @@ inline std::uint32_t shared_lattice(const PatchList& list, const FingerBody* fin
         });
     for (std::size_t k = 1; k < N; ++k) cells[0] = cells[0] - cells[k];
     for (std::size_t k = 0; k < N; ++k) {
-      const auto outward = static_cast<std::uint32_t>(k);
-      touched += count_of(add_shares(near.seen[k].patch, cells[k].means(steps), rows, lane, sums, outward));
+      touched += count_of(add_shares(near.seen[k].patch, cells[k].means(steps), rows, lane, sums,
+                                     [k](std::uint32_t code) LUMBRICAL_INLINE {
+                                       return first_tile(code) + static_cast<std::uint32_t>(k);
+                                     }));
     }
   });
   return touched;
@@ -212,7 +214,7 @@ std::uint32_t tile_rule(const PatchList& list, const FingerBody* fingers, std::s
       const V mean = number<V>(weight) * tile_field(seen.tile, TilePoint<V>{p.x, p.y * p.y + p.z * p.z});
       add_to(m, mean, at_u * mean, at_v * mean);
     });
-    touched += count_of(add_shares(seen.patch, m, rows, lane, sums));
+    touched += count_of(add_shares(seen.patch, m, rows, lane, sums, first_tile));
   });
   return touched;
 }

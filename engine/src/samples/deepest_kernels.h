@@ -1,0 +1,269 @@
+// What several bodies feel of sixteen patches that they meet (sample_kernels.h): each where it is the
+// deepest.
+#pragma once
+
+#include <optional>
+
+#include "samples/palm_kernels.h"
+#include "samples/tile_kernels.h"
+
+namespace lumbrical::LUMBRICAL_ISA {
+
+/// A part's field, and by how much its body's is more than all others'.
+template <class V>
+struct LeadingField {
+  V field, lead;
+};
+
+/// A cell of a part's field, of which it has some share.
+template <class V>
+struct OwnCell {
+  V a, b, c, floor;  // the field at the corners
+  Cell<V> whole;
+  OwnCell(V at_a, V at_b, V at_c, V centre) : a(at_a), b(at_b), c(at_c) {
+    const V level = mean_of(a, b, c);
+    floor = drop_of(level, centre);
+    whole = lowered_cell(a, b, c, level, floor);
+  }
+  /// Where a function is positive.
+  [[nodiscard]] LUMBRICAL_INLINE V share_where(V at_a, V at_b, V at_c) const {
+    return share_of_part_above(at_a, at_b, at_c, a, b, c, floor, whole.mean);
+  }
+  [[nodiscard]] LUMBRICAL_INLINE V share_where_leading(V at_a, V at_b, V at_c, V centre) const {
+    const V drop = drop_of(mean_of(at_a, at_b, at_c), centre);
+    return share_where(at_a - drop, at_b - drop, at_c - drop);
+  }
+};
+template <class V>
+LUMBRICAL_INLINE inline Cell<V> cell_where_leading(const LeadingField<V>& a, const LeadingField<V>& b,
+                                                   const LeadingField<V>& c, const LeadingField<V>& centre) {
+  const OwnCell<V> own(a.field, b.field, c.field, centre.field);
+  return own.share_where_leading(a.lead, b.lead, c.lead, centre.lead) * own.whole;
+}
+
+/// A lead that is more than rounding, as a share of a radius. Where bodies have a field in common, the first
+/// one has it.
+inline constexpr double kTie = 4e-6;
+
+/// The k-th of N fields, and its lead.
+template <class V, std::size_t N>
+LUMBRICAL_INLINE inline LeadingField<V> leading_field(std::size_t k, const std::array<V, N>& field, V tie) {
+  V lead = number<V>(1e30);
+  for (std::size_t i = 0; i < N; ++i) {
+    if (i != k) lead = min(lead, i < k ? (field[k] - field[i]) - tie : (field[k] - field[i]) + tie);
+  }
+  return {field[k], lead};
+}
+
+/// A body's origin, from that of the finger that patches are listed for [m].
+inline void put_offset(Vec3 origin, const Bodies& bodies, std::uint32_t code, float (&offset)[3]) {
+  put(origin - bodies.finger[first_tile(code) / Bodies::kTilesApart].origin, offset);
+}
+
+/// Patches seen from the second tile that they are listed for.
+template <class V>
+LUMBRICAL_INLINE inline SeenPatch<V> see_from_second(const PatchRows& rows, std::size_t lane,
+                                                     const Bodies& bodies) {
+  return see_patches_from<V>(rows, lane, [&](std::uint32_t code) LUMBRICAL_INLINE {
+    const std::uint32_t number = second_tile(code);
+    TileFrame frame = tile_at(bodies.finger.data(), number);
+    float offset[3];
+    put_offset(bodies.finger[number / Bodies::kTilesApart].origin, bodies, code, offset);
+    for (std::size_t axis = 0; axis < 3; ++axis) frame.origin[axis] += offset[axis];
+    return frame;
+  });
+}
+
+/// Patches seen from the palm, and a bound of what it is asked about: low where it is not near.
+template <class V>
+struct SeenFromPalm {
+  PatchInFrame<V> patch;
+  V most = number<V>(1e30);
+};
+template <class V>
+LUMBRICAL_INLINE inline SeenFromPalm<V> see_from_palm(const PatchRows& rows, std::size_t lane,
+                                                      const Bodies& bodies) {
+  Wide3<V> origin;
+  V most = number<V>(1e30);
+  for_tiles<V>(rows, lane, [&](std::uint32_t code, bool all, auto its) LUMBRICAL_INLINE {
+    float offset[3];
+    put_offset(bodies.palm.origin, bodies, code, offset);
+    const V its_most(is_without_palm(code) ? static_cast<float>(kNowhere) : 1e30f);
+    origin = all ? in_all_lanes<V>(offset) : select(its, in_all_lanes<V>(offset), origin);
+    most = all ? its_most : select(its, its_most, most);
+  });
+  return {see_patch(rows, lane, bodies.palm.axis, origin), most};
+}
+
+/// One or two tiles of different fingers, and the palm.
+template <std::size_t kTiles, class V>
+inline std::uint32_t deepest_of(const PatchList& list, const Bodies& bodies, std::size_t steps,
+                                const TileSums& sums) {
+  constexpr std::size_t kAll = kTiles + 1;
+  using Fields = std::array<V, kAll>;
+  struct Row {
+    typename TileRows<V>::Row of_tile[kTiles];
+    Wide3<V> of_palm;
+  };
+  const std::size_t palm_place = palm_number(bodies);
+  std::uint32_t touched = 0;
+  for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
+    std::array<SeenPatch<V>, kTiles> seen;
+    seen[0] = see_patches<V>(rows, lane, bodies.finger.data());
+    if constexpr (kTiles == 2) seen[1] = see_from_second<V>(rows, lane, bodies);
+    std::array<TileRows<V>, kTiles> tile;
+    for (std::size_t k = 0; k < kTiles; ++k) tile[k] = tile_rows(seen[k].patch);
+    const auto [from_palm, palm_most] = see_from_palm<V>(rows, lane, bodies);
+    const PalmNearby<V> palm(bodies.palm, from_palm);
+    const auto fields = [&](const Row& row, float v) LUMBRICAL_INLINE {
+      Fields field;
+      for (std::size_t k = 0; k < kTiles; ++k)
+        field[k] = tile_field(seen[k].tile, tile[k].at(row.of_tile[k], V(v)));
+      field[kTiles] = min(palm.field(row.of_palm + V(v) * from_palm.edge2), palm_most);
+      return field;
+    };
+    const V tie = number<V>(kTie) * seen[0].tile.radius;
+    CellSums<V> cells[kAll];
+    for_cells<Fields, Fields>(
+        steps,
+        [&](float u) LUMBRICAL_INLINE {
+          Row row;
+          for (std::size_t k = 0; k < kTiles; ++k) row.of_tile[k] = tile[k].row(V(u));
+          row.of_palm = from_palm.corner + V(u) * from_palm.edge1;
+          return row;
+        },
+        fields, fields,
+        [&](float u, float v, bool upright, const Fields& a, const Fields& b, const Fields& c,
+            const Fields& centre) LUMBRICAL_INLINE {
+          for (std::size_t k = 0; k < kAll; ++k)
+            cells[k].add(V(u), V(v), upright,
+                         cell_where_leading(leading_field(k, a, tie), leading_field(k, b, tie),
+                                            leading_field(k, c, tie), leading_field(k, centre, tie)));
+        });
+    touched += count_of(add_shares(seen[0].patch, cells[0].means(steps), rows, lane, sums, first_tile));
+    if constexpr (kTiles == 2)
+      touched += count_of(add_shares(seen[1].patch, cells[1].means(steps), rows, lane, sums, second_tile));
+    if ((sums.wanted >> palm_place & 1u) == 0) return;
+    const auto [force, moment] = share_of(from_palm, cells[kTiles].means(steps));
+    add_wrench(force, moment, lane, sums.of[palm_place]);
+    touched += count_of(lanes_with(force));
+  });
+  return touched;
+}
+
+template <class V>
+std::uint32_t deepest_lattice(const PatchList& list, const Bodies& bodies, std::size_t tiles,
+                              std::size_t steps, const TileSums& sums) {
+  return tiles == 1 ? deepest_of<1, V>(list, bodies, steps, sums)
+                    : deepest_of<2, V>(list, bodies, steps, sums);
+}
+
+/// Any parts of a hand, as patches of a register see them that are listed for a tile of one finger.
+template <class V>
+struct SharingParts {
+  const Bodies& bodies;
+  std::size_t count = 0;
+  std::size_t number[Bodies::kMostParts];
+  PatchInFrame<V> patch[Bodies::kMostParts];
+  std::optional<PalmNearby<V>> palm;  // the last part, if it is one of them
+
+  SharingParts(const PatchRows& rows, std::size_t lane, const Bodies& all, std::uint64_t parts)
+      : bodies(all) {
+    const auto code = static_cast<std::uint32_t>(rows.seen_from[lane]);
+    for_numbers(parts, [&](std::size_t part) LUMBRICAL_INLINE {
+      const bool is_palm = part == palm_number(bodies);
+      float offset[3];
+      put_offset(is_palm ? bodies.palm.origin : finger_of(part).origin, bodies, code, offset);
+      Wide3<V> origin = in_all_lanes<V>(offset);
+      if (!is_palm) origin = origin + in_all_lanes<V>(tile_of(part).origin);
+      patch[count] = see_patch(rows, lane, is_palm ? bodies.palm.axis : tile_of(part).axis, origin);
+      if (is_palm) palm.emplace(bodies.palm, patch[count]);
+      number[count++] = part;
+    });
+  }
+  [[nodiscard]] const FingerBody& finger_of(std::size_t part) const {
+    return bodies.finger[part / Bodies::kTilesApart];
+  }
+  [[nodiscard]] const TileFrame& tile_of(std::size_t part) const {
+    return tile_at(bodies.finger.data(), part);
+  }
+  [[nodiscard]] TilePoint<V> point(std::size_t k, V u, V v) const {
+    const Wide3<V> p = patch[k].at(u, v);
+    return {p.x, p.y * p.y + p.z * p.z};
+  }
+  [[nodiscard]] V field(std::size_t k, V u, V v) const {
+    if (palm && k + 1 == count) return palm->field(patch[k].at(u, v));
+    return tile_field(numbers_of<V>(tile_of(number[k])), point(k, u, v));
+  }
+  /// What tells of the k-th part: its own share of what its finger has is where `side` is positive, too.
+  struct Point {
+    V field, lead, side;
+  };
+  [[nodiscard]] Point at(std::size_t k, V u, V v) const {
+    const V tie = number_of(kTie) * V(tile_of(number[0]).radius);
+    Point point{field(k, u, v), number_of(0), number_of(1e30)};
+    V own = point.field, before = number_of(kNowhere), behind = number_of(kNowhere);
+    for (std::size_t other = 0; other < count; ++other) {
+      if (other == k) continue;
+      const V its = field(other, u, v);
+      if (body_of(other) == body_of(k)) {
+        own = max(own, its);
+        point.side = min(point.side, side_over(k, other, point.field, its, u, v));
+      } else {
+        V& others = other < k ? before : behind;
+        others = max(others, its);
+      }
+    }
+    point.lead = min((own - before) - tie, (own - behind) + tie);
+    return point;
+  }
+
+ private:
+  static V number_of(double value) { return lumbrical::LUMBRICAL_ISA::number<V>(value); }
+  [[nodiscard]] std::size_t body_of(std::size_t k) const { return number[k] / Bodies::kTilesApart; }
+  // Neighbours part along their joint's border, the ends of a folded finger where their fields are equal.
+  [[nodiscard]] V side_over(std::size_t k, std::size_t kin, V own, V its, V u, V v) const {
+    if (number[k] + 1 == number[kin]) return number_of(0) - side_of(k, kin, u, v);
+    if (number[kin] + 1 == number[k]) return side_of(kin, k, u, v);
+    return finger_of(number[k]).folded ? own - its : number_of(1e30);
+  }
+  // How much more a point is the outer tile's.
+  [[nodiscard]] V side_of(std::size_t inner, std::size_t outer, V u, V v) const {
+    const TileNumbers<V> in = numbers_of<V>(tile_of(number[inner])),
+                         out = numbers_of<V>(tile_of(number[outer]));
+    const JointSides& joint = finger_of(number[inner]).joint[number[inner] % Bodies::kTilesApart];
+    return side_of_joint(numbers_of<V>(joint), in, place_on(in, point(inner, u, v)), out,
+                         place_on(out, point(outer, u, v)));
+  }
+};
+
+/// Patches that the same parts share, whichever: one part after the other.
+template <class V>
+std::uint32_t parts_lattice(const PatchList& list, const Bodies& bodies, std::uint64_t parts,
+                            std::size_t steps, const TileSums& sums) {
+  std::uint32_t touched = 0;
+  for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
+    const SharingParts<V> sharing(rows, lane, bodies, parts);
+    for (std::size_t k = 0; k < sharing.count; ++k) {
+      if ((sums.wanted >> sharing.number[k] & 1u) == 0) continue;
+      using Point = typename SharingParts<V>::Point;
+      const auto point = [&](V u, float v) { return sharing.at(k, u, V(v)); };
+      CellSums<V> cells;
+      for_cells<Point, Point>(
+          steps, [](float u) LUMBRICAL_INLINE { return V(u); }, point, point,
+          [&](float u, float v, bool upright, const Point& a, const Point& b, const Point& c,
+              const Point& centre) LUMBRICAL_INLINE {
+            const OwnCell<V> own(a.field, b.field, c.field, centre.field);
+            const V share = own.share_where_leading(a.lead, b.lead, c.lead, centre.lead) *
+                            own.share_where(a.side, b.side, c.side);
+            cells.add(V(u), V(v), upright, share * own.whole);
+          });
+      const auto [force, moment] = share_of(sharing.patch[k], cells.means(steps));
+      add_wrench(force, moment, lane, sums.of[sharing.number[k]]);
+      touched += count_of(lanes_with(force));
+    }
+  });
+  return touched;
+}
+
+}  // namespace lumbrical::LUMBRICAL_ISA
