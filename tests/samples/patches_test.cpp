@@ -81,6 +81,16 @@ TEST(Patches, OfATriangleAreTheWholeOfItAndFaceItsWay) {
   }
 }
 
+void expect_its_precision(FeelingHand& samples, FeelingHand& exact) {
+  for (int i = 0; i < 40; ++i) {
+    const DeviceFrame frame = pressed_frame(exact.model().hand, 0.0005 + 1e-4 * i, 0.2);
+    const ActuatorFrame felt = samples(frame), right = exact(frame);
+    const double size = force_size(right);
+    ASSERT_GT(size, 0.1);
+    EXPECT_LT(norm(total_force(felt) - total_force(right)), 1e-4 * size) << i;
+  }
+}
+
 // A plane of needles, each as long as the table: their exact contacts would take a millisecond.
 TEST(Patches, OfNeedlesAreFeltToTheirPrecision) {
   constexpr int kNeedles = 100;
@@ -94,13 +104,7 @@ TEST(Patches, OfNeedlesAreFeltToTheirPrecision) {
   const Scene scene = sampled_scene(default_hand(Side::right), {{"needles", mesh}});
   FeelingHand samples(scene, 1e-4), exact(scene, 0);
   EXPECT_EQ(samples.model().rest, nullptr);
-  for (int i = 0; i < 20; ++i) {
-    const DeviceFrame frame = pressed_frame(scene.hand, 0.0005 + 2e-4 * i, 0.2);
-    const ActuatorFrame felt = samples(frame), right = exact(frame);
-    const double size = force_size(right);
-    ASSERT_GT(size, 0.1);
-    EXPECT_LT(norm(total_force(felt) - total_force(right)), 1e-4 * size) << i;
-  }
+  expect_its_precision(samples, exact);
 }
 
 TEST(Patches, AreNoMoreThanHalfAMillionBesideTheTriangles) {
@@ -117,13 +121,7 @@ TEST(Patches, AreFeltTogetherWithTrianglesThatAreLeftToTheExactRung) {
   ASSERT_NE(samples.model().rest, nullptr);
   EXPECT_FALSE(felt_by_samples(samples.model(), kPalmSegment, 0));
   EXPECT_TRUE(felt_by_samples(samples.model(), kPalmSegment, 2));
-  for (int i = 0; i < 40; ++i) {
-    const DeviceFrame frame = pressed_frame(scene.hand, 0.0005 + 1e-4 * i, 0.2);
-    const ActuatorFrame felt = samples(frame), right = exact(frame);
-    const double size = force_size(right);
-    ASSERT_GT(size, 0.1);
-    EXPECT_LT(norm(total_force(felt) - total_force(right)), 1e-4 * size) << i;
-  }
+  expect_its_precision(samples, exact);
 }
 
 // A table that samples have, above a floor that they have not.

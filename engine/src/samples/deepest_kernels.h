@@ -113,13 +113,14 @@ inline std::uint32_t deepest_of(const PatchList& list, const Bodies& bodies, std
     if constexpr (kTiles == 2) seen[1] = see_from_second<V>(rows, lane, bodies);
     std::array<TileRows<V>, kTiles> tile;
     for (std::size_t k = 0; k < kTiles; ++k) tile[k] = tile_rows(seen[k].patch);
-    const auto [from_palm, palm_most] = see_from_palm<V>(rows, lane, bodies);
+    const SeenFromPalm<V> seen_from_palm = see_from_palm<V>(rows, lane, bodies);
+    const PatchInFrame<V>& from_palm = seen_from_palm.patch;
     const PalmNearby<V> palm(bodies.palm, from_palm);
     const auto fields = [&](const Row& row, float v) LUMBRICAL_INLINE {
       Fields field;
       for (std::size_t k = 0; k < kTiles; ++k)
         field[k] = tile_field(seen[k].tile, tile[k].at(row.of_tile[k], V(v)));
-      field[kTiles] = min(palm.field(row.of_palm + V(v) * from_palm.edge2), palm_most);
+      field[kTiles] = min(palm.field(row.of_palm + V(v) * from_palm.edge2), seen_from_palm.most);
       return field;
     };
     const V tie = number<V>(kTie) * seen[0].tile.radius;
