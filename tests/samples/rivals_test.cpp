@@ -36,8 +36,6 @@ std::array<double, Bodies::kMostParts> fields_at(const Primitives& hand, const B
   return field;
 }
 
-std::size_t body_of(std::size_t part) { return part / Bodies::kTilesApart; }
-
 TEST(Rivals, AreAllPartsOfDifferentBodiesThatHaveAPointInCommon) {
   const Hand hand = default_hand(Side::right);
   const Model model = model_at(sampled_scene(hand, {{"plane", make_plane(0.3, 4)}}), 1e-4);

@@ -274,10 +274,7 @@ std::uint32_t tile_blocks(const BlockList& list, const TileFrame& tile, BodySums
   const TileNumbers<V> numbers = numbers_of<V>(tile);
   return sum_blocks<V>(
       list, tile.axis, in_all_lanes<V>(tile.origin),
-      [&](Wide3<V> p) LUMBRICAL_INLINE {
-        return tile_field(numbers, TilePoint<V>{p.x, p.y * p.y + p.z * p.z});
-      },
-      sums);
+      [&](Wide3<V> p) LUMBRICAL_INLINE { return tile_field(numbers, tile_point(p)); }, sums);
 }
 template <class V>
 std::uint32_t palm_blocks(const BlockList& list, const PalmBody& palm, BodySums& sums) {

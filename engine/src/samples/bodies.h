@@ -90,10 +90,15 @@ inline std::size_t palm_number(const Bodies& bodies) { return bodies.finger_coun
 /// All parts that there are, tiles and palm, a bit each by their numbers.
 std::uint64_t parts_of(const Bodies& bodies);
 
-/// Is a part of the hand felt, by its number?
-inline bool is_felt(const Bodies& bodies, std::size_t part) {
-  return (bodies.felt >> part / Bodies::kTilesApart & 1u) != 0;
+/// The body that a part of the hand belongs to.
+constexpr std::size_t body_of(std::size_t part) { return part / Bodies::kTilesApart; }
+
+/// Those of some parts that belong to a body, from its first on.
+constexpr std::uint64_t parts_of_body(std::uint64_t parts, std::size_t body) {
+  return parts >> body * Bodies::kTilesApart & ((std::uint64_t{1} << Bodies::kTilesApart) - 1);
 }
+
+inline bool is_felt(const Bodies& bodies, std::size_t body) { return (bodies.felt >> body & 1u) != 0; }
 
 /// Calls take(number) for every tile whose bit is set, or part of the hand.
 template <class Take>
@@ -110,7 +115,8 @@ struct BodyOffsets {
 /// Those among `parts` that are felt.
 inline std::uint64_t felt_of(const Bodies& bodies, std::uint64_t parts) {
   std::uint64_t felt = 0;
-  for_numbers(parts, [&](std::size_t part) { felt |= std::uint64_t{is_felt(bodies, part)} << part; });
+  for_numbers(parts,
+              [&](std::size_t part) { felt |= std::uint64_t{is_felt(bodies, body_of(part))} << part; });
   return felt;
 }
 

@@ -7,8 +7,7 @@ namespace lumbrical::LUMBRICAL_ISA {
 
 template <class V>
 inline V field_at(const TileFrame& tile, Wide3<V> p) {
-  const Wide3<V> q = turn_into(tile.axis, p - in_all_lanes<V>(tile.origin));
-  return tile_field(numbers_of<V>(tile), TilePoint<V>{q.x, q.y * q.y + q.z * q.z});
+  return tile_field(numbers_of<V>(tile), tile_point(turn_into(tile.axis, p - in_all_lanes<V>(tile.origin))));
 }
 template <class V>
 inline V field_at(const PalmBody& palm, Wide3<V> p) {
@@ -23,9 +22,9 @@ struct BodyFields {
   V first = number<V>(kNowhere), second = number<V>(kNowhere);
 
   BodyFields(const Bodies& bodies, std::uint64_t parts, const BodyOffsets& offset, Wide3<V> at) {
-    for (std::size_t i = 0; i <= bodies.finger_count; ++i, parts >>= Bodies::kTilesApart) {
+    for (std::size_t i = 0; i <= bodies.finger_count; ++i) {
       of[i] = number<V>(kNowhere);
-      const std::uint64_t own = parts & ((1u << Bodies::kTilesApart) - 1);
+      const std::uint64_t own = parts_of_body(parts, i);
       if (own == 0) continue;
       const Wide3<V> p = at - in_all_lanes<V>(offset[i]);
       if (i == bodies.finger_count) {

@@ -127,7 +127,7 @@ LUMBRICAL_INLINE inline TileView<V> view_tile(const TileFrame& frame, std::uint3
                                               const Shape<V>& discs) {
   const TileNumbers<V> tile = numbers_of<V>(frame);
   const Wide3<V> from = discs.centre - in_all_lanes<V>(frame.origin), p = turn_into(frame.axis, from);
-  const TilePoint<V> point{p.x, p.y * p.y + p.z * p.z};
+  const TilePoint<V> point = tile_point(p);
   const auto [level, distance, is_side, axial] = tile_depth(tile, point);
   const V field = level - distance, reach = discs.reach;
   const V zero = number<V>(0);

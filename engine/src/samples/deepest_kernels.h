@@ -57,7 +57,7 @@ LUMBRICAL_INLINE inline LeadingField<V> leading_field(std::size_t k, const std::
 
 /// A body's origin, from that of the finger that patches are listed for [m].
 inline void put_offset(Vec3 origin, const Bodies& bodies, std::uint32_t code, float (&offset)[3]) {
-  put(origin - bodies.finger[first_tile(code) / Bodies::kTilesApart].origin, offset);
+  put(origin - bodies.finger[body_of(first_tile(code))].origin, offset);
 }
 
 /// Patches seen from the second tile that they are listed for.
@@ -68,7 +68,7 @@ LUMBRICAL_INLINE inline SeenPatch<V> see_from_second(const PatchRows& rows, std:
     const std::uint32_t number = second_tile(code);
     TileFrame frame = tile_at(bodies.finger.data(), number);
     float offset[3];
-    put_offset(bodies.finger[number / Bodies::kTilesApart].origin, bodies, code, offset);
+    put_offset(bodies.finger[body_of(number)].origin, bodies, code, offset);
     for (std::size_t axis = 0; axis < 3; ++axis) frame.origin[axis] += offset[axis];
     return frame;
   });
@@ -182,16 +182,11 @@ struct SharingParts {
       number[count++] = part;
     });
   }
-  [[nodiscard]] const FingerBody& finger_of(std::size_t part) const {
-    return bodies.finger[part / Bodies::kTilesApart];
-  }
+  [[nodiscard]] const FingerBody& finger_of(std::size_t part) const { return bodies.finger[body_of(part)]; }
   [[nodiscard]] const TileFrame& tile_of(std::size_t part) const {
     return tile_at(bodies.finger.data(), part);
   }
-  [[nodiscard]] TilePoint<V> point(std::size_t k, V u, V v) const {
-    const Wide3<V> p = patch[k].at(u, v);
-    return {p.x, p.y * p.y + p.z * p.z};
-  }
+  [[nodiscard]] TilePoint<V> point(std::size_t k, V u, V v) const { return tile_point(patch[k].at(u, v)); }
   [[nodiscard]] V field(std::size_t k, V u, V v) const {
     if (palm && k + 1 == count) return palm->field(patch[k].at(u, v));
     return tile_field(numbers_of<V>(tile_of(number[k])), point(k, u, v));
@@ -207,7 +202,7 @@ struct SharingParts {
     for (std::size_t other = 0; other < count; ++other) {
       if (other == k) continue;
       const V its = field(other, u, v);
-      if (body_of(other) == body_of(k)) {
+      if (body_of(number[other]) == body_of(number[k])) {
         own = max(own, its);
         point.side = min(point.side, side_over(k, other, point.field, its, u, v));
       } else {
@@ -221,7 +216,6 @@ struct SharingParts {
 
  private:
   static V number_of(double value) { return lumbrical::LUMBRICAL_ISA::number<V>(value); }
-  [[nodiscard]] std::size_t body_of(std::size_t k) const { return number[k] / Bodies::kTilesApart; }
   // Neighbours part along their joint's border, the ends of a folded finger where their fields are equal.
   [[nodiscard]] V side_over(std::size_t k, std::size_t kin, V own, V its, V u, V v) const {
     if (number[k] + 1 == number[kin]) return number_of(0) - side_of(k, kin, u, v);

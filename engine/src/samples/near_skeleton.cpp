@@ -80,7 +80,7 @@ std::size_t leave_near_of(const Patches& patches, const SplitPoint& origin, cons
     for (unsigned left = near.lanes; left != 0; left &= left - 1) {
       const auto lane = static_cast<unsigned>(__builtin_ctz(left));
       const PatchPlane plane = plane_of(patches.shape[near.block * PatchBlock::kWidth + lane], origin);
-      clear |= static_cast<unsigned>(is_clear(plane, body, near.key % kind::kCount)) << lane;
+      clear |= static_cast<unsigned>(is_clear(plane, body, kind_of(near))) << lane;
     }
     const auto key = static_cast<std::uint16_t>(near.key - kFirstNear);
     if (clear == near.lanes) {

@@ -24,9 +24,6 @@ constexpr std::array<std::uint8_t, kind::kCount> kPartsOfKind = [] {
 
 using FoundByBody = std::span<const std::span<const FoundPatches>>;
 
-std::uint32_t kind_of(const FoundPatches& found) { return found.key % kind::kCount; }
-std::uint32_t class_of(const FoundPatches& found) { return found.key / kind::kCount; }
-
 std::uint16_t lanes_of(unsigned lanes) { return static_cast<std::uint16_t>(lanes); }
 
 // The parts of a body that an entry is about.
@@ -42,11 +39,6 @@ void for_entries(FoundByBody found, const Rivals& rivals, const Take& take) {
       if ((parts_in(entry, body) & rivals.any) != 0) take(body, entry);
     }
   }
-}
-
-// A finger's tiles that are near a block, or the palm.
-std::uint64_t tiles_of(const SharedBlock& shared, std::size_t body) {
-  return shared.parts >> body * Bodies::kTilesApart & ((1u << Bodies::kTilesApart) - 1);
 }
 
 // ---- Who meets what ----
@@ -115,7 +107,7 @@ void sort_lanes(const Bodies& bodies, SharedBlock& shared) {
   unsigned plain = ~unsigned{shared.at_joint};
   for (std::size_t i = 0; i < bodies.finger_count; ++i) {
     const unsigned lanes = shared.of_body[i];
-    const std::uint64_t tiles = tiles_of(shared, i);
+    const std::uint64_t tiles = parts_of_body(shared.parts, i);
     if ((tiles & (tiles - 1)) != 0) plain &= ~lanes;
     fingers.add(lanes);
   }
@@ -166,7 +158,8 @@ struct Lists {
       std::size_t other = body + 1;
       while (has_two && other < bodies.finger_count && !is_of(other)) ++other;
       if (has_two && other == bodies.finger_count) continue;  // listed by the other finger
-      const std::uint64_t second = has_two ? tiles_of(shared, other) << other * Bodies::kTilesApart : 0;
+      const std::uint64_t second =
+          has_two ? parts_of_body(shared.parts, other) << other * Bodies::kTilesApart : 0;
       overlaps.parts |= std::uint64_t{1} << first | second | std::uint64_t{has_palm} << palm_number(bodies);
       std::uint32_t code = first;
       if (has_two) code += ListedPatch::kSecond * static_cast<std::uint32_t>(__builtin_ctzll(second));
@@ -217,7 +210,7 @@ bool part_entries(const Model& model, bool any_whole, FoundByBody found, Lists& 
       if (lanes != 0) overlaps.kept[lists.kept++] = {entry.key, lanes_of(lanes), entry.block};
       if (lists.together > most || lists.by_parts > most) return false;
     }
-    if (!is_felt(lists.bodies, body * Bodies::kTilesApart)) lists.kept = begin;
+    if (!is_felt(lists.bodies, body)) lists.kept = begin;
     overlaps.left[body] = std::span(overlaps.kept).subspan(begin, lists.kept - begin);
   }
   return true;

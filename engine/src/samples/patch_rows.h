@@ -19,8 +19,8 @@ struct PatchRows {
 /// A body's origin in fours, kept as long as patches are of the same body.
 struct OriginFours {
   Four high{}, low{};
-  std::uint32_t body = ~0u;
-  void see(const SplitPoint* origins, std::uint32_t of) {
+  std::size_t body = ~std::size_t{0};
+  void see(const SplitPoint* origins, std::size_t of) {
     if (of == body) return;
     body = of;
     const SplitPoint& origin = origins[of];
@@ -38,7 +38,7 @@ inline void gather(const PatchList& list, std::size_t first, std::size_t count, 
       const std::size_t at = lane + k;
       const ListedPatch& patch = list.patches[first + (at < count ? at : count - 1)];
       const float* const numbers = list.shapes[patch.place].corner.high;
-      origin.see(list.origins, patch.tile % ListedPatch::kFarEnd / Bodies::kTilesApart);
+      origin.see(list.origins, body_of(first_tile(patch.tile)));
       corner[k] = (four_at(numbers) - origin.high) + (four_at(numbers + 3) - origin.low);
       edges[k] = four_at(numbers + 6);
       edges_end[k] = four_at(numbers + 8);

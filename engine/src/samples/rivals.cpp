@@ -36,7 +36,7 @@ bool meet(const SweptPolygon& palm, const Primitive& phalanx) {
 
 // At least one of two has to be felt.
 bool matter(const Bodies& bodies, std::size_t one, std::size_t other) {
-  return is_felt(bodies, one) || is_felt(bodies, other);
+  return is_felt(bodies, body_of(one)) || is_felt(bodies, body_of(other));
 }
 
 void add_pair(std::size_t one, std::size_t other, Rivals& rivals) {
@@ -52,7 +52,8 @@ Rivals all_rivals(const Bodies& bodies) {
   Rivals rivals;
   rivals.any = parts_of(bodies);
   for_numbers(rivals.any, [&](std::size_t part) {
-    rivals.of[part] = rivals.any & ~(std::uint64_t{15} << part / Bodies::kTilesApart * Bodies::kTilesApart);
+    const std::size_t body = body_of(part);
+    rivals.of[part] = rivals.any & ~(parts_of_body(rivals.any, body) << body * Bodies::kTilesApart);
   });
   return rivals;
 }
@@ -62,14 +63,14 @@ Rivals find_rivals(const Primitives& hand, const Bodies& bodies) {
   const std::uint64_t palm = std::uint64_t{1} << palm_number(bodies), parts = parts_of(bodies),
                       tiles = parts & ~palm;
   const auto phalanx = [&](std::size_t number) -> const Primitive& {
-    const FingerBody& finger = bodies.finger[number / Bodies::kTilesApart];
+    const FingerBody& finger = bodies.finger[body_of(number)];
     return hand.capsule[finger.segment[number % Bodies::kTilesApart]];
   };
   for_numbers(tiles, [&](std::size_t own) {
     const std::size_t of_palm = palm_number(bodies);
     if ((parts & palm) != 0 && matter(bodies, own, of_palm) && meet(hand.palm, phalanx(own)))
       add_pair(own, of_palm, rivals);
-    const std::uint64_t inward = (std::uint64_t{1} << own / Bodies::kTilesApart * Bodies::kTilesApart) - 1;
+    const std::uint64_t inward = (std::uint64_t{1} << body_of(own) * Bodies::kTilesApart) - 1;
     for_numbers(tiles & inward, [&](std::size_t other) {
       if (matter(bodies, own, other) && meet(phalanx(own), phalanx(other))) add_pair(own, other, rivals);
     });

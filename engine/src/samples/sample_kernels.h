@@ -62,9 +62,11 @@ constexpr bool is_block(std::uint32_t kind) {
   return (kind >= kind::kBlockInside && kind < kind::kPalmSide) || kind == kind::kPalmBlock ||
          kind == kind::kPalmBlockBeside;
 }
+constexpr std::uint32_t kind_of(const FoundPatches& found) { return found.key % kind::kCount; }
+constexpr std::uint32_t class_of(const FoundPatches& found) { return found.key / kind::kCount; }
 /// A block as one that a body's skin goes through; one of a finer level may open it.
 constexpr bool is_on_skin(const FoundPatches& found) {
-  return found.key / kind::kCount == kAcrossSkin && is_block(found.key % kind::kCount);
+  return class_of(found) == kAcrossSkin && is_block(kind_of(found));
 }
 
 /// A patch, or a block, in order of its key.

@@ -259,10 +259,10 @@ std::span<const std::uint32_t> blocks_found(const PatchSearchMemory& memory, std
     std::sort(blocks.begin(), end);
     end = std::unique(blocks.begin(), end);
   };
-  for (std::size_t body = 0; parts != 0; ++body, parts >>= Bodies::kTilesApart) {
-    if ((parts & ((1u << Bodies::kTilesApart) - 1)) == 0) continue;
+  for (std::size_t body = 0; body < memory.found.size(); ++body) {
+    if (parts_of_body(parts, body) == 0) continue;
     for (const FoundPatches& found : memory.found[body]) {
-      if (is_block(found.key % kind::kCount)) continue;
+      if (is_block(kind_of(found))) continue;
       if (end == blocks.end()) leave_out_doubles();
       *end++ = found.block;
     }
@@ -277,7 +277,7 @@ void find_in_the_way(const Model& model, const Primitives& hand, const Bodies& b
   PatchSearcher& searcher = memory.searcher[0];
   for (std::size_t body = 0; body <= bodies.finger_count; ++body) {
     const std::uint64_t others = felt_of(bodies, rivals.of_body(body));
-    if (is_felt(bodies, body * Bodies::kTilesApart) || others == 0) continue;
+    if (is_felt(bodies, body) || others == 0) continue;
     CentroidForce unused;
     const SearchFrom from{SearchFrom::Where::blocks, {}, blocks_found(memory, others, searcher.frontier[1])};
     memory.found[body] = find_for(model, hand, bodies, rivals, body, from, searcher, unused);
@@ -301,7 +301,7 @@ bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, 
     for (std::size_t k = first; k < last; ++k) {
       PatchSearcher& searcher = memory.searcher[k];
       for (std::size_t body = next++; body < count && searcher.count <= most; body = next++) {
-        if (!is_felt(bodies, body * Bodies::kTilesApart)) continue;
+        if (!is_felt(bodies, body)) continue;
         SearchFrom from;
         if (open) from = {SearchFrom::Where::before, before[body], {}};
         CentroidForce unused;
@@ -374,7 +374,7 @@ CountByKey count_keys(std::span<const std::span<const FoundPatches>> found, Near
     for (const FoundPatches& patches : of_body) {
       near.begin[patches.key] += count_of(patches.lanes);
       ++entries[patches.key];
-      classes |= 1u << patches.key / kind::kCount;
+      classes |= 1u << class_of(patches);
     }
   }
   begin_in_order(classes, near.begin);
@@ -384,7 +384,7 @@ CountByKey count_keys(std::span<const std::span<const FoundPatches>> found, Near
 
 // An entry of a body as patches that follow each other.
 PatchRun run_of(const FoundPatches& found, std::size_t body) {
-  const std::uint32_t what = found.key % kind::kCount;
+  const std::uint32_t what = kind_of(found);
   const bool at_far_end = what >= kind::kFarEnd && what < kind::kInside;
   return {is_block(what) ? found.block : found.block * PatchBlock::kWidth,
           static_cast<std::uint32_t>(body * Bodies::kTilesApart + kTileOfKind[what] +
@@ -405,7 +405,7 @@ bool put_in_order(std::span<const std::span<const FoundPatches>> found, std::spa
       const PatchRun run = runs[next[patches.key]++] = run_of(patches, body);
       const std::uint64_t innermost = std::uint64_t{1} << run.tile % ListedPatch::kFarEnd;
       near.innermost[patches.key] |= innermost;
-      for (std::uint32_t k = 0; k < sharers_of(patches.key % kind::kCount); ++k) near.tiles |= innermost << k;
+      for (std::uint32_t k = 0; k < sharers_of(kind_of(patches)); ++k) near.tiles |= innermost << k;
     }
   }
   ListedPatch* to = near.listed.data();
@@ -466,7 +466,7 @@ bool open_patches(const Model& model, const Primitives& hand, const Bodies& bodi
 double force_at_centroids(const Bodies& bodies, const PatchSearchMemory& memory) {
   double sum = 0;
   for (std::size_t body = 0; body <= bodies.finger_count; ++body) {
-    if (!is_felt(bodies, body * Bodies::kTilesApart)) continue;
+    if (!is_felt(bodies, body)) continue;
     const auto& lane = memory.force[body].lane;
     sum += 0.5 * norm(Vec3{sum_of(lane[0]), sum_of(lane[1]), sum_of(lane[2])});
   }

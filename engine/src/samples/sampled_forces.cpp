@@ -15,7 +15,7 @@ namespace {
 
 std::size_t segment_of(const Bodies& bodies, std::size_t number) {
   if (number == palm_number(bodies)) return kPalmSegment;
-  return bodies.finger[number / Bodies::kTilesApart].segment[number % Bodies::kTilesApart];
+  return bodies.finger[body_of(number)].segment[number % Bodies::kTilesApart];
 }
 
 // What is added to sums is rounded to: 4e-12 of R^3 or less, so that a thousand addends are not off by a
@@ -60,8 +60,8 @@ Wrench wrench_of(const SumOfLanes& total, const float (&axis)[3][3], Vec3 origin
 Wrench wrench_of(const Bodies& bodies, const SumOfLanes& sums, std::size_t number, Vec3 joint) {
   if (number == palm_number(bodies)) return wrench_of(sums, bodies.palm.axis, bodies.palm.origin, joint);
   const TileFrame& tile = tile_at(bodies.finger.data(), number);
-  const Vec3 origin = bodies.finger[number / Bodies::kTilesApart].origin +
-                      Vec3{tile.origin[0], tile.origin[1], tile.origin[2]};
+  const Vec3 origin =
+      bodies.finger[body_of(number)].origin + Vec3{tile.origin[0], tile.origin[1], tile.origin[2]};
   return wrench_of(sums, tile.axis, origin, joint);
 }
 

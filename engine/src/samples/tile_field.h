@@ -14,6 +14,11 @@ struct TilePoint {
   V along, square;
 };
 
+template <class V>
+LUMBRICAL_INLINE inline TilePoint<V> tile_point(Wide3<V> in_frame) {
+  return {in_frame.x, in_frame.y * in_frame.y + in_frame.z * in_frame.z};
+}
+
 /// phi, positive inside, is what `level` is above `distance`: the radius next to a point, and how far that is
 /// from the axis, across the skin: is it from the side, and else how far along the axis from the end's
 /// centre.

@@ -50,7 +50,7 @@ LUMBRICAL_INLINE inline Neighbours<V, N> see_neighbours(const PatchRows& rows, s
   for (std::size_t k = 0; k < N; ++k)
     near.seen[k] = see_patches<V>(rows, lane, fingers, static_cast<std::uint32_t>(k));
   for_tiles<V>(rows, lane, [&](std::uint32_t code, bool all, auto its) LUMBRICAL_INLINE {
-    const FingerBody& finger = fingers[first_tile(code) / Bodies::kTilesApart];
+    const FingerBody& finger = fingers[body_of(first_tile(code))];
     for (std::size_t k = 0; k + 1 < N; ++k) {
       const auto joint = numbers_of<V>(finger.joint[code % Bodies::kTilesApart + k]);
       JointNumbers<V>& to = near.joint[k];
@@ -210,8 +210,7 @@ std::uint32_t tile_rule(const PatchList& list, const FingerBody* fingers, std::s
     LatticeMoments<V> m;
     for_nodes(kTriangleRules[rule], [&](double u, double v, double weight) LUMBRICAL_INLINE {
       const V at_u = number<V>(u), at_v = number<V>(v);
-      const Wide3<V> p = seen.patch.at(at_u, at_v);
-      const V mean = number<V>(weight) * tile_field(seen.tile, TilePoint<V>{p.x, p.y * p.y + p.z * p.z});
+      const V mean = number<V>(weight) * tile_field(seen.tile, tile_point(seen.patch.at(at_u, at_v)));
       add_to(m, mean, at_u * mean, at_v * mean);
     });
     touched += count_of(add_shares(seen.patch, m, rows, lane, sums, first_tile));
