@@ -97,20 +97,22 @@ JointBorder border_of(const Primitives& hand, std::size_t phalanx) {
 }  // namespace
 
 double segment_distance(const Primitive& a, const Primitive& b) {
-  const auto from_point = [](Vec3 p, const Primitive& s) {
+  const auto square_of = [](Vec3 v) { return dot(v, v); };
+  const auto from_point = [&](Vec3 p, const Primitive& s) {
     const Vec3 axis = s.end2 - s.end1;
-    const double square = dot(axis, axis);
+    const double square = square_of(axis);
     const double t = square > 0 ? clamp(dot(p - s.end1, axis) / square, 0, 1) : 0;
-    return norm(p - s.end1 - t * axis);
+    return square_of(p - s.end1 - t * axis);
   };
   double least = min(min(from_point(a.end1, b), from_point(a.end2, b)),
                      min(from_point(b.end1, a), from_point(b.end2, a)));
   const Vec3 u = a.end2 - a.end1, v = b.end2 - b.end1, w = b.end1 - a.end1, n = cross(u, v);
-  const double square = dot(n, n);
-  if (!(square > 0)) return least;
-  const double s = dot(cross(w, v), n) / square, t = dot(cross(w, u), n) / square;
-  if (s > 0 && s < 1 && t > 0 && t < 1) least = min(least, norm(w + t * v - s * u));
-  return least;
+  const double square = square_of(n);
+  if (square > 0) {
+    const double s = dot(cross(w, v), n) / square, t = dot(cross(w, u), n) / square;
+    if (s > 0 && s < 1 && t > 0 && t < 1) least = min(least, square_of(w + t * v - s * u));
+  }
+  return std::sqrt(least);
 }
 
 namespace {

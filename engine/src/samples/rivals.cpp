@@ -1,5 +1,6 @@
 #include "samples/rivals.h"
 
+#include "base/fixed_list.h"
 #include "borders/joint_border.h"
 #include "model/primitive.h"
 
@@ -9,22 +10,32 @@ namespace {
 // Share of their radii by which parts may be apart.
 constexpr double kApart = 0.1;
 
-double reach_of(const Primitive& phalanx) {
-  return (1 + 0.5 * kApart) * max(phalanx.radius1, phalanx.radius2);
-}
+/// A phalanx, and a sphere about its axis.
+struct Rival {
+  std::size_t number;
+  const Primitive* phalanx;
+  Vec3 middle;
+  double half, reach;  // [m] of its axis; and from that to where others are near
 
-bool meet(const Primitive& one, const Primitive& other) {
-  const double reach = reach_of(one) + reach_of(other);
-  const Vec3 apart = 0.5 * ((other.end1 - one.end1) + (other.end2 - one.end2));
-  const double far = reach + 0.5 * (norm(one.end2 - one.end1) + norm(other.end2 - other.end1));
-  return dot(apart, apart) <= far * far && segment_distance(one, other) <= reach;
+  Rival(std::size_t its_number, const Primitive& its)
+      : number(its_number),
+        phalanx(&its),
+        middle(0.5 * (its.end1 + its.end2)),
+        half(0.5 * norm(its.end2 - its.end1)),
+        reach((1 + 0.5 * kApart) * max(its.radius1, its.radius2)) {}
+};
+
+bool meet(const Rival& one, const Rival& other) {
+  const double reach = one.reach + other.reach, far = reach + one.half + other.half;
+  const Vec3 apart = other.middle - one.middle;
+  return dot(apart, apart) <= far * far && segment_distance(*one.phalanx, *other.phalanx) <= reach;
 }
 
 // No plane along the palm's skin has all of the phalanx beyond it.
-bool meet(const SweptPolygon& palm, const Primitive& phalanx) {
-  const double reach = (1 + 0.5 * kApart) * palm.radius + reach_of(phalanx);
+bool meet(const SweptPolygon& palm, const Rival& rival) {
+  const double reach = (1 + 0.5 * kApart) * palm.radius + rival.reach;
   const auto is_beyond = [&](Vec3 normal, Vec3 point) {
-    return min(dot(normal, phalanx.end1 - point), dot(normal, phalanx.end2 - point)) > reach;
+    return min(dot(normal, rival.phalanx->end1 - point), dot(normal, rival.phalanx->end2 - point)) > reach;
   };
   if (is_beyond(palm.normal, palm.corner[0]) || is_beyond(-palm.normal, palm.corner[0])) return false;
   for (int k = 0; k < palm.corner_count; ++k) {
@@ -60,20 +71,19 @@ Rivals all_rivals(const Bodies& bodies) {
 
 Rivals find_rivals(const Primitives& hand, const Bodies& bodies) {
   Rivals rivals;
-  const std::uint64_t palm = std::uint64_t{1} << palm_number(bodies), parts = parts_of(bodies),
-                      tiles = parts & ~palm;
-  const auto phalanx = [&](std::size_t number) -> const Primitive& {
+  const std::size_t palm = palm_number(bodies);
+  const bool has_palm = bodies.palm.corner_count > 0;
+  FixedList<Rival, Bodies::kMostParts> before;
+  for_numbers(parts_of(bodies) & ((std::uint64_t{1} << palm) - 1), [&](std::size_t number) {
     const FingerBody& finger = bodies.finger[body_of(number)];
-    return hand.capsule[finger.segment[number % Bodies::kTilesApart]];
-  };
-  for_numbers(tiles, [&](std::size_t own) {
-    const std::size_t of_palm = palm_number(bodies);
-    if ((parts & palm) != 0 && matter(bodies, own, of_palm) && meet(hand.palm, phalanx(own)))
-      add_pair(own, of_palm, rivals);
-    const std::uint64_t inward = (std::uint64_t{1} << body_of(own) * Bodies::kTilesApart) - 1;
-    for_numbers(tiles & inward, [&](std::size_t other) {
-      if (matter(bodies, own, other) && meet(phalanx(own), phalanx(other))) add_pair(own, other, rivals);
-    });
+    const Rival own(number, hand.capsule[finger.segment[number % Bodies::kTilesApart]]);
+    if (has_palm && matter(bodies, number, palm) && meet(hand.palm, own)) add_pair(number, palm, rivals);
+    for (const Rival& other : before) {
+      if (body_of(other.number) != body_of(number) && matter(bodies, number, other.number) &&
+          meet(own, other))
+        add_pair(number, other.number, rivals);
+    }
+    before.push_back(own);
   });
   return rivals;
 }
