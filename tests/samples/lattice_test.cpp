@@ -193,8 +193,10 @@ TEST(Lattice, ShareOfAPartAboveAFloorIsExactWhereBothFunctionsCrossACell) {
     for (float& at : f) at = static_cast<float>(random.between(-1, 1));
     const float above = scalar::part_above(floor, f[0], f[1], f[2], (f[0] + f[1] + f[2]) / 3).mean;
     const double expected = mean_where_positive(a, b, c, {f[0] - floor, f[1] - floor, f[2] - floor});
-    const float share = scalar::share_of_part_above(a, b, c, f[0], f[1], f[2], floor, above);
-    EXPECT_NEAR(share * above, expected, 1e-6) << a << " " << b << " " << c;
+    const scalar::CutCorner<float> cut(a, b, c);
+    const float off = scalar::share_cut_off(cut, f[0], f[1], f[2], floor, above);
+    EXPECT_NEAR(cut.positive_share(off) * above, expected, 1e-6) << a << " " << b << " " << c;
+    EXPECT_NEAR(cut.other_share(off) * above, above - expected, 1e-6) << a << " " << b << " " << c;
   });
 }
 
@@ -210,7 +212,7 @@ TEST(Lattice, IntegratesPositiveQuadraticFunctionsExactly) {
     };
     // Means of 1, u, u^2, u v, ... over the triangle: 2 i! j! / (i + j + 2)!
     const double mean = k[0] + (k[1] + k[2]) / 3 + (k[3] + k[5]) / 6 + k[4] / 12;
-    for (const std::size_t steps : {1, 2, 3, 4, 5, 6, 8, 14}) {
+    for (const std::size_t steps : {1, 2, 3, 4, 5, 6, 7, 8}) {
       const LatticeMoments<float> m = scalar::lattice_moments<float>(
           steps, [](float u) { return u; }, [&](float u, float v) { return static_cast<float>(f(u, v)); });
       EXPECT_NEAR(m.sum, mean, 5e-6) << steps;

@@ -23,12 +23,12 @@ struct Patches16 {
   std::array<std::array<Vec3, 3>, PatchBlock::kWidth> corners{};
   // Of the bodies whose tiles they are listed for; unlike tests' frames, whose origin is W's.
   std::array<SplitPoint, 2> origins{};
-  [[nodiscard]] PatchList list() const {
-    return {shapes.data(), listed.data(), listed.size(), origins.data()};
+  [[nodiscard]] PatchList list(std::size_t steps) const {
+    return {shapes.data(), listed.data(), listed.size(), origins.data(), steps};
   }
-  [[nodiscard]] PatchList list(Vec3 origin) {
+  [[nodiscard]] PatchList list(Vec3 origin, std::size_t steps = 0) {
     origins[0] = split_point(origin);
-    return list();
+    return list(steps);
   }
 };
 Patches16 patches_near(Random& random, Vec3 middle, double spread, double size) {
@@ -179,7 +179,7 @@ TEST(SampleKernels, LatticesOfATileApproachItsIntegral) {
     const std::size_t steps[2] = {4, 8};
     for (std::size_t k = 0; k < 2; ++k) {
       BodySums sums = sums_of_zero();
-      scalar::kSampleKernels.tile_lattice(patches.list(), &finger, TilePart::whole, steps[k], {&sums, 1});
+      scalar::kSampleKernels.tile_lattice(patches.list(steps[k]), &finger, TilePart::whole, {&sums, 1});
       error[k] += norm(felt(sums).force - right.force);
       expect_near(felt(sums), right, (k == 0 ? 1e-3 : 2e-4) * size * size * kRadius, "tile");
     }
@@ -200,10 +200,10 @@ TEST(SampleKernels, PartsOfATileFindWhatTheWholeTileDoes) {
     Patches16 patches = patches_near(random, frame.origin + along * frame.axis[0] + aside * frame.axis[1],
                                      0.3 * kRadius, size);
     BodySums whole = sums_of_zero(), its = sums_of_zero();
-    scalar::kSampleKernels.tile_lattice(patches.list(), &finger, TilePart::whole, 5, {&whole, 1});
+    scalar::kSampleKernels.tile_lattice(patches.list(5), &finger, TilePart::whole, {&whole, 1});
     for (ListedPatch& patch : patches.listed) patch.tile = part == 2 ? ListedPatch::kFarEnd : 0;
-    scalar::kSampleKernels.tile_lattice(patches.list(), &finger, part == 1 ? TilePart::side : TilePart::end,
-                                        5, {&its, 1});
+    scalar::kSampleKernels.tile_lattice(patches.list(5), &finger, part == 1 ? TilePart::side : TilePart::end,
+                                        {&its, 1});
     EXPECT_GT(norm(felt(whole).force), 0);
     expect_near(felt(its), felt(whole), 3e-6 * size * size * kRadius, "part");
   }
@@ -223,22 +223,51 @@ TEST(SampleKernels, ARowOfSeveralTilesFeelsWhatEachFeelsAlone) {
   patches.origins[1] = split_point({0.002, -0.001, 0.0005});
   const std::uint32_t tiles[] = {0, 1, Bodies::kTilesApart, Bodies::kTilesApart + 1};
   for (std::size_t i = 0; i < patches.listed.size(); ++i) patches.listed[i].tile = tiles[i / 4];
-  std::vector<BodySums> together(8, sums_of_zero()), alone(8, sums_of_zero());
   const auto run = [&](const PatchList& list, std::vector<BodySums>& sums) {
     for (const TilePart part : {TilePart::whole, TilePart::side, TilePart::end})
-      scalar::kSampleKernels.tile_lattice(list, fingers, part, 3, {sums.data(), ~std::uint64_t{0}});
+      scalar::kSampleKernels.tile_lattice(list, fingers, part, {sums.data(), ~std::uint64_t{0}});
   };
-  run(patches.list(), together);
-  for (std::size_t i = 0; i < 4; ++i) {
-    PatchList list = patches.list();
-    list.patches += 4 * i;
-    list.count = 4;
-    run(list, alone);
+  for (const std::size_t steps : {3, 10}) {
+    std::vector<BodySums> together(8, sums_of_zero()), alone(8, sums_of_zero());
+    run(patches.list(steps), together);
+    for (std::size_t i = 0; i < 16; i += i % 4 == 0 ? 1 : 3) {  // one of a tile, and the other three
+      PatchList list = patches.list(steps);
+      list.patches += i;
+      list.count = i % 4 == 0 ? 1 : 3;
+      run(list, alone);
+    }
+    for (const std::uint32_t tile : tiles) {
+      EXPECT_GT(norm(felt(together[tile]).force), 0);
+      EXPECT_EQ(norm(felt(together[tile]).force - felt(alone[tile]).force), 0);
+      EXPECT_EQ(norm(felt(together[tile]).moment - felt(alone[tile]).moment), 0);
+    }
   }
-  for (const std::uint32_t tile : tiles) {
-    EXPECT_GT(norm(felt(together[tile]).force), 0);
-    EXPECT_EQ(norm(felt(together[tile]).force - felt(alone[tile]).force), 0);
-    EXPECT_EQ(norm(felt(together[tile]).moment - felt(alone[tile]).moment), 0);
+}
+
+// A fine lattice goes through the quarters of a patch, side by side.
+TEST(SampleKernels, AFineLatticeIsThatOfThePatchsQuarters) {
+  Random random(43);
+  const double size = 0.6 * kRadius;
+  for (int round = 0; round < 20; ++round) {
+    const Frame frame = frame_along(random.in_box(0.05), random.direction());
+    const FingerBody finger = finger_of({tile_of(frame, 3 * kRadius, 0.8 * kRadius)});
+    const Patches16 patches =
+        patches_near(random, frame.origin + kRadius * frame.axis[0], 0.7 * kRadius, size);
+    BodySums whole = sums_of_zero(), quarters = sums_of_zero();
+    scalar::kSampleKernels.tile_lattice(patches.list(10), &finger, TilePart::whole, {&whole, 1});
+    for (int quarter = 0; quarter < 4; ++quarter) {
+      Patches16 its = patches;
+      for (std::size_t i = 0; i < its.shapes.size(); ++i) {
+        const auto& [a, b, c] = patches.corners[i];
+        const Vec3 corner = quarter == 0 ? a : quarter == 1 ? 0.5 * (a + b) : 0.5 * (a + c);
+        its.shapes[i].corner = split_point(quarter < 3 ? corner : 0.5 * (b + c));
+        put((quarter < 3 ? 0.5 : -0.5) * (b - a), its.shapes[i].edge[0]);
+        put((quarter < 3 ? 0.5 : -0.5) * (c - a), its.shapes[i].edge[1]);
+      }
+      scalar::kSampleKernels.tile_lattice(its.list(5), &finger, TilePart::whole, {&quarters, 1});
+    }
+    EXPECT_GT(norm(felt(whole).force), 0);
+    expect_near(felt(quarters), felt(whole), 2e-6 * size * size * kRadius, "quarters");
   }
 }
 
@@ -280,7 +309,7 @@ TEST(SampleKernels, LatticesOfThePalmApproachItsIntegral) {
     const std::size_t steps[2] = {4, 8};
     for (std::size_t k = 0; k < 2; ++k) {
       BodySums sums = sums_of_zero();
-      scalar::kSampleKernels.palm_lattice(patches.list(frame.origin), palm, steps[k], sums);
+      scalar::kSampleKernels.palm_lattice(patches.list(frame.origin, steps[k]), palm, sums);
       expect_near(felt(sums), right, (k == 0 ? 1e-3 : 2e-4) * size * size * kRadius, "palm");
     }
   }
@@ -318,8 +347,8 @@ TEST(SampleKernels, TilesThatFollowEachOtherShareOutTheirUnion) {
     const double size = 0.5 * kRadius;
     const Patches16 patches = patches_near(random, joint, 0.6 * kRadius, size);
     BodySums sums[2] = {sums_of_zero(), sums_of_zero()}, one[2] = {sums_of_zero(), sums_of_zero()};
-    scalar::kSampleKernels.joint_lattice(patches.list(), &finger, 8, {sums, 3});
-    scalar::kSampleKernels.joint_lattice(patches.list(), &finger, 8, {one, 2});
+    scalar::kSampleKernels.joint_lattice(patches.list(8), &finger, {sums, 3});
+    scalar::kSampleKernels.joint_lattice(patches.list(8), &finger, {one, 2});
     const auto depth = [&](Vec3 p) { return depth_in_hull(2 * length, kRadius, kRadius, p); };
     const Felt right = integral(patches, inner, depth, kWhole);
     const Felt beyond = integral(patches, inner, depth, [&](Vec3 p) { return p.x > length ? 1.0 : 0.0; });

@@ -93,8 +93,9 @@ double block_radius_of(const Hand& hand, const Settings& settings, std::size_t s
 }
 
 // As many as keep cells within an eighth of what is asked for.
-std::uint8_t steps_for(double steps) {
-  return static_cast<std::uint8_t>(max(1, std::ceil(steps - 0.125 * min(steps, 2))));
+std::uint8_t steps_for(double wanted) {
+  const auto steps = static_cast<std::uint8_t>(max(1, std::ceil(wanted - 0.125 * min(wanted, 2))));
+  return is_in_quarters(steps) ? static_cast<std::uint8_t>(steps + steps % 2) : steps;
 }
 
 void take_most(const LatticeSteps& steps, LatticeSteps& most) {

@@ -22,6 +22,11 @@ inline constexpr std::size_t kPatchSizes = 8, kPatchClasses = 2 * kPatchSizes;
 /// The lattice with most steps: twice as many as a patch is long, where a skeleton comes near.
 inline constexpr std::size_t kMostSteps = 2 * kPatchSizes;
 
+/// Lattices of so many steps, whose number is even then, are gone through quarter by quarter of a patch, side
+/// by side: where they are that fine, patches are few.
+inline constexpr std::size_t kLeastStepsInQuarters = 8, kMostStepsAtOnce = kMostSteps / 2;
+constexpr bool is_in_quarters(std::size_t steps) { return steps >= kLeastStepsInQuarters; }
+
 /// Lattices from coarse to fine. How fine the one is by which a hand is felt depends on its force
 /// (samples/levels.h).
 inline constexpr std::size_t kLevels = 9;

@@ -9,12 +9,6 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-/// A part's field, and by how much its body's is more than all others'.
-template <class V>
-struct LeadingField {
-  V field, lead;
-};
-
 /// A cell of a part's field, of which it has some share.
 template <class V>
 struct OwnCell {
@@ -25,34 +19,60 @@ struct OwnCell {
     floor = drop_of(level, centre);
     whole = lowered_cell(a, b, c, level, floor);
   }
-  /// Where a function is positive.
-  [[nodiscard]] LUMBRICAL_INLINE V share_where(V at_a, V at_b, V at_c) const {
-    return share_of_part_above(at_a, at_b, at_c, a, b, c, floor, whole.mean);
+  [[nodiscard]] LUMBRICAL_INLINE V share_cut_off(const CutCorner<V>& cut) const {
+    return lumbrical::LUMBRICAL_ISA::share_cut_off(cut, a, b, c, floor, whole.mean);
   }
-  [[nodiscard]] LUMBRICAL_INLINE V share_where_leading(V at_a, V at_b, V at_c, V centre) const {
-    const V drop = drop_of(mean_of(at_a, at_b, at_c), centre);
-    return share_where(at_a - drop, at_b - drop, at_c - drop);
+  /// Where a function is positive.
+  [[nodiscard]] LUMBRICAL_INLINE V share_where(const CutCorner<V>& cut) const {
+    return cut.positive_share(share_cut_off(cut));
   }
 };
+
+/// Where a lead, from its values at a cell's corners and centroid, is lost.
 template <class V>
-LUMBRICAL_INLINE inline Cell<V> cell_where_leading(const LeadingField<V>& a, const LeadingField<V>& b,
-                                                   const LeadingField<V>& c, const LeadingField<V>& centre) {
-  const OwnCell<V> own(a.field, b.field, c.field, centre.field);
-  return own.share_where_leading(a.lead, b.lead, c.lead, centre.lead) * own.whole;
+LUMBRICAL_INLINE inline CutCorner<V> cut_of_lead(V a, V b, V c, V centre) {
+  const V drop = drop_of(mean_of(a, b, c), centre);
+  return CutCorner<V>(a - drop, b - drop, c - drop);
 }
 
 /// A lead that is more than rounding, as a share of a radius. Where bodies have a field in common, the first
 /// one has it.
 inline constexpr double kTie = 4e-6;
 
-/// The k-th of N fields, and its lead.
+/// By how much the k-th of N fields is more than all others.
 template <class V, std::size_t N>
-LUMBRICAL_INLINE inline LeadingField<V> leading_field(std::size_t k, const std::array<V, N>& field, V tie) {
+LUMBRICAL_INLINE inline V lead_of(std::size_t k, const std::array<V, N>& field, V tie) {
   V lead = number<V>(1e30);
   for (std::size_t i = 0; i < N; ++i) {
     if (i != k) lead = min(lead, i < k ? (field[k] - field[i]) - tie : (field[k] - field[i]) + tie);
   }
-  return {field[k], lead};
+  return lead;
+}
+
+/// Of each of N fields, from their values at a cell's corners and centroid, the cell where it leads.
+template <class V, std::size_t N>
+LUMBRICAL_INLINE inline std::array<Cell<V>, N> cells_where_leading(const std::array<V, N>& a,
+                                                                   const std::array<V, N>& b,
+                                                                   const std::array<V, N>& c,
+                                                                   const std::array<V, N>& centre, V tie) {
+  const auto cut_of = [&](std::size_t k) LUMBRICAL_INLINE {
+    return cut_of_lead(lead_of(k, a, tie), lead_of(k, b, tie), lead_of(k, c, tie), lead_of(k, centre, tie));
+  };
+  const auto own_cell = [&](std::size_t k)
+                            LUMBRICAL_INLINE { return OwnCell<V>(a[k], b[k], c[k], centre[k]); };
+  std::array<Cell<V>, N> cells;
+  if constexpr (N == 2) {  // one leads where the other does not
+    const CutCorner<V> cut = cut_of(0);
+    const OwnCell<V> first = own_cell(0), second = own_cell(1);
+    cells[0] = cut.positive_share(first.share_cut_off(cut)) * first.whole;
+    cells[1] = cut.other_share(second.share_cut_off(cut)) * second.whole;
+  } else {
+    for (std::size_t k = 0; k < N; ++k) {
+      const OwnCell<V> own = own_cell(k);
+      cells[k] = own.share_where(cut_of(k)) * own.whole;
+    }
+  }
+  return cells;
 }
 
 /// A body's origin, from that of the finger that patches are listed for [m].
@@ -97,8 +117,8 @@ LUMBRICAL_INLINE inline SeenFromPalm<V> see_from_palm(const PatchRows& rows, std
 
 /// One or two tiles of different fingers, and the palm.
 template <std::size_t kTiles, class V>
-inline std::uint32_t deepest_of(const PatchList& list, const Bodies& bodies, std::size_t steps,
-                                const TileSums& sums) {
+inline std::uint32_t deepest_of(const PatchList& list, const Bodies& bodies, const TileSums& sums) {
+  const std::size_t steps = steps_of_lane(list);
   constexpr std::size_t kAll = kTiles + 1;
   using Fields = std::array<V, kAll>;
   struct Row {
@@ -136,10 +156,8 @@ inline std::uint32_t deepest_of(const PatchList& list, const Bodies& bodies, std
         fields, fields,
         [&](float u, float v, bool upright, const Fields& a, const Fields& b, const Fields& c,
             const Fields& centre) LUMBRICAL_INLINE {
-          for (std::size_t k = 0; k < kAll; ++k)
-            cells[k].add(V(u), V(v), upright,
-                         cell_where_leading(leading_field(k, a, tie), leading_field(k, b, tie),
-                                            leading_field(k, c, tie), leading_field(k, centre, tie)));
+          const std::array<Cell<V>, kAll> its = cells_where_leading(a, b, c, centre, tie);
+          for (std::size_t k = 0; k < kAll; ++k) cells[k].add(V(u), V(v), upright, its[k]);
         });
     touched += count_of(add_shares(seen[0].patch, cells[0].means(steps), rows, lane, sums, first_tile));
     if constexpr (kTiles == 2)
@@ -154,9 +172,8 @@ inline std::uint32_t deepest_of(const PatchList& list, const Bodies& bodies, std
 
 template <class V>
 std::uint32_t deepest_lattice(const PatchList& list, const Bodies& bodies, std::size_t tiles,
-                              std::size_t steps, const TileSums& sums) {
-  return tiles == 1 ? deepest_of<1, V>(list, bodies, steps, sums)
-                    : deepest_of<2, V>(list, bodies, steps, sums);
+                              const TileSums& sums) {
+  return tiles == 1 ? deepest_of<1, V>(list, bodies, sums) : deepest_of<2, V>(list, bodies, sums);
 }
 
 /// Any parts of a hand, as patches of a register see them that are listed for a tile of one finger.
@@ -235,7 +252,8 @@ struct SharingParts {
 /// Patches that the same parts share, whichever: one part after the other.
 template <class V>
 std::uint32_t parts_lattice(const PatchList& list, const Bodies& bodies, std::uint64_t parts,
-                            std::size_t steps, const TileSums& sums) {
+                            const TileSums& sums) {
+  const std::size_t steps = steps_of_lane(list);
   std::uint32_t touched = 0;
   for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
     const SharingParts<V> sharing(rows, lane, bodies, parts);
@@ -249,8 +267,8 @@ std::uint32_t parts_lattice(const PatchList& list, const Bodies& bodies, std::ui
           [&](float u, float v, bool upright, const Point& a, const Point& b, const Point& c,
               const Point& centre) LUMBRICAL_INLINE {
             const OwnCell<V> own(a.field, b.field, c.field, centre.field);
-            const V share = own.share_where_leading(a.lead, b.lead, c.lead, centre.lead) *
-                            own.share_where(a.side, b.side, c.side);
+            const V share = own.share_where(cut_of_lead(a.lead, b.lead, c.lead, centre.lead)) *
+                            own.share_where(CutCorner<V>(a.side, b.side, c.side));
             cells.add(V(u), V(v), upright, share * own.whole);
           });
       const auto [force, moment] = share_of(sharing.patch[k], cells.means(steps));

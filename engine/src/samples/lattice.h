@@ -55,40 +55,52 @@ LUMBRICAL_INLINE inline auto odd_corner(V a, V b, V c) {
       (a_in || b_in || c_in) && (a_out || b_out || c_out)};
 }
 
+/// Another function at the corner that is cut off, and by how much more it is at the ends of the cut.
+template <class V>
+struct AlongCut {
+  V own, more_s, more_t;
+};
+
 /// Where a linear function's zero cuts off the corner whose sign is its own: how far along that corner's
-/// sides, and of another linear function its value there and by how much it is more at the ends of the cut.
+/// sides.
 template <class V>
 struct CutCorner {
-  decltype(V{} > V{}) is_cut;
-  V own;  // the first function's value there, or at a corner where nothing is cut off
+  decltype(V{} > V{}) second, third, is_cut;  // which corner it is, if not the first
+  V own;                                      // the function there, or at a corner where nothing is cut off
   V s, t;
-  V f, more_s, more_t;
 
-  /// The share of what is where the first function is positive, from that of what is cut off.
+  CutCorner(V a, V b, V c) {
+    const auto odd = odd_corner(a, b, c);
+    second = odd.second, third = odd.third, is_cut = odd.any;
+    const V next = select(second, c, select(third, a, b)), last = select(second, a, select(third, b, c));
+    own = select(second, b, select(third, c, a));
+    const V to_next = own - next, to_last = own - last;
+    const V scale = divide(own, max(to_next * to_last, number<V>(1e-36)));
+    s = scale * to_last, t = scale * to_next;
+  }
+  [[nodiscard]] LUMBRICAL_INLINE AlongCut<V> of(V a, V b, V c) const {
+    const V f = select(second, b, select(third, c, a));
+    const V next = select(second, c, select(third, a, b)), last = select(second, a, select(third, b, c));
+    return {f, s * (next - f), t * (last - f)};
+  }
+  /// The share of what is where the function is positive, from that of what is cut off; and of the rest.
   [[nodiscard]] LUMBRICAL_INLINE V positive_share(V cut_off) const {
     const V one = number<V>(1), its = select(is_cut, cut_off, one);
     return select(own > number<V>(0), its, one - its);
   }
+  [[nodiscard]] LUMBRICAL_INLINE V other_share(V cut_off) const {
+    const V one = number<V>(1), its = select(is_cut, cut_off, one);
+    return select(own > number<V>(0), one - its, its);
+  }
 };
-template <class V>
-LUMBRICAL_INLINE inline CutCorner<V> cut_corner(V a, V b, V c, V fa, V fb, V fc) {
-  const auto [second, third, is_cut] = odd_corner(a, b, c);
-  const V own = select(second, b, select(third, c, a)), next = select(second, c, select(third, a, b)),
-          last = select(second, a, select(third, b, c));
-  const V f = select(second, fb, select(third, fc, fa)), f_next = select(second, fc, select(third, fa, fb)),
-          f_last = select(second, fa, select(third, fb, fc));
-  const V to_next = own - next, to_last = own - last;
-  const V scale = divide(own, max(to_next * to_last, number<V>(1e-36)));
-  const V s = scale * to_last, t = scale * to_next;
-  return {is_cut, own, s, t, f, s * (f_next - f), t * (f_last - f)};
-}
 
 /// The share of a function, from its values f >= 0 at the corners and their sum, that is where another is
 /// positive, from its values a, b, c: both as if they were linear.
 template <class V>
 LUMBRICAL_INLINE inline V share_where_positive(V a, V b, V c, V fa, V fb, V fc, V f_sum) {
-  const CutCorner<V> cut = cut_corner(a, b, c, fa, fb, fc);
-  const V part = cut.more_s + cut.more_t + number<V>(3) * cut.f;
+  const CutCorner<V> cut(a, b, c);
+  const AlongCut<V> f = cut.of(fa, fb, fc);
+  const V part = f.more_s + f.more_t + number<V>(3) * f.own;
   return cut.positive_share(cut.s * cut.t * divide(part, max(f_sum, number<V>(1e-30))));
 }
 
@@ -96,13 +108,15 @@ template <class V>
 inline V mean_of(V a, V b, V c) {
   return (a + (b + c)) * number<V>(1.0 / 3);
 }
-/// The same of what a linear function of any sign is above a floor, `above` on average.
+/// What is cut off of what a linear function of any sign is above a floor, as a share: that is `above` on
+/// average.
 template <class V>
-LUMBRICAL_INLINE inline V share_of_part_above(V a, V b, V c, V fa, V fb, V fc, V floor, V above) {
-  const CutCorner<V> cut = cut_corner(a, b, c, fa, fb, fc);
-  const V at_s = cut.f + cut.more_s, at_t = cut.f + cut.more_t;
-  const V part = part_above(floor, cut.f, at_s, at_t, mean_of(cut.f, at_s, at_t)).mean;
-  return cut.positive_share(min(cut.s * cut.t * divide(part, max(above, number<V>(1e-30))), number<V>(1)));
+LUMBRICAL_INLINE inline V share_cut_off(const CutCorner<V>& cut, V fa, V fb, V fc, V floor, V above) {
+  if (!any(cut.is_cut)) return number<V>(1);
+  const AlongCut<V> f = cut.of(fa, fb, fc);
+  const V at_s = f.own + f.more_s, at_t = f.own + f.more_t;
+  const V part = part_above(floor, f.own, at_s, at_t, mean_of(f.own, at_s, at_t)).mean;
+  return min(cut.s * cut.t * divide(part, max(above, number<V>(1e-30))), number<V>(1));
 }
 
 /// Zeroth and first moments of a share in barycentric coordinates u and v: means over the triangle.
@@ -198,11 +212,11 @@ inline CellSums<V> operator-(const CellSums<V>& all, const CellSums<V>& some) {
 
 /// Where points and cells' centroids of a lattice are, along a side of 1.
 struct LatticePlaces {
-  float point[kMostSteps + 1], upright[kMostSteps], inverted[kMostSteps];
+  float point[kMostStepsAtOnce + 1], upright[kMostStepsAtOnce], inverted[kMostStepsAtOnce];
 };
-inline constexpr std::array<LatticePlaces, kMostSteps + 1> kLatticePlaces = [] {
-  std::array<LatticePlaces, kMostSteps + 1> all{};
-  for (std::size_t steps = 1; steps <= kMostSteps; ++steps) {
+inline constexpr std::array<LatticePlaces, kMostStepsAtOnce + 1> kLatticePlaces = [] {
+  std::array<LatticePlaces, kMostStepsAtOnce + 1> all{};
+  for (std::size_t steps = 1; steps <= kMostStepsAtOnce; ++steps) {
     const float side = 1.0f / static_cast<float>(steps);
     for (std::size_t i = 0; i <= steps; ++i) {
       const auto at = static_cast<float>(i);
@@ -224,8 +238,8 @@ template <class Value, class Centre, class Row, class Corner, class AtCentre, cl
 LUMBRICAL_INLINE inline void for_cells(std::size_t steps, const Row& row, const Corner& corner,
                                        const AtCentre& centre, const Take& take) {
   const LatticePlaces& at = kLatticePlaces[steps];
-  Value values[2][kMostSteps + 1];
-  Centre upright[kMostSteps], inverted[kMostSteps];
+  Value values[2][kMostStepsAtOnce + 1];
+  Centre upright[kMostStepsAtOnce], inverted[kMostStepsAtOnce];
   Value *above = values[0], *below = values[1];
   const auto fill_row = [&](const auto& of_row, std::size_t count, Value* to) LUMBRICAL_INLINE {
     for (std::size_t j = 0; j < count; ++j) to[j] = corner(of_row, at.point[j]);

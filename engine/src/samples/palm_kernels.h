@@ -87,7 +87,8 @@ struct PalmNearby {
 };
 
 template <class V>
-std::uint32_t palm_lattice(const PatchList& list, const PalmBody& palm, std::size_t steps, BodySums& sums) {
+std::uint32_t palm_lattice(const PatchList& list, const PalmBody& palm, BodySums& sums) {
+  const std::size_t steps = steps_of_lane(list);
   return sum_patches<V>(list, palm, sums, [&](const PatchInFrame<V>& patch) LUMBRICAL_INLINE {
     const PalmNearby<V> nearby(palm, patch);
     return lattice_moments<V>(

@@ -2,6 +2,8 @@
 // each is seen from its own.
 #pragma once
 
+#include <algorithm>
+
 #include "samples/columns.h"
 #include "samples/lattice.h"
 #include "samples/sample_kernels.h"
@@ -29,21 +31,30 @@ struct OriginFours {
   }
 };
 
-inline void gather(const PatchList& list, std::size_t first, std::size_t count, PatchRows& rows) {
-  static_assert(sizeof(PatchShape) == 12 * sizeof(float));
-  OriginFours origin;
-  for (std::size_t lane = 0; lane < count; lane += 4) {
-    Four corner[4], edges[4], edges_end[4];
+/// Four patches as fours: the first corner of each, and its edges' first and last four numbers of six.
+struct PatchFours {
+  Four corner[4], edges[4], edges_end[4];
+
+  /// The k-th, seen from its body.
+  void see(std::size_t k, const float* numbers, const OriginFours& origin) {
+    corner[k] = (four_at(numbers) - origin.high) + (four_at(numbers + 3) - origin.low);
+    edges[k] = four_at(numbers + 6);
+    edges_end[k] = four_at(numbers + 8);
+  }
+  /// The first one's quarters: at its corners and, upside down, in its middle.
+  void quarter() {
+    const Four half = {0.5f, 0.5f, 0.5f, 0.5f}, zero{};
+    const Four edge1 = half * edges[0],
+               edge2 = half * __builtin_shufflevector(edges_end[0], edges_end[0], 1, 2, 3, 3);
+    const Four own = corner[0], all = half * edges[0], all_end = half * edges_end[0];
+    const Four from_own[4] = {zero, edge1, edge2, edge1 + edge2};
     for (std::size_t k = 0; k < 4; ++k) {
-      const std::size_t at = lane + k;
-      const ListedPatch& patch = list.patches[first + (at < count ? at : count - 1)];
-      const float* const numbers = list.shapes[patch.place].corner.high;
-      origin.see(list.origins, body_of(first_tile(patch.tile)));
-      corner[k] = (four_at(numbers) - origin.high) + (four_at(numbers + 3) - origin.low);
-      edges[k] = four_at(numbers + 6);
-      edges_end[k] = four_at(numbers + 8);
-      rows.seen_from[at] = static_cast<float>(patch.tile);
+      corner[k] = own + from_own[k];
+      edges[k] = k < 3 ? all : zero - all;
+      edges_end[k] = k < 3 ? all_end : zero - all_end;
     }
+  }
+  void put(std::size_t lane, PatchRows& rows) {
     transpose(corner);
     transpose(edges);
     transpose(edges_end);
@@ -51,6 +62,35 @@ inline void gather(const PatchList& list, std::size_t first, std::size_t count, 
     put_fours(edges, 2, rows.edge[0], lane);
     put_fours(edges_end, 1, rows.edge[0] + 2, lane);
     put_fours(edges_end + 1, 3, rows.edge[1], lane);
+  }
+};
+
+/// Lanes that a patch of the list takes, and the steps of the lattice in each.
+inline std::size_t lanes_of_patch(const PatchList& list) { return is_in_quarters(list.steps) ? 4 : 1; }
+inline std::size_t steps_of_lane(const PatchList& list) {
+  return is_in_quarters(list.steps) ? list.steps / 2 : list.steps;
+}
+
+/// Fills `count` lanes with the list's patches, or with quarters of them, from lane `first` of all on.
+inline void gather(const PatchList& list, std::size_t first, std::size_t count, PatchRows& rows) {
+  static_assert(sizeof(PatchShape) == 12 * sizeof(float));
+  const bool in_quarters = is_in_quarters(list.steps);
+  OriginFours origin;
+  PatchFours fours;
+  const auto see = [&](const ListedPatch& patch, std::size_t k) LUMBRICAL_INLINE {
+    origin.see(list.origins, body_of(first_tile(patch.tile)));
+    fours.see(k, list.shapes[patch.place].corner.high, origin);
+    return static_cast<float>(patch.tile);
+  };
+  for (std::size_t lane = 0; lane < count; lane += 4) {
+    if (in_quarters) {
+      std::fill_n(rows.seen_from + lane, 4, see(list.patches[(first + lane) / 4], 0));
+      fours.quarter();
+    } else {
+      for (std::size_t k = 0; k < 4; ++k)
+        rows.seen_from[lane + k] = see(list.patches[first + std::min(lane + k, count - 1)], k);
+    }
+    fours.put(lane, rows);
   }
   for (std::size_t lane = count; lane < PatchRows::kWidth; ++lane) {
     rows.seen_from[lane] = rows.seen_from[count - 1];
@@ -63,8 +103,9 @@ inline void gather(const PatchList& list, std::size_t first, std::size_t count, 
 template <class V, class Take>
 LUMBRICAL_INLINE inline void for_rows(const PatchList& list, const Take& take) {
   PatchRows rows;
-  for (std::size_t first = 0; first < list.count; first += PatchRows::kWidth) {
-    const std::size_t left = list.count - first;
+  const std::size_t count = list.count * lanes_of_patch(list);
+  for (std::size_t first = 0; first < count; first += PatchRows::kWidth) {
+    const std::size_t left = count - first;
     gather(list, first, left < PatchRows::kWidth ? left : PatchRows::kWidth, rows);
     for (std::size_t lane = 0; lane < PatchRows::kWidth; lane += wide::Lanes<V>::kCount) take(rows, lane);
   }

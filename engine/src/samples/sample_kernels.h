@@ -84,12 +84,13 @@ constexpr std::uint32_t second_tile(std::uint32_t code) {
 }
 constexpr bool is_without_palm(std::uint32_t code) { return code >= ListedPatch::kWithoutPalm; }
 
-/// Patches for a kernel, best in runs of the same tile.
+/// Patches for a kernel, best in runs of the same tile, and the lattice that they go through, if any.
 struct PatchList {
   const PatchShape* shapes;
   const ListedPatch* patches;
   std::size_t count;
   const SplitPoint* origins;  ///< of the bodies: Bodies::origin
+  std::size_t steps = 0;
 };
 
 /// Blocks that are taken as wholes.
@@ -174,14 +175,12 @@ struct SampleKernels {
   std::size_t (*classify_palm)(const PatchBlock* blocks, const PalmBody& palm, const std::uint32_t* found,
                                std::size_t count, FoundPatches* patches, CentroidForce& force);
   // Kernels add to sums (of tiles by their numbers) and return how many of the patches they found touched.
-  /// One tile, by a lattice of `steps`.
+  /// One tile.
   std::uint32_t (*tile_lattice)(const PatchList& list, const FingerBody* fingers, TilePart part,
-                                std::size_t steps, const TileSums& sums);
+                                const TileSums& sums);
   /// Two neighbouring tiles, or all three, and how they share.
-  std::uint32_t (*joint_lattice)(const PatchList& list, const FingerBody* fingers, std::size_t steps,
-                                 const TileSums& sums);
-  std::uint32_t (*finger_lattice)(const PatchList& list, const FingerBody* fingers, std::size_t steps,
-                                  const TileSums& sums);
+  std::uint32_t (*joint_lattice)(const PatchList& list, const FingerBody* fingers, const TileSums& sums);
+  std::uint32_t (*finger_lattice)(const PatchList& list, const FingerBody* fingers, const TileSums& sums);
   /// Patches inside one tile, by a rule of quadrature (triangle_rules.h).
   std::uint32_t (*tile_rule)(const PatchList& list, const FingerBody* fingers, std::size_t rule,
                              const TileSums& sums);
@@ -190,8 +189,7 @@ struct SampleKernels {
   std::uint32_t (*palm_blocks)(const BlockList& list, const PalmBody& palm, BodySums& sums);
   std::uint32_t (*palm_through)(const PatchList& list, const PalmBody& palm, BodySums& sums);
   std::uint32_t (*palm_side)(const PatchList& list, const PalmBody& palm, BodySums& sums);
-  std::uint32_t (*palm_lattice)(const PatchList& list, const PalmBody& palm, std::size_t steps,
-                                BodySums& sums);
+  std::uint32_t (*palm_lattice)(const PatchList& list, const PalmBody& palm, BodySums& sums);
   /// Which spheres of the blocks the tree's query meets, as sphere_hits does, for up to three queries: the
   /// places, or (`tiles`) places << 3 plus a bit per query.
   std::size_t (*finger_hits)(const SphereBlock* spheres, const SphereQuery* queries, std::size_t query_count,
@@ -206,10 +204,10 @@ struct SampleKernels {
                         const BodyOffsets& offset, const SplitPoint& origin, std::uint16_t* outdone);
   /// One or two tiles, of different fingers, and the palm, each where it is the deepest.
   std::uint32_t (*deepest_lattice)(const PatchList& list, const Bodies& bodies, std::size_t tiles,
-                                   std::size_t steps, const TileSums& sums);
+                                   const TileSums& sums);
   /// Any parts, the same for all patches.
   std::uint32_t (*parts_lattice)(const PatchList& list, const Bodies& bodies, std::uint64_t parts,
-                                 std::size_t steps, const TileSums& sums);
+                                 const TileSums& sums);
 };
 
 namespace scalar {

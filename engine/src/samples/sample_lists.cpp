@@ -19,7 +19,7 @@ std::array<std::uint64_t, kMostSteps + 1> tiles_by_steps(const Bodies& bodies, s
 
 // Patches of kinds `first` to `last`, shared by as many tiles, of which at least one of those is wanted.
 PatchList wanted_of(SampleWork& work, std::uint32_t first, std::uint32_t last, std::size_t patch_class,
-                    std::uint64_t wanted) {
+                    std::size_t steps, std::uint64_t wanted) {
   std::uint64_t innermost = 0;
   for (std::uint32_t k = 0; k < sharers_of(first); ++k) innermost |= wanted >> k;
   const auto is_wanted = [innermost](const ListedPatch& patch) {
@@ -28,7 +28,7 @@ PatchList wanted_of(SampleWork& work, std::uint32_t first, std::uint32_t last, s
   const std::uint64_t listed_for = work.near.tiles_of_kinds(first, last, patch_class);
   if ((listed_for & innermost) == 0) return {};
   const std::span<const ListedPatch> all = work.of_kinds(first, last, patch_class);
-  PatchList list = work.list(all);
+  PatchList list = work.list(all, steps);
   if ((listed_for & ~innermost) == 0) return list;
   list.patches = work.memory.chosen.data();
   list.count =
@@ -41,21 +41,20 @@ PatchList wanted_of(SampleWork& work, std::uint32_t first, std::uint32_t last, s
 // what tiles of different lattices share is done once for each.
 void run_fingers(SampleWork& work, std::size_t patch_class, std::size_t steps, const TileSums& sums) {
   const auto run = [&](std::uint32_t first, std::uint32_t last, const auto& kernel) {
-    const PatchList list = wanted_of(work, first, last, patch_class, sums.wanted);
+    const PatchList list = wanted_of(work, first, last, patch_class, steps, sums.wanted);
     if (list.count > 0) work.memory.touched += kernel(list);
   };
   const auto run_part = [&](std::uint32_t first, std::uint32_t last, TilePart part) {
-    run(first, last, [&](const PatchList& list) {
-      return work.kernels.tile_lattice(list, work.fingers(), part, steps, sums);
-    });
+    run(first, last,
+        [&](const PatchList& list) { return work.kernels.tile_lattice(list, work.fingers(), part, sums); });
   };
   run_part(kind::kTile, kind::kTile + 2, TilePart::whole);
   run_part(kind::kSide, kind::kSide + 2, TilePart::side);
   run_part(kind::kNearEnd, kind::kFarEnd + 2, TilePart::end);
   run(kind::kInnerJoint, kind::kOuterJoint,
-      [&](const PatchList& list) { return work.kernels.joint_lattice(list, work.fingers(), steps, sums); });
+      [&](const PatchList& list) { return work.kernels.joint_lattice(list, work.fingers(), sums); });
   run(kind::kFinger, kind::kFinger,
-      [&](const PatchList& list) { return work.kernels.finger_lattice(list, work.fingers(), steps, sums); });
+      [&](const PatchList& list) { return work.kernels.finger_lattice(list, work.fingers(), sums); });
 }
 
 // By the patch's size in steps.
@@ -65,17 +64,15 @@ std::size_t rule_for(std::size_t size) { return size < 1 ? 0 : size < 2 ? 1 : si
 void run_together(SampleWork& work, std::size_t patch_class, std::size_t steps, const TileSums& sums) {
   const Overlaps& overlaps = work.overlaps;
   for (const std::size_t tiles : {1, 2}) {
-    const PatchList list = work.list(work.own_part(overlaps.together_of(tiles, patch_class)));
-    if (list.count > 0)
-      work.memory.touched += work.kernels.deepest_lattice(list, work.bodies, tiles, steps, sums);
+    const PatchList list = work.list(work.own_part(overlaps.together_of(tiles, patch_class)), steps);
+    if (list.count > 0) work.memory.touched += work.kernels.deepest_lattice(list, work.bodies, tiles, sums);
   }
   if (overlaps.count_by_parts[patch_class] == 0) return;
   for (const PartsRun& run : overlaps.runs) {
     if (run.patch_class != patch_class) continue;
     const auto all = std::span(overlaps.by_parts).subspan(run.begin, run.end - run.begin);
-    const PatchList list = work.list(work.own_part(all));
-    if (list.count > 0)
-      work.memory.touched += work.kernels.parts_lattice(list, work.bodies, run.parts, steps, sums);
+    const PatchList list = work.list(work.own_part(all), steps);
+    if (list.count > 0) work.memory.touched += work.kernels.parts_lattice(list, work.bodies, run.parts, sums);
   }
 }
 
@@ -101,11 +98,11 @@ void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level, 
     if (tiles[steps] != 0) run_fingers(work, patch_class, steps, {sums, tiles[steps]});
   }
   run_together(work, patch_class, level, part);
-  const PatchList list = work.list(work.of_kinds(kind::kPalm, kind::kPalm, patch_class));
-  if (list.count == 0) return;
+  const auto of_palm = work.of_kinds(kind::kPalm, kind::kPalm, patch_class);
+  if (of_palm.empty()) return;
   const PalmBody& palm = work.bodies.palm;
-  work.memory.touched +=
-      work.kernels.palm_lattice(list, palm, palm.steps[patch_class][level], sums[palm_number(work.bodies)]);
+  work.memory.touched += work.kernels.palm_lattice(work.list(of_palm, palm.steps[patch_class][level]), palm,
+                                                   sums[palm_number(work.bodies)]);
 }
 
 void run_smooth(SampleWork& work, std::size_t patch_class) {

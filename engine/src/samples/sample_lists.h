@@ -36,8 +36,8 @@ struct SampleWork {
 
   [[nodiscard]] const FingerBody* fingers() const { return bodies.finger.data(); }
   [[nodiscard]] BodySums* sums(Part part) const { return memory.sums[part].data(); }
-  [[nodiscard]] PatchList list(std::span<const ListedPatch> listed) const {
-    return {patches.shape.data(), listed.data(), listed.size(), bodies.origin.data()};
+  [[nodiscard]] PatchList list(std::span<const ListedPatch> listed, std::size_t steps = 0) const {
+    return {patches.shape.data(), listed.data(), listed.size(), bodies.origin.data(), steps};
   }
   /// Whole rows of sixteen; where there are too few for all, list by list others go without.
   [[nodiscard]] std::span<const ListedPatch> own_part(std::span<const ListedPatch> all) {

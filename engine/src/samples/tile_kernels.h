@@ -8,8 +8,8 @@
 namespace lumbrical::LUMBRICAL_ISA {
 
 template <TilePart kPart, class V>
-inline std::uint32_t part_lattice(const PatchList& list, const FingerBody* fingers, std::size_t steps,
-                                  const TileSums& sums) {
+inline std::uint32_t part_lattice(const PatchList& list, const FingerBody* fingers, const TileSums& sums) {
+  const std::size_t steps = steps_of_lane(list);
   std::uint32_t touched = 0;
   for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
     const SeenPatch<V> seen = see_patches<V>(rows, lane, fingers);
@@ -23,17 +23,17 @@ inline std::uint32_t part_lattice(const PatchList& list, const FingerBody* finge
 }
 
 template <class V>
-std::uint32_t tile_lattice(const PatchList& list, const FingerBody* fingers, TilePart part, std::size_t steps,
+std::uint32_t tile_lattice(const PatchList& list, const FingerBody* fingers, TilePart part,
                            const TileSums& sums) {
   switch (part) {
     case TilePart::side:
-      return part_lattice<TilePart::side, V>(list, fingers, steps, sums);
+      return part_lattice<TilePart::side, V>(list, fingers, sums);
     case TilePart::end:
-      return part_lattice<TilePart::end, V>(list, fingers, steps, sums);
+      return part_lattice<TilePart::end, V>(list, fingers, sums);
     case TilePart::whole:
       break;
   }
-  return part_lattice<TilePart::whole, V>(list, fingers, steps, sums);
+  return part_lattice<TilePart::whole, V>(list, fingers, sums);
 }
 
 /// The N tiles that share patches, and how they part.
@@ -118,8 +118,8 @@ LUMBRICAL_INLINE inline void outer_shares(const Neighbours<V, N>& near, const Sh
 }
 
 template <class V, std::size_t N>
-inline std::uint32_t shared_lattice(const PatchList& list, const FingerBody* fingers, std::size_t steps,
-                                    const TileSums& sums) {
+inline std::uint32_t shared_lattice(const PatchList& list, const FingerBody* fingers, const TileSums& sums) {
+  const std::size_t steps = steps_of_lane(list);
   using Corner = SharedCorner<V, N>;
   struct RowOfAll {
     typename TileRows<V>::Row of[N];
@@ -168,14 +168,12 @@ inline std::uint32_t shared_lattice(const PatchList& list, const FingerBody* fin
 }
 
 template <class V>
-std::uint32_t joint_lattice(const PatchList& list, const FingerBody* fingers, std::size_t steps,
-                            const TileSums& sums) {
-  return shared_lattice<V, 2>(list, fingers, steps, sums);
+std::uint32_t joint_lattice(const PatchList& list, const FingerBody* fingers, const TileSums& sums) {
+  return shared_lattice<V, 2>(list, fingers, sums);
 }
 template <class V>
-std::uint32_t finger_lattice(const PatchList& list, const FingerBody* fingers, std::size_t steps,
-                             const TileSums& sums) {
-  return shared_lattice<V, 3>(list, fingers, steps, sums);
+std::uint32_t finger_lattice(const PatchList& list, const FingerBody* fingers, const TileSums& sums) {
+  return shared_lattice<V, 3>(list, fingers, sums);
 }
 
 /// Calls take(u, v, weight) for every node of a rule, u and v barycentric.
