@@ -13,17 +13,49 @@ struct BlockRows {
   alignas(64) float arm[3][3][kWidth];
   alignas(64) float extent[3][kWidth];
 };
+/// Where blocks have their arms and, behind them, their extents; and weights and, behind them, the centre's.
+inline constexpr std::size_t kArms = offsetof(BlockSamples, arm) / sizeof(float),
+                             kWeights = offsetof(BlockSamples, weight) / sizeof(float);
+static_assert(offsetof(BlockSamples, extent) == (kArms + 9) * sizeof(float));
+static_assert(offsetof(BlockSamples, centre_weight) == (kWeights + 18) * sizeof(float));
+
+/// Four blocks as fours: centres seen from an origin, arms, and the last arm's end and extents.
+struct BlockFours {
+  Four centre[4], arms[2][4], end[4];
+  void see(std::size_t k, const float* numbers, const OriginFours& origin) {
+    centre[k] = (four_at(numbers) - origin.high) + (four_at(numbers + 3) - origin.low);
+    for (std::size_t i = 0; i < 2; ++i) arms[i][k] = four_at(numbers + kArms + 4 * i);
+    end[k] = four_at(numbers + kArms + 8);
+  }
+  /// Rows of anything that has centres and arms; those of extents are in `end` behind its first.
+  template <class Rows>
+  void put(std::size_t lane, Rows& rows) {
+    transpose(centre);
+    transpose(arms[0]);
+    transpose(arms[1]);
+    transpose(end);
+    put_fours(centre, 3, rows.centre, lane);
+    put_fours(arms[0], 4, rows.arm, 0, lane);
+    put_fours(arms[1], 4, rows.arm, 4, lane);
+    put_fours(end, 1, rows.arm, 8, lane);
+  }
+};
+inline const float* numbers_of(const BlockSamples& block) { return block.centre.high; }
+
 /// Those at places `found` >> `shift`.
 inline void gather(const BlockSamples* blocks, const SplitPoint& origin, const std::uint32_t* found,
                    unsigned shift, std::size_t count, BlockRows& rows) {
-  for (std::size_t lane = 0; lane < BlockRows::kWidth; ++lane) {
-    const BlockSamples& block = blocks[found[lane < count ? lane : 0] >> shift];
-    rows.radius[lane] = block.radius;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      rows.centre[axis][lane] = difference(block.centre, origin, axis);
-      rows.extent[axis][lane] = block.extent[axis];
-      for (std::size_t k = 0; k < 3; ++k) rows.arm[k][axis][lane] = block.arm[k][axis];
+  OriginFours from;
+  from.see(&origin, 0);
+  BlockFours fours;
+  for (std::size_t lane = 0; lane < BlockRows::kWidth; lane += 4) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      const BlockSamples& block = blocks[found[lane + k < count ? lane + k : 0] >> shift];
+      rows.radius[lane + k] = block.radius;
+      fours.see(k, numbers_of(block), from);
     }
+    fours.put(lane, rows);
+    put_fours(fours.end + 1, 3, rows.extent, lane);
   }
 }
 template <class V>
@@ -178,21 +210,31 @@ struct SampleRows {
   static constexpr std::size_t kWidth = PatchBlock::kWidth;
   alignas(64) float centre[3][kWidth];
   alignas(64) float arm[3][3][kWidth];
-  alignas(64) float weight[7][3][kWidth];  // + and - of each arm, then the centre's
+  alignas(64) float weight[7][3][kWidth];  // + of each arm, then -, then the centre's
 };
 inline void gather(const BlockList& list, std::size_t first, std::size_t count, SampleRows& rows) {
-  for (std::size_t lane = 0; lane < SampleRows::kWidth; ++lane) {
-    const bool real = lane < count;
-    const BlockSamples& block = list.blocks[list.patches[first + (real ? lane : 0)].place];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      rows.centre[axis][lane] = difference(block.centre, list.origin, axis);
-      for (std::size_t k = 0; k < 3; ++k) {
-        rows.arm[k][axis][lane] = block.arm[k][axis];
-        rows.weight[2 * k][axis][lane] = real ? block.weight[0][k][axis] : 0.0f;
-        rows.weight[2 * k + 1][axis][lane] = real ? block.weight[1][k][axis] : 0.0f;
-      }
-      rows.weight[6][axis][lane] = real ? block.centre_weight[axis] : 0.0f;
+  OriginFours from;
+  from.see(&list.origin, 0);
+  BlockFours fours;
+  for (std::size_t lane = 0; lane < SampleRows::kWidth; lane += 4) {
+    Four weights[5][4], end[4];
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::size_t at = lane + k < count ? lane + k : 0;
+      const float* const numbers = numbers_of(list.blocks[list.patches[first + at].place]);
+      fours.see(k, numbers, from);
+      for (std::size_t i = 0; i < 5; ++i) weights[i][k] = four_at(numbers + kWeights + 4 * i);
+      end[k] = four_at(numbers + kWeights + 17);
     }
+    fours.put(lane, rows);
+    for (std::size_t i = 0; i < 5; ++i) {
+      transpose(weights[i]);
+      put_fours(weights[i], 4, rows.weight, 4 * i, lane);
+    }
+    transpose(end);
+    put_fours(end + 3, 1, rows.weight, 20, lane);
+  }
+  for (auto& weight : rows.weight) {
+    for (auto& row : weight) std::fill(row + count, row + SampleRows::kWidth, 0.0f);
   }
 }
 
@@ -246,8 +288,8 @@ LUMBRICAL_INLINE inline std::uint32_t sum_blocks(const BlockList& list, const fl
       V mean = number<V>(0), rise[3];
       for (std::size_t k = 0; k < 3; ++k) {
         arm[k] = vector_at<V>(rows.arm[k], lane);
-        const Wide3<V> to = turn_into(axis, arm[k]), plus = vector_at<V>(rows.weight[2 * k], lane),
-                       minus = vector_at<V>(rows.weight[2 * k + 1], lane);
+        const Wide3<V> to = turn_into(axis, arm[k]), plus = vector_at<V>(rows.weight[k], lane),
+                       minus = vector_at<V>(rows.weight[3 + k], lane);
         const V ahead = field(at + to), behind = field(at - to);
         const Wide3<V> one = ahead * plus, other = behind * minus;
         force = force + (one + other);

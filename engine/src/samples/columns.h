@@ -26,6 +26,14 @@ inline void transpose(Four (&of)[4]) {
   of[3] = __builtin_shufflevector(ab_end, cd_end, 2, 3, 6, 7);
 }
 
+/// The same of vectors' rows, from the `first` of all their numbers on.
+template <std::size_t kWidth>
+inline void put_fours(const Four* from, std::size_t count, float (*vectors)[3][kWidth], std::size_t first,
+                      std::size_t lane) {
+  for (std::size_t k = 0; k < count; ++k)
+    std::memcpy(vectors[(first + k) / 3][(first + k) % 3] + lane, from + k, sizeof(Four));
+}
+
 /// Puts `count` fours into four lanes of that many rows.
 template <std::size_t kWidth>
 inline void put_fours(const Four* from, std::size_t count, float (*rows)[kWidth], std::size_t lane) {

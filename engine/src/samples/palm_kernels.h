@@ -62,14 +62,14 @@ struct PalmNearby {
   PalmNearby(const PalmBody& whole, const PatchInFrame<V>& patch) : palm(whole) {
     constexpr double kSlack = 1e-4;  // of the radius
     const Wide3<V> centre = patch.corner + number<V>(1.0 / 3) * (patch.edge1 + patch.edge2);
-    V distance[PalmBody::kMostCorners], least = number<V>(1e30);
+    V square[PalmBody::kMostCorners], least = number<V>(1e30);
     for (std::size_t k = 0; k < palm.corner_count; ++k) {
-      distance[k] = sqrt(from_edge(palm.edge[k], centre).square);
-      least = min(least, distance[k]);
+      square[k] = from_edge(palm.edge[k], centre).square;
+      least = min(least, square[k]);
     }
-    const V reach = least + (number<V>(2.001) * size_of(patch) + number<V>(kSlack) * V(palm.radius));
+    const V reach = sqrt(least) + (number<V>(2.001) * size_of(patch) + number<V>(kSlack) * V(palm.radius));
     for (std::size_t k = 0; k < palm.corner_count; ++k) {
-      const auto is_near = distance[k] <= reach;
+      const auto is_near = square[k] <= reach * reach;
       if (!any(is_near)) continue;
       most[count] = select(is_near, number<V>(1e30), number<V>(-1e30));
       edge[count++] = &palm.edge[k];

@@ -112,14 +112,15 @@ struct BodySums {
 };
 
 /// Half onto half, which is quickest. Sums of bodies are exact in any order.
-template <class Number>
-inline Number sum_of(const Number (&lanes)[PatchBlock::kWidth]) {
-  Number half[PatchBlock::kWidth];
-  for (std::size_t i = 0; i < PatchBlock::kWidth; ++i) half[i] = lanes[i];
-  for (std::size_t width = PatchBlock::kWidth / 2; width > 0; width /= 2) {
-    for (std::size_t i = 0; i < width; ++i) half[i] += half[i + width];
+template <class Number, std::size_t kWidth>
+inline Number sum_of(const Number (&lanes)[kWidth]) {
+  if constexpr (kWidth == 1) {
+    return lanes[0];
+  } else {
+    Number half[kWidth / 2];
+    for (std::size_t i = 0; i < kWidth / 2; ++i) half[i] = lanes[i] + lanes[i + kWidth / 2];
+    return sum_of(half);
   }
-  return half[0];
 }
 
 /// Sums of tiles by their numbers, and a bit for each tile whose shares are wanted.

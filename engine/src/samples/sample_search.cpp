@@ -300,7 +300,8 @@ bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, 
   parallel_chunks(threads, 1, threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k) {
       PatchSearcher& searcher = memory.searcher[k];
-      for (std::size_t body = next++; body < count && searcher.count <= most; body = next++) {
+      for (std::size_t turn = next++; turn < count && searcher.count <= most; turn = next++) {
+        const std::size_t body = count - 1 - turn;  // the palm takes longest
         if (!is_felt(bodies, body)) continue;
         SearchFrom from;
         if (open) from = {SearchFrom::Where::before, before[body], {}};
@@ -340,6 +341,10 @@ std::uint32_t count_of(std::uint32_t lanes) {
 
 // Lists a run's patches, four lanes at a time, set or not: what is too much is written over by what follows.
 ListedPatch* put_run(const PatchRun& run, ListedPatch* to) {
+  if (run.lanes == 1) {  // as blocks are
+    *to = {run.first, run.tile};
+    return to + 1;
+  }
   for (std::uint32_t from = 0; from < PatchBlock::kWidth; from += 4) {
     const SetLanes& set = kSetLanes[run.lanes >> from & 15u];
     for (std::size_t i = 0; i < 4; ++i)
