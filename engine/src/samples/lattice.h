@@ -69,7 +69,7 @@ struct CutCorner {
   V own;                                      // the function there, or at a corner where nothing is cut off
   V s, t;
 
-  CutCorner(V a, V b, V c) {
+  LUMBRICAL_INLINE CutCorner(V a, V b, V c) {
     const auto odd = odd_corner(a, b, c);
     second = odd.second, third = odd.third, is_cut = odd.any;
     const V next = select(second, c, select(third, a, b)), last = select(second, a, select(third, b, c));
@@ -139,7 +139,7 @@ struct Cell {
 };
 /// From the corners' values, their mean and by how much the field's mean is below that.
 template <class V>
-inline Cell<V> lowered_cell(V a, V b, V c, V level, V drop) {
+LUMBRICAL_INLINE inline Cell<V> lowered_cell(V a, V b, V c, V level, V drop) {
   const auto [mean, share] = part_above(drop, a, b, c, level);
   return {mean, share * (b - level), share * (c - level)};
 }
@@ -162,8 +162,8 @@ struct Fields {
 /// A cell of the largest. Where two are equal that has a kink, which its corners alone would tell too large;
 /// each by itself is smooth.
 template <class V, std::size_t N>
-inline Cell<V> cell_of_largest(const Fields<V, N>& a, const Fields<V, N>& b, const Fields<V, N>& c,
-                               const std::array<V, N>& centre) {
+LUMBRICAL_INLINE inline Cell<V> cell_of_largest(const Fields<V, N>& a, const Fields<V, N>& b,
+                                                const Fields<V, N>& c, const std::array<V, N>& centre) {
   V most_a = a.of[0], most_b = b.of[0], most_c = c.of[0], level = mean_of(most_a, most_b, most_c),
     drop = drop_of(level, centre[0]), excess = number<V>(0);
   for (std::size_t k = 1; k < N; ++k) {

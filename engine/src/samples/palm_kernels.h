@@ -75,7 +75,7 @@ struct PalmNearby {
       edge[count++] = &palm.edge[k];
     }
   }
-  [[nodiscard]] V field(Wide3<V> p) const {
+  [[nodiscard]] LUMBRICAL_INLINE V field(Wide3<V> p) const {
     V out = number<V>(-1e30), square = number<V>(1e30);
     for (std::size_t k = 0; k < count; ++k) {
       const FromEdge<V> from = from_edge(*edge[k], p);
