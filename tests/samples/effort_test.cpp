@@ -34,7 +34,7 @@ TEST(Effort, ABoundThatIsNotReachedChangesNothing) {
 // From a touch of the thumb's root alone, felt by finer lattices, down to one cell a patch.
 TEST(Effort, ATighterBoundIsKeptFlaggedAndTellsALargerError) {
   const Scene scene = draped_scene();
-  const DeviceFrame frame = pressed_frame(scene.hand, -0.024, 0);
+  const DeviceFrame frame = pressed_frame(scene.hand, -0.028, 0);
   const ActuatorFrame free = felt(scene, 0, frame);
   ActuatorFrame before = free;
   int coarser = 0;

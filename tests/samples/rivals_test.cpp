@@ -47,7 +47,7 @@ TEST(Rivals, AreAllPartsOfDifferentBodiesThatHaveAPointInCommon) {
     tick(model, state, scratch, dropped_hand(hand, random, 0, pose % 2 == 0 ? 0.3 : 1.6, 0.2, 0.005, 0.02));
     const Primitives& posed = *scratch.primitives;
     const Bodies& bodies = scratch.samples->bodies;
-    const Rivals rivals = find_rivals(posed, bodies);
+    Rivals rivals(posed, bodies);
     std::array<std::uint64_t, Bodies::kMostParts> met{};
     for (int i = 0; i < 20000; ++i) {
       const auto phalanx = static_cast<std::size_t>(random.between(0, 14.999));
@@ -63,15 +63,13 @@ TEST(Rivals, AreAllPartsOfDifferentBodiesThatHaveAPointInCommon) {
         }
       }
     }
-    std::uint64_t any = 0;
-    for (std::size_t a = 0; a < met.size(); ++a) {
-      EXPECT_EQ(met[a] & ~rivals.of[a], 0u) << "part " << a << " in pose " << pose;
-      EXPECT_EQ(rivals.of[a] >> body_of(a) * Bodies::kTilesApart & 15u, 0u);
-      if (rivals.of[a] != 0) any |= std::uint64_t{1} << a;
+    for_numbers(parts_of(bodies), [&](std::size_t a) {
+      EXPECT_EQ(met[a] & ~rivals.of(a), 0u) << "part " << a << " in pose " << pose;
+      EXPECT_EQ(rivals.of(a) >> body_of(a) * Bodies::kTilesApart & 15u, 0u);
+      for_numbers(rivals.of(a), [&](std::size_t b) { EXPECT_NE(rivals.of(b) >> a & 1u, 0u); });
       pairs += static_cast<std::size_t>(__builtin_popcountll(met[a]));
-      farther += static_cast<std::size_t>(__builtin_popcountll(rivals.of[a] & ~met[a]));
-    }
-    EXPECT_EQ(any, rivals.any);
+      farther += static_cast<std::size_t>(__builtin_popcountll(rivals.of(a) & ~met[a]));
+    });
   }
   EXPECT_GT(pairs, 400u);
   EXPECT_LT(farther, pairs);  // a tenth of a radius apart, or beyond a corner of the palm
@@ -89,7 +87,9 @@ TEST(Rivals, OfAFingerByItselfThereAreNone) {
   State state;
   tick(model, state, scratch, frame);
   ASSERT_GT(scratch.samples->bodies.finger_count, 0u);
-  EXPECT_EQ(find_rivals(*scratch.primitives, scratch.samples->bodies).any, 0u);
+  const Bodies& bodies = scratch.samples->bodies;
+  Rivals rivals(*scratch.primitives, bodies);
+  for_numbers(parts_of(bodies), [&](std::size_t part) { EXPECT_EQ(rivals.of(part), 0u); });
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ constexpr double kSizeStep = 0.16;
 
 // How many times finer than a patch is long in those, level by level, lattices are where a skeleton comes
 // near.
-constexpr std::array<double, kLevels> kNearSkeleton = {1, 1, 1.1, 1.25, 1.4, 1.55, 1.7, 1.85, 2};
+constexpr std::array<double, kLevels> kNearSkeleton = {1, 1, 1, 1.25, 1.25, 1.5, 1.75, 1.75, 2};
 static_assert(kStep[0] == kStep[1] && kNearSkeleton[0] == kNearSkeleton[1]);
 
 // Patches of smaller sizes have the last of these on every level: theirs cost less than a second look would.

@@ -116,7 +116,7 @@ inline SampleKernels::Sorted part_blocks(const BlockRows& rows, const BlockKinds
     taken[lane] = whole(static_cast<std::uint32_t>(kinds.kind[lane]), !(kinds.is_near[lane] > 0));
     if (!(blocks[found[lane] >> shift].size <= taken[lane].size)) continue;
     small |= 1u << lane;
-    others_near |= others.of_tile[kTileOfKind[static_cast<std::uint32_t>(kinds.kind[lane])]];
+    others_near |= others.of_tile(kTileOfKind[static_cast<std::uint32_t>(kinds.kind[lane])]);
   }
   const BlockClaims claims = claims_of<V>(rows, kinds, others, others_near);
   small &= claims.outdone | ~claims.contested;

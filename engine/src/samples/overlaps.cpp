@@ -31,13 +31,10 @@ std::uint64_t parts_in(const FoundPatches& found, std::size_t body) {
   return std::uint64_t{kPartsOfKind[kind_of(found)]} << body * Bodies::kTilesApart;
 }
 
-// Entries of parts that have rivals: all others are their body's alone.
 template <class Take>
-void for_entries(FoundByBody found, const Rivals& rivals, const Take& take) {
+void for_entries(FoundByBody found, const Take& take) {
   for (std::size_t body = 0; body < found.size(); ++body) {
-    for (const FoundPatches& entry : found[body]) {
-      if ((parts_in(entry, body) & rivals.any) != 0) take(body, entry);
-    }
+    for (const FoundPatches& entry : found[body]) take(body, entry);
   }
 }
 
@@ -47,10 +44,10 @@ void for_entries(FoundByBody found, const Rivals& rivals, const Take& take) {
 bool mark_blocks(FoundByBody found, Overlaps& overlaps) {
   bool any_whole = false;
   overlaps.shared.clear();
-  for_entries(found, overlaps.rivals, [&](std::size_t body, const FoundPatches& entry) {
+  for_entries(found, [&](std::size_t body, const FoundPatches& entry) {
     if (is_block(kind_of(entry))) {
       any_whole = true;
-      overlaps.taken_by[entry.block] = static_cast<std::uint8_t>(body + 1);
+      overlaps.taken_by[entry.block] = static_cast<std::uint8_t>(__builtin_ctzll(parts_in(entry, body)) + 1);
       return;
     }
     MetLanes& met = overlaps.met[entry.block];
@@ -66,7 +63,7 @@ bool mark_blocks(FoundByBody found, Overlaps& overlaps) {
 }
 
 void unmark_blocks(FoundByBody found, Overlaps& overlaps) {
-  for_entries(found, overlaps.rivals, [&](std::size_t, const FoundPatches& entry) {
+  for_entries(found, [&](std::size_t, const FoundPatches& entry) {
     if (is_block(kind_of(entry))) {
       overlaps.taken_by[entry.block] = 0;
     } else {
@@ -75,12 +72,19 @@ void unmark_blocks(FoundByBody found, Overlaps& overlaps) {
   });
 }
 
-void see_sharers(FoundByBody found, Overlaps& overlaps) {
-  for_entries(found, overlaps.rivals, [&](std::size_t body, const FoundPatches& entry) {
+// Entries of parts that share space with no others are their body's alone.
+bool has_rivals(Rivals& rivals, std::uint64_t parts) {
+  bool any = false;
+  for_numbers(parts, [&](std::size_t part) { any = any || rivals.of(part) != 0; });
+  return any;
+}
+
+void see_sharers(FoundByBody found, Rivals& rivals, Overlaps& overlaps) {
+  for_entries(found, [&](std::size_t body, const FoundPatches& entry) {
     if (is_block(kind_of(entry))) return;
     const MetLanes& met = overlaps.met[entry.block];
     const unsigned lanes = met.again & entry.lanes;
-    if (lanes == 0) return;
+    if (lanes == 0 || !has_rivals(rivals, parts_in(entry, body))) return;
     SharedBlock& shared = overlaps.shared[met.number];
     shared.of_body[body] = lanes_of(shared.of_body[body] | lanes);
     shared.parts |= parts_in(entry, body);
@@ -116,27 +120,47 @@ void sort_lanes(const Bodies& bodies, SharedBlock& shared) {
   shared.of_others = lanes_of(((fingers.once & palm) | fingers.twice) & ~(shared.of_tile | shared.of_two));
 }
 
+// Leaves a block to bodies of which any part near it shares space with others that are near.
+void leave_to_rivals(Rivals& rivals, SharedBlock& shared) {
+  std::uint64_t sharing = 0;
+  for_numbers(shared.parts, [&](std::size_t part) {
+    sharing |= std::uint64_t{(rivals.of(part) & shared.parts) != 0} << part;
+  });
+  if (sharing == shared.parts) return;
+  for (std::size_t i = 0; i < std::size(shared.of_body); ++i) {
+    if (parts_of_body(sharing, i) != 0) continue;
+    shared.of_body[i] = 0;
+    shared.parts &= ~(parts_of_body(shared.parts, i) << i * Bodies::kTilesApart);
+  }
+}
+
 // Leaves patches to those who have a say in them.
-void part_lanes(const Model& model, const Bodies& bodies, Overlaps& overlaps) {
+void part_lanes(const Model& model, const Bodies& bodies, Rivals& rivals, Overlaps& overlaps) {
   const Vec3 middle = bodies.finger_count > 0 ? bodies.finger[0].origin : bodies.palm.origin;
   const BodyOffsets offsets = offsets_from(middle, bodies);
   const SplitPoint origin = split_point(middle);
   const auto outdone_lanes = sample_kernels(model.execution.isa).outdone_lanes;
   for (SharedBlock& shared : overlaps.shared) {
+    leave_to_rivals(rivals, shared);
+    if (shared.parts == 0) continue;
     outdone_lanes(model.patches->block[shared.block], bodies, shared.parts, offsets, origin, shared.outdone);
-    for (std::size_t i = 0; i <= bodies.finger_count; ++i)
+    for (std::size_t i = 0; i <= bodies.finger_count; ++i) {
+      shared.outdone[i] = lanes_of(shared.outdone[i] & shared.of_body[i]);
       shared.of_body[i] = lanes_of(shared.of_body[i] & ~shared.outdone[i]);
+    }
     sort_lanes(bodies, shared);
   }
 }
 
 // ---- What is left to whom ----
 
-// Are patches in a block that another body takes as one? Then that is deeper throughout.
-bool is_taken(const Patches& patches, const Overlaps& overlaps, std::size_t body, std::uint32_t block) {
+// Are patches in a block that another part takes as one? Then that is deeper throughout than all parts that
+// share space with it; the others were not asked.
+bool is_taken(const Patches& patches, const Overlaps& overlaps, Rivals& rivals, std::uint64_t parts,
+              std::uint32_t block) {
   for (const std::uint32_t first : patches.first_samples) {
     const std::uint8_t by = overlaps.taken_by[first + block];
-    if (by != 0 && by != body + 1) return true;
+    if (by != 0 && (parts & ~rivals.of(by - 1u)) == 0) return true;
     block /= kLanes;
   }
   return false;
@@ -187,25 +211,26 @@ unsigned part_entry(const FoundPatches& entry, std::size_t body, Lists& lists) {
   const MetLanes& met = lists.overlaps.met[entry.block];
   if ((met.again & entry.lanes) == 0) return entry.lanes;
   const SharedBlock& shared = lists.overlaps.shared[met.number];
-  const unsigned lanes = entry.lanes & ~(shared.outdone[body] & met.again),
-                 together = lanes & (shared.of_tile | shared.of_two), others = lanes & shared.of_others;
+  const unsigned lanes = entry.lanes & ~shared.outdone[body], sharing = lanes & shared.of_body[body],
+                 together = sharing & (shared.of_tile | shared.of_two), others = sharing & shared.of_others;
   if (body < lists.bodies.finger_count) lists.add_together(entry, body, together, shared);
   lists.add_by_parts(entry, body, others, shared);
   return lanes & ~(together | others);
 }
 
 // What each body that is felt keeps; false where lists are too long.
-bool part_entries(const Model& model, bool any_whole, FoundByBody found, Lists& lists) {
+bool part_entries(const Model& model, bool any_whole, FoundByBody found, Rivals& rivals, Lists& lists) {
   Overlaps& overlaps = lists.overlaps;
   const std::size_t most = overlaps.found_together.size() - kMostOfBlock;
   for (std::size_t body = 0; body < found.size(); ++body) {
     const std::size_t begin = lists.kept;
     for (const FoundPatches& entry : found[body]) {
-      if ((parts_in(entry, body) & overlaps.rivals.any) == 0 || is_block(kind_of(entry))) {
+      if (is_block(kind_of(entry))) {
         overlaps.kept[lists.kept++] = entry;
         continue;
       }
-      if (any_whole && is_taken(*model.patches, overlaps, body, entry.block)) continue;
+      if (any_whole && is_taken(*model.patches, overlaps, rivals, parts_in(entry, body), entry.block))
+        continue;
       const unsigned lanes = part_entry(entry, body, lists);
       if (lanes != 0) overlaps.kept[lists.kept++] = {entry.key, lanes_of(lanes), entry.block};
       if (lists.together > most || lists.by_parts > most) return false;
@@ -276,17 +301,19 @@ void size_overlaps(const Model& model, Overlaps& overlaps) {
   overlaps.runs.reserve(most + kMostOfBlock);
 }
 
-bool part_overlaps(const Model& model, const Bodies& bodies, FoundByBody found, Overlaps& overlaps) {
+bool part_overlaps(const Model& model, const Bodies& bodies, Rivals& rivals, FoundByBody found,
+                   Overlaps& overlaps) {
   overlaps.forget();
-  if (overlaps.rivals.any == 0) {
+  const auto has_any = [](const auto& of_body) { return !of_body.empty(); };
+  if (model.settings.felt_once == FeltOnce::never || std::count_if(found.begin(), found.end(), has_any) < 2) {
     std::copy(found.begin(), found.end(), overlaps.left.begin());
     return true;
   }
   const bool any_whole = mark_blocks(found, overlaps);
-  see_sharers(found, overlaps);
-  part_lanes(model, bodies, overlaps);
+  see_sharers(found, rivals, overlaps);
+  part_lanes(model, bodies, rivals, overlaps);
   Lists lists{bodies, overlaps};
-  const bool has_room = part_entries(model, any_whole, found, lists);
+  const bool has_room = part_entries(model, any_whole, found, rivals, lists);
   unmark_blocks(found, overlaps);
   put_in_order(std::span(overlaps.found_together).first(lists.together), overlaps.together_begin,
                overlaps.together);

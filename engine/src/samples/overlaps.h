@@ -25,7 +25,7 @@ struct MetLanes {
 /// A block of which several bodies have found the same patches: a bit per lane.
 struct SharedBlock {
   std::uint32_t block;
-  std::uint64_t parts = 0;                               ///< near any of its patches
+  std::uint64_t parts = 0;                               ///< near any of its patches, of bodies that share it
   std::uint16_t of_body[Bodies::kMostFingers + 1] = {};  ///< found by each
   std::uint16_t outdone[Bodies::kMostFingers + 1] = {};  ///< others are deeper throughout
   std::uint16_t near_skeleton = 0, at_joint = 0;         ///< of any body; shared by tiles of a finger
@@ -51,9 +51,8 @@ struct PartsRun {
 
 /// What there is room for is sized once; blocks that are met are unmarked again after every search.
 struct Overlaps {
-  Rivals rivals;
   std::vector<MetLanes> met;           ///< of each block
-  std::vector<std::uint8_t> taken_by;  ///< of each block as one: the body's number plus 1, or 0
+  std::vector<std::uint8_t> taken_by;  ///< of each block as one: the part's number plus 1, or 0
   std::vector<SharedBlock> shared;
   std::vector<FoundPatches> kept;
   std::array<std::span<const FoundPatches>, Bodies::kMostFingers + 1> left;  ///< to each body by itself
@@ -96,7 +95,7 @@ void size_overlaps(const Model& model, Overlaps& overlaps);
 
 /// From what each body has found to what it feels by itself and what several share. False where that is more
 /// than there is room for (Settings::max_candidates).
-bool part_overlaps(const Model& model, const Bodies& bodies,
+bool part_overlaps(const Model& model, const Bodies& bodies, Rivals& rivals,
                    std::span<const std::span<const FoundPatches>> found, Overlaps& overlaps);
 
 }  // namespace lumbrical

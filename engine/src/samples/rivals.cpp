@@ -1,6 +1,5 @@
 #include "samples/rivals.h"
 
-#include "base/fixed_list.h"
 #include "borders/joint_border.h"
 #include "model/primitive.h"
 
@@ -10,32 +9,29 @@ namespace {
 // Share of their radii by which parts may be apart.
 constexpr double kApart = 0.1;
 
-/// A phalanx, and a sphere about its axis.
+/// A phalanx, and how far from its axis others are near [m].
 struct Rival {
-  std::size_t number;
-  const Primitive* phalanx;
-  Vec3 middle;
-  double half, reach;  // [m] of its axis; and from that to where others are near
+  const Primitive& phalanx;
+  double length, reach;
 
-  Rival(std::size_t its_number, const Primitive& its)
-      : number(its_number),
-        phalanx(&its),
-        middle(0.5 * (its.end1 + its.end2)),
-        half(0.5 * norm(its.end2 - its.end1)),
-        reach((1 + 0.5 * kApart) * max(its.radius1, its.radius2)) {}
+  Rival(const Primitives& hand, const Bodies& bodies, std::size_t part)
+      : phalanx(hand.capsule[bodies.finger[body_of(part)].segment[part % Bodies::kTilesApart]]),
+        length(tile_at(bodies.finger.data(), part).length),
+        reach((1 + 0.5 * kApart) * max(phalanx.radius1, phalanx.radius2)) {}
 };
 
 bool meet(const Rival& one, const Rival& other) {
-  const double reach = one.reach + other.reach, far = reach + one.half + other.half;
-  const Vec3 apart = other.middle - one.middle;
-  return dot(apart, apart) <= far * far && segment_distance(*one.phalanx, *other.phalanx) <= reach;
+  const double reach = one.reach + other.reach, far = reach + 0.50001 * (one.length + other.length);
+  const Vec3 apart =
+      0.5 * ((other.phalanx.end1 - one.phalanx.end1) + (other.phalanx.end2 - one.phalanx.end2));
+  return dot(apart, apart) <= far * far && segment_distance(one.phalanx, other.phalanx) <= reach;
 }
 
 // No plane along the palm's skin has all of the phalanx beyond it.
 bool meet(const SweptPolygon& palm, const Rival& rival) {
   const double reach = (1 + 0.5 * kApart) * palm.radius + rival.reach;
   const auto is_beyond = [&](Vec3 normal, Vec3 point) {
-    return min(dot(normal, rival.phalanx->end1 - point), dot(normal, rival.phalanx->end2 - point)) > reach;
+    return min(dot(normal, rival.phalanx.end1 - point), dot(normal, rival.phalanx.end2 - point)) > reach;
   };
   if (is_beyond(palm.normal, palm.corner[0]) || is_beyond(-palm.normal, palm.corner[0])) return false;
   for (int k = 0; k < palm.corner_count; ++k) {
@@ -45,46 +41,24 @@ bool meet(const SweptPolygon& palm, const Rival& rival) {
   return true;
 }
 
-// At least one of two has to be felt.
-bool matter(const Bodies& bodies, std::size_t one, std::size_t other) {
-  return is_felt(bodies, body_of(one)) || is_felt(bodies, body_of(other));
-}
-
-void add_pair(std::size_t one, std::size_t other, Rivals& rivals) {
-  const std::uint64_t its = std::uint64_t{1} << one, others = std::uint64_t{1} << other;
-  rivals.of[one] |= others;
-  rivals.of[other] |= its;
-  rivals.any |= its | others;
-}
-
 }  // namespace
 
-Rivals all_rivals(const Bodies& bodies) {
-  Rivals rivals;
-  rivals.any = parts_of(bodies);
-  for_numbers(rivals.any, [&](std::size_t part) {
-    const std::size_t body = body_of(part);
-    rivals.of[part] = rivals.any & ~(parts_of_body(rivals.any, body) << body * Bodies::kTilesApart);
-  });
-  return rivals;
-}
-
-Rivals find_rivals(const Primitives& hand, const Bodies& bodies) {
-  Rivals rivals;
-  const std::size_t palm = palm_number(bodies);
-  const bool has_palm = bodies.palm.corner_count > 0;
-  FixedList<Rival, Bodies::kMostParts> before;
-  for_numbers(parts_of(bodies) & ((std::uint64_t{1} << palm) - 1), [&](std::size_t number) {
-    const FingerBody& finger = bodies.finger[body_of(number)];
-    const Rival own(number, hand.capsule[finger.segment[number % Bodies::kTilesApart]]);
-    if (has_palm && matter(bodies, number, palm) && meet(hand.palm, own)) add_pair(number, palm, rivals);
-    for (const Rival& other : before) {
-      if (body_of(other.number) != body_of(number) && matter(bodies, number, other.number) &&
-          meet(own, other))
-        add_pair(number, other.number, rivals);
-    }
-    before.push_back(own);
-  });
+std::uint64_t Rivals::find(std::size_t part) const {
+  const std::size_t palm = palm_number(bodies_);
+  std::uint64_t rivals = 0;
+  const auto add_those = [&](std::uint64_t others, const auto& meets) {
+    for_numbers(others, [&](std::size_t other) { rivals |= std::uint64_t{meets(other)} << other; });
+  };
+  const auto rival = [&](std::size_t number) { return Rival(hand_, bodies_, number); };
+  const std::uint64_t parts = parts_of(bodies_), tiles = parts & ~(std::uint64_t{1} << palm);
+  if (part == palm) {
+    add_those(tiles, [&](std::size_t tile) { return meet(hand_.palm, rival(tile)); });
+  } else {
+    const Rival own = rival(part);
+    const std::uint64_t kin = parts_of_body(parts, body_of(part)) << body_of(part) * Bodies::kTilesApart;
+    add_those(tiles & ~kin, [&](std::size_t tile) { return meet(own, rival(tile)); });
+    add_those(parts & ~tiles, [&](std::size_t) { return meet(hand_.palm, own); });
+  }
   return rivals;
 }
 

@@ -1,5 +1,5 @@
 // Which parts of a posed hand, tiles and the palm by their numbers (bodies.h), share space with parts of
-// other bodies: a question to the pose alone, asked before any patch is looked at.
+// other bodies: a question to the pose alone.
 #pragma once
 
 #include <array>
@@ -9,22 +9,37 @@
 
 namespace lumbrical {
 
-struct Rivals {
-  std::array<std::uint64_t, Bodies::kMostParts> of{};  ///< those of each part, a bit each
-  std::uint64_t any = 0;                               ///< the parts that have some
-
-  /// Those of any part of a body.
-  [[nodiscard]] std::uint64_t of_body(std::size_t body) const {
-    std::uint64_t others = 0;
-    for (std::size_t k = 0; k < Bodies::kTilesApart; ++k) others |= of[body * Bodies::kTilesApart + k];
-    return others;
+/// The parts that share space with each, a bit each, asked for when first needed. Parts do from a tenth of
+/// their radii apart: lattices don't tell where fields meet to the digit.
+class Rivals {
+ public:
+  Rivals(const Primitives& hand, const Bodies& bodies) : hand_(hand), bodies_(bodies) {}
+  [[nodiscard]] std::uint64_t of(std::size_t part) {
+    const std::uint64_t bit = std::uint64_t{1} << part;
+    if ((known_ & bit) == 0) of_[part] = find(part);
+    known_ |= bit;
+    return of_[part];
   }
+
+ private:
+  [[nodiscard]] std::uint64_t find(std::size_t part) const;
+  const Primitives& hand_;
+  const Bodies& bodies_;
+  std::uint64_t known_ = 0;
+  std::array<std::uint64_t, Bodies::kMostParts> of_;
 };
 
-/// All parts of other bodies.
-Rivals all_rivals(const Bodies& bodies);
-/// Those of which at least one is felt. Parts are rivals from a tenth of their radii apart: lattices don't
-/// tell where fields meet to the digit.
-Rivals find_rivals(const Primitives& hand, const Bodies& bodies);
+/// What may be deeper than a body's parts, and where bodies are, seen from that one's origin.
+struct OtherParts {
+  const Bodies& bodies;
+  std::size_t body;
+  BodyOffsets offset;
+  Rivals* rivals;  ///< null: each part is felt by itself
+
+  /// The rivals of a finger's tile, or of the palm as the first.
+  [[nodiscard]] std::uint64_t of_tile(std::size_t tile) const {
+    return rivals == nullptr ? 0 : rivals->of(body * Bodies::kTilesApart + tile);
+  }
+};
 
 }  // namespace lumbrical

@@ -7,7 +7,7 @@
 
 #include "index/patches.h"
 #include "lumbrical/model.h"
-#include "samples/bodies.h"
+#include "samples/rivals.h"
 #include "search/sphere_query.h"
 
 namespace lumbrical {
@@ -142,14 +142,6 @@ struct PalmQuery {
   std::size_t plane_count = 0;
   float plane[PalmBody::kMostCorners + 2][4];  ///< unit normal, offset [m]
   float slack;                                 ///< [m] what rounding may take away
-};
-
-/// The parts of a hand that share space with those of a body (a finger's tiles, the palm), a bit each, and
-/// where bodies are, seen from that one's origin.
-struct OtherParts {
-  const Bodies& bodies;
-  std::array<std::uint64_t, FingerBody::kMostTiles> of_tile;
-  BodyOffsets offset;
 };
 
 /// Blocks that are classified at a time, at most.

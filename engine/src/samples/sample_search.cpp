@@ -227,25 +227,19 @@ void find_for_palm(const Model& model, const Primitives& hand, const PalmBody& p
 // Listed patches, the last time, below which threads cost more than they bring.
 constexpr std::size_t kSerialBelow = 1600;
 
-OtherParts others_of(const Bodies& bodies, const Rivals& rivals, std::size_t body, Vec3 origin) {
-  OtherParts others{bodies, {}, offsets_from(origin, bodies)};
-  std::copy_n(rivals.of.begin() + static_cast<std::ptrdiff_t>(body * Bodies::kTilesApart),
-              FingerBody::kMostTiles, others.of_tile.begin());
-  return others;
-}
-
 // What a body finds from there.
 std::span<const FoundPatches> find_for(const Model& model, const Primitives& hand, const Bodies& bodies,
-                                       const Rivals& rivals, std::size_t body, const SearchFrom& from,
-                                       PatchSearcher& searcher, CentroidForce& force) {
+                                       std::size_t body, const SearchFrom& from, PatchSearcher& searcher,
+                                       CentroidForce& force) {
   const std::size_t begin = searcher.count;
   const SplitPoint& origin = bodies.origin[body];
-  if (body < bodies.finger_count) {
-    const FingerBody& finger = bodies.finger[body];
-    const OtherParts others = others_of(bodies, rivals, body, finger.origin);
+  const bool is_finger = body < bodies.finger_count;
+  const FingerBody& finger = bodies.finger[is_finger ? body : 0];
+  const OtherParts others{bodies, body, offsets_from(is_finger ? finger.origin : bodies.palm.origin, bodies),
+                          model.settings.felt_once == FeltOnce::never ? nullptr : &*searcher.rivals};
+  if (is_finger) {
     find_for_finger(model, hand, finger, origin, others, from, searcher, force);
   } else {
-    const OtherParts others = others_of(bodies, rivals, body, bodies.palm.origin);
     find_for_palm(model, hand, bodies.palm, origin, others, from, searcher, force);
   }
   return std::span(searcher.found).subspan(begin, searcher.count - begin);
@@ -272,24 +266,30 @@ std::span<const std::uint32_t> blocks_found(const PatchSearchMemory& memory, std
 }
 
 // Bodies that are not felt but may be in the way of others: of the blocks that those have found patches of.
-void find_in_the_way(const Model& model, const Primitives& hand, const Bodies& bodies, const Rivals& rivals,
+void find_in_the_way(const Model& model, const Primitives& hand, const Bodies& bodies,
                      PatchSearchMemory& memory) {
   PatchSearcher& searcher = memory.searcher[0];
+  const std::uint64_t parts = parts_of(bodies);
   for (std::size_t body = 0; body <= bodies.finger_count; ++body) {
-    const std::uint64_t others = felt_of(bodies, rivals.of_body(body));
-    if (is_felt(bodies, body) || others == 0) continue;
+    if (is_felt(bodies, body)) continue;
+    std::uint64_t others = 0;
+    for_numbers(parts_of_body(parts, body), [&](std::size_t k) {
+      others |= felt_of(bodies, searcher.rivals->of(body * Bodies::kTilesApart + k));
+    });
+    if (others == 0) continue;
     CentroidForce unused;
     const SearchFrom from{SearchFrom::Where::blocks, {}, blocks_found(memory, others, searcher.frontier[1])};
-    memory.found[body] = find_for(model, hand, bodies, rivals, body, from, searcher, unused);
+    memory.found[body] = find_for(model, hand, bodies, body, from, searcher, unused);
   }
 }
 
 // Bodies are shared out among the searchers, whoever is free. False where they find too much.
-bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, const Rivals& rivals,
-              bool open, std::size_t threads, PatchSearchMemory& memory) {
+bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, bool open,
+              std::size_t threads, PatchSearchMemory& memory) {
   const std::size_t most = most_patches(model);
   for (PatchSearcher& searcher : memory.searcher) {
     searcher.count = 0;
+    searcher.rivals.emplace(hand, bodies);
     if (open) std::swap(searcher.found, searcher.before);
   }
   const auto before = memory.found;
@@ -307,11 +307,11 @@ bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, 
         if (open) from = {SearchFrom::Where::before, before[body], {}};
         CentroidForce unused;
         memory.found[body] =
-            find_for(model, hand, bodies, rivals, body, from, searcher, open ? unused : memory.force[body]);
+            find_for(model, hand, bodies, body, from, searcher, open ? unused : memory.force[body]);
       }
     }
   });
-  find_in_the_way(model, hand, bodies, rivals, memory);
+  find_in_the_way(model, hand, bodies, memory);
   std::size_t total = 0;
   for (const PatchSearcher& searcher : memory.searcher) total += searcher.count;
   return total <= most;
@@ -418,21 +418,13 @@ bool put_in_order(std::span<const std::span<const FoundPatches>> found, std::spa
   return true;
 }
 
-// Who may be deeper than whom; asking is worth its time where it spares a search, or whole blocks that
-// question.
-Rivals rivals_of(const Model& model, const Primitives& hand, const Bodies& bodies) {
-  if (model.settings.felt_once == FeltOnce::never) return {};
-  const bool all_felt = felt_of(bodies, parts_of(bodies)) == parts_of(bodies);
-  return model.patches->has_wholes || !all_felt ? find_rivals(hand, bodies) : all_rivals(bodies);
-}
-
 bool find_in_order(const Model& model, const Primitives& hand, const Bodies& bodies, bool open,
                    PatchSearchMemory& memory, NearPatches& near, Overlaps& overlaps) {
   const std::size_t threads = near.count() < kSerialBelow ? 1 : memory.searcher.size(),
                     body_count = bodies.finger_count + 1;
-  if (!open) overlaps.rivals = rivals_of(model, hand, bodies);
-  if (find_all(model, hand, bodies, overlaps.rivals, open, threads, memory) &&
-      part_overlaps(model, bodies, std::span(memory.found).first(body_count), overlaps) &&
+  if (find_all(model, hand, bodies, open, threads, memory) &&
+      part_overlaps(model, bodies, *memory.searcher[0].rivals, std::span(memory.found).first(body_count),
+                    overlaps) &&
       put_in_order(std::span(overlaps.left).first(body_count), memory.runs, near)) {
     near.tiles |= felt_of(bodies, overlaps.parts);
     return true;

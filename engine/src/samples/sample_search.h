@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -46,6 +47,7 @@ struct PatchSearcher {
   std::array<std::vector<std::uint32_t>, 2> frontier;
   std::vector<FoundPatches> found, before;  ///< before: for a coarser level
   std::size_t count = 0;                    ///< found so far
+  std::optional<Rivals> rivals;             ///< of the hand that is searched for
 
   [[nodiscard]] FoundPatches* end() { return found.data() + count; }
 };
