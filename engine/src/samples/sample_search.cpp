@@ -285,7 +285,8 @@ void find_in_the_way(const Model& model, const Primitives& hand, const Bodies& b
 
 // Bodies are shared out among the searchers, whoever is free. False where they find too much.
 bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, bool open,
-              std::size_t threads, PatchSearchMemory& memory) {
+              PatchSearchMemory& memory) {
+  const std::size_t threads = memory.listed < kSerialBelow ? 1 : memory.searcher.size();
   const std::size_t most = most_patches(model);
   for (PatchSearcher& searcher : memory.searcher) {
     searcher.count = 0;
@@ -418,22 +419,6 @@ bool put_in_order(std::span<const std::span<const FoundPatches>> found, std::spa
   return true;
 }
 
-bool find_in_order(const Model& model, const Primitives& hand, const Bodies& bodies, bool open,
-                   PatchSearchMemory& memory, NearPatches& near, Overlaps& overlaps) {
-  const std::size_t threads = near.count() < kSerialBelow ? 1 : memory.searcher.size(),
-                    body_count = bodies.finger_count + 1;
-  if (find_all(model, hand, bodies, open, threads, memory) &&
-      part_overlaps(model, bodies, *memory.searcher[0].rivals, std::span(memory.found).first(body_count),
-                    overlaps) &&
-      put_in_order(std::span(overlaps.left).first(body_count), memory.runs, near)) {
-    near.tiles |= felt_of(bodies, overlaps.parts);
-    return true;
-  }
-  near.begin.fill(0);
-  overlaps.forget();
-  return false;
-}
-
 }  // namespace
 
 void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& near) {
@@ -451,13 +436,33 @@ void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& nea
   at_least(most + kSpare, near.listed);
 }
 
-bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
-                  NearPatches& near, Overlaps& overlaps) {
-  return find_in_order(model, hand, bodies, false, memory, near, overlaps);
+bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodies,
+                  PatchSearchMemory& memory) {
+  return find_all(model, hand, bodies, false, memory);
 }
-bool open_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
-                  NearPatches& near, Overlaps& overlaps) {
-  return find_in_order(model, hand, bodies, true, memory, near, overlaps);
+bool open_patches(const Model& model, const Primitives& hand, const Bodies& bodies,
+                  PatchSearchMemory& memory) {
+  return find_all(model, hand, bodies, true, memory);
+}
+
+bool found_any(const PatchSearchMemory& memory) {
+  return std::any_of(memory.found.begin(), memory.found.end(),
+                     [](const auto& of_body) { return !of_body.empty(); });
+}
+
+bool list_patches(const Model& model, const Bodies& bodies, PatchSearchMemory& memory, NearPatches& near,
+                  Overlaps& overlaps) {
+  const std::size_t body_count = bodies.finger_count + 1;
+  if (part_overlaps(model, bodies, *memory.searcher[0].rivals, std::span(memory.found).first(body_count),
+                    overlaps) &&
+      put_in_order(std::span(overlaps.left).first(body_count), memory.runs, near)) {
+    near.tiles |= felt_of(bodies, overlaps.parts);
+    memory.listed = near.count();
+    return true;
+  }
+  near.forget();
+  overlaps.forget();
+  return false;
 }
 
 double force_at_centroids(const Bodies& bodies, const PatchSearchMemory& memory) {

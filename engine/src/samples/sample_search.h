@@ -24,6 +24,10 @@ struct NearPatches {
   std::array<std::uint64_t, kKeyCount> innermost{};  ///< the tiles that patches of each key are listed for
 
   [[nodiscard]] std::size_t count() const { return begin.back(); }
+  void forget() {
+    begin.fill(0);
+    tiles = 0;
+  }
   [[nodiscard]] bool has(std::size_t patch_class) const {
     return begin[patch_class * kind::kCount] < begin[(patch_class + 1) * kind::kCount];
   }
@@ -65,19 +69,26 @@ struct PatchSearchMemory {
   std::array<std::span<const FoundPatches>, Bodies::kMostFingers + 1> found;  ///< of each body, the palm last
   std::array<CentroidForce, Bodies::kMostFingers + 1> force;                  ///< on each body
   std::vector<PatchRun> runs;                                                 ///< in order of their keys
+  std::size_t listed = 0;                                                     ///< patches, the last time
 };
 
 void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& near);
 
-/// What each body feels by itself, and, if others leave or take something, `overlaps`. False where more is
-/// near than there is room for (Settings::max_candidates).
-bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
-                  NearPatches& near, Overlaps& overlaps);
+/// What each body meets. False where that is more than there is room for (Settings::max_candidates).
+bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodies,
+                  PatchSearchMemory& memory);
 
 /// The same, from what was found for bodies that take larger blocks as ones on the skin and are otherwise the
 /// same: those that are too large now are opened.
-bool open_patches(const Model& model, const Primitives& hand, const Bodies& bodies, PatchSearchMemory& memory,
-                  NearPatches& near, Overlaps& overlaps);
+bool open_patches(const Model& model, const Primitives& hand, const Bodies& bodies,
+                  PatchSearchMemory& memory);
+
+bool found_any(const PatchSearchMemory& memory);
+
+/// What was found as each body feels it by itself and, in `overlaps`, as several share it. False where that
+/// is more than there is room for.
+bool list_patches(const Model& model, const Bodies& bodies, PatchSearchMemory& memory, NearPatches& near,
+                  Overlaps& overlaps);
 
 /// What bodies feel together by the patches' centroids alone: the sum of their forces' sizes [m^3], of a
 /// stiffness of 1. As the last search of all patches has it.

@@ -160,15 +160,18 @@ void feel_on_two_levels(SampleTeam& team, std::size_t coarser, SampledForces& fo
 // Looks for what is near as a level wants it: blocks that the skin goes through are taken as ones or opened.
 bool find_for(SampleTeam& team, std::size_t level) {
   take_blocks_on_skin(team.model.patches->block_on_skin[level], team.memory.bodies);
-  return find_patches(team.model, team.hand, team.memory.bodies, team.memory.search, team.memory.near,
-                      team.memory.overlaps);
+  return find_patches(team.model, team.hand, team.memory.bodies, team.memory.search);
 }
 
 // The same from what was found for a coarser level.
 bool open_for(SampleTeam& team, std::size_t level) {
   take_blocks_on_skin(team.model.patches->block_on_skin[level], team.memory.bodies);
-  return open_patches(team.model, team.hand, team.memory.bodies, team.memory.search, team.memory.near,
-                      team.memory.overlaps);
+  return open_patches(team.model, team.hand, team.memory.bodies, team.memory.search);
+}
+
+bool list(SampleTeam& team) {
+  SampleMemory& memory = team.memory;
+  return list_patches(team.model, memory.bodies, memory.search, memory.near, memory.overlaps);
 }
 
 std::size_t coarsest_of(const LevelWeights& weights) {
@@ -200,7 +203,7 @@ bool feel_apart(SampleTeam& team, std::size_t coarser, const Effort& effort, dou
                 SampledForces& forces) {
   forces.evaluations = evaluations_of(effort, only(coarser));
   feel_on_one_level(team, coarser, forces);
-  if (!open_for(team, coarser + 1)) return false;
+  if (!open_for(team, coarser + 1) || !list(team)) return false;
   SampledForces finer;
   finer.evaluations = evaluations_of(effort_of(team), only(coarser + 1));
   const std::uint64_t most = team.model.settings.effort;
@@ -237,11 +240,14 @@ bool feel(SampleTeam& team, const LevelWeights* levels, SampledForces& forces) {
   }
   std::size_t coarsest = coarsest_of(forces.level);
   if (!same_blocks(coarsest, 0) && !open_for(team, coarsest)) return false;
+  if (!list(team)) return false;
   Effort effort = effort_of(team);
   if (most > 0 && !same_blocks(coarsest, 0) && evaluations_of(effort, forces.level) > most) {
-    if (!find_for(team, 0)) return false;
+    if (!find_for(team, 0) || !list(team)) return false;
     effort = effort_of(team);
   }
+  forces.patch_count =
+      static_cast<std::uint32_t>(team.memory.near.count()) + team.memory.overlaps.patch_count();
   if (most > 0 && effort.always + effort.level[0] > most) {
     feel_in_one_cell(team, effort, force, forces);
     return true;
@@ -292,9 +298,10 @@ bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t seg
   const bool once = model.settings.felt_once != FeltOnce::never;
   set_bodies(hand, once ? sampled_segments(model) : segments, segments, *model.patches, memory.bodies);
   SampleTeam team{model, hand, memory, empty_sums(hand)};
+  memory.near.forget();
+  memory.overlaps.forget();
   if (!find_for(team, 0)) return false;
-  forces.patch_count = static_cast<std::uint32_t>(memory.near.count()) + memory.overlaps.patch_count();
-  if (forces.patch_count == 0) return true;
+  if (!found_any(memory.search)) return true;
   if (!feel(team, levels, forces)) return false;
   forces.contact_count = team.touched();
   return true;
