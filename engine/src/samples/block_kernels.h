@@ -279,9 +279,9 @@ LUMBRICAL_INLINE inline std::uint32_t sum_blocks(const BlockList& list, const fl
   SampleRows rows;
   std::uint32_t touched = 0;
   for (std::size_t first = 0; first < list.count; first += SampleRows::kWidth) {
-    const std::size_t left = list.count - first;
-    gather(list, first, left < SampleRows::kWidth ? left : SampleRows::kWidth, rows);
-    for (std::size_t lane = 0; lane < SampleRows::kWidth; lane += wide::Lanes<V>::kCount) {
+    const std::size_t count = std::min(list.count - first, SampleRows::kWidth);
+    gather(list, first, count, rows);
+    for (std::size_t lane = 0; lane < count; lane += wide::Lanes<V>::kCount) {
       const Wide3<V> centre = vector_at<V>(rows.centre, lane) - frame_origin, at = turn_into(axis, centre);
       Wide3<V> normal = vector_at<V>(rows.weight[6], lane), force = field(at) * normal;
       Wide3<V> arm[3], moment{number<V>(0), number<V>(0), number<V>(0)};

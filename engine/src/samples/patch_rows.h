@@ -99,15 +99,15 @@ inline void gather(const PatchList& list, std::size_t first, std::size_t count, 
   }
 }
 
-/// Calls take(rows, lane) for every register of the patches.
+/// Calls take(rows, lane) for every register of the patches that holds any.
 template <class V, class Take>
 LUMBRICAL_INLINE inline void for_rows(const PatchList& list, const Take& take) {
   PatchRows rows;
   const std::size_t count = list.count * lanes_of_patch(list);
   for (std::size_t first = 0; first < count; first += PatchRows::kWidth) {
-    const std::size_t left = count - first;
-    gather(list, first, left < PatchRows::kWidth ? left : PatchRows::kWidth, rows);
-    for (std::size_t lane = 0; lane < PatchRows::kWidth; lane += wide::Lanes<V>::kCount) take(rows, lane);
+    const std::size_t lanes = std::min(count - first, PatchRows::kWidth);
+    gather(list, first, lanes, rows);
+    for (std::size_t lane = 0; lane < lanes; lane += wide::Lanes<V>::kCount) take(rows, lane);
   }
 }
 
