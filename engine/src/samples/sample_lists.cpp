@@ -5,14 +5,23 @@
 namespace lumbrical {
 namespace {
 
-// Of every number of steps the tiles whose lattices have so many in patches of a class, a bit each.
-std::array<std::uint64_t, kMostSteps + 1> tiles_by_steps(const Bodies& bodies, std::size_t level,
-                                                         std::size_t patch_class) {
-  std::array<std::uint64_t, kMostSteps + 1> tiles{};
+/// Of every number of steps the parts of the hand whose lattices have so many, a bit each, and which there
+/// are.
+struct PartsBySteps {
+  std::array<std::uint64_t, kMostSteps + 1> of{};
+  std::uint64_t any = 0;
+
+  void add(std::size_t part, std::size_t steps) {
+    of[steps] |= std::uint64_t{1} << part;
+    any |= std::uint64_t{1} << steps;
+  }
+};
+
+PartsBySteps tiles_by_steps(const Bodies& bodies, std::size_t level, std::size_t patch_class) {
+  PartsBySteps tiles;
   for (std::size_t i = 0; i < bodies.finger_count; ++i) {
     for (std::size_t k = 0; k < bodies.finger[i].tile_count; ++k)
-      tiles[bodies.finger[i].steps[k][patch_class][level]] |= std::uint64_t{1}
-                                                              << (i * Bodies::kTilesApart + k);
+      tiles.add(i * Bodies::kTilesApart + k, bodies.finger[i].steps[k][patch_class][level]);
   }
   return tiles;
 }
@@ -76,33 +85,26 @@ void run_together(SampleWork& work, std::size_t patch_class, std::size_t steps, 
   }
 }
 
-// Of every number of steps the parts of the hand that have lattices of so many, over what they share.
-void run_together(SampleWork& work, std::size_t patch_class, std::size_t level, Part part) {
-  if (!work.overlaps.has(patch_class)) return;
-  auto parts = tiles_by_steps(work.bodies, level, patch_class);
-  const PalmBody& palm = work.bodies.palm;
-  if (palm.corner_count > 0)
-    parts[palm.steps[patch_class][level]] |= std::uint64_t{1} << palm_number(work.bodies);
-  for (std::size_t steps = 1; steps <= kMostSteps; ++steps) {
-    const std::uint64_t wanted = parts[steps] & work.near.tiles;
-    if (wanted != 0) run_together(work, patch_class, steps, {work.sums(part), wanted});
-  }
-}
-
 }  // namespace
 
 void run_lattices(SampleWork& work, std::size_t patch_class, std::size_t level, Part part) {
   BodySums* const sums = work.sums(part);
-  const auto tiles = tiles_by_steps(work.bodies, level, patch_class);
-  for (std::size_t steps = 1; steps <= kMostSteps; ++steps) {
-    if (tiles[steps] != 0) run_fingers(work, patch_class, steps, {sums, tiles[steps]});
-  }
-  run_together(work, patch_class, level, part);
-  const auto of_palm = work.of_kinds(kind::kPalm, kind::kPalm, patch_class);
-  if (of_palm.empty()) return;
+  PartsBySteps parts = tiles_by_steps(work.bodies, level, patch_class);
+  for_numbers(parts.any, [&](std::size_t steps) {
+    run_fingers(work, patch_class, steps, {sums, parts.of[steps]});
+  });
   const PalmBody& palm = work.bodies.palm;
-  work.memory.touched += work.kernels.palm_lattice(work.list(of_palm, palm.steps[patch_class][level]), palm,
-                                                   sums[palm_number(work.bodies)]);
+  if (palm.corner_count > 0) {
+    const std::size_t number = palm_number(work.bodies), steps = palm.steps[patch_class][level];
+    parts.add(number, steps);
+    const PatchList list = work.list(work.of_kinds(kind::kPalm, kind::kPalm, patch_class), steps);
+    if (list.count > 0) work.memory.touched += work.kernels.palm_lattice(list, palm, sums[number]);
+  }
+  if (!work.overlaps.has(patch_class)) return;
+  for_numbers(parts.any, [&](std::size_t steps) {
+    const std::uint64_t wanted = parts.of[steps] & work.near.tiles;
+    if (wanted != 0) run_together(work, patch_class, steps, {sums, wanted});
+  });
 }
 
 void run_smooth(SampleWork& work, std::size_t patch_class) {
