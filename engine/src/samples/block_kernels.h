@@ -23,7 +23,7 @@ static_assert(offsetof(BlockSamples, centre_weight) == (kWeights + 18) * sizeof(
 struct BlockFours {
   Four centre[4], arms[2][4], end[4];
   void see(std::size_t k, const float* numbers, const OriginFours& origin) {
-    centre[k] = (four_at(numbers) - origin.high) + (four_at(numbers + 3) - origin.low);
+    centre[k] = origin.seen(numbers);
     for (std::size_t i = 0; i < 2; ++i) arms[i][k] = four_at(numbers + kArms + 4 * i);
     end[k] = four_at(numbers + kArms + 8);
   }

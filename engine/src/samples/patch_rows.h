@@ -29,6 +29,10 @@ struct OriginFours {
     high = Four{origin.high[0], origin.high[1], origin.high[2], 0};
     low = Four{origin.low[0], origin.low[1], origin.low[2], 0};
   }
+  /// A SplitPoint's six numbers, seen from there; the last of four is nothing.
+  [[nodiscard]] Four seen(const float* numbers) const {
+    return (four_at(numbers) - high) + (four_at(numbers + 3) - low);
+  }
 };
 
 /// Four patches as fours: the first corner of each, and its edges' first and last four numbers of six.
@@ -37,20 +41,20 @@ struct PatchFours {
 
   /// The k-th, seen from its body.
   void see(std::size_t k, const float* numbers, const OriginFours& origin) {
-    corner[k] = (four_at(numbers) - origin.high) + (four_at(numbers + 3) - origin.low);
+    corner[k] = origin.seen(numbers);
     edges[k] = four_at(numbers + 6);
     edges_end[k] = four_at(numbers + 8);
   }
   /// The first one's quarters: at its corners and, upside down, in its middle.
   void quarter() {
     const Four half = {0.5f, 0.5f, 0.5f, 0.5f}, zero{};
-    const Four edge1 = half * edges[0],
-               edge2 = half * __builtin_shufflevector(edges_end[0], edges_end[0], 1, 2, 3, 3);
-    const Four own = corner[0], all = half * edges[0], all_end = half * edges_end[0];
+    const Four edge1 = half * edges[0],  // and the second's first number
+        edge2 = half * __builtin_shufflevector(edges_end[0], edges_end[0], 1, 2, 3, 3);
+    const Four own = corner[0], all_end = half * edges_end[0];
     const Four from_own[4] = {zero, edge1, edge2, edge1 + edge2};
     for (std::size_t k = 0; k < 4; ++k) {
       corner[k] = own + from_own[k];
-      edges[k] = k < 3 ? all : zero - all;
+      edges[k] = k < 3 ? edge1 : zero - edge1;
       edges_end[k] = k < 3 ? all_end : zero - all_end;
     }
   }
@@ -59,9 +63,8 @@ struct PatchFours {
     transpose(edges);
     transpose(edges_end);
     put_fours(corner, 3, rows.corner, lane);
-    put_fours(edges, 2, rows.edge[0], lane);
-    put_fours(edges_end, 1, rows.edge[0] + 2, lane);
-    put_fours(edges_end + 1, 3, rows.edge[1], lane);
+    put_fours(edges, 4, rows.edge, 0, lane);
+    put_fours(edges_end + 2, 2, rows.edge, 4, lane);
   }
 };
 
