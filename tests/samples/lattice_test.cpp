@@ -212,7 +212,7 @@ TEST(Lattice, IntegratesPositiveQuadraticFunctionsExactly) {
     };
     // Means of 1, u, u^2, u v, ... over the triangle: 2 i! j! / (i + j + 2)!
     const double mean = k[0] + (k[1] + k[2]) / 3 + (k[3] + k[5]) / 6 + k[4] / 12;
-    for (const std::size_t steps : {1, 2, 3, 4, 5, 6, 7, 8}) {
+    for (std::size_t steps = 1; steps <= kMostStepsAtOnce; ++steps) {
       const LatticeMoments<float> m = scalar::lattice_moments<float>(
           steps, [](float u) { return u; }, [&](float u, float v) { return static_cast<float>(f(u, v)); });
       EXPECT_NEAR(m.sum, mean, 5e-6) << steps;

@@ -17,7 +17,7 @@ namespace lumbrical {
 /// A patch's size is one less than how many steps of a length of their own it is long, rounded up. Its class
 /// is that, or by kPatchSizes more where a body's skeleton comes near (an axis, a centre, the palm's
 /// polygon): there its field has a kink.
-inline constexpr std::size_t kPatchSizes = 8, kPatchClasses = 2 * kPatchSizes;
+inline constexpr std::size_t kPatchSizes = 7, kPatchClasses = 2 * kPatchSizes;
 
 /// The lattice with most steps: twice as many as a patch is long, where a skeleton comes near.
 inline constexpr std::size_t kMostSteps = 2 * kPatchSizes;
