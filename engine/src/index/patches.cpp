@@ -31,6 +31,9 @@ constexpr double kThick = 0.5, kThin = 1.5;
 // most would be nowhere near a finger.
 constexpr double kSizeStep = 0.16;
 
+// Steps are rounded up to an even number.
+static_assert(kPatchSizes * kSizeStep <= (kMostSteps - 2) * kStep[kLevels - 1]);
+
 // How many times finer than a patch is long in those, level by level, lattices are where a skeleton comes
 // near.
 constexpr std::array<double, kLevels> kNearSkeleton = {1, 1, 1, 1.25, 1.25, 1.5, 1.75, 1.75, 2};

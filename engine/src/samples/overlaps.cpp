@@ -40,13 +40,13 @@ void for_entries(FoundByBody found, const Take& take) {
 
 // ---- Who meets what ----
 
-// Marks what bodies have found and lists the blocks that they share patches of; true if any block is a whole.
-bool mark_blocks(FoundByBody found, Overlaps& overlaps) {
-  bool any_whole = false;
+// Marks what bodies have found and lists the blocks that they share patches of.
+void mark_blocks(FoundByBody found, Overlaps& overlaps) {
+  overlaps.any_whole = false;
   overlaps.shared.clear();
   for_entries(found, [&](std::size_t body, const FoundPatches& entry) {
     if (is_block(kind_of(entry))) {
-      any_whole = true;
+      overlaps.any_whole = true;
       overlaps.taken_by[entry.block] = static_cast<std::uint8_t>(__builtin_ctzll(parts_in(entry, body)) + 1);
       return;
     }
@@ -59,7 +59,6 @@ bool mark_blocks(FoundByBody found, Overlaps& overlaps) {
     met.again = lanes_of(met.again | again);
     met.once = lanes_of(met.once | entry.lanes);
   });
-  return any_whole;
 }
 
 void unmark_blocks(FoundByBody found, Overlaps& overlaps) {
@@ -79,15 +78,30 @@ bool has_rivals(Rivals& rivals, std::uint64_t parts) {
   return any;
 }
 
-void see_sharers(FoundByBody found, Rivals& rivals, Overlaps& overlaps) {
+// Are patches in a block that another part takes as one? Then that is deeper throughout than all parts that
+// share space with it; the others were not asked.
+bool is_taken(const Patches& patches, const Overlaps& overlaps, Rivals& rivals, std::uint64_t parts,
+              std::uint32_t block) {
+  if (!overlaps.any_whole) return false;
+  for (const std::uint32_t first : patches.first_samples) {
+    const std::uint8_t by = overlaps.taken_by[first + block];
+    if (by != 0 && (parts & ~rivals.of(by - 1u)) == 0) return true;
+    block /= kLanes;
+  }
+  return false;
+}
+
+void see_sharers(const Patches& patches, FoundByBody found, Rivals& rivals, Overlaps& overlaps) {
   for_entries(found, [&](std::size_t body, const FoundPatches& entry) {
     if (is_block(kind_of(entry))) return;
     const MetLanes& met = overlaps.met[entry.block];
     const unsigned lanes = met.again & entry.lanes;
-    if (lanes == 0 || !has_rivals(rivals, parts_in(entry, body))) return;
+    const std::uint64_t parts = parts_in(entry, body);
+    if (lanes == 0 || !has_rivals(rivals, parts) || is_taken(patches, overlaps, rivals, parts, entry.block))
+      return;
     SharedBlock& shared = overlaps.shared[met.number];
     shared.of_body[body] = lanes_of(shared.of_body[body] | lanes);
-    shared.parts |= parts_in(entry, body);
+    shared.parts |= parts;
     if (sharers_of(kind_of(entry)) > 1) shared.at_joint = lanes_of(shared.at_joint | lanes);
     if (class_of(entry) >= kPatchSizes) shared.near_skeleton = lanes_of(shared.near_skeleton | lanes);
   });
@@ -154,18 +168,6 @@ void part_lanes(const Model& model, const Bodies& bodies, Rivals& rivals, Overla
 
 // ---- What is left to whom ----
 
-// Are patches in a block that another part takes as one? Then that is deeper throughout than all parts that
-// share space with it; the others were not asked.
-bool is_taken(const Patches& patches, const Overlaps& overlaps, Rivals& rivals, std::uint64_t parts,
-              std::uint32_t block) {
-  for (const std::uint32_t first : patches.first_samples) {
-    const std::uint8_t by = overlaps.taken_by[first + block];
-    if (by != 0 && (parts & ~rivals.of(by - 1u)) == 0) return true;
-    block /= kLanes;
-  }
-  return false;
-}
-
 /// Lists what is found, as long as there is room.
 struct Lists {
   const Bodies& bodies;
@@ -219,7 +221,7 @@ unsigned part_entry(const FoundPatches& entry, std::size_t body, Lists& lists) {
 }
 
 // What each body that is felt keeps; false where lists are too long.
-bool part_entries(const Model& model, bool any_whole, FoundByBody found, Rivals& rivals, Lists& lists) {
+bool part_entries(const Patches& patches, FoundByBody found, Rivals& rivals, Lists& lists) {
   Overlaps& overlaps = lists.overlaps;
   const std::size_t most = overlaps.found_together.size() - kMostOfBlock;
   for (std::size_t body = 0; body < found.size(); ++body) {
@@ -229,8 +231,7 @@ bool part_entries(const Model& model, bool any_whole, FoundByBody found, Rivals&
         overlaps.kept[lists.kept++] = entry;
         continue;
       }
-      if (any_whole && is_taken(*model.patches, overlaps, rivals, parts_in(entry, body), entry.block))
-        continue;
+      if (is_taken(patches, overlaps, rivals, parts_in(entry, body), entry.block)) continue;
       const unsigned lanes = part_entry(entry, body, lists);
       if (lanes != 0) overlaps.kept[lists.kept++] = {entry.key, lanes_of(lanes), entry.block};
       if (lists.together > most || lists.by_parts > most) return false;
@@ -309,11 +310,11 @@ bool part_overlaps(const Model& model, const Bodies& bodies, Rivals& rivals, Fou
     std::copy(found.begin(), found.end(), overlaps.left.begin());
     return true;
   }
-  const bool any_whole = mark_blocks(found, overlaps);
-  see_sharers(found, rivals, overlaps);
+  mark_blocks(found, overlaps);
+  see_sharers(*model.patches, found, rivals, overlaps);
   part_lanes(model, bodies, rivals, overlaps);
   Lists lists{bodies, overlaps};
-  const bool has_room = part_entries(model, any_whole, found, rivals, lists);
+  const bool has_room = part_entries(*model.patches, found, rivals, lists);
   unmark_blocks(found, overlaps);
   put_in_order(std::span(overlaps.found_together).first(lists.together), overlaps.together_begin,
                overlaps.together);

@@ -53,6 +53,7 @@ struct PartsRun {
 struct Overlaps {
   std::vector<MetLanes> met;           ///< of each block
   std::vector<std::uint8_t> taken_by;  ///< of each block as one: the part's number plus 1, or 0
+  bool any_whole = false;              ///< is there any of those?
   std::vector<SharedBlock> shared;
   std::vector<FoundPatches> kept;
   std::array<std::span<const FoundPatches>, Bodies::kMostFingers + 1> left;  ///< to each body by itself
