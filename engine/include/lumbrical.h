@@ -195,7 +195,7 @@ typedef struct lumbrical_settings {
   uint32_t max_candidates;              /* 262144 */
   int32_t has_ground;                   /* 0: free objects fall for ever */
   int32_t law[LUMBRICAL_SEGMENTS];      /* FIELD */
-  double precision[LUMBRICAL_SEGMENTS]; /* 0 exact, or 1e-6 .. 0.1, a share of the hand's force: 1e-4 */
+  double precision[LUMBRICAL_SEGMENTS]; /* 0 exact, its finger too, or 1e-6 .. 0.1 of the force: 1e-4 */
   double stiffness;                     /* [N/m^3] 2e7 */
   double rate;                          /* [Hz] ticks per second of session time: 1000 */
   double point_area;                    /* [m^2] of POINT: 1e-4 */

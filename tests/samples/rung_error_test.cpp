@@ -230,5 +230,34 @@ TEST(SampledRung, StaysWithinItsPrecisionOnFieldsAndPlanesFarAwayAndWithMissingP
   }
 }
 
+// A finger's segments share out space, which no two rungs can do together.
+TEST(SampledRung, AFingerIsExactOfWhichAnySegmentIsOrFollowsAnotherLaw) {
+  const Hand hand = default_hand(Side::right);
+  for (std::size_t segment : {3u, 4u, 5u}) {
+    for (const bool by_law : {false, true}) {
+      Scene scene = sampled_scene(hand, {{"field", make_height_field(0.3, 40, 0.002, 0.04)}});
+      scene.settings.precision.fill(0);
+      if (by_law) scene.settings.law[segment] = Law::column;
+      const Model exact = model_of(scene, {});
+      scene.settings.precision.fill(1e-4);
+      if (!by_law) scene.settings.precision[segment] = 0;
+      const Model mixed = model_of(scene, {});
+      Scratch of_exact = make_scratch(exact), of_mixed = make_scratch(mixed);
+      double felt = 0;
+      for (const DeviceFrame& frame : draped(hand, 17)) {
+        State one, other;
+        const ActuatorFrame wanted = tick(exact, one, of_exact, frame),
+                            output = tick(mixed, other, of_mixed, frame);
+        for (std::size_t i = 0; i < kSegmentCount; ++i) {
+          const Vec3 off = output.segment[i].force - wanted.segment[i].force;
+          EXPECT_LE(norm(off), i >= 3 && i <= 5 ? 0 : 3e-4 * force_size(wanted)) << "segment " << i;
+        }
+        for (std::size_t i = 3; i <= 5; ++i) felt += norm(wanted.segment[i].force);
+      }
+      EXPECT_GT(felt, 1);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lumbrical::test

@@ -103,8 +103,8 @@ struct Settings {
   double rate = 1000;                    ///< [Hz] ticks per second of session time, 1 .. 100000
   double point_area = 1e-4;              ///< [m^2] stands in for the area in Law::point
   /// Per hand segment, under the field law: 0 exact; else the error wanted as a share of the hand's force,
-  /// 1e-6 .. 0.1, which samples keep in 98 of 100 ticks (docs/mechanics.md). What it comes to in a tick:
-  /// ActuatorFrame.
+  /// 1e-6 .. 0.1, which samples keep in 98 of 100 ticks (docs/mechanics.md). A finger of which any segment is
+  /// exact, or follows another law, is exact. What it comes to in a tick: ActuatorFrame.
   std::array<double, kSegmentCount> precision = every_segment(1e-4);
   double max_force = 20;    ///< [N] no segment's force exceeds it: above four fifths of it forces saturate,
                             ///< each segment's by itself

@@ -357,7 +357,13 @@ void put_blocks(const Triangles& triangles, const Box& box, const Cutting& cutti
 }  // namespace
 
 bool is_sampled(const Settings& settings, std::size_t segment) {
-  return settings.law[segment] == Law::field && settings.precision[segment] > 0;
+  constexpr std::size_t kOfFinger = kPhalanxCount / kFingerCount;
+  const bool is_palm = segment == kPalmSegment;
+  const std::size_t first = is_palm ? segment : segment - segment % kOfFinger;
+  bool is = true;
+  for (std::size_t i = first; i < first + (is_palm ? 1 : kOfFinger); ++i)
+    is = is && settings.law[i] == Law::field && settings.precision[i] > 0;
+  return is;
 }
 
 std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& settings,

@@ -84,8 +84,8 @@ struct Patches {
   std::vector<std::uint32_t> exact;          ///< those, ascending
 };
 
-/// Which bodies of the hand are felt by samples: those of which every segment follows the field law with a
-/// precision above 0.
+/// Is a segment felt by samples? The palm and fingers are of which every segment follows the field law with a
+/// precision above 0: a finger's segments share out space, which one rung has to do for all of them.
 bool is_sampled(const Settings& settings, std::size_t segment);
 
 /// The patches of a world of that extent for a hand; null where no segment is felt by samples. On
