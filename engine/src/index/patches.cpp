@@ -75,10 +75,21 @@ double radius_of(const Hand& hand, std::size_t segment) {
   return min(hand.radius[base], hand.radius[tip]);
 }
 
-double mean_radius(const Hand& hand, const Settings& settings) {
+std::uint32_t sampled_segments(const Settings& settings) {
+  constexpr std::uint32_t kOfFinger = kPhalanxCount / kFingerCount, kFinger = (1u << kOfFinger) - 1;
+  std::uint32_t segments = 0;
+  for (std::size_t i = 0; i < kSegmentCount; ++i)
+    segments |= std::uint32_t{settings.law[i] == Law::field && settings.precision[i] > 0} << i;
+  for (std::uint32_t first = 0; first < kPhalanxCount; first += kOfFinger) {
+    if ((segments >> first & kFinger) != kFinger) segments &= ~(kFinger << first);
+  }
+  return segments;
+}
+
+double mean_radius(const Hand& hand, std::uint32_t segments) {
   double sum = 0, count = 0;
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    if (!is_sampled(settings, i)) continue;
+    if ((segments >> i & 1u) == 0) continue;
     sum += radius_of(hand, i);
     ++count;
   }
@@ -356,33 +367,25 @@ void put_blocks(const Triangles& triangles, const Box& box, const Cutting& cutti
 
 }  // namespace
 
-bool is_sampled(const Settings& settings, std::size_t segment) {
-  constexpr std::size_t kOfFinger = kPhalanxCount / kFingerCount;
-  const bool is_palm = segment == kPalmSegment;
-  const std::size_t first = is_palm ? segment : segment - segment % kOfFinger;
-  bool is = true;
-  for (std::size_t i = first; i < first + (is_palm ? 1 : kOfFinger); ++i)
-    is = is && settings.law[i] == Law::field && settings.precision[i] > 0;
-  return is;
-}
-
 std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& settings,
                                              const Triangles& triangles, const Box& extent,
                                              const Execution& execution) {
-  const double mean = mean_radius(hand, settings);
+  const std::uint32_t segments = sampled_segments(settings);
+  if (segments == 0) return nullptr;
+  const double mean = mean_radius(hand, segments);
   double least = std::numeric_limits<double>::infinity(), finest = least;
   std::array<double, kSegmentCount> unit{};
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    if (!is_sampled(settings, i)) continue;
+    if ((segments >> i & 1u) == 0) continue;
     unit[i] = step_unit(hand, settings, i, mean);
     least = min(least, kSizeStep * min(unit[i], mean));
     finest = min(finest, std::sqrt(std::sqrt(settings.precision[i] / 1e-4)));
   }
-  if (!is_finite(least)) return nullptr;
   auto patches = std::make_shared<Patches>();
+  patches->segments = segments;
   double radius3 = 0, sampled = 0;
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    if (!is_sampled(settings, i)) continue;
+    if ((segments >> i & 1u) == 0) continue;
     const double radius = radius_of(hand, i);
     radius3 += radius * radius * radius;
     const bool is_palm = i == kPalmSegment;

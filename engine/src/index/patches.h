@@ -64,6 +64,9 @@ struct BlockSamples {
 };
 
 struct Patches {
+  /// Felt by samples, a bit each: the palm and fingers of which every segment follows the field law with a
+  /// precision above 0. A finger's segments share out space, which one rung has to do for all of them.
+  std::uint32_t segments = 0;
   /// Steps of the lattices that a hand segment has in a patch of a class.
   std::array<std::array<LatticeSteps, kPatchClasses>, kSegmentCount> steps{};
   std::array<LatticeSteps, kPatchClasses> most_steps{};  ///< that any segment has
@@ -83,10 +86,6 @@ struct Patches {
   std::vector<std::uint64_t> is_sampled;     ///< a bit per triangle; the others are left to the exact rung
   std::vector<std::uint32_t> exact;          ///< those, ascending
 };
-
-/// Is a segment felt by samples? The palm and fingers are of which every segment follows the field law with a
-/// precision above 0: a finger's segments share out space, which one rung has to do for all of them.
-bool is_sampled(const Settings& settings, std::size_t segment);
 
 /// The patches of a world of that extent for a hand; null where no segment is felt by samples. On
 /// `execution.threads` threads, with the same result for any number of them.

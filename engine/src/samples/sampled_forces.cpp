@@ -279,13 +279,7 @@ void size_samples(const Model& model, SampleMemory& memory) {
   }
 }
 
-std::uint32_t sampled_segments(const Model& model) {
-  std::uint32_t segments = 0;
-  if (!model.patches) return segments;
-  for (std::size_t i = 0; i < kSegmentCount; ++i)
-    segments |= static_cast<std::uint32_t>(is_sampled(model.settings, i)) << i;
-  return segments;
-}
+std::uint32_t sampled_segments(const Model& model) { return model.patches ? model.patches->segments : 0; }
 
 bool felt_by_samples(const Model& model, std::size_t segment, std::uint32_t triangle) {
   return (sampled_segments(model) >> segment & 1u) != 0 && is_sampled(*model.patches, triangle);
