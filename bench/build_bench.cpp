@@ -18,7 +18,7 @@ using namespace lumbrical;
 std::size_t byte_count(const Patches& patches) {
   return byte_count(patches.tree) + patches.block.size() * sizeof(PatchBlock) +
          patches.shape.size() * sizeof(PatchShape) + patches.samples.size() * sizeof(BlockSamples) +
-         patches.is_sampled.size() * sizeof(std::uint64_t) + patches.exact.size() * sizeof(std::uint32_t);
+         byte_count(patches.large_tree) + patches.large.size() * sizeof(std::uint32_t);
 }
 
 double bytes_of(const Model& model) {

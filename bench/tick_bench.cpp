@@ -66,7 +66,6 @@ Answers exact_answers_of(const Model& model, const std::vector<DeviceFrame>& fra
   if (model.patches && model.settings.felt_once == FeltOnce::by_samples)
     without_samples.settings.felt_once = FeltOnce::always;
   without_samples.patches = nullptr;
-  without_samples.rest = nullptr;
   return answers_of(without_samples, frames);
 }
 

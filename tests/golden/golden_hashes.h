@@ -27,6 +27,7 @@ inline constexpr GoldenHash kGolden[] = {
     {"not_finite", 0x2b44b6e994f303b5},
     {"overflow", 0x913c86da50ab79a3},
     {"large", 0x562c6fbb742b1fe6},
+    {"hall", 0x04112fc0eda081a5},
     {"far", 0xd95e03aefc4006fa},
     {"mixed", 0x0ce5b97ca9bf8e85},
     {"samples.1e-3", 0xbb29bba0a8eedb3a},

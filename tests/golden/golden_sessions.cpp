@@ -140,6 +140,17 @@ GoldenSession large_triangles() {
   return press("large", scene, 0.004, 20);
 }
 
+/// So large that samples cut them where they are touched, and a needle and another mesh among them.
+GoldenSession hall() {
+  Scene scene = pressed_scene(0.1, 20);
+  Mesh needle;
+  needle.vertices = {{-20, 0.01, 0.001}, {30, 0.012, 0.001}, {10, 0.03, 0.002}};
+  needle.triangles = {{0, 1, 2}};
+  scene.objects.push_back({"floor", make_plane(40, 3, 0.8, 5)});
+  scene.objects.push_back({"needle", needle});
+  return press("hall", scene, 0.004, 12);
+}
+
 /// The exact rung where tiles border on one another: the mug grasped, then fingers of uneven radii bent at
 /// random, some folded.
 GoldenSession bent() {
@@ -302,6 +313,7 @@ std::vector<GoldenSession> golden_sessions() {
   sessions.push_back(not_finite());
   sessions.push_back(overflow());
   sessions.push_back(large_triangles());
+  sessions.push_back(hall());
   sessions.push_back(far_away());
   sessions.push_back(mixed_laws());
   sessions.push_back(sampled("samples.1e-3", 1e-3));

@@ -57,8 +57,8 @@ class Parting {
   const Overlaps& part(const Found& found) {
     std::array<std::span<const FoundPatches>, Bodies::kMostFingers + 1> spans;
     std::copy(found.begin(), found.end(), spans.begin());
-    EXPECT_TRUE(part_overlaps(model_, bodies(), *rivals_, std::span(spans).first(bodies().finger_count + 1),
-                              overlaps_));
+    EXPECT_TRUE(part_overlaps(model_, cuts_, bodies(), *rivals_,
+                              std::span(spans).first(bodies().finger_count + 1), overlaps_));
     return overlaps_;
   }
 
@@ -72,6 +72,7 @@ class Parting {
   Scratch scratch_;
   Random random_;
   Overlaps overlaps_;
+  CutPatches cuts_;
   std::optional<Rivals> rivals_;
 };
 

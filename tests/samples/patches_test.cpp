@@ -1,11 +1,10 @@
-// Which triangles are felt by samples, and that a hand feels both those and the others.
+// Which triangles are cut into patches with their model, and into which.
 #include <gtest/gtest.h>
 
+#include "index/patches.h"
 #include "lumbrical/shapes.h"
-#include "model/primitive.h"
 #include "pressed_hand.h"
 #include "sampled_hand.h"
-#include "samples/sampled_forces.h"
 
 namespace lumbrical::test {
 namespace {
@@ -17,21 +16,20 @@ Mesh strip(double length, double width) {
   return mesh;
 }
 
-bool is_felt_by_samples(const Mesh& mesh) {
-  const Model model = model_at(sampled_scene(default_hand(Side::right), {{"mesh", mesh}}), 1e-4);
-  return felt_by_samples(model, kPalmSegment, 0);
+bool is_cut(const Mesh& mesh) {
+  return model_at(sampled_scene(default_hand(Side::right), {{"mesh", mesh}}), 1e-4).patches->large.empty();
 }
 
-TEST(Patches, CutTrianglesUpToSomeMetresAndSliversOfAnyLength) {
-  EXPECT_TRUE(is_felt_by_samples(make_plane(0.01, 1)));
-  EXPECT_TRUE(is_felt_by_samples(make_plane(0.8, 1))) << "half a table";
-  EXPECT_FALSE(is_felt_by_samples(make_plane(10, 1))) << "half a hall";
-  EXPECT_TRUE(is_felt_by_samples(strip(1.8, 0.5))) << "half a desk";
-  EXPECT_TRUE(is_felt_by_samples(strip(1.8, 0.03))) << "half of its front";
-  EXPECT_TRUE(is_felt_by_samples(strip(0.05, 0.001)));
-  EXPECT_TRUE(is_felt_by_samples(strip(0.5, 0.001)));
-  EXPECT_TRUE(is_felt_by_samples(strip(50, 0.0001)));
-  EXPECT_FALSE(is_felt_by_samples(strip(3000, 0.001))) << "a million patches";
+TEST(Patches, OfTrianglesUpToSomeMetresAndOfLongSliversAreCutWithTheModel) {
+  EXPECT_TRUE(is_cut(make_plane(0.01, 1)));
+  EXPECT_TRUE(is_cut(make_plane(0.8, 1))) << "half a table";
+  EXPECT_FALSE(is_cut(make_plane(10, 1))) << "half a hall";
+  EXPECT_TRUE(is_cut(strip(1.8, 0.5))) << "half a desk";
+  EXPECT_TRUE(is_cut(strip(1.8, 0.03))) << "half of its front";
+  EXPECT_TRUE(is_cut(strip(0.05, 0.001)));
+  EXPECT_TRUE(is_cut(strip(0.5, 0.001)));
+  EXPECT_TRUE(is_cut(strip(50, 0.0001)));
+  EXPECT_FALSE(is_cut(strip(3000, 0.001))) << "a million patches";
 }
 
 // Of a model's patches: their number, longest edge, vector area and its first moment.
@@ -103,44 +101,13 @@ TEST(Patches, OfNeedlesAreFeltToTheirPrecision) {
     mesh.triangles.push_back(i % 2 == 0 ? std::array{i, i + 2, i + 1} : std::array{i, i + 1, i + 2});
   const Scene scene = sampled_scene(default_hand(Side::right), {{"needles", mesh}});
   FeelingHand samples(scene, 1e-4), exact(scene, 0);
-  EXPECT_EQ(samples.model().rest, nullptr);
+  EXPECT_TRUE(samples.model().patches->large.empty());
   expect_its_precision(samples, exact);
 }
 
 TEST(Patches, AreNoMoreThanHalfAMillionBesideTheTriangles) {
-  EXPECT_TRUE(is_felt_by_samples(make_plane(2, 4)));
-  EXPECT_FALSE(is_felt_by_samples(make_plane(10, 20))) << "800 triangles as large";
-}
-
-// A floor that the exact rung has, and a bumpy field in it that it has not.
-TEST(Patches, AreFeltTogetherWithTrianglesThatAreLeftToTheExactRung) {
-  const Scene scene =
-      sampled_scene(default_hand(Side::right),
-                    {{"floor", make_plane(10, 1)}, {"field", make_height_field(0.3, 40, 0.003, 0.05)}});
-  FeelingHand samples(scene, 1e-4), exact(scene, 0);
-  ASSERT_NE(samples.model().rest, nullptr);
-  EXPECT_FALSE(felt_by_samples(samples.model(), kPalmSegment, 0));
-  EXPECT_TRUE(felt_by_samples(samples.model(), kPalmSegment, 2));
-  expect_its_precision(samples, exact);
-}
-
-// A table that samples have, above a floor that they have not.
-TEST(Patches, ShapesForTheExactRungAreMadeOnlyWhereItsTrianglesAreNear) {
-  Mesh floor = make_plane(10, 1);
-  move(floor, {0, 0, -0.7});
-  const Scene scene =
-      sampled_scene(default_hand(Side::right), {{"floor", floor}, {"table", make_plane(0.6, 1)}});
-  const Model model = model_at(scene, 1e-4);
-  ASSERT_NE(model.rest, nullptr);
-  Scratch scratch = make_scratch(model);
-  for (const double lower : {0.0, 0.7}) {
-    DeviceFrame frame = pressed_frame(scene.hand, 0.002, 0.2);
-    frame.base.position.z -= lower;
-    State state;
-    EXPECT_GT(force_size(tick(model, state, scratch, frame)), 0.1);
-    EXPECT_EQ(scratch.primitives->count > 0, lower > 0);
-    EXPECT_EQ(scratch.contact_count > 0, lower > 0);
-  }
+  EXPECT_TRUE(is_cut(make_plane(2, 4)));
+  EXPECT_FALSE(is_cut(make_plane(10, 20))) << "800 triangles as large";
 }
 
 }  // namespace

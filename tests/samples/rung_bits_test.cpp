@@ -65,6 +65,17 @@ TEST(SampledBits, AreTheSameForEveryInstructionSetThreadCountAndSearch) {
   }
 }
 
+// Triangles so large that they are cut where they are touched, around others.
+TEST(SampledBits, AreTheSameOnLargeTriangles) {
+  Scene scene = sampled_scene(default_hand(Side::right),
+                              {{"floor", make_plane(12, 2)}, {"mesh", make_plane(0.1, 20, 1, 3)}});
+  const std::vector<DeviceFrame> frames = postures(scene.hand, 5);
+  for (const FeltOnce once : {FeltOnce::never, FeltOnce::by_samples}) {
+    scene.settings.felt_once = once;
+    EXPECT_GT(expect_the_same_on_every_way(scene, frames), 1000u);
+  }
+}
+
 // Also what several bodies hold together, exactly and by samples.
 TEST(SampledBits, AreTheSameWhereThatIsFeltOnce) {
   Scene scene = irregular_scene();

@@ -32,11 +32,9 @@ enum class Law : std::uint8_t {
 /// What several fingers, or fingers and palm, hold together is felt once, by the one that is deepest in it,
 /// or by all of them: up to 4 % of the hand's force on what is flat, more in a fist.
 enum class FeltOnce : std::uint8_t {
-  never,  ///< each part of the hand feels as if it were alone
-  /// By samples, for half as much time again; exact segments, and triangles too large for samples, don't
-  /// know.
-  by_samples,
-  always,  ///< exactly too, in ten times the time: for the field law, and one rung for all segments
+  never,       ///< each part of the hand feels as if it were alone
+  by_samples,  ///< by samples, for half as much time again; exact segments don't know
+  always,      ///< exactly too, in ten times the time: for the field law, and one rung for all segments
 };
 
 /// Where candidate triangles come from. Never changes a result, only the time it takes.
@@ -272,9 +270,6 @@ struct Model {
   SphereGrid grid;                           ///< empty unless Broadphase::grid
   std::shared_ptr<const VoxelIndex> voxels;  ///< null unless Broadphase::voxel
   std::shared_ptr<const Patches> patches;    ///< null where no segment is felt by samples
-  /// What samples leave to the exact rung, triangles too large for them, as a world of its own; null:
-  /// nothing.
-  std::shared_ptr<const Model> rest;
   /// What a pad's layers feel: the same world for a thinner hand, of the layer's stiffness [N/m^3].
   std::vector<std::shared_ptr<const Model>> layers;
   std::vector<World::Object> objects;  ///< of the world

@@ -3,8 +3,6 @@
 #include <bit>
 #include <cmath>
 
-#include "index/patches.h"
-
 namespace lumbrical {
 namespace {
 
@@ -16,55 +14,55 @@ constexpr double kSliver = 3, kSliverSteps = 3, kFinerSlivers = 2.2;
 // patches' longest edges are longer than their strips.
 constexpr double kStrip = 2, kStripShare = 0.94;
 
-double longest_edge(const Corners& at) {
-  const Vec3 ab = at.b - at.a, ac = at.c - at.a, bc = at.c - at.b;
-  return std::sqrt(max(dot(ab, ab), max(dot(ac, ac), dot(bc, bc))));
+// Into how many patches a part of a triangle is cut; 0: it would have to be halved more often than `most`
+// times in a row.
+std::size_t count_of_part(const Corners& at, double step, unsigned most) {
+  const LongestFirst part = longest_first(at);
+  if (is_short(part, step)) return 1;
+  if (most == 0) return 0;
+  const std::size_t first = count_of_part(part.half(false), step, most - 1),
+                    second = first > 0 ? count_of_part(part.half(true), step, most - 1) : 0;
+  return second > 0 ? first + second : 0;
+}
+// Lists all patches of a part.
+void cut_part(const Corners& at, double step, PatchPath path, std::vector<PatchPath>& paths) {
+  const LongestFirst part = longest_first(at);
+  if (is_short(part, step)) return paths.push_back(path);
+  cut_part(part.half(false), step, {path.part, 2 * path.halves}, paths);
+  cut_part(part.half(true), step, {path.part, 2 * path.halves + 1}, paths);
 }
 
-double width_of(const Corners& at) { return norm(cross(at.b - at.a, at.c - at.a)) / longest_edge(at); }
+}  // namespace
 
-/// Triangle a b c cut across into strips, of which that at a is a triangle, and all others two each.
-struct Needle {
-  Corners at;
-  std::uint32_t strips = 0;
-
-  [[nodiscard]] std::uint32_t count() const { return strips > 0 ? 2 * strips - 1 : 0; }
-  [[nodiscard]] Corners part(std::uint32_t number) const {
-    const std::uint32_t strip = (number + 1) / 2;
-    const auto along = [&](Vec3 end, std::uint32_t i) {
-      return at.a + static_cast<double>(i) / static_cast<double>(strips) * (end - at.a);
-    };
-    const Vec3 b = along(at.b, strip + 1), c = along(at.c, strip + 1);
-    if (strip == 0) return {at.a, b, c};
-    if (number % 2 == 1) return {along(at.b, strip), b, c};
-    return {along(at.b, strip), c, along(at.c, strip)};
-  }
-};
-
-/// A triangle as needles: by itself, or the two on either side of its apex.
-struct Strips {
-  Needle first, second;
-  [[nodiscard]] std::uint32_t count() const { return first.count() + second.count(); }
-  [[nodiscard]] Corners part(std::uint32_t number) const {
-    return number < first.count() ? first.part(number) : second.part(number - first.count());
-  }
-};
-
-// Corners in turn, the longest edge first.
-Corners longest_first(const Corners& at) {
-  const auto square = [](Vec3 p, Vec3 q) { return dot(q - p, q - p); };
-  const double ab = square(at.a, at.b), bc = square(at.b, at.c), ca = square(at.c, at.a);
-  if (ab >= bc && ab >= ca) return at;
-  return bc >= ca ? Corners{at.b, at.c, at.a} : Corners{at.c, at.a, at.b};
+double steps_along(double square, double area, double step) {
+  const double longest = std::sqrt(square);
+  return longest / step * clamp(square / (kSliver * area), 1, kFinerSlivers);
 }
 
-// Of a sliver that is longer than its strips may be; else none.
+Corners Needle::part(std::uint32_t number) const {
+  const std::uint32_t strip = (number + 1) / 2;
+  const Vec3 b = along(at.b, strip + 1), c = along(at.c, strip + 1);
+  if (strip == 0) return {at.a, b, c};
+  if (number % 2 == 1) return {along(at.b, strip), b, c};
+  return {along(at.b, strip), c, along(at.c, strip)};
+}
+
+Sphere Needle::sphere_round(std::uint32_t first, std::uint32_t parts) const {
+  const std::uint32_t begin = (first + 1) / 2, end = (first + parts) / 2 + 1;
+  const double share = 1 / static_cast<double>(strips), here = share * begin, there = share * end;
+  const Vec3 b = at.b - at.a, c = at.c - at.a, middle = 0.25 * (here + there) * (b + c);
+  double square = 0;
+  for (const Vec3 corner : {here * b, here * c, there * b, there * c})
+    square = max(square, dot(corner - middle, corner - middle));
+  return {at.a + middle, std::sqrt(square)};
+}
+
 Strips strips_of(const Corners& triangle, double step) {
-  const double longest = longest_edge(triangle), width = width_of(triangle),
+  const auto [at, square] = longest_first(triangle);
+  const Vec3 along = at.b - at.a;
+  const double longest = std::sqrt(square), width = norm(cross(along, at.c - at.a)) / longest,
                most = max(kStrip * width, kSliverSteps * step);
   if (!(longest > max(kSliver * width, most))) return {};
-  const Corners at = longest_first(triangle);
-  const Vec3 along = at.b - at.a;
   const double place = dot(at.c - at.a, along) / dot(along, along);
   const auto needle = [&](Vec3 a, Vec3 b, Vec3 c, double length) {
     return Needle{{a, b, c}, static_cast<std::uint32_t>(std::ceil(min(length / (kStripShare * most), 1e9)))};
@@ -75,40 +73,6 @@ Strips strips_of(const Corners& triangle, double step) {
   if (place > 1 - least) return {needle(at.a, at.b, at.c, longest), {}};
   const Vec3 foot = at.a + place * along;
   return {needle(at.a, foot, at.c, place * longest), needle(at.b, at.c, foot, (1 - place) * longest)};
-}
-
-// The half of a triangle cut at the middle of its longest edge.
-Corners half_of(const Corners& triangle, bool second) {
-  const Corners at = longest_first(triangle);
-  const Vec3 middle = at.a + 0.5 * (at.b - at.a);
-  return second ? Corners{middle, at.b, at.c} : Corners{at.a, middle, at.c};
-}
-
-bool is_patch(const Corners& at, double step) {
-  return !(longest_edge(at) > static_cast<double>(kPatchSizes) * step);
-}
-
-// Into how many patches a part of a triangle is cut; 0: it would have to be halved more often than `most`
-// times in a row.
-std::size_t count_of_part(const Corners& at, double step, unsigned most) {
-  if (is_patch(at, step)) return 1;
-  if (most == 0) return 0;
-  const std::size_t first = count_of_part(half_of(at, false), step, most - 1),
-                    second = first > 0 ? count_of_part(half_of(at, true), step, most - 1) : 0;
-  return second > 0 ? first + second : 0;
-}
-// Lists all patches of a part.
-void cut_part(const Corners& at, double step, PatchPath path, std::vector<PatchPath>& paths) {
-  if (is_patch(at, step)) return paths.push_back(path);
-  cut_part(half_of(at, false), step, {path.part, 2 * path.halves}, paths);
-  cut_part(half_of(at, true), step, {path.part, 2 * path.halves + 1}, paths);
-}
-
-}  // namespace
-
-double steps_along(const Corners& patch, double step) {
-  const double longest = longest_edge(patch);
-  return longest / step * clamp(longest / (kSliver * width_of(patch)), 1, kFinerSlivers);
 }
 
 std::size_t count_parts(const Corners& at, double step, unsigned most) {
@@ -133,7 +97,7 @@ void cut_triangle(const Corners& at, double step, std::vector<PatchPath>& paths)
 Corners part_at(Corners at, double step, PatchPath path) {
   if (path.part != PatchPath::kNoStrips) at = strips_of(at, step).part(path.part);
   for (int bit = static_cast<int>(std::bit_width(path.halves)) - 2; bit >= 0; --bit)
-    at = half_of(at, (path.halves >> bit & 1u) != 0);
+    at = longest_first(at).half((path.halves >> bit & 1u) != 0);
   return at;
 }
 

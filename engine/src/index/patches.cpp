@@ -9,6 +9,7 @@
 #include "base/fixed_list.h"
 #include "base/parallel.h"
 #include "index/block_samples.h"
+#include "index/patch_blocks.h"
 #include "index/patch_cuts.h"
 #include "index/spatial_order.h"
 #include "index/sphere_tree.h"
@@ -54,7 +55,7 @@ constexpr double kBlockAbovePalm = 2, kBlockBesidePalm = 0.25;
 // and with the hand's force.
 constexpr std::array<double, kLevels> kBlockOnSkin = {0.25, 0.21, 0.17, 0.14, 0.12, 0.1, 0.087, 0.073, 0.06};
 
-// A triangle whose parts have to be halved more often in a row is left to the exact rung.
+// A triangle whose parts have to be halved more often in a row is cut where it is touched (Patches::large).
 constexpr unsigned kMostHalvings = 20;
 
 // Patches there may be beside one per triangle, or as many as there are triangles: some 60 MB.
@@ -106,12 +107,6 @@ double block_radius_of(const Hand& hand, const Settings& settings, std::size_t s
   return share * cube_root(settings.precision[segment] / 1e-4) * radius_of(hand, segment);
 }
 
-// As many as keep cells within an eighth of what is asked for.
-std::uint8_t steps_for(double wanted) {
-  const auto steps = static_cast<std::uint8_t>(max(1, std::ceil(wanted - 0.125 * min(wanted, 2))));
-  return is_in_quarters(steps) ? static_cast<std::uint8_t>(steps + steps % 2) : steps;
-}
-
 void take_most(const LatticeSteps& steps, LatticeSteps& most) {
   for (std::size_t level = 0; level < steps.size(); ++level)
     most[level] = std::max(most[level], steps[level]);
@@ -145,7 +140,7 @@ std::size_t count_patches(const Triangles& triangles, double step, unsigned most
   return total;
 }
 
-// The largest triangles go to the exact rung where patches would take too much memory.
+// The largest triangles are left where patches would take too much memory.
 Cutting cut_triangles(const Triangles& triangles, double step, const Execution& execution, Patches& patches) {
   Cutting cutting;
   cutting.step = step;
@@ -155,64 +150,26 @@ Cutting cut_triangles(const Triangles& triangles, double step, const Execution& 
   while (most > 0 && total > room) total = count_patches(triangles, step, --most, room, execution.threads);
   cutting.owner.reserve(total);
   cutting.path.reserve(total);
-  patches.is_sampled.resize(piece_count(triangles.size(), 64));
   for (std::uint32_t i = 0; i < triangles.size(); ++i) {
     const Corners at = corners_of(triangles, i);
-    const bool has = has_area(at);
-    if (has && count_parts(at, step, most) == 0) {
-      patches.exact.push_back(i);
+    if (!has_area(at)) continue;
+    if (count_parts(at, step, most) == 0) {
+      patches.large.push_back(i);
       continue;
     }
-    patches.is_sampled[i / 64] |= std::uint64_t{1} << i % 64;
-    if (!has) continue;
     cut_triangle(at, step, cutting.path);
     cutting.owner.resize(cutting.path.size(), i);
   }
   return cutting;
 }
 
+void put_large(const Triangles& triangles, const Execution& execution, Patches& patches) {
+  std::vector<std::uint32_t> members = patches.large;
+  if (!members.empty()) patches.large_tree = build_tree(triangles, members, execution);
+}
+
 Corners patch_at(const Triangles& triangles, const Cutting& cutting, std::uint32_t number) {
   return part_at(corners_of(triangles, cutting.owner[number]), cutting.step, cutting.path[number]);
-}
-
-std::size_t size_of(const Corners& patch, double step) {
-  return std::min<std::size_t>(steps_for(steps_along(patch, step)), kPatchSizes) - 1;
-}
-
-Sphere sphere_round(const Corners& at, Vec3 origin) {
-  const Vec3 a = at.a - origin, ab = at.b - at.a, ac = at.c - at.a, from_centre = (ab + ac) / 3.0;
-  const Vec3 b = ab - from_centre, c = ac - from_centre;
-  return {a + from_centre, std::sqrt(max(dot(from_centre, from_centre), max(dot(b, b), dot(c, c))))};
-}
-
-void put_patch(const Corners& at, std::size_t size, std::size_t lane, PatchBlock& block, PatchShape& shape) {
-  const Vec3 ab = at.b - at.a, ac = at.c - at.a;
-  shape.corner = split_point(at.a);
-  put(ab, shape.edge[0]);
-  put(ac, shape.edge[1]);
-  const SplitPoint centroid = split_point(at.a + (ab + ac) / 3.0);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    block.centroid[0][axis][lane] = centroid.high[axis];
-    block.centroid[1][axis][lane] = centroid.low[axis];
-  }
-  const double radius = (1 + 1e-6) * sphere_round(at, at.a).radius;
-  block.radius[lane] = static_cast<float>(radius);
-  const Vec3 normal = cross(ab, ac) / (radius * radius);
-  block.normal[0][lane] = static_cast<float>(normal.x);
-  block.normal[1][lane] = static_cast<float>(normal.y);
-  block.normal[2][lane] = static_cast<float>(normal.z);
-  block.size[lane] = static_cast<float>(size);
-}
-
-// An empty place lies where its block does.
-void put_nothing(std::size_t lane, PatchBlock& block, PatchShape& shape) {
-  for (auto& part : block.centroid) {
-    for (auto& row : part) row[lane] = row[0];
-  }
-  block.radius[lane] = -1;
-  block.size[lane] = 0;
-  for (auto& row : block.normal) row[lane] = 0;
-  shape = {};
 }
 
 Corners corners_of(const PatchShape& shape) {
@@ -344,19 +301,12 @@ void put_blocks(const Triangles& triangles, const Box& box, const Cutting& cutti
   parallel_pieces(blocks.size(), kPatchPiece / kWidth, execution.threads,
                   [&](std::size_t, std::size_t first, std::size_t last) {
                     for (std::size_t i = first; i < last; ++i) {
-                      const std::size_t begin = i * kWidth,
-                                        count = std::min<std::size_t>(kWidth, order.size() - begin);
-                      std::array<Sphere, kWidth> spheres;
-                      for (std::size_t lane = 0; lane < kWidth; ++lane) {
-                        if (lane >= count) {
-                          put_nothing(lane, blocks[i], shapes[begin + lane]);
-                          continue;
-                        }
-                        const Corners patch = patch_at(triangles, cutting, order[begin + lane]);
-                        put_patch(patch, size_of(patch, cutting.step), lane, blocks[i], shapes[begin + lane]);
-                        spheres[lane] = sphere_round(patch, origin);
-                      }
-                      leaves[i] = bound({spheres.data(), count});
+                      const std::size_t begin = i * kWidth, end = std::min(begin + kWidth, order.size());
+                      FixedList<Corners, kWidth> members;
+                      for (std::size_t k = begin; k < end; ++k)
+                        members.push_back(patch_at(triangles, cutting, order[k]));
+                      leaves[i] = put_block({members.begin(), members.size()}, cutting.step, origin,
+                                            blocks[i], shapes.data() + begin);
                     }
                   });
   patches.block = std::move(blocks);
@@ -413,7 +363,9 @@ std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& s
   patches->radius3 = radius3 / sampled;
   for (std::size_t level = 0; level < kLevels; ++level)
     patches->block_on_skin[level] = kBlockOnSkin[level] * finest * mean;
+  patches->step = least;
   const Cutting cutting = cut_triangles(triangles, least, execution, *patches);
+  put_large(triangles, execution, *patches);
   put_blocks(triangles, extent, cutting, execution, *patches);
   return patches;
 }

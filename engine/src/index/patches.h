@@ -83,8 +83,9 @@ struct Patches {
   SharedArray<PatchShape> shape;             ///< of each patch, sixteen to a block
   SharedArray<BlockSamples> samples;         ///< of each block, of each sixteen of those, and so on
   std::vector<std::uint32_t> first_samples;  ///< of each of these levels
-  std::vector<std::uint64_t> is_sampled;     ///< a bit per triangle; the others are left to the exact rung
-  std::vector<std::uint32_t> exact;          ///< those, ascending
+  double step = 0;                           ///< [m] that patches are measured in (patch_cuts.h)
+  std::vector<std::uint32_t> large;  ///< triangles that are cut where they are touched (cut_patches.h)
+  SphereTree large_tree;             ///< of those
 };
 
 /// The patches of a world of that extent for a hand; null where no segment is felt by samples. On
@@ -99,10 +100,6 @@ inline std::span<const BlockSamples> samples_of_level(const Patches& patches, st
   const std::size_t end =
       level + 1 < patches.first_samples.size() ? patches.first_samples[level + 1] : patches.samples.size();
   return {patches.samples.data() + first, end - first};
-}
-
-inline bool is_sampled(const Patches& patches, std::uint32_t triangle) {
-  return (patches.is_sampled[triangle / 64] >> triangle % 64 & 1) != 0;
 }
 
 }  // namespace lumbrical

@@ -31,17 +31,6 @@ SphereBlock empty_block() {
   return block;
 }
 
-void put_sphere(const Sphere& sphere, std::size_t place, SphereBlock* level) {
-  SphereBlock& block = level[place / kWidth];
-  const std::size_t lane = place % kWidth;
-  const Vec3 c = sphere.centre;
-  block.x[lane] = static_cast<float>(c.x);
-  block.y[lane] = static_cast<float>(c.y);
-  block.z[lane] = static_cast<float>(c.z);
-  const double size = largest_of(c) + sphere.radius;
-  block.r[lane] = static_cast<float>(sphere.radius + kFloatSlack * size);
-}
-
 // Bounds every block of a level by one sphere, which become the next level.
 std::vector<Sphere> bound_blocks(const std::vector<Sphere>& spheres, std::size_t threads) {
   std::vector<Sphere> bounds(piece_count(spheres.size(), kWidth));
@@ -143,6 +132,17 @@ void put_levels(std::vector<Sphere> spheres, std::span<const std::vector<Sphere>
 }
 
 }  // namespace
+
+void put_sphere(const Sphere& sphere, std::size_t place, SphereBlock* blocks) {
+  SphereBlock& block = blocks[place / kWidth];
+  const std::size_t lane = place % kWidth;
+  const Vec3 c = sphere.centre;
+  block.x[lane] = static_cast<float>(c.x);
+  block.y[lane] = static_cast<float>(c.y);
+  block.z[lane] = static_cast<float>(c.z);
+  const double size = largest_of(c) + sphere.radius;
+  block.r[lane] = static_cast<float>(sphere.radius + kFloatSlack * size);
+}
 
 Sphere bound(std::span<const Sphere> spheres) {
   Box box;

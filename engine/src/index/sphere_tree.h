@@ -67,6 +67,9 @@ struct Sphere {
   double radius = 0;
 };
 
+/// Puts it in its place among spheres in blocks of sixteen, widened by what rounding may take away.
+void put_sphere(const Sphere& sphere, std::size_t place, SphereBlock* blocks);
+
 /// A sphere round spheres, about the middle of their box.
 Sphere bound(std::span<const Sphere> spheres);
 

@@ -43,10 +43,7 @@ Model remade(const Model& from, const Hand& hand, const Settings& settings, std:
                       settings.law == from.settings.law && settings.precision == from.settings.precision;
   if (!cut_so) {
     built.patches.reset();
-    built.rest.reset();
     if (!built.world) build_samples(built);
-  } else if (from.rest) {
-    built.rest = std::make_shared<const Model>(remade(*from.rest, hand, settings, threads));
   }
   built.layers = layers_of(built, from);
   for (std::size_t i = 0; i < built.apart.size(); ++i) {
@@ -88,8 +85,6 @@ Model part_of(const Model& model, std::vector<std::uint32_t> members) {
 
 void build_samples(Model& model) {
   model.patches = build_patches(model.hand, model.settings, model.triangles, model.extent, model.execution);
-  if (model.patches && !model.patches->exact.empty())
-    model.rest = std::make_shared<const Model>(part_of(model, model.patches->exact));
 }
 
 std::vector<std::shared_ptr<const Model>> layers_of(const Model& model, const Model& from) {

@@ -70,7 +70,7 @@ bool is_clear(const PatchPlane& plane, const PalmBody& palm, std::uint32_t) {
 }
 
 template <class Body>
-std::size_t leave_near_of(const Patches& patches, const SplitPoint& origin, const Body& body,
+std::size_t leave_near_of(const PatchShape* shapes, const SplitPoint& origin, const Body& body,
                           FoundPatches* found, std::size_t count) {
   constexpr std::uint32_t kFirstNear = kPatchSizes * kind::kCount;
   for (std::size_t i = 0, end = count; i < end; ++i) {
@@ -79,7 +79,7 @@ std::size_t leave_near_of(const Patches& patches, const SplitPoint& origin, cons
     unsigned clear = 0;
     for (unsigned left = near.lanes; left != 0; left &= left - 1) {
       const auto lane = static_cast<unsigned>(__builtin_ctz(left));
-      const PatchPlane plane = plane_of(patches.shape[near.block * PatchBlock::kWidth + lane], origin);
+      const PatchPlane plane = plane_of(shapes[near.block * PatchBlock::kWidth + lane], origin);
       clear |= static_cast<unsigned>(is_clear(plane, body, kind_of(near))) << lane;
     }
     const auto key = static_cast<std::uint16_t>(near.key - kFirstNear);
@@ -95,13 +95,13 @@ std::size_t leave_near_of(const Patches& patches, const SplitPoint& origin, cons
 
 }  // namespace
 
-std::size_t leave_near(const Patches& patches, const SplitPoint& origin, const FingerBody& finger,
+std::size_t leave_near(const PatchShape* shapes, const SplitPoint& origin, const FingerBody& finger,
                        FoundPatches* found, std::size_t count) {
-  return leave_near_of(patches, origin, finger, found, count);
+  return leave_near_of(shapes, origin, finger, found, count);
 }
-std::size_t leave_near(const Patches& patches, const SplitPoint& origin, const PalmBody& palm,
+std::size_t leave_near(const PatchShape* shapes, const SplitPoint& origin, const PalmBody& palm,
                        FoundPatches* found, std::size_t count) {
-  return leave_near_of(patches, origin, palm, found, count);
+  return leave_near_of(shapes, origin, palm, found, count);
 }
 
 }  // namespace lumbrical

@@ -11,10 +11,11 @@ namespace lumbrical {
 inline constexpr float kClearOfPlane = 0.35f;
 
 /// Moves such patches from the classes of those that a skeleton is near to into the others of their sizes;
-/// returns how many entries there are then, at most one per patch. `origin` is the body's.
-std::size_t leave_near(const Patches& patches, const SplitPoint& origin, const FingerBody& finger,
+/// returns how many entries there are then, at most one per patch. `shapes`: sixteen to a block, `origin`:
+/// the body's.
+std::size_t leave_near(const PatchShape* shapes, const SplitPoint& origin, const FingerBody& finger,
                        FoundPatches* found, std::size_t count);
-std::size_t leave_near(const Patches& patches, const SplitPoint& origin, const PalmBody& palm,
+std::size_t leave_near(const PatchShape* shapes, const SplitPoint& origin, const PalmBody& palm,
                        FoundPatches* found, std::size_t count);
 
 }  // namespace lumbrical

@@ -82,7 +82,7 @@ bool has_rivals(Rivals& rivals, std::uint64_t parts) {
 // share space with it; the others were not asked.
 bool is_taken(const Patches& patches, const Overlaps& overlaps, Rivals& rivals, std::uint64_t parts,
               std::uint32_t block) {
-  if (!overlaps.any_whole) return false;
+  if (!overlaps.any_whole || block >= patches.block.size()) return false;
   for (const std::uint32_t first : patches.first_samples) {
     const std::uint8_t by = overlaps.taken_by[first + block];
     if (by != 0 && (parts & ~rivals.of(by - 1u)) == 0) return true;
@@ -149,7 +149,8 @@ void leave_to_rivals(Rivals& rivals, SharedBlock& shared) {
 }
 
 // Leaves patches to those who have a say in them.
-void part_lanes(const Model& model, const Bodies& bodies, Rivals& rivals, Overlaps& overlaps) {
+void part_lanes(const Model& model, const CutPatches& cuts, const Bodies& bodies, Rivals& rivals,
+                Overlaps& overlaps) {
   const Vec3 middle = bodies.finger_count > 0 ? bodies.finger[0].origin : bodies.palm.origin;
   const BodyOffsets offsets = offsets_from(middle, bodies);
   const SplitPoint origin = split_point(middle);
@@ -157,7 +158,8 @@ void part_lanes(const Model& model, const Bodies& bodies, Rivals& rivals, Overla
   for (SharedBlock& shared : overlaps.shared) {
     leave_to_rivals(rivals, shared);
     if (shared.parts == 0) continue;
-    outdone_lanes(model.patches->block[shared.block], bodies, shared.parts, offsets, origin, shared.outdone);
+    outdone_lanes(block_at(*model.patches, cuts, shared.block), bodies, shared.parts, offsets, origin,
+                  shared.outdone);
     for (std::size_t i = 0; i <= bodies.finger_count; ++i) {
       shared.outdone[i] = lanes_of(shared.outdone[i] & shared.of_body[i]);
       shared.of_body[i] = lanes_of(shared.of_body[i] & ~shared.outdone[i]);
@@ -289,11 +291,11 @@ void put_by_parts_in_order(std::span<FoundByParts> found, Overlaps& overlaps) {
 
 void size_overlaps(const Model& model, Overlaps& overlaps) {
   const Patches& patches = *model.patches;
-  at_least(patches.block.size(), overlaps.met);
+  const std::size_t blocks = most_blocks(model);
+  at_least(blocks, overlaps.met);
   at_least(patches.samples.size(), overlaps.taken_by);
-  const std::size_t most =
-      std::min<std::size_t>(model.settings.max_candidates, patches.block.size() * kMostOfBlock);
-  overlaps.shared.reserve(std::min(patches.block.size(), most));
+  const std::size_t most = std::min<std::size_t>(model.settings.max_candidates, blocks * kMostOfBlock);
+  overlaps.shared.reserve(std::min(blocks, most));
   at_least(most + kMostOfBlock, overlaps.kept);
   at_least(most + kMostOfBlock, overlaps.found_together);
   at_least(most + kMostOfBlock, overlaps.together);
@@ -302,8 +304,8 @@ void size_overlaps(const Model& model, Overlaps& overlaps) {
   overlaps.runs.reserve(most + kMostOfBlock);
 }
 
-bool part_overlaps(const Model& model, const Bodies& bodies, Rivals& rivals, FoundByBody found,
-                   Overlaps& overlaps) {
+bool part_overlaps(const Model& model, const CutPatches& cuts, const Bodies& bodies, Rivals& rivals,
+                   FoundByBody found, Overlaps& overlaps) {
   overlaps.forget();
   const auto has_any = [](const auto& of_body) { return !of_body.empty(); };
   if (model.settings.felt_once == FeltOnce::never || std::count_if(found.begin(), found.end(), has_any) < 2) {
@@ -312,7 +314,7 @@ bool part_overlaps(const Model& model, const Bodies& bodies, Rivals& rivals, Fou
   }
   mark_blocks(found, overlaps);
   see_sharers(*model.patches, found, rivals, overlaps);
-  part_lanes(model, bodies, rivals, overlaps);
+  part_lanes(model, cuts, bodies, rivals, overlaps);
   Lists lists{bodies, overlaps};
   const bool has_room = part_entries(*model.patches, found, rivals, lists);
   unmark_blocks(found, overlaps);

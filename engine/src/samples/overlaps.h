@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lumbrical/model.h"
+#include "samples/cut_patches.h"
 #include "samples/rivals.h"
 #include "samples/sample_kernels.h"
 
@@ -96,7 +97,7 @@ void size_overlaps(const Model& model, Overlaps& overlaps);
 
 /// From what each body has found to what it feels by itself and what several share. False where that is more
 /// than there is room for (Settings::max_candidates).
-bool part_overlaps(const Model& model, const Bodies& bodies, Rivals& rivals,
+bool part_overlaps(const Model& model, const CutPatches& cuts, const Bodies& bodies, Rivals& rivals,
                    std::span<const std::span<const FoundPatches>> found, Overlaps& overlaps);
 
 }  // namespace lumbrical

@@ -82,7 +82,7 @@ inline void gather(const PatchList& list, std::size_t first, std::size_t count, 
   PatchFours fours;
   const auto see = [&](const ListedPatch& patch, std::size_t k) LUMBRICAL_INLINE {
     origin.see(list.origins, body_of(first_tile(patch.tile)));
-    fours.see(k, list.shapes[patch.place].corner.high, origin);
+    fours.see(k, list.shape_at(patch.place).corner.high, origin);
     return static_cast<float>(patch.tile);
   };
   for (std::size_t lane = 0; lane < count; lane += 4) {

@@ -91,6 +91,12 @@ struct PatchList {
   std::size_t count;
   const SplitPoint* origins;  ///< of the bodies: Bodies::origin
   std::size_t steps = 0;
+  std::uint32_t first_cut = ~0u;           ///< places from there on
+  const PatchShape* cut_shapes = nullptr;  ///< are of these (cut_patches.h)
+
+  [[nodiscard]] const PatchShape& shape_at(std::uint32_t place) const {
+    return place < first_cut ? shapes[place] : cut_shapes[place - first_cut];
+  }
 };
 
 /// Blocks that are taken as wholes.

@@ -27,6 +27,7 @@ struct SampleThread {
 struct SampleWork {
   const SampleKernels& kernels;
   const Patches& patches;
+  const CutPatches& cuts;
   const Bodies& bodies;
   NearPatches& near;
   const Overlaps& overlaps;
@@ -37,7 +38,9 @@ struct SampleWork {
   [[nodiscard]] const FingerBody* fingers() const { return bodies.finger.data(); }
   [[nodiscard]] BodySums* sums(Part part) const { return memory.sums[part].data(); }
   [[nodiscard]] PatchList list(std::span<const ListedPatch> listed, std::size_t steps = 0) const {
-    return {patches.shape.data(), listed.data(), listed.size(), bodies.origin.data(), steps};
+    return {patches.shape.data(), listed.data(), listed.size(),
+            bodies.origin.data(), steps,         static_cast<std::uint32_t>(patches.shape.size()),
+            cuts.shape.data()};
   }
   /// Whole rows of sixteen; where there are too few for all, list by list others go without.
   [[nodiscard]] std::span<const ListedPatch> own_part(std::span<const ListedPatch> all) {

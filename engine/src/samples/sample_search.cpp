@@ -23,7 +23,7 @@ constexpr std::size_t kSpare = kBlocksAtATime * kWidth;
 // Patches that a world has for all bodies together, or that there may be.
 std::size_t most_patches(const Model& model) {
   return std::min<std::size_t>(model.settings.max_candidates,
-                               (Bodies::kMostFingers + 1) * model.patches->block.size() * kWidth);
+                               (Bodies::kMostFingers + 1) * most_blocks(model) * kWidth);
 }
 
 /// How one body asks: which spheres of blocks it may meet, which blocks have to be opened, as what it meets
@@ -32,7 +32,7 @@ template <class Hits, class Sort, class Classify>
 struct BodySearch {
   Hits hits;          // (spheres, blocks, count, with bits, to) -> count
   Sort sort;          // (samples, first, found, count, to) -> Sorted
-  Classify classify;  // (found, count, to) -> count
+  Classify classify;  // (arrays, found, count, to) -> count
   std::uint32_t shift, every_tile;
 };
 template <class Hits, class Sort, class Classify>
@@ -67,18 +67,22 @@ std::size_t open_blocks(const Search& search, const Patches& patches, std::size_
   return open;
 }
 
+// `blocks`: places in those arrays.
 template <class Search>
-void classify_blocks(const Search& search, std::span<const std::uint32_t> blocks, std::size_t most,
-                     PatchSearcher& searcher) {
+void classify_blocks(const Search& search, const PatchArrays& arrays, std::span<const std::uint32_t> blocks,
+                     std::size_t most, PatchSearcher& searcher) {
+  const std::size_t begin = searcher.count;
   for (std::size_t i = 0; i < blocks.size() && searcher.count <= most; i += kBlocksAtATime)
-    searcher.count +=
-        search.classify(blocks.data() + i, std::min(kBlocksAtATime, blocks.size() - i), searcher.end());
+    searcher.count += search.classify(arrays, blocks.data() + i, std::min(kBlocksAtATime, blocks.size() - i),
+                                      searcher.end());
+  for (std::size_t i = begin; arrays.first > 0 && i < searcher.count; ++i)
+    searcher.found[i].block += arrays.first;
 }
 
 // A body's way down the levels of the tree, from one to the next by the spheres it may meet, and to patches.
 // It stops where a searcher has found too much: there is room for a step beyond that.
 template <class Search>
-void find_for_body(const Search& search, const Model& model, PatchSearcher& searcher) {
+void find_in_model(const Search& search, const Model& model, PatchSearcher& searcher) {
   const Patches& patches = *model.patches;
   const SphereTree& tree = patches.tree;
   const bool brute = model.execution.broadphase == Broadphase::brute;
@@ -102,7 +106,24 @@ void find_for_body(const Search& search, const Model& model, PatchSearcher& sear
     if (searcher.count > most) return;
     std::swap(from, to);
   }
-  classify_blocks(search, {from, count}, most, searcher);
+  classify_blocks(search, arrays_of(patches), {from, count}, most, searcher);
+}
+
+// The same among what was cut for the tick.
+template <class Search>
+void find_in_cuts(const Search& search, const Model& model, const CutPatches& cuts, PatchSearcher& searcher) {
+  if (cuts.near.empty()) return;
+  std::uint32_t* const all = searcher.frontier[0].data();
+  std::uint32_t* const blocks = searcher.frontier[1].data();
+  const std::size_t lines = piece_count(cuts.near.size(), SphereBlock::kWidth);
+  std::iota(all, all + lines, 0u);
+  const std::size_t count =
+      model.execution.broadphase == Broadphase::brute
+          ? every_sphere({all, lines}, cuts.near.size(), true, search.shift, search.every_tile, blocks)
+          : search.hits(cuts.round.data(), all, lines, true, blocks);
+  for (std::size_t i = 0; i < count; ++i)
+    blocks[i] = cuts.near[blocks[i] >> search.shift] << search.shift | (blocks[i] & search.every_tile);
+  classify_blocks(search, arrays_of(cuts, *model.patches), {blocks, count}, most_patches(model), searcher);
 }
 
 // The same from what was found for larger blocks on the skin: those are asked again, and what is in those
@@ -130,7 +151,7 @@ void open_for_body(const Search& search, const Model& model, std::span<const Fou
     for (std::size_t i = 0; level > 0 && i < count; ++i) to[i] >>= search.shift;
     if (searcher.count > most) return;
   }
-  classify_blocks(search, {from, count}, most, searcher);
+  classify_blocks(search, arrays_of(patches), {from, count}, most, searcher);
 }
 
 /// Where a body is searched for: among all patches, in what was found before, or in some blocks of patches.
@@ -140,24 +161,34 @@ struct SearchFrom {
   std::span<const std::uint32_t> blocks;
 };
 template <class Search>
-void find_from(const Search& search, const Model& model, const SearchFrom& from, PatchSearcher& searcher) {
+void find_from(const Search& search, const Model& model, const CutPatches& cuts, const SearchFrom& from,
+               PatchSearcher& searcher) {
   switch (from.where) {
     case SearchFrom::Where::everywhere:
-      return find_for_body(search, model, searcher);
+      find_in_model(search, model, searcher);
+      return find_in_cuts(search, model, cuts, searcher);
     case SearchFrom::Where::before:
       return open_for_body(search, model, from.before, searcher);
     case SearchFrom::Where::blocks:
       break;
   }
-  std::uint32_t* const blocks = searcher.frontier[0].data();
-  std::transform(from.blocks.begin(), from.blocks.end(), blocks,
-                 [&](std::uint32_t block) { return block << search.shift | search.every_tile; });
-  classify_blocks(search, {blocks, from.blocks.size()}, most_patches(model), searcher);
+  const Patches& patches = *model.patches;
+  const auto end = std::lower_bound(from.blocks.begin(), from.blocks.end(), patches.block.size());
+  const auto of_model = static_cast<std::size_t>(end - from.blocks.begin());
+  const auto classify = [&](const PatchArrays& arrays, std::span<const std::uint32_t> numbers) {
+    std::uint32_t* const blocks = searcher.frontier[0].data();
+    std::transform(numbers.begin(), numbers.end(), blocks, [&](std::uint32_t block) {
+      return (block - arrays.first) << search.shift | search.every_tile;
+    });
+    classify_blocks(search, arrays, {blocks, numbers.size()}, most_patches(model), searcher);
+  };
+  classify(arrays_of(patches), from.blocks.first(of_model));
+  classify(arrays_of(cuts, patches), from.blocks.subspan(of_model));
 }
 
-void find_for_finger(const Model& model, const Primitives& hand, const FingerBody& finger,
-                     const SplitPoint& origin, const OtherParts& others, const SearchFrom& from,
-                     PatchSearcher& searcher, CentroidForce& force) {
+void find_for_finger(const Model& model, const Primitives& hand, const CutPatches& cuts,
+                     const FingerBody& finger, const SplitPoint& origin, const OtherParts& others,
+                     const SearchFrom& from, PatchSearcher& searcher, CentroidForce& force) {
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
   const Patches& patches = *model.patches;
   SphereQuery queries[FingerBody::kMostTiles];
@@ -172,12 +203,12 @@ void find_for_finger(const Model& model, const Primitives& hand, const FingerBod
           FoundPatches* to) {
         return kernels.sort_blocks(samples, finger, others, first, blocks, count, to, force);
       },
-      [&](const std::uint32_t* blocks, std::size_t count, FoundPatches* to) {
-        return leave_near(patches, origin, finger, to,
-                          kernels.classify_finger(patches.block.data(), finger, blocks, count, to, force));
+      [&](const PatchArrays& arrays, const std::uint32_t* blocks, std::size_t count, FoundPatches* to) {
+        return leave_near(arrays.shape, origin, finger, to,
+                          kernels.classify_finger(arrays.block, finger, blocks, count, to, force));
       },
       3, finger.tiles()};
-  find_from(search, model, from, searcher);
+  find_from(search, model, cuts, from, searcher);
 }
 
 void set_plane(Vec3 normal, double offset, float (&plane)[4]) {
@@ -203,9 +234,9 @@ PalmQuery query_of_palm(const TreeHead& tree, const SweptPolygon& palm) {
   return query;
 }
 
-void find_for_palm(const Model& model, const Primitives& hand, const PalmBody& palm, const SplitPoint& origin,
-                   const OtherParts& others, const SearchFrom& from, PatchSearcher& searcher,
-                   CentroidForce& force) {
+void find_for_palm(const Model& model, const Primitives& hand, const CutPatches& cuts, const PalmBody& palm,
+                   const SplitPoint& origin, const OtherParts& others, const SearchFrom& from,
+                   PatchSearcher& searcher, CentroidForce& force) {
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
   const Patches& patches = *model.patches;
   const PalmQuery query = query_of_palm(patches.tree.head, hand.palm);
@@ -216,12 +247,12 @@ void find_for_palm(const Model& model, const Primitives& hand, const PalmBody& p
           FoundPatches* to) {
         return kernels.sort_palm_blocks(samples, palm, others, first, blocks, count, to, force);
       },
-      [&](const std::uint32_t* blocks, std::size_t count, FoundPatches* to) {
-        return leave_near(patches, origin, palm, to,
-                          kernels.classify_palm(patches.block.data(), palm, blocks, count, to, force));
+      [&](const PatchArrays& arrays, const std::uint32_t* blocks, std::size_t count, FoundPatches* to) {
+        return leave_near(arrays.shape, origin, palm, to,
+                          kernels.classify_palm(arrays.block, palm, blocks, count, to, force));
       },
       0, 0};
-  find_from(search, model, from, searcher);
+  find_from(search, model, cuts, from, searcher);
 }
 
 // Listed patches, the last time, below which threads cost more than they bring.
@@ -229,8 +260,8 @@ constexpr std::size_t kSerialBelow = 1600;
 
 // What a body finds from there.
 std::span<const FoundPatches> find_for(const Model& model, const Primitives& hand, const Bodies& bodies,
-                                       std::size_t body, const SearchFrom& from, PatchSearcher& searcher,
-                                       CentroidForce& force) {
+                                       const CutPatches& cuts, std::size_t body, const SearchFrom& from,
+                                       PatchSearcher& searcher, CentroidForce& force) {
   const std::size_t begin = searcher.count;
   const SplitPoint& origin = bodies.origin[body];
   const bool is_finger = body < bodies.finger_count;
@@ -238,9 +269,9 @@ std::span<const FoundPatches> find_for(const Model& model, const Primitives& han
   const OtherParts others{bodies, body, offsets_from(is_finger ? finger.origin : bodies.palm.origin, bodies),
                           model.settings.felt_once == FeltOnce::never ? nullptr : &*searcher.rivals};
   if (is_finger) {
-    find_for_finger(model, hand, finger, origin, others, from, searcher, force);
+    find_for_finger(model, hand, cuts, finger, origin, others, from, searcher, force);
   } else {
-    find_for_palm(model, hand, bodies.palm, origin, others, from, searcher, force);
+    find_for_palm(model, hand, cuts, bodies.palm, origin, others, from, searcher, force);
   }
   return std::span(searcher.found).subspan(begin, searcher.count - begin);
 }
@@ -279,7 +310,7 @@ void find_in_the_way(const Model& model, const Primitives& hand, const Bodies& b
     if (others == 0) continue;
     CentroidForce unused;
     const SearchFrom from{SearchFrom::Where::blocks, {}, blocks_found(memory, others, searcher.frontier[1])};
-    memory.found[body] = find_for(model, hand, bodies, body, from, searcher, unused);
+    memory.found[body] = find_for(model, hand, bodies, memory.cuts, body, from, searcher, unused);
   }
 }
 
@@ -307,8 +338,8 @@ bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, 
         SearchFrom from;
         if (open) from = {SearchFrom::Where::before, before[body], {}};
         CentroidForce unused;
-        memory.found[body] =
-            find_for(model, hand, bodies, body, from, searcher, open ? unused : memory.force[body]);
+        memory.found[body] = find_for(model, hand, bodies, memory.cuts, body, from, searcher,
+                                      open ? unused : memory.force[body]);
       }
     }
   });
@@ -424,8 +455,8 @@ bool put_in_order(std::span<const std::span<const FoundPatches>> found, std::spa
 void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& near) {
   const Patches& patches = *model.patches;
   const std::size_t most = most_patches(model);
-  const std::size_t blocks =
-      std::max<std::size_t>(patches.block.size(), frontier_capacity(patches.tree.head));
+  const std::size_t blocks = std::max(most_blocks(model), frontier_capacity(patches.tree.head));
+  size_cuts(model, memory.cuts);
   at_least(model.execution.threads, memory.searcher);
   for (PatchSearcher& searcher : memory.searcher) {
     for (auto& frontier : searcher.frontier) at_least(blocks + 1, frontier);
@@ -453,8 +484,8 @@ bool found_any(const PatchSearchMemory& memory) {
 bool list_patches(const Model& model, const Bodies& bodies, PatchSearchMemory& memory, NearPatches& near,
                   Overlaps& overlaps) {
   const std::size_t body_count = bodies.finger_count + 1;
-  if (part_overlaps(model, bodies, *memory.searcher[0].rivals, std::span(memory.found).first(body_count),
-                    overlaps) &&
+  if (part_overlaps(model, memory.cuts, bodies, *memory.searcher[0].rivals,
+                    std::span(memory.found).first(body_count), overlaps) &&
       put_in_order(std::span(overlaps.left).first(body_count), memory.runs, near)) {
     near.tiles |= felt_of(bodies, overlaps.parts);
     memory.listed = near.count();

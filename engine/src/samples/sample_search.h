@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lumbrical/model.h"
+#include "samples/cut_patches.h"
 #include "samples/overlaps.h"
 
 namespace lumbrical {
@@ -65,6 +66,7 @@ struct PatchRun {
 
 /// What the search works with, sized once for a model.
 struct PatchSearchMemory {
+  CutPatches cuts;  ///< of the tick (`cut_near`)
   std::vector<PatchSearcher> searcher;
   std::array<std::span<const FoundPatches>, Bodies::kMostFingers + 1> found;  ///< of each body, the palm last
   std::array<CentroidForce, Bodies::kMostFingers + 1> force;                  ///< on each body

@@ -115,6 +115,7 @@ void share_out(SampleTeam& team, std::uint64_t evaluations, std::initializer_lis
       own.touched = 0;
       SampleWork work{sample_kernels(team.model.execution.isa),
                       *team.model.patches,
+                      team.memory.search.cuts,
                       team.memory.bodies,
                       team.memory.near,
                       team.memory.overlaps,
@@ -281,8 +282,8 @@ void size_samples(const Model& model, SampleMemory& memory) {
 
 std::uint32_t sampled_segments(const Model& model) { return model.patches ? model.patches->segments : 0; }
 
-bool felt_by_samples(const Model& model, std::size_t segment, std::uint32_t triangle) {
-  return (sampled_segments(model) >> segment & 1u) != 0 && is_sampled(*model.patches, triangle);
+bool felt_by_samples(const Model& model, std::size_t segment) {
+  return (sampled_segments(model) >> segment & 1u) != 0;
 }
 
 bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t segments, SampleMemory& memory,
@@ -294,7 +295,7 @@ bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t seg
   SampleTeam team{model, hand, memory, empty_sums(hand)};
   memory.near.forget();
   memory.overlaps.forget();
-  if (!find_for(team, 0)) return false;
+  if (!cut_near(model, hand, memory.search.cuts) || !find_for(team, 0)) return false;
   if (!found_any(memory.search)) return true;
   if (!feel(team, levels, forces)) return false;
   forces.contact_count = team.touched();

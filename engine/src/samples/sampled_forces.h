@@ -46,8 +46,8 @@ inline constexpr std::uint32_t kAllSegments = (1u << kSegmentCount) - 1;
 /// Segments that are felt by samples, a bit each.
 std::uint32_t sampled_segments(const Model& model);
 
-/// Are a segment and a triangle left out by the exact rung?
-bool felt_by_samples(const Model& model, std::size_t segment, std::uint32_t triangle);
+/// Is a segment left out by the exact rung?
+bool felt_by_samples(const Model& model, std::size_t segment);
 
 /// Forces on those of `segments`; `levels`: by lattices mixed like this, and not as the force calls for.
 /// False where more patches are near than there is room for (Settings::max_candidates).

@@ -223,7 +223,6 @@ void size_candidates(const Model& model, Scratch& scratch) {
   at_least(capacity, scratch.near->pairs);
   at_least(capacity, scratch.near->other);
   std::size_t frontier_size = std::max<std::size_t>(frontier_capacity(model.tree.head), model.grid.frontier);
-  if (model.rest) frontier_size = std::max(frontier_size, frontier_capacity(model.rest->tree.head));
   if (model.voxels) frontier_size = std::max(frontier_size, frontier_capacity(model.voxels->wide.head));
   at_least(model.execution.threads, scratch.searcher);
   for (SearchMemory& searcher : scratch.searcher) {

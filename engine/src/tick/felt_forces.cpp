@@ -11,21 +11,14 @@
 namespace lumbrical {
 namespace {
 
-// Is any of the world left to the exact rung where the hand is? Only that needs shapes of it.
-bool asks_exact(const Model& model, const Primitives& hand) {
-  if (sampled_segments(model) != kAllSegments) return true;
-  return model.rest && may_meet(model.hand, hand, model.rest->extent);
-}
-
-// Candidates of what is left to the exact rung: segments that are not felt by samples, and triangles too
-// large for them. False where there are too many.
+// Candidates of segments that are not felt by samples. False where there are too many.
 bool find_exact_candidates(const Model& model, const Primitives& hand, Scratch& scratch) {
   const std::uint32_t sampled = sampled_segments(model);
-  if (sampled == kAllSegments) return !model.rest || find_candidates(*model.rest, hand, scratch);
+  if (sampled == kAllSegments) return true;
   if (!find_candidates(model, hand, scratch)) return false;
   if (sampled == 0) return true;
   const auto is_left = [&](std::uint64_t pair) {
-    return !felt_by_samples(model, hand.primitive[pair >> 32].segment, static_cast<std::uint32_t>(pair));
+    return !felt_by_samples(model, hand.primitive[pair >> 32].segment);
   };
   std::uint32_t count = 0;
   for (std::uint32_t i = 0; i < scratch.candidate_count; ++i) {
@@ -96,7 +89,7 @@ HandForces feel(const Model& model, Scratch& scratch, std::uint32_t& flags) {
   hand.out_of_reach = !hand.in_reach;  // and needs no shape
   if (hand.in_reach) {
     shape_hand(model.hand, hand);
-    if (asks_exact(model, hand)) tile_hand(model.settings, hand);
+    if (sampled_segments(model) != kAllSegments) tile_hand(model.settings, hand);
     tell(scratch.watch, Stage::hand_pose);
     if (model.patches && !sample_forces(model, hand, sampled_segments(model), *scratch.samples, sampled))
       flags |= kCandidateOverflow;

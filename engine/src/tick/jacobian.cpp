@@ -183,7 +183,7 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
     const Primitive& primitive = hand.primitive[contact.primitive];
     SegmentJacobian& jacobian = jacobians[primitive.segment];
     if (!asked(primitive.segment) || !jacobian.known) continue;
-    if (felt_by_samples(model, primitive.segment, contact.triangle)) continue;
+    if (felt_by_samples(model, primitive.segment)) continue;
     const Vec3 joint = hand.base_joint[primitive.segment];
     const Corners at = corners_of(world, contact.triangle);
     jacobian.known = add_plain_triangle(kernels, hand, contact, joint, at, jacobian.value) ||

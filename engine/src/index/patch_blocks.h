@@ -1,0 +1,24 @@
+// Patches, sixteen at a time, as blocks of them are kept.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "index/patches.h"
+#include "index/sphere_tree.h"
+#include "model/corners.h"
+
+namespace lumbrical {
+
+/// As many steps as keep cells within an eighth of what is asked for.
+std::uint8_t steps_for(double wanted);
+
+/// About the triangle's centroid; relative to `origin` [m, W].
+Sphere sphere_round(const Corners& at, Vec3 origin);
+
+/// Fills a block, its shapes too, with up to sixteen patches; returns a sphere round them, relative to
+/// `origin`. `step`: as patch_cuts.h has it.
+Sphere put_block(std::span<const Corners> patches, double step, Vec3 origin, PatchBlock& block,
+                 PatchShape* shapes);
+
+}  // namespace lumbrical
