@@ -252,6 +252,30 @@ void add_sizes() {
   }
 }
 
+// A floor of two triangles, a hundred metres wide: samples cut it where it is touched. Jumping, a hand comes
+// to another place every time.
+void make_floor(Touch touch, double precision, Session& session) {
+  constexpr double kFloor = 100;  // [m]
+  Scene scene = field_scene(default_hand(Side::right), true, 1);
+  scene.settings.precision.fill(precision);
+  scene.objects = {{"floor", make_plane(kFloor, 1)}};
+  if (!build_model(scene, {}, session.model).ok()) std::abort();
+  const bool jumps = touch == Touch::jump;
+  session.frames = touching_frames(scene.hand, touch, jumps ? kFloor : test::kWidthA, jumps ? 1024 : kPoses);
+}
+
+void add_floors() {
+  for (const double precision : {0.0, 1e-4}) {
+    const std::string rung = std::string("/") + precision_name(precision) + "/2";
+    const auto add_floor = [&](const std::string& name, Touch touch) {
+      add(name + rung, [=](Session& session) { make_floor(touch, precision, session); });
+    };
+    add_floor("floor_drape", Touch::drape);
+    add_floor("floor_tips", Touch::tips);
+    add_floor("floor_jumping", Touch::jump);
+  }
+}
+
 void add_contacts() {
   struct Count {
     Touch touch;
@@ -345,7 +369,7 @@ void add_grasps() {
 
 void add_context() { benchmark::AddCustomContext("isa", std::string(isa_name(widest_isa()))); }
 
-const bool added =
-    (add_context(), add_sizes(), add_contacts(), add_table2(), add_grasps(), add_errors(), true);
+const bool added = (add_context(), add_sizes(), add_floors(), add_contacts(), add_table2(), add_grasps(),
+                    add_errors(), true);
 
 }  // namespace

@@ -39,6 +39,7 @@ struct CellWalk {
   const Take& take;
 
   void go(const Corners& triangle, std::uint32_t limbs) const {
+    if (limbs == 0) return;
     const Strips strips = strips_of(triangle, step);
     if (strips.count() == 0) return part(triangle, {PatchPath::kNoStrips, 1}, limbs);
     run(strips.first, 0, 0, strips.first.count(), limbs);

@@ -22,6 +22,8 @@ constexpr double kSpareReach = 0.005;
 // By this share of their size, and by that of where they are, things are nearer than they seem.
 constexpr double kSlack = 1e-6, kRounding = 1e-15;
 
+constexpr double kFarAway = 1e300;  // [m]
+
 std::size_t room_for_blocks(const Model& model) {
   return std::max<std::size_t>(16, model.settings.max_candidates / kCandidatesPerBlock);
 }
@@ -76,7 +78,27 @@ class Limbs {
   }
   /// Round all of them.
   [[nodiscard]] const Primitive& ball() const { return ball_; }
-  [[nodiscard]] std::uint32_t all() const { return (2u << count_) - 1; }
+  /// Those that are near a triangle's plane.
+  [[nodiscard]] std::uint32_t near_plane(const Corners& at) const {
+    const Vec3 across = cross(at.b - at.a, at.c - at.a), normal = across / norm(across);
+    const double slack = kRounding * (largest_of(at.a) + largest_of(ball_.end1));
+    const auto height = [&](Vec3 p) { return dot(normal, p - at.a); };
+    std::uint32_t near = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const double at_end = height(segment_[i].end), beyond = at_end + dot(normal, segment_[i].axis),
+                   reach = segment_[i].reach + slack;
+      near |= std::uint32_t{min(at_end, beyond) <= reach && max(at_end, beyond) >= -reach} << i;
+    }
+    double lowest = kFarAway, highest = -kFarAway;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(palm_.corner_count); ++k) {
+      const double at_corner = height(palm_.corner[k]);
+      lowest = min(lowest, at_corner);
+      highest = max(highest, at_corner);
+    }
+    const double reach = palm_reach_ + slack;
+    return near | std::uint32_t{lowest <= reach && highest >= -reach} << count_;
+  }
+  /// Those of some that are near a sphere.
   [[nodiscard]] std::uint32_t near(const Sphere& sphere, std::uint32_t limbs) const {
     const double within = (1 + kSlack) * sphere.radius + kRounding * largest_of(sphere.centre);
     const Vec3 gap = sphere.centre - ball_.end1;
@@ -221,7 +243,8 @@ bool find_near(const Model& model, const Limbs& limbs, CutPatches& cuts) {
       fits = cuts.count <= room && cuts.near.size() + found.count <= room;
       for (std::uint32_t i = 0; fits && i < found.count; ++i) cuts.near.push_back(found.first + i);
     };
-    CellWalk{step, near, take}.go(corners_of(model.triangles, triangle), limbs.all());
+    const Corners at = corners_of(model.triangles, triangle);
+    CellWalk{step, near, take}.go(at, limbs.near_plane(at));
   });
   return fits;
 }
