@@ -139,6 +139,27 @@ TEST(CutPatches, GiveTheSameWhateverWasCutBefore) {
   EXPECT_GT(used.scratch().samples->search.cuts.count, fresh.scratch().samples->search.cuts.count);
 }
 
+// Objects apart take turns in one Scratch.
+TEST(CutPatches, AreKeptWhereOtherObjectsHaveNone) {
+  Scene scene =
+      sampled_scene(default_hand(Side::right), {{"floor", make_plane(10, 1)}, {"plate", make_plane(0.1, 4)}});
+  for (SceneObject& object : scene.objects)
+    object.material.static_friction = object.material.kinetic_friction = 0.5;
+  const Model model = model_at(scene, 1e-4);
+  ASSERT_EQ(model.apart.size(), 2u);
+  State state = make_state(model);
+  Scratch scratch = make_scratch(model);
+  const auto place = [&](double x) {
+    tick(model, state, scratch, moved(pressed_frame(scene.hand, 0.003, 0.2), {x, 0, 0}));
+    const CutPatches& cuts = scratch.apart->samples->search.cuts;
+    EXPECT_EQ(cuts.build, model.apart[0].shape->build);
+    return cuts.about.phalanx[0].end1.x;
+  };
+  const double first = place(0);
+  EXPECT_EQ(place(0.003), first);
+  EXPECT_NE(place(0.02), first);
+}
+
 // Cells whose way down has more halves than are counted are cut anew each time.
 TEST(CutPatches, OfTrianglesAsLargeAsThereMayBeAreFelt) {
   FeelingHand samples(floor_scene(make_strips(1.8e8, 1.8e8, 1)), 1e-4),

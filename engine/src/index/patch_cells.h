@@ -21,15 +21,6 @@ struct CellPath {
 inline constexpr std::uint32_t kCellParts = 16;
 inline constexpr double kCellLength = 4;
 
-/// Calls take(patch) for all patches of a part of a triangle.
-template <class Take>
-void for_patches_of(const Corners& at, double step, const Take& take) {
-  const LongestFirst part = longest_first(at);
-  if (is_short(part, step)) return take(at);
-  for_patches_of(part.half(false), step, take);
-  for_patches_of(part.half(true), step, take);
-}
-
 /// near(sphere [W], limbs) -> those of some limbs, a bit each, that are near the sphere; take(path,
 /// for_patches), of which the latter calls what it is given for every patch of the cell.
 template <class Near, class Take>
@@ -52,7 +43,9 @@ struct CellWalk {
     if (limbs == 0) return;
     const LongestFirst whole = longest_first(at);
     if (is_short(whole, step, kCellLength))
-      return take(path, [&](const auto& put) { for_patches_of(at, step, put); });
+      return take(path, [&](const auto& put) {
+        for_patches_of(at, step, 1, [&](const Corners& patch, std::uint32_t) { put(patch); });
+      });
     const bool fits = path.halves != 0 && path.halves >> 63 == 0;
     for (const bool second : {false, true})
       part(whole.half(second), {path.part, fits ? 2 * path.halves + (second ? 1 : 0) : 0}, limbs);

@@ -24,13 +24,6 @@ std::size_t count_of_part(const Corners& at, double step, unsigned most) {
                     second = first > 0 ? count_of_part(part.half(true), step, most - 1) : 0;
   return second > 0 ? first + second : 0;
 }
-// Lists all patches of a part.
-void cut_part(const Corners& at, double step, PatchPath path, std::vector<PatchPath>& paths) {
-  const LongestFirst part = longest_first(at);
-  if (is_short(part, step)) return paths.push_back(path);
-  cut_part(part.half(false), step, {path.part, 2 * path.halves}, paths);
-  cut_part(part.half(true), step, {path.part, 2 * path.halves + 1}, paths);
-}
 
 }  // namespace
 
@@ -89,9 +82,14 @@ std::size_t count_parts(const Corners& at, double step, unsigned most) {
 }
 
 void cut_triangle(const Corners& at, double step, std::vector<PatchPath>& paths) {
+  const auto cut = [&](const Corners& whole, std::uint32_t part) {
+    for_patches_of(whole, step, 1, [&](const Corners&, std::uint32_t halves) {
+      paths.push_back({part, halves});
+    });
+  };
   const Strips strips = strips_of(at, step);
-  if (strips.count() == 0) return cut_part(at, step, {PatchPath::kNoStrips, 1}, paths);
-  for (std::uint32_t i = 0; i < strips.count(); ++i) cut_part(strips.part(i), step, {i, 1}, paths);
+  if (strips.count() == 0) return cut(at, PatchPath::kNoStrips);
+  for (std::uint32_t i = 0; i < strips.count(); ++i) cut(strips.part(i), i);
 }
 
 Corners part_at(Corners at, double step, PatchPath path) {

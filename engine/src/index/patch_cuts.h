@@ -88,4 +88,13 @@ inline bool is_short(const LongestFirst& triangle, double step, double times = 1
   return !(triangle.square > most * most);
 }
 
+/// Calls take(patch, halves) for all patches of a part of a triangle, which has those as PatchPath has them.
+template <class Take>
+void for_patches_of(const Corners& at, double step, std::uint32_t halves, const Take& take) {
+  const LongestFirst part = longest_first(at);
+  if (is_short(part, step)) return take(at, halves);
+  for_patches_of(part.half(false), step, 2 * halves, take);
+  for_patches_of(part.half(true), step, 2 * halves + 1, take);
+}
+
 }  // namespace lumbrical

@@ -170,8 +170,7 @@ void for_large(const Model& model, const Primitive& ball, CutPatches& cuts, cons
 
 std::size_t hash_of(const CutCell& cell) {
   std::uint64_t hash = cell.build;
-  for (const std::uint64_t part :
-       {std::uint64_t{cell.triangle} << 32 | cell.path.part, std::uint64_t{cell.path.halves}}) {
+  for (const std::uint64_t part : {std::uint64_t{cell.triangle} << 32 | cell.path.part, cell.path.halves}) {
     hash = (hash ^ part) * 0x9e3779b97f4a7c15u;
     hash ^= hash >> 29;
   }
@@ -281,16 +280,12 @@ void size_cuts(const Model& model, CutPatches& cuts) {
 }
 
 bool cut_near(const Model& model, const Primitives& hand, CutPatches& cuts) {
-  if (model.patches->large.empty()) {
-    cuts.near.clear();
-    cuts.build = 0;
-    return true;
-  }
+  if (model.patches->large.empty()) return true;
   const HandPlace place = place_of(hand);
-  const bool is_same = cuts.build == model.build;
-  if (is_same && is_within(cuts.spare, cuts.about, place)) return true;
+  const bool is_again = cuts.build == model.build;
+  if (is_again && is_within(cuts.spare, cuts.about, place)) return true;
   cuts.about = place;
-  const double at_first = is_same ? cuts.spare : kSpareReach;
+  const double at_first = is_again ? cuts.spare : kSpareReach;
   for (const double spare : {at_first, at_first, 0.0}) {
     if (find_near(model, Limbs(cuts.about, spare), cuts)) {
       put_spheres(model.patches->tree.head.origin, cuts);

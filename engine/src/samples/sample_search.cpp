@@ -112,7 +112,7 @@ void find_in_model(const Search& search, const Model& model, PatchSearcher& sear
 // The same among what was cut for the tick.
 template <class Search>
 void find_in_cuts(const Search& search, const Model& model, const CutPatches& cuts, PatchSearcher& searcher) {
-  if (cuts.near.empty()) return;
+  if (model.patches->large.empty()) return;  // what is there is another model's
   std::uint32_t* const all = searcher.frontier[0].data();
   std::uint32_t* const blocks = searcher.frontier[1].data();
   const std::size_t lines = piece_count(cuts.near.size(), SphereBlock::kWidth);

@@ -282,10 +282,6 @@ void size_samples(const Model& model, SampleMemory& memory) {
 
 std::uint32_t sampled_segments(const Model& model) { return model.patches ? model.patches->segments : 0; }
 
-bool felt_by_samples(const Model& model, std::size_t segment) {
-  return (sampled_segments(model) >> segment & 1u) != 0;
-}
-
 bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t segments, SampleMemory& memory,
                    SampledForces& forces, const LevelWeights* levels) {
   forces = {};

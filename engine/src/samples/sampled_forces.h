@@ -46,9 +46,6 @@ inline constexpr std::uint32_t kAllSegments = (1u << kSegmentCount) - 1;
 /// Segments that are felt by samples, a bit each.
 std::uint32_t sampled_segments(const Model& model);
 
-/// Is a segment left out by the exact rung?
-bool felt_by_samples(const Model& model, std::size_t segment);
-
 /// Forces on those of `segments`; `levels`: by lattices mixed like this, and not as the force calls for.
 /// False where more patches are near than there is room for (Settings::max_candidates).
 bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t segments, SampleMemory& memory,

@@ -18,7 +18,7 @@ bool find_exact_candidates(const Model& model, const Primitives& hand, Scratch& 
   if (!find_candidates(model, hand, scratch)) return false;
   if (sampled == 0) return true;
   const auto is_left = [&](std::uint64_t pair) {
-    return !felt_by_samples(model, hand.primitive[pair >> 32].segment);
+    return (sampled >> hand.primitive[pair >> 32].segment & 1u) == 0;
   };
   std::uint32_t count = 0;
   for (std::uint32_t i = 0; i < scratch.candidate_count; ++i) {

@@ -178,18 +178,19 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
   const Primitives& hand = *scratch.primitives;
   const FieldKernels& kernels = field_kernels(model.execution.isa);
   const Triangles& world = model.triangles;
+  const std::uint32_t by_samples = sampled_segments(model);
   for (std::size_t i = 0; i < scratch.contact_count; ++i) {
     const Contact& contact = scratch.contacts[i];
     const Primitive& primitive = hand.primitive[contact.primitive];
     SegmentJacobian& jacobian = jacobians[primitive.segment];
     if (!asked(primitive.segment) || !jacobian.known) continue;
-    if (felt_by_samples(model, primitive.segment)) continue;
+    if ((by_samples >> primitive.segment & 1u) != 0) continue;
     const Vec3 joint = hand.base_joint[primitive.segment];
     const Corners at = corners_of(world, contact.triangle);
     jacobian.known = add_plain_triangle(kernels, hand, contact, joint, at, jacobian.value) ||
                      add_contact_differences(kernels, hand, contact, joint, at, jacobian.value);
   }
-  if ((segments & sampled_segments(model)) != 0) {
+  if ((segments & by_samples) != 0) {
     std::array<SegmentJacobian, kSegmentCount> sampled{};
     add_sampled(model, hand, segments, *scratch.samples, sampled);
     for (std::size_t i = 0; i < kSegmentCount; ++i) {
