@@ -6,8 +6,7 @@
 #include <cstdint>
 
 #include "samples/levels.h"
-#include "samples/overlaps.h"
-#include "samples/sample_search.h"
+#include "samples/near_patches.h"
 
 namespace lumbrical {
 

@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "samples/overlaps.h"
-#include "samples/sample_search.h"
+#include "samples/near_patches.h"
 
 namespace lumbrical {
 

@@ -20,12 +20,6 @@ constexpr std::size_t kWidth = PatchBlock::kWidth;
 // Patches of the blocks that are classified at a time.
 constexpr std::size_t kSpare = kBlocksAtATime * kWidth;
 
-// Patches that a world has for all bodies together, or that there may be.
-std::size_t most_patches(const Model& model) {
-  return std::min<std::size_t>(model.settings.max_candidates,
-                               (Bodies::kMostFingers + 1) * most_blocks(model) * kWidth);
-}
-
 /// How one body asks: which spheres of blocks it may meet, which blocks have to be opened, as what it meets
 /// patches. Places are given as place << shift plus, if asked for, a bit per tile.
 template <class Hits, class Sort, class Classify>
@@ -349,110 +343,14 @@ bool find_all(const Model& model, const Primitives& hand, const Bodies& bodies, 
   return total <= most;
 }
 
-// ---- Order ----
-
-/// Which of four lanes are set, and how many.
-struct SetLanes {
-  ListedPatch lane[4];
-  std::uint32_t count;
-};
-constexpr std::array<SetLanes, 16> kSetLanes = [] {
-  std::array<SetLanes, 16> all{};
-  for (std::size_t bits = 0; bits < all.size(); ++bits) {
-    for (std::uint32_t lane = 0; lane < 4; ++lane) {
-      if ((bits >> lane & 1u) != 0) all[bits].lane[all[bits].count++].place = lane;
-    }
-  }
-  return all;
-}();
-
-std::uint32_t count_of(std::uint32_t lanes) {
-  return kSetLanes[lanes & 15u].count + kSetLanes[lanes >> 4 & 15u].count +
-         kSetLanes[lanes >> 8 & 15u].count + kSetLanes[lanes >> 12].count;
-}
-
-// Lists a run's patches, four lanes at a time, set or not: what is too much is written over by what follows.
-ListedPatch* put_run(const PatchRun& run, ListedPatch* to) {
-  if (run.lanes == 1) {  // as blocks are
-    *to = {run.first, run.tile};
-    return to + 1;
-  }
-  for (std::uint32_t from = 0; from < PatchBlock::kWidth; from += 4) {
-    const SetLanes& set = kSetLanes[run.lanes >> from & 15u];
-    for (std::size_t i = 0; i < 4; ++i)
-      to[i] = {set.lane[i].place + (run.first + from), set.lane[i].tile + run.tile};
-    to += set.count;
-  }
-  return to;
-}
-
-using CountByKey = std::array<std::uint32_t, kKeyCount + 1>;
-
-// From how many there are of each key to where they begin; `classes`: a bit for each that has any.
-void begin_in_order(std::uint32_t classes, CountByKey& by_key) {
-  std::uint32_t sum = 0;
-  for (std::size_t k = 0; k < kPatchClasses; ++k) {
-    const auto of_class = std::span(by_key).subspan(k * kind::kCount, kind::kCount);
-    if ((classes >> k & 1u) == 0) {
-      std::fill(of_class.begin(), of_class.end(), sum);
-    } else {
-      for (std::uint32_t& number : of_class) sum += std::exchange(number, sum);
-    }
-  }
-  by_key[kKeyCount] = sum;
-}
-
-// Where each key's patches begin, in `near`, and, returned, its entries.
-CountByKey count_keys(std::span<const std::span<const FoundPatches>> found, NearPatches& near) {
-  CountByKey entries{};
-  near.begin.fill(0);
-  std::uint32_t classes = 0;
-  for (const auto& of_body : found) {
-    for (const FoundPatches& patches : of_body) {
-      near.begin[patches.key] += count_of(patches.lanes);
-      ++entries[patches.key];
-      classes |= 1u << class_of(patches);
-    }
-  }
-  begin_in_order(classes, near.begin);
-  begin_in_order(classes, entries);
-  return entries;
-}
-
-// An entry of a body as patches that follow each other.
-PatchRun run_of(const FoundPatches& found, std::size_t body) {
-  const std::uint32_t what = kind_of(found);
-  const bool at_far_end = what >= kind::kFarEnd && what < kind::kInside;
-  return {is_block(what) ? found.block : found.block * PatchBlock::kWidth,
-          static_cast<std::uint32_t>(body * Bodies::kTilesApart + kTileOfKind[what] +
-                                     (at_far_end ? ListedPatch::kFarEnd : 0)),
-          found.lanes};
-}
-
-// Lists the patches of each body's entries, by key and, within a key, body by body.
-bool put_in_order(std::span<const std::span<const FoundPatches>> found, std::span<PatchRun> runs,
-                  NearPatches& near) {
-  CountByKey next = count_keys(found, near);
-  if (near.count() > near.listed.size() - PatchBlock::kWidth) return false;
-  const std::size_t run_count = next[kKeyCount];
-  near.tiles = 0;
-  near.innermost.fill(0);
-  for (std::size_t body = 0; body < found.size(); ++body) {
-    for (const FoundPatches& patches : found[body]) {
-      const PatchRun run = runs[next[patches.key]++] = run_of(patches, body);
-      const std::uint64_t innermost = std::uint64_t{1} << run.tile % ListedPatch::kFarEnd;
-      near.innermost[patches.key] |= innermost;
-      for (std::uint32_t k = 0; k < sharers_of(kind_of(patches)); ++k) near.tiles |= innermost << k;
-    }
-  }
-  ListedPatch* to = near.listed.data();
-  for (const PatchRun& run : runs.first(run_count)) to = put_run(run, to);
-  return true;
-}
-
 }  // namespace
 
-void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& near) {
+std::size_t most_patches(const Model& model) {
+  return std::min<std::size_t>(model.settings.max_candidates,
+                               (Bodies::kMostFingers + 1) * most_blocks(model) * kWidth);
+}
+
+void size_search(const Model& model, PatchSearchMemory& memory) {
   const Patches& patches = *model.patches;
   const std::size_t most = most_patches(model);
   const std::size_t blocks = std::max(most_blocks(model), frontier_capacity(patches.tree.head));
@@ -463,8 +361,6 @@ void size_search(const Model& model, PatchSearchMemory& memory, NearPatches& nea
     at_least(most + std::max(patches.block.size(), kSpare), searcher.found);
     if (patches.block_on_skin[0] > 0) at_least(searcher.found.size(), searcher.before);
   }
-  at_least(most + kSpare, memory.runs);
-  at_least(most + kSpare, near.listed);
 }
 
 bool find_patches(const Model& model, const Primitives& hand, const Bodies& bodies,
@@ -479,21 +375,6 @@ bool open_patches(const Model& model, const Primitives& hand, const Bodies& bodi
 bool found_any(const PatchSearchMemory& memory) {
   return std::any_of(memory.found.begin(), memory.found.end(),
                      [](const auto& of_body) { return !of_body.empty(); });
-}
-
-bool list_patches(const Model& model, const Bodies& bodies, PatchSearchMemory& memory, NearPatches& near,
-                  Overlaps& overlaps) {
-  const std::size_t body_count = bodies.finger_count + 1;
-  if (part_overlaps(model, memory.cuts, bodies, *memory.searcher[0].rivals,
-                    std::span(memory.found).first(body_count), overlaps) &&
-      put_in_order(std::span(overlaps.left).first(body_count), memory.runs, near)) {
-    near.tiles |= felt_of(bodies, overlaps.parts);
-    memory.listed = near.count();
-    return true;
-  }
-  near.forget();
-  overlaps.forget();
-  return false;
 }
 
 double force_at_centroids(const Bodies& bodies, const PatchSearchMemory& memory) {

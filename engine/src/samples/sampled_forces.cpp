@@ -271,7 +271,8 @@ bool feel(SampleTeam& team, const LevelWeights* levels, SampledForces& forces) {
 
 void size_samples(const Model& model, SampleMemory& memory) {
   if (!model.patches) return;
-  size_search(model, memory.search, memory.near);
+  size_search(model, memory.search);
+  size_near(model, memory.near);
   if (model.settings.felt_once != FeltOnce::never) size_overlaps(model, memory.overlaps);
   at_least(model.execution.threads, memory.thread);
   for (SampleThread& thread : memory.thread) {
