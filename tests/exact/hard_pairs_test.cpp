@@ -204,10 +204,7 @@ TEST_P(HardPairs, AgreeWithFiftyDigits) {
   EXPECT_LE(exact.column.error, 1e-20 * exact.column.amount);
   expect_reference(pair, exact);
   expect_engine(pair, Law::field, 1e-11, exact);
-  // The column law's inner integral over a cone is a rule of fixed degree.
-  const bool cone =
-      pair.primitive.shape == ProbeShape::capsule && pair.primitive.radius1 != pair.primitive.radius2;
-  expect_engine(pair, Law::column, cone ? 1e-3 : 1e-6, exact);
+  expect_engine(pair, Law::column, 1e-7, exact);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, HardPairs, testing::ValuesIn(hard_pairs()), testing::PrintToStringParamName());

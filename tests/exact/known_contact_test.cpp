@@ -109,6 +109,22 @@ void expect_known(const Known& known, const Mesh& plane, const Pose& placement, 
   EXPECT_LT(norm(total.centroid - known.centroid), 1e-9 * kRadius);
 }
 
+// A hull that stands on its smaller end and widens up through the plane: what is below the plane is a frustum
+// on a part of the smaller sphere.
+struct Funnel {
+  double small = 0.004, large = 0.01, length = 0.012, below = 0.002;  // [m] of the smaller centre
+
+  [[nodiscard]] ProbePrimitive primitive(double x, double y) const {
+    return {ProbeShape::capsule, {x, y, -below}, {x, y, length - below}, small, large};
+  }
+  [[nodiscard]] double volume() const {
+    const double sine = (large - small) / length, cosine = std::sqrt(1 - sine * sine);
+    const double foot = small * cosine, head = foot + (below + small * sine) * sine / cosine;
+    const double cap = small - small * sine, height = below + small * sine;
+    return kPi * (cap * cap * (3 * small - cap) + height * (foot * foot + foot * head + head * head)) / 3;
+  }
+};
+
 class KnownContact : public testing::TestWithParam<std::uint32_t> {};
 
 TEST_P(KnownContact, IsRightForEverySectionShape) {
@@ -123,6 +139,22 @@ TEST_P(KnownContact, IsRightForEverySectionShape) {
     }
     for (const double angle : {0.05, 0.4, 0.9, 1.2}) {
       expect_known(slanted_cylinder(angle), plane, placement, "slanted cylinder: an ellipse");
+    }
+  }
+}
+
+TEST_P(KnownContact, ColumnsOfAFunnelAreWhatIsBelowThePlane) {
+  test::Random random(GetParam() + 51);
+  const Mesh plane = plane_of(GetParam(), 1);
+  for (const double small : {1e-4, 0.004, 0.0095}) {
+    for (const double below : {0.0005, 0.002, 0.0035}) {
+      Funnel funnel;
+      funnel.small = small;
+      funnel.below = below;
+      const Pose placement = random.pose(0.5);
+      const Total total = press(plane, funnel.primitive(0.001, -0.002), Law::column, placement);
+      EXPECT_NEAR(total.volume / funnel.volume(), 1, 1e-10) << small << " " << below;
+      EXPECT_LT(norm(total.centre - Vec3{0.001, -0.002, 0}), 1e-8 * kRadius);
     }
   }
 }

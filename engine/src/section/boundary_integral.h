@@ -23,7 +23,7 @@ struct Singularity {
 };
 
 struct Singularities {
-  static constexpr int kMaxCount = 16;
+  static constexpr int kMaxCount = 20;
   int count = 0;
   std::array<Singularity, kMaxCount> point;
   /// Ask for nodes in geometric steps towards those that are not weak: for derivatives of what the others

@@ -1,14 +1,16 @@
 // The column law's integral: the paper's depth, along -n to the primitive's own surface, integrated over the
 // area.
 //
-// As in pressure_field.cpp the inner integral over y is in closed form; the column leaves through sphere 1
-// where x < c sqrt(R^2 - y^2), through sphere 2 where x - x2 > c sqrt(R^2 - y^2), through the side between.
-// For a cone, whose column depth has no such form, the inner integral is a Gauss rule (about six digits).
+// As in pressure_field.cpp the inner integral over y is in closed form. Columns leave a hull of two spheres
+// through the deeper one, through the side or through the higher one: at abscissa x in this order from y = 0
+// outward. Depth is the maximum over t of sqrt(a t^2 + 2 b t + c) - h - t dh (section/depth.cpp), so the ways
+// out meet where its derivative vanishes at an end: where b^2 or (a + b)^2 is dh^2 times the end's own
+// square.
 #include <cmath>
+#include <utility>
 
 #include "base/elementary.h"
 #include "section/boundary_integral.h"
-#include "section/depth.h"
 #include "section/pressure.h"
 #include "section/stated_errors.h"
 
@@ -19,111 +21,189 @@ struct Strip {
   double zeroth, first;  // int_0^y d dy' and int_0^y y' d dy'
 };
 
-Strip operator-(Strip a, Strip b) { return {a.zeroth - b.zeroth, a.first - b.first}; }
 Strip operator+(Strip a, Strip b) { return {a.zeroth + b.zeroth, a.first + b.first}; }
 
-// int_0^y of sqrt(square - y'^2) and of y' times it.
-Strip arc_strip(double square, double y) {
-  const double w = std::sqrt(max(0, square - y * y)), r = std::sqrt(max(0, square));
-  // (r^3 - w^3) / 3 with r - w = y^2 / (r + w).
-  const double cubes = r + w > 0 ? y * y / (r + w) * (r * r + r * w + w * w) / 3 : 0;
-  return {0.5 * (y * w + max(0, square) * arc_tan2(y, w)), cubes};
+/// An end as columns see it.
+struct ColumnEnd {
+  double x, radius, h;  // [m] abscissa, and height over the plane
+
+  // [m^2] How far the sphere reaches in y, squared.
+  [[nodiscard]] double square_at(double at) const { return (radius - (at - x)) * (radius + (at - x)); }
+};
+
+/// A section's primitive, from the end that lies deeper to the other.
+struct Columns {
+  ColumnEnd low, high;
+  double dr, dx, dh;  // from low to high; dh >= 0
+  double a, g;        // dr^2 - dx^2 and dh^2 - a, of all columns
+  bool sphere, flat;
+
+  explicit Columns(const Section& section)
+      : low{0, section.radius1, section.h1},
+        high{section.x2, section.radius2, section.h2},
+        sphere(section.length == 0),
+        flat(section.shape == Shape::flat) {
+    if (high.h < low.h) std::swap(low, high);
+    dr = high.radius - low.radius;
+    dx = high.x - low.x;
+    dh = high.h - low.h;
+    a = (dr - dx) * (dr + dx);
+    g = (section.length - dr) * (section.length + dr);
+  }
+  [[nodiscard]] double b_at(double x) const { return low.radius * dr + (x - low.x) * dx; }
+};
+
+// Between y1 and y2, of the root of d + a y^2, a not 0, and of y times it.
+Strip roots_between(double d, double a, double y1, double y2) {
+  const double w1 = std::sqrt(max(0, d + a * y1 * y1)), w2 = std::sqrt(max(0, d + a * y2 * y2)),
+               sum = w1 + w2;
+  if (!(sum > 0)) return {0, 0};
+  const double wide = y2 - y1, squares = wide * (y1 + y2), scale = std::sqrt(std::fabs(a));
+  const double turn = a < 0 ? arc_tan2(scale * (y2 * w1 - y1 * w2), w1 * w2 - a * y1 * y2)
+                            : log_1p((scale * wide + a * squares / sum) / (scale * y1 + w1));
+  return {0.5 * (y2 * w2 - y1 * w1 + d / scale * turn), (w1 * w1 + w1 * w2 + w2 * w2) / sum * squares / 3};
 }
 
-Strip through_sphere(const Section& section, double dx, double h, double y) {
-  const Strip arc = arc_strip((section.radius1 - dx) * (section.radius1 + dx), y);
-  return {arc.zeroth - h * y, arc.first - 0.5 * h * y * y};
+// Of a depth that is `height` less than `roots` times `scale`.
+Strip below(double height, Strip roots, double scale, double y1, double y2) {
+  const double wide = y2 - y1;
+  return {scale * roots.zeroth - height * wide, scale * roots.first - 0.5 * height * wide * (y1 + y2)};
 }
 
-Strip through_first_end(const Section& section, double x, double y) {
-  if (section.shape == Shape::round) return through_sphere(section, x, section.h1, y);
+Strip through_sphere(const ColumnEnd& end, double x, double y1, double y2) {
+  if (!(y1 < y2)) return {0, 0};
+  return below(end.h, roots_between(max(0, end.square_at(x)), -1, y1, y2), 1, y1, y2);
+}
+
+Strip through_base(const Section& section, double x, double y) {
   const double base = section.c > 0 ? (section.s * x - section.c * section.h1) / section.c : 0;
   return {base * y, 0.5 * base * y * y};
 }
 
-// Between y1 and y2; an axis nearly along the normal would divide rounding by its sine, so there depth is
-// summed up in the form s Y - c (x - c Y) / s - h1, whose terms are small.
-Strip through_side(const Section& section, double x, double y1, double y2) {
+/// Columns of one abscissa that leave through the side: there depth is (dh b - sqrt(g D)) / a - h with
+/// D = b^2 - a c = d + a y^2.
+struct SideColumns {
+  double a, g, h;  // as Columns has them
+  double along;    // dh b
+  double b, c, d;  // c at y = 0
+
+  SideColumns(const Columns& columns, double x)
+      : a(columns.a),
+        g(columns.g),
+        h(columns.low.h),
+        along(columns.dh * columns.b_at(x)),
+        b(columns.b_at(x)),
+        c(columns.low.square_at(x)),
+        d(b * b - a * c) {}
+
+  // In the form in which nothing cancels; rounding must not take it out of the hull.
+  [[nodiscard]] double depth_at(double y, double most) const {
+    const double root = std::sqrt(g * max(0, d + a * y * y)), sum = along + root;
+    const double reach = b > 0 && sum > 0 ? (b * b + g * (c - y * y)) / sum : (along - root) / a;
+    return clamp(reach - h, 0, most);
+  }
+};
+
+Strip through_side(const Columns& columns, double x, double y1, double y2) {
   if (!(y1 < y2)) return {0, 0};
-  const double s = section.s, c = section.c, r = section.radius1;
-  if (s > 0.05) {
-    const double e = c * x + s * section.h1;
-    const Strip arc = arc_strip(r * r, y2) - arc_strip(r * r, y1);
-    return {(arc.zeroth - e * (y2 - y1)) / s, (arc.first - 0.5 * e * (y2 - y1) * (y2 + y1)) / s};
+  const SideColumns side(columns, x);
+  constexpr double kEnough = 0.0025;  // of the length squared
+  if (std::fabs(side.a) > kEnough * columns.g) {
+    return below(side.h - side.along / side.a, roots_between(side.d, side.a, y1, y2),
+                 -std::sqrt(side.g) / side.a, y1, y2);
   }
+  Singularities ends;
+  if (const double square = -side.d / side.a; std::fabs(square) < 1e300)
+    ends.add(square > 0 ? std::sqrt(square) : 0, square > 0 ? 0 : std::sqrt(-square));
+  const double most = max(columns.low.radius - columns.low.h, columns.high.radius - columns.high.h);
   Strip sum{0, 0};
-  for (const GaussNode& node : kGauss8) {
-    const double y = y1 + (y2 - y1) * node.at, side = std::sqrt(max(0, (r - y) * (r + y)));
-    const double depth = s * side - (s > 0 ? c * (x - c * side) / s : 0) - section.h1;
-    sum.zeroth += (y2 - y1) * node.weight * depth;
-    sum.first += (y2 - y1) * node.weight * depth * y;
-  }
+  graded_nodes(y1, y2, ends, [&](double y, double weight) {
+    const double depth = side.depth_at(y, most);
+    sum.zeroth += weight * depth;
+    sum.first += weight * depth * y;
+  });
   return sum;
 }
 
-// The y up to which columns at distance x from an end's foot leave through that end.
-double change_at(const Section& section, double x) {
-  const double r = section.radius1;
-  if (x <= 0) return r;
-  const double scaled = section.c > 0 ? x / section.c : 1e300;
-  return scaled < r ? std::sqrt((r - scaled) * (r + scaled)) : 0;
+// The y up to which columns leave through the low end, or from which on through the high one: `slope` less dh
+// times the root of the end's own square, which is `square` at y = 0, has the sign of depth's derivative.
+double change_at(const Columns& columns, double square, double slope) {
+  const double root = std::sqrt(max(0, square)), change = slope / columns.dh;
+  return change < root ? std::sqrt((root - change) * (root + change)) : 0;
 }
 
-Strip strip_by_rule(const Section& section, double x, double y) {
-  Strip sum{0, 0};
-  for (const GaussNode& node : kGauss16) {
-    const double at = y * node.at, depth = max(0, depth_at(section, {x, at}));
-    sum.zeroth += y * node.weight * depth;
-    sum.first += y * node.weight * depth * at;
-  }
-  return sum;
+double low_until(const Columns& columns, double x, double b) {
+  const double square = columns.low.square_at(x);
+  if (b > 0) return change_at(columns, square, b);
+  return columns.a > 0 ? std::sqrt(max(0, square)) : 1e300;  // in the shade of a wider one, or by itself
 }
 
-Strip strip_to(const Section& section, double x, double signed_y) {
+Strip strip_to(const Section& section, const Columns& columns, double x, double signed_y) {
   const double y = std::fabs(signed_y);
   Strip strip{0, 0};
-  if (section.radius1 != section.radius2) {
-    strip = strip_by_rule(section, x, y);
-  } else if (section.length == 0) {
-    strip = through_sphere(section, x, section.h1, y);
+  if (columns.sphere) {
+    strip = through_sphere(columns.low, x, 0, y);
   } else {
-    const double first = change_at(section, x);
-    const double last = section.shape == Shape::flat ? section.radius1 : change_at(section, x - section.x2);
-    strip =
-        through_first_end(section, x, min(y, first)) + through_side(section, x, first, clamp(y, first, last));
-    if (y > last) {
-      const double x2 = x - section.x2;
-      strip = strip +
-              (through_sphere(section, x2, section.h2, y) - through_sphere(section, x2, section.h2, last));
-    }
+    const double b = columns.b_at(x), end = columns.a + b;
+    const double first = min(y, low_until(columns, x, b));
+    const double last =
+        columns.flat || !(end > 0) ? y : clamp(change_at(columns, columns.high.square_at(x), end), first, y);
+    strip = columns.flat ? through_base(section, x, first) : through_sphere(columns.low, x, 0, first);
+    strip = strip + through_side(columns, x, first, last) + through_sphere(columns.high, x, last, y);
   }
   if (signed_y < 0) strip.zeroth = -strip.zeroth;
   return strip;
 }
 
-void add_roots(double a, double b, double c, Singularities& kinks) {
-  const double discriminant = b * b - a * c;
-  if (!(discriminant > 0) || a == 0) return;
-  kinks.add((-b - std::sqrt(discriminant)) / a);
-  kinks.add((-b + std::sqrt(discriminant)) / a);
+/// c + 2 b t + a t^2 along a piece.
+struct AlongPiece {
+  double a, b, c;
+};
+AlongPiece operator-(AlongPiece p, AlongPiece q) { return {p.a - q.a, p.b - q.b, p.c - q.c}; }
+AlongPiece operator*(double s, AlongPiece p) { return {s * p.a, s * p.b, s * p.c}; }
+AlongPiece square_of(double at_start, double slope) {
+  return {slope * slope, at_start * slope, at_start * at_start};
 }
 
-// Where the way out changes, and the equators of the end spheres.
-Singularities kinks_of(const Section& section, const Piece& piece) {
+// Roots of f, off the real axis too; of real ones those at which a line of that slope and value at the start
+// is `sign` times positive, or 0.
+void add_roots(const AlongPiece& f, double sign, double at_start, double slope, Singularities& kinks) {
+  const double square = f.b * f.b - f.a * f.c;
+  if (!(square >= 0)) return kinks.add(-f.b / f.a, std::sqrt(-square) / std::fabs(f.a));
+  const double q = -(f.b + std::copysign(std::sqrt(square), f.b));
+  for (const double root : {q / f.a, f.c / q}) {
+    if (sign * (at_start + slope * root) >= 0) kinks.add(root);
+  }
+}
+
+// Where the way out changes, and where a sphere or the side stands upright.
+Singularities kinks_of(const Columns& columns, const Piece& piece, const Zone& zone) {
   Singularities kinks;
-  const double y = piece.from_y, dx = piece.to_x - piece.from_x, dy = piece.to_y - y, r = section.radius1;
-  for (const double end : {0.0, section.x2}) {
-    const double x = piece.from_x - end, cc = section.c * section.c;
-    kinks.add(-x / dx);
-    kinks.add((section.c * r - x) / dx);
-    if (piece.kind != Piece::edge) continue;
-    add_roots(dx * dx + cc * dy * dy, x * dx + cc * y * dy, x * x + cc * (y * y - r * r), kinks);
-    add_roots(dx * dx + dy * dy, x * dx + y * dy, x * x + y * y - r * r, kinks);
+  const double dx = piece.to_x - piece.from_x, dy = piece.to_y - piece.from_y;
+  AlongPiece y2 = square_of(piece.from_y, dy);
+  if (piece.kind != Piece::edge) {
+    const double x = piece.from_x - zone.x0;
+    y2 = {-zone.gamma * dx * dx, dx * (zone.beta - zone.gamma * x), eta_squared(zone, piece.from_x)};
   }
-  if (piece.kind == Piece::edge && dy != 0) {
-    kinks.add((r - y) / dy);
-    kinks.add((-r - y) / dy);
-  }
+  const auto reach_of = [&](const ColumnEnd& end) {
+    return AlongPiece{0, 0, end.radius * end.radius} - square_of(piece.from_x - end.x, dx);
+  };
+  const AlongPiece low = reach_of(columns.low), high = reach_of(columns.high);
+  const double slope = dx * columns.dx, b = columns.b_at(piece.from_x), dh2 = columns.dh * columns.dh;
+  add_roots(low - y2, -1, b, slope, kinks);
+  if (columns.sphere) return kinks;
+  const AlongPiece b2 = square_of(b, slope);
+  kinks.add(-b / slope);
+  add_roots(dh2 * low - b2, 1, b, slope, kinks);
+  add_roots(dh2 * (low - y2) - b2, 1, b, slope, kinks);
+  add_roots(b2 - columns.a * (low - y2), 1, b, slope, kinks);
+  if (columns.flat) return kinks;
+  const double end = b + columns.a;
+  const AlongPiece end2 = square_of(end, slope);
+  kinks.add(-end / slope);
+  add_roots(high - y2, 1, end, slope, kinks);
+  add_roots(dh2 * high - end2, 1, end, slope, kinks);
+  add_roots(dh2 * (high - y2) - end2, 1, end, slope, kinks);
   return kinks;
 }
 
@@ -131,19 +211,20 @@ Singularities kinks_of(const Section& section, const Piece& piece) {
 
 PressureMoments column_moments(const Section& section, const Boundary& boundary) {
   PressureMoments sum;
+  const Columns columns(section);
   for (int i = 0; i < boundary.count; ++i) {
     const Piece& piece = boundary.piece[static_cast<std::size_t>(i)];
     if (piece.kind == Piece::none || piece.from_x == piece.to_x) continue;
-    piece_nodes(piece, section.zone[piece.zone], kinks_of(section, piece),
-                [&](double x, double y, double weight) {
-                  const Strip strip = strip_to(section, x, y);
-                  sum.volume -= weight * strip.zeroth;
-                  sum.first.x -= weight * x * strip.zeroth;
-                  sum.first.y -= weight * strip.first;
-                });
+    const Zone& zone = section.zone[piece.zone];
+    piece_nodes(piece, zone, kinks_of(columns, piece, zone), [&](double x, double y, double weight) {
+      const Strip strip = strip_to(section, columns, x, y);
+      sum.volume -= weight * strip.zeroth;
+      sum.first.x -= weight * x * strip.zeroth;
+      sum.first.y -= weight * strip.first;
+    });
   }
-  const double r = section.radius1;
-  sum.error = (section.radius1 == section.radius2 ? kColumnError : kColumnConeError) * r * r * r;
+  const double r = max(section.radius1, section.radius2);
+  sum.error = kColumnError * r * r * r;
   return sum;
 }
 

@@ -12,7 +12,6 @@ inline constexpr double kBoundaryError = 1e-9;  ///< quadrature along the bounda
 /// the primitive and the square of its longest edge by twice its area: times the area of a contact it is in
 /// its volume's error. Only triangles far larger than R or very narrow ones feel it.
 inline constexpr double kPlaneRounding = 1e-15;
-inline constexpr double kColumnError = 1e-6;      ///< column law, equal radii
-inline constexpr double kColumnConeError = 1e-3;  ///< column law, different radii
+inline constexpr double kColumnError = 1e-6;  ///< column law
 
 }  // namespace lumbrical
