@@ -16,13 +16,6 @@ Vec3 centre_of(const Section& section, const PressureMoments& moments, Vec3 othe
   return to_world(section, (1 / moments.volume) * moments.first);
 }
 
-PressureMoments exact_moments(const Section& section, Law law, const ContactQuery& query,
-                              const AreaMoments& area, Boundary& boundary) {
-  trace_boundary(section, boundary);
-  return law == Law::field ? field_moments(query.kernels, section, area, boundary)
-                           : column_moments(section, boundary);
-}
-
 // One pair by the laws in general. False where there is no common area.
 bool collide_section(const Primitive& primitive, const ContactQuery& query, const Section& section,
                      Boundary& boundary, Contact& contact) {
@@ -51,8 +44,10 @@ bool collide_section(const Primitive& primitive, const ContactQuery& query, cons
   switch (query.law) {
     case Law::field:
     case Law::column: {
-      const PressureMoments moments =
-          exact_moments(section, palm ? Law::field : query.law, query, area, boundary);
+      if (overlap == Overlap::inside) trace_boundary(section, boundary);
+      const PressureMoments moments = palm || query.law == Law::field
+                                          ? field_moments(query.kernels, section, area, boundary)
+                                          : column_moments(section, boundary);
       contact.error = moments.error;
       contact.volume = max(0, moments.volume);
       contact.centre = centre_of(section, moments, contact.centroid);
