@@ -31,6 +31,8 @@ struct Singularities {
   bool refine = false;
   /// Ask for nine digits only: for what is small already.
   bool coarse = false;
+  /// Ask for nodes in geometric steps towards two that are near each other.
+  bool crowded = false;
   void add(double at, double blur = 0, bool weak = false) {
     if (count < kMaxCount && at > -1e6 && at < 1e6)
       point[static_cast<std::size_t>(count++)] = {at, blur, weak};
@@ -47,13 +49,15 @@ inline void add_closest_approach(double a, double b, double c, Singularities& si
 constexpr double kShortest = 1e-13;
 /// Where refinement ends, as a share of the whole piece.
 inline constexpr double kFinest = 2e-4;
+/// Two nearer each other are one, as a share of the interval.
+inline constexpr double kLeastGap = 1e-7;
 
 /// Calls f(t, weight) at nodes for the integral over lower <= t <= upper.
 template <class F>
 void graded_nodes(double lower, double upper, const Singularities& singularities, F&& f) {
   const double length = upper - lower;
   if (!(length > 0)) return;
-  double left = 1e300, right = 1e300, strong = 1e300;
+  double left = 1e300, right = 1e300, strong = 1e300, second_left = 1e300, second_right = 1e300;
   const bool divisible = length > kShortest;
   for (int i = 0; i < singularities.count; ++i) {
     const Singularity point = singularities.point[static_cast<std::size_t>(i)];
@@ -63,25 +67,33 @@ void graded_nodes(double lower, double upper, const Singularities& singularities
       graded_nodes(point.at, upper, singularities, f);
       return;
     }
-    double& side = point.at < 0.5 * (lower + upper) ? left : right;
+    const bool is_left = point.at < 0.5 * (lower + upper);
     const double distance = max(0, max(lower - point.at, point.at - upper)) + point.blur;
+    double &side = is_left ? left : right, &second = is_left ? second_left : second_right;
+    second = min(second, max(side, distance));
     side = min(side, distance);
     if (!point.weak) strong = min(strong, distance);
   }
+  const auto divide_at_quarter = [&] {
+    const double quarter = left < right ? lower + 0.25 * length : upper - 0.25 * length;
+    graded_nodes(lower, quarter, singularities, f);
+    graded_nodes(quarter, upper, singularities, f);
+  };
   const auto plain = [&](const auto& rule) {
     for (const GaussNode& node : rule) f(lower + length * node.at, length * node.weight);
   };
   // n nodes leave about (2 + 4 d / length)^(-2 n) with d the distance to the nearest singularity.
   const double scale = singularities.coarse ? length / 3 : length;
   const double near = 1.5 * scale, nearest = min(left, right);
+  const double gap = left < right ? second_left - left : second_right - right;
   const double middle = 0.5 * (lower + upper);
   if (left < near && right < near && divisible) {
     graded_nodes(lower, middle, singularities, f);
     graded_nodes(middle, upper, singularities, f);
   } else if (singularities.refine && strong < 0.3 * length && length > kFinest) {
-    const double quarter = left < right ? lower + 0.25 * length : upper - 0.25 * length;
-    graded_nodes(lower, quarter, singularities, f);
-    graded_nodes(quarter, upper, singularities, f);
+    divide_at_quarter();
+  } else if (singularities.crowded && nearest < near && gap > kLeastGap * length && gap < 0.1 * length) {
+    divide_at_quarter();
   } else if (singularities.refine && nearest < near && nearest == strong && length > kFinest) {
     plain(kGauss16);
   } else if (nearest < near) {

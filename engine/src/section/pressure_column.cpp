@@ -179,6 +179,7 @@ void add_roots(const AlongPiece& f, double sign, double at_start, double slope, 
 // Where the way out changes, and where a sphere or the side stands upright.
 Singularities kinks_of(const Columns& columns, const Piece& piece, const Zone& zone) {
   Singularities kinks;
+  kinks.crowded = true;
   const double dx = piece.to_x - piece.from_x, dy = piece.to_y - piece.from_y;
   AlongPiece y2 = square_of(piece.from_y, dy);
   if (piece.kind != Piece::edge) {
