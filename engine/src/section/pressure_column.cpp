@@ -80,45 +80,25 @@ Strip through_base(const Section& section, double x, double y) {
   return {base * y, 0.5 * base * y * y};
 }
 
-/// Columns of one abscissa that leave through the side: there depth is (dh b - sqrt(g D)) / a - h with
-/// D = b^2 - a c = d + a y^2.
-struct SideColumns {
-  double a, g, h;  // as Columns has them
-  double along;    // dh b
-  double b, c, d;  // c at y = 0
-
-  SideColumns(const Columns& columns, double x)
-      : a(columns.a),
-        g(columns.g),
-        h(columns.low.h),
-        along(columns.dh * columns.b_at(x)),
-        b(columns.b_at(x)),
-        c(columns.low.square_at(x)),
-        d(b * b - a * c) {}
-
-  // In the form in which nothing cancels; rounding must not take it out of the hull.
-  [[nodiscard]] double depth_at(double y, double most) const {
-    const double root = std::sqrt(g * max(0, d + a * y * y)), sum = along + root;
-    const double reach = b > 0 && sum > 0 ? (b * b + g * (c - y * y)) / sum : (along - root) / a;
-    return clamp(reach - h, 0, most);
-  }
-};
-
+// Through the side depth is (dh b - sqrt(g D)) / a - h with D = b^2 - a c = d + a y^2.
 Strip through_side(const Columns& columns, double x, double y1, double y2) {
   if (!(y1 < y2)) return {0, 0};
-  const SideColumns side(columns, x);
-  constexpr double kEnough = 0.0025;  // of the length squared
-  if (std::fabs(side.a) > kEnough * columns.g) {
-    return below(side.h - side.along / side.a, roots_between(side.d, side.a, y1, y2),
-                 -std::sqrt(side.g) / side.a, y1, y2);
-  }
+  const double a = columns.a, g = columns.g, h = columns.low.h;
+  const double b = columns.b_at(x), along = columns.dh * b, c = columns.low.square_at(x), d = b * b - a * c;
+  constexpr double kEnough = 0.0025;  // of the length squared, for nothing to cancel
+  if (std::fabs(a) > kEnough * g)
+    return below(h - along / a, roots_between(d, a, y1, y2), -std::sqrt(g) / a, y1, y2);
   Singularities ends;
-  if (const double square = -side.d / side.a; std::fabs(square) < 1e300)
+  if (const double square = -d / a; std::fabs(square) < 1e300)
     ends.add(square > 0 ? std::sqrt(square) : 0, square > 0 ? 0 : std::sqrt(-square));
-  const double most = max(columns.low.radius - columns.low.h, columns.high.radius - columns.high.h);
+  // Rounding must not take it out of the hull.
+  const double most = max(columns.low.radius - h, columns.high.radius - columns.high.h);
   Strip sum{0, 0};
   graded_nodes(y1, y2, ends, [&](double y, double weight) {
-    const double depth = side.depth_at(y, most);
+    const double root = std::sqrt(g * max(0, d + a * y * y)), sum_of_both = along + root;
+    const double reach =
+        b > 0 && sum_of_both > 0 ? (b * b + g * (c - y * y)) / sum_of_both : (along - root) / a;
+    const double depth = clamp(reach - h, 0, most);
     sum.zeroth += weight * depth;
     sum.first += weight * depth * y;
   });
@@ -189,22 +169,18 @@ Singularities kinks_of(const Columns& columns, const Piece& piece, const Zone& z
   const auto reach_of = [&](const ColumnEnd& end) {
     return AlongPiece{0, 0, end.radius * end.radius} - square_of(piece.from_x - end.x, dx);
   };
-  const AlongPiece low = reach_of(columns.low), high = reach_of(columns.high);
+  const AlongPiece low = reach_of(columns.low);
   const double slope = dx * columns.dx, b = columns.b_at(piece.from_x), dh2 = columns.dh * columns.dh;
-  add_roots(low - y2, -1, b, slope, kinks);
-  if (columns.sphere) return kinks;
-  const AlongPiece b2 = square_of(b, slope);
-  kinks.add(-b / slope);
-  add_roots(dh2 * low - b2, 1, b, slope, kinks);
-  add_roots(dh2 * (low - y2) - b2, 1, b, slope, kinks);
-  add_roots(b2 - columns.a * (low - y2), 1, b, slope, kinks);
-  if (columns.flat) return kinks;
-  const double end = b + columns.a;
-  const AlongPiece end2 = square_of(end, slope);
-  kinks.add(-end / slope);
-  add_roots(high - y2, 1, end, slope, kinks);
-  add_roots(dh2 * high - end2, 1, end, slope, kinks);
-  add_roots(dh2 * (high - y2) - end2, 1, end, slope, kinks);
+  const auto add_end = [&](const AlongPiece& reach, double derivative, double sign) {
+    const AlongPiece change = square_of(derivative, slope);
+    add_roots(reach - y2, sign, derivative, slope, kinks);
+    kinks.add(-derivative / slope);
+    add_roots(dh2 * reach - change, 1, derivative, slope, kinks);
+    add_roots(dh2 * (reach - y2) - change, 1, derivative, slope, kinks);
+  };
+  add_end(low, b, -1);
+  add_roots(square_of(b, slope) - columns.a * (low - y2), 1, b, slope, kinks);
+  if (!columns.sphere && !columns.flat) add_end(reach_of(columns.high), b + columns.a, 1);
   return kinks;
 }
 
