@@ -2,11 +2,14 @@
 // the deepest body at each point, by brute quadrature; and where two bodies are in the same place.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 
 #include "exact/finger_reference.h"
 #include "lumbrical/jacobian.h"
+#include "model/corners.h"
 #include "model/primitive.h"
 #include "pressed_hand.h"
 #include "sampled_hand.h"
@@ -185,6 +188,60 @@ TEST(FeltOnce, IsWhatTheDeepestBodyFeelsOnEveryRung) {
   EXPECT_GT(of_any, 100u);
 }
 
+// What the records of a hand's contacts come to together, per segment.
+HandForces sum_of(std::span<const Contact> contacts, const Scratch& scratch, double stiffness) {
+  HandForces sum;
+  for (const Contact& contact : contacts) {
+    const auto segment = static_cast<std::size_t>(contact_segment(scratch, contact));
+    const Vec3 force = stiffness * contact.volume * contact.normal;
+    sum.segment[segment].force += force;
+    sum.segment[segment].torque += cross(contact.centre - scratch.primitives->base_joint[segment], force);
+  }
+  return sum;
+}
+
+// The largest distance of a coordinate of a contact's centre beyond its triangle's box [m].
+double beyond_triangle(const Model& model, const Contact& contact) {
+  const auto [a, b, c] = corners_of(model.triangles, contact.triangle);
+  double most = 0;
+  for (const auto axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+    const auto [least, largest] = std::minmax({a.*axis, b.*axis, c.*axis});
+    most = std::max({most, contact.centre.*axis - largest, least - contact.centre.*axis});
+  }
+  return most;
+}
+
+TEST(FeltOnce, ContactRecordsAddUpToWhatIsFelt) {
+  const Hand hand = default_hand(Side::right);
+  std::size_t left_to_others = 0;
+  for (const Held& held : what_hands_hold(hand)) {
+    Scene scene = sampled_scene(hand, {{"mesh", held.mesh}});
+    const double stiffness = scene.settings.stiffness;
+    for (const double precision : {0.0, 1e-4, 1e-5}) {
+      scene.settings.felt_once = precision > 0 ? FeltOnce::by_samples : FeltOnce::always;
+      const Model model = model_at(scene, precision);
+      Scratch scratch = make_scratch(model);
+      State state;
+      const HandForces felt = tick(model, state, scratch, held.frame);
+      const auto contacts = find_contacts(model, scratch);
+      const HandForces sum = sum_of(contacts, scratch, stiffness);
+      const double most = precision > 0 ? precision + 1e-5 : 1e-13;
+      const Difference off = difference(by_bodies(sum, stiffness), by_bodies(felt, stiffness));
+      EXPECT_LT(off.hand, most) << held.name << " at " << precision;
+      EXPECT_LT(off.body, 3 * most) << held.name << " at " << precision;
+      EXPECT_LT(torque_difference(sum, felt), 6 * most) << held.name << " at " << precision;
+      for (const Contact& contact : contacts) {
+        EXPECT_GE(contact.volume, 0);
+        // Less than its error acts anywhere.
+        const double beyond = contact.volume > contact.error ? beyond_triangle(model, contact) : 0;
+        EXPECT_LT(beyond, 1e-9) << held.name << " at " << precision;
+        left_to_others += contact.volume == 0 ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(left_to_others, 10u);  // as a whole
+}
+
 // The middle finger where the index is: the first of the two has it all.
 TEST(FeltOnce, TwoFingersInOnePlaceFeelWhatOneFeels) {
   Hand hand = default_hand(Side::right);
@@ -253,6 +310,15 @@ TEST(FeltOnce, JacobiansAreThoseOfWhatIsFelt) {
     ASSERT_TRUE(sample_forces(model, moved, kAllSegments, *scratch.samples, felt, &level));
     force[side > 0 ? 1 : 0] = scene.settings.stiffness * felt.segment[kPalmSegment].force;
   }
+  // Records of contacts leave something to others too, but nothing that samples feel hangs on them.
+  find_contacts(model, scratch);
+  std::array<SegmentJacobian, kSegmentCount> after;
+  segment_jacobians(model, scratch, after);
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    EXPECT_TRUE(after[i].known);
+    EXPECT_EQ(after[i].value, jacobians[i].value);
+  }
+
   const Vec3 change = (force[1] - force[0]) / (2 * kStep);
   ASSERT_TRUE(jacobians[kPalmSegment].known);
   const auto& value = jacobians[kPalmSegment].value;

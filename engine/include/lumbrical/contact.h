@@ -15,7 +15,8 @@ struct Contact {
                      ///< (under `field` its edges have that along -normal). Of round primitives under the
                      ///< field law 0 until it is asked for (contact_depth)
   double area = 0;   ///< [m^2] A_C: the part of the triangle inside the primitive
-  double volume = 0;  ///< [m^3] the law's depth summed over that part; K_s times it is the force
+  double volume = 0;  ///< [m^3] the law's depth summed over that part, but for what bodies of the hand that
+                      ///< are deeper feel in its place (Settings::felt_once); K_s times it is the force
   double error = 0;   ///< [m^3] bound of |volume - exact|, exact laws; 0 for the others
   Vec3 centroid;      ///< [m] W, of that part
   Vec3 centre;        ///< [m] W, centre of pressure: the force acts here

@@ -110,7 +110,7 @@ struct Settings {
   /// [N/m] of the spring from the hand to its proxy (docs/proxy.md), 10 .. 1e5; 0: there is none, and what
   /// is thinner than a finger is passed through.
   double proxy_stiffness = 0;
-  FeltOnce felt_once = FeltOnce::by_samples;  ///< contact records stay those of each part by itself
+  FeltOnce felt_once = FeltOnce::by_samples;
   Pad pad;
   /// Most evaluations of a field that samples may spend in a tick, 0 .. 1e9; 0: as many as it takes. What a
   /// tick will spend is known before its kernels run; beyond the bound it takes the next coarser lattices,

@@ -58,11 +58,10 @@ enum class Stage : std::uint8_t { input, hand_pose, broadphase, narrowphase, con
 inline constexpr int kStageCount = 6;
 std::string_view stage_name(Stage stage);
 
-struct Primitives;     // posed spheres, cylinders and palm; primitive.h inside the engine
-struct SampleMemory;   // the passes of the rungs of samples; sampled_forces.h inside the engine
-struct ExactOverlaps;  // what exact contacts leave to deeper bodies; exact_overlaps.h inside the engine
-struct ProxyMemory;    // what holds the proxy back; proxy_hand.h inside the engine
-struct NearPairs;      // what earlier searches found near; near_pairs.h inside the engine
+struct Primitives;    // posed spheres, cylinders and palm; primitive.h inside the engine
+struct SampleMemory;  // the passes of the rungs of samples; sampled_forces.h inside the engine
+struct ProxyMemory;   // what holds the proxy back; proxy_hand.h inside the engine
+struct NearPairs;     // what earlier searches found near; near_pairs.h inside the engine
 
 /// Told by a tick that a stage of it has ended (the stages of sampled hands take turns), for whoever measures
 /// how long they take: the engine itself has no clock. It must touch nothing of the tick's, and not throw.
@@ -86,7 +85,6 @@ struct Scratch {
   std::shared_ptr<Primitives> primitives;
   std::shared_ptr<NearPairs> near;  ///< spares searches while the hand moves little; never changes a result
   std::shared_ptr<SampleMemory> samples;
-  std::shared_ptr<ExactOverlaps> overlaps;  ///< null: what several bodies hold is felt by all
   std::vector<std::uint64_t>
       candidates;  ///< primitive << 32 | Contact::triangle, ascending; `candidate_count` of them
   std::vector<Contact> contacts;       ///< sorted by primitive, then triangle; `contact_count` of them
@@ -95,7 +93,8 @@ struct Scratch {
   std::vector<std::uint32_t> cells;    ///< of the grid, that may be met
   std::uint32_t candidate_count = 0;
   std::uint32_t contact_count = 0;
-  bool keep_near = true;                    ///< use `near`; false: search afresh every tick
+  std::uint32_t leaving = 0;  ///< segments of which contacts leave something to deeper bodies, a bit each
+  bool keep_near = true;      ///< use `near`; false: search afresh every tick
   std::shared_ptr<ProxyMemory> proxy;       ///< null: there is none
   std::vector<Scratch> layers;              ///< of Model::layers
   std::shared_ptr<Scratch> apart;           ///< for objects apart, one after the other; null: there is none
@@ -117,8 +116,10 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
 
 /// The contact records behind the last tick on `scratch`: of every law and rung, also of those that need none
 /// for their forces and leave them out of Scratch::contacts (sampled segments); those are then computed here,
-/// by the exact rung, and stand in `scratch` until the next tick. Takes as long as an exact tick. Empty where
-/// that tick's frame could not be trusted, or where there are more pairs than Settings::max_candidates.
+/// by the exact rung, and stand in `scratch` until the next tick. Together they push as hard as the hand was,
+/// to the segments' precision. Takes as long as an exact tick, and a millisecond more where several bodies of
+/// the hand touch the same triangles, of what is felt once. Empty where that tick's frame could not be
+/// trusted, or where there are more pairs than Settings::max_candidates.
 std::span<const Contact> find_contacts(const Model& model, Scratch& scratch);
 
 /// The same of one of Model::apart, in its frame O, which stood at ObjectOutput::pose; Contact::triangle

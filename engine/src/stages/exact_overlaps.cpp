@@ -1,6 +1,7 @@
 #include "stages/exact_overlaps.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "borders/tile_rival.h"
@@ -12,8 +13,8 @@ namespace lumbrical {
 namespace {
 
 // Parts are halved both ways until that changes the integral by less than this share of R^3, which leaves it
-// off by an eighth of that, and until their edges are below a share of R, another one where nothing was found
-// yet; or until they are below the last share.
+// off by an eighth of that, or a tenth of a segment's precision; and until their edges are below a share of
+// R, another one where nothing was found yet; or until they are below the last share.
 constexpr double kTolerance = 1e-7, kLargest = 0.5, kLargestEmpty = 0.2, kLeast = 1e-3;
 
 // [m] A lead that is more than rounding: where two bodies have a field in common, the first one has it.
@@ -22,17 +23,35 @@ constexpr double kTie = 1e-14;
 // The palm's is the last.
 std::size_t body_of(std::size_t segment) { return segment / 3; }
 
-/// A triangle's plane, and the bodies that touch it.
+/// A triangle, and the bodies that touch it.
 struct Touched {
   const Primitives& hand;
   const PalmPolygon& palm;
-  Section plane;  // of which only the axes are there
-  std::array<Cone, kPhalanxCount> cone;
-  std::uint32_t segments = 0;  // that touch it, a bit each
+  std::uint32_t segments;  // that touch it, a bit each
+  std::array<Vec3, 3> corner;
+  Section plane{};  // of which only the axes are there
+  std::array<Cone, kPhalanxCount> cone{};
+
+  [[nodiscard]] bool set_plane() {
+    if (!normal_of(corner[0], corner[1], corner[2], plane.n)) return false;
+    plane.origin = corner[0];
+    plane.u = (1 / norm(corner[1] - corner[0])) * (corner[1] - corner[0]);
+    plane.v = cross(plane.n, plane.u);
+    for (std::size_t i = 0; i < kPhalanxCount; ++i) {
+      if ((segments >> i & 1u) == 0) continue;
+      const Primitive& phalanx = hand.capsule[i];
+      cone[i] = cone_from(plane, phalanx.end1, phalanx.end2, phalanx.radius1, phalanx.radius2);
+    }
+    return true;
+  }
+  [[nodiscard]] Point2 in_plane(Vec3 p) const {
+    return {dot(p - plane.origin, plane.u), dot(p - plane.origin, plane.v)};
+  }
+  [[nodiscard]] Vec3 at(Point2 p) const { return plane.origin + p.x * plane.u + p.y * plane.v; }
 
   [[nodiscard]] double field(std::size_t segment, Point2 p) const {
     if (segment != kPalmSegment) return cone_field(cone[segment], sight_of(cone[segment], p));
-    return palm.field(plane.origin + p.x * plane.u + p.y * plane.v);
+    return palm.field(at(p));
   }
   /// By how much the deepest of the other bodies that touch it is deeper than a segment's, which has the
   /// field `own` there.
@@ -60,10 +79,12 @@ struct Told {
 
 class Overlap {
  public:
-  Overlap(const Touched& touched, std::size_t segment, double radius)
-      : touched_(touched), segment_(segment), radius_(radius) {
-    if (segment == kPalmSegment) return;
+  Overlap(const Touched& touched, std::size_t segment, double precision)
+      : touched_(touched), segment_(segment) {
     const Primitives& hand = touched.hand;
+    radius_ = segment == kPalmSegment ? hand.palm.radius : hand.capsule[segment].radius1;
+    tolerance_ = max(kTolerance, 0.1 * precision) * radius_ * radius_ * radius_;
+    if (segment == kPalmSegment) return;
     const auto add = [&](std::size_t inner, bool is_first) {
       if (hand.present[inner] && hand.present[inner + 1])
         rival_[count_++] = joint_rival(touched.plane, hand, inner, is_first);
@@ -74,10 +95,12 @@ class Overlap {
     const std::size_t across = segment % 3 == 0 ? segment + 2 : segment - 2;
     if ((touched.segments >> across & 1u) != 0) across_ = across;
   }
-  /// What others are deeper in, of a triangle of that area [m^2]; adds to `error` [m^3] by how much that
-  /// still changed.
-  PartMoments lost(Point2 a, Point2 b, Point2 c, double area, double& error) const {
-    const Told of_a = tell(a), of_b = tell(b), of_c = tell(c);
+  /// What others are deeper in; adds to `error` [m^3] by how much that still changed.
+  PartMoments lost(double& error) const {
+    const auto& [a, b, c] = touched_.corner;
+    const Told of_a = tell(touched_.in_plane(a)), of_b = tell(touched_.in_plane(b)),
+               of_c = tell(touched_.in_plane(c));
+    const double area = 0.5 * norm(cross(b - a, c - a));
     const SixPoints<Told> told{
         of_a, of_b, of_c, between(of_b, of_c), between(of_c, of_a), between(of_a, of_b)};
     return halved(told, area, integral(told, area), error);
@@ -131,8 +154,7 @@ class Overlap {
     PartMoments sum;
     for (std::size_t k = 0; k < part.size(); ++k) add(of_part[k] = integral(part[k], area / 4), sum);
     const double change = std::fabs(sum.volume - whole.volume);
-    if ((size < (sum.volume > 0 ? kLargest : kLargestEmpty) * radius_ &&
-         change <= kTolerance * radius_ * radius_ * radius_) ||
+    if ((size < (sum.volume > 0 ? kLargest : kLargestEmpty) * radius_ && change <= tolerance_) ||
         size < kLeast * radius_) {
       error += change;
       return sum;
@@ -161,7 +183,7 @@ class Overlap {
   const Touched& touched_;
   std::size_t segment_, count_ = 0;
   std::size_t across_ = kPhalanxCount;  // the tile that a folded finger's first or last meets here
-  double radius_;
+  double radius_, tolerance_;           // [m], [m^3]
   std::array<Rival, 2> rival_;
 };
 
@@ -173,55 +195,95 @@ bool touches_two_bodies(std::uint32_t segments) {
   return false;
 }
 
-void take_off(const Model& model, const Primitives& hand, const PalmPolygon& palm, std::uint32_t triangle,
-              std::uint32_t segments, ExactOverlaps& overlaps) {
-  const auto [a, b, c] = corners_of(model.triangles, triangle);
-  Touched touched{hand, palm, {}, {}, segments};
-  Section& plane = touched.plane;
-  if (!normal_of(a, b, c, plane.n)) return;
-  plane.origin = a;
-  plane.u = (1 / norm(b - a)) * (b - a);
-  plane.v = cross(plane.n, plane.u);
-  for (std::size_t i = 0; i < kPhalanxCount; ++i) {
-    if ((segments >> i & 1u) == 0) continue;
-    const Primitive& phalanx = hand.capsule[i];
-    touched.cone[i] = cone_from(plane, phalanx.end1, phalanx.end2, phalanx.radius1, phalanx.radius2);
+// From a point of a triangle towards another, and no farther than it reaches.
+Vec3 within(const Touched& triangle, Vec3 from, Vec3 to) {
+  const std::array<Vec3, 3>& corner = triangle.corner;
+  double share = 1;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 inward = cross(triangle.plane.n, corner[(k + 1) % 3] - corner[k]);
+    const double before = max(0, dot(inward, from - corner[k])), after = dot(inward, to - corner[k]);
+    if (after < 0) share = min(share, before / (before - after));
   }
-  const auto in_plane = [&](Vec3 p) {
-    return Point2{dot(p - plane.origin, plane.u), dot(p - plane.origin, plane.v)};
-  };
-  const double area = 0.5 * norm(cross(b - a, c - a));
-  for (std::uint32_t left = segments; left != 0; left &= left - 1) {
-    const auto segment = static_cast<std::size_t>(__builtin_ctz(left));
-    const double radius = segment == kPalmSegment ? hand.palm.radius : hand.capsule[segment].radius1;
-    const PartMoments sum =
-        Overlap(touched, segment, radius).lost(in_plane(a), in_plane(b), in_plane(c), area, overlaps.error);
-    if (!(sum.volume > 0)) continue;
-    const Point2 centre = (1 / sum.volume) * sum.first;
-    const Vec3 at = a + centre.x * plane.u + centre.y * plane.v, force = -sum.volume * plane.n;
-    overlaps.segment[segment].force += force;
-    overlaps.segment[segment].torque += cross(at - hand.base_joint[segment], force);
+  return from + share * (to - from);
+}
+
+/// The contacts of a hand, and of some the indices, ascending, with their triangles: triangle << 32 | index.
+struct Contacts {
+  const Primitives& hand;
+  std::span<Contact> all;
+
+  [[nodiscard]] Contact& of(std::uint64_t index) const { return all[static_cast<std::uint32_t>(index)]; }
+  [[nodiscard]] std::size_t segment(std::uint64_t index) const {
+    return hand.primitive[of(index).primitive].segment;
   }
+};
+using Indices = std::span<const std::uint64_t>;
+
+// Of one segment: the palm has several parts on a triangle, which share the loss by what they feel, and act
+// in one place. Where next to nothing is left, rounding would put that anywhere.
+void take_off(const Touched& touched, const PartMoments& lost, Indices own, const Contacts& contacts) {
+  const Vec3 place = touched.at((1 / lost.volume) * lost.first);
+  double volume = 0;
+  Vec3 first;  // from where what is lost acts
+  for (const std::uint64_t index : own) {
+    volume += contacts.of(index).volume;
+    first += contacts.of(index).volume * (contacts.of(index).centre - place);
+  }
+  const double left = max(0, volume - lost.volume);
+  for (const std::uint64_t index : own) {
+    Contact& contact = contacts.of(index);
+    if (left > 0) contact.centre = within(touched, place + (1 / volume) * first, place + (1 / left) * first);
+    contact.volume *= left > 0 ? left / volume : 0;
+  }
+}
+
+// Of all contacts with a triangle. Returns the segments that lose something.
+std::uint32_t take_off(const Model& model, const Touched& touched, Indices indices,
+                       const Contacts& contacts) {
+  std::uint32_t leaving = 0;
+  for (auto own = indices.begin(); own != indices.end();) {
+    const std::size_t segment = contacts.segment(*own);
+    const auto next = std::find_if(own, indices.end(),
+                                   [&](std::uint64_t other) { return contacts.segment(other) != segment; });
+    const Overlap overlap(touched, segment, model.settings.precision[segment]);
+    const PartMoments lost = overlap.lost(contacts.of(*own).error);
+    if (lost.volume > 0) {
+      take_off(touched, lost, {own, next}, contacts);
+      leaving |= 1u << segment;
+    }
+    own = next;
+  }
+  return leaving;
 }
 
 }  // namespace
 
-void take_off_overlaps(const Model& model, const Primitives& hand, std::span<const Contact> contacts,
-                       ExactOverlaps& overlaps) {
-  const PalmPolygon palm(hand.palm);
-  overlaps.segment = {};
-  overlaps.error = 0;
-  for (std::size_t i = 0; i < contacts.size(); ++i)
-    overlaps.touched[i] =
-        std::uint64_t{contacts[i].triangle} << 32 | hand.primitive[contacts[i].primitive].segment;
-  const auto begin = overlaps.touched.begin(), end = begin + static_cast<std::ptrdiff_t>(contacts.size());
-  std::sort(begin, end);
-  for (auto next = begin; next != end;) {
-    const auto triangle = static_cast<std::uint32_t>(*next >> 32);
-    std::uint32_t segments = 0;
-    for (; next != end && *next >> 32 == triangle; ++next) segments |= 1u << (*next & 31u);
-    if (touches_two_bodies(segments)) take_off(model, hand, palm, triangle, segments, overlaps);
+std::uint32_t take_off_overlaps(const Model& model, const Primitives& hand, std::uint32_t segments,
+                                std::span<Contact> found, std::span<std::uint64_t> room) {
+  const Contacts contacts{hand, found};
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if ((segments >> contacts.segment(i) & 1u) != 0)
+      room[count++] = std::uint64_t{found[i].triangle} << 32 | i;
   }
+  const auto touching = room.first(count);
+  std::sort(touching.begin(), touching.end());
+  const PalmPolygon palm(hand.palm);
+  std::uint32_t leaving = 0;
+  for (auto begin = touching.begin(); begin != touching.end();) {
+    const auto triangle = static_cast<std::uint32_t>(*begin >> 32);
+    const auto end =
+        std::find_if(begin, touching.end(), [&](std::uint64_t other) { return other >> 32 != triangle; });
+    std::uint32_t by = 0;
+    for (auto one = begin; one != end; ++one) by |= 1u << contacts.segment(*one);
+    if (touches_two_bodies(by)) {
+      const auto [a, b, c] = corners_of(model.triangles, triangle);
+      Touched touched{hand, palm, by, {a, b, c}};
+      if (touched.set_plane()) leaving |= take_off(model, touched, {begin, end}, contacts);
+    }
+    begin = end;
+  }
+  return leaving;
 }
 
 }  // namespace lumbrical

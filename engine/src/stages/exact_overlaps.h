@@ -5,24 +5,18 @@
 // is in the parts (section/quadratic_part.h).
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "lumbrical/tick.h"
-#include "model/primitive.h"
 
 namespace lumbrical {
 
-struct ExactOverlaps {
-  std::vector<std::uint64_t> touched;           ///< triangle << 32 | segment, ascending
-  std::array<Wrench, kSegmentCount> segment{};  ///< to be added, of a stiffness of 1: see SampledForces
-  double error = 0;                             ///< [m^3] what they may be off together, by estimate
-};
-
-/// Of the last tick's contacts. `overlaps.touched` has room for a number per contact.
-void take_off_overlaps(const Model& model, const Primitives& hand, std::span<const Contact> contacts,
-                       ExactOverlaps& overlaps);
+/// Takes it off volume and centre of the contacts found, sorted by primitive, of those `segments` whose bit
+/// is set; by how much that may be off, by estimate, is added to their errors. Area, depth and centroid stay
+/// those of all that a primitive touches. `room` has a number per contact. Returns the segments that leave
+/// something to others.
+std::uint32_t take_off_overlaps(const Model& model, const Primitives& hand, std::uint32_t segments,
+                                std::span<Contact> found, std::span<std::uint64_t> room);
 
 }  // namespace lumbrical

@@ -29,21 +29,25 @@ bool find_exact_candidates(const Model& model, const Primitives& hand, Scratch& 
   return true;
 }
 
+// Those that feel once what several bodies hold, whichever rung lists their contacts.
+std::uint32_t segments_felt_once(const Model& model) {
+  switch (model.settings.felt_once) {
+    case FeltOnce::never:
+      return 0;
+    case FeltOnce::by_samples:
+      return sampled_segments(model);
+    case FeltOnce::always:
+      return kAllSegments;
+  }
+  return 0;
+}
+
 HandForces sum_up(const Model& model, Scratch& scratch) {
   tell(scratch.watch, Stage::broadphase);
   find_all_contacts(model, scratch);
   tell(scratch.watch, Stage::narrowphase);
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
-  const auto& sampled = scratch.samples->forces.segment;
-  if (model.settings.felt_once != FeltOnce::always)
-    return sum_forces(model.settings, *scratch.primitives, contacts, sampled);
-  take_off_overlaps(model, *scratch.primitives, contacts, *scratch.overlaps);
-  auto other = scratch.overlaps->segment;
-  for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    other[i].force += sampled[i].force;
-    other[i].torque += sampled[i].torque;
-  }
-  return sum_forces(model.settings, *scratch.primitives, contacts, other);
+  return sum_forces(model.settings, *scratch.primitives, contacts, scratch.samples->forces.segment);
 }
 
 void add(const HandForces& more, HandForces& forces) {
@@ -63,10 +67,6 @@ void make_room(const Model& model, Scratch& scratch) {
   size_candidates(model, scratch);
   size_samples(model, *scratch.samples);
   scratch.contacts.resize(scratch.candidates.size());
-  if (model.settings.felt_once == FeltOnce::always) {
-    if (!scratch.overlaps) scratch.overlaps = std::make_shared<ExactOverlaps>();
-    scratch.overlaps->touched.resize(scratch.contacts.size());
-  }
   if (scratch.layers.size() < model.layers.size()) scratch.layers.resize(model.layers.size());
   for (std::size_t i = 0; i < model.layers.size(); ++i) {
     scratch.layers[i].keep_near = scratch.keep_near;
@@ -78,6 +78,8 @@ void make_room(const Model& model, Scratch& scratch) {
 void find_all_contacts(const Model& model, Scratch& scratch) {
   const std::span<const std::uint64_t> candidates(scratch.candidates.data(), scratch.candidate_count);
   scratch.contact_count = find_contacts(model, *scratch.primitives, candidates, scratch.contacts);
+  scratch.leaving = take_off_overlaps(model, *scratch.primitives, segments_felt_once(model),
+                                      {scratch.contacts.data(), scratch.contact_count}, scratch.sorting);
 }
 
 HandForces feel(const Model& model, Scratch& scratch, std::uint32_t& flags) {
@@ -133,8 +135,6 @@ Findings findings_of(const Model& model, const Scratch& scratch) {
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
   Findings findings{scratch.contact_count + sampled.contact_count, sampled.evaluations,
                     error_estimate(model.settings, sampled), force_error(model.settings, contacts)};
-  if (model.settings.felt_once == FeltOnce::always)
-    findings.force_error += model.settings.stiffness * scratch.overlaps->error;
   for (std::size_t i = 0; i < model.layers.size(); ++i) {
     const Findings more = findings_of(*model.layers[i], scratch.layers[i]);
     findings += {0, more.evaluations, more.error_estimate, more.force_error};

@@ -10,7 +10,6 @@
 #include "samples/sampled_forces.h"
 #include "section/contact_jacobian.h"
 #include "section/slab.h"
-#include "stages/exact_overlaps.h"
 #include "stages/narrowphase.h"
 #include "tick/felt_forces.h"
 
@@ -158,11 +157,6 @@ void add_pushes(const GapList& pushing, const Primitives& hand, std::uint32_t se
   }
 }
 
-// Has the exact rung taken off a segment what others are deeper in? How that changes isn't known.
-bool shares(const Scratch& scratch, std::size_t segment) {
-  return scratch.overlaps && scratch.overlaps->segment[segment].force != Vec3{};
-}
-
 }  // namespace
 
 void segment_jacobians(const Model& model, const Scratch& scratch,
@@ -170,15 +164,17 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
   assert(is_made_for(model, scratch) && "of its last tick");
   const FloatingPointGuard guard;
   const bool own = is_made_for(model, scratch);
+  const std::uint32_t by_samples = sampled_segments(model);
+  // How what the exact rung leaves to deeper bodies changes isn't known.
+  const std::uint32_t unknown = scratch.leaving & ~by_samples;
   const auto asked = [segments](std::size_t segment) { return (segments >> segment & 1u) != 0; };
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    if (asked(i)) jacobians[i] = {{}, own && model.settings.law[i] == Law::field && !shares(scratch, i)};
+    if (asked(i)) jacobians[i] = {{}, own && model.settings.law[i] == Law::field && (unknown >> i & 1u) == 0};
   }
   if (!own) return;
   const Primitives& hand = *scratch.primitives;
   const FieldKernels& kernels = field_kernels(model.execution.isa);
   const Triangles& world = model.triangles;
-  const std::uint32_t by_samples = sampled_segments(model);
   for (std::size_t i = 0; i < scratch.contact_count; ++i) {
     const Contact& contact = scratch.contacts[i];
     const Primitive& primitive = hand.primitive[contact.primitive];
