@@ -63,7 +63,7 @@ std::set<std::uint32_t> patches_of(const Patches& patches, const NearPatches& ne
   const auto add_block = [&](std::uint32_t number) {
     std::size_t level = patches.first_samples.size() - 1, count = PatchBlock::kWidth;
     while (number < patches.first_samples[level]) --level;
-    for (std::size_t k = 0; k < level; ++k) count *= PatchBlock::kWidth;
+    for (std::size_t k = 0; k < level; ++k) count *= kBlocksInLarger;
     const std::size_t first = (number - patches.first_samples[level]) * count;
     for (std::size_t k = 0; k < count; ++k) places.insert(static_cast<std::uint32_t>(first + k));
   };

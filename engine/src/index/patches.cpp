@@ -45,7 +45,7 @@ constexpr std::size_t kLeastSizeWithLevels = 4;
 
 // [R] Largest radius of a block that is taken as one at a precision of 1e-4; the error falls with its third
 // power.
-constexpr double kBlockRadius = 0.36;
+constexpr double kBlockRadius = 0.3;
 
 // The same above the palm's polygon, where its field is linear and forces exact whatever the size, and beside
 // it, where its curvature jumps.
@@ -53,7 +53,7 @@ constexpr double kBlockAbovePalm = 2, kBlockBesidePalm = 0.25;
 
 // [R] The same where a body's skin goes through, by level: the error falls with the size's fifth power or so,
 // and with the hand's force.
-constexpr std::array<double, kLevels> kBlockOnSkin = {0.25, 0.21, 0.17, 0.14, 0.12, 0.1, 0.087, 0.073, 0.06};
+constexpr std::array<double, kLevels> kBlockOnSkin = {0.24, 0.21, 0.17, 0.14, 0.12, 0.1, 0.087, 0.073, 0.06};
 
 // A triangle whose parts have to be halved more often in a row is cut where it is touched (Patches::large).
 constexpr unsigned kMostHalvings = 20;
@@ -232,34 +232,34 @@ void leave_few_on_skin(std::span<const BlockSamples> samples, Patches& patches) 
 
 // Blocks as ones, and blocks of those, level by level, as long as a segment may take one.
 void put_samples(const Execution& execution, Patches& patches) {
-  constexpr std::size_t kWidth = PatchBlock::kWidth;
   const double largest = max(patches.block_above_palm,
                              *std::max_element(patches.block_radius.begin(), patches.block_radius.end()));
   std::vector<BlockSamples> samples;
   std::vector<BlockMoments> below, here;
-  for (std::size_t width = 1;; width *= kWidth) {  // in blocks of patches
+  for (std::size_t width = 1;; width *= kBlocksInLarger) {  // in blocks of patches
     const std::size_t first = samples.size(), count = piece_count(patches.block.size(), width);
     samples.resize(first + count);
     here.resize(count);
-    const std::size_t piece = std::max<std::size_t>(1, kPatchPiece / (width * kWidth));
+    const std::size_t piece = std::max<std::size_t>(1, kPatchPiece / (width * PatchBlock::kWidth));
     parallel_pieces(count, piece, execution.threads, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        const std::size_t members = i * kWidth;
+        const std::size_t members = i * kBlocksInLarger;
         here[i] = below.empty() ? moments_of_block(patches, i)
                                 : moments_of(std::span<const BlockMoments>(below).subspan(
-                                      members, std::min(kWidth, below.size() - members)));
+                                      members, std::min(kBlocksInLarger, below.size() - members)));
         samples[first + i] = samples_of_blocks(patches, here[i], i * width, width);
       }
     });
-    const auto is_small = [&](const BlockSamples& block) { return double{block.size} <= largest; };
-    const bool is_used =
-        std::any_of(samples.begin() + static_cast<std::ptrdiff_t>(first), samples.end(), is_small);
+    float least = std::numeric_limits<float>::infinity();
+    for (std::size_t i = first; i < samples.size(); ++i) least = std::min(least, samples[i].size);
+    const bool is_used = double{least} <= largest;
     if (!is_used && !patches.first_samples.empty()) {
       samples.resize(first);
       break;
     }
     patches.has_wholes = patches.has_wholes || is_used;
     patches.first_samples.push_back(static_cast<std::uint32_t>(first));
+    patches.least_size.push_back(least);
     if (count <= 1) break;
     std::swap(below, here);
   }
@@ -267,19 +267,22 @@ void put_samples(const Execution& execution, Patches& patches) {
   patches.samples = std::move(samples);
 }
 
-// A block that is taken as one where its sphere meets a body has to be found there: of each level the
-// spheres of those that may be, and less than nothing of the others.
+// A block that is taken as one where its sphere meets a body has to be found there: round those that may be,
+// spheres for each level of the tree; less than nothing where there are none.
 std::vector<std::vector<Sphere>> spheres_on_skin(const Patches& patches, Vec3 origin) {
+  const Sphere nothing{{}, -std::numeric_limits<double>::infinity()};
   const double largest = patches.block_on_skin[0];
   std::vector<std::vector<Sphere>> spheres;
   for (std::size_t level = 0; largest > 0 && level < patches.first_samples.size(); ++level) {
     const auto blocks = samples_of_level(patches, level);
-    spheres.emplace_back();
-    spheres.back().reserve(blocks.size());
-    for (const BlockSamples& block : blocks) {
-      const bool may_be = double{block.size} <= largest;
-      spheres.back().push_back({point_of(block.centre) - origin,
-                                may_be ? double{block.radius} : -std::numeric_limits<double>::infinity()});
+    const std::size_t width = level % 2 == 0 ? 1 : kBlocksInLarger;  // as many have a sphere of the tree
+    if (width > 1 || level == 0) spheres.emplace_back(piece_count(blocks.size(), width), nothing);
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      if (double{blocks[i].size} > largest) continue;
+      const Sphere own{point_of(blocks[i].centre) - origin, double{blocks[i].radius}};
+      Sphere& round = spheres.back()[i / width];
+      if (round.radius < 0) round = own;
+      hold(own, round);
     }
   }
   return spheres;

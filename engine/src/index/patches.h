@@ -49,6 +49,10 @@ struct PatchShape {
   float edge[2][3];   ///< [m] from it to the second and to the third
 };
 
+/// So many neighbouring blocks are a larger one; a sphere of the tree is round every second level of those.
+inline constexpr std::size_t kBlocksInLarger = 4;
+static_assert(kBlocksInLarger * kBlocksInLarger == SphereBlock::kWidth);
+
 /// A block as one, for a body it lies inside of: samples of the field at its centre and to both sides of it
 /// along three arms, with vectors for weights, so chosen that fields of second degree are integrated as the
 /// patches themselves would be.
@@ -81,8 +85,9 @@ struct Patches {
   SphereTree tree;                           ///< of spheres round the blocks, without triangles
   SharedArray<PatchBlock> block;             ///< in the order of the tree's leaves
   SharedArray<PatchShape> shape;             ///< of each patch, sixteen to a block
-  SharedArray<BlockSamples> samples;         ///< of each block, of each sixteen of those, and so on
+  SharedArray<BlockSamples> samples;         ///< of each block, of each larger one, and so on
   std::vector<std::uint32_t> first_samples;  ///< of each of these levels
+  std::vector<float> least_size;             ///< [m] of each level's blocks
   double step = 0;                           ///< [m] that patches are measured in (patch_cuts.h)
   std::vector<std::uint32_t> large;  ///< triangles that are cut where they are touched (cut_patches.h)
   SphereTree large_tree;             ///< of those

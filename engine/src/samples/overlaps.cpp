@@ -86,7 +86,7 @@ bool is_taken(const Patches& patches, const Overlaps& overlaps, Rivals& rivals, 
   for (const std::uint32_t first : patches.first_samples) {
     const std::uint8_t by = overlaps.taken_by[first + block];
     if (by != 0 && (parts & ~rivals.of(by - 1u)) == 0) return true;
-    block /= kLanes;
+    block /= kBlocksInLarger;
   }
   return false;
 }

@@ -27,10 +27,11 @@ struct BodySearch {
   Hits hits;          // (spheres, blocks, count, with bits, to) -> count
   Sort sort;          // (samples, first, found, count, to) -> Sorted
   Classify classify;  // (arrays, found, count, to) -> count
+  float largest;      // [m] block that it may take as one
   std::uint32_t shift, every_tile;
 };
 template <class Hits, class Sort, class Classify>
-BodySearch(Hits, Sort, Classify, std::uint32_t, std::uint32_t) -> BodySearch<Hits, Sort, Classify>;
+BodySearch(Hits, Sort, Classify, float, std::uint32_t, std::uint32_t) -> BodySearch<Hits, Sort, Classify>;
 
 // All spheres of the blocks that there are.
 std::size_t every_sphere(std::span<const std::uint32_t> blocks, std::size_t spheres, bool with_bits,
@@ -40,6 +41,20 @@ std::size_t every_sphere(std::span<const std::uint32_t> blocks, std::size_t sphe
     for (std::uint32_t i = block * SphereBlock::kWidth; i < (block + 1) * SphereBlock::kWidth && i < spheres;
          ++i)
       to[count++] = with_bits ? i << shift | bits : i;
+  }
+  return count;
+}
+
+// All blocks in larger ones, of `all` that there are, with the bits of those.
+template <class Search>
+std::size_t every_block(const Search& search, std::span<const std::uint32_t> larger, std::size_t all,
+                        std::uint32_t* to) {
+  std::size_t count = 0;
+  for (const std::uint32_t place : larger) {
+    const std::size_t first = kBlocksInLarger * std::size_t{place >> search.shift};
+    const std::uint32_t bits = place & ((1u << search.shift) - 1);
+    for (std::size_t i = first; i < std::min(first + kBlocksInLarger, all); ++i)
+      to[count++] = static_cast<std::uint32_t>(i) << search.shift | bits;
   }
   return count;
 }
@@ -73,32 +88,42 @@ void classify_blocks(const Search& search, const PatchArrays& arrays, std::span<
     searcher.found[i].block += arrays.first;
 }
 
-// A body's way down the levels of the tree, from one to the next by the spheres it may meet, and to patches.
-// It stops where a searcher has found too much: there is room for a step beyond that.
+// A body's way down the levels of the tree, from one to the next by the spheres it may meet, or, where it may
+// take blocks of the level between the two as ones, through those; and to patches. It stops where a searcher
+// has found too much: there is room for a step beyond that.
 template <class Search>
 void find_in_model(const Search& search, const Model& model, PatchSearcher& searcher) {
   const Patches& patches = *model.patches;
   const SphereTree& tree = patches.tree;
   const bool brute = model.execution.broadphase == Broadphase::brute;
-  const std::size_t most = most_patches(model);
+  const std::size_t most = most_patches(model), sampled = patches.first_samples.size();
   if (tree.head.level_count == 0) return;
   const TreeLayout layout = layout_of(tree.head);
   std::size_t level = tree.head.level_count, count = layout.blocks[level - 1];
   std::uint32_t* from = searcher.frontier[0].data();
   std::uint32_t* to = searcher.frontier[1].data();
   std::iota(from, from + count, 0u);
+  bool is_opened = false;  // `from` has blocks of the level already, not their larger ones' places
   for (const SphereBlock* spheres = blocks_of(tree.lines.data()); level-- > 0;
        spheres += layout.blocks[level]) {
-    const bool has_samples = level < patches.first_samples.size();
+    const bool with_bits = 2 * level <= sampled;
     const std::size_t all = level > 0 ? layout.blocks[level - 1] : patches.block.size();
-    count = brute ? every_sphere({from, count}, all, has_samples, search.shift, search.every_tile, to)
-                  : search.hits(spheres, from, count, has_samples, to);
-    if (has_samples) {
-      count = open_blocks(search, patches, level, {to, count}, searcher);
-      for (std::size_t i = 0; level > 0 && i < count; ++i) to[i] >>= search.shift;
+    if (!is_opened) {
+      count = brute ? every_sphere({from, count}, all, with_bits, search.shift, search.every_tile, to)
+                    : search.hits(spheres, from, count, with_bits, to);
+      std::swap(from, to);
+    }
+    if (2 * level < sampled) count = open_blocks(search, patches, 2 * level, {from, count}, searcher);
+    is_opened = level > 0 && with_bits && patches.least_size[2 * level - 1] <= search.largest;
+    if (is_opened) {
+      const std::size_t below = 2 * level - 1;
+      count = every_block(search, {from, count}, samples_of_level(patches, below).size(), to);
+      count = open_blocks(search, patches, below, {to, count}, searcher);
+      count = every_block(search, {to, count}, samples_of_level(patches, below - 1).size(), from);
+    } else if (level > 0 && with_bits) {
+      for (std::size_t i = 0; i < count; ++i) from[i] >>= search.shift;
     }
     if (searcher.count > most) return;
-    std::swap(from, to);
   }
   classify_blocks(search, arrays_of(patches), {from, count}, most, searcher);
 }
@@ -136,13 +161,12 @@ void open_for_body(const Search& search, const Model& model, std::span<const Fou
   for (std::size_t level = patches.first_samples.size(); level-- > 0; std::swap(from, to)) {
     const auto blocks = samples_of_level(patches, level);
     const std::uint32_t first = patches.first_samples[level];
-    count = every_sphere({from, count}, blocks.size(), true, search.shift, search.every_tile, to);
+    count = every_block(search, {from, count}, blocks.size(), to);
     for (const FoundPatches& found : before) {
       if (is_on_skin(found) && found.block >= first && found.block - first < blocks.size())
         to[count++] = (found.block - first) << search.shift | search.every_tile;
     }
     count = open_blocks(search, patches, level, {to, count}, searcher);
-    for (std::size_t i = 0; level > 0 && i < count; ++i) to[i] >>= search.shift;
     if (searcher.count > most) return;
   }
   classify_blocks(search, arrays_of(patches), {from, count}, most, searcher);
@@ -201,7 +225,10 @@ void find_for_finger(const Model& model, const Primitives& hand, const CutPatche
         return leave_near(arrays.shape, origin, finger, to,
                           kernels.classify_finger(arrays.block, finger, blocks, count, to, force));
       },
-      3, finger.tiles()};
+      std::max(*std::max_element(finger.block_radius, finger.block_radius + finger.tile_count),
+               finger.block_on_skin),
+      3,
+      finger.tiles()};
   find_from(search, model, cuts, from, searcher);
 }
 
@@ -245,7 +272,9 @@ void find_for_palm(const Model& model, const Primitives& hand, const CutPatches&
         return leave_near(arrays.shape, origin, palm, to,
                           kernels.classify_palm(arrays.block, palm, blocks, count, to, force));
       },
-      0, 0};
+      std::max({palm.block_radius[0], palm.block_radius[1], palm.block_on_skin}),
+      0,
+      0};
   find_from(search, model, cuts, from, searcher);
 }
 
