@@ -3,9 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
-
+#include "files.h"
 #include "lumbrical/scene_file.h"
 
 namespace lumbrical {
@@ -80,23 +78,18 @@ TEST(SurfaceFile, ReadsFactorsAndRefusesWhatIsNone) {
 class SurfaceScene : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              testing::UnitTest::GetInstance()->current_test_info()->name();
-    std::filesystem::create_directories(folder_);
-    write("ribs.pgm", "P2 2 1 1  0 1");
-    write("rough.txt", "1 2 3 4 5 6 7 8");
+    test::write_file("ribs.pgm", "P2 2 1 1  0 1");
+    test::write_file("rough.txt", "1 2 3 4 5 6 7 8");
   }
-  void write(const char* name, const std::string& content) { std::ofstream(folder_ / name) << content; }
   Status load(const std::string& object, SceneFile& file) {
-    write("scene.json",
-          "{\"objects\": [{\n\"plane\": {\"cells\": 2}, " + object + "}],\n\"motion\": {\"grasp\": {}}}");
-    return load_scene_file((folder_ / "scene.json").string(), file);
+    const std::string path = test::write_file("scene.json", "{\"objects\": [{\n\"plane\": {\"cells\": 2}, " +
+                                                                object + "}],\n\"motion\": {\"grasp\": {}}}");
+    return load_scene_file(path, file);
   }
   std::string refusal(const std::string& object) {
     SceneFile file;
     return load(object, file).message();
   }
-  std::filesystem::path folder_;
 };
 
 TEST_F(SurfaceScene, HoldsWhatTheFileAndItsFilesSay) {
@@ -128,7 +121,7 @@ TEST_F(SurfaceScene, OfWhichPartsMakeNoSenseIsRefusedWithFileLineAndField) {
   says(refusal(R"("surface": {"bumps": {"image": "rough.txt", "white": 1, "period": 1}})"),
        "rough.txt:1:1: is no PGM");
   says(refusal(R"("surface": {"friction_file": "rough.txt"})"), "has factors of friction");
-  write("rough.txt", "1 2 3");
+  test::write_file("rough.txt", "1 2 3");
   says(refusal(R"("friction": 0.5, "surface": {"friction_file": "rough.txt"})"), "3 numbers for 8 triangles");
 }
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 #include <cmath>
 
 #include <bit>
@@ -17,6 +16,7 @@
 #include <tuple>
 #include <vector>
 
+#include "files.h"
 #include "files/output_file.h"
 #include "flatbuffers/flatbuffers.h"
 #include "lumbrical/recording.h"
@@ -30,23 +30,8 @@
 
 namespace lumbrical::test {
 
-inline std::string temporary_path(const std::string& name) {
-  const auto* const info = ::testing::UnitTest::GetInstance()->current_test_info();
-  std::string test = info != nullptr ? info->name() : "";
-  for (char& c : test)
-    if (c == '/') c = '_';
-  const std::string path =
-      ::testing::TempDir() + "lumbrical_" + std::to_string(::getpid()) + "_" + test + "_" + name;
-  static struct Cleaner {  // takes the files away again when the program ends
-    std::vector<std::string> paths;
-    ~Cleaner() {
-      for (const std::string& old : paths) std::remove(old.c_str());
-    }
-  } cleaner;
-  cleaner.paths.push_back(path);
-  cleaner.paths.push_back(path + kPartSuffix);
-  return path;
-}
+/// A file of that name in the running test's own folder.
+inline std::string temporary_path(const std::string& name) { return (own_folder() / name).string(); }
 
 /// The path, where nothing is any more: no recording is written over another.
 inline const std::string& cleared(const std::string& path) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -31,9 +32,10 @@ inline std::filesystem::path own_folder() {
     }
   } cleaner;
   const auto* const test = ::testing::UnitTest::GetInstance()->current_test_info();
-  const std::filesystem::path folder =
-      std::filesystem::path(::testing::TempDir()) /
-      ("lumbrical_" + std::to_string(::getpid()) + "_" + test->test_suite_name() + "_" + test->name());
+  std::string name =
+      "lumbrical_" + std::to_string(::getpid()) + "_" + test->test_suite_name() + "_" + test->name();
+  std::replace(name.begin(), name.end(), '/', '_');
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / name;
   if (std::filesystem::create_directories(folder)) cleaner.folders.push_back(folder);
   return folder;
 }
