@@ -1,6 +1,8 @@
 // The corners of one triangle of the world.
 #pragma once
 
+#include <utility>
+
 #include "lumbrical/model.h"
 
 namespace lumbrical {
@@ -8,6 +10,19 @@ namespace lumbrical {
 struct Corners {
   Vec3 a, b, c;  ///< [m] W
 };
+
+/// The last point of a triangle on the way from one of its own to another of its plane.
+inline Vec3 last_within(const Corners& at, Vec3 from, Vec3 to) {
+  const Vec3 normal = cross(at.b - at.a, at.c - at.a);
+  double share = 1;
+  for (const auto& [corner, next] : {std::pair{at.a, at.b}, {at.b, at.c}, {at.c, at.a}}) {
+    const Vec3 inward = cross(normal, next - corner);
+    const double before = max(0, dot(inward, from - corner)), after = dot(inward, to - corner);
+    if (after < 0) share = min(share, before / (before - after));
+  }
+  return from + share * (to - from);
+}
+
 inline Corners corners_of(const Triangles& world, std::uint32_t triangle) {
   return {world.vertex(world.a[triangle]), world.vertex(world.b[triangle]), world.vertex(world.c[triangle])};
 }

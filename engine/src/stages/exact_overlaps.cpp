@@ -28,14 +28,15 @@ struct Touched {
   const Primitives& hand;
   const PalmPolygon& palm;
   std::uint32_t segments;  // that touch it, a bit each
-  std::array<Vec3, 3> corner;
+  Corners corner;
   Section plane{};  // of which only the axes are there
   std::array<Cone, kPhalanxCount> cone{};
 
   [[nodiscard]] bool set_plane() {
-    if (!normal_of(corner[0], corner[1], corner[2], plane.n)) return false;
-    plane.origin = corner[0];
-    plane.u = (1 / norm(corner[1] - corner[0])) * (corner[1] - corner[0]);
+    const auto& [a, b, c] = corner;
+    if (!normal_of(a, b, c, plane.n)) return false;
+    plane.origin = a;
+    plane.u = (1 / norm(b - a)) * (b - a);
     plane.v = cross(plane.n, plane.u);
     for (std::size_t i = 0; i < kPhalanxCount; ++i) {
       if ((segments >> i & 1u) == 0) continue;
@@ -195,18 +196,6 @@ bool touches_two_bodies(std::uint32_t segments) {
   return false;
 }
 
-// From a point of a triangle towards another, and no farther than it reaches.
-Vec3 within(const Touched& triangle, Vec3 from, Vec3 to) {
-  const std::array<Vec3, 3>& corner = triangle.corner;
-  double share = 1;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 inward = cross(triangle.plane.n, corner[(k + 1) % 3] - corner[k]);
-    const double before = max(0, dot(inward, from - corner[k])), after = dot(inward, to - corner[k]);
-    if (after < 0) share = min(share, before / (before - after));
-  }
-  return from + share * (to - from);
-}
-
 /// The contacts of a hand, and of some the indices, ascending, with their triangles: triangle << 32 | index.
 struct Contacts {
   const Primitives& hand;
@@ -232,7 +221,8 @@ void take_off(const Touched& touched, const PartMoments& lost, Indices own, cons
   const double left = max(0, volume - lost.volume);
   for (const std::uint64_t index : own) {
     Contact& contact = contacts.of(index);
-    if (left > 0) contact.centre = within(touched, place + (1 / volume) * first, place + (1 / left) * first);
+    if (left > 0)
+      contact.centre = last_within(touched.corner, place + (1 / volume) * first, place + (1 / left) * first);
     contact.volume *= left > 0 ? left / volume : 0;
   }
 }
@@ -277,8 +267,7 @@ std::uint32_t take_off_overlaps(const Model& model, const Primitives& hand, std:
     std::uint32_t by = 0;
     for (auto one = begin; one != end; ++one) by |= 1u << contacts.segment(*one);
     if (touches_two_bodies(by)) {
-      const auto [a, b, c] = corners_of(model.triangles, triangle);
-      Touched touched{hand, palm, by, {a, b, c}};
+      Touched touched{hand, palm, by, corners_of(model.triangles, triangle)};
       if (touched.set_plane()) leaving |= take_off(model, touched, {begin, end}, contacts);
     }
     begin = end;

@@ -306,6 +306,16 @@ std::size_t collide_some(const PairSlots& pairs, std::span<const RoundHull> hull
   return count;
 }
 
+// Of a force that is hardly more than its error, where area is rounding too, a quotient may lie anywhere.
+void keep_in_triangle(const Triangles& world, Contact& contact) {
+  constexpr double kDoubtful = 1000;
+  if (!(contact.volume < kDoubtful * contact.error)) return;
+  const Corners at = corners_of(world, contact.triangle);
+  const Vec3 middle = at.a + (1.0 / 3) * ((at.b - at.a) + (at.c - at.a));
+  contact.centroid = last_within(at, middle, contact.centroid);
+  contact.centre = last_within(at, middle, contact.centre);
+}
+
 }  // namespace
 
 bool collide(const Primitive& primitive, const ContactQuery& query, Vec3 a, Vec3 b, Vec3 c,
@@ -359,7 +369,7 @@ std::uint32_t find_contacts(const Model& model, const Primitives& hand,
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (!(contacts[i].area > 0)) continue;
     if (count != i) contacts[count] = contacts[i];
-    ++count;
+    keep_in_triangle(model.triangles, contacts[count++]);
   }
   return count;
 }
