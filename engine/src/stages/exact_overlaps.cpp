@@ -29,7 +29,7 @@ struct Touched {
   const PalmPolygon& palm;
   std::uint32_t segments;  // that touch it, a bit each
   Corners corner;
-  Section plane{};  // of which only the axes are there
+  Section plane{};  // of which only origin and axes are there
   std::array<Cone, kPhalanxCount> cone{};
 
   [[nodiscard]] bool set_plane() {
@@ -46,13 +46,13 @@ struct Touched {
     return true;
   }
   [[nodiscard]] Point2 in_plane(Vec3 p) const {
-    return {dot(p - plane.origin, plane.u), dot(p - plane.origin, plane.v)};
+    const Vec3 at = to_plane(plane, p);
+    return {at.x, at.y};
   }
-  [[nodiscard]] Vec3 at(Point2 p) const { return plane.origin + p.x * plane.u + p.y * plane.v; }
 
   [[nodiscard]] double field(std::size_t segment, Point2 p) const {
     if (segment != kPalmSegment) return cone_field(cone[segment], sight_of(cone[segment], p));
-    return palm.field(at(p));
+    return palm.field(to_world(plane, p));
   }
   /// By how much the deepest of the other bodies that touch it is deeper than a segment's, which has the
   /// field `own` there.
@@ -211,7 +211,7 @@ using Indices = std::span<const std::uint64_t>;
 // Of one segment: the palm has several parts on a triangle, which share the loss by what they feel, and act
 // in one place. Where next to nothing is left, rounding would put that anywhere.
 void take_off(const Touched& touched, const PartMoments& lost, Indices own, const Contacts& contacts) {
-  const Vec3 place = touched.at((1 / lost.volume) * lost.first);
+  const Vec3 place = to_world(touched.plane, (1 / lost.volume) * lost.first);
   double volume = 0;
   Vec3 first;  // from where what is lost acts
   for (const std::uint64_t index : own) {
@@ -219,11 +219,14 @@ void take_off(const Touched& touched, const PartMoments& lost, Indices own, cons
     first += contacts.of(index).volume * (contacts.of(index).centre - place);
   }
   const double left = max(0, volume - lost.volume);
+  if (!(left > 0)) {
+    for (const std::uint64_t index : own) contacts.of(index).volume = 0;
+    return;
+  }
+  const Vec3 centre = last_within(touched.corner, place + (1 / volume) * first, place + (1 / left) * first);
   for (const std::uint64_t index : own) {
-    Contact& contact = contacts.of(index);
-    if (left > 0)
-      contact.centre = last_within(touched.corner, place + (1 / volume) * first, place + (1 / left) * first);
-    contact.volume *= left > 0 ? left / volume : 0;
+    contacts.of(index).centre = centre;
+    contacts.of(index).volume *= left / volume;
   }
 }
 
@@ -256,6 +259,7 @@ std::uint32_t take_off_overlaps(const Model& model, const Primitives& hand, std:
     if ((segments >> contacts.segment(i) & 1u) != 0)
       room[count++] = std::uint64_t{found[i].triangle} << 32 | i;
   }
+  if (count == 0) return 0;
   const auto touching = room.first(count);
   std::sort(touching.begin(), touching.end());
   const PalmPolygon palm(hand.palm);
