@@ -160,10 +160,8 @@ TEST(CutPatches, AreKeptWhereOtherObjectsHaveNone) {
   EXPECT_NE(place(0.02), first);
 }
 
-// Cells whose way down has more halves than are counted are cut anew each time.
-TEST(CutPatches, OfTrianglesAsLargeAsThereMayBeAreFelt) {
-  FeelingHand samples(floor_scene(make_strips(1.8e8, 1.8e8, 1)), 1e-4),
-      small(floor_scene(make_plane(1, 1)), 1e-4);
+void expect_felt_as_a_floor(const Mesh& large) {
+  FeelingHand samples(floor_scene(large), 1e-4), small(floor_scene(make_plane(1, 1)), 1e-4);
   for (const double depth : {0.001, 0.004}) {
     const DeviceFrame frame = pressed_frame(samples.model().hand, depth, 0.2);
     for (int turn = 0; turn < 2; ++turn) {
@@ -171,6 +169,16 @@ TEST(CutPatches, OfTrianglesAsLargeAsThereMayBeAreFelt) {
       EXPECT_LT(norm(total_force(felt) - total_force(right)), 2e-4 * force_size(right));
     }
   }
+}
+
+// Cells whose way down has more halves than are counted are cut anew each time.
+TEST(CutPatches, OfTrianglesAsLargeAsThereMayBeAreFelt) {
+  expect_felt_as_a_floor(make_strips(1.8e8, 1.8e8, 1));
+}
+
+// How many patches each would come to is not found out by cutting it: that would take minutes.
+TEST(CutPatches, OfAThousandLanesOfAHundredKilometresAreFelt) {
+  expect_felt_as_a_floor(make_strips(1e5, 1, 1000));
 }
 
 TEST(CutPatches, WithTooLittleRoomAreNotFeltAndSaySo) {

@@ -1,6 +1,7 @@
 // Which triangles are cut into patches with their model, and into which.
 #include <gtest/gtest.h>
 
+#include "index/patch_cuts.h"
 #include "index/patches.h"
 #include "lumbrical/shapes.h"
 #include "pressed_hand.h"
@@ -74,8 +75,13 @@ TEST(Patches, OfATriangleAreTheWholeOfItAndFaceItsWay) {
     const Vec3 middle = (mesh.vertices[0] + mesh.vertices[1] + mesh.vertices[2]) / 3.0;
     EXPECT_LT(norm(cut.moment - norm(area) * middle), off * (size + 0.4)) << i;
     EXPECT_LT(cut.longest, 0.012) << i;
-    // No more than length and area ask for.
-    EXPECT_LT(static_cast<double>(cut.count), 6 + size / 0.0012 + norm(area) / (0.0025 * 0.0025)) << i;
+    // No more than length and area ask for, and about as many as expected.
+    const auto count = static_cast<double>(cut.count);
+    EXPECT_LT(count, 6 + size / 0.0012 + norm(area) / (0.0025 * 0.0025)) << i;
+    const double share =
+        count / expected_patches({mesh.vertices[0], mesh.vertices[1], mesh.vertices[2]}, model.patches->step);
+    EXPECT_GT(share, 0.5) << i;
+    EXPECT_LT(share, 5) << i;
   }
 }
 

@@ -14,16 +14,8 @@ constexpr double kSliver = 3, kSliverSteps = 3, kFinerSlivers = 2.2;
 // patches' longest edges are longer than their strips.
 constexpr double kStrip = 2, kStripShare = 0.94;
 
-// Into how many patches a part of a triangle is cut; 0: it would have to be halved more often than `most`
-// times in a row.
-std::size_t count_of_part(const Corners& at, double step, unsigned most) {
-  const LongestFirst part = longest_first(at);
-  if (is_short(part, step)) return 1;
-  if (most == 0) return 0;
-  const std::size_t first = count_of_part(part.half(false), step, most - 1),
-                    second = first > 0 ? count_of_part(part.half(true), step, most - 1) : 0;
-  return second > 0 ? first + second : 0;
-}
+// [square of the longest edge a patch may have] The area of half a square of such a patch.
+constexpr double kPatchArea = 0.25;
 
 }  // namespace
 
@@ -68,17 +60,9 @@ Strips strips_of(const Corners& triangle, double step) {
   return {needle(at.a, foot, at.c, place * longest), needle(at.b, at.c, foot, (1 - place) * longest)};
 }
 
-std::size_t count_parts(const Corners& at, double step, unsigned most) {
-  const Strips strips = strips_of(at, step);
-  if (strips.count() == 0) return count_of_part(at, step, most);
-  if (strips.count() >> most > 1) return 0;
-  std::size_t total = 0;
-  for (std::uint32_t i = 0; i < strips.count(); ++i) {
-    const std::size_t count = count_of_part(strips.part(i), step, most);
-    if (count == 0) return 0;
-    total += count;
-  }
-  return total;
+double expected_patches(const Corners& at, double step) {
+  const double longest = longest_patch(step), area = 0.5 * norm(cross(at.b - at.a, at.c - at.a));
+  return max(max(1, strips_of(at, step).count()), area / (kPatchArea * longest * longest));
 }
 
 void cut_triangle(const Corners& at, double step, std::vector<PatchPath>& paths) {

@@ -19,11 +19,10 @@ struct PatchPath {
   std::uint32_t part, halves;
 };
 
-/// Into how many patches a triangle is cut; 0: a part would have to be halved more than `most` times in a
-/// row, or there would be more than 2^most of its strips.
-std::size_t count_parts(const Corners& at, double step, unsigned most);
+/// About how many patches a triangle is cut into: that is between half as many and five times as many.
+double expected_patches(const Corners& at, double step);
 
-/// Lists all of them.
+/// Lists a triangle's patches.
 void cut_triangle(const Corners& at, double step, std::vector<PatchPath>& paths);
 
 /// One of them.
@@ -82,9 +81,12 @@ inline LongestFirst longest_first(const Corners& at) {
   return bc >= ca ? LongestFirst{{at.b, at.c, at.a}, bc} : LongestFirst{{at.c, at.a, at.b}, ca};
 }
 
+/// [m] Longest edge that a patch may have.
+inline double longest_patch(double step) { return static_cast<double>(kPatchSizes) * step; }
+
 /// Is it no longer than so many times a patch may be?
 inline bool is_short(const LongestFirst& triangle, double step, double times = 1) {
-  const double most = times * static_cast<double>(kPatchSizes) * step;
+  const double most = times * longest_patch(step);
   return !(triangle.square > most * most);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -55,10 +56,10 @@ constexpr double kBlockAbovePalm = 2, kBlockBesidePalm = 0.25;
 // and with the hand's force.
 constexpr std::array<double, kLevels> kBlockOnSkin = {0.24, 0.21, 0.17, 0.14, 0.12, 0.1, 0.087, 0.073, 0.06};
 
-// A triangle whose parts have to be halved more often in a row is cut where it is touched (Patches::large).
-constexpr unsigned kMostHalvings = 20;
+// A triangle that comes to about 2^20 patches or more is cut where it is touched (Patches::large).
+constexpr std::size_t kMostDoublings = 20;
 
-// Patches there may be beside one per triangle, or as many as there are triangles: some 60 MB.
+// About so many patches there may be beside one per triangle, or as many as there are triangles: some 80 MB.
 constexpr std::size_t kSparePatches = std::size_t{1} << 19;
 
 constexpr std::size_t kPatchPiece = 4096;  // triangles or patches, the least that is worth another thread
@@ -124,36 +125,50 @@ struct Cutting {
   std::vector<PatchPath> path;       // to it, of each patch
 };
 
-// How many patches there are; where that is more than `room`, any number above.
-std::size_t count_patches(const Triangles& triangles, double step, unsigned most, std::size_t room,
-                          std::size_t threads) {
-  std::atomic<std::size_t> total{0};
+// How often one has to be doubled to come to so many patches.
+std::size_t doublings(double patches) {
+  const double most = std::ldexp(1.0, kMostDoublings);
+  return static_cast<std::size_t>(std::bit_width(static_cast<std::uint32_t>(min(patches, most)))) - 1;
+}
+
+/// Triangles are cut that come to less than so many doublings, into about so many patches.
+struct CutLimit {
+  std::size_t doublings = 0, patches = 0;
+};
+
+// The highest one for whose patches there is room.
+CutLimit cut_limit(const Triangles& triangles, double step, std::size_t threads) {
+  std::array<std::atomic<std::uint64_t>, kMostDoublings> total{};  // patches of triangles by doublings
   parallel_pieces(triangles.size(), kPatchPiece, threads,
                   [&](std::size_t, std::size_t first, std::size_t last) {
-                    std::size_t count = 0;
-                    for (std::size_t i = first; i < last && total + count <= room; ++i) {
+                    std::array<std::uint64_t, kMostDoublings> count{};
+                    for (std::size_t i = first; i < last; ++i) {
                       const Corners at = corners_of(triangles, static_cast<std::uint32_t>(i));
-                      if (has_area(at)) count += count_parts(at, step, most);
+                      if (!has_area(at)) continue;
+                      const double patches = expected_patches(at, step);
+                      const std::size_t power = doublings(patches);
+                      if (power < kMostDoublings) count[power] += static_cast<std::uint64_t>(patches);
                     }
-                    total += count;
+                    for (std::size_t k = 0; k < kMostDoublings; ++k) total[k] += count[k];
                   });
-  return total;
+  const std::size_t room = triangles.size() + std::max(kSparePatches, triangles.size());
+  CutLimit limit;
+  while (limit.doublings < kMostDoublings && limit.patches + total[limit.doublings] <= room)
+    limit.patches += total[limit.doublings++];
+  return limit;
 }
 
 // The largest triangles are left where patches would take too much memory.
 Cutting cut_triangles(const Triangles& triangles, double step, const Execution& execution, Patches& patches) {
   Cutting cutting;
   cutting.step = step;
-  unsigned most = kMostHalvings;
-  const std::size_t room = triangles.size() + std::max(kSparePatches, triangles.size());
-  std::size_t total = count_patches(triangles, step, most, room, execution.threads);
-  while (most > 0 && total > room) total = count_patches(triangles, step, --most, room, execution.threads);
-  cutting.owner.reserve(total);
-  cutting.path.reserve(total);
+  const CutLimit limit = cut_limit(triangles, step, execution.threads);
+  cutting.owner.reserve(limit.patches);
+  cutting.path.reserve(limit.patches);
   for (std::uint32_t i = 0; i < triangles.size(); ++i) {
     const Corners at = corners_of(triangles, i);
     if (!has_area(at)) continue;
-    if (count_parts(at, step, most) == 0) {
+    if (doublings(expected_patches(at, step)) >= limit.doublings) {
       patches.large.push_back(i);
       continue;
     }
