@@ -51,7 +51,7 @@ Numbers numbers_of(const PatchShape& shape) {
 
 // All patches of some triangles whose centroids a hand's phalanges hold.
 std::vector<Numbers> patches_within(const Model& model, const Primitives& hand) {
-  const double step = model.patches->step;
+  const double step = model.patches->rules.step;
   std::vector<Numbers> within;
   for (const std::uint32_t triangle : model.patches->large) {
     const Corners at = corners_of(model.triangles, triangle);

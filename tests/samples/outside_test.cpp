@@ -146,8 +146,8 @@ TEST(Outside, CentroidsTellTheForceNearly) {
       double felt = 0;
       for (const Wrench& segment : forces.segment) felt += norm(segment.force);
       const double told = force_at_centroids(memory.bodies, memory.search);
-      EXPECT_LE(told, 1.1 * felt + 0.1 * model.patches->radius3);
-      if (felt > model.patches->radius3) {
+      EXPECT_LE(told, 1.1 * felt + 0.1 * model.patches->rules.radius3);
+      if (felt > model.patches->rules.radius3) {
         EXPECT_GE(told, 0.8 * felt);
       }
     }

@@ -78,8 +78,8 @@ TEST(Patches, OfATriangleAreTheWholeOfItAndFaceItsWay) {
     // No more than length and area ask for, and about as many as expected.
     const auto count = static_cast<double>(cut.count);
     EXPECT_LT(count, 6 + size / 0.0012 + norm(area) / (0.0025 * 0.0025)) << i;
-    const double share =
-        count / expected_patches({mesh.vertices[0], mesh.vertices[1], mesh.vertices[2]}, model.patches->step);
+    const double share = count / expected_patches({mesh.vertices[0], mesh.vertices[1], mesh.vertices[2]},
+                                                  model.patches->rules.step);
     EXPECT_GT(share, 0.5) << i;
     EXPECT_LT(share, 5) << i;
   }

@@ -90,7 +90,7 @@ double mixed_depth(const Model& model, std::size_t coarser = 0) {
 TEST(SkinBlocks, KeepThePrecisionUnderHardAndLightTouches) {
   const Scene scene = fine_scene();
   FeelingHand exact(scene, 0), sampled(scene, 1e-4);
-  ASSERT_GT(sampled.model().patches->block_on_skin[0], 0);
+  ASSERT_GT(sampled.model().patches->rules.block_on_skin[0], 0);
   for (const double depth : {-0.003, -0.002, -0.001, 0.001, 0.003, 0.005}) {
     const DeviceFrame frame = pressed(scene.hand, depth);
     const ActuatorFrame truth = exact(frame), felt = sampled(frame);
@@ -180,7 +180,7 @@ TEST(SkinBlocks, LieInTheSpheresOfTheTreeOnEveryLevel) {
     if (is_between || level == 0) spheres -= layout.blocks[(level + 1) / 2];
     const auto blocks = samples_of_level(patches, level);
     for (std::size_t i = 0; i < blocks.size(); ++i) {
-      if (double{blocks[i].size} > patches.block_on_skin[0]) continue;
+      if (double{blocks[i].size} > patches.rules.block_on_skin[0]) continue;
       const std::size_t sphere = is_between ? i / kBlocksInLarger : i, lane = sphere % SphereBlock::kWidth;
       const SphereBlock& of = spheres[sphere / SphereBlock::kWidth];
       const Vec3 from =
@@ -224,9 +224,9 @@ TEST(SkinBlocks, OfACoarserLevelAreOpenedToWhatASearchFinds) {
     tick(model, state, scratch, pressed(scene.hand, 0.002));
     SampleMemory memory;
     size_samples(model, memory);
-    set_bodies(*scratch.primitives, kAllSegments, kAllSegments, *model.patches, memory.bodies);
+    set_bodies(*scratch.primitives, kAllSegments, kAllSegments, model.patches->rules, memory.bodies);
     const auto search = [&](std::size_t level, const auto& find) {
-      take_blocks_on_skin(model.patches->block_on_skin[level], memory.bodies);
+      take_blocks_on_skin(model.patches->rules.block_on_skin[level], memory.bodies);
       EXPECT_TRUE(find(model, *scratch.primitives, memory.bodies, memory.search));
       EXPECT_TRUE(list_patches(model, memory.bodies, memory.search, memory.near, memory.overlaps));
       return sorted(memory.near);
@@ -246,7 +246,7 @@ TEST(SkinBlocks, OfACoarserLevelAreOpenedToWhatASearchFinds) {
 TEST(SkinBlocks, WhereThereAreNoneTheTwoCoarsestLevelsAreOne) {
   const Model model =
       model_at(sampled_scene(default_hand(Side::right), pressed_scene(kWidthA, 9).objects), 1e-4);
-  ASSERT_EQ(model.patches->block_on_skin[0], 0);
+  ASSERT_EQ(model.patches->rules.block_on_skin[0], 0);
   LevelsOf levels_of(model);
   for (double depth = -0.001; depth < 0.005; depth += 1e-4)
     EXPECT_EQ(levels_of(pressed_frame(model.hand, depth, 0))[0], 0) << depth;

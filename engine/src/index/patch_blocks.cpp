@@ -46,11 +46,6 @@ void put_nothing(std::size_t lane, PatchBlock& block, PatchShape& shape) {
 
 }  // namespace
 
-std::uint8_t steps_for(double wanted) {
-  const auto steps = static_cast<std::uint8_t>(max(1, std::ceil(wanted - 0.125 * min(wanted, 2))));
-  return is_in_quarters(steps) ? static_cast<std::uint8_t>(steps + steps % 2) : steps;
-}
-
 Sphere sphere_round(const Corners& at, Vec3 origin) {
   const Vec3 a = at.a - origin, ab = at.b - at.a, ac = at.c - at.a, from_centre = (ab + ac) / 3.0;
   const Vec3 b = ab - from_centre, c = ac - from_centre;

@@ -10,9 +10,6 @@
 
 namespace lumbrical {
 
-/// As many steps as keep cells within an eighth of what is asked for.
-std::uint8_t steps_for(double wanted);
-
 /// About the triangle's centroid; relative to `origin` [m, W].
 Sphere sphere_round(const Corners& at, Vec3 origin);
 

@@ -9,30 +9,11 @@
 #include <span>
 #include <vector>
 
+#include "index/patch_rules.h"
 #include "index/split_point.h"
 #include "lumbrical/model.h"
 
 namespace lumbrical {
-
-/// A patch's size is one less than how many steps of a length of their own it is long, rounded up. Its class
-/// is that, or by kPatchSizes more where a body's skeleton comes near (an axis, a centre, the palm's
-/// polygon): there its field has a kink.
-inline constexpr std::size_t kPatchSizes = 7, kPatchClasses = 2 * kPatchSizes;
-
-/// The lattice with most steps: twice as many as a patch is long, where a skeleton comes near.
-inline constexpr std::size_t kMostSteps = 2 * kPatchSizes;
-
-/// Lattices of so many steps, whose number is even then, are gone through quarter by quarter of a patch, side
-/// by side: where they are that fine, patches are few.
-inline constexpr std::size_t kLeastStepsInQuarters = 8, kMostStepsAtOnce = kMostSteps / 2;
-constexpr bool is_in_quarters(std::size_t steps) { return steps >= kLeastStepsInQuarters; }
-
-/// Lattices from coarse to fine. How fine the one is by which a hand is felt depends on its force
-/// (samples/levels.h).
-inline constexpr std::size_t kLevels = 9;
-/// Steps by level and, behind them, 1: one cell a patch, for a tick that must not take longer.
-inline constexpr std::size_t kOneCell = kLevels;
-using LatticeSteps = std::array<std::uint8_t, kLevels + 1>;
 
 /// Sixteen patches that lie side by side, as far as classification asks.
 struct alignas(64) PatchBlock {
@@ -68,27 +49,14 @@ struct BlockSamples {
 };
 
 struct Patches {
-  /// Felt by samples, a bit each: the palm and fingers of which every segment follows the field law with a
-  /// precision above 0. A finger's segments share out space, which one rung has to do for all of them.
-  std::uint32_t segments = 0;
-  /// Steps of the lattices that a hand segment has in a patch of a class.
-  std::array<std::array<LatticeSteps, kPatchClasses>, kSegmentCount> steps{};
-  std::array<LatticeSteps, kPatchClasses> most_steps{};  ///< that any segment has
-  std::array<bool, kPatchClasses> has_levels{};          ///< or do each segment's lattices agree?
-  /// [m] Largest radius of a block that a segment takes as one.
-  std::array<double, kSegmentCount> block_radius{};
-  double block_above_palm = 0;  ///< [m] the same of the palm above its polygon
-  /// [m] The same of blocks that a body's skin goes through, by level; 0 where the world has few as small.
-  std::array<double, kLevels> block_on_skin{};
+  PatchRules rules;
   bool has_wholes = false;                   ///< may any block be taken as one?
-  double radius3 = 0;                        ///< [m^3] mean of the sampled segments' radii cubed
   SphereTree tree;                           ///< of spheres round the blocks, without triangles
   SharedArray<PatchBlock> block;             ///< in the order of the tree's leaves
   SharedArray<PatchShape> shape;             ///< of each patch, sixteen to a block
   SharedArray<BlockSamples> samples;         ///< of each block, of each larger one, and so on
   std::vector<std::uint32_t> first_samples;  ///< of each of these levels
   std::vector<float> least_size;             ///< [m] of each level's blocks
-  double step = 0;                           ///< [m] that patches are measured in (patch_cuts.h)
   std::vector<std::uint32_t> large;  ///< triangles that are cut where they are touched (cut_patches.h)
   SphereTree large_tree;             ///< of those
 };

@@ -140,14 +140,14 @@ inline SampleKernels::Sorted part_blocks(const BlockRows& rows, const BlockKinds
 inline TakenWhole taken_by_finger(const FingerBody& finger, std::uint32_t kind, bool is_clear) {
   const std::uint32_t tile = kTileOfKind[kind];
   if (kind >= kind::kInside && kind < kind::kInnerJoint)
-    return {kind::kBlockInside + tile, finger.block_radius[tile]};
+    return {kind::kBlockInside + tile, finger.block_size[tile]};
   return {kAcrossSkin * kind::kCount + kind::kBlockInside + tile,
           kind < kind::kInside && is_clear ? finger.block_on_skin : -1};
 }
 /// Inside the palm's skin, or where that goes through and no skeleton comes near.
 inline TakenWhole taken_by_palm(const PalmBody& palm, std::uint32_t kind, bool is_clear) {
-  if (kind == kind::kPalmBlock) return {kind, palm.block_radius[0]};
-  if (kind == kind::kPalmBlockBeside) return {kind, palm.block_radius[1]};
+  if (kind == kind::kPalmBlock) return {kind, palm.block_size[0]};
+  if (kind == kind::kPalmBlockBeside) return {kind, palm.block_size[1]};
   return {kAcrossSkin * kind::kCount + kind::kPalmBlockBeside,
           kind != kind::kPalmThrough && is_clear ? palm.block_on_skin : -1};
 }

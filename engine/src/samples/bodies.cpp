@@ -56,7 +56,7 @@ JointSides sides_of(const TileFrame& inner, bool inner_turned, const TileFrame& 
 }
 
 // Phalanges `first` .. `last`, each beside the next.
-void set_finger(const Primitives& hand, std::size_t first, std::size_t last, const Patches& patches,
+void set_finger(const Primitives& hand, std::size_t first, std::size_t last, const PatchRules& rules,
                 FingerBody& finger) {
   finger.tile_count = last - first + 1;
   finger.origin = hand.capsule[first + (last - first) / 2].end1;
@@ -64,14 +64,14 @@ void set_finger(const Primitives& hand, std::size_t first, std::size_t last, con
   bool turned[FingerBody::kMostTiles];
   for (std::size_t k = 0; k < finger.tile_count; ++k) {
     finger.segment[k] = static_cast<std::uint8_t>(first + k);
-    finger.block_radius[k] = static_cast<float>(patches.block_radius[first + k]);
-    finger.steps[k] = patches.steps[first + k].data();
+    finger.block_size[k] = static_cast<float>(rules.block_size[first + k]);
+    finger.steps[k] = rules.steps[first + k].data();
     turned[k] = set_tile(hand.capsule[first + k], hand.direction[first + k], finger.origin, finger.tile[k]);
     if (k > 0) finger.joint[k - 1] = sides_of(finger.tile[k - 1], turned[k - 1], finger.tile[k], turned[k]);
   }
 }
 
-void set_palm(const SweptPolygon& polygon, const Patches& patches, PalmBody& palm) {
+void set_palm(const SweptPolygon& polygon, const PatchRules& rules, PalmBody& palm) {
   palm.corner_count = static_cast<std::size_t>(polygon.corner_count);
   if (palm.corner_count == 0) return;
   Vec3 middle;
@@ -82,10 +82,10 @@ void set_palm(const SweptPolygon& polygon, const Patches& patches, PalmBody& pal
   put(x, palm.axis[0]);
   put(y, palm.axis[1]);
   put(z, palm.axis[2]);
-  palm.steps = patches.steps[kPalmSegment].data();
+  palm.steps = rules.steps[kPalmSegment].data();
   palm.radius = static_cast<float>(polygon.radius);
-  palm.block_radius[0] = static_cast<float>(patches.block_above_palm);
-  palm.block_radius[1] = static_cast<float>(patches.block_radius[kPalmSegment]);
+  palm.block_size[0] = static_cast<float>(rules.block_above_palm);
+  palm.block_size[1] = static_cast<float>(rules.block_size[kPalmSegment]);
   for (std::size_t k = 0; k < palm.corner_count; ++k) {
     const Vec3 from = polygon.corner[k] - middle,
                edge = polygon.corner[(k + 1) % palm.corner_count] - polygon.corner[k];
@@ -123,7 +123,7 @@ void take_blocks_on_skin(double radius, Bodies& bodies) {
   bodies.palm.block_on_skin = size;
 }
 
-void set_bodies(const Primitives& hand, std::uint32_t segments, std::uint32_t felt, const Patches& patches,
+void set_bodies(const Primitives& hand, std::uint32_t segments, std::uint32_t felt, const PatchRules& rules,
                 Bodies& bodies) {
   bodies.finger_count = 0;
   bodies.felt = 0;
@@ -133,15 +133,14 @@ void set_bodies(const Primitives& hand, std::uint32_t segments, std::uint32_t fe
     while (last % 3 < 2 && takes_part(last) && takes_part(last + 1)) ++last;
     if (takes_part(first)) {
       FingerBody& finger = bodies.finger[bodies.finger_count];
-      set_finger(hand, first, last, patches, finger);
+      set_finger(hand, first, last, rules, finger);
       bodies.felt |= (felt >> first & 1u) << bodies.finger_count;
       bodies.origin[bodies.finger_count++] = split_point(finger.origin);
     }
     first = last + 1;
   }
   bodies.palm.corner_count = 0;
-  if ((segments >> kPalmSegment & 1u) != 0 && hand.joints.has(kPalm))
-    set_palm(hand.palm, patches, bodies.palm);
+  if ((segments >> kPalmSegment & 1u) != 0 && hand.joints.has(kPalm)) set_palm(hand.palm, rules, bodies.palm);
   bodies.felt |= (felt >> kPalmSegment & 1u) << bodies.finger_count;
   bodies.origin[bodies.finger_count] = split_point(bodies.palm.origin);
 }

@@ -38,7 +38,7 @@ struct FingerBody {
   std::size_t tile_count = 0;
   std::uint8_t segment[kMostTiles] = {};
   const LatticeSteps* steps[kMostTiles] = {};  ///< of each tile's lattices in a patch of each class
-  float block_radius[kMostTiles] = {};         ///< [m] of the largest block each tile takes as one
+  float block_size[kMostTiles] = {};           ///< [m] of the largest block each tile takes as one
   float block_on_skin = 0;                     ///< [m] of the largest block taken as one on the skin
   bool folded = false;                         ///< the first tile may meet the last
   Vec3 origin;                                 ///< [m] W
@@ -63,7 +63,7 @@ struct PalmBody {
   Vec3 origin;            ///< [m] W
   float axis[3][3] = {};  ///< W, unit: x, y, z
   float radius = 0;       ///< [m]
-  float block_radius[2];  ///< [m] of the largest block that is taken as one, above the polygon and beside it
+  float block_size[2];    ///< [m] of the largest block that is taken as one, above the polygon and beside it
   float block_on_skin;    ///< [m] the same on the skin
   const LatticeSteps* steps;  ///< of its lattices in a patch of each class
   PalmEdge edge[kMostCorners];
@@ -126,7 +126,7 @@ BodyOffsets offsets_from(Vec3 point, const Bodies& bodies);
 void take_blocks_on_skin(double radius, Bodies& bodies);
 
 /// Sets the bodies of the segments whose bit is set in `segments`, of which those in `felt` are felt.
-void set_bodies(const Primitives& hand, std::uint32_t segments, std::uint32_t felt, const Patches& patches,
+void set_bodies(const Primitives& hand, std::uint32_t segments, std::uint32_t felt, const PatchRules& rules,
                 Bodies& bodies);
 
 }  // namespace lumbrical

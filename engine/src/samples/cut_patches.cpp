@@ -221,7 +221,7 @@ struct BlockFiller {
 // The blocks of cells near a hand. False where there is no room for all.
 bool find_near(const Model& model, const Limbs& limbs, CutPatches& cuts) {
   const std::size_t room = room_for_blocks(model);
-  const double step = model.patches->step;
+  const double step = model.patches->rules.step;
   bool fits = true;
   cuts.near.clear();
   for_large(model, limbs.ball(), cuts, [&](std::uint32_t triangle) {

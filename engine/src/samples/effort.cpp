@@ -19,7 +19,7 @@ std::uint64_t count_of(const NearPatches& near, std::uint32_t first, std::uint32
 
 }  // namespace
 
-Effort effort_of(const Patches& patches, const NearPatches& near, const Overlaps& overlaps) {
+Effort effort_of(const PatchRules& rules, const NearPatches& near, const Overlaps& overlaps) {
   Effort effort;
   for (std::size_t k = 0; k < kPatchClasses; ++k) {
     if (!near.has(k) && !overlaps.has(k)) continue;
@@ -33,8 +33,8 @@ Effort effort_of(const Patches& patches, const NearPatches& near, const Overlaps
                                  2 * overlaps.count_together(k) + kPerParts * overlaps.count_by_parts[k];
     effort.one_cell += kPerCell * shares;
     for (std::size_t level = 0; level < kLevels; ++level) {
-      const std::uint64_t steps = patches.most_steps[k][level], all = kPerCell * shares * steps * steps;
-      if (patches.has_levels[k]) {
+      const std::uint64_t steps = rules.most_steps[k][level], all = kPerCell * shares * steps * steps;
+      if (rules.has_levels[k]) {
         effort.level[level] += all;
       } else if (level == 0) {
         effort.always += all;
@@ -72,10 +72,10 @@ double error_factor_of(const LevelWeights& weights, double force) {
   return factor;
 }
 
-double one_cell_error_factor(const Patches& patches, const NearPatches& near, double force) {
+double one_cell_error_factor(const PatchRules& rules, const NearPatches& near, double force) {
   double coarser = 1;
   for (std::size_t k = 0; k < kPatchClasses; ++k) {
-    if (near.has(k)) coarser = max(coarser, patches.most_steps[k][0]);
+    if (near.has(k)) coarser = max(coarser, rules.most_steps[k][0]);
   }
   const double fourth = coarser * coarser * coarser * coarser;
   return fourth * max(1, force > 0 ? kEnoughForce[0] / force : 1);

@@ -225,7 +225,7 @@ void find_for_finger(const Model& model, const Primitives& hand, const CutPatche
         return leave_near(arrays.shape, origin, finger, to,
                           kernels.classify_finger(arrays.block, finger, blocks, count, to, force));
       },
-      std::max(*std::max_element(finger.block_radius, finger.block_radius + finger.tile_count),
+      std::max(*std::max_element(finger.block_size, finger.block_size + finger.tile_count),
                finger.block_on_skin),
       3,
       finger.tiles()};
@@ -272,7 +272,7 @@ void find_for_palm(const Model& model, const Primitives& hand, const CutPatches&
         return leave_near(arrays.shape, origin, palm, to,
                           kernels.classify_palm(arrays.block, palm, blocks, count, to, force));
       },
-      std::max({palm.block_radius[0], palm.block_radius[1], palm.block_on_skin}),
+      std::max({palm.block_size[0], palm.block_size[1], palm.block_on_skin}),
       0,
       0};
   find_from(search, model, cuts, from, searcher);
@@ -388,7 +388,7 @@ void size_search(const Model& model, PatchSearchMemory& memory) {
   for (PatchSearcher& searcher : memory.searcher) {
     for (auto& frontier : searcher.frontier) at_least(blocks + 1, frontier);
     at_least(most + std::max(patches.block.size(), kSpare), searcher.found);
-    if (patches.block_on_skin[0] > 0) at_least(searcher.found.size(), searcher.before);
+    if (patches.rules.block_on_skin[0] > 0) at_least(searcher.found.size(), searcher.before);
   }
 }
 

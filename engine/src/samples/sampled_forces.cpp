@@ -141,7 +141,7 @@ void feel_on_one_level(SampleTeam& team, std::size_t level, SampledForces& force
 
 // On a level and the next finer one. Patches whose lattices are the same on all levels are felt once.
 void feel_on_two_levels(SampleTeam& team, std::size_t coarser, SampledForces& forces) {
-  const auto& has_levels = team.model.patches->has_levels;
+  const auto& has_levels = team.model.patches->rules.has_levels;
   share_out(team, forces.evaluations, {kOnce, kCoarser, kFiner},
             [&](SampleWork& work, std::size_t patch_class) {
               if (!has_levels[patch_class]) return run_lattices(work, patch_class, coarser, kOnce);
@@ -160,13 +160,13 @@ void feel_on_two_levels(SampleTeam& team, std::size_t coarser, SampledForces& fo
 
 // Looks for what is near as a level wants it: blocks that the skin goes through are taken as ones or opened.
 bool find_for(SampleTeam& team, std::size_t level) {
-  take_blocks_on_skin(team.model.patches->block_on_skin[level], team.memory.bodies);
+  take_blocks_on_skin(team.model.patches->rules.block_on_skin[level], team.memory.bodies);
   return find_patches(team.model, team.hand, team.memory.bodies, team.memory.search);
 }
 
 // The same from what was found for a coarser level.
 bool open_for(SampleTeam& team, std::size_t level) {
-  take_blocks_on_skin(team.model.patches->block_on_skin[level], team.memory.bodies);
+  take_blocks_on_skin(team.model.patches->rules.block_on_skin[level], team.memory.bodies);
   return open_patches(team.model, team.hand, team.memory.bodies, team.memory.search);
 }
 
@@ -185,12 +185,12 @@ void feel_in_one_cell(SampleTeam& team, const Effort& effort, double force, Samp
   forces.level = {1};
   forces.evaluations = effort.one_cell;
   forces.coarsened = true;
-  forces.error_factor = one_cell_error_factor(*team.model.patches, team.memory.near, force);
+  forces.error_factor = one_cell_error_factor(team.model.patches->rules, team.memory.near, force);
   feel_on_one_level(team, kOneCell, forces);
 }
 
 Effort effort_of(const SampleTeam& team) {
-  return effort_of(*team.model.patches, team.memory.near, team.memory.overlaps);
+  return effort_of(team.model.patches->rules, team.memory.near, team.memory.overlaps);
 }
 
 LevelWeights only(std::size_t level) {
@@ -230,9 +230,9 @@ bool feel_apart(SampleTeam& team, std::size_t coarser, const Effort& effort, dou
 bool feel(SampleTeam& team, const LevelWeights* levels, SampledForces& forces) {
   const Patches& patches = *team.model.patches;
   const auto same_blocks = [&](std::size_t a, std::size_t b) {
-    return patches.block_on_skin[a] == patches.block_on_skin[b];
+    return patches.rules.block_on_skin[a] == patches.rules.block_on_skin[b];
   };
-  const double force = force_at_centroids(team.memory.bodies, team.memory.search) / patches.radius3;
+  const double force = force_at_centroids(team.memory.bodies, team.memory.search) / patches.rules.radius3;
   const std::uint64_t most = team.model.settings.effort;
   forces.level = levels != nullptr ? *levels : level_weights(force);
   if (same_blocks(0, 1)) {  // they have the same lattices
@@ -281,14 +281,16 @@ void size_samples(const Model& model, SampleMemory& memory) {
   }
 }
 
-std::uint32_t sampled_segments(const Model& model) { return model.patches ? model.patches->segments : 0; }
+std::uint32_t sampled_segments(const Model& model) {
+  return model.patches ? model.patches->rules.segments : 0;
+}
 
 bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t segments, SampleMemory& memory,
                    SampledForces& forces, const LevelWeights* levels) {
   forces = {};
   // What others are deeper in is theirs, so they have to be there.
   const bool once = model.settings.felt_once != FeltOnce::never;
-  set_bodies(hand, once ? sampled_segments(model) : segments, segments, *model.patches, memory.bodies);
+  set_bodies(hand, once ? sampled_segments(model) : segments, segments, model.patches->rules, memory.bodies);
   SampleTeam team{model, hand, memory, empty_sums(hand)};
   memory.near.forget();
   memory.overlaps.forget();
