@@ -2,7 +2,7 @@
 // which says little of a large one that the body lies flat on.
 #pragma once
 
-#include "samples/sample_search.h"
+#include "samples/body_search.h"
 
 namespace lumbrical {
 

@@ -5,27 +5,14 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "lumbrical/model.h"
+#include "samples/body_search.h"
 #include "samples/cut_patches.h"
-#include "samples/overlaps.h"
 
 namespace lumbrical {
-
-struct Primitives;
-
-/// What one thread searches with, for one body after the other.
-struct PatchSearcher {
-  std::array<std::vector<std::uint32_t>, 2> frontier;
-  std::vector<FoundPatches> found, before;  ///< before: for a coarser level
-  std::size_t count = 0;                    ///< found so far
-  std::optional<Rivals> rivals;             ///< of the hand that is searched for
-
-  [[nodiscard]] FoundPatches* end() { return found.data() + count; }
-};
 
 /// What the search works with, sized once for a model.
 struct PatchSearchMemory {
@@ -35,9 +22,6 @@ struct PatchSearchMemory {
   std::array<CentroidForce, Bodies::kMostFingers + 1> force;                  ///< on each body
   std::size_t listed = 0;                                                     ///< patches, the last time
 };
-
-/// Patches that a world has for all bodies together, or that there may be (Settings::max_candidates).
-std::size_t most_patches(const Model& model);
 
 void size_search(const Model& model, PatchSearchMemory& memory);
 
