@@ -149,6 +149,7 @@ TEST(BothHands, PrecisionsAreComparedHandByHand) {
   const std::string text = lumbrical("run scene.json --compare-precision --ticks 2000", folder).output;
   EXPECT_NE(text.find("right"), std::string::npos) << text;
   EXPECT_NE(text.find("left"), std::string::npos) << text;
+  EXPECT_NE(text.find("\n1e-4 "), std::string::npos) << text;
 }
 
 TEST(BothHands, AreFeltOnAWorldFileAsOnItsObjects) {

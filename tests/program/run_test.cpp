@@ -101,6 +101,7 @@ TEST(CommandLine, RunPrintsTheContractsKeysAndReplayFindsTheRecordingIdentical) 
   EXPECT_GT(json["peak_force"]["index"], 0.01);
   EXPECT_GT(json["peak_force"]["thumb"], 0.01);
   EXPECT_EQ(json["recording"], "a.mcap");
+  EXPECT_EQ(json["precision"], "1e-4");
   EXPECT_LE(json["tick_us"]["p50"], json["tick_us"]["p99"]);
   EXPECT_LE(json["tick_us"]["p999"], json["tick_us"]["max"]);
 
@@ -121,8 +122,9 @@ TEST(CommandLine, AWorldFileTakesTheObjectsPlace) {
   const Outcome world = shell("lumbrical world demo.json --output demo.world --json", folder);
   ASSERT_EQ(world.exit_code, 0) << world.error;
   const Outcome before = shell("lumbrical run demo.json --precision exact --json", folder);
-  const Outcome run = shell("lumbrical run in_world.json --precision exact --record w.mcap --json", folder);
+  const Outcome run = shell("lumbrical run in_world.json --record w.mcap --json", folder);
   ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_EQ(run.json()["precision"], "exact");
   EXPECT_EQ(run.json()["broadphase"], "grid");
   EXPECT_EQ(run.json()["triangles"], world.json()["triangles"]);
   EXPECT_EQ(run.json()["peak_force"], before.json()["peak_force"]);

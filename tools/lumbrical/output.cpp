@@ -4,8 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 
@@ -99,6 +101,15 @@ std::string brief(double number, int digits) {
   const int whole = size < 1e-4 ? 0 : static_cast<int>(std::floor(std::log10(size)));
   std::snprintf(text.data(), text.size(), "%.*f", std::max(0, digits - 1 - whole), number);
   return text.data();
+}
+
+std::string precision_name(double precision) {
+  if (!(precision > 0)) return "exact";
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.begin(), text.end(), precision, std::chars_format::scientific).ptr;
+  std::string name(text.begin(), end);
+  if (const std::size_t zero = name.find("e-0"); zero != std::string::npos) name.erase(zero + 2, 1);
+  return name;
 }
 
 Json to_json(const VoxelReport& report) {

@@ -61,6 +61,8 @@ void add_voxels(const VoxelReport& report, Table& table);
 std::string grouped(std::uint64_t number);
 /// With `digits` significant digits, never in exponent notation between 1e-4 and 1e9: "0.0123", "27.4".
 std::string brief(double number, int digits = 3);
+/// As one would write it: "1e-4", "exact".
+std::string precision_name(double precision);
 
 /// A bar on standard error for work that takes long; silent where standard error is not a terminal.
 class Progress {

@@ -6,8 +6,6 @@
 namespace lumbrical::tool {
 namespace {
 
-std::string rung_name(double precision) { return precision > 0 ? brief(precision) : "exact"; }
-
 Json json_of(const PrecisionComparison& comparison) {
   Json rungs = Json::array();
   for (const PrecisionFigures& rung : comparison.rungs) {
@@ -26,14 +24,14 @@ Json json_of(const PrecisionComparison& comparison) {
 void add_rows(const PrecisionComparison& comparison, Table& table) {
   table.add("compared", grouped(comparison.ticks) + " moments in which the hand feels more than 0.05 N");
   for (const PrecisionFigures& rung : comparison.rungs) {
-    table.add(rung_name(rung.precision),
+    table.add(precision_name(rung.precision),
               "tick " + brief(rung.median_us) + " us, p99 " + brief(rung.p99_us) + " us   error 98 % " +
                   brief(rung.hand_error) + ", worst " + brief(rung.worst_hand_error) +
                   " of the hand's force; of a segment 98 % " + brief(rung.segment_error));
   }
   table.add("advice", comparison.ticks == 0
                           ? std::string("nothing was touched: nothing to compare")
-                          : "--precision " + rung_name(comparison.rungs[comparison.advised].precision));
+                          : "--precision " + precision_name(comparison.rungs[comparison.advised].precision));
 }
 
 }  // namespace

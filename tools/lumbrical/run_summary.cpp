@@ -50,6 +50,16 @@ std::string law_of(const Settings& settings) {
   return std::string(law_name(settings.law[0]));
 }
 
+std::string precision_of(const Model& model) {
+  const auto of = [&](std::size_t i) {
+    return model.world || model.settings.law[i] != Law::field ? 0 : model.settings.precision[i];
+  };
+  for (std::size_t i = 1; i < kSegmentCount; ++i) {
+    if (of(i) != of(0)) return "mixed";
+  }
+  return precision_name(of(0));
+}
+
 double microseconds(const TickTimes& times, double share) { return times.percentile(share) / 1000; }
 
 double rate_reached(const RunStatistics& run) {
@@ -246,8 +256,9 @@ void add_hand(const RunSummary& summary, std::size_t i, Table& table) {
 void add_computed_with(const RunSummary& summary, Table& table) {
   const Model& model = summary.models[0];
   table.add("computed with", std::string(broadphase_name(model.execution.broadphase)) + ", law " +
-                                 law_of(model.settings) + ", " + std::string(isa_name(model.execution.isa)) +
-                                 ", " + std::to_string(model.execution.threads) + " thread(s)");
+                                 law_of(model.settings) + ", precision " + precision_of(model) + ", " +
+                                 std::string(isa_name(model.execution.isa)) + ", " +
+                                 std::to_string(model.execution.threads) + " thread(s)");
   if (const auto report = voxel_report(model)) add_voxels(*report, table);
   add_windings(all_objects(model), table);
   const SceneFile& scene_file = summary.scene_file;
@@ -288,6 +299,7 @@ Json run_json(const RunSummary& summary) {
   json["broadphase"] = broadphase_name(model.execution.broadphase);
   if (const auto report = voxel_report(model)) json["voxel_index"] = to_json(*report);
   json["law"] = law_of(model.settings);
+  json["precision"] = precision_of(model);
   json["recording"] = recording.empty() ? Json(nullptr) : Json(recording);
   json["not_recorded"] = run.not_recorded;
   json["session_rate_hz"] = model.settings.rate;
