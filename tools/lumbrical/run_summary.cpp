@@ -43,21 +43,26 @@ constexpr FlagText kFlagTexts[] = {
     {kFading, "fading", "forces faded to zero or rose again: their input could not be trusted for a while"},
 };
 
-std::string law_of(const Settings& settings) {
-  for (const Law law : settings.law) {
-    if (law != settings.law[0]) return "mixed";
+// What all segments have in common.
+template <class NameOf>
+std::string common_name(const NameOf& name_of) {
+  const std::string first = name_of(0);
+  for (std::size_t i = 1; i < kSegmentCount; ++i) {
+    if (name_of(i) != first) return "mixed";
   }
-  return std::string(law_name(settings.law[0]));
+  return first;
 }
 
+std::string law_of(const Settings& settings) {
+  return common_name([&](std::size_t i) { return std::string(law_name(settings.law[i])); });
+}
+
+// World files and all laws but the field's are felt exactly.
 std::string precision_of(const Model& model) {
-  const auto of = [&](std::size_t i) {
-    return model.world || model.settings.law[i] != Law::field ? 0 : model.settings.precision[i];
-  };
-  for (std::size_t i = 1; i < kSegmentCount; ++i) {
-    if (of(i) != of(0)) return "mixed";
-  }
-  return precision_name(of(0));
+  return common_name([&](std::size_t i) {
+    const bool exactly = model.world || model.settings.law[i] != Law::field;
+    return precision_name(exactly ? 0 : model.settings.precision[i]);
+  });
 }
 
 double microseconds(const TickTimes& times, double share) { return times.percentile(share) / 1000; }

@@ -9,12 +9,11 @@
 #include "base/fixed_list.h"
 #include "base/parallel.h"
 #include "index/block_samples.h"
+#include "index/patch_blocks.h"
 #include "model/corners.h"
 
 namespace lumbrical {
 namespace {
-
-constexpr std::size_t kLevelPiece = 4096;  // patches, the least that is worth another thread
 
 Corners corners_of(const PatchShape& shape) {
   const Vec3 a = point_of(shape.corner);
@@ -86,7 +85,7 @@ void put_block_levels(const Execution& execution, Patches& patches) {
     const std::size_t first = samples.size(), count = piece_count(patches.block.size(), width);
     samples.resize(first + count);
     here.resize(count);
-    const std::size_t piece = std::max<std::size_t>(1, kLevelPiece / (width * PatchBlock::kWidth));
+    const std::size_t piece = std::max<std::size_t>(1, kPatchPiece / (width * PatchBlock::kWidth));
     parallel_pieces(count, piece, execution.threads, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const std::size_t members = i * kBlocksInLarger;

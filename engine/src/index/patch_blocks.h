@@ -1,6 +1,7 @@
 // Patches, sixteen at a time, as blocks of them are kept.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -9,6 +10,9 @@
 #include "model/corners.h"
 
 namespace lumbrical {
+
+/// Triangles or patches, the least that is worth another thread.
+inline constexpr std::size_t kPatchPiece = 4096;
 
 /// About the triangle's centroid; relative to `origin` [m, W].
 Sphere sphere_round(const Corners& at, Vec3 origin);

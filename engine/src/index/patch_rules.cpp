@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/set_bits.h"
 #include "lumbrical/math.h"
 
 namespace lumbrical {
@@ -70,17 +71,10 @@ std::uint32_t sampled_segments(const Settings& settings) {
   return segments;
 }
 
-template <class Take>
-void for_segments(std::uint32_t segments, const Take& take) {
-  for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    if ((segments >> i & 1u) != 0) take(i);
-  }
-}
-
 template <class Of>
 double mean_over(std::uint32_t segments, const Of& of) {
   double sum = 0, count = 0;
-  for_segments(segments, [&](std::size_t i) {
+  for_numbers(segments, [&](std::size_t i) {
     sum += of(i);
     ++count;
   });
@@ -154,11 +148,11 @@ PatchRules patch_rules(const Hand& hand, const Settings& settings) {
   const auto unit_of = [&](std::size_t i) { return step_unit(hand, settings, i, mean); };
   double finest = std::numeric_limits<double>::infinity();
   rules.step = finest;
-  for_segments(rules.segments, [&](std::size_t i) {
+  for_numbers(rules.segments, [&](std::size_t i) {
     rules.step = min(rules.step, kSizeStep * min(unit_of(i), mean));
     finest = min(finest, longer_for(settings.precision[i]));
   });
-  for_segments(rules.segments, [&](std::size_t i) {
+  for_numbers(rules.segments, [&](std::size_t i) {
     set_lattices(i, unit_of(i), rules);
     set_blocks(hand, settings.precision[i], i, rules);
   });

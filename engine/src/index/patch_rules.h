@@ -44,8 +44,9 @@ struct PatchRules {
   std::array<bool, kPatchClasses> has_levels{};          ///< does any segment's lattice depend on the level?
   /// [m] Largest size of a block that a segment takes as one.
   std::array<double, kSegmentCount> block_size{};
-  double block_above_palm = 0;                  ///< [m] the same of the palm above its polygon
-  std::array<double, kLevels> block_on_skin{};  ///< [m] the same where a body's skin goes through, by level
+  double block_above_palm = 0;  ///< [m] the same of the palm above its polygon
+  /// [m] The same where a body's skin goes through, by level; put to 0 where a world has few as small.
+  std::array<double, kLevels> block_on_skin{};
 };
 
 PatchRules patch_rules(const Hand& hand, const Settings& settings);

@@ -24,8 +24,6 @@ constexpr std::size_t kMostDoublings = 20;
 // About so many patches there may be beside one per triangle, or as many as there are triangles: some 80 MB.
 constexpr std::size_t kSparePatches = std::size_t{1} << 19;
 
-constexpr std::size_t kPatchPiece = 4096;  // triangles or patches, the least that is worth another thread
-
 bool has_area(const Corners& at) {
   const double area = norm(cross(at.b - at.a, at.c - at.a));
   return area > 0 && is_finite(area);
@@ -33,7 +31,6 @@ bool has_area(const Corners& at) {
 
 /// What becomes of the triangles.
 struct Cutting {
-  double step = 0;                   // [m] the least that any segment measures patches in
   std::vector<std::uint32_t> owner;  // of each patch
   std::vector<PatchPath> path;       // to it, of each patch
 };
@@ -72,9 +69,9 @@ CutLimit cut_limit(const Triangles& triangles, double step, std::size_t threads)
 }
 
 // The largest triangles are left where patches would take too much memory.
-Cutting cut_triangles(const Triangles& triangles, double step, const Execution& execution, Patches& patches) {
+Cutting cut_triangles(const Triangles& triangles, const Execution& execution, Patches& patches) {
   Cutting cutting;
-  cutting.step = step;
+  const double step = patches.rules.step;
   const CutLimit limit = cut_limit(triangles, step, execution.threads);
   cutting.owner.reserve(limit.patches);
   cutting.path.reserve(limit.patches);
@@ -96,19 +93,20 @@ void put_large(const Triangles& triangles, const Execution& execution, Patches& 
   if (!members.empty()) patches.large_tree = build_tree(triangles, members, execution);
 }
 
-Corners patch_at(const Triangles& triangles, const Cutting& cutting, std::uint32_t number) {
-  return part_at(corners_of(triangles, cutting.owner[number]), cutting.step, cutting.path[number]);
+Corners patch_at(const Triangles& triangles, const Cutting& cutting, double step, std::uint32_t number) {
+  return part_at(corners_of(triangles, cutting.owner[number]), step, cutting.path[number]);
 }
 
 void put_blocks(const Triangles& triangles, const Box& box, const Cutting& cutting,
                 const Execution& execution, Patches& patches) {
   constexpr std::uint32_t kWidth = PatchBlock::kWidth;
   const Vec3 origin = box.middle();
+  const double step = patches.rules.step;
   std::vector<std::uint32_t> order(cutting.owner.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
   const Box within{box.lower - origin, box.upper - origin};
   order_in_space(order, within, kWidth, execution.threads, [&](std::uint32_t number) {
-    return sphere_round(patch_at(triangles, cutting, number), origin).centre;
+    return sphere_round(patch_at(triangles, cutting, step, number), origin).centre;
   });
   std::vector<PatchBlock> blocks(piece_count(order.size(), kWidth));
   std::vector<PatchShape> shapes(blocks.size() * kWidth);
@@ -119,9 +117,9 @@ void put_blocks(const Triangles& triangles, const Box& box, const Cutting& cutti
                       const std::size_t begin = i * kWidth, end = std::min(begin + kWidth, order.size());
                       FixedList<Corners, kWidth> members;
                       for (std::size_t k = begin; k < end; ++k)
-                        members.push_back(patch_at(triangles, cutting, order[k]));
-                      leaves[i] = put_block({members.begin(), members.size()}, cutting.step, origin,
-                                            blocks[i], shapes.data() + begin);
+                        members.push_back(patch_at(triangles, cutting, step, order[k]));
+                      leaves[i] = put_block({members.begin(), members.size()}, step, origin, blocks[i],
+                                            shapes.data() + begin);
                     }
                   });
   patches.block = std::move(blocks);
@@ -135,11 +133,11 @@ void put_blocks(const Triangles& triangles, const Box& box, const Cutting& cutti
 std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& settings,
                                              const Triangles& triangles, const Box& extent,
                                              const Execution& execution) {
-  PatchRules rules = patch_rules(hand, settings);
+  const PatchRules rules = patch_rules(hand, settings);
   if (rules.segments == 0) return nullptr;
   auto patches = std::make_shared<Patches>();
   patches->rules = rules;
-  const Cutting cutting = cut_triangles(triangles, rules.step, execution, *patches);
+  const Cutting cutting = cut_triangles(triangles, execution, *patches);
   put_large(triangles, execution, *patches);
   put_blocks(triangles, extent, cutting, execution, *patches);
   return patches;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "base/set_bits.h"
 #include "index/patches.h"
 #include "lumbrical/hand.h"
 #include "lumbrical/math.h"
@@ -99,12 +100,6 @@ constexpr std::uint64_t parts_of_body(std::uint64_t parts, std::size_t body) {
 }
 
 inline bool is_felt(const Bodies& bodies, std::size_t body) { return (bodies.felt >> body & 1u) != 0; }
-
-/// Calls take(number) for every tile whose bit is set, or part of the hand.
-template <class Take>
-inline void for_numbers(std::uint64_t numbers, const Take& take) {
-  for (; numbers != 0; numbers &= numbers - 1) take(static_cast<std::size_t>(__builtin_ctzll(numbers)));
-}
 
 /// [m] Where all bodies' origins are, seen from one point, and the largest radius of all.
 struct BodyOffsets {
