@@ -144,7 +144,7 @@ auto add_side(const RoundPart<V>& part, const SideView<V>& side, const Polygon<V
               const Directions<V>& directions, M wanted, M whole, Moments<V>& sum, InsideParts<V>& inside) {
   const V zero = number<V>(0), quarter = number<V>(0.25), third = number<V>(1.0 / 3);
   StripRim<V> rim = side.rim;
-  const auto all = wanted && whole, rimmed = wanted && !whole;
+  const auto all = wanted && whole, rimmed = wanted && is_not(whole);
   const auto round = rimmed && side.strip == zero && side.rho2 > zero, strip = rimmed && side.strip > zero;
   const auto real = all || round || strip;
   Moments<V> by_circle = no_moments<V>(), by_strip = by_circle, along = by_circle;

@@ -128,16 +128,16 @@ LUMBRICAL_INLINE inline TileView<V> view_tile(const TileFrame& frame, std::uint3
   const TileNumbers<V> tile = numbers_of<V>(frame);
   const Wide3<V> from = discs.centre - in_all_lanes<V>(frame.origin), p = turn_into(frame.axis, from);
   const TilePoint<V> point = tile_point(p);
-  const auto [level, distance, is_side, axial] = tile_depth(tile, point);
+  const auto [level, distance, is_end, axial] = tile_depth(tile, point);
   const V field = level - distance, reach = discs.reach;
   const V zero = number<V>(0);
   if (!any(field + reach > zero)) return not_met<V>();
   const V place = place_on(tile, point), end = tile.cosine * tile.length;
   // The way the field falls, as long as `distance`.
-  const V across = select(is_side, tile.cosine2, number<V>(1)),
-          along = select(is_side, tile.sine * distance, axial) - across * p.x;
+  const V across = select(is_end, number<V>(1), tile.cosine2),
+          along = select(is_end, axial, tile.sine * distance) - across * p.x;
   const Wide3<V> away = across * from + along * in_all_lanes<V>(frame.axis[0]);
-  const auto meets = field + reach > zero && !is_outside(discs, field, distance, away);
+  const auto meets = field + reach > zero && is_not(is_outside(discs, field, distance, away));
   const auto is_near = distance < number<V>(kSkeletonReach) * reach;
   const auto id = [k](std::uint32_t part) { return number<V>(part + k); };
   V kind = id(kind::kTile);
@@ -292,7 +292,7 @@ inline Kinds<V> palm_kinds(const PalmBody& palm, const Shape<V>& discs) {
   V above = select(height + reach < V(palm.radius), number<V>(kind::kPalmBlock), number<V>(kind::kPalmSide));
   above = select(height > reach, above, number<V>(kind::kPalmThrough));
   const auto is_palm =
-      discs.radius >= zero && field + reach >= zero && !is_outside(discs, field, distance, away);
+      discs.radius >= zero && field + reach >= zero && is_not(is_outside(discs, field, distance, away));
   const auto is_above = out + reach < zero;
   const V kind = select(is_above, above, number<V>(kind::kPalm));
   return {select(is_palm, kind, zero - one), select(square < near * near && out + reach >= zero, one, zero),

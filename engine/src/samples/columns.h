@@ -14,6 +14,41 @@ inline Four four_at(const float* at) {
   return four;
 }
 
+/// As many floats as half a register holds, and as doubles, which fill one.
+template <std::size_t N>
+struct HalfRegister;
+template <>
+struct HalfRegister<2> {
+  using Floats = float __attribute__((vector_size(8)));
+  using Doubles = double __attribute__((vector_size(16)));
+};
+template <>
+struct HalfRegister<4> {
+  using Floats = Four;
+  using Doubles = double __attribute__((vector_size(32)));
+};
+template <>
+struct HalfRegister<8> {
+  using Floats = float __attribute__((vector_size(32)));
+  using Doubles = double __attribute__((vector_size(64)));
+};
+
+/// Adds N floats to doubles, each first rounded to a multiple of what the last place of `rounder` is worth.
+/// Spelt out, since compilers leave a loop of eight to scalars.
+template <std::size_t N>
+inline void add_rounded(const float* from, double rounder, double* to) {
+  typename HalfRegister<N>::Floats added;
+  typename HalfRegister<N>::Doubles sum;
+  std::memcpy(&added, from, sizeof added);
+  std::memcpy(&sum, to, sizeof sum);
+  sum += (__builtin_convertvector(added, typename HalfRegister<N>::Doubles) + rounder) - rounder;
+  std::memcpy(to, &sum, sizeof sum);
+}
+template <>
+inline void add_rounded<1>(const float* from, double rounder, double* to) {
+  *to += (static_cast<double>(*from) + rounder) - rounder;
+}
+
 /// Row k is to hold the k-th numbers of the four.
 inline void transpose(Four (&of)[4]) {
   const Four ab = __builtin_shufflevector(of[0], of[1], 0, 4, 1, 5),

@@ -20,12 +20,11 @@ LUMBRICAL_INLINE inline TilePoint<V> tile_point(Wide3<V> in_frame) {
 }
 
 /// phi, positive inside, is what `level` is above `distance`: the radius next to a point, and how far that is
-/// from the axis, across the skin: is it from the side, and else how far along the axis from the end's
-/// centre.
+/// from the axis, across the skin: is it from an end, and then how far along the axis from its centre.
 template <class V>
 struct TileDepth {
   V level, distance;
-  decltype(V{} > V{}) is_side;
+  decltype(V{} > V{}) is_end;
   V axial;
 };
 template <class V>
@@ -34,11 +33,11 @@ LUMBRICAL_INLINE inline TileDepth<V> tile_depth(const TileNumbers<V>& tile, Tile
   const auto before = p.along * abs(p.along) <= slope, beyond = from_end * abs(from_end) >= slope;
   const V axial = select(before, p.along, from_end);
   const V round = p.square + axial * axial;
-  const auto is_side = !(before || beyond);
-  const V under = select(is_side, tile.cosine2 * p.square, round);
+  const auto is_end = before || beyond;
+  const V under = select(is_end, round, tile.cosine2 * p.square);
   const V level =
       select(before, tile.radius, select(beyond, tile.end_radius, tile.radius - tile.sine * p.along));
-  return {level, sqrt(under), is_side, axial};
+  return {level, sqrt(under), is_end, axial};
 }
 template <class V>
 LUMBRICAL_INLINE inline V tile_field(const TileNumbers<V>& tile, TilePoint<V> p) {

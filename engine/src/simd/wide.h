@@ -1,6 +1,6 @@
 // The SIMD vocabulary: what kernels may do with wide numbers, and the only header that names xsimd.
 //
-// A kernel is a template over its number type V and uses nothing but + - * /, comparisons, && || ! and the
+// A kernel is a template over its number type V and uses nothing but + - * /, comparisons, && || and the
 // functions here; V is double or float (one lane) or a batch of them. Lanes never meet, so the width of V
 // does not show in a result. Minimum and maximum are compare and select because the instructions of the
 // various machines disagree on -0 and NaN.
@@ -33,6 +33,7 @@ inline void put(float* at, float value) { *at = value; }
 inline double select(bool which, double yes, double no) { return which ? yes : no; }
 inline float select(bool which, float yes, float no) { return which ? yes : no; }
 inline bool any(bool which) { return which; }
+inline bool is_not(bool which) { return !which; }
 inline unsigned bits_of(bool which) { return which ? 1u : 0u; }
 inline double sqrt(double value) { return std::sqrt(value); }
 inline float sqrt(float value) { return std::sqrt(value); }
@@ -71,6 +72,10 @@ inline xsimd::batch<T, A> select(xsimd::batch_bool<T, A> const& which, xsimd::ba
 template <class T, class A>
 requires Real<T>
 inline bool any(xsimd::batch_bool<T, A> const& which) noexcept { return xsimd::any(which); }
+// What `!` is; that of xsimd compares masks half by half on AVX.
+template <class T, class A>
+requires Real<T>
+inline xsimd::batch_bool<T, A> is_not(xsimd::batch_bool<T, A> const& which) noexcept { return ~which; }
 // One bit per lane of floats, the first the lowest.
 template <class A>
 inline unsigned bits_of(xsimd::batch_bool<float, A> which) {

@@ -11,6 +11,7 @@ using wide::any;
 using wide::clamp;
 using wide::divide;
 using wide::get;
+using wide::is_not;
 using wide::max;
 using wide::min;
 using wide::put;
