@@ -37,7 +37,7 @@ inline constexpr GoldenHash kGolden[] = {
     {"once.exact", 0x64678ac7324aca80},
     {"bent", 0x115e956719de72e8},
     {"objects", 0x9b99d01c5cd22674},
-    {"proxy", 0xf4fbf12b00a20b39},
+    {"proxy", 0x8e2a6e809a5401a9},
     {"surface", 0xbb2a62ecb99c8554},
     {"jacobians", 0x9d955d8cf77ad843},
     {"pairs", 0x767409ad08b40967},

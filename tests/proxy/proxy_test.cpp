@@ -198,6 +198,28 @@ TEST(Proxy, LetsNoPartOfAWholeHandThroughASheet) {
   }
 }
 
+// A tick's steps are fewer on a dense mesh: the way is the same, in more ticks.
+TEST(Proxy, GetsIntoADenseMeshInSeveralTicksAndAsFarAsIntoACoarseOne) {
+  const auto strike = [](std::uint32_t cells, int ticks) {
+    Scene scene = proxy_scene(make_plane(0.4, cells, 0.7));
+    scene.hand = default_hand(Side::right);
+    Session run(scene);
+    DeviceFrame frame = test::pressed_frame(scene.hand, -0.08, 0);
+    feel(run, frame);
+    frame.base.position.z -= 0.1;
+    for (int i = 0; i < ticks; ++i) {
+      feel(run, frame);
+      EXPECT_FALSE(is_through(run)) << cells << " tick " << i;
+    }
+    return std::pair(proxy_at(run, kWrist).z, test::hand_force(run.output).z);
+  };
+  const auto [coarse, coarse_force] = strike(10, 20);
+  const auto [dense, dense_force] = strike(400, 20);
+  EXPECT_NEAR(dense, coarse, 5e-4);
+  EXPECT_NEAR(dense_force, coarse_force, 0.05 * coarse_force);
+  EXPECT_GT(strike(400, 2).first, strike(10, 2).first + 0.005);
+}
+
 TEST(Proxy, FollowsTheHandAgainWhereItComesOutAndStartsAnewAfterALoss) {
   Session run(proxy_scene(make_box({0.1, 0.1, 0.001}, 5)));
   const auto tip = [&] { return proxy_at(run, kPhalanxJoints[2].tip); };

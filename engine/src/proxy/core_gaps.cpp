@@ -16,7 +16,8 @@ constexpr double kSamePlace = 0.002, kSameWay = 0.995;  // [m]
 // Where nothing tells which way is out: nearer than this [m] an axis lies in the triangle.
 constexpr double kTouching = 1e-12;
 
-/// One primitive of the hand and what is collected for it; everything in the model's frame.
+/// One primitive of the hand, a core thickened by `reach`, and what is collected for it; everything in the
+/// model's frame.
 struct Core {
   const Primitive& primitive;
   const Surroundings& around;
@@ -55,9 +56,10 @@ void keep(const Gap& gap, CoreGaps& gaps) {
   if (gap.width < worst.width) worst = gap;
 }
 
-// A point of the core at which its radius is so large, and the way to it from the triangle's nearest point.
+// A point of the core at which it is so thick, with its reach, and the way to it from the triangle's nearest
+// point.
 void measure(const Core& core, Vec3 point, double radius, Vec3 from_triangle) {
-  const double distance = norm(from_triangle), width = distance - kCoreShare * radius;
+  const double distance = norm(from_triangle), width = distance - (radius - core.reach);
   double& clearance = core.gaps.clearance[core.primitive.segment];
   clearance = min(clearance, distance);
   if (!(width < core.reach) || !(distance > kTouching)) return;
@@ -136,6 +138,18 @@ void measure_palm(const Core& core, const SweptPolygon& palm, const Corners& at)
   }
 }
 
+// What no core is nearer to than `reach` is not asked for.
+void keep_cores(double reach, Primitives& hand) {
+  const auto thin = [reach](double& radius) { radius = kCoreShare * radius + reach; };
+  thin(hand.palm.radius);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(hand.count); ++i) {
+    Primitive& primitive = hand.primitive[i];
+    if (primitive.shape == Shape::slab) continue;  // round its sphere
+    thin(primitive.radius1);
+    thin(primitive.radius2);
+  }
+}
+
 }  // namespace
 
 bool add_gaps(const Surroundings& around, const Joints& hand, double reach, Scratch& scratch,
@@ -146,7 +160,9 @@ bool add_gaps(const Surroundings& around, const Joints& hand, double reach, Scra
   if (!may_meet(model.hand, placed, model.extent)) return true;
   shape_hand(model.hand, placed);
   tile_hand(model.settings, placed);
+  keep_cores(reach, placed);
   if (!find_candidates(model, placed, scratch)) return false;
+  gaps.pairs += scratch.candidate_count;
   for (std::uint32_t i = 0; i < scratch.candidate_count; ++i) {
     const std::uint64_t pair = scratch.candidates[i];
     const Primitive& primitive = placed.primitive[pair >> 32];
@@ -154,8 +170,7 @@ bool add_gaps(const Surroundings& around, const Joints& hand, double reach, Scra
     const Corners at = corners_of(model.triangles, static_cast<std::uint32_t>(pair));
     if (primitive.shape == Shape::slab) {
       measure_palm(core, placed.palm, at);
-    } else if (least_distance(primitive, at) <
-               kCoreShare * max(primitive.radius1, primitive.radius2) + reach) {
+    } else if (least_distance(primitive, at) < max(primitive.radius1, primitive.radius2)) {
       measure_round(core, at);
     }
   }

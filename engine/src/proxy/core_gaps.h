@@ -33,8 +33,10 @@ using GapList = FixedList<Gap, kMostGapsPerSegment * kSegmentCount>;
 
 struct CoreGaps {
   GapList gap;
-  std::array<std::uint8_t, kSegmentCount> count{};                     ///< of `gap`, by segment
-  std::array<double, kSegmentCount> clearance = every_segment(1e300);  ///< [m] least distance of the axis
+  std::array<std::uint8_t, kSegmentCount> count{};  ///< of `gap`, by segment
+  /// [m] Least distance of the axis, as far as that is less than the core's radius and the reach.
+  std::array<double, kSegmentCount> clearance = every_segment(1e300);
+  std::size_t pairs = 0;  ///< of a primitive and a triangle that were asked
 };
 
 /// Which surfaces are asked, and as what.

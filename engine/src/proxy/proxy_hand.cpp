@@ -16,6 +16,10 @@ namespace {
 constexpr int kMostSteps = 32;
 constexpr double kLongestStep = 0.25;
 
+// On dense meshes it ends after the step by which so many pairs of a core and a triangle have been asked:
+// then a tick takes a few steps' time at most, wherever a hand jumps to.
+constexpr std::size_t kMostPairs = 2000;
+
 // The share of an axis' distance from the nearest triangle that a step may take.
 constexpr double kShareOfClearance = 0.5;
 
@@ -164,9 +168,11 @@ bool find_gaps(const Model& model, const State& state, const Joints& proxy, doub
 bool advance(const Model& model, const State& state, const Joints& tracked, Scratch& scratch, Joints& proxy) {
   GapList& pushing = scratch.proxy->pushing;
   const double longest = kLongestStep * thinnest(model.hand), stiffness = model.settings.proxy_stiffness;
-  for (int step = 0; step < kMostSteps; ++step) {
+  std::size_t pairs = 0;
+  for (int step = 0; step < kMostSteps && pairs < kMostPairs; ++step) {
     CoreGaps gaps;
     if (!find_gaps(model, state, proxy, longest, scratch, gaps)) return false;
+    pairs += gaps.pairs;
     const std::span<Gap> all{gaps.gap.begin(), gaps.gap.size()};
     HandMove wanted = way_to(tracked, proxy);
     const bool shortened = shorten(stiffness, wanted);
