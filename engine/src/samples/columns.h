@@ -27,26 +27,17 @@ struct HalfRegister<4> {
   using Floats = Four;
   using Doubles = double __attribute__((vector_size(32)));
 };
-template <>
-struct HalfRegister<8> {
-  using Floats = float __attribute__((vector_size(32)));
-  using Doubles = double __attribute__((vector_size(64)));
-};
 
-/// Adds N floats to doubles, each first rounded to a multiple of what the last place of `rounder` is worth.
-/// Spelt out, since compilers leave a loop of eight to scalars.
+/// Adds half a register's floats to doubles, each first rounded to a multiple of what the last place of
+/// `rounder` is worth. Spelt out: g++ makes vectors of a loop of sixteen, but leaves one of eight to scalars.
 template <std::size_t N>
-inline void add_rounded(const float* from, double rounder, double* to) {
+inline void add_half_rounded(const float* from, double rounder, double* to) {
   typename HalfRegister<N>::Floats added;
   typename HalfRegister<N>::Doubles sum;
   std::memcpy(&added, from, sizeof added);
   std::memcpy(&sum, to, sizeof sum);
   sum += (__builtin_convertvector(added, typename HalfRegister<N>::Doubles) + rounder) - rounder;
   std::memcpy(to, &sum, sizeof sum);
-}
-template <>
-inline void add_rounded<1>(const float* from, double rounder, double* to) {
-  *to += (static_cast<double>(*from) + rounder) - rounder;
 }
 
 /// Row k is to hold the k-th numbers of the four.

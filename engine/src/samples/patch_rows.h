@@ -224,8 +224,13 @@ LUMBRICAL_INLINE inline void add_rounded(V values, std::size_t lane, double quan
   const double rounder = kRounder * quantum;
   alignas(64) float row[kLanes];
   put(row, values);
-  constexpr std::size_t kHalf = kLanes > 1 ? kLanes / 2 : 1;
-  for (std::size_t i = 0; i < kLanes; i += kHalf) add_rounded<kHalf>(row + i, rounder, sums + lane + i);
+  if constexpr (kLanes == 4 || kLanes == 8) {
+    for (std::size_t i = 0; i < kLanes; i += kLanes / 2)
+      add_half_rounded<kLanes / 2>(row + i, rounder, sums + lane + i);
+  } else {
+    for (std::size_t i = 0; i < kLanes; ++i)
+      sums[lane + i] += (static_cast<double>(row[i]) + rounder) - rounder;
+  }
 }
 
 /// Adds force and moment of a register's patches to a body's sums.
