@@ -23,6 +23,9 @@ constexpr std::size_t kMostPairs = 2000;
 // The share of an axis' distance from the nearest triangle that a step may take.
 constexpr double kShareOfClearance = 0.5;
 
+// Clearances are known as far as a core and its reach go, and have to be as far as they bound a step.
+static_assert(kCoreShare + kLongestStep >= kLongestStep / kShareOfClearance);
+
 // The joint that carries another one: the wrist those of the palm and the first of a finger.
 constexpr std::array<std::uint8_t, kJointCount> kCarrier = [] {
   std::array<std::uint8_t, kJointCount> carrier{};
