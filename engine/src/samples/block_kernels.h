@@ -40,7 +40,7 @@ struct BlockFours {
     put_fours(end, 1, rows.arm, 8, lane);
   }
 };
-inline const float* numbers_of(const BlockSamples& block) { return block.centre.high; }
+inline const float* floats_of(const BlockSamples& block) { return block.centre.high; }
 
 /// Those at places `found` >> `shift`.
 inline void gather(const BlockSamples* blocks, const SplitPoint& origin, const std::uint32_t* found,
@@ -52,7 +52,7 @@ inline void gather(const BlockSamples* blocks, const SplitPoint& origin, const s
     for (std::size_t k = 0; k < 4; ++k) {
       const BlockSamples& block = blocks[found[lane + k < count ? lane + k : 0] >> shift];
       rows.radius[lane + k] = block.radius;
-      fours.see(k, numbers_of(block), from);
+      fours.see(k, floats_of(block), from);
     }
     fours.put(lane, rows);
     put_fours(fours.end + 1, 3, rows.extent, lane);
@@ -220,7 +220,7 @@ inline void gather(const BlockList& list, std::size_t first, std::size_t count, 
     Four weights[5][4], end[4];
     for (std::size_t k = 0; k < 4; ++k) {
       const std::size_t at = lane + k < count ? lane + k : 0;
-      const float* const numbers = numbers_of(list.blocks[list.patches[first + at].place]);
+      const float* const numbers = floats_of(list.blocks[list.patches[first + at].place]);
       fours.see(k, numbers, from);
       for (std::size_t i = 0; i < 5; ++i) weights[i][k] = four_at(numbers + kWeights + 4 * i);
       end[k] = four_at(numbers + kWeights + 17);
