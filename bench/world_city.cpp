@@ -1,11 +1,11 @@
 // A city too large for memory: what building, opening and touching it takes (docs/worlds.md).
 //
 //   world_city build TRIANGLES CITY.world             streamed tile by tile
-//   world_city walk CITY.world [ahead|alone] [SECONDS [SPEED]]
+//   world_city walk CITY.world [ahead|alone] [SECONDS [SPEED [PRECISION]]]
 //                                                     a hand goes across the streets, 1000 ticks per second
 //                                                     by the clock, with nothing of the file in the system's
 //                                                     cache
-//   world_city memory TRIANGLES [SECONDS [SPEED]]     the same with the city in memory
+//   world_city memory TRIANGLES [SECONDS [SPEED [PRECISION]]]  the same with the city in memory
 //
 // The city has streets of sixty tiles of 1 m, 3 m apart in ten storeys; a tile's triangles have legs of 5 to
 // 50 mm.
@@ -112,7 +112,39 @@ Vec3 place_after(double way, double width) {
 
 struct Walk {
   double seconds = 40, speed = 1.5;  // [m/s]
+  double precision = 1e-4;           // 0: exact
 };
+
+constexpr int kChecked = 97;  // ticks from one to the next that the exact rung feels too
+
+struct Felt {
+  DeviceFrame frame;
+  ActuatorFrame output;
+};
+
+// How far off they are at worst, of the hand's force.
+int check(const Model& measured, const std::vector<Felt>& ticks) {
+  Settings settings = measured.settings;
+  if (settings.precision[0] > 0) settings.felt_once = FeltOnce::always;
+  settings.precision.fill(0);
+  Model exact;
+  if (Status status = change_settings(measured, settings, 1, exact); !status.ok()) return fail(status);
+  State state;
+  Scratch scratch = make_scratch(exact);
+  double worst = 0;
+  for (const Felt& felt : ticks) {
+    const ActuatorFrame right = tick(exact, state, scratch, felt.frame);
+    Vec3 off;
+    double size = 0;
+    for (std::size_t i = 0; i < kSegmentCount; ++i) {
+      off += felt.output.segment[i].force - right.segment[i].force;
+      size += norm(right.segment[i].force);
+    }
+    if (size > 0) worst = std::max(worst, norm(off) / size);
+  }
+  std::printf("at most %.0e of the hand's force beside the exact rung, in %zu ticks\n", worst, ticks.size());
+  return 0;
+}
 
 // `programs`: [MB] of program and libraries, which are files as well.
 int walk(const Scene& scene, const Execution& execution, bool ahead, const Walk& how, double programs) {
@@ -124,6 +156,7 @@ int walk(const Scene& scene, const Execution& execution, bool ahead, const Walk&
   Scratch scratch = make_scratch(model);
   const DeviceFrame still = test::pressed_frame(scene.hand, 0.002, 0);
   std::vector<double> times;
+  std::vector<Felt> checked;
   std::uint64_t contacts = 0;
   double most = 0;
   double waited = 0;  // [us] in ticks that waited
@@ -141,12 +174,14 @@ int walk(const Scene& scene, const Execution& execution, bool ahead, const Walk&
     const long slept = sleeps();
     const auto begin = Clock::now();
     pager.hand_at(frame);
-    contacts += tick(model, state, scratch, frame).contact_count;
+    const ActuatorFrame output = tick(model, state, scratch, frame);
     times.push_back(1e6 * seconds_since(begin));
+    contacts += output.contact_count;
     if (sleeps() > slept) {
       waited += times.back();
       ++waits;
     }
+    if (i % kChecked == 0 && output.contact_count > 0) checked.push_back({frame, output});
     if (i % 1000 == 0) most = std::max(most, megabytes("RssFile"));
   }
   std::printf("%s, %.1f million triangles, %.1f m/s, %d ticks: p50 %.0f  p99 %.0f  p99.9 %.0f  max %.0f us\n",
@@ -161,19 +196,29 @@ int walk(const Scene& scene, const Execution& execution, bool ahead, const Walk&
       "most %.0f MB; peak memory of the process %.0f MB\n",
       waits, waits > 0 ? 1e-3 * waited / waits : 0, static_cast<double>(contacts) / ticks,
       scene.world ? most - programs : 0, megabytes("VmHWM"));
-  return 0;
+  return check(model, checked);
 }
 
 Walk walk_of(int argc, char** argv, int first) {
   Walk how;
   if (argc > first) how.seconds = std::atof(argv[first]);
   if (argc > first + 1) how.speed = std::atof(argv[first + 1]);
+  if (argc > first + 2) how.precision = std::atof(argv[first + 2]);
   return how;
 }
 
-int walk_file(const std::string& path, bool ahead, const Walk& how) {
+// Forces are not limited: what is compared is what was felt.
+Scene empty_scene(const Walk& how) {
   Scene scene;
+  scene.settings.precision.fill(how.precision);
   scene.hand = default_hand(Side::right);
+  scene.settings.max_force = 1e6;
+  scene.settings.fade_time = 0;
+  return scene;
+}
+
+int walk_file(const std::string& path, bool ahead, const Walk& how) {
+  Scene scene = empty_scene(how);
   forget(path);
   const double programs = megabytes("RssFile");
   const auto start = Clock::now();
@@ -185,8 +230,7 @@ int walk_file(const std::string& path, bool ahead, const Walk& how) {
 }
 
 int walk_memory(double triangles, const Walk& how) {
-  Scene scene;
-  scene.hand = default_hand(Side::right);
+  Scene scene = empty_scene(how);
   const Status status = for_each_tile(triangles, [&](const std::string& name, Mesh& mesh) {
     scene.objects.push_back({name, std::move(mesh)});
     return Status();
@@ -206,7 +250,7 @@ int main(int argc, char** argv) {
   if (what == "walk")
     return walk_file(argv[2], argc < 4 || std::string(argv[3]) != "alone", walk_of(argc, argv, 4));
   std::fprintf(stderr,
-               "world_city build TRIANGLES FILE | walk FILE [ahead|alone] [SECONDS [SPEED]] | "
-               "memory TRIANGLES [SECONDS [SPEED]]\n");
+               "world_city build TRIANGLES FILE | walk FILE [ahead|alone] [SECONDS [SPEED [PRECISION]]] | "
+               "memory TRIANGLES [SECONDS [SPEED [PRECISION]]]\n");
   return 2;
 }

@@ -15,7 +15,6 @@ namespace fs = std::filesystem;
 
 Scene field_scene() {
   Scene scene;
-  scene.settings.precision.fill(0);
   scene.hand = default_hand(Side::right);
   scene.objects.push_back({"field", make_height_field(0.4, 60, 0.002, 0.04)});
   return scene;

@@ -128,7 +128,6 @@ DeviceFrame hand_on_street(const Hand& hand, double x) {
 TEST(World, HoldsABoundedPartOfItsFile) {
   constexpr int kBlocks = 60;  // 2.7 million triangles
   Scene scene;
-  scene.settings.precision.fill(0);
   scene.hand = default_hand(Side::right);
   const Status status = open_world(write_street(kBlocks), scene.world);
   ASSERT_TRUE(status.ok()) << status.message();
@@ -158,9 +157,9 @@ TEST(World, HoldsABoundedPartOfItsFile) {
 }
 
 // Share of what a tick at the frame reads that is mapped already: no page fault then, major or minor.
-TEST(World, IsReadAheadOfTheHand) {
+void expect_read_ahead(double precision) {
   Scene scene;
-  scene.settings.precision.fill(0);
+  scene.settings.precision.fill(precision);
   scene.hand = default_hand(Side::right);
   ASSERT_TRUE(open_world(write_street(12), scene.world).ok());
   const World& world = *scene.world;
@@ -192,10 +191,11 @@ TEST(World, IsReadAheadOfTheHand) {
   tick(model, state, scratch, hand_on_street(scene.hand, 1.2));
   EXPECT_EQ(resident_bytes(world), ahead);
 }
+TEST(World, IsReadAheadOfTheHand) { expect_read_ahead(Settings().precision[0]); }
+TEST(World, IsReadAheadOfAHandThatFeelsExactly) { expect_read_ahead(0); }
 
 TEST(World, IsReadAheadOfBothHandsWhereverTheyAre) {
   Scene scene;
-  scene.settings.precision.fill(0);
   scene.hand = default_hand(Side::right);
   ASSERT_TRUE(open_world(write_street(12), scene.world).ok());
   const World& world = *scene.world;

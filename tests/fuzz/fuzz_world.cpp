@@ -15,10 +15,10 @@ namespace {
 using namespace lumbrical;
 
 // A hand in the middle of the world, and one at its corner.
-void tick_in(const std::shared_ptr<const World>& world) {
+void tick_in(const std::shared_ptr<const World>& world, double precision) {
   Scene scene;
   scene.hand = default_hand(Side::right);
-  scene.settings.precision.fill(0);
+  scene.settings.precision.fill(precision);
   scene.settings.max_candidates = 1000;
   scene.world = world;
   Model model;
@@ -45,6 +45,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const test::MemoryFile file(content.data(), content.size());
   if (!file.good()) return 0;
   std::shared_ptr<const World> world;
-  if (open_world(file.path(), world).ok()) tick_in(world);
+  if (!open_world(file.path(), world).ok()) return 0;
+  for (const double precision : {0.0, 1e-4}) tick_in(world, precision);
   return 0;
 }

@@ -157,7 +157,7 @@ TEST(BothHands, AreFeltOnAWorldFileAsOnItsObjects) {
   ASSERT_EQ(lumbrical("world scene.json -o cup.world", folder).exit_code, 0);
   std::ofstream(folder / "world.json")
       << R"({"world": "cup.world", "motion": {"file": "hold.json", "side": "both"}})";
-  const Outcome run = lumbrical("run world.json --record a.mcap --json", folder);
+  const Outcome run = lumbrical("run world.json --precision exact --record a.mcap --json", folder);
   ASSERT_EQ(run.exit_code, 0) << run.error;
   const nlohmann::json on_objects = lumbrical("run scene.json --precision exact --json", folder).json();
   ASSERT_EQ(run.json()["hands"].size(), 2u);

@@ -57,10 +57,10 @@ std::string law_of(const Settings& settings) {
   return common_name([&](std::size_t i) { return std::string(law_name(settings.law[i])); });
 }
 
-// World files and all laws but the field's are felt exactly.
+// All laws but the field's are felt exactly.
 std::string precision_of(const Model& model) {
   return common_name([&](std::size_t i) {
-    const bool exactly = model.world || model.settings.law[i] != Law::field;
+    const bool exactly = model.settings.law[i] != Law::field;
     return precision_name(exactly ? 0 : model.settings.precision[i]);
   });
 }

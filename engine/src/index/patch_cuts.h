@@ -19,6 +19,12 @@ struct PatchPath {
   std::uint32_t part, halves;
 };
 
+/// Has it any to cut?
+inline bool has_area(const Corners& at) {
+  const double area = norm(cross(at.b - at.a, at.c - at.a));
+  return area > 0 && is_finite(area);
+}
+
 /// About how many patches a triangle is cut into: that is between half as many and five times as many.
 double expected_patches(const Corners& at, double step);
 

@@ -24,11 +24,6 @@ constexpr std::size_t kMostDoublings = 20;
 // About so many patches there may be beside one per triangle, or as many as there are triangles: some 80 MB.
 constexpr std::size_t kSparePatches = std::size_t{1} << 19;
 
-bool has_area(const Corners& at) {
-  const double area = norm(cross(at.b - at.a, at.c - at.a));
-  return area > 0 && is_finite(area);
-}
-
 /// What becomes of the triangles.
 struct Cutting {
   std::vector<std::uint32_t> owner;  // of each patch

@@ -57,7 +57,7 @@ struct Patches {
   SharedArray<BlockSamples> samples;         ///< of each block, of each larger one, and so on
   std::vector<std::uint32_t> first_samples;  ///< of each of these levels
   std::vector<float> least_size;             ///< [m] of each level's blocks
-  std::vector<std::uint32_t> large;  ///< triangles that are cut where they are touched (cut_patches.h)
+  std::vector<std::uint32_t> large;  ///< triangles that are cut where a hand comes near (cut_patches.h)
   SphereTree large_tree;             ///< of those
 };
 

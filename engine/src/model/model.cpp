@@ -217,6 +217,7 @@ Status take_world(const Scene& scene, Model& model) {
   model.objects = world.objects;
   if (execution.broadphase == Broadphase::grid) model.grid = world.grid;
   model.world = scene.world;
+  build_samples(model);
   model.layers = layers_of(model, model);
   return {};
 }

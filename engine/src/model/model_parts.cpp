@@ -43,7 +43,7 @@ Model remade(const Model& from, const Hand& hand, const Settings& settings, std:
                       settings.law == from.settings.law && settings.precision == from.settings.precision;
   if (!cut_so) {
     built.patches.reset();
-    if (!built.world) build_samples(built);
+    build_samples(built);
   }
   built.layers = layers_of(built, from);
   for (std::size_t i = 0; i < built.apart.size(); ++i) {
@@ -84,7 +84,8 @@ Model part_of(const Model& model, std::vector<std::uint32_t> members) {
 }
 
 void build_samples(Model& model) {
-  model.patches = build_patches(model.hand, model.settings, model.triangles, model.extent, model.execution);
+  const Triangles& cut_now = model.world ? Triangles() : model.triangles;
+  model.patches = build_patches(model.hand, model.settings, cut_now, model.extent, model.execution);
 }
 
 std::vector<std::shared_ptr<const Model>> layers_of(const Model& model, const Model& from) {

@@ -16,7 +16,8 @@ Model empty_model(const Hand& hand, const Settings& settings, const Execution& e
 /// them.
 Model part_of(const Model& model, std::vector<std::uint32_t> members);
 
-/// What depends on the hand: patches are cut by its radii.
+/// What depends on the hand: patches are cut by its radii. Those of a world file are cut where a hand comes
+/// near (cut_patches.h).
 void build_samples(Model& model);
 
 /// The layers of a model's pads; what `from`, the same world, has of them is taken over as far as it fits.

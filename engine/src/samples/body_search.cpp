@@ -126,7 +126,7 @@ void find_in_model(const Search& search, const Model& model, PatchSearcher& sear
 // The same among what was cut for the tick.
 template <class Search>
 void find_in_cuts(const Search& search, const Model& model, const CutPatches& cuts, PatchSearcher& searcher) {
-  if (model.patches->large.empty()) return;  // what is there is another model's
+  if (!is_cut_near(model)) return;  // what is there is another model's
   std::uint32_t* const all = searcher.frontier[0].data();
   std::uint32_t* const blocks = searcher.frontier[1].data();
   const std::size_t lines = piece_count(cuts.near.size(), SphereBlock::kWidth);
@@ -193,14 +193,21 @@ void find_from(const Search& search, const Model& model, const CutPatches& cuts,
   classify(arrays_of(cuts, patches), from.blocks.subspan(of_model));
 }
 
+// Of spheres round blocks, those that are cut too. A world file has no others, so those count from the hand.
+TreeHead head_of_blocks(const Model& model, const CutPatches& cuts) {
+  TreeHead head = model.patches->tree.head;
+  if (is_cut_near(model)) head.origin = cuts.origin;
+  return head;
+}
+
 void find_for_finger(const Model& model, const Primitives& hand, const CutPatches& cuts,
                      const FingerBody& finger, const SplitPoint& origin, const OtherParts& others,
                      const SearchFrom& from, PatchSearcher& searcher, CentroidForce& force) {
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
-  const Patches& patches = *model.patches;
+  const TreeHead head = head_of_blocks(model, cuts);
   SphereQuery queries[FingerBody::kMostTiles];
   for (std::size_t k = 0; k < finger.tile_count; ++k)
-    queries[k] = query_of(patches.tree.head, hand.capsule[finger.segment[k]]);
+    queries[k] = query_of(head, hand.capsule[finger.segment[k]]);
   const BodySearch search{
       [&](const SphereBlock* spheres, const std::uint32_t* blocks, std::size_t count, bool with_bits,
           std::uint32_t* to) {
@@ -248,8 +255,7 @@ void find_for_palm(const Model& model, const Primitives& hand, const CutPatches&
                    const SplitPoint& origin, const OtherParts& others, const SearchFrom& from,
                    PatchSearcher& searcher, CentroidForce& force) {
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
-  const Patches& patches = *model.patches;
-  const PalmQuery query = query_of_palm(patches.tree.head, hand.palm);
+  const PalmQuery query = query_of_palm(head_of_blocks(model, cuts), hand.palm);
   const BodySearch search{
       [&](const SphereBlock* spheres, const std::uint32_t* blocks, std::size_t count, bool,
           std::uint32_t* to) { return kernels.palm_hits(spheres, query, blocks, count, to); },

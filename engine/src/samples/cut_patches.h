@@ -1,33 +1,23 @@
-// Patches of triangles too large to be cut with a model (Patches::large): cut where a hand comes near, into
-// the same ones as if they had been cut before, and kept as long as there is room.
+// Patches that are not the model's, of triangles too large to be cut with it (Patches::large) and of those in
+// a world file: cut where a hand comes near, into the same ones as if they had been cut before, and kept as
+// long as there is room.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "index/patch_cells.h"
 #include "lumbrical/model.h"
-#include "model/primitive.h"
+#include "samples/limbs.h"
 
 namespace lumbrical {
 
-/// Where a hand is: its phalanges as thick segments, and its palm [m, W].
-struct HandPlace {
-  struct Phalanx {
-    Vec3 end1, end2;
-    double radius = 0;
-  };
-  std::size_t phalanx_count = 0;
-  std::array<Phalanx, kPhalanxCount> phalanx;
-  SweptPolygon palm;
-};
-
-/// A cell that has been cut, and its blocks.
+/// What has been cut at a time, and its blocks: a cell of a triangle, or small triangles side by side.
 struct CutCell {
   std::uint64_t build = 0;  ///< of the model; 0: an empty place
   std::uint32_t triangle = 0;
   CellPath path{};
+  std::uint32_t larger = 0;  ///< of triangles side by side those that are not small, a bit each
   std::uint32_t first = 0, count = 0;
 };
 
@@ -40,15 +30,19 @@ struct CutPatches {
   std::vector<CutCell> cells;     ///< by their hash, with empty places between
   std::uint32_t count = 0;        ///< blocks that have been cut
 
-  std::uint64_t build = 0;          ///< of the model that this is for
-  HandPlace about;                  ///< where the hand was: all that is near it as long as nothing of it
-  double spare = 0;                 ///< [m] is farther than this from there
-  std::vector<std::uint32_t> near;  ///< these blocks, in the order of triangles and cells
-  std::vector<SphereBlock> round;   ///< spheres round those, relative to the tree's origin
-  std::array<std::vector<std::uint32_t>, 2> frontier;  ///< to search for triangles
+  std::uint64_t build = 0;           ///< of the model that this is for
+  HandPlace about;                   ///< where the hand was: all that is near it as long as nothing of it
+  double spare = 0;                  ///< [m] is farther than this from there
+  std::vector<std::uint32_t> near;   ///< these blocks, in the order of triangles and cells
+  std::vector<SphereBlock> round;    ///< spheres round those
+  Vec3 origin;                       ///< [m] W, that they and the model's are relative to
+  std::vector<std::uint32_t> trees;  ///< of a grid, to look for triangles in
 };
 
-/// Blocks that a search may find: of the model and, if it has large triangles, as many as may be cut.
+/// Has it triangles that are cut where a hand comes near?
+inline bool is_cut_near(const Model& model) { return model.world || !model.patches->large.empty(); }
+
+/// Blocks that a search may find: of the model and, if it has triangles to cut, as many as may be.
 std::size_t most_blocks(const Model& model);
 
 void size_cuts(const Model& model, CutPatches& cuts);
