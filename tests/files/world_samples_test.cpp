@@ -1,12 +1,11 @@
 // World files by samples: their triangles are cut into patches where a hand comes near, not with the model.
-#include <algorithm>
 #include <utility>
 #include <vector>
 
 #include "index/patches.h"
 #include "lumbrical/tick.h"
 #include "pressed_hand.h"
-#include "samples/sampled_forces.h"
+#include "sampled_hand.h"
 #include "world_file_fixture.h"
 
 namespace lumbrical::test {
@@ -65,18 +64,6 @@ bool same_forces(const ActuatorFrame& a, const ActuatorFrame& b) {
   for (std::size_t s = 0; s < kSegmentCount; ++s)
     same = same && a.segment[s].force == b.segment[s].force && a.segment[s].torque == b.segment[s].torque;
   return same;
-}
-
-Vec3 total_force(const ActuatorFrame& frame) {
-  Vec3 sum;
-  for (const Wrench& segment : frame.segment) sum += segment.force;
-  return sum;
-}
-
-double force_size(const ActuatorFrame& frame) {
-  double sum = 0;
-  for (const Wrench& segment : frame.segment) sum += norm(segment.force);
-  return sum;
 }
 
 // Blocks above the palm are taken as ones in memory, however large, and of a world file there are none: so

@@ -58,10 +58,10 @@ std::string law_of(const Settings& settings) {
 }
 
 // All laws but the field's are felt exactly.
-std::string precision_of(const Model& model) {
+std::string precision_of(const Settings& settings) {
   return common_name([&](std::size_t i) {
-    const bool exactly = model.settings.law[i] != Law::field;
-    return precision_name(exactly ? 0 : model.settings.precision[i]);
+    const bool exactly = settings.law[i] != Law::field;
+    return precision_name(exactly ? 0 : settings.precision[i]);
   });
 }
 
@@ -261,8 +261,8 @@ void add_hand(const RunSummary& summary, std::size_t i, Table& table) {
 void add_computed_with(const RunSummary& summary, Table& table) {
   const Model& model = summary.models[0];
   table.add("computed with", std::string(broadphase_name(model.execution.broadphase)) + ", law " +
-                                 law_of(model.settings) + ", precision " + precision_of(model) + ", " +
-                                 std::string(isa_name(model.execution.isa)) + ", " +
+                                 law_of(model.settings) + ", precision " + precision_of(model.settings) +
+                                 ", " + std::string(isa_name(model.execution.isa)) + ", " +
                                  std::to_string(model.execution.threads) + " thread(s)");
   if (const auto report = voxel_report(model)) add_voxels(*report, table);
   add_windings(all_objects(model), table);
@@ -304,7 +304,7 @@ Json run_json(const RunSummary& summary) {
   json["broadphase"] = broadphase_name(model.execution.broadphase);
   if (const auto report = voxel_report(model)) json["voxel_index"] = to_json(*report);
   json["law"] = law_of(model.settings);
-  json["precision"] = precision_of(model);
+  json["precision"] = precision_of(model.settings);
   json["recording"] = recording.empty() ? Json(nullptr) : Json(recording);
   json["not_recorded"] = run.not_recorded;
   json["session_rate_hz"] = model.settings.rate;

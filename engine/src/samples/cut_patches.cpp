@@ -122,10 +122,10 @@ class NearBlocks {
     for (std::size_t i = 0; i < SphereBlock::kWidth && first + i < all; ++i) {
       if (!(round.r[i] >= 0)) continue;
       const Sphere sphere{tree.head.origin + Vec3{round.x[i], round.y[i], round.z[i]}, round.r[i]};
-      const std::uint32_t near = limbs_.near(sphere, limbs);
-      if (level > 0 && (near != 0 || brute_))
-        add_below(tree, level - 1, spheres + tree.layout.blocks[level], first + i, brute_ ? limbs : near);
-      for (std::size_t k = 0; level == 0 && near != 0 && k < tree.head.blocks_per_leaf; ++k)
+      const std::uint32_t near = brute_ && level > 0 ? limbs : limbs_.near(sphere, limbs);
+      if (near == 0) continue;
+      if (level > 0) add_below(tree, level - 1, spheres + tree.layout.blocks[level], first + i, near);
+      for (std::size_t k = 0; level == 0 && k < tree.head.blocks_per_leaf; ++k)
         add_leaf_block(tree, (first + i) * tree.head.blocks_per_leaf + k);
     }
   }
