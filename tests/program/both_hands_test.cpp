@@ -219,6 +219,17 @@ TEST(BothHands, PosesAndContactsAreKeptForOthersAtAChosenRate) {
   EXPECT_EQ(count(chosen, "," + segment + ","), count(chosen, "\n1000,"));
 }
 
+TEST(BothHands, EverythingThatCanBeKeptOfBothIsReadAgain) {
+  const fs::path folder = folder_with_both();
+  const std::string run = "run scene.json --record-poses 50 --record-contacts 20 --record-scene 50 ";
+  ASSERT_EQ(lumbrical(run + "--record a.mcap", folder).exit_code, 0);
+  for (const char* const command : {"info a.mcap", "verify a.mcap", "replay a.mcap",
+                                    "trim a.mcap --from 0.5 --to 1 -o b.mcap", "verify b.mcap"}) {
+    const Outcome outcome = lumbrical(command, folder);
+    EXPECT_EQ(outcome.exit_code, 0) << command << outcome.error;
+  }
+}
+
 TEST(BothHands, NumPyReadsTheArchivesOfPosesAndContacts) {
   const fs::path folder = folder_with_both();
   ASSERT_EQ(

@@ -233,6 +233,28 @@ TEST(CommandLine, PartsOfARecordingReplayAndMakeTheWhole) {
   EXPECT_FALSE(fs::exists(folder / "none.mcap"));
 }
 
+TEST(CommandLine, SplitMakesNoPartsWhereThereAreNoTicks) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 1 --record a.mcap", folder).exit_code, 0);
+  RecordingReader reader;
+  ASSERT_TRUE(reader.open((folder / "a.mcap").string()).ok());
+  TickRecord record;
+  bool end = true;
+  ASSERT_TRUE(reader.next(record, end).ok());
+  Recorder recorder;
+  ASSERT_TRUE(recorder.open((folder / "gaps.mcap").string(), reader.scene(), {}).ok());
+  for (const std::uint64_t tick : {std::uint64_t{0}, std::uint64_t{510}, UINT64_MAX - 6}) {
+    record.output.tick = tick;
+    ASSERT_TRUE(recorder.record(record));
+  }
+  ASSERT_TRUE(recorder.close().ok());
+  const Outcome split = shell("timeout 20 lumbrical split gaps.mcap --ticks 100 -o p.mcap --json", folder);
+  ASSERT_EQ(split.exit_code, 0) << split.error;
+  ASSERT_EQ(split.json()["parts"].size(), 3u) << split.output;
+  for (const auto& part : split.json()["parts"]) EXPECT_EQ(part["ticks"], 1);
+  EXPECT_FALSE(fs::exists(folder / "p.004.mcap"));
+}
+
 TEST(CommandLine, ReplayTracesAndWeighsAChange) {
   const fs::path folder = folder_with_demo();
   ASSERT_EQ(shell("lumbrical run demo.json --ticks 500 --record a.mcap", folder).exit_code, 0);

@@ -19,6 +19,16 @@ class Copied : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     path() = ::testing::TempDir() + "lumbrical_" + std::to_string(::getpid()) + "_copied.mcap";
+    record(path(), 20);
+  }
+  static void TearDownTestSuite() { std::filesystem::remove(path()); }
+  static std::string& path() {
+    static std::string path;
+    return path;
+  }
+
+  /// The hand is lost for so many ticks at the end of every 500.
+  static void record(const std::string& file, std::size_t lost) {
     Scene scene = mug_scene(Law::field);
     scene.settings.max_force = 5;
     const Model model = model_of(scene);
@@ -28,17 +38,12 @@ class Copied : public ::testing::Test {
     for (const DeviceFrame& frame : grasp_frames(scene.hand, kTicks)) {
       TickRecord record;
       record.device = frame;
-      if (records.size() % 500 > 480) record.device.flags |= kTrackingLost;
+      if (records.size() % 500 > 500 - lost) record.device.flags |= kTrackingLost;
       record.output = tick(model, state, scratch, record.device);
       take_results(state, scratch, record);
       records.push_back(record);
     }
-    write_recording(path(), scene, records);
-  }
-  static void TearDownTestSuite() { std::filesystem::remove(path()); }
-  static std::string& path() {
-    static std::string path;
-    return path;
+    write_recording(file, scene, records);
   }
 
   static CopyResult copy(const std::vector<std::string>& inputs, const std::string& output,
@@ -137,6 +142,33 @@ TEST_F(Copied, PartBehindAGapIsNotSaidToReplay) {
   EXPECT_EQ(result.ticks, 29u);  // 331 .. 359
   EXPECT_FALSE(result.replayable);
   EXPECT_EQ(messages(part), messages(path(), 331, 360));
+  // The state before a tick that is missing is known, but not what that tick did.
+  EXPECT_FALSE(copy({gap}, part, {300, 360, std::nullopt}).replayable);
+  EXPECT_FALSE(copy({gap}, part).replayable);
+  EXPECT_TRUE(copy({gap}, part, {0, 300, std::nullopt}).replayable);
+}
+
+TEST_F(Copied, PartsThatDoNotMeetAreNotSaidToReplay) {
+  const std::string first = temporary_path("1.mcap"), second = temporary_path("2.mcap"),
+                    merged = temporary_path("merged.mcap");
+  EXPECT_TRUE(copy({path()}, first, {0, 100, std::nullopt}).replayable);
+  EXPECT_TRUE(copy({path()}, second, {200, 300, std::nullopt}).replayable);
+  EXPECT_FALSE(copy({first, second}, merged).replayable);
+  copy({path()}, second, {100, 300, std::nullopt});
+  EXPECT_TRUE(copy({first, second}, merged).replayable);
+  EXPECT_EQ(replay_of(merged).ticks, 300u);
+}
+
+TEST_F(Copied, PartsOfTwoSessionsInOneSceneAreNotPutTogether) {
+  const std::string other = temporary_path("other.mcap"), first = temporary_path("1.mcap"),
+                    second = temporary_path("2.mcap"), merged = temporary_path("merged.mcap");
+  record(other, 30);
+  copy({path()}, first, {0, 490, std::nullopt});
+  copy({other}, second, {490, 600, std::nullopt});
+  CopyResult result;
+  const Status status = copy_recordings({first, second}, merged, {}, result);
+  EXPECT_NE(status.message().find("recordings of one session"), std::string::npos) << status.message();
+  EXPECT_FALSE(std::filesystem::exists(merged));
 }
 
 TEST_F(Copied, MistakesAreNamedAndLeaveNothingBehind) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 
 #include "recording_fixture.h"
@@ -177,6 +178,69 @@ TEST_F(DamagedRecording, WhichTicksAreLostIsKnownWithoutAnIndexToo) {
     EXPECT_EQ(lost, 4u) << chunk;
     EXPECT_EQ(missing, (std::vector<TickRange>{{4 * chunk, 4 * chunk + 3}})) << chunk;
   }
+}
+
+// The channel's record is covered by no checksum, and without it no message is known to be a tick.
+TEST_F(DamagedRecording, ComesBackWholeWhateverBitOfItsChannelsRecordIsFlipped) {
+  mcap::ByteWriter texts;
+  texts.text("tick");
+  texts.text("flatbuffer");
+  const auto found = std::search(good_.begin(), good_.end(), texts.bytes().begin(), texts.bytes().end());
+  ASSERT_LT(found, good_.begin() + static_cast<std::ptrdiff_t>(session_end_));
+  const auto id = static_cast<std::size_t>(found - good_.begin()) - 2 * sizeof(std::uint16_t);
+  for (const std::size_t torn : {0, 100})  // of the footer
+    for (std::size_t bit = 8 * id; bit < 8 * (id + 12); ++bit) {
+      std::vector<std::uint8_t> damaged(good_.begin(), good_.end() - static_cast<std::ptrdiff_t>(torn));
+      damaged[bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
+      write_bytes(path_, damaged);
+      std::uint64_t recovered = 0, lost = 0;
+      ASSERT_TRUE(recover_recording(path_, cleared(output_), recovered, lost).ok());
+      EXPECT_EQ(lost, 0u) << torn << ", bit " << bit - 8 * id;
+      expect_truth(output_, records_.size());
+      if (::testing::Test::HasFailure()) return;
+    }
+}
+
+// What is left of the chunk reaches over the head of the next one.
+TEST_F(DamagedRecording, AChunkThatLostBytesHidesNoneBehindIt) {
+  const std::uint64_t middle = (chunk_ends_[0] + chunk_ends_[1]) / 2;
+  for (const std::ptrdiff_t size : {1, 200, 500}) {
+    std::vector<std::uint8_t> damaged = good_;
+    const auto hole = damaged.begin() + static_cast<std::ptrdiff_t>(middle);
+    damaged.erase(hole, hole + size);
+    write_bytes(path_, damaged);
+    std::uint64_t recovered = 0, lost = 0;
+    std::vector<TickRange> missing;
+    ASSERT_TRUE(recover_recording(path_, cleared(output_), recovered, lost, &missing).ok());
+    EXPECT_EQ(recovered, 8u) << size;
+    EXPECT_EQ(missing, (std::vector<TickRange>{{4, 7}})) << size;
+    expect_truth(output_, 8);
+  }
+}
+
+// The head of a chunk again and again, each reaching to the end of the file.
+TEST_F(DamagedRecording, ChunksInEachOtherCostNoMoreThanASecondOfProcessorTime) {
+  constexpr std::uint64_t kSize = 1'000'000, kHead = 49;
+  std::vector<std::uint8_t> bytes(good_.begin(), good_.begin() + static_cast<std::ptrdiff_t>(session_end_));
+  while (bytes.size() + kHead < kSize) {
+    const std::uint64_t payload = kSize - bytes.size() - kHead;
+    mcap::ByteWriter head;
+    head.u8(static_cast<std::uint8_t>(mcap::Opcode::chunk));
+    head.u64(kSize - bytes.size() - mcap::kRecordHeaderSize);
+    for (const std::uint64_t number : {std::uint64_t{0}, std::uint64_t{0}, payload}) head.u64(number);
+    head.u32(1);  // no such checksum
+    head.text("");
+    head.u64(payload);
+    ASSERT_EQ(head.size(), kHead);
+    bytes.insert(bytes.end(), head.bytes().begin(), head.bytes().end());
+  }
+  bytes.resize(kSize);
+  write_bytes(path_, bytes);
+  const std::clock_t before = std::clock();
+  std::uint64_t recovered = 0, lost = 0;
+  EXPECT_TRUE(recover_recording(path_, output_, recovered, lost).ok());
+  EXPECT_LT(std::clock() - before, CLOCKS_PER_SEC);
+  EXPECT_EQ(recovered, 0u);
 }
 
 TEST_F(DamagedRecording, IsNotReplacedByItsOwnRecovery) {

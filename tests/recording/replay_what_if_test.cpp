@@ -74,6 +74,25 @@ TEST_P(WhatIf, SaysHowMuchAStifferWorldWouldChange) {
   EXPECT_GE(touched, 1);
 }
 
+TEST_P(WhatIf, KeepsNoPartOfASessionThatCannotBeReadToItsEnd) {
+  const std::string damaged = temporary_path("damaged.mcap"), kept = temporary_path("kept.mcap");
+  std::vector<std::uint8_t> bytes = read_bytes(path_);
+  bytes[bytes.size() / 2] ^= 1;  // in a chunk
+  write_bytes(damaged, bytes);
+  ReplayOptions options;
+  options.stiffness = 1e6;
+  options.record = kept;
+  WhatIfResult result;
+  EXPECT_FALSE(what_if_file(damaged, options, result).ok());
+  EXPECT_FALSE(std::filesystem::exists(kept));
+  EXPECT_FALSE(std::filesystem::exists(kept + kPartSuffix));
+  const Status status = what_if_file(path_, options, result);
+  EXPECT_TRUE(status.ok()) << status.message();
+  RecordingInfo info;
+  EXPECT_TRUE(verify_recording(kept, info).ok());
+  EXPECT_EQ(info.ticks, kTicks);
+}
+
 TEST_P(WhatIf, SaysWhatAnotherMeshWouldChange) {
   ReplayOptions options;
   options.mesh["ball"] = touch_scene().objects[0].mesh;

@@ -228,6 +228,18 @@ TEST(DrawnScene, PartsBeginWithTheObjectsAndPutTogetherAreTheWhole) {
   EXPECT_EQ(read_bytes(whole), read_bytes(path));
 }
 
+TEST(DrawnScene, ComesBackFromARecordingThatWasKilled) {
+  const std::string path = recorded_scene(), torn = temporary_path("torn.mcap"),
+                    whole = temporary_path("whole.mcap");
+  const std::vector<std::uint8_t> bytes = read_bytes(path);
+  for (const std::size_t cut : {0, 1000}) {  // of the summary
+    write_bytes(torn, std::span(bytes).first(bytes.size() - cut));
+    std::uint64_t recovered = 0, lost = 0;
+    ASSERT_TRUE(recover_recording(torn, cleared(whole), recovered, lost).ok());
+    EXPECT_EQ(read_bytes(whole), bytes) << cut;
+  }
+}
+
 TEST(DrawnScene, WithoutModelsOrWithObjectsThatFillNoMessageIsRefused) {
   RecorderOptions options;
   options.scene_interval = 1;

@@ -1,6 +1,7 @@
 // Recordings of two hands on one world: each hand is read, replayed and copied as if it were alone.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -182,23 +183,39 @@ TEST(TwoHands, AKilledRecordingComesBackWithBoth) {
   expect_identical(whole, recovered / 2);
 }
 
-// Channel records are covered by no checksum: the recorder's numbering stands in for them.
+/// Where the channel record of a topic has it: the schema's comments name topics too.
+std::size_t topic_in_record(const std::vector<std::uint8_t>& file, const std::string& topic) {
+  mcap::ByteWriter text;
+  text.text(topic);
+  const auto found = std::search(file.begin(), file.end(), text.bytes().begin(), text.bytes().end());
+  return static_cast<std::size_t>(found - file.begin()) + sizeof(std::uint32_t);
+}
+
+// Channel records are covered by no checksum: what the index repeats of them stands in for them, or the
+// recorder's numbering.
 TEST(TwoHands, ComeBackFromAFileWhoseChannelRecordsAreDamaged) {
   const std::string path = temporary_path("both.mcap"), damaged = temporary_path("damaged.mcap"),
                     whole = temporary_path("whole.mcap");
   record_both(path);
   const std::vector<std::uint8_t> bytes = read_bytes(path);
-  const std::string text(bytes.begin(), bytes.end());
-  for (const std::string topic : {"left/tick", "right/tick"}) {
-    std::vector<std::uint8_t> changed = bytes;
-    changed.resize(bytes.size() - 1000);  // no summary, which repeats them
-    changed[text.find(topic)] ^= 0x20;
-    write_bytes(damaged, changed);
-    std::uint64_t recovered = 0, lost = 0;
-    ASSERT_TRUE(recover_recording(damaged, cleared(whole), recovered, lost).ok());
-    EXPECT_EQ(lost, 0u) << topic;
-    expect_identical(whole, recovered / 2);
-  }
+  constexpr std::size_t kIdToTopic = 8;  // two numbers and a length
+  for (const std::string topic : {"left/tick", "right/tick"})
+    for (const std::size_t torn : {0, 1000}) {
+      const std::size_t at = topic_in_record(bytes, topic);
+      ASSERT_LT(at, bytes.size());
+      // Another topic, a number that no channel has, the number of the other hand's.
+      for (const auto& [place, bits] : {std::pair(at, 0x20), {at - kIdToTopic, 8}, {at - kIdToTopic, 3}}) {
+        std::vector<std::uint8_t> changed = bytes;
+        changed.resize(bytes.size() - torn);
+        changed[place] = static_cast<std::uint8_t>(changed[place] ^ bits);
+        write_bytes(damaged, changed);
+        std::uint64_t recovered = 0, lost = 0;
+        ASSERT_TRUE(recover_recording(damaged, cleared(whole), recovered, lost).ok());
+        EXPECT_EQ(recovered, 2 * kTicks) << topic << ' ' << torn << ' ' << bits;
+        EXPECT_EQ(lost, 0u) << topic << ' ' << torn << ' ' << bits;
+        expect_identical(whole, kTicks);
+      }
+    }
 }
 
 TEST(TwoHands, ATickOnTheOtherHandsChannelIsFound) {

@@ -1,4 +1,5 @@
 // lumbrical trim, split, merge, compress: copies of recordings in which no message is changed.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -39,8 +40,8 @@ Json copied_json(const std::string& output, const CopyResult& result) {
 std::string copied_text(const std::string& output, const CopyResult& result) {
   return grouped(result.ticks) + " ticks to " + output +
          (result.replayable ? ".\n"
-                            : ". They cannot be replayed: the state before them is unknown (a gap, or a "
-                              "build that computes otherwise).\n");
+                            : ". Not all of them can be replayed: ticks are missing, or the state before "
+                              "them is unknown (a gap, or a build that computes otherwise).\n");
 }
 
 int copy(const CopySwitches& switches, const CopyOptions& options) {
@@ -71,6 +72,19 @@ int trim(const CopySwitches& switches) {
   return copy(switches, options);
 }
 
+/// The first tick of either hand that is not below `from`, if there is one.
+Status find_tick(RecordingReader& reader, std::uint64_t from, std::uint64_t& tick, bool& found) {
+  found = false;
+  if (Status status = reader.seek(from); !status.ok()) return status;
+  for (bool end = false; !found;) {
+    RecordedMessage message;
+    if (Status status = reader.next_message(message, end); !status.ok() || end) return status;
+    found = message.kind == MessageKind::tick;
+    tick = message.tick;
+  }
+  return {};
+}
+
 int split(const CopySwitches& switches) {
   RecordingReader reader;
   if (Status status = reader.open(switches.recordings.front()); !status.ok()) return fail(status);
@@ -80,13 +94,19 @@ int split(const CopySwitches& switches) {
   if (ticks == 0) return fail("split: say how long a part is, by --ticks or --seconds");
   Json parts = Json::array();
   std::string text;
-  const RecordingInfo& info = reader.info();
-  for (std::uint64_t from = info.first_tick; info.ticks > 0 && from <= info.last_tick; from += ticks) {
+  std::uint64_t first = 0, tick = 0;
+  bool found = false;
+  for (CopyOptions part; part.from < UINT64_MAX; part.from = part.to) {
+    if (Status status = find_tick(reader, part.from, tick, found); !status.ok()) return fail(status);
+    if (!found) break;
+    if (parts.empty()) first = tick;
+    // Parts begin at whole multiples of their length, but where there are no ticks there is no part.
+    part.from = tick - (tick - first) % ticks;
+    part.to = part.from + std::min(ticks, UINT64_MAX - part.from);
     const std::string output = numbered(switches.output, parts.size() + 1);
     CopyResult result;
-    const Status status =
-        copy_recordings(switches.recordings, output, {from, from + ticks, std::nullopt}, result);
-    if (!status.ok()) return fail(status);
+    if (Status status = copy_recordings(switches.recordings, output, part, result); !status.ok())
+      return fail(status);
     parts.push_back(copied_json(output, result));
     text += copied_text(output, result);
   }

@@ -59,9 +59,9 @@ enum class Compression : std::uint8_t { none, lz4, zstd };
 struct RecorderOptions {
   Compression compression = Compression::lz4;
   double chunk_seconds = 0.2;  ///< session time per chunk, <= 0.25: what a killed process can lose
-  double sync_seconds =
-      1;  ///< by the clock, from one order to the disk to the next: what a power cut can lose
-  std::uint32_t ring_capacity = 2048;  ///< ticks between the tick thread and the writer
+  /// > 0, <= 3600: by the clock, from one order to the disk to the next: what a power cut can lose
+  double sync_seconds = 1;
+  std::uint32_t ring_capacity = 2048;  ///< ticks between the tick thread and the writer, 1 .. 2^18
   bool wait_when_full =
       true;  ///< lockstep waits for the writer; otherwise (live) the gap is marked in the file
   /// Ticks whose number is a multiple of this keep their forces and torques; 0: none does. Those left out
@@ -90,7 +90,7 @@ class Recorder {
 
   /// Starts a file, which grows as `path`.part and takes its path on close. Nothing is ever written over: an
   /// error where either is there already. A killed process loses at most 0.25 s of a live session, a power
-  /// cut 1.5 s more.
+  /// cut 1.5 s.
   /// A world file of the scene is named in the recording, not copied into it.
   Status open(const std::string& path, const Scene& scene, const RecorderOptions& options);
   /// Hands over one tick; no allocation or system call while the ring has room. False: not kept (ring full in
@@ -104,6 +104,8 @@ class Recorder {
   [[nodiscard]] Status failure() const;
   /// Writes the rest, index and summary. Returns the first error of the whole recording, if any.
   Status close();
+  /// In the place of close(): removes what was written.
+  void discard();
   /// Ticks that are in the file of the last recording (of two hands: of both together), once it was closed;
   /// exact whatever went wrong.
   [[nodiscard]] std::uint64_t kept() const { return kept_; }
@@ -166,6 +168,7 @@ struct RecordedMessage {
   MessageKind kind = MessageKind::tick;
   std::uint8_t hand = 0;  ///< whose: RecordingInfo::hands
   std::uint64_t tick = 0;
+  std::uint64_t state_hash = 0;         ///< of a tick: TickRecord::state_hash
   std::span<const std::uint8_t> bytes;  ///< valid until the next is read
 };
 
@@ -249,14 +252,15 @@ struct CopyOptions {
 };
 struct CopyResult {
   std::uint64_t ticks = 0;
-  /// Whether the copy can be replayed from its first tick on: where that is not the first of a session, the
-  /// state before it must have been found again.
+  /// Whether all of the copy can be replayed: no tick is missing, and where the first is not that of a
+  /// session the state before it was found again.
   bool replayable = true;
 };
 
 /// Copies the ticks of one or more recordings of the same scene, each later than the one before, to a new
 /// file, without changing a message: trimmed, merged, compressed otherwise. The state before the first tick
-/// is computed anew from the ticks before it and held against the recorded hash. Metadata are the first
+/// is computed anew from the ticks before it and held against the recorded hash; a later recording whose own
+/// state is not what the ticks before it left is an error. Metadata are the first
 /// input's; what other tools have added to a file (channels, attachments) is left out. `output` must be
 /// another file and appears only when it is complete.
 Status copy_recordings(const std::vector<std::string>& inputs, const std::string& output,

@@ -7,6 +7,7 @@
 #include "lumbrical/device.h"
 #include "lumbrical/hand.h"
 #include "recording/hand_views.h"
+#include "recording/mcap_reader.h"
 #include "recording/scene_views.h"
 #include "recording/tick_message.h"
 
@@ -84,6 +85,8 @@ constexpr std::array<Kind, static_cast<std::size_t>(MessageKind::count)> kKinds 
      {"objects", kSceneSchemaName, true},
      {"transforms", kTransformsSchemaName, true}}};
 
+static_assert(2 * kKinds.size() <= kMostChannelsInChunk, "of two hands");
+
 const Kind& kind_of(MessageKind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
 
 }  // namespace
@@ -93,16 +96,20 @@ std::string topic_of(const RecordingChannel& channel) {
          std::string(kind_of(channel.kind).topic);
 }
 
+std::optional<RecordingChannel> channel_of_topic(std::string_view topic) {
+  for (std::size_t kind = 0; kind < kKinds.size(); ++kind)
+    for (const std::optional<Side> side : {std::optional(Side::left), std::optional(Side::right), {}}) {
+      const RecordingChannel channel{static_cast<MessageKind>(kind), side};
+      if (topic == topic_of(channel)) return channel;
+    }
+  return std::nullopt;
+}
+
 // Other tools may have given a lone channel of ticks another topic.
 std::optional<RecordingChannel> find_channel(std::string_view schema, std::string_view topic) {
-  for (std::size_t i = 0; i < kKinds.size(); ++i) {
-    if (schema != kKinds[i].schema) continue;
-    const auto kind = static_cast<MessageKind>(i);
-    for (const std::optional<Side> side : {std::optional(Side::left), std::optional(Side::right), {}})
-      if (topic == topic_of({kind, side})) return RecordingChannel{kind, side};
-    if (kind == MessageKind::tick) return RecordingChannel{};
-  }
-  return std::nullopt;
+  const std::optional<RecordingChannel> named = channel_of_topic(topic);
+  if (named && schema == kind_of(named->kind).schema) return named;
+  return schema == kTickSchemaName ? std::optional(RecordingChannel{}) : std::nullopt;
 }
 
 std::vector<RecordingChannel> channels_of(const std::vector<Side>& hands,

@@ -26,6 +26,9 @@ struct RecordingChannel {
 /// "tick", "left/tick", "pose"
 std::string topic_of(const RecordingChannel& channel);
 
+/// The channel whose topic_of this is, if there is one.
+std::optional<RecordingChannel> channel_of_topic(std::string_view topic);
+
 /// What a channel of this topic carries, whose schema is of this name; none: somebody else's.
 std::optional<RecordingChannel> find_channel(std::string_view schema, std::string_view topic);
 

@@ -80,13 +80,11 @@ bool parse_into(Bytes content, std::vector<Record>& list) {
 }
 
 // Chunks alone are many. Their list never grows, which would take it twice: `room` is of the whole summary.
-// One with messages of more channels is not from a recorder of hands.
 bool add_chunk(Bytes content, std::uint64_t room, Summary& summary) {
   constexpr std::uint64_t kLeastIndex = 73;
-  constexpr std::size_t kMostChannels = 8;
   if (summary.chunks.empty()) summary.chunks.reserve(room / kLeastIndex + 1);
   return parse(content, summary.chunks.emplace_back()) &&
-         summary.chunks.back().message_index_offsets.size() <= kMostChannels;
+         summary.chunks.back().message_index_offsets.size() <= kMostChannelsInChunk;
 }
 
 bool add_to_summary(Opcode opcode, Bytes content, std::uint64_t room, Summary& summary) {

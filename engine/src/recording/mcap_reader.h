@@ -2,6 +2,7 @@
 // believed.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -75,6 +76,9 @@ bool find_inner_record(mcap::Bytes records, std::size_t offset, InnerRecord& rec
 /// Reads an attachment and checks its checksum. `record` points to the front of `content`.
 Status load_attachment(const InputFile& file, const RecordPlace& place, std::vector<std::uint8_t>& content,
                        mcap::Attachment& record);
+
+/// A chunk with messages of more channels is not from a recorder of hands.
+inline constexpr std::size_t kMostChannelsInChunk = 16;
 
 /// What stands behind the data section of a file that was closed.
 struct Summary {

@@ -53,6 +53,11 @@ bool compress(Compression compression, Bytes bytes, std::vector<std::uint8_t>& o
 
 }  // namespace
 
+Compression compression_named(std::string_view name) {
+  if (name == "zstd") return Compression::zstd;
+  return name == "lz4" ? Compression::lz4 : Compression::none;
+}
+
 Status McapWriter::write(Bytes bytes) {
   if (Status status = file_.write(bytes); !status.ok()) return status;
   crc_ = crc32(crc_, bytes);

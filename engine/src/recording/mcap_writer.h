@@ -21,6 +21,9 @@ struct McapWriterOptions {
   std::size_t last_channel = 0;            ///< of messages of one time, which share a chunk, its comes last
 };
 
+/// By the name MCAP gives it.
+Compression compression_named(std::string_view name);
+
 class McapWriter {
  public:
   struct Start {

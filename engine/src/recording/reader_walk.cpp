@@ -45,7 +45,7 @@ Status RecordingReader::File::take_message(Bytes bytes, std::uint64_t at, TickRe
   if (channel == nullptr || !(all_messages || is_read(parsed.channel_id))) return {};
   const std::optional<std::size_t> whose = hand_of(*channel);
   if (!whose) return {};
-  message = {channel->kind, static_cast<std::uint8_t>(*whose), 0, parsed.data};
+  message = {channel->kind, static_cast<std::uint8_t>(*whose), 0, 0, parsed.data};
   found = true;
   if (channel->kind != MessageKind::tick) {
     message.tick = record.output.tick = tick_at(parsed.log_time, scene.settings.rate);
@@ -56,6 +56,7 @@ Status RecordingReader::File::take_message(Bytes bytes, std::uint64_t at, TickRe
     return file.broken(at, status.message() + "; the file is damaged or of another version");
   record.hand = message.hand;
   message.tick = record.output.tick;
+  message.state_hash = record.state_hash;
   altered = find_altered_input(record, check);
   return {};
 }

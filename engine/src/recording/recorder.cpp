@@ -395,6 +395,13 @@ Status Recorder::close() {
   return status;
 }
 
+void Recorder::discard() {
+  if (!writer_) return;
+  writer_->stop();
+  writer_->mcap.discard();
+  writer_.reset();
+}
+
 Status session_message(const Scene& scene, std::vector<std::uint8_t>& bytes,
                        const std::optional<Hand>& second) {
   return encode_session(scene, bytes, second);

@@ -14,11 +14,6 @@
 namespace lumbrical {
 namespace {
 
-Compression compression_of(const RecordingInfo& info) {
-  if (info.compression == "zstd") return Compression::zstd;
-  return info.compression == "lz4" ? Compression::lz4 : Compression::none;
-}
-
 /// Where to start so that the state before `tick` comes out: the state before `begin`. Past the time forces
 /// take to fade nothing is left of older ticks but the last output, and objects. Where that was left out,
 /// nothing stands for it: the next tick puts its own in that place.
@@ -63,16 +58,23 @@ Status find_state(RecordingReader& reader, std::uint64_t tick_number, State& sta
   if (Status status = build_model(reader.scene(), {}, model); !status.ok()) return status;
   const Settings& settings = reader.scene().settings;
   const std::uint64_t first = reader.info().first_tick;
+  const std::uint64_t all = tick_number - first;
   std::uint64_t back = 2 * static_cast<std::uint64_t>(settings.fade_time * settings.rate) + 8;
-  if (!model.apart.empty()) back = tick_number - first;  // where objects are depends on all ticks before
-  for (;; back *= 8) {
-    const std::uint64_t begin = tick_number - first > back ? tick_number - back : first;
+  if (!model.apart.empty()) back = all;  // where objects are depends on all ticks before
+  for (;; back = back < all / 8 ? 8 * back : all) {
+    const std::uint64_t begin = tick_number - std::min(back, all);
     if (Status status = guess_state(reader, model, begin, state); !status.ok()) return status;
     if (state.tick == begin)
       if (Status status = run_up_to(reader, model, tick_number, state, found); !status.ok()) return status;
     if (found || begin == first) return {};
   }
 }
+
+/// Where a replay of a hand's copied ticks would stand; no tick: one before it is missing.
+struct ReplayEnd {
+  std::uint64_t tick = UINT64_MAX;
+  std::uint64_t state_hash = 0;
+};
 
 class Copy {
  public:
@@ -87,9 +89,11 @@ class Copy {
  private:
   Status start(RecordingReader& reader, const std::string& output);
   Status check_scene(const RecordingReader& reader) const;
+  Status check_states(const RecordingReader& reader);
+  void follow(const RecordedMessage& message);
   Status copy_objects(RecordingReader& reader);
   Status write(const RecordedMessage& message, std::uint64_t tick_number);
-  Status initial_state(RecordingReader& reader, std::vector<std::uint8_t>& bytes);
+  Status initial_state(RecordingReader& reader, std::vector<std::uint8_t>& bytes, ReplayEnd& end);
   Status initial_states(RecordingReader& reader, StateMessages& states);
 
   const CopyOptions& options_;
@@ -101,25 +105,27 @@ class Copy {
   std::vector<RecordingChannel> channels_;
   double period_ = 0;                             // [ns]
   std::array<std::uint64_t, kMostHands> next_{};  // tick that may come next, by hand
+  std::array<ReplayEnd, kMostHands> ends_;        // by hand
 };
 
-Status Copy::initial_state(RecordingReader& reader, std::vector<std::uint8_t>& bytes) {
+Status Copy::initial_state(RecordingReader& reader, std::vector<std::uint8_t>& bytes, ReplayEnd& end) {
   State state = reader.initial_state();
   const RecordingInfo& info = reader.info();
   bool found = state.tick == info.first_tick;
   if (options_.from > info.first_tick && options_.from <= info.last_tick) {
     if (Status status = find_state(reader, options_.from, state, found); !status.ok()) return status;
   }
-  result_.replayable = result_.replayable && found;
   if (found && state.tick > 0) bytes = encode_state(state);
+  if (found) end = {state.tick, hash_state(state)};
   return {};
 }
 
 Status Copy::initial_states(RecordingReader& reader, StateMessages& states) {
-  if (Status status = initial_state(reader, states[0]); !status.ok() || !reader.other_hand()) return status;
+  if (Status status = initial_state(reader, states[0], ends_[0]); !status.ok() || !reader.other_hand())
+    return status;
   RecordingReader second;
   if (Status status = second.open(reader.info().path, reader.other_hand()->side); !status.ok()) return status;
-  return initial_state(second, states[1]);
+  return initial_state(second, states[1], ends_[1]);
 }
 
 Status Copy::start(RecordingReader& reader, const std::string& output) {
@@ -135,7 +141,7 @@ Status Copy::start(RecordingReader& reader, const std::string& output) {
   if (Status status = initial_states(reader, states); !status.ok()) return status;
   period_ = 1e9 / scene.settings.rate;
   McapWriterOptions options;
-  options.compression = options_.compression.value_or(compression_of(reader.info()));
+  options.compression = options_.compression.value_or(compression_named(info.compression));
   const Status status = open_recording(output, scene.settings.rate, session_, states, reader.info().metadata,
                                        options, writer_, channels_);
   open_ = status.ok();
@@ -150,6 +156,26 @@ Status Copy::check_scene(const RecordingReader& reader) const {
   return Status::error(reader.info().path +
                        ": its scene (hand, world, settings) is not that of the first; "
                        "only recordings of one session can be merged");
+}
+
+// A later part knows the state before it: it is what the ticks before it left, or they are another session's.
+Status Copy::check_states(const RecordingReader& reader) {
+  for (std::size_t hand = 0; hand < hands_.size(); ++hand) {
+    const State& state = hand == 0 ? reader.initial_state() : reader.other_initial_state();
+    ReplayEnd& end = ends_[hand];
+    if (state.tick == end.tick && hash_state(state) != end.state_hash)
+      return Status::error(reader.info().path + ": does not go on from the state that the ticks before " +
+                           std::to_string(state.tick) +
+                           " left; only recordings of one session can be merged");
+    if (state.tick != end.tick) end = {};
+  }
+  return {};
+}
+
+void Copy::follow(const RecordedMessage& message) {
+  ReplayEnd& end = ends_[message.hand];
+  if (message.tick != end.tick) result_.replayable = false;
+  end = {message.tick + 1, message.state_hash};
 }
 
 Status Copy::write(const RecordedMessage& message, std::uint64_t tick_number) {
@@ -178,8 +204,7 @@ Status Copy::add(const std::string& path, const std::string& output) {
   if (Status status = reader.open(path); !status.ok()) return status;
   const bool is_first = !open_;
   if (Status status = is_first ? start(reader, output) : check_scene(reader); !status.ok()) return status;
-  if (is_first)
-    if (Status status = copy_objects(reader); !status.ok()) return status;
+  if (Status status = is_first ? copy_objects(reader) : check_states(reader); !status.ok()) return status;
   if (Status status = reader.seek(options_.from); !status.ok()) return status;
   for (;;) {
     RecordedMessage message;
@@ -194,6 +219,7 @@ Status Copy::add(const std::string& path, const std::string& output) {
     next_[1 - message.hand] = std::max(next_[1 - message.hand], tick_number);
     if (message.kind == MessageKind::tick) {
       next_[message.hand] = tick_number + 1;
+      follow(message);
       if (message.hand == 0) ++result_.ticks;
     }
     if (message.kind == MessageKind::objects && !is_first) continue;

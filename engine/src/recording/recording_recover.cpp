@@ -12,7 +12,6 @@
 
 #include "lumbrical/recording.h"
 #include "recording/channels.h"
-#include "recording/hand_views.h"
 #include "recording/mcap_reader.h"
 #include "recording/recorder.h"
 #include "recording/session_message.h"
@@ -28,13 +27,6 @@ namespace {
 
 // A record head long enough to be told from chance: opcode, length, and the fields in front of the payload.
 constexpr std::uint64_t kHeadSize = 256;
-
-/// What a channel of ours carries; its schema stands elsewhere, and may be damaged.
-std::optional<RecordingChannel> channel_of_topic(const std::string& topic) {
-  for (const std::string_view schema : {kPoseSchemaName, kContactsSchemaName})
-    if (const auto channel = find_channel(schema, topic)) return channel;
-  return find_channel(kTickSchemaName, topic);
-}
 
 /// Whether the bytes at the start of `head` begin a record that fits itself and the `room` left in the file.
 /// With all its lengths in agreement it is not chance.
@@ -66,7 +58,8 @@ bool begins_record(Bytes head, std::uint64_t room, RecordPlace& place) {
     behind = sizeof(std::uint32_t);  // checksum
   } else if (place.opcode == Opcode::channel) {
     fields.take(2 * sizeof(std::uint16_t));  // ids
-    if (!channel_of_topic(fields.text()) || fields.text() != "flatbuffer") return false;
+    const std::string topic = fields.text();
+    if (fields.text() != "flatbuffer" || !channel_of_topic(topic)) return false;
     payload = fields.u32();
   } else {
     if (fields.text() != kMetadataName) return false;
@@ -121,7 +114,7 @@ std::vector<TickRange> missing_of(const KnownTicks& ticks) {
 
 class Recovery {
  public:
-  Status open(const std::string& path);
+  Status open(const std::string& path) { return file_.open(path); }
   /// Looks for session, metadata and compression; an error where there is no whole session.
   Status find_session();
   /// Copies the ticks of all whole chunks.
@@ -134,31 +127,37 @@ class Recovery {
  private:
   Status copy_chunk(McapWriter& writer);
   Status copy_message(Bytes bytes, McapWriter& writer);
+  bool may_doubt(std::uint64_t size);
+  std::uint64_t behind(const RecordPlace& place, bool whole);
   [[nodiscard]] bool are_ticks(std::uint64_t start_time, std::uint64_t end_time) const;
   void expect(std::uint64_t start_time, std::uint64_t end_time);
-  bool expect_index();
+  bool take_index();
   void expect_damaged(const RecordPlace& place);
+  bool load(const RecordPlace& place);
+  bool take(const RecordPlace& place);
   void take_attachment(const Attachment& attachment);
+  void take_channel(const Channel& channel);
   [[nodiscard]] std::optional<RecordingChannel> channel_of(std::uint16_t id) const;
   [[nodiscard]] std::size_t hand_of(const RecordingChannel& channel) const;
 
   InputFile file_;
   Scene scene_;
-  std::vector<Side> sides_;                          // of the session's hands
-  std::map<std::uint16_t, RecordingChannel> found_;  // whose records are whole
-  std::vector<RecordingChannel> channels_;           // that are written
+  std::vector<Side> sides_;  // of the session's hands
+  ChannelIds indexed_;       // as the index has them, under its checksum
+  std::map<std::uint16_t, std::optional<RecordingChannel>> named_;  // by records without one; none: in doubt
+  std::vector<RecordingChannel> channels_;                          // that are written
   std::vector<std::uint8_t> session_;
   StateMessages states_;
   std::map<std::string, std::string> metadata_;
   std::optional<Compression> compression_;
   std::vector<std::uint8_t> content_;
   LoadedChunk chunk_;
+  Attachment attachment_;
+  std::uint64_t doubted_ = 0;  // [bytes] that were read of what proved not to be whole
 
   std::array<KnownTicks, kMostHands> ticks_;  // by hand
   std::uint64_t newest_ = 0;                  // tick kept
 };
-
-Status Recovery::open(const std::string& path) { return file_.open(path); }
 
 void Recovery::take_attachment(const Attachment& attachment) {
   const Bytes data = attachment.data;
@@ -177,19 +176,50 @@ void Recovery::take_attachment(const Attachment& attachment) {
   if (second) sides_.push_back(second->side);
 }
 
-// A channel is what its topic says, or where no such record is whole, what the recorder gives its number.
+// Of two records for one number either may be the damaged one.
+void Recovery::take_channel(const Channel& channel) {
+  const auto ours = channel_of_topic(channel.topic);
+  const auto [named, is_first] = named_.emplace(channel.id, ours);
+  if (!is_first && named->second != ours) named->second.reset();
+}
+
+// Where no record can be trusted it is what the recorder gives its number, or all a lone hand has. What is no
+// tick does not decode as one.
 std::optional<RecordingChannel> Recovery::channel_of(std::uint16_t id) const {
-  const auto found = found_.find(id);
-  if (found != found_.end()) return found->second;
+  if (const RecordingChannel* const indexed = indexed_.find(id)) return *indexed;
+  const auto named = named_.find(id);
+  if (named != named_.end() && named->second) return named->second;
   const std::vector<RecordingChannel> ticks = channels_of(sides_);
-  if (id < 1 || id > ticks.size()) return std::nullopt;
-  for (const auto& other : found_)
-    if (other.second == ticks[id - 1u]) return std::nullopt;
-  return ticks[id - 1u];
+  if (ticks.size() == 1) return ticks[0];
+  return id >= 1 && id <= ticks.size() ? std::optional(ticks[id - 1u]) : std::nullopt;
 }
 
 std::size_t Recovery::hand_of(const RecordingChannel& channel) const {
   return sides_.size() > 1 && channel.side == sides_[1] ? 1 : 0;
+}
+
+/// Whether a checksum says that the record is whole, which is then in `chunk_` or `attachment_`.
+bool Recovery::load(const RecordPlace& place) {
+  chunk_.header = {};
+  if (place.opcode == Opcode::chunk) return load_chunk(file_, place, content_, chunk_).ok();
+  return place.opcode == Opcode::attachment && load_attachment(file_, place, content_, attachment_).ok();
+}
+
+/// Takes what the copy depends on but its ticks, and tells whether the record is known to be whole.
+bool Recovery::take(const RecordPlace& place) {
+  const auto read = [&](auto& record) {
+    return read_content(file_, place, content_).ok() && parse(content_, record);
+  };
+  Channel channel;
+  Metadata metadata;
+  Chunk chunk;
+  if (place.opcode == Opcode::channel && read(channel)) take_channel(channel);
+  if (place.opcode == Opcode::metadata && read(metadata)) metadata_ = std::move(metadata.metadata);
+  if (place.opcode == Opcode::chunk && !compression_ && read(chunk))
+    compression_ = compression_named(chunk.compression);
+  if (place.opcode != Opcode::attachment || !load(place)) return false;
+  take_attachment(attachment_);
+  return true;
 }
 
 Status Recovery::find_session() {
@@ -197,32 +227,22 @@ Status Recovery::find_session() {
   for (std::uint64_t offset = 0; found && (session_.empty() || !compression_);) {
     RecordPlace place;
     if (Status status = find_next(file_, offset, place, found); !status.ok()) return status;
-    if (!found) break;
-    offset = place.end();
-    if (place.opcode == Opcode::attachment) {
-      Attachment attachment;
-      if (load_attachment(file_, place, content_, attachment).ok()) take_attachment(attachment);
-    } else if (place.opcode == Opcode::channel) {
-      Channel channel;
-      if (!read_content(file_, place, content_).ok() || !parse(content_, channel)) continue;
-      if (const auto ours = channel_of_topic(channel.topic)) found_.emplace(channel.id, *ours);
-    } else if (place.opcode == Opcode::metadata) {
-      Metadata metadata;
-      if (read_content(file_, place, content_).ok() && parse(content_, metadata))
-        metadata_ = std::move(metadata.metadata);
-    } else if (place.opcode == Opcode::chunk && !compression_) {
-      Chunk chunk;
-      if (!read_content(file_, place, content_).ok() || !parse(content_, chunk)) continue;
-      compression_ = chunk.compression == "zstd"  ? Compression::zstd
-                     : chunk.compression == "lz4" ? Compression::lz4
-                                                  : Compression::none;
-    }
+    if (found) offset = behind(place, take(place));
   }
   if (!session_.empty()) return {};
   return file_.broken(
       0,
       "the file holds no whole session (hand, world, settings); without it the ticks can't be "
       "used, so nothing is recovered");
+}
+
+// Records can be put into each other without end: what proves not to be whole may cost as much as reading the
+// file once.
+bool Recovery::may_doubt(std::uint64_t size) { return (doubted_ += size) <= file_.size(); }
+
+/// Where to look for the next record. The length of one that is not whole may reach over others.
+std::uint64_t Recovery::behind(const RecordPlace& place, bool whole) {
+  return whole || !may_doubt(place.length) ? place.end() : place.offset + 1;
 }
 
 // Times that are damaged themselves must not make up ticks: those of ticks are few among all numbers, and a
@@ -244,11 +264,13 @@ void Recovery::expect(std::uint64_t start_time, std::uint64_t end_time) {
   }
 }
 
-/// What the index says there was, where it is whole; it has a checksum.
-bool Recovery::expect_index() {
+/// Channels, and what the index says there was, where it is whole; it has a checksum.
+bool Recovery::take_index() {
   Summary summary;
   bool present = false;
   if (!read_summary(file_, summary, present).ok() || !present) return false;
+  for (const auto& [id, name, encoding] : summary.schemas) indexed_.add_schema(id, name, encoding);
+  for (const Channel& channel : summary.channels) indexed_.add_channel(channel);
   for (const ChunkIndex& chunk : summary.chunks)
     if (are_ticks(chunk.start_time, chunk.end_time)) expect(chunk.start_time, chunk.end_time);
   return true;
@@ -260,8 +282,8 @@ void Recovery::expect_damaged(const RecordPlace& place) {
   bool whole = false;
   MessageIndex index;
   if (find_record(file_, place.end(), file_.size(), behind, whole).ok() && whole &&
-      behind.opcode == Opcode::message_index && read_content(file_, behind, content_).ok() &&
-      parse(content_, index) && !index.entries.empty() &&
+      behind.opcode == Opcode::message_index && may_doubt(behind.length) &&
+      read_content(file_, behind, content_).ok() && parse(content_, index) && !index.entries.empty() &&
       are_ticks(index.entries.front().first, index.entries.back().first))
     return expect(index.entries.front().first, index.entries.back().first);
   if (are_ticks(chunk_.header.start_time, chunk_.header.end_time))
@@ -309,26 +331,26 @@ Status Recovery::copy_ticks(const std::string& output) {
   McapWriter writer;
   McapWriterOptions options;
   options.compression = compression_.value_or(Compression::lz4);
+  const bool has_index = take_index();
   const auto holds = [this](MessageKind kind) {
-    return std::any_of(found_.begin(), found_.end(), [kind](const auto& c) { return c.second.kind == kind; });
+    return indexed_.has(kind) || std::any_of(named_.begin(), named_.end(), [kind](const auto& named) {
+             return named.second && named.second->kind == kind;
+           });
   };
   channels_ = channels_of(sides_, views_that(holds));
   Status status =
       open_recording(output, scene_.settings.rate, session_, states_, metadata_, options, writer, channels_);
-  const bool has_index = expect_index();
   bool found = true;
+  doubted_ = 0;
   for (std::uint64_t offset = 0; status.ok() && found;) {
     RecordPlace place;
     status = find_next(file_, offset, place, found);
     if (!status.ok() || !found) break;
-    offset = place.end();
+    const bool whole = load(place);
+    offset = behind(place, whole);
     if (place.opcode != Opcode::chunk) continue;
-    chunk_.header = {};
-    if (load_chunk(file_, place, content_, chunk_).ok()) {
-      status = copy_chunk(writer);
-    } else if (!has_index) {
-      expect_damaged(place);
-    }
+    if (whole) status = copy_chunk(writer);
+    if (!whole && !has_index) expect_damaged(place);
   }
   if (status.ok()) status = writer.close();
   if (!status.ok()) {

@@ -84,6 +84,11 @@ TickRecord record_of(const TickRecord& recorded, const ActuatorFrame& output, co
 
 class WhatIf {
  public:
+  // What finish() has not closed is a part of the session that would pass for all of it.
+  ~WhatIf() {
+    if (recorder_) recorder_->discard();
+  }
+
   Status build(RecordingReader& reader, const ReplayOptions& options) {
     Scene scene;
     if (Status status = scene_for(reader, options, scene); !status.ok()) return status;
