@@ -266,6 +266,59 @@ TEST(HostileFile, TakesNoMoreMemoryThanFourTimesItsSizeOr64MB) {
   }
 }
 
+// Of a glTF file that names itself in each of its buffers.
+TEST(HostileFile, AFileIsHeldOnceHoweverOftenAMeshNamesIt) {
+  const std::string path = own_file("a.gltf");
+  std::string buffers, views, accessors, primitives;
+  for (int i = 0; i < 300; ++i) {
+    const std::string comma = i > 0 ? "," : "", number = std::to_string(i);
+    buffers += comma + R"({"uri":")" + (i % 2 == 0 ? "" : "./") + R"(a.gltf"})";
+    views += comma + R"({"buffer":)" + number + R"(,"byteLength":0})";
+    accessors += comma + R"({"bufferView":)" + number + R"(,"componentType":5126,"count":0,"type":"VEC3"})";
+    primitives += comma + R"({"attributes":{"POSITION":)" + number + "}}";
+  }
+  std::ofstream(path) << R"({"asset":{"version":"2.0"},"meshes":[{"primitives":[)" + primitives +
+                             R"(]}],"buffers":[)" + buffers + R"(],"bufferViews":[)" + views +
+                             R"(],"accessors":[)" + accessors + "]}" + std::string(1'000'000, ' ');
+  Status status;
+  EXPECT_LE(memory_taken([&] {
+              Mesh mesh;
+              status = load_mesh(path, Unit::metre, mesh);
+            }),
+            64'000'000u);
+  EXPECT_NE(status.message().find("no triangles"), std::string::npos) << status.message();
+  fs::remove_all(fs::path(path).parent_path());
+}
+
+// Every packed record names its values by the same text.
+TEST(HostileFile, ACaptureThatNamesThousandsOfRecordsByALongTextTakesLittleMemory) {
+  std::string text =
+      R"({"frames":[["timestamp",{"hands":[[")" + std::string(200'000, 'K') + R"("]]}],[0,[[0])";
+  for (int i = 1; i < 2000; ++i) text += ",[0]";
+  text += "]]]}";
+  Status status;
+  EXPECT_LE(memory_taken([&] {
+              Motion motion;
+              status = parse_motion(text, "a.json", {}, motion);
+            }),
+            64'000'000u);
+  EXPECT_NE(status.message().find("no frame shows a whole hand"), std::string::npos) << status.message();
+}
+
+TEST(HostileFile, ADeviceOfThousandsOfSensorsIsRefusedWithinASecondOfProcessorTime) {
+  const std::string path = own_file("device.json");
+  std::string sensors = R"({"joint":"index distal"})";
+  for (int i = 1; i < 40'000; ++i) sensors += R"(,{"joint":"index distal"})";
+  std::ofstream(path) << R"({"name":"x","transport":{"kind":"memory"},"sensors":[)" + sensors + "]}";
+  const double before = processor_seconds();
+  DeviceProfile profile;
+  const Status status = load_device_profile(path, profile);
+  EXPECT_LT(processor_seconds() - before, 1);
+  EXPECT_NE(status.message().find("sensors[1].joint is measured twice"), std::string::npos)
+      << status.message();
+  fs::remove_all(fs::path(path).parent_path());
+}
+
 // Thousands of entries of the index for one large record.
 TEST(HostileFile, AnIndexThatNamesARecordTwiceIsRefused) {
   const std::string path = temporary_path("twice.mcap");

@@ -245,6 +245,15 @@ TEST(SceneFile, TellsEveryMistakeWithItsPlace) {
   }
 }
 
+TEST(SceneFile, ReadsNoImagesOfObjectsBeyondThoseThatMayBeFelt) {
+  std::string objects = R"({"plane": {"cells": 1}, "friction": 0.5})";
+  for (std::size_t i = 1; i <= kMostObjects; ++i)
+    objects += ", {\"plane\": {\"cells\": 1}, \"friction\": 0.5}";
+  objects += R"(, {"plane": {}, "surface": {"bumps": {"image": "none.pgm", "period": 1, "white": 0.1}}})";
+  const std::string message = error_of("{" + std::string(kGrasp) + ", \"objects\": [" + objects + "]}");
+  EXPECT_NE(message.find("objects[32] is one more than the 32 that may"), std::string::npos) << message;
+}
+
 TEST(SceneFile, RefusesWhatIsNoTextFile) {
   SceneFile scene_file;
   EXPECT_FALSE(load_scene_file(::testing::TempDir(), scene_file).ok());

@@ -213,6 +213,49 @@ TEST(MeshGltf, ASmallFileMakesNoEndlessMesh) {
   expect_refusal(glb(json, std::string(36000, '\0')), "a.glb", "a.glb: mesh 0", "until there are more than");
 }
 
+/// A file of that many nodes which share a mesh of these primitives.
+std::string shared_by(std::size_t node_count, const std::string& primitives, const std::string& buffer,
+                      const std::string& accessors) {
+  std::string nodes = R"({"mesh":0})", roots = "0";
+  for (std::size_t i = 1; i < node_count; ++i) {
+    nodes += R"(,{"mesh":0})";
+    roots += "," + std::to_string(i);
+  }
+  return glb(R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[)" + roots + R"(]}],"nodes":[)" + nodes +
+                 R"(],"meshes":[{"primitives":[)" + primitives +
+                 R"(]}],"buffers":[{}],"bufferViews":[{"buffer":0,)" + R"("byteLength":)" +
+                 std::to_string(buffer.size()) + R"(}],"accessors":[)" + accessors + "]}",
+             buffer);
+}
+
+TEST(MeshGltf, ASmallFileAsksForNoEndlessWorkThatMakesNoTriangle) {
+  // A strip in which all corners are the same vertex.
+  const std::string strip =
+      shared_by(100, R"({"attributes":{"POSITION":0},"indices":1,"mode":5})", std::string(500'000, '\0'),
+                R"({"bufferView":0,"componentType":5126,"count":1,"type":"VEC3"},)"
+                R"({"bufferView":0,"componentType":5121,"count":500000,"type":"SCALAR"})");
+  expect_refusal(strip, "a.glb", "a.glb: mesh 0, primitive 0: ", "corners to read");
+  std::string points = R"({"mode":0})";
+  for (int i = 1; i < 10'000; ++i) points += R"(,{"mode":0})";
+  expect_refusal(shared_by(100, points, "", ""), "a.glb", "a.glb: mesh 0, primitive ", "corners to read");
+}
+
+TEST(MeshGltf, BytesBesideAFileCountForHowMuchItMayHold) {
+  constexpr std::size_t kVertices = 4'194'306;  // more than any small file may make
+  test::write_file("many.bin", std::string(3 * kVertices, '\1'));
+  const std::string count = std::to_string(kVertices);
+  const std::string path = test::write_file(
+      "a.gltf", R"({"asset":{"version":"2.0"},"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+                R"("buffers":[{"uri":"many.bin"}],"bufferViews":[{"buffer":0,"byteLength":)" +
+                    std::to_string(3 * kVertices) +
+                    R"(}],"accessors":[{"bufferView":0,"componentType":5121,"count":)" + count +
+                    R"(,"type":"VEC3"}]})");
+  Mesh mesh;
+  const Status status = load_mesh(path, Unit::metre, mesh);
+  EXPECT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(mesh.vertices.size(), kVertices);
+}
+
 TEST(MeshGltf, ReadsTheRealFile) {
   const std::filesystem::path path = test::data_folder() / "meshes" / "duck.glb";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no real mesh at " << path << "; set LUMBRICAL_DATA";

@@ -313,6 +313,19 @@ TEST(MeshWinding, AsIsAndFlipDoWhatTheySayAndASceneOfAModelIsAsIs) {
   EXPECT_EQ(flipped.objects[1].mesh.triangles, reversed(open_box()).triangles);
 }
 
+// The pairs of parts of which one holds the other grow with the square of their number.
+TEST(MeshWinding, MoreSolidsInOneAnotherThanMemoryHoldsAreLeftAsTheyAre) {
+  std::vector<Mesh> onion;
+  for (int i = 1; i <= 1300; ++i) {
+    Mesh layer{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
+    onion.push_back(scaled(scaled(layer, 1, {-0.25, -0.25, -0.25}), i));
+  }
+  const Mesh all = together(onion);
+  const WindingReport report = wind(all, all);
+  EXPECT_EQ(report.parts, 1300u);
+  EXPECT_EQ(report.open_parts, 1300u);
+}
+
 TEST(MeshWinding, NamesAreReadBack) {
   for (const Winding winding : {Winding::automatic, Winding::as_is, Winding::flip})
     EXPECT_EQ(parse_winding(winding_name(winding)), winding);

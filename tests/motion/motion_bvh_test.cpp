@@ -155,6 +155,18 @@ TEST(MotionBvh, ChannelsTurnInTheOrderInWhichTheyStand) {
   }
 }
 
+// A hand that rests, without a channel: a frame of it takes nothing of the file.
+std::string resting_hand(std::size_t frames) {
+  std::string text = bvh_file(bent_hand(Side::right, 0.3), {}, 0);
+  for (std::size_t at; (at = text.find("CHANNELS")) != text.npos;) text.erase(at, text.find('\n', at) - at);
+  return replaced(text, "Frames: 0", "Frames: " + std::to_string(frames)) + std::string(2 * frames, '\n');
+}
+
+TEST(MotionBvh, OfNextToNothingMakesNoEndlessMotion) {
+  EXPECT_EQ(parse_good(resting_hand(1000), centimetres()).samples.size(), 1000u);
+  expect_refused(resting_hand(100'000), "65536 frames", centimetres());
+}
+
 // A hand whose bones all rest turned some way, as exporters leave them: every joint has rotations of its own,
 // in an order of its own, and its offset stands in the axes of the joint above.
 struct TurnedSkeleton {

@@ -60,6 +60,16 @@ TEST(WebxrMotion, MarksLeftOutJointsAsNotTrackedAndFramesWithoutAHandAsLost) {
   EXPECT_EQ(motion.samples[3].frame.joint, motion.samples[2].frame.joint);
 }
 
+TEST(WebxrMotion, KeepsAFrameInWhichOnlyTheWristIsTracked) {
+  const Poses poses = bent_hand(Side::right, 0.4);
+  const Motion motion = parse_good("[" + sequence_frame(1, poses) +
+                                   ",{\"time\": 2, \"joints\": {\"wrist\": {\"position\": [0,0,0], "
+                                   "\"orientation\": [0,0,0,1]}}}]");
+  ASSERT_EQ(motion.samples.size(), 2u);
+  EXPECT_EQ(motion.samples[1].frame.flags, 0u);
+  EXPECT_EQ(motion.samples[1].frame.valid, 1u << kWrist);
+}
+
 TEST(WebxrMotion, SaysWhichJointOrFieldIsWrong) {
   const Poses poses = bent_hand(Side::right, 0.5);
   const std::string pose = webxr_pose(poses);

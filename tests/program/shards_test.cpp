@@ -101,6 +101,51 @@ TEST(Shards, SayWhatIsWrongWithThem) {
   EXPECT_NE(shell("lumbrical merge-results bad.jsonl", folder).error.find("bad.jsonl:1"), std::string::npos);
 }
 
+TEST(Shards, LeaveAFileThatHoldsNoResultsAsItIs) {
+  const fs::path folder = folder_with_demo();
+  std::ofstream(folder / "list") << "rec.mcap";
+  std::string scene = read_file((folder / "demo.json").string());
+  std::replace(scene.begin(), scene.end(), '\n', ' ');
+  const std::string whole = "{\"recording\":\"rec.mcap\",\"error\":\"\"}\n";
+  for (const std::string& text :
+       {std::string("rec.mcap"), scene, std::string("[1, 2]"), whole + "rec.mcap"}) {
+    std::ofstream(folder / "results") << text;
+    const Outcome refused = shell("lumbrical replay --list list --results results", folder);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_NE(refused.error.find("is no result of a recording or scene; name a file"), std::string::npos)
+        << refused.error;
+    EXPECT_EQ(read_file((folder / "results").string()), text);
+  }
+}
+
+TEST(Shards, GoOnBehindATornFirstLine) {
+  const fs::path folder = folder_with_demo();
+  std::ofstream(folder / "list") << "none.mcap";
+  const std::string replay = "lumbrical replay --list list --results results";
+  shell(replay, folder);
+  const std::string whole = read_file((folder / "results").string());
+  ASSERT_EQ(recordings_of(folder / "results").size(), 1u);
+  for (const std::size_t size : {std::size_t{1}, whole.size() / 2, whole.size() - 1}) {
+    std::ofstream(folder / "results") << whole.substr(0, size);
+    EXPECT_EQ(shell(replay, folder).json()["done_before"], 0) << size;
+    EXPECT_EQ(read_file((folder / "results").string()), whole) << size;
+  }
+}
+
+TEST(Shards, RefuseAListThatCannotBeRead) {
+  const fs::path folder = folder_with_demo();
+  for (const char* const command : {"replay --list .", "replay --list . --results r",
+                                    "run --list . --results r", "merge-results r --list ."}) {
+    std::ofstream(folder / "r").close();
+    const Outcome refused = shell("lumbrical " + std::string(command), folder);
+    EXPECT_EQ(refused.exit_code, 2) << command;
+    EXPECT_NE(refused.error.find(".: can't be read to its end"), std::string::npos) << refused.error;
+  }
+  const Outcome refused = shell("lumbrical replay a.mcap --results .", folder);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.error.find(".: can't be read"), std::string::npos) << refused.error;
+}
+
 // As a task of an array has it, without the scheduler.
 TEST(Shards, ATaskOfAJobArrayDoesItsShare) {
   const fs::path folder = folder_with_list();

@@ -19,10 +19,9 @@ struct MergeSwitches {
 };
 
 Status write_lines(const std::vector<Json>& results, const std::string& path) {
-  std::ofstream file(path, std::ios::binary);
-  for (const Json& result : results) file << result.dump() << '\n';
-  file.flush();
-  return file ? Status() : Status::error(path + ": can't be written");
+  std::string lines;
+  for (const Json& result : results) lines += result.dump() + '\n';
+  return replace_file(path, lines);
 }
 
 // Of the list, those without a result: what is to be run again.
@@ -81,8 +80,9 @@ void add_merge_results(Command& app, int& exit_code) {
   command->add_option("--list", switches->list, "The list that the shards are of, to tell what is missing")
       ->type_name("LIST");
   command
-      ->add_option("--output", switches->output,
-                   "All of them, the newest of each recording or scene, by name")
+      ->add_option(
+          "--output", switches->output,
+          "All of them, the newest of each recording or scene, by name; in the place of a file that is there")
       ->check(is_path())
       ->type_name("ALL.jsonl");
   command->callback([switches, &exit_code] { exit_code = merge_results(*switches); });

@@ -256,7 +256,7 @@ void add_replay(Command& app, int& exit_code) {
       ->add_option("recording", switches->recordings,
                    "Recordings to replay; several share out all cores, one thread each")
       ->type_name("REC.mcap");
-  add_work_switches("recording", switches->work, *command);
+  add_work_switches("recording", "", switches->work, *command);
   command->add_option("--law", switches->law, "What if: contact law of the whole hand")->check(is_law());
   command->add_option("--precision", switches->precision, std::string("What if: ") + kPrecisionHelp)
       ->check(is_precision());

@@ -1,11 +1,6 @@
 // lumbrical report: results of the benchmark programs as one self-contained HTML page.
-#include <sys/stat.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <system_error>
@@ -47,27 +42,6 @@ Status read_folder(const std::string& path, ResultFolder& folder) {
   return {};
 }
 
-// Grows beside the page and takes its place when it is whole.
-Status write_page(const std::string& path, const std::string& page) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode))
-    return Status::error(path + ": is not a file; give it another name");
-  const std::string growing = path + ".part";
-  const auto failed = [&](const std::string& what) {
-    const std::string why = std::generic_category().message(errno);
-    std::remove(growing.c_str());
-    return Status::error(what + ": " + why + "; give it another name or place");
-  };
-  errno = 0;
-  std::ofstream file(growing, std::ios::binary);
-  if (!file) return failed(growing + ": cannot be created");
-  file << page;
-  file.close();
-  if (!file) return failed(growing + ": cannot be written");
-  if (std::rename(growing.c_str(), path.c_str()) != 0) return failed(path + ": cannot be replaced");
-  return {};
-}
-
 int report(const ReportSwitches& switches) {
   std::vector<ResultFolder> folders(switches.folders.size());
   std::size_t files = 0, figures = 0;
@@ -78,19 +52,19 @@ int report(const ReportSwitches& switches) {
       figures += results.figures.size() + results.curves.size() + results.bars.size();
   }
   const std::string page = page_html(folders);
-  if (Status status = write_page(switches.out, page); !status.ok()) return fail(status);
+  if (Status status = replace_file(switches.out, page); !status.ok()) return fail(status);
   std::string targets;
   for (const ResultFolder& folder : folders)
     targets += table_markdown("Targets: " + folder.name, targets_of(folder.results));
   if (!switches.targets.empty()) {
-    if (Status status = write_page(switches.targets, targets); !status.ok()) return fail(status);
+    if (Status status = replace_file(switches.targets, targets); !status.ok()) return fail(status);
   }
   if (!switches.picture.empty()) {
     const Figure front = front_figure(folders.back().results);
     if (front.plots.empty())
       return fail(switches.folders.back() +
                   ": holds no times against errors to draw; add those of bench_peers");
-    if (Status status = write_page(switches.picture, picture_svg(front, front.plots[0])); !status.ok())
+    if (Status status = replace_file(switches.picture, picture_svg(front, front.plots[0])); !status.ok())
       return fail(status);
   }
   if (switches.json) return print_json({{"page", switches.out}, {"files", files}, {"figures", figures}});

@@ -322,7 +322,7 @@ void add_run(Command& app, int& exit_code) {
   Command* const command =
       app.add_subcommand("run", "Let a hand motion meet a scene; print figures, record ticks");
   add_scene_switches(*options, *command);
-  add_work_switches("scene, and switches for it alone,", options->work, *command);
+  add_work_switches("scene", ", and switches for it alone,", options->work, *command);
   command->add_option("--rate", options->rate, "Ticks per second by the clock, or max: as fast as it goes")
       ->check(Check{check_rate, "HZ|max"})
       ->excludes("--list")

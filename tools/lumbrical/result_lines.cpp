@@ -1,35 +1,33 @@
 // See result_lines.h.
 #include "result_lines.h"
 
+#include <cstdint>
 #include <filesystem>
-#include <iterator>
 #include <map>
-#include <sstream>
 
 namespace lumbrical::tool {
 namespace {
 
-// Up to the end of its last whole line.
-Status read_whole_lines(const std::string& path, std::string& text) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return Status::error(path + ": can't be read");
-  text.assign(std::istreambuf_iterator<char>(file), {});
-  text.erase(text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n') + 1);
-  return {};
+// What a run that was killed leaves of a line: the start of a result, or all of it but the line's end.
+bool is_torn(const std::string& line, const Json& parsed) {
+  return line.starts_with('{') && (parsed.is_discarded() || !entry_of(parsed).empty());
 }
 
-Status read_lines(const std::string& path, std::map<std::string, Json>& results) {
-  std::string text, line;
-  if (Status status = read_whole_lines(path, text); !status.ok()) return status;
-  std::istringstream lines(text);
-  for (std::size_t number = 1; std::getline(lines, line); ++number) {
+// `whole`: the bytes of the lines that have an end.
+Status read_lines(const std::string& path, std::map<std::string, Json>& results, std::uintmax_t& whole) {
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  for (std::size_t number = 1; std::getline(file, line); ++number) {
     Json result = Json::parse(line, nullptr, false);
+    if (file.eof() && is_torn(line, result)) return {};
     const std::string entry = entry_of(result);
-    if (entry.empty())
-      return Status::error(path + ":" + std::to_string(number) + ": is no result of a recording or scene");
+    if (file.eof() || entry.empty())
+      return Status::error(path + ":" + std::to_string(number) +
+                           ": is no result of a recording or scene; name a file of results");
     results[entry] = std::move(result);
+    whole += line.size() + 1;
   }
-  return {};
+  return file.is_open() && !file.bad() ? Status() : Status::error(path + ": can't be read");
 }
 
 }  // namespace
@@ -43,13 +41,12 @@ std::string entry_of(const Json& result) {
 Status ResultLines::open(const std::string& path) {
   path_ = path;
   if (std::filesystem::exists(path)) {
-    std::string text;
     std::map<std::string, Json> before;
-    if (Status status = read_whole_lines(path, text); !status.ok()) return status;
-    if (Status status = read_lines(path, before); !status.ok()) return status;
+    std::uintmax_t whole = 0;
+    if (Status status = read_lines(path, before, whole); !status.ok()) return status;
     for (const auto& [entry, result] : before) done_.insert(entry);
     std::error_code error;
-    std::filesystem::resize_file(path, text.size(), error);
+    std::filesystem::resize_file(path, whole, error);
     if (error) return Status::error(path + ": " + error.message());
   }
   file_.open(path, std::ios::binary | std::ios::app);
@@ -64,8 +61,9 @@ Status ResultLines::add(const Json& result) {
 
 Status read_results(const std::vector<std::string>& files, std::vector<Json>& results) {
   std::map<std::string, Json> newest;
+  std::uintmax_t whole = 0;
   for (const std::string& file : files)
-    if (Status status = read_lines(file, newest); !status.ok()) return status;
+    if (Status status = read_lines(file, newest, whole); !status.ok()) return status;
   for (auto& [entry, result] : newest) results.push_back(std::move(result));
   return {};
 }

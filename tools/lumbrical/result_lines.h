@@ -19,7 +19,8 @@ std::string entry_of(const Json& result);
 /// ended: a line is whole or counts as none.
 class ResultLines {
  public:
-  /// Keeps what the file has; a torn last line is cut off.
+  /// Keeps what the file has; a torn last line is cut off. Refuses a file that holds anything else, which
+  /// stays as it is.
   Status open(const std::string& path);
   /// Whether the file already has a result of that entry.
   [[nodiscard]] bool has(const std::string& entry) const { return done_.contains(entry); }

@@ -35,8 +35,10 @@ std::vector<std::string> share_of(const std::vector<std::string>& entries, const
 
 }  // namespace
 
-void add_work_switches(const std::string& entry, WorkSwitches& switches, Command& command) {
-  command.add_option("--list", switches.list, "A file with a " + entry + " per line, -: standard input")
+void add_work_switches(const std::string& entry, const std::string& beside, WorkSwitches& switches,
+                       Command& command) {
+  command
+      .add_option("--list", switches.list, "A file with a " + entry + beside + " per line, -: standard input")
       ->check(is_path())
       ->type_name("LIST|-");
   command.add_option("--shard", switches.shard, "Of all these only the Ith, I+Nth, ...: for many machines")
@@ -55,7 +57,8 @@ Status read_list(const std::string& file, std::vector<std::string>& entries) {
   if (!list) return Status::error(file + ": can't be read");
   for (std::string line; std::getline(list, line);)
     if (!line.empty()) entries.push_back(line);
-  return {};
+  return list.bad() ? Status::error(file + ": can't be read to its end; name a file with an entry per line")
+                    : Status();
 }
 
 Status choose_entries(const WorkSwitches& switches, std::vector<std::string>& entries) {

@@ -17,8 +17,10 @@ struct WorkSwitches {
   std::string list, shard, results;
 };
 
-/// Adds --list, --shard and --results; `entry` is what a line of the list is: "recording", "scene".
-void add_work_switches(const std::string& entry, WorkSwitches& switches, Command& command);
+/// Adds --list, --shard and --results; `entry` is what a line of the list is: "recording", "scene"; `beside`
+/// what may stand there too.
+void add_work_switches(const std::string& entry, const std::string& beside, WorkSwitches& switches,
+                       Command& command);
 
 /// Adds the entries of a file, one per line ("-": standard input); empty lines are none.
 Status read_list(const std::string& file, std::vector<std::string>& entries);

@@ -309,7 +309,8 @@ Status ProfileReader::read(const device_format::Device& table) {
     actuator(*table.actuators()->Get(i), "actuators[" + std::to_string(i) + "]", target);
     profile_.actuators.push_back(std::move(target));
   }
-  for (uoffset_t i = 0; table.sensors() != nullptr && i < table.sensors()->size(); ++i) {
+  // Each is held against all before it, so the first that is wrong, or too many, has to be the last.
+  for (uoffset_t i = 0; table.sensors() != nullptr && i < table.sensors()->size() && read_.ok(); ++i) {
     Sensor target;
     sensor(*table.sensors()->Get(i), "sensors[" + std::to_string(i) + "]", target);
     profile_.sensors.push_back(target);

@@ -92,10 +92,10 @@ void read_pad(const format::Pad* table, FieldReader& read, Pad& pad) {
 void read_settings(const format::Settings* table, FieldReader& read, Settings& settings) {
   if (table == nullptr) return;
   read.number(table->rate(), "settings.rate", {1, 100000}, settings.rate);
-  read.number(table->stiffness(), "settings.stiffness", {1e-6, 1e15}, settings.stiffness);
-  read.number(table->point_area(), "settings.point_area", {1e-12, 1e6}, settings.point_area);
-  read.number(table->max_force(), "settings.max_force", {1e-6, 1e9}, settings.max_force);
-  read.number(table->fade_time(), "settings.fade_time", {1e-6, 10}, settings.fade_time);
+  read.number(table->stiffness(), "settings.stiffness", {1e-3, 1e15}, settings.stiffness);
+  read.number(table->point_area(), "settings.point_area", {1e-12, 1}, settings.point_area);
+  read.number(table->max_force(), "settings.max_force", {0, 1e6}, settings.max_force);
+  read.number(table->fade_time(), "settings.fade_time", {0, 60}, settings.fade_time);
   read.number(table->proxy_stiffness(), "settings.proxy_stiffness", {0, 1e5}, settings.proxy_stiffness);
   read_word(table->felt_once(), "settings.felt_once", parse_felt_once,
             "has to be \"never\", \"by-samples\" or \"always\"", read, settings.felt_once);

@@ -219,6 +219,7 @@ Status read_objects(const format::Scene& scene, FieldReader& read, std::vector<s
     read.error("objects", "is missing or empty; name at least one mesh or shape to touch");
     return read.status();
   }
+  std::size_t apart_count = 0;
   for (flatbuffers::uoffset_t i = 0; i < scene.objects()->size(); ++i) {
     const format::Object& table = *scene.objects()->Get(i);
     const std::string at = "objects[" + std::to_string(i) + "]";
@@ -229,6 +230,11 @@ Status read_objects(const format::Scene& scene, FieldReader& read, std::vector<s
     ObjectPath path;
     if (read.ok()) read_mechanics(table, at, read, object, path);
     if (Status status = read_surface(table, at, read, files, object); !status.ok()) return status;
+    apart_count += is_apart(object) ? 1 : 0;
+    if (apart_count > kMostObjects)  // told before all of their images fill the memory
+      read.error(at,
+                 "is one more than the 32 that may move, rub or have a surface; put only those near the hand "
+                 "into the scene");
     place_object(object);
     if (table.name() != nullptr) object.name = table.name()->str();
     if (!read.ok()) return read.status();

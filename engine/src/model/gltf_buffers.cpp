@@ -225,8 +225,14 @@ Status GltfBuffers::load_buffer(std::size_t number) {
     if (!file || folder_.empty())
       return fault(place, "its uri " + in_quotes(std::string_view(text)) +
                               " is no file beside this one; export the mesh as .glb");
-    const std::string path = (std::filesystem::path(folder_) / *file).string();
+    const std::string path = (std::filesystem::path(folder_) / *file).lexically_normal().string();
+    const std::size_t holder = holder_.try_emplace(path, number).first->second;
+    if (holder != number) {
+      buffer_[number] = held_[holder];
+      return {};
+    }
     if (Status status = read_mesh_file(path, bytes); !status.ok()) return status;
+    bytes_beside_ += bytes.size();
   }
   buffer_[number] = bytes;
   return {};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -36,6 +37,8 @@ class GltfBuffers {
   /// Appends nothing but finite points.
   Status read_positions(const nlohmann::json& accessor, std::vector<Vec3>& points);
   Status read_indices(const nlohmann::json& accessor, std::vector<std::uint32_t>& indices);
+  /// [bytes] of the files beside it that were read so far.
+  [[nodiscard]] std::size_t bytes_beside() const { return bytes_beside_; }
 
  private:
   struct View;
@@ -47,8 +50,10 @@ class GltfBuffers {
   const std::string& name_;
   const std::string& folder_;
   std::string_view binary_;
-  std::vector<std::string> held_;         // of buffers that are not in the .glb file
-  std::vector<std::string_view> buffer_;  // by number; without data until it is loaded
+  std::vector<std::string> held_;              // of buffers that are not in the .glb file
+  std::vector<std::string_view> buffer_;       // by number; without data until it is loaded
+  std::map<std::string, std::size_t> holder_;  // of a file's bytes, by its path
+  std::size_t bytes_beside_ = 0;
 };
 
 }  // namespace lumbrical

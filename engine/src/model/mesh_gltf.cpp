@@ -16,8 +16,9 @@ namespace {
 using nlohmann::json;
 
 // Nodes may share a mesh, so a small file can ask for any number of triangles: this many at most, or as many
-// as the file has bytes where that is more.
+// as it and the files beside it have bytes where that is more.
 constexpr std::size_t kMostInstanced = std::size_t{1} << 22;
+constexpr std::size_t kCornersOfPrimitive = 16;  // that take the time of finding a primitive
 
 using Matrix = std::array<double, 16>;  // column-major
 constexpr Matrix kIdentity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -42,9 +43,14 @@ struct GltfReader {
   const json& root;
   const std::string& name;
   GltfBuffers& buffers;
-  std::size_t most;  // triangles and vertices
+  std::size_t size;  // [bytes] of the file
   Mesh& mesh;
+  std::size_t corners_read = 0;  // those that come to no triangle too
 
+  // Triangles and vertices.
+  [[nodiscard]] std::size_t most() const {
+    return std::min(std::max(kMostInstanced, size + buffers.bytes_beside()), kMaxVertexCount);
+  }
   [[nodiscard]] Status fault(const std::string& place, const std::string& what) const {
     return Status::error(name + ": " + place + ": " + what);
   }
@@ -106,7 +112,7 @@ Status append_triangles(const GltfReader& reader, const std::string& place, std:
   return {};
 }
 
-Status read_corners(const GltfReader& reader, const std::string& place, const json& primitive,
+Status read_corners(GltfReader& reader, const std::string& place, const json& primitive,
                     std::size_t vertex_count, std::vector<std::uint32_t>& corners) {
   const json* const indices = gltf_member(primitive, "indices");
   if (indices != nullptr) {
@@ -114,6 +120,7 @@ Status read_corners(const GltfReader& reader, const std::string& place, const js
   } else {
     for (std::uint32_t i = 0; i < vertex_count; ++i) corners.push_back(i);
   }
+  reader.corners_read += corners.size();
   for (const std::uint32_t corner : corners) {
     if (corner < vertex_count) continue;
     return reader.fault(place, "vertex index " + std::to_string(corner) + " is not one of the " +
@@ -122,7 +129,11 @@ Status read_corners(const GltfReader& reader, const std::string& place, const js
   return {};
 }
 
-Status read_primitive(const GltfReader& reader, const std::string& place, const json& primitive, Mesh& part) {
+Status read_primitive(GltfReader& reader, const std::string& place, const json& primitive, Mesh& part) {
+  reader.corners_read += kCornersOfPrimitive;
+  if (reader.corners_read > 3 * reader.most())
+    return reader.fault(place, "the nodes repeat their meshes until there are more than " +
+                                   std::to_string(3 * reader.most()) + " corners to read; export fewer");
   const json* const extensions = gltf_member(primitive, "extensions");
   if (extensions != nullptr && gltf_member(*extensions, "KHR_draco_mesh_compression") != nullptr)
     return reader.fault(place, "the mesh is compressed with Draco; export without compression");
@@ -145,10 +156,10 @@ Status read_primitive(const GltfReader& reader, const std::string& place, const 
 // A node that mirrors turns its triangles round (3.7.4).
 Status append_part(const GltfReader& reader, const std::string& place, const Matrix& m, const Mesh& part) {
   Mesh& mesh = reader.mesh;
-  if (mesh.vertices.size() + part.vertices.size() > reader.most ||
-      mesh.triangles.size() + part.triangles.size() > reader.most) {
+  if (mesh.vertices.size() + part.vertices.size() > reader.most() ||
+      mesh.triangles.size() + part.triangles.size() > reader.most()) {
     return reader.fault(place, "the nodes repeat their meshes until there are more than " +
-                                   std::to_string(reader.most) + " triangles; export fewer");
+                                   std::to_string(reader.most()) + " triangles; export fewer");
   }
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   for (const Vec3& vertex : part.vertices) {
@@ -165,7 +176,7 @@ Status append_part(const GltfReader& reader, const std::string& place, const Mat
   return {};
 }
 
-Status append_mesh(const GltfReader& reader, std::size_t number, const Matrix& m) {
+Status append_mesh(GltfReader& reader, std::size_t number, const Matrix& m) {
   const json& primitives = reader.root["meshes"][number].at("primitives");
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     const std::string place = "mesh " + std::to_string(number) + ", primitive " + std::to_string(i);
@@ -221,7 +232,7 @@ struct Placed {
 };
 
 // Every node below the roots once, parents first; each in the order of the file.
-Status read_nodes(const GltfReader& reader, const std::vector<std::size_t>& roots) {
+Status read_nodes(GltfReader& reader, const std::vector<std::size_t>& roots) {
   std::vector<bool> met(gltf_count(reader.root, "nodes"), false);
   std::vector<Placed> waiting;
   for (std::size_t i = roots.size(); i-- > 0;) waiting.push_back({roots[i], kIdentity});
@@ -266,8 +277,7 @@ Status parse_gltf(std::string_view content, const std::string& name, const std::
   std::string_view binary;
   if (Status status = read_gltf_container(content, name, root, binary); !status.ok()) return status;
   GltfBuffers buffers(root, name, folder, binary);
-  GltfReader reader{root, name, buffers, std::max(kMostInstanced, content.size()), mesh};
-  reader.most = std::min(reader.most, kMaxVertexCount);
+  GltfReader reader{root, name, buffers, content.size(), mesh};
   return read_scene(reader);
 } catch (const json::exception&) {
   return Status::error(name + ": not the structure of a glTF file; export it again");

@@ -12,8 +12,9 @@
 namespace lumbrical {
 namespace {
 
-constexpr std::size_t kMostBins = 1024;                      // along each side
-constexpr std::uint64_t kMostWork = std::uint64_t{1} << 30;  // pairs of point and triangle, at most
+constexpr std::size_t kMostBins = 1024;                       // along each side
+constexpr std::uint64_t kMostWork = std::uint64_t{1} << 30;   // pairs of point and triangle, at most
+constexpr std::size_t kMostCrossings = std::size_t{1} << 22;  // at most, or two per triangle
 
 struct Ray {
   Vec3 from;
@@ -131,6 +132,7 @@ bool find_nested(const Mesh& mesh, const std::vector<std::uint32_t>& part_of,
   if (rays.size() <= std::tuple_size_v<decltype(MeshPart::extreme)>) return true;
   const Bins bins(rays);
   std::vector<Crossing> crossings;
+  const std::size_t most_crossings = std::max(kMostCrossings, 2 * mesh.triangles.size());
   std::uint64_t work = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const std::uint32_t outer = part_of[i];
@@ -145,7 +147,8 @@ bool find_nested(const Mesh& mesh, const std::vector<std::uint32_t>& part_of,
     for (std::size_t y = bins.along(box.lower.y - bins.y, bins.y_size); y < y_end; ++y) {
       const std::uint32_t end = bins.start[y * bins.side + z_end];
       const std::uint32_t begin = bins.start[y * bins.side + z_begin];
-      if ((work += 1 + end - begin) > kMostWork) return nested.clear(), false;
+      if ((work += 1 + end - begin) > kMostWork || crossings.size() > most_crossings)
+        return nested.clear(), false;
       for (std::uint32_t k = begin; k < end; ++k) {
         const Ray& ray = bins.ray[k];
         if (ray.part == outer || !holds(parts[outer].box, parts[ray.part].box)) continue;

@@ -37,7 +37,8 @@ struct Nested {
 /// All such pairs of closed parts, sorted: the outer one winds round all extreme vertices of the inner one.
 /// `part_of` names each triangle's part, `reversed` tells those wound otherwise than their part's first
 /// triangle; triangles of parts that are not closed count for nothing. False, and nothing found, where that
-/// would take too long: parts by the hundred thousand, all in line.
+/// would take too long or too much memory: parts by the hundred thousand, all in line, or a thousand and
+/// more, each inside the next.
 bool find_nested(const Mesh& mesh, const std::vector<std::uint32_t>& part_of,
                  const std::vector<std::uint8_t>& reversed, const std::vector<MeshPart>& parts,
                  std::vector<Nested>& nested);

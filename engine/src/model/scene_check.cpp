@@ -69,7 +69,7 @@ Status check_settings(const Settings& settings) {
     return out_of_range("settings.max_candidates", "1 to 16777216");
   }
   if (felt_once_name(settings.felt_once) == "unknown")
-    return out_of_range("settings.felt_once", "never, by_samples or always");
+    return out_of_range("settings.felt_once", "never, by-samples or always");
   for (const Law law : settings.law) {
     if (law_name(law) == "unknown") return out_of_range("settings.law", "one of the five laws");
     if (settings.felt_once == FeltOnce::always && law != Law::field)

@@ -13,6 +13,10 @@ constexpr double kRadian = 0.017453292519943295;
 constexpr std::size_t kMostNodes = 4096;  // a whole body with hands has about 80
 constexpr std::size_t kNone = SIZE_MAX;
 
+// However little a frame holds, its sample takes hundreds of bytes: beyond so many frames each needs so much
+// of the file.
+constexpr double kMostShortFrames = 65536, kShortFrame = 32;  // [bytes]
+
 enum class ChannelKind : std::uint8_t { position, rotation };
 struct Channel {
   ChannelKind kind;
@@ -300,9 +304,11 @@ Status read_motion_header(BvhReader& reader, const Skeleton& skeleton, std::size
   if (status.ok()) status = reader.number(period);
   if (!status.ok()) return status;
   // A number takes two bytes at least.
-  const double most = static_cast<double>(reader.cursor.remaining()) / 2 + 1;
+  const double bytes = static_cast<double>(reader.cursor.remaining()), most = bytes / 2 + 1;
   if (!(count >= 1 && count * static_cast<double>(std::max<std::size_t>(skeleton.channel_count, 1)) <= most))
     return reader.fault("the frames counted are none, or more than the file holds; export it again");
+  if (count > max(kMostShortFrames, bytes / kShortFrame))
+    return reader.fault("more than 65536 frames of less than 32 bytes; export the fingers' channels too");
   if (!(period > 0 && period <= 10)) return reader.fault("the frame time must be above 0 and at most 10 s");
   frame_count = static_cast<std::size_t>(count);
   return {};

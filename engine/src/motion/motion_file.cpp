@@ -199,7 +199,8 @@ Status check_size(const std::string& name, const Motion& motion) {
       return refuse(name, "sample " + std::to_string(i) + ": " + std::string(joint_name(j)) + " is " +
                               std::to_string(distance) + " m from the wrist; set the file's unit");
     }
-    if (reach < kSmallestReach) {
+    const bool wrist_alone = frame.valid == 1u << kWrist;  // has no length
+    if (reach < kSmallestReach && !wrist_alone) {
       return refuse(name, "sample " + std::to_string(i) + ": the hand is only " +
                               std::to_string(reach * 1000) + " mm long; set the file's unit");
     }

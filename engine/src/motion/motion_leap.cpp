@@ -9,6 +9,9 @@ namespace {
 
 using nlohmann::json;
 
+// No member that is read has a longer name, and every record would hold a copy of it.
+constexpr std::size_t kLongestName = 15;
+
 // A record ["id","timestamp",{"hands":[["id",...]]},...] names the fields of its packed values. A field that
 // is an object names a member and the layout of what is in it: [[...]] a list of records, [...] one record.
 json unpack_record(const json& layout, const json& packed);
@@ -27,10 +30,12 @@ json unpack_record(const json& layout, const json& packed) {
   if (!layout.is_array() || !packed.is_array()) return record;
   for (std::size_t i = 0; i < layout.size() && i < packed.size(); ++i) {
     if (layout[i].is_string()) {
-      record[layout[i].get_ref<const std::string&>()] = packed[i];
+      const std::string& name = layout[i].get_ref<const std::string&>();
+      if (name.size() <= kLongestName) record[name] = packed[i];
     } else if (layout[i].is_object() && layout[i].size() == 1) {
       const auto member = layout[i].begin();
-      record[member.key()] = unpack_member(member.value(), packed[i]);
+      if (member.key().size() <= kLongestName)
+        record[member.key()] = unpack_member(member.value(), packed[i]);
     }
   }
   return record;
