@@ -2,13 +2,16 @@
 // process.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <memory>
+#include <thread>
 #include <utility>
 
 #include "device_fixture.h"
 #include "lumbrical/loop.h"
 #include "lumbrical/motion.h"
+#include "lumbrical/real_time.h"
 #include "lumbrical/shapes.h"
 
 namespace lumbrical {
@@ -18,20 +21,34 @@ constexpr float kAngle = 0.3f;  // [rad] that every joint is at
 
 struct HeldDevice {
   ActuatorArray value{};
-  bool on = false, there = true, held = true;
+  bool on = false, there = true, held = true, ready = true;
+  bool cuts = false;    // the next exchange
+  double missing = 0;   // [s] that the next exchange waits for an answer in vain
+  double greeting = 0;  // [s] before the next commands
   int exchanges = 0;
 };
+
+void sleep_for(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
 class HeldWire final : public DeviceWire {
  public:
   HeldWire(HeldDevice& device, const DeviceProfile& profile) : device_(device), profile_(profile) {}
   Status open() override { return device_.there ? Status() : Status::error("not there"); }
   void close() override {}
+  WireResult greet() override {
+    sleep_for(device_.greeting);
+    return {};
+  }
   WireResult exchange(const WireCommand& command, WireAnswer& answer) override {
-    if (!device_.there) return {WireOutcome::broken, "gone"};
+    if (!device_.there || std::exchange(device_.cuts, false)) return {WireOutcome::broken, "gone"};
+    if (device_.missing > 0) {
+      sleep_for(std::exchange(device_.missing, 0));
+      return {WireOutcome::missed, "no answer"};
+    }
     ++device_.exchanges;
     device_.value = command.output.command;
     device_.on = command.output.device_on;
+    answer.status.ready = device_.ready;
     answer.status.has_dead_man = true;
     answer.status.dead_man = device_.held;
     for (const Sensor& sensor : profile_.sensors) {
@@ -98,6 +115,10 @@ class DeviceLoopTest : public ::testing::Test {
       if (step(); holds()) return true;
     return false;
   }
+  bool exchanges(int count) {
+    const int before = device.exchanges;
+    return steps_until([&] { return device.exchanges >= before + count; });
+  }
   DeviceProfile profile;
   HeldDevice device;
   Model model;
@@ -138,6 +159,82 @@ TEST_F(DeviceLoopTest, AnEmergencyStopFadesAndOnlyAResetAndArmingBringForcesBack
   EXPECT_TRUE(steps_until([&] { return told() > 0; }));
 }
 
+TEST_F(DeviceLoopTest, ADisarmEndsAnArmingThatStillWaitsForTheDevice) {
+  device.ready = false;
+  open();
+  ASSERT_TRUE(exchanges(3));
+  loop.sink.request_disarm();
+  ASSERT_TRUE(exchanges(3));
+  device.ready = true;
+  ASSERT_TRUE(exchanges(50));
+  EXPECT_EQ(loop.sink.state(), SafetyState::idle);
+  EXPECT_FALSE(device.on);
+  loop.sink.arm_when_ready();
+  EXPECT_TRUE(steps_until([&] { return told() > 0; }));
+}
+
+TEST_F(DeviceLoopTest, AnArmingAskedForWhileForcesFlowUndoesNoLaterDisarm) {
+  open();
+  ASSERT_TRUE(steps_until([&] { return told() > 0; }));
+  loop.sink.arm_when_ready();
+  ASSERT_TRUE(exchanges(3));
+  loop.sink.request_disarm();
+  ASSERT_TRUE(exchanges(50));
+  EXPECT_EQ(loop.sink.state(), SafetyState::idle);
+  EXPECT_FALSE(device.on);
+}
+
+TEST_F(DeviceLoopTest, AnArmingAskedForWhileForcesFlowUndoesNoLaterLoss) {
+  profile.safety.answer_timeout = 0.1;
+  open(true);
+  ASSERT_TRUE(steps_until([&] { return told() > 0; }));
+  loop.sink.arm_when_ready();
+  ASSERT_TRUE(exchanges(3));
+  device.there = false;
+  ASSERT_TRUE(steps_until([&] { return loop.sink.state() == SafetyState::disconnected; }));
+  device.there = true;
+  ASSERT_TRUE(exchanges(50));
+  EXPECT_NE(loop.sink.state(), SafetyState::active);
+  EXPECT_FALSE(device.on);
+}
+
+TEST_F(DeviceLoopTest, AnArmingAskedForInAFaultThatStaysIsNotKeptForALaterReset) {
+  open();
+  ASSERT_TRUE(steps_until([&] { return told() > 0; }));
+  loop.sink.press_stop(true);
+  ASSERT_TRUE(exchanges(3));
+  loop.sink.request_reset();
+  loop.sink.arm_when_ready();
+  ASSERT_TRUE(exchanges(3));
+  loop.sink.press_stop(false);
+  loop.sink.request_reset();
+  ASSERT_TRUE(exchanges(50));
+  EXPECT_EQ(loop.sink.state(), SafetyState::idle) << "a reset never arms";
+  EXPECT_FALSE(device.on);
+}
+
+// The device's own watchdog has let go in the meantime: the old force would be a pulse.
+TEST_F(DeviceLoopTest, WhatActedBeforeALongSilenceIsGoneAfterIt) {
+  profile.safety.answer_timeout = 0.1;
+  profile.safety.fade = 0.2;
+  for (Actuator& actuator : profile.actuators) actuator.slew = 0.1;
+  open();
+  const auto silences = {+[](HeldDevice& one) { one.missing = 0.3; },
+                         +[](HeldDevice& one) {
+                           one.cuts = true;
+                           one.greeting = 0.3;
+                         }};
+  for (const auto& begin_silence : silences) {
+    ASSERT_TRUE(steps_until([&] { return told() > 0.02; }));
+    begin_silence(device);
+    ASSERT_TRUE(exchanges(1));
+    EXPECT_EQ(told(), 0);
+    EXPECT_FALSE(device.on);
+    device.greeting = 0;
+  }
+  EXPECT_TRUE(steps_until([&] { return told() > 0.02; })) << "and comes back";
+}
+
 TEST_F(DeviceLoopTest, ALostDeviceEndsTheSessionWhereThatWasAskedFor) {
   profile.safety.answer_timeout = 0.02;
   open(true);
@@ -145,6 +242,81 @@ TEST_F(DeviceLoopTest, ALostDeviceEndsTheSessionWhereThatWasAskedFor) {
   device.there = false;
   EXPECT_TRUE(steps_until([&] { return !step(); }));
   EXPECT_FALSE(loop.close()) << "no one has acknowledged safe values";
+}
+
+// The sink's thread goes on with the last command while a recording is opened and memory locked.
+TEST_F(DeviceLoopTest, WhatPassesBetweenMeasuringAndTheStartIsNoDelayOfTheBus) {
+  LoopSettings settings;
+  settings.sink.thread = true;
+  ASSERT_TRUE(loop.open(profile, std::make_unique<HeldWire>(device, profile), settings).ok());
+  ASSERT_TRUE(loop.measure(model, scratch, frame, 0.05));
+  ASSERT_TRUE(is_measured(loop.control.meter));
+  sleep_for(0.8);
+  ASSERT_TRUE(loop.start(model, scratch, frame));
+  for (int i = 0; i < 1000; ++i) step();
+  EXPECT_LT(loop.control.slowest.delay, 0.4);
+  EXPECT_LT(loop.control.certificate.timing.delay, 0.4);
+  EXPECT_TRUE(loop.close());
+}
+
+// Of a bus that makes many exchanges between two steps.
+class BusyLink final : public DeviceLink {
+ public:
+  [[nodiscard]] std::int64_t now() const noexcept override { return clock_ns(); }
+  bool feedback(DeviceFeedback&) noexcept override { return false; }
+  bool sent(SentCommand& command) noexcept override {
+    if (waiting == 0) return false;
+    --waiting;
+    command.cycle = ++cycle;
+    return true;
+  }
+  void publish(const DeviceCommand&) noexcept override {}
+  int waiting = 0;
+  std::uint64_t cycle = 0;
+};
+
+TEST_F(DeviceLoopTest, EveryExchangeOfAFastBusIsNotedInItsStepAndTheNewestAreKept) {
+  HapticLoop control = start_loop(profile, {});
+  BusyLink link;
+  for (int i = 1; i <= 5; ++i) {
+    link.waiting = 20;
+    LoopStep next;
+    next.frame = frame;
+    const auto feel = [&](LoopStep& now) {
+      now.output = tick(model, state, scratch, now.frame);
+      return true;
+    };
+    step_loop(model, scratch, feel, link, control, next);
+    EXPECT_EQ(control.sent.cycle, 20u * static_cast<unsigned>(i));
+    ASSERT_EQ(next.sent_count, kMaxSentPerTick);
+    for (std::uint32_t k = 0; k < kMaxSentPerTick; ++k)
+      EXPECT_EQ(next.sent[k].cycle, link.cycle - kMaxSentPerTick + 1 + k);
+  }
+}
+
+TEST_F(DeviceLoopTest, WithoutSensorsItIsToldThatJointAnglesGiveNoForces) {
+  const auto told_at_start = [&] {
+    open();
+    for (int i = 0; i < 200; ++i) step();
+    for (const SinkEvent& event : loop.sink.events())
+      if (event.text.find("no sensors") != std::string::npos) return true;
+    return false;
+  };
+  EXPECT_FALSE(told_at_start());
+  loop.close();
+  profile.sensors.clear();
+  EXPECT_TRUE(told_at_start());
+  EXPECT_EQ(told(), 0);
+}
+
+TEST_F(DeviceLoopTest, IsOpenedAgainOnceClosedAndNotBefore) {
+  for (int session = 0; session < 2; ++session) {
+    open();
+    EXPECT_FALSE(loop.open(profile, std::make_unique<HeldWire>(device, profile), {}).ok());
+    EXPECT_TRUE(steps_until([&] { return told() > 0; })) << session;
+    EXPECT_TRUE(loop.close());
+    EXPECT_EQ(told(), 0);
+  }
 }
 
 TEST_F(DeviceLoopTest, WhatATickDoesNotStandForReachesNoDevice) {

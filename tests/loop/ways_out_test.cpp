@@ -2,6 +2,7 @@
 #include "lumbrical/ways_out.h"
 #include "files.h"
 #include "fork.h"
+#include "lumbrical/device_guard.h"
 #include "lumbrical/mesh.h"
 #include "lumbrical/shapes.h"
 #include "lumbrical/world.h"
@@ -154,6 +155,18 @@ TEST(WaysOut, AWorldFileThatIsCutWhileMappedReadsAsZerosAndIsToldSo) {
   });
   EXPECT_EQ(death.signal, 0);
   EXPECT_EQ(death.wrote, "") << "no way out, but a mishap";
+}
+
+TEST(WaysOut, DismissingAGuardThatIsGoneIsNone) {
+  const Death death = die_by([] {
+    std::signal(SIGPIPE, SIG_DFL);
+    DeviceGuard guard;
+    if (!guard.start({"/bin/true"}).ok()) raise(SIGKILL);
+    siginfo_t gone{};
+    waitid(P_ALL, 0, &gone, WEXITED | WNOWAIT);
+    guard.dismiss();
+  });
+  EXPECT_EQ(death.signal, 0) << strsignal(death.signal);
 }
 
 TEST(WaysOut, ATerminalThatHangsUpIsNoReasonUnderNohup) {

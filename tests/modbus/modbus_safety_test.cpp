@@ -125,13 +125,39 @@ TEST_F(ModbusLoop, AnotherMastersWritesAreNoticedAndStopTheForces) {
 }
 
 TEST_F(ModbusLoop, CommandsThatCannotBeReadBackAreToldOnceAndNoReasonToStop) {
-  device.faults.hide_commands = true;
+  device.faults.hide_commands = 2;  // illegal data address
   start();
   EXPECT_TRUE(sink.told("another master would not be noticed")) << sink.log();
   const int before = sink.acknowledged;
   EXPECT_TRUE(eventually([&] { return sink.acknowledged > before + 40; }));
   EXPECT_EQ(sink.log().find("would not be noticed"), sink.log().rfind("would not be noticed"));
   EXPECT_EQ(sink.sink.report().state, SafetyState::active);
+}
+
+TEST_F(ModbusLoop, AnotherMasterIsNoticedAgainOnceCommandsCanBeReadBackOrOnANewConnection) {
+  start();
+  const auto other_master_is_noticed = [&] {
+    std::atomic<bool> enough{false};
+    std::thread other([&] { test::write_again_and_again(device.port(), 5, 3000, enough); });
+    const bool noticed = sink.reaches(SafetyState::fault);
+    enough = true;
+    other.join();
+    return noticed;
+  };
+  device.faults.hide_commands = 6;  // busy
+  EXPECT_TRUE(sink.told("another master would not be noticed for now")) << sink.log();
+  device.faults.hide_commands = 0;
+  EXPECT_TRUE(other_master_is_noticed()) << sink.log();
+  sink.sink.request_reset();
+  ASSERT_TRUE(sink.reaches(SafetyState::idle)) << sink.log();
+  sink.sink.request_arm();
+  ASSERT_TRUE(acts()) << sink.log();
+  device.faults.hide_commands = 1;  // illegal function
+  EXPECT_TRUE(sink.told("another master would not be noticed: ")) << sink.log();
+  device.faults.hide_commands = 0;
+  device.restart();
+  ASSERT_TRUE(acts()) << sink.log();
+  EXPECT_TRUE(other_master_is_noticed()) << sink.log();
 }
 
 TEST_F(ModbusLoop, TheDevicesOwnStopFaultHangAndDeadManCount) {

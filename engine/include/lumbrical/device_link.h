@@ -38,7 +38,7 @@ struct SentCommand {
   ActuatorArray value{};  ///< as sent
 };
 
-/// Most exchanges that are told, and recorded, in one tick; more wait for the next.
+/// Most exchanges that a tick keeps for its recording, the newest; the loop notes all of them.
 inline constexpr std::uint32_t kMaxSentPerTick = 4;
 
 /// What a loop has of a device: a sink (DeviceSink), or a simulation in its own time. None of these waits.

@@ -142,11 +142,12 @@ struct Transport {
 
 /// Times of the safety envelope [s].
 struct SafetyTimes {
-  double fade = 0.05;           ///< from any output to safe values
-  double soft_start = 0.5;      ///< from zero to full output after arming
-  double tick_hold = 0.005;     ///< no new tick for longer: the output fades
-  double tick_timeout = 0.1;    ///< no new tick for longer: fault
-  double answer_timeout = 0.1;  ///< nothing acknowledged for longer: disconnected, link closed and reopened
+  double fade = 0.05;         ///< from any output to safe values
+  double soft_start = 0.5;    ///< from zero to full output after arming
+  double tick_hold = 0.005;   ///< no new tick for longer: the output fades
+  double tick_timeout = 0.1;  ///< no new tick for longer: fault
+  /// Nothing acknowledged for longer: disconnected. No longer than the device's own watchdog holds a force.
+  double answer_timeout = 0.1;
 };
 
 /// What one joint of the device is like: decides how stiff it may be rendered.

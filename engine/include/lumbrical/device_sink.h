@@ -57,7 +57,8 @@ class DeviceSink final : public DeviceLink {
   DeviceSink& operator=(const DeviceSink&) = delete;
 
   /// A device that is not there (yet) is no error: the sink keeps trying. Refuses a profile whose parts
-  /// don't agree, and forces on a device that would not notice the end of them (check_attended).
+  /// don't agree, and forces on a device that would not notice the end of them (check_attended). Once closed
+  /// it may be opened again: as a new one, without events, requests and pressed stop of the one before.
   Status open(const DeviceProfile& profile, std::unique_ptr<DeviceWire> wire, const SinkOptions& options);
   /// Without a thread: one exchange, unless the profile's rate says that it is too early for it. Takes as
   /// long as the wire does.
@@ -73,7 +74,9 @@ class DeviceSink final : public DeviceLink {
   bool sent(SentCommand& command) noexcept override;
 
   // From any thread.
-  void arm_when_ready() noexcept;  ///< as soon as there is a device that is ready and a fresh tick; once
+  /// As soon as there is a device that is ready and a fresh tick; once, and no longer if it is disarmed or a
+  /// fault latches before. What resets a fault is asked for first.
+  void arm_when_ready() noexcept;
   void request_arm() noexcept;
   void request_disarm() noexcept;
   void request_reset() noexcept;
@@ -82,6 +85,7 @@ class DeviceSink final : public DeviceLink {
   [[nodiscard]] SafetyState state() const noexcept;
   [[nodiscard]] bool is_safe() const noexcept;  ///< the device has acknowledged safe values last
   [[nodiscard]] SinkReport report() const;
+  void tell(std::string text);  ///< an event of whoever drives it, among its own
   /// What happened since the last call: connections, losses, transitions. At most 1000 are kept.
   std::vector<SinkEvent> events();
 

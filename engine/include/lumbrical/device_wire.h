@@ -38,7 +38,7 @@ struct WireAnswer {
 
 enum class WireOutcome : std::uint8_t {
   done,
-  waiting,  ///< of greet: the device is not ready yet
+  waiting,  ///< of greet and look_back: the device is not ready for it, and is asked again
   refused,  ///< the device lives and said no
   missed,   ///< no answer, which on this wire says nothing about the next one
   broken,   ///< what comes next on this connection can't be trusted: it is closed and opened again
@@ -75,7 +75,7 @@ class DeviceWire {
   /// What the device was told last, by whomever; those that can't be read stay as they are.
   virtual WireResult read_commands(ActuatorArray&) { return {}; }
   /// Between two exchanges: `foreign` if the device's commands are not those of the last one. Refused: it can
-  /// never be told.
+  /// never be told on this connection.
   virtual WireResult look_back(bool& foreign) {
     foreign = false;
     return {};

@@ -45,7 +45,8 @@ struct HapticLoop {
 
   // The bus.
   TimingMeter meter;
-  SentCommand sent;  ///< the newest one told
+  std::int64_t measured_from = 0;  ///< only commands made of angles asked for since then count for `meter`
+  SentCommand sent;                ///< the newest one told
   StiffnessCertificate certificate;
   bool certified = false;
   bool local_loop = false;  ///< every actuator has a local model: the fast loop is the device's own
@@ -93,8 +94,9 @@ void note_exchange(const SentCommand& sent, HapticLoop& loop);
 /// True: since the last true the certificate's timing has changed by a tenth of what it was, or more.
 bool news_of_timing(HapticLoop& loop);
 
-/// Forgets how long exchanges took: what was measured before is not how it will be.
-void forget_timing(HapticLoop& loop);
+/// Forgets how long exchanges took, also of commands that are under way: what was before `now` is not how it
+/// will be.
+void forget_timing(std::int64_t now, HapticLoop& loop);
 
 /// From here on forces are let through: as far as the exchanges so far allow, and nothing before two of them
 /// were measured.
@@ -111,7 +113,7 @@ struct LoopStep {
   bool blind = false;              ///< there were no angles that could be believed
   std::optional<LoopTiming> news;  ///< of the certificate, where news_of_timing had some
   std::uint32_t sent_count = 0;
-  std::array<SentCommand, kMaxSentPerTick> sent{};  ///< what became of commands since the last step
+  std::array<SentCommand, kMaxSentPerTick> sent{};  ///< the newest that became known since the last step
 };
 
 /// The half of a step before its tick, and the one after it.

@@ -47,7 +47,7 @@ class DeviceLoop {
   DeviceLoop(const DeviceLoop&) = delete;
   DeviceLoop& operator=(const DeviceLoop&) = delete;
 
-  /// Starts the sink; does not wait for the device.
+  /// Starts the sink; does not wait for the device. Once closed it may be opened again.
   Status open(const DeviceProfile& profile, std::unique_ptr<DeviceWire> wire, const LoopSettings& settings);
 
   /// Steps without forces for `seconds`, by the clock, with the hand as `frame` has it; then makes the

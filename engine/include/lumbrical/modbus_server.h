@@ -31,13 +31,13 @@ struct ServerFaults {
   std::atomic<bool> silent{false};     ///< takes requests, answers nothing
   std::atomic<bool> cut_reply{false};  ///< sends half of a reply, then closes (TCP) or falls silent (RTU)
   std::atomic<WrongReply> wrong{WrongReply::nothing};
-  std::atomic<bool> garbage{false};        ///< random bytes before every reply (RTU), in its place (TCP)
-  std::atomic<bool> hide_commands{false};  ///< they can be written, not read
-  std::atomic<bool> refuse{false};         ///< closes every new connection at once
-  std::atomic<int> exception{0};           ///< exception code in the place of every answer; 0: none
-  std::atomic<double> delay{0};            ///< [s] before every reply
-  std::atomic<double> jitter{0};           ///< [s] up to this much more, at random
-  std::atomic<double> trickle{0};          ///< [s] between the bytes of a reply
+  std::atomic<bool> garbage{false};   ///< random bytes before every reply (RTU), in its place (TCP)
+  std::atomic<int> hide_commands{0};  ///< exception code for who reads them; 0: they can be read
+  std::atomic<bool> refuse{false};    ///< closes every new connection at once
+  std::atomic<int> exception{0};      ///< exception code in the place of every answer; 0: none
+  std::atomic<double> delay{0};       ///< [s] before every reply
+  std::atomic<double> jitter{0};      ///< [s] up to this much more, at random
+  std::atomic<double> trickle{0};     ///< [s] between the bytes of a reply
 };
 
 class ModbusServer {

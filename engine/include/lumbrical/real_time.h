@@ -14,6 +14,7 @@ struct RealTime {
   bool memory_locked = false;
   int priority = 0;                  ///< SCHED_FIFO of the calling thread; 0: an ordinary thread
   int cpu = -1;                      ///< the calling thread is pinned to; -1: to none
+  std::vector<int> cpus;             ///< that it might use before
   std::vector<std::string> refused;  ///< what was not allowed, and what would help
 };
 

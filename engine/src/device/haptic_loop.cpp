@@ -151,6 +151,14 @@ void put_local_models(const DeviceFrame& frame, const JointArray& wanted, const 
   }
 }
 
+void keep_newest(const SentCommand& sent, LoopStep& step) {
+  if (step.sent_count == kMaxSentPerTick) {
+    std::copy(step.sent.begin() + 1, step.sent.end(), step.sent.begin());
+    --step.sent_count;
+  }
+  step.sent[step.sent_count++] = sent;
+}
+
 }  // namespace
 
 HapticLoop start_loop(const DeviceProfile& profile, const LoopOptions& options) {
@@ -212,7 +220,7 @@ void note_exchange(const SentCommand& sent, HapticLoop& loop) {
   if (given.tick == sent.tick) loop.given = given;
   const bool next = sent.cycle == before.cycle + 1 && sent.acknowledged != 0 && before.acknowledged != 0;
   const double interval = seconds(sent.sent - before.sent), delay = seconds(sent.loop_delay);
-  if (!next) return;
+  if (!next || sent.acknowledged - sent.loop_delay < loop.measured_from) return;
   const bool known = is_measured(loop.meter);
   measure_exchange(interval, delay, loop.meter);
   if (loop.certified && !(known && !loop.options.follow)) renew_certificate(loop);
@@ -225,8 +233,9 @@ bool news_of_timing(HapticLoop& loop) {
   return true;
 }
 
-void forget_timing(HapticLoop& loop) {
+void forget_timing(std::int64_t now, HapticLoop& loop) {
   loop.meter = {};
+  loop.measured_from = now;
   if (loop.certified) renew_certificate(loop);
 }
 
@@ -292,8 +301,10 @@ void take_angles(DeviceLink& link, HapticLoop& loop, LoopStep& step) {
 void give_forces(const Model& model, const Scratch& scratch, DeviceLink& link, HapticLoop& loop,
                  LoopStep& step) {
   step.sent_count = 0;
-  while (step.sent_count < kMaxSentPerTick && link.sent(step.sent[step.sent_count]))
-    note_exchange(step.sent[step.sent_count++], loop);
+  for (SentCommand sent; link.sent(sent);) {
+    note_exchange(sent, loop);
+    keep_newest(sent, step);
+  }
   step.news.reset();
   if (news_of_timing(loop)) step.news = loop.certificate.timing;
   link.publish(command_forces(model, scratch, step.frame, step.output, link.now(), loop));

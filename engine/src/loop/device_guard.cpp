@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -27,7 +28,8 @@ DeviceGuard::~DeviceGuard() {
 Status DeviceGuard::start(std::vector<std::string> command) {
   assert(!command.empty());
   std::array<int, 2> ends{};
-  if (pipe2(ends.data(), O_CLOEXEC) != 0)
+  // Sockets do for a pipe, and a word to a guard that is gone is then no signal.
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     return Status::error(std::string("no guard: ") + std::strerror(errno));
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
@@ -53,7 +55,7 @@ Status DeviceGuard::start(std::vector<std::string> command) {
 
 void DeviceGuard::dismiss() {
   if (pipe_ < 0) return;
-  const ssize_t written = write(pipe_, &kDismissed, 1);  // a guard that is gone needs no word
+  const ssize_t written = send(pipe_, &kDismissed, 1, MSG_NOSIGNAL);  // a guard that is gone needs no word
   static_cast<void>(written);
   close(pipe_);
   pipe_ = -1;

@@ -15,7 +15,8 @@ DeviceSink::~DeviceSink() { close(); }
 Status DeviceSink::open(const DeviceProfile& profile, std::unique_ptr<DeviceWire> wire,
                         const SinkOptions& options) {
   assert(wire != nullptr);
-  if (worker_) return Status::error(profile.name + ": the sink is still open; close it first");
+  if (worker_ && !worker_->closing)
+    return Status::error(profile.name + ": the sink is still open; close it first");
   if (Status status = check_profile(profile); !status.ok()) return status;
   if (!options.dry_run && !options.take_over) {
     if (Status status = check_attended(profile); !status.ok()) return status;
@@ -47,6 +48,7 @@ bool DeviceSink::close() {
     } else {
       worker_->let_go();
     }
+    worker_->wire->close();
   }
   return worker_->safe;
 }
@@ -71,7 +73,7 @@ bool DeviceSink::sent(SentCommand& command) noexcept {
 }
 
 void DeviceSink::arm_when_ready() noexcept {
-  if (worker_) worker_->auto_arm = true;
+  if (worker_) worker_->requests |= kArmWhenReady;
 }
 void DeviceSink::request_arm() noexcept {
   if (worker_) worker_->requests |= kArm;
@@ -97,6 +99,10 @@ SinkReport DeviceSink::report() const {
   if (!worker_) return {};
   const std::lock_guard lock(worker_->mutex);
   return worker_->report;
+}
+
+void DeviceSink::tell(std::string text) {
+  if (worker_) worker_->tell(std::move(text));
 }
 
 std::vector<SinkEvent> DeviceSink::events() {

@@ -1,6 +1,7 @@
 // See lumbrical/loop.h.
 #include "lumbrical/loop.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <utility>
@@ -16,14 +17,23 @@ namespace {
 // What is computed before a device is armed [s]: the first ticks meet cold caches and unmapped pages.
 constexpr double kWarmUp = 0.05;
 
+// No delay will ever be measured, so that the limiter lets nothing through.
+bool is_never_measured(const HapticLoop& control, const DeviceFrame& frame) {
+  const auto& known = control.certificate.known;
+  const bool limits = control.options.limiter && frame.kind == InputKind::joint_angles &&
+                      std::find(known.begin(), known.end(), true) != known.end();
+  return limits && control.profile.sensors.empty() && !control.local_loop;
+}
+
 }  // namespace
 
 Status DeviceLoop::open(const DeviceProfile& profile, std::unique_ptr<DeviceWire> wire,
                         const LoopSettings& settings) {
-  settings_ = settings;
-  settings_.sink.arm = false;
-  settings_.sink.continue_after_loss = !settings.stop_on_loss;
-  if (Status status = sink.open(profile, std::move(wire), settings_.sink); !status.ok()) return status;
+  LoopSettings wanted = settings;
+  wanted.sink.arm = false;
+  wanted.sink.continue_after_loss = !settings.stop_on_loss;
+  if (Status status = sink.open(profile, std::move(wire), wanted.sink); !status.ok()) return status;
+  settings_ = wanted;
   control = start_loop(profile, settings.control);
   figures = {};
   open_ = true;
@@ -53,7 +63,11 @@ bool DeviceLoop::measure(const Model& model, Scratch& scratch, const DeviceFrame
 
 bool DeviceLoop::start(const Model& model, Scratch& scratch, const DeviceFrame& frame) {
   assert(open_ && control.certified);
-  forget_timing(control);
+  if (is_never_measured(control, frame))
+    sink.tell(
+        control.profile.name +
+        " has no sensors, so its delay can't be measured: joint angles give no forces with the limiter on");
+  forget_timing(sink.now(), control);
   step_unarmed(model, scratch, frame, kWarmUp);
   figures.armed_at = clock_ns();
   sink.arm_when_ready();

@@ -24,14 +24,21 @@ void touch_stack() {
   static_cast<void>(stack[0]);
 }
 
-// The last processor this process may use: the first ones usually serve interrupts.
-int last_cpu() {
+std::vector<int> allowed_cpus() {
+  std::vector<int> cpus;
   cpu_set_t allowed;
-  if (sched_getaffinity(0, sizeof allowed, &allowed) != 0 || CPU_COUNT(&allowed) < 2) return -1;
-  for (int cpu = CPU_SETSIZE - 1; cpu >= 0; --cpu) {
-    if (CPU_ISSET(static_cast<std::size_t>(cpu), &allowed)) return cpu;
+  if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return cpus;
+  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+    if (CPU_ISSET(static_cast<std::size_t>(cpu), &allowed)) cpus.push_back(cpu);
   }
-  return -1;
+  return cpus;
+}
+
+bool stay_on(std::span<const int> cpus) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  for (const int cpu : cpus) CPU_SET(static_cast<std::size_t>(cpu), &set);
+  return pthread_setaffinity_np(pthread_self(), sizeof set, &set) == 0;
 }
 
 }  // namespace
@@ -56,13 +63,10 @@ RealTime enter_real_time(int priority, Pinning pinning, std::span<const std::byt
   }
   touch_stack();
   if (pinning == Pinning::none) return real_time;
-  const int cpu = last_cpu();
-  if (cpu >= 0) {
-    cpu_set_t set;
-    CPU_ZERO(&set);
-    CPU_SET(static_cast<std::size_t>(cpu), &set);
-    if (pthread_setaffinity_np(pthread_self(), sizeof set, &set) == 0) real_time.cpu = cpu;
-  }
+  real_time.cpus = allowed_cpus();
+  // The last one: the first ones usually serve interrupts.
+  if (real_time.cpus.size() > 1 && stay_on(std::span(real_time.cpus).last(1)))
+    real_time.cpu = real_time.cpus.back();
   if (real_time.cpu < 0) real_time.refused.push_back("not pinned: there is no second processor");
   return real_time;
 }
@@ -73,6 +77,7 @@ void leave_real_time(const RealTime& real_time) {
     const sched_param parameter{};
     pthread_setschedparam(pthread_self(), SCHED_OTHER, &parameter);
   }
+  if (real_time.cpu >= 0) stay_on(real_time.cpus);
 }
 
 std::int64_t clock_ns() { return steady_ns(); }

@@ -9,7 +9,7 @@ namespace lumbrical {
 /// A thread kept from running for some milliseconds could not send anything in them. If it let that time pass
 /// for its safety envelope as well, the first command afterwards would make a jump of what should have been a
 /// slope, and hold against the ticks that they were asleep too. So a cycle counts for two of the usual ones
-/// at most.
+/// at most, as long as the device holds what it was told last: one that is lost has let go in the meantime.
 struct RunningTime {
   double usual;     ///< [s] a cycle, of late; grows and shrinks with what the bus takes
   double lost = 0;  ///< [s] what was not counted so far

@@ -70,8 +70,9 @@ void DeviceSink::Worker::connect() {
       ++report.connections;
     }
     tell("connected");
-    connected = true;
+    connected = looks_back = true;
     handshaken = false;
+    not_noticed.clear();
     return;
   }
   problem("not connected: " + status.message());
@@ -137,11 +138,13 @@ SafetyOutput DeviceSink::Worker::decide(std::int64_t now) {
   const unsigned asked = requests.exchange(0);
   const DeviceStatus& device = answer.status;
   SafetyInputs inputs;
-  inputs.dt = running.advance(elapsed);
-  inputs.gap = elapsed - inputs.dt;
-  take_command();
   inputs.connected =
       connected && handshaken && any_answer && in_seconds(now - last_answer) <= profile.safety.answer_timeout;
+  inputs.dt = running.advance(elapsed);
+  inputs.gap = elapsed - inputs.dt;
+  // A device that has not answered for so long has let go by itself: what acted then must not come again.
+  if (!inputs.connected) inputs.dt += running.lost - std::exchange(lost_answered, running.lost);
+  take_command();
   inputs.device_ready = device.ready;
   inputs.device_fault = device.fault;
   inputs.stop = stop || device.stop;
@@ -149,20 +152,22 @@ SafetyOutput DeviceSink::Worker::decide(std::int64_t now) {
   inputs.heartbeat_lost =
       device.echoes && any_answer && in_seconds(now - last_echo_change) > profile.safety.answer_timeout;
   inputs.other_master = std::exchange(other_master, false);
-  inputs.arm = (asked & kArm) != 0;
   inputs.disarm = (asked & kDisarm) != 0 || closing;
   inputs.reset = (asked & kReset) != 0;
   inputs.continue_after_loss = options.continue_after_loss && !closing;
   inputs.tick_age = newest.time == 0 ? std::numeric_limits<double>::infinity()
                                      : in_seconds(now - newest.time) - (running.lost - lost_before);
   inputs.wanted = newest.command.wanted;
-  const bool can_arm =
+  arms_when_ready = arms_when_ready || (asked & kArmWhenReady) != 0;
+  const bool ready =
       safety.state == SafetyState::idle && inputs.device_ready && inputs.tick_age <= profile.safety.tick_hold;
-  inputs.arm = inputs.arm || (auto_arm && can_arm);
+  inputs.arm = (asked & kArm) != 0 || (arms_when_ready && ready);
   const SafetyState before = safety.state;
   const std::uint32_t causes = safety.causes;
   const SafetyOutput output = step_safety(profile, inputs, safety);
-  if (safety.state == SafetyState::armed) auto_arm = false;
+  // It waits for a device and ticks only: whoever disarms, and whatever is a fault, has the last word.
+  const bool waits = safety.state == SafetyState::disconnected || safety.state == SafetyState::idle;
+  arms_when_ready = arms_when_ready && waits && !inputs.disarm;
   state = safety.state;
   if (safety.state != before || safety.causes != causes) tell_transition(before, output.flags);
   return output;
@@ -198,10 +203,11 @@ void DeviceSink::Worker::look_back() {
   if (!connected || !standing || !looks_back || stop || closing || options.take_over) return;
   WireResult result = wire->look_back(other_master);
   looks_back = result.outcome != WireOutcome::refused;
-  if (looks_back) {
+  if (looks_back && result.outcome != WireOutcome::waiting) {
     answered(std::move(result));
-  } else {
-    tell("another master would not be noticed: " + result.text);
+  } else if (result.text != not_noticed) {
+    not_noticed = result.text;
+    tell("another master would not be noticed" + std::string(looks_back ? " for now: " : ": ") + result.text);
   }
 }
 
@@ -320,6 +326,7 @@ bool DeviceSink::Worker::cycle() {
       exchange = in_seconds(now - sent);
       take_feedback(now);
       last_answer = now;
+      lost_answered = running.lost;
       any_answer = true;
       retry = 0;
       last_problem.clear();

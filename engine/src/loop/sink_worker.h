@@ -26,7 +26,7 @@ struct PublishedCommand {
   std::int64_t time = 0;
 };
 
-enum SinkRequest : unsigned { kArm = 1, kDisarm = 2, kReset = 4 };
+enum SinkRequest : unsigned { kArm = 1, kDisarm = 2, kReset = 4, kArmWhenReady = 8 };
 
 struct DeviceSink::Worker {
   DeviceProfile profile;
@@ -39,7 +39,7 @@ struct DeviceSink::Worker {
   Newest<DeviceFeedback> feedbacks;
   Ring<SentCommand> history{4096};
   std::atomic<unsigned> requests{0};
-  std::atomic<bool> auto_arm{false}, stop{false}, dead_man{true}, closing{false}, safe{false};
+  std::atomic<bool> stop{false}, dead_man{true}, closing{false}, safe{false};
   std::atomic<SafetyState> state{SafetyState::disconnected};
   mutable std::mutex mutex;  // of `report` and `events`; the ticking thread never asks for it
   SinkReport report;
@@ -48,19 +48,22 @@ struct DeviceSink::Worker {
 
   // Of whoever makes the cycles.
   PublishedCommand newest;
+  bool arms_when_ready;         // kArmWhenReady that waits
   std::int64_t next_cycle = 0;  // when it is due
   std::int64_t opened = 0, last_step = 0, last_answer = 0, next_try = 0, last_echo_change = 0;
   std::int64_t asked_at = 0;  // when the request for the newest angles left
   double exchange = 0;        // [s] the last one acknowledged
   RunningTime running;
-  double lost_before = 0;  // of running.lost, when the newest command came
+  double lost_before = 0;    // of running.lost, when the newest command came
+  double lost_answered = 0;  // when the device answered last, or time was counted although it did not
   double retry = 0;
   bool any_answer = false, connected = false, handshaken = false;
   WireAnswer answer;
   FeedbackMemory feedback_memory{};
   bool standing = false;  // what was sent in the cycle before was acknowledged on this connection
   bool other_master = false;
-  bool looks_back = true;
+  bool looks_back = true;    // as far as is known of this connection
+  std::string not_noticed;   // why another master would not be, as told of this connection
   std::uint32_t doubts = 0;  // DeviceFlag bits of the newest feedback
   std::uint16_t last_echo = 0;
   ActuatorArray commanded{}, acting{};  // by this cycle's request, and by the last one acknowledged
@@ -74,7 +77,7 @@ struct DeviceSink::Worker {
         options(chosen),
         wire(std::move(way)),
         safety(start_safety(wanted)),
-        auto_arm(chosen.arm),
+        arms_when_ready(chosen.arm),
         running{1 / wanted.rate} {
     wire->patience.usual = wanted.response_timeout;
     wire->patience.hurry = [this] { return stop && !safe; };

@@ -7,8 +7,6 @@
 namespace lumbrical {
 namespace {
 
-enum Exception : int { kIllegalFunction = 1, kIllegalAddress = 2, kIllegalValue = 3 };
-
 constexpr std::size_t kLongestBody = 253;
 constexpr std::uint8_t kWriteRegisters = 16;
 

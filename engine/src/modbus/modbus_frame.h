@@ -11,6 +11,9 @@ namespace lumbrical {
 
 using Bytes = std::vector<std::uint8_t>;
 
+/// Exceptions that we give. Of those that we get, the first two say that it will be no other the next time.
+enum ModbusException : int { kIllegalFunction = 1, kIllegalAddress = 2, kIllegalValue = 3 };
+
 std::uint16_t modbus_crc(std::span<const std::uint8_t> bytes);
 
 /// The registers behind a server. Both answer 0 or an exception code.

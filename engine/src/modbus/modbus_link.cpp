@@ -219,7 +219,7 @@ LinkResult ModbusLink::receive(const ModbusQuestion& question, std::int64_t end,
     if (check.kind == ReplyKind::incomplete) continue;
     if (check.kind == ReplyKind::wrong) return {LinkOutcome::broken, check.why};
     if (check.kind == ReplyKind::exception)
-      return {LinkOutcome::refused, modbus_strerror(MODBUS_ENOBASE + check.exception)};
+      return {LinkOutcome::refused, modbus_strerror(MODBUS_ENOBASE + check.exception), check.exception};
     for (std::size_t i = 0; i < question.read_count; ++i) {
       words[i] = static_cast<std::uint16_t>(received_[check.words + 2 * i] << 8 |
                                             received_[check.words + 2 * i + 1]);

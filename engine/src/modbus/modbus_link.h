@@ -23,6 +23,7 @@ enum class LinkOutcome : std::uint8_t {
 struct LinkResult {
   LinkOutcome outcome = LinkOutcome::done;
   const char* text = "";  ///< of the error; static
+  int exception = 0;      ///< code of a refusal
   [[nodiscard]] bool ok() const { return outcome == LinkOutcome::done; }
 };
 

@@ -131,7 +131,7 @@ struct ModbusServer::Session {
       : device(simulated), faults(wanted), observe(watch) {
     access.has_unit = [this](std::uint8_t unit) { return device.has_unit(unit); };
     access.read = [this](auto unit, auto address, auto words) {
-      if (faults.hide_commands && device.is_command(unit, address)) return 2;
+      if (const int code = faults.hide_commands; code != 0 && device.is_command(unit, address)) return code;
       return device.read(unit, address, words);
     };
     access.write = [this](auto unit, auto address, auto words) { return device.write(unit, address, words); };

@@ -97,11 +97,13 @@ WireResult ModbusWire::look_back(bool& foreign) {
   set_patience();
   const auto [block, at] = words_.part(look_++);
   const LinkResult result = link_.read(3, block, words_.read_back.data());
-  if (result.outcome == LinkOutcome::refused)
+  foreign = result.ok() && !words_.holds(block, at);
+  if (result.exception == kIllegalFunction || result.exception == kIllegalAddress)
     return {WireOutcome::refused,
             "the device does not let its commands be read back (" + std::string(result.text) + ")"};
-  foreign = result.ok() && !words_.holds(block, at);
-  return told(result, "reading back", block);
+  WireResult looked = told(result, "reading back", block);
+  if (looked.outcome == WireOutcome::refused) looked.outcome = WireOutcome::waiting;  // busy, say
+  return looked;
 }
 
 WireResult ModbusWire::exchange(const WireCommand& command, WireAnswer& answer) {
