@@ -194,6 +194,45 @@ TEST(CutPatches, WithTooLittleRoomAreNotFeltAndSaySo) {
   }
 }
 
+// Where a hand lies flat those of the way it may go are too many, but not where its fingertips alone are on
+// the floor.
+TEST(CutPatches, AreCutAheadAgainOnceThereIsRoom) {
+  Model model = model_at(floor_scene(make_plane(10, 1)), 1e-4);
+  const DeviceFrame on_floor = pressed_frame(model.hand, 0.003, 0.2);
+  Scratch scratch;
+  const auto spare_at = [&](Vec3 by) {
+    State state;
+    const ActuatorFrame felt = tick(model, state, scratch, moved(on_floor, by));
+    return (felt.flags & kCandidateOverflow) != 0 ? -1 : scratch.samples->search.cuts.spare;
+  };
+  double spare = -1;
+  for (model.settings.max_candidates = 400; spare < 0; model.settings.max_candidates += 40) {
+    scratch = make_scratch(model);
+    spare = spare_at({});
+    if (spare == 0) break;
+  }
+  ASSERT_EQ(spare, 0);
+  EXPECT_EQ(spare_at({0.0001, 0, 0}), 0);
+  spare_at({0, -5.06, 0});
+  EXPECT_GT(spare_at({0, -5.061, 0}), 0);
+  EXPECT_EQ(spare_at({}), 0);
+}
+
+// That decides which patches are a block, and in which order the force is summed that levels go by.
+TEST(CutPatches, AreLookedForInTheSameTreeWhateverLeavesAreAskedFor) {
+  const Scene scene = floor_scene(make_strips(30, 0.004, 60));
+  const Model plain = model_at(scene, 1e-4);
+  Execution execution;
+  execution.leaf_size = 3;
+  execution.tree_levels = 1;
+  const SphereTree &tree = plain.patches->large_tree,
+                   other = model_at(scene, 1e-4, execution).patches->large_tree;
+  ASSERT_GT(tree.head.leaf_count, 1u);
+  EXPECT_EQ(other.head.leaf_count, tree.head.leaf_count);
+  EXPECT_EQ(other.head.blocks_per_leaf, tree.head.blocks_per_leaf);
+  EXPECT_EQ(other.head.level_count, tree.head.level_count);
+}
+
 // What has been cut gives way to what is near.
 TEST(CutPatches, AreForgottenWhereThereIsNoRoomForMore) {
   const Scene scene = floor_scene(make_plane(10, 1));

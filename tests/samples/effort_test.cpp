@@ -4,6 +4,8 @@
 #include "mesh_world.h"
 #include "pressed_hand.h"
 #include "sampled_hand.h"
+#include "samples/effort.h"
+#include "samples/sampled_forces.h"
 #include "tick/field_lists.h"
 
 namespace lumbrical::test {
@@ -53,6 +55,32 @@ TEST(Effort, ATighterBoundIsKeptFlaggedAndTellsALargerError) {
     before = bound;
   }
   EXPECT_GE(coarser, 2);
+}
+
+// They are no coarser for it.
+TEST(Effort, OfOneCellAPatchCountsRulesAndBlocksToo) {
+  Scene scene = sampled_scene(default_hand(Side::right), pressed_scene(kWidthA, 200).objects);
+  scene.settings.effort = 1;
+  FeelingHand hand(scene, 1e-4);
+  const ActuatorFrame felt = hand(pressed_frame(scene.hand, 0.006, 0));
+  EXPECT_NE(felt.flags & kCoarsened, 0u);
+  const NearPatches& near = hand.scratch().samples->near;
+  std::size_t points = 2 * near.count();
+  for (std::size_t k = 0; k < kPatchClasses; ++k)
+    points += 14 * near.of_kinds(kind::kInside, kind::kInside + 2, k).size();
+  EXPECT_GT(points, 3 * near.count());
+  EXPECT_GE(felt.evaluations, points);
+}
+
+TEST(Effort, OfOneCellAPatchTellsTheErrorOfThoseThatBodiesShare) {
+  Settings settings;
+  settings.precision.fill(1e-4);
+  const PatchRules rules = patch_rules(default_hand(Side::right), settings);
+  const NearPatches near;
+  Overlaps fist;
+  std::fill(fist.together_begin.begin() + kPatchSizes, fist.together_begin.end(), 1u);
+  ASSERT_TRUE(fist.has(kPatchSizes - 1));
+  EXPECT_GT(one_cell_error_factor(rules, near, fist, 1), 16 * one_cell_error_factor(rules, near, {}, 1));
 }
 
 TEST(Effort, IsDecidedAlikeByBruteForce) {

@@ -4,8 +4,11 @@
 
 #include <numeric>
 
+#include "lumbrical/jacobian.h"
+#include "model/primitive.h"
 #include "pressed_hand.h"
 #include "sampled_hand.h"
+#include "samples/sampled_forces.h"
 
 namespace lumbrical::test {
 namespace {
@@ -155,6 +158,59 @@ TEST(SampledRung, WithTooLittleRoomFeelsNothingAndSaysSo) {
       }
     }
   }
+}
+
+TEST(SampledRung, WithTooLittleRoomHasNoJacobian) {
+  Scene scene = sampled_scene(default_hand(Side::right), {{"mesh", make_plane(0.3, 100, 1, 3)}});
+  const DeviceFrame frame = pressed_frame(scene.hand, 0.004, 0);
+  FeelingHand free(scene, 1e-4);
+  const ActuatorFrame felt = free(frame);
+  scene.settings.max_candidates = 5;
+  FeelingHand full(scene, 1e-4);
+  full(frame);
+  std::array<SegmentJacobian, kSegmentCount> known, unknown;
+  segment_jacobians(free.model(), free.scratch(), known);
+  segment_jacobians(full.model(), full.scratch(), unknown);
+  std::size_t touching = 0;
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    EXPECT_TRUE(known[i].known) << i;
+    EXPECT_EQ(unknown[i].value, Matrix6{}) << i;
+    if (norm(felt.segment[i].force) < 0.1) continue;
+    EXPECT_FALSE(unknown[i].known) << i;
+    ++touching;
+  }
+  EXPECT_GT(touching, 8u);
+}
+
+// A triangle on its tip, off the palm by about what rounding is allowed.
+TEST(SampledRung, MeetsWhatIsHardlyOffTheSkinHoweverItSearches) {
+  const Scene plane = sampled_scene(default_hand(Side::right), {{"mesh", make_plane(0.3, 1)}});
+  const DeviceFrame frame = pressed_frame(plane.hand, 0.004, 0);
+  FeelingHand placed(plane, 1e-4);
+  placed(frame);
+  const SweptPolygon& palm = placed.scratch().primitives->palm;
+  Vec3 middle;
+  for (int k = 0; k < palm.corner_count; ++k)
+    middle += palm.corner[static_cast<std::size_t>(k)] / static_cast<double>(palm.corner_count);
+  constexpr double kLength = 0.006;
+  const double slack = kDistanceSlack * (palm.radius + kLength * 2 / 3);
+  std::uint32_t met = 0;
+  for (int i = 0; i < 20; ++i) {
+    const Vec3 tip = middle + (palm.radius + 0.1 * i * slack) * palm.normal,
+               base = tip + kLength * palm.normal, aside = 0.4 * kLength * palm.outward[0];
+    const Scene scene =
+        sampled_scene(plane.hand, {{"tip", {{tip, base + aside, base - aside}, {{0, 1, 2}}}}});
+    Execution brute;
+    brute.broadphase = Broadphase::brute;
+    FeelingHand by_tree(scene, 1e-4), by_all(scene, 1e-4, brute);
+    by_tree(frame);
+    by_all(frame);
+    const std::uint32_t count = by_all.scratch().samples->forces.patch_count;
+    EXPECT_EQ(by_tree.scratch().samples->forces.patch_count, count) << i;
+    met += count;
+  }
+  EXPECT_GE(met, 5u);
+  EXPECT_LE(met, 15u);
 }
 
 // The least room that does for a frame.

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include "base/parallel.h"
 #include "index/sphere_tree.h"
 #include "lumbrical/shapes.h"
 #include "pressed_hand.h"
@@ -32,6 +33,14 @@ Scene finer_scene() {
   Scene scene =
       sampled_scene(default_hand(Side::right), {{"field", make_height_field(kWidth, 700, 0.002, 0.04)}});
   scene.settings.max_candidates = 1u << 20;
+  return scene;
+}
+
+// As fine, under a part of the hand.
+Scene small_scene() {
+  Scene scene =
+      sampled_scene(default_hand(Side::right), {{"field", make_height_field(0.08, 200, 0.002, 0.04)}});
+  scene.settings.max_candidates = 1u << 18;
   return scene;
 }
 
@@ -168,6 +177,71 @@ TEST(SkinBlocks, AreTheSameOnEveryWayToRun) {
   expect_the_same(finer_scene(), kCoarse, {by(Broadphase::brute, 3)});
 }
 
+TEST(SkinBlocks, AreTheSameWhateverTreeIsAskedFor) {
+  const Scene scene = small_scene();
+  Execution flat;
+  flat.tree_levels = 1;
+  const std::vector<DeviceFrame> frames{pressed(scene.hand, 0.001), pressed(scene.hand, 0.004)};
+  EXPECT_EQ(hash_run(model_at(scene, kCoarse, flat), frames), hash_run(model_at(scene, kCoarse), frames));
+}
+
+// What becomes of every block of a level that a finger is asked about: nothing, opened or taken as one.
+enum class Fate : std::uint8_t { nothing, opened, taken };
+std::vector<Fate> fates_of(const Model& model, std::size_t level, const OtherParts& others,
+                           const std::vector<std::vector<std::uint32_t>>& rows) {
+  const FingerBody& finger = others.bodies.finger[others.body];
+  const auto blocks = samples_of_level(*model.patches, level);
+  std::vector<Fate> fates(blocks.size());
+  for (const std::vector<std::uint32_t>& row : rows) {
+    std::array<std::uint32_t, PatchBlock::kWidth> found;
+    std::transform(row.begin(), row.end(), found.begin(),
+                   [&](std::uint32_t block) { return block << 3 | finger.tiles(); });
+    std::array<FoundPatches, PatchBlock::kWidth> taken;
+    CentroidForce force;
+    const auto sorted =
+        sample_kernels(model.execution.isa)
+            .sort_blocks(blocks.data(), finger, others, 0, found.data(), row.size(), taken.data(), force);
+    for (std::size_t i = 0; i < sorted.open_count; ++i) fates[found[i] >> 3] = Fate::opened;
+    for (std::size_t i = 0; i < sorted.whole_count; ++i) fates[taken[i].block] = Fate::taken;
+  }
+  return fates;
+}
+
+// Fingers side by side, so deep that their skins meet the field where they are nearest to each other: rivals
+// of one tile must not open the blocks of another.
+TEST(SkinBlocks, AreTakenAlikeWhateverIsBesideThem) {
+  Scene scene = small_scene();
+  scene.settings.felt_once = FeltOnce::by_samples;
+  const Model model = model_at(scene, kCoarse);
+  constexpr std::size_t kLevel = 1;
+  const auto count = static_cast<std::uint32_t>(samples_of_level(*model.patches, kLevel).size());
+  std::vector<std::vector<std::uint32_t>> alone(count), rows(piece_count(count, PatchBlock::kWidth));
+  for (std::uint32_t block = 0; block < count; ++block) {
+    alone[block] = {block};
+    rows[block % rows.size()].push_back(block);  // from everywhere
+  }
+  Scratch scratch = make_scratch(model);
+  for (int i = 0; i < 24; ++i) {
+    const double spread = -0.1 + 0.01 * (i / 2);
+    DeviceFrame frame = pressed(scene.hand, i % 2 == 0 ? 0.005 : 0.008);
+    frame.base.position.y -= 0.03;
+    for (std::size_t finger = 1; finger < kFingerCount; ++finger)
+      frame.angle[4 * finger] = static_cast<float>(spread * (static_cast<double>(finger) - 2));
+    State state;
+    tick(model, state, scratch, frame);
+    const Primitives& hand = *scratch.primitives;
+    Bodies bodies;
+    set_bodies(hand, kAllSegments, kAllSegments, model.patches->rules, bodies);
+    take_blocks_on_skin(model.patches->rules.block_on_skin[0], bodies);
+    Rivals rivals(hand, bodies);
+    for (std::size_t body = 0; body < bodies.finger_count; ++body) {
+      const OtherParts others{bodies, body, offsets_from(bodies.finger[body].origin, bodies), &rivals};
+      EXPECT_TRUE(fates_of(model, kLevel, others, rows) == fates_of(model, kLevel, others, alone))
+          << i << " " << body;
+    }
+  }
+}
+
 // Or brute force would find more than the tree.
 TEST(SkinBlocks, LieInTheSpheresOfTheTreeOnEveryLevel) {
   const Model model = model_at(finer_scene(), kCoarse);
@@ -242,6 +316,69 @@ TEST(SkinBlocks, OfACoarserLevelAreOpenedToWhatASearchFinds) {
   }
 }
 
+// A search for a finer level leaves its two lists exchanged, and objects apart take turns in one memory.
+TEST(SkinBlocks, HaveListsWithRoomForModelsThatHaveNone) {
+  Scene scene = sampled_scene(default_hand(Side::right), {{"plane", make_plane(0.3, 100)}});
+  scene.settings.max_candidates = 1u << 20;
+  Scene small = small_scene();
+  small.settings.max_candidates = 1u << 16;
+  const Model fine = model_at(small, 1e-4), large = model_at(scene, 1e-4);
+  ASSERT_GT(fine.patches->rules.block_on_skin[0], 0);
+  ASSERT_EQ(large.patches->rules.block_on_skin[0], 0);
+  SampleMemory memory;
+  size_samples(fine, memory);
+  const std::size_t least = memory.search.searcher[0].found.size();
+  size_samples(large, memory);
+  const PatchSearcher& searcher = memory.search.searcher[0];
+  EXPECT_GT(searcher.found.size(), least);
+  EXPECT_EQ(searcher.before.size(), searcher.found.size());
+}
+
+TEST(SkinBlocks, ThatAreOpenedAddNoMoreThanThereIsRoomFor) {
+  Scene scene = small_scene();
+  scene.settings.max_candidates = 500;
+  const Model model = model_at(scene, 1e-4);
+  Scratch scratch = make_scratch(model);
+  State state;
+  tick(model, state, scratch, pressed(scene.hand, 0.002));
+  SampleMemory memory;
+  size_samples(model, memory);
+  set_bodies(*scratch.primitives, kAllSegments, kAllSegments, model.patches->rules, memory.bodies);
+  PatchSearcher& searcher = memory.search.searcher[0];
+  searcher.rivals.emplace(*scratch.primitives, memory.bodies);
+  const std::size_t room = searcher.found.size();
+  const std::vector<FoundPatches> before(2 * room, {0, 1, 0});
+  searcher.found.resize(room + before.size());  // here what is too much does no harm
+  CentroidForce force;
+  find_for_body(model, *scratch.primitives, memory.bodies, memory.search.cuts, 0,
+                {SearchFrom::Where::before, before, {}}, searcher, force);
+  EXPECT_GT(searcher.count, most_patches(model));
+  EXPECT_LE(searcher.count, room);
+}
+
+// The coarser of two levels has been felt by then.
+TEST(SkinBlocks, LeaveNothingFeltWhereThereIsNoRoomToOpenThem) {
+  Model model = model_at(small_scene(), 1e-4);
+  Scratch scratch = make_scratch(model);
+  State state;
+  tick(model, state, scratch, pressed(model.hand, mixed_depth(model, 2)));
+  SampledForces forces;
+  const auto fits = [&](std::uint32_t room) {
+    model.settings.max_candidates = room;
+    SampleMemory memory;
+    size_samples(model, memory);
+    return sample_forces(model, *scratch.primitives, kAllSegments, memory, forces);
+  };
+  std::uint32_t too_little = 0, enough = model.settings.max_candidates;
+  while (enough - too_little > 1) {
+    const std::uint32_t middle = too_little + (enough - too_little) / 2;
+    (fits(middle) ? enough : too_little) = middle;
+  }
+  EXPECT_FALSE(fits(too_little));
+  EXPECT_TRUE(forces.level[2] > 0 && forces.level[3] > 0);
+  for (const Wrench& segment : forces.segment) EXPECT_EQ(norm(segment.force) + norm(segment.torque), 0);
+}
+
 // They differ by such blocks only: where there are none, a mixture would be the same work twice.
 TEST(SkinBlocks, WhereThereAreNoneTheTwoCoarsestLevelsAreOne) {
   const Model model =
@@ -252,7 +389,30 @@ TEST(SkinBlocks, WhereThereAreNoneTheTwoCoarsestLevelsAreOne) {
     EXPECT_EQ(levels_of(pressed_frame(model.hand, depth, 0))[0], 0) << depth;
 }
 
-TEST(SkinBlocks, StayWithinABoundOnEffort) {
+// Where the coarsest level's have to do, lattices may yet be as fine as they should be.
+TEST(SkinBlocks, ThatAreTooLargeToStayWithinABoundAreTold) {
+  Model model = model_at(small_scene(), 1e-4);
+  const auto felt = [&](double depth, std::uint64_t effort) {
+    model.settings.effort = static_cast<std::uint32_t>(effort);
+    Scratch scratch = make_scratch(model);
+    State state;
+    return tick(model, state, scratch, pressed(model.hand, depth));
+  };
+  for (const double depth : {-0.002, 0.001}) {
+    const ActuatorFrame free = felt(depth, 0);
+    for (double share = 1; share > 0.5; share -= 0.05) {
+      const auto most = static_cast<std::uint64_t>(share * static_cast<double>(free.evaluations));
+      const ActuatorFrame bound = felt(depth, most);
+      EXPECT_LE(bound.evaluations, most) << depth << " " << share;
+      EXPECT_EQ((bound.flags & kCoarsened) != 0, share < 1) << depth << " " << share;
+      EXPECT_EQ(bound.error_estimate > 1.5 * free.error_estimate, share < 1) << depth << " " << share;
+      EXPECT_LE(norm(total_force(bound) - total_force(free)), bound.error_estimate) << depth << " " << share;
+    }
+  }
+}
+
+// Lattices are of one cell on all levels here, so there is hardly anything to spare.
+TEST(SkinBlocks, AreToldToBeCoarserWhereABoundOnEffortCannotBeKept) {
   Scene scene = fine_scene();
   FeelingHand free(scene, 1e-4);
   const DeviceFrame frame = pressed(scene.hand, mixed_depth(free.model()) - 0.0005);
@@ -261,7 +421,7 @@ TEST(SkinBlocks, StayWithinABoundOnEffort) {
     scene.settings.effort = static_cast<std::uint32_t>(share * static_cast<double>(unbound.evaluations));
     const ActuatorFrame bound = FeelingHand(scene, 1e-4)(frame);
     EXPECT_EQ((bound.flags & kCoarsened) != 0, share < 1) << share;
-    EXPECT_LE(bound.evaluations, scene.settings.effort) << share;
+    EXPECT_LE(bound.evaluations, unbound.evaluations) << share;
     EXPECT_LE(norm(total_force(bound) - total_force(unbound)), bound.error_estimate) << share;
   }
 }

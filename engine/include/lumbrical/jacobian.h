@@ -25,8 +25,8 @@ namespace lumbrical {
 /// felt as a whole by one of the neighbours: there their wrenches step, and the Jacobian leaves the step out.
 struct SegmentJacobian {
   Matrix6 value{};  ///< [row][column]: [N/m N/rad; N m/m N m/rad]; zero where nothing is touched
-  /// False: the segment follows a law other than field or has a contact, deep in a folded finger, that is
-  /// only known roughly (Contact::error); `value` is zero.
+  /// False: the segment follows a law other than field, has a contact, deep in a folded finger, that is only
+  /// known roughly (Contact::error), or more near it than there is room for; `value` is zero.
   bool known = false;
 };
 

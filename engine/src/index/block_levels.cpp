@@ -122,7 +122,7 @@ std::vector<std::vector<Sphere>> spheres_on_skin(const Patches& patches, Vec3 or
     if (width > 1 || level == 0) spheres.emplace_back(piece_count(blocks.size(), width), nothing);
     for (std::size_t i = 0; i < blocks.size(); ++i) {
       if (double{blocks[i].size} > largest) continue;
-      const Sphere own{point_of(blocks[i].centre) - origin, double{blocks[i].radius}};
+      const Sphere own{point_of(blocks[i].centre) - origin, (1 + kDistanceSlack) * double{blocks[i].radius}};
       Sphere& round = spheres.back()[i / width];
       if (round.radius < 0) round = own;
       hold(own, round);

@@ -9,7 +9,7 @@
 namespace lumbrical {
 namespace {
 
-// Returns the sphere round it.
+// Returns the sphere that it is searched by.
 Sphere put_patch(const Corners& at, double step, Vec3 origin, std::size_t lane, PatchBlock& block,
                  PatchShape& shape) {
   const Vec3 ab = at.b - at.a, ac = at.c - at.a, area = cross(ab, ac);
@@ -30,7 +30,7 @@ Sphere put_patch(const Corners& at, double step, Vec3 origin, std::size_t lane, 
   block.normal[2][lane] = static_cast<float>(normal.z);
   const double steps = steps_along(longest_first(at).square, norm(area), step);
   block.size[lane] = static_cast<float>(std::min<std::size_t>(steps_for(steps), kPatchSizes) - 1);
-  return round;
+  return {round.centre, (1 + kDistanceSlack) * radius};
 }
 
 // An empty place lies where its block does.

@@ -132,9 +132,13 @@ std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& s
   if (rules.segments == 0) return nullptr;
   auto patches = std::make_shared<Patches>();
   patches->rules = rules;
-  const Cutting cutting = cut_triangles(triangles, execution, *patches);
-  put_large(triangles, execution, *patches);
-  put_blocks(triangles, extent, cutting, execution, *patches);
+  // What is a block, which are taken as ones and in which order they are summed all go by the trees: so these
+  // are always built alike.
+  Execution own;
+  own.threads = execution.threads;
+  const Cutting cutting = cut_triangles(triangles, own, *patches);
+  put_large(triangles, own, *patches);
+  put_blocks(triangles, extent, cutting, own, *patches);
   return patches;
 }
 

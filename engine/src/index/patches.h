@@ -15,6 +15,11 @@
 
 namespace lumbrical {
 
+/// Share of their radii by which patches, blocks and bodies are taken to be nearer than they are: as much as
+/// single precision may move a distance, generously. Searches allow for it too, or would find less than there
+/// is.
+inline constexpr double kDistanceSlack = 1e-5;
+
 /// Sixteen patches that lie side by side, as far as classification asks.
 struct alignas(64) PatchBlock {
   static constexpr std::uint32_t kWidth = 16;
@@ -62,7 +67,8 @@ struct Patches {
 };
 
 /// The patches of a world of that extent for a hand; null where no segment is felt by samples. On
-/// `execution.threads` threads, with the same result for any number of them.
+/// `execution.threads` threads, with the same result for any number of them; of `execution` nothing else
+/// counts.
 std::shared_ptr<const Patches> build_patches(const Hand& hand, const Settings& settings,
                                              const Triangles& triangles, const Box& extent,
                                              const Execution& execution);

@@ -84,19 +84,22 @@ struct TakenWhole {
 struct BlockClaims {
   unsigned outdone = 0, contested = 0;
 };
+/// Of the blocks in some lanes, by `parts` of the hand.
 template <class V>
 inline BlockClaims claims_of(const BlockRows& rows, const BlockKinds& kinds, const OtherParts& others,
-                             std::uint64_t parts) {
+                             std::uint64_t parts, unsigned lanes) {
+  constexpr auto kCount = static_cast<unsigned>(wide::Lanes<V>::kCount);
   BlockClaims claims;
   if (parts == 0) return claims;
-  for (unsigned lane = 0; lane < BlockRows::kWidth; lane += static_cast<unsigned>(wide::Lanes<V>::kCount)) {
+  for (unsigned lane = 0; lane < BlockRows::kWidth; lane += kCount) {
+    if ((lanes >> lane & ((1u << kCount) - 1)) == 0) continue;
     const BodyFields<V> fields(others.bodies, parts, others.offset, vector_at<V>(rows.centre, lane));
     const V reach = reach_of(get(rows.radius + lane, V{}), others.offset.largest), zero = number<V>(0),
             lead = fields.first - get(kinds.field + lane, V{}), twice = reach + reach;
     claims.outdone |= wide::bits_of(lead > twice) << lane;
     claims.contested |= wide::bits_of(fields.first + reach > zero && lead + twice >= zero) << lane;
   }
-  return claims;
+  return {claims.outdone & lanes, claims.contested & lanes};
 }
 
 /// From kinds to blocks that have to be opened and those that are taken as wholes: `whole(kind, no skeleton
@@ -109,22 +112,26 @@ inline SampleKernels::Sorted part_blocks(const BlockRows& rows, const BlockKinds
                                          CentroidForce& force) {
   SampleKernels::Sorted sorted{0, 0};
   TakenWhole taken[BlockRows::kWidth];
-  unsigned small = 0;
-  std::uint64_t others_near = 0;
+  unsigned small_of[FingerBody::kMostTiles] = {};
   for (std::size_t lane = 0; lane < count; ++lane) {
     if (kinds.kind[lane] < 0) continue;
     taken[lane] = whole(static_cast<std::uint32_t>(kinds.kind[lane]), !(kinds.is_near[lane] > 0));
     if (!(blocks[found[lane] >> shift].size <= taken[lane].size)) continue;
-    small |= 1u << lane;
-    others_near |= others.of_tile(kTileOfKind[static_cast<std::uint32_t>(kinds.kind[lane])]);
+    small_of[kTileOfKind[static_cast<std::uint32_t>(kinds.kind[lane])]] |= 1u << lane;
   }
-  const BlockClaims claims = claims_of<V>(rows, kinds, others, others_near);
-  small &= claims.outdone | ~claims.contested;
+  // Rivals are asked about their own tile's blocks only: what else is in the row must not show.
+  unsigned small = 0, all_outdone = 0;
+  for (std::size_t tile = 0; tile < FingerBody::kMostTiles; ++tile) {
+    if (small_of[tile] == 0) continue;
+    const auto [outdone, contested] = claims_of<V>(rows, kinds, others, others.of_tile(tile), small_of[tile]);
+    all_outdone |= outdone;
+    small |= small_of[tile] & (outdone | ~contested);
+  }
   for (std::size_t lane = 0; lane < count; ++lane) {
     if (kinds.kind[lane] < 0) continue;
     const std::uint32_t place = found[lane] >> shift;
     if ((small >> lane & 1u) != 0) {
-      if ((claims.outdone >> lane & 1u) == 0)
+      if ((all_outdone >> lane & 1u) == 0)
         patches[sorted.whole_count++] = {static_cast<std::uint16_t>(taken[lane].key), 1, first + place};
       const float field = kinds.field[lane] > 0 ? kinds.field[lane] : 0;
       for (std::size_t axis = 0; axis < 3; ++axis)  // in a lane of its own, whatever blocks are beside it

@@ -148,7 +148,9 @@ void open_for_body(const Search& search, const Model& model, std::span<const Fou
   const Patches& patches = *model.patches;
   const std::size_t most = most_patches(model);
   for (const FoundPatches& found : before) {
-    if (!is_on_skin(found)) searcher.found[searcher.count++] = found;
+    if (is_on_skin(found)) continue;
+    searcher.found[searcher.count++] = found;
+    if (searcher.count > most) return;
   }
   std::uint32_t* from = searcher.frontier[0].data();
   std::uint32_t* to = searcher.frontier[1].data();
@@ -193,6 +195,11 @@ void find_from(const Search& search, const Model& model, const CutPatches& cuts,
   classify(arrays_of(cuts, patches), from.blocks.subspan(of_model));
 }
 
+// [m] The part of it that a body has; spheres have theirs.
+float distance_slack(const OtherParts& others) {
+  return static_cast<float>(kDistanceSlack) * others.offset.largest;
+}
+
 // Of spheres round blocks, those that are cut too. A world file has no others, so those count from the hand.
 TreeHead head_of_blocks(const Model& model, const CutPatches& cuts) {
   TreeHead head = model.patches->tree.head;
@@ -206,8 +213,10 @@ void find_for_finger(const Model& model, const Primitives& hand, const CutPatche
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
   const TreeHead head = head_of_blocks(model, cuts);
   SphereQuery queries[FingerBody::kMostTiles];
-  for (std::size_t k = 0; k < finger.tile_count; ++k)
+  for (std::size_t k = 0; k < finger.tile_count; ++k) {
     queries[k] = query_of(head, hand.capsule[finger.segment[k]]);
+    queries[k].reach += distance_slack(others);
+  }
   const BodySearch search{
       [&](const SphereBlock* spheres, const std::uint32_t* blocks, std::size_t count, bool with_bits,
           std::uint32_t* to) {
@@ -255,7 +264,8 @@ void find_for_palm(const Model& model, const Primitives& hand, const CutPatches&
                    const SplitPoint& origin, const OtherParts& others, const SearchFrom& from,
                    PatchSearcher& searcher, CentroidForce& force) {
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
-  const PalmQuery query = query_of_palm(head_of_blocks(model, cuts), hand.palm);
+  PalmQuery query = query_of_palm(head_of_blocks(model, cuts), hand.palm);
+  query.slack += distance_slack(others);
   const BodySearch search{
       [&](const SphereBlock* spheres, const std::uint32_t* blocks, std::size_t count, bool,
           std::uint32_t* to) { return kernels.palm_hits(spheres, query, blocks, count, to); },

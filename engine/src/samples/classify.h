@@ -10,9 +10,6 @@ namespace lumbrical::LUMBRICAL_ISA {
 /// A skeleton is near to patches within this many times their radius, and fields are smooth beyond that.
 inline constexpr double kSkeletonReach = 1.25, kSmoothReach = 2.5;
 
-/// Share of a radius by which single precision may move a distance here, generously.
-inline constexpr double kDistanceSlack = 1e-5;
-
 /// Patches as discs about their centroids, relative to a body's origin.
 template <class V>
 struct Discs {

@@ -253,7 +253,11 @@ bool cut_near(const Model& model, const Primitives& hand, CutPatches& cuts) {
   const bool is_again = cuts.build == model.build;
   if (is_again && is_within(cuts.spare, cuts.about, place)) return true;
   cuts.about = place;
-  const double at_first = is_again ? cuts.spare : kSpareReach;
+  // Where there was no room to spare there may be once less than half as much is near: asking more often
+  // would cut anew in every tick.
+  const bool is_full = is_again && cuts.spare == 0 && 2 * cuts.near.size() >= cuts.most_near;
+  const double at_first = is_full ? 0 : kSpareReach;
+  if (!is_full) cuts.most_near = 0;
   for (const double spare : {at_first, at_first, 0.0}) {
     const Limbs limbs(cuts.about, spare);
     if (find_near(model, limbs, cuts)) {
@@ -261,6 +265,7 @@ bool cut_near(const Model& model, const Primitives& hand, CutPatches& cuts) {
       put_spheres(cuts);
       cuts.build = model.build;
       cuts.spare = spare;
+      cuts.most_near = std::max(cuts.most_near, cuts.near.size());
       return true;
     }
     forget(cuts);

@@ -32,7 +32,8 @@ struct CutPatches {
 
   std::uint64_t build = 0;           ///< of the model that this is for
   HandPlace about;                   ///< where the hand was: all that is near it as long as nothing of it
-  double spare = 0;                  ///< [m] is farther than this from there
+  double spare = 0;                  ///< [m] is farther than this from there; 0: there was no room for more
+  std::size_t most_near = 0;         ///< blocks at a time, since room for more was last asked for
   std::vector<std::uint32_t> near;   ///< these blocks, in the order of triangles and cells
   std::vector<SphereBlock> round;    ///< spheres round those
   Vec3 origin;                       ///< [m] W, that they and the model's are relative to

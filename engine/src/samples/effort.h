@@ -14,7 +14,7 @@ namespace lumbrical {
 struct Effort {
   std::uint64_t always = 0;  ///< rules, blocks, and lattices that are the same on all levels
   std::array<std::uint64_t, kLevels> level{};  ///< the other lattices of each level
-  std::uint64_t one_cell = 0;                  ///< all lattices, were they of one cell
+  std::uint64_t one_cell = 0;                  ///< rules, blocks, and all lattices, were they of one cell
 };
 Effort effort_of(const PatchRules& rules, const NearPatches& near, const Overlaps& overlaps);
 
@@ -30,6 +30,7 @@ std::uint64_t evaluations_of(const Effort& effort, const LevelWeights& weights);
 double error_factor_of(const LevelWeights& weights, double force);
 
 /// The same of lattices of one cell over the largest patches near: it grows with the cells' fourth power.
-double one_cell_error_factor(const PatchRules& rules, const NearPatches& near, double force);
+double one_cell_error_factor(const PatchRules& rules, const NearPatches& near, const Overlaps& overlaps,
+                             double force);
 
 }  // namespace lumbrical

@@ -18,7 +18,7 @@ namespace lumbrical {
 using LevelWeights = std::array<double, kLevels>;
 
 /// Least forces for which level k will do without the next finer one: sums of what bodies feel by centroids,
-/// of a stiffness of 1, in units of Patches::radius3. A step's fourth power goes with them. Measured over
+/// of a stiffness of 1, in units of PatchRules::radius3. A step's fourth power goes with them. Measured over
 /// drapes, fingertips, grasps and real meshes (docs/mechanics.md).
 inline constexpr std::array<double, kLevels - 1> kEnoughForce = {37, 17, 5, 2.1, 0.95, 0.42, 0.2, 0.08};
 

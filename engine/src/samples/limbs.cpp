@@ -3,12 +3,13 @@
 #include <cmath>
 
 #include "base/set_bits.h"
+#include "index/patches.h"
 
 namespace lumbrical {
 namespace {
 
 // By this share of their size, and by that of where they are, things are nearer than they seem.
-constexpr double kSlack = 1e-6, kRounding = 1e-15;
+constexpr double kSlack = kDistanceSlack + 1e-6, kRounding = 1e-15;
 
 constexpr double kFarAway = 1e300;  // [m]
 
@@ -41,17 +42,20 @@ bool is_within(double reach, const HandPlace& was, const HandPlace& hand) {
 }
 
 Limbs::Limbs(const HandPlace& hand, double spare) : count_(hand.phalanx_count), palm_(hand.palm) {
+  double largest = palm_.radius;
+  for (std::size_t i = 0; i < count_; ++i) largest = max(largest, hand.phalanx[i].radius);
+  const double more = spare + kSlack * (largest + spare);
   for (std::size_t i = 0; i < count_; ++i) {
     const auto& [end1, end2, radius] = hand.phalanx[i];
     const Vec3 axis = end2 - end1;
-    const double square = dot(axis, axis), reach = radius + spare;
-    segment_[i] = {end1, axis, square > 0 ? 1 / square : 0, (1 + kSlack) * reach};
+    const double square = dot(axis, axis), reach = radius + more;
+    segment_[i] = {end1, axis, square > 0 ? 1 / square : 0, reach};
     box_.add(end1, reach);
     box_.add(end2, reach);
   }
+  palm_reach_ = palm_.radius + more;
   for (std::size_t k = 0; k < static_cast<std::size_t>(palm_.corner_count); ++k)
-    box_.add(palm_.corner[k], palm_.radius + spare);
-  palm_reach_ = (1 + kSlack) * (palm_.radius + spare);
+    box_.add(palm_.corner[k], palm_reach_);
   ball_.end1 = ball_.end2 = box_.middle();
   ball_.radius1 = ball_.radius2 = norm(box_.upper - ball_.end1);
 }

@@ -29,6 +29,7 @@ struct NearPatches {
   void forget() {
     begin.fill(0);
     tiles = 0;
+    innermost.fill(0);
   }
   [[nodiscard]] bool has(std::size_t patch_class) const {
     return begin[patch_class * kind::kCount] < begin[(patch_class + 1) * kind::kCount];

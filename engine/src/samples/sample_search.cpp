@@ -101,7 +101,7 @@ void size_search(const Model& model, PatchSearchMemory& memory) {
   for (PatchSearcher& searcher : memory.searcher) {
     for (auto& frontier : searcher.frontier) at_least(blocks + 1, frontier);
     at_least(most + std::max(patches.block.size(), kSpare), searcher.found);
-    if (patches.rules.block_on_skin[0] > 0) at_least(searcher.found.size(), searcher.before);
+    at_least(searcher.found.size(), searcher.before);  // they change places, and models take turns
   }
 }
 

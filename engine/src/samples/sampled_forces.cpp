@@ -185,7 +185,8 @@ void feel_in_one_cell(SampleTeam& team, const Effort& effort, double force, Samp
   forces.level = {1};
   forces.evaluations = effort.one_cell;
   forces.coarsened = true;
-  forces.error_factor = one_cell_error_factor(team.model.patches->rules, team.memory.near, force);
+  forces.error_factor =
+      one_cell_error_factor(team.model.patches->rules, team.memory.near, team.memory.overlaps, force);
   feel_on_one_level(team, kOneCell, forces);
 }
 
@@ -204,7 +205,10 @@ bool feel_apart(SampleTeam& team, std::size_t coarser, const Effort& effort, dou
                 SampledForces& forces) {
   forces.evaluations = evaluations_of(effort, only(coarser));
   feel_on_one_level(team, coarser, forces);
-  if (!open_for(team, coarser + 1) || !list(team)) return false;
+  if (!open_for(team, coarser + 1) || !list(team)) {
+    forces.segment = {};
+    return false;
+  }
   SampledForces finer;
   finer.evaluations = evaluations_of(effort_of(team), only(coarser + 1));
   const std::uint64_t most = team.model.settings.effort;
@@ -239,11 +243,13 @@ bool feel(SampleTeam& team, const LevelWeights* levels, SampledForces& forces) {
     forces.level[1] += forces.level[0];
     forces.level[0] = 0;
   }
-  std::size_t coarsest = coarsest_of(forces.level);
-  if (!same_blocks(coarsest, 0) && !open_for(team, coarsest)) return false;
+  const std::size_t wanted = coarsest_of(forces.level);
+  if (!same_blocks(wanted, 0) && !open_for(team, wanted)) return false;
   if (!list(team)) return false;
   Effort effort = effort_of(team);
-  if (most > 0 && !same_blocks(coarsest, 0) && evaluations_of(effort, forces.level) > most) {
+  const bool coarser_blocks =
+      most > 0 && !same_blocks(wanted, 0) && evaluations_of(effort, only(wanted)) > most;
+  if (coarser_blocks) {
     if (!find_for(team, 0) || !list(team)) return false;
     effort = effort_of(team);
   }
@@ -253,13 +259,14 @@ bool feel(SampleTeam& team, const LevelWeights* levels, SampledForces& forces) {
     feel_in_one_cell(team, effort, force, forces);
     return true;
   }
-  forces.coarsened = keep_effort(effort, most, forces.level);
+  forces.coarsened = keep_effort(effort, most, forces.level) || coarser_blocks;
   forces.evaluations = evaluations_of(effort, forces.level);
-  forces.error_factor = forces.coarsened ? error_factor_of(forces.level, force) : 1;
-  coarsest = coarsest_of(forces.level);
+  if (forces.coarsened)  // a level's blocks are off as much as its lattices
+    forces.error_factor = error_factor_of(coarser_blocks ? only(0) : forces.level, force);
+  const std::size_t coarsest = coarsest_of(forces.level);
   if (!(forces.level[coarsest] < 1)) {
     feel_on_one_level(team, coarsest, forces);
-  } else if (same_blocks(coarsest, coarsest + 1)) {
+  } else if (coarser_blocks || same_blocks(coarsest, coarsest + 1)) {
     feel_on_two_levels(team, coarsest, forces);
   } else {
     return feel_apart(team, coarsest, effort, force, forces);

@@ -21,12 +21,14 @@ namespace lumbrical {
 struct SampledForces {
   /// Of a stiffness of 1: [m^3], [m^4] about the joint at the segment's base.
   std::array<Wrench, kSegmentCount> segment{};
-  LevelWeights level{};             ///< how much the lattices of each level count
-  std::uint64_t evaluations = 0;    ///< of a field
-  double error_factor = 1;          ///< how many times the error is what the precision asks, by estimate
-  bool coarsened = false;           ///< to stay within Settings::effort
-  std::uint32_t patch_count = 0;    ///< near bodies, those of blocks taken as wholes counted as one
-  std::uint32_t contact_count = 0;  ///< pairs of a segment and a patch it touches
+  LevelWeights level{};           ///< how much the lattices of each level count
+  std::uint64_t evaluations = 0;  ///< of a field
+  double error_factor = 1;        ///< how many times the error is what the precision asks, by estimate
+  bool coarsened = false;         ///< to stay within Settings::effort
+  std::uint32_t patch_count = 0;  ///< near bodies, those of blocks taken as wholes counted as one
+  /// Pairs of a segment and a patch it touches. Patches that are felt finely count by their quarters
+  /// (is_in_quarters), blocks as ones as sixteen patches.
+  std::uint32_t contact_count = 0;
 };
 
 /// Working memory, sized once for a model, and the last tick's result.

@@ -91,7 +91,10 @@ void add_sampled_body(const Model& model, const Primitives& hand, std::size_t fi
       Primitives moved = hand;
       move_segments(first, last, pivot, axis(column < 3 ? side * step : 0),
                     axis(column < 3 ? 0 : side * step), hand, moved);
-      if (!sample_forces(model, moved, segments, memory, side > 0 ? ahead : behind, levels)) return;
+      if (!sample_forces(model, moved, segments, memory, side > 0 ? ahead : behind, levels)) {
+        for (std::size_t i = first; i <= last; ++i) jacobians[i].known = false;
+        return;
+      }
     }
     for (std::size_t i = first; i <= last; ++i) {
       const Vec3 force = (0.5 / step) * (ahead.segment[i].force - behind.segment[i].force);
@@ -130,6 +133,11 @@ void add_sampled(const Model& model, const Primitives& hand, std::uint32_t segme
     add_sampled_body(model, hand, kPalmSegment, kPalmSegment, 1u << kPalmSegment, memory, jacobians);
 }
 
+void add(const SegmentJacobian& more, SegmentJacobian& jacobian) {
+  jacobian.known = jacobian.known && more.known;
+  add(more.value, jacobian.value);
+}
+
 // What a pad's layer feels besides.
 void add_layer(const Model& layer, const Scratch& scratch, std::uint32_t segments,
                std::array<SegmentJacobian, kSegmentCount>& jacobians) {
@@ -137,8 +145,7 @@ void add_layer(const Model& layer, const Scratch& scratch, std::uint32_t segment
   segment_jacobians(layer, scratch, more, segments);
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     if ((segments >> i & 1u) == 0) continue;
-    jacobians[i].known = jacobians[i].known && more[i].known;
-    add(more[i].value, jacobians[i].value);
+    add(more[i], jacobians[i]);
     if (!jacobians[i].known) jacobians[i].value = {};
   }
 }
@@ -187,10 +194,11 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
                      add_contact_differences(kernels, hand, contact, joint, at, jacobian.value);
   }
   if ((segments & by_samples) != 0) {
-    std::array<SegmentJacobian, kSegmentCount> sampled{};
+    std::array<SegmentJacobian, kSegmentCount> sampled;
+    sampled.fill({{}, true});
     add_sampled(model, hand, segments, *scratch.samples, sampled);
     for (std::size_t i = 0; i < kSegmentCount; ++i) {
-      if (asked(i)) add(sampled[i].value, jacobians[i].value);
+      if (asked(i)) add(sampled[i], jacobians[i]);
     }
   }
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
