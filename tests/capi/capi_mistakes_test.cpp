@@ -134,8 +134,11 @@ TEST(CApiMistakes, WhatTheEngineRefusesIsBadData) {
   EXPECT_EQ(lumbrical_reader_open("no such file.mcap", &reader), LUMBRICAL_BAD_DATA);
   EXPECT_EQ(reader, nullptr);
   MeshObject open(make_plane(0.2, 2));
-  open.object.mobility = LUMBRICAL_FREE;
-  open.object.density = 1000;
+  MeshObject wild(far_corner);
+  wild.object.mobility = open.object.mobility = LUMBRICAL_FREE;
+  wild.object.density = open.object.density = 1000;
+  expect_refused(lumbrical_scene_add_object(c.scene, &wild.object), LUMBRICAL_BAD_DATA,
+                 "names vertex 4000000000");
   expect_refused(lumbrical_scene_add_object(c.scene, &open.object), LUMBRICAL_BAD_DATA, "closed");
   open.object.density = 0;
   expect_mistake(lumbrical_scene_add_object(c.scene, &open.object), "density or a mass");

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "../exact/posed_finger.h"
+#include "model/swept_polygon.h"
 #include "pads.h"
 #include "random.h"
 
@@ -121,6 +122,19 @@ TEST(ContactPatch, OfAPhalanxBetweenItsNeighboursIsAsStiffAsItsForceGrows) {
     }
   }
   EXPECT_GT(compared, 16u);
+}
+
+TEST(ContactPatch, OfThePalmMovesAsTheLineOfActionTurnsAndNeverJumps) {
+  Primitives hand;
+  hand.palm = place_palm(default_hand(Side::right).palm, {});
+  const Vec3 point{0.01, 0.02, -0.05}, across = hand.palm.normal, along = unit_or(cross(across, point), {});
+  const auto centre_at = [&](double angle) {
+    const Vec3 force = 10 * (std::cos(angle) * across + std::sin(angle) * along);
+    return contact_patch(hand, kPalmSegment, {force, cross(point, force)}, kStiffness, {}).centre;
+  };
+  const double step = 1e-4;
+  for (double angle = 0; angle < kPi; angle += step)
+    EXPECT_LT(norm(centre_at(angle + step) - centre_at(angle)), 10 * step) << angle;
 }
 
 }  // namespace

@@ -279,6 +279,26 @@ TEST(ObjectMotion, PosesThatAreMissingBrokenOrJumpAreToldAndForcesFade) {
   }
 }
 
+TEST(ObjectMotion, AnObjectThatIsToldOnlyWhenItIsTouchedIsFeltByAndBy) {
+  Scene scene = test::pad_scene();
+  scene.settings.fade_time = 0.02;
+  SceneObject box = test::object_of("box", cube(0.05, 3), {{1, 0, 0}, {}}, {});
+  box.mechanism.mobility = Mobility::given;
+  scene.objects.push_back(box);
+  Session run(scene);
+  const DeviceFrame frame = test::frame_of({{{0, 0, 0.031}, {0, 0, 1}}});
+  for (int i = 0; i < 50; ++i) run.step(frame);
+  const ObjectFrame told;
+  std::vector<double> force;
+  for (int i = 0; i < 30; ++i) {
+    run.step(frame, {&told, 1});
+    force.push_back(norm(test::hand_force(run.output)));
+  }
+  EXPECT_GT(force.back(), 1);
+  EXPECT_LT(force[0], 0.051 * force.back());
+  for (std::size_t i = 1; i < force.size(); ++i) EXPECT_LT(force[i] - force[i - 1], 0.051 * force.back());
+}
+
 TEST(ObjectMotion, TwoHandsPullOnOneObjectAndEveryForceHasItsCounterpart) {
   Scene scene = test::pad_scene();
   scene.gravity = {};

@@ -235,6 +235,50 @@ TEST(Proxy, FollowsTheHandAgainWhereItComesOutAndStartsAnewAfterALoss) {
   EXPECT_EQ(static_cast<float>(tip().z), -0.04f);
 }
 
+// Pressed 2 cm through a sheet, and another in the air.
+DeviceFrame two_fingertips(int millimetres) {
+  DeviceFrame frame = fingertip_at({0, 0, 0.015 - 0.001 * millimetres});
+  const DeviceFrame other = test::frame_of({{{0, 0.05, 0.06}, {0, 0, 1}}, {{0, 0.03, 0.05}, {0, 0, 1}}});
+  const auto [base, tip] = kPhalanxJoints[5];
+  for (const auto joint : {base, tip}) {
+    frame.joint[joint] = other.joint[joint];
+    frame.valid |= 1u << joint;
+  }
+  return frame;
+}
+
+TEST(Proxy, HoldsWhileJointsAreLostAndFoundAgain) {
+  for (const std::size_t lost : {std::size_t{5}, std::size_t{2}}) {  // the one in the air; the one pressed
+    Session run(proxy_scene(make_plane(0.1, 9, 0.7)));
+    for (int i = 0; i < 35; ++i) feel(run, two_fingertips(i));
+    const double force = test::hand_force(run.output).z;
+    EXPECT_GT(force, 20);
+    for (int i = 0; i < 60; ++i) {
+      DeviceFrame frame = two_fingertips(35);
+      if (i % 12 < 6) frame.valid &= ~(1u << kPhalanxJoints[lost].tip);
+      feel(run, frame);
+      ASSERT_GT(proxy_at(run, kPhalanxJoints[2].tip).z, 0) << lost << " tick " << i;
+      const bool is_felt = lost == 5 || i % 12 >= 6;
+      EXPECT_NEAR(test::hand_force(run.output).z, is_felt ? force : 0, 0.05 * force) << lost << " tick " << i;
+    }
+    for (int i = 35; i >= 0; --i) {
+      feel(run, two_fingertips(i));
+      EXPECT_GE(test::hand_force(run.output).z, 0) << lost;
+    }
+    EXPECT_EQ(run.state.proxy->valid, two_fingertips(0).valid);
+  }
+}
+
+TEST(Proxy, WithoutAWristThereIsNone) {
+  Session run(proxy_scene(make_plane(0.1, 9, 0.7)));
+  DeviceFrame frame = fingertip_at({0, 0, 0.02});
+  feel(run, frame);
+  EXPECT_GT(run.state.proxy->valid, 0);
+  frame.valid &= ~(1u << kWrist);
+  feel(run, frame);
+  EXPECT_EQ(run.state.proxy->valid, 0);
+}
+
 TEST(Proxy, BendsTheFingersOfAHandThatIsPressedOntoAWall) {
   Scene scene = proxy_scene(make_box({0.4, 0.4, 0.02}, 10));
   scene.hand = default_hand(Side::right);

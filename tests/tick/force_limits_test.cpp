@@ -96,7 +96,7 @@ TEST(ForceLimits, JointsCarryTheLimitedWrenchesOfTheirSegments) {
   settings.max_force = kLimit;
   settings.fade_time = 0;
   State state;
-  const ActuatorFrame limited = limit_forces(settings, hand, forces, true, 0, state);
+  const ActuatorFrame limited = limit_forces(settings, hand, forces, Trust::kept, 0, state);
   EXPECT_NE(limited.flags & kForceLimited, 0u);
   for (std::size_t joint = 0; joint < kSegmentCount; ++joint) {
     Vec3 torque;

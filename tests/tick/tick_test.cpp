@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <new>
 #include <set>
 
@@ -278,14 +279,16 @@ TEST(Tick, AHandFeltBySamplesHasNoPrimitivesUntilItsContactsAreAskedFor) {
   EXPECT_GT(found, 20u);
 }
 
-TEST(Tick, MissingJointsSilenceOnlyTheirSegments) {
+Scene plane_scene() {
   Scene scene = test::mug_scene(Law::max_depth);
   scene.objects = {{"plane", make_plane(0.6, 40, 1)}};
-  const Model model = test::model_of(scene);
+  return scene;
+}
+// Palm down, a little into the plane, joint by joint.
+DeviceFrame palm_down(const Hand& hand) {
   std::array<Pose, kJointCount> pose;
   const std::array<double, kAngleCount> flat{};
-  // Palm down, a little into the plane.
-  forward_kinematics(scene.hand, {{0, 0, 0.005}, {std::sqrt(0.5), std::sqrt(0.5), 0, 0}}, flat, pose);
+  forward_kinematics(hand, {{0, 0, 0.005}, {std::sqrt(0.5), std::sqrt(0.5), 0, 0}}, flat, pose);
   DeviceFrame frame;
   for (std::size_t i = 0; i < kJointCount; ++i) {
     const Vec3 p = pose[i].position;
@@ -294,6 +297,14 @@ TEST(Tick, MissingJointsSilenceOnlyTheirSegments) {
     frame.joint[i].orientation = {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z),
                                   static_cast<float>(q.w)};
   }
+  return frame;
+}
+constexpr std::uint32_t kAllJoints = (1u << kJointCount) - 1;
+
+TEST(Tick, MissingJointsSilenceOnlyTheirSegments) {
+  const Scene scene = plane_scene();
+  const Model model = test::model_of(scene);
+  DeviceFrame frame = palm_down(scene.hand);
   const auto settle = [&](std::uint32_t valid) {
     frame.valid = valid;
     State state;
@@ -302,12 +313,57 @@ TEST(Tick, MissingJointsSilenceOnlyTheirSegments) {
     for (int i = 0; i < 40; ++i) output = tick(model, state, scratch, frame);
     return output;
   };
-  const std::uint32_t all = (1u << kJointCount) - 1;
-  const ActuatorFrame whole = settle(all), without = settle(all & ~(1u << kIndexTip));
+  const ActuatorFrame whole = settle(kAllJoints), without = settle(kAllJoints & ~(1u << kIndexTip));
   EXPECT_GT(norm(whole.segment[5].force), 0);
   EXPECT_EQ(norm(without.segment[5].force), 0);
   EXPECT_NE(without.flags & kSegmentMissing, 0u);
   EXPECT_EQ(without.segment[8].force, whole.segment[8].force);
+}
+
+TEST(Tick, ASegmentThatTrackingLosesOrFindsFadesOutAndIn) {
+  const Scene scene = plane_scene();
+  const Model model = test::model_of(scene);
+  DeviceFrame frame = palm_down(scene.hand);
+  State state;
+  Scratch scratch = make_scratch(model);
+  const double most_step = 1.001 / (model.settings.fade_time * model.settings.rate);
+  double whole = 0, last = 0;
+  for (int i = 0; i < 300; ++i) {
+    frame.valid = i / 60 % 2 == 0 ? kAllJoints : kAllJoints & ~(1u << kIndexTip);
+    const ActuatorFrame output = tick(model, state, scratch, frame);
+    const double force = norm(output.segment[5].force);
+    if (i == 59) whole = force;
+    if (i >= 60) {
+      EXPECT_LE(std::fabs(force - last), most_step * whole) << i;
+    }
+    if (i % 60 == 59) {
+      EXPECT_DOUBLE_EQ(force, i / 60 % 2 == 0 ? whole : 0) << i;
+    }
+    last = force;
+  }
+  EXPECT_GT(whole, 1);
+}
+
+TEST(Tick, WhatStandsInAJointThatIsNotTrackedIsNotRead) {
+  const Scene scene = plane_scene();
+  const Model model = test::model_of(scene);
+  const auto settle = [&](float in_index_proximal) {
+    DeviceFrame frame = palm_down(scene.hand);
+    frame.valid = kAllJoints & ~(1u << kIndexProximal);
+    frame.joint[kIndexProximal].position.fill(in_index_proximal);
+    frame.joint[kIndexProximal].orientation.fill(in_index_proximal);
+    State state;
+    Scratch scratch = make_scratch(model);
+    ActuatorFrame output;
+    for (int i = 0; i < 40; ++i) output = tick(model, state, scratch, frame);
+    return output;
+  };
+  const ActuatorFrame finite = settle(0), broken = settle(std::numeric_limits<float>::quiet_NaN());
+  EXPECT_GT(norm(finite.segment[8].force), 0);
+  EXPECT_EQ(broken.flags, finite.flags);
+  EXPECT_EQ(broken.flags & kFading, 0u);
+  for (std::size_t i = 0; i < kSegmentCount; ++i) EXPECT_EQ(broken.segment[i].force, finite.segment[i].force);
+  for (const double torque : broken.flexion_torque) EXPECT_TRUE(is_finite(torque));
 }
 
 // Two hands in one scene: each its own model, state and outputs, of one world.

@@ -46,7 +46,7 @@ enum TickFlag : std::uint32_t {
       1u << 1,           ///< a joint farther than 1 m from its wrist, or a zero quaternion. Check units
   kInputLost = 1u << 2,  ///< kTrackingLost was set. Forces fade to zero
   kInputExtrapolated = 1u << 3,  ///< kExtrapolated was set. Raise the tracking rate
-  kSegmentMissing = 1u << 4,     ///< a joint is not valid: the segments it bounds feel nothing
+  kSegmentMissing = 1u << 4,     ///< a joint is not valid: its segments feel nothing; what they felt fades
   kSegmentDegenerate = 1u << 5,  ///< a phalanx of zero length was felt as a sphere
   kAngleClamped = 1u << 6,       ///< a joint angle exceeded the hand's limits. Calibrate or widen the limits
   kCandidateOverflow =
@@ -75,9 +75,11 @@ struct HandForces {
 /// What the device is told.
 struct ActuatorFrame : HandForces {
   std::uint64_t tick = 0;
-  std::uint32_t flags = 0;          ///< TickFlag bits
-  std::uint32_t contact_count = 0;  ///< contacts behind this frame, before limits
-  std::uint64_t evaluations = 0;    ///< of a field, by samples: what Settings::effort bounds
+  std::uint32_t flags = 0;  ///< TickFlag bits
+  /// Contacts behind this frame, before limits; of samples patches, by quarters where they are felt finely,
+  /// and by sixteens where blocks are felt as one.
+  std::uint32_t contact_count = 0;
+  std::uint64_t evaluations = 0;  ///< of a field, by samples: what Settings::effort bounds
   /// [N] About what samples may be off, all sampled segments together, before limits: measured, no bound. 98
   /// % of ticks stay below it, the worst seen were ten times as far off (docs/mechanics.md).
   double error_estimate = 0;

@@ -23,17 +23,18 @@ namespace lumbrical {
 
 /// What of the hand's forces survives from one tick to the next. No padding: hashed as it stands.
 struct HandState {
-  std::uint64_t tick = 0;  ///< number of the next tick: the engine's only clock
-  double rise = 0;         ///< share of the fresh forces in the output, 0 .. 1
-  double fall = 0;         ///< share of the held forces in the output, 0 .. 1
-  HandForces last;         ///< the last output
-  HandForces held;         ///< the output when trust was lost
+  std::uint64_t tick = 0;    ///< number of the next tick: the engine's only clock
+  double rise = 0;           ///< share of the fresh forces in the output, 0 .. 1
+  double fall = 0;           ///< share of the held forces in the output, 0 .. 1
+  std::uint64_t joints = 0;  ///< a bit for each joint of the last hand that was placed; 0: none was
+  HandForces last;           ///< the last output
+  HandForces held;           ///< the output when trust was lost
 };
 
 /// The hand as far as surfaces let it follow (Settings::proxy_stiffness). No padding: hashed as it stands.
 struct ProxyState {
   std::array<Pose, kJointCount> joint;  ///< X_WJ
-  double valid = 0;  ///< a whole number with a bit for each joint it has; 0: it starts anew
+  double valid = 0;  ///< a whole number with a bit for each joint it knows a place of; 0: it starts anew
 };
 
 /// Where segments were (Pad::damping). No padding: hashed as it stands.

@@ -6,6 +6,7 @@
 #include "base/floating_point.h"
 #include "capi/boundary.h"
 #include "capi/convert.h"
+#include "model/scene_check.h"
 
 using namespace lumbrical;
 using namespace lumbrical::capi;
@@ -63,6 +64,7 @@ Fault take_mass(const lumbrical_object& given, const Mesh& mesh, Winding winding
 Fault take_mechanism(const lumbrical_object& given, Convention convention, SceneObject& object) {
   Mechanism& mechanism = object.mechanism;
   if (!moves_by_itself(mechanism)) return {};
+  if (Fault fault = check_object(object.name, object.mesh, 1)) return fault;
   if (Fault fault = take_mass(given, object.mesh, object.winding, mechanism.body)) return fault;
   mechanism.damping = given.damping;
   if (mechanism.mobility == Mobility::free) return {};

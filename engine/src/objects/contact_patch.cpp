@@ -213,13 +213,18 @@ Vec3 on_line_of_action(Vec3 joint, const Wrench& wrench, double square) {
   return joint + cross(wrench.force, wrench.torque) / square;
 }
 
+// The least cosine of the angle between a line of action and the palm's normal for the patch to be moved
+// along that line onto the palm's skin; below it, the less the flatter the line is.
+constexpr double kSteepLine = 0.3;
+
 void take_palm(const SweptPolygon& palm, double stiffness, const Pad& pad, ContactPatch& patch) {
   const double across = dot(patch.normal, palm.normal);
-  if (std::fabs(across) > 0.3) {
-    const double side = across < 0 ? 1.0 : -1.0;  // the palm is pushed on the side that looks at the object
-    const Vec3 skin = palm.corner[0] + (side * palm.radius) * palm.normal;
-    patch.centre += (dot(palm.normal, skin - patch.centre) / across) * patch.normal;
-  }
+  const double side = across < 0 ? 1.0 : -1.0;  // the palm is pushed on the side that looks at the object
+  const Vec3 skin = palm.corner[0] + (side * palm.radius) * palm.normal;
+  const double height = dot(palm.normal, skin - patch.centre);
+  const double way =
+      std::fabs(across) > kSteepLine ? height / across : height * (across / (kSteepLine * kSteepLine));
+  patch.centre += way * patch.normal;
   patch.radius = 8.0 / 15 * palm.radius;
   double hardness = 1;
   for (const PadLayer& layer : pad.layer)

@@ -32,8 +32,8 @@ struct Touch {
 /// Of all segments, in their order.
 using Touches = FixedList<Touch, kSegmentCount>;
 
-std::uint32_t take_frame(const ObjectFrame* frame, const Settings& settings, Vec3 centre,
-                         ObjectState& state) {
+std::uint32_t take_frame(const ObjectFrame* frame, const Settings& settings, Vec3 centre, ObjectState& state,
+                         bool& anew) {
   state.velocity = state.angular_velocity = {};
   if (frame == nullptr) return kObjectMissing;
   const Quat q = frame->pose.orientation;
@@ -48,6 +48,7 @@ std::uint32_t take_frame(const ObjectFrame* frame, const Settings& settings, Vec
     state.angular_velocity = speed.angular_velocity;
     state.velocity = speed.velocity + cross(speed.angular_velocity, rotate(pose.orientation, centre));
   }
+  anew = anew || first;
   state.pose = pose;
   state.told = 1;
   return jumped && !first ? kObjectImplausible : 0u;
@@ -204,13 +205,13 @@ void move_object(const Model& model, const ApartObject& object, const Primitives
 
 }  // namespace
 
-std::uint32_t move_given(const Model& model, std::span<const ObjectFrame> given, State& state) {
+std::uint32_t move_given(const Model& model, std::span<const ObjectFrame> given, State& state, bool& anew) {
   std::uint32_t flags = 0;
   std::size_t told = 0;
   for (std::size_t i = 0; i < model.apart.size(); ++i) {
     if (model.apart[i].mechanism.mobility != Mobility::given) continue;
     flags |= take_frame(told < given.size() ? &given[told] : nullptr, model.settings,
-                        model.apart[i].mechanism.body.centre, state.objects[i]);
+                        model.apart[i].mechanism.body.centre, state.objects[i], anew);
     ++told;
   }
   return flags;

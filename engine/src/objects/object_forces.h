@@ -16,8 +16,9 @@ struct ObjectTick {
   bool trusted;             ///< false: no object feels the hand
 };
 
-/// Puts the objects that are moved from outside to where they are told to be. Returns TickFlag bits.
-std::uint32_t move_given(const Model& model, std::span<const ObjectFrame> given, State& state);
+/// Puts the objects that are moved from outside to where they are told to be; `anew` becomes true where one
+/// is told for the first time. Returns TickFlag bits.
+std::uint32_t move_given(const Model& model, std::span<const ObjectFrame> given, State& state, bool& anew);
 
 /// Feels every object where it stands, adds what the hand's segments feel to `forces`, and moves those that
 /// move by themselves. Adds TickFlag bits to `flags`.

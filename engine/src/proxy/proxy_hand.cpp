@@ -111,6 +111,30 @@ double distance_moved(const Hand& hand, std::size_t segment, const Joints& from,
   return from.has(kPalm) ? most : 0;
 }
 
+Joints known_to(const ProxyState& proxy) { return {proxy.joint, static_cast<std::uint32_t>(proxy.valid)}; }
+
+// The tracked hand, with joints that tracking has lost where the proxy has them on what carries them.
+Joints completed(const Joints& tracked, const Joints& known) {
+  Joints all = tracked;
+  all.valid |= known.valid;
+  for (std::size_t joint = 0; joint < kJointCount; ++joint) {
+    if (known.has(static_cast<int>(joint)) && !tracked.has(static_cast<int>(joint)))
+      all.pose[joint] = all.pose[carrier_of(joint, known)] * relative(joint, known);
+  }
+  return all;
+}
+
+// Where the proxy is, and joints that it does not know yet as the hand has them on what carries them.
+Joints taken_up(const Joints& known, const Joints& hand) {
+  Joints proxy = known;
+  proxy.valid = hand.valid;
+  for (std::size_t joint = 0; joint < kJointCount; ++joint) {
+    if (hand.has(static_cast<int>(joint)) && !known.has(static_cast<int>(joint)))
+      proxy.pose[joint] = proxy.pose[carrier_of(joint, hand)] * relative(joint, hand);
+  }
+  return proxy;
+}
+
 /// How far each segment may go in a step.
 using Allowance = std::array<double, kSegmentCount>;
 
@@ -200,6 +224,14 @@ bool is_free(const Model& model, const State& state, const Joints& hand, Scratch
   return true;
 }
 
+// A joint that tracking has lost holds the proxy as before, but its segment feels nothing.
+void silence_untracked(const Primitives& hand, GapList& pushing) {
+  for (Gap& gap : pushing) {
+    const bool is_felt = gap.segment == kPalmSegment ? hand.joints.has(kPalm) : hand.present[gap.segment];
+    if (!is_felt) gap.push = gap.stiffness = 0;
+  }
+}
+
 }  // namespace
 
 std::shared_ptr<ProxyMemory> make_proxy_memory(const Model& model) {
@@ -214,24 +246,28 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
   scratch.proxy->pushing.clear();
   if (!state.proxy) state.proxy.emplace();
   ProxyState& kept = *state.proxy;
-  if (!trusted) {
+  Joints& joints = hand.joints;
+  if (!trusted || !joints.has(kWrist)) {
     kept = {};
     return 0;
   }
-  Joints& joints = hand.joints;
   if (kept.valid == 0) {
     bool free = false;
     if (!is_free(model, state, joints, scratch, free)) return kCandidateOverflow;
     if (free) kept = {joints.pose, static_cast<double>(joints.valid)};
     return 0;
   }
-  if (joints.has(kWrist) && kept.valid == static_cast<double>(joints.valid)) {
-    Joints proxy{kept.joint, joints.valid};
-    if (!advance(model, state, joints, scratch, proxy)) return kCandidateOverflow;
-    const bool held = proxy.pose != joints.pose;
-    if (held) static_cast<void>(place_hand(model.hand, model.settings, proxy, {}, hand));
+  const Joints known = known_to(kept), all = completed(joints, known);
+  Joints proxy = taken_up(known, all);
+  if (!advance(model, state, all, scratch, proxy)) return kCandidateOverflow;
+  if (proxy.pose == all.pose) {  // nothing is in the way: what tracking has lost may be forgotten
+    kept = {joints.pose, static_cast<double>(joints.valid)};
+    return 0;
   }
-  kept = {joints.pose, static_cast<double>(joints.valid)};
+  kept = {proxy.pose, static_cast<double>(proxy.valid)};
+  proxy.valid = joints.valid;
+  static_cast<void>(place_hand(model.hand, model.settings, proxy, {}, hand));
+  silence_untracked(hand, scratch.proxy->pushing);
   return 0;
 }
 

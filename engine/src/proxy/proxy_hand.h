@@ -20,7 +20,9 @@ std::shared_ptr<ProxyMemory> make_proxy_memory(const Model& model);
 
 /// Moves the proxy towards the tracked hand in `hand`, which is then the proxy, and lists in `scratch` the
 /// gaps that push. At first, and after a tick without `trusted`, there is none until the tracked hand's cores
-/// are outside all surfaces: before that no one can say from where they came. Returns TickFlag bits.
+/// are outside all surfaces: before that no one can say from where they came. A hand without a wrist has
+/// none. Joints that tracking loses while something holds the proxy stay as they were on what carries them.
+/// Returns TickFlag bits.
 std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratch& scratch, Primitives& hand);
 
 /// Adds what the world's surfaces push the cores with.

@@ -66,8 +66,8 @@ std::vector<std::uint8_t> encode_state(const State& state) {
   const auto objects = put_rows(std::span(state.objects));
   const auto proxy = put_rows(state.proxy ? std::span(&*state.proxy, 1) : std::span<const ProxyState>());
   const auto pad = put_rows(state.pad ? std::span(&*state.pad, 1) : std::span<const PadState>());
-  builder.Finish(
-      fb::CreateState(builder, state.tick, state.rise, state.fall, last, held, objects, proxy, pad));
+  builder.Finish(fb::CreateState(builder, state.tick, state.rise, state.fall, last, held, objects, proxy, pad,
+                                 static_cast<std::uint32_t>(state.joints)));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 
@@ -85,7 +85,8 @@ Status decode_state(std::span<const std::uint8_t> bytes, State& state) {
   result.tick = message.tick();
   result.rise = message.rise();
   result.fall = message.fall();
-  const bool good = is_share(result.rise) && is_share(result.fall) &&
+  result.joints = message.joints();
+  const bool good = is_share(result.rise) && is_share(result.fall) && result.joints >> kJointCount == 0 &&
                     to_forces(message.last(), result.last) && to_forces(message.held(), result.held) &&
                     to_rows(message.objects(), kMostObjects, result.objects) &&
                     to_rows(message.proxy(), 1, proxy) && to_rows(message.pad(), 1, pad);

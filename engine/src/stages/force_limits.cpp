@@ -43,15 +43,15 @@ HandForces mix(double a, const HandForces& x, double b, const HandForces& y) {
 }
 
 // Fresh forces are zero where they are not trusted.
-ActuatorFrame mix_with_held(const Settings& settings, const HandForces& fresh, bool trusted,
+ActuatorFrame mix_with_held(const Settings& settings, const HandForces& fresh, Trust trust,
                             std::uint32_t flags, HandState& state) {
   const double step = 1 / max(1, settings.fade_time * settings.rate);
-  if (!trusted && state.rise > 0) {
+  if (trust != Trust::kept && state.rise > 0) {
     state.held = state.last;
     state.rise = 0;
     state.fall = 1;
   }
-  if (trusted) state.rise = min(1, state.rise + step);
+  if (trust != Trust::none) state.rise = min(1, state.rise + step);
   state.fall = max(0, state.fall - step);
   if (state.rise != 1 || state.fall != 0) flags |= kFading;
   if (state.fall == 0) state.held = {};
@@ -73,16 +73,16 @@ double saturated(double force, double max_force) {
   return min(max_force, free + room * (over <= room ? x / root : 1 / root));
 }
 
-ActuatorFrame limit_forces(const Settings& settings, const Primitives& hand, HandForces fresh, bool trusted,
+ActuatorFrame limit_forces(const Settings& settings, const Primitives& hand, HandForces fresh, Trust trust,
                            std::uint32_t flags, HandState& state) {
-  trusted = trusted && all_finite(fresh);
-  if (!trusted) fresh = {};
-  if (trusted && saturate_segments(settings.max_force, hand, fresh)) flags |= kForceLimited;
-  return mix_with_held(settings, fresh, trusted, flags, state);
+  if (!all_finite(fresh)) trust = Trust::none;
+  if (trust == Trust::none) fresh = {};
+  if (saturate_segments(settings.max_force, hand, fresh)) flags |= kForceLimited;
+  return mix_with_held(settings, fresh, trust, flags, state);
 }
 
 ActuatorFrame fade_forces(const Settings& settings, std::uint32_t flags, HandState& state) {
-  return mix_with_held(settings, {}, false, flags, state);
+  return mix_with_held(settings, {}, Trust::none, flags, state);
 }
 
 }  // namespace lumbrical

@@ -16,6 +16,13 @@ inline constexpr double kUnlimitedShare = 0.8;
 /// pressed harder feels the stiffness fade and no kink.
 double saturated(double force, double max_force);
 
+/// May this tick's forces go out?
+enum class Trust : std::uint8_t {
+  none,
+  anew,  ///< they may, but what they are of has changed since the last tick: another set of joints, say
+  kept
+};
+
 /// Saturates every segment by itself, then mixes fresh and held forces:
 ///   output = rise * fresh + fall * held.
 /// A segment's wrench keeps its line of action: force and torque are scaled alike, so one part pressed too
@@ -23,10 +30,11 @@ double saturated(double force, double max_force);
 /// is the sum over the segments it carries of their limited wrenches about it.
 ///
 /// While forces are trusted, rise grows to 1 within fade_time and fall shrinks to 0. At the first tick
-/// without trust the last output becomes the held one, which then fades out. So the output never steps,
+/// without trust, or trusted anew, the last output becomes the held one, which then fades out. So the output
+/// never steps,
 /// whatever comes in and however often trust changes, and is exactly the fresh force once trust has lasted.
 /// Advances `state` to the next tick. contact_count of the answer is left to the caller.
-ActuatorFrame limit_forces(const Settings& settings, const Primitives& hand, HandForces fresh, bool trusted,
+ActuatorFrame limit_forces(const Settings& settings, const Primitives& hand, HandForces fresh, Trust trust,
                            std::uint32_t flags, HandState& state);
 
 /// The same of a tick that has computed nothing to be trusted.

@@ -74,6 +74,7 @@ constexpr void list_fields(Is<HandState> auto& state, auto&& field) {
   field("tick", "", state.tick);
   field("rise", "", state.rise);
   field("fall", "", state.fall);
+  field("joints", "", state.joints);
   field("last", "", state.last);
   field("held", "", state.held);
 }

@@ -99,6 +99,14 @@ std::uint32_t input_flags(const DeviceFrame& frame) {
 
 bool is_trusted(std::uint32_t flags) { return (flags & kUntrusted) == 0; }
 
+// Are the joints of a hand that was placed others than the last one's? A segment that tracking loses, or
+// finds, would go, or come, with all its force.
+bool take_joints(std::uint32_t valid, HandState& state) {
+  const bool others = state.joints != 0 && state.joints != valid;
+  state.joints = valid;
+  return others;
+}
+
 // Of memory that is not the model's nothing is read: it ends anywhere.
 ActuatorFrame feel_no_more(const Model& model, State& state, Scratch& scratch) {
   scratch.stage_hash = {};
@@ -119,8 +127,9 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   tell(scratch.watch, Stage::input);
   const bool placed = is_trusted(flags);
   if (placed) flags = hand.flags |= place_hand(model.hand, model.settings, frame, hand);
+  bool anew = placed && take_joints(hand.joints.valid, state);
   const bool apart = !model.apart.empty();
-  if (apart) flags |= move_given(model, given, state);
+  if (apart) flags |= move_given(model, given, state, anew);
   if (scratch.proxy) flags |= follow_hand(model, is_trusted(flags), state, scratch, hand);
   HandForces forces = placed ? feel(model, scratch, flags) : feel_nothing(model, scratch);
   add_layers(model, scratch, flags, forces);
@@ -135,7 +144,8 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   const SampledForces& sampled = scratch.samples->forces;
   const std::span<const std::uint64_t> candidates(scratch.candidates.data(), scratch.candidate_count);
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
-  ActuatorFrame output = limit_forces(model.settings, hand, forces, is_trusted(flags), flags, state);
+  const Trust trust = !is_trusted(flags) ? Trust::none : anew ? Trust::anew : Trust::kept;
+  ActuatorFrame output = limit_forces(model.settings, hand, forces, trust, flags, state);
   output.contact_count = findings.contact_count;
   output.evaluations = findings.evaluations;
   output.force_error = findings.force_error;
