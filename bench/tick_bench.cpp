@@ -69,6 +69,9 @@ Answers exact_answers_of(const Model& model, const std::vector<DeviceFrame>& fra
   return answers_of(without_samples, frames);
 }
 
+// [N] Of less, errors are taken as shares of this: a pose that hardly touches says little.
+constexpr double kLeastForce = 0.05;
+
 double force_error_of(const std::vector<Vec3>& forces, const std::vector<Vec3>& exact, bool is_scaled) {
   double product = 0, square = 0, worst = 0;
   for (std::size_t i = 0; i < exact.size(); ++i) {
@@ -77,7 +80,8 @@ double force_error_of(const std::vector<Vec3>& forces, const std::vector<Vec3>& 
   }
   const double scale = is_scaled && square > 0 ? product / square : 1;
   for (std::size_t i = 0; i < exact.size(); ++i) {
-    if (norm(exact[i]) > 0) worst = std::max(worst, norm(scale * forces[i] - exact[i]) / norm(exact[i]));
+    const double force = std::max(norm(exact[i]), kLeastForce);
+    worst = std::max(worst, norm(scale * forces[i] - exact[i]) / force);
   }
   return worst;
 }

@@ -225,7 +225,7 @@ typedef struct lumbrical_model_info {
   uint32_t size;
   int32_t side;
   uint32_t object_count; /* in the order they were added */
-  uint32_t apart_count;  /* of them, those that move or rub */
+  uint32_t apart_count;  /* that move, rub or have a surface feel */
   uint32_t given_count;  /* of those, the GIVEN ones */
   int32_t broadphase;    /* that was chosen */
   uint64_t triangle_count;
@@ -259,7 +259,7 @@ typedef struct lumbrical_output {
   double flexion_torque[LUMBRICAL_SEGMENTS];    /* [N m] of it along the flexion axis; > 0 opens the hand */
 } lumbrical_output;
 
-/* A contacted triangle of an object that neither moves nor rubs. */
+/* A contacted triangle of the world, in which no object is apart. */
 typedef struct lumbrical_contact {
   uint32_t size;
   uint32_t segment;
@@ -273,7 +273,7 @@ typedef struct lumbrical_contact {
   double force[3];    /* [N] W, on the hand, before limits */
 } lumbrical_contact;
 
-/* An object that moves or rubs. */
+/* An object felt apart: it moves, rubs or has a surface feel. */
 typedef struct lumbrical_object_output {
   uint32_t size;
   uint32_t object;         /* in the order they were added */
@@ -372,7 +372,7 @@ LUMBRICAL_API int lumbrical_session_tick(lumbrical_session* session, const lumbr
  * more than `capacity` are LUMBRICAL_TOO_SMALL. `contacts` may be null where `capacity` is 0. */
 LUMBRICAL_API int lumbrical_session_contacts(lumbrical_session* session, lumbrical_contact* contacts,
                                              size_t capacity, size_t* count);
-/* The objects that move or rub, in the order they were added; else likewise. */
+/* The objects felt apart, in the order they were added; else likewise. */
 LUMBRICAL_API int lumbrical_session_objects(lumbrical_session* session, lumbrical_object_output* objects,
                                             size_t capacity, size_t* count);
 /* Joint poses in W of the last tick whose frame could be trusted: LUMBRICAL_JOINTS of them. */

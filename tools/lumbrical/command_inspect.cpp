@@ -137,7 +137,8 @@ void add_inspect(Command& app, int& exit_code) {
   const auto options = std::make_shared<InspectOptions>();
   Command* const command =
       app.add_subcommand("inspect", "Report what is wrong with a mesh, or where the things of a scene are");
-  command->add_option("mesh", options->mesh, "OBJ, STL, PLY or OFF file, or a scene (.json)")->required();
+  command->add_option("mesh", options->mesh, "OBJ, STL, PLY, OFF or glTF file, or a scene (.json)")
+      ->required();
   command->add_option("--unit", options->unit, "Unit of the mesh file's numbers; needed for one")
       ->check(is_unit());
   command

@@ -176,7 +176,7 @@ int probe_mesh(const ProbeOptions& options, const std::vector<ProbePrimitive>& p
 void add_probe(Command& app, int& exit_code) {
   const auto options = std::make_shared<ProbeOptions>();
   Command* const command = app.add_subcommand("probe", "One static query: what primitives feel in a mesh");
-  command->add_option("--mesh", options->mesh, "OBJ, STL, PLY or OFF file")->required();
+  command->add_option("--mesh", options->mesh, "OBJ, STL, PLY, OFF or glTF file")->required();
   command->add_option("--unit", options->unit, "Unit of the file's numbers")->required()->check(is_unit());
   for (std::size_t i = 0; i < std::size(kSwitches); ++i) {
     command->add_option(kSwitches[i].name, options->primitives[i], kSwitches[i].help)

@@ -58,7 +58,8 @@ void add_view(Command& app, int& exit_code) {
   const auto options = std::make_shared<ViewOptions>();
   Command* const command =
       app.add_subcommand("view", "Show recordings in the browser, the second against the first");
-  command->add_option("recording", options->recording, "What to show; without it the page asks for a file")
+  command
+      ->add_option("recording", options->recording, "What to show; without it a lab opens, to move a hand in")
       ->type_name("REC.mcap");
   command->add_option("other", options->other, "What to compare it with")->type_name("OTHER.mcap");
   command->add_option("--port", options->port, "Of 127.0.0.1 to serve on; 0: any that is free")

@@ -85,7 +85,7 @@ class Model:
     @property
     def triangles(self) -> Tuple[NDArray[np.uint32], NDArray[np.uint32], NDArray[np.uint32]]: ...
     @property
-    def object_names(self) -> Sequence[str]: ...  # of the world first, then of those that move or rub
+    def object_names(self) -> Sequence[str]: ...  # of the world first, then of those felt apart
     @property
     def rate(self) -> float: ...
     @property

@@ -102,12 +102,12 @@ struct Box {
   }
 };
 
-/// Force and torque of one body part.
 /// [m/s] of a point of a body, and [rad/s].
 struct Twist {
   Vec3 velocity, angular_velocity;
 };
 
+/// Force and torque of one body part.
 struct Wrench {
   Vec3 force;   ///< [N]
   Vec3 torque;  ///< [N m] about the point the owner documents

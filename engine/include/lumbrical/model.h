@@ -33,7 +33,7 @@ enum class Law : std::uint8_t {
 /// or by all of them: up to 4 % of the hand's force on what is flat, more in a fist.
 enum class FeltOnce : std::uint8_t {
   never,       ///< each part of the hand feels as if it were alone
-  by_samples,  ///< by samples, for half as much time again; exact segments don't know
+  by_samples,  ///< by samples, for a fifth more of a drape's time; exact segments don't know
   always,      ///< exactly too, in ten times the time: for the field law, and one rung for all segments
 };
 
@@ -47,7 +47,7 @@ enum class Broadphase : std::uint8_t {
 };
 
 /// [m] Up to here one tree is as fast as a grid or faster, whatever the number of triangles. Beyond it the
-/// single precision of the tree's spheres costs time: a twentieth at 1 km, two thirds at 10 km, and fifteen
+/// single precision of the tree's spheres costs time: little at 1 km, two thirds at 10 km, and fifteen
 /// times as much at 100 km (bench/broadphase_bench, "apart").
 inline constexpr double kGridExtent = 1000;
 
@@ -97,16 +97,17 @@ struct Pad {
 /// What decides the result of a tick, besides hand and world. Travels inside a recording.
 struct Settings {
   std::array<Law, kSegmentCount> law{};  ///< per hand segment
-  double stiffness = 2e7;                ///< [N/m^3] K_s, > 0
+  double stiffness = 2e7;                ///< [N/m^3] K_s, 0.001 .. 1e15
   double rate = 1000;                    ///< [Hz] ticks per second of session time, 1 .. 100000
-  double point_area = 1e-4;              ///< [m^2] stands in for the area in Law::point
+  double point_area = 1e-4;              ///< [m^2] in the area's place in Law::point, 1e-12 .. 1
   /// Per hand segment, under the field law: 0 exact; else the error wanted as a share of the hand's force,
   /// 1e-6 .. 0.1, which samples keep in 98 of 100 ticks (docs/mechanics.md). A finger of which any segment is
   /// exact, or follows another law, is exact. What it comes to in a tick: ActuatorFrame.
   std::array<double, kSegmentCount> precision = every_segment(1e-4);
-  double max_force = 20;    ///< [N] no segment's force exceeds it: above four fifths of it forces saturate,
-                            ///< each segment's by itself
-  double fade_time = 0.02;  ///< [s] in which forces that can't be trusted fade to zero, and return
+  /// [N] 0 .. 1e6: no segment's force exceeds it. Above four fifths of it forces saturate, each segment's by
+  /// itself.
+  double max_force = 20;
+  double fade_time = 0.02;  ///< [s] 0 .. 60, in which forces that can't be trusted fade to zero, and return
   /// [N/m] of the spring from the hand to its proxy (docs/proxy.md), 10 .. 1e5; 0: there is none, and what
   /// is thinner than a finger is passed through.
   double proxy_stiffness = 0;

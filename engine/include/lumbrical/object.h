@@ -98,9 +98,9 @@ constexpr bool moves_by_itself(const Mechanism& mechanism) { return mechanism.mo
 
 /// A plane that free bodies rest on; the hand does not feel it.
 struct Ground {
-  Vec3 normal{0, 0, 1};  ///< unit, away from the ground
-  double offset = 0;     ///< [m] the plane is normal . p = offset
-  double friction = 0.5;
+  Vec3 normal{0, 0, 1};   ///< unit, away from the ground
+  double offset = 0;      ///< [m] the plane is normal . p = offset
+  double friction = 0.5;  ///< 0 .. 10
   friend bool operator==(const Ground&, const Ground&) = default;
 };
 
