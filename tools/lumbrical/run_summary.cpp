@@ -40,7 +40,8 @@ constexpr FlagText kFlagTexts[] = {
      "poses of given objects were not finite or jumped: forces faded"},
     {kMemoryForeign, "memory foreign",
      "a tick was given memory of another model, and computed nothing: please report it"},
-    {kFading, "fading", "forces faded to zero or rose again: their input could not be trusted for a while"},
+    {kFading, "fading",
+     "forces faded or rose again: their input could not be trusted for a while, or joints came or went"},
 };
 
 // What all segments have in common.
