@@ -135,8 +135,13 @@ Result with_reader(const std::string& path, const Run& run) {
 py::dict run_replay(const std::string& path, std::uint32_t threads, const std::string& broadphase) {
   using namespace py::literals;
   const ReplayOptions options = options_of(threads, broadphase);
-  const auto result = with_reader<ReplayResult>(
-      path, [&](RecordingReader& reader, ReplayResult& out) { return replay(reader, options, out); });
+  ReplayResult result;
+  Status status;
+  {
+    const py::gil_scoped_release release;
+    status = replay_hands(path, options, result);
+  }
+  check(status);
   py::object divergence = py::none();
   if (const auto& first = result.first_divergence)
     divergence = py::dict("tick"_a = first->tick, "stage"_a = first->stage, "field"_a = first->field,

@@ -383,7 +383,7 @@ LUMBRICAL_API int lumbrical_session_joints(lumbrical_session* session, lumbrical
 LUMBRICAL_API int lumbrical_session_jacobians(lumbrical_session* session, uint32_t segments, double* values,
                                               uint32_t* known);
 /* All that survives from one tick to the next, as bytes: for rollback, here or on another machine. `size` is
- * how many there are, the same for all ticks of a session. `bytes` may be null where `capacity` is 0. */
+ * how many there are, the same from a session's first tick on. `bytes` may be null where `capacity` is 0. */
 LUMBRICAL_API int lumbrical_session_save(lumbrical_session* session, void* bytes, size_t capacity,
                                          size_t* size);
 /* Refuses bytes that are damaged or of a model with other objects. Not while the session is recorded. */
@@ -400,7 +400,8 @@ LUMBRICAL_API int lumbrical_session_stop_recording(lumbrical_session* session, u
 /* ---- Recordings
  * ------------------------------------------------------------------------------------------------- */
 
-/* Runs a recording's inputs through the engine again and compares every bit. `execution` may be null. */
+/* Runs a recording's inputs through the engine again and compares every bit, of two hands both.
+ * `execution` may be null. */
 LUMBRICAL_API int lumbrical_replay(const char* path, const lumbrical_execution* execution,
                                    lumbrical_replay_result* result);
 /* Opens a recording of one hand, or of two the first. */
@@ -410,8 +411,8 @@ LUMBRICAL_API int lumbrical_reader_describe(lumbrical_reader* reader, lumbrical_
 /* The model that was recorded; sessions of it start as the recorded one did. */
 LUMBRICAL_API int lumbrical_reader_model(lumbrical_reader* reader, const lumbrical_execution* execution,
                                          lumbrical_model** model);
-/* The next tick as recorded. `end` is 1 where there is none, and then the others are left alone; each may be
- * null. */
+/* The next tick as recorded; forces that the recording leaves out (force_interval) are 0. `end` is 1 where
+ * there is none, and then the others are left alone; each may be null. */
 LUMBRICAL_API int lumbrical_reader_next(lumbrical_reader* reader, lumbrical_frame* frame,
                                         lumbrical_output* output, int32_t* end);
 /* What comes next is the first tick that is not before `tick`. */

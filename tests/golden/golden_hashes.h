@@ -23,7 +23,7 @@ inline constexpr GoldenHash kGolden[] = {
     {"thin.field", 0xdeb2bdede2eb1f09},
     {"thin.column", 0x5ff80b58595ea3c4},
     {"pads", 0x8211a2a4fc86b6b4},
-    {"lost", 0xe2af3fb166a94717},
+    {"lost", 0xd7ca712244323d25},
     {"not_finite", 0x0d70c2de8984b2ad},
     {"overflow", 0x2c9229bf0e0c3e17},
     {"large", 0x11967b74597952fc},

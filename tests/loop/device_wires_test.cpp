@@ -162,7 +162,30 @@ TEST(DatagramWire, CarriesCommandsThereAndAnglesBackAndOnlyTheSessionsOwn) {
   EXPECT_FALSE(device.active);
 }
 
-TEST(DatagramWire, ADeviceThatFallsSilentIsDisconnectedAndOneThatFloodsDoesNotHoldUpTheSink) {
+// Under force, and comes back: from nothing, or there would be a kick.
+template <class Device>
+void expect_silence_noticed(Device& device, DeviceSink& sink) {
+  ASSERT_TRUE(acts(sink, [&] { return std::fabs(device.value - 0.1) < 1e-9; })) << sink.report().trouble;
+  device.silent = true;
+  EXPECT_TRUE(acts(sink, [&] { return sink.state() == SafetyState::disconnected; }));
+  EXPECT_EQ(sink.report().losses, 1u);
+  device.value = 0;
+  device.silent = false;
+  EXPECT_TRUE(acts(sink, [&] { return sink.state() != SafetyState::disconnected; }));
+  EXPECT_LT(device.value, 0.05);
+}
+
+TEST(DatagramWire, ADeviceThatFallsSilentUnderForceIsDisconnected) {
+  DeviceProfile profile = device_of(TransportKind::udp);
+  profile.response_timeout = 0.01;
+  profile.safety.answer_timeout = 0.1;
+  DatagramDevice device(profile);
+  DeviceSink sink;
+  ASSERT_TRUE(open_sink(profile, device, sink).ok());
+  expect_silence_noticed(device, sink);
+}
+
+TEST(DatagramWire, ADeviceThatFloodsDoesNotHoldUpTheSink) {
   DeviceProfile profile = device_of(TransportKind::udp);
   profile.response_timeout = 0.01;
   profile.safety.answer_timeout = 0.1;
@@ -334,6 +357,21 @@ TEST(SharedMemoryWire, CarriesCommandsThereAndAnglesBackAndTakesOverWhatWasLeft)
   EXPECT_GT(first.value[kIndex], 0.05) << "it began where the other ended";
   EXPECT_TRUE(guard.close());
   EXPECT_EQ(device.value, 0);
+}
+
+TEST(SharedMemoryWire, ADeviceThatFallsSilentUnderForceIsDisconnected) {
+  DeviceProfile profile = device_of(TransportKind::memory);
+  profile.response_timeout = 0.01;
+  profile.safety.answer_timeout = 0.1;
+  profile.transport.region = own_name("silent");
+  SharedDevice device(profile.transport.region);
+  std::unique_ptr<DeviceWire> wire;
+  ASSERT_TRUE(make_shared_memory_wire(profile, wire).ok());
+  DeviceSink sink;
+  SinkOptions options;
+  options.thread = true;
+  ASSERT_TRUE(sink.open(profile, std::move(wire), options).ok());
+  expect_silence_noticed(device, sink);
 }
 
 TEST(SharedMemoryWire, RefusesARegionThatOthersMayWriteToAndOneThatIsTooSmall) {

@@ -146,6 +146,7 @@ TEST(BothHands, PrecisionsAreComparedHandByHand) {
     for (std::size_t rung = 0; rung < hand["rungs"].size(); ++rung)
       EXPECT_EQ(hand["rungs"][rung]["hand_error"], alone["rungs"][rung]["hand_error"]) << side;
   }
+  EXPECT_EQ(lumbrical("run scene.json --compare-precision --record a.mcap", folder).exit_code, 2);
   const std::string text = lumbrical("run scene.json --compare-precision --ticks 2000", folder).output;
   EXPECT_NE(text.find("right"), std::string::npos) << text;
   EXPECT_NE(text.find("left"), std::string::npos) << text;

@@ -101,6 +101,22 @@ TEST(Shards, SayWhatIsWrongWithThem) {
   EXPECT_NE(shell("lumbrical merge-results bad.jsonl", folder).error.find("bad.jsonl:1"), std::string::npos);
 }
 
+// A broadphase asked for is compared as a what-if is, but may change nothing.
+TEST(Shards, MergedTellWhatDivergedFromWhatAWhatIfHasChanged) {
+  const fs::path folder = fresh_folder();
+  const nlohmann::json diverged = {{"recording", "a.mcap"}, {"identical", false},
+                                   {"diverged", true},      {"what_if", nlohmann::json::object()},
+                                   {"damage", nullptr},     {"ticks", 3}};
+  nlohmann::json changed = diverged;
+  changed["recording"] = "b.mcap";
+  changed["diverged"] = false;
+  std::ofstream(folder / "results") << diverged << '\n' << changed << '\n';
+  const Outcome merged = shell("lumbrical merge-results results", folder);
+  EXPECT_EQ(merged.exit_code, 3);
+  EXPECT_EQ(merged.json()["diverged"], 1);
+  EXPECT_EQ(merged.json()["changed"], 1);
+}
+
 TEST(Shards, LeaveAFileThatHoldsNoResultsAsItIs) {
   const fs::path folder = folder_with_demo();
   std::ofstream(folder / "list") << "rec.mcap";

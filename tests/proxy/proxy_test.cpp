@@ -163,6 +163,7 @@ TEST(Proxy, LetsNoFingertipThroughASheetHoweverFast) {
       feel(run, lost);  // each strike begins anew
       for (int i = 0; i < 30; ++i) {
         feel(run, fingertip_at(tip, finger));
+        ASSERT_NE(run.state.proxy->valid, 0) << thickness << " strike " << strike << " tick " << i;
         ASSERT_FALSE(is_through(run)) << thickness << " strike " << strike << " tick " << i;
         tip += 1e-3 * speed;
       }

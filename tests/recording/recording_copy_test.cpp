@@ -203,11 +203,22 @@ TEST_F(Copied, PartTornAfterwardsKeepsItsStateWhenRecovered) {
   EXPECT_EQ(replay_of(recovered).ticks, kept);
 }
 
+TEST(StateMessage, WithJointsThatNoHandHasIsRefused) {
+  for (const double joints : {-1.0, 0.5, 1.0 * (1u << kJointCount), 1e300}) {
+    State proxied, padded, decoded;
+    proxied.proxy.emplace().valid = joints;
+    padded.pad.emplace().valid = joints;
+    EXPECT_FALSE(decode_state(encode_state(proxied), decoded).ok()) << joints;
+    EXPECT_FALSE(decode_state(encode_state(padded), decoded).ok()) << joints;
+  }
+}
+
 TEST(StateMessage, BringsEveryBitBackAndSurvivesAnyDamage) {
   State state;
   state.tick = 0x123456789abcdefu;
   state.rise = 0.25;
   state.fall = 1;
+  state.joints = 5;
   state.last.segment[3].force = {-0.0, 1e-310, 3};
   state.held.flexion_torque[15] = -7.5;
   const std::vector<std::uint8_t> bytes = encode_state(state);

@@ -19,7 +19,7 @@ DeviceFrame left_frame(std::uint64_t tick) {
   return touch_frame(tick > 40 ? tick - 40 : 0, InputKind::joint_angles, left_hand());
 }
 
-/// Both hands over the ball, tick by tick; ticks of the left one for which `keep` is false are left out.
+/// Both hands over the ball, tick by tick; records of the left one for which `keep` is false are left out.
 template <class Keep>
 void record_both(const std::string& path, Keep&& keep) {
   const Scene scene = touch_scene();
@@ -42,7 +42,7 @@ void record_both(const std::string& path, Keep&& keep) {
       record.output = tick(models[hand], states[hand], scratches[hand], record.device);
       take_results(states[hand], scratches[hand], record);
       contacts[hand] += record.output.contact_count;
-      if (hand == 0 || keep(i)) {
+      if (hand == 0 || keep(record)) {
         ASSERT_TRUE(recorder.record(record));
       }
     }
@@ -54,7 +54,7 @@ void record_both(const std::string& path, Keep&& keep) {
 }
 
 void record_both(const std::string& path) {
-  record_both(path, [](std::uint64_t) { return true; });
+  record_both(path, [](const TickRecord&) { return true; });
 }
 
 RecordingReader opened(const std::string& path, Side side) {
@@ -91,6 +91,22 @@ TEST(TwoHands, EachReplaysBitForBitFromOneFile) {
   RecordingInfo info;
   EXPECT_TRUE(verify_recording(path, info).ok());
   EXPECT_EQ(info.ticks, kTicks);
+}
+
+TEST(TwoHands, AreReplayedBothUpToTheFirstThatDiverges) {
+  const std::string path = temporary_path("both.mcap");
+  record_both(path);
+  ReplayResult result;
+  ASSERT_TRUE(replay_hands(path, {}, result).ok());
+  EXPECT_FALSE(result.first_divergence);
+  EXPECT_EQ(result.ticks, 2 * kTicks);
+  record_both(path, [](TickRecord& record) {
+    if (record.output.tick == 300) record.output.segment[5].force.x += 1e-9;
+    return true;
+  });
+  ASSERT_TRUE(replay_hands(path, {}, result).ok());
+  ASSERT_TRUE(result.first_divergence);
+  EXPECT_EQ(result.first_divergence->tick, 300u);
 }
 
 TEST(TwoHands, MessagesOfBothComeInTheOrderOfTheirTicks) {
@@ -155,7 +171,8 @@ TEST(TwoHands, PartsPutTogetherAreTheWholeByteForByte) {
 
 TEST(TwoHands, MissingTicksOfEitherAreTold) {
   const std::string path = temporary_path("gap.mcap");
-  record_both(path, [](std::uint64_t tick) { return tick != 77 && tick < 590; });
+  record_both(path,
+              [](const TickRecord& record) { return record.output.tick != 77 && record.output.tick < 590; });
   RecordingInfo info;
   std::vector<TickRange> missing;
   ASSERT_TRUE(verify_recording(path, info, &missing).ok());
@@ -255,7 +272,7 @@ std::vector<std::string> cells_of(const std::string& line) {
 
 TEST(TwoHands, StandSideBySideInATable) {
   const std::string path = temporary_path("gap.mcap"), table = temporary_path("table.csv");
-  record_both(path, [](std::uint64_t tick) { return tick != 77; });
+  record_both(path, [](const TickRecord& record) { return record.output.tick != 77; });
   std::vector<RecordingReader> readers;
   ASSERT_TRUE(open_hands(path, readers).ok());
   ASSERT_EQ(readers.size(), 2u);

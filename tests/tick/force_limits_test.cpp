@@ -84,6 +84,7 @@ TEST(ForceLimits, EverySegmentSaturatesByItselfAlongItsOwnLine) {
 TEST(ForceLimits, JointsCarryTheLimitedWrenchesOfTheirSegments) {
   test::Random random(7);
   Primitives hand;
+  hand.joints.valid = (1u << kJointCount) - 1;
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     hand.base_joint[i] = random.in_box(0.1);
     hand.flexion_axis[i] = random.direction();

@@ -53,7 +53,7 @@ int merge_results(const MergeSwitches& switches) {
     if (error)
       ++failed;
     else if (!session)
-      ++(same ? identical : result.contains("what_if") ? changed : diverged);
+      ++(same ? identical : result.value("diverged", false) ? diverged : changed);
     if (!error) ticks += result.value("ticks", std::uint64_t{0});
   }
   const Json json = {{"recordings", results.size() - sessions},

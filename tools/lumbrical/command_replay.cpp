@@ -105,6 +105,7 @@ Status replay_hand(RecordingReader& reader, const std::string& path, const Repla
   replayed.damaged = !result.damage.empty();
   Json& json = replayed.json = divergence_json(result);
   json["complete"] = reader.info().complete;
+  json["diverged"] = replayed.diverged;
   json["damage"] = result.damage.empty() ? Json(nullptr) : Json(result.damage);
   json["isa"] = isa_name(options.execution.isa == Isa::automatic ? widest_isa() : options.execution.isa);
   json["threads"] = options.execution.threads;

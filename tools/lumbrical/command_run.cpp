@@ -106,6 +106,8 @@ std::string execution_text(const Execution& execution) {
 
 // Of two hands each by itself: what one touches costs the other nothing.
 int run_comparison(const RunOptions& options, const SceneFile& scene_file) {
+  if (options.view || !options.record.empty() || options.sink != "null")
+    return fail("--compare-precision: runs no session; leave out --record, --sink and --view");
   double seconds = scene_file.seconds;
   if (options.ticks) seconds = static_cast<double>(*options.ticks) / scene_file.scene.settings.rate;
   std::vector<HandComparison> hands;
@@ -204,7 +206,8 @@ int run(const RunOptions& options) {
   if (with_device) {
     if (status = device.open(options.sink, models, device_hand); !status.ok()) return fail(status);
     if (!measure_device(hands[device_hand], kMeasuring, device)) {
-      return fail(options.scene + ": stopped by a signal before the first tick");
+      fail(options.scene + ": stopped by a signal before the first tick");
+      return kInterrupted;
     }
   }
   const DeviceSession* const shown = with_device ? &device : nullptr;

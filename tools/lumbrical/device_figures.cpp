@@ -92,6 +92,30 @@ std::vector<std::string> DeviceSession::trouble() const {
 
 std::uint64_t DeviceSession::ticks_without_angles() const { return told_->loop.figures.blind_steps; }
 
+Json DeviceSession::certificate_json() const {
+  const HapticLoop& control = told_->loop.control;
+  const StiffnessCertificate& certificate = control.certificate;
+  Json json = {{"device", told_->profile.name},
+               {"measured", is_measured(control.meter)},
+               {"period", certificate.timing.period},
+               {"jitter", certificate.timing.jitter},
+               {"delay", finite_or_null(certificate.timing.delay)},
+               {"margin", certificate.margin},
+               {"renewals", told_->loop.figures.renewals},
+               {"slowest", timing_json(control.slowest)}};
+  json["joints"] = Json::array();
+  for (std::size_t j = 0; j < kPhalanxCount; ++j) {
+    if (!certificate.known[j]) continue;
+    const StiffnessBound& bound = certificate.joint[j];
+    json["joints"].push_back({{"joint", segment_name(static_cast<int>(j))},
+                              {"sampled", finite_or_null(bound.sampled)},
+                              {"delayed", finite_or_null(bound.delayed)},
+                              {"friction", finite_or_null(bound.friction)},
+                              {"largest", finite_or_null(bound.largest)}});
+  }
+  return json;
+}
+
 Json DeviceSession::json() const {
   const Told& told = *told_;
   const HapticLoop& control = told.loop.control;
@@ -117,26 +141,7 @@ Json DeviceSession::json() const {
   json["least_stiffness_factor"] = control.least_factor;
   json["energy"] = {{"generated_most", most_generated(control)}, {"least_share", control.least_share}};
   json["gaps"] = control.gaps;
-  const StiffnessCertificate& certificate = control.certificate;
-  Json& text = json["certificate"];
-  text = {{"device", told.profile.name},
-          {"measured", is_measured(control.meter)},
-          {"period", certificate.timing.period},
-          {"jitter", certificate.timing.jitter},
-          {"delay", finite_or_null(certificate.timing.delay)},
-          {"margin", certificate.margin},
-          {"renewals", figures.renewals},
-          {"slowest", timing_json(control.slowest)}};
-  text["joints"] = Json::array();
-  for (std::size_t j = 0; j < kPhalanxCount; ++j) {
-    if (!certificate.known[j]) continue;
-    const StiffnessBound& bound = certificate.joint[j];
-    text["joints"].push_back({{"joint", segment_name(static_cast<int>(j))},
-                              {"sampled", finite_or_null(bound.sampled)},
-                              {"delayed", finite_or_null(bound.delayed)},
-                              {"friction", finite_or_null(bound.friction)},
-                              {"largest", finite_or_null(bound.largest)}});
-  }
+  json["certificate"] = certificate_json();
   json["events"] = events_json(told.events);
   return json;
 }

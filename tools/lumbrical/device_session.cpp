@@ -145,7 +145,7 @@ void DeviceSession::note(const LoopStep& step) {
   told.renewals = told.loop.figures.renewals;
 }
 
-std::string DeviceSession::certificate_text() const { return json()["certificate"].dump(); }
+std::string DeviceSession::certificate_text() const { return certificate_json().dump(); }
 
 bool DeviceSession::forces_flow() const {
   const LoopFigures& figures = told_->loop.figures;

@@ -42,6 +42,8 @@ class DeviceSession {
   void add_rows(Table& table) const;
 
  private:
+  [[nodiscard]] Json certificate_json() const;
+
   struct Told;
   std::unique_ptr<Told> told_;
 };

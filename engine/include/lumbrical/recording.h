@@ -302,6 +302,10 @@ struct ReplayResult {
 /// behind a gap is unknown, and where the file holds none.
 Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResult& result);
 
+/// The same of all hands of a recording, one after the other, up to the first that diverges. Ticks and times
+/// are those of all.
+Status replay_hands(const std::string& path, const ReplayOptions& options, ReplayResult& result);
+
 /// By how much one quantity of a what-if replay is off the recording, over all ticks.
 struct Change {
   double max = 0;

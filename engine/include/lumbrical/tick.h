@@ -26,7 +26,7 @@ struct HandState {
   std::uint64_t tick = 0;    ///< number of the next tick: the engine's only clock
   double rise = 0;           ///< share of the fresh forces in the output, 0 .. 1
   double fall = 0;           ///< share of the held forces in the output, 0 .. 1
-  std::uint64_t joints = 0;  ///< a bit for each joint of the last hand that was placed; 0: none was
+  std::uint64_t joints = 0;  ///< a bit for each joint of the last hand that was placed
   HandForces last;           ///< the last output
   HandForces held;           ///< the output when trust was lost
 };

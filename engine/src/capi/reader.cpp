@@ -23,10 +23,8 @@ int lumbrical_replay(const char* path, const lumbrical_execution* execution,
     if (Fault fault = check_struct(result, "result")) return fault;
     ReplayOptions options;
     if (Fault fault = to_execution(execution, options.execution)) return fault;
-    RecordingReader reader;
-    if (Fault fault = reader.open(path)) return fault;
     ReplayResult found;
-    if (Fault fault = replay(reader, options, found)) return fault;
+    if (Fault fault = replay_hands(path, options, found)) return fault;
     const Divergence first = found.first_divergence.value_or(Divergence{});
     result->identical = found.first_divergence ? 0 : 1;
     result->ticks = found.ticks;

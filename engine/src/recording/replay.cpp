@@ -185,6 +185,22 @@ Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResul
   return {};
 }
 
+Status replay_hands(const std::string& path, const ReplayOptions& options, ReplayResult& result) {
+  result = {};
+  std::vector<RecordingReader> readers;
+  if (Status status = open_hands(path, readers); !status.ok()) return status;
+  for (RecordingReader& reader : readers) {
+    ReplayResult one;
+    if (Status status = replay(reader, options, one); !status.ok()) return status;
+    one.ticks += result.ticks;
+    one.recorded_time += result.recorded_time;
+    one.replayed_time += result.replayed_time;
+    result = one;
+    if (result.first_divergence) break;
+  }
+  return {};
+}
+
 namespace {
 
 Status compare_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& result) {

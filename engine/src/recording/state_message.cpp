@@ -3,6 +3,7 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "base/message_alignment.h"
@@ -47,6 +48,11 @@ bool to_rows(const flatbuffers::Vector<double>* numbers, std::size_t most, std::
 
 bool is_share(double value) { return value >= 0 && value <= 1; }
 
+// A whole number with a bit for each joint.
+bool are_joints(double value) {
+  return value >= 0 && value < 1u << kJointCount && value == std::floor(value);
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> encode_state(const State& state) {
@@ -90,7 +96,8 @@ Status decode_state(std::span<const std::uint8_t> bytes, State& state) {
                     to_forces(message.last(), result.last) && to_forces(message.held(), result.held) &&
                     to_rows(message.objects(), kMostObjects, result.objects) &&
                     to_rows(message.proxy(), 1, proxy) && to_rows(message.pad(), 1, pad);
-  if (!good) return Status::error("the state message holds numbers out of range");
+  if (!good || (!proxy.empty() && !are_joints(proxy[0].valid)) || (!pad.empty() && !are_joints(pad[0].valid)))
+    return Status::error("the state message holds numbers out of range");
   if (!proxy.empty()) result.proxy = proxy[0];
   if (!pad.empty()) result.pad = pad[0];
   state = result;

@@ -30,6 +30,7 @@ std::uint32_t find_joints(const Hand& hand, const DeviceFrame& frame, Joints& jo
     return forward_kinematics(hand, X_WB, angle, joints.pose) > 0 ? kAngleClamped : 0u;
   }
   joints.valid = frame.valid & ((1u << kJointCount) - 1);
+  if (!joints.has(kWrist)) joints.valid &= ~(1u << kPalm);  // the palm's wrench is about the wrist
   for (std::size_t i = 0; i < kJointCount; ++i) {
     joints.pose[i] = X_WB * to_pose(frame.joint[i]);
     // Of a joint that is not tracked a frame may hold anything, and what is not finite would be in all sums.

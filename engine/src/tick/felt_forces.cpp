@@ -109,6 +109,13 @@ HandForces feel_nothing(const Model& model, Scratch& scratch) {
   return sum_up(model, scratch);
 }
 
+void forget_hand(Primitives& hand) {
+  hand.count = 0;
+  hand.in_reach = hand.out_of_reach = false;
+  hand.base_joint = hand.flexion_axis = {};
+  hand.palm.corner_count = 0;
+}
+
 void add_layers(const Model& model, Scratch& scratch, std::uint32_t& flags, HandForces& forces) {
   const bool touches = scratch.contact_count > 0 || scratch.samples->forces.contact_count > 0;
   for (std::size_t i = 0; i < model.layers.size(); ++i) {
@@ -118,6 +125,7 @@ void add_layers(const Model& model, Scratch& scratch, std::uint32_t& flags, Hand
       feel_nothing(layer, own);
       continue;
     }
+    forget_hand(*own.primitives);
     place_hand(layer.hand, layer.settings, scratch.primitives->joints, {}, *own.primitives);
     add(feel(layer, own, flags), forces);
   }

@@ -16,6 +16,10 @@ bool is_made_for(const Model& model, const Scratch& scratch);
 /// Makes room in `scratch` for a model's ticks, beside what it has room for already.
 void make_room(const Model& model, Scratch& scratch);
 
+/// What a frame does not tell must not be left from another: a tick, hashes included, is a function of model,
+/// state and frame. Even no force times an old axis has that axis' sign. Before a hand is placed.
+void forget_hand(Primitives& hand);
+
 /// Forces of the hand placed in the model's frame in `scratch`, and what was found on the way, but for its
 /// pads' layers. Adds TickFlag bits to `flags`; without forces where there are more pairs than there is room
 /// for.

@@ -154,7 +154,7 @@ void add_layer(const Model& layer, const Scratch& scratch, std::uint32_t segment
 void add_pushes(const GapList& pushing, const Primitives& hand, std::uint32_t segments,
                 std::array<SegmentJacobian, kSegmentCount>& jacobians) {
   for (const Gap& gap : pushing) {
-    if ((segments >> gap.segment & 1u) == 0) continue;
+    if ((segments >> gap.segment & 1u) == 0 || !jacobians[gap.segment].known) continue;
     const Vec3 turn = cross(gap.point - hand.base_joint[gap.segment], gap.normal);
     const double row[6] = {gap.normal.x, gap.normal.y, gap.normal.z, turn.x, turn.y, turn.z};
     for (std::size_t i = 0; i < 6; ++i) {

@@ -81,15 +81,6 @@ Scratch make_scratch(const Model& model) {
   return scratch;
 }
 
-// What this frame does not tell must not be left from another: a tick, hashes included, is a function of
-// model, state and frame. Even no force times an old axis has that axis' sign.
-void forget_hand(Primitives& hand) {
-  hand.count = 0;
-  hand.in_reach = hand.out_of_reach = false;
-  hand.base_joint = hand.flexion_axis = {};
-  hand.palm.corner_count = 0;
-}
-
 std::uint32_t input_flags(const DeviceFrame& frame) {
   std::uint32_t flags = check_input(frame);
   if ((frame.flags & kTrackingLost) != 0) flags |= kInputLost;
@@ -102,7 +93,7 @@ bool is_trusted(std::uint32_t flags) { return (flags & kUntrusted) == 0; }
 // Are the joints of a hand that was placed others than the last one's? A segment that tracking loses, or
 // finds, would go, or come, with all its force.
 bool take_joints(std::uint32_t valid, HandState& state) {
-  const bool others = state.joints != 0 && state.joints != valid;
+  const bool others = state.joints != valid;
   state.joints = valid;
   return others;
 }
