@@ -2,12 +2,14 @@
 // in one sentence.
 #include <cstdio>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "commands.h"
 #include "output.h"
 #include "result_lines.h"
+#include "switches.h"
 #include "work_list.h"
 
 namespace lumbrical::tool {
