@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "../tools/lumbrical/compare_precision.h"
 #include "hand_scenes.h"
 #include "lumbrical/motion.h"
 #include "timing.h"
@@ -69,9 +70,6 @@ Answers exact_answers_of(const Model& model, const std::vector<DeviceFrame>& fra
   return answers_of(without_samples, frames);
 }
 
-// [N] Of less, errors are taken as shares of this: a pose that hardly touches says little.
-constexpr double kLeastForce = 0.05;
-
 double force_error_of(const std::vector<Vec3>& forces, const std::vector<Vec3>& exact, bool is_scaled) {
   double product = 0, square = 0, worst = 0;
   for (std::size_t i = 0; i < exact.size(); ++i) {
@@ -80,7 +78,8 @@ double force_error_of(const std::vector<Vec3>& forces, const std::vector<Vec3>& 
   }
   const double scale = is_scaled && square > 0 ? product / square : 1;
   for (std::size_t i = 0; i < exact.size(); ++i) {
-    const double force = std::max(norm(exact[i]), kLeastForce);
+    // Of a pose that hardly touches a share says little.
+    const double force = std::max(norm(exact[i]), tool::kLeastForce);
     worst = std::max(worst, norm(scale * forces[i] - exact[i]) / force);
   }
   return worst;

@@ -118,15 +118,14 @@ ReplayOptions options_of(std::uint32_t threads, const std::string& broadphase) {
   return options;
 }
 
+// What run(result) makes of it while other Python threads go on.
 template <class Result, class Run>
-Result with_reader(const std::string& path, const Run& run) {
+Result found_by(const Run& run) {
   Result result;
   Status status;
   {
     const py::gil_scoped_release release;
-    RecordingReader reader;
-    status = reader.open(path);
-    if (status.ok()) status = run(reader, result);
+    status = run(result);
   }
   check(status);
   return result;
@@ -135,13 +134,8 @@ Result with_reader(const std::string& path, const Run& run) {
 py::dict run_replay(const std::string& path, std::uint32_t threads, const std::string& broadphase) {
   using namespace py::literals;
   const ReplayOptions options = options_of(threads, broadphase);
-  ReplayResult result;
-  Status status;
-  {
-    const py::gil_scoped_release release;
-    status = replay_hands(path, options, result);
-  }
-  check(status);
+  const auto result =
+      found_by<ReplayResult>([&](ReplayResult& out) { return replay_hands(path, options, out); });
   py::object divergence = py::none();
   if (const auto& first = result.first_divergence)
     divergence = py::dict("tick"_a = first->tick, "stage"_a = first->stage, "field"_a = first->field,
@@ -170,8 +164,11 @@ py::dict run_what_if(const std::string& path, std::optional<double> stiffness,
   options.stiffness = stiffness;
   options.precision = precision;
   if (law) options.law = parsed(parse_law(*law), *law, "law");
-  const auto result = with_reader<WhatIfResult>(
-      path, [&](RecordingReader& reader, WhatIfResult& out) { return what_if(reader, options, out); });
+  const auto result = found_by<WhatIfResult>([&](WhatIfResult& out) {
+    RecordingReader reader;
+    Status status = reader.open(path);
+    return status.ok() ? what_if(reader, options, out) : status;
+  });
   return py::dict("ticks"_a = result.ticks, "force"_a = changes(result.force),
                   "force_jnd"_a = changes(result.force_jnd), "torque"_a = changes(result.torque),
                   "baseline_time"_a = result.baseline_time, "changed_time"_a = result.changed_time);

@@ -287,6 +287,14 @@ Near sorted(const NearPatches& near) {
   return all;
 }
 
+// For searches near the hand that was placed in the scratch.
+SampleMemory memory_near(const Model& model, const Scratch& scratch) {
+  SampleMemory memory;
+  size_samples(model, memory);
+  set_bodies(*scratch.primitives, kAllSegments, kAllSegments, model.patches->rules, memory.bodies);
+  return memory;
+}
+
 TEST(SkinBlocks, OfACoarserLevelAreOpenedToWhatASearchFinds) {
   const Scene scene = finer_scene();
   for (const std::uint32_t threads : {1u, 3u}) {
@@ -296,9 +304,7 @@ TEST(SkinBlocks, OfACoarserLevelAreOpenedToWhatASearchFinds) {
     Scratch scratch = make_scratch(model);
     State state;
     tick(model, state, scratch, pressed(scene.hand, 0.002));
-    SampleMemory memory;
-    size_samples(model, memory);
-    set_bodies(*scratch.primitives, kAllSegments, kAllSegments, model.patches->rules, memory.bodies);
+    SampleMemory memory = memory_near(model, scratch);
     const auto search = [&](std::size_t level, const auto& find) {
       take_blocks_on_skin(model.patches->rules.block_on_skin[level], memory.bodies);
       EXPECT_TRUE(find(model, *scratch.primitives, memory.bodies, memory.search));
@@ -341,9 +347,7 @@ TEST(SkinBlocks, ThatAreOpenedAddNoMoreThanThereIsRoomFor) {
   Scratch scratch = make_scratch(model);
   State state;
   tick(model, state, scratch, pressed(scene.hand, 0.002));
-  SampleMemory memory;
-  size_samples(model, memory);
-  set_bodies(*scratch.primitives, kAllSegments, kAllSegments, model.patches->rules, memory.bodies);
+  SampleMemory memory = memory_near(model, scratch);
   PatchSearcher& searcher = memory.search.searcher[0];
   searcher.rivals.emplace(*scratch.primitives, memory.bodies);
   const std::size_t room = searcher.found.size();

@@ -113,26 +113,15 @@ double distance_moved(const Hand& hand, std::size_t segment, const Joints& from,
 
 Joints known_to(const ProxyState& proxy) { return {proxy.joint, static_cast<std::uint32_t>(proxy.valid)}; }
 
-// The tracked hand, with joints that tracking has lost where the proxy has them on what carries them.
-Joints completed(const Joints& tracked, const Joints& known) {
-  Joints all = tracked;
-  all.valid |= known.valid;
+// A hand, and joints that only another one has where that has them on what carries them.
+Joints joined(const Joints& hand, const Joints& other) {
+  Joints all = hand;
+  all.valid |= other.valid;
   for (std::size_t joint = 0; joint < kJointCount; ++joint) {
-    if (known.has(static_cast<int>(joint)) && !tracked.has(static_cast<int>(joint)))
-      all.pose[joint] = all.pose[carrier_of(joint, known)] * relative(joint, known);
+    if (other.has(static_cast<int>(joint)) && !hand.has(static_cast<int>(joint)))
+      all.pose[joint] = all.pose[carrier_of(joint, other)] * relative(joint, other);
   }
   return all;
-}
-
-// Where the proxy is, and joints that it does not know yet as the hand has them on what carries them.
-Joints taken_up(const Joints& known, const Joints& hand) {
-  Joints proxy = known;
-  proxy.valid = hand.valid;
-  for (std::size_t joint = 0; joint < kJointCount; ++joint) {
-    if (hand.has(static_cast<int>(joint)) && !known.has(static_cast<int>(joint)))
-      proxy.pose[joint] = proxy.pose[carrier_of(joint, hand)] * relative(joint, hand);
-  }
-  return proxy;
 }
 
 /// How far each segment may go in a step.
@@ -257,8 +246,9 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
     if (free) kept = {joints.pose, static_cast<double>(joints.valid)};
     return 0;
   }
-  const Joints known = known_to(kept), all = completed(joints, known);
-  Joints proxy = taken_up(known, all);
+  // What tracking has lost is where the proxy has it, and what it has found is new to the proxy.
+  const Joints known = known_to(kept), all = joined(joints, known);
+  Joints proxy = joined(known, all);
   if (!advance(model, state, all, scratch, proxy)) return kCandidateOverflow;
   if (proxy.pose == all.pose) {  // nothing is in the way: what tracking has lost may be forgotten
     kept = {joints.pose, static_cast<double>(joints.valid)};

@@ -174,14 +174,18 @@ Status replay_ticks(RecordingReader& reader, const ReplayOptions& options, Repla
   return {};
 }
 
+// Ticks that come out as recorded say nothing about the rest of the file.
+std::string damage_of(const RecordingReader& reader) {
+  RecordingInfo info;
+  return reader.info().growing ? std::string() : verify_recording(reader.info().path, info).message();
+}
+
 }  // namespace
 
 Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResult& result) {
   result = {};
   if (Status status = replay_ticks(reader, options, result); !status.ok()) return status;
-  // Ticks that come out as recorded say nothing about the rest of the file.
-  RecordingInfo info;
-  if (!reader.info().growing) result.damage = verify_recording(reader.info().path, info).message();
+  result.damage = damage_of(reader);
   return {};
 }
 
@@ -191,13 +195,14 @@ Status replay_hands(const std::string& path, const ReplayOptions& options, Repla
   if (Status status = open_hands(path, readers); !status.ok()) return status;
   for (RecordingReader& reader : readers) {
     ReplayResult one;
-    if (Status status = replay(reader, options, one); !status.ok()) return status;
+    if (Status status = replay_ticks(reader, options, one); !status.ok()) return status;
     one.ticks += result.ticks;
     one.recorded_time += result.recorded_time;
     one.replayed_time += result.replayed_time;
     result = one;
     if (result.first_divergence) break;
   }
+  result.damage = damage_of(readers[0]);
   return {};
 }
 

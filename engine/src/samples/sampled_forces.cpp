@@ -205,10 +205,7 @@ bool feel_apart(SampleTeam& team, std::size_t coarser, const Effort& effort, dou
                 SampledForces& forces) {
   forces.evaluations = evaluations_of(effort, only(coarser));
   feel_on_one_level(team, coarser, forces);
-  if (!open_for(team, coarser + 1) || !list(team)) {
-    forces.segment = {};
-    return false;
-  }
+  if (!open_for(team, coarser + 1) || !list(team)) return false;
   SampledForces finer;
   finer.evaluations = evaluations_of(effort_of(team), only(coarser + 1));
   const std::uint64_t most = team.model.settings.effort;
@@ -303,7 +300,10 @@ bool sample_forces(const Model& model, const Primitives& hand, std::uint32_t seg
   memory.overlaps.forget();
   if (!cut_near(model, hand, memory.search.cuts) || !find_for(team, 0)) return false;
   if (!found_any(memory.search)) return true;
-  if (!feel(team, levels, forces)) return false;
+  if (!feel(team, levels, forces)) {
+    forces.segment = {};  // no level by itself either
+    return false;
+  }
   forces.contact_count = team.touched();
   return true;
 }
