@@ -60,6 +60,44 @@ export const details = () => page.locator("#details").innerText();
 export const shot = (name) => page.screenshot({ path: file(`${name}.png`) });
 export const message = () => page.locator("#message").innerText();
 
+/** What the pointer is told all over the scene. */
+export async function tips() {
+  const box = await page.locator("#canvas").boundingBox();
+  const found = new Set();
+  for (let y = 0.1; y < 0.95; y += 0.06) {
+    for (let x = 0.1; x < 0.95; x += 0.05) {
+      await page.mouse.move(box.x + x * box.width, box.y + y * box.height);
+      found.add(await page.locator("#tip").evaluate((tip) => (tip.hidden ? "" : tip.innerText)));
+    }
+  }
+  found.delete("");
+  return [...found];
+}
+
+/** In the page, before its own scripts: `ask` asks its worker as the page does; requests of the type `heldBack` wait for `letThrough`. */
+function install() {
+  const waiting = new Map();
+  const kept = [];
+  let next = 1e9;
+  window.heldBack = "";
+  window.Worker = class extends Worker {
+    constructor(...given) {
+      super(...given);
+      this.addEventListener("message", ({ data }) => waiting.get(data.id)?.(data));
+      window.ask = (request) => new Promise((answered) => {
+        waiting.set(next, answered);
+        super.postMessage({ id: next++, request });
+      });
+      window.letThrough = () => kept.splice(0).forEach((message) => super.postMessage(message));
+    }
+    postMessage(message, ...rest) {
+      if (message.request.type === window.heldBack) kept.push(message);
+      else super.postMessage(message, ...rest);
+    }
+  };
+}
+export const workerWatch = `(${install})();`;
+
 before(async () => {
   browser = await chromium.launch({ executablePath: chromiumPath, args: ["--no-sandbox"] });
 });

@@ -13,7 +13,7 @@ if(missing)
 endif()
 file(REMOVE_RECURSE ${VIEWER}/screenshots)
 file(MAKE_DIRECTORY ${VIEWER}/screenshots)
-foreach(name viewer lab)
+foreach(name viewer compare lab)
   execute_process(COMMAND ${NODE} ${SOURCE}/tests/viewer/${name}_test.mjs ${PROGRAM} ${VIEWER} ${CHROMIUM} ${SOURCE}/examples/demo.json
                   ${VIEWER}/screenshots RESULT_VARIABLE result)
   if(NOT result EQUAL 0)

@@ -5,7 +5,7 @@ import { execFileSync } from "node:child_process";
 import { writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { before, test } from "node:test";
-import { complaints, details, file, kPatience, message, open, page, program, scene, serve, shot } from "./browser.mjs";
+import { complaints, details, file, kPatience, message, open, page, program, scene, serve, shot, workerWatch } from "./browser.mjs";
 import { capture, headset, wristAt } from "./headset.mjs";
 
 let lab;
@@ -122,6 +122,20 @@ test("A headset's hand is felt as it comes, is lost openly, and replays natively
   await button.click();  // and back to the pointer
   await page.waitForFunction(() => document.querySelector("#lab label:nth-of-type(8)").hidden === false, null, kPatience);
   await felt(5);
+});
+
+test("Time goes on where there is no more room for what was felt", async () => {
+  await open(lab, {}, workerWatch);
+  await felt(5);
+  await page.evaluate(async () => {
+    const hand = new Float64Array(27).fill(1, 0, 4);  // far away, where a tick is short
+    for (let turn = 0; turn < 37; ++turn) await Promise.all(Array.from({ length: 1000 }, () => ask({ type: "touch", hand })));
+  });
+  await felt(37000);
+  const [download] = await Promise.all([page.waitForEvent("download"), page.getByText("Save what was felt").click()]);
+  await download.saveAs(file("felt long.mcap"));
+  assert.match(await message(), /last \d+ ticks are not in it/);
+  assert.equal(JSON.parse(execFileSync(program, ["replay", "--json", file("felt long.mcap")])).ticks, 36000);
 });
 
 test("Without a headset there is no button for it", async () => {

@@ -5,7 +5,8 @@ import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { join, dirname, resolve } from "node:path";
 import { before, test } from "node:test";
-import { atTick, complaints, details, file, kPatience, message, open, page, program, requests, scanned, scene, serve, settled, shot, started, tick } from "./browser.mjs";
+import { atTick, complaints, details, file, kPatience, message, open, page, program, requests, scanned, scene, serve, settled, shot, started, tick, tips, workerWatch } from "./browser.mjs";
+import { capture } from "./headset.mjs";
 
 /** As a link says it. */
 const at = (address, wanted) => `${address}&tick=${wanted}`;
@@ -13,7 +14,6 @@ const at = (address, wanted) => `${address}&tick=${wanted}`;
 before(async () => {
   const run = (name, ...args) => execFileSync(program, ["run", scene, "--record", file(name), ...args]);
   run("grasp.mcap", "--threads", "1");
-  execFileSync(program, ["replay", file("grasp.mcap"), "--stiffness", "1.9e7", "--record", file("softer.mcap")]);
   execFileSync(program, ["run", join(dirname(scene), "mug.json"), "--record", file("lift.mcap")]);
   run("hashes only.mcap", "--threads", "1", "--ticks", "4200", "--record-forces", "none");
   const whole = readFileSync(file("grasp.mcap"));
@@ -64,6 +64,45 @@ test("An object that moves is drawn where it is felt, and tells where that is wh
   assert.match(await details(), /triangle\s+\d+\s+(touched by|contact\s+none)/);
   assert.match(await details(), /replayed here\s+the same bits/);
   await shot("lifted");
+});
+
+test("A world that is a file of its own is not drawn, but hand and forces are, where they were", async () => {
+  execFileSync(program, ["world", scene, "-o", file("mug.world")]);
+  const { objects, ...rest } = JSON.parse(readFileSync(scene, "utf8"));
+  writeFileSync(file("of a world.json"), JSON.stringify({ ...rest, world: "mug.world" }));
+  execFileSync(program, ["run", file("of a world.json"), "--ticks", "4200", "--record", file("of a world.mcap")]);
+  await open(at(await serve("view", file("of a world.mcap"), "--no-browser"), 3980));
+  await atTick(3980);
+  const text = await details();
+  assert.match(text, /contacts\s+the recording's world is a file of its own/);
+  assert.match(text, /force of the hand\s+[1-9]/);
+  assert.doesNotMatch(text, /replayed here|triangles/);
+  await shot("world");
+  const told = await tips();
+  assert.ok(told.includes("palm") && told.some((tip) => /: \S+ N$/.test(tip)), `${told}`);
+});
+
+test("A hand, or a finger, that is not tracked is not drawn", async () => {
+  const frames = JSON.parse(capture(3));
+  for (const frame of frames) {
+    if (frame.time > 0.5 && frame.time < 1) frame.joints = null;
+    if (frame.time > 1.5 && frame.time < 2) for (const name of Object.keys(frame.joints).filter((one) => /index/.test(one))) delete frame.joints[name];
+  }
+  writeFileSync(file("lost.json"), JSON.stringify(frames));
+  execFileSync(program, ["run", scene, "--motion", file("lost.json"), "--align", "centre", "--ticks", "2500", "--record", file("lost.mcap")]);
+  const address = await serve("view", file("lost.mcap"), "--no-browser");
+  const isDrawn = { 400: ["index", "middle"], 700: [], 1700: ["middle"] };
+  for (const [wanted, drawn] of Object.entries(isDrawn)) {
+    await open(at(address, wanted));
+    await atTick(wanted);
+    assert.match(await details(), /replayed here\s+the same bits/);
+    const joints = /joints tracked\s+(\S+) of 26/.exec(await details())?.[1];
+    assert.equal(joints, { 700: "none", 1700: "21" }[wanted]);
+    await shot(`tracked ${wanted}`);
+    const told = await tips();
+    for (const finger of ["index", "middle"])
+      assert.equal(told.some((tip) => tip.startsWith(finger)), drawn.includes(finger), `tick ${wanted}: ${told}`);
+  }
 });
 
 test("A proxy is told apart from the tracked hand", async () => {
@@ -148,29 +187,6 @@ test("A click tells all that is known of a segment and of a triangle; an arrow t
   assert.fail(`found only ${[...found].join(", ")}`);
 });
 
-test("Two recordings part where lumbrical diff says", async () => {
-  await open(await serve("view", file("grasp.mcap"), file("softer.mcap"), "--no-browser"));
-  let told;
-  try {
-    execFileSync(program, ["diff", "--json", file("grasp.mcap"), file("softer.mcap")]);
-  } catch (error) {
-    told = JSON.parse(error.stdout).first_divergence;
-  }
-  await atTick(told.tick);
-  const text = await details();
-  assert.match(text, new RegExp(`They part at tick ${told.tick}, stage "${told.stage.replace("_", " ")}"`));
-  await scanned();
-  await page.keyboard.press("c");
-  const box = await page.locator("#timeline").boundingBox();
-  await page.mouse.click(box.x + 0.4 * box.width, box.y + 30);
-  await page.waitForFunction(() => Math.abs(Number(document.body.dataset.tick) - 4000) < 30, null, kPatience);
-  assert.ok(await page.getByText("Difference of force per segment").isVisible());
-  await shot("compared");
-  await page.keyboard.press("c");
-  await page.waitForTimeout(300);
-  await shot("overlaid");
-});
-
 test("A recording of a single tick, far from the first one, is shown like any other", async () => {
   execFileSync(program, ["trim", file("grasp.mcap"), "--from-tick", "3000", "--to-tick", "3001", "-o", file("one tick.mcap")]);
   await open(await serve("view", file("one tick.mcap"), "--no-browser"));
@@ -180,12 +196,13 @@ test("A recording of a single tick, far from the first one, is shown like any ot
   assert.match(await details(), /the same bits/);
 });
 
-async function clickOnLeftHand() {
+/** Clicks all over the scene until the details say so. */
+async function clickUntil(said) {
   const box = await page.locator("#canvas").boundingBox();
   for (let x = 0.1; x < 0.95; x += 0.05)
     for (let y = 0.2; y < 0.9; y += 0.1) {
       await page.mouse.click(box.x + x * box.width, box.y + y * box.height);
-      if (/hand\s*left/.test(await details())) return true;
+      if (said.test(await details())) return true;
     }
   return false;
 }
@@ -203,9 +220,24 @@ test("Two hands of a session are shown together, each computed bit for bit", asy
   assert.match(await page.locator("#legend").innerText(), /orange the right hand, blue the left one/);
   assert.equal(await page.getByText("Difference of force per segment").isVisible(), false);
   // The other hand is there too: a click on it tells whose it is.
-  assert.ok(await clickOnLeftHand(), "no pixel of the left hand");
+  assert.ok(await clickUntil(/hand\s*left/), "no pixel of the left hand");
   assert.match(await details(), /the same bits/);
   await shot("two_hands");
+});
+
+test("What both hands touch tells of both, wherever it is clicked", async () => {
+  copyFileSync(join(dirname(scene), "hold.json"), file("hold.json"));
+  const block = { name: "block", box: { size: [0.07, 0.07, 0.12], cells: 2 }, friction: 0.5 };
+  writeFileSync(file("block.json"), JSON.stringify({ objects: [block], motion: { file: "hold.json", side: "both" } }));
+  execFileSync(program, ["run", file("block.json"), "--record", file("block.mcap")]);
+  await open(at(await serve("view", file("block.mcap"), "--no-browser"), 1100));
+  await atTick(1100);
+  for (let i = 0; i < 15; ++i) await page.keyboard.press("a");  // to the left hand's side
+  assert.ok(await clickUntil(/touched by\s+left/), "no triangle that the left hand touches");
+  assert.match(await details(), /force of the right hand on it\s+[\d.]*[1-9]/);
+  assert.match(await details(), /force of the left hand on it\s+[\d.]*[1-9]/);
+  assert.ok((await tips()).some((tip) => /^block: right \S+ N, left \S+ N$/.test(tip)));
+  await shot("block");
 });
 
 test("A running session is shown, read-only", async () => {
@@ -241,7 +273,7 @@ test("A running session of two hands is shown with both", async () => {
   await page.keyboard.press("Space");
   await page.waitForTimeout(1000);
   await shot("live_two_hands");
-  assert.ok(await clickOnLeftHand(), "no pixel of the left hand");
+  assert.ok(await clickUntil(/hand\s*left/), "no pixel of the left hand");
   assert.equal(await message(), "");
 });
 
@@ -276,6 +308,46 @@ test("Dark, and on a phone: nothing is cut off and no text is small", async () =
   }
 });
 
+/** In the page, before its own scripts: counts what has to be given back. */
+function countKept() {
+  window.kept = { buffers: 0, observed: 0, listeners: 0 };
+  const count = (owner, name, what, by) => {
+    const real = owner[name];
+    owner[name] = function (...given) {
+      kept[what] += by;
+      return real.apply(this, given);
+    };
+  };
+  count(WebGL2RenderingContext.prototype, "createBuffer", "buffers", 1);
+  count(WebGL2RenderingContext.prototype, "deleteBuffer", "buffers", -1);
+  count(ResizeObserver.prototype, "observe", "observed", 1);
+  count(ResizeObserver.prototype, "disconnect", "observed", -1);
+  count(window, "addEventListener", "listeners", 1);
+  count(window, "removeEventListener", "listeners", -1);
+}
+
+test("What was open before leaves nothing behind", async () => {
+  await open(at(await serve("view", file("grasp.mcap"), "--no-browser"), 3980), {}, `(${countKept})(); ${workerWatch}`);
+  const openAgain = async () => {
+    await page.evaluate(() => { delete document.body.dataset.scanned; });
+    await page.setInputFiles("#open", file("grasp.mcap"));
+    await scanned();
+    await atTick(0);
+    await page.waitForTimeout(500);
+    return page.evaluate(() => ({ ...kept, plots: document.querySelectorAll(".uplot").length }));
+  };
+  const once = await openAgain();
+  await openAgain();
+  assert.deepEqual(await openAgain(), once);
+  await page.keyboard.press("Space");
+  await page.waitForFunction(() => Number(document.body.dataset.tick) > 50, null, kPatience);
+  await page.getByText("Lab", { exact: true }).click();
+  await page.waitForFunction(() => /force of the hand/.test(document.querySelector("#details").innerText) && document.querySelector("#name").innerText === "lab", null, kPatience);
+  assert.equal(await page.evaluate(async () => (await ask({ type: "show", place: 0, tick: 5000 })).shown), undefined);
+  await page.waitForTimeout(500);
+  assert.equal(await message(), "");
+});
+
 test("A question mark lists the keys", async () => {
   await open(one);
   await page.keyboard.press("?");
@@ -303,7 +375,7 @@ test("Nothing leaves the page's origin, and nothing but the named files is reach
   const blocked = await page.evaluate((to) => fetch(to, { mode: "no-cors" }).then(() => false, () => true), `http://127.0.0.1:${other.address().port}/`);
   other.close();
   assert.ok(blocked && reached === 0, "a request went to another origin");
-  for (const path of ["/etc/passwd", "/a/../../etc/passwd", "/a/", "/a/softer.mcap", "/%2e%2e/grasp.mcap"])
+  for (const path of ["/etc/passwd", "/a/../../etc/passwd", "/a/", "/a/torn.mcap", "/%2e%2e/grasp.mcap"])
     assert.equal((await fetch(origin + path)).status, 404, path);
   const strange = requests.filter((url) => !/^(blob:)?http:\/\/127\.0\.0\.1:\d+\/|^(data|blob):/.test(url));
   assert.deepEqual(strange, []);

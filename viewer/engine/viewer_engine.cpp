@@ -38,6 +38,7 @@ bool is_known = true;  // `state` is the session's, not a guess amid it
 Scratch scratch;
 TickRecord record;
 std::optional<Motion> motion;  // moves the lab's hand; none: pointer and sliders do
+std::string no_contacts;       // why only the hand is placed and nothing it touches is known; empty: all is
 
 std::span<const std::uint8_t> message(std::uint32_t first, std::uint32_t size) {
   return std::span(in).subspan(first, size);
@@ -56,9 +57,13 @@ Status open_session(std::span<const std::uint8_t> session, std::span<const std::
   std::optional<Hand> second;
   if (Status status = decode_session(session, scene, &second); !status.ok()) return status;
   if (hand == 1 && second) scene.hand = *second;
-  if (scene.world)
-    return Status::error("the recording's world is a file of its own, " + scene.world->path +
-                         ", which a page does not have: forces are shown, contacts are not");
+  no_contacts.clear();
+  if (scene.world) {
+    no_contacts = "the recording's world is a file of its own, " + scene.world->path +
+                  ", which a page does not have: forces are shown, contacts are not";
+    scene.world.reset();
+    scene.objects.clear();
+  }
   initial_state = {};
   if (!first_state.empty()) {
     if (Status status = decode_state(first_state, initial_state); !status.ok()) return status;
@@ -111,10 +116,22 @@ std::vector<fb::Vec3> joint_positions(const Joints& joints) {
   return result;
 }
 
+bool is_placed() {
+  constexpr std::uint32_t kNowhere = kInputNotFinite | kInputImplausible | kInputLost;
+  return (scratch.primitives->flags & kNowhere) == 0;
+}
+
+/// No joint of a hand that could not be placed: what is in `scratch` then is of another tick.
+const Primitives& placed_hand() {
+  static const Primitives kNobody;
+  if (!is_placed()) return kNobody;
+  place_axes(*scratch.primitives);  // a tick leaves them out far from everything
+  return *scratch.primitives;
+}
+
 /// As the device told them, where a proxy stands in their place.
 std::vector<fb::Vec3> tracked_joints() {
-  constexpr std::uint32_t kNowhere = kInputNotFinite | kInputImplausible | kInputLost;
-  if (!scratch.proxy || (scratch.primitives->flags & kNowhere) != 0) return {};
+  if (!scratch.proxy || !is_placed()) return {};
   Primitives tracked;
   place_hand(model.hand, model.settings, record.device, tracked);
   return joint_positions(tracked.joints);
@@ -153,6 +170,7 @@ std::vector<fb::Contact> contacts() {
 
 std::vector<fb::SegmentOutput> segments(const HandForces& forces) {
   std::vector<fb::SegmentOutput> result;
+  if (!no_contacts.empty()) return result;
   for (std::size_t s = 0; s < kSegmentCount; ++s) {
     const auto& [force, torque] = forces.segment[s];
     result.emplace_back(static_cast<std::uint32_t>(s), to_fb(force), to_fb(torque),
@@ -162,9 +180,10 @@ std::vector<fb::SegmentOutput> segments(const HandForces& forces) {
 }
 
 void answer_view() {
-  const std::string_view differs = first_difference();  // before the hash of stages is of other contacts
+  // Before the hash of stages is of other contacts.
+  const std::string_view differs = no_contacts.empty() ? first_difference() : "";
   const auto found = contacts();
-  const Primitives& hand = *scratch.primitives;
+  const Primitives& hand = placed_hand();
   // A tick that has no need of the palm does not place it.
   const SweptPolygon palm =
       hand.joints.has(kPalm) ? place_palm(model.hand.palm, hand.joints.pose[kPalm]) : SweptPolygon{};
@@ -305,11 +324,14 @@ PAGE_MAY_CALL(answer_size) std::uint32_t answer_size() { return static_cast<std:
 // Those that can fail return false, and the answer is then the error's text.
 
 /// A session message and behind it, of `state_size` bytes, the state before the first tick, if any; `hand` of
-/// two is the one whose ticks are to come.
+/// two is the one whose ticks are to come. The answer is why contacts are not known; nothing: they are.
 PAGE_MAY_CALL(open)
 bool open_recording(std::uint32_t session_size, std::uint32_t state_size, std::uint32_t hand) {
   return unless_memory_ends([=] {
-    return answer_status(open_session(message(0, session_size), message(session_size, state_size), hand));
+    if (!answer_status(open_session(message(0, session_size), message(session_size, state_size), hand)))
+      return false;
+    answer_text(no_contacts);
+    return true;
   });
 }
 
@@ -323,8 +345,10 @@ PAGE_MAY_CALL(begin) void begin_at(std::uint32_t tick, bool first) {
 /// Computes a tick and answers nothing.
 PAGE_MAY_CALL(pass) bool pass_tick(std::uint32_t size) { return answer_status(run_tick(message(0, size))); }
 
-/// Whether the state after the last tick is the recorded one.
-PAGE_MAY_CALL(is_recorded_state) bool has_recorded_state() { return hash_state(state) == record.state_hash; }
+/// Whether the state after the last tick is the recorded one, or no matter, since the hand alone is placed.
+PAGE_MAY_CALL(is_recorded_state) bool has_recorded_state() {
+  return !no_contacts.empty() || hash_state(state) == record.state_hash;
+}
 
 /// Computes a tick and answers a TickView of it.
 PAGE_MAY_CALL(show) bool show_tick(std::uint32_t size) {

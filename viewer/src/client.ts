@@ -1,7 +1,7 @@
 // The page's side of the worker: a promise per request.
 import type { Answer, Opened, Request, Shown, Source } from "./worker";
 import type { Columns, Mark } from "./series";
-import type { Divergence } from "./difference";
+import type { Comparison } from "./difference";
 
 declare const kWorkerSource: string;  // put in by build.mjs, as is the engine
 declare const kEngineBase64: string;
@@ -10,10 +10,11 @@ export interface Client {
   open(place: number, source: Source): Promise<Opened>;
   show(place: number, tick: number): Promise<Shown | undefined>;
   window(place: number, first: number, last: number): Promise<Columns>;
-  diverge(): Promise<Divergence | undefined>;
-  touch(hand: Float64Array, joints?: string): Promise<Shown>;
+  compare(): Promise<Comparison>;
+  touch(hand: Float64Array, joints?: string): Promise<Shown | undefined>;
   newest(): Promise<(Shown | undefined)[]>;
-  save(): Promise<Blob>;
+  /** And how many ticks there was no room for in it. */
+  save(): Promise<{ file: Blob; leftOut: number }>;
   onScanned: (place: number, columns: Columns, marks: Mark[], share: number) => void;
   onError: (text: string) => void;
 }
@@ -31,10 +32,10 @@ export async function startClient(): Promise<Client> {
     open: async (place, source) => (await ask({ type: "open", place, source })).opened,
     show: async (place, tick) => (await ask({ type: "show", place, tick })).shown,
     window: async (place, first, last) => (await ask({ type: "window", place, first, last })).columns,
-    diverge: async () => (await ask({ type: "diverge" })).divergence,
+    compare: async () => (await ask({ type: "compare" })).comparison,
     touch: async (hand, joints) => (await ask({ type: "touch", hand, joints })).shown,
     newest: async () => (await ask({ type: "newest" })).hands,
-    save: async () => (await ask({ type: "save" })).file,
+    save: () => ask({ type: "save" }),
     onScanned() {},
     onError() {},
   };

@@ -7,6 +7,13 @@ import { brief, jointOf, kDeviceStates, kSegments, kTickFlags } from "./words";
 
 type Rows = [term: string, text: string][];
 
+/** A frame that tells of what is picked. */
+export interface Told {
+  frame: Frame;
+  hand: string;  // "right " or "left ", empty where there is one
+  noContacts: string;  // as Opened has it
+}
+
 const millimetres = (v: Vector3) => `${brief(1e3 * v.x)}, ${brief(1e3 * v.y)}, ${brief(1e3 * v.z)} mm`;
 const newtons = (v: Vector3) => `${brief(v.length())} N  (${brief(v.x)}, ${brief(v.y)}, ${brief(v.z)})`;
 const torque = (v: Vector3) => `${brief(1e3 * v.length())} N mm  (${brief(1e3 * v.x)}, ${brief(1e3 * v.y)}, ${brief(1e3 * v.z)})`;
@@ -16,7 +23,7 @@ export function flagsText(flags: number): string {
 }
 
 /** [m] How far the proxy's joints are from the tracked ones. */
-const lag = ({ joints, tracked }: Frame) => Math.max(...tracked.map((joint, j) => joint.distanceTo(joints[j])));
+const lag = ({ joints, tracked }: Frame) => Math.max(0, ...tracked.map((joint, j) => joint?.distanceTo(joints[j]!) ?? 0));
 
 export function tickRows(frame: Frame, milliseconds: number, world: World, noContacts: string, live: boolean): Rows {
   const total = frame.forces.reduce((sum, force) => sum.add(force), new Vector3());
@@ -24,28 +31,34 @@ export function tickRows(frame: Frame, milliseconds: number, world: World, noCon
     ["tick", `${frame.tick} at ${(frame.tick / world.rate).toFixed(3)} s`],
     ["force of the hand", newtons(total)],
     ["off by at most", `${brief(frame.forceError)} N by integrals; about ${brief(frame.errorEstimate)} N by samples`],
-    ["contacts", `${frame.contacts.length} triangles; the tick counted ${frame.contactCount} patches`],
+    ["contacts", `${noContacts ? "" : `${frame.contacts.length} triangles; `}the tick counted ${frame.contactCount} patches`],
     ["flags", flagsText(frame.flags)],
-    ["tick took", `${brief(frame.duration)} us; here ${brief(milliseconds)} ms with contacts`],
+    ["tick took", `${brief(frame.duration)} us; here ${brief(milliseconds)} ms${noContacts ? "" : " with contacts"}`],
   ];
+  const known = frame.joints.filter((joint) => joint).length;
+  if (known < frame.joints.length) rows.push(["joints tracked", `${known || "none"} of ${frame.joints.length}; what hangs on the others is not drawn`]);
   if (frame.tracked.length > 0) rows.push(["proxy", `up to ${brief(1e3 * lag(frame))} mm from the tracked joints, which are the lines`]);
   if (frame.sent.length > 0) {
     const sent = frame.sent[frame.sent.length - 1];
     rows.push(["device", `${kDeviceStates[sent.state]}: ${sent.values.map(brief).join(", ")}`]);
   }
-  if (frame.leftOut) rows.push(["forces", "not in the file; computed here"]);
+  if (frame.leftOut) rows.push(["forces", noContacts ? "not in the file" : "not in the file; computed here"]);
   if (noContacts) rows.push(["contacts", noContacts]);
   else if (!live) rows.push(["replayed here", frame.differs ? `parts from the file at stage "${frame.differs}"` : "the same bits"]);
   return rows;
 }
 
-export function segmentRows(segment: number, frame: Frame, world: World): Rows {
-  const own = frame.contacts.filter((contact) => contact.segment === segment);
-  const sum = (value: (contact: (typeof own)[number]) => number) => own.reduce((all, contact) => all + value(contact), 0);
-  return [
+export function segmentRows(segment: number, { frame, noContacts }: Told, world: World): Rows {
+  const rows: Rows = [
     ["force", newtons(frame.forces[segment])],
     [`torque about ${jointOf(segment)} joint`, torque(frame.jointTorques[segment])],
     ["of it, opening", `${brief(1e3 * frame.flexionTorques[segment])} N mm`],
+  ];
+  if (noContacts) return rows;
+  const own = frame.contacts.filter((contact) => contact.segment === segment);
+  const sum = (value: (contact: (typeof own)[number]) => number) => own.reduce((all, contact) => all + value(contact), 0);
+  return [
+    ...rows,
     ["contacted triangles", `${own.length}`],
     ["contacted area", `${brief(1e6 * sum((contact) => contact.area))} mm²`],
     ["deepest", `${brief(1e3 * Math.max(0, ...own.map((contact) => contact.depth)))} mm`],
@@ -58,14 +71,17 @@ export function objectOf(triangle: number, world: World): string {
   return at < 0 ? "" : world.names[at];
 }
 
+const contactsOf = (told: Told[], object: number) =>
+  told.flatMap(({ frame, hand }) => frame.contacts.filter((contact) => contact.object === object).map((contact) => ({ contact, hand })));
+
 /** Of a triangle of what stands still (0), or of World.apart[object - 1]. */
-function contactRows(object: number, triangle: number, frame: Frame, world: World): Rows {
+function contactRows(object: number, triangle: number, told: Told[], world: World): Rows {
   const rows: Rows = [];
-  const touched = frame.contacts.filter((contact) => contact.object === object && contact.triangle === triangle);
-  if (touched.length === 0) rows.push(["contact", "none in this tick"]);
-  for (const contact of touched) {
+  const touched = contactsOf(told, object).filter(({ contact }) => contact.triangle === triangle);
+  if (touched.length === 0) rows.push(["contact", told[0].noContacts || "none in this tick"]);
+  for (const { contact, hand } of touched) {
     rows.push(
-      ["touched by", kSegments[contact.segment]],
+      ["touched by", hand + kSegments[contact.segment]],
       ["area", `${brief(1e6 * contact.area)} mm²`],
       ["pressure", `${brief(pressureOf(contact, world))} Pa, mean`],
       ["force", `${brief(world.stiffness * contact.volume)} N along the normal, within ${brief(world.stiffness * contact.error)} N`],
@@ -77,29 +93,29 @@ function contactRows(object: number, triangle: number, frame: Frame, world: Worl
   return rows;
 }
 
-export function triangleRows(triangle: number, frame: Frame, world: World): Rows {
+export function triangleRows(triangle: number, told: Told[], world: World): Rows {
   const rows: Rows = [["object", objectOf(triangle, world)], ["triangle", `${triangle}`]];
   for (let corner = 0; corner < 3; ++corner)
     rows.push([`corner ${"abc"[corner]}`, millimetres(new Vector3().fromArray(world.positions, 9 * triangle + 3 * corner))]);
-  rows.push(...contactRows(0, triangle, frame, world));
+  rows.push(...contactRows(0, triangle, told, world));
   return rows;
 }
 
-export function objectRows(object: number, triangle: number, frame: Frame, world: World): Rows {
-  const own = frame.contacts.filter((contact) => contact.object === object + 1);
+export function objectRows(object: number, triangle: number, told: Told[], world: World): Rows {
   const rows: Rows = [["object", world.apart[object].name]];
-  const told = frame.objects[object];
-  if (!told) return rows;
-  const { x, y, z, w } = told.pose.orientation;
+  const felt = told.flatMap(({ frame, hand }) => (frame.objects[object] ? [{ ...frame.objects[object], hand }] : []));
+  if (felt.length === 0) return rows;
+  const [{ pose, coordinate }] = felt;  // the same for both hands
+  const { x, y, z, w } = pose.orientation;
   rows.push(
-    ["stands at", millimetres(told.pose.position)],
+    ["stands at", millimetres(pose.position)],
     ["turned by", `${brief((360 / Math.PI) * Math.atan2(Math.hypot(x, y, z), Math.abs(w)))}°`],
-    ["force of the hand on it", newtons(told.force)],
-    ["torque about its origin", torque(told.torque)],
-    ["contacted triangles", `${own.length}`],
   );
-  if (told.coordinate !== 0) rows.push(["joint at", `${brief(told.coordinate)} rad or m`]);
-  rows.push(["triangle", `${triangle}`], ...contactRows(object + 1, triangle, frame, world));
+  for (const one of felt)
+    rows.push([`force of the ${one.hand}hand on it`, newtons(one.force)], [`torque of the ${one.hand}hand about its origin`, torque(one.torque)]);
+  rows.push(["contacted triangles", `${contactsOf(told, object + 1).length}`]);
+  if (coordinate !== 0) rows.push(["joint at", `${brief(coordinate)} rad or m`]);
+  rows.push(["triangle", `${triangle}`], ...contactRows(object + 1, triangle, told, world));
   return rows;
 }
 
@@ -118,23 +134,30 @@ export function showRows(parent: HTMLElement, title: string, rows: Rows) {
   parent.append(heading, list);
 }
 
-export function showDetails(parent: HTMLElement, pick: Pick | undefined, frame: Frame, world: World, general: Rows) {
+/** `told` of what is picked: nothing where its tick is missing. */
+export function showDetails(parent: HTMLElement, pick: Pick | undefined, told: Told[], world: World, general: Rows) {
   parent.replaceChildren();
-  if (pick?.kind === "triangle") showRows(parent, "Triangle", triangleRows(pick.triangle, frame, world));
-  else if (pick?.kind === "object") showRows(parent, "Object", objectRows(pick.object, pick.triangle, frame, world));
-  else if (pick) showRows(parent, kSegments[pick.segment], segmentRows(pick.segment, frame, world));
+  if (pick && told.length > 0) {
+    if (pick.kind === "triangle") showRows(parent, "Triangle", triangleRows(pick.triangle, told, world));
+    else if (pick.kind === "object") showRows(parent, "Object", objectRows(pick.object, pick.triangle, told, world));
+    else showRows(parent, kSegments[pick.segment], segmentRows(pick.segment, told[0], world));
+  }
   showRows(parent, "Tick", general);
 }
 
-function triangleTip(triangle: number, frame: Frame, world: World): string {
-  const contact = frame.contacts.find((one) => one.object === 0 && one.triangle === triangle);
-  return contact ? `${objectOf(triangle, world)}, triangle ${triangle}: ${brief(pressureOf(contact, world) / 1e3)} kPa` : "";
+function triangleTip(triangle: number, told: Told[], world: World): string {
+  const pressures = contactsOf(told, 0).filter(({ contact }) => contact.triangle === triangle)
+    .map(({ contact, hand }) => `${hand}${brief(pressureOf(contact, world) / 1e3)} kPa`);
+  return pressures.length > 0 ? `${objectOf(triangle, world)}, triangle ${triangle}: ${pressures.join(", ")}` : "";
 }
 
-export function tipText(pick: Pick, frame: Frame, world: World): string {
-  if (pick.kind === "triangle") return triangleTip(pick.triangle, frame, world);
+export function tipText(pick: Pick, told: Told[], world: World): string {
+  if (told.length === 0) return "";
+  const [{ frame }] = told;
+  if (pick.kind === "triangle") return triangleTip(pick.triangle, told, world);
   if (pick.kind === "force") return `${kSegments[pick.segment]}: ${brief(frame.forces[pick.segment].length())} N`;
   if (pick.kind === "torque") return `${jointOf(pick.segment)} joint: ${brief(1e3 * frame.jointTorques[pick.segment].length())} N mm`;
-  if (pick.kind === "object") return `${world.apart[pick.object].name}: ${brief(frame.objects[pick.object]?.force.length() ?? 0)} N`;
-  return kSegments[pick.segment];
+  if (pick.kind !== "object") return kSegments[pick.segment];
+  const forces = told.map((one) => `${one.hand}${brief(one.frame.objects[pick.object]?.force.length() ?? 0)} N`);
+  return `${world.apart[pick.object].name}: ${forces.join(", ")}`;
 }

@@ -5,6 +5,7 @@ import type { Recording } from "./recording";
 import { kSegments } from "./words";
 
 export interface Divergence {
+  hand: string;  // of two hands, whose ticks part
   tick: number;
   stage: string;
   field: string;
@@ -12,6 +13,15 @@ export interface Divergence {
   b: string;
 }
 
+/** What was compared of two recordings, up to where they part. */
+export interface Comparison {
+  hands: string[];
+  ticks: number;
+  missing: number;  // in both
+  divergence?: Divergence;
+}
+
+type Parting = Omit<Divergence, "hand">;
 type Field = [name: string, value: number | bigint | string];
 
 const xyz = (name: string, v: { x(): number; y(): number; z(): number } | null): Field[] =>
@@ -45,7 +55,7 @@ function outputFields(tick: Tick): Field[] {
   return fields;
 }
 
-function firstField(a: Field[], b: Field[]): Omit<Divergence, "tick" | "stage"> {
+function firstField(a: Field[], b: Field[]): Omit<Parting, "tick" | "stage"> {
   const others = new Map(b);
   for (const [name, value] of a) {
     const other = others.get(name) ?? "none";
@@ -59,32 +69,43 @@ function firstField(a: Field[], b: Field[]): Omit<Divergence, "tick" | "stage"> 
 const kStages = ["input", "handPose", "broadphase", "narrowphase", "contactForce", "limits"] as const;
 const kStageNames = ["input", "hand pose", "broadphase", "narrowphase", "contact force", "limits"];
 
-function divergenceOf(tick: number, bytesA: Uint8Array, bytesB: Uint8Array): Divergence | undefined {
+function partingOf(tick: number, bytesA: Uint8Array, bytesB: Uint8Array): Parting | undefined {
   const a = Tick.getRootAsTick(new ByteBuffer(bytesA));
   const b = Tick.getRootAsTick(new ByteBuffer(bytesB));
-  if (a.stateHash() === b.stateHash() && a.stageHashes()?.limits() === b.stageHashes()?.limits() &&
-      a.stageHashes()?.input() === b.stageHashes()?.input()) return undefined;
+  const [hashesA, hashesB] = [a.stageHashes(), b.stageHashes()];
+  if (!hashesA || !hashesB) throw new Error(`tick ${tick} has no hashes to compare by`);
   for (const [i, stage] of kStages.entries()) {
-    if (a.stageHashes()?.[stage]() === b.stageHashes()?.[stage]()) continue;
+    if (hashesA[stage]() === hashesB[stage]()) continue;
     const fields = stage === "input" ? inputFields : outputFields;
     return { tick, stage: kStageNames[i], ...firstField(fields(a), fields(b)) };
   }
-  return { tick, stage: "state", field: "hash", a: "", b: "" };
+  return a.stateHash() === b.stateHash() ? undefined : { tick, stage: "state", field: "hash", a: "", b: "" };
 }
 
-/** Nothing where they are the same to the last bit. */
-export async function findDivergence(a: Recording, b: Recording): Promise<Divergence | undefined> {
+/** Of one hand's ticks; counts them in `counts`. */
+async function findParting(a: Recording, b: Recording, counts: Comparison): Promise<Parting | undefined> {
   const ends = (of: Recording) => `ticks ${of.first} to ${of.last}`;
   for (let tick = Math.max(a.first, b.first); tick <= Math.min(a.last, b.last); ++tick) {
-    const bytesA = (await a.chunk(a.chunkOf(tick))).get(tick);
-    const bytesB = (await b.chunk(b.chunkOf(tick))).get(tick);
-    if (bytesA === undefined && bytesB === undefined) continue;
-    if (bytesA === undefined || bytesB === undefined)
+    const [bytesA, bytesB] = [await a.message(tick), await b.message(tick)];
+    ++counts[bytesA || bytesB ? "ticks" : "missing"];
+    if (!bytesA && !bytesB) continue;
+    if (!bytesA || !bytesB)
       return { tick, stage: "input", field: "tick", a: bytesA ? "there" : "missing", b: bytesB ? "there" : "missing" };
-    const found = divergenceOf(tick, bytesA, bytesB);
+    const found = partingOf(tick, bytesA, bytesB);
     if (found) return found;
   }
   if (a.first !== b.first || a.last !== b.last)
     return { tick: Math.min(a.last, b.last), stage: "input", field: "tick", a: ends(a), b: ends(b) };
   return undefined;
+}
+
+/** Of recordings by hand, one hand after the other, until one parts. */
+export async function compare(a: Recording[], b: Recording[]): Promise<Comparison> {
+  if (a.length !== b.length) throw new Error(`${(a.length > 1 ? a : b)[0].name} is of two hands and the other of one`);
+  const comparison: Comparison = { hands: a[0].sides, ticks: 0, missing: 0 };
+  for (const [hand, own] of a.entries()) {
+    const found = await findParting(own, b[hand], comparison);
+    if (found) return { ...comparison, divergence: { ...found, hand: a.length > 1 ? own.sides[hand] : "" } };
+  }
+  return comparison;
 }

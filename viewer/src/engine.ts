@@ -1,8 +1,9 @@
 // The engine as WebAssembly (viewer/engine/viewer_engine.cpp): messages of a recording go in, what a tick looks like comes out.
 
 export interface Engine {
-  /** Throws what is wrong with the session. `hand`: of two, which one's ticks are to come. */
-  open(session: Uint8Array, state: Uint8Array, hand?: number): void;
+  /** Why only the hand is placed and contacts are not known; empty: they are. Throws what is wrong with the session. `hand`: of
+   *  two, which one's ticks are to come. */
+  open(session: Uint8Array, state: Uint8Array, hand?: number): string;
   /** The next message is that of this tick. */
   begin(tick: number, first: boolean): void;
   /** Computes a tick; false where the state after it is not the recorded one. */
@@ -77,13 +78,15 @@ export async function loadEngine(wasm: BufferSource): Promise<Engine> {
     return name.length + (file?.bytes.length ?? 0);
   };
   const answer = () => new Uint8Array(exports.memory.buffer, exports.answer(), exports.answer_size()).slice();
+  const answerText = () => new TextDecoder().decode(answer());
   const must = (good: number) => {
-    if (!good) throw new Error(new TextDecoder().decode(answer()));
+    if (!good) throw new Error(answerText());
   };
   return {
     open(session, state, hand = 0) {
       put(session, state);
       must(exports.open(session.length, state.length, hand));
+      return answerText();
     },
     begin: (tick, first) => exports.begin(tick, Number(first)),
     pass(message) {

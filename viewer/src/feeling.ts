@@ -58,10 +58,12 @@ export function leaveLab() {
 }
 
 async function saveFelt() {
+  const { file, leftOut } = await client.save();
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(await client.save());
+  link.href = URL.createObjectURL(file);
   link.download = "felt.mcap";
   link.click();
+  if (leftOut > 0) say(`The last ${leftOut} ticks are not in it: ten minutes are kept.`);
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 

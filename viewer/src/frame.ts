@@ -33,6 +33,9 @@ export interface Pose {
   orientation: Quaternion;
 }
 
+/** Undefined: it is not tracked. */
+export type Joint = Vector3 | undefined;
+
 /** What is felt of an object that moves or rubs. */
 export interface ObjectRecord {
   pose: Pose;
@@ -53,9 +56,9 @@ export interface Frame {
   errorEstimate: number;
   sent: { state: number; values: number[] }[];
   leftOut: boolean;  // forces are not the file's but computed here
-  joints: Vector3[];  // felt with
-  tracked: Vector3[];  // as the device told them, where a proxy is felt with; else none
-  hulls: Hull[];
+  joints: Joint[];  // felt with
+  tracked: Joint[];  // as the device told them, where a proxy is felt with; else none
+  hulls: Hull[];  // of segments whose joints are tracked
   contacts: ContactRecord[];
   baseJoints: Vector3[];
   objects: ObjectRecord[];  // in the order of World.apart
@@ -121,6 +124,8 @@ export function readWorld(bytes: Uint8Array): World {
   return { names: still.map(name), firstTriangle, positions, apart, stiffness: settings.stiffness(), rate: settings.rate() };
 }
 
+const known = (joints: Vector3[], valid: number): Joint[] => joints.map((joint, j) => ((valid >>> j) & 1 ? joint : undefined));
+
 function readHulls(view: TickView): Hull[] {
   const hulls: Hull[] = [];
   for (let i = 0; i < view.phalangesLength(); ++i) {
@@ -176,8 +181,8 @@ export function readFrame(shown: Shown): Frame {
       return { state: sent.state(), values: Array.from(sent.valuesArray() ?? []) };
     }),
     leftOut,
-    joints: view ? vectors(view.jointsLength(), (i) => view.joints(i)) : [],
-    tracked: view ? vectors(view.trackedLength(), (i) => view.tracked(i)) : [],
+    joints: view ? known(vectors(view.jointsLength(), (i) => view.joints(i)), view.valid()) : [],
+    tracked: view ? known(vectors(view.trackedLength(), (i) => view.tracked(i)), view.valid()) : [],
     hulls: view ? readHulls(view) : [],
     contacts: view ? readContacts(view) : [],
     baseJoints: view ? vectors(view.baseJointsLength(), (i) => view.baseJoints(i)) : [],

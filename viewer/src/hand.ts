@@ -2,7 +2,7 @@
 import {
   BufferGeometry, Color, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshStandardMaterial, Vector3,
 } from "three";
-import type { Frame } from "./frame";
+import type { Frame, Hull } from "./frame";
 import { makeArc, makeArrow, updateArc, updateArrow, type Arrow } from "./arrows";
 import { makeHullGeometry, updateHullGeometry } from "./hulls";
 import { kPalm, kSegmentCount } from "./words";
@@ -28,7 +28,7 @@ const kBones = [1, 2, 6, 11, 16, 21].slice(1).flatMap((base, finger) => {
 });
 
 /** Where a segment's force acts: the centre of its pressure, or the middle of the segment. */
-function actsAt(frame: Frame, segment: number): Vector3 {
+function actsAt(frame: Frame, { segment, points }: Hull): Vector3 {
   const at = new Vector3();
   let sum = 0;
   for (const contact of frame.contacts) {
@@ -37,10 +37,8 @@ function actsAt(frame: Frame, segment: number): Vector3 {
     sum += contact.volume;
   }
   if (sum > 0) return at.divideScalar(sum);
-  const hull = frame.hulls.find((one) => one.segment === segment);
-  if (!hull) return at;
-  for (const point of hull.points) at.add(point);
-  return at.divideScalar(hull.points.length);
+  for (const point of points) at.add(point);
+  return at.divideScalar(points.length);
 }
 
 export function makeHand(colour: string): HandView {
@@ -58,7 +56,8 @@ export function makeHand(colour: string): HandView {
     group.add(skin);
     return skin;
   });
-  const bones = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: colour, depthTest: false, transparent: true, opacity: 0.5 }));
+  const room = kBones.flatMap(() => [new Vector3(), new Vector3()]);
+  const bones = new LineSegments(new BufferGeometry().setFromPoints(room), new LineBasicMaterial({ color: colour, depthTest: false, transparent: true, opacity: 0.5 }));
   bones.renderOrder = 12;
   bones.frustumCulled = false;
   const arrows = Array.from({ length: kSegmentCount }, (_, s) => makeArrow(s));
@@ -70,17 +69,18 @@ export function makeHand(colour: string): HandView {
   return {
     group, skins, arrows, arcs,
     update(frame, origin, scales) {
-      for (const skin of skins) skin.visible = false;
-      for (const hull of frame.hulls) {
-        skins[hull.segment].visible = true;
-        updateHullGeometry(skins[hull.segment].geometry, hull, origin);
-      }
       const real = frame.tracked.length > 0 ? frame.tracked : frame.joints;
-      if (real.length > 0) bones.geometry.setFromPoints(kBones.flatMap(([a, b]) => [real[a], real[b]].map((p) => p.clone().sub(origin))));
-      for (let s = 0; s < kSegmentCount; ++s) {
-        updateArrow(arrows[s], actsAt(frame, s).sub(origin), frame.forces[s], scales.force);
-        const joint = frame.baseJoints[s] ?? origin;
-        updateArc(arcs[s], joint.clone().sub(origin), frame.jointTorques[s], s === kPalm ? 0 : scales.torque);
+      const ends = kBones.flatMap(([a, b]) => (real[a] && real[b] ? [real[a], real[b]] : []));
+      bones.geometry.setFromPoints(ends.map((end) => end.clone().sub(origin)));
+      bones.geometry.setDrawRange(0, ends.length);
+      // What a segment feels is drawn where it is; of one that is nowhere it is told in numbers.
+      for (const part of [...skins, ...arrows.map(({ group }) => group), ...arcs.map(({ group }) => group)]) part.visible = false;
+      for (const hull of frame.hulls) {
+        const s = hull.segment;
+        skins[s].visible = true;
+        updateHullGeometry(skins[s].geometry, hull, origin);
+        updateArrow(arrows[s], actsAt(frame, hull).sub(origin), frame.forces[s], scales.force);
+        updateArc(arcs[s], frame.baseJoints[s].clone().sub(origin), frame.jointTorques[s], s === kPalm ? 0 : scales.torque);
       }
     },
     select(segment) {

@@ -40,10 +40,12 @@ export interface Live {
   opened: Opened;
   /** Of every hand the newest tick that was not shown yet, where there is one. Throws when the session has ended. */
   newest(): (Shown | undefined)[];
+  close(): void;
 }
 
 export async function openLive(url: string, load: () => Promise<Engine>): Promise<Live> {
-  const response = await fetch(url, { cache: "no-store" });
+  const closing = new AbortController();
+  const response = await fetch(url, { cache: "no-store", signal: closing.signal });
   if (!response.ok || response.body === null) throw new Error(`live: the program answers ${response.status}`);
   const stream = messages(response.body);
   const { value: began } = await stream.next();
@@ -53,9 +55,10 @@ export async function openLive(url: string, load: () => Promise<Engine>): Promis
   const engines = await Promise.all(sides.map(load));
   let noContacts = "";
   try {
-    engines.forEach((engine, hand) => engine.open(session, new Uint8Array(), hand));
+    for (const [hand, engine] of engines.entries()) noContacts = engine.open(session, new Uint8Array(), hand);
   } catch (error) {
     noContacts = (error as Error).message;
+    engines.length = 0;  // none of them is of use
   }
   const waiting: (Uint8Array | undefined)[] = sides.map(() => undefined);
   let end = "";
@@ -72,8 +75,8 @@ export async function openLive(url: string, load: () => Promise<Engine>): Promis
     waiting[hand] = undefined;
     const start = performance.now();
     const tick = Number(Tick.getRootAsTick(new ByteBuffer(message)).tick());
-    engines[hand].begin(tick, false);
-    const view = noContacts ? undefined : engines[hand].show(message);
+    engines[hand]?.begin(tick, false);
+    const view = engines[hand]?.show(message);
     return { tick, message, view, milliseconds: performance.now() - start };
   };
   const rate = Session.getRootAsSession(new ByteBuffer(session)).settings()?.rate() ?? 1000;
@@ -83,5 +86,6 @@ export async function openLive(url: string, load: () => Promise<Engine>): Promis
       if (end && waiting.every((message) => !message)) throw new Error(end);
       return waiting.map(showNewest);
     },
+    close: () => closing.abort(),
   };
 }

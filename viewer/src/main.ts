@@ -4,12 +4,11 @@ import { showDetails, tickRows } from "./details";
 import { enterLab, follow, touch } from "./feeling";
 import { drawLegend } from "./legend";
 import { readLink, writeLink } from "./link";
-import { divergenceText, open } from "./opening";
-import { element, first, last, marks, rate, state, strip, view } from "./page";
+import { open } from "./opening";
+import { element, first, last, marks, rate, state, strip, toldOf, view } from "./page";
 import { advance, seek } from "./playing";
 import "./pointer";
 import { scales } from "./scales";
-import { placeOf } from "./scene";
 import { drawTimeline } from "./timeline";
 import { timeText } from "./words";
 
@@ -25,16 +24,14 @@ function drawTick() {
   element("time").textContent = `${timeText(state.tick / rate())} of ${timeText(last() / rate())}   tick ${state.tick}`;
   strip.setAttribute("aria-valuenow", String(state.tick));
   const details = element("details");
-  if (side.frame) {
-    const pick = state.pick;
-    const place = placeOf(pick) ?? 0;
-    const at = state.sides[place] ?? side;
-    const told = state.together ? at : side;  // of two recordings the first
-    const rows = tickRows(told.frame ?? side.frame, told.milliseconds, state.world, side.opened.noContacts, state.live);
-    if (state.together) rows.unshift(["hand", side.opened.sides[place]]);
-    else if (state.divergence) rows.push(["compared", divergenceText(state.divergence)]);
-    else if (state.sides.length > 1) rows.push(["compared", "the same to the last bit"]);
-    showDetails(details, pick, at.frame ?? side.frame, state.world, rows);
+  const pick = state.pick;
+  const place = state.together ? pick?.place ?? 0 : 0;  // of two recordings the first
+  const { frame, milliseconds, opened } = state.sides[place] ?? side;
+  if (frame) {
+    const rows = tickRows(frame, milliseconds, state.world, opened.noContacts, state.live);
+    if (state.together) rows.unshift(["hand", opened.sides[place]]);
+    else if (state.sides.length > 1) rows.push(["compared", state.compared]);
+    showDetails(details, pick, pick ? toldOf(pick) : [], state.world, rows);
   } else {
     details.textContent = `Tick ${state.tick} is missing in the file.`;
   }

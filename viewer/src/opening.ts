@@ -1,9 +1,9 @@
 // Opens recordings and sessions: one, a second beside it, both hands of one, a live one, the lab's.
-import type { Divergence } from "./difference";
+import type { Comparison, Divergence } from "./difference";
 import { leaveLab } from "./feeling";
 import { readWorld } from "./frame";
-import { client, element, redraw, say, state, view } from "./page";
-import { seek, show } from "./playing";
+import { client, element, redraw, renew, say, state, view, type Side } from "./page";
+import { seek, setPlaying, show } from "./playing";
 import { makePlots } from "./plots";
 import { fillPlots, setRange, showsWindow } from "./range";
 import { notice, scales, whole } from "./scales";
@@ -15,20 +15,22 @@ export async function open(place: number, source: Source, link: string): Promise
   say("");
   try {
     const opened = await client.open(place, source);
-    if (place === 0) state.sides = [];
-    state.sides[place] = { opened, link, marks: [], milliseconds: 0 };
+    const side = { opened, link, marks: [], milliseconds: 0 };
+    if (place === 0) setPlaying(false);
+    state.sides = place === 0 ? [side] : [state.sides[0], side];
+    state.compared = "not yet";
     state.running = "live" in source;
     state.live = state.running || "lab" in source;
     document.body.classList.toggle("live", state.live);
     if (!("lab" in source)) leaveLab();
     together(false);
     if (place === 0) beginWith(opened);
-    else await compareWith();
     if (place === 0 && opened.sides.length > 1) await openSecondHand(source, opened);
     document.body.classList.remove("empty");
     element("name").textContent = state.together ? opened.name : state.sides.map((side) => side.opened.name).join("  and  ");
     element("beside").hidden = state.sides.length < 2;
     if (!state.live) await show(state.wanted);
+    if (place === 1) await compareWith(side);
     return true;
   } catch (error) {
     say((error as Error).message, true);
@@ -49,41 +51,55 @@ function together(hands: boolean) {
 /** Of a session of two hands the other one stands where a second recording would. */
 async function openSecondHand(source: Source, one: Opened) {
   const opened = "live" in source ? { ...one } : await client.open(1, { ...source, hand: 1 } as Source);
-  state.sides[1] = { opened, link: "", marks: [], milliseconds: 0 };
+  state.sides = [state.sides[0], { opened, link: "", marks: [], milliseconds: 0 }];
   together(true);
 }
 
 function beginWith(opened: Opened) {
   state.world = readWorld(opened.session);
-  state.divergence = undefined;
   state.pick = undefined;
+  view.select(undefined);
   view.setWorld(state.world);
   view.setFrame(1, undefined, scales(), 1);
   state.most = { force: 1, torque: 0.1, pressure: 1000 };
   view.frameAll();
   state.tick = state.wanted = opened.first;
+  state.plots?.destroy();
   state.plots = makePlots(element("plots"), opened.rate, (from, to) => setRange(from * opened.rate, to * opened.rate), (time) => seek(time * opened.rate));
   setRange(opened.first, opened.last);
 }
 
-async function compareWith() {
-  state.divergence = await client.diverge();
-  const found = state.divergence;
-  if (!found) return say("The two recordings are the same to the last bit.");
-  state.sides[0].marks.push({ tick: found.tick, kind: "divergence", text: divergenceText(found) });
-  say(divergenceText(found));
+async function compareWith(side: Side) {
+  const comparison = await client.compare().catch((error: Error) => error);
+  if (state.sides[1] !== side) return;  // another one was opened meanwhile
+  renew();
+  if (comparison instanceof Error) {
+    state.compared = `not to the end: ${comparison.message}`;
+    return say(comparison.message, true);
+  }
+  const found = comparison.divergence;
+  state.compared = found ? divergenceText(found) : samenessText(comparison);
+  say(state.compared);
+  if (!found) return;
+  side.marks.push({ tick: found.tick, kind: "divergence", text: state.compared });
   seek(found.tick);
 }
 
-export function divergenceText({ tick, stage, field, a, b }: Divergence): string {
-  return `They part at tick ${tick}, stage "${stage}", ${field}${a || b ? `: ${a} and ${b}` : ""}`;
+function divergenceText({ hand, tick, stage, field, a, b }: Divergence): string {
+  return `They part at tick ${tick}${hand && ` of the ${hand} hand`}, stage "${stage}", ${field}${a || b ? `: ${a} and ${b}` : ""}`;
+}
+
+function samenessText({ hands, ticks, missing }: Comparison): string {
+  if (ticks === 0) return "Nothing: they have no ticks";
+  const whose = hands.length > 1 ? ` of the ${hands.join(" and the ")} hand` : "";
+  return `The same to the last bit in all ${ticks} ticks${whose}${missing > 0 ? `; ${missing} more are missing in both` : ""}`;
 }
 
 client.onScanned = (place, columns, marks, share) => {
   const side = state.sides[place];
   if (!side) return;
   side.whole = columns;
-  side.marks = [...marks, ...side.marks.filter((mark) => mark.kind === "divergence")].sort((a, b) => a.tick - b.tick);
+  side.marks = [...marks, ...side.marks.filter((mark) => mark.kind === "divergence")];
   notice("force", ...whole(columns, kForce));
   notice("torque", ...whole(columns, kTorque).map((value) => 1e-3 * value));
   if (share === 1 || !showsWindow()) fillPlots();

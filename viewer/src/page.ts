@@ -1,10 +1,10 @@
 // What all parts of the page share: its state, the view, the worker, and how the person is told.
 import { startClient } from "./client";
-import type { Divergence } from "./difference";
+import type { Told } from "./details";
 import type { Frame, World } from "./frame";
 import type { Lab } from "./lab";
 import type { Plots } from "./plots";
-import { makeView, type Pick } from "./scene";
+import { isOfHand, makeView, type Pick } from "./scene";
 import type { Columns, Mark } from "./series";
 import type { Opened } from "./worker";
 
@@ -39,7 +39,7 @@ export const state = {
   lab: undefined as Lab | undefined,
   pick: undefined as Pick | undefined,
   most: { force: 1, torque: 0.1, pressure: 1000 },  // seen so far [N], [N m], [Pa]; what is drawn to scale keeps within it
-  divergence: undefined as Divergence | undefined,
+  compared: "",  // what a comparison of two recordings has found
   plots: undefined as Plots | undefined,
   dirty: true,  // the picture is not that of what is said here
   told: NaN,  // tick that the details are of
@@ -58,7 +58,14 @@ export const client = await startClient();
 export const rate = () => state.sides[0]?.opened.rate ?? 1000;
 export const first = () => state.sides[0]?.opened.first ?? 0;
 export const last = () => state.sides[0]?.opened.last ?? 0;
-export const marks = () => state.sides.flatMap((side) => side.marks);
+export const marks = () => state.sides.flatMap((side) => side.marks).sort((a, b) => a.tick - b.tick);
+
+/** What is picked of a hand is told by its own frame, what is picked of the world by both hands'. */
+export function toldOf(pick: Pick): Told[] {
+  const hand = (place: number) => (state.together ? `${state.sides[place].opened.sides[place]} ` : "");
+  return state.sides.flatMap(({ frame, opened: { noContacts } }, place) =>
+    frame && (place === pick.place || (state.together && !isOfHand(pick))) ? [{ frame, hand: hand(place), noContacts }] : []);
+}
 
 export function say(text: string, lasts = false) {
   const message = element("message");

@@ -1,6 +1,6 @@
 // Time: which tick is shown, and how the page gets to another.
 import { readFrame } from "./frame";
-import { client, element, first, last, marks, rate, say, state } from "./page";
+import { client, element, first, last, marks, rate, say, state, type Side } from "./page";
 import { pressureOf } from "./pressure";
 import { notice, setFrame } from "./scales";
 import { kMarks } from "./timeline";
@@ -9,16 +9,17 @@ import type { Shown } from "./worker";
 
 let asking = false;
 
-/** Shows the newest tick asked for; those that come too fast are passed over. */
+/** Shows the newest tick asked for, of what is open by then; those that come too fast are passed over. */
 export async function show(tick: number) {
   state.wanted = tick;
   if (asking) return;
   asking = true;
   try {
-    for (let shown = NaN; shown !== Math.floor(state.wanted); ) {
-      shown = Math.floor(state.wanted);
-      const ticks = await Promise.all(state.sides.map((_, place) => client.show(place, shown)));
-      ticks.forEach((one, place) => take(place, one, shown));
+    let shown = NaN, sides: Side[] = [];
+    while (!state.live && (shown !== Math.floor(state.wanted) || sides !== state.sides)) {
+      [shown, sides] = [Math.floor(state.wanted), state.sides];
+      const ticks = await Promise.all(sides.map((_, place) => client.show(place, shown)));
+      if (sides === state.sides) ticks.forEach((one, place) => take(place, one, shown));
     }
   } catch (error) {
     state.playing = false;
@@ -50,7 +51,7 @@ export function seek(tick: number) {
 export const step = (ticks: number) => seek(Math.floor(state.wanted) + ticks);
 
 export function setPlaying(playing: boolean) {
-  if (state.live || state.sides.length === 0) return;
+  if (playing && (state.live || state.sides.length === 0)) return;
   state.playing = playing;
   if (playing && state.wanted >= last()) state.wanted = first();
   element("play").textContent = playing ? "❚❚ Pause" : "▶ Play";
@@ -69,7 +70,7 @@ export function advance(seconds: number) {
 
 export function jump(direction: 1 | -1) {
   const ahead = marks().filter((mark) => (mark.tick - Math.floor(state.wanted)) * direction > 0);
-  const to = ahead.sort((a, b) => (a.tick - b.tick) * direction)[0];
+  const to = ahead.at(direction > 0 ? 0 : -1);
   if (!to) return say("No further mark.");
   seek(to.tick);
   say(`${kMarks[to.kind].sign} tick ${to.tick}: ${to.text}`);

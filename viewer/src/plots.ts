@@ -1,14 +1,15 @@
 // Plots along time: hover shows values, a drag zooms, a click goes there. All share one stretch of time.
 import uPlot from "uplot";
-import { kContacts, kDeviceState, kDuration, kForce, kTorque, type Columns } from "./series";
+import { kContacts, kDeviceState, kDifference, kDuration, kForce, kTorque, type Columns } from "./series";
 import { brief, colourOf, kDeviceStates, kSegmentCount, kSegments, jointOf } from "./words";
 
 export interface Plots {
-  /** Times [s]; `other`: of the recording it is compared with. */
+  /** `other`: of the recording it is compared with. */
   setData(columns: Columns, other: Columns | undefined): void;
   setRange(from: number, to: number): void;
   setTime(seconds: number): void;
   setTheme(): void;
+  destroy(): void;
 }
 
 interface Chart {
@@ -16,12 +17,12 @@ interface Chart {
   unit: string;
   height: number;
   labels: string[];
-  columns(own: Columns, other: Columns | undefined): Float32Array[];
+  columns(from: Columns): Float32Array[];
   stroke(i: number): string;
   dash(i: number): number[] | undefined;
   limit?: number;
   text?(value: number): string;
-  comparesOnly?: boolean;
+  compares?: boolean;  // columns are the other recording's
 }
 
 const kDashes = [undefined, [7, 3], [2, 3]];
@@ -32,24 +33,15 @@ const byFinger = {
 const ink = () => getComputedStyle(document.documentElement).getPropertyValue("--ink").trim();
 const single = (column: number) => ({
   labels: [""],
-  columns: (own: Columns) => [own.values[column]],
+  columns: (from: Columns) => [from.values[column]],
   stroke: ink,
   dash: () => undefined,
 });
 
-/** By tick, since two recordings need not begin together. */
-function differences(own: Columns, other: Columns | undefined): Float32Array[] {
-  const place = new Map(Array.from(other?.tick ?? [], (tick, i) => [tick, i]));
-  return Array.from({ length: kSegmentCount }, (_, s) => {
-    const mine = own.values[kForce + s];
-    return mine.map((value, i) => Math.abs(value - (other?.values[kForce + s][place.get(own.tick[i]) ?? -1] ?? NaN)));
-  });
-}
-
 function charts(rate: number): Chart[] {
-  const segments = (first: number) => (own: Columns) => own.values.slice(first, first + kSegmentCount);
+  const segments = (first: number) => (from: Columns) => from.values.slice(first, first + kSegmentCount);
   return [
-    { title: "Difference of force per segment", unit: "N", height: 120, labels: kSegments, columns: differences, comparesOnly: true, ...byFinger },
+    { title: "Difference of force per segment", unit: "N", height: 120, labels: kSegments, columns: segments(kDifference), compares: true, ...byFinger },
     { title: "Force per segment", unit: "N", height: 150, labels: kSegments, columns: segments(kForce), ...byFinger },
     { title: "Torque per joint", unit: "N mm", height: 130, labels: kSegments.map((_, s) => jointOf(s)), columns: segments(kTorque), ...byFinger },
     { title: "Contacts", unit: "", height: 100, ...single(kContacts) },
@@ -73,7 +65,6 @@ function valuesText(chart: Chart, values: (number | null)[]): DocumentFragment {
 }
 
 export function makePlots(parent: HTMLElement, rate: number, zoom: (from: number, to: number) => void, seek: (time: number) => void): Plots {
-  parent.replaceChildren();
   let now = 0;
   let range: [number, number] = [0, 1];
   let last: [Columns, Columns | undefined] | undefined;
@@ -129,27 +120,27 @@ export function makePlots(parent: HTMLElement, rate: number, zoom: (from: number
     title.className = "title";
     title.append(heading, values);
     box.append(title, plot.root);
+    box.addEventListener("pointerdown", (event) => (pressedAt = event.clientX), true);
     parent.append(box);
     made.push({ chart, plot, box, values });
   }
   let pressedAt = 0;
-  parent.addEventListener("pointerdown", (event) => (pressedAt = event.clientX), true);
   const isClick = (event: MouseEvent) => Math.abs(event.clientX - pressedAt) < 4;
   charts(rate).forEach(make);
-  new ResizeObserver(() => {
+  const resizing = new ResizeObserver(() => {
     const width = Math.max(240, parent.clientWidth);
     for (const { chart, plot } of made) if (plot.width !== width) plot.setSize({ width, height: chart.height });
-  }).observe(parent);
+  });
+  resizing.observe(parent);
 
   return {
     setData(own, other) {
       last = [own, other];
-      const times = Array.from(own.tick, (tick) => tick / rate);
       for (const { chart, plot, box } of made) {
-        const columns = chart.columns(own, other);
-        const known = columns.some((column) => column.some((value) => !Number.isNaN(value)));
-        box.hidden = (chart.comparesOnly === true && other === undefined) || !known;
-        if (!box.hidden) plot.setData([times, ...columns.map((column) => Array.from(column, (value) => (Number.isNaN(value) ? null : value)))] as uPlot.AlignedData);
+        const from = chart.compares ? other : own;
+        const columns = from ? chart.columns(from) : [];
+        box.hidden = !columns.some((column) => column.some((value) => !Number.isNaN(value)));
+        if (from && !box.hidden) plot.setData([Array.from(from.tick, (tick) => tick / rate), ...columns.map((column) => Array.from(column, (value) => (Number.isNaN(value) ? null : value)))] as uPlot.AlignedData);
       }
     },
     setRange(from, to) {
@@ -163,6 +154,13 @@ export function makePlots(parent: HTMLElement, rate: number, zoom: (from: number
     },
     setTheme() {
       if (last) this.setData(...last);
+    },
+    destroy() {
+      resizing.disconnect();
+      for (const { plot, box } of made) {
+        plot.destroy();
+        box.remove();
+      }
     },
   };
 }

@@ -3,10 +3,10 @@ import { tipText } from "./details";
 import { enterLab } from "./feeling";
 import { isForLab } from "./lab";
 import { open, openFiles } from "./opening";
-import { canvas, element, first, last, renew, state, strip, view } from "./page";
+import { canvas, element, first, last, renew, state, strip, toldOf, view } from "./page";
 import { seek } from "./playing";
 import { fillPlots } from "./range";
-import { placeOf, type Pick } from "./scene";
+import { isOfHand, type Pick } from "./scene";
 
 function pickAt(event: PointerEvent): Pick | undefined {
   const box = canvas.getBoundingClientRect();
@@ -18,7 +18,7 @@ let held: PointerEvent | undefined;  // the lab's hand, by it
 canvas.addEventListener("pointerdown", (event) => {
   pressed = { x: event.clientX, y: event.clientY };
   const pick = state.lab && event.isPrimary ? pickAt(event) : undefined;
-  held = placeOf(pick) !== undefined ? event : undefined;
+  held = isOfHand(pick) ? event : undefined;
   view.controls.enabled = held === undefined;
 }, true);
 addEventListener("pointerup", () => {
@@ -34,9 +34,8 @@ canvas.addEventListener("pointerup", (event) => {
   if (Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > 4) return;
   state.pick = pickAt(event);
   view.select(state.pick);
-  const plotted = placeOf(state.pick) ?? state.plotted;
-  if (plotted !== state.plotted) {
-    state.plotted = plotted;
+  if (isOfHand(state.pick) && state.pick.place !== state.plotted) {
+    state.plotted = state.pick.place;
     void fillPlots();
   }
   renew();
@@ -44,8 +43,7 @@ canvas.addEventListener("pointerup", (event) => {
 canvas.addEventListener("pointermove", (event) => {
   const tip = element("tip");
   const pick = event.buttons === 0 ? pickAt(event) : undefined;
-  const frame = pick && state.sides[placeOf(pick) ?? 0]?.frame;
-  tip.textContent = pick && frame && state.world ? tipText(pick, frame, state.world) : "";
+  tip.textContent = pick && state.world ? tipText(pick, toldOf(pick), state.world) : "";
   tip.hidden = tip.textContent === "";
   const box = canvas.getBoundingClientRect();
   tip.style.left = `${Math.min(event.clientX - box.left + 14, box.width - 200)}px`;
@@ -64,7 +62,7 @@ for (const [id, place] of [["open", 0], ["open-other", 1]] as const) {
   const input = element<HTMLInputElement>(id);
   input.addEventListener("change", () => {
     const file = input.files?.[0];
-    if (file) void open(state.sides.length === 0 ? 0 : place, { file }, "");
+    if (file) void open(state.sides.length === 0 || state.live ? 0 : place, { file }, "");  // nothing is compared with what goes on
     input.value = "";
   });
 }

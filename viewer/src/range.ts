@@ -17,8 +17,8 @@ export function setRange(from: number, to: number) {
 }
 
 export async function fillPlots() {
-  if (state.live) return;
   const turn = ++windowed;
+  if (state.live) return;
   let columns = state.sides.map((side) => side.whole);
   if (showsWindow()) columns = await Promise.all(state.sides.map((_, place) => client.window(place, state.from, state.to)));
   if (turn === windowed && columns[0]) plotColumns(columns);

@@ -18,8 +18,9 @@ export interface Recording {
   last: number;
   metadata: ReadonlyMap<string, string>;
   chunkCount: number;
-  chunkOf(tick: number): number;
   chunk(index: number): Promise<Chunk>;
+  /** Nothing where the tick is missing. */
+  message(tick: number): Promise<Uint8Array | undefined>;
 }
 
 /** Messages of ticks by their numbers, ascending. They lie in the memory of their chunk: who keeps one or posts it takes a copy. */
@@ -93,6 +94,22 @@ export async function openRecording(bytes: Bytes, hand = 0): Promise<Recording> 
     }
     return chunk;
   };
+  const chunk = (index: number) => {
+    const found = kept.get(index) ?? load(index);
+    kept.delete(index);
+    kept.set(index, found);  // the youngest is last
+    if (kept.size > kChunksKept) kept.delete(kept.keys().next().value!);
+    return found;
+  };
+  const chunkOf = (tick: number) => {
+    let low = 0;
+    for (let high = starts.length; high - low > 1; ) {
+      const middle = (low + high) >> 1;
+      if (starts[middle] <= tick) low = middle;
+      else high = middle;
+    }
+    return low;
+  };
   return {
     name: bytes.name,
     sides,
@@ -105,21 +122,7 @@ export async function openRecording(bytes: Bytes, hand = 0): Promise<Recording> 
     last: tickAt(statistics.messageEndTime),
     metadata,
     chunkCount: chunks.length,
-    chunkOf: (tick) => {
-      let low = 0;
-      for (let high = starts.length; high - low > 1; ) {
-        const middle = (low + high) >> 1;
-        if (starts[middle] <= tick) low = middle;
-        else high = middle;
-      }
-      return low;
-    },
-    chunk: (index) => {
-      const chunk = kept.get(index) ?? load(index);
-      kept.delete(index);
-      kept.set(index, chunk);  // the youngest is last
-      if (kept.size > kChunksKept) kept.delete(kept.keys().next().value!);
-      return chunk;
-    },
+    chunk,
+    message: async (tick) => (await chunk(chunkOf(tick))).get(tick),
   };
 }

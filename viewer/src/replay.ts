@@ -10,15 +10,13 @@ export function makeReplay(engine: Engine, recording: Recording) {
   const least = Math.ceil(2 * fade * recording.rate) + 1;
   let next = -1;  // the tick whose state the engine holds
 
-  const message = async (tick: number) => (await recording.chunk(recording.chunkOf(tick))).get(tick);
-
   /** Computes what lies before the tick, farther and farther back until the state before it is the recorded one. */
   async function lead(tick: number) {
     for (let back = least; ; back *= 8) {
       let from = Math.max(recording.first, tick - back);
       const before = [];
       for (let i = from; i < tick; ++i) {
-        const bytes = await message(i);
+        const bytes = await recording.message(i);
         before.push(bytes);
         if (bytes === undefined) from = i + 1;  // behind a gap
       }
@@ -32,7 +30,7 @@ export function makeReplay(engine: Engine, recording: Recording) {
   /** Computes the few ticks from one to another, as when playing; false in a gap. */
   async function pass(from: number, to: number) {
     for (let tick = from; tick < to; ++tick) {
-      const bytes = await message(tick);
+      const bytes = await recording.message(tick);
       if (bytes === undefined) return false;
       engine.pass(bytes);
     }
@@ -41,7 +39,7 @@ export function makeReplay(engine: Engine, recording: Recording) {
 
   /** A TickView, and the message it is of; none of either in a gap. */
   return async (tick: number) => {
-    const bytes = await message(tick);
+    const bytes = await recording.message(tick);
     if (bytes === undefined) return undefined;
     const from = next;
     next = -1;

@@ -9,10 +9,11 @@ import { makeHand, type HandView, type Scales } from "./hand";
 import { makePressure } from "./pressure";
 import type { Tracking } from "./tracking";
 
-export type Pick = { kind: "segment" | "force" | "torque"; segment: number; place: number } | { kind: "triangle"; triangle: number } | { kind: "object"; object: number; triangle: number };
+/** `place`: whose hand it is, or in whose picture the world was picked. */
+export type Pick = { place: number } & (HandPick | { kind: "triangle"; triangle: number } | { kind: "object"; object: number; triangle: number });
+type HandPick = { kind: "segment" | "force" | "torque"; segment: number };
 
-/** Picks of the hand know whose it is. */
-export const placeOf = (pick: Pick | undefined) => (pick && "place" in pick ? pick.place : undefined);
+export const isOfHand = (pick: Pick | undefined): pick is Pick & HandPick => pick !== undefined && "segment" in pick;
 
 export interface View {
   camera: PerspectiveCamera;
@@ -96,11 +97,14 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
     mesh.quaternion.copy(pose.orientation);
   };
 
+  /** Of two recordings one over the other, that whose pressures are seen. */
+  const front = () => (shown[0] ? 0 : 1);
+
   /** Shows what belongs to a place, or to all. */
   const only = (place: number | undefined) =>
     hands.forEach((hand, i) => {
       hand.group.visible = shown[i] && (place === undefined || place === i);
-      pressures[i].mesh.visible = shown[i] && (place === i || (place === undefined && (together || i === (shown[0] ? 0 : 1))));
+      pressures[i].mesh.visible = shown[i] && (place === i || (place === undefined && (together || i === front())));
     });
 
   return {
@@ -115,8 +119,12 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
         stand(mesh, object.pose);
         return mesh;
       });
+      for (const { geometry, material } of things.children as Mesh[]) {
+        geometry.dispose();
+        (material as MeshStandardMaterial).dispose();
+      }
       things.clear();
-      things.add(...(still ? [still] : []), ...apart);
+      for (const mesh of still ? [still, ...apart] : apart) things.add(mesh);
       const box = new Box3().setFromObject(things);
       grid.position.set(0, 0, box.isEmpty() ? 0 : box.min.z - 1e-3);
     },
@@ -124,7 +132,8 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
       shown[place] = frame !== undefined;
       if (!frame || !world) return;
       frame.objects.forEach((object, i) => apart[i] && stand(apart[i], object.pose));
-      if (things.children.length === 0 && place === 0 && frame.joints[0] && origin.lengthSq() === 0) origin.copy(frame.joints[0]);
+      const joint = frame.joints.find((one) => one);
+      if (things.children.length === 0 && place === 0 && joint && origin.lengthSq() === 0) origin.copy(joint);
       hands[place].update(frame, origin, scales);
       pressures[place].update(frame, world, origin, top);
     },
@@ -132,7 +141,7 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
     setTogether: (next) => { together = next; },
     pick(x, y) {
       const half = beside && shown[1];
-      const place = half && x > 0.5 ? 1 : 0;
+      const place = half ? Number(x > 0.5) : front();
       const across = half ? (x * 2) % 1 : x;
       raycaster.setFromCamera(new Vector2(2 * across - 1, 1 - 2 * y), camera);
       const seen = hands.flatMap((hand, i) => (shown[i] && (!half || i === place) ? [hand] : []));
@@ -144,11 +153,11 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
       const skin = raycaster.intersectObjects(skins, false)[0];
       const thing = raycaster.intersectObjects(things.children, false)[0];
       if (thing && (!skin || thing.distance < skin.distance))
-        return thing.object === still ? { kind: "triangle", triangle: thing.faceIndex! } : { kind: "object", object: thing.object.userData.object, triangle: thing.faceIndex! };
+        return thing.object === still ? { place, kind: "triangle", triangle: thing.faceIndex! } : { place, kind: "object", object: thing.object.userData.object, triangle: thing.faceIndex! };
       return skin && { kind: "segment", segment: skin.object.userData.segment, place: owner(skin.object) };
     },
     select(pick) {
-      hands.forEach((hand, place) => hand.select(pick && "segment" in pick && pick.place === place ? pick.segment : -1));
+      hands.forEach((hand, place) => hand.select(isOfHand(pick) && pick.place === place ? pick.segment : -1));
       apart.forEach((mesh, i) => (mesh.material as MeshStandardMaterial).emissive.set(pick?.kind === "object" && pick.object === i ? "#332b00" : "#000000"));
       outline.visible = pick?.kind === "triangle";
       if (pick?.kind !== "triangle" || !still) return;

@@ -13,7 +13,8 @@ export const kTorque = kSegmentCount;
 export const kContacts = 2 * kSegmentCount;
 export const kDuration = kContacts + 1;  // [us]
 export const kDeviceState = kContacts + 2;
-export const kColumnCount = kContacts + 3;
+export const kDifference = kContacts + 3;  // of each segment's force [N] from that of the recording it is compared with
+export const kColumnCount = kDifference + kSegmentCount;
 
 export interface Columns {
   tick: Float64Array;
@@ -36,6 +37,23 @@ const norm = (v: Vec3 | null) => (v ? Math.hypot(v.x(), v.y(), v.z()) : 0);
 const segment = new SegmentOutput();
 const vector = new Vec3();
 
+/** [N] three numbers for each segment; NaN: the file leaves them out. */
+function forcesOf(tick: Tick): Float64Array {
+  const forces = new Float64Array(3 * kSegmentCount).fill(tick.forcesLeftOut() ? NaN : 0);
+  for (let i = 0; i < tick.segmentsLength(); ++i) {
+    tick.segments(i, segment);
+    const force = segment.force(vector)!;
+    if (segment.segment() < kSegmentCount) forces.set([force.x(), force.y(), force.z()], 3 * segment.segment());
+  }
+  return forces;
+}
+
+function readDifferences(tick: Tick, other: Uint8Array, row: Float32Array) {
+  const [own, its] = [forcesOf(tick), forcesOf(Tick.getRootAsTick(new ByteBuffer(other)))];
+  for (let s = 0, i = 0; s < kSegmentCount; ++s, i += 3)
+    row[kDifference + s] = Math.hypot(own[i] - its[i], own[i + 1] - its[i + 1], own[i + 2] - its[i + 2]);
+}
+
 /** What a tick tells beside its numbers in columns. */
 export interface Circumstances {
   flags: number;
@@ -43,8 +61,8 @@ export interface Circumstances {
   state: number;  // of the device, NaN: none
 }
 
-/** One tick's numbers into `row`. */
-export function readRow(bytes: Uint8Array, rate: number, row: Float32Array): Circumstances {
+/** One tick's numbers into `row`; `other`: the same tick of the recording it is compared with. */
+export function readRow(bytes: Uint8Array, rate: number, row: Float32Array, other?: Uint8Array): Circumstances {
   const tick = Tick.getRootAsTick(new ByteBuffer(bytes));
   row.fill(tick.forcesLeftOut() ? NaN : 0, 0, kContacts);
   for (let i = 0; i < tick.segmentsLength(); ++i) {
@@ -59,6 +77,8 @@ export function readRow(bytes: Uint8Array, rate: number, row: Float32Array): Cir
   let state = NaN;
   for (let i = 0; i < tick.sentLength(); ++i) state = tick.sent(i, new Sent())!.state();
   row[kDeviceState] = state;
+  row.fill(NaN, kDifference);
+  if (other) readDifferences(tick, other, row);
   return { flags: tick.flags(), late: tick.durationNs() > 1e9 / rate, state };
 }
 
@@ -71,16 +91,19 @@ export function pushRow(columns: Columns, shown: { tick: number; message: Uint8A
   columns.values.forEach((column, k) => (column[column.length - 1] = row[k]));
 }
 
-/** Every tick of first .. last, for plots that show single ticks. */
-export async function readWindow(recording: Recording, first: number, last: number): Promise<Columns> {
+/** A tick of the recording another one is compared with, whose own scan tells what is damaged in it. */
+const messageOf = (other: Recording, tick: number) => other.message(tick).catch(() => undefined);
+
+/** Every tick of first .. last, for plots that show single ticks; `other`: what it is compared with. */
+export async function readWindow(recording: Recording, other: Recording | undefined, first: number, last: number): Promise<Columns> {
   const from = Math.max(first, recording.first);
   const columns = makeColumns(Math.max(0, Math.min(last, recording.last) - from + 1));
   const row = new Float32Array(kColumnCount);
   for (let i = 0; i < columns.tick.length; ++i) {
     columns.tick[i] = from + i;
-    const bytes = (await recording.chunk(recording.chunkOf(from + i))).get(from + i);
+    const bytes = await recording.message(from + i);
     if (bytes === undefined) continue;
-    readRow(bytes, recording.rate, row);
+    readRow(bytes, recording.rate, row, other && (await messageOf(other, from + i)));
     columns.values.forEach((column, k) => (column[i] = row[k]));
   }
   return columns;
@@ -89,8 +112,17 @@ export async function readWindow(recording: Recording, first: number, last: numb
 const kBuckets = 4096;
 const kMostMarks = 3000;
 
-/** Reads the whole recording a chunk at a time; `tell` is called now and then, and when all is read, `damaged` for each chunk that can't be. */
-export async function scan(recording: Recording, tell: (columns: Columns, marks: Mark[], share: number) => void, damaged: (text: string) => void) {
+export interface Listener {
+  /** No more: nobody wants the rest. */
+  isThere(): boolean;
+  /** Called now and then, and when all is read. */
+  tell(columns: Columns, marks: Mark[], share: number): void;
+  /** For each chunk that can't be read. */
+  damaged(text: string): void;
+}
+
+/** Reads the whole recording a chunk at a time; `other`: what it is compared with. */
+export async function scan(recording: Recording, other: Recording | undefined, { isThere, tell, damaged }: Listener) {
   const count = recording.last - recording.first + 1;
   const per = Math.max(1, Math.ceil(count / kBuckets));
   const columns = makeColumns(Math.ceil(count / per));
@@ -103,7 +135,7 @@ export async function scan(recording: Recording, tell: (columns: Columns, marks:
   let before: Circumstances = { flags: 0, late: false, state: NaN };
   let next = recording.first;
   let told = performance.now();
-  for (let index = 0; index < recording.chunkCount; ++index) {
+  for (let index = 0; index < recording.chunkCount && isThere(); ++index) {
     let chunk: Chunk;
     try {
       chunk = await recording.chunk(index);
@@ -114,10 +146,10 @@ export async function scan(recording: Recording, tell: (columns: Columns, marks:
     for (const [tick, bytes] of chunk) {
       if (tick !== next) mark(next, "gap", `${tick - next} ticks are missing`);
       next = tick + 1;
-      const now = readRow(bytes, recording.rate, row);
+      const now = readRow(bytes, recording.rate, row, other && (await messageOf(other, tick)));
       const bucket = Math.floor((tick - recording.first) / per);
       columns.values.forEach((column, k) => {
-        if (!(column[bucket] >= row[k])) column[bucket] = row[k];
+        if (row[k] > column[bucket] || Number.isNaN(column[bucket])) column[bucket] = row[k];
       });
       const risen = now.flags & ~before.flags;
       kTickFlags.forEach((name, bit) => {
@@ -134,5 +166,5 @@ export async function scan(recording: Recording, tell: (columns: Columns, marks:
       told = performance.now();
     }
   }
-  tell(columns, marks, 1);
+  if (isThere()) tell(columns, marks, 1);
 }

@@ -1,13 +1,13 @@
 // The worker behind the page: it reads recordings and replays them, so that the page stays smooth. Which recording is meant is
 // told by its place: 0, or 1 for the one it is compared with.
-import { bytesOfFile, bytesOfUrl } from "./bytes";
-import { findDivergence, type Divergence } from "./difference";
+import { bytesOfFile, bytesOfUrl, type Bytes } from "./bytes";
+import { compare, type Comparison } from "./difference";
 import { loadEngine, type Engine, type LabOptions } from "./engine";
 import { openLive, type Live } from "./live";
 import { toMcap, type Felt } from "./save";
 import { openRecording, type Recording } from "./recording";
 import { makeReplay } from "./replay";
-import { readWindow, scan, type Columns, type Mark } from "./series";
+import { makeColumns, readWindow, scan, type Columns, type Mark } from "./series";
 
 /** `hand`: of a recording of two, which one; the first. */
 export type Source = (({ url: string } | { file: File }) & { hand?: number }) | { live: string } | { lab: LabOptions };
@@ -40,20 +40,22 @@ export type Request =
   | { type: "touch"; hand: Float64Array; joints?: string }
   | { type: "newest" }
   | { type: "save" }
-  | { type: "diverge" };
+  | { type: "compare" };
 export type Answer =
   | { type: "error"; id: number; text: string }
   | { type: "opened"; id: number; opened: Opened }
   | { type: "shown"; id: number; shown?: Shown }
   | { type: "window"; id: number; columns: Columns }
-  | { type: "diverged"; id: number; divergence?: Divergence }
-  | { type: "saved"; id: number; file: Blob }
+  | { type: "compared"; id: number; comparison: Comparison }
+  | { type: "saved"; id: number; file: Blob; leftOut: number }
   | { type: "loaded"; id: number }
   | { type: "newest"; id: number; hands: (Shown | undefined)[] }
   | { type: "scanned"; place: number; columns: Columns; marks: Mark[]; share: number };
 
 interface Place {
+  bytes: Bytes;
   recording: Recording;
+  other?: Recording;  // that it is compared with
   show?: ReturnType<typeof makeReplay>;
 }
 
@@ -63,64 +65,90 @@ const places: (Place | undefined)[] = [];
 const tell = (answer: Answer) => postMessage(answer);
 let live: Live | undefined;
 
-// The lab's, whose ticks are kept for saving, ten minutes of them.
-let lab: (Felt & { engine: Engine }) | undefined;
+// The lab's, whose first ticks are kept for saving, ten minutes at 60 a second.
+let lab: (Felt & { engine: Engine; ticks: number }) | undefined;
 const kMostFelt = 36000;
+
+/** Of what is open nothing is asked any more. */
+function letGo() {
+  places.length = 0;
+  live?.close();
+  live = lab = undefined;
+}
 
 async function openLab(options: LabOptions): Promise<Opened> {
   const engine = await loadEngine(wasm);
   const session = engine.makeSession(options);
   engine.open(session, new Uint8Array());
   engine.begin(0, true);
-  lab = { engine, session, schema: engine.schema(), rate: options.rate, messages: [] };
+  letGo();
+  lab = { engine, session, schema: engine.schema(), rate: options.rate, messages: [], ticks: 0 };
   return { name: "lab", sides: [], bytes: 0n, session, rate: options.rate, first: 0, last: 0, metadata: new Map(), noContacts: "" };
 }
 
-function touch(hand: Float64Array, joints?: string): Shown {
+function touch(hand: Float64Array, joints?: string): Shown | undefined {
+  if (!lab) return undefined;
   const start = performance.now();
-  const { message, view, microseconds } = lab!.engine.touch(hand, joints);
-  if (lab!.messages.length < kMostFelt) lab!.messages.push(message);
-  return { tick: lab!.messages.length - 1, message, view, microseconds, milliseconds: performance.now() - start };
+  const { message, view, microseconds } = lab.engine.touch(hand, joints);
+  if (lab.messages.length < kMostFelt) lab.messages.push(message);
+  return { tick: lab.ticks++, message, view, microseconds, milliseconds: performance.now() - start };
 }
 
 async function open(place: number, source: Source): Promise<Opened> {
   if ("lab" in source) return openLab(source.lab);
   if ("live" in source) {
-    live = await openLive(source.live, () => loadEngine(wasm));
+    const next = await openLive(source.live, () => loadEngine(wasm));
+    letGo();
+    live = next;
     return live.opened;
   }
   const bytes = "url" in source ? await bytesOfUrl(source.url) : bytesOfFile(source.file, source.file.name);
   const recording = await openRecording(bytes, source.hand);
-  const opened: Place = { recording };
+  const isOther = place === 1 && source.hand === undefined;  // not the first one's second hand
+  const opened: Place = { bytes, recording, other: isOther ? places[0]?.recording : undefined };
   let noContacts = "";
   try {
     const engine = await loadEngine(wasm);
-    engine.open(recording.session, recording.state, recording.hand);
+    noContacts = engine.open(recording.session, recording.state, recording.hand);
     opened.show = makeReplay(engine, recording);
   } catch (error) {
     noContacts = (error as Error).message;
   }
+  if (place === 0) letGo();
   places[place] = opened;
-  const overview = () => scan(recording, (columns, marks, share) => {
-    if (places[place] === opened) tell({ type: "scanned", place, columns, marks, share });
-  }, (text) => tell({ type: "error", id: -1, text }));
+  const overview = () => scan(recording, opened.other, {
+    isThere: () => places[place] === opened,
+    tell: (columns, marks, share) => tell({ type: "scanned", place, columns, marks, share }),
+    damaged: (text) => tell({ type: "error", id: -1, text }),
+  });
   setTimeout(overview, kBeforeScan);
   const { name, sides, bytes: size, session, rate, first, last, metadata } = recording;
   return { name, sides, bytes: size, session, rate, first, last, metadata, noContacts };
 }
 
-async function show(place: number, tick: number): Promise<Shown | undefined> {
-  const { recording, show } = places[place]!;
+async function show({ recording, show }: Place, tick: number): Promise<Shown | undefined> {
   const start = performance.now();
   if (show === undefined) {
-    const message = (await recording.chunk(recording.chunkOf(tick))).get(tick);
+    const message = await recording.message(tick);
     return message && { tick, message: message.slice(), milliseconds: performance.now() - start };
   }
   const shown = await show(tick);
   return shown && { tick, message: shown.bytes.slice(), view: shown.view, milliseconds: performance.now() - start };
 }
 
+/** Of every hand. */
+const recordingsOf = ({ bytes, recording }: Place) =>
+  Promise.all(recording.sides.map((_, hand) => (hand === recording.hand ? recording : openRecording(bytes, hand))));
+
+async function compareBoth(): Promise<Comparison> {
+  const [first, second] = places;
+  if (!first || !second) throw new Error("no two recordings are open");
+  return compare(await recordingsOf(first), await recordingsOf(second));
+}
+
+/** What the page asks of a place that was let go meanwhile has an answer without content. */
 async function answer(id: number, request: Request): Promise<Answer> {
+  const place = "place" in request ? places[request.place] : undefined;
   switch (request.type) {
     case "load":
       wasm = request.wasm;
@@ -128,17 +156,17 @@ async function answer(id: number, request: Request): Promise<Answer> {
     case "open":
       return { type: "opened", id, opened: await open(request.place, request.source) };
     case "show":
-      return { type: "shown", id, shown: await show(request.place, request.tick) };
+      return { type: "shown", id, shown: place && (await show(place, request.tick)) };
     case "window":
-      return { type: "window", id, columns: await readWindow(places[request.place]!.recording, request.first, request.last) };
+      return { type: "window", id, columns: place ? await readWindow(place.recording, place.other, request.first, request.last) : makeColumns(0) };
     case "touch":
       return { type: "shown", id, shown: touch(request.hand, request.joints) };
     case "newest":
-      return { type: "newest", id, hands: live!.newest() };
+      return { type: "newest", id, hands: live?.newest() ?? [] };
     case "save":
-      return { type: "saved", id, file: await toMcap(lab!) };
-    case "diverge":
-      return { type: "diverged", id, divergence: await findDivergence(places[0]!.recording, places[1]!.recording) };
+      return { type: "saved", id, file: await toMcap(lab!), leftOut: lab!.ticks - lab!.messages.length };
+    case "compare":
+      return { type: "compared", id, comparison: await compareBoth() };
   }
 }
 

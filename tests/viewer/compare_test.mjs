@@ -1,0 +1,131 @@
+// The viewer with two recordings in a real browser: what it says of them is what was compared. Arguments: browser.mjs.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
+import { dirname, join } from "node:path";
+import { before, test } from "node:test";
+import { atTick, complaints, details, file, kPatience, open, page, program, scanned, scene, serve, shot, workerWatch } from "./browser.mjs";
+import { capture } from "./headset.mjs";
+
+const examples = dirname(scene);
+const run = (given, name, ...args) => execFileSync(program, ["run", given, "--record", file(name), ...args]);
+const both = async (...names) => open(await serve("view", ...names.map(file), "--no-browser"));
+
+before(() => {
+  run(scene, "first.mcap");
+  execFileSync(program, ["replay", file("first.mcap"), "--stiffness", "1.9e7", "--record", file("second.mcap")]);
+});
+
+test("Two recordings part where lumbrical diff says", async () => {
+  await both("first.mcap", "second.mcap");
+  let told;
+  try {
+    execFileSync(program, ["diff", "--json", file("first.mcap"), file("second.mcap")]);
+  } catch (error) {
+    told = JSON.parse(error.stdout).first_divergence;
+  }
+  await atTick(told.tick);
+  const text = await details();
+  assert.match(text, new RegExp(`They part at tick ${told.tick}, stage "${told.stage.replace("_", " ")}"`));
+  await scanned();
+  await page.keyboard.press("c");
+  const box = await page.locator("#timeline").boundingBox();
+  await page.mouse.click(box.x + 0.4 * box.width, box.y + 30);
+  await page.waitForFunction(() => Math.abs(Number(document.body.dataset.tick) - 4000) < 30, null, kPatience);
+  assert.ok(await page.getByText("Difference of force per segment").isVisible());
+  await shot("compared");
+  await page.keyboard.press("c");
+  await page.waitForTimeout(300);
+  await shot("overlaid");
+});
+
+test("Nothing is said to be the same before all of it was compared", async () => {
+  copyFileSync(file("first.mcap"), file("copy.mcap"));
+  await open(await serve("view", file("first.mcap"), "--no-browser"), {}, workerWatch);
+  await page.evaluate(() => { heldBack = "compare"; });
+  await page.setInputFiles("#open-other", file("copy.mcap"));
+  await page.waitForFunction(() => /compared\s+not yet/.test(document.querySelector("#details").innerText), null, kPatience);
+  await page.evaluate(() => letThrough());
+  await page.waitForFunction(() => /compared\s+the same to the last bit in all 10000 ticks$/im.test(document.querySelector("#details").innerText), null, kPatience);
+});
+
+test("Where a file is damaged the comparison says that it did not come to the end", async () => {
+  const damaged = readFileSync(file("first.mcap"));
+  damaged.fill(0x55, damaged.length >> 1, (damaged.length >> 1) + 2000);
+  writeFileSync(file("damaged.mcap"), damaged);
+  await both("first.mcap", "damaged.mcap");
+  assert.match(await details(), /compared\s+not to the end: damaged\.mcap: the chunk at byte \d+ is damaged/);
+});
+
+test("Of recordings of two hands both hands are compared", async () => {
+  copyFileSync(join(examples, "cup.obj"), file("cup.obj"));
+  copyFileSync(join(examples, "two_hands.json"), file("both.json"));
+  const hold = JSON.parse(readFileSync(join(examples, "hold.json"), "utf8"));
+  writeFileSync(file("hold.json"), JSON.stringify(hold));
+  run(file("both.json"), "both.mcap");
+  copyFileSync(file("both.mcap"), file("both again.mcap"));
+  const [, ...frames] = hold.frames;
+  const left = frames[0][1].find(([, side]) => side === "left")[0];
+  for (const [, , fingers] of frames.slice(frames.length >> 1))
+    for (const [hand, , ...joints] of fingers) if (hand === left) for (const joint of joints) joint[0] += 0.5;
+  writeFileSync(file("hold.json"), JSON.stringify(hold));
+  run(file("both.json"), "left otherwise.mcap");
+
+  await both("both.mcap", "both again.mcap");
+  assert.match(await details(), /compared\s+the same to the last bit in all \d+ ticks of the right and the left hand$/im);
+  await both("both.mcap", "left otherwise.mcap");
+  let told;
+  try {
+    execFileSync(program, ["diff", "--json", file("both.mcap"), file("left otherwise.mcap")]);
+  } catch (error) {
+    told = JSON.parse(error.stdout).first_divergence;
+  }
+  assert.equal(told.side, "left");
+  assert.match(await details(), new RegExp(`They part at tick ${told.tick} of the left hand, stage "${told.stage}"`));
+  await both("first.mcap", "both.mcap");
+  assert.match(await details(), /compared\s+not to the end: both\.mcap is of two hands and the other of one/);
+});
+
+/** Of every segment [N] at a tick. */
+const forces = (name, tick) => JSON.parse(execFileSync(program, ["export", "--format", "json", "--ticks", `${tick}:${tick}`, file(name)])).output.segment.map(({ force }) => force);
+
+test("The difference of force is that of the same ticks, however long the recordings are and wherever they begin", async () => {
+  execFileSync(program, ["trim", file("second.mcap"), "--from-tick", "100", "--to-tick", "10000", "-o", file("later.mcap")]);
+  await both("first.mcap", "later.mcap");
+  await scanned();
+  const plot = page.locator(".plot", { hasText: "Difference of force per segment" });
+  await plot.waitFor({ ...kPatience, state: "visible" });
+  const box = await plot.locator(".u-over").boundingBox();
+  await page.mouse.move(box.x + 0.4 * box.width, box.y + 20);
+  const [, segment, told] = /([a-z ]+) (\S+) N/.exec(await plot.locator(".values").innerText());
+  const [a, b] = [forces("first.mcap", 4000), forces("later.mcap", 4000)];
+  const differences = a.map((force, s) => Math.hypot(...force.map((value, axis) => value - b[s][axis])));
+  const most = Math.max(...differences);
+  assert.ok(Math.abs(told - most) < 0.1 * most, `${segment} ${told} N, not ${most}`);
+  await shot("differences");
+});
+
+test("Marks of both recordings are drawn, whichever comes first", async () => {
+  const slow = JSON.parse(readFileSync(scene, "utf8"));
+  slow.settings.rate = 100;  // a tick is wider than a mark, and never late
+  writeFileSync(file("slow.json"), JSON.stringify(slow));
+  const lost = (name, ...stretches) => {
+    const frames = JSON.parse(capture(3));
+    for (const frame of frames) if (stretches.some((from) => frame.time > from && frame.time < from + 0.2)) frame.joints = null;
+    writeFileSync(file(`${name}.json`), JSON.stringify(frames));
+    run(file("slow.json"), `${name}.mcap`, "--motion", file(`${name}.json`), "--ticks", "290");
+  };
+  lost("lost late", 2.5);
+  lost("lost early", 0.5, 1.2);
+  await both("lost late.mcap", "lost early.mcap");
+  const markAt = (tick) => page.waitForFunction((tick) => {
+    const strip = document.querySelector("#timeline");
+    const { data } = strip.getContext("2d").getImageData(Math.round((tick / 289) * strip.width) - 1, 20, 3, 1);
+    return [0, 1, 2].some((i) => data[4 * i] - data[4 * i + 2] > 60);  // orange
+  }, tick, kPatience);
+  for (const tick of [121, 251]) await markAt(tick);
+});
+
+test("The page had nothing to complain of", () => {
+  assert.deepEqual(complaints, []);
+});
