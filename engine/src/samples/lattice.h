@@ -10,11 +10,9 @@
 #include <type_traits>
 #include <utility>
 
+#include "base/always_inline.h"
 #include "index/patches.h"
 #include "simd/wide_geometry.h"
-
-// Kernels are one piece of code: registers would be spilled round every call.
-#define LUMBRICAL_INLINE __attribute__((always_inline))
 
 namespace lumbrical::LUMBRICAL_ISA {
 

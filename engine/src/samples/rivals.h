@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "base/always_inline.h"
 #include "samples/bodies.h"
 
 namespace lumbrical {
@@ -14,7 +15,7 @@ namespace lumbrical {
 class Rivals {
  public:
   Rivals(const Primitives& hand, const Bodies& bodies) : hand_(hand), bodies_(bodies) {}
-  [[nodiscard]] std::uint64_t of(std::size_t part) {
+  [[nodiscard]] LUMBRICAL_INLINE std::uint64_t of(std::size_t part) {
     const std::uint64_t bit = std::uint64_t{1} << part;
     if ((known_ & bit) == 0) of_[part] = find(part);
     known_ |= bit;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "base/always_inline.h"
 #include "index/patches.h"
 #include "lumbrical/model.h"
 #include "samples/rivals.h"
@@ -78,11 +79,15 @@ struct ListedPatch {
 };
 /// Of the number a patch is listed for: its tile; and, kSecond times, another one that meets it, plus
 /// kWithoutPalm if the palm does not.
-constexpr std::uint32_t first_tile(std::uint32_t code) { return code % ListedPatch::kFarEnd; }
-constexpr std::uint32_t second_tile(std::uint32_t code) {
+LUMBRICAL_INLINE constexpr std::uint32_t first_tile(std::uint32_t code) {
+  return code % ListedPatch::kFarEnd;
+}
+LUMBRICAL_INLINE constexpr std::uint32_t second_tile(std::uint32_t code) {
   return code % ListedPatch::kWithoutPalm / ListedPatch::kSecond;
 }
-constexpr bool is_without_palm(std::uint32_t code) { return code >= ListedPatch::kWithoutPalm; }
+LUMBRICAL_INLINE constexpr bool is_without_palm(std::uint32_t code) {
+  return code >= ListedPatch::kWithoutPalm;
+}
 
 /// Patches for a kernel, best in runs of the same tile, and the lattice that they go through, if any.
 struct PatchList {
@@ -94,7 +99,7 @@ struct PatchList {
   std::uint32_t first_cut = ~0u;           ///< places from there on
   const PatchShape* cut_shapes = nullptr;  ///< are of these (cut_patches.h)
 
-  [[nodiscard]] const PatchShape& shape_at(std::uint32_t place) const {
+  [[nodiscard]] LUMBRICAL_INLINE const PatchShape& shape_at(std::uint32_t place) const {
     return place < first_cut ? shapes[place] : cut_shapes[place - first_cut];
   }
 };
