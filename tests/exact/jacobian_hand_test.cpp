@@ -195,6 +195,18 @@ TEST(HandJacobian, SaysWhichSegmentsItDoesNotKnow) {
   EXPECT_GT(known, 0);
 }
 
+TEST(HandJacobian, IsUnknownWhereThereWereMorePairsThanRoom) {
+  Scene scene = grasp_scene();
+  scene.settings.max_candidates = 10;
+  Session session(scene);
+  const ActuatorFrame output = session(test::grasp_frames(session.model.hand, 10)[8]);
+  ASSERT_NE(output.flags & kCandidateOverflow, 0u);
+  for (const SegmentJacobian& jacobian : jacobians_of(session)) {
+    EXPECT_FALSE(jacobian.known);
+    EXPECT_EQ(jacobian.value, Matrix6{});
+  }
+}
+
 TEST(HandJacobian, IsZeroWhereTheFrameCannotBeTrusted) {
   Session session(grasp_scene());
   DeviceFrame frame = test::grasp_frames(session.model.hand, 10)[8];

@@ -92,6 +92,31 @@ Sums by_definition(const SweptPolygon& palm, const reference::Triangle& triangle
   return sums;
 }
 
+struct PalmPair {
+  SweptPolygon palm;
+  std::array<Vec3, 3> at;  // a triangle about any point of the palm: near its middle, an edge or a corner
+};
+// Of a size of 10^low .. 10^high radii; false for a sliver.
+bool make_pair(test::Random& random, const Pose& X, double low, double high, PalmPair& pair) {
+  const SweptPolygon& palm = pair.palm = place_palm(test::random_palm(random), X);
+  const double r = palm.radius, size = r * test::power_of_ten(random, low, high);
+  const auto corners = static_cast<std::size_t>(palm.corner_count);
+  Vec3 middle;
+  for (std::size_t k = 0; k < corners; ++k) middle += (palm.corner[k] - palm.corner[0]) / palm.corner_count;
+  const Vec3 corner = palm.corner[random.below(corners)] - palm.corner[0];
+  const Vec3 near =
+      palm.corner[0] + middle + random.between(0, 1.1) * (corner - middle) + r * random.in_box(0.8);
+  for (Vec3& p : pair.at) p = near + size * random.direction();
+  return norm(cross(pair.at[1] - pair.at[0], pair.at[2] - pair.at[0])) >= 0.1 * size * size;
+}
+
+test::Pressed press(const PalmPair& pair) {
+  Mesh mesh;
+  mesh.vertices.assign(pair.at.begin(), pair.at.end());
+  mesh.triangles.push_back({0, 1, 2});
+  return test::press(test::world_of(mesh), test::hand_of(pair.palm));
+}
+
 TEST(PalmAgainstReference, IsRadiusLessDistanceToAFilledPolygon) {
   test::Random random(51);
   const int count = test::in_a_hurry() ? 20 : 400;
@@ -99,24 +124,12 @@ TEST(PalmAgainstReference, IsRadiusLessDistanceToAFilledPolygon) {
   double worst_area = 0, worst_volume = 0, worst_moment = 0;
   for (int i = 0; i < count; ++i) {
     const Pose X = random.pose(i % 10 == 0 ? 100 : 0.4);
-    const SweptPolygon palm = place_palm(test::random_palm(random), X);
-    const double r = palm.radius, size = r * test::power_of_ten(random, -1.5, 1.5);
-    const auto corners = static_cast<std::size_t>(palm.corner_count);
-    // About any point of the palm: near its middle, an edge or a corner.
-    Vec3 middle;
-    for (std::size_t k = 0; k < corners; ++k) middle += (palm.corner[k] - palm.corner[0]) / palm.corner_count;
-    const Vec3 corner = palm.corner[random.below(corners)] - palm.corner[0];
-    const Vec3 near =
-        palm.corner[0] + middle + random.between(0, 1.1) * (corner - middle) + r * random.in_box(0.8);
-    Mesh mesh;
-    for (int k = 0; k < 3; ++k) mesh.vertices.push_back(near + size * random.direction());
-    mesh.triangles.push_back({0, 1, 2});
-    const Vec3 raw = cross(mesh.vertices[1] - mesh.vertices[0], mesh.vertices[2] - mesh.vertices[0]);
-    if (norm(raw) < 0.1 * size * size) continue;
-    const Model model = test::world_of(mesh);
-    const test::Pressed felt = test::press(model, test::hand_of(palm));
-    const Sums wanted = by_definition(
-        palm, test::to_reference(std::array<Vec3, 3>{mesh.vertices[0], mesh.vertices[1], mesh.vertices[2]}));
+    PalmPair pair;
+    if (!make_pair(random, X, -1.5, 1.5, pair)) continue;
+    const SweptPolygon& palm = pair.palm;
+    const double r = palm.radius;
+    const test::Pressed felt = press(pair);
+    const Sums wanted = by_definition(palm, test::to_reference(pair.at));
     touched += wanted.volume > 0 ? 1 : 0;
     many_parts += felt.contacts.size() > 3 ? 1 : 0;
     const Vector centre = wide(felt.centre - palm.corner[0]);
@@ -137,6 +150,25 @@ TEST(PalmAgainstReference, IsRadiusLessDistanceToAFilledPolygon) {
   EXPECT_LT(worst_area, 1e-9);  // 100 m away a metre has 1.4e-14 of digits
   EXPECT_LT(worst_volume, 1e-10);
   EXPECT_LT(worst_moment, 1e-9);
+}
+
+TEST(PalmAgainstReference, IsOffByNoMoreThanItStatesOnTrianglesFromTinyToHuge) {
+  test::Random random(52);
+  const int count = test::in_a_hurry() ? 20 : 400;
+  int touched = 0;
+  for (int i = 0; i < count; ++i) {
+    PalmPair pair;
+    if (!make_pair(random, random.pose(0.4), -4, 5, pair)) continue;
+    const double r = pair.palm.radius;
+    const test::Pressed felt = press(pair);
+    const Sums wanted = by_definition(pair.palm, test::to_reference(pair.at));
+    double stated = 0;
+    for (const Contact& contact : felt.contacts) stated += contact.error;
+    const double off = std::fabs(static_cast<double>(felt.volume - wanted.volume));
+    EXPECT_LE(off, stated) << i << ", " << off / (r * r * r) << " R^3";
+    touched += wanted.volume > 0 ? 1 : 0;
+  }
+  EXPECT_GT(touched, count / 4);
 }
 
 }  // namespace

@@ -205,7 +205,7 @@ TEST(Palm, ADifferentPalmIsADifferentPose) {
     Scratch scratch = make_scratch(model);
     scratch.hash_stages = true;
     const ActuatorFrame output = tick(model, state, scratch, frame);
-    values = trace_stage(model, scratch, frame, output, Stage::hand_pose);
+    values = trace_stage(scratch, frame, {}, output, Stage::hand_pose);
     return scratch.stage_hash[static_cast<std::size_t>(Stage::hand_pose)];
   };
   std::vector<TraceValue> before, after;

@@ -212,6 +212,32 @@ double beyond_triangle(const Model& model, const Contact& contact) {
   return most;
 }
 
+// Parts of a needle are halved along it only.
+TEST(FeltOnce, IsTheSameOnNeedlesAsOnOtherTriangles) {
+  const Hand hand = default_hand(Side::right);
+  Mesh needles;
+  constexpr std::uint32_t kStrips = 300;
+  for (std::uint32_t i = 0; i <= kStrips; ++i) {
+    const double y = 0.3 * (i / double(kStrips) - 0.5);
+    needles.vertices.push_back({-0.15, y, 0});
+    needles.vertices.push_back({0.15, y, 0});
+  }
+  for (std::uint32_t i = 0; i < 2 * kStrips; i += 2) {
+    needles.triangles.push_back({i, i + 1, i + 3});
+    needles.triangles.push_back({i, i + 3, i + 2});
+  }
+  const DeviceFrame frame = pressed_frame(hand, 0.003, 0.2);
+  const auto feel = [&](const Mesh& mesh, FeltOnce felt_once) {
+    Scene scene = sampled_scene(hand, {{"mesh", mesh}});
+    scene.settings.felt_once = felt_once;
+    return by_bodies(FeelingHand(scene, 0)(frame), scene.settings.stiffness);
+  };
+  const Mesh coarse = make_plane(0.3, 2);
+  const BodyForces expected = feel(coarse, FeltOnce::always);
+  EXPECT_GT(difference(feel(coarse, FeltOnce::never), expected).hand, 0.01);
+  EXPECT_LT(difference(feel(needles, FeltOnce::always), expected).body, 2e-6);
+}
+
 TEST(FeltOnce, ContactRecordsAddUpToWhatIsFelt) {
   const Hand hand = default_hand(Side::right);
   std::size_t left_to_others = 0;

@@ -107,6 +107,15 @@ TEST(Clearance, OfAHandThatTouchesIsZeroAndOneWithoutAHandIsNone) {
   EXPECT_GT(blind.hand.lower.x, blind.hand.upper.x);
 }
 
+TEST(Clearance, OfAMotionWithoutSamplesIsNone) {
+  Setting setting;
+  setting.add("mug", make_mug({}));
+  setting.motion.samples.clear();
+  EXPECT_EQ(find_clearance(setting.scene, setting.motion, 1e9).approach[0].distance, 1e300);
+  Vec3 shift;
+  EXPECT_FALSE(find_shift(setting.scene, setting.motion, 1e9, *parse_alignment("centre"), shift).ok());
+}
+
 TEST(Clearance, LooksNoFartherThanTheSession) {
   Setting setting;
   setting.add("mug", make_mug({}));

@@ -75,7 +75,7 @@ TEST(Fields, OfAPosedHandArePrimitivesPalmBordersAndFolding) {
   const Primitives& hand = *scratch.primitives;
   ASSERT_TRUE(hand.border[1].shared);
   EXPECT_EQ(hash_fields(hand), scratch.stage_hash[static_cast<std::size_t>(Stage::hand_pose)]);
-  EXPECT_EQ(trace_stage(model, scratch, frame, {}, Stage::hand_pose).size(), values_of(hand).size());
+  EXPECT_EQ(trace_stage(scratch, frame, {}, {}, Stage::hand_pose).size(), values_of(hand).size());
   const auto raise = [](double& number) { number = std::nextafter(number, 1e9); };
   const std::pair<const char*, std::function<void(Primitives&)>> edits[] = {
       {"primitive[2].radius2", [&](Primitives& h) { raise(h.primitive[2].radius2); }},
@@ -98,6 +98,44 @@ TEST(Fields, OfAPosedHandArePrimitivesPalmBordersAndFolding) {
     ASSERT_LT(at, values.size()) << name;
     EXPECT_EQ(changed[at].first, name);
   }
+}
+
+template <class T>
+void add_numbers(const T& value, std::vector<std::uint64_t>& bits) {
+  walk(value, [&bits](const FieldName& at, auto number) {
+    if (at.unit != kOwner) bits.push_back(bits_of(number));
+  });
+}
+
+// Pads, layers and objects add to what the contacts give, and objects stand in input and output too.
+TEST(Fields, OfAStageAreTracedAsTheyAreHashed) {
+  Scene scene = test::mug_scene(Law::field);
+  scene.settings.pad.damping = 0.01;
+  scene.objects[0].mechanism.mobility = Mobility::given;
+  const Model model = test::model_of(scene);
+  State state = make_state(model);
+  Scratch scratch = make_scratch(model);
+  DeviceFrame frame;
+  ActuatorFrame output;
+  const std::vector<ObjectFrame> given(1);
+  for (const DeviceFrame& next : test::grasp_frames(scene.hand, 20)) {
+    frame = next;
+    output = tick(model, state, scratch, frame, given);
+    if (norm(scratch.forces.segment[5].force) > 0.1) break;
+  }
+  ASSERT_GT(norm(scratch.forces.segment[5].force), 0.1);
+  const auto expect_traced = [&](Stage stage, const auto& whole, const auto& objects) {
+    std::vector<std::uint64_t> wanted, traced;
+    add_numbers(whole, wanted);
+    for (const auto& object : objects) add_numbers(object, wanted);
+    for (const TraceValue& value : trace_stage(scratch, frame, given, output, stage))
+      traced.push_back(value.bits);
+    EXPECT_EQ(traced, wanted) << stage_name(stage);
+  };
+  expect_traced(Stage::input, frame, given);
+  expect_traced(Stage::contact_force, scratch.forces, std::vector<ObjectOutput>());
+  expect_traced(Stage::limits, output, scratch.object_output);
+  EXPECT_EQ(hash_fields(scratch.forces), scratch.stage_hash[static_cast<std::size_t>(Stage::contact_force)]);
 }
 
 }  // namespace

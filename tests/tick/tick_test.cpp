@@ -264,6 +264,43 @@ TEST(Tick, AHandThatIsLeftUnshapedWouldHaveTouchedNothing) {
   EXPECT_GT(unshaped, 100);
 }
 
+// The paper's parts are a cylinder and spheres cut at its ends, which without an axis would all be whole.
+// Not by the point law, which counts parts.
+TEST(Tick, APhalanxOfNoLengthIsFeltOnce) {
+  for (const Law law : {Law::field, Law::column, Law::max_depth, Law::centroid}) {
+    Scene scene;
+    scene.hand = default_hand(Side::right);
+    scene.settings.law.fill(law);
+    scene.settings.precision.fill(0);
+    scene.settings.fade_time = 0;
+    scene.settings.max_force = 1e6;
+    scene.objects.push_back({"plane", make_plane(0.1, 1)});
+    const Model model = test::model_of(scene);
+    const auto force_at = [&](double length, bool joined) {
+      DeviceFrame frame;
+      frame.kind = InputKind::joint_poses;
+      frame.valid = 1u << kIndexDistal | 1u << kIndexTip | (joined ? 1u << kIndexIntermediate : 0u);
+      const auto put = [&frame](Joint joint, double x) {
+        frame.joint[joint].position = {static_cast<float>(x), 0.001f, 0.004f};
+        frame.joint[joint].orientation = {0, 0, 0, 1};
+      };
+      put(kIndexIntermediate, -0.02);
+      put(kIndexDistal, 0.001);
+      put(kIndexTip, 0.001 + length);
+      State state;
+      Scratch scratch = make_scratch(model);
+      Vec3 force;
+      for (const Wrench& segment : tick(model, state, scratch, frame).segment) force += segment.force;
+      return norm(force);
+    };
+    for (const bool joined : {false, true}) {
+      const double force = force_at(0, joined), nearly = force_at(1e-5, joined);
+      EXPECT_GT(nearly, 0.1) << static_cast<int>(law);
+      EXPECT_NEAR(force / nearly, 1, 0.02) << static_cast<int>(law) << ", joined " << joined;
+    }
+  }
+}
+
 // What is left to tell of such a hand is where its phalanges and its palm are.
 TEST(Tick, TheHashOfAHandOutOfReachTellsEveryPhalanx) {
   const Scene scene = test::mug_scene(Law::field);
@@ -286,7 +323,7 @@ TEST(Tick, TheHashOfAHandOutOfReachTellsEveryPhalanx) {
   frame.base.position.z = std::nextafter(frame.base.position.z, 6);
   EXPECT_TRUE(seen.insert(pose_hash()).second);
   // The trace, which names what differs, has those numbers too.
-  const std::vector<TraceValue> values = trace_stage(model, scratch, frame, {}, Stage::hand_pose);
+  const std::vector<TraceValue> values = trace_stage(scratch, frame, {}, {}, Stage::hand_pose);
   EXPECT_EQ(values.size(), std::size_t{3} + 1 + kJointCount * 7);
   frame.base.position = {};
   tick(model, state, scratch, frame);

@@ -94,8 +94,10 @@ struct Scratch {
   std::vector<std::uint32_t> cells;    ///< of the grid, that may be met
   std::uint32_t candidate_count = 0;
   std::uint32_t contact_count = 0;
-  std::uint32_t leaving = 0;  ///< segments of which contacts leave something to deeper bodies, a bit each
-  bool keep_near = true;      ///< use `near`; false: search afresh every tick
+  std::uint32_t no_jacobian = 0;  ///< segments whose contacts were too many, or leave something to deeper
+                                  ///< bodies, a bit each
+  HandForces forces;              ///< of the last tick, before limits
+  bool keep_near = true;          ///< use `near`; false: search afresh every tick
   std::shared_ptr<ProxyMemory> proxy;       ///< null: there is none
   std::vector<Scratch> layers;              ///< of Model::layers
   std::shared_ptr<Scratch> apart;           ///< for objects apart, one after the other; null: there is none

@@ -80,7 +80,7 @@ bool general_contact(const Primitive& primitive, const ContactQuery& query, Vec3
       !collide_section(primitive, query, section, boundary, contact))
     return false;
   if (query.law == Law::field || query.law == Law::column)
-    contact.error += plane_rounding(section, a, b, c) * contact.area;
+    contact.error += plane_rounding(section.origin, a, b, c) * contact.area;
   return true;
 }
 

@@ -382,7 +382,7 @@ bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBor
   contact.centre = work.volume > 0 ? to_world(section, (1 / work.volume) * work.first) : contact.centroid;
   contact.normal = section.n;
   contact.error = work.error + kBoundaryError * section.radius1 * section.radius1 * section.radius1 +
-                  plane_rounding(section, a, b, c) * work.area;
+                  plane_rounding(section.origin, a, b, c) * work.area;
   return true;
 }
 

@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "exact/through_lanes.h"
+#include "section/slab.h"
 
 namespace lumbrical {
 namespace {
@@ -44,19 +45,22 @@ void put_cuts(const SlabFaces& faces, std::uint32_t cuts, std::size_t k, RimTerm
 }
 
 template <std::size_t N>
-void read_contact(const SlabResults<N>& results, std::size_t k, Vec3 origin, Contact& contact) {
+void read_contact(const SlabResults<N>& results, std::size_t k, const Slab& slab, const Corners& at,
+                  Contact& contact) {
+  const Vec3 origin = origin_of(slab);
   contact.area = results.area[k];
   contact.volume = results.volume[k];
   contact.depth = results.depth[k];
-  contact.error = 0;
+  contact.error = slab_error(slab, at.a, at.b, at.c, contact.area);
   contact.normal = vector_at(results.normal, k);
   contact.centroid = origin + vector_at(results.centroid, k);
   contact.centre = origin + vector_at(results.centre, k);
 }
 
 // Pairs that so many faces cut.
-void collide_rims(const PairSlots& pairs, const SlabFaces& faces, Vec3 origin, std::size_t cut_count,
+void collide_rims(const PairSlots& pairs, const SlabFaces& faces, const Slab& slab, std::size_t cut_count,
                   std::span<const RimPair> list, PairList& alone) {
+  const Vec3 origin = origin_of(slab);
   RimTerms terms;
   terms.faces = &faces;
   terms.cut_count = cut_count;
@@ -66,7 +70,8 @@ void collide_rims(const PairSlots& pairs, const SlabFaces& faces, Vec3 origin, s
   };
   const auto give = [&](const RimPair& pair, std::size_t k, const RimTerms& from) {
     if (from.status[k] == kSlabOpen) alone.push_back(pair.slot);
-    if (from.status[k] == kSlabTouched) read_contact(from, k, origin, pairs.contact[pair.slot]);
+    if (from.status[k] == kSlabTouched)
+      read_contact(from, k, slab, pairs.corners(pair.slot), pairs.contact[pair.slot]);
   };
   through_lanes(list, terms, pairs.kernels.slab_rims, gather, give);
 }
@@ -83,7 +88,7 @@ void collide_slab_pairs(const PairSlots& pairs, const Slab& slab, std::span<cons
     put_triangle(pairs.corners(slot), origin, k, to);
   };
   const auto give = [&](std::uint32_t slot, std::size_t k, const SlabTerms& from) {
-    if (from.status[k] == kSlabTouched) read_contact(from, k, origin, pairs.contact[slot]);
+    if (from.status[k] == kSlabTouched) read_contact(from, k, slab, pairs.corners(slot), pairs.contact[slot]);
     if (from.status[k] != kSlabOpen) return;
     const RimPair pair{slot, static_cast<std::uint32_t>(from.cut[k])};
     if (cut_count(pair) > RimTerms::kMostCuts) {
@@ -101,7 +106,7 @@ void collide_slab_pairs(const PairSlots& pairs, const Slab& slab, std::span<cons
     for (const RimPair& pair : rims) {
       if (cut_count(pair) == cuts) alike.push_back(pair);
     }
-    collide_rims(pairs, terms.faces, origin, cuts, {alike.begin(), alike.end()}, alone);
+    collide_rims(pairs, terms.faces, slab, cuts, {alike.begin(), alike.end()}, alone);
   }
 }
 

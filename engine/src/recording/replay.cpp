@@ -117,7 +117,7 @@ Status Run::tick_of(const TickRecord& recorded) {
   result.replayed_time += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   result.recorded_time += 1e-9 * recorded.duration_ns;
   divergence = compare_results(recorded, replayed);
-  const TickRun run{model, state, scratch, replayed.device, replayed.output};
+  const TickRun run{model.execution, state, scratch, replayed.device, given_of(replayed), replayed.output};
   if (divergence)
     if (Status status = name_difference(reader.scene(), before, recorded, run, *divergence); !status.ok())
       return status;

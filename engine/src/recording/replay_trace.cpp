@@ -21,7 +21,7 @@ int stage_number(const std::string& name) {
 std::vector<TraceValue> values_of(const TickRun& run, int stage) {
   return stage == kStateStage
              ? trace_state(run.after)
-             : trace_stage(run.model, run.scratch, run.device, run.output, static_cast<Stage>(stage));
+             : trace_stage(run.scratch, run.device, run.given, run.output, static_cast<Stage>(stage));
 }
 
 std::string value_text(const TraceValue& value) { return number_text(value.type, value.bits); }
@@ -82,7 +82,7 @@ Status write_stage(const TickRun& run, int stage, TextOutput& out) {
 }
 
 Status write_stages(const TickRun& run, const std::string& stage, TextOutput& out) {
-  const Execution& execution = run.model.execution;
+  const Execution& execution = run.execution;
   Status status = out.line("# " + build_text());
   if (status.ok())
     status = out.line("# " + std::string(isa_name(execution.isa)) + ", " +
@@ -111,8 +111,8 @@ Status name_difference(const Scene& recorded_scene, const State& before, const T
                                                      recorded.stage_hash[static_cast<std::size_t>(stage)];
   // What the file holds of the output may have been changed there; then the engine has nothing to say.
   if (!reproduced || divergence.stage == "output") return {};
-  compare(values_of({model, state, scratch, recorded.device, output}, stage), values_of(replayed, stage),
-          divergence);
+  compare(values_of({plain, state, scratch, recorded.device, given_of(recorded), output}, stage),
+          values_of(replayed, stage), divergence);
   return {};
 }
 

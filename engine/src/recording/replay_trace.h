@@ -10,10 +10,11 @@ namespace lumbrical {
 
 /// A tick that has just been run, with what it needs to be looked into.
 struct TickRun {
-  const Model& model;
+  const Execution& execution;
   const State& after;
   const Scratch& scratch;
   const DeviceFrame& device;
+  std::span<const ObjectFrame> given;
   const ActuatorFrame& output;
 };
 

@@ -232,10 +232,10 @@ bool look_along(const Primitive& primitive, Vec3 point, Vec3 n, Vec3 along, Sect
   return section.zone_count > 0;
 }
 
-double plane_rounding(const Section& section, Vec3 a, Vec3 b, Vec3 c) {
-  a -= section.origin;
-  b -= section.origin;
-  c -= section.origin;
+double plane_rounding(Vec3 place, Vec3 a, Vec3 b, Vec3 c) {
+  a -= place;
+  b -= place;
+  c -= place;
   const Vec3 ab = b - a, ac = c - a, bc = c - b, raw = cross(ab, ac);
   const double far = max(dot(a, a), max(dot(b, b), dot(c, c)));
   const double longest = max(dot(ab, ab), max(dot(ac, ac), dot(bc, bc)));

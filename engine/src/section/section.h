@@ -78,8 +78,9 @@ bool look_from_plane(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section
 /// everything but the polygon. False where the plane misses the primitive.
 bool look_along(const Primitive& primitive, Vec3 point, Vec3 n, Vec3 along, Section& section);
 
-/// [m] What rounding of the triangle a, b, c [m, W] leaves in the heights over its plane (kPlaneRounding).
-double plane_rounding(const Section& section, Vec3 a, Vec3 b, Vec3 c);
+/// [m] What rounding of the triangle a, b, c leaves in the heights over its plane (kPlaneRounding) of a
+/// primitive at `place` [m, W].
+double plane_rounding(Vec3 place, Vec3 a, Vec3 b, Vec3 c);
 
 /// Area and centroid of a polygon, 0 where it is empty.
 struct AreaMoments {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "section/section.h"
+#include "section/stated_errors.h"
 
 namespace lumbrical {
 namespace {
@@ -110,7 +111,13 @@ bool collide_slab(const Slab& slab, Law law, double point_area, Vec3 a, Vec3 b, 
   contact.centroid = to_world(area.centroid);
   contact.centre = to_world(centre);
   contact.normal = plane.n;
+  contact.error = slab_error(slab, a, b, c, area.area);
   return true;
+}
+
+double slab_error(const Slab& slab, Vec3 a, Vec3 b, Vec3 c, double area) {
+  const double r = slab.thickness;
+  return kDiscError * r * r * r + plane_rounding(slab.face[1].point, a, b, c) * area;
 }
 
 }  // namespace lumbrical

@@ -11,4 +11,7 @@ namespace lumbrical {
 /// is the depth below the skin; it stands for the depth of every law. False where they don't touch.
 bool collide_slab(const Slab& slab, Law law, double point_area, Vec3 a, Vec3 b, Vec3 c, Contact& contact);
 
+/// [m^3] The bound of the error of the volume over a part of the triangle, which has that area [m^2].
+double slab_error(const Slab& slab, Vec3 a, Vec3 b, Vec3 c, double area);
+
 }  // namespace lumbrical

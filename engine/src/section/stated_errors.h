@@ -5,7 +5,7 @@ namespace lumbrical {
 
 /// What "exact" leaves in a volume, in units of R^3 (largest radius): no proof but more than was ever
 /// measured against the reference, over millions of pairs (docs/mechanics.md, bench/results).
-inline constexpr double kDiscError = 1e-11;     ///< discs in closed form
+inline constexpr double kDiscError = 1e-11;     ///< discs in closed form, and slabs
 inline constexpr double kFlatError = 2e-10;     ///< sides whose axis lies nearly along the plane, by nodes
 inline constexpr double kBoundaryError = 1e-9;  ///< quadrature along the boundary
 /// What rounding leaves in the height of a triangle's plane, over the distance of its farthest corner from

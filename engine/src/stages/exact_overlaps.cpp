@@ -12,10 +12,14 @@
 namespace lumbrical {
 namespace {
 
-// Parts are halved both ways until that changes the integral by less than this share of R^3, which leaves it
-// off by an eighth of that, or a tenth of a segment's precision; and until their edges are below a share of
-// R, another one where nothing was found yet; or until they are below the last share.
+// Parts are halved both ways, needles along their length, until that changes the integral by less than this
+// share of R^3, which leaves it off by an eighth of that, or a tenth of a segment's precision; and until
+// their edges are below a share of R, another one where nothing was found yet; or until they are below the
+// last share.
 constexpr double kTolerance = 1e-7, kLargest = 0.5, kLargestEmpty = 0.2, kLeast = 1e-3;
+
+// A needle is more than so many times as long as it is wide.
+constexpr double kNeedle = 8;
 
 // [m] A lead that is more than rounding: where two bodies have a field in common, the first one has it.
 constexpr double kTie = 1e-14;
@@ -83,7 +87,8 @@ class Overlap {
   Overlap(const Touched& touched, std::size_t segment, double precision)
       : touched_(touched), segment_(segment) {
     const Primitives& hand = touched.hand;
-    radius_ = segment == kPalmSegment ? hand.palm.radius : hand.capsule[segment].radius1;
+    radius_ = segment == kPalmSegment ? hand.palm.radius
+                                      : max(hand.capsule[segment].radius1, hand.capsule[segment].radius2);
     tolerance_ = max(kTolerance, 0.1 * precision) * radius_ * radius_ * radius_;
     if (segment == kPalmSegment) return;
     const auto add = [&](std::size_t inner, bool is_first) {
@@ -143,17 +148,24 @@ class Overlap {
   PartMoments halved(const SixPoints<Told>& told, double area, const PartMoments& whole,
                      double& error) const {
     double square = 0;  // of the longest edge
+    std::size_t longest = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       const Point2 edge = told[(k + 1) % 3].at - told[k].at;
+      if (dot(edge, edge) > square) longest = k;
       square = max(square, dot(edge, edge));
     }
     const double size = std::sqrt(square);
     // No point of a triangle is farther from its nearest corner than the longest edge over the root of 3.
     if (has_nothing(told, 0.289 * size)) return {};
-    const std::array<SixPoints<Told>, 4> part = parts_of(told);
-    std::array<PartMoments, 4> of_part;
+    if (2 * kNeedle * area < square) return sum_of(halves_of(told, longest), area, whole, size, error);
+    return sum_of(parts_of(told), area, whole, size, error);
+  }
+  template <std::size_t kCount>
+  PartMoments sum_of(const std::array<SixPoints<Told>, kCount>& part, double area, const PartMoments& whole,
+                     double size, double& error) const {
+    std::array<PartMoments, kCount> of_part;
     PartMoments sum;
-    for (std::size_t k = 0; k < part.size(); ++k) add(of_part[k] = integral(part[k], area / 4), sum);
+    for (std::size_t k = 0; k < kCount; ++k) add(of_part[k] = integral(part[k], area / kCount), sum);
     const double change = std::fabs(sum.volume - whole.volume);
     if ((size < (sum.volume > 0 ? kLargest : kLargestEmpty) * radius_ && change <= tolerance_) ||
         size < kLeast * radius_) {
@@ -161,8 +173,16 @@ class Overlap {
       return sum;
     }
     sum = {};
-    for (std::size_t k = 0; k < part.size(); ++k) add(halved(part[k], area / 4, of_part[k], error), sum);
+    for (std::size_t k = 0; k < kCount; ++k) add(halved(part[k], area / kCount, of_part[k], error), sum);
     return sum;
+  }
+  /// To either side of the middle of the edge from corner k.
+  [[nodiscard]] std::array<SixPoints<Told>, 2> halves_of(const SixPoints<Told>& told, std::size_t k) const {
+    const std::size_t next = (k + 1) % 3, last = (k + 2) % 3;
+    const Told& middle = told[3 + last];
+    const Told across = between(middle, told[last]);
+    return {{{told[k], middle, told[last], across, told[3 + next], between(told[k], middle)},
+             {middle, told[next], told[last], told[3 + k], across, between(middle, told[next])}}};
   }
   /// At its corners, and between the middles of its edges.
   [[nodiscard]] std::array<SixPoints<Told>, 4> parts_of(const SixPoints<Told>& told) const {

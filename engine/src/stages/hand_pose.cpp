@@ -88,10 +88,19 @@ Vec3 bisector(const Primitives& hand, std::size_t phalanx) {
   return unit_or(here + next, unit_or(here, {1, 0, 0}));
 }
 
+// What the paper's cuts stand on: along the phalanx, or, where it has no length, its nearest neighbour.
+Vec3 paper_axis(const Primitives& hand, std::size_t i) {
+  Vec3 axis = hand.direction[i];
+  const auto is_none = [&axis] { return !(dot(axis, axis) > 0); };
+  for (std::size_t j = i; is_none() && j % 3 > 0 && hand.present[j - 1]; --j) axis = hand.direction[j - 1];
+  for (std::size_t j = i; is_none() && j % 3 < 2 && hand.present[j + 1]; ++j) axis = hand.direction[j + 1];
+  return is_none() ? Vec3{1, 0, 0} : axis;
+}
+
 // The body of a phalanx: tile or cylinder, cut at its neighbours.
 void add_body(const Primitives& hand, std::size_t i, Primitives& out) {
   Primitive body = hand.capsule[i];
-  const Vec3 axis = hand.direction[i];
+  const Vec3 axis = paper_axis(hand, i);
   const bool before = i % 3 > 0 && hand.present[i - 1], after = i % 3 < 2 && hand.present[i + 1];
   if (before && !paper_joint(hand, i - 1)) {
     add_cut(-bisector(hand, i - 1), body.end1, body, hand.border[i - 1].slab);
@@ -110,12 +119,12 @@ void add_body(const Primitives& hand, std::size_t i, Primitives& out) {
 // The part of a joint's or tip's sphere that no cylinder covers.
 void add_sphere(const Primitives& hand, std::size_t i, bool at_tip, Primitives& out) {
   Primitive sphere = hand.capsule[i];
-  const Vec3 axis = hand.direction[i];
+  const Vec3 axis = paper_axis(hand, i);
   const bool joined = !at_tip && i % 3 > 0 && hand.present[i - 1];
   sphere.end1 = sphere.end2 = at_tip ? sphere.end2 : sphere.end1;
   sphere.radius1 = sphere.radius2 = at_tip ? sphere.radius2 : sphere.radius1;
   add_cut(at_tip ? -axis : axis, sphere.end1, sphere);
-  if (joined) add_cut(-hand.direction[i - 1], sphere.end1, sphere);
+  if (joined) add_cut(-paper_axis(hand, i - 1), sphere.end1, sphere);
   sphere.phalanx = {static_cast<std::int8_t>(i), static_cast<std::int8_t>(joined ? i - 1 : -1)};
   add(sphere, out);
 }

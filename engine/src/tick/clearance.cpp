@@ -137,7 +137,7 @@ struct ObjectSurface {
 };
 
 std::size_t samples_until(const Motion& motion, double seconds) {
-  std::size_t count = 1;
+  std::size_t count = std::min<std::size_t>(1, motion.samples.size());
   while (count < motion.samples.size() && motion.samples[count].time <= seconds) ++count;
   return count;
 }

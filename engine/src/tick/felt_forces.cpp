@@ -78,8 +78,8 @@ void make_room(const Model& model, Scratch& scratch) {
 void find_all_contacts(const Model& model, Scratch& scratch) {
   const std::span<const std::uint64_t> candidates(scratch.candidates.data(), scratch.candidate_count);
   scratch.contact_count = find_contacts(model, *scratch.primitives, candidates, scratch.contacts);
-  scratch.leaving = take_off_overlaps(model, *scratch.primitives, segments_felt_once(model),
-                                      {scratch.contacts.data(), scratch.contact_count}, scratch.sorting);
+  scratch.no_jacobian = take_off_overlaps(model, *scratch.primitives, segments_felt_once(model),
+                                          {scratch.contacts.data(), scratch.contact_count}, scratch.sorting);
 }
 
 HandForces feel(const Model& model, Scratch& scratch, std::uint32_t& flags) {
@@ -87,6 +87,7 @@ HandForces feel(const Model& model, Scratch& scratch, std::uint32_t& flags) {
   SampledForces& sampled = scratch.samples->forces;
   sampled = {};
   scratch.candidate_count = 0;
+  bool all_found = true;
   hand.in_reach = may_meet(model.hand, hand, model.extent);
   hand.out_of_reach = !hand.in_reach;  // and needs no shape
   if (hand.in_reach) {
@@ -97,9 +98,12 @@ HandForces feel(const Model& model, Scratch& scratch, std::uint32_t& flags) {
       flags |= kCandidateOverflow;
     if (sampled.coarsened) flags |= kCoarsened;
     tell(scratch.watch, Stage::narrowphase);
-    if (!find_exact_candidates(model, hand, scratch)) flags |= kCandidateOverflow;
+    all_found = find_exact_candidates(model, hand, scratch);
+    if (!all_found) flags |= kCandidateOverflow;
   }
-  return sum_up(model, scratch);
+  const HandForces forces = sum_up(model, scratch);
+  if (!all_found) scratch.no_jacobian = kAllSegments;
+  return forces;
 }
 
 HandForces feel_nothing(const Model& model, Scratch& scratch) {

@@ -173,7 +173,7 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
   const bool own = is_made_for(model, scratch);
   const std::uint32_t by_samples = sampled_segments(model);
   // How what the exact rung leaves to deeper bodies changes isn't known.
-  const std::uint32_t unknown = scratch.leaving & ~by_samples;
+  const std::uint32_t unknown = scratch.no_jacobian & ~by_samples;
   const auto asked = [segments](std::size_t segment) { return (segments >> segment & 1u) != 0; };
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     if (asked(i)) jacobians[i] = {{}, own && model.settings.law[i] == Law::field && (unknown >> i & 1u) == 0};

@@ -122,7 +122,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   const bool apart = !model.apart.empty();
   if (apart) flags |= move_given(model, given, state, anew);
   if (scratch.proxy) flags |= follow_hand(model, is_trusted(flags), state, scratch, hand);
-  HandForces forces = placed ? feel(model, scratch, flags) : feel_nothing(model, scratch);
+  HandForces& forces = scratch.forces = placed ? feel(model, scratch, flags) : feel_nothing(model, scratch);
   add_layers(model, scratch, flags, forces);
   if (scratch.proxy) add_pushes(scratch.proxy->pushing, hand, forces);
   const PadSpeeds speeds = speeds_of_pads(model.settings, is_trusted(flags), hand, state.pad);

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "stages/contact_force.h"
 #include "tick/field_lists.h"
 
 namespace lumbrical {
@@ -55,13 +54,15 @@ bool TraceValue::same_place(const TraceValue& other) const {
          field == other.field;
 }
 
-std::vector<TraceValue> trace_stage(const Model& model, const Scratch& scratch, const DeviceFrame& frame,
-                                    const ActuatorFrame& output, Stage stage) {
+std::vector<TraceValue> trace_stage(const Scratch& scratch, const DeviceFrame& frame,
+                                    std::span<const ObjectFrame> given, const ActuatorFrame& output,
+                                    Stage stage) {
   Tracer to;
   const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
   switch (stage) {
     case Stage::input:
       to.fields(frame);
+      for (const ObjectFrame& object : given) to.fields(object);
       break;
     case Stage::hand_pose:
       to.fields(*scratch.primitives);
@@ -81,10 +82,11 @@ std::vector<TraceValue> trace_stage(const Model& model, const Scratch& scratch, 
       }
       break;
     case Stage::contact_force:
-      to.fields(sum_forces(model.settings, *scratch.primitives, contacts, scratch.samples->forces.segment));
+      to.fields(scratch.forces);
       break;
     case Stage::limits:
       to.fields(output);
+      for (const ObjectOutput& object : scratch.object_output) to.fields(object);
       break;
   }
   return std::move(to.values);

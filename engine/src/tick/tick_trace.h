@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,9 +25,10 @@ struct TraceValue {
 };
 
 /// The values of a stage of the last tick on `scratch`, in a fixed order; `output` is what that tick returned
-/// for `frame`. All that the stage's hash covers.
-std::vector<TraceValue> trace_stage(const Model& model, const Scratch& scratch, const DeviceFrame& frame,
-                                    const ActuatorFrame& output, Stage stage);
+/// for `frame` and the objects' `given`. All that the stage's hash covers.
+std::vector<TraceValue> trace_stage(const Scratch& scratch, const DeviceFrame& frame,
+                                    std::span<const ObjectFrame> given, const ActuatorFrame& output,
+                                    Stage stage);
 
 /// The values of a state, in a fixed order.
 std::vector<TraceValue> trace_state(const State& state);
