@@ -3,6 +3,7 @@
 #include "page_server.h"
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -10,6 +11,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <future>
@@ -17,6 +20,7 @@
 #include <string>
 #include <thread>
 
+#include "eventually.h"
 #include "files.h"
 #include "http_request.h"
 
@@ -145,6 +149,38 @@ TEST(PageServer, EndsALiveSessionWhereItStops) {
   server.reset();
   const std::string body = body_of(answer.get());
   EXPECT_EQ(body.substr(body.size() - std::min<std::size_t>(body.size(), 12)), "2\r\nab\r\n0\r\n\r\n");
+}
+
+// A script that reads the program's output to its end would wait for the browser, and what ends the program
+// would end that too.
+TEST(Browser, IsOpenedWithNothingOfTheProgramThatOpensIt) {
+  const std::filesystem::path folder = test::fresh_folder();
+  test::write_file(
+      "xdg-open",
+      "#!/bin/bash\n"
+      "cd \"${0%/*}\" && readlink /proc/$$/fd/{0,1,2} >files && ls /proc/$$/fd >numbers\n"
+      "grep -E 'SigBlk' /proc/$$/status >blocked\n"
+      "cut -d' ' -f6 /proc/$$/stat >session && echo \"$1\" >address.part && mv address.part address\n");
+  std::filesystem::permissions(folder / "xdg-open", std::filesystem::perms::owner_all);
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", (folder.string() + ":" + path).c_str(), 1);
+  setenv("DISPLAY", ":0", 1);
+  const int inherited = open("/dev/zero", O_RDONLY);
+  sigset_t blocked, before;
+  sigemptyset(&blocked);
+  sigaddset(&blocked, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &blocked, &before);
+  open_browser("http://127.0.0.1/");
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  close(inherited);
+  setenv("PATH", path.c_str(), 1);
+  ASSERT_TRUE(test::eventually([&] { return std::filesystem::exists(folder / "address"); }));
+  EXPECT_EQ(test::read_file(folder / "address"), "http://127.0.0.1/\n");
+  EXPECT_EQ(test::read_file(folder / "files"), "/dev/null\n/dev/null\n/dev/null\n");
+  EXPECT_EQ(test::read_file(folder / "numbers").find(std::to_string(inherited) + "\n"), std::string::npos);
+  const std::uint64_t still_blocked = std::stoull(test::read_file(folder / "blocked").substr(8), nullptr, 16);
+  EXPECT_EQ(still_blocked >> (SIGTERM - 1) & 1u, 0u);
+  EXPECT_NE(test::read_file(folder / "session"), std::to_string(getsid(0)) + "\n");
 }
 
 }  // namespace

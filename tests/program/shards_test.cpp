@@ -208,16 +208,16 @@ TEST(Shards, GnuParallelWorksThroughAListAndGoesOnWhereItEnded) {
     GTEST_SKIP() << "parallel is missing; install parallel";
   const fs::path folder = folder_with_list();
   const std::string script = "LUMBRICAL='" LUMBRICAL_PROGRAM "' HOME=$PWD bash '" LUMBRICAL_SOURCE_DIR
-                             "/tools/cluster/shards_parallel' replay list 3 results";
+                             "/tools/cluster/shards_parallel' replay list 3 'results of 3'";
   for (int i = 0; i < 2; ++i) {
     const Outcome done = shell(script, folder);
     EXPECT_EQ(done.exit_code, 2) << "one could not be read" << done.error;
     EXPECT_EQ(done.json()["identical"], 7);
     EXPECT_EQ(done.json()["missing"].size(), 0u);
-    const std::string first = read_file((folder / "results/1.summary").string());
+    const std::string first = read_file((folder / "results of 3/1.summary").string());
     EXPECT_EQ(nlohmann::json::parse(first)["done_before"], i == 0 ? 0 : 3);
   }
-  EXPECT_EQ(recordings_of(folder / "results/results").size(), 8u);
+  EXPECT_EQ(recordings_of(folder / "results of 3/results").size(), 8u);
 }
 
 // Scenes of a sweep: one, with switches of its own in each line.

@@ -1,7 +1,9 @@
 // Where the viewer's page is, and how it comes before a person's eyes.
+#include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +14,22 @@
 namespace lumbrical::tool {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// Whoever waits for the end of our output doesn't wait for the browser, and a signal to us is none to it.
+void let_go_of_everything() {
+  setsid();
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  std::signal(SIGPIPE, SIG_DFL);
+  const int nowhere = open("/dev/null", O_RDWR);
+  for (const int own : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, own);
+  close_range(STDERR_FILENO + 1, ~0u, 0);
+}
+
+}  // namespace
 
 Status read_viewer_page(std::string& html) {
   std::error_code error;
@@ -34,7 +52,10 @@ void open_browser(const std::string& address) {
   const pid_t child = fork();
   if (child == 0) {
     // Twice, so that nobody has to wait for the browser.
-    if (fork() == 0) execlp("xdg-open", "xdg-open", address.c_str(), static_cast<char*>(nullptr));
+    if (fork() == 0) {
+      let_go_of_everything();
+      execlp("xdg-open", "xdg-open", address.c_str(), static_cast<char*>(nullptr));
+    }
     _exit(0);
   }
   if (child > 0) waitpid(child, nullptr, 0);
