@@ -1,6 +1,7 @@
 // The one file that knows OpenVDB (Museth, VDB, 2013): builds its trees from plain arrays, searches them node
 // by node.
-#include <openvdb/openvdb.h>
+#include <openvdb/Grid.h>
+#include <openvdb/Types.h>
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/SignedFloodFill.h>
@@ -15,8 +16,8 @@
 namespace lumbrical {
 
 struct VoxelGrid {
-  openvdb::Int32Tree number{-1};  // of the voxel, where a triangle touches it
-  openvdb::FloatTree distance;    // [voxels]
+  openvdb::Int32Tree::RootNodeType number{-1};  // of the voxel, where a triangle touches it
+  openvdb::FloatTree distance;                  // [voxels]
   bool has_distance = false;
 };
 
@@ -24,20 +25,26 @@ namespace {
 
 constexpr float kBand = 3;  // [voxels] to either side
 
-// The scene's triangles as meshToVolume wants them: in index space, where voxel (i, j, k) has its middle at
-// (i, j, k).
-struct MeshInVoxels {
-  const Triangles& triangles;
-  const VoxelLists& lists;
-  [[nodiscard]] std::size_t polygonCount() const { return triangles.size(); }
-  [[nodiscard]] std::size_t pointCount() const { return triangles.x.size(); }
-  [[nodiscard]] std::size_t vertexCount(std::size_t) const { return 3; }
-  void getIndexSpacePoint(std::size_t polygon, std::size_t corner, openvdb::Vec3d& point) const {
-    const auto& corners = corner == 0 ? triangles.a : corner == 1 ? triangles.b : triangles.c;
-    const Vec3 p = (triangles.vertex(corners[polygon]) - lists.origin) / lists.voxel_size;
-    point = {p.x - 0.5, p.y - 0.5, p.z - 0.5};
+// Vertices [voxels] as meshToVolume wants them, where voxel (i, j, k) has its middle at (i, j, k). Rounding
+// to float moves none by more than 2^-5 voxels. Of other types than these the library has no compiled
+// meshToVolume, and compiling it takes a minute and a half.
+std::vector<openvdb::Vec3s> vertices_of(const Triangles& triangles, const VoxelLists& lists) {
+  std::vector<openvdb::Vec3s> vertices;
+  vertices.reserve(triangles.x.size());
+  for (std::uint32_t i = 0; i < triangles.x.size(); ++i) {
+    const Vec3 p = (triangles.vertex(i) - lists.origin) / lists.voxel_size;
+    vertices.emplace_back(p.x - 0.5, p.y - 0.5, p.z - 0.5);
   }
-};
+  return vertices;
+}
+
+std::vector<openvdb::Vec3I> corners_of(const Triangles& triangles) {
+  std::vector<openvdb::Vec3I> corners;
+  corners.reserve(triangles.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    corners.emplace_back(triangles.a[i], triangles.b[i], triangles.c[i]);
+  return corners;
+}
 
 openvdb::Coord coord_of(std::uint64_t key, std::int32_t shift) {
   const VoxelPlace place = voxel_place(key);
@@ -157,9 +164,12 @@ bool has_openvdb() { return true; }
 
 Status make_distance_field(const Triangles& triangles, const VoxelLists& lists, DistanceField& field) {
   return guarded([&] {
-    openvdb::initialize();
+    const auto vertices = vertices_of(triangles, lists);
+    const auto corners = corners_of(triangles);
+    openvdb::util::NullInterrupter never;
     const auto grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(
-        MeshInVoxels{triangles, lists}, *openvdb::math::Transform::createLinearTransform(1.0), kBand, kBand);
+        never, openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I>(vertices, corners),
+        *openvdb::math::Transform::createLinearTransform(1.0), kBand, kBand, 0, nullptr);
     std::vector<std::pair<std::uint64_t, float>> values;
     for (auto value = grid->cbeginValueOn(); value; ++value) {
       if (!value.isVoxelValue()) continue;
@@ -180,18 +190,13 @@ Status make_distance_field(const Triangles& triangles, const VoxelLists& lists, 
 Status make_voxel_grid(const VoxelLists& lists, const DistanceField& field,
                        std::shared_ptr<const VoxelGrid>& result) {
   return guarded([&] {
-    openvdb::initialize();
     const auto grid = std::make_shared<VoxelGrid>();
-    openvdb::tree::ValueAccessor<openvdb::Int32Tree> number(grid->number);
     for (std::size_t i = 0; i < lists.key.size(); ++i)
-      number.setValue(coord_of(lists.key[i], 0), static_cast<openvdb::Int32>(i));
+      grid->number.setValueOn(coord_of(lists.key[i], 0), static_cast<openvdb::Int32>(i));
     grid->has_distance = !field.key.empty();
     grid->distance.root().setBackground(kBand, false);
-    {
-      openvdb::tree::ValueAccessor<openvdb::FloatTree> distance(grid->distance);
-      for (std::size_t i = 0; i < field.key.size(); ++i)
-        distance.setValue(coord_of(field.key[i], DistanceField::kShift), field.value[i]);
-    }
+    for (std::size_t i = 0; i < field.key.size(); ++i)
+      grid->distance.root().setValueOn(coord_of(field.key[i], DistanceField::kShift), field.value[i]);
     if (grid->has_distance) openvdb::tools::signedFloodFill(grid->distance);
     result = grid;
   });
@@ -201,7 +206,7 @@ std::size_t find_voxels(const VoxelGrid& grid, const VoxelLists& lists, const Vo
                         std::vector<std::uint32_t>& found) {
   Search search{lists.voxel, query, static_cast<double>(lists.reach), {}, {}, found};
   set_box(search);
-  for (auto child = grid.number.root().cbeginChildOn(); child; ++child) {
+  for (auto child = grid.number.cbeginChildOn(); child; ++child) {
     using Child = openvdb::Int32Tree::RootNodeType::ChildNodeType;
     if (may_hold(search, child->origin(), Child::DIM, search.margin)) visit(*child, search);
   }
