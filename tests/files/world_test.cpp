@@ -1,5 +1,6 @@
 // Worlds in files against the same scenes in memory: the same bits, a bounded part of the file in memory, and
 // a thread that has it there before the hand comes.
+#include <chrono>
 #include <fstream>
 #include <thread>
 #include <vector>
@@ -181,14 +182,26 @@ void expect_read_ahead(double precision) {
   // Nor does one a hand's breadth further on.
   tick(model, state, scratch, hand_on_street(scene.hand, 0.6));
   EXPECT_EQ(resident_bytes(world), before);
-  // At speed it looks farther: from 0.5 to 0.9 m in 0.2 s is 2 m/s, so half a metre ahead.
-  for (int i = 0; i <= 40; ++i) {
-    pager.hand_at(hand_on_street(scene.hand, 0.5 + 0.01 * i));
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
+  // A hand at rest has nothing there so far ahead, but one that comes at 4 m/s does: a metre farther.
+  constexpr double kFar = 0.95, kSpeed = 4;
+  const auto feel_ahead_of = [&](double place) {
+    return tick(model, state, scratch, hand_on_street(scene.hand, place + kFar)).contact_count;
+  };
+  EXPECT_GT(feel_ahead_of(0.5), 100u);
+  EXPECT_GT(resident_bytes(world), before);
+  // By the clock, since a busy machine would make it slower; again where it stood still for long.
+  double way = 0;
+  do {
+    const auto begun = std::chrono::steady_clock::now();
+    for (way = 0; way < 0.8;) {
+      way = kSpeed * std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+      pager.hand_at(hand_on_street(scene.hand, 0.5 + way));
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  } while (way > 1.2);
   pager.catch_up();
   const std::size_t ahead = resident_bytes(world);
-  tick(model, state, scratch, hand_on_street(scene.hand, 1.2));
+  EXPECT_GT(feel_ahead_of(0.5 + way), 100u);
   EXPECT_EQ(resident_bytes(world), ahead);
 }
 TEST(World, IsReadAheadOfTheHand) { expect_read_ahead(Settings().precision[0]); }

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 
 #include "lumbrical/device_sink.h"
@@ -26,7 +25,6 @@ class ModbusLoop : public ::testing::Test {
   bool rests() {
     return eventually([&] { return device.torque() == 0; });
   }
-  const std::chrono::steady_clock::time_point begun = std::chrono::steady_clock::now();
   DeviceProfile profile = test::patient_profile();
   ServedDevice device{profile};
   TickingSink sink;

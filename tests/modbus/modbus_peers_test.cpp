@@ -60,20 +60,18 @@ bool have(const std::string& test) { return std::system((test + " >/dev/null 2>&
 
 // A device that knows registers only, written by others: it repeats the heartbeat by being the same register.
 const char* const kPymodbusServer = R"(
-import sys, asyncio
+import socket, sys
 from pymodbus.datastore import ModbusSequentialDataBlock, ModbusSlaveContext, ModbusServerContext
 from pymodbus.server import StartTcpServer
+bind = socket.socket.bind
+def bind_to_reserved(self, address):
+    self.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    return bind(self, address)
+socket.socket.bind = bind_to_reserved
 block = ModbusSequentialDataBlock(0, [0] * 200)
 context = ModbusServerContext(slaves=ModbusSlaveContext(hr=block, ir=block, zero_mode=True), single=True)
 StartTcpServer(context=context, address=("127.0.0.1", int(sys.argv[1])))
 )";
-
-// A port no one uses at the moment.
-std::uint16_t free_port() {
-  ModbusServer server;
-  EXPECT_TRUE(server.listen("127.0.0.1", 0).ok());
-  return server.port();
-}
 
 TEST(ModbusPeers, PymodbusTakesOurCommands) {
   const std::string python =
@@ -83,7 +81,8 @@ TEST(ModbusPeers, PymodbusTakesOurCommands) {
   const std::string script = test::fresh_folder().string() + "/server.py";
   std::ofstream(script) << kPymodbusServer;
   DeviceProfile profile = test::patient_profile();
-  profile.transport.port = free_port();
+  const test::ReservedPort port;
+  profile.transport.port = port.number();
   profile.status = {};
   profile.heartbeat.echo_address = profile.heartbeat.address;
   for (const bool combined : {true, false}) {

@@ -22,6 +22,7 @@
 #include "lumbrical/device_sink.h"
 #include "lumbrical/modbus_server.h"
 #include "lumbrical/modbus_wire.h"
+#include "reserved_port.h"
 
 namespace lumbrical::test {
 
@@ -101,9 +102,12 @@ class ServedDevice {
   }
   ~ServedDevice() { stop(); }
 
-  void listen(std::uint16_t port = 0, const std::string& host = "127.0.0.1") {
+  /// At a port of its own, which it keeps while it is switched off.
+  void listen() { listen(reserved_.number(), "127.0.0.1"); }
+  void listen(std::uint16_t port, const std::string& host) {
     const Status status = server_->listen(host, port);
     ASSERT_TRUE(status.ok()) << status.message();
+    port_ = server_->port();
     start();
   }
   void open_terminal() {
@@ -123,14 +127,13 @@ class ServedDevice {
   }
   /// As after a power cut: a new device on the same port.
   void restart() {
-    const std::uint16_t port = server_->port();
     stop();
     fresh();
-    listen(port);
+    listen();
   }
   [[nodiscard]] double torque() const { return torque_; }    ///< of the index' first joint
   [[nodiscard]] double largest() const { return largest_; }  ///< ever
-  [[nodiscard]] std::uint16_t port() const { return server_->port(); }
+  [[nodiscard]] std::uint16_t port() const { return port_; }
   [[nodiscard]] const std::string& name() const { return server_->name(); }
   [[nodiscard]] std::uint64_t requests() const { return server_->requests(); }
   std::atomic<bool> press_stop{false}, break_down{false}, hang{false}, release_dead_man{false};
@@ -159,6 +162,8 @@ class ServedDevice {
           });
     });
   }
+  const ReservedPort reserved_;
+  std::uint16_t port_ = reserved_.number();
   DeviceProfile profile_;
   SimulationOptions options_;
   std::unique_ptr<ModbusServer> server_;

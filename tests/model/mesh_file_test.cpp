@@ -7,6 +7,7 @@
 #include <fstream>
 #include <string>
 
+#include "files.h"
 #include "mesh_samples.h"
 
 namespace lumbrical {
@@ -140,22 +141,20 @@ TEST(MeshFile, PutsOnlyShortPrintableWordsIntoMessages) {
 // ---- Files on disk ----
 
 TEST(MeshFile, LoadsFromDiskAndNamesThePathInMessages) {
-  const std::string path = ::testing::TempDir() + "lumbrical_mesh_file_test.stl";
-  std::ofstream(path, std::ios::binary) << binary_stl();
+  const std::string path = test::write_file("solid.stl", binary_stl());
   Mesh mesh;
   EXPECT_TRUE(load_mesh(path, Unit::metre, mesh).ok());
   expect_tetrahedron(mesh);
   std::ofstream(path, std::ios::binary) << "v 0 0\n";
   EXPECT_EQ(load_mesh(path, Unit::metre, mesh).message().substr(0, path.size() + 5), path + ":1:6:");
   expect_tetrahedron(mesh);
-  std::filesystem::remove(path);
 }
 
 TEST(MeshFile, SaysWhyAFileCannotBeOpened) {
   Mesh mesh;
-  const std::string folder = ::testing::TempDir();
+  const std::string folder = test::own_folder().string();
   EXPECT_NE(load_mesh(folder, Unit::metre, mesh).message().find("directory"), std::string::npos);
-  EXPECT_NE(load_mesh(folder + "no such file", Unit::metre, mesh).message().find("no such file"),
+  EXPECT_NE(load_mesh(folder + "/no such file", Unit::metre, mesh).message().find("no such file"),
             std::string::npos);
   EXPECT_NE(load_mesh("", Unit::metre, mesh).message().find("no such file"), std::string::npos);
   EXPECT_FALSE(load_mesh("/dev/zero", Unit::metre, mesh).ok());
@@ -163,25 +162,21 @@ TEST(MeshFile, SaysWhyAFileCannotBeOpened) {
 }
 
 TEST(MeshFile, SaysThatPermissionIsMissing) {
-  const std::string path = ::testing::TempDir() + "lumbrical_mesh_file_test_locked.obj";
-  std::ofstream(path) << kObj;
+  const std::string path = test::write_file("locked.obj", kObj);
   std::filesystem::permissions(path, std::filesystem::perms::none);
   const bool readable = std::ifstream(path).good();
   Mesh mesh;
   const Status status = load_mesh(path, Unit::metre, mesh);
-  std::filesystem::remove(path);
   if (readable) GTEST_SKIP() << "This user may read every file.";
   EXPECT_NE(status.message().find("ermission"), std::string::npos) << status.message();
 }
 
 TEST(MeshFile, DoesNotReadAFileThatOnlyPretendsToBeLarge) {
-  const std::string path = ::testing::TempDir() + "lumbrical_mesh_file_test_sparse.stl";
-  std::ofstream(path) << "x";
+  const std::string path = test::write_file("sparse.stl", "x");
   std::error_code error;
   std::filesystem::resize_file(path, std::uintmax_t{1} << 40, error);
   Mesh mesh;
   const Status status = load_mesh(path, Unit::metre, mesh);
-  std::filesystem::remove(path);
   if (error) GTEST_SKIP() << "The file system does not hold sparse files of a terabyte.";
   EXPECT_NE(status.message().find("8 GiB"), std::string::npos) << status.message();
 }

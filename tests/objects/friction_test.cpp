@@ -3,11 +3,13 @@
 
 #include <cmath>
 
+#include "largest.h"
 #include "pads.h"
 
 namespace lumbrical {
 namespace {
 
+using test::largest;
 using test::Pad;
 using test::Session;
 
@@ -155,7 +157,7 @@ TEST(Friction, RollsWithoutDragging) {
       joint.orientation = {0, static_cast<float>(turn.y), 0, static_cast<float>(turn.w)};
     run.step(frame);
     const Vec3 force = test::hand_force(run.output);
-    worst = max(worst, std::fabs(force.x));
+    worst = largest(worst, std::fabs(force.x));
     pressed = force.z;
   }
   EXPECT_GT(pressed, 0.4);
@@ -167,18 +169,22 @@ TEST(Friction, BeginsAndEndsWithTheNormalForceAndNeverJumps) {
   scene.objects.push_back(test::object_of("plane", make_plane(0.2, 5), {}, {0.8, 0.5, 0.5, 1000}));
   Session run(scene);
   Vec3 last;
-  double most = 0;
+  double most = 0, pressed = 0, dragged = 0;
   for (int i = 0; i < 4000; ++i) {  // down, along ever faster, up, all smoothly
     const double t = i / 4000.0, down = 0.002 * std::sin(3.14159265 * t) - 0.0002, along = 0.08 * t * t * t;
     run.step(test::frame_of({{{along - 0.04, 0, test::kPadRadius - down}, {0, 0, 1}}}));
     const Vec3 force = test::hand_force(run.output);
     const double friction = std::hypot(force.x, force.y);
     EXPECT_LE(friction, (0.8 + 0.5 * 0.06 + 1e-9) * force.z + 1e-12);
-    most = max(most, norm(force - last));
+    most = largest(most, norm(force - last));
+    pressed = largest(pressed, force.z);
+    dragged = largest(dragged, friction);
     last = force;
   }
   EXPECT_EQ(norm(last), 0);
   EXPECT_LT(most, 0.05);  // [N] in a tick, of up to 1.7
+  EXPECT_GT(pressed, 1);
+  EXPECT_GT(dragged, 0.5 * pressed);
 }
 
 // Two fingertips that loosen their grip slowly let go where mu N falls below the weight they carry.
@@ -233,7 +239,7 @@ TEST(Friction, SlidesOverAThousandCoplanarEdgesWithoutABump) {
       run.step(test::frame_of({{{-0.05 + 1e-4 * i, 0.0007, test::kPadRadius - 0.002}, {0, 0, 1}}}));
       const Vec3 force = test::hand_force(run.output);
       if (i == 100) steady = force;  // by then it slides
-      if (i > 100) worst = max(worst, norm(force - steady));
+      if (i > 100) worst = largest(worst, norm(force - steady));
     }
     EXPECT_LT(worst, 1e-6 * norm(steady)) << twice;
     EXPECT_NEAR(-steady.x, 0.6 * steady.z, 1e-6 * steady.z);

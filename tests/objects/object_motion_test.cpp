@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "largest.h"
 #include "lumbrical/shared_objects.h"
 #include "pads.h"
 #include "random.h"
@@ -10,6 +11,7 @@
 namespace lumbrical {
 namespace {
 
+using test::largest;
 using test::Pad;
 using test::Session;
 
@@ -82,7 +84,7 @@ TEST(ObjectMotion, ASpinningBodyNeverGainsEnergy) {
   double most = at_first;
   for (int i = 0; i < 5000; ++i) {
     run.step(no_hand());
-    most = max(most, energy());
+    most = largest(most, energy());
   }
   EXPECT_LT(most, 1.001 * at_first);
   EXPECT_GT(energy(), 0.5 * at_first);
@@ -95,7 +97,7 @@ TEST(ObjectMotion, WhatTheHandFeelsIsWhatTheObjectsMomentumChangesBy) {
       test::body_of("box", cube(0.05, 4), 0.2, {{0, 0, 0}, {1, 0.1, 0.05, 0.02}}, {0.8, 0.6, 0.1, 1000}));
   Session run(scene);
   test::Random random(3);
-  double worst = 0;
+  double worst = 0, most = 0;
   for (int i = 0; i < 400; ++i) {
     const double push = 0.0008 * std::sin(0.02 * i);
     const DeviceFrame frame =
@@ -106,11 +108,13 @@ TEST(ObjectMotion, WhatTheHandFeelsIsWhatTheObjectsMomentumChangesBy) {
     const ObjectOutput out = run.step(frame);
     const ObjectState& after = run.state.objects[0];
     const Vec3 force = (0.2 / kTick) * (after.velocity - before.velocity);
-    worst = max(worst, norm(force - out.wrench.force));
-    worst = max(worst, norm(test::hand_force(run.output) + out.wrench.force));
+    worst = largest(worst, norm(force - out.wrench.force));
+    worst = largest(worst, norm(test::hand_force(run.output) + out.wrench.force));
+    most = largest(most, norm(force));
     EXPECT_LT(norm(out.pose.position), 0.05);
   }
   EXPECT_LT(worst, 1e-10);
+  EXPECT_GT(most, 1);  // [N]
 }
 
 TEST(ObjectMotion, AKeyOfFiveGramsIsStableUnderAStiffFinger) {
@@ -123,17 +127,21 @@ TEST(ObjectMotion, AKeyOfFiveGramsIsStableUnderAStiffFinger) {
   key.mechanism.rest = 0.002;
   scene.objects.push_back(key);
   Session run(scene);
-  double last = 0, roughest = 0;
+  double last = 0, roughest = 0, most = 0, lowest = 0;
   for (int i = 0; i < 3000; ++i) {  // slowly down to the stop and up again
     const double down = 0.007 * std::sin(3.14159265 * i / 3000);
     run.step(test::frame_of({{{0, 0, 0.0025 + test::kPadRadius - down}, {0, 0, 1}}}));
     const double force = test::hand_force(run.output).z;
-    roughest = max(roughest, std::fabs(force - last));
+    roughest = largest(roughest, std::fabs(force - last));
+    most = largest(most, force);
+    lowest = min(lowest, run.state.objects[0].coordinate);
     last = force;
     EXPECT_GE(force, -1e-9);
     EXPECT_GE(run.state.objects[0].coordinate, -0.004);
   }
   EXPECT_LT(roughest, 0.03);  // [N] from one tick to the next
+  EXPECT_GT(most, 2);         // [N]
+  EXPECT_EQ(lowest, -0.004) << "the key never came to its stop";
 }
 
 TEST(ObjectMotion, AHingeTurnsAboutItsAxisOnlyAndStopsAtItsLimits) {
@@ -197,9 +205,9 @@ TEST(ObjectMotion, ALatchHoldsADoorUntilItsHandleIsTurnedAndCatchesItWhenShut) {
   const auto push = [&](double x, double side) {
     run.step(test::frame_of({{{x - side * (0.01 + test::kPadRadius - 0.002), 0.1, 0}, {-side, 0, 0}}}));
     const double force = norm(test::hand_force(run.output));
-    roughest = max(roughest, std::fabs(force - last));
+    roughest = largest(roughest, std::fabs(force - last));
     last = force;
-    most = max(most, force);
+    most = largest(most, force);
   };
   const auto shove = [&](double from, double to, double side) {
     for (int i = 0; i <= 500; ++i) push(from + (to - from) * i / 500, side);
@@ -328,8 +336,8 @@ TEST(ObjectMotion, TwoHandsPullOnOneObjectAndEveryForceHasItsCounterpart) {
     move_objects(shared, given);
     const Vec3 gained = (0.2 / kTick) * (shared.state.objects[1].velocity - before);
     const Vec3 felt = test::hand_force(right.output) + test::hand_force(left.output);
-    worst = max(worst, norm(gained + felt));
-    farthest = max(farthest, norm(given[0].pose.position));
+    worst = largest(worst, norm(gained + felt));
+    farthest = largest(farthest, norm(given[0].pose.position));
     EXPECT_EQ((right.output.flags | left.output.flags) & kObjectImplausible, 0u);
   }
   EXPECT_LT(worst, 1e-10);

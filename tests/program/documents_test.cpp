@@ -1,8 +1,5 @@
 // README and docs, command by command: every block of commands runs as it is printed, every scene in them
 // runs, and every switch they name is there.
-#include <netinet/in.h>
-#include <sys/socket.h>
-
 #include <algorithm>
 #include <fstream>
 #include <regex>
@@ -10,6 +7,7 @@
 #include <vector>
 
 #include "program.h"
+#include "reserved_port.h"
 
 namespace lumbrical::test {
 namespace {
@@ -53,18 +51,6 @@ std::vector<Block> blocks() {
   return found;
 }
 
-std::string free_port() {
-  const int descriptor = ::socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  EXPECT_EQ(::bind(descriptor, reinterpret_cast<sockaddr*>(&address), size), 0);
-  EXPECT_EQ(::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &size), 0);
-  ::close(descriptor);
-  return std::to_string(ntohs(address.sin_port));
-}
-
 // A source tree with the program where README says it is.
 fs::path tree() {
   const fs::path folder = fresh_folder();
@@ -91,23 +77,29 @@ std::string expected_code(const std::string& line) {
 std::string script_of(const Block& block, const std::string& port) {
   std::string script =
       "trap 'kill $(jobs -p) 2>/dev/null; wait' EXIT\n"
-      "check() { [ $1 = $2 ] || printf 'exit code %s in the place of %s: %s\\n' \"$@\" >>failures; }\n";
+      "check() { [ $1 = $2 ] || printf 'exit code %s in the place of %s: %s\\n' \"$@\" >>failures; }\n"
+      // A busy machine may be so late that forces are let go of in the end, which is what it should do. That
+      // they never reached the device is no excuse: the exit code is the same, what the summary says is not.
+      "let_go_at_last() { [ $1 = 4 ] && grep -q '^trouble  *forces no longer reached the device: ' told; }\n";
   std::istringstream lines(block.text);
   for (std::string line; std::getline(lines, line);) {
     std::string quoted_line;
     for (const char c : line) quoted_line += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    script += std::regex_replace(line, std::regex("1502"), port) + "\n";
-    // A device on a loaded machine may be let go in the end (exit code 4), which is what it should be.
-    const std::string code =
-        line.find("--sink") == line.npos ? "$?" : "$(c=$?; [ $c = 4 ] && echo 0 || echo $c)";
-    script += "check " + code + " " + expected_code(line) + " '" + quoted_line + "'\n";
+    const std::string command = std::regex_replace(line, std::regex("1502"), port);
+    if (line.find("--sink") == line.npos) {
+      script += command + "\ncode=$?\n";
+    } else {
+      script += "{\n" + command + "\n} >told\ncode=$?\ncat told\nlet_go_at_last $code && code=0\n";
+    }
+    script += "check $code " + expected_code(line) + " '" + quoted_line + "'\n";
   }
   return script;
 }
 
 TEST(Documents, EveryCommandRunsAsPrintedInItsOrder) {
   const fs::path folder = tree();
-  const std::string port = free_port();
+  const ReservedPort reserved;
+  const std::string port = std::to_string(reserved.number());
   std::size_t commands = 0;
   for (const Block& block : blocks()) {
     const bool names_program = std::regex_search(block.text, std::regex("(^|\n)lumbrical "));

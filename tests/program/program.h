@@ -20,7 +20,8 @@ struct Outcome {
   [[nodiscard]] nlohmann::json json() const { return nlohmann::json::parse(output); }
 };
 
-/// Runs a shell command line; "lumbrical" at its start, or after a space, is the program under test.
+/// Runs a shell command line; "lumbrical" at its start, or after a space, is the program under test. What it
+/// still has in the background when it ends, however it does, is killed.
 inline Outcome shell(std::string command, const std::filesystem::path& folder) {
   constexpr std::string_view kName = "lumbrical ";
   for (std::size_t at = command.find(kName); at != std::string::npos; at = command.find(kName, at)) {
@@ -30,13 +31,25 @@ inline Outcome shell(std::string command, const std::filesystem::path& folder) {
   }
   const std::string output = (folder / "stdout").string();
   const std::string error = (folder / "stderr").string();
-  const int status = std::system(
-      ("cd '" + folder.string() + "' && { " + command + "; } >stdout 2>stderr </dev/null").c_str());
+  const int status =
+      std::system(("cd '" + folder.string() + "' && { trap 'kill -KILL $(jobs -p) 2>/dev/null; wait' EXIT; " +
+                   command + "; } >stdout 2>stderr </dev/null")
+                      .c_str());
   Outcome outcome;
   if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
   outcome.output = read_file(output);
   outcome.error = read_file(error);
   return outcome;
 }
+
+/// For shell(): waits until the file is there and ticks are in it.
+inline std::string wait_for_ticks(const std::string& recording) {
+  return "for i in $(seq 600); do lumbrical info " + recording +
+         " --json 2>/dev/null | grep -q '\"ticks\": *[1-9]' && break; sleep 0.05; done; ";
+}
+
+/// More than any session in the background needs: it is ended, or killed with its test. (At 100 ticks per
+/// second it would end by itself after four minutes, should the test be killed.)
+inline const std::string kManyTicks = "--ticks 25000 ";
 
 }  // namespace lumbrical::test

@@ -1,7 +1,10 @@
 // Replay: the same bits again from the file alone, and the very field named where something was changed.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "lumbrical/shapes.h"
+#include "recording/replay.h"
 #include "recording/session_message.h"
 #include "touch_session.h"
 
@@ -13,12 +16,7 @@ INSTANTIATE_TEST_SUITE_P(Inputs, Replay, ::testing::Values(InputKind::joint_pose
                          testing::PrintToStringParamName());
 
 TEST_P(Replay, GivesEveryBitAgain) {
-  std::uint64_t reported = 0;
   ReplayOptions options;
-  options.progress = [&](std::uint64_t done, std::uint64_t all) {
-    reported = done;
-    EXPECT_EQ(all, kTicks);
-  };
   for (const Broadphase broadphase : {Broadphase::tree, Broadphase::brute}) {
     for (const std::uint32_t threads : {1u, 3u}) {
       options.execution.broadphase = broadphase;
@@ -33,7 +31,31 @@ TEST_P(Replay, GivesEveryBitAgain) {
           << result.first_divergence->replayed;
     }
   }
-  EXPECT_LE(reported, kTicks);
+}
+
+TEST(ReplayProgress, IsToldAsLongAsTheReplayGoesOn) {
+  const std::string path = temporary_path("long.mcap");
+  constexpr std::uint64_t kAll = 2 * kProgressInterval + kProgressInterval / 2;
+  record_touch(path, InputKind::joint_angles, {}, touch_scene(), kAll);
+  std::vector<std::uint64_t> told;
+  ReplayOptions options;
+  options.progress = [&](std::uint64_t done, std::uint64_t all) {
+    told.push_back(done);
+    EXPECT_EQ(all, kAll);
+  };
+  ReplayResult result;
+  ASSERT_TRUE(replay_file(path, result, options).ok());
+  EXPECT_FALSE(result.first_divergence.has_value());
+  EXPECT_EQ(told, (std::vector<std::uint64_t>{kProgressInterval, 2 * kProgressInterval}));
+
+  told.clear();
+  RecordingReader reader;
+  ASSERT_TRUE(reader.open(path).ok());
+  WhatIfResult changed;
+  ASSERT_TRUE(what_if(reader, options, changed).ok());
+  ASSERT_FALSE(told.empty());
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+  EXPECT_EQ(told.back(), 2 * kProgressInterval);
 }
 
 TEST_P(Replay, NamesTheOneInputFieldThatWasAltered) {

@@ -48,7 +48,7 @@ inline DeviceFrame touch_frame(std::uint64_t tick, InputKind kind, const Hand& h
 }
 
 inline void record_touch(const std::string& path, InputKind kind, const Execution& execution = {},
-                         const Scene& scene = touch_scene()) {
+                         const Scene& scene = touch_scene(), std::uint64_t ticks = kTicks) {
   Model model;
   Status status = build_model(scene, execution, model);
   ASSERT_TRUE(status.ok()) << status.message();
@@ -58,7 +58,7 @@ inline void record_touch(const std::string& path, InputKind kind, const Executio
   State state;
   Scratch scratch = make_scratch(model);
   std::uint64_t contacts = 0;
-  for (std::uint64_t i = 0; i < kTicks; ++i) {
+  for (std::uint64_t i = 0; i < ticks; ++i) {
     TickRecord record;
     record.device = touch_frame(i, kind, scene.hand);
     if (i == 450) record.device.flags = kTrackingLost;

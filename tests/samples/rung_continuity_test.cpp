@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "largest.h"
 #include "pressed_hand.h"
 #include "sampled_hand.h"
 
@@ -44,8 +45,8 @@ Walk walk(const Scene& scene, double precision, const DeviceFrame& start, int st
     const ActuatorFrame felt = hand(frame);
     const Vec3 force = total_force(felt);
     const double allowed = kStiffness * area * step + 1e-5 * force_size(felt);
-    if (i > 0) result.worst = std::max(result.worst, norm(force - before) / allowed);
-    result.size = std::max(result.size, force_size(felt));
+    if (i > 0) result.worst = largest(result.worst, norm(force - before) / allowed);
+    result.size = largest(result.size, force_size(felt));
     before = force;
   }
   return result;
@@ -217,7 +218,7 @@ Work work_round(FeelingHand& hand, const DeviceFrame& start, Vec3 one, Vec3 othe
     const Vec3 force = total_force(felt);
     work.done += dt * (dot(force, velocity) +
                        dot(torque_about(felt, hand.model().hand, frame, frame.base.position), turn));
-    work.largest = std::max(work.largest, norm(force));
+    work.largest = largest(work.largest, norm(force));
     work.length += dt * norm(velocity);
   }
   return work;

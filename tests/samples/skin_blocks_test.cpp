@@ -112,14 +112,16 @@ TEST(SkinBlocks, OfBlocksKeepThePrecisionToo) {
   const Scene scene = finer_scene();
   FeelingHand exact(scene, 0), sampled(scene, kCoarse);
   LevelsOf levels_of(sampled.model());
+  int coarsest = 0;  // frames that are felt by the coarsest level alone
   for (const double depth : {-0.002, 0.001, 0.003}) {
     const DeviceFrame frame = pressed(scene.hand, depth);
     const ActuatorFrame truth = exact(frame), felt = sampled(frame);
     EXPECT_LT(norm(total_force(felt) - total_force(truth)), kCoarse * force_size(truth)) << depth;
-    if (levels_of(frame)[0] == 1) {
-      EXPECT_GT(levels_of.large_blocks(), 100u) << depth;
-    }
+    if (levels_of(frame)[0] != 1) continue;
+    ++coarsest;
+    EXPECT_GT(levels_of.large_blocks(), 100u) << depth;
   }
+  EXPECT_GT(coarsest, 0);
 }
 
 // At which block after block is opened.

@@ -26,11 +26,23 @@ run(${COMPILER} -std=c++20 -fsyntax-only -Wall -Wextra -Wpedantic -Wshadow -Wcon
     ${folder}/headers.cpp)
 run(${folder}/build/embedders)
 run(${folder}/build/embed_c ${SOURCE}/cup.json)
-# The example of a loop, and its device in another process.
-function(run_loop command)
-  run(sh -c "${command} /lumbrical_device 30 & device=$! ; sleep 0.3 ; ${folder}/build/loop ${SOURCE}/demo.json ${SOURCE}/devices/shared_memory.json 6 ; result=$? ; kill $device ; exit $result")
-endfunction()
-run_loop(${folder}/build/shared_device)
+# The example of a loop, and its device in another process, at shared memory that no other build uses. The loop begins when
+# the device has written there what it is known by; the device would also end by itself.
+string(RANDOM LENGTH 12 unique)
+set(region lumbrical_device_${unique})
+file(READ ${SOURCE}/devices/shared_memory.json profile)
+string(REPLACE "\"/lumbrical_device\"" "\"/${region}\"" own_profile "${profile}")
+if(own_profile STREQUAL profile)
+  message(FATAL_ERROR "devices/shared_memory.json does not name /lumbrical_device any more; adapt this test")
+endif()
+file(WRITE ${folder}/shared_memory.json "${own_profile}")
+file(WRITE ${folder}/loop.sh "
+${folder}/build/shared_device /${region} 120 &
+trap 'kill $! 2>/dev/null; wait; rm -f /dev/shm/${region}' EXIT
+for i in $(seq 600); do grep -q LUMDEV01 /dev/shm/${region} 2>/dev/null && break; sleep 0.05; done
+${folder}/build/loop ${SOURCE}/demo.json ${folder}/shared_memory.json 6
+")
+run(sh ${folder}/loop.sh)
 # Without CMake: what pkg-config says, from a place that the installation was moved to.
 file(RENAME ${folder}/prefix ${folder}/moved)
 file(GLOB_RECURSE description ${folder}/moved/lumbrical.pc)

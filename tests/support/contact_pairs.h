@@ -169,6 +169,23 @@ inline std::string describe(const reference::Solid& solid, const reference::Tria
   return text;
 }
 
+/// [m^3] The largest error that a contact of the field law may state for that area of a triangle: `share` of
+/// R^3, and three times what rounding turns the triangle's plane by, at its farthest corner from the
+/// primitive.
+inline double most_stated(double share, double radius, Vec3 from, const std::array<Vec3, 3>& corner,
+                          double area) {
+  double farthest = 0, longest = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    farthest = std::max(farthest, norm(corner[i] - from));
+    longest = std::max(longest, norm(corner[i] - corner[(i + 1) % 3]));
+  }
+  const double narrow = longest * longest / norm(cross(corner[1] - corner[0], corner[2] - corner[0]));
+  return share * radius * radius * radius + 3e-15 * farthest * narrow * area;
+}
+/// The shares of R^3: three times what the engine says of quadrature along a boundary, which is worst, of
+/// sides whose axis lies nearly in the plane, and of discs.
+inline constexpr double kMostStated = 3e-9, kMostOfLying = 6e-10, kMostOfDiscs = 3e-11;
+
 inline std::string describe(const Pair& pair) {
   return describe(to_reference(pair.primitive), to_reference(pair.corners));
 }
