@@ -5,6 +5,7 @@
 
 #include "lumbrical/recording.h"
 #include "read_archive.h"
+#include "recording/mcap_reader.h"
 #include "scenes.h"
 
 namespace lumbrical::test {
@@ -183,8 +184,15 @@ TEST(CommandLine, MissingTicksAreToldWithAnExitCodeOfTheirOwn) {
   EXPECT_EQ(shell("lumbrical verify gap.mcap --json", folder).json()["missing"].dump(), "[[100,149]]");
   EXPECT_EQ(shell("lumbrical replay gap.mcap", folder).exit_code, 2);
 
+  InputFile file;
+  Summary summary;
+  bool present = false;
+  ASSERT_TRUE(file.open((folder / "a.mcap").string()).ok());
+  ASSERT_TRUE(read_summary(file, summary, present).ok());
+  const mcap::ChunkIndex& chunk = summary.chunks.at(summary.chunks.size() / 2);
   std::string bytes = read_file((folder / "a.mcap").string());
-  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);  // in a chunk
+  char& inside = bytes[chunk.offset + chunk.length / 2];
+  inside = static_cast<char>(inside ^ 1);
   std::ofstream(folder / "flipped.mcap", std::ios::binary) << bytes;
   const Outcome recover = shell("lumbrical recover flipped.mcap -o whole.mcap --json", folder);
   EXPECT_EQ(recover.exit_code, 5) << recover.error;
