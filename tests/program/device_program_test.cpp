@@ -32,17 +32,16 @@ void write_inputs(const std::filesystem::path& folder) {
 
 // For shell(): waits until the text stands so often in a file.
 std::string wait_for(const std::string& text, const std::string& file, int times = 1) {
-  return "for i in $(seq 600); do [ \"$(grep -c '" + text + "' " + file + " 2>/dev/null)\" -ge " +
-         std::to_string(times) + " ] 2>/dev/null && break; sleep 0.05; done; ";
+  return test::wait_until("[ \"$(grep -c '" + text + "' " + file + " 2>/dev/null)\" -ge " +
+                          std::to_string(times) + " ] 2>/dev/null");
 }
 
 // For shell(): waits until the device at $port has been told a torque of more than 2 N mm, which it is asked
 // for by reading the registers of all fifteen.
-const std::string kWaitForForces =
-    R"(for i in $(seq 600); do bash -c "exec 3<>/dev/tcp/127.0.0.1/$port && printf )"
+const std::string kWaitForForces = test::wait_until(
+    R"(bash -c "exec 3<>/dev/tcp/127.0.0.1/$port && printf )"
     R"('\0\7\0\0\0\6\1\3\0\2\0\17' >&3 && head -c 39 <&3 | tail -c 30" 2>/dev/null | )"
-    R"(od -An -v -w2 -td2 --endian=big | awk '$1 * $1 > 400 { found = 1 } END { exit !found }' && )"
-    R"(break; sleep 0.05; done; )";
+    R"(od -An -v -w2 -td2 --endian=big | awk '$1 * $1 > 400 { found = 1 } END { exit !found }')");
 
 // Starts sim-device, waits for its address in $port or for its terminal, runs `body`, and ends it by SIGINT;
 // its figures are in sim.json, its end in `wait`. Before, the device goes on for longer than its watchdog

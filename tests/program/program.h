@@ -42,10 +42,13 @@ inline Outcome shell(std::string command, const std::filesystem::path& folder) {
   return outcome;
 }
 
+/// For shell(): waits until a command succeeds, 30 s at most.
+inline std::string wait_until(const std::string& command) {
+  return "for i in $(seq 600); do " + command + " && break; sleep 0.05; done; ";
+}
 /// For shell(): waits until the file is there and ticks are in it.
 inline std::string wait_for_ticks(const std::string& recording) {
-  return "for i in $(seq 600); do lumbrical info " + recording +
-         " --json 2>/dev/null | grep -q '\"ticks\": *[1-9]' && break; sleep 0.05; done; ";
+  return wait_until("lumbrical info " + recording + " --json 2>/dev/null | grep -q '\"ticks\": *[1-9]'");
 }
 
 /// More than any session in the background needs: it is ended, or killed with its test. (At 100 ticks per

@@ -9,6 +9,14 @@ import { capture } from "./headset.mjs";
 
 const examples = dirname(scene);
 const run = (given, name, ...args) => execFileSync(program, ["run", given, "--record", file(name), ...args]);
+/** Where lumbrical diff says that they part. */
+const parting = (...names) => {
+  try {
+    execFileSync(program, ["diff", "--json", ...names.map(file)]);
+  } catch (error) {
+    return JSON.parse(error.stdout).first_divergence;
+  }
+};
 const both = async (...names) => open(await serve("view", ...names.map(file), "--no-browser"));
 
 before(() => {
@@ -18,12 +26,7 @@ before(() => {
 
 test("Two recordings part where lumbrical diff says", async () => {
   await both("first.mcap", "second.mcap");
-  let told;
-  try {
-    execFileSync(program, ["diff", "--json", file("first.mcap"), file("second.mcap")]);
-  } catch (error) {
-    told = JSON.parse(error.stdout).first_divergence;
-  }
+  const told = parting("first.mcap", "second.mcap");
   await atTick(told.tick);
   const text = await details();
   assert.match(text, new RegExp(`They part at tick ${told.tick}, stage "${told.stage.replace("_", " ")}"`));
@@ -74,12 +77,7 @@ test("Of recordings of two hands both hands are compared", async () => {
   await both("both.mcap", "both again.mcap");
   assert.match(await details(), /compared\s+the same to the last bit in all \d+ ticks of the right and the left hand$/im);
   await both("both.mcap", "left otherwise.mcap");
-  let told;
-  try {
-    execFileSync(program, ["diff", "--json", file("both.mcap"), file("left otherwise.mcap")]);
-  } catch (error) {
-    told = JSON.parse(error.stdout).first_divergence;
-  }
+  const told = parting("both.mcap", "left otherwise.mcap");
   assert.equal(told.side, "left");
   assert.match(await details(), new RegExp(`They part at tick ${told.tick} of the left hand, stage "${told.stage}"`));
   await both("first.mcap", "both.mcap");

@@ -38,7 +38,7 @@ std::vector<openvdb::Vec3s> vertices_of(const Triangles& triangles, const VoxelL
   return vertices;
 }
 
-std::vector<openvdb::Vec3I> corners_of(const Triangles& triangles) {
+std::vector<openvdb::Vec3I> corner_numbers(const Triangles& triangles) {
   std::vector<openvdb::Vec3I> corners;
   corners.reserve(triangles.size());
   for (std::size_t i = 0; i < triangles.size(); ++i)
@@ -165,7 +165,7 @@ bool has_openvdb() { return true; }
 Status make_distance_field(const Triangles& triangles, const VoxelLists& lists, DistanceField& field) {
   return guarded([&] {
     const auto vertices = vertices_of(triangles, lists);
-    const auto corners = corners_of(triangles);
+    const auto corners = corner_numbers(triangles);
     openvdb::util::NullInterrupter never;
     const auto grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(
         never, openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I>(vertices, corners),
