@@ -80,7 +80,7 @@ void ProfileReader::word(flatbuffers::Optional<std::uint32_t> value, const std::
                          bool needed, std::uint32_t most) {
   if (needed && !value.has_value()) return read_.error(path, "is missing");
   std::uint32_t number = static_cast<std::uint32_t>(target);
-  read_.count(value, path, 0, most, number);
+  read_.count(value, path, {0, static_cast<double>(most)}, number);
   target = static_cast<Integer>(number);
 }
 
@@ -118,10 +118,10 @@ void ProfileReader::transport(const device_format::Transport* table) {
   if (table->line() != nullptr) target.line = table->line()->str();
   word(table->port(), "transport.port", target.port);
   target.anywhere = name(table->network(), "transport.network", kNetworks) == 1;
-  read_.count(table->baud(), "transport.baud", 300, 10000000, target.baud);
+  read_.count(table->baud(), "transport.baud", {300, 10000000}, target.baud);
   target.parity = static_cast<Parity>(name(table->parity(), "transport.parity", kParities));
   std::uint32_t stop_bits = target.stop_bits;
-  read_.count(table->stop_bits(), "transport.stop_bits", 1, 2, stop_bits);
+  read_.count(table->stop_bits(), "transport.stop_bits", {1, 2}, stop_bits);
   target.stop_bits = static_cast<std::uint8_t>(stop_bits);
   word(table->unit(), "transport.unit", unit_, false, 247);
 }

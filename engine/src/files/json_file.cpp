@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
 #include <cstdio>
 
 #include "base/standard_input.h"
@@ -133,15 +132,6 @@ class Walker {
   std::size_t position_ = 0;
 };
 
-// Shortest text that reads back as the same number; 100000 rather than 1e+05.
-std::string text_of(double number) {
-  std::array<char, 40> text{};
-  char* const end = text.data() + text.size();
-  const bool plain = std::fabs(number) < 1e9 && std::fabs(number) >= 1e-4;
-  const auto format = plain ? std::chars_format::fixed : std::chars_format::general;
-  return {text.data(), std::to_chars(text.data(), end, number, format).ptr};
-}
-
 }  // namespace
 
 TextPlace find_json_value(std::string_view text, std::string_view path) {
@@ -196,23 +186,20 @@ void FieldReader::error(const std::string& path, const std::string& what) {
 void FieldReader::number(flatbuffers::Optional<double> value, const std::string& path, Range range,
                          double& target) {
   if (!value.has_value()) return;
-  if (*value >= range.low && *value <= range.high) {  // false for NaN
+  if (range.holds(*value)) {
     target = *value;
   } else {
-    error(path,
-          "is " + text_of(*value) + " but must lie in " + text_of(range.low) + " .. " + text_of(range.high));
+    error(path, "is " + text_of(*value) + " but must lie in " + text_of(range.low) + " .. " +
+                    text_of(range.high) + range.unit);
   }
 }
 
-void FieldReader::count(flatbuffers::Optional<std::uint32_t> value, const std::string& path,
-                        std::uint32_t low, std::uint32_t high, std::uint32_t& target) {
+void FieldReader::count(flatbuffers::Optional<std::uint32_t> value, const std::string& path, Range range,
+                        std::uint32_t& target) {
   if (!value.has_value()) return;
-  if (*value >= low && *value <= high) {
-    target = *value;
-  } else {
-    error(path, "is " + std::to_string(*value) + " but must lie in " + std::to_string(low) + " .. " +
-                    std::to_string(high));
-  }
+  double number = target;
+  this->number(flatbuffers::Optional<double>(*value), path, range, number);
+  target = static_cast<std::uint32_t>(number);
 }
 
 void FieldReader::numbers(const flatbuffers::Vector<double>* values, const std::string& path, Range range,

@@ -6,7 +6,6 @@
 #include <flatbuffers/flatbuffers.h>
 
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,6 +14,7 @@
 #include "base/text_cursor.h"
 #include "lumbrical/math.h"
 #include "lumbrical/status.h"
+#include "model/ranges.h"
 
 namespace lumbrical {
 
@@ -32,11 +32,6 @@ Status read_json_file(const std::string& path, std::span<const std::uint8_t> sch
 /// that is there. Never fails: text that is not JSON gives some place inside it.
 TextPlace find_json_value(std::string_view text, std::string_view path);
 
-struct Range {
-  double low = std::numeric_limits<double>::lowest();
-  double high = std::numeric_limits<double>::max();
-};
-
 /// Copies fields out of a parsed file, one call per field. Absent fields leave their target alone, and so do
 /// bad ones. The first error is kept, so that a reader can read on and ask once.
 class FieldReader {
@@ -44,8 +39,8 @@ class FieldReader {
   explicit FieldReader(const JsonFile& file) : file_(file) {}
 
   void number(flatbuffers::Optional<double> value, const std::string& path, Range range, double& target);
-  void count(flatbuffers::Optional<std::uint32_t> value, const std::string& path, std::uint32_t low,
-             std::uint32_t high, std::uint32_t& target);
+  void count(flatbuffers::Optional<std::uint32_t> value, const std::string& path, Range range,
+             std::uint32_t& target);
   /// Exactly target.size() numbers within the range.
   void numbers(const flatbuffers::Vector<double>* values, const std::string& path, Range range,
                std::span<double> target);

@@ -41,16 +41,13 @@ void read_law(const flatbuffers::String* word, const std::string& path, FieldRea
             "is not a law; use \"field\", \"column\", \"max-depth\", \"centroid\" or \"point\"", read, law);
 }
 
-// Below, rounding in single precision would show.
-constexpr double kFinestPrecision = 1e-6, kCoarsestPrecision = 0.1;
-
 void read_precision(const flatbuffers::Optional<double>& value, const std::string& path, FieldReader& read,
                     double& precision) {
   if (value && *value == 0) {
     precision = 0;
     return;
   }
-  read.number(value, path, {kFinestPrecision, kCoarsestPrecision}, precision);
+  read.number(value, path, range::precision, precision);
 }
 
 void read_segments(const format::Settings& table, FieldReader& read, Settings& settings) {
@@ -77,31 +74,32 @@ void read_segments(const format::Settings& table, FieldReader& read, Settings& s
 
 void read_pad(const format::Pad* table, FieldReader& read, Pad& pad) {
   if (table == nullptr) return;
-  read.number(table->damping(), "settings.pad.damping", {0, 1000}, pad.damping);
+  read.number(table->damping(), "settings.pad.damping", range::pad_damping, pad.damping);
   if (table->layers() == nullptr) return;
   if (table->layers()->size() > kPadLayers) read.error("settings.pad.layers", "has more than two");
   for (flatbuffers::uoffset_t i = 0; i < table->layers()->size() && i < kPadLayers; ++i) {
     const format::PadLayer& layer = *table->layers()->Get(i);
     const std::string path = "settings.pad.layers[" + std::to_string(i) + "]";
-    read.number(layer.from(), path + ".from", {0.01, 0.99}, pad.layer[i].from);
-    read.number(layer.stiffness(), path + ".stiffness", {-1000, 1000}, pad.layer[i].stiffness);
+    read.number(layer.from(), path + ".from", range::layer_from, pad.layer[i].from);
+    read.number(layer.stiffness(), path + ".stiffness", range::layer_stiffness, pad.layer[i].stiffness);
     if (!layer.from() || !layer.stiffness()) read.error(path, "needs \"from\" and \"stiffness\"");
   }
 }
 
 void read_settings(const format::Settings* table, FieldReader& read, Settings& settings) {
   if (table == nullptr) return;
-  read.number(table->rate(), "settings.rate", {1, 100000}, settings.rate);
-  read.number(table->stiffness(), "settings.stiffness", {1e-3, 1e15}, settings.stiffness);
-  read.number(table->point_area(), "settings.point_area", {1e-12, 1}, settings.point_area);
-  read.number(table->max_force(), "settings.max_force", {0, 1e6}, settings.max_force);
-  read.number(table->fade_time(), "settings.fade_time", {0, 60}, settings.fade_time);
+  read.number(table->rate(), "settings.rate", range::rate, settings.rate);
+  read.number(table->stiffness(), "settings.stiffness", range::stiffness, settings.stiffness);
+  read.number(table->point_area(), "settings.point_area", range::point_area, settings.point_area);
+  read.number(table->max_force(), "settings.max_force", range::max_force, settings.max_force);
+  read.number(table->fade_time(), "settings.fade_time", range::fade_time, settings.fade_time);
   read.number(table->proxy_stiffness(), "settings.proxy_stiffness", {0, 1e5}, settings.proxy_stiffness);
   read_word(table->felt_once(), "settings.felt_once", parse_felt_once,
             "has to be \"never\", \"by-samples\" or \"always\"", read, settings.felt_once);
   read_pad(table->pad(), read, settings.pad);
-  read.count(table->effort(), "settings.effort", 0, 1000000000, settings.effort);
-  read.count(table->max_candidates(), "settings.max_candidates", 1, 1u << 24, settings.max_candidates);
+  read.count(table->effort(), "settings.effort", range::effort, settings.effort);
+  read.count(table->max_candidates(), "settings.max_candidates", range::max_candidates,
+             settings.max_candidates);
   read_law(table->law(), "settings.law", read, settings.law[0]);
   settings.law.fill(settings.law[0]);
   read_precision(table->precision(), "settings.precision", read, settings.precision[0]);
@@ -111,10 +109,10 @@ void read_settings(const format::Settings* table, FieldReader& read, Settings& s
 
 void read_execution(const format::Execution* table, FieldReader& read, Execution& execution) {
   if (table == nullptr) return;
-  read.count(table->tree_levels(), "execution.tree_levels", 0, 32, execution.tree_levels);
-  read.count(table->leaf_size(), "execution.leaf_size", 1, 64, execution.leaf_size);
-  read.number(table->cell_size(), "execution.cell_size", {1e-3, 1e6}, execution.cell_size);
-  read.count(table->threads(), "execution.threads", 1, 64, execution.threads);
+  read.count(table->tree_levels(), "execution.tree_levels", range::tree_levels, execution.tree_levels);
+  read.count(table->leaf_size(), "execution.leaf_size", range::leaf_size, execution.leaf_size);
+  read.number(table->cell_size(), "execution.cell_size", range::cell_size, execution.cell_size);
+  read.count(table->threads(), "execution.threads", range::threads, execution.threads);
   read_word(table->broadphase(), "execution.broadphase", parse_broadphase,
             "is no search this version has; use \"auto\", \"tree\", \"grid\", \"voxel\" or \"brute\"", read,
             execution.broadphase);

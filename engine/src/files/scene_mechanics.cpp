@@ -5,8 +5,6 @@ namespace {
 
 namespace format = scene_format;
 
-constexpr Range kPlace{-1e8, 1e8}, kForce{0, 1e6};
-
 void read_direction(const flatbuffers::Vector<double>* values, const std::string& path, FieldReader& read,
                     Vec3& direction) {
   read.vector(values, path, {-1e3, 1e3}, direction);
@@ -20,25 +18,26 @@ void read_direction(const flatbuffers::Vector<double>* values, const std::string
 
 void read_material(const format::Object& table, const std::string& at, FieldReader& read,
                    Material& material) {
-  read.number(table.friction(), at + ".friction", {0, 10}, material.static_friction);
+  read.number(table.friction(), at + ".friction", range::friction, material.static_friction);
   material.kinetic_friction = material.static_friction;
   read.number(table.kinetic_friction(), at + ".kinetic_friction", {0, material.static_friction},
               material.kinetic_friction);
-  read.number(table.viscosity(), at + ".viscosity", {0, 100}, material.viscosity);
-  read.number(table.shear_stiffness(), at + ".shear_stiffness", {1, 1e6}, material.shear_stiffness);
+  read.number(table.viscosity(), at + ".viscosity", range::viscosity, material.viscosity);
+  read.number(table.shear_stiffness(), at + ".shear_stiffness", range::shear_stiffness,
+              material.shear_stiffness);
 }
 
 void read_joint(const format::Joint* table, const std::string& at, FieldReader& read, Mechanism& mechanism) {
   if (table == nullptr) return;
-  read.vector(table->pivot(), at + ".pivot", kPlace, mechanism.pivot);
+  read.vector(table->pivot(), at + ".pivot", range::place, mechanism.pivot);
   read_direction(table->axis(), at + ".axis", read, mechanism.axis);
-  read.number(table->lower(), at + ".lower", {-1e3, 0}, mechanism.lower);
-  read.number(table->upper(), at + ".upper", {0, 1e3}, mechanism.upper);
-  read.number(table->spring(), at + ".spring", {0, 1e9}, mechanism.spring);
-  read.number(table->rest(), at + ".rest", {-1e3, 1e3}, mechanism.rest);
-  read.number(table->dry_friction(), at + ".dry_friction", kForce, mechanism.dry_friction);
-  read.number(table->detent_force(), at + ".detent_force", kForce, mechanism.detent_force);
-  read.number(table->detent_pitch(), at + ".detent_pitch", {1e-6, 1e3}, mechanism.detent_pitch);
+  read.number(table->lower(), at + ".lower", range::joint_lower, mechanism.lower);
+  read.number(table->upper(), at + ".upper", range::joint_upper, mechanism.upper);
+  read.number(table->spring(), at + ".spring", range::joint_spring, mechanism.spring);
+  read.number(table->rest(), at + ".rest", range::joint_rest, mechanism.rest);
+  read.number(table->dry_friction(), at + ".dry_friction", range::joint_force, mechanism.dry_friction);
+  read.number(table->detent_force(), at + ".detent_force", range::joint_force, mechanism.detent_force);
+  read.number(table->detent_pitch(), at + ".detent_pitch", range::detent_pitch, mechanism.detent_pitch);
 }
 
 void read_path(const flatbuffers::Vector<flatbuffers::Offset<format::PathPoint>>& points,
@@ -62,7 +61,7 @@ void read_body(const format::Object& table, const std::string& at, FieldReader& 
     return read.error(at, "moves, so give its mass [kg] or the density [kg/m^3] of its solid: one of them");
   double density = 1000, mass = 0;
   read.number(table.density(), at + ".density", {1e-3, 1e5}, density);
-  read.number(table.mass(), at + ".mass", {1e-6, 1e6}, mass);
+  read.number(table.mass(), at + ".mass", range::mass, mass);
   const bool told = table.mass().has_value() && table.centre() != nullptr && table.inertia() != nullptr;
   if (!told) {
     Mesh solid = object.mesh;
@@ -75,7 +74,7 @@ void read_body(const format::Object& table, const std::string& at, FieldReader& 
   } else if (table.mass().has_value() && mass > 0) {
     scale_to_mass(mass, body);
   }
-  read.vector(table.centre(), at + ".centre", kPlace, body.centre);
+  read.vector(table.centre(), at + ".centre", range::place, body.centre);
   read.numbers(table.inertia(), at + ".inertia", {-1e9, 1e9}, body.inertia);
 }
 
@@ -109,7 +108,7 @@ void read_mechanics(const format::Object& table, const std::string& at, FieldRea
     return read.error(at + ".path", R"(needs "moves": "given")");
   if (mechanism.mobility == Mobility::given) return read_given(table, at, read, object, path);
   if (mechanism.mobility < Mobility::free) return;
-  read.number(table.damping(), at + ".damping", kForce, mechanism.damping);
+  read.number(table.damping(), at + ".damping", range::damping, mechanism.damping);
   mechanism.pivot = object.pose.position;
   read_joint(table.joint(), at + ".joint", read, mechanism);
   if (read.ok()) read_body(table, at, read, object, mechanism.body);
@@ -124,7 +123,7 @@ void read_latches(const format::Scene& table, FieldReader& read, std::vector<Sce
     if (!latch->opens().has_value())
       read.error(at, "does not say where it opens; give the handle's coordinate");
     Latch& own = objects[i].mechanism.latch;
-    read.number(latch->opens(), at + ".opens", {1e-9, 1e3}, own.opens);
+    read.number(latch->opens(), at + ".opens", range::latch_opens, own.opens);
     for (std::uint32_t k = 0; k < objects.size() && latch->object() != nullptr; ++k)
       if (objects[k].name == latch->object()->string_view()) own.object = k;
     if (own.object == Latch::kNone) read.error(at + ".object", "names no object of the scene");
@@ -139,7 +138,7 @@ void read_physics(const format::Scene& table, FieldReader& read, std::optional<P
     read.error("physics.engine", "must be \"bullet\"");
   else
     physics->engine = own.engine()->str();
-  read.number(own.friction(), "physics.friction", {0, 10}, physics->friction);
+  read.number(own.friction(), "physics.friction", range::friction, physics->friction);
 }
 
 void read_surroundings(const format::Scene& table, FieldReader& read, Scene& scene) {
@@ -147,8 +146,8 @@ void read_surroundings(const format::Scene& table, FieldReader& read, Scene& sce
   if (table.ground() == nullptr) return;
   Ground& ground = scene.ground.emplace();
   read_direction(table.ground()->normal(), "ground.normal", read, ground.normal);
-  read.number(table.ground()->height(), "ground.height", kPlace, ground.offset);
-  read.number(table.ground()->friction(), "ground.friction", {0, 10}, ground.friction);
+  read.number(table.ground()->height(), "ground.height", range::place, ground.offset);
+  read.number(table.ground()->friction(), "ground.friction", range::friction, ground.friction);
 }
 
 }  // namespace lumbrical

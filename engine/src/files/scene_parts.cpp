@@ -23,7 +23,7 @@ Mesh read_mug(const format::Mug& table, const std::string& at, FieldReader& read
   read.number(table.wall(), at + ".wall", kLength, shape.wall);
   read.number(table.handle_radius(), at + ".handle_radius", kLength, shape.handle_radius);
   read.number(table.handle_reach(), at + ".handle_reach", kLength, shape.handle_reach);
-  read.count(table.segments(), at + ".segments", 8, 1024, shape.segments);
+  read.count(table.segments(), at + ".segments", {8, 1024}, shape.segments);
   if (shape.wall > 0.5 * min(shape.radius, shape.height)) read.error(at, "has a wall too thick for its size");
   if (shape.handle_radius > 0.125 * shape.height || shape.handle_radius > 0.5 * shape.handle_reach) {
     read.error(at, "has a handle too thick for its height or reach");
@@ -45,7 +45,7 @@ Mesh read_plane(const format::Plane& table, const std::string& at, FieldReader& 
   std::uint32_t cells = 32;
   read.number(table.extent(), at + ".extent", kLength, extent);
   read.number(table.irregularity(), at + ".irregularity", {0, 1}, irregularity);
-  read.count(table.cells(), at + ".cells", 1, 2000, cells);
+  read.count(table.cells(), at + ".cells", {1, 2000}, cells);
   return make_plane(extent, cells, irregularity);
 }
 
@@ -53,7 +53,7 @@ Mesh read_box(const format::Box& table, const std::string& at, FieldReader& read
   Vec3 size{0.1, 0.1, 0.1};
   std::uint32_t cells = 8;
   read.vector(table.size(), at + ".size", kLength, size);
-  read.count(table.cells(), at + ".cells", 1, 1000, cells);
+  read.count(table.cells(), at + ".cells", {1, 1000}, cells);
   return make_box(size, cells);
 }
 
@@ -61,7 +61,7 @@ Mesh read_sphere(const format::Sphere& table, const std::string& at, FieldReader
   double radius = 0.04;
   std::uint32_t cells = 24;
   read.number(table.radius(), at + ".radius", kLength, radius);
-  read.count(table.cells(), at + ".cells", 1, 1000, cells);
+  read.count(table.cells(), at + ".cells", {1, 1000}, cells);
   return make_sphere(radius, cells);
 }
 
@@ -73,7 +73,7 @@ Mesh read_height_field(const format::HeightField& table, const std::string& at, 
   read.number(table.extent(), at + ".extent", kLength, extent);
   read.number(table.amplitude(), at + ".amplitude", {0, 1e3}, amplitude);
   read.number(table.wavelength(), at + ".wavelength", kLength, wavelength);
-  read.count(table.cells(), at + ".cells", 1, 2000, cells);
+  read.count(table.cells(), at + ".cells", {1, 2000}, cells);
   return make_height_field(extent, cells, amplitude, wavelength);
 }
 

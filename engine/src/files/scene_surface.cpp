@@ -15,7 +15,7 @@ Status read_texture(const format::Texture* table, const std::string& at, Range r
     read.error(at, "needs an image (PGM), its period [m] and what white stands for");
     return read.status();
   }
-  read.number(table->period(), at + ".period", {1e-6, 10}, texture.period);
+  read.number(table->period(), at + ".period", range::texture_period, texture.period);
   read.number(table->black(), at + ".black", range, texture.black);
   read.number(table->white(), at + ".white", range, texture.white);
   if (!read.ok()) return read.status();
@@ -48,12 +48,12 @@ Status read_surface(const format::Object& object_table, const std::string& objec
   if (table == nullptr || !read.ok()) return read.status();
   const std::string at = object_at + ".surface";
   Surface& surface = object.surface;
-  read.number(table->crease_angle(), at + ".crease_angle", {0, 3.141592653589793}, surface.crease_angle);
+  read.number(table->crease_angle(), at + ".crease_angle", range::crease_angle, surface.crease_angle);
   if (Status status = read_factors(*table, at, read, files, object); !status.ok()) return status;
-  if (Status status = read_texture(table->grip(), at + ".grip", {0, 10}, read, files, surface.grip);
+  if (Status status = read_texture(table->grip(), at + ".grip", range::grip, read, files, surface.grip);
       !status.ok())
     return status;
-  if (Status status = read_texture(table->bumps(), at + ".bumps", {-1, 1}, read, files, surface.bumps);
+  if (Status status = read_texture(table->bumps(), at + ".bumps", range::bump, read, files, surface.bumps);
       !status.ok())
     return status;
   if (!rubs(object.material) && (table->friction_file() != nullptr || table->grip() != nullptr))

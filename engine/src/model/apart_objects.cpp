@@ -9,25 +9,29 @@
 namespace lumbrical {
 namespace {
 
-bool is_unit(Vec3 v) { return within(norm(v), 1 - 1e-9, 1 + 1e-9); }
+constexpr Range kUnitLength{1 - 1e-9, 1 + 1e-9};
+bool is_unit(Vec3 v) { return kUnitLength.holds(norm(v)); }
 bool is_place(Vec3 p) { return norm(p) <= kWorldReach; }
 
 /// One field after the other; keeps the first that is out of range.
 struct FieldCheck {
   const std::string& object;
   Status status{};
-  void require(bool good, const char* field, const char* range) {
+  void require(bool good, const std::string& field, const std::string& range) {
     if (status.ok() && !good)
       status = Status::error("object \"" + object + "\": " + field + " is out of range: give " + range);
+  }
+  void number(double value, const std::string& field, const Range& range) {
+    if (!range.holds(value)) require(false, field, text_of(range));
   }
 };
 
 void check_material(const Material& material, FieldCheck& check) {
-  check.require(within(material.static_friction, 0, 10), "static_friction", "0 to 10");
-  check.require(within(material.kinetic_friction, 0, material.static_friction), "kinetic_friction",
-                "0 to static_friction");
-  check.require(within(material.viscosity, 0, 100), "viscosity", "0 to 100 s/m");
-  check.require(within(material.shear_stiffness, 1, 1e6), "shear_stiffness", "1 to 1e6 N/m");
+  check.number(material.static_friction, "static_friction", range::friction);
+  check.require(material.kinetic_friction >= 0 && material.kinetic_friction <= material.static_friction,
+                "kinetic_friction", "0 to static_friction");
+  check.number(material.viscosity, "viscosity", range::viscosity);
+  check.number(material.shear_stiffness, "shear_stiffness", range::shear_stiffness);
 }
 
 // Positive about every axis, and no axis above the sum of the others: else nothing has this inertia.
@@ -41,7 +45,7 @@ bool is_inertia(const std::array<double, 6>& inertia) {
 }
 
 void check_body(const MassProperties& body, FieldCheck& check) {
-  check.require(within(body.mass, 1e-6, 1e6), "mass", "0.000001 to 1e6 kg");
+  check.number(body.mass, "mass", range::mass);
   check.require(is_place(body.centre), "centre", "a place within 1e8 m");
   check.require(is_inertia(body.inertia), "inertia",
                 "that of a body: positive, no moment above the sum of the others");
@@ -51,38 +55,35 @@ void check_joint(const Mechanism& mechanism, FieldCheck& check) {
   check.require(is_place(mechanism.pivot), "pivot", "a place within 1e8 m");
   if (mechanism.mobility == Mobility::ball) return;
   check.require(is_unit(mechanism.axis), "axis", "a direction of length 1");
-  check.require(within(mechanism.lower, -1e3, 0) && within(mechanism.upper, 0, 1e3), "lower or upper",
-                "-1000 to 0 and 0 to 1000: the object starts at 0");
-  check.require(within(mechanism.spring, 0, 1e9), "spring", "0 to 1e9 N/m or N m/rad");
-  check.require(within(mechanism.rest, -1e3, 1e3), "rest", "-1000 to 1000 m or rad");
-  check.require(within(mechanism.dry_friction, 0, 1e6), "dry_friction", "0 to 1e6 N or N m");
-  check.require(within(mechanism.detent_force, 0, 1e6), "detent_force", "0 to 1e6 N or N m");
-  check.require(within(mechanism.detent_pitch, 1e-6, 1e3), "detent_pitch", "0.000001 to 1000 m or rad");
+  check.number(mechanism.lower, "lower", range::joint_lower);
+  check.number(mechanism.upper, "upper", range::joint_upper);
+  check.number(mechanism.spring, "spring", range::joint_spring);
+  check.number(mechanism.rest, "rest", range::joint_rest);
+  check.number(mechanism.dry_friction, "dry_friction", range::joint_force);
+  check.number(mechanism.detent_force, "detent_force", range::joint_force);
+  check.number(mechanism.detent_pitch, "detent_pitch", range::detent_pitch);
 }
 
-void check_texture(const Texture& texture, const char* name, double least, double most, FieldCheck& check) {
+void check_texture(const Texture& texture, const std::string& field, const Range& range, FieldCheck& check) {
   if (is_plain(texture)) return;
-  const std::string field = name;
   const GreyImage& image = texture.image;
   const std::uint64_t texels = std::uint64_t{image.width} * image.height;
-  check.require(texels == image.grey.size() && texels <= kMostTexels, (field + ".image").c_str(),
+  check.require(texels == image.grey.size() && texels <= kMostTexels, field + ".image",
                 "width times height texels, at most 4194304");
-  check.require(within(texture.period, 1e-6, 10), (field + ".period").c_str(), "0.000001 to 10 m");
-  check.require(within(texture.black, least, most) && within(texture.white, least, most),
-                (field + ".black or white").c_str(),
-                least < 0 ? "heights of -1 to 1 m" : "factors of 0 to 10");
+  check.number(texture.period, field + ".period", range::texture_period);
+  check.number(texture.black, field + ".black", range);
+  check.number(texture.white, field + ".white", range);
 }
 
 void check_surface(const SceneObject& object, FieldCheck& check) {
   const Surface& surface = object.surface;
-  check.require(within(surface.crease_angle, 0, 3.1415926535897936), "crease_angle", "0 to pi");
+  check.number(surface.crease_angle, "crease_angle", range::crease_angle);
   const std::vector<double>& factor = surface.friction_factor;
   check.require(factor.empty() || factor.size() == object.mesh.triangles.size(), "friction_factor",
                 "one number for each triangle of the mesh");
-  const bool in_range = std::all_of(factor.begin(), factor.end(), [](double f) { return within(f, 0, 10); });
-  check.require(in_range, "friction_factor", "0 to 10");
-  check_texture(surface.grip, "grip", 0, 10, check);
-  check_texture(surface.bumps, "bumps", -1, 1, check);
+  for (const double one : factor) check.number(one, "friction_factor", range::grip);
+  check_texture(surface.grip, "grip", range::grip, check);
+  check_texture(surface.bumps, "bumps", range::bump, check);
   check.require(rubs(object.material) || (factor.empty() && is_plain(surface.grip)), "static_friction",
                 "what friction_factor and grip are factors of");
 }
@@ -92,7 +93,7 @@ void check_surface(const SceneObject& object, FieldCheck& check) {
 Status check_apart(const SceneObject& object) {
   FieldCheck check{object.name};
   const double square = dot(object.pose.orientation, object.pose.orientation);
-  check.require(is_place(object.pose.position) && within(square, 0.25, 4), "pose",
+  check.require(is_place(object.pose.position) && square >= 0.25 && square <= 4, "pose",
                 "a place within 1e8 m and a quaternion of length 1");
   check.require(!object.mesh.triangles.empty(), "mesh", "one with triangles");
   check_material(object.material, check);
@@ -104,7 +105,7 @@ Status check_apart(const SceneObject& object) {
     check_body(mechanism.body, check);
   if (moves_by_itself(mechanism)) {
     check_body(mechanism.body, check);
-    check.require(within(mechanism.damping, 0, 1e6), "damping", "0 to 1e6 N s/m or N m s/rad");
+    check.number(mechanism.damping, "damping", range::damping);
   }
   if (mechanism.mobility >= Mobility::hinge) check_joint(mechanism, check);
   return check.status;
@@ -114,7 +115,7 @@ Status check_surroundings(const Scene& scene) {
   if (!(norm(scene.gravity) <= 1e3)) return Status::error("gravity is out of range: give at most 1000 m/s^2");
   if (!scene.ground) return {};
   if (!is_unit(scene.ground->normal)) return Status::error("ground.normal must have length 1");
-  if (!within(scene.ground->offset, -kWorldReach, kWorldReach) || !within(scene.ground->friction, 0, 10))
+  if (!range::place.holds(scene.ground->offset) || !range::friction.holds(scene.ground->friction))
     return Status::error(
         "ground.offset or ground.friction is out of range: give a place within 1e8 m, 0 to 10");
   return {};
@@ -140,8 +141,9 @@ Status find_latches(std::vector<ApartObject>& objects) {
     if (opener == objects.end() || opener->place == object.place || !has_coordinate(object.mechanism))
       return Status::error("object \"" + object.name +
                            "\": latch must be of a hinge or slider, and opened by another one");
-    if (!within(latch.opens, 1e-9, 1e3))
-      return Status::error("object \"" + object.name + "\": latch.opens is out of range: give up to 1000");
+    if (!range::latch_opens.holds(latch.opens))
+      return Status::error("object \"" + object.name + "\": latch.opens is out of range: give " +
+                           text_of(range::latch_opens));
     object.latch = static_cast<std::size_t>(opener - objects.begin());
   }
   return {};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,36 @@ namespace {
 
 Status out_of_range(const std::string& field, const std::string& range) {
   return Status::error(field + " is out of range: give " + range);
+}
+
+struct Number {
+  double value;
+  const char* field;
+  const Range& range;
+};
+Status check_number(double value, const std::string& field, const Range& range) {
+  return range.holds(value) ? Status() : out_of_range(field, text_of(range));
+}
+Status check_numbers(std::span<const Number> numbers) {
+  for (const Number& number : numbers)
+    if (Status status = check_number(number.value, number.field, number.range); !status.ok()) return status;
+  return {};
+}
+
+Status check_words(const Settings& settings) {
+  if (felt_once_name(settings.felt_once) == "unknown")
+    return out_of_range("settings.felt_once", "never, by-samples or always");
+  for (const Law law : settings.law) {
+    if (law_name(law) == "unknown") return out_of_range("settings.law", "one of the five laws");
+    if (settings.felt_once == FeltOnce::always && law != Law::field)
+      return Status::error("settings.felt_once: \"always\" needs law \"field\" on every segment");
+  }
+  for (const double precision : settings.precision) {
+    if (settings.felt_once == FeltOnce::always && (precision > 0) != (settings.precision[0] > 0))
+      return Status::error(
+          "settings.felt_once: \"always\" needs every segment by samples, or every one exact (precision 0)");
+  }
+  return {};
 }
 
 constexpr std::size_t kNumberPiece = 65536;  // numbers, the least that is worth another thread
@@ -36,66 +67,52 @@ Status check_pad(const Pad& pad) {
     const PadLayer& layer = pad.layer[i];
     const std::string name = "settings.pad.layers[" + std::to_string(i) + "]";
     if (layer.stiffness == 0) continue;
-    if (!within(layer.from, 0.01, 0.99) || layer.from <= above)
-      return out_of_range(name + ".from", "0.01 to 0.99, the shallower layer first");
+    if (!range::layer_from.holds(layer.from) || layer.from <= above)
+      return out_of_range(name + ".from", text_of(range::layer_from) + ", the shallower layer first");
     above = layer.from;
     slope += layer.stiffness;
-    if (!within(layer.stiffness, -1000, 1000)) return out_of_range(name + ".stiffness", "-1000 to 1000");
+    if (Status status = check_number(layer.stiffness, name + ".stiffness", range::layer_stiffness);
+        !status.ok())
+      return status;
     if (slope < 0)
       return Status::error(name +
                            ".stiffness: a pad that is pressed deeper must not push less; it and those "
                            "before it must come to -1 at least");
   }
-  if (!within(pad.damping, 0, 1000)) return out_of_range("settings.pad.damping", "0 to 1000 s/m");
-  return {};
+  return check_number(pad.damping, "settings.pad.damping", range::pad_damping);
 }
 
 Status check_settings(const Settings& settings) {
-  if (!within(settings.stiffness, 1e-3, 1e15))
-    return out_of_range("settings.stiffness", "0.001 to 1e15 N/m^3");
-  if (!within(settings.rate, 1, 100000)) return out_of_range("settings.rate", "1 to 100000 Hz");
-  if (!within(settings.point_area, 1e-12, 1)) return out_of_range("settings.point_area", "1e-12 to 1 m^2");
+  const Number numbers[] = {
+      {settings.stiffness, "settings.stiffness", range::stiffness},
+      {settings.rate, "settings.rate", range::rate},
+      {settings.point_area, "settings.point_area", range::point_area},
+      {settings.max_force, "settings.max_force", range::max_force},
+      {settings.fade_time, "settings.fade_time", range::fade_time},
+      {double(settings.effort), "settings.effort", range::effort},
+      {double(settings.max_candidates), "settings.max_candidates", range::max_candidates}};
+  if (Status status = check_numbers(numbers); !status.ok()) return status;
   for (const double precision : settings.precision) {
-    if (precision != 0 && !within(precision, 1e-6, 0.1))
-      return out_of_range("settings.precision", "0 (exact) or 1e-6 to 0.1");
+    if (precision != 0 && !range::precision.holds(precision))
+      return out_of_range("settings.precision", "0 (exact) or " + text_of(range::precision));
   }
-  if (!within(settings.max_force, 0, 1e6)) return out_of_range("settings.max_force", "0 to 1e6 N");
-  if (!within(settings.fade_time, 0, 60)) return out_of_range("settings.fade_time", "0 to 60 s");
-  if (settings.proxy_stiffness != 0 && !within(settings.proxy_stiffness, 10, 1e5))
-    return out_of_range("settings.proxy_stiffness", "0 or 10 to 1e5 N/m");
+  if (settings.proxy_stiffness != 0 && !range::proxy_stiffness.holds(settings.proxy_stiffness))
+    return out_of_range("settings.proxy_stiffness", "0 or " + text_of(range::proxy_stiffness));
   if (Status status = check_pad(settings.pad); !status.ok()) return status;
-  if (settings.effort > 1000000000) return out_of_range("settings.effort", "0 to 1000000000");
-  if (settings.max_candidates < 1 || settings.max_candidates > (1u << 24)) {
-    return out_of_range("settings.max_candidates", "1 to 16777216");
-  }
-  if (felt_once_name(settings.felt_once) == "unknown")
-    return out_of_range("settings.felt_once", "never, by-samples or always");
-  for (const Law law : settings.law) {
-    if (law_name(law) == "unknown") return out_of_range("settings.law", "one of the five laws");
-    if (settings.felt_once == FeltOnce::always && law != Law::field)
-      return Status::error("settings.felt_once: \"always\" needs law \"field\" on every segment");
-  }
-  for (const double precision : settings.precision) {
-    if (settings.felt_once == FeltOnce::always && (precision > 0) != (settings.precision[0] > 0))
-      return Status::error(
-          "settings.felt_once: \"always\" needs every segment by samples, or every one exact (precision 0)");
-  }
-  return {};
+  return check_words(settings);
 }
 
 Status check_execution(const Execution& execution) {
-  if (execution.leaf_size < 1 || execution.leaf_size > 64)
-    return out_of_range("execution.leaf_size", "1 to 64");
-  if (execution.threads < 1 || execution.threads > 64) return out_of_range("execution.threads", "1 to 64");
-  if (!within(execution.cell_size, 1e-3, 1e6)) return out_of_range("execution.cell_size", "0.001 to 1e6 m");
-  if (execution.tree_levels > 32) return out_of_range("execution.tree_levels", "0 to 32");
-  if (broadphase_name(execution.broadphase) == "unknown") {
+  const Number numbers[] = {{double(execution.leaf_size), "execution.leaf_size", range::leaf_size},
+                            {double(execution.threads), "execution.threads", range::threads},
+                            {execution.cell_size, "execution.cell_size", range::cell_size},
+                            {double(execution.tree_levels), "execution.tree_levels", range::tree_levels},
+                            {execution.voxel_memory, "execution.voxel_memory", range::voxel_memory}};
+  if (Status status = check_numbers(numbers); !status.ok()) return status;
+  if (execution.voxel_size != 0 && !range::voxel_size.holds(execution.voxel_size))
+    return out_of_range("execution.voxel_size", "0 or " + text_of(range::voxel_size));
+  if (broadphase_name(execution.broadphase) == "unknown")
     return out_of_range("execution.broadphase", "auto, tree, grid, voxel or brute");
-  }
-  if (execution.voxel_size != 0 && !within(execution.voxel_size, 1e-9, 1e6))
-    return out_of_range("execution.voxel_size", "0 or 1e-9 to 1e6 m");
-  if (!within(execution.voxel_memory, 1e6, 1e12))
-    return out_of_range("execution.voxel_memory", "1e6 to 1e12 bytes");
   if (!available(execution.isa)) {
     return Status::error("execution.isa " + std::string(isa_name(execution.isa)) +
                          " is not available on this machine or in this build; use auto");

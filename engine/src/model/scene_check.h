@@ -5,18 +5,13 @@
 #include <string>
 
 #include "lumbrical/model.h"
+#include "model/ranges.h"
 
 namespace lumbrical {
 
 /// A scene has fewer triangles than this and at most as many vertices as the other; pairs that are in doubt
 /// take one bit more (near_pairs.h).
 inline constexpr std::size_t kTriangleLimit = std::size_t{1} << 31, kVertexLimit = 0xfffffffe;
-
-// Larger coordinates square to infinity or leave no digits for a finger.
-inline constexpr double kWorldReach = 1e8;  ///< [m]
-
-/// NaN fails every comparison, so it is refused as well.
-constexpr bool within(double value, double lower, double upper) { return value >= lower && value <= upper; }
 
 Status check_settings(const Settings& settings);
 Status check_execution(const Execution& execution);
