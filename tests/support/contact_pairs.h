@@ -54,7 +54,7 @@ reference::Contact<T> ask_reference(const Pair& pair) {
   return reference::contact<T>(to_reference(pair.primitive), to_reference(pair.corners));
 }
 
-/// LUMBRICAL_REFERENCE_PAIRS asks for few pairs, as it does in sanitized builds, which are slow.
+/// Whether LUMBRICAL_REFERENCE_PAIRS asks for few pairs.
 inline bool in_a_hurry() {
   const char* pairs = std::getenv("LUMBRICAL_REFERENCE_PAIRS");
   return pairs != nullptr && std::atoi(pairs) < 100;
