@@ -15,6 +15,7 @@
 #include "index/voxel_cache.h"
 #include "index/voxel_index.h"
 #include "random.h"
+#include "reference/triangle_distance.h"
 #include "session.h"
 
 namespace lumbrical::test {
@@ -174,6 +175,11 @@ TEST(Voxel, EveryVoxelListsEveryTriangleThatTouchesItAndNoOther) {
 
 // ---- Distance ----
 
+double distance_by_definition(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
+  const auto wide = [](Vec3 v) { return reference::Vector<long double>{v.x, v.y, v.z}; };
+  return static_cast<double>(reference::distance_to_triangle(wide(p), wide(a), wide(b), wide(c)));
+}
+
 TEST(Voxel, NearestPointOfATriangleIsTheNearestOfManyOnIt) {
   Random random(4);
   for (int i = 0; i < 200; ++i) {
@@ -181,6 +187,7 @@ TEST(Voxel, NearestPointOfATriangleIsTheNearestOfManyOnIt) {
     const Vec3 b = i % 7 == 0 ? a : random.in_box(1), c = i % 5 == 0 ? a + 0.3 * (b - a) : random.in_box(1);
     const NearestPoint nearest = nearest_point(p, a, b, c);
     EXPECT_NEAR(norm(nearest.gap), std::sqrt(nearest.square), 1e-15);
+    EXPECT_NEAR(std::sqrt(nearest.square), distance_by_definition(p, a, b, c), 1e-14);
     constexpr int kSteps = 100;
     double least = 1e300;
     for (int u = 0; u <= kSteps; ++u) {
@@ -193,11 +200,11 @@ TEST(Voxel, NearestPointOfATriangleIsTheNearestOfManyOnIt) {
 }
 
 double brute_distance(const Mesh& mesh, Vec3 p) {
-  double square = 1e300;
+  double least = HUGE_VAL;
   for (const Triangle& t : mesh.triangles)
-    square =
-        min(square, nearest_point(p, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]).square);
-  return std::sqrt(square);
+    least =
+        min(least, distance_by_definition(p, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]));
+  return least;
 }
 
 // Once round for a point inside (Van Oosterom, Strackee, 1983).
