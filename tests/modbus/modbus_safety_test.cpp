@@ -186,7 +186,7 @@ TEST_F(ModbusLoop, TheDevicesOwnStopFaultHangAndDeadManCount) {
   })) << sink.log();
   device.hang = true;
   EXPECT_TRUE(sink.told("heartbeat not echoed")) << sink.log();
-  EXPECT_TRUE(rests()) << "its watchdog is its own";
+  EXPECT_TRUE(rests()) << "its registers still take commands";
 }
 
 TEST_F(ModbusLoop, AnglesThatCannotBeAreToldByTheNameOfTheirJoint) {

@@ -65,7 +65,7 @@ TEST_F(ModbusLoop, WithoutLeaveToContinueALostLinkLeavesItIdle) {
   device.faults.silent = true;
   EXPECT_TRUE(sink.reaches(SafetyState::disconnected)) << sink.log();
   EXPECT_TRUE(sink.told("active -> disconnected: no answer"));
-  EXPECT_TRUE(rests()) << "the device's own watchdog";
+  EXPECT_TRUE(rests()) << "told so over a new connection: it answers nothing, but takes commands";
   device.faults.silent = false;
   EXPECT_TRUE(sink.reaches(SafetyState::idle)) << sink.log();
   EXPECT_EQ(device.torque(), 0);
@@ -138,7 +138,7 @@ TEST_F(ModbusLoop, AnEmergencyStopThatIsNotAnsweredClosesTheLinkWithinTwoCycles)
   EXPECT_TRUE(sink.told("no reply in two cycles to an emergency stop")) << sink.log();
   // Two cycles are 10 ms; a busy machine may take longer, but no time-out of the profile's is as short.
   EXPECT_LT(std::chrono::steady_clock::now() - pressed, std::chrono::seconds(5)) << "its usual patience";
-  EXPECT_TRUE(rests()) << "the device's own watchdog";
+  EXPECT_TRUE(rests()) << "told so over a new connection: it answers nothing, but takes commands";
   device.faults.silent = false;
 }
 
