@@ -350,6 +350,7 @@ TEST(ObjectMotion, InstancesShareOneSearchStructure) {
   for (int i = 0; i < 5; ++i)
     scene.objects.push_back(test::body_of("box", cube(0.05), 0.2, {{0.1 * i, 0, 0}, {}}, {}));
   const Model model = test::model_of(scene);
+  ASSERT_EQ(model.apart.size(), 5u);
   for (const ApartObject& object : model.apart) EXPECT_EQ(object.shape, model.apart[0].shape);
 }
 
