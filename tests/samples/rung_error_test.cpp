@@ -199,6 +199,7 @@ void add_errors(const HandForces& exact, const HandForces& sampled, double arm, 
     segment = std::max(segment, norm(off));
     torque += sampled.segment[i].torque - exact.segment[i].torque;
   }
+  EXPECT_TRUE(is_finite(size) && is_finite(difference) && is_finite(torque)) << "sorting would lose it";
   errors.hand.push_back(norm(difference) / size);
   errors.segment.push_back(segment / size);
   errors.torque.push_back(norm(torque) / (size * arm));
