@@ -16,6 +16,7 @@
 #include "contact_pairs.h"
 #include "exact/round_pairs.h"
 #include "exact/through_lanes.h"
+#include "largest.h"
 #include "lumbrical/probe.h"
 #include "stages/narrowphase.h"
 
@@ -130,7 +131,7 @@ void compare(const Pair& pair, const reference::Contact<long double>& seen, Erro
   const Vec3 at = point.centre + 1e-7 * (centroid - point.centre);
   const long double depth_there = reference::depth_at<long double>(
       to_reference(pair.primitive), to_reference(normal), test::to_reference(at));
-  add("point not deepest", std::max(0.0, deepest - static_cast<double>(depth_there)) / r);
+  add("point not deepest", test::largest(0, deepest - static_cast<double>(depth_there)) / r);
   add("point off the triangle", distance_outside(pair, normal, point.centre) / r);
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "largest.h"
 #include "lumbrical/probe.h"
 #include "posed_finger.h"
 #include "random.h"
@@ -100,19 +101,19 @@ TEST(Finger, BendingThroughAJointChangesTheFieldForceSmoothly) {
   const Mesh plane = make_plane(0.4, 12, 1);
   // phi changes by no more than the joints move: a step by no more than that times the area.
   const double motion = 0.003 * (0.025 + 0.020) + 0.0015 * 0.020;
-  double previous = -1, worst = 0, largest = 0, area = 0;
+  double previous = -1, worst = 0, most = 0, area = 0;
   for (int i = 0; i <= 600; ++i) {
     const double bend = -0.3 + 0.003 * i;  // hyper-extended to 86 degrees, 0.17 degrees at a time
     const Sum sum = sum_of(test::touch(test::plain_hand(kRadius), Law::field, plane,
                                        test::finger_frame(bent_finger(0.006, 0.05, bend, 0.5 * bend)))
                                .contacts);
     const double volume = sum.volume;
-    area = std::fmax(area, sum.area);
-    if (previous >= 0) worst = std::fmax(worst, std::fabs(volume - previous));
-    largest = std::fmax(largest, volume);
+    area = test::largest(area, sum.area);
+    if (previous >= 0) worst = test::largest(worst, std::fabs(volume - previous));
+    most = test::largest(most, volume);
     previous = volume;
   }
-  EXPECT_GT(largest, 0);
+  EXPECT_GT(most, 0);
   EXPECT_LT(worst, motion * area);
 }
 
@@ -225,7 +226,7 @@ TEST(Finger, TellsTheDepthOfAContactWhenAsked) {
   double deepest = 0;
   for (std::size_t i = 0; i < scratch.contact_count; ++i) {
     EXPECT_EQ(scratch.contacts[i].depth, 0);
-    deepest = std::fmax(deepest, contact_depth(model, scratch, scratch.contacts[i]));
+    deepest = test::largest(deepest, contact_depth(model, scratch, scratch.contacts[i]));
   }
   EXPECT_NEAR(deepest, deep, 1e-9);
 }

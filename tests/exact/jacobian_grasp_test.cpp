@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "largest.h"
 #include "lumbrical/jacobian.h"
 #include "matrix6.h"
 #include "model/primitive.h"
@@ -122,7 +123,7 @@ double largest(const Matrix6& m) {
   double most = 0;
   for (std::size_t i = 0; i < 6; ++i) {
     for (std::size_t k = 0; k < 6; ++k)
-      most = std::fmax(most, std::fabs(m[i][k]) * (i < 3 ? 1 : 1 / kLength) * (k < 3 ? 1 : 1 / kLength));
+      most = test::largest(most, std::fabs(m[i][k]) * (i < 3 ? 1 : 1 / kLength) * (k < 3 ? 1 : 1 / kLength));
   }
   return most;
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "golden/golden_sessions.h"
+#include "largest.h"
 #include "matrix6.h"
 #include "model/primitive.h"
 #include "posed_finger.h"
@@ -86,7 +87,7 @@ Change change_of(Session& session, const DeviceFrame& frame, test::Random& rando
     change.seen[i] = {(ahead.segment[i].force - behind.segment[i].force) / (2 * step),
                       (ahead.segment[i].torque - behind.segment[i].torque) / (2 * step)};
     for (const auto& row : jacobians[i].value) {
-      for (std::size_t k = 0; k < 3; ++k) change.scale[i] = std::fmax(change.scale[i], std::fabs(row[k]));
+      for (std::size_t k = 0; k < 3; ++k) change.scale[i] = test::largest(change.scale[i], std::fabs(row[k]));
     }
   }
   return change;
@@ -96,7 +97,7 @@ void compare_with_ticks(Session& session, const DeviceFrame& frame, test::Random
                         std::array<int, kSegmentCount>& touches) {
   const Change change = change_of(session, frame, random);
   double scale = 0;
-  for (const double one : change.scale) scale = std::fmax(scale, one);
+  for (const double one : change.scale) scale = test::largest(scale, one);
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     const Wrench &said = change.said[i], &seen = change.seen[i];
     EXPECT_LE(norm(said.force - seen.force), 1e-7 * scale) << segment_name(static_cast<int>(i));
@@ -131,8 +132,8 @@ TEST(HandJacobian, FingersOfAnyRadiiChangeAsItSays) {
   for (const DeviceFrame& frame : test::grasp_frames(grasp.model.hand, 12)) {
     const Change change = change_of(grasp, frame, random);
     for (std::size_t i = 0; i < kPhalanxCount; ++i) {
-      if (!(change.scale[i] > 0)) continue;
-      worst = std::fmax(worst, norm(change.said[i].force - change.seen[i].force) / change.scale[i]);
+      if (change.scale[i] == 0) continue;
+      worst = test::largest(worst, norm(change.said[i].force - change.seen[i].force) / change.scale[i]);
       ++touches;
     }
   }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "largest.h"
 #include "shaped_finger.h"
 
 namespace lumbrical {
@@ -83,7 +84,7 @@ TEST(JointInAPlane, ForceChangesNoFasterThanTheFingerMoves) {
     double height = kHeights[0];
     for (const double next : kHeights) {
       const Felt felt = feel(hand, plane.at(next));
-      const double bound = std::fmax(felt.area, last.area) * (next - height);
+      const double bound = largest(felt.area, last.area) * (next - height);
       EXPECT_LE(std::fabs(felt.volume - last.volume), bound + felt.error + last.error + kStep)
           << i << ' ' << next;
       EXPECT_LE(felt.error, kMostUnsure) << i << ' ' << next;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "largest.h"
 #include "lumbrical/probe.h"
 #include "lumbrical/shapes.h"
 #include "random.h"
@@ -41,7 +42,7 @@ Total press(const Mesh& plane, ProbePrimitive primitive, Law law, const Pose& pl
   for (const ProbeContact& contact : contacts) {
     total.area += contact.area;
     total.volume += contact.volume;
-    total.depth = std::fmax(total.depth, contact.depth);
+    total.depth = test::largest(total.depth, contact.depth);
     total.centroid += contact.area * transform(back, contact.centroid);
     total.centre += contact.volume * transform(back, contact.centre);
     total.force += rotate(back.orientation, contact.force);

@@ -8,6 +8,7 @@
 
 #include "box_palm.h"
 #include "contact_pairs.h"
+#include "largest.h"
 #include "model/corners.h"
 #include "session.h"
 
@@ -134,12 +135,12 @@ TEST(PalmAgainstReference, IsRadiusLessDistanceToAFilledPolygon) {
     many_parts += felt.contacts.size() > 3 ? 1 : 0;
     const Vector centre = wide(felt.centre - palm.corner[0]);
     const Vector off = Real(felt.volume) * centre - wanted.first;
-    worst_area = std::fmax(worst_area, std::fabs(static_cast<double>(felt.area - wanted.area)) / (r * r));
-    worst_volume =
-        std::fmax(worst_volume, std::fabs(static_cast<double>(felt.volume - wanted.volume)) / (r * r * r));
+    worst_area = test::largest(worst_area, std::fabs(static_cast<double>(felt.area - wanted.area)) / (r * r));
+    worst_volume = test::largest(worst_volume,
+                                 std::fabs(static_cast<double>(felt.volume - wanted.volume)) / (r * r * r));
     // Far from the origin positions have the digits of their coordinates.
     const double place = 1e-15 * (1 + norm(X.position)) * felt.volume;
-    worst_moment = std::fmax(worst_moment, (static_cast<double>(norm(off)) - place) / (r * r * r * r));
+    worst_moment = test::largest(worst_moment, (static_cast<double>(norm(off)) - place) / (r * r * r * r));
     if (norm(X.position) < 1) {
       EXPECT_LT(std::fabs(static_cast<double>(felt.volume - wanted.volume)), 1e-12 * r * r * r) << i;
     }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "exact/slab_pairs.h"
+#include "largest.h"
 #include "loose_triangles.h"
 #include "random.h"
 #include "section/slab.h"
@@ -253,7 +254,7 @@ Sum sum_of(const Pressed& pressed, Vec3 origin) {
     if (!(contact.area > 0)) continue;
     sum.area += contact.area;
     sum.volume += contact.volume;
-    sum.depth = std::fmax(sum.depth, contact.depth);
+    sum.depth = test::largest(sum.depth, contact.depth);
     sum.centroid += contact.area * (contact.centroid - origin);
     sum.centre += contact.volume * (contact.centre - origin);
   }

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "largest.h"
 #include "random.h"
 
 namespace lumbrical {
@@ -75,7 +76,7 @@ TEST(TextureMeans, AreContinuousAndSteadyFarFromTheOrigin) {
   double last = mean_over(means, 0, 0.003, 0.002, 0.002), most = 0;
   for (int i = 1; i < 20000; ++i) {
     const double now = mean_over(means, 2e-6 * i, 0.003, 0.002, 0.002);
-    most = max(most, std::fabs(now - last));
+    most = test::largest(most, std::fabs(now - last));
     last = now;
   }
   EXPECT_LT(most, 4 * 2e-6 / 0.004 + 1e-9);

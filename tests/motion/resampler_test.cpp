@@ -8,6 +8,8 @@
 #include <limits>
 #include <random>
 
+#include "largest.h"
+
 namespace lumbrical {
 namespace {
 
@@ -129,8 +131,8 @@ TEST(Resampler, ChangesNeitherPlaceNorSpeedAtOnce) {
   for (const MotionSample& sample : motion.samples) {
     const auto at = [&](double steps) { return resample(motion, sample.time + steps * kStep).base.position; };
     const Vec3 before = (at(0) - at(-1)) / kStep, after = (at(1) - at(0)) / kStep;
-    largest_jump = std::max(largest_jump, norm(after - before));
-    largest_speed = std::max({largest_speed, norm(before), norm(after)});
+    largest_jump = test::largest(largest_jump, norm(after - before));
+    largest_speed = test::largest(largest_speed, test::largest(norm(before), norm(after)));
   }
   EXPECT_GT(largest_speed, 10);  // the samples jump by up to 2 m in 5 ms
   EXPECT_LT(largest_jump, 0.1) << "the speed may change by acceleration (some 1e5 m/s^2) times 2e-7 s only";
@@ -436,8 +438,8 @@ TEST(MakeGrasp, StrokesByTwoCentimetresAndTurns) {
   for (std::size_t i = 160; i < 380; ++i) {
     const Pose& base = motion.samples[i].frame.base;
     low = std::min(low, base.position.z);
-    high = std::max(high, base.position.z);
-    most_turn = std::max(most_turn, 2 * std::acos(std::min(1.0, dot(base.orientation, grasp.orientation))));
+    high = test::largest(high, base.position.z);
+    most_turn = test::largest(most_turn, 2 * std::acos(min(1, dot(base.orientation, grasp.orientation))));
   }
   EXPECT_NEAR(high - low, 0.02, 1e-4);
   EXPECT_NEAR(most_turn, 0.15, 1e-3);
@@ -450,13 +452,13 @@ TEST(MakeGrasp, ChangesItsSpeedsSmoothly) {
     const DeviceFrame &a = motion.samples[i - 1].frame, &b = motion.samples[i].frame,
                       &c = motion.samples[i + 1].frame;
     const Vec3 before = b.base.position - a.base.position, after = c.base.position - b.base.position;
-    fastest = std::max(fastest, norm(after));
-    largest_change = std::max(largest_change, norm(after - before));
+    fastest = test::largest(fastest, norm(after));
+    largest_change = test::largest(largest_change, norm(after - before));
     for (int k = 0; k < kAngleCount; ++k) {
       const double turn = double{c.angle[k]} - double{b.angle[k]},
                    last = double{b.angle[k]} - double{a.angle[k]};
-      fastest_turn = std::max(fastest_turn, std::fabs(turn));
-      largest_turn_change = std::max(largest_turn_change, std::fabs(turn - last));
+      fastest_turn = test::largest(fastest_turn, std::fabs(turn));
+      largest_turn_change = test::largest(largest_turn_change, std::fabs(turn - last));
     }
   }
   // Of a minimum-jerk motion over n samples the speed changes by at most 3.1 / n of its peak.

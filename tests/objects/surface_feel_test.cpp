@@ -5,12 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "largest.h"
 #include "pads.h"
 #include "session.h"
 
 namespace lumbrical {
 namespace {
 
+using test::largest;
 using test::Session;
 
 constexpr double kPi = 3.141592653589793, kRadius = 0.04;
@@ -93,10 +95,10 @@ Stroke stroke_round(std::uint32_t facets, double precision, const Pad& pad = {})
     const double angle = 0.3 + 4 * kPi / facets * i / 400;  // over two facets
     const Vec3 out{std::cos(angle), std::sin(angle), 0}, tip = (kRadius + 0.0068) * out + Vec3{0, 0, 0.003};
     const Vec3 force = press(with, tip, out), flat = press(without, tip, out);
-    stroke.worst = max(stroke.worst, degrees_between(force, out));
-    stroke.plain = max(stroke.plain, degrees_between(flat, out));
-    if (i > 0) stroke.largest_step = max(stroke.largest_step, degrees_between(force, last));
-    stroke.worst_magnitude = max(stroke.worst_magnitude, std::fabs(norm(force) / norm(flat) - 1));
+    stroke.worst = largest(stroke.worst, degrees_between(force, out));
+    stroke.plain = largest(stroke.plain, degrees_between(flat, out));
+    if (i > 0) stroke.largest_step = largest(stroke.largest_step, degrees_between(force, last));
+    stroke.worst_magnitude = largest(stroke.worst_magnitude, std::fabs(norm(force) / norm(flat) - 1));
     last = force;
   }
   return stroke;
@@ -155,10 +157,10 @@ TEST(SurfaceFeel, RidgesPushAsideWithTheirPeriodAndNoHarder) {
     const double x = -0.02 + 1e-5 * i;
     const Vec3 force = press(with, {x, 0.011, 0.007}, {0, 0, 1}),
                flat = press(without, {x, 0.011, 0.007}, {0, 0, 1});
-    magnitude = max(magnitude, std::fabs(norm(force) / norm(flat) - 1));
+    magnitude = largest(magnitude, std::fabs(norm(force) / norm(flat) - 1));
     EXPECT_NEAR(force.y, 0, 1e-9);
-    most = max(most, force.x / norm(force));
-    if (i > 0) largest_step = max(largest_step, std::fabs(force.x - last) / norm(force));
+    most = largest(most, force.x / norm(force));
+    if (i > 0) largest_step = largest(largest_step, std::fabs(force.x - last) / norm(force));
     if (i > 0 && last < 0 && force.x >= 0) crossings.push_back(x);
     last = force.x;
   }
@@ -185,7 +187,7 @@ TEST(SurfaceFeel, RidgesFinerThanAFingertipAreNotFelt) {
   double most = 0;
   for (int i = 0; i < 300; ++i) {
     const Vec3 force = press(run, {-0.02 + 7e-6 * i, 0.011, 0.007}, {0, 0, 1});
-    most = max(most, std::fabs(force.x) / force.z);
+    most = largest(most, std::fabs(force.x) / force.z);
   }
   EXPECT_LT(most, 0.02);
 }
@@ -196,7 +198,7 @@ TEST(SurfaceFeel, BumpsHoweverSteepTiltByLessThan45Degrees) {
   Session run(scene_with(make_plane(0.2, 7), steep));
   double most = 0;
   for (int i = 0; i < 200; ++i)
-    most = max(most, degrees_between(press(run, {1e-4 * i, 0.011, 0.007}, {0, 0, 1}), {0, 0, 1}));
+    most = largest(most, degrees_between(press(run, {1e-4 * i, 0.011, 0.007}, {0, 0, 1}), {0, 0, 1}));
   EXPECT_GT(most, 44);
   EXPECT_LT(most, 45);
 }
@@ -235,20 +237,20 @@ TEST(SurfaceFeel, NeverJumpsAndActsOnTheObjectAsOnTheHand) {
   Scene scene = scene_with(make_mug(shape), surface);
   scene.settings.precision.fill(1e-4);
   Session run(scene);
-  double largest = 0, uneven = 0;
+  double roughest = 0, uneven = 0;
   for (const double height : {0.002, 0.05, 0.094}) {
     Vec3 last;
     for (int i = 0; i < 3000; ++i) {
       const double angle = 0.3 * i / 3000 - 0.1, depth = 0.0085 - 0.002 * std::sin(0.004 * i);
       const Vec3 out{std::cos(angle), std::sin(angle), 0};
       const Vec3 force = press(run, (shape.radius + 0.016 - depth) * out + Vec3{0, 0, height}, out);
-      if (i > 0) largest = max(largest, norm(force - last));
+      if (i > 0) roughest = largest(roughest, norm(force - last));
       last = force;
-      uneven = max(uneven, norm(force + run.scratch.object_output[0].wrench.force));
+      uneven = largest(uneven, norm(force + run.scratch.object_output[0].wrench.force));
     }
   }
-  EXPECT_GT(largest, 0);
-  EXPECT_LT(largest, 0.05);  // [N] at steps of 9 um or less; 0.02 come from the depth alone
+  EXPECT_GT(roughest, 0);
+  EXPECT_LT(roughest, 0.05);  // [N] at steps of 9 um or less; 0.02 come from the depth alone
   EXPECT_LT(uneven, 1e-10);
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "largest.h"
 #include "model/primitive.h"
 #include "pads.h"
 #include "pressed_hand.h"
@@ -13,6 +14,7 @@ namespace lumbrical {
 namespace {
 
 using test::kPadRadius;
+using test::largest;
 using test::Session;
 
 constexpr double kStiffness = 3000;  // [N/m]
@@ -313,9 +315,9 @@ TEST(Proxy, WhatItFeelsOfAnObjectIsWhatTheObjectFeels) {
     const Vec3 before = run.state.objects[0].velocity;
     const ObjectOutput out = run.step(fingertip_at({0.002, 0.001, 0.009 - 4e-4 * i}));
     const Vec3 force = 200.0 * (run.state.objects[0].velocity - before);
-    worst = max(worst, norm(force - out.wrench.force));
-    worst = max(worst, norm(test::hand_force(run.output) + out.wrench.force));
-    most = max(most, norm(force));
+    worst = largest(worst, norm(force - out.wrench.force));
+    worst = largest(worst, norm(test::hand_force(run.output) + out.wrench.force));
+    most = largest(most, norm(force));
   }
   EXPECT_LT(worst, 1e-10);
   EXPECT_GT(most, 1);

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "largest.h"
 #include "random.h"
 
 namespace lumbrical::test {
@@ -96,7 +97,7 @@ double worst_error(Random& random, double bend, const Field& field) {
   double worst = 0;
   for (const BlockMoments& block : {own, added}) {
     const BlockSamples samples = samples_of(block, radius_of(all, centre_of(block)));
-    worst = max(worst, norm(force_on(samples, field) - force_on(all, field)) / area_of(all));
+    worst = largest(worst, norm(force_on(samples, field) - force_on(all, field)) / area_of(all));
   }
   return worst;
 }

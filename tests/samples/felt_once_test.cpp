@@ -8,6 +8,7 @@
 #include <string>
 
 #include "exact/finger_reference.h"
+#include "largest.h"
 #include "lumbrical/jacobian.h"
 #include "model/corners.h"
 #include "model/primitive.h"
@@ -113,7 +114,7 @@ Difference difference(const BodyForces& one, const BodyForces& other) {
   for (std::size_t k = 0; k < kBodies; ++k) {
     sum += one[k] - other[k];
     size += norm(other[k]);
-    difference.body = std::max(difference.body, norm(one[k] - other[k]));
+    difference.body = largest(difference.body, norm(one[k] - other[k]));
   }
   return {norm(sum) / size, difference.body / size};
 }
@@ -145,7 +146,7 @@ std::vector<Held> what_hands_hold(const Hand& hand) {
 double torque_difference(const HandForces& one, const HandForces& other) {
   double most = 0, size = 0;
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    most = std::max(most, norm(one.segment[i].torque - other.segment[i].torque));
+    most = largest(most, norm(one.segment[i].torque - other.segment[i].torque));
     size += norm(other.segment[i].torque);
   }
   return most / size;
@@ -205,9 +206,9 @@ double beyond_triangle(const Model& model, const Contact& contact) {
   const auto [a, b, c] = corners_of(model.triangles, contact.triangle);
   double most = 0;
   for (const auto axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
-    const auto [least, largest] = std::minmax({a.*axis, b.*axis, c.*axis});
+    const auto [lowest, highest] = std::minmax({a.*axis, b.*axis, c.*axis});
     for (const Vec3& p : {contact.centroid, contact.centre})
-      most = std::max({most, p.*axis - largest, least - p.*axis});
+      most = largest(most, largest(p.*axis - highest, lowest - p.*axis));
   }
   return most;
 }

@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "largest.h"
 #include "lumbrical/shapes.h"
 #include "patch_points.h"
 #include "sampled_hand.h"
@@ -30,7 +31,7 @@ double deepest(const PatchShape& patch, const Field& field) {
   double most = -1;
   for (int i = 0; i <= kSteps; ++i) {
     for (int j = 0; i + j <= kSteps; ++j)
-      most = max(most, field(point_on(patch, i / double{kSteps}, j / double{kSteps})));
+      most = largest(most, field(point_on(patch, i / double{kSteps}, j / double{kSteps})));
   }
   return most;
 }
@@ -106,7 +107,7 @@ TEST(Outside, WhatIsLeftOutMeetsNoTileAndNotThePalm) {
             [&](Vec3 p) {
               double most = -1;
               for (std::size_t k = 0; k < finger.tile_count; ++k)
-                most = max(most, field_of(finger.tile[k], p - finger.origin));
+                most = largest(most, field_of(finger.tile[k], p - finger.origin));
               return most;
             },
             fingers);

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "largest.h"
 #include "model/swept_polygon.h"
 #include "random.h"
 #include "session.h"
@@ -84,7 +85,7 @@ inline Pressed press(const Model& model, const Primitives& hand) {
     pressed.torque += cross(contact.centre, force);
     pressed.area += contact.area;
     pressed.volume += contact.volume;
-    pressed.depth = max(pressed.depth, contact.depth);
+    pressed.depth = largest(pressed.depth, contact.depth);
     pressed.centre += contact.volume * contact.centre;
   }
   if (pressed.volume > 0) pressed.centre = pressed.centre / pressed.volume;

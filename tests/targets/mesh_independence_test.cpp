@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "experiments.h"
+#include "largest.h"
 #include "lumbrical/probe.h"
 #include "pressed_hand.h"
 #include "random.h"
@@ -107,12 +108,12 @@ Spread spread_over(Cut cut, Law law, const std::vector<Posed>& fingers) {
         const double force = norm(expected[i].force);
         EXPECT_GT(force, 0.01);
         const double change = norm(felt.force - expected[i].force) / force;
-        spread.force = std::max(spread.force, change);
-        if (X == Pose{}) spread.here = std::max(spread.here, change);
-        spread.torque = std::max(spread.torque, norm(felt.torque - expected[i].torque) / (0.01 * force));
+        spread.force = test::largest(spread.force, change);
+        if (X == Pose{}) spread.here = test::largest(spread.here, change);
+        spread.torque = test::largest(spread.torque, norm(felt.torque - expected[i].torque) / (0.01 * force));
         const double area_change = std::fabs(felt.area / expected[i].area - 1);
-        if (X == Pose{}) spread.area_here = std::max(spread.area_here, area_change);
-        spread.area = std::max(spread.area, area_change);
+        if (X == Pose{}) spread.area_here = test::largest(spread.area_here, area_change);
+        spread.area = test::largest(spread.area, area_change);
       }
     }
   }

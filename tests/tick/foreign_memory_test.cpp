@@ -2,8 +2,7 @@
 // tick once more without them.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
+#include "largest.h"
 #include "lumbrical/jacobian.h"
 #include "session.h"
 
@@ -27,7 +26,7 @@ Scene rubbing_scene() {
 
 double strongest(const HandForces& forces) {
   double most = 0;
-  for (const Wrench& wrench : forces.segment) most = std::max(most, norm(wrench.force));
+  for (const Wrench& wrench : forces.segment) most = test::largest(most, norm(wrench.force));
   return most;
 }
 

@@ -9,6 +9,7 @@
 #include <new>
 #include <set>
 
+#include "largest.h"
 #include "lumbrical/jacobian.h"
 #include "model/primitive.h"
 #include "pads.h"
@@ -163,7 +164,7 @@ TEST(Tick, DoesNotCareAboutTheCallersRoundingMode) {
 double largest_step(const ActuatorFrame& a, const ActuatorFrame& b) {
   double step = 0;
   for (std::size_t i = 0; i < kSegmentCount; ++i)
-    step = std::fmax(step, norm(a.segment[i].force - b.segment[i].force));
+    step = test::largest(step, norm(a.segment[i].force - b.segment[i].force));
   return step;
 }
 
@@ -198,7 +199,7 @@ TEST(Tick, BadInputFadesForcesToZeroAndBackWithoutAStep) {
     const auto run = [&](const DeviceFrame& frame, std::uint32_t ticks) {
       for (std::uint32_t i = 0; i < ticks; ++i) {
         const ActuatorFrame output = tick(model, state, scratch, frame);
-        worst = std::fmax(worst, largest_step(output, last));
+        worst = test::largest(worst, largest_step(output, last));
         flags |= output.flags;
         last = output;
       }
