@@ -292,7 +292,7 @@ TEST(SurfaceFeel, RefusesWhatMakesNoSense) {
   EXPECT_TRUE(names(refusal([](SceneObject& o) {
                       o.surface.grip = {{1, 1, {1}}, 0.01, 0, 11};
                     }),
-                    "grip.black"));
+                    "grip.white"));
   EXPECT_TRUE(names(refusal([](SceneObject& o) {
                       o.material = {};
                       o.surface.friction_factor.assign(8, 2);
