@@ -1,5 +1,4 @@
 // Recordings, for Python: read into arrays, replayed, changed.
-#include <limits>
 
 #include "bind.h"
 
@@ -63,12 +62,7 @@ void read_ticks(Recording& self, std::uint64_t first, std::optional<std::uint64_
 py::array read(Recording& self, std::uint64_t first, std::optional<std::uint64_t> last, std::uint64_t step) {
   std::vector<RecordedTick> rows;
   read_ticks(self, first, last, step, [&rows](const TickRecord& record) {
-    RecordedTick& row =
-        rows.emplace_back(RecordedTick{record.device, record.output, record.state_hash, record.duration_ns});
-    if (record.has_forces) return;
-    static_assert(sizeof(HandForces) % sizeof(double) == 0);
-    auto* const numbers = reinterpret_cast<double*>(static_cast<HandForces*>(&row.output));
-    std::fill_n(numbers, sizeof(HandForces) / sizeof(double), std::numeric_limits<double>::quiet_NaN());
+    rows.emplace_back(RecordedTick{record.device, record.output, record.state_hash, record.duration_ns});
   });
   return array_of(std::move(rows));
 }

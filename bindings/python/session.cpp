@@ -164,6 +164,11 @@ std::uint64_t stop_recording(Session& self) {
   return recorder->kept();
 }
 
+State snapshot(Session& self) {
+  const Busy busy(self.busy);
+  return self.state;
+}
+
 void restore(Session& self, const State& state) {
   const Busy busy(self.busy);
   if (self.recorder) throw std::runtime_error("a session can't leave its course while it is recorded");
@@ -229,8 +234,7 @@ void bind_session(py::module_& module) {
                                return view_of(placed_joints(session.scratch).data(), {kJointCount}, self,
                                               false);
                              })
-      .def_property(
-          "state", [](const Session& self) { return self.state; }, &restore)
+      .def_property("state", &snapshot, &restore)
       .def("record", &record, "path"_a, py::kw_only(), "force_interval"_a = 1u)
       .def("stop_recording", &stop_recording);
 

@@ -411,7 +411,7 @@ LUMBRICAL_API int lumbrical_reader_describe(lumbrical_reader* reader, lumbrical_
 /* The model that was recorded; sessions of it start as the recorded one did. */
 LUMBRICAL_API int lumbrical_reader_model(lumbrical_reader* reader, const lumbrical_execution* execution,
                                          lumbrical_model** model);
-/* The next tick as recorded; forces that the recording leaves out (force_interval) are 0. `end` is 1 where
+/* The next tick as recorded; forces that the recording leaves out (force_interval) are NaN. `end` is 1 where
  * there is none, and then the others are left alone; each may be null. */
 LUMBRICAL_API int lumbrical_reader_next(lumbrical_reader* reader, lumbrical_frame* frame,
                                         lumbrical_output* output, int32_t* end);

@@ -353,6 +353,7 @@ def test_threads_that_meet_in_a_session_are_told_and_others_run_on(session):
         for _ in range(5):
             try:
                 done.append(len(session.run(frames)))
+                assert session.state.tick % 400 == 0
             except RuntimeError as error:
                 told.append(str(error))
 
@@ -361,7 +362,7 @@ def test_threads_that_meet_in_a_session_are_told_and_others_run_on(session):
         thread.start()
     for thread in threads:
         thread.join()
-    assert len(told) + len(done) == 15 and done
+    assert 15 <= len(told) + len(done) <= 30 and done
     assert all("another thread" in text for text in told)
     assert session.run(frames[:1])["tick"][0] == 400 * len(done)
 

@@ -77,6 +77,10 @@ std::vector<std::string> DeviceSession::trouble() const {
                                         : "no force ever reached the device: ") +
                     cause(report));
   }
+  if (figures.never_measured)
+    lines.push_back(
+        "the device has no sensors, so its delay can't be measured: joint angles gave no forces with the "
+        "limiter on");
   if (report.faults > 0)
     lines.push_back(counted(report.faults, "fault of the device loop", "faults of the device loop"));
   if (report.losses > 0)

@@ -29,6 +29,7 @@ struct LoopSettings {
 struct LoopFigures {
   bool was_active = false;             ///< forces reached the device
   bool other_master = false;           ///< someone else commands it
+  bool never_measured = false;         ///< it has no sensors, so the limiter lets no force of angles through
   std::int64_t armed_at = 0;           ///< [ns] 0: not yet
   std::uint64_t renewals = 0;          ///< of the certificate, by a tenth or more
   std::uint64_t blind_steps = 0;       ///< since start(), without angles to go by

@@ -34,7 +34,7 @@ struct TickRecord {
   std::array<std::uint64_t, kStageCount> stage_hash{};  ///< Scratch::stage_hash
   std::uint64_t state_hash = 0;                         ///< hash_state after the tick
   std::uint32_t duration_ns = 0;                        ///< measured time of the tick; never compared
-  bool has_forces = true;  ///< false: the file leaves them out, `output` has zeros in their place
+  bool has_forces = true;  ///< false: the file leaves them out, those of `output` are NaN
   std::uint8_t hand = 0;   ///< whose: 0 of Scene::hand, 1 of RecorderOptions::second_hand
   /// Of the loop with a device, in ticks that renewed its certificate by a tenth or more; never compared.
   std::optional<LoopTiming> timing;

@@ -63,7 +63,8 @@ bool DeviceLoop::measure(const Model& model, Scratch& scratch, const DeviceFrame
 
 bool DeviceLoop::start(const Model& model, Scratch& scratch, const DeviceFrame& frame) {
   assert(open_ && control.certified);
-  if (is_never_measured(control, frame))
+  figures.never_measured = is_never_measured(control, frame);
+  if (figures.never_measured)
     sink.tell(
         control.profile.name +
         " has no sensors, so its delay can't be measured: joint angles give no forces with the limiter on");

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <vector>
 
 #include "base/message_alignment.h"
@@ -76,6 +77,16 @@ Status decode_device(const fb::Tick& message, DeviceFrame& device) {
     for (std::uint32_t a = 0; a < kAngleCount; ++a) device.angle[a] = angles->Get(a);
   }
   return {};
+}
+
+HandForces unknown_forces() {
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  const Vec3 vector{unknown, unknown, unknown};
+  HandForces forces;
+  forces.segment.fill({vector, vector});
+  forces.joint_torque.fill(vector);
+  forces.flexion_torque.fill(unknown);
+  return forces;
 }
 
 Status decode_output(const fb::Tick& message, ActuatorFrame& output) {
@@ -243,6 +254,7 @@ Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, Inpu
   record.has_forces = !message.forces_left_out();
   if (!record.has_forces && message.segments() != nullptr)
     return Status::error("the tick message has the forces it says it leaves out");
+  if (!record.has_forces) static_cast<HandForces&>(record.output) = unknown_forces();
   if (Status status = decode_sent(message, record); !status.ok()) return status;
   if (Status status = decode_rows(message.given(), record.given_count, record.given); !status.ok())
     return status;
