@@ -7,6 +7,7 @@
 #include "base/gauss.h"
 #include "borders/root.h"
 #include "exact/field.h"
+#include "section/stated_errors.h"
 #include "simd/lane_vectors.h"
 
 namespace lumbrical {
@@ -360,6 +361,7 @@ bool integrate_bulge(const FieldKernels& kernels, const Section& section, const 
   graded_nodes(0, 1, kinks_along(section, slant, border),
                [&](double t, double weight) { sum.add(chord.length * t, chord.length * weight); });
   sum.flush();
+  bulge.error = kBulgeAloneError * std::fabs(bulge.volume);
   return border.good;
 }
 

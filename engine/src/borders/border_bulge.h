@@ -20,6 +20,7 @@ Chord chord_between(Point2 from, Point2 to);
 struct Bulge {
   double area = 0, volume = 0;           ///< [m^2], [m^3] of the tile's field
   Point2 area_first{0, 0}, first{0, 0};  ///< their first moments in plane coordinates
+  double error = 0;                      ///< [m^3] what the volume may be off by
 };
 
 /// What a border does inside a convex part of the triangle from whose edge to whose edge it runs.

@@ -78,7 +78,8 @@ Chord chord_of(const Section& section, Vec3 joint, const BorderCut& cut) {
 
 BulgeMoments in_space(const Section& section, const Bulge& bulge) {
   const auto turned = [&](Point2 p) { return p.x * section.u + p.y * section.v; };
-  return {to_world(section, {0, 0}), bulge.area, bulge.volume, turned(bulge.area_first), turned(bulge.first)};
+  return {to_world(section, {0, 0}), bulge.area,          bulge.volume,
+          turned(bulge.area_first),  turned(bulge.first), bulge.error};
 }
 
 // The cut along the part of a border inside the section; false where it is not as simple as that.
@@ -169,6 +170,7 @@ void add_bulge(const BulgeMoments& bulge, Contact& contact) {
                               : contact.centroid;
   contact.area = area;
   contact.volume = max(0, volume);
+  contact.error += bulge.error;
 }
 
 bool bulge_slope(const Primitives& hand, const Primitive& tile, const BorderCut& cut, Vec3 a, Vec3 b, Vec3 c,

@@ -16,6 +16,7 @@ struct BulgeMoments {
   Vec3 base;                    ///< [m] a point near the contact
   double area = 0, volume = 0;  ///< [m^2], [m^3] of the tile's field
   Vec3 area_first, first;       ///< [m^3], [m^4] first moments about the base
+  double error = 0;             ///< [m^3] what the volume may be off by
 };
 
 /// How the borders of a tile cut one triangle.

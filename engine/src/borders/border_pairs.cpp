@@ -1,6 +1,7 @@
 #include "borders/border_pairs.h"
 
 #include "exact/through_lanes.h"
+#include "section/stated_errors.h"
 
 namespace lumbrical {
 namespace {
@@ -42,6 +43,8 @@ void read_border(const BorderTerms& terms, std::size_t k, const Primitive& tile,
   own.bulge.volume += terms.volume[k];
   own.bulge.area_first += vector_at(terms.area_first, k);
   own.bulge.first += vector_at(terms.first, k);
+  const Vec3 chord = way.to - way.from;
+  own.bulge.error += kBulgeInLanesError * dot(chord, chord) * max(tile.radius1, tile.radius2);
 }
 
 }  // namespace

@@ -134,6 +134,7 @@ bool add_crossed(const Rival& rival, const Crossings& crossings, Work& work) {
   work.area_first = work.area_first + bulge.area_first;
   work.volume += bulge.volume;
   work.first = work.first + bulge.first;
+  work.error += bulge.error;
   return true;
 }
 
