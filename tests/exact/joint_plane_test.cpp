@@ -68,7 +68,7 @@ constexpr double kCube = kRadius * kRadius * kRadius, kOff = 1e-10 * kCube, kSte
 
 // [m^3] What contacts may state as their error at most, where so many parts would be cut that some are left,
 // and as a rule.
-constexpr double kMostUnsure = 1.6e-3 * kCube, kUsuallyUnsure = 1e-7 * kCube;
+constexpr double kMostUnsure = 1.6e-3 * kCube, kUsuallyUnsure = 3e-7 * kCube;
 
 constexpr double kHeights[] = {-1e-6, -1e-8, -1e-9, -1e-10, -1e-11, -1e-12, 0,
                                1e-12, 1e-11, 1e-10, 1e-9,   1e-8,   1e-6};

@@ -361,7 +361,8 @@ bool integrate_bulge(const FieldKernels& kernels, const Section& section, const 
   graded_nodes(0, 1, kinks_along(section, slant, border),
                [&](double t, double weight) { sum.add(chord.length * t, chord.length * weight); });
   sum.flush();
-  bulge.error = kBulgeAloneError * std::fabs(bulge.volume);
+  const double cube = section.radius1 * section.radius1 * section.radius1;
+  bulge.error = min(kBulgeAloneShare * std::fabs(bulge.volume), kBulgeAloneError * cube);
   return border.good;
 }
 

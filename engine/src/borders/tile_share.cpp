@@ -80,15 +80,15 @@ void cross_edge(const Rival& rival, Point2 p, Point2 q, double at_p, double at_q
   const bool same = (at_p > 0) == (at_q > 0);
   if (same && std::fabs(at_p) + std::fabs(at_q) > kPrecedenceSlope * edge.length) return;
   if (rival.near) {
-    const double t = same ? middle_of_crossings(rival.border, p, d) : 0;
+    // Looked at even where only one crossing shows: if both ends lie on the border, rounding tells which.
+    const double t = middle_of_crossings(rival.border, p, d);
     if (!(t > 0 && t < 1)) {
       if (!same) add_root(edge, 0, at_p, 1, at_q);
       return;
     }
     const double f = edge.at(t);
-    if ((f > 0) == (at_p > 0)) return;
-    add_root(edge, 0, at_p, t, f);
-    add_root(edge, t, f, 1, at_q);
+    if ((f > 0) != (at_p > 0)) add_root(edge, 0, at_p, t, f);
+    if ((f > 0) != (at_q > 0)) add_root(edge, t, f, 1, at_q);
     return;
   }
   const double wanted = edge.length / (kShareStep * rival.first.radius);

@@ -237,11 +237,24 @@ void collide_slabs(Work& work) {
 
 // ---- 4. What is missing of contacts is added in their slots ----
 
+// Where a border runs from corner to corner its chord is an edge, and may leave a tile nothing but its bulge.
+void begin_with_bulge(const Corners& at, const BulgeMoments& bulge, Contact& contact) {
+  if (!(bulge.area > 0) || !normal_of(at.a, at.b, at.c, contact.normal)) return;
+  contact.depth = contact.volume = contact.error = 0;
+  contact.centroid = contact.centre = bulge.base;
+  add_bulge(bulge, contact);
+}
+
 void add_bulges(Work& work) {
   for (const std::uint32_t slot : work.crossed) {
     Contact& contact = work.pairs.contact[slot];
     const OwnCuts* const own = work.own_cuts(slot);
-    if (own != nullptr && contact.area > 0) add_bulge(own->bulge, contact);
+    if (own == nullptr) continue;
+    if (contact.area > 0) {
+      add_bulge(own->bulge, contact);
+    } else {
+      begin_with_bulge(work.pairs.corners(slot), own->bulge, contact);
+    }
   }
 }
 
@@ -288,6 +301,7 @@ void collide_alone(Work& work) {
       add_bulge(own->bulge, contact);
     } else {
       contact.area = 0;
+      begin_with_bulge({a, b, c}, own->bulge, contact);
     }
   }
 }
