@@ -80,7 +80,6 @@ TEST(Friction, ABlockThatSticksDoesNotCreep) {
   EXPECT_LT(norm(run.state.objects[0].pose.position - settled.position), 1e-7);
 }
 
-// A fingertip pressed on a plane and turned about the normal until it slips.
 TEST(Friction, HoldsAMugBetweenThreeFingersForAMinute) {
   Scene scene = test::pad_scene();
   scene.settings.precision = every_segment(1e-4);
@@ -102,6 +101,7 @@ TEST(Friction, HoldsAMugBetweenThreeFingersForAMinute) {
   EXPECT_GT(after.position.z, -0.004);  // skin gives way
 }
 
+// A fingertip pressed on a plane and turned about the normal until it slips.
 TEST(Friction, ATwistedPadSlipsAtMuTimesTheMomentOfItsPressure) {
   const double mu = 0.7;
   for (const bool lying : {false, true}) {

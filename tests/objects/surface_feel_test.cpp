@@ -263,6 +263,9 @@ TEST(SurfaceFeel, IsTheSameForAHandThatSharesTheWorld) {
   Model shared;
   ASSERT_TRUE(share_world(test::model_of(scene), other.hand, shared).ok());
   const auto frames = test::grasp_frames(other.hand, 40);
+  Scene rough = other;
+  rough.objects[0].surface = {};
+  EXPECT_NE(test::hash_run(test::model_of(rough), frames), test::hash_run(test::model_of(other), frames));
   EXPECT_EQ(test::hash_run(shared, frames), test::hash_run(test::model_of(other), frames));
 }
 
