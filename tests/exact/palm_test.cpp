@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "box_palm.h"
+#include "loose_triangles.h"
 #include "session.h"
 #include "tick/tick_trace.h"
 
@@ -75,6 +77,47 @@ TEST(Palm, IsFeltOnceWhereATriangleLiesInThePlanesBetweenItsParts) {
     EXPECT_NEAR(side.area, 2 * kB * 2 * r + std::numbers::pi * r * r, 1e-10) << z;
     EXPECT_NEAR(side.volume, 2 * kB * r * r + std::numbers::pi * r * r * r / 3, 1e-12) << z;
   }
+}
+
+// Corners on a lattice of quarters of the radius, on which those of the core lie too: in planes between parts
+// of the palm, along its edges and through its corners.
+std::array<Vec3, 3> lattice_triangle(test::Random& random, double radius, double a, double b, double height) {
+  const double step = radius / 4;
+  const auto at = [&](double half) {
+    return step * std::floor(random.between(-1, 1) * (half + 2 * radius) / step);
+  };
+  std::array<Vec3, 3> t;
+  for (Vec3& corner : t) corner = {at(a), at(b), height + at(0)};
+  if (random.below(2) == 0) t[1].y = t[2].y = t[0].y = random.below(2) == 0 ? -b : b;
+  if (random.below(3) == 0) t[1].z = t[2].z = t[0].z;
+  return t;
+}
+
+TEST(Palm, HardlyChangesWhereATriangleLeavesThePlanesBetweenItsParts) {
+  constexpr double r = 0.0078125, cube = r * r * r;
+  int felt = 0;
+  for (int i = 0; i < 3000; ++i) {
+    test::Random random(static_cast<std::uint64_t>(6000 + i));
+    const double a = 0.5 * r * static_cast<double>(1 + random.below(8)),
+                 b = 0.5 * r * static_cast<double>(1 + random.below(8));
+    const SweptPolygon palm = test::box_palm(a, b, 0.25 * r * static_cast<double>(random.below(5)), r);
+    const Primitives hand = test::hand_of(palm);
+    std::array<Vec3, 3> t = lattice_triangle(random, r, a, b, palm.corner[0].z);
+    if (!(norm(cross(t[1] - t[0], t[2] - t[0])) > 1e-6 * r * r)) continue;
+    const auto volume_of = [&](const std::array<Vec3, 3>& at) {
+      Model model;
+      model.triangles = test::loose_triangles({at});
+      return test::press(model, hand).volume / cube;
+    };
+    const double in_plane = volume_of(t);
+    felt += in_plane > 0;
+    for (const double off : {1e-9, 1e-11, 1e-12, 1e-13, 1e-14}) {
+      std::array<Vec3, 3> moved = t;
+      for (Vec3& corner : moved) corner += off * r * random.direction();
+      EXPECT_NEAR(volume_of(moved), in_plane, 1e-7) << i << ' ' << off;
+    }
+  }
+  EXPECT_GT(felt, 1000);
 }
 
 TEST(Palm, GivesEveryLawTheFieldAsItsDepth) {

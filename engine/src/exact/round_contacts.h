@@ -193,7 +193,7 @@ void round_contacts(RoundTerms& terms) {
     RoundPlane<V> plane;
     const auto fine = look(part, vector_at<V>(terms.axis, i), corner[0], corner[1], corner[2], plane);
     Polygon<V> polygon;
-    set_polygon(terms, part, plane, corner, i, polygon);
+    const V along_cut = set_polygon(terms, part, plane, corner, i, polygon);
     const Corners<V> all = corners_of(part, plane, polygon);
     const auto met = fine && all.low_y < r && all.high_y > zero - r;
     const auto whole = met && all.outside == zero;
@@ -233,6 +233,7 @@ void round_contacts(RoundTerms& terms) {
     status = select(contact, one, status);
     if (part.cone)
       status = select(contact && had && meets_slivers(part, plane, side, all), number<V>(kSlivers), status);
+    status = select(fine && along_cut > zero, unsure, status);
     put(terms.status + i, status);
     put_contact(plane, sum, depth, error, i, terms);
   }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "exact/round_plane.h"
+#include "model/primitive.h"
 
 namespace lumbrical::LUMBRICAL_ISA {
 
@@ -111,27 +112,27 @@ void remove_beyond(int cut, int cut_count, Polygon<V>& polygon, Excess<V> (&exce
   excess[polygon.count++] = along;
 }
 
-// The triangle in the plane's coordinates, without what lies beyond the primitive's cuts.
+// The triangle in the plane's coordinates, without what lies beyond the primitive's cuts. Returns 1 where it
+// all but lies in one of them, so that another way has to be taken.
 template <class V>
-void set_polygon(const RoundTerms& terms, const RoundPart<V>& part, const RoundPlane<V>& plane,
-                 const Wide3<V> (&corner)[3], std::size_t lane, Polygon<V>& polygon) {
+V set_polygon(const RoundTerms& terms, const RoundPart<V>& part, const RoundPlane<V>& plane,
+              const Wide3<V> (&corner)[3], std::size_t lane, Polygon<V>& polygon) {
   Wide2<V> flat[3];
   for (int i = 0; i < 3; ++i) flat[i] = {dot(corner[i], plane.u), dot(corner[i], plane.v)};
   polygon.count = 3;
   for (std::size_t i = 0; i < 3; ++i) polygon.edge[i] = {flat[i], flat[(i + 1) % 3]};
-  if (terms.cut_count == 0) return;
+  const V zero = number<V>(0), one = number<V>(1), near = number<V>(kAlongCut) * part.radius1;
+  V along = zero;
+  if (terms.cut_count == 0) return along;
   Excess<V> excess[Polygon<V>::kMost];
   int crossing = 0;  // cuts that some lane has anything beyond
-  const V zero = number<V>(0), tiny = number<V>(16) * rounding<V>() * part.radius1;
   for (int cut = 0; cut < terms.cut_count; ++cut) {
     V f[3];
     const Wide3<V> normal = vector_at<V>(terms.cut_normal[cut], lane);
     const V offset = get(terms.cut_offset[cut] + lane, V{});
     for (int i = 0; i < 3; ++i) f[i] = dot(normal, corner[i]) - offset;
-    // A triangle in the plane between two tiles belongs to the one it faces away from.
-    const auto within = abs(f[0]) <= tiny && abs(f[1]) <= tiny && abs(f[2]) <= tiny;
-    const V verdict = dot(normal, plane.n);
-    for (V& value : f) value = select(within, verdict, value);
+    const auto cuts = dot(normal, normal) > zero;
+    along = select(cuts && max(abs(f[0]), max(abs(f[1]), abs(f[2]))) <= near, one, along);
     const auto crosses = f[0] > zero || f[1] > zero || f[2] > zero;
     if (!any(crosses)) continue;
     // All of a triangle that the cut misses is kept, whatever rounding does along its edges: its register may
@@ -144,6 +145,7 @@ void set_polygon(const RoundTerms& terms, const RoundPart<V>& part, const RoundP
     ++crossing;
   }
   for (int cut = 0; cut < crossing; ++cut) remove_beyond(cut, crossing, polygon, excess);
+  return along;
 }
 
 // Parts a polygon at x = border. Corners no farther above it than this share of R are below: of an edge along
@@ -166,7 +168,9 @@ void part_at(V border, V radius, const Polygon<V>& polygon, Polygon<V>& below, P
     const auto leaves = edge.p.x <= above_it && q_above, enters = p_above && edge.q.x <= above_it;
     Wide2<V> x = edge.p;
     if (any(leaves || enters)) {
-      x = crossing_of(edge, edge.p.x - border, edge.q.x - border).point;
+      // A corner that counts as below may be above by rounding: then the edge crosses in it, not before it.
+      const V fp = edge.p.x - border, fq = edge.q.x - border;
+      x = crossing_of(edge, select(p_above, fp, min(fp, zero)), select(q_above, fq, min(fq, zero))).point;
       x.x = border;
       added = {select(leaves, x, added.p), select(enters, x, added.q)};
     }

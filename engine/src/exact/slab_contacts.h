@@ -28,7 +28,8 @@ inline V most_of(const Each<V>& each) {
 // Where the corners are.
 template <class V>
 struct SlabView {
-  V beside;  // 1 where all corners are over one face, or in one that the triangle faces
+  V beside;  // 1 where all corners are over one face
+  V along;   // 1 where the triangle all but lies in one that the slab shares
   V cut;     // bits of the faces that some corner is over
 };
 
@@ -40,19 +41,17 @@ inline Each<V> heights_over(const SlabFaces& faces, int face, const Each<Wide3<V
 }
 
 template <class V>
-inline SlabView<V> view_of(const SlabFaces& faces, const Each<Wide3<V>>& corner, Wide3<V> n) {
-  const V zero = number<V>(0), one = number<V>(1), tiny = number<V>(faces.tiny);
-  SlabView<V> view{zero, zero};
+inline SlabView<V> view_of(const SlabFaces& faces, const Each<Wide3<V>>& corner) {
+  const V zero = number<V>(0), one = number<V>(1), near = number<V>(faces.near);
+  SlabView<V> view{zero, zero, zero};
   double bit = 1;
   for (int face = 0; face < faces.count; ++face, bit *= 2) {
     const Each<V> over = heights_over(faces, face, corner);
     const V lowest = least_of(over), highest = most_of(over);
-    if (!any(highest >= zero - tiny)) continue;
-    const auto within = highest <= tiny && lowest >= zero - tiny;
-    const auto faced = dot(in_all_lanes<V>(faces.normal[face]), n) > zero;
-    const auto away = (within && faced) || lowest > tiny;
-    view.beside = select(away, one, view.beside);
-    view.cut = view.cut + select(within, zero, select(highest > zero, number<V>(bit), zero));
+    if (!any(highest >= zero - near)) continue;
+    if (face > 0) view.along = select(highest <= near && lowest >= zero - near, one, view.along);
+    view.beside = select(lowest > near, one, view.beside);
+    view.cut = view.cut + select(highest > zero, number<V>(bit), zero);
   }
   return view;
 }
@@ -60,7 +59,8 @@ inline SlabView<V> view_of(const SlabFaces& faces, const Each<Wide3<V>>& corner,
 template <class V>
 void slab_contacts(SlabTerms& terms) {
   const V zero = number<V>(0), third = number<V>(1.0 / 3);
-  const V missed = number<V>(kSlabMissed), touched = number<V>(kSlabTouched), open = number<V>(kSlabOpen);
+  const V missed = number<V>(kSlabMissed), touched = number<V>(kSlabTouched), open = number<V>(kSlabOpen),
+          doubtful = number<V>(kSlabDoubtful);
   for (std::size_t i = 0; i < terms.count; i += wide::Lanes<V>::kCount) {
     const Wide3<V> a = vector_at<V>(terms.a, i), ab = vector_at<V>(terms.ab, i),
                    ac = vector_at<V>(terms.ac, i);
@@ -71,7 +71,7 @@ void slab_contacts(SlabTerms& terms) {
     const auto fine =
         twice > rounding<V>() * longest && twice > number<V>(1e-290) && longest < number<V>(1e150);
     const Wide3<V> n = one_over(twice) * raw;
-    const SlabView<V> view = view_of(terms.faces, corner, n);
+    const SlabView<V> view = view_of(terms.faces, corner);
     const Each<V> over = heights_over(terms.faces, 0, corner);
     const Each<V> f{zero - over.a, zero - over.b, zero - over.c};
     const V area = number<V>(0.5) * twice, sum = f.a + f.b + f.c;
@@ -80,7 +80,8 @@ void slab_contacts(SlabTerms& terms) {
     const Wide3<V> centroid = third * points;
     const Wide3<V> centre = (number<V>(0.25) * one_over(sum)) * (sum * points + weighted);
     const auto whole = view.cut == zero;
-    put(terms.status + i, select(fine && view.beside == zero, select(whole, touched, open), missed));
+    const V status = select(view.along > zero, doubtful, select(whole, touched, open));
+    put(terms.status + i, select(fine && view.beside == zero, status, missed));
     put(terms.cut + i, view.cut);
     put(terms.area + i, area);
     put(terms.volume + i, max(zero, third * (area * sum)));

@@ -21,7 +21,7 @@ Vec3 origin_of(const Slab& slab) { return slab.face[1].point; }
 SlabFaces faces_of(const Slab& slab) {
   SlabFaces faces;
   faces.count = slab.face_count;
-  faces.tiny = Slab::kInPlane * slab.thickness;
+  faces.near = kAlongCut * slab.thickness;
   for (std::size_t i = 0; i < static_cast<std::size_t>(slab.face_count); ++i) {
     put_vector(slab.face[i].normal, faces.normal[i]);
     faces.offset[i] = dot(slab.face[i].normal, slab.face[i].point - origin_of(slab));
@@ -89,6 +89,7 @@ void collide_slab_pairs(const PairSlots& pairs, const Slab& slab, std::span<cons
   };
   const auto give = [&](std::uint32_t slot, std::size_t k, const SlabTerms& from) {
     if (from.status[k] == kSlabTouched) read_contact(from, k, slab, pairs.corners(slot), pairs.contact[slot]);
+    if (from.status[k] == kSlabDoubtful) alone.push_back(slot);
     if (from.status[k] != kSlabOpen) return;
     const RimPair pair{slot, static_cast<std::uint32_t>(from.cut[k])};
     if (cut_count(pair) > RimTerms::kMostCuts) {

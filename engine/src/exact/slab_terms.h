@@ -13,7 +13,7 @@ namespace lumbrical {
 /// The faces, the skin first: dot(normal, p - origin) <= offset inside. W, unit; [m].
 struct SlabFaces {
   int count = 0;
-  double tiny = 0;  ///< [m] a triangle no farther from a face lies in it
+  double near = 0;  ///< [m] a triangle no farther from a face all but lies in it
   double normal[Slab::kMostFaces][3], offset[Slab::kMostFaces];
 };
 
@@ -22,6 +22,8 @@ inline constexpr double kSlabMissed = 0, kSlabTouched = 1;
 /// Numbers don't hold: a face cuts the triangle (of `slab_contacts`), rounding has made the polygon concave
 /// (of `slab_rims`).
 inline constexpr double kSlabOpen = 2;
+/// The triangle all but lies in a face (kAlongCut), and is for another way.
+inline constexpr double kSlabDoubtful = 3;
 
 template <std::size_t N>
 struct SlabResults {

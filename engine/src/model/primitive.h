@@ -28,6 +28,10 @@ struct HalfSpace {
   Vec3 point;         ///< [m] W
   double offset = 0;  ///< [m] 0 but for what is cut in one triangle (border_cut.h)
 };
+/// [share of the radius] A triangle whose corners are all as near to a cut all but lies in it: where it
+/// crosses is rounding's, which in lanes is not the same for the tiles on both sides (`cut_along`,
+/// section.h).
+inline constexpr double kAlongCut = 1e-5;
 
 struct Primitive {
   static constexpr std::size_t kMostCuts = 3;

@@ -20,10 +20,6 @@ void add_palm_parts(const SweptPolygon& palm, Law law, Primitives& hand);
 /// A convex polyhedron between the core and the skin on one side of it.
 struct Slab {
   static constexpr int kMostFaces = SweptPolygon::kMostCorners + 2;
-  /// [share of the thickness] A triangle whose corners are all as near to a face lies in it, and is felt by
-  /// the part of the palm it faces away from: the planes of neighbours are opposite, so just one keeps it (as
-  /// in round_polygon.h).
-  static constexpr double kInPlane = 16e-15;
   int face_count = 0;
   std::array<HalfSpace, kMostFaces> face{};  ///< outward normals; [0] is the skin, [1] the core's plane
   double thickness = 0;                      ///< [m] the palm's radius

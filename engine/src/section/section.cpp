@@ -111,41 +111,17 @@ void set_round_zones(Section& section) {
   add_sphere_zone(Zone::second_end, border.second, kInfinity, x2, section.radius2, section.h2, section);
 }
 
-// A triangle parallel to a cut to rounding, the sine of the angle between them less than this, is cut whole.
-constexpr double kSamePlane = 1e-12;
-
-// As near to a cut as this share of the larger radius a corner lies in it.
-constexpr double kInPlane = 16e-15;
-
-// A triangle in the plane in which two tiles meet belongs to the one it faces away from: their normals are
-// opposite to the last bit, so just one of the two keeps it. The lanes do the same (round_polygon.h).
-bool lies_in_plane(const HalfSpace& cut, double tiny, Vec3 a, Vec3 b, Vec3 c) {
-  const auto is_within = [&](Vec3 p) {
-    return std::fabs(dot(cut.normal, p - cut.point) - cut.offset) <= tiny;
-  };
-  return is_within(a) && is_within(b) && is_within(c);
-}
-
-bool keeps_parallel(const HalfSpace& cut, double tiny, Vec3 a, Vec3 b, Vec3 c, Vec3 n) {
-  if (lies_in_plane(cut, tiny, a, b, c)) return dot(cut.normal, n) <= 0;
-  return dot(cut.normal, a - cut.point) <= cut.offset;
-}
-
 void set_polygon(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& section) {
+  PlacedTriangle triangle{{a, b, c}, section.n, {}};
   section.polygon.count = 3;
-  const Vec3 corner[3] = {a - section.origin, b - section.origin, c - section.origin};
-  for (int i = 0; i < 3; ++i) {
-    section.polygon.corner[static_cast<std::size_t>(i)] = {dot(corner[i], section.u),
-                                                           dot(corner[i], section.v)};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 corner = triangle.corner[i] - section.origin;
+    triangle.flat[i] = section.polygon.corner[i] = {dot(corner, section.u), dot(corner, section.v)};
   }
   for (int i = 0; i < primitive.cut_count; ++i) {
     const HalfSpace& cut = primitive.cut[static_cast<std::size_t>(i)];
+    if (cut_along(cut, kAlongCut * section.radius1, triangle, section.polygon)) continue;
     const Point2 direction{dot(cut.normal, section.u), dot(cut.normal, section.v)};
-    const double tiny = kInPlane * section.radius1;
-    if (dot(direction, direction) < kSamePlane * kSamePlane || lies_in_plane(cut, tiny, a, b, c)) {
-      if (!keeps_parallel(cut, tiny, a, b, c, section.n)) section.polygon.count = 0;
-      continue;
-    }
     const double offset =
         dot(cut.normal, cut.point - section.origin) + cut.offset + section.h1 * dot(cut.normal, section.n);
     cut_polygon(direction, offset, section.polygon);
@@ -155,6 +131,31 @@ void set_polygon(const Primitive& primitive, Vec3 a, Vec3 b, Vec3 c, Section& se
 // Two triangles that share an edge run along it in opposite senses. What is reckoned of it starts from the
 // same end for both: so it is the same to the last bit, and what they have in common cancels exactly.
 bool runs_back(Point2 p, Point2 q) { return q.x < p.x || (q.x == p.x && q.y < p.y); }
+
+// As near to a cut as this share of its corners' distance a triangle lies in it.
+constexpr double kInPlane = 16e-15;
+
+// How far each corner of a polygon lies beyond what is kept.
+using Excess = std::array<double, Polygon2::kMaxCorners>;
+
+void cut_by(const Excess& excess, Polygon2& polygon) {
+  Polygon2 kept;
+  for (int i = 0; i < polygon.count; ++i) {
+    const std::size_t here = static_cast<std::size_t>(i);
+    const std::size_t next = static_cast<std::size_t>(i + 1 == polygon.count ? 0 : i + 1);
+    const Point2 p = polygon.corner[here], q = polygon.corner[next];
+    const double ep = excess[here], eq = excess[next];
+    if (ep <= 0 && kept.count < Polygon2::kMaxCorners)
+      kept.corner[static_cast<std::size_t>(kept.count++)] = p;
+    if ((ep <= 0) != (eq <= 0) && kept.count < Polygon2::kMaxCorners) {
+      kept.corner[static_cast<std::size_t>(kept.count++)] =
+          runs_back(p, q) ? q + (eq / (eq - ep)) * (p - q) : p + (ep / (ep - eq)) * (q - p);
+    }
+  }
+  polygon.count = kept.count < 3 ? 0 : kept.count;
+  for (int i = 0; i < polygon.count; ++i)
+    polygon.corner[static_cast<std::size_t>(i)] = kept.corner[static_cast<std::size_t>(i)];
+}
 
 }  // namespace
 
@@ -192,31 +193,40 @@ Interval positive_interval(double a, double b, double c, double lower, double up
   return left.second - left.first > right.second - right.first ? left : right;
 }
 
+bool cut_along(const HalfSpace& cut, double near, const PlacedTriangle& triangle, Polygon2& polygon) {
+  double height[3], most = 0, farthest2 = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 from_cut = triangle.corner[i] - cut.point;
+    height[i] = dot(cut.normal, from_cut) - cut.offset;
+    most = max(most, std::fabs(height[i]));
+    farthest2 = max(farthest2, dot(from_cut, from_cut));
+  }
+  if (!(dot(cut.normal, cut.normal) > 0) || !(most <= near)) return false;
+  if (most * most <= kInPlane * kInPlane * farthest2) {
+    if (dot(cut.normal, triangle.n) > 0) polygon.count = 0;
+    return true;
+  }
+  const auto& [a, b, c] = triangle.flat;
+  const double twice = cross(b - a, c - a);
+  Excess excess;  // of as many as there are corners
+  for (int i = 0; i < polygon.count; ++i) {
+    const Point2 p = polygon.corner[static_cast<std::size_t>(i)] - a;
+    const double of_b = cross(p, c - a) / twice, of_c = cross(b - a, p) / twice;
+    excess[static_cast<std::size_t>(i)] = (1 - of_b - of_c) * height[0] + of_b * height[1] + of_c * height[2];
+  }
+  cut_by(excess, polygon);
+  return true;
+}
+
 void cut_polygon(Point2 direction, double offset, Polygon2& polygon) {
-  std::array<double, Polygon2::kMaxCorners> excess;  // of as many as there are corners
+  Excess excess;  // of as many as there are corners
   bool outside = false;
   for (int i = 0; i < polygon.count; ++i) {
-    excess[static_cast<std::size_t>(i)] =
-        dot(direction, polygon.corner[static_cast<std::size_t>(i)]) - offset;
-    outside = outside || excess[static_cast<std::size_t>(i)] > 0;
-  }
-  if (!outside) return;
-  Polygon2 kept;
-  for (int i = 0; i < polygon.count; ++i) {
     const std::size_t here = static_cast<std::size_t>(i);
-    const std::size_t next = static_cast<std::size_t>(i + 1 == polygon.count ? 0 : i + 1);
-    const Point2 p = polygon.corner[here], q = polygon.corner[next];
-    const double ep = excess[here], eq = excess[next];
-    if (ep <= 0 && kept.count < Polygon2::kMaxCorners)
-      kept.corner[static_cast<std::size_t>(kept.count++)] = p;
-    if ((ep <= 0) != (eq <= 0) && kept.count < Polygon2::kMaxCorners) {
-      kept.corner[static_cast<std::size_t>(kept.count++)] =
-          runs_back(p, q) ? q + (eq / (eq - ep)) * (p - q) : p + (ep / (ep - eq)) * (q - p);
-    }
+    excess[here] = dot(direction, polygon.corner[here]) - offset;
+    outside = outside || excess[here] > 0;
   }
-  polygon.count = kept.count < 3 ? 0 : kept.count;
-  for (int i = 0; i < polygon.count; ++i)
-    polygon.corner[static_cast<std::size_t>(i)] = kept.corner[static_cast<std::size_t>(i)];
+  if (outside) cut_by(excess, polygon);
 }
 
 bool look_along(const Primitive& primitive, Vec3 point, Vec3 n, Vec3 along, Section& section) {

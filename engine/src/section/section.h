@@ -89,6 +89,20 @@ struct AreaMoments {
 };
 AreaMoments polygon_area(const Polygon2& polygon);
 
+/// A triangle, its outward unit normal, and its corners in plane coordinates [m].
+struct PlacedTriangle {
+  std::array<Vec3, 3> corner;  ///< [m] W
+  Vec3 n;
+  std::array<Point2, 3> flat;
+};
+
+/// Are all corners of a triangle as near to the plane of `cut` as `near` [m]? Then removes what of the
+/// polygon, a part of the triangle, lies beyond it. A corner's height comes from the same numbers for the
+/// tile on the other side, with the opposite sign: so whatever rounding makes of the line where they part,
+/// neither leaves a gap to the other nor covers a part of it. Of a triangle in the plane the one it faces
+/// away from has all.
+bool cut_along(const HalfSpace& cut, double near, const PlacedTriangle& triangle, Polygon2& polygon);
+
 /// Removes the part of the polygon where dot(direction, p) > offset.
 void cut_polygon(Point2 direction, double offset, Polygon2& polygon);
 

@@ -53,17 +53,13 @@ Polygon2 polygon_in(const Slab& slab, Vec3 a, Vec3 b, Vec3 c, const Plane& plane
   polygon.corner[0] = {0, 0};
   polygon.corner[1] = {dot(b - a, plane.u), dot(b - a, plane.v)};
   polygon.corner[2] = {dot(c - a, plane.u), dot(c - a, plane.v)};
-  const double tiny = Slab::kInPlane * slab.thickness;
+  const PlacedTriangle triangle{
+      {a, b, c}, plane.n, {polygon.corner[0], polygon.corner[1], polygon.corner[2]}};
   for (int i = 0; i < slab.face_count && polygon.count >= 3; ++i) {
     const HalfSpace& face = slab.face[static_cast<std::size_t>(i)];
-    const double ha = dot(face.normal, a - face.point), hb = dot(face.normal, b - face.point),
-                 hc = dot(face.normal, c - face.point);
-    if (max(std::fabs(ha), max(std::fabs(hb), std::fabs(hc))) <= tiny) {
-      if (dot(face.normal, plane.n) > 0) polygon.count = 0;
-    } else if (max(ha, max(hb, hc)) > 0) {
-      const Linear height = height_over(face, plane);
-      cut_polygon(height.slope, -height.value, polygon);
-    }
+    if (cut_along(face, kAlongCut * slab.thickness, triangle, polygon)) continue;
+    const Linear height = height_over(face, plane);
+    cut_polygon(height.slope, -height.value, polygon);
   }
   return polygon;
 }
