@@ -1,17 +1,18 @@
 #include "model/ranges.h"
 
+#include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
+#include <cstdio>
 
 namespace lumbrical {
 
+// emscripten's library has no to_chars of numbers with a fraction.
 std::string text_of(double number) {
-  std::array<char, 40> text{};
-  char* const end = text.data() + text.size();
-  const bool plain = number == 0 || (std::fabs(number) < 1e10 && std::fabs(number) >= 1e-4);
-  const auto format = plain ? std::chars_format::fixed : std::chars_format::general;
-  return {text.data(), std::to_chars(text.data(), end, number, format).ptr};
+  std::array<char, 32> digits{};
+  std::snprintf(digits.data(), digits.size(), "%.15g", number);
+  std::string text = digits.data();
+  std::replace(text.begin(), text.end(), ',', '.');  // whatever the host's locale is
+  return text;
 }
 
 std::string text_of(const Range& range) {

@@ -13,7 +13,7 @@ struct Range {
   [[nodiscard]] constexpr bool holds(double value) const { return value >= low && value <= high; }
 };
 
-/// The shortest text that reads back as the same number: 100000 rather than 1e+05.
+/// Fifteen digits at most: 100000 rather than 1e+05.
 std::string text_of(double number);
 /// "0 to 60 s"
 std::string text_of(const Range& range);
