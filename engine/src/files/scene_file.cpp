@@ -93,7 +93,8 @@ void read_settings(const format::Settings* table, FieldReader& read, Settings& s
   read.number(table->point_area(), "settings.point_area", range::point_area, settings.point_area);
   read.number(table->max_force(), "settings.max_force", range::max_force, settings.max_force);
   read.number(table->fade_time(), "settings.fade_time", range::fade_time, settings.fade_time);
-  read.number(table->proxy_stiffness(), "settings.proxy_stiffness", {0, 1e5}, settings.proxy_stiffness);
+  read.number(table->proxy_stiffness(), "settings.proxy_stiffness", {0, range::proxy_stiffness.high},
+              settings.proxy_stiffness);
   read_word(table->felt_once(), "settings.felt_once", parse_felt_once,
             "has to be \"never\", \"by-samples\" or \"always\"", read, settings.felt_once);
   read_pad(table->pad(), read, settings.pad);

@@ -237,24 +237,23 @@ void collide_slabs(Work& work) {
 
 // ---- 4. What is missing of contacts is added in their slots ----
 
-// Where a border runs from corner to corner its chord is an edge, and may leave a tile nothing but its bulge.
-void begin_with_bulge(const Corners& at, const BulgeMoments& bulge, Contact& contact) {
-  if (!(bulge.area > 0) || !normal_of(at.a, at.b, at.c, contact.normal)) return;
-  contact.depth = contact.volume = contact.error = 0;
-  contact.centroid = contact.centre = bulge.base;
+// Adds what the tile gains beyond its chord. Where a border runs from corner to corner the chord is an edge,
+// and may leave the tile nothing else.
+void add_own_bulge(Work& work, std::uint32_t slot) {
+  const BulgeMoments& bulge = work.own_cuts(slot)->bulge;
+  Contact& contact = work.pairs.contact[slot];
+  if (!(contact.area > 0)) {
+    const Corners at = work.pairs.corners(slot);
+    if (!(bulge.area > 0) || !normal_of(at.a, at.b, at.c, contact.normal)) return;
+    contact.depth = contact.volume = contact.error = 0;
+    contact.centroid = contact.centre = bulge.base;
+  }
   add_bulge(bulge, contact);
 }
 
 void add_bulges(Work& work) {
   for (const std::uint32_t slot : work.crossed) {
-    Contact& contact = work.pairs.contact[slot];
-    const OwnCuts* const own = work.own_cuts(slot);
-    if (own == nullptr) continue;
-    if (contact.area > 0) {
-      add_bulge(own->bulge, contact);
-    } else {
-      begin_with_bulge(work.pairs.corners(slot), own->bulge, contact);
-    }
+    if (work.own_cuts(slot) != nullptr) add_own_bulge(work, slot);
   }
 }
 
@@ -297,12 +296,8 @@ void collide_alone(Work& work) {
     }
     const Primitive tile = tile_cut_so(pairs.primitive(slot), own->cut);
     const ContactQuery query{tile.law, work.point_area, nullptr, pairs.kernels, false};
-    if (general_contact(tile, query, a, b, c, boundary, contact)) {
-      add_bulge(own->bulge, contact);
-    } else {
-      contact.area = 0;
-      begin_with_bulge({a, b, c}, own->bulge, contact);
-    }
+    if (!general_contact(tile, query, a, b, c, boundary, contact)) contact.area = 0;
+    add_own_bulge(work, slot);
   }
 }
 
