@@ -8,6 +8,7 @@
 
 #include "device/profile_check.h"
 #include "device/registers.h"
+#include "model/ranges.h"
 
 namespace lumbrical {
 namespace {
@@ -82,13 +83,6 @@ std::vector<RegisterBlock> blocks_of(const std::vector<NamedField>& fields, int 
     }
   }
   return blocks;
-}
-
-std::string text_of(double number) {
-  std::string text = std::to_string(number);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text;
 }
 
 ProfileFault range_fault(const RegisterField& field, double low, double high, const std::string& path) {

@@ -132,6 +132,10 @@ class Walker {
   std::size_t position_ = 0;
 };
 
+std::string interval(const Range& range) {
+  return text_of(range.low) + " .. " + text_of(range.high) + range.unit;
+}
+
 }  // namespace
 
 TextPlace find_json_value(std::string_view text, std::string_view path) {
@@ -189,8 +193,19 @@ void FieldReader::number(flatbuffers::Optional<double> value, const std::string&
   if (range.holds(*value)) {
     target = *value;
   } else {
-    error(path, "is " + text_of(*value) + " but must lie in " + text_of(range.low) + " .. " +
-                    text_of(range.high) + range.unit);
+    error(path, "is " + text_of(*value) + " but must lie in " + interval(range));
+  }
+}
+
+void FieldReader::zero_or_number(flatbuffers::Optional<double> value, const std::string& path, Range range,
+                                 double& target) {
+  if (!value.has_value()) return;
+  if (*value == 0) {
+    target = 0;
+  } else if (range.holds(*value)) {
+    target = *value;
+  } else {
+    error(path, "is " + text_of(*value) + " but must be 0 or lie in " + interval(range));
   }
 }
 

@@ -39,6 +39,9 @@ class FieldReader {
   explicit FieldReader(const JsonFile& file) : file_(file) {}
 
   void number(flatbuffers::Optional<double> value, const std::string& path, Range range, double& target);
+  /// Or 0, which lies outside the range.
+  void zero_or_number(flatbuffers::Optional<double> value, const std::string& path, Range range,
+                      double& target);
   void count(flatbuffers::Optional<std::uint32_t> value, const std::string& path, Range range,
              std::uint32_t& target);
   /// Exactly target.size() numbers within the range.

@@ -41,15 +41,6 @@ void read_law(const flatbuffers::String* word, const std::string& path, FieldRea
             "is not a law; use \"field\", \"column\", \"max-depth\", \"centroid\" or \"point\"", read, law);
 }
 
-void read_precision(const flatbuffers::Optional<double>& value, const std::string& path, FieldReader& read,
-                    double& precision) {
-  if (value && *value == 0) {
-    precision = 0;
-    return;
-  }
-  read.number(value, path, range::precision, precision);
-}
-
 void read_segments(const format::Settings& table, FieldReader& read, Settings& settings) {
   if (table.segments() == nullptr) return;
   for (flatbuffers::uoffset_t i = 0; i < table.segments()->size(); ++i) {
@@ -67,7 +58,8 @@ void read_segments(const format::Settings& table, FieldReader& read, Settings& s
     } else {
       const auto number = static_cast<std::size_t>(segment);
       read_law(entry.law(), path + ".law", read, settings.law[number]);
-      read_precision(entry.precision(), path + ".precision", read, settings.precision[number]);
+      read.zero_or_number(entry.precision(), path + ".precision", range::precision,
+                          settings.precision[number]);
     }
   }
 }
@@ -93,8 +85,8 @@ void read_settings(const format::Settings* table, FieldReader& read, Settings& s
   read.number(table->point_area(), "settings.point_area", range::point_area, settings.point_area);
   read.number(table->max_force(), "settings.max_force", range::max_force, settings.max_force);
   read.number(table->fade_time(), "settings.fade_time", range::fade_time, settings.fade_time);
-  read.number(table->proxy_stiffness(), "settings.proxy_stiffness", {0, range::proxy_stiffness.high},
-              settings.proxy_stiffness);
+  read.zero_or_number(table->proxy_stiffness(), "settings.proxy_stiffness", range::proxy_stiffness,
+                      settings.proxy_stiffness);
   read_word(table->felt_once(), "settings.felt_once", parse_felt_once,
             "has to be \"never\", \"by-samples\" or \"always\"", read, settings.felt_once);
   read_pad(table->pad(), read, settings.pad);
@@ -103,7 +95,7 @@ void read_settings(const format::Settings* table, FieldReader& read, Settings& s
              settings.max_candidates);
   read_law(table->law(), "settings.law", read, settings.law[0]);
   settings.law.fill(settings.law[0]);
-  read_precision(table->precision(), "settings.precision", read, settings.precision[0]);
+  read.zero_or_number(table->precision(), "settings.precision", range::precision, settings.precision[0]);
   settings.precision.fill(settings.precision[0]);
   read_segments(*table, read, settings);
 }
