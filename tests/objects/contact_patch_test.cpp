@@ -13,7 +13,7 @@
 namespace lumbrical {
 namespace {
 
-constexpr double kPi = 3.141592653589793, kStiffness = 2e7;
+constexpr double kPi = 3.141592653589793, kStiffness = 2e7, kTurningStep = 1e-3;
 
 // Of the field law over a plane, by sums over a fine grid.
 struct PlainPatch {
@@ -140,6 +140,66 @@ TEST(ContactPatch, OfThePalmMovesAsTheLineOfActionTurnsAndNeverJumps) {
     way += moved;
   }
   EXPECT_GT(way, 0.01);  // [m]
+}
+
+// A finger that is straight, or bent by a right angle half way, at a plane.
+test::Session felt_finger(Vec3 distal, Vec3 tip) {
+  Scene scene = test::pad_scene();
+  scene.objects.push_back({"plane", make_plane(0.2, 3)});
+  test::Session session(scene);
+  DeviceFrame frame = test::finger_frame({Vec3{}, Vec3{0.03125, 0, 0}, distal, tip});
+  frame.base.position = {0, 0, test::kPadRadius - 0.002};
+  session.feel(frame);
+  return session;
+}
+
+// Calls visit(angle, patch) for patches of a line of action that turns by half a turn about a point.
+template <class Visit>
+void visit_turning_patches(const Primitives& hand, std::size_t segment, double force, const Visit& visit) {
+  const Primitive& capsule = hand.capsule[segment];
+  const Vec3 point = 0.5 * (capsule.end1 + capsule.end2) - hand.base_joint[segment] - Vec3{0, 0, 0.004};
+  for (double angle = 0; angle < kPi; angle += kTurningStep) {
+    const Vec3 push = force * Vec3{std::cos(angle), 0, std::sin(angle)};
+    visit(angle, contact_patch(hand, segment, {push, cross(point, push)}, kStiffness, {}));
+  }
+}
+
+TEST(ContactPatch, OfAPhalanxNeverJumpsAsTheLineOfActionTurns) {
+  const test::Session straight = felt_finger({0.0546875, 0, 0}, {0.078125, 0, 0}),
+                      bent = felt_finger({0.046875, 0, -0.015625}, {0.046875, 0, -0.03125});
+  for (const test::Session* session : {&straight, &bent}) {
+    for (const std::size_t segment : {3u, 4u, 5u}) {
+      for (const double force : {1.0, 5.0}) {
+        ContactPatch last;
+        visit_turning_patches(
+            *session->scratch.primitives, segment, force, [&](double angle, const ContactPatch& patch) {
+              if (angle > 0) {
+                EXPECT_LT(norm(patch.centre - last.centre), 0.05 * kTurningStep) << segment << " " << angle;
+                EXPECT_NEAR(patch.radius, last.radius, 2e-4) << segment << " " << angle;
+                EXPECT_NEAR(patch.stiffness, last.stiffness, 1000) << segment << " " << angle;
+              }
+              last = patch;
+            });
+      }
+    }
+  }
+}
+
+TEST(ContactPatch, OfAPhalanxThatAFacePassesThroughIsNotStifferForItsCuts) {
+  for (const double turn : {0.0, 9.9e-4, 1.01e-3, 5e-3, 0.03}) {
+    Scene scene = test::pad_scene();
+    Mesh box = make_box({0.1, 0.2, 0.2}, 4);
+    place_mesh({{0.05, 0, 0}, {}}, box);
+    scene.objects.push_back({"face at x = 0", box});
+    test::Session session(scene);
+    DeviceFrame frame = test::finger_frame(
+        {Vec3{-0.046875, 0, 0}, Vec3{-0.015625, 0, 0}, Vec3{0.015625, 0, 0}, Vec3{0.0390625, 0, 0}});
+    frame.base.orientation = {std::cos(0.5 * turn), 0, std::sin(0.5 * turn), 0};
+    const Wrench wrench = session.feel(frame).segment[4];
+    const ContactPatch patch = contact_patch(*session.scratch.primitives, 4, wrench, kStiffness, {});
+    EXPECT_GT(patch.force, 5);
+    EXPECT_LT(patch.stiffness, 500) << turn;  // [N/m]; its force does not grow at all
+  }
 }
 
 }  // namespace

@@ -119,5 +119,75 @@ TEST(Energy, ABounceNeverGainsHeight) {
   EXPECT_GT(lowest, 0.02);
 }
 
+// A body of 0.1 kg that nothing pulls or touches, off the point (0, 0, 0) that its joint, if any, holds.
+Scene turning_scene(Mobility mobility, Vec3 size, double rate) {
+  Scene scene = test::pad_scene();
+  scene.gravity = {};
+  scene.settings.rate = rate;
+  scene.objects.push_back(test::body_of("body", make_box(size, 1), 0.1, {{0.06, 0, -0.08}, {}}, {}));
+  scene.objects[0].mechanism.mobility = mobility;
+  return scene;
+}
+
+// As it turns about that point or, free, about its centre of mass; boxes have no products of inertia.
+struct Turning {
+  double energy = 0;  // [J]
+  Vec3 momentum;      // [kg m^2/s]
+};
+Turning turning_of(const Session& run) {
+  const ObjectState& state = run.state.objects[0];
+  const Mechanism& mechanism = run.model.apart[0].mechanism;
+  const auto& inertia = mechanism.body.inertia;
+  const Vec3 spin = state.angular_velocity, own = rotate(conjugate(state.pose.orientation), spin);
+  const bool held = mechanism.mobility != Mobility::free;
+  const Vec3 arm = held ? transform(state.pose, mechanism.body.centre) : Vec3{};
+  const Vec3 about_centre{inertia[0] * own.x, inertia[1] * own.y, inertia[2] * own.z};
+  const Vec3 momentum =
+      rotate(state.pose.orientation, about_centre) + mechanism.body.mass * cross(arm, cross(spin, arm));
+  return {0.5 * dot(spin, momentum), momentum};
+}
+
+void run_apart_from_the_hand(Session& run, int ticks) {
+  for (int i = 0; i < ticks; ++i) run.step(test::frame_of({{{0, 0, 10}}}));
+}
+
+TEST(Energy, OfABodyThatTurnsByItselfNeverGrowsHoweverFast) {
+  for (const Mobility mobility : {Mobility::free, Mobility::ball}) {
+    for (const double speed : {10.0, 300.0, 1000.0, 10000.0}) {
+      for (const Vec3 way : {Vec3{0.1, 1, 0.05}, {1, -0.7, 0.3}, {0.2, 0.1, -1}}) {
+        Session run(turning_scene(mobility, {0.1, 0.06, 0.01}, 1000));
+        run.state.objects[0].angular_velocity = speed * way;
+        double last = turning_of(run).energy;
+        for (int i = 0; i < 200; ++i) {
+          run_apart_from_the_hand(run, 1);
+          const double now = turning_of(run).energy;
+          ASSERT_LE(now, last * (1 + 1e-12)) << speed << " rad/s, tick " << i;
+          last = now;
+        }
+      }
+    }
+  }
+}
+
+TEST(Energy, OfABodyOnABallIsKeptWithItsAngularMomentum) {
+  Session run(turning_scene(Mobility::ball, {0.02, 0.02, 0.02}, 10000));
+  run.state.objects[0].angular_velocity = {0, 0, 11};
+  const Turning first = turning_of(run);
+  for (int part = 0; part < 5; ++part) {
+    run_apart_from_the_hand(run, 1000);
+    const Turning now = turning_of(run);
+    EXPECT_LT(norm(now.momentum - first.momentum), 0.003 * norm(first.momentum)) << part;
+    EXPECT_NEAR(now.energy, first.energy, 0.005 * first.energy) << part;
+  }
+}
+
+TEST(Energy, OfAHingeIsKeptHoweverFarItsCentreOfMassIsFromItsAxis) {
+  Session run(turning_scene(Mobility::hinge, {0.02, 0.02, 0.02}, 1000));
+  run.state.objects[0].angular_velocity = 100 * run.model.apart[0].mechanism.axis;
+  const double first = turning_of(run).energy;
+  run_apart_from_the_hand(run, 2000);
+  EXPECT_NEAR(turning_of(run).energy, first, 1e-9 * first);
+}
+
 }  // namespace
 }  // namespace lumbrical

@@ -246,5 +246,106 @@ TEST(Friction, SlidesOverAThousandCoplanarEdgesWithoutABump) {
   }
 }
 
+// A slider of 0.1 kg under a fingertip that has just come to touch it: the skin, which is not drawn yet, must
+// not take the object along with more than it can hold.
+TEST(Friction, OfATouchThatHasJustBegunIsNoMoreThanCoulombs) {
+  constexpr double kMu = 0.1;
+  for (const double speed : {0.1, 1.0}) {
+    for (const double depth : {1e-6, 1e-5, 1e-4}) {
+      Scene scene = test::pad_scene();
+      scene.gravity = {};
+      SceneObject& plate = scene.objects.emplace_back(
+          test::body_of("plate", make_box({0.4, 0.1, 0.01}, 4), 0.1, {}, {kMu, kMu, 0, 1000}));
+      plate.mechanism.mobility = Mobility::slider;
+      plate.mechanism.axis = {1, 0, 0};
+      Session run(scene);
+      run.state.objects[0].velocity = {speed, 0, 0};
+      for (int i = 0; i < 3; ++i) {
+        run.step(test::frame_of({{{0, 0, 0.005 + test::kPadRadius - depth}, {0, 0, 1}}}));
+        const Vec3 force = test::hand_force(run.output);
+        EXPECT_GT(force.z, 0);
+        EXPECT_LE(force.x, 1.001 * kMu * force.z) << speed << " m/s, " << depth << " m deep";
+        EXPECT_GT(force.x, 0.9 * kMu * force.z) << speed << " m/s, " << depth << " m deep";
+      }
+    }
+  }
+}
+
+TEST(Friction, OfTheGroundTakesNoMoreThanCoulombsFromABoxThatComesDownSideways) {
+  constexpr double kSpeed = 1, kTime = 0.4;
+  for (const double mu : {0.0, 0.1}) {
+    for (const double height : {0.0, 1e-4, 0.01}) {
+      Scene scene = test::pad_scene();
+      scene.ground = Ground{};
+      scene.ground->friction = mu;
+      scene.objects.push_back(
+          test::body_of("box", make_box({0.1, 0.1, 0.02}, 2), 0.2, {{0, 0, 0.01 + height}, {}}, {}));
+      Session run(scene);
+      ObjectState& box = run.state.objects[0];
+      box.velocity = {kSpeed, 0, 0};
+      for (int i = 0; i < 400; ++i) run.step(test::frame_of({{{0, 0, 10}}}));
+      // What stops its fall, and carries it afterwards.
+      const double taken =
+          mu * (std::sqrt(2 * kGravity * height) + kGravity * (kTime - std::sqrt(2 * height / kGravity)));
+      EXPECT_NEAR(kSpeed - box.velocity.x, taken, 0.1 * taken + 1e-9) << "mu " << mu << ", from " << height;
+      EXPECT_NEAR(box.velocity.z, 0, 1e-4);
+    }
+  }
+}
+
+// Where a spot of the surface has no friction at all, nothing of the way over it comes back behind it.
+TEST(Friction, ASpotWithoutFrictionIsLikeOneWithHardlyAny) {
+  std::vector<Vec3> forces[2];
+  for (const double factor : {0.0, 1e-12}) {
+    Scene scene = test::pad_scene();
+    SceneObject plate = test::object_of("plate", make_plane(0.4, 2), {}, {0.5, 0.4, 1, 1000});
+    GreyImage image{8, 1, {}};
+    for (int i = 0; i < 8; ++i) image.grey.push_back(i >= 2 && i < 6 ? 0 : 65535);
+    plate.surface.grip = {image, 0.16, factor, 1};
+    scene.objects.push_back(plate);
+    Session run(scene);
+    Vec3 at{0.08, -0.05, test::kPadRadius - 0.002};
+    const auto go = [&](Vec3 by) {
+      at += by;
+      run.step(test::frame_of({{at, {0, 0, 1}}}));
+      forces[factor > 0].push_back(test::hand_force(run.output));
+    };
+    for (int i = 0; i < 400; ++i) go({0, 2.5e-4, 0});
+    for (int i = 0; i < 400; ++i) go({1e-4, 0, 0});
+  }
+  double off = 0, most = 0;
+  for (std::size_t i = 0; i < forces[0].size(); ++i) {
+    off = largest(off, norm(forces[0][i] - forces[1][i]));
+    most = largest(most, std::fabs(forces[0][i].x));
+  }
+  EXPECT_LT(off, 1e-9);
+  EXPECT_GT(most, 0.1) << "nothing rubbed";
+}
+
+// A finger that leans wholly through a plate: its faces push opposite ways, equally or, by a finger that
+// tapers, nearly so, which turns it. The line of action is far away then, or nowhere.
+TEST(ObjectsApart, PassOnATorqueWithHardlyAForce) {
+  const DeviceFrame frame = test::frame_of({{{-0.8 * 0.03125, 0, -0.6 * 0.03125}, {0.8, 0, 0.6}, 0.0625}});
+  const Mesh sheet = make_box({0.2, 0.2, 0.004}, 4);
+  for (const double taper : {0.0, 1e-6, 1e-3}) {
+    Scene whole = test::pad_scene();
+    whole.gravity = {};
+    whole.hand.radius[kThumbDistal] = test::kPadRadius * (1 + taper);
+    Scene apart = whole, free = whole;
+    whole.objects.push_back({"plate", sheet});
+    apart.objects.push_back(test::object_of("plate", sheet, {}, {0.5, 0.5, 0, 1000}));
+    free.objects.push_back(test::body_of("plate", sheet, 0.1, {}, {}));
+    Session one(whole), other(apart), moved(free);
+    one.feel(frame);
+    other.feel(frame);
+    moved.feel(frame);
+    const auto turn = [](const Session& run) { return run.output.segment[2].torque.y; };
+    EXPECT_LT(turn(one), -0.05);
+    EXPECT_NEAR(turn(other), turn(one), 1e-6);
+    EXPECT_NEAR(moved.state.objects[0].angular_velocity.y,
+                -turn(one) * kTick / free.objects[0].mechanism.body.inertia[1], 1e-3);
+  }
+}
+
 }  // namespace
 }  // namespace lumbrical

@@ -159,6 +159,86 @@ TEST(ObjectMotion, AHingeTurnsAboutItsAxisOnlyAndStopsAtItsLimits) {
   EXPECT_LT(norm(pivot), 1e-15);
 }
 
+// How far its centre of mass is from moving as its turning about (0, 0, 0) lets it.
+double own_speed_of_centre(const Session& run) {
+  const ObjectState& state = run.state.objects[0];
+  const Vec3 arm = transform(state.pose, run.model.apart[0].mechanism.body.centre);
+  return norm(state.velocity - cross(state.angular_velocity, arm));
+}
+
+TEST(ObjectMotion, AHingesCentreOfMassMovesAsItTurns) {
+  Scene scene = test::pad_scene();
+  scene.objects.push_back(
+      test::body_of("lever", make_box({0.1, 0.02, 0.02}, 4), 0.1, {{0.05, 0, 0}, {}}, {}));
+  scene.objects[0].mechanism.mobility = Mobility::hinge;
+  scene.objects[0].mechanism.axis = {0, -1, 0};
+  Session run(scene);
+  double fastest = 0;
+  for (int i = 0; i < 1000; ++i) {
+    run.step(no_hand());
+    EXPECT_LT(own_speed_of_centre(run), 1e-12);
+    fastest = largest(fastest, norm(run.state.objects[0].velocity));
+  }
+  EXPECT_GT(fastest, 0.5);  // [m/s]
+}
+
+TEST(ObjectMotion, APendulumOnABallGoesRoundItsCone) {
+  Scene scene = test::pad_scene();
+  scene.objects.push_back(test::body_of("ball", cube(0.02), 0.1, {{0.06, 0, -0.08}, {}}, {}));
+  scene.objects[0].mechanism.mobility = Mobility::ball;
+  Session run(scene);
+  const double turning = std::sqrt(kGravity / 0.08);  // [rad/s]
+  run.state.objects[0].angular_velocity = {0, 0, turning};
+  for (int i = 1; i <= 2000; ++i) {
+    run.step(no_hand());
+    const Vec3 place = run.state.objects[0].pose.position;
+    EXPECT_NEAR(place.z, -0.08, 1e-9);
+    EXPECT_NEAR(place.x, 0.06 * std::cos(turning * kTick * i), 1e-4);
+    EXPECT_LT(own_speed_of_centre(run), 1e-12);
+  }
+}
+
+TEST(ObjectMotion, ABodyOnABallThatHangsStillHasNoSpeed) {
+  Scene scene = test::pad_scene();
+  scene.objects.push_back(test::body_of("ball", cube(0.04, 4), 0.1, {{0, 0, -0.1}, {}}, {}));
+  scene.objects[0].mechanism.mobility = Mobility::ball;
+  scene.objects[0].mechanism.damping = 0.01;
+  const auto press_after = [&](double turning) {
+    Session run(scene);
+    run.state.objects[0].angular_velocity = {0, turning, 0};
+    for (int i = 0; i < 6000; ++i) run.step(no_hand());
+    EXPECT_LT(norm(run.state.objects[0].angular_velocity), 1e-9);
+    EXPECT_LT(norm(run.state.objects[0].velocity), 1e-9);
+    const Pad below{{0, 0, -0.12 - test::kPadRadius + 0.001}, {0, 0, -1}};
+    for (int i = 0; i < 10; ++i) run.step(test::frame_of({below}));
+    return test::hand_force(run.output).z;
+  };
+  const double never_turned = press_after(0);
+  EXPECT_LT(never_turned, -0.3);
+  EXPECT_NEAR(press_after(8), never_turned, 1e-6);
+}
+
+TEST(ObjectMotion, ABodyOnABallGainsTheAngularMomentumThatHandAndWeightGiveIt) {
+  Scene scene = test::pad_scene();
+  scene.objects.push_back(test::body_of("ball", cube(0.04, 4), 0.1, {{0, 0, -0.1}, {}}, {0.5, 0.4, 0, 1000}));
+  scene.objects[0].mechanism.mobility = Mobility::ball;
+  Session run(scene);
+  const ObjectState& state = run.state.objects[0];
+  const MassProperties body = run.model.apart[0].mechanism.body;
+  const Vec3 weight = body.mass * scene.gravity;
+  Vec3 given;
+  for (int i = 0; i < 400; ++i) {  // pushed aside by 40 mm and beside its middle, left, and turning
+    const Vec3 origin = state.pose.position;
+    const double x = -0.028 + (i < 200 ? 1e-6 * i * i : 0);
+    const Wrench hand = run.step(test::frame_of({{{x, 0.004, -0.1}, {-1, 0, 0}}})).wrench;
+    given += kTick * (hand.torque + cross(origin, hand.force + weight));
+  }
+  const Vec3 arm = state.pose.position, spin = state.angular_velocity;
+  const Vec3 gained = body.inertia[0] * spin + body.mass * cross(arm, cross(spin, arm));  // a cube's
+  EXPECT_GT(norm(given), 0.004);
+  EXPECT_LT(norm(gained - given), 0.005 * norm(given));
+}
+
 TEST(ObjectMotion, DryFrictionHoldsALeverAndDetentsCatchIt) {
   Scene scene = test::pad_scene();
   SceneObject knob = test::body_of("knob", make_box({0.1, 0.02, 0.02}, 4), 0.1, {{0.05, 0, 0}, {}}, {});

@@ -132,6 +132,40 @@ TEST(Proxy, KeepsACoreAsFarFromAWallAsTheForceLets) {
   EXPECT_NEAR(proxy_at(run, kPhalanxJoints[2].tip).z, 0.001 + 0.5 * kPadRadius, 1.1e-5 * force);
 }
 
+// ---- Slides ----
+
+// Single precision, as mesh files have it.
+Mesh rounded(Mesh mesh) {
+  for (Vec3& p : mesh.vertices)
+    p = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+  return mesh;
+}
+
+TEST(Proxy, SlidesWithoutForceOverCornersAndEdgesOfAFlatFace) {
+  const Pose tilted{{0.3, -0.2, 0.7}, normalized({0.5, 0.3, -0.6, 0.2})};
+  for (const Vec3 away : {Vec3{0, 0, 1}, Vec3{0.6, 0, 0.8}, Vec3{1, 0, 0}}) {
+    for (const std::uint32_t cells : {1u, 32u, 256u}) {
+      Mesh mesh = make_plane(0.256, cells, 0);
+      place_mesh(tilted, mesh);
+      Session run(proxy_scene(rounded(std::move(mesh))));
+      const auto force_at = [&](Vec3 tip) {
+        DeviceFrame frame = fingertip_at(tip, away);
+        frame.base = tilted;
+        return rotate(conjugate(tilted.orientation), test::hand_force(feel(run, frame)));
+      };
+      Vec3 tip{-0.03, 0.001, kPadRadius};
+      for (; tip.z > -0.006; tip.z -= 1e-4) force_at(tip);
+      double along = 0;
+      for (; tip.x < 0.03; tip += {1e-3, 3e-4, 0}) {
+        const Vec3 force = force_at(tip);
+        along = largest(along, norm(Vec3{force.x, force.y, 0}));
+        EXPECT_GT(force.z, 15);
+      }
+      EXPECT_LT(along, 0.01) << away.x << " over squares of " << 0.256 / cells;
+    }
+  }
+}
+
 // ---- Strikes ----
 
 // Does anything of the hand lie below z = 0, the sheet's middle?
@@ -275,6 +309,72 @@ TEST(Proxy, HoldsWhileJointsAreLostAndFoundAgain) {
       EXPECT_GE(test::hand_force(run.output).z, 0) << lost;
     }
     EXPECT_EQ(run.state.proxy->valid, two_fingertips(0).valid);
+  }
+}
+
+// A plate that is moved from outside.
+SceneObject moved_plate(Vec3 size) {
+  SceneObject plate = test::object_of("moved plate", make_box(size, 2), {}, {});
+  plate.mechanism.mobility = Mobility::given;
+  return plate;
+}
+
+TEST(Proxy, LetsGoOfWhatCameToLieAcrossItsAxis) {
+  for (const double thickness : {0.0005, 0.1}) {
+    Scene scene = proxy_scene(make_box({0.1, 0.1, 0.1}, 2));
+    scene.objects = {moved_plate({0.2, 0.2, thickness})};
+    scene.settings.fade_time = 0.05;
+    Session run(scene);
+    const auto feel_at = [&](double surface, double height) {
+      const ObjectFrame told{{{0, 0, surface - thickness / 2}, {}}};
+      return test::hand_force(run.feel(fingertip_at({0, 0, height}, {0.6, 0, 0.8}), {&told, 1}));
+    };
+    for (int i = 0; i < 100; ++i) feel_at(-0.02, 0.008);
+    Vec3 force;
+    for (double surface = 0; surface < 0.004; surface += 1e-4) force = feel_at(surface, 0.008);
+    EXPECT_GT(run.state.proxy->valid, 0);
+    const Vec3 next = feel_at(0.014, 0.008);
+    EXPECT_EQ(run.state.proxy->valid, 0) << thickness;
+    EXPECT_LT(norm(next - force), 0.5) << "it fades";
+    for (int i = 0; i < 300; ++i) force = feel_at(0.014, 0.008 + 1e-4 * i);
+    EXPECT_GT(run.state.proxy->valid, 0) << thickness;
+    EXPECT_NEAR(proxy_at(run, kPhalanxJoints[2].tip).z, 0.0379, 1e-6) << thickness;
+    EXPECT_EQ(norm(force), 0) << thickness;
+  }
+}
+
+TEST(Proxy, HoldsOnWhereOnlyALostFingerIsCrossed) {
+  Scene scene = proxy_scene(make_plane(0.1, 9, 0.7));
+  scene.objects.push_back(moved_plate({0.02, 0.02, 0.001}));
+  Session run(scene);
+  ObjectFrame told{{{0.03, 0.03, 0.08}, {}}};
+  const auto feel_at = [&](const DeviceFrame& frame) {
+    return test::hand_force(run.feel(frame, {&told, 1})).z;
+  };
+  for (int i = 0; i < 35; ++i) feel_at(two_fingertips(i));
+  DeviceFrame frame = two_fingertips(35);
+  frame.valid &= ~(1u << kPhalanxJoints[5].tip);
+  const double force = feel_at(frame);
+  EXPECT_GT(force, 20);
+  const Vec3 base = proxy_at(run, kPhalanxJoints[5].base), tip = proxy_at(run, kPhalanxJoints[5].tip);
+  told.pose.position = 0.5 * (base + tip);
+  for (int i = 0; i < 20; ++i) EXPECT_NEAR(feel_at(frame), force, 0.05 * force) << i;
+  EXPECT_EQ(run.state.proxy->valid, frame.valid);
+  EXPECT_GT(proxy_at(run, kPhalanxJoints[2].tip).z, 0);
+}
+
+TEST(Proxy, DoesNotBeginAroundANeedleThroughThePalm) {
+  Mesh needle;
+  needle.vertices = {{-0.002, 0, -0.2}, {0.002, 0, -0.2}, {0, 0, 0.1}};
+  needle.triangles = {{0, 1, 2}};
+  Scene scene = proxy_scene(std::move(needle));
+  scene.hand = default_hand(Side::right);
+  DeviceFrame frame = test::pressed_frame(scene.hand, 0, 0);
+  for (const double x : {0.0, 0.01, 0.2}) {
+    Session run(scene);
+    frame.base.position = {x, -0.06, 0};
+    feel(run, frame);
+    EXPECT_EQ(run.state.proxy->valid != 0, x == 0.2) << x;
   }
 }
 

@@ -145,13 +145,60 @@ Quat turned(Quat orientation, Vec3 by) {
   return normalized(Quat{1, 0.5 * by.x, 0.5 * by.y, 0.5 * by.z} * orientation);
 }
 
+Vec3 arm_from_pivot(const Mechanism& mechanism, const Pose& pose) {
+  return transform(pose, mechanism.body.centre) - mechanism.pivot;
+}
+
+// What turns about a pivot takes its centre of mass along: that has no speed of its own, and what the centre
+// moved at a tick ago points elsewhere now.
+void turn_about_pivot(const Mechanism& mechanism, ObjectState& state) {
+  if (mechanism.mobility != Mobility::hinge && mechanism.mobility != Mobility::ball) return;
+  state.velocity = cross(state.angular_velocity, arm_from_pivot(mechanism, state.pose));
+}
+
+// Of a spin: about the centre of mass, or about the pivot of a ball, round which that centre goes.
+Vec3 angular_momentum(const Mechanism& mechanism, const Pose& pose, Vec3 spin) {
+  const Vec3 own = turned_inertia(mechanism.body.inertia, pose.orientation, spin);
+  if (mechanism.mobility != Mobility::ball) return own;
+  const Vec3 arm = arm_from_pivot(mechanism, pose);
+  return own + mechanism.body.mass * cross(arm, cross(spin, arm));
+}
+
 /// A body's equation of motion for one step: matrix * change of speed = impulse.
 struct Equation {
   Matrix6 matrix{};
   Vector6 impulse{};
 };
 
-Equation equation_of(const Mechanism& mechanism, Quat orientation, std::span<const Spring> springs,
+// How much of the slope of spin x momentum by the momentum a step may take. With all of it a step gains
+// dt spin . (dspin x inertia dspin), and loses half dspin . inertia dspin: that is more as long as
+// dt |spin| < sqrt(least / greatest moment of inertia), which is at least the square root below, for no
+// moment is above half the trace. Beyond that a body which spins fast would spin ever faster.
+double share_of_slope(const std::array<Vec3, 3>& inertia, Vec3 spin, double dt) {
+  const double half_trace = 0.5 * (inertia[0].x + inertia[1].y + inertia[2].z);
+  const double determinant = dot(inertia[0], cross(inertia[1], inertia[2]));
+  const double safe = std::sqrt(max(0, determinant) / (half_trace * half_trace * half_trace));
+  const double turn = dt * norm(spin);
+  return turn > safe ? safe / turn : 1;
+}
+
+// The gyroscopic torque, as implicit as the rest: explicit, a spinning body would gain energy. A ball's holds
+// what leads the centre of mass round the pivot.
+void add_gyroscopic_torque(const Mechanism& mechanism, const Pose& pose, Vec3 spin, double dt, Equation& e) {
+  std::array<Vec3, 3> inertia;
+  for (std::size_t k = 0; k < 3; ++k) inertia[k] = angular_momentum(mechanism, pose, kAxis[k]);
+  const Vec3 momentum = angular_momentum(mechanism, pose, spin);
+  const double share = share_of_slope(inertia, spin, dt);
+  add_scaled(-dt, vector_of({}, cross(spin, momentum)), e.impulse);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 column = share * cross(spin, inertia[k]) + cross(kAxis[k], momentum);
+    e.matrix[3][3 + k] += dt * column.x;
+    e.matrix[4][3 + k] += dt * column.y;
+    e.matrix[5][3 + k] += dt * column.z;
+  }
+}
+
+Equation equation_of(const Mechanism& mechanism, const Pose& pose, std::span<const Spring> springs,
                      const Wrench& wrench, const Twist& speed, double dt) {
   Equation e;
   Matrix6 resistance{};  // h D + h^2 K
@@ -162,18 +209,8 @@ Equation equation_of(const Mechanism& mechanism, Quat orientation, std::span<con
   e.impulse = vector_of(dt * wrench.force, dt * wrench.torque);
   add_scaled(-1, times(resistance, vector_of(speed)), e.impulse);
   e.matrix = resistance;
-  add_mass(mechanism.body, orientation, e.matrix);
-  // The gyroscopic torque, as implicit as the rest: explicit, a spinning body would gain energy.
-  const auto momentum = [&](Vec3 spin) { return turned_inertia(mechanism.body.inertia, orientation, spin); };
-  const Vec3 spin = speed.angular_velocity, spun = momentum(spin);
-  const Vec3 gyro = cross(spin, spun);
-  add_scaled(-dt, vector_of({}, gyro), e.impulse);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 column = cross(spin, momentum(kAxis[k])) + cross(kAxis[k], spun);
-    e.matrix[3][3 + k] += dt * column.x;
-    e.matrix[4][3 + k] += dt * column.y;
-    e.matrix[5][3 + k] += dt * column.z;
-  }
+  add_mass(mechanism.body, pose.orientation, e.matrix);
+  add_gyroscopic_torque(mechanism, pose, speed.angular_velocity, dt, e);
   return e;
 }
 
@@ -200,25 +237,32 @@ double coordinate_speed(const Mechanism& mechanism, const Equation& equation, co
   return slowed(speed + impulse / mass, dt * mechanism.dry_friction / mass);
 }
 
-void move_coordinate(const Mechanism& mechanism, const Pose& start, const Vector6& direction, double speed,
-                     double dt, ObjectState& state) {
+// These return the speed at which springs give way (`advance_body`); the state gets that of the new pose.
+Twist move_coordinate(const Mechanism& mechanism, const Pose& start, const Vector6& direction, double speed,
+                      double dt, ObjectState& state) {
   const double q = clamp(state.coordinate + dt * speed, mechanism.lower, mechanism.upper);
   speed = (q - state.coordinate) / dt;  // less where it stopped
   state.coordinate = q;
   state.pose = pose_at(mechanism, start, q);
   state.velocity = speed * Vec3{direction[0], direction[1], direction[2]};
   state.angular_velocity = speed * Vec3{direction[3], direction[4], direction[5]};
+  const Twist reached{state.velocity, state.angular_velocity};
+  turn_about_pivot(mechanism, state);
+  return reached;
 }
 
-void move_freely(const Mechanism& mechanism, const Pose& start, Vec3 centre, double dt, ObjectState& state) {
+Twist move_freely(const Mechanism& mechanism, const Pose& start, Vec3 centre, double dt, ObjectState& state) {
+  const Twist reached{state.velocity, state.angular_velocity};
   state.pose.orientation = turned(state.pose.orientation, dt * state.angular_velocity);
   if (mechanism.mobility == Mobility::ball) {
     const Vec3 arm = rotate(conjugate(start.orientation), start.position - mechanism.pivot);
     state.pose.position = mechanism.pivot + rotate(state.pose.orientation, arm);
+    turn_about_pivot(mechanism, state);
   } else {
     const Vec3 moved = centre + dt * state.velocity;
     state.pose.position = moved - rotate(state.pose.orientation, mechanism.body.centre);
   }
+  return reached;
 }
 
 }  // namespace
@@ -232,24 +276,23 @@ Wrench change_of(const Spring& spring, const Twist& speed, double dt) {
 
 Twist advance_body(const Mechanism& mechanism, const Pose& start, std::span<const Spring> springs,
                    const Wrench& wrench, double dt, ObjectState& state) {
+  turn_about_pivot(mechanism, state);
   const Vec3 centre = transform(state.pose, mechanism.body.centre);
   const Twist speed{state.velocity, state.angular_velocity};
-  const Equation equation = equation_of(mechanism, state.pose.orientation, springs, wrench, speed, dt);
+  const Equation equation = equation_of(mechanism, state.pose, springs, wrench, speed, dt);
   const Freedom freedom = freedom_of(mechanism, centre);
   if (freedom.size == 1) {
     const Vector6& direction = freedom.speed[0];
     const double before = dot6(direction, vector_of(speed)) / dot6(direction, direction);
     const double after = coordinate_speed(mechanism, equation, direction, state.coordinate, before, dt);
-    move_coordinate(mechanism, start, direction, after, dt, state);
-    return {state.velocity, state.angular_velocity};
+    return move_coordinate(mechanism, start, direction, after, dt, state);
   }
   const Vector6 change = change_of_speed(equation, freedom);
   Vector6 gained{};
   for (std::size_t j = 0; j < freedom.size; ++j) add_scaled(change[j], freedom.speed[j], gained);
   state.velocity += {gained[0], gained[1], gained[2]};
   state.angular_velocity += {gained[3], gained[4], gained[5]};
-  move_freely(mechanism, start, centre, dt, state);
-  return {state.velocity, state.angular_velocity};
+  return move_freely(mechanism, start, centre, dt, state);
 }
 
 }  // namespace lumbrical

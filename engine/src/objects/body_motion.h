@@ -24,8 +24,8 @@ struct Spring {
 };
 
 /// Moves a body by `dt` [s] under `wrench` [W, about its centre of mass], of which springs have a part, and
-/// which changes as they give way. Returns the speed its centre of mass then has. `start` is where its
-/// coordinate is 0.
+/// which changes as they give way. Returns the speed at which they do: that at the step's end, along the ways
+/// that its joint left at the beginning. `start` is where its coordinate is 0.
 Twist advance_body(const Mechanism& mechanism, const Pose& start, std::span<const Spring> springs,
                    const Wrench& wrench, double dt, ObjectState& state);
 

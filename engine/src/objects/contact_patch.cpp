@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "base/gauss.h"
 
@@ -72,9 +73,10 @@ Line line_at(const Outline& o, double u) {
   return {radius, square, y, turning, left > 0 ? std::sqrt(left) : 0};
 }
 
-/// Integrals of phi over the plane: of itself, times u, and by how much the first grows a metre of depth.
+/// Integrals of phi over the plane: of itself, times u, and by how much the first grows a metre of depth,
+/// where the cuts at joints stay, and because they move.
 struct PlaneSums {
-  double volume = 0, first = 0, growth = 0;
+  double volume = 0, first = 0, growth = 0, growth_at_cuts = 0;
 };
 void add_line(const Line& line, double u, double weight, PlaneSums& sums) {
   if (!(line.half > 0)) return;
@@ -90,40 +92,46 @@ void add_line(const Line& line, double u, double weight, PlaneSums& sums) {
   sums.growth += area * (line.turning + line.height * nearness);
 }
 
-/// The axis' shadow: where phi is above 0, parted where it has kinks. Of one that lies, below whose ends; of
-/// a sphere's, or an upright one's, below its middle.
+// The flattest angle [rad] between the axis and the plane's normal at which cuts are still where the axis'
+// ends are: below it they would go from one side of a phalanx to the other within a few um of depth.
+constexpr double kSteepestCut = 0.03;
+
+/// The axis' shadow: where phi is above 0, parted where the nearest point of the axis becomes an end. Cuts go
+/// along it as the outline is lowered.
 struct Shadow {
-  bool lies = false;
   std::array<double, 4> mark{};  ///< ascending [m]
+  double cut_speed = 0;          ///< per depth
 };
 Shadow shadow_of(const Outline& o) {
   const Inside inside = inside_of(o);
-  if (!(o.length * o.length > 1e-6 * o.axis_square)) {
-    const double middle = 0.5 * (inside.low + inside.high);
-    return {false, {inside.low, middle, middle, inside.high}};
-  }
-  const double shift = o.height1 * (o.height2 - o.height1);
-  return {true,
-          {inside.low, clamp(shift / o.length, inside.low, inside.high),
-           clamp((o.axis_square + shift) / o.length, inside.low, inside.high), inside.high}};
+  const double longest = std::sqrt(o.axis_square), steepest = max(o.length, kSteepestCut * longest);
+  const double slope = steepest > 0 ? (o.height2 - o.height1) / steepest : 0;
+  return {{inside.low, clamp(slope * o.height1, inside.low, inside.high),
+           clamp(o.length + slope * o.height2, inside.low, inside.high), inside.high},
+          -slope};
 }
 
-// Calls visit(from, to) for the pieces of the shadow that are not a neighbour's.
+// Calls visit(from, to) for the pieces of the shadow that are not a neighbour's, spheres' in two halves: they
+// are deepest, and may have a kink, in their middle.
 template <class Visit>
 void visit_pieces(const Outline& o, const Shadow& shadow, const Visit& visit) {
-  for (std::size_t piece = 0; piece < 3; ++piece) {
-    if (shadow.lies && ((piece == 0 && !o.open1) || (piece == 2 && !o.open2))) continue;
-    if (shadow.mark[piece + 1] > shadow.mark[piece]) visit(shadow.mark[piece], shadow.mark[piece + 1]);
-  }
+  const auto visit_halves = [&](double from, double middle, double to) {
+    middle = clamp(middle, from, to);
+    if (middle > from) visit(from, middle);
+    if (to > middle) visit(middle, to);
+  };
+  const auto& [low, cut1, cut2, high] = shadow.mark;
+  if (o.open1) visit_halves(low, 0, cut1);
+  if (cut2 > cut1) visit(cut1, cut2);
+  if (o.open2) visit_halves(cut2, o.length, high);
 }
 
 // What the field gains as the outline is lowered because a cut at an end moves along the axis' shadow.
 double growth_at_cuts(const Outline& o, const Shadow& shadow) {
-  if (!shadow.lies || (o.open1 && o.open2)) return 0;
   PlaneSums at1, at2;
   if (!o.open1) add_line(line_at(o, shadow.mark[1]), 0, 1, at1);
   if (!o.open2) add_line(line_at(o, shadow.mark[2]), 0, 1, at2);
-  return (o.height2 - o.height1) / o.length * (at1.volume - at2.volume);
+  return shadow.cut_speed * (at2.volume - at1.volume);
 }
 
 PlaneSums sums_over(const Outline& o) {
@@ -135,7 +143,7 @@ PlaneSums sums_over(const Outline& o) {
       add_line(line_at(o, u), u, (to - from) * share, sums);
     }
   });
-  sums.growth += growth_at_cuts(o, shadow);
+  sums.growth_at_cuts = growth_at_cuts(o, shadow);
   return sums;
 }
 
@@ -189,21 +197,29 @@ Pressed press_into(const Outline& touching, const Pressed& deepest, double volum
     const double root = std::sqrt(pressed.sums.volume), miss = root - wanted;
     if (std::fabs(miss) < 1e-5 * wanted) break;
     (miss < 0 ? low : high) = pressed.depth;
-    const double next = pressed.depth - 2 * root * miss / pressed.sums.growth;
+    const double next = pressed.depth - 2 * root * miss / (pressed.sums.growth + pressed.sums.growth_at_cuts);
     pressed.depth = next > low && next < high ? next : 0.5 * (low + high);
   }
   return pressed;
 }
 
+// What a cut takes from a phalanx its neighbour gains, so to the object cuts are no stiffness, but tell whose
+// it is. Where the axis is steep they would be a thousand times what there is. So they add no more than all
+// of it, and take no more than half: with less, a step that rests on it would not be stable.
+double bounded_growth(const PlaneSums& sums) {
+  const double all = max(0, sums.growth);
+  return sums.growth + clamp(sums.growth_at_cuts, -0.5 * all, all);
+}
+
 // How much more a pad presses per metre of depth, over its field's stiffness [m^2].
 double growth_of(const Outline& pressed, const PlaneSums& field, const Pad& pad) {
-  double growth = field.growth;
+  double growth = bounded_growth(field);
   for (const PadLayer& layer : pad.layer) {
     if (layer.stiffness == 0) continue;
     Outline inner = pressed;
     inner.radius1 *= 1 - layer.from;
     inner.radius2 *= 1 - layer.from;
-    growth += layer.stiffness * sums_over(inner).growth;
+    growth += layer.stiffness * bounded_growth(sums_over(inner));
   }
   return growth;
 }
@@ -211,6 +227,31 @@ double growth_of(const Outline& pressed, const PlaneSums& field, const Pad& pad)
 // The point of the line of action nearest the base joint.
 Vec3 on_line_of_action(Vec3 joint, const Wrench& wrench, double square) {
   return joint + cross(wrench.force, wrench.torque) / square;
+}
+
+// Where faces push opposite ways the line of action may pass far from what they push: it has to stay within
+// a distance of an axis, seen along the line.
+Vec3 within(double distance, Vec3 end1, Vec3 end2, Vec3 along, Vec3 point) {
+  const auto flat = [&](Vec3 v) { return v - dot(along, v) * along; };
+  const Vec3 axis = flat(end2 - end1), offset = flat(point - end1);
+  const double square = dot(axis, axis);
+  const double share = square > 0 ? clamp(dot(offset, axis) / square, 0, 1) : 0;
+  const Vec3 away = offset - share * axis;
+  const double beyond = norm(away);
+  return beyond > distance ? point + (distance / beyond - 1) * away : point;
+}
+
+struct Ball {
+  Vec3 middle;
+  double radius = 0;
+};
+Ball ball_around(const SweptPolygon& palm) {
+  const std::span corners(palm.corner.data(), static_cast<std::size_t>(palm.corner_count));
+  Ball ball;
+  for (const Vec3 corner : corners) ball.middle += (1.0 / palm.corner_count) * corner;
+  for (const Vec3 corner : corners) ball.radius = max(ball.radius, norm(corner - ball.middle));
+  ball.radius += palm.radius;
+  return ball;
 }
 
 // The least cosine of the angle between a line of action and the palm's normal for the patch to be moved
@@ -277,8 +318,13 @@ ContactPatch contact_patch(const Primitives& hand, std::size_t segment, const Wr
   patch.normal = wrench.force / patch.force;
   patch.centre = on_line_of_action(hand.base_joint[segment], wrench, square);
   if (segment == kPalmSegment) {
+    const auto [middle, reach] = ball_around(hand.palm);
+    patch.centre = within(reach, middle, middle, patch.normal, patch.centre);
     take_palm(hand.palm, stiffness, pad, patch);
   } else {
+    const Primitive& capsule = hand.capsule[segment];
+    patch.centre =
+        within(max(capsule.radius1, capsule.radius2), capsule.end1, capsule.end2, patch.normal, patch.centre);
     take_phalanx(hand, segment, stiffness, pad, patch);
   }
   return patch;

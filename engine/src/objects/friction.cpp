@@ -63,7 +63,25 @@ Friction rub(const Material& material, const ContactPatch& patch, const Pose& X_
   grip.slip += min(1, dt / kSlideLag) * ((1 - kept) * norm(grip.shear) / dt - grip.slip);
   grip.shear = kept * grip.shear;
   grip.twist = kept * grip.twist;
-  return {-material.shear_stiffness * grip.shear, (-about * grip.twist) * patch.normal, kept < 1};
+  return {-material.shear_stiffness * grip.shear, (-about * grip.twist) * patch.normal, most,
+          about * most_twist, kept < 1};
+}
+
+double share_within(double now, double product, double more) {
+  const double left = max(0, 1 - now), root = std::sqrt(product * product + more * left);
+  const double share = product > 0 ? left / (product + root) : more > 0 ? (root - product) / more : 1;
+  return min(1, share);
+}
+
+double share_that_sticks(const Friction& friction, Vec3 force, Vec3 torque) {
+  if (friction.slides || !(friction.most > 0)) return 0;
+  const double pull = 1 / friction.most, twist = 1 / friction.most_torque;
+  const auto product = [&](Vec3 f, Vec3 g, Vec3 t, Vec3 u) {
+    return pull * pull * dot(f, g) + twist * twist * dot(t, u);
+  };
+  return share_within(product(friction.force, friction.force, friction.torque, friction.torque),
+                      product(friction.force, force, friction.torque, torque),
+                      product(force, force, torque, torque));
 }
 
 }  // namespace lumbrical

@@ -13,9 +13,10 @@ namespace lumbrical {
 /// All that touches a body.
 using Springs = FixedList<Spring, kSegmentCount + kMostSupports>;
 
-/// What the ground does to a body of this mass and weight [N], `dt` [s] after the last tick, about its centre
-/// of mass, W; updates the supports' states, and appends those that carry it to `springs`.
+/// What the ground does to a body of this mass and weight [N] that all else presses against it with `load`
+/// [N], `dt` [s] after the last tick, about its centre of mass, W; updates the supports' states, and appends
+/// those that carry it to `springs`.
 Wrench rest_on(const Ground& ground, std::span<const Vec3> points, const MassProperties& body, double weight,
-               double dt, ObjectState& state, Springs& springs);
+               double load, double dt, ObjectState& state, Springs& springs);
 
 }  // namespace lumbrical

@@ -20,7 +20,8 @@ Twist move_on(const Model& model, const ApartObject& object, Wrench wrench, cons
   wrench.force += body.mass * model.gravity;
   if (model.ground && object.mechanism.mobility == Mobility::free) {
     const double weight = body.mass * max(1, norm(model.gravity));
-    const Wrench borne = rest_on(*model.ground, object.supports, body, weight, dt, state, springs);
+    const double load = -dot(model.ground->normal, wrench.force);
+    const Wrench borne = rest_on(*model.ground, object.supports, body, weight, load, dt, state, springs);
     wrench.force += borne.force;
     wrench.torque += borne.torque;
   }

@@ -80,11 +80,20 @@ Spring spring_of(const ApartObject& object, const ContactPatch& patch, const Fri
                  const ObjectState& state) {
   const Pose& X_WO = state.pose;
   const Vec3 arm = rotate(X_WO.orientation, patch.centre - object.mechanism.body.centre);
-  const Vec3 normal = rotate(X_WO.orientation, patch.normal);
-  const double leaving = -dot(normal, velocity_at(state, arm));
-  const bool sticks = rubs(object.material) && !friction.slides;
-  return {arm, normal, stiffness_kept(patch, leaving, dt), sticks ? object.material.shear_stiffness : 0,
-          sticks ? twist_stiffness(object.material) : 0};
+  const Vec3 normal = rotate(X_WO.orientation, patch.normal), speed = velocity_at(state, arm);
+  const double leaving = -dot(normal, speed);
+  Spring spring{arm, normal, stiffness_kept(patch, leaving, dt)};
+  if (!rubs(object.material)) return spring;
+  // The skin goes with the object until that is more than friction holds.
+  spring.across = object.material.shear_stiffness;
+  spring.about = twist_stiffness(object.material);
+  const Twist own{speed, state.angular_velocity};
+  const Wrench drawn =
+      rotated(conjugate(X_WO.orientation), -change_of({{}, normal, 0, spring.across, spring.about}, own, dt));
+  const double share = share_that_sticks(friction, drawn.force, drawn.torque);
+  spring.across *= share;
+  spring.about *= share;
+  return spring;
 }
 
 void let_go(GripState& grip) {
@@ -156,6 +165,8 @@ void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scr
     GripState& grip = state.grip[i];
     if (!(patch.force > 0)) {
       let_go(grip);
+      // Faces that push opposite ways leave a torque.
+      if (norm(pressed.torque) > 0) touches.push_back({i, rotated(state.pose.orientation, pressed), {}});
       continue;
     }
     Material material = object.material;
@@ -165,7 +176,7 @@ void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scr
       turn_force(*object.felt, part, own.base_joint[i], patch, pressed);
     }
     Friction friction;
-    if (rubs(material)) friction = rub(material, patch, base_pose(own, i), dt, grip);
+    if (rubs(object.material)) friction = rub(material, patch, base_pose(own, i), dt, grip);
     const Vec3 arm = patch.centre - own.base_joint[i];
     const Wrench rubbed{friction.force, friction.torque + cross(arm, friction.force)};
     Touch touch{i, rotated(state.pose.orientation, pressed + rubbed),

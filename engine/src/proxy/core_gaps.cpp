@@ -1,7 +1,10 @@
 #include "proxy/core_gaps.h"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 
+#include "base/at_least.h"
 #include "index/triangle_distance.h"
 #include "model/corners.h"
 #include "stages/broadphase.h"
@@ -16,14 +19,52 @@ constexpr double kSamePlace = 0.002, kSameWay = 0.995;  // [m]
 // Where nothing tells which way is out: nearer than this [m] an axis lies in the triangle.
 constexpr double kTouching = 1e-12;
 
+// Height [m] over a nearer surface's plane that tells nothing: coordinates of single precision are as rough,
+// and gaps give way by more.
+constexpr double kFlat = 1e-6;
+
+// What of a primitive is looked at: places along its axis, at each so many of the nearest corners and edges,
+// for each so many gaps.
+constexpr std::size_t kMostPlaces = 32, kMostPassingsAtAPlace = 8, kMostGapsAtAPoint = 8, kMostHeld = 64;
+
 /// One primitive of the hand, a core thickened by `reach`, and what is collected for it; everything in the
 /// model's frame.
 struct Core {
   const Primitive& primitive;
   const Surroundings& around;
   double reach;
+  GapMemory& memory;
   CoreGaps& gaps;
 };
+
+/// Where the axis passes a corner or an edge between its own ends.
+struct Passing {
+  double distance = 0;
+  double t = 0;  ///< along the axis
+  Vec3 from;     ///< from the surface
+};
+
+/// The nearest passings at one place, ascending.
+struct Place {
+  std::size_t count = 0;
+  std::array<Passing, kMostPassingsAtAPlace> passing;
+};
+
+/// The passings of one primitive.
+struct Passings {
+  std::size_t places = 0;  ///< in use
+  std::array<Place, kMostPlaces> place;
+};
+
+/// What holds the axis off.
+struct Held {
+  Vec3 point, surface;  ///< of the axis, and nearest to it
+  Vec3 normal;          ///< unit
+};
+using HeldList = FixedList<Held, kMostHeld>;
+
+Vec3 axis_of(const Primitive& primitive) { return primitive.end2 - primitive.end1; }
+Vec3 point_at(const Primitive& primitive, double t) { return primitive.end1 + t * axis_of(primitive); }
 
 double radius_at(const Primitive& primitive, double t) {
   return primitive.radius1 + t * (primitive.radius2 - primitive.radius1);
@@ -56,12 +97,16 @@ void keep(const Gap& gap, CoreGaps& gaps) {
   if (gap.width < worst.width) worst = gap;
 }
 
+void clear(const Core& core, double distance) {
+  double& clearance = core.gaps.clearance[core.primitive.segment];
+  clearance = min(clearance, distance > kTouching ? distance : 0);
+}
+
 // A point of the core at which it is so thick, with its reach, and the way to it from the triangle's nearest
 // point.
 void measure(const Core& core, Vec3 point, double radius, Vec3 from_triangle) {
   const double distance = norm(from_triangle), width = distance - (radius - core.reach);
-  double& clearance = core.gaps.clearance[core.primitive.segment];
-  clearance = min(clearance, distance);
+  clear(core, distance);
   if (!(width < core.reach) || !(distance > kTouching)) return;
   const Pose& X_WM = core.around.X_WM;
   keep({core.primitive.segment, core.around.object, transform(X_WM, point),
@@ -69,36 +114,58 @@ void measure(const Core& core, Vec3 point, double radius, Vec3 from_triangle) {
        core.gaps);
 }
 
-void measure_end(const Core& core, Vec3 end, double radius, const Corners& at) {
-  measure(core, end, radius, nearest_point(end, at.a, at.b, at.c).gap);
+// A total order that only places tell: no order of triangles shows.
+bool is_before(Vec3 a, Vec3 b) {
+  if (a.x != b.x) return a.x < b.x;
+  return a.y != b.y ? a.y < b.y : a.z < b.z;
+}
+bool is_nearer(const Passing& a, const Passing& b) {
+  if (a.distance != b.distance) return a.distance < b.distance;
+  return a.t != b.t ? a.t < b.t : is_before(a.from, b.from);
 }
 
-void measure_corner(const Core& core, Vec3 corner) {
-  const Primitive& p = core.primitive;
-  const Vec3 axis = p.end2 - p.end1;
-  const double square = dot(axis, axis);
-  const double t = square > 0 ? clamp(dot(corner - p.end1, axis) / square, 0, 1) : 0;
-  const Vec3 point = p.end1 + t * axis;
-  measure(core, point, radius_at(p, t), point - corner);
+// Neighbours share corners and edges: the same one counts once.
+void add_to(Place& place, const Passing& passing) {
+  std::size_t i = place.count;
+  while (i > 0 && is_nearer(passing, place.passing[i - 1])) --i;
+  if (i > 0 && !is_nearer(place.passing[i - 1], passing)) return;
+  if (i == place.passing.size()) return;
+  place.count = std::min(place.count + 1, place.passing.size());
+  for (std::size_t k = place.count - 1; k > i; --k) place.passing[k] = place.passing[k - 1];
+  place.passing[i] = passing;
 }
 
-// Where axis and edge pass each other between their ends.
-void measure_edge(const Core& core, Vec3 from, Vec3 to) {
+void add_passing(const Core& core, double t, Vec3 surface, Passings& passings) {
   const Primitive& p = core.primitive;
-  const Vec3 axis = p.end2 - p.end1, edge = to - from, start = p.end1 - from;
+  const Vec3 from = point_at(p, t) - surface;
+  const double square = dot(from, from), radius = radius_at(p, t);
+  if (!(square < radius * radius)) return;
+  const double distance = std::sqrt(square);
+  clear(core, distance);
+  const auto place = static_cast<std::size_t>(t * static_cast<double>(passings.places));
+  add_to(passings.place[std::min(place, passings.places - 1)], {distance, t, from});
+}
+
+void pass_corner(const Core& core, Vec3 corner, Passings& passings) {
+  const Vec3 axis = axis_of(core.primitive);
+  const double along = dot(corner - core.primitive.end1, axis), square = dot(axis, axis);
+  if (along > 0 && along < square) add_passing(core, along / square, corner, passings);
+}
+
+void pass_edge(const Core& core, Vec3 from, Vec3 to, Passings& passings) {
+  if (is_before(to, from)) std::swap(from, to);
+  const Vec3 axis = axis_of(core.primitive), edge = to - from, start = core.primitive.end1 - from;
   const double aa = dot(axis, axis), ee = dot(edge, edge), ae = dot(axis, edge);
   const double spread = aa * ee - ae * ae;
   if (!(spread > 1e-9 * aa * ee)) return;  // side by side: ends and corners tell
   const double t = (ae * dot(edge, start) - ee * dot(axis, start)) / spread;
   const double u = (aa * dot(edge, start) - ae * dot(axis, start)) / spread;
-  if (!(t > 0 && t < 1 && u > 0 && u < 1)) return;
-  const Vec3 point = p.end1 + t * axis;
-  measure(core, point, radius_at(p, t), point - (from + u * edge));
+  if (t > 0 && t < 1 && u > 0 && u < 1) add_passing(core, t, from + u * edge, passings);
 }
 
 // Does the axis lead through the triangle?
 bool pierces(const Primitive& p, const Corners& at) {
-  const Vec3 axis = p.end2 - p.end1, normal = cross(at.b - at.a, at.c - at.a);
+  const Vec3 axis = axis_of(p), normal = cross(at.b - at.a, at.c - at.a);
   const auto volume = [&](Vec3 a, Vec3 b) { return dot(axis, cross(a - p.end1, b - p.end1)); };
   const double u = volume(at.a, at.b), v = volume(at.b, at.c), w = volume(at.c, at.a);
   const bool beside = (u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0);
@@ -110,32 +177,147 @@ double least_distance(const Primitive& p, const Corners& at) {
   const Vec3 middle = (1.0 / 3) * (at.a + at.b + at.c);
   const auto square = [&](Vec3 corner) { return dot(corner - middle, corner - middle); };
   const double radius = std::sqrt(max(square(at.a), max(square(at.b), square(at.c))));
-  const Vec3 axis = p.end2 - p.end1, from = middle - p.end1;
+  const Vec3 axis = axis_of(p), from = middle - p.end1;
   const double length = dot(axis, axis), t = length > 0 ? clamp(dot(from, axis) / length, 0, 1) : 0;
   return norm(from - t * axis) - radius;
 }
 
-void measure_round(const Core& core, const Corners& at) {
+double least(double a, double b, double c) { return min(a, min(b, c)); }
+double most(double a, double b, double c) { return max(a, max(b, c)); }
+
+// Is a triangle's box farther from a point along one axis?
+bool is_beyond(double distance, Vec3 p, const Corners& at) {
+  return least(at.a.x, at.b.x, at.c.x) > p.x + distance || most(at.a.x, at.b.x, at.c.x) < p.x - distance ||
+         least(at.a.y, at.b.y, at.c.y) > p.y + distance || most(at.a.y, at.b.y, at.c.y) < p.y - distance ||
+         least(at.a.z, at.b.z, at.c.z) > p.z + distance || most(at.a.z, at.b.z, at.c.z) < p.z - distance;
+}
+
+// Does a gap stand upright on its triangle?
+bool is_upright(Vec3 gap, const Corners& at) {
+  const Vec3 normal = cross(at.b - at.a, at.c - at.a);
+  const double height = dot(gap, normal), square = dot(normal, normal);
+  return square > 0 && height * height >= (1 - 1e-9) * dot(gap, gap) * square;
+}
+
+// Is no other point of the axis nearer to `surface`?
+bool is_nearest(const Primitive& p, Vec3 point, Vec3 surface) {
+  const Vec3 axis = axis_of(p);
+  const double square = dot(axis, axis);
+  const double t = square > 0 ? clamp(dot(surface - p.end1, axis) / square, 0, 1) : 0;
+  const Vec3 apart = point - point_at(p, t);
+  return dot(apart, apart) <= kFlat * kFlat;
+}
+
+// The nearest points of all triangles to one of the axis.
+std::span<NearPoint> near_points(const Core& core, Vec3 point, double radius, std::size_t near_count) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < near_count; ++i) {
+    const Corners at = corners_of(core.around.model.triangles, core.memory.near[i]);
+    if (is_beyond(radius, point, at)) continue;
+    const auto [gap, square, side] = nearest_point(point, at.a, at.b, at.c);
+    if (!(square < radius * radius)) continue;
+    clear(core, std::sqrt(square));
+    if (square > kTouching * kTouching) {
+      const bool pushes = is_upright(gap, at) || is_nearest(core.primitive, point, point - gap);
+      core.memory.points[count++] = {gap, square, pushes};
+    }
+  }
+  return {core.memory.points.data(), count};
+}
+
+bool is_less_far(const NearPoint& a, const NearPoint& b) {
+  if (a.square != b.square) return a.square < b.square;
+  return a.pushes != b.pushes ? a.pushes : is_before(a.gap, b.gap);
+}
+
+// Gaps at one point of the axis, the nearest first. What lies on or below the plane of a nearer one that
+// plane keeps away: so corners and edges within what is flat or hollow push nowhere.
+void hold_off(const Core& core, double t, std::size_t near_count, HeldList& held) {
+  const Vec3 point = point_at(core.primitive, t);
+  const double radius = radius_at(core.primitive, t);
+  std::span<NearPoint> left = near_points(core, point, radius, near_count);
+  for (std::size_t i = 0; i < kMostGapsAtAPoint && !left.empty() && held.size() < kMostHeld; ++i) {
+    const NearPoint nearest = *std::min_element(left.begin(), left.end(), is_less_far);
+    const Vec3 gap = nearest.gap, normal = gap / norm(gap);
+    if (nearest.pushes) {
+      measure(core, point, radius, gap);
+      held.push_back({point, point - gap, normal});
+    }
+    const auto is_kept_away = [&](const NearPoint& other) { return dot(gap - other.gap, normal) <= kFlat; };
+    const auto end = std::remove_if(left.begin(), left.end(), is_kept_away);
+    left = left.first(static_cast<std::size_t>(end - left.begin()));
+  }
+}
+
+// Is it on or below a plane that holds the axis off nearby?
+bool is_held_off(const Primitive& primitive, const Passing& passing, const HeldList& held) {
+  const Vec3 point = point_at(primitive, passing.t), surface = point - passing.from;
+  for (const Held& other : held) {
+    const Vec3 apart = other.point - point;
+    if (dot(apart, apart) <= kSamePlace * kSamePlace && dot(surface - other.surface, other.normal) <= kFlat)
+      return true;
+  }
+  return false;
+}
+
+// The triangles near one primitive, and where its axis passes them.
+std::size_t look_round(const Core& core, std::span<const std::uint64_t> pairs, Passings& passings) {
   const Primitive& p = core.primitive;
-  if (pierces(p, at)) core.gaps.clearance[p.segment] = 0;
-  measure_end(core, p.end1, p.radius1, at);
-  measure_end(core, p.end2, p.radius2, at);
-  for (const Vec3 corner : {at.a, at.b, at.c}) measure_corner(core, corner);
-  measure_edge(core, at.a, at.b);
-  measure_edge(core, at.b, at.c);
-  measure_edge(core, at.c, at.a);
+  const double radius = max(p.radius1, p.radius2);
+  std::size_t near_count = 0;
+  for (const std::uint64_t pair : pairs) {
+    const auto triangle = static_cast<std::uint32_t>(pair);
+    const Corners at = corners_of(core.around.model.triangles, triangle);
+    if (!(least_distance(p, at) < radius)) continue;
+    core.memory.near[near_count++] = triangle;
+    if (pierces(p, at)) clear(core, 0);
+    for (const Vec3 corner : {at.a, at.b, at.c}) pass_corner(core, corner, passings);
+    pass_edge(core, at.a, at.b, passings);
+    pass_edge(core, at.b, at.c, passings);
+    pass_edge(core, at.c, at.a, passings);
+  }
+  return near_count;
+}
+
+void measure_round(const Core& core, std::span<const std::uint64_t> pairs) {
+  const Primitive& p = core.primitive;
+  const double length = norm(axis_of(p));
+  Passings passings;
+  passings.places = 1 + static_cast<std::size_t>(min(length / kSamePlace, kMostPlaces - 1));
+  const std::size_t near_count = look_round(core, pairs, passings);
+  HeldList held;
+  hold_off(core, 0, near_count, held);
+  if (length > 0) hold_off(core, 1, near_count, held);
+  for (const Place& place : passings.place) {
+    for (std::size_t i = 0; i < place.count; ++i) {
+      if (!is_held_off(p, place.passing[i], held)) hold_off(core, place.passing[i].t, near_count, held);
+    }
+  }
+}
+
+// Of a point in the polygon's plane, or over it.
+bool is_inside(const SweptPolygon& palm, Vec3 point) {
+  bool inside = true;
+  for (std::size_t k = 0; inside && k < static_cast<std::size_t>(palm.corner_count); ++k)
+    inside = dot(palm.outward[k], point - palm.corner[k]) < 0;
+  return inside;
+}
+
+// Does an edge lead through the polygon?
+bool pierces(Vec3 from, Vec3 to, const SweptPolygon& palm) {
+  const double before = dot(palm.normal, from - palm.corner[0]),
+               after = dot(palm.normal, to - palm.corner[0]);
+  return (before > 0) != (after > 0) && is_inside(palm, from + before / (before - after) * (to - from));
 }
 
 // The inside of the palm's polygon; its rim are round primitives.
 void measure_palm(const Core& core, const SweptPolygon& palm, const Corners& at) {
   for (const Vec3 corner : {at.a, at.b, at.c}) {
-    bool inside = true;
-    for (std::size_t k = 0; inside && k < static_cast<std::size_t>(palm.corner_count); ++k)
-      inside = dot(palm.outward[k], corner - palm.corner[k]) < 0;
-    if (!inside) continue;
+    if (!is_inside(palm, corner)) continue;
     const Vec3 below = dot(palm.normal, palm.corner[0] - corner) * palm.normal;
     measure(core, corner + below, palm.radius, below);
   }
+  if (pierces(at.a, at.b, palm) || pierces(at.b, at.c, palm) || pierces(at.c, at.a, palm)) clear(core, 0);
 }
 
 // What no core is nearer to than `reach` is not asked for.
@@ -150,10 +332,23 @@ void keep_cores(double reach, Primitives& hand) {
   }
 }
 
+// All pairs of one primitive.
+void measure_all(const Core& core, const SweptPolygon& palm, std::span<const std::uint64_t> pairs) {
+  if (core.primitive.shape != Shape::slab) return measure_round(core, pairs);
+  for (const std::uint64_t pair : pairs)
+    measure_palm(core, palm, corners_of(core.around.model.triangles, static_cast<std::uint32_t>(pair)));
+}
+
 }  // namespace
 
+void size_gap_memory(const Model& model, GapMemory& memory) {
+  const auto most = std::min<std::size_t>(model.settings.max_candidates, model.triangles.size());
+  at_least(most, memory.near);
+  at_least(most, memory.points);
+}
+
 bool add_gaps(const Surroundings& around, const Joints& hand, double reach, Scratch& scratch,
-              CoreGaps& gaps) {
+              GapMemory& memory, CoreGaps& gaps) {
   const Model& model = around.model;
   Primitives& placed = *scratch.primitives;
   static_cast<void>(place_hand(model.hand, model.settings, hand, inverse(around.X_WM), placed));
@@ -163,16 +358,14 @@ bool add_gaps(const Surroundings& around, const Joints& hand, double reach, Scra
   keep_cores(reach, placed);
   if (!find_candidates(model, placed, scratch)) return false;
   gaps.pairs += scratch.candidate_count;
-  for (std::uint32_t i = 0; i < scratch.candidate_count; ++i) {
-    const std::uint64_t pair = scratch.candidates[i];
-    const Primitive& primitive = placed.primitive[pair >> 32];
-    const Core core{primitive, around, reach, gaps};
-    const Corners at = corners_of(model.triangles, static_cast<std::uint32_t>(pair));
-    if (primitive.shape == Shape::slab) {
-      measure_palm(core, placed.palm, at);
-    } else if (least_distance(primitive, at) < max(primitive.radius1, primitive.radius2)) {
-      measure_round(core, at);
-    }
+  std::span<const std::uint64_t> left{scratch.candidates.data(), scratch.candidate_count};
+  while (!left.empty()) {
+    const std::uint64_t of = left.front() >> 32;
+    std::size_t count = 1;
+    while (count < left.size() && left[count] >> 32 == of) ++count;
+    const Core core{placed.primitive[of], around, reach, memory, gaps};
+    measure_all(core, placed.palm, left.first(count));
+    left = left.subspan(count);
   }
   return true;
 }

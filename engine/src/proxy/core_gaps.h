@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "base/fixed_list.h"
 #include "lumbrical/tick.h"
@@ -46,9 +47,25 @@ struct Surroundings {
   std::uint8_t object = 0;  ///< Gap::object
 };
 
+/// A triangle's point nearest to one of an axis.
+struct NearPoint {
+  Vec3 gap;           ///< from it to the axis
+  double square = 0;  ///< of the gap's length
+  /// It holds this point of the axis off: a plane, or a corner or edge to which no other point is nearer.
+  bool pushes = false;
+};
+
+/// Working memory for one primitive, sized once for all models it is asked of.
+struct GapMemory {
+  std::vector<std::uint32_t> near;  ///< triangles
+  std::vector<NearPoint> points;
+};
+void size_gap_memory(const Model& model, GapMemory& memory);
+
 /// Adds the gaps narrower than `reach` [m] between one model's surfaces and a hand at these joints [W]. Where
 /// a segment has more than it can hold the narrowest stay; neighbours that push the same way count once.
 /// Returns false where there are more candidates than Settings::max_candidates.
-bool add_gaps(const Surroundings& around, const Joints& hand, double reach, Scratch& scratch, CoreGaps& gaps);
+bool add_gaps(const Surroundings& around, const Joints& hand, double reach, Scratch& scratch,
+              GapMemory& memory, CoreGaps& gaps);
 
 }  // namespace lumbrical

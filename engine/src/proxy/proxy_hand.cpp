@@ -171,23 +171,33 @@ double thinnest(const Hand& hand) {
 
 bool find_gaps(const Model& model, const State& state, const Joints& proxy, double reach, Scratch& scratch,
                CoreGaps& gaps) {
-  if (!add_gaps({model, {}, 0}, proxy, reach, scratch.proxy->search, gaps)) return false;
+  GapMemory& memory = scratch.proxy->gaps;
+  if (!add_gaps({model, {}, 0}, proxy, reach, scratch.proxy->search, memory, gaps)) return false;
   for (std::size_t i = 0; i < model.apart.size(); ++i) {
     const Surroundings object{*model.apart[i].shape, state.objects[i].pose, static_cast<std::uint8_t>(i + 1)};
-    if (!add_gaps(object, proxy, reach, *scratch.apart, gaps)) return false;
+    if (!add_gaps(object, proxy, reach, *scratch.apart, memory, gaps)) return false;
   }
   return true;
 }
 
-// Takes the proxy as far as it gets in a tick, and lists what holds it. False where there are too many
-// candidates.
-bool advance(const Model& model, const State& state, const Joints& tracked, Scratch& scratch, Joints& proxy) {
+enum class Advance : std::uint8_t { done, crossed, overflow };
+
+// Does a surface lie across an axis? No step of the proxy's own brings one there.
+bool is_crossed(const CoreGaps& gaps) {
+  return !(*std::min_element(gaps.clearance.begin(), gaps.clearance.end()) > 0);
+}
+
+// Takes the proxy as far as it gets in a tick, and lists what holds it. Done, unless something has come to
+// lie across an axis or there are too many candidates.
+Advance advance(const Model& model, const State& state, const Joints& tracked, Scratch& scratch,
+                Joints& proxy) {
   GapList& pushing = scratch.proxy->pushing;
   const double longest = kLongestStep * thinnest(model.hand), stiffness = model.settings.proxy_stiffness;
   std::size_t pairs = 0;
   for (int step = 0; step < kMostSteps && pairs < kMostPairs; ++step) {
     CoreGaps gaps;
-    if (!find_gaps(model, state, proxy, longest, scratch, gaps)) return false;
+    if (!find_gaps(model, state, proxy, longest, scratch, gaps)) return Advance::overflow;
+    if (is_crossed(gaps)) return Advance::crossed;
     pairs += gaps.pairs;
     const std::span<Gap> all{gaps.gap.begin(), gaps.gap.size()};
     HandMove wanted = way_to(tracked, proxy);
@@ -202,15 +212,24 @@ bool advance(const Model& model, const State& state, const Joints& tracked, Scra
     proxy = arrives ? tracked : reached.joints;
     if (arrives || (reached.share == 1 && !pushing.empty())) break;
   }
-  return true;
+  return Advance::done;
 }
 
 // Is every core outside all surfaces? False where there are too many candidates.
 bool is_free(const Model& model, const State& state, const Joints& hand, Scratch& scratch, bool& free) {
   CoreGaps gaps;
   if (!find_gaps(model, state, hand, 0, scratch, gaps)) return false;
-  free = gaps.gap.empty() && *std::min_element(gaps.clearance.begin(), gaps.clearance.end()) > 0;
+  free = gaps.gap.empty() && !is_crossed(gaps);
   return true;
+}
+
+// The proxy starts anew, and forces fade to the tracked hand's as with another set of joints (limit_forces).
+void let_go(State& state) {
+  *state.proxy = {};
+  if (!(state.rise > 0)) return;
+  state.held = state.last;
+  state.rise = 0;
+  state.fall = 1;
 }
 
 // A joint that tracking has lost holds the proxy as before, but its segment feels nothing.
@@ -227,6 +246,8 @@ std::shared_ptr<ProxyMemory> make_proxy_memory(const Model& model) {
   auto memory = std::make_shared<ProxyMemory>();
   memory->search.primitives = std::make_shared<Primitives>();
   size_candidates(model, memory->search);
+  size_gap_memory(model, memory->gaps);
+  for (const ApartObject& object : model.apart) size_gap_memory(*object.shape, memory->gaps);
   return memory;
 }
 
@@ -247,9 +268,21 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
     return 0;
   }
   // What tracking has lost is where the proxy has it, and what it has found is new to the proxy.
-  const Joints known = known_to(kept), all = joined(joints, known);
-  Joints proxy = joined(known, all);
-  if (!advance(model, state, all, scratch, proxy)) return kCandidateOverflow;
+  Joints known = known_to(kept), all = joined(joints, known), proxy = joined(known, all);
+  Advance advanced = advance(model, state, all, scratch, proxy);
+  if (advanced == Advance::crossed && (known.valid & ~joints.valid) != 0) {
+    // It may be just what tracking has lost that is crossed: the rest goes on alone.
+    known.valid &= joints.valid;
+    all = joints;
+    proxy = joined(known, all);
+    advanced = advance(model, state, all, scratch, proxy);
+  }
+  if (advanced == Advance::overflow) return kCandidateOverflow;
+  if (advanced == Advance::crossed) {  // on which side it is no one can say
+    scratch.proxy->pushing.clear();
+    let_go(state);
+    return 0;
+  }
   if (proxy.pose == all.pose) {  // nothing is in the way: what tracking has lost may be forgotten
     kept = {joints.pose, static_cast<double>(joints.valid)};
     return 0;

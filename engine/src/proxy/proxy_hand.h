@@ -15,6 +15,7 @@ namespace lumbrical {
 struct ProxyMemory {
   Scratch search;
   GapList pushing;  ///< in the last tick
+  GapMemory gaps;
 };
 std::shared_ptr<ProxyMemory> make_proxy_memory(const Model& model);
 
