@@ -23,6 +23,11 @@ struct Spring {
   double about = 0;              ///< [N m/rad]
 };
 
+/// [m/s] W, of a body's point that lies `arm` [m, W] from its centre of mass.
+inline Vec3 velocity_at(const ObjectState& state, Vec3 arm) {
+  return state.velocity + cross(state.angular_velocity, arm);
+}
+
 /// Moves a body by `dt` [s] under `wrench` [W, about its centre of mass], of which springs have a part, and
 /// which changes as they give way. Returns the speed at which they do: that at the step's end, along the ways
 /// that its joint left at the beginning. `start` is where its coordinate is 0.

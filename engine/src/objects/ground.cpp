@@ -16,7 +16,7 @@ struct Support {
 };
 
 Support support_at(const Ground& ground, Vec3 point, Vec3 centre, const ObjectState& state) {
-  const Vec3 arm = point - centre, speed = state.velocity + cross(state.angular_velocity, arm);
+  const Vec3 arm = point - centre, speed = velocity_at(state, arm);
   return {arm, speed, ground.offset - dot(ground.normal, point), dot(ground.normal, speed)};
 }
 

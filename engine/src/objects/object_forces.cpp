@@ -71,11 +71,6 @@ double stiffness_kept(const ContactPatch& patch, double leaving, double dt) {
   return leaving > 0 ? min(patch.stiffness, patch.force / (dt * leaving)) : patch.stiffness;
 }
 
-// Of a point that lies `arm` from the centre of mass, both in W.
-Vec3 velocity_at(const ObjectState& state, Vec3 arm) {
-  return state.velocity + cross(state.angular_velocity, arm);
-}
-
 Spring spring_of(const ApartObject& object, const ContactPatch& patch, const Friction& friction, double dt,
                  const ObjectState& state) {
   const Pose& X_WO = state.pose;

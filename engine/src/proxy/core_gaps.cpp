@@ -66,6 +66,13 @@ using HeldList = FixedList<Held, kMostHeld>;
 Vec3 axis_of(const Primitive& primitive) { return primitive.end2 - primitive.end1; }
 Vec3 point_at(const Primitive& primitive, double t) { return primitive.end1 + t * axis_of(primitive); }
 
+// Of the axis' point nearest to another one.
+double nearest_share(const Primitive& primitive, Vec3 point) {
+  const Vec3 axis = axis_of(primitive);
+  const double square = dot(axis, axis);
+  return square > 0 ? clamp(dot(point - primitive.end1, axis) / square, 0, 1) : 0;
+}
+
 double radius_at(const Primitive& primitive, double t) {
   return primitive.radius1 + t * (primitive.radius2 - primitive.radius1);
 }
@@ -177,9 +184,8 @@ double least_distance(const Primitive& p, const Corners& at) {
   const Vec3 middle = (1.0 / 3) * (at.a + at.b + at.c);
   const auto square = [&](Vec3 corner) { return dot(corner - middle, corner - middle); };
   const double radius = std::sqrt(max(square(at.a), max(square(at.b), square(at.c))));
-  const Vec3 axis = axis_of(p), from = middle - p.end1;
-  const double length = dot(axis, axis), t = length > 0 ? clamp(dot(from, axis) / length, 0, 1) : 0;
-  return norm(from - t * axis) - radius;
+  const Vec3 from = middle - p.end1;
+  return norm(from - nearest_share(p, middle) * axis_of(p)) - radius;
 }
 
 double least(double a, double b, double c) { return min(a, min(b, c)); }
@@ -201,10 +207,7 @@ bool is_upright(Vec3 gap, const Corners& at) {
 
 // Is no other point of the axis nearer to `surface`?
 bool is_nearest(const Primitive& p, Vec3 point, Vec3 surface) {
-  const Vec3 axis = axis_of(p);
-  const double square = dot(axis, axis);
-  const double t = square > 0 ? clamp(dot(surface - p.end1, axis) / square, 0, 1) : 0;
-  const Vec3 apart = point - point_at(p, t);
+  const Vec3 apart = point - point_at(p, nearest_share(p, surface));
   return dot(apart, apart) <= kFlat * kFlat;
 }
 

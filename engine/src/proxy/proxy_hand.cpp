@@ -223,15 +223,6 @@ bool is_free(const Model& model, const State& state, const Joints& hand, Scratch
   return true;
 }
 
-// The proxy starts anew, and forces fade to the tracked hand's as with another set of joints (limit_forces).
-void let_go(State& state) {
-  *state.proxy = {};
-  if (!(state.rise > 0)) return;
-  state.held = state.last;
-  state.rise = 0;
-  state.fall = 1;
-}
-
 // A joint that tracking has lost holds the proxy as before, but its segment feels nothing.
 void silence_untracked(const Primitives& hand, GapList& pushing) {
   for (Gap& gap : pushing) {
@@ -251,8 +242,8 @@ std::shared_ptr<ProxyMemory> make_proxy_memory(const Model& model) {
   return memory;
 }
 
-std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratch& scratch,
-                          Primitives& hand) {
+std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratch& scratch, Primitives& hand,
+                          bool& anew) {
   scratch.proxy->pushing.clear();
   if (!state.proxy) state.proxy.emplace();
   ProxyState& kept = *state.proxy;
@@ -280,7 +271,8 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
   if (advanced == Advance::overflow) return kCandidateOverflow;
   if (advanced == Advance::crossed) {  // on which side it is no one can say
     scratch.proxy->pushing.clear();
-    let_go(state);
+    kept = {};
+    anew = true;
     return 0;
   }
   if (proxy.pose == all.pose) {  // nothing is in the way: what tracking has lost may be forgotten

@@ -121,7 +121,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   bool anew = placed && take_joints(hand.joints.valid, state);
   const bool apart = !model.apart.empty();
   if (apart) flags |= move_given(model, given, state, anew);
-  if (scratch.proxy) flags |= follow_hand(model, is_trusted(flags), state, scratch, hand);
+  if (scratch.proxy) flags |= follow_hand(model, is_trusted(flags), state, scratch, hand, anew);
   HandForces& forces = scratch.forces = placed ? feel(model, scratch, flags) : feel_nothing(model, scratch);
   add_layers(model, scratch, flags, forces);
   if (scratch.proxy) add_pushes(scratch.proxy->pushing, hand, forces);
