@@ -94,11 +94,11 @@ bool NearestGrid::find(Vec3 p, double reach, NearestTriangle& nearest) const {
         count_[0] * (static_cast<std::size_t>(place[1]) + count_[1] * static_cast<std::size_t>(place[2]));
     for (std::uint32_t k = begin_[cell]; k < begin_[cell + 1]; ++k) {
       const Triangle& t = mesh_.triangles[triangle_[k]];
-      const NearestPoint point =
-          nearest_point(p, mesh_.vertices[t[0]], mesh_.vertices[t[1]], mesh_.vertices[t[2]]);
+      const Vec3 a = mesh_.vertices[t[0]], b = mesh_.vertices[t[1]], c = mesh_.vertices[t[2]];
+      const NearestPoint point = nearest_point(p, a, b, c);
       if (!(point.square < least)) continue;
       least = point.square;
-      side = point.side;
+      side = side_of(point, a, b, c);
       nearest.triangle = triangle_[k];
       found = true;
     }

@@ -79,7 +79,7 @@ void fill_report(VoxelIndex& index, Clock::time_point start) {
 std::int32_t voxel_at(double x) { return static_cast<std::int32_t>(std::floor(clamp(x, -100, 1e7))); }
 
 struct Nearest {
-  double square = 1e300, side = 0;  // see NearestPoint; the side of all that share the point
+  double square = 1e300, side = 0;  // see side_of; of all that share the point
 };
 
 // A triangle counts in the voxel of its nearest point only, so that it counts once.
@@ -92,14 +92,14 @@ void add_voxel(const Model& model, Vec3 p, VoxelPlace place, Nearest& nearest) {
     const auto corner = [&](const SharedArray<std::uint32_t>& corners) {
       return (model.triangles.vertex(corners[triangle]) - lists.origin) / lists.voxel_size;
     };
-    const NearestPoint point =
-        nearest_point(p, corner(model.triangles.a), corner(model.triangles.b), corner(model.triangles.c));
+    const Vec3 a = corner(model.triangles.a), b = corner(model.triangles.b), c = corner(model.triangles.c);
+    const NearestPoint point = nearest_point(p, a, b, c);
     const Vec3 at = p - point.gap;
     const bool here = voxel_at(max(at.x, 0)) == place.x && voxel_at(max(at.y, 0)) == place.y &&
                       voxel_at(max(at.z, 0)) == place.z;
     if (!here) continue;
     if (point.square * kTie < nearest.square) nearest.side = 0;
-    if (point.square <= nearest.square * kTie) nearest.side += point.side;
+    if (point.square <= nearest.square * kTie) nearest.side += side_of(point, a, b, c);
     nearest.square = min(nearest.square, point.square);
   }
 }

@@ -63,6 +63,9 @@ struct Held {
 };
 using HeldList = FixedList<Held, kMostHeld>;
 
+Held held_at(Vec3 point, Vec3 gap) { return {point, point - gap, gap / norm(gap)}; }
+bool is_above(const Held& held, Vec3 place) { return dot(place - held.surface, held.normal) > kFlat; }
+
 Vec3 axis_of(const Primitive& primitive) { return primitive.end2 - primitive.end1; }
 Vec3 point_at(const Primitive& primitive, double t) { return primitive.end1 + t * axis_of(primitive); }
 
@@ -179,23 +182,18 @@ bool pierces(const Primitive& p, const Corners& at) {
   return !beside && (dot(normal, p.end1 - at.a) > 0) != (dot(normal, p.end2 - at.a) > 0);
 }
 
-// A bound: no nearer is the triangle to the axis.
-double least_distance(const Primitive& p, const Corners& at) {
+NearTriangle near_triangle(std::uint32_t triangle, const Corners& at) {
   const Vec3 middle = (1.0 / 3) * (at.a + at.b + at.c);
   const auto square = [&](Vec3 corner) { return dot(corner - middle, corner - middle); };
-  const double radius = std::sqrt(max(square(at.a), max(square(at.b), square(at.c))));
-  const Vec3 from = middle - p.end1;
-  return norm(from - nearest_share(p, middle) * axis_of(p)) - radius;
+  return {middle, std::sqrt(max(square(at.a), max(square(at.b), square(at.c)))), triangle};
 }
 
-double least(double a, double b, double c) { return min(a, min(b, c)); }
-double most(double a, double b, double c) { return max(a, max(b, c)); }
-
-// Is a triangle's box farther from a point along one axis?
-bool is_beyond(double distance, Vec3 p, const Corners& at) {
-  return least(at.a.x, at.b.x, at.c.x) > p.x + distance || most(at.a.x, at.b.x, at.c.x) < p.x - distance ||
-         least(at.a.y, at.b.y, at.c.y) > p.y + distance || most(at.a.y, at.b.y, at.c.y) < p.y - distance ||
-         least(at.a.z, at.b.z, at.c.z) > p.z + distance || most(at.a.z, at.b.z, at.c.z) < p.z - distance;
+// Bounds: no nearer is the triangle to a point, and to the axis.
+double least_distance(Vec3 point, const NearTriangle& triangle) {
+  return norm(triangle.middle - point) - triangle.radius;
+}
+double least_distance(const Primitive& p, const NearTriangle& triangle) {
+  return least_distance(point_at(p, nearest_share(p, triangle.middle)), triangle);
 }
 
 // Does a gap stand upright on its triangle?
@@ -211,44 +209,74 @@ bool is_nearest(const Primitive& p, Vec3 point, Vec3 surface) {
   return dot(apart, apart) <= kFlat * kFlat;
 }
 
-// The nearest points of all triangles to one of the axis.
-std::span<NearPoint> near_points(const Core& core, Vec3 point, double radius, std::size_t near_count) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < near_count; ++i) {
-    const Corners at = corners_of(core.around.model.triangles, core.memory.near[i]);
-    if (is_beyond(radius, point, at)) continue;
-    const auto [gap, square, side] = nearest_point(point, at.a, at.b, at.c);
-    if (!(square < radius * radius)) continue;
-    clear(core, std::sqrt(square));
-    if (square > kTouching * kTouching) {
-      const bool pushes = is_upright(gap, at) || is_nearest(core.primitive, point, point - gap);
-      core.memory.points[count++] = {gap, square, pushes};
-    }
-  }
-  return {core.memory.points.data(), count};
-}
-
 bool is_less_far(const NearPoint& a, const NearPoint& b) {
   if (a.square != b.square) return a.square < b.square;
   return a.pushes != b.pushes ? a.pushes : is_before(a.gap, b.gap);
 }
 
-// Gaps at one point of the axis, the nearest first. What lies on or below the plane of a nearer one that
-// plane keeps away: so corners and edges within what is flat or hollow push nowhere.
-void hold_off(const Core& core, double t, std::size_t near_count, HeldList& held) {
+// Of a triangle, to a point of the axis; what is farther than a distance is not looked at closely.
+NearPoint near_point(const Core& core, Vec3 point, double distance, const Corners& at) {
+  const auto [gap, square, corner] = nearest_point(point, at.a, at.b, at.c);
+  if (square > distance * distance) return {gap, square, false};
+  return {gap, square, is_upright(gap, at) || is_nearest(core.primitive, point, point - gap)};
+}
+
+// Of all triangles, as far as one is nearer than a distance.
+NearPoint nearest_of(std::span<const NearTriangle> near, const Core& core, Vec3 point, double distance) {
+  NearPoint nearest{{}, distance * distance, false};
+  for (const NearTriangle& triangle : near) {
+    if (least_distance(point, triangle) > distance + kFlat) continue;
+    const Corners at = corners_of(core.around.model.triangles, triangle.number);
+    const NearPoint other = near_point(core, point, distance, at);
+    if (!is_less_far(other, nearest)) continue;
+    nearest = other;
+    distance = std::sqrt(nearest.square);
+  }
+  return nearest;
+}
+
+// Of the triangles that reach above the nearest one's plane.
+std::span<NearPoint> points_above(const Held& nearest, std::span<const NearTriangle> near, const Core& core,
+                                  double radius) {
+  std::size_t count = 0;
+  for (const NearTriangle& triangle : near) {
+    if (!(least_distance(nearest.point, triangle) < radius)) continue;
+    const Corners at = corners_of(core.around.model.triangles, triangle.number);
+    if (!is_above(nearest, at.a) && !is_above(nearest, at.b) && !is_above(nearest, at.c)) continue;
+    const NearPoint other = near_point(core, nearest.point, radius, at);
+    if (other.square < radius * radius && is_above(nearest, nearest.point - other.gap))
+      core.memory.points[count++] = other;
+  }
+  return {core.memory.points.data(), count};
+}
+
+std::span<NearPoint> above(const Held& nearest, std::span<NearPoint> points) {
+  const auto is_kept_away = [&](const NearPoint& other) {
+    return !is_above(nearest, nearest.point - other.gap);
+  };
+  const auto end = std::remove_if(points.begin(), points.end(), is_kept_away);
+  return points.first(static_cast<std::size_t>(end - points.begin()));
+}
+
+// Gaps at one point of the axis, the nearest first; something is known to be no farther than a distance. What
+// lies on or below the plane of a nearer one that plane keeps away: so corners and edges within what is flat
+// or hollow push nowhere.
+void hold_off(const Core& core, double t, double known, std::span<const NearTriangle> near, HeldList& held) {
   const Vec3 point = point_at(core.primitive, t);
   const double radius = radius_at(core.primitive, t);
-  std::span<NearPoint> left = near_points(core, point, radius, near_count);
-  for (std::size_t i = 0; i < kMostGapsAtAPoint && !left.empty() && held.size() < kMostHeld; ++i) {
-    const NearPoint nearest = *std::min_element(left.begin(), left.end(), is_less_far);
-    const Vec3 gap = nearest.gap, normal = gap / norm(gap);
+  NearPoint nearest = nearest_of(near, core, point, min(radius, known + kFlat));
+  if (!(nearest.square < radius * radius)) return;
+  clear(core, std::sqrt(nearest.square));
+  if (!(nearest.square > kTouching * kTouching)) return;
+  std::span<NearPoint> left = points_above(held_at(point, nearest.gap), near, core, radius);
+  for (std::size_t i = 1; held.size() < kMostHeld; ++i) {
     if (nearest.pushes) {
-      measure(core, point, radius, gap);
-      held.push_back({point, point - gap, normal});
+      measure(core, point, radius, nearest.gap);
+      held.push_back(held_at(point, nearest.gap));
     }
-    const auto is_kept_away = [&](const NearPoint& other) { return dot(gap - other.gap, normal) <= kFlat; };
-    const auto end = std::remove_if(left.begin(), left.end(), is_kept_away);
-    left = left.first(static_cast<std::size_t>(end - left.begin()));
+    if (left.empty() || i == kMostGapsAtAPoint) return;
+    nearest = *std::min_element(left.begin(), left.end(), is_less_far);
+    left = above(held_at(point, nearest.gap), left);
   }
 }
 
@@ -257,29 +285,30 @@ bool is_held_off(const Primitive& primitive, const Passing& passing, const HeldL
   const Vec3 point = point_at(primitive, passing.t), surface = point - passing.from;
   for (const Held& other : held) {
     const Vec3 apart = other.point - point;
-    if (dot(apart, apart) <= kSamePlace * kSamePlace && dot(surface - other.surface, other.normal) <= kFlat)
-      return true;
+    if (dot(apart, apart) <= kSamePlace * kSamePlace && !is_above(other, surface)) return true;
   }
   return false;
 }
 
 // The triangles near one primitive, and where its axis passes them.
-std::size_t look_round(const Core& core, std::span<const std::uint64_t> pairs, Passings& passings) {
+std::span<const NearTriangle> look_round(const Core& core, std::span<const std::uint64_t> pairs,
+                                         Passings& passings) {
   const Primitive& p = core.primitive;
   const double radius = max(p.radius1, p.radius2);
-  std::size_t near_count = 0;
+  std::size_t count = 0;
   for (const std::uint64_t pair : pairs) {
-    const auto triangle = static_cast<std::uint32_t>(pair);
-    const Corners at = corners_of(core.around.model.triangles, triangle);
-    if (!(least_distance(p, at) < radius)) continue;
-    core.memory.near[near_count++] = triangle;
+    const auto number = static_cast<std::uint32_t>(pair);
+    const Corners at = corners_of(core.around.model.triangles, number);
+    const NearTriangle triangle = near_triangle(number, at);
+    if (!(least_distance(p, triangle) < radius)) continue;
+    core.memory.near[count++] = triangle;
     if (pierces(p, at)) clear(core, 0);
     for (const Vec3 corner : {at.a, at.b, at.c}) pass_corner(core, corner, passings);
     pass_edge(core, at.a, at.b, passings);
     pass_edge(core, at.b, at.c, passings);
     pass_edge(core, at.c, at.a, passings);
   }
-  return near_count;
+  return {core.memory.near.data(), count};
 }
 
 void measure_round(const Core& core, std::span<const std::uint64_t> pairs) {
@@ -287,13 +316,14 @@ void measure_round(const Core& core, std::span<const std::uint64_t> pairs) {
   const double length = norm(axis_of(p));
   Passings passings;
   passings.places = 1 + static_cast<std::size_t>(min(length / kSamePlace, kMostPlaces - 1));
-  const std::size_t near_count = look_round(core, pairs, passings);
+  const std::span<const NearTriangle> near = look_round(core, pairs, passings);
+  constexpr double kNothing = 1e300;
   HeldList held;
-  hold_off(core, 0, near_count, held);
-  if (length > 0) hold_off(core, 1, near_count, held);
+  hold_off(core, 0, kNothing, near, held);
+  if (length > 0) hold_off(core, 1, kNothing, near, held);
   for (const Place& place : passings.place) {
-    for (std::size_t i = 0; i < place.count; ++i) {
-      if (!is_held_off(p, place.passing[i], held)) hold_off(core, place.passing[i].t, near_count, held);
+    for (const Passing& passing : std::span{place.passing}.first(place.count)) {
+      if (!is_held_off(p, passing, held)) hold_off(core, passing.t, passing.distance, near, held);
     }
   }
 }

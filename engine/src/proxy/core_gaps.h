@@ -47,6 +47,13 @@ struct Surroundings {
   std::uint8_t object = 0;  ///< Gap::object
 };
 
+/// A triangle that some of an axis is near to, and the sphere round it.
+struct NearTriangle {
+  Vec3 middle;
+  double radius = 0;
+  std::uint32_t number = 0;
+};
+
 /// A triangle's point nearest to one of an axis.
 struct NearPoint {
   Vec3 gap;           ///< from it to the axis
@@ -57,7 +64,7 @@ struct NearPoint {
 
 /// Working memory for one primitive, sized once for all models it is asked of.
 struct GapMemory {
-  std::vector<std::uint32_t> near;  ///< triangles
+  std::vector<NearTriangle> near;
   std::vector<NearPoint> points;
 };
 void size_gap_memory(const Model& model, GapMemory& memory);
