@@ -15,10 +15,41 @@ namespace {
 /// Of each object, by name, from tick to tick.
 using Told = std::map<std::string, std::vector<ObjectOutput>>;
 
+double most(const std::vector<ObjectOutput>& object, const std::function<double(const ObjectOutput&)>& of) {
+  double result = -1e9;
+  for (const ObjectOutput& out : object) result = std::max(result, of(out));
+  return result;
+}
+
+double coordinate(const ObjectOutput& out) { return out.coordinate; }
+double height(const ObjectOutput& out) { return out.pose.position.z; }
+double turned(const ObjectOutput& out) {
+  const Quat q = out.pose.orientation;
+  return 2 * std::atan2(norm(Vec3{q.x, q.y, q.z}), std::fabs(q.w));
+}
+
+// What `run` tells of an object is what stands in its recording.
+void expect_told(const nlohmann::json& moved, const std::vector<ObjectOutput>& recorded) {
+  const auto expect_most = [&](const nlohmann::json& told,
+                               const std::function<double(const ObjectOutput&)>& of) {
+    EXPECT_NEAR(told["most"], most(recorded, of), 1e-6) << moved;
+    EXPECT_NEAR(told["last"], of(recorded.back()), 1e-6) << moved;
+  };
+  EXPECT_NEAR(moved["peak_force"],
+              most(recorded, [](const ObjectOutput& out) { return norm(out.wrench.force); }), 1e-9)
+      << moved;
+  if (moved.contains("coordinate")) return expect_most(moved["coordinate"], coordinate);
+  const Quat start = recorded.front().pose.orientation;
+  expect_most(moved["turned"], [&](ObjectOutput out) {
+    out.pose.orientation = out.pose.orientation * conjugate(start);
+    return turned(out);
+  });
+}
+
 Told run_example(const std::string& name, std::vector<TickRecord>* records = nullptr) {
   const std::filesystem::path folder = fresh_folder();
   const std::string scene = std::string("'") + LUMBRICAL_SOURCE_DIR + "/examples/" + name + ".json'";
-  const Outcome ran = shell("lumbrical run " + scene + " --record run.mcap", folder);
+  const Outcome ran = shell("lumbrical run " + scene + " --json --record run.mcap", folder);
   EXPECT_EQ(ran.exit_code, 0) << ran.error;
   const Outcome replayed = shell("lumbrical replay run.mcap", folder);
   EXPECT_EQ(replayed.exit_code, 0) << replayed.output << replayed.error;
@@ -34,20 +65,9 @@ Told run_example(const std::string& name, std::vector<TickRecord>* records = nul
     for (std::size_t i = 0; i < names.size(); ++i) told[names[i]].push_back(record.object[i]);
     if (records != nullptr) records->push_back(record);
   }
+  EXPECT_FALSE(ran.json()["moved"].empty());
+  for (const nlohmann::json& moved : ran.json()["moved"]) expect_told(moved, told.at(moved["name"]));
   return told;
-}
-
-double most(const std::vector<ObjectOutput>& object, const std::function<double(const ObjectOutput&)>& of) {
-  double result = -1e9;
-  for (const ObjectOutput& out : object) result = std::max(result, of(out));
-  return result;
-}
-
-double coordinate(const ObjectOutput& out) { return out.coordinate; }
-double height(const ObjectOutput& out) { return out.pose.position.z; }
-double turned(const ObjectOutput& out) {
-  const Quat q = out.pose.orientation;
-  return 2 * std::atan2(norm(Vec3{q.x, q.y, q.z}), std::fabs(q.w));
 }
 
 TEST(Examples, ADoorSpringsOpenOnceItsHandleIsPressed) {

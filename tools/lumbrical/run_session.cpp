@@ -226,6 +226,7 @@ bool keep_results(RunningSession& session) {
     if (is_kept) take_results(hand.state, hand.scratch, hand.record);
     add_evaluations(hand.record, statistics);
     add_output(hand.record.output, hand.state, statistics.ticks, statistics.hands[hand.record.hand]);
+    note_objects(hand.hand.model, hand.scratch.object_output, statistics.objects);
     if (session.parts.view != nullptr) session.parts.view->put(hand.record);
   }
   statistics.world_held = std::max(statistics.world_held, session.pager.held_bytes());

@@ -15,6 +15,7 @@
 #include "lumbrical/motion.h"
 #include "lumbrical/real_time.h"
 #include "lumbrical/recording.h"
+#include "moved_objects.h"
 #include "output.h"
 
 namespace lumbrical::tool {
@@ -34,13 +35,14 @@ struct HandFigures {
 
 struct RunStatistics {
   std::uint64_t ticks = 0;
-  std::vector<HandFigures> hands;  ///< one, or two
-  double wall_seconds = 0;         ///< of the whole loop
-  TickTimes tick_times;            ///< of tick() alone, of both hands together
-  TickTimes loop_times;            ///< with a device: of everything done for a tick
-  TickTimes wake_ups;              ///< paced: how late after its moment a tick began that could have begun
-  RealTime real_time;              ///< paced: what the system allowed
-  std::uint64_t page_faults = 0;   ///< of the ticking thread during the session
+  std::vector<HandFigures> hands;    ///< one, or two
+  std::vector<MovedObject> objects;  ///< of Model::apart
+  double wall_seconds = 0;           ///< of the whole loop
+  TickTimes tick_times;              ///< of tick() alone, of both hands together
+  TickTimes loop_times;              ///< with a device: of everything done for a tick
+  TickTimes wake_ups;                ///< paced: how late after its moment a tick began that could have begun
+  RealTime real_time;                ///< paced: what the system allowed
+  std::uint64_t page_faults = 0;     ///< of the ticking thread during the session
   std::uint64_t deadline_misses =
       0;           ///< paced: results later than their period's end; else ticks longer than one
   LateTicks late;  ///< paced: what was behind them

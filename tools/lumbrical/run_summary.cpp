@@ -311,6 +311,7 @@ Json run_json(const RunSummary& summary) {
   json["session_rate_hz"] = model.settings.rate;
   add_objects(model, run.world_held, json);
   add_hands(summary, json);
+  json["moved"] = moved_json(model, run.objects);
   json["interrupted"] = run.interrupted;
   if (scene_file.aligned) json["aligned"] = pose_json(scene_file.placement.pose);
   if (paced) {
@@ -348,6 +349,7 @@ std::string run_text(const RunSummary& summary) {
   }
   add_computed_with(summary, table);
   for (std::size_t i = 0; i < run.hands.size(); ++i) add_hand(summary, i, table);
+  add_moved(model, run.objects, table);
   if (device != nullptr) device->add_rows(table);
   add_recording(summary, table);
   return table.text();
