@@ -5,6 +5,7 @@
 #include <cmath>
 #include <deque>
 #include <optional>
+#include <vector>
 
 #include "loop/running_time.h"
 #include "lumbrical/tick.h"
@@ -15,6 +16,7 @@ namespace {
 
 constexpr std::int64_t kStep = 100'000;  // [ns] of the device
 constexpr double kBefore = 0.5;          // [s] of exchanges without forces
+constexpr double kPatience = 0.004;      // [s] for a reply that does not come
 constexpr double kStallPause = 0.5;      // [s] from one exchange that stalls to the next
 constexpr double kHalfClosed = 0.25;     // of the motion, where joints without a hand are left
 
@@ -66,7 +68,7 @@ class Arm {
     HandForces forces;
   };
   const Hand& hand_;
-  std::array<Wanted, 256> past_;
+  std::vector<Wanted> past_ = std::vector<Wanted>(1024);
   std::array<Pose, kJointCount> X_WJ_{};
   Pose base_;
   bool moved_ = false;
@@ -104,7 +106,7 @@ class SimulatedLink final : public DeviceLink {
   // Sends, delivers, answers: whatever is due.
   void pass(std::int64_t now) {
     now_ = now;
-    if (waiting_ && now >= arrives_ && !delivered_) deliver();
+    if (waiting_ && now >= arrives_ && !delivered_ && !lost_) deliver();
     if (waiting_ && now >= answered_) take_reply();
     if (!waiting_ && now >= due()) send(now);
   }
@@ -154,7 +156,8 @@ class SimulatedLink final : public DeviceLink {
     sending_ = {cycle_, newest_.tick, now, 0, 0, safety_.state, output.flags, 0, {}};
     asked_for_ = newest_.feedback_time;
     sent_at_ = now;
-    const std::int64_t time = ns(exchange_time(now)) + kStep;
+    lost_ = cycle_ % static_cast<std::uint64_t>(bus_.arriving) != 0;
+    const std::int64_t time = lost_ ? ns(kPatience) : ns(exchange_time(now)) + kStep;
     arrives_ = now + time / 2;
     answered_ = now + time;
     next_ = now + ns(1 / bus_.rate);
@@ -171,6 +174,10 @@ class SimulatedLink final : public DeviceLink {
   }
   void take_reply() {
     waiting_ = false;
+    if (lost_) {
+      told_ = sending_;
+      return;
+    }
     DeviceFeedback feedback;
     feedback.asked = sending_.sent;
     feedback.time = answered_;
@@ -197,7 +204,7 @@ class SimulatedLink final : public DeviceLink {
   std::uint64_t cycle_ = 0, random_ = 1;
   std::int64_t now_ = 0, published_ = 0, stall_ = 0, sent_at_ = 0, next_ = 0, arrives_ = 0, answered_ = 0,
                asked_for_ = 0;
-  bool waiting_ = false, delivered_ = false;
+  bool waiting_ = false, delivered_ = false, lost_ = false;
 };
 
 }  // namespace

@@ -25,6 +25,7 @@ struct Bus {
   Delays kind = Delays::constant;
   double delay = 0.001;  ///< [s] of an exchange
   double rate = 1000;    ///< [Hz] of exchanges, at most
+  int arriving = 1;      ///< one of so many requests; no one answers the others
 };
 
 struct DelayedLoop {

@@ -42,11 +42,13 @@ TEST(SimulatedJoint, AnOpeningTorqueOpens) {
 
 // Sends commands to a simulated exoskeleton at 1 kHz.
 struct Host {
-  DeviceProfile profile = test::shipped_profile("exoskeleton");
+  DeviceProfile profile;
   SimulatedDevice device;
   std::uint16_t beat = 0;
 
-  explicit Host(SimulationOptions options = {}) : device(profile, std::move(options)) {}
+  explicit Host(SimulationOptions options = {},
+                DeviceProfile of_device = test::shipped_profile("exoskeleton"))
+      : profile(std::move(of_device)), device(profile, std::move(options)) {}
   void send(std::uint16_t control, std::int16_t torque) {
     std::array<std::uint16_t, 17> words{};
     words[0] = control;
@@ -61,6 +63,24 @@ struct Host {
     }
   }
 };
+
+// Whichever way its arm is written down.
+TEST(SimulatedDevice, BrakesOpposeWhatMoves) {
+  for (const double arm : {1.0, -1.0}) {
+    DeviceProfile profile = test::shipped_profile("exoskeleton");
+    profile.actuators[3].drive = Drive::brake;
+    profile.actuators[3].arm[3] = arm;
+    SimulationOptions options;
+    options.intention = [](double time, JointArray& target) { target[3] = 0.5 * std::sin(20 * time); };
+    Host host(options, profile);
+    double taken = 0;
+    for (int i = 0; i < 500; ++i) {
+      host.run(1, 1, 500);
+      taken += 0.001 * host.device.torque()[3] * host.device.joints()[3].speed;  // opening, closing
+    }
+    EXPECT_GT(taken, 1e-3) << arm;
+  }
+}
 
 TEST(SimulatedDevice, TurnsCommandsIntoTorqueOnlyWhileSwitchedOn) {
   Host host;

@@ -269,6 +269,7 @@ class BusyLink final : public DeviceLink {
     if (waiting == 0) return false;
     --waiting;
     command.cycle = ++cycle;
+    command.acknowledged = 1;
     return true;
   }
   void publish(const DeviceCommand&) noexcept override {}
@@ -288,7 +289,7 @@ TEST_F(DeviceLoopTest, EveryExchangeOfAFastBusIsNotedInItsStepAndTheNewestAreKep
       return true;
     };
     step_loop(model, scratch, feel, link, control, next);
-    EXPECT_EQ(control.sent.cycle, 20u * static_cast<unsigned>(i));
+    EXPECT_EQ(control.answered.cycle, 20u * static_cast<unsigned>(i));
     ASSERT_EQ(next.sent_count, kMaxSentPerTick);
     for (std::uint32_t k = 0; k < kMaxSentPerTick; ++k)
       EXPECT_EQ(next.sent[k].cycle, link.cycle - kMaxSentPerTick + 1 + k);

@@ -29,6 +29,19 @@ TEST(RunningTime, GetsUsedToASlowerBusAndToAFasterOne) {
   EXPECT_NEAR(running.advance(0.1), 0.002, 1e-6);
 }
 
+TEST(RunningAge, ForgivesACommandWhatWasLostOfAStallSinceItCame) {
+  RunningTime running{0.001};
+  RunningAge before, within;
+  before.begin(running);  // came 1 ms before a stall of 80 ms
+  within.begin(running);  // came 3 ms before the end of it, which no one saw: the thread stood still
+  running.advance(0.08);
+  EXPECT_NEAR(before.of(0.081, running), 0.003, 1e-12);
+  EXPECT_NEAR(within.of(0.003, running), 0, 1e-12);
+  for (int i = 0; i < 100; ++i) running.advance(0.001);
+  EXPECT_NEAR(before.of(0.181, running), 0.103, 1e-12);
+  EXPECT_NEAR(within.of(0.103, running), 0.1, 1e-12);
+}
+
 TEST(WaitForTick, IsNoLongerThanTheExchangeOrTheHoldAndOnlyForAnglesNotYetFelt) {
   SafetyTimes times;
   times.tick_hold = 0.005;

@@ -32,12 +32,15 @@ struct Sweep {
   }
 };
 
-TEST(DelayedLoop, DoesNotShakeAndGivesNoEnergyWhateverTheBusDoes) {
-  const Sweep sweep;
-  const LoopFelt felt = sweep.run({Delays::jittering, 0.015, 1000}, {}, 10);
+void expect_quiet(const LoopFelt& felt) {
   EXPECT_EQ(felt.shakes, 0u);
   EXPECT_LT(felt.given, 1e-3);
   EXPECT_GT(felt.torque, 5e-3) << "something is felt";
+}
+
+TEST(DelayedLoop, DoesNotShakeAndGivesNoEnergyWhateverTheBusDoes) {
+  const Sweep sweep;
+  expect_quiet(sweep.run({Delays::jittering, 0.015, 1000}, {}, 10));
 }
 
 // Forces that come back after a gap while others are still being let go of would dip and rise again.
@@ -47,10 +50,7 @@ TEST(DelayedLoop, DoesNotShakeWhenTheBusBecomesSlowAtABlow) {
   loop.bus = {Delays::stepping, 0.015, 200};
   loop.human = kHands[2].hold;
   loop.friction = 0;
-  const LoopFelt felt = run_delayed(sweep.model, mug_grasp(sweep.model, 10), sweep.profile, loop);
-  EXPECT_EQ(felt.shakes, 0u);
-  EXPECT_LT(felt.given, 1e-3);
-  EXPECT_GT(felt.torque, 5e-3) << "something is felt";
+  expect_quiet(run_delayed(sweep.model, mug_grasp(sweep.model, 10), sweep.profile, loop));
 }
 
 // A scene, hand and motion the control was not tuned on; while the forces start softly the arm already moves:
@@ -67,6 +67,54 @@ TEST(DelayedLoop, GivesNoEnergyWhileTheArmPressesTheHandOntoSomething) {
   const LoopFelt felt = run_delayed(sweep.model, motion, sweep.profile, loop);
   EXPECT_LT(felt.given, 0.5e-3);
   EXPECT_GT(felt.torque, 5e-3) << "something is felt";
+}
+
+// What is lost is time without a command, which the certificate has to know of.
+TEST(DelayedLoop, IsFeltAndDoesNotShakeWhereEverySecondRequestIsLost) {
+  const Sweep sweep;
+  expect_quiet(sweep.run({Delays::constant, 0.0005, 1000, 2}, {}, 10));
+}
+
+// Three hundred ticks pass before a command's reply comes.
+TEST(DelayedLoop, DoesNotShakeWhereTicksAreFarFasterThanTheBus) {
+  Sweep sweep;
+  Settings settings = sweep.model.settings;
+  settings.rate = 10000;
+  Model fast;
+  ASSERT_TRUE(change_settings(sweep.model, settings, 1, fast).ok());
+  DelayedLoop loop;
+  loop.bus = {Delays::stepping, 0.03, 1000};
+  loop.human = kHands[0].hold;
+  loop.friction = 0;
+  expect_quiet(run_delayed(fast, mug_grasp(fast, 2), sweep.profile, loop));
+}
+
+// An invalid wrist stands anywhere: that it seems to have gone there, and come back, is no work of the arm.
+TEST(DelayedLoop, CountsNoWorkOfAnArmThatIsNotTracked) {
+  const Sweep sweep;
+  State state;
+  Scratch scratch = make_scratch(sweep.model);
+  HapticLoop loop = start_loop(sweep.profile, {});
+  const DeviceFrame held = resample(mug_grasp(sweep.model, 10), 4);
+  const auto feel = [&](const DeviceFrame& frame) {
+    const ActuatorFrame output = tick(sweep.model, state, scratch, frame);
+    static_cast<void>(command_forces(sweep.model, scratch, frame, output, 0, loop));
+    double force = 0;
+    for (const Wrench& wrench : output.segment) force += norm(wrench.force);
+    return force;
+  };
+  for (int i = 0; i < 100; ++i) EXPECT_TRUE(i < 50 || feel(held) > 1);
+  const auto before = loop.arm;
+  DeviceFrame lost = held;
+  lost.base = {{0.5, 0.5, 0.5}, {}};
+  lost.flags |= kTrackingLost;
+  EXPECT_GT(feel(lost), 1) << "forces fade, they don't end";
+  EXPECT_GT(feel(held), 1);
+  EXPECT_EQ(loop.arm, before);
+  DeviceFrame moved = held;
+  moved.base.position.z += 0.001;
+  feel(moved);
+  EXPECT_NE(loop.arm, before) << "but that of one that is";
 }
 
 // A bus that becomes fifty times slower from one exchange to the next: what the certificate then allows is a

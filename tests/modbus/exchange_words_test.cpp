@@ -44,6 +44,24 @@ TEST(ExchangeWords, WriteAndReadTheInspireHandsRegisters) {
   EXPECT_EQ(valid >> (4 * 0 + 1) & 1u, 1u);
 }
 
+TEST(ExchangeWords, NeverHoldACountBeyondWhatAnActuatorMayBeTold) {
+  DeviceProfile profile = test::shipped_profile("exoskeleton");
+  Actuator& actuator = profile.actuators[3];
+  actuator.field.scale = 0.3;
+  actuator.lower = -0.5;
+  actuator.upper = 0.5;
+  ExchangeWords words(profile);
+  SafetyOutput output;
+  ActuatorArray told{};
+  for (const auto& [value, count] : {std::pair(0.5, 1), {-0.5, -1}, {0.4, 1}, {0.1, 0}, {-0.46, -1}}) {
+    output.command[3] = value;
+    words.write(profile, {1, output, {}});
+    words.commands(profile, told);
+    EXPECT_NEAR(told[3], 0.3 * count, 1e-12) << value;
+    EXPECT_EQ(words.written[static_cast<std::size_t>(2 + 3)], static_cast<std::uint16_t>(count)) << value;
+  }
+}
+
 TEST(ExchangeWords, AreReadBackPartByPartAndHoldUnlessABitOfAFieldDiffers) {
   for (const char* const name : {"exoskeleton", "exoskeleton_serial", "robotiq_2f", "inspire_rh56"}) {
     ExchangeWords words(test::shipped_profile(name));

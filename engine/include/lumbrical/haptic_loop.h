@@ -46,7 +46,7 @@ struct HapticLoop {
   // The bus.
   TimingMeter meter;
   std::int64_t measured_from = 0;  ///< only commands made of angles asked for since then count for `meter`
-  SentCommand sent;                ///< the newest one told
+  SentCommand answered;            ///< the newest command acknowledged
   StiffnessCertificate certificate;
   bool certified = false;
   bool local_loop = false;  ///< every actuator has a local model: the fast loop is the device's own
@@ -60,7 +60,8 @@ struct HapticLoop {
   std::array<EnergyAccount, kFingerCount> account{};
   std::array<double, kFingerCount> arm{};  ///< [J] by the arm to the whole touch since the last sample
   std::array<Pose, kJointCount> X_WJ{};
-  Pose base_before;
+  Pose base_before;         ///< of the wrist, and
+  bool base_known = false;  ///< the tick before knew it
   double gain = 1;          ///< of the soft start after a gap
   double settling = 0;      ///< [s] until it may grow again
   bool letting_go = false;  ///< some finger still gets more than gain and limiter say, so as not to fall
@@ -68,7 +69,8 @@ struct HapticLoop {
   /// the last command gave without a kick.
   std::array<double, kFingerCount> level{};
   GivenTouch given, acting;            ///< by the last command acknowledged, and by the one before
-  std::array<GivenTouch, 256> past{};  ///< by the commands of the last ticks, each at its tick's place
+  std::array<GivenTouch, 256> past{};  ///< by the commands of the last ticks, each at its tick's place, and
+  std::uint64_t sharing = 1;           ///< so many ticks share one: it reaches back over answer_timeout
   std::int64_t now = 0;                ///< of the last command; 0: none yet
 
   // Figures.

@@ -202,7 +202,8 @@ void SimulatedDevice::read_commands() {
     for (std::size_t j = 0; j < kPhalanxCount; ++j) {
       const double speed = joints_[j].speed;
       const double sense = actuator.drive != Drive::brake ? 1 : speed > 1e-3 ? 1 : speed < -1e-3 ? -1 : 0;
-      torque_[j] += sense * actuator.arm[j] * command_[i];
+      const double arm = actuator.drive == Drive::brake ? std::fabs(actuator.arm[j]) : actuator.arm[j];
+      torque_[j] += sense * arm * command_[i];
     }
   }
 }

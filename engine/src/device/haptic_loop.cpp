@@ -52,11 +52,16 @@ void update_stiffness(const Model& model, const Scratch& scratch, const Actuator
 
 void follow_hand(const Model& model, const DeviceFrame& frame, const ActuatorFrame& output,
                  HapticLoop& loop) {
+  // Where a frame that is not trusted has the wrist means nothing, nor how far that is from the next one's.
+  constexpr std::uint32_t kNowhere = kInputNotFinite | kInputImplausible | kInputLost;
+  const bool known_before = std::exchange(loop.base_known, (output.flags & kNowhere) == 0);
+  if (!loop.base_known) return;
   std::array<double, kAngleCount> angles;
   std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
   forward_kinematics(model.hand, frame.base, angles, loop.X_WJ);
-  const std::array<double, kFingerCount> work = arm_work(loop.base_before, frame.base, loop.X_WJ, output);
-  loop.base_before = frame.base;
+  const Pose before = std::exchange(loop.base_before, frame.base);
+  if (!known_before) return;
+  const std::array<double, kFingerCount> work = arm_work(before, frame.base, loop.X_WJ, output);
   for (std::size_t f = 0; f < kFingerCount; ++f) loop.arm[f] += work[f];
 }
 
@@ -108,7 +113,7 @@ double touch_of(const ActuatorFrame& output, std::size_t finger) {
 // itself lets go, the share need not; where no one answers, nothing acts.
 std::array<double, kFingerCount> least_levels(const ActuatorFrame& output, std::int64_t now,
                                               double time_constant, const HapticLoop& loop) {
-  const double since = seconds(now - loop.sent.sent);
+  const double since = seconds(now - loop.answered.sent);
   std::array<double, kFingerCount> least{};
   if (!(since <= loop.profile.safety.answer_timeout)) return least;
   const double kept = 1 - clamp(since / time_constant, 0, kMostLetGo);
@@ -120,8 +125,12 @@ std::array<double, kFingerCount> least_levels(const ActuatorFrame& output, std::
   return least;
 }
 
+std::size_t place_of(std::uint64_t tick, const HapticLoop& loop) {
+  return tick / loop.sharing % loop.past.size();
+}
+
 void keep_levels(const ActuatorFrame& output, HapticLoop& loop) {
-  GivenTouch& given = loop.past[output.tick % loop.past.size()];
+  GivenTouch& given = loop.past[place_of(output.tick, loop)];
   given.tick = output.tick;
   given.level = loop.level;
   for (std::size_t f = 0; f < kFingerCount; ++f) given.torque[f] = loop.level[f] * touch_of(output, f);
@@ -213,13 +222,14 @@ bool put_angles(const HapticLoop& loop, std::int64_t now, DeviceFrame& frame) {
 }
 
 void note_exchange(const SentCommand& sent, HapticLoop& loop) {
-  const SentCommand before = loop.sent;
-  loop.sent = sent;
-  const GivenTouch& given = loop.past[sent.tick % loop.past.size()];
+  if (sent.acknowledged == 0) return;
+  const GivenTouch& given = loop.past[place_of(sent.tick, loop)];
   loop.acting = loop.given;
-  if (given.tick == sent.tick) loop.given = given;
-  const bool next = sent.cycle == before.cycle + 1 && sent.acknowledged != 0 && before.acknowledged != 0;
+  if (given.tick / loop.sharing == sent.tick / loop.sharing) loop.given = given;
+  // Commands that were lost in between are time without one, too; a device that was gone is another matter.
+  const SentCommand before = std::exchange(loop.answered, sent);
   const double interval = seconds(sent.sent - before.sent), delay = seconds(sent.loop_delay);
+  const bool next = before.acknowledged != 0 && interval <= loop.profile.safety.answer_timeout;
   if (!next || sent.acknowledged - sent.loop_delay < loop.measured_from) return;
   const bool known = is_measured(loop.meter);
   measure_exchange(interval, delay, loop.meter);
@@ -248,6 +258,8 @@ DeviceCommand command_forces(const Model& model, const Scratch& scratch, const D
                              const ActuatorFrame& output, std::int64_t now, HapticLoop& loop) {
   const double dt = loop.now == 0 ? 0 : seconds(now - loop.now);
   loop.now = now;
+  const double answered_after = model.settings.rate * loop.profile.safety.answer_timeout;  // [ticks] at most
+  loop.sharing = 1 + static_cast<std::uint64_t>(answered_after / static_cast<double>(loop.past.size()));
   const bool angles = frame.kind == InputKind::joint_angles;
   if (angles) {
     follow_hand(model, frame, output, loop);

@@ -23,6 +23,18 @@ struct RunningTime {
   }
 };
 
+/// How old a command is by that time.
+struct RunningAge {
+  double lost_before = 0;  ///< [s] of RunningTime::lost, what was not while the command was there
+
+  void begin(const RunningTime& running) { lost_before = running.lost; }
+  /// [s] of a command that came `age` [s] ago by the clock. Of a stall, no more than that is forgiven.
+  double of(double age, const RunningTime& running) {
+    lost_before = max(lost_before, running.lost - age);
+    return age - (running.lost - lost_before);
+  }
+};
+
 /// [s] that a cycle waits, once it is due, for the tick that feels what the last reply, asked for at `asked`
 /// [ns], has told: without it the command of a slow bus is older by a whole exchange. No longer than the
 /// exchange took, so that little is lost where ticks are slower than the bus, and no longer than a command

@@ -114,7 +114,7 @@ void DeviceSink::Worker::take_command() {
   PublishedCommand fresh;
   if (!commands.take(fresh)) return;
   newest = fresh;
-  lost_before = running.lost;
+  age.begin(running);
 }
 
 // Looks for the command again and again rather than being woken: the thread that ticks makes no system call.
@@ -156,7 +156,7 @@ SafetyOutput DeviceSink::Worker::decide(std::int64_t now) {
   inputs.reset = (asked & kReset) != 0;
   inputs.continue_after_loss = options.continue_after_loss && !closing;
   inputs.tick_age = newest.time == 0 ? std::numeric_limits<double>::infinity()
-                                     : in_seconds(now - newest.time) - (running.lost - lost_before);
+                                     : age.of(in_seconds(now - newest.time), running);
   inputs.wanted = newest.command.wanted;
   arms_when_ready = arms_when_ready || (asked & kArmWhenReady) != 0;
   const bool ready =

@@ -54,7 +54,7 @@ struct DeviceSink::Worker {
   std::int64_t asked_at = 0;  // when the request for the newest angles left
   double exchange = 0;        // [s] the last one acknowledged
   RunningTime running;
-  double lost_before = 0;    // of running.lost, when the newest command came
+  RunningAge age;            // of the newest command
   double lost_answered = 0;  // when the device answered last, or time was counted although it did not
   double retry = 0;
   bool any_answer = false, connected = false, handshaken = false;

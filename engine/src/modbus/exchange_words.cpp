@@ -24,6 +24,23 @@ void put(ExchangeWords& exchange, const RegisterField& field, double value) {
   encode_field(field, value, std::span(at, static_cast<std::size_t>(register_count(field.type))));
 }
 
+double command_in(const ExchangeWords& exchange, const RegisterField& field) {
+  const int at = find_register(exchange.plan.writes, field.unit, field.address);
+  return decode_field(
+      field, std::span(exchange.written.data() + at, static_cast<std::size_t>(register_count(field.type))));
+}
+
+// Rounded to a count that its actuator may be told: where the nearest one lies beyond a limit, one less.
+void put_command(ExchangeWords& exchange, const Actuator& actuator, double value) {
+  constexpr double kRounding = 1e-6;  // [counts] of decoding
+  const RegisterField& field = actuator.field;
+  put(exchange, field, value);
+  if (field.type == RegisterType::f32) return;
+  const double count = std::fabs(field.scale), told = command_in(exchange, field);
+  if (told > actuator.upper + kRounding * count) put(exchange, field, told - count);
+  if (told < actuator.lower - kRounding * count) put(exchange, field, told + count);
+}
+
 }  // namespace
 
 ExchangeWords::ExchangeWords(const DeviceProfile& profile) : plan(plan_exchange(profile)) {
@@ -48,7 +65,7 @@ void ExchangeWords::write(const DeviceProfile& profile, const WireCommand& comma
   const SafetyOutput& output = command.output;
   for (std::size_t i = 0; i < profile.actuators.size(); ++i) {
     const Actuator& actuator = profile.actuators[i];
-    put(*this, actuator.field, output.command[i]);
+    put_command(*this, actuator, output.command[i]);
     if (!actuator.local.present) continue;
     const LocalModel local = local_model_of(command, i);
     put(*this, actuator.local.angle, local.angle);
@@ -68,9 +85,7 @@ void ExchangeWords::write(const DeviceProfile& profile, const WireCommand& comma
 void ExchangeWords::commands(const DeviceProfile& profile, ActuatorArray& command) const {
   for (std::size_t i = 0; i < profile.actuators.size(); ++i) {
     const Actuator& actuator = profile.actuators[i];
-    const int at = find_register(plan.writes, actuator.field.unit, actuator.field.address);
-    const std::span words(written.data() + at, static_cast<std::size_t>(register_count(actuator.field.type)));
-    const double value = decode_field(actuator.field, words);
+    const double value = command_in(*this, actuator.field);
     command[i] = std::isfinite(value) ? clamp(value, actuator.lower, actuator.upper) : actuator.safe;
   }
 }
