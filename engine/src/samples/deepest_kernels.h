@@ -35,10 +35,6 @@ LUMBRICAL_INLINE inline CutCorner<V> cut_of_lead(V a, V b, V c, V centre) {
   return CutCorner<V>(a - drop, b - drop, c - drop);
 }
 
-/// A lead that is more than rounding, as a share of a radius. Where bodies have a field in common, the first
-/// one has it.
-inline constexpr double kTie = 4e-6;
-
 /// By how much the k-th of N fields is more than all others.
 template <class V, std::size_t N>
 LUMBRICAL_INLINE inline V lead_of(std::size_t k, const std::array<V, N>& field, V tie) {
@@ -235,9 +231,13 @@ struct SharingParts {
   static V number_of(double value) { return lumbrical::LUMBRICAL_ISA::number<V>(value); }
   // Neighbours part along their joint's border, the ends of a folded finger where their fields are equal.
   [[nodiscard]] V side_over(std::size_t k, std::size_t kin, V own, V its, V u, V v) const {
-    if (number[k] + 1 == number[kin]) return number_of(0) - side_of(k, kin, u, v);
-    if (number[kin] + 1 == number[k]) return side_of(kin, k, u, v);
-    return finger_of(number[k]).folded ? own - its : number_of(1e30);
+    const std::size_t inner = std::min(k, kin), outer = std::max(k, kin);
+    if (number[inner] + 1 != number[outer] && !finger_of(number[k]).folded) return number_of(1e30);
+    const V tie = number_of(kTie) * V(tile_of(number[inner]).radius);
+    const V beyond = number[inner] + 1 == number[outer] ? side_of(inner, outer, u, v)
+                     : k == outer                       ? own - its
+                                                        : its - own;
+    return k == outer ? beyond - tie : tie - beyond;
   }
   // How much more a point is the outer tile's.
   [[nodiscard]] V side_of(std::size_t inner, std::size_t outer, V u, V v) const {

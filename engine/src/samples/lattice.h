@@ -114,7 +114,8 @@ LUMBRICAL_INLINE inline V share_cut_off(const CutCorner<V>& cut, V fa, V fb, V f
   const AlongCut<V> f = cut.of(fa, fb, fc);
   const V at_s = f.own + f.more_s, at_t = f.own + f.more_t;
   const V part = part_above(floor, f.own, at_s, at_t, mean_of(f.own, at_s, at_t)).mean;
-  return min(cut.s * cut.t * divide(part, max(above, number<V>(1e-30))), number<V>(1));
+  const V share = cut.s * cut.t * divide(part, max(above, number<V>(1e-30)));
+  return max(min(share, number<V>(1)), number<V>(0));  // of a cell at the floor both are rounding
 }
 
 /// Zeroth and first moments of a share in barycentric coordinates u and v: means over the triangle.

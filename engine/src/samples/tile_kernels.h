@@ -36,6 +36,10 @@ std::uint32_t tile_lattice(const PatchList& list, const FingerBody* fingers, Til
   return part_lattice<TilePart::whole, V>(list, fingers, sums);
 }
 
+/// A lead that is more than rounding, as a share of a radius. Where tiles or bodies have a field in common,
+/// the first one has it: all of it, whichever lattice asks.
+inline constexpr double kTie = 4e-6;
+
 /// The N tiles that share patches, and how they part.
 template <class V, std::size_t N>
 struct Neighbours {
@@ -86,7 +90,8 @@ LUMBRICAL_INLINE inline SharedCorner<V, N> shared_corner(const Neighbours<V, N>&
   for (std::size_t k = 0; k + 1 < N; ++k) {
     const TileNumbers<V>&inner = near.seen[k].tile, &outer = near.seen[k + 1].tile;
     corner.lead[k] =
-        side_of_joint(near.joint[k], inner, place_on(inner, at[k]), outer, place_on(outer, at[k + 1]));
+        side_of_joint(near.joint[k], inner, place_on(inner, at[k]), outer, place_on(outer, at[k + 1])) -
+        number<V>(kTie) * inner.radius;
   }
   return corner;
 }

@@ -132,7 +132,7 @@ inline PartMoments integral_on_rays(const Fan& fan, const OnRays& f, std::span<c
     const double begin = line.at[k], width = line.at[k + 1] - begin;
     for (const auto [at, weight] : kGauss3) {
       const double s = begin + at * width, r = first + s * (last - first), t = last * s / r;
-      const double share = 2 * fan.area * width * weight * first * last / (r * r);
+      const double share = 2 * fan.area * width * weight * (first / r) * (last / r);
       const RayMoments ray = moments_on_ray(f, conditions, t);
       const Point2 edge = fan.from + t * (fan.to - fan.from);
       sum.volume += share * ray.zeroth;
