@@ -189,5 +189,34 @@ TEST(Energy, OfAHingeIsKeptHoweverFarItsCentreOfMassIsFromItsAxis) {
   EXPECT_NEAR(turning_of(run).energy, first, 1e-9 * first);
 }
 
+// Wherever between two detents it is let go, and however light it is.
+TEST(Energy, OfWhatDetentsHoldNeverGrows) {
+  constexpr double kForce = 5, kPitch = 0.001, kTurn = 2 * kPi / kPitch;
+  for (const double mass : {0.1, 0.01, 0.001}) {
+    Scene scene = test::pad_scene();
+    scene.gravity = {};
+    scene.objects.push_back(test::body_of("key", make_box({0.02, 0.02, 0.005}, 2), mass, {}, {}));
+    Mechanism& key = scene.objects[0].mechanism;
+    key.mobility = Mobility::slider;
+    key.detent_force = kForce;
+    key.detent_pitch = kPitch;
+    Session run(scene);
+    const auto energy = [&](double q, double speed) {
+      return 0.5 * mass * speed * speed + kForce / kTurn * (1 - std::cos(kTurn * q));
+    };
+    for (int start = 0; start < 50; ++start) {
+      ObjectState& state = run.state.objects[0] = {};
+      state.coordinate = state.pose.position.z = kPitch * start / 50;
+      double before = energy(state.coordinate, 0);
+      for (int i = 0; i < 100; ++i) {
+        run.step(test::frame_of({{{0, 0, 10}}}));
+        const double now = energy(state.coordinate, state.velocity.z);
+        EXPECT_LE(now, before + 1e-9 * kForce / kTurn) << mass << " kg, from " << start;
+        before = now;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lumbrical

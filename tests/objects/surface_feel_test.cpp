@@ -1,6 +1,7 @@
 // Surfaces that are felt as something round, bumpy, or rough in places.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -42,6 +43,34 @@ Mesh faceted_cylinder(std::uint32_t facets, double length, std::uint32_t rings) 
   return mesh;
 }
 
+// The same in one ring without ends. Facets have a corner more in the middle of their right edge, `off` [m]
+// it, and a triangle of next to no area fills what is between it and the next facet's edge; or two, where
+// that has a corner as well, a third of the way up.
+Mesh filled_cylinder(std::uint32_t facets, double length, double off, bool on_both_sides) {
+  enum : std::uint32_t { low, high, middle, third };
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < facets; ++i) {
+    const double angle = 2 * kPi * i / facets;
+    const Vec3 out{std::cos(angle), std::sin(angle), 0}, up{0, 0, length}, at = kRadius * out;
+    mesh.vertices.insert(mesh.vertices.end(),
+                         {at - 0.5 * up, at + 0.5 * up, at + off * out, at - up / 6 + off * out});
+  }
+  for (std::uint32_t i = 0; i < facets; ++i) {
+    const std::uint32_t left = 4 * i, right = 4 * ((i + 1) % facets);
+    const auto add = [&](const Triangle& t) { mesh.triangles.push_back(t); };
+    add({right + low, right + high, right + middle});
+    add({right + middle, right + high, left + high});
+    if (on_both_sides) {
+      add({right + high, right + low, right + third});
+      add({left + third, left + low, right + low});
+    }
+    const std::uint32_t corner = left + (on_both_sides ? third : low);
+    add({corner, right + low, right + middle});
+    add({corner, right + middle, left + high});
+  }
+  return mesh;
+}
+
 Scene scene_with(Mesh mesh, const Surface& surface, const Material& material = {}) {
   Scene scene = test::pad_scene();
   scene.objects.push_back(test::object_of("object", std::move(mesh), {}, material));
@@ -51,17 +80,37 @@ Scene scene_with(Mesh mesh, const Surface& surface, const Material& material = {
   return scene;
 }
 
-Vec3 press(Session& run, Vec3 tip, Vec3 away) {
+void feel_at_rest(Session& run, const DeviceFrame& frame) {
   const ObjectFrame stays{};
   const bool told = run.model.apart[0].mechanism.mobility == Mobility::given;
-  run.step(test::frame_of({{tip, away}}), {&stays, told ? 1u : 0u});
+  run.step(frame, {&stays, told ? 1u : 0u});
+}
+
+Vec3 press(Session& run, Vec3 tip, Vec3 away) {
+  feel_at_rest(run, test::frame_of({{tip, away}}));
   return test::hand_force(run.output);
+}
+
+// Of a fingertip each.
+std::array<Vec3, 2> press_both(Session& run, const std::array<Vec3, 2>& tip, Vec3 away) {
+  feel_at_rest(run, test::frame_of({{tip[0], away}, {tip[1], away}}));
+  return {run.output.segment[2].force, run.output.segment[5].force};
 }
 
 Surface smooth() {
   Surface surface;
   surface.crease_angle = 0.7;
   return surface;
+}
+
+// A factor of friction of 0.25 at x < 0 and 1 beyond.
+Surface half_rough(const Mesh& plane) {
+  Surface half;
+  for (const Triangle& t : plane.triangles) {
+    const Vec3 middle = (plane.vertices[t[0]] + plane.vertices[t[1]] + plane.vertices[t[2]]) / 3;
+    half.friction_factor.push_back(middle.x < 0 ? 0.25 : 1);
+  }
+  return half;
 }
 
 // White crests of cosine across x, black between.
@@ -82,12 +131,13 @@ struct Stroke {
   double worst_magnitude = 0;                     // share by which shading changes it
 };
 
-Stroke stroke_round(std::uint32_t facets, double precision, const Pad& pad = {}) {
-  Scene plain = scene_with(faceted_cylinder(facets, 0.06, 15), {});
+Stroke stroke_round(const Mesh& mesh, std::uint32_t facets, double precision, const Pad& pad = {},
+                    double crease_angle = 0.7) {
+  Scene plain = scene_with(mesh, {});
   plain.settings.precision.fill(precision);
   plain.settings.pad = pad;
   Scene shaded = plain;
-  shaded.objects[0].surface = smooth();
+  shaded.objects[0].surface.crease_angle = crease_angle;
   Session with(shaded), without(plain);
   Stroke stroke;
   Vec3 last;
@@ -104,6 +154,10 @@ Stroke stroke_round(std::uint32_t facets, double precision, const Pad& pad = {})
   return stroke;
 }
 
+Stroke stroke_round(std::uint32_t facets, double precision, const Pad& pad = {}) {
+  return stroke_round(faceted_cylinder(facets, 0.06, 15), facets, precision, pad);
+}
+
 TEST(SurfaceFeel, ForceOnAFacetedCylinderFollowsTheNormalOfARoundOneAndStaysAsLarge) {
   for (const double precision : {0.0, 1e-4}) {
     const Stroke coarse = stroke_round(16, precision), fine = stroke_round(48, precision);
@@ -114,6 +168,61 @@ TEST(SurfaceFeel, ForceOnAFacetedCylinderFollowsTheNormalOfARoundOneAndStaysAsLa
     EXPECT_LT(fine.largest_step, 0.08);
     EXPECT_LT(coarse.worst_magnitude, 1e-12);
     EXPECT_LT(fine.worst_magnitude, 1e-12);
+  }
+}
+
+TEST(SurfaceFeel, TrianglesOfNoAreaThatFillTJunctionsLeaveACylinderRound) {
+  for (const double crease_angle : {0.7, kPi}) {
+    for (const double off : {0.0, 1e-8}) {  // as files keep it in single precision
+      for (const bool on_both_sides : {false, true}) {
+        const Stroke stroke =
+            stroke_round(filled_cylinder(16, 0.06, off, on_both_sides), 16, 0, {}, crease_angle);
+        EXPECT_GT(stroke.plain, 5);
+        EXPECT_LT(stroke.worst, 1.5) << crease_angle << " " << off << " " << on_both_sides;
+        EXPECT_LT(stroke.largest_step, 0.2);
+        EXPECT_LT(stroke.worst_magnitude, 1e-12);
+      }
+    }
+  }
+}
+
+// Slivers take sides with one facet only, and are not turned themselves.
+TEST(SurfaceFeel, TrianglesOfNoAreaLeaveCreasesSharp) {
+  const Mesh mesh = filled_cylinder(16, 0.06, 0, true);  // whose edges turn by 0.39
+  Surface surface;
+  surface.crease_angle = 0.3;
+  Session with(scene_with(mesh, surface)), without(scene_with(mesh, {}));
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 out{std::cos(0.01 * i), std::sin(0.01 * i), 0}, tip = (kRadius + 0.0068) * out;
+    const Vec3 force = press(with, tip, out);
+    EXPECT_GT(norm(force), 0);
+    EXPECT_EQ(force, press(without, tip, out));
+  }
+}
+
+// What overlapping fingertips hold is felt once, so the normals under it count once.
+TEST(SurfaceFeel, FingertipsThatOverlapAreTurnedByWhatEachOfThemFeels) {
+  struct Case {
+    double precision;
+    FeltOnce once;
+  };
+  for (const auto& [precision, once] :
+       {Case{0, FeltOnce::never}, Case{0, FeltOnce::by_samples}, Case{0, FeltOnce::always},
+        Case{1e-4, FeltOnce::never}, Case{1e-4, FeltOnce::by_samples}, Case{1e-4, FeltOnce::always}}) {
+    Scene scene = scene_with(faceted_cylinder(16, 0.06, 1), smooth());
+    scene.settings.precision.fill(precision);
+    scene.settings.felt_once = once;
+    Session run(scene);
+    double worst = 0;
+    for (int i = 0; i <= 200; ++i) {
+      const double angle = 0.3 + kPi / 8 * i / 200;  // over a facet
+      const Vec3 out{std::cos(angle), std::sin(angle), 0}, up{0, 0, 0.001}, tip = (kRadius + 0.0068) * out;
+      for (const Vec3 force : press_both(run, {tip + up, tip - up}, out)) {
+        EXPECT_GT(norm(force), 0.05);
+        worst = largest(worst, degrees_between(force, out));
+      }
+    }
+    EXPECT_LT(worst, 1.5) << precision << " " << felt_once_name(once);
   }
 }
 
@@ -206,11 +315,7 @@ TEST(SurfaceFeel, BumpsHoweverSteepTiltByLessThan45Degrees) {
 TEST(SurfaceFeel, FrictionChangesFromTriangleToTriangleWithThePressureOnThem) {
   const Mesh plane = make_plane(0.2, 10);
   const Material material{0.8, 0.8, 0, 5000};
-  Surface half;
-  for (const Triangle& t : plane.triangles) {
-    const Vec3 middle = (plane.vertices[t[0]] + plane.vertices[t[1]] + plane.vertices[t[2]]) / 3;
-    half.friction_factor.push_back(middle.x < 0 ? 0.25 : 1);
-  }
+  Surface half = half_rough(plane);
   Texture& grip = half.grip;  // and once more by half everywhere
   grip = {{1, 1, {32768}}, 0.01, 0, 1};
   Session run(scene_with(plane, half, material));
@@ -224,6 +329,25 @@ TEST(SurfaceFeel, FrictionChangesFromTriangleToTriangleWithThePressureOnThem) {
   for (std::size_t i = 801; i < ratio.size(); ++i) {
     EXPECT_GE(ratio[i], ratio[i - 1] - 1e-9);
     EXPECT_LT(ratio[i] - ratio[i - 1], 0.004);  // over a patch, not over an edge
+  }
+}
+
+// Both slide along the border between two factors, half of each on either: mu is 0.8 times their mean, 0.625.
+TEST(SurfaceFeel, FingertipsThatOverlapRubByWhatEachOfThemFeels) {
+  const Mesh plane = make_plane(0.2, 10);
+  for (const double precision : {0.0, 1e-4}) {
+    Scene scene = scene_with(plane, half_rough(plane), {0.8, 0.8, 0, 5000});
+    scene.settings.precision.fill(precision);
+    scene.settings.felt_once = FeltOnce::always;
+    Session run(scene);
+    for (int i = 0; i < 1000; ++i) {
+      const double y = -0.01 + 2e-5 * i;
+      for (const Vec3 force :
+           press_both(run, {Vec3{0, y + 0.001, 0.007}, {0, y - 0.001, 0.007}}, {0, 0, 1})) {
+        if (i < 800) continue;  // not sliding yet
+        EXPECT_NEAR(-force.y / force.z, 0.5, 1e-3) << precision;
+      }
+    }
   }
 }
 

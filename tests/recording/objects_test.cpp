@@ -152,7 +152,7 @@ TEST(RecordedObjects, StateIsKeptBesideItsTickAndKnownByItsHash) {
   ASSERT_TRUE(after.has_value());
   EXPECT_EQ(hash_state(*after), record.state_hash);
   EXPECT_TRUE(after->proxy.has_value());
-  EXPECT_TRUE(after->pad.has_value());
+  EXPECT_TRUE(after->motion.has_value());
   record.state_hash ^= 1;
   EXPECT_FALSE(decode_state_after(encoded(), after).ok());
   EXPECT_FALSE(after.has_value());

@@ -205,11 +205,11 @@ TEST_F(Copied, PartTornAfterwardsKeepsItsStateWhenRecovered) {
 
 TEST(StateMessage, WithJointsThatNoHandHasIsRefused) {
   for (const double joints : {-1.0, 0.5, 1.0 * (1u << kJointCount), 1e300}) {
-    State proxied, padded, decoded;
+    State proxied, moving, decoded;
     proxied.proxy.emplace().valid = joints;
-    padded.pad.emplace().valid = joints;
+    moving.motion.emplace().valid = joints;
     EXPECT_FALSE(decode_state(encode_state(proxied), decoded).ok()) << joints;
-    EXPECT_FALSE(decode_state(encode_state(padded), decoded).ok()) << joints;
+    EXPECT_FALSE(decode_state(encode_state(moving), decoded).ok()) << joints;
   }
 }
 

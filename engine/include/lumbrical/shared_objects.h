@@ -36,8 +36,9 @@ Status share_objects(const Scene& scene, const Execution& execution, SharedObjec
 void push_objects(SharedObjects& shared, std::span<const ObjectOutput> outputs);
 
 /// Moves them by a tick, as a tick does for one hand, but that it can't know how the hands' forces change
-/// within it: stable up to a stiffness of 4 m / dt^2. `given` has the poses of the next tick, of all objects
-/// that are given to hands, in their order; it is told of those that move by themselves.
+/// within it: stable up to a stiffness of 4 m / dt^2, and a force times Pad::damping of m / dt. `given` has
+/// the poses of the next tick, of all objects that are given to hands, in their order; it is told of those
+/// that move by themselves.
 void move_objects(SharedObjects& shared, std::span<ObjectFrame> given);
 
 }  // namespace lumbrical

@@ -37,18 +37,19 @@ struct ProxyState {
   double valid = 0;  ///< a whole number with a bit for each joint it knows a place of; 0: it starts anew
 };
 
-/// Where segments were (Pad::damping). No padding: hashed as it stands.
-struct PadState {
+/// Where segments were, and how fast they go. No padding: hashed as it stands.
+struct MotionState {
   std::array<Pose, kSegmentCount> segment;  ///< X_WS of their base joints
+  std::array<Twist, kSegmentCount> speed;   ///< of those, W, a mean over some milliseconds
   double valid = 0;                         ///< a whole number with a bit for each joint the last tick had
 };
 
 /// The little that survives from one tick to the next. Copy it to take a snapshot. `State state;` does for a
 /// model without objects apart; with them, make_state.
 struct State : HandState {
-  std::vector<ObjectState> objects;  ///< of Model::apart, in their order
-  std::optional<ProxyState> proxy;   ///< where the model has one
-  std::optional<PadState> pad;       ///< where pads are damped
+  std::vector<ObjectState> objects;   ///< of Model::apart, in their order
+  std::optional<ProxyState> proxy;    ///< where the model has one
+  std::optional<MotionState> motion;  ///< where pads are damped, or objects move by themselves
 };
 
 /// Before the first tick: objects stand where they start.

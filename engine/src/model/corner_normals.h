@@ -13,7 +13,9 @@ namespace lumbrical {
 /// normals interpolated within triangles are continuous across all edges but creases; an edge that not
 /// exactly two triangles share, and run through opposite ways, is a crease. A corner at which the mean is
 /// more than 60 degrees off the triangle keeps the triangle's own, as do all of a mesh without creases and
-/// curvature. 0 where a triangle has none.
+/// curvature. Slivers, less than 1e-5 of their longest edge high, keep theirs, but count for the triangle
+/// that lies across that edge: filled T-junctions are as smooth as a mesh without. 0 where a triangle has
+/// none.
 std::vector<std::array<Vec3, 3>> corner_normals(const Mesh& mesh, double crease_angle);
 
 /// Unit, outward; 0 of a degenerate triangle.

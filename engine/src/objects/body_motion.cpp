@@ -116,7 +116,9 @@ Freedom freedom_of(const Mechanism& mechanism, Vec3 centre) {
 
 // ---- One coordinate ----
 
-// The spring, damper and detents of a hinge or slider: their force at q and speed, and how stiff they are.
+// The spring, damper and detents of a hinge or slider: their force at q and speed, and how stiff they are to
+// a step. Detents are at least half as stiff as where they are stiffest: then no step gains energy, also
+// where their slope pushes on.
 struct CoordinateForce {
   double force = 0, stiffness = 0, damping = 0;
 };
@@ -125,7 +127,7 @@ CoordinateForce coordinate_force(const Mechanism& mechanism, double q) {
   const double turn = 2 * kPi / mechanism.detent_pitch;
   const SinCos detent = sin_cos(turn * q);
   return {mechanism.spring * (mechanism.rest - q) - mechanism.detent_force * detent.sin,
-          mechanism.spring + max(0, mechanism.detent_force * turn * detent.cos), mechanism.damping};
+          mechanism.spring + mechanism.detent_force * turn * max(0.5, detent.cos), mechanism.damping};
 }
 
 // Dry friction takes up to so much speed away.
@@ -201,14 +203,16 @@ void add_gyroscopic_torque(const Mechanism& mechanism, const Pose& pose, Vec3 sp
 Equation equation_of(const Mechanism& mechanism, const Pose& pose, std::span<const Spring> springs,
                      const Wrench& wrench, const Twist& speed, double dt) {
   Equation e;
-  Matrix6 resistance{};  // h D + h^2 K
-  for (const Spring& spring : springs) add_spring(spring, dt * dt, resistance);
-  if (mechanism.mobility == Mobility::free || mechanism.mobility == Mobility::ball) {
-    for (std::size_t k = 3; k < 6; ++k) resistance[k][k] += dt * mechanism.damping;
-  }
   e.impulse = vector_of(dt * wrench.force, dt * wrench.torque);
-  add_scaled(-1, times(resistance, vector_of(speed)), e.impulse);
-  e.matrix = resistance;
+  for (const Spring& spring : springs) {
+    const Wrench change = change_of(spring, speed, dt);
+    add_scaled(dt, vector_of(change.force, change.torque + cross(spring.arm, change.force)), e.impulse);
+    add_spring(spring, dt * dt, e.matrix);
+  }
+  if (mechanism.mobility == Mobility::free || mechanism.mobility == Mobility::ball) {
+    add_scaled(-dt * mechanism.damping, vector_of({}, speed.angular_velocity), e.impulse);
+    for (std::size_t k = 3; k < 6; ++k) e.matrix[k][k] += dt * mechanism.damping;
+  }
   add_mass(mechanism.body, pose.orientation, e.matrix);
   add_gyroscopic_torque(mechanism, pose, speed.angular_velocity, dt, e);
   return e;
@@ -268,8 +272,10 @@ Twist move_freely(const Mechanism& mechanism, const Pose& start, Vec3 centre, do
 }  // namespace
 
 Wrench change_of(const Spring& spring, const Twist& speed, double dt) {
-  const Vec3 point = speed.velocity + cross(speed.angular_velocity, spring.arm);
-  const double normal = dot(spring.normal, point), spin = dot(spring.normal, speed.angular_velocity);
+  const Twist& anchor = spring.anchor;
+  const Vec3 point = speed.velocity + cross(speed.angular_velocity, spring.arm) - anchor.velocity;
+  const double normal = dot(spring.normal, point),
+               spin = dot(spring.normal, speed.angular_velocity - anchor.angular_velocity);
   return {(-dt * spring.across) * point - (dt * (spring.along - spring.across) * normal) * spring.normal,
           (-dt * spring.about * spin) * spring.normal};
 }

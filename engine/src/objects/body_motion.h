@@ -1,11 +1,12 @@
 // How an object moves by itself in a tick: one linearly implicit step of Euler's, in which all that touches
 // it is as stiff as it is.
 //
-//   (M + h D + h^2 K) du = h (f - (D + h K) u),   u += du,   x += h u
+//   (M + h D + h^2 K) du = h (f - D u - h K (u - v)),   u += du,   x += h u
 //
-// K is the stiffness of hand and ground at their patches, D dampers. So a key of 5 g stays stable under 2
-// kN/m at 1 kHz, where an explicit step would not, without sub-steps; and it damps what is too fast for the
-// step. Joints are subspaces: of the six speeds of a body only those count that its joint leaves it.
+// K is the stiffness of hand and ground at their patches, v how fast those move, D dampers. So a key of 5 g
+// stays stable under 2 kN/m at 1 kHz, where an explicit step would not, without sub-steps; and it damps what
+// is too fast for the step. Joints are subspaces: of the six speeds of a body only those count that its joint
+// leaves it.
 #pragma once
 
 #include <span>
@@ -21,6 +22,7 @@ struct Spring {
   Vec3 normal;                   ///< unit, W
   double along = 0, across = 0;  ///< [N/m]; a damper [N s/m] as a spring of 1/dt of it, slack now
   double about = 0;              ///< [N m/rad]
+  Twist anchor{};                ///< W, how what it hangs on moves
 };
 
 /// [m/s] W, of a body's point that lies `arm` [m, W] from its centre of mass.

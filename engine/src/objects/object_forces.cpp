@@ -2,17 +2,17 @@
 
 #include <cmath>
 
-#include "base/fixed_list.h"
 #include "objects/body_motion.h"
 #include "objects/contact_patch.h"
-#include "objects/friction.h"
 #include "objects/move_on.h"
 #include "objects/surface_feel.h"
+#include "objects/touches.h"
 #include "proxy/proxy_hand.h"
 #include "samples/sampled_forces.h"
 #include "stages/contact_force.h"
 #include "stages/hand_pose.h"
 #include "stages/joint_torques.h"
+#include "stages/pad_damping.h"
 #include "tick/felt_forces.h"
 
 namespace lumbrical {
@@ -22,15 +22,8 @@ namespace {
 // moved, but lost.
 constexpr double kFarthestStep = 0.1, kWidestTurn = 0.9;
 
-/// What a segment feels of an object.
-struct Touch {
-  std::size_t segment = 0;
-  Wrench wrench;  ///< W, about the segment's base joint
-  Spring spring;  ///< as the object has it
-};
-
-/// Of all segments, in their order.
-using Touches = FixedList<Touch, kSegmentCount>;
+// Of a force that damping would end: what friction remembers does not end with it.
+constexpr double kLeastKept = 1e-9;
 
 std::uint32_t take_frame(const ObjectFrame* frame, const Settings& settings, Vec3 centre, ObjectState& state,
                          bool& anew) {
@@ -59,35 +52,19 @@ bool may_reach(const ApartObject& object, const Pose& X_WO, const Hand& hand, co
   return may_meet(hand, placed, {middle - reach, middle + reach});
 }
 
-Wrench operator+(const Wrench& a, const Wrench& b) { return {a.force + b.force, a.torque + b.torque}; }
-Wrench operator-(const Wrench& a) { return {-a.force, -a.torque}; }
-Wrench rotated(Quat q, const Wrench& a) { return {rotate(q, a.force), rotate(q, a.torque)}; }
-
-/// The same about a point that lies `arm` before it.
-Wrench about(Vec3 arm, const Wrench& a) { return {a.force, a.torque + cross(arm, a.force)}; }
-
-// A finger that an object leaves must not hold it back: it gives way no more than it pushes.
-double stiffness_kept(const ContactPatch& patch, double leaving, double dt) {
-  return leaving > 0 ? min(patch.stiffness, patch.force / (dt * leaving)) : patch.stiffness;
+// How the skin at a patch moves, W; `arm` [W] is the patch's from the segment's base joint.
+Twist skin_speed(const ObjectTick& tick, std::size_t segment, Vec3 arm) {
+  const auto& [velocity, angular_velocity] = tick.speeds.steady[segment];
+  return {velocity + cross(angular_velocity, arm), angular_velocity};
 }
 
-Spring spring_of(const ApartObject& object, const ContactPatch& patch, const Friction& friction, double dt,
-                 const ObjectState& state) {
-  const Pose& X_WO = state.pose;
-  const Vec3 arm = rotate(X_WO.orientation, patch.centre - object.mechanism.body.centre);
-  const Vec3 normal = rotate(X_WO.orientation, patch.normal), speed = velocity_at(state, arm);
-  const double leaving = -dot(normal, speed);
-  Spring spring{arm, normal, stiffness_kept(patch, leaving, dt)};
+Spring spring_of(const ApartObject& object, const ContactPatch& patch, const Twist& skin, Quat orientation) {
+  Spring spring{rotate(orientation, patch.centre - object.mechanism.body.centre),
+                rotate(orientation, patch.normal), patch.stiffness};
+  spring.anchor = skin;
   if (!rubs(object.material)) return spring;
-  // The skin goes with the object until that is more than friction holds.
   spring.across = object.material.shear_stiffness;
   spring.about = twist_stiffness(object.material);
-  const Twist own{speed, state.angular_velocity};
-  const Wrench drawn =
-      rotated(conjugate(X_WO.orientation), -change_of({{}, normal, 0, spring.across, spring.about}, own, dt));
-  const double share = share_that_sticks(friction, drawn.force, drawn.torque);
-  spring.across *= share;
-  spring.about *= share;
   return spring;
 }
 
@@ -106,7 +83,7 @@ struct Reached {
 Twist relative_speed(const ObjectTick& tick, std::size_t segment, const ApartObject& object,
                      const ObjectState& state) {
   const Vec3 arm = tick.hand.base_joint[segment] - transform(state.pose, object.mechanism.body.centre);
-  const auto& [velocity, angular_velocity] = tick.speeds[segment];
+  const auto& [velocity, angular_velocity] = tick.speeds.now[segment];
   return {velocity - velocity_at(state, arm), angular_velocity - state.angular_velocity};
 }
 
@@ -118,21 +95,22 @@ double press(const ObjectTick& tick, const ApartObject& object, std::size_t segm
   if (object.shape->layers.empty() && !(pad.damping > 0)) return 0;
   patch.force = patch.force > 0 ? norm(pressed.force) : 0;
   if (!(pad.damping > 0)) return 0;
-  const double share = damping_share(pad.damping, rotated(state.pose.orientation, pressed),
-                                     relative_speed(tick, segment, object, state));
-  const double damper = std::fabs(share) < 1 ? pad.damping * patch.force : 0;
-  pressed = {(1 + share) * pressed.force, (1 + share) * pressed.torque};
-  patch.force *= 1 + share;
+  const double wanted = damping_wanted(pad.damping, rotated(state.pose.orientation, pressed),
+                                       relative_speed(tick, segment, object, state));
+  const double kept = max(kLeastKept, 1 + damping_share(wanted));
+  // Beyond its bounds it grows no more: what counts is the way from there to an object that goes along.
+  const double damper = pad.damping * patch.force / max(1, std::fabs(wanted));
+  pressed = {kept * pressed.force, kept * pressed.torque};
+  patch.force *= kept;
   return damper;
 }
 
 // The solver takes a damper as a spring that is slack now: what it does at the speed the object already has
-// is taken out of the wrench. `arm` [W] is that of the patch from the segment's base joint.
-void add_damper(double damper, Vec3 arm, double dt, const ObjectState& state, Touch& touch) {
+// is taken out of the wrench.
+void add_damper(double damper, double dt, const ObjectState& state, Touch& touch) {
   Spring& spring = touch.spring;
-  const double speed = dot(spring.normal, velocity_at(state, spring.arm));
-  const Vec3 force = (-damper * speed) * spring.normal;
-  touch.wrench = touch.wrench + Wrench{force, cross(arm, force)};
+  const double speed = dot(spring.normal, velocity_at(state, spring.arm) - spring.anchor.velocity);
+  touch.wrench = touch.wrench + about(touch.arm, {(-damper * speed) * spring.normal, {}});
   spring.along += damper / dt;
 }
 
@@ -149,7 +127,7 @@ void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scr
   add_layers(shape, felt, flags, forces);
   findings += findings_of(shape, felt);
   SurfaceSums sums;
-  if (object.felt) sums = sum_surface(*object.felt, felt, flags);
+  if (object.felt) sums = sum_surface(*object.felt, shape, felt, flags);
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
     const CorePush push = pushing != nullptr ? push_on(*pushing, number, hand, i) : CorePush{};
     const Wrench pushed = rotated(conjugate(state.pose.orientation), push.wrench);
@@ -161,7 +139,8 @@ void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scr
     if (!(patch.force > 0)) {
       let_go(grip);
       // Faces that push opposite ways leave a torque.
-      if (norm(pressed.torque) > 0) touches.push_back({i, rotated(state.pose.orientation, pressed), {}});
+      if (norm(pressed.torque) > 0)
+        touches.push_back({i, rotated(state.pose.orientation, pressed), {}, {}, {}});
       continue;
     }
     Material material = object.material;
@@ -172,41 +151,35 @@ void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scr
     }
     Friction friction;
     if (rubs(object.material)) friction = rub(material, patch, base_pose(own, i), dt, grip);
-    const Vec3 arm = patch.centre - own.base_joint[i];
-    const Wrench rubbed{friction.force, friction.torque + cross(arm, friction.force)};
-    Touch touch{i, rotated(state.pose.orientation, pressed + rubbed),
-                spring_of(object, patch, friction, dt, state)};
-    if (moves_by_itself(object.mechanism))
-      add_damper(damper, rotate(state.pose.orientation, arm), dt, state, touch);
+    const Quat orientation = state.pose.orientation;
+    const Vec3 arm = patch.centre - own.base_joint[i], arm_in_world = rotate(orientation, arm);
+    Touch touch{i, rotated(orientation, pressed + about(arm, {friction.force, friction.torque})),
+                arm_in_world, spring_of(object, patch, skin_speed(tick, i, arm_in_world), orientation),
+                friction};
+    if (moves_by_itself(object.mechanism)) add_damper(damper, dt, state, touch);
     touches.push_back(touch);
   }
 }
 
-// What the hand does to the object, about its centre of mass.
-Wrench wrench_on_object(const Touches& touches, const Primitives& hand, Vec3 centre) {
-  Wrench sum;
-  for (const Touch& touch : touches)
-    sum = sum + -about(hand.base_joint[touch.segment] - centre, touch.wrench);
-  return sum;
-}
-
-// As the object gives way, so do the forces.
-void give_way(const Twist& speed, double dt, const Primitives& hand, Vec3 centre, Touches& touches) {
-  for (Touch& touch : touches) {
-    const Vec3 arm = centre + touch.spring.arm - hand.base_joint[touch.segment];
-    touch.wrench = touch.wrench + about(arm, -change_of(touch.spring, speed, dt));
-  }
-}
-
+// Forces are as stiff as they may be at the speed that the object has, and at the one to which it comes.
 void move_object(const Model& model, const ApartObject& object, const Primitives& hand, double dt,
                  const ObjectState& handle, Touches& touches, ObjectState& state) {
-  const MassProperties& body = object.mechanism.body;
-  const Vec3 centre = transform(state.pose, body.centre);
-  Springs springs;
-  for (const Touch& touch : touches) springs.push_back(touch.spring);
-  Wrench wrench = wrench_on_object(touches, hand, centre);
-  const Twist speed = move_on(model, object, wrench, handle, springs, state);
-  give_way(speed, dt, hand, centre, touches);
+  const Vec3 centre = transform(state.pose, object.mechanism.body.centre);
+  const Quat orientation = state.pose.orientation;
+  const Wrench wrench = wrench_on_object(touches, hand, centre);
+  const auto moved = [&](ObjectState& to) {
+    Springs springs;
+    for (const Touch& touch : touches) springs.push_back(touch.spring);
+    return move_on(model, object, wrench, handle, springs, to);
+  };
+  soften({state.velocity, state.angular_velocity}, dt, orientation, touches);
+  const ObjectState before = state;
+  Twist reached = moved(state);
+  if (soften(reached, dt, orientation, touches)) {
+    state = before;
+    reached = moved(state);
+  }
+  give_way(reached, dt, touches);
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 
 #include "lumbrical/tick.h"
 #include "model/primitive.h"
-#include "stages/pad_damping.h"
+#include "stages/segment_speeds.h"
 #include "tick/felt_forces.h"
 
 namespace lumbrical {
@@ -11,9 +11,9 @@ namespace lumbrical {
 /// What a tick does with a model's objects apart.
 struct ObjectTick {
   const Model& model;
-  Primitives& hand;         ///< placed in W
-  const PadSpeeds& speeds;  ///< of the hand
-  bool trusted;             ///< false: no object feels the hand
+  Primitives& hand;             ///< placed in W
+  const SegmentSpeeds& speeds;  ///< of the hand
+  bool trusted;                 ///< false: no object feels the hand
 };
 
 /// Puts the objects that are moved from outside to where they are told to be; `anew` becomes true where one

@@ -5,8 +5,10 @@
 
 #include "model/corners.h"
 #include "stages/broadphase.h"
+#include "stages/exact_overlaps.h"
 #include "stages/hand_pose.h"
 #include "stages/narrowphase.h"
+#include "tick/felt_forces.h"
 
 namespace lumbrical {
 namespace {
@@ -66,7 +68,7 @@ Vec3 turned(Vec3 v, Vec3 from, Vec3 to) {
 
 }  // namespace
 
-SurfaceSums sum_surface(const FeltSurface& surface, Scratch& felt, std::uint32_t& flags) {
+SurfaceSums sum_surface(const FeltSurface& surface, const Model& shape, Scratch& felt, std::uint32_t& flags) {
   SurfaceSums sums;
   const Model& part = surface.part;
   Primitives& hand = *felt.primitives;
@@ -78,8 +80,10 @@ SurfaceSums sum_surface(const FeltSurface& surface, Scratch& felt, std::uint32_t
   }
   const std::uint32_t count =
       find_contacts(part, hand, {felt.candidates.data(), felt.candidate_count}, felt.contacts);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const Contact& contact = felt.contacts[i];
+  const std::span<Contact> contacts(felt.contacts.data(), count);
+  // The shape has the same triangles, and a precision that ends the search for borders earlier.
+  take_off_overlaps(shape, hand, segments_felt_once(shape), contacts, felt.sorting);
+  for (const Contact& contact : contacts) {
     const auto found = std::lower_bound(surface.triangle.begin(), surface.triangle.end(), contact.triangle);
     const auto place = static_cast<std::size_t>(found - surface.triangle.begin());
     const std::size_t segment = hand.primitive[contact.primitive].segment;

@@ -19,9 +19,10 @@ struct SurfaceSums {
   std::array<Vec3, kSegmentCount> rub{};   ///< [N] O, the force times the factor of friction minus 1
 };
 
-/// Of the hand that `felt` has placed and felt the object with; takes the candidates and contacts in it for
-/// its own. Adds TickFlag bits to `flags`.
-SurfaceSums sum_surface(const FeltSurface& surface, Scratch& felt, std::uint32_t& flags);
+/// Of the hand that `felt` has placed and felt the object of this `shape` with; takes the candidates and
+/// contacts in it for its own. What several bodies hold counts as in the field. Adds TickFlag bits to
+/// `flags`.
+SurfaceSums sum_surface(const FeltSurface& surface, const Model& shape, Scratch& felt, std::uint32_t& flags);
 
 /// A segment's part of it, and the force [N] O that the object's field has on it, without pads' layers and
 /// what else pushes.

@@ -71,9 +71,9 @@ std::vector<std::uint8_t> encode_state(const State& state) {
   };
   const auto objects = put_rows(std::span(state.objects));
   const auto proxy = put_rows(state.proxy ? std::span(&*state.proxy, 1) : std::span<const ProxyState>());
-  const auto pad = put_rows(state.pad ? std::span(&*state.pad, 1) : std::span<const PadState>());
-  builder.Finish(fb::CreateState(builder, state.tick, state.rise, state.fall, last, held, objects, proxy, pad,
-                                 static_cast<std::uint32_t>(state.joints)));
+  const auto motion = put_rows(state.motion ? std::span(&*state.motion, 1) : std::span<const MotionState>());
+  builder.Finish(fb::CreateState(builder, state.tick, state.rise, state.fall, last, held, objects, proxy,
+                                 motion, static_cast<std::uint32_t>(state.joints)));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 
@@ -87,7 +87,7 @@ Status decode_state(std::span<const std::uint8_t> bytes, State& state) {
   const fb::State& message = *flatbuffers::GetRoot<fb::State>(data);
   State result;
   std::vector<ProxyState> proxy;
-  std::vector<PadState> pad;
+  std::vector<MotionState> motion;
   result.tick = message.tick();
   result.rise = message.rise();
   result.fall = message.fall();
@@ -95,11 +95,12 @@ Status decode_state(std::span<const std::uint8_t> bytes, State& state) {
   const bool good = is_share(result.rise) && is_share(result.fall) && result.joints >> kJointCount == 0 &&
                     to_forces(message.last(), result.last) && to_forces(message.held(), result.held) &&
                     to_rows(message.objects(), kMostObjects, result.objects) &&
-                    to_rows(message.proxy(), 1, proxy) && to_rows(message.pad(), 1, pad);
-  if (!good || (!proxy.empty() && !are_joints(proxy[0].valid)) || (!pad.empty() && !are_joints(pad[0].valid)))
+                    to_rows(message.proxy(), 1, proxy) && to_rows(message.motion(), 1, motion);
+  if (!good || (!proxy.empty() && !are_joints(proxy[0].valid)) ||
+      (!motion.empty() && !are_joints(motion[0].valid)))
     return Status::error("the state message holds numbers out of range");
   if (!proxy.empty()) result.proxy = proxy[0];
-  if (!pad.empty()) result.pad = pad[0];
+  if (!motion.empty()) result.motion = motion[0];
   state = result;
   return {};
 }

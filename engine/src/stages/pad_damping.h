@@ -3,29 +3,21 @@
 #pragma once
 
 #include <array>
-#include <optional>
 
 #include "lumbrical/tick.h"
 #include "model/primitive.h"
 
 namespace lumbrical {
 
-/// [m/s] of segments' base joints, [rad/s], W.
-using PadSpeeds = std::array<Twist, kSegmentCount>;
-
-/// Of what went from one pose to the other in a tick.
-Twist speed_between(const Pose& from, const Pose& to, double rate);
-
-/// How fast the placed hand's segments move, from where they were a tick before; keeps where they are. All 0
-/// without damping, and where there was no tick before that could be trusted.
-PadSpeeds speeds_of_pads(const Settings& settings, bool trusted, const Primitives& hand,
-                         std::optional<PadState>& pad);
-
-/// -1 .. 1: by which share the force grows of a segment that feels `wrench` about its base joint and moves so
+/// By which share the force would grow of a segment that feels `wrench` about its base joint and moves so
 /// relative to what it touches.
-double damping_share(double damping, const Wrench& wrench, const Twist& speed);
+double damping_wanted(double damping, const Wrench& wrench, const Twist& speed);
 
-/// Damps what segments feel of a world that stands still.
-void damp_pads(const Pad& pad, const PadSpeeds& speeds, const Primitives& hand, HandForces& forces);
+/// By which it does: -1 .. 1.
+constexpr double damping_share(double wanted) { return wanted < -1 ? -1 : wanted > 1 ? 1 : wanted; }
+
+/// Damps what segments feel of a world that stands still; `speed` is that of their base joints.
+void damp_pads(const Pad& pad, const std::array<Twist, kSegmentCount>& speed, const Primitives& hand,
+               HandForces& forces);
 
 }  // namespace lumbrical

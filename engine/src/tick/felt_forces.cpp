@@ -29,19 +29,6 @@ bool find_exact_candidates(const Model& model, const Primitives& hand, Scratch& 
   return true;
 }
 
-// Those that feel once what several bodies hold, whichever rung lists their contacts.
-std::uint32_t segments_felt_once(const Model& model) {
-  switch (model.settings.felt_once) {
-    case FeltOnce::never:
-      return 0;
-    case FeltOnce::by_samples:
-      return sampled_segments(model);
-    case FeltOnce::always:
-      return kAllSegments;
-  }
-  return 0;
-}
-
 HandForces sum_up(const Model& model, Scratch& scratch) {
   tell(scratch.watch, Stage::broadphase);
   find_all_contacts(model, scratch);
@@ -60,6 +47,18 @@ void add(const HandForces& more, HandForces& forces) {
 }
 
 }  // namespace
+
+std::uint32_t segments_felt_once(const Model& model) {
+  switch (model.settings.felt_once) {
+    case FeltOnce::never:
+      return 0;
+    case FeltOnce::by_samples:
+      return sampled_segments(model);
+    case FeltOnce::always:
+      return kAllSegments;
+  }
+  return 0;
+}
 
 void make_room(const Model& model, Scratch& scratch) {
   if (!scratch.primitives) scratch.primitives = std::make_shared<Primitives>();

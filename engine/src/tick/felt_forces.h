@@ -20,6 +20,9 @@ void make_room(const Model& model, Scratch& scratch);
 /// state and frame. Even no force times an old axis has that axis' sign. Before a hand is placed.
 void forget_hand(Primitives& hand);
 
+/// Those that feel once what several bodies hold, whichever rung lists their contacts.
+std::uint32_t segments_felt_once(const Model& model);
+
 /// Forces of the hand placed in the model's frame in `scratch`, and what was found on the way, but for its
 /// pads' layers. Adds TickFlag bits to `flags`; without forces where there are more pairs than there is room
 /// for.

@@ -84,9 +84,14 @@ constexpr void list_fields(Is<ProxyState> auto& proxy, auto&& field) {
   field("valid", "", proxy.valid);
 }
 
-constexpr void list_fields(Is<PadState> auto& pad, auto&& field) {
-  field("segment", "", pad.segment);
-  field("valid", "", pad.valid);
+constexpr void list_fields(Is<Twist> auto& twist, auto&& field) {
+  field("velocity", "m/s", twist.velocity);
+  field("angular_velocity", "rad/s", twist.angular_velocity);
+}
+constexpr void list_fields(Is<MotionState> auto& motion, auto&& field) {
+  field("segment", "", motion.segment);
+  field("speed", "", motion.speed);
+  field("valid", "", motion.valid);
 }
 
 constexpr void list_fields(Is<GripState> auto& grip, auto&& field) {
@@ -242,7 +247,7 @@ inline std::uint64_t hash_output(const ActuatorFrame& output, std::span<const Ob
 
 // A field that is not listed fails here, where the struct has no padding or always the same.
 static_assert(kIsRow<Contact> && kIsRow<HandForces> && kIsRow<ActuatorFrame>);
-static_assert(kIsRow<HandState> && kIsRow<ProxyState> && kIsRow<PadState> && kIsRow<ObjectState> &&
+static_assert(kIsRow<HandState> && kIsRow<ProxyState> && kIsRow<MotionState> && kIsRow<ObjectState> &&
               kIsRow<ObjectOutput> && kIsRow<ObjectFrame>);
 static_assert(kIsRow<JointPose> && kIsRow<HalfSpace> && kIsRow<Pose>);
 static_assert(listed_bytes<DeviceFrame>() + 7 == sizeof(DeviceFrame));

@@ -125,8 +125,8 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   HandForces& forces = scratch.forces = placed ? feel(model, scratch, flags) : feel_nothing(model, scratch);
   add_layers(model, scratch, flags, forces);
   if (scratch.proxy) add_pushes(scratch.proxy->pushing, hand, forces);
-  const PadSpeeds speeds = speeds_of_pads(model.settings, is_trusted(flags), hand, state.pad);
-  damp_pads(model.settings.pad, speeds, hand, forces);
+  const SegmentSpeeds speeds = speeds_of(model, is_trusted(flags), hand, state.motion);
+  damp_pads(model.settings.pad, speeds.now, hand, forces);
   Findings findings = findings_of(model, scratch);
   if (apart)
     findings += feel_objects({model, hand, speeds, is_trusted(flags)}, state, scratch, forces, flags);
@@ -224,7 +224,7 @@ std::uint64_t hash_state(const State& state) {
   const std::uint64_t hand = hash_fields(static_cast<const HandState&>(state));
   const std::uint64_t all = with_objects(hand, std::span<const ObjectState>(state.objects));
   const std::uint64_t held = state.proxy ? with_objects(all, std::span(&*state.proxy, 1)) : all;
-  return state.pad ? with_objects(held, std::span(&*state.pad, 1)) : held;
+  return state.motion ? with_objects(held, std::span(&*state.motion, 1)) : held;
 }
 
 }  // namespace lumbrical

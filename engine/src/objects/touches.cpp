@@ -1,0 +1,42 @@
+#include "objects/touches.h"
+
+namespace lumbrical {
+namespace {
+
+bool soften(const Twist& speed, double dt, Quat orientation, Touch& touch) {
+  Spring& spring = touch.spring;
+  const double along = spring.along, across = spring.across;
+  const double pushed = max(0, dot(touch.wrench.force, spring.normal)),
+               pulled = dot(change_of(spring, speed, dt).force, spring.normal);
+  if (pulled > pushed) spring.along *= pushed / pulled;
+  if (!(across > 0)) return spring.along < along;
+  Spring skin = spring;
+  skin.along = 0;
+  const Wrench drawn = rotated(conjugate(orientation), -change_of(skin, speed, dt));
+  const double share = share_that_sticks(touch.friction, drawn.force, drawn.torque);
+  spring.across *= share;
+  spring.about *= share;
+  return spring.along < along || spring.across < across;
+}
+
+}  // namespace
+
+Wrench wrench_on_object(const Touches& touches, const Primitives& hand, Vec3 centre) {
+  Wrench sum;
+  for (const Touch& touch : touches)
+    sum = sum + -about(hand.base_joint[touch.segment] - centre, touch.wrench);
+  return sum;
+}
+
+bool soften(const Twist& speed, double dt, Quat orientation, Touches& touches) {
+  bool softer = false;
+  for (Touch& touch : touches) softer = soften(speed, dt, orientation, touch) || softer;
+  return softer;
+}
+
+void give_way(const Twist& speed, double dt, Touches& touches) {
+  for (Touch& touch : touches)
+    touch.wrench = touch.wrench + about(touch.arm, -change_of(touch.spring, speed, dt));
+}
+
+}  // namespace lumbrical
