@@ -75,11 +75,10 @@ struct Touched {
   }
 };
 
-/// What a point is told by: the segment's field, by how much it is more the segment's than its neighbours' in
-/// the finger, and by how much other bodies are deeper than its own.
+/// What a point is told by: the segment's field, and by how much other bodies are deeper than its own.
 struct Told {
   Point2 at;
-  double own, lead, lack;
+  double own, lack;
 };
 
 class Overlap {
@@ -116,24 +115,33 @@ class Overlap {
   [[nodiscard]] bool has_kin() const { return count_ > 0 || across_ < kPhalanxCount; }
   [[nodiscard]] Told tell(Point2 p) const {
     const double own = touched_.field(segment_, p);
+    return {p, own, touched_.lack(segment_, own, p)};
+  }
+  /// By how much a point is more the segment's than its neighbours' in the finger.
+  [[nodiscard]] double lead(const Told& told) const {
     double lead = 1e300;
-    for (std::size_t k = 0; k < count_; ++k) lead = min(lead, precedence(rival_[k], p));
-    if (across_ < kPhalanxCount) lead = min(lead, own - touched_.field(across_, p));
-    return {p, own, lead, touched_.lack(segment_, own, p)};
+    for (std::size_t k = 0; k < count_; ++k) lead = min(lead, precedence(rival_[k], told.at));
+    if (across_ < kPhalanxCount) lead = min(lead, told.own - touched_.field(across_, told.at));
+    return lead;
   }
   [[nodiscard]] Told between(const Told& a, const Told& b) const { return tell(0.5 * (a.at + b.at)); }
 
   [[nodiscard]] PartMoments integral(const SixPoints<Told>& told, double area) const {
     SixPoints<Point2> place;
-    std::array<SixPoints<double>, 3> field;
+    std::array<SixPoints<double>, 2> field;
+    bool is_felt = false, is_lost = false;
     for (std::size_t k = 0; k < told.size(); ++k) {
       place[k] = told[k].at;
       field[0][k] = told[k].own;
       field[1][k] = told[k].lack;
-      field[2][k] = told[k].lead;
+      is_felt = is_felt || told[k].own > 0;
+      is_lost = is_lost || told[k].lack > 0;
     }
-    return has_kin() ? integral_where_positive(place, area, field)
-                     : integral_where_positive(place, area, std::array{field[0], field[1]});
+    if (!is_felt || !is_lost) return {};
+    if (!has_kin()) return integral_where_positive(place, area, field);
+    SixPoints<double> leads;
+    for (std::size_t k = 0; k < told.size(); ++k) leads[k] = lead(told[k]);
+    return integral_where_positive(place, area, std::array{field[0], field[1], leads});
   }
   /// `reach` [m] from the nearest of its points, the triangle has nowhere anything to lose: fields change by
   /// no more than the distance, and what they differ by twice as fast.
