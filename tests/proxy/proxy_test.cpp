@@ -8,6 +8,7 @@
 #include "model/primitive.h"
 #include "pads.h"
 #include "pressed_hand.h"
+#include "proxy/proxy_hand.h"
 #include "random.h"
 
 namespace lumbrical {
@@ -422,6 +423,33 @@ TEST(Proxy, WhatItFeelsOfAnObjectIsWhatTheObjectFeels) {
   }
   EXPECT_LT(worst, 1e-10);
   EXPECT_GT(most, 1);
+}
+
+// The palm presses a mug by its field alone, fingers hold it by their cores: what those push with reaches the
+// palm through the mug, and all of it together is nothing.
+TEST(Proxy, IsNotMovedByWhatTheHandSqueezesWithinItself) {
+  for (const double radius : {0.031, 0.034}) {  // of the grasp; the mug's is 0.037
+    Scene scene = test::mug_scene(Law::field);
+    scene.settings.precision.fill(1e-3);
+    scene.settings.proxy_stiffness = kStiffness;
+    scene.settings.max_force = 200;
+    scene.objects[0] = test::body_of("mug", make_mug({}), 0.2, {}, {0.8, 0.6, 0, 1000});
+    scene.ground.emplace();
+    Session run(scene);
+    const Motion grasp = make_grasp(scene.hand, radius, MugShape{}.height, 3);
+    double farthest = 0, fastest = 0, pushed = 0;
+    for (int i = 0; i < 1800; ++i) {  // closed and stroking
+      const DeviceFrame frame = resample(grasp, i / 1000.0);
+      feel(run, frame);
+      ASSERT_NE(run.state.proxy->valid, 0) << i;
+      farthest = largest(farthest, norm(proxy_at(run, kWrist) - frame.base.position));
+      fastest = largest(fastest, i > 700 ? norm(run.state.objects[0].velocity) : 0);
+      for (const Gap& gap : run.scratch.proxy->pushing) pushed = largest(pushed, gap.push);
+    }
+    EXPECT_GT(pushed, 3) << radius;
+    EXPECT_LT(farthest, 0.01) << radius;
+    EXPECT_LT(fastest, 0.8) << radius;
+  }
 }
 
 }  // namespace

@@ -57,6 +57,27 @@ TEST(Effort, ATighterBoundIsKeptFlaggedAndTellsALargerError) {
   EXPECT_GE(coarser, 2);
 }
 
+// Objects that rub are felt each by itself, and all of them together within the bound, but for what each
+// takes at least.
+TEST(Effort, IsSharedByTheWorldAndObjectsApart) {
+  Scene scene = draped_scene();
+  const SceneObject drape = scene.objects[0];
+  for (int i = 0; i < 3; ++i) {
+    scene.objects.push_back(drape);
+    scene.objects.back().material = {0.5, 0.5, 0, 1000};
+  }
+  const DeviceFrame frame = pressed_frame(scene.hand, 0.002, 0);
+  const std::uint64_t all = felt(scene, 0, frame).evaluations, least = felt(scene, 1, frame).evaluations;
+  ASSERT_LT(least, all * 3 / 4);
+  for (const std::uint64_t percent : {90, 60, 30}) {
+    const std::uint64_t effort = all * percent / 100;
+    const ActuatorFrame bound = felt(scene, static_cast<std::uint32_t>(effort), frame);
+    EXPECT_NE(bound.flags & kCoarsened, 0u) << percent;
+    EXPECT_LT(bound.evaluations, all) << percent;
+    EXPECT_LE(bound.evaluations, std::max(effort, least) + least * 3 / 4) << percent;
+  }
+}
+
 // They are no coarser for it.
 TEST(Effort, OfOneCellAPatchCountsRulesAndBlocksToo) {
   Scene scene = sampled_scene(default_hand(Side::right), pressed_scene(kWidthA, 200).objects);

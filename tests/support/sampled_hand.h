@@ -53,7 +53,7 @@ class FeelingHand {
   /// As the last frame left it.
   [[nodiscard]] const Scratch& scratch() const { return scratch_; }
   ActuatorFrame operator()(const DeviceFrame& frame) {
-    State state;
+    State state = make_state(model_);
     return tick(model_, state, scratch_, frame);
   }
 

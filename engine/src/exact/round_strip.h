@@ -122,7 +122,8 @@ inline StripEdge<V> add_strip_edge(const Edge<V>& edge, Wide2<V> t, M here, Stri
   const V b = (rim.beta - rim.gamma * foot.x) * t.x - foot.y * t.y;
   const V c = rim.alpha + foot.x * (rim.beta + rim.beta - rim.gamma * foot.x) - foot.y * foot.y;
   Span<V> inside = positive_span(a, b, c, start, end);
-  const auto none = inside.upper <= inside.lower;
+  // What rounding has left of an edge may run against it.
+  const auto none = inside.upper <= inside.lower || end <= start;
   inside = {select(none, end, inside.lower), select(none, end, inside.upper)};
   const Wide2<V> enters =
       select(inside.lower == start, edge.p, select(inside.lower == end, edge.q, foot + inside.lower * t));

@@ -122,9 +122,9 @@ void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scr
   const Pad& pad = shape.settings.pad;
   Primitives& own = *felt.primitives;
   place_hand(shape.hand, shape.settings, hand.joints, inverse(state.pose), own);
-  const HandForces field = feel(shape, felt, flags);
+  const HandForces field = feel(shape, felt, findings.evaluations, flags);
   HandForces forces = field;
-  add_layers(shape, felt, flags, forces);
+  add_layers(shape, felt, findings.evaluations, flags, forces);
   findings += findings_of(shape, felt);
   SurfaceSums sums;
   if (object.felt) sums = sum_surface(*object.felt, shape, felt, flags);
@@ -196,12 +196,11 @@ std::uint32_t move_given(const Model& model, std::span<const ObjectFrame> given,
   return flags;
 }
 
-Findings feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, HandForces& forces,
-                      std::uint32_t& flags) {
+void feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, HandForces& forces,
+                  Findings& findings, std::uint32_t& flags) {
   const Model& model = tick.model;
   const double dt = 1 / model.settings.rate;
   if (tick.trusted) place_axes(tick.hand);
-  Findings findings;
   for (std::size_t i = 0; i < model.apart.size(); ++i) {
     const ApartObject& object = model.apart[i];
     ObjectState& own = state.objects[i];
@@ -224,7 +223,6 @@ Findings feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, Ha
     scratch.object_output[i] = {felt_at, wrench_on_object(touches, tick.hand, felt_at.position), coordinate};
   }
   if (tick.trusted) sum_joint_torques(tick.hand, forces);
-  return findings;
 }
 
 }  // namespace lumbrical

@@ -21,12 +21,13 @@ struct ObjectTick {
 std::uint32_t move_given(const Model& model, std::span<const ObjectFrame> given, State& state, bool& anew);
 
 /// Feels every object where it stands, adds what the hand's segments feel to `forces`, and moves those that
-/// move by themselves. Adds TickFlag bits to `flags`.
+/// move by themselves. Adds what it finds to `findings`, which has all that the tick has found before, and
+/// TickFlag bits to `flags`.
 ///
 /// The forces are those at the tick's end, as far as they change by what the objects give way in it: what an
 /// object feels and what the hand feels is the same to rounding, and is what the object's momentum changes
 /// by.
-Findings feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, HandForces& forces,
-                      std::uint32_t& flags);
+void feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, HandForces& forces,
+                  Findings& findings, std::uint32_t& flags);
 
 }  // namespace lumbrical

@@ -280,12 +280,14 @@ void hold_off(const Core& core, double t, double known, std::span<const NearTria
   }
 }
 
-// Is it on or below a plane that holds the axis off nearby?
+// Is it on or below a plane that holds the axis off nearby, and as near? Where a finger is bent the axis may
+// be nearer to an edge.
 bool is_held_off(const Primitive& primitive, const Passing& passing, const HeldList& held) {
   const Vec3 point = point_at(primitive, passing.t), surface = point - passing.from;
   for (const Held& other : held) {
     const Vec3 apart = other.point - point;
-    if (dot(apart, apart) <= kSamePlace * kSamePlace && !is_above(other, surface)) return true;
+    const bool as_near = norm(other.point - other.surface) <= passing.distance + kFlat;
+    if (as_near && dot(apart, apart) <= kSamePlace * kSamePlace && !is_above(other, surface)) return true;
   }
   return false;
 }

@@ -19,11 +19,11 @@ using Moves = std::array<Vec3, kMoves>;
 
 Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 
-// How far each move gives way [m/N, 1/(N m)].
-Moves compliance_of(double stiffness) {
+// How far each move gives way [m/N, 1/(N m)]; the wrist only to what the hand does not balance by itself.
+Moves compliance_of(double stiffness, double balanced) {
   Moves moves;
-  const double shift = 1 / stiffness, turn = shift / (kHandLever * kHandLever),
-               bend = shift / (kFingerLever * kFingerLever);
+  const double shift = (1 - balanced) / stiffness, turn = shift / (kHandLever * kHandLever),
+               bend = 1 / (stiffness * kFingerLever * kFingerLever);
   moves[0] = {shift, shift, shift};
   moves[1] = {turn, turn, turn};
   // About x joints flex, about y the first joint of a finger spreads, about z nothing turns.
@@ -91,8 +91,9 @@ bool shorten(double stiffness, HandMove& move) {
   return shortened;
 }
 
-HandMove pull(const Joints& proxy, const HandMove& wanted, double stiffness, std::span<Gap> gaps) {
-  const Moves compliance = compliance_of(stiffness);
+HandMove pull(const Joints& proxy, const HandMove& wanted, double stiffness, double balanced,
+              std::span<Gap> gaps) {
+  const Moves compliance = compliance_of(stiffness, balanced);
   Moves x;
   x[0] = wanted.shift;
   x[1] = wanted.turn;

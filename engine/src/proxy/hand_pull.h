@@ -31,8 +31,9 @@ struct HandMove {
 bool shorten(double stiffness, HandMove& move);
 
 /// Of a move that would bring the proxy to the hand, what is left of it with `gaps` in the way, a spring of
-/// `stiffness` [N/m] pulling at the wrist. Sets what each gap pushes with, and
-/// how stiffly by itself.
-HandMove pull(const Joints& proxy, const HandMove& wanted, double stiffness, std::span<Gap> gaps);
+/// `stiffness` [N/m] pulling at the wrist, which feels the share of pushes that is not `balanced`. Sets what
+/// each gap pushes with, and how stiffly by itself.
+HandMove pull(const Joints& proxy, const HandMove& wanted, double stiffness, double balanced,
+              std::span<Gap> gaps);
 
 }  // namespace lumbrical

@@ -20,6 +20,9 @@ constexpr double kLongestStep = 0.25;
 // then a tick takes a few steps' time at most, wherever a hand jumps to.
 constexpr std::size_t kMostPairs = 2000;
 
+// [N] Of less than this it does not matter what answers it; and [s] how fast the wrist takes to what does.
+constexpr double kLittlePush = 1, kBalanceTime = 0.05;
+
 // The share of an axis' distance from the nearest triangle that a step may take.
 constexpr double kShareOfClearance = 0.5;
 
@@ -202,7 +205,7 @@ Advance advance(const Model& model, const State& state, const Joints& tracked, S
     const std::span<Gap> all{gaps.gap.begin(), gaps.gap.size()};
     HandMove wanted = way_to(tracked, proxy);
     const bool shortened = shorten(stiffness, wanted);
-    const HandMove move = pull(proxy, wanted, stiffness, all);
+    const HandMove move = pull(proxy, wanted, stiffness, state.proxy->balanced, all);
     const Reached reached = reach_within(model.hand, allowance_of(longest, gaps), move, tracked, proxy);
     pushing.clear();
     for (const Gap& gap : all) {
@@ -255,7 +258,7 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
   if (kept.valid == 0) {
     bool free = false;
     if (!is_free(model, state, joints, scratch, free)) return kCandidateOverflow;
-    if (free) kept = {joints.pose, static_cast<double>(joints.valid)};
+    if (free) kept = {joints.pose, static_cast<double>(joints.valid), 0};
     return 0;
   }
   // What tracking has lost is where the proxy has it, and what it has found is new to the proxy.
@@ -276,10 +279,10 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
     return 0;
   }
   if (proxy.pose == all.pose) {  // nothing is in the way: what tracking has lost may be forgotten
-    kept = {joints.pose, static_cast<double>(joints.valid)};
+    kept = {joints.pose, static_cast<double>(joints.valid), kept.balanced};
     return 0;
   }
-  kept = {proxy.pose, static_cast<double>(proxy.valid)};
+  kept = {proxy.pose, static_cast<double>(proxy.valid), kept.balanced};
   proxy.valid = joints.valid;
   static_cast<void>(place_hand(model.hand, model.settings, proxy, {}, hand));
   silence_untracked(hand, scratch.proxy->pushing);
@@ -295,6 +298,16 @@ void add_pushes(const GapList& pushing, Primitives& hand, HandForces& forces) {
     forces.segment[i].torque += push.torque;
   }
   sum_joint_torques(hand, forces);
+}
+
+void balance_pushes(const GapList& pushing, const HandForces& forces, double rate, ProxyState& kept) {
+  Vec3 pushes, others;
+  for (const Gap& gap : pushing) pushes += gap.push * gap.normal;
+  for (const Wrench& segment : forces.segment) others += segment.force;
+  others -= pushes;
+  const double size = norm(pushes), wanted = -dot(others, pushes) / (size * (size + kLittlePush));
+  const double target = size > 0 ? clamp(wanted, 0, 1) : 0;
+  kept.balanced += min(1, 1 / (rate * kBalanceTime)) * (target - kept.balanced);
 }
 
 CorePush push_on(const GapList& pushing, std::uint8_t object, const Primitives& hand, std::size_t segment) {

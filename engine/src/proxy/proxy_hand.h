@@ -31,6 +31,10 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
 /// Adds what the world's surfaces push the cores with.
 void add_pushes(const GapList& pushing, Primitives& hand, HandForces& forces);
 
+/// Of the pushes, how much the rest of what the hand feels answers, once `forces` has all of it: what fingers
+/// squeeze against the palm moves no wrist, though it is the palm's field that holds it there.
+void balance_pushes(const GapList& pushing, const HandForces& forces, double rate, ProxyState& kept);
+
 /// What the surfaces of one object push a segment's core with.
 struct CorePush {
   Wrench wrench;         ///< [N], [N m] about the segment's base joint, W

@@ -96,7 +96,7 @@ Status decode_state(std::span<const std::uint8_t> bytes, State& state) {
                     to_forces(message.last(), result.last) && to_forces(message.held(), result.held) &&
                     to_rows(message.objects(), kMostObjects, result.objects) &&
                     to_rows(message.proxy(), 1, proxy) && to_rows(message.motion(), 1, motion);
-  if (!good || (!proxy.empty() && !are_joints(proxy[0].valid)) ||
+  if (!good || (!proxy.empty() && !(are_joints(proxy[0].valid) && is_share(proxy[0].balanced))) ||
       (!motion.empty() && !are_joints(motion[0].valid)))
     return Status::error("the state message holds numbers out of range");
   if (!proxy.empty()) result.proxy = proxy[0];

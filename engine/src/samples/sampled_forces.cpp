@@ -194,6 +194,13 @@ Effort effort_of(const SampleTeam& team) {
   return effort_of(team.model.patches->rules, team.memory.near, team.memory.overlaps);
 }
 
+// Of Settings::effort; 0: as much as it takes.
+std::uint64_t effort_left(const SampleTeam& team) {
+  const std::uint64_t most = team.model.settings.effort, spent = team.memory.spent;
+  if (most == 0) return 0;
+  return spent < most ? most - spent : 1;
+}
+
 LevelWeights only(std::size_t level) {
   LevelWeights weights{};
   weights[level] = 1;
@@ -208,7 +215,7 @@ bool feel_apart(SampleTeam& team, std::size_t coarser, const Effort& effort, dou
   if (!open_for(team, coarser + 1) || !list(team)) return false;
   SampledForces finer;
   finer.evaluations = evaluations_of(effort_of(team), only(coarser + 1));
-  const std::uint64_t most = team.model.settings.effort;
+  const std::uint64_t most = effort_left(team);
   if (most > 0 && forces.evaluations + finer.evaluations > most) {
     forces.level = only(coarser);
     forces.coarsened = true;
@@ -234,7 +241,7 @@ bool feel(SampleTeam& team, const LevelWeights* levels, SampledForces& forces) {
     return patches.rules.block_on_skin[a] == patches.rules.block_on_skin[b];
   };
   const double force = force_at_centroids(team.memory.bodies, team.memory.search) / patches.rules.radius3;
-  const std::uint64_t most = team.model.settings.effort;
+  const std::uint64_t most = effort_left(team);
   forces.level = levels != nullptr ? *levels : level_weights(force);
   if (same_blocks(0, 1)) {  // they have the same lattices
     forces.level[1] += forces.level[0];

@@ -34,6 +34,7 @@ struct SampledForces {
 /// Working memory, sized once for a model, and the last tick's result.
 struct SampleMemory {
   SampledForces forces;
+  std::uint64_t spent = 0;  ///< of Settings::effort, by what the same tick has felt before
   Bodies bodies;
   PatchSearchMemory search;
   NearPatches near;

@@ -24,12 +24,18 @@ namespace {
 // A cut almost in the triangle's plane sweeps over it at once: there the wrench steps and has no derivative.
 constexpr double kNoCut = 1e-9;
 
+// [share of the radius] As near to a cut as this an edge of the triangle lies in it, as does that of the next
+// triangle, which may have no contact. What both lose and gain there is what one triangle would at the cut,
+// to another segment; to another part of the palm it is what an edge would.
+constexpr double kInCut = 1e-9;
+
 // The part of the plane where dot(direction, p) <= offset; of a cut, `along` is the part of its normal along
 // n.
 struct HalfPlane {
   Point2 direction;
   double offset, along;
 };
+double across(const HalfPlane& cut) { return std::sqrt(dot(cut.direction, cut.direction)); }
 
 // A triangle in its plane, and what cuts it.
 struct Facet {
@@ -41,11 +47,17 @@ struct Facet {
   [[nodiscard]] Vec3 at(Point2 p) const { return arm + (p.x * u + p.y * v); }
 };
 
-void add_cut(const HalfSpace& cut, Vec3 origin, Facet& facet) {
-  facet.cut[static_cast<std::size_t>(facet.cut_count++)] = {
-      {dot(cut.normal, facet.u), dot(cut.normal, facet.v)},
-      dot(cut.normal, cut.point - origin) + cut.offset,
-      dot(cut.normal, facet.n)};
+HalfPlane half_plane(const HalfSpace& cut, Vec3 origin, const Facet& facet) {
+  return {{dot(cut.normal, facet.u), dot(cut.normal, facet.v)},
+          dot(cut.normal, cut.point - origin) + cut.offset,
+          dot(cut.normal, facet.n)};
+}
+
+// What lies in the triangle's plane cuts nothing off: there is a contact.
+bool add_cut(const HalfPlane& cut, Facet& facet) {
+  if (!(across(cut) > kNoCut)) return false;
+  facet.cut[static_cast<std::size_t>(facet.cut_count++)] = cut;
+  return true;
 }
 
 // (direction, r x direction): what a force or a motion along a line amounts to at the joint.
@@ -174,28 +186,69 @@ void add_line(const Facet& facet, const Field& field, const Line& line, Vec3 e, 
   add_outer(second, db, dalong, sum);
 }
 
+/// What the terms of edges and cuts ask of a contact.
+struct Place {
+  Point2 middle;
+  double radius = 0;  // [m]
+  bool palm = false;
+};
+
+// Where the contact is.
+bool lies_in(const HalfPlane& cut, const Line& line, const Place& place) {
+  const double per = 1 / across(cut);
+  const Point2 foot = line.base + dot(place.middle - line.base, line.direction) * line.direction;
+  return std::fabs(per * (cut.offset - dot(cut.direction, foot))) <= kInCut * place.radius &&
+         std::fabs(per * dot(cut.direction, line.direction)) <= kInCut;
+}
+
+/// Of a facet's cuts, in which an edge lies.
+using Taken = std::array<bool, Slab::kMostFaces>;
+
 template <class Field>
-void add_line_terms(const Facet& facet, const Field& field, Matrix6& sum) {
+void add_edge_terms(const Facet& facet, const Field& field, const Place& place, Taken& taken, Matrix6& sum) {
   for (std::size_t i = 0; i < 3; ++i) {
     Line line = line_between(facet.corner[i], facet.corner[(i + 1) % 3]);
-    for (int k = 0; k < facet.cut_count; ++k) clip(facet.cut[static_cast<std::size_t>(k)], line);
-    if (!(line.lower < line.upper)) continue;
+    const Point2 outward{line.direction.y, -line.direction.x};
+    Vec3 e = line.direction.x * facet.v - line.direction.y * facet.u;
+    bool beyond = false;  // of a triangle beyond a cut nothing but rounding is there
+    for (std::size_t k = 0; k < static_cast<std::size_t>(facet.cut_count); ++k) {
+      const HalfPlane& cut = facet.cut[k];
+      if (!lies_in(cut, line, place)) {
+        clip(cut, line);
+        continue;
+      }
+      taken[k] = true;
+      beyond = beyond || dot(cut.direction, outward) < 0;
+      // The palm's other part, of the same segment, gains what this one loses.
+      if (!place.palm) e = (cut.along / across(cut)) * facet.n;
+    }
+    if (beyond || !(line.lower < line.upper)) continue;
     field.clip(line);
-    add_line(facet, field, line, line.direction.x * facet.v - line.direction.y * facet.u, sum);
+    add_line(facet, field, line, e, sum);
   }
-  for (int k = 0; k < facet.cut_count; ++k) {
-    const HalfPlane& cut = facet.cut[static_cast<std::size_t>(k)];
-    const double across = std::sqrt(dot(cut.direction, cut.direction));
-    if (!(across > kNoCut)) continue;
-    Line line = border_of(cut, across);
+}
+
+template <class Field>
+void add_cut_terms(const Facet& facet, const Field& field, const Taken& taken, Matrix6& sum) {
+  for (std::size_t k = 0; k < static_cast<std::size_t>(facet.cut_count); ++k) {
+    if (taken[k]) continue;
+    const HalfPlane& cut = facet.cut[k];
+    Line line = border_of(cut, across(cut));
     clip_to_triangle(facet, line);
-    for (int i = 0; i < facet.cut_count; ++i) {
-      if (i != k) clip(facet.cut[static_cast<std::size_t>(i)], line);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(facet.cut_count); ++i) {
+      if (i != k) clip(facet.cut[i], line);
     }
     if (!(line.lower < line.upper)) continue;
     field.clip(line);
-    add_line(facet, field, line, (cut.along / across) * facet.n, sum);
+    add_line(facet, field, line, (cut.along / across(cut)) * facet.n, sum);
   }
+}
+
+template <class Field>
+void add_line_terms(const Facet& facet, const Field& field, const Place& place, Matrix6& sum) {
+  Taken taken{};
+  add_edge_terms(facet, field, place, taken, sum);
+  add_cut_terms(facet, field, taken, sum);
 }
 
 }  // namespace
@@ -221,9 +274,9 @@ bool add_contact_jacobian(const Primitive& primitive, const Contact& contact, Ve
   for (std::size_t i = 0; i < 3; ++i)
     facet.corner[i] = {dot(corner[i], section.u), dot(corner[i], section.v)};
   for (std::size_t i = 0; i < primitive.cut_count; ++i) {
-    add_cut(primitive.cut[i], section.origin, facet);
-    HalfPlane& cut = facet.cut[i];
+    HalfPlane cut = half_plane(primitive.cut[i], section.origin, facet);
     cut.offset += section.h1 * cut.along;  // from O1 down to its foot
+    add_cut(cut, facet);
   }
   const Vec3 centre = (contact.centre - section.origin) + section.h1 * section.n;
   SlopeMoments slope = slope_moments(section, area, boundary);
@@ -234,7 +287,10 @@ bool add_contact_jacobian(const Primitive& primitive, const Contact& contact, Ve
   slope.xy += bulge.xy;
   slope.yy += bulge.yy;
   add_area_terms(facet, contact.volume, centre, slope, sum);
-  add_line_terms(facet, SectionField{section, slant_of(section)}, sum);
+  const Place place{{dot(centre, section.u), dot(centre, section.v)},
+                    max(section.radius1, section.radius2),
+                    primitive.segment == kPalmSegment};
+  add_line_terms(facet, SectionField{section, slant_of(section)}, place, sum);
   return true;
 }
 
@@ -251,13 +307,12 @@ bool add_contact_jacobian(const Slab& slab, const Contact& contact, Vec3 joint, 
   polygon.count = 3;
   for (std::size_t i = 0; i < 3; ++i) polygon.corner[i] = facet.corner[i];
   for (int i = 0; i < slab.face_count && polygon.count >= 3; ++i) {
-    add_cut(slab.face[static_cast<std::size_t>(i)], a, facet);
-    const HalfPlane& cut = facet.cut[static_cast<std::size_t>(i)];
-    cut_polygon(cut.direction, cut.offset, polygon);
+    const HalfPlane cut = half_plane(slab.face[static_cast<std::size_t>(i)], a, facet);
+    if (add_cut(cut, facet)) cut_polygon(cut.direction, cut.offset, polygon);
   }
   if (polygon.count < 3 || !(polygon_area(polygon).area > 0)) return false;
 
-  const HalfPlane& skin = facet.cut[0];
+  const HalfPlane skin = half_plane(slab.face[0], a, facet);
   const LinearField field{skin.offset, -1.0 * skin.direction};
   SlopeMoments slope;
   const auto add = [&](Point2 p, double weight) { slope.add(p, -weight * skin.along); };
@@ -265,7 +320,8 @@ bool add_contact_jacobian(const Slab& slab, const Contact& contact, Vec3 joint, 
     triangle_nodes(add, kGauss4, polygon.corner[0], polygon.corner[i], polygon.corner[i + 1]);
   }
   add_area_terms(facet, contact.volume, contact.centre - a, slope, sum);
-  add_line_terms(facet, field, sum);
+  const Vec3 centre = contact.centre - a;
+  add_line_terms(facet, field, {{dot(centre, facet.u), dot(centre, facet.v)}, slab.thickness, true}, sum);
   return true;
 }
 

@@ -81,8 +81,9 @@ void find_all_contacts(const Model& model, Scratch& scratch) {
                                           {scratch.contacts.data(), scratch.contact_count}, scratch.sorting);
 }
 
-HandForces feel(const Model& model, Scratch& scratch, std::uint32_t& flags) {
+HandForces feel(const Model& model, Scratch& scratch, std::uint64_t spent, std::uint32_t& flags) {
   Primitives& hand = *scratch.primitives;
+  scratch.samples->spent = spent;
   SampledForces& sampled = scratch.samples->forces;
   sampled = {};
   scratch.candidate_count = 0;
@@ -119,7 +120,9 @@ void forget_hand(Primitives& hand) {
   hand.palm.corner_count = 0;
 }
 
-void add_layers(const Model& model, Scratch& scratch, std::uint32_t& flags, HandForces& forces) {
+void add_layers(const Model& model, Scratch& scratch, std::uint64_t spent, std::uint32_t& flags,
+                HandForces& forces) {
+  spent += scratch.samples->forces.evaluations;
   const bool touches = scratch.contact_count > 0 || scratch.samples->forces.contact_count > 0;
   for (std::size_t i = 0; i < model.layers.size(); ++i) {
     const Model& layer = *model.layers[i];
@@ -130,7 +133,8 @@ void add_layers(const Model& model, Scratch& scratch, std::uint32_t& flags, Hand
     }
     forget_hand(*own.primitives);
     place_hand(layer.hand, layer.settings, scratch.primitives->joints, {}, *own.primitives);
-    add(feel(layer, own, flags), forces);
+    add(feel(layer, own, spent, flags), forces);
+    spent += own.samples->forces.evaluations;
   }
 }
 

@@ -24,12 +24,13 @@ void forget_hand(Primitives& hand);
 std::uint32_t segments_felt_once(const Model& model);
 
 /// Forces of the hand placed in the model's frame in `scratch`, and what was found on the way, but for its
-/// pads' layers. Adds TickFlag bits to `flags`; without forces where there are more pairs than there is room
-/// for.
-HandForces feel(const Model& model, Scratch& scratch, std::uint32_t& flags);
+/// pads' layers. `spent` evaluations of Settings::effort are gone. Adds TickFlag bits to `flags`; without
+/// forces where there are more pairs than there is room for.
+HandForces feel(const Model& model, Scratch& scratch, std::uint64_t spent, std::uint32_t& flags);
 
-/// Adds what the pads' layers feel; after `feel`, or `feel_nothing`.
-void add_layers(const Model& model, Scratch& scratch, std::uint32_t& flags, HandForces& forces);
+/// Adds what the pads' layers feel; after `feel`, or `feel_nothing`, and as that was told.
+void add_layers(const Model& model, Scratch& scratch, std::uint64_t spent, std::uint32_t& flags,
+                HandForces& forces);
 
 /// The same of a hand that can't be placed: nothing, but everything that is hashed is in place.
 HandForces feel_nothing(const Model& model, Scratch& scratch);

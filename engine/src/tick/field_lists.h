@@ -82,6 +82,7 @@ constexpr void list_fields(Is<HandState> auto& state, auto&& field) {
 constexpr void list_fields(Is<ProxyState> auto& proxy, auto&& field) {
   field("joint", "", proxy.joint);
   field("valid", "", proxy.valid);
+  field("balanced", "", proxy.balanced);
 }
 
 constexpr void list_fields(Is<Twist> auto& twist, auto&& field) {

@@ -188,6 +188,9 @@ void segment_jacobians(const Model& model, const Scratch& scratch,
     SegmentJacobian& jacobian = jacobians[primitive.segment];
     if (!asked(primitive.segment) || !jacobian.known) continue;
     if ((by_samples >> primitive.segment & 1u) != 0) continue;
+    // What rounding has left beyond a cut, or of a triangle without area.
+    const double radius = max(primitive.radius1, primitive.radius2);
+    if (contact.area < 1e-12 * radius * radius) continue;
     const Vec3 joint = hand.base_joint[primitive.segment];
     const Corners at = corners_of(world, contact.triangle);
     jacobian.known = add_plain_triangle(kernels, hand, contact, joint, at, jacobian.value) ||

@@ -122,14 +122,15 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   const bool apart = !model.apart.empty();
   if (apart) flags |= move_given(model, given, state, anew);
   if (scratch.proxy) flags |= follow_hand(model, is_trusted(flags), state, scratch, hand, anew);
-  HandForces& forces = scratch.forces = placed ? feel(model, scratch, flags) : feel_nothing(model, scratch);
-  add_layers(model, scratch, flags, forces);
+  HandForces& forces = scratch.forces =
+      placed ? feel(model, scratch, 0, flags) : feel_nothing(model, scratch);
+  add_layers(model, scratch, 0, flags, forces);
   if (scratch.proxy) add_pushes(scratch.proxy->pushing, hand, forces);
   const SegmentSpeeds speeds = speeds_of(model, is_trusted(flags), hand, state.motion);
   damp_pads(model.settings.pad, speeds.now, hand, forces);
   Findings findings = findings_of(model, scratch);
-  if (apart)
-    findings += feel_objects({model, hand, speeds, is_trusted(flags)}, state, scratch, forces, flags);
+  if (apart) feel_objects({model, hand, speeds, is_trusted(flags)}, state, scratch, forces, findings, flags);
+  if (scratch.proxy) balance_pushes(scratch.proxy->pushing, forces, model.settings.rate, *state.proxy);
   tell(scratch.watch, Stage::contact_force);
 
   const SampledForces& sampled = scratch.samples->forces;
