@@ -46,6 +46,16 @@ std::string error_of(const std::string& text) {
   return status.message();
 }
 
+TEST(SceneFile, TheBuiltInGraspIsOfTheHandThatTheMotionSays) {
+  const std::string objects = R"({"objects": [{"plane": {}}], )";
+  EXPECT_EQ(load(objects + R"("motion": {"grasp": {}, "side": "left"}})").scene.hand.side, Side::left);
+  const std::string right = objects + R"("hand": {"side": "right"}, "motion": {"grasp": {}, )";
+  EXPECT_NE(error_of(right + R"("side": "left"}})").find("motion.side is not"), std::string::npos);
+  EXPECT_NE(error_of(right + R"("side": "up"}})").find("motion.side"), std::string::npos);
+  EXPECT_NE(error_of(right + R"("unit": "mm"}})").find("motion.unit has no meaning"), std::string::npos);
+  EXPECT_NE(error_of(right + R"("rate": 30}})").find("motion.rate has no meaning"), std::string::npos);
+}
+
 TEST(SceneFile, NeedsOnlyAnObjectAndAMotion) {
   const SceneFile scene_file = load("{\n\"objects\": [{\"mesh\": \"tetrahedron.obj\", \"unit\": \"cm\"}],\n" +
                                     std::string(kGrasp) + "\n}");

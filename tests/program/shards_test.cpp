@@ -21,7 +21,7 @@ fs::path folder_with_list() {
   for (int i = 0; i < 7; ++i) {
     const std::string name = "rec" + std::to_string(i) + ".mcap", ticks = std::to_string(10 + i);
     EXPECT_EQ(shell("lumbrical run demo.json --ticks " + ticks + " --record " + name, folder).exit_code, 0);
-    list << name << "\n\n";
+    list << name << "\r\n\n\r\n";  // as on any system
   }
   list << "none.mcap";
   std::ofstream(folder / "none.mcap") << "no recording";

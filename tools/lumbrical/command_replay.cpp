@@ -262,7 +262,7 @@ void add_replay(Command& app, int& exit_code) {
   command->add_option("--precision", switches->precision, std::string("What if: ") + kPrecisionHelp)
       ->check(is_precision());
   command->add_option("--stiffness", switches->stiffness, "What if: K_s [N/m^3]")
-      ->check(number_in(1e-6, 1e15));
+      ->check(number_in(0.001, 1e15));
   command->add_option("--mesh", switches->meshes, "What if: another mesh, placed in the world, for an object")
       ->type_name("NAME=FILE");
   command->add_option("--unit", switches->unit, "Of the meshes' numbers")

@@ -120,7 +120,12 @@ std::vector<std::string> trouble_of(const RunStatistics& run, const DeviceSessio
   if (run.not_recorded > 0) lines.push_back(grouped(run.not_recorded) + " ticks are not in the recording");
   const auto touched = [](const HandFigures& hand) { return hand.contacts > 0; };
   const auto lost = [&run](const HandFigures& hand) { return lost_throughout(run, hand); };
+  const auto overflowed = [](const HandFigures& hand) { return ticks_with(hand, kCandidateOverflow) > 0; };
   if (run.ticks == 0 || std::any_of(run.hands.begin(), run.hands.end(), touched)) return lines;
+  if (std::any_of(run.hands.begin(), run.hands.end(), overflowed)) {
+    lines.push_back("nothing was felt where more was near than settings.max_candidates; raise it");
+    return lines;
+  }
   if (std::all_of(run.hands.begin(), run.hands.end(), lost)) {
     lines.push_back("nothing was felt: in no tick was it known where the hand is");
     return lines;

@@ -55,8 +55,10 @@ Status read_list(const std::string& file, std::vector<std::string>& entries) {
   if (file != "-") opened.open(file);
   std::istream& list = file == "-" ? std::cin : opened;
   if (!list) return Status::error(file + ": can't be read");
-  for (std::string line; std::getline(list, line);)
+  for (std::string line; std::getline(list, line);) {
+    if (line.ends_with('\r')) line.pop_back();
     if (!line.empty()) entries.push_back(line);
+  }
   return list.bad() ? Status::error(file + ": can't be read to its end; name a file with an entry per line")
                     : Status();
 }

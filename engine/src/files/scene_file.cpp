@@ -179,6 +179,19 @@ Status fit(const Hand& described, const format::Hand* table, const std::string& 
   return hand_read.status();
 }
 
+// Of the built-in grasp: the side that the motion or the caller says, and no word of what only files have.
+void read_side_of_grasp(const format::Motion& table, const MotionOverride& chosen, FieldReader& read,
+                        std::optional<Side>& side) {
+  if (table.unit() != nullptr) read.error("motion.unit", "has no meaning for the built-in grasp");
+  if (table.rate().has_value()) read.error("motion.rate", "has no meaning for the built-in grasp");
+  std::optional<Side> asked = chosen.side;
+  if (!asked && table.side() != nullptr) asked = read_side(table.side(), "motion.side", read);
+  if (asked && side && *asked != *side)
+    read.error("motion.side", "is not the side of the hand");
+  else if (asked)
+    side = asked;
+}
+
 // The hand's table comes from the scene file or from a file of its own; `hand_read` reads whichever it is.
 Status read_hand_and_motion(const format::Scene& scene, const format::Hand* hand_table, const std::string& at,
                             const MotionOverride& chosen, FieldReader& read, FieldReader& hand_read,
@@ -195,6 +208,7 @@ Status read_hand_and_motion(const format::Scene& scene, const format::Hand* hand
   if (hand_table != nullptr && hand_table->side() != nullptr) {
     side = read_side(hand_table->side(), at + "side", hand_read);
   }
+  if (grasp && read.ok()) read_side_of_grasp(*table, chosen, read, side);
   if (!hand_read.ok()) return hand_read.status();
   if (!read.ok()) return read.status();
   if (from_file) {
