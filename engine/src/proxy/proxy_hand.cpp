@@ -22,6 +22,7 @@ constexpr std::size_t kMostPairs = 2000;
 
 // [N] Of less than this it does not matter what answers it; and [s] how fast the wrist takes to what does.
 constexpr double kLittlePush = 1, kBalanceTime = 0.05;
+constexpr double kForgotten = 1e-6;  // a share of it that is as good as none
 
 // The share of an axis' distance from the nearest triangle that a step may take.
 constexpr double kShareOfClearance = 0.5;
@@ -308,6 +309,7 @@ void balance_pushes(const GapList& pushing, const HandForces& forces, double rat
   const double size = norm(pushes), wanted = -dot(others, pushes) / (size * (size + kLittlePush));
   const double target = size > 0 ? clamp(wanted, 0, 1) : 0;
   kept.balanced += min(1, 1 / (rate * kBalanceTime)) * (target - kept.balanced);
+  if (kept.balanced < kForgotten) kept.balanced = 0;  // or it would be told from nothing for a minute
 }
 
 CorePush push_on(const GapList& pushing, std::uint8_t object, const Primitives& hand, std::size_t segment) {
