@@ -64,7 +64,7 @@ Plane plane_through_a_joint(const Primitives& hand, Turned turned, Random& rando
 
 // [m^3] What the sum over a plane is off by, and by how much it may step where a border all but meets a
 // joint.
-constexpr double kCube = kRadius * kRadius * kRadius, kOff = 1e-10 * kCube, kStep = 1e-6 * kCube;
+constexpr double kCube = kRadius * kRadius * kRadius, kOff = 1e-10 * kCube, kLeastStep = 1e-6 * kCube;
 
 // [m^3] What contacts may state as their error at most, where so many parts would be cut that some are left,
 // and as a rule.
@@ -85,7 +85,7 @@ TEST(JointInAPlane, ForceChangesNoFasterThanTheFingerMoves) {
     for (const double next : kHeights) {
       const Felt felt = feel(hand, plane.at(next));
       const double bound = largest(felt.area, last.area) * (next - height);
-      EXPECT_LE(std::fabs(felt.volume - last.volume), bound + felt.error + last.error + kStep)
+      EXPECT_LE(std::fabs(felt.volume - last.volume), bound + felt.error + last.error + kLeastStep)
           << i << ' ' << next;
       EXPECT_LE(felt.error, kMostUnsure) << i << ' ' << next;
       usual += felt.error <= kUsuallyUnsure ? 1 : 0;

@@ -9,6 +9,7 @@
 #include "borders/joint_border.h"
 #include "finger_reference.h"
 #include "mesh_world.h"
+#include "model/corners.h"
 #include "posed_finger.h"
 #include "random.h"
 #include "stages/hand_pose.h"
@@ -18,10 +19,6 @@ namespace lumbrical::test {
 
 inline constexpr double kRadius = 0.0078125;
 inline constexpr double kDegree = std::numbers::pi / 180;
-
-struct Corners {
-  Vec3 a, b, c;
-};
 
 // The plane z = height, one triangle far larger than a finger.
 inline Corners floor_at(double height) {

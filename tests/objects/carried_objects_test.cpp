@@ -121,6 +121,7 @@ TEST(SuddenMotion, OfWhatOneFingerPushesAwayDoesNotPullAnother) {
       test::frame_of({{{-0.03, 0, top - 0.003}, {0, 0, 1}}, {{0.03, 0, top - 0.0001}, {0, 0, 1}}});
   for (int i = 0; i < 5; ++i) run.step(frame);
   ASSERT_GT(run.output.segment[kFirst].force.z, 3);
+  ASSERT_GT(run.output.segment[kSecond].force.z, 1e-3);
   run.state.objects[1].coordinate = 0.5;  // the latch opens
   for (int i = 0; i < 10; ++i) {
     run.step(frame);

@@ -428,7 +428,7 @@ TEST(Proxy, WhatItFeelsOfAnObjectIsWhatTheObjectFeels) {
 // The palm presses a mug by its field alone, fingers hold it by their cores: what those push with reaches the
 // palm through the mug, and all of it together is nothing.
 TEST(Proxy, IsNotMovedByWhatTheHandSqueezesWithinItself) {
-  for (const double radius : {0.031, 0.034}) {  // of the grasp; the mug's is 0.037
+  for (const double radius : {0.026, 0.031, 0.034}) {  // of the grasp; the mug's is 0.037
     Scene scene = test::mug_scene(Law::field);
     scene.settings.precision.fill(1e-3);
     scene.settings.proxy_stiffness = kStiffness;
@@ -447,7 +447,7 @@ TEST(Proxy, IsNotMovedByWhatTheHandSqueezesWithinItself) {
       for (const Gap& gap : run.scratch.proxy->pushing) pushed = largest(pushed, gap.push);
     }
     EXPECT_GT(pushed, 3) << radius;
-    EXPECT_LT(farthest, 0.01) << radius;
+    EXPECT_LT(farthest, 0.012) << radius;
     EXPECT_LT(fastest, 0.8) << radius;
   }
 }

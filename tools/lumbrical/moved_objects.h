@@ -9,7 +9,7 @@
 
 namespace lumbrical::tool {
 
-/// Of one object in a session.
+/// Of one object in a session. Of two hands, whose ticks are given what moves, none has a coordinate.
 struct MovedObject {
   double least = 0, most = 0, last = 0;       ///< q of a hinge [rad] or slider [m]
   double farthest = 0, most_turned = 0;       ///< of all others, from the start: [m], [rad]

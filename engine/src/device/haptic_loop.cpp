@@ -259,7 +259,7 @@ DeviceCommand command_forces(const Model& model, const Scratch& scratch, const D
   const double dt = loop.now == 0 ? 0 : seconds(now - loop.now);
   loop.now = now;
   const double answered_after = model.settings.rate * loop.profile.safety.answer_timeout;  // [ticks] at most
-  loop.sharing = 1 + static_cast<std::uint64_t>(answered_after / static_cast<double>(loop.past.size()));
+  loop.sharing = 1 + static_cast<std::uint64_t>(answered_after / static_cast<double>(loop.past.size() - 1));
   const bool angles = frame.kind == InputKind::joint_angles;
   if (angles) {
     follow_hand(model, frame, output, loop);

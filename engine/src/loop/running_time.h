@@ -30,7 +30,7 @@ struct RunningAge {
   void begin(const RunningTime& running) { lost_before = running.lost; }
   /// [s] of a command that came `age` [s] ago by the clock. Of a stall, no more than that is forgiven.
   double of(double age, const RunningTime& running) {
-    lost_before = max(lost_before, running.lost - age);
+    lost_before = max(lost_before, running.lost - max(age, 0));
     return age - (running.lost - lost_before);
   }
 };

@@ -41,8 +41,8 @@ std::uint32_t corner_at(const Mesh& mesh, const std::vector<std::uint32_t>& firs
   return 3 * triangle + k;
 }
 
-// Of each edge the same one of the triangle across it; none where not exactly two run through it, opposite
-// ways.
+// For each edge, the same edge as the neighbour runs through it; none where not exactly two run through it,
+// opposite ways.
 std::vector<std::uint32_t> edges_across(const Mesh& mesh) {
   const std::vector<std::uint32_t> first = first_at_same_position(mesh.vertices);
   std::vector<std::uint32_t> across(3 * mesh.triangles.size(), kNoEdge);

@@ -161,23 +161,28 @@ void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scr
   }
 }
 
-// Forces are as stiff as they may be at the speed that the object has, and at the one to which it comes.
+// Springs are softened by the speed that the object has, and once more, the step taken anew, by that to which
+// it comes.
 void move_object(const Model& model, const ApartObject& object, const Primitives& hand, double dt,
                  const ObjectState& handle, Touches& touches, ObjectState& state) {
   const Vec3 centre = transform(state.pose, object.mechanism.body.centre);
   const Quat orientation = state.pose.orientation;
   const Wrench wrench = wrench_on_object(touches, hand, centre);
-  const auto moved = [&](ObjectState& to) {
+  const auto moved = [&] {
     Springs springs;
     for (const Touch& touch : touches) springs.push_back(touch.spring);
-    return move_on(model, object, wrench, handle, springs, to);
+    return move_on(model, object, wrench, handle, springs, state);
   };
+  if (touches.empty()) {
+    moved();
+    return;
+  }
   soften({state.velocity, state.angular_velocity}, dt, orientation, touches);
   const ObjectState before = state;
-  Twist reached = moved(state);
+  Twist reached = moved();
   if (soften(reached, dt, orientation, touches)) {
     state = before;
-    reached = moved(state);
+    reached = moved();
   }
   give_way(reached, dt, touches);
 }

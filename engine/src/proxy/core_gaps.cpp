@@ -214,10 +214,10 @@ bool is_less_far(const NearPoint& a, const NearPoint& b) {
   return a.pushes != b.pushes ? a.pushes : is_before(a.gap, b.gap);
 }
 
-// Of a triangle, to a point of the axis; what is farther than a distance is not looked at closely.
-NearPoint near_point(const Core& core, Vec3 point, double distance, const Corners& at) {
+// Of a triangle, to a point of the axis; what is farther than the root of `most` is not looked at closely.
+NearPoint near_point(const Core& core, Vec3 point, double most, const Corners& at) {
   const auto [gap, square, corner] = nearest_point(point, at.a, at.b, at.c);
-  if (square > distance * distance) return {gap, square, false};
+  if (square > most) return {gap, square, false};
   return {gap, square, is_upright(gap, at) || is_nearest(core.primitive, point, point - gap)};
 }
 
@@ -227,7 +227,7 @@ NearPoint nearest_of(std::span<const NearTriangle> near, const Core& core, Vec3 
   for (const NearTriangle& triangle : near) {
     if (least_distance(point, triangle) > distance + kFlat) continue;
     const Corners at = corners_of(core.around.model.triangles, triangle.number);
-    const NearPoint other = near_point(core, point, distance, at);
+    const NearPoint other = near_point(core, point, nearest.square, at);
     if (!is_less_far(other, nearest)) continue;
     nearest = other;
     distance = std::sqrt(nearest.square);
@@ -243,7 +243,7 @@ std::span<NearPoint> points_above(const Held& nearest, std::span<const NearTrian
     if (!(least_distance(nearest.point, triangle) < radius)) continue;
     const Corners at = corners_of(core.around.model.triangles, triangle.number);
     if (!is_above(nearest, at.a) && !is_above(nearest, at.b) && !is_above(nearest, at.c)) continue;
-    const NearPoint other = near_point(core, nearest.point, radius, at);
+    const NearPoint other = near_point(core, nearest.point, radius * radius, at);
     if (other.square < radius * radius && is_above(nearest, nearest.point - other.gap))
       core.memory.points[count++] = other;
   }

@@ -303,13 +303,18 @@ void add_pushes(const GapList& pushing, Primitives& hand, HandForces& forces) {
 
 void balance_pushes(const GapList& pushing, const HandForces& forces, double rate, ProxyState& kept) {
   Vec3 pushes, others;
-  for (const Gap& gap : pushing) pushes += gap.push * gap.normal;
+  bool holds_palm = false;  // itself: then the wrist is what gives way
+  for (const Gap& gap : pushing) {
+    pushes += gap.push * gap.normal;
+    holds_palm = holds_palm || gap.segment == kPalmSegment;
+  }
   for (const Wrench& segment : forces.segment) others += segment.force;
   others -= pushes;
-  const double size = norm(pushes), wanted = -dot(others, pushes) / (size * (size + kLittlePush));
-  const double target = size > 0 ? clamp(wanted, 0, 1) : 0;
+  const double size = norm(pushes), answered = -dot(others, pushes);
+  const double target = size > 0 && !holds_palm ? clamp(answered / (size * (size + kLittlePush)), 0, 1) : 0;
   kept.balanced += min(1, 1 / (rate * kBalanceTime)) * (target - kept.balanced);
-  if (kept.balanced < kForgotten) kept.balanced = 0;  // or it would be told from nothing for a minute
+  if (kept.balanced < kForgotten)
+    kept.balanced = 0;  // else what begins anew, with 0, would differ for half a minute
 }
 
 CorePush push_on(const GapList& pushing, std::uint8_t object, const Primitives& hand, std::size_t segment) {

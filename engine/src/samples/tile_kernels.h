@@ -114,7 +114,9 @@ LUMBRICAL_INLINE inline void outer_shares(const Neighbours<V, N>& near, const Sh
   } else {
     const V one = number<V>(1), outermost = beyond(1);
     const auto folded = near.folded > number<V>(0);
-    const auto ahead = [](const SharedCorner<V, N>& at) { return at.field.of[2] - at.field.of[0]; };
+    const V tie = number<V>(kTie) * near.seen[0].tile.radius;
+    const auto ahead = [&](const SharedCorner<V, N>& at)
+                           LUMBRICAL_INLINE { return at.field.of[2] - at.field.of[0] - tie; };
     const V last = select(folded, where_positive(ahead(a), ahead(b), ahead(c)), outermost);
     const V first = (one - outer) * select(folded, one - last, one);
     share[1] = last * select(folded, outermost, outer);

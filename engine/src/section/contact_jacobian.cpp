@@ -187,14 +187,14 @@ void add_line(const Facet& facet, const Field& field, const Line& line, Vec3 e, 
 }
 
 /// What the terms of edges and cuts ask of a contact.
-struct Place {
+struct ContactPlace {
   Point2 middle;
   double radius = 0;  // [m]
   bool palm = false;
 };
 
-// Where the contact is.
-bool lies_in(const HalfPlane& cut, const Line& line, const Place& place) {
+// Next to the contact's centre: far away rounding parts them.
+bool lies_in(const HalfPlane& cut, const Line& line, const ContactPlace& place) {
   const double per = 1 / across(cut);
   const Point2 foot = line.base + dot(place.middle - line.base, line.direction) * line.direction;
   return std::fabs(per * (cut.offset - dot(cut.direction, foot))) <= kInCut * place.radius &&
@@ -205,7 +205,8 @@ bool lies_in(const HalfPlane& cut, const Line& line, const Place& place) {
 using Taken = std::array<bool, Slab::kMostFaces>;
 
 template <class Field>
-void add_edge_terms(const Facet& facet, const Field& field, const Place& place, Taken& taken, Matrix6& sum) {
+void add_edge_terms(const Facet& facet, const Field& field, const ContactPlace& place, Taken& taken,
+                    Matrix6& sum) {
   for (std::size_t i = 0; i < 3; ++i) {
     Line line = line_between(facet.corner[i], facet.corner[(i + 1) % 3]);
     const Point2 outward{line.direction.y, -line.direction.x};
@@ -245,7 +246,7 @@ void add_cut_terms(const Facet& facet, const Field& field, const Taken& taken, M
 }
 
 template <class Field>
-void add_line_terms(const Facet& facet, const Field& field, const Place& place, Matrix6& sum) {
+void add_line_terms(const Facet& facet, const Field& field, const ContactPlace& place, Matrix6& sum) {
   Taken taken{};
   add_edge_terms(facet, field, place, taken, sum);
   add_cut_terms(facet, field, taken, sum);
@@ -287,9 +288,9 @@ bool add_contact_jacobian(const Primitive& primitive, const Contact& contact, Ve
   slope.xy += bulge.xy;
   slope.yy += bulge.yy;
   add_area_terms(facet, contact.volume, centre, slope, sum);
-  const Place place{{dot(centre, section.u), dot(centre, section.v)},
-                    max(section.radius1, section.radius2),
-                    primitive.segment == kPalmSegment};
+  const ContactPlace place{{dot(centre, section.u), dot(centre, section.v)},
+                           max(section.radius1, section.radius2),
+                           primitive.segment == kPalmSegment};
   add_line_terms(facet, SectionField{section, slant_of(section)}, place, sum);
   return true;
 }

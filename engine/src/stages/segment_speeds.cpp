@@ -15,9 +15,9 @@ constexpr double kSteady = 0.005;
 // [m/s], [rad/s] Faster is no hand: what seems so has jumped, and does not go on.
 constexpr double kFastest = 20, kFastestTurn = 200;
 
-bool are_asked_for(const Model& model) {
-  const auto moves = [](const ApartObject& object) { return moves_by_itself(object.mechanism); };
-  return model.settings.pad.damping > 0 || std::any_of(model.apart.begin(), model.apart.end(), moves);
+bool some_object_moves(const Model& model) {
+  return std::any_of(model.apart.begin(), model.apart.end(),
+                     [](const ApartObject& object) { return moves_by_itself(object.mechanism); });
 }
 
 Twist between(const Twist& from, const Twist& to, double share) {
@@ -38,7 +38,8 @@ Twist speed_between(const Pose& from, const Pose& to, double rate) {
 SegmentSpeeds speeds_of(const Model& model, bool trusted, const Primitives& hand,
                         std::optional<MotionState>& motion) {
   SegmentSpeeds speeds;
-  if (!are_asked_for(model)) {
+  const bool some_hang_on = some_object_moves(model);
+  if (!some_hang_on && !(model.settings.pad.damping > 0)) {
     motion.reset();
     return speeds;
   }
@@ -52,7 +53,8 @@ SegmentSpeeds speeds_of(const Model& model, bool trusted, const Primitives& hand
     Twist& steady = motion->speed[i];
     const bool known_before = (known >> base_joint_of(i) & 1u) != 0;
     if (known_before) speeds.now[i] = speed_between(was, X_WS, rate);
-    steady = known_before && goes_on(speeds.now[i]) ? between(steady, speeds.now[i], share) : Twist{};
+    steady = some_hang_on && known_before && goes_on(speeds.now[i]) ? between(steady, speeds.now[i], share)
+                                                                    : Twist{};
     was = X_WS;
   }
   speeds.steady = motion->speed;

@@ -19,8 +19,8 @@ struct SegmentSpeeds {
 /// Of what went from one pose to the other in a tick.
 Twist speed_between(const Pose& from, const Pose& to, double rate);
 
-/// Of the placed hand; keeps where it is. All 0 where the model has no use for them, and where there was no
-/// tick before that could be trusted.
+/// Of the placed hand; keeps where it is. All 0 where the model has no use for them (damping, objects that
+/// move; the mean is for those only), and where there was no tick before that could be trusted.
 SegmentSpeeds speeds_of(const Model& model, bool trusted, const Primitives& hand,
                         std::optional<MotionState>& motion);
 
