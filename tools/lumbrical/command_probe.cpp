@@ -184,7 +184,7 @@ void add_probe(Command& app, int& exit_code) {
         ->repeatable();
   }
   command->add_option("--stiffness", options->stiffness, "K_s [N/m^3]")
-      ->check(number_in(0.001, 1e15))
+      ->check(is_stiffness())
       ->capture_default_str();
   command->add_option("--law", options->law, "Contact law")->check(is_law())->capture_default_str();
   command->add_option("--precision", options->precision, "Any may be named: a probe is always exact")

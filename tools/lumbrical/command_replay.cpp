@@ -261,8 +261,7 @@ void add_replay(Command& app, int& exit_code) {
   command->add_option("--law", switches->law, "What if: contact law of the whole hand")->check(is_law());
   command->add_option("--precision", switches->precision, std::string("What if: ") + kPrecisionHelp)
       ->check(is_precision());
-  command->add_option("--stiffness", switches->stiffness, "What if: K_s [N/m^3]")
-      ->check(number_in(0.001, 1e15));
+  command->add_option("--stiffness", switches->stiffness, "What if: K_s [N/m^3]")->check(is_stiffness());
   command->add_option("--mesh", switches->meshes, "What if: another mesh, placed in the world, for an object")
       ->type_name("NAME=FILE");
   command->add_option("--unit", switches->unit, "Of the meshes' numbers")

@@ -261,7 +261,7 @@ void add_scene_switches(RunOptions& options, Command& command) {
   command.add_option("--law", options.law, "Contact law of the whole hand")->check(is_law());
   command.add_option("--precision", options.precision, kPrecisionHelp)->check(is_precision());
   command.add_option("--effort", options.effort, "Most evaluations a tick may spend on samples; 0: no bound");
-  command.add_option("--stiffness", options.stiffness, "K_s [N/m^3]")->check(number_in(0.001, 1e15));
+  command.add_option("--stiffness", options.stiffness, "K_s [N/m^3]")->check(is_stiffness());
   command.add_option("--isa", options.isa, "Instruction set; never changes a result")->check(is_isa());
 }
 

@@ -12,10 +12,6 @@ constexpr double kDegrees = 57.29577951308232;
 constexpr std::size_t kMostRows = 12;
 
 bool moves(const ApartObject& object) { return object.mechanism.mobility != Mobility::fixed; }
-bool has_coordinate(const ApartObject& object) {
-  const Mobility mobility = object.mechanism.mobility;
-  return mobility == Mobility::hinge || mobility == Mobility::slider;
-}
 
 double distance(const ApartObject& object, const Pose& pose) {
   return norm(transform(pose, object.middle) - transform(object.start, object.middle));
@@ -44,7 +40,7 @@ std::string push_text(const MovedObject& moved) {
 std::string way_text(const ApartObject& object, const MovedObject& moved) {
   const auto length = [](double metres) { return brief(1e3 * metres) + " mm"; };
   const auto angle = [](double radians) { return brief(kDegrees * radians) + " degrees"; };
-  if (has_coordinate(object)) {
+  if (has_coordinate(object.mechanism)) {
     const bool hinge = object.mechanism.mobility == Mobility::hinge;
     const auto way = [&](double q) { return hinge ? angle(q) : length(q); };
     return (hinge ? "turned from " : "slid from ") + way(moved.least) + " to " + way(moved.most) + ", " +
@@ -61,7 +57,7 @@ void note_objects(const Model& model, std::span<const ObjectOutput> outputs,
                   std::vector<MovedObject>& objects) {
   objects.resize(model.apart.size());
   for (std::size_t i = 0; i < std::min(objects.size(), outputs.size()); ++i)
-    note(model.apart[i], outputs[i], objects[i]);
+    if (moves(model.apart[i])) note(model.apart[i], outputs[i], objects[i]);
 }
 
 void add_moved(const Model& model, std::span<const MovedObject> objects, Table& table) {
@@ -87,7 +83,7 @@ Json moved_json(const Model& model, std::span<const MovedObject> objects) {
     const MovedObject& moved = objects[i];
     if (!moves(object)) continue;
     Json json = {{"name", object.name}, {"peak_force", moved.peak_force}};
-    if (has_coordinate(object)) {
+    if (has_coordinate(object.mechanism)) {
       json["coordinate"] = {{"least", moved.least}, {"most", moved.most}, {"last", moved.last}};
     } else {
       json["distance"] = {{"most", moved.farthest}, {"last", moved.last_distance}};

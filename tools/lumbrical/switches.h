@@ -48,6 +48,7 @@ inline Check is_alignment() {
           },
           "ALIGNMENT"};
 }
+inline Check is_stiffness() { return number_in(0.001, 1e15); }
 inline Check is_law() { return one_of({"field", "column", "max-depth", "centroid", "point"}); }
 
 /// Searches that this build has.

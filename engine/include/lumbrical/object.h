@@ -95,6 +95,9 @@ struct Mechanism {
   friend bool operator==(const Mechanism&, const Mechanism&) = default;
 };
 constexpr bool moves_by_itself(const Mechanism& mechanism) { return mechanism.mobility >= Mobility::free; }
+constexpr bool has_coordinate(const Mechanism& mechanism) {
+  return mechanism.mobility == Mobility::hinge || mechanism.mobility == Mobility::slider;
+}
 
 /// A plane that free bodies rest on; the hand does not feel it.
 struct Ground {

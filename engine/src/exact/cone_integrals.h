@@ -183,12 +183,7 @@ auto add_side(const RoundPart<V>& part, const SideView<V>& side, const Polygon<V
                         (by_circle.area_x - side.shift * by_circle.area) * per_scale * per_scale);
     own.area_y = select(strip, by_strip.area_y, by_circle.area_y * per_scale);
     if (any(all)) {
-      // A corner that is there: of an edge beyond a cut what is left may be far away, and brings its
-      // rounding.
-      Wide2<V> base = polygon.edge[0].p;
-      for (std::size_t i = polygon.count; i-- > 0;)
-        base = select(has_length(polygon.edge[i]), polygon.edge[i].p, base);
-      const Moments<V> area = area_of(polygon, base);
+      const Moments<V> area = area_of(polygon, corner_of(polygon));
       own.area = select(all, area.area, own.area);
       own.area_x = select(all, area.area_x, own.area_x);
       own.area_y = select(all, area.area_y, own.area_y);

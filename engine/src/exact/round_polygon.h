@@ -25,6 +25,15 @@ inline auto has_length(const Edge<V>& edge) {
   return edge.p.x != edge.q.x || edge.p.y != edge.q.y;
 }
 
+// A corner that is there: of an edge beyond a cut what is left may be far away, and brings its rounding.
+template <class AnyPolygon>
+inline auto corner_of(const AnyPolygon& polygon) {
+  auto corner = polygon.edge[0].p;
+  for (std::size_t i = polygon.count; i-- > 0;)
+    corner = select(has_length(polygon.edge[i]), polygon.edge[i].p, corner);
+  return corner;
+}
+
 // Unit directions of a polygon's edges.
 template <class V>
 struct Directions {

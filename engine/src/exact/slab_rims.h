@@ -134,9 +134,7 @@ void slab_rims(RimTerms& terms) {
       const V offset = get(terms.cut_offset[k] + i, V{});
       remove_above(height_over(vector_at<V>(terms.cut_normal[k], i), offset, plane), polygon, bent);
     }
-    Wide2<V> base = polygon.edge[0].p;
-    for (std::size_t k = polygon.count; k-- > 0;)
-      base = select(has_length(polygon.edge[k]), polygon.edge[k].p, base);
+    const Wide2<V> base = corner_of(polygon);
     const Linear<V> over =
         height_over(in_all_lanes<V>(terms.faces->normal[0]), number<V>(terms.faces->offset[0]), plane);
     const Linear<V> field{zero - over.value, {zero - over.slope.x, zero - over.slope.y}};

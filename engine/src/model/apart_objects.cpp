@@ -121,14 +121,6 @@ Status check_surroundings(const Scene& scene) {
   return {};
 }
 
-namespace {
-
-bool has_coordinate(const Mechanism& mechanism) {
-  return mechanism.mobility == Mobility::hinge || mechanism.mobility == Mobility::slider;
-}
-
-}  // namespace
-
 Status find_latches(std::vector<ApartObject>& objects) {
   for (std::size_t i = 0; i < objects.size(); ++i) {
     ApartObject& object = objects[i];

@@ -135,10 +135,10 @@ std::vector<std::array<Vec3, 3>> corner_normals(const Mesh& mesh, double crease_
   }
   std::vector<std::array<Vec3, 3>> corners(normals.size());
   for (std::uint32_t t = 0; t < normals.size(); ++t) {
+    const bool sliver = is_sliver(mesh, t);
     for (std::uint32_t k = 0; k < 3; ++k) {
       const Vec3 mean = unit_or(sum[groups.find(3 * t + k)], {});
-      const bool keeps_own = dot(mean, normals[t]) < kWidestTurn || is_sliver(mesh, t);
-      corners[t][k] = keeps_own ? own[t] : mean;
+      corners[t][k] = sliver || dot(mean, normals[t]) < kWidestTurn ? own[t] : mean;
     }
   }
   return corners;

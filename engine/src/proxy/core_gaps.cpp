@@ -268,15 +268,17 @@ void hold_off(const Core& core, double t, double known, std::span<const NearTria
   if (!(nearest.square < radius * radius)) return;
   clear(core, std::sqrt(nearest.square));
   if (!(nearest.square > kTouching * kTouching)) return;
-  std::span<NearPoint> left = points_above(held_at(point, nearest.gap), near, core, radius);
+  Held plane = held_at(point, nearest.gap);
+  std::span<NearPoint> left = points_above(plane, near, core, radius);
   for (std::size_t i = 1; held.size() < kMostHeld; ++i) {
     if (nearest.pushes) {
       measure(core, point, radius, nearest.gap);
-      held.push_back(held_at(point, nearest.gap));
+      held.push_back(plane);
     }
     if (left.empty() || i == kMostGapsAtAPoint) return;
     nearest = *std::min_element(left.begin(), left.end(), is_less_far);
-    left = above(held_at(point, nearest.gap), left);
+    plane = held_at(point, nearest.gap);
+    left = above(plane, left);
   }
 }
 

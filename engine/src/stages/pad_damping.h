@@ -14,7 +14,7 @@ namespace lumbrical {
 double damping_wanted(double damping, const Wrench& wrench, const Twist& speed);
 
 /// By which it does: -1 .. 1.
-constexpr double damping_share(double wanted) { return wanted < -1 ? -1 : wanted > 1 ? 1 : wanted; }
+constexpr double damping_share(double wanted) { return clamp(wanted, -1, 1); }
 
 /// Damps what segments feel of a world that stands still; `speed` is that of their base joints.
 void damp_pads(const Pad& pad, const std::array<Twist, kSegmentCount>& speed, const Primitives& hand,
