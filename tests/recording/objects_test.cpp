@@ -189,6 +189,39 @@ TEST(RecordedObjects, APartOfASessionReplaysFromWhereItsObjectsWere) {
   EXPECT_FALSE(result.first_divergence);
 }
 
+std::string part_of(const std::vector<std::string>& paths, const std::string& name, std::uint64_t from,
+                    std::uint64_t to, bool& replayable) {
+  const std::string part = test::cleared(test::temporary_path(name));
+  CopyResult copied;
+  const Status status = copy_recordings(paths, part, {from, to, {}}, copied);
+  EXPECT_TRUE(status.ok()) << status.message();
+  replayable = copied.replayable;
+  return part;
+}
+
+// The state beside tick 500 tells of all that was before, whatever is missing there.
+TEST(RecordedObjects, APartBehindAGapReplaysFromAStateThatIsKept) {
+  const std::string path = recorded_session(2000);
+  bool replayable = false;
+  const std::string before = part_of({path}, "before.mcap", 0, 300, replayable);
+  const std::string behind = part_of({path}, "behind.mcap", 310, kTicks, replayable);
+  const std::string gap = part_of({before, behind}, "gap.mcap", 0, kTicks, replayable);
+  EXPECT_FALSE(replayable);
+  for (const std::uint64_t from : {501u, 502u, 590u}) {
+    const std::string part = part_of({gap}, "part.mcap", from, kTicks, replayable);
+    EXPECT_TRUE(replayable) << from;
+    RecordingReader reader;
+    ASSERT_TRUE(reader.open(part).ok());
+    ReplayResult result;
+    const Status status = replay(reader, {}, result);
+    EXPECT_TRUE(status.ok()) << status.message();
+    EXPECT_EQ(result.ticks, kTicks - from);
+    EXPECT_FALSE(result.first_divergence);
+  }
+  part_of({gap}, "part.mcap", 400, kTicks, replayable);  // the last state is from before the gap
+  EXPECT_FALSE(replayable);
+}
+
 // What a forged file may take in memory is bounded by its size; this is the most that a true one takes.
 TEST(RecordedObjects, MayBeManyOfATriangleEach) {
   Scene scene = scene_of_objects(), found;

@@ -108,6 +108,37 @@ TEST(Export, HoldsOnlyColumnsThatVaryUnlessTheyAreAskedFor) {
             std::string::npos);
 }
 
+TEST(Export, TellsWhereObjectsAreAndWhatTheyFeel) {
+  Scene scene = test::small_scene();
+  SceneObject& mug = scene.objects.emplace_back(scene.objects[0]);
+  mug.name = "a mug";
+  mug.mechanism.mobility = Mobility::given;
+  std::vector<TickRecord> records = test::random_records(3, 1);
+  for (TickRecord& record : records) {
+    record.object_count = 1;
+    record.object[0].pose.position = {0.5, 0.25 * static_cast<double>(record.output.tick), 0};
+    record.object[0].wrench.force.z = -2;
+  }
+  const std::string path = temporary_path("mug.mcap");
+  test::write_recording(path, scene, records);
+  RecordingReader reader;
+  ASSERT_TRUE(reader.open(path).ok());
+  auto table = table_of(reader, {});
+  EXPECT_EQ(table[3][column(table, "object.a_mug.position.y [m]")], "0.5");
+  EXPECT_EQ(std::count(table[0].begin(), table[0].end(), "object.a_mug.position.x [m]"), 0)
+      << "does not vary";
+  EXPECT_EQ(std::count(table[0].begin(), table[0].end(), "object.a_mug.wrench.force.z [N]"), 0);
+  ExportOptions options;
+  options.columns = {"a mug"};
+  table = table_of(reader, options);
+  EXPECT_EQ(table[0].size(), 2 + 7 + 6 + 1u);
+  EXPECT_EQ(table[1][column(table, "object.a_mug.wrench.force.z [N]")], "-2");
+  const std::string json = temporary_path("mug.json");
+  std::filesystem::remove(json);
+  ASSERT_TRUE(export_recording(reader, as(ExportFormat::json), json).ok());
+  EXPECT_NE(lines_of(json).at(2).find(R"("objects":[{"pose":{"position":[0.5,0.5,0],)"), std::string::npos);
+}
+
 TEST(Export, TakesARangeOfTicksAndEveryNth) {
   RecordingReader reader;
   open_random(reader, 50);

@@ -369,7 +369,8 @@ enum class ExportFormat : std::uint8_t { csv, json, npz };
 struct ExportOptions {
   ExportFormat format = ExportFormat::csv;
   /// Words: every column in whose name one of them is ("force", "angle.index", "all"), whether it varies or
-  /// not. None: of pose, forces, flexion torques, flags and contacts those that vary. Of tables only.
+  /// not. None: of pose, forces, flexion torques, flags, contacts and where objects are those that vary. Of
+  /// tables only.
   std::vector<std::string> columns;
   std::vector<int> segments;                   ///< only these segments' columns; empty: all
   std::uint64_t first = 0, last = UINT64_MAX;  ///< tick numbers

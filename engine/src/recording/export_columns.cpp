@@ -85,6 +85,24 @@ void add_hand(std::vector<ExportColumn>& columns) {
   columns.push_back({"hash.state", "", NumberType::whole, Source::state_hash});
 }
 
+// "object.mug.position.x"; where it is and goes is usual, what it feels is not.
+void add_object(std::size_t object, const std::string& name, std::vector<ExportColumn>& columns) {
+  const std::vector<NumberField>& fields = fields_of<ObjectOutput>();
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    ExportColumn column;
+    const bool is_place = fields[i].name.starts_with("pose.");
+    column.name = "object." + (name.empty() ? std::to_string(object) : underscored(name)) + "." +
+                  (is_place ? fields[i].name.substr(5) : fields[i].name);
+    column.unit = fields[i].unit;
+    column.type = fields[i].type;
+    column.source = Source::object;
+    column.index = i;
+    column.object = object;
+    column.usual = !fields[i].name.starts_with("wrench.");
+    columns.push_back(std::move(column));
+  }
+}
+
 bool is_common(const ExportColumn& column) {
   return column.source == Source::tick || column.source == Source::time;
 }
@@ -100,10 +118,12 @@ bool of_segments(const ExportColumn& column, const std::vector<int>& segments) {
 
 }  // namespace
 
-std::vector<ExportColumn> export_columns(const std::vector<Side>& hands) {
+std::vector<ExportColumn> export_columns(const ExportedSession& session) {
+  const std::vector<Side>& hands = session.hands;
   std::vector<ExportColumn> columns;
   columns.push_back({"tick", "", NumberType::whole, Source::tick});
   columns.push_back({"time", "s", NumberType::real, Source::time});
+  for (std::size_t i = 0; i < session.objects.size(); ++i) add_object(i, session.objects[i], columns);
   for (std::size_t hand = 0; hand < hands.size(); ++hand) {
     const std::size_t begin = columns.size();
     add_hand(columns);
@@ -115,9 +135,9 @@ std::vector<ExportColumn> export_columns(const std::vector<Side>& hands) {
   return columns;
 }
 
-Status choose_columns(const ExportOptions& options, const std::vector<Side>& hands,
+Status choose_columns(const ExportOptions& options, const ExportedSession& session,
                       std::vector<ExportColumn>& columns) {
-  const std::vector<ExportColumn> all = export_columns(hands);
+  const std::vector<ExportColumn> all = export_columns(session);
   for (const std::string& word : options.columns) {
     const bool known = std::any_of(all.begin(), all.end(),
                                    [&word](const ExportColumn& column) { return holds(column.name, word); });
@@ -136,7 +156,14 @@ Status choose_columns(const ExportOptions& options, const std::vector<Side>& han
   return {};
 }
 
+std::span<const ObjectOutput> ExportRow::objects() const {
+  for (const TickRecord* const of_hand : record)
+    if (of_hand != nullptr && of_hand->object_count > 0) return objects_of(*of_hand);
+  return {};
+}
+
 bool ExportRow::has(const ExportColumn& column) const {
+  if (column.source == Source::object) return column.object < objects().size();
   const TickRecord* const of_hand = record[column.hand];
   return is_common(column) || (of_hand != nullptr && (of_hand->has_forces || !column.force));
 }
@@ -153,6 +180,8 @@ void column_bits(const ExportRow& row, double rate, const std::vector<ExportColu
   const auto number = [&](const ExportColumn& column) -> std::uint64_t {
     if (column.source == Source::tick) return row.tick;
     if (column.source == Source::time) return bits_of(static_cast<double>(row.tick) / rate);
+    if (column.source == Source::object)
+      return row.has(column) ? numbers_of(row.objects()[column.object])[column.index] : 0;
     const TickRecord* const record = row.record[column.hand];
     if (record == nullptr) return 0;
     if (column.source == Source::duration) return record->duration_ns;

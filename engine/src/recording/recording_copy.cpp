@@ -3,6 +3,8 @@
 #include <array>
 #include <filesystem>
 #include <new>
+#include <optional>
+#include <utility>
 
 #include "lumbrical/recording.h"
 #include "recording/mcap_writer.h"
@@ -31,10 +33,10 @@ Status guess_state(RecordingReader& reader, const Model& model, std::uint64_t be
   return {};
 }
 
-/// Runs the ticks begin .. tick - 1; `found` tells whether the state behind them is the recorded one.
+/// Runs the ticks from the state's to `tick_number`; `found` stays as it is where there are none, else tells
+/// whether the state behind them is the recorded one.
 Status run_up_to(RecordingReader& reader, const Model& model, std::uint64_t tick_number, State& state,
                  bool& found) {
-  found = false;
   Scratch scratch = make_scratch(model);
   scratch.hash_stages = false;
   while (state.tick < tick_number) {
@@ -49,13 +51,45 @@ Status run_up_to(RecordingReader& reader, const Model& model, std::uint64_t tick
   return {};
 }
 
-/// The state before a tick of the recording, which is not its first. It is certain where it is found, for its
-/// hash was recorded.
-Status find_state(RecordingReader& reader, std::uint64_t tick_number, State& state, bool& found) {
-  Model model;
-  found = false;
-  if (Status status = reader.find_world({}); !status.ok()) return status;
-  if (Status status = build_model(reader.scene(), {}, model); !status.ok()) return status;
+/// The last of the states that stand beside the ticks from `begin` to before `tick_number`; none: nothing is
+/// kept there.
+Status kept_state(RecordingReader& reader, std::uint64_t begin, std::uint64_t tick_number,
+                  std::optional<State>& kept) {
+  const Side side = reader.scene().hand.side;
+  if (Status status = reader.seek(begin); !status.ok()) return status;
+  for (;;) {
+    RecordedMessage message;
+    bool end = false;
+    if (Status status = reader.next_message(message, end); !status.ok()) return status;
+    if (end || message.tick >= tick_number) return {};
+    if (message.kind != MessageKind::tick || reader.info().hands[message.hand] != side) continue;
+    std::optional<State> after;
+    if (Status status = decode_state_after(message.bytes, after); !status.ok()) return status;
+    if (after) kept = std::move(after);
+  }
+}
+
+/// From the last state kept before a tick; looked for backwards, a few chunks first.
+Status find_from_kept(RecordingReader& reader, const Model& model, std::uint64_t tick_number, State& state,
+                      bool& found) {
+  const std::uint64_t first = reader.info().first_tick;
+  std::optional<State> kept;
+  std::uint64_t begin = tick_number;
+  for (std::uint64_t back = 256; !kept && begin > first; back *= 8) {
+    const std::uint64_t end = begin;
+    begin = tick_number - std::min(back, tick_number - first);
+    if (Status status = kept_state(reader, begin, end, kept); !status.ok()) return status;
+  }
+  if (!kept) return {};
+  state = std::move(*kept);
+  found = true;
+  if (Status status = reader.seek(state.tick); !status.ok()) return status;
+  return run_up_to(reader, model, tick_number, state, found);
+}
+
+/// From what is known of ticks that keep no state, more and more of them.
+Status find_from_output(RecordingReader& reader, const Model& model, std::uint64_t tick_number, State& state,
+                        bool& found) {
   const Settings& settings = reader.scene().settings;
   const std::uint64_t first = reader.info().first_tick;
   const std::uint64_t all = tick_number - first;
@@ -68,6 +102,20 @@ Status find_state(RecordingReader& reader, std::uint64_t tick_number, State& sta
       if (Status status = run_up_to(reader, model, tick_number, state, found); !status.ok()) return status;
     if (found || begin == first) return {};
   }
+}
+
+/// The state before a tick of the recording, which is not its first. It is certain where it is found, for its
+/// hash was recorded.
+Status find_state(RecordingReader& reader, std::uint64_t tick_number, State& state, bool& found) {
+  Model model;
+  found = false;
+  if (Status status = reader.find_world({}); !status.ok()) return status;
+  if (Status status = build_model(reader.scene(), {}, model); !status.ok()) return status;
+  if (!model.apart.empty() || model.settings.proxy_stiffness > 0) {  // else none is kept (recorder.cpp)
+    if (Status status = find_from_kept(reader, model, tick_number, state, found); !status.ok() || found)
+      return status;
+  }
+  return find_from_output(reader, model, tick_number, state, found);
 }
 
 /// Where a replay of a hand's copied ticks would stand; no tick: one before it is missing.

@@ -31,10 +31,12 @@ using Readers = std::span<RecordingReader>;
 
 double rate_of(Readers readers) { return readers[0].scene().settings.rate; }
 
-std::vector<Side> hands_of(Readers readers) {
-  std::vector<Side> hands;
-  for (const RecordingReader& reader : readers) hands.push_back(reader.scene().hand.side);
-  return hands;
+ExportedSession session_of(Readers readers) {
+  ExportedSession session;
+  for (const RecordingReader& reader : readers) session.hands.push_back(reader.scene().hand.side);
+  for (const SceneObject& object : readers[0].scene().objects)
+    if (is_apart(object)) session.objects.push_back(object.name);
+  return session;
 }
 
 /// Every chosen tick, front to back, until `take` fails or `out` is not wanted any more. Of two hands a
@@ -73,7 +75,7 @@ Status for_each_row(Readers readers, const ExportOptions& options, Take&& take,
 // The chosen columns, and unless they were asked for by name only those that vary.
 Status find_columns(Readers readers, const ExportOptions& options, std::vector<ExportColumn>& columns,
                     std::uint64_t& rows) {
-  if (Status status = choose_columns(options, hands_of(readers), columns); !status.ok()) return status;
+  if (Status status = choose_columns(options, session_of(readers), columns); !status.ok()) return status;
   std::vector<std::uint64_t> first, bits;
   std::vector<bool> known(columns.size(), false), varies(columns.size(), false);
   rows = 0;
@@ -239,13 +241,24 @@ void add_output(const TickRecord& record, JsonLine& json) {
   json.close('}');
 }
 
+// Told and felt objects, where there are any.
+template <class Row>
+void add_rows(std::string_view key, std::span<const Row> rows, JsonLine& json) {
+  if (rows.empty()) return;
+  json.open(key, '[');
+  for (const Row& row : rows) json.value("", row);
+  json.close(']');
+}
+
 std::string json_line(const TickRecord& record, std::optional<Side> side) {
   JsonLine json;
   json.open("", '{').number("tick", record.output.tick);
   if (side) json.string("hand", side_name(*side));
   json.number("duration_ns", record.duration_ns);
   json.value("device", record.device);
+  add_rows("given", given_of(record), json);
   add_output(record, json);
+  add_rows("objects", objects_of(record), json);
   json.open("stage_hash", '{');
   for (int i = 0; i < kStageCount; ++i)
     json.string(stage_name(static_cast<Stage>(i)), hash_text(record.stage_hash[i]));
