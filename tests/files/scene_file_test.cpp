@@ -236,6 +236,17 @@ TEST(SceneFile, TellsEveryMistakeWithItsPlace) {
        ":1:81: settings.precision is 1e-07 but must be 0 or lie in 1e-06 .. 0.1"},
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"segments": [{"segment": "toe"}]}})",
        ":1:93: settings.segments[0].segment is not a hand segment"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"segments": [
+{"segment": "palm", "precision": 0}, {"segment": "palm", "law": "column"}]}})",
+       ":2:50: settings.segments[1].segment is told a second time"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "settings": {"pad": {"layers": [
+{"from": 0.6, "stiffness": 1}, {"from": 0.3, "stiffness": 1}]}}})",
+       ":2:41: settings.pad.layers[1].from is out of range: give"},
+      {R"({"motion": {"grasp": {}}, "objects": [
+{"box": {}, "moves": "free", "mass": 1, "inertia": [1, 1, 3, 0, 0, 0]}]})",
+       ":2:52: objects[0].inertia is no body's"},
+      {R"({"motion": {"grasp": {}}, "objects": [{"box": {}, "mass": 1}]})",
+       ":1:59: objects[0].mass needs \"moves\""},
       {R"({"motion": {"grasp": {}}, "objects": [{"plane": {}}], "execution": {"broadphase": "heap"}})",
        ":1:83: execution.broadphase is no search"},
       {R"({"motion": {"grasp": {}, "file": "a.csv"}, "objects": [{"plane": {}}]})",
@@ -423,6 +434,8 @@ TEST(SceneFile, MistakesOfPathsLatchesAndPhysicsAreNamed) {
          "latch.object names no object");
   expect(with_object(R"("moves": "hinge", "mass": 1, "joint": {"latch": {"object": "thing"}})"),
          "does not say where it opens");
+  expect(with_object(R"("moves": "hinge", "mass": 1, "joint": {"latch": {"object": "thing", "opens": 1}})"),
+         "latch.object must be another hinge or slider");
   expect(R"({"objects": [{"box": {}}], "physics": {"engine": "newton"}, )" + std::string(kGrasp) + "}",
          "physics.engine must be \"bullet\"");
 }

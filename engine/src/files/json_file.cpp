@@ -187,6 +187,13 @@ void FieldReader::error(const std::string& path, const std::string& what) {
   status_ = Status::error(prefix(file_.name, find_json_value(file_.text, path)) + subject + what);
 }
 
+void FieldReader::check(const Status& checked) {
+  if (!status_.ok() || checked.ok()) return;
+  const std::string_view message = checked.message();
+  const std::string_view path = message.substr(0, message.find_first_of(" :"));
+  status_ = Status::error(prefix(file_.name, find_json_value(file_.text, path)) + checked.message());
+}
+
 void FieldReader::number(flatbuffers::Optional<double> value, const std::string& path, Range range,
                          double& target) {
   if (!value.has_value()) return;

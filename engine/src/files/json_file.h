@@ -54,6 +54,8 @@ class FieldReader {
             Pose& target);
 
   void error(const std::string& path, const std::string& what);
+  /// What no single value tells; an error begins with the path of its value.
+  void check(const Status& checked);
   [[nodiscard]] bool ok() const { return status_.ok(); }
   [[nodiscard]] const Status& status() const { return status_; }
 

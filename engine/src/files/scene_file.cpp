@@ -2,6 +2,7 @@
 #include "lumbrical/scene_file.h"
 #include "base/floating_point.h"
 
+#include <array>
 #include <filesystem>
 #include <utility>
 
@@ -9,6 +10,7 @@
 #include "files/scene_mechanics.h"
 #include "files/scene_parts.h"
 #include "lumbrical/world.h"
+#include "model/scene_check.h"
 #include "scene_bfbs_generated.h"
 #include "scene_generated.h"
 
@@ -43,6 +45,7 @@ void read_law(const flatbuffers::String* word, const std::string& path, FieldRea
 
 void read_segments(const format::Settings& table, FieldReader& read, Settings& settings) {
   if (table.segments() == nullptr) return;
+  std::array<bool, kSegmentCount> told{};
   for (flatbuffers::uoffset_t i = 0; i < table.segments()->size(); ++i) {
     const format::SegmentSettings& entry = *table.segments()->Get(i);
     const std::string path = "settings.segments[" + std::to_string(i) + "]";
@@ -55,6 +58,8 @@ void read_segments(const format::Settings& table, FieldReader& read, Settings& s
       read.error(path + ".segment", "is not a hand segment; use \"index distal\", \"palm\" or the like");
     } else if (entry.law() == nullptr && !entry.precision()) {
       read.error(path, "has neither a law nor a precision");
+    } else if (std::exchange(told[static_cast<std::size_t>(segment)], true)) {
+      read.error(path + ".segment", "is told a second time; keep one entry of each segment");
     } else {
       const auto number = static_cast<std::size_t>(segment);
       read_law(entry.law(), path + ".law", read, settings.law[number]);
@@ -76,6 +81,7 @@ void read_pad(const format::Pad* table, FieldReader& read, Pad& pad) {
     read.number(layer.stiffness(), path + ".stiffness", range::layer_stiffness, pad.layer[i].stiffness);
     if (!layer.from() || !layer.stiffness()) read.error(path, "needs \"from\" and \"stiffness\"");
   }
+  if (read.ok()) read.check(check_pad(pad));
 }
 
 void read_settings(const format::Settings* table, FieldReader& read, Settings& settings) {

@@ -1,5 +1,7 @@
 #include "files/scene_mechanics.h"
 
+#include "model/apart_objects.h"
+
 namespace lumbrical {
 namespace {
 
@@ -76,6 +78,9 @@ void read_body(const format::Object& table, const std::string& at, FieldReader& 
   }
   read.vector(table.centre(), at + ".centre", range::place, body.centre);
   read.numbers(table.inertia(), at + ".inertia", {-1e9, 1e9}, body.inertia);
+  if (read.ok() && !is_inertia(body.inertia))
+    read.error(at + ".inertia",
+               "is no body's: it must be positive, and no moment above the sum of the others");
 }
 
 void read_given(const format::Object& table, const std::string& at, FieldReader& read, SceneObject& object,
@@ -106,6 +111,9 @@ void read_mechanics(const format::Object& table, const std::string& at, FieldRea
     return read.error(at + ".joint", R"(needs "moves": "hinge", "slider" or "ball")");
   if (table.path() != nullptr && mechanism.mobility != Mobility::given)
     return read.error(at + ".path", R"(needs "moves": "given")");
+  const bool heavy = table.mass().has_value() || table.density().has_value();
+  if (heavy && mechanism.mobility == Mobility::fixed)
+    return read.error(at + (table.mass() ? ".mass" : ".density"), R"(needs "moves": "free" or the like)");
   if (mechanism.mobility == Mobility::given) return read_given(table, at, read, object, path);
   if (mechanism.mobility < Mobility::free) return;
   read.number(table.damping(), at + ".damping", range::damping, mechanism.damping);
@@ -124,9 +132,17 @@ void read_latches(const format::Scene& table, FieldReader& read, std::vector<Sce
       read.error(at, "does not say where it opens; give the handle's coordinate");
     Latch& own = objects[i].mechanism.latch;
     read.number(latch->opens(), at + ".opens", range::latch_opens, own.opens);
-    for (std::uint32_t k = 0; k < objects.size() && latch->object() != nullptr; ++k)
-      if (objects[k].name == latch->object()->string_view()) own.object = k;
-    if (own.object == Latch::kNone) read.error(at + ".object", "names no object of the scene");
+    int named = 0;
+    for (std::uint32_t k = 0; k < objects.size() && latch->object() != nullptr; ++k) {
+      if (objects[k].name != latch->object()->string_view()) continue;
+      own.object = k;
+      ++named;
+    }
+    if (named != 1)
+      read.error(at + ".object", named == 0 ? "names no object of the scene" : "names more than one object");
+    else if (own.object == i || !has_coordinate(objects[own.object].mechanism))
+      read.error(at + ".object", "must be another hinge or slider");
+    if (!has_coordinate(objects[i].mechanism)) read.error(at, "must be of a hinge or slider");
   }
 }
 

@@ -34,16 +34,6 @@ void check_material(const Material& material, FieldCheck& check) {
   check.number(material.shear_stiffness, "shear_stiffness", range::shear_stiffness);
 }
 
-// Positive about every axis, and no axis above the sum of the others: else nothing has this inertia.
-bool is_inertia(const std::array<double, 6>& inertia) {
-  const auto& [xx, yy, zz, xy, yz, zx] = inertia;
-  const double least = 1e-15 * (xx + yy + zz);
-  const double minor = xx * yy - xy * xy,
-               whole = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx);
-  return least > 0 && xx > least && minor > least * least && whole > least * least * least &&
-         1.000001 * (xx + yy) >= zz && 1.000001 * (yy + zz) >= xx && 1.000001 * (zz + xx) >= yy;
-}
-
 void check_body(const MassProperties& body, FieldCheck& check) {
   check.number(body.mass, "mass", range::mass);
   check.require(is_place(body.centre), "centre", "a place within 1e8 m");
@@ -89,6 +79,15 @@ void check_surface(const SceneObject& object, FieldCheck& check) {
 }
 
 }  // namespace
+
+bool is_inertia(const std::array<double, 6>& inertia) {
+  const auto& [xx, yy, zz, xy, yz, zx] = inertia;
+  const double least = 1e-15 * (xx + yy + zz);
+  const double minor = xx * yy - xy * xy,
+               whole = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx);
+  return least > 0 && xx > least && minor > least * least && whole > least * least * least &&
+         1.000001 * (xx + yy) >= zz && 1.000001 * (yy + zz) >= xx && 1.000001 * (zz + xx) >= yy;
+}
 
 Status check_apart(const SceneObject& object) {
   FieldCheck check{object.name};

@@ -1,6 +1,7 @@
 // What build_model asks of objects that are felt apart from the world.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "lumbrical/model.h"
@@ -9,6 +10,9 @@ namespace lumbrical {
 
 /// Refuses frictions, masses, joints, surfaces and poses that make no sense, and names object and field.
 Status check_apart(const SceneObject& object);
+
+/// Of some body: positive about every axis, and no axis above the sum of the others.
+bool is_inertia(const std::array<double, 6>& inertia);
 
 /// Gravity and ground.
 Status check_surroundings(const Scene& scene);

@@ -13,6 +13,7 @@ namespace lumbrical {
 /// take one bit more (near_pairs.h).
 inline constexpr std::size_t kTriangleLimit = std::size_t{1} << 31, kVertexLimit = 0xfffffffe;
 
+Status check_pad(const Pad& pad);
 Status check_settings(const Settings& settings);
 Status check_execution(const Execution& execution);
 
