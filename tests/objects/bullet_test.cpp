@@ -117,6 +117,77 @@ TEST(Bullet, ABodyWithoutAMassGoesWhereItIsToldAndPushesTheOthers) {
   EXPECT_NEAR(run.given[1].pose.position.x, 0.0599 + 0.04, 5e-4);
 }
 
+TEST(Bullet, WhatStandsStillHoldsBodiesUpWhetherItRubsOrNot) {
+  for (const bool rubs : {false, true}) {
+    Scene scene = test::pad_scene();
+    const Pose place{{0, 0, 0.5}, {}};
+    SceneObject& table = scene.objects.emplace_back(
+        test::object_of("table", make_box({0.4, 0.4, 0.02}, 4), place, {rubs ? 0.6 : 0, 0, 0, 1000}));
+    if (!rubs) place_mesh(place, table.mesh);
+    scene.objects.push_back(body_of("cube", make_box({0.04, 0.04, 0.04}, 2), 0.1, {0, 0, 0.53}));
+    World run(scene);
+    for (int i = 0; i < 500; ++i) run.advance(no_hand());
+    EXPECT_NEAR(run.given[0].pose.position.z, 0.53, 1e-4) << rubs;
+  }
+}
+
+// A lift that stands elsewhere when it is first told to be below the cube, that jumps, and that for one tick
+// is nowhere.
+TEST(Bullet, WhatJumpsOrIsNoPosePushesNothingAway) {
+  for (const double off : {0.0, 0.001, 0.09, 0.5}) {
+    Scene scene = test::pad_scene();
+    scene.objects.push_back(body_of("lift", make_box({0.3, 0.3, 0.02}, 2), 0.1, {0, 0, 0.5 - off}));
+    scene.objects[0].mechanism.body = {};
+    scene.objects.push_back(body_of("cube", make_box({0.04, 0.04, 0.04}, 2), 0.1, {0, 0, 0.53}));
+    World run(scene);
+    for (int i = 0; i < 400; ++i) {
+      run.given[0].pose = {{i < 200 ? 0 : 0.12, 0, 0.5}, {}};
+      if (i == 100) run.given[0].pose.position.z = std::nan("");
+      if (i == 300) run.given[0].pose.orientation = {0, 0, 0, 0};
+      run.advance(no_hand());
+    }
+    EXPECT_LT(norm(run.given[1].pose.position - Vec3{0, 0, 0.53}), 2e-4) << off;
+  }
+}
+
+// A mesh whose faces have corners of their own.
+TEST(Bullet, ACubeOfSeparateFacesIsOneBodyAndAFlatOneWithoutAMassPushes) {
+  Scene scene = test::pad_scene();
+  const Mesh cube = make_box({0.04, 0.04, 0.04}, 1);
+  Mesh apart;
+  for (const Triangle& t : cube.triangles) {
+    const auto first = static_cast<std::uint32_t>(apart.vertices.size());
+    for (const std::uint32_t corner : t) apart.vertices.push_back(cube.vertices[corner]);
+    apart.triangles.push_back({first, first + 1, first + 2});
+  }
+  scene.objects.push_back(body_of("sheet", cube, 0.1, {0, 0, 0.5}));
+  scene.objects[0].mesh = make_plane(0.3, 2);
+  scene.objects[0].mechanism.body = {};
+  scene.objects.push_back(body_of("cube", cube, 0.1, {0, 0, 0.52}));
+  scene.objects[1].mesh = apart;
+  World run(scene);
+  for (int i = 0; i < 300; ++i) {
+    run.given[0].pose.position.z = 0.5 + 1e-4 * i;
+    run.advance(no_hand());
+  }
+  EXPECT_NEAR(run.given[1].pose.position.z, 0.5299 + 0.02, 1e-3);
+}
+
+TEST(Bullet, TheGroundsFrictionIsItsOwnThoughBodiesShareNone) {
+  Scene scene = test::pad_scene();
+  scene.gravity = {3, 0, -9.81};
+  scene.ground.emplace(Ground{{0, 0, 1}, 0, 0.8});
+  scene.objects.push_back(body_of("cube", make_box({0.04, 0.04, 0.04}, 2), 0.1, {0, 0, 0.02}));
+  const Model model = test::model_of(scene);
+  BulletWorld world;
+  BulletOptions options;
+  options.friction = 0;
+  ASSERT_TRUE(make_bullet_world(model, options, world).ok());
+  std::vector<ObjectFrame> given = start_frames(model);
+  for (int i = 0; i < 500; ++i) move_bodies(world, 1e-3, given);
+  EXPECT_NEAR(given[0].pose.position.x, 0, 1e-3);
+}
+
 // Rings of abutting pieces hang in each other; the first is held.
 Mesh ring() {
   Mesh mesh;

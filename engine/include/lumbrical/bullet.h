@@ -30,8 +30,10 @@ struct BulletOptions {
 struct BulletBodies;  // Bullet's objects; bullet_world.cpp
 
 /// A model in Bullet: given objects with a mass are moved by it, those without go where they are told and
-/// push them. What stands still holds them up, and so does the ground. Objects that move by themselves are
-/// not in it. Each part of a given object's mesh (triangles that share corners) is taken by its convex hull.
+/// push them: what is no pose is not taken, and one farther away than a hand's tick takes for a motion pushes
+/// nothing away. What stands still holds them up, and so does the ground. Objects that move by themselves are
+/// not in it. Each part of a given object's mesh (triangles that share corners, or where such are flat,
+/// places) is taken by its convex hull.
 struct BulletWorld {
   std::shared_ptr<BulletBodies> bodies;  ///< null: none
 };

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bullet/hull_shape.h"
+#include "objects/told_pose.h"
 
 namespace lumbrical {
 
@@ -17,13 +18,17 @@ struct BulletBodies {
     btTransform X_OC;       ///< its centre of mass and main axes in O, in Bullet's units
     std::size_t place = 0;  ///< in Model::apart
     bool moved_here = false;
+    bool told = false;  ///< where it is, of one that goes where it is told
   };
   std::vector<Given> given;
-  // What stands still.
-  std::vector<btScalar> points;
-  std::vector<int> corners;
-  std::unique_ptr<btTriangleIndexVertexArray> arrays;
-  std::unique_ptr<btBvhTriangleMeshShape> mesh;
+  /// Triangles that stand still: the world's, or those of an object apart.
+  struct StillMesh {
+    std::vector<btScalar> points;
+    std::vector<int> corners;
+    std::unique_ptr<btTriangleIndexVertexArray> arrays;
+    std::unique_ptr<btBvhTriangleMeshShape> shape;
+  };
+  std::vector<StillMesh> meshes;
   std::unique_ptr<btStaticPlaneShape> plane;
   std::vector<std::unique_ptr<btRigidBody>> still;
   btDefaultCollisionConfiguration configuration;
@@ -36,6 +41,9 @@ struct BulletBodies {
 namespace {
 
 constexpr double kSquare = kUnitsPerMetre * kUnitsPerMetre;
+
+// The root of the friction between bodies that share none: something that the ground's can be a multiple of.
+constexpr double kLeastFriction = 1e-3;
 
 btVector3 to_bullet(Vec3 p, double scale) { return {scale * p.x, scale * p.y, scale * p.z}; }
 Vec3 from_bullet(const btVector3& p, double scale) { return {scale * p.x(), scale * p.y(), scale * p.z()}; }
@@ -66,7 +74,7 @@ Status add_given(const ApartObject& object, std::size_t place, double friction, 
   added.X_OC.setIdentity();
   btVector3 moments(0, 0, 0);
   if (added.moved_here) added.X_OC = main_axes(properties, moments);
-  if (!make_hull_shape(object.shape->triangles, added.X_OC.inverse(), added.shape))
+  if (!make_hull_shape(object.shape->triangles, added.X_OC.inverse(), !added.moved_here, added.shape))
     return Status::error("object \"" + object.name +
                          "\" has a part that is flat, which has no body in Bullet; give it some thickness");
   btRigidBody::btRigidBodyConstructionInfo info(properties.mass, nullptr, added.shape.whole.get(), moments);
@@ -79,35 +87,49 @@ Status add_given(const ApartObject& object, std::size_t place, double friction, 
   return {};
 }
 
-void add_still(btCollisionShape& shape, double friction, BulletBodies& bodies) {
+void add_still(btCollisionShape& shape, const Pose& pose, double friction, BulletBodies& bodies) {
   btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, &shape);
+  info.m_startWorldTransform = to_bullet(pose);
   info.m_friction = friction;
   bodies.still.push_back(std::make_unique<btRigidBody>(info));
 }
 
-void add_world(const Triangles& triangles, double friction, BulletBodies& bodies) {
+void add_still_mesh(const Triangles& triangles, const Pose& pose, double friction, BulletBodies& bodies) {
   if (triangles.size() == 0) return;
+  BulletBodies::StillMesh& still = bodies.meshes.emplace_back();
   for (std::uint32_t i = 0; i < triangles.x.size(); ++i) {
     const Vec3 p = kUnitsPerMetre * triangles.vertex(i);
-    bodies.points.insert(bodies.points.end(), {p.x, p.y, p.z});
+    still.points.insert(still.points.end(), {p.x, p.y, p.z});
   }
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     for (const std::uint32_t corner : {triangles.a[t], triangles.b[t], triangles.c[t]})
-      bodies.corners.push_back(static_cast<int>(corner));
+      still.corners.push_back(static_cast<int>(corner));
   }
-  bodies.arrays = std::make_unique<btTriangleIndexVertexArray>(
-      static_cast<int>(triangles.size()), bodies.corners.data(), static_cast<int>(3 * sizeof(int)),
-      static_cast<int>(triangles.x.size()), bodies.points.data(), static_cast<int>(3 * sizeof(btScalar)));
-  bodies.mesh = std::make_unique<btBvhTriangleMeshShape>(bodies.arrays.get(), true);
-  bodies.mesh->setMargin(0);
-  add_still(*bodies.mesh, friction, bodies);
+  still.arrays = std::make_unique<btTriangleIndexVertexArray>(
+      static_cast<int>(triangles.size()), still.corners.data(), static_cast<int>(3 * sizeof(int)),
+      static_cast<int>(triangles.x.size()), still.points.data(), static_cast<int>(3 * sizeof(btScalar)));
+  still.shape = std::make_unique<btBvhTriangleMeshShape>(still.arrays.get(), true);
+  still.shape->setMargin(0);
+  add_still(*still.shape, pose, friction, bodies);
 }
 
 void add_ground(const Ground& ground, double friction, BulletBodies& bodies) {
   bodies.plane =
       std::make_unique<btStaticPlaneShape>(to_bullet(ground.normal, 1), kUnitsPerMetre * ground.offset);
   // Bullet multiplies the frictions of two that touch.
-  add_still(*bodies.plane, friction > 0 ? ground.friction / friction : 0, bodies);
+  add_still(*bodies.plane, {}, ground.friction / friction, bodies);
+}
+
+// As a tick takes it: what is no pose leaves it where it is, and what jumps has not been moved there, so it
+// has no speed.
+void tell(const Pose& pose, BulletBodies::Given& given) {
+  if (!is_pose(pose)) return;
+  const Pose now{pose.position, normalized(pose.orientation)};
+  btRigidBody& body = *given.body;
+  if (!given.told || is_jump(from_bullet(body.getWorldTransform()), now))
+    body.setInterpolationWorldTransform(to_bullet(now));
+  body.setWorldTransform(to_bullet(now));
+  given.told = true;
 }
 
 }  // namespace
@@ -117,12 +139,15 @@ Status make_bullet_world(const Model& model, const BulletOptions& options, Bulle
     return Status::error("the friction between bodies is out of range: give 0 to 10");
   if (model.world) return Status::error("a world in a file can't be Bullet's too; make it a scene in memory");
   auto bodies = std::make_shared<BulletBodies>();
-  const double friction = std::sqrt(options.friction);
+  const double friction = max(std::sqrt(options.friction), kLeastFriction);
   for (std::size_t i = 0; i < model.apart.size(); ++i) {
-    if (model.apart[i].mechanism.mobility != Mobility::given) continue;
-    if (Status status = add_given(model.apart[i], i, friction, *bodies); !status.ok()) return status;
+    const ApartObject& object = model.apart[i];
+    if (object.mechanism.mobility == Mobility::fixed)
+      add_still_mesh(object.shape->triangles, object.start, friction, *bodies);
+    if (object.mechanism.mobility != Mobility::given) continue;
+    if (Status status = add_given(object, i, friction, *bodies); !status.ok()) return status;
   }
-  add_world(model.triangles, friction, *bodies);
+  add_still_mesh(model.triangles, {}, friction, *bodies);
   if (model.ground) add_ground(*model.ground, friction, *bodies);
   bodies->world.setGravity(to_bullet(model.gravity, kUnitsPerMetre));
   for (const BulletBodies::Given& body : bodies->given) bodies->world.addRigidBody(body.body.get());
@@ -145,7 +170,7 @@ void push_bodies(BulletWorld& world, std::span<const ObjectOutput> outputs) {
 void move_bodies(BulletWorld& world, double dt, std::span<ObjectFrame> given) {
   std::vector<BulletBodies::Given>& bodies = world.bodies->given;
   for (std::size_t i = 0; i < bodies.size() && i < given.size(); ++i)
-    if (!bodies[i].moved_here) bodies[i].body->setWorldTransform(to_bullet(given[i].pose));
+    if (!bodies[i].moved_here) tell(given[i].pose, bodies[i]);
   world.bodies->world.stepSimulation(dt, 0);
   for (std::size_t i = 0; i < bodies.size() && i < given.size(); ++i)
     if (bodies[i].moved_here)

@@ -4,6 +4,7 @@
 #include <LinearMath/btConvexHullComputer.h>
 
 #include "base/disjoint_sets.h"
+#include "model/vertex_merge.h"
 
 namespace lumbrical {
 namespace {
@@ -24,25 +25,42 @@ DisjointSets parts_of(const Triangles& triangles) {
   return parts;
 }
 
-bool add_hull(const std::vector<btVector3>& points, HullShape& shape) {
-  if (points.size() < 4) return false;
-  btConvexHullComputer computer;
-  const double off = computer.compute(&points[0].x(), sizeof(btVector3), static_cast<int>(points.size()),
-                                      kMargin * kUnitsPerMetre, kMostOff);
-  if (!(off > 0) || computer.vertices.size() < 4) return false;
-  auto hull = std::make_unique<btConvexHullShape>(&computer.vertices[0].x(), computer.vertices.size(),
-                                                  static_cast<int>(sizeof(btVector3)));
-  hull->setMargin(off);
+// Those at one place too: meshes whose faces have corners of their own hang together by nothing else.
+DisjointSets joined_parts_of(const Triangles& triangles) {
+  DisjointSets parts = parts_of(triangles);
+  std::vector<Vec3> vertices;
+  for (std::uint32_t i = 0; i < triangles.x.size(); ++i) vertices.push_back(triangles.vertex(i));
+  const std::vector<std::uint32_t> first = first_at_same_position(vertices);
+  for (std::uint32_t i = 0; i < first.size(); ++i) parts.join(i, first[i]);
+  return parts;
+}
+
+void add_hull(const btVector3& first, int count, double margin, HullShape& shape) {
+  auto hull = std::make_unique<btConvexHullShape>(&first.x(), count, static_cast<int>(sizeof(btVector3)));
+  hull->setMargin(margin);
   shape.whole->addChildShape(btTransform::getIdentity(), hull.get());
   shape.hulls.push_back(std::move(hull));
+}
+
+bool add_hull(const std::vector<btVector3>& points, bool thickened, HullShape& shape) {
+  const int count = static_cast<int>(points.size());
+  constexpr double kOwn = kMargin * kUnitsPerMetre;
+  btConvexHullComputer computer;
+  const double off =
+      count < 4 ? 0 : computer.compute(&points[0].x(), sizeof(btVector3), count, kOwn, kMostOff);
+  if (off > 0 && computer.vertices.size() >= 4)
+    add_hull(computer.vertices[0], computer.vertices.size(), off, shape);
+  else if (thickened)
+    add_hull(points[0], count, kOwn, shape);
+  else
+    return false;
   return true;
 }
 
-}  // namespace
-
-bool make_hull_shape(const Triangles& triangles, const btTransform& X_CO, HullShape& shape) {
+bool add_hulls(const Triangles& triangles, const btTransform& X_CO, DisjointSets parts, bool thickened,
+               HullShape& shape) {
+  shape = {};
   shape.whole = std::make_unique<btCompoundShape>();
-  DisjointSets parts = parts_of(triangles);
   std::vector<std::vector<btVector3>> points(triangles.x.size());
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     const Vec3 p = kUnitsPerMetre * triangles.vertex(i);
@@ -51,10 +69,17 @@ bool make_hull_shape(const Triangles& triangles, const btTransform& X_CO, HullSh
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     std::vector<btVector3>& own = points[parts.find(triangles.a[t])];
     if (own.empty()) continue;  // done already
-    if (!add_hull(own, shape)) return false;
+    if (!add_hull(own, thickened, shape)) return false;
     own.clear();
   }
   return true;
+}
+
+}  // namespace
+
+bool make_hull_shape(const Triangles& triangles, const btTransform& X_CO, bool thickened, HullShape& shape) {
+  return add_hulls(triangles, X_CO, parts_of(triangles), false, shape) ||
+         add_hulls(triangles, X_CO, joined_parts_of(triangles), thickened, shape);
 }
 
 }  // namespace lumbrical

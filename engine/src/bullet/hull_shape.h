@@ -19,7 +19,8 @@ struct HullShape {
   std::unique_ptr<btCompoundShape> whole;
 };
 
-/// Of triangles [m] in O, as seen from a frame C [kUnitsPerMetre]; X_CO. False: a part is flat.
-bool make_hull_shape(const Triangles& triangles, const btTransform& X_CO, HullShape& shape);
+/// Of triangles [m] in O, as seen from a frame C [kUnitsPerMetre]; X_CO. False: a part is flat, which has no
+/// body; `thickened`, Bullet's margin of 0.4 mm makes it one.
+bool make_hull_shape(const Triangles& triangles, const btTransform& X_CO, bool thickened, HullShape& shape);
 
 }  // namespace lumbrical

@@ -7,6 +7,7 @@
 #include "objects/move_on.h"
 #include "objects/surface_feel.h"
 #include "objects/touches.h"
+#include "objects/told_pose.h"
 #include "proxy/proxy_hand.h"
 #include "samples/sampled_forces.h"
 #include "stages/contact_force.h"
@@ -18,10 +19,6 @@
 namespace lumbrical {
 namespace {
 
-// [m], and the least cosine of half the angle: a given object that moves farther in a tick has not been
-// moved, but lost.
-constexpr double kFarthestStep = 0.1, kWidestTurn = 0.9;
-
 // Of a force that damping would end: what friction remembers does not end with it.
 constexpr double kLeastKept = 1e-9;
 
@@ -29,12 +26,9 @@ std::uint32_t take_frame(const ObjectFrame* frame, const Settings& settings, Vec
                          bool& anew) {
   state.velocity = state.angular_velocity = {};
   if (frame == nullptr) return kObjectMissing;
-  const Quat q = frame->pose.orientation;
-  const double square = dot(q, q);
-  if (!is_finite(frame->pose.position) || !(square > 0.25 && square < 4)) return kObjectImplausible;
-  const Pose pose{frame->pose.position, normalized(q)};
-  const bool jumped = norm(pose.position - state.pose.position) > kFarthestStep ||
-                      std::fabs(dot(pose.orientation, state.pose.orientation)) < kWidestTurn;
+  if (!is_pose(frame->pose)) return kObjectImplausible;
+  const Pose pose{frame->pose.position, normalized(frame->pose.orientation)};
+  const bool jumped = is_jump(state.pose, pose);
   const bool first = !(state.told > 0);
   if (settings.pad.damping > 0 && !first && !jumped) {
     const Twist speed = speed_between(state.pose, pose, settings.rate);
