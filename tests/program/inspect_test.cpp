@@ -45,15 +45,16 @@ TEST(CommandLine, AMeshThatIsInsideOutIsFeltAsIfItWereRightAndTheRunSaysSo) {
 TEST(CommandLine, AFixedMeshIsWhatASceneWouldTakeAndNothingElseIsChanged) {
   const fs::path folder = fresh_folder();
   // A tetrahedron inside out, in numbers that no power of two makes shorter; one corner twice, one triangle
-  // flat.
+  // flat, one there twice.
   std::ofstream(folder / "wrong.obj") << "v 0.1 0 0\nv 3 0.3 0\nv 0 3 0.7\nv 0 0 3\nv 0 0 3\n"
-                                         "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 1 3 5\nf 1 2 2\n";
+                                         "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 1 3 5\nf 1 2 2\nf 2 3 1\n";
   const Outcome outcome = shell("lumbrical inspect wrong.obj --unit cm --fix right.obj --json", folder);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   const nlohmann::json fixed = outcome.json()["fixed"];
-  EXPECT_EQ(fixed["turned_triangles"], 4);
+  EXPECT_EQ(fixed["turned_triangles"], 5);
   EXPECT_EQ(fixed["merged_vertices"], 1);
   EXPECT_EQ(fixed["degenerate_triangles"], 1);
+  EXPECT_EQ(fixed["duplicate_triangles"], 1);
   EXPECT_EQ(read_file((folder / "right.obj").string()),
             "v 0.1 0 0\nv 3 0.3 0\nv 0 3 0.7\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
   const nlohmann::json again = shell("lumbrical inspect right.obj --unit cm --json", folder).json();

@@ -67,6 +67,16 @@ TEST(Clearance, IsToldOfEachObjectWithItsBox) {
   EXPECT_EQ(clearance.approach[2].distance, 1e300);
 }
 
+TEST(Clearance, IsNotToWhatHasNoAreaAndIsNeverFelt) {
+  Setting setting;
+  Mesh floor = moved(make_plane(4, 40, 0.3), {0, 0, -0.5});
+  const auto first = static_cast<std::uint32_t>(floor.vertices.size());
+  floor.vertices.insert(floor.vertices.end(), {{0, 0, -0.4}, {0.1, 0, -0.4}, {0.2, 0, -0.4}});
+  floor.triangles.push_back({first, first + 1, first + 2});
+  setting.add("floor", floor);
+  EXPECT_NEAR(find_clearance(setting.scene, setting.motion, 1e9).approach[0].object.z, -0.5, 1e-12);
+}
+
 // Fine meshes and coarse ones, and pieces all over: the tree must not lose the nearest of them.
 TEST(Clearance, IsTheSameWhateverTheOrderOfTriangles) {
   std::mt19937 random(11);

@@ -116,7 +116,8 @@ int inspect(const InspectOptions& options) {
       json["fixed"] = {{"file", options.fix},
                        {"turned_triangles", fixed.winding.turned_triangles},
                        {"merged_vertices", fixed.merged_vertices},
-                       {"degenerate_triangles", fixed.degenerate_triangles}};
+                       {"degenerate_triangles", fixed.degenerate_triangles},
+                       {"duplicate_triangles", fixed.duplicate_triangles}};
     json["winding"] = to_json(winding);
     if (voxels) json["voxel_index"] = to_json(*voxels);
     return print_json(json);
@@ -127,7 +128,9 @@ int inspect(const InspectOptions& options) {
   if (fix)
     table.add("written to " + options.fix, grouped(fixed.winding.turned_triangles) + " triangles turned, " +
                                                grouped(fixed.merged_vertices) + " vertices joined, " +
-                                               grouped(fixed.degenerate_triangles) + " triangles left out");
+                                               grouped(fixed.degenerate_triangles) +
+                                               " triangles without area and " +
+                                               grouped(fixed.duplicate_triangles) + " second ones left out");
   return print_text(report_text(report) + table.text());
 }
 

@@ -1,10 +1,13 @@
 // See mesh_fix.h.
 #include "lumbrical/mesh_fix.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <new>
+#include <utility>
+#include <vector>
 
 #include "files/text_output.h"
 #include "model/triangle_shape.h"
@@ -21,6 +24,28 @@ bool is_degenerate(const Mesh& mesh, const Triangle& triangle) {
   std::array<Vec3, 3> p;
   for (std::size_t k = 0; k < 3; ++k) p[k] = scaled_down(mesh.vertices[triangle[k]], exponent);
   return shape_of(measure_triangle(p[0], p[1], p[2])) == TriangleShape::collinear;
+}
+
+// The same whichever corner a triangle begins with, but not whichever way it is wound.
+Triangle from_least_corner(Triangle triangle) {
+  std::rotate(triangle.begin(), std::min_element(triangle.begin(), triangle.end()), triangle.end());
+  return triangle;
+}
+
+// Leaves out what stands in the list already.
+std::size_t leave_out_duplicates(std::vector<Triangle>& triangles) {
+  std::vector<std::pair<Triangle, std::size_t>> sorted;
+  for (const Triangle& triangle : triangles) sorted.emplace_back(from_least_corner(triangle), sorted.size());
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<bool> is_second(triangles.size(), false);
+  for (std::size_t i = 1; i < sorted.size(); ++i)
+    is_second[sorted[i].second] = sorted[i].first == sorted[i - 1].first;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    if (!is_second[i]) triangles[kept++] = triangles[i];
+  const std::size_t left_out = triangles.size() - kept;
+  triangles.resize(kept);
+  return left_out;
 }
 
 void append(double number, std::string& text) {
@@ -58,6 +83,7 @@ Mesh fixed_mesh(const Mesh& mesh, FixReport& report) {
   report.degenerate_triangles = fixed.triangles.size() - kept.triangles.size();
   merge_vertices(kept);
   report.merged_vertices = fixed.vertices.size() - kept.vertices.size();
+  report.duplicate_triangles = leave_out_duplicates(kept.triangles);
   return kept;
 }
 

@@ -125,6 +125,7 @@ struct ObjectSurface {
   void measure(std::size_t place, const SkinSphere& sphere, Approach& approach) const {
     const std::uint32_t triangle = numbers_of(tree.lines.data(), layout)[place];
     const Corners corners = corners_of(triangles, triangle);
+    if (cross(corners.b - corners.a, corners.c - corners.a) == Vec3{}) return;  // no one feels it
     const NearestPoint nearest = nearest_point(sphere.centre, corners.a, corners.b, corners.c);
     const double away = std::sqrt(nearest.square), distance = max(0, away - sphere.radius);
     if (!(distance < approach.distance)) return;
