@@ -150,6 +150,16 @@ TEST(LocalModel, FollowsTheStiffnessWithinItsRadiusAndNeverPulls) {
   EXPECT_EQ(lumbrical_local_torque(&model, &limits, 0.5, 1), 0);
 }
 
+TEST(LocalModel, IsNothingWhereAnyOfItsNumbersIsNone) {
+  for (std::size_t bad = 0; bad < 11; ++bad) {
+    std::array<double, 10> n = {0.1, 0.5, 2, 0.01, 0.3, 100, 0.02, 0.05, 0.505, 0.01};
+    if (bad < n.size()) n[bad] = std::nan("");
+    const lumbrical_local_model model = {n[0], n[1], n[2], n[3]};
+    const lumbrical_local_limits limits = {n[4], n[5], n[6], n[7]};
+    EXPECT_NEAR(lumbrical_local_torque(&model, &limits, n[8], n[9]), bad < n.size() ? 0 : 0.11, 1e-15) << bad;
+  }
+}
+
 TEST(LocalModel, IsFiniteAndWithinLimitsWhateverTheCommand) {
   test::Random random(13);
   const double bad[] = {std::nan(""), 1 / 0.0, -1 / 0.0, 1e308, 0.0};

@@ -33,6 +33,9 @@ static inline double lumbrical_local_torque(const lumbrical_local_model* model,
   double moved = angle - model->angle;
   double stiffness = model->stiffness;
   double torque, share;
+  const double all = model->torque + stiffness + moved + model->radius + limits->torque + limits->stiffness +
+                     limits->hold + limits->fade + age;
+  if (all != all) return 0;
   if (!(stiffness > 0)) stiffness = 0;
   if (stiffness > limits->stiffness) stiffness = limits->stiffness;
   if (moved > model->radius) moved = model->radius;
