@@ -1,6 +1,7 @@
 // Settings that change while a session runs, and memory that is not a model's own.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <type_traits>
 
 #include "index/patches.h"
@@ -50,6 +51,49 @@ TEST(SettingsChange, GivesTheBitsOfAModelThatWasBuiltWithThem) {
     ASSERT_TRUE(change_settings(changed, scene.settings, 1, changed).ok()) << "in place";
     EXPECT_EQ(hash_of(changed), hash_of(before)) << "and back";
   }
+}
+
+TEST(SettingsChange, LetsOutNoForceAboveANewLimitThoughTrackingIsLost) {
+  const Scene scene = plates_scene();
+  const Model before = test::model_of(scene);
+  State state = make_state(before);
+  Scratch scratch = make_scratch(before);
+  const auto largest_force = [](const ActuatorFrame& output) {
+    double most = 0;
+    for (const Wrench& wrench : output.segment) most = max(most, norm(wrench.force));
+    return most;
+  };
+  double most = 0;
+  for (const DeviceFrame& frame : test::grasp_frames(scene.hand, 60)) {
+    most = largest_force(tick(before, state, scratch, frame));
+    if (most > 1) break;
+  }
+  Settings settings = scene.settings;
+  settings.max_force = 0.25 * most;
+  Model changed;
+  ASSERT_TRUE(change_settings(before, settings, 1, changed).ok());
+  scratch = make_scratch(changed);
+  DeviceFrame lost;
+  lost.base.position.x = std::nan("");
+  double first = 0;
+  for (int i = 0; i < 20; ++i) {
+    const double now = largest_force(tick(changed, state, scratch, lost));
+    EXPECT_LE(now, 1.00001 * settings.max_force) << i;
+    first = i == 0 ? now : first;
+  }
+  EXPECT_GT(first, 0.5 * settings.max_force);
+}
+
+TEST(SettingsChange, TellsWhatIsSolidWhereAHandGetsAProxy) {
+  const Scene scene = plates_scene();
+  Settings settings = scene.settings;
+  settings.proxy_stiffness = 3000;
+  Model changed;
+  ASSERT_TRUE(change_settings(test::model_of(scene), settings, 1, changed).ok());
+  ASSERT_EQ(changed.objects.size(), 2u);
+  EXPECT_TRUE(changed.objects[0].solid) << "mug";
+  EXPECT_FALSE(changed.objects[1].solid) << "floor";
+  EXPECT_TRUE(changed.apart[0].shape->objects[0].solid) << "plate";
 }
 
 TEST(SettingsChange, RefusesWhatABuildRefuses) {

@@ -27,6 +27,7 @@ Json to_json(const WindingReport& report) {
   json["turned_triangles"] = report.turned_triangles;
   json["open_parts"] = report.open_parts;
   json["open_triangles"] = report.open_triangles;
+  json["hole_area"] = report.hole_area;
   json["open_area"] = report.open_area;
   json["outward_area"] = report.outward_area;
   json["inward_area"] = report.inward_area;

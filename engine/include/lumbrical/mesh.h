@@ -100,6 +100,7 @@ struct WindingReport {
   std::size_t turned_triangles = 0;  ///< their last two corners changed places
   std::size_t open_parts = 0;        ///< left as they are: only the user knows which side is outside
   std::size_t open_triangles = 0;
+  double hole_area = 0;     ///< [m^2] of the closed parts' holes
   double open_area = 0;     ///< [m^2] of the open parts, of which
   double outward_area = 0;  ///< [m^2] faces away from the middle of their bounding box,
   double inward_area = 0;   ///< [m^2] faces it, and the rest neither

@@ -63,7 +63,7 @@ JointBorder border_of(const Primitives& hand, std::size_t phalanx) {
   const auto& [axis2, length2, far2, sine2, cosine2, is_hull2] = after;
   JointBorder border;
   border.centre = inner.end2;
-  border.normal = unit_or(axis2 - axis1, unit_or(axis2, {1, 0, 0}));
+  border.normal = half_way(-axis1, axis2);
   border.shared = true;
   // Whatever the border may be, it lies inside both tiles.
   border.reach = kMargin * max(r, max(length1 + far1, length2 + far2));
@@ -95,6 +95,16 @@ JointBorder border_of(const Primitives& hand, std::size_t phalanx) {
 }
 
 }  // namespace
+
+Vec3 half_way(Vec3 here, Vec3 next) {
+  constexpr double kFolded = 3.99;  // at 174 degrees; below, nothing cancels
+  const Vec3 sum = here + next, apart = here - next;
+  const double square = dot(apart, apart);
+  if (!(square > kFolded)) return unit_or(sum, unit_or(here, {1, 0, 0}));
+  const Vec3 across = sum - (dot(sum, apart) / square) * apart;
+  const Vec3 some = std::fabs(here.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  return unit_or(norm(across) > 1e-14 ? across : cross(here, some), {1, 0, 0});
+}
 
 double segment_distance(const Primitive& a, const Primitive& b) {
   const auto square_of = [](Vec3 v) { return dot(v, v); };

@@ -15,6 +15,11 @@ namespace lumbrical {
 /// Everything here is about a finger's tiles: wherever a function takes one, its segment is a phalanx. So is
 /// that of every tile; parts of the palm have no such borders.
 
+/// Unit, half way between the directions of two phalanges, upon the plane through their joint that shares out
+/// space between them. Of a finger folded right back on itself, where the two cancel, it is across them: what
+/// it tends to.
+Vec3 half_way(Vec3 here, Vec3 next);
+
 /// Fills hand.border from hand.capsule and hand.present. Only phalanges that both follow the field law share
 /// out space exactly.
 void set_joint_borders(Primitives& hand);

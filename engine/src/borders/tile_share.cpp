@@ -116,15 +116,6 @@ bool is_near(const Rival& rival, Point2 middle, double reach) {
   return true;
 }
 
-bool holds(const Polygon2& polygon, Point2 p) {
-  for (int i = 0; i < polygon.count; ++i) {
-    const Point2 a = polygon.corner[static_cast<std::size_t>(i)];
-    const Point2 b = polygon.corner[static_cast<std::size_t>(i + 1 == polygon.count ? 0 : i + 1)];
-    if (cross(b - a, p - a) < 0) return false;
-  }
-  return true;
-}
-
 // The plane cuts the border's cone in one curve, which may close; then the axis of one of the tiles pierces
 // the plane inside it.
 bool has_island(const Rival& rival, const Polygon2& polygon, bool mine) {
@@ -132,7 +123,7 @@ bool has_island(const Rival& rival, const Polygon2& polygon, bool mine) {
     if (!(cone->axis.z * cone->joint.z < 0)) continue;
     const double t = -cone->joint.z / cone->axis.z;
     const Point2 p{cone->joint.x + t * cone->axis.x, cone->joint.y + t * cone->axis.y};
-    if (holds(polygon, p) && (precedence(rival, p) > 0) != mine) return true;
+    if (holds(polygon, cone->radius, p) && (precedence(rival, p) > 0) != mine) return true;
   }
   return false;
 }

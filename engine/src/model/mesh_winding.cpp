@@ -292,6 +292,7 @@ std::vector<bool> find_turned(const Mesh& mesh, std::size_t threads, WindingRepo
   for (std::size_t i = 0; i < taken.parts.size(); ++i) {
     decided[i] = known && taken.parts[i].closed();
     if (!decided[i]) ++report.open_parts;
+    if (decided[i]) report.hole_area += taken.parts[i].hole_area;
   }
   for (std::size_t i = 0; i < nested.size(); ++i) {
     if (i == 0 || nested[i].inner != nested[i - 1].inner) ++report.inner_parts;
@@ -321,6 +322,12 @@ std::vector<bool> turned_triangles(const Mesh& mesh, Winding winding, std::size_
   if (winding == Winding::as_is) return {};
   report.turned_triangles = mesh.triangles.size();
   return std::vector<bool>(mesh.triangles.size(), true);
+}
+
+bool is_solid(const Mesh& mesh, std::size_t threads) {
+  WindingReport report;
+  static_cast<void>(turned_triangles(mesh, Winding::automatic, threads, report));
+  return report.parts > 0 && report.open_parts == 0 && report.hole_area == 0 && report.turned_triangles == 0;
 }
 
 WindingReport wind_outwards(Mesh& mesh, Winding winding) {

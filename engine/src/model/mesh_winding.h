@@ -12,4 +12,7 @@ namespace lumbrical {
 std::vector<bool> turned_triangles(const Mesh& mesh, Winding winding, std::size_t threads,
                                    WindingReport& report);
 
+/// Is it closed everywhere, without a hole, and outside out? Then what is just behind a triangle is inside.
+bool is_solid(const Mesh& mesh, std::size_t threads);
+
 }  // namespace lumbrical

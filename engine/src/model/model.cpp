@@ -127,6 +127,7 @@ Status take_objects(const ObjectList& objects, Model& model) {
   }
   model.triangles = gather_triangles(objects, turned, vertices, triangles, threads);
   model.extent = extent_of(model.triangles, threads);
+  find_solids(model);
   return build_index(model);
 }
 

@@ -11,6 +11,7 @@
 #include "index/sphere_tree.h"
 #include "model/corners.h"
 #include "model/felt_surface.h"
+#include "model/mesh_winding.h"
 #include "model/scene_check.h"
 
 namespace lumbrical {
@@ -45,6 +46,7 @@ Model remade(const Model& from, const Hand& hand, const Settings& settings, std:
     built.patches.reset();
     build_samples(built);
   }
+  if (from.settings.proxy_stiffness == 0) find_solids(built);
   built.layers = layers_of(built, from);
   for (std::size_t i = 0; i < built.apart.size(); ++i) {
     std::size_t first = 0;  // equal meshes share one
@@ -86,6 +88,12 @@ Model part_of(const Model& model, std::vector<std::uint32_t> members) {
 void build_samples(Model& model) {
   const Triangles& cut_now = model.world ? Triangles() : model.triangles;
   model.patches = build_patches(model.hand, model.settings, cut_now, model.extent, model.execution);
+}
+
+void find_solids(Model& model) {
+  if (model.settings.proxy_stiffness == 0 || model.world) return;
+  for (World::Object& object : model.objects)
+    object.solid = is_solid(mesh_of(model, object), model.execution.threads);
 }
 
 std::vector<std::shared_ptr<const Model>> layers_of(const Model& model, const Model& from) {

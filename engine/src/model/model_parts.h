@@ -28,4 +28,7 @@ Settings exactly(Settings settings);
 
 Mesh mesh_of(const Model& model, const World::Object& part);
 
+/// Tells which objects are solid, if there is a proxy to know it.
+void find_solids(Model& model);
+
 }  // namespace lumbrical

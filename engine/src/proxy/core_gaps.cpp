@@ -196,11 +196,12 @@ double least_distance(const Primitive& p, const NearTriangle& triangle) {
   return least_distance(point_at(p, nearest_share(p, triangle.middle)), triangle);
 }
 
-// Does a gap stand upright on its triangle?
-bool is_upright(Vec3 gap, const Corners& at) {
+// Does a gap stand upright on its triangle? 1 in front of it, -1 behind it.
+int upright_side(Vec3 gap, const Corners& at) {
   const Vec3 normal = cross(at.b - at.a, at.c - at.a);
   const double height = dot(gap, normal), square = dot(normal, normal);
-  return square > 0 && height * height >= (1 - 1e-9) * dot(gap, gap) * square;
+  if (!(square > 0 && height * height >= (1 - 1e-9) * dot(gap, gap) * square)) return 0;
+  return height > 0 ? 1 : -1;
 }
 
 // Is no other point of the axis nearer to `surface`?
@@ -215,24 +216,42 @@ bool is_less_far(const NearPoint& a, const NearPoint& b) {
 }
 
 // Of a triangle, to a point of the axis; what is farther than the root of `most` is not looked at closely.
-NearPoint near_point(const Core& core, Vec3 point, double most, const Corners& at) {
+NearPoint near_point(const Core& core, Vec3 point, double most, std::uint32_t triangle, const Corners& at) {
   const auto [gap, square, corner] = nearest_point(point, at.a, at.b, at.c);
-  if (square > most) return {gap, square, false};
-  return {gap, square, is_upright(gap, at) || is_nearest(core.primitive, point, point - gap)};
+  if (square > most) return {gap, square, triangle, false};
+  const bool pushes = upright_side(gap, at) != 0 || is_nearest(core.primitive, point, point - gap);
+  return {gap, square, triangle, pushes};
 }
 
 // Of all triangles, as far as one is nearer than a distance.
 NearPoint nearest_of(std::span<const NearTriangle> near, const Core& core, Vec3 point, double distance) {
-  NearPoint nearest{{}, distance * distance, false};
+  NearPoint nearest{{}, distance * distance, 0, false};
   for (const NearTriangle& triangle : near) {
     if (least_distance(point, triangle) > distance + kFlat) continue;
     const Corners at = corners_of(core.around.model.triangles, triangle.number);
-    const NearPoint other = near_point(core, point, nearest.square, at);
+    const NearPoint other = near_point(core, point, nearest.square, triangle.number, at);
     if (!is_less_far(other, nearest)) continue;
     nearest = other;
     distance = std::sqrt(nearest.square);
   }
   return nearest;
+}
+
+// Is a point of the axis inside a solid: just behind the triangle nearest to it, and in front of none as
+// near? Two sides of a sheet may be at one place.
+bool is_inside(std::span<const NearTriangle> near, const Core& core, Vec3 point, const NearPoint& nearest) {
+  const Model& model = core.around.model;
+  const auto side = [&](std::uint32_t triangle, double most) {
+    const Corners at = corners_of(model.triangles, triangle);
+    const Vec3 gap = nearest_point(point, at.a, at.b, at.c).gap;
+    return dot(gap, gap) <= most * most ? upright_side(gap, at) : 0;
+  };
+  const double most = std::sqrt(nearest.square) + kFlat;
+  if (side(nearest.triangle, most) >= 0 || !model.objects[object_of(model, nearest.triangle)].solid)
+    return false;
+  return std::none_of(near.begin(), near.end(), [&](const NearTriangle& triangle) {
+    return least_distance(point, triangle) <= most && side(triangle.number, most) > 0;
+  });
 }
 
 // Of the triangles that reach above the nearest one's plane.
@@ -243,7 +262,7 @@ std::span<NearPoint> points_above(const Held& nearest, std::span<const NearTrian
     if (!(least_distance(nearest.point, triangle) < radius)) continue;
     const Corners at = corners_of(core.around.model.triangles, triangle.number);
     if (!is_above(nearest, at.a) && !is_above(nearest, at.b) && !is_above(nearest, at.c)) continue;
-    const NearPoint other = near_point(core, nearest.point, radius * radius, at);
+    const NearPoint other = near_point(core, nearest.point, radius * radius, triangle.number, at);
     if (other.square < radius * radius && is_above(nearest, nearest.point - other.gap))
       core.memory.points[count++] = other;
   }
@@ -268,6 +287,7 @@ void hold_off(const Core& core, double t, double known, std::span<const NearTria
   if (!(nearest.square < radius * radius)) return;
   clear(core, std::sqrt(nearest.square));
   if (!(nearest.square > kTouching * kTouching)) return;
+  if (is_inside(near, core, point, nearest)) clear(core, 0);
   Held plane = held_at(point, nearest.gap);
   std::span<NearPoint> left = points_above(plane, near, core, radius);
   for (std::size_t i = 1; held.size() < kMostHeld; ++i) {

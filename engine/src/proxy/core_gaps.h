@@ -35,7 +35,8 @@ using GapList = FixedList<Gap, kMostGapsPerSegment * kSegmentCount>;
 struct CoreGaps {
   GapList gap;
   std::array<std::uint8_t, kSegmentCount> count{};  ///< of `gap`, by segment
-  /// [m] Least distance of the axis, as far as that is less than the core's radius and the reach.
+  /// [m] Least distance of the axis, as far as that is less than the core's radius and the reach; 0 where it
+  /// is inside a solid.
   std::array<double, kSegmentCount> clearance = every_segment(1e300);
   std::size_t pairs = 0;  ///< of a primitive and a triangle that were asked
 };
@@ -58,6 +59,7 @@ struct NearTriangle {
 struct NearPoint {
   Vec3 gap;           ///< from it to the axis
   double square = 0;  ///< of the gap's length
+  std::uint32_t triangle = 0;
   /// It holds this point of the axis off: a plane, or a corner or edge to which no other point is nearer.
   bool pushes = false;
 };

@@ -166,11 +166,12 @@ Reached reach_within(const Hand& hand, const Allowance& allowed, const HandMove&
   return {0, moved(proxy, move, 0, tracked)};
 }
 
-double thinnest(const Hand& hand) {
-  double radius = hand.palm.polygon.empty() ? 1e300 : 0.5 * hand.palm.thickness;
+// [m] That a proxy takes.
+double longest_step(const Hand& hand) {
+  double thinnest = hand.palm.polygon.empty() ? 1e300 : 0.5 * hand.palm.thickness;
   for (const auto& [base, tip] : kPhalanxJoints)
-    radius = min(radius, min(hand.radius[base], hand.radius[tip]));
-  return radius;
+    thinnest = min(thinnest, min(hand.radius[base], hand.radius[tip]));
+  return kLongestStep * thinnest;
 }
 
 bool find_gaps(const Model& model, const State& state, const Joints& proxy, double reach, Scratch& scratch,
@@ -186,7 +187,7 @@ bool find_gaps(const Model& model, const State& state, const Joints& proxy, doub
 
 enum class Advance : std::uint8_t { done, crossed, overflow };
 
-// Does a surface lie across an axis? No step of the proxy's own brings one there.
+// Does a surface lie across an axis, or an axis in a solid? No step of the proxy's own brings one there.
 bool is_crossed(const CoreGaps& gaps) {
   return !(*std::min_element(gaps.clearance.begin(), gaps.clearance.end()) > 0);
 }
@@ -196,7 +197,7 @@ bool is_crossed(const CoreGaps& gaps) {
 Advance advance(const Model& model, const State& state, const Joints& tracked, Scratch& scratch,
                 Joints& proxy) {
   GapList& pushing = scratch.proxy->pushing;
-  const double longest = kLongestStep * thinnest(model.hand), stiffness = model.settings.proxy_stiffness;
+  const double longest = longest_step(model.hand), stiffness = model.settings.proxy_stiffness;
   std::size_t pairs = 0;
   for (int step = 0; step < kMostSteps && pairs < kMostPairs; ++step) {
     CoreGaps gaps;
@@ -219,11 +220,13 @@ Advance advance(const Model& model, const State& state, const Joints& tracked, S
   return Advance::done;
 }
 
-// Is every core outside all surfaces? False where there are too many candidates.
+// Is every core outside all surfaces, as far as the first step will look? False where there are too many
+// candidates.
 bool is_free(const Model& model, const State& state, const Joints& hand, Scratch& scratch, bool& free) {
   CoreGaps gaps;
-  if (!find_gaps(model, state, hand, 0, scratch, gaps)) return false;
-  free = gaps.gap.empty() && !is_crossed(gaps);
+  if (!find_gaps(model, state, hand, longest_step(model.hand), scratch, gaps)) return false;
+  free = !is_crossed(gaps) &&
+         std::none_of(gaps.gap.begin(), gaps.gap.end(), [](const Gap& gap) { return gap.width < 0; });
   return true;
 }
 

@@ -23,8 +23,8 @@ std::shared_ptr<ProxyMemory> make_proxy_memory(const Model& model);
 /// gaps that push. At first, and after a tick without `trusted`, there is none until the tracked hand's cores
 /// are outside all surfaces: before that no one can say from where they came. A hand without a wrist has
 /// none. Joints that tracking loses while something holds the proxy stay as they were on what carries them.
-/// Where something has come to lie across a core's axis the proxy is forgotten, and `anew` set: forces are of
-/// another hand then. Returns TickFlag bits.
+/// Where something has come to lie across a core's axis, or one is inside a solid, the proxy is forgotten,
+/// and `anew` set: forces are of another hand then. Returns TickFlag bits.
 std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratch& scratch, Primitives& hand,
                           bool& anew);
 

@@ -80,15 +80,6 @@ Deepest deepest_of_section(const Section& section) {
   return {max(0, depth_at(section, nearest)), nearest};
 }
 
-bool polygon_holds(const Polygon2& polygon, Point2 p) {
-  for (int i = 0; i < polygon.count; ++i) {
-    const Point2 a = polygon.corner[static_cast<std::size_t>(i)];
-    const Point2 b = polygon.corner[static_cast<std::size_t>(i + 1 == polygon.count ? 0 : i + 1)];
-    if (cross(b - a, p - a) < 0) return false;
-  }
-  return true;
-}
-
 // Among all points of a line and all spheres, the sphere that reaches deepest; the answer is the line's
 // parameter.
 double deepest_on_line(const Section& section, Point2 base, Point2 unit) {
@@ -181,16 +172,16 @@ Deepest largest_depth(const Section& section) {
   // From the deepest point of all depth falls to every side. So where the polygon doesn't hold it, none of
   // its points is deeper than the one at which the way to it enters, on an edge that faces the deepest point.
   const bool falls = round && inside_section(section, middle);
-  if (!falls || polygon_holds(polygon, middle)) {
+  if (!falls || holds(polygon, section.radius1, middle)) {
     const Deepest all = deepest_of_section(section);
-    if (polygon_holds(polygon, all.point)) return all;
+    if (holds(polygon, section.radius1, all.point)) return all;
   }
   Deepest best{0, polygon.corner[0]};
   for (int i = 0; i < polygon.count; ++i) {
     const int next = i + 1 == polygon.count ? 0 : i + 1;
     const Point2 p = polygon.corner[static_cast<std::size_t>(i)],
                  q = polygon.corner[static_cast<std::size_t>(next)];
-    if (!falls || cross(q - p, middle - p) < 0) consider_edge(section, p, q, best);
+    if (!falls || is_beyond(p, q, section.radius1, middle)) consider_edge(section, p, q, best);
   }
   return best;
 }

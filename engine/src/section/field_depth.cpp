@@ -7,15 +7,6 @@
 namespace lumbrical {
 namespace {
 
-bool holds(const Polygon2& polygon, Point2 p) {
-  for (int i = 0; i < polygon.count; ++i) {
-    const Point2 a = polygon.corner[static_cast<std::size_t>(i)];
-    const Point2 b = polygon.corner[static_cast<std::size_t>(i + 1 == polygon.count ? 0 : i + 1)];
-    if (cross(b - a, p - a) < 0) return false;
-  }
-  return true;
-}
-
 // The point of the edge from p to q in the plane that is nearest to the axis, which runs from (0, 0, h1) by
 // (x2, 0, h2 - h1). The share s of the edge and t of the axis: the nearest points of the lines, then each
 // held to its segment (Ericson, Real-Time Collision Detection, 5.1.9).
@@ -52,8 +43,8 @@ Deepest largest_field(const Section& section) {
                         ? -section.h1 / span
                         : (std::fabs(section.h1) <= std::fabs(section.h2) ? 0.0 : 1.0);
   const Point2 foot{at * section.x2, 0}, other{(1 - at) * section.x2, 0};
-  if (holds(polygon, foot)) consider(foot);
-  if (section.h1 == section.h2 && holds(polygon, other)) consider(other);
+  if (holds(polygon, section.radius1, foot)) consider(foot);
+  if (section.h1 == section.h2 && holds(polygon, section.radius1, other)) consider(other);
   best.depth = max(0, best.depth);
   return best;
 }

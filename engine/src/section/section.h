@@ -106,6 +106,22 @@ bool cut_along(const HalfSpace& cut, double near, const PlacedTriangle& triangle
 /// Removes the part of the polygon where dot(direction, p) > offset.
 void cut_polygon(Point2 direction, double offset, Polygon2& polygon);
 
+/// Does p lie beyond the edge from a to b, which has the polygon on its left? Corners that cuts have made may
+/// be one but for rounding, of what is `size` [m] large: what lies between such has no direction.
+inline bool is_beyond(Point2 a, Point2 b, double size, Point2 p) {
+  constexpr double kOneCorner = 1e-12;
+  const Point2 edge = b - a;
+  return cross(edge, p - a) < 0 && dot(edge, edge) > kOneCorner * kOneCorner * (dot(a, a) + size * size);
+}
+inline bool holds(const Polygon2& polygon, double size, Point2 p) {
+  for (int i = 0; i < polygon.count; ++i) {
+    const Point2 a = polygon.corner[static_cast<std::size_t>(i)];
+    const Point2 b = polygon.corner[static_cast<std::size_t>(i + 1 == polygon.count ? 0 : i + 1)];
+    if (is_beyond(a, b, size, p)) return false;
+  }
+  return true;
+}
+
 /// The point of W at plane coordinates p.
 inline Vec3 to_world(const Section& section, Point2 p) {
   return section.origin - section.h1 * section.n + p.x * section.u + p.y * section.v;

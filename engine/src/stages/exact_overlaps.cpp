@@ -16,7 +16,7 @@ namespace {
 // share of R^3, which leaves it off by an eighth of that, or a tenth of a segment's precision; and until
 // their edges are below a share of R, another one where nothing was found yet; or until they are below the
 // last share.
-constexpr double kTolerance = 1e-7, kLargest = 0.5, kLargestEmpty = 0.2, kLeast = 1e-3;
+constexpr double kTolerance = 1e-7, kLargest = 0.25, kLargestEmpty = 0.2, kLeast = 1e-3;
 
 // A needle is more than so many times as long as it is wide.
 constexpr double kNeedle = 8;

@@ -42,6 +42,13 @@ HandForces mix(double a, const HandForces& x, double b, const HandForces& y) {
   return sum;
 }
 
+// What other settings have left may be above what these allow: as a whole no more than that.
+HandForces within(double max_force, const HandForces& forces) {
+  double largest = 0;
+  for (const Wrench& wrench : forces.segment) largest = max(largest, norm(wrench.force));
+  return largest <= 1.000001 * max_force ? forces : mix(max_force / largest, forces, 0, {});
+}
+
 // Fresh forces are zero where they are not trusted.
 ActuatorFrame mix_with_held(const Settings& settings, const HandForces& fresh, Trust trust,
                             std::uint32_t flags, HandState& state) {
@@ -54,7 +61,7 @@ ActuatorFrame mix_with_held(const Settings& settings, const HandForces& fresh, T
   if (trust != Trust::none) state.rise = min(1, state.rise + step);
   state.fall = max(0, state.fall - step);
   if (state.rise != 1 || state.fall != 0) flags |= kFading;
-  if (state.fall == 0) state.held = {};
+  state.held = state.fall > 0 ? within(settings.max_force, state.held) : HandForces{};
 
   state.last = mix(state.rise, fresh, state.fall, state.held);
   ActuatorFrame output{state.last, state.tick, flags, 0};

@@ -85,7 +85,7 @@ bool paper_joint(const Primitives& hand, std::size_t phalanx) {
 // The plane through the joint beyond `phalanx` that shares out space between it and the next.
 Vec3 bisector(const Primitives& hand, std::size_t phalanx) {
   const Vec3 here = hand.direction[phalanx], next = hand.direction[phalanx + 1];
-  return unit_or(here + next, unit_or(here, {1, 0, 0}));
+  return half_way(here, next);
 }
 
 // What the paper's cuts stand on: along the phalanx, or, where it has no length, its nearest neighbour.
