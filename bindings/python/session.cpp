@@ -172,10 +172,7 @@ State snapshot(Session& self) {
 void restore(Session& self, const State& state) {
   const Busy busy(self.busy);
   if (self.recorder) throw std::runtime_error("a session can't leave its course while it is recorded");
-  if (state.objects.size() != self.state.objects.size())
-    throw py::value_error("the state is of a model with other objects");
-  if (state.proxy && self.model().settings.proxy_stiffness == 0)
-    throw py::value_error("the state is of a model with a proxy, and this one has none");
+  check(check_state(self.model(), state));
   self.state = state;
 }
 

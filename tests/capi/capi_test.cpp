@@ -280,6 +280,40 @@ TEST(CApi, ASnapshotBringsBackEveryBitAndADamagedOneIsRefused) {
   EXPECT_EQ(lumbrical_session_restore(still.session, bytes.data(), size), LUMBRICAL_BAD_DATA);
 }
 
+TEST(CApi, ASnapshotOfForcesAboveTheLimitIsRefused) {
+  MeshObject ball(ball_scene().objects[0].mesh);
+  const auto start = [&](CSession& c, double max_force) {
+    c.create();
+    ASSERT_EQ(lumbrical_scene_add_object(c.scene, &ball.object), LUMBRICAL_OK);
+    c.set([=](lumbrical_settings& settings) {
+      settings.max_force = max_force;
+      settings.stiffness = 1e9;
+    });
+    c.start();
+  };
+  CSession strong, weak;
+  start(strong, 1000);
+  start(weak, 1);
+  for (std::size_t i = 0; i < 80; ++i) {
+    strong.step(i);
+    weak.step(i);
+  }
+  const auto restored = [](const CSession& from, const CSession& to) {
+    std::vector<unsigned char> bytes(100000);
+    std::size_t size = 0;
+    EXPECT_EQ(lumbrical_session_save(from.session, bytes.data(), bytes.size(), &size), LUMBRICAL_OK);
+    return lumbrical_session_restore(to.session, bytes.data(), size);
+  };
+  EXPECT_EQ(restored(strong, weak), LUMBRICAL_BAD_DATA);
+  EXPECT_NE(std::string(lumbrical_message()).find("above settings.max_force"), std::string::npos);
+  EXPECT_EQ(restored(weak, strong), LUMBRICAL_OK);
+  EXPECT_EQ(restored(weak, weak), LUMBRICAL_OK) << lumbrical_message();
+  lumbrical_frame lost = touching_frame_c(80);
+  lost.flags = LUMBRICAL_TRACKING_LOST;
+  for (const lumbrical_wrench& wrench : weak.step(lost).segment)
+    EXPECT_LE(norm({wrench.force[0], wrench.force[1], wrench.force[2]}), 1 + 1e-9);
+}
+
 TEST(CApi, RecordsWhatReplaysIdenticalAndCanBeReadAgain) {
   const std::string path = (own_folder() / "touch.mcap").string();
   CSession c(MeshObject(ball_scene().objects[0].mesh).object);

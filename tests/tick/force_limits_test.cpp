@@ -113,6 +113,28 @@ TEST(ForceLimits, JointsCarryTheLimitedWrenchesOfTheirSegments) {
   }
 }
 
+// It would be let out where the next frame can't be trusted.
+TEST(ForceLimits, AStateOfForcesAboveThemIsRefusedAndOneThatTicksLeftIsNot) {
+  Scene scene = test::pressed_scene(0.3, 30);
+  scene.settings.max_force = 2;
+  scene.settings.fade_time = 0.007;
+  const Model model = test::model_of(scene);
+  State state = make_state(model);
+  Scratch scratch = make_scratch(model);
+  for (int i = 0; i < 60; ++i) {
+    DeviceFrame frame = test::pressed_frame(scene.hand, 0.001, 0.3);
+    if (i % 11 > 8) frame.flags = kTrackingLost;
+    tick(model, state, scratch, frame);
+    EXPECT_TRUE(check_state(model, state).ok()) << i;
+  }
+  State held = state, last = state, shares = state, objects = state;
+  held.held.segment[3].force = {0, 2.0001, 0};
+  last.last.segment[15].force = {0, 0, -3};
+  shares.rise = shares.fall = 0.6;
+  objects.objects.emplace_back();
+  for (const State& wrong : {held, last, shares, objects}) EXPECT_FALSE(check_state(model, wrong).ok());
+}
+
 TEST(ForceLimits, AFingertipKeepsItsForceWhenThePalmTouchesAWall) {
   Scene scene;
   scene.settings.precision.fill(0);

@@ -56,6 +56,11 @@ struct State : HandState {
 /// Before the first tick: objects stand where they start.
 State make_state(const Model& model);
 
+/// For a state that comes from elsewhere: refuses one that no tick on `model` leaves, which is of other
+/// objects, has a proxy where the model has none, or holds forces above Settings::max_force, for a tick to
+/// let out.
+Status check_state(const Model& model, const State& state);
+
 /// The stages of a tick, in order; a divergence between recording and replay names one of them.
 enum class Stage : std::uint8_t { input, hand_pose, broadphase, narrowphase, contact_force, limits };
 inline constexpr int kStageCount = 6;

@@ -195,12 +195,7 @@ int lumbrical_session_restore(lumbrical_session* session, const void* bytes, siz
     if (Fault fault = check_pointer(bytes, "bytes")) return fault;
     State state;
     if (Fault fault = read_snapshot({static_cast<const std::uint8_t*>(bytes), size}, state)) return fault;
-    if (state.objects.size() != session->state.objects.size())
-      return {LUMBRICAL_BAD_DATA, "the snapshot is of a model with " + std::to_string(state.objects.size()) +
-                                      " objects that move or rub, not " +
-                                      std::to_string(session->state.objects.size())};
-    if (state.proxy && session->built->model.settings.proxy_stiffness == 0)
-      return {LUMBRICAL_BAD_DATA, "the snapshot is of a model with a proxy, and this one has none"};
+    if (Fault fault = check_state(session->built->model, state)) return fault;
     if (session->recorder)
       return bad_argument("a session can't leave its course while it is recorded; stop the recording first");
     session->state = std::move(state);
