@@ -38,8 +38,9 @@ std::unique_ptr<PyScene> load(const std::string& path) {
 
 // What moves by itself takes its mass from its mesh.
 MassProperties mass_of(const Mesh& mesh, Winding winding, double density, double mass) {
-  if ((density > 0) == (mass > 0))
-    throw py::value_error("an object that moves by itself takes a density or a mass, one of the two");
+  if (!(density >= 0) || !(mass >= 0) || (density > 0) == (mass > 0))
+    throw py::value_error(
+        "an object that moves by itself takes a density or a mass above 0, and 0 for the other");
   Mesh wound = mesh;
   wind_outwards(wound, winding);
   MassProperties body;

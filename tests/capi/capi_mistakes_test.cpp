@@ -140,8 +140,11 @@ TEST(CApiMistakes, WhatTheEngineRefusesIsBadData) {
   expect_refused(lumbrical_scene_add_object(c.scene, &wild.object), LUMBRICAL_BAD_DATA,
                  "names vertex 4000000000");
   expect_refused(lumbrical_scene_add_object(c.scene, &open.object), LUMBRICAL_BAD_DATA, "closed");
-  open.object.density = 0;
-  expect_mistake(lumbrical_scene_add_object(c.scene, &open.object), "density or a mass");
+  for (const double density : {0.0, 1000.0, -1.0, std::nan("")}) {
+    open.object.density = density;
+    open.object.mass = density == 0 ? 0 : std::nan("");
+    expect_mistake(lumbrical_scene_add_object(c.scene, &open.object), "density or a mass");
+  }
   open.object.mobility = LUMBRICAL_FIXED;
   const std::uint16_t grey = 0;
   open.object.bumps = {&grey, 65536, 65536, 0.01, 0, 1};
@@ -149,6 +152,23 @@ TEST(CApiMistakes, WhatTheEngineRefusesIsBadData) {
   double radii[LUMBRICAL_JOINTS] = {};
   expect_refused(lumbrical_scene_set_radii(c.scene, radii), LUMBRICAL_BAD_DATA, "radius");
   expect_mistake(lumbrical_scene_create(LUMBRICAL_LEFT, std::nan(""), &c.scene), "hand_length");
+}
+
+TEST(CApiMistakes, AMaterialThatMakesNoSenseIsRefusedOfAnObjectThatStandsStill) {
+  MeshObject ball(ball_scene().objects[0].mesh);
+  for (double lumbrical_object::*const field :
+       {&lumbrical_object::static_friction, &lumbrical_object::kinetic_friction, &lumbrical_object::viscosity,
+        &lumbrical_object::shear_stiffness}) {
+    const double good = ball.object.*field;
+    for (const double wrong : {std::nan(""), -1.0}) {
+      CSession c;
+      c.create();
+      ball.object.*field = wrong;
+      EXPECT_EQ(lumbrical_scene_add_object(c.scene, &ball.object), LUMBRICAL_OK) << lumbrical_message();
+      expect_refused(lumbrical_model_build(c.scene, nullptr, &c.model), LUMBRICAL_BAD_DATA, "out of range");
+    }
+    ball.object.*field = good;
+  }
 }
 
 TEST(CApiMistakes, AFrameThatIsNotFiniteIsATickThatSaysSo) {

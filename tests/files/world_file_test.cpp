@@ -99,6 +99,9 @@ TEST(WorldFile, RefusesWhatBuildModelRefuses) {
   mesh.triangles[4][1] = 77;
   EXPECT_NE(writer.add_object({"plane", mesh}).message().find("triangle 4 names vertex 77"),
             std::string::npos);
+  SceneObject rubbing{"plane", make_plane(1, 3, 0)};
+  rubbing.material.static_friction = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(writer.add_object(rubbing).message().find("static_friction is out of range"), std::string::npos);
   EXPECT_FALSE(writer.open(path.string(), {}).ok());
   // What was refused is not in it.
   ASSERT_TRUE(writer.finish().ok());

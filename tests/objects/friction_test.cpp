@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "largest.h"
 #include "pads.h"
@@ -324,6 +325,28 @@ TEST(Friction, ASpotWithoutFrictionIsLikeOneWithHardlyAny) {
 
 // A finger that leans wholly through a plate: its faces push opposite ways, equally or, by a finger that
 // tapers, nearly so, which turns it. The line of action is far away then, or nowhere.
+TEST(Friction, ThatMakesNoSenseIsRefusedOfAnObjectThatStandsStill) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto refused = [](double static_friction, double kinetic_friction, double viscosity,
+                          double shear_stiffness) {
+    Scene scene;
+    scene.hand = default_hand(Side::right);
+    scene.objects.push_back({"box", make_box({0.1, 0.1, 0.1}, 1)});
+    scene.objects[0].material = {static_friction, kinetic_friction, viscosity, shear_stiffness};
+    Model model;
+    const Status status = build_model(scene, {}, model);
+    return !status.ok() && status.message().find("object \"box\"") != std::string::npos;
+  };
+  EXPECT_FALSE(refused(0, 0, 0, 1000));
+  for (const double wrong : {nan, -0.5}) {
+    EXPECT_TRUE(refused(wrong, 0, 0, 1000));
+    EXPECT_TRUE(refused(0, wrong, 0, 1000));
+    EXPECT_TRUE(refused(0, 0, wrong, 1000));
+    EXPECT_TRUE(refused(0, 0, 0, wrong));
+  }
+  EXPECT_TRUE(refused(0, 5, 0, 1000)) << "slides harder than it sticks";
+}
+
 TEST(ObjectsApart, PassOnATorqueWithHardlyAForce) {
   const DeviceFrame frame = test::frame_of({{{-0.8 * 0.03125, 0, -0.6 * 0.03125}, {0.8, 0, 0.6}, 0.0625}});
   const Mesh sheet = make_box({0.2, 0.2, 0.004}, 4);

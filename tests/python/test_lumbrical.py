@@ -329,6 +329,21 @@ def test_settings_out_of_range_are_told_when_the_model_is_built():
         scene.add_object("free", *lum.make_sphere(0.01, 2), moves="free")
 
 
+@pytest.mark.parametrize("name", ["friction", "kinetic_friction", "viscosity", "shear_stiffness"])
+@pytest.mark.parametrize("wrong", [np.nan, -1.0])
+def test_a_material_that_makes_no_sense_is_refused(name, wrong):
+    scene = lum.Scene()
+    scene.add_object("ball", *lum.make_sphere(0.01, 2), **{name: wrong})
+    with pytest.raises(ValueError, match="out of range"):
+        lum.Model(scene)
+
+
+@pytest.mark.parametrize("mass, density", [(np.nan, 1000), (-1, 1000), (1, np.nan), (1, -1), (1, 1000), (0, 0)])
+def test_a_mass_that_makes_no_sense_is_refused(mass, density):
+    with pytest.raises(ValueError, match="density or a mass"):
+        lum.Scene().add_object("ball", *lum.make_sphere(0.01, 2), moves="free", mass=mass, density=density)
+
+
 def test_none_and_other_types_are_refused():
     for make in (lum.Model, lum.Session, lum.Recording, lum.replay, lum.Scene.load):
         with pytest.raises(TypeError):

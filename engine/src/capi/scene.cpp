@@ -51,8 +51,9 @@ Fault take_mesh(const lumbrical_object& given, Convention convention, Mesh& mesh
 }
 
 Fault take_mass(const lumbrical_object& given, const Mesh& mesh, Winding winding, MassProperties& body) {
-  if ((given.density > 0) == (given.mass > 0))
-    return bad_argument("an object that moves by itself takes a density or a mass above 0, one of the two");
+  if (!(given.density >= 0) || !(given.mass >= 0) || (given.density > 0) == (given.mass > 0))
+    return bad_argument(
+        "an object that moves by itself takes a density or a mass above 0, and 0 for the other");
   Mesh wound = mesh;
   wind_outwards(wound, winding);
   if (given.density > 0) return mass_properties(wound, given.density, body);

@@ -17,6 +17,7 @@
 #include "index/sphere_grid.h"
 #include "index/sphere_tree.h"
 #include "lumbrical/world.h"
+#include "model/apart_objects.h"
 #include "model/mesh_winding.h"
 #include "model/scene_check.h"
 
@@ -353,6 +354,7 @@ Status WorldWriter::open(const std::string& path, const Execution& execution) tr
 Status WorldWriter::add_object(const SceneObject& object, WindingReport* report) try {
   const FloatingPointGuard guard;
   if (!build_) return Status::error("no world file is open; open one first");
+  if (Status status = check_material(object); !status.ok()) return status;
   if (is_apart(object))
     return Status::error("object \"" + object.name +
                          "\" moves or rubs; leave it in the scene, beside the world file");

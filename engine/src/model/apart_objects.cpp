@@ -26,14 +26,6 @@ struct FieldCheck {
   }
 };
 
-void check_material(const Material& material, FieldCheck& check) {
-  check.number(material.static_friction, "static_friction", range::friction);
-  check.require(material.kinetic_friction >= 0 && material.kinetic_friction <= material.static_friction,
-                "kinetic_friction", "0 to static_friction");
-  check.number(material.viscosity, "viscosity", range::viscosity);
-  check.number(material.shear_stiffness, "shear_stiffness", range::shear_stiffness);
-}
-
 void check_body(const MassProperties& body, FieldCheck& check) {
   check.number(body.mass, "mass", range::mass);
   check.require(is_place(body.centre), "centre", "a place within 1e8 m");
@@ -89,13 +81,23 @@ bool is_inertia(const std::array<double, 6>& inertia) {
          1.000001 * (xx + yy) >= zz && 1.000001 * (yy + zz) >= xx && 1.000001 * (zz + xx) >= yy;
 }
 
+Status check_material(const SceneObject& object) {
+  FieldCheck check{object.name};
+  const Material& material = object.material;
+  check.number(material.static_friction, "static_friction", range::friction);
+  check.require(material.kinetic_friction >= 0 && material.kinetic_friction <= material.static_friction,
+                "kinetic_friction", "0 to static_friction");
+  check.number(material.viscosity, "viscosity", range::viscosity);
+  check.number(material.shear_stiffness, "shear_stiffness", range::shear_stiffness);
+  return check.status;
+}
+
 Status check_apart(const SceneObject& object) {
   FieldCheck check{object.name};
   const double square = dot(object.pose.orientation, object.pose.orientation);
   check.require(is_place(object.pose.position) && square >= 0.25 && square <= 4, "pose",
                 "a place within 1e8 m and a quaternion of length 1");
   check.require(!object.mesh.triangles.empty(), "mesh", "one with triangles");
-  check_material(object.material, check);
   check_surface(object, check);
   const Mechanism& mechanism = object.mechanism;
   check.require(mobility_name(mechanism.mobility) != "unknown", "mobility", "one of the six");

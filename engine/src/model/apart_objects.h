@@ -8,7 +8,10 @@
 
 namespace lumbrical {
 
-/// Refuses frictions, masses, joints, surfaces and poses that make no sense, and names object and field.
+/// Of any object: frictions that make no sense would rub nothing, and leave it in the world. Names the field.
+Status check_material(const SceneObject& object);
+
+/// Refuses masses, joints, surfaces and poses that make no sense, and names object and field.
 Status check_apart(const SceneObject& object);
 
 /// Of some body: positive about every axis, and no axis above the sum of the others.

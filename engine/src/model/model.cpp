@@ -22,6 +22,12 @@ namespace {
 
 using ObjectList = std::vector<const SceneObject*>;
 
+Status check_materials(const Scene& scene) {
+  for (const SceneObject& object : scene.objects)
+    if (Status status = check_material(object); !status.ok()) return status;
+  return {};
+}
+
 // What is felt as one, as it stands.
 ObjectList world_objects(const Scene& scene) {
   ObjectList objects;
@@ -236,6 +242,7 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   if (execution.isa == Isa::automatic) built.execution.isa = widest_isa();
   if (scene.objects.size() > kMostSceneObjects)
     return Status::error("the scene has more than 32768 objects; join meshes that stand still");
+  if (Status status = check_materials(scene); !status.ok()) return status;
   if (Status status = check_surroundings(scene); !status.ok()) return status;
   built.gravity = scene.gravity;
   built.ground = scene.ground;
