@@ -39,6 +39,7 @@ TEST(ObjectMotion, ContactsOfAnObjectAreThoseOfTheSameMeshInTheWorld) {
   ASSERT_GT(found.size(), 10u);
   for (std::size_t i = 0; i < found.size(); ++i) {
     EXPECT_EQ(found[i].triangle, expected[i].triangle);
+    EXPECT_EQ(contact_segment(own.scratch, found[i], 0), contact_segment(same.scratch, expected[i]));
     EXPECT_NEAR(found[i].volume, expected[i].volume, 1e-18);
     EXPECT_NEAR(found[i].depth, expected[i].depth, 1e-12);
     EXPECT_LT(norm(transform(pose, found[i].centroid) - expected[i].centroid), 1e-9);

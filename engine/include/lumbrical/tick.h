@@ -133,15 +133,19 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
 std::span<const Contact> find_contacts(const Model& model, Scratch& scratch);
 
 /// The same of one of Model::apart, in its frame O, which stood at ObjectOutput::pose; Contact::triangle
-/// counts its own. Until the next call.
+/// counts its own, Contact::depth is there. Until the next call.
 std::span<const Contact> find_contacts(const Model& model, Scratch& scratch, std::size_t object);
 
-/// [m] Contact::depth of a contact of the last tick, worked out now where the tick had no need of it.
+/// [m] Contact::depth of a contact of the world in the last tick, worked out now where the tick had no need
+/// of it.
 double contact_depth(const Model& model, const Scratch& scratch, const Contact& contact);
 
-/// The hand segment that a contact of the last tick is felt by; the object is object_of(model, triangle)
-/// (model.h).
+/// The hand segment that a contact of the world is felt by in the last tick; the object is object_of(model,
+/// triangle) (model.h).
 int contact_segment(const Scratch& scratch, const Contact& contact);
+
+/// The same of a contact that find_contacts has last found on one of Model::apart.
+int contact_segment(const Scratch& scratch, const Contact& contact, std::size_t object);
 
 /// X_WJ of the joints as the last tick placed them; those of an earlier one where its frame could not be
 /// trusted.

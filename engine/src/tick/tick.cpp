@@ -166,6 +166,11 @@ std::span<const Contact> with_depths(const Model& model, Scratch& scratch) {
   return {scratch.contacts.data(), scratch.contact_count};
 }
 
+int segment_of(const Primitives& hand, const Contact& contact) {
+  assert(contact.primitive < static_cast<std::uint32_t>(hand.count));
+  return hand.primitive[contact.primitive].segment;
+}
+
 }  // namespace
 
 std::span<const Contact> find_contacts(const Model& model, Scratch& scratch) {
@@ -207,8 +212,13 @@ double contact_depth(const Model& model, const Scratch& scratch, const Contact& 
 }
 
 int contact_segment(const Scratch& scratch, const Contact& contact) {
-  assert(scratch.primitives && contact.primitive < static_cast<std::uint32_t>(scratch.primitives->count));
-  return scratch.primitives->primitive[contact.primitive].segment;
+  assert(scratch.primitives && "make_scratch(model)");
+  return segment_of(*scratch.primitives, contact);
+}
+
+int contact_segment(const Scratch& scratch, const Contact& contact, [[maybe_unused]] std::size_t object) {
+  assert(scratch.apart && object < scratch.object_output.size() && "find_contacts(model, scratch, object)");
+  return segment_of(*scratch.apart->primitives, contact);
 }
 
 std::span<const Pose, kJointCount> placed_joints(const Scratch& scratch) {
