@@ -80,12 +80,17 @@ py::array array_of(std::vector<Struct>&& rows) {
   return view_of(data, {size}, owner, true);
 }
 
-/// Rows of a structured array of that dtype, of one dimension or none. Copied: nobody can change them
-/// meanwhile.
+/// A row that was taken out of a structured array, which numpy hands out as a numpy.void.
+inline bool is_row(const py::handle& given) {
+  return py::isinstance(given, py::module_::import("numpy").attr("void"));
+}
+
+/// Rows of a structured array of that dtype, of one dimension or none, or one row by itself. Copied: nobody
+/// can change them meanwhile.
 template <class Struct>
 std::vector<Struct> rows_of(const py::handle& given, const char* name) {
   const py::dtype wanted = dtype_of<Struct>();
-  if (!py::isinstance<py::array>(given) || !py::reinterpret_borrow<py::array>(given).dtype().equal(wanted))
+  if (!(py::isinstance<py::array>(given) || is_row(given)) || !py::object(given.attr("dtype")).equal(wanted))
     throw py::type_error(std::string(name) +
                          " is not an array of lumbrical's dtype for it; see lumbrical.frame_dtype");
   const auto array = py::array::ensure(given, py::array::c_style);

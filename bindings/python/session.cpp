@@ -61,8 +61,7 @@ void keep(Session& self, const DeviceFrame& frame, const ActuatorFrame& output,
   }
 }
 
-py::array run(Session& self, const py::object& given_frames, const py::object& given_poses) {
-  const std::vector<DeviceFrame> frames = frames_of(given_frames);
+py::array run_frames(Session& self, const std::vector<DeviceFrame>& frames, const py::object& given_poses) {
   const std::vector<ObjectFrame> given = given_of(given_poses, self.model(), frames.size());
   const std::size_t per_tick = frames.empty() ? 0 : given.size() / frames.size();
   std::vector<ActuatorFrame> outputs(frames.size());
@@ -79,11 +78,15 @@ py::array run(Session& self, const py::object& given_frames, const py::object& g
   return array_of(std::move(outputs));
 }
 
+py::array run(Session& self, const py::object& frames, const py::object& given) {
+  return run_frames(self, frames_of(frames), given);
+}
+
 // The same for one frame, whose output is of no dimension.
 py::object run_one(Session& self, const py::object& frame, const py::object& given) {
-  const py::object outputs = run(self, frame, given);
-  if (py::len(outputs) != 1) throw py::value_error("tick takes one frame; run takes many");
-  return outputs.attr("reshape")(py::tuple());
+  const std::vector<DeviceFrame> frames = frames_of(frame);
+  if (frames.size() != 1) throw py::value_error("tick takes one frame; run takes many");
+  return run_frames(self, frames, given).attr("reshape")(py::tuple());
 }
 
 NamedContact named(const Session& self, const Contact& contact) {

@@ -54,7 +54,7 @@ def test_a_run_is_its_ticks_one_by_one(session):
     outputs = session.run(frames)
     again = lum.Session(lum.Model(ball_scene()))
     for frame, expected in zip(frames, outputs):
-        out = again.tick(np.asarray(frame))
+        out = again.tick(frame)
         assert out.shape == () and out["segment"]["force"].shape == (16, 3)
         assert same_bits(out, expected)
 
@@ -281,6 +281,15 @@ def test_frames_of_another_kind_are_refused(session, frames, error):
         session.run(frames)
     with pytest.raises(error):
         lum.Batch(lum.Model(ball_scene()), 2).tick(frames)
+
+
+def test_a_tick_of_several_frames_is_refused_before_it_is_done(session):
+    for count in (0, 2):
+        with pytest.raises(ValueError, match="one frame"):
+            session.tick(touching_frames(count))
+    assert session.state.tick == 0
+    with pytest.raises(TypeError):
+        session.tick(np.zeros(1, dtype=lum.pose_dtype)[0])
 
 
 def test_strided_and_empty_frames_are_frames(session):
