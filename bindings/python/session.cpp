@@ -26,6 +26,7 @@ class Session {
   State state;
   Scratch scratch;
   std::unique_ptr<Recorder> recorder;
+  bool warned = false;  // that it has failed
   std::atomic<bool> busy{false};
   bool ticked = false;
 };
@@ -55,18 +56,28 @@ void keep(Session& self, const DeviceFrame& frame, const ActuatorFrame& output,
   take_input(frame, given, record);
   record.output = output;
   take_results(self.state, self.scratch, record);
-  if (!self.recorder->record(record, &self.state)) {
-    const Status failure = self.recorder->failure();
-    throw std::runtime_error(failure.ok() ? "a tick could not be recorded" : failure.message());
-  }
+  self.recorder->record(record, &self.state);  // what goes wrong is a warning, and an error in the end
+}
+
+// A full disk must take neither a tick's forces nor the next ticks away. Once: what there is to warn of.
+std::string news_of(Session& self) {
+  if (!self.recorder || self.warned || self.recorder->failure().ok()) return {};
+  self.warned = true;
+  return self.recorder->failure().message() + "; ticks go on, but are no longer recorded";
+}
+
+void warn(const std::string& text) {
+  if (!text.empty() && PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) != 0)
+    throw py::error_already_set();
 }
 
 py::array run_frames(Session& self, const std::vector<DeviceFrame>& frames, const py::object& given_poses) {
   const std::vector<ObjectFrame> given = given_of(given_poses, self.model(), frames.size());
   const std::size_t per_tick = frames.empty() ? 0 : given.size() / frames.size();
   std::vector<ActuatorFrame> outputs(frames.size());
-  const Busy busy(self.busy);
+  std::string news;
   {
+    const Busy busy(self.busy);
     const py::gil_scoped_release release;
     for (std::size_t i = 0; i < frames.size(); ++i) {
       const auto now = std::span(given).subspan(i * per_tick, per_tick);
@@ -74,7 +85,9 @@ py::array run_frames(Session& self, const std::vector<DeviceFrame>& frames, cons
       self.ticked = true;
       if (self.recorder) keep(self, frames[i], outputs[i], now);
     }
+    news = news_of(self);
   }
+  warn(news);
   return array_of(std::move(outputs));
 }
 
@@ -150,6 +163,7 @@ void record(Session& self, const std::string& path, std::uint32_t force_interval
   }
   check(status);
   self.recorder = std::move(recorder);
+  self.warned = false;
   self.scratch.hash_stages = true;
 }
 
@@ -163,7 +177,8 @@ std::uint64_t stop_recording(Session& self) {
     const py::gil_scoped_release release;
     status = recorder->close();
   }
-  check(status);
+  if (!status.ok())
+    throw py::value_error(status.message() + "; the file has " + std::to_string(recorder->kept()) + " ticks");
   return recorder->kept();
 }
 

@@ -1,6 +1,8 @@
 """The Python module as people use it, and as they misuse it."""
 import os
+import resource
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -257,6 +259,28 @@ def test_forces_left_out_are_nan(tmp_path, session):
 
 
 # ---- What goes wrong
+
+def test_a_full_disk_takes_no_forces_away(tmp_path, session):
+    frames = np.repeat(touching_frames(80), 5)
+    path = str(tmp_path / "touch.mcap")
+    session.record(path)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, limits[1]))
+    outputs = []
+    try:
+        with pytest.warns(RuntimeWarning, match="no longer recorded") as warned:
+            while len(outputs) < 3 or not len(warned):
+                outputs.append(session.run(frames))
+                time.sleep(0.01)  # the recorder is a thread of its own
+        with pytest.raises(ValueError, match="touch.mcap.*the file has [1-9][0-9]* ticks"):
+            session.stop_recording()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert len(warned) == 1
+    alone = lum.Session(lum.Model(ball_scene()))
+    assert all(same_bits(output, alone.run(frames)) for output in outputs)
+    assert session.tick(frames[0])["tick"] == 400 * len(outputs)
+
 
 def test_a_closed_recording_says_so(tmp_path, session):
     path = str(tmp_path / "touch.mcap")
