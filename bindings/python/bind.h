@@ -7,8 +7,10 @@
 #include <pybind11/stl.h>
 
 #include <atomic>
+#include <concepts>
 #include <cstdint>
 #include <memory>
+#include <new>
 #include <span>
 #include <string>
 #include <utility>
@@ -22,6 +24,47 @@
 namespace lumbrical::python {
 
 namespace py = pybind11;
+
+/// What classes of the module derive from.
+struct Bound {};
+template <class Class>
+concept IsBound = std::derived_from<Class, Bound> || std::same_as<Class, State>;
+
+/// A file's, from text, bytes or a pathlib.Path.
+struct Path {
+  std::string text;
+};
+
+}  // namespace lumbrical::python
+
+namespace pybind11::detail {
+
+/// Refuses what __new__ has made without __init__: it would be read before it is constructed.
+template <lumbrical::python::IsBound Class>
+class type_caster<Class> : public type_caster_base<Class> {
+ public:
+  bool load(handle source, bool convert) { return this->template load_impl<type_caster>(source, convert); }
+  void load_value(value_and_holder&& held) {
+    if (held.value_ptr() == nullptr) throw type_error("the object was not made by a call of its class");
+    type_caster_base<Class>::load_value(std::move(held));
+  }
+};
+
+/// Refuses a NUL: what is behind it would be dropped, and another file be meant.
+template <>
+class type_caster<lumbrical::python::Path> {
+ public:
+  PYBIND11_TYPE_CASTER(lumbrical::python::Path, const_name("os.PathLike"));
+  bool load(handle source, bool) {
+    value.text = module_::import("os").attr("fsencode")(source).cast<std::string>();
+    if (value.text.find('\0') != std::string::npos) throw value_error("the path holds a NUL");
+    return true;
+  }
+};
+
+}  // namespace pybind11::detail
+
+namespace lumbrical::python {
 
 /// A tick of a recording, as Recording.read gives it.
 struct RecordedTick {
@@ -85,16 +128,15 @@ inline bool is_row(const py::handle& given) {
   return py::isinstance(given, py::module_::import("numpy").attr("void"));
 }
 
-/// Rows of a structured array of that dtype, of one dimension or none, or one row by itself. Copied: nobody
-/// can change them meanwhile.
+/// Rows of a structured array of that dtype, of any shape, or one row by itself. Copied: nobody can change
+/// them meanwhile.
 template <class Struct>
-std::vector<Struct> rows_of(const py::handle& given, const char* name) {
+std::vector<Struct> rows_of(const py::handle& given, const std::string& name, const char* dtype_name) {
   const py::dtype wanted = dtype_of<Struct>();
   if (!(py::isinstance<py::array>(given) || is_row(given)) || !py::object(given.attr("dtype")).equal(wanted))
-    throw py::type_error(std::string(name) +
-                         " is not an array of lumbrical's dtype for it; see lumbrical.frame_dtype");
+    throw py::type_error(name + " is not an array of lumbrical." + dtype_name);
   const auto array = py::array::ensure(given, py::array::c_style);
-  if (!array || array.ndim() > 1) throw py::value_error(std::string(name) + " has more than one dimension");
+  if (!array) throw std::bad_alloc();
   std::vector<Struct> rows(static_cast<std::size_t>(array.size()));
   if (!rows.empty()) std::memcpy(static_cast<void*>(rows.data()), array.data(), rows.size() * sizeof(Struct));
   return rows;
@@ -120,7 +162,7 @@ Enum parsed(const std::optional<Enum>& value, const std::string& text, const cha
 
 Execution execution_of(std::uint32_t threads, const std::string& broadphase, const std::string& isa);
 
-struct PyModel {
+struct PyModel : Bound {
   Model model;
   State start;
 };

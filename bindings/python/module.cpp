@@ -166,7 +166,8 @@ py::dtype dtype_of<ProbeContact>() {
 }
 
 std::vector<DeviceFrame> frames_of(const py::handle& given) {
-  std::vector<DeviceFrame> frames = rows_of<DeviceFrame>(given, "frames");
+  std::vector<DeviceFrame> frames = rows_of<DeviceFrame>(given, "frames", "frame_dtype");
+  if (given.attr("ndim").cast<int>() > 1) throw py::value_error("frames has more than one dimension");
   for (const DeviceFrame& frame : frames)
     if (static_cast<std::uint8_t>(frame.kind) > 1)
       throw py::value_error("frames[\"kind\"] is neither 0 (joint poses) nor 1 (joint angles)");
@@ -247,9 +248,56 @@ MeshArrays arrays_of(Mesh mesh) {
               true)};
 }
 
-MeshArrays made(Mesh mesh) {
-  if (mesh.triangles.empty()) throw py::value_error("an argument is out of range");
+void check_argument(bool good, const char* name, const std::string& range) {
+  if (!good) throw py::value_error(std::string(name) + " is out of range: give " + range);
+}
+
+void check_length(double value, const char* name, double below = 1e6) {
+  check_argument(value > 0 && value < below, name,
+                 "more than 0 and less than " + std::to_string(static_cast<int>(below)) + " m");
+}
+
+void check_count(std::uint32_t value, const char* name, std::uint32_t least, std::uint32_t most) {
+  check_argument(value >= least && value <= most, name,
+                 std::to_string(least) + " to " + std::to_string(most));
+}
+
+MeshArrays mug_of(double radius, double height, double wall, std::uint32_t segments) {
+  check_length(radius, "radius", 1000);
+  check_length(height, "height", 1000);
+  check_length(wall, "wall", 1000);
+  check_count(segments, "segments", 8, 2048);
+  MugShape shape;
+  shape.radius = radius;
+  shape.height = height;
+  shape.wall = wall;
+  shape.segments = segments;
+  Mesh mesh = make_mug(shape);
+  if (mesh.triangles.empty())
+    throw py::value_error(
+        "radius, height and wall make no mug: the wall has to be less than half of radius and height, and "
+        "the "
+        "handle, 12 mm thick and 33 mm off the wall, has to fit between bottom and rim and end in the wall");
   return arrays_of(std::move(mesh));
+}
+
+MeshArrays plane_of(double extent, std::uint32_t cells) {
+  check_length(extent, "extent");
+  check_count(cells, "cells", 1, 16384);
+  return arrays_of(make_plane(extent, cells));
+}
+
+MeshArrays box_of(const py::object& given_size, std::uint32_t cells) {
+  const Vec3 size = vec3_of(given_size, "size");
+  for (const double side : {size.x, size.y, size.z}) check_length(side, "size");
+  check_count(cells, "cells", 1, 8192);
+  return arrays_of(make_box(size, cells));
+}
+
+MeshArrays sphere_of(double radius, std::uint32_t cells) {
+  check_length(radius, "radius");
+  check_count(cells, "cells", 1, 8192);
+  return arrays_of(make_sphere(radius, cells));
 }
 
 std::vector<ProbePrimitive> primitives_of(const py::object& spheres, const py::object& capsules,
@@ -298,42 +346,24 @@ void bind_meshes(py::module_& module) {
   using namespace py::literals;
   module.def(
       "load_mesh",
-      [](const std::string& path, const std::string& unit) {
+      [](const Path& path, const std::string& unit) {
         const Unit which = parsed(parse_unit(unit), unit, "unit: give m, cm or mm");
         Mesh mesh;
         Status status;
         {
           const py::gil_scoped_release release;
-          status = load_mesh(path, which, mesh);
+          status = load_mesh(path.text, which, mesh);
         }
         check(status);
         return arrays_of(std::move(mesh));
       },
       "path"_a, "unit"_a);
   const MugShape mug;
-  module.def(
-      "make_mug",
-      [](double radius, double height, double wall, std::uint32_t segments) {
-        MugShape shape;
-        shape.radius = radius;
-        shape.height = height;
-        shape.wall = wall;
-        shape.segments = segments;
-        return made(make_mug(shape));
-      },
-      "radius"_a = mug.radius, "height"_a = mug.height, "wall"_a = mug.wall, "segments"_a = mug.segments);
-  module.def(
-      "make_plane", [](double extent, std::uint32_t cells) { return made(make_plane(extent, cells)); },
-      "extent"_a, "cells"_a);
-  module.def(
-      "make_box",
-      [](const py::object& size, std::uint32_t cells) {
-        return made(make_box(vec3_of(size, "size"), cells));
-      },
-      "size"_a, "cells"_a);
-  module.def(
-      "make_sphere", [](double radius, std::uint32_t cells) { return made(make_sphere(radius, cells)); },
-      "radius"_a, "cells"_a);
+  module.def("make_mug", &mug_of, "radius"_a = mug.radius, "height"_a = mug.height, "wall"_a = mug.wall,
+             "segments"_a = mug.segments);
+  module.def("make_plane", &plane_of, "extent"_a, "cells"_a);
+  module.def("make_box", &box_of, "size"_a, "cells"_a);
+  module.def("make_sphere", &sphere_of, "radius"_a, "cells"_a);
   module.def("probe", &run_probe, "vertices"_a, "triangles"_a, "spheres"_a = py::none(),
              "capsules"_a = py::none(), "cylinders"_a = py::none(), "law"_a = "field", "stiffness"_a = 2e7);
 }

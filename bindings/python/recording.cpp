@@ -5,9 +5,9 @@
 namespace lumbrical::python {
 namespace {
 
-class Recording {
+class Recording : public Bound {
  public:
-  Recording(const std::string& path, const std::optional<std::string>& side) {
+  Recording(const Path& path, const std::optional<std::string>& side) {
     std::optional<Side> which;
     if (side) {
       if (*side != "left" && *side != "right")
@@ -18,7 +18,7 @@ class Recording {
     Status status;
     {
       const py::gil_scoped_release release;
-      status = opened->open(path, which);
+      status = opened->open(path.text, which);
     }
     check(status);
     reader_ = std::move(opened);
@@ -125,11 +125,11 @@ Result found_by(const Run& run) {
   return result;
 }
 
-py::dict run_replay(const std::string& path, std::uint32_t threads, const std::string& broadphase) {
+py::dict run_replay(const Path& path, std::uint32_t threads, const std::string& broadphase) {
   using namespace py::literals;
   const ReplayOptions options = options_of(threads, broadphase);
   const auto result =
-      found_by<ReplayResult>([&](ReplayResult& out) { return replay_hands(path, options, out); });
+      found_by<ReplayResult>([&](ReplayResult& out) { return replay_hands(path.text, options, out); });
   py::object divergence = py::none();
   if (const auto& first = result.first_divergence)
     divergence = py::dict("tick"_a = first->tick, "stage"_a = first->stage, "field"_a = first->field,
@@ -150,9 +150,8 @@ py::dict changes(const std::array<Change, kCount>& from) {
   return py::dict("max"_a = max, "rms"_a = rms);
 }
 
-py::dict run_what_if(const std::string& path, std::optional<double> stiffness,
-                     const std::optional<std::string>& law, std::optional<double> precision,
-                     std::uint32_t threads) {
+py::dict run_what_if(const Path& path, std::optional<double> stiffness, const std::optional<std::string>& law,
+                     std::optional<double> precision, std::uint32_t threads) {
   using namespace py::literals;
   ReplayOptions options = options_of(threads, "auto");
   options.stiffness = stiffness;
@@ -160,7 +159,7 @@ py::dict run_what_if(const std::string& path, std::optional<double> stiffness,
   if (law) options.law = parsed(parse_law(*law), *law, "law");
   const auto result = found_by<WhatIfResult>([&](WhatIfResult& out) {
     RecordingReader reader;
-    Status status = reader.open(path);
+    Status status = reader.open(path.text);
     return status.ok() ? what_if(reader, options, out) : status;
   });
   return py::dict("ticks"_a = result.ticks, "force"_a = changes(result.force),
@@ -173,7 +172,7 @@ py::dict run_what_if(const std::string& path, std::optional<double> stiffness,
 void bind_recording(py::module_& module) {
   using namespace py::literals;
   py::class_<Recording>(module, "Recording")
-      .def(py::init<const std::string&, const std::optional<std::string>&>(), "path"_a, "side"_a = py::none())
+      .def(py::init<const Path&, const std::optional<std::string>&>(), "path"_a, "side"_a = py::none())
       .def_property_readonly("info", &info)
       .def("read", &read, "first"_a = 0u, "last"_a = py::none(), "step"_a = 1u)
       .def("read_objects", &read_objects, "first"_a = 0u, "last"_a = py::none(), "step"_a = 1u)

@@ -5,7 +5,7 @@
 namespace lumbrical::python {
 namespace {
 
-struct PyScene {
+struct PyScene : Bound {
   Scene scene;
   Execution execution;
   Motion motion;
@@ -20,12 +20,12 @@ std::unique_ptr<PyScene> new_scene(const std::string& side, double hand_length) 
   return made;
 }
 
-std::unique_ptr<PyScene> load(const std::string& path) {
+std::unique_ptr<PyScene> load(const Path& path) {
   SceneFile file;
   Status status;
   {
     const py::gil_scoped_release release;
-    status = load_scene_file(path, file);
+    status = load_scene_file(path.text, file);
   }
   check(status);
   auto made = std::make_unique<PyScene>();

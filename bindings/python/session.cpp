@@ -8,7 +8,7 @@
 namespace lumbrical::python {
 namespace {
 
-class Session {
+class Session : public Bound {
  public:
   explicit Session(std::shared_ptr<PyModel> model)
       : model_(std::move(model)), state(model_->start), scratch(make_scratch(model_->model)) {
@@ -41,8 +41,7 @@ std::size_t given_count(const Model& model) {
 std::vector<ObjectFrame> given_of(const py::object& given, const Model& model, std::size_t ticks) {
   if (given.is_none()) return {};
   const std::size_t count = given_count(model);
-  const auto flat = given.attr("reshape")(-1);
-  std::vector<ObjectFrame> poses = rows_of<ObjectFrame>(flat, "given");
+  std::vector<ObjectFrame> poses = rows_of<ObjectFrame>(given, "given", "pose_dtype");
   if (poses.size() != ticks * count)
     throw py::value_error("given holds " + std::to_string(poses.size()) + " poses in the place of " +
                           std::to_string(ticks * count) + ": " + std::to_string(count) +
@@ -148,7 +147,7 @@ py::tuple jacobians(Session& self, std::uint32_t segments) {
   return py::make_tuple(values, py::module_::import("numpy").attr("array")(known));
 }
 
-void record(Session& self, const std::string& path, std::uint32_t force_interval) {
+void record(Session& self, const Path& path, std::uint32_t force_interval) {
   const Busy busy(self.busy);
   if (self.recorder) throw std::runtime_error("the session is recorded already");
   if (hash_state(self.state) != hash_state(make_state(self.model())))
@@ -159,7 +158,7 @@ void record(Session& self, const std::string& path, std::uint32_t force_interval
   Status status;
   {
     const py::gil_scoped_release release;
-    status = recorder->open(path, scene_of(self.model()), options);
+    status = recorder->open(path.text, scene_of(self.model()), options);
   }
   check(status);
   self.recorder = std::move(recorder);
@@ -195,9 +194,13 @@ void restore(Session& self, const State& state) {
 }
 
 /// Many hands on one model that have nothing to do with each other.
-struct Batch {
-  Batch(std::shared_ptr<PyModel> model_, std::size_t count)
-      : model(std::move(model_)), states(count, model->start) {}
+struct Batch : Bound {
+  Batch(std::shared_ptr<PyModel> model_, std::size_t count) : model(std::move(model_)) {
+    if (count > kMostHands)
+      throw py::value_error("count is out of range: give 0 to " + std::to_string(kMostHands));
+    states.assign(count, model->start);
+  }
+  static constexpr std::size_t kMostHands = 0xffffffff;
   std::shared_ptr<PyModel> model;
   std::vector<State> states;
   std::vector<Scratch> scratch;

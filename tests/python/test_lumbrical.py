@@ -393,6 +393,64 @@ def test_none_and_other_types_are_refused():
         lum.pose_frames(np.zeros((26, 3)), np.zeros((25, 4)))
 
 
+@pytest.mark.parametrize("make, told", [
+    (lambda: lum.make_sphere(0.03, 0), "cells .* 1 to 8192"), (lambda: lum.make_sphere(np.nan, 5), "radius .* m"),
+    (lambda: lum.make_plane(1, 16385), "cells .* 1 to 16384"), (lambda: lum.make_plane(0, 1), "extent .* m"),
+    (lambda: lum.make_box((0.1, 0, 0.1), 1), "size .* m"), (lambda: lum.make_box((1, 1, 1), 8193), "cells"),
+    (lambda: lum.make_mug(segments=7), "segments .* 8 to 2048"), (lambda: lum.make_mug(wall=0), "wall .* 1000 m"),
+    (lambda: lum.make_mug(wall=0.03), "half of radius"), (lambda: lum.make_mug(height=0.02), "handle"),
+])
+def test_a_shape_that_is_not_made_says_which_argument_is_wrong(make, told):
+    with pytest.raises(ValueError, match=told):
+        make()
+
+
+@pytest.mark.parametrize("given", [[1, 2], 3, np.zeros(3), np.zeros(1, dtype=lum.frame_dtype)])
+def test_poses_of_another_kind_are_refused(session, given):
+    with pytest.raises(TypeError, match="given is not an array of lumbrical.pose_dtype"):
+        session.run(touching_frames(1), given)
+
+
+def test_more_hands_than_can_be_are_refused():
+    with pytest.raises(ValueError, match="count"):
+        lum.Batch(lum.Model(ball_scene()), 2**62)
+
+
+def test_paths_are_taken_as_python_has_them(tmp_path, session):
+    path = tmp_path / "touch.mcap"
+    session.record(path)
+    session.run(touching_frames(5))
+    session.stop_recording()
+    assert lum.replay(path)["identical"] and lum.what_if(path)["ticks"] == 5
+    for same in (path, str(path), os.fsencode(path)):
+        with lum.Recording(same) as recording:
+            assert recording.info["ticks"] == 5
+    assert lum.Scene.load(os.path.join(os.environ["LUMBRICAL_SOURCE_DIR"], "examples/cup.json")).side == "right"
+    (tmp_path / "one.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    assert len(lum.load_mesh(tmp_path / "one.obj", "m")[1]) == 1
+
+
+def test_a_path_with_a_nul_is_refused(tmp_path):
+    path = str(tmp_path / "touch\0.mcap")
+    record = lum.Session(lum.Model(ball_scene())).record
+    for take in (record, lum.Recording, lum.replay, lum.what_if, lum.Scene.load, lambda p: lum.load_mesh(p, "m")):
+        with pytest.raises(ValueError, match="NUL"):
+            take(path)
+    assert not os.listdir(tmp_path)
+
+
+@pytest.mark.parametrize("use", [
+    lambda: lum.Session.__new__(lum.Session).tick(touching_frames(1)), lambda: lum.Session.__new__(lum.Session).joints,
+    lambda: lum.Scene.__new__(lum.Scene).rate, lambda: lum.Scene.__new__(lum.Scene).radii,
+    lambda: lum.Model(lum.Scene.__new__(lum.Scene)), lambda: lum.Model.__new__(lum.Model).rate,
+    lambda: len(lum.Batch.__new__(lum.Batch)), lambda: lum.Recording.__new__(lum.Recording).read(),
+    lambda: lum.State.__new__(lum.State).tick,
+])
+def test_what_no_call_of_its_class_has_made_is_refused(use):
+    with pytest.raises(TypeError, match="not made"):
+        use()
+
+
 def test_questions_before_the_first_tick_are_refused(session):
     for ask in (session.contacts, session.jacobians, lambda: session.joints, lambda: session.objects):
         with pytest.raises(RuntimeError, match="ticked"):
