@@ -310,7 +310,8 @@ typedef struct lumbrical_replay_result {
  * ------------------------------------------------------------------------------------------------- */
 
 LUMBRICAL_API const char* lumbrical_version(void); /* "0.1.0" */
-LUMBRICAL_API const char* lumbrical_message(void); /* of this thread's last error; "" before the first */
+/* Of this thread's last error; "" before the first. Of one above 1023 bytes the middle is left out. */
+LUMBRICAL_API const char* lumbrical_message(void);
 LUMBRICAL_API const char* lumbrical_joint_name(int32_t joint);     /* null: there is none */
 LUMBRICAL_API const char* lumbrical_segment_name(int32_t segment); /* null: there is none */
 

@@ -171,6 +171,23 @@ TEST(CApiMistakes, AMaterialThatMakesNoSenseIsRefusedOfAnObjectThatStandsStill) 
   }
 }
 
+TEST(CApiMistakes, ALongMessageKeepsItsPlaceAndItsRemedy) {
+  MeshObject ball(ball_scene().objects[0].mesh);
+  const std::string name(5000, 'x'), path(1100, 'y');
+  ball.object.name = name.c_str();
+  ball.object.viscosity = -1;
+  CSession c;
+  c.create();
+  ASSERT_EQ(lumbrical_scene_add_object(c.scene, &ball.object), LUMBRICAL_OK) << lumbrical_message();
+  expect_refused(lumbrical_model_build(c.scene, nullptr, &c.model), LUMBRICAL_BAD_DATA,
+                 "lumbrical_model_build: object \"xxx");
+  expect_refused(lumbrical_model_build(c.scene, nullptr, &c.model), LUMBRICAL_BAD_DATA,
+                 "xxx\": viscosity is out of range: give 0 to 100 s/m");
+  EXPECT_EQ(std::string(lumbrical_message()).size(), 1023u);
+  lumbrical_scene* none = nullptr;
+  expect_refused(lumbrical_scene_load(path.c_str(), &none), LUMBRICAL_BAD_DATA, "permission to read it");
+}
+
 TEST(CApiMistakes, AFrameThatIsNotFiniteIsATickThatSaysSo) {
   CSession c(MeshObject(ball_scene().objects[0].mesh).object);
   lumbrical_frame frame = touching_frame_c(60);

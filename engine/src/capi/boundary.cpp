@@ -3,19 +3,32 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <new>
+#include <string_view>
 
 namespace lumbrical::capi {
 namespace {
 
 // Of fixed size, so that running out of memory can be told, too.
-thread_local char last_message[1024] = "";
+constexpr std::size_t kRoom = 1024;
+thread_local char last_message[kRoom] = "";
+
+// Where there is no room for all: a text begins with the place, which may be long, and ends with the remedy.
+void put_end(const char* text) {
+  constexpr std::string_view kGap = " ... ";
+  char* const middle = last_message + kRoom / 2;
+  char* const end = std::copy(kGap.begin(), kGap.end(), middle);
+  const std::size_t left = kRoom / 2 - kGap.size() - 1;
+  std::strcpy(end, text + std::strlen(text) - left);
+}
 
 }  // namespace
 
 int tell(const char* function, int status, const char* text) noexcept {
-  std::snprintf(last_message, sizeof last_message, "%s: %s", function, text);
+  const int length = std::snprintf(last_message, kRoom, "%s: %s", function, text);
+  if (length >= static_cast<int>(kRoom)) put_end(text);
   return status;
 }
 
