@@ -225,6 +225,13 @@ TEST(DeviceProgram, KilledOutrightItsGuardLetsGoOfADeviceThatHasNoWatchdog) {
   EXPECT_NE(error.find("guard: " + kClosed), std::string::npos) << error;
 }
 
+const std::string kShippedProfile = LUMBRICAL_SOURCE_DIR "/examples/devices/shared_memory.json";
+
+// Of a device without registers.
+std::string sink_at(const std::string& place, const std::string& profile = kShippedProfile) {
+  return "--sink \"" + place + "?unattended=accepted&profile=" + profile + "\" ";
+}
+
 TEST(DeviceProgram, KilledOutrightWithoutAGuardItLeavesTheFadingToTheDevicesWatchdog) {
   kill_by("KILL", fresh_folder(), "&guard=off");
 }
@@ -318,6 +325,20 @@ TEST(DeviceProgram, ADeviceThatIsNotThereIsTheFirstThingSaidWithItsCause) {
   const Outcome stopped = shell(run + "&on-loss=stop' --json " + kManyTicks, folder);
   EXPECT_EQ(stopped.exit_code, 4);
   EXPECT_LT(stopped.json()["ticks"], 25000);
+}
+
+// The next file that is opened would take their numbers, and what is told stand in it.
+TEST(DeviceProgram, ClosedStandardStreamsLeaveTheRecordingWhole) {
+  for (const std::string closed : {"2>&-", ">&-", "<&-"}) {
+    const auto folder = fresh_folder();
+    write_inputs(folder);
+    const Outcome run =
+        shell("lumbrical run scene.json --ticks 20 --record a.mcap " + sink_at("udp://127.0.0.1:9") + closed,
+              folder);
+    EXPECT_EQ(run.exit_code, closed == ">&-" ? 2 : 4) << closed << run.error;
+    const Outcome verify = shell("lumbrical verify a.mcap", folder);
+    EXPECT_EQ(verify.exit_code, 0) << closed << verify.error;
+  }
 }
 
 TEST(DeviceProgram, SaysWhatIsWrongWithASink) {

@@ -1,4 +1,7 @@
 // The lumbrical program: one subcommand per file, put together here.
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <csignal>
 #include <exception>
 #include <string>
@@ -42,9 +45,19 @@ void add_commands(Command& root, int& exit_code) {
   add_view(root, exit_code);
 }
 
+// Where one is closed the next file that is opened, a recording or a device's connection, would take its
+// number, and what is told would go there. The wrong way round: using a closed one stays an error.
+void fill_standard_streams() {
+  for (int file = STDIN_FILENO; file <= STDERR_FILENO; ++file) {
+    if (fcntl(file, F_GETFD) >= 0) continue;
+    if (open("/dev/null", file == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0) return;
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  fill_standard_streams();
   // A closed pipe or a file-size limit is then an error that write() reports, not the end of the process: the
   // recording is closed properly and the exit code tells.
   std::signal(SIGPIPE, SIG_IGN);
