@@ -1,10 +1,7 @@
 // Datagrams and shared memory: a device at the other end of each, and what must not be taken for one.
-#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
-#include <sys/mman.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -19,16 +16,16 @@
 #include "loop/datagram_message.h"
 #include "lumbrical/datagram_wire.h"
 #include "lumbrical/device_sink.h"
-#include "lumbrical/shared_device.h"
 #include "lumbrical/shared_memory_wire.h"
 #include "random.h"
+#include "shared_memory_device.h"
 
 namespace lumbrical {
 namespace {
 
-using namespace std::chrono_literals;
+using test::SharedDevice;
 
-constexpr std::size_t kIndex = 3;  // the actuator that is looked at
+constexpr std::size_t kIndex = SharedDevice::kIndex;  // the actuator that is looked at
 
 DeviceProfile device_of(TransportKind kind) {
   DeviceProfile profile = test::shipped_profile("exoskeleton");
@@ -260,63 +257,9 @@ TEST(Datagrams, AreReadAsTheyWereWrittenAndNeverBeyondTheirEnd) {
   }
 }
 
-// A region of shared memory with a device's thread on it.
-class SharedDevice {
- public:
-  explicit SharedDevice(const std::string& name, mode_t mode = 0600, off_t size = sizeof(Region))
-      : name_(name) {
-    shm_unlink(name.c_str());
-    const int file = shm_open(name.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
-    EXPECT_GE(file, 0);
-    EXPECT_EQ(fchmod(file, mode), 0);
-    EXPECT_EQ(ftruncate(file, size), 0);
-    if (size == sizeof(Region)) {
-      region_ =
-          static_cast<Region*>(mmap(nullptr, sizeof(Region), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0));
-      lumbrical_shared_init(region_);
-      thread_ = std::thread([this] { serve(); });
-    }
-    close(file);
-  }
-  ~SharedDevice() {
-    ending_ = true;
-    if (thread_.joinable()) thread_.join();
-    if (region_ != nullptr) munmap(region_, sizeof(Region));
-    shm_unlink(name_.c_str());
-  }
-  std::atomic<double> value{0};
-  std::atomic<bool> silent{false};
-
- private:
-  using Region = lumbrical_shared_device;
-  void serve() {
-    lumbrical_shared_command command{};
-    lumbrical_shared_feedback feedback{};
-    feedback.angle[5] = 0.3;
-    feedback.valid = 1u << 5;
-    while (!ending_) {
-      if (!silent && lumbrical_shared_take(region_, &command)) {
-        value = command.value[kIndex];
-        feedback.session = command.session;
-        feedback.cycle = command.cycle;
-        lumbrical_shared_answer(region_, &feedback);
-      }
-      std::this_thread::sleep_for(100us);
-    }
-  }
-  std::string name_;
-  Region* region_ = nullptr;
-  std::thread thread_;
-  std::atomic<bool> ending_{false};
-};
-
-std::string own_name(const char* what) {
-  return "/lumbrical_test_" + std::string(what) + std::to_string(getpid());
-}
-
 TEST(SharedMemoryWire, CarriesCommandsThereAndAnglesBackAndTakesOverWhatWasLeft) {
   DeviceProfile profile = device_of(TransportKind::memory);
-  profile.transport.region = own_name("device");
+  profile.transport.region = test::own_region("device");
   std::unique_ptr<DeviceWire> wire;
   ASSERT_TRUE(make_shared_memory_wire(profile, wire).ok());
   EXPECT_FALSE(wire->open().ok()) << "there is no region yet";
@@ -363,7 +306,7 @@ TEST(SharedMemoryWire, ADeviceThatFallsSilentUnderForceIsDisconnected) {
   DeviceProfile profile = device_of(TransportKind::memory);
   profile.response_timeout = 0.01;
   profile.safety.answer_timeout = 0.1;
-  profile.transport.region = own_name("silent");
+  profile.transport.region = test::own_region("silent");
   SharedDevice device(profile.transport.region);
   std::unique_ptr<DeviceWire> wire;
   ASSERT_TRUE(make_shared_memory_wire(profile, wire).ok());
@@ -374,14 +317,52 @@ TEST(SharedMemoryWire, ADeviceThatFallsSilentUnderForceIsDisconnected) {
   expect_silence_noticed(device, sink);
 }
 
+TEST(SharedMemoryWire, FindsADeviceThatWasStartedAgain) {
+  DeviceProfile profile = device_of(TransportKind::memory);
+  profile.response_timeout = 0.01;
+  profile.transport.region = test::own_region("again");
+  auto device = std::make_unique<SharedDevice>(profile.transport.region);
+  std::unique_ptr<DeviceWire> wire;
+  ASSERT_TRUE(make_shared_memory_wire(profile, wire).ok());
+  DeviceSink sink;
+  SinkOptions options;
+  options.thread = true;
+  ASSERT_TRUE(sink.open(profile, std::move(wire), options).ok());
+  const auto feels = [&] { return std::fabs(device->value - 0.1) < 1e-9; };
+  ASSERT_TRUE(acts(sink, feels)) << sink.report().trouble;
+  device.reset();
+  EXPECT_TRUE(acts(sink, [&] { return sink.state() == SafetyState::disconnected; }));
+  device = std::make_unique<SharedDevice>(profile.transport.region);
+  EXPECT_TRUE(acts(sink, feels)) << sink.report().trouble;
+}
+
+TEST(SharedMemoryWire, TellsARegionThatWasMadeAnewFromADeviceThatIsSilent) {
+  DeviceProfile profile = device_of(TransportKind::memory);
+  profile.transport.region = test::own_region("anew");
+  std::unique_ptr<DeviceWire> wire;
+  ASSERT_TRUE(make_shared_memory_wire(profile, wire).ok());
+  auto device = std::make_unique<SharedDevice>(profile.transport.region);
+  ASSERT_TRUE(wire->open().ok());
+  WireAnswer answer;
+  ASSERT_TRUE(wire->exchange({1, {}, {}}, answer).ok());
+  device->silent = true;
+  EXPECT_EQ(wire->exchange({2, {}, {}}, answer).outcome, WireOutcome::missed);
+  device.reset();
+  EXPECT_EQ(wire->exchange({3, {}, {}}, answer).outcome, WireOutcome::broken) << "removed";
+  const SharedDevice anew(profile.transport.region);
+  const WireResult result = wire->exchange({4, {}, {}}, answer);
+  EXPECT_EQ(result.outcome, WireOutcome::broken);
+  EXPECT_NE(result.text.find("was made anew, or removed"), std::string::npos) << result.text;
+}
+
 TEST(SharedMemoryWire, RefusesARegionThatOthersMayWriteToAndOneThatIsTooSmall) {
   DeviceProfile profile = device_of(TransportKind::memory);
   std::unique_ptr<DeviceWire> wire;
-  profile.transport.region = own_name("open");
+  profile.transport.region = test::own_region("open");
   ASSERT_TRUE(make_shared_memory_wire(profile, wire).ok());
   const SharedDevice writable(profile.transport.region, 0666);
   EXPECT_NE(wire->open().message().find("written by others"), std::string::npos);
-  profile.transport.region = own_name("small");
+  profile.transport.region = test::own_region("small");
   ASSERT_TRUE(make_shared_memory_wire(profile, wire).ok());
   const SharedDevice small(profile.transport.region, 0600, 100);
   EXPECT_NE(wire->open().message().find("too small"), std::string::npos);

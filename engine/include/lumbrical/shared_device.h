@@ -2,9 +2,11 @@
 // C99 on a POSIX system (and the atomic built-ins of gcc and clang), no other dependencies.
 //
 // The device's process creates the region (shm_open, mode 0600, ftruncate to its size, mmap), zeros it and
-// calls lumbrical_shared_init. Then, as often as it likes: lumbrical_shared_take, and when that gave a new
-// command lumbrical_shared_answer with its cycle. A device whose commands stop (no new cycle for as long as
-// it dares to hold a force) lets go by itself: nothing else will, once the other process has been killed.
+// calls lumbrical_shared_init. Where one of that name is left it unlinks it first, and never truncates it: a
+// session that has it mapped would be killed. Then, as often as it likes: lumbrical_shared_take, and when
+// that gave a new command lumbrical_shared_answer with its cycle. A device whose commands stop (no new cycle
+// for as long as it dares to hold a force) lets go by itself: nothing else will, once the other process has
+// been killed.
 #ifndef LUMBRICAL_SHARED_DEVICE_H
 #define LUMBRICAL_SHARED_DEVICE_H
 

@@ -38,46 +38,66 @@ std::string fault_of(int file) {
 class SharedMemoryWire final : public DeviceWire {
  public:
   explicit SharedMemoryWire(const DeviceProfile& profile) : profile_(profile) {}
-  ~SharedMemoryWire() override { unmap(); }
+  ~SharedMemoryWire() override { let_go(); }
 
   Status open() override;
   WireResult exchange(const WireCommand& command, WireAnswer& answer) override;
   WireResult read_commands(ActuatorArray& command) override;
-  void close() override { unmap(); }
+  void close() override { let_go(); }
 
  private:
-  void unmap() {
+  void let_go() {
     if (region_ != nullptr) munmap(region_, sizeof(Region));
+    if (file_ >= 0) ::close(file_);
     region_ = nullptr;
+    file_ = -1;
   }
+  std::string take_region();
+  [[nodiscard]] bool is_gone() const;
+  [[nodiscard]] WireResult missed() const;
   bool take_answer(std::uint64_t cycle, WireAnswer& answer) const;
 
   DeviceProfile profile_;
   Region* region_ = nullptr;
+  int file_ = -1;
   std::uint64_t session_ = 0;
 };
 
 Status SharedMemoryWire::open() {
-  unmap();
+  let_go();
   const std::string& name = profile_.transport.region;
-  const int file = shm_open(name.c_str(), O_RDWR | O_CLOEXEC, 0);
-  if (file < 0)
+  file_ = shm_open(name.c_str(), O_RDWR | O_CLOEXEC, 0);
+  if (file_ < 0)
     return Status::error(name + ": " + (errno == ENOENT ? "no such region yet" : std::strerror(errno)));
-  const std::string fault = fault_of(file);
-  void* const mapped =
-      fault.empty() ? mmap(nullptr, sizeof(Region), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0) : MAP_FAILED;
-  ::close(file);
-  if (!fault.empty()) return Status::error(name + ": " + fault);
-  if (mapped == MAP_FAILED) return Status::error(name + ": " + std::strerror(errno));
-  region_ = static_cast<Region*>(mapped);
-  const bool known = __atomic_load_n(&region_->magic, __ATOMIC_ACQUIRE) == LUMBRICAL_SHARED_MAGIC &&
-                     region_->size == sizeof(Region);
-  if (!known) {
-    unmap();
-    return Status::error(name + ": is no region of lumbrical/shared_device.h, or not ready");
+  if (const std::string fault = take_region(); !fault.empty()) {
+    let_go();
+    return Status::error(name + ": " + fault);
   }
   session_ = static_cast<std::uint64_t>(steady_ns());
   return {};
+}
+
+// Why it can't be taken, if it can't.
+std::string SharedMemoryWire::take_region() {
+  if (std::string fault = fault_of(file_); !fault.empty()) return fault;
+  void* const mapped = mmap(nullptr, sizeof(Region), PROT_READ | PROT_WRITE, MAP_SHARED, file_, 0);
+  if (mapped == MAP_FAILED) return std::strerror(errno);
+  region_ = static_cast<Region*>(mapped);
+  const bool known = __atomic_load_n(&region_->magic, __ATOMIC_ACQUIRE) == LUMBRICAL_SHARED_MAGIC &&
+                     region_->size == sizeof(Region);
+  return known ? "" : "is no region of lumbrical/shared_device.h, or not ready";
+}
+
+// A device that was started again has made another region of that name.
+bool SharedMemoryWire::is_gone() const {
+  struct stat ours {};
+  struct stat there {};
+  const int now = shm_open(profile_.transport.region.c_str(), O_RDONLY | O_CLOEXEC, 0);
+  if (now < 0) return errno == ENOENT;
+  const bool same = fstat(now, &there) == 0 && fstat(file_, &ours) == 0 && there.st_ino == ours.st_ino &&
+                    there.st_dev == ours.st_dev;
+  ::close(now);
+  return !same;
 }
 
 WireResult SharedMemoryWire::exchange(const WireCommand& command, WireAnswer& answer) {
@@ -98,11 +118,16 @@ WireResult SharedMemoryWire::exchange(const WireCommand& command, WireAnswer& an
   while (!take_answer(command.cycle, answer)) {
     const bool hurry = patience.hurry && patience.hurry();
     const double waited = in_seconds(steady_ns() - answer.asked);
-    if (waited > (hurry ? patience.hurried : patience.usual))
-      return {WireOutcome::missed, "no answer in " + profile_.transport.region};
+    if (waited > (hurry ? patience.hurried : patience.usual)) return missed();
     nanosleep(&kGlance, nullptr);
   }
   return {};
+}
+
+WireResult SharedMemoryWire::missed() const {
+  const std::string& name = profile_.transport.region;
+  if (is_gone()) return {WireOutcome::broken, name + " was made anew, or removed"};
+  return {WireOutcome::missed, "no answer in " + name};
 }
 
 bool SharedMemoryWire::take_answer(std::uint64_t cycle, WireAnswer& answer) const {
