@@ -286,6 +286,7 @@ TEST(SharedMemoryWire, CarriesCommandsThereAndAnglesBackAndTakesOverWhatWasLeft)
   WireAnswer answer;
   ASSERT_TRUE(wire->exchange({1, force, {}}, answer).ok());
   EXPECT_EQ(device.value, 0.1);
+  wire->close();
   options.arm = false;
   options.take_over = true;
   profile.safety.fade = 0.5;
@@ -353,6 +354,24 @@ TEST(SharedMemoryWire, TellsARegionThatWasMadeAnewFromADeviceThatIsSilent) {
   const WireResult result = wire->exchange({4, {}, {}}, answer);
   EXPECT_EQ(result.outcome, WireOutcome::broken);
   EXPECT_NE(result.text.find("was made anew, or removed"), std::string::npos) << result.text;
+}
+
+TEST(SharedMemoryWire, IsOfOneSessionAtATime) {
+  DeviceProfile profile = device_of(TransportKind::memory);
+  profile.transport.region = test::own_region("one");
+  const SharedDevice device(profile.transport.region);
+  std::unique_ptr<DeviceWire> first, second;
+  ASSERT_TRUE(make_shared_memory_wire(profile, first).ok());
+  ASSERT_TRUE(make_shared_memory_wire(profile, second).ok());
+  ASSERT_TRUE(first->open().ok());
+  const Status refused = second->open();
+  EXPECT_NE(refused.message().find("another session drives it; end that one first"), std::string::npos)
+      << refused.message();
+  WireAnswer answer;
+  EXPECT_TRUE(first->exchange({1, {}, {}}, answer).ok());
+  EXPECT_TRUE(first->open().ok()) << "its own lock is not in its way";
+  first->close();
+  EXPECT_TRUE(second->open().ok());
 }
 
 TEST(SharedMemoryWire, RefusesARegionThatOthersMayWriteToAndOneThatIsTooSmall) {

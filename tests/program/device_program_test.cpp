@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <future>
 
+#include "eventually.h"
 #include "lumbrical/recording.h"
 #include "program.h"
+#include "shared_memory_device.h"
 #include "terminals.h"
 
 namespace lumbrical {
@@ -17,15 +20,21 @@ using test::kManyTicks;
 using test::Outcome;
 using test::shell;
 
-// Time-outs for slow and busy machines, a grasp of three seconds, and a plane the fingers always touch.
-void write_inputs(const std::filesystem::path& folder) {
-  json profile =
-      json::parse(std::ifstream(std::string(LUMBRICAL_SOURCE_DIR) + "/examples/devices/exoskeleton.json"));
+// A shipped profile with time-outs for slow and busy machines.
+void write_profile(const char* shipped, const std::filesystem::path& file) {
+  json profile = json::parse(
+      std::ifstream(std::string(LUMBRICAL_SOURCE_DIR) + "/examples/devices/" + shipped + ".json"));
   profile["rate"] = 100;
   profile["response_timeout"] = 1;
   profile["safety"] = {
       {"fade", 0.05}, {"soft_start", 0.1}, {"tick_hold", 1}, {"tick_timeout", 5}, {"answer_timeout", 2}};
-  std::ofstream(folder / "device.json") << profile;
+  std::ofstream(file) << profile;
+}
+
+// Profiles, a grasp of three seconds, and a plane the fingers always touch.
+void write_inputs(const std::filesystem::path& folder) {
+  write_profile("exoskeleton", folder / "device.json");
+  write_profile("shared_memory", folder / "plain.json");
   std::ofstream(folder / "scene.json") << R"({"objects": [{"mug": {}}], "settings": {"rate": 100},
       "motion": {"grasp": {"seconds": 4}}})";
 }
@@ -230,6 +239,26 @@ const std::string kShippedProfile = LUMBRICAL_SOURCE_DIR "/examples/devices/shar
 // Of a device without registers.
 std::string sink_at(const std::string& place, const std::string& profile = kShippedProfile) {
   return "--sink \"" + place + "?unattended=accepted&profile=" + profile + "\" ";
+}
+
+TEST(DeviceProgram, KilledOutrightItsGuardLetsGoOfADeviceInSharedMemory) {
+  const auto folder = fresh_folder();
+  write_inputs(folder);
+  const std::string region = test::own_region("guarded");
+  const test::SharedDevice device(region);
+  std::future<Outcome> session = std::async(std::launch::async, [&] {
+    return shell("lumbrical run scene.json --rate 100 " + kManyTicks +
+                     sink_at("memory://" + region, "plain.json&feedback=off&limiter=off&observer=off") +
+                     ">run.out 2>run.err & run=$!; " + test::wait_until("[ -e felt ]") +
+                     "kill -KILL $run; wait $run; " + wait_for("guard: closed", "run.err") + "true",
+                 folder);
+  });
+  EXPECT_TRUE(test::eventually([&] { return std::fabs(device.value) > 0.002; }));
+  std::ofstream(folder / "felt").close();
+  session.wait();
+  const std::string error = test::read_file((folder / "run.err").string());
+  EXPECT_NE(error.find("guard: " + kClosed), std::string::npos) << error;
+  EXPECT_EQ(device.value, 0);
 }
 
 TEST(DeviceProgram, KilledOutrightWithoutAGuardItLeavesTheFadingToTheDevicesWatchdog) {

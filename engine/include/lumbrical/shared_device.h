@@ -46,7 +46,8 @@ typedef struct lumbrical_shared_feedback {
   double angle[LUMBRICAL_SHARED_ANGLES];  // [rad] thumb to little, abduction and three flexions of each
 } lumbrical_shared_feedback;
 
-// Each side is written by one process only. Its turn is odd while it is being written.
+// Each side is written by one process only: a session holds the region's lock (flock). A side's turn is odd
+// while it is being written.
 typedef struct lumbrical_shared_device {
   uint64_t magic;
   uint64_t size;  // of this struct

@@ -11,8 +11,8 @@
 namespace lumbrical {
 
 /// Of the region Transport::region, "/name", which the device creates. Refused, again and again until there
-/// is another: a region of another user or one that others may write to, too small, or of another layout. One
-/// that was made anew is opened again.
+/// is another: a region of another user or one that others may write to, too small, of another layout, or one
+/// that another session drives. A region that was made anew is opened again.
 Status make_shared_memory_wire(const DeviceProfile& profile, std::unique_ptr<DeviceWire>& wire);
 
 }  // namespace lumbrical

@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <time.h>
@@ -59,7 +60,7 @@ class SharedMemoryWire final : public DeviceWire {
 
   DeviceProfile profile_;
   Region* region_ = nullptr;
-  int file_ = -1;
+  int file_ = -1;  // its lock keeps other sessions away
   std::uint64_t session_ = 0;
 };
 
@@ -77,9 +78,11 @@ Status SharedMemoryWire::open() {
   return {};
 }
 
-// Why it can't be taken, if it can't.
+// Why it can't be taken, if it can't. The lock falls with the process, so a guard finds it open.
 std::string SharedMemoryWire::take_region() {
   if (std::string fault = fault_of(file_); !fault.empty()) return fault;
+  if (flock(file_, LOCK_EX | LOCK_NB) != 0)
+    return errno == EWOULDBLOCK ? "another session drives it; end that one first" : std::strerror(errno);
   void* const mapped = mmap(nullptr, sizeof(Region), PROT_READ | PROT_WRITE, MAP_SHARED, file_, 0);
   if (mapped == MAP_FAILED) return std::strerror(errno);
   region_ = static_cast<Region*>(mapped);
