@@ -208,6 +208,17 @@ TEST(DatagramWire, TalksToThisMachineOnlyUnlessTold) {
   EXPECT_TRUE(wire->open().ok());
 }
 
+TEST(DatagramWire, WhatTheSystemRefusesNeedsNoLeaveOfOurs) {
+  DeviceProfile profile = device_of(TransportKind::udp);
+  profile.transport.host = "255.255.255.255";
+  profile.transport.anywhere = true;
+  std::unique_ptr<DeviceWire> wire;
+  ASSERT_TRUE(make_datagram_wire(profile, wire).ok());
+  const Status refused = wire->open();
+  EXPECT_FALSE(refused.ok());
+  EXPECT_EQ(refused.message().find("network=any"), std::string::npos) << refused.message();
+}
+
 TEST(Datagrams, AreReadAsTheyWereWrittenAndNeverBeyondTheirEnd) {
   SafetyOutput output;
   output.device_on = true;

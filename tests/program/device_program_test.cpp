@@ -370,6 +370,21 @@ TEST(DeviceProgram, ClosedStandardStreamsLeaveTheRecordingWhole) {
   }
 }
 
+// A machine of our own names, where the system lets us have one.
+TEST(DeviceProgram, ADeviceIsLookedForAtEveryAddressOfItsName) {
+  const auto folder = fresh_folder();
+  write_inputs(folder);
+  std::ofstream(folder / "hosts") << "::1 device\n127.0.0.1 device\n";
+  const std::string names = "unshare -Urm sh -c 'mount --bind hosts /etc/hosts && ";
+  if (shell(names + "getent ahosts device'", folder).output.find("::1") != 0)
+    GTEST_SKIP() << "no permission to name hosts";
+  const Outcome run = shell(
+      names + "lumbrical run scene.json --rate 100 --ticks 100 " + sink_at("udp://device:9") + "'", folder);
+  for (const char* const address : {"(::1)", "(127.0.0.1)"})
+    EXPECT_NE(run.error.find(std::string("nothing listens at device:9 ") + address), std::string::npos)
+        << run.error;
+}
+
 TEST(DeviceProgram, SaysWhatIsWrongWithASink) {
   const auto folder = fresh_folder();
   write_inputs(folder);

@@ -19,25 +19,28 @@
 namespace lumbrical {
 namespace {
 
-// A socket that hears of that address only; -1: errno says why.
-int connect_socket(const std::string& address, std::uint16_t port, bool anywhere) {
+using Found = std::unique_ptr<addrinfo, void (*)(addrinfo*)>;
+
+// Of an address in numbers; nullptr: it is none.
+Found address_of(const std::string& number, std::uint16_t port) {
   addrinfo hints{};
   hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV;
   hints.ai_socktype = SOCK_DGRAM;
   addrinfo* found = nullptr;
-  if (getaddrinfo(address.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) return -1;
-  int file = -1;
-  if (anywhere || is_loopback(*found->ai_addr)) {
-    file = socket(found->ai_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  } else {
-    errno = EACCES;
-  }
-  if (file >= 0 && connect(file, found->ai_addr, found->ai_addrlen) != 0) {
-    ::close(file);
-    file = -1;
-  }
-  freeaddrinfo(found);
-  return file;
+  if (getaddrinfo(number.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) found = nullptr;
+  return {found, [](addrinfo* one) {
+            if (one != nullptr) freeaddrinfo(one);
+          }};
+}
+
+// A socket that hears of that address only; -1: errno says why.
+int connect_socket(const addrinfo& address) {
+  const int file = socket(address.ai_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (file < 0 || connect(file, address.ai_addr, address.ai_addrlen) == 0) return file;
+  const int error = errno;
+  ::close(file);
+  errno = error;
+  return -1;
 }
 
 class DatagramWire final : public DeviceWire {
@@ -59,31 +62,52 @@ class DatagramWire final : public DeviceWire {
     return {WireOutcome::broken,
             error == ECONNREFUSED ? "nothing listens at " + place() : place() + ": " + std::strerror(error)};
   }
-  [[nodiscard]] std::string place() const { return transport_.host + ":" + std::to_string(transport_.port); }
+  [[nodiscard]] std::string place() const {
+    const std::string named = transport_.host + ":" + std::to_string(transport_.port);
+    return address_.empty() || address_ == transport_.host ? named : named + " (" + address_ + ")";
+  }
+  Status connect_next();
   bool await_datagram(std::int64_t begun) const;
 
   Transport transport_;
   std::size_t actuator_count_;
   int file_ = -1;
+  std::size_t opened_ = 0;
+  std::string address_;  // in numbers, the one that was tried last
   std::uint64_t session_ = 0;
   std::vector<std::byte> sent_;
 };
 
 Status DatagramWire::open() {
   close_socket();
-  std::vector<std::string> addresses;
-  if (Status status = find_host(transport_.host, transport_.anywhere, addresses); !status.ok()) return status;
-  for (const std::string& address : addresses)
-    if (file_ < 0) file_ = connect_socket(address, transport_.port, transport_.anywhere);
-  if (file_ < 0 && errno == EACCES)
-    return Status::error(
-        place() +
-        ": is not this machine, and whoever is on the way could command the device; write network=any");
-  if (file_ < 0) return Status::error(place() + ": " + std::strerror(errno));
+  if (Status status = connect_next(); !status.ok()) return status;
   // Who does not see the datagrams can't guess it.
   if (getrandom(&session_, sizeof session_, 0) != sizeof session_)
     return Status::error(place() + ": no random number for the session");
   return {};
+}
+
+// A socket of datagrams connects to whatever there is, and only an answer tells where the device is: so each
+// time it is the next of the host's addresses.
+Status DatagramWire::connect_next() {
+  std::vector<std::string> addresses;
+  address_.clear();
+  if (Status status = find_host(transport_.host, transport_.anywhere, addresses); !status.ok()) return status;
+  int error = 0;  // of the last that was tried
+  for (std::size_t i = 0; i < addresses.size() && file_ < 0; ++i) {
+    const std::string& address = addresses[opened_++ % addresses.size()];
+    const Found found = address_of(address, transport_.port);
+    if (found == nullptr || !(transport_.anywhere || is_loopback(*found->ai_addr))) continue;
+    address_ = address;
+    file_ = connect_socket(*found);
+    error = errno;
+  }
+  if (file_ >= 0) return {};
+  return Status::error(
+      place() + ": " +
+      (error != 0
+           ? std::strerror(error)
+           : "is not this machine, and whoever is on the way could command the device; write network=any"));
 }
 
 // False: it is too late for one.
