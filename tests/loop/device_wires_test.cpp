@@ -385,6 +385,37 @@ TEST(SharedMemoryWire, IsOfOneSessionAtATime) {
   EXPECT_TRUE(second->open().ok());
 }
 
+// In doubt a switch is released, and an angle was not measured.
+TEST(SharedMemoryWire, ASwitchThatSaysNothingKnownIsReleasedAndAnAngleThatNoFloatCanHoldIsNone) {
+  DeviceProfile profile = device_of(TransportKind::memory);
+  profile.transport.region = test::own_region("doubt");
+  SharedDevice device(profile.transport.region);
+  std::unique_ptr<DeviceWire> wire;
+  ASSERT_TRUE(make_shared_memory_wire(profile, wire).ok());
+  ASSERT_TRUE(wire->open().ok());
+  WireCommand command{0, {}, {}};
+  WireAnswer answer;
+  for (const std::uint64_t word : {0, 1, 2, 3, -1}) {
+    device.dead_man = word;
+    ++command.cycle;
+    ASSERT_TRUE(wire->exchange(command, answer).ok());
+    EXPECT_EQ(answer.status.has_dead_man, word != 0);
+    EXPECT_EQ(answer.status.dead_man, word == 0 || word == 2) << word;
+  }
+  for (const double angle : {1e300, -1e300, HUGE_VAL, std::nan("")}) {
+    device.angle = angle;
+    ++command.cycle;
+    ASSERT_TRUE(wire->exchange(command, answer).ok());
+    EXPECT_EQ(answer.valid, 0u) << angle;
+    EXPECT_EQ(answer.angle[SharedDevice::kAngle], 0) << angle;
+  }
+  device.angle = 0.3;
+  ++command.cycle;
+  ASSERT_TRUE(wire->exchange(command, answer).ok());
+  EXPECT_EQ(answer.valid, 1u << SharedDevice::kAngle);
+  EXPECT_EQ(answer.angle[SharedDevice::kAngle], 0.3f);
+}
+
 TEST(SharedMemoryWire, RefusesARegionThatOthersMayWriteToAndOneThatIsTooSmall) {
   DeviceProfile profile = device_of(TransportKind::memory);
   std::unique_ptr<DeviceWire> wire;

@@ -9,7 +9,9 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -35,6 +37,9 @@ std::string fault_of(int file) {
   if (region.st_size < static_cast<off_t>(sizeof(Region))) return "is too small";
   return {};
 }
+
+// Not a number, infinite or beyond: what no conversion may meet.
+bool fits_float(double angle) { return std::fabs(angle) <= std::numeric_limits<float>::max(); }
 
 class SharedMemoryWire final : public DeviceWire {
  public:
@@ -141,9 +146,13 @@ bool SharedMemoryWire::take_answer(std::uint64_t cycle, WireAnswer& answer) cons
   answer.status.fault = said.fault != 0;
   answer.status.stop = said.stop != 0;
   answer.status.has_dead_man = said.dead_man != 0;
-  answer.status.dead_man = said.dead_man != 1;
-  for (std::size_t a = 0; a < answer.angle.size(); ++a) answer.angle[a] = static_cast<float>(said.angle[a]);
-  answer.valid = static_cast<std::uint32_t>(said.valid) & ((1u << LUMBRICAL_SHARED_ANGLES) - 1);
+  answer.status.dead_man = said.dead_man == 0 || said.dead_man == 2;  // in doubt released
+  answer.valid = 0;
+  for (std::size_t a = 0; a < answer.angle.size(); ++a) {
+    const bool told = (said.valid >> a & 1u) != 0 && fits_float(said.angle[a]);
+    answer.angle[a] = told ? static_cast<float>(said.angle[a]) : 0;
+    answer.valid |= static_cast<std::uint32_t>(told) << a;
+  }
   return true;
 }
 
