@@ -257,6 +257,7 @@ TEST(Datagrams, AreReadAsTheyWereWrittenAndNeverBeyondTheirEnd) {
   EXPECT_EQ(cycle, 4u);
   EXPECT_EQ(answer.angle[19], 0.5f);
   EXPECT_TRUE(answer.status.has_dead_man && !answer.status.dead_man);
+  EXPECT_FALSE(read_feedback({}, 9, cycle, answer)) << "of nothing at all";
   for (std::size_t size = 0; size < datagram.size(); ++size)
     EXPECT_FALSE(read_feedback(std::span(datagram).first(size), 9, cycle, answer)) << size;
   test::Random random(3);

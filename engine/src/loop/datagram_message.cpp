@@ -17,7 +17,7 @@ namespace fb = datagram;
 class Received {
  public:
   explicit Received(std::span<const std::byte> bytes) {
-    if (bytes.size() > storage_.size() * sizeof(std::uint64_t)) return;
+    if (bytes.empty() || bytes.size() > storage_.size() * sizeof(std::uint64_t)) return;
     std::memcpy(storage_.data(), bytes.data(), bytes.size());
     const auto* const data = reinterpret_cast<const std::uint8_t*>(storage_.data());
     flatbuffers::Verifier verifier(data, bytes.size());
