@@ -162,6 +162,22 @@ TEST(Shards, RefuseAListThatCannotBeRead) {
   EXPECT_NE(refused.error.find(".: can't be read"), std::string::npos) << refused.error;
 }
 
+// They have no end.
+TEST(Shards, RefuseDevicesAsResults) {
+  if (!fs::exists("/dev/zero") || !fs::exists("/dev/full")) GTEST_SKIP() << "this system has no such devices";
+  const fs::path folder = folder_with_demo();
+  std::ofstream(folder / "list") << "a.mcap";
+  for (const char* const command :
+       {"merge-results /dev/zero", "replay --list list --results /dev/full", "merge-results ."}) {
+    const Outcome refused = shell("lumbrical " + std::string(command), folder);
+    EXPECT_EQ(refused.exit_code, 2) << command;
+    EXPECT_NE(refused.error.find("can't be read; name a file of results"), std::string::npos)
+        << refused.error;
+  }
+  EXPECT_EQ(shell("echo '{\"recording\": \"a\"}' | lumbrical merge-results /dev/stdin", folder).exit_code, 0)
+      << "a pipe has an end";
+}
+
 // As a task of an array has it, without the scheduler.
 TEST(Shards, ATaskOfAJobArrayDoesItsShare) {
   const fs::path folder = folder_with_list();

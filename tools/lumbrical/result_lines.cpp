@@ -13,9 +13,17 @@ bool is_torn(const std::string& line, const Json& parsed) {
   return line.starts_with('{') && (parsed.is_discarded() || !entry_of(parsed).empty());
 }
 
+// A file, or a pipe: devices have no end.
+bool has_an_end(const std::string& path) {
+  std::error_code ignored;
+  const std::filesystem::file_status kind = std::filesystem::status(path, ignored);
+  return std::filesystem::is_regular_file(kind) || std::filesystem::is_fifo(kind);
+}
+
 // `whole`: the bytes of the lines that have an end.
 Status read_lines(const std::string& path, std::map<std::string, Json>& results, std::uintmax_t& whole) {
-  std::ifstream file(path, std::ios::binary);
+  std::ifstream file;
+  if (has_an_end(path)) file.open(path, std::ios::binary);
   std::string line;
   for (std::size_t number = 1; std::getline(file, line); ++number) {
     Json result = Json::parse(line, nullptr, false);
@@ -27,7 +35,8 @@ Status read_lines(const std::string& path, std::map<std::string, Json>& results,
     results[entry] = std::move(result);
     whole += line.size() + 1;
   }
-  return file.is_open() && !file.bad() ? Status() : Status::error(path + ": can't be read");
+  return file.is_open() && !file.bad() ? Status()
+                                       : Status::error(path + ": can't be read; name a file of results");
 }
 
 }  // namespace
