@@ -134,7 +134,7 @@ TEST(CommandLine, APipeThatIsClosedEndsQuietlyWith0) {
   ASSERT_EQ(shell("lumbrical run demo.json --record a.mcap", folder).exit_code, 0);
   for (const char* const command :
        {"export a.mcap", "export a.mcap --format json", "info a.mcap", "run demo.json --ticks 5 --json",
-        "replay a.mcap --trace - --trace-tick 5"}) {
+        "replay a.mcap --trace - --trace-tick 5", "--help"}) {
     // The reader goes before the first word is written.
     const Outcome outcome =
         shell("{ sleep 0.1; lumbrical " + std::string(command) + "; echo $? >code; } | true", folder);

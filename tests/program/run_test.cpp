@@ -240,6 +240,11 @@ TEST(CommandLine, FullDiskIsAnError) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
   EXPECT_EQ(shell("lumbrical inspect square.obj --unit m --json >/dev/full", folder).exit_code, 2);
   EXPECT_EQ(shell("lumbrical run demo.json --ticks 10 --json >/dev/full", folder).exit_code, 2);
+  for (const std::string text : {"--help", "--version", "run --help"}) {
+    const Outcome full = shell("lumbrical " + text + " >/dev/full", folder);
+    EXPECT_EQ(full.exit_code, 2) << text;
+    EXPECT_NE(full.error.find("standard output: can't write"), std::string::npos) << text << full.error;
+  }
 }
 
 TEST(CommandLine, RunDoesNotTouchItsInputs) {

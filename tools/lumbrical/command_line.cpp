@@ -3,7 +3,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
+#include <iostream>
 #include <optional>
 #include <utility>
 
@@ -165,6 +167,13 @@ std::string unexpected(const CLI::App& app) {
   return "The following argument was not expected: " + word + did_you_mean(word, names);
 }
 
+// What --help and --version ask for.
+std::string print_answer(const CLI::App& app, const CLI::ParseError& question) {
+  app.exit(question);
+  std::cout.flush();
+  return std::cout || errno == EPIPE ? "" : "standard output: can't write the result; is the disk full?";
+}
+
 }  // namespace
 
 std::string run_command_line(const Program& program, int argc, char** argv,
@@ -186,10 +195,7 @@ std::string run_command_line(const Program& program, int argc, char** argv,
     // What is missing may be there under a misspelt name.
     fault = app.remaining(true).empty() ? error.what() : unexpected(app);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) {
-      app.exit(error);
-      return {};
-    }
+    if (error.get_exit_code() == 0) return print_answer(app, error);
     fault = error.what();
   }
   const std::vector<CLI::App*> chosen = app.get_subcommands();
