@@ -167,6 +167,21 @@ TEST(CommandLine, NothingIsWrittenOverWhatIsThere) {
   EXPECT_EQ(read_file((folder / "notes.txt").string()), "mine");
 }
 
+TEST(CommandLine, ADashIsNoFileToWrite) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 10 --record a.mcap", folder).exit_code, 0);
+  for (const char* const command :
+       {"trim a.mcap -o -", "split a.mcap --ticks 5 -o -", "merge a.mcap -o -", "compress a.mcap -o -",
+        "recover a.mcap -o -", "run demo.json --ticks 5 --record -", "replay a.mcap --results -"}) {
+    const Outcome refused = shell("lumbrical " + std::string(command), folder);
+    EXPECT_EQ(refused.exit_code, 2) << command;
+    EXPECT_NE(refused.error.find("standard output is for the report; name a file"), std::string::npos)
+        << command << refused.error;
+  }
+  for (const char* const name : {"-", "-.001"}) EXPECT_FALSE(fs::exists(folder / name)) << name;
+  EXPECT_EQ(shell("lumbrical export a.mcap -o - | grep -q tick", folder).exit_code, 0);
+}
+
 // 100 .. 149 are missing: the file is whole, and replay refuses what is behind the gap.
 TEST(CommandLine, MissingTicksAreToldWithAnExitCodeOfTheirOwn) {
   const fs::path folder = folder_with_demo();

@@ -128,7 +128,7 @@ Command* add_command(Command& app, int& exit_code, const char* name, const char*
   Command* const command = app.add_subcommand(name, what);
   command->add_option("--output,-o", switches->output, "Recording to write")
       ->required()
-      ->check(is_path())
+      ->check(is_file())
       ->type_name("OUT.mcap");
   command->add_flag("--json", switches->json, "Print one JSON object");
   command->callback([switches, run, &exit_code] { exit_code = run(*switches); });

@@ -85,7 +85,7 @@ void add_merge_results(Command& app, int& exit_code) {
       ->add_option(
           "--output", switches->output,
           "All of them, the newest of each recording or scene, by name; in the place of a file that is there")
-      ->check(is_path())
+      ->check(is_file())
       ->type_name("ALL.jsonl");
   command->callback([switches, &exit_code] { exit_code = merge_results(*switches); });
 }

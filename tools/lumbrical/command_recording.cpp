@@ -354,7 +354,7 @@ void add_recover(Command& app, int& exit_code) {
       app, exit_code, "recover",
       "Rewrite what is whole of a torn or damaged recording (exit code 5: not all ticks)", options, recover);
   command->add_option("--output,-o", options->output, "Recording to write; default: REC.recovered.mcap")
-      ->check(is_path())
+      ->check(is_file())
       ->type_name("OUT.mcap");
   command->add_flag("--json", options->json, "Print one JSON object");
 }

@@ -270,6 +270,7 @@ void add_replay(Command& app, int& exit_code) {
   command
       ->add_option("--record", switches->record,
                    "What if: the changed session as a recording, which lumbrical view holds beside this one")
+      ->check(is_file())
       ->type_name("OUT.mcap");
   command
       ->add_option("--broadphase", switches->broadphase,

@@ -331,7 +331,7 @@ void add_run(Command& app, int& exit_code) {
       ->excludes("--list")
       ->capture_default_str();
   command->add_option("--record", options->record, "Recording to write, where no file is yet")
-      ->check(is_path())
+      ->check(is_file())
       ->excludes("--list")
       ->type_name("OUT.mcap");
   command

@@ -88,6 +88,7 @@ void add_world(Command& app, int& exit_code) {
       ->add_option("--output,-o", options->output,
                    "World file to write, which a scene names as its \"world\"")
       ->required()
+      ->check(is_file())
       ->type_name("CITY.world");
   command->add_option("--cell-size", options->cell_size, "Of the grid [m]; the scene's, or 0.1")
       ->check(number_in(1e-3, 1e6));

@@ -35,6 +35,15 @@ inline Check is_path() {
           "FILE"};
 }
 
+/// As is_path, of a file that standard output can't stand for.
+inline Check is_file() {
+  return {[](std::string& text) -> std::string {
+            if (text == "-") return "standard output is for the report; name a file";
+            return is_path().fault(text);
+          },
+          "FILE"};
+}
+
 inline std::optional<Side> parse_side(const std::string& text) {
   if (text.empty()) return std::nullopt;
   return text == "left" ? Side::left : Side::right;

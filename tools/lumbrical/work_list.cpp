@@ -46,7 +46,7 @@ void add_work_switches(const std::string& entry, const std::string& beside, Work
   command
       .add_option("--results", switches.results,
                   "Write a line of JSON per " + entry + ", and leave out those that have one there already")
-      ->check(is_path())
+      ->check(is_file())
       ->type_name("RESULTS.jsonl");
 }
 
