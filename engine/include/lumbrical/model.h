@@ -224,8 +224,8 @@ struct World {
     std::uint32_t first_triangle = 0, triangle_count = 0;
     std::uint32_t first_vertex = 0, vertex_count = 0;
     WindingReport winding{};  ///< what build_model turned; of a world file nothing: its writer has turned it
-    /// What is just behind a triangle of it is inside. Asked only where the hand has a proxy, and not of world
-    /// files: false.
+    /// What is just behind a triangle of it is inside. Asked only where the hand has a proxy, and not of
+    /// world files: false.
     bool solid = false;
   };
   std::string path;           ///< of the file, as it was opened
