@@ -280,7 +280,7 @@ TEST(CApi, ASnapshotBringsBackEveryBitAndADamagedOneIsRefused) {
   EXPECT_EQ(lumbrical_session_restore(still.session, bytes.data(), size), LUMBRICAL_BAD_DATA);
 }
 
-TEST(CApi, ASnapshotOfForcesAboveTheLimitIsRefused) {
+TEST(CApi, ASnapshotOfForcesAboveTheLimitFadesFromTheLimit) {
   MeshObject ball(ball_scene().objects[0].mesh);
   const auto start = [&](CSession& c, double max_force) {
     c.create();
@@ -304,14 +304,11 @@ TEST(CApi, ASnapshotOfForcesAboveTheLimitIsRefused) {
     EXPECT_EQ(lumbrical_session_save(from.session, bytes.data(), bytes.size(), &size), LUMBRICAL_OK);
     return lumbrical_session_restore(to.session, bytes.data(), size);
   };
-  EXPECT_EQ(restored(strong, weak), LUMBRICAL_BAD_DATA);
-  EXPECT_NE(std::string(lumbrical_message()).find("above settings.max_force"), std::string::npos);
-  EXPECT_EQ(restored(weak, strong), LUMBRICAL_OK);
-  EXPECT_EQ(restored(weak, weak), LUMBRICAL_OK) << lumbrical_message();
+  EXPECT_EQ(restored(strong, weak), LUMBRICAL_OK) << lumbrical_message();
   lumbrical_frame lost = touching_frame_c(80);
   lost.flags = LUMBRICAL_TRACKING_LOST;
   for (const lumbrical_wrench& wrench : weak.step(lost).segment)
-    EXPECT_LE(norm({wrench.force[0], wrench.force[1], wrench.force[2]}), 1 + 1e-9);
+    EXPECT_LE(norm({wrench.force[0], wrench.force[1], wrench.force[2]}), 1 + 1e-6);
 }
 
 TEST(CApi, RecordsWhatReplaysIdenticalAndCanBeReadAgain) {

@@ -323,8 +323,6 @@ TEST(Friction, ASpotWithoutFrictionIsLikeOneWithHardlyAny) {
   EXPECT_GT(most, 0.1) << "nothing rubbed";
 }
 
-// A finger that leans wholly through a plate: its faces push opposite ways, equally or, by a finger that
-// tapers, nearly so, which turns it. The line of action is far away then, or nowhere.
 TEST(Friction, ThatMakesNoSenseIsRefusedOfAnObjectThatStandsStill) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto refused = [](double static_friction, double kinetic_friction, double viscosity,
@@ -347,6 +345,8 @@ TEST(Friction, ThatMakesNoSenseIsRefusedOfAnObjectThatStandsStill) {
   EXPECT_TRUE(refused(0, 5, 0, 1000)) << "slides harder than it sticks";
 }
 
+// A finger that leans wholly through a plate: its faces push opposite ways, equally or, by a finger that
+// tapers, nearly so, which turns it. The line of action is far away then, or nowhere.
 TEST(ObjectsApart, PassOnATorqueWithHardlyAForce) {
   const DeviceFrame frame = test::frame_of({{{-0.8 * 0.03125, 0, -0.6 * 0.03125}, {0.8, 0, 0.6}, 0.0625}});
   const Mesh sheet = make_box({0.2, 0.2, 0.004}, 4);

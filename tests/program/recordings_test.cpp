@@ -172,7 +172,8 @@ TEST(CommandLine, ADashIsNoFileToWrite) {
   ASSERT_EQ(shell("lumbrical run demo.json --ticks 10 --record a.mcap", folder).exit_code, 0);
   for (const char* const command :
        {"trim a.mcap -o -", "split a.mcap --ticks 5 -o -", "merge a.mcap -o -", "compress a.mcap -o -",
-        "recover a.mcap -o -", "run demo.json --ticks 5 --record -", "replay a.mcap --results -"}) {
+        "recover a.mcap -o -", "run demo.json --ticks 5 --record -", "replay a.mcap --results -",
+        "report . -o -", "inspect a.obj --unit m --fix -"}) {
     const Outcome refused = shell("lumbrical " + std::string(command), folder);
     EXPECT_EQ(refused.exit_code, 2) << command;
     EXPECT_NE(refused.error.find("standard output is for the report; name a file"), std::string::npos)

@@ -181,18 +181,16 @@ def test_a_state_brings_back_every_bit(session):
     assert same_bits(session.run(frames[40:]), first)
 
 
-def test_a_state_of_forces_above_the_limit_is_refused():
+def test_a_state_of_forces_above_the_limit_fades_from_the_limit():
     frames = touching_frames(80)
     strong = lum.Session(lum.Model(ball_scene(max_force=1000.0, stiffness=1e9)))
     weak = lum.Session(lum.Model(ball_scene(max_force=1.0, stiffness=1e9)))
     strong.run(frames)
     weak.run(frames)
-    with pytest.raises(ValueError, match="above settings.max_force"):
-        weak.state = strong.state
-    weak.state = weak.state
+    weak.state = strong.state
     lost = frames[-1:].copy()
     lost["flags"] = lum.TRACKING_LOST
-    assert np.linalg.norm(weak.run(lost)["segment"]["force"], axis=2).max() <= 1 + 1e-9
+    assert np.linalg.norm(weak.run(lost)["segment"]["force"], axis=2).max() <= 1 + 1e-6
 
 
 def test_a_batch_is_its_hands_one_by_one():

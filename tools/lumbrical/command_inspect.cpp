@@ -95,7 +95,6 @@ int inspect(const InspectOptions& options) {
     return inspect_scene(options.mesh, options.json);
   }
   if (options.unit.empty()) demand_option("--unit");
-  if (options.fix == "-") refuse_option("--fix", "standard output is for the report");
   Mesh mesh;
   if (Status status = load_mesh(options.mesh, Unit::metre, mesh); !status.ok()) return fail(status);
   const bool fix = !options.fix.empty();
@@ -149,9 +148,11 @@ void add_inspect(Command& app, int& exit_code) {
       ->check(is_broadphase());
   command->add_option("--voxel-cache", options->voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");
   command
-      ->add_option("--fix", options->fix,
-                   "Write the mesh as a scene takes it, as OBJ: outside out, vertices joined, without "
-                   "degenerate triangles")
+      ->add_option(
+          "--fix", options->fix,
+          "Write the mesh as OBJ: outside out as in a scene, vertices joined, without degenerate and "
+          "second triangles")
+      ->check(is_file())
       ->type_name("OUT");
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options, &exit_code] { exit_code = inspect(*options); });

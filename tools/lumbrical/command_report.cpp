@@ -83,12 +83,15 @@ void add_report(Command& app, int& exit_code) {
       ->expected(-1)
       ->type_name("FOLDER");
   command->add_option("--output,-o", switches->out, "Page to write")
+      ->check(is_file())
       ->type_name("PAGE.html")
       ->capture_default_str();
   command->add_option("--targets", switches->targets, "Also write the table of targets, as Markdown")
+      ->check(is_file())
       ->type_name("FILE.md");
   command
       ->add_option("--picture", switches->picture, "Also write the first picture, time against error, as SVG")
+      ->check(is_file())
       ->type_name("FILE.svg");
   command->add_flag("--json", switches->json, "Print one JSON object");
   command->callback([switches, &exit_code] { exit_code = report(*switches); });

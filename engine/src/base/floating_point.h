@@ -2,13 +2,20 @@
 // whatever makes numbers that a result depends on, from reading a file to a tick.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <limits>
 
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
 
 namespace lumbrical {
+
+/// What a conversion to float may meet: neither infinite nor none, nor beyond its range.
+inline bool fits_float(double value) {
+  return std::fabs(value) <= static_cast<double>(std::numeric_limits<float>::max());
+}
 
 /// Round to nearest, denormals kept, exceptions masked; the embedder's own modes return at the end of the
 /// scope.

@@ -19,6 +19,9 @@
 namespace lumbrical {
 namespace {
 
+// So many cycles an address that has never answered is asked where there is another one.
+constexpr int kSilentCycles = 20;
+
 using Found = std::unique_ptr<addrinfo, void (*)(addrinfo*)>;
 
 // Of an address in numbers; nullptr: it is none.
@@ -66,13 +69,15 @@ class DatagramWire final : public DeviceWire {
     const std::string named = transport_.host + ":" + std::to_string(transport_.port);
     return address_.empty() || address_ == transport_.host ? named : named + " (" + address_ + ")";
   }
+  WireResult unanswered(const std::string& what);
   Status connect_next();
   bool await_datagram(std::int64_t begun) const;
 
   Transport transport_;
   std::size_t actuator_count_;
   int file_ = -1;
-  std::size_t opened_ = 0;
+  std::size_t opened_ = 0, addresses_ = 0;  // of the host: tried so far, and how many there are
+  int silent_ = 0;       // cycles since it was opened in which nothing was heard; -1: something was
   std::string address_;  // in numbers, the one that was tried last
   std::uint64_t session_ = 0;
   std::vector<std::byte> sent_;
@@ -80,11 +85,18 @@ class DatagramWire final : public DeviceWire {
 
 Status DatagramWire::open() {
   close_socket();
+  silent_ = 0;
   if (Status status = connect_next(); !status.ok()) return status;
   // Who does not see the datagrams can't guess it.
   if (getrandom(&session_, sizeof session_, 0) != sizeof session_)
     return Status::error(place() + ": no random number for the session");
   return {};
+}
+
+// An address that says nothing at all may be another program's, or nobody's.
+WireResult DatagramWire::unanswered(const std::string& what) {
+  if (silent_ < 0 || addresses_ < 2 || ++silent_ < kSilentCycles) return {WireOutcome::missed, what};
+  return {WireOutcome::broken, what + "; the host's next address is tried"};
 }
 
 // A socket of datagrams connects to whatever there is, and only an answer tells where the device is: so each
@@ -93,6 +105,7 @@ Status DatagramWire::connect_next() {
   std::vector<std::string> addresses;
   address_.clear();
   if (Status status = find_host(transport_.host, transport_.anywhere, addresses); !status.ok()) return status;
+  addresses_ = addresses.size();
   int error = 0;  // of the last that was tried
   for (std::size_t i = 0; i < addresses.size() && file_ < 0; ++i) {
     const std::string& address = addresses[opened_++ % addresses.size()];
@@ -128,7 +141,7 @@ WireResult DatagramWire::exchange(const WireCommand& command, WireAnswer& answer
   if (send(file_, sent_.data(), sent_.size(), MSG_NOSIGNAL) < 0 && errno != EAGAIN) return broken(errno);
   std::array<std::byte, kMostDatagram + 1> received;
   for (int i = 0; i < kMostDatagramsPerCycle; ++i) {
-    if (!await_datagram(begun)) return {WireOutcome::missed, "no answer from " + place()};
+    if (!await_datagram(begun)) return unanswered("no answer from " + place());
     const ssize_t size = recv(file_, received.data(), received.size(), 0);
     if (size < 0 && (errno == EAGAIN || errno == EINTR)) continue;
     if (size < 0) return broken(errno);
@@ -136,11 +149,12 @@ WireResult DatagramWire::exchange(const WireCommand& command, WireAnswer& answer
     WireAnswer news;
     const std::span whole(received.data(), static_cast<std::size_t>(size));
     if (!read_feedback(whole, session_, cycle, news) || cycle != command.cycle) continue;
+    silent_ = -1;
     news.asked = answer.asked;
     answer = news;
     return {};
   }
-  return {WireOutcome::missed, "no answer among too many datagrams from " + place()};
+  return unanswered("no answer among too many datagrams from " + place());
 }
 
 }  // namespace

@@ -9,12 +9,11 @@
 #include <time.h>
 #include <unistd.h>
 
-#include <cmath>
 #include <cstring>
-#include <limits>
 #include <string>
 #include <utility>
 
+#include "base/floating_point.h"
 #include "base/steady_clock.h"
 #include "lumbrical/math.h"
 #include "lumbrical/shared_device.h"
@@ -37,9 +36,6 @@ std::string fault_of(int file) {
   if (region.st_size < static_cast<off_t>(sizeof(Region))) return "is too small";
   return {};
 }
-
-// Not a number, infinite or beyond: what no conversion may meet.
-bool fits_float(double angle) { return std::fabs(angle) <= std::numeric_limits<float>::max(); }
 
 class SharedMemoryWire final : public DeviceWire {
  public:

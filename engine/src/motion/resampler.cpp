@@ -138,10 +138,6 @@ bool is_rigid(const Pose& pose) {
   return is_finite(pose.position) && is_finite(square) && std::fabs(square - 1) < 1e-6;
 }
 
-bool fits_float(double value) {
-  return std::fabs(value) <= static_cast<double>(std::numeric_limits<float>::max());
-}
-
 constexpr std::uint32_t bit(int joint) { return 1u << joint; }
 constexpr std::uint32_t kPalmJoints = bit(kPalm) | bit(kIndexMetacarpal) | bit(kIndexProximal) |
                                       bit(kMiddleMetacarpal) | bit(kMiddleProximal) | bit(kRingMetacarpal) |

@@ -247,7 +247,8 @@ bool is_inside(std::span<const NearTriangle> near, const Core& core, Vec3 point,
     return dot(gap, gap) <= most * most ? upright_side(gap, at) : 0;
   };
   const double most = std::sqrt(nearest.square) + kFlat;
-  if (side(nearest.triangle, most) >= 0 || !model.objects[object_of(model, nearest.triangle)].solid)
+  if (upright_side(nearest.gap, corners_of(model.triangles, nearest.triangle)) >= 0 ||
+      !model.objects[object_of(model, nearest.triangle)].solid)
     return false;
   return std::none_of(near.begin(), near.end(), [&](const NearTriangle& triangle) {
     return least_distance(point, triangle) <= most && side(triangle.number, most) > 0;

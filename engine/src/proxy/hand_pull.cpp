@@ -13,7 +13,7 @@ constexpr double kLocked = 20;
 constexpr double kGapCompliance = 2e-6;
 
 // Newton's steps, the least share of one that is tried, and what is no more energy than before.
-constexpr int kMostTrials = 30;
+constexpr int kMostTrials = 100;
 constexpr double kLeastShare = 1e-6, kRounding = 1e-12;
 
 constexpr std::size_t kOfFinger = 9, kOfWrist = 6, kFingers = kPhalanxCount / 3,

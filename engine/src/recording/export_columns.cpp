@@ -177,11 +177,13 @@ void column_bits(const ExportRow& row, double rate, const std::vector<ExportColu
     input[hand] = input_fields(*row.record[hand]);
     output[hand] = output_fields(row.record[hand]->output);
   }
+  std::vector<Numbers<ObjectOutput>> objects;
+  for (const ObjectOutput& object : row.objects()) objects.push_back(numbers_of(object));
   const auto number = [&](const ExportColumn& column) -> std::uint64_t {
     if (column.source == Source::tick) return row.tick;
     if (column.source == Source::time) return bits_of(static_cast<double>(row.tick) / rate);
     if (column.source == Source::object)
-      return row.has(column) ? numbers_of(row.objects()[column.object])[column.index] : 0;
+      return column.object < objects.size() ? objects[column.object][column.index] : 0;
     const TickRecord* const record = row.record[column.hand];
     if (record == nullptr) return 0;
     if (column.source == Source::duration) return record->duration_ns;

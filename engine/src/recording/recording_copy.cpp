@@ -63,9 +63,8 @@ Status kept_state(RecordingReader& reader, std::uint64_t begin, std::uint64_t ti
     if (Status status = reader.next_message(message, end); !status.ok()) return status;
     if (end || message.tick >= tick_number) return {};
     if (message.kind != MessageKind::tick || reader.info().hands[message.hand] != side) continue;
-    std::optional<State> after;
-    if (Status status = decode_state_after(message.bytes, after); !status.ok()) return status;
-    if (after) kept = std::move(after);
+    std::optional<State> after;  // a damaged one is none; verify tells of it
+    if (decode_state_after(message.bytes, after).ok() && after) kept = std::move(after);
   }
 }
 
@@ -80,7 +79,7 @@ Status find_from_kept(RecordingReader& reader, const Model& model, std::uint64_t
     begin = tick_number - std::min(back, tick_number - first);
     if (Status status = kept_state(reader, begin, end, kept); !status.ok()) return status;
   }
-  if (!kept) return {};
+  if (!kept || kept->tick > tick_number || !check_state(model, *kept).ok()) return {};
   state = std::move(*kept);
   found = true;
   if (Status status = reader.seek(state.tick); !status.ok()) return status;
