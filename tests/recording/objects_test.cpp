@@ -40,7 +40,8 @@ ObjectFrame frame_at(std::uint64_t tick) {
   return {{{-0.1, 0.02 * std::sin(0.01 * static_cast<double>(tick)), 0.05}, {}}};
 }
 
-std::string recorded_session(double proxy_stiffness = 0) {
+// Of tick 500 a state may be kept that no tick has left.
+std::string recorded_session(double proxy_stiffness = 0, bool forged = false) {
   const std::string path = test::cleared(test::temporary_path("objects.mcap"));
   Scene scene = scene_of_objects();
   scene.settings.proxy_stiffness = proxy_stiffness;
@@ -57,7 +58,13 @@ std::string recorded_session(double proxy_stiffness = 0) {
     record.given[0] = frame_at(i);
     record.output = tick(model, state, scratch, record.device, given_of(record));
     take_results(state, scratch, record);
-    EXPECT_TRUE(recorder.record(record, &state));
+    State kept = state;
+    if (forged && i == 500) {
+      kept.objects.clear();
+      kept.proxy.emplace();
+      record.state_hash = hash_state(kept);
+    }
+    EXPECT_TRUE(recorder.record(record, &kept));
   }
   EXPECT_TRUE(recorder.close().ok());
   return path;
@@ -220,6 +227,13 @@ TEST(RecordedObjects, APartBehindAGapReplaysFromAStateThatIsKept) {
   }
   part_of({gap}, "part.mcap", 400, kTicks, replayable);  // the last state is from before the gap
   EXPECT_FALSE(replayable);
+}
+
+TEST(RecordedObjects, AKeptStateOfAnotherModelIsPassedOver) {
+  const std::string path = recorded_session(0, true);
+  bool replayable = false;
+  part_of({path}, "part.mcap", 505, kTicks, replayable);
+  EXPECT_TRUE(replayable) << "from the beginning";
 }
 
 // What a forged file may take in memory is bounded by its size; this is the most that a true one takes.
