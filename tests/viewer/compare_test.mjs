@@ -24,6 +24,22 @@ before(() => {
   execFileSync(program, ["replay", file("first.mcap"), "--stiffness", "1.9e7", "--record", file("second.mcap")]);
 });
 
+/** [kPa] Side by side, what both recordings tell of one segment that touches something. */
+async function pressures() {
+  const box = await page.locator("#canvas").boundingBox();
+  const told = async (x, y) => {
+    await page.mouse.click(box.x + x * box.width, box.y + y * box.height);
+    await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+    return /highest pressure\s+([1-9]\S*) kPa/.exec(await details())?.[1];
+  };
+  for (let y = 0.35; y < 0.75; y += 0.05)
+    for (let x = 0.1; x < 0.4; x += 0.03) {
+      const left = await told(x, y);
+      if (left) return [left, await told(0.5 + x, y)];
+    }
+  assert.fail("no segment touches anything");
+}
+
 test("Two recordings part where lumbrical diff says", async () => {
   await both("first.mcap", "second.mcap");
   const told = parting("first.mcap", "second.mcap");
@@ -37,6 +53,8 @@ test("Two recordings part where lumbrical diff says", async () => {
   await page.waitForFunction(() => Math.abs(Number(document.body.dataset.tick) - 4000) < 30, null, kPatience);
   assert.ok(await page.getByText("Difference of force per segment").isVisible());
   await shot("compared");
+  const [left, right] = await pressures();
+  assert.ok(Math.abs(right / left - 1.9e7 / 2e7) < 0.01, `each by its own stiffness: ${left} and ${right} kPa`);
   await page.keyboard.press("c");
   await page.waitForTimeout(300);
   await shot("overlaid");

@@ -10,6 +10,7 @@ type Rows = [term: string, text: string][];
 /** A frame that tells of what is picked. */
 export interface Told {
   frame: Frame;
+  world: World;
   hand: string;  // "right " or "left ", empty where there is one
   noContacts: string;  // as Opened has it
 }
@@ -48,7 +49,7 @@ export function tickRows(frame: Frame, milliseconds: number, world: World, noCon
   return rows;
 }
 
-export function segmentRows(segment: number, { frame, noContacts }: Told, world: World): Rows {
+export function segmentRows(segment: number, { frame, world, noContacts }: Told): Rows {
   const rows: Rows = [
     ["force", newtons(frame.forces[segment])],
     [`torque about ${jointOf(segment)} joint`, torque(frame.jointTorques[segment])],
@@ -72,14 +73,14 @@ export function objectOf(triangle: number, world: World): string {
 }
 
 const contactsOf = (told: Told[], object: number) =>
-  told.flatMap(({ frame, hand }) => frame.contacts.filter((contact) => contact.object === object).map((contact) => ({ contact, hand })));
+  told.flatMap(({ frame, world, hand }) => frame.contacts.filter((contact) => contact.object === object).map((contact) => ({ contact, world, hand })));
 
 /** Of a triangle of what stands still (0), or of World.apart[object - 1]. */
-function contactRows(object: number, triangle: number, told: Told[], world: World): Rows {
+function contactRows(object: number, triangle: number, told: Told[]): Rows {
   const rows: Rows = [];
   const touched = contactsOf(told, object).filter(({ contact }) => contact.triangle === triangle);
   if (touched.length === 0) rows.push(["contact", told[0].noContacts || "none in this tick"]);
-  for (const { contact, hand } of touched) {
+  for (const { contact, world, hand } of touched) {
     rows.push(
       ["touched by", hand + kSegments[contact.segment]],
       ["area", `${brief(1e6 * contact.area)} mm²`],
@@ -93,16 +94,17 @@ function contactRows(object: number, triangle: number, told: Told[], world: Worl
   return rows;
 }
 
-export function triangleRows(triangle: number, told: Told[], world: World): Rows {
+export function triangleRows(triangle: number, told: Told[]): Rows {
+  const [{ world }] = told;
   const rows: Rows = [["object", objectOf(triangle, world)], ["triangle", `${triangle}`]];
   for (let corner = 0; corner < 3; ++corner)
     rows.push([`corner ${"abc"[corner]}`, millimetres(new Vector3().fromArray(world.positions, 9 * triangle + 3 * corner))]);
-  rows.push(...contactRows(0, triangle, told, world));
+  rows.push(...contactRows(0, triangle, told));
   return rows;
 }
 
-export function objectRows(object: number, triangle: number, told: Told[], world: World): Rows {
-  const rows: Rows = [["object", world.apart[object].name]];
+export function objectRows(object: number, triangle: number, told: Told[]): Rows {
+  const rows: Rows = [["object", told[0].world.apart[object].name]];
   const felt = told.flatMap(({ frame, hand }) => (frame.objects[object] ? [{ ...frame.objects[object], hand }] : []));
   if (felt.length === 0) return rows;
   const [{ pose, coordinate }] = felt;  // the same for both hands
@@ -115,7 +117,7 @@ export function objectRows(object: number, triangle: number, told: Told[], world
     rows.push([`force of the ${one.hand}hand on it`, newtons(one.force)], [`torque of the ${one.hand}hand about its origin`, torque(one.torque)]);
   rows.push(["contacted triangles", `${contactsOf(told, object + 1).length}`]);
   if (coordinate !== 0) rows.push(["joint at", `${brief(coordinate)} rad or m`]);
-  rows.push(["triangle", `${triangle}`], ...contactRows(object + 1, triangle, told, world));
+  rows.push(["triangle", `${triangle}`], ...contactRows(object + 1, triangle, told));
   return rows;
 }
 
@@ -135,26 +137,26 @@ export function showRows(parent: HTMLElement, title: string, rows: Rows) {
 }
 
 /** `told` of what is picked: nothing where its tick is missing. */
-export function showDetails(parent: HTMLElement, pick: Pick | undefined, told: Told[], world: World, general: Rows) {
+export function showDetails(parent: HTMLElement, pick: Pick | undefined, told: Told[], general: Rows) {
   parent.replaceChildren();
   if (pick && told.length > 0) {
-    if (pick.kind === "triangle") showRows(parent, "Triangle", triangleRows(pick.triangle, told, world));
-    else if (pick.kind === "object") showRows(parent, "Object", objectRows(pick.object, pick.triangle, told, world));
-    else showRows(parent, kSegments[pick.segment], segmentRows(pick.segment, told[0], world));
+    if (pick.kind === "triangle") showRows(parent, "Triangle", triangleRows(pick.triangle, told));
+    else if (pick.kind === "object") showRows(parent, "Object", objectRows(pick.object, pick.triangle, told));
+    else showRows(parent, kSegments[pick.segment], segmentRows(pick.segment, told[0]));
   }
   showRows(parent, "Tick", general);
 }
 
-function triangleTip(triangle: number, told: Told[], world: World): string {
+function triangleTip(triangle: number, told: Told[]): string {
   const pressures = contactsOf(told, 0).filter(({ contact }) => contact.triangle === triangle)
-    .map(({ contact, hand }) => `${hand}${brief(pressureOf(contact, world) / 1e3)} kPa`);
-  return pressures.length > 0 ? `${objectOf(triangle, world)}, triangle ${triangle}: ${pressures.join(", ")}` : "";
+    .map(({ contact, world, hand }) => `${hand}${brief(pressureOf(contact, world) / 1e3)} kPa`);
+  return pressures.length > 0 ? `${objectOf(triangle, told[0].world)}, triangle ${triangle}: ${pressures.join(", ")}` : "";
 }
 
-export function tipText(pick: Pick, told: Told[], world: World): string {
+export function tipText(pick: Pick, told: Told[]): string {
   if (told.length === 0) return "";
-  const [{ frame }] = told;
-  if (pick.kind === "triangle") return triangleTip(pick.triangle, told, world);
+  const [{ frame, world }] = told;
+  if (pick.kind === "triangle") return triangleTip(pick.triangle, told);
   if (pick.kind === "force") return `${kSegments[pick.segment]}: ${brief(frame.forces[pick.segment].length())} N`;
   if (pick.kind === "torque") return `${jointOf(pick.segment)} joint: ${brief(1e3 * frame.jointTorques[pick.segment].length())} N mm`;
   if (pick.kind !== "object") return kSegments[pick.segment];

@@ -20,18 +20,18 @@ function skinsText(): string {
 
 function drawTick() {
   const side = state.sides[0];
-  if (!side || !state.world) return;
+  if (!side) return;
   element("time").textContent = `${timeText(state.tick / rate())} of ${timeText(last() / rate())}   tick ${state.tick}`;
   strip.setAttribute("aria-valuenow", String(state.tick));
   const details = element("details");
   const pick = state.pick;
   const place = state.together ? pick?.place ?? 0 : 0;  // of two recordings the first
-  const { frame, milliseconds, opened } = state.sides[place] ?? side;
+  const { frame, world, milliseconds, opened } = state.sides[place] ?? side;
   if (frame) {
-    const rows = tickRows(frame, milliseconds, state.world, opened.noContacts, state.live);
+    const rows = tickRows(frame, milliseconds, world, opened.noContacts, state.live);
     if (state.together) rows.unshift(["hand", opened.sides[place]]);
     else if (state.sides.length > 1) rows.push(["compared", state.compared]);
-    showDetails(details, pick, pick ? toldOf(pick) : [], state.world, rows);
+    showDetails(details, pick, pick ? toldOf(pick) : [], rows);
   } else {
     details.textContent = `Tick ${state.tick} is missing in the file.`;
   }

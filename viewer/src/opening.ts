@@ -15,7 +15,7 @@ export async function open(place: number, source: Source, link: string): Promise
   say("");
   try {
     const opened = await client.open(place, source);
-    const side = { opened, link, marks: [], milliseconds: 0 };
+    const side = sideOf(opened, link);
     if (place === 0) setPlaying(false);
     state.sides = place === 0 ? [side] : [state.sides[0], side];
     state.compared = "not yet";
@@ -24,7 +24,7 @@ export async function open(place: number, source: Source, link: string): Promise
     document.body.classList.toggle("live", state.live);
     if (!("lab" in source)) leaveLab();
     together(false);
-    if (place === 0) beginWith(opened);
+    if (place === 0) beginWith(side);
     if (place === 0 && opened.sides.length > 1) await openSecondHand(source, opened);
     document.body.classList.remove("empty");
     element("name").textContent = state.together ? opened.name : state.sides.map((side) => side.opened.name).join("  and  ");
@@ -42,6 +42,8 @@ export async function openFiles(files: File[]) {
   for (const [place, file] of files.entries()) await open(place, { file }, "");
 }
 
+const sideOf = (opened: Opened, link: string): Side => ({ opened, world: readWorld(opened.session), link, marks: [], milliseconds: 0 });
+
 function together(hands: boolean) {
   state.together = hands;
   state.plotted = 0;
@@ -51,16 +53,15 @@ function together(hands: boolean) {
 /** Of a session of two hands the other one stands where a second recording would. */
 async function openSecondHand(source: Source, one: Opened) {
   const opened = "live" in source ? { ...one } : await client.open(1, { ...source, hand: 1 } as Source);
-  state.sides = [state.sides[0], { opened, link: "", marks: [], milliseconds: 0 }];
+  state.sides = [state.sides[0], sideOf(opened, "")];
   together(true);
 }
 
-function beginWith(opened: Opened) {
-  state.world = readWorld(opened.session);
+function beginWith({ opened, world }: Side) {
   state.pick = undefined;
   view.select(undefined);
-  view.setWorld(state.world);
-  view.setFrame(1, undefined, scales(), 1);
+  view.setWorld(world);
+  view.setFrame(1, undefined, world, scales(), 1);
   state.most = { force: 1, torque: 0.1, pressure: 1000 };
   view.frameAll();
   state.tick = state.wanted = opened.first;

@@ -14,6 +14,7 @@ export const strip = element<HTMLCanvasElement>("timeline");
 
 export interface Side {
   opened: Opened;
+  world: World;
   link: string;  // empty: a file from disk
   frame?: Frame;
   whole?: Columns;
@@ -23,7 +24,6 @@ export interface Side {
 
 export const state = {
   sides: [] as Side[],
-  world: undefined as World | undefined,
   tick: 0,
   wanted: 0,  // what is asked for next, with fractions while playing
   playing: false,
@@ -63,8 +63,8 @@ export const marks = () => state.sides.flatMap((side) => side.marks).sort((a, b)
 /** What is picked of a hand is told by its own frame, what is picked of the world by both hands'. */
 export function toldOf(pick: Pick): Told[] {
   const hand = (place: number) => (state.together ? `${state.sides[place].opened.sides[place]} ` : "");
-  return state.sides.flatMap(({ frame, opened: { noContacts } }, place) =>
-    frame && (place === pick.place || (state.together && !isOfHand(pick))) ? [{ frame, hand: hand(place), noContacts }] : []);
+  return state.sides.flatMap(({ frame, world, opened: { noContacts } }, place) =>
+    frame && (place === pick.place || (state.together && !isOfHand(pick))) ? [{ frame, world, hand: hand(place), noContacts }] : []);
 }
 
 export function say(text: string, lasts = false) {

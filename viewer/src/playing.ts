@@ -31,14 +31,14 @@ export async function show(tick: number) {
 
 export function take(place: number, shown: Shown | undefined, tick: number) {
   const side = state.sides[place];
-  if (!side || !state.world) return;
+  if (!side) return;
   state.tick = tick;
   side.frame = shown && readFrame(shown);
   side.milliseconds = shown?.milliseconds ?? 0;
   const { forces, jointTorques, contacts } = side.frame ?? { forces: [], jointTorques: [], contacts: [] };
   notice("force", ...forces.slice(0, kSegmentCount - 1).map((force) => force.length()));
   notice("torque", ...jointTorques.slice(0, kSegmentCount - 1).map((torque) => torque.length()));
-  notice("pressure", ...contacts.map((contact) => pressureOf(contact, state.world!)));
+  notice("pressure", ...contacts.map((contact) => pressureOf(contact, side.world)));
   setFrame(place);
 }
 

@@ -43,7 +43,7 @@ canvas.addEventListener("pointerup", (event) => {
 canvas.addEventListener("pointermove", (event) => {
   const tip = element("tip");
   const pick = event.buttons === 0 ? pickAt(event) : undefined;
-  tip.textContent = pick && state.world ? tipText(pick, toldOf(pick), state.world) : "";
+  tip.textContent = pick ? tipText(pick, toldOf(pick)) : "";
   tip.hidden = tip.textContent === "";
   const box = canvas.getBoundingClientRect();
   tip.style.left = `${Math.min(event.clientX - box.left + 14, box.width - 200)}px`;

@@ -19,7 +19,8 @@ export interface View {
   camera: PerspectiveCamera;
   controls: OrbitControls;
   setWorld(world: World): void;
-  setFrame(place: number, frame: Frame | undefined, scales: Scales, top: number): void;
+  /** `world`: which the frame is felt in; drawn is that of setWorld. */
+  setFrame(place: number, frame: Frame | undefined, world: World, scales: Scales, top: number): void;
   setBeside(beside: boolean): void;
   setTogether(together: boolean): void;
   pick(x: number, y: number): Pick | undefined;
@@ -74,7 +75,6 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
 
   // Single precision must hold a hand far from the world's origin: everything is drawn about this point.
   const origin = new Vector3();
-  let world: World | undefined;
   let still: Mesh | undefined;
   let apart: Mesh[] = [];
   const things = new Group();  // both
@@ -110,7 +110,6 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
   return {
     camera, controls,
     setWorld(next) {
-      world = next;
       origin.copy(middleOf(next));
       still = next.positions.length > 0 ? meshOf(next.positions, origin) : undefined;
       apart = next.apart.map((object, i) => {
@@ -128,9 +127,9 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
       const box = new Box3().setFromObject(things);
       grid.position.set(0, 0, box.isEmpty() ? 0 : box.min.z - 1e-3);
     },
-    setFrame(place, frame, scales, top) {
+    setFrame(place, frame, world, scales, top) {
       shown[place] = frame !== undefined;
-      if (!frame || !world) return;
+      if (!frame) return;
       frame.objects.forEach((object, i) => apart[i] && stand(apart[i], object.pose));
       const joint = frame.joints.find((one) => one);
       if (things.children.length === 0 && place === 0 && joint && origin.lengthSq() === 0) origin.copy(joint);
