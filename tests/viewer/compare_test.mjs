@@ -60,6 +60,30 @@ test("Two recordings part where lumbrical diff says", async () => {
   await shot("overlaid");
 });
 
+/** How far down the pointer finds an object in one half of the scene, whose height is 1. */
+async function bottomOf(object, half) {
+  const box = await page.locator("#canvas").boundingBox();
+  for (let y = 0.8; y > 0; y -= 0.04)
+    for (let x = 0.15; x < 0.35; x += 0.04) {
+      await page.mouse.move(box.x + (x + half / 2) * box.width, box.y + y * box.height);
+      const tip = await page.locator("#tip").evaluate((tip) => (tip.hidden ? "" : tip.innerText));
+      if (tip.startsWith(`${object}: `)) return y;
+    }
+  assert.fail(`no ${object} in half ${half}`);
+}
+
+test("Side by side each recording has its objects where they are in it", async () => {
+  run(join(examples, "mug.json"), "lifted.mcap", "--ticks", "6501");
+  execFileSync(program, ["replay", file("lifted.mcap"), "--stiffness", "5e5", "--record", file("left standing.mcap")]);
+  await open(`${await serve("view", file("lifted.mcap"), file("left standing.mcap"), "--no-browser")}&tick=6500`);
+  await atTick(6500);
+  await page.keyboard.press("c");
+  await page.waitForTimeout(300);
+  await shot("lifted beside");
+  const [left, right] = [await bottomOf("mug", 0), await bottomOf("mug", 1)];
+  assert.ok(left < right - 0.1, `${left} and ${right}`);
+});
+
 test("Nothing is said to be the same before all of it was compared", async () => {
   copyFileSync(file("first.mcap"), file("copy.mcap"));
   await open(await serve("view", file("first.mcap"), "--no-browser"), {}, workerWatch);

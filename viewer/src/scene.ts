@@ -77,6 +77,7 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
   const origin = new Vector3();
   let still: Mesh | undefined;
   let apart: Mesh[] = [];
+  let poses: Pose[][] = [];  // of them, by place
   const things = new Group();  // both
   let beside = false;
   let together = false;  // two hands of one session, not one hand twice: each has its pressures
@@ -92,20 +93,27 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
   scene.add(outline);
   scene.add(things);
   const raycaster = new Raycaster();
-  const stand = (mesh: Mesh, pose: Pose) => {
-    mesh.position.copy(pose.position).sub(origin);
-    mesh.quaternion.copy(pose.orientation);
-  };
 
   /** Of two recordings one over the other, that whose pressures are seen. */
   const front = () => (shown[0] ? 0 : 1);
 
+  /** Objects stand where one place has them: there is one mesh of each. */
+  const standAs = (place: number) => {
+    apart.forEach((mesh, i) => {
+      mesh.position.copy(poses[place][i].position).sub(origin);
+      mesh.quaternion.copy(poses[place][i].orientation);
+      mesh.updateMatrixWorld();
+    });
+  };
+
   /** Shows what belongs to a place, or to all. */
-  const only = (place: number | undefined) =>
+  const only = (place: number | undefined) => {
+    standAs(place ?? front());
     hands.forEach((hand, i) => {
       hand.group.visible = shown[i] && (place === undefined || place === i);
       pressures[i].mesh.visible = shown[i] && (place === i || (place === undefined && (together || i === front())));
     });
+  };
 
   return {
     camera, controls,
@@ -115,22 +123,23 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
       apart = next.apart.map((object, i) => {
         const mesh = meshOf(object.positions, new Vector3());
         mesh.userData = { object: i };
-        stand(mesh, object.pose);
         return mesh;
       });
+      poses = kSkins.map(() => next.apart.map(({ pose }) => pose));
       for (const { geometry, material } of things.children as Mesh[]) {
         geometry.dispose();
         (material as MeshStandardMaterial).dispose();
       }
       things.clear();
       for (const mesh of still ? [still, ...apart] : apart) things.add(mesh);
+      standAs(0);
       const box = new Box3().setFromObject(things);
       grid.position.set(0, 0, box.isEmpty() ? 0 : box.min.z - 1e-3);
     },
     setFrame(place, frame, world, scales, top) {
       shown[place] = frame !== undefined;
       if (!frame) return;
-      frame.objects.forEach((object, i) => apart[i] && stand(apart[i], object.pose));
+      poses[place] = poses[place].map((pose, i) => frame.objects[i]?.pose ?? pose);
       const joint = frame.joints.find((one) => one);
       if (things.children.length === 0 && place === 0 && joint && origin.lengthSq() === 0) origin.copy(joint);
       hands[place].update(frame, origin, scales);
@@ -141,6 +150,7 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
     pick(x, y) {
       const half = beside && shown[1];
       const place = half ? Number(x > 0.5) : front();
+      standAs(place);
       const across = half ? (x * 2) % 1 : x;
       raycaster.setFromCamera(new Vector2(2 * across - 1, 1 - 2 * y), camera);
       const seen = hands.flatMap((hand, i) => (shown[i] && (!half || i === place) ? [hand] : []));
@@ -196,7 +206,10 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
       renderer.xr.setReferenceSpace(space.getOffsetReferenceSpace(new XRRigidTransform(origin)));
     },
     draw() {
-      if (renderer.xr.isPresenting) return renderer.render(scene, camera);
+      if (renderer.xr.isPresenting) {
+        only(undefined);
+        return renderer.render(scene, camera);
+      }
       const { clientWidth: width, clientHeight: height } = canvas;
       if (width === 0 || height === 0) return;
       const ratio = Math.min(devicePixelRatio, 2);
