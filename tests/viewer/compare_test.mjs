@@ -84,6 +84,15 @@ test("Side by side each recording has its objects where they are in it", async (
   assert.ok(left < right - 0.1, `${left} and ${right}`);
 });
 
+test("Of a second recording in other objects it is said that these are not drawn", async () => {
+  await open(`${await serve("view", file("first.mcap"), file("lifted.mcap"), "--no-browser")}&tick=4500`);
+  await atTick(4500);
+  assert.match(await details(), /the second\s+has other objects/);
+  await page.keyboard.press("c");
+  await page.waitForTimeout(300);
+  await shot("other objects");
+});
+
 test("Nothing is said to be the same before all of it was compared", async () => {
   copyFileSync(file("first.mcap"), file("copy.mcap"));
   await open(await serve("view", file("first.mcap"), "--no-browser"), {}, workerWatch);

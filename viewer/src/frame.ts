@@ -124,6 +124,13 @@ export function readWorld(bytes: Uint8Array): World {
   return { names: still.map(name), firstTriangle, positions, apart, stiffness: settings.stiffness(), rate: settings.rate() };
 }
 
+const same = (a: Float64Array, b: Float64Array) => a.length === b.length && a.every((value, i) => value === b[i]);
+
+/** Of the same shapes; where they stand and what they are called is no matter. */
+export function hasSameObjects(a: World, b: World): boolean {
+  return same(a.positions, b.positions) && a.apart.length === b.apart.length && a.apart.every(({ positions }, i) => same(positions, b.apart[i].positions));
+}
+
 const known = (joints: Vector3[], valid: number): Joint[] => joints.map((joint, j) => ((valid >>> j) & 1 ? joint : undefined));
 
 function readHulls(view: TickView): Hull[] {

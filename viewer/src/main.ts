@@ -31,6 +31,7 @@ function drawTick() {
     const rows = tickRows(frame, milliseconds, world, opened.noContacts, state.live);
     if (state.together) rows.unshift(["hand", opened.sides[place]]);
     else if (state.sides.length > 1) rows.push(["compared", state.compared]);
+    if (view.hasOtherObjects(1) && state.sides.length > 1) rows.push(["the second", "has other objects: these and contacts with them are not drawn"]);
     showDetails(details, pick, pick ? toldOf(pick) : [], rows);
   } else {
     details.textContent = `Tick ${state.tick} is missing in the file.`;

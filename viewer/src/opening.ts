@@ -24,6 +24,9 @@ export async function open(place: number, source: Source, link: string): Promise
     document.body.classList.toggle("live", state.live);
     if (!("lab" in source)) leaveLab();
     together(false);
+    state.pick = undefined;
+    view.select(undefined);
+    view.setWorld(place, side.world);
     if (place === 0) beginWith(side);
     if (place === 0 && opened.sides.length > 1) await openSecondHand(source, opened);
     document.body.classList.remove("empty");
@@ -54,14 +57,12 @@ function together(hands: boolean) {
 async function openSecondHand(source: Source, one: Opened) {
   const opened = "live" in source ? { ...one } : await client.open(1, { ...source, hand: 1 } as Source);
   state.sides = [state.sides[0], sideOf(opened, "")];
+  view.setWorld(1, state.sides[1].world);
   together(true);
 }
 
-function beginWith({ opened, world }: Side) {
-  state.pick = undefined;
-  view.select(undefined);
-  view.setWorld(world);
-  view.setFrame(1, undefined, world, scales(), 1);
+function beginWith({ opened }: Side) {
+  view.setFrame(1, undefined, scales(), 1);
   state.most = { force: 1, torque: 0.1, pressure: 1000 };
   view.frameAll();
   state.tick = state.wanted = opened.first;

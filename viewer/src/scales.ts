@@ -20,7 +20,6 @@ export function notice(what: keyof typeof state.most, ...values: number[]) {
 export const scales = () => ({ force: 0.06 / state.most.force, torque: (1.5 * Math.PI) / state.most.torque });
 
 export function setFrame(place: number) {
-  const { frame, world } = state.sides[place];
-  view.setFrame(place, frame, world, scales(), state.most.pressure);
+  view.setFrame(place, state.sides[place].frame, scales(), state.most.pressure);
   renew();
 }

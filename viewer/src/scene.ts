@@ -4,7 +4,7 @@ import {
   Box3, Group, PerspectiveCamera, Raycaster, Scene, Sphere, Vector2, Vector3, WebGLRenderer, type Object3D,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import type { Frame, Pose, World } from "./frame";
+import { hasSameObjects, type Frame, type Pose, type World } from "./frame";
 import { makeHand, type HandView, type Scales } from "./hand";
 import { makePressure } from "./pressure";
 import type { Tracking } from "./tracking";
@@ -18,9 +18,11 @@ export const isOfHand = (pick: Pick | undefined): pick is Pick & HandPick => pic
 export interface View {
   camera: PerspectiveCamera;
   controls: OrbitControls;
-  setWorld(world: World): void;
-  /** `world`: which the frame is felt in; drawn is that of setWorld. */
-  setFrame(place: number, frame: Frame | undefined, world: World, scales: Scales, top: number): void;
+  /** What a place is felt in; that of place 0 is drawn. */
+  setWorld(place: number, world: World): void;
+  /** Whether a place is felt in other objects than those that are drawn. */
+  hasOtherObjects(place: number): boolean;
+  setFrame(place: number, frame: Frame | undefined, scales: Scales, top: number): void;
   setBeside(beside: boolean): void;
   setTogether(together: boolean): void;
   pick(x: number, y: number): Pick | undefined;
@@ -78,6 +80,8 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
   let still: Mesh | undefined;
   let apart: Mesh[] = [];
   let poses: Pose[][] = [];  // of them, by place
+  const worlds: World[] = [];  // by place
+  const other = [false, false];  // such objects have no picture, nor what touches them
   const things = new Group();  // both
   let beside = false;
   let together = false;  // two hands of one session, not one hand twice: each has its pressures
@@ -109,15 +113,19 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
   /** Shows what belongs to a place, or to all. */
   const only = (place: number | undefined) => {
     standAs(place ?? front());
+    things.visible = place === undefined || !other[place];
     hands.forEach((hand, i) => {
       hand.group.visible = shown[i] && (place === undefined || place === i);
-      pressures[i].mesh.visible = shown[i] && (place === i || (place === undefined && (together || i === front())));
+      pressures[i].mesh.visible = shown[i] && !other[i] && (place === i || (place === undefined && (together || i === front())));
     });
   };
 
   return {
     camera, controls,
-    setWorld(next) {
+    setWorld(place, next) {
+      worlds[place] = next;
+      other[place] = place > 0 && !hasSameObjects(worlds[0], next);
+      if (place > 0) return;
       origin.copy(middleOf(next));
       still = next.positions.length > 0 ? meshOf(next.positions, origin) : undefined;
       apart = next.apart.map((object, i) => {
@@ -136,14 +144,15 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
       const box = new Box3().setFromObject(things);
       grid.position.set(0, 0, box.isEmpty() ? 0 : box.min.z - 1e-3);
     },
-    setFrame(place, frame, world, scales, top) {
+    hasOtherObjects: (place) => other[place],
+    setFrame(place, frame, scales, top) {
       shown[place] = frame !== undefined;
       if (!frame) return;
       poses[place] = poses[place].map((pose, i) => frame.objects[i]?.pose ?? pose);
       const joint = frame.joints.find((one) => one);
       if (things.children.length === 0 && place === 0 && joint && origin.lengthSq() === 0) origin.copy(joint);
       hands[place].update(frame, origin, scales);
-      pressures[place].update(frame, world, origin, top);
+      if (!other[place]) pressures[place].update(frame, worlds[place], origin, top);
     },
     setBeside: (next) => { beside = next; },
     setTogether: (next) => { together = next; },
@@ -160,7 +169,7 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
       if (arrow) return { kind: arrow.object.userData.kind, segment: arrow.object.userData.segment, place: owner(arrow.object) };
       const skins = seen.flatMap((hand) => hand.skins.filter((skin) => skin.visible));
       const skin = raycaster.intersectObjects(skins, false)[0];
-      const thing = raycaster.intersectObjects(things.children, false)[0];
+      const thing = other[place] ? undefined : raycaster.intersectObjects(things.children, false)[0];
       if (thing && (!skin || thing.distance < skin.distance))
         return thing.object === still ? { place, kind: "triangle", triangle: thing.faceIndex! } : { place, kind: "object", object: thing.object.userData.object, triangle: thing.faceIndex! };
       return skin && { kind: "segment", segment: skin.object.userData.segment, place: owner(skin.object) };
