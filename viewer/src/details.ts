@@ -38,7 +38,7 @@ export function tickRows(frame: Frame, milliseconds: number, world: World, noCon
   ];
   const known = frame.joints.filter((joint) => joint).length;
   if (known < frame.joints.length) rows.push(["joints tracked", `${known || "none"} of ${frame.joints.length}; what hangs on the others is not drawn`]);
-  if (frame.tracked.length > 0) rows.push(["proxy", `up to ${brief(1e3 * lag(frame))} mm from the tracked joints, which are the lines`]);
+  if (frame.tracked.length > 0 && !noContacts) rows.push(["proxy", `up to ${brief(1e3 * lag(frame))} mm from the tracked joints, which are the lines`]);
   if (frame.sent.length > 0) {
     const sent = frame.sent[frame.sent.length - 1];
     rows.push(["device", `${kDeviceStates[sent.state]}: ${sent.values.map(brief).join(", ")}`]);

@@ -191,7 +191,7 @@ export function readFrame(shown: Shown): Frame {
     joints: view ? known(vectors(view.jointsLength(), (i) => view.joints(i)), view.valid()) : [],
     tracked: view ? known(vectors(view.trackedLength(), (i) => view.tracked(i)), view.valid()) : [],
     hulls: view ? readHulls(view) : [],
-    contacts: view ? readContacts(view) : [],
+    contacts: view && !shown.handOnly ? readContacts(view) : [],
     baseJoints: view ? vectors(view.baseJointsLength(), (i) => view.baseJoints(i)) : [],
     objects: Array.from({ length: tick.objectsLength() }, (_, i) => {
       const object = tick.objects(i)!;

@@ -36,6 +36,19 @@ async function* messages(body: ReadableStream<Uint8Array>): AsyncGenerator<Sent>
   }
 }
 
+// Where a proxy stands depends on the ticks before, of which few come here.
+const kNoProxy = "the proxy is not known while the session runs, nor what it touches: the hand is drawn where it is tracked";
+const kProxyStiffness = 22;  // the field's place in Settings
+
+/** The same session with a hand that has none; nothing where it has none anyway. */
+function withoutProxy(session: Uint8Array): Uint8Array | undefined {
+  const settings = Session.getRootAsSession(new ByteBuffer(session.slice())).settings();
+  if (!settings || settings.proxyStiffness() === 0) return undefined;
+  const { bb, bb_pos: at } = settings;
+  bb!.writeFloat64(at + bb!.__offset(at, kProxyStiffness), 0);
+  return bb!.bytes();
+}
+
 export interface Live {
   opened: Opened;
   /** Of every hand the newest tick that was not shown yet, where there is one. Throws when the session has ended. */
@@ -53,13 +66,15 @@ export async function openLive(url: string, load: () => Promise<Engine>): Promis
   const session = began.message;
   const sides = sidesOf(session);
   const engines = await Promise.all(sides.map(load));
+  const placed = withoutProxy(session);
   let noContacts = "";
   try {
-    for (const [hand, engine] of engines.entries()) noContacts = engine.open(session, new Uint8Array(), hand);
+    for (const [hand, engine] of engines.entries()) noContacts = engine.open(placed ?? session, new Uint8Array(), hand);
   } catch (error) {
     noContacts = (error as Error).message;
     engines.length = 0;  // none of them is of use
   }
+  if (placed) noContacts ||= kNoProxy;
   const waiting: (Uint8Array | undefined)[] = sides.map(() => undefined);
   let end = "";
   const receive = async () => {
@@ -77,7 +92,7 @@ export async function openLive(url: string, load: () => Promise<Engine>): Promis
     const tick = Number(Tick.getRootAsTick(new ByteBuffer(message)).tick());
     engines[hand]?.begin(tick, false);
     const view = engines[hand]?.show(message);
-    return { tick, message, view, milliseconds: performance.now() - start };
+    return { tick, message, view, handOnly: placed !== undefined, milliseconds: performance.now() - start };
   };
   const rate = Session.getRootAsSession(new ByteBuffer(session)).settings()?.rate() ?? 1000;
   return {

@@ -28,6 +28,7 @@ export interface Shown {
   tick: number;
   message: Uint8Array;
   view?: Uint8Array;  // a TickView
+  handOnly?: boolean;  // of the view no more than the hand is so
   milliseconds: number;
   microseconds?: number;  // that the tick alone took here, where the message can't know
 }
