@@ -1,5 +1,8 @@
 // Where two recordings part: the first tick, the first stage of it, and the field, as `lumbrical diff` names them.
 import { ByteBuffer } from "flatbuffers";
+import { countOf } from "./counts";
+import { JointPose } from "../generated/lumbrical/fb/joint-pose";
+import { SegmentOutput } from "../generated/lumbrical/fb/segment-output";
 import { Tick } from "../generated/lumbrical/fb/tick";
 import type { Recording } from "./recording";
 import { kSegments } from "./words";
@@ -21,6 +24,8 @@ export interface Comparison {
   divergence?: Divergence;
 }
 
+const kAngleSize = 4;  // [bytes]
+
 type Parting = Omit<Divergence, "hand">;
 type Field = [name: string, value: number | bigint | string];
 
@@ -35,18 +40,18 @@ function inputFields(tick: Tick): Field[] {
     ...(q ? [["base.orientation.w", q.w()] as Field, ...xyz("base.orientation", q)] : []),
     ["kind", tick.kind()], ["flags", tick.deviceFlags()], ["valid", tick.valid()],
   ];
-  for (let j = 0; j < tick.jointsLength(); ++j) {
+  for (let j = 0, count = countOf(tick.jointsLength(), JointPose.sizeOf(), tick); j < count; ++j) {
     const pose = tick.joints(j)!;
     fields.push(...xyz(`joint[${j}].position`, pose.position()), ...xyz(`joint[${j}].orientation`, pose.orientation()));
     fields.push([`joint[${j}].orientation.w`, pose.orientation()!.w()]);
   }
-  for (let i = 0; i < tick.anglesLength(); ++i) fields.push([`angle[${i}]`, tick.angles(i)!]);
+  for (let i = 0, count = countOf(tick.anglesLength(), kAngleSize, tick); i < count; ++i) fields.push([`angle[${i}]`, tick.angles(i)!]);
   return fields;
 }
 
 function outputFields(tick: Tick): Field[] {
   const fields: Field[] = [["flags", tick.flags()], ["contact_count", tick.contactCount()]];
-  for (let i = 0; i < tick.segmentsLength(); ++i) {
+  for (let i = 0, count = countOf(tick.segmentsLength(), SegmentOutput.sizeOf(), tick); i < count; ++i) {
     const s = tick.segments(i)!;
     const name = kSegments[s.segment()];
     fields.push(...xyz(`force of ${name}`, s.force()), ...xyz(`torque of ${name}`, s.torque()),
@@ -82,13 +87,26 @@ function partingOf(tick: number, bytesA: Uint8Array, bytesB: Uint8Array): Partin
   return a.stateHash() === b.stateHash() ? undefined : { tick, stage: "state", field: "hash", a: "", b: "" };
 }
 
+const kPauseAfter = 50;  // [ms]
+
 /** Of one hand's ticks; counts them in `counts`. */
 async function findParting(a: Recording, b: Recording, counts: Comparison): Promise<Parting | undefined> {
   const ends = (of: Recording) => `ticks ${of.first} to ${of.last}`;
-  for (let tick = Math.max(a.first, b.first); tick <= Math.min(a.last, b.last); ++tick) {
+  const end = Math.min(a.last, b.last) + 1;
+  let paused = performance.now();
+  for (let tick = Math.max(a.first, b.first); tick < end; ++tick) {
+    if (performance.now() - paused > kPauseAfter) {
+      await new Promise((resolve) => setTimeout(resolve));  // requests of the page come first
+      paused = performance.now();
+    }
     const [bytesA, bytesB] = [await a.message(tick), await b.message(tick)];
-    ++counts[bytesA || bytesB ? "ticks" : "missing"];
-    if (!bytesA && !bytesB) continue;
+    if (!bytesA && !bytesB) {
+      const next = Math.min(await a.next(tick), await b.next(tick), end);
+      counts.missing += next - tick;
+      tick = next - 1;
+      continue;
+    }
+    ++counts.ticks;
     if (!bytesA || !bytesB)
       return { tick, stage: "input", field: "tick", a: bytesA ? "there" : "missing", b: bytesB ? "there" : "missing" };
     const found = partingOf(tick, bytesA, bytesB);

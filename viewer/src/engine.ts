@@ -35,6 +35,10 @@ export interface LabOptions {
   rate: number;  // [Hz]
 }
 
+/** Of what the engine can't read. */
+export class Refusal extends Error {}
+const kNoMemory = "not enough memory in this page";  // as it says itself; what it was to read may be good
+
 interface Exports {
   memory: WebAssembly.Memory;
   _initialize(): void;
@@ -80,7 +84,9 @@ export async function loadEngine(wasm: BufferSource): Promise<Engine> {
   const answer = () => new Uint8Array(exports.memory.buffer, exports.answer(), exports.answer_size()).slice();
   const answerText = () => new TextDecoder().decode(answer());
   const must = (good: number) => {
-    if (!good) throw new Error(answerText());
+    if (good) return;
+    const text = answerText();
+    throw text === kNoMemory ? new Error(text) : new Refusal(text);
   };
   return {
     open(session, state, hand = 0) {

@@ -1,11 +1,15 @@
 // One tick as the page draws it: what the file holds, and what the replay has found.
 import { ByteBuffer } from "flatbuffers";
 import { Quaternion, Vector3 } from "three";
+import { countOf, kTableSize } from "./counts";
 import type { Object_ as SessionObject } from "../generated/lumbrical/fb/object";
 import type { Pose as FilePose } from "../generated/lumbrical/fb/pose";
+import { ObjectOutput } from "../generated/lumbrical/fb/object-output";
+import { SegmentOutput } from "../generated/lumbrical/fb/segment-output";
 import { Session } from "../generated/lumbrical/fb/session";
 import { Tick } from "../generated/lumbrical/fb/tick";
 import { TickView } from "../generated/lumbrical/fb/tick-view";
+import { Triangle } from "../generated/lumbrical/fb/triangle";
 import type { Shown } from "./worker";
 import { kSegmentCount } from "./words";
 
@@ -93,8 +97,10 @@ const toPose = (pose: FilePose): Pose => {
   return { position: toVector(pose.position()), orientation: new Quaternion(q.x(), q.y(), q.z(), q.w()) };
 };
 
+const trianglesOf = (object: SessionObject) => countOf(object.trianglesLength(), Triangle.sizeOf(), object);
+
 function readTriangles(object: SessionObject, positions: Float64Array, at = 0) {
-  for (let t = 0; t < object.trianglesLength(); ++t) {
+  for (let t = 0; t < trianglesOf(object); ++t) {
     const triangle = object.triangles(t)!;
     for (const corner of [triangle.a(), triangle.b(), triangle.c()]) {
       const vertex = object.vertices(corner)!;
@@ -108,16 +114,16 @@ function readTriangles(object: SessionObject, positions: Float64Array, at = 0) {
 
 export function readWorld(bytes: Uint8Array): World {
   const session = Session.getRootAsSession(new ByteBuffer(bytes));
-  const objects = Array.from({ length: session.objectsLength() }, (_, i) => session.objects(i)!);
+  const objects = Array.from({ length: countOf(session.objectsLength(), kTableSize, session) }, (_, i) => session.objects(i)!);
   const name = (object: SessionObject) => object.name() ?? `object ${objects.indexOf(object)}`;
   const still = objects.filter((object) => !object.pose());
   let count = 0;
-  const firstTriangle = still.map((object) => (count += object.trianglesLength()) - object.trianglesLength());
+  const firstTriangle = still.map((object) => (count += trianglesOf(object)) - trianglesOf(object));
   const positions = new Float64Array(9 * count);
   still.forEach((object, i) => readTriangles(object, positions, 9 * firstTriangle[i]));
   const apart = objects.filter((object) => object.pose()).map((object) => ({
     name: name(object),
-    positions: readTriangles(object, new Float64Array(9 * object.trianglesLength())),
+    positions: readTriangles(object, new Float64Array(9 * trianglesOf(object))),
     pose: toPose(object.pose()!),
   }));
   const settings = session.settings()!;
@@ -183,7 +189,7 @@ export function readFrame(shown: Shown): Frame {
     flexionTorques: new Array(kSegmentCount).fill(0),
     forceError: tick.forceError(),
     errorEstimate: tick.errorEstimate() ?? 0,
-    sent: Array.from({ length: tick.sentLength() }, (_, i) => {
+    sent: Array.from({ length: countOf(tick.sentLength(), kTableSize, tick) }, (_, i) => {
       const sent = tick.sent(i)!;
       return { state: sent.state(), values: Array.from(sent.valuesArray() ?? []) };
     }),
@@ -193,13 +199,14 @@ export function readFrame(shown: Shown): Frame {
     hulls: view ? readHulls(view) : [],
     contacts: view && !shown.handOnly ? readContacts(view) : [],
     baseJoints: view ? vectors(view.baseJointsLength(), (i) => view.baseJoints(i)) : [],
-    objects: Array.from({ length: tick.objectsLength() }, (_, i) => {
+    objects: Array.from({ length: countOf(tick.objectsLength(), ObjectOutput.sizeOf(), tick) }, (_, i) => {
       const object = tick.objects(i)!;
       return { pose: toPose(object.pose()!), force: toVector(object.force()), torque: toVector(object.torque()), coordinate: object.coordinate() };
     }),
     differs: view?.differs() ?? "",
   };
-  for (let i = 0; i < told.segmentsLength(); ++i) {
+  const outputs = countOf(told.segmentsLength(), SegmentOutput.sizeOf(), told);
+  for (let i = 0; i < outputs; ++i) {
     const output = told.segments(i)!;
     const s = output.segment();
     if (s >= kSegmentCount) continue;

@@ -1,5 +1,5 @@
 // The stretch of time that the plots show, and what fills them.
-import { client, first, last, rate, redraw, state } from "./page";
+import { client, first, last, rate, redraw, say, state } from "./page";
 import type { Columns } from "./series";
 
 const kMostWindow = 6000;  // ticks that plots show one by one
@@ -20,7 +20,11 @@ export async function fillPlots() {
   const turn = ++windowed;
   if (state.live) return;
   let columns = state.sides.map((side) => side.whole);
-  if (showsWindow()) columns = await Promise.all(state.sides.map((_, place) => client.window(place, state.from, state.to)));
+  try {
+    if (showsWindow()) columns = await Promise.all(state.sides.map((_, place) => client.window(place, state.from, state.to)));
+  } catch (error) {
+    return say((error as Error).message, true);
+  }
   if (turn === windowed && columns[0]) plotColumns(columns);
 }
 

@@ -21,6 +21,8 @@ export interface Recording {
   chunk(index: number): Promise<Chunk>;
   /** Nothing where the tick is missing. */
   message(tick: number): Promise<Uint8Array | undefined>;
+  /** The first tick from this one on that is not missing; behind the last one none. */
+  next(tick: number): Promise<number>;
 }
 
 /** Messages of ticks by their numbers, ascending. They lie in the memory of their chunk: who keeps one or posts it takes a copy. */
@@ -110,6 +112,11 @@ export async function openRecording(bytes: Bytes, hand = 0): Promise<Recording> 
     }
     return low;
   };
+  const next = async (tick: number) => {
+    for (let index = chunkOf(tick); index < chunks.length; ++index)
+      for (const found of (await chunk(index)).keys()) if (found >= tick) return found;
+    return Infinity;
+  };
   return {
     name: bytes.name,
     sides,
@@ -124,5 +131,6 @@ export async function openRecording(bytes: Bytes, hand = 0): Promise<Recording> 
     chunkCount: chunks.length,
     chunk,
     message: async (tick) => (await chunk(chunkOf(tick))).get(tick),
+    next,
   };
 }

@@ -1,5 +1,6 @@
 // Numbers of ticks as columns, for plots and marks: exact for a stretch, or the largest of many ticks each for a whole session.
 import { ByteBuffer } from "flatbuffers";
+import { countOf, kTableSize } from "./counts";
 import { Tick } from "../generated/lumbrical/fb/tick";
 import { SegmentOutput } from "../generated/lumbrical/fb/segment-output";
 import { Vec3 } from "../generated/lumbrical/fb/vec3";
@@ -37,10 +38,12 @@ const norm = (v: Vec3 | null) => (v ? Math.hypot(v.x(), v.y(), v.z()) : 0);
 const segment = new SegmentOutput();
 const vector = new Vec3();
 
+const segmentsOf = (tick: Tick) => countOf(tick.segmentsLength(), SegmentOutput.sizeOf(), tick);
+
 /** [N] three numbers for each segment; NaN: the file leaves them out. */
 function forcesOf(tick: Tick): Float64Array {
   const forces = new Float64Array(3 * kSegmentCount).fill(tick.forcesLeftOut() ? NaN : 0);
-  for (let i = 0; i < tick.segmentsLength(); ++i) {
+  for (let i = 0, count = segmentsOf(tick); i < count; ++i) {
     tick.segments(i, segment);
     const force = segment.force(vector)!;
     if (segment.segment() < kSegmentCount) forces.set([force.x(), force.y(), force.z()], 3 * segment.segment());
@@ -65,7 +68,7 @@ export interface Circumstances {
 export function readRow(bytes: Uint8Array, rate: number, row: Float32Array, other?: Uint8Array): Circumstances {
   const tick = Tick.getRootAsTick(new ByteBuffer(bytes));
   row.fill(tick.forcesLeftOut() ? NaN : 0, 0, kContacts);
-  for (let i = 0; i < tick.segmentsLength(); ++i) {
+  for (let i = 0, count = segmentsOf(tick); i < count; ++i) {
     tick.segments(i, segment);
     const s = segment.segment();
     if (s >= kSegmentCount) continue;
@@ -75,7 +78,7 @@ export function readRow(bytes: Uint8Array, rate: number, row: Float32Array, othe
   row[kContacts] = tick.contactCount();
   row[kDuration] = tick.durationNs() / 1e3;
   let state = NaN;
-  for (let i = 0; i < tick.sentLength(); ++i) state = tick.sent(i, new Sent())!.state();
+  for (let i = 0, count = countOf(tick.sentLength(), kTableSize, tick); i < count; ++i) state = tick.sent(i, new Sent())!.state();
   row[kDeviceState] = state;
   row.fill(NaN, kDifference);
   if (other) readDifferences(tick, other, row);
@@ -144,9 +147,15 @@ export async function scan(recording: Recording, other: Recording | undefined, {
       continue;  // its ticks are a gap
     }
     for (const [tick, bytes] of chunk) {
+      let now: Circumstances;
+      try {
+        now = readRow(bytes, recording.rate, row, other && (await messageOf(other, tick)));
+      } catch (error) {
+        damaged(`${recording.name}: tick ${tick}: ${(error as Error).message}`);
+        break;  // what is left of its chunk is a gap
+      }
       if (tick !== next) mark(next, "gap", `${tick - next} ticks are missing`);
       next = tick + 1;
-      const now = readRow(bytes, recording.rate, row, other && (await messageOf(other, tick)));
       const bucket = Math.floor((tick - recording.first) / per);
       columns.values.forEach((column, k) => {
         if (row[k] > column[bucket] || Number.isNaN(column[bucket])) column[bucket] = row[k];

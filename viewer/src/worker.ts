@@ -2,7 +2,7 @@
 // told by its place: 0, or 1 for the one it is compared with.
 import { bytesOfFile, bytesOfUrl, type Bytes } from "./bytes";
 import { compare, type Comparison } from "./difference";
-import { loadEngine, type Engine, type LabOptions } from "./engine";
+import { loadEngine, Refusal, type Engine, type LabOptions } from "./engine";
 import { openLive, type Live } from "./live";
 import { toMcap, type Felt } from "./save";
 import { openRecording, type Recording } from "./recording";
@@ -113,6 +113,7 @@ async function open(place: number, source: Source): Promise<Opened> {
     noContacts = engine.open(recording.session, recording.state, recording.hand);
     opened.show = makeReplay(engine, recording);
   } catch (error) {
+    if (error instanceof Refusal) throw new Error(`${bytes.name}: ${error.message}`);
     noContacts = (error as Error).message;
   }
   if (place === 0) letGo();
