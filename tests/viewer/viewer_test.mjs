@@ -187,6 +187,23 @@ test("A click tells all that is known of a segment and of a triangle; an arrow t
   assert.fail(`found only ${[...found].join(", ")}`);
 });
 
+test("The longest arrow, the palm's too, keeps within its bound", async () => {
+  const held = JSON.parse(readFileSync(scene, "utf8"));
+  held.objects = [{ name: "block", box: { size: [0.03, 0.03, 0.03], cells: 4 }, position: [-0.022, 0, 0.045] }];
+  held.settings.rate = 200;
+  writeFileSync(file("in the palm.json"), JSON.stringify(held));
+  execFileSync(program, ["run", file("in the palm.json"), "--ticks", "900", "--record", file("in the palm.mcap")]);
+  const ticks = execFileSync(program, ["export", "--format", "json", file("in the palm.mcap")], { maxBuffer: 1 << 28 }).toString().trim().split("\n");
+  const most = ticks.map((line) => JSON.parse(line).output.segment).map((all) => all.map(({ force }) => Math.hypot(...force)))
+    .reduce((highest, forces) => highest.map((value, s) => Math.max(value, forces[s])));
+  assert.equal(Math.max(...most), most[15], "the palm feels most");
+  await open(await serve("view", file("in the palm.mcap"), "--no-browser"));
+  await scanned();
+  await page.waitForTimeout(300);
+  const [, ofTen] = /10 mm are (\S+) N/.exec(await page.locator("#legend").innerText());
+  assert.ok(most[15] / ofTen < 6.01, `${most[15]} N, of which 10 mm are ${ofTen}`);
+});
+
 test("A recording of a single tick, far from the first one, is shown like any other", async () => {
   execFileSync(program, ["trim", file("grasp.mcap"), "--from-tick", "3000", "--to-tick", "3001", "-o", file("one tick.mcap")]);
   await open(await serve("view", file("one tick.mcap"), "--no-browser"));

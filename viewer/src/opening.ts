@@ -6,8 +6,9 @@ import { client, element, redraw, renew, say, state, view, type Side } from "./p
 import { seek, setPlaying, show } from "./playing";
 import { makePlots } from "./plots";
 import { fillPlots, setRange, showsWindow } from "./range";
-import { notice, scales, whole } from "./scales";
+import { kArcCount, notice, scales, whole } from "./scales";
 import { kForce, kTorque } from "./series";
+import { kSegmentCount } from "./words";
 import type { Opened, Source } from "./worker";
 
 /** False: what is wrong was told. */
@@ -102,8 +103,8 @@ client.onScanned = (place, columns, marks, share) => {
   if (!side) return;
   side.whole = columns;
   side.marks = [...marks, ...side.marks.filter((mark) => mark.kind === "divergence")];
-  notice("force", ...whole(columns, kForce));
-  notice("torque", ...whole(columns, kTorque).map((value) => 1e-3 * value));
+  notice("force", ...whole(columns, kForce, kSegmentCount));
+  notice("torque", ...whole(columns, kTorque, kArcCount).map((value) => 1e-3 * value));
   if (share === 1 || !showsWindow()) fillPlots();
   document.body.dataset.scanned = String(share);
   redraw();

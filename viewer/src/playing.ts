@@ -2,9 +2,8 @@
 import { readFrame } from "./frame";
 import { client, element, first, last, marks, rate, say, state, type Side } from "./page";
 import { pressureOf } from "./pressure";
-import { notice, setFrame } from "./scales";
+import { kArcCount, notice, setFrame } from "./scales";
 import { kMarks } from "./timeline";
-import { kSegmentCount } from "./words";
 import type { Shown } from "./worker";
 
 let asking = false;
@@ -36,8 +35,8 @@ export function take(place: number, shown: Shown | undefined, tick: number) {
   side.frame = shown && readFrame(shown);
   side.milliseconds = shown?.milliseconds ?? 0;
   const { forces, jointTorques, contacts } = side.frame ?? { forces: [], jointTorques: [], contacts: [] };
-  notice("force", ...forces.slice(0, kSegmentCount - 1).map((force) => force.length()));
-  notice("torque", ...jointTorques.slice(0, kSegmentCount - 1).map((torque) => torque.length()));
+  notice("force", ...forces.map((force) => force.length()));
+  notice("torque", ...jointTorques.slice(0, kArcCount).map((torque) => torque.length()));
   notice("pressure", ...contacts.map((contact) => pressureOf(contact, side.world)));
   setFrame(place);
 }

@@ -4,9 +4,12 @@ import { renew, state, view } from "./page";
 import { kSegmentCount } from "./words";
 import type { Columns } from "./series";
 
-/** The largest of every segment but the palm, whose joint, the wrist, carries all and has no arc. */
-export function whole(columns: Columns, first: number): number[] {
-  return columns.values.slice(first, first + kSegmentCount - 1).map((column) => column.reduce((most, value) => (value > most ? value : most), 0));
+/** Of the palm there is none: its joint, the wrist, carries all. */
+export const kArcCount = kSegmentCount - 1;
+
+/** The largest of each of so many columns. */
+export function whole(columns: Columns, first: number, count: number): number[] {
+  return columns.values.slice(first, first + count).map((column) => column.reduce((most, value) => (value > most ? value : most), 0));
 }
 
 export function notice(what: keyof typeof state.most, ...values: number[]) {
