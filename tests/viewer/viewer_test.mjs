@@ -80,6 +80,10 @@ test("A world that is a file of its own is not drawn, but hand and forces are, w
   await shot("world");
   const told = await tips();
   assert.ok(told.includes("palm") && told.some((tip) => /: \S+ N$/.test(tip)), `${told}`);
+  execFileSync(program, ["run", file("of a world.json"), "--ticks", "300", "--record-forces", "none", "--record", file("unknown.mcap")]);
+  await open(await serve("view", file("unknown.mcap"), "--no-browser"));
+  await atTick(0);
+  assert.match(await details(), /force of the hand\s+not known/);
 });
 
 test("A hand, or a finger, that is not tracked is not drawn", async () => {

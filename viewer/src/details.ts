@@ -16,8 +16,9 @@ export interface Told {
 }
 
 const millimetres = (v: Vector3) => `${brief(1e3 * v.x)}, ${brief(1e3 * v.y)}, ${brief(1e3 * v.z)} mm`;
-const newtons = (v: Vector3) => `${brief(v.length())} N  (${brief(v.x)}, ${brief(v.y)}, ${brief(v.z)})`;
-const torque = (v: Vector3) => `${brief(1e3 * v.length())} N mm  (${brief(1e3 * v.x)}, ${brief(1e3 * v.y)}, ${brief(1e3 * v.z)})`;
+const ifKnown = (v: Vector3, text: string) => (Number.isNaN(v.x) ? "not known" : text);
+const newtons = (v: Vector3) => ifKnown(v, `${brief(v.length())} N  (${brief(v.x)}, ${brief(v.y)}, ${brief(v.z)})`);
+const torque = (v: Vector3) => ifKnown(v, `${brief(1e3 * v.length())} N mm  (${brief(1e3 * v.x)}, ${brief(1e3 * v.y)}, ${brief(1e3 * v.z)})`);
 
 export function flagsText(flags: number): string {
   return kTickFlags.filter((_, bit) => (flags >> bit) & 1).join(", ") || "none";

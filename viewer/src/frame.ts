@@ -53,7 +53,7 @@ export interface Frame {
   flags: number;
   contactCount: number;
   duration: number;  // [us]
-  forces: Vector3[];  // [N] by segment
+  forces: Vector3[];  // [N] by segment; NaN: neither in the file nor computed
   jointTorques: Vector3[];  // [N m]
   flexionTorques: number[];
   forceError: number;
@@ -179,14 +179,16 @@ export function readFrame(shown: Shown): Frame {
   const view = shown.view && TickView.getRootAsTickView(new ByteBuffer(shown.view));
   const leftOut = tick.forcesLeftOut();
   const told = leftOut && view ? view : tick;
+  const zero = leftOut && told.segmentsLength() === 0 ? NaN : 0;
+  const each = () => Array.from({ length: kSegmentCount }, () => new Vector3(zero, zero, zero));
   const frame: Frame = {
     tick: shown.tick,
     flags: tick.flags(),
     contactCount: tick.contactCount(),
     duration: shown.microseconds ?? tick.durationNs() / 1e3,
-    forces: vectors(kSegmentCount, () => null),
-    jointTorques: vectors(kSegmentCount, () => null),
-    flexionTorques: new Array(kSegmentCount).fill(0),
+    forces: each(),
+    jointTorques: each(),
+    flexionTorques: new Array(kSegmentCount).fill(zero),
     forceError: tick.forceError(),
     errorEstimate: tick.errorEstimate() ?? 0,
     sent: Array.from({ length: countOf(tick.sentLength(), kTableSize, tick) }, (_, i) => {

@@ -12,8 +12,9 @@ export function whole(columns: Columns, first: number, count: number): number[] 
   return columns.values.slice(first, first + count).map((column) => column.reduce((most, value) => (value > most ? value : most), 0));
 }
 
+/** NaN: not known. */
 export function notice(what: keyof typeof state.most, ...values: number[]) {
-  const most = niceAbove(Math.max(...values, state.most[what]));
+  const most = niceAbove(Math.max(...values.filter((value) => !Number.isNaN(value)), state.most[what]));
   if (most === state.most[what]) return;
   state.most[what] = most;
   for (const place of state.sides.keys()) setFrame(place);
