@@ -93,6 +93,18 @@ test("Of a second recording in other objects it is said that these are not drawn
   await shot("other objects");
 });
 
+test("Where only one goes on, or begins, they part as lumbrical diff says", async () => {
+  const cut = (name, from, to) => execFileSync(program, ["trim", file("first.mcap"), "--from-tick", `${from}`, "--to-tick", `${to}`, "-o", file(name)]);
+  cut("begun.mcap", 0, 300);
+  cut("shorter.mcap", 0, 200);
+  cut("begun later.mcap", 50, 300);
+  for (const other of ["shorter.mcap", "begun later.mcap"]) {
+    await both("begun.mcap", other);
+    const told = parting("begun.mcap", other);
+    assert.match(await details(), new RegExp(`They part at tick ${told.tick}, stage "input", tick`), other);
+  }
+});
+
 test("Nothing is said to be the same before all of it was compared", async () => {
   copyFileSync(file("first.mcap"), file("copy.mcap"));
   await open(await serve("view", file("first.mcap"), "--no-browser"), {}, workerWatch);

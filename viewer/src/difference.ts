@@ -113,7 +113,7 @@ async function findParting(a: Recording, b: Recording, counts: Comparison): Prom
     if (found) return found;
   }
   if (a.first !== b.first || a.last !== b.last)
-    return { tick: Math.min(a.last, b.last), stage: "input", field: "tick", a: ends(a), b: ends(b) };
+    return { tick: a.first === b.first ? end : Math.min(a.first, b.first), stage: "input", field: "tick", a: ends(a), b: ends(b) };
   return undefined;
 }
 
