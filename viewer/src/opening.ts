@@ -11,8 +11,19 @@ import { kForce, kTorque } from "./series";
 import { kSegmentCount } from "./words";
 import type { Opened, Source } from "./worker";
 
-/** False: what is wrong was told. */
+let openings: Promise<unknown> = Promise.resolve();
+
+/** One after the other, however fast they are asked for. False: what is wrong was told. */
 export async function open(place: number, source: Source, link: string): Promise<boolean> {
+  const opening = openings.then(() => openNow(place, source, link));
+  openings = opening;
+  const side = await opening;
+  if (side && place === 1) await compareWith(side);
+  return side !== undefined;
+}
+
+async function openNow(place: number, source: Source, link: string): Promise<Side | undefined> {
+  if ("lab" in source && !state.lab) return undefined;  // it was left before its turn came
   say("");
   try {
     const opened = await client.open(place, source);
@@ -34,16 +45,15 @@ export async function open(place: number, source: Source, link: string): Promise
     element("name").textContent = state.together ? opened.name : state.sides.map((side) => side.opened.name).join("  and  ");
     element("beside").hidden = state.sides.length < 2;
     if (!state.live) await show(state.wanted);
-    if (place === 1) await compareWith(side);
-    return true;
+    return side;
   } catch (error) {
     say((error as Error).message, true);
-    return false;
+    return undefined;
   }
 }
 
 export async function openFiles(files: File[]) {
-  for (const [place, file] of files.entries()) await open(place, { file }, "");
+  for (const [place, file] of files.entries()) if (!(await open(place, { file }, ""))) return;
 }
 
 const sideOf = (opened: Opened, link: string): Side => ({ opened, world: readWorld(opened.session), link, marks: [], milliseconds: 0 });
