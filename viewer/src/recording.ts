@@ -100,6 +100,7 @@ export async function openRecording(bytes: Bytes, hand = 0): Promise<Recording> 
     const found = kept.get(index) ?? load(index);
     kept.delete(index);
     kept.set(index, found);  // the youngest is last
+    found.catch(() => kept.delete(index));  // a server may be back the next time
     if (kept.size > kChunksKept) kept.delete(kept.keys().next().value!);
     return found;
   };
