@@ -64,9 +64,12 @@ const link = () => writeLink({
   tick: state.live ? undefined : state.tick,
   camera: [...view.camera.position.toArray(), ...view.controls.target.toArray()],
 });
+/** No link leads to a file from disk, or to the lab. */
+const hasLink = () => !state.lab && state.sides.every((side, place) => side.link || (state.together && place === 1));
 setInterval(() => {
-  if (state.sides.length === 0 || state.sides.some((side, place) => !side.link && !(state.together && place === 1)) || state.live) return;
-  if (location.hash !== link()) history.replaceState(null, "", link());
+  if (state.sides.length === 0 || (state.live && !state.lab)) return;
+  const to = hasLink() ? link() : "";
+  if (location.hash !== to) history.replaceState(null, "", to || location.pathname + location.search);
 }, 500);
 
 async function openLink() {
