@@ -26,7 +26,7 @@ function drawTick() {
   const details = element("details");
   const pick = state.pick;
   const place = state.together ? pick?.place ?? 0 : 0;  // of two recordings the first
-  const { frame, world, milliseconds, opened } = state.sides[place] ?? side;
+  const { frame, missing, world, milliseconds, opened } = state.sides[place] ?? side;
   if (frame) {
     const rows = tickRows(frame, milliseconds, world, opened.noContacts, state.live);
     if (state.together) rows.unshift(["hand", opened.sides[place]]);
@@ -34,7 +34,7 @@ function drawTick() {
     if (view.hasOtherObjects(1) && state.sides.length > 1) rows.push(["the second", "has other objects: these and contacts with them are not drawn"]);
     showDetails(details, pick, pick ? toldOf(pick) : [], rows);
   } else {
-    details.textContent = `Tick ${state.tick} is missing in the file.`;
+    details.textContent = missing ? `Tick ${state.tick} is missing in the file.` : "";
   }
   drawLegend(element("legend"), state.most.pressure, scales(), skinsText());
   state.plots?.setTime(state.tick / rate());

@@ -56,7 +56,7 @@ export async function openFiles(files: File[]) {
   for (const [place, file] of files.entries()) if (!(await open(place, { file }, ""))) return;
 }
 
-const sideOf = (opened: Opened, link: string): Side => ({ opened, world: readWorld(opened.session), link, marks: [], milliseconds: 0 });
+const sideOf = (opened: Opened, link: string): Side => ({ opened, world: readWorld(opened.session), link, missing: false, marks: [], milliseconds: 0 });
 
 function together(hands: boolean) {
   state.together = hands;

@@ -17,6 +17,7 @@ export interface Side {
   world: World;
   link: string;  // empty: a file from disk
   frame?: Frame;
+  missing: boolean;  // in the file, of the tick that is shown
   whole?: Columns;
   marks: Mark[];
   milliseconds: number;

@@ -31,8 +31,9 @@ export async function show(tick: number) {
 export function take(place: number, shown: Shown | undefined, tick: number) {
   const side = state.sides[place];
   if (!side) return;
-  state.tick = tick;
   side.frame = shown && readFrame(shown);
+  state.tick = tick;
+  side.missing = shown === undefined;
   side.milliseconds = shown?.milliseconds ?? 0;
   const { forces, jointTorques, contacts } = side.frame ?? { forces: [], jointTorques: [], contacts: [] };
   notice("force", ...forces.map((force) => force.length()));
