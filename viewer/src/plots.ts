@@ -50,6 +50,9 @@ function charts(rate: number): Chart[] {
   ];
 }
 
+/** Behind the point, of labels that are so far apart. */
+const digitsFor = (step: number) => Math.max(0, 1 - Math.floor(Math.log10(step)));
+
 /** The largest first, and only those that are there. */
 function valuesText(chart: Chart, values: (number | null)[]): DocumentFragment {
   const told = values.map((value, i) => ({ value: value ?? NaN, i })).filter(({ value }) => !Number.isNaN(value));
@@ -100,7 +103,7 @@ export function makePlots(parent: HTMLElement, rate: number, zoom: (from: number
       width: 410, height: chart.height,
       legend: { show: false },
       scales: { x: { time: false, range: () => range }, y: { range: (_, low, high) => [Math.min(0, low ?? 0), (high ?? 0) > 0 ? 1.05 * high! : 1] } },
-      axes: [{ ...axis, size: 24, values: (_, at) => at.map((t) => `${+t.toFixed(4)} s`) }, { ...axis, size: 52, values: (_, at) => at.map((v) => (chart.text ? chart.text(v) : brief(v))) }],
+      axes: [{ ...axis, size: 24, values: (_, at, _axis, _space, step) => at.map((t) => `${+t.toFixed(digitsFor(step))} s`) }, { ...axis, size: 52, values: (_, at) => at.map((v) => (chart.text ? chart.text(v) : brief(v))) }],
       series: [{}, ...chart.labels.map((label, i) => ({ label, stroke: () => chart.stroke(i), dash: chart.dash(i), width: 1.25, points: { show: false }, spanGaps: chart.text !== undefined }))],
       cursor: { sync: { key: "time" }, drag: { x: true, y: false, setScale: false }, points: { show: false } },
       hooks: {
