@@ -21,8 +21,9 @@ function skinsText(): string {
 function drawTick() {
   const side = state.sides[0];
   if (!side) return;
-  element("time").textContent = `${timeText(state.tick / rate())} of ${timeText(last() / rate())}   tick ${state.tick}`;
-  strip.setAttribute("aria-valuenow", String(state.tick));
+  const time = `${timeText(state.tick / rate())} of ${timeText(last() / rate())}   tick ${state.tick}`;
+  element("time").textContent = time;
+  for (const [name, value] of Object.entries({ min: first(), max: last(), now: state.tick, text: time })) strip.setAttribute(`aria-value${name}`, String(value));
   const details = element("details");
   const pick = state.pick;
   const place = state.together ? pick?.place ?? 0 : 0;  // of two recordings the first
