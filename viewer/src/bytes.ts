@@ -35,7 +35,9 @@ export async function bytesOfUrl(url: string): Promise<Bytes> {
         "open it by lumbrical view, or from disk");
     return bytesOfFile(await first.blob(), name);
   }
-  const size = BigInt(first.headers.get("Content-Range")?.split("/")[1] ?? 0);
+  const total = /\/(\d+)$/.exec(first.headers.get("Content-Range") ?? "")?.[1];
+  if (total === undefined) throw new Error(`${name}: this server does not tell how long the file is; open it by lumbrical view, or from disk`);
+  const size = BigInt(total);
   return {
     name,
     size: async () => size,
