@@ -69,15 +69,31 @@ async function saveFelt() {
 
 let touching = false;
 
-/** A tick for every picture. */
+const kMostTicks = 4;  // for a picture; of a page that is slower than this the lab is slower too
+let touched = 0;  // when [ms]
+let due = 0;
+
+/** How many ticks belong to the time since the picture before, whatever the screen's rate is. */
+function ticksDue(): number {
+  const now = performance.now();
+  due = Math.min(due + ((now - touched) / 1000) * rate(), kMostTicks);
+  touched = now;
+  const ticks = Math.round(due);
+  due -= ticks;
+  return ticks;
+}
+
+/** The ticks until now; of a headset one for every picture, at whose rate its session is. */
 export async function touch(lab: Lab, frame?: XRFrame) {
   if (touching || state.sides[0]?.opened.name !== "lab") return;
   const joints = lab.tracked(frame);
   if (joints === "") return;
   touching = true;
   try {
-    const shown = await client.touch(lab.hand(), joints);
-    if (state.lab === lab) feel(0, shown);
+    for (let ticks = joints === undefined ? ticksDue() : 1; ticks > 0 && state.lab === lab; --ticks) {
+      const shown = await client.touch(lab.hand(), joints);
+      if (state.lab === lab) feel(0, shown);
+    }
   } catch (error) {
     leaveLab();
     say((error as Error).message, true);
