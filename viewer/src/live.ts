@@ -46,6 +46,7 @@ function withoutProxy(session: Uint8Array): Uint8Array | undefined {
   if (!settings || settings.proxyStiffness() === 0) return undefined;
   const { bb, bb_pos: at } = settings;
   bb!.writeFloat64(at + bb!.__offset(at, kProxyStiffness), 0);
+  if (settings.proxyStiffness() !== 0) throw new Error("live: the schema's settings have moved");
   return bb!.bytes();
 }
 
