@@ -223,6 +223,7 @@ async function clickUntil(said) {
   for (let x = 0.1; x < 0.95; x += 0.05)
     for (let y = 0.2; y < 0.9; y += 0.1) {
       await page.mouse.click(box.x + x * box.width, box.y + y * box.height);
+      await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(drawn)));  // the details are, in the same frame
       if (said.test(await details())) return true;
     }
   return false;
