@@ -276,8 +276,8 @@ MeshArrays mug_of(double radius, double height, double wall, std::uint32_t segme
   if (mesh.triangles.empty())
     throw py::value_error(
         "radius, height and wall make no mug: the wall has to be less than half of radius and height, and "
-        "the "
-        "handle, 12 mm thick and 33 mm off the wall, has to fit between bottom and rim and end in the wall");
+        "the handle, 12 mm thick and 33 mm off the wall, has to fit between bottom and rim and end in the "
+        "wall");
   return arrays_of(std::move(mesh));
 }
 

@@ -125,14 +125,25 @@ bool acts(DeviceSink& sink, const std::function<bool()>& holds, DeviceFeedback* 
   });
 }
 
-// With a thread of its own, on a wire to the device.
+// With a thread of its own.
+Status open_sink(const DeviceProfile& profile, std::unique_ptr<DeviceWire> wire, DeviceSink& sink) {
+  SinkOptions options;
+  options.thread = true;
+  return sink.open(profile, std::move(wire), options);
+}
+
 Status open_sink(DeviceProfile& profile, const DatagramDevice& device, DeviceSink& sink) {
   profile.transport.port = device.port_;
   std::unique_ptr<DeviceWire> wire;
   if (Status status = make_datagram_wire(profile, wire); !status.ok()) return status;
-  SinkOptions options;
-  options.thread = true;
-  return sink.open(profile, std::move(wire), options);
+  return open_sink(profile, std::move(wire), sink);
+}
+
+// On the region of shared memory.
+Status open_sink(const DeviceProfile& profile, DeviceSink& sink) {
+  std::unique_ptr<DeviceWire> wire;
+  if (Status status = make_shared_memory_wire(profile, wire); !status.ok()) return status;
+  return open_sink(profile, std::move(wire), sink);
 }
 
 TEST(DatagramWire, CarriesCommandsThereAndAnglesBackAndOnlyTheSessionsOwn) {
@@ -321,12 +332,8 @@ TEST(SharedMemoryWire, ADeviceThatFallsSilentUnderForceIsDisconnected) {
   profile.safety.answer_timeout = 0.1;
   profile.transport.region = test::own_region("silent");
   SharedDevice device(profile.transport.region);
-  std::unique_ptr<DeviceWire> wire;
-  ASSERT_TRUE(make_shared_memory_wire(profile, wire).ok());
   DeviceSink sink;
-  SinkOptions options;
-  options.thread = true;
-  ASSERT_TRUE(sink.open(profile, std::move(wire), options).ok());
+  ASSERT_TRUE(open_sink(profile, sink).ok());
   expect_silence_noticed(device, sink);
 }
 
@@ -335,12 +342,8 @@ TEST(SharedMemoryWire, FindsADeviceThatWasStartedAgain) {
   profile.response_timeout = 0.01;
   profile.transport.region = test::own_region("again");
   auto device = std::make_unique<SharedDevice>(profile.transport.region);
-  std::unique_ptr<DeviceWire> wire;
-  ASSERT_TRUE(make_shared_memory_wire(profile, wire).ok());
   DeviceSink sink;
-  SinkOptions options;
-  options.thread = true;
-  ASSERT_TRUE(sink.open(profile, std::move(wire), options).ok());
+  ASSERT_TRUE(open_sink(profile, sink).ok());
   const auto feels = [&] { return std::fabs(device->value - 0.1) < 1e-9; };
   ASSERT_TRUE(acts(sink, feels)) << sink.report().trouble;
   device.reset();

@@ -22,20 +22,6 @@ namespace {
 // So many cycles an address that has never answered is asked where there is another one.
 constexpr int kSilentCycles = 20;
 
-using Found = std::unique_ptr<addrinfo, void (*)(addrinfo*)>;
-
-// Of an address in numbers; nullptr: it is none.
-Found address_of(const std::string& number, std::uint16_t port) {
-  addrinfo hints{};
-  hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV;
-  hints.ai_socktype = SOCK_DGRAM;
-  addrinfo* found = nullptr;
-  if (getaddrinfo(number.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) found = nullptr;
-  return {found, [](addrinfo* one) {
-            if (one != nullptr) freeaddrinfo(one);
-          }};
-}
-
 // A socket that hears of that address only; -1: errno says why.
 int connect_socket(const addrinfo& address) {
   const int file = socket(address.ai_family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
@@ -106,11 +92,14 @@ Status DatagramWire::connect_next() {
   address_.clear();
   if (Status status = find_host(transport_.host, transport_.anywhere, addresses); !status.ok()) return status;
   addresses_ = addresses.size();
+  const std::string port = std::to_string(transport_.port);
+  Addresses found{nullptr, nullptr};
   int error = 0;  // of the last that was tried
   for (std::size_t i = 0; i < addresses.size() && file_ < 0; ++i) {
     const std::string& address = addresses[opened_++ % addresses.size()];
-    const Found found = address_of(address, transport_.port);
-    if (found == nullptr || !(transport_.anywhere || is_loopback(*found->ai_addr))) continue;
+    if (resolve(address, port.c_str(), AI_NUMERICHOST | AI_NUMERICSERV, found) != 0 ||
+        !(transport_.anywhere || is_loopback(*found->ai_addr)))
+      continue;
     address_ = address;
     file_ = connect_socket(*found);
     error = errno;

@@ -49,20 +49,6 @@ bool is_loopback_v6(const std::uint8_t* bytes) {
   return bytes[15] <= 1;
 }
 
-using Addresses = std::unique_ptr<addrinfo, void (*)(addrinfo*)>;
-
-int resolve(const std::string& host, int flags, Addresses& list) {
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_STREAM;
-  hints.ai_flags = flags;
-  addrinfo* found = nullptr;
-  const int error = getaddrinfo(host.c_str(), nullptr, &hints, &found);
-  list = {found, [](addrinfo* first) {
-            if (first != nullptr) freeaddrinfo(first);
-          }};
-  return error;
-}
-
 Status outside(const std::string& host) {
   return Status::error(
       host + ": lies outside loopback and private networks, and whoever is on the way " +
@@ -70,6 +56,18 @@ Status outside(const std::string& host) {
 }
 
 }  // namespace
+
+int resolve(const std::string& host, const char* service, int flags, Addresses& list) {
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;  // or each would be there several times
+  hints.ai_flags = flags;
+  addrinfo* found = nullptr;
+  const int error = getaddrinfo(host.c_str(), service, &hints, &found);
+  list = {found, [](addrinfo* first) {
+            if (first != nullptr) freeaddrinfo(first);
+          }};
+  return error;
+}
 
 bool is_private(const sockaddr& address) {
   if (address.sa_family == AF_INET) return is_private_v4(v4_of(address));
@@ -91,7 +89,7 @@ bool is_loopback(const sockaddr& address) {
 Status find_host(const std::string& host, bool anywhere, std::vector<std::string>& addresses) {
   addresses.clear();
   Addresses list(nullptr, nullptr);
-  if (const int error = resolve(host, 0, list); error != 0) {
+  if (const int error = resolve(host, nullptr, 0, list); error != 0) {
     return Status::error(host + ": host not found (" + gai_strerror(error) + ")");
   }
   for (const addrinfo* one = list.get(); one != nullptr; one = one->ai_next) {
@@ -107,7 +105,7 @@ Status find_host(const std::string& host, bool anywhere, std::vector<std::string
 
 Status check_host(const std::string& host, bool anywhere) {
   Addresses list(nullptr, nullptr);
-  if (anywhere || resolve(host, AI_NUMERICHOST, list) != 0) return {};
+  if (anywhere || resolve(host, nullptr, AI_NUMERICHOST, list) != 0) return {};
   return is_private(*list->ai_addr) ? Status() : outside(host);
 }
 

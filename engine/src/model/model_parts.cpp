@@ -90,6 +90,7 @@ void build_samples(Model& model) {
   model.patches = build_patches(model.hand, model.settings, cut_now, model.extent, model.execution);
 }
 
+// As meshes stand, turned or not: so a replay, which takes them as they are, finds the same.
 void find_solids(Model& model) {
   if (model.settings.proxy_stiffness == 0 || model.world) return;
   for (World::Object& object : model.objects)
@@ -102,6 +103,7 @@ std::vector<std::shared_ptr<const Model>> layers_of(const Model& model, const Mo
     if (layer.stiffness == 0) continue;
     Settings settings = model.settings;
     settings.pad = {};
+    settings.proxy_stiffness = 0;  // the hand has one, layers feel where it is
     settings.stiffness *= layer.stiffness;
     Model base = layers.size() < from.layers.size() ? *from.layers[layers.size()] : model;
     base.apart.clear();

@@ -241,17 +241,15 @@ NearPoint nearest_of(std::span<const NearTriangle> near, const Core& core, Vec3 
 // near? Two sides of a sheet may be at one place.
 bool is_inside(std::span<const NearTriangle> near, const Core& core, Vec3 point, const NearPoint& nearest) {
   const Model& model = core.around.model;
-  const auto side = [&](std::uint32_t triangle, double most) {
-    const Corners at = corners_of(model.triangles, triangle);
-    const Vec3 gap = nearest_point(point, at.a, at.b, at.c).gap;
-    return dot(gap, gap) <= most * most ? upright_side(gap, at) : 0;
-  };
-  const double most = std::sqrt(nearest.square) + kFlat;
   if (upright_side(nearest.gap, corners_of(model.triangles, nearest.triangle)) >= 0 ||
       !model.objects[object_of(model, nearest.triangle)].solid)
     return false;
+  const double most = std::sqrt(nearest.square) + kFlat;
   return std::none_of(near.begin(), near.end(), [&](const NearTriangle& triangle) {
-    return least_distance(point, triangle) <= most && side(triangle.number, most) > 0;
+    if (least_distance(point, triangle) > most) return false;
+    const Corners at = corners_of(model.triangles, triangle.number);
+    const auto [gap, square, corner] = nearest_point(point, at.a, at.b, at.c);
+    return square <= most * most && upright_side(gap, at) > 0;
   });
 }
 
