@@ -117,7 +117,7 @@ TEST_F(SurfaceScene, OfWhichPartsMakeNoSenseIsRefusedWithFileLineAndField) {
   says(refusal(R"("surface": {"bumps": {"image": "ribs.pgm", "white": 1}})"), "objects[0].surface.bumps");
   says(refusal(R"("surface": {"bumps": {"image": "ribs.pgm", "white": 2, "period": 1}})"), "bumps.white");
   says(refusal(R"("surface": {"bumps": {"image": "none.pgm", "white": 1, "period": 1}})"),
-       "none.pgm: can't be");
+       "none.pgm: there is no such file");
   says(refusal(R"("surface": {"bumps": {"image": "rough.txt", "white": 1, "period": 1}})"),
        "rough.txt:1:1: is no PGM");
   says(refusal(R"("surface": {"friction_file": "rough.txt"})"), "has factors of friction");

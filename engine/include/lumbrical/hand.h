@@ -90,6 +90,7 @@ enum class Side : std::uint8_t { left, right };
 
 /// "left", "right".
 std::string_view side_name(Side side);
+constexpr Side other_side(Side side) { return side == Side::right ? Side::left : Side::right; }
 
 struct Hand {
   Side side = Side::right;

@@ -8,8 +8,7 @@
 #include <charconv>
 #include <cstdio>
 
-#include "base/standard_input.h"
-#include "files/small_file.h"
+#include "base/whole_file.h"
 
 namespace lumbrical {
 namespace {
@@ -163,7 +162,8 @@ TextPlace find_json_value(std::string_view text, std::string_view path) {
 Status read_json_file(const std::string& path, std::span<const std::uint8_t> schema, const char* root,
                       JsonFile& file) {
   file.name = shown_name(path);
-  if (Status status = read_small_file(path, "a JSON file", file.text); !status.ok()) return status;
+  if (Status status = read_whole_file(path, kSmallFile, "a JSON file", file.text); !status.ok())
+    return status;
   if (const std::size_t zero = file.text.find('\0'); zero != std::string::npos) {
     return Status::error(prefix(file.name, place_of(file.text, zero)) +
                          "holds a zero byte, so it is not a JSON text");

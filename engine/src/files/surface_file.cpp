@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "base/text_cursor.h"
-#include "files/small_file.h"
+#include "base/whole_file.h"
 
 namespace lumbrical {
 namespace {
@@ -90,7 +90,7 @@ Status parse_grey_image(std::string_view content, const std::string& name, GreyI
 
 Status load_grey_image(const std::string& path, GreyImage& image) {
   std::string content;
-  if (Status status = read_small_file(path, "a PGM image", content); !status.ok()) return status;
+  if (Status status = read_whole_file(path, kSmallFile, "a PGM image", content); !status.ok()) return status;
   return parse_grey_image(content, path, image);
 }
 
@@ -115,7 +115,8 @@ Status parse_friction_factors(std::string_view content, const std::string& name,
 
 Status load_friction_factors(const std::string& path, std::vector<double>& factors) {
   std::string content;
-  if (Status status = read_small_file(path, "a text file of numbers", content); !status.ok()) return status;
+  if (Status status = read_whole_file(path, kSmallFile, "a text file of numbers", content); !status.ok())
+    return status;
   return parse_friction_factors(content, path, factors);
 }
 

@@ -7,6 +7,8 @@
 #include <optional>
 
 #include "base/text_cursor.h"
+#include "base/whole_file.h"
+#include "model/json_text.h"
 #include "model/mesh_formats.h"
 
 namespace lumbrical {
@@ -30,18 +32,8 @@ std::uint32_t u32(std::string_view content, std::size_t at) {
 }
 
 Status parse_text(std::string_view text, const std::string& name, std::size_t offset, json& root) {
-  bool too_deep = false;
-  const auto bounded = [&too_deep](int depth, json::parse_event_t, json&) {
-    too_deep = too_deep || depth > kDeepest;
-    return !too_deep;
-  };
-  try {
-    root = json::parse(text, bounded);
-  } catch (const json::parse_error& error) {
-    return byte_error(name, offset + (error.byte > 0 ? error.byte - 1 : 0),
-                      "not valid JSON; export it again");
-  }
-  if (too_deep) return byte_error(name, offset, "its JSON is nested more than 64 deep; export it again");
+  if (const JsonFault fault = parse_json_text(text, kDeepest, root); !fault.what.empty())
+    return byte_error(name, offset + fault.byte, fault.what + "; export it again");
   const json* const asset = gltf_member(root, "asset");
   const json* const version = asset == nullptr ? nullptr : gltf_member(*asset, "version");
   if (version == nullptr || !version->is_string())
@@ -225,13 +217,15 @@ Status GltfBuffers::load_buffer(std::size_t number) {
     if (!file || folder_.empty())
       return fault(place, "its uri " + in_quotes(std::string_view(text)) +
                               " is no file beside this one; export the mesh as .glb");
-    const std::string path = (std::filesystem::path(folder_) / *file).lexically_normal().string();
-    const std::size_t holder = holder_.try_emplace(path, number).first->second;
+    const std::filesystem::path path = std::filesystem::path(folder_) / *file;  // never "-"
+    const std::size_t holder = holder_.try_emplace(path.lexically_normal().string(), number).first->second;
     if (holder != number) {
       buffer_[number] = held_[holder];
       return {};
     }
-    if (Status status = read_mesh_file(path, bytes); !status.ok()) return status;
+    if (Status status = read_whole_file(path.string(), kLargestMeshFile, "a file of bytes", bytes);
+        !status.ok())
+      return status;
     bytes_beside_ += bytes.size();
   }
   buffer_[number] = bytes;

@@ -205,7 +205,7 @@ Hand default_hand(Side side, double length) {
 Hand mirrored_hand(const Hand& hand) {
   const FloatingPointGuard guard;
   Hand other = hand;
-  other.side = hand.side == Side::right ? Side::left : Side::right;
+  other.side = other_side(hand.side);
   for (Finger& finger : other.finger) finger.base = mirrored(finger.base);
   other.palm_joint = mirrored(hand.palm_joint);
   for (Vec3& corner : other.palm.polygon) corner.x = -corner.x;

@@ -1,25 +1,17 @@
 // Reads mesh files: tells the format, calls its reader, converts the unit.
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <new>
-#include <system_error>
 
 #include "base/floating_point.h"
-#include "base/standard_input.h"
-#include "base/system_status.h"
 #include "base/text_cursor.h"
+#include "base/whole_file.h"
 #include "model/mesh_formats.h"
 #include "model/scene_check.h"
 
 namespace lumbrical {
 namespace {
 
-// Larger files would be more than a machine of today should be asked to feel; a sparse file of a terabyte
-// must not eat its memory.
-constexpr std::uintmax_t kMaxFileSize = std::uintmax_t{8} << 30;
 constexpr const char* kFormats = "OBJ, STL, PLY, OFF and glTF are read";
 
 enum class Format : std::uint8_t { unknown, obj, stl, ply, off, gltf };
@@ -136,41 +128,6 @@ Status out_of_memory(const std::string& name) {
   return Status::error(name + ": not enough memory for this mesh; split or simplify it");
 }
 
-Status unreadable(const std::string& path, int error) {
-  return system_status(path, "cannot read the file", error);
-}
-
-}  // namespace
-
-Status read_mesh_file(const std::string& path, std::string& content) {
-  if (names_standard_input(path)) return read_standard_input(kMaxFileSize, content);
-  std::error_code error;
-  const std::filesystem::file_status kind = std::filesystem::status(path, error);
-  if (kind.type() == std::filesystem::file_type::not_found) {
-    return Status::error(path + ": there is no such file; check the path");
-  }
-  if (error) return unreadable(path, error.value());
-  if (kind.type() == std::filesystem::file_type::directory) {
-    return Status::error(path + ": this is a directory; give the path of a mesh file");
-  }
-  if (kind.type() != std::filesystem::file_type::regular) {
-    return Status::error(path + ": this is not a regular file; give the path of a mesh file");
-  }
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) return unreadable(path, error.value());
-  if (size > kMaxFileSize) return Status::error(path + ": the file is larger than 8 GiB; split the mesh");
-
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-  if (!file) return unreadable(path, errno);
-  content.resize(static_cast<std::size_t>(size));
-  const std::size_t read = std::fread(content.data(), 1, content.size(), file.get());
-  if (std::ferror(file.get()) != 0) return unreadable(path, errno);
-  content.resize(read);  // someone may have cut the file meanwhile
-  return {};
-}
-
-namespace {
-
 Status parse_from(std::string_view content, const std::string& name, const std::string& folder, Unit unit,
                   Mesh& mesh) {
   const FloatingPointGuard guard;
@@ -210,7 +167,8 @@ Status parse_mesh(std::string_view content, const std::string& name, Unit unit, 
 Status load_mesh(const std::string& path, Unit unit, Mesh& mesh) {
   try {
     std::string content;
-    if (Status status = read_mesh_file(path, content); !status.ok()) return status;
+    if (Status status = read_whole_file(path, kLargestMeshFile, "a mesh file", content); !status.ok())
+      return status;
     const std::string folder = std::filesystem::path(path).parent_path().string();
     return parse_from(content, shown_name(path), folder.empty() ? "." : folder, unit, mesh);
   } catch (const std::bad_alloc&) {

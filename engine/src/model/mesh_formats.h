@@ -22,8 +22,9 @@ Status parse_off(std::string_view content, const std::string& name, Mesh& mesh);
 /// `folder` is where files that it names are looked for; empty: it may name none.
 Status parse_gltf(std::string_view content, const std::string& name, const std::string& folder, Mesh& mesh);
 
-/// The whole of a regular file of at most 8 GiB.
-Status read_mesh_file(const std::string& path, std::string& content);
+/// [bytes] Larger files would be more than a machine of today should be asked to feel; a sparse file of a
+/// terabyte must not eat its memory.
+inline constexpr std::uintmax_t kLargestMeshFile = std::uintmax_t{8} << 30;
 
 /// Is this certainly STL: a binary file of exactly the size its count asks for, or text that begins with
 /// "solid"?

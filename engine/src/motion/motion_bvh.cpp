@@ -366,7 +366,7 @@ Status parse_bvh(std::string_view content, const std::string& name, const Motion
   if (Status status = read_motion_header(reader, skeleton, frame_count, period); !status.ok()) return status;
   if (both) {
     motion.other_frames = frame_count;
-    motion.other_side = motion.side == Side::right ? Side::left : Side::right;
+    motion.other_side = other_side(motion.side);
   }
   std::vector<double> values(skeleton.channel_count);
   Posture posture{std::vector<Vec3>(skeleton.nodes.size()),

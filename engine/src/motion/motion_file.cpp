@@ -1,6 +1,7 @@
 // Tells the format of a motion file by its content, lets that format's reader read it, and checks what all
 // have in common: time, completeness, size and side of the hand.
 #include "base/floating_point.h"
+#include "model/json_text.h"
 #include "motion/motion_formats.h"
 
 #include <array>
@@ -27,55 +28,6 @@ std::string at_byte(std::string_view content, const std::string& name, std::size
   }
   return name + ":" + std::to_string(line) + ":" + std::to_string(column);
 }
-
-// Byte of the first bracket nested too deeply, or npos. The parser itself would take any depth.
-std::size_t find_too_deep(std::string_view content) {
-  int depth = 0;
-  bool in_string = false;
-  for (std::size_t i = 0; i < content.size(); ++i) {
-    const char c = content[i];
-    if (in_string) {
-      if (c == '\\') ++i;
-      if (c == '"') in_string = false;
-    } else if (c == '"') {
-      in_string = true;
-    } else if (c == '{' || c == '[') {
-      if (++depth > kDeepest) return i;
-    } else if (c == '}' || c == ']') {
-      --depth;
-    }
-  }
-  return std::string_view::npos;
-}
-
-// Takes the events of the parser and keeps only where and why it stopped.
-struct ErrorFinder {
-  std::size_t byte = 0;
-  std::string reason;
-
-  bool null() { return true; }
-  bool boolean(bool) { return true; }
-  bool number_integer(json::number_integer_t) { return true; }
-  bool number_unsigned(json::number_unsigned_t) { return true; }
-  bool number_float(json::number_float_t, const json::string_t&) { return true; }
-  bool string(json::string_t&) { return true; }
-  bool binary(json::binary_t&) { return true; }
-  bool start_object(std::size_t) { return true; }
-  bool key(json::string_t&) { return true; }
-  bool end_object() { return true; }
-  bool start_array(std::size_t) { return true; }
-  bool end_array() { return true; }
-  bool parse_error(std::size_t position, const std::string&, const json::exception& error) {
-    byte = position == 0 ? 0 : position - 1;  // it counts the characters read
-    const std::string_view text = error.what();
-    const std::size_t dash = text.rfind(" - ");
-    const std::size_t bracket = text.find("] ");
-    reason = dash != text.npos      ? text.substr(dash + 3)
-             : bracket != text.npos ? text.substr(bracket + 2)
-                                    : text;
-    return false;
-  }
-};
 
 std::string_view without_byte_order_mark(std::string_view content) {
   return content.substr(0, 3) == "\xEF\xBB\xBF" ? content.substr(3) : content;
@@ -212,7 +164,7 @@ Status check_size(const std::string& name, const Motion& motion) {
 Status check_side(const std::string& name, const Motion& motion) {
   const double sign = motion.side == Side::right ? 1 : -1;
   if (sign * right_handedness(motion) > -0.3) return {};
-  const Side other = motion.side == Side::right ? Side::left : Side::right;
+  const Side other = other_side(motion.side);
   return refuse(name, "taken for a " + std::string(side_name(motion.side)) +
                           " hand, but its thumb is on the other side of the palm; set the side to " +
                           std::string(side_name(other)));
@@ -252,18 +204,10 @@ Status parse_checked(std::string_view content, const std::string& name, const Mo
 }  // namespace
 
 Status parse_json(std::string_view content, const std::string& name, json& root) {
-  const std::size_t too_deep = find_too_deep(content);
-  if (too_deep != content.npos) {
-    return Status::error(at_byte(content, name, too_deep) + ": brackets are nested more than " +
-                         std::to_string(kDeepest) + " deep; this is no hand motion");
-  }
-  ErrorFinder finder;
-  if (!json::sax_parse(content, &finder)) {
-    return Status::error(at_byte(content, name, finder.byte) + ": not valid JSON (" + finder.reason +
-                         "); correct it or record again");
-  }
-  root = json::parse(content, nullptr, false);
-  return root.is_discarded() ? refuse(name, "not valid JSON") : Status{};
+  const JsonFault fault = parse_json_text(content, kDeepest, root);
+  if (fault.what.empty()) return {};
+  return Status::error(at_byte(content, name, fault.byte) + ": " + fault.what +
+                       "; correct it or record again");
 }
 
 const json* find_member(const json& object, std::string_view key) {

@@ -144,14 +144,12 @@ double palmar_lean(const std::array<Vec3, kLandmarkCount>& points) {
   return 0.25 * sum;
 }
 
-Side other(Side side) { return side == Side::right ? Side::left : Side::right; }
-
 Status choose_side(const std::string& name, double lean, const std::optional<Side>& asked, Side& side) {
   constexpr double kTelling = 0.25;  // beyond what flat hands differ by
   const Side bent = lean < 0 ? Side::left : Side::right;
   side = std::fabs(lean) < kTelling ? asked.value_or(Side::right) : bent;
   if (asked.value_or(side) == side) return {};
-  return refuse(name, "as a " + std::string(side_name(other(side))) +
+  return refuse(name, "as a " + std::string(side_name(other_side(side))) +
                           " hand its fingers would bend backwards; set the side to " +
                           std::string(side_name(side)));
 }

@@ -1,42 +1,27 @@
 // Motions from files on a disk and from standard input.
 #include <array>
-#include <filesystem>
-#include <fstream>
 
-#include "base/standard_input.h"
+#include "base/whole_file.h"
 #include "motion/motion_formats.h"
 
 namespace lumbrical {
 namespace {
 
-Status read_motion_text(const std::string& path, std::string& content) {
-  if (names_standard_input(path)) return read_standard_input(std::size_t{1} << 30, content);
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error))
-    return refuse(path, "no such file, or not a regular one");
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  std::ifstream file(path, std::ios::binary);
-  if (error || !file) return refuse(path, "cannot be opened for reading; check its permissions");
-  try {
-    content.resize(static_cast<std::size_t>(size));
-  } catch (const std::exception&) {
-    return refuse(path, "not enough memory to read it");
-  }
-  file.read(content.data(), static_cast<std::streamsize>(size));
-  return file ? Status{} : refuse(path, "cannot be read to its end");
+Status read_motion_file(const std::string& path, std::string& content) {
+  return read_whole_file(path, std::uintmax_t{1} << 30, "a motion file", content);
 }
 
 }  // namespace
 
 Status load_motion(const std::string& path, const MotionOptions& options, Motion& motion) {
   std::string content;
-  if (Status status = read_motion_text(path, content); !status.ok()) return status;
+  if (Status status = read_motion_file(path, content); !status.ok()) return status;
   return parse_motion(content, shown_name(path), options, motion);
 }
 
 Status load_both_motions(const std::string& path, const MotionOptions& options, Motion& right, Motion& left) {
   std::string content;
-  if (Status status = read_motion_text(path, content); !status.ok()) return status;
+  if (Status status = read_motion_file(path, content); !status.ok()) return status;
   const std::string name = shown_name(path);
   // A file of one hand that does not tell its side would be taken for either.
   Motion any;

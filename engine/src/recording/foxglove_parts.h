@@ -2,10 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <vector>
 
+#include "base/message_alignment.h"
 #include "foxglove_generated.h"
 #include "lumbrical/math.h"
 
@@ -31,16 +31,6 @@ inline flatbuffers::Offset<foxglove::Pose> to_fb(flatbuffers::FlatBufferBuilder&
   const auto position = to_fb(builder, pose.position);
   const auto orientation = to_fb(builder, pose.orientation);
   return foxglove::CreatePose(builder, position, orientation);
-}
-
-/// The message in a copy of the bytes, or null.
-template <class Message>
-const Message* verified(std::span<const std::uint8_t> bytes, std::vector<std::uint64_t>& aligned) {
-  aligned.resize(bytes.size() / 8 + 1);
-  std::memcpy(aligned.data(), bytes.data(), bytes.size());
-  const auto* const data = reinterpret_cast<const std::uint8_t*>(aligned.data());
-  flatbuffers::Verifier verifier(data, bytes.size());
-  return verifier.VerifyBuffer<Message>(nullptr) ? flatbuffers::GetRoot<Message>(data) : nullptr;
 }
 
 }  // namespace lumbrical

@@ -238,7 +238,7 @@ Status McapWriter::close() {
     if (written_[i] > 0) statistics_.channel_message_counts[chunk_index_[i].channel_id] = written_[i];
 
   ByteWriter data_end;
-  append_data_end(data_end, crc_);
+  append(data_end, DataEnd{crc_});
   ByteWriter summary;
   Status status = file_.write(data_end.bytes());
   if (status.ok()) {

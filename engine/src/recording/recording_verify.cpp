@@ -284,9 +284,9 @@ Status Verification::walk(std::uint64_t data_start, std::uint64_t& data_end) {
     if (!whole) return file_.broken(offset, "the file is torn here; recover keeps what stands before");
     if (Status status = read_content(file_, place, content_); !status.ok()) return status;
     if (place.opcode == Opcode::data_end) {
-      std::uint32_t stated = 0;
-      if (!parse_data_end(content_, stated)) return file_.broken(offset, "the end of the data is damaged");
-      if (stated != 0 && stated != crc)
+      mcap::DataEnd end;
+      if (!parse(content_, end)) return file_.broken(offset, "the end of the data is damaged");
+      if (end.data_section_crc != 0 && end.data_section_crc != crc)
         return file_.broken(offset, "the checksum of the data (bytes 0 to " + std::to_string(offset - 1) +
                                         ") is wrong; recover keeps what is whole");
       data_end = place.end();

@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "base/message_alignment.h"
 #include "recording_generated.h"
@@ -78,13 +77,10 @@ std::vector<std::uint8_t> encode_state(const State& state) {
 }
 
 Status decode_state(std::span<const std::uint8_t> bytes, State& state) {
-  std::vector<std::uint64_t> aligned((bytes.size() + 7) / 8);
-  if (!bytes.empty()) std::memcpy(aligned.data(), bytes.data(), bytes.size());
-  const auto* const data = reinterpret_cast<const std::uint8_t*>(aligned.data());
-  flatbuffers::Verifier verifier(data, bytes.size());
-  if (!verifier.VerifyBuffer<fb::State>(nullptr))
-    return Status::error("the state message does not fit its schema");
-  const fb::State& message = *flatbuffers::GetRoot<fb::State>(data);
+  std::vector<std::uint64_t> aligned;
+  const fb::State* const found = verified<fb::State>(bytes, aligned);
+  if (found == nullptr) return Status::error("the state message does not fit its schema");
+  const fb::State& message = *found;
   State result;
   std::vector<ProxyState> proxy;
   std::vector<MotionState> motion;

@@ -5,7 +5,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -216,23 +215,10 @@ void encode_tick(const TickRecord& record, bool keep_forces, const InputCheck& c
                                 record.timing ? &timing : nullptr, given, objects, state));
 }
 
-namespace {
-
-// Messages stand anywhere in a chunk; FlatBuffers reads its numbers in place and wants them aligned.
-const fb::Tick* verified_tick(std::span<const std::uint8_t> bytes, std::vector<std::uint64_t>& aligned) {
-  aligned.assign((bytes.size() + 7) / 8, 0);
-  if (!bytes.empty()) std::memcpy(aligned.data(), bytes.data(), bytes.size());
-  const auto* const data = reinterpret_cast<const std::uint8_t*>(aligned.data());
-  flatbuffers::Verifier verifier(data, bytes.size());
-  return verifier.VerifyBuffer<fb::Tick>(nullptr) ? flatbuffers::GetRoot<fb::Tick>(data) : nullptr;
-}
-
-}  // namespace
-
 Status decode_state_after(std::span<const std::uint8_t> bytes, std::optional<State>& after) {
   after.reset();
   std::vector<std::uint64_t> aligned;
-  const fb::Tick* const message = verified_tick(bytes, aligned);
+  const fb::Tick* const message = verified<fb::Tick>(bytes, aligned);
   if (message == nullptr || message->after() == nullptr) return {};
   State state;
   if (Status status = decode_state({message->after()->data(), message->after()->size()}, state); !status.ok())
@@ -245,9 +231,9 @@ Status decode_state_after(std::span<const std::uint8_t> bytes, std::optional<Sta
 
 Status decode_tick(std::span<const std::uint8_t> bytes, TickRecord& record, InputCheck& check) {
   std::vector<std::uint64_t> aligned;
-  const fb::Tick* const verified = verified_tick(bytes, aligned);
-  if (verified == nullptr) return Status::error("the tick message does not fit its schema");
-  const fb::Tick& message = *verified;
+  const fb::Tick* const found = verified<fb::Tick>(bytes, aligned);
+  if (found == nullptr) return Status::error("the tick message does not fit its schema");
+  const fb::Tick& message = *found;
 
   if (Status status = decode_device(message, record.device); !status.ok()) return status;
   if (Status status = decode_output(message, record.output); !status.ok()) return status;
