@@ -107,6 +107,28 @@ void add_numbers(const T& value, std::vector<std::uint64_t>& bits) {
   });
 }
 
+// Whatever of a state makes replays part can be named.
+TEST(Fields, OfAStateAreTracedAsTheyAreHashed) {
+  Scene scene = test::mug_scene(Law::field);
+  scene.settings.pad.damping = 0.01;
+  scene.settings.proxy_stiffness = 100;
+  scene.objects[0].mechanism.mobility = Mobility::given;
+  const Model model = test::model_of(scene);
+  State state = make_state(model);
+  Scratch scratch = make_scratch(model);
+  const std::vector<ObjectFrame> given(1);
+  for (const DeviceFrame& frame : test::grasp_frames(scene.hand, 2))
+    tick(model, state, scratch, frame, given);
+  ASSERT_TRUE(state.proxy && state.motion);
+  std::vector<std::uint64_t> wanted, traced;
+  add_numbers(static_cast<const HandState&>(state), wanted);
+  for (const ObjectState& object : state.objects) add_numbers(object, wanted);
+  add_numbers(*state.proxy, wanted);
+  add_numbers(*state.motion, wanted);
+  for (const TraceValue& value : trace_state(state)) traced.push_back(value.bits);
+  EXPECT_EQ(traced, wanted);
+}
+
 // Pads, layers and objects add to what the contacts give, and objects stand in input and output too.
 TEST(Fields, OfAStageAreTracedAsTheyAreHashed) {
   Scene scene = test::mug_scene(Law::field);

@@ -24,32 +24,35 @@ namespace {
 constexpr std::uint32_t kUntrusted =
     kInputNotFinite | kInputImplausible | kInputLost | kCandidateOverflow | kObjectImplausible;
 
-/// What the stages of one tick have made.
-struct StageResults {
-  const DeviceFrame& frame;
-  std::span<const ObjectFrame> given;
-  const Primitives& hand;
-  const SampledForces& sampled;
-  std::span<const std::uint64_t> candidates;
-  std::span<const Contact> contacts;
-  const HandForces& forces;
-  const ActuatorFrame& output;
-  std::span<const ObjectOutput> objects;
-};
-
-void hash_stages(const StageResults& found, std::array<std::uint64_t, kStageCount>& stage_hash) {
-  const auto hash_of_stage = [&stage_hash](Stage stage) -> std::uint64_t& {
-    return stage_hash[static_cast<std::size_t>(stage)];
+void hash_stages(const DeviceFrame& frame, std::span<const ObjectFrame> given, const ActuatorFrame& output,
+                 Scratch& scratch) {
+  const auto hash_of_stage = [&scratch](Stage stage) -> std::uint64_t& {
+    return scratch.stage_hash[static_cast<std::size_t>(stage)];
   };
-  hash_of_stage(Stage::input) = hash_input(found.frame, found.given);
-  hash_of_stage(Stage::hand_pose) = hash_fields(found.hand);
-  hash_of_stage(Stage::broadphase) = hash_rows(found.candidates);
+  hash_of_stage(Stage::input) = hash_input(frame, given);
+  hash_of_stage(Stage::hand_pose) = hash_fields(*scratch.primitives);
+  hash_of_stage(Stage::broadphase) =
+      hash_rows(std::span<const std::uint64_t>(scratch.candidates.data(), scratch.candidate_count));
   Hasher narrowphase;
-  narrowphase.value(hash_rows(found.contacts));
-  narrowphase.value(hash_fields(found.sampled));
+  narrowphase.value(hash_rows(std::span<const Contact>(scratch.contacts.data(), scratch.contact_count)));
+  narrowphase.value(hash_fields(scratch.samples->forces));
   hash_of_stage(Stage::narrowphase) = narrowphase.digest();
-  hash_of_stage(Stage::contact_force) = hash_fields(found.forces);
-  hash_of_stage(Stage::limits) = hash_output(found.output, found.objects);
+  hash_of_stage(Stage::contact_force) = hash_fields(scratch.forces);
+  hash_of_stage(Stage::limits) = hash_output(output, std::span<const ObjectOutput>(scratch.object_output));
+}
+
+// Are the joints of a hand that was placed others than the last one's? A segment that tracking loses, or
+// finds, would go, or come, with all its force.
+bool take_joints(std::uint32_t valid, HandState& state) {
+  const bool others = state.joints != valid;
+  state.joints = valid;
+  return others;
+}
+
+// Of memory that is not the model's nothing is read: it ends anywhere.
+ActuatorFrame feel_no_more(const Model& model, State& state, Scratch& scratch) {
+  scratch.stage_hash = {};
+  return fade_forces(model.settings, kMemoryForeign, state);
 }
 
 }  // namespace
@@ -92,20 +95,6 @@ std::uint32_t input_flags(const DeviceFrame& frame) {
 
 bool is_trusted(std::uint32_t flags) { return (flags & kUntrusted) == 0; }
 
-// Are the joints of a hand that was placed others than the last one's? A segment that tracking loses, or
-// finds, would go, or come, with all its force.
-bool take_joints(std::uint32_t valid, HandState& state) {
-  const bool others = state.joints != valid;
-  state.joints = valid;
-  return others;
-}
-
-// Of memory that is not the model's nothing is read: it ends anywhere.
-ActuatorFrame feel_no_more(const Model& model, State& state, Scratch& scratch) {
-  scratch.stage_hash = {};
-  return fade_forces(model.settings, kMemoryForeign, state);
-}
-
 ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const DeviceFrame& frame,
                    std::span<const ObjectFrame> given) {
   const bool own_scratch = is_made_for(model, scratch);
@@ -135,9 +124,6 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   if (scratch.proxy) balance_pushes(scratch.proxy->pushing, forces, model.settings.rate, *state.proxy);
   tell(scratch.watch, Stage::contact_force);
 
-  const SampledForces& sampled = scratch.samples->forces;
-  const std::span<const std::uint64_t> candidates(scratch.candidates.data(), scratch.candidate_count);
-  const std::span<const Contact> contacts(scratch.contacts.data(), scratch.contact_count);
   const Trust trust = !is_trusted(flags) ? Trust::none : anew ? Trust::anew : Trust::kept;
   ActuatorFrame output = limit_forces(model.settings, hand, forces, trust, flags, state);
   output.contact_count = findings.contact_count;
@@ -146,9 +132,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   output.error_estimate = findings.error_estimate;
   tell(scratch.watch, Stage::limits);
 
-  if (scratch.hash_stages)
-    hash_stages({frame, given, hand, sampled, candidates, contacts, forces, output, scratch.object_output},
-                scratch.stage_hash);
+  if (scratch.hash_stages) hash_stages(frame, given, output, scratch);
   return output;
 }
 

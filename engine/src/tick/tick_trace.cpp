@@ -97,6 +97,7 @@ std::vector<TraceValue> trace_state(const State& state) {
   to.fields(static_cast<const HandState&>(state));
   for (const ObjectState& object : state.objects) to.fields(object);
   if (state.proxy) to.fields(*state.proxy);
+  if (state.motion) to.fields(*state.motion);
   return std::move(to.values);
 }
 
