@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/steady_clock.h"
 #include "lumbrical/math.h"
 #include "lumbrical/safety.h"
 
@@ -18,8 +19,6 @@ constexpr double kLocalPeriod = 0.001;                   // [s] of the device's 
 // and by no more than that share from one command to the next: what the hand falls into is no kick then.
 constexpr double kLetGo = 0.2, kAccountLetGo = 0.015, kMostLetGo = 0.3;  // [s], [s], [1]
 constexpr double kWorthTelling = 0.1;                                    // change of a bound, as a share
-
-double seconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-9; }
 
 double total(const LoopTiming& timing) { return timing.period + timing.jitter + timing.delay; }
 
@@ -92,7 +91,7 @@ void keep_accounts(const JointArray& wanted, HapticLoop& loop) {
 void weigh_gap(std::int64_t now, double dt, bool touching, HapticLoop& loop) {
   const SafetyTimes& times = loop.profile.safety;
   const LoopTiming& timing = loop.certificate.timing;
-  const double age = loop.any_feedback ? seconds(now - loop.feedback.asked) : times.answer_timeout;
+  const double age = loop.any_feedback ? in_seconds(now - loop.feedback.asked) : times.answer_timeout;
   const double usual = loop.certified ? timing.delay + timing.period + timing.jitter : 0;
   const bool stale = age > usual + times.tick_hold;
   if (stale && touching && loop.gain == 1) ++loop.gaps;
@@ -113,7 +112,7 @@ double touch_of(const ActuatorFrame& output, std::size_t finger) {
 // itself lets go, the share need not; where no one answers, nothing acts.
 std::array<double, kFingerCount> least_levels(const ActuatorFrame& output, std::int64_t now,
                                               double time_constant, const HapticLoop& loop) {
-  const double since = seconds(now - loop.answered.sent);
+  const double since = in_seconds(now - loop.answered.sent);
   std::array<double, kFingerCount> least{};
   if (!(since <= loop.profile.safety.answer_timeout)) return least;
   const double kept = 1 - clamp(since / time_constant, 0, kMostLetGo);
@@ -184,7 +183,7 @@ HapticLoop start_loop(const DeviceProfile& profile, const LoopOptions& options) 
 void take_feedback(const DeviceFeedback& feedback, HapticLoop& loop) {
   // Between the two moments of reading lies one of these; where they differ, the longer one counts.
   const double between =
-      seconds(std::max(feedback.asked - loop.feedback.asked, feedback.time - loop.feedback.time));
+      in_seconds(std::max(feedback.asked - loop.feedback.asked, feedback.time - loop.feedback.time));
   loop.between = loop.any_feedback ? between : 0;
   for (std::size_t j = 0; j < kPhalanxCount; ++j) {
     const std::size_t a = angle_of(j);
@@ -216,7 +215,7 @@ bool put_angles(const HapticLoop& loop, std::int64_t now, DeviceFrame& frame) {
     if ((loop.feedback.valid >> a & 1u) != 0) frame.angle[a] = loop.feedback.angle[a];
   }
   const bool known = loop.any_feedback && (loop.feedback.valid & wanted) == wanted &&
-                     seconds(now - loop.feedback.asked) <= loop.profile.safety.answer_timeout;
+                     in_seconds(now - loop.feedback.asked) <= loop.profile.safety.answer_timeout;
   if (!known) frame.flags |= kTrackingLost | loop.feedback.flags;
   return known;
 }
@@ -228,7 +227,7 @@ void note_exchange(const SentCommand& sent, HapticLoop& loop) {
   if (given.tick / loop.sharing == sent.tick / loop.sharing) loop.given = given;
   // Commands that were lost in between are time without one, too; a device that was gone is another matter.
   const SentCommand before = std::exchange(loop.answered, sent);
-  const double interval = seconds(sent.sent - before.sent), delay = seconds(sent.loop_delay);
+  const double interval = in_seconds(sent.sent - before.sent), delay = in_seconds(sent.loop_delay);
   const bool next = before.acknowledged != 0 && interval <= loop.profile.safety.answer_timeout;
   if (!next || sent.acknowledged - sent.loop_delay < loop.measured_from) return;
   const bool known = is_measured(loop.meter);
@@ -256,7 +255,7 @@ void certify_loop(HapticLoop& loop) {
 
 DeviceCommand command_forces(const Model& model, const Scratch& scratch, const DeviceFrame& frame,
                              const ActuatorFrame& output, std::int64_t now, HapticLoop& loop) {
-  const double dt = loop.now == 0 ? 0 : seconds(now - loop.now);
+  const double dt = loop.now == 0 ? 0 : in_seconds(now - loop.now);
   loop.now = now;
   const double answered_after = model.settings.rate * loop.profile.safety.answer_timeout;  // [ticks] at most
   loop.sharing = 1 + static_cast<std::uint64_t>(answered_after / static_cast<double>(loop.past.size() - 1));

@@ -14,6 +14,7 @@
 #include <cstring>
 #include <vector>
 
+#include "base/steady_clock.h"
 #include "loop/private_network.h"
 
 namespace lumbrical {
@@ -48,12 +49,6 @@ const char* const kHungUp = "the device has hung up";
 constexpr std::int64_t kGlance = 1000000;  // [ns] between two looks at whether there is a hurry
 
 std::int64_t nanoseconds(double seconds) { return static_cast<std::int64_t>(seconds * 1e9); }
-
-std::int64_t clock_now() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1000000000 + now.tv_nsec;
-}
 
 bool wait_for_input(int file, std::int64_t span) {
   pollfd poll_file{file, POLLIN, 0};
@@ -160,7 +155,7 @@ LinkResult ModbusLink::transact(ModbusQuestion question, const std::uint16_t* se
   question.serial = serial_;
   question.transaction = ++transaction_;
   frame_question(question, sent, frame_);
-  const std::int64_t end = clock_now() + nanoseconds(patience.usual);
+  const std::int64_t end = steady_ns() + nanoseconds(patience.usual);
   const LinkResult result = send(end);
   return result.ok() ? receive(question, end, words) : result;
 }
@@ -187,7 +182,7 @@ LinkResult ModbusLink::send(std::int64_t end) {
       continue;
     }
     if (count < 0 && errno != EAGAIN && errno != EINTR) return {LinkOutcome::broken, std::strerror(errno)};
-    if (clock_now() >= end) return {LinkOutcome::broken, "timed out: requests are not taken"};
+    if (steady_ns() >= end) return {LinkOutcome::broken, "timed out: requests are not taken"};
     pollfd poll_file{file_, POLLOUT, 0};
     poll(&poll_file, 1, 1);
   }
@@ -198,7 +193,7 @@ LinkResult ModbusLink::receive(const ModbusQuestion& question, std::int64_t end,
   received_.clear();
   bool hurried = false;
   for (;;) {
-    const std::int64_t now = clock_now();
+    const std::int64_t now = steady_ns();
     if (!hurried && patience.hurry && patience.hurry()) {
       hurried = true;
       end = std::min(end, now + nanoseconds(patience.hurried));
