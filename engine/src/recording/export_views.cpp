@@ -129,8 +129,8 @@ std::string csv_line(const ViewRow& row, bool exact) {
   return line;
 }
 
-std::string json_line(const ViewRow& row, MessageKind kind, bool exact) {
-  std::string line = "{\"tick\":" + std::to_string(row.tick) + ",\"time\":" + number(row.time, exact) +
+std::string json_line(const ViewRow& row, MessageKind kind) {
+  std::string line = "{\"tick\":" + std::to_string(row.tick) + ",\"time\":" + number(row.time, true) +
                      ",\"hand\":\"" + std::string(row.hand) + "\",\"" + part_of(kind) + "\":\"" +
                      std::string(row.part) + '"';
   for (std::size_t i = 0; i < row.numbers.size(); ++i) {
@@ -151,7 +151,7 @@ Status export_text(Readers readers, MessageKind kind, const ExportOptions& optio
     status = for_each_row(
         readers, kind, options,
         [&](const ViewRow& row) {
-          return out.line(json ? json_line(row, kind, options.exact) : csv_line(row, options.exact));
+          return out.line(json ? json_line(row, kind) : csv_line(row, options.exact));
         },
         [&] { return out.wanted(); });
   if (status.ok()) status = out.close();
