@@ -69,6 +69,25 @@ TEST(DelayedLoop, GivesNoEnergyWhileTheArmPressesTheHandOntoSomething) {
   EXPECT_GT(felt.torque, 5e-3) << "something is felt";
 }
 
+// A line of 115200 baud takes 18 ms. What the device's own loop could bear is not what models can that are as
+// old as such exchanges.
+TEST(DelayedLoop, IsFeltThroughLocalModelsOnSlowBusesAndDoesNotShake) {
+  Sweep sweep;
+  DeviceProfile serial;
+  const std::string path = std::string(LUMBRICAL_SOURCE_DIR) + "/examples/devices/exoskeleton_serial.json";
+  ASSERT_TRUE(load_patient_profile(path, serial).ok());
+  DelayedLoop loop;
+  loop.human = kHands[0].hold;
+  loop.bus = {Delays::constant, 0.018, 200};
+  expect_quiet(run_delayed(sweep.model, mug_grasp(sweep.model, 4), serial, loop));
+  ASSERT_TRUE(build_play(Play::press, 2e7, sweep.model).ok());
+  loop.bus = {Delays::constant, 0.05, 200};
+  const LoopFelt felt = run_delayed(sweep.model, play_motion(Play::press, sweep.model), serial, loop);
+  EXPECT_EQ(felt.shakes, 0u);
+  EXPECT_LT(felt.given, 5e-3);
+  EXPECT_GT(felt.torque, 1e-3);
+}
+
 // What is lost is time without a command, which the certificate has to know of.
 TEST(DelayedLoop, IsFeltAndDoesNotShakeWhereEverySecondRequestIsLost) {
   const Sweep sweep;

@@ -49,8 +49,9 @@ struct HapticLoop {
   SentCommand answered;            ///< the newest command acknowledged
   StiffnessCertificate certificate;
   bool certified = false;
-  bool local_loop = false;  ///< every actuator has a local model: the fast loop is the device's own
-  LoopTiming told;          ///< what news_of_timing told last
+  /// No angles come over the bus and every actuator has a local model: the only loop is the device's own.
+  bool local_loop = false;
+  LoopTiming told;  ///< what news_of_timing told last
 
   // The touch.
   std::size_t turn = 0;  ///< the finger whose stiffness the newest command looked at

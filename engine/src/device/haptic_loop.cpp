@@ -137,7 +137,6 @@ void keep_levels(const ActuatorFrame& output, HapticLoop& loop) {
 
 void renew_certificate(HapticLoop& loop) {
   LoopTiming timing = timing_of(loop.meter);
-  // With a local model the fast loop is the device's own; the bus only tells it where the touch has moved to.
   if (loop.local_loop) timing = {kLocalPeriod, 0, 0};
   const StiffnessCertificate before = std::exchange(loop.certificate, make_certificate(loop.profile, timing));
   for (std::size_t f = 0; f < kFingerCount; ++f) renew_account(before, loop.certificate, f, loop.account[f]);
@@ -174,7 +173,9 @@ HapticLoop start_loop(const DeviceProfile& profile, const LoopOptions& options) 
   loop.profile = profile;
   loop.options = options;
   if (profile.sensors.empty()) loop.options.feedback = false;
-  loop.local_loop = options.local;
+  // Where angles come over the bus, so do the models made of them, and a touch that is not straight goes by
+  // them: the loop is the bus's, however fast the device goes on in between.
+  loop.local_loop = loop.options.local && profile.sensors.empty();
   for (const Actuator& actuator : profile.actuators)
     loop.local_loop = loop.local_loop && actuator.local.present;
   return loop;
