@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "delay_cells.h"
+#include "device_fixture.h"
 #include "lumbrical/tick.h"
 
 namespace lumbrical {
@@ -86,6 +87,45 @@ TEST(DelayedLoop, IsFeltThroughLocalModelsOnSlowBusesAndDoesNotShake) {
   EXPECT_EQ(felt.shakes, 0u);
   EXPECT_LT(felt.given, 5e-3);
   EXPECT_GT(felt.torque, 1e-3);
+}
+
+// The tick has the motion's angle where the device's is not believed; round that a local model would make
+// another torque of the device's own angle, at once and up to twice as large.
+TEST(DelayedLoop, GivesADeviceNoLocalModelRoundAnAngleThatIsNotItsOwn) {
+  const Sweep sweep;
+  const DeviceFrame held = resample(mug_grasp(sweep.model, 10), 4);
+  for (const bool feedback : {true, false}) {
+    LoopOptions options;
+    options.feedback = feedback;
+    options.limiter = options.account = false;  // they let nothing through before exchanges are measured
+    HapticLoop loop = start_loop(test::shipped_profile("exoskeleton_serial"), options);
+    State state;
+    Scratch scratch = make_scratch(sweep.model);
+    std::int64_t now = 0;
+    const auto step = [&](std::uint32_t invalid) {
+      DeviceFeedback said;
+      said.asked = now;
+      said.time = now += 1'000'000;
+      said.angle = held.angle;
+      said.valid = ((1u << kAngleCount) - 1) & ~invalid;
+      take_feedback(said, loop);
+      DeviceFrame frame = held;
+      frame.angle[5] -= feedback ? 0.3f : 0;  // the motion's
+      put_angles(loop, now, frame);
+      const ActuatorFrame output = tick(sweep.model, state, scratch, frame);
+      return command_forces(sweep.model, scratch, frame, output, now, loop);
+    };
+    certify_loop(loop);
+    DeviceCommand command;
+    for (int i = 0; i < 500; ++i) command = step(0);
+    EXPECT_GT(command.wanted[3], 0.02);
+    EXPECT_EQ(command.stiffness[3] > 0, feedback);
+    command = step(1u << 5);
+    EXPECT_GT(command.wanted[3], 0.02) << "it fades";
+    EXPECT_EQ(command.stiffness[3], 0) << "it is not what the motion's angle makes of it";
+    EXPECT_EQ(command.radius[3], 0);
+    EXPECT_EQ(command.stiffness[6] > 0, feedback) << "the others' angles are believed";
+  }
 }
 
 // What is lost is time without a command, which the certificate has to know of.

@@ -143,6 +143,16 @@ void renew_certificate(HapticLoop& loop) {
   if (is_measured(loop.meter) && total(timing) > total(loop.slowest)) loop.slowest = timing;
 }
 
+// Where the device has a sensor that is not believed now, the frame's angle is another one than the device's.
+bool is_doubted(const HapticLoop& loop, std::size_t angle) {
+  const bool measured =
+      std::any_of(loop.profile.sensors.begin(), loop.profile.sensors.end(),
+                  [angle](const Sensor& sensor) { return static_cast<std::size_t>(sensor.angle) == angle; });
+  return measured && (loop.feedback.valid >> angle & 1u) == 0;
+}
+
+// None where the angle is not the device's: round another one the torque may be anything up to twice what it
+// is.
 void put_local_models(const DeviceFrame& frame, const JointArray& wanted, const HapticLoop& loop,
                       DeviceCommand& command) {
   for (std::size_t i = 0; i < loop.profile.actuators.size(); ++i) {
@@ -151,6 +161,7 @@ void put_local_models(const DeviceFrame& frame, const JointArray& wanted, const 
     const auto j = static_cast<std::size_t>(
         std::find_if(actuator.arm.begin(), actuator.arm.end(), [](double arm) { return arm != 0; }) -
         actuator.arm.begin());
+    if (is_doubted(loop, angle_of(j))) continue;
     const double k = loop.level[j / 3] * loop.stiffness[j / 3][j % 3][j % 3];
     command.angle[i] = static_cast<double>(frame.angle[angle_of(j)]);
     command.stiffness[i] = max(0, k);
@@ -173,6 +184,8 @@ HapticLoop start_loop(const DeviceProfile& profile, const LoopOptions& options) 
   loop.profile = profile;
   loop.options = options;
   if (profile.sensors.empty()) loop.options.feedback = false;
+  // Where the motion moves the hand instead, its angles are not those that the device has.
+  if (!loop.options.feedback && !profile.sensors.empty()) loop.options.local = false;
   // Where angles come over the bus, so do the models made of them, and a touch that is not straight goes by
   // them: the loop is the bus's, however fast the device goes on in between.
   loop.local_loop = loop.options.local && profile.sensors.empty();
