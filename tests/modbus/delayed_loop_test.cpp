@@ -218,6 +218,55 @@ TEST(DelayedLoop, LetsGoOfATorqueWithoutAKickWhenTheBusBecomesSlow) {
   EXPECT_LT(least, 0.2 * before) << "but it does let go";
 }
 
+// A free hand that opens and closes once, with the same commands acting all the while.
+HapticLoop move_freely(const Sweep& sweep, const DeviceProfile& profile, double command) {
+  HapticLoop loop = start_loop(profile, {});
+  State state;
+  Scratch scratch = make_scratch(sweep.model);
+  DeviceFrame frame = resample(mug_grasp(sweep.model, 10), 0);
+  frame.base.position.x += 1;
+  certify_loop(loop);
+  for (int i = 0; i <= 1000; ++i) {
+    DeviceFeedback said;
+    said.asked = i * 1'000'000;
+    said.time = said.asked + 500'000;
+    said.valid = (1u << kAngleCount) - 1;
+    said.angle.fill(static_cast<float>(0.7 + 0.6 * std::cos(0.00628 * i)));
+    said.acted.fill(command);
+    take_feedback(said, loop);
+    put_angles(loop, said.time, frame);
+    const ActuatorFrame output = tick(sweep.model, state, scratch, frame);
+    command_forces(sweep.model, scratch, frame, output, said.time, loop);
+  }
+  return loop;
+}
+
+// A wire's preload pulls whether something is touched or not: the way a free hand makes under it is no touch.
+TEST(DelayedLoop, CountsNoEnergyOfWiresThatOnlyHoldTheirPreload) {
+  const HapticLoop loop = move_freely({}, test::shipped_profile("wire_glove"), 0.8);
+  for (const EnergyAccount& account : loop.account) {
+    EXPECT_EQ(account.generated, 0);
+    EXPECT_EQ(account.energy, 0) << "nothing that could pay for a touch, either";
+  }
+}
+
+// Whichever way a joint goes, and its arm is written down.
+TEST(DelayedLoop, CountsWhatBrakesTakeAsTaken) {
+  for (const double arm : {1.0, -1.0}) {
+    DeviceProfile profile = test::shipped_profile("exoskeleton");
+    for (std::size_t i = 0; i < profile.actuators.size(); ++i) {
+      profile.actuators[i].drive = Drive::brake;
+      profile.actuators[i].lower = 0;
+      profile.actuators[i].arm[i] = arm;
+    }
+    const HapticLoop loop = move_freely({}, profile, 0.1);
+    for (const EnergyAccount& account : loop.account) {
+      EXPECT_EQ(account.generated, 0) << arm;
+      EXPECT_GT(account.energy, 3 * 0.1 * 2.3) << arm;
+    }
+  }
+}
+
 TEST(DelayedLoop, ShakesAndGivesEnergyWithoutProtectionAndTheAccountsAloneBoundIt) {
   LoopOptions none, accounts;
   none.limiter = none.account = none.follow = none.gaps = false;

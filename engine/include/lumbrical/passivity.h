@@ -74,7 +74,7 @@ struct EnergyAccount {
 struct EnergyStep {
   double dt = 0.001;              ///< [s] between them; in doubt longer
   std::array<double, 3> moved{};  ///< [rad] closing
-  std::array<double, 3> acted{};  ///< [N m] the torques the device made meanwhile
+  std::array<double, 3> acted{};  ///< [N m] the torques the device made meanwhile, wires' preload left out
   double given = 0;               ///< [J] what the touch has taken elsewhere: see arm_work
   bool touching = false;          ///< torques act or are wanted
 };
