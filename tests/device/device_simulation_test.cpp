@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -79,6 +80,37 @@ TEST(SimulatedDevice, BrakesOpposeWhatMoves) {
       taken += 0.001 * host.device.torque()[3] * host.device.joints()[3].speed;  // opening, closing
     }
     EXPECT_GT(taken, 1e-3) << arm;
+  }
+}
+
+// Of others' devices, whose joints weigh nothing that their profiles would say.
+TEST(SimulatedDevice, BrakesHoldALightJointStillAndGiveItNothing) {
+  for (const char* const name : {"inspire_rh56", "robotiq_2f"}) {
+    const DeviceProfile profile = test::shipped_profile(name);
+    SimulatedDevice device(profile, {});
+    const Actuator& brake = profile.actuators.back();
+    const auto joint = static_cast<std::size_t>(
+        std::find_if(brake.arm.begin(), brake.arm.end(), [](double arm) { return arm != 0; }) -
+        brake.arm.begin());
+    WornDevice worn;
+    double farthest = 0;
+    const double start = device.joints()[joint].angle;
+    for (int i = 0; i < 4000; ++i) {
+      const auto word = static_cast<std::uint16_t>(brake.upper);
+      ASSERT_EQ(device.write(brake.field.unit, brake.field.address, std::span(&word, 1)), 0);
+      if (profile.control.present) {
+        ASSERT_EQ(device.write(profile.control.unit, profile.control.address,
+                               std::span(&profile.control.active, 1)),
+                  0);
+      }
+      device.advance(0.001);
+      look(device, worn);
+      farthest = std::max(farthest, std::fabs(device.joints()[joint].angle - start));
+    }
+    EXPECT_LT(farthest, 1e-3) << name << ": the hand that is held can do 0.45 N m, the brake more";
+    EXPECT_EQ(shakes_of(worn), 0u) << name;
+    EXPECT_EQ(worn.given, 0) << name;
+    EXPECT_GE(worn.taken, 0) << name;
   }
 }
 

@@ -30,8 +30,9 @@ struct JointState {
 
 /// Moves a joint by `dt` [s] under the device's opening torque [N m] and the human's hold towards `target`
 /// [rad]. Implicit in springs, damping and friction: stable at any step, and friction stops the joint dead.
-void step_joint(const JointDynamics& dynamics, const HumanJoint& human, double target, double torque,
-                double dt, JointState& joint);
+/// Returns the opening torque [N m] that friction made meanwhile.
+double step_joint(const JointDynamics& dynamics, const HumanJoint& human, double target, double torque,
+                  double dt, JointState& joint);
 
 /// The angle as an encoder with steps reports it.
 double read_encoder(const JointDynamics& dynamics, double angle);
@@ -116,7 +117,7 @@ class SimulatedDevice {
   SimulationOptions options_;
   std::map<Place, std::uint16_t> registers_;
   std::array<JointState, kPhalanxCount> joints_{};
-  JointArray torque_{};
+  JointArray torque_{}, braked_{};  // braked_: what brakes take at most, whichever way
   ActuatorArray command_{};
   double time_ = 0, left_ = 0, silence_ = 1e9, on_since_ = -1;
   std::uint16_t last_heartbeat_ = 0;

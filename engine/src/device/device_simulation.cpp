@@ -40,8 +40,8 @@ void turn(double time, double angle, WornDevice::Turns& turns) {
 
 }  // namespace
 
-void step_joint(const JointDynamics& dynamics, const HumanJoint& human, double target, double torque,
-                double dt, JointState& joint) {
+double step_joint(const JointDynamics& dynamics, const HumanJoint& human, double target, double torque,
+                  double dt, JointState& joint) {
   const double damping = dynamics.damping + human.damping;
   const double mass = dynamics.inertia + dt * damping + dt * dt * human.stiffness;
   const double push = human.stiffness * (target - joint.angle) - torque;
@@ -49,6 +49,7 @@ void step_joint(const JointDynamics& dynamics, const HumanJoint& human, double t
   const double friction = dt * dynamics.friction / mass;
   joint.speed = free > friction ? free - friction : free < -friction ? free + friction : 0;
   joint.angle += dt * joint.speed;
+  return mass * (free - joint.speed) / dt;
 }
 
 double read_encoder(const JointDynamics& dynamics, double angle) {
@@ -175,10 +176,10 @@ int SimulatedDevice::read(std::uint8_t unit, std::uint16_t address, std::span<st
   return 0;
 }
 
-// What acts now: the newest command while someone sends them, fading when no one does.
+// What acts now: the newest command while someone sends them, fading when no one does. Brakes are friction.
 void SimulatedDevice::read_commands() {
   const bool off = !switched_on() || stop_ || broken_;
-  torque_ = {};
+  torque_ = braked_ = {};
   for (std::size_t i = 0; i < profile_.actuators.size(); ++i) {
     const Actuator& actuator = profile_.actuators[i];
     double wanted = off ? actuator.safe : clamp(field(actuator.field), actuator.lower, actuator.upper);
@@ -200,10 +201,11 @@ void SimulatedDevice::read_commands() {
     const double most = off || silence_ > options_.watchdog ? range / options_.fade * options_.step : range;
     command_[i] += clamp(wanted - command_[i], -most, most);
     for (std::size_t j = 0; j < kPhalanxCount; ++j) {
-      const double speed = joints_[j].speed;
-      const double sense = actuator.drive != Drive::brake ? 1 : speed > 1e-3 ? 1 : speed < -1e-3 ? -1 : 0;
-      const double arm = actuator.drive == Drive::brake ? std::fabs(actuator.arm[j]) : actuator.arm[j];
-      torque_[j] += sense * arm * command_[i];
+      if (actuator.drive == Drive::brake) {
+        braked_[j] += std::fabs(actuator.arm[j] * command_[i]);
+      } else {
+        torque_[j] += actuator.arm[j] * command_[i];
+      }
     }
   }
 }
@@ -238,7 +240,10 @@ void SimulatedDevice::step(double dt) {
   options_.intention(on_since_ < 0 ? 0 : time_ - on_since_, target);
   read_commands();
   for (std::size_t j = 0; j < kPhalanxCount; ++j) {
-    step_joint(profile_.dynamics[j], options_.human, target[j], torque_[j], dt, joints_[j]);
+    JointDynamics dynamics = profile_.dynamics[j];
+    dynamics.friction += braked_[j];
+    const double rubbed = step_joint(dynamics, options_.human, target[j], torque_[j], dt, joints_[j]);
+    if (braked_[j] > 0) torque_[j] += braked_[j] / dynamics.friction * rubbed;
   }
 }
 
