@@ -161,6 +161,28 @@ TEST(SimulatedDevice, RefusesRegistersItDoesNotHave) {
   EXPECT_FALSE(host.device.has_unit(2));
 }
 
+// The glove's angles have the addresses of its commands, but in a table of their own.
+TEST(SimulatedDevice, HasInputRegistersBesideItsCommandsWhereTheyAreItsFeedback) {
+  SimulatedDevice device(test::shipped_profile("wire_glove"), {});
+  std::array<std::uint16_t, 6> words = {1, 0, 2000, 2000, 2000, 2000};
+  for (int i = 0; i < 500; ++i) {
+    ++words[1];
+    ASSERT_EQ(device.write(1, 0, words), 0);
+    device.advance(0.001);
+  }
+  EXPECT_TRUE(device.switched_on());
+  EXPECT_NEAR(device.torque()[3], 2 * 0.009, 1e-12);
+  std::array<std::uint16_t, 6> told{};
+  ASSERT_EQ(device.read(1, 0, told), 0);
+  EXPECT_EQ(told, words) << "who reads them back finds what was written";
+  std::array<std::uint16_t, 18> feedback{};
+  ASSERT_EQ(device.read_inputs(1, 0, feedback), 0);
+  EXPECT_NEAR(5e-4 * feedback[3], device.joints()[3].angle, 2e-3);
+  EXPECT_EQ(feedback[16], 8) << "ready";
+  EXPECT_EQ(feedback[17], words[1]);
+  EXPECT_EQ(device.read(1, 16, told), 2);
+}
+
 TEST(SimulatedDevice, GivesTheSameBitsEveryTime) {
   Host a, b;
   a.run(500, 1, 300);

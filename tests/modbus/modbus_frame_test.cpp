@@ -30,6 +30,19 @@ struct Registers {
                         }};
 };
 
+TEST(ModbusFrame, ReadsInputRegistersWhereThereAreAny) {
+  Registers registers;
+  registers.words[5] = 7;
+  const Bytes holding = {3, 0, 5, 0, 1}, inputs = {4, 0, 5, 0, 1};
+  EXPECT_EQ(answer_request(registers.access, 1, inputs), (Bytes{4, 2, 0, 7})) << "the same, if not";
+  registers.access.read_inputs = [](std::uint8_t, std::uint16_t, std::span<std::uint16_t> values) {
+    values[0] = 9;
+    return 0;
+  };
+  EXPECT_EQ(answer_request(registers.access, 1, inputs), (Bytes{4, 2, 0, 9}));
+  EXPECT_EQ(answer_request(registers.access, 1, holding), (Bytes{3, 2, 0, 7}));
+}
+
 TEST(ModbusFrame, AnswersTheFramePrintedInRobotiqsManual) {
   Bytes received = {0x09, 0x10, 0x03, 0xE8, 0x00, 0x03, 0x06, 0x09, 0x00, 0x00, 0x00, 0xFF, 0xFF, 0x72, 0x19};
   ModbusRequest request;

@@ -83,9 +83,11 @@ class SimulatedDevice {
   void advance(double seconds);
 
   /// Registers by unit and address. Answers 0, or Modbus' exception code 2 (illegal data address) with
-  /// nothing read or written.
+  /// nothing read or written. Where the profile's feedback is FC4 it lies in input registers, which have
+  /// addresses of their own; else `read` and `read_inputs` are the same.
   int write(std::uint8_t unit, std::uint16_t address, std::span<const std::uint16_t> words);
   int read(std::uint8_t unit, std::uint16_t address, std::span<std::uint16_t> words) const;
+  int read_inputs(std::uint8_t unit, std::uint16_t address, std::span<std::uint16_t> words) const;
   [[nodiscard]] bool has_unit(std::uint8_t unit) const;
   [[nodiscard]] bool is_command(std::uint8_t unit, std::uint16_t address) const;  ///< written in every cycle
 
@@ -107,6 +109,8 @@ class SimulatedDevice {
 
  private:
   using Place = std::pair<std::uint8_t, std::uint16_t>;
+  using Registers = std::map<Place, std::uint16_t>;
+  Registers& feedback() { return profile_.read_function == 4 ? inputs_ : registers_; }
   void step(double dt);
   void read_commands();
   void write_feedback();
@@ -115,7 +119,7 @@ class SimulatedDevice {
 
   DeviceProfile profile_;
   SimulationOptions options_;
-  std::map<Place, std::uint16_t> registers_;
+  Registers registers_, inputs_;
   std::array<JointState, kPhalanxCount> joints_{};
   JointArray torque_{}, braked_{};  // braked_: what brakes take at most, whichever way
   ActuatorArray command_{};

@@ -38,6 +38,24 @@ void turn(double time, double angle, WornDevice::Turns& turns) {
   }
 }
 
+using Registers = std::map<std::pair<std::uint8_t, std::uint16_t>, std::uint16_t>;
+
+bool holds_unit(const Registers& registers, std::uint8_t unit) {
+  const auto first = registers.lower_bound({unit, 0});
+  return first != registers.end() && first->first.first == unit;
+}
+
+int read_words(const Registers& registers, std::uint8_t unit, std::uint16_t address,
+               std::span<std::uint16_t> words) {
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    const auto found = address + k > 65535 ? registers.end()
+                                           : registers.find({unit, static_cast<std::uint16_t>(address + k)});
+    if (found == registers.end()) return 2;
+    words[k] = found->second;
+  }
+  return 0;
+}
+
 }  // namespace
 
 double step_joint(const JointDynamics& dynamics, const HumanJoint& human, double target, double torque,
@@ -95,14 +113,15 @@ SimulatedDevice::SimulatedDevice(const DeviceProfile& profile, SimulationOptions
     : profile_(profile), options_(std::move(options)) {
   if (!options_.intention) options_.intention = slow_grasp;
   const ExchangePlan plan = plan_exchange(profile_);
-  for (const auto* const blocks : {&plan.writes, &plan.reads}) {
+  for (const auto& [blocks, registers] :
+       {std::pair(&plan.writes, &registers_), std::pair(&plan.reads, &feedback())}) {
     for (const RegisterBlock& block : *blocks) {
       for (int k = 0; k < block.count; ++k)
-        registers_[{block.unit, static_cast<std::uint16_t>(block.address + k)}] = 0;
+        (*registers)[{block.unit, static_cast<std::uint16_t>(block.address + k)}] = 0;
     }
   }
   for (const RegisterWrite& write : profile_.handshake) registers_[{write.unit, write.address}] = 0;
-  for (const RegisterCheck& check : profile_.expected) registers_[{check.unit, check.address}] |= check.value;
+  for (const RegisterCheck& check : profile_.expected) feedback()[{check.unit, check.address}] |= check.value;
   for (JointDynamics& joint : profile_.dynamics) joint.inertia = std::max(joint.inertia, 1e-6);
   for (std::size_t i = 0; i < profile_.actuators.size(); ++i) command_[i] = profile_.actuators[i].safe;
   JointArray start{};
@@ -112,8 +131,7 @@ SimulatedDevice::SimulatedDevice(const DeviceProfile& profile, SimulationOptions
 }
 
 bool SimulatedDevice::has_unit(std::uint8_t unit) const {
-  const auto first = registers_.lower_bound({unit, 0});
-  return first != registers_.end() && first->first.first == unit;
+  return holds_unit(registers_, unit) || holds_unit(inputs_, unit);
 }
 
 bool SimulatedDevice::is_command(std::uint8_t unit, std::uint16_t address) const {
@@ -137,7 +155,7 @@ double SimulatedDevice::field(const RegisterField& place) const {
 void SimulatedDevice::put(const RegisterField& place, double value) {
   std::array<std::uint16_t, 2> words{};
   const auto at = [&](int k) -> std::uint16_t& {
-    return registers_[{place.unit, static_cast<std::uint16_t>(place.address + k)}];
+    return feedback()[{place.unit, static_cast<std::uint16_t>(place.address + k)}];
   };
   const int count = register_count(place.type);
   for (int k = 0; k < count; ++k) words[static_cast<std::size_t>(k)] = at(k);
@@ -167,13 +185,12 @@ int SimulatedDevice::write(std::uint8_t unit, std::uint16_t address, std::span<c
 }
 
 int SimulatedDevice::read(std::uint8_t unit, std::uint16_t address, std::span<std::uint16_t> words) const {
-  for (std::size_t k = 0; k < words.size(); ++k) {
-    const auto found = address + k > 65535 ? registers_.end()
-                                           : registers_.find({unit, static_cast<std::uint16_t>(address + k)});
-    if (found == registers_.end()) return 2;
-    words[k] = found->second;
-  }
-  return 0;
+  return read_words(registers_, unit, address, words);
+}
+
+int SimulatedDevice::read_inputs(std::uint8_t unit, std::uint16_t address,
+                                 std::span<std::uint16_t> words) const {
+  return read_words(profile_.read_function == 4 ? inputs_ : registers_, unit, address, words);
 }
 
 // What acts now: the newest command while someone sends them, fading when no one does. Brakes are friction.
@@ -222,14 +239,14 @@ void SimulatedDevice::write_feedback() {
     put(sensor.field, nowhere ? kNoAngle : angle + (jumps ? kJump : 0));
   }
   const Heartbeat& heartbeat = profile_.heartbeat;
-  if (heartbeat.echoed) registers_[{heartbeat.unit, heartbeat.echo_address}] = last_heartbeat_;
+  if (heartbeat.echoed) feedback()[{heartbeat.unit, heartbeat.echo_address}] = last_heartbeat_;
   const StatusBits& status = profile_.status;
   if (!status.present) return;
   unsigned bits = status.ready;
   if (broken_) bits |= status.fault;
   if (stop_) bits |= status.stop;
   if (dead_man_) bits |= status.dead_man;
-  registers_[{status.unit, status.address}] = static_cast<std::uint16_t>(bits);
+  feedback()[{status.unit, status.address}] = static_cast<std::uint16_t>(bits);
 }
 
 void SimulatedDevice::step(double dt) {

@@ -8,7 +8,8 @@ namespace lumbrical {
 namespace {
 
 constexpr std::size_t kLongestBody = 253;
-constexpr std::uint8_t kWriteRegisters = 16;
+constexpr std::uint8_t kWriteRegisters = 16, kReadInputs = 4;
+constexpr int kMostRead = 125;
 
 std::uint16_t word(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::uint16_t>(bytes[at] << 8 | bytes[at + 1]);
@@ -29,11 +30,12 @@ Bytes exception(std::uint8_t function, int code) {
   return {static_cast<std::uint8_t>(function | 0x80), static_cast<std::uint8_t>(code)};
 }
 
-int read_words(const RegisterAccess& access, std::uint8_t unit, std::uint16_t address, std::uint16_t count,
-               int most, Bytes& answer) {
-  if (count < 1 || count > most) return kIllegalValue;
+int read_words(const RegisterAccess& access, bool inputs, std::uint8_t unit, std::uint16_t address,
+               std::uint16_t count, Bytes& answer) {
+  if (count < 1 || count > kMostRead) return kIllegalValue;
   std::vector<std::uint16_t> words(count);
-  if (const int code = access.read(unit, address, words); code != 0) return code;
+  const auto& read = inputs && access.read_inputs ? access.read_inputs : access.read;
+  if (const int code = read(unit, address, words); code != 0) return code;
   answer.push_back(static_cast<std::uint8_t>(2 * count));
   for (const std::uint16_t value : words) put_word(answer, value);
   return 0;
@@ -88,7 +90,8 @@ Bytes answer_request(const RegisterAccess& access, std::uint8_t unit, std::span<
   switch (function) {
     case 3:
     case 4:
-      if (data.size() == 4) code = read_words(access, unit, word(data, 0), word(data, 2), 125, answer);
+      if (data.size() == 4)
+        code = read_words(access, function == kReadInputs, unit, word(data, 0), word(data, 2), answer);
       break;
     case 6:
       if (data.size() == 4) {
@@ -106,7 +109,7 @@ Bytes answer_request(const RegisterAccess& access, std::uint8_t unit, std::span<
     case 23:
       if (data.size() >= 8) {
         code = write_words(access, unit, word(data, 4), data.subspan(6), 121);
-        if (code == 0) code = read_words(access, unit, word(data, 0), word(data, 2), 125, answer);
+        if (code == 0) code = read_words(access, false, unit, word(data, 0), word(data, 2), answer);
       }
       break;
     default:

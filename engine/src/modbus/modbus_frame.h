@@ -21,6 +21,8 @@ struct RegisterAccess {
   std::function<bool(std::uint8_t unit)> has_unit;
   std::function<int(std::uint8_t unit, std::uint16_t address, std::span<std::uint16_t> words)> read;
   std::function<int(std::uint8_t unit, std::uint16_t address, std::span<const std::uint16_t> words)> write;
+  /// Input registers (function 4); empty: the same as `read`.
+  std::function<int(std::uint8_t unit, std::uint16_t address, std::span<std::uint16_t> words)> read_inputs{};
 };
 
 /// Answers a request of functions 3, 4, 6, 16 and 23; an exception for any other, and for counts that are

@@ -135,6 +135,9 @@ struct ModbusServer::Session {
       return device.read(unit, address, words);
     };
     access.write = [this](auto unit, auto address, auto words) { return device.write(unit, address, words); };
+    access.read_inputs = [this](auto unit, auto address, auto words) {
+      return device.read_inputs(unit, address, words);
+    };
   }
 
   std::uint32_t next_random() { return random = random * 1664525u + 1013904223u; }
