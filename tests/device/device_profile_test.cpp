@@ -136,6 +136,8 @@ TEST(DeviceProfile, NeverWritesARegisterNoOneNamedAndNeverTooMany) {
   }
   EXPECT_EQ(total, 256);
   EXPECT_EQ(plan.writes.size(), 3u);
+  for (const RegisterBlock& block : plan.writes)
+    EXPECT_EQ(block.count % 2, 0) << "both words of a number go in one request";
 
   const std::string gap = profile_text(kMotor, R"(, "control": {"address": 7})");
   EXPECT_EQ(plan_exchange(load(write(gap))).writes, (std::vector<RegisterBlock>{{1, 5, 1}, {1, 7, 1}}));

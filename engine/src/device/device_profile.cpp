@@ -63,23 +63,41 @@ std::vector<NamedField> read_fields(const DeviceProfile& profile) {
   return fields;
 }
 
-std::vector<RegisterBlock> blocks_of(const std::vector<NamedField>& fields, int widest_gap, int most) {
-  std::vector<std::pair<int, int>> words;  // (unit, address), each once
+// Registers that go together in one request: a field's two words from two requests may be of two numbers.
+struct Span {
+  int unit, first, last;
+};
+
+std::vector<Span> spans_of(const std::vector<NamedField>& fields) {
+  std::vector<Span> spans;
   for (const NamedField& named : fields) {
-    for (int k = 0; k < register_count(named.field.type); ++k) {
-      words.emplace_back(named.field.unit, named.field.address + k);
+    const RegisterField& field = named.field;
+    spans.push_back({field.unit, field.address, field.address + register_count(field.type) - 1});
+  }
+  std::sort(spans.begin(), spans.end(), [](const Span& a, const Span& b) {
+    return std::tuple(a.unit, a.first, a.last) < std::tuple(b.unit, b.first, b.last);
+  });
+  std::vector<Span> apart;
+  for (const Span& span : spans) {
+    if (!apart.empty() && apart.back().unit == span.unit && span.first <= apart.back().last) {
+      apart.back().last = std::max(apart.back().last, span.last);
+    } else {
+      apart.push_back(span);
     }
   }
-  std::sort(words.begin(), words.end());
-  words.erase(std::unique(words.begin(), words.end()), words.end());
+  return apart;
+}
+
+std::vector<RegisterBlock> blocks_of(const std::vector<NamedField>& fields, int widest_gap, int most) {
   std::vector<RegisterBlock> blocks;
-  for (const auto& [unit, address] : words) {
+  for (const Span& span : spans_of(fields)) {
     RegisterBlock* const last = blocks.empty() ? nullptr : &blocks.back();
-    if (last != nullptr && last->unit == unit && address - (last->address + last->count) <= widest_gap &&
-        address - last->address < most) {
-      last->count = static_cast<std::uint16_t>(address - last->address + 1);
+    if (last != nullptr && last->unit == span.unit &&
+        span.first - (last->address + last->count) <= widest_gap && span.last - last->address < most) {
+      last->count = static_cast<std::uint16_t>(span.last - last->address + 1);
     } else {
-      blocks.push_back({static_cast<std::uint8_t>(unit), static_cast<std::uint16_t>(address), 1});
+      blocks.push_back({static_cast<std::uint8_t>(span.unit), static_cast<std::uint16_t>(span.first),
+                        static_cast<std::uint16_t>(span.last - span.first + 1)});
     }
   }
   return blocks;
