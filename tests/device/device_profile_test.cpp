@@ -163,6 +163,8 @@ TEST(DeviceProfile, TellsEveryMistakeWithLineAndColumn) {
        ":3:", "must not be 0"},
       {profile_text(at + R"("upper": 100, )" + joints), ":3:", "too little for the limits"},
       {profile_text(at + R"("upper": 1, "safe": -0.5, )" + joints), ":3:", "lies outside lower .. upper"},
+      {profile_text(R"("at": {"address": 5}, "lower": 0.3, "upper": 0.5, "safe": 0.4, )" + joints),
+       ":3:", "no count of it lies within lower .. upper"},
       {profile_text(at + R"("upper": 1, "lower": -1, "drive": "wire", )" + joints),
        ":3:", "must not be negative"},
       {profile_text(at + R"("upper": 1, "preload": 0.1, )" + joints), ":3:", "is for wires only"},

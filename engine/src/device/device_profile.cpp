@@ -117,6 +117,18 @@ ProfileFault range_fault(const RegisterField& field, double low, double high, co
                     ", too little for the limits; change type, scale or limits"};
 }
 
+// Commands are told in counts: the one next to a command must not have to lie beyond a limit.
+ProfileFault counts_fault(const Actuator& actuator, const std::string& path) {
+  constexpr double kRounding = 1e-6;  // [counts]
+  const RegisterField& field = actuator.field;
+  if (field.type == RegisterType::f32) return {};
+  const double a = (actuator.lower - field.offset) / field.scale,
+               b = (actuator.upper - field.offset) / field.scale;
+  if (std::ceil(std::min(a, b) - kRounding) <= std::floor(std::max(a, b) + kRounding)) return {};
+  return {path + ".scale",
+          "is " + text_of(field.scale) + ", and no count of it lies within lower .. upper; make it finer"};
+}
+
 ProfileFault limits_fault(const Actuator& actuator, const std::string& path) {
   const double numbers[] = {actuator.lower, actuator.upper, actuator.safe, actuator.preload, actuator.slew};
   for (const double number : numbers) {
@@ -157,6 +169,7 @@ ProfileFault fields_fault(const Actuator& actuator, const std::string& path) {
       !fault.what.empty()) {
     return fault;
   }
+  if (ProfileFault fault = counts_fault(actuator, path + ".at"); !fault.what.empty()) return fault;
   if (!actuator.local.present) return {};
   const LocalFields& local = actuator.local;
   for (const auto& [field, low, high, name] : {std::tuple(&local.angle, -0.5, 2.0, ".local.angle"),
