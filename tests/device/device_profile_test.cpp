@@ -177,6 +177,7 @@ TEST(DeviceProfile, TellsEveryMistakeWithLineAndColumn) {
       {profile_text(R"("at": {"address": 5, "unit": 248}, "upper": 1, )" + joints), ":3:", "must lie in"},
       {profile_text(kMotor, ",\n \"control\": {\"address\": 5}"), ":4:", "overlaps actuators[0].at"},
       {profile_text(kMotor, ",\n \"rate\": 0"), ":4:10:", "must lie in"},
+      {profile_text(kMotor, ",\n \"rate\": 10"), ":4:10:", "would count as lost"},
       {profile_text(kMotor, ",\n \"rate\": 1e999"), ":4:", ""},
       {profile_text(kMotor, ",\n \"command\": \"FC23\", \"feedback\": \"FC4\""), ":4:", "FC3"},
       {profile_text(kMotor, ",\n \"expected\": [{\"address\": 1, \"mask\": 1, \"value\": 2}]"),

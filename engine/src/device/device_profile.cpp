@@ -198,6 +198,11 @@ ProfileFault overlap_fault(const std::vector<NamedField>& fields) {
 
 ProfileFault times_fault(const DeviceProfile& profile) {
   if (profile.first_retry > profile.last_retry) return {"first_retry", "must not exceed last_retry"};
+  if (!(profile.rate * profile.safety.answer_timeout > 1)) {
+    return {"rate",
+            "leaves no time below safety.answer_timeout between two exchanges, so that the device would "
+            "count as lost; raise one of them"};
+  }
   if (profile.safety.tick_hold > profile.safety.tick_timeout) {
     return {"safety.tick_hold", "must not exceed tick_timeout"};
   }
