@@ -21,6 +21,7 @@ constexpr float kAngle = 0.3f;  // [rad] that every joint is at
 
 struct HeldDevice {
   ActuatorArray value{};
+  std::array<float, kAngleCount> off{};  // [rad] from kAngle
   bool on = false, there = true, held = true, ready = true;
   bool cuts = false;    // the next exchange
   double missing = 0;   // [s] that the next exchange waits for an answer in vain
@@ -52,7 +53,8 @@ class HeldWire final : public DeviceWire {
     answer.status.has_dead_man = true;
     answer.status.dead_man = device_.held;
     for (const Sensor& sensor : profile_.sensors) {
-      answer.angle[static_cast<std::size_t>(sensor.angle)] = kAngle;
+      const auto a = static_cast<std::size_t>(sensor.angle);
+      answer.angle[a] = kAngle + device_.off[a];
       answer.valid |= 1u << sensor.angle;
     }
     return {};
@@ -158,6 +160,23 @@ TEST_F(DeviceLoopTest, AnEmergencyStopFadesAndOnlyAResetAndArmingBringForcesBack
   loop.sink.request_reset();
   loop.sink.arm_when_ready();
   EXPECT_TRUE(steps_until([&] { return told() > 0; }));
+}
+
+// One broken sensor must not be blamed for what another says later.
+TEST_F(DeviceLoopTest, NamesTheJointWhoseAngleIsNotBelieved) {
+  open();
+  std::string log;
+  const auto tells = [&](const std::string& text) {
+    for (const SinkEvent& event : loop.sink.events()) log += event.text + "\n";
+    return log.find(text) != std::string::npos;
+  };
+  device.off[1] = 10;
+  EXPECT_TRUE(steps_until([&] { return tells("angle of thumb metacarpal out of its range"); })) << log;
+  EXPECT_TRUE(steps_until([&] {
+    device.off[5] = 2 - device.off[5];
+    return tells(" jumps");
+  }));
+  EXPECT_TRUE(tells("angle of index proximal jumps farther")) << log;
 }
 
 TEST_F(DeviceLoopTest, ADisarmEndsAnArmingThatStillWaitsForTheDevice) {

@@ -59,17 +59,19 @@ void check_feedback(const DeviceProfile& profile, DeviceFeedback& feedback, Feed
     const JointDynamics& dynamics = profile.dynamics[joint];
     const bool in_range = (feedback.valid & bit) != 0;
     if (!in_range || jumps(dynamics, feedback.angle[a], feedback.time, memory[a])) {
-      feedback.flags |= in_range ? kAngleJumped : kAngleOutOfRange;
+      memory[a].doubt = in_range ? kAngleJumped : kAngleOutOfRange;
+      feedback.flags |= memory[a].doubt;
       feedback.valid &= ~bit;
       feedback.angle[a] = memory[a].believed;
       continue;
     }
     memory[a].believed = feedback.angle[a];
     memory[a].asked = feedback.asked;
+    memory[a].doubt = 0;
     if (motion == 0) continue;  // nothing drives abduction
     if (is_stuck(dynamics, torque_about(profile, feedback.acted, joint), feedback.angle[a], feedback.time,
                  memory[a])) {
-      feedback.flags |= kAngleStuck;
+      feedback.flags |= memory[a].doubt = kAngleStuck;
       feedback.valid &= ~bit;
     }
   }

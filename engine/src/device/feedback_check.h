@@ -21,6 +21,7 @@ struct AngleMemory {
   float still = 0;           ///< the value that it has had
   std::int64_t since = 0;    ///< since then; 0: none yet
   double low = 0, high = 0;  ///< [N m] torques about the joint meanwhile
+  std::uint32_t doubt = 0;   ///< DeviceFlag: why the newest one is not believed; 0: it is
 };
 using FeedbackMemory = std::array<AngleMemory, kAngleCount>;
 

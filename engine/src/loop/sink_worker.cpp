@@ -221,16 +221,18 @@ bool DeviceSink::Worker::exchange_with(const SafetyOutput& output) {
 // Each kind when it begins, with the first joint that it is about.
 void DeviceSink::Worker::tell_doubts(const DeviceFeedback& feedback) {
   const std::uint32_t news = feedback.flags & ~std::exchange(doubts, feedback.flags);
-  if (news == 0) return;
-  const auto sensor = std::find_if(profile.sensors.begin(), profile.sensors.end(), [&](const Sensor& one) {
-    return (feedback.valid >> one.angle & 1u) == 0;
-  });
-  const int motion = sensor->angle % 4, joint = 3 * (sensor->angle / 4) + std::max(motion - 1, 0);
-  std::string text = "not believed, forces fade: angle of " + std::string(segment_name(joint));
-  if ((news & kAngleOutOfRange) != 0) text += " out of its range";
-  if ((news & kAngleJumped) != 0) text += " jumps farther than a finger can move";
-  if ((news & kAngleStuck) != 0) text += " is not moved by torques that must move it";
-  tell(std::move(text));
+  for (const auto& [flag, what] :
+       {std::pair<std::uint32_t, const char*>(kAngleOutOfRange, " out of its range"),
+        {kAngleJumped, " jumps farther than a finger can move"},
+        {kAngleStuck, " is not moved by torques that must move it"}}) {
+    if ((news & flag) == 0) continue;
+    const auto sensor = std::find_if(
+        profile.sensors.begin(), profile.sensors.end(), [this, reason = flag](const Sensor& one) {
+          return feedback_memory[static_cast<std::size_t>(one.angle)].doubt == reason;
+        });
+    const int motion = sensor->angle % 4, joint = 3 * (sensor->angle / 4) + std::max(motion - 1, 0);
+    tell("not believed, forces fade: angle of " + std::string(segment_name(joint)) + what);
+  }
 }
 
 // Those that the profile knows, within their sensors' ranges.
