@@ -181,6 +181,29 @@ TEST(DeviceProgram, GoesWithoutForcesOrWithoutAHeartbeatFeedbackAndProtectionsIf
   EXPECT_GT(run(all, folder), 0.001);
 }
 
+// A device that tells no angles has a delay that no one knows, which is not 0.
+TEST(DeviceProgram, DoesNotTellAsZeroWhatWasNotMeasured) {
+  const auto folder = fresh_folder();
+  write_inputs(folder);
+  json mute = json::parse(test::read_file((folder / "device.json").string()));
+  mute.erase("sensors");
+  std::ofstream(folder / "device.json") << mute;
+  const std::string run =
+      "lumbrical run scene.json --rate 100 --ticks 150 --sink "
+      "\"modbus-tcp://127.0.0.1:$port?profile=device.json&limiter=off\" ";
+  const Outcome outcome = shell(with_device("--tcp 0", run + "--json >run.json && " + run), folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const json device = json::parse(test::read_file((folder / "run.json").string()))["device"];
+  EXPECT_EQ(device["state"], "active");
+  EXPECT_EQ(device["loop_delay_us"]["p50"], nullptr);
+  EXPECT_EQ(device["loop_delay_us"]["max"], nullptr);
+  EXPECT_GT(device["oldest_command_ms"], 0) << "its commands are acknowledged all the same";
+  EXPECT_EQ(device["certificate"]["measured"], false);
+  for (const char* const told : {"not measured: the device told no angles", "none: no delay was measured",
+                                 "energy accounts         not kept"})
+    EXPECT_NE(outcome.output.find(told), std::string::npos) << outcome.output;
+}
+
 TEST(DeviceProgram, RunsOverATerminal) {
   if (!test::have_terminals()) GTEST_SKIP() << test::kNoTerminals;
   const auto folder = fresh_folder();

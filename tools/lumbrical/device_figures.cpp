@@ -48,6 +48,24 @@ double most_generated(const HapticLoop& loop) {
   return most;
 }
 
+// Of delays in nanoseconds; nothing where none was measured.
+Json delays_json(const TickTimes& delays) {
+  if (delays.max() == 0) return {{"p50", nullptr}, {"p99", nullptr}, {"max", nullptr}};
+  return {{"p50", delays.percentile(0.5) / 1000},
+          {"p99", delays.percentile(0.99) / 1000},
+          {"max", delays.max() / 1000.0}};
+}
+
+std::string delays_text(const TickTimes& delays) {
+  if (delays.max() == 0) return "not measured: the device told no angles";
+  return "p50 " + brief(delays.percentile(0.5) / 1000) + "   p99 " + brief(delays.percentile(0.99) / 1000) +
+         "   max " + brief(delays.max() / 1000.0) + " us from angle to torque";
+}
+
+bool keeps_accounts(const HapticLoop& loop) {
+  return loop.options.account && loop.options.feedback && !loop.local_loop;
+}
+
 std::string by_finger(const std::array<double, kFingerCount>& values) {
   std::string text;
   for (int f = 0; f < kFingerCount; ++f) {
@@ -100,7 +118,7 @@ Json DeviceSession::certificate_json() const {
   const HapticLoop& control = told_->loop.control;
   const StiffnessCertificate& certificate = control.certificate;
   Json json = {{"device", told_->profile.name},
-               {"measured", is_measured(control.meter)},
+               {"measured", is_measured(control.meter) && !control.local_loop},
                {"period", certificate.timing.period},
                {"jitter", certificate.timing.jitter},
                {"delay", finite_or_null(certificate.timing.delay)},
@@ -137,9 +155,7 @@ Json DeviceSession::json() const {
   json["broken"] = report.broken;
   json["connections"] = report.connections;
   json["safe_at_end"] = figures.safe_at_end;
-  json["loop_delay_us"] = {{"p50", told.loop_delays.percentile(0.5) / 1000},
-                           {"p99", told.loop_delays.percentile(0.99) / 1000},
-                           {"max", told.loop_delays.max() / 1000.0}};
+  json["loop_delay_us"] = delays_json(told.loop_delays);
   json["largest_lost_torque"] = control.largest_lost;
   json["limiter_knows_law"] = limiter_knows(told.model->settings);
   json["least_stiffness_factor"] = control.least_factor;
@@ -161,22 +177,26 @@ void DeviceSession::add_rows(Table& table) const {
                     brief(report.rate) + " Hz, oldest " + brief(1e3 * figures.oldest) + " ms; ended " +
                     std::string(safety_state_name(report.state)) +
                     (figures.safe_at_end ? ", at safe values" : ", NOT known to be at safe values"));
-  table.add("loop delay", "p50 " + brief(told.loop_delays.percentile(0.5) / 1000) + "   p99 " +
-                              brief(told.loop_delays.percentile(0.99) / 1000) + "   max " +
-                              brief(told.loop_delays.max() / 1000.0) + " us from angle to torque");
+  table.add("loop delay", delays_text(told.loop_delays));
   const LoopTiming& timing = control.certificate.timing;
-  const bool measured = !control.local_loop;
-  table.add("stiffness certificate",
-            std::string(measured ? "measured" : "assumed") + " period " + brief(1e3 * timing.period) +
-                " ms, jitter " + brief(1e3 * timing.jitter) + " ms, delay " + brief(1e3 * timing.delay) +
-                " ms" + (control.local_loop ? " of the device's own loop" : ""));
+  const bool measured = is_measured(control.meter) && !control.local_loop;
+  if (measured || control.local_loop) {
+    table.add("stiffness certificate",
+              std::string(measured ? "measured" : "assumed") + " period " + brief(1e3 * timing.period) +
+                  " ms, jitter " + brief(1e3 * timing.jitter) + " ms, delay " + brief(1e3 * timing.delay) +
+                  " ms" + (control.local_loop ? " of the device's own loop" : ""));
+  } else {
+    table.add("stiffness certificate", "none: no delay was measured");
+  }
   const LoopTiming& slowest = control.slowest;
   if (measured)
     table.add("", "renewed " + grouped(figures.renewals) + " times; at the slowest period " +
                       brief(1e3 * slowest.period) + " ms, jitter " + brief(1e3 * slowest.jitter) +
                       " ms, delay " + brief(1e3 * slowest.delay) + " ms");
   const StiffnessBound& bound = control.certificate.joint[3];
-  if (control.certificate.known[3]) {
+  if (control.certificate.known[3] && !measured && !control.local_loop) {
+    table.add("", "with the limiter on no force of joint angles is let through");
+  } else if (control.certificate.known[3]) {
     table.add("", "index proximal: 2b/T " + brief(bound.sampled) + ", with delay " + brief(bound.delayed) +
                       ", friction " + brief(bound.friction) + "; allowed " +
                       brief(control.certificate.margin * bound.largest) + " N m/rad");
@@ -189,8 +209,13 @@ void DeviceSession::add_rows(Table& table) const {
               "the limiter knows the stiffness of the field law only: what follows another law may shake");
   }
   table.add("least stiffness factor", by_finger(control.least_factor));
-  table.add("energy accounts", brief(1e3 * most_generated(control)) + " mJ generated at most by one finger");
-  table.add("", "torques paid for: " + by_finger(control.least_share) + " at least");
+  if (keeps_accounts(control)) {
+    table.add("energy accounts",
+              brief(1e3 * most_generated(control)) + " mJ generated at most by one finger");
+    table.add("", "torques paid for: " + by_finger(control.least_share) + " at least");
+  } else {
+    table.add("energy accounts", "not kept");
+  }
   if (control.gaps > 0)
     table.add("stale angles", grouped(control.gaps) + " times in a touch: forces came back softly");
   if (control.largest_lost > 0) table.add("lost torque", brief(1e3 * control.largest_lost) + " N mm at most");

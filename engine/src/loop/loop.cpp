@@ -97,7 +97,7 @@ bool DeviceLoop::look_after(const LoopStep& step) {
   if (step.news) ++figures.renewals;
   const SafetyState state = sink.state();
   figures.was_active = figures.was_active || state == SafetyState::active;
-  if (control.certified && control.any_feedback && figures.was_active)
+  if (control.certified && figures.last_acknowledged != 0 && figures.was_active)
     figures.oldest = max(figures.oldest, in_seconds(clock_ns() - figures.last_acknowledged));
   return !figures.other_master && !(settings_.stop_on_loss && lost(state));
 }
