@@ -168,7 +168,7 @@ class SimulatedLink final : public DeviceLink {
     const RegisterBlock& writes = words_.plan.writes[0];
     const RegisterBlock& reads = words_.plan.reads[0];
     device_.write(writes.unit, writes.address, std::span(words_.written.data(), writes.count));
-    device_.read(reads.unit, reads.address, std::span(words_.read.data(), reads.count));
+    device_.read_inputs(reads.unit, reads.address, std::span(words_.read.data(), reads.count));
     delivered_ = true;
     acting_tick = sending_.tick;
   }
