@@ -204,6 +204,21 @@ TEST(DeviceProgram, DoesNotTellAsZeroWhatWasNotMeasured) {
     EXPECT_NE(outcome.output.find(told), std::string::npos) << outcome.output;
 }
 
+// Friction is 0 where a profile does not say it, and encoders need some to be passive.
+TEST(DeviceProgram, SaysThatStepsWithoutFrictionLeaveNoForce) {
+  const auto folder = fresh_folder();
+  write_inputs(folder);
+  json profile = json::parse(test::read_file((folder / "device.json").string()));
+  profile["dynamics"] = {{{"damping", 0.01}, {"encoder_step", 3e-4}}};
+  std::ofstream(folder / "device.json") << profile;
+  const Outcome outcome = shell(with_device("--tcp 0", kRun + "--ticks 100 --json"), folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(largest(sim_figures(folder), "peak_torque"), 0);
+  EXPECT_NE(std::string(outcome.json()["trouble"].at(0)).find("an encoder step and no friction"),
+            std::string::npos)
+      << outcome.output;
+}
+
 TEST(DeviceProgram, RunsOverATerminal) {
   if (!test::have_terminals()) GTEST_SKIP() << test::kNoTerminals;
   const auto folder = fresh_folder();

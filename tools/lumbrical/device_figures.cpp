@@ -62,6 +62,14 @@ std::string delays_text(const TickTimes& delays) {
          "   max " + brief(delays.max() / 1000.0) + " us from angle to torque";
 }
 
+// The limiter can't but hold these fingers at nothing.
+bool has_frictionless_steps(const HapticLoop& loop) {
+  bool found = false;
+  for (std::size_t j = 0; j < kPhalanxCount; ++j)
+    found = found || (loop.certificate.known[j] && loop.certificate.joint[j].friction == 0);
+  return found && loop.options.limiter;
+}
+
 bool keeps_accounts(const HapticLoop& loop) {
   return loop.options.account && loop.options.feedback && !loop.local_loop;
 }
@@ -99,6 +107,10 @@ std::vector<std::string> DeviceSession::trouble() const {
     lines.push_back(
         "the device has no sensors, so its delay can't be measured: joint angles gave no forces with the "
         "limiter on");
+  if (has_frictionless_steps(told_->loop.control))
+    lines.push_back(
+        "the profile says an encoder step and no friction of some joints: 2 friction / step allows them no "
+        "stiffness, and their fingers got no force; say their friction, or write limiter=off");
   if (report.faults > 0)
     lines.push_back(counted(report.faults, "fault of the device loop", "faults of the device loop"));
   if (report.losses > 0)
