@@ -454,6 +454,32 @@ TEST(Proxy, BendsTheFingersOfAHandThatIsPressedOntoAWall) {
   EXPECT_GT(test::hand_force(run.output).z, 20);
 }
 
+// What rounding takes off its rotations must not add up: fingers would grow, and pass the wall in the end.
+TEST(Proxy, HoldsAHandThatIsPressedOntoAWallForAsLongAsItStays) {
+  Scene scene = proxy_scene(make_box({0.4, 0.4, 0.02}, 10));
+  scene.hand = default_hand(Side::right);
+  Session run(scene);
+  DeviceFrame frame = test::pressed_frame(scene.hand, -0.08, 0);
+  for (int i = 0; i < 120; ++i) {
+    frame.base.position.z -= 0.001;
+    feel(run, frame);
+  }
+  for (int i = 0; i < 200; ++i) feel(run, frame);
+  const HandForces first = run.output;
+  for (int i = 0; i < 12000; ++i) feel(run, frame);
+  for (std::size_t s = 0; s < kSegmentCount; ++s)
+    EXPECT_NEAR(norm(run.output.segment[s].force - first.segment[s].force), 0, 1e-5) << segment_name(s);
+  std::array<Pose, kJointCount> hand;
+  std::array<double, kAngleCount> angles{};
+  std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
+  forward_kinematics(scene.hand, frame.base, angles, hand);
+  for (const auto& [base, tip] : kPhalanxJoints) {
+    EXPECT_NEAR(norm(proxy_at(run, tip) - proxy_at(run, base)),
+                norm(hand[tip].position - hand[base].position), 1e-12)
+        << joint_name(tip);
+  }
+}
+
 TEST(Proxy, WhatItFeelsOfAnObjectIsWhatTheObjectFeels) {
   Scene scene = proxy_scene(make_plane(0.01, 1));
   scene.objects.clear();

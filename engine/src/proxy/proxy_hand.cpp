@@ -81,11 +81,18 @@ HandMove way_to(const Joints& hand, const Joints& proxy) {
   return move;
 }
 
+// A pose on another one. What a tick leaves is where the next one begins, and what rounding takes off a
+// rotation's length would grow along the fingers from tick to tick, and stretch them.
+Pose placed_on(const Pose& carrier, const Pose& pose) {
+  const auto [position, orientation] = carrier * pose;
+  return {position, normalized(orientation)};
+}
+
 // The proxy after `share` of a move. Bones become as long as the hand's.
 Joints moved(const Joints& proxy, const HandMove& move, double share, const Joints& hand) {
   Joints result = proxy;
   Pose& wrist = result.pose[kWrist];
-  wrist = {wrist.position + share * move.shift, quat_of(share * move.turn) * wrist.orientation};
+  wrist = {wrist.position + share * move.shift, normalized(quat_of(share * move.turn) * wrist.orientation)};
   for (std::size_t joint = 0; joint < kJointCount; ++joint) {
     if (joint == kWrist || !hand.has(static_cast<int>(joint))) continue;
     const Pose is = relative(joint, proxy), wanted = relative(joint, hand);
@@ -95,7 +102,7 @@ Joints moved(const Joints& proxy, const HandMove& move, double share, const Join
                                       ? share * move.bend[static_cast<std::size_t>(kPhalanxAt[joint])]
                                       : share * rotate(conjugate(is.orientation),
                                                        turn_between(is.orientation, wanted.orientation)));
-    result.pose[joint] = result.pose[carrier_of(joint, hand)] * now;
+    result.pose[joint] = placed_on(result.pose[carrier_of(joint, hand)], now);
   }
   return result;
 }
@@ -123,7 +130,7 @@ Joints joined(const Joints& hand, const Joints& other) {
   all.valid |= other.valid;
   for (std::size_t joint = 0; joint < kJointCount; ++joint) {
     if (other.has(static_cast<int>(joint)) && !hand.has(static_cast<int>(joint)))
-      all.pose[joint] = all.pose[carrier_of(joint, other)] * relative(joint, other);
+      all.pose[joint] = placed_on(all.pose[carrier_of(joint, other)], relative(joint, other));
   }
   return all;
 }
