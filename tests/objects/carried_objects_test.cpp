@@ -166,5 +166,44 @@ TEST(SuddenMotion, EndsWhereStrongDampingIsAllThatHoldsALightThing) {
   }
 }
 
+// A palm alone that comes down at 0.1 m/s, tilted, so that its rim is the first to touch what is too heavy to
+// give way.
+DeviceFrame tilted_palm(const Hand& hand, double height) {
+  DeviceFrame frame;
+  std::array<Pose, kJointCount> joint;
+  const std::array<double, kAngleCount> angles{};
+  const Quat down{std::sqrt(0.5), std::sqrt(0.5), 0, 0};  // faces -z
+  forward_kinematics(hand, {{0, 0, height}, down * normalized({1, 0, 0, 0.15})}, angles, joint);
+  for (const int known : {kPalm, kWrist}) {
+    const auto& [p, q] = joint[static_cast<std::size_t>(known)];
+    frame.joint[static_cast<std::size_t>(known)] = {
+        {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
+        {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z), static_cast<float>(q.w)}};
+  }
+  frame.valid = 1u << kPalm | 1u << kWrist;
+  return frame;
+}
+
+TEST(SuddenMotion, OfAPalmBeginsATouchAsSoftlyAsOnWhatStandsStill) {
+  Scene moving = test::pad_scene();
+  moving.hand = default_hand(Side::right);
+  moving.gravity = {};
+  const Mesh block = make_box({0.4, 0.4, 0.1}, 8);
+  moving.objects.push_back(test::body_of("block", block, 1000, {}, {}));
+  Scene standing = moving;
+  standing.objects[0].mechanism = {};
+  Session run(moving), still(standing);
+  double most = 0;
+  for (int i = 0; i < 400; ++i) {
+    const DeviceFrame frame = tilted_palm(moving.hand, 0.09 - 1e-4 * i);
+    run.step(frame);
+    still.output = tick(still.model, still.state, still.scratch, frame);
+    const double force = norm(still.output.segment[kPalmSegment].force);
+    EXPECT_LE(norm(run.output.segment[kPalmSegment].force), 2.000001 * force + 1e-9) << i;
+    most = largest(most, force);
+  }
+  EXPECT_GT(most, 1);
+}
+
 }  // namespace
 }  // namespace lumbrical

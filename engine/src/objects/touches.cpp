@@ -3,12 +3,18 @@
 namespace lumbrical {
 namespace {
 
+// A patch's stiffness is that of a plane, and a palm's always the same, so of a touch that has hardly begun
+// it may be a hundred times too large: within a tick, as skin and object go on, no touch grows by more than
+// what it was.
+constexpr double kMostGrowth = 1;
+
 bool soften(const Twist& speed, double dt, Quat orientation, Touch& touch) {
   Spring& spring = touch.spring;
   const double along = spring.along, across = spring.across;
   const double pushed = max(0, dot(touch.wrench.force, spring.normal)),
                pulled = dot(change_of(spring, speed, dt).force, spring.normal);
   if (pulled > pushed) spring.along *= pushed / pulled;
+  if (-pulled > kMostGrowth * pushed) spring.along *= kMostGrowth * pushed / -pulled;
   if (!(across > 0)) return spring.along < along;
   Spring skin = spring;
   skin.along = 0;

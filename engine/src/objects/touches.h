@@ -30,8 +30,9 @@ using Touches = FixedList<Touch, kSegmentCount>;
 /// What the hand does to the object, about its centre of mass [W].
 Wrench wrench_on_object(const Touches& touches, const Primitives& hand, Vec3 centre);
 
-/// No finger pulls, and none rubs harder than friction holds by what presses now: springs that would, in a
-/// step that ends with this speed, give way less. True where there are some. `orientation` is the object's.
+/// No finger pulls, none presses more than twice as hard as at the step's beginning, and none rubs harder
+/// than friction holds by what presses now: springs that would, in a step that ends with this speed, give way
+/// less. True where there are some. `orientation` is the object's.
 bool soften(const Twist& speed, double dt, Quat orientation, Touches& touches);
 
 /// As the object gives way in a step that ends with this speed, so do the forces.
