@@ -69,6 +69,16 @@ TEST(ObjectMotion, ABoxComesToRestOnTheGroundWithoutABounceAndStays) {
   EXPECT_LT(test::angle_of(later.orientation * conjugate(rested.orientation)), 1e-5);
 }
 
+TEST(ObjectMotion, ABodyDoesNotRestOnVerticesThatNoTriangleNames) {
+  Scene scene = test::pad_scene();
+  scene.ground.emplace();
+  scene.objects.push_back(test::body_of("box", make_box({0.05, 0.05, 0.05}, 2), 0.1, {{0, 0, 0.03}, {}}, {}));
+  scene.objects[0].mesh.vertices.push_back({0, 0, -0.06});
+  Session run(scene);
+  for (int i = 0; i < 1000; ++i) run.step(no_hand());
+  EXPECT_NEAR(run.state.objects[0].pose.position.z, 0.025, 1e-4);
+}
+
 TEST(ObjectMotion, ASpinningBodyNeverGainsEnergy) {
   Scene scene = test::pad_scene();
   scene.gravity = {};

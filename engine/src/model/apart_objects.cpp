@@ -167,13 +167,25 @@ std::vector<Vec3> support_directions() {
   return directions;
 }
 
+// Those that triangles name: of others nothing is felt or seen, and scans carry some.
+std::vector<Vec3> named_vertices(const Mesh& mesh) {
+  std::vector<bool> named(mesh.vertices.size());
+  for (const Triangle& triangle : mesh.triangles)
+    for (const std::uint32_t corner : triangle) named[corner] = true;
+  std::vector<Vec3> vertices;
+  for (std::size_t i = 0; i < named.size(); ++i)
+    if (named[i]) vertices.push_back(mesh.vertices[i]);
+  return vertices;
+}
+
 }  // namespace
 
 std::vector<Vec3> support_points(const Mesh& mesh) {
+  const std::vector<Vec3> vertices = named_vertices(mesh);
   std::vector<Vec3> points;
-  if (mesh.vertices.empty()) return points;
+  if (vertices.empty()) return points;
   for (const Vec3 direction : support_directions()) {
-    const Vec3 farthest = *std::max_element(mesh.vertices.begin(), mesh.vertices.end(), [&](Vec3 a, Vec3 b) {
+    const Vec3 farthest = *std::max_element(vertices.begin(), vertices.end(), [&](Vec3 a, Vec3 b) {
       return dot(direction, a) < dot(direction, b);
     });
     if (std::find(points.begin(), points.end(), farthest) == points.end()) points.push_back(farthest);
