@@ -24,6 +24,10 @@ constexpr std::size_t kMostPairs = 2000;
 constexpr double kLittlePush = 1, kBalanceTime = 0.05;
 constexpr double kForgotten = 1e-6;  // a share of it that is as good as none
 
+// [N], [m], [m/s] A finger that pressed harder, was held back by more and goes faster has slipped off what
+// held it: so much force must neither end nor come in a tick.
+constexpr double kPressed = 1, kHeldBack = 0.004, kSlips = 2;
+
 // The share of an axis' distance from the nearest triangle that a step may take.
 constexpr double kShareOfClearance = 0.5;
 
@@ -181,6 +185,22 @@ double longest_step(const Hand& hand) {
   return kLongestStep * thinnest;
 }
 
+// Has a finger that pressed slipped off something? `from` and `to` are the proxy's joints before the tick and
+// after it.
+bool has_slipped(const HandForces& felt, const Joints& hand, const Joints& from, const Joints& to,
+                 double rate) {
+  for (std::size_t i = 0; i < kPhalanxCount; ++i) {
+    if (!(norm(felt.segment[i].force) > kPressed)) continue;
+    for (const int joint : {kPhalanxJoints[i].base, kPhalanxJoints[i].tip}) {
+      if (!from.has(joint) || !to.has(joint)) continue;
+      const Vec3 was = from.position(joint);
+      if (norm(hand.position(joint) - was) > kHeldBack && norm(to.position(joint) - was) > kSlips / rate)
+        return true;
+    }
+  }
+  return false;
+}
+
 bool find_gaps(const Model& model, const State& state, const Joints& proxy, double reach, Scratch& scratch,
                CoreGaps& gaps) {
   GapMemory& memory = scratch.proxy->gaps;
@@ -289,6 +309,7 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
     anew = true;
     return 0;
   }
+  if (has_slipped(state.last, all, known, proxy, model.settings.rate)) anew = true;
   if (proxy.pose == all.pose) {  // nothing is in the way: what tracking has lost may be forgotten
     kept = {joints.pose, static_cast<double>(joints.valid), kept.balanced};
     return 0;
