@@ -7,9 +7,10 @@
  *
  * Every function that can fail returns a lumbrical_status; lumbrical_message() then says what is wrong and
  * what to do, on the thread that called, until its next call that fails. No exception, signal or exit crosses
- * this line. A null handle, a handle of another kind, a struct of another size and a number that is no value
- * of its enumeration are errors; on error outputs are left alone unless said otherwise. A handle that was
- * destroyed must not be used again.
+ * this line, but for SIGBUS where a scene names a world file and someone cuts that while it is in use. A null
+ * handle, a handle of another kind, a struct of another size and a number that is no value of its enumeration
+ * are errors; on error outputs are left alone unless said otherwise. A handle that was destroyed must not be
+ * used again.
  *
  * Every struct begins with its size, which the caller sets (`frame.size = sizeof frame`, or the function
  * ..._init); of an array the first one's counts for all. Poses, wrenches and joints are plain numbers and
@@ -387,8 +388,8 @@ LUMBRICAL_API int lumbrical_session_jacobians(lumbrical_session* session, uint32
  * how many there are, the same from a session's first tick on. `bytes` may be null where `capacity` is 0. */
 LUMBRICAL_API int lumbrical_session_save(lumbrical_session* session, void* bytes, size_t capacity,
                                          size_t* size);
-/* Refuses bytes that are damaged, of a model with other objects, or of forces above settings.max_force. Not
- * while the session is recorded. */
+/* Refuses bytes that are damaged or of a model with other objects. Of forces above settings.max_force, which
+ * other settings have left, no more than that is let out. Not while the session is recorded. */
 LUMBRICAL_API int lumbrical_session_restore(lumbrical_session* session, const void* bytes, size_t size);
 /* Hash of the same: equal on two machines exactly if they are in lockstep. */
 LUMBRICAL_API int lumbrical_session_hash(lumbrical_session* session, uint64_t* hash);
