@@ -235,6 +235,26 @@ TEST(World, IsReadAheadOfBothHandsWhereverTheyAre) {
   touches_nothing_new(other, 3.2);
 }
 
+// Until the thread has noticed by the file's time.
+TEST(World, WhatIsWrittenIntoItsFileLeadsThePagerNowhere) {
+  Scene scene;
+  scene.hand = default_hand(Side::right);
+  const std::string path = write_street(1);
+  ASSERT_TRUE(open_world(path, scene.world).ok());
+  const World& world = *scene.world;
+  const auto trees = reinterpret_cast<const std::byte*>(world.grid.lines.data()) - world.bytes.get();
+  std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+  file.seekp(trees);
+  const std::string numbers(world.grid.lines.size() * sizeof(TreeLine), '\xff');
+  file.write(numbers.data(), static_cast<std::streamsize>(numbers.size()));
+  file.close();
+  WorldPager pager(built(scene), {});
+  pager.hand_at(hand_on_street(scene.hand, 0));
+  pager.catch_up();
+  EXPECT_GT(pager.held_bytes(), 0u);
+  EXPECT_FALSE(pager.failure().ok());
+}
+
 TEST(World, FramesThatTellNoPlaceAreNoTroubleToThePager) {
   Scene scene;
   scene.settings.precision.fill(0);

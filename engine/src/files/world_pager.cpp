@@ -215,8 +215,10 @@ void WorldPager::Thread::touch(const Box& box) {
     const std::uint32_t* const numbers = numbers_of(lines_of(tree), layout);
     for (std::size_t k = 0; k < layout.lowest * SphereBlock::kWidth; ++k) {
       if (stop.load(std::memory_order_relaxed)) return;
+      const std::uint32_t number = numbers[k];
+      if (number >= triangles.size()) return;  // the file was written to
       for (const auto* corners : {&triangles.a, &triangles.b, &triangles.c}) {
-        const std::uint32_t* const vertex = corners->data() + numbers[k];
+        const std::uint32_t* const vertex = corners->data() + number;
         held_parts.touch(vertex, sizeof(*vertex));
         if (*vertex >= triangles.x.size()) return;  // the file was written to
         for (const auto* axis : {&triangles.x, &triangles.y, &triangles.z})
