@@ -102,6 +102,9 @@ TEST(WorldFile, RefusesWhatBuildModelRefuses) {
   SceneObject rubbing{"plane", make_plane(1, 3, 0)};
   rubbing.material.static_friction = std::numeric_limits<double>::quiet_NaN();
   EXPECT_NE(writer.add_object(rubbing).message().find("static_friction is out of range"), std::string::npos);
+  rubbing.material = {0.5, 0.5, 0, 1000};
+  EXPECT_NE(writer.add_object(rubbing).message().find("a world file holds what stands still"),
+            std::string::npos);
   EXPECT_FALSE(writer.open(path.string(), {}).ok());
   // What was refused is not in it.
   ASSERT_TRUE(writer.finish().ok());

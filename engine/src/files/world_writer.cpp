@@ -356,8 +356,10 @@ Status WorldWriter::add_object(const SceneObject& object, WindingReport* report)
   if (!build_) return Status::error("no world file is open; open one first");
   if (Status status = check_material(object); !status.ok()) return status;
   if (is_apart(object))
-    return Status::error("object \"" + object.name +
-                         "\" moves or rubs; leave it in the scene, beside the world file");
+    return Status::error(
+        "object \"" + object.name +
+        "\" moves, rubs or has a surface feel, and a world file holds what stands still; leave it "
+        "out (in C++ it may stand in Scene::objects, beside Scene::world)");
   WindingReport ignored;
   return build_->add(object, report != nullptr ? *report : ignored);
 } catch (const std::bad_alloc&) {
