@@ -86,7 +86,7 @@ Status measure(const std::string& path, const Options& options, Row& row) {
   scene.settings.felt_once = options.felt_once;
   scene.objects.push_back({"mesh", std::move(mesh)});
   const Motion motion = make_grasp(scene.hand, 0.45 * options.size, options.size, options.seconds);
-  return tool::compare_precision(scene, {}, motion, options.seconds, row.comparison);
+  return tool::compare_precision(scene, {}, motion, options.seconds, {}, row.comparison);
 }
 
 std::string rung_name(double precision) {

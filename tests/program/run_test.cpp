@@ -234,6 +234,24 @@ TEST(CommandLine, LateTicksSayWhatTookTheTimeAndWhatWouldHelp) {
   EXPECT_EQ(shell("lumbrical run demo.json --ticks 20", folder).output.find("deadline"), std::string::npos);
 }
 
+// Where a mug goes that a hand lifts differs from rung to rung, and more with every tick.
+TEST(CommandLine, PrecisionsAreComparedOnObjectsThatStandWhereTheSessionHasThem) {
+  const fs::path folder = fresh_folder();
+  fs::copy_file(LUMBRICAL_SOURCE_DIR "/examples/mug.json", folder / "mug.json");
+  const nlohmann::json lifted =
+      shell("lumbrical run mug.json --compare-precision --ticks 8000 --json", folder).json();
+  EXPECT_GT(lifted["ticks"], 500);
+  for (const nlohmann::json& rung : lifted["rungs"])
+    EXPECT_LE(rung["hand_error"]["p98"], 2 * rung["precision"].get<double>()) << lifted;
+
+  std::ofstream(folder / "path.json")
+      << R"({"objects": [{"sphere": {"radius": 0.037}, "moves": "given", "path":
+    [{"time": 0, "position": [0, 0, -0.5]}, {"time": 1, "position": [0, 0, 0.045]}]}],
+    "motion": {"grasp": {"seconds": 2}}})";
+  const nlohmann::json given = shell("lumbrical run path.json --compare-precision --json", folder).json();
+  EXPECT_GT(given["ticks"], 100) << "it comes to the hand";
+}
+
 TEST(CommandLine, FullDiskIsAnError) {
   const fs::path folder = folder_with_demo();
   std::ofstream(folder / "square.obj") << "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -104,6 +105,26 @@ std::string execution_text(const Execution& execution) {
          ", " + std::to_string(execution.threads) + " thread(s)";
 }
 
+// One hand of a session, and objects that move as they do in one.
+Status compare_hand(const SceneFile& scene_file, const Hand& hand, const Motion& motion, double seconds,
+                    PrecisionComparison& comparison) {
+  Scene scene = felt_scene(scene_file);
+  scene.hand = hand;
+  Model model;
+  GivenObjects given;
+  Status status = build_model(scene, scene_file.execution, model);
+  if (status.ok()) status = start_given(scene_file, model, given);
+  if (!status.ok()) return status;
+  const auto given_at = [&](double time, const Scratch* last) -> std::span<const ObjectFrame> {
+    if (last != nullptr) {
+      push_given(*last, given);
+      move_given(time, 1 / scene.settings.rate, given);
+    }
+    return given.frames;
+  };
+  return compare_precision(scene, scene_file.execution, motion, seconds, given_at, comparison);
+}
+
 // Of two hands each by itself: what one touches costs the other nothing.
 int run_comparison(const RunOptions& options, const SceneFile& scene_file) {
   if (options.view || !options.record.empty() || options.sink != "null")
@@ -112,11 +133,9 @@ int run_comparison(const RunOptions& options, const SceneFile& scene_file) {
   if (options.ticks) seconds = static_cast<double>(*options.ticks) / scene_file.scene.settings.rate;
   std::vector<HandComparison> hands;
   const auto compare = [&](const Hand& hand, const Motion& motion) {
-    Scene scene = scene_file.scene;
-    scene.hand = hand;
     HandComparison& added = hands.emplace_back();
     added.side = hand.side;
-    return compare_precision(scene, scene_file.execution, motion, seconds, added.comparison);
+    return compare_hand(scene_file, hand, motion, seconds, added.comparison);
   };
   Status status = compare(scene_file.scene.hand, scene_file.motion);
   if (status.ok() && scene_file.second) status = compare(scene_file.second->hand, scene_file.second->motion);

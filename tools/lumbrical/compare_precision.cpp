@@ -5,8 +5,6 @@
 #include <array>
 #include <chrono>
 
-#include "lumbrical/tick.h"
-
 namespace lumbrical::tool {
 namespace {
 
@@ -36,10 +34,10 @@ double share_of(std::vector<double>& values, double share) {
   return *place;
 }
 
-double time_tick(const DeviceFrame& frame, Rung& rung) {
+double time_tick(const DeviceFrame& frame, std::span<const ObjectFrame> given, Rung& rung) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
-  rung.output = tick(rung.model, rung.state, rung.scratch, frame);
+  rung.output = tick(rung.model, rung.state, rung.scratch, frame, given);
   return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
 }
 
@@ -79,12 +77,16 @@ std::size_t advised_rung(const std::vector<PrecisionFigures>& rungs, double want
   return advised;
 }
 
+Settings without_limits(Settings settings) {
+  settings.max_force = 1e6;
+  settings.fade_time = 0;
+  return settings;
+}
+
 // Of the exact rung too what the others feel once is felt once, or it would not be what they are held
 // against.
 Settings settings_of(const Settings& given, double precision) {
-  Settings settings = given;
-  settings.max_force = 1e6;
-  settings.fade_time = 0;
+  Settings settings = without_limits(given);
   settings.precision.fill(precision);
   const bool by_field =
       std::all_of(given.law.begin(), given.law.end(), [](Law law) { return law == Law::field; });
@@ -93,34 +95,82 @@ Settings settings_of(const Settings& given, double precision) {
   return settings;
 }
 
-}  // namespace
+Status make_rung(Scene scene, const Settings& settings, const Execution& execution, Rung& rung) {
+  scene.settings = settings;
+  if (Status status = build_model(scene, execution, rung.model); !status.ok()) return status;
+  rung.scratch = make_scratch(rung.model);
+  rung.state = make_state(rung.model);
+  rung.scratch.hash_stages = false;
+  return {};
+}
 
-Status compare_precision(const Scene& scene, const Execution& execution, const Motion& motion, double seconds,
-                         PrecisionComparison& comparison) {
-  std::array<Rung, kRungs.size()> rungs;
-  Scene free = scene;
-  for (std::size_t i = 0; i < kRungs.size(); ++i) {
-    free.settings = settings_of(scene.settings, kRungs[i]);
-    if (Status status = build_model(free, execution, rungs[i].model); !status.ok()) return status;
-    rungs[i].scratch = make_scratch(rungs[i].model);
-    rungs[i].state = make_state(rungs[i].model);
-    rungs[i].scratch.hash_stages = false;
+// Does a tick feel something else after others?
+bool remembers(const Model& model) {
+  return !model.apart.empty() || model.settings.proxy_stiffness > 0 || model.settings.pad.damping > 0;
+}
+
+using Rungs = std::array<Rung, kRungs.size()>;
+
+void compare_at(const DeviceFrame& frame, std::span<const ObjectFrame> given, Rungs& rungs,
+                PrecisionComparison& comparison) {
+  std::array<double, kRungs.size()> microseconds;
+  for (std::size_t i = 0; i < rungs.size(); ++i) microseconds[i] = time_tick(frame, given, rungs[i]);
+  if (!(force_size(rungs[0].output) > kLeastForce)) return;
+  ++comparison.ticks;
+  comparison.contacts += rungs[0].output.contact_count;
+  for (std::size_t i = 0; i < rungs.size(); ++i) {
+    rungs[i].microseconds.push_back(microseconds[i]);
+    add_errors(rungs[0].output, rungs[i]);
   }
-  const double rate = scene.settings.rate;
-  const auto ticks = static_cast<std::uint64_t>(std::max(1.0, seconds * rate));
+}
+
+// Moments of a motion that touches what stands still.
+void compare_moments(const Motion& motion, double rate, std::uint64_t ticks, Rungs& rungs,
+                     PrecisionComparison& comparison) {
   const std::uint64_t moments = std::min(ticks, kMostMoments);
   for (std::uint64_t moment = 0; moment < moments; ++moment) {
     const double time = static_cast<double>(moment * ticks / moments) / rate;
+    compare_at(resample(motion, time), {}, rungs, comparison);
+  }
+}
+
+// Moments of a session, each from its state.
+void compare_session(const Motion& motion, double rate, std::uint64_t ticks, const GivenAt& given_at,
+                     Rung& session, Rungs& rungs, PrecisionComparison& comparison) {
+  const std::uint64_t moments = std::min(ticks, kMostMoments);
+  std::uint64_t moment = 0;
+  for (std::uint64_t i = 0; i < ticks; ++i) {
+    const double time = static_cast<double>(i) / rate;
     const DeviceFrame frame = resample(motion, time);
-    std::array<double, kRungs.size()> microseconds;
-    for (std::size_t i = 0; i < rungs.size(); ++i) microseconds[i] = time_tick(frame, rungs[i]);
-    if (!(force_size(rungs[0].output) > kLeastForce)) continue;
-    ++comparison.ticks;
-    comparison.contacts += rungs[0].output.contact_count;
-    for (std::size_t i = 0; i < rungs.size(); ++i) {
-      rungs[i].microseconds.push_back(microseconds[i]);
-      add_errors(rungs[0].output, rungs[i]);
+    const std::span<const ObjectFrame> given =
+        given_at ? given_at(time, i > 0 ? &session.scratch : nullptr) : std::span<const ObjectFrame>();
+    if (moment < moments && i == moment * ticks / moments) {
+      for (Rung& rung : rungs) rung.state = session.state;
+      compare_at(frame, given, rungs, comparison);
+      ++moment;
     }
+    tick(session.model, session.state, session.scratch, frame, given);
+  }
+}
+
+}  // namespace
+
+Status compare_precision(const Scene& scene, const Execution& execution, const Motion& motion, double seconds,
+                         const GivenAt& given_at, PrecisionComparison& comparison) {
+  Rungs rungs;
+  for (std::size_t i = 0; i < kRungs.size(); ++i) {
+    const Settings settings = settings_of(scene.settings, kRungs[i]);
+    if (Status status = make_rung(scene, settings, execution, rungs[i]); !status.ok()) return status;
+  }
+  const double rate = scene.settings.rate;
+  const auto ticks = static_cast<std::uint64_t>(std::max(1.0, seconds * rate));
+  if (remembers(rungs[0].model)) {
+    Rung session;
+    if (Status status = make_rung(scene, without_limits(scene.settings), execution, session); !status.ok())
+      return status;
+    compare_session(motion, rate, ticks, given_at, session, rungs, comparison);
+  } else {
+    compare_moments(motion, rate, ticks, rungs, comparison);
   }
   comparison.contacts /= std::max<double>(1, static_cast<double>(comparison.ticks));
   for (std::size_t i = 0; i < rungs.size(); ++i) comparison.rungs.push_back(figures_of(kRungs[i], rungs[i]));

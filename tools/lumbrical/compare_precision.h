@@ -3,10 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "lumbrical/model.h"
 #include "lumbrical/motion.h"
+#include "lumbrical/tick.h"
 
 namespace lumbrical::tool {
 
@@ -28,8 +31,15 @@ struct PrecisionComparison {
 /// [N] Below, shares of the hand's force say little.
 inline constexpr double kLeastForce = 0.05;
 
-/// Up to 2000 moments of the session, every rung in turn at each. Limits and fading are left out.
+/// Where given objects are in the tick at `time` [s]; `last`: of the tick before it, null in the first. None:
+/// there are no such objects.
+using GivenAt = std::function<std::span<const ObjectFrame>(double time, const Scratch* last)>;
+
+/// Up to 2000 moments of the session, every rung in turn at each. Limits and fading are left out. Where what
+/// is felt depends on ticks before (objects apart, a proxy, damped pads) the session goes through all of its
+/// ticks as the scene has it, and every rung feels a moment from the state that has come of them: so errors
+/// are of forces, not of where objects have gone to since.
 Status compare_precision(const Scene& scene, const Execution& execution, const Motion& motion, double seconds,
-                         PrecisionComparison& comparison);
+                         const GivenAt& given_at, PrecisionComparison& comparison);
 
 }  // namespace lumbrical::tool
