@@ -1,4 +1,5 @@
 // Both hands of a capture through the whole program: felt, recorded, replayed, compared, cut, told.
+#include <algorithm>
 #include <fstream>
 #include <string>
 
@@ -55,6 +56,23 @@ TEST(BothHands, EachFeelsWhatItFeelsAlone) {
     for (const char* const key : {"contacts", "peak_force", "peak_torque", "flags"})
       EXPECT_EQ(alone[key], both["hands"][static_cast<std::size_t>(i)][key]) << side << ' ' << key;
   }
+}
+
+// An evaluation takes as long for two hands as for one, and both hands' ticks have to fit into a period.
+TEST(BothHands, ShareThePeriodThatABoundOnEffortLeavesThem) {
+  const fs::path folder = folder_with_both();
+  const auto fits = [&](const std::string& side) -> double {
+    double most = 0;  // of several, since other work only makes it less
+    for (int i = 0; i < 3; ++i) {
+      const nlohmann::json effort =
+          lumbrical("run scene.json --json --side " + side, folder).json()["effort"];
+      most = std::max(most, effort["fits_half_a_period"].get<double>());
+    }
+    return most;
+  };
+  const double alone = std::max(fits("left"), fits("right"));
+  ASSERT_GT(alone, 0);
+  EXPECT_LT(fits("both"), 0.75 * alone);
 }
 
 TEST(BothHands, AreTrimmedExportedAndComparedTogether) {

@@ -107,10 +107,11 @@ std::string times_text(const TickTimes& times) {
          "   p99.9 " + brief(microseconds(times, 0.999)) + "   max " + brief(times.max() / 1000.0) + " us";
 }
 
-// What Settings::effort may be for samples to leave half of a period to the rest, as fast as they were here;
-// 0 where nothing was felt by them.
+// What Settings::effort, which bounds a hand's tick, may be for the samples of all hands to leave half of a
+// period to the rest, as fast as they were here; 0 where nothing was felt by them.
 double effort_for(double rate, const RunStatistics& run) {
-  return run.evaluations > 0 ? std::floor(0.5e9 / rate / (run.evaluating_ns / run.evaluations)) : 0;
+  const double of_hand = 0.5e9 / rate / static_cast<double>(run.hands.size());
+  return run.evaluations > 0 ? std::floor(of_hand / (run.evaluating_ns / run.evaluations)) : 0;
 }
 
 // Before any figure: what a person must know who reads one line.
