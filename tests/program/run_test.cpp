@@ -252,6 +252,21 @@ TEST(CommandLine, PrecisionsAreComparedOnObjectsThatStandWhereTheSessionHasThem)
   EXPECT_GT(given["ticks"], 100) << "it comes to the hand";
 }
 
+// Fingers that overlap feel more together than once: no error of a precision's.
+TEST(CommandLine, PrecisionsOfMixedLawsAreComparedWithWhatFeelsTheSame) {
+  const fs::path folder = fresh_folder();
+  std::ofstream(folder / "thin.json") << R"({"objects": [{"mug": {"radius": 0.02}}],
+    "motion": {"grasp": {"seconds": 2, "radius": 0.02}},
+    "settings": {"segments": [{"segment": "palm", "law": "max-depth"}]}})";
+  const nlohmann::json mixed = shell("lumbrical run thin.json --compare-precision --json", folder).json();
+  EXPECT_GT(mixed["ticks"], 100);
+  for (const nlohmann::json& rung : mixed["rungs"])
+    EXPECT_LE(rung["hand_error"]["p98"], 2 * rung["precision"].get<double>()) << mixed;
+  const std::string exactly =
+      "lumbrical run thin.json --compare-precision --law max-depth --ticks 1000 --json";
+  EXPECT_EQ(shell(exactly, folder).json()["advised"], 0) << "no precision changes anything";
+}
+
 TEST(CommandLine, FullDiskIsAnError) {
   const fs::path folder = folder_with_demo();
   std::ofstream(folder / "square.obj") << "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";

@@ -71,7 +71,8 @@ PrecisionFigures figures_of(double precision, Rung& rung) {
 std::size_t advised_rung(const std::vector<PrecisionFigures>& rungs, double wanted) {
   std::size_t advised = 0;
   for (std::size_t i = 1; i < rungs.size(); ++i) {
-    const bool keeps = rungs[i].hand_error <= wanted;
+    const bool is_exact = rungs[i].worst_hand_error == 0;  // by law: no precision would change anything
+    const bool keeps = rungs[i].hand_error <= wanted && !is_exact;
     if (keeps && rungs[i].median_us < rungs[advised].median_us) advised = i;
   }
   return advised;
@@ -84,13 +85,15 @@ Settings without_limits(Settings settings) {
 }
 
 // Of the exact rung too what the others feel once is felt once, or it would not be what they are held
-// against.
+// against. Where laws are mixed it can't be, and no rung does.
 Settings settings_of(const Settings& given, double precision) {
   Settings settings = without_limits(given);
   settings.precision.fill(precision);
   const bool by_field =
       std::all_of(given.law.begin(), given.law.end(), [](Law law) { return law == Law::field; });
-  if (precision == 0 && by_field && given.felt_once == FeltOnce::by_samples)
+  if (given.felt_once == FeltOnce::by_samples && !by_field)
+    settings.felt_once = FeltOnce::never;
+  else if (given.felt_once == FeltOnce::by_samples && precision == 0)
     settings.felt_once = FeltOnce::always;
   return settings;
 }
