@@ -492,7 +492,8 @@ TEST(Proxy, HoldsAHandThatIsPressedOntoAWallForAsLongAsItStays) {
   const HandForces first = run.output;
   for (int i = 0; i < 12000; ++i) feel(run, frame);
   for (std::size_t s = 0; s < kSegmentCount; ++s)
-    EXPECT_NEAR(norm(run.output.segment[s].force - first.segment[s].force), 0, 1e-5) << segment_name(s);
+    EXPECT_NEAR(norm(run.output.segment[s].force - first.segment[s].force), 0, 1e-5)
+        << segment_name(static_cast<int>(s));
   std::array<Pose, kJointCount> hand;
   std::array<double, kAngleCount> angles{};
   std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
