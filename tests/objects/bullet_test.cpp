@@ -121,9 +121,10 @@ TEST(Bullet, WhatStandsStillHoldsBodiesUpWhetherItRubsOrNot) {
   for (const bool rubs : {false, true}) {
     Scene scene = test::pad_scene();
     const Pose place{{0, 0, 0.5}, {}};
-    SceneObject& table = scene.objects.emplace_back(
-        test::object_of("table", make_box({0.4, 0.4, 0.02}, 4), place, {rubs ? 0.6 : 0, 0, 0, 1000}));
-    if (!rubs) place_mesh(place, table.mesh);
+    Mesh table = make_box({0.4, 0.4, 0.02}, 4);
+    if (!rubs) place_mesh(place, table);
+    scene.objects.push_back(
+        test::object_of("table", table, rubs ? place : Pose{}, {rubs ? 0.6 : 0, 0, 0, 1000}));
     scene.objects.push_back(body_of("cube", make_box({0.04, 0.04, 0.04}, 2), 0.1, {0, 0, 0.53}));
     World run(scene);
     for (int i = 0; i < 500; ++i) run.advance(no_hand());

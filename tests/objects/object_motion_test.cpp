@@ -466,6 +466,13 @@ TEST(ObjectMotion, WhatCanNotBeIsRefusedByName) {
               o.mechanism.lower = 0.5;
             }).find("lower"),
             std::string::npos);
+  EXPECT_NE(refusal([](SceneObject& o) {
+              o.mechanism.mobility = Mobility::fixed;
+              o.mechanism.body = {};
+              o.material = {};
+              o.pose.position.x = 0.5;
+            }).find("\"box\": pose"),
+            std::string::npos);
   for (const Latch latch : {Latch{0, 0.4}, Latch{7, 0.4}, Latch{1, -1}}) {
     Scene scene = door_scene();
     scene.objects[0].mechanism.latch = latch;

@@ -141,7 +141,7 @@ struct SceneObject {
   std::string name;
   Mesh mesh;  ///< [m] in the world frame; of an object apart in its own
   Winding winding = Winding::automatic;
-  Pose pose{};  ///< X_WO at the start, of an object apart
+  Pose pose{};  ///< X_WO at the start, of an object apart; others have none
   Material material{};
   Mechanism mechanism{};
   Surface surface{};

@@ -22,9 +22,14 @@ namespace {
 
 using ObjectList = std::vector<const SceneObject*>;
 
-Status check_materials(const Scene& scene) {
-  for (const SceneObject& object : scene.objects)
+Status check_objects(const Scene& scene) {
+  for (const SceneObject& object : scene.objects) {
     if (Status status = check_material(object); !status.ok()) return status;
+    if (!is_apart(object) && object.pose != Pose{})
+      return Status::error("\"" + object.name +
+                           "\": pose: what stands still and is plain has its mesh in the world frame; take "
+                           "it there by place_mesh instead");
+  }
   return {};
 }
 
@@ -242,7 +247,7 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   if (execution.isa == Isa::automatic) built.execution.isa = widest_isa();
   if (scene.objects.size() > kMostSceneObjects)
     return Status::error("the scene has more than 32768 objects; join meshes that stand still");
-  if (Status status = check_materials(scene); !status.ok()) return status;
+  if (Status status = check_objects(scene); !status.ok()) return status;
   if (Status status = check_surroundings(scene); !status.ok()) return status;
   built.gravity = scene.gravity;
   built.ground = scene.ground;
