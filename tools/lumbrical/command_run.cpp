@@ -249,7 +249,7 @@ int run(const RunOptions& options) {
   }
   if (!statistics.world_error.ok()) return fail(statistics.world_error);
   explain_untouched(scene_file, statistics);
-  const LateReport late = study(statistics.late, scene_file.scene, models);
+  const LateReport late = study(statistics.late, felt_scene(scene_file), models);
   const RunSummary summary{scene_file, models, statistics, late, shown, paced, options.record};
   const int printed = options.json ? print_json(run_json(summary)) : print_text(run_text(summary));
   if (printed != kDone || told) return kUnreadable;

@@ -48,7 +48,8 @@ std::vector<Scratch> fresh_scratches(const std::vector<Model>& models) {
 
 void tick_all(const std::vector<Model>& models, std::vector<Scratch>& scratches, TickStart& start) {
   for (std::size_t hand = 0; hand < models.size(); ++hand)
-    tick(models[hand], start.state[hand], scratches[hand], start.frame[hand]);
+    tick(models[hand], start.state[hand], scratches[hand], start.frame[hand],
+         std::span(start.given[hand]).first(start.given_count[hand]));
 }
 
 // [us] The median over the ticks of the shortest time of each.
@@ -99,7 +100,7 @@ std::optional<Trial> coarser(const Scene& scene, const Execution& execution) {
   const double finest = *std::min_element(scene.settings.precision.begin(), scene.settings.precision.end());
   const double next = finest == 0 ? 1e-4 : 10 * finest;
   if (next > 0.011 || scene.world) return std::nullopt;
-  for (double& precision : trial.scene.settings.precision) precision = std::max(precision, next);
+  trial.scene.settings.precision.fill(next);
   trial.change = "--precision " + brief(next, 1);
   return trial;
 }

@@ -16,6 +16,8 @@ namespace lumbrical::tool {
 /// What a tick came from, by hand: of a session of one hand the first alone counts.
 struct TickStart {
   std::array<DeviceFrame, kMostHands> frame;
+  std::array<std::uint32_t, kMostHands> given_count{};
+  std::array<std::array<ObjectFrame, kMostObjects>, kMostHands> given;
   std::array<State, kMostHands> state;  ///< before it: where objects stood, where the proxy was
 };
 
@@ -58,7 +60,7 @@ struct LateReport {
 };
 
 /// Nothing where no tick was slow. Builds the scene once more for each remedy that is tried.
-/// `models`: of the session's hands.
+/// `models`: of the session's hands, which `scene` is felt by.
 LateReport study(const LateTicks& late, const Scene& scene, const std::vector<Model>& models);
 
 Json late_json(const LateTicks& late, const LateReport& report);

@@ -131,8 +131,13 @@ void note_state(const std::vector<MovingHand>& all, TickStart& start) {
   for (const MovingHand& hand : all) start.state[hand.record.hand] = hand.state;
 }
 
-void note_frame(const std::vector<MovingHand>& all, TickStart& start) {
-  for (const MovingHand& hand : all) start.frame[hand.record.hand] = hand.record.device;
+void note_input(const std::vector<MovingHand>& all, TickStart& start) {
+  for (const MovingHand& hand : all) {
+    const TickRecord& record = hand.record;
+    start.frame[record.hand] = record.device;
+    start.given[record.hand] = record.given;
+    start.given_count[record.hand] = record.given_count;
+  }
 }
 
 // False: the recording failed, and the session is to end with it.
@@ -208,7 +213,7 @@ void note_times(std::uint64_t number, const TickMoment& at, RunningSession& sess
   const bool late = paced ? end > at.due + period : duration > period;
   statistics.deadline_misses += late ? 1 : 0;
   if (late && paced) {
-    note_frame(session.hands, session.tick_start);
+    note_input(session.hands, session.tick_start);
     const std::int64_t woken = at.start - at.waiting;
     statistics.late.add({at.behind, woken, duration, end - at.due - at.behind - woken - duration},
                         session.tick_start);
