@@ -107,11 +107,16 @@ std::string times_text(const TickTimes& times) {
          "   p99.9 " + brief(microseconds(times, 0.999)) + "   max " + brief(times.max() / 1000.0) + " us";
 }
 
+// Of ticks with all that is in them; 0 where nothing was felt by samples.
+double ns_per_evaluation(const RunStatistics& run) {
+  return run.evaluations > 0 ? run.evaluating_ns / run.evaluations : 0;
+}
+
 // What Settings::effort, which bounds a hand's tick, may be for the samples of all hands to leave half of a
 // period to the rest, as fast as they were here; 0 where nothing was felt by them.
 double effort_for(double rate, const RunStatistics& run) {
   const double of_hand = 0.5e9 / rate / static_cast<double>(run.hands.size());
-  return run.evaluations > 0 ? std::floor(of_hand / (run.evaluating_ns / run.evaluations)) : 0;
+  return run.evaluations > 0 ? std::floor(of_hand / ns_per_evaluation(run)) : 0;
 }
 
 // Before any figure: what a person must know who reads one line.
@@ -305,6 +310,7 @@ Json run_json(const RunSummary& summary) {
   json["tick_us"] = times_json(run.tick_times);
   json["deadline_misses"] = run.deadline_misses;
   json["effort"] = {{"max_evaluations", run.max_evaluations},
+                    {"ns_per_evaluation", ns_per_evaluation(run)},
                     {"fits_half_a_period", effort_for(model.settings.rate, run)}};
   json["isa"] = isa_name(model.execution.isa);
   json["threads"] = model.execution.threads;
