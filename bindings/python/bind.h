@@ -75,7 +75,7 @@ struct RecordedTick {
 };
 
 /// A contact with the names of what touches what.
-struct NamedContact {
+struct ContactRow {
   std::uint32_t segment = 0, object = 0, triangle = 0, primitive = 0;
   double depth = 0, area = 0, volume = 0, error = 0;
   Vec3 centroid, centre, normal, force;

@@ -112,8 +112,8 @@ py::dtype dtype_of<ActuatorFrame>() {
   });
 }
 template <>
-py::dtype dtype_of<NamedContact>() {
-  return built<NamedContact>([](DtypeBuilder& builder, const NamedContact& row) {
+py::dtype dtype_of<ContactRow>() {
+  return built<ContactRow>([](DtypeBuilder& builder, const ContactRow& row) {
     FIELD(segment);
     FIELD(object);
     FIELD(triangle);
@@ -376,7 +376,7 @@ PYBIND11_MODULE(_lumbrical, module) {
   module.attr("wrench_dtype") = dtype_of<Wrench>();
   module.attr("frame_dtype") = dtype_of<DeviceFrame>();
   module.attr("output_dtype") = dtype_of<ActuatorFrame>();
-  module.attr("contact_dtype") = dtype_of<NamedContact>();
+  module.attr("contact_dtype") = dtype_of<ContactRow>();
   module.attr("object_dtype") = dtype_of<ObjectOutput>();
   module.attr("tick_dtype") = dtype_of<RecordedTick>();
   module.attr("probe_dtype") = dtype_of<ProbeContact>();

@@ -101,31 +101,22 @@ py::object run_one(Session& self, const py::object& frame, const py::object& giv
   return run_frames(self, frames, given).attr("reshape")(py::tuple());
 }
 
-NamedContact named(const Session& self, const Contact& contact) {
-  const Model& model = self.model();
-  const std::size_t object = object_of(model, contact.triangle);
-  return {static_cast<std::uint32_t>(contact_segment(self.scratch, contact)),
-          static_cast<std::uint32_t>(object),
-          contact.triangle - model.objects[object].first_triangle,
-          contact.primitive,
-          contact.depth,
-          contact.area,
-          contact.volume,
-          contact.error,
-          contact.centroid,
-          contact.centre,
-          contact.normal,
-          model.settings.stiffness * contact.volume * contact.normal};
+ContactRow row_of(const Model& model, const NamedContact& named) {
+  const Contact& contact = named.contact;
+  return {named.segment,     named.object,   named.triangle,
+          contact.primitive, contact.depth,  contact.area,
+          contact.volume,    contact.error,  contact.centroid,
+          contact.centre,    contact.normal, model.settings.stiffness * contact.volume * contact.normal};
 }
 
 py::array contacts(Session& self) {
   const Busy busy(self.busy);
   self.check_ticked();
-  std::vector<NamedContact> rows;
+  std::vector<ContactRow> rows;
   {
     const py::gil_scoped_release release;
-    for (const Contact& contact : find_contacts(self.model(), self.scratch))
-      rows.push_back(named(self, contact));
+    for (const NamedContact& contact : all_contacts(self.model(), self.scratch))
+      rows.push_back(row_of(self.model(), contact));
   }
   return array_of(std::move(rows));
 }

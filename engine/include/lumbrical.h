@@ -260,7 +260,8 @@ typedef struct lumbrical_output {
   double flexion_torque[LUMBRICAL_SEGMENTS];    /* [N m] of it along the flexion axis; > 0 opens the hand */
 } lumbrical_output;
 
-/* A contacted triangle of the world, in which no object is apart. */
+/* A contacted triangle, of objects apart, too. Its force is the pressure on it alone: friction, bumps, pads'
+ * layers and damping are in output.segment, in which there are limits and fading besides. */
 typedef struct lumbrical_contact {
   uint32_t size;
   uint32_t segment;
@@ -370,8 +371,9 @@ LUMBRICAL_API void lumbrical_session_destroy(lumbrical_session* session);
 LUMBRICAL_API int lumbrical_session_tick(lumbrical_session* session, const lumbrical_frame* frame,
                                          const lumbrical_pose* given, size_t given_count,
                                          lumbrical_output* output);
-/* Contacts of the last tick, computed now: takes as long as an exact tick. `count` is how many there are;
- * more than `capacity` are LUMBRICAL_TOO_SMALL. `contacts` may be null where `capacity` is 0. */
+/* Contacts of the last tick, computed now: takes as long as an exact tick. Those of objects apart come last,
+ * where the tick has felt them. `count` is how many there are; more than `capacity` are LUMBRICAL_TOO_SMALL.
+ * `contacts` may be null where `capacity` is 0. */
 LUMBRICAL_API int lumbrical_session_contacts(lumbrical_session* session, lumbrical_contact* contacts,
                                              size_t capacity, size_t* count);
 /* The objects felt apart, in the order they were added; else likewise. */

@@ -74,6 +74,49 @@ TEST(CApi, ASceneFileGivesTheTicksOfItsOwnMotion) {
   EXPECT_GT(contacts, 0u);
 }
 
+// A tilted ball beside the world, and what is far from the hand. The ball comes first.
+std::vector<lumbrical_contact> contacts_of_a_ball(double friction, lumbrical_output& last) {
+  CSession c;
+  c.create();
+  const Mesh far_box = make_box({0.1, 0.1, 0.1}, 1);
+  MeshObject box(far_box), ball(ball_scene().objects[0].mesh);
+  box.object.pose.position[0] = 2;
+  ball.object.pose = {{0.002, 0.001, 0.001}, {0.5, -0.5, 0.1, 0.7}};
+  ball.object.static_friction = ball.object.kinetic_friction = friction;
+  EXPECT_EQ(lumbrical_scene_add_object(c.scene, &ball.object), LUMBRICAL_OK) << lumbrical_message();
+  EXPECT_EQ(lumbrical_scene_add_object(c.scene, &box.object), LUMBRICAL_OK) << lumbrical_message();
+  c.set([](lumbrical_settings& settings) { std::fill(settings.precision, settings.precision + 16, 0); });
+  c.start();
+  for (std::size_t i = 0; i < 60; ++i) last = c.step(touching_frame_c(60));
+  std::size_t count = 0;
+  lumbrical_session_contacts(c.session, nullptr, 0, &count);
+  std::vector<lumbrical_contact> contacts(count, sized<lumbrical_contact>());
+  EXPECT_EQ(lumbrical_session_contacts(c.session, contacts.data(), count, &count), LUMBRICAL_OK);
+  return contacts;
+}
+
+TEST(CApi, ContactsOfWhatRubsAreThoseOfTheSameObjectInTheWorld) {
+  lumbrical_output smooth{}, rubbing{};
+  const auto expected = contacts_of_a_ball(0, smooth), found = contacts_of_a_ball(0.5, rubbing);
+  ASSERT_GT(expected.size(), 0u);
+  ASSERT_EQ(found.size(), expected.size());
+  EXPECT_EQ(found.size(), rubbing.contact_count);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_EQ(found[i].segment, expected[i].segment);
+    EXPECT_EQ(found[i].object, 0u);
+    EXPECT_EQ(expected[i].object, 0u);
+    EXPECT_EQ(found[i].triangle, expected[i].triangle);
+    EXPECT_NEAR(found[i].depth, expected[i].depth, 1e-9);
+    EXPECT_NEAR(found[i].area, expected[i].area, 1e-9);
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_NEAR(found[i].centroid[k], expected[i].centroid[k], 1e-9);
+      EXPECT_NEAR(found[i].centre[k], expected[i].centre[k], 1e-9);
+      EXPECT_NEAR(found[i].normal[k], expected[i].normal[k], 1e-9);
+      EXPECT_NEAR(found[i].force[k], expected[i].force[k], 1e-9);
+    }
+  }
+}
+
 TEST(CApi, ContactsNameSegmentObjectAndTriangleAndAddUpToTheForce) {
   CSession c;
   c.create();

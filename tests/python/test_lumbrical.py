@@ -99,6 +99,35 @@ def test_contacts_add_up_to_the_forces():
     assert (contacts["object"] == 0).all()
 
 
+def contacts_of_a_tilted_ball(**how):
+    scene = lum.Scene("right")
+    scene.max_force = 1000
+    scene.precision[:] = 0
+    scene.add_object("ball", *lum.make_sphere(0.04, 6), position=(0.002, 0.001, 0.001), orientation=(0.7, 0.5, -0.5, 0.1),
+                     **how)
+    scene.add_object("far", *lum.make_box((0.1, 0.1, 0.1), 1), position=(2, 0, 0))
+    model = lum.Model(scene)
+    session = lum.Session(model)
+    out = session.run(touching_frames(90))[-1]
+    contacts = session.contacts()
+    assert len(contacts) == out["contact_count"] > 0
+    assert {model.object_names[i] for i in contacts["object"]} == {"ball"}
+    return contacts, out
+
+
+@pytest.mark.parametrize("how", [{"friction": 0.5}, {"moves": "given"}, {"crease_angle": 0.1}])
+def test_contacts_of_objects_apart_are_those_of_the_same_object_in_the_world(how):
+    expected, _ = contacts_of_a_tilted_ball()
+    contacts, out = contacts_of_a_tilted_ball(**how)
+    assert (contacts["segment"] == expected["segment"]).all() and (contacts["triangle"] == expected["triangle"]).all()
+    for field in ("depth", "area", "centroid", "centre", "normal", "force"):
+        assert np.abs(contacts[field] - expected[field]).max() < 1e-9, field
+    if "moves" in how:
+        total = np.zeros((16, 3))
+        np.add.at(total, contacts["segment"], contacts["force"])
+        assert np.abs(total - out["segment"]["force"]).max() < 1e-9
+
+
 def test_a_models_mesh_is_seen_where_it_lies():
     model = lum.Model(ball_scene())
     x, y, z = model.vertices

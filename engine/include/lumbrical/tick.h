@@ -147,6 +147,18 @@ int contact_segment(const Scratch& scratch, const Contact& contact);
 /// The same of a contact that find_contacts has last found on one of Model::apart.
 int contact_segment(const Scratch& scratch, const Contact& contact, std::size_t object);
 
+/// A contact with what touches what.
+struct NamedContact {
+  std::uint32_t segment = 0;   ///< of the hand
+  std::uint32_t object = 0;    ///< in all_objects (model.h): of the world first, then Model::apart
+  std::uint32_t triangle = 0;  ///< of the object's own mesh
+  Contact contact;             ///< all of it in W, of objects apart, too
+};
+
+/// All that find_contacts tells, of the world and then of each of Model::apart, in memory of its own. Not
+/// inside a tick: it allocates.
+std::vector<NamedContact> all_contacts(const Model& model, Scratch& scratch);
+
 /// X_WJ of the joints as the last tick placed them; those of an earlier one where its frame could not be
 /// trusted.
 std::span<const Pose, kJointCount> placed_joints(const Scratch& scratch);

@@ -47,20 +47,21 @@ Fault run_tick(lumbrical_session& session) {
   return session.recorder ? keep(session) : Fault();
 }
 
-lumbrical_contact to_c(const lumbrical_session& session, const Contact& contact) {
-  const Model& model = session.built->model;
-  const std::size_t object = object_of(model, contact.triangle);
+lumbrical_contact to_c(const BuiltModel& built, const NamedContact& named) {
+  const std::size_t of_world = built.world_object.size();
+  const Contact& contact = named.contact;
   lumbrical_contact out{};
   out.size = sizeof out;
-  out.segment = static_cast<std::uint32_t>(contact_segment(session.scratch, contact));
-  out.object = session.built->world_object[object];
-  out.triangle = contact.triangle - model.objects[object].first_triangle;
+  out.segment = named.segment;
+  out.object = named.object < of_world ? built.world_object[named.object]
+                                       : built.apart_object[named.object - of_world];
+  out.triangle = named.triangle;
   out.depth = contact.depth;
   out.area = contact.area;
   capi::to_c(contact.centroid, out.centroid);
   capi::to_c(contact.centre, out.centre);
   capi::to_c(contact.normal, out.normal);
-  capi::to_c(model.settings.stiffness * contact.volume * contact.normal, out.force);
+  capi::to_c(built.model.settings.stiffness * contact.volume * contact.normal, out.force);
   return out;
 }
 
@@ -131,9 +132,9 @@ int lumbrical_session_contacts(lumbrical_session* session, lumbrical_contact* co
     if (Fault fault = check_array(contacts, capacity, "contacts")) return fault;
     if (Fault fault = check_pointer(count, "count")) return fault;
     if (Fault fault = check_ticked(*session)) return fault;
-    const auto found = find_contacts(session->built->model, session->scratch);
+    const std::vector<NamedContact> found = all_contacts(session->built->model, session->scratch);
     return hand_over(found, contacts, capacity, count,
-                     [&](std::size_t i) { return to_c(*session, found[i]); });
+                     [&](std::size_t i) { return to_c(*session->built, found[i]); });
   });
 }
 

@@ -150,6 +150,13 @@ std::span<const Contact> with_depths(const Model& model, Scratch& scratch) {
   return {scratch.contacts.data(), scratch.contact_count};
 }
 
+// From an object's frame into W.
+void place_contact(const Pose& X_WO, Contact& contact) {
+  contact.centroid = transform(X_WO, contact.centroid);
+  contact.centre = transform(X_WO, contact.centre);
+  contact.normal = rotate(X_WO.orientation, contact.normal);
+}
+
 int segment_of(const Primitives& hand, const Contact& contact) {
   assert(contact.primitive < static_cast<std::uint32_t>(hand.count));
   return hand.primitive[contact.primitive].segment;
@@ -203,6 +210,26 @@ int contact_segment(const Scratch& scratch, const Contact& contact) {
 int contact_segment(const Scratch& scratch, const Contact& contact, [[maybe_unused]] std::size_t object) {
   assert(scratch.apart && object < scratch.object_output.size() && "find_contacts(model, scratch, object)");
   return segment_of(*scratch.apart->primitives, contact);
+}
+
+std::vector<NamedContact> all_contacts(const Model& model, Scratch& scratch) {
+  std::vector<NamedContact> result;
+  for (const Contact& contact : find_contacts(model, scratch)) {
+    const std::size_t object = object_of(model, contact.triangle);
+    result.push_back({static_cast<std::uint32_t>(contact_segment(scratch, contact)),
+                      static_cast<std::uint32_t>(object),
+                      contact.triangle - model.objects[object].first_triangle, contact});
+  }
+  const FloatingPointGuard guard;
+  for (std::size_t i = 0; i < model.apart.size(); ++i) {
+    for (const Contact& contact : find_contacts(model, scratch, i)) {
+      const auto segment = static_cast<std::uint32_t>(contact_segment(scratch, contact, i));
+      const auto object = static_cast<std::uint32_t>(model.objects.size() + i);
+      result.push_back({segment, object, contact.triangle, contact});
+      place_contact(scratch.object_output[i].pose, result.back().contact);
+    }
+  }
+  return result;
 }
 
 std::span<const Pose, kJointCount> placed_joints(const Scratch& scratch) {
