@@ -28,7 +28,8 @@ namespace py = pybind11;
 /// What classes of the module derive from.
 struct Bound {};
 template <class Class>
-concept IsBound = std::derived_from<Class, Bound> || std::same_as<Class, State>;
+concept IsBound =
+    std::derived_from<Class, Bound> || std::same_as<Class, State> || std::same_as<Class, Ground>;
 
 /// A file's, from text, bytes or a pathlib.Path.
 struct Path {

@@ -188,6 +188,22 @@ std::vector<std::string> object_names(const PyModel& self) {
   return names;
 }
 
+// Read only, so that nobody writes into the copy that scene.ground gives.
+void bind_ground(py::module_& module) {
+  using namespace py::literals;
+  py::class_<Ground>(module, "Ground")
+      .def(py::init([](const py::object& normal, double offset, double friction) {
+             return Ground{unit_or(vec3_of(normal, "normal"), {}), offset, friction};
+           }),
+           py::kw_only(), "normal"_a = py::make_tuple(0, 0, 1), "offset"_a = Ground{}.offset,
+           "friction"_a = Ground{}.friction)
+      .def_property_readonly(
+          "normal",
+          [](const Ground& self) { return py::make_tuple(self.normal.x, self.normal.y, self.normal.z); })
+      .def_readonly("offset", &Ground::offset)
+      .def_readonly("friction", &Ground::friction);
+}
+
 // Settings that are one number.
 template <class Class, class Number>
 void bind_number(Class& bound, const char* name, Number Settings::*field) {
@@ -210,6 +226,7 @@ Execution execution_of(std::uint32_t threads, const std::string& broadphase, con
 void bind_scene(py::module_& module) {
   using namespace py::literals;
   const Mechanism mechanism;
+  bind_ground(module);
   py::class_<PyScene> scene(module, "Scene");
   scene.def(py::init(&new_scene), "side"_a = "right", "hand_length"_a = 0.19);
   scene.def_static("load", &load, "path"_a);
@@ -263,6 +280,9 @@ void bind_scene(py::module_& module) {
   scene.def_property_readonly("gravity", [](const py::object& self) {
     return view_of(&self.cast<PyScene&>().scene.gravity.x, {3}, self, true);
   });
+  scene.def_property(
+      "ground", [](const PyScene& self) { return self.scene.ground; },
+      [](PyScene& self, const std::optional<Ground>& ground) { self.scene.ground = ground; });
   scene.def_property(
       "law", [](const PyScene& self) { return law_name(self.scene.settings.law[0]); },
       [](PyScene& self, const std::string& law) {

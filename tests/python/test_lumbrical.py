@@ -200,6 +200,32 @@ def test_a_free_body_falls():
     assert session.objects["pose"]["position"][0, 2] == pytest.approx(5 - 0.5 * 9.81 * 0.1 * 0.101, abs=1e-6)
 
 
+def test_a_free_body_comes_to_rest_on_the_ground():
+    scene = lum.Scene("right")
+    assert scene.ground is None
+    scene.ground = lum.Ground(normal=(0, 0, 2), offset=0.3, friction=0.8)
+    assert scene.ground.normal == (0, 0, 1) and (scene.ground.offset, scene.ground.friction) == (0.3, 0.8)
+    scene.add_object("box", *lum.make_box((0.1, 0.1, 0.1), 1), moves="free", density=500, position=(0, 5, 0.36))
+    session = lum.Session(lum.Model(scene))
+    session.run(np.repeat(touching_frames(1), 500))
+    assert np.abs(session.objects["pose"]["position"][0] - (0, 5, 0.35)).max() < 1e-4
+    scene.ground = None
+    session = lum.Session(lum.Model(scene))
+    session.run(np.repeat(touching_frames(1), 500))
+    assert session.objects["pose"]["position"][0, 2] < 0
+
+
+def test_a_ground_that_makes_no_sense_is_refused():
+    scene = ball_scene()
+    for wrong in ({"friction": -1}, {"offset": np.nan}, {"normal": (0, 0, 0)}):
+        with pytest.raises(ValueError):
+            scene.ground = lum.Ground(**wrong)
+            lum.Model(scene)
+    for wrong in (0.3, (0, 0, 1), lum.Ground.__new__(lum.Ground)):
+        with pytest.raises(TypeError):
+            scene.ground = wrong
+
+
 def test_a_state_brings_back_every_bit(session):
     frames = touching_frames(80)
     session.run(frames[:40])

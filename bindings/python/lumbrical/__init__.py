@@ -7,9 +7,9 @@ metres, newtons, seconds, radians. Quaternions are w x y z, those of tracked joi
 import numpy as _np
 
 from ._lumbrical import (
-    Batch, Model, Recording, Scene, Session, State, contact_dtype, core_count, frame_dtype, joint_names, load_mesh,
-    make_box, make_mug, make_plane, make_sphere, object_dtype, output_dtype, pose_dtype, probe, probe_dtype, replay,
-    segment_names, tick_dtype, what_if, wrench_dtype)
+    Batch, Ground, Model, Recording, Scene, Session, State, contact_dtype, core_count, frame_dtype, joint_names,
+    load_mesh, make_box, make_mug, make_plane, make_sphere, object_dtype, output_dtype, pose_dtype, probe, probe_dtype,
+    replay, segment_names, tick_dtype, what_if, wrench_dtype)
 from ._lumbrical import __version__
 
 ALL_JOINTS = (1 << 26) - 1

@@ -42,6 +42,16 @@ def pose_frames(positions: ArrayLike, orientations: ArrayLike, valid: Union[int,
 def hand_force(outputs: NDArray[np.void]) -> NDArray[np.float64]: ...
 def core_count() -> int: ...
 
+# A plane that free objects rest on, normal . p = offset; the hand does not feel it.
+class Ground:
+    def __init__(self, *, normal: ArrayLike = ..., offset: float = ..., friction: float = ...) -> None: ...
+    @property
+    def normal(self) -> Tuple[float, float, float]: ...  # unit, away from the ground
+    @property
+    def offset(self) -> float: ...  # [m]
+    @property
+    def friction(self) -> float: ...  # 0 .. 10
+
 class Scene:
     stiffness: float  # [N/m^3]
     rate: float  # [Hz]
@@ -54,6 +64,7 @@ class Scene:
     effort: int
     max_candidates: int
     law: str  # of every segment
+    ground: Optional[Ground]  # None: free objects fall for ever
     def __init__(self, side: str = ..., hand_length: float = ...) -> None: ...
     @staticmethod
     def load(path: Path) -> Scene: ...
