@@ -26,6 +26,7 @@ std::unique_ptr<PyScene> load(const Path& path) {
   {
     const py::gil_scoped_release release;
     status = load_scene_file(path.text, file);
+    if (status.ok()) status = check_plain(file);
   }
   check(status);
   auto made = std::make_unique<PyScene>();

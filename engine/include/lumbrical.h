@@ -328,7 +328,8 @@ LUMBRICAL_API int lumbrical_frame_init(lumbrical_frame* frame);
 
 /* An empty world and an adult's hand, `hand_length` [m] from wrist to middle fingertip (0.19). */
 LUMBRICAL_API int lumbrical_scene_create(int32_t side, double hand_length, lumbrical_scene** scene);
-/* A scene file (JSON) with the meshes and the motion it names. */
+/* A scene file (JSON) with the meshes and the motion it names. Refuses one of two hands, with paths of given
+ * objects or with physics: those are for `lumbrical run`. */
 LUMBRICAL_API int lumbrical_scene_load(const char* path, lumbrical_scene** scene);
 LUMBRICAL_API void lumbrical_scene_destroy(lumbrical_scene* scene);
 LUMBRICAL_API int lumbrical_scene_add_object(lumbrical_scene* scene, const lumbrical_object* object);

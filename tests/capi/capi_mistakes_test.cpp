@@ -154,6 +154,16 @@ TEST(CApiMistakes, WhatTheEngineRefusesIsBadData) {
   expect_mistake(lumbrical_scene_create(LUMBRICAL_LEFT, std::nan(""), &c.scene), "hand_length");
 }
 
+TEST(CApiMistakes, ASceneFileThatAsksForMoreThanAHandAndStillObjectsIsRefused) {
+  const std::string examples = LUMBRICAL_SOURCE_DIR "/examples/";
+  lumbrical_scene* scene = nullptr;
+  expect_refused(lumbrical_scene_load((examples + "bodies.json").c_str(), &scene), LUMBRICAL_BAD_DATA,
+                 "bodies.json: physics: ");
+  expect_refused(lumbrical_scene_load((examples + "two_hands.json").c_str(), &scene), LUMBRICAL_BAD_DATA,
+                 "two_hands.json: motion: ");
+  EXPECT_EQ(scene, nullptr);
+}
+
 TEST(CApiMistakes, AMaterialThatMakesNoSenseIsRefusedOfAnObjectThatStandsStill) {
   MeshObject ball(ball_scene().objects[0].mesh);
   for (double lumbrical_object::*const field :

@@ -280,6 +280,23 @@ def test_a_scene_file_brings_its_motion():
 
 # ---- Recordings
 
+@pytest.mark.parametrize("name, told", [("bodies", "bodies.json: physics: .*leave it out"),
+                                        ("two_hands", "two_hands.json: motion: .*motion.side")])
+def test_a_scene_file_that_asks_for_more_is_refused(name, told):
+    with pytest.raises(ValueError, match=told):
+        lum.Scene.load(os.path.join(os.environ["LUMBRICAL_SOURCE_DIR"], f"examples/{name}.json"))
+
+
+def test_a_scene_file_with_a_path_is_refused(tmp_path):
+    scene = """{"objects": [{"box": {}}, {"box": {}, "moves": "given"}, {"box": {}, "moves": "given"%s}],
+                "motion": {"grasp": {"radius": 0.037, "height": 0.095}}}"""
+    (tmp_path / "still.json").write_text(scene % "")
+    (tmp_path / "told.json").write_text(scene % ', "path": [{"time": 0}, {"time": 1, "position": [0, 0, 1]}]')
+    lum.Model(lum.Scene.load(tmp_path / "still.json"))
+    with pytest.raises(ValueError, match=r"told.json: objects\[2\].path: .*tell each tick"):
+        lum.Scene.load(tmp_path / "told.json")
+
+
 def test_a_recording_is_read_replayed_and_changed(tmp_path, session):
     path = str(tmp_path / "touch.mcap")
     frames = touching_frames(100)

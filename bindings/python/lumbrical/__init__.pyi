@@ -67,7 +67,7 @@ class Scene:
     ground: Optional[Ground]  # None: free objects fall for ever
     def __init__(self, side: str = ..., hand_length: float = ...) -> None: ...
     @staticmethod
-    def load(path: Path) -> Scene: ...
+    def load(path: Path) -> Scene: ...  # one of two hands, with paths of given objects or physics is refused
     def add_object(self, name: str, vertices: ArrayLike, triangles: ArrayLike, *, position: ArrayLike = ...,
                    orientation: ArrayLike = ..., winding: str = ..., friction: float = ...,
                    kinetic_friction: Optional[float] = ..., viscosity: float = ..., shear_stiffness: float = ...,

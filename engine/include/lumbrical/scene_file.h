@@ -41,6 +41,10 @@ struct SceneFile {
   std::vector<std::string> files;          ///< every file that was read, the scene file first
 };
 
+/// Refuses what only a program that asks for it can do, for those that would drop it without a word: a second
+/// hand, paths of given objects, physics. The message starts with the file, and says what to do.
+Status check_plain(const SceneFile& scene_file);
+
 /// What takes the place of the file's own motion.
 struct MotionOverride {
   std::string file;  ///< a motion file; empty: the scene's own motion

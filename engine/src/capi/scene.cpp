@@ -268,6 +268,7 @@ int lumbrical_scene_load(const char* path, lumbrical_scene** scene) {
       return bad_argument("a scene is not read from standard input here; give a path");
     SceneFile file;
     if (Fault fault = load_scene_file(path, file)) return fault;
+    if (Fault fault = check_plain(file)) return fault;
     auto made = std::make_unique<lumbrical_scene>();
     made->scene = std::move(file.scene);
     made->execution = file.execution;

@@ -382,4 +382,26 @@ Status load_scene_file(const std::string& path, SceneFile& scene_file, const Mot
   return {};
 }
 
+Status check_plain(const SceneFile& scene_file) {
+  const std::string& path = scene_file.files[0];
+  if (scene_file.second)
+    return Status::error(
+        path +
+        ": motion: is of both hands, and a scene here has one; give motion.side as \"right\" or "
+        "\"left\", in a file for each hand");
+  if (scene_file.physics)
+    return Status::error(path +
+                         ": physics: only `lumbrical run` moves bodies so; leave it out, and tell each tick "
+                         "where given objects are, or let them move by themselves (\"moves\": \"free\")");
+  std::size_t given = 0;
+  const std::vector<SceneObject>& objects = scene_file.scene.objects;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (objects[i].mechanism.mobility != Mobility::given || scene_file.paths[given++].empty()) continue;
+    return Status::error(path + ": objects[" + std::to_string(i) +
+                         "].path: only `lumbrical run` moves objects along it; leave it out, and tell each "
+                         "tick where the object is");
+  }
+  return {};
+}
+
 }  // namespace lumbrical
