@@ -37,11 +37,9 @@ std::unique_ptr<PyScene> load(const Path& path) {
   return made;
 }
 
-// What moves by itself takes its mass from its mesh.
+// Of the solid inside the mesh; of none where nothing is given, which what is given where it goes may do.
 MassProperties mass_of(const Mesh& mesh, Winding winding, double density, double mass) {
-  if (!(density >= 0) || !(mass >= 0) || (density > 0) == (mass > 0))
-    throw py::value_error(
-        "an object that moves by itself takes a density or a mass above 0, and 0 for the other");
+  if (density == 0 && mass == 0) return {};
   Mesh wound = mesh;
   wind_outwards(wound, winding);
   MassProperties body;
@@ -63,8 +61,9 @@ Mechanism mechanism_of(const Moves& given, const SceneObject& object) {
   Mechanism mechanism;
   mechanism.mobility = parsed(parse_mobility(given.moves), given.moves,
                               "way to move: fixed, given, free, hinge, slider or ball");
-  if (!moves_by_itself(mechanism)) return mechanism;
+  check(check_weight(mechanism.mobility, given.density, given.mass));
   mechanism.body = mass_of(object.mesh, object.winding, given.density, given.mass);
+  if (!moves_by_itself(mechanism)) return mechanism;
   mechanism.damping = given.damping;
   mechanism.pivot = given.pivot.is_none() ? object.pose.position : vec3_of(given.pivot, "pivot");
   mechanism.axis = unit_or(vec3_of(given.axis, "axis"), {});

@@ -167,7 +167,7 @@ typedef struct lumbrical_object {
   double kinetic_friction; /* 0 .. static_friction */
   double viscosity;        /* [s/m] 0 .. 100: 0 */
   double shear_stiffness;  /* [N/m] 1 .. 1e6: 1000 */
-  /* ---- of what moves by itself; the mesh must be closed */
+  /* ---- of what moves by itself, and where one likes of GIVEN; the mesh must be closed */
   double density; /* [kg/m^3] of the solid inside the mesh; or */
   double mass;    /* [kg] of all of it */
   double damping; /* [N s/m], [N m s/rad]: 0 */

@@ -146,6 +146,7 @@ TEST(CApiMistakes, WhatTheEngineRefusesIsBadData) {
     expect_mistake(lumbrical_scene_add_object(c.scene, &open.object), "density or a mass");
   }
   open.object.mobility = LUMBRICAL_FIXED;
+  open.object.density = open.object.mass = 0;
   const std::uint16_t grey = 0;
   open.object.bumps = {&grey, 65536, 65536, 0.01, 0, 1};
   expect_mistake(lumbrical_scene_add_object(c.scene, &open.object), "texels");
@@ -162,6 +163,21 @@ TEST(CApiMistakes, ASceneFileThatAsksForMoreThanAHandAndStillObjectsIsRefused) {
   expect_refused(lumbrical_scene_load((examples + "two_hands.json").c_str(), &scene), LUMBRICAL_BAD_DATA,
                  "two_hands.json: motion: ");
   EXPECT_EQ(scene, nullptr);
+}
+
+TEST(CApiMistakes, AMassOfWhatStandsStillIsRefused) {
+  CSession c;
+  c.create();
+  MeshObject ball(ball_scene().objects[0].mesh);
+  for (double lumbrical_object::*const field : {&lumbrical_object::density, &lumbrical_object::mass}) {
+    ball.object.*field = 1;
+    expect_mistake(lumbrical_scene_add_object(c.scene, &ball.object), "takes no density or mass");
+    ball.object.*field = 0;
+  }
+  ball.object.mobility = LUMBRICAL_GIVEN;
+  EXPECT_EQ(lumbrical_scene_add_object(c.scene, &ball.object), LUMBRICAL_OK) << lumbrical_message();
+  ball.object.mass = std::nan("");
+  expect_mistake(lumbrical_scene_add_object(c.scene, &ball.object), "density or a mass");
 }
 
 TEST(CApiMistakes, AMaterialThatMakesNoSenseIsRefusedOfAnObjectThatStandsStill) {

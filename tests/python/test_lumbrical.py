@@ -447,6 +447,20 @@ def test_a_mass_that_makes_no_sense_is_refused(mass, density):
         lum.Scene().add_object("ball", *lum.make_sphere(0.01, 2), moves="free", mass=mass, density=density)
 
 
+@pytest.mark.parametrize("wrong", [{"mass": 1}, {"density": 500}, {"mass": np.nan}, {"mass": -1, "friction": 0.5}])
+def test_a_mass_of_what_stands_still_is_refused(wrong):
+    with pytest.raises(ValueError, match="stands still takes no density or mass"):
+        lum.Scene().add_object("ball", *lum.make_sphere(0.01, 2), **wrong)
+
+
+def test_what_is_given_where_it_goes_may_have_a_mass_or_none():
+    for good in ({}, {"mass": 0.2}, {"density": 500}):
+        lum.Scene().add_object("ball", *lum.make_sphere(0.01, 2), moves="given", **good)
+    for wrong in ({"mass": -1}, {"mass": np.nan}, {"mass": 1, "density": 500}):
+        with pytest.raises(ValueError, match="density or a mass"):
+            lum.Scene().add_object("ball", *lum.make_sphere(0.01, 2), moves="given", **wrong)
+
+
 def test_none_and_other_types_are_refused():
     for make in (lum.Model, lum.Session, lum.Recording, lum.replay, lum.Scene.load):
         with pytest.raises(TypeError):

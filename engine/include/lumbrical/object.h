@@ -65,6 +65,10 @@ Status mass_properties(const Mesh& mesh, double density, MassProperties& propert
 /// The same solid of another density, so that its mass is `mass` [kg] > 0.
 void scale_to_mass(double mass, MassProperties& properties);
 
+/// Whether an object that moves so may be given this density [kg/m^3] or mass [kg] (0: it is not given). What
+/// moves by itself has one of the two, what is given where it goes at most one, what stands still none.
+Status check_weight(Mobility mobility, double density, double mass);
+
 /// A latch that holds a hinge or slider where it stands at the start until another one has opened it: while
 /// q <= 0 and the other's coordinate is below `opens`, q does not rise above 0. So a door that has been
 /// opened may be shut at any time, and is caught.

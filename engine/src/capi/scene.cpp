@@ -51,9 +51,6 @@ Fault take_mesh(const lumbrical_object& given, Convention convention, Mesh& mesh
 }
 
 Fault take_mass(const lumbrical_object& given, const Mesh& mesh, Winding winding, MassProperties& body) {
-  if (!(given.density >= 0) || !(given.mass >= 0) || (given.density > 0) == (given.mass > 0))
-    return bad_argument(
-        "an object that moves by itself takes a density or a mass above 0, and 0 for the other");
   Mesh wound = mesh;
   wind_outwards(wound, winding);
   if (given.density > 0) return mass_properties(wound, given.density, body);
@@ -64,9 +61,12 @@ Fault take_mass(const lumbrical_object& given, const Mesh& mesh, Winding winding
 
 Fault take_mechanism(const lumbrical_object& given, Convention convention, SceneObject& object) {
   Mechanism& mechanism = object.mechanism;
-  if (!moves_by_itself(mechanism)) return {};
+  const Status weight = check_weight(mechanism.mobility, given.density, given.mass);
+  if (!weight.ok()) return {weight, LUMBRICAL_BAD_ARGUMENT};
+  if (given.density == 0 && given.mass == 0) return {};
   if (Fault fault = check_object(object.name, object.mesh, 1)) return fault;
   if (Fault fault = take_mass(given, object.mesh, object.winding, mechanism.body)) return fault;
+  if (!moves_by_itself(mechanism)) return {};
   mechanism.damping = given.damping;
   if (mechanism.mobility == Mobility::free) return {};
   mechanism.pivot = converted(convention, Convention::openxr, Quantity::position, to_vec3(given.pivot));

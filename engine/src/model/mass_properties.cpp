@@ -69,4 +69,15 @@ void scale_to_mass(double mass, MassProperties& properties) {
   properties.mass = mass;
 }
 
+Status check_weight(Mobility mobility, double density, double mass) {
+  const bool heavy = density != 0 || mass != 0;
+  if (mobility == Mobility::fixed && heavy)
+    return Status::error(
+        "an object that stands still takes no density or mass: let it move, or leave both out");
+  if (mobility == Mobility::given && !heavy) return {};
+  if (mobility != Mobility::fixed && (!(density >= 0) || !(mass >= 0) || (density > 0) == (mass > 0)))
+    return Status::error("an object that moves takes a density or a mass above 0, and 0 for the other");
+  return {};
+}
+
 }  // namespace lumbrical
