@@ -50,6 +50,8 @@ void add_spring(const Spring& spring, double scale, Matrix6& to) {
   add_square(scale * spring.across, along(first, spring.arm), to);
   add_square(scale * spring.across, along(second, spring.arm), to);
   add_square(scale * spring.about, vector_of({}, normal), to);
+  add_square(scale * spring.tilt, vector_of({}, first), to);
+  add_square(scale * spring.tilt, vector_of({}, second), to);
 }
 
 Vec3 turned_inertia(const std::array<double, 6>& inertia, Quat orientation, Vec3 spin) {
@@ -274,10 +276,10 @@ Twist move_freely(const Mechanism& mechanism, const Pose& start, Vec3 centre, do
 Wrench change_of(const Spring& spring, const Twist& speed, double dt) {
   const Twist& anchor = spring.anchor;
   const Vec3 point = speed.velocity + cross(speed.angular_velocity, spring.arm) - anchor.velocity;
-  const double normal = dot(spring.normal, point),
-               spin = dot(spring.normal, speed.angular_velocity - anchor.angular_velocity);
+  const Vec3 turning = speed.angular_velocity - anchor.angular_velocity;
+  const double normal = dot(spring.normal, point), spin = dot(spring.normal, turning);
   return {(-dt * spring.across) * point - (dt * (spring.along - spring.across) * normal) * spring.normal,
-          (-dt * spring.about * spin) * spring.normal};
+          (-dt * spring.tilt) * turning - (dt * (spring.about - spring.tilt) * spin) * spring.normal};
 }
 
 Twist advance_body(const Mechanism& mechanism, const Pose& start, std::span<const Spring> springs,

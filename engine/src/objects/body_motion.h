@@ -23,6 +23,7 @@ struct Spring {
   double along = 0, across = 0;  ///< [N/m]; a damper [N s/m] as a spring of 1/dt of it, slack now
   double about = 0;              ///< [N m/rad]
   Twist anchor{};                ///< W, how what it hangs on moves
+  double tilt = 0;               ///< [N m/rad] about the ways across the normal
 };
 
 /// [m/s] W, of a body's point that lies `arm` [m, W] from its centre of mass.
@@ -36,8 +37,8 @@ inline Vec3 velocity_at(const ObjectState& state, Vec3 arm) {
 Twist advance_body(const Mechanism& mechanism, const Pose& start, std::span<const Spring> springs,
                    const Wrench& wrench, double dt, ObjectState& state);
 
-/// How a spring's force on the body changes in a step that ends with this speed: force, and torque about the
-/// spring's own normal.
+/// How a spring's force on the body changes in a step that ends with this speed: force, and torque about its
+/// end.
 Wrench change_of(const Spring& spring, const Twist& speed, double dt);
 
 }  // namespace lumbrical

@@ -12,7 +12,7 @@ struct ContactPatch {
   Vec3 centre;           ///< [m] of pressure
   double force = 0;      ///< [N] along the normal
   double radius = 0;     ///< [m] effective: integral of p r dA over that of p dA
-  double stiffness = 0;  ///< [N/m] along the normal
+  double stiffness = 0;  ///< [N/m] along the normal; of a palm's a guess (palm_stiffness.h)
 };
 
 /// The patch of a segment that feels `wrench` [N], [N m] about its base joint, in the frame of `hand`.

@@ -5,6 +5,7 @@
 #include "objects/body_motion.h"
 #include "objects/contact_patch.h"
 #include "objects/move_on.h"
+#include "objects/palm_stiffness.h"
 #include "objects/surface_feel.h"
 #include "objects/told_pose.h"
 #include "objects/touches.h"
@@ -108,6 +109,15 @@ void add_damper(double damper, double dt, const ObjectState& state, Touch& touch
   spring.along += damper / dt;
 }
 
+// The palm's is the last segment to be felt: this moves the hand in `felt`.
+void add_palm_stiffness(const Model& shape, Vec3 field, Vec3 force, Vec3 normal, Scratch& felt,
+                        Findings& findings, Touch& touch) {
+  const auto [along, tilt, reach] = palm_stiffness(shape, field, force, normal, felt, findings.evaluations);
+  touch.spring.along += along;
+  touch.spring.tilt = tilt;
+  touch.reach = reach;
+}
+
 void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scratch& felt,
                   ObjectState& state, Touches& touches, Findings& findings, std::uint32_t& flags) {
   const auto& [object, number, pushing] = reached;
@@ -127,6 +137,9 @@ void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scr
     const Wrench pushed = rotated(conjugate(state.pose.orientation), push.wrench);
     Wrench pressed = forces.segment[i] + pushed;
     ContactPatch patch = contact_patch(own, i, field.segment[i] + pushed, shape.settings.stiffness, pad);
+    const bool is_asked = i == kPalmSegment && moves_by_itself(object.mechanism) && patch.force > 0 &&
+                          asks_for_palm_stiffness(shape, object.mechanism, own, dt);
+    if (is_asked) patch.stiffness = 0;  // below
     patch.stiffness += push.stiffness;
     const double damper = press(tick, object, i, state, pressed, patch);
     GripState& grip = state.grip[i];
@@ -152,6 +165,9 @@ void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scr
                 friction};
     if (moves_by_itself(object.mechanism)) add_damper(damper, dt, state, touch);
     touches.push_back(touch);
+    if (is_asked)
+      add_palm_stiffness(shape, field.segment[i].force, forces.segment[i].force, patch.normal, felt, findings,
+                         touches.back());
   }
 }
 

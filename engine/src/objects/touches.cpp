@@ -3,10 +3,20 @@
 namespace lumbrical {
 namespace {
 
-// A patch's stiffness is that of a plane, and a palm's always the same, so of a touch that has hardly begun
-// it may be a hundred times too large: within a tick, as skin and object go on, no touch grows by more than
+// A patch's stiffness is that of a plane, and even a plane's grows with depth, so of a touch that has hardly
+// begun it may be far from right: within a tick, as skin and object go on, no touch grows by more than
 // what it was.
 constexpr double kMostGrowth = 1;
+
+// Nor does what presses move to beyond what is touched.
+bool soften_tilt(const Twist& speed, double dt, double pushed, double reach, Spring& spring) {
+  Spring tilting = spring;
+  tilting.along = tilting.across = tilting.about = 0;
+  const double torque = norm(change_of(tilting, speed, dt).torque), most = pushed * reach;
+  if (!(torque > most)) return false;
+  spring.tilt *= most / torque;
+  return true;
+}
 
 bool soften(const Twist& speed, double dt, Quat orientation, Touch& touch) {
   Spring& spring = touch.spring;
@@ -15,14 +25,16 @@ bool soften(const Twist& speed, double dt, Quat orientation, Touch& touch) {
                pulled = dot(change_of(spring, speed, dt).force, spring.normal);
   if (pulled > pushed) spring.along *= pushed / pulled;
   if (-pulled > kMostGrowth * pushed) spring.along *= kMostGrowth * pushed / -pulled;
-  if (!(across > 0)) return spring.along < along;
+  bool softer = spring.along < along;
+  if (spring.tilt > 0) softer = soften_tilt(speed, dt, pushed, touch.reach, spring) || softer;
+  if (!(across > 0)) return softer;
   Spring skin = spring;
-  skin.along = 0;
+  skin.along = skin.tilt = 0;
   const Wrench drawn = rotated(conjugate(orientation), -change_of(skin, speed, dt));
   const double share = share_that_sticks(touch.friction, drawn.force, drawn.torque);
   spring.across *= share;
   spring.about *= share;
-  return spring.along < along || spring.across < across;
+  return softer || spring.across < across;
 }
 
 }  // namespace

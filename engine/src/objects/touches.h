@@ -22,6 +22,7 @@ struct Touch {
   Vec3 arm;           ///< [m] W, of the patch from that joint
   Spring spring;      ///< as the object has it; it hangs on the skin
   Friction friction;  ///< O
+  double reach = 0;   ///< [m] how far from its middle a patch presses that resists tilting
 };
 
 /// Of all segments, in their order.

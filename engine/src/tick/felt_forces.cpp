@@ -46,6 +46,25 @@ void add(const HandForces& more, HandForces& forces) {
   }
 }
 
+// Where no finger has a part in what the palm feels, it is felt alone.
+Joints joints_the_palm_asks_for(const Model& model, const Joints& all) {
+  Joints joints = all;
+  const bool shared = (segments_felt_once(model) >> kPalmSegment & 1u) != 0;
+  if (!shared) joints.valid &= 1u << kPalm | 1u << kWrist;
+  return joints;
+}
+
+// By the same lattices as before: what they are off by hardly changes.
+Vec3 palm_force_by_samples(const Model& model, Scratch& scratch) {
+  SampleMemory& samples = *scratch.samples;
+  const LevelWeights level = samples.forces.level;
+  const bool felt_before = samples.forces.evaluations > 0;
+  shape_hand(model.hand, *scratch.primitives);
+  sample_forces(model, *scratch.primitives, 1u << kPalmSegment, samples, samples.forces,
+                felt_before ? &level : nullptr);
+  return model.settings.stiffness * samples.forces.segment[kPalmSegment].force;
+}
+
 }  // namespace
 
 std::uint32_t segments_felt_once(const Model& model) {
@@ -136,6 +155,24 @@ void add_layers(const Model& model, Scratch& scratch, std::uint64_t spent, std::
     add(feel(layer, own, spent, flags), forces);
     spent += own.samples->forces.evaluations;
   }
+}
+
+Vec3 palm_force_moved(const Model& model, Vec3 by, Scratch& scratch, std::uint64_t& evaluations) {
+  Primitives& hand = *scratch.primitives;
+  const Joints joints = joints_the_palm_asks_for(model, hand.joints);
+  forget_hand(hand);
+  place_hand(model.hand, model.settings, joints, {by, {}}, hand);
+  Vec3 force;
+  if ((sampled_segments(model) >> kPalmSegment & 1u) != 0) {
+    force = palm_force_by_samples(model, scratch);
+  } else {
+    std::uint32_t flags = 0;
+    force = feel(model, scratch, scratch.samples->spent, flags).segment[kPalmSegment].force;
+  }
+  evaluations += scratch.samples->forces.evaluations;
+  for (std::size_t i = 0; i < model.layers.size(); ++i)
+    force += palm_force_moved(*model.layers[i], by, scratch.layers[i], evaluations);
+  return force;
 }
 
 void operator+=(Findings& to, const Findings& more) {

@@ -1,0 +1,218 @@
+// How stiff palms are on what lies on them, held against differences of the exact field; and light things
+// come to rest on a palm.
+#include "objects/palm_stiffness.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "largest.h"
+#include "model/swept_polygon.h"
+#include "pads.h"
+
+namespace lumbrical {
+namespace {
+
+using test::largest;
+using test::Session;
+
+// A palm alone, its wrist at `base` as the joints of an open hand are.
+DeviceFrame palm_at(const Hand& hand, const Pose& base) {
+  DeviceFrame frame;
+  std::array<Pose, kJointCount> joint;
+  forward_kinematics(hand, {}, std::array<double, kAngleCount>{}, joint);
+  for (const int known : {kPalm, kWrist}) {
+    const auto& [p, q] = joint[static_cast<std::size_t>(known)];
+    frame.joint[static_cast<std::size_t>(known)] = {
+        {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
+        {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z), static_cast<float>(q.w)}};
+  }
+  frame.valid = 1u << kPalm | 1u << kWrist;
+  frame.base = {base.position, base.orientation};
+  return frame;
+}
+
+/// Where the palm is while the wrist is at the origin.
+struct OpenPalm {
+  Vec3 middle, normal;
+  double radius = 0;
+};
+OpenPalm open_palm(const Hand& hand) {
+  std::array<Pose, kJointCount> joint;
+  forward_kinematics(hand, {}, std::array<double, kAngleCount>{}, joint);
+  const SweptPolygon palm = place_palm(hand.palm, joint[kPalm]);
+  OpenPalm open{{}, palm.normal, palm.radius};
+  for (int k = 0; k < palm.corner_count; ++k)
+    open.middle += (1.0 / palm.corner_count) * palm.corner[static_cast<std::size_t>(k)];
+  return open;
+}
+// Its skin's middle at `place`, looking up.
+Pose upward(const OpenPalm& palm, Vec3 place, Quat tilt = {}) {
+  const Vec3 axis = cross(palm.normal, {0, 0, 1});
+  const Quat turn = tilt * normalized({1 + palm.normal.z, axis.x, axis.y, axis.z});
+  return {place - rotate(turn, palm.middle + palm.radius * palm.normal), turn};
+}
+
+Scene palm_scene(double precision) {
+  Scene scene = test::pad_scene();
+  scene.hand = default_hand(Side::right);
+  scene.settings.precision.fill(precision);
+  return scene;
+}
+
+struct Touched {
+  std::string name;
+  Mesh mesh;
+  Quat tilt{};
+};
+std::vector<Touched> things() {
+  return {{"plate", make_box({0.05, 0.05, 0.005}, 2)},
+          {"small plate", make_box({0.01, 0.01, 0.005}, 2)},
+          {"large plate", make_box({0.3, 0.3, 0.01}, 4)},
+          {"large plate, tilted", make_box({0.3, 0.3, 0.01}, 4), normalized({1, 0.05, 0.02, 0})},
+          {"edge", make_box({0.05, 0.05, 0.005}, 2), normalized({1, 0.25, 0, 0})},
+          {"corner", make_box({0.05, 0.05, 0.005}, 2), normalized({1, 0.25, 0.25, 0})},
+          {"rod", make_box({0.1, 0.006, 0.006}, 2)},
+          {"wall", make_box({0.1, 0.002, 0.05}, 2)},
+          {"standing mug", make_mug({})},
+          {"rim of a mug", make_mug({}), normalized({1, 0.15, 0, 0})},
+          {"lying mug", make_mug({}), normalized({1, 1, 0, 0})},
+          {"ball", make_sphere(0.03, 20)}};
+}
+
+/// A palm beneath a thing of the world, which it touches from some depth on.
+class Pressing {
+ public:
+  Pressing(const Touched& thing, double precision, const Pad& pad) : tilt_(thing.tilt) {
+    Scene scene = palm_scene(0);
+    scene.settings.pad = pad;
+    open_ = open_palm(scene.hand);
+    scene.objects.push_back({thing.name, thing.mesh});
+    exact_.emplace(scene);
+    scene.settings.precision.fill(precision);
+    felt_.emplace(scene);
+    scene.settings.pad = {};
+    field_.emplace(scene);
+    hand_ = scene.hand;
+  }
+  bool find(Vec3 beneath) {
+    place_ = beneath;
+    double low = -0.2, high = low;
+    while (!(norm(force({0, 0, high})) > 0)) {
+      low = high;
+      high += 0.0005;
+      if (high > 0.1) return false;
+    }
+    for (int i = 0; i < 50; ++i) {
+      const double middle = 0.5 * (low + high);
+      (norm(force({0, 0, middle})) > 0 ? high : low) = middle;
+    }
+    place_.z += high;
+    return true;
+  }
+  Vec3 force(Vec3 by) { return exact_->feel(frame(by)).segment[kPalmSegment].force; }
+  double difference(double depth) {
+    const Vec3 normal = unit_or(force({0, 0, depth}), {0, 0, 1});
+    const double step = 1e-2 * depth;
+    const auto pushed = [&](double by) { return dot(force(Vec3{0, 0, depth} - by * normal), normal); };
+    return (pushed(step) - pushed(-step)) / (2 * step);
+  }
+  PalmStiffness stiffness(double depth) {
+    const Vec3 felt = felt_->feel(frame({0, 0, depth})).segment[kPalmSegment].force,
+               field = field_->feel(frame({0, 0, depth})).segment[kPalmSegment].force;
+    std::uint64_t evaluations = 0;
+    return palm_stiffness(felt_->model, field, felt, unit_or(felt, {}), felt_->scratch, evaluations);
+  }
+
+ private:
+  DeviceFrame frame(Vec3 by) { return palm_at(hand_, upward(open_, place_ + by, tilt_)); }
+
+  Quat tilt_;
+  Hand hand_;
+  OpenPalm open_;
+  Vec3 place_;
+  std::optional<Session> exact_, felt_, field_;
+};
+
+TEST(PalmStiffness, IsHowTheFieldGrowsOnFlatAndRoundThingsRimsAndCorners) {
+  Pad layered;
+  layered.layer[0] = {0.02, 3};
+  for (const Pad& pad : {Pad{}, layered}) {
+    for (const double precision : {0.0, 1e-4}) {
+      int compared = 0;
+      for (const Touched& thing : things()) {
+        Pressing pressing(thing, precision, pad);
+        for (const Vec3 beneath : {Vec3{}, {0.01, 0.013, 0}, {0.035, 0.03, 0}}) {
+          if (!pressing.find(beneath)) continue;
+          for (const double depth : {1e-6, 1e-5, 1e-4, 5e-4, 2e-3}) {
+            if (!(norm(pressing.force({0, 0, depth})) > 2e-3)) continue;
+            const double ratio = pressing.stiffness(depth).along / pressing.difference(depth);
+            EXPECT_GT(ratio, 0.9) << thing.name << " " << precision << " " << depth;
+            EXPECT_LT(ratio, 1.35) << thing.name << " " << precision << " " << depth;
+            ++compared;
+          }
+        }
+      }
+      EXPECT_GT(compared, 70);
+    }
+  }
+}
+
+TEST(PalmStiffness, IsThatOfTheWholeAreaWhereAPlateLiesFlat) {
+  constexpr double kSide = 0.02;
+  Pressing pressing({"plate", make_box({kSide, kSide, 0.005}, 2)}, 0, {});
+  ASSERT_TRUE(pressing.find({}));
+  for (const double depth : {1e-6, 1e-4}) {
+    const PalmStiffness stiffness = pressing.stiffness(depth);
+    EXPECT_NEAR(stiffness.along, 2e7 * kSide * kSide, 40) << depth;
+    EXPECT_NEAR(stiffness.tilt, 2e7 * kSide * kSide * kSide * kSide / 12, 0.002) << depth;
+    EXPECT_NEAR(stiffness.reach, kSide / 2, 5e-5);
+  }
+}
+
+// The largest step of the palm's force [N] after a second.
+double roughness(const Mesh& mesh, double mass, double rate, double precision) {
+  Scene scene = palm_scene(precision);
+  scene.settings.rate = rate;
+  const OpenPalm palm = open_palm(scene.hand);
+  scene.objects.push_back(test::body_of("thing", mesh, mass, {{0, 0, 1e-4}, {}}, {0.5, 0.4, 0, 1000}));
+  Session run(scene);
+  const DeviceFrame frame = palm_at(scene.hand, upward(palm, {}));
+  double last = 0, most = 0;
+  for (int i = 0; i < 2 * rate; ++i) {
+    run.step(frame);
+    const double force = run.output.segment[kPalmSegment].force.z;
+    if (i > rate) most = largest(most, std::fabs(force - last));
+    last = force;
+  }
+  EXPECT_NEAR(-last, mass * 9.81, 0.01 * mass * 9.81) << mass << " " << rate;
+  return most;
+}
+
+Mesh raised(Mesh mesh, double by) {
+  place_mesh({{0, 0, by}, {}}, mesh);
+  return mesh;
+}
+
+TEST(PalmStiffness, BringsLightPlatesAndRodsToRest) {
+  for (const double rate : {1000.0, 500.0}) {
+    for (const double precision : {0.0, 1e-4}) {
+      for (const double mass : {0.002, 0.005, 0.02}) {
+        for (const Mesh& mesh : {make_box({0.05, 0.05, 0.004}, 2), make_box({0.15, 0.15, 0.004}, 2),
+                                 make_box({0.02, 0.02, 0.004}, 2)}) {
+          EXPECT_LT(roughness(raised(mesh, 0.002), mass, rate, precision), 0.01 * mass * 9.81)
+              << rate << " " << precision << " " << mass;
+        }
+        EXPECT_LT(roughness(raised(make_box({0.1, 0.006, 0.006}, 2), 0.003), mass, rate, precision),
+                  0.01 * mass * 9.81)
+            << "a rod, " << rate << " " << precision << " " << mass;
+      }
+    }
+    EXPECT_LT(roughness(make_mug({}), 0.005, rate, 1e-4), 0.01 * 0.005 * 9.81) << "a light mug, " << rate;
+  }
+}
+
+}  // namespace
+}  // namespace lumbrical
