@@ -37,7 +37,7 @@ inline constexpr GoldenHash kGolden[] = {
     {"once.exact", 0xa2285d1b8caf5700},
     {"bent", 0xf3cb83c108bb7679},
     {"objects", 0x60de343d70e91752},
-    {"proxy", 0xcbdeffb3f2af9d39},
+    {"proxy", 0x7b32fc4a4c0491a4},
     {"surface", 0x0a330f9f5d37f8aa},
     {"jacobians", 0x22d47f9665419395},
     {"pairs", 0xda37b192c4cf50e5},

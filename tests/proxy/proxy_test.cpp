@@ -39,6 +39,23 @@ TEST(Proxy, IsTheHandToTheBitWhereNoCoreIsInTheWay) {
   EXPECT_GT(contacts, 1000u);
 }
 
+// At 3 m/s and 200 Hz a finger goes 15 mm a tick: it has slipped off nothing.
+TEST(Proxy, IsTheHandToTheBitHoweverFastItSlides) {
+  Scene with = proxy_scene(make_box({1, 1, 0.02}, 5));
+  with.settings.rate = 200;
+  Scene without = with;
+  without.settings.proxy_stiffness = 0;
+  Session proxied(with), plain(without);
+  for (int i = 0; i < 50; ++i) {
+    const DeviceFrame frame = fingertip_at({0.015 * i - 0.4, 0.02, 0.008 + kPadRadius});
+    feel(proxied, frame);
+    feel(plain, frame);
+    ASSERT_NE(proxied.state.proxy->valid, 0);
+    ASSERT_EQ(proxied.scratch.stage_hash, plain.scratch.stage_hash) << i;
+  }
+  EXPECT_GT(norm(test::hand_force(plain.output)), 1);
+}
+
 TEST(Proxy, DoesNotBeginWithinASurfaceButOnceTheHandIsOutOfIt) {
   Session run(proxy_scene(make_box({0.1, 0.1, 0.1}, 5)));
   feel(run, fingertip_at({0, 0, 0.05}));

@@ -24,8 +24,8 @@ constexpr std::size_t kMostPairs = 2000;
 constexpr double kLittlePush = 1, kBalanceTime = 0.05;
 constexpr double kForgotten = 1e-6;  // a share of it that is as good as none
 
-// [N], [m], [m/s] A finger that pressed harder, was held back by more and goes faster has slipped off what
-// held it: so much force must neither end nor come in a tick.
+// [N], [m], [m/s] A finger that pressed harder, was held back by more and catches up faster has slipped off
+// what held it: so much force must neither end nor come in a tick.
 constexpr double kPressed = 1, kHeldBack = 0.004, kSlips = 2;
 
 // The share of an axis' distance from the nearest triangle that a step may take.
@@ -185,20 +185,31 @@ double longest_step(const Hand& hand) {
   return kLongestStep * thinnest;
 }
 
-// Has a finger that pressed slipped off something? `from` and `to` are the proxy's joints before the tick and
-// after it.
-bool has_slipped(const HandForces& felt, const Joints& hand, const Joints& from, const Joints& to,
+// Has a finger that pressed slipped off something? The hand is at `hand`, and its proxy has come to `proxy`.
+// A hand that goes back to its proxy slips off nothing.
+bool has_slipped(const HandForces& felt, const ProxyState& before, const Joints& hand, const Joints& proxy,
                  double rate) {
+  const double fast = kSlips / rate;
   for (std::size_t i = 0; i < kPhalanxCount; ++i) {
     if (!(norm(felt.segment[i].force) > kPressed)) continue;
     for (const int joint : {kPhalanxJoints[i].base, kPhalanxJoints[i].tip}) {
-      if (!from.has(joint) || !to.has(joint)) continue;
-      const Vec3 was = from.position(joint);
-      if (norm(hand.position(joint) - was) > kHeldBack && norm(to.position(joint) - was) > kSlips / rate)
-        return true;
+      const auto j = static_cast<std::size_t>(joint);
+      if (!proxy.has(joint) || !(before.behind[j] > kHeldBack)) continue;
+      const Vec3 now = proxy.position(joint);
+      const double caught_up = before.behind[j] - norm(hand.position(joint) - now);
+      if (caught_up > fast && norm(now - before.joint[j].position) > fast) return true;
     }
   }
   return false;
+}
+
+ProxyState kept_of(const Joints& proxy, const Joints& hand, double balanced) {
+  ProxyState kept{proxy.pose, static_cast<double>(proxy.valid), balanced};
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    if (proxy.has(static_cast<int>(j)) && hand.has(static_cast<int>(j)))
+      kept.behind[j] = norm(hand.pose[j].position - proxy.pose[j].position);
+  }
+  return kept;
 }
 
 bool find_gaps(const Model& model, const State& state, const Joints& proxy, double reach, Scratch& scratch,
@@ -289,7 +300,7 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
   if (kept.valid == 0) {
     bool free = false;
     if (!is_free(model, state, joints, scratch, free)) return kCandidateOverflow;
-    if (free) kept = {joints.pose, static_cast<double>(joints.valid), 0};
+    if (free) kept = kept_of(joints, joints, 0);
     return 0;
   }
   // What tracking has lost is where the proxy has it, and what it has found is new to the proxy.
@@ -309,12 +320,12 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
     anew = true;
     return 0;
   }
-  if (has_slipped(state.last, all, known, proxy, model.settings.rate)) anew = true;
+  if (has_slipped(state.last, kept, all, proxy, model.settings.rate)) anew = true;
   if (proxy.pose == all.pose) {  // nothing is in the way: what tracking has lost may be forgotten
-    kept = {joints.pose, static_cast<double>(joints.valid), kept.balanced};
+    kept = kept_of(joints, joints, kept.balanced);
     return 0;
   }
-  kept = {proxy.pose, static_cast<double>(proxy.valid), kept.balanced};
+  kept = kept_of(proxy, all, kept.balanced);
   proxy.valid = joints.valid;
   static_cast<void>(place_hand(model.hand, model.settings, proxy, {}, hand));
   silence_untracked(hand, scratch.proxy->pushing);

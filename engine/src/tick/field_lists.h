@@ -83,6 +83,7 @@ constexpr void list_fields(Is<ProxyState> auto& proxy, auto&& field) {
   field("joint", "", proxy.joint);
   field("valid", "", proxy.valid);
   field("balanced", "", proxy.balanced);
+  field("behind", "m", proxy.behind);
 }
 
 constexpr void list_fields(Is<Twist> auto& twist, auto&& field) {
