@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "delay_cells.h"
 #include "device_fixture.h"
@@ -218,8 +219,12 @@ TEST(DelayedLoop, LetsGoOfATorqueWithoutAKickWhenTheBusBecomesSlow) {
   EXPECT_LT(least, 0.2 * before) << "but it does let go";
 }
 
-// A free hand that opens and closes once, with the same commands acting all the while.
-HapticLoop move_freely(const Sweep& sweep, const DeviceProfile& profile, double command) {
+// Opens and closes once.
+double swing(int tick) { return 0.7 + 0.6 * std::cos(0.00628 * tick); }
+
+// A free hand whose joints have these angles, with the same commands acting all the while.
+HapticLoop move_freely(const Sweep& sweep, const DeviceProfile& profile, double command,
+                       const std::function<double(int)>& angle = swing) {
   HapticLoop loop = start_loop(profile, {});
   State state;
   Scratch scratch = make_scratch(sweep.model);
@@ -231,7 +236,7 @@ HapticLoop move_freely(const Sweep& sweep, const DeviceProfile& profile, double 
     said.asked = i * 1'000'000;
     said.time = said.asked + 500'000;
     said.valid = (1u << kAngleCount) - 1;
-    said.angle.fill(static_cast<float>(0.7 + 0.6 * std::cos(0.00628 * i)));
+    said.angle.fill(static_cast<float>(angle(i)));
     said.acted.fill(command);
     take_feedback(said, loop);
     put_angles(loop, said.time, frame);
@@ -250,16 +255,29 @@ TEST(DelayedLoop, CountsNoEnergyOfWiresThatOnlyHoldTheirPreload) {
   }
 }
 
+DeviceProfile brakes_with(double arm) {
+  DeviceProfile profile = test::shipped_profile("exoskeleton");
+  for (std::size_t i = 0; i < profile.actuators.size(); ++i) {
+    profile.actuators[i].drive = Drive::brake;
+    profile.actuators[i].lower = 0;
+    profile.actuators[i].arm[i] = arm;
+  }
+  return profile;
+}
+
+// Joints that stand still between two of their encoders' steps go nowhere.
+TEST(DelayedLoop, CountsNoEnergyOfBrakesThatHoldAJointStill) {
+  const DeviceProfile profile = brakes_with(1);
+  const double step = profile.dynamics[0].encoder_step;
+  ASSERT_GT(step, 0);
+  const HapticLoop loop = move_freely({}, profile, 0.1, [step](int tick) { return 0.7 + tick % 2 * step; });
+  for (const EnergyAccount& account : loop.account) EXPECT_LT(account.energy, 1e-9);
+}
+
 // Whichever way a joint goes, and its arm is written down.
 TEST(DelayedLoop, CountsWhatBrakesTakeAsTaken) {
   for (const double arm : {1.0, -1.0}) {
-    DeviceProfile profile = test::shipped_profile("exoskeleton");
-    for (std::size_t i = 0; i < profile.actuators.size(); ++i) {
-      profile.actuators[i].drive = Drive::brake;
-      profile.actuators[i].lower = 0;
-      profile.actuators[i].arm[i] = arm;
-    }
-    const HapticLoop loop = move_freely({}, profile, 0.1);
+    const HapticLoop loop = move_freely({}, brakes_with(arm), 0.1);
     for (const EnergyAccount& account : loop.account) {
       EXPECT_EQ(account.generated, 0) << arm;
       EXPECT_GT(account.energy, 3 * 0.1 * 2.3) << arm;

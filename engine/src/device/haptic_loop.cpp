@@ -26,14 +26,14 @@ double total(const LoopTiming& timing) { return timing.period + timing.jitter + 
 constexpr std::size_t angle_of(std::size_t joint) { return 4 * (joint / 3) + 1 + joint % 3; }
 
 // What acted on a joint because of a touch: a wire pulls with its preload without one, and a brake opposes
-// whichever way the joint went.
-double acted_on(const Actuator& actuator, double command, std::size_t joint, double moved) {
+// whichever way the joint went. A step of its encoder may be no way: it would be energy for nothing.
+double acted_on(const Actuator& actuator, double command, std::size_t joint, double moved, double step) {
   const double arm = actuator.arm[joint];
   switch (actuator.drive) {
     case Drive::wire:
       return arm * max(0, command - actuator.preload);
     case Drive::brake:
-      return std::fabs(arm) * command * (moved > 0 ? 1 : moved < 0 ? -1 : 0);
+      return std::fabs(arm) * command * (moved > 1.5 * step ? 1 : moved < -1.5 * step ? -1 : 0);
     default:
       return arm * command;
   }
@@ -43,7 +43,8 @@ JointArray acted_torque(const HapticLoop& loop) {
   JointArray torque{};
   for (std::size_t i = 0; i < loop.profile.actuators.size(); ++i) {
     for (std::size_t j = 0; j < kPhalanxCount; ++j)
-      torque[j] += acted_on(loop.profile.actuators[i], loop.feedback.acted[i], j, loop.moved[j]);
+      torque[j] += acted_on(loop.profile.actuators[i], loop.feedback.acted[i], j, loop.moved[j],
+                            loop.profile.dynamics[j].encoder_step);
   }
   return torque;
 }
