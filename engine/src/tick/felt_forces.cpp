@@ -62,6 +62,7 @@ Vec3 palm_force_by_samples(const Model& model, Scratch& scratch) {
   shape_hand(model.hand, *scratch.primitives);
   sample_forces(model, *scratch.primitives, 1u << kPalmSegment, samples, samples.forces,
                 felt_before ? &level : nullptr);
+  tell(scratch.watch, Stage::narrowphase);
   return model.settings.stiffness * samples.forces.segment[kPalmSegment].force;
 }
 
@@ -159,18 +160,20 @@ void add_layers(const Model& model, Scratch& scratch, std::uint64_t spent, std::
 
 Vec3 palm_force_moved(const Model& model, Vec3 by, Scratch& scratch, std::uint64_t& evaluations) {
   Primitives& hand = *scratch.primitives;
+  const bool layers_felt = scratch.contact_count > 0 || scratch.samples->forces.contact_count > 0;
   const Joints joints = joints_the_palm_asks_for(model, hand.joints);
   forget_hand(hand);
   place_hand(model.hand, model.settings, joints, {by, {}}, hand);
+  scratch.samples->spent = evaluations;
   Vec3 force;
   if ((sampled_segments(model) >> kPalmSegment & 1u) != 0) {
     force = palm_force_by_samples(model, scratch);
   } else {
     std::uint32_t flags = 0;
-    force = feel(model, scratch, scratch.samples->spent, flags).segment[kPalmSegment].force;
+    force = feel(model, scratch, evaluations, flags).segment[kPalmSegment].force;
   }
   evaluations += scratch.samples->forces.evaluations;
-  for (std::size_t i = 0; i < model.layers.size(); ++i)
+  for (std::size_t i = 0; layers_felt && i < model.layers.size(); ++i)
     force += palm_force_moved(*model.layers[i], by, scratch.layers[i], evaluations);
   return force;
 }
