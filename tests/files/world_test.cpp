@@ -248,6 +248,7 @@ TEST(World, WhatIsWrittenIntoItsFileLeadsThePagerNowhere) {
   const std::string numbers(world.grid.lines.size() * sizeof(TreeLine), '\xff');
   file.write(numbers.data(), static_cast<std::streamsize>(numbers.size()));
   file.close();
+  std::filesystem::last_write_time(path, std::filesystem::last_write_time(path) + std::chrono::seconds(10));
   WorldPager pager(built(scene), {});
   pager.hand_at(hand_on_street(scene.hand, 0));
   pager.catch_up();

@@ -3,9 +3,9 @@
 #include <array>
 #include <cerrno>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <memory>
-#include <new>
 #include <system_error>
 
 #include "base/system_status.h"
@@ -67,7 +67,7 @@ Status read_whole_file(const std::string& path, std::uintmax_t most, const char*
   try {
     return names_standard_input(path) ? read_to_end(stdin, shown_name(path), most, content)
                                       : read_file(path, most, wanted, content);
-  } catch (const std::bad_alloc&) {
+  } catch (const std::exception&) {  // of memory, or of its length
     return Status::error(shown_name(path) + ": not enough memory to read it; use a smaller file");
   }
 }

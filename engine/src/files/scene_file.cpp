@@ -383,7 +383,7 @@ Status load_scene_file(const std::string& path, SceneFile& scene_file, const Mot
 }
 
 Status check_plain(const SceneFile& scene_file) {
-  const std::string& path = scene_file.files[0];
+  const std::string path = scene_file.files.empty() ? "scene" : scene_file.files[0];
   if (scene_file.second)
     return Status::error(
         path +
@@ -396,7 +396,9 @@ Status check_plain(const SceneFile& scene_file) {
   std::size_t given = 0;
   const std::vector<SceneObject>& objects = scene_file.scene.objects;
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    if (objects[i].mechanism.mobility != Mobility::given || scene_file.paths[given++].empty()) continue;
+    if (objects[i].mechanism.mobility != Mobility::given) continue;
+    const std::size_t number = given++;
+    if (number >= scene_file.paths.size() || scene_file.paths[number].empty()) continue;
     return Status::error(path + ": objects[" + std::to_string(i) +
                          "].path: only `lumbrical run` moves objects along it; leave it out, and tell each "
                          "tick where the object is");

@@ -262,7 +262,10 @@ void ByteReader::field(Field& value, int length_width) {
                 typename Field::value_type::second_type>
           pair;
       pairs.field(pair.first), pairs.field(pair.second);
-      value.insert(value.end(), std::move(pair));
+      if constexpr (requires { value.insert_or_assign(pair.first, pair.second); })
+        value.insert_or_assign(std::move(pair.first), std::move(pair.second));
+      else
+        value.push_back(std::move(pair));
     }
     ok_ = ok_ && pairs.ok();
   }
