@@ -39,6 +39,13 @@ double acted_on(const Actuator& actuator, double command, std::size_t joint, dou
   }
 }
 
+// Does anything act on a joint because of a touch, a brake on one that stands still, too?
+bool is_acted_on(const HapticLoop& loop, std::size_t joint) {
+  for (std::size_t i = 0; i < loop.profile.actuators.size(); ++i)
+    if (acted_on(loop.profile.actuators[i], loop.feedback.acted[i], joint, 1, 0) != 0) return true;
+  return false;
+}
+
 JointArray acted_torque(const HapticLoop& loop) {
   JointArray torque{};
   for (std::size_t i = 0; i < loop.profile.actuators.size(); ++i) {
@@ -88,7 +95,7 @@ void keep_accounts(const JointArray& wanted, HapticLoop& loop) {
     for (std::size_t k = 0; k < 3; ++k) {
       step.moved[k] = loop.moved[3 * f + k];
       step.acted[k] = acted[3 * f + k];
-      step.touching = step.touching || step.acted[k] != 0 || wanted[3 * f + k] != 0;
+      step.touching = step.touching || wanted[3 * f + k] != 0 || is_acted_on(loop, 3 * f + k);
       squares += step.acted[k] * step.acted[k];
     }
     // As large a share of it as of the touch acted: the safety envelope may have let less through than was
