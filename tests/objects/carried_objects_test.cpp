@@ -169,19 +169,8 @@ TEST(SuddenMotion, EndsWhereStrongDampingIsAllThatHoldsALightThing) {
 // A palm alone that comes down at 0.1 m/s, tilted, so that its rim is the first to touch what is too heavy to
 // give way.
 DeviceFrame tilted_palm(const Hand& hand, double height) {
-  DeviceFrame frame;
-  std::array<Pose, kJointCount> joint;
-  const std::array<double, kAngleCount> angles{};
   const Quat down{std::sqrt(0.5), std::sqrt(0.5), 0, 0};  // faces -z
-  forward_kinematics(hand, {{0, 0, height}, down * normalized({1, 0, 0, 0.15})}, angles, joint);
-  for (const int known : {kPalm, kWrist}) {
-    const auto& [p, q] = joint[static_cast<std::size_t>(known)];
-    frame.joint[static_cast<std::size_t>(known)] = {
-        {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
-        {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z), static_cast<float>(q.w)}};
-  }
-  frame.valid = 1u << kPalm | 1u << kWrist;
-  return frame;
+  return test::palm_alone_at(hand, {{0, 0, height}, down * normalized({1, 0, 0, 0.15})});
 }
 
 TEST(SuddenMotion, OfAPalmBeginsATouchAsSoftlyAsOnWhatStandsStill) {

@@ -16,23 +16,8 @@ namespace lumbrical {
 namespace {
 
 using test::largest;
+using test::palm_alone_at;
 using test::Session;
-
-// A palm alone, its wrist at `base` as the joints of an open hand are.
-DeviceFrame palm_at(const Hand& hand, const Pose& base) {
-  DeviceFrame frame;
-  std::array<Pose, kJointCount> joint;
-  forward_kinematics(hand, {}, std::array<double, kAngleCount>{}, joint);
-  for (const int known : {kPalm, kWrist}) {
-    const auto& [p, q] = joint[static_cast<std::size_t>(known)];
-    frame.joint[static_cast<std::size_t>(known)] = {
-        {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
-        {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z), static_cast<float>(q.w)}};
-  }
-  frame.valid = 1u << kPalm | 1u << kWrist;
-  frame.base = {base.position, base.orientation};
-  return frame;
-}
 
 /// Where the palm is while the wrist is at the origin.
 struct OpenPalm {
@@ -127,7 +112,7 @@ class Pressing {
   }
 
  private:
-  DeviceFrame frame(Vec3 by) { return palm_at(hand_, upward(open_, place_ + by, tilt_)); }
+  DeviceFrame frame(Vec3 by) { return palm_alone_at(hand_, upward(open_, place_ + by, tilt_)); }
 
   Quat tilt_;
   Hand hand_;
@@ -179,7 +164,7 @@ double roughness(const Mesh& mesh, double mass, double rate, double precision) {
   const OpenPalm palm = open_palm(scene.hand);
   scene.objects.push_back(test::body_of("thing", mesh, mass, {{0, 0, 1e-4}, {}}, {0.5, 0.4, 0, 1000}));
   Session run(scene);
-  const DeviceFrame frame = palm_at(scene.hand, upward(palm, {}));
+  const DeviceFrame frame = palm_alone_at(scene.hand, upward(palm, {}));
   double last = 0, most = 0;
   for (int i = 0; i < 2 * rate; ++i) {
     run.step(frame);

@@ -333,15 +333,24 @@ TEST(Proxy, GetsIntoADenseMeshInSeveralTicksAndAsFarAsIntoACoarseOne) {
   EXPECT_GT(strike(400, 2).first, strike(10, 2).first + 0.005);
 }
 
-TEST(Proxy, BendsTheFingersOfAHandThatIsPressedOntoAWall) {
+Scene wall_scene() {
   Scene scene = proxy_scene(make_box({0.4, 0.4, 0.02}, 10));
   scene.hand = default_hand(Side::right);
-  Session run(scene);
-  DeviceFrame frame = test::pressed_frame(scene.hand, -0.08, 0);
+  return scene;
+}
+// A whole hand, lowered onto it by a millimetre a tick until it would be through.
+DeviceFrame pressed_onto_wall(Session& run) {
+  DeviceFrame frame = test::pressed_frame(run.model.hand, -0.08, 0);
   for (int i = 0; i < 120; ++i) {
     frame.base.position.z -= 0.001;
     feel(run, frame);
   }
+  return frame;
+}
+
+TEST(Proxy, BendsTheFingersOfAHandThatIsPressedOntoAWall) {
+  Session run(wall_scene());
+  const DeviceFrame frame = pressed_onto_wall(run);
   const double below = frame.base.position.z;
   for (int joint = kIndexProximal; joint <= kLittleTip; ++joint)
     EXPECT_GT(proxy_at(run, joint).z, 0.01) << joint_name(joint);
@@ -351,14 +360,8 @@ TEST(Proxy, BendsTheFingersOfAHandThatIsPressedOntoAWall) {
 
 // What rounding takes off its rotations must not add up: fingers would grow, and pass the wall in the end.
 TEST(Proxy, HoldsAHandThatIsPressedOntoAWallForAsLongAsItStays) {
-  Scene scene = proxy_scene(make_box({0.4, 0.4, 0.02}, 10));
-  scene.hand = default_hand(Side::right);
-  Session run(scene);
-  DeviceFrame frame = test::pressed_frame(scene.hand, -0.08, 0);
-  for (int i = 0; i < 120; ++i) {
-    frame.base.position.z -= 0.001;
-    feel(run, frame);
-  }
+  Session run(wall_scene());
+  const DeviceFrame frame = pressed_onto_wall(run);
   for (int i = 0; i < 200; ++i) feel(run, frame);
   const HandForces first = run.output;
   for (int i = 0; i < 12000; ++i) feel(run, frame);
@@ -368,7 +371,7 @@ TEST(Proxy, HoldsAHandThatIsPressedOntoAWallForAsLongAsItStays) {
   std::array<Pose, kJointCount> hand;
   std::array<double, kAngleCount> angles{};
   std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
-  forward_kinematics(scene.hand, frame.base, angles, hand);
+  forward_kinematics(run.model.hand, frame.base, angles, hand);
   for (const auto& [base, tip] : kPhalanxJoints) {
     EXPECT_NEAR(norm(proxy_at(run, tip) - proxy_at(run, base)),
                 norm(hand[tip].position - hand[base].position), 1e-12)

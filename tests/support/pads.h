@@ -66,6 +66,22 @@ inline SceneObject body_of(const char* name, Mesh mesh, double mass, const Pose&
   return object;
 }
 
+/// The palm and wrist of an open hand, alone, with its wrist at `base`.
+inline DeviceFrame palm_alone_at(const Hand& hand, const Pose& base) {
+  DeviceFrame frame;
+  std::array<Pose, kJointCount> joint;
+  forward_kinematics(hand, {}, std::array<double, kAngleCount>{}, joint);
+  for (const int known : {kPalm, kWrist}) {
+    const auto& [p, q] = joint[static_cast<std::size_t>(known)];
+    frame.joint[static_cast<std::size_t>(known)] = {
+        {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
+        {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z), static_cast<float>(q.w)}};
+  }
+  frame.valid = 1u << kPalm | 1u << kWrist;
+  frame.base = {base.position, base.orientation};
+  return frame;
+}
+
 /// A model with its memory, run tick by tick.
 struct Session {
   Model model;
