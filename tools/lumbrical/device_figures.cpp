@@ -70,9 +70,8 @@ bool has_frictionless_steps(const HapticLoop& loop) {
   return found && loop.options.limiter;
 }
 
-bool keeps_accounts(const HapticLoop& loop) {
-  return loop.options.account && loop.options.feedback && !loop.local_loop;
-}
+// The certificate is of a loop whose delay was measured.
+bool has_measured(const HapticLoop& loop) { return is_measured(loop.meter) && !loop.local_loop; }
 
 std::string by_finger(const std::array<double, kFingerCount>& values) {
   std::string text;
@@ -130,7 +129,7 @@ Json DeviceSession::certificate_json() const {
   const HapticLoop& control = told_->loop.control;
   const StiffnessCertificate& certificate = control.certificate;
   Json json = {{"device", told_->profile.name},
-               {"measured", is_measured(control.meter) && !control.local_loop},
+               {"measured", has_measured(control)},
                {"period", certificate.timing.period},
                {"jitter", certificate.timing.jitter},
                {"delay", finite_or_null(certificate.timing.delay)},
@@ -191,7 +190,7 @@ void DeviceSession::add_rows(Table& table) const {
                     (figures.safe_at_end ? ", at safe values" : ", NOT known to be at safe values"));
   table.add("loop delay", delays_text(told.loop_delays));
   const LoopTiming& timing = control.certificate.timing;
-  const bool measured = is_measured(control.meter) && !control.local_loop;
+  const bool measured = has_measured(control);
   if (measured || control.local_loop) {
     table.add("stiffness certificate",
               std::string(measured ? "measured" : "assumed") + " period " + brief(1e3 * timing.period) +

@@ -148,22 +148,15 @@ std::vector<fb::Phalanx> phalanges(const Primitives& hand) {
   return result;
 }
 
-void add_contacts(std::span<const Contact> from, const Primitives& hand, const Pose& X_WO,
-                  std::uint32_t object, std::vector<fb::Contact>& to) {
-  for (const Contact& contact : from) {
-    to.emplace_back(contact.primitive, hand.primitive[contact.primitive].segment, contact.triangle,
-                    contact.depth, contact.area, contact.volume, contact.error,
-                    to_fb(transform(X_WO, contact.centroid)), to_fb(transform(X_WO, contact.centre)),
-                    to_fb(rotate(X_WO.orientation, contact.normal)), object);
-  }
-}
-
+/// To the page the world is object 0.
 std::vector<fb::Contact> contacts() {
+  const auto of_world = static_cast<std::uint32_t>(model.objects.size());
   std::vector<fb::Contact> result;
-  add_contacts(find_contacts(model, scratch), *scratch.primitives, {}, 0, result);
-  for (std::uint32_t i = 0; i < model.apart.size(); ++i) {
-    const std::span<const Contact> found = find_contacts(model, scratch, i);
-    add_contacts(found, *scratch.apart->primitives, scratch.object_output[i].pose, i + 1, result);
+  for (const NamedContact& named : all_contacts(model, scratch)) {
+    const Contact& contact = named.contact;
+    result.emplace_back(contact.primitive, named.segment, contact.triangle, contact.depth, contact.area,
+                        contact.volume, contact.error, to_fb(contact.centroid), to_fb(contact.centre),
+                        to_fb(contact.normal), named.object < of_world ? 0 : named.object - of_world + 1);
   }
   return result;
 }
@@ -192,14 +185,14 @@ void answer_view() {
   const auto shapes = builder.CreateVectorOfStructs(phalanges(hand));
   const auto corners = builder.CreateVectorOfStructs(
       to_fb(std::span(palm.corner).first(static_cast<std::size_t>(palm.corner_count))));
-  const auto all_contacts = builder.CreateVectorOfStructs(found);
+  const auto touched = builder.CreateVectorOfStructs(found);
   const auto all_segments = builder.CreateVectorOfStructs(segments(record.output));
   const auto bases = builder.CreateVectorOfStructs(to_fb(hand.base_joint));
   const auto axes = builder.CreateVectorOfStructs(to_fb(hand.flexion_axis));
   const auto tracked = builder.CreateVectorOfStructs(tracked_joints());
   const auto text = differs.empty() ? 0 : builder.CreateString(differs.data(), differs.size());
   builder.Finish(fb::CreateTickView(builder, record.output.tick, joints, hand.joints.valid, shapes, corners,
-                                    palm.radius, all_contacts, all_segments, bases, axes, text, tracked));
+                                    palm.radius, touched, all_segments, bases, axes, text, tracked));
   out.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
 }
 

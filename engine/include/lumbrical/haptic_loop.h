@@ -109,6 +109,10 @@ void certify_loop(HapticLoop& loop);
 DeviceCommand command_forces(const Model& model, const Scratch& scratch, const DeviceFrame& frame,
                              const ActuatorFrame& output, std::int64_t now, HapticLoop& loop);
 
+/// Whether fingers have energy accounts: not without angles of the device, nor where its own loop is the only
+/// one, whose torques change between two commands unseen.
+bool keeps_accounts(const HapticLoop& loop);
+
 /// One step: what goes in and what comes out.
 struct LoopStep {
   DeviceFrame frame;               ///< in: the motion's; the tick gets it with the device's angles

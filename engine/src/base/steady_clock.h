@@ -13,5 +13,6 @@ inline std::int64_t steady_ns() {
 }
 
 inline double in_seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+inline std::int64_t in_ns(double seconds) { return static_cast<std::int64_t>(seconds * 1e9); }
 
 }  // namespace lumbrical

@@ -201,6 +201,10 @@ void keep_newest(const SentCommand& sent, LoopStep& step) {
 
 }  // namespace
 
+bool keeps_accounts(const HapticLoop& loop) {
+  return loop.options.account && loop.options.feedback && !loop.local_loop;
+}
+
 HapticLoop start_loop(const DeviceProfile& profile, const LoopOptions& options) {
   HapticLoop loop;
   loop.profile = profile;
@@ -307,8 +311,7 @@ DeviceCommand command_forces(const Model& model, const Scratch& scratch, const D
   for (std::size_t f = 0; f < kFingerCount; ++f)
     loop.level[f] = max(loop.gain * loop.limiter.factor[f], least[f]);
   for (std::size_t j = 0; j < kPhalanxCount; ++j) wanted[j] = loop.level[j / 3] * output.flexion_torque[j];
-  // A local model's torque changes between two samples, which the account does not see.
-  if (angles && loop.certified && loop.options.account && loop.options.feedback && !loop.local_loop) {
+  if (angles && loop.certified && keeps_accounts(loop)) {
     if (loop.fresh) keep_accounts(wanted, loop);
     for (std::size_t f = 0; f < kFingerCount; ++f) {
       const std::array<double, 3> torque = {wanted[3 * f], wanted[3 * f + 1], wanted[3 * f + 2]};

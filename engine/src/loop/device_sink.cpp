@@ -37,7 +37,7 @@ void DeviceSink::cycle() {
   assert(worker_ && !worker_->options.thread);
   // Ticks may come a little early: those at the rate of the profile shall not miss every second exchange.
   const double early = 0.5 / worker_->profile.rate;
-  if (steady_ns() >= worker_->next_cycle - static_cast<std::int64_t>(early * 1e9)) worker_->step();
+  if (steady_ns() >= worker_->next_cycle - in_ns(early)) worker_->step();
 }
 
 bool DeviceSink::close() {

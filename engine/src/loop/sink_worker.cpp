@@ -18,8 +18,6 @@ constexpr std::size_t kMostEvents = 1000;
 
 using Clock = std::chrono::steady_clock;
 
-std::int64_t ns(double seconds) { return static_cast<std::int64_t>(seconds * 1e9); }
-
 }  // namespace
 
 void DeviceSink::Worker::tell(std::string text) {
@@ -77,7 +75,7 @@ void DeviceSink::Worker::connect() {
   }
   problem("not connected: " + status.message());
   retry = retry == 0 ? profile.first_retry : std::min(2 * retry, profile.last_retry);
-  next_try = steady_ns() + ns(retry);
+  next_try = steady_ns() + in_ns(retry);
 }
 
 // What has to come before commands; or, to fade what another left, what that was.
@@ -106,7 +104,7 @@ void DeviceSink::Worker::lose(std::string why) {
   connected = handshaken = standing = false;
   problem(std::move(why));
   // The first try follows at once, the others ever later.
-  next_try = retry == 0 ? 0 : steady_ns() + ns(retry);
+  next_try = retry == 0 ? 0 : steady_ns() + in_ns(retry);
   retry = retry == 0 ? profile.first_retry : std::min(2 * retry, profile.last_retry);
 }
 
@@ -281,7 +279,7 @@ void DeviceSink::Worker::remember(const SafetyOutput& output, std::int64_t sent,
 }
 
 void DeviceSink::Worker::count(bool acknowledged, std::int64_t now) {
-  if (now - rate_start[1] > ns(1)) {
+  if (now - rate_start[1] > in_ns(1)) {
     rate_start = {rate_start[1], now};
     rate_count = {rate_count[1], report.acknowledged};
   }
@@ -310,7 +308,7 @@ bool DeviceSink::Worker::cycle() {
   await_tick();
   const std::int64_t begun = steady_ns();
   // Letting go begins here, however long the way to the device took: else the first command would be a step.
-  if (taken_over) last_step = begun - ns(1 / profile.rate);
+  if (taken_over) last_step = begun - in_ns(1 / profile.rate);
   SafetyOutput output = decide(begun);
   if (options.dry_run) {
     for (std::size_t i = 0; i < profile.actuators.size(); ++i) output.command[i] = profile.actuators[i].safe;
@@ -354,13 +352,13 @@ bool DeviceSink::Worker::step() {
     wire->close();
     connected = handshaken = standing = false;
   }
-  next_cycle = std::max(next_cycle + ns(1 / profile.rate), steady_ns());
+  next_cycle = std::max(next_cycle + in_ns(1 / profile.rate), steady_ns());
   return off;
 }
 
 void DeviceSink::Worker::let_go() {
-  const std::int64_t give_up = steady_ns() + ns(profile.safety.fade + profile.safety.answer_timeout +
-                                                2 * profile.response_timeout + 0.1);
+  const std::int64_t give_up = steady_ns() + in_ns(profile.safety.fade + profile.safety.answer_timeout +
+                                                   2 * profile.response_timeout + 0.1);
   while (!step()) {
     if (steady_ns() > give_up) return tell("closed: the device could not be told; its own watchdog must act");
     await_cycle();

@@ -48,8 +48,6 @@ Status check_baud(int file, const Transport& transport) {
 const char* const kHungUp = "the device has hung up";
 constexpr std::int64_t kGlance = 1000000;  // [ns] between two looks at whether there is a hurry
 
-std::int64_t nanoseconds(double seconds) { return static_cast<std::int64_t>(seconds * 1e9); }
-
 bool wait_for_input(int file, std::int64_t span) {
   pollfd poll_file{file, POLLIN, 0};
   const timespec time{static_cast<time_t>(span / 1000000000), static_cast<long>(span % 1000000000)};
@@ -155,7 +153,7 @@ LinkResult ModbusLink::transact(ModbusQuestion question, const std::uint16_t* se
   question.serial = serial_;
   question.transaction = ++transaction_;
   frame_question(question, sent, frame_);
-  const std::int64_t end = steady_ns() + nanoseconds(patience.usual);
+  const std::int64_t end = steady_ns() + in_ns(patience.usual);
   const LinkResult result = send(end);
   return result.ok() ? receive(question, end, words) : result;
 }
@@ -196,7 +194,7 @@ LinkResult ModbusLink::receive(const ModbusQuestion& question, std::int64_t end,
     const std::int64_t now = steady_ns();
     if (!hurried && patience.hurry && patience.hurry()) {
       hurried = true;
-      end = std::min(end, now + nanoseconds(patience.hurried));
+      end = std::min(end, now + in_ns(patience.hurried));
     }
     if (now >= end) {
       return {LinkOutcome::broken, hurried ? "timed out: no reply in two cycles to an emergency stop"

@@ -165,15 +165,11 @@ Status parse_mesh(std::string_view content, const std::string& name, Unit unit, 
 }
 
 Status load_mesh(const std::string& path, Unit unit, Mesh& mesh) {
-  try {
-    std::string content;
-    if (Status status = read_whole_file(path, kLargestMeshFile, "a mesh file", content); !status.ok())
-      return status;
-    const std::string folder = std::filesystem::path(path).parent_path().string();
-    return parse_from(content, shown_name(path), folder.empty() ? "." : folder, unit, mesh);
-  } catch (const std::bad_alloc&) {
-    return out_of_memory(shown_name(path));
-  }
+  std::string content;
+  if (Status status = read_whole_file(path, kLargestMeshFile, "a mesh file", content); !status.ok())
+    return status;
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  return parse_from(content, shown_name(path), folder.empty() ? "." : folder, unit, mesh);
 }
 
 }  // namespace lumbrical
