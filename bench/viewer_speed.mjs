@@ -6,7 +6,7 @@ import { execFileSync, spawn } from "node:child_process";
 import { existsSync, mkdirSync, readdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
 import { before, test } from "node:test";
 import { setTimeout as sleep } from "node:timers/promises";
-import { chromiumPath, file, folder, kPatience, open, page, program, scene, serve, started } from "../tests/viewer/browser.mjs";
+import { chromiumPath, file, folder, kPatience, openNew, page, program, scene, serve, started } from "../tests/viewer/browser.mjs";
 
 const kTicks = 600000, kOpenings = 5, kSeeks = 20, kSeconds = 10;
 const kReading = 40;  // [s]
@@ -81,7 +81,7 @@ test("open", async () => {
   address = await serve("view", long, "--no-browser");
   const times = [];
   for (let i = 0; i < kOpenings; ++i) {
-    await open(address, {}, watchFirstTick);
+    await openNew(address, {}, watchFirstTick);
     await page.waitForFunction(() => window.firstTick !== undefined, null, kPatience);
     times.push(await page.evaluate(() => window.firstTick));
   }
@@ -155,7 +155,7 @@ test("live", async () => {
   const without = await shareOf(alone, performance.now());
   alone.kill("SIGTERM");
   const begun = performance.now();
-  await open(await serve(...live, "--view"));
+  await openNew(await serve(...live, "--view"));
   const watched = await shareOf(started.at(-1), begun);
   tell("a session at 1 kHz takes of a processor", `${without.toFixed(1)} % alone, ${watched.toFixed(1)} % while a page looks`);
 });

@@ -4,7 +4,7 @@ import { execFileSync } from "node:child_process";
 import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { before, test } from "node:test";
-import { atTick, complaints, details, file, kPatience, open, page, program, scanned, scene, serve, shot, workerWatch } from "./browser.mjs";
+import { atTick, complaints, details, file, kPatience, open, openNew, page, program, scanned, scene, serve, shot, workerWatch } from "./browser.mjs";
 import { capture } from "./headset.mjs";
 
 const examples = dirname(scene);
@@ -107,7 +107,7 @@ test("Where only one goes on, or begins, they part as lumbrical diff says", asyn
 
 test("Nothing is said to be the same before all of it was compared", async () => {
   copyFileSync(file("first.mcap"), file("copy.mcap"));
-  await open(await serve("view", file("first.mcap"), "--no-browser"), {}, workerWatch);
+  await openNew(await serve("view", file("first.mcap"), "--no-browser"), {}, workerWatch);
   await page.evaluate(() => { heldBack = "compare"; });
   await page.setInputFiles("#open-other", file("copy.mcap"));
   await page.waitForFunction(() => /compared\s+not yet/.test(document.querySelector("#details").innerText), null, kPatience);

@@ -5,7 +5,7 @@ import { execFileSync } from "node:child_process";
 import { writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { before, test } from "node:test";
-import { complaints, details, file, kPatience, message, open, page, program, scene, serve, shot, workerWatch } from "./browser.mjs";
+import { complaints, details, file, kPatience, message, open, openNew, page, program, scene, serve, shot, workerWatch } from "./browser.mjs";
 import { capture, headset, wristAt } from "./headset.mjs";
 
 let lab;
@@ -101,7 +101,7 @@ test("Motion files of other formats are read by the engine; one that it can't re
 });
 
 test("A headset's hand is felt as it comes, is lost openly, and replays natively, bit for bit", async () => {
-  await open(lab, {}, headset);
+  await openNew(lab, {}, headset);
   const button = page.getByText("Hand tracking");
   await button.click();
   await contacts();
@@ -125,7 +125,7 @@ test("A headset's hand is felt as it comes, is lost openly, and replays natively
 });
 
 test("Time goes on where there is no more room for what was felt", async () => {
-  await open(lab, {}, workerWatch);
+  await openNew(lab, {}, workerWatch);
   await felt(5);
   await page.evaluate(async () => {
     const hand = new Float64Array(27).fill(1, 0, 4);  // far away, where a tick is short

@@ -5,7 +5,7 @@ import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { join, dirname, resolve } from "node:path";
 import { before, test } from "node:test";
-import { atTick, complaints, details, file, kPatience, message, open, page, program, requests, scanned, scene, serve, settled, shot, started, tick, tips, workerWatch } from "./browser.mjs";
+import { atTick, complaints, details, file, kPatience, message, open, openNew, page, program, requests, scanned, scene, serve, settled, shot, started, tick, tips, workerWatch } from "./browser.mjs";
 import { capture } from "./headset.mjs";
 
 /** As a link says it. */
@@ -316,7 +316,7 @@ test("A torn, damaged or foreign file is told what is wrong and where", async ()
 
 test("Dark, and on a phone: nothing is cut off and no text is small", async () => {
   for (const [name, options] of Object.entries({ dark: { colorScheme: "dark" }, phone: { viewport: { width: 390, height: 844 } } })) {
-    await open(at(one, 3980), options);
+    await openNew(at(one, 3980), options);
     await atTick(3980);
     await scanned();
     await page.waitForTimeout(300);
@@ -349,7 +349,7 @@ function countKept() {
 }
 
 test("What was open before leaves nothing behind", async () => {
-  await open(at(await serve("view", file("grasp.mcap"), "--no-browser"), 3980), {}, `(${countKept})(); ${workerWatch}`);
+  await openNew(at(await serve("view", file("grasp.mcap"), "--no-browser"), 3980), {}, `(${countKept})(); ${workerWatch}`);
   const openAgain = async () => {
     await page.evaluate(() => { delete document.body.dataset.scanned; });
     await page.setInputFiles("#open", file("grasp.mcap"));
