@@ -89,11 +89,7 @@ Mesh fixed_mesh(const Mesh& mesh, FixReport& report) {
 
 Status save_obj(const std::string& path, const Mesh& mesh) try {
   TextOutput out;
-  if (Status status = out.open(path); !status.ok()) return status;
-  Status status = write_obj(mesh, out);
-  if (status.ok()) status = out.close();
-  if (!status.ok()) out.discard();
-  return status;
+  return write_whole(out, path, [&mesh](TextOutput& file) { return write_obj(mesh, file); });
 } catch (const std::bad_alloc&) {
   return Status::error(path + ": not enough memory to write the mesh");
 }

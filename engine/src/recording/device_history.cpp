@@ -7,6 +7,7 @@
 
 #include "files/text_output.h"
 #include "lumbrical/recording.h"
+#include "recording/json_line.h"
 #include "recording/record_fields.h"
 
 namespace lumbrical {
@@ -117,10 +118,12 @@ Status Pass::end() {
 
 // Kinds and texts are made here, without a character that would have to be escaped.
 std::string event_line(const DeviceEvent& event, ExportFormat format) {
-  const std::string tick = std::to_string(event.tick), time = exact_text(event.time);
-  if (format == ExportFormat::csv) return tick + ',' + time + ',' + event.kind + ",\"" + event.text + '"';
-  return "{\"tick\":" + tick + ",\"time\":" + time + ",\"kind\":\"" + event.kind + "\",\"text\":\"" +
-         event.text + "\"}";
+  if (format == ExportFormat::csv)
+    return std::to_string(event.tick) + ',' + exact_text(event.time) + ',' + event.kind + ",\"" + event.text +
+           '"';
+  JsonLine json;
+  json.open("", '{').number("tick", event.tick).number("time", event.time);
+  return json.string("kind", event.kind).string("text", event.text).close('}').text();
 }
 
 Status write_events(RecordingReader& reader, ExportFormat format, TextOutput& out) {
@@ -150,11 +153,7 @@ Status export_device_events(RecordingReader& reader, ExportFormat format, const 
   if (format == ExportFormat::npz)
     return Status::error("events are no table of numbers; export them as csv or json");
   TextOutput out;
-  if (Status status = out.open(output); !status.ok()) return status;
-  Status status = write_events(reader, format, out);
-  if (status.ok()) status = out.close();
-  if (!status.ok()) out.discard();
-  return status;
+  return write_whole(out, output, [&](TextOutput& file) { return write_events(reader, format, file); });
 } catch (const std::bad_alloc&) {
   return Status::error(output + ": not enough memory to export the events");
 }

@@ -27,6 +27,11 @@ struct ExportColumn {
   bool force = false;      ///< may be left out of a recording
 };
 
+/// "index_distal.force.x [N]"
+inline std::string column_title(const std::string& name, const std::string& unit) {
+  return unit.empty() ? name : name + " [" + unit + ']';
+}
+
 /// What a session has columns of.
 struct ExportedSession {
   std::vector<Side> hands;

@@ -3,8 +3,6 @@
 #include <array>
 #include <bit>
 #include <cassert>
-#include <charconv>
-#include <cmath>
 #include <new>
 #include <span>
 #include <string>
@@ -13,7 +11,9 @@
 
 #include "files/text_output.h"
 #include "lumbrical/recording.h"
+#include "recording/export_columns.h"
 #include "recording/hand_views.h"
+#include "recording/json_line.h"
 #include "recording/npz_file.h"
 
 namespace lumbrical {
@@ -107,56 +107,38 @@ Status for_each_row(Readers readers, MessageKind kind, const ExportOptions& opti
   return {};
 }
 
-std::string number(double value, bool exact) {
-  std::array<char, 32> text;
-  const auto result = exact ? std::to_chars(text.data(), text.data() + text.size(), value)
-                            : std::to_chars(text.data(), text.data() + text.size(), value + 0.0,
-                                            std::chars_format::general, 6);
-  return {text.data(), result.ptr};
-}
-
 std::string csv_head(MessageKind kind) {
   std::string line = std::string("tick,time [s],hand,") + part_of(kind);
-  for (const ViewColumn& column : columns_of(kind))
-    line += std::string(",") + column.name + (*column.unit != 0 ? std::string(" [") + column.unit + "]" : "");
+  for (const ViewColumn& column : columns_of(kind)) line += ',' + column_title(column.name, column.unit);
   return line;
 }
 
 std::string csv_line(const ViewRow& row, bool exact) {
-  std::string line = std::to_string(row.tick) + ',' + number(row.time, exact);
+  const auto number = [exact](double value) { return exact ? exact_text(value) : rounded_text(value); };
+  std::string line = std::to_string(row.tick) + ',' + number(row.time);
   for (const std::string_view text : {row.hand, row.part}) line += ',' + std::string(text);
-  for (const double value : row.numbers) line += ',' + number(value, exact);
+  for (const double value : row.numbers) line += ',' + number(value);
   return line;
 }
 
 std::string json_line(const ViewRow& row, MessageKind kind) {
-  std::string line = "{\"tick\":" + std::to_string(row.tick) + ",\"time\":" + number(row.time, true) +
-                     ",\"hand\":\"" + std::string(row.hand) + "\",\"" + part_of(kind) + "\":\"" +
-                     std::string(row.part) + '"';
-  for (std::size_t i = 0; i < row.numbers.size(); ++i) {
-    const std::string text = number(row.numbers[i], true);
-    const bool in_json = std::isfinite(row.numbers[i]);
-    line += std::string(",\"") + columns_of(kind)[i].name + "\":" + (in_json ? text : '"' + text + '"');
-  }
-  return line + '}';
+  JsonLine json;
+  json.open("", '{').number("tick", row.tick).number("time", row.time);
+  json.string("hand", row.hand).string(part_of(kind), row.part);
+  for (std::size_t i = 0; i < row.numbers.size(); ++i) json.number(columns_of(kind)[i].name, row.numbers[i]);
+  return json.close('}').text();
 }
 
-Status export_text(Readers readers, MessageKind kind, const ExportOptions& options,
-                   const std::string& output) {
-  TextOutput out;
-  if (Status status = out.open(output); !status.ok()) return status;
+Status write_text(Readers readers, MessageKind kind, const ExportOptions& options, TextOutput& out) {
   const bool json = options.format == ExportFormat::json;
-  Status status = json ? Status{} : out.line(csv_head(kind));
-  if (status.ok())
-    status = for_each_row(
-        readers, kind, options,
-        [&](const ViewRow& row) {
-          return out.line(json ? json_line(row, kind) : csv_line(row, options.exact));
-        },
-        [&] { return out.wanted(); });
-  if (status.ok()) status = out.close();
-  if (!status.ok()) out.discard();
-  return status;
+  if (!json)
+    if (Status status = out.line(csv_head(kind)); !status.ok()) return status;
+  return for_each_row(
+      readers, kind, options,
+      [&](const ViewRow& row) {
+        return out.line(json ? json_line(row, kind) : csv_line(row, options.exact));
+      },
+      [&] { return out.wanted(); });
 }
 
 // A row of an archive in memory, before its names are texts: so many fit.
@@ -167,7 +149,7 @@ struct PackedRow {
 };
 constexpr std::size_t kMostRows = std::size_t{1} << 24;
 
-Status write_npz(MessageKind kind, const std::vector<PackedRow>& rows, NpzFile& out) {
+Status write_rows(MessageKind kind, const std::vector<PackedRow>& rows, NpzFile& out) {
   Status status;
   std::vector<std::string> names, units;
   const auto add = [&](const char* name, const char* unit, const char* type, auto&& value_of) {
@@ -198,9 +180,7 @@ Status write_npz(MessageKind kind, const std::vector<PackedRow>& rows, NpzFile& 
   return status.ok() ? out.add("units", units) : status;
 }
 
-Status export_npz(Readers readers, MessageKind kind, const ExportOptions& options,
-                  const std::string& output) {
-  if (output == "-") return Status::error("a NumPy archive needs a file; name one with --output");
+Status write_npz(Readers readers, MessageKind kind, const ExportOptions& options, NpzFile& out) {
   std::vector<PackedRow> rows;
   Status status = for_each_row(
       readers, kind, options,
@@ -218,13 +198,7 @@ Status export_npz(Readers readers, MessageKind kind, const ExportOptions& option
         return Status{};
       },
       [] { return true; });
-  NpzFile out;
-  if (status.ok()) status = out.open(output);
-  if (!status.ok()) return status;
-  status = write_npz(kind, rows, out);
-  if (status.ok()) status = out.close();
-  if (!status.ok()) out.discard();
-  return status;
+  return status.ok() ? write_rows(kind, rows, out) : status;
 }
 
 }  // namespace
@@ -242,8 +216,12 @@ Status export_views(Readers readers, MessageKind kind, const ExportOptions& opti
     return Status::error(info.path + ": holds no " + (poses ? "posed hands" : "contact points") +
                          "; record them with lumbrical run " +
                          (poses ? "--record-poses" : "--record-contacts") + " RATE");
-  return options.format == ExportFormat::npz ? export_npz(readers, kind, options, output)
-                                             : export_text(readers, kind, options, output);
+  if (options.format == ExportFormat::npz) {
+    NpzFile out;
+    return write_whole(out, output, [&](NpzFile& file) { return write_npz(readers, kind, options, file); });
+  }
+  TextOutput out;
+  return write_whole(out, output, [&](TextOutput& file) { return write_text(readers, kind, options, file); });
 } catch (const std::bad_alloc&) {
   return Status::error(output + ": not enough memory to export the recording");
 }

@@ -71,6 +71,7 @@ Buffer deflated(std::span<const std::uint8_t> head, std::span<const std::uint8_t
 }  // namespace
 
 Status NpzFile::open(const std::string& path) {
+  if (path == "-") return Status::error("a NumPy archive needs a file; name one with --output");
   path_ = path;
   return file_.open(path);
 }

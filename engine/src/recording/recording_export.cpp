@@ -2,8 +2,6 @@
 #include <array>
 #include <bit>
 #include <cassert>
-#include <charconv>
-#include <cmath>
 #include <limits>
 #include <new>
 #include <optional>
@@ -16,6 +14,7 @@
 #include "files/text_output.h"
 #include "lumbrical/recording.h"
 #include "recording/export_columns.h"
+#include "recording/json_line.h"
 #include "recording/npz_file.h"
 #include "recording/record_fields.h"
 
@@ -99,27 +98,20 @@ Status find_columns(Readers readers, const ExportOptions& options, std::vector<E
   return {};
 }
 
-// Six digits are more than any of these quantities is worth; `exact` are as many as it takes to read the
-// same bits.
 std::string cell_text(const ExportColumn& column, std::uint64_t bits, bool exact) {
   if (column.source == ExportColumn::Source::stage_hash || column.source == ExportColumn::Source::state_hash)
     return hash_text(bits);
   if (exact || !is_real(column.type)) return number_text(column.type, bits);
-  const double value = column.type == NumberType::real
-                           ? std::bit_cast<double>(bits)
-                           : static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
-  if (std::isnan(value)) return "nan";
-  std::array<char, 32> text;
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value + 0.0,  // no -0
-                                          std::chars_format::general, 6);
-  return std::string(text.data(), end);
+  return rounded_text(column.type == NumberType::real
+                          ? std::bit_cast<double>(bits)
+                          : static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits))));
 }
 
 Status write_csv(Readers readers, const ExportOptions& options, const std::vector<ExportColumn>& columns,
                  TextOutput& out) {
   std::string line;
   for (const ExportColumn& column : columns)
-    line += (line.empty() ? "" : ",") + column.name + (column.unit.empty() ? "" : " [" + column.unit + ']');
+    line += (line.empty() ? "" : ",") + column_title(column.name, column.unit);
   if (Status status = out.line(line); !status.ok()) return status;
   std::vector<std::uint64_t> bits;
   return for_each_row(
@@ -169,69 +161,6 @@ Status write_npz(Readers readers, const ExportOptions& options, const std::vecto
   return status.ok() ? out.add("units", units) : status;
 }
 
-/// One line of JSON, written front to back.
-class JsonLine {
- public:
-  JsonLine& open(std::string_view key, char bracket) {
-    name(key);
-    text_ += bracket;
-    return *this;
-  }
-  JsonLine& close(char bracket) {
-    text_ += bracket;
-    return *this;
-  }
-  /// Numbers that JSON has not (infinities, NaNs) become strings.
-  template <class Number>
-  JsonLine& number(std::string_view key, Number value) {
-    std::string text;
-    if constexpr (std::is_integral_v<Number>)
-      text = std::to_string(value);
-    else
-      text = exact_text(value);
-    const bool in_json = text.find_first_of("in") == std::string::npos;  // of "inf" and "nan"
-    return in_json ? raw(key, text) : string(key, text);
-  }
-  JsonLine& string(std::string_view key, std::string_view value) {
-    return raw(key, '"' + std::string(value) + '"');
-  }
-  JsonLine& null(std::string_view key) { return raw(key, "null"); }
-  /// Numbers, arrays and structs by the lists of their fields; vectors and rotations as arrays.
-  template <class T>
-  JsonLine& value(std::string_view key, const T& value) {
-    if constexpr (std::is_same_v<T, InputKind>) {
-      return string(key, kind_name(value));
-    } else if constexpr (Number<T>) {
-      return number(key, value);
-    } else if constexpr (Array<T>) {
-      open(key, '[');
-      for (const auto& element : value) this->value("", element);
-      return close(']');
-    } else {
-      constexpr bool kNamed = !std::is_same_v<T, Vec3> && !std::is_same_v<T, Quat>;
-      open(key, kNamed ? '{' : '[');
-      list_fields(value, [this](const char* name, const char*, const auto& field) {
-        this->value(kNamed ? name : "", field);
-      });
-      return close(kNamed ? '}' : ']');
-    }
-  }
-  [[nodiscard]] const std::string& text() const { return text_; }
-
- private:
-  JsonLine& raw(std::string_view key, std::string_view value) {
-    name(key);
-    text_ += value;
-    return *this;
-  }
-  void name(std::string_view key) {
-    if (!text_.empty() && text_.back() != '{' && text_.back() != '[') text_ += ',';
-    if (!key.empty()) text_ += '"' + std::string(key) + "\":";
-  }
-
-  std::string text_;
-};
-
 void add_output(const TickRecord& record, JsonLine& json) {
   json.open("output", '{');
   list_fields(record.output, [&](const char* name, const char*, const auto& field) {
@@ -280,28 +209,6 @@ Status write_json(Readers readers, const ExportOptions& options, TextOutput& out
   return for_each_row(readers, options, lines, &out);
 }
 
-Status export_text(Readers readers, const ExportOptions& options, const std::vector<ExportColumn>& columns,
-                   const std::string& output) {
-  TextOutput out;
-  if (Status status = out.open(output); !status.ok()) return status;
-  Status status = options.format == ExportFormat::csv ? write_csv(readers, options, columns, out)
-                                                      : write_json(readers, options, out);
-  if (status.ok()) status = out.close();
-  if (!status.ok()) out.discard();
-  return status;
-}
-
-Status export_npz(Readers readers, const ExportOptions& options, const std::vector<ExportColumn>& columns,
-                  std::uint64_t rows, const std::string& output) {
-  NpzFile out;
-  if (output == "-") return Status::error("a NumPy archive needs a file; name one with --output");
-  if (Status status = out.open(output); !status.ok()) return status;
-  Status status = write_npz(readers, options, columns, rows, out);
-  if (status.ok()) status = out.close();
-  if (!status.ok()) out.discard();
-  return status;
-}
-
 }  // namespace
 
 Status export_recording(std::span<RecordingReader> readers, const ExportOptions& options,
@@ -312,8 +219,16 @@ Status export_recording(std::span<RecordingReader> readers, const ExportOptions&
   std::uint64_t rows = 0;
   if (options.format != ExportFormat::json)
     if (Status status = find_columns(readers, options, columns, rows); !status.ok()) return status;
-  return options.format == ExportFormat::npz ? export_npz(readers, options, columns, rows, output)
-                                             : export_text(readers, options, columns, output);
+  if (options.format == ExportFormat::npz) {
+    NpzFile out;
+    return write_whole(out, output,
+                       [&](NpzFile& file) { return write_npz(readers, options, columns, rows, file); });
+  }
+  TextOutput out;
+  return write_whole(out, output, [&](TextOutput& file) {
+    return options.format == ExportFormat::csv ? write_csv(readers, options, columns, file)
+                                               : write_json(readers, options, file);
+  });
 } catch (const std::bad_alloc&) {
   return Status::error(output + ": not enough memory to export the recording");
 }

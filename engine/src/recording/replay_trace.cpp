@@ -90,7 +90,7 @@ Status write_stages(const TickRun& run, const std::string& stage, TextOutput& ou
                       std::to_string(execution.threads) + " thread(s)");
   for (int number = 0; status.ok() && number <= kStateStage; ++number)
     if (stage.empty() || number == stage_number(stage)) status = write_stage(run, number, out);
-  return status.ok() ? out.close() : status;
+  return status;
 }
 
 }  // namespace
@@ -118,10 +118,7 @@ Status name_difference(const Scene& recorded_scene, const State& before, const T
 
 Status write_trace(const std::string& path, const TickRun& run, const std::string& stage) {
   TextOutput out;
-  Status status = out.open(path);
-  if (status.ok()) status = write_stages(run, stage, out);
-  if (!status.ok()) out.discard();
-  return status;
+  return write_whole(out, path, [&](TextOutput& file) { return write_stages(run, stage, file); });
 }
 
 }  // namespace lumbrical
