@@ -5,7 +5,6 @@
 #include <modbus/modbus.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <termios.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -16,29 +15,15 @@
 
 #include "base/steady_clock.h"
 #include "loop/private_network.h"
+#include "modbus/line_rates.h"
 
 namespace lumbrical {
 namespace {
 
-struct Rate {
-  std::uint32_t baud;
-  speed_t code;
-};
-constexpr Rate kRates[] = {{1200, B1200},       {2400, B2400},       {4800, B4800},       {9600, B9600},
-                           {19200, B19200},     {38400, B38400},     {57600, B57600},     {115200, B115200},
-                           {230400, B230400},   {460800, B460800},   {500000, B500000},   {576000, B576000},
-                           {921600, B921600},   {1000000, B1000000}, {1152000, B1152000}, {1500000, B1500000},
-                           {2000000, B2000000}, {2500000, B2500000}, {3000000, B3000000}, {3500000, B3500000},
-                           {4000000, B4000000}};
-
 Status check_baud(int file, const Transport& transport) {
   termios settings{};
   if (tcgetattr(file, &settings) != 0) return Status::error(transport.line + ": is no serial line");
-  const speed_t speed = cfgetospeed(&settings);
-  std::uint32_t taken = 0;
-  for (const Rate& rate : kRates) {
-    if (rate.code == speed) taken = rate.baud;
-  }
+  const std::uint32_t taken = baud_of(cfgetospeed(&settings));
   if (taken == transport.baud) return {};
   return Status::error(transport.line + ": asked for " + std::to_string(transport.baud) +
                        " baud, the line runs at " + std::to_string(taken) +

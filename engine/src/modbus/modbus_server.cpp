@@ -7,7 +7,6 @@
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -20,6 +19,7 @@
 #include <vector>
 
 #include "loop/private_network.h"
+#include "modbus/line_rates.h"
 #include "modbus/modbus_frame.h"
 
 namespace lumbrical {
@@ -44,35 +44,6 @@ Status make_raw(int line, const std::string& name, speed_t speed) {
   if (speed != 0) cfsetspeed(&settings, speed);
   if (tcsetattr(line, TCSANOW, &settings) != 0) return system_error(name);
   return {};
-}
-
-speed_t speed_of(std::uint32_t baud) {
-  switch (baud) {
-    case 9600:
-      return B9600;
-    case 19200:
-      return B19200;
-    case 38400:
-      return B38400;
-    case 57600:
-      return B57600;
-    case 115200:
-      return B115200;
-    case 230400:
-      return B230400;
-    case 460800:
-      return B460800;
-    case 921600:
-      return B921600;
-    case 1000000:
-      return B1000000;
-    case 2000000:
-      return B2000000;
-    case 3000000:
-      return B3000000;
-    default:
-      return 0;
-  }
 }
 
 void spoil(WrongReply wrong, ModbusRequest& request, Bytes& answer) {
@@ -294,7 +265,7 @@ Status ModbusServer::open_terminal(const std::string& link) {
 }
 
 Status ModbusServer::open_line(const std::string& path, std::uint32_t baud) {
-  const speed_t speed = speed_of(baud);
+  const speed_t speed = code_of(baud);
   if (speed == 0) return Status::error(path + ": " + std::to_string(baud) + " baud is not a standard rate");
   line_ = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
   if (line_ < 0) return system_error(path);
