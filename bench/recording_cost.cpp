@@ -67,6 +67,13 @@ class Session {
   TickRecord record_;
 };
 
+/// A recording in the place of the last one.
+Status open_anew(Recorder& recorder, const std::string& path, const Scene& scene,
+                 const RecorderOptions& options) {
+  std::filesystem::remove(path);
+  return recorder.open(path, scene, options);
+}
+
 /// Mean time of a tick [us], not recorded and recorded.
 struct TickTime {
   double plain = 0, recorded = 0;
@@ -81,7 +88,7 @@ Status measure_pass(const SceneFile& file, const std::string& path, Session& ses
   double time[2] = {0, 0};  // [us]
   for (int round = 0; round < 2; ++round) {
     Recorder recorder;
-    if (Status status = recorder.open(path, file.scene, {}); !status.ok()) return status;
+    if (Status status = open_anew(recorder, path, file.scene, {}); !status.ok()) return status;
     std::vector<DeviceFrame> frames;
     for (std::uint64_t first = 0; first < session.ticks(); first += kTurn) {
       frames.clear();
@@ -126,7 +133,7 @@ Status measure_size(const SceneFile& file, const std::string& path, std::uint32_
     RecorderOptions options;
     options.compression = compression;
     options.force_interval = force_interval;
-    if (Status status = recorder.open(path, file.scene, options); !status.ok()) return status;
+    if (Status status = open_anew(recorder, path, file.scene, options); !status.ok()) return status;
     for (std::uint64_t i = 0; i < session.ticks(); ++i) session.run(session.frame(i), &recorder);
     if (Status status = recorder.close(); !status.ok()) return status;
     const auto bytes = static_cast<double>(std::filesystem::file_size(path));
