@@ -26,6 +26,13 @@ std::string prefix(const std::string& name, TextPlace place) {
   return name + ":" + std::to_string(place.line) + ":" + std::to_string(place.column) + ": ";
 }
 
+std::string_view remedy_of(std::string_view message) {
+  if (message.starts_with("unknown field")) return "; schemas/scene.fbs lists the fields";
+  if (message == "invalid number: \"exact\"") return "; write 0, which is exact";
+  if (message.starts_with("invalid number")) return "; write a number, without quotes";
+  return "";
+}
+
 // The parser says "12: 34: error: what"; people's editors understand "name:12:34: what".
 std::string located(const std::string& name, std::string_view message) {
   TextPlace place;
@@ -38,8 +45,7 @@ std::string located(const std::string& name, std::string_view message) {
   place.column = std::max<std::size_t>(place.column, 1);
   constexpr std::string_view kError = "error: ";
   if (message.starts_with(kError)) message.remove_prefix(kError.size());
-  const bool unknown = message.starts_with("unknown field");
-  return prefix(name, place) + std::string(message) + (unknown ? "; schemas/scene.fbs lists the fields" : "");
+  return prefix(name, place) + std::string(message).append(remedy_of(message));
 }
 
 // Walks over JSON text without judging it.
