@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <new>
 #include <sstream>
 
+#include "files/text_output.h"
 #include "recording_fixture.h"
 
 namespace lumbrical {
@@ -178,6 +180,21 @@ TEST(Export, WritesJsonLinesAndLeavesNothingHalfWritten) {
   EXPECT_FALSE(std::filesystem::exists(none + ".part"));
   EXPECT_FALSE(export_recording(reader, {}, path).ok()) << "over the recording itself";
   EXPECT_FALSE(export_recording(reader, {}, temporary_path("no/such.csv")).ok());
+}
+
+TEST(Export, OfAFileWhoseWritingFailsOrThrowsNothingIsLeft) {
+  const std::string path = temporary_path("half.csv");
+  TextOutput out;
+  const auto fails = [](TextOutput& file) {
+    const Status status = file.line("tick");
+    return status.ok() ? Status::error("no more") : status;
+  };
+  EXPECT_EQ(write_whole(out, path, fails).message(), "no more");
+  EXPECT_THROW((void)write_whole(out, path, [](TextOutput&) -> Status { throw std::bad_alloc(); }),
+               std::bad_alloc);
+  EXPECT_FALSE(std::filesystem::exists(path) || std::filesystem::exists(path + kPartSuffix));
+  EXPECT_TRUE(write_whole(out, path, [](TextOutput& file) { return file.line("tick"); }).ok());
+  EXPECT_EQ(lines_of(path), std::vector<std::string>{"tick"});
 }
 
 }  // namespace

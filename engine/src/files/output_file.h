@@ -48,15 +48,20 @@ class OutputFile {
   bool name_synced_ = false;
 };
 
-/// Opens `out` at `path`, lets `write(out)` fill it and closes it; where any of that fails nothing is left of
-/// it.
+/// Opens `out` at `path`, lets `write(out)` fill it and closes it; where any of that fails, or memory is
+/// wanting, nothing is left of it.
 template <class Output, class Write>
 Status write_whole(Output& out, const std::string& path, const Write& write) {
   if (Status status = out.open(path); !status.ok()) return status;
-  Status status = write(out);
-  if (status.ok()) status = out.close();
-  if (!status.ok()) out.discard();
-  return status;
+  try {
+    Status status = write(out);
+    if (status.ok()) status = out.close();
+    if (!status.ok()) out.discard();
+    return status;
+  } catch (...) {
+    out.discard();
+    throw;
+  }
 }
 
 }  // namespace lumbrical
