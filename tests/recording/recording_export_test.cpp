@@ -184,16 +184,15 @@ TEST(Export, WritesJsonLinesAndLeavesNothingHalfWritten) {
 
 TEST(Export, OfAFileWhoseWritingFailsOrThrowsNothingIsLeft) {
   const std::string path = temporary_path("half.csv");
-  TextOutput out;
   const auto fails = [](TextOutput& file) {
     const Status status = file.line("tick");
     return status.ok() ? Status::error("no more") : status;
   };
-  EXPECT_EQ(write_whole(out, path, fails).message(), "no more");
-  EXPECT_THROW((void)write_whole(out, path, [](TextOutput&) -> Status { throw std::bad_alloc(); }),
+  EXPECT_EQ(write_whole<TextOutput>(path, fails).message(), "no more");
+  EXPECT_THROW((void)write_whole<TextOutput>(path, [](TextOutput&) -> Status { throw std::bad_alloc(); }),
                std::bad_alloc);
   EXPECT_FALSE(std::filesystem::exists(path) || std::filesystem::exists(path + kPartSuffix));
-  EXPECT_TRUE(write_whole(out, path, [](TextOutput& file) { return file.line("tick"); }).ok());
+  EXPECT_TRUE(write_whole<TextOutput>(path, [](TextOutput& file) { return file.line("tick"); }).ok());
   EXPECT_EQ(lines_of(path), std::vector<std::string>{"tick"});
 }
 

@@ -88,8 +88,7 @@ Mesh fixed_mesh(const Mesh& mesh, FixReport& report) {
 }
 
 Status save_obj(const std::string& path, const Mesh& mesh) try {
-  TextOutput out;
-  return write_whole(out, path, [&mesh](TextOutput& file) { return write_obj(mesh, file); });
+  return write_whole<TextOutput>(path, [&mesh](TextOutput& out) { return write_obj(mesh, out); });
 } catch (const std::bad_alloc&) {
   return Status::error(path + ": not enough memory to write the mesh");
 }

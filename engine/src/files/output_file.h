@@ -48,10 +48,11 @@ class OutputFile {
   bool name_synced_ = false;
 };
 
-/// Opens `out` at `path`, lets `write(out)` fill it and closes it; where any of that fails, or memory is
+/// Opens an Output at `path`, lets `write(out)` fill it and closes it; where any of that fails, or memory is
 /// wanting, nothing is left of it.
 template <class Output, class Write>
-Status write_whole(Output& out, const std::string& path, const Write& write) {
+Status write_whole(const std::string& path, const Write& write) {
+  Output out;
   if (Status status = out.open(path); !status.ok()) return status;
   try {
     Status status = write(out);

@@ -28,10 +28,7 @@ class TextOutput {
   }
   /// False once whoever read standard output through a pipe has closed it: that is no failure, and an end.
   [[nodiscard]] bool wanted() const { return wanted_; }
-  void discard() {
-    text_.clear();
-    file_.discard();
-  }
+  void discard() { file_.discard(); }
 
  private:
   static constexpr std::size_t kBufferSize = 1u << 16;

@@ -152,8 +152,7 @@ Status read_device_history(RecordingReader& reader, DeviceHistory& history,
 Status export_device_events(RecordingReader& reader, ExportFormat format, const std::string& output) try {
   if (format == ExportFormat::npz)
     return Status::error("events are no table of numbers; export them as csv or json");
-  TextOutput out;
-  return write_whole(out, output, [&](TextOutput& file) { return write_events(reader, format, file); });
+  return write_whole<TextOutput>(output, [&](TextOutput& out) { return write_events(reader, format, out); });
 } catch (const std::bad_alloc&) {
   return Status::error(output + ": not enough memory to export the events");
 }

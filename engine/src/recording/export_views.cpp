@@ -216,12 +216,10 @@ Status export_views(Readers readers, MessageKind kind, const ExportOptions& opti
     return Status::error(info.path + ": holds no " + (poses ? "posed hands" : "contact points") +
                          "; record them with lumbrical run " +
                          (poses ? "--record-poses" : "--record-contacts") + " RATE");
-  if (options.format == ExportFormat::npz) {
-    NpzFile out;
-    return write_whole(out, output, [&](NpzFile& file) { return write_npz(readers, kind, options, file); });
-  }
-  TextOutput out;
-  return write_whole(out, output, [&](TextOutput& file) { return write_text(readers, kind, options, file); });
+  if (options.format == ExportFormat::npz)
+    return write_whole<NpzFile>(output, [&](NpzFile& out) { return write_npz(readers, kind, options, out); });
+  return write_whole<TextOutput>(output,
+                                 [&](TextOutput& out) { return write_text(readers, kind, options, out); });
 } catch (const std::bad_alloc&) {
   return Status::error(output + ": not enough memory to export the recording");
 }

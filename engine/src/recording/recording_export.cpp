@@ -219,15 +219,12 @@ Status export_recording(std::span<RecordingReader> readers, const ExportOptions&
   std::uint64_t rows = 0;
   if (options.format != ExportFormat::json)
     if (Status status = find_columns(readers, options, columns, rows); !status.ok()) return status;
-  if (options.format == ExportFormat::npz) {
-    NpzFile out;
-    return write_whole(out, output,
-                       [&](NpzFile& file) { return write_npz(readers, options, columns, rows, file); });
-  }
-  TextOutput out;
-  return write_whole(out, output, [&](TextOutput& file) {
-    return options.format == ExportFormat::csv ? write_csv(readers, options, columns, file)
-                                               : write_json(readers, options, file);
+  if (options.format == ExportFormat::npz)
+    return write_whole<NpzFile>(
+        output, [&](NpzFile& out) { return write_npz(readers, options, columns, rows, out); });
+  return write_whole<TextOutput>(output, [&](TextOutput& out) {
+    return options.format == ExportFormat::csv ? write_csv(readers, options, columns, out)
+                                               : write_json(readers, options, out);
   });
 } catch (const std::bad_alloc&) {
   return Status::error(output + ": not enough memory to export the recording");

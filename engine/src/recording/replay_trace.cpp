@@ -117,8 +117,7 @@ Status name_difference(const Scene& recorded_scene, const State& before, const T
 }
 
 Status write_trace(const std::string& path, const TickRun& run, const std::string& stage) {
-  TextOutput out;
-  return write_whole(out, path, [&](TextOutput& file) { return write_stages(run, stage, file); });
+  return write_whole<TextOutput>(path, [&](TextOutput& out) { return write_stages(run, stage, out); });
 }
 
 }  // namespace lumbrical
