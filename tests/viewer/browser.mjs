@@ -13,7 +13,7 @@ export const file = (name) => join(folder, name);
 export const started = [];
 let browser;
 export let page;
-let plain;  // the page, where `open` opened it
+let isPlain = false;  // the page: `open` opened it
 export const requests = [];
 export const complaints = [];
 
@@ -44,7 +44,7 @@ export async function openNew(address, options = {}, script) {
   await page?.context().close();
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme: "light", ...options });
   page = await context.newPage();
-  plain = undefined;
+  isPlain = false;
   if (script) await page.addInitScript(script);
   page.on("request", (request) => requests.push(request.url()));
   page.on("pageerror", (error) => complaints.push(String(error)));
@@ -54,12 +54,12 @@ export async function openNew(address, options = {}, script) {
 
 /** Opens `address` in one tab for all, since a new one takes a second, with half as many pixels a side, since a processor draws them. */
 export async function open(address) {
-  if (page && page === plain) {
+  if (isPlain) {
     await page.goto("about:blank");  // an address that differs by its hash only would load nothing
     await visit(address);
   } else {
     await openNew(address, { deviceScaleFactor: 0.5 });
-    plain = page;
+    isPlain = true;
   }
 }
 
