@@ -1,8 +1,8 @@
 // A fast 64-bit hash of numbers for stage hashes, state hashes and input checks: the same result on every
 // machine.
 //
-// Words go by pairs round eight independent lanes, so that the multiplications overlap: ten bytes per cycle
-// without SIMD. It tells accidental differences, however small or symmetric; it is no protection against
+// Words go by pairs round four independent lanes, so that the multiplications overlap: sixteen bytes with
+// each. It tells accidental differences, however small or symmetric; it is no protection against
 // someone who wants a collision. Recordings hold these hashes: a change raises the version of their format
 // (docs/recording.md).
 #pragma once
@@ -62,33 +62,31 @@ class Hasher {
   }
 
   [[nodiscard]] std::uint64_t digest() const {
-    const auto& [a, b, c, d, e, f, g, h] = lanes_;
-    // Mixed once more first: what the last word has changed of a lane may be two bits only.
-    const auto joined = [](std::uint64_t one, std::uint64_t other) { return mixed(mixed(one, 0), other); };
-    const std::uint64_t left = joined(joined(a, b), joined(c, d)), right = joined(joined(e, f), joined(g, h));
-    const std::uint64_t result = joined(joined(left, right), count_);
-    return mixed(result, result >> 29);
+    const auto& [a, b, c, d] = lanes_;
+    return folded(folded(folded(a, b) ^ count_, folded(c, d)), kFactor);
   }
 
  private:
-  static constexpr std::size_t kLanes = 8;
-  static constexpr std::size_t kRound = kLanes * sizeof(std::uint64_t);  // [bytes]
+  static constexpr std::size_t kLanes = 4;
+  static constexpr std::size_t kRound = 2 * kLanes * sizeof(std::uint64_t);  // [bytes]
   static constexpr std::uint64_t kFactor = 0xd6e8feb86659fd93u;
 
-  // A bijection of the lane for every word and of the word for every lane: nothing that enters is lost, and
-  // no change of a single word goes unseen. The multiplication spreads bits to the left only, the rest brings
-  // them back; a mere rotation would leave a changed sign one bit, which one changed bit of the next word
-  // could undo.
-  static constexpr std::uint64_t mixed(std::uint64_t lane, std::uint64_t word) {
-    lane = (lane ^ word) * kFactor;
-    return lane ^ (lane >> 32);
+  // Both halves of the product: each of its bits comes from all bits of both factors, so that what one word
+  // has changed of a lane is not undone by a similar change of another.
+  static constexpr std::uint64_t folded(std::uint64_t one, std::uint64_t other) {
+    __extension__ using Product = unsigned __int128;
+    const Product product = static_cast<Product>(one) * other;
+    return static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64);
+  }
+  static constexpr std::uint64_t mixed(std::uint64_t lane, std::uint64_t first, std::uint64_t second) {
+    return folded(lane ^ first, kFactor ^ second);
   }
   void absorb(std::uint64_t word) {
     std::uint64_t& lane = lanes_[count_++ % kLanes];
-    lane = mixed(lane, word);
+    lane = mixed(lane, word, 0);
   }
 
-  // A word for each lane, `round_count` times. The lanes are variables of their own, which compilers keep
+  // Two words for each lane, `round_count` times. The lanes are variables of their own, which compilers keep
   // in registers: as elements of an array they would go to memory and back with every word, and take three
   // times as long.
   void rounds(const unsigned char* from, std::size_t round_count) {
@@ -97,24 +95,19 @@ class Hasher {
       std::memcpy(&result, from + i * sizeof(result), sizeof(result));
       return result;
     };
-    auto [a, b, c, d, e, f, g, h] = lanes_;
+    auto [a, b, c, d] = lanes_;
     for (; round_count > 0; --round_count, from += kRound) {
-      a = mixed(a, word(0));
-      b = mixed(b, word(1));
-      c = mixed(c, word(2));
-      d = mixed(d, word(3));
-      e = mixed(e, word(4));
-      f = mixed(f, word(5));
-      g = mixed(g, word(6));
-      h = mixed(h, word(7));
+      a = mixed(a, word(0), word(1));
+      b = mixed(b, word(2), word(3));
+      c = mixed(c, word(4), word(5));
+      d = mixed(d, word(6), word(7));
     }
-    lanes_ = {a, b, c, d, e, f, g, h};
+    lanes_ = {a, b, c, d};
   }
 
-  // At first the roots of the first eight primes, behind the point: numbers without a pattern.
+  // At first the roots of the first four primes, behind the point: numbers without a pattern.
   std::array<std::uint64_t, kLanes> lanes_{0x6a09e667f3bcc908u, 0xbb67ae8584caa73bu, 0x3c6ef372fe94f82bu,
-                                           0xa54ff53a5f1d36f1u, 0x510e527fade682d1u, 0x9b05688c2b3e6c1fu,
-                                           0x1f83d9abfb41bd6bu, 0x5be0cd19137e2179u};
+                                           0xa54ff53a5f1d36f1u};
   std::uint64_t count_ = 0;  // single words and arrays so far; says which lane is next
 };
 
