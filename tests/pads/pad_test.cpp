@@ -158,14 +158,37 @@ TEST(Pad, DampingGrowsWithTheSpeedOfPressingInAndIsNothingAtRest) {
   Session run(scene), plain(plane_scene({}));
   for (const double speed : {0.05, -0.05, 0.0}) {
     run.state = make_state(run.model);
-    run.feel(upright(0.003 - 0.001 * speed));
-    run.feel(upright(0.003));
+    for (int i = 50; i >= 0; --i) run.feel(upright(0.003 - 0.001 * speed * i));  // [ms], ten times the mean's
     plain.feel(upright(0.003));
     EXPECT_GT(plain.output.segment[2].force.z, 1);
     EXPECT_NEAR(run.output.segment[2].force.z, (1 + 4 * speed) * plain.output.segment[2].force.z, 1e-4);
   }
-  run.feel(upright(0.003));
   EXPECT_EQ(run.output.segment[2].force, plain.output.segment[2].force);
+}
+
+// A turn that is told a hundred times a second is as fast all the way to the next sample and then steps.
+TEST(Pad, DampingDoesNotStepWhereTwoSamplesOfATurnMeet) {
+  Session run(plane_scene(kDamped)), plain(plane_scene({}));
+  Motion turn;
+  const DeviceFrame pressed = test::frame_of({{{0, 0.1, kPadRadius - 0.0035}, {0, 0, 1}}});
+  for (int i = 0; i <= 100; ++i) {
+    const double time = 0.01 * i, angle = 0.02 * std::cos(40 * time);
+    DeviceFrame frame = pressed;
+    frame.base = {{0, -0.1, 0}, {std::sqrt(1 - 0.25 * angle * angle), 0.5 * angle, 0, 0}};
+    turn.samples.push_back({time, frame});
+  }
+  double roughest = 0, most = 0, last = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const DeviceFrame frame = resample(turn, 0.001 * i);
+    run.feel(frame);
+    plain.feel(frame);
+    const double share = run.output.segment[2].force.z / plain.output.segment[2].force.z - 1;
+    if (i > 0) roughest = largest(roughest, std::fabs(share - last));
+    most = largest(most, std::fabs(share));
+    last = share;
+  }
+  EXPECT_GT(most, 0.2);       // at up to 80 mm/s
+  EXPECT_LT(roughest, 0.03);  // with the speed of single ticks 0.13
 }
 
 TEST(Pad, DampingOnlyTakesEnergyAndNeverPulls) {

@@ -23,8 +23,16 @@ namespace {
 // Of a force that damping would end: what friction remembers does not end with it.
 constexpr double kLeastKept = 1e-9;
 
+// Of an object whose centre [O] went to `pose`; W. `mean` is what was known of it a tick before.
+Twist told_speed(const Twist& mean, const Pose& from, const Pose& pose, Vec3 centre, double rate) {
+  Twist now = speed_between(from, pose, rate);
+  now.velocity = now.velocity + cross(now.angular_velocity, rotate(pose.orientation, centre));
+  return steadied(mean, now, rate);
+}
+
 std::uint32_t take_frame(const ObjectFrame* frame, const Settings& settings, Vec3 centre, ObjectState& state,
                          bool& anew) {
+  const Twist mean{state.velocity, state.angular_velocity};
   state.velocity = state.angular_velocity = {};
   if (frame == nullptr) return kObjectMissing;
   if (!is_pose(frame->pose)) return kObjectImplausible;
@@ -32,9 +40,9 @@ std::uint32_t take_frame(const ObjectFrame* frame, const Settings& settings, Vec
   const bool jumped = is_jump(state.pose, pose);
   const bool first = !(state.told > 0);
   if (settings.pad.damping > 0 && !first && !jumped) {
-    const Twist speed = speed_between(state.pose, pose, settings.rate);
-    state.angular_velocity = speed.angular_velocity;
-    state.velocity = speed.velocity + cross(speed.angular_velocity, rotate(pose.orientation, centre));
+    const auto [velocity, turn] = told_speed(mean, state.pose, pose, centre, settings.rate);
+    state.velocity = velocity;
+    state.angular_velocity = turn;
   }
   anew = anew || first;
   state.pose = pose;
@@ -49,7 +57,7 @@ bool may_reach(const ApartObject& object, const Pose& X_WO, const Hand& hand, co
 
 // How the skin at a patch moves, W; `arm` [W] is the patch's from the segment's base joint.
 Twist skin_speed(const ObjectTick& tick, std::size_t segment, Vec3 arm) {
-  const auto& [velocity, angular_velocity] = tick.speeds.steady[segment];
+  const auto& [velocity, angular_velocity] = tick.speeds[segment];
   return {velocity + cross(angular_velocity, arm), angular_velocity};
 }
 
@@ -78,7 +86,7 @@ struct Reached {
 Twist relative_speed(const ObjectTick& tick, std::size_t segment, const ApartObject& object,
                      const ObjectState& state) {
   const Vec3 arm = tick.hand.base_joint[segment] - transform(state.pose, object.mechanism.body.centre);
-  const auto& [velocity, angular_velocity] = tick.speeds.now[segment];
+  const auto& [velocity, angular_velocity] = tick.speeds[segment];
   return {velocity - velocity_at(state, arm), angular_velocity - state.angular_velocity};
 }
 

@@ -9,18 +9,17 @@
 
 namespace lumbrical {
 
-/// Of segments' base joints, W.
-struct SegmentSpeeds {
-  std::array<Twist, kSegmentCount> now{};  ///< from where they were a tick before
-  std::array<Twist, kSegmentCount>
-      steady{};  ///< the same without what trembles: a mean over some milliseconds
-};
+/// Of segments' base joints, W: means over some milliseconds.
+using SegmentSpeeds = std::array<Twist, kSegmentCount>;
 
 /// Of what went from one pose to the other in a tick.
 Twist speed_between(const Pose& from, const Pose& to, double rate);
 
+/// The mean over some milliseconds, until now `mean`, with the speed of one more tick; 0 after a jump.
+Twist steadied(const Twist& mean, const Twist& now, double rate);
+
 /// Of the placed hand; keeps where it is. All 0 where the model has no use for them (damping, objects that
-/// move; the mean is for those only), and where there was no tick before that could be trusted.
+/// move), and where there was no tick before that could be trusted.
 SegmentSpeeds speeds_of(const Model& model, bool trusted, const Primitives& hand,
                         std::optional<MotionState>& motion);
 

@@ -118,7 +118,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   add_layers(model, scratch, 0, flags, forces);
   if (scratch.proxy) add_pushes(scratch.proxy->pushing, hand, forces);
   const SegmentSpeeds speeds = speeds_of(model, is_trusted(flags), hand, state.motion);
-  damp_pads(model.settings.pad, speeds.now, hand, forces);
+  damp_pads(model.settings.pad, speeds, hand, forces);
   Findings findings = findings_of(model, scratch);
   if (apart) feel_objects({model, hand, speeds, is_trusted(flags)}, state, scratch, forces, findings, flags);
   if (scratch.proxy) balance_pushes(scratch.proxy->pushing, forces, model.settings.rate, *state.proxy);
