@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "files.h"
 #include "random.h"
@@ -198,6 +200,46 @@ TEST(DeviceProfile, TellsEveryMistakeWithLineAndColumn) {
                                                                               << mistake.text;
     EXPECT_NE(message.find(mistake.words), std::string::npos) << message << "\n" << mistake.text;
   }
+}
+
+// A profile made by a program has seen no reader.
+TEST(DeviceProfile, MadeInAProgramIsHeldToTheRangesOfAFile) {
+  const DeviceProfile whole = load((kShipped / "exoskeleton.json").string());
+  const double nan = std::nan("");
+  const auto error = [&whole](const auto& spoil) {
+    DeviceProfile profile = whole;
+    spoil(profile);
+    return check_profile(profile).message();
+  };
+  EXPECT_EQ(error([](DeviceProfile&) {}), "");
+  const std::pair<std::string, std::string> told[] = {
+      {error([&](DeviceProfile& p) { p.rate = nan; }), "rate must be 0.1 to 20000 Hz"},
+      {error([](DeviceProfile& p) { p.rate = 1e6; }), "rate must be"},
+      {error([&](DeviceProfile& p) { p.response_timeout = nan; }), "response_timeout must be"},
+      {error([&](DeviceProfile& p) { p.first_retry = nan; }), "first_retry must be"},
+      {error([](DeviceProfile& p) { p.last_retry = 1e9; }), "last_retry must be"},
+      {error([](DeviceProfile& p) { p.read_back = 1e-9; }), "read_back must be 0, or 0.01 to 10 s"},
+      {error([](DeviceProfile& p) { p.safety.fade = 0; }), "safety.fade must be"},
+      {error([&](DeviceProfile& p) { p.safety.soft_start = nan; }), "safety.soft_start must be"},
+      {error([&](DeviceProfile& p) { p.safety.tick_hold = nan; }), "safety.tick_hold must be"},
+      {error([](DeviceProfile& p) { p.safety.tick_timeout = 1e9; }), "safety.tick_timeout must be"},
+      {error([](DeviceProfile& p) { p.safety.answer_timeout = 1e9; }), "safety.answer_timeout must be"},
+      {error([](DeviceProfile& p) { p.dynamics[4].inertia = -1; }),
+       "dynamics.inertia of index intermediate must be 0 to 1 kg m^2"},
+      {error([&](DeviceProfile& p) { p.dynamics[0].encoder_step = nan; }), "dynamics.encoder_step of"},
+      {error([](DeviceProfile& p) { p.sensors[3].angle = kAngleCount; }), "sensors[3].joint is no angle"},
+      {error([](DeviceProfile& p) { p.sensors[3].angle = p.sensors[1].angle; }), "measured twice"},
+      {error([](DeviceProfile& p) { p.sensors[3].upper = 1e9; }), "sensors[3].upper must be -7 to 7 rad"},
+      {error([](DeviceProfile& p) { p.read_function = 5; }), "feedback must be"},
+      {error([](DeviceProfile& p) { p.transport.stop_bits = 3; }), "transport.stop_bits must be 1 to 2"},
+      {error([](DeviceProfile& p) {
+         p.expected.push_back({1, 0, 1, 2});
+       }),
+       "outside the mask"},
+      {error([](DeviceProfile& p) { p.handshake.resize(65); }), "at most 64 writes"},
+  };
+  for (const auto& [message, words] : told)
+    EXPECT_NE(message.find(words), std::string::npos) << words << ": " << message;
 }
 
 TEST(DeviceProfile, SurvivesTruncationAndDamageAtEveryByte) {

@@ -130,10 +130,10 @@ TEST_F(ModbusLoop, AReplyThatTricklesIsGivenUpWhenItsTimeIsOver) {
 }
 
 TEST_F(ModbusLoop, AnEmergencyStopThatIsNotAnsweredClosesTheLinkWithinTwoCycles) {
-  profile.response_timeout = 20;
+  profile.response_timeout = 10;
   profile.safety.answer_timeout = 10;
   start();
-  device.faults.silent = true;  // forces act, and the sink would wait for its reply for 20 s
+  device.faults.silent = true;  // forces act, and the sink would wait for its reply for 10 s
   const auto pressed = std::chrono::steady_clock::now();
   sink.sink.press_stop(true);
   EXPECT_TRUE(sink.told("no reply in two cycles to an emergency stop")) << sink.log();

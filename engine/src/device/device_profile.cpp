@@ -2,13 +2,15 @@
 #include "lumbrical/device_profile.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <span>
 #include <tuple>
+#include <utility>
 
 #include "device/profile_check.h"
 #include "device/registers.h"
-#include "model/ranges.h"
 
 namespace lumbrical {
 namespace {
@@ -196,17 +198,95 @@ ProfileFault overlap_fault(const std::vector<NamedField>& fields) {
   return {};
 }
 
+struct BoundedNumber {
+  const char* path;
+  double value;
+  Range range;
+};
+
+ProfileFault bounds_fault(std::span<const BoundedNumber> numbers, const std::string& of = "") {
+  for (const auto& [path, value, range] : numbers)
+    if (!range.holds(value)) return {path + of, "must be " + text_of(range)};
+  return {};
+}
+
 ProfileFault times_fault(const DeviceProfile& profile) {
+  const SafetyTimes& safety = profile.safety;
+  const BoundedNumber numbers[] = {{"rate", profile.rate, range::exchange_rate},
+                                   {"response_timeout", profile.response_timeout, range::response_timeout},
+                                   {"first_retry", profile.first_retry, range::first_retry},
+                                   {"last_retry", profile.last_retry, range::last_retry},
+                                   {"safety.fade", safety.fade, range::device_fade},
+                                   {"safety.soft_start", safety.soft_start, range::soft_start},
+                                   {"safety.tick_hold", safety.tick_hold, range::tick_hold},
+                                   {"safety.tick_timeout", safety.tick_timeout, range::tick_timeout},
+                                   {"safety.answer_timeout", safety.answer_timeout, range::answer_timeout}};
+  if (ProfileFault fault = bounds_fault(numbers); !fault.what.empty()) return fault;
+  if (profile.read_back != 0 && !range::read_back.holds(profile.read_back))
+    return {"read_back", "must be 0, or " + text_of(range::read_back)};
   if (profile.first_retry > profile.last_retry) return {"first_retry", "must not exceed last_retry"};
-  if (!(profile.rate * profile.safety.answer_timeout > 1)) {
+  if (!(profile.rate * safety.answer_timeout > 1)) {
     return {"rate",
             "leaves no time below safety.answer_timeout between two exchanges, so that the device would "
             "count as lost; raise one of them"};
   }
-  if (profile.safety.tick_hold > profile.safety.tick_timeout) {
-    return {"safety.tick_hold", "must not exceed tick_timeout"};
+  if (safety.tick_hold > safety.tick_timeout) return {"safety.tick_hold", "must not exceed tick_timeout"};
+  return {};
+}
+
+ProfileFault sensors_fault(const DeviceProfile& profile) {
+  if (profile.sensors.size() > kMaxSensors)
+    return {"sensors", "must be at most " + std::to_string(kMaxSensors)};
+  std::array<bool, kAngleCount> measured{};
+  for (std::size_t i = 0; i < profile.sensors.size(); ++i) {
+    const Sensor& sensor = profile.sensors[i];
+    const std::string path = "sensors[" + std::to_string(i) + "]";
+    if (sensor.angle < 0 || sensor.angle >= kAngleCount) return {path + ".joint", "is no angle of a hand"};
+    if (std::exchange(measured[static_cast<std::size_t>(sensor.angle)], true))
+      return {path + ".joint", "is measured twice"};
+    const BoundedNumber numbers[] = {{".lower", sensor.lower, range::sensed_angle},
+                                     {".upper", sensor.upper, range::sensed_angle}};
+    if (ProfileFault fault = bounds_fault(numbers); !fault.what.empty())
+      return {path + fault.path, fault.what};
+    if (!(sensor.lower < sensor.upper)) return {path + ".upper", "must be above lower"};
+    if (!has_registers(profile.transport.kind)) continue;
+    if (ProfileFault fault = range_fault(sensor.field, 0, 0, path + ".at"); !fault.what.empty()) return fault;
   }
   return {};
+}
+
+ProfileFault dynamics_fault(const DeviceProfile& profile) {
+  for (std::size_t j = 0; j < kPhalanxCount; ++j) {
+    const JointDynamics& joint = profile.dynamics[j];
+    const BoundedNumber numbers[] = {{"dynamics.inertia", joint.inertia, range::joint_inertia},
+                                     {"dynamics.damping", joint.damping, range::joint_damping},
+                                     {"dynamics.friction", joint.friction, range::joint_friction},
+                                     {"dynamics.encoder_step", joint.encoder_step, range::encoder_step}};
+    ProfileFault fault = bounds_fault(numbers, " of " + std::string(segment_name(static_cast<int>(j))));
+    if (!fault.what.empty()) return fault;
+  }
+  return {};
+}
+
+ProfileFault words_fault(const DeviceProfile& profile) {
+  if (profile.handshake.size() > 64) return {"handshake", "may hold at most 64 writes"};
+  if (profile.expected.size() > 16) return {"expected", "may hold at most 16 checks"};
+  for (std::size_t i = 0; i < profile.expected.size(); ++i) {
+    const RegisterCheck& check = profile.expected[i];
+    if ((check.value & ~check.mask) != 0)
+      return {"expected[" + std::to_string(i) + "].value", "has bits outside the mask"};
+  }
+  if (profile.status.dead_man != 0 && !profile.status.present) return {"status", "has no address"};
+  if (profile.read_function != 3 && profile.read_function != 4)
+    return {"feedback", "must be \"FC3\" or \"FC4\""};
+  if (profile.read_write && profile.read_function != 3)
+    return {"feedback", "must be \"FC3\" where the command is \"FC23\", which reads holding registers"};
+  const Transport& transport = profile.transport;
+  const BoundedNumber numbers[] = {
+      {"transport.baud", static_cast<double>(transport.baud), range::baud},
+      {"transport.stop_bits", static_cast<double>(transport.stop_bits), range::stop_bits}};
+  if (ProfileFault fault = bounds_fault(numbers); !fault.what.empty()) return fault;
+  return overlap_fault(written_fields(profile));
 }
 
 }  // namespace
@@ -222,19 +302,11 @@ ProfileFault find_fault(const DeviceProfile& profile) {
     if (!registers) continue;
     if (ProfileFault fault = fields_fault(profile.actuators[i], path); !fault.what.empty()) return fault;
   }
-  if (profile.sensors.size() > kMaxSensors) {
-    return {"sensors", "must be at most " + std::to_string(kMaxSensors)};
+  if (ProfileFault fault = sensors_fault(profile); !fault.what.empty()) return fault;
+  if (ProfileFault fault = dynamics_fault(profile); !fault.what.empty()) return fault;
+  if (registers) {
+    if (ProfileFault fault = words_fault(profile); !fault.what.empty()) return fault;
   }
-  for (std::size_t i = 0; i < profile.sensors.size(); ++i) {
-    const Sensor& sensor = profile.sensors[i];
-    const std::string path = "sensors[" + std::to_string(i) + "]";
-    if (!(sensor.lower < sensor.upper)) return {path + ".upper", "must be above lower"};
-    if (!registers) continue;
-    if (ProfileFault fault = range_fault(sensor.field, 0, 0, path + ".at"); !fault.what.empty()) return fault;
-  }
-  if (!registers) return times_fault(profile);
-  if (ProfileFault fault = overlap_fault(written_fields(profile)); !fault.what.empty()) return fault;
-  if (profile.status.dead_man != 0 && !profile.status.present) return {"status", "has no address"};
   return times_fault(profile);
 }
 
