@@ -79,7 +79,7 @@ void let_go(GripState& grip) {
 struct Reached {
   const ApartObject& object;
   std::uint8_t number = 0;  ///< Gap::object
-  const GapList* pushing = nullptr;
+  const PushList* pushing = nullptr;
 };
 
 // How fast a segment moves relative to an object, both in W.

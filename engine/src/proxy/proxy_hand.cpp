@@ -234,7 +234,7 @@ bool is_crossed(const CoreGaps& gaps) {
 // lie across an axis or there are too many candidates.
 Advance advance(const Model& model, const State& state, const Joints& tracked, Scratch& scratch,
                 Joints& proxy) {
-  GapList& pushing = scratch.proxy->pushing;
+  PushList& pushing = scratch.proxy->pushing;
   const double longest = longest_step(model.hand), stiffness = model.settings.proxy_stiffness;
   std::size_t pairs = 0;
   for (int step = 0; step < kMostSteps && pairs < kMostPairs; ++step) {
@@ -247,10 +247,7 @@ Advance advance(const Model& model, const State& state, const Joints& tracked, S
     const bool shortened = shorten(stiffness, wanted);
     const HandMove move = pull(proxy, wanted, stiffness, state.proxy->balanced, all);
     const Reached reached = reach_within(model.hand, allowance_of(longest, gaps), move, tracked, proxy);
-    pushing.clear();
-    for (const Gap& gap : all) {
-      if (gap.push > 0) pushing.push_back(gap);
-    }
+    list_pushes(model.hand, proxy, all, pushing);
     const bool arrives = reached.share == 1 && !shortened && pushing.empty();
     proxy = arrives ? tracked : reached.joints;
     if (arrives || (reached.share == 1 && !pushing.empty())) break;
@@ -269,7 +266,7 @@ bool is_free(const Model& model, const State& state, const Joints& hand, Scratch
 }
 
 // A joint that tracking has lost holds the proxy as before, but its segment feels nothing.
-void silence_untracked(const Primitives& hand, GapList& pushing) {
+void silence_untracked(const Primitives& hand, PushList& pushing) {
   for (Gap& gap : pushing) {
     const bool is_felt = gap.segment == kPalmSegment ? hand.joints.has(kPalm) : hand.present[gap.segment];
     if (!is_felt) gap.push = gap.stiffness = 0;
@@ -332,7 +329,7 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
   return 0;
 }
 
-void add_pushes(const GapList& pushing, Primitives& hand, HandForces& forces) {
+void add_pushes(const PushList& pushing, Primitives& hand, HandForces& forces) {
   if (pushing.empty()) return;
   place_axes(hand);
   for (std::size_t i = 0; i < kSegmentCount; ++i) {
@@ -343,7 +340,7 @@ void add_pushes(const GapList& pushing, Primitives& hand, HandForces& forces) {
   sum_joint_torques(hand, forces);
 }
 
-void balance_pushes(const GapList& pushing, const HandForces& forces, double rate, ProxyState& kept) {
+void balance_pushes(const PushList& pushing, const HandForces& forces, double rate, ProxyState& kept) {
   Vec3 pushes, others;
   bool holds_palm = false;  // itself: then the wrist is what gives way
   for (const Gap& gap : pushing) {
@@ -359,7 +356,7 @@ void balance_pushes(const GapList& pushing, const HandForces& forces, double rat
     kept.balanced = 0;  // else what begins anew, with 0, would differ for half a minute
 }
 
-CorePush push_on(const GapList& pushing, std::uint8_t object, const Primitives& hand, std::size_t segment) {
+CorePush push_on(const PushList& pushing, std::uint8_t object, const Primitives& hand, std::size_t segment) {
   CorePush sum;
   for (const Gap& gap : pushing) {
     if (gap.object != object || gap.segment != segment) continue;

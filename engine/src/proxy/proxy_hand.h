@@ -9,12 +9,13 @@
 #include "lumbrical/tick.h"
 #include "model/primitive.h"
 #include "proxy/core_gaps.h"
+#include "proxy/core_pushes.h"
 
 namespace lumbrical {
 
 struct ProxyMemory {
   Scratch search;
-  GapList pushing;  ///< in the last tick
+  PushList pushing;  ///< in the last tick
   GapMemory gaps;
 };
 std::shared_ptr<ProxyMemory> make_proxy_memory(const Model& model);
@@ -29,17 +30,17 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
                           bool& anew);
 
 /// Adds what the world's surfaces push the cores with.
-void add_pushes(const GapList& pushing, Primitives& hand, HandForces& forces);
+void add_pushes(const PushList& pushing, Primitives& hand, HandForces& forces);
 
 /// Of the pushes, how much the rest of what the hand feels answers, once `forces` has all of it: what fingers
 /// squeeze against the palm moves no wrist, though it is the palm's field that holds it there.
-void balance_pushes(const GapList& pushing, const HandForces& forces, double rate, ProxyState& kept);
+void balance_pushes(const PushList& pushing, const HandForces& forces, double rate, ProxyState& kept);
 
 /// What the surfaces of one object push a segment's core with.
 struct CorePush {
   Wrench wrench;         ///< [N], [N m] about the segment's base joint, W
   double stiffness = 0;  ///< [N/m] at most
 };
-CorePush push_on(const GapList& pushing, std::uint8_t object, const Primitives& hand, std::size_t segment);
+CorePush push_on(const PushList& pushing, std::uint8_t object, const Primitives& hand, std::size_t segment);
 
 }  // namespace lumbrical

@@ -151,7 +151,7 @@ void add_layer(const Model& layer, const Scratch& scratch, std::uint32_t segment
 }
 
 // A core that is held pushes back along the normal; together no more stiffly than each by itself.
-void add_pushes(const GapList& pushing, const Primitives& hand, std::uint32_t segments,
+void add_pushes(const PushList& pushing, const Primitives& hand, std::uint32_t segments,
                 std::array<SegmentJacobian, kSegmentCount>& jacobians) {
   for (const Gap& gap : pushing) {
     if ((segments >> gap.segment & 1u) == 0 || !jacobians[gap.segment].known) continue;
