@@ -37,7 +37,7 @@ inline constexpr GoldenHash kGolden[] = {
     {"once.exact", 0x8d6f205c07a9d9eb},
     {"bent", 0xd95b0e9e89d8dea0},
     {"objects", 0xb70c436695b68ad5},
-    {"proxy", 0xd91fa7081c34ddc2},
+    {"proxy", 0xb10ce1ee29ebae06},
     {"surface", 0x35b9ab084248fea8},
     {"jacobians", 0x718ea976650a35bb},
     {"pairs", 0xfbbed11c26839869},
