@@ -22,7 +22,7 @@ inline constexpr GoldenHash kGolden[] = {
     {"crowd", 0x9ea44ad8a390188d},
     {"thin.field", 0x3114260949245e30},
     {"thin.column", 0x21b7d01dec703445},
-    {"pads", 0x911c67f332b00e1e},
+    {"pads", 0xdb92345a5f639673},
     {"lost", 0x0d5da45df4d4a50e},
     {"not_finite", 0x1736a76fdb896f33},
     {"overflow", 0xadac379f94998820},

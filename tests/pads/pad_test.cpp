@@ -7,6 +7,8 @@
 #include "lumbrical/jacobian.h"
 #include "pads.h"
 #include "pressed_hand.h"
+#include "stages/hand_pose.h"
+#include "stages/pad_damping.h"
 
 namespace lumbrical {
 namespace {
@@ -189,6 +191,27 @@ TEST(Pad, DampingDoesNotStepWhereTwoSamplesOfATurnMeet) {
   }
   EXPECT_GT(most, 0.2);       // at up to 80 mm/s
   EXPECT_LT(roughest, 0.03);  // with the speed of single ticks 0.13
+}
+
+// Of a finger through a plate, whose faces push opposite ways, next to nothing is left but a torque.
+TEST(Pad, DampingIsNoFasterThanTheSkinHoweverLittleForceIsLeft) {
+  const Session run(plane_scene(kDamped));
+  Primitives hand;
+  pose_hand(run.model.hand, run.model.settings, upright(0.003), hand);
+  const double reach = 0.02 + kPadRadius;  // of the skin from the joint
+  double last = 0;
+  for (int i = -1000; i <= 1000; ++i) {
+    const double turn = 0.001 * i;  // [rad/s]
+    const double share =
+        damping_wanted(4, hand, 2, {{0, 0, 1e-6}, {0.02, 0, 0}}, {{0, 0, -0.05}, {turn, 0, 0}});
+    EXPECT_LT(std::fabs(share), 4 * (0.05 + 1.001 * reach * std::fabs(turn)));
+    if (i > -1000) {
+      EXPECT_NEAR(share, last, 1.001 * 4 * reach * 0.001);
+    }
+    last = share;
+  }
+  const Twist pressing{{0, 0, -0.05}, {}};
+  EXPECT_NEAR(damping_wanted(4, hand, 2, {{0, 0, 2}, {0.9 * reach * 2, 0, 0}}, pressing), 0.2, 1e-12);
 }
 
 TEST(Pad, DampingOnlyTakesEnergyAndNeverPulls) {

@@ -90,16 +90,18 @@ Twist relative_speed(const ObjectTick& tick, std::size_t segment, const ApartObj
   return {velocity - velocity_at(state, arm), angular_velocity - state.angular_velocity};
 }
 
-// What pads make of the field's patch: layers are in `pressed` [O] already, damping is added. Returns the
-// damper [N s/m] they then are along the patch's normal.
-double press(const ObjectTick& tick, const ApartObject& object, std::size_t segment, const ObjectState& state,
-             Wrench& pressed, ContactPatch& patch) {
+// What pads make of the field's patch: layers are in `pressed` [O] already, damping is added; `own` is the
+// hand in O. Returns the damper [N s/m] they then are along the patch's normal.
+double press(const ObjectTick& tick, const ApartObject& object, const Primitives& own, std::size_t segment,
+             const ObjectState& state, Wrench& pressed, ContactPatch& patch) {
   const Pad& pad = object.shape->settings.pad;
   if (object.shape->layers.empty() && !(pad.damping > 0)) return 0;
   patch.force = patch.force > 0 ? norm(pressed.force) : 0;
   if (!(pad.damping > 0)) return 0;
-  const double wanted = damping_wanted(pad.damping, rotated(state.pose.orientation, pressed),
-                                       relative_speed(tick, segment, object, state));
+  const auto [velocity, turn] = relative_speed(tick, segment, object, state);
+  const Quat to_object = conjugate(state.pose.orientation);
+  const double wanted = damping_wanted(pad.damping, own, segment, pressed,
+                                       {rotate(to_object, velocity), rotate(to_object, turn)});
   const double kept = max(kLeastKept, 1 + damping_share(wanted));
   // Beyond its bounds it grows no more: what counts is the way from there to an object that goes along.
   const double damper = pad.damping * patch.force / max(1, std::fabs(wanted));
@@ -149,7 +151,7 @@ void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scr
                           asks_for_palm_stiffness(shape, object.mechanism, own, dt);
     if (is_asked) patch.stiffness = 0;  // below
     patch.stiffness += push.stiffness;
-    const double damper = press(tick, object, i, state, pressed, patch);
+    const double damper = press(tick, object, own, i, state, pressed, patch);
     GripState& grip = state.grip[i];
     if (!(patch.force > 0)) {
       let_go(grip);

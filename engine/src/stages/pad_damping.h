@@ -10,8 +10,9 @@
 namespace lumbrical {
 
 /// By which share the force would grow of a segment that feels `wrench` about its base joint and moves so
-/// relative to what it touches.
-double damping_wanted(double damping, const Wrench& wrench, const Twist& speed);
+/// relative to what it touches; in the frame of the placed hand.
+double damping_wanted(double damping, const Primitives& hand, std::size_t segment, const Wrench& wrench,
+                      const Twist& speed);
 
 /// By which it does: -1 .. 1.
 constexpr double damping_share(double wanted) { return clamp(wanted, -1, 1); }
