@@ -103,6 +103,7 @@ TEST(CommandLine, SuggestsTheNameThatWasMeant) {
       {"run '" + kDemo + "' --record-force 5", "did you mean --record-forces?"},
       {"run '" + kDemo + "' --law max_depth", "did you mean max-depth?"},
       {"sim-device --profil x --tcp 0", "did you mean --profile?"},
+      {"trim a.mcap --form-tick 5 -o b.mcap", "did you mean --from-tick?"},
   };
   for (const auto& [arguments, suggestion] : cases) {
     const Outcome outcome = shell("lumbrical " + arguments, folder);

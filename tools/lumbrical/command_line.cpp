@@ -189,14 +189,10 @@ std::string run_command_line(const Program& program, int argc, char** argv,
     app.parse(argc, argv);
     if (app.get_subcommands().empty()) demand_option("A subcommand");
     return {};
-  } catch (const CLI::ExtrasError&) {
-    fault = unexpected(app);
-  } catch (const CLI::RequiredError& error) {
-    // What is missing may be there under a misspelt name.
-    fault = app.remaining(true).empty() ? error.what() : unexpected(app);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return print_answer(app, error);
-    fault = error.what();
+    // What is missing may be there under a misspelt name, and what is too much be the value of such a one.
+    fault = app.remaining(true).empty() ? error.what() : unexpected(app);
   }
   const std::vector<CLI::App*> chosen = app.get_subcommands();
   return fault + "; " + program.name + (chosen.empty() ? "" : " " + chosen.front()->get_name()) +
