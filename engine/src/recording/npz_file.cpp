@@ -85,8 +85,9 @@ Status NpzFile::add_bytes(std::string_view name, std::string_view type, std::siz
   entry.name = std::string(name) + ".npy";
   entry.offset = static_cast<std::uint32_t>(file_.size());
   entry.size = static_cast<std::uint32_t>(header.size() + bytes.size());
-  const uLong head_crc = ::crc32(0, header.data(), static_cast<uInt>(header.size()));
-  entry.crc = static_cast<std::uint32_t>(::crc32(head_crc, bytes.data(), static_cast<uInt>(bytes.size())));
+  uLong crc = ::crc32(0, header.data(), static_cast<uInt>(header.size()));
+  if (!bytes.empty()) crc = ::crc32(crc, bytes.data(), static_cast<uInt>(bytes.size()));  // null begins anew
+  entry.crc = static_cast<std::uint32_t>(crc);
   const Buffer packed = deflated(header, bytes);
   if (packed.empty()) return Status::error(path_ + ": can't be compressed; is there memory left?");
   entry.packed = static_cast<std::uint32_t>(packed.size());
