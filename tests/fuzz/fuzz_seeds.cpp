@@ -215,7 +215,7 @@ bool write_messages(const fs::path& folder) {
   HandViewer viewer(model);
   TickRecord record;
   record.device.base.position = {0.03, 0.02, 0.005};
-  viewer.place(record);
+  if (!viewer.place(record, nullptr)) return false;
   if (!viewer.pose(5, builder)) return false;
   seed("pose", 3, {builder.GetBufferPointer(), builder.GetSize()});
   viewer.contacts(5, builder);

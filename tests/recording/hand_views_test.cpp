@@ -19,8 +19,9 @@ namespace {
 
 constexpr std::uint32_t kPoseInterval = 10, kContactInterval = 20;
 
-void record_views(const std::string& path) {
-  const Scene scene = touch_scene();
+/// `see` is shown every record and the state its tick left.
+template <class See>
+void record_views(const std::string& path, const Scene& scene, See&& see) {
   Model model;
   ASSERT_TRUE(build_model(scene, {}, model).ok());
   RecorderOptions options;
@@ -30,17 +31,22 @@ void record_views(const std::string& path) {
   Recorder recorder;
   Status status = recorder.open(cleared(path), scene, options);
   ASSERT_TRUE(status.ok()) << status.message();
-  State state;
+  State state = make_state(model);
   Scratch scratch = make_scratch(model);
   for (std::uint64_t i = 0; i < kTicks; ++i) {
     TickRecord record;
     record.device = touch_frame(i, InputKind::joint_poses, scene.hand);
     record.output = tick(model, state, scratch, record.device);
     take_results(state, scratch, record);
-    ASSERT_TRUE(recorder.record(record));
+    ASSERT_TRUE(recorder.record(record, &state));
+    see(record, state);
   }
   status = recorder.close();
   ASSERT_TRUE(status.ok()) << status.message();
+}
+
+void record_views(const std::string& path) {
+  record_views(path, touch_scene(), [](const TickRecord&, const State&) {});
 }
 
 std::size_t count_of(const std::vector<View>& views, MessageKind kind) {
@@ -89,34 +95,70 @@ TEST(HandViews, JointsAreWhereTheFramePutThem) {
 }
 
 // Where nothing fades and no limit is near, contact points are the whole of a segment's force.
-TEST(HandViews, ContactPointsAddUpToTheForces) {
+void expect_points_to_add_up(const Scene& scene) {
   const std::string path = temporary_path("views.mcap");
-  record_views(path);
-  RecordingReader reader;
-  ASSERT_TRUE(reader.open(path).ok());
+  std::vector<TickRecord> records;
+  record_views(path, scene, [&](const TickRecord& record, const State&) { records.push_back(record); });
   std::size_t compared = 0;
   for (const View& view : views_of(path)) {
     if (view.kind != MessageKind::contacts) continue;
     std::vector<ContactPoint> points;
     ASSERT_TRUE(decode_contacts(view.bytes, points).ok());
-    TickRecord record;
-    bool end = true;
-    ASSERT_TRUE(reader.seek(view.tick).ok());
-    ASSERT_TRUE(reader.next(record, end).ok());
-    EXPECT_EQ(points.size(), record.output.contact_count);
-    if ((record.output.flags & (kFading | kForceLimited)) != 0) continue;
+    const ActuatorFrame& output = records[view.tick].output;
+    EXPECT_EQ(points.size(), output.contact_count);
+    if ((output.flags & (kFading | kForceLimited)) != 0) continue;
     std::array<Vec3, kSegmentCount> force{};
     for (const ContactPoint& point : points) {
       force[point.segment] += point.force;
       EXPECT_LT(norm(point.centre), 0.041) << "on the ball";
       EXPECT_GE(point.area, 0);
+      EXPECT_EQ(point.object, 0u);
+      EXPECT_LT(point.triangle, scene.objects[0].mesh.triangles.size());
     }
     for (std::size_t s = 0; s < kSegmentCount; ++s) {
-      EXPECT_LT(norm(force[s] - record.output.segment[s].force), 2e-3) << view.tick << ' ' << s;
+      EXPECT_LT(norm(force[s] - output.segment[s].force), 2e-3) << view.tick << ' ' << s;
       compared += norm(force[s]) > 0.1 ? 1 : 0;
     }
   }
   EXPECT_GT(compared, 5u);
+}
+
+TEST(HandViews, ContactPointsAddUpToTheForces) { expect_points_to_add_up(touch_scene()); }
+
+TEST(HandViews, ContactPointsOfWhatRubsAreAmongThem) {
+  Scene scene = touch_scene();
+  scene.objects[0].material.static_friction = scene.objects[0].material.kinetic_friction = 1e-9;
+  expect_points_to_add_up(scene);
+}
+
+// Drawn is the hand that is felt: the one that surfaces hold back.
+TEST(HandViews, WithAProxyAreOfTheProxy) {
+  const std::string path = temporary_path("views.mcap");
+  Scene scene = touch_scene();
+  scene.settings.proxy_stiffness = 3000;
+  std::vector<ProxyState> proxies;
+  std::vector<std::array<Vec3, kJointCount>> tracked;
+  record_views(path, scene, [&](const TickRecord& record, const State& after) {
+    proxies.push_back(after.proxy.value_or(ProxyState{}));
+    const DeviceFrame& frame = record.device;
+    for (auto& place = tracked.emplace_back(); const JointPose& joint : frame.joint) {
+      const auto& p = joint.position;
+      place[static_cast<std::size_t>(&joint - frame.joint.data())] =
+          frame.base.position + rotate(frame.base.orientation, Vec3{p[0], p[1], p[2]});
+    }
+  });
+  double held = 0;
+  for (const View& view : views_of(path)) {
+    if (view.kind != MessageKind::pose) continue;
+    std::vector<Pose> joints;
+    ASSERT_TRUE(decode_pose(view.bytes, joints).ok());
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      EXPECT_LT(norm(joints[j].position - proxies[view.tick].joint[j].position), 3e-8) << view.tick;
+      held = std::max(held, norm(joints[j].position - tracked[view.tick][j]));
+    }
+  }
+  EXPECT_EQ(count_of(views_of(path), MessageKind::contacts), kTicks / kContactInterval);
+  EXPECT_GT(held, 0.005) << "nothing is held";
 }
 
 TEST(HandViews, AreOfSchemasThatAreInTheFileByTheirNames) {

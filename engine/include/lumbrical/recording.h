@@ -70,7 +70,8 @@ struct RecorderOptions {
   std::uint32_t force_interval = 1;
   /// Every so many ticks the recording also holds the posed hand, contact points, and hand, forces and
   /// objects as a scene, for programs that draw them; 0: never. They are computed by the recorder's thread,
-  /// from `models`.
+  /// from `models`. With a proxy they are of the proxy, and record() needs `after`; where the ring for states
+  /// is full in live mode, they are left out.
   std::uint32_t pose_interval = 0, contact_interval = 0, scene_interval = 0;
   std::vector<const Model*> models;  ///< of the hands, while the recorder is open; needed for intervals only
   std::optional<Hand> second_hand;   ///< of a session of two hands on one world, of the other side
@@ -97,7 +98,8 @@ class Recorder {
   /// live mode, tick number not above the hand's last one or below the other's, device.kind out of range, or
   /// the writer failed: see close()).
   /// `after` is the State it left. With objects or a proxy every 250th is kept beside its tick: whoever looks
-  /// at a tick amid the session begins there. That allocates until the first sixteen are kept.
+  /// at a tick amid the session begins there. That allocates until the first sixteen are kept (of two hands,
+  /// and with a proxy of those that are drawn, likewise).
   bool record(const TickRecord& record, const State* after = nullptr) noexcept;
   /// The error that ended the recording, as soon as the writer has met it (disk full, say); from then on
   /// record() keeps nothing. For the thread that calls record().
@@ -395,7 +397,8 @@ struct ContactPoint {
   Vec3 force;                  ///< [N] W: on the hand, before limits
   double depth = 0, area = 0;  ///< [m], [m^2] as of Contact
   std::uint32_t segment = 0;
-  std::uint32_t triangle = 0;  ///< counted over all objects
+  std::uint32_t object = 0;    ///< in all_objects (model.h)
+  std::uint32_t triangle = 0;  ///< of the object's own mesh
 };
 
 /// Likewise of the posed hands a line per joint, or of the contact points a line per point, those of the

@@ -32,9 +32,9 @@ constexpr ViewColumn kPoseColumns[] = {{"x", "m"},
                                        {"orientation.x", ""},
                                        {"orientation.y", ""},
                                        {"orientation.z", ""}};
-constexpr ViewColumn kContactColumns[] = {{"x", "m"},       {"y", "m"},       {"z", "m"},
-                                          {"force.x", "N"}, {"force.y", "N"}, {"force.z", "N"},
-                                          {"depth", "m"},   {"area", "m^2"},  {"triangle", "", true}};
+constexpr ViewColumn kContactColumns[] = {
+    {"x", "m"},       {"y", "m"},     {"z", "m"},      {"force.x", "N"},     {"force.y", "N"},
+    {"force.z", "N"}, {"depth", "m"}, {"area", "m^2"}, {"object", "", true}, {"triangle", "", true}};
 
 std::span<const ViewColumn> columns_of(MessageKind kind) {
   if (kind == MessageKind::pose) return kPoseColumns;
@@ -98,9 +98,8 @@ Status for_each_row(Readers readers, MessageKind kind, const ExportOptions& opti
     for (const ContactPoint& c : points) {
       if (!has_segment(options, static_cast<int>(c.segment))) continue;
       row.part = segment_name(static_cast<int>(c.segment));
-      row.numbers = {c.centre.x, c.centre.y, c.centre.z,
-                     c.force.x,  c.force.y,  c.force.z,
-                     c.depth,    c.area,     static_cast<double>(c.triangle)};
+      row.numbers = {c.centre.x, c.centre.y, c.centre.z, c.force.x, c.force.y, c.force.z, c.depth, c.area};
+      for (const std::uint32_t number : {c.object, c.triangle}) row.numbers.push_back(number);
       if (Status status = take(row); !status.ok()) return status;
     }
   }

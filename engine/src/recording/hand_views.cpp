@@ -25,7 +25,7 @@ struct PackedField {
   std::uint32_t size;  // [bytes]
 };
 
-constexpr std::array<PackedField, 10> kFields = {{{"x", NumericType::FLOAT64, 8},
+constexpr std::array<PackedField, 11> kFields = {{{"x", NumericType::FLOAT64, 8},
                                                   {"y", NumericType::FLOAT64, 8},
                                                   {"z", NumericType::FLOAT64, 8},
                                                   {"force_x", NumericType::FLOAT32, 4},
@@ -34,8 +34,9 @@ constexpr std::array<PackedField, 10> kFields = {{{"x", NumericType::FLOAT64, 8}
                                                   {"depth", NumericType::FLOAT32, 4},
                                                   {"area", NumericType::FLOAT32, 4},
                                                   {"segment", NumericType::UINT32, 4},
+                                                  {"object", NumericType::UINT32, 4},
                                                   {"triangle", NumericType::UINT32, 4}}};
-constexpr std::size_t kStride = 3 * 8 + 7 * 4;
+constexpr std::size_t kStride = 3 * 8 + 8 * 4;
 
 template <class Number>
 void append(Number number, std::vector<std::uint8_t>& bytes) {
@@ -54,8 +55,7 @@ void append(const ContactPoint& point, std::vector<std::uint8_t>& bytes) {
   for (const double x : {point.centre.x, point.centre.y, point.centre.z}) append(x, bytes);
   for (const double x : {point.force.x, point.force.y, point.force.z, point.depth, point.area})
     append(static_cast<float>(x), bytes);
-  append(point.segment, bytes);
-  append(point.triangle, bytes);
+  for (const std::uint32_t number : {point.segment, point.object, point.triangle}) append(number, bytes);
 }
 
 ContactPoint point_at(const std::uint8_t* bytes) {
@@ -66,9 +66,24 @@ ContactPoint point_at(const std::uint8_t* bytes) {
     take(bytes, number);
     *x = static_cast<double>(number);
   }
-  take(bytes, point.segment);
-  take(bytes, point.triangle);
+  for (std::uint32_t* const number : {&point.segment, &point.object, &point.triangle}) take(bytes, *number);
   return point;
+}
+
+// The frame of a device that has the hand where its proxy was.
+DeviceFrame frame_of(const ProxyState& proxy) {
+  DeviceFrame frame;
+  frame.kind = InputKind::joint_poses;
+  frame.valid = static_cast<std::uint32_t>(proxy.valid);
+  frame.base.position = proxy.joint[kWrist].position;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const Vec3 p = proxy.joint[j].position - frame.base.position;
+    const Quat q = proxy.joint[j].orientation;
+    frame.joint[j] = {
+        {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
+        {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z), static_cast<float>(q.w)}};
+  }
+  return frame;
 }
 
 }  // namespace
@@ -77,18 +92,22 @@ std::span<const std::uint8_t> view_schema() {
   return {foxglove::PosesInFrameBinarySchema::data(), foxglove::PosesInFrameBinarySchema::size()};
 }
 
-HandViewer::HandViewer(const Model& model) : model_(model) {
+HandViewer::HandViewer(const Model& model) : model_(model), has_proxy_(model.settings.proxy_stiffness > 0) {
+  model_.settings.proxy_stiffness = 0;  // it follows no one here
   model_.execution.threads = 1;
   scratch_ = make_scratch(model_);
   scratch_.hash_stages = false;
 }
 
-// Where a hand is and what it touches depends on no tick before, but for where objects are.
-void HandViewer::place(const TickRecord& record) {
+// What a hand touches depends on no tick before, but for where objects and its proxy are.
+bool HandViewer::place(const TickRecord& record, const State* after) {
+  if (has_proxy_ && after == nullptr) return false;
   State state = make_state(model_);
   for (std::size_t i = 0; i < state.objects.size() && i < record.object_count; ++i)
     state.objects[i].pose = record.object[i].pose;
-  tick(model_, state, scratch_, record.device, given_of(record));
+  const bool held = has_proxy_ && after->proxy && after->proxy->valid > 0;
+  tick(model_, state, scratch_, held ? frame_of(*after->proxy) : record.device, given_of(record));
+  return true;
 }
 
 bool HandViewer::pose(std::uint64_t time, FlatBufferBuilder& builder) {
@@ -111,13 +130,9 @@ void HandViewer::scene(const ActuatorFrame& output, std::uint64_t time, FlatBuff
 
 void HandViewer::contacts(std::uint64_t time, FlatBufferBuilder& builder) {
   std::vector<std::uint8_t> data;
-  for (const Contact& contact : find_contacts(model_, scratch_)) {
+  for (const auto& [segment, object, triangle, contact] : all_contacts(model_, scratch_)) {
     const Vec3 force = (model_.settings.stiffness * contact.volume) * contact.normal;
-    const auto segment =
-        static_cast<std::uint32_t>(scratch_.primitives->primitive[contact.primitive].segment);
-    append({contact.centre, force, contact_depth(model_, scratch_, contact), contact.area, segment,
-            contact.triangle},
-           data);
+    append({contact.centre, force, contact.depth, contact.area, segment, object, triangle}, data);
   }
   builder.Clear();
   builder.ForceDefaults(true);

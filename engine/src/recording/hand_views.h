@@ -27,8 +27,9 @@ class HandViewer {
  public:
   /// On one thread, however many the session has.
   explicit HandViewer(const Model& model);
-  /// Puts the hand where this tick had it: what the messages are of.
-  void place(const TickRecord& record);
+  /// Puts the hand where this tick felt it: what the messages are of. Where that was is in `after`, the state
+  /// the tick left, if a proxy held the hand; false: it is wanted and not given.
+  bool place(const TickRecord& record, const State* after);
   /// Clears the builder and leaves the message in it; false: the frame showed no hand that could be placed.
   bool pose(std::uint64_t time, flatbuffers::FlatBufferBuilder& builder);
   /// Likewise; without contacts the message has no points.
@@ -38,6 +39,7 @@ class HandViewer {
 
  private:
   Model model_;
+  bool has_proxy_;
   Scratch scratch_;
 };
 

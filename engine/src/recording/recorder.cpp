@@ -124,11 +124,15 @@ struct Recorder::Writer {
   void fail(const Status& error);
   void stop();
   Status write(const TickRecord& record);
-  Status write_views(const TickRecord& record);
-  std::vector<std::uint8_t> state_after(const TickRecord& record);
+  Status write_views(const TickRecord& record, const State* after);
+  [[nodiscard]] const State* state_after(const TickRecord& record);
   template <class T>
   T* place_in(Ring<T>& of) noexcept;
   Status flush_in_time();
+  [[nodiscard]] bool is_drawn(std::uint64_t tick) const {
+    const auto is_due = [tick](std::uint32_t interval) { return interval > 0 && tick % interval == 0; };
+    return is_due(pose_interval) || is_due(contact_interval) || is_due(scene_interval);
+  }
   [[nodiscard]] bool keeps_forces(const TickRecord& record) const {
     return record.has_forces && force_interval > 0 && record.output.tick % force_interval == 0;
   }
@@ -181,7 +185,7 @@ void Recorder::Writer::stop() {
 }
 
 // Before their tick, which ends the chunk.
-Status Recorder::Writer::write_views(const TickRecord& record) {
+Status Recorder::Writer::write_views(const TickRecord& record, const State* after) {
   const std::uint64_t tick = record.output.tick, time = tick_time(tick, period);
   const auto is_due = [tick](std::uint32_t interval) { return interval > 0 && tick % interval == 0; };
   const auto put_bytes = [&](MessageKind kind, std::span<const std::uint8_t> bytes) {
@@ -195,9 +199,9 @@ Status Recorder::Writer::write_views(const TickRecord& record) {
     if (Status status = put_bytes(MessageKind::objects, objects); !status.ok()) return status;
     std::vector<std::uint8_t>().swap(objects);
   }
-  if (!is_due(pose_interval) && !is_due(contact_interval) && !is_due(scene_interval)) return {};
+  if (!is_drawn(tick)) return {};
   HandViewer& viewer = viewers[record.hand];
-  viewer.place(record);
+  if (!viewer.place(record, after)) return {};
   if (is_due(pose_interval) && viewer.pose(time, builder))
     if (Status status = put(MessageKind::pose); !status.ok()) return status;
   if (is_due(contact_interval)) {
@@ -213,19 +217,23 @@ Status Recorder::Writer::write_views(const TickRecord& record) {
   return put(MessageKind::scene);
 }
 
-// The message of the state that was kept of this tick, if one was.
-std::vector<std::uint8_t> Recorder::Writer::state_after(const TickRecord& record) {
+// That was kept of this tick, if one was; until it is popped.
+const State* Recorder::Writer::state_after(const TickRecord& record) {
   const KeptState* const kept = states.front();
-  if (kept == nullptr || kept->hand != record.hand || kept->state.tick != record.output.tick + 1) return {};
-  std::vector<std::uint8_t> bytes = encode_state(kept->state);
-  states.pop();
-  return bytes;
+  const bool is_of_it =
+      kept != nullptr && kept->hand == record.hand && kept->state.tick == record.output.tick + 1;
+  return is_of_it ? &kept->state : nullptr;
 }
 
 Status Recorder::Writer::write(const TickRecord& record) {
-  if (Status status = write_views(record); !status.ok()) return status;
-  encode_tick(record, keeps_forces(record), input_check_of(record), builder, state_after(record));
   const std::uint64_t tick = record.output.tick;
+  const State* const after = state_after(record);
+  Status status = write_views(record, after);
+  if (!status.ok()) return status;
+  const bool keeps_state = after != nullptr && tick % kStateInterval == 0;
+  encode_tick(record, keeps_forces(record), input_check_of(record), builder,
+              keeps_state ? encode_state(*after) : std::vector<std::uint8_t>{});
+  if (after != nullptr) states.pop();
   // The sequence number is the tick's, so that any MCAP tool shows a gap as a gap.
   return mcap.message(tick_time(tick, period), static_cast<std::uint32_t>(tick),
                       {builder.GetBufferPointer(), builder.GetSize()}, record.hand);
@@ -360,8 +368,9 @@ bool Recorder::record(const TickRecord& record, const State* after) noexcept {
 
   TickRecord* const slot = writer_->place_in(writer_->ring);
   if (slot == nullptr) return false;
-  const bool keeps_state = after != nullptr && after->tick == tick + 1 && tick % kStateInterval == 0;
-  if (keeps_state && reaches_back(*after)) {
+  const bool is_wanted = after != nullptr && ((tick % kStateInterval == 0 && reaches_back(*after)) ||
+                                              (after->proxy && writer_->is_drawn(tick)));
+  if (is_wanted && after->tick == tick + 1) {
     try {
       if (KeptState* const kept = writer_->place_in(writer_->states)) {
         *kept = {*after, record.hand};
