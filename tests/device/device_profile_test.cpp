@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "files.h"
+#include "lumbrical/passivity.h"
 #include "random.h"
 
 namespace lumbrical {
@@ -200,6 +201,26 @@ TEST(DeviceProfile, TellsEveryMistakeWithLineAndColumn) {
                                                                               << mistake.text;
     EXPECT_NE(message.find(mistake.words), std::string::npos) << message << "\n" << mistake.text;
   }
+}
+
+TEST(DeviceProfile, AnEncoderIsNoFinerThanTheRegisterThatTellsOfIt) {
+  const std::string sensor =
+      R"(, "sensors": [{"joint": "index proximal", "at": {"address": 9, "scale": -0.01%}}],
+    "dynamics": [{"damping": 0.01, "friction": 0.004, "encoder_step": 0.0001}])";
+  const auto with = [&sensor](const std::string& type) {
+    std::string more = sensor;
+    more.replace(more.find('%'), 1, type);
+    return load(write(profile_text(kMotor, more)));
+  };
+  DeviceProfile profile = with("");
+  EXPECT_EQ(profile.dynamics[3].encoder_step, 0.01);
+  EXPECT_EQ(make_certificate(profile, {}).joint[3].friction, 2 * 0.004 / 0.01);
+  EXPECT_EQ(profile.dynamics[4].encoder_step, 0.0001) << "no sensor looks at it";
+  EXPECT_EQ(with(R"(, "type": "f32")").dynamics[3].encoder_step, 0.0001) << "a float has no counts";
+  profile.dynamics[3].encoder_step = 0.0001;  // as a program might
+  EXPECT_NE(check_profile(profile).message().find(
+                "encoder_step of index proximal is finer than a count of the sensor's register"),
+            std::string::npos);
 }
 
 // A profile made by a program has seen no reader.

@@ -155,7 +155,7 @@ struct JointDynamics {
   double inertia = 0;       ///< [kg m^2] about the joint, of device and finger
   double damping = 0;       ///< [N m s/rad]
   double friction = 0;      ///< [N m] Coulomb
-  double encoder_step = 0;  ///< [rad]
+  double encoder_step = 0;  ///< [rad] no finer than a count of its sensor's register (angle_step)
 };
 
 struct DeviceProfile {
@@ -213,6 +213,16 @@ Status check_profile(const DeviceProfile& profile);
 
 /// Whether a device may be given forces by it: it notices the end of whoever drives it, or that was accepted.
 Status check_attended(const DeviceProfile& profile);
+
+/// [rad] By how much a sensor's angle changes at least, as its register has it; 0: of one without a register.
+double angle_step(const DeviceProfile& profile, const Sensor& sensor);
+
+/// The joint a sensor looks at, in the order of DeviceProfile::dynamics.
+constexpr std::size_t sensed_joint(const Sensor& sensor) {
+  const auto finger = static_cast<std::size_t>(sensor.angle / 4),
+             motion = static_cast<std::size_t>(sensor.angle % 4);
+  return 3 * finger + (motion == 0 ? 0 : motion - 1);
+}
 
 /// Makes every register of the profile one of the given unit (slave) id.
 void set_unit(DeviceProfile& profile, std::uint8_t unit);

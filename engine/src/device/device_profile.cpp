@@ -268,6 +268,19 @@ ProfileFault dynamics_fault(const DeviceProfile& profile) {
   return {};
 }
 
+// What is rendered to a coarser angle than is thought would shake.
+ProfileFault steps_fault(const DeviceProfile& profile) {
+  for (const Sensor& sensor : profile.sensors) {
+    const JointDynamics& joint = profile.dynamics[sensed_joint(sensor)];
+    const bool flexion = sensor.angle % 4 != 0, is_certified = joint.damping > 0;
+    const double step = angle_step(profile, sensor);
+    if (!flexion || !is_certified || joint.encoder_step >= step) continue;
+    return {"dynamics.encoder_step of " + std::string(segment_name(static_cast<int>(sensed_joint(sensor)))),
+            "is finer than a count of the sensor's register; make it " + text_of(step) + " rad or more"};
+  }
+  return {};
+}
+
 ProfileFault words_fault(const DeviceProfile& profile) {
   if (profile.handshake.size() > 64) return {"handshake", "may hold at most 64 writes"};
   if (profile.expected.size() > 16) return {"expected", "may hold at most 16 checks"};
@@ -304,6 +317,7 @@ ProfileFault find_fault(const DeviceProfile& profile) {
   }
   if (ProfileFault fault = sensors_fault(profile); !fault.what.empty()) return fault;
   if (ProfileFault fault = dynamics_fault(profile); !fault.what.empty()) return fault;
+  if (ProfileFault fault = steps_fault(profile); !fault.what.empty()) return fault;
   if (registers) {
     if (ProfileFault fault = words_fault(profile); !fault.what.empty()) return fault;
   }
@@ -324,6 +338,12 @@ Status check_attended(const DeviceProfile& profile) {
       ": has no heartbeat, so nothing lets go of a force once this program, its "
       "machine or the cable is gone; with a device that needs none, or at your own risk, write "
       "\"unattended\": \"accepted\" in the profile or unattended=accepted in the address");
+}
+
+double angle_step(const DeviceProfile& profile, const Sensor& sensor) {
+  const RegisterField& field = sensor.field;
+  const bool is_counted = has_registers(profile.transport.kind) && field.type != RegisterType::f32;
+  return is_counted ? std::fabs(field.scale) : 0;
 }
 
 void set_unit(DeviceProfile& profile, std::uint8_t unit) {

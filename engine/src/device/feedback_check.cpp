@@ -55,7 +55,7 @@ void check_feedback(const DeviceProfile& profile, DeviceFeedback& feedback, Feed
   for (const Sensor& sensor : profile.sensors) {
     const auto a = static_cast<std::size_t>(sensor.angle);
     const std::uint32_t bit = 1u << a;
-    const std::size_t motion = a % 4, joint = 3 * (a / 4) + (motion == 0 ? 0 : motion - 1);
+    const std::size_t joint = sensed_joint(sensor);
     const JointDynamics& dynamics = profile.dynamics[joint];
     const bool in_range = (feedback.valid & bit) != 0;
     if (!in_range || jumps(dynamics, feedback.angle[a], feedback.time, memory[a])) {
@@ -68,7 +68,7 @@ void check_feedback(const DeviceProfile& profile, DeviceFeedback& feedback, Feed
     memory[a].believed = feedback.angle[a];
     memory[a].asked = feedback.asked;
     memory[a].doubt = 0;
-    if (motion == 0) continue;  // nothing drives abduction
+    if (a % 4 == 0) continue;  // nothing drives abduction
     if (is_stuck(dynamics, torque_about(profile, feedback.acted, joint), feedback.angle[a], feedback.time,
                  memory[a])) {
       feedback.flags |= memory[a].doubt = kAngleStuck;

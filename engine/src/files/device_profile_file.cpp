@@ -47,6 +47,7 @@ class ProfileReader {
   void safety(const device_format::Safety* table);
   void dynamics(const device_format::Dynamics& table, const std::string& path, JointDynamics& target);
   void all_dynamics(const device_format::Device& table);
+  void coarsen_steps();
   void timing(const device_format::Device& table);
 
   FieldReader read_;
@@ -270,6 +271,15 @@ void ProfileReader::all_dynamics(const device_format::Device& table) {
   }
 }
 
+// An encoder may be finer than the register that tells of it.
+void ProfileReader::coarsen_steps() {
+  for (const Sensor& sensor : profile_.sensors) {
+    if (sensor.angle % 4 == 0) continue;  // abduction: nothing drives it
+    double& step = profile_.dynamics[sensed_joint(sensor)].encoder_step;
+    step = std::max(step, angle_step(profile_, sensor));
+  }
+}
+
 void ProfileReader::timing(const device_format::Device& table) {
   static constexpr Name kCommands[] = {{"FC16", 0}, {"FC23", 1}};
   static constexpr Name kFeedbacks[] = {{"FC3", 3}, {"FC4", 4}};
@@ -310,6 +320,7 @@ Status ProfileReader::read(const device_format::Device& table) {
   safety(table.safety());
   all_dynamics(table);
   if (!read_.ok()) return read_.status();
+  coarsen_steps();
   if (const ProfileFault fault = find_fault(profile_); !fault.what.empty()) {
     read_.error(fault.path, fault.what);
   }
