@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -90,43 +91,70 @@ TEST(DelayedLoop, IsFeltThroughLocalModelsOnSlowBusesAndDoesNotShake) {
   EXPECT_GT(felt.torque, 1e-3);
 }
 
-// The tick has the motion's angle where the device's is not believed; round that a local model would make
-// another torque of the device's own angle, at once and up to twice as large.
-TEST(DelayedLoop, GivesADeviceNoLocalModelRoundAnAngleThatIsNotItsOwn) {
+/// A hand that holds the mug still, with the loop's command tick by tick.
+struct HeldMug {
   const Sweep sweep;
   const DeviceFrame held = resample(mug_grasp(sweep.model, 10), 4);
-  for (const bool feedback : {true, false}) {
+  HapticLoop loop;
+  State state;
+  Scratch scratch = make_scratch(sweep.model);
+  std::int64_t now = 0;
+
+  HeldMug(const DeviceProfile& profile, bool feedback) {
     LoopOptions options;
     options.feedback = feedback;
     options.limiter = options.account = false;  // they let nothing through before exchanges are measured
-    HapticLoop loop = start_loop(test::shipped_profile("exoskeleton_serial"), options);
-    State state;
-    Scratch scratch = make_scratch(sweep.model);
-    std::int64_t now = 0;
-    const auto step = [&](std::uint32_t invalid) {
-      DeviceFeedback said;
-      said.asked = now;
-      said.time = now += 1'000'000;
-      said.angle = held.angle;
-      said.valid = ((1u << kAngleCount) - 1) & ~invalid;
-      take_feedback(said, loop);
-      DeviceFrame frame = held;
-      frame.angle[5] -= feedback ? 0.3f : 0;  // the motion's
-      put_angles(loop, now, frame);
-      const ActuatorFrame output = tick(sweep.model, state, scratch, frame);
-      return command_forces(sweep.model, scratch, frame, output, now, loop);
-    };
+    loop = start_loop(profile, options);
     certify_loop(loop);
+  }
+  DeviceCommand step(std::uint32_t invalid = 0) {
+    DeviceFeedback said;
+    said.asked = now;
+    said.time = now += 1'000'000;
+    said.angle = held.angle;
+    said.valid = ((1u << kAngleCount) - 1) & ~invalid;
+    take_feedback(said, loop);
+    DeviceFrame frame = held;
+    frame.angle[5] -= loop.options.feedback ? 0.3f : 0;  // the motion's
+    put_angles(loop, now, frame);
+    const ActuatorFrame output = tick(sweep.model, state, scratch, frame);
+    return command_forces(sweep.model, scratch, frame, output, now, loop);
+  }
+};
+
+// The tick has the motion's angle where the device's is not believed; round that a local model would make
+// another torque of the device's own angle, at once and up to twice as large.
+TEST(DelayedLoop, GivesADeviceNoLocalModelRoundAnAngleThatIsNotItsOwn) {
+  for (const bool feedback : {true, false}) {
+    HeldMug mug(test::shipped_profile("exoskeleton_serial"), feedback);
     DeviceCommand command;
-    for (int i = 0; i < 500; ++i) command = step(0);
+    for (int i = 0; i < 500; ++i) command = mug.step();
     EXPECT_GT(command.wanted[3], 0.02);
     EXPECT_EQ(command.stiffness[3] > 0, feedback);
-    command = step(1u << 5);
+    command = mug.step(1u << 5);
     EXPECT_GT(command.wanted[3], 0.02) << "it fades";
     EXPECT_EQ(command.stiffness[3], 0) << "it is not what the motion's angle makes of it";
     EXPECT_EQ(command.radius[3], 0);
     EXPECT_EQ(command.stiffness[6] > 0, feedback) << "the others' angles are believed";
   }
+}
+
+// What a limit has cut neither comes back as the joint closes nor is taken off as it begins to open.
+TEST(DelayedLoop, LetsNoLocalModelGoBeyondAnActuatorsLimits) {
+  DeviceProfile profile = test::shipped_profile("exoskeleton_serial");
+  double limited = 0;
+  for (const double upper : {0.3, 0.1, 0.03, 0.02}) {
+    for (Actuator& actuator : profile.actuators) actuator.upper = std::min(actuator.upper, upper);
+    HeldMug mug(profile, true);
+    DeviceCommand command;
+    for (int i = 0; i < 500; ++i) command = mug.step();
+    for (std::size_t i = 0; i < profile.actuators.size(); ++i) {
+      const double reached = command.wanted[i] + command.stiffness[i] * command.radius[i];
+      EXPECT_LT(reached, profile.actuators[i].upper + 1e-12) << upper << ' ' << i;
+      if (command.wanted[i] == profile.actuators[i].upper) limited += command.stiffness[i];
+    }
+  }
+  EXPECT_GT(limited, 0) << "no limit was met";
 }
 
 // What is lost is time without a command, which the certificate has to know of.

@@ -173,8 +173,16 @@ bool is_doubted(const HapticLoop& loop, std::size_t angle) {
   return measured && (loop.feedback.valid >> angle & 1u) == 0;
 }
 
+// [N m] By how much more an actuator could make of the torque it makes about a joint.
+double room_of(const Actuator& actuator, double command, std::size_t joint) {
+  const double arm = actuator.arm[joint];
+  const bool rises = arm * (arm * command) >= 0;
+  return std::fabs(arm) * max(0, rises ? actuator.upper - command : command - actuator.lower);
+}
+
 // None where the angle is not the device's: round another one the torque may be anything up to twice what it
-// is.
+// is. And none that would go on where a command could not: of a torque that is cut at the end of its actuator
+// nobody knows how it changes there.
 void put_local_models(const DeviceFrame& frame, const JointArray& wanted, const HapticLoop& loop,
                       DeviceCommand& command) {
   for (std::size_t i = 0; i < loop.profile.actuators.size(); ++i) {
@@ -187,7 +195,8 @@ void put_local_models(const DeviceFrame& frame, const JointArray& wanted, const 
     const double k = loop.level[j / 3] * loop.stiffness[j / 3][j % 3][j % 3];
     command.angle[i] = static_cast<double>(frame.angle[angle_of(j)]);
     command.stiffness[i] = max(0, k);
-    command.radius[i] = k > 0 ? min(kLocalShare * std::fabs(wanted[j]) / k, kLargestRadius) : 0;
+    const double change = min(kLocalShare * std::fabs(wanted[j]), room_of(actuator, command.wanted[i], j));
+    command.radius[i] = k > 0 ? min(change / k, kLargestRadius) : 0;
   }
 }
 
