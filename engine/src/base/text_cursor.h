@@ -1,4 +1,4 @@
-// Walks through the words of a text file and turns them into numbers: what the mesh readers for text share.
+// Walks through the words of a text file and turns them into numbers: what the readers of text share.
 //
 // Every word has a place (line and column, both from 1, columns in bytes), so that a message can point at it.
 // Nothing here depends on the locale and nothing is copied.
@@ -27,6 +27,7 @@ struct TextPlace {
 struct TextRules {
   bool hash_comments = false;        ///< '#' at the start of a word hides the rest of the line
   bool backslash_continues = false;  ///< a backslash right before a line end joins the two lines
+  bool commas_separate = false;      ///< as blanks do
 };
 
 /// Words are separated by blanks; lines end with LF, CR LF or CR. A byte order mark at the start is skipped.
@@ -79,7 +80,9 @@ class TextCursor {
   std::size_t remaining() const { return text_.size() - at_; }
 
  private:
-  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
+  bool is_blank(char c) const {
+    return c == ' ' || c == '\t' || c == '\v' || c == '\f' || (rules_.commas_separate && c == ',');
+  }
   static bool is_line_end(char c) { return c == '\n' || c == '\r'; }
   bool continues_at(std::size_t at) const {
     return rules_.backslash_continues && text_[at] == '\\' && at + 1 < text_.size() &&

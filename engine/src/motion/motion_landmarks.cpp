@@ -1,6 +1,4 @@
 // CSV of 21 hand landmarks per line in MediaPipe's order, with or without a header and a leading time column.
-#include <charconv>
-
 #include "model/hand_from_positions.h"
 #include "motion/motion_formats.h"
 
@@ -18,90 +16,40 @@ constexpr std::array<int, kLandmarkCount> kJointOfLandmark = {
     kRingTip,   kLittleProximal,  kLittleIntermediate, kLittleDistal,
     kLittleTip};
 
-struct Cell {
-  std::string_view text;  // without blanks round it
-  std::size_t column;     // of the line, from 1
-};
-
-std::string_view trimmed(std::string_view text, std::size_t& offset) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  if (first == text.npos) return {};
-  offset += first;
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+std::size_t count_words(TextCursor line) {
+  std::size_t count = 0;
+  while (!line.word().empty()) ++count;
+  return count;
 }
 
-// The cells of a line; the vector is reused from line to line.
-void split(std::string_view line, std::vector<Cell>& cells) {
-  cells.clear();
-  std::size_t start = 0;
-  for (;;) {
-    const std::size_t comma = line.find(',', start);
-    std::size_t offset = start;
-    const std::string_view text =
-        trimmed(line.substr(start, comma == line.npos ? comma : comma - start), offset);
-    cells.push_back({text, offset + 1});
-    if (comma == line.npos) return;
-    start = comma + 1;
-  }
+bool is_number(std::string_view word) {
+  double ignored = 0;
+  return read_finite(word, ignored) == nullptr;
 }
 
-bool read_cell(std::string_view text, double& number) {
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), number);
-  return result.ec == std::errc{} && result.ptr == text.data() + text.size() && is_finite(number);
-}
-
-// The lines of the file and where they are.
-struct Reader {
-  std::string_view rest;
-  const std::string& name;
-  std::size_t line_number = 0;
-  std::vector<Cell> cells{};
-
-  bool next_line() {
-    while (!rest.empty()) {
-      const std::size_t end = rest.find('\n');
-      std::string_view line = rest.substr(0, end);
-      rest = end == rest.npos ? std::string_view{} : rest.substr(end + 1);
-      ++line_number;
-      if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-      if (line.find_first_not_of(" \t") == line.npos) continue;
-      split(line, cells);
-      return true;
-    }
-    return false;
-  }
-
-  Status refuse_at(std::size_t column, const std::string& what) const {
-    return Status::error(name + ":" + std::to_string(line_number) + ":" + std::to_string(column) + ": " +
-                         what);
-  }
-};
-
-// One frame's numbers: time, if there is one, then the points.
-Status read_row(const Reader& reader, bool has_time, double unit, double& time,
+// One line's numbers: time, if there is one, then the points.
+Status read_row(TextCursor& cursor, const std::string& name, bool has_time, double unit, double& time,
                 std::array<Vec3, kLandmarkCount>& points) {
-  const std::size_t expected = kCoordinateCount + (has_time ? 1 : 0);
-  if (reader.cells.size() != expected) {
-    return reader.refuse_at(1, "found " + std::to_string(reader.cells.size()) + " columns instead of " +
-                                   std::to_string(expected) +
-                                   " (21 points, and a time only if the header names it first)");
+  const std::size_t expected = kCoordinateCount + (has_time ? 1 : 0), found = count_words(cursor);
+  if (found != expected) {
+    return text_error(name, {cursor.place().line, 1},
+                      "found " + std::to_string(found) + " columns instead of " + std::to_string(expected) +
+                          " (21 points, and a time only if the header names it first)");
   }
   std::array<double, kCoordinateCount> value{};
   for (std::size_t i = 0; i < expected; ++i) {
-    const Cell& cell = reader.cells[i];
+    const std::string_view word = cursor.word();
     double number = 0;
-    if (!read_cell(cell.text, number)) {
-      return reader.refuse_at(
-          cell.column, in_quotes(cell.text) + " is not a finite number; remove the line or correct it");
-    }
+    if (const char* const fault = read_finite(word, number))
+      return text_error(name, cursor.place(),
+                        in_quotes(word) + " " + fault + "; remove the line or correct it");
     if (has_time && i == 0) {
       time = number;
       continue;
     }
     number *= unit;
-    if (!(std::fabs(number) <= kFarthest)) {
-      return reader.refuse_at(cell.column, "the point lies more than 10 km away; set the file's unit");
-    }
+    if (!(std::fabs(number) <= kFarthest))
+      return text_error(name, cursor.place(), "the point lies more than 10 km away; set the file's unit");
     value[has_time ? i - 1 : i] = number;
   }
   for (std::size_t i = 0; i < kLandmarkCount; ++i)
@@ -160,32 +108,34 @@ Status parse_landmarks(std::string_view content, const std::string& name, const 
                        Motion& motion) {
   motion.format = "landmarks";
   const double unit = options.unit > 0 ? options.unit : 1;
-  Reader reader{content, name};
+  TextRules rules;
+  rules.commas_separate = true;
+  TextCursor cursor(content, rules);
   bool has_time = false;
   double lean = 0;
   std::vector<std::array<Vec3, kLandmarkCount>> rows;
   std::vector<double> times;
   std::vector<std::size_t> lines;
-  for (bool is_first = true; reader.next_line(); is_first = false) {
-    double ignored = 0;
-    if (is_first && !read_cell(reader.cells[0].text, ignored)) {
-      if (reader.cells.size() < kCoordinateCount) {
-        return reader.refuse_at(
-            1,
-            "neither JSON, BVH nor a CSV of 21 landmarks; LZ-compressed LeapJS recordings must be "
-            "saved uncompressed");
+  for (bool is_first = true; cursor.next_line(); is_first = false) {
+    TextCursor head = cursor;
+    const std::string_view first = head.word();
+    if (is_first && !is_number(first)) {
+      if (count_words(cursor) < kCoordinateCount) {
+        return text_error(name, {cursor.place().line, 1},
+                          "neither JSON, BVH nor a CSV of 21 landmarks; LZ-compressed LeapJS recordings must "
+                          "be saved uncompressed");
       }
-      has_time = reader.cells[0].text == "time" || reader.cells[0].text == "t";
+      has_time = first == "time" || first == "t";
       continue;
     }
     double time = static_cast<double>(rows.size()) / options.rate;
     std::array<Vec3, kLandmarkCount> points;
-    Status status = read_row(reader, has_time, unit, time, points);
+    Status status = read_row(cursor, name, has_time, unit, time, points);
     if (!status.ok()) return status;
     lean += palmar_lean(points);
     rows.push_back(points);
     times.push_back(time);
-    lines.push_back(reader.line_number);
+    lines.push_back(cursor.place().line);
   }
   const double mean_lean = rows.empty() ? 0 : lean / static_cast<double>(rows.size());
   Status status = choose_side(name, mean_lean, options.side, motion.side);
