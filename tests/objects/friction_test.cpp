@@ -188,6 +188,70 @@ TEST(Friction, BeginsAndEndsWithTheNormalForceAndNeverJumps) {
   EXPECT_GT(dragged, 0.5 * pressed);
 }
 
+// A fingertip pressed with 16 N is drawn along a plane at a steady speed.
+struct Drawn {
+  double pressed = 0, last = 0, mean = 0;  // [N] then its drag, in the end and of the last half
+  double fall = 0, trembling = 0;  // [N] most that the drag falls, and of the last half changes, in a tick
+  int slips = 0;
+};
+Drawn draw(const Material& material, double speed, double rate) {
+  Scene scene = test::pad_scene();
+  scene.settings.stiffness = 6e7;
+  scene.settings.rate = rate;
+  scene.objects.push_back(test::object_of("plane", make_plane(2, 1), {}, material));
+  Session run(scene);
+  Drawn drawn;
+  bool falling = false;
+  const int ticks = static_cast<int>(2.5 * rate);
+  for (int i = 0; i < ticks; ++i) {
+    run.step(test::frame_of({{{speed * i / rate, 0, 0.5 * test::kPadRadius}, {0, 0, 1}}}));
+    const Vec3 force = test::hand_force(run.output);
+    const double fell = drawn.last + force.x;
+    drawn.fall = largest(drawn.fall, fell);
+    if (2 * i >= ticks) {
+      drawn.trembling = largest(drawn.trembling, std::fabs(fell));
+      drawn.mean -= force.x / (ticks - ticks / 2);
+    }
+    if (fell * rate > 10 && !falling) ++drawn.slips;
+    falling = fell > 0 && (falling || fell * rate > 10);
+    drawn.last = -force.x;
+    drawn.pressed = force.z;
+  }
+  return drawn;
+}
+
+// Skin that is let go slides back, and so lets itself go.
+TEST(Friction, FallsToTheKineticOneOverItsLagHoweverFarSkinIsDrawn) {
+  for (const double shear_stiffness : {200.0, 1000.0}) {
+    for (const double speed : {0.05, 0.3}) {
+      const Material material{0.8, 0.6, 0, shear_stiffness};
+      const Drawn drawn = draw(material, speed, 1000);
+      EXPECT_GT(drawn.pressed, 15);
+      EXPECT_GE(drawn.slips, 1);
+      EXPECT_LT(drawn.fall, 1.05 * 0.2 * drawn.pressed * kTick / 0.03) << shear_stiffness << ", " << speed;
+    }
+  }
+}
+
+TEST(Friction, StillSticksAndSlipsWhereSkinIsDrawnFarAtAnyRate) {
+  const Material material{0.8, 0.6, 0, 1000};
+  const Drawn slow = draw(material, 0.02, 1000), fast = draw(material, 0.02, 16000);
+  EXPECT_GE(slow.slips, 5);
+  EXPECT_NEAR(slow.slips, fast.slips, 1);
+  EXPECT_NEAR(slow.mean, fast.mean, 0.02 * fast.mean);
+  EXPECT_LT(fast.fall, 1.05 * 0.2 * fast.pressed / 16000 / 0.03);
+}
+
+TEST(Friction, OfViscousSkinDoesNotTremble) {
+  for (const double viscosity : {1.0, 3.0}) {
+    for (const double rate : {1000.0, 16000.0}) {
+      const Drawn drawn = draw({0.8, 0.6, viscosity, 200}, 0.2, rate);
+      EXPECT_NEAR(drawn.last / drawn.pressed, 0.6 + 0.2 / 101 + 0.2 * viscosity, 0.02) << viscosity;
+      EXPECT_LT(drawn.trembling, 10 / rate) << viscosity << ", " << rate;
+    }
+  }
+}
+
 // Two fingertips that loosen their grip slowly let go where mu N falls below the weight they carry.
 TEST(Friction, HoldsAnObjectUntilTheGripIsTooWeak) {
   const double mu = 0.6;

@@ -10,7 +10,8 @@ namespace {
 // [m/s] At this speed mu is half way from static to kinetic.
 constexpr double kStribeckSpeed = 0.02;
 
-// [s] Skin takes so long to notice that it slides, or has stopped: mu does not jump.
+// [s] Skin takes so long to notice that it slides, or has stopped: mu goes from one end to the other no
+// faster.
 constexpr double kSlideLag = 0.03;
 
 // [m] How far from the normal the skin's stiffness sits that resists a twist: half a fingertip's radius.
@@ -22,6 +23,16 @@ Vec3 across(Vec3 v, Vec3 normal) { return v - dot(normal, v) * normal; }
 double friction_at(const Material& material, double speed) {
   const double x = speed / kStribeckSpeed, more = material.static_friction - material.kinetic_friction;
   return material.kinetic_friction + more / (1 + x * x) + material.viscosity * speed;
+}
+
+// [m/s] That skin notices `dt` [s] after it has noticed `slip`, having slid at `speed` under `force` [N].
+// Skin that is let go slides back and so lets itself go, all at once where it is drawn far: however fast it
+// slides, mu falls by no more than its share of the lag. What viscosity adds holds it back, and would tremble
+// from tick to tick if skin answered before its spring does.
+double noticed(const Material& material, double slip, double speed, double force, double dt) {
+  const double fastest = kStribeckSpeed + slip * slip / kStribeckSpeed;
+  const double held_back = material.viscosity * force / (material.shear_stiffness * kSlideLag);
+  return slip + min(1, dt / kSlideLag) * min(speed - slip, fastest) / (1 + held_back);
 }
 
 // Takes a vector drawn at right angles to another normal into the plane of this one, as long as it was.
@@ -60,7 +71,7 @@ Friction rub(const Material& material, const ContactPatch& patch, const Pose& X_
   const double shear = most_shear > 0 ? norm(grip.shear) / most_shear : 2, twist = grip.twist / most_twist;
   const double beyond = std::sqrt(shear * shear + twist * twist);
   const double kept = most_shear > 0 ? (beyond > 1 ? 1 / beyond : 1) : 0;
-  grip.slip += min(1, dt / kSlideLag) * ((1 - kept) * norm(grip.shear) / dt - grip.slip);
+  grip.slip = noticed(material, grip.slip, (1 - kept) * norm(grip.shear) / dt, patch.force, dt);
   grip.shear = kept * grip.shear;
   grip.twist = kept * grip.twist;
   return {-material.shear_stiffness * grip.shear, (-about * grip.twist) * patch.normal, most,
