@@ -80,6 +80,8 @@ double radius_at(const Primitive& primitive, double t) {
   return primitive.radius1 + t * (primitive.radius2 - primitive.radius1);
 }
 
+bool is_told(const CoreGaps& gaps) { return gaps.asks_only_that && gaps.closed; }
+
 std::size_t widest(const CoreGaps& gaps, std::size_t segment) {
   std::size_t found = gaps.gap.size();
   for (std::size_t i = 0; i < gaps.gap.size(); ++i) {
@@ -108,8 +110,10 @@ void keep(const Gap& gap, CoreGaps& gaps) {
 }
 
 void clear(const Core& core, double distance) {
+  const bool touches = !(distance > kTouching);
   double& clearance = core.gaps.clearance[core.primitive.segment];
-  clearance = min(clearance, distance > kTouching ? distance : 0);
+  clearance = min(clearance, touches ? 0 : distance);
+  core.gaps.closed = core.gaps.closed || touches;
 }
 
 // A point of the core at which it is so thick, with its reach, and the way to it from the triangle's nearest
@@ -117,6 +121,7 @@ void clear(const Core& core, double distance) {
 void measure(const Core& core, Vec3 point, double radius, Vec3 from_triangle) {
   const double distance = norm(from_triangle), width = distance - (radius - core.reach);
   clear(core, distance);
+  core.gaps.closed = core.gaps.closed || width < 0;
   if (!(width < core.reach) || !(distance > kTouching)) return;
   const Pose& X_WM = core.around.X_WM;
   keep({core.primitive.segment, core.around.object, transform(X_WM, point),
@@ -152,6 +157,7 @@ void add_passing(const Core& core, double t, Vec3 surface, Passings& passings) {
   if (!(square < radius * radius)) return;
   const double distance = std::sqrt(square);
   clear(core, distance);
+  core.gaps.closed = core.gaps.closed || distance < radius - core.reach;
   const auto place = static_cast<std::size_t>(t * static_cast<double>(passings.places));
   add_to(passings.place[std::min(place, passings.places - 1)], {distance, t, from});
 }
@@ -320,6 +326,7 @@ std::span<const NearTriangle> look_round(const Core& core, std::span<const std::
   const double radius = max(p.radius1, p.radius2);
   std::size_t count = 0;
   for (const std::uint64_t pair : pairs) {
+    ++core.gaps.pairs;
     const auto number = static_cast<std::uint32_t>(pair);
     const Corners at = corners_of(core.around.model.triangles, number);
     const NearTriangle triangle = near_triangle(number, at);
@@ -330,6 +337,7 @@ std::span<const NearTriangle> look_round(const Core& core, std::span<const std::
     pass_edge(core, at.a, at.b, passings);
     pass_edge(core, at.b, at.c, passings);
     pass_edge(core, at.c, at.a, passings);
+    if (is_told(core.gaps)) break;
   }
   return {core.memory.near.data(), count};
 }
@@ -342,10 +350,12 @@ void measure_round(const Core& core, std::span<const std::uint64_t> pairs) {
   const std::span<const NearTriangle> near = look_round(core, pairs, passings);
   constexpr double kNothing = 1e300;
   HeldList held;
+  if (is_told(core.gaps)) return;
   hold_off(core, 0, kNothing, near, held);
   if (length > 0) hold_off(core, 1, kNothing, near, held);
   for (const Place& place : passings.place) {
     for (const Passing& passing : std::span{place.passing}.first(place.count)) {
+      if (is_told(core.gaps)) return;
       if (!is_held_off(p, passing, held)) hold_off(core, passing.t, passing.distance, near, held);
     }
   }
@@ -388,11 +398,19 @@ void keep_cores(double reach, Primitives& hand) {
   }
 }
 
-// All pairs of one primitive.
+// Of one primitive, out of all pairs in their order.
+std::span<const std::uint64_t> pairs_of(std::uint64_t primitive, std::span<const std::uint64_t> all) {
+  const auto first = std::lower_bound(all.begin(), all.end(), primitive << 32);
+  return {first, std::lower_bound(first, all.end(), (primitive + 1) << 32)};
+}
+
 void measure_all(const Core& core, const SweptPolygon& palm, std::span<const std::uint64_t> pairs) {
   if (core.primitive.shape != Shape::slab) return measure_round(core, pairs);
-  for (const std::uint64_t pair : pairs)
+  for (const std::uint64_t pair : pairs) {
+    ++core.gaps.pairs;
     measure_palm(core, palm, corners_of(core.around.model.triangles, static_cast<std::uint32_t>(pair)));
+    if (is_told(core.gaps)) break;
+  }
 }
 
 }  // namespace
@@ -405,6 +423,7 @@ void size_gap_memory(const Model& model, GapMemory& memory) {
 
 bool add_gaps(const Surroundings& around, const Joints& hand, double reach, Scratch& scratch,
               GapMemory& memory, CoreGaps& gaps) {
+  if (is_told(gaps)) return true;
   const Model& model = around.model;
   Primitives& placed = *scratch.primitives;
   static_cast<void>(place_hand(model.hand, model.settings, hand, inverse(around.X_WM), placed));
@@ -413,15 +432,16 @@ bool add_gaps(const Surroundings& around, const Joints& hand, double reach, Scra
   tile_hand(model.settings, placed);
   keep_cores(reach, placed);
   if (!find_candidates(model, placed, scratch)) return false;
-  gaps.pairs += scratch.candidate_count;
-  std::span<const std::uint64_t> left{scratch.candidates.data(), scratch.candidate_count};
-  while (!left.empty()) {
-    const std::uint64_t of = left.front() >> 32;
-    std::size_t count = 1;
-    while (count < left.size() && left[count] >> 32 == of) ++count;
-    const Core core{placed.primitive[of], around, reach, memory, gaps};
-    measure_all(core, placed.palm, left.first(count));
-    left = left.subspan(count);
+  const std::span<const std::uint64_t> all{scratch.candidates.data(), scratch.candidate_count};
+  const auto count = static_cast<std::size_t>(placed.count);
+  // A hand that stays is closed by what closed it last.
+  const std::size_t first = gaps.asks_only_that ? memory.closed : 0;
+  for (std::size_t i = 0; i < count && !is_told(gaps); ++i) {
+    const std::size_t of = (first + i) % count;
+    const std::span<const std::uint64_t> pairs = pairs_of(of, all);
+    if (pairs.empty()) continue;
+    measure_all({placed.primitive[of], around, reach, memory, gaps}, placed.palm, pairs);
+    if (is_told(gaps)) memory.closed = of;
   }
   return true;
 }

@@ -38,7 +38,9 @@ struct CoreGaps {
   /// [m] Least distance of the axis, as far as that is less than the core's radius and the reach; 0 where it
   /// is inside a solid.
   std::array<double, kSegmentCount> clearance = every_segment(1e300);
-  std::size_t pairs = 0;  ///< of a primitive and a triangle that were asked
+  std::size_t pairs = 0;        ///< of a primitive and a triangle that were asked
+  bool closed = false;          ///< something reaches into a core, or its axis is inside a solid
+  bool asks_only_that = false;  ///< nothing more is looked at once one is closed
 };
 
 /// Which surfaces are asked, and as what.
@@ -68,6 +70,7 @@ struct NearPoint {
 struct GapMemory {
   std::vector<NearTriangle> near;
   std::vector<NearPoint> points;
+  std::size_t closed = 0;  ///< primitive by which a hand was last told to be closed: the first to be asked
 };
 void size_gap_memory(const Model& model, GapMemory& memory);
 

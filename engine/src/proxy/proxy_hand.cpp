@@ -256,12 +256,13 @@ Advance advance(const Model& model, const State& state, const Joints& tracked, S
 }
 
 // Is every core outside all surfaces, as far as the first step will look? False where there are too many
-// candidates.
+// candidates. A hand that stays within something asks this in every tick: the first core that is not outside
+// answers it.
 bool is_free(const Model& model, const State& state, const Joints& hand, Scratch& scratch, bool& free) {
   CoreGaps gaps;
+  gaps.asks_only_that = true;
   if (!find_gaps(model, state, hand, longest_step(model.hand), scratch, gaps)) return false;
-  free = !is_crossed(gaps) &&
-         std::none_of(gaps.gap.begin(), gaps.gap.end(), [](const Gap& gap) { return gap.width < 0; });
+  free = !gaps.closed;
   return true;
 }
 
