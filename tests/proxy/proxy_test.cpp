@@ -171,30 +171,6 @@ TEST(Proxy, SlipsOffEdgesAndCornersWithoutAStep) {
   }
 }
 
-// Hooked on the side of a box by two centimetres it is drawn up until nothing holds it: all that was held
-// back comes free at once, and its force must not.
-TEST(Proxy, LetsAForceFadeThatAFingerSlipsOff) {
-  Scene scene = proxy_scene(make_box({0.1, 0.1, 0.1}, 7));
-  scene.settings.fade_time = 0.02;  // 20 ticks
-  Session run(scene);
-  double before = 0, most = 0, fastest = 0;
-  Vec3 was;
-  for (int i = 0; i <= 700; ++i) {
-    const double pressed = 1e-4 * min(i, 200), risen = 1e-4 * std::max(0, i - 200);
-    feel(run, fingertip_at({0.05 + kPadRadius - pressed, 0.003, 0.03 + risen}));
-    const double force = norm(test::hand_force(run.output));
-    EXPECT_NEAR(force, before, 2) << i;
-    before = force;
-    most = largest(most, force);
-    const Vec3 tip = proxy_at(run, kPhalanxJoints[2].tip);
-    if (i > 0) fastest = largest(fastest, norm(tip - was));
-    was = tip;
-  }
-  EXPECT_GT(most, 15);
-  EXPECT_GT(fastest, 0.005);
-  EXPECT_LT(before, 1e-9);
-}
-
 TEST(Proxy, KeepsACoreAsFarFromAWallAsTheForceLets) {
   Session run(proxy_scene(make_box({0.1, 0.1, 0.002}, 5)));
   for (int i = 0; i <= 20; ++i) feel(run, fingertip_at({0, 0, 0.001 + kPadRadius - 0.001 * i}));

@@ -36,7 +36,7 @@ struct ProxyState {
   std::array<Pose, kJointCount> joint;  ///< X_WJ
   double valid = 0;     ///< a whole number with a bit for each joint it knows a place of; 0: it starts anew
   double balanced = 0;  ///< share of what holds it back that the rest of the hand answers, 0 .. 1
-  std::array<double, kJointCount> behind{};  ///< [m] how far joints were from the tracked ones
+  std::array<Vec3, kJointCount> tracked{};  ///< [m] W, where those joints of the tracked hand were
 };
 
 /// Where segments were, and how fast they go. No padding: hashed as it stands.

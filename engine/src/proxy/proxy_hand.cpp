@@ -24,9 +24,9 @@ constexpr std::size_t kMostPairs = 2000;
 constexpr double kLittlePush = 1, kBalanceTime = 0.05;
 constexpr double kForgotten = 1e-6;  // a share of it that is as good as none
 
-// [N], [m], [m/s] A finger that pressed harder, was held back by more and catches up faster has slipped off
-// what held it: so much force must neither end nor come in a tick.
-constexpr double kPressed = 1, kHeldBack = 0.004, kSlips = 2;
+// [N], [m/s] A finger that pressed harder, and whose proxy moves faster than the hand by more, has slipped
+// off what held it: so much force must neither end nor come in a tick.
+constexpr double kPressed = 1, kSlips = 1;
 
 // The share of an axis' distance from the nearest triangle that a step may take.
 constexpr double kShareOfClearance = 0.5;
@@ -185,29 +185,30 @@ double longest_step(const Hand& hand) {
   return kLongestStep * thinnest;
 }
 
-// Has a finger that pressed slipped off something? The hand is at `hand`, and its proxy has come to `proxy`.
-// A hand that goes back to its proxy slips off nothing.
+// Has a finger that pressed slipped off something? The hand has come to `hand`, and its proxy to `proxy`.
+// What holds a finger lets it no faster along than the hand goes. Which way it slips does not matter: what it
+// finds next may be farther from the hand, if its springs are laxer there.
 bool has_slipped(const HandForces& felt, const ProxyState& before, const Joints& hand, const Joints& proxy,
                  double rate) {
-  const double fast = kSlips / rate;
+  const Joints known = known_to(before);
   for (std::size_t i = 0; i < kPhalanxCount; ++i) {
     if (!(norm(felt.segment[i].force) > kPressed)) continue;
     for (const int joint : {kPhalanxJoints[i].base, kPhalanxJoints[i].tip}) {
-      const auto j = static_cast<std::size_t>(joint);
-      if (!proxy.has(joint) || !(before.behind[j] > kHeldBack)) continue;
-      const Vec3 now = proxy.position(joint);
-      const double caught_up = before.behind[j] - norm(hand.position(joint) - now);
-      if (caught_up > fast && norm(now - before.joint[j].position) > fast) return true;
+      if (!known.has(joint) || !proxy.has(joint)) continue;
+      const Vec3 was_tracked = before.tracked[static_cast<std::size_t>(joint)];
+      const double way = norm(proxy.position(joint) - known.position(joint)),
+                   way_of_hand = norm(hand.position(joint) - was_tracked);
+      if (way > way_of_hand + kSlips / rate) return true;
     }
   }
   return false;
 }
 
+// A proxy has the joints that its hand has.
 ProxyState kept_of(const Joints& proxy, const Joints& hand, double balanced) {
   ProxyState kept{proxy.pose, static_cast<double>(proxy.valid), balanced};
   for (std::size_t j = 0; j < kJointCount; ++j) {
-    if (proxy.has(static_cast<int>(j)) && hand.has(static_cast<int>(j)))
-      kept.behind[j] = norm(hand.pose[j].position - proxy.pose[j].position);
+    if (hand.has(static_cast<int>(j))) kept.tracked[j] = hand.pose[j].position;
   }
   return kept;
 }

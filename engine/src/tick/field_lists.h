@@ -83,7 +83,7 @@ constexpr void list_fields(Is<ProxyState> auto& proxy, auto&& field) {
   field("joint", "", proxy.joint);
   field("valid", "", proxy.valid);
   field("balanced", "", proxy.balanced);
-  field("behind", "m", proxy.behind);
+  field("tracked", "m", proxy.tracked);
 }
 
 constexpr void list_fields(Is<Twist> auto& twist, auto&& field) {
