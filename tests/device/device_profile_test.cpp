@@ -217,6 +217,13 @@ TEST(DeviceProfile, AnEncoderIsNoFinerThanTheRegisterThatTellsOfIt) {
   EXPECT_EQ(make_certificate(profile, {}).joint[3].friction, 2 * 0.004 / 0.01);
   EXPECT_EQ(profile.dynamics[4].encoder_step, 0.0001) << "no sensor looks at it";
   EXPECT_EQ(with(R"(, "type": "f32")").dynamics[3].encoder_step, 0.0001) << "a float has no counts";
+  EXPECT_EQ(
+      load(write(profile_text(kMotor, R"(, "sensors": [{"joint": "index proximal", "at": {"address": 9}}],
+    "dynamics": [{"damping": 0.01}])")))
+          .dynamics[3]
+          .encoder_step,
+      0)
+      << "nothing is said of it";
   profile.dynamics[3].encoder_step = 0.0001;  // as a program might
   EXPECT_NE(check_profile(profile).message().find(
                 "encoder_step of index proximal is finer than a count of the sensor's register"),

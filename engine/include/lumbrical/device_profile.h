@@ -155,7 +155,7 @@ struct JointDynamics {
   double inertia = 0;       ///< [kg m^2] about the joint, of device and finger
   double damping = 0;       ///< [N m s/rad]
   double friction = 0;      ///< [N m] Coulomb
-  double encoder_step = 0;  ///< [rad] no finer than a count of its sensor's register (angle_step)
+  double encoder_step = 0;  ///< [rad] 0: not known; else no finer than a count of the register (angle_step)
 };
 
 struct DeviceProfile {

@@ -272,9 +272,8 @@ ProfileFault dynamics_fault(const DeviceProfile& profile) {
 ProfileFault steps_fault(const DeviceProfile& profile) {
   for (const Sensor& sensor : profile.sensors) {
     const JointDynamics& joint = profile.dynamics[sensed_joint(sensor)];
-    const bool flexion = sensor.angle % 4 != 0, is_certified = joint.damping > 0;
     const double step = angle_step(profile, sensor);
-    if (!flexion || !is_certified || joint.encoder_step >= step) continue;
+    if (sensor.angle % 4 == 0 || joint.encoder_step == 0 || joint.encoder_step >= step) continue;
     return {"dynamics.encoder_step of " + std::string(segment_name(static_cast<int>(sensed_joint(sensor)))),
             "is finer than a count of the sensor's register; make it " + text_of(step) + " rad or more"};
   }
