@@ -31,6 +31,17 @@ TEST_F(SerialLoop, RunsOverATerminal) {
   EXPECT_TRUE(rests());
 }
 
+// Two of them would read each other's replies.
+TEST_F(SerialLoop, ALineIsOneSessions) {
+  start_serial();
+  test::TickingSink second;
+  second.open(profile);
+  EXPECT_TRUE(second.told("is in use by another session")) << second.log();
+  EXPECT_TRUE(acts()) << sink.log();
+  EXPECT_TRUE(sink.close());
+  EXPECT_TRUE(acts()) << second.log();
+}
+
 TEST_F(SerialLoop, GarbageBytesBeforeRepliesAndRepliesCutShort) {
   start_serial();
   device.faults.garbage = true;

@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <modbus/modbus.h>
 #include <poll.h>
+#include <sys/file.h>
 #include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
@@ -96,6 +97,9 @@ Status ModbusLink::open_line(const Transport& transport) {
                                 static_cast<char>(transport.parity), 8, transport.stop_bits));
   if (!context_ || modbus_connect(context_.get()) != 0)
     return Status::error(transport.line + ": " + modbus_strerror(errno));
+  // Two sessions on a line would read each other's replies.
+  if (::flock(modbus_get_socket(context_.get()), LOCK_EX | LOCK_NB) != 0)
+    return Status::error(transport.line + ": is in use by another session");
   if (Status status = check_baud(modbus_get_socket(context_.get()), transport); !status.ok()) return status;
   silence_ = 3.5 * character_bits(transport) / transport.baud;
   modbus_flush(context_.get());
