@@ -143,6 +143,17 @@ TEST_F(ModbusLoop, AnEmergencyStopThatIsNotAnsweredClosesTheLinkWithinTwoCycles)
   device.faults.silent = false;
 }
 
+TEST_F(ModbusLoop, AnEmergencyStopIsToldInTheEndWhateverWentWrongAfterIt) {
+  start();
+  sink.sink.press_stop(true);
+  EXPECT_TRUE(sink.told("active -> fault")) << sink.log();
+  device.faults.silent = true;
+  EXPECT_TRUE(sink.told("no reply")) << sink.log();
+  EXPECT_NE(sink.sink.report().trouble.find("emergency stop"), std::string::npos)
+      << sink.sink.report().trouble;
+  device.faults.silent = false;
+}
+
 TEST_F(ModbusLoop, ClientsThatFloodOrTakeNoRepliesDoNotHoldUpTheOthers) {
   start();
   std::vector<int> idle;  // more connections than there are places

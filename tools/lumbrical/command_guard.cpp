@@ -26,7 +26,8 @@ int guard(const std::string& text) {
   if (Status status = parse_sink_uri(text, uri); !status.ok()) return fail(status);
   if (Status status = load_profile(uri, profile); !status.ok()) return fail(status);
   if (!bereaved()) return kDone;
-  std::fprintf(stderr, "guard: the session was killed; letting go of %s\n", printable(profile.name).c_str());
+  std::fprintf(stderr, "guard: the session has ended without letting go of %s; letting go of it\n",
+               printable(profile.name).c_str());
   SinkOptions options;
   options.arm = false;
   options.take_over = true;

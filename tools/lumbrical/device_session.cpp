@@ -151,7 +151,7 @@ bool DeviceSession::forces_flow() const {
   const LoopFigures& figures = told_->loop.figures;
   const SafetyState state = figures.last.state;
   const bool flow = state == SafetyState::active || state == SafetyState::armed;  // armed: switch let go
-  return told_->uri.dry_run || (figures.was_active && flow);
+  return told_->uri.dry_run || (figures.was_active && flow && figures.safe_at_end);
 }
 
 void DeviceSession::close() {

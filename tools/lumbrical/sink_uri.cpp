@@ -60,6 +60,35 @@ bool parse_parameter(std::string_view name, std::string_view value, SinkUri& uri
   return false;
 }
 
+struct Parameter {
+  std::string_view name;
+  const char* values;
+};
+constexpr Parameter kParameters[] = {{"profile", "a file"},
+                                     {"side", "left or right"},
+                                     {"baud", "300 to 10000000"},
+                                     {"unit", "0 to 247"},
+                                     {"rate", "0.1 to 20000 [Hz]"},
+                                     {"network", "any or private"},
+                                     {"feedback", "on or off"},
+                                     {"on-loss", "stop or continue"},
+                                     {"dry-run", "on or off"},
+                                     {"guard", "on or off"},
+                                     {"unattended", "accepted or refused"},
+                                     {"limiter", "on or off"},
+                                     {"observer", "on or off"},
+                                     {"local", "on or off"}};
+
+// What is wrong with a parameter that could not be taken.
+std::string fault_of(std::string_view name) {
+  std::string names;
+  for (const Parameter& parameter : kParameters) {
+    if (parameter.name == name) return "can't be: " + std::string(name) + " is " + parameter.values;
+    names += (names.empty() ? "" : ", ") + std::string(parameter.name);
+  }
+  return "is no parameter of a sink; there are " + names;
+}
+
 bool parse_place(std::string_view place, SinkUri& uri) {
   if (uri.kind == TransportKind::rtu) {
     uri.line = place;
@@ -118,11 +147,8 @@ Status parse_sink_uri(const std::string& text, SinkUri& uri) {
     const std::size_t end = std::min(rest.find('&'), rest.size());
     const std::string_view one = rest.substr(0, end);
     const std::size_t equals = std::min(one.find('='), one.size());
-    if (equals == one.size() || !parse_parameter(one.substr(0, equals), one.substr(equals + 1), uri)) {
-      return Status::error(
-          "\"" + std::string(one) + "\" is no parameter of a sink; there are profile, side, baud, unit, " +
-          "rate, network, feedback, on-loss, dry-run, guard, unattended, limiter, observer and local");
-    }
+    if (equals == one.size() || !parse_parameter(one.substr(0, equals), one.substr(equals + 1), uri))
+      return Status::error("\"" + std::string(one) + "\" " + fault_of(one.substr(0, equals)));
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
   if (uri.profile.empty())
@@ -133,6 +159,7 @@ Status parse_sink_uri(const std::string& text, SinkUri& uri) {
 Status load_profile(const SinkUri& uri, DeviceProfile& profile) {
   if (Status status = load_device_profile(uri.profile, profile); !status.ok()) return status;
   Transport& transport = profile.transport;
+  const bool lacks_registers = has_registers(uri.kind) && !has_registers(transport.kind);
   transport.kind = uri.kind;
   profile.unattended = profile.unattended || uri.unattended;
   transport.anywhere = transport.anywhere || uri.anywhere;
@@ -147,7 +174,9 @@ Status load_profile(const SinkUri& uri, DeviceProfile& profile) {
   if (uri.side) profile.side = uri.side;
   if (uri.rate > 0) profile.rate = uri.rate;
   if (uri.unit >= 0) set_unit(profile, static_cast<std::uint8_t>(uri.unit));
-  return check_profile(profile);
+  const Status status = check_profile(profile);
+  if (status.ok() || !lacks_registers) return status;
+  return Status::error(status.message() + "; the profile was made for a transport without registers");
 }
 
 std::string check_sink_uri(std::string& text) {

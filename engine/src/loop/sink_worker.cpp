@@ -29,7 +29,7 @@ void DeviceSink::Worker::tell(std::string text) {
 void DeviceSink::Worker::problem(std::string text) {
   if (last_problem == text) return;
   last_problem = text;
-  {
+  if (safety.state != SafetyState::fault) {  // what has ended the forces is told in the end
     const std::lock_guard lock(mutex);
     report.trouble = text;
   }
