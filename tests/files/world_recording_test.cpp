@@ -100,7 +100,8 @@ TEST(WorldRecording, IsNotReplayedWithoutItsWorld) {
   EXPECT_NE(build_model(reader.scene(), {}, model).message().find("only named"), std::string::npos);
   CopyResult copied;
   const std::string part = (folder / "part.mcap").string();
-  EXPECT_NE(copy_recordings({path}, part, {20, 40, {}}, copied).message().find("--world"), std::string::npos);
+  EXPECT_NE(copy_recordings({path}, part, {20, 40, {}}, copied).message().find("put it there"),
+            std::string::npos);
   EXPECT_FALSE(fs::exists(part));
 }
 

@@ -154,6 +154,19 @@ TEST(CommandLine, ARecordingTellsWhenItWasMadeAndWhatItsNumbersAre) {
     EXPECT_NE(file.find(text), std::string::npos) << text;
 }
 
+TEST(CommandLine, ViewShowsARecordingThatIsStillWritten) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 10 --record a.mcap", folder).exit_code, 0);
+  fs::rename(folder / "a.mcap", folder / "a.mcap.part");
+  const std::string view = "timeout -s INT 2 lumbrical view --no-browser ";
+  const Outcome shown = shell(view + "a.mcap", folder);
+  EXPECT_EQ(shown.error.find("there is no such file"), std::string::npos) << shown.error;
+  if (shown.error.empty()) {
+    EXPECT_NE(shown.output.find("#recording=a/a.mcap.part"), std::string::npos) << shown.output;
+  }
+  EXPECT_EQ(shell(view + ".", folder).exit_code, 2);
+}
+
 TEST(CommandLine, NothingIsWrittenOverWhatIsThere) {
   const fs::path folder = folder_with_demo();
   ASSERT_EQ(shell("lumbrical run demo.json --ticks 100 --record a.mcap", folder).exit_code, 0);

@@ -22,11 +22,17 @@ int view(const ViewOptions& options) {
   PageContent content;
   if (Status status = read_viewer_page(content.html); !status.ok()) return fail(status);
   std::string link;
-  for (const std::filesystem::path file : {options.recording, options.other}) {
+  for (std::filesystem::path file : {options.recording, options.other}) {
     if (file.empty()) continue;
     std::error_code error;
-    if (!std::filesystem::is_regular_file(file, error))
-      return fail(file.string() + ": there is no such file");
+    const std::filesystem::path growing = file.string() + ".part";  // as it is called until it is closed
+    const std::filesystem::file_type type = std::filesystem::status(file, error).type();
+    if (type == std::filesystem::file_type::not_found && std::filesystem::is_regular_file(growing, error)) {
+      file = growing;
+    } else if (type != std::filesystem::file_type::regular) {
+      return fail(file.string() + (type == std::filesystem::file_type::not_found ? ": there is no such file"
+                                                                                 : ": is no file"));
+    }
     // What cannot be read is told by the page, which says what and where.
     const std::string place = link.empty() ? "a/" : "b/", name = file.filename().string();
     content.files["/" + place + name] = std::filesystem::absolute(file).string();

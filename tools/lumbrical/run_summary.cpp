@@ -27,7 +27,8 @@ struct FlagText {
 constexpr FlagText kFlagTexts[] = {
     {kInputNotFinite, "input not finite", "NaN or infinity in the device frame; check the driver"},
     {kInputImplausible, "input implausible", "a joint far from its wrist; check the motion's unit"},
-    {kInputLost, "input lost", "no tracking, or the motion has ended; use fewer ticks"},
+    {kInputLost, "input lost",
+     "no tracking, samples more than 0.1 s apart (check the unit of times), or the motion has ended"},
     {kInputExtrapolated, "input extrapolated", "beyond or far between samples; track at a higher rate"},
     {kSegmentMissing, "segment missing", "some joints are not tracked: those segments feel nothing"},
     {kSegmentDegenerate, "segment degenerate", "a phalanx of zero length was felt as a sphere"},
