@@ -4,9 +4,12 @@
 
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <memory>
+#include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "device_fixture.h"
 #include "lumbrical/loop.h"
@@ -26,7 +29,8 @@ struct HeldDevice {
   bool cuts = false;    // the next exchange
   double missing = 0;   // [s] that the next exchange waits for an answer in vain
   double greeting = 0;  // [s] before the next commands
-  int exchanges = 0;
+  bool silent = false;  // takes connections and commands, and answers none
+  int exchanges = 0, connections = 0, unanswered = 0;
 };
 
 void sleep_for(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
@@ -34,7 +38,11 @@ void sleep_for(double seconds) { std::this_thread::sleep_for(std::chrono::durati
 class HeldWire final : public DeviceWire {
  public:
   HeldWire(HeldDevice& device, const DeviceProfile& profile) : device_(device), profile_(profile) {}
-  Status open() override { return device_.there ? Status() : Status::error("not there"); }
+  Status open() override {
+    if (!device_.there) return Status::error("not there");
+    ++device_.connections;
+    return {};
+  }
   void close() override {}
   WireResult greet() override {
     sleep_for(device_.greeting);
@@ -44,6 +52,10 @@ class HeldWire final : public DeviceWire {
     if (!device_.there || std::exchange(device_.cuts, false)) return {WireOutcome::broken, "gone"};
     if (device_.missing > 0) {
       sleep_for(std::exchange(device_.missing, 0));
+      return {WireOutcome::missed, "no answer"};
+    }
+    if (device_.silent) {
+      ++device_.unanswered;
       return {WireOutcome::missed, "no answer"};
     }
     ++device_.exchanges;
@@ -253,6 +265,21 @@ TEST_F(DeviceLoopTest, WhatActedBeforeALongSilenceIsGoneAfterIt) {
     device.greeting = 0;
   }
   EXPECT_TRUE(steps_until([&] { return told() > 0.02; })) << "and comes back";
+}
+
+TEST_F(DeviceLoopTest, ANewConnectionIsNoDeviceBeforeItHasAnsweredACommand) {
+  open();
+  ASSERT_TRUE(steps_until([&] { return told() > 0; }));
+  const int before = device.connections;
+  device.cuts = device.silent = true;
+  ASSERT_TRUE(steps_until([&] { return loop.sink.state() == SafetyState::disconnected; }));
+  ASSERT_TRUE(steps_until([&] { return device.connections > before; }));
+  for (device.unanswered = 0; device.unanswered < 20;) {
+    step();
+    EXPECT_EQ(loop.sink.state(), SafetyState::disconnected) << "however lately the old one has answered";
+  }
+  device.silent = false;
+  EXPECT_TRUE(steps_until([&] { return loop.sink.state() == SafetyState::active; }));
 }
 
 TEST_F(DeviceLoopTest, ALostDeviceEndsTheSessionWhereThatWasAskedFor) {

@@ -99,9 +99,13 @@ bool DeviceSink::Worker::answered(WireResult result) {
   return false;
 }
 
-void DeviceSink::Worker::lose(std::string why) {
+void DeviceSink::Worker::disconnect() {
   wire->close();
-  connected = handshaken = standing = false;
+  connected = handshaken = standing = has_answered = false;
+}
+
+void DeviceSink::Worker::lose(std::string why) {
+  disconnect();
   problem(std::move(why));
   // The first try follows at once, the others ever later.
   next_try = retry == 0 ? 0 : steady_ns() + in_ns(retry);
@@ -130,25 +134,29 @@ void DeviceSink::Worker::await_tick() {
   }
 }
 
+// For so long that a device has let go by itself.
+bool DeviceSink::Worker::silent(std::int64_t now) const {
+  return last_answer == 0 || in_seconds(now - last_answer) > profile.safety.answer_timeout;
+}
+
 SafetyOutput DeviceSink::Worker::decide(std::int64_t now) {
   const double elapsed = in_seconds(now - last_step);
   last_step = now;
   const unsigned asked = requests.exchange(0);
   const DeviceStatus& device = answer.status;
   SafetyInputs inputs;
-  inputs.connected =
-      connected && handshaken && any_answer && in_seconds(now - last_answer) <= profile.safety.answer_timeout;
+  inputs.connected = has_answered && !silent(now);
   inputs.dt = running.advance(elapsed);
   inputs.gap = elapsed - inputs.dt;
-  // A device that has not answered for so long has let go by itself: what acted then must not come again.
-  if (!inputs.connected) inputs.dt += running.lost - std::exchange(lost_answered, running.lost);
+  // A device without a link, or silent for so long, has let go: what acted then must not come again.
+  if (!handshaken || silent(now)) inputs.dt += running.lost - std::exchange(lost_answered, running.lost);
   take_command();
   inputs.device_ready = device.ready;
   inputs.device_fault = device.fault;
   inputs.stop = stop || device.stop;
   inputs.dead_man = device.has_dead_man ? device.dead_man : dead_man.load();
   inputs.heartbeat_lost =
-      device.echoes && any_answer && in_seconds(now - last_echo_change) > profile.safety.answer_timeout;
+      device.echoes && has_answered && in_seconds(now - last_echo_change) > profile.safety.answer_timeout;
   inputs.other_master = std::exchange(other_master, false);
   inputs.disarm = (asked & kDisarm) != 0 || closing;
   inputs.reset = (asked & kReset) != 0;
@@ -249,7 +257,7 @@ void DeviceSink::Worker::take_angles(DeviceFeedback& feedback) const {
 
 void DeviceSink::Worker::take_feedback(std::int64_t now) {
   const std::uint16_t echo = answer.status.echo;
-  if (!any_answer || echo != last_echo) last_echo_change = now;
+  if (!has_answered || echo != last_echo) last_echo_change = now;
   last_echo = echo;
   if (profile.sensors.empty()) return;
   DeviceFeedback feedback;
@@ -287,7 +295,7 @@ void DeviceSink::Worker::count(bool acknowledged, std::int64_t now) {
   report.cycles = cycle_count;
   report.acknowledged += acknowledged ? 1 : 0;
   report.state = safety.state;
-  report.age = any_answer ? in_seconds(now - last_answer) : std::numeric_limits<double>::infinity();
+  report.age = last_answer != 0 ? in_seconds(now - last_answer) : std::numeric_limits<double>::infinity();
   const std::int64_t span = now - rate_start[0];
   if (span > 0) report.rate = static_cast<double>(report.acknowledged - rate_count[0]) / in_seconds(span);
 }
@@ -328,7 +336,7 @@ bool DeviceSink::Worker::cycle() {
       take_feedback(now);
       last_answer = now;
       lost_answered = running.lost;
-      any_answer = true;
+      has_answered = true;
       retry = 0;
       last_problem.clear();
     }
@@ -349,8 +357,7 @@ bool DeviceSink::Worker::step() {
   try {
     off = cycle();
   } catch (const std::bad_alloc&) {  // for a message; the next cycle is told what this one was not
-    wire->close();
-    connected = handshaken = standing = false;
+    disconnect();
   }
   next_cycle = std::max(next_cycle + in_ns(1 / profile.rate), steady_ns());
   return off;

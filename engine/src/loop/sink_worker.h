@@ -50,14 +50,16 @@ struct DeviceSink::Worker {
   PublishedCommand newest;
   bool arms_when_ready;         // kArmWhenReady that waits
   std::int64_t next_cycle = 0;  // when it is due
-  std::int64_t opened = 0, last_step = 0, last_answer = 0, next_try = 0, last_echo_change = 0;
-  std::int64_t asked_at = 0;  // when the request for the newest angles left
-  double exchange = 0;        // [s] the last one acknowledged
+  std::int64_t opened = 0, last_step = 0, next_try = 0, last_echo_change = 0;
+  std::int64_t last_answer = 0;  // 0: none yet
+  std::int64_t asked_at = 0;     // when the request for the newest angles left
+  double exchange = 0;           // [s] the last one acknowledged
   RunningTime running;
   RunningAge age;            // of the newest command
   double lost_answered = 0;  // when the device answered last, or time was counted although it did not
   double retry = 0;
-  bool any_answer = false, connected = false, handshaken = false;
+  bool connected = false, handshaken = false;
+  bool has_answered = false;  // on this connection: the device there may be another than before
   WireAnswer answer;
   FeedbackMemory feedback_memory{};
   bool standing = false;  // what was sent in the cycle before was acknowledged on this connection
@@ -95,11 +97,13 @@ struct DeviceSink::Worker {
   void problem(std::string text);
   void connect();
   bool greet();
+  void disconnect();
   void lose(std::string why);
   bool answered(WireResult result);
   void tell_transition(SafetyState before, std::uint32_t flags);
   void take_command();
   void await_tick();
+  [[nodiscard]] bool silent(std::int64_t now) const;
   SafetyOutput decide(std::int64_t now);
   void look_back();
   bool exchange_with(const SafetyOutput& output);
