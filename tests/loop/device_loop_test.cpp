@@ -282,6 +282,43 @@ TEST_F(DeviceLoopTest, ANewConnectionIsNoDeviceBeforeItHasAnsweredACommand) {
   EXPECT_TRUE(steps_until([&] { return loop.sink.state() == SafetyState::active; }));
 }
 
+TEST_F(DeviceLoopTest, StatesAreRecordedAsTheyAreToldAlsoWhileNothingCanBeSent) {
+  open();
+  std::vector<std::string> told_states, recorded_states;
+  SafetyState recorded = SafetyState::disconnected;
+  const auto steps_recording_until = [&](const std::function<bool()>& holds) {
+    return steps_until([&] {
+      for (std::uint32_t i = 0; i < felt.sent_count; ++i) {
+        const SafetyState before = std::exchange(recorded, felt.sent[i].state);
+        if (recorded != before)
+          recorded_states.push_back(std::string(safety_state_name(before)) + " -> " +
+                                    std::string(safety_state_name(recorded)));
+        EXPECT_EQ(felt.sent[i].sent == 0, felt.sent[i].actuator_count == 0);
+      }
+      return holds();
+    });
+  };
+  const auto records = [&](SafetyState wanted) {
+    return steps_recording_until([&] { return recorded == wanted; });
+  };
+  ASSERT_TRUE(records(SafetyState::active));
+  loop.sink.events();
+  recorded_states.clear();
+  device.there = false;
+  EXPECT_TRUE(records(SafetyState::disconnected)) << "nothing can be sent, and all the same";
+  loop.sink.press_stop(true);
+  EXPECT_TRUE(records(SafetyState::fault));
+  loop.sink.press_stop(false);
+  loop.sink.request_reset();
+  EXPECT_TRUE(records(SafetyState::disconnected));
+  device.there = true;
+  EXPECT_TRUE(records(SafetyState::idle));
+  for (const SinkEvent& event : loop.sink.events())
+    if (event.text.find(" -> ") != std::string::npos)
+      told_states.push_back(event.text.substr(0, event.text.find(':')));
+  EXPECT_EQ(recorded_states, told_states);
+}
+
 TEST_F(DeviceLoopTest, ALostDeviceEndsTheSessionWhereThatWasAskedFor) {
   profile.safety.answer_timeout = 0.02;
   open(true);

@@ -260,6 +260,7 @@ TEST_F(ModbusLoop, EveryCommandSentIsHandedBackWithItsAcknowledgement) {
     if (plain.feedback(feedback)) command.feedback_time = feedback.time;
     plain.publish(command);
     while (plain.sent(sent)) {
+      if (sent.sent == 0) continue;  // no command
       EXPECT_EQ(sent.cycle, cycle + 1) << "none is missing";
       cycle = sent.cycle;
       // On a busy machine an answer may come too late; such a command was never acknowledged.

@@ -199,7 +199,7 @@ class TickingSink {
           command.wanted.fill(wanted);
           sink.publish(command);
           while (sink.sent(sent)) {
-            ++cycles;
+            cycles += sent.sent != 0 ? 1 : 0;
             if (sent.acknowledged == 0) continue;
             ++acknowledged;
             const double exchanges =

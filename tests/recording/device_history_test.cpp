@@ -1,6 +1,8 @@
 // A session's device as its recording tells it: one event per change, whatever lies between.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "files.h"
 #include "recording_fixture.h"
 
@@ -75,6 +77,21 @@ TEST_F(Device, EveryChangeIsAnEventAtItsTick) {
   EXPECT_EQ(history.acknowledged, 7u);
   EXPECT_DOUBLE_EQ(history.largest_delay, 0.021);
   EXPECT_NEAR(history.mean_delay, (3 * 2 + 2.1 + 2.2 + 21 + 3) * 1e-3 / 7, 1e-12);
+}
+
+TEST_F(Device, WhatWasNotSentIsNoCommandButItsStateIsAnEvent) {
+  add(SafetyState::disconnected, kAnswerLost, false, 0);
+  records_.back().sent[0].sent = 0;
+  write_recording(path_, small_scene(), records_);
+  ASSERT_TRUE(reader_.open(path_).ok());
+  DeviceHistory history;
+  ASSERT_TRUE(read_device_history(reader_, history).ok());
+  EXPECT_EQ(history.commands, 12u);
+  ASSERT_FALSE(history.events.empty());
+  EXPECT_EQ(history.events.back().text, "1 not acknowledged at the end");
+  EXPECT_TRUE(std::any_of(history.events.begin(), history.events.end(), [](const DeviceEvent& event) {
+    return event.tick == 12 && event.text == "fault -> disconnected";
+  }));
 }
 
 TEST_F(Device, EventsAreExportedOneALine) {

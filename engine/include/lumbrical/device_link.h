@@ -25,11 +25,12 @@ struct DeviceFeedback {
       acted{};  ///< what the device did while it came to these angles: the command acknowledged before
 };
 
-/// What became of one cycle: what was sent, when, and when the device said so.
+/// What became of one cycle: what was sent, when, and when the device said so. A cycle that could send
+/// nothing is told where state or flags change in it: without values, and with `sent` 0.
 struct SentCommand {
-  std::uint64_t cycle = 0;        ///< counts from 1
+  std::uint64_t cycle = 0;        ///< counts from 1, those that sent something
   std::uint64_t tick = 0;         ///< of the newest command behind it
-  std::int64_t sent = 0;          ///< when the request left
+  std::int64_t sent = 0;          ///< when the request left; 0: nothing was sent
   std::int64_t acknowledged = 0;  ///< when its reply came; 0: never
   std::int64_t loop_delay = 0;    ///< [ns] from asking for the angles behind it to its reply; 0: unknown
   SafetyState state = SafetyState::disconnected;

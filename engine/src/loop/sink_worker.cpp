@@ -270,20 +270,34 @@ void DeviceSink::Worker::take_feedback(std::int64_t now) {
   feedbacks.put(feedback);
 }
 
-void DeviceSink::Worker::remember(const SafetyOutput& output, std::int64_t sent, std::int64_t acknowledged) {
+// Null: no one listens.
+SentCommand* DeviceSink::Worker::claim_slot(std::uint32_t flags) {
   SentCommand* const slot = history.claim();
-  if (slot == nullptr) return;  // no one listens
+  if (slot == nullptr) return nullptr;
+  *slot = {};
   slot->cycle = cycle_count;
   slot->tick = newest.command.tick;
+  slot->state = remembered_state = safety.state;
+  slot->flags = remembered_flags = flags;
+  return slot;
+}
+
+void DeviceSink::Worker::remember(const SafetyOutput& output, std::int64_t sent, std::int64_t acknowledged) {
+  SentCommand* const slot = claim_slot(output.flags);
+  if (slot == nullptr) return;
   slot->sent = sent;
   slot->acknowledged = acknowledged;
   const std::int64_t read = newest.command.feedback_time;
   slot->loop_delay = read != 0 && acknowledged != 0 ? acknowledged - read : 0;
-  slot->state = safety.state;
-  slot->flags = output.flags;
   slot->actuator_count = static_cast<std::uint32_t>(profile.actuators.size());
   slot->value = output.command;
   history.publish();
+}
+
+// In a cycle that sends nothing: else a lost device would count as armed until a command reaches it again.
+void DeviceSink::Worker::remember_change(std::uint32_t flags) {
+  if (safety.state == remembered_state && flags == remembered_flags) return;
+  if (claim_slot(flags) != nullptr) history.publish();
 }
 
 void DeviceSink::Worker::count(bool acknowledged, std::int64_t now) {
@@ -341,6 +355,8 @@ bool DeviceSink::Worker::cycle() {
       last_problem.clear();
     }
     remember(output, sent, acknowledged ? now : 0);
+  } else {
+    remember_change(output.flags);
   }
   count(acknowledged, steady_ns());
   {

@@ -73,6 +73,8 @@ struct DeviceSink::Worker {
   std::array<std::int64_t, 2> rate_start{};
   std::array<std::uint64_t, 2> rate_count{};
   std::string last_problem;
+  SafetyState remembered_state = SafetyState::disconnected;
+  std::uint32_t remembered_flags = 0;
 
   Worker(const DeviceProfile& wanted, std::unique_ptr<DeviceWire> way, const SinkOptions& chosen)
       : profile(wanted),
@@ -110,7 +112,9 @@ struct DeviceSink::Worker {
   void tell_doubts(const DeviceFeedback& feedback);
   void take_angles(DeviceFeedback& feedback) const;
   void take_feedback(std::int64_t now);
+  SentCommand* claim_slot(std::uint32_t flags);
   void remember(const SafetyOutput& output, std::int64_t sent, std::int64_t acknowledged);
+  void remember_change(std::uint32_t flags);
   void count(bool acknowledged, std::int64_t now);
 };
 

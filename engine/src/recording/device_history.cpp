@@ -96,6 +96,7 @@ Status Pass::take_delay(double delay) {
 Status Pass::take(const SentCommand& sent) {
   if (Status status = take_state(sent); !status.ok()) return status;
   if (Status status = take_flags(sent.flags); !status.ok()) return status;
+  if (sent.sent == 0) return {};
   if (Status status = take_answer(sent); !status.ok()) return status;
   return take_delay(1e-9 * static_cast<double>(sent.loop_delay));
 }
