@@ -379,6 +379,76 @@ TEST_F(DeviceLoopTest, EveryExchangeOfAFastBusIsNotedInItsStepAndTheNewestAreKep
   }
 }
 
+// In a time of its own, of one millisecond per step.
+class SteadyLink final : public DeviceLink {
+ public:
+  explicit SteadyLink(const DeviceProfile& profile) {
+    answer_.angle.fill(kAngle);
+    for (const Sensor& sensor : profile.sensors) sensors_ |= 1u << sensor.angle;
+  }
+  [[nodiscard]] std::int64_t now() const noexcept override { return now_; }
+  bool feedback(DeviceFeedback& feedback) noexcept override {
+    feedback = answer_;
+    feedback.asked = feedback.time = now_;
+    feedback.valid = doubted ? sensors_ & ~(1u << 5) : sensors_;
+    feedback.flags = doubted ? static_cast<std::uint32_t>(kAngleOutOfRange) : 0;
+    return true;
+  }
+  bool sent(SentCommand& command) noexcept override {
+    command = std::exchange(under_way_, {});
+    return command.acknowledged != 0;
+  }
+  void publish(const DeviceCommand& command) noexcept override {
+    under_way_.tick = command.tick;
+    under_way_.sent = now_;
+    under_way_.acknowledged = now_ + 1;
+    torque = 0;
+    for (const double value : command.wanted) torque += std::fabs(value);
+    now_ += 1000000;
+  }
+  bool doubted = false;
+  double torque = 0;  // [N m] all of them
+
+ private:
+  DeviceFeedback answer_;
+  SentCommand under_way_;
+  std::uint32_t sensors_ = 0;
+  std::int64_t now_ = 1000000;
+};
+
+TEST_F(DeviceLoopTest, ForcesComeBackSoftlyAfterAnAngleThatCannotBeAlsoWithoutLimiterAndAccounts) {
+  profile.safety.soft_start = 0.5;
+  LoopOptions options;
+  options.limiter = options.account = false;
+  HapticLoop control = start_loop(profile, options);
+  SteadyLink link(profile);
+  double largest_rise = 0;
+  const auto steps = [&](int count) {
+    for (double before = link.torque; count > 0; --count, before = link.torque) {
+      LoopStep next;
+      next.frame = frame;
+      const auto feel = [&](LoopStep& now) {
+        now.output = tick(model, state, scratch, now.frame);
+        return true;
+      };
+      step_loop(model, scratch, feel, link, control, next);
+      largest_rise = std::max(largest_rise, link.torque - before);
+    }
+  };
+  steps(1000);
+  const double whole = link.torque;
+  ASSERT_GT(whole, 0);
+  link.doubted = true;
+  steps(1000);
+  EXPECT_EQ(link.torque, 0);
+  link.doubted = false;
+  largest_rise = 0;
+  steps(1000);
+  EXPECT_NEAR(link.torque, whole, 1e-6 * whole);
+  EXPECT_LE(largest_rise, 1.01 * whole * 0.001 / profile.safety.soft_start);
+  EXPECT_EQ(control.gaps, 0u) << "none of these angles was late";
+}
+
 TEST_F(DeviceLoopTest, WithoutSensorsItIsToldThatJointAnglesGiveNoForces) {
   const auto told_at_start = [&] {
     open();

@@ -20,7 +20,7 @@ struct LoopOptions {
   bool limiter = true;   ///< stiffness stays below the certificate
   bool account = true;   ///< torques stay below what each finger's energy account can pay
   bool follow = true;    ///< the certificate follows the bus; else it stays what certify_loop made of it
-  bool gaps = true;      ///< forces fade while angles are stale, and come back by soft start
+  bool gaps = true;      ///< forces fade while angles are stale or in doubt, and come back by soft start
   bool local = true;     ///< local models, where the device has them; none where its angles are left out
 };
 

@@ -108,8 +108,16 @@ void keep_accounts(const JointArray& wanted, HapticLoop& loop) {
   }
 }
 
-// Angles that are older than the bus explains tell nothing about now: forces fade, as fast as those of late
-// ticks, and what is gone comes back by soft start.
+// Of every sensor there is, none of them in doubt.
+bool has_all_angles(const HapticLoop& loop) {
+  const auto& sensors = loop.profile.sensors;
+  return loop.any_feedback && std::all_of(sensors.begin(), sensors.end(), [&loop](const Sensor& sensor) {
+           return (loop.feedback.valid >> sensor.angle & 1u) != 0;
+         });
+}
+
+// Angles that are older than the bus explains tell nothing about now, nor do those in doubt: forces fade, as
+// fast as those of late ticks, and what is gone comes back by soft start.
 void weigh_gap(std::int64_t now, double dt, bool touching, HapticLoop& loop) {
   const SafetyTimes& times = loop.profile.safety;
   const LoopTiming& timing = loop.certificate.timing;
@@ -117,9 +125,10 @@ void weigh_gap(std::int64_t now, double dt, bool touching, HapticLoop& loop) {
   const double usual = loop.certified ? timing.delay + timing.period + timing.jitter : 0;
   const bool stale = age > usual + times.tick_hold;
   if (stale && touching && loop.gain == 1) ++loop.gaps;
-  loop.settling = stale || loop.letting_go ? kSettling : max(0, loop.settling - dt);
+  const bool blind = stale || !has_all_angles(loop);
+  loop.settling = blind || loop.letting_go ? kSettling : max(0, loop.settling - dt);
   const double soft = times.soft_start > 0 ? dt / times.soft_start : 1;
-  const double change = stale ? -dt / times.fade : loop.settling > 0 ? 0 : soft;
+  const double change = blind ? -dt / times.fade : loop.settling > 0 ? 0 : soft;
   loop.gain = clamp(loop.gain + change, 0, 1);
 }
 
@@ -258,13 +267,11 @@ bool put_angles(const HapticLoop& loop, std::int64_t now, DeviceFrame& frame) {
     frame.joint = {};
     frame.valid = (1u << kJointCount) - 1;
   }
-  std::uint32_t wanted = 0;
-  for (const Sensor& sensor : loop.profile.sensors) wanted |= 1u << sensor.angle;
   for (std::size_t a = 0; a < kAngleCount; ++a) {
     if ((loop.feedback.valid >> a & 1u) != 0) frame.angle[a] = loop.feedback.angle[a];
   }
-  const bool known = loop.any_feedback && (loop.feedback.valid & wanted) == wanted &&
-                     in_seconds(now - loop.feedback.asked) <= loop.profile.safety.answer_timeout;
+  const bool known =
+      has_all_angles(loop) && in_seconds(now - loop.feedback.asked) <= loop.profile.safety.answer_timeout;
   if (!known) frame.flags |= kTrackingLost | loop.feedback.flags;
   return known;
 }
