@@ -32,6 +32,20 @@ TEST(LandmarkMotion, TakesTimesFromAColumnThatTheHeaderNames) {
   expect_refused(landmark_header(true) + "2," + row + "\n1," + row, "file:3:1: frame 1: time goes back");
 }
 
+TEST(LandmarkMotion, KnowsAColumnOfSecondsByManyTitlesAndRefusesOtherUnits) {
+  const std::string row = landmark_row(bent_hand(Side::right, 0.3));
+  const auto titled = [&](const std::string& title) {
+    return replaced(landmark_header(true), "time", title) + "1," + row + "\n1.5," + row + "\n";
+  };
+  for (const char* title :
+       {"time", "t", "Time", "\"time\"", "timestamp", "t [s]", "\"Time (s)\"", "timestamp[s]"}) {
+    SCOPED_TRACE(title);
+    EXPECT_EQ(duration(parse_good(titled(title))), 0.5);
+  }
+  for (const char* title : {"t [ms]", "time(ms)", "frame", "\"timestamp [us]\""})
+    expect_refused(titled(title), "a time in seconds only if the header begins with time, timestamp or t");
+}
+
 TEST(LandmarkMotion, TellsTheHandByTheBendOfItsFingers) {
   const std::string left = landmark_row(bent_hand(Side::left, 0.5));
   EXPECT_EQ(parse_good(left).side, Side::left);

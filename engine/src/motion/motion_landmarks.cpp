@@ -32,9 +32,10 @@ Status read_row(TextCursor& cursor, const std::string& name, bool has_time, doub
                 std::array<Vec3, kLandmarkCount>& points) {
   const std::size_t expected = kCoordinateCount + (has_time ? 1 : 0), found = count_words(cursor);
   if (found != expected) {
-    return text_error(name, {cursor.place().line, 1},
-                      "found " + std::to_string(found) + " columns instead of " + std::to_string(expected) +
-                          " (21 points, and a time only if the header names it first)");
+    return text_error(
+        name, {cursor.place().line, 1},
+        "found " + std::to_string(found) + " columns instead of " + std::to_string(expected) +
+            " (21 points, and a time in seconds only if the header begins with time, timestamp or t)");
   }
   std::array<double, kCoordinateCount> value{};
   for (std::size_t i = 0; i < expected; ++i) {
@@ -102,6 +103,22 @@ Status choose_side(const std::string& name, double lean, const std::optional<Sid
                           std::string(side_name(side)));
 }
 
+std::string bare(std::string_view title) {
+  while (!title.empty() && (title.front() == '"' || title.front() == '\'')) title.remove_prefix(1);
+  while (!title.empty() && (title.back() == '"' || title.back() == '\'')) title.remove_suffix(1);
+  return lower_case(title);
+}
+
+// Does the first column hold seconds? "t [s]" is two words; any other unit is none of ours.
+bool names_time(TextCursor header) {
+  std::string title = bare(header.word());
+  const std::string unit = bare(header.word());
+  if (unit.substr(0, 1) == "[" || unit.substr(0, 1) == "(") title += unit;
+  for (const std::string word : {"time", "timestamp", "t"})
+    if (title == word || title == word + "[s]" || title == word + "(s)") return true;
+  return false;
+}
+
 }  // namespace
 
 Status parse_landmarks(std::string_view content, const std::string& name, const MotionOptions& options,
@@ -125,7 +142,7 @@ Status parse_landmarks(std::string_view content, const std::string& name, const 
                           "neither JSON, BVH nor a CSV of 21 landmarks; LZ-compressed LeapJS recordings must "
                           "be saved uncompressed");
       }
-      has_time = first == "time" || first == "t";
+      has_time = names_time(cursor);
       continue;
     }
     double time = static_cast<double>(rows.size()) / options.rate;
