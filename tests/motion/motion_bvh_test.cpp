@@ -109,6 +109,38 @@ TEST(MotionBvh, ASkeletonThatDoesNotSayItsSideIsTheOneAskedFor) {
   EXPECT_EQ(parse_good(bvh_file(poses, style), centimetres(Side::left)).side, Side::left);
 }
 
+TEST(MotionBvh, ASkeletonThatDoesNotSayItsSideIsToldByTheBendOfItsFingers) {
+  const Style nameless{"Hand", "", false, false, 0};
+  for (const Side side : {Side::right, Side::left}) {
+    SCOPED_TRACE(side_name(side));
+    const std::string file = bvh_file(bent_hand(side, 0.5), nameless);
+    const Motion motion = parse_good(file, centimetres());
+    EXPECT_EQ(motion.side, side);
+    const Vec3 dorsal = rotate(orientation(motion.samples[1].frame, kWrist), {0, 1, 0});
+    EXPECT_GT(dorsal.y, 0.9) << "the hand was made with its back upwards";
+    const std::string other(side_name(other_side(side)));
+    expect_refused(file,
+                   "as a " + other + " hand its fingers would bend backwards; set the side to " +
+                       std::string(side_name(side)),
+                   centimetres(other_side(side)));
+  }
+}
+
+TEST(MotionBvh, ASideInNamesThatTheBendContradictsIsRefused) {
+  const std::string file = bvh_file(bent_hand(Side::left, 0.5), Style{});
+  for (const auto side : {std::optional<Side>(), std::optional(Side::right)})
+    expect_refused(file, "as a right hand its fingers would bend backwards; its joints' names say right",
+                   centimetres(side));
+}
+
+TEST(MotionBvh, AFlatHandIsTheOneThatNamesOrElseTheCallerSay) {
+  const Poses flat = bent_hand(Side::left, 0);
+  const Style nameless{"Hand", "", false, false, 0};
+  EXPECT_EQ(parse_good(bvh_file(flat, Style{"LeftHand"}), centimetres()).side, Side::left);
+  EXPECT_EQ(parse_good(bvh_file(flat, nameless), centimetres(Side::left)).side, Side::left);
+  EXPECT_EQ(parse_good(bvh_file(flat, nameless), centimetres()).side, Side::right);
+}
+
 // The second file's hand as one more joint of the first one's root.
 std::string with_other_hand(std::string text, const std::string& other) {
   const std::size_t joint = other.find("JOINT"), end = other.find("}\nMOTION");
@@ -135,6 +167,33 @@ TEST(MotionBvh, OfTwoHandsOneIsTakenAndTheOtherIsTold) {
     EXPECT_EQ(motion.other_frames, 2u);
     EXPECT_NE(motion.other_side, side);
   }
+}
+
+// Both hands, the joints of each named with its own prefix; the wrists' names do not matter.
+std::string two_hands(const char* of_right, const char* of_left) {
+  const std::string right = bvh_file(bent_hand(Side::right, 0.3), Style{of_right});
+  const std::string left = bvh_file(bent_hand(Side::left, 0.3), Style{of_left});
+  const auto wrist = [](const char* prefix) { return "JOINT " + std::string(prefix) + "\n"; };
+  return with_other_hand(replaced(right, wrist(of_right), "JOINT a\n"),
+                         replaced(left, wrist(of_left), "JOINT b\n"));
+}
+
+TEST(MotionBvh, ASmallLetterBeforeACapitalTellsTheSide) {
+  const std::string both = two_hands("r", "l");
+  for (const Side side : {Side::right, Side::left}) {
+    const Motion motion = parse_good(both, centimetres(side));
+    EXPECT_EQ(motion.side, side);
+    EXPECT_EQ(motion.other_frames, 2u);
+    expect_joints(motion, bent_hand(side, 0.3), false);
+  }
+  const Motion lone = parse_good(bvh_file(bent_hand(Side::right, 0.3), Style{"daz:rHand"}), centimetres());
+  EXPECT_EQ(lone.other_frames, 0u);
+}
+
+TEST(MotionBvh, OfTwoHandsThatTellNoSideNoneIsDroppedInSilence) {
+  for (const auto side : {std::optional<Side>(), std::optional(Side::left)})
+    expect_refused(two_hands("One", "Two"), "'onethumb1' and 'twothumb1' both begin the thumb",
+                   centimetres(side));
 }
 
 TEST(MotionBvh, ChannelsTurnInTheOrderInWhichTheyStand) {
@@ -250,6 +309,7 @@ TEST(MotionBvh, SaysWhatIsMissingAndWhere) {
   expect_refused(file, "set it: cm");
   const MotionOptions options = centimetres();
   expect_refused(replaced(file, "RightHandRing1", "RightHandRong1"), "ring", options);
+  expect_refused(file, "no joint of a left hand is named after the thumb", centimetres(Side::left));
   expect_refused(replaced(file, "OFFSET 0 0 0", "OFFSET 0 x 0"), "file:4:", options);
   expect_refused(replaced(file, "Zrotation", "Wrotation"), "no channel", options);
   expect_refused(replaced(file, "CHANNELS 6", "CHANNELS 9"), "0 to 6 channels", options);

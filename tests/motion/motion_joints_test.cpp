@@ -177,6 +177,25 @@ TEST(LeapMotion, FollowsOneHandOfSeveral) {
   EXPECT_LT(norm(position(other.samples[1].frame, kIndexTip) - left[kIndexTip].position), 1e-6);
 }
 
+TEST(LeapMotion, AHandWhoseSideIsToldLateOrNeverIsTheOneThatIsToldAtOnce) {
+  for (const Side side : {Side::right, Side::left}) {
+    SCOPED_TRACE(side_name(side));
+    const Poses poses = bent_hand(side, 0.4);
+    const std::string typed = leap_hand(3, side), fingers = leap_fingers(poses, 3);
+    const std::string type = ", \"type\": \"" + std::string(side_name(side)) + "\"";
+    const std::string untyped = replaced(typed, type, "");
+    const auto motion_of = [&](const std::string& first, const std::string& second) {
+      return parse_good(leap_file({leap_frame(0, first, fingers), leap_frame(10, second, fingers)}));
+    };
+    const Motion expected = motion_of(typed, typed);
+    for (const Motion& motion : {motion_of(untyped, untyped), motion_of(untyped, typed)}) {
+      EXPECT_EQ(motion.side, side);
+      for (const std::size_t i : {0u, 1u})
+        EXPECT_EQ(motion.samples[i].frame.joint, expected.samples[i].frame.joint);
+    }
+  }
+}
+
 TEST(LeapMotion, OfOneHandTellsNoOtherAndOfTheWrongSideWhichOneItShows) {
   const std::string file =
       leap_file({leap_frame(0, leap_hand(3, Side::left), leap_fingers(bent_hand(Side::left, 0.2), 3))});

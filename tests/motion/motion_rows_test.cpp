@@ -46,6 +46,15 @@ TEST(LandmarkMotion, KnowsAColumnOfSecondsByManyTitlesAndRefusesOtherUnits) {
     expect_refused(titled(title), "a time in seconds only if the header begins with time, timestamp or t");
 }
 
+TEST(LandmarkMotion, FramesWithoutAHandDoNotBlurWhichHandItIs) {
+  const std::string left = landmark_row(bent_hand(Side::left, 0.3));
+  std::string lost = "0";
+  for (int i = 1; i < 63; ++i) lost += ",0";
+  std::string file = left + "\n";
+  for (int i = 0; i < 9; ++i) file += lost + "\n";
+  EXPECT_EQ(parse_good(file).side, Side::left);
+}
+
 TEST(LandmarkMotion, TellsTheHandByTheBendOfItsFingers) {
   const std::string left = landmark_row(bent_hand(Side::left, 0.5));
   EXPECT_EQ(parse_good(left).side, Side::left);

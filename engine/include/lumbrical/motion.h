@@ -56,9 +56,10 @@ struct MotionOptions {
 ///   quotes or with the unit [s] or (s) behind it as well. A frame whose points all coincide is
 ///   kTrackingLost.
 /// - bvh: a skeleton (`HIERARCHY`) and its frames (`MOTION`). Of its joints those below a joint named after a
-///   finger (thumb, index, middle, ring, little or pinky; of the side that names tell) are the hand's, the
-///   nearest joint they all hang on is the wrist. Position channels of a joint take the place of its offset
-///   where they repeat it in the first frame, else they come on top. The format doesn't say its unit, so
+///   finger (thumb, index, middle, ring, little or pinky; of the side that names tell: "RightHandIndex1",
+///   "index_01_r", "rIndex1") are the hand's, the nearest joint they all hang on is the wrist. Two hands
+///   whose names tell no side are refused. Position channels of a joint take the place of its offset where
+///   they repeat it in the first frame, else they come on top. The format doesn't say its unit, so
 ///   options.unit must.
 /// - angles: `{"format": "lumbrical-angles", "side": "right", "samples": [SAMPLE, ...]}` where SAMPLE is
 ///   `{"time": s, "wrist": {"position": [x,y,z], "orientation": [w,x,y,z]}, "angles": [20 numbers]}`, the
@@ -68,7 +69,7 @@ struct MotionOptions {
 /// positions where there are none. Frames that are kTrackingLost repeat the last good pose (leading ones the
 /// first). Of samples with equal time stamps the first counts. Where the file does not say which hand it is,
 /// options.side does; without it the shape of the hand tells, and where that is undecided (a flat hand of
-/// landmarks) it is taken for a right one.
+/// landmarks or BVH) it is taken for a right one.
 ///
 /// Refused, with line and column or the frame's index: what is not finite, goes back in time, lies farther
 /// than 10 km from the origin or 1 m from its wrist (wrong unit), and a side that the shape of the hand

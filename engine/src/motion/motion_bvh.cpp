@@ -3,8 +3,8 @@
 #include <span>
 
 #include "base/elementary.h"
-#include "model/hand_from_positions.h"
 #include "motion/motion_formats.h"
+#include "motion/motion_points.h"
 
 namespace lumbrical {
 namespace {
@@ -24,7 +24,8 @@ struct Channel {
 };
 
 struct Node {
-  std::string name;  // lower case, without what stands before a colon; "end site" ends a chain
+  std::string name;          // lower case, without what stands before a colon; "end site" ends a chain
+  std::optional<Side> side;  // that the name tells
   std::size_t parent = kNone;
   Vec3 offset;
   std::vector<Channel> channels;
@@ -55,9 +56,35 @@ struct BvhReader {
   }
 };
 
-std::string node_name(std::string_view word) {
-  const std::size_t colon = word.rfind(':');
-  return lower_case(colon == word.npos ? word : word.substr(colon + 1));
+std::string_view without_namespace(std::string_view name) { return name.substr(name.rfind(':') + 1); }
+
+// "righthandindex1", "index_01_r", "r_index1", "hand.l"
+std::optional<Side> side_in_words(const std::string& name) {
+  if (name.find("right") != name.npos) return Side::right;
+  if (name.find("left") != name.npos) return Side::left;
+  const auto is_part = [&name](char letter) {
+    for (std::size_t i = 0; i < name.size(); ++i) {
+      const bool starts = i == 0 || name[i - 1] == '_' || name[i - 1] == '.' || name[i - 1] == '-';
+      const bool ends =
+          i + 1 == name.size() || name[i + 1] == '_' || name[i + 1] == '.' || name[i + 1] == '-';
+      if (name[i] == letter && starts && ends) return true;
+    }
+    return false;
+  };
+  if (is_part('r')) return Side::right;
+  return is_part('l') ? std::optional(Side::left) : std::nullopt;
+}
+
+// "rThumb1", "lHand": with capitals only, for "ring" begins with an r too.
+std::optional<Side> side_in_capitals(std::string_view name) {
+  if (name.size() < 2 || name[1] < 'A' || name[1] > 'Z') return std::nullopt;
+  if (name[0] == 'r') return Side::right;
+  return name[0] == 'l' ? std::optional(Side::left) : std::nullopt;
+}
+
+std::optional<Side> side_in_name(std::string_view name) {
+  const std::optional<Side> side = side_in_words(lower_case(name));
+  return side ? side : side_in_capitals(name);
 }
 
 Status read_channels(BvhReader& reader, Node& node) {
@@ -95,8 +122,9 @@ Status read_hierarchy(BvhReader& reader, Skeleton& skeleton) {
       if (skeleton.nodes.size() == kMostNodes)
         return reader.fault("more than 4096 joints; this is no skeleton");
       Node node;
-      const std::string_view name = reader.cursor.word();
-      node.name = word == "end" ? "end site" : node_name(name);
+      const std::string_view name = without_namespace(reader.cursor.word());
+      node.name = word == "end" ? "end site" : lower_case(name);
+      if (word != "end") node.side = side_in_name(name);
       node.parent = open;
       reader.cursor.skip_line();  // a name may have blanks
       open = skeleton.nodes.size();
@@ -131,27 +159,10 @@ int finger_of(const std::string& name) {
   return -1;
 }
 
-// "righthandindex1", "index_01_r", "r_index1", "hand.l"
-std::optional<Side> side_in_name(const std::string& name) {
-  if (name.find("right") != name.npos) return Side::right;
-  if (name.find("left") != name.npos) return Side::left;
-  const auto is_part = [&name](char letter) {
-    for (std::size_t i = 0; i < name.size(); ++i) {
-      const bool starts = i == 0 || name[i - 1] == '_' || name[i - 1] == '.' || name[i - 1] == '-';
-      const bool ends =
-          i + 1 == name.size() || name[i + 1] == '_' || name[i + 1] == '.' || name[i + 1] == '-';
-      if (name[i] == letter && starts && ends) return true;
-    }
-    return false;
-  };
-  if (is_part('r')) return Side::right;
-  return is_part('l') ? std::optional(Side::left) : std::nullopt;
-}
-
 // Its own name tells, or that of the nearest joint above it that does.
 std::optional<Side> side_of(const Skeleton& skeleton, std::size_t node) {
   for (; node != kNone; node = skeleton.nodes[node].parent)
-    if (const auto side = side_in_name(skeleton.nodes[node].name)) return side;
+    if (const auto side = skeleton.nodes[node].side) return side;
   return std::nullopt;
 }
 
@@ -207,23 +218,46 @@ std::size_t common_parent(const Skeleton& skeleton, std::span<const std::size_t>
   return common;
 }
 
+bool hangs_on(const Skeleton& skeleton, std::size_t node, std::size_t above) {
+  while (node != kNone && node != above) node = skeleton.nodes[node].parent;
+  return node == above;
+}
+
+// Of two hands whose names tell no side one would be dropped in silence.
+Status refuse_second(const std::string& name, const Skeleton& skeleton, int finger, std::size_t base) {
+  for (std::size_t i = base + 1; i < skeleton.nodes.size(); ++i) {
+    if (finger_of(skeleton.nodes[i].name) != finger || hangs_on(skeleton, i, base)) continue;
+    return refuse(name, in_quotes(skeleton.nodes[base].name) + " and " + in_quotes(skeleton.nodes[i].name) +
+                            " both begin the " + std::string(finger_name(finger)) +
+                            " of a hand; rename one hand's joints with left, the other's with right");
+  }
+  return {};
+}
+
+// Where a finger of the hand of that side begins.
+Status find_base(const std::string& name, const Skeleton& skeleton, std::optional<Side> side, int finger,
+                 std::size_t& base) {
+  base = kNone;
+  for (std::size_t i = 0; i < skeleton.nodes.size() && base == kNone; ++i)
+    if (finger_of(skeleton.nodes[i].name) == finger && side_of(skeleton, i) == side) base = i;
+  if (base != kNone) return side ? Status() : refuse_second(name, skeleton, finger, base);
+  const std::string of_side = side ? " of a " + std::string(side_name(*side)) + " hand" : "";
+  return refuse(name,
+                "no joint" + of_side + " is named after the " + std::string(finger_name(finger)) +
+                    "; a hand's joints are found by thumb, index, middle, ring, little or pinky in their "
+                    "names");
+}
+
 // The hand of one side; none of a known side: `side` is empty.
 Status find_hand(const std::string& name, const Skeleton& skeleton, std::optional<Side> side,
                  HandNodes& hand) {
   std::vector<std::size_t> bases;
   for (int finger = 0; finger < kFingerCount; ++finger) {
     std::size_t base = kNone;
-    for (std::size_t i = 0; i < skeleton.nodes.size() && base == kNone; ++i)
-      if (finger_of(skeleton.nodes[i].name) == finger && side_of(skeleton, i) == side) base = i;
-    if (base == kNone) {
-      return refuse(name,
-                    "no joint is named after the " + std::string(finger_name(finger)) +
-                        "; a hand's joints are found by thumb, index, middle, ring, little or pinky in their "
-                        "names");
-    }
-    bases.push_back(base);
-    Status status = take_chain(name, skeleton, finger, chain_from(skeleton, base), hand);
+    Status status = find_base(name, skeleton, side, finger, base);
+    if (status.ok()) status = take_chain(name, skeleton, finger, chain_from(skeleton, base), hand);
     if (!status.ok()) return status;
+    bases.push_back(base);
   }
   hand.node[kWrist] = common_parent(skeleton, bases);
   if (hand.node[kWrist] == kNone)
@@ -329,18 +363,50 @@ std::optional<Side> choose_side(const Skeleton& skeleton, std::optional<Side> as
   return asked ? *asked : right ? Side::right : Side::left;
 }
 
-DeviceFrame frame_of(const HandNodes& hand, const Posture& posture, Side side, double unit) {
+HandPoints points_of(const HandNodes& hand, const Posture& posture, double unit) {
   HandPoints points;
-  points.side = side;
   for (std::size_t j = 0; j < kJointCount; ++j) {
     if (hand.node[j] == kNone) continue;
     points.position[j] = posture.position[hand.node[j]] * unit;
     points.known |= 1u << j;
   }
-  const std::array<Pose, kJointCount> poses = hand_from_positions(points);
-  DeviceFrame frame;
-  for (int j = 0; j < kJointCount; ++j) frame.joint[j] = to_joint_pose(poses[j]);
-  return frame;
+  return points;
+}
+
+Status read_frames(BvhReader& reader, Skeleton& skeleton, const HandNodes& hand, double unit,
+                   std::size_t frame_count, double period, std::vector<HandPoints>& frames, Motion& motion) {
+  std::vector<double> values(skeleton.channel_count);
+  Posture posture{std::vector<Vec3>(skeleton.nodes.size()),
+                  std::vector<std::array<Vec3, 3>>(skeleton.nodes.size())};
+  for (std::size_t i = 0; i < frame_count; ++i) {
+    for (double& value : values)
+      if (Status status = reader.number(value); !status.ok()) return status;
+    if (i == 0) tell_offsets(skeleton, values);
+    pose(skeleton, values, posture);
+    const std::string where = "frame " + std::to_string(i);
+    for (const std::size_t node : hand.node) {
+      if (node == kNone || norm(posture.position[node]) * unit <= kFarthest) continue;
+      return refuse(reader.name, where + ": " + in_quotes(skeleton.nodes[node].name) +
+                                     " is more than 10 km away; set the unit");
+    }
+    Status status = append_points(reader.name, where, static_cast<double>(i) * period,
+                                  points_of(hand, posture, unit), frames, motion);
+    if (!status.ok()) return status;
+  }
+  return {};
+}
+
+// `named`: by the joints' names, which tell before the caller.
+Status build_told(const std::string& name, std::optional<Side> named, std::optional<Side> asked,
+                  std::vector<HandPoints>& frames, Motion& motion) {
+  const Side said = named ? *named : asked.value_or(Side::right);
+  const std::string remedy = named ? "its joints' names say " + std::string(side_name(said)) +
+                                         ": correct them, or export it again without mirroring"
+                                   : set_other_side(said);
+  Side side = Side::right;
+  Status status = tell_side(name, frames, named ? named : asked, remedy, side);
+  if (status.ok()) build_hands(side, frames, motion);
+  return status;
 }
 
 }  // namespace
@@ -359,34 +425,18 @@ Status parse_bvh(std::string_view content, const std::string& name, const Motion
   const std::optional<Side> side = choose_side(skeleton, options.side, both);
   HandNodes hand;
   if (Status status = find_hand(name, skeleton, side, hand); !status.ok()) return status;
-  motion.side = side ? *side : options.side.value_or(Side::right);
 
   std::size_t frame_count = 0;
   double period = 0;
   if (Status status = read_motion_header(reader, skeleton, frame_count, period); !status.ok()) return status;
-  if (both) {
+  std::vector<HandPoints> frames;
+  Status status = read_frames(reader, skeleton, hand, options.unit, frame_count, period, frames, motion);
+  if (status.ok()) status = build_told(name, side, options.side, frames, motion);
+  if (status.ok() && both) {
     motion.other_frames = frame_count;
     motion.other_side = other_side(motion.side);
   }
-  std::vector<double> values(skeleton.channel_count);
-  Posture posture{std::vector<Vec3>(skeleton.nodes.size()),
-                  std::vector<std::array<Vec3, 3>>(skeleton.nodes.size())};
-  for (std::size_t i = 0; i < frame_count; ++i) {
-    for (double& value : values)
-      if (Status status = reader.number(value); !status.ok()) return status;
-    if (i == 0) tell_offsets(skeleton, values);
-    pose(skeleton, values, posture);
-    const std::string where = "frame " + std::to_string(i);
-    for (const std::size_t node : hand.node) {
-      if (node == kNone || norm(posture.position[node]) * options.unit <= kFarthest) continue;
-      return refuse(name, where + ": " + in_quotes(skeleton.nodes[node].name) +
-                              " is more than 10 km away; set the unit");
-    }
-    Status status = append_sample(name, where, static_cast<double>(i) * period,
-                                  frame_of(hand, posture, motion.side, options.unit), motion);
-    if (!status.ok()) return status;
-  }
-  return {};
+  return status;
 }
 
 }  // namespace lumbrical

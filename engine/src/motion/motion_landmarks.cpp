@@ -1,6 +1,6 @@
 // CSV of 21 hand landmarks per line in MediaPipe's order, with or without a header and a leading time column.
-#include "model/hand_from_positions.h"
 #include "motion/motion_formats.h"
+#include "motion/motion_points.h"
 
 namespace lumbrical {
 namespace {
@@ -66,41 +66,14 @@ bool all_coincide(const std::array<Vec3, kLandmarkCount>& points) {
   return true;
 }
 
-DeviceFrame frame_of(const std::array<Vec3, kLandmarkCount>& points, Side side) {
-  if (all_coincide(points)) return lost_frame();
+HandPoints hand_of(const std::array<Vec3, kLandmarkCount>& points) {
   HandPoints hand;
-  hand.side = side;
+  if (all_coincide(points)) return hand;
   for (std::size_t i = 0; i < kLandmarkCount; ++i) {
     hand.position[kJointOfLandmark[i]] = points[i];
     hand.known |= 1u << kJointOfLandmark[i];
   }
-  const std::array<Pose, kJointCount> poses = hand_from_positions(hand);
-  DeviceFrame frame;
-  for (int j = 0; j < kJointCount; ++j) frame.joint[j] = to_joint_pose(poses[j]);
-  return frame;
-}
-
-// How far the fingertips lean to the palmar side of the palm, if it is a right hand's, as the sine of an
-// angle; negative on a left hand, and near zero where the fingers are straight. Fingers bend far to one side
-// only.
-double palmar_lean(const std::array<Vec3, kLandmarkCount>& points) {
-  constexpr int kIndexBase = 5, kLittleBase = 17;
-  const Vec3 palmar = unit_or(cross(points[kIndexBase] - points[0], points[kLittleBase] - points[0]), {});
-  double sum = 0;
-  for (std::size_t base = kIndexBase; base <= kLittleBase; base += 4) {
-    sum += dot(unit_or(points[base + 3] - points[base], {}), palmar);
-  }
-  return 0.25 * sum;
-}
-
-Status choose_side(const std::string& name, double lean, const std::optional<Side>& asked, Side& side) {
-  constexpr double kTelling = 0.25;  // beyond what flat hands differ by
-  const Side bent = lean < 0 ? Side::left : Side::right;
-  side = std::fabs(lean) < kTelling ? asked.value_or(Side::right) : bent;
-  if (asked.value_or(side) == side) return {};
-  return refuse(name, "as a " + std::string(side_name(other_side(side))) +
-                          " hand its fingers would bend backwards; set the side to " +
-                          std::string(side_name(side)));
+  return hand;
 }
 
 std::string bare(std::string_view title) {
@@ -129,14 +102,11 @@ Status parse_landmarks(std::string_view content, const std::string& name, const 
   rules.commas_separate = true;
   TextCursor cursor(content, rules);
   bool has_time = false;
-  double lean = 0;
-  std::vector<std::array<Vec3, kLandmarkCount>> rows;
-  std::vector<double> times;
-  std::vector<std::size_t> lines;
+  std::vector<HandPoints> frames;
+  std::size_t row_count = 0;
   for (bool is_first = true; cursor.next_line(); is_first = false) {
     TextCursor head = cursor;
-    const std::string_view first = head.word();
-    if (is_first && !is_number(first)) {
+    if (is_first && !is_number(head.word())) {
       if (count_words(cursor) < kCoordinateCount) {
         return text_error(name, {cursor.place().line, 1},
                           "neither JSON, BVH nor a CSV of 21 landmarks; LZ-compressed LeapJS recordings must "
@@ -145,21 +115,19 @@ Status parse_landmarks(std::string_view content, const std::string& name, const 
       has_time = names_time(cursor);
       continue;
     }
-    double time = static_cast<double>(rows.size()) / options.rate;
+    const std::size_t row = row_count++;
+    double time = static_cast<double>(row) / options.rate;
     std::array<Vec3, kLandmarkCount> points;
     Status status = read_row(cursor, name, has_time, unit, time, points);
+    const std::string place = name + ":" + std::to_string(cursor.place().line) + ":1";
+    if (status.ok())
+      status = append_points(place, "frame " + std::to_string(row), time, hand_of(points), frames, motion);
     if (!status.ok()) return status;
-    lean += palmar_lean(points);
-    rows.push_back(points);
-    times.push_back(time);
-    lines.push_back(cursor.place().line);
   }
-  const double mean_lean = rows.empty() ? 0 : lean / static_cast<double>(rows.size());
-  Status status = choose_side(name, mean_lean, options.side, motion.side);
-  for (std::size_t i = 0; status.ok() && i < rows.size(); ++i) {
-    status = append_sample(name + ":" + std::to_string(lines[i]) + ":1", "frame " + std::to_string(i),
-                           times[i], frame_of(rows[i], motion.side), motion);
-  }
+  const std::string remedy = set_other_side(options.side.value_or(Side::right));
+  Side side = Side::right;
+  Status status = tell_side(name, frames, options.side, remedy, side);
+  if (status.ok()) build_hands(side, frames, motion);
   return status;
 }
 

@@ -1,8 +1,8 @@
 // LeapJS recordings (protocol 6): frames as objects, or packed into arrays whose first describes the layout.
 #include <nlohmann/json.hpp>
 
-#include "model/hand_from_positions.h"
 #include "motion/motion_formats.h"
+#include "motion/motion_points.h"
 
 namespace lumbrical {
 namespace {
@@ -43,7 +43,8 @@ json unpack_record(const json& layout, const json& packed) {
 
 bool is_layout(const json& frame) { return frame.is_array() && !frame.empty() && frame[0].is_string(); }
 
-// The hand that is followed: its id while it is seen, then the next of the same side.
+// The hand that is followed: its id while it is seen, then the next of the same side. Its side may be told
+// only by a later frame, or by none.
 struct Followed {
   std::optional<Side> side;
   double id = -1;
@@ -63,8 +64,11 @@ const json* choose_hand(const json& frame, Followed& followed) {
   for (const json& hand : *hands) {
     double id = 0;
     if (!read_number(find_member(hand, "id"), id)) continue;
-    if (id == followed.id) return &hand;
     const std::optional<Side> side = side_of(hand);
+    if (id == followed.id) {
+      if (!followed.side) followed.side = side;
+      return &hand;
+    }
     const bool fits = !followed.side || !side || *side == *followed.side;
     if (fits && !chosen) chosen = &hand;
   }
@@ -160,14 +164,13 @@ Status read_fingers(const std::string& name, const std::string& where, const jso
   return {};
 }
 
+// No points where the hand is lost.
 Status read_frame(const std::string& name, const std::string& where, const json& source, double unit,
-                  Followed& followed, DeviceFrame& frame, Motion& motion) {
-  frame = lost_frame();
+                  Followed& followed, HandPoints& points, Motion& motion) {
+  points = {};
   const json* hand = choose_hand(source, followed);
   count_others(source, hand, motion);
   if (!hand) return {};
-  HandPoints points;
-  points.side = followed.side.value_or(Side::right);
   Vec3 palm_normal;
   if (!read_position(find_member(*hand, "direction"), 1, points.forward) ||
       !read_position(find_member(*hand, "palmNormal"), 1, palm_normal)) {
@@ -180,11 +183,14 @@ Status read_frame(const std::string& name, const std::string& where, const json&
   }
   bool complete = false;
   Status status = read_fingers(name, where, source, followed.id, unit, points, complete, motion);
-  if (!status.ok() || !complete) return status;
-  const std::array<Pose, kJointCount> poses = hand_from_positions(points);
-  frame = DeviceFrame{};
-  for (int j = 0; j < kJointCount; ++j) frame.joint[j] = to_joint_pose(poses[j]);
-  return {};
+  if (!complete) points = {};
+  return status;
+}
+
+// Where no frame told a side: palm and knuckles are turned the same whichever hand is built, and show it.
+void build_untold(std::vector<HandPoints>& hands, Motion& motion) {
+  build_hands(Side::right, hands, motion);
+  if (right_handedness(motion) < 0) build_hands(Side::left, hands, motion);
 }
 
 }  // namespace
@@ -198,6 +204,7 @@ Status parse_leap(const json& root, const std::string& name, const MotionOptions
   const double unit = options.unit > 0 ? options.unit : 0.001;
   Followed followed{options.side};
   double start = 0;
+  std::vector<HandPoints> hands;
   for (std::size_t i = packed ? 1 : 0; i < frames.size(); ++i) {
     const std::string where = "frame " + std::to_string(i);
     const json unpacked = packed ? unpack_record(frames[0], frames[i]) : json();
@@ -207,12 +214,15 @@ Status parse_leap(const json& root, const std::string& name, const MotionOptions
       return refuse(name, where + ": \"timestamp\" must be a number [microseconds]");
     }
     if (motion.samples.empty()) start = stamp;
-    DeviceFrame frame;
-    Status status = read_frame(name, where, source, unit, followed, frame, motion);
-    if (status.ok()) status = append_sample(name, where, 1e-6 * (stamp - start), frame, motion);
+    HandPoints hand;
+    Status status = read_frame(name, where, source, unit, followed, hand, motion);
+    if (status.ok()) status = append_points(name, where, 1e-6 * (stamp - start), hand, hands, motion);
     if (!status.ok()) return status;
   }
-  motion.side = followed.side.value_or(right_handedness(motion) < 0 ? Side::left : Side::right);
+  if (followed.side)
+    build_hands(*followed.side, hands, motion);
+  else
+    build_untold(hands, motion);
   return {};
 }
 
