@@ -314,6 +314,7 @@ TEST(MotionBvh, SaysWhatIsMissingAndWhere) {
   expect_refused(replaced(file, "Zrotation", "Wrotation"), "no channel", options);
   expect_refused(replaced(file, "CHANNELS 6", "CHANNELS 9"), "0 to 6 channels", options);
   expect_refused(replaced(file, "Frames: 2", "Frames: 3"), "more than the file holds", options);
+  expect_refused(replaced(file, "Frames: 2", "Frames: 1"), "goes on behind the frames counted", options);
   expect_refused(replaced(file, "Frames: 2", "Frames: 4000000000"), "more than the file holds", options);
   expect_refused(replaced(file, "Frame Time: 0.01", "Frame Time: 0"), "frame time", options);
   expect_refused(replaced(file, "MOTION", "MOVIE"), "expected", options);

@@ -393,7 +393,9 @@ Status read_frames(BvhReader& reader, Skeleton& skeleton, const HandNodes& hand,
                                   points_of(hand, posture, unit), frames, motion);
     if (!status.ok()) return status;
   }
-  return {};
+  if (reader.cursor.word_across_lines().empty()) return {};
+  return reader.fault(
+      "the file goes on behind the frames counted; correct the number after 'Frames:' or export it again");
 }
 
 // `named`: by the joints' names, which tell before the caller.
