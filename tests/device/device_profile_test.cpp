@@ -259,6 +259,11 @@ TEST(DeviceProfile, MadeInAProgramIsHeldToTheRangesOfAFile) {
       {error([](DeviceProfile& p) { p.sensors[3].angle = p.sensors[1].angle; }), "measured twice"},
       {error([](DeviceProfile& p) { p.sensors[3].upper = 1e9; }), "sensors[3].upper must be -7 to 7 rad"},
       {error([](DeviceProfile& p) { p.read_function = 5; }), "feedback must be"},
+      {error([](DeviceProfile& p) {
+         p.transport.kind = TransportKind::memory;
+         p.read_function = 4;
+       }),
+       "feedback must be \"FC3\" where"},
       {error([](DeviceProfile& p) { p.transport.stop_bits = 3; }), "transport.stop_bits must be 1 to 2"},
       {error([](DeviceProfile& p) {
          p.expected.push_back({1, 0, 1, 2});

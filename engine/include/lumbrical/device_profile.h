@@ -217,6 +217,9 @@ Status check_attended(const DeviceProfile& profile);
 /// [rad] By how much a sensor's angle changes at least, as its register has it; 0: of one without a register.
 double angle_step(const DeviceProfile& profile, const Sensor& sensor);
 
+/// Whether a sensor looks at a flexion; nothing drives abductions.
+constexpr bool is_flexion(const Sensor& sensor) { return sensor.angle % 4 != 0; }
+
 /// The joint a sensor looks at, in the order of DeviceProfile::dynamics.
 constexpr std::size_t sensed_joint(const Sensor& sensor) {
   const auto finger = static_cast<std::size_t>(sensor.angle / 4),

@@ -271,11 +271,10 @@ ProfileFault dynamics_fault(const DeviceProfile& profile) {
 // What is rendered to a coarser angle than is thought would shake.
 ProfileFault steps_fault(const DeviceProfile& profile) {
   for (const Sensor& sensor : profile.sensors) {
-    const JointDynamics& joint = profile.dynamics[sensed_joint(sensor)];
-    const double step = angle_step(profile, sensor);
-    if (sensor.angle % 4 == 0 || joint.encoder_step == 0 || joint.encoder_step >= step) continue;
+    if (!is_finer_than_told(profile, sensor)) continue;
     return {"dynamics.encoder_step of " + std::string(segment_name(static_cast<int>(sensed_joint(sensor)))),
-            "is finer than a count of the sensor's register; make it " + text_of(step) + " rad or more"};
+            "is finer than a count of the sensor's register; make it " +
+                text_of(angle_step(profile, sensor)) + " rad or more"};
   }
   return {};
 }
@@ -288,7 +287,6 @@ ProfileFault words_fault(const DeviceProfile& profile) {
     if ((check.value & ~check.mask) != 0)
       return {"expected[" + std::to_string(i) + "].value", "has bits outside the mask"};
   }
-  if (profile.status.dead_man != 0 && !profile.status.present) return {"status", "has no address"};
   if (profile.read_function != 3 && profile.read_function != 4)
     return {"feedback", "must be \"FC3\" or \"FC4\""};
   if (profile.read_write && profile.read_function != 3)
@@ -297,11 +295,15 @@ ProfileFault words_fault(const DeviceProfile& profile) {
   const BoundedNumber numbers[] = {
       {"transport.baud", static_cast<double>(transport.baud), range::baud},
       {"transport.stop_bits", static_cast<double>(transport.stop_bits), range::stop_bits}};
-  if (ProfileFault fault = bounds_fault(numbers); !fault.what.empty()) return fault;
-  return overlap_fault(written_fields(profile));
+  return bounds_fault(numbers);
 }
 
 }  // namespace
+
+bool is_finer_than_told(const DeviceProfile& profile, const Sensor& sensor) {
+  const double step = profile.dynamics[sensed_joint(sensor)].encoder_step;
+  return is_flexion(sensor) && step > 0 && step < angle_step(profile, sensor);
+}
 
 ProfileFault find_fault(const DeviceProfile& profile) {
   const bool registers = has_registers(profile.transport.kind);
@@ -317,9 +319,10 @@ ProfileFault find_fault(const DeviceProfile& profile) {
   if (ProfileFault fault = sensors_fault(profile); !fault.what.empty()) return fault;
   if (ProfileFault fault = dynamics_fault(profile); !fault.what.empty()) return fault;
   if (ProfileFault fault = steps_fault(profile); !fault.what.empty()) return fault;
-  if (registers) {
-    if (ProfileFault fault = words_fault(profile); !fault.what.empty()) return fault;
-  }
+  if (ProfileFault fault = words_fault(profile); !fault.what.empty()) return fault;
+  if (!registers) return times_fault(profile);
+  if (ProfileFault fault = overlap_fault(written_fields(profile)); !fault.what.empty()) return fault;
+  if (profile.status.dead_man != 0 && !profile.status.present) return {"status", "has no address"};
   return times_fault(profile);
 }
 

@@ -232,9 +232,9 @@ void SimulatedDevice::write_feedback() {
   const bool jumps = sensor_fault_ == SensorFault::jumping && std::fmod(time_, 0.2) < 0.005;
   for (const Sensor& sensor : profile_.sensors) {
     if (sensor_fault_ == SensorFault::stuck) break;
-    const int motion = sensor.angle % 4;
-    const auto joint = static_cast<std::size_t>(3 * (sensor.angle / 4) + motion - 1);
-    const double angle = motion == 0 ? 0 : read_encoder(profile_.dynamics[joint], joints_[joint].angle);
+    const std::size_t joint = sensed_joint(sensor);
+    const double angle =
+        is_flexion(sensor) ? read_encoder(profile_.dynamics[joint], joints_[joint].angle) : 0;
     const bool nowhere = sensor_fault_ == SensorFault::out_of_range;
     put(sensor.field, nowhere ? kNoAngle : angle + (jumps ? kJump : 0));
   }

@@ -68,7 +68,7 @@ void check_feedback(const DeviceProfile& profile, DeviceFeedback& feedback, Feed
     memory[a].believed = feedback.angle[a];
     memory[a].asked = feedback.asked;
     memory[a].doubt = 0;
-    if (a % 4 == 0) continue;  // nothing drives abduction
+    if (!is_flexion(sensor)) continue;
     if (is_stuck(dynamics, torque_about(profile, feedback.acted, joint), feedback.angle[a], feedback.time,
                  memory[a])) {
       feedback.flags |= memory[a].doubt = kAngleStuck;

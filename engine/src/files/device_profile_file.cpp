@@ -274,9 +274,8 @@ void ProfileReader::all_dynamics(const device_format::Device& table) {
 // An encoder may be finer than the register that tells of it.
 void ProfileReader::coarsen_steps() {
   for (const Sensor& sensor : profile_.sensors) {
-    double& step = profile_.dynamics[sensed_joint(sensor)].encoder_step;
-    const bool flexion = sensor.angle % 4 != 0;  // nothing drives abduction
-    if (flexion && step > 0) step = std::max(step, angle_step(profile_, sensor));
+    if (is_finer_than_told(profile_, sensor))
+      profile_.dynamics[sensed_joint(sensor)].encoder_step = angle_step(profile_, sensor);
   }
 }
 

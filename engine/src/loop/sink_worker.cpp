@@ -237,8 +237,8 @@ void DeviceSink::Worker::tell_doubts(const DeviceFeedback& feedback) {
           return feedback_memory[static_cast<std::size_t>(one.angle)].doubt == reason;
         });
     if (sensor == profile.sensors.end()) continue;  // two of one angle
-    const int motion = sensor->angle % 4, joint = 3 * (sensor->angle / 4) + std::max(motion - 1, 0);
-    tell("not believed, forces fade: angle of " + std::string(segment_name(joint)) + what);
+    const std::string_view joint = segment_name(static_cast<int>(sensed_joint(*sensor)));
+    tell("not believed, forces fade: angle of " + std::string(joint) + what);
   }
 }
 
