@@ -118,12 +118,7 @@ TEST(CorePushes, ChangeWithThePlaceAndNeverStep) {
 DeviceFrame frame_of(const Joints& joints) {
   DeviceFrame frame;
   frame.valid = joints.valid;
-  for (std::size_t i = 0; i < kJointCount; ++i) {
-    const auto& [p, q] = joints.pose[i];
-    frame.joint[i] = {
-        {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
-        {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z), static_cast<float>(q.w)}};
-  }
+  for (std::size_t i = 0; i < kJointCount; ++i) frame.joint[i] = to_joint_pose(joints.pose[i]);
   return frame;
 }
 

@@ -18,6 +18,20 @@ struct JointPose {
   std::array<float, 4> orientation{0, 0, 0, 1};  ///< x y z w, of the joint in B
   friend bool operator==(const JointPose&, const JointPose&) = default;
 };
+/// As a frame has it.
+inline JointPose to_joint_pose(const Pose& pose) {
+  const Vec3 p = pose.position;
+  const Quat q = pose.orientation;
+  return {
+      {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
+      {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z), static_cast<float>(q.w)}};
+}
+/// Back, of a unit quaternion to double precision.
+inline Pose to_pose(const JointPose& joint) {
+  return {
+      {joint.position[0], joint.position[1], joint.position[2]},
+      normalized({joint.orientation[3], joint.orientation[0], joint.orientation[1], joint.orientation[2]})};
+}
 
 enum DeviceFlag : std::uint32_t {
   kTrackingLost = 1u << 0,  ///< the source does not trust this frame: forces fade to zero

@@ -268,14 +268,6 @@ DeviceFrame lost_frame() {
   return frame;
 }
 
-JointPose to_joint_pose(const Pose& pose) {
-  const Vec3 p = pose.position;
-  const Quat q = pose.orientation;
-  return {
-      {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
-      {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z), static_cast<float>(q.w)}};
-}
-
 double right_handedness(const Motion& motion) {
   double sum = 0;
   int count = 0;

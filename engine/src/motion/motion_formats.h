@@ -54,8 +54,6 @@ Status append_sample(const std::string& name, const std::string& where, double t
 /// A frame without a hand, to be completed by parse_motion.
 DeviceFrame lost_frame();
 
-JointPose to_joint_pose(const Pose& pose);
-
 /// Where the little finger's knuckle lies as seen from the index's: the mean over all good frames of the
 /// direction's component along the wrist's x. Near 1 on a right hand, near -1 on a left one, 0 if it cannot
 /// be told. Says something only where the source told the orientation.

@@ -228,8 +228,7 @@ Hand fit_hand(const Hand& hand, const Motion& motion) {
     if (!shows_the_palm(sample.frame)) continue;
     std::array<Pose, kJointCount> X_BJ;
     for (int j = 0; j < kJointCount; ++j) {
-      const std::array<float, 3>& p = sample.frame.joint[j].position;
-      X_BJ[j] = {{p[0], p[1], p[2]}, normalized(to_quat(sample.frame.joint[j].orientation))};
+      X_BJ[j] = to_pose(sample.frame.joint[j]);
     }
     std::vector<Vec3> polygon = fit_palm_polygon(X_BJ, fitted.radius, fitted.palm.thickness);
     if (!polygon.empty()) fitted.palm.polygon = std::move(polygon);

@@ -7,7 +7,6 @@
 #include <cstring>
 
 #include "foxglove_bfbs_generated.h"
-#include "model/primitive.h"
 #include "recording/foxglove_parts.h"
 #include "recording/record_fields.h"
 #include "recording/scene_views.h"
@@ -77,11 +76,8 @@ DeviceFrame frame_of(const ProxyState& proxy) {
   frame.valid = static_cast<std::uint32_t>(proxy.valid);
   frame.base.position = proxy.joint[kWrist].position;
   for (std::size_t j = 0; j < kJointCount; ++j) {
-    const Vec3 p = proxy.joint[j].position - frame.base.position;
-    const Quat q = proxy.joint[j].orientation;
-    frame.joint[j] = {
-        {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
-        {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z), static_cast<float>(q.w)}};
+    const auto& [position, orientation] = proxy.joint[j];
+    frame.joint[j] = to_joint_pose({position - frame.base.position, orientation});
   }
   return frame;
 }

@@ -15,12 +15,6 @@ namespace {
 // Farther from the wrist than this [m] no joint of a hand is.
 constexpr double kHandReach = 1.0;
 
-Pose to_pose(const JointPose& joint) {
-  return {
-      {joint.position[0], joint.position[1], joint.position[2]},
-      normalized({joint.orientation[3], joint.orientation[0], joint.orientation[1], joint.orientation[2]})};
-}
-
 std::uint32_t find_joints(const Hand& hand, const DeviceFrame& frame, Joints& joints) {
   const Pose X_WB{frame.base.position, normalized(frame.base.orientation)};
   if (frame.kind == InputKind::joint_angles) {
