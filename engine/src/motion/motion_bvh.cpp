@@ -405,10 +405,7 @@ Status build_told(const std::string& name, std::optional<Side> named, std::optio
   const std::string remedy = named ? "its joints' names say " + std::string(side_name(said)) +
                                          ": correct them, or export it again without mirroring"
                                    : set_other_side(said);
-  Side side = Side::right;
-  Status status = tell_side(name, frames, named ? named : asked, remedy, side);
-  if (status.ok()) build_hands(side, frames, motion);
-  return status;
+  return build_told_by_shape(name, named ? named : asked, remedy, frames, motion);
 }
 
 }  // namespace

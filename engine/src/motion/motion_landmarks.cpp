@@ -125,10 +125,7 @@ Status parse_landmarks(std::string_view content, const std::string& name, const 
     if (!status.ok()) return status;
   }
   const std::string remedy = set_other_side(options.side.value_or(Side::right));
-  Side side = Side::right;
-  Status status = tell_side(name, frames, options.side, remedy, side);
-  if (status.ok()) build_hands(side, frames, motion);
-  return status;
+  return build_told_by_shape(name, options.side, remedy, frames, motion);
 }
 
 }  // namespace lumbrical

@@ -1,6 +1,8 @@
 // Which hand points are of, told by the bend of its fingers, and hands built from them.
 #include "motion/motion_points.h"
 
+#include <span>
+
 #include "motion/motion_formats.h"
 
 namespace lumbrical {
@@ -54,15 +56,17 @@ void build_hands(Side side, std::vector<HandPoints>& frames, Motion& motion) {
   }
 }
 
-Status tell_side(const std::string& name, std::span<const HandPoints> frames, std::optional<Side> said,
-                 const std::string& remedy, Side& side) {
+Status build_told_by_shape(const std::string& name, std::optional<Side> said, const std::string& remedy,
+                           std::vector<HandPoints>& frames, Motion& motion) {
   constexpr double kTelling = 0.25;  // beyond what flat hands differ by
   const double lean = mean_lean(frames);
   const Side bent = lean < 0 ? Side::left : Side::right;
-  side = std::fabs(lean) < kTelling ? said.value_or(Side::right) : bent;
-  if (said.value_or(side) == side) return {};
-  return refuse(
-      name, "as a " + std::string(side_name(*said)) + " hand its fingers would bend backwards; " + remedy);
+  const Side side = std::fabs(lean) < kTelling ? said.value_or(Side::right) : bent;
+  if (said.value_or(side) != side)
+    return refuse(
+        name, "as a " + std::string(side_name(*said)) + " hand its fingers would bend backwards; " + remedy);
+  build_hands(side, frames, motion);
+  return {};
 }
 
 std::string set_other_side(Side said) {

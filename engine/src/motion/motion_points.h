@@ -4,7 +4,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -21,10 +20,10 @@ Status append_points(const std::string& name, const std::string& where, double t
 /// Builds the hand of each sample from its points, as one of that side.
 void build_hands(Side side, std::vector<HandPoints>& frames, Motion& motion);
 
-/// Is it the hand that it is said to be? Tells the side by the bend of the fingers; where they are straight,
-/// it is what is said, or else a right one. Refuses a bend that contradicts; `remedy` ends the message.
-Status tell_side(const std::string& name, std::span<const HandPoints> frames, std::optional<Side> said,
-                 const std::string& remedy, Side& side);
+/// Likewise, as the hand that it is: told by the bend of the fingers; where they are straight, it is what is
+/// said, or else a right one. Refuses a bend that contradicts; `remedy` ends the message.
+Status build_told_by_shape(const std::string& name, std::optional<Side> said, const std::string& remedy,
+                           std::vector<HandPoints>& frames, Motion& motion);
 
 /// The remedy where the caller said the side: to say the other.
 std::string set_other_side(Side said);
