@@ -36,57 +36,62 @@ bool parse_switch(std::string_view text, std::string_view yes, std::string_view 
   return true;
 }
 
-bool parse_parameter(std::string_view name, std::string_view value, SinkUri& uri) {
-  if (name == "profile") {
-    uri.profile = value;
-    return !value.empty();
-  }
-  if (name == "side") {
-    uri.side = value == "left" ? Side::left : Side::right;
-    return value == "left" || value == "right";
-  }
-  if (name == "baud") return parse(value, 300, 10000000, uri.baud);
-  if (name == "unit") return parse(value, 0, 247, uri.unit);
-  if (name == "rate") return parse(value, 0.1, 20000.0, uri.rate);
-  if (name == "network") return parse_switch(value, "any", "private", uri.anywhere);
-  if (name == "guard") return parse_switch(value, "on", "off", uri.guard);
-  if (name == "unattended") return parse_switch(value, "accepted", "refused", uri.unattended);
-  if (name == "feedback") return parse_switch(value, "on", "off", uri.feedback);
-  if (name == "on-loss") return parse_switch(value, "stop", "continue", uri.stop_on_loss);
-  if (name == "dry-run") return parse_switch(value, "on", "off", uri.dry_run);
-  if (name == "limiter") return parse_switch(value, "on", "off", uri.limiter);
-  if (name == "observer") return parse_switch(value, "on", "off", uri.observer);
-  if (name == "local") return parse_switch(value, "on", "off", uri.local);
-  return false;
-}
-
 struct Parameter {
   std::string_view name;
   const char* values;
+  bool (*take)(std::string_view value, SinkUri& uri);
 };
-constexpr Parameter kParameters[] = {{"profile", "a file"},
-                                     {"side", "left or right"},
-                                     {"baud", "300 to 10000000"},
-                                     {"unit", "0 to 247"},
-                                     {"rate", "0.1 to 20000 [Hz]"},
-                                     {"network", "any or private"},
-                                     {"feedback", "on or off"},
-                                     {"on-loss", "stop or continue"},
-                                     {"dry-run", "on or off"},
-                                     {"guard", "on or off"},
-                                     {"unattended", "accepted or refused"},
-                                     {"limiter", "on or off"},
-                                     {"observer", "on or off"},
-                                     {"local", "on or off"}};
 
-// What is wrong with a parameter that could not be taken.
-std::string fault_of(std::string_view name) {
+bool take_profile(std::string_view value, SinkUri& uri) {
+  uri.profile = value;
+  return !value.empty();
+}
+
+bool take_side(std::string_view value, SinkUri& uri) {
+  uri.side = value == "left" ? Side::left : Side::right;
+  return value == "left" || value == "right";
+}
+
+template <bool SinkUri::*kMember>
+bool take_on(std::string_view value, SinkUri& uri) {
+  return parse_switch(value, "on", "off", uri.*kMember);
+}
+
+constexpr Parameter kParameters[] = {
+    {"profile", "a file", take_profile},
+    {"side", "left or right", take_side},
+    {"baud", "300 to 10000000",
+     [](auto value, SinkUri& uri) { return parse(value, 300, 10000000, uri.baud); }},
+    {"unit", "0 to 247", [](auto value, SinkUri& uri) { return parse(value, 0, 247, uri.unit); }},
+    {"rate", "0.1 to 20000 [Hz]",
+     [](auto value, SinkUri& uri) { return parse(value, 0.1, 20000.0, uri.rate); }},
+    {"network", "any or private",
+     [](auto value, SinkUri& uri) { return parse_switch(value, "any", "private", uri.anywhere); }},
+    {"feedback", "on or off", take_on<&SinkUri::feedback>},
+    {"on-loss", "stop or continue",
+     [](auto value, SinkUri& uri) { return parse_switch(value, "stop", "continue", uri.stop_on_loss); }},
+    {"dry-run", "on or off", take_on<&SinkUri::dry_run>},
+    {"guard", "on or off", take_on<&SinkUri::guard>},
+    {"unattended", "accepted or refused",
+     [](auto value, SinkUri& uri) { return parse_switch(value, "accepted", "refused", uri.unattended); }},
+    {"limiter", "on or off", take_on<&SinkUri::limiter>},
+    {"observer", "on or off", take_on<&SinkUri::observer>},
+    {"local", "on or off", take_on<&SinkUri::local>}};
+
+Status parse_parameter(std::string_view text, SinkUri& uri) {
+  const std::size_t equals = std::min(text.find('='), text.size());
+  const std::string_view name = text.substr(0, equals);
+  const std::string quoted = "\"" + std::string(text) + "\" ";
   std::string names;
   for (const Parameter& parameter : kParameters) {
-    if (parameter.name == name) return "can't be: " + std::string(name) + " is " + parameter.values;
-    names += (names.empty() ? "" : ", ") + std::string(parameter.name);
+    if (parameter.name != name) {
+      names += (names.empty() ? "" : ", ") + std::string(parameter.name);
+      continue;
+    }
+    if (equals < text.size() && parameter.take(text.substr(equals + 1), uri)) return {};
+    return Status::error(quoted + "can't be: " + std::string(name) + " is " + parameter.values);
   }
-  return "is no parameter of a sink; there are " + names;
+  return Status::error(quoted + "is no parameter of a sink; there are " + names);
 }
 
 bool parse_place(std::string_view place, SinkUri& uri) {
@@ -145,10 +150,7 @@ Status parse_sink_uri(const std::string& text, SinkUri& uri) {
   rest = question == std::string_view::npos ? std::string_view() : rest.substr(question + 1);
   while (!rest.empty()) {
     const std::size_t end = std::min(rest.find('&'), rest.size());
-    const std::string_view one = rest.substr(0, end);
-    const std::size_t equals = std::min(one.find('='), one.size());
-    if (equals == one.size() || !parse_parameter(one.substr(0, equals), one.substr(equals + 1), uri))
-      return Status::error("\"" + std::string(one) + "\" " + fault_of(one.substr(0, equals)));
+    if (Status status = parse_parameter(rest.substr(0, end), uri); !status.ok()) return status;
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
   if (uri.profile.empty())
