@@ -119,6 +119,17 @@ class DeviceLoopTest : public ::testing::Test {
     felt = next;
     return goes_on;
   }
+  // Through another link, by a loop without a sink.
+  LoopStep step_through(DeviceLink& link, HapticLoop& control) {
+    LoopStep next;
+    next.frame = frame;
+    const auto feel = [this](LoopStep& now) {
+      now.output = tick(model, state, scratch, now.frame);
+      return true;
+    };
+    step_loop(model, scratch, feel, link, control, next);
+    return next;
+  }
   double told() const {
     double sum = 0;
     for (std::size_t i = 0; i < profile.actuators.size(); ++i) sum += std::fabs(device.value[i]);
@@ -365,13 +376,7 @@ TEST_F(DeviceLoopTest, EveryExchangeOfAFastBusIsNotedInItsStepAndTheNewestAreKep
   BusyLink link;
   for (int i = 1; i <= 5; ++i) {
     link.waiting = 20;
-    LoopStep next;
-    next.frame = frame;
-    const auto feel = [&](LoopStep& now) {
-      now.output = tick(model, state, scratch, now.frame);
-      return true;
-    };
-    step_loop(model, scratch, feel, link, control, next);
+    const LoopStep next = step_through(link, control);
     EXPECT_EQ(control.answered.cycle, 20u * static_cast<unsigned>(i));
     ASSERT_EQ(next.sent_count, kMaxSentPerTick);
     for (std::uint32_t k = 0; k < kMaxSentPerTick; ++k)
@@ -425,13 +430,7 @@ TEST_F(DeviceLoopTest, ForcesComeBackSoftlyAfterAnAngleThatCannotBeAlsoWithoutLi
   double largest_rise = 0;
   const auto steps = [&](int count) {
     for (double before = link.torque; count > 0; --count, before = link.torque) {
-      LoopStep next;
-      next.frame = frame;
-      const auto feel = [&](LoopStep& now) {
-        now.output = tick(model, state, scratch, now.frame);
-        return true;
-      };
-      step_loop(model, scratch, feel, link, control, next);
+      step_through(link, control);
       largest_rise = std::max(largest_rise, link.torque - before);
     }
   };

@@ -98,8 +98,8 @@ class Recorder {
   /// live mode, tick number not above the hand's last one or below the other's, device.kind out of range, or
   /// the writer failed: see close()).
   /// `after` is the State it left. With objects or a proxy every 250th is kept beside its tick: whoever looks
-  /// at a tick amid the session begins there. That allocates until the first sixteen are kept (of two hands,
-  /// and with a proxy of those that are drawn, likewise).
+  /// at a tick amid the session begins there. With a proxy those of ticks that are drawn are kept, too, for
+  /// the recorder's thread. That allocates until the first sixteen are kept.
   bool record(const TickRecord& record, const State* after = nullptr) noexcept;
   /// The error that ended the recording, as soon as the writer has met it (disk full, say); from then on
   /// record() keeps nothing. For the thread that calls record().

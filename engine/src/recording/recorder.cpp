@@ -47,6 +47,8 @@ struct KeptState {
   std::uint8_t hand = 0;
 };
 
+bool is_due(std::uint32_t interval, std::uint64_t tick) { return interval > 0 && tick % interval == 0; }
+
 bool reaches_back(const State& state) { return !state.objects.empty() || state.proxy.has_value(); }
 
 // All of a record but the empty places of its lists, which are most of it.
@@ -130,11 +132,10 @@ struct Recorder::Writer {
   T* place_in(Ring<T>& of) noexcept;
   Status flush_in_time();
   [[nodiscard]] bool is_drawn(std::uint64_t tick) const {
-    const auto is_due = [tick](std::uint32_t interval) { return interval > 0 && tick % interval == 0; };
-    return is_due(pose_interval) || is_due(contact_interval) || is_due(scene_interval);
+    return is_due(pose_interval, tick) || is_due(contact_interval, tick) || is_due(scene_interval, tick);
   }
   [[nodiscard]] bool keeps_forces(const TickRecord& record) const {
-    return record.has_forces && force_interval > 0 && record.output.tick % force_interval == 0;
+    return record.has_forces && is_due(force_interval, record.output.tick);
   }
 
   Ring<TickRecord> ring;
@@ -187,7 +188,6 @@ void Recorder::Writer::stop() {
 // Before their tick, which ends the chunk.
 Status Recorder::Writer::write_views(const TickRecord& record, const State* after) {
   const std::uint64_t tick = record.output.tick, time = tick_time(tick, period);
-  const auto is_due = [tick](std::uint32_t interval) { return interval > 0 && tick % interval == 0; };
   const auto put_bytes = [&](MessageKind kind, std::span<const std::uint8_t> bytes) {
     return mcap.message(time, static_cast<std::uint32_t>(tick), bytes,
                         channel_number(channels, sides, kind, record.hand));
@@ -202,13 +202,13 @@ Status Recorder::Writer::write_views(const TickRecord& record, const State* afte
   if (!is_drawn(tick)) return {};
   HandViewer& viewer = viewers[record.hand];
   if (!viewer.place(record, after)) return {};
-  if (is_due(pose_interval) && viewer.pose(time, builder))
+  if (is_due(pose_interval, tick) && viewer.pose(time, builder))
     if (Status status = put(MessageKind::pose); !status.ok()) return status;
-  if (is_due(contact_interval)) {
+  if (is_due(contact_interval, tick)) {
     viewer.contacts(time, builder);
     if (Status status = put(MessageKind::contacts); !status.ok()) return status;
   }
-  if (!is_due(scene_interval)) return {};
+  if (!is_due(scene_interval, tick)) return {};
   if (record.hand == 0 && record.object_count > 0) {
     draw_transforms(record, time, builder);
     if (Status status = put(MessageKind::transforms); !status.ok()) return status;

@@ -26,8 +26,8 @@ double skin_reach(const Primitives& hand, std::size_t segment) {
 // on the skin that has it.
 double damping_wanted(double damping, const Primitives& hand, std::size_t segment, const Wrench& wrench,
                       const Twist& speed) {
-  const double reach = skin_reach(hand, segment);
-  const double force = max(norm(wrench.force), reach > 0 ? norm(wrench.torque) / reach : 0);
+  const double torque = norm(wrench.torque), reach = torque > 0 ? skin_reach(hand, segment) : 0;
+  const double force = max(norm(wrench.force), reach > 0 ? torque / reach : 0);
   if (!(force > 0)) return 0;
   const double power = dot(wrench.force, speed.velocity) + dot(wrench.torque, speed.angular_velocity);
   return -damping * (power / force);
