@@ -16,14 +16,9 @@ run(${CMAKE_COMMAND} -G Ninja -S ${SOURCE} -B ${folder}/build -DCMAKE_PREFIX_PAT
     -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_FLAGS=${FLAGS})
 run(${CMAKE_COMMAND} --build ${folder}/build)
 run(${folder}/build/embed)
-# What others warn of and we don't ask for ourselves: no header is to be blamed by a parent's flags.
-file(GLOB headers RELATIVE ${folder}/prefix/include ${folder}/prefix/include/lumbrical.h ${folder}/prefix/include/lumbrical/*.h)
-list(TRANSFORM headers REPLACE "(.+)" "#include \"\\1\"")
-list(JOIN headers "\n" text)
-file(WRITE ${folder}/headers.cpp "${text}\n")
-run(${COMPILER} -std=c++20 -fsyntax-only -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
-    -Wcast-align -Wnon-virtual-dtor -Woverloaded-virtual -Wdouble-promotion -Werror -I${folder}/prefix/include
-    ${folder}/headers.cpp)
+set(INCLUDE ${folder}/prefix/include)
+set(FOLDER ${folder})
+include(${CMAKE_CURRENT_LIST_DIR}/headers_test.cmake)
 run(${folder}/build/embedders)
 run(${folder}/build/embed_c ${SOURCE}/cup.json)
 # The example of a loop, and its device in another process, at shared memory that no other build uses. The loop begins when

@@ -28,9 +28,11 @@ inline JointPose to_joint_pose(const Pose& pose) {
 }
 /// Back, of a unit quaternion to double precision.
 inline Pose to_pose(const JointPose& joint) {
-  return {
-      {joint.position[0], joint.position[1], joint.position[2]},
-      normalized({joint.orientation[3], joint.orientation[0], joint.orientation[1], joint.orientation[2]})};
+  const std::array<float, 3>& p = joint.position;
+  const std::array<float, 4>& q = joint.orientation;
+  const auto exactly = [](float value) { return static_cast<double>(value); };
+  return {{exactly(p[0]), exactly(p[1]), exactly(p[2])},
+          normalized({exactly(q[3]), exactly(q[0]), exactly(q[1]), exactly(q[2])})};
 }
 
 enum DeviceFlag : std::uint32_t {
