@@ -135,6 +135,24 @@ void add_object(PyScene& self, std::string name, const py::object& vertices, con
   self.scene.objects.push_back(std::move(object));
 }
 
+// A tracker's hand: its palm, and its radii where it has some.
+void fit_hand_to(PyScene& self, const py::object& given, const py::object& radii) {
+  Motion motion;
+  motion.side = self.scene.hand.side;
+  const std::vector<DeviceFrame> frames = frames_of(given);
+  constexpr std::uint32_t kAll = (1u << kJointCount) - 1;
+  if (frames.size() != 1 || frames[0].kind != InputKind::joint_poses || frames[0].valid != kAll)
+    throw py::value_error("frame is not one of pose_frames in which all joints are tracked");
+  motion.samples.push_back({0, frames[0]});
+  if (!radii.is_none()) {
+    const std::vector<double> told = numbers_of<double>(radii, {kJointCount}, "radii");
+    std::copy(told.begin(), told.end(), motion.radius.begin());
+  }
+  Hand hand = fit_hand(self.scene.hand, motion);
+  check(check_hand(hand));
+  self.scene.hand = std::move(hand);
+}
+
 // The scene file's motion at the times of ticks.
 py::array motion_frames(const PyScene& self) {
   if (self.motion.samples.empty()) throw py::value_error("the scene has no motion; only one from a file has");
@@ -163,6 +181,13 @@ std::shared_ptr<PyModel> build(const PyScene& self, std::optional<std::uint32_t>
     status = build_model(scene, execution, built->model);
   }
   check(status);
+  built->start = make_state(built->model);
+  return built;
+}
+
+std::shared_ptr<PyModel> share(const PyModel& world, const PyScene& scene) {
+  auto built = std::make_shared<PyModel>();
+  check(share_world(world.model, scene.scene.hand, built->model));
   built->start = make_state(built->model);
   return built;
 }
@@ -256,6 +281,7 @@ void bind_scene(py::module_& module) {
       "latch_object"_a = py::none(), "latch_opens"_a = 0.0, "crease_angle"_a = 0.0,
       "friction_factors"_a = py::none(), "grip"_a = py::none(), "bumps"_a = py::none());
   scene.def("frames", &motion_frames);
+  scene.def("fit_hand", &fit_hand_to, "frame"_a, "radii"_a = py::none());
   bind_number(scene, "stiffness", &Settings::stiffness);
   bind_number(scene, "rate", &Settings::rate);
   bind_number(scene, "point_area", &Settings::point_area);
@@ -298,6 +324,7 @@ void bind_scene(py::module_& module) {
   py::class_<PyModel, std::shared_ptr<PyModel>> model(module, "Model");
   model.def(py::init(&build), "scene"_a, py::kw_only(), "threads"_a = py::none(), "broadphase"_a = py::none(),
             "isa"_a = "auto");
+  model.def("share", &share, "scene"_a);
   model.def_property_readonly("vertices", &vertices);
   model.def_property_readonly("triangles", &triangles);
   model.def_property_readonly("object_names", &object_names);

@@ -43,6 +43,34 @@ def test_poses_of_joints_give_what_their_angles_gave(session):
     assert by_poses["contact_count"] == by_angles["contact_count"]
 
 
+def test_a_hand_is_fitted_to_a_trackers_frame(session):
+    session.run(touching_frames(1))
+    joints = session.joints
+    frame = lum.pose_frames(1.2 * joints["position"][None], np.roll(joints["orientation"], -1, axis=1)[None])
+    small, large = ball_scene(), ball_scene()
+    radii = np.zeros(26)
+    radii[10] = 0.0099
+    large.fit_hand(frame[0], radii)
+    assert large.radii[10] == 0.0099 and np.array_equal(np.delete(large.radii, 10), np.delete(small.radii, 10))
+    with pytest.raises(ValueError, match="all joints are tracked"):
+        large.fit_hand(touching_frames(1))
+    felt = [lum.hand_force(lum.Session(lum.Model(scene)).run(touching_frames(100)))[-1] for scene in (small, large)]
+    assert np.linalg.norm(felt[1] - felt[0]) > 0.01, "another palm feels otherwise"
+
+
+def test_two_hands_share_a_world():
+    model = lum.Model(ball_scene())
+    left = model.share(lum.Scene("left"))
+    assert (model.side, left.side) == ("right", "left") and left.object_names == ["ball"]
+    assert np.shares_memory(left.vertices[0], model.vertices[0])
+    right = model.share(lum.Scene("right"))
+    assert same_bits(lum.Session(right).run(touching_frames(60)), lum.Session(model).run(touching_frames(60)))
+    with pytest.raises(ValueError, match="radius"):
+        bad = lum.Scene("left")
+        bad.radii[3] = -1
+        model.share(bad)
+
+
 def test_pads_harden_and_are_damped():
     frames = touching_frames(90)
     plain = lum.Session(lum.Model(ball_scene())).run(frames)[-1]

@@ -79,6 +79,8 @@ class Scene:
                    grip: Optional[Tuple[ArrayLike, float, float, float]] = ...,  # image of 0 .. 1, period, black, white
                    bumps: Optional[Tuple[ArrayLike, float, float, float]] = ...) -> None: ...
     def frames(self) -> NDArray[np.void]: ...  # the scene file's motion, a frame per tick
+    # The palm of a frame of pose_frames in which all joints are tracked, and radii (26,) [m], 0 where unknown.
+    def fit_hand(self, frame: Union[NDArray[np.void], np.void], radii: Optional[ArrayLike] = ...) -> None: ...
     @property
     def precision(self) -> NDArray[np.float64]: ...  # (16,), a view to write into
     @property
@@ -93,6 +95,7 @@ class Scene:
 class Model:
     def __init__(self, scene: Scene, *, threads: Optional[int] = ..., broadphase: Optional[str] = ...,
                  isa: str = ...) -> None: ...
+    def share(self, scene: Scene) -> Model: ...  # this world for another hand, that of `scene`
     @property
     def vertices(self) -> Tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...  # x, y, z: views
     @property
