@@ -250,7 +250,7 @@ std::string twist_json() {
   });
 }
 
-// A flat hand, palm up, comes from below, lifts by 0.1 m and carries by 0.1 m, 4 s.
+// A flat hand, palm up and its thumb laid back, comes from below, lifts by 0.1 m and carries by 0.1 m, 4 s.
 std::string carry_json() {
   const Quat level{0.70710678118654752, 0.70710678118654752, 0, 0}, over{0, 0, 0, 1};
   return angles_json(161, [&](double time) {
@@ -258,6 +258,8 @@ std::string carry_json() {
     frame.kind = InputKind::joint_angles;
     for (std::size_t f = 1; f < kFingerCount; ++f)
       for (std::size_t k = 1; k < 4; ++k) frame.angle[4 * f + k] = 0.03F;
+    frame.angle[0] = -0.15F;
+    frame.angle[1] = -0.5F;
     frame.base = {{0.1 * ease(time, 2.6, 3.8), -0.1, -0.045 + 0.13 * ease(time, 0.2, 2.4)}, level * over};
     return frame;
   });
