@@ -142,6 +142,34 @@ TEST(Friction, ATwistedPadSlipsAtMuTimesTheMomentOfItsPressure) {
   }
 }
 
+// A fingertip that stands on a plane, turned steadily: skin slides at r times its speed of turning.
+TEST(Friction, OfATwistFallsToTheKineticOneToo) {
+  const double depth = 0.002, height = test::kPadRadius - depth;
+  double volume = 0, moment = 0;
+  for (double r = 5e-7; r < test::kPadRadius; r += 1e-6) {
+    const double inside = max(0, test::kPadRadius - std::sqrt(r * r + height * height));
+    volume += inside * r;
+    moment += inside * r * r;
+  }
+  const double arm = moment / volume, pressed = 2e7 * 2 * 3.141592653589793 * 1e-6 * volume;
+  for (const auto& [speed, mu] : {std::pair{1e-3, 0.799}, std::pair{0.02, 0.6}, std::pair{0.6, 0.4}}) {
+    Scene scene = test::pad_scene();
+    scene.objects.push_back(test::object_of("plane", make_plane(0.2, 5), {}, {0.8, 0.4, 0, 20000}));
+    Session run(scene);
+    const double turn = speed / arm * kTick;
+    const int ticks = static_cast<int>(0.3 / kTick + 1 / turn);
+    for (int i = 0; i < ticks; ++i) {
+      DeviceFrame frame = test::frame_of({{{0, 0, height}, {0, 0, 1}}});
+      const auto now = about_z(turn * i);
+      for (JointPose& joint : frame.joint)
+        joint.orientation = {0, 0, static_cast<float>(now.z), static_cast<float>(now.w)};
+      run.step(frame);
+    }
+    EXPECT_NEAR(run.scratch.object_output[0].wrench.torque.z, mu * pressed * arm, 0.02 * mu * pressed * arm)
+        << speed;
+  }
+}
+
 TEST(Friction, RollsWithoutDragging) {
   Scene scene = test::pad_scene();
   scene.objects.push_back(test::object_of("plane", make_plane(0.4, 9), {}, {0.8, 0.8, 0, 1000}));

@@ -71,7 +71,8 @@ Friction rub(const Material& material, const ContactPatch& patch, const Pose& X_
   const double shear = most_shear > 0 ? norm(grip.shear) / most_shear : 2, twist = grip.twist / most_twist;
   const double beyond = std::sqrt(shear * shear + twist * twist);
   const double kept = most_shear > 0 ? (beyond > 1 ? 1 / beyond : 1) : 0;
-  grip.slip = noticed(material, grip.slip, (1 - kept) * norm(grip.shear) / dt, patch.force, dt);
+  const double turned = patch.radius * grip.twist, drawn = dot(grip.shear, grip.shear) + turned * turned;
+  grip.slip = noticed(material, grip.slip, (1 - kept) * std::sqrt(drawn) / dt, patch.force, dt);
   grip.shear = kept * grip.shear;
   grip.twist = kept * grip.twist;
   return {-material.shear_stiffness * grip.shear, (-about * grip.twist) * patch.normal, most,
