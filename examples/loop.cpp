@@ -32,7 +32,7 @@ int main(int argc, char** argv) {
   LoopSettings settings;
   settings.sink.thread = true;  // forces fade too when a tick never comes back
   settings.stop_on_loss = true;
-  if (Status status = loop.open(profile, std::move(wire), settings); !status.ok()) return fail(status);
+  if (Status status = loop.open(model, profile, std::move(wire), settings); !status.ok()) return fail(status);
   fade_before_dying(&loop.sink);  // and when this program crashes
 
   State state = make_state(model);

@@ -108,7 +108,7 @@ class DeviceLoopTest : public ::testing::Test {
     LoopSettings settings;
     settings.stop_on_loss = stop_on_loss;
     settings.control.limiter = settings.control.account = settings.control.gaps = limits;
-    ASSERT_TRUE(loop.open(profile, std::make_unique<HeldWire>(device, profile), settings).ok());
+    ASSERT_TRUE(loop.open(model, profile, std::make_unique<HeldWire>(device, profile), settings).ok());
     ASSERT_TRUE(loop.measure(model, scratch, frame, 0.02));
     ASSERT_TRUE(loop.start(model, scratch, frame));
   }
@@ -157,7 +157,7 @@ class DeviceLoopTest : public ::testing::Test {
 
 TEST_F(DeviceLoopTest, NothingReachesADeviceBeforeTheStartAndForcesDoAfterIt) {
   LoopSettings settings;
-  ASSERT_TRUE(loop.open(profile, std::make_unique<HeldWire>(device, profile), settings).ok());
+  ASSERT_TRUE(loop.open(model, profile, std::make_unique<HeldWire>(device, profile), settings).ok());
   ASSERT_TRUE(loop.measure(model, scratch, frame, 0.05));
   EXPECT_GT(device.exchanges, 2) << "it was spoken to";
   EXPECT_FALSE(device.on);
@@ -343,7 +343,7 @@ TEST_F(DeviceLoopTest, ALostDeviceEndsTheSessionWhereThatWasAskedFor) {
 TEST_F(DeviceLoopTest, WhatPassesBetweenMeasuringAndTheStartIsNoDelayOfTheBus) {
   LoopSettings settings;
   settings.sink.thread = true;
-  ASSERT_TRUE(loop.open(profile, std::make_unique<HeldWire>(device, profile), settings).ok());
+  ASSERT_TRUE(loop.open(model, profile, std::make_unique<HeldWire>(device, profile), settings).ok());
   ASSERT_TRUE(loop.measure(model, scratch, frame, 0.05));
   ASSERT_TRUE(is_measured(loop.control.meter));
   sleep_for(0.8);
@@ -463,10 +463,19 @@ TEST_F(DeviceLoopTest, WithoutSensorsItIsToldThatJointAnglesGiveNoForces) {
   EXPECT_EQ(told(), 0);
 }
 
+TEST_F(DeviceLoopTest, IsNotOpenedForTheOtherHand) {
+  profile.side = Side::left;
+  const Status status = loop.open(model, profile, std::make_unique<HeldWire>(device, profile), {});
+  EXPECT_NE(status.message().find("drives a left hand"), std::string::npos) << status.message();
+  profile.side = Side::right;
+  open();
+  EXPECT_TRUE(steps_until([&] { return told() > 0; }));
+}
+
 TEST_F(DeviceLoopTest, IsOpenedAgainOnceClosedAndNotBefore) {
   for (int session = 0; session < 2; ++session) {
     open();
-    EXPECT_FALSE(loop.open(profile, std::make_unique<HeldWire>(device, profile), {}).ok());
+    EXPECT_FALSE(loop.open(model, profile, std::make_unique<HeldWire>(device, profile), {}).ok());
     EXPECT_TRUE(steps_until([&] { return told() > 0; })) << session;
     EXPECT_TRUE(loop.close());
     EXPECT_EQ(told(), 0);

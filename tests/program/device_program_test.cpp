@@ -471,6 +471,9 @@ TEST(DeviceProgram, SaysWhatIsWrongWithASink) {
   }
   EXPECT_EQ(shell("lumbrical sim-device --profile device.json", folder).exit_code, 2) << "no wire";
   EXPECT_EQ(shell("lumbrical sim-device --profile device.json --tcp x", folder).exit_code, 2);
+  const Outcome outcome = shell("lumbrical sim-device --profile memory.json --tcp 0 --seconds 0.01", folder);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.error.find("made for a transport without registers"), std::string::npos) << outcome.error;
 }
 
 TEST(DeviceProgram, TheSimulatedDeviceWarnsWhereOthersMayCommandIt) {

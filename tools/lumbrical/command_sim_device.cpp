@@ -116,6 +116,8 @@ std::string felt_text(const SimulatedDevice& device, const ModbusServer& server,
 int simulate(SimOptions options) {
   DeviceProfile profile;
   if (Status status = load_device_profile(options.profile, profile); !status.ok()) return fail(status);
+  const TransportKind kind = options.tcp.empty() ? TransportKind::rtu : TransportKind::tcp;
+  if (Status status = move_to_transport(kind, profile); !status.ok()) return fail(status);
   if (!options.scene.empty()) {
     if (Status status = intend_scene(options.scene, options.simulation); !status.ok()) return fail(status);
   }

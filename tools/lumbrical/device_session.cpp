@@ -84,10 +84,8 @@ Status choose_hand(const DeviceProfile& profile, const std::vector<Model>& model
   if (!profile.side)
     return Status::error("the session is of two hands, and " + profile.name +
                          " does not say which it drives; add side=left or side=right to the sink");
-  for (hand = 0; hand < models.size(); ++hand)
-    if (models[hand].hand.side == *profile.side) return {};
-  return Status::error(profile.name + " drives a " + std::string(side_name(*profile.side)) +
-                       " hand, and the session is of the other one");
+  if (models.size() > 1 && models[0].hand.side != *profile.side) hand = 1;
+  return {};
 }
 
 }  // namespace
@@ -116,7 +114,7 @@ Status DeviceSession::open(const std::string& text, const std::vector<Model>& mo
     Status status = told->guard.start({"/proc/self/exe", "guard", text});
     if (!status.ok()) return Status::error(status.message() + "; guard=off goes without");
   }
-  Status status = told->loop.open(told->profile, std::move(wire), settings);
+  Status status = told->loop.open(models[hand], told->profile, std::move(wire), settings);
   if (!status.ok()) {
     told->guard.dismiss();
     return status;

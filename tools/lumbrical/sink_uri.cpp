@@ -161,8 +161,6 @@ Status parse_sink_uri(const std::string& text, SinkUri& uri) {
 Status load_profile(const SinkUri& uri, DeviceProfile& profile) {
   if (Status status = load_device_profile(uri.profile, profile); !status.ok()) return status;
   Transport& transport = profile.transport;
-  const bool lacks_registers = has_registers(uri.kind) && !has_registers(transport.kind);
-  transport.kind = uri.kind;
   profile.unattended = profile.unattended || uri.unattended;
   transport.anywhere = transport.anywhere || uri.anywhere;
   if (!uri.host.empty()) transport.host = uri.host;
@@ -176,6 +174,12 @@ Status load_profile(const SinkUri& uri, DeviceProfile& profile) {
   if (uri.side) profile.side = uri.side;
   if (uri.rate > 0) profile.rate = uri.rate;
   if (uri.unit >= 0) set_unit(profile, static_cast<std::uint8_t>(uri.unit));
+  return move_to_transport(uri.kind, profile);
+}
+
+Status move_to_transport(TransportKind kind, DeviceProfile& profile) {
+  const bool lacks_registers = has_registers(kind) && !has_registers(profile.transport.kind);
+  profile.transport.kind = kind;
   const Status status = check_profile(profile);
   if (status.ok() || !lacks_registers) return status;
   return Status::error(status.message() + "; the profile was made for a transport without registers");

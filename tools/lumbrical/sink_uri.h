@@ -44,6 +44,9 @@ std::string check_sink_uri(std::string& uri);
 /// Reads the profile and puts in what the URI says.
 Status load_profile(const SinkUri& uri, DeviceProfile& profile);
 
+/// A profile on another transport than it was made for: it may lack what that one needs.
+Status move_to_transport(TransportKind kind, DeviceProfile& profile);
+
 /// The wire of a profile's transport.
 Status make_wire(const DeviceProfile& profile, std::unique_ptr<DeviceWire>& wire);
 

@@ -1,7 +1,7 @@
 // The loop with a device, for whoever ticks: what `lumbrical run --sink` does, and its only way of doing it.
 //
 //   DeviceLoop loop;
-//   loop.open(profile, wire, settings)            the device may be there or come later
+//   loop.open(model, profile, wire, settings)     the device may be there or come later
 //   loop.measure(model, scratch, frame, 0.5)      without forces: how slow is the bus, how stiff may it be?
 //   loop.start(model, scratch, frame)             after enter_real_time: forces may flow
 //   while (loop.step(model, state, scratch, step))  a tick, at the moments of a Pace (real_time.h)
@@ -48,8 +48,10 @@ class DeviceLoop {
   DeviceLoop(const DeviceLoop&) = delete;
   DeviceLoop& operator=(const DeviceLoop&) = delete;
 
-  /// Starts the sink; does not wait for the device. Once closed it may be opened again.
-  Status open(const DeviceProfile& profile, std::unique_ptr<DeviceWire> wire, const LoopSettings& settings);
+  /// Starts the sink; does not wait for the device. Once closed it may be opened again. Refused: a device
+  /// that drives the other hand (DeviceProfile::side).
+  Status open(const Model& model, const DeviceProfile& profile, std::unique_ptr<DeviceWire> wire,
+              const LoopSettings& settings);
 
   /// Steps without forces for `seconds`, by the clock, with the hand as `frame` has it; then makes the
   /// certificate, of what was measured or for want of a device of what has to be assumed. False: a stop was

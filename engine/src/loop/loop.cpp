@@ -27,8 +27,11 @@ bool is_never_measured(const HapticLoop& control, const DeviceFrame& frame) {
 
 }  // namespace
 
-Status DeviceLoop::open(const DeviceProfile& profile, std::unique_ptr<DeviceWire> wire,
+Status DeviceLoop::open(const Model& model, const DeviceProfile& profile, std::unique_ptr<DeviceWire> wire,
                         const LoopSettings& settings) {
+  if (const Side side = model.hand.side; profile.side.value_or(side) != side)
+    return Status::error(profile.name + " drives a " + std::string(side_name(*profile.side)) +
+                         " hand, and the session is of the other one");
   LoopSettings wanted = settings;
   wanted.sink.arm = false;
   wanted.sink.continue_after_loss = !settings.stop_on_loss;
