@@ -100,7 +100,11 @@ TEST(WorldRecording, IsNotReplayedWithoutItsWorld) {
   EXPECT_NE(build_model(reader.scene(), {}, model).message().find("only named"), std::string::npos);
   CopyResult copied;
   const std::string part = (folder / "part.mcap").string();
-  EXPECT_NE(copy_recordings({path}, part, {20, 40, {}}, copied).message().find("put it there"),
+  EXPECT_TRUE(copy_recordings({path}, part, {20, 40, {}}, copied).ok());
+  EXPECT_EQ(copied.ticks, 20u);
+  EXPECT_FALSE(copied.replayable) << "nobody knows the state before it";
+  fs::remove(part);
+  EXPECT_NE(copy_recordings({path}, part, {20, 40, {}, another}, copied).message().find("another world"),
             std::string::npos);
   EXPECT_FALSE(fs::exists(part));
 }

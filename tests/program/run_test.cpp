@@ -138,6 +138,13 @@ TEST(CommandLine, AWorldFileTakesTheObjectsPlace) {
   EXPECT_EQ(lost.exit_code, 2);
   EXPECT_NE(lost.error.find("--world FILE"), std::string::npos) << lost.error;
   EXPECT_EQ(shell("lumbrical replay w.mcap --world moved.world", folder).exit_code, 0);
+  const std::string trim = "lumbrical trim w.mcap --from-tick 40 --json ";
+  const Outcome part = shell(trim + "-o alone.mcap", folder);
+  ASSERT_EQ(part.exit_code, 0) << part.error;
+  EXPECT_FALSE(part.json()["replayable"]) << "the state before it needs the world";
+  EXPECT_EQ(shell(trim + "-o part.mcap --world gone.world", folder).exit_code, 2);
+  EXPECT_TRUE(shell(trim + "-o part.mcap --world moved.world", folder).json()["replayable"]);
+  EXPECT_EQ(shell("lumbrical replay part.mcap --world moved.world", folder).exit_code, 0);
   fs::rename(folder / "moved.world", folder / "demo.world");
   const Outcome tree = shell("lumbrical run in_world.json --broadphase tree", folder);
   EXPECT_EQ(tree.exit_code, 2);

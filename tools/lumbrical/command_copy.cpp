@@ -17,7 +17,7 @@ namespace {
 
 struct CopySwitches {
   std::vector<std::string> recordings;
-  std::string output, with = "zstd";
+  std::string output, world, with = "zstd";
   std::optional<std::uint64_t> from_tick, to_tick, ticks;
   std::optional<double> from_second, to_second, seconds;
   bool json = false;
@@ -39,9 +39,11 @@ Json copied_json(const std::string& output, const CopyResult& result) {
 
 std::string copied_text(const std::string& output, const CopyResult& result) {
   return grouped(result.ticks) + " ticks to " + output +
-         (result.replayable ? ".\n"
-                            : ". Not all of them can be replayed: ticks are missing, or the state before "
-                              "them is unknown (a gap, or a build that computes otherwise).\n");
+         (result.replayable
+              ? ".\n"
+              : ". Not all of them can be replayed: ticks are missing, or the state before "
+                "them is unknown (a gap, a build that computes otherwise, or a world file that is not "
+                "beside the recording: --world FILE).\n");
 }
 
 int copy(const CopySwitches& switches, const CopyOptions& options) {
@@ -60,6 +62,7 @@ int trim(const CopySwitches& switches) {
   RecordingReader reader;
   if (Status status = reader.open(switches.recordings.front()); !status.ok()) return fail(status);
   CopyOptions options;
+  options.world = switches.world;
   if (switches.from_tick) options.from = *switches.from_tick;
   if (switches.to_tick) options.to = *switches.to_tick;
   if (switches.from_second) options.from = tick_at(*switches.from_second, reader);
@@ -104,6 +107,7 @@ int split(const CopySwitches& switches) {
     part.from = tick - (tick - first) % ticks;
     part.to = part.from + std::min(ticks, UINT64_MAX - part.from);
     const std::string output = numbered(switches.output, parts.size() + 1);
+    part.world = switches.world;
     CopyResult result;
     if (Status status = copy_recordings(switches.recordings, output, part, result); !status.ok())
       return fail(status);
@@ -142,6 +146,10 @@ Option* add_recordings(Command* command, const std::shared_ptr<CopySwitches>& sw
       ->type_name("REC.mcap");
 }
 
+void add_world(Command* command, const std::shared_ptr<CopySwitches>& switches) {
+  command->add_option("--world", switches->world, kWorldHelp)->type_name("FILE");
+}
+
 }  // namespace
 
 void add_trim(Command& app, int& exit_code) {
@@ -157,6 +165,7 @@ void add_trim(Command& app, int& exit_code) {
   command->add_option("--to", switches->to_second, "Moment behind the last [s]")
       ->check(number_in(0, kLatest))
       ->excludes("--to-tick");
+  add_world(command, switches);
 }
 
 void add_split(Command& app, int& exit_code) {
@@ -168,6 +177,7 @@ void add_split(Command& app, int& exit_code) {
   command->add_option("--seconds", switches->seconds, "Of a part")
       ->check(number_in(1e-6, kLatest))
       ->excludes("--ticks");
+  add_world(command, switches);
 }
 
 void add_merge(Command& app, int& exit_code) {

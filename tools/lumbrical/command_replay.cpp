@@ -278,10 +278,7 @@ void add_replay(Command& app, int& exit_code) {
       ->check(is_broadphase());
   command->add_option("--side", switches->side, "Only this hand, of a session of two")
       ->check(one_of({"left", "right"}));
-  command
-      ->add_option("--world", switches->world,
-                   "World file, where the recording has its world in one; unless given, beside the recording")
-      ->type_name("FILE");
+  command->add_option("--world", switches->world, kWorldHelp)->type_name("FILE");
   command->add_option("--voxel-cache", switches->voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");
   command->add_option("--isa", switches->isa, "Instruction set; never changes a result")->check(is_isa());
   command

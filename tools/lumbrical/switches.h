@@ -72,6 +72,8 @@ inline Check is_broadphase() {
           "auto|tree|grid|voxel|brute"};
 }
 
+inline const char* const kWorldHelp =
+    "World file, where the recording has its world in one; unless given, beside the recording";
 inline const char* const kVoxelCacheHelp = "Folder that keeps voxel indices from one run to the next";
 
 /// Settings::precision: a number, or "exact" for 0.

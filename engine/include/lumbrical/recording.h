@@ -251,11 +251,12 @@ struct CopyOptions {
   std::uint64_t from = 0;                  ///< first tick
   std::uint64_t to = UINT64_MAX;           ///< tick behind the last
   std::optional<Compression> compression;  ///< none: the first input's
+  std::string world{};  ///< for RecordingReader::find_world; empty: at best beside the input
 };
 struct CopyResult {
   std::uint64_t ticks = 0;
   /// Whether all of the copy can be replayed: no tick is missing, and where the first is not that of a
-  /// session the state before it was found again.
+  /// session the state before it was found again (which takes the world file of a recording that names one).
   bool replayable = true;
 };
 

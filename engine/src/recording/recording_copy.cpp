@@ -105,10 +105,11 @@ Status find_from_output(RecordingReader& reader, const Model& model, std::uint64
 
 /// The state before a tick of the recording, which is not its first. It is certain where it is found, for its
 /// hash was recorded.
-Status find_state(RecordingReader& reader, std::uint64_t tick_number, State& state, bool& found) {
+Status find_state(RecordingReader& reader, const std::string& world, std::uint64_t tick_number, State& state,
+                  bool& found) {
   Model model;
   found = false;
-  if (Status status = reader.find_world({}); !status.ok()) return status;
+  if (Status status = reader.find_world(world); !status.ok()) return world.empty() ? Status() : status;
   if (Status status = build_model(reader.scene(), {}, model); !status.ok()) return status;
   if (!model.apart.empty() || model.settings.proxy_stiffness > 0) {  // else none is kept (recorder.cpp)
     if (Status status = find_from_kept(reader, model, tick_number, state, found); !status.ok() || found)
@@ -160,7 +161,8 @@ Status Copy::initial_state(RecordingReader& reader, std::vector<std::uint8_t>& b
   const RecordingInfo& info = reader.info();
   bool found = state.tick == info.first_tick;
   if (options_.from > info.first_tick && options_.from <= info.last_tick) {
-    if (Status status = find_state(reader, options_.from, state, found); !status.ok()) return status;
+    if (Status status = find_state(reader, options_.world, options_.from, state, found); !status.ok())
+      return status;
   }
   if (found && state.tick > 0) bytes = encode_state(state);
   if (found) end = {state.tick, hash_state(state)};

@@ -49,14 +49,13 @@ Status RecordingReader::find_world(const std::string& path) {
       return Status::error(
           info().path + ": was recorded with the world file " + named.path + ", which is " +
           (type == fs::file_type::not_found ? "not beside it" : "no regular file beside it") +
-          "; put it there, or name it to `lumbrical replay` with --world FILE");
+          "; put it there, or name it with --world FILE");
   }
   std::shared_ptr<const World> world;
   if (Status status = open_world(chosen, world); !status.ok()) return status;
   if (world->content != named.content)
     return Status::error(info().path + ": was recorded with another world than is in " + chosen +
-                         "; put the right one beside the recording, or name it to `lumbrical replay` with "
-                         "--world FILE");
+                         "; put the right one beside the recording, or name it with --world FILE");
   auto found = std::make_shared<World>(*world);
   found->path = named.path;  // as recorded, so that copies of the session are the same
   file_->scene.world = std::move(found);
