@@ -53,13 +53,6 @@ Means means_of(const std::vector<Corner>& polygon) {
 }
 Means means_of_positive(double a, double b, double c) { return means_of(positive_polygon(a, b, c)); }
 
-// Area, and its moments, of the part where f > 0, as means over the triangle.
-Means moments_of_part(double a, double b, double c) {
-  std::vector<Corner> polygon = positive_polygon(a, b, c);
-  for (Corner& corner : polygon) corner.f = 1;
-  return means_of(polygon);
-}
-
 // Every pattern of signs and zeros, with values of any size.
 template <class Take>
 void for_corner_values(const Take& take) {
@@ -149,25 +142,6 @@ TEST(Lattice, PartAboveAFloorIsThePositivePartOfWhatIsAbove) {
     const auto [mean, share] = scalar::part_above(floor, a, b, c, (a + b + c) / 3);
     EXPECT_NEAR(mean, means.sum, 3e-7) << a << " " << b << " " << c;
     EXPECT_NEAR(share, means.share, 1e-4) << a << " " << b << " " << c;
-  });
-}
-
-TEST(Lattice, ShareWhereALinearFunctionIsPositiveIsExact) {
-  Random random(9);
-  for_corner_values([&](float a, float b, float c) {
-    if (a * b * c == 0) return;
-    const std::array<float, 3> f = {static_cast<float>(random.between(0, 1)),
-                                    static_cast<float>(random.between(0, 1)),
-                                    static_cast<float>(random.between(0, 1))};
-    const float whole = f[0] + f[1] + f[2];
-    const Means means = means_of_positive(a, b, c);
-    // Of f, linear: its mean over the part is its value at the part's centroid.
-    const Means of_part = moments_of_part(a, b, c);
-    const double expected =
-        3 * (f[0] * of_part.sum + (f[1] - f[0]) * of_part.u + (f[2] - f[0]) * of_part.v) / whole;
-    EXPECT_NEAR(of_part.sum, means.share, 1e-12);
-    EXPECT_NEAR(scalar::share_where_positive(a, b, c, f[0], f[1], f[2], whole), expected, 3e-6)
-        << a << " " << b << " " << c;
   });
 }
 

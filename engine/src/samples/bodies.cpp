@@ -60,7 +60,6 @@ void set_finger(const Primitives& hand, std::size_t first, std::size_t last, con
                 FingerBody& finger) {
   finger.tile_count = last - first + 1;
   finger.origin = hand.capsule[first + (last - first) / 2].end1;
-  finger.folded = finger.tile_count == FingerBody::kMostTiles && hand.folded[first / 3];
   bool turned[FingerBody::kMostTiles];
   for (std::size_t k = 0; k < finger.tile_count; ++k) {
     finger.segment[k] = static_cast<std::uint8_t>(first + k);

@@ -41,7 +41,6 @@ struct FingerBody {
   const LatticeSteps* steps[kMostTiles] = {};  ///< of each tile's lattices in a patch of each class
   float block_size[kMostTiles] = {};           ///< [m] of the largest block each tile takes as one
   float block_on_skin = 0;                     ///< [m] of the largest block taken as one on the skin
-  bool folded = false;                         ///< the first tile may meet the last
   Vec3 origin;                                 ///< [m] W
   TileFrame tile[kMostTiles] = {};
   JointSides joint[kMostTiles - 1] = {};

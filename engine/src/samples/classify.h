@@ -196,7 +196,7 @@ inline Kinds<V> shared_kinds(const FingerBody& finger, const FingerView<V>& seen
     const V side = side_of_joint(finger, 1, view[1].place, view[2].place);
     outer = select(meets(1) && meets(2), side, zero);
   }
-  if (finger.folded && (tiles & 5u) == 5u) {  // its ends have a part wherever they meet the patch
+  if ((tiles & 5u) == 5u) {  // the ends of a bent finger have a part wherever they meet the patch
     const auto ends = meets(0) && meets(2);
     inner = select(ends, zero, inner);
     outer = select(ends, zero, outer);

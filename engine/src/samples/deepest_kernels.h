@@ -9,32 +9,6 @@
 
 namespace lumbrical::LUMBRICAL_ISA {
 
-/// A cell of a part's field, of which it has some share.
-template <class V>
-struct OwnCell {
-  V a, b, c, floor;  // the field at the corners
-  Cell<V> whole;
-  OwnCell(V at_a, V at_b, V at_c, V centre) : a(at_a), b(at_b), c(at_c) {
-    const V level = mean_of(a, b, c);
-    floor = drop_of(level, centre);
-    whole = lowered_cell(a, b, c, level, floor);
-  }
-  [[nodiscard]] LUMBRICAL_INLINE V share_cut_off(const CutCorner<V>& cut) const {
-    return lumbrical::LUMBRICAL_ISA::share_cut_off(cut, a, b, c, floor, whole.mean);
-  }
-  /// Where a function is positive.
-  [[nodiscard]] LUMBRICAL_INLINE V share_where(const CutCorner<V>& cut) const {
-    return cut.positive_share(share_cut_off(cut));
-  }
-};
-
-/// Where a lead, from its values at a cell's corners and centroid, is lost.
-template <class V>
-LUMBRICAL_INLINE inline CutCorner<V> cut_of_lead(V a, V b, V c, V centre) {
-  const V drop = drop_of(mean_of(a, b, c), centre);
-  return CutCorner<V>(a - drop, b - drop, c - drop);
-}
-
 /// By how much the k-th of N fields is more than all others.
 template <class V, std::size_t N>
 LUMBRICAL_INLINE inline V lead_of(std::size_t k, const std::array<V, N>& field, V tie) {
@@ -51,21 +25,21 @@ LUMBRICAL_INLINE inline std::array<Cell<V>, N> cells_where_leading(const std::ar
                                                                    const std::array<V, N>& b,
                                                                    const std::array<V, N>& c,
                                                                    const std::array<V, N>& centre, V tie) {
-  const auto cut_of = [&](std::size_t k) LUMBRICAL_INLINE {
-    return cut_of_lead(lead_of(k, a, tie), lead_of(k, b, tie), lead_of(k, c, tie), lead_of(k, centre, tie));
+  const auto cut_of_lead = [&](std::size_t k) LUMBRICAL_INLINE {
+    return cut_of(lead_of(k, a, tie), lead_of(k, b, tie), lead_of(k, c, tie), lead_of(k, centre, tie));
   };
   const auto own_cell = [&](std::size_t k)
-                            LUMBRICAL_INLINE { return OwnCell<V>(a[k], b[k], c[k], centre[k]); };
+                            LUMBRICAL_INLINE { return PartCell<V>(a[k], b[k], c[k], centre[k]); };
   std::array<Cell<V>, N> cells;
   if constexpr (N == 2) {  // one leads where the other does not
-    const CutCorner<V> cut = cut_of(0);
-    const OwnCell<V> first = own_cell(0), second = own_cell(1);
-    cells[0] = cut.positive_share(first.share_cut_off(cut)) * first.whole;
-    cells[1] = cut.other_share(second.share_cut_off(cut)) * second.whole;
+    const CutCorner<V> cut = cut_of_lead(0);
+    const PartCell<V> first = own_cell(0), second = own_cell(1);
+    cells[0] = first.share_where(cut) * first.whole;
+    cells[1] = second.share_elsewhere(cut) * second.whole;
   } else {
     for (std::size_t k = 0; k < N; ++k) {
-      const OwnCell<V> own = own_cell(k);
-      cells[k] = own.share_where(cut_of(k)) * own.whole;
+      const PartCell<V> own = own_cell(k);
+      cells[k] = own.share_where(cut_of_lead(k)) * own.whole;
     }
   }
   return cells;
@@ -229,10 +203,9 @@ struct SharingParts {
 
  private:
   static V number_of(double value) { return lumbrical::LUMBRICAL_ISA::number<V>(value); }
-  // Neighbours part along their joint's border, the ends of a folded finger where their fields are equal.
+  // Neighbours part along their joint's border, the ends of a finger where their fields are equal.
   [[nodiscard]] V side_over(std::size_t k, std::size_t kin, V own, V its, V u, V v) const {
     const std::size_t inner = std::min(k, kin), outer = std::max(k, kin);
-    if (number[inner] + 1 != number[outer] && !finger_of(number[k]).folded) return number_of(1e30);
     const V tie = number_of(kTie) * V(tile_of(number[inner]).radius);
     const V beyond = number[inner] + 1 == number[outer] ? side_of(inner, outer, u, v)
                      : k == outer                       ? own - its
@@ -266,9 +239,9 @@ std::uint32_t parts_lattice(const PatchList& list, const Bodies& bodies, std::ui
           steps, [](float u) LUMBRICAL_INLINE { return V(u); }, point, point,
           [&](float u, float v, bool upright, const Point& a, const Point& b, const Point& c,
               const Point& centre) LUMBRICAL_INLINE {
-            const OwnCell<V> own(a.field, b.field, c.field, centre.field);
-            const V share = own.share_where(cut_of_lead(a.lead, b.lead, c.lead, centre.lead)) *
-                            own.share_where(CutCorner<V>(a.side, b.side, c.side));
+            const PartCell<V> own(a.field, b.field, c.field, centre.field);
+            const V share = own.share_where(cut_of(a.lead, b.lead, c.lead, centre.lead)) *
+                            own.share_where(cut_of(a.side, b.side, c.side, centre.side));
             cells.add(V(u), V(v), upright, share * own.whole);
           });
       const auto [force, moment] = share_of(sharing.patch[k], cells.means(steps));

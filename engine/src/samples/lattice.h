@@ -92,16 +92,6 @@ struct CutCorner {
   }
 };
 
-/// The share of a function, from its values f >= 0 at the corners and their sum, that is where another is
-/// positive, from its values a, b, c: both as if they were linear.
-template <class V>
-LUMBRICAL_INLINE inline V share_where_positive(V a, V b, V c, V fa, V fb, V fc, V f_sum) {
-  const CutCorner<V> cut(a, b, c);
-  const AlongCut<V> f = cut.of(fa, fb, fc);
-  const V part = f.more_s + f.more_t + number<V>(3) * f.own;
-  return cut.positive_share(cut.s * cut.t * divide(part, max(f_sum, number<V>(1e-30))));
-}
-
 template <class V>
 inline V mean_of(V a, V b, V c) {
   return (a + (b + c)) * number<V>(1.0 / 3);
@@ -153,32 +143,35 @@ inline Cell<V> cell_of(V a, V b, V c, V centre) {
   return lowered_cell(a, b, c, level, drop_of(level, centre));
 }
 
-/// N fields at a corner, and the largest of them.
-template <class V, std::size_t N>
-struct Fields {
-  V of[N], largest;
-};
-/// A cell of the largest. Where two are equal that has a kink, which its corners alone would tell too large;
-/// each by itself is smooth.
-template <class V, std::size_t N>
-LUMBRICAL_INLINE inline Cell<V> cell_of_largest(const Fields<V, N>& a, const Fields<V, N>& b,
-                                                const Fields<V, N>& c, const std::array<V, N>& centre) {
-  V most_a = a.of[0], most_b = b.of[0], most_c = c.of[0], level = mean_of(most_a, most_b, most_c),
-    drop = drop_of(level, centre[0]), excess = number<V>(0);
-  for (std::size_t k = 1; k < N; ++k) {
-    const V own_level = mean_of(a.of[k], b.of[k], c.of[k]);
-    const auto [mean, share] =
-        part_above(number<V>(0), a.of[k] - most_a, b.of[k] - most_b, c.of[k] - most_c, own_level - level);
-    const bool is_last = k + 1 == N;
-    most_a = is_last ? a.largest : max(most_a, a.of[k]);
-    most_b = is_last ? b.largest : max(most_b, b.of[k]);
-    most_c = is_last ? c.largest : max(most_c, c.of[k]);
-    const V of_largest = mean_of(most_a, most_b, most_c);
-    excess = excess + ((of_largest - level) - mean);
-    drop = drop + share * (drop_of(own_level, centre[k]) - drop);
-    level = of_largest;
+template <class V>
+inline Cell<V> operator*(V share, const Cell<V>& cell) {
+  return {share * cell.mean, share * cell.to_b, share * cell.to_c};
+}
+
+/// A cell of a field of which only a part counts.
+template <class V>
+struct PartCell {
+  V a, b, c, floor;  // the field at the corners
+  Cell<V> whole;
+  LUMBRICAL_INLINE PartCell(V at_a, V at_b, V at_c, V centre) : a(at_a), b(at_b), c(at_c) {
+    const V level = mean_of(a, b, c);
+    floor = drop_of(level, centre);
+    whole = lowered_cell(a, b, c, level, floor);
   }
-  return lowered_cell(most_a, most_b, most_c, level, drop + excess);
+  /// The share of it that is where a function is positive; and of the rest.
+  [[nodiscard]] LUMBRICAL_INLINE V share_where(const CutCorner<V>& cut) const {
+    return cut.positive_share(share_cut_off(cut, a, b, c, floor, whole.mean));
+  }
+  [[nodiscard]] LUMBRICAL_INLINE V share_elsewhere(const CutCorner<V>& cut) const {
+    return cut.other_share(share_cut_off(cut, a, b, c, floor, whole.mean));
+  }
+};
+
+/// Where a function becomes positive in a cell, from its values at the corners and the centroid.
+template <class V>
+LUMBRICAL_INLINE inline CutCorner<V> cut_of(V a, V b, V c, V centre) {
+  const V drop = drop_of(mean_of(a, b, c), centre);
+  return CutCorner<V>(a - drop, b - drop, c - drop);
 }
 
 /// Sums over the cells of a lattice.
@@ -199,15 +192,6 @@ struct CellSums {
     return {share * sum, share * (u + lean * lean_u), share * (v + lean * lean_v)};
   }
 };
-template <class V>
-inline Cell<V> operator*(V share, const Cell<V>& cell) {
-  return {share * cell.mean, share * cell.to_b, share * cell.to_c};
-}
-template <class V>
-inline CellSums<V> operator-(const CellSums<V>& all, const CellSums<V>& some) {
-  return {all.sum - some.sum, all.u - some.u, all.v - some.v, all.lean_u - some.lean_u,
-          all.lean_v - some.lean_v};
-}
 
 /// Where points and cells' centroids of a lattice are, along a side of 1.
 struct LatticePlaces {

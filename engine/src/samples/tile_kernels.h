@@ -45,7 +45,6 @@ template <class V, std::size_t N>
 struct Neighbours {
   SeenPatch<V> seen[N];
   JointNumbers<V> joint[N - 1];
-  V folded;  // 1: the tiles at the ends may meet
 };
 template <class V, std::size_t N>
 LUMBRICAL_INLINE inline Neighbours<V, N> see_neighbours(const PatchRows& rows, std::size_t lane,
@@ -64,106 +63,91 @@ LUMBRICAL_INLINE inline Neighbours<V, N> see_neighbours(const PatchRows& rows, s
                                  select(its, joint.outer_sign, to.outer_sign),
                                  select(its, joint.outer_place, to.outer_place)};
     }
-    const V folded(finger.folded ? 1.0f : 0.0f);
-    near.folded = all ? folded : select(its, folded, near.folded);
   });
   return near;
 }
 
-/// What a corner of a lattice that N tiles share is told by: their fields, what of the largest is felt, and
-/// by how much each joint's outer tile is nearer than the inner one.
+/// What a point of a lattice that N tiles share is told by: their fields, and by how much each joint's outer
+/// tile is nearer than the inner one.
 template <class V, std::size_t N>
-struct SharedCorner {
-  Fields<V, N> field;
-  V felt, lead[N - 1];
+struct SharedPoint {
+  V field[N], lead[N - 1];
 };
 template <class V, std::size_t N>
-LUMBRICAL_INLINE inline SharedCorner<V, N> shared_corner(const Neighbours<V, N>& near,
-                                                         const TilePoint<V> (&at)[N]) {
-  SharedCorner<V, N> corner;
-  for (std::size_t k = 0; k < N; ++k) {
-    const V field = tile_field(near.seen[k].tile, at[k]);
-    corner.field.of[k] = field;
-    corner.field.largest = k == 0 ? field : max(corner.field.largest, field);
-  }
-  corner.felt = max(corner.field.largest, number<V>(0));
+LUMBRICAL_INLINE inline SharedPoint<V, N> shared_point(const Neighbours<V, N>& near,
+                                                       const TilePoint<V> (&at)[N]) {
+  SharedPoint<V, N> point;
+  for (std::size_t k = 0; k < N; ++k) point.field[k] = tile_field(near.seen[k].tile, at[k]);
   for (std::size_t k = 0; k + 1 < N; ++k) {
     const TileNumbers<V>&inner = near.seen[k].tile, &outer = near.seen[k + 1].tile;
-    corner.lead[k] =
+    point.lead[k] =
         side_of_joint(near.joint[k], inner, place_on(inner, at[k]), outer, place_on(outer, at[k + 1])) -
         number<V>(kTie) * inner.radius;
   }
-  return corner;
+  return point;
 }
 
-/// Shares of the outer tiles in a cell: the inner one has the rest. Neighbours part along their joint's
-/// border; tiles that are none (of a folded finger) where their fields are equal.
+/// Each tile's part of a cell, by its own field. Neighbours part along their joint's border, the first tile
+/// and the last, which a bent finger brings together, where their fields are equal.
 template <class V, std::size_t N>
-LUMBRICAL_INLINE inline void outer_shares(const Neighbours<V, N>& near, const SharedCorner<V, N>& a,
-                                          const SharedCorner<V, N>& b, const SharedCorner<V, N>& c,
-                                          V (&share)[N - 1]) {
-  const V felt = a.felt + (b.felt + c.felt);
-  const auto where_positive = [&](V of_a, V of_b, V of_c) LUMBRICAL_INLINE {
-    return share_where_positive(of_a, of_b, of_c, a.felt, b.felt, c.felt, felt);
+LUMBRICAL_INLINE inline std::array<Cell<V>, N> shared_cells(const SharedPoint<V, N>& a,
+                                                            const SharedPoint<V, N>& b,
+                                                            const SharedPoint<V, N>& c,
+                                                            const SharedPoint<V, N>& centre, V tie) {
+  const auto own_cell = [&](std::size_t k) LUMBRICAL_INLINE {
+    return PartCell<V>(a.field[k], b.field[k], c.field[k], centre.field[k]);
   };
-  const auto beyond = [&](std::size_t k)
-                          LUMBRICAL_INLINE { return where_positive(a.lead[k], b.lead[k], c.lead[k]); };
-  const V outer = beyond(0);
+  const auto border = [&](std::size_t k) LUMBRICAL_INLINE {
+    return cut_of(a.lead[k], b.lead[k], c.lead[k], centre.lead[k]);
+  };
+  const PartCell<V> first = own_cell(0), second = own_cell(1);
+  const CutCorner<V> inner = border(0);
   if constexpr (N == 2) {
-    share[0] = outer;
+    return {first.share_elsewhere(inner) * first.whole, second.share_where(inner) * second.whole};
   } else {
-    const V one = number<V>(1), outermost = beyond(1);
-    const auto folded = near.folded > number<V>(0);
-    const V tie = number<V>(kTie) * near.seen[0].tile.radius;
-    const auto ahead = [&](const SharedCorner<V, N>& at)
-                           LUMBRICAL_INLINE { return at.field.of[2] - at.field.of[0] - tie; };
-    const V last = select(folded, where_positive(ahead(a), ahead(b), ahead(c)), outermost);
-    const V first = (one - outer) * select(folded, one - last, one);
-    share[1] = last * select(folded, outermost, outer);
-    share[0] = one - first - share[1];
+    const PartCell<V> last = own_cell(2);
+    const auto ahead = [tie](const SharedPoint<V, N>& at)
+                           LUMBRICAL_INLINE { return at.field[2] - at.field[0] - tie; };
+    const CutCorner<V> outer = border(1), ends = cut_of(ahead(a), ahead(b), ahead(c), ahead(centre));
+    const V of_first = second.share_elsewhere(ends), of_last = second.share_where(ends);
+    return {(first.share_elsewhere(inner) * first.share_elsewhere(ends)) * first.whole,
+            (of_first * second.share_where(inner) + of_last * second.share_elsewhere(outer)) * second.whole,
+            (last.share_where(outer) * last.share_where(ends)) * last.whole};
   }
 }
 
 template <class V, std::size_t N>
 inline std::uint32_t shared_lattice(const PatchList& list, const FingerBody* fingers, const TileSums& sums) {
   const std::size_t steps = steps_of_lane(list);
-  using Corner = SharedCorner<V, N>;
+  using Point = SharedPoint<V, N>;
   struct RowOfAll {
     typename TileRows<V>::Row of[N];
   };
   std::uint32_t touched = 0;
   for_rows<V>(list, [&](const PatchRows& rows, std::size_t lane) LUMBRICAL_INLINE {
     const Neighbours<V, N> near = see_neighbours<V, N>(rows, lane, fingers);
+    const V tie = number<V>(kTie) * near.seen[0].tile.radius;
     TileRows<V> tile[N];
     for (std::size_t k = 0; k < N; ++k) tile[k] = tile_rows(near.seen[k].patch);
-    CellSums<V> cells[N];  // all tiles' first, until those of the others are taken off
-    for_cells<Corner, std::array<V, N>>(
+    const auto point = [&](const RowOfAll& row, float v) LUMBRICAL_INLINE {
+      TilePoint<V> at[N];
+      for (std::size_t k = 0; k < N; ++k) at[k] = tile[k].at(row.of[k], V(v));
+      return shared_point<V, N>(near, at);
+    };
+    CellSums<V> cells[N];
+    for_cells<Point, Point>(
         steps,
         [&](float u) LUMBRICAL_INLINE {
           RowOfAll row;
           for (std::size_t k = 0; k < N; ++k) row.of[k] = tile[k].row(V(u));
           return row;
         },
-        [&](const RowOfAll& row, float v) LUMBRICAL_INLINE {
-          TilePoint<V> at[N];
-          for (std::size_t k = 0; k < N; ++k) at[k] = tile[k].at(row.of[k], V(v));
-          return shared_corner<V, N>(near, at);
-        },
-        [&](const RowOfAll& row, float v) LUMBRICAL_INLINE {
-          std::array<V, N> field;
-          for (std::size_t k = 0; k < N; ++k)
-            field[k] = tile_field(near.seen[k].tile, tile[k].at(row.of[k], V(v)));
-          return field;
-        },
-        [&](float u, float v, bool upright, const Corner& a, const Corner& b, const Corner& c,
-            const std::array<V, N>& centre) LUMBRICAL_INLINE {
-          V share[N - 1];
-          const Cell<V> cell = cell_of_largest(a.field, b.field, c.field, centre);
-          outer_shares<V, N>(near, a, b, c, share);
-          cells[0].add(V(u), V(v), upright, cell);
-          for (std::size_t k = 1; k < N; ++k) cells[k].add(V(u), V(v), upright, share[k - 1] * cell);
+        point, point,
+        [&](float u, float v, bool upright, const Point& a, const Point& b, const Point& c,
+            const Point& centre) LUMBRICAL_INLINE {
+          const std::array<Cell<V>, N> its = shared_cells<V, N>(a, b, c, centre, tie);
+          for (std::size_t k = 0; k < N; ++k) cells[k].add(V(u), V(v), upright, its[k]);
         });
-    for (std::size_t k = 1; k < N; ++k) cells[0] = cells[0] - cells[k];
     for (std::size_t k = 0; k < N; ++k) {
       touched += count_of(add_shares(near.seen[k].patch, cells[k].means(steps), rows, lane, sums,
                                      [k](std::uint32_t code) LUMBRICAL_INLINE {

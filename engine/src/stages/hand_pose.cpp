@@ -215,13 +215,13 @@ bool may_meet(const Hand& hand, const Primitives& primitives, const Box& world) 
 void shape_hand(const Hand& hand, Primitives& primitives) {
   primitives.palm = {};
   if (primitives.joints.has(kPalm)) primitives.palm = place_palm(hand.palm, primitives.joints.pose[kPalm]);
-  set_folded_fingers(primitives);
   place_axes(primitives);
 }
 
 void tile_hand(const Settings& settings, Primitives& primitives) {
   if (primitives.count > 0) return;
   set_joint_borders(primitives);
+  set_folded_fingers(primitives);
   for (std::size_t i = 0; i < kPhalanxCount; ++i) {
     if (primitives.present[i]) add_phalanx(i, primitives);
   }

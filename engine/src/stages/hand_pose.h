@@ -25,11 +25,11 @@ void place_axes(Primitives& primitives);
 /// False where no part of a hand so placed can touch what is inside the box [m, W].
 bool may_meet(const Hand& hand, const Primitives& primitives, const Box& world);
 
-/// The palm of a hand so placed, which of its fingers are folded, and its axes: all that samples ask for.
+/// The palm of a hand so placed, and its axes: all that samples ask for.
 void shape_hand(const Hand& hand, Primitives& primitives);
 
-/// Lists the primitives of a hand so shaped, and how they border on each other, unless it was done: for the
-/// exact rung.
+/// Lists the primitives of a hand so shaped, how they border on each other, and which fingers are folded,
+/// unless it was done: for the exact rung.
 void tile_hand(const Settings& settings, Primitives& primitives);
 
 /// All three: `place_hand`, `shape_hand` and `tile_hand`.

@@ -225,9 +225,9 @@ constexpr void list_fields(Is<Primitives> auto& hand, auto&& field) {
   if (hand.count > 0) {
     field("primitive", "", std::span(hand.primitive).first(static_cast<std::size_t>(hand.count)));
     field("border", "", hand.border);
+    field("folded", "", hand.folded);
   }
   field("palm", "", hand.palm);
-  field("folded", "", hand.folded);
   field("base_joint", "m", hand.base_joint);
   field("flexion_axis", "", hand.flexion_axis);
 }
