@@ -69,6 +69,27 @@ TEST(ObjectMotion, ABoxComesToRestOnTheGroundWithoutABounceAndStays) {
   EXPECT_LT(test::angle_of(later.orientation * conjugate(rested.orientation)), 1e-5);
 }
 
+// Where a scene has put its middle on the ground.
+TEST(ObjectMotion, ABodyThatBeginsInTheGroundRisesSlowlyAndIsNotThrown) {
+  for (const double depth : {0.005, 0.02, 0.1}) {
+    for (const double rate : {500.0, 4000.0}) {
+      Scene scene = test::pad_scene();
+      scene.settings.rate = rate;
+      scene.ground.emplace();
+      scene.objects.push_back(test::body_of("box", make_box({0.02, 0.02, 0.2}, 2), 0.2,
+                                            {{0, 0, 0.1 - depth}, {1, 0, 0.3, 0}}, {}));
+      Session run(scene);
+      double fastest = 0;
+      for (int i = 0; i < 3 * rate; ++i) {
+        run.step(no_hand());
+        fastest = largest(fastest, run.state.objects[0].velocity.z);
+      }
+      EXPECT_LT(fastest, 0.5) << depth << ", " << rate;
+      EXPECT_NEAR(run.state.objects[0].pose.position.z, 0.01, 1e-4) << depth << ", " << rate;
+    }
+  }
+}
+
 TEST(ObjectMotion, ABodyDoesNotRestOnVerticesThatNoTriangleNames) {
   Scene scene = test::pad_scene();
   scene.ground.emplace();

@@ -76,7 +76,7 @@ Friction rub(const Material& material, const ContactPatch& patch, const Pose& X_
   grip.shear = kept * grip.shear;
   grip.twist = kept * grip.twist;
   return {-material.shear_stiffness * grip.shear, (-about * grip.twist) * patch.normal, most,
-          about * most_twist, kept < 1};
+          about * most_twist};
 }
 
 double share_within(double now, double product, double more) {
@@ -86,7 +86,7 @@ double share_within(double now, double product, double more) {
 }
 
 double share_that_sticks(const Friction& friction, Vec3 force, Vec3 torque) {
-  if (friction.slides || !(friction.most > 0)) return 0;
+  if (!(friction.most > 0)) return 0;
   const double pull = 1 / friction.most, twist = 1 / friction.most_torque;
   const auto product = [&](Vec3 f, Vec3 g, Vec3 t, Vec3 u) {
     return pull * pull * dot(f, g) + twist * twist * dot(t, u);

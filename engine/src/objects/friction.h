@@ -17,7 +17,6 @@ struct Friction {
   Vec3 force;                        ///< [N] at the patch's centre
   Vec3 torque;                       ///< [N m] along its normal
   double most = 0, most_torque = 0;  ///< [N], [N m] each without the other
-  bool slides = false;
 };
 
 /// Friction of a patch [O] whose segment is now at X_OS, `dt` [s] after `grip` was left; updates `grip`.
@@ -27,7 +26,8 @@ Friction rub(const Material& material, const ContactPatch& patch, const Pose& X_
 /// [N m/rad] Of a patch that sticks, about its normal.
 double twist_stiffness(const Material& material);
 
-/// How much of a change of force and torque [O], 0 to 1, the skin takes part in before it slides.
+/// How much of a change of force and torque [O], 0 to 1, the skin takes part in before it slides; where it
+/// slides already, until it would slide the other way.
 double share_that_sticks(const Friction& friction, Vec3 force, Vec3 torque);
 
 /// The largest s from 0 to 1 with |now + s more| <= 1, of the squares of both and their product.

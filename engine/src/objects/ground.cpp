@@ -10,6 +10,10 @@ namespace {
 // [m] So far a body sinks in at a single point that carries it.
 constexpr double kRestingDepth = 5e-5;
 
+// [m/s] What is deeper in, since it began there or fell fast, comes out no faster; what comes down faster
+// than that is not held so hard, or what spins would rattle at low rates.
+constexpr double kMostRising = 0.2, kFalling = 1;
+
 struct Support {
   Vec3 arm, speed;  // W, from the centre of mass
   double depth = 0, rising = 0;
@@ -27,18 +31,23 @@ Wrench rest_on(const Ground& ground, std::span<const Vec3> points, const MassPro
   Wrench wrench;
   const Vec3 centre = transform(state.pose, body.centre);
   // Damped as strongly as does without a bounce.
-  const double stiffness = weight / kRestingDepth, damping = 2 * std::sqrt(stiffness * body.mass);
-  const double resistance = stiffness + damping / dt;
+  const double stiffness = weight / kRestingDepth, critical = 2 * std::sqrt(stiffness * body.mass);
+  const auto damping_of = [&](const Support& support) {
+    return support.rising < -kFalling ? critical : max(critical, stiffness * support.depth / kMostRising);
+  };
   FixedList<Support, kMostSupports> supports;
-  double touching = 0;
+  double touching = 0, most_damping = critical;
   for (const Vec3 point : points) {
     supports.push_back(support_at(ground, transform(state.pose, point), centre, state));
-    touching += supports.back().depth > 0 ? 1 : 0;
+    if (!(supports.back().depth > 0)) continue;
+    ++touching;
+    most_damping = max(most_damping, damping_of(supports.back()));
   }
-  const double given_way = 1 + dt * dt * resistance * touching / body.mass;
+  const double given_way = 1 + dt * (dt * stiffness + most_damping) * touching / body.mass;
   for (std::size_t i = 0; i < points.size(); ++i) {
     SupportState& anchor = state.support[i];
     const auto& [arm, speed, depth, rising] = supports.begin()[i];
+    const double damping = damping_of(supports.begin()[i]), resistance = stiffness + damping / dt;
     if (!(depth > 0) || !(stiffness * depth - damping * rising > 0)) {
       anchor = {};
       continue;

@@ -173,6 +173,8 @@ void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scr
     Touch touch{i, rotated(orientation, pressed + about(arm, {friction.force, friction.torque})),
                 arm_in_world, spring_of(object, patch, skin_speed(tick, i, arm_in_world), orientation),
                 friction};
+    touch.across = touch.spring.across;
+    touch.about = touch.spring.about;
     if (moves_by_itself(object.mechanism)) add_damper(damper, dt, state, touch);
     touches.push_back(touch);
     if (is_asked)

@@ -21,20 +21,22 @@ bool soften_tilt(const Twist& speed, double dt, double pushed, double reach, Spr
 bool soften(const Twist& speed, double dt, Quat orientation, Touch& touch) {
   Spring& spring = touch.spring;
   const double along = spring.along, across = spring.across;
+  spring.across = touch.across;
+  spring.about = touch.about;
   const double pushed = max(0, dot(touch.wrench.force, spring.normal)),
                pulled = dot(change_of(spring, speed, dt).force, spring.normal);
   if (pulled > pushed) spring.along *= pushed / pulled;
   if (-pulled > kMostGrowth * pushed) spring.along *= kMostGrowth * pushed / -pulled;
   bool softer = spring.along < along;
   if (spring.tilt > 0) softer = soften_tilt(speed, dt, pushed, touch.reach, spring) || softer;
-  if (!(across > 0)) return softer;
+  if (!(spring.across > 0)) return softer;
   Spring skin = spring;
   skin.along = skin.tilt = 0;
   const Wrench drawn = rotated(conjugate(orientation), -change_of(skin, speed, dt));
   const double share = share_that_sticks(touch.friction, drawn.force, drawn.torque);
   spring.across *= share;
   spring.about *= share;
-  return softer || spring.across < across;
+  return softer || spring.across != across;
 }
 
 }  // namespace
