@@ -29,6 +29,19 @@ TEST(CommandLine, ARunThatTouchesNothingSaysSoFirstAndHowNearTheHandCame) {
   EXPECT_NE(shell("lumbrical inspect scene.json", folder).output.find("ball: nearest "), std::string::npos);
 }
 
+TEST(CommandLine, InspectTellsWhatBeginsInTheGround) {
+  const fs::path folder = own_folder();
+  write_file("scene.json",
+             R"({"objects": [{"name": "block", "box": {"size": [0.1, 0.1, 0.2]}, "moves": "free",
+      "mass": 0.2, "position": [0, 0, 0.05]}], "ground": {"height": 0},
+      "motion": {"grasp": {"radius": 0.03, "height": 0.1}}})");
+  EXPECT_NE(
+      shell("lumbrical inspect scene.json", folder).output.find("block begins 50.0 mm below the ground"),
+      std::string::npos);
+  const nlohmann::json json = shell("lumbrical inspect scene.json --json", folder).json();
+  EXPECT_NEAR(json["objects"][0]["below_ground"], 0.05, 1e-12);
+}
+
 TEST(CommandLine, ARunThatTouchesHasNoTroubleAndItsStartIsNoLossOfTracking) {
   const Outcome outcome = shell("lumbrical run demo.json --json", folder_with_demo());
   const nlohmann::json run = outcome.json();

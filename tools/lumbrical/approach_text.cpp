@@ -36,6 +36,20 @@ std::string name_of(const Scene& scene, std::size_t object) {
   return object < scene.objects.size() ? scene.objects[object].name : "world";
 }
 
+// [m] More is no rounding and no resting.
+constexpr double kSunk = 1e-3;
+
+// [m] How far below the ground an object begins that rests on it; of others, and where there is none, 0.
+double sunk_by(const Scene& scene, std::size_t number) {
+  if (!scene.ground || number >= scene.objects.size()) return 0;
+  const SceneObject& object = scene.objects[number];
+  if (object.mechanism.mobility != Mobility::free) return 0;
+  double sunk = 0;
+  for (const Vec3 vertex : object.mesh.vertices)
+    sunk = max(sunk, scene.ground->offset - dot(scene.ground->normal, transform(object.pose, vertex)));
+  return sunk;
+}
+
 }  // namespace
 
 std::string hand_text(const Motion& motion) {
@@ -91,6 +105,7 @@ Json to_json(const Clearance& clearance, const Scene& scene) {
   for (std::size_t i = 0; i < clearance.object.size(); ++i) {
     Json object = {{"name", name_of(scene, i)}, {"box", span_json(clearance.object[i])}};
     if (!is_empty(clearance.object[i])) object["likely_unit"] = likely_unit(extent_of(clearance.object[i]));
+    if (const double sunk = sunk_by(scene, i); sunk > kSunk) object["below_ground"] = sunk;
     if (i < clearance.approach.size() && clearance.approach[i].distance < 1e300) {
       const Approach& approach = clearance.approach[i];
       object["distance"] = approach.distance;
@@ -118,6 +133,8 @@ std::vector<std::string> approach_sentences(const Clearance& clearance, const Sc
     sentences.push_back(name + " lies in " + span_text(box));
     if (const std::string unit = likely_unit(extent_of(box)); !unit.empty())
       sentences.push_back(name + " is " + length_text(extent_of(box)) + " large: " + unit + "?");
+    if (const double sunk = sunk_by(scene, i); sunk > kSunk)
+      sentences.push_back(name + " begins " + length_text(sunk) + " below the ground, out of which it rises");
     if (i >= clearance.approach.size()) continue;
     const Approach& approach = clearance.approach[i];
     const std::string where =
