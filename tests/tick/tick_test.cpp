@@ -355,6 +355,24 @@ TEST(Tick, AHandFeltBySamplesHasNoPrimitivesUntilItsContactsAreAskedFor) {
   EXPECT_GT(found, 20u);
 }
 
+// What a bent finger's tile has beyond its joint's border, the primitive that a plane cuts has not.
+TEST(Tick, NoContactIsShallowerThanItsFieldOnAverage) {
+  Scene scene = test::mug_scene(Law::field);
+  scene.settings.precision.fill(0);
+  const Model model = test::model_of(scene);
+  std::size_t found = 0;
+  for (const DeviceFrame& frame : test::grasp_frames(scene.hand, 40)) {
+    State state;
+    Scratch scratch = make_scratch(model);
+    tick(model, state, scratch, frame);
+    for (const Contact& contact : find_contacts(model, scratch)) {
+      EXPECT_GE(contact.depth, contact.volume / contact.area * (1 - 1e-9)) << contact.triangle;
+      ++found;
+    }
+  }
+  EXPECT_GT(found, 500u);
+}
+
 Scene plane_scene() {
   Scene scene = test::mug_scene(Law::max_depth);
   scene.objects = {{"plane", make_plane(0.6, 40, 1)}};

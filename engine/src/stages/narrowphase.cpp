@@ -387,7 +387,9 @@ double depth_of(const Model& model, const Primitives& hand, const Contact& conta
   const Primitive& primitive = hand.primitive[contact.primitive];
   if (primitive.law != Law::field || primitive.shape == Shape::slab) return contact.depth;
   const auto [a, b, c] = corners_of(model.triangles, contact.triangle);
-  return hand_depth(hand, primitive, a, b, c);
+  // Beyond a curved border the primitive, which a plane cuts, is no more; phi, whose mean this is, still is.
+  const double mean = contact.area > 0 ? contact.volume / contact.area : 0;
+  return max(hand_depth(hand, primitive, a, b, c), mean);
 }
 
 }  // namespace lumbrical
