@@ -99,8 +99,9 @@ struct ActuatorFrame : HandForces {
   /// [N] About what samples may be off, all sampled segments together, before limits: measured, no bound. 98
   /// % of ticks stay below it, the worst seen were ten times as far off (docs/mechanics.md).
   double error_estimate = 0;
-  double force_error =
-      0;  ///< [N] bound of what the integrals behind all forces together may be off, before limits
+  /// [N] Bound of what the integrals behind all forces together may be off, before limits. Positions are
+  /// rounded besides, which is more from a kilometre off the origin on.
+  double force_error = 0;
 };
 
 }  // namespace lumbrical
