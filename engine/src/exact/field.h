@@ -15,13 +15,6 @@ struct Distance {
   double level, factor, d2, gap;
 };
 
-// What phi depends on at one abscissa: the distances to both ends and to the axis line, and where, going out
-// in y, the nearest sphere of the hull changes from the second end to the side and to the first end.
-struct Abscissa {
-  Distance first, second, side;
-  double to_side, to_first;
-};
-
 struct Slant {
   double sine, cosine;  // of the cone's half angle; 0 and 1 for a capsule
 };
@@ -32,31 +25,8 @@ inline Slant slant_of(const Section& section) {
   return {sine, std::sqrt((1 - sine) * (1 + sine))};
 }
 
-inline double change(double axial, const Slant& slant, double e2) {
-  if (axial <= 0) return 0;
-  if (slant.sine == 0) return 1e300;
-  const double rho = slant.cosine * axial / slant.sine;
-  return std::sqrt(max(0, rho * rho - e2));
-}
-
 inline Distance to_centre(double radius, double x, double h) {
   return {radius, 1, x * x + h * h, (radius - h) * (radius + h) - x * x};
-}
-
-inline Abscissa at_abscissa(const Section& section, const Slant& slant, double x) {
-  const double e = section.c * x + section.s * section.h1, q = section.s * x - section.c * section.h1;
-  const double level = section.radius1 - slant.sine * q, scaled = slant.cosine * e;
-  Abscissa a{to_centre(section.radius1, x, section.h1), {}, {}, 0, 0};
-  if (section.length == 0) return a;
-  a.side = {level, slant.cosine, e * e, (level - scaled) * (level + scaled)};
-  if (section.shape == Shape::flat) {
-    a.to_first = 1e300;
-    return a;
-  }
-  a.second = to_centre(section.radius2, x - section.x2, section.h2);
-  a.to_first = change(q, slant, a.side.d2);
-  a.to_side = change(q - section.length, slant, a.side.d2);
-  return a;
 }
 
 /// Which distance phi is made of at p (0 first end, 1 side, 2 second end), and how far it is to where that

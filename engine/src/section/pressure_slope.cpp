@@ -69,10 +69,26 @@ void add_strip(const Slope& slope, double from, double to, SlopeStrip& strip) {
   strip.second += factor * (upper.second - lower.second);
 }
 
+// How far out in y the nearest sphere of the hull changes: `axial` [m] is along the axis from where the
+// change starts, e2 the part of the squared distance from the axis line that is not y's.
+double change(double axial, const Slant& slant, double e2) {
+  if (axial <= 0) return 0;
+  if (slant.sine == 0) return 1e300;
+  const double rho = slant.cosine * axial / slant.sine;
+  return std::sqrt(max(0, rho * rho - e2));
+}
+
+// Going out in y the field belongs to the second end, then to the side, then to the first end.
 SlopeStrip slope_strip_to(const Section& section, const Slant& slant, double x, double y) {
-  const Abscissa a = at_abscissa(section, slant, x);
+  double to_side = 0, to_first = 0;
+  if (section.length != 0 && section.shape == Shape::flat) to_first = 1e300;
+  if (section.length != 0 && section.shape != Shape::flat) {
+    const double e = section.c * x + section.s * section.h1, q = section.s * x - section.c * section.h1;
+    to_first = change(q, slant, e * e);
+    to_side = change(q - section.length, slant, e * e);
+  }
   const double reach = std::fabs(y);
-  const double side = min(reach, a.to_side), first = min(reach, a.to_first);
+  const double side = min(reach, to_side), first = min(reach, to_first);
   SlopeStrip strip;
   add_strip(slope_in(section, slant, 2, x), 0, side, strip);
   add_strip(slope_in(section, slant, 1, x), side, first, strip);
