@@ -6,7 +6,7 @@
 
 #include "base/gauss.h"
 #include "borders/root.h"
-#include "exact/field.h"
+#include "section/field.h"
 #include "section/stated_errors.h"
 #include "simd/lane_vectors.h"
 

@@ -15,7 +15,7 @@
 #include <array>
 #include <cmath>
 
-#include "exact/field.h"
+#include "section/field.h"
 #include "section/small_region.h"
 
 namespace lumbrical {

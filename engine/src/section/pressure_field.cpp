@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "exact/field.h"
 #include "exact/field_kernels.h"
 #include "section/boundary_integral.h"
+#include "section/field.h"
 #include "section/pressure.h"
 #include "section/stated_errors.h"
 

@@ -9,8 +9,8 @@
 #include <cmath>
 
 #include "base/elementary.h"
-#include "exact/field.h"
 #include "section/boundary_integral.h"
+#include "section/field.h"
 #include "section/small_region.h"
 
 namespace lumbrical {

@@ -1,5 +1,5 @@
 // The field's integral over small regions, by product rules.
-#include "exact/field.h"
+#include "section/field.h"
 #include "section/pressure.h"
 #include "section/small_region.h"
 #include "section/stated_errors.h"

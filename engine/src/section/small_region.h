@@ -3,8 +3,8 @@
 // slope.
 #pragma once
 
-#include "exact/field.h"
 #include "section/boundary_integral.h"
+#include "section/field.h"
 
 namespace lumbrical {
 
