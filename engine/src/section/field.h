@@ -67,9 +67,4 @@ Singularities kinks_of(const Section& section, const Slant& slant, const Piece& 
 /// Where phi itself is not smooth along the line between two points.
 Singularities line_kinks(const Section& section, const Slant& slant, Point2 from, Point2 to);
 
-/// Integrates phi over a region that is small against its distance from the axis by product rules, and says
-/// so; false where the region is too large or phi not smooth on it. See small_region.h.
-bool field_of_small_region(const Section& section, const Slant& slant, const AreaMoments& area,
-                           const Boundary& boundary, PressureMoments& moments);
-
 }  // namespace lumbrical
