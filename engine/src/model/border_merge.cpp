@@ -9,7 +9,7 @@
 #include <span>
 #include <tuple>
 
-#include "model/triangle_parts.h"
+#include "base/disjoint_sets.h"
 
 namespace lumbrical {
 namespace {
@@ -34,7 +34,7 @@ struct Cell {
 
 // False where no two share a cell that are not one already.
 bool join_in_grid(const Mesh& mesh, const std::vector<std::uint32_t>& border, double width,
-                  const std::array<double, 3>& shift, TriangleParts& joined) {
+                  const std::array<double, 3>& shift, DisjointSets& joined) {
   std::vector<Cell> cells;
   cells.reserve(border.size());
   for (std::uint32_t i = 0; i < border.size(); ++i) {
@@ -47,8 +47,8 @@ bool join_in_grid(const Mesh& mesh, const std::vector<std::uint32_t>& border, do
   bool any = false;
   for (std::size_t i = 1; i < cells.size(); ++i) {
     if (cells[i].place != cells[i - 1].place) continue;
-    any = any || joined.find(cells[i].vertex).part != joined.find(cells[i - 1].vertex).part;
-    joined.join(cells[i].vertex, cells[i - 1].vertex, false);
+    any = any || joined.find(cells[i].vertex) != joined.find(cells[i - 1].vertex);
+    joined.join(cells[i].vertex, cells[i - 1].vertex);
   }
   return any;
 }
@@ -59,7 +59,7 @@ bool merge_borders(const Mesh& mesh, const MeshEdges& edges, double width,
                    std::vector<std::uint32_t>& first) {
   if (!(width > 0 && std::isfinite(width))) return false;
   const std::vector<std::uint32_t> border = border_vertices(edges);
-  TriangleParts joined(border.size());  // of places in `border` here
+  DisjointSets joined(border.size());  // of places in `border` here
   bool any = false;
   for (const double x : {0.0, 0.5})
     for (const double y : {0.0, 0.5})
@@ -68,7 +68,7 @@ bool merge_borders(const Mesh& mesh, const MeshEdges& edges, double width,
 
   std::vector<std::uint32_t> renamed(mesh.vertices.size());
   std::iota(renamed.begin(), renamed.end(), 0u);
-  for (std::uint32_t i = 0; i < border.size(); ++i) renamed[border[i]] = border[joined.find(i).part];
+  for (std::uint32_t i = 0; i < border.size(); ++i) renamed[border[i]] = border[joined.find(i)];
   if (first.empty()) {
     first = std::move(renamed);
   } else {

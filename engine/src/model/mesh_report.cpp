@@ -6,9 +6,9 @@
 #include <span>
 #include <tuple>
 
+#include "base/disjoint_sets.h"
 #include "lumbrical/mesh.h"
 #include "model/mesh_edges.h"
-#include "model/triangle_parts.h"
 #include "model/triangle_shape.h"
 #include "model/vertex_merge.h"
 
@@ -186,15 +186,15 @@ void judge_edge(std::uint32_t low, std::span<const HalfEdge> edge, MeshReport& r
 
 void count_edges(const Subject& subject, MeshReport& report) {
   const MeshEdges edges = edges_of(subject.mesh, subject.first);
-  TriangleParts parts(subject.mesh.triangles.size());
+  DisjointSets parts(subject.mesh.triangles.size());
   EdgeExamples examples{{report.examples}, {report.examples}, {report.examples}};
   edges.for_each([&](std::uint32_t low, std::span<const HalfEdge> edge) {
-    for (const HalfEdge half : edge) parts.join(edge[0].triangle(), half.triangle(), false);
+    for (const HalfEdge half : edge) parts.join(edge[0].triangle(), half.triangle());
     judge_edge(low, edge, report, examples);
   });
   for (std::size_t i = 0; i < subject.mesh.triangles.size(); ++i) {
     const bool counted = !corners_coincide(subject.merged(i));
-    if (counted && parts.find(static_cast<std::uint32_t>(i)).part == i) ++report.components;
+    if (counted && parts.find(static_cast<std::uint32_t>(i)) == i) ++report.components;
   }
   report.watertight = !edges.half.empty() && report.boundary_edges == 0 && report.non_manifold_edges == 0 &&
                       report.misoriented_edges == 0;

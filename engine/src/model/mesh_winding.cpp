@@ -9,6 +9,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "base/disjoint_sets.h"
 #include "base/floating_point.h"
 #include "model/border_merge.h"
 #include "model/mesh_edges.h"
@@ -142,22 +143,22 @@ void fill_holes(const Mesh& mesh, std::vector<Border> borders, std::vector<MeshP
     const auto found = std::lower_bound(corner.begin(), corner.end(), std::pair(part, vertex));
     return static_cast<std::uint32_t>(found - corner.begin());
   };
-  TriangleParts holes(corner.size());  // of corners here
+  DisjointSets holes(corner.size());  // of corners
   for (Border& border : borders) {
     border.from = place(border.part, border.from);
     border.to = place(border.part, border.to);
-    holes.join(border.from, border.to, false);
+    holes.join(border.from, border.to);
   }
   std::vector<Vec3> middle(corner.size());
   std::vector<double> count(corner.size(), 0);
   for (std::uint32_t i = 0; i < corner.size(); ++i) {
-    const std::uint32_t hole = holes.find(i).part;
+    const std::uint32_t hole = holes.find(i);
     middle[hole] += mesh.vertices[corner[i].second] - parts[corner[i].first].origin;
     count[hole] += 1;
   }
   for (const Border& border : borders) {
     MeshPart& part = parts[border.part];
-    const std::uint32_t hole = holes.find(border.from).part;
+    const std::uint32_t hole = holes.find(border.from);
     const Vec3 apex = middle[hole] / count[hole];
     const Vec3 from = mesh.vertices[corner[border.from].second] - part.origin;
     const Vec3 to = mesh.vertices[corner[border.to].second] - part.origin;
