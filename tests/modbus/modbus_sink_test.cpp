@@ -283,16 +283,5 @@ TEST_F(ModbusLoop, SixteenAndThreeInThePlaceOfTwentyThree) {
   EXPECT_TRUE(eventually([&] { return sink.acknowledged > 20; }));
 }
 
-TEST(BusCycle, IsWhatTheLineCanCarry) {
-  DeviceProfile profile = test::shipped_profile("exoskeleton_serial");
-  profile.sensors.clear();
-  profile.status.present = profile.heartbeat.echoed = false;
-  profile.control.present = profile.heartbeat.present = false;
-  EXPECT_NEAR(1 / bus_cycle(profile), 80, 0.5);  // FC16 of 60 registers at 115200 baud
-  for (Actuator& actuator : profile.actuators) actuator.local.present = false;
-  for (std::size_t i = 0; i < 15; ++i) profile.actuators[i].field.address = static_cast<std::uint16_t>(i);
-  EXPECT_NEAR(1 / bus_cycle(profile), 115200 / 10.0 / (9 + 30 + 8 + 7), 1);
-}
-
 }  // namespace
 }  // namespace lumbrical

@@ -12,7 +12,4 @@ namespace lumbrical {
 /// Refuses a profile whose registers don't agree (check_profile), and a public address.
 Status make_modbus_wire(const DeviceProfile& profile, std::unique_ptr<DeviceWire>& wire);
 
-/// [s] one cycle of the profile takes on its serial line at best; 0 for TCP.
-double bus_cycle(const DeviceProfile& profile);
-
 }  // namespace lumbrical

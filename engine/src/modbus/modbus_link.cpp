@@ -210,17 +210,4 @@ LinkResult ModbusLink::receive(const ModbusQuestion& question, std::int64_t end,
   }
 }
 
-double line_time(const DeviceProfile& profile) {
-  if (profile.transport.kind != TransportKind::rtu) return 0;
-  const ExchangePlan plan = plan_exchange(profile);
-  double characters = 0;
-  if (plan.combined) {
-    characters = 13 + 2 * plan.writes[0].count + 5 + 2 * plan.reads[0].count + 7;
-  } else {
-    for (const RegisterBlock& block : plan.writes) characters += 9 + 2 * block.count + 8 + 7;
-    for (const RegisterBlock& block : plan.reads) characters += 8 + 5 + 2 * block.count + 7;
-  }
-  return characters * character_bits(profile.transport) / profile.transport.baud;
-}
-
 }  // namespace lumbrical

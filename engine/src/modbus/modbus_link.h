@@ -65,8 +65,4 @@ class ModbusLink {
   Bytes frame_, received_;
 };
 
-/// [s] one cycle takes on a serial line: characters on the wire and the silence of 3.5 of them between
-/// frames. 0 for TCP.
-double line_time(const DeviceProfile& profile);
-
 }  // namespace lumbrical

@@ -152,6 +152,4 @@ Status make_modbus_wire(const DeviceProfile& profile, std::unique_ptr<DeviceWire
   return {};
 }
 
-double bus_cycle(const DeviceProfile& profile) { return line_time(profile); }
-
 }  // namespace lumbrical
