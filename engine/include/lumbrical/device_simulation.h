@@ -103,9 +103,6 @@ class SimulatedDevice {
   [[nodiscard]] const JointArray& torque() const { return torque_; }       ///< [N m] opening, acting now
   [[nodiscard]] const ActuatorArray& command() const { return command_; }  ///< acting now, in commands' units
   [[nodiscard]] bool switched_on() const;
-  [[nodiscard]] double silence() const {
-    return silence_;
-  }  ///< [s] since the last command with a new heartbeat
 
  private:
   using Place = std::pair<std::uint8_t, std::uint16_t>;
