@@ -19,8 +19,6 @@
 
 #include "lumbrical/model.h"
 
-class btDiscreteDynamicsWorld;
-
 namespace lumbrical {
 
 struct BulletOptions {
@@ -49,9 +47,5 @@ void push_bodies(BulletWorld& world, std::span<const ObjectOutput> outputs);
 /// order: it tells where those without a mass are to be, and is told where the others are. What Bullet has
 /// lost is told as it is, not finite: tick flags it and lets forces fade.
 void move_bodies(BulletWorld& world, double dt, std::span<ObjectFrame> given);
-
-/// For whoever wants more of Bullet: constraints between bodies, say. Its lengths are in centimetres. The
-/// body of the i-th given object is its i-th collision object.
-btDiscreteDynamicsWorld& dynamics_of(BulletWorld& world);
 
 }  // namespace lumbrical

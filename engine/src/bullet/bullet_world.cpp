@@ -177,6 +177,4 @@ void move_bodies(BulletWorld& world, double dt, std::span<ObjectFrame> given) {
       given[i].pose = from_bullet(bodies[i].body->getWorldTransform() * bodies[i].X_OC.inverse());
 }
 
-btDiscreteDynamicsWorld& dynamics_of(BulletWorld& world) { return world.bodies->world; }
-
 }  // namespace lumbrical
