@@ -86,15 +86,12 @@ struct ObjectSurface {
   /// Makes `approach` nearer where a triangle lies nearer to the sphere.
   void ask(const SkinSphere& sphere, Approach& approach) const {
     if (tree.head.leaf_count == 0 || approach.distance == 0) return;
-    for (std::size_t block = 0; block < top_blocks(); ++block)
-      descend(tree.head.level_count, block, sphere, approach);
+    const std::size_t level = tree.head.level_count;  // at least 1: there is a leaf
+    for (std::size_t block = 0; block < layout.blocks[level - 1]; ++block)
+      descend(level, block, sphere, approach);
   }
 
  private:
-  [[nodiscard]] std::size_t top_blocks() const {
-    return tree.head.level_count == 0 ? layout.lowest : layout.blocks[tree.head.level_count - 1u];
-  }
-
   // `level` counts down: at 0 a block's spheres are triangles', above they bound a leaf or a block each.
   void descend(std::size_t level, std::size_t block, const SkinSphere& sphere, Approach& approach) const {
     std::size_t first = 0;  // block of the level; the last level lies first
