@@ -68,6 +68,9 @@ std::vector<DeviceFrame> touching_frames(const Hand& hand, Touch touch, double e
   return frames;
 }
 
+namespace {
+
+// Triangles contacted in a tick, each counted once: the mean over the poses.
 double touched_triangles(const Model& model, const std::vector<DeviceFrame>& frames) {
   State state;
   Scratch scratch = make_scratch(model);
@@ -81,6 +84,8 @@ double touched_triangles(const Model& model, const std::vector<DeviceFrame>& fra
   }
   return sum / static_cast<double>(frames.size());
 }
+
+}  // namespace
 
 double depth_touching(const Model& model, Touch touch, double extent, int count, double wanted) {
   double low = -0.008, high = 0.008;

@@ -34,9 +34,6 @@ Scene field_scene(const Hand& hand, bool fine, std::uint32_t cells);
 std::vector<DeviceFrame> touching_frames(const Hand& hand, Touch touch, double extent, int count,
                                          double depth = 0.001);
 
-/// Triangles contacted in a tick, each counted once: the mean over the poses.
-double touched_triangles(const Model& model, const std::vector<DeviceFrame>& frames);
-
 /// The depth [m] from which touching_frames touch `wanted` triangles on average, as nearly as bisection finds
 /// it between -8 and 8 mm.
 double depth_touching(const Model& model, Touch touch, double extent, int count, double wanted);

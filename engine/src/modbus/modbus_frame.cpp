@@ -20,6 +20,15 @@ void put_word(Bytes& bytes, std::uint16_t value) {
   bytes.push_back(static_cast<std::uint8_t>(value & 0xFF));
 }
 
+std::uint16_t modbus_crc(std::span<const std::uint8_t> bytes) {
+  unsigned crc = 0xFFFF;
+  for (const std::uint8_t byte : bytes) {
+    crc ^= byte;
+    for (int bit = 0; bit < 8; ++bit) crc = (crc & 1) != 0 ? crc >> 1 ^ 0xA001u : crc >> 1;
+  }
+  return static_cast<std::uint16_t>(crc);
+}
+
 void put_checksum(Bytes& frame) {
   const std::uint16_t crc = modbus_crc(frame);
   frame.push_back(static_cast<std::uint8_t>(crc & 0xFF));
@@ -71,15 +80,6 @@ int rtu_length(const Bytes& bytes) {
 }
 
 }  // namespace
-
-std::uint16_t modbus_crc(std::span<const std::uint8_t> bytes) {
-  unsigned crc = 0xFFFF;
-  for (const std::uint8_t byte : bytes) {
-    crc ^= byte;
-    for (int bit = 0; bit < 8; ++bit) crc = (crc & 1) != 0 ? crc >> 1 ^ 0xA001u : crc >> 1;
-  }
-  return static_cast<std::uint16_t>(crc);
-}
 
 Bytes answer_request(const RegisterAccess& access, std::uint8_t unit, std::span<const std::uint8_t> request) {
   if (request.empty()) return exception(0, kIllegalFunction);

@@ -14,8 +14,6 @@ using Bytes = std::vector<std::uint8_t>;
 /// Exceptions that we give. Of those that we get, the first two say that it will be no other the next time.
 enum ModbusException : int { kIllegalFunction = 1, kIllegalAddress = 2, kIllegalValue = 3 };
 
-std::uint16_t modbus_crc(std::span<const std::uint8_t> bytes);
-
 /// The registers behind a server. Both answer 0 or an exception code.
 struct RegisterAccess {
   std::function<bool(std::uint8_t unit)> has_unit;

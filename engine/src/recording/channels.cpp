@@ -89,12 +89,12 @@ static_assert(2 * kKinds.size() <= kMostChannelsInChunk, "of two hands");
 
 const Kind& kind_of(MessageKind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
 
-}  // namespace
-
 std::string topic_of(const RecordingChannel& channel) {
   return (channel.side ? std::string(side_name(*channel.side)) + "/" : std::string()) +
          std::string(kind_of(channel.kind).topic);
 }
+
+}  // namespace
 
 std::optional<RecordingChannel> channel_of_topic(std::string_view topic) {
   for (std::size_t kind = 0; kind < kKinds.size(); ++kind)
@@ -103,13 +103,6 @@ std::optional<RecordingChannel> channel_of_topic(std::string_view topic) {
       if (topic == topic_of(channel)) return channel;
     }
   return std::nullopt;
-}
-
-// Other tools may have given a lone channel of ticks another topic.
-std::optional<RecordingChannel> find_channel(std::string_view schema, std::string_view topic) {
-  const std::optional<RecordingChannel> named = channel_of_topic(topic);
-  if (named && schema == kind_of(named->kind).schema) return named;
-  return schema == kTickSchemaName ? std::optional(RecordingChannel{}) : std::nullopt;
 }
 
 std::vector<RecordingChannel> channels_of(const std::vector<Side>& hands,
@@ -139,6 +132,17 @@ McapWriter::Start::Channel start_of(const RecordingChannel& channel) {
   return {kind_of(channel.kind).schema, tick ? tick_schema() : view_schema(), topic_of(channel),
           tick ? tick_metadata() : view_metadata(channel.kind)};
 }
+
+namespace {
+
+// None: somebody else's. Other tools may have given a lone channel of ticks another topic.
+std::optional<RecordingChannel> find_channel(std::string_view schema, std::string_view topic) {
+  const std::optional<RecordingChannel> named = channel_of_topic(topic);
+  if (named && schema == kind_of(named->kind).schema) return named;
+  return schema == kTickSchemaName ? std::optional(RecordingChannel{}) : std::nullopt;
+}
+
+}  // namespace
 
 bool ChannelIds::has(MessageKind kind) const {
   return std::any_of(channels_.begin(), channels_.end(),

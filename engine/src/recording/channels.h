@@ -23,14 +23,8 @@ struct RecordingChannel {
   friend bool operator==(const RecordingChannel&, const RecordingChannel&) = default;
 };
 
-/// "tick", "left/tick", "pose"
-std::string topic_of(const RecordingChannel& channel);
-
-/// The channel whose topic_of this is, if there is one.
+/// The channel of a topic ("tick", "left/tick", "pose"), if there is one.
 std::optional<RecordingChannel> channel_of_topic(std::string_view topic);
-
-/// What a channel of this topic carries, whose schema is of this name; none: somebody else's.
-std::optional<RecordingChannel> find_channel(std::string_view schema, std::string_view topic);
 
 /// Those of a session with these hands, in the order in which the recorder numbers them, from 1: the ticks of
 /// all hands first, then of each kind of `views`, which are in order. What is no hand's is the first one's.
