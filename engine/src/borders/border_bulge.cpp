@@ -260,7 +260,7 @@ Course follow_border(const Section& section, const Rival& rival, Chord& chord) {
   const Slant slant = slant_of(section);
   const auto field = [&](double s) {
     const Point2 p = border.point(s);
-    return field_of(section, slant, zone_of(section, slant, p).zone, p);
+    return field_of(section, slant, zone_of(section, slant, p).part, p);
   };
   const double begin = field(0), end = field(chord.length);
   double from = 0, to = chord.length;
@@ -307,7 +307,7 @@ void integrate_way(const Section& section, const Slant& slant, Point2 foot, Poin
   mean = lean = 0;
   graded_nodes(0, 1, kinks, [&](double share, double weight) {
     const Point2 p = foot + share * way;
-    const double part = weight * field_of(section, slant, zone_of(section, slant, p).zone, p);
+    const double part = weight * field_of(section, slant, zone_of(section, slant, p).part, p);
     mean += part;
     lean += share * part;
   });
@@ -370,12 +370,13 @@ namespace {
 
 // d phi / dn: docs/mechanics.md.
 double rise_at(const Section& section, const Slant& slant, Point2 p) {
-  const int zone = zone_of(section, slant, p).zone;
-  if (zone == 1) {
+  const Zone::Part part = zone_of(section, slant, p).part;
+  if (part == Zone::side) {
     const double e = section.c * p.x + section.s * section.h1, rho = std::sqrt(e * e + p.y * p.y);
     return (rho > 0 ? slant.cosine * section.s * e / rho : 0) - section.c * slant.sine;
   }
-  const double x = zone == 0 ? p.x : p.x - section.x2, h = zone == 0 ? section.h1 : section.h2;
+  const bool first = part == Zone::first_end;
+  const double x = first ? p.x : p.x - section.x2, h = first ? section.h1 : section.h2;
   const double r = std::sqrt(x * x + p.y * p.y + h * h);
   return r > 0 ? h / r : 0;
 }
@@ -402,7 +403,7 @@ bool integrate_bulge_slope(const Section& section, const Rival& rival, const Joi
     if (!(far > 0)) return;
     const Vec3 m = around.normal - around.side * ((x / far) * around.x + (y / far) * around.y);
     const double tilt = dot(m, section.n) / std::fabs(dot(m, across));
-    const double phi = field_of(section, slant, zone_of(section, slant, top).zone, top);
+    const double phi = field_of(section, slant, zone_of(section, slant, top).part, top);
     slope.add(top, -weight * chord.length * phi * (rival.is_first ? tilt : -tilt));
   });
   return border.good;

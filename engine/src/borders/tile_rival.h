@@ -42,17 +42,18 @@ inline Sight sight_of(const Cone& cone, Point2 p) {
   return {from, norm(from), axial, radial, cone.cosine * axial - cone.sine * radial};
 }
 
-/// Which sphere is the nearest: of the joint (0), one between (1), or the far one (2).
-inline int part_of(const Cone& cone, const Sight& sight) {
-  if (cone.kind != Cone::hull) return cone.kind == Cone::joint_only ? 0 : 2;
-  return sight.along < 0 ? 0 : sight.along < cone.cosine * cone.length ? 1 : 2;
+/// Which sphere is the nearest: of the joint (the first end), one between (on the side), or the far one.
+inline Zone::Part part_of(const Cone& cone, const Sight& sight) {
+  if (cone.kind != Cone::hull) return cone.kind == Cone::joint_only ? Zone::first_end : Zone::second_end;
+  if (sight.along < 0) return Zone::first_end;
+  return sight.along < cone.cosine * cone.length ? Zone::side : Zone::second_end;
 }
 
 inline double cone_field(const Cone& cone, const Sight& sight) {
   switch (part_of(cone, sight)) {
-    case 0:
+    case Zone::first_end:
       return cone.radius - sight.distance;
-    case 1:
+    case Zone::side:
       return cone.radius - cone.sine * sight.axial - cone.cosine * sight.radial;
     default:
       return cone.radius - cone.drop - norm(sight.from - cone.length * cone.axis);
@@ -61,13 +62,13 @@ inline double cone_field(const Cone& cone, const Sight& sight) {
 
 /// The field's gradient within the plane; 0 where it has none.
 inline Point2 cone_slope(const Cone& cone, const Sight& sight) {
-  const int part = part_of(cone, sight);
+  const Zone::Part part = part_of(cone, sight);
   Vec3 down;  // away from the nearest sphere's centre, unit
-  if (part == 1) {
+  if (part == Zone::side) {
     const Vec3 out = unit_or(sight.from - sight.axial * cone.axis, {});
     down = cone.sine * cone.axis + cone.cosine * out;
   } else {
-    down = unit_or(part == 0 ? sight.from : sight.from - cone.length * cone.axis, {});
+    down = unit_or(part == Zone::first_end ? sight.from : sight.from - cone.length * cone.axis, {});
   }
   return {-down.x, -down.y};
 }
@@ -76,7 +77,7 @@ inline Point2 cone_slope(const Cone& cone, const Sight& sight) {
 inline double lead_of(const Cone& cone, const Sight& sight) {
   const double distance = sight.distance;
   if (cone.kind == Cone::joint_only) return -2 * distance;
-  if (part_of(cone, sight) == 2) {
+  if (part_of(cone, sight) == Zone::second_end) {
     const double far = norm(sight.from - cone.length * cone.axis), sum = distance + far;
     const double rise = sum > 0 ? cone.length * (2 * sight.axial - cone.length) / sum - cone.drop : 0;
     return std::sqrt(distance * max(0, rise));

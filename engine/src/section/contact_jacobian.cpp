@@ -143,7 +143,7 @@ struct SectionField {
   const Section& section;
   Slant slant;
   [[nodiscard]] double at(Point2 p) const {
-    return field_of(section, slant, zone_of(section, slant, p).zone, p);
+    return field_of(section, slant, zone_of(section, slant, p).part, p);
   }
   [[nodiscard]] Singularities kinks(Point2 from, Point2 to) const {
     return line_kinks(section, slant, from, to);

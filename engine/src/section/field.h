@@ -29,32 +29,32 @@ inline Distance to_centre(double radius, double x, double h) {
   return {radius, 1, x * x + h * h, (radius - h) * (radius + h) - x * x};
 }
 
-/// Which distance phi is made of at p (0 first end, 1 side, 2 second end), and how far it is to where that
-/// changes.
+/// Which distance phi is made of at p, and how far it is to where that changes.
 struct FieldZone {
-  int zone;
+  Zone::Part part;
   double margin;  ///< [m]
 };
 
 inline FieldZone zone_of(const Section& section, const Slant& slant, Point2 p) {
-  if (section.length == 0) return {0, 1e300};
-  if (section.shape == Shape::flat) return {1, 1e300};
+  if (section.length == 0) return {Zone::first_end, 1e300};
+  if (section.shape == Shape::flat) return {Zone::side, 1e300};
   const double e = section.c * p.x + section.s * section.h1, q = section.s * p.x - section.c * section.h1;
   const double rho = std::sqrt(e * e + p.y * p.y);
   const double first = slant.cosine * q - slant.sine * rho, second = first - slant.cosine * section.length;
-  return {first < 0 ? 0 : second < 0 ? 1 : 2, min(std::fabs(first), std::fabs(second))};
+  const Zone::Part beyond_first = second < 0 ? Zone::side : Zone::second_end;
+  return {first < 0 ? Zone::first_end : beyond_first, min(std::fabs(first), std::fabs(second))};
 }
 
-/// phi at p, which lies in the given zone.
-inline double field_of(const Section& section, const Slant& slant, int zone, Point2 p) {
+/// phi at p, which lies in the given part.
+inline double field_of(const Section& section, const Slant& slant, Zone::Part part, Point2 p) {
   Distance distance;
-  if (zone == 1) {
+  if (part == Zone::side) {
     const double e = section.c * p.x + section.s * section.h1, q = section.s * p.x - section.c * section.h1;
     const double level = section.radius1 - slant.sine * q, scaled = slant.cosine * e;
     distance = {level, slant.cosine, e * e, (level - scaled) * (level + scaled)};
   } else {
-    distance = zone == 0 ? to_centre(section.radius1, p.x, section.h1)
-                         : to_centre(section.radius2, p.x - section.x2, section.h2);
+    distance = part == Zone::first_end ? to_centre(section.radius1, p.x, section.h1)
+                                       : to_centre(section.radius2, p.x - section.x2, section.h2);
   }
   const auto [level, factor, d2, gap] = distance;
   return (gap - factor * factor * p.y * p.y) / (level + factor * std::sqrt(d2 + p.y * p.y));

@@ -164,8 +164,8 @@ bool field_of_small_region(const Section& section, const Slant& slant, const Are
                            const Boundary& boundary, PressureMoments& moments) {
   moments = {};
   moments.error = kDiscError * section.radius1 * section.radius1 * section.radius1;
-  return small_region_nodes(section, slant, area, boundary, 1, [&](int zone, Point2 p, double weight) {
-    const double share = weight * field_of(section, slant, zone, p);
+  return small_region_nodes(section, slant, area, boundary, 1, [&](Zone::Part part, Point2 p, double weight) {
+    const double share = weight * field_of(section, slant, part, p);
     moments.volume += share;
     moments.first = moments.first + share * p;
   });
@@ -175,7 +175,7 @@ bool field_of_small_region(const Section& section, const Slant& slant, const Are
 
 double field_at(const Section& section, Point2 p) {
   const Slant slant = slant_of(section);
-  return field_of(section, slant, zone_of(section, slant, p).zone, p);
+  return field_of(section, slant, zone_of(section, slant, p).part, p);
 }
 
 PressureMoments field_moments(const FieldKernels& kernels, const Section& section, const AreaMoments& area,

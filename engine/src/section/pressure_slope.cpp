@@ -21,9 +21,9 @@ struct Slope {
   double constant, factor, d2;
 };
 
-Slope slope_in(const Section& section, const Slant& slant, int zone, double x) {
-  if (zone == 0) return {0, section.h1, x * x + section.h1 * section.h1};
-  if (zone == 2) {
+Slope slope_in(const Section& section, const Slant& slant, Zone::Part part, double x) {
+  if (part == Zone::first_end) return {0, section.h1, x * x + section.h1 * section.h1};
+  if (part == Zone::second_end) {
     const double dx = x - section.x2;
     return {0, section.h2, dx * dx + section.h2 * section.h2};
   }
@@ -90,9 +90,9 @@ SlopeStrip slope_strip_to(const Section& section, const Slant& slant, double x, 
   const double reach = std::fabs(y);
   const double side = min(reach, to_side), first = min(reach, to_first);
   SlopeStrip strip;
-  add_strip(slope_in(section, slant, 2, x), 0, side, strip);
-  add_strip(slope_in(section, slant, 1, x), side, first, strip);
-  add_strip(slope_in(section, slant, 0, x), max(first, side), reach, strip);
+  add_strip(slope_in(section, slant, Zone::second_end, x), 0, side, strip);
+  add_strip(slope_in(section, slant, Zone::side, x), side, first, strip);
+  add_strip(slope_in(section, slant, Zone::first_end, x), max(first, side), reach, strip);
   if (y < 0) {
     strip.zeroth = -strip.zeroth;
     strip.second = -strip.second;
@@ -127,8 +127,8 @@ SlopeMoments slope_by_boundary(const Section& section, const Slant& slant, const
 SlopeMoments slope_moments(const Section& section, const AreaMoments& area, const Boundary& boundary) {
   const Slant slant = slant_of(section);
   SlopeMoments sum;
-  const auto add = [&](int zone, Point2 p, double weight) {
-    const Slope slope = slope_in(section, slant, zone, p.x);
+  const auto add = [&](Zone::Part part, Point2 p, double weight) {
+    const Slope slope = slope_in(section, slant, part, p.x);
     sum.add(p, weight * (slope.constant + slope.factor / std::sqrt(slope.d2 + p.y * p.y)));
   };
   if (small_region_nodes(section, slant, area, boundary, 2, add)) return sum;

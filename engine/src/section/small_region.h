@@ -73,13 +73,13 @@ inline double reach_from(Point2 p, const Boundary& boundary) {
 }
 
 // The least distance of the axis, where phi has its kink, from the plane.
-inline double axis_height(const Section& section, int zone) {
-  if (zone == 0) return std::fabs(section.h1);
-  if (zone == 2) return std::fabs(section.h2);
+inline double axis_height(const Section& section, Zone::Part part) {
+  if (part == Zone::first_end) return std::fabs(section.h1);
+  if (part == Zone::second_end) return std::fabs(section.h2);
   return section.h1 * section.h2 > 0 ? min(std::fabs(section.h1), std::fabs(section.h2)) : 0;
 }
 
-/// Calls f(zone, p, weight) at nodes for the integral over a region on which phi is smooth and which is small
+/// Calls f(part, p, weight) at nodes for the integral over a region on which phi is smooth and which is small
 /// against its distance from the axis, and says so; false where the region is not. With `strictness` above 1
 /// it has to be that much smaller: for derivatives of phi, or for more digits.
 template <class F>
@@ -90,11 +90,11 @@ bool small_region_nodes(const Section& section, const Slant& slant, const AreaMo
   const double radius = reach_from(area.centroid, boundary);
   if (!(radius < here.margin)) return false;
   const Point2 corner = corner_of(boundary);
-  const double phi = field_of(section, slant, here.zone, area.centroid);
-  const double clearance = max(section.radius2 - phi - radius, axis_height(section, here.zone));
+  const double phi = field_of(section, slant, here.part, area.centroid);
+  const double clearance = max(section.radius2 - phi - radius, axis_height(section, here.part));
   // n nodes on a length l at a distance d from the axis leave about (2 + 4 d / l)^(-2 n).
   const double size = clearance > 0 ? strictness * (reach_from(corner, boundary) / clearance) : 1e300;
-  const auto node = [&](Point2 p, double weight) { f(here.zone, p, weight); };
+  const auto node = [&](Point2 p, double weight) { f(here.part, p, weight); };
   if (size < 0.03) {
     region_nodes(node, kGauss4, section, corner, boundary);
   } else if (size < 0.2) {
