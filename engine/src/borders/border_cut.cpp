@@ -40,11 +40,7 @@ double height_bound(const JointBorder& border, Vec3 from, Vec3 to, Vec3 n) {
 
 // Does the tile keep clear of a chord and of all that may lie between it and its border?
 bool keeps_clear(const Primitive& tile, Vec3 joint, Vec3 from, Vec3 to, double height) {
-  Primitive axis, chord;
-  axis.end1 = tile.end1 - joint;
-  axis.end2 = tile.end2 - joint;
-  chord.end1 = from;
-  chord.end2 = to;
+  const Segment axis{tile.end1 - joint, tile.end2 - joint}, chord{from, to};
   return segment_distance(axis, chord) > kCutMargin * (max(tile.radius1, tile.radius2) + height);
 }
 

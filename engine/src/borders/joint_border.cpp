@@ -106,9 +106,9 @@ Vec3 half_way(Vec3 here, Vec3 next) {
   return unit_or(norm(across) > 1e-14 ? across : cross(here, some), {1, 0, 0});
 }
 
-double segment_distance(const Primitive& a, const Primitive& b) {
+double segment_distance(const Segment& a, const Segment& b) {
   const auto square_of = [](Vec3 v) { return dot(v, v); };
-  const auto from_point = [&](Vec3 p, const Primitive& s) {
+  const auto from_point = [&](Vec3 p, const Segment& s) {
     const Vec3 axis = s.end2 - s.end1;
     const double square = square_of(axis);
     const double t = square > 0 ? clamp(dot(p - s.end1, axis) / square, 0, 1) : 0;
@@ -140,9 +140,7 @@ Bound bound_of(Vec3 a, Vec3 b, Vec3 c) {
 
 bool reaches(const Primitive& capsule, Vec3 a, Vec3 b, Vec3 c) {
   const Bound bound = bound_of(a, b, c);
-  Primitive centre;
-  centre.end1 = centre.end2 = bound.centre;
-  return segment_distance(capsule, centre) <=
+  return segment_distance(Segment{capsule.end1, capsule.end2}, Segment{bound.centre, bound.centre}) <=
          kMargin * (max(capsule.radius1, capsule.radius2) + bound.radius);
 }
 

@@ -27,9 +27,17 @@ void set_joint_borders(Primitives& hand);
 /// Fills hand.folded, likewise.
 void set_folded_fingers(Primitives& hand);
 
-/// Least distance of the axes of two primitives, of an end from the other axis or of the lines between their
-/// ends [m].
-double segment_distance(const Primitive& a, const Primitive& b);
+struct Segment {
+  Vec3 end1, end2;  ///< [m]
+};
+
+/// [m] Least distance of two segments: of an end from the other one, or of the lines between their ends.
+double segment_distance(const Segment& a, const Segment& b);
+
+/// The same of two primitives' axes.
+inline double segment_distance(const Primitive& a, const Primitive& b) {
+  return segment_distance(Segment{a.end1, a.end2}, Segment{b.end1, b.end2});
+}
 
 /// Could this border be anything but a plane on the triangle? Cheap.
 bool is_in_reach(const JointBorder& border, Vec3 a, Vec3 b, Vec3 c);
