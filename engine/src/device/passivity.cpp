@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/small_turn.h"
 #include "lumbrical/math.h"
 
 namespace lumbrical {
@@ -204,9 +205,7 @@ std::array<double, kFingerCount> arm_work(const Pose& before, const Pose& after,
                                           const std::array<Pose, kJointCount>& X_WJ,
                                           const HandForces& forces) {
   const Vec3 moved = after.position - before.position;
-  const Quat turn = after.orientation * conjugate(before.orientation);
-  // Twice the vector part is the rotation vector to second order, and a tick turns little.
-  const Vec3 turned = (turn.w < 0 ? -2.0 : 2.0) * Vec3{turn.x, turn.y, turn.z};
+  const Vec3 turned = small_turn(before.orientation, after.orientation);
   std::array<double, kFingerCount> work{};
   for (std::size_t s = 0; s < kPhalanxCount; ++s) {
     const Vec3 lever = X_WJ[kPhalanxJoints[s].base].position - after.position;
