@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "base/steady_clock.h"
 #include "lumbrical/math.h"
 
 namespace lumbrical {
@@ -28,7 +29,7 @@ JointTorque torque_about(const DeviceProfile& profile, const ActuatorArray& acte
 
 bool jumps(const JointDynamics& joint, float angle, std::int64_t now, const AngleMemory& memory) {
   if (memory.asked == 0) return false;
-  const double passed = static_cast<double>(now - memory.asked) * 1e-9;
+  const double passed = in_seconds(now - memory.asked);
   const double moved = std::fabs(static_cast<double>(angle) - static_cast<double>(memory.believed));
   return moved > kFastestJoint * passed + 2 * joint.encoder_step + kSlack;
 }
@@ -43,7 +44,7 @@ bool is_stuck(const JointDynamics& joint, const JointTorque& torque, float angle
   }
   memory.low = min(memory.low, torque.now);
   memory.high = max(memory.high, torque.now);
-  const bool still = static_cast<double>(now - memory.since) * 1e-9 >= kStillTime;
+  const bool still = in_seconds(now - memory.since) >= kStillTime;
   return still && torque.span > 0 &&
          memory.high - memory.low > max(kStillShare * torque.span, 4 * joint.friction);
 }
