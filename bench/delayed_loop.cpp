@@ -26,7 +26,7 @@ std::int64_t ns(double seconds) { return static_cast<std::int64_t>(seconds * 1e9
 JointArray closing(const DeviceFrame& frame) {
   JointArray target;
   for (std::size_t j = 0; j < kPhalanxCount; ++j)
-    target[j] = static_cast<double>(frame.angle[4 * (j / 3) + 1 + j % 3]);
+    target[j] = static_cast<double>(frame.angle[flexion_angle(j)]);
   return target;
 }
 

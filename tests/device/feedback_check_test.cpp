@@ -132,7 +132,7 @@ TEST_F(FeedbackCheck, NothingIsDoubtedInASimulatedHandWhateverTorquesDoToIt) {
       device.advance(1e-3);
       feedback.acted = command;
       for (std::size_t j = 0; j < kPhalanxCount; ++j) {
-        feedback.angle[4 * (j / 3) + 1 + j % 3] =
+        feedback.angle[flexion_angle(j)] =
             static_cast<float>(read_encoder(profile.dynamics[j], device.joints()[j].angle));
       }
       ASSERT_EQ(look(), 0u) << "stiffness " << stiffness << ", " << i << " ms";

@@ -41,7 +41,7 @@ Status intend_scene(const std::string& path, SimulationOptions& simulation) {
   simulation.intention = [motion = scene.motion](double time, JointArray& target) {
     const DeviceFrame frame = resample(motion, std::min(time, duration(motion)));
     for (std::size_t j = 0; j < kPhalanxCount; ++j) {
-      target[j] = static_cast<double>(frame.angle[4 * (j / 3) + 1 + j % 3]);
+      target[j] = static_cast<double>(frame.angle[flexion_angle(j)]);
     }
   };
   return {};

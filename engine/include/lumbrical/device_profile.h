@@ -227,6 +227,16 @@ constexpr std::size_t sensed_joint(const Sensor& sensor) {
   return 3 * finger + (motion == 0 ? 0 : motion - 1);
 }
 
+/// Where the flexion of a joint stands among the angles of a frame (hand.h); the joint as above.
+constexpr std::size_t flexion_angle(std::size_t joint) { return 4 * (joint / 3) + 1 + joint % 3; }
+
+/// The joint that an actuator of one joint moves, of others the first one; kPhalanxCount: none.
+constexpr std::size_t driven_joint(const Actuator& actuator) {
+  std::size_t joint = 0;
+  while (joint < actuator.arm.size() && actuator.arm[joint] == 0) ++joint;
+  return joint;
+}
+
 /// Makes every register of the profile one of the given unit (slave) id.
 void set_unit(DeviceProfile& profile, std::uint8_t unit);
 

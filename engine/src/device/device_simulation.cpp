@@ -202,9 +202,7 @@ void SimulatedDevice::read_commands() {
     double wanted = off ? actuator.safe : clamp(field(actuator.field), actuator.lower, actuator.upper);
     const double range = actuator.upper - actuator.lower;
     if (actuator.local.present && !off) {
-      const auto joint = static_cast<std::size_t>(
-          std::find_if(actuator.arm.begin(), actuator.arm.end(), [](double arm) { return arm != 0; }) -
-          actuator.arm.begin());
+      const std::size_t joint = driven_joint(actuator);
       const double arm = actuator.arm[joint];
       const lumbrical_local_model model = {wanted * arm, field(actuator.local.angle),
                                            field(actuator.local.stiffness), field(actuator.local.radius)};

@@ -22,9 +22,6 @@ constexpr double kWorthTelling = 0.1;                                    // chan
 
 double total(const LoopTiming& timing) { return timing.period + timing.jitter + timing.delay; }
 
-// Where joint j stands in the order of hand.h.
-constexpr std::size_t angle_of(std::size_t joint) { return 4 * (joint / 3) + 1 + joint % 3; }
-
 // What acted on a joint because of a touch: a wire pulls with its preload without one, and a brake opposes
 // whichever way the joint went. A step of its encoder may be no way: it would be energy for nothing.
 double acted_on(const Actuator& actuator, double command, std::size_t joint, double moved, double step) {
@@ -197,12 +194,10 @@ void put_local_models(const DeviceFrame& frame, const JointArray& wanted, const 
   for (std::size_t i = 0; i < loop.profile.actuators.size(); ++i) {
     const Actuator& actuator = loop.profile.actuators[i];
     if (!actuator.local.present) continue;
-    const auto j = static_cast<std::size_t>(
-        std::find_if(actuator.arm.begin(), actuator.arm.end(), [](double arm) { return arm != 0; }) -
-        actuator.arm.begin());
-    if (is_doubted(loop, angle_of(j))) continue;
+    const std::size_t j = driven_joint(actuator);
+    if (is_doubted(loop, flexion_angle(j))) continue;
     const double k = loop.level[j / 3] * loop.stiffness[j / 3][j % 3][j % 3];
-    command.angle[i] = static_cast<double>(frame.angle[angle_of(j)]);
+    command.angle[i] = static_cast<double>(frame.angle[flexion_angle(j)]);
     command.stiffness[i] = max(0, k);
     const double change = min(kLocalShare * std::fabs(wanted[j]), room_of(actuator, command.wanted[i], j));
     command.radius[i] = k > 0 ? min(change / k, kLargestRadius) : 0;
@@ -244,7 +239,7 @@ void take_feedback(const DeviceFeedback& feedback, HapticLoop& loop) {
       in_seconds(std::max(feedback.asked - loop.feedback.asked, feedback.time - loop.feedback.time));
   loop.between = loop.any_feedback ? between : 0;
   for (std::size_t j = 0; j < kPhalanxCount; ++j) {
-    const std::size_t a = angle_of(j);
+    const std::size_t a = flexion_angle(j);
     const auto moved = static_cast<double>(feedback.angle[a] - loop.feedback.angle[a]);
     const bool believed = (feedback.valid & loop.feedback.valid) >> a & 1u;
     loop.moved[j] = loop.any_feedback && believed ? moved : 0;

@@ -170,7 +170,8 @@ void ProfileReader::sensor(const device_format::Sensor& table, const std::string
   const bool flexion = name(table.motion(), path + ".motion", kMotions) == 1;
   if (!flexion && segment % 3 != 0)
     read_.error(path + ".motion", "is possible at a finger's first joint only");
-  target.angle = 4 * (segment / 3) + (flexion ? 1 + segment % 3 : 0);
+  target.angle =
+      flexion ? static_cast<int>(flexion_angle(static_cast<std::size_t>(segment))) : 4 * (segment / 3);
   field(table.at(), path + ".at", target.field);
   target.lower = -0.8;
   target.upper = 2.5;
