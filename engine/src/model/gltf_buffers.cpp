@@ -21,16 +21,6 @@ constexpr std::size_t kGlbHeaderSize = 12, kChunkHeaderSize = 8;
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 constexpr int kDeepest = 64;  // nesting of JSON; extensions of real files stay far below
 
-std::uint64_t little_endian(std::string_view content, std::size_t at, std::size_t size) {
-  std::uint64_t value = 0;
-  for (std::size_t i = size; i-- > 0;) value = value << 8 | static_cast<unsigned char>(content[at + i]);
-  return value;
-}
-
-std::uint32_t u32(std::string_view content, std::size_t at) {
-  return static_cast<std::uint32_t>(little_endian(content, at, 4));
-}
-
 Status parse_text(std::string_view text, const std::string& name, std::size_t offset, json& root) {
   if (const JsonFault fault = parse_json_text(text, kDeepest, root); !fault.what.empty())
     return byte_error(name, offset + fault.byte, fault.what + "; export it again");
@@ -61,7 +51,7 @@ std::size_t component_size(std::int64_t type) {
 }
 
 double component(std::string_view bytes, std::size_t at, std::int64_t type, bool normalized) {
-  const std::uint64_t raw = little_endian(bytes, at, component_size(type));
+  const std::uint64_t raw = binary_number(bytes, at, component_size(type));
   switch (type) {
     case 5120: {
       const double value = static_cast<std::int8_t>(raw);
@@ -164,14 +154,15 @@ Status read_gltf_container(std::string_view content, const std::string& name, js
   if (content.substr(0, 4) != "glTF") return parse_text(content, name, 0, root);
   if (content.size() < kGlbHeaderSize + kChunkHeaderSize)
     return byte_error(name, content.size(), "the file ends within its header; copy or export it again");
-  if (u32(content, 4) != 2) return byte_error(name, 4, "only version 2 of glTF is read; export it as that");
-  if (u32(content, 8) > content.size())
+  if (little_endian_u32(content, 4) != 2)
+    return byte_error(name, 4, "only version 2 of glTF is read; export it as that");
+  if (little_endian_u32(content, 8) > content.size())
     return byte_error(name, content.size(),
                       "the file ends before its stated length; copy or export it again");
   std::string_view text;
   for (std::size_t at = kGlbHeaderSize; content.size() - at >= kChunkHeaderSize;) {
-    const std::size_t length = u32(content, at), start = at + kChunkHeaderSize;
-    const std::uint32_t type = u32(content, at + 4);
+    const std::size_t length = little_endian_u32(content, at), start = at + kChunkHeaderSize;
+    const std::uint32_t type = little_endian_u32(content, at + 4);
     if (length > content.size() - start)
       return byte_error(name, at, "a chunk is longer than the file; copy or export it again");
     if (type == kJsonChunk && text.empty()) text = content.substr(start, length);
@@ -316,7 +307,7 @@ Status GltfBuffers::read_indices(const json& accessor, std::vector<std::uint32_t
   indices.reserve(view.count);
   for (std::size_t i = 0; i < view.count; ++i)
     indices.push_back(
-        static_cast<std::uint32_t>(little_endian(view.bytes, i * view.stride, component_size(view.type))));
+        static_cast<std::uint32_t>(binary_number(view.bytes, i * view.stride, component_size(view.type))));
   return {};
 }
 

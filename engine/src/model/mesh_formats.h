@@ -41,6 +41,20 @@ inline Status byte_error(const std::string& name, std::size_t byte, const std::s
   return Status::error(name + ": byte " + std::to_string(byte) + ": " + what);
 }
 
+/// The unsigned number in `size` bytes of a binary file, 8 at most, from `at` on.
+inline std::uint64_t binary_number(std::string_view content, std::size_t at, std::size_t size,
+                                   bool big_endian = false) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::size_t from_high = big_endian ? i : size - 1 - i;
+    value = value << 8 | static_cast<unsigned char>(content[at + from_high]);
+  }
+  return value;
+}
+inline std::uint32_t little_endian_u32(std::string_view content, std::size_t at) {
+  return static_cast<std::uint32_t>(binary_number(content, at, 4));
+}
+
 /// Cuts a polygon of at least three corners into a fan from its first corner.
 inline void append_fan(const std::vector<std::uint32_t>& polygon, Mesh& mesh) {
   for (std::size_t i = 2; i < polygon.size(); ++i) {

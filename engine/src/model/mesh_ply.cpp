@@ -59,11 +59,8 @@ bool read_binary_value(BodyReader& body, PlyType type, double& value) {
   const std::size_t size = size_of(type);
   body.value_at = body.at;
   if (body.remaining() < size) return body.fail("the file ends within an element; copy or export it again");
-  std::uint64_t raw = 0;
-  for (std::size_t i = 0; i < size; ++i) {
-    const std::size_t from_high = body.encoding == PlyEncoding::big_endian ? i : size - 1 - i;
-    raw = raw << 8 | static_cast<unsigned char>(body.content[body.at + from_high]);
-  }
+  const bool big_endian = body.encoding == PlyEncoding::big_endian;
+  const std::uint64_t raw = binary_number(body.content, body.at, size, big_endian);
   body.at += size;
   value = decode(type, raw);
   return true;

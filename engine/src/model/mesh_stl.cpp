@@ -15,12 +15,6 @@ constexpr std::size_t kHeaderSize = 84;    // 80 bytes of anything, then the tri
 constexpr std::size_t kTriangleSize = 50;  // normal and three corners as floats, then two bytes of attributes
 constexpr std::size_t kNormalSize = 12;
 
-std::uint32_t little_endian_u32(std::string_view content, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 4; i-- > 0;) value = value << 8 | static_cast<unsigned char>(content[at + i]);
-  return value;
-}
-
 bool has_binary_size(std::string_view content) {
   return content.size() >= kHeaderSize &&
          content.size() == kHeaderSize + kTriangleSize * std::uint64_t{little_endian_u32(content, 80)};
