@@ -2,6 +2,7 @@
 // the triangle nearest to each (bracketed numbers are the paper's references).
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <utility>
 
 #include "model/corner_normals.h"
@@ -11,7 +12,7 @@
 namespace lumbrical::bench {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846, kGoldenAngle = kPi * (3 - 2.23606797749978969);
+constexpr double kPi = std::numbers::pi, kGoldenAngle = kPi * (3 - 2.23606797749978969);
 
 using Contacts = std::vector<PeerContact>;
 

@@ -2,6 +2,7 @@
 #include "delay_cells.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "hand_scenes.h"
 #include "lumbrical/shapes.h"
@@ -57,7 +58,7 @@ Motion made_motion(const Hand& hand, double seconds, Frame&& frame) {
   return motion;
 }
 
-constexpr double kTurn = 6.283185307179586;
+constexpr double kTurn = 2 * std::numbers::pi;
 
 // From 12 mm above the bumps to 4 mm into them and back, once in four seconds, and round a circle.
 Motion pressing(const Hand& hand) {

@@ -1,5 +1,6 @@
 // Ours: the fingertips are the law's own, where they are tracked; the body moves by itself.
 #include <cmath>
+#include <numbers>
 
 #include "hold.h"
 #include "pads.h"
@@ -12,7 +13,7 @@ Mesh cylinder(double radius, double half) {
   Mesh mesh;
   for (std::uint32_t ring = 0; ring <= kRings; ++ring) {
     for (std::uint32_t i = 0; i < kSides; ++i) {
-      const double angle = 2 * 3.141592653589793 * i / kSides;
+      const double angle = 2 * std::numbers::pi * i / kSides;
       mesh.vertices.push_back(
           {radius * std::cos(angle), radius * std::sin(angle), half * (2.0 * ring / kRings - 1)});
     }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <numbers>
 
 #include "hold.h"
 
@@ -12,7 +13,7 @@ namespace {
 using namespace lumbrical;
 using namespace lumbrical::bench;
 
-constexpr double kGravity = 9.81, kFriction = 0.6, kPi = 3.141592653589793;
+constexpr double kGravity = 9.81, kFriction = 0.6, kPi = std::numbers::pi;
 
 double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 

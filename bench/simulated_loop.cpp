@@ -5,6 +5,7 @@
 #include <cmath>
 #include <deque>
 #include <memory>
+#include <numbers>
 
 #include "lumbrical/local_model.h"
 #include "lumbrical/shapes.h"
@@ -16,7 +17,7 @@ namespace {
 constexpr double kStep = 5e-5;     // [s]
 constexpr double kSweepRate = 2;   // [Hz]
 constexpr double kLocalShare = 1;  // as lumbrical run has it
-constexpr double kTwoPi = 6.283185307179586;
+constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr std::size_t kJoint = 3;  // the index' first
 
 struct Pending {

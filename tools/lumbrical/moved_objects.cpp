@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 namespace lumbrical::tool {
 namespace {
 
-constexpr double kDegrees = 57.29577951308232;
+constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr std::size_t kMostRows = 12;
 
 bool moves(const ApartObject& object) { return object.mechanism.mobility != Mobility::fixed; }

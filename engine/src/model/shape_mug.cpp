@@ -1,6 +1,7 @@
 // Makes the demo's mug: a profile turned about the z axis, and a round tube swept along half an ellipse.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/elementary.h"
 #include "base/floating_point.h"
@@ -9,7 +10,7 @@
 namespace lumbrical {
 namespace {
 
-constexpr double kPi = 3.141592653589793;
+constexpr double kPi = std::numbers::pi;
 
 /// A point of the profile in the half plane of the axis: distance r from it, height z.
 struct ProfilePoint {

@@ -1,6 +1,7 @@
 // Makes the flat and round meshes of shapes.h: plane, height field, box, sphere. The mug has its own file.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/elementary.h"
 #include "base/floating_point.h"
@@ -10,7 +11,7 @@
 namespace lumbrical {
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
+constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr std::uint32_t kMaxCells = 16384;  // keeps all indices far below 2^32
 
 bool is_length(double value) { return value > 0 && value < 1e6; }

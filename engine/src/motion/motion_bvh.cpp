@@ -1,5 +1,6 @@
 // BVH (Biovision) skeletons: the joints of one hand are found by their names, posed, and taken as points.
 #include <algorithm>
+#include <numbers>
 #include <span>
 
 #include "base/elementary.h"
@@ -9,7 +10,7 @@
 namespace lumbrical {
 namespace {
 
-constexpr double kRadian = 0.017453292519943295;
+constexpr double kRadian = std::numbers::pi / 180;
 constexpr std::size_t kMostNodes = 4096;  // a whole body with hands has about 80
 constexpr std::size_t kNone = SIZE_MAX;
 
