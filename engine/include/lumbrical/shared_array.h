@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -15,7 +14,6 @@ template <class T>
 class SharedArray {
  public:
   using value_type = T;
-  using const_iterator = const T*;
 
   SharedArray() = default;
   /// Takes the vector's memory over.
