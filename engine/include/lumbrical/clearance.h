@@ -2,7 +2,6 @@
 // when nothing was touched.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 #include <string_view>

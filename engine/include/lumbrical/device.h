@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <string>
 
 #include "lumbrical/hand.h"
 #include "lumbrical/math.h"

@@ -6,10 +6,8 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <memory>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "lumbrical/actuator_model.h"
 #include "lumbrical/device_profile.h"

@@ -2,7 +2,6 @@
 // newest value only, on a thread of its own if asked.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 
 #include "lumbrical/device_profile.h"
 #include "lumbrical/jacobian.h"

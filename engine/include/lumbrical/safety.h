@@ -4,7 +4,6 @@
 // Software limits do not replace hardware safety.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>

@@ -1,5 +1,4 @@
 // lumbrical.h: scenes and the models built from them.
-#include <cmath>
 #include <cstring>
 #include <string_view>
 

@@ -1,7 +1,4 @@
 // Device profiles from JSON files, read through schemas/device.fbs.
-#include <algorithm>
-#include <cmath>
-#include <optional>
 #include <utility>
 
 #include "base/floating_point.h"

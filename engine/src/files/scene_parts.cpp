@@ -1,7 +1,6 @@
 // Objects and hand of a scene file: see scene_parts.h.
 #include "files/scene_parts.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <utility>
 

@@ -2,7 +2,6 @@
 // whole, but only where something is near, and down to cells, which are cut at a time.
 #pragma once
 
-#include <array>
 #include <cstdint>
 
 #include "index/patch_blocks.h"

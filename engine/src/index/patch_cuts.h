@@ -2,7 +2,6 @@
 // a sliver, cut across into strips. `step`: [m] what patches are measured in (kPatchSizes).
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 

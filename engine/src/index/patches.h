@@ -3,7 +3,6 @@
 // and the precision asked for, never on a pose.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>

@@ -2,6 +2,8 @@
 // corners (Baerentzen, Aanaes, Signed distance computation using the angle weighted pseudonormal, 2005).
 #pragma once
 
+#include <cmath>
+
 #include "base/elementary.h"
 #include "lumbrical/math.h"
 

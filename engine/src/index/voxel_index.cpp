@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 #include <system_error>
-#include <utility>
 
 #include "index/sphere_tree.h"
 #include "index/triangle_distance.h"

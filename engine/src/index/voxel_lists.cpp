@@ -1,8 +1,6 @@
 #include "index/voxel_lists.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <utility>
 
 #include "index/triangle_bound.h"

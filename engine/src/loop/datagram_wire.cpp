@@ -8,9 +8,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstring>
 #include <string>
-#include <utility>
 
 #include "base/steady_clock.h"
 #include "loop/datagram_message.h"

@@ -11,7 +11,6 @@
 
 #include <cstring>
 #include <string>
-#include <utility>
 
 #include "base/floating_point.h"
 #include "base/steady_clock.h"

@@ -6,7 +6,6 @@
 #include <signal.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <new>
 #include <utility>

@@ -3,8 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <span>
-#include <string>
 
 #include "lumbrical/device_profile.h"
 #include "lumbrical/device_wire.h"

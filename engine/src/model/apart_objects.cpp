@@ -1,7 +1,6 @@
 #include "model/apart_objects.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 
 #include "model/scene_check.h"

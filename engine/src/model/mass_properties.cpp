@@ -1,6 +1,5 @@
 // Mass, centre and inertia of the solid inside a mesh: see lumbrical/object.h.
 #include <cassert>
-#include <cmath>
 
 #include "base/floating_point.h"
 #include "lumbrical/object.h"

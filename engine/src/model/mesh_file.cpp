@@ -1,5 +1,4 @@
 // Reads mesh files: tells the format, calls its reader, converts the unit.
-#include <algorithm>
 #include <filesystem>
 #include <new>
 

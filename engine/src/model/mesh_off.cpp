@@ -1,6 +1,5 @@
 // Reads Geomview's OFF text format: counts, vertices, polygons; normals, colours and texture coordinates that
 // follow on a line are passed over.
-#include <algorithm>
 
 #include "base/text_cursor.h"
 #include "model/mesh_formats.h"

@@ -1,6 +1,5 @@
 // Reads STL, binary and ASCII, whatever the header or the file name claims: a file is binary when its size is
 // exactly what its triangle count asks for, and otherwise when it is not text that begins with "solid".
-#include <algorithm>
 #include <bit>
 #include <cmath>
 

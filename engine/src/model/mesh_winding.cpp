@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 #include <numeric>
-#include <tuple>
 
 #include "base/disjoint_sets.h"
 #include "base/floating_point.h"

@@ -9,7 +9,6 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "lumbrical/math.h"
 #include "lumbrical/model.h"

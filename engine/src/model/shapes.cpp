@@ -1,5 +1,4 @@
 // Makes the flat and round meshes of shapes.h: plane, height field, box, sphere. The mug has its own file.
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 

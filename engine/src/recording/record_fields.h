@@ -2,7 +2,6 @@
 // recording.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>

@@ -1,7 +1,6 @@
 // Copies of recordings: trimmed, merged, compressed otherwise, and every message as it was.
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <new>
 #include <optional>
 #include <utility>

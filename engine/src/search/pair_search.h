@@ -1,7 +1,6 @@
 // The search for the triangles near one primitive: in a tree, a grid of them, voxels or all.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <span>

@@ -1,6 +1,5 @@
 #include "search/tree_search.h"
 
-#include <cmath>
 #include <utility>
 
 namespace lumbrical {

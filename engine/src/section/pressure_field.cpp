@@ -4,7 +4,6 @@
 // Psi(x, y) = int_0^y phi dy' in closed form: for a sphere of radius R whose centre is D away from (x, 0),
 //   Psi = R y - (y r + D^2 asinh(y / D)) / 2,  r = sqrt(D^2 + y^2),
 // and the same with the distance to the axis line on the side of a cylinder or cone.
-#include <algorithm>
 #include <cmath>
 
 #include "exact/field_kernels.h"

@@ -1,7 +1,5 @@
 #include "section/slab.h"
 
-#include <cmath>
-
 #include "section/section.h"
 #include "section/stated_errors.h"
 

@@ -3,6 +3,8 @@
 // slope.
 #pragma once
 
+#include <cmath>
+
 #include "section/boundary_integral.h"
 #include "section/field.h"
 

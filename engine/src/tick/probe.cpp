@@ -1,7 +1,6 @@
 // The static query behind `lumbrical probe`: the narrowphase of a tick over every pair.
 #include "lumbrical/probe.h"
 
-#include <cmath>
 #include <string>
 
 #include "base/floating_point.h"

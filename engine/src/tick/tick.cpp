@@ -1,7 +1,6 @@
 // The tick: one stage after the other, each a function of the data before it.
 #include "lumbrical/tick.h"
 
-#include <algorithm>
 #include <cassert>
 #include <string>
 
