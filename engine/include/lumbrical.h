@@ -13,8 +13,8 @@
  * used again.
  *
  * Every struct begins with its size, which the caller sets (`frame.size = sizeof frame`, or the function
- * ..._init); of an array the first one's counts for all. Poses, wrenches and joints are plain numbers and
- * never change.
+ * ..._init); in an array only the first element's size is read. Poses, wrenches and joints are plain numbers
+ * and never change.
  *
  * A handle is used by one thread at a time; a second one that comes in between gets LUMBRICAL_BUSY. Models
  * are only read, by as many as like. lumbrical_session_tick allocates nothing, but for recording and once

@@ -1,4 +1,4 @@
-// The subcommands of the lumbrical program, one file each; main.cpp puts them together.
+// The subcommands of the lumbrical program, in the files command_*.cpp; main.cpp puts them together.
 #pragma once
 
 #include "command_line.h"

@@ -1,4 +1,4 @@
-// The lumbrical program: one subcommand per file, put together here.
+// The lumbrical program: its subcommands (command_*.cpp), put together here.
 #include <fcntl.h>
 #include <unistd.h>
 

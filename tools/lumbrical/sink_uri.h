@@ -38,7 +38,9 @@ Status parse_sink_uri(const std::string& text, SinkUri& uri);
 ///   udp://HOST:PORT?profile=FILE&...
 ///   memory:///NAME?profile=FILE&...
 /// with feedback=on|off (do the device's angles move the hand?), on-loss=continue|stop, dry-run=on|off,
-/// limiter=on|off, observer=on|off, local=on|off (where the device has a local model), rate=HZ, unit=ID.
+/// limiter=on|off, observer=on|off, local=on|off (where the device has a local model), side=left|right,
+/// network=any|private (whose address the device may have), guard=on|off (see SinkUri),
+/// unattended=accepted|refused (a device that does not notice when its driver ends), rate=HZ, unit=ID.
 std::string check_sink_uri(std::string& uri);
 
 /// Reads the profile and puts in what the URI says.

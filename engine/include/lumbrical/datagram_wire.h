@@ -14,14 +14,14 @@
 
 namespace lumbrical {
 
-inline constexpr std::size_t kMostDatagram = 2048;  ///< [bytes] a longer one is no one's
+inline constexpr std::size_t kMostDatagram = 2048;  ///< [bytes] longer ones are discarded
 /// Datagrams looked at in one cycle: who floods the port does not hold up the sink.
 inline constexpr int kMostDatagramsPerCycle = 64;
 
 /// To Transport::host and port, from nowhere else and no one else: a datagram from another address, of
 /// another session, late, too long or no FlatBuffer of the schema is none. A lost one is a cycle that is not
-/// acknowledged. Each open tries the next of the
-/// host's addresses. Another machine than this is refused unless Transport::anywhere.
+/// acknowledged. Each open tries the next of the host's addresses. Another machine than this is refused
+/// unless Transport::anywhere.
 Status make_datagram_wire(const DeviceProfile& profile, std::unique_ptr<DeviceWire>& wire);
 
 // The device's side, for those that are written in C++.

@@ -25,8 +25,8 @@ struct DeviceFeedback {
       acted{};  ///< what the device did while it came to these angles: the command acknowledged before
 };
 
-/// What became of one cycle: what was sent, when, and when the device said so. A cycle that could send
-/// nothing is told where state or flags change in it: without values, and with `sent` 0.
+/// What became of one cycle: what was sent, when, and when the device said so. A cycle in which
+/// nothing could be sent is reported only if state or flags changed in it; it has no values and `sent` is 0.
 struct SentCommand {
   std::uint64_t cycle = 0;        ///< counts from 1, those that sent something
   std::uint64_t tick = 0;         ///< of the newest command behind it

@@ -24,7 +24,7 @@ struct LoopOptions {
   bool local = true;     ///< local models, where the device has them; none where its angles are left out
 };
 
-/// What a command gave of each finger's touch.
+/// How much of each finger's touch a command passed on.
 struct GivenTouch {
   std::uint64_t tick = 0;
   std::array<double, kFingerCount> level{};   ///< share of the torque, 0 .. 1
@@ -70,9 +70,9 @@ struct HapticLoop {
   /// the last command gave without a kick.
   std::array<double, kFingerCount> level{};
   GivenTouch given, acting;            ///< by the last command acknowledged, and by the one before
-  std::array<GivenTouch, 256> past{};  ///< by the commands of the last ticks, each at its tick's place, and
-  std::uint64_t sharing = 1;           ///< so many ticks share one: it reaches back over answer_timeout
-  std::int64_t now = 0;                ///< of the last command; 0: none yet
+  std::array<GivenTouch, 256> past{};  ///< by the commands of the last ticks, each at its tick's place
+  std::uint64_t sharing = 1;  ///< ticks that share a place of `past`, so as to reach answer_timeout back
+  std::int64_t now = 0;       ///< of the last command; 0: none yet
 
   // Figures.
   std::array<double, kFingerCount> least_factor = {1, 1, 1, 1, 1}, least_share = {1, 1, 1, 1, 1};

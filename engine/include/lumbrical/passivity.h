@@ -47,15 +47,16 @@ struct StiffnessLimiter {
   std::array<double, kFingerCount> torque{}, allowed{};  ///< [N m], [N m/rad] of the last step
 };
 
-/// One step of `dt` [s]. Stiffness matrix and bounds of a finger are compared by the largest gain of
-/// D^-1/2 K D^-1/2 (its Frobenius norm, which is no less; for a single contact equal), D holding margin times
-/// the bounds. A factor falls at once, but while the touch gets stiffer with depth no further than holds the
-/// torque where it is, and where it stays far too stiff, 2.5 times and more, on from there with a time
-/// constant of two seconds: a torque that fell fast as a finger goes deeper would draw it in. Where the
-/// bounds shrink, it falls with them: at once to where the touch is passive, without the margin, and in two
-/// seconds to the margin, since a small change of the bus is no reason for a kick. It recovers with the time
-/// constant of one second, so that it does not itself become part of a fast loop. `torque` [N m] is what the
-/// touch asks for.
+/// One step of `dt` [s]; `torque` [N m] is what the touch asks for. Stiffness matrix and bounds of a finger
+/// are compared by the largest gain of D^-1/2 K D^-1/2 (its Frobenius norm, which is no less; for a single
+/// contact equal), D holding margin times the bounds. A factor
+/// - falls at once, but while the touch gets stiffer with depth no further than holds the torque where it is:
+///   a torque that fell fast as a finger goes deeper would draw it in;
+/// - goes on falling from there with a time constant of two seconds where the touch stays far too stiff, 2.5
+///   times and more;
+/// - falls with the bounds where these shrink: at once to where the touch is passive, without the margin, and
+///   in two seconds to the margin, since a small change of the bus is no reason for a kick;
+/// - recovers with the time constant of one second, so that it does not itself become part of a fast loop.
 void limit_stiffness(const StiffnessCertificate& certificate, const HandStiffness& stiffness,
                      const JointArray& torque, double dt, StiffnessLimiter& limiter);
 
@@ -85,12 +86,13 @@ void keep_account(const StiffnessCertificate& certificate, const DeviceProfile& 
 
 /// The largest share, 0 .. 1, of a finger's torques [N m] that its account pays for; one step of `dt` [s].
 ///
-/// A spring as stiff as the certificate allows, bent until it gives those torques, holds torque^2 / (2 K). No
-/// more than the account holds and a loan; and the torques grow from step to step by no more than such a
-/// spring's would over the way the joints went, or what the arm has put in, while the touch takes more than
-/// it gives, but for slow creep (by half of what they are in a second). So they are no stiffer than that
-/// spring, and end when what was taken is given back, whatever the touch, its law, or the delay. Scaling only
-/// ever takes away: it can't shake by itself.
+/// A spring as stiff as the certificate allows, bent until it gives those torques, holds torque^2 / (2 K).
+/// - It is bent no further than the account and a loan can pay for.
+/// - While the touch takes more than it gives, the torques grow from step to step by no more than such a
+///   spring's would over the way the joints went, or what the arm has put in.
+/// - But for that they creep, by half of what they are in a second.
+/// So they are no stiffer than that spring, and end when what was taken is given back, whatever the touch,
+/// its law, or the delay. Scaling only ever takes away: it can't shake by itself.
 double pay(const StiffnessCertificate& certificate, std::size_t finger, const std::array<double, 3>& torque,
            double dt, EnergyAccount& account);
 

@@ -81,7 +81,7 @@ struct SafetyOutput {
   std::uint32_t flags = 0;      ///< SafetyFlag bits of this step, with the latched ones
 };
 
-/// [s] that a hand takes to settle which was let go of: forces that came back sooner would shake it.
+/// [s] a released hand takes to settle: forces that came back sooner would shake it.
 inline constexpr double kSettling = 0.1;
 /// Times the soft start that forces take at most to go and to come back where gaps follow each other.
 inline constexpr double kSlowest = 8;

@@ -79,8 +79,8 @@ inline TileBorders borders_in_reach(const Primitives& hand, const Primitive& til
           is_folded(hand, tile) && meets_folded(hand, tile, a, b, c)};
 }
 
-/// The borders of `tile` on the triangle a, b, c [m, W]. Where there are none, the contact with the
-/// tile cut by its planes is exact.
+/// The borders of `tile` on the triangle a, b, c [m, W]. Where there are none, the contact with the tile cut
+/// by its planes is exact.
 TileBorders borders_on(const Primitives& hand, const Primitive& tile, Vec3 a, Vec3 b, Vec3 c);
 
 }  // namespace lumbrical

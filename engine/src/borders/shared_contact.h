@@ -11,8 +11,8 @@
 namespace lumbrical {
 
 /// Sets everything of the contact but its indices. `boundary` is working memory. False where tile and
-/// triangle have no area in common. `borders` are those on this triangle; where there are none,
-/// the contact with the tile cut by its planes is the same.
+/// triangle have no area in common. `borders` are those on this triangle; where there are none, the contact
+/// with the tile cut by its planes is the same.
 ///
 /// `depth` is the largest depth in the own tile over the contact, less than the height of the border over its
 /// chord off where the deepest point lies between these two.

@@ -25,11 +25,10 @@ struct BorderTerms {
   alignas(64) double joint[3][kCapacity];                                ///< [m] W
   alignas(64) double x[3][kCapacity], y[3][kCapacity], z[3][kCapacity];  ///< W
   alignas(64) double side[kCapacity];  ///< 1: the tile's part is inside the cone, -1: outside
-  // Where both tiles' fields pass over to that of the joint's sphere: this, times a point from the joint, is
-  // 0.
+  // Where both tiles' fields pass over to that of the joint's sphere, the product of this and a point from
+  // the joint is 0.
   alignas(64) double ring[3][kCapacity];
-  // Where it crosses the triangle's edges [m] W, from the joint; the rival's part lies to the right of the
-  // way.
+  // Where it crosses the triangle's edges [m] W, from the joint; the rival's part lies to the right.
   alignas(64) double from[3][kCapacity], to[3][kCapacity];
 
   // Results. The chord of the part of the border inside the section, or the whole one; no more than `height`

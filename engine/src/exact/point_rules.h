@@ -1,5 +1,5 @@
-// The field over a region wholly inside by the value at its centroid, over
-// a whole triangle by the rules of triangle_rules.h.
+// The field over a region wholly inside by the value at its centroid, over a whole triangle by the rules of
+// triangle_rules.h.
 //
 // With l the reach of the region from its centroid and d the centroid's distance from the axis:
 //   one point (any region)     |error| <= area l^2 / (2 (d - l)),  for |D^2 phi| <= 1 / distance to the axis

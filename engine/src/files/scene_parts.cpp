@@ -76,7 +76,7 @@ Mesh read_height_field(const format::HeightField& table, const std::string& at, 
   return make_height_field(extent, cells, amplitude, wavelength);
 }
 
-// The object's mesh in its own frame. Which of the seven ways it is given decides its default name.
+// The object's mesh in its own frame. Which of the six ways it is given decides its default name.
 Status read_mesh(const format::Object& table, const std::string& at, FieldReader& read,
                  std::vector<std::string>& files, SceneObject& object) {
   const int given = (table.mesh() != nullptr) + (table.mug() != nullptr) + (table.plane() != nullptr) +
