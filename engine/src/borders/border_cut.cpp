@@ -79,9 +79,9 @@ BulgeMoments in_space(const Section& section, const Bulge& bulge) {
 }
 
 // The cut along the part of a border inside the section; false where it is not as simple as that.
-bool cut_along(const FieldKernels& kernels, const Primitives& hand, const Primitive& tile,
-               const BorderCrossing& crossing, const Vec3 (&corner)[3], HalfSpace& half_space,
-               BorderCut& cut) {
+bool cut_along_border(const FieldKernels& kernels, const Primitives& hand, const Primitive& tile,
+                      const BorderCrossing& crossing, const Vec3 (&corner)[3], HalfSpace& half_space,
+                      BorderCut& cut) {
   Vec3 n;
   if (!normal_of(corner[0], corner[1], corner[2], n)) {
     cut.kind = CutKind::gone;
@@ -139,7 +139,7 @@ BorderCut cut_at_borders(const FieldKernels& kernels, const Primitives& hand, co
   }
   cut.outer = outer.exists;
   const std::size_t own = own_cut(tile, cut.outer);
-  if (!cut_along(kernels, hand, tile, cut.outer ? outer : inner, {a, b, c}, cut.cut[own], cut))
+  if (!cut_along_border(kernels, hand, tile, cut.outer ? outer : inner, {a, b, c}, cut.cut[own], cut))
     cut.kind = CutKind::general;
   // The bulge keeps to the tile's side of the other cut.
   const Vec3 joint = hand.border[joint_of(tile, cut.outer)].centre;

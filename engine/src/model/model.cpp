@@ -171,7 +171,7 @@ const ApartObject* find_instance(const Scene& scene, const SceneObject& object, 
   return nullptr;
 }
 
-Status take_apart(const Scene& scene, Model& model) {
+Status take_apart_objects(const Scene& scene, Model& model) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const SceneObject& object = scene.objects[i];
     if (!is_apart(object)) continue;
@@ -252,7 +252,7 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   built.gravity = scene.gravity;
   built.ground = scene.ground;
   Status status = scene.world ? take_world(scene, built) : take_objects(world_objects(scene), built);
-  if (status.ok()) status = take_apart(scene, built);
+  if (status.ok()) status = take_apart_objects(scene, built);
   if (!status.ok()) return status;
   model = std::move(built);
   return {};

@@ -8,7 +8,7 @@ namespace {
 
 // Twice the area of the polygon, in the xz-plane: positive where it runs counterclockwise seen from -y, the
 // palmar side.
-double turn(const std::vector<Vec3>& polygon) {
+double twice_area(const std::vector<Vec3>& polygon) {
   double sum = 0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vec3 p = polygon[i], q = polygon[(i + 1) % polygon.size()];
@@ -50,7 +50,7 @@ SweptPolygon place_palm(const Palm& palm, const Pose& X_WP) {
   core.corner_count = static_cast<int>(count);
   core.radius = 0.5 * palm.thickness;
   core.normal = rotate(X_WP.orientation, {0, -1, 0});
-  const bool in_order = turn(palm.polygon) > 0;
+  const bool in_order = twice_area(palm.polygon) > 0;
   const auto corner = [&](std::size_t i) {
     return palm.polygon[in_order ? i % count : count - 1 - i % count];
   };
