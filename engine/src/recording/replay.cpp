@@ -132,10 +132,6 @@ Status Run::tick_of(const TickRecord& recorded) {
   return write_trace(options.trace, run, stage);
 }
 
-}  // namespace
-
-namespace {
-
 Status replay_ticks(RecordingReader& reader, const ReplayOptions& options, ReplayResult& result) {
   Run run{reader, options, result, {}, {}, {}};
   Scene scene;
