@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "lumbrical/device_profile.h"
 #include "model/ranges.h"
@@ -21,6 +22,14 @@ inline constexpr Range joint_inertia{0, 1, " kg m^2"}, joint_damping{0, 1e3, " N
     joint_friction{0, 1e3, " N m"}, encoder_step{0, 1, " rad"};
 
 }  // namespace range
+
+struct NamedField {
+  RegisterField field;
+  std::string path;  ///< in a profile's file
+};
+
+/// All that a cycle writes, control word and heartbeat too.
+std::vector<NamedField> written_fields(const DeviceProfile& profile);
 
 struct ProfileFault {
   std::string path;  ///< of the field in a profile's file; empty with an empty `what`: no fault
