@@ -28,6 +28,26 @@ TEST(TickMessage, BringsEveryBitOfAnyRecordBack) {
   }
 }
 
+TEST(InputCheck, OfAHostileFileIsNoMoreThanAnAlteredInput) {
+  test::RandomBits random(11);
+  const TickRecord record = test::random_record(random, 5);
+  const std::uint64_t least = std::uint64_t{1} << 63;
+  // The change of a sum by -1 and of its moment by the least number there is has no quotient.
+  for (const std::uint64_t sum_change : {~std::uint64_t{0}, std::uint64_t{1}, least}) {
+    for (const std::uint64_t moment_change : {least, least + 1, least - 1, std::uint64_t{0}}) {
+      InputCheck check = input_check_of(record);
+      check.hash ^= 1;
+      check.low_sum -= sum_change;
+      check.low_moment -= moment_change;
+      check.high_sum -= sum_change;
+      check.high_moment -= moment_change;
+      const std::optional<Divergence> altered = find_altered_input(record, check);
+      ASSERT_TRUE(altered.has_value());
+      EXPECT_EQ(altered->field, "several");
+    }
+  }
+}
+
 TEST(TickMessage, LeavesOutWhatIsNotThere) {
   flatbuffers::FlatBufferBuilder builder;
   TickRecord record;

@@ -5,6 +5,7 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 #include "tick/tick_trace.h"
 
@@ -26,14 +27,17 @@ std::string real_text(Real value) {
   return std::string(text.data(), end);
 }
 
-// The field whose change alone explains how much sum and moment have changed; -1 where none does.
+// The field whose change alone explains how much sum and moment have changed; -1 where none does. The changes
+// are a file's: the least of all numbers, which no sum comes near, has no quotient by -1.
 int changed_field(std::int64_t sum_change, std::int64_t moment_change) {
-  if (sum_change == 0 || moment_change % sum_change != 0) return -1;
+  if (sum_change == 0 || moment_change == std::numeric_limits<std::int64_t>::min()) return -1;
+  if (moment_change % sum_change != 0) return -1;
   const std::int64_t field = moment_change / sum_change - 1;
   return field >= 0 && field < static_cast<std::int64_t>(kNumberCount<TickInput>) ? static_cast<int>(field)
                                                                                   : -1;
 }
 
+// Wraps round, as a file may hold any sums.
 std::int64_t difference(std::uint64_t a, std::uint64_t b) { return static_cast<std::int64_t>(a - b); }
 
 /// The one field that explains the change from `recorded` to `present`, put back to what it was; -1 if there
