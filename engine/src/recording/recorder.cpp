@@ -6,10 +6,10 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <exception>
 #include <mutex>
 #include <new>
 #include <optional>
-#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -123,7 +123,8 @@ struct Recorder::Writer {
 
   void run();
   void run_syncs();
-  void fail(const Status& error);
+  Status write_waiting();
+  void fail(Status error);
   void stop();
   Status write(const TickRecord& record);
   Status write_views(const TickRecord& record, const State* after);
@@ -157,6 +158,8 @@ struct Recorder::Writer {
 
   std::mutex mutex;    // of `first_error` until `failed`, and of `ended`
   Status first_error;  // that ended the recording
+  // Put down in open(), as there may be no memory for it later; each thread's own.
+  std::array<Status, 2> out_of_memory;
   std::atomic<bool> closing{false};
   std::atomic<bool> failed{false};
   bool ended = false;
@@ -167,10 +170,10 @@ struct Recorder::Writer {
 };
 
 // Of two errors the first is told.
-void Recorder::Writer::fail(const Status& error) {
+void Recorder::Writer::fail(Status error) {
   const std::lock_guard lock(mutex);
   if (failed.load(std::memory_order_relaxed)) return;
-  first_error = error;
+  first_error = std::move(error);
   failed.store(true, std::memory_order_release);
 }
 
@@ -246,31 +249,40 @@ Status Recorder::Writer::flush_in_time() {
   return std::chrono::steady_clock::now() - opened < kLongestOpen ? Status{} : mcap.flush();
 }
 
+Status Recorder::Writer::write_waiting() {
+  while (const TickRecord* const record = ring.front()) {
+    if (!mcap.is_chunk_open()) opened = std::chrono::steady_clock::now();
+    if (Status status = write(*record); !status.ok()) return status;
+    if (failed.load(std::memory_order_acquire)) break;
+    ring.pop();
+  }
+  return flush_in_time();
+}
+
+// Nobody could catch what leaves a thread.
 void Recorder::Writer::run() {
   for (;;) {
     const bool last_round =
         closing.load(std::memory_order_acquire);  // before looking: what is there then, is all
-    Status status;
-    while (const TickRecord* const record = ring.front()) {
-      if (!mcap.is_chunk_open()) opened = std::chrono::steady_clock::now();
-      status = write(*record);
-      if (!status.ok() || failed.load(std::memory_order_acquire)) break;
-      ring.pop();
+    try {
+      if (Status status = write_waiting(); !status.ok()) fail(std::move(status));
+    } catch (const std::exception&) {
+      fail(std::move(out_of_memory[0]));
     }
-    if (status.ok()) status = flush_in_time();
-    if (!status.ok()) fail(status);
     if (last_round || failed.load(std::memory_order_acquire)) return;
     std::this_thread::sleep_for(kWriterNap);
   }
 }
 
-void Recorder::Writer::run_syncs() {
+void Recorder::Writer::run_syncs() try {
   std::unique_lock lock(mutex);
   while (!end.wait_for(lock, sync_interval, [this] { return ended; })) {
     lock.unlock();
-    if (const Status synced = mcap.sync(); !synced.ok()) return fail(synced);
+    if (Status synced = mcap.sync(); !synced.ok()) return fail(std::move(synced));
     lock.lock();
   }
+} catch (const std::exception&) {
+  fail(std::move(out_of_memory[1]));
 }
 
 Recorder::Recorder() = default;
@@ -311,6 +323,8 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
     writer->builder.Reset();  // gives back the room
   }
   writer->sync_interval = std::chrono::duration<double>(options.sync_seconds);
+  writer->out_of_memory.fill(
+      Status::error(path + ": not enough memory to go on recording; end other programs"));
   McapWriterOptions mcap_options;
   mcap_options.compression = options.compression;
   mcap_options.chunk_time = static_cast<std::uint64_t>(options.chunk_seconds * 1e9);
@@ -333,7 +347,7 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   try {
     writer->thread = std::thread([raw = writer.get()] { raw->run(); });
     writer->syncs = std::thread([raw = writer.get()] { raw->run_syncs(); });
-  } catch (const std::system_error&) {
+  } catch (const std::exception&) {  // no thread, or no memory for one; the first may run
     writer->stop();
     writer->mcap.discard();
     return Status::error(path + ": no thread for the recorder; the system has reached its limit");
@@ -397,7 +411,12 @@ Status Recorder::close() {
   if (!writer_) return {};
   const std::unique_ptr<Writer> writer = std::move(writer_);
   writer->stop();
-  const Status status = writer->first_error.ok() ? writer->mcap.close() : writer->first_error;
+  Status status = std::move(writer->first_error);
+  try {
+    if (status.ok()) status = writer->mcap.close();
+  } catch (const std::bad_alloc&) {
+    status = std::move(writer->out_of_memory[0]);
+  }
   kept_ = 0;
   for (std::size_t hand = 0; hand < writer->sides.size(); ++hand)
     kept_ += writer->mcap.written_messages(hand);

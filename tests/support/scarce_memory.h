@@ -1,0 +1,18 @@
+// Memory that runs out on command: the program's own operator new stands before the library's.
+#pragma once
+
+#include <cstdint>
+
+namespace lumbrical::test {
+
+/// While this lives, no thread but that which made it gets memory beyond its next `allowed` allocations. One
+/// at a time.
+class ScarceMemory {
+ public:
+  explicit ScarceMemory(std::int64_t allowed);
+  ~ScarceMemory();
+  ScarceMemory(const ScarceMemory&) = delete;
+  ScarceMemory& operator=(const ScarceMemory&) = delete;
+};
+
+}  // namespace lumbrical::test
