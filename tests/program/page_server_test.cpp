@@ -17,6 +17,7 @@
 #include <fstream>
 #include <future>
 #include <memory>
+#include <new>
 #include <string>
 #include <thread>
 
@@ -74,6 +75,16 @@ TEST_F(PageServerTest, SendsThePageWithItsPolicyAsAHeader) {
   EXPECT_EQ(body_of(answer), kPage);
   EXPECT_NE(answer.find("Content-Security-Policy: default-src 'none'; frame-ancestors 'none'\r\n"),
             std::string::npos);
+}
+
+TEST(PageServer, GoesOnWhenOneConnectionRunsOutOfMemory) {
+  const auto no_memory = [](const auto&) { throw std::bad_alloc(); };
+  PageServer server;
+  ASSERT_TRUE(server.start({kPage, {}, no_memory}, 0).ok());
+  for (int i = 0; i < 40; ++i) {  // more than are served at a time: none is counted for ever
+    EXPECT_EQ(body_of(get(server.port(), "/live")), "");
+    EXPECT_EQ(status_of(get(server.port(), "/")), "HTTP/1.1 200 OK");
+  }
 }
 
 TEST_F(PageServerTest, SendsAnyRangeOfAFile) {

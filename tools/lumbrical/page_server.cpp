@@ -15,6 +15,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 #include <list>
 #include <string_view>
 #include <thread>
@@ -87,6 +88,16 @@ struct Connection {
   }
 };
 
+struct OpenFile {
+  int descriptor = -1;
+  explicit OpenFile(int opened) : descriptor(opened) {}
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  ~OpenFile() {
+    if (descriptor >= 0) ::close(descriptor);
+  }
+};
+
 struct Head {
   std::string status = "200 OK", type = "text/plain; charset=utf-8", more{};
   std::uint64_t length = 0;
@@ -129,15 +140,11 @@ struct PageServer::Server {
   }
 
   bool answer_file(const Connection& to, const HttpRequest& request, const std::string& path) const {
-    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    const OpenFile file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
     struct stat status {};
-    if (file < 0 || fstat(file, &status) != 0) {
-      if (file >= 0) ::close(file);
+    if (file.descriptor < 0 || fstat(file.descriptor, &status) != 0)
       return answer_text(to, request, {"404 Not Found"}, "The file is no longer there.\n");
-    }
-    const bool good = send_file(to, request, file, static_cast<std::uint64_t>(status.st_size));
-    ::close(file);
-    return good;
+    return send_file(to, request, file.descriptor, static_cast<std::uint64_t>(status.st_size));
   }
 
   bool send_file(const Connection& to, const HttpRequest& request, int file, std::uint64_t size) const {
@@ -201,7 +208,15 @@ struct PageServer::Server {
   }
 
   void serve(int socket) {
-    const Connection connection{socket, running};
+    try {
+      answer_all({socket, running});
+    } catch (const std::exception&) {  // no memory for this one; nobody could catch what leaves a thread
+    }
+    --connections;  // first: who sees the end may ask again at once
+    ::close(socket);
+  }
+
+  void answer_all(const Connection& connection) const {
     std::string rest, head;
     while (running && connection.receive_head(rest, head)) {
       const auto request = parse_request(head);
@@ -211,8 +226,22 @@ struct PageServer::Server {
       }
       if (!answer(connection, *request) || !request->keep_alive) break;
     }
-    ::close(socket);
-    --connections;
+  }
+
+  /// Where there is no thread or memory for it, the connection is closed; browsers try again.
+  void start_worker(int socket) {
+    ++connections;
+    try {
+      Worker& worker = workers.emplace_back();
+      worker.thread = std::thread([this, socket, &worker] {
+        serve(socket);
+        worker.done = true;
+      });
+    } catch (const std::exception&) {
+      if (!workers.empty() && !workers.back().thread.joinable()) workers.pop_back();
+      ::close(socket);
+      --connections;
+    }
   }
 
   void accept_all() {
@@ -232,12 +261,7 @@ struct PageServer::Server {
       }
       const int on = 1;
       setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-      ++connections;
-      Worker& worker = workers.emplace_back();
-      worker.thread = std::thread([this, socket, &worker] {
-        serve(socket);
-        worker.done = true;
-      });
+      start_worker(socket);
     }
     for (Worker& worker : workers) worker.thread.join();
   }
@@ -280,7 +304,11 @@ Status PageServer::start(PageContent content, std::uint16_t port) {
     return Status::error("the viewer's page has no Content-Security-Policy; build it anew");
   server_->content = std::move(content);
   if (Status status = server_->listen_on(port); !status.ok()) return status;
-  server_->acceptor = std::thread([this] { server_->accept_all(); });
+  try {
+    server_->acceptor = std::thread([this] { server_->accept_all(); });
+  } catch (const std::exception&) {
+    return Status::error("no thread for the viewer's page; the system has reached its limit");
+  }
   return {};
 }
 
