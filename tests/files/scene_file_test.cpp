@@ -56,6 +56,17 @@ TEST(SceneFile, TheBuiltInGraspIsOfTheHandThatTheMotionSays) {
   EXPECT_NE(error_of(right + R"("rate": 30}})").find("motion.rate has no meaning"), std::string::npos);
 }
 
+TEST(SceneFile, RefusesAMotionOfMoreTicksThanASessionHasUnlessItsSecondsAreSaid) {
+  std::string motion = test::angle_file();
+  motion.replace(motion.find("\"time\": 2.5"), 11, "\"time\": 900000000");
+  write_file("long.json", motion);
+  const std::string scene = R"({"objects": [{"plane": {}}], "motion": {"file": "long.json"})";
+  const std::string error = error_of(scene + "}");
+  EXPECT_NE(error.find("motion lasts"), std::string::npos) << error;
+  EXPECT_NE(error.find("give settings.seconds"), std::string::npos) << error;
+  EXPECT_EQ(load(scene + R"(, "settings": {"seconds": 2}})").seconds, 2);
+}
+
 TEST(SceneFile, NeedsOnlyAnObjectAndAMotion) {
   const SceneFile scene_file = load("{\n\"objects\": [{\"mesh\": \"tetrahedron.obj\", \"unit\": \"cm\"}],\n" +
                                     std::string(kGrasp) + "\n}");

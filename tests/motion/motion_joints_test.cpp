@@ -86,6 +86,12 @@ TEST(WebxrMotion, SaysWhichJointOrFieldIsWrong) {
   expect_refused("[" + replaced(frame, "\"orientation\": [", "\"orientation\": [9,") + "]",
                  "frame 0: palm: \"orientation\"");
   expect_refused("[" + frame + "," + sequence_frame(0.5, poses) + "]", "frame 1: time goes back");
+  expect_refused("[" + sequence_frame(-1e300, poses) + "]", "frame 0: time is beyond 1e12 s");
+  expect_refused("[" + frame + "," + sequence_frame(1e308, poses) + "]", "frame 1: time is beyond 1e12 s");
+  expect_refused("[" + frame + "," + sequence_frame(2e9, poses) + "]", "frame 1: time is more than 1e9 s");
+  const Motion since_1970 =
+      parse_good("[" + sequence_frame(1.7e9, poses) + "," + sequence_frame(1.8e9, poses) + "]");
+  EXPECT_EQ(since_1970.samples.back().time, 1e8);
   expect_refused("[{\"joints\": {}}]", "frame 0: \"time\"");
   expect_refused("[]", "no samples");
   expect_refused("[{\"time\": 0, \"joints\": {}}]", "no frame shows a whole hand");

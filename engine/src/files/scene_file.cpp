@@ -289,9 +289,12 @@ Status read_session(const format::Scene& table, FieldReader& read, SceneFile& re
   read_execution(table.execution(), read, result.execution);
   result.seconds = duration(result.motion);
   if (result.motion.samples.size() < 2) result.seconds = 1;
-  if (table.settings() != nullptr) {
-    const double longest = kMaxTicks / result.scene.settings.rate;
+  const double longest = kMaxTicks / result.scene.settings.rate;
+  if (table.settings() != nullptr && table.settings()->seconds().has_value()) {
     read.number(table.settings()->seconds(), "settings.seconds", {1e-5, longest}, result.seconds);
+  } else if (!(result.seconds <= longest)) {
+    read.error("motion", "lasts " + text_of(result.seconds) + " s, which is more than 1e9 ticks; give " +
+                             "settings.seconds, at most " + text_of(longest));
   }
   return read.status();
 }

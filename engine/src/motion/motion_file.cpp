@@ -250,6 +250,8 @@ Status refuse(const std::string& name, const std::string& what) { return Status:
 
 Status append_sample(const std::string& name, const std::string& where, double time, const DeviceFrame& frame,
                      Motion& motion) {
+  if (!(std::fabs(time) <= kLastTime))
+    return refuse(name, where + ": time is beyond 1e12 s; correct it, or give it in the format's unit");
   if (!motion.samples.empty()) {
     const double last = motion.samples.back().time;
     if (time == last) return {};
@@ -257,6 +259,10 @@ Status append_sample(const std::string& name, const std::string& where, double t
       return refuse(name, where + ": time goes back from " + std::to_string(last) + " to " +
                               std::to_string(time) + " s; put the frames in order");
     }
+    if (!(time - motion.samples.front().time <= kLongestMotion))
+      return refuse(name, where +
+                              ": time is more than 1e9 s after the first; correct it, or give it in the "
+                              "format's unit");
   }
   motion.samples.push_back({time, frame});
   return {};

@@ -42,12 +42,15 @@ bool read_quaternion(const nlohmann::json* value, bool first_is_w, Quat& quatern
 
 inline constexpr double kFarthest = 1e4;  ///< [m] from the origin: beyond, a float cannot carry millimetres
 inline constexpr double kLargestRadius = 0.2;  ///< [m] of a joint
+/// [s] Seconds since 1970 are far below it; their differences are numbers yet, and to a millisecond.
+inline constexpr double kLastTime = 1e12;
+inline constexpr double kLongestMotion = 1e9;  ///< [s] from the first sample to the last
 
 /// "name: " and what follows it.
 Status refuse(const std::string& name, const std::string& what);
 
-/// Appends a sample unless its time equals the last one's. Refuses one that goes back in time; `where`
-/// ("frame 7") names it in the message.
+/// Appends a sample unless its time equals the last one's. Refuses one that goes back in time, or is beyond
+/// kLastTime or kLongestMotion; `where` ("frame 7") names it in the message.
 Status append_sample(const std::string& name, const std::string& where, double time, const DeviceFrame& frame,
                      Motion& motion);
 
