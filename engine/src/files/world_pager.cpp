@@ -70,7 +70,9 @@ class HeldParts {
         begin_(world.bytes.get()),
         end_(begin_ + world.byte_count),
         round_of_(world.byte_count / kPart + 2 * kRegion / kPart),
-        held_in_(world.byte_count / kRegion + 2) {}
+        held_in_(world.byte_count / kRegion + 2) {
+    held_.reserve(round_of_.size());  // all of them, as the thread could tell nobody that it has no memory
+  }
 
   void begin_round() { ++round_; }
 
@@ -176,6 +178,7 @@ struct WorldPager::Thread {
       : model(of), options(chosen), held_parts(*of.world), trees(of.world->grid.tree.size()) {}
 
   void run();
+  [[nodiscard]] bool is_unchanged() const noexcept;
   void follow_hands();
   void look();
   void touch(const Box& box);
@@ -243,12 +246,21 @@ void WorldPager::Thread::look() {
   held.store(held_parts.bytes(), std::memory_order_relaxed);
 }
 
+// Also of a change that there is no memory to tell the words of: nothing may leave the thread, nor end it,
+// for catch_up() waits for it.
+bool WorldPager::Thread::is_unchanged() const noexcept {
+  try {
+    return check_mapped(model.world->path, model.world->bytes.get()).ok();
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
 void WorldPager::Thread::run() {
   while (!stop.load(std::memory_order_relaxed)) {
     if (const Clock::time_point now = Clock::now(); now - checked_at >= kCheck) {
       checked_at = now;
-      if (!check_mapped(model.world->path, model.world->bytes.get()).ok())
-        changed.store(true, std::memory_order_release);
+      if (!is_unchanged()) changed.store(true, std::memory_order_release);
     }
     follow_hands();
     std::unique_lock lock(mutex);
