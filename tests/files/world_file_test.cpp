@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "faulty_disk.h"
+#include "file_size_limit.h"
 #include "files/cell_sort.h"
 #include "files/world_format.h"
 #include "index/sphere_tree.h"
@@ -116,6 +117,25 @@ TEST(WorldFile, RefusesWhatBuildModelRefuses) {
   Execution bad;
   bad.cell_size = 0;
   EXPECT_FALSE(writer.open(path.string(), bad).ok());
+}
+
+TEST(WorldFile, IsNotFinishedAfterAnObjectThatIsThereInPart) {
+  const fs::path folder = own_folder();
+  const std::string path = (folder / "part.world").string();
+  WorldWriter writer;
+  ASSERT_TRUE(writer.open(path, {}).ok());
+  ASSERT_TRUE(writer.add_object({"plane", make_plane(1, 3, 0)}).ok());
+  Status full;
+  {
+    const FileSizeLimit limit(30000);
+    ASSERT_TRUE(limit.is_set());
+    full = writer.add_object({"sphere", make_sphere(0.1, 60)});
+  }
+  EXPECT_NE(full.message().find("File too large"), std::string::npos) << full.message();
+  // There is room again, but the arrays have no longer the same length.
+  EXPECT_EQ(writer.add_object({"plane", make_plane(1, 3, 0)}).message(), full.message());
+  EXPECT_EQ(writer.finish().message(), full.message());
+  EXPECT_TRUE(fs::is_empty(folder));
 }
 
 TEST(WorldFile, LeavesNothingHalfWritten) {

@@ -1,16 +1,15 @@
 // A disk that is full, failing or slow: told at once, what was written stays readable, and no tick waits for
 // it.
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <atomic>
 #include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <filesystem>
 #include <thread>
 
 #include "faulty_disk.h"
+#include "file_size_limit.h"
 #include "recording_fixture.h"
 
 namespace lumbrical::test {
@@ -123,28 +122,6 @@ TEST(FullDisk, ThatDoesNotTakeTheSessionIsToldBeforeTheFirstTick) {
             path + ".part: cannot be written: Input/output error");
   EXPECT_FALSE(std::filesystem::exists(path + ".part"));
 }
-
-// While it lives this process may write no file longer than that.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{bytes, before_.rlim_max};
-    is_set_ = ::setrlimit(RLIMIT_FSIZE, &limit) == 0;
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-  ~FileSizeLimit() {
-    ::setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-  [[nodiscard]] bool is_set() const { return is_set_; }
-
- private:
-  void (*handler_)(int);
-  rlimit before_{};
-  bool is_set_ = false;
-};
 
 TEST(FullDisk, IsToldByTheSystemItself) {
   const std::string path = temporary_path("full.mcap");

@@ -25,7 +25,8 @@ class WorldWriter {
   Status open(const std::string& path, const Execution& execution);
   /// A mesh placed in the world [m]; refuses what build_model refuses, and turns what build_model turns, for
   /// good: a model takes a world as it is written. Triangles keep the order in which they come: those that
-  /// are near each other in it share pages.
+  /// are near each other in it share pages. An object that is refused leaves the file as it was; one that is
+  /// written in part, to a full disk or for want of memory, leaves only its error, which finish() gives too.
   Status add_object(const SceneObject& object, WindingReport* report = nullptr);
   /// Builds the grid and puts the file in its place.
   Status finish();

@@ -175,9 +175,12 @@ struct WorldWriter::Build {
   std::string names;
   Box extent;
   WorldEnd end;
+  Status failure;  // that left a part of an object in the arrays; nothing comes after it
 
   Status open();
   Status add(const SceneObject& object, WindingReport& report);
+  Status append(const Mesh& mesh, const std::vector<bool>& turned);
+  void count(const SceneObject& object);
   Status write_triangles();
   Status write_grid();
   Status sort_by_cell(const Triangles& triangles, const std::shared_ptr<const std::byte>& mapped,
@@ -195,14 +198,26 @@ Status WorldWriter::Build::open() {
 }
 
 Status WorldWriter::Build::add(const SceneObject& added, WindingReport& report) {
-  const std::string& name = added.name;
   const Mesh& mesh = added.mesh;
-  const std::uint64_t vertices = end.vertices + mesh.vertices.size();
-  const std::uint64_t triangles = end.triangles + mesh.triangles.size();
-  if (Status status = check_object(name, mesh, execution.threads); !status.ok()) return status;
-  if (Status status = check_counts(vertices, triangles); !status.ok()) return status;
-  if (name.size() > 65535) return Status::error("an object's name has more than 65535 bytes; shorten it");
+  if (!failure.ok()) return failure;
+  if (Status status = check_object(added.name, mesh, execution.threads); !status.ok()) return status;
+  if (Status status =
+          check_counts(end.vertices + mesh.vertices.size(), end.triangles + mesh.triangles.size());
+      !status.ok())
+    return status;
+  if (added.name.size() > 65535)
+    return Status::error("an object's name has more than 65535 bytes; shorten it");
   const std::vector<bool> turned = turned_triangles(mesh, added.winding, execution.threads, report);
+  // What an exception leaves.
+  failure = Status::error(path + ": an object is there in part, for want of memory; write the world anew");
+  Status status = append(mesh, turned);
+  if (status.ok()) count(added);
+  failure = status;
+  return status;
+}
+
+// To the arrays, one after the other.
+Status WorldWriter::Build::append(const Mesh& mesh, const std::vector<bool>& turned) {
   constexpr std::array<double Vec3::*, 3> kAxis = {&Vec3::x, &Vec3::y, &Vec3::z};
   std::vector<double> numbers(mesh.vertices.size());
   std::vector<std::uint32_t> corners(mesh.triangles.size());
@@ -218,18 +233,23 @@ Status WorldWriter::Build::add(const SceneObject& added, WindingReport& report) 
     if (Status status = append_items(std::span<const std::uint32_t>(corners), arrays[3 + k]); !status.ok())
       return status;
   }
+  return {};
+}
+
+// Once it is in the arrays.
+void WorldWriter::Build::count(const SceneObject& added) {
+  const Mesh& mesh = added.mesh;
   for (const Vec3& p : mesh.vertices) extend(extent, p);
   WorldObject object;
   object.first_triangle = static_cast<std::uint32_t>(end.triangles);
   object.triangle_count = static_cast<std::uint32_t>(mesh.triangles.size());
   object.first_vertex = static_cast<std::uint32_t>(end.vertices);
   object.vertex_count = static_cast<std::uint32_t>(mesh.vertices.size());
-  object.name_size = static_cast<std::uint32_t>(name.size());
+  object.name_size = static_cast<std::uint32_t>(added.name.size());
   objects.push_back(object);
-  names += name;
-  end.vertices = vertices;
-  end.triangles = triangles;
-  return {};
+  names += added.name;
+  end.vertices += mesh.vertices.size();
+  end.triangles += mesh.triangles.size();
 }
 
 Status WorldWriter::Build::write_triangles() {
@@ -370,9 +390,9 @@ Status WorldWriter::finish() {
   const FloatingPointGuard guard;
   if (!build_) return Status::error("no world file is open; open one first");
   const std::unique_ptr<Build> build = std::move(build_);
-  Status status;
+  Status status = build->failure;
   try {
-    status = build->write_triangles();
+    if (status.ok()) status = build->write_triangles();
     if (status.ok()) status = build->write_grid();
     if (status.ok()) status = build->write_rest();
   } catch (const std::bad_alloc&) {
