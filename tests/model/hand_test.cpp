@@ -284,6 +284,21 @@ TEST(CheckHand, NamesTheFieldThatIsWrong) {
   hand = good;
   hand.palm.thickness = 0;
   expect_refused(hand, "palm.thickness");
+  // Finite, but what is calculated from them would not be.
+  for (const double far : {1001.0, 1e200, kNotANumber}) {
+    hand = good;
+    hand.finger[3].bone_length[2] = far;
+    expect_refused(hand, "ring finger: bone_length");
+    hand = good;
+    hand.finger[1].base.position.z = -far;
+    expect_refused(hand, "index finger: base");
+    hand = good;
+    hand.palm_joint.position.y = far;
+    expect_refused(hand, "palm_joint");
+    hand = good;
+    hand.palm.height = -far;
+    expect_refused(hand, "palm.height");
+  }
 }
 
 TEST(CheckHand, RefusesPalmsThatAreNotFlatConvexPolygons) {
@@ -295,7 +310,8 @@ TEST(CheckHand, RefusesPalmsThatAreNotFlatConvexPolygons) {
   refuses({{0, 0, 0}, {1, 0, 0}}, "2 corners");
   refuses(std::vector<Vec3>(17), "17 corners");
   refuses({{0, 0, 0}, {1, 0, 0}, {1, 0.1, 1}}, "not flat");
-  refuses({{0, 0, 0}, {1, 0, 0}, {kNotANumber, 0, 1}}, "not finite");
+  refuses({{0, 0, 0}, {1, 0, 0}, {kNotANumber, 0, 1}}, "not within 1000 m");
+  refuses({{0, 0, 0}, {1e200, 0, 0}, {0, 0, 1e200}}, "not within 1000 m");  // their products are no numbers
   refuses({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, "not convex");
   refuses({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}, {0, 0, 1}}, "not convex");
   refuses({{0, 0, 0}, {2, 0, 0}, {0.5, 0, 0.5}, {0, 0, 2}}, "not convex");

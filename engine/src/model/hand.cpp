@@ -109,9 +109,15 @@ Pose mirrored(const Pose& pose) {
   return {{-p.x, p.y, p.z}, {q.w, q.x, -q.y, -q.z}};
 }
 
+// [m] Cubes and quotients of such lengths are numbers yet.
+constexpr double kLargest = 1e3;
+bool is_size(double length) { return length >= 1e-6 && length <= kLargest; }
+bool is_near(double coordinate) { return std::fabs(coordinate) <= kLargest; }
+bool is_near(Vec3 place) { return is_near(place.x) && is_near(place.y) && is_near(place.z); }
+
 bool is_rigid(const Pose& pose) {
   const double square = dot(pose.orientation, pose.orientation);
-  return is_finite(pose.position) && is_finite(square) && std::fabs(square - 1) < 1e-6;
+  return is_near(pose.position) && is_finite(square) && std::fabs(square - 1) < 1e-6;
 }
 
 Status refuse(const std::string& what) { return Status::error("hand: " + what); }
@@ -119,11 +125,11 @@ Status refuse(const std::string& what) { return Status::error("hand: " + what); 
 Status check_finger(const Finger& finger, std::string_view name) {
   const std::string field = std::string(name) + " finger: ";
   if (!is_rigid(finger.base)) {
-    return refuse(field + "base is not a finite position with a unit quaternion");
+    return refuse(field + "base is not a position within 1000 m with a unit quaternion");
   }
   for (const double length : finger.bone_length) {
-    if (!is_finite(length) || length < 0)
-      return refuse(field + "bone_length must be finite and not negative");
+    if (!(length >= 0 && length <= kLargest))
+      return refuse(field + "bone_length must lie between 0 and 1000 m");
   }
   for (const AngleLimit& limit : finger.limit) {
     if (!is_finite(limit.lower) || !is_finite(limit.upper) || limit.lower > limit.upper) {
@@ -147,11 +153,8 @@ bool is_convex(const std::vector<Vec3>& polygon) {
   return left != right;
 }
 
-// [m] Cubes and quotients of such lengths are numbers yet.
-bool is_size(double length) { return length >= 1e-6 && length <= 1e3; }
-
 Status check_palm(const Palm& palm) {
-  if (!is_finite(palm.height)) return refuse("palm.height must be finite");
+  if (!is_near(palm.height)) return refuse("palm.height must lie between -1000 and 1000 m");
   if (!is_size(palm.thickness)) return refuse("palm.thickness must lie between 1e-6 and 1000 m");
   if (palm.polygon.empty()) return {};
   if (palm.polygon.size() < 3 || palm.polygon.size() > 16) {
@@ -159,7 +162,7 @@ Status check_palm(const Palm& palm) {
                   " corners; it needs 3 to 16, or none");
   }
   for (const Vec3 corner : palm.polygon) {
-    if (!is_finite(corner)) return refuse("palm.polygon has a corner that is not finite");
+    if (!is_near(corner)) return refuse("palm.polygon has a corner that is not within 1000 m");
     if (corner.y != 0) return refuse("palm.polygon is not flat: every corner needs y = 0");
   }
   if (!is_convex(palm.polygon))
@@ -221,7 +224,8 @@ Status check_hand(const Hand& hand) {
     Status status = check_finger(hand.finger[f], finger_name(f));
     if (!status.ok()) return status;
   }
-  if (!is_rigid(hand.palm_joint)) return refuse("palm_joint is not a finite position with a unit quaternion");
+  if (!is_rigid(hand.palm_joint))
+    return refuse("palm_joint is not a position within 1000 m with a unit quaternion");
   return check_palm(hand.palm);
 }
 
