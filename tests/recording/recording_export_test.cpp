@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "files/text_output.h"
+#include "recording/export_columns.h"
 #include "recording_fixture.h"
 
 namespace lumbrical {
@@ -139,6 +140,37 @@ TEST(Export, TellsWhereObjectsAreAndWhatTheyFeel) {
   std::filesystem::remove(json);
   ASSERT_TRUE(export_recording(reader, as(ExportFormat::json), json).ok());
   EXPECT_NE(lines_of(json).at(2).find(R"("objects":[{"pose":{"position":[0.5,0.5,0],)"), std::string::npos);
+}
+
+TEST(Export, GivesEachColumnANameOfItsOwnThatTablesAndArchivesCanHold) {
+  ExportedSession session{{Side::right}, {}};
+  session.objects = {"a,\"b\"\n",
+                     "../c\\d",
+                     "same",
+                     "same",
+                     "same_3",
+                     "",
+                     "Gr\xc3\xb6\xc3\x9f"
+                     "e",
+                     "same",
+                     std::string(70000, 'x'),
+                     std::string(70000, 'x')};
+  std::vector<std::string> names;
+  for (const ExportColumn& column : export_columns(session)) {
+    EXPECT_EQ(column.name.find_first_of(",\"'\n/\\ "), std::string::npos) << column.name;
+    EXPECT_LT(column.name.size(), 100u);
+    names.push_back(column.name);
+  }
+  for (const char* const name : {"a__b__", ".._c_d", "same", "same_3", "same_3_4", "5", "Gr__e", "same_7"})
+    EXPECT_EQ(std::count(names.begin(), names.end(), "object." + std::string(name) + ".position.x"), 1)
+        << name;
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end()) << "a name twice";
+  ExportOptions options;
+  options.columns = {"../c\\d"};
+  std::vector<ExportColumn> columns;
+  ASSERT_TRUE(choose_columns(options, session, columns).ok());
+  EXPECT_EQ(columns.size(), 2 + 7 + 6 + 1u) << "named as the object is";
 }
 
 TEST(Export, TakesARangeOfTicksAndEveryNth) {

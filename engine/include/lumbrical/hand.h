@@ -110,8 +110,8 @@ Hand mirrored_hand(const Hand& hand);
 
 /// Refuses what the engine cannot feel with: radii or a palm's thickness not in 1e-6 .. 1000 m, bone lengths
 /// not in 0 .. 1000 m, limits that are not finite or the wrong way round, a position or the palm's height
-/// beyond 1000 m, a quaternion that is not of length 1, a palm polygon that is not flat, convex and of 3 to 16
-/// corners. Names the field.
+/// beyond 1000 m, a quaternion that is not of length 1, a palm polygon that is not flat, convex and of 3 to
+/// 16 corners. Names the field.
 Status check_hand(const Hand& hand);
 
 /// Poses of all 26 joints in the wrist's parent frame B. Angles outside the limits are clamped; returns how

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <set>
 
 #include "recording/record_fields.h"
 
@@ -15,6 +16,36 @@ std::string underscored(std::string_view text) {
   std::string name(text);
   std::replace(name.begin(), name.end(), ' ', '_');
   return name;
+}
+
+bool is_plain(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.' ||
+         c == '-';
+}
+
+// What neither a CSV header nor an archive's file name stumbles over. Of a character beyond ASCII one
+// underscore is left.
+std::string plain(std::string_view text) {
+  constexpr std::size_t kLongest = 64;
+  std::string name;
+  for (const char c : text) {
+    const bool goes_on = (static_cast<unsigned char>(c) & 0xc0u) == 0x80u;  // in UTF-8
+    if (name.size() < kLongest && !goes_on) name += is_plain(c) ? c : '_';
+  }
+  return name;
+}
+
+// By number where it has no name; a name that another has already is told apart by the number.
+std::vector<std::string> names_of_objects(const std::vector<std::string>& given) {
+  std::vector<std::string> names;
+  std::set<std::string> taken;
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const std::string number = std::to_string(i);
+    std::string name = given[i].empty() ? number : plain(given[i]);
+    while (!taken.insert(name).second) name += '_' + number;
+    names.push_back(std::move(name));
+  }
+  return names;
 }
 
 std::string angle_name(std::size_t angle) {
@@ -91,8 +122,7 @@ void add_object(std::size_t object, const std::string& name, std::vector<ExportC
   for (std::size_t i = 0; i < fields.size(); ++i) {
     ExportColumn column;
     const bool is_place = fields[i].name.starts_with("pose.");
-    column.name = "object." + (name.empty() ? std::to_string(object) : underscored(name)) + "." +
-                  (is_place ? fields[i].name.substr(5) : fields[i].name);
+    column.name = "object." + name + "." + (is_place ? fields[i].name.substr(5) : fields[i].name);
     column.unit = fields[i].unit;
     column.type = fields[i].type;
     column.source = Source::object;
@@ -107,8 +137,10 @@ bool is_common(const ExportColumn& column) {
   return column.source == Source::tick || column.source == Source::time;
 }
 
-bool holds(const std::string& name, const std::string& word) {
-  return word == "all" || name.find(underscored(word)) != name.npos;
+// A word may be an object's name as it is.
+bool holds(const ExportColumn& column, const std::string& word) {
+  const std::string sought = column.source == Source::object ? plain(word) : underscored(word);
+  return word == "all" || column.name.find(sought) != sought.npos;
 }
 
 bool of_segments(const ExportColumn& column, const std::vector<int>& segments) {
@@ -123,7 +155,8 @@ std::vector<ExportColumn> export_columns(const ExportedSession& session) {
   std::vector<ExportColumn> columns;
   columns.push_back({"tick", "", NumberType::whole, Source::tick});
   columns.push_back({"time", "s", NumberType::real, Source::time});
-  for (std::size_t i = 0; i < session.objects.size(); ++i) add_object(i, session.objects[i], columns);
+  const std::vector<std::string> objects = names_of_objects(session.objects);
+  for (std::size_t i = 0; i < objects.size(); ++i) add_object(i, objects[i], columns);
   for (std::size_t hand = 0; hand < hands.size(); ++hand) {
     const std::size_t begin = columns.size();
     add_hand(columns);
@@ -140,14 +173,14 @@ Status choose_columns(const ExportOptions& options, const ExportedSession& sessi
   const std::vector<ExportColumn> all = export_columns(session);
   for (const std::string& word : options.columns) {
     const bool known = std::any_of(all.begin(), all.end(),
-                                   [&word](const ExportColumn& column) { return holds(column.name, word); });
+                                   [&word](const ExportColumn& column) { return holds(column, word); });
     if (!known)
       return Status::error("no column has \"" + word +
                            "\" in its name; \"all\" exports every one, with its name");
   }
   columns.clear();
   for (const ExportColumn& column : all) {
-    const auto asked = [&column](const std::string& word) { return holds(column.name, word); };
+    const auto asked = [&column](const std::string& word) { return holds(column, word); };
     const bool chosen = options.columns.empty()
                             ? column.usual
                             : std::any_of(options.columns.begin(), options.columns.end(), asked);

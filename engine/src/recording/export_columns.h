@@ -38,9 +38,10 @@ struct ExportedSession {
   std::vector<std::string> objects;  ///< names of those that stand apart, in the order of TickRecord::object
 };
 
-/// All there are, in a fixed order: tick and time, objects, "object.mug.position.x", then hand by hand what
-/// came in, what went out, and hashes. Of a session of two hands a side stands before the name of what is a
-/// hand's, "left.index_distal.force.x".
+/// All there are, each with a name of its own, in a fixed order: tick and time, objects,
+/// "object.mug.position.x" (of an object's name letters, digits, "_", "." and "-" are kept), then hand by
+/// hand what came in, what went out, and hashes. Of a session of two hands a side stands before the name of
+/// what is a hand's, "left.index_distal.force.x".
 std::vector<ExportColumn> export_columns(const ExportedSession& session);
 
 /// Those that the options ask for: of the segments, and of the columns that a word of `columns` is in ("all":
