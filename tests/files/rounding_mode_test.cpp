@@ -14,6 +14,7 @@
 #include "files.h"
 #include "index/patches.h"
 #include "lumbrical/device_profile.h"
+#include "lumbrical/mesh_fix.h"
 #include "lumbrical/scene_file.h"
 #include "lumbrical/tick.h"
 #include "recording/session_message.h"
@@ -130,6 +131,61 @@ Read read_all(const std::string& path, int rounding, bool flushes_denormals) {
   read.device = device_hash();
   EXPECT_EQ(std::fegetround(), rounding) << "the host's mode is its own";
   return read;
+}
+
+std::uint64_t motion_hash(const Motion& motion) {
+  Hasher hasher;
+  for (const MotionSample& sample : motion.samples) {
+    hasher.value(sample.time);
+    hasher.value(hash_fields(sample.frame));
+  }
+  return hasher.digest();
+}
+
+std::uint64_t mesh_hash(const Mesh& mesh) {
+  Hasher hasher;
+  for (const Vec3& p : mesh.vertices)
+    for (const double coordinate : {p.x, p.y, p.z}) hasher.value(coordinate);
+  return hasher.digest();
+}
+
+// Each by itself, without the file that is around it as a rule.
+std::vector<std::uint64_t> hashes_of_parts(const std::string& scene, int rounding) {
+  const HostModes modes(rounding, rounding != FE_TONEAREST);
+  std::vector<std::uint64_t> hashes;
+  Motion grasp = make_grasp(default_hand(Side::right), 0.037, 0.095, 10);
+  hashes.push_back(motion_hash(grasp));
+  const Pose pose{{0.1, -0.3, 0.0123}, {0.48, 0.6, 0.64, 0}};
+  EXPECT_TRUE(place_motion({pose, 1}, grasp).ok());
+  hashes.push_back(motion_hash(grasp));
+  Mesh mesh = make_sphere(0.1, 12);
+  place_mesh(pose, mesh);
+  hashes.push_back(mesh_hash(mesh));
+  const MeshReport report = inspect_mesh(mesh);
+  Hasher of_report;
+  for (const double number : {report.area, report.volume, report.shortest_edge, report.longest_edge})
+    of_report.value(number);
+  hashes.push_back(of_report.digest());
+  FixReport fixes;
+  hashes.push_back(mesh_hash(fixed_mesh(mesh, fixes)));
+  const Status status = load_scene_objects(
+      scene, [](const Execution&) { return Status(); },
+      [&](SceneObject&& object) {
+        hashes.push_back(mesh_hash(object.mesh));
+        return Status();
+      });
+  EXPECT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(std::fegetround(), rounding) << "the host's mode is its own";
+  return hashes;
+}
+
+TEST(RoundingMode, OfTheHostChangesNoneOfThePartsThatAreMadeByThemselves) {
+  const std::string path = write_file("objects.json", R"({"objects": [
+    {"name": "mug", "mug": {"radius": 0.037, "height": 0.095, "segments": 24}, "position": [0.3, 0.1, 0.7],
+     "orientation": [0.9, 0.1, 0.3, 0.2], "scale": 1.1}]})");
+  const std::vector<std::uint64_t> expected = hashes_of_parts(path, FE_TONEAREST);
+  EXPECT_EQ(expected.size(), 6u);
+  for (const int rounding : kRoundings) EXPECT_EQ(hashes_of_parts(path, rounding), expected) << rounding;
 }
 
 TEST(RoundingMode, OfTheHostChangesNothingThatIsReadOrBuilt) {

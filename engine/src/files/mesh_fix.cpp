@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/floating_point.h"
 #include "files/text_output.h"
 #include "model/triangle_shape.h"
 #include "model/vertex_merge.h"
@@ -73,6 +74,7 @@ Status write_obj(const Mesh& mesh, TextOutput& out) {
 }  // namespace
 
 Mesh fixed_mesh(const Mesh& mesh, FixReport& report) {
+  const FloatingPointGuard guard;
   Mesh fixed = mesh;
   report.winding =
       wind_outwards(fixed);  // with all triangles: those without area still join their neighbours

@@ -339,6 +339,7 @@ Status read_things(const format::Scene& scene, FieldReader& read, SceneFile& res
 
 Status load_scene_objects(const std::string& path, const std::function<Status(const Execution&)>& begin,
                           const std::function<Status(SceneObject&&)>& take) {
+  const FloatingPointGuard guard;
   JsonFile file;
   if (Status status = read_table(path, "lumbrical.scene_format.Scene", file); !status.ok()) return status;
   const format::Scene& scene = *format::GetScene(file.buffer.data());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "base/floating_point.h"
 #include "model/scene_check.h"
 
 namespace lumbrical {
@@ -142,6 +143,7 @@ Status find_latches(std::vector<ApartObject>& objects) {
 }
 
 void place_mesh(const Pose& X_WO, Mesh& mesh) {
+  const FloatingPointGuard guard;
   for (Vec3& v : mesh.vertices) v = transform(X_WO, v);
 }
 

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "base/disjoint_sets.h"
+#include "base/floating_point.h"
 #include "lumbrical/mesh.h"
 #include "model/mesh_edges.h"
 #include "model/triangle_shape.h"
@@ -211,6 +212,7 @@ Box bounding_box(const Mesh& mesh) {
 }
 
 MeshReport inspect_mesh(const Mesh& mesh) {
+  const FloatingPointGuard guard;
   MeshReport report;
   const Subject subject = look_at_vertices(mesh, report);
   measure_triangles(subject, report);

@@ -2,6 +2,7 @@
 // and puts it down, and lets go. The closing angles are solved for by bisection, joint by joint from the base
 // of each finger.
 #include "base/elementary.h"
+#include "base/floating_point.h"
 #include "lumbrical/motion.h"
 
 namespace lumbrical {
@@ -193,6 +194,7 @@ Pose base_at(const Pose& grasp, const Pose& moved, const Action& action) {
 }  // namespace
 
 Motion make_grasp(const Hand& hand, double radius, double height, double seconds, double lift) {
+  const FloatingPointGuard guard;
   const Cylinder object{radius};
   const Pose grasp = grasp_pose(hand, object, height);
   const Angles open = open_hand(hand);

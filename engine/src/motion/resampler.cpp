@@ -187,6 +187,7 @@ double duration(const Motion& motion) {
 }
 
 Status place_motion(const MotionPlacement& placement, Motion& motion) {
+  const FloatingPointGuard guard;
   if (!is_rigid(placement.pose)) {
     return Status::error("placement: the pose is not a finite position with a unit quaternion; correct it");
   }
