@@ -211,7 +211,7 @@ TEST(SceneFile, TellsEveryMistakeWithItsPlace) {
       {R"({"settings": {"precision": "exact"}})",
        ":1:36: invalid number: \"exact\"; write 0, which is exact"},
       {R"({"settings": {"rate": "1 kHz"}})", "invalid number: \"1 kHz\"; write a number, without quotes"},
-      {"{\n \"objcts\": []}", ":2:12: unknown field: objcts"},
+      {"{\n \"objcts\": []}", ":2:12: unknown field: objcts; schemas/scene.fbs lists the fields"},
       {R"({"motion": {"grasp": {}}})", ":1:1: objects is missing or empty"},
       {R"({"motion": {"grasp": {}}, "objects": []})", ":1:38: objects is missing or empty"},
       {"{\"motion\": {\"grasp\": {}}, \"objects\": [\n{\"plane\": {}},\n{}]}",

@@ -331,7 +331,7 @@ Status load_device_profile(const std::string& path, DeviceProfile& profile) {
   JsonFile file;
   const std::span schema(device_format::DeviceBinarySchema::data(),
                          device_format::DeviceBinarySchema::size());
-  Status status = read_json_file(path, schema, "lumbrical.device_format.Device", file);
+  Status status = read_json_file(path, {"device.fbs", schema, "lumbrical.device_format.Device"}, file);
   if (!status.ok()) return status;
   DeviceProfile result;
   status = ProfileReader(file, result).read(*device_format::GetDevice(file.buffer.data()));

@@ -26,15 +26,16 @@ std::string prefix(const std::string& name, TextPlace place) {
   return name + ":" + std::to_string(place.line) + ":" + std::to_string(place.column) + ": ";
 }
 
-std::string_view remedy_of(std::string_view message) {
-  if (message.starts_with("unknown field")) return "; schemas/scene.fbs lists the fields";
+std::string remedy_of(std::string_view message, const JsonSchema& schema) {
+  if (message.starts_with("unknown field"))
+    return std::string("; schemas/") + schema.file + " lists the fields";
   if (message == "invalid number: \"exact\"") return "; write 0, which is exact";
   if (message.starts_with("invalid number")) return "; write a number, without quotes";
   return "";
 }
 
 // The parser says "12: 34: error: what"; people's editors understand "name:12:34: what".
-std::string located(const std::string& name, std::string_view message) {
+std::string located(const std::string& name, std::string_view message, const JsonSchema& schema) {
   TextPlace place;
   for (std::size_t* const target : {&place.line, &place.column}) {
     const auto result = std::from_chars(message.data(), message.data() + message.size(), *target);
@@ -45,7 +46,7 @@ std::string located(const std::string& name, std::string_view message) {
   place.column = std::max<std::size_t>(place.column, 1);
   constexpr std::string_view kError = "error: ";
   if (message.starts_with(kError)) message.remove_prefix(kError.size());
-  return prefix(name, place) + std::string(message).append(remedy_of(message));
+  return prefix(name, place) + std::string(message).append(remedy_of(message, schema));
 }
 
 // Walks over JSON text without judging it.
@@ -165,8 +166,7 @@ TextPlace find_json_value(std::string_view text, std::string_view path) {
   return place_of(text, walker.position());
 }
 
-Status read_json_file(const std::string& path, std::span<const std::uint8_t> schema, const char* root,
-                      JsonFile& file) {
+Status read_json_file(const std::string& path, const JsonSchema& schema, JsonFile& file) {
   file.name = shown_name(path);
   if (Status status = read_whole_file(path, kSmallFile, "a JSON file", file.text); !status.ok())
     return status;
@@ -177,11 +177,12 @@ Status read_json_file(const std::string& path, std::span<const std::uint8_t> sch
   flatbuffers::IDLOptions options;
   options.strict_json = true;
   flatbuffers::Parser parser(options);
-  const std::vector<std::uint8_t> aligned(schema.begin(), schema.end());
-  if (!parser.Deserialize(aligned.data(), aligned.size()) || !parser.SetRootType(root)) {
-    return Status::error(std::string("the built-in schema of ") + root + " is damaged; rebuild the program");
+  const std::vector<std::uint8_t> aligned(schema.bytes.begin(), schema.bytes.end());
+  if (!parser.Deserialize(aligned.data(), aligned.size()) || !parser.SetRootType(schema.root)) {
+    return Status::error(std::string("the built-in schema of ") + schema.root +
+                         " is damaged; rebuild the program");
   }
-  if (!parser.ParseJson(file.text.c_str())) return Status::error(located(file.name, parser.error_));
+  if (!parser.ParseJson(file.text.c_str())) return Status::error(located(file.name, parser.error_, schema));
   const std::uint8_t* const data = parser.builder_.GetBufferPointer();
   file.buffer.assign(data, data + parser.builder_.GetSize());
   return {};

@@ -24,9 +24,15 @@ struct JsonFile {
   std::vector<std::uint8_t> buffer;  ///< the same as a FlatBuffer; empty before it is parsed
 };
 
-/// Reads a file of at most 16 MiB and parses it as the table `root` of the binary schema.
-Status read_json_file(const std::string& path, std::span<const std::uint8_t> schema, const char* root,
-                      JsonFile& file);
+/// What a file is held against.
+struct JsonSchema {
+  const char* file;  ///< its source in schemas/, which messages name
+  std::span<const std::uint8_t> bytes;
+  const char* root;  ///< the table
+};
+
+/// Reads a file of at most 16 MiB and parses it as the root of the schema.
+Status read_json_file(const std::string& path, const JsonSchema& schema, JsonFile& file);
 
 /// Where the value at `path` ("objects[1].fit.size") starts in a JSON text, or the innermost part of the path
 /// that is there. Never fails: text that is not JSON gives some place inside it.

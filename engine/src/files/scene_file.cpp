@@ -23,7 +23,7 @@ constexpr double kMaxTicks = 1e9;
 
 Status read_table(const std::string& path, const char* root, JsonFile& file) {
   const std::span schema(format::SceneBinarySchema::data(), format::SceneBinarySchema::size());
-  return read_json_file(path, schema, root, file);
+  return read_json_file(path, {"scene.fbs", schema, root}, file);
 }
 
 // A word that `parse` knows; `otherwise` says what is wrong with others.
