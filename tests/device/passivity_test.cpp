@@ -28,7 +28,7 @@ TEST(StiffnessBound, GivesThePublishedNumbers) {
   EXPECT_EQ(stiffness_bound({0.001, 0, 0}, {0, 0.1, 0, 0}).friction, std::numeric_limits<double>::infinity());
 }
 
-HandStiffness stiffness_of(const Model& model, const Scratch& scratch, const DeviceFrame& frame,
+HandStiffness stiffness_of(const Model& model, Scratch& scratch, const DeviceFrame& frame,
                            const ActuatorFrame& output) {
   std::array<double, kAngleCount> angles;
   std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());

@@ -46,7 +46,7 @@ Scene even_scene() {
   return scene;
 }
 
-Jacobians jacobians_of(const Session& session) {
+Jacobians jacobians_of(Session& session) {
   Jacobians jacobians;
   segment_jacobians(session.model, session.scratch, jacobians);
   return jacobians;

@@ -52,6 +52,7 @@ class FeelingHand {
   [[nodiscard]] const Model& model() const { return model_; }
   /// As the last frame left it.
   [[nodiscard]] const Scratch& scratch() const { return scratch_; }
+  [[nodiscard]] Scratch& scratch() { return scratch_; }
   ActuatorFrame operator()(const DeviceFrame& frame) {
     State state = make_state(model_);
     return tick(model_, state, scratch_, frame);

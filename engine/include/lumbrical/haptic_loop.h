@@ -106,7 +106,7 @@ void forget_timing(std::int64_t now, HapticLoop& loop);
 void certify_loop(HapticLoop& loop);
 
 /// After the tick on `scratch` with `frame`: its forces as a command.
-DeviceCommand command_forces(const Model& model, const Scratch& scratch, const DeviceFrame& frame,
+DeviceCommand command_forces(const Model& model, Scratch& scratch, const DeviceFrame& frame,
                              const ActuatorFrame& output, std::int64_t now, HapticLoop& loop);
 
 /// Whether fingers have energy accounts: not without angles of the device, nor where its own loop is the only
@@ -125,14 +125,13 @@ struct LoopStep {
 
 /// The half of a step before its tick, and the one after it.
 void take_angles(DeviceLink& link, HapticLoop& loop, LoopStep& step);
-void give_forces(const Model& model, const Scratch& scratch, DeviceLink& link, HapticLoop& loop,
-                 LoopStep& step);
+void give_forces(const Model& model, Scratch& scratch, DeviceLink& link, HapticLoop& loop, LoopStep& step);
 
 /// One step of the loop: what the device says, `tick`, what the device is told. `tick(step)` makes
 /// `step.output` of `step.frame` on `scratch`; false: nothing of this step may reach the device. Neither
 /// locks, allocates nor calls the system except for the link's clock.
 template <class Tick>
-bool step_loop(const Model& model, const Scratch& scratch, Tick&& tick, DeviceLink& link, HapticLoop& loop,
+bool step_loop(const Model& model, Scratch& scratch, Tick&& tick, DeviceLink& link, HapticLoop& loop,
                LoopStep& step) {
   take_angles(link, loop, step);
   if (!tick(step)) return false;

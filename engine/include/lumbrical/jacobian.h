@@ -33,9 +33,10 @@ struct SegmentJacobian {
 /// The Jacobians of the contacts that the last tick on `scratch` found; zero where it found none because its
 /// frame could not be trusted. `model` must be the one that tick ran on. Takes some 30 us for each exact
 /// contact, up to a millisecond for one that several borders cross; of sampled segments twelve times as long
-/// as their samples. Deterministic like it; allocates nothing. Only segments whose bit is set in `segments`
-/// are computed, the others are left alone: a loop that can't afford all of them takes turns.
-void segment_jacobians(const Model& model, const Scratch& scratch,
+/// as their samples, which it makes in the scratch's room, so that no other may use that meanwhile.
+/// Deterministic like it; allocates nothing. Only segments whose bit is set in
+/// `segments` are computed, the others are left alone: a loop that can't afford all of them takes turns.
+void segment_jacobians(const Model& model, Scratch& scratch,
                        std::array<SegmentJacobian, kSegmentCount>& jacobians,
                        std::uint32_t segments = (1u << kSegmentCount) - 1);
 

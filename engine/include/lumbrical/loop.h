@@ -66,7 +66,7 @@ class DeviceLoop {
   /// One step (haptic_loop.h). False: the session shall end, because `tick` says so, the device is lost and
   /// LoopSettings::stop_on_loss, or another master drives it.
   template <class Tick>
-  bool step(const Model& model, const Scratch& scratch, Tick&& tick, LoopStep& step) {
+  bool step(const Model& model, Scratch& scratch, Tick&& tick, LoopStep& step) {
     return step_loop(model, scratch, tick, sink, control, step) && look_after(step);
   }
   bool step(const Model& model, State& state, Scratch& scratch, LoopStep& step);

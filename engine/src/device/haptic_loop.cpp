@@ -54,7 +54,7 @@ JointArray acted_torque(const HapticLoop& loop) {
 }
 
 // One finger a tick: all of them would take longer than the tick itself.
-void update_stiffness(const Model& model, const Scratch& scratch, const ActuatorFrame& output, double dt,
+void update_stiffness(const Model& model, Scratch& scratch, const ActuatorFrame& output, double dt,
                       HapticLoop& loop) {
   const std::size_t turn = loop.turn = (loop.turn + 1) % kFingerCount;
   segment_jacobians(model, scratch, loop.jacobians, 7u << 3 * turn);
@@ -304,7 +304,7 @@ void certify_loop(HapticLoop& loop) {
   renew_certificate(loop);
 }
 
-DeviceCommand command_forces(const Model& model, const Scratch& scratch, const DeviceFrame& frame,
+DeviceCommand command_forces(const Model& model, Scratch& scratch, const DeviceFrame& frame,
                              const ActuatorFrame& output, std::int64_t now, HapticLoop& loop) {
   const double dt = loop.now == 0 ? 0 : in_seconds(now - loop.now);
   loop.now = now;
@@ -359,8 +359,7 @@ void take_angles(DeviceLink& link, HapticLoop& loop, LoopStep& step) {
   step.blind = !put_angles(loop, link.now(), step.frame);
 }
 
-void give_forces(const Model& model, const Scratch& scratch, DeviceLink& link, HapticLoop& loop,
-                 LoopStep& step) {
+void give_forces(const Model& model, Scratch& scratch, DeviceLink& link, HapticLoop& loop, LoopStep& step) {
   step.sent_count = 0;
   for (SentCommand sent; link.sent(sent);) {
     note_exchange(sent, loop);

@@ -139,7 +139,7 @@ void add(const SegmentJacobian& more, SegmentJacobian& jacobian) {
 }
 
 // What a pad's layer feels besides.
-void add_layer(const Model& layer, const Scratch& scratch, std::uint32_t segments,
+void add_layer(const Model& layer, Scratch& scratch, std::uint32_t segments,
                std::array<SegmentJacobian, kSegmentCount>& jacobians) {
   std::array<SegmentJacobian, kSegmentCount> more;
   segment_jacobians(layer, scratch, more, segments);
@@ -166,7 +166,7 @@ void add_pushes(const PushList& pushing, const Primitives& hand, std::uint32_t s
 
 }  // namespace
 
-void segment_jacobians(const Model& model, const Scratch& scratch,
+void segment_jacobians(const Model& model, Scratch& scratch,
                        std::array<SegmentJacobian, kSegmentCount>& jacobians, std::uint32_t segments) {
   assert(is_made_for(model, scratch) && "of its last tick");
   const FloatingPointGuard guard;
