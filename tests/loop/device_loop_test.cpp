@@ -172,6 +172,19 @@ TEST_F(DeviceLoopTest, NothingReachesADeviceBeforeTheStartAndForcesDoAfterIt) {
   EXPECT_TRUE(loop.figures.safe_at_end && loop.figures.was_active);
 }
 
+// Who would arm before its last step, by a signal say, can tell.
+TEST_F(DeviceLoopTest, SaysWhetherItsOwnArmingIsBehindIt) {
+  for (int times = 0; times < 2; ++times) {
+    ASSERT_TRUE(loop.open(model, profile, std::make_unique<HeldWire>(device, profile), {}).ok());
+    EXPECT_FALSE(loop.started());
+    ASSERT_TRUE(loop.measure(model, scratch, frame, 0.02));
+    EXPECT_FALSE(loop.started());
+    ASSERT_TRUE(loop.start(model, scratch, frame));
+    EXPECT_TRUE(loop.started());
+    loop.close();
+  }
+}
+
 TEST_F(DeviceLoopTest, AnEmergencyStopFadesAndOnlyAResetAndArmingBringForcesBack) {
   open();
   ASSERT_TRUE(steps_until([&] { return told() > 0; }));

@@ -20,7 +20,8 @@ constexpr std::size_t kToldJoint = 3;               // index proximal
 // The sink that signals mean; they find nothing else.
 std::atomic<DeviceSink*> signalled_sink{nullptr};
 
-// SIGUSR2 is an emergency stop; SIGUSR1 releases it, resets whatever fault there is and arms again.
+// SIGUSR2 is an emergency stop; SIGUSR1 releases it, resets whatever fault there is and, once the loop itself
+// has armed, arms again.
 extern "C" void stop_device(int) {
   if (DeviceSink* const sink = signalled_sink) sink->press_stop(true);
 }
@@ -45,7 +46,7 @@ void DeviceSession::Told::report() {
     if (arm_asked.exchange(false)) {
       loop.sink.press_stop(false);
       loop.sink.request_reset();
-      loop.sink.arm_when_ready();
+      if (loop.started()) loop.sink.arm_when_ready();
     }
     for (SinkEvent& event : loop.sink.events()) tell(std::move(event));
     tell_timing();

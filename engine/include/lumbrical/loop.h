@@ -8,6 +8,7 @@
 //   loop.close()                                  forces fade, the device says so
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 
@@ -71,6 +72,10 @@ class DeviceLoop {
   }
   bool step(const Model& model, State& state, Scratch& scratch, LoopStep& step);
 
+  /// Whether start() has let the device be armed; from any thread. Who arms it before makes the start of the
+  /// session, which takes its time, a loss of ticks.
+  [[nodiscard]] bool started() const { return started_; }
+
   /// Fades, tells the device, ends the sink's thread. True: the device has acknowledged safe values.
   bool close();
 
@@ -86,6 +91,7 @@ class DeviceLoop {
 
   LoopSettings settings_;
   bool open_ = false;
+  std::atomic<bool> started_{false};
 };
 
 }  // namespace lumbrical

@@ -39,6 +39,7 @@ Status DeviceLoop::open(const Model& model, const DeviceProfile& profile, std::u
   settings_ = wanted;
   control = start_loop(profile, settings.control);
   figures = {};
+  started_ = false;
   open_ = true;
   return {};
 }
@@ -74,6 +75,7 @@ bool DeviceLoop::start(const Model& model, Scratch& scratch, const DeviceFrame& 
   forget_timing(sink.now(), control);
   step_unarmed(model, scratch, frame, kWarmUp);
   figures.armed_at = clock_ns();
+  started_ = true;
   sink.arm_when_ready();
   return !stop_requested();
 }
