@@ -293,6 +293,45 @@ TEST(Report, FoldersWithoutResultsAndPagesThatCannotBeWrittenAreNamed) {
   EXPECT_FALSE(fs::exists(folder / "page.html.part"));
 }
 
+// A page, table and picture of an earlier run may go; nothing else, whatever the command line says.
+TEST(Report, OnlyFilesOfItsOwnKindAreWrittenAnew) {
+  const fs::path folder = folder_with(accuracy_of({{"field", "exact", 100, 1e-3}}));
+  std::ofstream(folder / "results/peers.json")
+      << peers_of({{"sphere", "ours, 1e-4", 100, 10, 1e-4}, {"sphere", "their area", 100, 20, 1e-2}});
+  const std::string own = "lumbrical report results -o page --targets table --picture picture";
+  for (int times = 0; times < 2; ++times) {
+    const Outcome outcome = shell(own, folder);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  }
+  std::ofstream(folder / "notes") << "what took a year";
+  for (const char* const name : {"-o notes", "--targets notes", "--picture notes", "--targets page",
+                                 "-o picture", "--picture results/peers.json"}) {
+    const Outcome outcome = shell("lumbrical report results " + std::string(name), folder);
+    EXPECT_EQ(outcome.exit_code, 2) << name;
+    EXPECT_NE(outcome.error.find("exists and is no "), std::string::npos) << outcome.error;
+  }
+  EXPECT_EQ(read_file((folder / "notes").string()), "what took a year");
+  for (const char* const name : {"-o new --targets new", "-o new --targets ./new",
+                                 "--targets new --picture results/../new", "--picture report.html"}) {
+    const Outcome outcome = shell("rm -f report.html; lumbrical report results " + std::string(name), folder);
+    EXPECT_EQ(outcome.exit_code, 2) << name;
+    EXPECT_NE(outcome.error.find("is named twice"), std::string::npos) << outcome.error;
+    EXPECT_FALSE(fs::exists(folder / "new"));
+  }
+}
+
+TEST(Report, APartThatIsThereIsNeitherFollowedNorRemoved) {
+  const fs::path folder = folder_with(accuracy_of({{"field", "exact", 100, 1e-3}}));
+  std::ofstream(folder / "notes") << "what took a year";
+  fs::create_symlink("notes", folder / "page.part");
+  const Outcome outcome = shell("lumbrical report results -o page", folder);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.error.find("page.part: exists"), std::string::npos) << outcome.error;
+  EXPECT_EQ(read_file((folder / "notes").string()), "what took a year");
+  EXPECT_TRUE(fs::is_symlink(folder / "page.part"));
+  EXPECT_FALSE(fs::exists(folder / "page"));
+}
+
 TEST(Report, TheCommittedResultsMakeAPage) {
   const fs::path folder = fresh_folder();
   int count = 0;

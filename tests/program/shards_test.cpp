@@ -117,6 +117,23 @@ TEST(Shards, MergedTellWhatDivergedFromWhatAWhatIfHasChanged) {
   EXPECT_EQ(merged.json()["changed"], 1);
 }
 
+TEST(Shards, MergedTakeThePlaceOfResultsOnly) {
+  const fs::path folder = fresh_folder();
+  std::ofstream(folder / "results") << R"({"recording": "a.mcap", "identical": true, "ticks": 3})" << '\n';
+  std::ofstream(folder / "list") << "a.mcap\n";
+  const std::string merge = "lumbrical merge-results results --list list --output ";
+  for (const char* const output : {"all", "all", "results"})
+    EXPECT_EQ(shell(merge + output, folder).exit_code, 0) << output;
+  std::ofstream(folder / "notes") << "what took a year";
+  for (const char* const output : {"notes", "list", "./list"})
+    EXPECT_EQ(shell(merge + output, folder).exit_code, 2) << output;
+  EXPECT_EQ(read_file((folder / "notes").string()), "what took a year");
+  EXPECT_EQ(read_file((folder / "list").string()), "a.mcap\n");
+  fs::create_symlink("notes", folder / "all.part");
+  EXPECT_EQ(shell(merge + "all", folder).exit_code, 2);
+  EXPECT_EQ(read_file((folder / "notes").string()), "what took a year");
+}
+
 TEST(Shards, LeaveAFileThatHoldsNoResultsAsItIs) {
   const fs::path folder = folder_with_demo();
   std::ofstream(folder / "list") << "rec.mcap";

@@ -1,5 +1,7 @@
 // lumbrical merge-results: what shards of `replay --results` and `run --results` have found, as one list and
 // in one sentence.
+#include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <set>
 #include <string>
@@ -7,6 +9,7 @@
 
 #include "commands.h"
 #include "output.h"
+#include "replace_file.h"
 #include "result_lines.h"
 #include "switches.h"
 #include "work_list.h"
@@ -19,10 +22,14 @@ struct MergeSwitches {
   std::string list, output;
 };
 
+// Where a file is there already, it holds results and nothing else.
 Status write_lines(const std::vector<Json>& results, const std::string& path) {
+  std::vector<Json> before;
+  if (std::filesystem::exists(path))
+    if (Status status = read_results({path}, before); !status.ok()) return status;
   std::string lines;
   for (const Json& result : results) lines += result.dump() + '\n';
-  return replace_file(path, lines);
+  return replace_own_file(path, lines);
 }
 
 // Of the list, those without a result: what is to be run again.
@@ -36,6 +43,8 @@ std::vector<std::string> missing_of(const std::vector<std::string>& list, const 
 }
 
 int merge_results(const MergeSwitches& switches) {
+  if (Status status = check_apart({switches.output, switches.list == "-" ? "" : switches.list}); !status.ok())
+    return fail(status);
   std::vector<Json> results;
   std::vector<std::string> list;
   if (Status status = read_results(switches.files, results); !status.ok()) return fail(status);

@@ -8,9 +8,11 @@
 
 #include "commands.h"
 #include "output.h"
+#include "replace_file.h"
 #include "report_front.h"
 #include "report_page.h"
 #include "report_targets.h"
+#include "switches.h"
 
 namespace lumbrical::tool {
 namespace {
@@ -42,7 +44,28 @@ Status read_folder(const std::string& path, ResultFolder& folder) {
   return {};
 }
 
+Status write_page(const std::string& path, const std::string& page) {
+  return replace_file(path, page, "page of a report", "<title>Lumbrical: benchmark results</title>");
+}
+
+Status write_targets(const std::string& path, const std::vector<ResultFolder>& folders) {
+  std::string targets;
+  for (const ResultFolder& folder : folders)
+    targets += table_markdown("Targets: " + folder.name, targets_of(folder.results));
+  return replace_file(path, targets, "table of targets", "## Targets: ");
+}
+
+Status write_picture(const std::string& path, const ResultFolder& folder, const std::string& named) {
+  const Figure front = front_figure(folder.results);
+  if (front.plots.empty())
+    return Status::error(named + ": holds no times against errors to draw; add those of bench_peers");
+  return replace_file(path, picture_svg(front, front.plots[0]), "picture of a report",
+                      "svg text { fill: var(--weak)");
+}
+
 int report(const ReportSwitches& switches) {
+  if (Status status = check_apart({switches.out, switches.targets, switches.picture}); !status.ok())
+    return fail(status);
   std::vector<ResultFolder> folders(switches.folders.size());
   std::size_t files = 0, figures = 0;
   for (std::size_t i = 0; i < folders.size(); ++i) {
@@ -52,21 +75,13 @@ int report(const ReportSwitches& switches) {
       figures += results.figures.size() + results.curves.size() + results.bars.size();
   }
   const std::string page = page_html(folders);
-  if (Status status = replace_file(switches.out, page); !status.ok()) return fail(status);
-  std::string targets;
-  for (const ResultFolder& folder : folders)
-    targets += table_markdown("Targets: " + folder.name, targets_of(folder.results));
-  if (!switches.targets.empty()) {
-    if (Status status = replace_file(switches.targets, targets); !status.ok()) return fail(status);
-  }
-  if (!switches.picture.empty()) {
-    const Figure front = front_figure(folders.back().results);
-    if (front.plots.empty())
-      return fail(switches.folders.back() +
-                  ": holds no times against errors to draw; add those of bench_peers");
-    if (Status status = replace_file(switches.picture, picture_svg(front, front.plots[0])); !status.ok())
+  if (Status status = write_page(switches.out, page); !status.ok()) return fail(status);
+  if (!switches.targets.empty())
+    if (Status status = write_targets(switches.targets, folders); !status.ok()) return fail(status);
+  if (!switches.picture.empty())
+    if (Status status = write_picture(switches.picture, folders.back(), switches.folders.back());
+        !status.ok())
       return fail(status);
-  }
   if (switches.json) return print_json({{"page", switches.out}, {"files", files}, {"figures", figures}});
   return print_text(switches.out + ": " + grouped(figures) + " figures from " + grouped(files) + " files, " +
                     brief(1e-3 * static_cast<double>(page.size())) + " kB\n");

@@ -1,7 +1,6 @@
 // See output.h.
 #include "output.h"
 
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,8 +10,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <system_error>
 
 #include "commands.h"
 
@@ -75,26 +72,6 @@ int print_json(const Json& object) {
   // Names may come from files in any encoding; bytes that are not UTF-8 are replaced instead of throwing, and
   // what is beyond ASCII, control characters among it, is escaped.
   return print_text(object.dump(-1, ' ', true, Json::error_handler_t::replace) + '\n');
-}
-
-Status replace_file(const std::string& path, std::string_view text) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode))
-    return Status::error(path + ": is not a file; give it another name");
-  const std::string growing = path + ".part";
-  const auto failed = [&](const std::string& what) {
-    const std::string why = std::generic_category().message(errno);
-    std::remove(growing.c_str());
-    return Status::error(what + ": " + why + "; give it another name or place");
-  };
-  errno = 0;
-  std::ofstream file(growing, std::ios::binary);
-  if (!file) return failed(growing + ": cannot be created");
-  file << text;
-  file.close();
-  if (!file) return failed(growing + ": cannot be written");
-  if (std::rename(growing.c_str(), path.c_str()) != 0) return failed(path + ": cannot be replaced");
-  return {};
 }
 
 Json to_json(Vec3 v) { return Json::array({v.x, v.y, v.z}); }

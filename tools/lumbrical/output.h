@@ -43,9 +43,6 @@ int print_json(const Json& object);
 /// Prints text, as printable lines, to standard output under the same terms.
 int print_text(std::string_view text);
 
-/// Writes text to a file beside the path, which takes the path when it is whole, whatever file is there.
-Status replace_file(const std::string& path, std::string_view text);
-
 Json to_json(Vec3 v);  ///< [x, y, z]
 
 /// Two columns: names on the left, what they are on the right. A row without a name continues the one above.
