@@ -325,6 +325,7 @@ namespace Lumbrical
         public fixed byte field[64];
         public fixed byte recorded[64];
         public fixed byte replayed[64];
+        public fixed byte damage[256];
     }
 
     public static class Native

@@ -134,7 +134,8 @@ py::dict run_replay(const Path& path, std::uint32_t threads, const std::string& 
   if (const auto& first = result.first_divergence)
     divergence = py::dict("tick"_a = first->tick, "stage"_a = first->stage, "field"_a = first->field,
                           "recorded"_a = first->recorded, "replayed"_a = first->replayed);
-  return py::dict("identical"_a = !result.first_divergence, "ticks"_a = result.ticks,
+  const py::object damage = result.damage.empty() ? py::object(py::none()) : py::str(result.damage);
+  return py::dict("identical"_a = !result.first_divergence, "ticks"_a = result.ticks, "damage"_a = damage,
                   "divergence"_a = divergence, "recorded_time"_a = result.recorded_time,
                   "replayed_time"_a = result.replayed_time);
 }

@@ -372,6 +372,12 @@ TEST(CApi, RecordsWhatReplaysIdenticalAndCanBeReadAgain) {
   ASSERT_EQ(lumbrical_replay(path.c_str(), nullptr, &result), LUMBRICAL_OK) << lumbrical_message();
   EXPECT_EQ(result.identical, 1);
   EXPECT_EQ(result.ticks, 80u);
+  EXPECT_STREQ(result.damage, "");
+  const std::string torn = (own_folder() / "torn.mcap").string();
+  std::filesystem::copy_file(path, torn);
+  std::filesystem::resize_file(torn, std::filesystem::file_size(torn) - 200);
+  ASSERT_EQ(lumbrical_replay(torn.c_str(), nullptr, &result), LUMBRICAL_OK) << lumbrical_message();
+  EXPECT_STRNE(result.damage, "") << "identical as far as it can be read, and no whole file";
 
   lumbrical_reader* reader = nullptr;
   ASSERT_EQ(lumbrical_reader_open(path.c_str(), &reader), LUMBRICAL_OK);

@@ -317,6 +317,17 @@ def test_a_recording_is_read_replayed_and_changed(tmp_path, session):
     assert changed["ticks"] == 100 and changed["force"]["max"].max() > 0.01
 
 
+def test_a_replay_of_a_torn_file_says_so(tmp_path, session):
+    path = tmp_path / "torn.mcap"
+    session.record(path)
+    session.run(touching_frames(100))
+    session.stop_recording()
+    assert lum.replay(path)["damage"] is None
+    path.write_bytes(path.read_bytes()[:-200])
+    torn = lum.replay(path)
+    assert torn["identical"] and torn["damage"]
+
+
 def test_forces_left_out_are_nan(tmp_path, session):
     path = str(tmp_path / "sparse.mcap")
     session.record(path, force_interval=10)

@@ -33,6 +33,7 @@ int lumbrical_replay(const char* path, const lumbrical_execution* execution,
     copy_text(first.field, result->field);
     copy_text(first.recorded, result->recorded);
     copy_text(first.replayed, result->replayed);
+    copy_text(found.damage, result->damage);
     return {};
   });
 }
