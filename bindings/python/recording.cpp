@@ -5,15 +5,16 @@
 namespace lumbrical::python {
 namespace {
 
+std::optional<Side> side_of(const std::optional<std::string>& side) {
+  if (!side) return std::nullopt;
+  if (*side != "left" && *side != "right") throw py::value_error("side is neither \"left\" nor \"right\"");
+  return *side == "left" ? Side::left : Side::right;
+}
+
 class Recording : public Bound {
  public:
   Recording(const Path& path, const std::optional<std::string>& side) {
-    std::optional<Side> which;
-    if (side) {
-      if (*side != "left" && *side != "right")
-        throw py::value_error("side is neither \"left\" nor \"right\"");
-      which = *side == "left" ? Side::left : Side::right;
-    }
+    const std::optional<Side> which = side_of(side);
     auto opened = std::make_unique<RecordingReader>();
     Status status;
     {
@@ -90,7 +91,8 @@ py::dict info(Recording& self) {
                   "complete"_a = from.complete, "metadata"_a = from.metadata);
 }
 
-std::shared_ptr<PyModel> model_of(Recording& self, std::uint32_t threads, const std::string& broadphase) {
+std::shared_ptr<PyModel> model_of(Recording& self, const std::optional<Path>& world, std::uint32_t threads,
+                                  const std::string& broadphase) {
   const Execution execution = execution_of(threads, broadphase, "auto");
   auto built = std::make_shared<PyModel>();
   const Busy busy(self.busy);
@@ -98,7 +100,7 @@ std::shared_ptr<PyModel> model_of(Recording& self, std::uint32_t threads, const 
   Status status;
   {
     const py::gil_scoped_release release;
-    status = reader.find_world("");
+    status = reader.find_world(world ? world->text : "");
     if (status.ok()) status = build_model(reader.scene(), execution, built->model);
     if (status.ok()) built->start = reader.initial_state(built->model);
   }
@@ -106,8 +108,10 @@ std::shared_ptr<PyModel> model_of(Recording& self, std::uint32_t threads, const 
   return built;
 }
 
-ReplayOptions options_of(std::uint32_t threads, const std::string& broadphase) {
+ReplayOptions options_of(const std::optional<Path>& world, std::uint32_t threads,
+                         const std::string& broadphase) {
   ReplayOptions options;
+  if (world) options.world = world->text;
   options.execution = execution_of(threads, broadphase, "auto");
   return options;
 }
@@ -125,9 +129,10 @@ Result found_by(const Run& run) {
   return result;
 }
 
-py::dict run_replay(const Path& path, std::uint32_t threads, const std::string& broadphase) {
+py::dict run_replay(const Path& path, const std::optional<Path>& world, std::uint32_t threads,
+                    const std::string& broadphase) {
   using namespace py::literals;
-  const ReplayOptions options = options_of(threads, broadphase);
+  const ReplayOptions options = options_of(world, threads, broadphase);
   const auto result =
       found_by<ReplayResult>([&](ReplayResult& out) { return replay_hands(path.text, options, out); });
   py::object divergence = py::none();
@@ -151,16 +156,25 @@ py::dict changes(const std::array<Change, kCount>& from) {
   return py::dict("max"_a = max, "rms"_a = rms);
 }
 
+// What changes is told of one hand: of two, one has to be chosen.
+Status open_one_hand(const std::string& path, std::optional<Side> side, RecordingReader& reader) {
+  if (Status status = reader.open(path, side); !status.ok()) return status;
+  if (side || reader.info().hands.size() < 2) return {};
+  return Status::error(path + ": holds two hands; choose one, side=\"left\" or side=\"right\"");
+}
+
 py::dict run_what_if(const Path& path, std::optional<double> stiffness, const std::optional<std::string>& law,
-                     std::optional<double> precision, std::uint32_t threads) {
+                     std::optional<double> precision, const std::optional<std::string>& side,
+                     const std::optional<Path>& world, std::uint32_t threads) {
   using namespace py::literals;
-  ReplayOptions options = options_of(threads, "auto");
+  const std::optional<Side> which = side_of(side);
+  ReplayOptions options = options_of(world, threads, "auto");
   options.stiffness = stiffness;
   options.precision = precision;
   if (law) options.law = parsed(parse_law(*law), *law, "law");
   const auto result = found_by<WhatIfResult>([&](WhatIfResult& out) {
     RecordingReader reader;
-    Status status = reader.open(path.text);
+    Status status = open_one_hand(path.text, which, reader);
     return status.ok() ? what_if(reader, options, out) : status;
   });
   return py::dict("ticks"_a = result.ticks, "force"_a = changes(result.force),
@@ -177,13 +191,16 @@ void bind_recording(py::module_& module) {
       .def_property_readonly("info", &info)
       .def("read", &read, "first"_a = 0u, "last"_a = py::none(), "step"_a = 1u)
       .def("read_objects", &read_objects, "first"_a = 0u, "last"_a = py::none(), "step"_a = 1u)
-      .def("model", &model_of, py::kw_only(), "threads"_a = 1u, "broadphase"_a = "auto")
+      .def("model", &model_of, py::kw_only(), "world"_a = py::none(), "threads"_a = 1u,
+           "broadphase"_a = "auto")
       .def("close", &Recording::close)
       .def("__enter__", [](py::object self) { return self; })
       .def("__exit__", [](Recording& self, const py::args&) { self.close(); });
-  module.def("replay", &run_replay, "path"_a, py::kw_only(), "threads"_a = 1u, "broadphase"_a = "auto");
+  module.def("replay", &run_replay, "path"_a, py::kw_only(), "world"_a = py::none(), "threads"_a = 1u,
+             "broadphase"_a = "auto");
   module.def("what_if", &run_what_if, "path"_a, py::kw_only(), "stiffness"_a = py::none(),
-             "law"_a = py::none(), "precision"_a = py::none(), "threads"_a = 1u);
+             "law"_a = py::none(), "precision"_a = py::none(), "side"_a = py::none(), "world"_a = py::none(),
+             "threads"_a = 1u);
 }
 
 }  // namespace lumbrical::python
