@@ -1,4 +1,5 @@
 // Sessions and batches of hands, for Python.
+#include <algorithm>
 #include <chrono>
 
 #include "bind.h"
@@ -49,11 +50,21 @@ std::vector<ObjectFrame> given_of(const py::object& given, const Model& model, s
   return poses;
 }
 
+ActuatorFrame timed_tick(Session& self, const DeviceFrame& frame, std::span<const ObjectFrame> given,
+                         std::uint32_t& duration_ns) {
+  const auto start = std::chrono::steady_clock::now();
+  const ActuatorFrame output = tick(self.model(), self.state, self.scratch, frame, given);
+  const std::chrono::nanoseconds duration = std::chrono::steady_clock::now() - start;
+  duration_ns = static_cast<std::uint32_t>(std::min<std::int64_t>(duration.count(), UINT32_MAX));
+  return output;
+}
+
 void keep(Session& self, const DeviceFrame& frame, const ActuatorFrame& output,
-          std::span<const ObjectFrame> given) {
+          std::span<const ObjectFrame> given, std::uint32_t duration_ns) {
   TickRecord record;
   take_input(frame, given, record);
   record.output = output;
+  record.duration_ns = duration_ns;
   take_results(self.state, self.scratch, record);
   self.recorder->record(record, &self.state);  // what goes wrong is a warning, and an error in the end
 }
@@ -80,9 +91,10 @@ py::array run_frames(Session& self, const std::vector<DeviceFrame>& frames, cons
     const py::gil_scoped_release release;
     for (std::size_t i = 0; i < frames.size(); ++i) {
       const auto now = std::span(given).subspan(i * per_tick, per_tick);
-      outputs[i] = tick(self.model(), self.state, self.scratch, frames[i], now);
+      std::uint32_t duration_ns = 0;
+      outputs[i] = timed_tick(self, frames[i], now, duration_ns);
       self.ticked = true;
-      if (self.recorder) keep(self, frames[i], outputs[i], now);
+      if (self.recorder) keep(self, frames[i], outputs[i], now, duration_ns);
     }
     news = news_of(self);
   }

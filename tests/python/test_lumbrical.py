@@ -308,6 +308,7 @@ def test_a_recording_is_read_replayed_and_changed(tmp_path, session):
         ticks = recording.read()
         assert same_bits(ticks["frame"], frames)
         assert same_bits(ticks["output"], outputs)
+        assert (ticks["duration_ns"] > 0).all()
         assert np.shares_memory(ticks["output"]["segment"]["force"], ticks)
         assert list(recording.read(10, 50, 10)["output"]["tick"]) == [10, 20, 30, 40]
         assert recording.read_objects().shape == (100, 0)
