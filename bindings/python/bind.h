@@ -86,9 +86,22 @@ struct ContactRow {
 template <class Struct>
 py::dtype dtype_of();
 
+/// Text whatever its bytes: those that are no UTF-8, of a file's name say, become what Python itself makes of
+/// them (surrogateescape), so that a path is still the path.
+inline py::str text_of(const std::string& bytes) {
+  PyObject* const made =
+      PyUnicode_DecodeUTF8(bytes.data(), static_cast<py::ssize_t>(bytes.size()), "surrogateescape");
+  if (made == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::str>(made);
+}
+
 /// Throws ValueError with the message.
+[[noreturn]] inline void refuse(const std::string& message) {
+  PyErr_SetObject(PyExc_ValueError, text_of(message).ptr());
+  throw py::error_already_set();
+}
 inline void check(const Status& status) {
-  if (!status.ok()) throw py::value_error(status.message());
+  if (!status.ok()) refuse(status.message());
 }
 
 /// One call at a time: while the GIL is released another thread may come.

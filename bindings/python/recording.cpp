@@ -85,10 +85,12 @@ py::dict info(Recording& self) {
   const RecordingInfo& from = self.reader().info();
   py::list hands;
   for (const Side side : from.hands) hands.append(side_name(side));
-  return py::dict("path"_a = from.path, "hands"_a = hands, "ticks"_a = from.ticks,
+  py::dict metadata;
+  for (const auto& [name, value] : from.metadata) metadata[text_of(name)] = text_of(value);
+  return py::dict("path"_a = text_of(from.path), "hands"_a = hands, "ticks"_a = from.ticks,
                   "first_tick"_a = from.first_tick, "last_tick"_a = from.last_tick,
                   "missing_ticks"_a = from.missing_ticks, "seconds"_a = from.seconds,
-                  "complete"_a = from.complete, "metadata"_a = from.metadata);
+                  "complete"_a = from.complete, "metadata"_a = metadata);
 }
 
 std::shared_ptr<PyModel> model_of(Recording& self, const std::optional<Path>& world, std::uint32_t threads,
@@ -139,7 +141,7 @@ py::dict run_replay(const Path& path, const std::optional<Path>& world, std::uin
   if (const auto& first = result.first_divergence)
     divergence = py::dict("tick"_a = first->tick, "stage"_a = first->stage, "field"_a = first->field,
                           "recorded"_a = first->recorded, "replayed"_a = first->replayed);
-  const py::object damage = result.damage.empty() ? py::object(py::none()) : py::str(result.damage);
+  const py::object damage = result.damage.empty() ? py::object(py::none()) : text_of(result.damage);
   return py::dict("identical"_a = !result.first_divergence, "ticks"_a = result.ticks, "damage"_a = damage,
                   "divergence"_a = divergence, "recorded_time"_a = result.recorded_time,
                   "replayed_time"_a = result.replayed_time);

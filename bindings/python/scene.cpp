@@ -207,9 +207,9 @@ py::tuple triangles(const py::object& self) {
   return py::make_tuple(shared_view(world.a, self), shared_view(world.b, self), shared_view(world.c, self));
 }
 
-std::vector<std::string> object_names(const PyModel& self) {
-  std::vector<std::string> names;
-  for (const World::Object& object : all_objects(self.model)) names.push_back(object.name);
+py::list object_names(const PyModel& self) {
+  py::list names;
+  for (const World::Object& object : all_objects(self.model)) names.append(text_of(object.name));
   return names;
 }
 

@@ -77,7 +77,7 @@ std::string news_of(Session& self) {
 }
 
 void warn(const std::string& text) {
-  if (!text.empty() && PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) != 0)
+  if (!text.empty() && PyErr_WarnFormat(PyExc_RuntimeWarning, 1, "%U", text_of(text).ptr()) != 0)
     throw py::error_already_set();
 }
 
@@ -180,7 +180,7 @@ std::uint64_t stop_recording(Session& self) {
     status = recorder->close();
   }
   if (!status.ok())
-    throw py::value_error(status.message() + "; the file has " + std::to_string(recorder->kept()) + " ticks");
+    refuse(status.message() + "; the file has " + std::to_string(recorder->kept()) + " ticks");
   return recorder->kept();
 }
 

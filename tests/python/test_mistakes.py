@@ -195,6 +195,18 @@ def test_paths_are_taken_as_python_has_them(tmp_path, session):
     assert len(lum.load_mesh(tmp_path / "one.obj", "m")[1]) == 1
 
 
+def test_a_path_that_is_no_utf_8_is_told_as_python_has_it(tmp_path, session):
+    path = os.fsencode(tmp_path) + b"/t\xffch.mcap"
+    session.record(path)
+    session.run(touching_frames(5))
+    session.stop_recording()
+    with lum.Recording(path) as recording:
+        assert os.fsencode(recording.info["path"]) == path
+    for take in (lum.Recording, lum.replay, lum.what_if, lum.Scene.load):
+        with pytest.raises(ValueError, match="gone\udcff"):
+            take(os.fsencode(tmp_path) + b"/gone\xff")
+
+
 def test_a_path_with_a_nul_is_refused(tmp_path):
     path = str(tmp_path / "touch\0.mcap")
     record = lum.Session(lum.Model(ball_scene())).record
