@@ -117,6 +117,63 @@ TEST(Shards, MergedTellWhatDivergedFromWhatAWhatIfHasChanged) {
   EXPECT_EQ(merged.json()["changed"], 1);
 }
 
+// As `replay` of several recordings does: what is wrong with one hides nothing of another.
+TEST(Shards, MergedTellOfADivergenceWhateverElseHasFailed) {
+  const fs::path folder = fresh_folder();
+  std::ofstream(folder / "diverged")
+      << R"({"recording": "a", "diverged": true, "damage": "torn", "ticks": 3})" << '\n';
+  std::ofstream(folder / "failed") << R"({"recording": "b", "error": "gone"})" << '\n';
+  std::ofstream(folder / "list") << "a\nb\nc";
+  const Outcome merged = shell("lumbrical merge-results diverged failed --list list", folder);
+  EXPECT_EQ(merged.exit_code, 3);
+  EXPECT_EQ(merged.json()["diverged"], 1);
+  EXPECT_EQ(merged.json()["failed"], 1);
+  EXPECT_EQ(merged.json()["missing"].size(), 1u);
+  EXPECT_EQ(shell("lumbrical merge-results failed", folder).exit_code, 2);
+}
+
+TEST(Shards, MergedCountAllTicksThatAWhatIfRan) {
+  const fs::path folder = fresh_folder();
+  std::ofstream(folder / "results")
+      << R"({"recording": "a", "identical": false, "diverged": false, "ticks": 3, "what_if": {"ticks": 50}})"
+      << '\n';
+  EXPECT_EQ(shell("lumbrical merge-results results", folder).json()["ticks"], 50);
+}
+
+TEST(Shards, AnswerForTheWholeShareHoweverOftenTheyAreRun) {
+  const fs::path folder = folder_with_demo();
+  std::ofstream(folder / "list") << "gone.mcap\n";
+  for (const int done_before : {0, 1}) {
+    const Outcome done = shell("lumbrical replay --list list --results r", folder);
+    EXPECT_EQ(done.exit_code, 2);
+    EXPECT_EQ(done.json()["done_before"], done_before);
+    EXPECT_EQ(done.json()["failed"], 1);
+  }
+  std::ofstream(folder / "r") << R"({"recording": "gone.mcap", "diverged": true, "ticks": 3})" << '\n';
+  EXPECT_EQ(shell("lumbrical replay --list list --results r", folder).exit_code, 3);
+}
+
+TEST(Shards, DoWhatHasANameThatIsNoUtf8OnceToo) {
+  const fs::path folder = folder_with_demo();
+  std::ofstream(folder / "list") << "t\xffrn.mcap\n";
+  for (const int done_before : {0, 1})
+    EXPECT_EQ(shell("lumbrical replay --list list --results r", folder).json()["done_before"], done_before);
+  EXPECT_EQ(shell("lumbrical merge-results r --list list", folder).json()["missing"].size(), 0u);
+  std::ofstream(folder / "list", std::ios::app) << "t\xfern.mcap\n";
+  const Outcome refused = shell("lumbrical replay --list list --results r", folder);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.error.find("two entries of the list"), std::string::npos) << refused.error;
+}
+
+TEST(Shards, SayWhyResultsCannotBeWritten) {
+  const fs::path folder = folder_with_demo();
+  std::ofstream(folder / "list") << "gone.mcap\n";
+  const Outcome refused = shell("lumbrical replay --list list --results nowhere/r", folder);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.error.find("nowhere/r: can't be written: No such file"), std::string::npos)
+      << refused.error;
+}
+
 TEST(Shards, MergedTakeThePlaceOfResultsOnly) {
   const fs::path folder = fresh_folder();
   std::ofstream(folder / "results") << R"({"recording": "a.mcap", "identical": true, "ticks": 3})" << '\n';

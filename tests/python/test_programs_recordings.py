@@ -31,7 +31,7 @@ def test_what_if_is_asked_of_one_hand_of_two(tmp_path):
 
 def test_a_world_file_that_has_moved_is_named(tmp_path):
     run(tmp_path, "world", os.path.join(EXAMPLES, "demo.json"), "-o", "demo.world")
-    (tmp_path / "scene.json").write_text('{"world": "demo.world", "motion": {"grasp": {"seconds": 0.1}}}')
+    (tmp_path / "scene.json").write_text('{"world": "demo.world", "motion": {"grasp": {"seconds": 0.5}}}')
     run(tmp_path, "run", "scene.json", "--record", "session.mcap")
     path, moved = tmp_path / "session.mcap", tmp_path / "elsewhere" / "demo.world"
     moved.parent.mkdir()

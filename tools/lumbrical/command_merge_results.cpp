@@ -38,8 +38,15 @@ std::vector<std::string> missing_of(const std::vector<std::string>& list, const 
   for (const Json& result : results) there.insert(entry_of(result));
   std::vector<std::string> missing;
   for (const std::string& path : list)
-    if (!there.contains(path)) missing.push_back(path);
+    if (!there.contains(told_entry(path))) missing.push_back(path);
   return missing;
+}
+
+// A what-if goes on where the comparison of bits has ended, at the first difference.
+std::uint64_t ticks_of(const Json& result) {
+  const Json& of =
+      result.contains("what_if") && result["what_if"].contains("ticks") ? result["what_if"] : result;
+  return of.value("ticks", std::uint64_t{0});
 }
 
 int merge_results(const MergeSwitches& switches) {
@@ -56,15 +63,14 @@ int merge_results(const MergeSwitches& switches) {
   std::size_t sessions = 0, identical = 0, diverged = 0, changed = 0, failed = 0;
   std::uint64_t ticks = 0;
   for (const Json& result : results) {
-    const bool error = result.contains("error") || !result.value("damage", Json()).is_null();
+    const Verdict verdict = verdict_of(result);
     const bool session = result.contains("scene");
-    const bool same = !error && result.value("identical", false);
     sessions += session ? 1 : 0;
-    if (error)
+    if (verdict.failed)
       ++failed;
     else if (!session)
-      ++(same ? identical : result.value("diverged", false) ? diverged : changed);
-    if (!error) ticks += result.value("ticks", std::uint64_t{0});
+      ++(verdict.diverged ? diverged : result.value("identical", false) ? identical : changed);
+    if (!verdict.failed) ticks += ticks_of(result);
   }
   const Json json = {{"recordings", results.size() - sessions},
                      {"sessions", sessions},
@@ -75,7 +81,7 @@ int merge_results(const MergeSwitches& switches) {
                      {"ticks", ticks},
                      {"missing", missing}};
   if (const int printed = print_json(json); printed != kDone) return printed;
-  return failed > 0 || !missing.empty() ? kUnreadable : diverged > 0 ? kDiverged : kDone;
+  return diverged > 0 ? kDiverged : failed > 0 || !missing.empty() ? kUnreadable : kDone;
 }
 
 }  // namespace

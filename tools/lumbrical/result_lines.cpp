@@ -1,9 +1,11 @@
 // See result_lines.h.
 #include "result_lines.h"
 
+#include <cerrno>
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <system_error>
 
 namespace lumbrical::tool {
 namespace {
@@ -39,7 +41,23 @@ Status read_lines(const std::string& path, std::map<std::string, Json>& results,
                                        : Status::error(path + ": can't be read; name a file of results");
 }
 
+std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+Status not_written(const std::string& path) {
+  return Status::error(path + ": can't be written: " + std::generic_category().message(errno));
+}
+
 }  // namespace
+
+std::string told_entry(const std::string& entry) {
+  return Json::parse(dumped(Json(entry))).get<std::string>();
+}
+
+Verdict verdict_of(const Json& result) {
+  const bool error = result.contains("error");
+  const bool diverged = !error && result.value("diverged", Json()) == true;
+  return {diverged, error || (!diverged && !result.value("damage", Json()).is_null())};
+}
 
 std::string entry_of(const Json& result) {
   for (const char* const key : {"scene", "recording"})
@@ -53,19 +71,28 @@ Status ResultLines::open(const std::string& path) {
     std::map<std::string, Json> before;
     std::uintmax_t whole = 0;
     if (Status status = read_lines(path, before, whole); !status.ok()) return status;
-    for (const auto& [entry, result] : before) done_.insert(entry);
+    for (const auto& [entry, result] : before) done_[entry] = verdict_of(result);
     std::error_code error;
     std::filesystem::resize_file(path, whole, error);
     if (error) return Status::error(path + ": " + error.message());
   }
+  errno = 0;
   file_.open(path, std::ios::binary | std::ios::app);
-  return file_ ? Status() : Status::error(path + ": can't be written");
+  return file_ ? Status() : not_written(path);
+}
+
+const Verdict* ResultLines::find(const std::string& entry) const {
+  const auto found = done_.find(told_entry(entry));
+  return found == done_.end() ? nullptr : &found->second;
 }
 
 Status ResultLines::add(const Json& result) {
   const std::lock_guard lock(mutex_);
-  file_ << result.dump(-1, ' ', false, Json::error_handler_t::replace) << '\n' << std::flush;
-  return file_ ? Status() : Status::error(path_ + ": can't be written");
+  if (!failure_.ok()) return failure_;
+  errno = 0;
+  file_ << dumped(result) << '\n' << std::flush;
+  if (!file_) failure_ = not_written(path_);
+  return failure_;
 }
 
 Status read_results(const std::vector<std::string>& files, std::vector<Json>& results) {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <fstream>
+#include <map>
 #include <mutex>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -15,6 +15,16 @@ namespace lumbrical::tool {
 /// The entry of a list that a result is of: a replay's "recording", a session's "scene". Empty: it is none.
 std::string entry_of(const Json& result);
 
+/// An entry as results name it: JSON is UTF-8, so bytes of a path that are none are replaced.
+std::string told_entry(const std::string& entry);
+
+/// What became of an entry, by its result. A difference where bits are promised outweighs damage: what was
+/// read there is not what was recorded.
+struct Verdict {
+  bool diverged = false, failed = false;
+};
+Verdict verdict_of(const Json& result);
+
 /// Results in a file, a line each as soon as it is there, so that work that was cut short goes on where it
 /// ended: a line is whole or counts as none.
 class ResultLines {
@@ -22,15 +32,16 @@ class ResultLines {
   /// Keeps what the file has; a torn last line is cut off. Refuses a file that holds anything else, which
   /// stays as it is.
   Status open(const std::string& path);
-  /// Whether the file already has a result of that entry.
-  [[nodiscard]] bool has(const std::string& entry) const { return done_.contains(entry); }
+  /// What the file already had of that entry; null: no result.
+  [[nodiscard]] const Verdict* find(const std::string& entry) const;
   /// From any thread. `result` names its entry.
   Status add(const Json& result);
 
  private:
   std::string path_;
   std::ofstream file_;
-  std::set<std::string> done_;
+  std::map<std::string, Verdict> done_;
+  Status failure_;  // the first; nothing is written after it
   std::mutex mutex_;
 };
 

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <mutex>
 
 #include "lumbrical/batch.h"
@@ -25,6 +26,18 @@ bool parse_shard(const std::string& text, Shard& shard) {
   const auto [end, second] = std::from_chars(middle + 1, last, shard.count);
   return second == std::errc() && end == last && shard.index >= 1 && shard.index <= shard.count &&
          shard.count <= 1000000;
+}
+
+// Results could not keep them apart.
+Status check_told_apart(const std::vector<std::string>& entries) {
+  std::map<std::string, std::string> named;
+  for (const std::string& entry : entries) {
+    const auto [other, is_new] = named.emplace(told_entry(entry), entry);
+    if (!is_new && other->second != entry)
+      return Status::error("two entries of the list are both told as \"" + other->first +
+                           "\", since their names are no UTF-8; rename one");
+  }
+  return {};
 }
 
 std::vector<std::string> share_of(const std::vector<std::string>& entries, const Shard& shard) {
@@ -66,6 +79,7 @@ Status read_list(const std::string& file, std::vector<std::string>& entries) {
 Status choose_entries(const WorkSwitches& switches, std::vector<std::string>& entries) {
   if (!switches.list.empty())
     if (Status status = read_list(switches.list, entries); !status.ok()) return status;
+  if (Status status = check_told_apart(entries); !status.ok()) return status;
   Shard shard;
   if (!switches.shard.empty() && !parse_shard(switches.shard, shard))
     return Status::error("--shard: \"" + switches.shard + "\" is not I/N with 1 <= I <= N, 3/100 say");
@@ -79,8 +93,14 @@ Status work_through(const std::vector<std::string>& entries, const std::string& 
   ResultLines lines;
   if (Status status = lines.open(results); !status.ok()) return status;
   std::vector<std::string> left;
-  for (const std::string& entry : entries)
-    if (!lines.has(entry)) left.push_back(entry);
+  for (const std::string& entry : entries) {
+    if (const Verdict* const before = lines.find(entry)) {
+      done.diverged += before->diverged ? 1 : 0;
+      done.failed += before->failed ? 1 : 0;
+    } else {
+      left.push_back(entry);
+    }
+  }
   done.done_before = entries.size() - left.size();
   Progress progress(doing);
   std::mutex mutex;

@@ -34,6 +34,8 @@ struct WorkResult {
   bool diverged = false, failed = false;
 };
 
+/// `entries` are those of this run; diverged and failed count what has a line from before, too: the answer is
+/// of the whole share, however often it was begun.
 struct WorkDone {
   std::uint64_t entries = 0, done_before = 0, diverged = 0, failed = 0;
 };
