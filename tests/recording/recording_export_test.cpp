@@ -185,6 +185,26 @@ TEST(Export, TakesARangeOfTicksAndEveryNth) {
   for (std::size_t i = 1; i < table.size(); ++i) EXPECT_EQ(table[i][0], std::to_string(5 + 5 * i));
 }
 
+// Nothing varies in a single row, and its numbers are what was asked for.
+TEST(Export, OfASingleTickHoldsWhatIsNotZeroAndOfNoneSaysWhichThereAre) {
+  RecordingReader reader;
+  open_random(reader, 50);
+  ExportOptions options;
+  const std::size_t columns = table_of(reader, options)[0].size();
+  options.first = options.last = 30;
+  const auto table = table_of(reader, options);
+  ASSERT_EQ(table.size(), 2u);
+  EXPECT_GT(table[0].size(), columns / 2);
+  EXPECT_LE(table[0].size(), columns);
+  options.first = options.last = 70;
+  const std::string output = temporary_path("none.csv");
+  std::filesystem::remove(output);
+  const Status none = export_recording(reader, options, output);
+  ASSERT_FALSE(none.ok());
+  EXPECT_NE(none.message().find("it holds 0 to 49"), std::string::npos) << none.message();
+  EXPECT_FALSE(std::filesystem::exists(output));
+}
+
 TEST(Export, WritesJsonLinesAndLeavesNothingHalfWritten) {
   const std::string path = temporary_path("a.mcap"), output = temporary_path("a.jsonl");
   test::write_recording(path, test::small_scene(), test::random_records(600, 1));

@@ -70,7 +70,14 @@ Status for_each_row(Readers readers, const ExportOptions& options, Take&& take,
   return {};
 }
 
-// The chosen columns, and unless they were asked for by name only those that vary.
+Status no_rows(Readers readers) {
+  const RecordingInfo& info = readers[0].info();
+  return Status::error(info.path + ": no tick is in that range; it holds " + std::to_string(info.first_tick) +
+                       " to " + std::to_string(info.last_tick));
+}
+
+// The chosen columns, and unless they were asked for by name only those that vary. A single row can't: of it
+// those that are not zero.
 Status find_columns(Readers readers, const ExportOptions& options, std::vector<ExportColumn>& columns,
                     std::uint64_t& rows) {
   if (Status status = choose_columns(options, session_of(readers), columns); !status.ok()) return status;
@@ -89,7 +96,11 @@ Status find_columns(Readers readers, const ExportOptions& options, std::vector<E
     }
     return Status{};
   });
-  if (!status.ok() || !options.columns.empty()) return status;
+  if (!status.ok()) return status;
+  if (rows == 0 && readers[0].info().ticks > 0) return no_rows(readers);
+  if (!options.columns.empty()) return {};
+  if (rows == 1)
+    for (std::size_t i = 0; i < columns.size(); ++i) varies[i] = known[i] && first[i] != 0;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < columns.size(); ++i)
     if (i < 2 || varies[i]) columns[kept++] = columns[i];  // tick and time come first, and always
