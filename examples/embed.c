@@ -1,5 +1,5 @@
 /* The engine inside a C program: a scene file, a session, and one tick per frame.
- * cc -std=c99 embed.c -llumbrical && ./a.out cup.json */
+ * cc -std=c99 embed.c -llumbrical -lm && ./a.out cup.json */
 #include <lumbrical.h>
 #include <math.h>
 #include <stdio.h>
