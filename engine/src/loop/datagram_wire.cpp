@@ -19,6 +19,8 @@
 namespace lumbrical {
 namespace {
 
+constexpr const char* kOutside =
+    "is not this machine, and whoever is on the way could command the device; write network=any";
 // So many cycles an address that has never answered is asked where there is another one.
 constexpr int kSilentCycles = 20;
 
@@ -105,11 +107,7 @@ Status DatagramWire::connect_next() {
     error = errno;
   }
   if (file_ >= 0) return {};
-  return Status::error(
-      place() + ": " +
-      (error != 0
-           ? std::strerror(error)
-           : "is not this machine, and whoever is on the way could command the device; write network=any"));
+  return Status::error(place() + ": " + (error != 0 ? std::strerror(error) : kOutside));
 }
 
 // False: it is too late for one.
@@ -151,6 +149,12 @@ WireResult DatagramWire::exchange(const WireCommand& command, WireAnswer& answer
 Status make_datagram_wire(const DeviceProfile& profile, std::unique_ptr<DeviceWire>& wire) {
   if (has_registers(profile.transport.kind) || profile.actuators.size() > kMaxActuators)
     return Status::error(profile.name + ": is no device of datagrams by its transport");
+  const Transport& transport = profile.transport;
+  Addresses list(nullptr,
+                 nullptr);  // of a host that is a number: a name is asked for when the wire is opened
+  if (!transport.anywhere && resolve(transport.host, nullptr, AI_NUMERICHOST, list) == 0 &&
+      !is_loopback(*list->ai_addr))
+    return Status::error(transport.host + ": " + kOutside);
   wire = std::make_unique<DatagramWire>(profile);
   return {};
 }
