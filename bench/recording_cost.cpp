@@ -15,6 +15,7 @@
 
 #include "lumbrical/recording.h"
 #include "lumbrical/scene_file.h"
+#include "read_number.h"
 #include "timing.h"
 
 namespace {
@@ -148,6 +149,7 @@ Status write_long(const std::string& path, double hours) {
   scene.hand = default_hand(Side::right);
   scene.objects.push_back({"triangle", {{{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}}, {{0, 1, 2}}}});
   const auto ticks = static_cast<std::uint64_t>(3600 * hours * scene.settings.rate);
+  if (ticks == 0) return Status::error("recording_cost: that is less than a tick");
   Recorder recorder;
   if (Status status = recorder.open(path, scene, {}); !status.ok()) return status;
   TickRecord record;
@@ -226,7 +228,10 @@ int main(int argc, char** argv) {
     for (const std::uint32_t force_interval : {1u, 10u, 0u})
       if (status.ok()) status = measure_size(file, path, force_interval);
   } else if (command == "long") {
-    status = measure_long(path, std::atof(argv[2]));
+    double hours = 0;
+    if (!lumbrical::bench::read_number(argv[2], 1000, hours))
+      return fail("recording_cost: \"" + std::string(argv[2]) + "\" is no number of hours, above 0 to 1000");
+    status = measure_long(path, hours);
   }
   std::filesystem::remove(path);
   return status.ok() ? 0 : fail(status.message());

@@ -8,6 +8,7 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <string>
@@ -136,6 +137,11 @@ std::string list_of(const Times& times) {
 }
 
 int run(const std::string& folder) {
+  if (!folder.empty() &&
+      !std::filesystem::is_directory(folder)) {  // before minutes of work that would be lost
+    std::fprintf(stderr, "stage_times: %s is no folder\n", folder.c_str());
+    return 2;
+  }
   std::string rows;
   for (const Case& one : all_cases()) {
     Times times;

@@ -26,6 +26,7 @@
 #include "lumbrical/world.h"
 #include "pressed_hand.h"
 #include "random.h"
+#include "read_number.h"
 #include "timing.h"
 
 namespace {
@@ -245,8 +246,13 @@ int walk_memory(double triangles, const Walk& how) {
 
 int main(int argc, char** argv) {
   const std::string what = argc > 2 ? argv[1] : "";
-  if (what == "build" && argc > 3) return build(std::atof(argv[2]), argv[3]);
-  if (what == "memory") return walk_memory(std::atof(argv[2]), walk_of(argc, argv, 3));
+  double triangles = 0;
+  if ((what == "build" || what == "memory") && !lumbrical::bench::read_number(argv[2], 1e12, triangles)) {
+    std::fprintf(stderr, "world_city: \"%s\" is no number of triangles\n", argv[2]);
+    return 2;
+  }
+  if (what == "build" && argc > 3) return build(triangles, argv[3]);
+  if (what == "memory") return walk_memory(triangles, walk_of(argc, argv, 3));
   if (what == "walk")
     return walk_file(argv[2], argc < 4 || std::string(argv[3]) != "alone", walk_of(argc, argv, 4));
   std::fprintf(stderr,

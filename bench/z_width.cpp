@@ -136,6 +136,10 @@ int draw(const char* path) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 2 || (argc == 2 && argv[1][0] == '-')) {
+    std::fputs("usage: z_width [PICTURE.svg]\n", stderr);
+    return 2;
+  }
   std::printf(
       "# How stiff a joint may be rendered\n\nSimulated time: repeat with "
       "`build/release/bench/z_width z_width.svg`.\n\n![sweep](z_width.svg)\n\n");
