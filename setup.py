@@ -16,6 +16,9 @@ SOURCE = pathlib.Path(__file__).resolve().parent
 
 class CMakeBuild(build_ext):
     def run(self):
+        if self.inplace or getattr(self, "editable_mode", False):
+            # pip would say that it has installed what can't be imported: the module is built, not in the tree.
+            sys.exit("lumbrical can't be installed as editable (-e), since its module is C++: use pip install .")
         destination = pathlib.Path(self.build_lib).resolve()
         built = os.environ.get("LUMBRICAL_BUILD")
         build = pathlib.Path(built) if built else SOURCE / "build" / "python"

@@ -7,6 +7,13 @@ set(ENV{LUMBRICAL_BUILD} ${BUILD})
 file(COPY ${SOURCE}/setup.py ${SOURCE}/pyproject.toml ${SOURCE}/README.md DESTINATION ${FOLDER}/tree)
 execute_process(COMMAND ${PYTHON} -m pip install --no-build-isolation --no-deps --no-index --disable-pip-version-check
                         --target ${FOLDER}/site ${FOLDER}/tree COMMAND_ERROR_IS_FATAL ANY)
+# Editable, its Python would be found and its C++ not: refused, with the reason.
+execute_process(COMMAND ${PYTHON} -m pip install --no-build-isolation --no-deps --no-index --disable-pip-version-check
+                        --prefix ${FOLDER}/editable -e ${FOLDER}/tree
+                RESULT_VARIABLE editable OUTPUT_VARIABLE said ERROR_VARIABLE said)
+if(editable EQUAL 0 OR NOT said MATCHES "use pip install [.]")
+  message(FATAL_ERROR "pip install -e should be refused with a reason: ${said}")
+endif()
 set(ENV{PYTHONPATH} ${FOLDER}/site)
 execute_process(COMMAND ${PYTHON} -c "import lumbrical, sys; print(lumbrical.__file__, lumbrical.make_mug()[0].shape); sys.exit(not lumbrical.__file__.startswith('${FOLDER}/site'))"
                 WORKING_DIRECTORY ${FOLDER} COMMAND_ERROR_IS_FATAL ANY)
