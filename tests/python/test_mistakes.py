@@ -67,6 +67,12 @@ def test_a_tick_of_several_frames_is_refused_before_it_is_done(session):
         session.tick(np.zeros(1, dtype=lum.pose_dtype)[0])
 
 
+@pytest.mark.parametrize("valid", [0.5, 3.0, True, "3", None])
+def test_a_mask_of_joints_that_is_no_whole_number_is_refused(valid):
+    with pytest.raises(TypeError, match="valid is a whole number"):
+        lum.pose_frames(np.zeros((26, 3)), np.tile([0, 0, 0, 1], (26, 1)), valid=valid)
+
+
 def test_strided_and_empty_frames_are_frames(session):
     frames = touching_frames(60)
     strided = session.run(frames[::2])

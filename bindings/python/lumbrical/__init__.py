@@ -59,6 +59,8 @@ def pose_frames(positions, orientations, valid=ALL_JOINTS, position=(0, 0, 0), o
     positions, orientations = _finite("positions", positions, (26, 3)), _finite("orientations", orientations, (26, 4))
     position, orientation = _finite("position", position, (3,)), _finite("orientation", orientation, (4,))
     count = _count(positions=positions, orientations=orientations, position=position, orientation=orientation)
+    if _np.asarray(valid).dtype.kind not in "iu":
+        raise TypeError("valid is a whole number, with a bit for each joint that is tracked")
     frames = _frames(count, 0, position, orientation)
     frames["joint"]["position"] = positions
     frames["joint"]["orientation"] = orientations
