@@ -192,7 +192,7 @@ typedef struct lumbrical_object {
 /* What decides results, besides hand and objects. */
 typedef struct lumbrical_settings {
   uint32_t size;
-  uint32_t effort;                      /* 0: as much as it takes */
+  uint32_t effort;                      /* 0: as much as it takes; one cell a patch is the least */
   uint32_t max_candidates;              /* 262144 */
   int32_t has_ground;                   /* 0: free objects fall for ever */
   int32_t law[LUMBRICAL_SEGMENTS];      /* FIELD */

@@ -278,7 +278,9 @@ void add_scene_switches(RunOptions& options, Command& command) {
   command.add_option("--voxel-cache", options.voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");
   command.add_option("--law", options.law, "Contact law of the whole hand")->check(is_law());
   command.add_option("--precision", options.precision, kPrecisionHelp)->check(is_precision());
-  command.add_option("--effort", options.effort, "Most evaluations a tick may spend on samples; 0: no bound");
+  command.add_option(
+      "--effort", options.effort,
+      "Most evaluations a tick may spend on samples, but one cell a patch is the least; 0: no bound");
   command.add_option("--stiffness", options.stiffness, "K_s [N/m^3]")->check(is_stiffness());
   command.add_option("--isa", options.isa, "Instruction set; never changes a result")->check(is_isa());
 }
