@@ -275,6 +275,59 @@ TEST(CommandLine, PartsOfARecordingReplayAndMakeTheWhole) {
   EXPECT_FALSE(fs::exists(folder / "none.mcap"));
 }
 
+TEST(CommandLine, SplitRefusesPartsOfLessThanATick) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 5 --record a.mcap", folder).exit_code, 0);
+  const Outcome refused = shell("lumbrical split a.mcap --seconds 0.0005 -o p.mcap", folder);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.error.find("is less than a tick"), std::string::npos) << refused.error;
+  EXPECT_FALSE(fs::exists(folder / "p.001.mcap"));
+}
+
+// Of a list an array however long it is; a failure an object with its exit code; nothing else beside it.
+TEST(CommandLine, WhatJsonPrintsHasOneForm) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 5 --record a.mcap", folder).exit_code, 0);
+  std::ofstream(folder / "none").close();
+  std::ofstream(folder / "one") << "a.mcap\n";
+  std::ofstream(folder / "two") << "a.mcap\na.mcap\n";
+  std::size_t size = 0;
+  for (const char* const list : {"none", "one", "two"}) {
+    const Outcome replay = shell("lumbrical replay --json --list " + std::string(list), folder);
+    EXPECT_EQ(replay.exit_code, 0) << replay.error;
+    ASSERT_TRUE(replay.json().is_array()) << replay.output;
+    EXPECT_EQ(replay.json().size(), size++);
+  }
+  EXPECT_TRUE(shell("lumbrical replay --json a.mcap", folder).json().is_object());
+  const Outcome mixed = shell("lumbrical replay a.mcap --json --trace - --trace-tick 2", folder);
+  EXPECT_EQ(mixed.exit_code, 2);
+  EXPECT_EQ(mixed.json()["exit_code"], 2);
+  const Outcome bad = shell("lumbrical verify demo.json --json", folder);
+  EXPECT_EQ(bad.json()["exit_code"], bad.exit_code);
+  std::ofstream(folder / "results") << R"({"recording": "a", "identical": true, "ticks": 3})" << '\n';
+  EXPECT_EQ(shell("lumbrical merge-results results --json", folder).json()["identical"], 1);
+}
+
+TEST(CommandLine, AUnitOfMeshesThatAreNotNamedIsRefused) {
+  const fs::path folder = folder_with_demo();
+  ASSERT_EQ(shell("lumbrical run demo.json --ticks 5 --record a.mcap", folder).exit_code, 0);
+  const Outcome refused = shell("lumbrical replay a.mcap --unit mm", folder);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.error.find("--mesh"), std::string::npos) << refused.error;
+}
+
+TEST(CommandLine, RecoverSaysThatASessionGoesOn) {
+  const fs::path folder = folder_with_demo();
+  const std::string recover = "lumbrical recover a.mcap --json -o ";
+  const Outcome growing =
+      shell("lumbrical run demo.json --rate 100 " + kManyTicks + "--record a.mcap & run=$!; " +
+                wait_for_ticks("a.mcap") + recover + "now.mcap; kill -INT $run; wait $run",
+            folder);
+  const std::string line = growing.output.substr(0, growing.output.find('\n'));
+  EXPECT_EQ(nlohmann::json::parse(line)["growing"], true) << growing.error;
+  EXPECT_EQ(shell(recover + "then.mcap", folder).json()["growing"], false);
+}
+
 TEST(CommandLine, SplitMakesNoPartsWhereThereAreNoTicks) {
   const fs::path folder = folder_with_demo();
   ASSERT_EQ(shell("lumbrical run demo.json --ticks 1 --record a.mcap", folder).exit_code, 0);

@@ -25,11 +25,12 @@ struct CopySwitches {
 
 constexpr double kLatest = 1e12;  // s or ticks, of switches
 
-std::string numbered(const std::string& output, std::size_t number) {
+// With as many digits as the last may have, so that names sort as parts follow each other.
+std::string numbered(const std::string& output, std::size_t number, std::size_t digit_count) {
   const std::filesystem::path path(output);
   const std::string digits = std::to_string(number);
-  const std::string name =
-      path.stem().string() + "." + std::string(digits.size() < 3 ? 3 - digits.size() : 0, '0') + digits;
+  const std::string zeros(digit_count - std::min(digit_count, digits.size()), '0');
+  const std::string name = path.stem().string() + "." + zeros + digits;
   return (path.parent_path() / (name + path.extension().string())).string();
 }
 
@@ -88,13 +89,29 @@ Status find_tick(RecordingReader& reader, std::uint64_t from, std::uint64_t& tic
   return {};
 }
 
+// Of the number of the last part, at least three: where ticks are missing there may be fewer parts.
+std::size_t digits_of_parts(const RecordingInfo& info, std::uint64_t ticks) {
+  const std::uint64_t others = std::min(info.ticks, (info.last_tick - info.first_tick) / ticks);
+  return std::max<std::size_t>(3, std::to_string(others + 1).size());
+}
+
+Status part_length(const CopySwitches& switches, const RecordingReader& reader, std::uint64_t& ticks) {
+  if (!switches.ticks && !switches.seconds)
+    return Status::error("split: say how long a part is, by --ticks or --seconds");
+  const double rate = reader.scene().settings.rate;
+  if (switches.seconds && *switches.seconds * rate < 1 - 1e-6)
+    return Status::error("--seconds: " + brief(*switches.seconds) + " is less than a tick, which takes " +
+                         brief(1 / rate) + " s");
+  ticks = switches.ticks ? *switches.ticks : tick_at(*switches.seconds, reader);
+  return {};
+}
+
 int split(const CopySwitches& switches) {
   RecordingReader reader;
   if (Status status = reader.open(switches.recordings.front()); !status.ok()) return fail(status);
-  const std::uint64_t ticks = switches.ticks     ? *switches.ticks
-                              : switches.seconds ? tick_at(*switches.seconds, reader)
-                                                 : 0;
-  if (ticks == 0) return fail("split: say how long a part is, by --ticks or --seconds");
+  std::uint64_t ticks = 0;
+  if (Status status = part_length(switches, reader, ticks); !status.ok()) return fail(status);
+  const std::size_t digits = digits_of_parts(reader.info(), ticks);
   Json parts = Json::array();
   std::string text;
   std::uint64_t first = 0, tick = 0;
@@ -106,7 +123,7 @@ int split(const CopySwitches& switches) {
     // Parts begin at whole multiples of their length, but where there are no ticks there is no part.
     part.from = tick - (tick - first) % ticks;
     part.to = part.from + std::min(ticks, UINT64_MAX - part.from);
-    const std::string output = numbered(switches.output, parts.size() + 1);
+    const std::string output = numbered(switches.output, parts.size() + 1, digits);
     part.world = switches.world;
     CopyResult result;
     if (Status status = copy_recordings(switches.recordings, output, part, result); !status.ok())

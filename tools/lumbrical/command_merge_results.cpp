@@ -20,6 +20,7 @@ namespace {
 struct MergeSwitches {
   std::vector<std::string> files;
   std::string list, output;
+  bool json = false;
 };
 
 // Where a file is there already, it holds results and nothing else.
@@ -101,6 +102,7 @@ void add_merge_results(Command& app, int& exit_code) {
           "All of them, the newest of each recording or scene, by name; in the place of a file that is there")
       ->check(is_file())
       ->type_name("ALL.jsonl");
+  command->add_flag("--json", switches->json, "Print one JSON object, as without it");
   command->callback([switches, &exit_code] { exit_code = merge_results(*switches); });
 }
 

@@ -213,6 +213,7 @@ int verify(const RecordingOptions& options) {
     Json json;
     json["whole"] = status.ok();
     json["error"] = status.ok() ? Json(nullptr) : Json(status.message());
+    if (!status.ok()) json["exit_code"] = kUnreadable;  // as every failure has it
     json.update(info_json(info));
     json["missing"] = ranges_json(missing);
     json["recording"] = options.recording;
@@ -236,10 +237,17 @@ std::string recovered_name(const std::string& recording) {
   return (path.parent_path() / (path.stem().string() + ".recovered.mcap")).string();
 }
 
+/// Then nothing is lost of it, but more will come.
+bool is_growing(const std::string& recording) {
+  RecordingReader reader;
+  return reader.open(recording).ok() && reader.info().growing;
+}
+
 int recover(const RecordingOptions& options) {
   const std::string output = options.output.empty() ? recovered_name(options.recording) : options.output;
   std::uint64_t recovered = 0, lost = 0;
   std::vector<TickRange> missing;
+  const bool growing = is_growing(options.recording);
   const Status status = recover_recording(options.recording, output, recovered, lost, &missing);
   if (!status.ok()) return fail(status);
   if (options.json) {
@@ -247,12 +255,15 @@ int recover(const RecordingOptions& options) {
     json["recovered"] = recovered;
     json["lost"] = lost;
     json["missing"] = ranges_json(missing);
+    json["growing"] = growing;
     json["output"] = output;
     const int printed = print_json(json);
     return printed == kDone && lost > 0 ? kTicksMissing : printed;
   }
-  const int printed = print_text(grouped(recovered) + " ticks recovered to " + output + ", " + grouped(lost) +
-                                 " known to be lost" + ranges_text(missing) + ".\n");
+  const int printed =
+      print_text(grouped(recovered) + " ticks recovered to " + output + ", " + grouped(lost) +
+                 " known to be lost" + ranges_text(missing) + ".\n" +
+                 (growing ? "It is still being recorded: this is what it held so far.\n" : ""));
   return printed == kDone && lost > 0 ? kTicksMissing : printed;
 }
 

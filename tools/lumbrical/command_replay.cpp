@@ -237,14 +237,18 @@ int replay_recordings(ReplaySwitches switches) {
   if (Status status = choose_entries(switches.work, switches.recordings); !status.ok()) return fail(status);
   const bool single = switches.recordings.size() == 1;
   if (!single && !switches.trace.empty()) return fail("--trace: takes one recording at a time");
+  if (switches.json && switches.trace == "-")
+    return fail("--trace -: standard output has the JSON already; name a file for the trace");
   if (!single && !switches.record.empty()) return fail("--record: takes one recording at a time");
   if (!switches.record.empty() && !asks_what_if(switches))
     return fail("--record: nothing is changed; give --law, --precision, --stiffness or --mesh");
   ReplayOptions options;
   if (Status status = replay_options(switches, options); !status.ok()) return fail(status);
   if (!switches.work.results.empty()) return replay_share(switches, options);
-  if (switches.recordings.empty()) return kDone;  // there are fewer than shards
-  return single ? replay_single(switches, options) : replay_batch(switches, options);
+  // There may be fewer than shards; and what a list gives is of one form, however long it is.
+  if (switches.recordings.empty() && !switches.json) return kDone;
+  return single && switches.work.list.empty() ? replay_single(switches, options)
+                                              : replay_batch(switches, options);
 }
 
 }  // namespace
@@ -266,6 +270,7 @@ void add_replay(Command& app, int& exit_code) {
       ->type_name("NAME=FILE");
   command->add_option("--unit", switches->unit, "Of the meshes' numbers")
       ->check(is_unit())
+      ->needs("--mesh")
       ->capture_default_str();
   command
       ->add_option("--record", switches->record,
@@ -298,7 +303,8 @@ void add_replay(Command& app, int& exit_code) {
                    "This stage only; default: the one that differs, or all")
       ->check(one_of({"input", "hand_pose", "broadphase", "narrowphase", "contact_force", "limits"}))
       ->needs("--trace");
-  command->add_flag("--json", switches->json, "Print one JSON object, of several recordings an array");
+  command->add_flag("--json", switches->json,
+                    "Print one JSON object, of several recordings or a list an array");
   command->callback([switches, &exit_code] { exit_code = replay_recordings(*switches); });
 }
 
