@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <thread>
 
 #include "fork.h"
@@ -155,6 +156,42 @@ TEST(Recorder, DropsOpenlyWhenLiveAndTheRingIsFull) {
   ASSERT_TRUE(reader.open(path).ok());
   EXPECT_EQ(reader.info().ticks, kept);
   EXPECT_EQ(reader.info().missing_ticks, reader.info().last_tick - reader.info().first_tick + 1 - kept);
+}
+
+TEST(Recorder, LeavesItsFileToTheProcessThatOpenedIt) {
+  const std::string path = temporary_path("forked.mcap"), other = temporary_path("own.mcap");
+  const std::vector<TickRecord> records = random_records(40, 11);
+  auto recorder = std::make_unique<Recorder>();
+  ASSERT_TRUE(recorder->open(path, small_scene(), {}).ok());
+  for (std::size_t i = 0; i < 20; ++i) ASSERT_TRUE(recorder->record(records[i]));
+  const pid_t child = test::fork_alone();
+  ASSERT_GE(child, 0);
+  if (child == 0) {  // 0: all as it should be; otherwise the first thing that is not
+    if (recorder->record(records[20])) ::_exit(1);
+    if (recorder->close().ok()) ::_exit(2);
+    if (!recorder->open(other, small_scene(), {}).ok() || !recorder->record(records[20])) ::_exit(3);
+    if (!recorder->close().ok() || recorder->kept() != 1) ::_exit(4);
+    recorder.reset();
+    ::_exit(0);
+  }
+  const pid_t second = test::fork_alone();
+  ASSERT_GE(second, 0);
+  if (second == 0) {
+    recorder.reset();
+    ::_exit(0);
+  }
+  for (const pid_t of : {child, second}) {
+    int ended = -1;
+    ASSERT_EQ(::waitpid(of, &ended, 0), of);
+    EXPECT_EQ(ended, 0);
+  }
+  for (std::size_t i = 20; i < 40; ++i) ASSERT_TRUE(recorder->record(records[i]));
+  const Status closed = recorder->close();
+  ASSERT_TRUE(closed.ok()) << closed.message();
+  RecordingInfo info;
+  const Status verdict = verify_recording(path, info);
+  EXPECT_TRUE(verdict.ok()) << verdict.message();
+  EXPECT_EQ(info.ticks, 40u);
 }
 
 TEST(Recorder, RefusesTicksThatCannotBeReadBack) {

@@ -82,6 +82,7 @@ struct RecorderOptions {
 };
 
 /// Writes ticks to a file from a thread of its own. The tick thread only copies into a ring.
+/// In a forked process it is a copy that keeps nothing and leaves the file to the one that opened it.
 class Recorder {
  public:
   Recorder();
@@ -113,6 +114,7 @@ class Recorder {
   [[nodiscard]] std::uint64_t kept() const { return kept_; }
 
  private:
+  bool leave_to_parent() noexcept;
   std::uint64_t kept_ = 0;
   struct Writer;
   std::unique_ptr<Writer> writer_;

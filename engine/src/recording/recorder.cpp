@@ -2,6 +2,8 @@
 // them.
 #include "recording/recorder.h"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -40,6 +42,17 @@ constexpr std::uint32_t kLargestRing = 1u << 18;
 // Ticks between the states that are kept, and how many may wait for the writer.
 constexpr std::uint64_t kStateInterval = 250;
 constexpr std::uint32_t kStateRing = 16;
+
+// Forks between the process that loaded the library and this one. Counted, since asking for the process's
+// number would cost the tick thread a system call per tick.
+std::atomic<std::uint64_t> forks{0};
+
+std::uint64_t fork_count() noexcept {
+  static const int refused =
+      ::pthread_atfork(nullptr, nullptr, [] { forks.fetch_add(1, std::memory_order_relaxed); });
+  static_cast<void>(refused);  // for want of memory: then children are taken for their parent
+  return forks.load(std::memory_order_relaxed);
+}
 
 /// A state and whose it is.
 struct KeptState {
@@ -132,6 +145,9 @@ struct Recorder::Writer {
   template <class T>
   T* place_in(Ring<T>& of) noexcept;
   Status flush_in_time();
+  [[nodiscard]] bool is_parents() const noexcept {
+    return forks.load(std::memory_order_relaxed) != opened_in;
+  }
   [[nodiscard]] bool is_drawn(std::uint64_t tick) const {
     return is_due(pose_interval, tick) || is_due(contact_interval, tick) || is_due(scene_interval, tick);
   }
@@ -151,6 +167,8 @@ struct Recorder::Writer {
   std::vector<HandViewer> viewers;                                 // of the hands, where there is an interval
   std::vector<std::uint8_t> objects;                               // their message, before the first tick
   std::array<std::optional<std::uint64_t>, kMostHands> last_tick;  // handed over; the tick thread's own
+
+  const std::uint64_t opened_in = fork_count();  // elsewhere the file is another process's
 
   McapWriter mcap;  // the writer thread's own, from open() until it has ended; but for its sync()
   flatbuffers::FlatBufferBuilder builder{4096};
@@ -372,7 +390,7 @@ T* Recorder::Writer::place_in(Ring<T>& of) noexcept {
 }
 
 bool Recorder::record(const TickRecord& record, const State* after) noexcept {
-  if (!writer_ || writer_->failed.load(std::memory_order_acquire)) return false;
+  if (!writer_ || writer_->is_parents() || writer_->failed.load(std::memory_order_acquire)) return false;
   const std::uint64_t tick = record.output.tick;
   if (record.hand >= writer_->sides.size()) return false;
   std::optional<std::uint64_t>& last_tick = writer_->last_tick[record.hand];
@@ -407,7 +425,18 @@ Status Recorder::failure() const {
   return writer_->first_error;
 }
 
+// Of a copy that a fork has made nothing can be taken apart: its threads are not here, its locks may be held
+// by them. It stays in memory until this process ends.
+bool Recorder::leave_to_parent() noexcept {
+  if (!writer_ || !writer_->is_parents()) return false;
+  static_cast<void>(writer_.release());
+  kept_ = 0;
+  return true;
+}
+
 Status Recorder::close() {
+  if (leave_to_parent())
+    return Status::error("the recording is another process's, of which this one is a fork; close it there");
   if (!writer_) return {};
   const std::unique_ptr<Writer> writer = std::move(writer_);
   writer->stop();
@@ -424,7 +453,7 @@ Status Recorder::close() {
 }
 
 void Recorder::discard() {
-  if (!writer_) return;
+  if (leave_to_parent() || !writer_) return;
   writer_->stop();
   writer_->mcap.discard();
   writer_.reset();
