@@ -1,6 +1,5 @@
 // lumbrical merge-results: what shards of `replay --results` and `run --results` have found, as one list and
 // in one sentence.
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <set>
