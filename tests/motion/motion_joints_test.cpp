@@ -211,6 +211,12 @@ TEST(LeapMotion, OfOneHandTellsNoOtherAndOfTheWrongSideWhichOneItShows) {
   expect_refused(file, "1 of its frames show a left one; set the side", options);
 }
 
+TEST(LeapMotion, RefusesFramesThatTakeMoreMemoryThanTheirFile) {
+  std::string file = R"({"frames":[["timestamp"])";
+  for (int i = 0; i < 65536; ++i) file += ",[" + std::to_string(i) + "]";
+  expect_refused(file + "]}", "more than 65536 frames of less than 32 bytes");
+}
+
 TEST(LeapMotion, DropsFramesWithTheSameTimeAndRefusesThoseThatGoBack) {
   const std::string hand = leap_hand(3, Side::right), fingers = leap_fingers(bent_hand(Side::right, 0.4), 3);
   const std::string a = leap_frame(100, hand, fingers), b = leap_frame(90, hand, fingers);

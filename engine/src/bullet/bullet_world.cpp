@@ -3,6 +3,7 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include <cassert>
 #include <cmath>
 
 #include "bullet/hull_shape.h"
@@ -158,6 +159,7 @@ Status make_bullet_world(const Model& model, const BulletOptions& options, Bulle
 
 void push_bodies(BulletWorld& world, std::span<const ObjectOutput> outputs) {
   for (BulletBodies::Given& body : world.bodies->given) {
+    assert(body.place < outputs.size() && "of a tick of the world's own model");
     const ObjectOutput& out = outputs[body.place];
     if (!body.moved_here) continue;
     const Vec3 centre = from_bullet(body.body->getWorldTransform().getOrigin(), 1 / kUnitsPerMetre);

@@ -35,10 +35,12 @@ Status SpillFile::append(std::span<const std::byte> bytes) {
 Status SpillFile::read(std::uint64_t offset, std::span<std::byte> bytes) {
   static_assert(sizeof(long) == 8 || sizeof(long) == sizeof(std::size_t));
   if (offset > static_cast<std::uint64_t>(std::numeric_limits<long>::max()) ||
-      std::fseek(file_.get(), static_cast<long>(offset), SEEK_SET) != 0 ||
-      std::fread(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size())
+      std::fseek(file_.get(), static_cast<long>(offset), SEEK_SET) != 0)
     return failed("cannot be read back");
-  return {};
+  if (std::fread(bytes.data(), 1, bytes.size(), file_.get()) == bytes.size()) return {};
+  // The end of a file is no error of the system, whose last one may be of anything.
+  return std::ferror(file_.get()) != 0 ? failed("cannot be read back")
+                                       : Status::error(path_ + ": is shorter than what was written to it");
 }
 
 }  // namespace lumbrical

@@ -91,7 +91,7 @@ Status parse_grey_image(std::string_view content, const std::string& name, GreyI
 Status load_grey_image(const std::string& path, GreyImage& image) {
   std::string content;
   if (Status status = read_whole_file(path, kSmallFile, "a PGM image", content); !status.ok()) return status;
-  return parse_grey_image(content, path, image);
+  return parse_grey_image(content, shown_name(path), image);
 }
 
 Status parse_friction_factors(std::string_view content, const std::string& name,
@@ -117,7 +117,7 @@ Status load_friction_factors(const std::string& path, std::vector<double>& facto
   std::string content;
   if (Status status = read_whole_file(path, kSmallFile, "a text file of numbers", content); !status.ok())
     return status;
-  return parse_friction_factors(content, path, factors);
+  return parse_friction_factors(content, shown_name(path), factors);
 }
 
 }  // namespace lumbrical

@@ -27,6 +27,7 @@ DeviceGuard::~DeviceGuard() {
 
 Status DeviceGuard::start(std::vector<std::string> command) {
   assert(!command.empty());
+  assert(pipe_ < 0 && "one guard at a time: dismiss the last");
   std::array<int, 2> ends{};
   // Sockets do for a pipe, and a word to a guard that is gone is then no signal.
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)

@@ -14,10 +14,6 @@ constexpr double kRadian = std::numbers::pi / 180;
 constexpr std::size_t kMostNodes = 4096;  // a whole body with hands has about 80
 constexpr std::size_t kNone = SIZE_MAX;
 
-// However little a frame holds, its sample takes hundreds of bytes: beyond so many frames each needs so much
-// of the file.
-constexpr double kMostShortFrames = 65536, kShortFrame = 32;  // [bytes]
-
 enum class ChannelKind : std::uint8_t { position, rotation };
 struct Channel {
   ChannelKind kind;

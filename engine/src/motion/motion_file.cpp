@@ -91,7 +91,7 @@ Status parse_json_motion(std::string_view content, const std::string& name, cons
   if (root.is_array() || find_member(root, "jointTransforms"))
     return parse_webxr(root, name, options, motion);
   if (find_member(root, "format")) return parse_angles(root, name, options, motion);
-  if (find_member(root, "frames")) return parse_leap(root, name, options, motion);
+  if (find_member(root, "frames")) return parse_leap(root, content.size(), name, options, motion);
   return refuse(
       name,
       "not a hand motion that is read: expected \"jointTransforms\" (WebXR), \"frames\" (LeapJS), \"format\" "

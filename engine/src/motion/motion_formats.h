@@ -2,6 +2,7 @@
 // samples in the order of time. Internal to the motion_*.cpp files.
 #pragma once
 
+#include <cstddef>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
@@ -15,14 +16,19 @@ namespace lumbrical {
 // motion; times may start anywhere and lost samples may be without poses: parse_motion completes both.
 Status parse_webxr(const nlohmann::json& root, const std::string& name, const MotionOptions& options,
                    Motion& motion);
-Status parse_leap(const nlohmann::json& root, const std::string& name, const MotionOptions& options,
-                  Motion& motion);
+/// `size` [bytes] of the file.
+Status parse_leap(const nlohmann::json& root, std::size_t size, const std::string& name,
+                  const MotionOptions& options, Motion& motion);
 Status parse_angles(const nlohmann::json& root, const std::string& name, const MotionOptions& options,
                     Motion& motion);
 Status parse_bvh(std::string_view content, const std::string& name, const MotionOptions& options,
                  Motion& motion);
 Status parse_landmarks(std::string_view content, const std::string& name, const MotionOptions& options,
                        Motion& motion);
+
+/// However little a frame holds, its sample takes hundreds of bytes: beyond so many frames each needs so much
+/// of the file.
+inline constexpr double kMostShortFrames = 65536, kShortFrame = 32;  // [bytes]
 
 /// Parses JSON nested at most 32 deep.
 Status parse_json(std::string_view content, const std::string& name, nlohmann::json& root);
