@@ -78,7 +78,8 @@ Status for_each_row(Readers readers, MessageKind kind, const ExportOptions& opti
     if (Status status = reader.next_message(message, end); !status.ok()) return status;
     if (end || message.tick > options.last) return {};
     const Side side = reader.info().hands[message.hand];
-    const bool chosen = (message.tick - options.first) % options.step == 0 && is_asked_for(side);
+    const bool chosen = message.tick >= options.first && (message.tick - options.first) % options.step == 0 &&
+                        is_asked_for(side);
     if (message.kind != kind || !chosen) continue;
     joints.clear();
     points.clear();
