@@ -24,7 +24,7 @@ constexpr Point2 operator*(double s, Point2 a) { return {s * a.x, s * a.y}; }
 constexpr double dot(Point2 a, Point2 b) { return a.x * b.x + a.y * b.y; }
 constexpr double cross(Point2 a, Point2 b) { return a.x * b.y - a.y * b.x; }
 
-/// A triangle after some cuts, counter-clockwise; only the first `count` corners are ever read.
+/// A triangle after some cuts, each of which adds a corner at most, counter-clockwise; only the first `count` corners are ever read.
 struct Polygon2 {
   static constexpr int kMaxCorners = 24;
   int count = 0;
@@ -158,8 +158,9 @@ struct Piece {
   double from_x, from_y, to_x, to_y;
 };
 struct Boundary {
-  static constexpr int kMaxPieces =
-      5 * 23;  // edges of a triangle cut twice, times pieces an edge can fall into
+  // Within a zone an edge falls into five at most: nothing, an arc, the edge, an arc, nothing. The four lines
+  // where zones begin and end cross a convex polygon's edges twice each, and divide them.
+  static constexpr int kMaxPieces = 5 * (Polygon2::kMaxCorners + 2 * 4);
   int count;
   std::array<Piece, kMaxPieces> piece;  // not initialised: only the first `count` are ever read
 };
