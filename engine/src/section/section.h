@@ -24,7 +24,8 @@ constexpr Point2 operator*(double s, Point2 a) { return {s * a.x, s * a.y}; }
 constexpr double dot(Point2 a, Point2 b) { return a.x * b.x + a.y * b.y; }
 constexpr double cross(Point2 a, Point2 b) { return a.x * b.y - a.y * b.x; }
 
-/// A triangle after some cuts, each of which adds a corner at most, counter-clockwise; only the first `count` corners are ever read.
+/// A triangle after some cuts, each of which adds a corner at most, counter-clockwise; only the first `count`
+/// corners are ever read.
 struct Polygon2 {
   static constexpr int kMaxCorners = 24;
   int count = 0;
