@@ -380,6 +380,23 @@ TEST(CommandLine, ForcesAreLeftOutAsAsked) {
         << wrong;
 }
 
+TEST(CommandLine, AFullDiskIsNotBlamedOnTheSceneWhoseWorldIsWritten) {
+  const fs::path folder = folder_with_demo();
+  const Outcome full = shell("( ulimit -f 1; lumbrical world demo.json -o demo.world )", folder);
+  EXPECT_EQ(full.exit_code, 2);
+  EXPECT_TRUE(full.error.starts_with("demo.world.part")) << full.error;
+  EXPECT_NE(full.error.find("cannot be written: File too large"), std::string::npos) << full.error;
+}
+
+TEST(CommandLine, ABoundOnEffortThatCannotBeHeldIsTold) {
+  const fs::path folder = folder_with_demo();
+  const char* const told = "was not held: ";
+  const Outcome least = shell("lumbrical run demo.json --effort 1", folder);
+  EXPECT_EQ(least.exit_code, 0) << least.error;
+  EXPECT_NE(least.output.find(told), std::string::npos) << least.output;
+  EXPECT_EQ(shell("lumbrical run demo.json --effort 100000000", folder).output.find(told), std::string::npos);
+}
+
 TEST(CommandLine, AFailedRecordingEndsTheSessionOrNotAsAsked) {
   const fs::path folder = folder_with_demo();
   // A file-size limit stands in for the full disk.

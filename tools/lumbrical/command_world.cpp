@@ -33,11 +33,16 @@ Status build_world(const WorldOptions& options, std::vector<World::Object>& obje
     if (options.cell_size) chosen.cell_size = *options.cell_size;
     return writer.open(options.output, chosen);
   };
+  Status not_written;
   Status status = load_scene_objects(options.scene, begin, [&](SceneObject&& object) {
     World::Object& added = objects.emplace_back();
     added.name = object.name;
-    return writer.add_object(object, &added.winding);
+    Status wrong = writer.add_object(object, &added.winding);
+    if (wrong.message().starts_with(options.output)) not_written = wrong;
+    return wrong;
   });
+  // A full disk is no fault of the object at whose line it was noticed.
+  if (!not_written.ok()) return not_written;
   return status.ok() ? writer.finish() : status;
 }
 

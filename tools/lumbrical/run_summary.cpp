@@ -257,6 +257,13 @@ void add_effort(const Model& model, const RunStatistics& run, Table& table) {
                     " bounds them to half a period, by this session's times");
 }
 
+void add_effort_exceeded(const Model& model, const RunStatistics& run, Table& table) {
+  if (model.settings.effort == 0 || run.max_evaluations <= model.settings.effort) return;
+  table.add("bound on effort", "was not held: " + grouped(run.max_evaluations) + " evaluations in a tick, " +
+                                   grouped(model.settings.effort) + " allowed");
+  table.add("", "coarser than one cell a patch no tick can be; a coarser precision makes fewer patches");
+}
+
 void add_hand(const RunSummary& summary, std::size_t i, Table& table) {
   const RunStatistics& run = summary.run;
   const HandFigures& hand = run.hands[i];
@@ -360,6 +367,7 @@ std::string run_text(const RunSummary& summary) {
     add_real_time(run, table);
     add_effort(model, run, table);
   }
+  add_effort_exceeded(model, run, table);
   add_computed_with(summary, table);
   for (std::size_t i = 0; i < run.hands.size(); ++i) add_hand(summary, i, table);
   add_moved(model, run.objects, table);
