@@ -2,62 +2,25 @@
 #include "scarce_memory.h"
 
 #include <atomic>
-#include <cstddef>
-#include <cstdlib>
-#include <new>
 
+#include "own_allocator.h"
+
+namespace lumbrical::test {
 namespace {
 
-std::atomic<bool> scarce{false};
 std::atomic<std::int64_t> left{0};
 thread_local bool is_spared = false;
 
-void* allocate(std::size_t size, std::size_t alignment = alignof(std::max_align_t)) {
-  if (scarce && !is_spared && --left < 0) throw std::bad_alloc();
-  if (void* memory = std::aligned_alloc(alignment, (size / alignment + 1) * alignment)) return memory;
-  throw std::bad_alloc();
-}
-
-void* allocate_or_not(std::size_t size) noexcept {
-  try {
-    return allocate(size);
-  } catch (const std::bad_alloc&) {
-    return nullptr;
-  }
-}
-
 }  // namespace
-
-void* operator new(std::size_t size) { return allocate(size); }
-void* operator new[](std::size_t size) { return allocate(size); }
-// The sanitizers' own would take memory that is not given back by free().
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return allocate_or_not(size); }
-void* operator new[](std::size_t size, const std::nothrow_t&) noexcept { return allocate_or_not(size); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
-void* operator new(std::size_t size, std::align_val_t to) {
-  return allocate(size, static_cast<std::size_t>(to));
-}
-void* operator new[](std::size_t size, std::align_val_t to) {
-  return allocate(size, static_cast<std::size_t>(to));
-}
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
-
-namespace lumbrical::test {
 
 ScarceMemory::ScarceMemory(std::int64_t allowed) {
   is_spared = true;
   left = allowed;
-  scarce = true;
+  may_allocate = [] { return is_spared || --left >= 0; };
 }
 
 ScarceMemory::~ScarceMemory() {
-  scarce = false;
+  may_allocate = nullptr;
   is_spared = false;
 }
 

@@ -1,4 +1,4 @@
-// Memory that runs out on command: the program's own operator new stands before the library's.
+// Memory that runs out on command (own_allocator.h).
 #pragma once
 
 #include <cstdint>

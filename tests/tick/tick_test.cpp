@@ -4,14 +4,13 @@
 #include <atomic>
 #include <cmath>
 #include <cstddef>
-#include <cstdlib>
 #include <limits>
-#include <new>
 #include <set>
 
 #include "largest.h"
 #include "lumbrical/jacobian.h"
 #include "model/primitive.h"
+#include "own_allocator.h"
 #include "pads.h"
 #include "pressed_hand.h"
 #include "random.h"
@@ -20,34 +19,6 @@
 #include "stages/hand_pose.h"
 #include "stages/narrowphase.h"
 #include "tick/tick_trace.h"
-
-namespace {
-std::atomic<bool> trap_allocations{false};
-std::atomic<int> allocations{0};
-
-void* allocate(std::size_t size, std::size_t alignment = alignof(std::max_align_t)) {
-  if (trap_allocations) ++allocations;
-  if (void* memory = std::aligned_alloc(alignment, (size / alignment + 1) * alignment)) return memory;
-  throw std::bad_alloc();
-}
-}  // namespace
-
-void* operator new(std::size_t size) { return allocate(size); }
-void* operator new[](std::size_t size) { return allocate(size); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
-void* operator new(std::size_t size, std::align_val_t to) {
-  return allocate(size, static_cast<std::size_t>(to));
-}
-void* operator new[](std::size_t size, std::align_val_t to) {
-  return allocate(size, static_cast<std::size_t>(to));
-}
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 
 namespace lumbrical {
 namespace {
@@ -86,6 +57,8 @@ TEST(Tick, AnyNumberOfThreadsGivesTheSameBits) {
   }
 }
 
+std::atomic<int> allocations{0};
+
 // In ticks along a grasp, and Jacobians after them.
 int allocations_of(const Scene& scene, Broadphase broadphase) {
   Execution execution;
@@ -97,12 +70,15 @@ int allocations_of(const Scene& scene, Broadphase broadphase) {
   std::array<SegmentJacobian, kSegmentCount> jacobians;
   std::uint32_t contacts = 0;
   allocations = 0;
-  trap_allocations = true;
+  test::may_allocate = [] {
+    ++allocations;
+    return true;
+  };
   for (const DeviceFrame& frame : frames) {
     contacts += tick(model, state, scratch, frame).contact_count;
     segment_jacobians(model, scratch, jacobians);
   }
-  trap_allocations = false;
+  test::may_allocate = nullptr;
   EXPECT_GT(contacts, 100u);
   return allocations;
 }
