@@ -50,23 +50,16 @@ std::vector<ObjectFrame> given_of(const py::object& given, const Model& model, s
   return poses;
 }
 
-ActuatorFrame timed_tick(Session& self, const DeviceFrame& frame, std::span<const ObjectFrame> given,
-                         std::uint32_t& duration_ns) {
-  const auto start = std::chrono::steady_clock::now();
-  const ActuatorFrame output = tick(self.model(), self.state, self.scratch, frame, given);
-  const std::chrono::nanoseconds duration = std::chrono::steady_clock::now() - start;
-  duration_ns = static_cast<std::uint32_t>(std::min<std::int64_t>(duration.count(), UINT32_MAX));
-  return output;
-}
-
-void keep(Session& self, const DeviceFrame& frame, const ActuatorFrame& output,
-          std::span<const ObjectFrame> given, std::uint32_t duration_ns) {
+ActuatorFrame recorded_tick(Session& self, const DeviceFrame& frame, std::span<const ObjectFrame> given) {
   TickRecord record;
   take_input(frame, given, record);
-  record.output = output;
-  record.duration_ns = duration_ns;
+  const auto start = std::chrono::steady_clock::now();
+  record.output = tick(self.model(), self.state, self.scratch, frame, given);
+  const std::chrono::nanoseconds duration = std::chrono::steady_clock::now() - start;
+  record.duration_ns = static_cast<std::uint32_t>(std::min<std::int64_t>(duration.count(), UINT32_MAX));
   take_results(self.state, self.scratch, record);
   self.recorder->record(record, &self.state);  // what goes wrong is a warning, and an error in the end
+  return record.output;
 }
 
 // A full disk must take neither a tick's forces nor the next ticks away. Once: what there is to warn of.
@@ -91,10 +84,9 @@ py::array run_frames(Session& self, const std::vector<DeviceFrame>& frames, cons
     const py::gil_scoped_release release;
     for (std::size_t i = 0; i < frames.size(); ++i) {
       const auto now = std::span(given).subspan(i * per_tick, per_tick);
-      std::uint32_t duration_ns = 0;
-      outputs[i] = timed_tick(self, frames[i], now, duration_ns);
+      outputs[i] = self.recorder ? recorded_tick(self, frames[i], now)
+                                 : tick(self.model(), self.state, self.scratch, frames[i], now);
       self.ticked = true;
-      if (self.recorder) keep(self, frames[i], outputs[i], now, duration_ns);
     }
     news = news_of(self);
   }

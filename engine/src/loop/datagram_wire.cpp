@@ -150,8 +150,8 @@ Status make_datagram_wire(const DeviceProfile& profile, std::unique_ptr<DeviceWi
   if (has_registers(profile.transport.kind) || profile.actuators.size() > kMaxActuators)
     return Status::error(profile.name + ": is no device of datagrams by its transport");
   const Transport& transport = profile.transport;
-  Addresses list(nullptr,
-                 nullptr);  // of a host that is a number: a name is asked for when the wire is opened
+  // Of a host that is a number: a name is asked for when the wire is opened.
+  Addresses list(nullptr, nullptr);
   if (!transport.anywhere && resolve(transport.host, nullptr, AI_NUMERICHOST, list) == 0 &&
       !is_loopback(*list->ai_addr))
     return Status::error(transport.host + ": " + kOutside);
