@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include "files.h"
 #include "recording_fixture.h"
@@ -46,7 +48,7 @@ class Device : public ::testing::Test {
 
 TEST_F(Device, EveryChangeIsAnEventAtItsTick) {
   DeviceHistory history;
-  ASSERT_TRUE(read_device_history(reader_, history).ok());
+  ASSERT_TRUE(read_device_history({&reader_, 1}, history).ok());
   std::vector<std::string> events;
   for (const DeviceEvent& event : history.events) {
     EXPECT_DOUBLE_EQ(event.time, 1e-3 * static_cast<double>(event.tick));
@@ -85,7 +87,7 @@ TEST_F(Device, WhatWasNotSentIsNoCommandButItsStateIsAnEvent) {
   write_recording(path_, small_scene(), records_);
   ASSERT_TRUE(reader_.open(path_).ok());
   DeviceHistory history;
-  ASSERT_TRUE(read_device_history(reader_, history).ok());
+  ASSERT_TRUE(read_device_history({&reader_, 1}, history).ok());
   EXPECT_EQ(history.commands, 12u);
   ASSERT_FALSE(history.events.empty());
   EXPECT_EQ(history.events.back().text, "1 not acknowledged at the end");
@@ -94,13 +96,28 @@ TEST_F(Device, WhatWasNotSentIsNoCommandButItsStateIsAnEvent) {
   }));
 }
 
+TEST_F(Device, OfTwoHandsTheOneThatItDroveHasTheHistory) {
+  const std::string undriven = temporary_path("undriven.mcap");
+  TickRecord record;
+  seal(record);
+  write_recording(undriven, small_scene(), {record});
+  std::vector<RecordingReader> hands(2);
+  for (const bool first : {true, false}) {
+    ASSERT_TRUE(hands[first ? 0 : 1].open(path_).ok());
+    ASSERT_TRUE(hands[first ? 1 : 0].open(undriven).ok());
+    DeviceHistory history;
+    ASSERT_TRUE(read_device_history(hands, history).ok());
+    EXPECT_EQ(history.commands, 12u);
+  }
+}
+
 TEST_F(Device, EventsAreExportedOneALine) {
   const std::string csv = temporary_path("events.csv"), json = temporary_path("events.json");
-  ASSERT_TRUE(export_device_events(reader_, ExportFormat::csv, csv).ok());
+  ASSERT_TRUE(export_device_events({&reader_, 1}, ExportFormat::csv, csv).ok());
   const std::string text = read_file(csv);
   EXPECT_EQ(text.find("tick,time [s],kind,text\n0,0,state,\"idle\"\n"), 0u) << text;
   EXPECT_NE(text.find("\n6,0.006,commands,\"command 7 not acknowledged\"\n"), std::string::npos) << text;
-  ASSERT_TRUE(export_device_events(reader_, ExportFormat::json, json).ok());
+  ASSERT_TRUE(export_device_events({&reader_, 1}, ExportFormat::json, json).ok());
   EXPECT_NE(read_file(json).find(R"({"tick":3,"time":0.003,"kind":"state","text":"idle -> armed"})"),
             std::string::npos);
 }

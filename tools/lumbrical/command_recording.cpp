@@ -1,7 +1,5 @@
-// lumbrical info, verify, recover, export: what is in a recording, whether it is whole, and how to get it
-// out.
+// lumbrical info, verify, recover: what is in a recording, and whether it is whole.
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -18,13 +16,7 @@ namespace {
 
 struct RecordingOptions {
   std::string recording, output;
-  bool json = false, events = false, poses = false, contacts = false;
-};
-
-struct ExportSwitches {
-  std::string format = "csv", ticks, side;
-  std::vector<std::string> columns, segments;
-  bool exact = false;
+  bool json = false;
 };
 
 Json info_json(const RecordingInfo& info) {
@@ -148,21 +140,10 @@ void add_device_rows(const DeviceHistory& history, Table& table) {
     table.add("", "and " + grouped(history.events.size() - kMostEvents) + " more: lumbrical export --events");
 }
 
-/// Of two hands the one that a device drove, whose ticks have its commands.
-RecordingReader& driven_hand(std::vector<RecordingReader>& readers) {
-  for (RecordingReader& reader : readers) {
-    DeviceHistory history;
-    const auto stop_at_first = [](const DeviceEvent&) { return Status::error(""); };
-    const Status status = read_device_history(reader, history, stop_at_first);
-    if (!status.ok() || history.commands > 0) return reader;
-  }
-  return readers[0];
-}
-
 /// What became of a session's device; nothing where there was none, which takes no reading of all ticks.
 Status device_history(std::vector<RecordingReader>& readers, std::optional<DeviceHistory>& history) {
   if (!readers[0].info().metadata.contains("certificate")) return {};
-  return read_device_history(driven_hand(readers), history.emplace());
+  return read_device_history(readers, history.emplace());
 }
 
 int info(const RecordingOptions& options) {
@@ -267,68 +248,6 @@ int recover(const RecordingOptions& options) {
   return printed == kDone && lost > 0 ? kTicksMissing : printed;
 }
 
-std::string check_segment(std::string& text) {
-  std::vector<std::string> names;
-  for (int segment = 0; segment < kSegmentCount; ++segment) names.emplace_back(segment_name(segment));
-  if (std::find(names.begin(), names.end(), text) != names.end()) return {};
-  return '"' + text + "\" is no hand segment; use \"index distal\", palm or the like" +
-         did_you_mean(text, names);
-}
-
-int segment_number(const std::string& name) {
-  int segment = 0;
-  while (segment_name(segment) != name) ++segment;
-  return segment;
-}
-
-// "5", "5:9", "5:", ":9", each with a step behind it, "5:9:2"
-bool parse_ticks(const std::string& text, ExportOptions& options) {
-  std::uint64_t* const targets[] = {&options.first, &options.last, &options.step};
-  std::size_t at = 0, part = 0;
-  for (; part < 3; ++part) {
-    const std::size_t end = std::min(text.find(':', at), text.size());
-    if (end > at) {
-      const auto [stop, error] = std::from_chars(text.data() + at, text.data() + end, *targets[part]);
-      if (error != std::errc() || stop != text.data() + end) return false;
-    }
-    if (end == text.size()) break;
-    at = end + 1;
-  }
-  if (part == 0) options.last = options.first;
-  return part < 3 && options.step > 0 && options.first <= options.last;
-}
-
-std::string check_ticks(std::string& text) {
-  ExportOptions ignored;
-  if (!text.empty() && parse_ticks(text, ignored)) return {};
-  return '"' + text + "\" is no range of ticks; use FIRST:LAST or FIRST:LAST:STEP";
-}
-
-int export_as_table(const RecordingOptions& options, const ExportSwitches& switches) {
-  std::vector<RecordingReader> readers;
-  if (Status status = open_hands(options.recording, readers, parse_side(switches.side)); !status.ok())
-    return fail(status);
-  ExportOptions wanted;
-  wanted.format = switches.format == "json"  ? ExportFormat::json
-                  : switches.format == "npz" ? ExportFormat::npz
-                                             : ExportFormat::csv;
-  wanted.columns = switches.columns;
-  for (const std::string& name : switches.segments) wanted.segments.push_back(segment_number(name));
-  wanted.exact = switches.exact;
-  if (!switches.ticks.empty()) parse_ticks(switches.ticks, wanted);
-  if (options.events + options.poses + options.contacts > 1)
-    return fail("--events, --poses and --contacts are tables of their own; choose one");
-  if (options.poses || options.contacts) {
-    const MessageKind kind = options.poses ? MessageKind::pose : MessageKind::contacts;
-    const Status status = export_views(readers, kind, wanted, options.output);
-    return status.ok() ? kDone : fail(status);
-  }
-  const Status status = options.events
-                            ? export_device_events(driven_hand(readers), wanted.format, options.output)
-                            : export_recording(readers, wanted, options.output);
-  return status.ok() ? kDone : fail(status);
-}
-
 using Run = int (*)(const RecordingOptions&);
 
 /// A subcommand with the one argument they all have.
@@ -368,46 +287,6 @@ void add_recover(Command& app, int& exit_code) {
       ->check(is_file())
       ->type_name("OUT.mcap");
   command->add_flag("--json", options->json, "Print one JSON object");
-}
-
-void add_export(Command& app, int& exit_code) {
-  const auto options = std::make_shared<RecordingOptions>();
-  const auto switches = std::make_shared<ExportSwitches>();
-  options->output = "-";
-  Command* const command = app.add_subcommand("export", "Write a recording as a table, one line per tick");
-  command->add_option("recording", options->recording, "Recording to read")
-      ->required()
-      ->type_name("REC.mcap");
-  command
-      ->add_option("--format", switches->format, "csv, npz (NumPy), or json: one object per line, all of it")
-      ->check(one_of({"csv", "npz", "json"}))
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--columns", switches->columns,
-          "Columns with one of these words in their names, such as force, angle, all; default: of pose, "
-          "forces, flexion torques, flags and contacts those that vary")
-      ->list()
-      ->type_name("WORD[,WORD]");
-  command->add_option("--segments", switches->segments, "Only these segments, such as \"index distal\",palm")
-      ->list()
-      ->check(Check{check_segment, "SEGMENT[,SEGMENT]"});
-  command->add_option("--side", switches->side, "Only this hand, of a session of two")
-      ->check(one_of({"left", "right"}));
-  command->add_option("--ticks", switches->ticks, "Only these ticks")
-      ->check(Check{check_ticks, "FIRST:LAST[:STEP]"});
-  command->add_flag("--exact", switches->exact, "csv: all digits, not six");
-  command->add_flag(
-      "--events", options->events,
-      "Instead: one line per event of the session's device (states, flags, delays, certificate)");
-  command->add_flag("--poses", options->poses,
-                    "Instead: one line per joint of the posed hands that run --record-poses keeps");
-  command->add_flag("--contacts", options->contacts,
-                    "Instead: one line per contact point that run --record-contacts keeps");
-  command->add_option("--output,-o", options->output, "File to write; -: standard output")
-      ->check(is_path())
-      ->capture_default_str();
-  command->callback([options, switches, &exit_code] { exit_code = export_as_table(*options, *switches); });
 }
 
 }  // namespace lumbrical::tool

@@ -359,11 +359,11 @@ struct DeviceHistory {
   std::vector<DeviceEvent> events;           ///< as they came
 };
 
-/// From the first tick to the last. Events: the safety envelope's state and flags where they change, the
-/// first of commands that were not acknowledged and the end of them, a delay a quarter longer than any
-/// before, a renewed certificate. `event` gets each as it is found (may be empty: then they are in
-/// `history.events`).
-Status read_device_history(RecordingReader& reader, DeviceHistory& history,
+/// From the first tick to the last, of a session's hands (a reader each) the one that a device drove. Events:
+/// the safety envelope's state and flags where they change, the first of commands that were not acknowledged
+/// and the end of them, a delay a quarter longer than any before, a renewed certificate. `event` gets each as
+/// it is found (may be empty: then they are in `history.events`).
+Status read_device_history(std::span<RecordingReader> readers, DeviceHistory& history,
                            const std::function<Status(const DeviceEvent&)>& event = {});
 
 /// csv: a table with a header of names and units, "index_distal.force.x [N]". npz: the same as a NumPy
@@ -411,7 +411,8 @@ Status export_views(std::span<RecordingReader> readers, MessageKind kind, const 
                     const std::string& output);
 
 /// Likewise one line per DeviceEvent: csv (tick, time [s], kind, text) or json. No npz.
-Status export_device_events(RecordingReader& reader, ExportFormat format, const std::string& output);
+Status export_device_events(std::span<RecordingReader> readers, ExportFormat format,
+                            const std::string& output);
 
 /// The messages a recording would hold, for whoever passes them on while a session runs. `bytes` is replaced.
 /// A scene of 2 GiB or more is refused.

@@ -1,8 +1,11 @@
 // What happened between a session and its device, told from the commands in its ticks.
 #include <array>
+#include <cassert>
 #include <cstdio>
+#include <functional>
 #include <new>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "files/text_output.h"
@@ -127,18 +130,8 @@ std::string event_line(const DeviceEvent& event, ExportFormat format) {
   return json.string("kind", event.kind).string("text", event.text).close('}').text();
 }
 
-Status write_events(RecordingReader& reader, ExportFormat format, TextOutput& out) {
-  if (format == ExportFormat::csv)
-    if (Status status = out.line("tick,time [s],kind,text"); !status.ok()) return status;
-  DeviceHistory history;
-  return read_device_history(reader, history,
-                             [&](const DeviceEvent& event) { return out.line(event_line(event, format)); });
-}
-
-}  // namespace
-
-Status read_device_history(RecordingReader& reader, DeviceHistory& history,
-                           const std::function<Status(const DeviceEvent&)>& event) {
+Status read_history(RecordingReader& reader, DeviceHistory& history,
+                    const std::function<Status(const DeviceEvent&)>& event) {
   history = {};
   if (Status status = reader.seek(0); !status.ok()) return status;
   Pass pass(reader.scene().settings.rate, history, event);
@@ -150,10 +143,37 @@ Status read_device_history(RecordingReader& reader, DeviceHistory& history,
   }
 }
 
-Status export_device_events(RecordingReader& reader, ExportFormat format, const std::string& output) try {
+/// The first hand whose ticks have a device's commands; what can't be read tells why when it is read again.
+RecordingReader& driven_hand(std::span<RecordingReader> readers) {
+  assert(!readers.empty());
+  const auto stop_at_first = [](const DeviceEvent&) { return Status::error("driven"); };
+  for (RecordingReader& reader : readers.first(readers.size() - 1)) {
+    DeviceHistory history;
+    if (!read_history(reader, history, stop_at_first).ok()) return reader;
+  }
+  return readers.back();
+}
+
+Status write_events(std::span<RecordingReader> readers, ExportFormat format, TextOutput& out) {
+  if (format == ExportFormat::csv)
+    if (Status status = out.line("tick,time [s],kind,text"); !status.ok()) return status;
+  DeviceHistory history;
+  return read_device_history(readers, history,
+                             [&](const DeviceEvent& event) { return out.line(event_line(event, format)); });
+}
+
+}  // namespace
+
+Status read_device_history(std::span<RecordingReader> readers, DeviceHistory& history,
+                           const std::function<Status(const DeviceEvent&)>& event) {
+  return read_history(driven_hand(readers), history, event);
+}
+
+Status export_device_events(std::span<RecordingReader> readers, ExportFormat format,
+                            const std::string& output) try {
   if (format == ExportFormat::npz)
     return Status::error("events are no table of numbers; export them as csv or json");
-  return write_whole<TextOutput>(output, [&](TextOutput& out) { return write_events(reader, format, out); });
+  return write_whole<TextOutput>(output, [&](TextOutput& out) { return write_events(readers, format, out); });
 } catch (const std::bad_alloc&) {
   return Status::error(output + ": not enough memory to export the events");
 }

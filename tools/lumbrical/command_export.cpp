@@ -1,0 +1,123 @@
+// lumbrical export: a recording as a table, for other programs.
+#include <algorithm>
+#include <charconv>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "commands.h"
+#include "lumbrical/recording.h"
+#include "output.h"
+#include "switches.h"
+
+namespace lumbrical::tool {
+namespace {
+
+struct ExportSwitches {
+  std::string recording, output = "-", format = "csv", ticks, side;
+  std::vector<std::string> columns, segments;
+  bool events = false, poses = false, contacts = false, exact = false;
+};
+
+std::string check_segment(std::string& text) {
+  std::vector<std::string> names;
+  for (int segment = 0; segment < kSegmentCount; ++segment) names.emplace_back(segment_name(segment));
+  if (std::find(names.begin(), names.end(), text) != names.end()) return {};
+  return '"' + text + "\" is no hand segment; use \"index distal\", palm or the like" +
+         did_you_mean(text, names);
+}
+
+int segment_number(const std::string& name) {
+  int segment = 0;
+  while (segment_name(segment) != name) ++segment;
+  return segment;
+}
+
+// "5", "5:9", "5:", ":9", each with a step behind it, "5:9:2"
+bool parse_ticks(const std::string& text, ExportOptions& options) {
+  std::uint64_t* const targets[] = {&options.first, &options.last, &options.step};
+  std::size_t at = 0, part = 0;
+  for (; part < 3; ++part) {
+    const std::size_t end = std::min(text.find(':', at), text.size());
+    if (end > at) {
+      const auto [stop, error] = std::from_chars(text.data() + at, text.data() + end, *targets[part]);
+      if (error != std::errc() || stop != text.data() + end) return false;
+    }
+    if (end == text.size()) break;
+    at = end + 1;
+  }
+  if (part == 0) options.last = options.first;
+  return part < 3 && options.step > 0 && options.first <= options.last;
+}
+
+std::string check_ticks(std::string& text) {
+  ExportOptions ignored;
+  if (!text.empty() && parse_ticks(text, ignored)) return {};
+  return '"' + text + "\" is no range of ticks; use FIRST:LAST or FIRST:LAST:STEP";
+}
+
+int export_as_table(const ExportSwitches& switches) {
+  std::vector<RecordingReader> readers;
+  if (Status status = open_hands(switches.recording, readers, parse_side(switches.side)); !status.ok())
+    return fail(status);
+  ExportOptions wanted;
+  wanted.format = switches.format == "json"  ? ExportFormat::json
+                  : switches.format == "npz" ? ExportFormat::npz
+                                             : ExportFormat::csv;
+  wanted.columns = switches.columns;
+  for (const std::string& name : switches.segments) wanted.segments.push_back(segment_number(name));
+  wanted.exact = switches.exact;
+  if (!switches.ticks.empty()) parse_ticks(switches.ticks, wanted);
+  if (switches.events + switches.poses + switches.contacts > 1)
+    return fail("--events, --poses and --contacts are tables of their own; choose one");
+  if (switches.poses || switches.contacts) {
+    const MessageKind kind = switches.poses ? MessageKind::pose : MessageKind::contacts;
+    const Status status = export_views(readers, kind, wanted, switches.output);
+    return status.ok() ? kDone : fail(status);
+  }
+  const Status status = switches.events ? export_device_events(readers, wanted.format, switches.output)
+                                        : export_recording(readers, wanted, switches.output);
+  return status.ok() ? kDone : fail(status);
+}
+
+}  // namespace
+
+void add_export(Command& app, int& exit_code) {
+  const auto switches = std::make_shared<ExportSwitches>();
+  Command* const command = app.add_subcommand("export", "Write a recording as a table, one line per tick");
+  command->add_option("recording", switches->recording, "Recording to read")
+      ->required()
+      ->type_name("REC.mcap");
+  command
+      ->add_option("--format", switches->format, "csv, npz (NumPy), or json: one object per line, all of it")
+      ->check(one_of({"csv", "npz", "json"}))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--columns", switches->columns,
+          "Columns with one of these words in their names, such as force, angle, all; default: of pose, "
+          "forces, flexion torques, flags and contacts those that vary")
+      ->list()
+      ->type_name("WORD[,WORD]");
+  command->add_option("--segments", switches->segments, "Only these segments, such as \"index distal\",palm")
+      ->list()
+      ->check(Check{check_segment, "SEGMENT[,SEGMENT]"});
+  command->add_option("--side", switches->side, "Only this hand, of a session of two")
+      ->check(one_of({"left", "right"}));
+  command->add_option("--ticks", switches->ticks, "Only these ticks")
+      ->check(Check{check_ticks, "FIRST:LAST[:STEP]"});
+  command->add_flag("--exact", switches->exact, "csv: all digits, not six");
+  command->add_flag(
+      "--events", switches->events,
+      "Instead: one line per event of the session's device (states, flags, delays, certificate)");
+  command->add_flag("--poses", switches->poses,
+                    "Instead: one line per joint of the posed hands that run --record-poses keeps");
+  command->add_flag("--contacts", switches->contacts,
+                    "Instead: one line per contact point that run --record-contacts keeps");
+  command->add_option("--output,-o", switches->output, "File to write; -: standard output")
+      ->check(is_path())
+      ->capture_default_str();
+  command->callback([switches, &exit_code] { exit_code = export_as_table(*switches); });
+}
+
+}  // namespace lumbrical::tool
