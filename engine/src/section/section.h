@@ -24,6 +24,10 @@ constexpr Point2 operator*(double s, Point2 a) { return {s * a.x, s * a.y}; }
 constexpr double dot(Point2 a, Point2 b) { return a.x * b.x + a.y * b.y; }
 constexpr double cross(Point2 a, Point2 b) { return a.x * b.y - a.y * b.x; }
 
+/// Two triangles that share an edge run along it in opposite senses. What is reckoned of it starts from the
+/// same end for both: so it is the same to the last bit, and what they have in common cancels exactly.
+constexpr bool runs_back(Point2 p, Point2 q) { return q.x < p.x || (q.x == p.x && q.y < p.y); }
+
 /// A triangle after some cuts, each of which adds a corner at most, counter-clockwise; only the first `count`
 /// corners are ever read.
 struct Polygon2 {
