@@ -19,6 +19,7 @@ namespace Lumbrical
 
     public enum Side
     {
+        FirstHand = -1,
         Left = 0,
         Right = 1,
     }
@@ -410,17 +411,19 @@ namespace Lumbrical
         [DllImport(Library, CallingConvention = C)]
         public static extern int lumbrical_session_stop_recording(IntPtr session, out ulong kept);
         [DllImport(Library, CallingConvention = C)]
-        public static extern int lumbrical_replay(string path, IntPtr execution, ref ReplayResult result);
+        public static extern int lumbrical_replay(string path, string world, IntPtr execution, ref ReplayResult result);
         [DllImport(Library, CallingConvention = C)]
-        public static extern int lumbrical_reader_open(string path, out IntPtr reader);
+        public static extern int lumbrical_reader_open(string path, int side, out IntPtr reader);
         [DllImport(Library, CallingConvention = C)]
         public static extern void lumbrical_reader_close(IntPtr reader);
         [DllImport(Library, CallingConvention = C)]
         public static extern int lumbrical_reader_describe(IntPtr reader, ref RecordingInfo info);
         [DllImport(Library, CallingConvention = C)]
-        public static extern int lumbrical_reader_model(IntPtr reader, IntPtr execution, out IntPtr model);
+        public static extern int lumbrical_reader_model(IntPtr reader, string world, IntPtr execution, out IntPtr model);
         [DllImport(Library, CallingConvention = C)]
         public static extern int lumbrical_reader_next(IntPtr reader, ref Frame frame, ref Output output, out int end);
+        [DllImport(Library, CallingConvention = C)]
+        public static extern int lumbrical_reader_objects(IntPtr reader, [In, Out] ObjectOutput[] objects, UIntPtr capacity, out UIntPtr count);
         [DllImport(Library, CallingConvention = C)]
         public static extern int lumbrical_reader_seek(IntPtr reader, ulong tick);
         [DllImport(Library, CallingConvention = C)]

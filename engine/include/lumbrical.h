@@ -57,7 +57,11 @@ enum lumbrical_status {
   LUMBRICAL_FAILED = 6        /* out of memory, or a fault of the library */
 };
 
-enum lumbrical_side { LUMBRICAL_LEFT = 0, LUMBRICAL_RIGHT = 1 };
+enum lumbrical_side {
+  LUMBRICAL_FIRST_HAND = -1, /* of a recording's: whichever that is */
+  LUMBRICAL_LEFT = 0,
+  LUMBRICAL_RIGHT = 1
+};
 enum lumbrical_law {
   LUMBRICAL_FIELD = 0,
   LUMBRICAL_COLUMN = 1,
@@ -408,20 +412,25 @@ LUMBRICAL_API int lumbrical_session_stop_recording(lumbrical_session* session, u
  * ------------------------------------------------------------------------------------------------- */
 
 /* Runs a recording's inputs through the engine again and compares every bit, of two hands both.
- * `execution` may be null. */
-LUMBRICAL_API int lumbrical_replay(const char* path, const lumbrical_execution* execution,
+ * `world` is the world file of a recording that names one; null: the one beside the recording. `execution`
+ * may be null. */
+LUMBRICAL_API int lumbrical_replay(const char* path, const char* world, const lumbrical_execution* execution,
                                    lumbrical_replay_result* result);
-/* Opens a recording of one hand, or of two the first. */
-LUMBRICAL_API int lumbrical_reader_open(const char* path, lumbrical_reader** reader);
+/* Opens a recording to read the hand of that side, or its first. */
+LUMBRICAL_API int lumbrical_reader_open(const char* path, int32_t side, lumbrical_reader** reader);
 LUMBRICAL_API void lumbrical_reader_close(lumbrical_reader* reader);
 LUMBRICAL_API int lumbrical_reader_describe(lumbrical_reader* reader, lumbrical_recording_info* info);
-/* The model that was recorded; sessions of it start as the recorded one did. */
-LUMBRICAL_API int lumbrical_reader_model(lumbrical_reader* reader, const lumbrical_execution* execution,
-                                         lumbrical_model** model);
+/* The model that was recorded; sessions of it start as the recorded one did. `world` and `execution` as of
+ * lumbrical_replay. */
+LUMBRICAL_API int lumbrical_reader_model(lumbrical_reader* reader, const char* world,
+                                         const lumbrical_execution* execution, lumbrical_model** model);
 /* The next tick as recorded; forces that the recording leaves out (force_interval) are NaN. `end` is 1 where
  * there is none, and then the others are left alone; each may be null. */
 LUMBRICAL_API int lumbrical_reader_next(lumbrical_reader* reader, lumbrical_frame* frame,
                                         lumbrical_output* output, int32_t* end);
+/* Of the tick that was read last: as lumbrical_session_objects has them. */
+LUMBRICAL_API int lumbrical_reader_objects(lumbrical_reader* reader, lumbrical_object_output* objects,
+                                           size_t capacity, size_t* count);
 /* What comes next is the first tick that is not before `tick`. */
 LUMBRICAL_API int lumbrical_reader_seek(lumbrical_reader* reader, uint64_t tick);
 

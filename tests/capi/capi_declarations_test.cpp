@@ -107,7 +107,7 @@ TEST(CApiDeclarations, CSharpHasTheSameEnumerations) {
   std::size_t enums = 0;
   for (const auto& match : find_all(header(), R"(enum lumbrical_(\w+) \{([^}]*)\};)")) {
     std::vector<std::string> expected;
-    for (const auto& item : find_all(match[2], R"(LUMBRICAL_(\w+) = (\d+))"))
+    for (const auto& item : find_all(match[2], R"(LUMBRICAL_(\w+) = (-?\d+))"))
       expected.push_back(camel(item[1]) + " = " + item[2]);
     EXPECT_EQ(theirs[camel(match[1])], expected) << match[1];
     ++enums;

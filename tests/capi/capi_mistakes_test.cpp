@@ -45,8 +45,8 @@ TEST(CApiMistakes, NullPointersAreToldByName) {
   expect_mistake(lumbrical_session_save(c.session, nullptr, 5, &count), "bytes is null");
   expect_mistake(lumbrical_session_restore(c.session, nullptr, 5), "bytes is null");
   expect_mistake(lumbrical_session_record(c.session, nullptr, nullptr), "path is null");
-  expect_mistake(lumbrical_reader_open(nullptr, nullptr), "path is null");
-  expect_mistake(lumbrical_replay("x", nullptr, nullptr), "result is null");
+  expect_mistake(lumbrical_reader_open(nullptr, LUMBRICAL_FIRST_HAND, nullptr), "path is null");
+  expect_mistake(lumbrical_replay("x", nullptr, nullptr, nullptr), "result is null");
   expect_mistake(lumbrical_convert_poses(0, 1, nullptr, 2), "poses is null");
   expect_mistake(lumbrical_frame_from_openxr(nullptr, nullptr), "is null");
   lumbrical_scene_destroy(nullptr);
@@ -131,7 +131,7 @@ TEST(CApiMistakes, WhatTheEngineRefusesIsBadData) {
   refuse(far_corner, "names vertex 4000000000");
   EXPECT_EQ(lumbrical_scene_load("no such file.json", &c.scene), LUMBRICAL_BAD_DATA);
   lumbrical_reader* reader = nullptr;
-  EXPECT_EQ(lumbrical_reader_open("no such file.mcap", &reader), LUMBRICAL_BAD_DATA);
+  EXPECT_EQ(lumbrical_reader_open("no such file.mcap", LUMBRICAL_FIRST_HAND, &reader), LUMBRICAL_BAD_DATA);
   EXPECT_EQ(reader, nullptr);
   MeshObject open(make_plane(0.2, 2));
   MeshObject wild(far_corner);

@@ -354,58 +354,6 @@ TEST(CApi, ASnapshotOfForcesAboveTheLimitFadesFromTheLimit) {
     EXPECT_LE(norm({wrench.force[0], wrench.force[1], wrench.force[2]}), 1 + 1e-6);
 }
 
-TEST(CApi, RecordsWhatReplaysIdenticalAndCanBeReadAgain) {
-  const std::string path = (own_folder() / "touch.mcap").string();
-  CSession c(MeshObject(ball_scene().objects[0].mesh).object);
-  std::vector<lumbrical_output> felt;
-  ASSERT_EQ(lumbrical_session_record(c.session, path.c_str(), nullptr), LUMBRICAL_OK) << lumbrical_message();
-  EXPECT_EQ(lumbrical_session_record(c.session, path.c_str(), nullptr), LUMBRICAL_BAD_ARGUMENT);
-  for (std::size_t i = 0; i < 80; ++i) felt.push_back(c.step(i));
-  std::uint64_t kept = 0;
-  ASSERT_EQ(lumbrical_session_stop_recording(c.session, &kept), LUMBRICAL_OK) << lumbrical_message();
-  EXPECT_EQ(kept, 80u);
-  EXPECT_EQ(lumbrical_session_stop_recording(c.session, &kept), LUMBRICAL_BAD_ARGUMENT);
-  EXPECT_EQ(lumbrical_session_record(c.session, path.c_str(), nullptr), LUMBRICAL_BAD_ARGUMENT)
-      << "amid a session";
-
-  auto result = sized<lumbrical_replay_result>();
-  ASSERT_EQ(lumbrical_replay(path.c_str(), nullptr, &result), LUMBRICAL_OK) << lumbrical_message();
-  EXPECT_EQ(result.identical, 1);
-  EXPECT_EQ(result.ticks, 80u);
-  EXPECT_STREQ(result.damage, "");
-  const std::string torn = (own_folder() / "torn.mcap").string();
-  std::filesystem::copy_file(path, torn);
-  std::filesystem::resize_file(torn, std::filesystem::file_size(torn) - 200);
-  ASSERT_EQ(lumbrical_replay(torn.c_str(), nullptr, &result), LUMBRICAL_OK) << lumbrical_message();
-  EXPECT_STRNE(result.damage, "") << "identical as far as it can be read, and no whole file";
-
-  lumbrical_reader* reader = nullptr;
-  ASSERT_EQ(lumbrical_reader_open(path.c_str(), &reader), LUMBRICAL_OK);
-  auto info = sized<lumbrical_recording_info>();
-  ASSERT_EQ(lumbrical_reader_describe(reader, &info), LUMBRICAL_OK);
-  EXPECT_EQ(info.ticks, 80u);
-  EXPECT_EQ(info.complete, 1);
-  EXPECT_EQ(info.side, LUMBRICAL_RIGHT);
-  CSession again;
-  ASSERT_EQ(lumbrical_reader_model(reader, nullptr, &again.model), LUMBRICAL_OK) << lumbrical_message();
-  ASSERT_EQ(lumbrical_session_create(again.model, &again.session), LUMBRICAL_OK);
-  lumbrical_frame frame = new_frame();
-  auto recorded = sized<lumbrical_output>();
-  std::int32_t end = 0;
-  for (std::size_t i = 0; i < 80; ++i) {
-    ASSERT_EQ(lumbrical_reader_next(reader, &frame, &recorded, &end), LUMBRICAL_OK);
-    ASSERT_EQ(end, 0);
-    EXPECT_EQ(std::memcmp(&recorded, &felt[i], sizeof recorded), 0) << i;
-    EXPECT_EQ(std::memcmp(&again.step(frame), &felt[i], sizeof recorded), 0) << i;
-  }
-  ASSERT_EQ(lumbrical_reader_next(reader, &frame, &recorded, &end), LUMBRICAL_OK);
-  EXPECT_EQ(end, 1);
-  ASSERT_EQ(lumbrical_reader_seek(reader, 33), LUMBRICAL_OK);
-  ASSERT_EQ(lumbrical_reader_next(reader, nullptr, &recorded, nullptr), LUMBRICAL_OK);
-  EXPECT_EQ(recorded.tick, 33u);
-  lumbrical_reader_close(reader);
-}
-
 TEST(CApi, AProxyIsASettingAndAPartOfASnapshot) {
   Scene scene = ball_scene();
   scene.settings.proxy_stiffness = 500;

@@ -115,6 +115,18 @@ Fault check_enum(std::int32_t value, std::int32_t count, const char* name, Enum&
   return {};
 }
 
+/// Into the caller's array, if there is room for all.
+template <class Rows, class Out, class Convert>
+Fault hand_over(const Rows& rows, Out* out, std::size_t capacity, std::size_t* count,
+                const Convert& convert) {
+  *count = rows.size();
+  if (rows.size() > capacity)
+    return {LUMBRICAL_TOO_SMALL,
+            "there are " + std::to_string(rows.size()) + ", and room for " + std::to_string(capacity)};
+  for (std::size_t i = 0; i < rows.size(); ++i) out[i] = convert(i);
+  return {};
+}
+
 /// Of which sessions and handles share one.
 struct BuiltModel {
   Model model;
@@ -170,4 +182,6 @@ struct lumbrical_reader : lumbrical::capi::Handle {
   static constexpr const char* kName = "reader";
   lumbrical_reader() : Handle(kKind) {}
   lumbrical::RecordingReader reader;
+  std::vector<std::uint32_t> apart_object;  // where they are in the order of the scene
+  lumbrical::TickRecord record;             // that was read last
 };

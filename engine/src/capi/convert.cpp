@@ -114,6 +114,10 @@ void to_c(const DeviceFrame& frame, lumbrical_frame& out) {
   std::memcpy(out.angle, frame.angle.data(), sizeof out.angle);
 }
 
+lumbrical_object_output to_c(const ObjectOutput& output, std::uint32_t object) {
+  return {sizeof(lumbrical_object_output), object, to_c(output.pose), to_c(output.wrench), output.coordinate};
+}
+
 void to_c(const ActuatorFrame& output, std::size_t object_count, lumbrical_output& out) {
   out.flags = output.flags;
   out.tick = output.tick;

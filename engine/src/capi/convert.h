@@ -14,6 +14,7 @@ lumbrical_wrench to_c(const Wrench& wrench);
 /// Refuses another size, and a kind that is none.
 Fault to_frame(const lumbrical_frame* given, DeviceFrame& frame);
 void to_c(const DeviceFrame& frame, lumbrical_frame& out);
+lumbrical_object_output to_c(const ObjectOutput& output, std::uint32_t object);
 void to_c(const ActuatorFrame& output, std::size_t object_count, lumbrical_output& out);
 
 /// Whose axes and unit. What is mirrored keeps its handedness in numbers: torques, quaternions.

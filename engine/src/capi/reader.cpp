@@ -1,8 +1,13 @@
 // lumbrical.h: recordings, read and replayed.
 #include <cstdio>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "capi/boundary.h"
 #include "capi/convert.h"
+#include "model/apart_objects.h"
 
 using namespace lumbrical;
 using namespace lumbrical::capi;
@@ -14,14 +19,23 @@ void copy_text(const std::string& text, char (&out)[kSize]) {
   std::snprintf(out, kSize, "%s", text.c_str());
 }
 
+std::string text_or_empty(const char* text) { return text == nullptr ? "" : text; }
+
+// None where `side` is LUMBRICAL_FIRST_HAND.
+Fault to_side(std::int32_t side, std::optional<Side>& wanted) {
+  if (side == LUMBRICAL_FIRST_HAND) return {};
+  return check_enum(side, 2, "side", wanted.emplace());
+}
+
 }  // namespace
 
-int lumbrical_replay(const char* path, const lumbrical_execution* execution,
+int lumbrical_replay(const char* path, const char* world, const lumbrical_execution* execution,
                      lumbrical_replay_result* result) {
   return call(__func__, [&]() -> Fault {
     if (Fault fault = check_pointer(path, "path")) return fault;
     if (Fault fault = check_struct(result, "result")) return fault;
     ReplayOptions options;
+    options.world = text_or_empty(world);
     if (Fault fault = to_execution(execution, options.execution)) return fault;
     ReplayResult found;
     if (Fault fault = replay_hands(path, options, found)) return fault;
@@ -38,12 +52,17 @@ int lumbrical_replay(const char* path, const lumbrical_execution* execution,
   });
 }
 
-int lumbrical_reader_open(const char* path, lumbrical_reader** reader) {
+int lumbrical_reader_open(const char* path, int32_t side, lumbrical_reader** reader) {
   return call(__func__, [&]() -> Fault {
     if (Fault fault = check_pointer(path, "path")) return fault;
     if (Fault fault = check_pointer(reader, "reader")) return fault;
+    std::optional<Side> wanted;
+    if (Fault fault = to_side(side, wanted)) return fault;
     auto opened = std::make_unique<lumbrical_reader>();
-    if (Fault fault = opened->reader.open(path)) return fault;
+    if (Fault fault = opened->reader.open(path, wanted)) return fault;
+    const std::vector<SceneObject>& objects = opened->reader.scene().objects;
+    for (std::size_t i = 0; i < objects.size(); ++i)
+      if (is_apart(objects[i])) opened->apart_object.push_back(static_cast<std::uint32_t>(i));
     *reader = opened.release();
     return {};
   });
@@ -67,13 +86,13 @@ int lumbrical_reader_describe(lumbrical_reader* reader, lumbrical_recording_info
   });
 }
 
-int lumbrical_reader_model(lumbrical_reader* reader, const lumbrical_execution* execution,
+int lumbrical_reader_model(lumbrical_reader* reader, const char* world, const lumbrical_execution* execution,
                            lumbrical_model** model) {
   return call_with(__func__, reader, [&]() -> Fault {
     if (Fault fault = check_pointer(model, "model")) return fault;
     Execution how;
     if (Fault fault = to_execution(execution, how)) return fault;
-    if (Fault fault = reader->reader.find_world("")) return fault;
+    if (Fault fault = reader->reader.find_world(text_or_empty(world))) return fault;
     auto built = std::make_shared<BuiltModel>();
     if (Fault fault = build_model(reader->reader.scene(), how, built->model)) return fault;
     list_objects(*built);
@@ -90,7 +109,7 @@ int lumbrical_reader_next(lumbrical_reader* reader, lumbrical_frame* frame, lumb
       if (Fault fault = check_struct(frame, "frame")) return fault;
     if (output != nullptr)
       if (Fault fault = check_struct(output, "output")) return fault;
-    TickRecord record;
+    TickRecord& record = reader->record;
     bool at_end = false;
     if (Fault fault = reader->reader.next(record, at_end)) return fault;
     if (end != nullptr) *end = at_end ? 1 : 0;
@@ -98,6 +117,19 @@ int lumbrical_reader_next(lumbrical_reader* reader, lumbrical_frame* frame, lumb
     if (frame != nullptr) to_c(record.device, *frame);
     if (output != nullptr) to_c(record.output, record.object_count, *output);
     return {};
+  });
+}
+
+int lumbrical_reader_objects(lumbrical_reader* reader, lumbrical_object_output* objects, size_t capacity,
+                             size_t* count) {
+  return call_with(__func__, reader, [&]() -> Fault {
+    if (Fault fault = check_array(objects, capacity, "objects")) return fault;
+    if (Fault fault = check_pointer(count, "count")) return fault;
+    const TickRecord& record = reader->record;
+    if (record.object_count > reader->apart_object.size())
+      return {LUMBRICAL_BAD_DATA, "the recorded tick has more objects than its scene; verify the recording"};
+    return hand_over(std::span(record.object).first(record.object_count), objects, capacity, count,
+                     [&](std::size_t i) { return to_c(record.object[i], reader->apart_object[i]); });
   });
 }
 

@@ -65,18 +65,6 @@ lumbrical_contact to_c(const BuiltModel& built, const NamedContact& named) {
   return out;
 }
 
-// Into the caller's array, if there is room for all.
-template <class Rows, class Out, class Convert>
-Fault hand_over(const Rows& rows, Out* out, std::size_t capacity, std::size_t* count,
-                const Convert& convert) {
-  *count = rows.size();
-  if (rows.size() > capacity)
-    return {LUMBRICAL_TOO_SMALL,
-            "there are " + std::to_string(rows.size()) + ", and room for " + std::to_string(capacity)};
-  for (std::size_t i = 0; i < rows.size(); ++i) out[i] = convert(i);
-  return {};
-}
-
 std::uint64_t hash_of(std::span<const std::uint8_t> bytes) {
   Hasher hasher;
   hasher.array(bytes);
@@ -145,11 +133,8 @@ int lumbrical_session_objects(lumbrical_session* session, lumbrical_object_outpu
     if (Fault fault = check_pointer(count, "count")) return fault;
     if (Fault fault = check_ticked(*session)) return fault;
     const std::vector<ObjectOutput>& rows = session->scratch.object_output;
-    return hand_over(rows, objects, capacity, count, [&](std::size_t i) {
-      return lumbrical_object_output{sizeof *objects, session->built->apart_object[i],
-                                     capi::to_c(rows[i].pose), capi::to_c(rows[i].wrench),
-                                     rows[i].coordinate};
-    });
+    return hand_over(rows, objects, capacity, count,
+                     [&](std::size_t i) { return capi::to_c(rows[i], session->built->apart_object[i]); });
   });
 }
 

@@ -1,0 +1,196 @@
+// Recordings by lumbrical.h: written by a session, replayed, read tick by tick.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "capi_fixture.h"
+#include "files/world_file_fixture.h"
+#include "lumbrical/recording.h"
+
+namespace lumbrical::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CloseReader {
+  void operator()(lumbrical_reader* reader) const { lumbrical_reader_close(reader); }
+};
+using Reader = std::unique_ptr<lumbrical_reader, CloseReader>;
+
+Reader opened(const std::string& path, std::int32_t side = LUMBRICAL_FIRST_HAND) {
+  lumbrical_reader* reader = nullptr;
+  EXPECT_EQ(lumbrical_reader_open(path.c_str(), side, &reader), LUMBRICAL_OK) << lumbrical_message();
+  return Reader(reader);
+}
+
+TEST(CApiRecordings, ReplayIdenticalAndCanBeReadAgain) {
+  const std::string path = (own_folder() / "touch.mcap").string();
+  CSession c(MeshObject(ball_scene().objects[0].mesh).object);
+  std::vector<lumbrical_output> felt;
+  ASSERT_EQ(lumbrical_session_record(c.session, path.c_str(), nullptr), LUMBRICAL_OK) << lumbrical_message();
+  EXPECT_EQ(lumbrical_session_record(c.session, path.c_str(), nullptr), LUMBRICAL_BAD_ARGUMENT);
+  for (std::size_t i = 0; i < 80; ++i) felt.push_back(c.step(i));
+  std::uint64_t kept = 0;
+  ASSERT_EQ(lumbrical_session_stop_recording(c.session, &kept), LUMBRICAL_OK) << lumbrical_message();
+  EXPECT_EQ(kept, 80u);
+  EXPECT_EQ(lumbrical_session_stop_recording(c.session, &kept), LUMBRICAL_BAD_ARGUMENT);
+  EXPECT_EQ(lumbrical_session_record(c.session, path.c_str(), nullptr), LUMBRICAL_BAD_ARGUMENT)
+      << "amid a session";
+
+  auto result = sized<lumbrical_replay_result>();
+  ASSERT_EQ(lumbrical_replay(path.c_str(), nullptr, nullptr, &result), LUMBRICAL_OK) << lumbrical_message();
+  EXPECT_EQ(result.identical, 1);
+  EXPECT_EQ(result.ticks, 80u);
+  EXPECT_STREQ(result.damage, "");
+  const std::string torn = (own_folder() / "torn.mcap").string();
+  std::filesystem::copy_file(path, torn);
+  std::filesystem::resize_file(torn, std::filesystem::file_size(torn) - 200);
+  ASSERT_EQ(lumbrical_replay(torn.c_str(), nullptr, nullptr, &result), LUMBRICAL_OK) << lumbrical_message();
+  EXPECT_STRNE(result.damage, "") << "identical as far as it can be read, and no whole file";
+
+  lumbrical_reader* reader = nullptr;
+  ASSERT_EQ(lumbrical_reader_open(path.c_str(), LUMBRICAL_FIRST_HAND, &reader), LUMBRICAL_OK);
+  auto info = sized<lumbrical_recording_info>();
+  ASSERT_EQ(lumbrical_reader_describe(reader, &info), LUMBRICAL_OK);
+  EXPECT_EQ(info.ticks, 80u);
+  EXPECT_EQ(info.complete, 1);
+  EXPECT_EQ(info.side, LUMBRICAL_RIGHT);
+  CSession again;
+  ASSERT_EQ(lumbrical_reader_model(reader, nullptr, nullptr, &again.model), LUMBRICAL_OK)
+      << lumbrical_message();
+  ASSERT_EQ(lumbrical_session_create(again.model, &again.session), LUMBRICAL_OK);
+  lumbrical_frame frame = new_frame();
+  auto recorded = sized<lumbrical_output>();
+  std::int32_t end = 0;
+  for (std::size_t i = 0; i < 80; ++i) {
+    ASSERT_EQ(lumbrical_reader_next(reader, &frame, &recorded, &end), LUMBRICAL_OK);
+    ASSERT_EQ(end, 0);
+    EXPECT_EQ(std::memcmp(&recorded, &felt[i], sizeof recorded), 0) << i;
+    EXPECT_EQ(std::memcmp(&again.step(frame), &felt[i], sizeof recorded), 0) << i;
+  }
+  ASSERT_EQ(lumbrical_reader_next(reader, &frame, &recorded, &end), LUMBRICAL_OK);
+  EXPECT_EQ(end, 1);
+  ASSERT_EQ(lumbrical_reader_seek(reader, 33), LUMBRICAL_OK);
+  ASSERT_EQ(lumbrical_reader_next(reader, nullptr, &recorded, nullptr), LUMBRICAL_OK);
+  EXPECT_EQ(recorded.tick, 33u);
+  lumbrical_reader_close(reader);
+}
+
+/// A hand of each side over the ball, for a few ticks.
+void record_two_hands(const std::string& path) {
+  const Scene scene = ball_scene();
+  const Hand second = default_hand(Side::left);
+  RecorderOptions options;
+  options.second_hand = second;
+  Recorder recorder;
+  ASSERT_TRUE(recorder.open(path, scene, options).ok());
+  Model models[2];
+  ASSERT_TRUE(build_model(scene, {}, models[0]).ok());
+  ASSERT_TRUE(share_world(models[0], second, models[1]).ok());
+  State states[] = {make_state(models[0]), make_state(models[1])};
+  Scratch scratches[] = {make_scratch(models[0]), make_scratch(models[1])};
+  for (std::size_t i = 0; i < 5; ++i) {
+    for (const std::size_t hand : {0, 1}) {
+      TickRecord record;
+      record.hand = static_cast<std::uint8_t>(hand);
+      record.device = touching_frame(40 + 10 * i + hand);
+      record.output = tick(models[hand], states[hand], scratches[hand], record.device);
+      take_results(states[hand], scratches[hand], record);
+      ASSERT_TRUE(recorder.record(record));
+    }
+  }
+  ASSERT_TRUE(recorder.close().ok());
+}
+
+TEST(CApiRecordings, OfTwoHandsEachIsRead) {
+  const std::string path = (own_folder() / "two.mcap").string();
+  record_two_hands(path);
+  for (const int side : {LUMBRICAL_LEFT, LUMBRICAL_RIGHT}) {
+    const Reader reader = opened(path, side);
+    auto info = sized<lumbrical_recording_info>();
+    ASSERT_EQ(lumbrical_reader_describe(reader.get(), &info), LUMBRICAL_OK);
+    EXPECT_EQ(info.side, side);
+    EXPECT_EQ(info.hands, 2);
+    lumbrical_frame frame = new_frame();
+    ASSERT_EQ(lumbrical_reader_next(reader.get(), &frame, nullptr, nullptr), LUMBRICAL_OK);
+    EXPECT_EQ(frame.base.position[2], touching_frame(side == LUMBRICAL_LEFT ? 41 : 40).base.position.z);
+  }
+  lumbrical_reader* none = nullptr;
+  EXPECT_EQ(lumbrical_reader_open(path.c_str(), 2, &none), LUMBRICAL_BAD_ARGUMENT);
+  EXPECT_EQ(none, nullptr);
+}
+
+TEST(CApiRecordings, TellWhereObjectsWere) {
+  const std::string path = (own_folder() / "given.mcap").string();
+  MeshObject floor(make_plane(0.3, 2)), ball(make_sphere(0.04, 4));
+  ball.object.mobility = LUMBRICAL_GIVEN;
+  CSession c;
+  c.create();
+  ASSERT_EQ(lumbrical_scene_add_object(c.scene, &floor.object), LUMBRICAL_OK);
+  ASSERT_EQ(lumbrical_scene_add_object(c.scene, &ball.object), LUMBRICAL_OK);
+  c.start();
+  ASSERT_EQ(lumbrical_session_record(c.session, path.c_str(), nullptr), LUMBRICAL_OK);
+  std::vector<lumbrical_object_output> told;
+  for (std::size_t i = 0; i < 20; ++i) {
+    const lumbrical_pose pose = {{0, 0, 0.001 * static_cast<double>(i)}, {0, 0, 0, 1}};
+    const lumbrical_frame frame = touching_frame_c(60);
+    ASSERT_EQ(lumbrical_session_tick(c.session, &frame, &pose, 1, &c.output), LUMBRICAL_OK);
+    auto object = sized<lumbrical_object_output>();
+    std::size_t count = 0;
+    ASSERT_EQ(lumbrical_session_objects(c.session, &object, 1, &count), LUMBRICAL_OK);
+    told.push_back(object);
+  }
+  ASSERT_EQ(lumbrical_session_stop_recording(c.session, nullptr), LUMBRICAL_OK);
+  const Reader reader = opened(path);
+  std::size_t count = 9;
+  ASSERT_EQ(lumbrical_reader_objects(reader.get(), nullptr, 0, &count), LUMBRICAL_OK);
+  EXPECT_EQ(count, 0u) << "no tick was read";
+  for (const lumbrical_object_output& expected : told) {
+    auto object = sized<lumbrical_object_output>();
+    ASSERT_EQ(lumbrical_reader_next(reader.get(), nullptr, nullptr, nullptr), LUMBRICAL_OK);
+    EXPECT_EQ(lumbrical_reader_objects(reader.get(), nullptr, 0, &count), LUMBRICAL_TOO_SMALL);
+    ASSERT_EQ(lumbrical_reader_objects(reader.get(), &object, 1, &count), LUMBRICAL_OK)
+        << lumbrical_message();
+    EXPECT_EQ(object.object, 1u);
+    EXPECT_EQ(std::memcmp(&object, &expected, sizeof object), 0);
+  }
+}
+
+TEST(CApiRecordings, NameAWorldFileThatMayHaveMoved) {
+  const fs::path folder = own_folder();
+  const std::string path = (folder / "session.mcap").string(),
+                    moved = (folder / "else" / "ball.world").string();
+  ASSERT_TRUE(write_world(ball_scene(), {}, (folder / "ball.world").string()).ok());
+  std::ofstream(folder / "scene.json") << R"({"world": "ball.world", "motion": {"grasp": {}}})";
+  CSession c;
+  ASSERT_EQ(lumbrical_scene_load((folder / "scene.json").c_str(), &c.scene), LUMBRICAL_OK)
+      << lumbrical_message();
+  c.start();
+  ASSERT_EQ(lumbrical_session_record(c.session, path.c_str(), nullptr), LUMBRICAL_OK);
+  for (std::size_t i = 50; i < 60; ++i) c.step(i);
+  ASSERT_EQ(lumbrical_session_stop_recording(c.session, nullptr), LUMBRICAL_OK);
+  fs::create_directory(folder / "else");
+  fs::rename(folder / "ball.world", moved);
+
+  auto result = sized<lumbrical_replay_result>();
+  EXPECT_EQ(lumbrical_replay(path.c_str(), nullptr, nullptr, &result), LUMBRICAL_BAD_DATA);
+  ASSERT_EQ(lumbrical_replay(path.c_str(), moved.c_str(), nullptr, &result), LUMBRICAL_OK)
+      << lumbrical_message();
+  EXPECT_EQ(result.identical, 1);
+  const Reader reader = opened(path);
+  CSession again;
+  EXPECT_EQ(lumbrical_reader_model(reader.get(), nullptr, nullptr, &again.model), LUMBRICAL_BAD_DATA);
+  ASSERT_EQ(lumbrical_reader_model(reader.get(), moved.c_str(), nullptr, &again.model), LUMBRICAL_OK)
+      << lumbrical_message();
+  ASSERT_EQ(lumbrical_session_create(again.model, &again.session), LUMBRICAL_OK);
+  for (std::size_t i = 50; i < 59; ++i) again.step(i);
+  EXPECT_EQ(std::memcmp(&again.step(59), &c.output, sizeof c.output), 0);
+}
+
+}  // namespace
+}  // namespace lumbrical::test
