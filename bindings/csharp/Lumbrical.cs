@@ -115,6 +115,7 @@ namespace Lumbrical
         ObjectMissing = 2048,
         ObjectImplausible = 4096,
         MemoryForeign = 8192,
+        HandJumped = 16384,
     }
 
     [StructLayout(LayoutKind.Sequential)]

@@ -122,7 +122,8 @@ enum lumbrical_output_flag {
   LUMBRICAL_COARSENED = 1024,
   LUMBRICAL_OBJECT_MISSING = 2048,
   LUMBRICAL_OBJECT_IMPLAUSIBLE = 4096,
-  LUMBRICAL_MEMORY_FOREIGN = 8192 /* never here: a handle has its own memory */
+  LUMBRICAL_MEMORY_FOREIGN = 8192, /* never here: a handle has its own memory */
+  LUMBRICAL_HAND_JUMPED = 16384
 };
 
 typedef struct lumbrical_pose {

@@ -139,5 +139,18 @@ TEST(Proxy, WithoutAWristThereIsNone) {
   EXPECT_EQ(run.state.proxy->valid, 0);
 }
 
+// A headset is recentred, or the player is sent elsewhere: what lay between was never in the hand's way.
+TEST(Proxy, BeginsAnewWhereAHandHasJumpedTo) {
+  Session run(proxy_scene(make_box({0.1, 0.1, 0.1}, 5)));
+  feel(run, fingertip_at({0, 0, 0.056}));
+  feel(run, fingertip_at({0, 0, 0.054}));
+  ASSERT_GT(run.state.proxy->valid, 0);
+  const Vec3 beyond{0, 0, -0.12};
+  feel(run, fingertip_at(beyond));
+  EXPECT_NE(run.output.flags & kHandJumped, 0u);
+  EXPECT_NEAR(norm(proxy_at(run, kWrist) - beyond), 0.15, 1e-6) << "as far as from the tracked fingertip";
+  EXPECT_EQ(norm(test::hand_force(run.output)), 0);
+}
+
 }  // namespace
 }  // namespace lumbrical

@@ -219,6 +219,7 @@ TEST(StateMessage, BringsEveryBitBackAndSurvivesAnyDamage) {
   state.rise = 0.25;
   state.fall = 1;
   state.joints = 5;
+  state.ends[3].y = -0.0;
   state.last.segment[3].force = {-0.0, 1e-310, 3};
   state.held.flexion_torque[15] = -7.5;
   const std::vector<std::uint8_t> bytes = encode_state(state);

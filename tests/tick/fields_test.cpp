@@ -40,8 +40,10 @@ TEST(Fields, AreNamedFromTheOutermostStructInwards) {
   EXPECT_EQ(state[0].type, NumberType::whole);
   EXPECT_EQ(state.back().name, "held.flexion_torque[15]");
   EXPECT_EQ(state.back().unit, "N m");
-  EXPECT_EQ(state[4].name, "last.segment[0].force.x");
-  EXPECT_EQ(state[4].unit, "N");
+  EXPECT_EQ(state[4].name, "ends[0].x");
+  EXPECT_EQ(state[4].unit, "m");
+  EXPECT_EQ(state[22].name, "last.segment[0].force.x");
+  EXPECT_EQ(state[22].unit, "N");
 }
 
 TEST(Fields, AreHashedAsTheyStandOnlyWhereNothingElseLiesBetween) {

@@ -414,6 +414,53 @@ TEST(Tick, ASegmentThatTrackingLosesOrFindsFadesOutAndIn) {
   EXPECT_GT(whole, 1);
 }
 
+TEST(Tick, AHandThatJumpsFeelsItsNewPlaceWithinTheFadeTime) {
+  const Scene scene = plane_scene();
+  const Model model = test::model_of(scene);
+  State state;
+  Scratch scratch = make_scratch(model);
+  const double most_step = 1.001 / (model.settings.fade_time * model.settings.rate);
+  Vec3 last, whole;
+  for (int i = 0; i < 200; ++i) {
+    DeviceFrame frame = palm_down(scene.hand);
+    if (i >= 40 && i < 80) frame.base.position.z += 0.3;
+    if (i >= 120) frame.base.position.x += 0.2;
+    const ActuatorFrame output = tick(model, state, scratch, frame);
+    const Vec3 force = output.segment[5].force;
+    if (i == 39) whole = force;
+    EXPECT_EQ((output.flags & kHandJumped) != 0, i == 40 || i == 80 || i == 120) << i;
+    if (i >= 40) {
+      EXPECT_LE(norm(force - last), most_step * norm(whole)) << i;
+    }
+    if (i == 79) {
+      EXPECT_EQ(norm(force), 0);
+    }
+    last = force;
+  }
+  EXPECT_GT(norm(whole), 1);
+  EXPECT_NEAR(norm(last), norm(whole), 1e-3 * norm(whole)) << "the plane is the same everywhere";
+}
+
+TEST(Tick, WhatATrackerHoldsForSomeTicksOrLosesIsNoJump) {
+  const Scene scene = plane_scene();
+  const Model model = test::model_of(scene);
+  State state;
+  Scratch scratch = make_scratch(model);
+  DeviceFrame frame = palm_down(scene.hand);
+  for (int i = 0; i < 200; ++i) {
+    if (i % 16 == 0) frame.base.position.x += 0.08;  // 60 Hz, 5 m/s
+    EXPECT_EQ(tick(model, state, scratch, frame).flags & kHandJumped, 0u) << i;
+  }
+  frame.flags = kTrackingLost;
+  tick(model, state, scratch, frame);
+  frame.flags = 0;
+  frame.base.position.x += 2;
+  EXPECT_EQ(tick(model, state, scratch, frame).flags & kHandJumped, 0u) << "where it was no one knows";
+  frame.valid &= ~(1u << kWrist);
+  frame.joint[kWrist].position = {0.5f, 0, 0};
+  EXPECT_EQ(tick(model, state, scratch, frame).flags & kHandJumped, 0u) << "of what is not tracked";
+}
+
 TEST(Tick, WhatStandsInAJointThatIsNotTrackedIsNotRead) {
   const Scene scene = plane_scene();
   const Model model = test::model_of(scene);

@@ -41,6 +41,8 @@ constexpr FlagText kFlagTexts[] = {
      "poses of given objects were not finite or jumped: forces faded"},
     {kMemoryForeign, "memory foreign",
      "a tick was given memory of another model, and computed nothing: please report it"},
+    {kHandJumped, "hand jumped",
+     "farther in a tick than a hand can go; check the tracker, or mark frames as lost where its frame moves"},
     {kFading, "fading",
      "forces faded or rose again: their input could not be trusted for a while, or joints came or went"},
 };

@@ -21,7 +21,7 @@ export const colourOf = (segment: number) => kFingerColours[fingerOf(segment)];
 export const kTickFlags = [
   "input not finite", "input implausible", "input lost", "input extrapolated", "segment missing", "segment degenerate",
   "angle clamped", "candidate overflow", "force limited", "fading", "coarsened", "object missing",
-  "object implausible", "memory foreign",
+  "object implausible", "memory foreign", "hand jumped",
 ];
 export const kDeviceStates = ["disconnected", "idle", "armed", "active", "fault"];
 export const kFault = 4;

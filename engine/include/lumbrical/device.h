@@ -75,6 +75,8 @@ enum TickFlag : std::uint32_t {
   kMemoryForeign =
       1u << 13,  ///< Scratch or State are another model's, or empty: nothing was computed, forces fade to
                  ///< zero. make_scratch and make_state of this model; with assertions a tick ends there
+  kHandJumped = 1u << 14,  ///< the wrist or a fingertip went farther in a tick than a hand can: forces pass
+                           ///< over to those of the new place within Settings::fade_time
 };
 
 /// Forces and torques of the whole hand, in the world frame W.

@@ -30,8 +30,8 @@ std::string angle_name(int angle) {
 constexpr const char* kFlags =
     "input not finite,input implausible,input lost,input extrapolated,segment missing,segment degenerate,"
     "angle clamped,candidate overflow,force limited,fading,coarsened,object missing,object implausible,"
-    "memory foreign";
-static_assert(kMemoryForeign == 1u << 13);
+    "memory foreign,hand jumped";
+static_assert(kHandJumped == 1u << 14);
 
 constexpr const char* kUnits =
     "base.position m,base.orientation quaternion w x y z,joints.position m in the base frame,"

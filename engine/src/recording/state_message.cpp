@@ -1,6 +1,7 @@
 // Encoding and checked decoding of the state attachment.
 #include "recording/state_message.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -12,17 +13,15 @@
 namespace lumbrical {
 namespace {
 
-using ForceNumbers = std::array<double, kNumberCount<HandForces>>;
-
-bool to_forces(const flatbuffers::Vector<double>* numbers, HandForces& forces) {
-  if (numbers == nullptr || numbers->size() != ForceNumbers{}.size() || !is_aligned(numbers)) return false;
-  std::uint32_t next = 0;
-  bool finite = true;
-  walk(forces, [&](const FieldName&, double& number) {
-    number = numbers->Get(next++);
-    finite = finite && is_finite(number);
-  });
-  return finite;
+// A struct or array of nothing but doubles.
+template <class Numbers>
+bool to_numbers(const flatbuffers::Vector<double>* numbers, Numbers& to) {
+  using Doubles = std::array<double, sizeof(Numbers) / sizeof(double)>;
+  Doubles from;
+  if (numbers == nullptr || numbers->size() != from.size() || !is_aligned(numbers)) return false;
+  std::copy(numbers->begin(), numbers->end(), from.begin());
+  to = std::bit_cast<Numbers>(from);
+  return std::all_of(from.begin(), from.end(), [](double number) { return is_finite(number); });
 }
 
 // Structs of nothing but doubles, number by number.
@@ -57,11 +56,11 @@ bool are_joints(double value) {
 std::vector<std::uint8_t> encode_state(const State& state) {
   flatbuffers::FlatBufferBuilder builder(8192);
   builder.ForceDefaults(true);  // a number left out because it equals its default might have been -0
-  const auto put = [&builder](const HandForces& forces) {
-    const auto numbers = std::bit_cast<ForceNumbers>(forces);
+  const auto put = [&builder](const auto& from) {
+    const auto numbers = std::bit_cast<std::array<double, sizeof from / sizeof(double)>>(from);
     return builder.CreateVector(numbers.data(), numbers.size());
   };
-  const auto last = put(state.last), held = put(state.held);
+  const auto last = put(state.last), held = put(state.held), ends = put(state.ends);
   const auto put_rows = [&builder](auto rows) {
     std::vector<double> numbers;
     for (const auto& row : rows)
@@ -72,7 +71,7 @@ std::vector<std::uint8_t> encode_state(const State& state) {
   const auto proxy = put_rows(state.proxy ? std::span(&*state.proxy, 1) : std::span<const ProxyState>());
   const auto motion = put_rows(state.motion ? std::span(&*state.motion, 1) : std::span<const MotionState>());
   builder.Finish(fb::CreateState(builder, state.tick, state.rise, state.fall, last, held, objects, proxy,
-                                 motion, static_cast<std::uint32_t>(state.joints)));
+                                 motion, static_cast<std::uint32_t>(state.joints), ends));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 
@@ -89,7 +88,8 @@ Status decode_state(std::span<const std::uint8_t> bytes, State& state) {
   result.fall = message.fall();
   result.joints = message.joints();
   const bool good = is_share(result.rise) && is_share(result.fall) && result.joints >> kJointCount == 0 &&
-                    to_forces(message.last(), result.last) && to_forces(message.held(), result.held) &&
+                    to_numbers(message.last(), result.last) && to_numbers(message.held(), result.held) &&
+                    to_numbers(message.ends(), result.ends) &&
                     to_rows(message.objects(), kMostObjects, result.objects) &&
                     to_rows(message.proxy(), 1, proxy) && to_rows(message.motion(), 1, motion);
   if (!good || (!proxy.empty() && !(are_joints(proxy[0].valid) && is_share(proxy[0].balanced))) ||

@@ -1,6 +1,8 @@
 #include "stages/segment_speeds.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "base/small_turn.h"
 #include "lumbrical/math.h"
@@ -15,6 +17,9 @@ constexpr double kSteady = 0.005;
 
 // [m/s], [rad/s] Faster is no hand: what seems so has jumped, and does not go on.
 constexpr double kFastest = 20, kFastestTurn = 200;
+
+// What of a hand goes farthest, whatever it does.
+constexpr std::array<Joint, 6> kEnds = {kThumbTip, kIndexTip, kMiddleTip, kRingTip, kLittleTip, kWrist};
 
 bool some_object_moves(const Model& model) {
   return std::any_of(model.apart.begin(), model.apart.end(),
@@ -36,6 +41,20 @@ Twist steadied(const Twist& mean, const Twist& now, double rate) {
   const double share = min(1, 1 / (rate * kSteady));
   return {mean.velocity + share * (now.velocity - mean.velocity),
           mean.angular_velocity + share * (now.angular_velocity - mean.angular_velocity)};
+}
+
+// A tracker may hold each sample for some ticks, so that a hand goes by steps: these are no jumps.
+bool has_jumped(const Joints& joints, double rate, HandState& state) {
+  constexpr double kLongestStep = 0.15;  // [m]
+  const double longest = max(kLongestStep, kFastest / rate);
+  const bool was_there = state.rise > 0;
+  bool jumped = false;
+  for (std::size_t i = 0; i < kEnds.size(); ++i) {
+    const Vec3 was = std::exchange(state.ends[i], joints.has(kEnds[i]) ? joints.position(kEnds[i]) : Vec3{});
+    const bool both = joints.has(kEnds[i]) && (state.joints >> kEnds[i] & 1u) != 0;
+    jumped = jumped || (both && was_there && !(norm(state.ends[i] - was) <= longest));
+  }
+  return jumped;
 }
 
 SegmentSpeeds speeds_of(const Model& model, bool trusted, const Primitives& hand,

@@ -18,6 +18,10 @@ Twist speed_between(const Pose& from, const Pose& to, double rate);
 /// The mean over some milliseconds, until now `mean`, with the speed of one more tick; 0 after a jump.
 Twist steadied(const Twist& mean, const Twist& now, double rate);
 
+/// Is the wrist or a fingertip farther from where it was a tick before than a hand goes? Then a tracker took
+/// something else for it, or someone moved the frame that it counts in. Keeps where they are.
+bool has_jumped(const Joints& joints, double rate, HandState& state);
+
 /// Of the placed hand; keeps where it is. All 0 where the model has no use for them (damping, objects that
 /// move), and where there was no tick before that could be trusted.
 SegmentSpeeds speeds_of(const Model& model, bool trusted, const Primitives& hand,

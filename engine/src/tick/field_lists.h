@@ -75,6 +75,7 @@ constexpr void list_fields(Is<HandState> auto& state, auto&& field) {
   field("rise", "", state.rise);
   field("fall", "", state.fall);
   field("joints", "", state.joints);
+  field("ends", "m", state.ends);
   field("last", "", state.last);
   field("held", "", state.held);
 }

@@ -48,6 +48,14 @@ bool take_joints(std::uint32_t valid, HandState& state) {
   return others;
 }
 
+// Forces pass over to what the hand feels at its new place, and its proxy begins anew there.
+bool take_place(const Joints& joints, double rate, State& state, std::uint32_t& flags) {
+  const bool jumped = has_jumped(joints, rate, state);
+  if (jumped) flags |= kHandJumped;
+  if (jumped && state.proxy) *state.proxy = {};
+  return jumped;
+}
+
 // Of memory that is not the model's nothing is read: it ends anywhere.
 ActuatorFrame feel_no_more(const Model& model, State& state, Scratch& scratch) {
   scratch.stage_hash = {};
@@ -108,7 +116,8 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   tell(scratch.watch, Stage::input);
   const bool placed = is_trusted(flags);
   if (placed) flags = hand.flags |= place_hand(model.hand, model.settings, frame, hand);
-  bool anew = placed && take_joints(hand.joints.valid, state);
+  bool anew = placed && take_place(hand.joints, model.settings.rate, state, flags);
+  anew = (placed && take_joints(hand.joints.valid, state)) || anew;
   const bool apart = !model.apart.empty();
   if (apart) flags |= move_given(model, given, state, anew);
   if (scratch.proxy) flags |= follow_hand(model, is_trusted(flags), state, scratch, hand, anew);
