@@ -348,9 +348,18 @@ TEST(SceneFile, NamesAWorldFileInThePlaceOfObjects) {
   EXPECT_EQ(scene_file.scene.world->triangles.size(), 4u + 2 * 32 * 32);
   EXPECT_EQ(scene_file.scene.world->leaf_size, 8u);
   EXPECT_EQ(scene_file.files.size(), 2u);
-  EXPECT_NE(
-      error_of(world + objects + ", " + kGrasp + "}").find("scene.json:1:11: world stands beside objects"),
-      std::string::npos);
+  const std::string mover =
+      R"("objects": [{"name": "ball", "sphere": {"radius": 0.03}, "moves": "free", "mass": 0.1}], )";
+  const SceneFile both = load(world + mover + kGrasp + "}");
+  ASSERT_TRUE(both.scene.world);
+  ASSERT_EQ(both.scene.objects.size(), 1u);
+  EXPECT_EQ(both.scene.objects[0].name, "ball");
+  EXPECT_NE(error_of(world + objects + ", " + kGrasp + "}")
+                .find("objects[0] stands still beside a world file; put it into the world"),
+            std::string::npos);
+  EXPECT_NE(error_of(world + mover + R"("physics": {"engine": "bullet"}, )" + kGrasp + "}")
+                .find("physics stands beside a world file"),
+            std::string::npos);
   EXPECT_NE(error_of(world + kGrasp + R"(, "execution": {"cell_size": 1}})").find("leave out cell_size"),
             std::string::npos);
   EXPECT_NE(

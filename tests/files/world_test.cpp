@@ -5,7 +5,9 @@
 #include <thread>
 #include <vector>
 
+#include "lumbrical/clearance.h"
 #include "lumbrical/tick.h"
+#include "pads.h"
 #include "pressed_hand.h"
 #include "world_file_fixture.h"
 
@@ -18,7 +20,7 @@ std::vector<std::uint64_t> hashes_of(const Scene& scene, Broadphase broadphase,
   Execution execution;
   execution.broadphase = broadphase;
   const Model model = built(scene, execution);
-  State state;
+  State state = make_state(model);
   Scratch scratch = make_scratch(model);
   std::vector<std::uint64_t> hashes;
   for (std::size_t i = 0; i < way.size(); ++i) {
@@ -61,6 +63,29 @@ TEST(World, FeelsTheSameToTheLastBitAsTheSceneInMemory) {
     if (law != Law::field) continue;
     EXPECT_EQ(hashes_of(mapped, Broadphase::brute, way), expected);
   }
+}
+
+TEST(World, HasWhatMovesBesideIt) {
+  Scene scene;
+  scene.settings.precision.fill(0);
+  scene.hand = default_hand(Side::right);
+  scene.objects.push_back({"field", make_height_field(0.4, 60, 0.002, 0.04)});
+  const SceneObject ball =
+      body_of("ball", make_sphere(0.03, 6), 0.2, {{0, 0.05, 0.03}, {}}, {0.5, 0.4, 0, 1000});
+  Scene mapped = in_world(scene, {}, (own_folder() / "field.world").string());
+  scene.objects.push_back(ball);
+  mapped.objects.push_back(ball);
+  const std::vector<Vec3> way(20);
+  const std::vector<std::uint64_t> expected = hashes_of(scene, Broadphase::grid, way);
+  EXPECT_EQ(hashes_of(mapped, Broadphase::automatic, way), expected);
+  const Scene back = scene_of(built(mapped));
+  EXPECT_EQ(back.world, mapped.world);
+  ASSERT_EQ(back.objects.size(), 1u);
+  EXPECT_EQ(back.objects[0].name, "ball");
+  const Clearance clearance = find_clearance(mapped, {}, 1);
+  ASSERT_EQ(clearance.object.size(), 2u);
+  EXPECT_EQ(clearance.object[0].middle(), ball.pose.position);
+  EXPECT_EQ(clearance.object[1].upper.x, mapped.world->extent.upper.x);
 }
 
 TEST(World, GivesBackWhatItWasBuiltFrom) {

@@ -23,7 +23,7 @@ struct Approach {
 
 struct Clearance {
   Box hand;                 ///< [m] W: round all of the hand in all samples; empty where none shows a hand
-  std::vector<Box> object;  ///< [m] W: round each object's triangles; of a world file one, round all of it
+  std::vector<Box> object;  ///< [m] W: round each object's triangles; of a world file one more, round all
   std::vector<Approach>
       approach;  ///< to each object; none for a world file, and where no sample shows a hand
 };

@@ -302,7 +302,6 @@ Status read_session(const format::Scene& table, FieldReader& read, SceneFile& re
 constexpr std::size_t kMaxTriangles = std::size_t{1} << 26;  // all of them are in memory
 
 Status read_world(const format::Scene& scene, FieldReader& read, SceneFile& result) {
-  if (scene.objects() != nullptr) read.error("world", "stands beside objects; keep one");
   const format::Execution* const execution = scene.execution();
   const bool sized =
       execution != nullptr && (execution->cell_size().has_value() || execution->leaf_size().has_value() ||
@@ -318,9 +317,12 @@ Status read_world(const format::Scene& scene, FieldReader& read, SceneFile& resu
 
 Status read_things(const format::Scene& scene, FieldReader& read, SceneFile& result) {
   read_surroundings(scene, read, result.scene);
-  if (scene.world() != nullptr) return read_world(scene, read, result);
+  if (scene.world() != nullptr)
+    if (Status status = read_world(scene, read, result); !status.ok()) return status;
   std::size_t triangles = 0;
   const auto take = [&](SceneObject&& object, ObjectPath&& path) {
+    if (scene.world() != nullptr && !is_apart(object))
+      return Status::error("stands still beside a world file; put it into the world (lumbrical world)");
     triangles += object.mesh.triangles.size();
     if (triangles > kMaxTriangles)
       return Status::error(
@@ -329,9 +331,12 @@ Status read_things(const format::Scene& scene, FieldReader& read, SceneFile& res
     result.scene.objects.push_back(std::move(object));
     return Status();
   };
-  if (Status status = read_objects(scene, read, result.files, take); !status.ok()) return status;
+  if (scene.world() == nullptr || scene.objects() != nullptr)
+    if (Status status = read_objects(scene, read, result.files, take); !status.ok()) return status;
   read_latches(scene, read, result.scene.objects);
   read_physics(scene, read, result.physics);
+  if (result.physics && scene.world() != nullptr)
+    read.error("physics", "stands beside a world file, through which its bodies would fall; name objects");
   return read.status();
 }
 

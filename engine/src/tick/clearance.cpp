@@ -228,7 +228,6 @@ Clearance find_clearance(const Scene& scene, const Motion& motion, double second
                   for (const SkinSphere& sphere : spheres) clearance.hand.add(sphere.centre, sphere.radius);
                   any = true;
                 });
-  if (scene.world) clearance.object.push_back(scene.world->extent);
   for (const SceneObject& object : scene.objects) {
     Mesh placed;
     const Mesh& mesh = mesh_in_world(object, placed);
@@ -238,6 +237,7 @@ Clearance find_clearance(const Scene& scene, const Motion& motion, double second
     else
       clearance.approach.emplace_back();
   }
+  if (scene.world) clearance.object.push_back(scene.world->extent);
   return clearance;
 }
 
