@@ -169,8 +169,26 @@ TEST(Lattice, ShareOfAPartAboveAFloorIsExactWhereBothFunctionsCrossACell) {
     const double expected = mean_where_positive(a, b, c, {f[0] - floor, f[1] - floor, f[2] - floor});
     const scalar::CutCorner<float> cut(a, b, c);
     const float off = scalar::share_cut_off(cut, f[0], f[1], f[2], floor, above);
-    EXPECT_NEAR(cut.positive_share(off) * above, expected, 1e-6) << a << " " << b << " " << c;
-    EXPECT_NEAR(cut.other_share(off) * above, above - expected, 1e-6) << a << " " << b << " " << c;
+    EXPECT_NEAR(cut.positive_part(off).share * above, expected, 1e-6) << a << " " << b << " " << c;
+    EXPECT_NEAR(cut.other_part(off).share * above, above - expected, 1e-6) << a << " " << b << " " << c;
+  });
+}
+
+// Of a constant field; what two parts have together is the whole's.
+TEST(Lattice, APartOfACellHasItsOwnCentroid) {
+  for_corner_values([](float a, float b, float c) {
+    if (a * b * c == 0) return;
+    std::vector<Corner> polygon = positive_polygon(a, b, c);
+    for (Corner& corner : polygon) corner.f = 1;
+    const Means expected = means_of(polygon);
+    const scalar::CutCorner<float> cut(a, b, c);
+    const float off = cut.is_cut ? cut.s * cut.t : 1.0f;
+    const scalar::Part<float> part = cut.positive_part(off), rest = cut.other_part(off);
+    EXPECT_NEAR(part.share, expected.share, 1e-6) << a << " " << b << " " << c;
+    EXPECT_NEAR(part.share / 3 + part.to_b / 12, expected.u, 1e-6) << a << " " << b << " " << c;
+    EXPECT_NEAR(part.share / 3 + part.to_c / 12, expected.v, 1e-6) << a << " " << b << " " << c;
+    EXPECT_EQ(rest.to_b, -part.to_b);
+    EXPECT_EQ(rest.to_c, -part.to_c);
   });
 }
 

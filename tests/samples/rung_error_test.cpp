@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "largest.h"
 #include "lumbrical/motion.h"
 #include "lumbrical/shapes.h"
 #include "mesh_world.h"
@@ -205,6 +206,14 @@ void add_errors(const HandForces& exact, const HandForces& sampled, double arm, 
   errors.torque.push_back(norm(torque) / (size * arm));
 }
 
+// Of any segment [N m].
+double worst_torque(const HandForces& sampled, const HandForces& exact) {
+  double worst = 0;
+  for (std::size_t i = 0; i < kSegmentCount; ++i)
+    worst = largest(worst, norm(sampled.segment[i].torque - exact.segment[i].torque));
+  return worst;
+}
+
 TEST(SampledRung, StaysWithinItsPrecisionOnFieldsAndPlanesFarAwayAndWithMissingParts) {
   for (const Trial& trial : all_trials()) {
     FeelingHand exact(trial.scene, 0);
@@ -229,6 +238,25 @@ TEST(SampledRung, StaysWithinItsPrecisionOnFieldsAndPlanesFarAwayAndWithMissingP
       EXPECT_LE(at_share(errors.torque, 0.98), 3 * allowed);
     }
   }
+}
+
+// Where two tiles part a cell, what either feels acts on its own side of the border.
+TEST(SampledRung, SegmentsOfStronglyBentFingersKeepThePrecisionInTheirTorques) {
+  constexpr double kArm = 0.03;
+  const Scene scene = sampled_scene(right_hand(), pressed_scene(kWidthA, 29).objects);
+  const std::vector<DeviceFrame> frames = dropped(scene, {0.8, 1.7, 0.2, 0.04}, 15);
+  FeelingHand exact(scene, 0), by_4_digits(scene, 1e-4), by_5_digits(scene, 1e-5);
+  std::vector<double> coarse, fine;
+  for (const DeviceFrame& frame : frames) {
+    const ActuatorFrame right = exact(frame);
+    const double size = force_size(right) * kArm;
+    if (size < 0.5 * kArm) continue;
+    coarse.push_back(worst_torque(by_4_digits(frame), right) / size);
+    fine.push_back(worst_torque(by_5_digits(frame), right) / size);
+  }
+  EXPECT_GT(fine.size(), frames.size() / 2);
+  EXPECT_LE(at_share(coarse, 0.98), 5e-5);
+  EXPECT_LE(at_share(fine, 0.98), 1e-5);
 }
 
 // A strip across a bent finger, between its first phalanx and its last.

@@ -34,12 +34,12 @@ LUMBRICAL_INLINE inline std::array<Cell<V>, N> cells_where_leading(const std::ar
   if constexpr (N == 2) {  // one leads where the other does not
     const CutCorner<V> cut = cut_of_lead(0);
     const PartCell<V> first = own_cell(0), second = own_cell(1);
-    cells[0] = first.share_where(cut) * first.whole;
-    cells[1] = second.share_elsewhere(cut) * second.whole;
+    cells[0] = first.where(cut);
+    cells[1] = second.elsewhere(cut);
   } else {
     for (std::size_t k = 0; k < N; ++k) {
       const PartCell<V> own = own_cell(k);
-      cells[k] = own.share_where(cut_of_lead(k)) * own.whole;
+      cells[k] = own.where(cut_of_lead(k));
     }
   }
   return cells;
@@ -240,9 +240,9 @@ std::uint32_t parts_lattice(const PatchList& list, const Bodies& bodies, std::ui
           [&](float u, float v, bool upright, const Point& a, const Point& b, const Point& c,
               const Point& centre) LUMBRICAL_INLINE {
             const PartCell<V> own(a.field, b.field, c.field, centre.field);
-            const V share = own.share_where(cut_of(a.lead, b.lead, c.lead, centre.lead)) *
-                            own.share_where(cut_of(a.side, b.side, c.side, centre.side));
-            cells.add(V(u), V(v), upright, share * own.whole);
+            const Part<V> part = own.part_where(cut_of(a.lead, b.lead, c.lead, centre.lead)) *
+                                 own.part_where(cut_of(a.side, b.side, c.side, centre.side));
+            cells.add(V(u), V(v), upright, part * own.whole);
           });
       const auto [force, moment] = share_of(sharing.patch[k], cells.means(steps));
       add_wrench(force, moment, lane, sums.of[sharing.number[k]]);

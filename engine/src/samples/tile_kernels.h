@@ -103,16 +103,16 @@ LUMBRICAL_INLINE inline std::array<Cell<V>, N> shared_cells(const SharedPoint<V,
   const PartCell<V> first = own_cell(0), second = own_cell(1);
   const CutCorner<V> inner = border(0);
   if constexpr (N == 2) {
-    return {first.share_elsewhere(inner) * first.whole, second.share_where(inner) * second.whole};
+    return {first.elsewhere(inner), second.where(inner)};
   } else {
     const PartCell<V> last = own_cell(2);
     const auto ahead = [tie](const SharedPoint<V, N>& at)
                            LUMBRICAL_INLINE { return at.field[2] - at.field[0] - tie; };
     const CutCorner<V> outer = border(1), ends = cut_of(ahead(a), ahead(b), ahead(c), ahead(centre));
-    const V of_first = second.share_elsewhere(ends), of_last = second.share_where(ends);
-    return {(first.share_elsewhere(inner) * first.share_elsewhere(ends)) * first.whole,
-            (of_first * second.share_where(inner) + of_last * second.share_elsewhere(outer)) * second.whole,
-            (last.share_where(outer) * last.share_where(ends)) * last.whole};
+    const Part<V> of_first = second.part_elsewhere(ends), of_last = second.part_where(ends);
+    return {(first.part_elsewhere(inner) * first.part_elsewhere(ends)) * first.whole,
+            (of_first * second.part_where(inner) + of_last * second.part_elsewhere(outer)) * second.whole,
+            (last.part_where(outer) * last.part_where(ends)) * last.whole};
   }
 }
 
