@@ -114,9 +114,9 @@ Status compare_hand(const SceneFile& scene_file, const Hand& hand, const Motion&
   Status status = build_model(scene, scene_file.execution, model);
   if (status.ok()) status = start_given(scene_file, model, given);
   if (!status.ok()) return status;
-  const auto given_at = [&](double time, const Scratch* last) -> std::span<const ObjectFrame> {
+  const auto given_at = [&](double time, const Model& felt, Scratch* last) -> std::span<const ObjectFrame> {
     if (last != nullptr) {
-      push_given(*last, given);
+      push_given(felt, *last, given);
       move_given(time, 1 / scene.settings.rate, given);
     }
     return given.frames;

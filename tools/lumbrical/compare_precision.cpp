@@ -146,7 +146,8 @@ void compare_session(const Motion& motion, double rate, std::uint64_t ticks, con
     const double time = static_cast<double>(i) / rate;
     const DeviceFrame frame = resample(motion, time);
     const std::span<const ObjectFrame> given =
-        given_at ? given_at(time, i > 0 ? &session.scratch : nullptr) : std::span<const ObjectFrame>();
+        given_at ? given_at(time, session.model, i > 0 ? &session.scratch : nullptr)
+                 : std::span<const ObjectFrame>();
     if (moment < moments && i == moment * ticks / moments) {
       for (Rung& rung : rungs) rung.state = session.state;
       compare_at(frame, given, rungs, comparison);

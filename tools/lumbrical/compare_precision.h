@@ -31,9 +31,9 @@ struct PrecisionComparison {
 /// [N] Below, shares of the hand's force say little.
 inline constexpr double kLeastForce = 0.05;
 
-/// Where given objects are in the tick at `time` [s]; `last`: of the tick before it, null in the first. None:
-/// there are no such objects.
-using GivenAt = std::function<std::span<const ObjectFrame>(double time, const Scratch* last)>;
+/// Where given objects are in the tick of `model` at `time` [s]; `last`: of the tick before it, null in the
+/// first. None: there are no such objects.
+using GivenAt = std::function<std::span<const ObjectFrame>(double time, const Model& model, Scratch* last)>;
 
 /// Up to 2000 moments of the session, every rung in turn at each. Limits and fading are left out. Where what
 /// is felt depends on ticks before (objects apart, a proxy, damped pads) the session goes through all of its

@@ -51,9 +51,9 @@ Status start_given(const SceneFile& scene_file, const Model& model, GivenObjects
   return make_bullet_world(model, {scene_file.physics->friction}, given.physics);
 }
 
-void push_given(const Scratch& scratch, GivenObjects& given) {
+void push_given(const Model& model, Scratch& scratch, GivenObjects& given) {
   if (given.physics.bodies) push_bodies(given.physics, scratch.object_output);
-  push_objects(given.shared, scratch.object_output);
+  push_objects(given.shared, model, scratch);
 }
 
 void move_given(double time, double dt, GivenObjects& given) {

@@ -25,7 +25,7 @@ Scene felt_scene(const SceneFile& scene_file);
 Status start_given(const SceneFile& scene_file, const Model& model, GivenObjects& given);
 
 /// Moves them on to `time` [s], `dt` after the last tick. Before that, push_given what each hand has done.
-void push_given(const Scratch& scratch, GivenObjects& given);
+void push_given(const Model& model, Scratch& scratch, GivenObjects& given);
 void move_given(double time, double dt, GivenObjects& given);
 
 }  // namespace lumbrical::tool

@@ -244,7 +244,7 @@ bool keep_results(RunningSession& session) {
 // What is given to the next tick.
 void move_given_objects(std::uint64_t next, double rate, RunningSession& session) {
   if (session.parts.given == nullptr) return;
-  for (const MovingHand& hand : session.hands) push_given(hand.scratch, *session.parts.given);
+  for (MovingHand& hand : session.hands) push_given(hand.hand.model, hand.scratch, *session.parts.given);
   move_given(static_cast<double>(next) / rate, 1 / rate, *session.parts.given);
 }
 

@@ -24,9 +24,6 @@
 
 namespace lumbrical {
 
-/// Of one session, a left and a right one.
-inline constexpr std::size_t kMostHands = 2;
-
 /// One tick as it stands in a file.
 struct TickRecord {
   DeviceFrame device;                                   ///< the input as received

@@ -21,6 +21,9 @@
 
 namespace lumbrical {
 
+/// Of one session, a left and a right one.
+inline constexpr std::size_t kMostHands = 2;
+
 /// What of the hand's forces survives from one tick to the next. No padding: hashed as it stands.
 struct HandState {
   std::uint64_t tick = 0;    ///< number of the next tick: the engine's only clock
@@ -71,6 +74,7 @@ std::string_view stage_name(Stage stage);
 struct Primitives;    // posed spheres, cylinders and palm; primitive.h inside the engine
 struct SampleMemory;  // the passes of the rungs of samples; sampled_forces.h inside the engine
 struct ProxyMemory;   // what holds the proxy back; proxy_hand.h inside the engine
+struct HandTouches;   // how it touches what is given; touches.h inside the engine
 struct NearPairs;     // what earlier searches found near; near_pairs.h inside the engine
 
 /// Told by a tick that a stage of it has ended (the stages of sampled hands take turns), for whoever measures
@@ -111,6 +115,7 @@ struct Scratch {
   std::vector<Scratch> layers;              ///< of Model::layers
   std::shared_ptr<Scratch> apart;           ///< for objects apart, one after the other; null: there is none
   std::vector<ObjectOutput> object_output;  ///< of Model::apart in the last tick, in their order
+  std::shared_ptr<HandTouches> touches;     ///< for who moves given objects; null: there is none
   StageWatch watch;                         ///< nobody's, unless set
   bool hash_stages = true;                  ///< compute stage_hash (recording and replay need it)
   std::array<std::uint64_t, kStageCount> stage_hash{};  ///< of each stage's results in the last tick

@@ -5,13 +5,13 @@
 #include <span>
 
 #include "base/fixed_list.h"
-#include "lumbrical/object.h"
+#include "lumbrical/tick.h"
 #include "objects/body_motion.h"
 
 namespace lumbrical {
 
 /// All that touches a body.
-using Springs = FixedList<Spring, kSegmentCount + kMostSupports>;
+using Springs = FixedList<Spring, kMostHands * kSegmentCount + kMostSupports>;
 
 /// What the ground does to a body of this mass and weight [N] that all else presses against it with `load`
 /// [N], `dt` [s] after the last tick, about its centre of mass, W; updates the supports' states, and appends

@@ -11,10 +11,10 @@ Mechanism held_by_latch(const ApartObject& object, const ObjectState& state, con
   return mechanism;
 }
 
-}  // namespace
-
-Twist move_on(const Model& model, const ApartObject& object, Wrench wrench, const ObjectState& handle,
-              Springs& springs, ObjectState& state) {
+// Under `wrench` [about its centre of mass, W] of what gives way like `springs`, to which the ground's are
+// added. Returns the speed it then has.
+Twist step(const Model& model, const ApartObject& object, Wrench wrench, const ObjectState& handle,
+           Springs& springs, ObjectState& state) {
   const MassProperties& body = object.mechanism.body;
   const double dt = 1 / model.settings.rate;
   wrench.force += body.mass * model.gravity;
@@ -27,6 +27,32 @@ Twist move_on(const Model& model, const ApartObject& object, Wrench wrench, cons
   }
   return advance_body(held_by_latch(object, state, handle), object.start, {springs.begin(), springs.size()},
                       wrench, dt, state);
+}
+
+}  // namespace
+
+void move_on(const Model& model, const ApartObject& object, const ObjectState& handle,
+             std::span<Touch> touches, ObjectState& state) {
+  const double dt = 1 / model.settings.rate;
+  const Quat orientation = state.pose.orientation;
+  const Wrench wrench = wrench_on_object(touches, transform(state.pose, object.mechanism.body.centre));
+  const auto moved = [&] {
+    Springs springs;
+    for (const Touch& touch : touches) springs.push_back(touch.spring);
+    return step(model, object, wrench, handle, springs, state);
+  };
+  if (touches.empty()) {
+    moved();
+    return;
+  }
+  soften({state.velocity, state.angular_velocity}, dt, orientation, touches);
+  const ObjectState before = state;
+  Twist reached = moved();
+  if (soften(reached, dt, orientation, touches)) {
+    state = before;
+    reached = moved();
+  }
+  give_way(reached, dt, touches);
 }
 
 }  // namespace lumbrical

@@ -5,12 +5,16 @@
 #include "lumbrical/tick.h"
 #include "objects/body_motion.h"
 #include "objects/ground.h"
+#include "objects/touches.h"
 
 namespace lumbrical {
 
-/// Moves an object by a tick under `wrench` [about its centre of mass, W] of those who touch it and give way
-/// like `springs`, to which the ground's are added. `handle` opens its latch. Returns the speed it then has.
-Twist move_on(const Model& model, const ApartObject& object, Wrench wrench, const ObjectState& handle,
-              Springs& springs, ObjectState& state);
+/// Moves an object by a tick, whoever's segments touch it; their forces become those at its end. `handle`
+/// opens its latch.
+///
+/// Springs are softened by the speed that the object has, and once more, the step taken anew, by that to
+/// which it comes.
+void move_on(const Model& model, const ApartObject& object, const ObjectState& handle,
+             std::span<Touch> touches, ObjectState& state);
 
 }  // namespace lumbrical

@@ -55,12 +55,6 @@ bool may_reach(const ApartObject& object, const Pose& X_WO, const Hand& hand, co
   return may_meet(hand, placed, {middle - reach, middle + reach});
 }
 
-// How the skin at a patch moves, W; `arm` [W] is the patch's from the segment's base joint.
-Twist skin_speed(const ObjectTick& tick, std::size_t segment, Vec3 arm) {
-  const auto& [velocity, angular_velocity] = tick.speeds[segment];
-  return {velocity + cross(angular_velocity, arm), angular_velocity};
-}
-
 Spring spring_of(const ApartObject& object, const ContactPatch& patch, const Twist& skin, Quat orientation) {
   Spring spring{rotate(orientation, patch.centre - object.mechanism.body.centre),
                 rotate(orientation, patch.normal), patch.stiffness};
@@ -110,24 +104,6 @@ double press(const ObjectTick& tick, const ApartObject& object, const Primitives
   return damper;
 }
 
-// The solver takes a damper as a spring that is slack now: what it does at the speed the object already has
-// is taken out of the wrench.
-void add_damper(double damper, double dt, const ObjectState& state, Touch& touch) {
-  Spring& spring = touch.spring;
-  const double speed = dot(spring.normal, velocity_at(state, spring.arm) - spring.anchor.velocity);
-  touch.wrench = touch.wrench + about(touch.arm, {(-damper * speed) * spring.normal, {}});
-  spring.along += damper / dt;
-}
-
-// The palm's is the last segment to be felt: this moves the hand in `felt`.
-void add_palm_stiffness(const Model& shape, Vec3 field, Vec3 force, Vec3 normal, Scratch& felt,
-                        Findings& findings, Touch& touch) {
-  const auto [along, tilt, reach] = palm_stiffness(shape, field, force, normal, felt, findings.evaluations);
-  touch.spring.along += along;
-  touch.spring.tilt = tilt;
-  touch.reach = reach;
-}
-
 void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scratch& felt,
                   ObjectState& state, Touches& touches, Findings& findings, std::uint32_t& flags) {
   const auto& [object, number, pushing] = reached;
@@ -150,6 +126,7 @@ void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scr
     const bool is_asked = i == kPalmSegment && moves_by_itself(object.mechanism) && patch.force > 0 &&
                           asks_for_palm_stiffness(shape, object.mechanism, own, dt);
     if (is_asked) patch.stiffness = 0;  // below
+    const double guess = i == kPalmSegment ? patch.stiffness : 0;
     patch.stiffness += push.stiffness;
     const double damper = press(tick, object, own, i, state, pressed, patch);
     GripState& grip = state.grip[i];
@@ -157,7 +134,7 @@ void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scr
       let_go(grip);
       // Faces that push opposite ways leave a torque.
       if (norm(pressed.torque) > 0)
-        touches.push_back({i, rotated(state.pose.orientation, pressed), {}, {}, {}});
+        touches.push_back({i, hand.base_joint[i], rotated(state.pose.orientation, pressed), {}, {}, {}});
       continue;
     }
     Material material = object.material;
@@ -170,43 +147,31 @@ void touch_object(const ObjectTick& tick, const Reached& reached, double dt, Scr
     if (rubs(object.material)) friction = rub(material, patch, base_pose(own, i), dt, grip);
     const Quat orientation = state.pose.orientation;
     const Vec3 arm = patch.centre - own.base_joint[i], arm_in_world = rotate(orientation, arm);
-    Touch touch{i, rotated(orientation, pressed + about(arm, {friction.force, friction.torque})),
-                arm_in_world, spring_of(object, patch, skin_speed(tick, i, arm_in_world), orientation),
-                friction};
+    Touch& touch = touches.push_back(
+        {i, hand.base_joint[i], rotated(orientation, pressed + about(arm, {friction.force, friction.torque})),
+         arm_in_world, spring_of(object, patch, skin_speed(tick.speeds, i, arm_in_world), orientation),
+         friction});
     touch.across = touch.spring.across;
     touch.about = touch.spring.about;
-    if (moves_by_itself(object.mechanism)) add_damper(damper, dt, state, touch);
-    touches.push_back(touch);
+    touch.damper = damper;
+    touch.guess = guess;
+    if (moves_by_itself(object.mechanism)) slacken_damper(dt, state, touch);
+    // The palm's is the last segment to be felt: this moves the hand in `felt`.
     if (is_asked)
-      add_palm_stiffness(shape, field.segment[i].force, forces.segment[i].force, patch.normal, felt, findings,
-                         touches.back());
+      add_palm(palm_stiffness(shape, field.segment[i].force, forces.segment[i].force, patch.normal, felt,
+                              findings.evaluations),
+               touch);
   }
 }
 
-// Springs are softened by the speed that the object has, and once more, the step taken anew, by that to which
-// it comes.
-void move_object(const Model& model, const ApartObject& object, const Primitives& hand, double dt,
-                 const ObjectState& handle, Touches& touches, ObjectState& state) {
-  const Vec3 centre = transform(state.pose, object.mechanism.body.centre);
-  const Quat orientation = state.pose.orientation;
-  const Wrench wrench = wrench_on_object(touches, hand, centre);
-  const auto moved = [&] {
-    Springs springs;
-    for (const Touch& touch : touches) springs.push_back(touch.spring);
-    return move_on(model, object, wrench, handle, springs, state);
-  };
-  if (touches.empty()) {
-    moved();
-    return;
-  }
-  soften({state.velocity, state.angular_velocity}, dt, orientation, touches);
-  const ObjectState before = state;
-  Twist reached = moved();
-  if (soften(reached, dt, orientation, touches)) {
-    state = before;
-    reached = moved();
-  }
-  give_way(reached, dt, touches);
+void forget_touches(bool trusted, HandTouches& touches) {
+  touches.trusted = trusted;
+  for (Touches& of_object : touches.object) of_object.clear();
+}
+
+// For who moves it: dampers at the speed that the hand was told of are slack.
+void keep_touches(const Touches& touches, double dt, const ObjectState& state, Touches& kept) {
+  for (const Touch& touch : touches) slacken_damper(dt, state, kept.push_back(touch));
 }
 
 }  // namespace
@@ -228,6 +193,7 @@ void feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, HandFo
   const Model& model = tick.model;
   const double dt = 1 / model.settings.rate;
   if (tick.trusted) place_axes(tick.hand);
+  if (scratch.touches) forget_touches(tick.trusted, *scratch.touches);
   for (std::size_t i = 0; i < model.apart.size(); ++i) {
     const ApartObject& object = model.apart[i];
     ObjectState& own = state.objects[i];
@@ -242,12 +208,14 @@ void feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, HandFo
     }
     const double coordinate = own.coordinate;
     if (moves_by_itself(object.mechanism))
-      move_object(model, object, tick.hand, dt, state.objects[object.latch], touches, own);
+      move_on(model, object, state.objects[object.latch], touches, own);
+    else if (scratch.touches)
+      keep_touches(touches, dt, own, scratch.touches->object[i]);
     for (const Touch& touch : touches) {
       Wrench& segment = forces.segment[touch.segment];
       segment = segment + touch.wrench;
     }
-    scratch.object_output[i] = {felt_at, wrench_on_object(touches, tick.hand, felt_at.position), coordinate};
+    scratch.object_output[i] = {felt_at, wrench_on_object(touches, felt_at.position), coordinate};
   }
   if (tick.trusted) sum_joint_torques(tick.hand, forces);
 }

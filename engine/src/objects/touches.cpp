@@ -41,20 +41,33 @@ bool soften(const Twist& speed, double dt, Quat orientation, Touch& touch) {
 
 }  // namespace
 
-Wrench wrench_on_object(const Touches& touches, const Primitives& hand, Vec3 centre) {
+Wrench wrench_on_object(std::span<const Touch> touches, Vec3 centre) {
   Wrench sum;
-  for (const Touch& touch : touches)
-    sum = sum + -about(hand.base_joint[touch.segment] - centre, touch.wrench);
+  for (const Touch& touch : touches) sum = sum + -about(touch.joint - centre, touch.wrench);
   return sum;
 }
 
-bool soften(const Twist& speed, double dt, Quat orientation, Touches& touches) {
+void slacken_damper(double dt, const ObjectState& state, Touch& touch) {
+  Spring& spring = touch.spring;
+  const double speed = dot(spring.normal, velocity_at(state, spring.arm) - spring.anchor.velocity);
+  touch.wrench = touch.wrench + about(touch.arm, {(-touch.damper * speed) * spring.normal, {}});
+  spring.along += touch.damper / dt;
+}
+
+void add_palm(const PalmStiffness& palm, Touch& touch) {
+  touch.spring.along += palm.along - touch.guess;
+  touch.spring.tilt = palm.tilt;
+  touch.reach = palm.reach;
+  touch.guess = 0;
+}
+
+bool soften(const Twist& speed, double dt, Quat orientation, std::span<Touch> touches) {
   bool softer = false;
   for (Touch& touch : touches) softer = soften(speed, dt, orientation, touch) || softer;
   return softer;
 }
 
-void give_way(const Twist& speed, double dt, Touches& touches) {
+void give_way(const Twist& speed, double dt, std::span<Touch> touches) {
   for (Touch& touch : touches)
     touch.wrench = touch.wrench + about(touch.arm, -change_of(touch.spring, speed, dt));
 }

@@ -12,6 +12,12 @@ namespace lumbrical {
 /// Of segments' base joints, W: means over some milliseconds.
 using SegmentSpeeds = std::array<Twist, kSegmentCount>;
 
+/// How the skin moves that lies `arm` [m, W] from a segment's base joint.
+inline Twist skin_speed(const SegmentSpeeds& speeds, std::size_t segment, Vec3 arm) {
+  const auto& [velocity, angular_velocity] = speeds[segment];
+  return {velocity + cross(angular_velocity, arm), angular_velocity};
+}
+
 /// Of what went from one pose to the other in a tick.
 Twist speed_between(const Pose& from, const Pose& to, double rate);
 

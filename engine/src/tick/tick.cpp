@@ -7,6 +7,7 @@
 #include "base/floating_point.h"
 #include "model/felt_surface.h"
 #include "objects/object_forces.h"
+#include "objects/touches.h"
 #include "proxy/proxy_hand.h"
 #include "samples/sampled_forces.h"
 #include "stages/broadphase.h"
@@ -83,6 +84,10 @@ Scratch make_scratch(const Model& model) {
   scratch.object_output.resize(model.apart.size());
   if (model.settings.proxy_stiffness > 0) scratch.proxy = make_proxy_memory(model);
   for (const ApartObject& object : model.apart) {
+    if (object.mechanism.mobility == Mobility::given && !scratch.touches) {
+      scratch.touches = std::make_shared<HandTouches>();
+      scratch.touches->object = std::vector<Touches>(model.apart.size());
+    }
     if (!scratch.apart) {
       scratch.apart = std::make_shared<Scratch>();
       scratch.apart->keep_near = false;  // objects take turns: a list would be of another one's
