@@ -205,6 +205,33 @@ TEST(SuddenMotion, OfALightThingInAGripComesToRest) {
   }
 }
 
+// After the grip has been closed for half a second.
+double trembling(double mass, double rate, const Material& skin) {
+  Scene scene = test::pad_scene();
+  scene.gravity = {};
+  scene.settings.rate = rate;
+  const Pose leaning{{}, normalized({1, 0.02, 0.03, 0.01})};
+  scene.objects.push_back(test::body_of("box", make_box({kSide, kSide, kSide}, 4), mass, leaning, skin));
+  Session run(scene);
+  double most = 0;
+  for (int i = 0; i < 0.8 * rate; ++i) {
+    const double y = kSide / 2 + test::kPadRadius + 0.002 - 0.0045 * min(1, i / (0.3 * rate));
+    const Vec3 before = run.output.segment[kFirst].force;
+    run.step(test::frame_of({{{0.01, y, 0}, {0, 1, 0}}, {{0.01, -y, 0}, {0, -1, 0}}}));
+    if (i > 0.7 * rate) most = largest(most, norm(run.output.segment[kFirst].force - before));
+  }
+  return most;
+}
+
+TEST(SuddenMotion, OfALightThingComesToRestHoweverStiffSkinIs) {
+  for (const double shear : {1e4, 1e5}) {
+    for (const double mass : {0.001, 0.002, 0.005, 0.02}) {
+      for (const double rate : {500.0, 1000.0})
+        EXPECT_LT(trembling(mass, rate, {0.8, 0.6, 0, shear}), 0.001) << shear << " " << mass << " " << rate;
+    }
+  }
+}
+
 TEST(SuddenMotion, OfAPalmBeginsATouchAsSoftlyAsOnWhatStandsStill) {
   Scene moving = test::pad_scene();
   moving.hand = default_hand(Side::right);

@@ -3,6 +3,9 @@
 namespace lumbrical {
 namespace {
 
+// How often a step is taken anew: the second time two of them tell which share of skin sticks (touches.cpp).
+constexpr int kAnew = 2;
+
 // What holds it in this tick.
 Mechanism held_by_latch(const ApartObject& object, const ObjectState& state, const ObjectState& handle) {
   Mechanism mechanism = object.mechanism;
@@ -48,7 +51,7 @@ void move_on(const Model& model, const ApartObject& object, const ObjectState& h
   soften({state.velocity, state.angular_velocity}, dt, orientation, touches);
   const ObjectState before = state;
   Twist reached = moved();
-  if (soften(reached, dt, orientation, touches)) {
+  for (int anew = 0; anew < kAnew && soften(reached, dt, orientation, touches); ++anew) {
     state = before;
     reached = moved();
   }

@@ -12,8 +12,8 @@ namespace lumbrical {
 /// Moves an object by a tick, whoever's segments touch it; their forces become those at its end. `handle`
 /// opens its latch.
 ///
-/// Springs are softened by the speed that the object has, and once more, the step taken anew, by that to
-/// which it comes.
+/// Springs are softened by the speed that the object has, and up to twice more, the step taken anew, by that
+/// to which it comes.
 void move_on(const Model& model, const ApartObject& object, const ObjectState& handle,
              std::span<Touch> touches, ObjectState& state);
 

@@ -18,6 +18,13 @@ inline Wrench rotated(Quat q, const Wrench& a) { return {rotate(q, a.force), rot
 /// The same about a point that lies `arm` before it.
 inline Wrench about(Vec3 arm, const Wrench& a) { return {a.force, a.torque + cross(arm, a.force)}; }
 
+/// How much of a patch's skin sticks in a step, 0 to 1: what it has at the speed that a step taken with it
+/// ends with. Below 0: not known yet.
+struct Share {
+  double now = -1;                ///< of the step to come
+  double taken = -1, found = -1;  ///< of the one before: with which, and what it then had
+};
+
 /// What a segment feels of an object.
 struct Touch {
   std::size_t segment = 0;
@@ -27,6 +34,7 @@ struct Touch {
   Spring spring;                 ///< as the object has it; it hangs on the skin
   Friction friction;             ///< O
   double across = 0, about = 0;  ///< the spring's while skin sticks
+  Share sticks{};                ///< of the spring's, what skin has of a step
   double reach = 0;              ///< [m] how far from its middle a patch presses that resists tilting
   double damper = 0;             ///< [N s/m] of its pad, along the normal
   double guess = 0;              ///< [N/m] of the spring's: a palm's that was not asked (palm_stiffness.h)
@@ -53,7 +61,8 @@ void add_palm(const PalmStiffness& palm, Touch& touch);
 
 /// No finger pulls, none presses more than twice as hard as at the step's beginning, and none rubs harder
 /// than friction holds by what presses now, but what slides is held as soon as it would turn round: springs
-/// are made so for a step that ends with this speed. True where some change. `orientation` is the object's.
+/// are made so for a step that ends with this speed: the object's own the first time, and then what the
+/// springs have led to. True where some change. `orientation` is the object's.
 bool soften(const Twist& speed, double dt, Quat orientation, std::span<Touch> touches);
 
 /// As the object gives way in a step that ends with this speed, so do the forces.
