@@ -157,6 +157,27 @@ TEST(PalmStiffness, IsThatOfTheWholeAreaWhereAPlateLiesFlat) {
   }
 }
 
+TEST(PalmStiffness, IsThatOfAFlatPalmWhereThereIsNoRoomToFeelItDeeper) {
+  Scene scene = palm_scene(0);
+  const OpenPalm palm = open_palm(scene.hand);
+  scene.objects.push_back({"ball", make_sphere(0.03, 120)});
+  const DeviceFrame frame = palm_alone_at(scene.hand, upward(palm, {0, 0, -0.03 + 1e-3}));
+  const auto pressed = [&](Session& run) {
+    const Vec3 force = run.feel(frame).segment[kPalmSegment].force;
+    EXPECT_EQ(run.output.flags & kCandidateOverflow, 0u);
+    std::uint64_t evaluations = 0;
+    return palm_stiffness(run.model, force, force, unit_or(force, {}), run.scratch, evaluations).along;
+  };
+  Session roomy(scene);
+  roomy.feel(frame);
+  scene.settings.max_candidates = roomy.scratch.candidate_count;
+  Session narrow(scene);
+  const double round = pressed(roomy), flat = pressed(narrow);
+  EXPECT_GT(roomy.scratch.candidate_count, scene.settings.max_candidates) << "it asks for no more";
+  EXPECT_GT(round, 100);
+  EXPECT_GT(flat, 10 * round);
+}
+
 // The largest step of the palm's force [N] after a second.
 double roughness(const Mesh& mesh, double mass, double rate, double precision) {
   Scene scene = palm_scene(precision);

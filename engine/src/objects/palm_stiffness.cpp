@@ -37,13 +37,17 @@ double hardness_of(const Pad& pad) {
   return hardness;
 }
 
+// [N/m] Of all of the palm, flat on something large.
+double stiffest(const Model& model, const SweptPolygon& palm) {
+  return model.settings.stiffness * hardness_of(model.settings.pad) * area_of(palm);
+}
+
 }  // namespace
 
 bool asks_for_palm_stiffness(const Model& model, const Mechanism& mechanism, const Primitives& hand,
                              double dt) {
   if (mechanism.mobility == Mobility::hinge || mechanism.mobility == Mobility::ball) return true;
-  const double stiffest = model.settings.stiffness * hardness_of(model.settings.pad) * area_of(hand.palm);
-  return dt * dt * stiffest > kLightShare * mechanism.body.mass;
+  return dt * dt * stiffest(model, hand.palm) > kLightShare * mechanism.body.mass;
 }
 
 PalmStiffness palm_stiffness(const Model& model, Vec3 field, Vec3 force, Vec3 normal, Scratch& felt,
@@ -52,8 +56,11 @@ PalmStiffness palm_stiffness(const Model& model, Vec3 field, Vec3 force, Vec3 no
   if (palm.corner_count == 0) return {};
   const double whole = area_of(palm), flat = norm(field) / (model.settings.stiffness * whole);
   const double step = clamp(kDepths * flat, kLeast, kMost * palm.radius);
-  const Vec3 deeper = palm_force_moved(model, -step * normal, felt, evaluations);
-  const double along = max(0, dot(deeper - force, normal) / step);
+  std::uint32_t flags = 0;
+  const Vec3 deeper = palm_force_moved(model, -step * normal, felt, evaluations, flags);
+  // Where there is no room to feel deeper, too stiff is safe: a step stays stable, and no touch pulls.
+  const double along =
+      (flags & kCandidateOverflow) != 0 ? stiffest(model, palm) : max(0, dot(deeper - force, normal) / step);
   const double area = min(along / model.settings.stiffness, whole);
   return {along, along * area / 12, 0.5 * std::sqrt(area)};
 }

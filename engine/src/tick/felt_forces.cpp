@@ -55,13 +55,14 @@ Joints joints_the_palm_asks_for(const Model& model, const Joints& all) {
 }
 
 // By the same lattices as before: what they are off by hardly changes.
-Vec3 palm_force_by_samples(const Model& model, Scratch& scratch) {
+Vec3 palm_force_by_samples(const Model& model, Scratch& scratch, std::uint32_t& flags) {
   SampleMemory& samples = *scratch.samples;
   const LevelWeights level = samples.forces.level;
   const bool felt_before = samples.forces.evaluations > 0;
   shape_hand(model.hand, *scratch.primitives);
-  sample_forces(model, *scratch.primitives, 1u << kPalmSegment, samples, samples.forces,
-                felt_before ? &level : nullptr);
+  if (!sample_forces(model, *scratch.primitives, 1u << kPalmSegment, samples, samples.forces,
+                     felt_before ? &level : nullptr))
+    flags |= kCandidateOverflow;
   tell(scratch.watch, Stage::narrowphase);
   return model.settings.stiffness * samples.forces.segment[kPalmSegment].force;
 }
@@ -158,7 +159,8 @@ void add_layers(const Model& model, Scratch& scratch, std::uint64_t spent, std::
   }
 }
 
-Vec3 palm_force_moved(const Model& model, Vec3 by, Scratch& scratch, std::uint64_t& evaluations) {
+Vec3 palm_force_moved(const Model& model, Vec3 by, Scratch& scratch, std::uint64_t& evaluations,
+                      std::uint32_t& flags) {
   Primitives& hand = *scratch.primitives;
   const bool layers_felt = scratch.contact_count > 0 || scratch.samples->forces.contact_count > 0;
   const Joints joints = joints_the_palm_asks_for(model, hand.joints);
@@ -167,14 +169,13 @@ Vec3 palm_force_moved(const Model& model, Vec3 by, Scratch& scratch, std::uint64
   scratch.samples->spent = evaluations;
   Vec3 force;
   if ((sampled_segments(model) >> kPalmSegment & 1u) != 0) {
-    force = palm_force_by_samples(model, scratch);
+    force = palm_force_by_samples(model, scratch, flags);
   } else {
-    std::uint32_t flags = 0;
     force = feel(model, scratch, evaluations, flags).segment[kPalmSegment].force;
   }
   evaluations += scratch.samples->forces.evaluations;
   for (std::size_t i = 0; layers_felt && i < model.layers.size(); ++i)
-    force += palm_force_moved(*model.layers[i], by, scratch.layers[i], evaluations);
+    force += palm_force_moved(*model.layers[i], by, scratch.layers[i], evaluations, flags);
   return force;
 }
 

@@ -34,8 +34,9 @@ void add_layers(const Model& model, Scratch& scratch, std::uint64_t spent, std::
 
 /// The force on the palm if the hand, which `scratch` has felt layers and all, were moved by `by` [m] in the
 /// model's frame: so by small ways it is as right as forces are. Leaves the hand there, and adds its
-/// evaluations to `evaluations`, those of the tick so far.
-Vec3 palm_force_moved(const Model& model, Vec3 by, Scratch& scratch, std::uint64_t& evaluations);
+/// evaluations to `evaluations`, those of the tick so far, and TickFlag bits to `flags`.
+Vec3 palm_force_moved(const Model& model, Vec3 by, Scratch& scratch, std::uint64_t& evaluations,
+                      std::uint32_t& flags);
 
 /// The same of a hand that can't be placed: nothing, but everything that is hashed is in place.
 HandForces feel_nothing(const Model& model, Scratch& scratch);
