@@ -9,6 +9,7 @@
 #include <string>
 
 #include "largest.h"
+#include "lumbrical/shared_objects.h"
 #include "model/swept_polygon.h"
 #include "pads.h"
 
@@ -217,6 +218,53 @@ TEST(PalmStiffness, BringsLightPlatesAndRodsToRest) {
       }
     }
     EXPECT_LT(roughness(make_mug({}), 0.005, rate, 1e-4), 0.01 * 0.005 * 9.81) << "a light mug, " << rate;
+  }
+}
+
+// The largest step of either palm's force [N] after a second, of a plate that lies on one, or is held between
+// both, each 0.8 mm deep.
+double roughness_in_two_hands(bool between, double mass, double rate) {
+  constexpr double kThick = 0.004;
+  Scene scene = palm_scene(1e-4);
+  scene.settings.rate = rate;
+  const Hand other = mirrored_hand(scene.hand);
+  scene.objects.push_back(test::body_of("plate", make_box({0.05, 0.05, kThick}, 2), mass,
+                                        {{0, 0, kThick / 2 + 1e-4}, {}}, {0.5, 0.4, 0, 1000}));
+  SharedObjects shared;
+  EXPECT_TRUE(share_objects(scene, {}, shared).ok());
+  Session below(given_objects(scene)), above(given_objects(scene));
+  EXPECT_TRUE(share_world(below.model, other, above.model).ok());
+  above.scratch = make_scratch(above.model);
+  std::vector<ObjectFrame> given = start_frames(below.model);
+  const OpenPalm open = open_palm(scene.hand), facing = open_palm(other);
+  const Quat over{0, 1, 0, 0};  // looking down
+  double most = 0;
+  for (int i = 0; i < 1.2 * rate; ++i) {
+    const Vec3 before[] = {test::hand_force(below.output), test::hand_force(above.output)};
+    const double deep = between ? 8e-4 * min(1, 4 * i / rate) : 0;
+    below.step(palm_alone_at(scene.hand, upward(open, {0, 0, deep})), given);
+    push_objects(shared, below.model, below.scratch);
+    if (between) {
+      const Pose up = upward(facing, {});
+      const Pose down{rotate(over, up.position) + Vec3{0, 0, kThick + 3e-4 - deep}, over * up.orientation};
+      above.step(palm_alone_at(other, down), given);
+      push_objects(shared, above.model, above.scratch);
+    }
+    move_objects(shared, given);
+    if (i < rate) continue;
+    most = largest(most, norm(test::hand_force(below.output) - before[0]));
+    most = largest(most, norm(test::hand_force(above.output) - before[1]));
+  }
+  EXPECT_GT(norm(test::hand_force(below.output)), 0.9 * mass * 9.81) << "it is lost";
+  return most;
+}
+
+TEST(PalmStiffness, OfTwoHandsBringsALightPlateToRestOnOneAndBetweenBoth) {
+  for (const double rate : {500.0, 1000.0}) {
+    for (const double mass : {0.002, 0.01}) {
+      for (const bool between : {false, true})
+        EXPECT_LT(roughness_in_two_hands(between, mass, rate), 0.01) << rate << " " << mass << " " << between;
+    }
   }
 }
 
