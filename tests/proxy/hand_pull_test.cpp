@@ -56,7 +56,7 @@ HandMove given_way(const Joints& hand, const HandMove& wanted, double stiffness,
   HandMove move = wanted;
   for (const Gap& gap : gaps) {
     const Vec3 force = gap.push * gap.normal;
-    const double wrist = (1 - balanced) / stiffness, lever = kHandLever * kHandLever;
+    const double wrist = (1 - balanced) / (stiffness * (1 + 20 * balanced)), lever = kHandLever * kHandLever;
     move.shift += wrist * force;
     move.turn += wrist / lever * cross(gap.point - hand.position(kWrist), force);
     for (const int i : bends_before(gap)) {

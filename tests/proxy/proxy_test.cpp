@@ -402,5 +402,33 @@ TEST(Proxy, IsNotMovedByWhatTheHandSqueezesWithinItself) {
   }
 }
 
+// Fingers' cores and, now and then, the palm's own hold a free box: with a palm that answers all or nothing
+// of what the fingers push with, the wrist gave way in turns.
+TEST(Proxy, ComesToRestWithAFreeBoxAgainstThePalm) {
+  Mesh box = make_box({0.0321, 0.07, 0.0778}, 1);
+  place_mesh({{-0.00515, -0.00154, 0.0389}, {0.98659, 0, 0, 0.16327}}, box);
+  Scene scene = test::mug_scene(Law::field);
+  scene.settings.precision.fill(1e-3);
+  scene.settings.proxy_stiffness = 1000;
+  scene.settings.max_force = 50;
+  scene.objects[0] = test::body_of("box", std::move(box), 0.54, {}, {0.8, 0.6, 0, 1000});
+  scene.ground.emplace();
+  Session run(scene);
+  const Motion grasp = make_grasp(scene.hand, 0.0233, 0.074, 3);
+  double most = 0, change = 0;
+  HandForces before;
+  for (int i = 0; i < 2400; ++i) {
+    feel(run, resample(grasp, min(i, 1140) / 1000.0));  // squeezed, and still from then on
+    for (std::size_t s = 0; s < kSegmentCount; ++s) {
+      const Vec3 force = run.scratch.forces.segment[s].force;
+      most = largest(most, norm(force));
+      if (i > 2200) change = largest(change, norm(force - before.segment[s].force));
+    }
+    before = run.scratch.forces;
+  }
+  EXPECT_GT(most, 20);
+  EXPECT_LT(change, 0.01);
+}
+
 }  // namespace
 }  // namespace lumbrical

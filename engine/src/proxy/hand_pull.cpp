@@ -9,6 +9,9 @@ namespace {
 // How much stiffer joints are about axes that they don't have.
 constexpr double kLocked = 20;
 
+// By how many times the wrist's spring a palm that balances all pushes resists by its field.
+constexpr double kPalmFirmer = 20;
+
 // [m/N] A gap gives way by so much, so that a finger between two walls is held by a finite force.
 constexpr double kGapCompliance = 2e-6;
 
@@ -62,10 +65,12 @@ Moves moves_of(const HandMove& move, const Asked& asked) {
 }
 
 // The roots of how far each move gives way [m/N, 1/(N m)]: moves divided by them are what springs of one
-// stiffness pull back. The wrist gives way only to what the hand does not balance by itself.
+// stiffness pull back. The wrist gives way only to what the hand does not balance by itself, and to that no
+// faster than the palm's field, which the pull knows nothing of, answers.
 HandMove give_of(double stiffness, double balanced) {
-  const double shift = std::sqrt((1 - balanced) / stiffness), turn = shift / kHandLever,
-               bend = 1 / (std::sqrt(stiffness) * kFingerLever), locked = bend / std::sqrt(kLocked);
+  const double firmer = 1 + kPalmFirmer * balanced, shift = std::sqrt((1 - balanced) / (firmer * stiffness)),
+               turn = shift / kHandLever, bend = 1 / (std::sqrt(stiffness) * kFingerLever),
+               locked = bend / std::sqrt(kLocked);
   HandMove give{{shift, shift, shift}, {turn, turn, turn}, {}};
   // About x joints flex, about y the first joint of a finger spreads, about z nothing turns.
   for (std::size_t i = 0; i < kPhalanxCount; ++i) give.bend[i] = {bend, i % 3 == 0 ? bend : locked, locked};

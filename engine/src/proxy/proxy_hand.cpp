@@ -343,16 +343,13 @@ void add_pushes(const PushList& pushing, Primitives& hand, HandForces& forces) {
 }
 
 void balance_pushes(const PushList& pushing, const HandForces& forces, double rate, ProxyState& kept) {
-  Vec3 pushes, others;
-  bool holds_palm = false;  // itself: then the wrist is what gives way
-  for (const Gap& gap : pushing) {
-    pushes += gap.push * gap.normal;
-    holds_palm = holds_palm || gap.segment == kPalmSegment;
-  }
-  for (const Wrench& segment : forces.segment) others += segment.force;
-  others -= pushes;
-  const double size = norm(pushes), answered = -dot(others, pushes);
-  const double target = size > 0 && !holds_palm ? clamp(answered / (size * (size + kLittlePush)), 0, 1) : 0;
+  Vec3 pushes, on_palm;
+  for (const Gap& gap : pushing) (gap.segment == kPalmSegment ? on_palm : pushes) += gap.push * gap.normal;
+  // The harder the palm's own core is pushed the more it is the wrist that gives way; not all at once, or the
+  // two would take turns.
+  const Vec3 field = forces.segment[kPalmSegment].force - on_palm;
+  const double size = norm(pushes), answered = -dot(field, pushes);
+  const double target = size > 0 ? clamp(answered / (size * (size + norm(on_palm) + kLittlePush)), 0, 1) : 0;
   kept.balanced += min(1, 1 / (rate * kBalanceTime)) * (target - kept.balanced);
   if (kept.balanced < kForgotten)
     kept.balanced = 0;  // else what begins anew, with 0, would differ for half a minute

@@ -32,7 +32,7 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
 /// Adds what the world's surfaces push the cores with.
 void add_pushes(const PushList& pushing, Primitives& hand, HandForces& forces);
 
-/// Of the pushes, how much the rest of what the hand feels answers, once `forces` has all of it: what fingers
+/// Of the pushes on fingers, how much the palm's field answers, once `forces` has all of it: what fingers
 /// squeeze against the palm moves no wrist, though it is the palm's field that holds it there.
 void balance_pushes(const PushList& pushing, const HandForces& forces, double rate, ProxyState& kept);
 
