@@ -80,6 +80,50 @@ TEST(ProxySlip, LetsAForceFadeThatAThumbSlipsOffAwayFromTheHand) {
   EXPECT_GT(away, 0.002);
 }
 
+std::array<Pose, kJointCount> joints_of(const Hand& hand, const DeviceFrame& frame) {
+  std::array<double, kAngleCount> angles;
+  std::copy(frame.angle.begin(), frame.angle.end(), angles.begin());
+  std::array<Pose, kJointCount> joints;
+  forward_kinematics(hand, frame.base, angles, joints);
+  return joints;
+}
+
+// [m] The farthest that a joint of the tracked hand goes between two frames.
+double way_between(const Hand& hand, const DeviceFrame& before, const DeviceFrame& now) {
+  const auto was = joints_of(hand, before), is = joints_of(hand, now);
+  double most = 0;
+  for (std::size_t j = 0; j < kJointCount; ++j) most = largest(most, norm(is[j].position - was[j].position));
+  return most;
+}
+
+// Cores of a hand that closes much too far round a mug go from face to face and from segment to segment, each
+// with all that it pushes with: what is felt goes there no faster than the hand's way accounts for.
+TEST(ProxySlip, LetsNoForceHopInAFirmGrip) {
+  const MugShape mug{.segments = 8};
+  Scene scene = proxy_scene(make_mug(mug));
+  scene.hand = default_hand(Side::right);
+  scene.settings.precision.fill(1e-3);
+  scene.settings.max_force = 50;
+  scene.settings.fade_time = 0.02;
+  Session run(scene);
+  const Motion grasp = make_grasp(scene.hand, 0.025, mug.height, 3);
+  double most = 0, hopped = 0;
+  DeviceFrame frame = resample(grasp, 0);
+  for (int i = 1; i <= 1800; ++i) {
+    const DeviceFrame before = frame;
+    const HandForces felt = run.output, was = run.scratch.forces;
+    frame = resample(grasp, i / 1000.0);
+    feel(run, frame);
+    if (i < 650) continue;  // it arrives
+    const double accounted = 0.11 + 1.5 * test::kProxyStiffness * way_between(scene.hand, before, frame);
+    EXPECT_LT(step_of(felt, run.output), accounted) << i;
+    hopped = largest(hopped, step_of(was, run.scratch.forces) - accounted);
+    for (const Wrench& segment : run.output.segment) most = largest(most, norm(segment.force));
+  }
+  EXPECT_GT(most, 20);
+  EXPECT_GT(hopped, 5) << "what is felt does, and its forces do not";
+}
+
 // Pressed by more than a centimetre at 3 m/s, drawn along at 3 m/s, and taken back.
 TEST(ProxySlip, LetsNothingFadeThatGoesNoFasterThanTheHand) {
   Session run(proxy_scene(make_box({1, 1, 0.02}, 5)));

@@ -5,6 +5,7 @@
 
 #include "proxy/hand_pull.h"
 #include "stages/broadphase.h"
+#include "stages/force_limits.h"
 #include "stages/hand_pose.h"
 #include "stages/joint_torques.h"
 
@@ -24,9 +25,10 @@ constexpr std::size_t kMostPairs = 2000;
 constexpr double kLittlePush = 1, kBalanceTime = 0.05;
 constexpr double kForgotten = 1e-6;  // a share of it that is as good as none
 
-// [N], [m/s] A finger that pressed harder, and whose proxy moves faster than the hand by more, has slipped
-// off what held it: so much force must neither end nor come in a tick.
-constexpr double kPressed = 1, kSlips = 1;
+// A core that slips off what holds it, or goes on to another face of it, takes its push along at once,
+// wherever the hand is. So forces change no faster than the hand's way and the stiffness at the wrist account
+// for, times so many for fingers that press together, and by so much more [N/s].
+constexpr double kFirmer = 1.5, kSteadyChange = 100;
 
 // The share of an axis' distance from the nearest triangle that a step may take.
 constexpr double kShareOfClearance = 0.5;
@@ -185,23 +187,24 @@ double longest_step(const Hand& hand) {
   return kLongestStep * thinnest;
 }
 
-// Has a finger that pressed slipped off something? The hand has come to `hand`, and its proxy to `proxy`.
-// What holds a finger lets it no faster along than the hand goes. Which way it slips does not matter: what it
-// finds next may be farther from the hand, if its springs are laxer there.
-bool has_slipped(const HandForces& felt, const ProxyState& before, const Joints& hand, const Joints& proxy,
-                 double rate) {
-  const Joints known = known_to(before);
-  for (std::size_t i = 0; i < kPhalanxCount; ++i) {
-    if (!(norm(felt.segment[i].force) > kPressed)) continue;
-    for (const int joint : {kPhalanxJoints[i].base, kPhalanxJoints[i].tip}) {
-      if (!known.has(joint) || !proxy.has(joint)) continue;
-      const Vec3 was_tracked = before.tracked[static_cast<std::size_t>(joint)];
-      const double way = norm(proxy.position(joint) - known.position(joint)),
-                   way_of_hand = norm(hand.position(joint) - was_tracked);
-      if (way > way_of_hand + kSlips / rate) return true;
-    }
+// Is it kept from where its hand is?
+bool is_held(const ProxyState& kept) {
+  const Joints known = known_to(kept);
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    if (known.has(static_cast<int>(j)) && kept.joint[j].position != kept.tracked[j]) return true;
   }
   return false;
+}
+
+// [N] In a tick in which something holds the proxy, or just did, for a hand that has come to `hand`.
+double most_change_of(const Settings& settings, const ProxyState& before, const Joints& hand) {
+  double way = 0;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    const int joint = static_cast<int>(j);
+    if (known_to(before).has(joint) && hand.has(joint))
+      way = max(way, norm(hand.position(joint) - before.tracked[j]));
+  }
+  return kFirmer * settings.proxy_stiffness * way + kSteadyChange / settings.rate;
 }
 
 // A proxy has the joints that its hand has.
@@ -289,6 +292,7 @@ std::shared_ptr<ProxyMemory> make_proxy_memory(const Model& model) {
 std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratch& scratch, Primitives& hand,
                           bool& anew) {
   scratch.proxy->pushing.clear();
+  scratch.proxy->most_change = kAnyChange;
   if (!state.proxy) state.proxy.emplace();
   ProxyState& kept = *state.proxy;
   Joints& joints = hand.joints;
@@ -319,7 +323,8 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
     anew = true;
     return 0;
   }
-  if (has_slipped(state.last, kept, all, proxy, model.settings.rate)) anew = true;
+  if (is_held(kept) || !(proxy.pose == all.pose))
+    scratch.proxy->most_change = most_change_of(model.settings, kept, all);
   if (proxy.pose == all.pose) {  // nothing is in the way: what tracking has lost may be forgotten
     kept = kept_of(joints, joints, kept.balanced);
     return 0;

@@ -17,15 +17,17 @@ struct ProxyMemory {
   Scratch search;
   PushList pushing;  ///< in the last tick
   GapMemory gaps;
+  double most_change = 0;  ///< [N] by which a segment's force may change in this tick without fading
 };
 std::shared_ptr<ProxyMemory> make_proxy_memory(const Model& model);
 
 /// Moves the proxy towards the tracked hand in `hand`, which is then the proxy, and lists in `scratch` the
 /// gaps that push. At first, and after a tick without `trusted`, there is none until the tracked hand's cores
 /// are outside all surfaces: before that no one can say from where they came. A hand without a wrist has
-/// none. Joints that tracking loses while something holds the proxy stay as they were on what carries them.
-/// Where something has come to lie across a core's axis, or one is inside a solid, the proxy is forgotten,
-/// and `anew` set: forces are of another hand then. Returns TickFlag bits.
+/// none. While something holds the proxy, or just did, forces may change by ProxyMemory::most_change. Joints
+/// that tracking loses while something holds the proxy stay as they were on what carries them. Where
+/// something has come to lie across a core's axis, or one is inside a solid, the proxy is forgotten, and
+/// `anew` set: forces are of another hand then. Returns TickFlag bits.
 std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratch& scratch, Primitives& hand,
                           bool& anew);
 

@@ -49,10 +49,29 @@ HandForces within(double max_force, const HandForces& forces) {
   return largest <= 1.000001 * max_force ? forces : mix(max_force / largest, forces, 0, {});
 }
 
+// [N] The most that a segment's force changes by.
+double change_between(const HandForces& before, const HandForces& now) {
+  double most = 0;
+  for (std::size_t i = 0; i < kSegmentCount; ++i)
+    most = max(most, norm(now.segment[i].force - before.segment[i].force));
+  return most;
+}
+
+// What would go out if fading went on as it is.
+HandForces mixed_on(double step, const HandForces& fresh, const HandState& state) {
+  return mix(min(1, state.rise + step), fresh, max(0, state.fall - step), state.held);
+}
+
 // Fresh forces are zero where they are not trusted.
 ActuatorFrame mix_with_held(const Settings& settings, const HandForces& fresh, Trust trust,
-                            std::uint32_t flags, HandState& state) {
-  const double step = 1 / max(1, settings.fade_time * settings.rate);
+                            std::uint32_t flags, HandState& state, double most_change = kAnyChange) {
+  double step = 1 / max(1, settings.fade_time * settings.rate);
+  const bool hops = trust == Trust::kept && most_change < kAnyChange && step < 1 &&
+                    change_between(state.last, mixed_on(step, fresh, state)) > most_change;
+  if (hops) {
+    trust = Trust::anew;
+    step = min(step, most_change / change_between(state.last, fresh));
+  }
   if (trust != Trust::kept && state.rise > 0) {
     state.held = state.last;
     state.rise = 0;
@@ -81,11 +100,11 @@ double saturated(double force, double max_force) {
 }
 
 ActuatorFrame limit_forces(const Settings& settings, const Primitives& hand, HandForces fresh, Trust trust,
-                           std::uint32_t flags, HandState& state) {
+                           std::uint32_t flags, HandState& state, double most_change) {
   if (!all_finite(fresh)) trust = Trust::none;
   if (trust == Trust::none) fresh = {};
   if (saturate_segments(settings.max_force, hand, fresh)) flags |= kForceLimited;
-  return mix_with_held(settings, fresh, trust, flags, state);
+  return mix_with_held(settings, fresh, trust, flags, state, most_change);
 }
 
 ActuatorFrame fade_forces(const Settings& settings, std::uint32_t flags, HandState& state) {

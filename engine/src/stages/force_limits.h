@@ -16,6 +16,9 @@ inline constexpr double kUnlimitedShare = 0.8;
 /// pressed harder feels the stiffness fade and no kink.
 double saturated(double force, double max_force);
 
+/// [N] Forces may change as they like.
+inline constexpr double kAnyChange = 1e300;
+
 /// May this tick's forces go out?
 enum class Trust : std::uint8_t {
   none,
@@ -33,9 +36,11 @@ enum class Trust : std::uint8_t {
 /// without trust, or trusted anew, the last output becomes the held one, which then fades out. So the output
 /// never steps,
 /// whatever comes in and however often trust changes, and is exactly the fresh force once trust has lasted.
-/// Advances `state` to the next tick. contact_count of the answer is left to the caller.
+/// A change of a segment's force by more than `most_change` [N] in this tick is taken like forces trusted
+/// anew, and as slowly as to change none by more, where forces fade at all. Advances `state` to the next
+/// tick. contact_count of the answer is left to the caller.
 ActuatorFrame limit_forces(const Settings& settings, const Primitives& hand, HandForces fresh, Trust trust,
-                           std::uint32_t flags, HandState& state);
+                           std::uint32_t flags, HandState& state, double most_change = kAnyChange);
 
 /// The same of a tick that has computed nothing to be trusted.
 ActuatorFrame fade_forces(const Settings& settings, std::uint32_t flags, HandState& state);

@@ -138,7 +138,8 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   tell(scratch.watch, Stage::contact_force);
 
   const Trust trust = !is_trusted(flags) ? Trust::none : anew ? Trust::anew : Trust::kept;
-  ActuatorFrame output = limit_forces(model.settings, hand, forces, trust, flags, state);
+  const double most_change = scratch.proxy ? scratch.proxy->most_change : kAnyChange;
+  ActuatorFrame output = limit_forces(model.settings, hand, forces, trust, flags, state, most_change);
   output.contact_count = findings.contact_count;
   output.evaluations = findings.evaluations;
   output.force_error = findings.force_error;
