@@ -34,8 +34,8 @@ enum class Trust : std::uint8_t {
 ///
 /// While forces are trusted, rise grows to 1 within fade_time and fall shrinks to 0. At the first tick
 /// without trust, or trusted anew, the last output becomes the held one, which then fades out. So the output
-/// never steps,
-/// whatever comes in and however often trust changes, and is exactly the fresh force once trust has lasted.
+/// never steps, whatever comes in and however often trust changes, and is exactly the fresh force once trust
+/// has lasted.
 /// A change of a segment's force by more than `most_change` [N] in this tick is taken like forces trusted
 /// anew, and as slowly as to change none by more, where forces fade at all. Advances `state` to the next
 /// tick. contact_count of the answer is left to the caller.
