@@ -189,6 +189,65 @@ TEST(MeshWinding, CopiesAndDegenerateTrianglesHideNothing) {
   EXPECT_EQ(report.open_parts, 0u);
 }
 
+Mesh with_two_sides(Mesh mesh) {
+  const std::vector<Triangle> behind = reversed(mesh).triangles;
+  mesh.triangles.insert(mesh.triangles.end(), behind.begin(), behind.end());
+  return mesh;
+}
+
+// As exporters write surfaces that are to be seen from both sides. What stands back to back would be felt
+// nowhere.
+TEST(MeshWinding, SecondSidesOfAClosedPartFaceOutwardsTooAndAreTold) {
+  const std::size_t count = kBall.triangles.size();
+  Mesh wanted = kBall;
+  wanted.triangles.insert(wanted.triangles.end(), kBall.triangles.begin(), kBall.triangles.end());
+  for (const Mesh& given : {with_two_sides(kBall), with_two_sides(reversed(kBall)), reversed(wanted)}) {
+    const WindingReport report = wind(given, wanted);
+    EXPECT_EQ(report.double_triangles, count);
+    EXPECT_EQ(report.back_to_back_triangles, 0u);
+  }
+  Mesh half = with_two_sides(kBall);
+  half.triangles.resize(count + count / 2);
+  wanted.triangles.resize(count + count / 2);
+  EXPECT_EQ(wind(half, wanted).double_triangles, count / 2);
+}
+
+// Their vertices are not the same, and no edge is open.
+TEST(MeshWinding, AClosedPartThatStandsTwiceIsTold) {
+  const Mesh beside = scaled(kBox, 1, {1, 0, 0}), twice = together({kBall, beside, kBall});
+  EXPECT_EQ(wind(together({kBall, beside, reversed(kBall)}), twice).double_triangles, kBall.triangles.size());
+  EXPECT_EQ(wind(together({kBall, kBall, kBall}), together({kBall, kBall, kBall})).double_triangles,
+            2 * kBall.triangles.size());
+  // In a solid the other may be its cavity: who knows?
+  const Mesh held = together({kBox, kBall, reversed(kBall)});
+  EXPECT_EQ(wind(held, held).back_to_back_triangles, kBall.triangles.size());
+}
+
+TEST(MeshWinding, PartsOfOneBoxAndNumberAreNotTakenForOneAnother) {
+  const Mesh one{{{0, 0, 0}, {1, 1, 0}, {1, 0, 1}, {0, 1, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
+  Mesh mirrored = one;
+  for (Vec3& vertex : mirrored.vertices) vertex.x = 1 - vertex.x;
+  Mesh both = together({one, mirrored});
+  const WindingReport report = wind_outwards(both);
+  EXPECT_EQ(report.parts, 2u);
+  EXPECT_EQ(report.open_parts, 0u);
+  EXPECT_EQ(report.double_triangles, 0u);
+}
+
+TEST(MeshWinding, ASheetWithTwoSidesStaysAndIsToldToBeFeltFromNeither) {
+  const Mesh sheet = make_plane(1, 4, 0);
+  for (const Mesh& given : {with_two_sides(sheet), together({sheet, reversed(sheet)})}) {
+    const WindingReport report = wind(given, given);
+    EXPECT_EQ(report.back_to_back_triangles, sheet.triangles.size());
+    EXPECT_EQ(report.double_triangles, 0u);
+  }
+  Mesh twice = sheet;
+  twice.triangles.insert(twice.triangles.end(), sheet.triangles.begin(), sheet.triangles.end());
+  const WindingReport report = wind(twice, twice);
+  EXPECT_EQ(report.double_triangles, sheet.triangles.size());
+  EXPECT_EQ(report.back_to_back_triangles, 0u);
+}
+
 // As exporters leave it that round each triangle's corners by themselves.
 TEST(MeshWinding, CornersThatRoundingDroveApartAreOne) {
   for (const double rounding : {1e-8, 1e-7}) {  // [m] at 0.17 and 0.06 m

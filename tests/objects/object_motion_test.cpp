@@ -506,8 +506,30 @@ TEST(ObjectMotion, WhatCanNotBeIsRefusedByName) {
   crowd.objects.assign(kMostSceneObjects + 1, {"", cube(0.01)});
   Model model;
   EXPECT_NE(build_model(crowd, {}, model).message().find("32768"), std::string::npos);
-  MassProperties body;
-  EXPECT_NE(mass_properties(make_plane(0.1, 3), 1000, body).message().find("not closed"), std::string::npos);
+}
+
+TEST(ObjectMotion, AMeshThatEnclosesNoOneSolidIsRefusedWithWhatIsWrongAndWhatHelps) {
+  const auto refusal = [](const Mesh& mesh) {
+    MassProperties body;
+    return mass_properties(mesh, 1000, body).message();
+  };
+  const auto says = [](const std::string& text, const char* words) {
+    return text.find(words) != std::string::npos;
+  };
+  EXPECT_TRUE(says(refusal(make_plane(0.1, 3)), "not closed (12 open edges)"));
+  Mesh twice = cube(0.01);
+  twice.triangles.push_back(twice.triangles[0]);
+  EXPECT_TRUE(says(refusal(twice), "1 triangle twice")) << refusal(twice);
+  EXPECT_TRUE(says(refusal(twice), "inspect --fix"));
+  Mesh walled = cube(0.01);  // a wall across it
+  const Triangle a = walled.triangles[0];
+  walled.vertices.push_back({0, 0, 0});
+  const auto middle = static_cast<std::uint32_t>(walled.vertices.size() - 1);
+  for (std::size_t k = 0; k < 3; ++k) walled.triangles.push_back({a[k], a[(k + 1) % 3], middle});
+  EXPECT_TRUE(says(refusal(walled), "3 non-manifold edges")) << refusal(walled);
+  Mesh twisted = cube(0.01);
+  std::swap(twisted.triangles[0][1], twisted.triangles[0][2]);
+  EXPECT_TRUE(says(refusal(twisted), "3 misoriented edges")) << refusal(twisted);
 }
 
 }  // namespace

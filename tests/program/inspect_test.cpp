@@ -1,6 +1,8 @@
 // lumbrical inspect and probe: what is wrong with a mesh, and what a sphere feels.
 #include <cmath>
+#include <cstdio>
 #include <fstream>
+#include <sstream>
 #include <string>
 
 #include "scenes.h"
@@ -66,6 +68,50 @@ TEST(CommandLine, AFixedMeshIsWhatASceneWouldTakeAndNothingElseIsChanged) {
       << "what is piped can be read once";
   EXPECT_EQ(read_file(folder / "piped.obj"), read_file(folder / "right.obj"));
   EXPECT_NE(shell("lumbrical inspect scene.json --fix a.obj", folder).exit_code, 0);
+}
+
+// As exporters leave it that round each triangle's corners by themselves: a scene takes it for closed.
+TEST(CommandLine, AFixedMeshIsClosedWhereOnlyRoundingDroveItApart) {
+  const fs::path folder = fresh_folder();
+  std::ofstream(folder / "torn.obj") << "v 0 0 0\nv 3 0 0\nv 0 3 0\nv 0 0 3\nv 0.000002 0 3\nv 3 0.000003 0\n"
+                                        "f 1 3 2\nf 1 2 4\nf 6 3 5\nf 1 4 3\n";
+  const auto inspected = [&](const std::string& arguments) {
+    return shell("lumbrical inspect " + arguments + " --unit cm --json", folder).json();
+  };
+  const nlohmann::json torn = inspected("torn.obj --fix whole.obj");
+  EXPECT_EQ(torn["watertight"], false);
+  EXPECT_EQ(torn["winding"]["open_parts"], 0);
+  EXPECT_EQ(torn["fixed"]["merged_vertices"], 2);
+  const nlohmann::json whole = inspected("whole.obj");
+  EXPECT_EQ(whole["watertight"], true);
+  EXPECT_NEAR(whole["volume"], 4.5e-6, 1e-11);
+}
+
+TEST(CommandLine, OfACubeWithTwoSidesARunSaysThatItIsFeltTwiceAndTheFixHelps) {
+  const fs::path folder = fresh_folder();
+  std::string text = cube_text(false), behind;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    int a = 0, b = 0, c = 0;
+    if (std::sscanf(line.c_str(), "f %d %d %d", &a, &b, &c) == 3)
+      behind += "f " + std::to_string(a) + ' ' + std::to_string(c) + ' ' + std::to_string(b) + '\n';
+  }
+  std::ofstream(folder / "two.obj") << text << behind;
+  const std::string advice = "12 triangles stand there twice, and felt twice; lumbrical inspect --fix";
+  const Outcome inspected = shell("lumbrical inspect two.obj --unit m --fix one.obj", folder);
+  EXPECT_NE(inspected.output.find(advice), std::string::npos) << inspected.output;
+  for (const auto& [mesh, works] : {std::pair{"two.obj", false}, std::pair{"one.obj", true}}) {
+    std::ofstream(folder / "scene.json")
+        << R"({"objects": [{"mesh": ")" << mesh << R"(", "unit": "m"}], "motion": {"grasp": {}}})";
+    const Outcome still = shell("lumbrical run scene.json --ticks 1", folder);
+    EXPECT_EQ(still.output.find(advice) == std::string::npos, works) << still.output;
+    std::ofstream(folder / "free.json")
+        << R"({"objects": [{"mesh": ")" << mesh
+        << R"(", "unit": "m", "moves": "free", "density": 500}], "motion": {"grasp": {}}})";
+    const Outcome free = shell("lumbrical run free.json --ticks 1", folder);
+    EXPECT_EQ(free.exit_code == 0, works) << free.error;
+    EXPECT_EQ(free.error.find("12 triangles twice") == std::string::npos, works) << free.error;
+  }
 }
 
 TEST(CommandLine, AProbeFeelsTheFileAsItIsAndWarnsOfWhatASceneWouldTurn) {

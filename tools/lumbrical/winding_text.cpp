@@ -10,6 +10,10 @@ std::string share_text(double share) { return std::to_string(std::lround(100 * s
 
 std::string parts(std::size_t count) { return grouped(count) + (count == 1 ? " part" : " parts"); }
 
+std::string triangles(std::size_t count) {
+  return grouped(count) + (count == 1 ? " triangle stands" : " triangles stand");
+}
+
 std::string facing(const WindingReport& report) {
   const double facing = report.outward_area + report.inward_area;
   if (!(facing > 0.01 * report.open_area)) return "flat: felt from the side its triangles face";
@@ -31,6 +35,8 @@ Json to_json(const WindingReport& report) {
   json["open_area"] = report.open_area;
   json["outward_area"] = report.outward_area;
   json["inward_area"] = report.inward_area;
+  json["double_triangles"] = report.double_triangles;
+  json["back_to_back_triangles"] = report.back_to_back_triangles;
   return json;
 }
 
@@ -41,9 +47,17 @@ std::vector<std::string> winding_sentences(const WindingReport& report) {
                         " turned outside out, " + grouped(report.turned_triangles) + " triangles");
   else if (report.turned_triangles > 0)
     sentences.push_back("all " + grouped(report.turned_triangles) + " triangles turned, as asked");
-  if (report.open_parts > 0)
+  const bool all_back_to_back = 2 * report.back_to_back_triangles >= report.open_triangles;
+  if (report.open_parts > 0 && !all_back_to_back)
     sentences.push_back(parts(report.open_parts) + " not closed, left as wound: " + facing(report) +
                         R"(; if it pulls, say "winding": "flip")");
+  if (report.double_triangles > 0)
+    sentences.push_back(triangles(report.double_triangles) +
+                        " there twice, and felt twice; lumbrical inspect --fix leaves the second ones out");
+  if (report.back_to_back_triangles > 0)
+    sentences.push_back(triangles(report.back_to_back_triangles) +
+                        " back to back with others: what both push cancels, so neither side is felt but by a "
+                        "proxy (settings.proxy_stiffness); else leave out the side that nobody touches");
   return sentences;
 }
 

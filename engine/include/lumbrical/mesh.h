@@ -88,7 +88,8 @@ std::string_view winding_name(Winding winding);
 
 /// What was done for a mesh to face outwards. Its parts are what hangs together across edges that exactly two
 /// triangles share (vertices at one position are one, on open edges also those that rounding drove apart, by
-/// less than 5e-6 of the mesh's diagonal; copies of a triangle go with the first).
+/// less than 5e-6 of the mesh's diagonal; copies of a triangle go with the first, those of a closed part face
+/// outwards like it).
 /// A part is closed when it can be wound one way throughout, encloses a volume, and what its holes leave open
 /// is at most a twentieth of its area. It is wound so that its volume is positive, each of its triangles. But
 /// where it lies inside the solid of another closed part it may be a cavity or a solid in a solid: then it
@@ -104,6 +105,10 @@ struct WindingReport {
   double open_area = 0;     ///< [m^2] of the open parts, of which
   double outward_area = 0;  ///< [m^2] faces away from the middle of their bounding box,
   double inward_area = 0;   ///< [m^2] faces it, and the rest neither
+  /// Triangles that stand where an earlier one does and face as it does: both are felt.
+  std::size_t double_triangles = 0;
+  /// The same of open parts and cavities that face the other way: what both push cancels, neither is felt.
+  std::size_t back_to_back_triangles = 0;
   friend bool operator==(const WindingReport&, const WindingReport&) = default;
 };
 

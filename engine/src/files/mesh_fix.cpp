@@ -11,6 +11,7 @@
 
 #include "base/floating_point.h"
 #include "files/text_output.h"
+#include "model/mesh_winding.h"
 #include "model/triangle_shape.h"
 #include "model/vertex_merge.h"
 
@@ -78,6 +79,7 @@ Mesh fixed_mesh(const Mesh& mesh, FixReport& report) {
   Mesh fixed = mesh;
   report.winding =
       wind_outwards(fixed);  // with all triangles: those without area still join their neighbours
+  close_cracks(fixed);
   Mesh kept{fixed.vertices, {}};
   for (const Triangle& triangle : fixed.triangles) {
     if (!is_degenerate(fixed, triangle)) kept.triangles.push_back(triangle);

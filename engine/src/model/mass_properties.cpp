@@ -31,16 +31,38 @@ void add_tetrahedron(Vec3 a, Vec3 b, Vec3 c, SolidIntegrals& sums) {
   sums.zx += product(&Vec3::z, &Vec3::x);
 }
 
+// Why a mesh that is not watertight encloses no one solid, and what to do.
+Status refuse_open(const MeshReport& report) {
+  const auto count = [](std::size_t number, const char* what) {
+    return std::to_string(number) + " " + what + (number == 1 ? " edge" : " edges");
+  };
+  if (report.boundary_edges > 0)
+    return Status::error(
+        "the mesh is not closed (" + count(report.boundary_edges, "open") +
+        "), so what it weighs is unknown; close it (lumbrical inspect --fix closes what rounding "
+        "tore), or give mass, centre and inertia");
+  if (report.duplicate > 0)
+    return Status::error("the mesh has " + std::to_string(report.duplicate) +
+                         (report.duplicate == 1 ? " triangle" : " triangles") +
+                         " twice, so what it weighs is unknown; leave the second ones out (lumbrical inspect "
+                         "--fix does, of closed parts), or give mass, centre and inertia");
+  if (report.non_manifold_edges > 0)
+    return Status::error("the mesh has " + count(report.non_manifold_edges, "non-manifold") +
+                         ", of more than two triangles, so what it weighs is unknown; take out walls inside "
+                         "it, part solids that touch, or give mass, centre and inertia");
+  return Status::error(
+      "the mesh has " + count(report.misoriented_edges, "misoriented") +
+      ", so what it weighs is unknown; wind it one way, as lumbrical inspect --fix does, or give mass, "
+      "centre and inertia");
+}
+
 }  // namespace
 
 Status mass_properties(const Mesh& mesh, double density, MassProperties& properties) {
   const FloatingPointGuard guard;
   if (!(density > 0 && density < 1e6)) return Status::error("a density must be above 0 and below 1e6 kg/m^3");
   const MeshReport report = inspect_mesh(mesh);
-  if (!report.watertight)
-    return Status::error(
-        "the mesh is not closed (" + std::to_string(report.boundary_edges) +
-        " open edges), so what it weighs is unknown; close it, or give mass, centre and inertia");
+  if (!report.watertight) return refuse_open(report);
   const Vec3 middle = 0.5 * (report.lower + report.upper);  // keeps digits far from the origin
   SolidIntegrals sums;
   for (const Triangle& t : mesh.triangles)

@@ -4,12 +4,15 @@
 #include "model/mesh_winding.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
+#include <utility>
 
 #include "base/disjoint_sets.h"
 #include "base/floating_point.h"
+#include "base/hash.h"
 #include "model/border_merge.h"
 #include "model/mesh_edges.h"
 #include "model/part_nesting.h"
@@ -21,9 +24,10 @@ namespace {
 
 /// A mesh taken apart.
 struct Taken {
-  std::vector<std::uint32_t> part_of;  // of each triangle, or kNoPart
-  std::vector<std::uint8_t> reversed;  // wound otherwise than its part's first triangle
-  std::vector<MeshPart> parts;         // by their first triangles
+  std::vector<std::uint32_t> part_of;   // of each triangle, or kNoPart
+  std::vector<std::uint8_t> reversed;   // wound otherwise than its part's first triangle
+  std::vector<MeshPart> parts;          // by their first triangles
+  std::vector<std::uint32_t> original;  // what each triangle is a copy of, or itself; empty: no copies
 };
 
 /// A border of a part, the way its triangle runs along it.
@@ -62,6 +66,12 @@ std::vector<std::uint32_t> find_copies(const Mesh& mesh, const std::vector<std::
     }
   });
   return original;
+}
+
+/// Whether two triangles of the same three corners face the same way.
+bool wound_alike(const Triangle& a, const Triangle& b) {
+  const std::size_t at = a[0] == b[0] ? 0 : a[0] == b[1] ? 1 : 2;
+  return a[1] == b[(at + 1) % 3];
 }
 
 /// The half-edges of an edge that belong to no copy.
@@ -182,16 +192,22 @@ bool has_open_edge(const MeshEdges& edges) {
   return open;
 }
 
-Taken take_apart(const Mesh& mesh, std::size_t threads) {
-  std::vector<std::uint32_t>
-      first;  // vertices at one place are told apart first: most closed meshes need no more
+/// The edges of a mesh and, where some are open, which vertices count as one: those at one place, and those
+/// of open edges that rounding drove apart.
+MeshEdges joined_edges(const Mesh& mesh, std::size_t threads, std::vector<std::uint32_t>& first) {
+  first.clear();  // vertices at one place are told apart first: most closed meshes need no more
   MeshEdges edges = edges_of(mesh, first, threads);
-  if (has_open_edge(edges)) {
-    first = first_at_same_position(mesh.vertices);
-    edges = edges_of(mesh, first, threads);
-    if (merge_borders(mesh, edges, kRounding * diagonal(mesh), first)) edges = edges_of(mesh, first, threads);
-  }
-  const std::vector<std::uint32_t> original = find_copies(mesh, first, edges);
+  if (!has_open_edge(edges)) return edges;
+  first = first_at_same_position(mesh.vertices);
+  edges = edges_of(mesh, first, threads);
+  if (merge_borders(mesh, edges, kRounding * diagonal(mesh), first)) edges = edges_of(mesh, first, threads);
+  return edges;
+}
+
+Taken take_apart(const Mesh& mesh, std::size_t threads) {
+  std::vector<std::uint32_t> first;
+  const MeshEdges edges = joined_edges(mesh, threads, first);
+  std::vector<std::uint32_t> original = find_copies(mesh, first, edges);
   TriangleParts joined(mesh.triangles.size());
   std::vector<std::uint32_t> twisted;  // triangles
   std::vector<HalfEdge> kept;
@@ -220,8 +236,11 @@ Taken take_apart(const Mesh& mesh, std::size_t threads) {
   fill_holes(mesh, find_borders(taken, original, edges), taken.parts);
   for (std::uint32_t i = 0; i < original.size(); ++i) {  // copies go with what they are copies of
     taken.part_of[i] = taken.part_of[original[i]];
-    taken.reversed[i] = taken.reversed[original[i]];
+    const bool alike = wound_alike(merged_corners(mesh.triangles[i], first),
+                                   merged_corners(mesh.triangles[original[i]], first));
+    taken.reversed[i] = (taken.reversed[original[i]] != 0) == alike ? 1 : 0;
   }
+  taken.original = std::move(original);
   return taken;
 }
 
@@ -280,6 +299,82 @@ void report_open(const Mesh& mesh, const Taken& taken, const std::vector<bool>& 
   }
 }
 
+/// Copies of triangles: on closed parts both face outwards by now, on open ones they may stand back to back.
+void report_copies(const Taken& taken, const std::vector<bool>& decided, WindingReport& report) {
+  for (std::size_t i = 0; i < taken.original.size(); ++i) {
+    const std::uint32_t of = taken.original[i];
+    if (of == i) continue;
+    const bool alike = taken.reversed[i] == taken.reversed[of];
+    const bool closed = taken.part_of[i] != kNoPart && decided[taken.part_of[i]];
+    ++(closed || alike ? report.double_triangles : report.back_to_back_triangles);
+  }
+}
+
+/// Tells a triangle's place, whichever way it is wound.
+std::uint64_t place_hash(const Mesh& mesh, const Triangle& triangle) {
+  std::array<std::array<double, 3>, 3> corners;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 p = mesh.vertices[triangle[k]] + Vec3{};  // -0 equals +0
+    corners[k] = {p.x, p.y, p.z};
+  }
+  std::sort(corners.begin(), corners.end());
+  Hasher hasher;
+  for (const auto& corner : corners)
+    for (const double coordinate : corner) hasher.value(coordinate);
+  return hasher.digest();
+}
+
+/// A part's triangles by their places, sorted, and the side it is to have.
+using PlacedPart = std::pair<std::vector<std::uint64_t>, int>;
+
+std::vector<PlacedPart> placed(const Mesh& mesh, const Taken& taken, const std::vector<std::uint32_t>& parts,
+                               const std::vector<int>& wanted) {
+  std::vector<std::uint32_t> number(taken.parts.size(), kNoPart);
+  std::vector<PlacedPart> placed(parts.size());
+  for (std::uint32_t i = 0; i < parts.size(); ++i) {
+    number[parts[i]] = i;
+    placed[i].second = wanted[parts[i]];
+  }
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const std::uint32_t part = taken.part_of[i];
+    if (part != kNoPart && number[part] != kNoPart)
+      placed[number[part]].first.push_back(place_hash(mesh, mesh.triangles[i]));
+  }
+  for (PlacedPart& part : placed) std::sort(part.first.begin(), part.first.end());
+  return placed;
+}
+
+/// Closed parts that stand where another one does, with vertices of their own: no edge is open, so nobody
+/// asked which vertices lie at one place. As exporters write surfaces that are to be seen from both sides.
+void report_second_parts(const Mesh& mesh, const Taken& taken, const std::vector<bool>& decided,
+                         const std::vector<int>& wanted, WindingReport& report) {
+  const auto key = [&](std::uint32_t i) {
+    const MeshPart& part = taken.parts[i];
+    const Vec3 &a = part.box.lower, &b = part.box.upper;
+    return std::array<double, 7>{double(part.triangles), a.x, a.y, a.z, b.x, b.y, b.z};
+  };
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t i = 0; i < taken.parts.size(); ++i)
+    if (decided[i]) order.push_back(i);
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return std::pair(key(a), a) < std::pair(key(b), b); });
+  std::vector<std::uint32_t> alike;  // in number and box, as their neighbours in the order are
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if ((i > 0 && key(order[i - 1]) == key(order[i])) ||
+        (i + 1 < order.size() && key(order[i]) == key(order[i + 1])))
+      alike.push_back(order[i]);
+  }
+  if (alike.empty()) return;
+  std::vector<PlacedPart> parts = placed(mesh, taken, alike, wanted);
+  std::sort(parts.begin(), parts.end());
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    const auto& [places, side] = parts[i];
+    if (places == parts[i - 1].first)
+      (side == parts[i - 1].second ? report.double_triangles : report.back_to_back_triangles) +=
+          places.size();
+  }
+}
+
 std::vector<bool> find_turned(const Mesh& mesh, std::size_t threads, WindingReport& report) {
   const Taken taken = take_apart(mesh, threads);
   std::vector<Nested> nested;
@@ -309,6 +404,8 @@ std::vector<bool> find_turned(const Mesh& mesh, std::size_t threads, WindingRepo
     touched[part] = true;
   }
   if (report.open_parts > 0) report_open(mesh, taken, decided, report);
+  report_copies(taken, decided, report);
+  report_second_parts(mesh, taken, decided, wanted, report);
   return turned;
 }
 
@@ -328,6 +425,13 @@ bool is_solid(const Mesh& mesh, std::size_t threads) {
   WindingReport report;
   static_cast<void>(turned_triangles(mesh, Winding::automatic, threads, report));
   return report.parts > 0 && report.open_parts == 0 && report.hole_area == 0 && report.turned_triangles == 0;
+}
+
+void close_cracks(Mesh& mesh) {
+  const FloatingPointGuard guard;
+  std::vector<std::uint32_t> first;
+  joined_edges(mesh, 1, first);
+  for (std::size_t i = 0; i < first.size(); ++i) mesh.vertices[i] = mesh.vertices[first[i]];
 }
 
 WindingReport wind_outwards(Mesh& mesh, Winding winding) {

@@ -12,6 +12,9 @@ namespace lumbrical {
 std::vector<bool> turned_triangles(const Mesh& mesh, Winding winding, std::size_t threads,
                                    WindingReport& report);
 
+/// Brings vertices that count as one there, since only rounding drove them apart, to one place.
+void close_cracks(Mesh& mesh);
+
 /// Is it closed everywhere, without a hole, and outside out? Then what is just behind a triangle is inside.
 bool is_solid(const Mesh& mesh, std::size_t threads);
 
