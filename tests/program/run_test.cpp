@@ -287,6 +287,19 @@ TEST(CommandLine, PrecisionsOfMixedLawsAreComparedWithWhatFeelsTheSame) {
   EXPECT_EQ(shell(exactly, folder).json()["advised"], 0) << "no precision changes anything";
 }
 
+TEST(CommandLine, AdviceOfAPrecisionForASceneThatMixesThemSaysThatItIsForAllSegments) {
+  const fs::path folder = fresh_folder();
+  const auto advice = [&](const std::string& settings) {
+    std::ofstream(folder / "scene.json")
+        << R"({"objects": [{"mug": {}}], "motion": {"grasp": {}}, "settings": )" << settings << "}";
+    return shell("lumbrical run scene.json --compare-precision --ticks 2000", folder).output;
+  };
+  const std::string words = ", of all segments alike: the scene's own are mixed";
+  EXPECT_NE(advice(R"({"segments": [{"segment": "index distal", "precision": 0}]})").find(words),
+            std::string::npos);
+  EXPECT_EQ(advice("{}").find(words), std::string::npos);
+}
+
 TEST(CommandLine, FullDiskIsAnError) {
   const fs::path folder = folder_with_demo();
   std::ofstream(folder / "square.obj") << "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";

@@ -78,6 +78,18 @@ std::size_t advised_rung(const std::vector<PrecisionFigures>& rungs, double want
   return advised;
 }
 
+// The finest of the segments that may be felt by samples at all. Exact ones among them say nothing of how
+// well the others are to be felt; where all are exact, so is what is wanted.
+double precision_wanted(const Settings& settings) {
+  double finest = 0;
+  for (std::size_t i = 0; i < kSegmentCount; ++i) {
+    const double precision = settings.precision[i];
+    if (settings.law[i] != Law::field || precision == 0) continue;
+    finest = finest == 0 ? precision : std::min(finest, precision);
+  }
+  return finest;
+}
+
 Settings without_limits(Settings settings) {
   settings.max_force = 1e6;
   settings.fade_time = 0;
@@ -178,9 +190,10 @@ Status compare_precision(const Scene& scene, const Execution& execution, const M
   }
   comparison.contacts /= std::max<double>(1, static_cast<double>(comparison.ticks));
   for (std::size_t i = 0; i < rungs.size(); ++i) comparison.rungs.push_back(figures_of(kRungs[i], rungs[i]));
-  const auto& wanted = scene.settings.precision;
-  const double finest = *std::min_element(wanted.begin(), wanted.end());
-  comparison.advised = advised_rung(comparison.rungs, finest);
+  comparison.advised = advised_rung(comparison.rungs, precision_wanted(scene.settings));
+  const auto& precision = scene.settings.precision;
+  comparison.mixed = std::any_of(precision.begin(), precision.end(),
+                                 [&](double of_segment) { return of_segment != precision[0]; });
   return {};
 }
 

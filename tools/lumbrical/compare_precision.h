@@ -25,7 +25,9 @@ struct PrecisionComparison {
   std::uint64_t ticks = 0;              ///< in which the hand felt more than kLeastForce
   double contacts = 0;                  ///< of those ticks, mean
   std::vector<PrecisionFigures> rungs;  ///< exact first, then finer to coarser
-  std::size_t advised = 0;              ///< the quickest rung that keeps the precision the scene asks for
+  /// The quickest rung that keeps the precision the scene asks for: the finest of its segments by samples.
+  std::size_t advised = 0;
+  bool mixed = false;  ///< the scene asks for several, in the place of which the advised one is for all
 };
 
 /// [N] Below, shares of the hand's force say little.

@@ -29,9 +29,11 @@ void add_rows(const PrecisionComparison& comparison, Table& table) {
                   brief(rung.hand_error) + ", worst " + brief(rung.worst_hand_error) +
                   " of the hand's force; of a segment 98 % " + brief(rung.segment_error));
   }
-  table.add("advice", comparison.ticks == 0
-                          ? std::string("nothing was touched: nothing to compare")
-                          : "--precision " + precision_name(comparison.rungs[comparison.advised].precision));
+  table.add("advice",
+            comparison.ticks == 0
+                ? std::string("nothing was touched: nothing to compare")
+                : "--precision " + precision_name(comparison.rungs[comparison.advised].precision) +
+                      (comparison.mixed ? ", of all segments alike: the scene's own are mixed" : ""));
 }
 
 }  // namespace
