@@ -30,10 +30,12 @@ class FixedList {
   void clear() { size_ = 0; }
   [[nodiscard]] bool empty() const { return size_ == 0; }
   [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] T* begin() { return std::launder(reinterpret_cast<T*>(place_)); }
-  [[nodiscard]] T* end() { return begin() + size_; }
-  [[nodiscard]] const T* begin() const { return std::launder(reinterpret_cast<const T*>(place_)); }
-  [[nodiscard]] const T* end() const { return begin() + size_; }
+  [[nodiscard]] T* data() { return std::launder(reinterpret_cast<T*>(place_)); }
+  [[nodiscard]] const T* data() const { return std::launder(reinterpret_cast<const T*>(place_)); }
+  [[nodiscard]] T* begin() { return data(); }
+  [[nodiscard]] T* end() { return data() + size_; }
+  [[nodiscard]] const T* begin() const { return data(); }
+  [[nodiscard]] const T* end() const { return data() + size_; }
 
  private:
   std::size_t size_ = 0;
