@@ -80,6 +80,28 @@ TEST(Bullet, StackedBlocksStandAndFallWhereAFingerPushes) {
   EXPECT_NEAR(run.given[0].pose.position.z, 0.02, 1e-3);
 }
 
+// Also where a light thing carries a heavy one.
+TEST(Bullet, AStackAtRestDoesNotCreep) {
+  for (const double ratio : {1.0, 10.0}) {
+    Scene scene = stack(3);
+    scene.settings.rate = 500;
+    double mass = 0.01;
+    for (SceneObject& block : scene.objects) {
+      scale_to_mass(mass, block.mechanism.body);
+      mass *= ratio;
+    }
+    World run(scene);
+    for (int i = 0; i < 500; ++i) move_bodies(run.world, 2e-3, run.given);
+    const std::vector<ObjectFrame> settled = run.given;
+    for (int i = 0; i < 2500; ++i) move_bodies(run.world, 2e-3, run.given);
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_LT(norm(run.given[i].pose.position - settled[i].pose.position), 1e-4) << ratio << " " << i;
+      EXPECT_LT(norm(run.given[i].pose.position - run.model.apart[i].start.position), 3e-4)
+          << ratio << " " << i;
+    }
+  }
+}
+
 TEST(Bullet, WhatTheHandDoesIsWhatTheBodysMomentumChangesBy) {
   Scene scene = test::pad_scene();
   scene.gravity = {};

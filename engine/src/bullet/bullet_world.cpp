@@ -43,6 +43,9 @@ namespace {
 
 constexpr double kSquare = kUnitsPerMetre * kUnitsPerMetre;
 
+// Bullet's own 10 leave a stack of things of unequal weight, and light ones at 500 Hz, unsteady.
+constexpr int kIterations = 30;
+
 // The root of the friction between bodies that share none: something that the ground's can be a multiple of.
 constexpr double kLeastFriction = 1e-3;
 
@@ -84,6 +87,8 @@ Status add_given(const ApartObject& object, std::size_t place, double friction, 
   added.body = std::make_unique<btRigidBody>(info);
   if (!added.moved_here)
     added.body->setCollisionFlags(added.body->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+  // Friction that stops speeds only lets what rests on each other creep, by 0.1 mm a second at 500 Hz.
+  added.body->setCollisionFlags(added.body->getCollisionFlags() | btCollisionObject::CF_HAS_FRICTION_ANCHOR);
   added.body->setActivationState(DISABLE_DEACTIVATION);  // a finger may push at any time
   return {};
 }
@@ -150,6 +155,7 @@ Status make_bullet_world(const Model& model, const BulletOptions& options, Bulle
   }
   add_still_mesh(model.triangles, {}, friction, *bodies);
   if (model.ground) add_ground(*model.ground, friction, *bodies);
+  bodies->world.getSolverInfo().m_numIterations = kIterations;
   bodies->world.setGravity(to_bullet(model.gravity, kUnitsPerMetre));
   for (const BulletBodies::Given& body : bodies->given) bodies->world.addRigidBody(body.body.get());
   for (const auto& body : bodies->still) bodies->world.addRigidBody(body.get());
