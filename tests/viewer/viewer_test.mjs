@@ -86,6 +86,28 @@ test("A world that is a file of its own is not drawn, but hand and forces are, w
   assert.match(await details(), /force of the hand\s+not known/);
 });
 
+test("Beside a world that is a file of its own an object that moves is drawn, and what touches it is told", async () => {
+  const lift = JSON.parse(readFileSync(join(dirname(scene), "mug.json"), "utf8"));
+  const { motion } = lift;
+  const table = { name: "table", plane: { extent: 0.6, cells: 8 }, position: [0, 0, -0.001] };
+  writeFileSync(file("table.json"), JSON.stringify({ objects: [table], motion }));
+  execFileSync(program, ["world", file("table.json"), "-o", file("table.world")]);
+  for (const [name, proxy_stiffness, known] of [["mug beside a world", 0, true], ["proxy beside a world", 1000, false]]) {
+    writeFileSync(file(`${name}.json`), JSON.stringify({ ...lift, settings: { ...lift.settings, proxy_stiffness }, world: "table.world" }));
+    execFileSync(program, ["run", file(`${name}.json`), "--ticks", "5600", "--record", file(`${name}.mcap`)]);
+    await open(at(await serve("view", file(`${name}.mcap`), "--no-browser"), 5500));
+    await atTick(5500);
+    assert.match(await details(), /the recording's world is a file of its own/);
+    if (known) assert.match(await details(), /contacts\s+[1-9]\d* triangles of objects that move/);
+    else assert.doesNotMatch(await details(), /triangles/);
+    assert.ok(await clickUntil(/object\s+mug/), "no pixel of the mug");
+    assert.match(await details(), /force of the hand on it\s+[1-9]/);
+    if (known) assert.match(await details(), /contacted triangles\s+[1-9]\d/);
+    else assert.doesNotMatch(await details(), /contacted triangles/);
+    await shot(name);
+  }
+});
+
 test("A hand, or a finger, that is not tracked is not drawn", async () => {
   const frames = JSON.parse(capture(3));
   for (const frame of frames) {

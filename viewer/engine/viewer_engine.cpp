@@ -38,7 +38,7 @@ bool is_known = true;  // `state` is the session's, not a guess amid it
 Scratch scratch;
 TickRecord record;
 std::optional<Motion> motion;  // moves the lab's hand; none: pointer and sliders do
-std::string no_contacts;       // why only the hand is placed and nothing it touches is known; empty: all is
+std::string no_contacts;       // why what it touches is not known, but objects that move; empty: all is
 
 std::span<const std::uint8_t> message(std::uint32_t first, std::uint32_t size) {
   return std::span(in).subspan(first, size);
@@ -60,9 +60,9 @@ Status open_session(std::span<const std::uint8_t> session, std::span<const std::
   no_contacts.clear();
   if (scene.world) {
     no_contacts = "the recording's world is a file of its own, " + scene.world->path +
-                  ", which a page does not have: forces are shown, contacts are not";
+                  ", which a page does not have: forces are shown, contacts with it are not";
     scene.world.reset();
-    scene.objects.clear();
+    if (scene.settings.proxy_stiffness > 0) scene.objects.clear();  // where a proxy is depends on the world
   }
   initial_state = {};
   if (!first_state.empty()) {
@@ -83,7 +83,8 @@ Status run_tick(std::span<const std::uint8_t> bytes) {
                          std::to_string(state.tick) + " was due");
   // Amid a session objects are where they were recorded; what else is carried from tick to tick is known from
   // the first tick on that has it beside it.
-  for (std::size_t i = 0; !is_known && i < state.objects.size() && i < record.object_count; ++i)
+  const bool is_moved_here = is_known && no_contacts.empty();
+  for (std::size_t i = 0; !is_moved_here && i < state.objects.size() && i < record.object_count; ++i)
     state.objects[i].pose = record.object[i].pose;
   record.output = tick(model, state, scratch, record.device, given_of(record));
   std::optional<State> after;
@@ -148,10 +149,16 @@ std::vector<fb::Phalanx> phalanges(const Primitives& hand) {
   return result;
 }
 
+/// Whether objects are where they were, and so what touches them.
+bool knows_objects() {
+  return no_contacts.empty() || (!model.apart.empty() && record.object_count == model.apart.size());
+}
+
 /// To the page the world is object 0.
 std::vector<fb::Contact> contacts() {
   const auto of_world = static_cast<std::uint32_t>(model.objects.size());
   std::vector<fb::Contact> result;
+  if (!knows_objects()) return result;
   for (const NamedContact& named : all_contacts(model, scratch)) {
     const Contact& contact = named.contact;
     result.emplace_back(contact.primitive, named.segment, contact.triangle, contact.depth, contact.area,
@@ -192,7 +199,8 @@ void answer_view() {
   const auto tracked = builder.CreateVectorOfStructs(tracked_joints());
   const auto text = differs.empty() ? 0 : builder.CreateString(differs.data(), differs.size());
   builder.Finish(fb::CreateTickView(builder, record.output.tick, joints, hand.joints.valid, shapes, corners,
-                                    palm.radius, touched, all_segments, bases, axes, text, tracked));
+                                    palm.radius, touched, all_segments, bases, axes, text, tracked,
+                                    knows_objects()));
   out.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
 }
 

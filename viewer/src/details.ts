@@ -27,13 +27,21 @@ export function flagsText(flags: number): string {
 /** [m] How far the proxy's joints are from the tracked ones. */
 const lag = ({ joints, tracked }: Frame) => Math.max(0, ...tracked.map((joint, j) => joint?.distanceTo(joints[j]!) ?? 0));
 
+/** Why contacts with what stands still (0) or with World.apart[object - 1] are not known; empty: they are. */
+const whyUnknown = (object: number, { frame, noContacts }: Told) => (object > 0 && frame.knowsObjects ? "" : noContacts);
+
+function countText({ contacts, knowsObjects }: Frame, noContacts: string): string {
+  if (!noContacts) return `${contacts.length} triangles; `;
+  return knowsObjects ? `${contacts.length} triangles of objects that move or rub; ` : "";
+}
+
 export function tickRows(frame: Frame, milliseconds: number, world: World, noContacts: string, live: boolean): Rows {
   const total = frame.forces.reduce((sum, force) => sum.add(force), new Vector3());
   const rows: Rows = [
     ["tick", `${frame.tick} at ${(frame.tick / world.rate).toFixed(3)} s`],
     ["force of the hand", newtons(total)],
     ["off by at most", `${brief(frame.forceError)} N by integrals; about ${brief(frame.errorEstimate)} N by samples`],
-    ["contacts", `${noContacts ? "" : `${frame.contacts.length} triangles; `}the tick counted ${frame.contactCount} patches`],
+    ["contacts", `${countText(frame, noContacts)}the tick counted ${frame.contactCount} patches`],
     ["flags", flagsText(frame.flags)],
     ["tick took", `${brief(frame.duration)} us; here ${brief(milliseconds)} ms${noContacts ? "" : " with contacts"}`],
   ];
@@ -80,7 +88,7 @@ const contactsOf = (told: Told[], object: number) =>
 function contactRows(object: number, triangle: number, told: Told[]): Rows {
   const rows: Rows = [];
   const touched = contactsOf(told, object).filter(({ contact }) => contact.triangle === triangle);
-  if (touched.length === 0) rows.push(["contact", told[0].noContacts || "none in this tick"]);
+  if (touched.length === 0) rows.push(["contact", whyUnknown(object, told[0]) || "none in this tick"]);
   for (const { contact, world, hand } of touched) {
     rows.push(
       ["touched by", hand + kSegments[contact.segment]],
@@ -116,7 +124,7 @@ export function objectRows(object: number, triangle: number, told: Told[]): Rows
   );
   for (const one of felt)
     rows.push([`force of the ${one.hand}hand on it`, newtons(one.force)], [`torque of the ${one.hand}hand about its origin`, torque(one.torque)]);
-  rows.push(["contacted triangles", `${contactsOf(told, object + 1).length}`]);
+  if (!whyUnknown(object + 1, told[0])) rows.push(["contacted triangles", `${contactsOf(told, object + 1).length}`]);
   if (coordinate !== 0) rows.push(["joint at", `${brief(coordinate)} rad or m`]);
   rows.push(["triangle", `${triangle}`], ...contactRows(object + 1, triangle, told));
   return rows;

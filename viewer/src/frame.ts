@@ -64,6 +64,7 @@ export interface Frame {
   tracked: Joint[];  // as the device told them, where a proxy is felt with; else none
   hulls: Hull[];  // of segments whose joints are tracked
   contacts: ContactRecord[];
+  knowsObjects: boolean;  // contacts with World.apart are among them, where those with what stands still may not be
   baseJoints: Vector3[];
   objects: ObjectRecord[];  // in the order of World.apart
   differs: string;  // the stage where the replay parts from the file
@@ -200,6 +201,7 @@ export function readFrame(shown: Shown): Frame {
     tracked: view ? known(vectors(view.trackedLength(), (i) => view.tracked(i)), view.valid()) : [],
     hulls: view ? readHulls(view) : [],
     contacts: view && !shown.handOnly ? readContacts(view) : [],
+    knowsObjects: view !== undefined && !shown.handOnly && view.knowsObjects(),
     baseJoints: view ? vectors(view.baseJointsLength(), (i) => view.baseJoints(i)) : [],
     objects: Array.from({ length: countOf(tick.objectsLength(), ObjectOutput.sizeOf(), tick) }, (_, i) => {
       const object = tick.objects(i)!;

@@ -21,7 +21,7 @@ export interface Opened {
   first: number;
   last: number;
   metadata: ReadonlyMap<string, string>;
-  noContacts: string;  // why there are none; empty: there are
+  noContacts: string;  // why there are none, but where a frame knows those with objects; empty: there are
 }
 
 export interface Shown {
