@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include "largest.h"
 #include "lumbrical/motion.h"
@@ -19,10 +21,10 @@ using test::proxy_at;
 using test::proxy_scene;
 using test::Session;
 
-// The most that a segment's force changes by. [N]
+// The most that a finger's segment's force changes by. [N]
 double step_of(const HandForces& before, const HandForces& now) {
   double most = 0;
-  for (std::size_t s = 0; s < kSegmentCount; ++s)
+  for (std::size_t s = 0; s < kPhalanxCount; ++s)
     most = largest(most, norm(now.segment[s].force - before.segment[s].force));
   return most;
 }
@@ -107,6 +109,9 @@ TEST(ProxySlip, LetsNoForceHopInAFirmGrip) {
   scene.settings.fade_time = 0.02;
   Session run(scene);
   const Motion grasp = make_grasp(scene.hand, 0.025, mug.height, 3);
+  const double radius = *std::max_element(scene.hand.radius.begin(), scene.hand.radius.end()),
+               field = 1.5708 * scene.settings.stiffness * radius * radius,
+               stiffness = largest(test::kProxyStiffness, field);
   double most = 0, hopped = 0;
   DeviceFrame frame = resample(grasp, 0);
   for (int i = 1; i <= 1800; ++i) {
@@ -115,13 +120,45 @@ TEST(ProxySlip, LetsNoForceHopInAFirmGrip) {
     frame = resample(grasp, i / 1000.0);
     feel(run, frame);
     if (i < 650) continue;  // it arrives
-    const double accounted = 0.11 + 1.5 * test::kProxyStiffness * way_between(scene.hand, before, frame);
+    const double accounted = 0.11 + 1.5 * stiffness * way_between(scene.hand, before, frame);
     EXPECT_LT(step_of(felt, run.output), accounted) << i;
     hopped = largest(hopped, step_of(was, run.scratch.forces) - accounted);
     for (const Wrench& segment : run.output.segment) most = largest(most, norm(segment.force));
   }
   EXPECT_GT(most, 20);
   EXPECT_GT(hopped, 5) << "what is felt does, and its forces do not";
+}
+
+// A plate shakes by 4 mm, 10 times a second, at a fingertip that it presses with up to 35 N.
+TEST(ProxySlip, LetsNothingFadeThatAnObjectPressesWithThatShakes) {
+  Scene scene = proxy_scene(make_box({0.06, 0.06, 0.02}, 4));
+  scene.objects[0].mechanism.mobility = Mobility::given;
+  scene.settings.fade_time = 0.02;
+  Session run(scene);
+  double most = 0;
+  for (int i = 0; i < 600; ++i) {
+    const double z = i < 200 ? 1e-4 * (i - 200) : 0.004 * std::sin(0.0628 * (i - 200));
+    const std::vector<ObjectFrame> given{{{{0, 0, z}, {}}}};
+    run.feel(fingertip_at({0.002, 0.001, 0.008}), given);
+    EXPECT_TRUE(i < 30 || (run.output.flags & kFading) == 0) << i;
+    most = largest(most, test::hand_force(run.output).z);
+  }
+  EXPECT_GT(most, 30);
+}
+
+// A hand that does not move feels all of what a box is caught with.
+TEST(ProxySlip, LetsAStillHandFeelABoxThatFallsOnIt) {
+  Scene scene = proxy_scene(make_box({0.06, 0.06, 0.06}, 4));
+  scene.objects[0] = test::body_of("box", make_box({0.06, 0.06, 0.06}, 4), 0.3, {{0, 0, 0.1}, {}}, {});
+  scene.settings.fade_time = 0.02;
+  Session run(scene);
+  Vec3 felt, done;
+  for (int i = 0; i < 190; ++i) {
+    done += 0.001 * run.step(fingertip_at({}, {0, 0, -1})).wrench.force;
+    felt += 0.001 * test::hand_force(run.output);
+  }
+  EXPECT_GT(done.z, 0.3);
+  EXPECT_NEAR(felt.z, -done.z, 0.02 * done.z);
 }
 
 // Pressed by more than a centimetre at 3 m/s, drawn along at 3 m/s, and taken back.

@@ -1,6 +1,8 @@
 // Limits: what may go out to a person's fingers. Too much saturates, what can't be trusted fades to zero.
 #pragma once
 
+#include <array>
+
 #include "lumbrical/tick.h"
 #include "model/primitive.h"
 
@@ -16,8 +18,9 @@ inline constexpr double kUnlimitedShare = 0.8;
 /// pressed harder feels the stiffness fade and no kink.
 double saturated(double force, double max_force);
 
-/// [N] Forces may change as they like.
-inline constexpr double kAnyChange = 1e300;
+/// [N] The most by which each segment's force may change in a tick.
+using MostChanges = std::array<double, kSegmentCount>;
+inline constexpr MostChanges kAnyChange = every_segment(1e300);
 
 /// May this tick's forces go out?
 enum class Trust : std::uint8_t {
@@ -36,11 +39,12 @@ enum class Trust : std::uint8_t {
 /// without trust, or trusted anew, the last output becomes the held one, which then fades out. So the output
 /// never steps, whatever comes in and however often trust changes, and is exactly the fresh force once trust
 /// has lasted.
-/// A change of a segment's force by more than `most_change` [N] in this tick is taken like forces trusted
-/// anew, and as slowly as to change none by more, where forces fade at all. Advances `state` to the next
-/// tick. contact_count of the answer is left to the caller.
+/// Where a segment's force would change by more than `most_changes` allows in this tick, that is taken like
+/// forces trusted anew, and as slowly as to change none by more, where forces fade at all. Advances `state`
+/// to the next tick. contact_count of the answer is left to the caller.
 ActuatorFrame limit_forces(const Settings& settings, const Primitives& hand, HandForces fresh, Trust trust,
-                           std::uint32_t flags, HandState& state, double most_change = kAnyChange);
+                           std::uint32_t flags, HandState& state,
+                           const MostChanges& most_changes = kAnyChange);
 
 /// The same of a tick that has computed nothing to be trusted.
 ActuatorFrame fade_forces(const Settings& settings, std::uint32_t flags, HandState& state);
