@@ -44,8 +44,9 @@ constexpr FlagText kFlagTexts[] = {
     {kHandJumped, "hand jumped",
      "farther in a tick than a hand can go; check the tracker, or mark frames as lost where its frame moves"},
     {kFading, "fading",
-     "forces faded or rose again: their input could not be trusted for a while, joints came or went, or what "
-     "held the hand back let go of it or took hold elsewhere"},
+     "forces faded or rose again: their input could not be trusted for a while, joints came or went, the "
+     "hand "
+     "jumped, or a finger slipped off what held it back"},
 };
 
 // What all segments have in common.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "proxy/hand_pull.h"
 #include "stages/broadphase.h"
@@ -25,11 +24,9 @@ constexpr std::size_t kMostPairs = 2000;
 constexpr double kLittlePush = 1, kBalanceTime = 0.05;
 constexpr double kForgotten = 1e-6;  // a share of it that is as good as none
 
-// A core that slips off what holds it, or goes on to another face of it, takes its push along at once,
-// wherever the hand is. So forces change no faster than the ways of the hand and of what moves at it, and the
-// stiffness at the wrist or a stiffer field's, account for, times so many for fingers that press together,
-// and by so much more [N/s].
-constexpr double kFirmer = 1.5, kSteadyChange = 100;
+// [N], [m/s] A finger that pressed harder, and whose proxy moves faster than the hand by more, has slipped
+// off what held it: so much force must neither end nor come in a tick.
+constexpr double kPressed = 1, kSlips = 1;
 
 // The share of an axis' distance from the nearest triangle that a step may take.
 constexpr double kShareOfClearance = 0.5;
@@ -188,52 +185,23 @@ double longest_step(const Hand& hand) {
   return kLongestStep * thinnest;
 }
 
-// Is it kept from where its hand is?
-bool is_held(const ProxyState& kept) {
-  const Joints known = known_to(kept);
-  for (std::size_t j = 0; j < kJointCount; ++j) {
-    if (known.has(static_cast<int>(j)) && kept.joint[j].position != kept.tracked[j]) return true;
+// Has a finger that pressed slipped off something? The hand has come to `hand`, and its proxy to `proxy`.
+// What holds a finger lets it no faster along than the hand goes. Which way it slips does not matter: what it
+// finds next may be farther from the hand, if its springs are laxer there.
+bool has_slipped(const HandForces& felt, const ProxyState& before, const Joints& hand, const Joints& proxy,
+                 double rate) {
+  const Joints known = known_to(before);
+  for (std::size_t i = 0; i < kPhalanxCount; ++i) {
+    if (!(norm(felt.segment[i].force) > kPressed)) continue;
+    for (const int joint : {kPhalanxJoints[i].base, kPhalanxJoints[i].tip}) {
+      if (!known.has(joint) || !proxy.has(joint)) continue;
+      const Vec3 was_tracked = before.tracked[static_cast<std::size_t>(joint)];
+      const double way = norm(proxy.position(joint) - known.position(joint)),
+                   way_of_hand = norm(hand.position(joint) - was_tracked);
+      if (way > way_of_hand + kSlips / rate) return true;
+    }
   }
   return false;
-}
-
-// [N/m] Of a segment's field: of a palm that lies flat, and of a fingertip as deep as its core lets it.
-double field_stiffness(const Model& model, std::size_t segment) {
-  const Palm& palm = model.hand.palm;
-  if (segment != kPalmSegment) {
-    const double radius = model.hand.radius[kPhalanxJoints[segment].base];
-    return 0.5 * std::numbers::pi * model.settings.stiffness * radius * radius;
-  }
-  Vec3 low{1e300, 0, 1e300}, high{-1e300, 0, -1e300};
-  for (const Vec3 corner : palm.polygon) {
-    low = {min(low.x, corner.x), 0, min(low.z, corner.z)};
-    high = {max(high.x, corner.x), 0, max(high.z, corner.z)};
-  }
-  return palm.polygon.empty() ? 0 : model.settings.stiffness * (high.x - low.x) * (high.z - low.z);
-}
-
-// [m] That the hand's fastest joint has gone to get to `hand`.
-double way_of_hand(const ProxyState& before, const Joints& hand) {
-  double way = 0;
-  for (std::size_t j = 0; j < kJointCount; ++j) {
-    const int joint = static_cast<int>(j);
-    if (known_to(before).has(joint) && hand.has(joint))
-      way = max(way, norm(hand.position(joint) - before.tracked[j]));
-  }
-  return way;
-}
-
-// In a tick in which something holds the proxy, or just did, for a hand that has come to `hand`, where
-// objects at it have gone by `way_of_objects`.
-MostChanges most_changes_of(const Model& model, const ProxyState& before, const Joints& hand,
-                            double way_of_objects) {
-  const double way = way_of_hand(before, hand) + way_of_objects;
-  MostChanges most;
-  for (std::size_t i = 0; i < kSegmentCount; ++i) {
-    const double stiffness = max(model.settings.proxy_stiffness, field_stiffness(model, i));
-    most[i] = kFirmer * stiffness * way + kSteadyChange / model.settings.rate;
-  }
-  return most;
 }
 
 // A proxy has the joints that its hand has.
@@ -256,18 +224,6 @@ bool find_gaps(const Model& model, const State& state, const Joints& proxy, doub
   return true;
 }
 
-// [m] That the surface at a gap has gone by since the last tick.
-double way_of_surface(const Model& model, const State& state, std::span<const Pose> before, const Gap& gap) {
-  if (gap.object == 0) return 0;
-  const std::size_t i = gap.object - 1u;
-  const Mechanism& mechanism = model.apart[i].mechanism;
-  const ObjectState& object = state.objects[i];
-  if (!moves_by_itself(mechanism))
-    return norm(gap.point - transform(before[i], transform(inverse(object.pose), gap.point)));
-  const Vec3 arm = gap.point - transform(object.pose, mechanism.body.centre);
-  return norm(object.velocity + cross(object.angular_velocity, arm)) / model.settings.rate;
-}
-
 enum class Advance : std::uint8_t { done, crossed, overflow };
 
 // Does a surface lie across an axis, or an axis in a solid? No step of the proxy's own brings one there.
@@ -280,7 +236,6 @@ bool is_crossed(const CoreGaps& gaps) {
 Advance advance(const Model& model, const State& state, const Joints& tracked, Scratch& scratch,
                 Joints& proxy) {
   PushList& pushing = scratch.proxy->pushing;
-  double& way_of_objects = scratch.proxy->way_of_objects;
   const double longest = longest_step(model.hand), stiffness = model.settings.proxy_stiffness;
   std::size_t pairs = 0;
   for (int step = 0; step < kMostSteps && pairs < kMostPairs; ++step) {
@@ -289,8 +244,6 @@ Advance advance(const Model& model, const State& state, const Joints& tracked, S
     if (is_crossed(gaps)) return Advance::crossed;
     pairs += gaps.pairs;
     const std::span<Gap> all{gaps.gap.begin(), gaps.gap.size()};
-    for (const Gap& gap : all)
-      way_of_objects = max(way_of_objects, way_of_surface(model, state, scratch.proxy->objects, gap));
     HandMove wanted = way_to(tracked, proxy);
     const bool shortened = shorten(stiffness, wanted);
     const HandMove move = pull(proxy, wanted, stiffness, state.proxy->balanced, all);
@@ -330,19 +283,12 @@ std::shared_ptr<ProxyMemory> make_proxy_memory(const Model& model) {
   size_candidates(model, memory->search);
   size_gap_memory(model, memory->gaps);
   for (const ApartObject& object : model.apart) size_gap_memory(*object.shape, memory->gaps);
-  memory->objects.resize(model.apart.size());
   return memory;
-}
-
-void note_objects(const State& state, ProxyMemory& memory) {
-  for (std::size_t i = 0; i < memory.objects.size(); ++i) memory.objects[i] = state.objects[i].pose;
 }
 
 std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratch& scratch, Primitives& hand,
                           bool& anew) {
   scratch.proxy->pushing.clear();
-  scratch.proxy->most_changes = kAnyChange;
-  scratch.proxy->way_of_objects = 0;
   if (!state.proxy) state.proxy.emplace();
   ProxyState& kept = *state.proxy;
   Joints& joints = hand.joints;
@@ -373,8 +319,7 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
     anew = true;
     return 0;
   }
-  if (is_held(kept) || !(proxy.pose == all.pose))
-    scratch.proxy->most_changes = most_changes_of(model, kept, all, scratch.proxy->way_of_objects);
+  if (has_slipped(state.last, kept, all, proxy, model.settings.rate)) anew = true;
   if (proxy.pose == all.pose) {  // nothing is in the way: what tracking has lost may be forgotten
     kept = kept_of(joints, joints, kept.balanced);
     return 0;

@@ -6,13 +6,10 @@
 // hand, to the bit.
 #pragma once
 
-#include <vector>
-
 #include "lumbrical/tick.h"
 #include "model/primitive.h"
 #include "proxy/core_gaps.h"
 #include "proxy/core_pushes.h"
-#include "stages/force_limits.h"
 
 namespace lumbrical {
 
@@ -20,22 +17,15 @@ struct ProxyMemory {
   Scratch search;
   PushList pushing;  ///< in the last tick
   GapMemory gaps;
-  std::vector<Pose> objects;  ///< of Model::apart, before this tick was told where those are that are given
-  double way_of_objects = 0;  ///< [m] the farthest that any at the hand has gone since the last tick
-  MostChanges most_changes = kAnyChange;  ///< in this tick, without fading
 };
 std::shared_ptr<ProxyMemory> make_proxy_memory(const Model& model);
-
-/// Keeps where objects are: before a tick moves those that are given.
-void note_objects(const State& state, ProxyMemory& memory);
 
 /// Moves the proxy towards the tracked hand in `hand`, which is then the proxy, and lists in `scratch` the
 /// gaps that push. At first, and after a tick without `trusted`, there is none until the tracked hand's cores
 /// are outside all surfaces: before that no one can say from where they came. A hand without a wrist has
-/// none. While something holds the proxy, or just did, forces may change by ProxyMemory::most_changes. Joints
-/// that tracking loses while something holds the proxy stay as they were on what carries them. Where
-/// something has come to lie across a core's axis, or one is inside a solid, the proxy is forgotten, and
-/// `anew` set: forces are of another hand then. Returns TickFlag bits.
+/// none. Joints that tracking loses while something holds the proxy stay as they were on what carries them.
+/// Where something has come to lie across a core's axis, or one is inside a solid, the proxy is forgotten,
+/// and `anew` set: forces are of another hand then. Returns TickFlag bits.
 std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratch& scratch, Primitives& hand,
                           bool& anew);
 

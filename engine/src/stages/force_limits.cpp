@@ -49,35 +49,10 @@ HandForces within(double max_force, const HandForces& forces) {
   return largest <= 1.000001 * max_force ? forces : mix(max_force / largest, forces, 0, {});
 }
 
-// So many times as much as is allowed is no mere haste.
-constexpr double kHop = 1.25;
-
-// How many times as much as it may a segment's force changes, at most.
-double share_of_change(const HandForces& before, const HandForces& now, const MostChanges& most_changes) {
-  double most = 0;
-  for (std::size_t i = 0; i < kSegmentCount; ++i)
-    most = max(most, norm(now.segment[i].force - before.segment[i].force) / most_changes[i]);
-  return most;
-}
-
-// What would go out if fading went on as it is.
-HandForces mixed_on(double step, const HandForces& fresh, const HandState& state) {
-  return mix(min(1, state.rise + step), fresh, max(0, state.fall - step), state.held);
-}
-
 // Fresh forces are zero where they are not trusted.
 ActuatorFrame mix_with_held(const Settings& settings, const HandForces& fresh, Trust trust,
-                            std::uint32_t flags, HandState& state,
-                            const MostChanges& most_changes = kAnyChange) {
-  double step = 1 / max(1, settings.fade_time * settings.rate);
-  const bool hops = trust == Trust::kept && step < 1 &&
-                    share_of_change(state.last, mixed_on(step, fresh, state), most_changes) > 1;
-  if (hops) {
-    trust = Trust::anew;
-    // What hardly changes by too much goes on with all that is allowed: it would come late without need.
-    const double share = share_of_change(state.last, fresh, most_changes);
-    step = share < kHop ? 1 / max(1, share) : min(step, 1 / share);
-  }
+                            std::uint32_t flags, HandState& state) {
+  const double step = 1 / max(1, settings.fade_time * settings.rate);
   if (trust != Trust::kept && state.rise > 0) {
     state.held = state.last;
     state.rise = 0;
@@ -106,11 +81,11 @@ double saturated(double force, double max_force) {
 }
 
 ActuatorFrame limit_forces(const Settings& settings, const Primitives& hand, HandForces fresh, Trust trust,
-                           std::uint32_t flags, HandState& state, const MostChanges& most_changes) {
+                           std::uint32_t flags, HandState& state) {
   if (!all_finite(fresh)) trust = Trust::none;
   if (trust == Trust::none) fresh = {};
   if (saturate_segments(settings.max_force, hand, fresh)) flags |= kForceLimited;
-  return mix_with_held(settings, fresh, trust, flags, state, most_changes);
+  return mix_with_held(settings, fresh, trust, flags, state);
 }
 
 ActuatorFrame fade_forces(const Settings& settings, std::uint32_t flags, HandState& state) {

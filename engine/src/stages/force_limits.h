@@ -1,8 +1,6 @@
 // Limits: what may go out to a person's fingers. Too much saturates, what can't be trusted fades to zero.
 #pragma once
 
-#include <array>
-
 #include "lumbrical/tick.h"
 #include "model/primitive.h"
 
@@ -17,10 +15,6 @@ inline constexpr double kUnlimitedShare = 0.8;
 /// which never exceeds max_force, never falls, and starts with slope 1 and curvature 0: a finger that is
 /// pressed harder feels the stiffness fade and no kink.
 double saturated(double force, double max_force);
-
-/// [N] The most by which each segment's force may change in a tick.
-using MostChanges = std::array<double, kSegmentCount>;
-inline constexpr MostChanges kAnyChange = every_segment(1e300);
 
 /// May this tick's forces go out?
 enum class Trust : std::uint8_t {
@@ -38,13 +32,9 @@ enum class Trust : std::uint8_t {
 /// While forces are trusted, rise grows to 1 within fade_time and fall shrinks to 0. At the first tick
 /// without trust, or trusted anew, the last output becomes the held one, which then fades out. So the output
 /// never steps, whatever comes in and however often trust changes, and is exactly the fresh force once trust
-/// has lasted.
-/// Where a segment's force would change by more than `most_changes` allows in this tick, that is taken like
-/// forces trusted anew, and as slowly as to change none by more, where forces fade at all. Advances `state`
-/// to the next tick. contact_count of the answer is left to the caller.
+/// has lasted. Advances `state` to the next tick. contact_count of the answer is left to the caller.
 ActuatorFrame limit_forces(const Settings& settings, const Primitives& hand, HandForces fresh, Trust trust,
-                           std::uint32_t flags, HandState& state,
-                           const MostChanges& most_changes = kAnyChange);
+                           std::uint32_t flags, HandState& state);
 
 /// The same of a tick that has computed nothing to be trusted.
 ActuatorFrame fade_forces(const Settings& settings, std::uint32_t flags, HandState& state);

@@ -124,7 +124,6 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   bool anew = placed && take_place(hand.joints, model.settings.rate, state, flags);
   anew = (placed && take_joints(hand.joints.valid, state)) || anew;
   const bool apart = !model.apart.empty();
-  if (scratch.proxy) note_objects(state, *scratch.proxy);
   if (apart) flags |= move_given(model, given, state, anew);
   if (scratch.proxy) flags |= follow_hand(model, is_trusted(flags), state, scratch, hand, anew);
   HandForces& forces = scratch.forces =
@@ -139,8 +138,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   tell(scratch.watch, Stage::contact_force);
 
   const Trust trust = !is_trusted(flags) ? Trust::none : anew ? Trust::anew : Trust::kept;
-  const MostChanges& most_changes = scratch.proxy ? scratch.proxy->most_changes : kAnyChange;
-  ActuatorFrame output = limit_forces(model.settings, hand, forces, trust, flags, state, most_changes);
+  ActuatorFrame output = limit_forces(model.settings, hand, forces, trust, flags, state);
   output.contact_count = findings.contact_count;
   output.evaluations = findings.evaluations;
   output.force_error = findings.force_error;
