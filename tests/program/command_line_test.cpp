@@ -59,6 +59,20 @@ TEST(CommandLine, MistakesInItExitWith2AndNameTheSwitch) {
   }
 }
 
+// 010 was read as octal, and 5.5 refused without a word on what there is.
+TEST(CommandLine, WholeNumbersAreTakenHoweverTheyAreWrittenAndElseTheRangeIsNamed) {
+  const fs::path folder = fresh_folder();
+  const std::string run = "lumbrical run '" + kDemo + "' --json ";
+  for (const char* const ten : {"10", "010", "1e1", "10.0"})
+    EXPECT_EQ(shell(run + "--ticks " + ten, folder).json()["ticks"], 10) << ten;
+  EXPECT_EQ(shell(run + "--ticks 1 --effort 1e9", folder).exit_code, 0);
+  for (const char* const wrong : {"-1", "5.5", "ten", "''", "1e10", "nan", "0x10"}) {
+    const Outcome outcome = shell(run + "--ticks 1 --effort " + wrong, folder);
+    EXPECT_EQ(outcome.exit_code, 2) << wrong;
+    EXPECT_NE(outcome.error.find("no whole number in 0 .. 1000000000"), std::string::npos) << outcome.error;
+  }
+}
+
 TEST(CommandLine, BadFilesExitWith2AndAreNamed) {
   const fs::path folder = folder_with_square();
   std::ofstream(folder / "bad.obj") << "v 0 0 0\nf 1 2 3\n";

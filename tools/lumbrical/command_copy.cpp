@@ -23,7 +23,7 @@ struct CopySwitches {
   bool json = false;
 };
 
-constexpr double kLatest = 1e12;  // s or ticks, of switches
+constexpr double kLatest = 1e12;  // [s] of switches
 
 // With as many digits as the last may have, so that names sort as parts follow each other.
 std::string numbered(const std::string& output, std::size_t number, std::size_t digit_count) {
@@ -174,8 +174,10 @@ void add_trim(Command& app, int& exit_code) {
   Command* const command = add_command(app, exit_code, "trim",
                                        "Copy a part of a recording, which can be replayed", switches, trim);
   add_recordings(command, switches, 1);
-  command->add_option("--from-tick", switches->from_tick, "First tick")->check(number_in(0, kLatest));
-  command->add_option("--to-tick", switches->to_tick, "Tick behind the last")->check(number_in(0, kLatest));
+  command->add_option("--from-tick", switches->from_tick, "First tick")
+      ->check(whole_number_in(0, kLatestTick));
+  command->add_option("--to-tick", switches->to_tick, "Tick behind the last")
+      ->check(whole_number_in(0, kLatestTick));
   command->add_option("--from", switches->from_second, "First moment [s of session time]")
       ->check(number_in(0, kLatest))
       ->excludes("--from-tick");
@@ -190,7 +192,7 @@ void add_split(Command& app, int& exit_code) {
   Command* const command = add_command(
       app, exit_code, "split", "Copy a recording in parts: OUT.001.mcap, OUT.002.mcap ...", switches, split);
   add_recordings(command, switches, 1);
-  command->add_option("--ticks", switches->ticks, "Of a part")->check(number_in(1, kLatest));
+  command->add_option("--ticks", switches->ticks, "Of a part")->check(whole_number_in(1, kLatestTick));
   command->add_option("--seconds", switches->seconds, "Of a part")
       ->check(number_in(1e-6, kLatest))
       ->excludes("--ticks");

@@ -61,7 +61,7 @@ Option* Option::required() {
 }
 
 Option* Option::check(const Check& check) {
-  option_->check(CLI::Validator(check.fault, check.form));
+  option_->transform(CLI::Validator(check.fault, check.form));  // a check of CLI11's rewrites nothing
   return this;
 }
 

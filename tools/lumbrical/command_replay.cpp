@@ -290,12 +290,13 @@ void add_replay(Command& app, int& exit_code) {
       ->add_option("--threads", switches->threads,
                    "1 .. 64; never changes a result. Of several recordings: how many at a time, all cores "
                    "unless given")
-      ->check(number_in(1, 64));
+      ->check(whole_number_in(1, 64));
   command
       ->add_option("--trace", switches->trace,
                    "Write all intermediate values of the first tick and stage that differ, as text")
       ->type_name("FILE|-");
   command->add_option("--trace-tick", switches->trace_tick, "Of this tick instead, whether it differs or not")
+      ->check(whole_number_in(0, kLatestTick))
       ->type_name("TICK")
       ->needs("--trace");
   command

@@ -171,7 +171,7 @@ void add_sim_device(Command& app, int& exit_code) {
   wire->add_option("--line", options->line, "An existing serial line")->type_name("DEVICE");
   wire->require_option(1);
   command->add_option("--baud", options->baud, "Of --line")
-      ->check(number_in(300, 10000000))
+      ->check(whole_number_in(300, 10000000))
       ->capture_default_str();
   command->add_option("--scene", options->scene, "Scene whose hand motion (joint angles) the human intends")
       ->type_name("FILE");

@@ -69,7 +69,7 @@ void add_view(Command& app, int& exit_code) {
       ->type_name("REC.mcap");
   command->add_option("other", options->other, "What to compare it with")->type_name("OTHER.mcap");
   command->add_option("--port", options->port, "Of 127.0.0.1 to serve on; 0: any that is free")
-      ->check(number_in(0, 65535));
+      ->check(whole_number_in(0, 65535));
   command->add_flag("--no-browser", options->no_browser, "Print the address and open nothing");
   command->callback([options, &exit_code] { exit_code = view(*options); });
 }

@@ -98,7 +98,7 @@ void add_world(Command& app, int& exit_code) {
   command->add_option("--cell-size", options->cell_size, "Of the grid [m]; the scene's, or 0.1")
       ->check(number_in(1e-3, 1e6));
   command->add_option("--threads", options->threads, "1 .. 64; never changes the file")
-      ->check(number_in(1, 64));
+      ->check(whole_number_in(1, 64));
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options, &exit_code] { exit_code = make_world(*options); });
 }

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <charconv>
+#include <cmath>
+#include <cstdint>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -28,6 +30,27 @@ inline Check number_in(double low, double high) {
           },
           "NUMBER"};
 }
+
+/// A whole number within low .. high, however it is written: 2e6 is rewritten to its digits, and 010 to 10,
+/// which would else be read as octal.
+inline Check whole_number_in(std::uint64_t low, std::uint64_t high) {
+  return {[low, high](std::string& text) -> std::string {
+            double number = 0;
+            const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+            const bool is_number = error == std::errc() && end == text.data() + text.size();
+            if (is_number && number >= static_cast<double>(low) && number <= static_cast<double>(high) &&
+                number == std::floor(number)) {
+              text = std::to_string(static_cast<std::uint64_t>(number));
+              return {};
+            }
+            return '"' + text + "\" is no whole number in " + std::to_string(low) + " .. " +
+                   std::to_string(high);
+          },
+          "NUMBER"};
+}
+
+/// Of ticks that a switch names: far beyond any session, and exact as a double.
+inline constexpr std::uint64_t kLatestTick = 1000000000000;
 
 /// The name of a file to write: an empty one, as of a variable that is not set, must not pass for none.
 inline Check is_path() {
