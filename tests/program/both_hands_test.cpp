@@ -57,18 +57,6 @@ TEST(BothHands, EachFeelsWhatItFeelsAlone) {
   }
 }
 
-// Both hands' ticks have to fit into a period, and the bound is of each.
-TEST(BothHands, ShareThePeriodThatABoundOnEffortLeavesThem) {
-  const fs::path folder = folder_with_both();
-  for (const auto& [side, hands] : {std::pair("left", 1), std::pair("both", 2)}) {
-    const nlohmann::json effort =
-        lumbrical(std::string("run scene.json --rate 1000 --json --side ") + side, folder).json()["effort"];
-    const double one = effort["ns_per_evaluation"], fits = effort["fits_half_a_period"];
-    ASSERT_GT(one, 0);
-    EXPECT_NEAR(hands * fits * one, 5e5, hands * one) << side;
-  }
-}
-
 TEST(BothHands, AreTrimmedExportedAndComparedTogether) {
   const fs::path folder = folder_with_both();
   ASSERT_EQ(lumbrical("run scene.json --record a.mcap", folder).exit_code, 0);

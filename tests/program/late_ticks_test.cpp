@@ -10,7 +10,7 @@ constexpr std::int64_t kPeriod = 1000, kMoment = 10;  // [ns]
 
 LateTicks no_ticks() {
   LateTicks late;
-  late.reserve({});
+  late.slowest.reserve({});
   return late;
 }
 
@@ -23,7 +23,7 @@ TEST(LateTicks, TicksBehindAreLateForTheReasonsOfThoseBeforeThem) {
   }
   EXPECT_EQ(late.slow, 100u);
   EXPECT_EQ(late.woken_late + late.beside, 0u);
-  EXPECT_EQ(late.kept, late.slowest.size());
+  EXPECT_EQ(late.slowest.kept, late.slowest.start.size());
 }
 
 TEST(LateTicks, WhoeverWaitedForTheProcessorOnceWaitsUntilTheBacklogIsGone) {
@@ -35,7 +35,7 @@ TEST(LateTicks, WhoeverWaitedForTheProcessorOnceWaitsUntilTheBacklogIsGone) {
     wake_up = 0;
   }
   EXPECT_EQ(late.woken_late, 12u);
-  EXPECT_EQ(late.kept, 0u) << "no tick was slow";
+  EXPECT_EQ(late.slowest.kept, 0u) << "no tick was slow";
   // A later one, before which there was no backlog, has its own cause.
   late.add({0, 0, kPeriod / 2, kPeriod}, {});
   EXPECT_EQ(late.beside, 1u);
@@ -46,7 +46,24 @@ TEST(LateTicks, WhoeverWaitedForTheProcessorOnceWaitsUntilTheBacklogIsGone) {
 TEST(LateTicks, TheSlowestAreKept) {
   LateTicks late = no_ticks();
   for (std::int64_t i = 1; i <= 100; ++i) late.add({0, 0, kPeriod + i * 7 % 100, 0}, {});
-  for (const std::uint32_t duration : late.slowest_duration) EXPECT_GT(duration, kPeriod + 60);
+  for (const std::uint32_t duration : late.slowest.duration) EXPECT_GT(duration, kPeriod + 60);
+}
+
+// A rough object: 30,000 evaluations take 60 us of a tick of 560, which no bound brings to 490.
+TEST(LateTicks, WhereOtherWorkFillsHalfAPeriodNoBoundOnEffortIsProposed) {
+  const std::vector<EffortTimes> rough = {{560, 500, 30000, 1000}, {900, 100, 81000, 1000}};
+  EXPECT_FALSE(effort_within(490, rough).has_value());
+  EXPECT_DOUBLE_EQ(effort_within(530, rough).value(), 15500) << "the tick that a bound spares least";
+  EXPECT_FALSE(effort_within(500, std::vector<EffortTimes>{{560, 570, 30000, 30000}}).has_value())
+      << "coarser than one cell a patch";
+}
+
+// A session that had a bound already was proposed ever smaller ones, since what remained went by fewer.
+TEST(LateTicks, ABoundOnEffortIsProposedByWhatTicksWithoutOneTake) {
+  EXPECT_DOUBLE_EQ(effort_within(500, std::vector<EffortTimes>{{900, 100, 81000, 1000}}).value(), 41000);
+  const std::vector<EffortTimes> fast = {{100, 40, 30000, 1000}, {250, 245, 10000, 1000}};
+  EXPECT_DOUBLE_EQ(effort_within(500, fast).value(), 60000) << "twice the time is there, and no tick is cut";
+  EXPECT_FALSE(effort_within(500, {}).has_value());
 }
 
 }  // namespace

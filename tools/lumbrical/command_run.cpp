@@ -249,7 +249,8 @@ int run(const RunOptions& options) {
   if (!statistics.world_error.ok()) return fail(statistics.world_error);
   explain_untouched(scene_file, statistics);
   const LateReport late = study(statistics.late, felt_scene(scene_file), models);
-  const RunSummary summary{scene_file, models, statistics, late, shown, paced, options.record};
+  const EffortReport effort = study_effort(statistics.slowest_by_samples, models[0].settings.rate, models);
+  const RunSummary summary{scene_file, models, statistics, late, effort, shown, paced, options.record};
   const int printed = options.json ? print_json(run_json(summary)) : print_text(run_text(summary));
   if (printed != kDone || told) return kUnreadable;
   if (with_device && !device.forces_flow()) return kNoForces;
@@ -272,15 +273,17 @@ void add_scene_switches(RunOptions& options, Command& command) {
       ->check(is_alignment())
       ->type_name("[OBJECT:]centre|top|...|contact|x,y,z");
   command.add_option("--ticks", options.ticks, "Length of the session; default: the motion's")
-      ->check(number_in(1, 1e9));
+      ->check(whole_number_in(1, 1000000000));
   command.add_option("--broadphase", options.broadphase, "Search for candidate triangles")
       ->check(is_broadphase());
   command.add_option("--voxel-cache", options.voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");
   command.add_option("--law", options.law, "Contact law of the whole hand")->check(is_law());
   command.add_option("--precision", options.precision, kPrecisionHelp)->check(is_precision());
-  command.add_option(
-      "--effort", options.effort,
-      "Most evaluations a tick may spend on samples, but one cell a patch is the least; 0: no bound");
+  command
+      .add_option(
+          "--effort", options.effort,
+          "Most evaluations a tick may spend on samples, but one cell a patch is the least; 0: no bound")
+      ->check(whole_number_in(0, 1000000000));
   command.add_option("--stiffness", options.stiffness, "K_s [N/m^3]")->check(is_stiffness());
   command.add_option("--isa", options.isa, "Instruction set; never changes a result")->check(is_isa());
 }
@@ -301,7 +304,7 @@ Status run_line(const std::string& line, const RunOptions& common, Json& json) {
   RunStatistics statistics = run_session(session.hands, session.ticks, parts);
   if (!statistics.world_error.ok()) return statistics.world_error;
   explain_untouched(session.scene_file, statistics);
-  json.update(run_json({session.scene_file, session.models, statistics, {}, nullptr, false, {}}));
+  json.update(run_json({session.scene_file, session.models, statistics, {}, {}, nullptr, false, {}}));
   return {};
 }
 
@@ -329,8 +332,7 @@ int run_list(RunOptions options) {
 }
 
 std::string check_record_forces(std::string& text) {
-  const bool whole = text.find_first_not_of("0123456789") == std::string::npos;
-  if (text == "all" || text == "none" || (whole && number_in(1, 1000000).fault(text).empty())) return {};
+  if (text == "all" || text == "none" || whole_number_in(1, 1000000).fault(text).empty()) return {};
   return "\"" + text + "\" is none of all, none and whole numbers of ticks, 1 to 1000000";
 }
 
@@ -403,7 +405,7 @@ void add_run(Command& app, int& exit_code) {
           "--threads", options->threads,
           "1 .. 64; never changes a result. Of a list: how many sessions at a time, all cores unless "
           "given")
-      ->check(number_in(1, 64));
+      ->check(whole_number_in(1, 64));
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options, &exit_code] {
     const WorkSwitches& work = options->work;

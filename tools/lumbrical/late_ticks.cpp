@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -18,6 +19,7 @@ constexpr std::size_t kKept = 32;
 constexpr int kTimes = 3;             // that a tick is computed again, for its shortest time
 constexpr double kWorthwhile = 0.95;  // of the time: less help is noise
 constexpr std::uint32_t kMostThreads = 4;
+constexpr double kMostEffort = 1e9;  // that settings may have
 
 double microseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
@@ -46,26 +48,38 @@ std::vector<Scratch> fresh_scratches(const std::vector<Model>& models) {
   return scratches;
 }
 
-void tick_all(const std::vector<Model>& models, std::vector<Scratch>& scratches, TickStart& start) {
-  for (std::size_t hand = 0; hand < models.size(); ++hand)
-    tick(models[hand], start.state[hand], scratches[hand], start.frame[hand],
-         std::span(start.given[hand]).first(start.given_count[hand]));
+// Evaluations by samples, of all hands.
+double tick_all(const std::vector<Model>& models, std::vector<Scratch>& scratches, TickStart& start) {
+  double evaluations = 0;
+  for (std::size_t hand = 0; hand < models.size(); ++hand) {
+    const ActuatorFrame output = tick(models[hand], start.state[hand], scratches[hand], start.frame[hand],
+                                      std::span(start.given[hand]).first(start.given_count[hand]));
+    evaluations += static_cast<double>(output.evaluations);
+  }
+  return evaluations;
 }
 
-// [us] The median over the ticks of the shortest time of each.
+struct TimedTick {
+  double microseconds = 1e300;  // the shortest time
+  double evaluations = 0;
+};
+
+TimedTick time_of(const std::vector<Model>& models, std::vector<Scratch>& scratches, const TickStart& tick) {
+  TimedTick timed;
+  for (int i = 0; i < kTimes; ++i) {
+    TickStart again = tick;
+    const Clock::time_point start = Clock::now();
+    timed.evaluations = tick_all(models, scratches, again);
+    timed.microseconds = std::min(timed.microseconds, microseconds_since(start));
+  }
+  return timed;
+}
+
+// [us] The median over the ticks.
 double time_of(const std::vector<Model>& models, std::span<const TickStart> ticks) {
   std::vector<Scratch> scratches = fresh_scratches(models);
   std::vector<double> times;
-  for (const TickStart& late : ticks) {
-    double shortest = 1e300;
-    for (int i = 0; i < kTimes; ++i) {
-      TickStart again = late;
-      const Clock::time_point start = Clock::now();
-      tick_all(models, scratches, again);
-      shortest = std::min(shortest, microseconds_since(start));
-    }
-    times.push_back(shortest);
-  }
+  for (const TickStart& late : ticks) times.push_back(time_of(models, scratches, late).microseconds);
   const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
   std::nth_element(times.begin(), middle, times.end());
   return *middle;
@@ -135,14 +149,35 @@ std::vector<Model> changed_models(const Trial& trial, const std::vector<Model>& 
   return changed;
 }
 
+// The same hands in the same world with another bound; nothing where that can't be.
+std::vector<Model> models_with_effort(std::uint32_t effort, const std::vector<Model>& models) {
+  std::vector<Model> changed(models.size());
+  for (std::size_t hand = 0; hand < models.size(); ++hand) {
+    Settings settings = models[hand].settings;
+    settings.effort = effort;
+    if (!change_settings(models[hand], settings, models[hand].execution.threads, changed[hand]).ok())
+      return {};
+  }
+  return changed;
+}
+
 constexpr const char* kStageWords[kStageCount] = {"input",    "hand pose", "search",
                                                   "contacts", "sums",      "limits"};
 
 }  // namespace
 
-void LateTicks::reserve(const TickStart& any) {
-  slowest.assign(kKept, any);
-  slowest_duration.assign(kKept, 0);
+void SlowTicks::reserve(const TickStart& any) {
+  start.assign(kKept, any);
+  duration.assign(kKept, 0);
+}
+
+void SlowTicks::add(std::int64_t nanoseconds, const TickStart& tick) {
+  const auto lasted = static_cast<std::uint32_t>(std::min<std::int64_t>(nanoseconds, UINT32_MAX));
+  const auto least = std::min_element(duration.begin(), duration.end());
+  if (lasted <= *least) return;
+  kept = std::min(kept + 1, start.size());
+  *least = lasted;
+  start[static_cast<std::size_t>(least - duration.begin())] = tick;
 }
 
 void LateTicks::add(const LateTime& time, const TickStart& start) {
@@ -154,19 +189,12 @@ void LateTicks::add(const LateTime& time, const TickStart& start) {
     owed_[cause] = share * owed_[cause] + static_cast<double>(own[cause]);
   const auto most = std::max_element(owed_.begin(), owed_.end());
   ++*std::array{&woken_late, &slow, &beside}[static_cast<std::size_t>(most - owed_.begin())];
-  if (most != owed_.begin() + 1) return;
-
-  const auto duration = static_cast<std::uint32_t>(std::min<std::int64_t>(time.tick, UINT32_MAX));
-  const auto least = std::min_element(slowest_duration.begin(), slowest_duration.end());
-  if (duration <= *least) return;
-  kept = std::min(kept + 1, slowest.size());
-  *least = duration;
-  slowest[static_cast<std::size_t>(least - slowest_duration.begin())] = start;
+  if (most == owed_.begin() + 1) slowest.add(time.tick, start);
 }
 
 LateReport study(const LateTicks& late, const Scene& scene, const std::vector<Model>& models) {
   LateReport report;
-  const std::span ticks = std::span(late.slowest).first(late.kept);
+  const std::span ticks = std::span(late.slowest.start).first(late.slowest.kept);
   if (ticks.empty()) return report;
   report.microseconds = time_of(models, ticks);
   report.stage_share = stage_shares(models, ticks);
@@ -183,6 +211,40 @@ LateReport study(const LateTicks& late, const Scene& scene, const std::vector<Mo
   std::sort(report.remedies.begin(), report.remedies.end(), [](const Remedy& a, const Remedy& b) {
     return a.microseconds != b.microseconds ? a.microseconds < b.microseconds : a.change < b.change;
   });
+  return report;
+}
+
+std::optional<double> effort_within(double microseconds, std::span<const EffortTimes> ticks) {
+  double slowest = 0, busiest = 0;
+  std::optional<double> within;
+  for (const EffortTimes& tick : ticks) {
+    slowest = std::max(slowest, tick.microseconds);
+    busiest = std::max(busiest, tick.evaluations);
+    if (tick.microseconds <= microseconds) continue;
+    if (tick.least_microseconds >= microseconds) return std::nullopt;
+    const double share =
+        (microseconds - tick.least_microseconds) / (tick.microseconds - tick.least_microseconds);
+    const double of_tick = tick.least_evaluations + share * (tick.evaluations - tick.least_evaluations);
+    within = std::min(within.value_or(of_tick), of_tick);
+  }
+  if (within || !(slowest > 0)) return within;
+  return busiest * microseconds / slowest;
+}
+
+EffortReport study_effort(const SlowTicks& slowest, double rate, const std::vector<Model>& models) {
+  EffortReport report;
+  const std::vector<Model> free = models_with_effort(0, models), least = models_with_effort(1, models);
+  if (free.empty() || least.empty()) return report;
+  std::vector<Scratch> scratches = fresh_scratches(free), least_scratches = fresh_scratches(least);
+  std::vector<EffortTimes> ticks;
+  for (const TickStart& tick : std::span(slowest.start).first(slowest.kept)) {
+    const TimedTick as_it_is = time_of(free, scratches, tick),
+                    bounded = time_of(least, least_scratches, tick);
+    report.least_microseconds = std::max(report.least_microseconds, bounded.microseconds);
+    ticks.push_back({as_it_is.microseconds, bounded.microseconds, as_it_is.evaluations, bounded.evaluations});
+  }
+  const std::optional<double> fits = effort_within(0.5e6 / rate, ticks);
+  if (fits) report.fits = std::min(std::floor(*fits / static_cast<double>(models.size())), kMostEffort);
   return report;
 }
 
@@ -206,7 +268,7 @@ void add_late(const LateTicks& late, const LateReport& report, double period_us,
   add(late.woken_late, "other work had the processor");
   add(late.beside, "what is beside the tick took long (device, motion, recording)");
   table.add("late", causes);
-  if (late.kept == 0) return;
+  if (late.slowest.kept == 0) return;
   std::string stages;
   for (std::size_t i = 0; i < kStageCount; ++i) {
     const double percent = 100 * report.stage_share[i];

@@ -1,8 +1,11 @@
-// Why ticks were late, and what would help: the slowest of them computed again, stage by stage and otherwise.
+// Why ticks were late, what would help, and which bound on effort keeps a rate: the slowest ticks computed
+// again, stage by stage and otherwise.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,6 +24,17 @@ struct TickStart {
   std::array<State, kMostHands> state;  ///< before it: where objects stood, where the proxy was
 };
 
+/// Some of the ticks that it was given: the slowest.
+struct SlowTicks {
+  std::vector<TickStart> start;
+  std::vector<std::uint32_t> duration;  ///< [ns]
+  std::size_t kept = 0;                 ///< so many of both
+
+  /// Room for what is kept, so that keeping allocates nothing: states are as large as those of `any`.
+  void reserve(const TickStart& any);
+  void add(std::int64_t nanoseconds, const TickStart& tick);
+};
+
 /// What a late tick's time went into [ns].
 struct LateTime {
   std::int64_t behind = 0;   ///< ticks before it, which ended after it was due
@@ -32,15 +46,11 @@ struct LateTime {
 /// What was behind deadlines that were missed: of each the longest of the three counts. Ticks that wait for
 /// others before them have their causes.
 struct LateTicks {
-  std::uint64_t woken_late = 0;                 ///< other work had the processor
-  std::uint64_t slow = 0;                       ///< ticks took long
-  std::uint64_t beside = 0;                     ///< motion, device, recording
-  std::vector<TickStart> slowest;               ///< some of them, the slowest
-  std::vector<std::uint32_t> slowest_duration;  ///< [ns] theirs
-  std::size_t kept = 0;                         ///< so many of both
+  std::uint64_t woken_late = 0;  ///< other work had the processor
+  std::uint64_t slow = 0;        ///< ticks took long
+  std::uint64_t beside = 0;      ///< motion, device, recording
+  SlowTicks slowest;             ///< of those that took long
 
-  /// Room for what is kept, so that keeping allocates nothing: states are as large as those of `any`.
-  void reserve(const TickStart& any);
   void add(const LateTime& time, const TickStart& start);
 
  private:
@@ -62,6 +72,24 @@ struct LateReport {
 /// Nothing where no tick was slow. Builds the scene once more for each remedy that is tried.
 /// `models`: of the session's hands, which `scene` is felt by.
 LateReport study(const LateTicks& late, const Scene& scene, const std::vector<Model>& models);
+
+/// A tick with no bound on its effort, and with the least effort there is.
+struct EffortTimes {
+  double microseconds = 0, least_microseconds = 0;
+  double evaluations = 0, least_evaluations = 0;  ///< of all hands
+};
+
+/// Evaluations that keep each of the ticks within a time, by what a bound spares those that take longer.
+/// Where none does, as many as the busiest takes and, since everything grows with what is near, so much more
+/// as there is time for. Nothing: no bound does it.
+std::optional<double> effort_within(double microseconds, std::span<const EffortTimes> ticks);
+
+/// Which Settings::effort keeps the ticks within half a period of `rate`.
+struct EffortReport {
+  std::optional<double> fits;     ///< of each hand; nothing: none does, or there were no ticks
+  double least_microseconds = 0;  ///< of the tick that takes longest with the least effort
+};
+EffortReport study_effort(const SlowTicks& slowest, double rate, const std::vector<Model>& models);
 
 Json late_json(const LateTicks& late, const LateReport& report);
 void add_late(const LateTicks& late, const LateReport& report, double period_us, Table& table);

@@ -139,6 +139,11 @@ void note_input(const std::vector<MovingHand>& all, TickStart& start) {
   }
 }
 
+bool by_samples(const std::vector<MovingHand>& hands) {
+  return std::any_of(hands.begin(), hands.end(),
+                     [](const MovingHand& hand) { return hand.record.output.evaluations > 0; });
+}
+
 // False: the recording failed, and the session is to end with it.
 bool record_tick(MovingHand& moving, const SessionParts& parts, RunStatistics& statistics) {
   static_cast<void>(
@@ -211,8 +216,9 @@ void note_times(std::uint64_t number, const TickMoment& at, RunningSession& sess
   statistics.tick_times.add(duration);
   const bool late = paced ? end > at.due + period : duration > period;
   statistics.deadline_misses += late ? 1 : 0;
+  if (paced) note_input(session.hands, session.tick_start);
+  if (paced && by_samples(session.hands)) statistics.slowest_by_samples.add(duration, session.tick_start);
   if (late && paced) {
-    note_input(session.hands, session.tick_start);
     const std::int64_t woken = at.start - at.waiting;
     statistics.late.add({at.behind, woken, duration, end - at.due - at.behind - woken - duration},
                         session.tick_start);
@@ -271,7 +277,8 @@ RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t t
   if (parts.device != nullptr) start_device(session);
   if (parts.paced) {
     note_state(session.hands, session.tick_start);
-    statistics.late.reserve(session.tick_start);
+    statistics.late.slowest.reserve(session.tick_start);
+    statistics.slowest_by_samples.reserve(session.tick_start);
   }
   const std::uint64_t faults_before = page_faults();
   session.pace = start_pace(rate);

@@ -44,8 +44,9 @@ struct RunStatistics {
   RealTime real_time;                ///< paced: what the system allowed
   std::uint64_t page_faults = 0;     ///< of the ticking thread during the session
   std::uint64_t deadline_misses =
-      0;           ///< paced: results later than their period's end; else ticks longer than one
-  LateTicks late;  ///< paced: what was behind them
+      0;                         ///< paced: results later than their period's end; else ticks longer than one
+  LateTicks late;                ///< paced: what was behind them
+  SlowTicks slowest_by_samples;  ///< paced: of ticks with evaluations, late or not
   std::uint64_t max_evaluations = 0;          ///< of fields by samples, in one hand's tick
   double evaluations = 0, evaluating_ns = 0;  ///< sums over the ticks in which there were any
   Status recording_error;                     ///< that ended the recording before the session

@@ -117,13 +117,6 @@ double ns_per_evaluation(const RunStatistics& run) {
   return run.evaluations > 0 ? run.evaluating_ns / run.evaluations : 0;
 }
 
-// What Settings::effort, which bounds a hand's tick, may be for the samples of all hands to leave half of a
-// period to the rest, as fast as they were here; 0 where nothing was felt by them.
-double effort_for(double rate, const RunStatistics& run) {
-  const double of_hand = 0.5e9 / rate / static_cast<double>(run.hands.size());
-  return run.evaluations > 0 ? std::floor(of_hand / ns_per_evaluation(run)) : 0;
-}
-
 // Before any figure: what a person must know who reads one line.
 std::vector<std::string> trouble_of(const RunStatistics& run, const DeviceSession* device) {
   std::vector<std::string> lines = device != nullptr ? device->trouble() : std::vector<std::string>();
@@ -251,14 +244,18 @@ void add_real_time(const RunStatistics& run, Table& table) {
   for (const std::string& line : real_time.refused) table.add("", line);
 }
 
-void add_effort(const Model& model, const RunStatistics& run, Table& table) {
-  const double fits = effort_for(model.settings.rate, run);
-  if (!(fits > 0)) return;
+void add_effort(const Model& model, const RunStatistics& run, const EffortReport& effort, Table& table) {
+  if (run.slowest_by_samples.kept == 0) return;
   std::string text = "at most " + grouped(run.max_evaluations) + " evaluations a tick";
   if (model.settings.effort > 0) text += ", " + grouped(model.settings.effort) + " allowed";
   table.add("effort", text);
-  table.add("", "\"effort\": " + std::to_string(static_cast<std::uint64_t>(fits)) +
-                    " bounds them to half a period, by this session's times");
+  if (effort.fits) {
+    table.add("", "\"effort\": " + std::to_string(static_cast<std::uint64_t>(*effort.fits)) +
+                      " keeps ticks within half a period, by the slowest of them");
+    return;
+  }
+  table.add("", "no bound on it keeps ticks within half a period: with the least effort there is one takes " +
+                    brief(effort.least_microseconds) + " us");
 }
 
 void add_effort_exceeded(const Model& model, const RunStatistics& run, Table& table) {
@@ -313,7 +310,7 @@ void add_recording(const RunSummary& summary, Table& table) {
 }  // namespace
 
 Json run_json(const RunSummary& summary) {
-  const auto& [scene_file, models, run, late, device, paced, recording] = summary;
+  const auto& [scene_file, models, run, late, effort, device, paced, recording] = summary;
   const Model& model = models[0];
   Json json;
   json["trouble"] = trouble_of(run, device);
@@ -323,7 +320,7 @@ Json run_json(const RunSummary& summary) {
   json["deadline_misses"] = run.deadline_misses;
   json["effort"] = {{"max_evaluations", run.max_evaluations},
                     {"ns_per_evaluation", ns_per_evaluation(run)},
-                    {"fits_half_a_period", effort_for(model.settings.rate, run)}};
+                    {"fits_half_a_period", effort.fits ? Json(*effort.fits) : Json(nullptr)}};
   json["isa"] = isa_name(model.execution.isa);
   json["threads"] = model.execution.threads;
   json["broadphase"] = broadphase_name(model.execution.broadphase);
@@ -355,7 +352,7 @@ Json run_json(const RunSummary& summary) {
 }
 
 std::string run_text(const RunSummary& summary) {
-  const auto& [scene_file, models, run, late, device, paced, recording] = summary;
+  const auto& [scene_file, models, run, late, effort, device, paced, recording] = summary;
   const Model& model = models[0];
   Table table;
   for (const std::string& line : trouble_of(run, device))
@@ -369,7 +366,7 @@ std::string run_text(const RunSummary& summary) {
   if (device != nullptr) table.add("with the device", times_text(run.loop_times));
   if (paced) {
     add_real_time(run, table);
-    add_effort(model, run, table);
+    add_effort(model, run, effort, table);
   }
   add_effort_exceeded(model, run, table);
   add_computed_with(summary, table);

@@ -18,6 +18,7 @@ struct RunSummary {
   const std::vector<Model>& models;  ///< of the hands
   const RunStatistics& run;
   const LateReport& late;
+  const EffortReport& effort;
   const DeviceSession* device = nullptr;
   bool paced = false;
   std::string recording;  ///< empty: none
