@@ -10,7 +10,10 @@
 #include "largest.h"
 #include "lumbrical/motion.h"
 #include "proxied_session.h"
+#include "proxy/proxy_hand.h"
 #include "random.h"
+#include "stages/hand_pose.h"
+#include "stages/joint_torques.h"
 
 namespace lumbrical {
 namespace {
@@ -151,6 +154,88 @@ TEST(CorePushes, PassFromSegmentToSegmentAsAJointSlidesOverAnEdge) {
     EXPECT_GT(most, 15) << bend;
     EXPECT_LT(of_segment, of_finger + 0.2) << bend;
   }
+}
+
+// ---- What segments hand on ----
+
+/// The index finger's pushes in one tick, and what its segments feel of them.
+struct HandedOn {
+  Primitives hand;
+  std::array<Vec3, kPhalanxCount> carried{};
+  HandForces felt;
+
+  explicit HandedOn(const Joints& finger) {
+    static_cast<void>(place_hand(default_hand(Side::right), {}, finger, {}, hand));
+    place_axes(hand);
+  }
+  /// [N] On a segment, at its middle.
+  void feel(std::size_t segment, Vec3 push, bool anew = false) {
+    Gap gap;
+    const auto [base, tip] = kPhalanxJoints[segment];
+    gap.segment = static_cast<std::uint8_t>(segment);
+    gap.point = 0.5 * (hand.joints.position(base) + hand.joints.position(tip));
+    gap.push = norm(push);
+    gap.normal = push / norm(push);
+    PushList pushing;
+    pushing.push_back(gap);
+    felt = {};
+    add_pushes(pushing, hand, felt);
+    const auto torques = felt.joint_torque;
+    hand_on(pushing, hand, 1000, anew, carried, felt);
+    sum_joint_torques(hand, felt);
+    for (std::size_t i = 0; i < kSegmentCount; ++i)
+      EXPECT_NEAR(norm(felt.joint_torque[i] - torques[i]), 0, 1e-14) << i;
+    EXPECT_NEAR(norm(total() - push), 0, 1e-13);
+  }
+  [[nodiscard]] Vec3 total() const {
+    Vec3 sum;
+    for (const Wrench& wrench : felt.segment) sum += wrench.force;
+    return sum;
+  }
+  [[nodiscard]] Vec3 on(std::size_t segment) const { return felt.segment[segment].force; }
+};
+
+constexpr Vec3 kUpwards{0, 0, kPush};
+
+TEST(CorePushes, ThatHopBetweenSegmentsAreHandedOnInTimeAtTheSameJointTorques) {
+  HandedOn finger(index_finger({0.1, 0.2, 0.3}, 0.7));
+  finger.feel(kFirst + 2, kUpwards);
+  Vec3 before = finger.on(kFirst);
+  double most = 0;
+  for (int i = 0; i < 200; ++i) {
+    finger.feel(kFirst, kUpwards);
+    most = largest(most, norm(finger.on(kFirst) - before));
+    before = finger.on(kFirst);
+  }
+  EXPECT_LT(most, 0.051 * kPush);
+  EXPECT_NEAR(norm(before - kUpwards), 0, 1e-3 * kPush);
+}
+
+TEST(CorePushes, OfWhatComesAndGoesAreFeltWhereTheyAreAtOnce) {
+  HandedOn finger(index_finger({0.1, 0.2, 0.3}, 0.7));
+  finger.feel(kFirst + 2, kUpwards);
+  EXPECT_NEAR(norm(finger.on(kFirst + 2) - kUpwards), 0, 1e-13) << "from nothing";
+  finger.feel(kFirst + 2, 0.2 * kUpwards);
+  EXPECT_NEAR(norm(finger.on(kFirst + 2) - 0.2 * kUpwards), 0, 1e-13) << "most of it gone";
+  finger.feel(kFirst, -kUpwards);
+  EXPECT_NEAR(norm(finger.on(kFirst) + kUpwards), 0, 1e-13) << "from the other side";
+}
+
+TEST(CorePushes, OfAnotherHandAreHandedOnAtOnce) {
+  HandedOn finger(index_finger({0.1, 0.2, 0.3}, 0.7));
+  finger.feel(kFirst + 2, kUpwards);
+  finger.feel(kFirst, kUpwards, true);
+  EXPECT_EQ(finger.on(kFirst).z, kPush);
+  EXPECT_EQ(norm(finger.on(kFirst + 1)) + norm(finger.on(kFirst + 2)), 0);
+}
+
+TEST(CorePushes, AreHandedToNoSegmentThatTrackingHasLost) {
+  Joints joints = index_finger({0.1, 0.2, 0.3}, 0.7);
+  HandedOn finger(joints);
+  finger.feel(kFirst + 2, kUpwards);
+  finger.hand.present[kFirst + 2] = false;
+  finger.feel(kFirst, kUpwards);
+  EXPECT_EQ(norm(finger.on(kFirst + 2)), 0);
 }
 
 }  // namespace

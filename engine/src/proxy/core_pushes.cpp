@@ -40,6 +40,37 @@ Gap part_of(const Gap& gap, double part, std::size_t segment, Vec3 point) {
   return push;
 }
 
+// [s] In which what hopped from one segment to another follows.
+constexpr double kHopTime = 0.02;
+
+using Carried = std::array<Vec3, kPhalanxCount>;
+
+// What pushes make each joint carry; and of each finger what all its pushes come to.
+struct Pushed {
+  Carried carried{};
+  std::array<double, kPhalanxCount / 3> size{};  // [N]
+};
+Pushed pushed_by(const PushList& pushing) {
+  Pushed pushed;
+  for (const Gap& gap : pushing) {
+    if (gap.segment == kPalmSegment) continue;
+    const std::size_t first = gap.segment - gap.segment % 3u;
+    for (std::size_t i = first; i <= gap.segment; ++i) pushed.carried[i] += gap.push * gap.normal;
+    pushed.size[first / 3] += gap.push;
+  }
+  return pushed;
+}
+
+// As much of the way as `most`.
+Vec3 towards(Vec3 from, Vec3 to, double share, double most) {
+  const double way = norm(to - from);
+  return way > 0 ? from + min(1, share + most / way) * (to - from) : to;
+}
+
+bool is_felt(const Primitives& hand, std::size_t first) {
+  return hand.present[first] && hand.present[first + 1] && hand.present[first + 2];
+}
+
 }  // namespace
 
 void list_pushes(const Hand& hand, const Joints& proxy, std::span<const Gap> gaps, PushList& pushing) {
@@ -53,6 +84,24 @@ void list_pushes(const Hand& hand, const Joints& proxy, std::span<const Gap> gap
       pushing.push_back(part_of(gap, part, neighbour, joint));
     } else {
       pushing.push_back(gap);
+    }
+  }
+}
+
+void hand_on(const PushList& pushing, const Primitives& hand, double rate, bool anew, Carried& carried,
+             HandForces& forces) {
+  const auto [now, size] = pushed_by(pushing);
+  for (std::size_t first = 0; first < kPhalanxCount; first += 3) {
+    const double changed = norm(now[first] - carried[first]);
+    const bool settled = anew || !(size[first / 3] > 0) || !is_felt(hand, first);
+    carried[first] = now[first];
+    for (std::size_t i = first + 1; i < first + 3; ++i) {
+      carried[i] = settled ? now[i] : towards(carried[i], now[i], min(1, 1 / (rate * kHopTime)), changed);
+      if (settled) continue;
+      const Vec3 late = carried[i] - now[i];
+      forces.segment[i].force += late;
+      forces.segment[i - 1].force -= late;
+      forces.segment[i - 1].torque -= cross(hand.base_joint[i] - hand.base_joint[i - 1], late);
     }
   }
 }

@@ -204,9 +204,12 @@ bool has_slipped(const HandForces& felt, const ProxyState& before, const Joints&
   return false;
 }
 
-// A proxy has the joints that its hand has.
-ProxyState kept_of(const Joints& proxy, const Joints& hand, double balanced) {
-  ProxyState kept{proxy.pose, static_cast<double>(proxy.valid), balanced};
+// A proxy has the joints that its hand has. What answers its pushes is told later (balance_pushes, hand_on).
+ProxyState kept_of(const Joints& proxy, const Joints& hand, const ProxyState& before) {
+  ProxyState kept = before;
+  kept.joint = proxy.pose;
+  kept.valid = static_cast<double>(proxy.valid);
+  kept.tracked = {};
   for (std::size_t j = 0; j < kJointCount; ++j) {
     if (hand.has(static_cast<int>(j))) kept.tracked[j] = hand.pose[j].position;
   }
@@ -299,7 +302,7 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
   if (kept.valid == 0) {
     bool free = false;
     if (!is_free(model, state, joints, scratch, free)) return kCandidateOverflow;
-    if (free) kept = kept_of(joints, joints, 0);
+    if (free) kept = kept_of(joints, joints, {});
     return 0;
   }
   // What tracking has lost is where the proxy has it, and what it has found is new to the proxy.
@@ -321,10 +324,10 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
   }
   if (has_slipped(state.last, kept, all, proxy, model.settings.rate)) anew = true;
   if (proxy.pose == all.pose) {  // nothing is in the way: what tracking has lost may be forgotten
-    kept = kept_of(joints, joints, kept.balanced);
+    kept = kept_of(joints, joints, kept);
     return 0;
   }
-  kept = kept_of(proxy, all, kept.balanced);
+  kept = kept_of(proxy, all, kept);
   proxy.valid = joints.valid;
   static_cast<void>(place_hand(model.hand, model.settings, proxy, {}, hand));
   silence_untracked(hand, scratch.proxy->pushing);

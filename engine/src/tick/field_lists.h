@@ -85,6 +85,7 @@ constexpr void list_fields(Is<ProxyState> auto& proxy, auto&& field) {
   field("valid", "", proxy.valid);
   field("balanced", "", proxy.balanced);
   field("tracked", "m", proxy.tracked);
+  field("carried", "N", proxy.carried);
 }
 
 constexpr void list_fields(Is<Twist> auto& twist, auto&& field) {

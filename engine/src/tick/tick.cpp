@@ -134,7 +134,10 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   damp_pads(model.settings.pad, speeds, hand, forces);
   Findings findings = findings_of(model, scratch);
   if (apart) feel_objects({model, hand, speeds, is_trusted(flags)}, state, scratch, forces, findings, flags);
-  if (scratch.proxy) balance_pushes(scratch.proxy->pushing, forces, model.settings.rate, *state.proxy);
+  if (scratch.proxy) {
+    balance_pushes(scratch.proxy->pushing, forces, model.settings.rate, *state.proxy);
+    hand_on(scratch.proxy->pushing, hand, model.settings.rate, anew, state.proxy->carried, forces);
+  }
   tell(scratch.watch, Stage::contact_force);
 
   const Trust trust = !is_trusted(flags) ? Trust::none : anew ? Trust::anew : Trust::kept;
