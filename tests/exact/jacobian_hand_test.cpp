@@ -10,6 +10,7 @@
 #include "largest.h"
 #include "matrix6.h"
 #include "model/primitive.h"
+#include "pads.h"
 #include "posed_finger.h"
 #include "random.h"
 
@@ -250,6 +251,28 @@ TEST(HandJacobian, IsZeroWhereTheFrameCannotBeTrusted) {
     EXPECT_TRUE(jacobian.known);
     EXPECT_EQ(jacobian.value, Matrix6{});
   }
+}
+
+// Where such a joint is its place may be anything.
+TEST(HandJacobian, BySamplesDoesNotAskWhereJointsAreThatAreNotTracked) {
+  Scene scene = test::pad_scene();
+  scene.settings.precision.fill(1e-4);
+  scene.objects.push_back({"plane", make_plane(1, 100)});
+  const Model model = test::model_of(scene);
+  DeviceFrame frame = test::frame_of({{{0.3, 0.2, 0.007}, {0, 0, 1}}});
+  std::array<SegmentJacobian, kSegmentCount> jacobian[2];
+  for (int i = 0; i < 2; ++i) {
+    State state;
+    Scratch scratch = make_scratch(model);
+    if (i == 1) frame.joint[kPhalanxJoints[0].base].position = {-3, 40, 1e6f};
+    tick(model, state, scratch, frame);
+    segment_jacobians(model, scratch, jacobian[i], 1u << 2);
+  }
+  for (std::size_t row = 0; row < 6; ++row) {
+    for (std::size_t column = 0; column < 6; ++column)
+      EXPECT_EQ(jacobian[0][2].value[row][column], jacobian[1][2].value[row][column]) << row << column;
+  }
+  EXPECT_LT(jacobian[0][2].value[2][2], -500);
 }
 
 }  // namespace

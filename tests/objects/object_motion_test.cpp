@@ -293,6 +293,22 @@ TEST(ObjectMotion, DryFrictionHoldsALeverAndDetentsCatchIt) {
   EXPECT_NEAR(caught.state.objects[0].coordinate, 0.2, 1e-3);
 }
 
+TEST(ObjectMotion, DetentsCatchHoweverFarFromTheFirst) {
+  Scene scene = test::pad_scene();
+  scene.gravity = {};
+  SceneObject knob = test::body_of("knob", make_box({0.02, 0.02, 0.02}, 4), 0.1, {}, {});
+  knob.mechanism.mobility = Mobility::hinge;
+  knob.mechanism.axis = {0, 0, 1};
+  knob.mechanism.damping = 0.002;
+  knob.mechanism.detent_force = 0.05;
+  knob.mechanism.detent_pitch = 0.01;
+  scene.objects.push_back(knob);
+  Session caught(scene);
+  caught.state.objects[0].coordinate = 900.003;  // 143 turns
+  for (int i = 0; i < 3000; ++i) caught.step(no_hand());
+  EXPECT_NEAR(caught.state.objects[0].coordinate, 900, 1e-4);
+}
+
 // A door that fingers may push from either side, and a handle that stands where it is put.
 Scene door_scene() {
   Scene scene = test::pad_scene();
@@ -397,6 +413,28 @@ TEST(ObjectMotion, PosesThatAreMissingBrokenOrJumpAreToldAndForcesFade) {
     for (int i = 0; i < 60; ++i) run.step(frame, {&told, 1});
     EXPECT_NEAR(norm(test::hand_force(run.output)), before, 1e-12);
   }
+}
+
+// Engines at half the rate may pass a pose in every other tick, or each one twice.
+TEST(ObjectMotion, APoseThatIsMissingIsFeltAsTheLastOneToldAgain) {
+  Scene scene = test::pad_scene();
+  scene.settings.pad.damping = 5;
+  SceneObject box = test::object_of("box", cube(0.05, 3), {}, {});
+  box.mechanism.mobility = Mobility::given;
+  scene.objects.push_back(box);
+  Session twice(scene), every_other(scene);
+  const DeviceFrame frame = test::frame_of({{{0, 0, 0.031}, {0, 0, 1}}});
+  ObjectFrame told;
+  for (int i = 0; i < 40; ++i) {
+    if (i % 2 == 0) told.pose.position.z = 1e-4 * i;
+    twice.step(frame, {&told, 1});
+    if (i % 2 == 0)
+      every_other.step(frame, {&told, 1});
+    else
+      every_other.step(frame);
+    EXPECT_EQ(norm(test::hand_force(every_other.output) - test::hand_force(twice.output)), 0) << i;
+  }
+  EXPECT_GT(norm(every_other.state.objects[0].velocity), 0.05);
 }
 
 TEST(ObjectMotion, AnObjectThatIsToldOnlyWhenItIsTouchedIsFeltByAndBy) {

@@ -126,8 +126,8 @@ struct CoordinateForce {
 };
 
 CoordinateForce coordinate_force(const Mechanism& mechanism, double q) {
-  const double turn = 2 * kPi / mechanism.detent_pitch;
-  const SinCos detent = sin_cos(turn * q);
+  const double turn = 2 * kPi / mechanism.detent_pitch, clicks = q / mechanism.detent_pitch;
+  const SinCos detent = sin_cos(2 * kPi * (clicks - std::floor(clicks + 0.5)));
   return {mechanism.spring * (mechanism.rest - q) - mechanism.detent_force * detent.sin,
           mechanism.spring + mechanism.detent_force * turn * max(0.5, detent.cos), mechanism.damping};
 }

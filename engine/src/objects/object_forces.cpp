@@ -34,7 +34,12 @@ std::uint32_t take_frame(const ObjectFrame* frame, const Settings& settings, Vec
                          bool& anew) {
   const Twist mean{state.velocity, state.angular_velocity};
   state.velocity = state.angular_velocity = {};
-  if (frame == nullptr) return kObjectMissing;
+  if (frame == nullptr) {  // as one that is told the same again: some are told in every other tick only
+    const auto [velocity, turn] = steadied(mean, {}, settings.rate);
+    state.velocity = velocity;
+    state.angular_velocity = turn;
+    return kObjectMissing;
+  }
   if (!is_pose(frame->pose)) return kObjectImplausible;
   const Pose pose{frame->pose.position, normalized(frame->pose.orientation)};
   const bool jumped = is_jump(state.pose, pose);
@@ -209,7 +214,7 @@ void feel_objects(const ObjectTick& tick, State& state, Scratch& scratch, HandFo
     const double coordinate = own.coordinate;
     if (moves_by_itself(object.mechanism))
       move_on(model, object, state.objects[object.latch], touches, own);
-    else if (scratch.touches)
+    else if (object.mechanism.mobility == Mobility::given)
       keep_touches(touches, dt, own, scratch.touches->object[i]);
     for (const Touch& touch : touches) {
       Wrench& segment = forces.segment[touch.segment];

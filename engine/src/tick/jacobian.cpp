@@ -73,11 +73,17 @@ void add_column(const Wrench& change, std::size_t column, Matrix6& value) {
   for (std::size_t row = 0; row < 6; ++row) value[row][column] += rows[row];
 }
 
+// Where joints that are not tracked are no one knows, and far from the finger turns would be long ways.
+std::size_t first_placed(const Primitives& hand, std::size_t first, std::size_t last) {
+  while (first < last && !hand.present[first]) ++first;
+  return first;
+}
+
 // The segments of one body, which move together: a finger's that are asked for, or the palm.
 void add_sampled_body(const Model& model, const Primitives& hand, std::size_t first, std::size_t last,
                       std::uint32_t segments, SampleMemory& memory,
                       std::array<SegmentJacobian, kSegmentCount>& jacobians) {
-  const Vec3 pivot = hand.base_joint[first];
+  const Vec3 pivot = hand.base_joint[first_placed(hand, first, last)];
   // By the same lattices as the tick: what its mixture would change by is of the size of their errors.
   const LevelWeights* const levels = memory.forces.contact_count > 0 ? &memory.forces.level : nullptr;
   std::array<Matrix6, kSegmentCount> about_pivot{};
