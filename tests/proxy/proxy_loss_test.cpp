@@ -152,5 +152,24 @@ TEST(Proxy, BeginsAnewWhereAHandHasJumpedTo) {
   EXPECT_EQ(norm(test::hand_force(run.output)), 0);
 }
 
+// Where it is too much is near the cores, and its next way begins there, wherever the hand has gone.
+TEST(Proxy, BeginsAnewAfterATickInWhichTooMuchWasNear) {
+  Scene scene = proxy_scene(make_plane(0.02, 60));
+  scene.settings.max_candidates = 400;
+  scene.objects.push_back({"table", make_plane(4, 1)});
+  place_mesh({{2.5, 0, 0}, {}}, scene.objects[1].mesh);
+  Session run(scene);
+  feel(run, fingertip_at({0, 0, 0.03}));
+  ASSERT_EQ(run.output.flags, 0u);
+  for (int i = 0; i < 10; ++i) feel(run, fingertip_at({0, 0, 0.0065}));
+  EXPECT_NE(run.output.flags & kCandidateOverflow, 0u);
+  for (int i = 0; i < 3; ++i) feel(run, fingertip_at({2.5, 0, 0.03}));
+  EXPECT_EQ(run.output.flags & kCandidateOverflow, 0u);
+  EXPECT_GT(run.state.proxy->valid, 0);
+  for (int i = 1; i <= 100; ++i) feel(run, fingertip_at({2.5, 0, 0.03 - 0.0003 * i}));
+  EXPECT_GT(proxy_at(run, kPhalanxJoints[2].tip).z, 0.003);
+  EXPECT_GT(test::hand_force(run.output).z, 1);
+}
+
 }  // namespace
 }  // namespace lumbrical

@@ -6,7 +6,8 @@
 
 #include "index/patches.h"
 #include "lumbrical/batch.h"
-#include "session.h"
+#include "lumbrical/shapes.h"
+#include "pads.h"
 
 namespace lumbrical {
 namespace {
@@ -124,6 +125,58 @@ TEST(ScratchDeathTest, ATickRefusesMemoryThatIsNotItsModels) {
   tick(copy, state, own, {});
 }
 #endif
+
+TEST(SettingsChange, AProxyThatIsTakenAwayIsForgottenAndBeginsAnew) {
+  Scene scene = test::pad_scene();
+  scene.settings.proxy_stiffness = 3000;
+  scene.objects.push_back({"sheet", make_plane(0.1, 4)});
+  const auto fingertip_at = [](double height) {
+    DeviceFrame frame = test::frame_of({{{0, 0, height}, {0, 0, 1}}});
+    frame.joint[kWrist].position = {0, 0, static_cast<float>(height + 0.15)};
+    frame.valid |= 1u << kWrist;
+    return frame;
+  };
+  const Model with = test::model_of(scene);
+  State state = make_state(with);
+  Scratch scratch = make_scratch(with);
+  tick(with, state, scratch, fingertip_at(0.02));
+  ASSERT_GT(state.proxy->valid, 0);
+
+  Settings settings = scene.settings;
+  settings.proxy_stiffness = 0;
+  Model without;
+  ASSERT_TRUE(change_settings(with, settings, 1, without).ok());
+  scratch = make_scratch(without);
+  tick(without, state, scratch, fingertip_at(-0.03));
+  EXPECT_TRUE(check_state(without, state).ok());
+
+  scratch = make_scratch(with);
+  const ActuatorFrame output = tick(with, state, scratch, fingertip_at(-0.03));
+  EXPECT_EQ(norm(test::hand_force(output)), 0) << "it was never above the sheet";
+}
+
+TEST(SettingsChange, PassesOverIfTheStateKnowsNoHand) {
+  const Scene scene = plates_scene();
+  const Model soft = test::model_of(scene);
+  Settings settings = scene.settings;
+  settings.stiffness *= 2;
+  Model stiff;
+  ASSERT_TRUE(change_settings(soft, settings, 1, stiff).ok());
+  State state = make_state(soft);
+  Scratch scratch = make_scratch(soft);
+  const DeviceFrame frame = test::grasp_frames(scene.hand, 100)[50];
+  ActuatorFrame output;
+  for (int i = 0; i < 100; ++i) output = tick(soft, state, scratch, frame);
+  const Vec3 before = output.segment[8].force;
+  ASSERT_GT(norm(before), 0.5);
+  state.joints = 0;
+  scratch = make_scratch(stiff);
+  output = tick(stiff, state, scratch, frame);
+  EXPECT_NE(output.flags & kFading, 0u);
+  EXPECT_LT(norm(output.segment[8].force - before), 0.06 * norm(before));
+  for (int i = 0; i < 100; ++i) output = tick(stiff, state, scratch, frame);
+  EXPECT_GT(norm(output.segment[8].force), 1.5 * norm(before));
+}
 
 }  // namespace
 }  // namespace lumbrical

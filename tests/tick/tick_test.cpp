@@ -461,6 +461,20 @@ TEST(Tick, WhatATrackerHoldsForSomeTicksOrLosesIsNoJump) {
   EXPECT_EQ(tick(model, state, scratch, frame).flags & kHandJumped, 0u) << "of what is not tracked";
 }
 
+TEST(Tick, AHandThatJumpsFromWhereTooMuchWasNearHasJumped) {
+  Scene scene = plane_scene();
+  scene.objects[0].mesh = make_plane(1, 100);
+  scene.settings.max_candidates = 10;
+  scene.settings.precision.fill(0);
+  const Model model = test::model_of(scene);
+  State state;
+  Scratch scratch = make_scratch(model);
+  DeviceFrame frame = palm_down(scene.hand);
+  EXPECT_NE(tick(model, state, scratch, frame).flags & kCandidateOverflow, 0u);
+  frame.base.position.z += 0.3;
+  EXPECT_NE(tick(model, state, scratch, frame).flags & kHandJumped, 0u);
+}
+
 TEST(Tick, WhatStandsInAJointThatIsNotTrackedIsNotRead) {
   const Scene scene = plane_scene();
   const Model model = test::model_of(scene);

@@ -307,7 +307,9 @@ Status share_world(const Model& world, const Hand& hand, Model& model);
 
 /// The same hand and world under other settings, ticked by `threads` (1 .. 64): nothing is searched or cut
 /// anew but patches, and those only where law or precision differ. A State goes on with it, a Scratch is made
-/// anew. Refuses what build_model refuses of settings. On error `changed` is unchanged.
+/// anew. Forces are the new settings' at once; where State::joints is set to 0 before the next tick they pass
+/// over within fade_time, as for another hand. Refuses what build_model refuses of settings. On error
+/// `changed` is unchanged.
 Status change_settings(const Model& model, const Settings& settings, std::uint32_t threads, Model& changed);
 
 /// The scene a model was built from, equal bit for bit but for what was turned outside out, so that its

@@ -29,7 +29,7 @@ struct HandState {
   std::uint64_t tick = 0;      ///< number of the next tick: the engine's only clock
   double rise = 0;             ///< share of the fresh forces in the output, 0 .. 1
   double fall = 0;             ///< share of the held forces in the output, 0 .. 1
-  std::uint64_t joints = 0;    ///< a bit for each joint of the last hand that was placed
+  std::uint64_t joints = 0;    ///< a bit for each joint of the last tick's hand; 0: there was none
   std::array<Vec3, 6> ends{};  ///< [m] W: where its fingertips were, and its wrist
   HandForces last;             ///< the last output
   HandForces held;             ///< the output when trust was lost

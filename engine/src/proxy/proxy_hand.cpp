@@ -315,7 +315,11 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
     proxy = joined(known, all);
     advanced = advance(model, state, all, scratch, proxy);
   }
-  if (advanced == Advance::overflow) return kCandidateOverflow;
+  if (advanced == Advance::overflow) {  // where it is no tick could tell more: it begins anew
+    scratch.proxy->pushing.clear();
+    kept = {};
+    return kCandidateOverflow;
+  }
   if (advanced == Advance::crossed) {  // on which side it is no one can say
     scratch.proxy->pushing.clear();
     kept = {};

@@ -47,12 +47,11 @@ Twist steadied(const Twist& mean, const Twist& now, double rate) {
 bool has_jumped(const Joints& joints, double rate, HandState& state) {
   constexpr double kLongestStep = 0.15;  // [m]
   const double longest = max(kLongestStep, kFastest / rate);
-  const bool was_there = state.rise > 0;
   bool jumped = false;
   for (std::size_t i = 0; i < kEnds.size(); ++i) {
     const Vec3 was = std::exchange(state.ends[i], joints.has(kEnds[i]) ? joints.position(kEnds[i]) : Vec3{});
     const bool both = joints.has(kEnds[i]) && (state.joints >> kEnds[i] & 1u) != 0;
-    jumped = jumped || (both && was_there && !(norm(state.ends[i] - was) <= longest));
+    jumped = jumped || (both && !(norm(state.ends[i] - was) <= longest));
   }
   return jumped;
 }

@@ -3,6 +3,7 @@
 
 #include <cassert>
 #include <string>
+#include <utility>
 
 #include "base/floating_point.h"
 #include "model/felt_surface.h"
@@ -41,20 +42,13 @@ void hash_stages(const DeviceFrame& frame, std::span<const ObjectFrame> given, c
   hash_of_stage(Stage::limits) = hash_output(output, std::span<const ObjectOutput>(scratch.object_output));
 }
 
-// Are the joints of a hand that was placed others than the last one's? A segment that tracking loses, or
-// finds, would go, or come, with all its force.
-bool take_joints(std::uint32_t valid, HandState& state) {
-  const bool others = state.joints != valid;
-  state.joints = valid;
-  return others;
-}
-
-// Forces pass over to what the hand feels at its new place, and its proxy begins anew there.
+// Forces pass over to what the hand feels with other joints, which would come, or go, with all their force,
+// or at a place that it has jumped to, where its proxy begins anew.
 bool take_place(const Joints& joints, double rate, State& state, std::uint32_t& flags) {
   const bool jumped = has_jumped(joints, rate, state);
   if (jumped) flags |= kHandJumped;
   if (jumped && state.proxy) *state.proxy = {};
-  return jumped;
+  return std::exchange(state.joints, joints.valid) != joints.valid || jumped;
 }
 
 // Of memory that is not the model's nothing is read: it ends anywhere.
@@ -121,10 +115,11 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   tell(scratch.watch, Stage::input);
   const bool placed = is_trusted(flags);
   if (placed) flags = hand.flags |= place_hand(model.hand, model.settings, frame, hand);
-  bool anew = placed && take_place(hand.joints, model.settings.rate, state, flags);
-  anew = (placed && take_joints(hand.joints.valid, state)) || anew;
+  if (!is_trusted(flags)) state.joints = 0;
+  bool anew = is_trusted(flags) && take_place(hand.joints, model.settings.rate, state, flags);
   const bool apart = !model.apart.empty();
   if (apart) flags |= move_given(model, given, state, anew);
+  if (!scratch.proxy) state.proxy.reset();
   if (scratch.proxy) flags |= follow_hand(model, is_trusted(flags), state, scratch, hand, anew);
   HandForces& forces = scratch.forces =
       placed ? feel(model, scratch, 0, flags) : feel_nothing(model, scratch);
