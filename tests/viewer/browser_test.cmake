@@ -1,4 +1,4 @@
-# Runs the tests in a browser. Says "skipped: " and why where the page has not been built or there is no browser.
+# Runs the viewer's tests, most of them in a browser. Says "skipped: " and why where the page has not been built or there is no browser.
 find_program(CHROMIUM NAMES chromium chromium-browser google-chrome)
 find_program(NODE node)
 if(NOT EXISTS ${VIEWER}/viewer.html)
@@ -13,10 +13,10 @@ if(missing)
 endif()
 file(REMOVE_RECURSE ${VIEWER}/screenshots)
 file(MAKE_DIRECTORY ${VIEWER}/screenshots)
-foreach(name viewer compare lab)
+foreach(name parts viewer compare lab)
   execute_process(COMMAND ${NODE} ${SOURCE}/tests/viewer/${name}_test.mjs ${PROGRAM} ${VIEWER} ${CHROMIUM} ${SOURCE}/examples/demo.json
                   ${VIEWER}/screenshots RESULT_VARIABLE result)
   if(NOT result EQUAL 0)
-    message(FATAL_ERROR "the ${name} failed in the browser; its screenshots: ${VIEWER}/screenshots")
+    message(FATAL_ERROR "${name}_test.mjs failed; screenshots: ${VIEWER}/screenshots")
   endif()
 endforeach()

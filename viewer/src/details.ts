@@ -1,6 +1,7 @@
 // All that is known of what was clicked, or of the tick, in words.
 import { Vector3 } from "three";
 import type { Frame, World } from "./frame";
+import { largest } from "./largest";
 import { pressureOf } from "./pressure";
 import type { Pick } from "./scene";
 import { brief, jointOf, kDeviceStates, kSegments, kTickFlags } from "./words";
@@ -25,7 +26,7 @@ export function flagsText(flags: number): string {
 }
 
 /** [m] How far the proxy's joints are from the tracked ones. */
-const lag = ({ joints, tracked }: Frame) => Math.max(0, ...tracked.map((joint, j) => joint?.distanceTo(joints[j]!) ?? 0));
+const lag = ({ joints, tracked }: Frame) => largest(tracked.map((joint, j) => joint?.distanceTo(joints[j]!) ?? 0));
 
 /** Why contacts with what stands still (0) or with World.apart[object - 1] are not known; empty: they are. */
 const whyUnknown = (object: number, { frame, noContacts }: Told) => (object > 0 && frame.knowsObjects ? "" : noContacts);
@@ -71,8 +72,8 @@ export function segmentRows(segment: number, { frame, world, noContacts }: Told)
     ...rows,
     ["contacted triangles", `${own.length}`],
     ["contacted area", `${brief(1e6 * sum((contact) => contact.area))} mm²`],
-    ["deepest", `${brief(1e3 * Math.max(0, ...own.map((contact) => contact.depth)))} mm`],
-    ["highest pressure", `${brief(Math.max(0, ...own.map((contact) => pressureOf(contact, world))) / 1e3)} kPa, mean over a triangle`],
+    ["deepest", `${brief(1e3 * largest(own.map((contact) => contact.depth)))} mm`],
+    ["highest pressure", `${brief(largest(own.map((contact) => pressureOf(contact, world))) / 1e3)} kPa, mean over a triangle`],
   ];
 }
 

@@ -113,8 +113,8 @@ client.onScanned = (place, columns, marks, share) => {
   if (!side) return;
   side.whole = columns;
   side.marks = [...marks, ...side.marks.filter((mark) => mark.kind === "divergence")];
-  notice("force", ...whole(columns, kForce, kSegmentCount));
-  notice("torque", ...whole(columns, kTorque, kArcCount).map((value) => 1e-3 * value));
+  notice("force", whole(columns, kForce, kSegmentCount));
+  notice("torque", whole(columns, kTorque, kArcCount).map((value) => 1e-3 * value));
   if (share === 1 || !showsWindow()) fillPlots();
   document.body.dataset.scanned = String(share);
   redraw();

@@ -36,9 +36,9 @@ export function take(place: number, shown: Shown | undefined, tick: number) {
   side.missing = shown === undefined;
   side.milliseconds = shown?.milliseconds ?? 0;
   const { forces, jointTorques, contacts } = side.frame ?? { forces: [], jointTorques: [], contacts: [] };
-  notice("force", ...forces.map((force) => force.length()));
-  notice("torque", ...jointTorques.slice(0, kArcCount).map((torque) => torque.length()));
-  notice("pressure", ...contacts.map((contact) => pressureOf(contact, side.world)));
+  notice("force", forces.map((force) => force.length()));
+  notice("torque", jointTorques.slice(0, kArcCount).map((torque) => torque.length()));
+  notice("pressure", contacts.map((contact) => pressureOf(contact, side.world)));
   setFrame(place);
 }
 

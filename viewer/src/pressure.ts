@@ -3,7 +3,7 @@
 import { BufferAttribute, BufferGeometry, DoubleSide, GLSL3, Mesh, ShaderMaterial, Vector3, Vector4 } from "three";
 import type { Frame, World } from "./frame";
 
-const kMostTriangles = 20000;
+const kRoom = 20000;  // triangles, more than most ticks touch
 const kPhalanges = 15;
 const kCorners = 16;
 
@@ -76,9 +76,14 @@ const repeated = <T>(count: number, make: () => T) => Array.from({ length: count
 
 export function makePressure() {
   const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array(9 * kMostTriangles), 3));
-  geometry.setAttribute("pressure", new BufferAttribute(new Float32Array(3 * kMostTriangles), 1));
-  geometry.setAttribute("segment", new BufferAttribute(new Float32Array(3 * kMostTriangles), 1));
+  let room = 0;
+  const makeRoom = (triangles: number) => {
+    room = triangles;
+    geometry.dispose();  // its buffers go with the attributes it has until now
+    for (const [name, size] of [["position", 3], ["pressure", 1], ["segment", 1]] as const)
+      geometry.setAttribute(name, new BufferAttribute(new Float32Array(3 * size * triangles), size));
+  };
+  makeRoom(kRoom);
   const uniforms = {
     end1: { value: repeated(kPhalanges, () => new Vector4()) },
     end2: { value: repeated(kPhalanges, () => new Vector4()) },
@@ -95,10 +100,11 @@ export function makePressure() {
 
   /** `top` [Pa] is the pressure of the scale's end. */
   function update(frame: Frame, world: World, origin: Vector3, top: number) {
+    const count = frame.contacts.length;
+    if (count > room) makeRoom(2 * count);
     const [position, pressure, segment] = ["position", "pressure", "segment"].map(
       (name) => geometry.getAttribute(name) as BufferAttribute);
     const place = new Vector3();
-    const count = Math.min(frame.contacts.length, kMostTriangles);
     for (let i = 0; i < count; ++i) {
       const contact = frame.contacts[i];
       const pose = frame.objects[contact.object - 1]?.pose;

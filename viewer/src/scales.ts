@@ -1,4 +1,5 @@
 // What is drawn to scale: forces, torques and pressures, as long or bright as the largest seen so far lets them be.
+import { largest } from "./largest";
 import { niceAbove } from "./legend";
 import { renew, state, view } from "./page";
 import { kSegmentCount } from "./words";
@@ -9,12 +10,12 @@ export const kArcCount = kSegmentCount - 1;
 
 /** The largest of each of so many columns. */
 export function whole(columns: Columns, first: number, count: number): number[] {
-  return columns.values.slice(first, first + count).map((column) => column.reduce((most, value) => (value > most ? value : most), 0));
+  return columns.values.slice(first, first + count).map((column) => largest(column));
 }
 
 /** NaN: not known. */
-export function notice(what: keyof typeof state.most, ...values: number[]) {
-  const most = niceAbove(Math.max(...values.filter((value) => !Number.isNaN(value)), state.most[what]));
+export function notice(what: keyof typeof state.most, values: Iterable<number>) {
+  const most = niceAbove(largest(values, state.most[what]));
   if (most === state.most[what]) return;
   state.most[what] = most;
   for (const place of state.sides.keys()) setFrame(place);
