@@ -46,3 +46,41 @@ test("A segment that touches two hundred thousand triangles is told like any oth
   assert.equal(rows.get("contacted triangles"), "200000");
   assert.equal(rows.get("deepest"), "2.00 mm");
 });
+
+/** A message of a running session in the stream. */
+function framed(message) {
+  const bytes = new Uint8Array(5 + message.length);
+  new DataView(bytes.buffer).setUint32(0, message.length, true);
+  bytes.set(message, 5);
+  return bytes;
+}
+
+test("A running session that comes in small pieces is copied once, whatever its length", async (t) => {
+  const { session, message } = await recording("one.mcap");
+  const first = await message(0);
+  const all = Buffer.concat([framed(session), framed(first)]);
+  let at = 0;
+  t.mock.method(globalThis, "fetch", async () => new Response(new ReadableStream({
+    pull(out) {
+      if (at < all.length) out.enqueue(new Uint8Array(all.subarray(at, at += 100)));
+      else out.close();
+    },
+  })));
+  let copied = 0;
+  const bytes = Object.getPrototypeOf(Uint8Array.prototype);
+  const { set } = bytes;
+  t.mock.method(bytes, "set", function (from, ...rest) {
+    copied += from.length;
+    return set.call(this, from, ...rest);
+  });
+  const live = await openLive("live", async () => ({ open: () => "", begin() {}, show() {} }));
+  assert.deepEqual(Buffer.from(live.opened.session), Buffer.from(session));
+  assert.ok(copied < session.length + 1000, `${copied} bytes for ${session.length}`);
+  let shown;
+  while (!shown) {
+    await new Promise((resolve) => setImmediate(resolve));
+    [shown] = live.newest();
+  }
+  assert.deepEqual(Buffer.from(shown.message), Buffer.from(first));
+  assert.throws(() => live.newest(), /the session has ended/);
+});

@@ -16,23 +16,37 @@ interface Sent {
   message: Uint8Array;
 }
 
-async function* messages(body: ReadableStream<Uint8Array>): AsyncGenerator<Sent> {
-  let have: Uint8Array = new Uint8Array();
+/** Answers the stream's next so many bytes, once all of them have come; nothing where it ends before. */
+function takerOf(body: ReadableStream<Uint8Array>) {
   const reader = body.getReader();
-  for (;;) {
-    while (have.length >= kHead) {
-      const length = new DataView(have.buffer, have.byteOffset).getUint32(0, true);
-      if (length > kMostBytes) throw new Error("live: the stream is damaged");
-      if (have.length < kHead + length) break;
-      yield { hand: have[4], message: have.slice(kHead, kHead + length) };
-      have = have.subarray(kHead + length);
+  let rest: Uint8Array = new Uint8Array();
+  return async (count: number): Promise<Uint8Array | undefined> => {
+    const pieces = [rest];
+    for (let have = rest.length; have < count; have += pieces.at(-1)!.length) {
+      const { value, done } = await reader.read().catch(() => { throw new Error("the session was cut off"); });
+      if (done) return undefined;
+      pieces.push(value);
     }
-    const { value, done } = await reader.read().catch(() => { throw new Error("the session was cut off"); });
-    if (done) return;
-    const more = new Uint8Array(have.length + value.length);
-    more.set(have);
-    more.set(value, have.length);
-    have = more;
+    const taken = new Uint8Array(count);
+    let at = 0;
+    for (const piece of pieces) {
+      const part = piece.subarray(0, count - at);
+      taken.set(part, at);
+      at += part.length;
+      rest = piece.subarray(part.length);
+    }
+    return taken;
+  };
+}
+
+async function* messages(body: ReadableStream<Uint8Array>): AsyncGenerator<Sent> {
+  const take = takerOf(body);
+  for (let head = await take(kHead); head; head = await take(kHead)) {
+    const length = new DataView(head.buffer).getUint32(0, true);
+    if (length > kMostBytes) throw new Error("live: the stream is damaged");
+    const message = await take(length);
+    if (!message) return;
+    yield { hand: head[4], message };
   }
 }
 
