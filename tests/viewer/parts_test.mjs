@@ -84,3 +84,13 @@ test("A running session that comes in small pieces is copied once, whatever its 
   assert.deepEqual(Buffer.from(shown.message), Buffer.from(first));
   assert.throws(() => live.newest(), /the session has ended/);
 });
+
+test("Where memory ends the engine says so, whatever it was asked for, and goes on", async () => {
+  const wasm = readFileSync(join(packages, "../wasm/viewer/engine/viewer_engine.wasm"));
+  const { session, state, message } = await recording("one.mcap");
+  const engine = await loadEngine(wasm);
+  engine.open(session, state);
+  engine.begin(0, true);
+  for (const length of [2 ** 31 - 1, 2 ** 32 - 1]) assert.throws(() => engine.pass({ length }), { message: "not enough memory in this page" });
+  assert.ok(engine.pass(await message(0)));
+});

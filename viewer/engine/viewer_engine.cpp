@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <new>
 #include <optional>
 #include <span>
 #include <string>
@@ -303,14 +302,6 @@ DeviceFrame lab_frame(std::uint32_t size, const DeviceFrame& last) {
   return frame;
 }
 
-/// What `work` answers; where memory ends, a text as for any other error.
-template <class Work>
-bool unless_memory_ends(Work&& work) try {
-  return work();
-} catch (const std::bad_alloc&) {
-  return answer_text("not enough memory in this page");
-}
-
 }  // namespace
 
 /// Where the next message of so many bytes goes.
@@ -322,18 +313,16 @@ PAGE_MAY_CALL(input) std::uint8_t* input_of(std::uint32_t size) {
 PAGE_MAY_CALL(answer) const std::uint8_t* answer_data() { return out.data(); }
 PAGE_MAY_CALL(answer_size) std::uint32_t answer_size() { return static_cast<std::uint32_t>(out.size()); }
 
-// Those that can fail return false, and the answer is then the error's text.
+// Those that can fail return false, and the answer is then the error's text. Where memory ends they throw.
 
 /// A session message and behind it, of `state_size` bytes, the state before the first tick, if any; `hand` of
 /// two is the one whose ticks are to come. The answer is why contacts are not known; nothing: they are.
 PAGE_MAY_CALL(open)
 bool open_recording(std::uint32_t session_size, std::uint32_t state_size, std::uint32_t hand) {
-  return unless_memory_ends([=] {
-    if (!answer_status(open_session(message(0, session_size), message(session_size, state_size), hand)))
-      return false;
-    answer_text(no_contacts);
-    return true;
-  });
+  if (!answer_status(open_session(message(0, session_size), message(session_size, state_size), hand)))
+    return false;
+  answer_text(no_contacts);
+  return true;
 }
 
 /// The next message is that of this tick: with the state the file begins with where it is the file's first.
@@ -375,18 +364,16 @@ PAGE_MAY_CALL(read_motion) bool read_lab_motion(std::uint32_t size, std::uint32_
 PAGE_MAY_CALL(make_session)
 bool make_lab_session(std::uint32_t which, std::uint32_t size, double metres, std::uint32_t law,
                       double precision, double stiffness, double rate) {
-  return unless_memory_ends([=] {
-    Scene scene;
-    scene.hand = default_hand(Side::right);
-    if (motion) scene.hand = fit_hand(scene.hand, *motion);
-    scene.objects.resize(1);
-    if (!lab_object(which, size, metres, scene.objects[0])) return false;
-    scene.settings.law.fill(static_cast<Law>(law));
-    scene.settings.precision.fill(precision);
-    scene.settings.stiffness = stiffness;
-    scene.settings.rate = rate;
-    return answer_status(encode_session(scene, out));
-  });
+  Scene scene;
+  scene.hand = default_hand(Side::right);
+  if (motion) scene.hand = fit_hand(scene.hand, *motion);
+  scene.objects.resize(1);
+  if (!lab_object(which, size, metres, scene.objects[0])) return false;
+  scene.settings.law.fill(static_cast<Law>(law));
+  scene.settings.precision.fill(precision);
+  scene.settings.stiffness = stiffness;
+  scene.settings.rate = rate;
+  return answer_status(encode_session(scene, out));
 }
 
 /// Answers the schema of tick messages.

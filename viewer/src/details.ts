@@ -55,7 +55,7 @@ export function tickRows(frame: Frame, milliseconds: number, world: World, noCon
   }
   if (frame.leftOut) rows.push(["forces", noContacts ? "not in the file" : "not in the file; computed here"]);
   if (noContacts) rows.push(["contacts", noContacts]);
-  else if (!live) rows.push(["replayed here", frame.differs ? `parts from the file at stage "${frame.differs}"` : "the same bits"]);
+  else if (frame.differs !== undefined && !live) rows.push(["replayed here", frame.differs ? `parts from the file at stage "${frame.differs}"` : "the same bits"]);
   return rows;
 }
 

@@ -37,7 +37,6 @@ export interface LabOptions {
 
 /** Of what the engine can't read. */
 export class Refusal extends Error {}
-const kNoMemory = "not enough memory in this page";  // as it says itself; what it was to read may be good
 
 interface Exports {
   memory: WebAssembly.Memory;
@@ -60,13 +59,22 @@ interface Exports {
 // System calls for files, of which there are none.
 const kNoSuchCall = -52;
 
+/** What the engine throws where memory ends is no Error and has no text. What it was to read may be good: it is no Refusal. */
+const telling = (call: WebAssembly.ExportValue) => typeof call !== "function" ? call : (...given: unknown[]) => {
+  try {
+    return call(...given);
+  } catch (error) {
+    throw error instanceof Error ? error : new Error("not enough memory in this page");
+  }
+};
+
 export async function loadEngine(wasm: BufferSource): Promise<Engine> {
   const module = await WebAssembly.compile(wasm);
   const imports: WebAssembly.Imports = {};
   for (const { module: from, name } of WebAssembly.Module.imports(module))
     (imports[from] ??= {})[name] = () => kNoSuchCall;
   const instance = await WebAssembly.instantiate(module, imports);
-  const exports = instance.exports as unknown as Exports;
+  const exports = Object.fromEntries(Object.entries(instance.exports).map(([name, one]) => [name, telling(one)])) as unknown as Exports;
   exports._initialize();
 
   const put = (...messages: Uint8Array[]) => {
@@ -84,9 +92,7 @@ export async function loadEngine(wasm: BufferSource): Promise<Engine> {
   const answer = () => new Uint8Array(exports.memory.buffer, exports.answer(), exports.answer_size()).slice();
   const answerText = () => new TextDecoder().decode(answer());
   const must = (good: number) => {
-    if (good) return;
-    const text = answerText();
-    throw text === kNoMemory ? new Error(text) : new Refusal(text);
+    if (!good) throw new Refusal(answerText());
   };
   return {
     open(session, state, hand = 0) {

@@ -67,7 +67,7 @@ export interface Frame {
   knowsObjects: boolean;  // contacts with World.apart are among them, where those with what stands still may not be
   baseJoints: Vector3[];
   objects: ObjectRecord[];  // in the order of World.apart
-  differs: string;  // the stage where the replay parts from the file
+  differs?: string;  // the stage where the replay parts from the file; empty: nowhere; none: there was no replay
 }
 
 /** An object that moves or rubs, in its own frame. */
@@ -207,7 +207,7 @@ export function readFrame(shown: Shown): Frame {
       const object = tick.objects(i)!;
       return { pose: toPose(object.pose()!), force: toVector(object.force()), torque: toVector(object.torque()), coordinate: object.coordinate() };
     }),
-    differs: view?.differs() ?? "",
+    differs: view && (view.differs() ?? ""),
   };
   const outputs = countOf(told.segmentsLength(), SegmentOutput.sizeOf(), told);
   for (let i = 0; i < outputs; ++i) {
