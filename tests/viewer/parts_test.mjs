@@ -94,3 +94,36 @@ test("Where memory ends the engine says so, whatever it was asked for, and goes 
   for (const length of [2 ** 31 - 1, 2 ** 32 - 1]) assert.throws(() => engine.pass({ length }), { message: "not enough memory in this page" });
   assert.ok(engine.pass(await message(0)));
 });
+
+/** A variant of the scene, run. */
+function varied(name, change, ...args) {
+  const given = JSON.parse(readFileSync(scene, "utf8"));
+  change(given);
+  writeFileSync(file(`${name}.json`), JSON.stringify(given));
+  run(file(`${name}.json`), `${name}.mcap`, "--ticks", "2500", ...args);
+}
+
+/** As lumbrical diff says it. */
+function parting(...names) {
+  try {
+    return JSON.parse(execFileSync(program, ["diff", "--json", ...names.map(file)])).first_divergence;
+  } catch (error) {
+    return JSON.parse(error.stdout).first_divergence;
+  }
+}
+
+test("Recordings part at the tick, stage and field that lumbrical diff names", async () => {
+  const softer = ({ settings }) => { settings.stiffness = 1.9e7; };
+  varied("softer", softer);
+  varied("softer, hashes only", softer, "--record-forces", "none");
+  varied("hashes only", () => {}, "--record-forces", "none");
+  varied("slower", ({ motion }) => { motion.grasp.seconds *= 1.5; });
+  varied("coarser", ({ settings }) => { settings.precision = 1e-3; });
+  for (const other of ["softer", "softer, hashes only", "hashes only", "slower", "coarser"]) {
+    const { divergence } = await compare([await recording("one.mcap")], [await recording(`${other}.mcap`)]);
+    const told = parting("one.mcap", `${other}.mcap`);
+    const places = (one) => one && [one.tick, one.stage, one.field];
+    assert.deepEqual(places(divergence), places(told ?? undefined), other);
+    if (other === "softer") assert.deepEqual([divergence.a, divergence.b], [told.recorded, told.replayed]);
+  }
+});

@@ -1,11 +1,9 @@
 // Where two recordings part: the first tick, the first stage of it, and the field, as `lumbrical diff` names them.
 import { ByteBuffer } from "flatbuffers";
-import { countOf } from "./counts";
-import { JointPose } from "../generated/lumbrical/fb/joint-pose";
-import { SegmentOutput } from "../generated/lumbrical/fb/segment-output";
+import type { SegmentOutput } from "../generated/lumbrical/fb/segment-output";
 import { Tick } from "../generated/lumbrical/fb/tick";
 import type { Recording } from "./recording";
-import { kSegments } from "./words";
+import { kSegmentCount } from "./words";
 
 export interface Divergence {
   hand: string;  // of two hands, whose ticks part
@@ -24,65 +22,85 @@ export interface Comparison {
   divergence?: Divergence;
 }
 
-const kAngleSize = 4;  // [bytes]
+const kJointCount = 26;
+const kAngleCount = 20;
+const kKinds = ["joint_poses", "joint_angles"];
 
 type Parting = Omit<Divergence, "hand">;
 type Field = [name: string, value: number | bigint | string];
+type Point = { x(): number; y(): number; z(): number };
 
-const xyz = (name: string, v: { x(): number; y(): number; z(): number } | null): Field[] =>
-  v ? [[`${name}.x`, v.x()], [`${name}.y`, v.y()], [`${name}.z`, v.z()]] : [];
+// What a message leaves out is 0, but for rotations.
+const xyz = (name: string, v?: Point | null): Field[] => [[`${name}.x`, v?.x() ?? 0], [`${name}.y`, v?.y() ?? 0], [`${name}.z`, v?.z() ?? 0]];
+const row = (name: string, values: number[]): Field[] => values.map((value, i) => [`${name}[${i}]`, value]);
+const numbered = <T>(count: number, make: (i: number) => T) => Array.from({ length: count }, (_, i) => make(i));
+
+function jointFields(tick: Tick, j: number): Field[] {
+  const pose = tick.joints(j);
+  const [p, q] = [pose?.position(), pose?.orientation()];
+  return [
+    ...row(`joint[${j}].position`, p ? [p.x(), p.y(), p.z()] : [0, 0, 0]),
+    ...row(`joint[${j}].orientation`, q ? [q.x(), q.y(), q.z(), q.w()] : [0, 0, 0, 1]),
+  ];
+}
 
 function inputFields(tick: Tick): Field[] {
   const base = tick.base();
-  const q = base?.orientation();
-  const fields: Field[] = [
-    ...xyz("base.position", base?.position() ?? null),
-    ...(q ? [["base.orientation.w", q.w()] as Field, ...xyz("base.orientation", q)] : []),
-    ["kind", tick.kind()], ["flags", tick.deviceFlags()], ["valid", tick.valid()],
+  const turn = base?.orientation();
+  return [
+    ...xyz("base.position", base?.position()),
+    ["base.orientation.w", turn?.w() ?? 1], ...xyz("base.orientation", turn),
+    ["kind", kKinds[tick.kind()]], ["flags", tick.deviceFlags()], ["valid", tick.valid()],
+    ...numbered(kJointCount, (j) => jointFields(tick, j)).flat(),
+    ...row("angle", numbered(kAngleCount, (i) => tick.angles(i) ?? 0)),
   ];
-  for (let j = 0, count = countOf(tick.jointsLength(), JointPose.sizeOf(), tick); j < count; ++j) {
-    const pose = tick.joints(j)!;
-    fields.push(...xyz(`joint[${j}].position`, pose.position()), ...xyz(`joint[${j}].orientation`, pose.orientation()));
-    fields.push([`joint[${j}].orientation.w`, pose.orientation()!.w()]);
-  }
-  for (let i = 0, count = countOf(tick.anglesLength(), kAngleSize, tick); i < count; ++i) fields.push([`angle[${i}]`, tick.angles(i)!]);
-  return fields;
+}
+
+function forceFields(tick: Tick): Field[] {
+  const segments: SegmentOutput[] = [];
+  for (let i = 0; i < Math.min(tick.segmentsLength(), kSegmentCount); ++i) segments[tick.segments(i)!.segment()] = tick.segments(i)!;
+  const ofEach = (fields: (name: string, segment?: SegmentOutput) => Field[], name: string) =>
+    numbered(kSegmentCount, (s) => fields(`${name}[${s}]`, segments[s])).flat();
+  return [
+    ...ofEach((name, segment) => [...xyz(`${name}.force`, segment?.force()), ...xyz(`${name}.torque`, segment?.torque())], "segment"),
+    ...ofEach((name, segment) => xyz(name, segment?.jointTorque()), "joint_torque"),
+    ...ofEach((name, segment) => [[name, segment?.flexionTorque() ?? 0]], "flexion_torque"),
+  ];
 }
 
 function outputFields(tick: Tick): Field[] {
-  const fields: Field[] = [["flags", tick.flags()], ["contact_count", tick.contactCount()]];
-  for (let i = 0, count = countOf(tick.segmentsLength(), SegmentOutput.sizeOf(), tick); i < count; ++i) {
-    const s = tick.segments(i)!;
-    const name = kSegments[s.segment()];
-    fields.push(...xyz(`force of ${name}`, s.force()), ...xyz(`torque of ${name}`, s.torque()),
-      ...xyz(`joint torque of ${name}`, s.jointTorque()), [`flexion torque of ${name}`, s.flexionTorque()]);
-  }
-  return fields;
+  return [
+    ["flags", tick.flags()], ["contact_count", tick.contactCount()], ["evaluations", tick.evaluations()],
+    ["error_estimate", tick.errorEstimate() ?? 0], ["force_error", tick.forceError()],
+  ];
 }
 
-function firstField(a: Field[], b: Field[]): Omit<Parting, "tick" | "stage"> {
-  const others = new Map(b);
-  for (const [name, value] of a) {
-    const other = others.get(name) ?? "none";
-    others.delete(name);
-    if (!Object.is(value, other)) return { field: name, a: String(value), b: String(other) };
-  }
-  for (const [name, value] of others) return { field: name, a: "none", b: String(value) };
-  return { field: "hash", a: "", b: "" };
+type Values = Omit<Parting, "tick" | "stage">;
+
+/** `otherwise`: what differs where no field does. */
+function firstField(a: Field[], b: Field[], otherwise: string): Values {
+  const at = a.findIndex(([, value], i) => !Object.is(value, b[i][1]));
+  return at < 0 ? { field: otherwise, a: "", b: "" } : { field: a[at][0], a: String(a[at][1]), b: String(b[at][1]) };
 }
 
-const kStages = ["input", "handPose", "broadphase", "narrowphase", "contactForce", "limits"] as const;
-const kStageNames = ["input", "hand pose", "broadphase", "narrowphase", "contact force", "limits"];
+function firstOutput(a: Tick, b: Tick): Values {
+  // Of forces left out there is the hash alone.
+  const forces = (tick: Tick) => (a.forcesLeftOut() || b.forcesLeftOut() ? [] : forceFields(tick));
+  return firstField([...outputFields(a), ...forces(a)], [...outputFields(b), ...forces(b)], "hash");
+}
+
+const kStages = {
+  input: "input", handPose: "hand_pose", broadphase: "broadphase", narrowphase: "narrowphase", contactForce: "contact_force", limits: "limits",
+} as const;
 
 function partingOf(tick: number, bytesA: Uint8Array, bytesB: Uint8Array): Parting | undefined {
   const a = Tick.getRootAsTick(new ByteBuffer(bytesA));
   const b = Tick.getRootAsTick(new ByteBuffer(bytesB));
   const [hashesA, hashesB] = [a.stageHashes(), b.stageHashes()];
   if (!hashesA || !hashesB) throw new Error(`tick ${tick} has no hashes to compare by`);
-  for (const [i, stage] of kStages.entries()) {
-    if (hashesA[stage]() === hashesB[stage]()) continue;
-    const fields = stage === "input" ? inputFields : outputFields;
-    return { tick, stage: kStageNames[i], ...firstField(fields(a), fields(b)) };
+  for (const [hash, stage] of Object.entries(kStages) as [keyof typeof kStages, string][]) {
+    if (hashesA[hash]() === hashesB[hash]()) continue;
+    return { tick, stage, ...(stage === "input" ? firstField(inputFields(a), inputFields(b), "given") : firstOutput(a, b)) };
   }
   return a.stateHash() === b.stateHash() ? undefined : { tick, stage: "state", field: "hash", a: "", b: "" };
 }
