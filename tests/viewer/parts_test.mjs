@@ -85,6 +85,26 @@ test("A running session that comes in small pieces is copied once, whatever its 
   assert.throws(() => live.newest(), /the session has ended/);
 });
 
+/** What a page says of a server that sends whole files only, and how many bytes it has taken of it. */
+async function tooMuch(t, headers) {
+  const piece = new Uint8Array(2 ** 24);
+  let sent = 0;
+  t.mock.method(globalThis, "fetch", async () => new Response(new ReadableStream({
+    pull(out) {
+      out.enqueue(piece);
+      sent += piece.length;
+      if (sent > 400e6) out.close();
+    },
+  }), { headers }));
+  await assert.rejects(bytesOfUrl("http://somewhere/whole.mcap"), /whole\.mcap: this server does not send parts of a file, and the whole is too large/);
+  return sent;
+}
+
+test("A server that tells no length sends no more than a page holds; one that does sends nothing of what is too large", async (t) => {
+  assert.ok(await tooMuch(t, {}) < 300e6);
+  assert.ok(await tooMuch(t, { "Content-Length": "300000000" }) < 40e6);
+});
+
 test("Where memory ends the engine says so, whatever it was asked for, and goes on", async () => {
   const wasm = readFileSync(join(packages, "../wasm/viewer/engine/viewer_engine.wasm"));
   const { session, state, message } = await recording("one.mcap");

@@ -21,6 +21,22 @@ export function bytesOfFile(file: Blob, name: string): Bytes {
 // What a server that knows no ranges may make the page hold.
 const kMostWhole = 256e6;
 
+/** Of a server that may not tell how much is to come. */
+async function wholeOf(response: Response, name: string): Promise<Blob> {
+  const pieces: BlobPart[] = [];
+  const reader = response.body!.getReader();
+  const told = Number(response.headers.get("Content-Length") ?? 0);
+  for (let size = 0; Math.max(size, told) <= kMostWhole; ) {
+    const { value, done } = await reader.read();
+    if (done) return new Blob(pieces);
+    pieces.push(value);
+    size += value.length;
+  }
+  await reader.cancel();
+  throw new Error(`${name}: this server does not send parts of a file, and the whole is too large for a page; ` +
+    "open it by lumbrical view, or from disk");
+}
+
 export async function bytesOfUrl(url: string): Promise<Bytes> {
   const name = decodeURIComponent(url.split("/").pop() ?? url);
   const ask = async (range: string) => {
@@ -29,12 +45,7 @@ export async function bytesOfUrl(url: string): Promise<Bytes> {
     return response;
   };
   const first = await ask("bytes=0-7");
-  if (first.status !== 206) {
-    if (Number(first.headers.get("Content-Length") ?? 0) > kMostWhole)
-      throw new Error(`${name}: this server does not send parts of a file, and the whole is too large for a page; ` +
-        "open it by lumbrical view, or from disk");
-    return bytesOfFile(await first.blob(), name);
-  }
+  if (first.status !== 206) return bytesOfFile(await wholeOf(first, name), name);
   const total = /\/(\d+)$/.exec(first.headers.get("Content-Range") ?? "")?.[1];
   if (total === undefined) throw new Error(`${name}: this server does not tell how long the file is; open it by lumbrical view, or from disk`);
   const size = BigInt(total);
