@@ -324,9 +324,13 @@ test("A running session of two hands is shown with both", async () => {
 test("A torn, damaged or foreign file is told what is wrong and where", async () => {
   const expect = { torn: /byte \d+: the file is torn.*lumbrical recover/s, damaged: /byte \d+ is damaged/, foreign: /byte 0: not a recording/ };
   for (const [name, text] of Object.entries(expect)) {
-    await open(await serve("view", file(`${name}.mcap`), "--no-browser"));
+    await open(at(await serve("view", file(`${name}.mcap`), "--no-browser"), 4000));
     if (name === "damaged") {
       await scanned();
+      await page.keyboard.press("Space");  // it plays as far as it can
+      await page.waitForFunction(() => Number(document.body.dataset.tick) > 4000, null, kPatience);
+      await page.waitForFunction(() => /Play/.test(document.querySelector("#play").innerText), null, kPatience);
+      assert.ok((await tick()) < 9900);
       await page.keyboard.press("End");  // what is whole is shown all the same
       await atTick(9999);
     }
@@ -408,6 +412,14 @@ test("A link brings back tick and camera", async () => {
   await open(link);
   await atTick(4200);
   assert.equal(await settled(() => page.url()), link);
+});
+
+test("A link that comes into an open page is followed", async () => {
+  await open(at(one, 4200));
+  await atTick(4200);
+  await page.evaluate(() => { location.hash = location.hash.replace(/tick=\d+/, "tick=1700"); });
+  await atTick(1700);
+  assert.match(await settled(() => page.url()), /tick=1700/);
 });
 
 test("Nothing leaves the page's origin, and nothing but the named files is reachable", async () => {

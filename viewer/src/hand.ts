@@ -22,7 +22,7 @@ export interface HandView {
 }
 
 // Bones between joints, from the wrist out (hand.h).
-const kBones = [1, 2, 6, 11, 16, 21].slice(1).flatMap((base, finger) => {
+const kBones = [2, 6, 11, 16, 21].flatMap((base, finger) => {
   const length = finger === 0 ? 4 : 5;
   return [[1, base], ...Array.from({ length: length - 1 }, (_, i) => [base + i, base + i + 1])];
 });

@@ -73,8 +73,8 @@ setInterval(() => {
   if (location.hash !== to) history.replaceState(null, "", to || location.pathname + location.search);
 }, 500);
 
-async function openLink() {
-  const given = readLink(location.hash);
+async function openLink(hash: string) {
+  const given = readLink(hash);
   if (given.live) await open(0, { live: new URL(given.live, location.href).href }, given.live);
   for (const [place, url] of given.recordings.entries()) {
     await open(place, { url: new URL(url.split("/").map(encodeURIComponent).join("/"), location.href).href }, url);
@@ -92,5 +92,6 @@ async function openLink() {
 document.documentElement.dataset.theme = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
 document.body.classList.add("empty");
 view.animate(loop);
-await openLink();
+addEventListener("hashchange", ({ newURL }) => void openLink(new URL(newURL).hash));
+await openLink(location.hash);
 if (state.sides.length === 0 && element("message").hidden) enterLab();

@@ -21,7 +21,7 @@ export async function show(tick: number) {
       if (sides === state.sides) ticks.forEach((one, place) => take(place, one, shown));
     }
   } catch (error) {
-    state.playing = false;
+    setPlaying(false);
     say((error as Error).message, true);
   } finally {
     asking = false;
