@@ -24,7 +24,7 @@ export const capture = (seconds) =>
   JSON.stringify([...Array(Math.round(30 * seconds)).keys()].map((i) => ({ time: i / 30, joints: jointsAt(i / 30) })));
 
 /** In the page, before its own scripts: a headset of 72 Hz that sees the hand, loses it for the pictures from 40 to 49, and writes
- *  down in `told` where it said the wrist was. */
+ *  down in `told` where it said the wrist was; `worn`: how many of its sessions have not ended. */
 function install() {
   const joint = (name) => ({ name });
   const space = (matrix) => ({ matrix, getOffsetReferenceSpace: ({ matrix: offset }) => space(matrix.multiply(new DOMMatrix(offset))) });
@@ -38,7 +38,14 @@ function install() {
     requestReferenceSpace = async () => space(new DOMMatrix());
     requestAnimationFrame = (call) => requestAnimationFrame((time) => call(time, this.frame()));
     cancelAnimationFrame = (id) => cancelAnimationFrame(id);
-    async end() { this.dispatchEvent(new Event("end")); }
+    constructor() {
+      super();
+      ++window.worn;
+    }
+    async end() {
+      --window.worn;
+      this.dispatchEvent(new Event("end"));
+    }
     frame() {
       const picture = this.pictures++;
       const lost = picture >= 40 && picture < 50;
@@ -59,6 +66,7 @@ function install() {
   }
   const projectionMatrix = [1.4, 0, 0, 0, 0, 1.4, 0, 0, 0, 0, -1, -1, 0, 0, -0.02, 0];  // of its one eye
   window.told = [];
+  window.worn = 0;
   window.XRWebGLBinding = undefined;
   window.XRWebGLLayer = class { framebuffer = null; framebufferWidth = 640; framebufferHeight = 480; getViewport = () => ({ x: 0, y: 0, width: 640, height: 480 }); };
   WebGL2RenderingContext.prototype.makeXRCompatible = async () => {};

@@ -124,6 +124,24 @@ test("A headset's hand is felt as it comes, is lost openly, and replays natively
   await felt(5);
 });
 
+test("A headset's session that fails halfway is ended, and the lab goes on", async () => {
+  const failing = {
+    "no layer": `window.XRWebGLLayer = class { constructor() { throw new Error("no layer"); } };`,
+    "no space": `window.XRRigidTransform = class { constructor() { throw new Error("no space"); } };`,
+  };
+  for (const [why, script] of Object.entries(failing)) {
+    await openNew(lab, {}, headset + script);
+    await felt(5);
+    for (let turn = 0; turn < 2; ++turn) {
+      await page.getByText("Hand tracking").click();
+      await page.waitForFunction((text) => document.querySelector("#message").innerText === `hand tracking: ${text}`, why, kPatience);
+      assert.equal(await page.evaluate(() => window.worn), 0, why);
+      await page.evaluate(() => { document.querySelector("#message").innerText = ""; });
+    }
+    await felt(Number(await page.getAttribute("body", "data-tick")) + 20);
+  }
+});
+
 test("Time goes on where there is no more room for what was felt", async () => {
   await openNew(lab, {}, workerWatch);
   await felt(5);

@@ -165,10 +165,11 @@ export function makeLab(parent: HTMLElement, host: LabHost): Lab {
     try {
       tracking = await trackHand(() => {
         tracking = undefined;
-        if (!left) void restart();
+        if (follows && !left) void restart();
       });
       await host.enter(tracking);
     } catch (error) {
+      tracking?.end();
       host.say(`hand tracking: ${(error as Error).message}`);
     }
   };

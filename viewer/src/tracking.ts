@@ -41,11 +41,24 @@ function jointsOf(hand: XRHand, frame: XRFrame, space: XRReferenceSpace): Joints
 /** Asks the browser, which asks the person. `ended` is called when the headset is put away. */
 export async function trackHand(ended: () => void): Promise<Tracking> {
   const session = await navigator.xr!.requestSession("immersive-vr", { requiredFeatures: ["hand-tracking"] });
-  session.addEventListener("end", ended);
-  // Headsets have y up; z up and the origin where hands are.
+  try {
+    const tracking = trackingOf(session, await labSpaceOf(session));
+    session.addEventListener("end", ended);
+    return tracking;
+  } catch (error) {
+    void session.end();
+    throw error;
+  }
+}
+
+/** Headsets have y up; z up and the origin where hands are. */
+async function labSpaceOf(session: XRSession): Promise<XRReferenceSpace> {
   const half = Math.SQRT1_2;
   const place = new XRRigidTransform({ x: 0, y: -kBelow, z: -kAhead }, { x: -half, y: 0, z: 0, w: half });
-  const space = (await session.requestReferenceSpace("local")).getOffsetReferenceSpace(place);
+  return (await session.requestReferenceSpace("local")).getOffsetReferenceSpace(place);
+}
+
+function trackingOf(session: XRSession, space: XRReferenceSpace): Tracking {
   let side: XRHandedness = "none";
   let first = "";
   const see = (frame: XRFrame): Joints | undefined => {
