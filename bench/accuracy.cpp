@@ -121,9 +121,9 @@ PairErrors compare(const Pair& pair, const reference::Contact<long double>& expe
   const long double r = pair.radius;
   std::size_t next = 0;
   const auto add = [&](long double difference, long double value) {
-    const long double scale = std::pow(r, kQuantities[next].power), size = std::fabs(difference);
     // A NaN is the largest error there is.
-    errors.absolute[next] = std::isnan(size) ? HUGE_VALF : static_cast<float>(size / scale);
+    const long double size = std::isnan(difference) ? HUGE_VALL : std::fabs(difference);
+    errors.absolute[next] = static_cast<float>(size / std::pow(r, kQuantities[next].power));
     errors.relative[next] = value > 0 ? static_cast<float>(size / value) : 0;
     ++next;
   };
@@ -374,12 +374,12 @@ int main(int count, char** words) {
     return 0;
   }
   std::filesystem::create_directories(options.out);
-  std::ofstream(options.out + "/accuracy.md") << table;
-  std::ofstream json(options.out + "/accuracy.json");
+  std::ofstream markdown(options.out + "/accuracy.md"), json(options.out + "/accuracy.json");
+  markdown << table;
   json << to_json(report);
+  markdown.close();
   json.close();
-  if (json.fail()) {
-    std::fprintf(stderr, "can't write to %s\n", options.out.c_str());
-    return 1;
-  }
+  if (!markdown.fail() && !json.fail()) return 0;
+  std::fprintf(stderr, "can't write to %s\n", options.out.c_str());
+  return 1;
 }

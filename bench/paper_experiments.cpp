@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <exception>
 #include <fstream>
-#include <functional>
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -278,43 +277,61 @@ constexpr Experiment kExperiments[] = {
     {"bending_loop", run_bending_loop}, {"bend", run_bend},
 };
 
+constexpr const char* kFigures = "figures";
+
+bool is_known(const std::string& name) {
+  const auto has_name = [&](const Experiment& experiment) { return name == experiment.name; };
+  return name == kFigures || std::any_of(std::begin(kExperiments), std::end(kExperiments), has_name);
+}
+
+int usage() {
+  std::string names;
+  for (const Experiment& experiment : kExperiments) names += print(" [%s]", experiment.name);
+  std::fprintf(stderr, "usage: paper_experiments FOLDER%s [%s]\n", names.c_str(), kFigures);
+  return 2;
+}
+
+bool is_wanted(const std::string& name, const std::vector<std::string>& wanted) {
+  return wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end();
+}
+
+bool is_written(std::ofstream& file) {
+  file.close();
+  return !file.fail();
+}
+
 int cannot_write(const std::string& folder) {
-  std::fprintf(stderr, "%s: cannot write here; make the folder first\n", folder.c_str());
+  std::fprintf(stderr, "%s: can't be written to; is there such a folder, and room?\n", folder.c_str());
   return 2;
 }
 
 int run(const std::string& folder, const std::vector<std::string>& wanted) {
-  if (wanted.empty() || std::find(wanted.begin(), wanted.end(), "figures") != wanted.end()) {
+  if (is_wanted(kFigures, wanted)) {
     std::ofstream file(folder + "/paper.json");
-    if (!file) return cannot_write(folder);
-    file << paper_figures_json("build/release/bench/paper_experiments FOLDER figures");
+    if (file) file << paper_figures_json("build/release/bench/paper_experiments FOLDER figures");
+    if (!is_written(file)) return cannot_write(folder);
     if (wanted.size() == 1) return 0;
   }
   std::ofstream summary(folder + "/paper_experiments.md");
   for (const Experiment& experiment : kExperiments) {
-    bool asked = wanted.empty();
-    for (const std::string& name : wanted) asked = asked || name == experiment.name;
-    if (!asked) continue;
+    if (!is_wanted(experiment.name, wanted)) continue;
     Output output;
     output.csv.open(folder + "/" + experiment.name + ".csv");
-    if (!output.csv) return cannot_write(folder);
-    experiment.run(output);
+    if (output.csv) experiment.run(output);
+    if (!is_written(output.csv)) return cannot_write(folder);
     const std::string part = "## " + std::string(experiment.name) + "\n\n" + output.summary + "\n";
     std::fputs(part.c_str(), stdout);
     std::fflush(stdout);
     summary << part;
   }
-  return 0;
+  return is_written(summary) ? 0 : cannot_write(folder);
 }
 
 }  // namespace
 
 int main(int count, char** arguments) {
   const std::vector<std::string> all(arguments + 1, arguments + count);
-  if (all.empty()) {
-    std::fputs("usage: paper_experiments FOLDER [EXPERIMENT...]\n", stderr);
-    return 2;
-  }
+  if (all.empty() || !std::all_of(all.begin() + 1, all.end(), is_known)) return usage();
   try {
     return run(all[0], {all.begin() + 1, all.end()});
   } catch (const std::exception& error) {
