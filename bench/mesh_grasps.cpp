@@ -183,7 +183,9 @@ int run(const Options& options, const std::string& command) {
 int main(int count, char** words) {
   lumbrical::bench::Options options;
   if (!lumbrical::bench::parse(count, words, options)) {
-    std::fprintf(stderr, "mesh_grasps MESHES [--size METRES] [--seconds S] [--out FOLDER]\n");
+    std::fprintf(stderr,
+                 "mesh_grasps MESHES [--size METRES] [--seconds S] [--felt-once never|by-samples|always] "
+                 "[--out FOLDER]\n");
     return 2;
   }
   // Where someone keeps meshes says nothing.

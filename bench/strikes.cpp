@@ -1,4 +1,5 @@
-// How often something strikes through: hands that fly at sheets and meshes at 0 to 3 m/s, held by a proxy.
+// How often something strikes through: what flies at sheets and meshes, fingertips at 0 to 3 m/s and whole
+// hands at 1 to 12, held by a proxy.
 //
 //   strikes [COUNT] [MESH.. UNIT]    COUNT (10000) strikes on each sheet, a hundredth as many by whole hands,
 //                                    and as many again on each mesh (m, cm or mm)
@@ -189,8 +190,8 @@ bool print_row(const Target& target, bool whole_hand, std::uint64_t count) {
 int main(int argc, char** argv) {
   const std::uint64_t count = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 10000;
   std::vector<Target> targets = sheets();
-  const auto unit = parse_unit(argc > 3 ? argv[argc - 1] : "m");
-  if (count == 0 || !unit) {
+  const auto unit = parse_unit(argc > 2 ? argv[argc - 1] : "m");
+  if (count == 0 || !unit || argc == 3) {
     std::fprintf(stderr, "strikes [COUNT] [MESH.. UNIT]: UNIT is m, cm or mm\n");
     return 2;
   }

@@ -16,7 +16,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <string>
@@ -167,7 +166,7 @@ int walk(const Scene& scene, const Execution& execution, bool ahead, const Walk&
   tick(model, state, scratch, still);
   const double streets = std::max(kStreet, model.extent.upper.y - 0.5);  // [m] across all of them
   const auto start = Clock::now();
-  const auto ticks = static_cast<int>(1000 * how.seconds);
+  const int ticks = std::max(1, static_cast<int>(1000 * how.seconds));
   for (int i = 0; i < ticks; ++i) {
     std::this_thread::sleep_until(start + std::chrono::milliseconds(i));
     DeviceFrame frame = still;
@@ -200,12 +199,15 @@ int walk(const Scene& scene, const Execution& execution, bool ahead, const Walk&
   return check(model, checked);
 }
 
-Walk walk_of(int argc, char** argv, int first) {
-  Walk how;
-  if (argc > first) how.seconds = std::atof(argv[first]);
-  if (argc > first + 1) how.speed = std::atof(argv[first + 1]);
-  if (argc > first + 2) how.precision = std::atof(argv[first + 2]);
-  return how;
+/// From the word `first` on, as far as they are there; false: one is no such number.
+bool read_walk(int argc, char** argv, int first, Walk& how) {
+  const auto read = [&](int i, double most, double& number) {
+    return argc <= i || bench::read_number(argv[i], most, number);
+  };
+  const bool exact = argc > first + 2 && std::string(argv[first + 2]) == "0";
+  if (exact) how.precision = 0;
+  return read(first, 1e5, how.seconds) && read(first + 1, 100, how.speed) &&
+         (exact || read(first + 2, 0.1, how.precision));
 }
 
 // Forces are not limited: what is compared is what was felt.
@@ -252,9 +254,10 @@ int main(int argc, char** argv) {
     return 2;
   }
   if (what == "build" && argc > 3) return build(triangles, argv[3]);
-  if (what == "memory") return walk_memory(triangles, walk_of(argc, argv, 3));
-  if (what == "walk")
-    return walk_file(argv[2], argc < 4 || std::string(argv[3]) != "alone", walk_of(argc, argv, 4));
+  Walk how;
+  if (what == "memory" && read_walk(argc, argv, 3, how)) return walk_memory(triangles, how);
+  if (what == "walk" && read_walk(argc, argv, 4, how))
+    return walk_file(argv[2], argc < 4 || std::string(argv[3]) != "alone", how);
   std::fprintf(stderr,
                "world_city build TRIANGLES FILE | walk FILE [ahead|alone] [SECONDS [SPEED [PRECISION]]] | "
                "memory TRIANGLES [SECONDS [SPEED [PRECISION]]]\n");
