@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <fstream>
 #include <thread>
 
 #include "delay_cells.h"
@@ -127,9 +128,11 @@ struct Worst {
   LoopFelt felt;
 };
 
+bool is_failed(const LoopFelt& felt) { return felt.shakes > 0 || felt.given > kMostGiven; }
+
 void add(const LoopFelt& felt, Worst& worst) {
   ++worst.cells;
-  worst.failed += felt.shakes > 0 || felt.given > kMostGiven ? 1 : 0;
+  worst.failed += is_failed(felt) ? 1 : 0;
   worst.felt.shakes += felt.shakes;
   worst.felt.given = std::max(worst.felt.given, felt.given);
   worst.felt.taken = std::min(worst.felt.taken, felt.taken);
@@ -181,19 +184,7 @@ std::string draw(const std::vector<Cell>& cells) {
   return plot_delays(curves, kMostGiven);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  if (argc < 2) return std::fprintf(stderr, "delay_sweep PROFILE [PLOT.svg | few]\n"), 2;
-  DeviceProfile profile;
-  Status status = load_patient_profile(argv[1], profile);
-  Models models;
-  if (status.ok()) status = build(models);
-  if (!status.ok()) return std::fprintf(stderr, "%s\n", status.message().c_str()), 2;
-  const std::string plot = argc > 2 ? argv[2] : "";
-  std::vector<Cell> cells = cells_of(plot != "few");
-  run(profile, models, cells);
-
+void print_about() {
   std::printf(
       "# The loop over delays\n\nSimulated time: repeat with `build/release/bench/delay_sweep "
       "examples/devices/exoskeleton.json delay_sweep.svg`.\n\n![sweep](delay_sweep.svg)\n\n"
@@ -206,55 +197,90 @@ int main(int argc, char** argv) {
       "per finger from the beginning of each touch. Out of the motors: net, before\nthe device's own damping "
       "and friction. The mean torque is the sum over 15 joints, over time and cells: what is felt at all.\n",
       1e3 * kMostGiven);
+}
+
+bool has_all(const Cell& cell) { return cell.protection == 0; }
+
+void print_tuned(const std::vector<Cell>& cells) {
+  const auto row = [&](const std::string& name, auto&& wanted) {
+    print_row(name, worst_of(cells, [&](const Cell& cell) {
+                return has_all(cell) && cell.play == Play::grasp && wanted(cell);
+              }));
+  };
   print_head("With all protections, where they were tuned: the demo's grasp", "exchange");
-  const auto anywhere = [](const Cell& cell) { return cell.protection == 0; };
-  const auto all = [&](const Cell& cell) { return anywhere(cell) && cell.play == Play::grasp; };
   for (std::size_t b = 0; b < std::size(kBuses); ++b)
-    print_row(bus_name(kBuses[b]), worst_of(cells, [&](const Cell& c) { return all(c) && c.bus == b; }));
+    row(bus_name(kBuses[b]), [&](const Cell& cell) { return cell.bus == b; });
   print_head("The same, by what the cell is like", "cell");
   for (std::size_t k = 0; k < std::size(kStiffnesses); ++k)
-    print_row(print("K_s %.0e N/m^3", kStiffnesses[k]),
-              worst_of(cells, [&](const Cell& c) { return all(c) && c.stiffness == k; }));
+    row(print("K_s %.0e N/m^3", kStiffnesses[k]), [&](const Cell& cell) { return cell.stiffness == k; });
   for (std::size_t h = 0; h < std::size(kHands); ++h)
-    print_row(print("hand: %s", kHands[h].name),
-              worst_of(cells, [&](const Cell& c) { return all(c) && c.hand == h; }));
+    row(print("hand: %s", kHands[h].name), [&](const Cell& cell) { return cell.hand == h; });
   for (const double friction : kFrictions)
-    print_row(print("friction: %s", friction > 0 ? "shipped" : "none"),
-              worst_of(cells, [&](const Cell& c) { return all(c) && c.friction == friction; }));
+    row(print("friction: %s", friction > 0 ? "shipped" : "none"),
+        [&](const Cell& cell) { return cell.friction == friction; });
   for (const double rate : kRates)
-    print_row(print("device at %.0f Hz", rate),
-              worst_of(cells, [&](const Cell& c) { return all(c) && c.rate == rate; }));
+    row(print("device at %.0f Hz", rate), [&](const Cell& cell) { return cell.rate == rate; });
+}
+
+void print_others(const std::vector<Cell>& cells) {
   print_head("With all protections, where they were not tuned (demo's stiffness, no friction, 1 kHz)",
              "motion");
   for (const Play play : kPlays) {
-    if (play != Play::grasp)
-      print_row(kPlayNames[static_cast<std::size_t>(play)],
-                worst_of(cells, [&](const Cell& c) { return anywhere(c) && is_other(c) && c.play == play; }));
+    if (play == Play::grasp) continue;
+    const auto wanted = [&](const Cell& cell) {
+      return has_all(cell) && is_other(cell) && cell.play == play;
+    };
+    print_row(kPlayNames[static_cast<std::size_t>(play)], worst_of(cells, wanted));
   }
+}
+
+void print_left_out(const std::vector<Cell>& cells) {
   print_head(
       "With one protection left out (grasp and press, the stiffer two, relaxed hand, no friction, 1 kHz)",
       "protections");
   const std::vector<Protection> list = protections();
   for (std::size_t p = 0; p < list.size(); ++p)
     print_row(list[p].name,
-              worst_of(cells, [&](const Cell& c) { return c.protection == p && is_compared(c); }));
-  const Worst worst = worst_of(cells, anywhere);
-  if (worst.failed > 0) {
-    std::printf("\n## Failed\n\n");
-    for (const Cell& c : cells) {
-      if (!anywhere(c) || (c.felt.shakes == 0 && c.felt.given <= kMostGiven)) continue;
-      std::printf("- %s: %s, K_s %.0e, %s hand, friction %.0f, %.0f Hz: %llu shakes, %.3f mJ\n",
-                  kPlayNames[static_cast<std::size_t>(c.play)], bus_name(kBuses[c.bus]).c_str(),
-                  kStiffnesses[c.stiffness], kHands[c.hand].name, c.friction, c.rate,
-                  static_cast<unsigned long long>(c.felt.shakes), 1e3 * c.felt.given);
-    }
+              worst_of(cells, [&](const Cell& cell) { return cell.protection == p && is_compared(cell); }));
+}
+
+void print_failed(const std::vector<Cell>& cells) {
+  std::printf("\n## Failed\n\n");
+  for (const Cell& c : cells) {
+    if (!has_all(c) || !is_failed(c.felt)) continue;
+    std::printf("- %s: %s, K_s %.0e, %s hand, friction %.0f, %.0f Hz: %llu shakes, %.3f mJ\n",
+                kPlayNames[static_cast<std::size_t>(c.play)], bus_name(kBuses[c.bus]).c_str(),
+                kStiffnesses[c.stiffness], kHands[c.hand].name, c.friction, c.rate,
+                static_cast<unsigned long long>(c.felt.shakes), 1e3 * c.felt.given);
   }
-  if (!plot.empty() && plot != "few") {
-    std::FILE* const file = std::fopen(plot.c_str(), "w");
-    if (file == nullptr) return std::fprintf(stderr, "%s: can't be written\n", plot.c_str()), 2;
-    const std::string svg = draw(cells);
-    const bool written = std::fwrite(svg.data(), 1, svg.size(), file) == svg.size();
-    if (std::fclose(file) != 0 || !written) return 2;
-  }
-  return worst.failed > 0 ? 1 : 0;
+}
+
+bool write_plot(const std::string& path, const std::vector<Cell>& cells) {
+  std::ofstream file(path);
+  file << draw(cells);
+  file.close();
+  return !file.fail();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) return std::fprintf(stderr, "delay_sweep PROFILE [PLOT.svg | few]\n"), 2;
+  DeviceProfile profile;
+  Status status = load_patient_profile(argv[1], profile);
+  Models models;
+  if (status.ok()) status = build(models);
+  if (!status.ok()) return std::fprintf(stderr, "%s\n", status.message().c_str()), 2;
+  const std::string plot = argc > 2 ? argv[2] : "";
+  std::vector<Cell> cells = cells_of(plot != "few");
+  run(profile, models, cells);
+  print_about();
+  print_tuned(cells);
+  print_others(cells);
+  print_left_out(cells);
+  const bool failed = worst_of(cells, has_all).failed > 0;
+  if (failed) print_failed(cells);
+  if (!plot.empty() && plot != "few" && !write_plot(plot, cells))
+    return std::fprintf(stderr, "%s: can't be written\n", plot.c_str()), 2;
+  return failed ? 1 : 0;
 }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <optional>
 #include <vector>
 
@@ -259,8 +258,6 @@ LoopFelt run_delayed(const Model& model, const Motion& motion, const DeviceProfi
   felt.given = worn.given;
   felt.taken = worn.taken;
   felt.step = link.largest_step;
-  felt.factor = *std::min_element(loop.least_factor.begin(), loop.least_factor.end());
-  felt.share = *std::min_element(loop.least_share.begin(), loop.least_share.end());
   return felt;
 }
 

@@ -16,7 +16,7 @@ enum class Delays : std::uint8_t {
   constant,
   jittering,  ///< evenly between half and one and a half of it
   growing,    ///< from nothing to all of it while the session runs
-  stepping,   ///< nothing, then all of it from the middle of the session on
+  stepping,   ///< nothing in the first two fifths of the session, then all of it
   stalling,   ///< nothing, but for one exchange in every half second
 };
 inline constexpr const char* kDelayNames[] = {"constant", "jittering", "growing", "stepping", "stalling"};
@@ -33,7 +33,6 @@ struct DelayedLoop {
   HumanJoint human;
   double friction = 1;  ///< of the device, as a share of what its profile says
   LoopOptions options;
-  double certified_at = 0;  ///< [s] of ticks and exchanges without forces before
 };
 
 struct LoopFelt {
@@ -42,8 +41,6 @@ struct LoopFelt {
   double taken = 0;   ///< [J] WornDevice::taken
   double step = 0;    ///< [N m] largest change of a torque from one exchange to the next
   double torque = 0;  ///< [N m] mean of the torques' sum over the session: what is felt at all
-  double factor = 1;  ///< least of the limiter
-  double share = 1;   ///< least of the accounts
 };
 
 /// Runs `motion` on `model` once, with forces from half a second before its start on. `profile` is what the

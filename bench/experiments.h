@@ -5,7 +5,6 @@
 // by 0.1 mm per tick; every force comes out of tick().
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "scenes.h"

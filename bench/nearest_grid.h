@@ -19,7 +19,6 @@ class NearestGrid {
   explicit NearestGrid(Mesh mesh);
   /// False where none is within `reach` [m].
   bool find(Vec3 p, double reach, NearestTriangle& nearest) const;
-  [[nodiscard]] const Mesh& mesh() const { return mesh_; }
 
  private:
   [[nodiscard]] std::array<std::size_t, 3> cell_at(Vec3 p) const;
