@@ -28,8 +28,8 @@ async function load(...modules) {
   return import(`data:text/javascript,${encodeURIComponent(outputFiles[0].text)}`);
 }
 
-const { bytesOfFile, bytesOfUrl, compare, loadEngine, openLive, openRecording, segmentRows, Vector3 } =
-  await load("./bytes", "./details", "./difference", "./engine", "./live", "./recording", "three");
+const { bytesOfFile, bytesOfUrl, compare, loadEngine, makePressure, openLive, openRecording, segmentRows, Vector3 } =
+  await load("./bytes", "./details", "./difference", "./engine", "./live", "./pressure", "./recording", "three");
 
 const run = (given, name, ...args) => execFileSync(program, ["run", given, "--record", file(name), ...args]);
 const recording = (name) => openRecording(bytesOfFile(new Blob([readFileSync(file(name))]), name));
@@ -45,6 +45,20 @@ test("A segment that touches two hundred thousand triangles is told like any oth
   const rows = new Map(segmentRows(0, { frame, world: { stiffness: 2e7 }, hand: "", noContacts: "" }));
   assert.equal(rows.get("contacted triangles"), "200000");
   assert.equal(rows.get("deepest"), "2.00 mm");
+});
+
+test("Every triangle that is touched is coloured, however many they are", () => {
+  const { mesh, update } = makePressure();
+  const count = 50000;
+  const world = { positions: Float64Array.from({ length: 9 * count }, (_, i) => i), stiffness: 2e7 };
+  const contacts = Array.from({ length: count }, (_, triangle) => ({ segment: 3, object: 0, triangle, area: 1e-6, volume: 1e-9, depth: 2e-3 }));
+  for (const shown of [contacts.slice(0, 10), contacts, contacts.slice(0, 10)]) {
+    update({ contacts: shown, objects: [], hulls: [] }, world, new Vector3(), 1e5);
+    const corners = 3 * shown.length;
+    const { attributes: { position, segment }, drawRange } = mesh.geometry;
+    assert.equal(drawRange.count, corners);
+    assert.deepEqual([position.getZ(corners - 1), segment.getX(corners - 1)], [3 * corners - 1, 3]);
+  }
 });
 
 /** A message of a running session in the stream. */
