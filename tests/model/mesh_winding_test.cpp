@@ -177,6 +177,15 @@ TEST(MeshWinding, AnOpenMeshStaysAsItIsAndIsSaidToFaceItsWay) {
   EXPECT_EQ(plane.outward_area + plane.inward_area, 0);
 }
 
+TEST(MeshWinding, AVertexFarAwayThatNoTriangleNamesClosesNoHole) {
+  Mesh box = reversed(open_box());
+  const WindingReport without = wind(box, box);
+  box.vertices.push_back({1e5, 0, 0});
+  const WindingReport with = wind(box, box);
+  EXPECT_EQ(with.open_parts, 1u);
+  EXPECT_EQ(with.inward_area, without.inward_area);
+}
+
 TEST(MeshWinding, CopiesAndDegenerateTrianglesHideNothing) {
   Mesh mesh = kBall;
   mesh.triangles.push_back(mesh.triangles[7]);

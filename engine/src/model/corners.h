@@ -1,4 +1,4 @@
-// The corners of one triangle of the world.
+// The corners of the world's triangles.
 #pragma once
 
 #include <utility>
@@ -26,5 +26,8 @@ inline Vec3 last_within(const Corners& at, Vec3 from, Vec3 to) {
 inline Corners corners_of(const Triangles& world, std::uint32_t triangle) {
   return {world.vertex(world.a[triangle]), world.vertex(world.b[triangle]), world.vertex(world.c[triangle])};
 }
+
+/// Round the vertices that triangles name: scans carry stray ones far away. Empty where there are none.
+Box box_round(const Triangles& world, std::size_t threads);
 
 }  // namespace lumbrical

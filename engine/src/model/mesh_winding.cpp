@@ -181,9 +181,8 @@ void fill_holes(const Mesh& mesh, std::vector<Border> borders, std::vector<MeshP
 constexpr double kRounding = 1e-5;
 
 double diagonal(const Mesh& mesh) {
-  Box box;
-  for (const Vec3& vertex : mesh.vertices) box.add(vertex);
-  return mesh.vertices.empty() ? 0 : norm(box.upper - box.lower);
+  const Box box = bounding_box(mesh);
+  return norm(box.upper - box.lower);
 }
 
 bool has_open_edge(const MeshEdges& edges) {

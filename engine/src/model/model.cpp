@@ -13,6 +13,7 @@
 #include "index/voxel_index.h"
 #include "model/apart_objects.h"
 #include "model/felt_surface.h"
+#include "model/corners.h"
 #include "model/mesh_winding.h"
 #include "model/model_parts.h"
 #include "model/scene_check.h"
@@ -85,21 +86,6 @@ void list_objects(const ObjectList& from, std::vector<World::Object>& objects) {
   }
 }
 
-Box extent_of(const Triangles& world, std::size_t threads) {
-  if (world.x.empty()) return {};
-  constexpr std::array<double Vec3::*, 3> kAxis = {&Vec3::x, &Vec3::y, &Vec3::z};
-  const std::array<const SharedArray<double>*, 3> numbers = {&world.x, &world.y, &world.z};
-  Box box;
-  parallel_chunks(3, 1, threads, [&](std::size_t first, std::size_t last) {
-    for (std::size_t k = first; k < last; ++k) {
-      const auto [low, high] = std::minmax_element(numbers[k]->begin(), numbers[k]->end());
-      box.lower.*kAxis[k] = *low;
-      box.upper.*kAxis[k] = *high;
-    }
-  });
-  return box;
-}
-
 Broadphase suited_broadphase(const Box& extent) {
   const Vec3 size = extent.upper - extent.lower;
   return max(size.x, max(size.y, size.z)) > kGridExtent ? Broadphase::grid : Broadphase::tree;
@@ -137,7 +123,7 @@ Status take_objects(const ObjectList& objects, Model& model) {
         turned_triangles(objects[i]->mesh, objects[i]->winding, threads, model.objects[i].winding));
   }
   model.triangles = gather_triangles(objects, turned, vertices, triangles, threads);
-  model.extent = extent_of(model.triangles, threads);
+  model.extent = box_round(model.triangles, threads);
   find_solids(model);
   return build_index(model);
 }
