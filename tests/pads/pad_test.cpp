@@ -9,6 +9,7 @@
 #include "pressed_hand.h"
 #include "stages/hand_pose.h"
 #include "stages/pad_damping.h"
+#include "stages/segment_speeds.h"
 
 namespace lumbrical {
 namespace {
@@ -191,6 +192,24 @@ TEST(Pad, DampingDoesNotStepWhereTwoSamplesOfATurnMeet) {
   }
   EXPECT_GT(most, 0.2);       // at up to 80 mm/s
   EXPECT_LT(roughest, 0.03);  // with the speed of single ticks 0.13
+}
+
+// The same where nobody resamples: at 4 kHz the samples of 90 Hz are 44 ticks apart.
+TEST(Pad, DampingGoesOnWhereATrackerHoldsItsSamples) {
+  constexpr double kRate = 4000, kSpeed = 0.6, kTurning = 6;
+  Twist mean;
+  double sum = 0, turned = 0;
+  for (int i = 0; i < 880; ++i) {
+    const double steps = i % 44 == 0 ? 44 : 0;
+    mean = steadied(mean, {{0, 0, steps * kSpeed}, {steps * kTurning, 0, 0}}, kRate);
+    EXPECT_GT(mean.velocity.z, 0) << i;
+    sum += mean.velocity.z / 880;
+    turned += mean.angular_velocity.x / 880;
+  }
+  EXPECT_NEAR(sum, 20.0 / 44, 0.02) << "no sample counts for more than 20 m/s";
+  EXPECT_NEAR(turned, 200.0 / 44, 0.2);
+  EXPECT_EQ(norm(steadied(mean, {{0, 0, 0.16 * kRate}, {}}, kRate).velocity), 0) << "a jump";
+  EXPECT_EQ(norm(steadied(mean, {{}, {1.6 * kRate, 0, 0}}, kRate).velocity), 0) << "a jump";
 }
 
 // Of a finger through a plate, whose faces push opposite ways, next to nothing is left but a torque.

@@ -15,8 +15,12 @@ namespace {
 // fastest way to give after is as long (docs/pads.md).
 constexpr double kSteady = 0.005;
 
-// [m/s], [rad/s] Faster is no hand: what seems so has jumped, and does not go on.
+// [m/s], [rad/s] Faster is no hand.
 constexpr double kFastest = 20, kFastestTurn = 200;
+
+// [m], [rad] A tracker may hold each sample for some ticks, so that a hand goes by steps. What is
+// faster in a single tick has jumped only where it goes farther than this.
+constexpr double kLongestStep = 0.15, kLongestTurn = 1.5;
 
 // What of a hand goes farthest, whatever it does.
 constexpr std::array<Joint, 6> kEnds = {kThumbTip, kIndexTip, kMiddleTip, kRingTip, kLittleTip, kWrist};
@@ -26,8 +30,15 @@ bool some_object_moves(const Model& model) {
                      [](const ApartObject& object) { return moves_by_itself(object.mechanism); });
 }
 
-bool goes_on(const Twist& speed) {
-  return norm(speed.velocity) < kFastest && norm(speed.angular_velocity) < kFastestTurn;
+// Of a single tick.
+bool goes_on(const Twist& speed, double rate) {
+  return norm(speed.velocity) <= max(kFastest, rate * kLongestStep) &&
+         norm(speed.angular_velocity) <= max(kFastestTurn, rate * kLongestTurn);
+}
+
+Vec3 no_faster(double fastest, Vec3 speed) {
+  const double size = norm(speed);
+  return size > fastest ? (fastest / size) * speed : speed;
 }
 
 }  // namespace
@@ -37,15 +48,15 @@ Twist speed_between(const Pose& from, const Pose& to, double rate) {
 }
 
 Twist steadied(const Twist& mean, const Twist& now, double rate) {
-  if (!goes_on(now)) return {};
+  if (!goes_on(now, rate)) return {};
   const double share = min(1, 1 / (rate * kSteady));
-  return {mean.velocity + share * (now.velocity - mean.velocity),
-          mean.angular_velocity + share * (now.angular_velocity - mean.angular_velocity)};
+  const Vec3 velocity = no_faster(kFastest, now.velocity),
+             turn = no_faster(kFastestTurn, now.angular_velocity);
+  return {mean.velocity + share * (velocity - mean.velocity),
+          mean.angular_velocity + share * (turn - mean.angular_velocity)};
 }
 
-// A tracker may hold each sample for some ticks, so that a hand goes by steps: these are no jumps.
 bool has_jumped(const Joints& joints, double rate, HandState& state) {
-  constexpr double kLongestStep = 0.15;  // [m]
   const double longest = max(kLongestStep, kFastest / rate);
   bool jumped = false;
   for (std::size_t i = 0; i < kEnds.size(); ++i) {

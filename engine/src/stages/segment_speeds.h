@@ -21,7 +21,9 @@ inline Twist skin_speed(const SegmentSpeeds& speeds, std::size_t segment, Vec3 a
 /// Of what went from one pose to the other in a tick.
 Twist speed_between(const Pose& from, const Pose& to, double rate);
 
-/// The mean over some milliseconds, until now `mean`, with the speed of one more tick; 0 after a jump.
+/// The mean over some milliseconds, until now `mean`, with the speed of one more tick, which counts for no
+/// more than a hand's; 0 after a jump. Where a tracker holds its samples, a hand goes by steps: those are no
+/// jumps.
 Twist steadied(const Twist& mean, const Twist& now, double rate);
 
 /// Is the wrist or a fingertip farther from where it was a tick before than a hand goes? Then a tracker took
