@@ -2,8 +2,11 @@
 // fingertips, in random poses.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <string>
 
+#include "exact/posed_finger.h"
 #include "largest.h"
 #include "lumbrical/motion.h"
 #include "lumbrical/shapes.h"
@@ -294,6 +297,42 @@ TEST(SampledRung, ABentFingersTipKeepsItsForceWhereItLooksAtTheFirstPhalanx) {
     }
   }
   EXPECT_GT(felt, 0.1);
+}
+
+// A phalanx of no length, or one whose larger end holds the other: a sphere, which points no way.
+TEST(SampledRung, AFingerOfWhichAPhalanxIsASphereIsFeltAsExactly) {
+  struct Shape {
+    std::array<double, 3> length;  // [mm]
+    std::array<double, 4> radius;  // [mm]
+  };
+  const Shape shapes[] = {{{40, 0, 25}, {8, 8, 8, 8}},    {{0, 40, 25}, {8, 8, 8, 8}},
+                          {{40, 25, 0}, {8, 8, 8, 8}},    {{0, 0, 40}, {8, 8, 8, 8}},
+                          {{3.9, 30, 20}, {12, 8, 8, 7}}, {{30, 3, 20}, {9, 8, 12, 9}},
+                          {{30, 20, 3}, {8, 8, 8, 12}}};
+  Random random(31);
+  for (const Shape& shape : shapes) {
+    Hand hand = plain_hand(0.001 * shape.radius[0]);
+    for (std::size_t k = 0; k < 4; ++k) hand.radius[kIndexProximal + k] = 0.001 * shape.radius[k];
+    for (int i = 0; i < 6; ++i) {
+      const Quat turn = random.rotation();
+      const double bend = i < 2 ? 0 : random.between(0, 0.8);
+      std::array<Vec3, 4> joint{Vec3{-0.03, 0, 0.004}};
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double angle = static_cast<double>(k) * bend;
+        joint[k + 1] = joint[k] + 0.001 * shape.length[k] * Vec3{std::cos(angle), std::sin(angle), 0};
+      }
+      Mesh plane = make_plane(0.16, 160);
+      for (Vec3& p : plane.vertices) p = rotate(turn, p);
+      for (Vec3& p : joint) p = rotate(turn, p);
+      const Scene scene = sampled_scene(hand, {{"plane", plane}});
+      const DeviceFrame frame = finger_frame(joint);
+      const Vec3 exact = total_force(FeelingHand(scene, 0)(frame)),
+                 sampled = total_force(FeelingHand(scene, 1e-4)(frame));
+      EXPECT_GT(norm(exact), 1);
+      EXPECT_LE(norm(sampled - exact), 1e-4 * norm(exact))
+          << shape.length[0] << ", " << shape.length[1] << ", " << shape.length[2] << ", " << i;
+    }
+  }
 }
 
 // A finger's segments share out space, which no two rungs can do together.

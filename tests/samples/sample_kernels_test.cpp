@@ -216,7 +216,7 @@ TEST(SampleKernels, ARowOfSeveralTilesFeelsWhatEachFeelsAlone) {
     const Frame one = frame_along(random.in_box(0.01), random.direction());
     const Frame other = frame_along(one.origin + 2 * kRadius * one.axis[0], random.direction());
     return finger_of({tile_of(one, 2 * kRadius, 0.8 * kRadius), tile_of(other, 2 * kRadius, 0.7 * kRadius)},
-                     {1, static_cast<float>(2 * kRadius), 1, 0});
+                     {1, static_cast<float>(2 * kRadius), 1, 0, 0});
   };
   const FingerBody fingers[] = {make_finger(), make_finger()};
   Patches16 patches = patches_near(random, {}, 0.01, 0.01);
@@ -343,7 +343,7 @@ TEST(SampleKernels, TilesThatFollowEachOtherShareOutTheirUnion) {
     const Vec3 axis = random.direction(), joint = random.in_box(0.05);
     const Frame inner = frame_along(joint - length * axis, axis), outer = frame_along(joint, axis);
     const FingerBody finger = finger_of({tile_of(inner, length, kRadius), tile_of(outer, length, kRadius)},
-                                        {-1, static_cast<float>(length), 1, 0});
+                                        {-1, static_cast<float>(length), 1, 0, 0});
     const double size = 0.5 * kRadius;
     const Patches16 patches = patches_near(random, joint, 0.6 * kRadius, size);
     BodySums sums[2] = {sums_of_zero(), sums_of_zero()}, one[2] = {sums_of_zero(), sums_of_zero()};

@@ -51,8 +51,9 @@ bool set_tile(const Primitive& phalanx, Vec3 direction, Vec3 origin, TileFrame& 
 }
 
 JointSides sides_of(const TileFrame& inner, bool inner_turned, const TileFrame& outer, bool outer_turned) {
+  const bool by_field = inner.length == 0 || outer.length == 0;
   return {inner_turned ? 1.0f : -1.0f, inner_turned ? 0.0f : inner.length, outer_turned ? -1.0f : 1.0f,
-          outer_turned ? outer.length : 0.0f};
+          outer_turned ? outer.length : 0.0f, by_field ? 1.0f : 0.0f};
 }
 
 // Phalanges `first` .. `last`, each beside the next.

@@ -147,9 +147,11 @@ LUMBRICAL_INLINE inline TileView<V> view_tile(const TileFrame& frame, std::uint3
 }
 
 template <class V>
-inline V side_of_joint(const FingerBody& finger, std::size_t k, V inner_place, V outer_place) {
-  return side_of_joint(numbers_of<V>(finger.joint[k]), numbers_of<V>(finger.tile[k]), inner_place,
-                       numbers_of<V>(finger.tile[k + 1]), outer_place);
+inline V side_of_joint(const FingerBody& finger, std::size_t k, const TileView<V>& inner,
+                       const TileView<V>& outer) {
+  return side_of_joint(numbers_of<V>(finger.joint[k]), numbers_of<V>(finger.tile[k]),
+                       TileClaim<V>{inner.field, inner.place}, numbers_of<V>(finger.tile[k + 1]),
+                       TileClaim<V>{outer.field, outer.place});
 }
 
 /// What discs have to do with one tile of a finger, and no other.
@@ -185,15 +187,15 @@ inline Kinds<V> shared_kinds(const FingerBody& finger, const FingerView<V>& seen
   const V zero = number<V>(0);
   const TileView<V>(&view)[FingerBody::kMostTiles] = seen.tile;
   const auto meets = [&](std::size_t k) { return seen.meets(k); };
-  // Neighbours part where their places along their axes are the same.
+  // Neighbours part where their places along their axes are the same, or their fields (JointSides).
   const V limit = reach + reach, below = zero - limit;
   V inner = zero, outer = zero;  // how much farther out than a joint the patch is, where both tiles meet it
   if ((tiles & 3u) == 3u) {
-    const V side = side_of_joint(finger, 0, view[0].place, view[1].place);
+    const V side = side_of_joint(finger, 0, view[0], view[1]);
     inner = select(meets(0) && meets(1), side, zero);
   }
   if ((tiles & 6u) == 6u) {
-    const V side = side_of_joint(finger, 1, view[1].place, view[2].place);
+    const V side = side_of_joint(finger, 1, view[1], view[2]);
     outer = select(meets(1) && meets(2), side, zero);
   }
   if ((tiles & 5u) == 5u) {  // the ends of a bent finger have a part wherever they meet the patch

@@ -207,18 +207,18 @@ struct SharingParts {
   [[nodiscard]] V side_over(std::size_t k, std::size_t kin, V own, V its, V u, V v) const {
     const std::size_t inner = std::min(k, kin), outer = std::max(k, kin);
     const V tie = number_of(kTie) * V(tile_of(number[inner]).radius);
-    const V beyond = number[inner] + 1 == number[outer] ? side_of(inner, outer, u, v)
-                     : k == outer                       ? own - its
-                                                        : its - own;
+    const V of_inner = k == inner ? own : its, of_outer = k == outer ? own : its;
+    const V beyond = number[inner] + 1 == number[outer] ? side_of(inner, of_inner, outer, of_outer, u, v)
+                                                        : of_outer - of_inner;
     return k == outer ? beyond - tie : tie - beyond;
   }
-  // How much more a point is the outer tile's.
-  [[nodiscard]] V side_of(std::size_t inner, std::size_t outer, V u, V v) const {
+  // How much more a point is the outer tile's; `of_inner` and `of_outer` are their fields there.
+  [[nodiscard]] V side_of(std::size_t inner, V of_inner, std::size_t outer, V of_outer, V u, V v) const {
     const TileNumbers<V> in = numbers_of<V>(tile_of(number[inner])),
                          out = numbers_of<V>(tile_of(number[outer]));
     const JointSides& joint = finger_of(number[inner]).joint[number[inner] % Bodies::kTilesApart];
-    return side_of_joint(numbers_of<V>(joint), in, place_on(in, point(inner, u, v)), out,
-                         place_on(out, point(outer, u, v)));
+    return side_of_joint(numbers_of<V>(joint), in, TileClaim<V>{of_inner, place_on(in, point(inner, u, v))},
+                         out, TileClaim<V>{of_outer, place_on(out, point(outer, u, v))});
   }
 };
 

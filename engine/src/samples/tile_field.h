@@ -167,20 +167,27 @@ struct PartRows<TilePart::end, V> {
 /// Two neighbours' joint in lanes (bodies.h).
 template <class V>
 struct JointNumbers {
-  V inner_sign, inner_place, outer_sign, outer_place;
+  V inner_sign, inner_place, outer_sign, outer_place, by_field;
+};
+
+/// What of a tile tells a point's side of a joint: its field there, and its place (place_on).
+template <class V>
+struct TileClaim {
+  V field, place;
 };
 
 /// How much more the point is the outer tile's than the inner one's [m].
 template <class V>
-inline V side_of_joint(const JointNumbers<V>& joint, const TileNumbers<V>& inner, V inner_place,
-                       const TileNumbers<V>& outer, V outer_place) {
-  const V from_inner = joint.inner_sign * (inner_place - inner.cosine * joint.inner_place);
-  const V from_outer = joint.outer_sign * (outer_place - outer.cosine * joint.outer_place);
-  return from_outer - from_inner;
+inline V side_of_joint(const JointNumbers<V>& joint, const TileNumbers<V>& inner, TileClaim<V> by_inner,
+                       const TileNumbers<V>& outer, TileClaim<V> by_outer) {
+  const V from_inner = joint.inner_sign * (by_inner.place - inner.cosine * joint.inner_place);
+  const V from_outer = joint.outer_sign * (by_outer.place - outer.cosine * joint.outer_place);
+  return select(joint.by_field > number<V>(0), by_outer.field - by_inner.field, from_outer - from_inner);
 }
 template <class V>
 inline JointNumbers<V> numbers_of(const JointSides& joint) {
-  return {V(joint.inner_sign), V(joint.inner_place), V(joint.outer_sign), V(joint.outer_place)};
+  return {V(joint.inner_sign), V(joint.inner_place), V(joint.outer_sign), V(joint.outer_place),
+          V(joint.by_field)};
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

@@ -61,7 +61,8 @@ LUMBRICAL_INLINE inline Neighbours<V, N> see_neighbours(const PatchRows& rows, s
                : JointNumbers<V>{select(its, joint.inner_sign, to.inner_sign),
                                  select(its, joint.inner_place, to.inner_place),
                                  select(its, joint.outer_sign, to.outer_sign),
-                                 select(its, joint.outer_place, to.outer_place)};
+                                 select(its, joint.outer_place, to.outer_place),
+                                 select(its, joint.by_field, to.by_field)};
     }
   });
   return near;
@@ -78,11 +79,13 @@ LUMBRICAL_INLINE inline SharedPoint<V, N> shared_point(const Neighbours<V, N>& n
                                                        const TilePoint<V> (&at)[N]) {
   SharedPoint<V, N> point;
   for (std::size_t k = 0; k < N; ++k) point.field[k] = tile_field(near.seen[k].tile, at[k]);
+  const auto claim = [&](std::size_t k) LUMBRICAL_INLINE {
+    return TileClaim<V>{point.field[k], place_on(near.seen[k].tile, at[k])};
+  };
   for (std::size_t k = 0; k + 1 < N; ++k) {
     const TileNumbers<V>&inner = near.seen[k].tile, &outer = near.seen[k + 1].tile;
     point.lead[k] =
-        side_of_joint(near.joint[k], inner, place_on(inner, at[k]), outer, place_on(outer, at[k + 1])) -
-        number<V>(kTie) * inner.radius;
+        side_of_joint(near.joint[k], inner, claim(k), outer, claim(k + 1)) - number<V>(kTie) * inner.radius;
   }
   return point;
 }
