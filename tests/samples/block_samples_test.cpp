@@ -117,6 +117,13 @@ TEST(BlockSamples, OfSliversThatHaveNoAreaAreFiniteAndFeelNothing) {
   EXPECT_EQ(force_on(samples, Field{1, ones, {ones, ones, ones}}), Vec3{});
 }
 
+TEST(BlockSamples, OfWhatIsOnePointInSinglePrecisionAreFiniteAndFeelNothing) {
+  const Corners point{{0.01, 0.01, 0}, {0.01, 0.01, 0}, {0.01, 0.01, 0}};
+  const BlockSamples samples = samples_of(moments_of(std::span(&point, 1)), 0);
+  const Vec3 ones{1, 1, 1};
+  EXPECT_EQ(force_on(samples, Field{1, ones, {ones, ones, ones}}), Vec3{});
+}
+
 TEST(BlockSamples, OfBentSurfacesIntegrateLinearFieldsAsTheirPatchesDo) {
   Random random(6);
   for (int i = 0; i < 200; ++i) {

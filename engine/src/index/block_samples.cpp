@@ -133,6 +133,7 @@ BlockSamples samples_of(const BlockMoments& block, double radius) {
     const double spread = second_along(area, axis, axis) / area.sum;
     // As far out as Gauss's rule has its nodes.
     const double length = max(std::sqrt(3 * max(spread, 0)), 1e-3 * radius);
+    if (!(length > 0)) continue;  // all of it is at the centre
     put(length * axes[k], samples.arm[k]);
     const Vec3 even = (0.5 / (length * length)) * second_along(normal, axis, axis),
                odd = (0.5 / length) * first_along(normal, axis);
