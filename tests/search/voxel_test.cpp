@@ -396,6 +396,35 @@ TEST(Voxel, ForgedListsAreRejectedBeforeTheyAreUsed) {
   forge([&](VoxelLists& l, DistanceField&) { l.origin.x = std::nan(""); });
   forge([&](VoxelLists&, DistanceField& f) { f.value[0] = std::nanf(""); });
   forge([&](VoxelLists&, DistanceField& f) { f.key[1] = f.key[0]; });
+  forge([&](VoxelLists& l, DistanceField&) { l.wide.push_back(l.triangle[0]); });
+  forge([&](VoxelLists& l, DistanceField&) { l.wide = {5, 5}; });
+  forge([&](VoxelLists& l, DistanceField&) {  // one that is only touched there counts as centred there
+    const auto has_others = [&](std::size_t i) { return l.voxel[i].others < l.voxel[i + 1].first; };
+    std::size_t i = 0;
+    while (!has_others(i)) ++i;
+    ++l.voxel[i].others;
+  });
+}
+
+// A voxel that stands alone takes a thousand times what a file takes to name it.
+TEST(Voxel, AFileThatNamesVoxelsFarApartIsRejectedBeforeTheirTreeIsMade) {
+  SKIP_WITHOUT_OPENVDB();
+  Cached cached;
+  cached.execution.voxel_memory = 5e7;
+  const std::uint64_t source = hash_of_source(model_of(cached.scene).triangles, cached.execution);
+  VoxelLists lists;
+  DistanceField field;
+  const std::size_t triangles = model_of(cached.scene).triangles.size();
+  ASSERT_TRUE(read_voxel_cache(cached.file.string(), source, triangles, lists, field).ok());
+  const std::uint32_t end = lists.voxel.back().first;
+  for (std::uint64_t x = 1; x < 200; ++x) {
+    lists.key.push_back(voxel_key(4096 * x, 0, 0));
+    lists.voxel.insert(lists.voxel.end() - 1, {end, end, -1});
+  }
+  ASSERT_TRUE(write_voxel_cache(cached.file.string(), source, lists, field).ok());
+  const VoxelReport report = *voxel_report(model_of(cached.scene, cached.execution));
+  EXPECT_FALSE(report.from_cache);
+  EXPECT_NE(report.note.find("voxel_memory"), std::string::npos) << report.note;
 }
 
 TEST(Voxel, AFolderThatCannotBeWrittenIsANoteNoError) {
@@ -443,6 +472,27 @@ TEST(Voxel, MoreMemoryThanAllowedIsAnErrorThatTellsTheRemedy) {
   execution = with_voxels();
   execution.voxel_size = -1;
   EXPECT_FALSE(build_model(scene_of(make_mug({})), execution, model).ok());
+}
+
+// Pebbles strewn over ten kilometres: each has nodes of its own in every level of the tree.
+TEST(Voxel, MemoryIsBoundedWhereTrianglesAreFarApart) {
+  Mesh pebbles;
+  Random random(12);
+  for (int i = 0; i < 1000; ++i) {
+    const Mesh pebble = make_box({0.1, 0.1, 0.1}, 1);
+    const Vec3 at = random.in_box(5000);
+    const auto first = static_cast<std::uint32_t>(pebbles.vertices.size());
+    for (const Triangle& t : pebble.triangles)
+      pebbles.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+    for (const Vec3 p : pebble.vertices) pebbles.vertices.push_back(at + p);
+  }
+  Execution execution = with_voxels();
+  execution.voxel_memory = 2e8;
+  VoxelLists lists;
+  EXPECT_FALSE(build_voxel_lists(triangles_of(pebbles), execution, lists).ok());
+  execution.voxel_memory = 4e8;
+  EXPECT_TRUE(build_voxel_lists(triangles_of(pebbles), execution, lists).ok());
+  EXPECT_GT(tree_bytes(lists.key, 0), 2e8);
 }
 
 TEST(Voxel, EmptyAndDegenerateScenesAreNoTrouble) {

@@ -1,5 +1,6 @@
 #include "index/voxel_cache.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include <span>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "base/hash.h"
 
@@ -71,7 +73,22 @@ bool are_below(const std::vector<std::uint32_t>& triangles, std::size_t count) {
   return true;
 }
 
-// Nothing that passes can lead a search out of an array.
+// A search that finds a triangle twice would have it felt twice.
+bool are_found_once(const VoxelLists& lists, std::size_t triangles) {
+  std::vector<bool> found(triangles, false);
+  const auto is_first = [&](std::uint32_t triangle) {
+    const bool first = !found[triangle];
+    found[triangle] = true;
+    return first;
+  };
+  for (const Voxel& voxel : lists.voxel) {
+    for (std::uint32_t i = voxel.first; i < voxel.others; ++i)
+      if (!is_first(lists.triangle[i])) return false;
+  }
+  return std::all_of(lists.wide.begin(), lists.wide.end(), is_first);
+}
+
+// Nothing that passes can lead a search out of an array, or to a triangle twice.
 bool is_sound(const VoxelLists& lists, const DistanceField& field, std::size_t triangles) {
   const bool sizes = lists.voxel_size > 0 && std::isfinite(lists.voxel_size) && is_finite(lists.origin);
   if (!sizes || !is_ascending(lists.key) || !is_ascending(field.key)) return false;
@@ -84,7 +101,8 @@ bool is_sound(const VoxelLists& lists, const DistanceField& field, std::size_t t
     if (!std::isfinite(value)) return false;
   }
   return lists.voxel.back().first == last && last == lists.triangle.size() &&
-         are_below(lists.triangle, triangles) && are_below(lists.wide, triangles);
+         are_below(lists.triangle, triangles) && are_below(lists.wide, triangles) &&
+         are_found_once(lists, triangles);
 }
 
 // Lengths that fit the file's size, so that no one is asked for memory that the file doesn't fill.

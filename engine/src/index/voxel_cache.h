@@ -2,8 +2,8 @@
 // of what they were made from, one of themselves.
 //
 // Whatever the file holds, reading it is safe: counts are held against the file's size before memory is
-// taken, and every number is checked before use. The hashes tell damage and other scenes, not malice: who may
-// write the folder may make an index that leaves triangles out.
+// taken, and every number is checked before use; trees made of it may take more (tree_bytes). The hashes tell
+// damage and other scenes, not malice: who may write the folder may make an index that leaves triangles out.
 #pragma once
 
 #include <string>

@@ -31,12 +31,32 @@ void add_note(VoxelReport& report, const std::string& note) {
   report.note += (report.note.empty() ? "" : "; ") + note;
 }
 
+// The band of a field is in three times as many leaves as its surface.
+constexpr double kTreesWithField = 4;
+Status trees_fit(double bytes, const VoxelLists& lists, const Execution& execution) {
+  bytes += static_cast<double>(byte_count(lists));
+  return bytes > execution.voxel_memory ? voxels_too_large(bytes, execution) : Status();
+}
+
 // Lists and, where the surface has an inside that voxels can tell, the field.
 Status build(const Triangles& triangles, const Execution& execution, VoxelLists& lists,
              DistanceField& field) {
   if (Status status = build_voxel_lists(triangles, execution, lists); !status.ok()) return status;
+  field = {};
   if (!lists.wide.empty() || !is_watertight(triangles)) return {};
+  if (Status status = trees_fit(kTreesWithField * tree_bytes(lists.key, 0), lists, execution); !status.ok())
+    return status;
   return make_distance_field(triangles, lists, field);
+}
+
+// The trees of what a file holds may be very much larger than the file.
+Status read_within_memory(const std::string& path, std::uint64_t source, std::size_t triangles,
+                          const Execution& execution, VoxelLists& lists, DistanceField& field) {
+  if (Status status = read_voxel_cache(path, source, triangles, lists, field); !status.ok()) return status;
+  const double bytes = tree_bytes(lists.key, 0) + tree_bytes(field.key, DistanceField::kShift);
+  if (Status status = trees_fit(bytes, lists, execution); !status.ok())
+    return Status::error(path + ": is not used, because " + status.message());
+  return {};
 }
 
 // From the cache if there is a good one, otherwise from scratch.
@@ -47,7 +67,8 @@ Status read_or_build(const Triangles& triangles, const Execution& execution, Vox
   const std::string path = cache_path(execution.voxel_cache, source);
   std::error_code ignored;
   const bool exists = std::filesystem::exists(path, ignored);
-  Status reading = exists ? read_voxel_cache(path, source, triangles.size(), index.lists, field) : Status();
+  const Status reading =
+      exists ? read_within_memory(path, source, triangles.size(), execution, index.lists, field) : Status();
   index.report.from_cache = exists && reading.ok();
   if (index.report.from_cache) return {};
   if (!reading.ok()) add_note(index.report, reading.message() + "; it is built anew");

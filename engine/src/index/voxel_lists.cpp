@@ -5,6 +5,7 @@
 
 #include "index/triangle_bound.h"
 #include "index/triangle_box.h"
+#include "model/corners.h"
 
 namespace lumbrical {
 namespace {
@@ -20,14 +21,6 @@ struct Entry {
   }
 };
 constexpr std::uint64_t kElsewhere = std::uint64_t{1} << 32;
-
-Box box_of(const Triangles& triangles) {
-  Box box;
-  for (const auto* corners : {&triangles.a, &triangles.b, &triangles.c}) {
-    for (const std::uint32_t corner : *corners) box.add(triangles.vertex(corner));
-  }
-  return box;
-}
 
 double size_of_voxels(const Execution& execution, const Box& box, std::vector<double> radii) {
   const Vec3 extent = box.upper - box.lower;
@@ -92,9 +85,30 @@ void put_lists(const std::vector<Entry>& entries, const std::vector<double>& rad
   lists.voxel.push_back({end, end, -1});
 }
 
-// What OpenVDB takes for a cube of 8 x 8 x 8 voxels of the lists, and of three in the distance field about
-// it.
-constexpr double kLeafBytes = 4 * 2300;
+// [bytes] Of OpenVDB's nodes: a leaf, and those that have places for 16^3 and for 32^3 others.
+constexpr double kLeafBytes = 2.3e3, kMiddleBytes = 34e3, kLargeBytes = 271e3;
+
+// What tree_bytes says, of keys wherever they stand.
+template <class KeyOf>
+double bytes_of_nodes(std::size_t count, std::int32_t shift, const KeyOf& key_of) {
+  // Leaves have numbers of 18 bits along each axis.
+  constexpr std::uint64_t kAlongEach = std::uint64_t{1} << 36 | 1 << 18 | 1;
+  const std::uint64_t moved = (512 - static_cast<std::uint64_t>(shift) / 8) * kAlongEach;
+  std::vector<std::uint64_t> nodes;  // each by its first leaf
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint64_t leaf = (key_of(i) >> 9) + moved;
+    if (nodes.empty() || leaf != nodes.back()) nodes.push_back(leaf);
+  }
+  double bytes = kLeafBytes * static_cast<double>(nodes.size());
+  for (const auto& [leaves, node_bytes] :
+       {std::pair<std::uint64_t, double>{16, kMiddleBytes}, {512, kLargeBytes}}) {
+    for (std::uint64_t& node : nodes) node &= ~((leaves - 1) * kAlongEach);
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    bytes += node_bytes * static_cast<double>(nodes.size());
+  }
+  return bytes;
+}
 
 }  // namespace
 
@@ -109,7 +123,7 @@ Status voxels_too_large(double bytes, const Execution& execution) {
 Status build_voxel_lists(const Triangles& triangles, const Execution& execution, VoxelLists& result) {
   VoxelLists lists;
   const auto count = static_cast<std::uint32_t>(triangles.size());
-  const Box box = box_of(triangles);
+  const Box box = box_round(triangles, execution.threads);
   lists.origin = box.lower;
   std::vector<double> radii(count);
   for (std::uint32_t i = 0; i < count; ++i) radii[i] = bound_triangle(triangles, i, lists.origin).radius;
@@ -129,15 +143,16 @@ Status build_voxel_lists(const Triangles& triangles, const Execution& execution,
     if (size > room || size >= 4294967295.0) return voxels_too_large(size * sizeof(Entry), execution);
   }
   std::sort(entries.begin(), entries.end());
-  double leaves = 0;
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    if (i == 0 || ((entries[i].key ^ entries[i - 1].key) & kLeafOf) != 0) ++leaves;
-  }
-  const double bytes = leaves * kLeafBytes + static_cast<double>(entries.size()) * sizeof(Entry);
+  const double bytes = static_cast<double>(entries.size()) * sizeof(Entry) +
+                       bytes_of_nodes(entries.size(), 0, [&](std::size_t i) { return entries[i].key; });
   if (bytes > execution.voxel_memory) return voxels_too_large(bytes, execution);
   put_lists(entries, radii, lists);
   result = std::move(lists);
   return {};
+}
+
+double tree_bytes(const std::vector<std::uint64_t>& keys, std::int32_t shift) {
+  return bytes_of_nodes(keys.size(), shift, [&](std::size_t i) { return keys[i]; });
 }
 
 std::size_t byte_count(const VoxelLists& lists) {

@@ -41,13 +41,16 @@ constexpr VoxelPlace voxel_place(std::uint64_t key) {
   };
   return {part(45, 6), part(27, 3), part(9, 0)};
 }
-constexpr std::uint64_t kLeafOf = ~std::uint64_t{511};  ///< masks a key down to its leaf
 
 /// Voxels are execution.voxel_size wide. If that is 0: twice the bounding radius that three quarters of the
 /// triangles stay below. In any case at least the environment's extent / 2^20. A triangle whose bounding
 /// radius is over two voxels is wide. There must be a triangle. Refuses what would take more than
 /// execution.voxel_memory while it is built.
 Status build_voxel_lists(const Triangles& triangles, const Execution& execution, VoxelLists& lists);
+
+/// [bytes] that OpenVDB's tree of voxels takes, from their keys, ascending, `shift` [voxels, whole leaves]
+/// taken from each coordinate: far more for a voxel that stands alone than for one among many.
+double tree_bytes(const std::vector<std::uint64_t>& keys, std::int32_t shift);
 
 /// The error of an index of that many bytes.
 Status voxels_too_large(double bytes, const Execution& execution);
