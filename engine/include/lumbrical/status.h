@@ -8,7 +8,7 @@ namespace lumbrical {
 
 /// Success, or one sentence that says where, what is wrong and what to do
 /// ("mug.obj:17: vertex index 99 is out of range 1..8; re-export the mesh").
-/// Must not be ignored; it is the engine's only error channel outside a tick.
+/// Must not be ignored; beside std::bad_alloc it is the engine's only error channel outside a tick.
 class [[nodiscard]] Status {
  public:
   Status() = default;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <new>
 #include <utility>
 
 #include "base/floating_point.h"
@@ -12,8 +13,8 @@
 #include "index/sphere_tree.h"
 #include "index/voxel_index.h"
 #include "model/apart_objects.h"
-#include "model/felt_surface.h"
 #include "model/corners.h"
+#include "model/felt_surface.h"
 #include "model/mesh_winding.h"
 #include "model/model_parts.h"
 #include "model/scene_check.h"
@@ -224,7 +225,7 @@ Status take_world(const Scene& scene, Model& model) {
 
 bool available(Broadphase broadphase) { return broadphase != Broadphase::voxel || has_openvdb(); }
 
-Status build_model(const Scene& scene, const Execution& execution, Model& model) {
+Status build_model(const Scene& scene, const Execution& execution, Model& model) try {
   const FloatingPointGuard guard;
   if (Status status = check_settings(scene.settings); !status.ok()) return status;
   if (Status status = check_execution(execution); !status.ok()) return status;
@@ -242,6 +243,8 @@ Status build_model(const Scene& scene, const Execution& execution, Model& model)
   if (!status.ok()) return status;
   model = std::move(built);
   return {};
+} catch (const std::bad_alloc&) {
+  return no_memory_for_model();
 }
 
 std::size_t object_of(const Model& model, std::uint32_t triangle) {

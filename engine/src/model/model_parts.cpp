@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cassert>
+#include <new>
 #include <utility>
 
 #include "base/floating_point.h"
@@ -120,7 +121,12 @@ Settings exactly(Settings settings) {
   return settings;
 }
 
-Status share_world(const Model& world, const Hand& hand, Model& model) {
+Status no_memory_for_model() {
+  return Status::error(
+      "there is not enough memory for the model; simplify meshes, or put them into a world file");
+}
+
+Status share_world(const Model& world, const Hand& hand, Model& model) try {
   assert(world.build != 0 && "build_model first");
   const FloatingPointGuard guard;
   if (Status status = check_hand(hand); !status.ok()) return status;
@@ -131,9 +137,12 @@ Status share_world(const Model& world, const Hand& hand, Model& model) {
           "\" moves by itself and can't be shared by hands; move it from outside (shared_objects.h)");
   model = remade(world, hand, world.settings, world.execution.threads);
   return {};
+} catch (const std::bad_alloc&) {
+  return no_memory_for_model();
 }
 
-Status change_settings(const Model& model, const Settings& settings, std::uint32_t threads, Model& changed) {
+Status change_settings(const Model& model, const Settings& settings, std::uint32_t threads,
+                       Model& changed) try {
   assert(model.build != 0 && "build_model first");
   const FloatingPointGuard guard;
   Execution execution = model.execution;
@@ -142,6 +151,8 @@ Status change_settings(const Model& model, const Settings& settings, std::uint32
   if (Status status = check_execution(execution); !status.ok()) return status;
   changed = remade(model, model.hand, settings, threads);
   return {};
+} catch (const std::bad_alloc&) {
+  return no_memory_for_model();
 }
 
 }  // namespace lumbrical

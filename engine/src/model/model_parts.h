@@ -28,6 +28,9 @@ Settings exactly(Settings settings);
 
 Mesh mesh_of(const Model& model, const World::Object& part);
 
+/// The error where memory ends.
+Status no_memory_for_model();
+
 /// Tells which objects are solid, if there is a proxy to know it.
 void find_solids(Model& model);
 
