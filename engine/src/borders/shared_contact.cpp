@@ -10,7 +10,6 @@
 #include "borders/border_bulge.h"
 #include "borders/joint_border.h"
 #include "borders/tile_share.h"
-#include "section/depth.h"
 #include "section/pressure.h"
 #include "section/stated_errors.h"
 
@@ -42,7 +41,7 @@ struct Work {
   int rival_count = 0;
   std::array<Rival, 2> rival{};
   Rival others{};  // of two rivals, the first against the second
-  double area = 0, volume = 0, depth = 0, error = 0;
+  double area = 0, volume = 0, error = 0;
   Point2 area_first{0, 0}, first{0, 0};
 };
 
@@ -90,7 +89,6 @@ void add_all(Work& work, const Rival* rival = nullptr) {
   work.area_first = work.area_first + area.area * area.centroid;
   work.volume += field.volume;
   work.first = work.first + field.first;
-  work.depth = max(work.depth, largest_depth(section).depth);
 }
 
 // How much volume it makes, about, whose the part is.
@@ -376,7 +374,6 @@ bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBor
   // Smaller than this an area is what rounding leaves of nothing.
   if (!(work.area > 1e-14 * extent * min(extent, section.radius1))) return false;
 
-  contact.depth = work.depth;
   contact.area = work.area;
   contact.volume = max(0, work.volume);
   contact.centroid = to_world(section, (1 / work.area) * work.area_first);

@@ -10,12 +10,9 @@
 
 namespace lumbrical {
 
-/// Sets everything of the contact but its indices. `boundary` is working memory. False where tile and
-/// triangle have no area in common. `borders` are those on this triangle; where there are none, the contact
-/// with the tile cut by its planes is the same.
-///
-/// `depth` is the largest depth in the own tile over the contact, less than the height of the border over its
-/// chord off where the deepest point lies between these two.
+/// Sets everything of the contact but its indices and its depth. `boundary` is working memory. False where
+/// tile and triangle have no area in common. `borders` are those on this triangle; where there are none, the
+/// contact with the tile cut by its planes is the same.
 bool collide_shared(const Primitives& hand, const Primitive& tile, const TileBorders& borders,
                     const FieldKernels& kernels, Vec3 a, Vec3 b, Vec3 c, Boundary& boundary,
                     Contact& contact);
