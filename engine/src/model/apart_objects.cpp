@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/floating_point.h"
+#include "model/corner_normals.h"
 #include "model/scene_check.h"
 
 namespace lumbrical {
@@ -60,6 +61,8 @@ void check_texture(const Texture& texture, const std::string& field, const Range
 void check_surface(const SceneObject& object, FieldCheck& check) {
   const Surface& surface = object.surface;
   check.number(surface.crease_angle, "crease_angle", range::crease_angle);
+  check.require(surface.crease_angle == 0 || object.mesh.triangles.size() <= kMostSmoothed, "crease_angle",
+                "0, or a mesh of at most " + std::to_string(kMostSmoothed) + " triangles");
   const std::vector<double>& factor = surface.friction_factor;
   check.require(factor.empty() || factor.size() == object.mesh.triangles.size(), "friction_factor",
                 "one number for each triangle of the mesh");

@@ -127,7 +127,7 @@ Vec3 triangle_normal(const Mesh& mesh, const Triangle& triangle) {
 }
 
 std::vector<std::array<Vec3, 3>> corner_normals(const Mesh& mesh, double crease_angle) {
-  assert(mesh.triangles.size() < kNoEdge / 3 && "their edges have numbers");
+  assert(mesh.triangles.size() <= kMostSmoothed && "their edges have numbers");
   const std::vector<std::uint32_t> across = edges_across(mesh);
   const std::vector<Vec3> own = normals_of(mesh), normals = with_slivers_filled(mesh, across, own);
   DisjointSets groups = smooth_groups(across, normals, crease_angle);

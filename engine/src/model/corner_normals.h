@@ -2,11 +2,15 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "lumbrical/mesh.h"
 
 namespace lumbrical {
+
+/// Edges, three to a triangle, are counted in 32 bits.
+inline constexpr std::size_t kMostSmoothed = (~0u - 1) / 3;
 
 /// [unit] Of each triangle at its three corners: the mean of the triangles that hang together there across
 /// edges of less than `crease_angle` [rad], weighted by their angles (Thuermer and Wuethrich 1998). So
