@@ -7,7 +7,7 @@ namespace {
 
 using nlohmann::json;
 
-// Byte of the first bracket nested too deeply, or npos.
+// Byte of the first bracket nested too deeply, or npos: behind one that closes none it is no JSON any more.
 std::size_t find_too_deep(std::string_view text, int deepest) {
   int depth = 0;
   bool in_string = false;
@@ -21,7 +21,7 @@ std::size_t find_too_deep(std::string_view text, int deepest) {
     } else if (c == '{' || c == '[') {
       if (++depth > deepest) return i;
     } else if (c == '}' || c == ']') {
-      --depth;
+      if (--depth < 0) return std::string_view::npos;
     }
   }
   return std::string_view::npos;
