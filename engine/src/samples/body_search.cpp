@@ -208,8 +208,10 @@ TreeHead head_of_blocks(const Model& model, const CutPatches& cuts) {
 }
 
 void find_for_finger(const Model& model, const Primitives& hand, const CutPatches& cuts,
-                     const FingerBody& finger, const SplitPoint& origin, const OtherParts& others,
-                     const SearchFrom& from, PatchSearcher& searcher, CentroidForce& force) {
+                     const OtherParts& others, const SearchFrom& from, PatchSearcher& searcher,
+                     CentroidForce& force) {
+  const FingerBody& finger = others.bodies.finger[others.body];
+  const SplitPoint& origin = others.bodies.origin[others.body];
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
   const TreeHead head = head_of_blocks(model, cuts);
   SphereQuery queries[FingerBody::kMostTiles];
@@ -260,9 +262,11 @@ PalmQuery query_of_palm(const TreeHead& tree, const SweptPolygon& palm) {
   return query;
 }
 
-void find_for_palm(const Model& model, const Primitives& hand, const CutPatches& cuts, const PalmBody& palm,
-                   const SplitPoint& origin, const OtherParts& others, const SearchFrom& from,
-                   PatchSearcher& searcher, CentroidForce& force) {
+void find_for_palm(const Model& model, const Primitives& hand, const CutPatches& cuts,
+                   const OtherParts& others, const SearchFrom& from, PatchSearcher& searcher,
+                   CentroidForce& force) {
+  const PalmBody& palm = others.bodies.palm;
+  const SplitPoint& origin = others.bodies.origin[others.body];
   const SampleKernels& kernels = sample_kernels(model.execution.isa);
   PalmQuery query = query_of_palm(head_of_blocks(model, cuts), hand.palm);
   query.slack += distance_slack(others);
@@ -294,16 +298,12 @@ std::span<const FoundPatches> find_for_body(const Model& model, const Primitives
                                             const CutPatches& cuts, std::size_t body, const SearchFrom& from,
                                             PatchSearcher& searcher, CentroidForce& force) {
   const std::size_t begin = searcher.count;
-  const SplitPoint& origin = bodies.origin[body];
   const bool is_finger = body < bodies.finger_count;
-  const FingerBody& finger = bodies.finger[is_finger ? body : 0];
-  const OtherParts others{bodies, body, offsets_from(is_finger ? finger.origin : bodies.palm.origin, bodies),
+  const Vec3 origin = is_finger ? bodies.finger[body].origin : bodies.palm.origin;
+  const OtherParts others{bodies, body, offsets_from(origin, bodies),
                           model.settings.felt_once == FeltOnce::never ? nullptr : &*searcher.rivals};
-  if (is_finger) {
-    find_for_finger(model, hand, cuts, finger, origin, others, from, searcher, force);
-  } else {
-    find_for_palm(model, hand, cuts, bodies.palm, origin, others, from, searcher, force);
-  }
+  const auto find = is_finger ? find_for_finger : find_for_palm;
+  find(model, hand, cuts, others, from, searcher, force);
   return std::span(searcher.found).subspan(begin, searcher.count - begin);
 }
 
