@@ -18,7 +18,7 @@ std::size_t segment_of(const Bodies& bodies, std::size_t number) {
   return bodies.finger[body_of(number)].segment[number % Bodies::kTilesApart];
 }
 
-// What is added to sums is rounded to: 4e-12 of R^3 or less, so that a thousand addends are not off by a
+// What is added to sums is rounded to: 4e-12 to 3e-11 of R^3, so that a thousand addends are not off by a
 // share of 1e-9 that a hand feels, and 4000 R^3 fit in, forty times what a whole hand laid flat and deep
 // comes to.
 BodySums empty_sums(const Primitives& hand) {
