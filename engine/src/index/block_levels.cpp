@@ -102,7 +102,6 @@ void put_block_levels(const Execution& execution, Patches& patches) {
       samples.resize(first);
       break;
     }
-    patches.has_wholes = patches.has_wholes || is_used;
     patches.first_samples.push_back(static_cast<std::uint32_t>(first));
     patches.least_size.push_back(least);
     if (count <= 1) break;

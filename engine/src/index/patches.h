@@ -54,7 +54,6 @@ struct BlockSamples {
 
 struct Patches {
   PatchRules rules;
-  bool has_wholes = false;                   ///< may any block be taken as one?
   SphereTree tree;                           ///< of spheres round the blocks, without triangles
   SharedArray<PatchBlock> block;             ///< in the order of the tree's leaves
   SharedArray<PatchShape> shape;             ///< of each patch, sixteen to a block

@@ -6,7 +6,6 @@
 
 #include "base/at_least.h"
 #include "base/parallel.h"
-#include "search/tree_search.h"
 
 namespace lumbrical {
 namespace {
