@@ -30,7 +30,7 @@ struct BorderCut {
   BulgeMoments bulge;              ///< what the tile gains beyond its chord
 };
 
-/// How `tile` [suits_batch] and its neighbours share out the triangle a, b, c [m, W], `near` the borders in
+/// How `tile` [suits_lanes] and its neighbours share out the triangle a, b, c [m, W], `near` the borders in
 /// its reach. Two borders that cross it are `general` here, and so is one whose bulge can't be integrated.
 BorderCut cut_at_borders(const FieldKernels& kernels, const Primitives& hand, const Primitive& tile,
                          const TileBorders& near, Vec3 a, Vec3 b, Vec3 c);

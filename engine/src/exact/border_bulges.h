@@ -240,20 +240,20 @@ void border_bulges(BorderTerms& terms) {
     const PlaneCone<V> cone{in_plane(x), in_plane(y), in_plane(z), row(terms.side)};
     const BorderChord<V> whole = chord_over(cone, in_plane(joint + from), in_plane(joint + to),
                                             ConePoint<V>{dot(x, from), dot(y, from), dot(z, from)});
-    const Course<V> course = follow(part, plane, cone, whole);
+    const Stretch<V> stretch = follow(part, plane, cone, whole);
 
     V good = one;
-    const V first_height = height_at(cone, whole, course.from, good).at;
-    const V last_height = height_at(cone, whole, course.to, good).at;
-    const Wide2<V> step = course.from * whole.along + first_height * whole.across;
-    const Wide2<V> last = whole.from + course.to * whole.along + last_height * whole.across;
+    const V first_height = height_at(cone, whole, stretch.from, good).at;
+    const V last_height = height_at(cone, whole, stretch.to, good).at;
+    const Wide2<V> step = stretch.from * whole.along + first_height * whole.across;
+    const Wide2<V> last = whole.from + stretch.to * whole.along + last_height * whole.across;
     const ConePoint<V> start =
         whole.start + ConePoint<V>{dot(cone.x, step), dot(cone.y, step), dot(cone.z, step)};
     const BorderChord<V> chord = chord_over(cone, whole.from + step, last, start);
     good = select(chord.good > zero, good, zero);
     const V middle = field_on(part, plane, cone, chord, number<V>(0.5) * chord.length, good).phi;
     good = select(middle >= zero - number<V>(kFieldRounding) * part.radius1, good, zero);
-    good = select(course.status == inside, good, zero);
+    good = select(stretch.status == inside, good, zero);
     BulgeSum<V> sum{zero, zero, zero, zero, zero, zero};
     if (any(good > zero)) {
       const Wide3<V> ring = vector_at<V>(terms.ring, i);
@@ -262,8 +262,8 @@ void border_bulges(BorderTerms& terms) {
       sum = bulge_over(part, plane, cone, chord, joint, over, good);
     }
 
-    const auto kept = course.status == inside, had = fine && kept && good > zero;
-    const auto missed = fine && course.status == number<V>(kBorderOutside);
+    const auto kept = stretch.status == inside, had = fine && kept && good > zero;
+    const auto missed = fine && stretch.status == number<V>(kBorderOutside);
     put(terms.status + i, select(had, inside, select(missed, number<V>(kBorderOutside), unclear)));
     const auto in_space = [&](V along, V across) {
       const Wide2<V> p = along * chord.along + across * chord.across;

@@ -8,7 +8,7 @@
 namespace lumbrical::LUMBRICAL_ISA {
 
 // A border steeper than this against its chord is not followed here.
-inline constexpr double kSteepest = 0.3;
+inline constexpr double kSteepestChord = 0.3;
 // In shares of R: a Newton step so short is the last one; a chord so short is none; rounding of a field.
 inline constexpr double kLastStep = 1e-7, kNoChord = 1e-12, kFieldRounding = 1e-12;
 // Steps towards an end of the section; nearly all need less than half of them.
@@ -69,7 +69,7 @@ BorderChord<V> chord_over(const PlaneCone<V>& cone, Wide2<V> from, Wide2<V> to, 
   const ConePoint<V> end = start + chord.length * along;
   chord.off = in_cone(start, start);
   chord.drift = (in_cone(end, end) - chord.off) * one_over(chord.length);
-  const auto flat = leaves && k1 < number<V>(kSteepest) && k2 < number<V>(kSteepest);
+  const auto flat = leaves && k1 < number<V>(kSteepestChord) && k2 < number<V>(kSteepestChord);
   chord.good = select(flat && start.z >= zero && end.z >= zero, one, zero);
   return chord;
 }
@@ -120,9 +120,9 @@ inline FieldSlope<V> field_on(const RoundPart<V>& part, const RoundPlane<V>& pla
                      chord.along + height.slope * chord.across);
 }
 
-// The part of a border inside the section.
+// The stretch of a border inside the section.
 template <class V>
-struct Course {
+struct Stretch {
   V from, to;  // abscissas
   V status;    // kBorderOutside ...
 };
@@ -131,8 +131,8 @@ struct Course {
 // to the section from outside, and where the tangents from both ends meet below zero there is no section
 // between; below `clear` there is none between chord and border either.
 template <class V>
-Course<V> follow(const RoundPart<V>& part, const RoundPlane<V>& plane, const PlaneCone<V>& cone,
-                 const BorderChord<V>& chord) {
+Stretch<V> follow(const RoundPart<V>& part, const RoundPlane<V>& plane, const PlaneCone<V>& cone,
+                  const BorderChord<V>& chord) {
   const V zero = number<V>(0), one = number<V>(1);
   const V unclear = number<V>(kBorderUnclear), outside = number<V>(kBorderOutside);
   const V close = number<V>(kLastStep) * part.radius1;
@@ -140,12 +140,12 @@ Course<V> follow(const RoundPart<V>& part, const RoundPlane<V>& plane, const Pla
   V a = zero, b = chord.length, good = chord.good;
   FieldSlope<V> at_a = field_on(part, plane, cone, chord, a, good);
   FieldSlope<V> at_b = field_on(part, plane, cone, chord, b, good);
-  Course<V> course{zero, zero, number<V>(kBorderInside)};
+  Stretch<V> stretch{zero, zero, number<V>(kBorderInside)};
   // Which ends are still being looked for.
   V left = select(at_a.phi < zero, one, zero), right = select(at_b.phi < zero, one, zero);
   const auto never = one < zero;
   const auto give_up = [&](const auto& which, const auto& as_outside) {
-    course.status = select(which, select(as_outside, outside, unclear), course.status);
+    stretch.status = select(which, select(as_outside, outside, unclear), stretch.status);
     left = select(which, zero, left);
     right = select(which, zero, right);
   };
@@ -177,11 +177,11 @@ Course<V> follow(const RoundPart<V>& part, const RoundPlane<V>& plane, const Pla
   }
   give_up(left + right > zero, never);
   const auto some_left = b - a > number<V>(kNoChord) * part.radius1;
-  const auto had = good > zero && (some_left || course.status == outside);
-  course.status = select(had, course.status, unclear);
-  course.from = a;
-  course.to = b;
-  return course;
+  const auto had = good > zero && (some_left || stretch.status == outside);
+  stretch.status = select(had, stretch.status, unclear);
+  stretch.from = a;
+  stretch.to = b;
+  return stretch;
 }
 
 }  // namespace lumbrical::LUMBRICAL_ISA

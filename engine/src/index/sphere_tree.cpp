@@ -22,7 +22,7 @@ constexpr std::size_t kTreePiece = 1024;  // blocks, the least that is worth ano
 constexpr double kBoxSlack = 1e-6;
 
 // Single precision moves centres and radii by less than this share of their size; bounds are widened by it.
-constexpr double kFloatSlack = 4e-7;
+constexpr double kSphereSlack = 4e-7;
 
 SphereBlock empty_block() {
   SphereBlock block;
@@ -140,7 +140,7 @@ void put_sphere(const Sphere& sphere, std::size_t place, SphereBlock* blocks) {
   block.y[lane] = static_cast<float>(c.y);
   block.z[lane] = static_cast<float>(c.z);
   const double size = largest_of(c) + sphere.radius;
-  block.r[lane] = static_cast<float>(sphere.radius + kFloatSlack * size);
+  block.r[lane] = static_cast<float>(sphere.radius + kSphereSlack * size);
 }
 
 Sphere bound(std::span<const Sphere> spheres) {

@@ -13,7 +13,8 @@
 // because h + s <= sqrt(2) R. So every comparison that a fresh search fails, one with the widened hull fails
 // too, and every one that the narrowed hull fails, a fresh search fails. Whether a triangle's normal is
 // certain is a question to the triangle alone. kUse is less than 1 / sqrt(2): what is left, a tenth of the
-// skin, is far more than rounding can take away (`has_skin` and `in_reach` see to that).
+// skin, is far more than rounding can take away (`skin_limits`, and `is_within` of pair_search.cpp, see to
+// that).
 #pragma once
 
 #include <array>
