@@ -89,6 +89,44 @@ TEST(McapFormat, IgnoresFieldsOfLaterVersions) {
   EXPECT_TRUE(parse(content, footer));
 }
 
+/// With so many channels of messages that nobody reads, the last of which ends a time.
+Status open_channels(const std::string& path, std::size_t channels, McapWriter& writer,
+                     Compression compression = Compression::lz4) {
+  McapWriterOptions options;
+  options.compression = compression;
+  options.last_channel = channels - 1;
+  McapWriter::Start start;
+  const std::map<std::string, std::string> metadata;
+  start.metadata = &metadata;
+  start.channels.assign(channels, {"still", {}, "tick", {}});
+  return writer.open(test::cleared(path), options, start);
+}
+
+Status load_chunks(const std::string& path, std::vector<LoadedChunk>& chunks) {
+  InputFile file;
+  Summary summary;
+  bool whole = false;
+  if (Status status = file.open(path); !status.ok()) return status;
+  if (Status status = read_summary(file, summary, whole); !status.ok()) return status;
+  std::vector<std::uint8_t> content;
+  for (const ChunkIndex& index : summary.chunks) {
+    RecordPlace place;
+    if (Status status = find_record(file, index.offset, file.size(), place, whole); !status.ok())
+      return status;
+    if (Status status = load_chunk(file, place, content, chunks.emplace_back()); !status.ok()) return status;
+  }
+  return {};
+}
+
+/// What its reader finds in the chunks of a file that is closed with this.
+std::vector<LoadedChunk> chunks_of(const std::string& path, McapWriter& writer) {
+  std::vector<LoadedChunk> chunks;
+  Status status = writer.close();
+  if (status.ok()) status = load_chunks(path, chunks);
+  EXPECT_TRUE(status.ok()) << status.message();
+  return chunks;
+}
+
 class McapFile : public ::testing::TestWithParam<Compression> {};
 
 // 700 ticks at 1 kHz, read back record by record.
@@ -154,37 +192,55 @@ TEST_P(McapFile, KeepsToTheSpecification) {
 
 // What nobody moves is the same over and over: the more of it, the further it can be compressed.
 TEST_P(McapFile, WritesNothingThatItsReaderTakesForABomb) {
-  const std::string path = test::cleared(temporary_path("still.mcap"));
+  const std::string path = temporary_path("still.mcap");
   McapWriter writer;
-  McapWriterOptions options;
-  options.compression = GetParam();
-  McapWriter::Start start;
-  const std::map<std::string, std::string> metadata;
-  start.metadata = &metadata;
-  start.channels.push_back({"still", {}, "tick", {}});
-  ASSERT_TRUE(writer.open(path, options, start).ok());
+  ASSERT_TRUE(open_channels(path, 1, writer, GetParam()).ok());
   const std::vector<std::uint8_t> still(10'000, 0);
   for (std::uint32_t i = 0; i < 100; ++i) ASSERT_TRUE(writer.message(0, 0, still).ok());
-  ASSERT_TRUE(writer.close().ok());
-
-  InputFile file;
-  Summary summary;
-  bool present = false;
-  ASSERT_TRUE(file.open(path).ok() && read_summary(file, summary, present).ok());
-  ASSERT_EQ(summary.chunks.size(), 1u);
-  RecordPlace place;
-  bool whole = false;
-  ASSERT_TRUE(find_record(file, summary.chunks[0].offset, file.size(), place, whole).ok());
-  std::vector<std::uint8_t> content;
-  LoadedChunk chunk;
-  const Status status = load_chunk(file, place, content, chunk);
-  EXPECT_TRUE(status.ok()) << status.message();
-  EXPECT_GT(chunk.records.size(), 100 * still.size());
+  const std::vector<LoadedChunk> chunks = chunks_of(path, writer);
+  ASSERT_EQ(chunks.size(), 1u);
+  EXPECT_GT(chunks[0].records.size(), 100 * still.size());
 }
 
 INSTANTIATE_TEST_SUITE_P(Compressions, McapFile,
                          ::testing::Values(Compression::none, Compression::lz4, Compression::zstd),
                          testing::PrintToStringParamName());
+
+TEST(McapWriter, EndsAChunkThatIsFullThoughItsLastChannelIsSilent) {
+  const std::string path = temporary_path("one.mcap");
+  McapWriter writer;
+  ASSERT_TRUE(open_channels(path, 2, writer).ok());
+  const std::vector<std::uint8_t> large(300'000, 7);
+  for (std::uint32_t i = 0; i < 100; ++i) ASSERT_TRUE(writer.message(1'000'000 * i, i, large).ok());
+  for (const LoadedChunk& chunk : chunks_of(path, writer)) EXPECT_LT(chunk.records.size(), 5 * large.size());
+}
+
+TEST(McapWriter, MessagesOfOneTimeShareAChunkAsLongAsItCanBeRead) {
+  const std::string path = temporary_path("large.mcap");
+  McapWriter writer;
+  ASSERT_TRUE(open_channels(path, 3, writer).ok());
+  const std::vector<std::uint8_t> large(7u << 20, 7);
+  for (const std::size_t channel : {0, 1, 2}) ASSERT_TRUE(writer.message(5, 5, large, channel).ok());
+  const std::vector<LoadedChunk> chunks = chunks_of(path, writer);
+  ASSERT_EQ(chunks.size(), 2u);
+  EXPECT_GT(chunks[0].records.size(), 2 * large.size());
+}
+
+TEST(McapWriter, RefusesAMessageThatCouldNotBeReadAndKeepsThoseBeforeIt) {
+  const std::string path = temporary_path("large.mcap");
+  McapWriter writer;
+  ASSERT_TRUE(open_channels(path, 2, writer).ok());
+  const auto write = [&](std::uint32_t tick, std::size_t size) {
+    return writer.message(tick, tick, std::vector<std::uint8_t>(size));
+  };
+  ASSERT_TRUE(write(5, 100).ok());
+  ASSERT_TRUE(write(6, kLargestMessage).ok());
+  ASSERT_TRUE(write(7, 100).ok());
+  const Status refused = write(7, kLargestMessage + 1);
+  EXPECT_NE(refused.message().find("larger than the 16 MiB"), std::string::npos) << refused.message();
+  EXPECT_EQ(writer.written_messages(), 3u);
+  EXPECT_EQ(chunks_of(path, writer).size(), 3u);
+}
 
 // A file with one chunk record of our making behind a header.
 std::string file_with_chunk(const Chunk& chunk) {

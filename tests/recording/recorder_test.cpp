@@ -234,6 +234,22 @@ TEST(Recorder, SaysClearlyWhyAFileCannotBeWritten) {
   }
 }
 
+TEST(Recorder, RefusesMetadataThatCouldNotBeRead) {
+  const std::string path = temporary_path("notes.mcap");
+  RecorderOptions options;
+  options.metadata["notes"] = std::string(4u << 20, 'x');
+  Recorder recorder;
+  const Status refused = recorder.open(path, small_scene(), options);
+  EXPECT_NE(refused.message().find("notes.mcap: the metadata take"), std::string::npos) << refused.message();
+  EXPECT_FALSE(std::filesystem::exists(path + kPartSuffix));
+  options.metadata["notes"].resize(4'000'000);
+  write_recording(path, small_scene(), random_records(3, 1), options);
+  RecordingReader reader;
+  const Status status = reader.open(path);
+  EXPECT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(reader.info().metadata.at("notes"), options.metadata["notes"]);
+}
+
 TEST(Recorder, WritesOverNothingThatIsThere) {
   const std::string path = temporary_path("a.mcap"), link = temporary_path("link.mcap");
   write_recording(path, small_scene(), random_records(20, 7));

@@ -250,6 +250,50 @@ TEST(DrawnScene, WithoutModelsOrWithObjectsThatFillNoMessageIsRefused) {
   EXPECT_NE(check_drawable(touch_scene(), 1000).message().find("too large"), std::string::npos);
 }
 
+/// One object of as many points as may be drawn.
+Scene largest_drawable() {
+  Scene scene = touch_scene();
+  Mesh& mesh = scene.objects[0].mesh;
+  const std::size_t more = 480'000;
+  mesh.vertices.resize(more);
+  while (!check_drawable(scene).ok()) mesh.vertices.resize(mesh.vertices.size() - 100);
+  EXPECT_LT(mesh.vertices.size(), more);
+  return scene;
+}
+
+TEST(DrawnScene, WhateverMayBeDrawnIsReadBack) {
+  const std::string path = cleared(temporary_path("large.mcap"));
+  const Scene scene = largest_drawable();
+  flatbuffers::FlatBufferBuilder builder;
+  draw_objects(scene, 0, builder);
+  const std::vector<RecordingChannel> channels = channels_of({Side::right}, {MessageKind::objects});
+  std::vector<std::uint8_t> session, tick;
+  ASSERT_TRUE(encode_session(touch_scene(), session).ok());
+  TickRecord record;
+  seal(record);
+  tick_message(record, tick);
+  McapWriter writer;
+  ASSERT_TRUE(open_recording(path, kRate, session, {}, {}, {}, writer, channels).ok());
+  ASSERT_TRUE(writer.message(0, 0, {builder.GetBufferPointer(), builder.GetSize()}, 1).ok());
+  ASSERT_TRUE(writer.message(0, 0, tick).ok());
+  ASSERT_TRUE(writer.close().ok());
+  RecordingInfo info;
+  const Status status = verify_recording(path, info);
+  EXPECT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(info.ticks, 1u);
+}
+
+TEST(DrawnScene, MessagesOfObjectsAreNoLargerThanTheirCheckAllows) {
+  Scene many = touch_scene(), named = touch_scene();
+  many.objects.assign(300, {"", {}});
+  named.objects.assign(10, {std::string(10'000, 'x'), touch_scene().objects[0].mesh});
+  for (const Scene& scene : {touch_scene(), drawn_scene(), many, named}) {
+    flatbuffers::FlatBufferBuilder builder;
+    draw_objects(scene, 0, builder);
+    EXPECT_FALSE(check_drawable(scene, builder.GetSize() - 1).ok());
+  }
+}
+
 TEST(DrawnScene, DamagedAnywhereIsAnErrorOrCanBeDrawn) {
   for (const View& view : views_of(recorded_scene())) {
     if (view.tick != 300 && view.kind != MessageKind::objects) continue;

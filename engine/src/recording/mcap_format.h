@@ -23,6 +23,13 @@ inline constexpr std::uint64_t kFooterContentSize = 20;
 /// to thousands, which is how a small file keeps its reader busy.
 inline constexpr std::uint64_t kLargestRatio = 256, kLargestGift = 1024;
 
+/// What is read, and so what may be written: the records of a chunk together, the data of a message, which is
+/// whole in one, and the content of a record that is neither chunk nor attachment. [bytes]
+inline constexpr std::uint64_t kLargestChunk = 16u << 20;
+inline constexpr std::uint64_t kMessageHeadSize = kRecordHeaderSize + 22;  // id, number and times
+inline constexpr std::uint64_t kLargestMessage = kLargestChunk - kMessageHeadSize;
+inline constexpr std::uint64_t kLargestOtherRecord = 4u << 20;
+
 enum class Opcode : std::uint8_t {
   none = 0x00,
   header = 0x01,

@@ -22,11 +22,8 @@ using namespace mcap;
 
 namespace {
 
-// The recorder ends its chunks at 1 MiB; this much is granted to files that other tools have rewritten.
-constexpr std::uint64_t kLargestChunk = 16u << 20;
 // FlatBuffers holds less than 2 GiB, so no attachment of ours is larger.
 constexpr std::uint64_t kLargestAttachment = std::uint64_t{1} << 31;
-constexpr std::uint64_t kLargestOtherRecord = 4u << 20;
 
 std::uint64_t largest_content(Opcode opcode) {
   if (opcode == Opcode::chunk) return kLargestChunk + (1u << 20);  // what cannot be compressed grows a little

@@ -66,8 +66,6 @@ Status McapWriter::write(Bytes bytes) {
 
 Status McapWriter::open(const std::string& path, const McapWriterOptions& options, const Start& start) {
   options_ = options;
-  if (Status status = file_.open(path); !status.ok()) return status;
-
   append_channels(start);
   ByteWriter first;
   first.raw(kMagic);
@@ -76,6 +74,11 @@ Status McapWriter::open(const std::string& path, const McapWriterOptions& option
   metadata_ = {first.size(), 0, std::string(start.metadata_name)};
   append(first, Metadata{metadata_.name, *start.metadata});
   metadata_.length = first.size() - metadata_.offset;
+  if (metadata_.length > kRecordHeaderSize + kLargestOtherRecord)
+    return Status::error(path + ": the metadata take " + std::to_string(metadata_.length) +
+                         " bytes, and at most 4 MiB can be read; shorten them");
+
+  if (Status status = file_.open(path); !status.ok()) return status;
   if (Status status = write(first.bytes()); !status.ok()) return status;
   for (const Start::Content& content : start.attachments)
     if (Status status = write_attachment(content); !status.ok()) return status;
@@ -129,12 +132,23 @@ Status McapWriter::write_attachment(const Start::Content& attached) {
   return {};
 }
 
+// More session time than a chunk may, with a message of that time.
+bool McapWriter::covers_too_much(std::uint64_t time) const {
+  return is_chunk_open() && time - chunk_start_ >= options_.chunk_time;
+}
+
+// Messages of one time share a chunk as long as a reader takes it.
+bool McapWriter::goes_on_with(std::uint64_t time, std::size_t data_size) const {
+  const bool is_full = chunk_.size() >= options_.chunk_bytes && time != statistics_.end_time;
+  return !is_full && !covers_too_much(time) && chunk_.size() + data_size <= kLargestMessage;
+}
+
 Status McapWriter::message(std::uint64_t time, std::uint32_t sequence, Bytes data, std::size_t channel) {
-  const auto covers_too_much = [&](std::uint64_t last) {
-    return is_chunk_open() && last - chunk_start_ >= options_.chunk_time;
-  };
-  if (covers_too_much(time))
-    if (Status status = write_chunk(); !status.ok()) return status;
+  if (!goes_on_with(time, data.size()))
+    if (Status status = flush(); !status.ok()) return status;
+  if (data.size() > kLargestMessage)
+    return Status::error(file_.growing_at() + ": a message of " + std::to_string(data.size()) +
+                         " bytes is larger than the 16 MiB that can be read; record no contact points");
 
   if (!is_chunk_open()) chunk_start_ = time;
   MessageIndex& index = chunk_index_[channel];

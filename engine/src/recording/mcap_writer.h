@@ -17,7 +17,7 @@ struct McapWriterOptions {
   Compression compression = Compression::lz4;
   std::uint64_t period = 1'000'000;        ///< [ns] session time from one message to the next
   std::uint64_t chunk_time = 200'000'000;  ///< [ns] session time a chunk may cover
-  std::uint64_t chunk_bytes = 1u << 20;    ///< after which a chunk ends at the latest, uncompressed
+  std::uint64_t chunk_bytes = 1u << 20;    ///< a chunk of so many, uncompressed, ends with the time it is at
   std::size_t last_channel = 0;            ///< of messages of one time, which share a chunk, its comes last
 };
 
@@ -44,10 +44,12 @@ class McapWriter {
     const std::map<std::string, std::string>* metadata = nullptr;
   };
 
-  /// Creates the file and writes all that stands before the first message.
+  /// Creates the file and writes all that stands before the first message. Metadata that no reader would take
+  /// are refused.
   Status open(const std::string& path, const McapWriterOptions& options, const Start& start);
   /// Adds one message to Start::channels[channel]; times [ns] must not descend. A full chunk goes to the file
-  /// at once, whole. After an error the file ends with the last whole chunk and stays readable that far.
+  /// at once, whole. After an error the file ends with the last whole chunk and stays readable that far. A
+  /// message that no reader would take is refused, behind all that came before it.
   Status message(std::uint64_t time, std::uint32_t sequence, mcap::Bytes data, std::size_t channel = 0);
   /// Writes the open chunk, if any message is in it; the next one begins another.
   Status flush();
@@ -64,6 +66,8 @@ class McapWriter {
 
  private:
   Status write(mcap::Bytes bytes);
+  [[nodiscard]] bool covers_too_much(std::uint64_t time) const;
+  [[nodiscard]] bool goes_on_with(std::uint64_t time, std::size_t data_size) const;
   void append_channels(const Start& start);
   Status write_attachment(const Start::Content& content);
   Status write_chunk();

@@ -179,12 +179,14 @@ void begin(FlatBufferBuilder& builder) {
 }  // namespace
 
 Status check_drawable(const Scene& scene, std::size_t most_bytes) {
-  std::size_t bytes = 0;
+  std::size_t bytes = 100;
   for (const SceneObject& object : scene.objects)
-    bytes += 40 * object.mesh.vertices.size() + 12 * object.mesh.triangles.size();
+    bytes += 36 * object.mesh.vertices.size() + 12 * object.mesh.triangles.size() + object.name.size() + 500;
   if (bytes <= most_bytes) return {};
-  return Status::error("the objects are too large to be drawn by others, " + std::to_string(bytes >> 20) +
-                       " MiB; leave out the scene");
+  const auto in_mebibytes = [](std::size_t size) { return std::to_string((size + (1u << 20) - 1) >> 20); };
+  return Status::error("the objects are too large to be drawn by others, " + in_mebibytes(bytes) +
+                       " MiB of at most " + in_mebibytes(most_bytes) +
+                       "; leave out the scene, or use coarser meshes");
 }
 
 void draw_objects(const Scene& scene, std::uint64_t time, FlatBufferBuilder& builder) {

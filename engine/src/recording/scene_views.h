@@ -10,6 +10,7 @@
 #include "lumbrical/model.h"
 #include "lumbrical/recording.h"
 #include "lumbrical/tick.h"
+#include "recording/mcap_format.h"
 
 namespace flatbuffers {
 class FlatBufferBuilder;
@@ -23,8 +24,8 @@ inline constexpr std::string_view kTransformsSchemaName = "foxglove.FrameTransfo
 /// [m/N] length of a force's arrow.
 inline constexpr double kArrowScale = 0.005;
 
-/// Refuses objects whose message would be larger; a FlatBuffer ends at 2 GiB.
-Status check_drawable(const Scene& scene, std::size_t most_bytes = std::size_t{1} << 30);
+/// Refuses objects whose message would be larger than any that can be read.
+Status check_drawable(const Scene& scene, std::size_t most_bytes = mcap::kLargestMessage);
 
 // Each clears the builder and leaves its message in it; `time` is session time [ns].
 
