@@ -176,7 +176,11 @@ TEST(TwoHands, MissingTicksOfEitherAreTold) {
   RecordingInfo info;
   std::vector<TickRange> missing;
   ASSERT_TRUE(verify_recording(path, info, &missing).ok());
-  EXPECT_EQ(missing, (std::vector<TickRange>{{77, 77}}));
+  EXPECT_EQ(missing, (std::vector<TickRange>{{77, 77}, {590, kTicks - 1}}));
+  std::vector<TickRange> lacking;
+  std::uint64_t recovered = 0, lost = 0;
+  ASSERT_TRUE(recover_recording(path, cleared(temporary_path("whole.mcap")), recovered, lost, &lacking).ok());
+  EXPECT_EQ(lacking, missing);
   EXPECT_EQ(opened(path, Side::left).info().last_tick, 589u);
   EXPECT_EQ(opened(path, Side::right).info().last_tick, kTicks - 1);
   ReplayResult result;

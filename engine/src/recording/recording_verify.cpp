@@ -1,4 +1,5 @@
 // Verification of a recording: the whole file is read once and compared with everything it says about itself.
+#include <algorithm>
 #include <map>
 #include <new>
 #include <optional>
@@ -72,6 +73,7 @@ class Verification {
   Status check_attachment(const RecordPlace& place);
   Status check_metadata(const RecordPlace& place);
   Status check_summary(std::uint64_t data_end);
+  void miss_ends();
   void count_message(std::uint16_t channel, std::uint64_t time);
 
   InputFile file_;
@@ -335,12 +337,21 @@ Status Verification::check_summary(std::uint64_t data_end) {
   return groups == summary.summary_offsets ? Status{} : wrong("offset section");
 }
 
+// What one hand has behind the last tick of the other.
+void Verification::miss_ends() {
+  std::uint64_t end = 0;
+  for (const auto& [side, next] : next_tick_) end = std::max(end, next);
+  for (const auto& [side, next] : next_tick_)
+    if (next < end) missing_.push_back({next, end - 1});
+}
+
 Status Verification::run(const std::string& path) {
   if (Status status = file_.open(path); !status.ok()) return status;
   Header header;
   std::uint64_t data_start = 0, data_end = 0;
   if (Status status = read_start(file_, header, data_start); !status.ok()) return status;
   if (Status status = walk(data_start, data_end); !status.ok()) return status;
+  miss_ends();
   return check_summary(data_end);
 }
 
