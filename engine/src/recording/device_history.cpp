@@ -165,8 +165,10 @@ Status write_events(std::span<RecordingReader> readers, ExportFormat format, Tex
 }  // namespace
 
 Status read_device_history(std::span<RecordingReader> readers, DeviceHistory& history,
-                           const std::function<Status(const DeviceEvent&)>& event) {
+                           const std::function<Status(const DeviceEvent&)>& event) try {
   return read_history(driven_hand(readers), history, event);
+} catch (const std::bad_alloc&) {
+  return Status::error(readers[0].info().path + ": not enough memory to read the events");
 }
 
 Status export_device_events(std::span<RecordingReader> readers, ExportFormat format,

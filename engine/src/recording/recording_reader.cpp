@@ -35,7 +35,7 @@ const RecordingInfo& RecordingReader::info() const {
   return file_ ? file_->info : kNothing;
 }
 
-Status RecordingReader::find_world(const std::string& path) {
+Status RecordingReader::find_world(const std::string& path) try {
   if (!file_ || !file_->scene.world || file_->scene.world->bytes) return {};
   const World& named = *file_->scene.world;
   std::string chosen = path;
@@ -60,6 +60,8 @@ Status RecordingReader::find_world(const std::string& path) {
   found->path = named.path;  // as recorded, so that copies of the session are the same
   file_->scene.world = std::move(found);
   return {};
+} catch (const std::bad_alloc&) {
+  return Status::error(info().path + ": not enough memory to find its world");
 }
 
 const Scene& RecordingReader::scene() const {
@@ -93,7 +95,7 @@ Status RecordingReader::next(TickRecord& record, bool& end) try {
   if (!file_) return Status::error("no recording is open; call open() first");
   return file_->next(record, end);
 } catch (const std::bad_alloc&) {
-  return Status::error("not enough memory to read the recording");
+  return Status::error(info().path + ": not enough memory to read the recording");
 }
 
 Status RecordingReader::next_message(RecordedMessage& message, bool& end) {
@@ -127,13 +129,16 @@ Status RecordingReader::seek(std::uint64_t tick) {
   return {};
 }
 
-Status open_hands(const std::string& path, std::vector<RecordingReader>& readers, std::optional<Side> side) {
+Status open_hands(const std::string& path, std::vector<RecordingReader>& readers,
+                  std::optional<Side> side) try {
   std::vector<RecordingReader> opened(1);
   if (Status status = opened[0].open(path, side); !status.ok()) return status;
   if (const std::optional<Hand> other = opened[0].other_hand(); other && !side)
     if (Status status = opened.emplace_back().open(path, other->side); !status.ok()) return status;
   readers = std::move(opened);
   return {};
+} catch (const std::bad_alloc&) {
+  return Status::error(path + ": not enough memory to read the recording");
 }
 
 }  // namespace lumbrical

@@ -2,6 +2,7 @@
 // again.
 #include <algorithm>
 #include <chrono>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -178,14 +179,16 @@ std::string damage_of(const RecordingReader& reader) {
 
 }  // namespace
 
-Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResult& result) {
+Status replay(RecordingReader& reader, const ReplayOptions& options, ReplayResult& result) try {
   result = {};
   if (Status status = replay_ticks(reader, options, result); !status.ok()) return status;
   result.damage = damage_of(reader);
   return {};
+} catch (const std::bad_alloc&) {
+  return broken(reader, "not enough memory to replay the recording");
 }
 
-Status replay_hands(const std::string& path, const ReplayOptions& options, ReplayResult& result) {
+Status replay_hands(const std::string& path, const ReplayOptions& options, ReplayResult& result) try {
   result = {};
   std::vector<RecordingReader> readers;
   if (Status status = open_hands(path, readers); !status.ok()) return status;
@@ -200,6 +203,8 @@ Status replay_hands(const std::string& path, const ReplayOptions& options, Repla
   }
   result.damage = damage_of(readers[0]);
   return {};
+} catch (const std::bad_alloc&) {
+  return Status::error(path + ": not enough memory to replay the recording");
 }
 
 namespace {
@@ -228,7 +233,7 @@ Status compare_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& 
 
 }  // namespace
 
-Status diff_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& result) {
+Status diff_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& result) try {
   result = {};
   Status status = compare_recordings(a, b, result);
   if (result.first_divergence) {
@@ -236,6 +241,8 @@ Status diff_recordings(RecordingReader& a, RecordingReader& b, ReplayResult& res
     result.first_divergence->replayed_build = build_of(b);
   }
   return status;
+} catch (const std::bad_alloc&) {
+  return broken(a, "not enough memory to compare the recordings");
 }
 
 }  // namespace lumbrical

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <new>
 #include <optional>
 
 #include "lumbrical/recording.h"
@@ -169,7 +170,7 @@ class WhatIf {
 
 }  // namespace
 
-Status what_if(RecordingReader& reader, const ReplayOptions& options, WhatIfResult& result) {
+Status what_if(RecordingReader& reader, const ReplayOptions& options, WhatIfResult& result) try {
   result = {};
   WhatIf comparison;
   if (Status status = comparison.build(reader, options); !status.ok()) return status;
@@ -187,6 +188,8 @@ Status what_if(RecordingReader& reader, const ReplayOptions& options, WhatIfResu
     if (options.progress && done % kProgressInterval == 0) options.progress(done, reader.info().ticks);
   }
   return comparison.finish(result);
+} catch (const std::bad_alloc&) {
+  return Status::error(reader.info().path + ": not enough memory to replay the recording");
 }
 
 }  // namespace lumbrical
