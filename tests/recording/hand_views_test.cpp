@@ -254,6 +254,40 @@ TEST(HandViews, ComeOutAsTables) {
       std::string::npos);
 }
 
+TEST(HandViews, OfARangeWithoutTicksAreNoTableButOfOneWithoutViewsAnEmptyOne) {
+  const std::string path = temporary_path("views.mcap"), table = temporary_path("table");
+  record_views(path);
+  RecordingReader reader;
+  ASSERT_TRUE(reader.open(path).ok());
+  for (const ExportFormat format : {ExportFormat::csv, ExportFormat::json, ExportFormat::npz}) {
+    ExportOptions options;
+    options.format = format;
+    options.first = kTicks;
+    const Status none = export_views({&reader, 1}, MessageKind::pose, options, table);
+    EXPECT_NE(none.message().find("it holds 0 to 599"), std::string::npos) << none.message();
+    EXPECT_FALSE(std::filesystem::exists(table));
+    options.first = 101;
+    options.last = 109;
+    EXPECT_TRUE(export_views({&reader, 1}, MessageKind::pose, options, table).ok());
+    EXPECT_TRUE(std::filesystem::remove(table));
+  }
+}
+
+TEST(HandViews, ThatAreDamagedAreToldByFileAndTick) {
+  const std::string path = cleared(temporary_path("damaged.mcap"));
+  std::vector<std::uint8_t> session;
+  ASSERT_TRUE(encode_session(touch_scene(), session).ok());
+  const std::vector<RecordingChannel> channels = channels_of({Side::right}, {MessageKind::contacts});
+  McapWriter writer;
+  ASSERT_TRUE(open_recording(path, 1000, session, {}, {}, {}, writer, channels).ok());
+  ASSERT_TRUE(writer.message(20'000'000, 20, std::vector<std::uint8_t>(50), 1).ok());
+  ASSERT_TRUE(writer.close().ok());
+  RecordingReader reader;
+  ASSERT_TRUE(reader.open(path).ok());
+  const Status status = export_views({&reader, 1}, MessageKind::contacts, {}, temporary_path("contacts.csv"));
+  EXPECT_EQ(status.message(), path + ": tick 20: contact points do not fit their schema");
+}
+
 TEST(HandViews, WithoutModelsAreRefused) {
   RecorderOptions options;
   options.pose_interval = 1;

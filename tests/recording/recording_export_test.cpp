@@ -196,12 +196,15 @@ TEST(Export, OfASingleTickHoldsWhatIsNotZeroAndOfNoneSaysWhichThereAre) {
   ASSERT_EQ(table.size(), 2u);
   EXPECT_GT(table[0].size(), columns / 2);
   options.first = options.last = 70;
-  const std::string output = temporary_path("none.csv");
-  std::filesystem::remove(output);
-  const Status none = export_recording(reader, options, output);
-  ASSERT_FALSE(none.ok());
-  EXPECT_NE(none.message().find("it holds 0 to 49"), std::string::npos) << none.message();
-  EXPECT_FALSE(std::filesystem::exists(output));
+  const std::string output = temporary_path("none");
+  for (const ExportFormat format : {ExportFormat::csv, ExportFormat::json, ExportFormat::npz}) {
+    std::filesystem::remove(output);
+    options.format = format;
+    const Status none = export_recording(reader, options, output);
+    ASSERT_FALSE(none.ok());
+    EXPECT_NE(none.message().find("it holds 0 to 49"), std::string::npos) << none.message();
+    EXPECT_FALSE(std::filesystem::exists(output));
+  }
 }
 
 TEST(Export, WritesJsonLinesAndLeavesNothingHalfWritten) {

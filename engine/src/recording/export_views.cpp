@@ -11,6 +11,7 @@
 
 #include "files/text_output.h"
 #include "lumbrical/recording.h"
+#include "recording/chosen_ticks.h"
 #include "recording/export_columns.h"
 #include "recording/hand_views.h"
 #include "recording/json_line.h"
@@ -72,21 +73,23 @@ Status for_each_row(Readers readers, MessageKind kind, const ExportOptions& opti
   std::vector<Pose> joints;
   std::vector<ContactPoint> points;
   ViewRow row;
+  std::uint64_t found = 0;
   while (wanted()) {
     RecordedMessage message;
     bool end = false;
     if (Status status = reader.next_message(message, end); !status.ok()) return status;
-    if (end || message.tick > options.last) return {};
+    if (end || message.tick > options.last) return check_choice(reader.info(), found);
     const Side side = reader.info().hands[message.hand];
-    const bool chosen = message.tick >= options.first && (message.tick - options.first) % options.step == 0 &&
-                        is_asked_for(side);
-    if (message.kind != kind || !chosen) continue;
+    if (!is_chosen(options, message.tick) || !is_asked_for(side)) continue;
+    ++found;
+    if (message.kind != kind) continue;
     joints.clear();
     points.clear();
     if (Status status = kind == MessageKind::pose ? decode_pose(message.bytes, joints)
                                                   : decode_contacts(message.bytes, points);
         !status.ok())
-      return status;
+      return Status::error(reader.info().path + ": tick " + std::to_string(message.tick) + ": " +
+                           status.message());
     row.tick = message.tick;
     row.time = static_cast<double>(message.tick) / reader.scene().settings.rate;
     row.hand = side_name(side);

@@ -12,6 +12,7 @@
 
 #include "files/text_output.h"
 #include "lumbrical/recording.h"
+#include "recording/chosen_ticks.h"
 #include "recording/export_columns.h"
 #include "recording/json_line.h"
 #include "recording/npz_file.h"
@@ -19,11 +20,6 @@
 
 namespace lumbrical {
 namespace {
-
-// Where ticks are to be exported from, and whether this one is.
-bool chosen(const ExportOptions& options, std::uint64_t tick) {
-  return tick >= options.first && tick <= options.last && (tick - options.first) % options.step == 0;
-}
 
 using Readers = std::span<RecordingReader>;
 
@@ -49,7 +45,7 @@ Status for_each_row(Readers readers, const ExportOptions& options, Take&& take,
     do {
       if (Status status = readers[hand].next(records[hand], end); !status.ok()) return status;
       end = end || records[hand].output.tick > options.last;
-    } while (!end && !chosen(options, records[hand].output.tick));
+    } while (!end && !is_chosen(options, records[hand].output.tick));
     return Status{};
   };
   for (std::size_t hand = 0; hand < readers.size(); ++hand) {
@@ -68,12 +64,6 @@ Status for_each_row(Readers readers, const ExportOptions& options, Take&& take,
         if (Status status = advance(hand); !status.ok()) return status;
   }
   return {};
-}
-
-Status no_rows(Readers readers) {
-  const RecordingInfo& info = readers[0].info();
-  return Status::error(info.path + ": no tick is in that range; it holds " + std::to_string(info.first_tick) +
-                       " to " + std::to_string(info.last_tick));
 }
 
 // The chosen columns, and unless they were asked for by name only those that vary. A single row can't: of it
@@ -96,8 +86,8 @@ Status find_columns(Readers readers, const ExportOptions& options, std::vector<E
     }
     return Status{};
   });
+  if (status.ok()) status = check_choice(readers[0].info(), rows);
   if (!status.ok()) return status;
-  if (rows == 0 && readers[0].info().ticks > 0) return no_rows(readers);
   if (!options.columns.empty()) return {};
   if (rows == 1)
     for (std::size_t i = 0; i < columns.size(); ++i) varies[i] = known[i] && first[i] != 0;
@@ -207,7 +197,9 @@ std::string json_line(const TickRecord& record, std::optional<Side> side) {
 
 // Of two hands each has its line.
 Status write_json(Readers readers, const ExportOptions& options, TextOutput& out) {
+  std::uint64_t rows = 0;
   const auto lines = [&](const ExportRow& row) {
+    ++rows;
     for (std::size_t hand = 0; hand < readers.size(); ++hand) {
       if (row.record[hand] == nullptr) continue;
       std::optional<Side> side;
@@ -216,7 +208,8 @@ Status write_json(Readers readers, const ExportOptions& options, TextOutput& out
     }
     return Status{};
   };
-  return for_each_row(readers, options, lines, &out);
+  const Status status = for_each_row(readers, options, lines, &out);
+  return status.ok() ? check_choice(readers[0].info(), rows) : status;
 }
 
 }  // namespace
