@@ -148,6 +148,17 @@ TEST_F(Copied, PartBehindAGapIsNotSaidToReplay) {
   EXPECT_TRUE(copy({gap}, part, {0, 300, std::nullopt}).replayable);
 }
 
+TEST_F(Copied, PartOfASceneThatNoModelIsMadeOfIsNotSaidToReplay) {
+  const std::string file = temporary_path("scene.mcap");
+  Scene scene = small_scene();
+  scene.objects[0].winding = Winding::as_is;
+  scene.objects[0].mesh.triangles[0][1] = 7;  // a corner that is not there
+  write_recording(file, scene, random_records(50, 3));
+  const CopyResult result = copy({file}, temporary_path("part.mcap"), {20, 30, std::nullopt});
+  EXPECT_EQ(result.ticks, 10u);
+  EXPECT_FALSE(result.replayable);
+}
+
 TEST_F(Copied, PartsThatDoNotMeetAreNotSaidToReplay) {
   const std::string first = temporary_path("1.mcap"), second = temporary_path("2.mcap"),
                     merged = temporary_path("merged.mcap");
