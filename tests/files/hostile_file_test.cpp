@@ -1,6 +1,7 @@
 // Files made to hang their reader, to fill its memory or to lead it elsewhere.
 #include <gtest/gtest.h>
 #include <malloc.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -19,6 +20,7 @@
 #include "lumbrical/scene_file.h"
 #include "lumbrical/world.h"
 #include "recording/recording_fixture.h"
+#include "recording/state_message.h"
 #include "recording_generated.h"
 
 namespace lumbrical::test {
@@ -58,15 +60,16 @@ TEST(HostileFile, WhatIsNoRegularFileIsRefusedByEveryReader) {
   fs::remove_all(fs::path(pipe).parent_path());
 }
 
-// A session whose list of objects names one object again and again: 4 bytes in the file, a hundred in memory.
-TEST(HostileFile, ASessionOfOneObjectAMillionTimesIsRefused) {
+/// A session whose list of objects names one object again and again: 4 bytes in the file, its mesh in memory.
+Status decode_repeated(std::size_t count, std::size_t vertices) {
   std::vector<std::uint8_t> good;
-  ASSERT_TRUE(encode_session(small_scene(), good).ok());
+  EXPECT_TRUE(encode_session(small_scene(), good).ok());
   Scene decoded;
-  ASSERT_TRUE(decode_session(good, decoded).ok());
+  EXPECT_TRUE(decode_session(good, decoded).ok());
   flatbuffers::FlatBufferBuilder builder;
-  const auto object = fb::CreateObject(builder, builder.CreateString(""));
-  const auto objects = builder.CreateVector(std::vector(1'000'000, object));
+  const auto points = builder.CreateVectorOfStructs(std::vector<fb::Vec3>(vertices));
+  const auto object = fb::CreateObject(builder, builder.CreateString(""), points);
+  const auto objects = builder.CreateVector(std::vector(count, object));
   // Hand and settings come before the objects when it is decoded; they are those of a good session.
   const fb::Session& from = *flatbuffers::GetRoot<fb::Session>(good.data());
   std::vector<flatbuffers::Offset<fb::Finger>> fingers;
@@ -91,8 +94,26 @@ TEST(HostileFile, ASessionOfOneObjectAMillionTimesIsRefused) {
       fb::CreateSettings(builder, laws, old.stiffness(), old.rate(), old.point_area(), old.max_force(),
                          old.fade_time(), old.max_candidates(), precisions, old.effort());
   builder.Finish(fb::CreateSession(builder, from.version(), hand, objects, settings));
-  const Status status = decode_session({builder.GetBufferPointer(), builder.GetSize()}, decoded);
-  EXPECT_EQ(status.message(), "the session's objects overlap");
+  return decode_session({builder.GetBufferPointer(), builder.GetSize()}, decoded);
+}
+
+TEST(HostileFile, ASessionOfOneObjectAgainAndAgainIsRefused) {
+  EXPECT_EQ(decode_repeated(1'000'000, 0).message(), "the session has more than 32768 objects");
+  EXPECT_EQ(decode_repeated(1000, 1000).message(), "the session's objects overlap");
+  EXPECT_TRUE(decode_repeated(1, 1000).ok());
+}
+
+// Zeros that take no memory.
+TEST(HostileFile, AMessageOfTwoGibibytesIsRefused) {
+  constexpr std::size_t kSize = std::size_t{1} << 31;
+  void* const zeros = ::mmap(nullptr, kSize, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  ASSERT_NE(zeros, MAP_FAILED);
+  const std::span bytes(static_cast<const std::uint8_t*>(zeros), kSize);
+  Scene scene;
+  State state;
+  EXPECT_FALSE(decode_session(bytes, scene).ok());
+  EXPECT_FALSE(decode_state(bytes, state).ok());
+  ::munmap(zeros, kSize);
 }
 
 /// A number of /proc/self/status [bytes].

@@ -148,6 +148,16 @@ TEST(SessionMessage, BringsTheSceneBackBitForBit) {
   EXPECT_TRUE(std::signbit(decoded.hand.finger[2].limit[1].lower));
 }
 
+TEST(SessionMessage, BringsObjectsWithoutTrianglesBack) {
+  Scene scene = small_scene(), decoded;
+  scene.objects.assign(kMostSceneObjects, {});
+  std::vector<std::uint8_t> bytes;
+  ASSERT_TRUE(encode_session(scene, bytes).ok());
+  const Status status = decode_session(bytes, decoded);
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(decoded.objects.size(), kMostSceneObjects);
+}
+
 TEST(SessionMessage, BringsEverySettingBack) {
   Scene scene = small_scene(), decoded;
   int next = 3;

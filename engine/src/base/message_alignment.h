@@ -10,9 +10,15 @@
 
 namespace lumbrical {
 
+/// Whether a verifier takes bytes at all: it asserts that they are fewer than 2 GiB.
+inline bool can_be_verified(std::span<const std::uint8_t> bytes) {
+  return bytes.size() < FLATBUFFERS_MAX_BUFFER_SIZE;
+}
+
 /// The message in a copy of bytes that stand anywhere, or null.
 template <class Message>
 const Message* verified(std::span<const std::uint8_t> bytes, std::vector<std::uint64_t>& aligned) {
+  if (!can_be_verified(bytes)) return nullptr;
   aligned.resize(bytes.size() / 8 + 1);  // never empty: memcpy wants a place
   if (!bytes.empty()) std::memcpy(aligned.data(), bytes.data(), bytes.size());
   const auto* const data = reinterpret_cast<const std::uint8_t*>(aligned.data());

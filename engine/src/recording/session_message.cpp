@@ -274,24 +274,21 @@ Status decode_apart(const fb::Object& message, SceneObject& object) {
 
 Status decode_objects(const fb::Session& message, std::size_t size, std::vector<SceneObject>& objects) {
   if (message.objects() == nullptr) return {};
-  // Many objects of a forged file may share one array, or be one object: together, with what each takes in
-  // memory, they must not be larger than a file of as many would be. Of a single triangle it takes most, five
-  // times its room in the file.
-  std::size_t room = 5 * size;
-  if (message.objects()->size() > room / sizeof(SceneObject))
-    return Status::error("the session's objects overlap");
   if (message.objects()->size() > kMostSceneObjects)
     return Status::error("the session has more than 32768 objects");
+  // Many objects of a forged file may share one array, or be one object: together they must not be larger
+  // than the file.
+  std::size_t room = size;
   objects.reserve(message.objects()->size());
   for (const fb::Object* const object : *message.objects()) {
     SceneObject& out = objects.emplace_back();
     out.winding = Winding::as_is;  // it was felt like this
     const auto* const vertices = object->vertices();
     const auto* const triangles = object->triangles();
-    const std::size_t needed =
-        sizeof(SceneObject) + (vertices != nullptr ? vertices->size() * sizeof(Vec3) : 0) +
-        (triangles != nullptr ? triangles->size() * sizeof(Triangle) : 0) +
-        (object->name() != nullptr ? object->name()->size() : 0) + size_of(object->surface());
+    const std::size_t needed = (vertices != nullptr ? vertices->size() * sizeof(Vec3) : 0) +
+                               (triangles != nullptr ? triangles->size() * sizeof(Triangle) : 0) +
+                               (object->name() != nullptr ? object->name()->size() : 0) +
+                               size_of(object->surface());
     if (needed > room) return Status::error("the session's objects overlap");
     room -= needed;
     if (object->name() != nullptr) out.name = object->name()->str();
@@ -349,6 +346,8 @@ Status encode_session(const Scene& scene, std::vector<std::uint8_t>& bytes,
 }
 
 Status decode_session(std::span<const std::uint8_t> bytes, Scene& scene, std::optional<Hand>* second) {
+  if (!can_be_verified(bytes))
+    return Status::error("the session takes 2 GiB or more, which no recording holds");
   // FlatBuffers reads its numbers in place; what was read from a file is aligned already.
   std::vector<std::uint64_t> aligned;
   const std::uint8_t* data = bytes.data();
