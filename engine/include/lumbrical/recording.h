@@ -359,8 +359,8 @@ struct DeviceHistory {
 
 /// From the first tick to the last, of a session's hands (a reader each) the one that a device drove. Events:
 /// the safety envelope's state and flags where they change, the first of commands that were not acknowledged
-/// and the end of them, a delay a quarter longer than any before, a renewed certificate. `event` gets each as
-/// it is found (may be empty: then they are in `history.events`).
+/// and the end of them, a delay a quarter longer than the last one told, a renewed certificate. `event` gets
+/// each as it is found (may be empty: then they are in `history.events`).
 Status read_device_history(std::span<RecordingReader> readers, DeviceHistory& history,
                            const std::function<Status(const DeviceEvent&)>& event = {});
 

@@ -1,7 +1,5 @@
 // What happened between a session and its device, told from the commands in its ticks.
-#include <array>
 #include <cassert>
-#include <cstdio>
 #include <functional>
 #include <new>
 #include <optional>
@@ -16,11 +14,7 @@
 namespace lumbrical {
 namespace {
 
-std::string milliseconds(double seconds) {
-  std::array<char, 48> text{};
-  std::snprintf(text.data(), text.size(), "%.3g ms", 1e3 * seconds);
-  return text.data();
-}
+std::string milliseconds(double seconds) { return rounded_text(1e3 * seconds, 3) + " ms"; }
 
 /// One pass over the ticks of a recording.
 class Pass {

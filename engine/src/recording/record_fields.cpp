@@ -88,11 +88,11 @@ std::optional<Divergence> compare_outputs(const TickRecord& recorded, const Tick
 
 std::string exact_text(float value) { return real_text(value); }
 std::string exact_text(double value) { return real_text(value); }
-std::string rounded_text(double value) {
+std::string rounded_text(double value, int digits) {
   if (std::isnan(value)) return "nan";
   std::array<char, 32> text;
   const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value + 0.0,  // no -0
-                                          std::chars_format::general, 6);
+                                          std::chars_format::general, digits);
   return std::string(text.data(), end);
 }
 std::string hash_text(std::uint64_t hash) { return hexadecimal(hash, 16); }

@@ -33,8 +33,8 @@ OutputFields output_fields(const ActuatorFrame& frame);
 /// ("nan:0x7fc00000").
 std::string exact_text(float value);
 std::string exact_text(double value);
-/// Six digits, more than any quantity is worth; no -0.
-std::string rounded_text(double value);
+/// Six digits are more than any quantity is worth; no -0.
+std::string rounded_text(double value, int digits = 6);
 std::string number_text(NumberType type, std::uint64_t bits);  ///< kinds of input and laws by their names
 std::string hash_text(std::uint64_t hash);                     ///< "0x" and 16 hexadecimal digits
 std::string_view kind_name(InputKind kind);

@@ -18,9 +18,9 @@ inline constexpr const char* kTickSchemaName = "lumbrical.fb.Tick";
 /// The binary schema that makes a file readable without this program.
 std::span<const std::uint8_t> tick_schema();
 
-/// Clears the builder and leaves the finished message in it. Segments without any output and joints or angles
-/// that hold their defaults take no room, nor do the forces of a tick that is not to keep them. `after` is
-/// the state message of the state it left, or empty.
+/// Clears the builder and leaves the finished message in it. Joints or angles that hold their defaults take
+/// no room, nor do the forces of a tick that is not to keep them. `after` is the state message of the state
+/// it left, or empty.
 void encode_tick(const TickRecord& record, bool keep_forces, const InputCheck& check,
                  flatbuffers::FlatBufferBuilder& builder, std::span<const std::uint8_t> after = {});
 
