@@ -107,6 +107,32 @@ Status check_options(const Scene& scene, const RecorderOptions& options) {
   return check_hand(scene.hand);
 }
 
+std::vector<MessageKind> views_of(const RecorderOptions& options) {
+  return views_that([&options](MessageKind kind) {
+    if (kind == MessageKind::pose) return options.pose_interval > 0;
+    return kind == MessageKind::contacts ? options.contact_interval > 0 : options.scene_interval > 0;
+  });
+}
+
+std::map<std::string, std::string> metadata_of(const RecorderOptions& options) {
+  std::map<std::string, std::string> metadata = options.metadata;
+  metadata.emplace("build", build_text());
+  metadata.emplace("arithmetic", arithmetic_version());
+  if (options.force_interval != 1) metadata.emplace("force_interval", std::to_string(options.force_interval));
+  for (const auto& [name, interval] : {std::pair("pose_interval", options.pose_interval),
+                                       std::pair("contact_interval", options.contact_interval),
+                                       std::pair("scene_interval", options.scene_interval)})
+    if (interval > 0) metadata.emplace(name, std::to_string(interval));
+  return metadata;
+}
+
+McapWriterOptions mcap_options_of(const RecorderOptions& options) {
+  McapWriterOptions result;
+  result.compression = options.compression;
+  result.chunk_time = static_cast<std::uint64_t>(options.chunk_seconds * 1e9);
+  return result;
+}
+
 }  // namespace
 
 Status open_recording(const std::string& path, double rate, const std::vector<std::uint8_t>& session,
@@ -132,8 +158,9 @@ Status open_recording(const std::string& path, double rate, const std::vector<st
 }
 
 struct Recorder::Writer {
-  explicit Writer(std::uint32_t ring_capacity) : ring(ring_capacity) {}
+  Writer(const std::string& path, const Scene& scene, const RecorderOptions& options);
 
+  Status start(const std::string& path);
   void run();
   void run_syncs();
   Status write_waiting();
@@ -157,13 +184,13 @@ struct Recorder::Writer {
 
   Ring<TickRecord> ring;
   Ring<KeptState> states{kStateRing};  // of ticks in `ring`, put there first
-  double period = 0;                   // [ns]
-  bool wait_when_full = true;
-  std::uint32_t force_interval = 1;
-  std::chrono::duration<double> sync_interval{};
+  double period;                       // [ns]
+  bool wait_when_full;
+  std::uint32_t force_interval;
+  std::chrono::duration<double> sync_interval;
   std::vector<Side> sides;  // of the hands
   std::vector<RecordingChannel> channels;
-  std::uint32_t pose_interval = 0, contact_interval = 0, scene_interval = 0;
+  std::uint32_t pose_interval, contact_interval, scene_interval;
   std::vector<HandViewer> viewers;                                 // of the hands, where there is an interval
   std::vector<std::uint8_t> objects;                               // their message, before the first tick
   std::array<std::optional<std::uint64_t>, kMostHands> last_tick;  // handed over; the tick thread's own
@@ -186,6 +213,37 @@ struct Recorder::Writer {
   // writer goes on meanwhile.
   std::thread thread, syncs;
 };
+
+Recorder::Writer::Writer(const std::string& path, const Scene& scene, const RecorderOptions& options)
+    : ring(options.ring_capacity),
+      period(1e9 / scene.settings.rate),
+      wait_when_full(options.wait_when_full),
+      force_interval(options.force_interval),
+      sync_interval(options.sync_seconds),
+      sides{scene.hand.side},
+      pose_interval(options.pose_interval),
+      contact_interval(options.contact_interval),
+      scene_interval(options.scene_interval) {
+  if (options.second_hand) sides.push_back(options.second_hand->side);
+  channels = channels_of(sides, views_of(options));
+  if (channels.size() > sides.size())
+    for (const Model* const model : options.models) viewers.emplace_back(*model);
+  if (scene_interval > 0 && !scene.objects.empty()) {
+    draw_objects(scene, 0, builder);
+    objects.assign(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
+    builder.Reset();  // gives back the room
+  }
+  out_of_memory.fill(Status::error(path + ": not enough memory to go on recording; end other programs"));
+}
+
+Status Recorder::Writer::start(const std::string& path) try {
+  thread = std::thread([this] { run(); });
+  syncs = std::thread([this] { run_syncs(); });
+  return {};
+} catch (const std::exception&) {  // no thread, or no memory for one; the first may run
+  stop();
+  return Status::error(path + ": no thread for the recorder; the system has reached its limit");
+}
 
 // Of two errors the first is told.
 void Recorder::Writer::fail(Status error) {
@@ -318,57 +376,17 @@ Status Recorder::open(const std::string& path, const Scene& scene, const Recorde
   if (Status status = encode_session(scene, session, options.second_hand); !status.ok())
     return Status::error(path + ": " + status.message());
 
-  auto writer = std::make_unique<Writer>(options.ring_capacity);
-  writer->period = 1e9 / scene.settings.rate;
-  writer->wait_when_full = options.wait_when_full;
-  writer->force_interval = options.force_interval;
-  writer->sides = {scene.hand.side};
-  if (options.second_hand) writer->sides.push_back(options.second_hand->side);
-  writer->pose_interval = options.pose_interval;
-  writer->contact_interval = options.contact_interval;
-  writer->scene_interval = options.scene_interval;
-  writer->channels = channels_of(writer->sides, views_that([&options](MessageKind kind) {
-                                   if (kind == MessageKind::pose) return options.pose_interval > 0;
-                                   return kind == MessageKind::contacts ? options.contact_interval > 0
-                                                                        : options.scene_interval > 0;
-                                 }));
-  if (writer->channels.size() > writer->sides.size())
-    for (const Model* const model : options.models) writer->viewers.emplace_back(*model);
-  if (options.scene_interval > 0 && !scene.objects.empty()) {
-    draw_objects(scene, 0, writer->builder);
-    writer->objects.assign(writer->builder.GetBufferPointer(),
-                           writer->builder.GetBufferPointer() + writer->builder.GetSize());
-    writer->builder.Reset();  // gives back the room
-  }
-  writer->sync_interval = std::chrono::duration<double>(options.sync_seconds);
-  writer->out_of_memory.fill(
-      Status::error(path + ": not enough memory to go on recording; end other programs"));
-  McapWriterOptions mcap_options;
-  mcap_options.compression = options.compression;
-  mcap_options.chunk_time = static_cast<std::uint64_t>(options.chunk_seconds * 1e9);
-  std::map<std::string, std::string> metadata = options.metadata;
-  metadata.emplace("build", build_text());
-  metadata.emplace("arithmetic", arithmetic_version());
-  if (options.force_interval != 1) metadata.emplace("force_interval", std::to_string(options.force_interval));
-  for (const auto& [name, interval] : {std::pair("pose_interval", options.pose_interval),
-                                       std::pair("contact_interval", options.contact_interval),
-                                       std::pair("scene_interval", options.scene_interval)})
-    if (interval > 0) metadata.emplace(name, std::to_string(interval));
-  Status status = open_recording(path, scene.settings.rate, session, {}, metadata, mcap_options, writer->mcap,
-                                 writer->channels);
-  if (!status.ok()) return status;
-  status = writer->mcap.sync();
-  if (!status.ok()) {
-    writer->mcap.discard();
+  auto writer = std::make_unique<Writer>(path, scene, options);
+  McapWriter& mcap = writer->mcap;
+  if (Status status = open_recording(path, scene.settings.rate, session, {}, metadata_of(options),
+                                     mcap_options_of(options), mcap, writer->channels);
+      !status.ok())
     return status;
-  }
-  try {
-    writer->thread = std::thread([raw = writer.get()] { raw->run(); });
-    writer->syncs = std::thread([raw = writer.get()] { raw->run_syncs(); });
-  } catch (const std::exception&) {  // no thread, or no memory for one; the first may run
-    writer->stop();
-    writer->mcap.discard();
-    return Status::error(path + ": no thread for the recorder; the system has reached its limit");
+  Status status = mcap.sync();
+  if (status.ok()) status = writer->start(path);
+  if (!status.ok()) {
+    mcap.discard();
+    return status;
   }
   writer_ = std::move(writer);
   kept_ = 0;
