@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <sched.h>
+#include <time.h>
 
 #include <thread>
 
@@ -26,6 +27,20 @@ TEST(RealTime, IsUndoneWithEveryProcessorThatTheThreadMightUseBefore) {
     const cpu_set_t after = processors();
     EXPECT_TRUE(CPU_EQUAL(&before, &after));
   }).join();
+}
+
+// Or a force would come back at once that the device has let go of meanwhile.
+TEST(RealTime, ItsClockGoesOnWhileTheMachineIsAsleep) {
+  const auto awake_or_not = [] {
+    timespec time{};
+    clock_gettime(CLOCK_BOOTTIME, &time);
+    return time.tv_sec * 1000000000 + time.tv_nsec;
+  };
+  const std::int64_t before = awake_or_not(), now = clock_ns();
+  EXPECT_GE(now, before);
+  EXPECT_LE(now, awake_or_not());
+  sleep_until_ns(now + 1000000);
+  EXPECT_GE(clock_ns(), now + 1000000);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// What crosses between the thread that ticks and a device's sink. Times are nanoseconds of the steady clock.
+// What crosses between the thread that ticks and a device's sink. Times are nanoseconds of the steady clock
+// (clock_ns of real_time.h).
 #pragma once
 
 #include <array>

@@ -26,7 +26,7 @@ RealTime enter_real_time(int priority, Pinning pinning, std::span<const std::byt
 /// Undoes enter_real_time for the calling thread and the process.
 void leave_real_time(const RealTime& real_time);
 
-/// The steady clock [ns].
+/// The steady clock [ns], which goes on while the machine is asleep (CLOCK_BOOTTIME).
 std::int64_t clock_ns();
 
 /// Sleeps until `deadline` [ns]. SIGINT and the like don't wake it early.

@@ -84,7 +84,7 @@ std::int64_t clock_ns() { return steady_ns(); }
 
 void sleep_until_ns(std::int64_t deadline) {
   const timespec until{static_cast<time_t>(deadline / 1000000000), static_cast<long>(deadline % 1000000000)};
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+  while (clock_nanosleep(kSteadyClock, TIMER_ABSTIME, &until, nullptr) == EINTR) {
   }
 }
 

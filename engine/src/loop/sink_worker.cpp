@@ -6,16 +6,17 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 #include <new>
 #include <utility>
+
+#include "lumbrical/real_time.h"
 
 namespace lumbrical {
 namespace {
 
 constexpr std::size_t kMostEvents = 1000;
-
-using Clock = std::chrono::steady_clock;
 
 }  // namespace
 
@@ -388,9 +389,7 @@ void DeviceSink::Worker::let_go() {
   tell("closed: the device has acknowledged safe values");
 }
 
-void DeviceSink::Worker::await_cycle() const {
-  std::this_thread::sleep_until(Clock::time_point(std::chrono::nanoseconds(next_cycle)));
-}
+void DeviceSink::Worker::await_cycle() const { sleep_until_ns(next_cycle); }
 
 void DeviceSink::Worker::run() {
   set_up_thread();
