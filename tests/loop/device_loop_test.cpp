@@ -30,6 +30,10 @@ struct HeldDevice {
   double missing = 0;   // [s] that the next exchange waits for an answer in vain
   double greeting = 0;  // [s] before the next commands
   bool silent = false;  // takes connections and commands, and answers none
+  bool echoes = false;  // each heartbeat
+  bool busy = false;    // the next answer repeats the last heartbeat once more
+  std::uint16_t echo = 0;
+  std::function<void()> while_connecting = [] {};
   int exchanges = 0, connections = 0, unanswered = 0;
 };
 
@@ -39,6 +43,7 @@ class HeldWire final : public DeviceWire {
  public:
   HeldWire(HeldDevice& device, const DeviceProfile& profile) : device_(device), profile_(profile) {}
   Status open() override {
+    device_.while_connecting();
     if (!device_.there) return Status::error("not there");
     ++device_.connections;
     return {};
@@ -62,6 +67,9 @@ class HeldWire final : public DeviceWire {
     device_.value = command.output.command;
     device_.on = command.output.device_on;
     answer.status.ready = device_.ready;
+    answer.status.echoes = device_.echoes;
+    if (!std::exchange(device_.busy, false)) ++device_.echo;
+    answer.status.echo = device_.echo;
     answer.status.has_dead_man = true;
     answer.status.dead_man = device_.held;
     for (const Sensor& sensor : profile_.sensors) {
@@ -279,16 +287,57 @@ TEST_F(DeviceLoopTest, WhatActedBeforeALongSilenceIsGoneAfterIt) {
                          +[](HeldDevice& one) {
                            one.cuts = true;
                            one.greeting = 0.3;
-                         }};
+                         },
+                         +[](HeldDevice&) { sleep_for(0.3); }};
   for (const auto& begin_silence : silences) {
     ASSERT_TRUE(steps_until([&] { return told() > 0.02; }));
     begin_silence(device);
     ASSERT_TRUE(exchanges(1));
     EXPECT_EQ(told(), 0);
     EXPECT_FALSE(device.on);
+    step();
+    EXPECT_EQ(loop.control.feedback.acted, ActuatorArray{}) << "whatever it was told before";
     device.greeting = 0;
   }
   EXPECT_TRUE(steps_until([&] { return told() > 0.02; })) << "and comes back";
+}
+
+// It may be another one, or one that was switched on again: what it has not been told yet does not act.
+TEST_F(DeviceLoopTest, WhatActedOnALostConnectionFadesWhileANewOneIsMadeHoweverQuickly) {
+  profile.safety.fade = 0.2;
+  for (Actuator& actuator : profile.actuators) actuator.slew = 0.1;
+  open(false, false);
+  ASSERT_TRUE(steps_until([&] { return told() > 0.02; }));
+  device.cuts = true;
+  device.greeting = 0.3;  // less than it may be silent for
+  ASSERT_TRUE(exchanges(1));
+  EXPECT_EQ(told(), 0);
+  EXPECT_FALSE(device.on);
+}
+
+// To find a host by its name may take the system half a minute.
+TEST_F(DeviceLoopTest, ALostConnectionIsToldBeforeANewOneIsMade) {
+  open();
+  ASSERT_TRUE(steps_until([&] { return told() > 0; }));
+  SafetyState meanwhile = loop.sink.state();
+  ASSERT_EQ(meanwhile, SafetyState::active);
+  device.while_connecting = [&] { meanwhile = loop.sink.state(); };
+  device.cuts = true;
+  ASSERT_TRUE(exchanges(1));
+  EXPECT_EQ(meanwhile, SafetyState::disconnected);
+}
+
+// Its first answer may come before its program has seen another heartbeat.
+TEST_F(DeviceLoopTest, ADeviceThatWasBusyForLongHasTimeAgainToRepeatTheHeartbeat) {
+  profile.safety.answer_timeout = 0.1;
+  device.echoes = true;
+  open(false, false);
+  ASSERT_TRUE(steps_until([&] { return told() > 0; }));
+  device.missing = 0.3;
+  device.busy = true;
+  ASSERT_TRUE(exchanges(3));
+  EXPECT_EQ(loop.sink.report().faults, 0u);
+  EXPECT_TRUE(steps_until([&] { return told() > 0; }));
 }
 
 TEST_F(DeviceLoopTest, ANewConnectionIsNoDeviceBeforeItHasAnsweredACommand) {

@@ -250,9 +250,10 @@ TEST(DelayedLoop, LetsGoOfATorqueWithoutAKickWhenTheBusBecomesSlow) {
 // Opens and closes once.
 double swing(int tick) { return 0.7 + 0.6 * std::cos(0.00628 * tick); }
 
-// A free hand whose joints have these angles, with the same commands acting all the while.
+// A free hand whose joints have these angles, with the same commands acting all the while; in the middle the
+// device is silent for some seconds.
 HapticLoop move_freely(const Sweep& sweep, const DeviceProfile& profile, double command,
-                       const std::function<double(int)>& angle = swing) {
+                       const std::function<double(int)>& angle = swing, int silence = 0) {
   HapticLoop loop = start_loop(profile, {});
   State state;
   Scratch scratch = make_scratch(sweep.model);
@@ -261,7 +262,7 @@ HapticLoop move_freely(const Sweep& sweep, const DeviceProfile& profile, double 
   certify_loop(loop);
   for (int i = 0; i <= 1000; ++i) {
     DeviceFeedback said;
-    said.asked = i * 1'000'000;
+    said.asked = i * 1'000'000 + (i > 500 ? silence : 0) * 1'000'000'000ll;
     said.time = said.asked + 500'000;
     said.valid = (1u << kAngleCount) - 1;
     said.angle.fill(static_cast<float>(angle(i)));
@@ -281,6 +282,14 @@ TEST(DelayedLoop, CountsNoEnergyOfWiresThatOnlyHoldTheirPreload) {
     EXPECT_EQ(account.generated, 0);
     EXPECT_EQ(account.energy, 0) << "nothing that could pay for a touch, either";
   }
+}
+
+// A cable that is out, and fingers that open meanwhile: the device has let go, whatever it was told last.
+TEST(DelayedLoop, CountsNoEnergyOverATimeInWhichTheDeviceIsSilent) {
+  const Sweep sweep;
+  const auto opens = [](int tick) { return tick > 500 ? 0.3 : 0.9; };
+  const HapticLoop loop = move_freely(sweep, sweep.profile, 0.3, opens, 1);
+  for (const EnergyAccount& account : loop.account) EXPECT_EQ(account.generated, 0);
 }
 
 DeviceProfile brakes_with(double arm) {

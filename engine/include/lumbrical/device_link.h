@@ -22,8 +22,9 @@ struct DeviceFeedback {
   std::array<float, 4 * kFingerCount> angle{};  ///< [rad] in the order of hand.h
   std::uint32_t valid = 0;                      ///< bit i: angle i was measured and is plausible
   std::uint32_t flags = 0;                      ///< DeviceFlag bits: why others are not
-  ActuatorArray
-      acted{};  ///< what the device did while it came to these angles: the command acknowledged before
+  /// What the device did while it came to these angles: the command acknowledged before, or its safe values
+  /// where it had let go of that.
+  ActuatorArray acted{};
 };
 
 /// What became of one cycle: what was sent, when, and when the device said so. A cycle in which

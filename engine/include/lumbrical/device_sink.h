@@ -63,7 +63,8 @@ class DeviceSink final : public DeviceLink {
   /// long as the wire does.
   void cycle();
   /// Forces to their safe values, tells the device so if it can be reached, ends the thread. True: the device
-  /// acknowledged safe values. Takes at most fade, answer and response times and a little.
+  /// acknowledged safe values. Takes at most fade, answer and response times and a little, but as long as the
+  /// system does where a host is being looked for by its name.
   bool close();
 
   // For the thread that ticks (one thread): no lock, allocation or system call but the clock.

@@ -40,7 +40,7 @@ struct HapticLoop {
   bool any_feedback = false;
   bool fresh = false;                            ///< `feedback` came after the last command
   std::array<double, 3 * kFingerCount> moved{};  ///< [rad] closing, between the two newest samples
-  double between = 0;                            ///< [s] the two newest samples
+  double between = 0;                            ///< [s] the two newest samples; 0: the device had let go
   JointArray speed{};                            ///< [rad/s]
 
   // The bus.

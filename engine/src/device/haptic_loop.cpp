@@ -237,12 +237,15 @@ void take_feedback(const DeviceFeedback& feedback, HapticLoop& loop) {
   // Between the two moments of reading lies one of these; where they differ, the longer one counts.
   const double between =
       in_seconds(std::max(feedback.asked - loop.feedback.asked, feedback.time - loop.feedback.time));
-  loop.between = loop.any_feedback ? between : 0;
+  // A device that was silent for so long has let go, nobody knows when: the way meanwhile took no energy.
+  const bool goes_on = loop.any_feedback && between <= loop.profile.safety.answer_timeout;
+  loop.between = goes_on ? between : 0;
+  if (!goes_on) loop.arm = {};
   for (std::size_t j = 0; j < kPhalanxCount; ++j) {
     const std::size_t a = flexion_angle(j);
     const auto moved = static_cast<double>(feedback.angle[a] - loop.feedback.angle[a]);
     const bool believed = (feedback.valid & loop.feedback.valid) >> a & 1u;
-    loop.moved[j] = loop.any_feedback && believed ? moved : 0;
+    loop.moved[j] = goes_on && believed ? moved : 0;
     loop.speed[j] = loop.between > 0 ? loop.moved[j] / loop.between : 0;
   }
   loop.feedback = feedback;

@@ -61,6 +61,8 @@ void DeviceSink::Worker::set_up_thread() {
 void DeviceSink::Worker::connect() {
   const std::int64_t now = steady_ns();
   if (now < next_try) return;
+  // A host may take its time to be found: what was lost is known before.
+  if (safety.state != SafetyState::disconnected) remember_change(decide(now).flags);
   const Status status = wire->open();
   if (status.ok()) {
     {
@@ -148,8 +150,9 @@ SafetyOutput DeviceSink::Worker::decide(std::int64_t now) {
   inputs.connected = has_answered && !silent(now);
   inputs.dt = running.advance(elapsed);
   inputs.gap = elapsed - inputs.dt;
-  // A device without a link, or silent for so long, has let go: what acted then must not come again.
-  if (!handshaken || silent(now)) inputs.dt += running.lost - std::exchange(lost_answered, running.lost);
+  // A device that is silent for so long, or has said nothing yet on this connection, has let go: what acted
+  // then must not come again.
+  if (!inputs.connected) inputs.dt += running.lost - std::exchange(lost_answered, running.lost);
   take_command();
   inputs.device_ready = device.ready;
   inputs.device_fault = device.fault;
@@ -256,9 +259,11 @@ void DeviceSink::Worker::take_angles(DeviceFeedback& feedback) const {
 }
 
 void DeviceSink::Worker::take_feedback(std::int64_t now) {
+  const bool had_let_go = !has_answered || silent(now);
   const std::uint16_t echo = answer.status.echo;
-  if (!has_answered || echo != last_echo) last_echo_change = now;
+  if (had_let_go || echo != last_echo) last_echo_change = now;
   last_echo = echo;
+  if (had_let_go) acting = start_safety(profile).output;
   if (profile.sensors.empty()) return;
   DeviceFeedback feedback;
   feedback.asked = asked_at;
