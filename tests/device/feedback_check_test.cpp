@@ -28,6 +28,23 @@ class FeedbackCheck : public ::testing::Test {
     check_feedback(profile, feedback, memory);
     return feedback.flags;
   }
+  // So many milliseconds on the way to an angle.
+  void go(double angle, int time) {
+    const float from = feedback.angle[kIndex], way = static_cast<float>(angle) - from;
+    for (int i = 1; i <= time; ++i) {
+      feedback.angle[kIndex] = from + way * static_cast<float>(i) / static_cast<float>(time);
+      ASSERT_EQ(look(), 0u);
+    }
+  }
+  // What is said in so many milliseconds in which the torque grows to 0.26 N m from nothing.
+  std::uint32_t push(int time) {
+    std::uint32_t said = 0;
+    for (int i = 0; i <= time; ++i) {
+      feedback.acted[3] = 0.26 * i / time;
+      said |= look();
+    }
+    return said;
+  }
   bool believed() const { return (feedback.valid >> kIndex & 1u) != 0; }
   DeviceProfile profile = test::shipped_profile("exoskeleton");
   std::uint32_t all = 0;
@@ -94,6 +111,26 @@ TEST_F(FeedbackCheck, AnAngleAtRestUnderASteadyTorqueIsNotStuck) {
     feedback.acted[3] = 0.2 + 0.004 * std::sin(0.1 * i);
     ASSERT_EQ(look(), 0u);
   }
+}
+
+// A finger may be held for long, and its joint's friction moves with the torque.
+TEST_F(FeedbackCheck, AnAngleAtRestUnderATorqueThatGrowsSlowlyIsNotStuck) {
+  go(1, 100);
+  go(0.7, 100);
+  EXPECT_EQ(push(10000), 0u);
+  EXPECT_EQ(push(500), kAngleStuck);
+}
+
+// A straight finger pressed onto a table: nothing can open it farther.
+TEST_F(FeedbackCheck, AnAngleAtItsStopIsNotStuckThoughATorquePushesItOn) {
+  go(1, 100);
+  go(0, 100);
+  EXPECT_EQ(push(500), 0u);
+  go(1, 100);
+  EXPECT_EQ(push(500), kAngleStuck) << "it can be opened";
+  memory = {};
+  go(0.7, 100);
+  EXPECT_EQ(push(500), kAngleStuck) << "its stop may be elsewhere";
 }
 
 TEST_F(FeedbackCheck, ABrakeMovesNothing) {

@@ -1,6 +1,7 @@
 // See feedback_check.h.
 #include "device/feedback_check.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/steady_clock.h"
@@ -9,7 +10,8 @@
 namespace lumbrical {
 namespace {
 
-constexpr double kSlack = 0.01;  // [rad] that an angle may be off by without being wrong
+constexpr double kSlack = 0.01;      // [rad] that an angle may be off by without being wrong
+constexpr double kShowsStops = 0.5;  // [rad] that a joint has moved by which has been at them
 
 struct JointTorque {
   double now = 0, span = 0;  // [N m]
@@ -34,19 +36,45 @@ bool jumps(const JointDynamics& joint, float angle, std::int64_t now, const Angl
   return moved > kFastestJoint * passed + 2 * joint.encoder_step + kSlack;
 }
 
-bool is_stuck(const JointDynamics& joint, const JointTorque& torque, float angle, std::int64_t now,
-              AngleMemory& memory) {
-  if (memory.since == 0 || angle != memory.still) {
+void believe(float angle, std::int64_t asked, AngleMemory& memory) {
+  const bool first = memory.asked == 0;
+  memory.least = first ? angle : std::min(memory.least, angle);
+  memory.most = first ? angle : std::max(memory.most, angle);
+  memory.believed = angle;
+  memory.asked = asked;
+  memory.doubt = 0;
+}
+
+// [N m] Of what opens the joint, what must move it: where it was never opened or closed farther, it may stand
+// at its stop.
+double moving_torque(double torque, float angle, const AngleMemory& memory) {
+  const auto least = static_cast<double>(memory.least), most = static_cast<double>(memory.most),
+             now = static_cast<double>(angle);
+  if (most - least < kShowsStops) return torque;
+  if (now < least + kSlack) return min(0, torque);
+  return now > most - kSlack ? max(0, torque) : torque;
+}
+
+void remember_torque(double torque, float angle, std::int64_t now, AngleMemory& memory) {
+  const bool moves = memory.since == 0 || angle != memory.still;
+  if (moves) {
     memory.still = angle;
     memory.since = now;
-    memory.low = memory.high = torque.now;
-    return false;
   }
-  memory.low = min(memory.low, torque.now);
-  memory.high = max(memory.high, torque.now);
+  if (moves || in_seconds(now - memory.turned) >= kStillTime) {
+    const TorqueRange only{torque, torque};
+    memory.older = moves ? only : memory.newer;
+    memory.newer = only;
+    memory.turned = now;
+  }
+  memory.newer = {min(memory.newer.low, torque), max(memory.newer.high, torque)};
+}
+
+bool is_stuck(const JointDynamics& joint, double span, std::int64_t now, const AngleMemory& memory) {
+  const double low = min(memory.newer.low, memory.older.low),
+               high = max(memory.newer.high, memory.older.high);
   const bool still = in_seconds(now - memory.since) >= kStillTime;
-  return still && torque.span > 0 &&
-         memory.high - memory.low > max(kStillShare * torque.span, 4 * joint.friction);
+  return still && span > 0 && high - low > max(kStillShare * span, 4 * joint.friction);
 }
 
 }  // namespace
@@ -66,12 +94,12 @@ void check_feedback(const DeviceProfile& profile, DeviceFeedback& feedback, Feed
       feedback.angle[a] = memory[a].believed;
       continue;
     }
-    memory[a].believed = feedback.angle[a];
-    memory[a].asked = feedback.asked;
-    memory[a].doubt = 0;
+    believe(feedback.angle[a], feedback.asked, memory[a]);
     if (!is_flexion(sensor)) continue;
-    if (is_stuck(dynamics, torque_about(profile, feedback.acted, joint), feedback.angle[a], feedback.time,
-                 memory[a])) {
+    const JointTorque torque = torque_about(profile, feedback.acted, joint);
+    remember_torque(moving_torque(torque.now, feedback.angle[a], memory[a]), feedback.angle[a], feedback.time,
+                    memory[a]);
+    if (is_stuck(dynamics, torque.span, feedback.time, memory[a])) {
       feedback.flags |= memory[a].doubt = kAngleStuck;
       feedback.valid &= ~bit;
     }

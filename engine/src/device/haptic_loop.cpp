@@ -113,8 +113,8 @@ bool has_all_angles(const HapticLoop& loop) {
          });
 }
 
-// Angles that are older than the bus explains tell nothing about now, nor do those in doubt: forces fade, as
-// fast as those of late ticks, and what is gone comes back by soft start.
+// Angles that are older than the bus explains tell nothing about now, nor do those in doubt: forces fade, no
+// faster than they may fall, and what is gone comes back by soft start.
 void weigh_gap(std::int64_t now, double dt, bool touching, HapticLoop& loop) {
   const SafetyTimes& times = loop.profile.safety;
   const LoopTiming& timing = loop.certificate.timing;
