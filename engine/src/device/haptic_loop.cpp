@@ -83,7 +83,7 @@ void follow_hand(const Model& model, const DeviceFrame& frame, const ActuatorFra
   for (std::size_t f = 0; f < kFingerCount; ++f) loop.arm[f] += work[f];
 }
 
-void keep_accounts(const JointArray& wanted, HapticLoop& loop) {
+void book_energy(const JointArray& wanted, HapticLoop& loop) {
   const JointArray acted = acted_torque(loop);
   for (std::size_t f = 0; f < kFingerCount; ++f) {
     EnergyStep step;
@@ -326,7 +326,7 @@ DeviceCommand command_forces(const Model& model, Scratch& scratch, const DeviceF
     loop.level[f] = max(loop.gain * loop.limiter.factor[f], least[f]);
   for (std::size_t j = 0; j < kPhalanxCount; ++j) wanted[j] = loop.level[j / 3] * output.flexion_torque[j];
   if (angles && loop.certified && keeps_accounts(loop)) {
-    if (loop.fresh) keep_accounts(wanted, loop);
+    if (loop.fresh) book_energy(wanted, loop);
     for (std::size_t f = 0; f < kFingerCount; ++f) {
       const std::array<double, 3> torque = {wanted[3 * f], wanted[3 * f + 1], wanted[3 * f + 2]};
       const double share = pay(loop.certificate, f, torque, dt, loop.account[f]);

@@ -27,16 +27,10 @@ struct LinkResult {
 
 class ModbusLink {
  public:
-  ModbusLink() = default;
-  ModbusLink(ModbusLink&&) = default;
-  ModbusLink& operator=(ModbusLink&&) = default;
-  ~ModbusLink() { close(); }
-
   /// Connects within `timeout` [s]. Refuses a serial line that did not take the baud rate (libmodbus then
   /// silently uses 9600).
   Status open(const Transport& transport, double timeout);
   void close();
-  [[nodiscard]] bool is_open() const { return context_ != nullptr; }
 
   LinkResult write(const RegisterBlock& block, const std::uint16_t* words);         ///< FC16
   LinkResult read(int function, const RegisterBlock& block, std::uint16_t* words);  ///< FC3, FC4
