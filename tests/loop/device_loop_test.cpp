@@ -525,6 +525,31 @@ TEST_F(DeviceLoopTest, WithoutSensorsItIsToldThatJointAnglesGiveNoForces) {
   EXPECT_EQ(told(), 0);
 }
 
+TEST_F(DeviceLoopTest, IsNotOpenedWhereForcesWouldFadeBetweenTwoTicksAndWarnsWhereALateOneLetsThem) {
+  LoopSettings settings;
+  settings.sink.thread = true;
+  const auto opened = [&](double ticks) {
+    profile.safety.tick_hold = ticks / model.settings.rate;
+    return loop.open(model, profile, std::make_unique<HeldWire>(device, profile), settings);
+  };
+  const auto warned = [&] {
+    for (const SinkEvent& event : loop.sink.events())
+      if (event.text.find("forces fade whenever one is late") != std::string::npos) return true;
+    return false;
+  };
+  const Status status = opened(0.5);
+  EXPECT_NE(status.message().find("raise safety.tick_hold to 0.003 s"), std::string::npos)
+      << status.message();
+  ASSERT_TRUE(opened(1.5).ok());
+  EXPECT_TRUE(warned());
+  loop.close();
+  ASSERT_TRUE(opened(5).ok());
+  EXPECT_FALSE(warned());
+  loop.close();
+  settings.sink.thread = false;
+  EXPECT_TRUE(opened(0.5).ok()) << "each tick is told at once";
+}
+
 TEST_F(DeviceLoopTest, IsNotOpenedForTheOtherHand) {
   profile.side = Side::left;
   const Status status = loop.open(model, profile, std::make_unique<HeldWire>(device, profile), {});

@@ -50,7 +50,8 @@ class DeviceLoop {
   DeviceLoop& operator=(const DeviceLoop&) = delete;
 
   /// Starts the sink; does not wait for the device. Once closed it may be opened again. Refused: a device
-  /// that drives the other hand (DeviceProfile::side).
+  /// that drives the other hand (DeviceProfile::side), and one that a sink with a thread would tell nothing,
+  /// since commands fade before the next tick (SafetyTimes::tick_hold).
   Status open(const Model& model, const DeviceProfile& profile, std::unique_ptr<DeviceWire> wire,
               const LoopSettings& settings);
 

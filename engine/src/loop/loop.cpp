@@ -10,12 +10,25 @@
 #include "lumbrical/math.h"
 #include "lumbrical/real_time.h"
 #include "lumbrical/ways_out.h"
+#include "model/ranges.h"
 
 namespace lumbrical {
 namespace {
 
 // What is computed before a device is armed [s]: the first ticks meet cold caches and unmapped pages.
 constexpr double kWarmUp = 0.05;
+
+// Ticks that a command should be held for: of fewer, each that is a little late lets forces fade.
+constexpr double kTicksHeld = 3;
+
+// Without a thread a tick is told as it comes, however late.
+double ticks_held(const Model& model, const DeviceProfile& profile, const LoopSettings& settings) {
+  return settings.sink.thread ? model.settings.rate * profile.safety.tick_hold : kTicksHeld;
+}
+
+std::string hold_remedy(const Model& model) {
+  return "; raise safety.tick_hold to " + text_of(kTicksHeld / model.settings.rate) + " s, or tick faster";
+}
 
 // No delay will ever be measured, so that the limiter lets nothing through.
 bool is_never_measured(const HapticLoop& control, const DeviceFrame& frame) {
@@ -32,10 +45,18 @@ Status DeviceLoop::open(const Model& model, const DeviceProfile& profile, std::u
   if (const Side side = model.hand.side; profile.side.value_or(side) != side)
     return Status::error(profile.name + " drives a " + std::string(side_name(*profile.side)) +
                          " hand, and the session is of the other one");
+  const double held = ticks_held(model, profile, settings);
+  if (held < 1)
+    return Status::error(profile.name +
+                         ": a command is held for less than a tick, so that no force would ever come" +
+                         hold_remedy(model));
   LoopSettings wanted = settings;
   wanted.sink.arm = false;
   wanted.sink.continue_after_loss = !settings.stop_on_loss;
   if (Status status = sink.open(profile, std::move(wire), wanted.sink); !status.ok()) return status;
+  if (held < kTicksHeld)
+    sink.tell("a command is held for little more than a tick: forces fade whenever one is late" +
+              hold_remedy(model));
   settings_ = wanted;
   control = start_loop(profile, settings.control);
   figures = {};
