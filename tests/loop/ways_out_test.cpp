@@ -73,6 +73,28 @@ TEST(WaysOut, EverySignalThatEndsAProcessIsPrecededByTheLastAct) {
   }
 }
 
+int rings = 0;
+
+// A profiler's timer, a crash reporter, say.
+TEST(WaysOut, WhatAProcessDoesWithItsSignalsIsItsOwnAgainAndItsTimersAreAllTheWhile) {
+  const auto ring = [](int) { ++rings; };
+  const Death death = die_by([ring] {
+    before_dying(nullptr);
+    for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGALRM, SIGVTALRM, SIGPROF, SIGIO})
+      std::signal(signal, ring);
+    std::signal(SIGVTALRM, SIG_IGN);
+    before_dying(say_so);
+    for (const int signal : {SIGALRM, SIGVTALRM, SIGPROF, SIGIO}) raise(signal);
+    if (rings != 3) raise(SIGKILL);
+    before_dying(say_so);
+    before_dying(nullptr);
+    for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGALRM, SIGVTALRM, SIGPROF, SIGIO}) raise(signal);
+    if (rings != 9) raise(SIGKILL);
+  });
+  EXPECT_EQ(death.signal, 0) << strsignal(death.signal);
+  EXPECT_EQ(death.wrote, "");
+}
+
 TEST(WaysOut, UncaughtExceptionsOfAnyThreadAreToo) {
   expect_faded([] { std::thread([] { throw std::bad_alloc(); }).join(); }, SIGABRT, "bad_alloc of a thread");
   const auto careless = [](int code) {
@@ -131,7 +153,7 @@ TEST(WaysOut, WhatAsksForAnEndOnlyAsksTheFirstTimeAndEndsAfterTheLastActOnceImpa
       [] {
         const StopSignals signals;
         raise(SIGINT);
-        std::this_thread::sleep_for(std::chrono::milliseconds(2100));
+        std::this_thread::sleep_for(std::chrono::milliseconds(1050));
         raise(SIGINT);
       },
       SIGINT, "twice, with time between");

@@ -30,7 +30,9 @@ void mend_bus_errors(bool (*mend)(const void* address) noexcept);
 
 /// What is done, once, before the process dies of a signal that it can know of: a crash of any thread, an
 /// uncaught exception, an alarm, a second Ctrl-C. `act` must be fit for a signal handler and return within
-/// seconds; nullptr: nothing is done. The process dies of that signal afterwards.
+/// seconds. The process dies of that signal afterwards. Timers' and files' signals that it handles by itself
+/// (SIGALRM, SIGVTALRM, SIGPROF, SIGIO) stay its own. nullptr: nothing is done, and what the process did with
+/// all of them before is done again.
 void before_dying(void (*act)());
 
 /// Before the process dies the sink fades, for up to 2 s; nullptr: no longer. One sink of a process.

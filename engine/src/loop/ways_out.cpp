@@ -6,19 +6,39 @@
 #include <atomic>
 #include <cerrno>
 #include <cstddef>
-#include <ctime>
+#include <cstdint>
+
+#include "base/steady_clock.h"
 
 namespace lumbrical {
 namespace {
 
 constexpr std::array<int, 4> kStops = {SIGINT, SIGTERM, SIGQUIT, SIGHUP};
+
 // All that end a process unless it says otherwise, but for those above, the operator's, those the program
 // ignores, and SIGBUS, which may be mended.
-constexpr int kDeaths[] = {SIGSEGV, SIGFPE,    SIGILL,  SIGABRT, SIGSYS, SIGTRAP,  SIGXCPU,
-                           SIGALRM, SIGVTALRM, SIGPROF, SIGIO,   SIGPWR, SIGSTKFLT};
+struct Death {
+  int signal;
+  bool may_be_work = false;    // of a program that handles it: no death then
+  struct sigaction before {};  // what the process does by itself
+};
+std::array<Death, 13> deaths = {{{SIGSEGV},
+                                 {SIGFPE},
+                                 {SIGILL},
+                                 {SIGABRT},
+                                 {SIGSYS},
+                                 {SIGTRAP},
+                                 {SIGXCPU},
+                                 {SIGPWR},
+                                 {SIGSTKFLT},
+                                 {SIGALRM, true},
+                                 {SIGVTALRM, true},
+                                 {SIGPROF, true},
+                                 {SIGIO, true}}};
+struct sigaction bus_errors_before {};
 
 volatile std::sig_atomic_t stop_asked = 0;
-volatile std::time_t asked_at = 0;  // s, monotonic
+std::atomic<std::int64_t> asked_at{0};  // [ns]
 
 std::atomic<void (*)()> last_act{nullptr};
 std::atomic<bool> dying{false};
@@ -53,12 +73,11 @@ extern "C" void mend_or_die(int signal, siginfo_t* info, void*) {
 // second or more after the first is somebody losing patience, and kills as usual.
 extern "C" void request_stop(int signal) {
   const int error = errno;
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
+  const std::int64_t now = steady_ns();
   if (stop_asked == 0) {
-    asked_at = now.tv_sec;
+    asked_at = now;
     stop_asked = 1;
-  } else if (now.tv_sec - asked_at > 1) {
+  } else if (in_seconds(now - asked_at) >= 1) {
     die(signal);
   }
   errno = error;
@@ -77,11 +96,52 @@ void fade() {
   }
 }
 
-void handle_bus_errors() {
+struct sigaction action_of(int signal) {
+  struct sigaction action {};
+  sigaction(signal, nullptr, &action);
+  return action;
+}
+
+void take_bus_errors() {
+  const struct sigaction now = action_of(SIGBUS);
+  if (now.sa_sigaction == mend_or_die) return;
+  bus_errors_before = now;
   struct sigaction action {};
   action.sa_sigaction = mend_or_die;
   action.sa_flags = SA_NODEFER | SA_ONSTACK | SA_SIGINFO;
   sigaction(SIGBUS, &action, nullptr);
+}
+
+void take(Death& death) {
+  const struct sigaction now = action_of(death.signal);
+  if (now.sa_handler == die || (death.may_be_work && now.sa_handler != SIG_DFL)) return;
+  death.before = now;
+  struct sigaction action {};
+  action.sa_handler = die;
+  action.sa_flags = SA_NODEFER | SA_ONSTACK;
+  sigaction(death.signal, &action, nullptr);
+}
+
+void take_deaths() {
+  stack_t stack{};
+  sigaltstack(nullptr, &stack);
+  if ((stack.ss_flags & SS_DISABLE) != 0) {  // another one would do
+    stack = {};
+    stack.ss_sp = spare_stack.data();
+    stack.ss_size = spare_stack.size();
+    sigaltstack(&stack, nullptr);
+  }
+  for (Death& death : deaths) take(death);
+  take_bus_errors();
+}
+
+// But what someone else has taken since.
+void give_back_deaths() {
+  for (const Death& death : deaths) {
+    if (action_of(death.signal).sa_handler == die) sigaction(death.signal, &death.before, nullptr);
+  }
+  if (mend_page == nullptr && action_of(SIGBUS).sa_sigaction == mend_or_die)
+    sigaction(SIGBUS, &bus_errors_before, nullptr);
 }
 
 }  // namespace
@@ -106,22 +166,18 @@ StopSignals::~StopSignals() {
 
 void mend_bus_errors(bool (*mend)(const void*) noexcept) {
   mend_page = mend;
-  handle_bus_errors();
+  take_bus_errors();
 }
 
 bool stop_requested() { return stop_asked != 0; }
 
 void before_dying(void (*act)()) {
   last_act = act;
-  stack_t stack{};
-  stack.ss_sp = spare_stack.data();
-  stack.ss_size = spare_stack.size();
-  sigaltstack(&stack, nullptr);
-  struct sigaction action {};
-  action.sa_handler = act != nullptr ? die : SIG_DFL;
-  action.sa_flags = SA_NODEFER | SA_ONSTACK;
-  for (const int signal : kDeaths) sigaction(signal, &action, nullptr);
-  handle_bus_errors();
+  if (act != nullptr) {
+    take_deaths();
+  } else {
+    give_back_deaths();
+  }
 }
 
 void fade_before_dying(DeviceSink* sink) {
