@@ -183,6 +183,17 @@ TEST(LeapMotion, FollowsOneHandOfSeveral) {
   EXPECT_LT(norm(position(other.samples[1].frame, kIndexTip) - left[kIndexTip].position), 1e-6);
 }
 
+TEST(LeapMotion, TakesNoHandOfTheOtherSideWhateverItsId) {
+  const Poses right = bent_hand(Side::right, 0.2), left = bent_hand(Side::left, 0.6);
+  const std::string hands = leap_hand(-1, Side::left) + "," + leap_hand(4, Side::right);
+  MotionOptions options;
+  options.side = Side::right;
+  const Motion motion = parse_good(
+      leap_file({leap_frame(0, hands, leap_fingers(left, -1) + "," + leap_fingers(right, 4))}), options);
+  EXPECT_EQ(motion.other_side, Side::left);
+  EXPECT_LT(norm(position(motion.samples[0].frame, kIndexTip) - right[kIndexTip].position), 1e-6);
+}
+
 TEST(LeapMotion, AHandWhoseSideIsToldLateOrNeverIsTheOneThatIsToldAtOnce) {
   for (const Side side : {Side::right, Side::left}) {
     SCOPED_TRACE(side_name(side));

@@ -47,8 +47,13 @@ bool is_layout(const json& frame) { return frame.is_array() && !frame.empty() &&
 // only by a later frame, or by none.
 struct Followed {
   std::optional<Side> side;
-  double id = -1;
+  std::optional<double> id;
 };
+
+std::optional<double> id_of(const json& hand) {
+  double id = 0;
+  return read_number(find_member(hand, "id"), id) ? std::optional(id) : std::nullopt;
+}
 
 std::optional<Side> side_of(const json& hand) {
   const json* type = find_member(hand, "type");
@@ -62,8 +67,8 @@ const json* choose_hand(const json& frame, Followed& followed) {
   if (!hands || !hands->is_array()) return nullptr;
   const json* chosen = nullptr;
   for (const json& hand : *hands) {
-    double id = 0;
-    if (!read_number(find_member(hand, "id"), id)) continue;
+    const std::optional<double> id = id_of(hand);
+    if (!id) continue;
     const std::optional<Side> side = side_of(hand);
     if (id == followed.id) {
       if (!followed.side) followed.side = side;
@@ -74,7 +79,7 @@ const json* choose_hand(const json& frame, Followed& followed) {
   }
   if (!chosen) return nullptr;
   if (!followed.side) followed.side = side_of(*chosen);
-  read_number(find_member(*chosen, "id"), followed.id);
+  followed.id = id_of(*chosen);
   return chosen;
 }
 
@@ -182,7 +187,7 @@ Status read_frame(const std::string& name, const std::string& where, const json&
     if (!status.ok()) return status;
   }
   bool complete = false;
-  Status status = read_fingers(name, where, source, followed.id, unit, points, complete, motion);
+  Status status = read_fingers(name, where, source, *followed.id, unit, points, complete, motion);
   if (!complete) points = {};
   return status;
 }
@@ -205,7 +210,7 @@ Status parse_leap(const json& root, std::size_t size, const std::string& name, c
     return refuse(name, "more than 65536 frames of less than 32 bytes; save the hands too");
   const bool packed = is_layout(frames[0]);
   const double unit = options.unit > 0 ? options.unit : 0.001;
-  Followed followed{options.side};
+  Followed followed{options.side, {}};
   double start = 0;
   std::vector<HandPoints> hands;
   for (std::size_t i = packed ? 1 : 0; i < frames.size(); ++i) {
