@@ -194,6 +194,11 @@ TEST(DeviceProfile, TellsEveryMistakeWithLineAndColumn) {
                     ",\n \"sensors\": [{\"joint\": \"index distal\", \"at\": {\"address\": 1}},"
                     "{\"joint\": \"index distal\", \"at\": {\"address\": 2}}]"),
        ":4:", "measured twice"},
+      {profile_text(kMotor,
+                    ",\n \"sensors\": [{\"joint\": \"index distal\", \"upper\": 1, \"at\": "
+                    "{\"address\": 1, \"type\": \"u16\", \"offset\": 2}}]"),
+       ":4:", "nothing of which lies within lower .. upper"},
+      {profile_text(kMotor, ",\n \"response_timeout\": 0.2"), ":4:", "must not exceed safety.answer_timeout"},
   };
   for (const Mistake& mistake : mistakes) {
     const std::string message = error_of(mistake.text);
@@ -201,6 +206,13 @@ TEST(DeviceProfile, TellsEveryMistakeWithLineAndColumn) {
                                                                               << mistake.text;
     EXPECT_NE(message.find(mistake.words), std::string::npos) << message << "\n" << mistake.text;
   }
+}
+
+TEST(DeviceProfile, ARegisterNeedNotHoldAStraightFinger) {
+  const DeviceProfile profile = load(write(profile_text(kMotor, R"(, "sensors": [{"joint": "index proximal",
+    "at": {"address": 9, "type": "u16", "scale": 0.001, "offset": 0.2}, "lower": 0.2, "upper": 2}])")));
+  ASSERT_EQ(profile.sensors.size(), 1u);
+  EXPECT_EQ(profile.sensors[0].lower, 0.2);
 }
 
 TEST(DeviceProfile, AnEncoderIsNoFinerThanTheRegisterThatTellsOfIt) {

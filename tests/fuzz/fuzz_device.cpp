@@ -9,7 +9,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   DeviceProfile profile;
   if (!load_device_profile(file.path(), profile).ok()) return 0;
   if (!check_profile(profile).ok() || profile.actuators.empty() || profile.actuators.size() > kMaxActuators ||
-      profile.sensors.size() > kMaxSensors)
+      profile.sensors.size() > kAngleCount)
     __builtin_trap();
   const ExchangePlan plan = plan_exchange(profile);
   for (const RegisterBlock& block : plan.writes)

@@ -13,9 +13,8 @@
 
 namespace lumbrical {
 
-/// Bounds of a profile: everything the loop carries lives in arrays of these sizes.
+/// Most actuators of a profile: what the loop carries of them lives in arrays of that size.
 inline constexpr int kMaxActuators = 32;
-inline constexpr int kMaxSensors = 32;
 
 /// The joints a device may load: those at the base of each phalanx, in the order of the segments.
 using JointArray = std::array<double, kPhalanxCount>;
@@ -164,7 +163,7 @@ struct DeviceProfile {
   std::optional<Side> side;  ///< the hand it drives, and no other; none: either
   Transport transport;
   double rate = 100;                         ///< [Hz] largest number of exchanges per second
-  double response_timeout = 0.05;            ///< [s] for the answer to one request
+  double response_timeout = 0.05;            ///< [s] for the answer to one request, answer_timeout at most
   double first_retry = 0.1, last_retry = 2;  ///< [s] pause before reconnecting; doubles in between
   double read_back = 0.1;   ///< [s] between looks at whether the commands still are ours; 0: none
   bool read_write = false;  ///< FC23 in the place of FC16 and a read, where both are one block of one unit

@@ -14,13 +14,18 @@
 namespace lumbrical {
 namespace {
 
-ProfileFault range_fault(const RegisterField& field, double low, double high, const std::string& path) {
+ProfileFault field_fault(const RegisterField& field, const std::string& path) {
   if (!(field.scale != 0) || !std::isfinite(field.scale) || !std::isfinite(field.offset)) {
     return {path + ".scale", "must be finite and not 0"};
   }
   if (field.address + register_count(field.type) > 65536) {
     return {path + ".address", "leaves no room for the field's registers below 65536"};
   }
+  return {};
+}
+
+ProfileFault range_fault(const RegisterField& field, double low, double high, const std::string& path) {
+  if (ProfileFault fault = field_fault(field, path); !fault.what.empty()) return fault;
   const FieldRange range = field_range(field);
   const double slack = 0.5 * std::fabs(field.scale);
   if (low >= range.low - slack && high <= range.high + slack) return {};
@@ -140,12 +145,22 @@ ProfileFault times_fault(const DeviceProfile& profile) {
             "count as lost; raise one of them"};
   }
   if (safety.tick_hold > safety.tick_timeout) return {"safety.tick_hold", "must not exceed tick_timeout"};
+  if (profile.response_timeout > safety.answer_timeout)
+    return {"response_timeout",
+            "must not exceed safety.answer_timeout: the device would have let go long ago"};
   return {};
 }
 
+// A register may hold less than a joint does, but something of it.
+ProfileFault sensed_fault(const Sensor& sensor, const std::string& path) {
+  if (ProfileFault fault = field_fault(sensor.field, path); !fault.what.empty()) return fault;
+  const FieldRange range = field_range(sensor.field);
+  if (range.low <= sensor.upper && range.high >= sensor.lower) return {};
+  return {path, "holds " + text_of(range.low) + " .. " + text_of(range.high) +
+                    ", nothing of which lies within lower .. upper; change type, scale, offset or limits"};
+}
+
 ProfileFault sensors_fault(const DeviceProfile& profile) {
-  if (profile.sensors.size() > kMaxSensors)
-    return {"sensors", "must be at most " + std::to_string(kMaxSensors)};
   std::array<bool, kAngleCount> measured{};
   for (std::size_t i = 0; i < profile.sensors.size(); ++i) {
     const Sensor& sensor = profile.sensors[i];
@@ -159,7 +174,7 @@ ProfileFault sensors_fault(const DeviceProfile& profile) {
       return {path + fault.path, fault.what};
     if (!(sensor.lower < sensor.upper)) return {path + ".upper", "must be above lower"};
     if (!has_registers(profile.transport.kind)) continue;
-    if (ProfileFault fault = range_fault(sensor.field, 0, 0, path + ".at"); !fault.what.empty()) return fault;
+    if (ProfileFault fault = sensed_fault(sensor, path + ".at"); !fault.what.empty()) return fault;
   }
   return {};
 }
