@@ -393,7 +393,6 @@ TEST_F(DeviceLoopTest, StatesAreRecordedAsTheyAreToldAlsoWhileNothingCanBeSent) 
 }
 
 TEST_F(DeviceLoopTest, ALostDeviceEndsTheSessionWhereThatWasAskedFor) {
-  profile.safety.answer_timeout = 0.02;
   open(true);
   ASSERT_TRUE(steps_until([&] { return told() > 0; }));
   device.there = false;
