@@ -397,8 +397,10 @@ LUMBRICAL_API int lumbrical_session_jacobians(lumbrical_session* session, uint32
  * how many there are, the same from a session's first tick on. `bytes` may be null where `capacity` is 0. */
 LUMBRICAL_API int lumbrical_session_save(lumbrical_session* session, void* bytes, size_t capacity,
                                          size_t* size);
-/* Refuses bytes that are damaged or of a model with other objects. Of forces above settings.max_force, which
- * other settings have left, no more than that is let out. Not while the session is recorded. */
+/* Refuses bytes that are damaged, or of another model as far as they tell: with more or fewer objects that
+ * are felt apart, with one where its mobility and its start don't let it be, or with a proxy where there is
+ * none. Meshes and settings are not in them. Of forces above settings.max_force, which other settings have
+ * left, no more than that is let out. Not while the session is recorded. */
 LUMBRICAL_API int lumbrical_session_restore(lumbrical_session* session, const void* bytes, size_t size);
 /* Hash of the same: equal on two machines exactly if they are in lockstep. */
 LUMBRICAL_API int lumbrical_session_hash(lumbrical_session* session, uint64_t* hash);

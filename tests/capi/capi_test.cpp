@@ -323,6 +323,20 @@ TEST(CApi, ASnapshotBringsBackEveryBitAndADamagedOneIsRefused) {
   EXPECT_EQ(lumbrical_session_restore(still.session, bytes.data(), size), LUMBRICAL_BAD_DATA);
 }
 
+TEST(CApi, ASnapshotOfATableThatStandsElsewhereIsRefused) {
+  MeshObject table(make_plane(0.5, 2));
+  table.object.static_friction = 0.5;
+  CSession high(table.object);
+  table.object.pose.position[2] = -0.1;
+  CSession low(table.object);
+  high.step(0);
+  std::vector<unsigned char> bytes(100000);
+  std::size_t size = 0;
+  ASSERT_EQ(lumbrical_session_save(high.session, bytes.data(), bytes.size(), &size), LUMBRICAL_OK);
+  EXPECT_EQ(lumbrical_session_restore(low.session, bytes.data(), size), LUMBRICAL_BAD_DATA);
+  EXPECT_EQ(lumbrical_session_restore(high.session, bytes.data(), size), LUMBRICAL_OK);
+}
+
 TEST(CApi, ASnapshotOfForcesAboveTheLimitFadesFromTheLimit) {
   MeshObject ball(ball_scene().objects[0].mesh);
   const auto start = [&](CSession& c, double max_force) {

@@ -497,6 +497,42 @@ TEST(ObjectMotion, TwoHandsPullOnOneObjectAndEveryForceHasItsCounterpart) {
   EXPECT_LT(farthest, 0.005);
 }
 
+// A rough box that weight, or who is told, moves from beside the origin, where a joint holds it.
+Session moved_by(Mobility mobility, Vec3 start) {
+  Scene scene = test::pad_scene();
+  SceneObject box = test::body_of("box", cube(0.02), 0.1, {start, {}}, {0.5, 0.5, 0, 1000});
+  const MassProperties body = box.mechanism.body;
+  box.mechanism = {};
+  box.mechanism.mobility = mobility;
+  if (moves_by_itself(box.mechanism)) box.mechanism.body = body;
+  if (mobility == Mobility::hinge) box.mechanism.axis = {0, -1, 0};
+  scene.objects.push_back(box);
+  Session run(scene);
+  const ObjectFrame told{{{0.3, -0.2, 0.1}, normalized({0.9, 0.1, -0.3, 0.2})}};
+  for (int i = 0; i < 100; ++i) {
+    run.step(no_hand(), {&told, mobility == Mobility::given ? std::size_t{1} : 0});
+    EXPECT_TRUE(check_state(run.model, run.state).ok()) << i;
+  }
+  return run;
+}
+
+// Then a table would be felt where another model has it, or a door hang beside its hinge, for good.
+TEST(ObjectMotion, AStateIsRefusedInWhichAnObjectIsWhereItsMobilityDoesNotLetItBe) {
+  constexpr Mobility kAll[] = {Mobility::fixed, Mobility::given,  Mobility::free,
+                               Mobility::hinge, Mobility::slider, Mobility::ball};
+  for (const Mobility mobility : kAll) {
+    const Session run = moved_by(mobility, {0.05, 0, 0});
+    for (const Mobility other : kAll) {
+      if (other == mobility || other == Mobility::free || mobility == Mobility::fixed) continue;
+      EXPECT_FALSE(check_state(moved_by(other, {0.05, 0, 0}).model, run.state).ok())
+          << mobility_name(mobility) << " as " << mobility_name(other);
+    }
+    const bool goes_anywhere = mobility == Mobility::given || mobility == Mobility::free;
+    EXPECT_EQ(check_state(moved_by(mobility, {0.05, 0, -0.01}).model, run.state).ok(), goes_anywhere)
+        << mobility_name(mobility);
+  }
+}
+
 TEST(ObjectMotion, InstancesShareOneSearchStructure) {
   Scene scene = test::pad_scene();
   for (int i = 0; i < 5; ++i)

@@ -64,9 +64,9 @@ struct State : HandState {
 /// Before the first tick: objects stand where they start.
 State make_state(const Model& model);
 
-/// For a state that comes from elsewhere: refuses one of other objects, with a proxy where the model has
-/// none, or whose shares of fading forces are more than all. Forces above Settings::max_force may be in it:
-/// other settings have left them, and a tick lets out no more than its own allow.
+/// For a state from elsewhere: refuses one of more or fewer objects, with one where its mobility does not let
+/// it be, with a proxy where there is none, or with shares of fading forces that are more than all. Forces
+/// above Settings::max_force, left by other settings, are taken: a tick lets out no more than its own allow.
 Status check_state(const Model& model, const State& state);
 
 /// The stages of a tick, in order; a divergence between recording and replay names one of them.

@@ -145,6 +145,12 @@ Pose pose_at(const Mechanism& mechanism, const Pose& start, double q) {
   return {mechanism.pivot + rotate(turn, start.position - mechanism.pivot), turn * start.orientation};
 }
 
+// Of what turns about a pivot that it keeps.
+Vec3 position_about(Vec3 pivot, const Pose& start, Quat orientation) {
+  const Vec3 arm = rotate(conjugate(start.orientation), start.position - pivot);
+  return pivot + rotate(orientation, arm);
+}
+
 Quat turned(Quat orientation, Vec3 by) {
   return normalized(Quat{1, 0.5 * by.x, 0.5 * by.y, 0.5 * by.z} * orientation);
 }
@@ -261,8 +267,7 @@ Twist move_freely(const Mechanism& mechanism, const Pose& start, Vec3 centre, do
   const Twist reached{state.velocity, state.angular_velocity};
   state.pose.orientation = turned(state.pose.orientation, dt * state.angular_velocity);
   if (mechanism.mobility == Mobility::ball) {
-    const Vec3 arm = rotate(conjugate(start.orientation), start.position - mechanism.pivot);
-    state.pose.position = mechanism.pivot + rotate(state.pose.orientation, arm);
+    state.pose.position = position_about(mechanism.pivot, start, state.pose.orientation);
     turn_about_pivot(mechanism, state);
   } else {
     const Vec3 moved = centre + dt * state.velocity;
@@ -301,6 +306,38 @@ Twist advance_body(const Mechanism& mechanism, const Pose& start, std::span<cons
   state.velocity += {gained[0], gained[1], gained[2]};
   state.angular_velocity += {gained[3], gained[4], gained[5]};
   return move_freely(mechanism, start, centre, dt, state);
+}
+
+namespace {
+
+// Of places [m] for each metre they lie from the origin, of turns [rad].
+constexpr double kRounding = 1e-8;
+
+// The nearest that its mobility allows.
+Pose held_pose(const Mechanism& mechanism, const Pose& start, const ObjectState& state) {
+  const Pose& pose = state.pose;
+  if (has_coordinate(mechanism)) return pose_at(mechanism, start, state.coordinate);
+  if (mechanism.mobility == Mobility::ball)
+    return {position_about(mechanism.pivot, start, pose.orientation), pose.orientation};
+  return mechanism.mobility == Mobility::free || state.told > 0 ? pose : start;
+}
+
+bool may_have_coordinate(const Mechanism& mechanism, double q) {
+  return has_coordinate(mechanism) ? q >= mechanism.lower && q <= mechanism.upper : q == 0;
+}
+
+}  // namespace
+
+bool may_be_at(const Mechanism& mechanism, const Pose& start, const ObjectState& state) {
+  const bool is_told = state.told > 0;
+  if (is_told && mechanism.mobility != Mobility::given) return false;
+  if (!may_have_coordinate(mechanism, state.coordinate)) return false;
+  const auto& [position, orientation] = state.pose;
+  const Pose held = held_pose(mechanism, start, state);
+  const Quat off = conjugate(held.orientation) * orientation;
+  const double room = kRounding * (1 + norm(start.position) + norm(mechanism.pivot));
+  return std::fabs(dot(orientation, orientation) - 1) <= kRounding &&
+         norm(Vec3{off.x, off.y, off.z}) <= kRounding && norm(position - held.position) <= room;
 }
 
 }  // namespace lumbrical

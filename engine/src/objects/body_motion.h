@@ -41,4 +41,8 @@ Twist advance_body(const Mechanism& mechanism, const Pose& start, std::span<cons
 /// end.
 Wrench change_of(const Spring& spring, const Twist& speed, double dt);
 
+/// Whether ticks may have left an object of that mobility so, but for rounding: one that stands still is at
+/// its start, what a joint holds where the joint lets it be.
+bool may_be_at(const Mechanism& mechanism, const Pose& start, const ObjectState& state);
+
 }  // namespace lumbrical

@@ -7,6 +7,7 @@
 
 #include "base/floating_point.h"
 #include "model/felt_surface.h"
+#include "objects/body_motion.h"
 #include "objects/object_forces.h"
 #include "objects/touches.h"
 #include "proxy/proxy_hand.h"
@@ -259,6 +260,12 @@ Status check_state(const Model& model, const State& state) {
   if (state.objects.size() != model.apart.size())
     return Status::error("the state is of a model with " + std::to_string(state.objects.size()) +
                          " objects that move or rub, not " + std::to_string(model.apart.size()));
+  for (std::size_t i = 0; i < model.apart.size(); ++i) {
+    const ApartObject& object = model.apart[i];
+    if (!may_be_at(object.mechanism, object.start, state.objects[i]))
+      return Status::error("the state is of another model: object \"" + object.name +
+                           "\" can't be where it has it");
+  }
   if (state.proxy && model.settings.proxy_stiffness == 0)
     return Status::error("the state is of a model with a proxy, and this one has none");
   if (!(state.rise + state.fall <= 1 + 1e-9))
