@@ -151,7 +151,8 @@ typedef struct lumbrical_texture {
   double black, white; /* what its darkest and its brightest grey stand for */
 } lumbrical_texture;
 
-/* What is touched. Its mesh: either `mesh_file`, or one of the two vertex arrays with triangles. */
+/* What is touched. Its mesh: either `mesh_file`, whose polygons are cut into triangles and which may not be
+ * "-", or one of the two vertex arrays with triangles. */
 typedef struct lumbrical_object {
   uint32_t size;
   int32_t mobility; /* FIXED */
@@ -189,7 +190,7 @@ typedef struct lumbrical_object {
   double latch_opens;    /* ... has this coordinate, > 0 */
   /* ---- how it feels beside its shape */
   double crease_angle;            /* [rad] triangles that meet at less are felt as something round: 0, none */
-  const double* friction_factors; /* 0 .. 10, of each triangle; null: 1 */
+  const double* friction_factors; /* 0 .. 10, of all triangle_count, also of a mesh_file's; null: 1 */
   lumbrical_texture grip;         /* friction factor, too, 0 .. 10 */
   lumbrical_texture bumps;        /* [m] height, -1 .. 1: its slope tilts the force */
 } lumbrical_object;

@@ -3,6 +3,8 @@
 
 #include <atomic>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <set>
 #include <string>
@@ -178,6 +180,38 @@ TEST(CApiMistakes, AMassOfWhatStandsStillIsRefused) {
   EXPECT_EQ(lumbrical_scene_add_object(c.scene, &ball.object), LUMBRICAL_OK) << lumbrical_message();
   ball.object.mass = std::nan("");
   expect_mistake(lumbrical_scene_add_object(c.scene, &ball.object), "density or a mass");
+}
+
+// A file's square is two triangles: the caller's array must not be read beyond its end.
+TEST(CApiMistakes, FrictionFactorsOfAMeshFileAreCounted) {
+  const std::filesystem::path folder = own_folder();
+  const std::string square = (folder / "square.obj").string();
+  std::ofstream(square) << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+  const std::vector<double> factors = {1, 2};
+  lumbrical_object object;
+  ASSERT_EQ(lumbrical_object_init(&object), LUMBRICAL_OK);
+  object.mesh_file = square.c_str();
+  object.static_friction = 0.5;
+  object.friction_factors = factors.data();
+  CSession c;
+  c.create();
+  for (const std::size_t count : {0, 1, 3}) {
+    object.triangle_count = count;
+    expect_mistake(lumbrical_scene_add_object(c.scene, &object), "the mesh_file has 2 triangles");
+  }
+  object.triangle_count = factors.size();
+  EXPECT_EQ(lumbrical_scene_add_object(c.scene, &object), LUMBRICAL_OK) << lumbrical_message();
+  c.start();
+}
+
+TEST(CApiMistakes, NothingIsReadFromTheStandardInputOfTheHost) {
+  lumbrical_object object;
+  ASSERT_EQ(lumbrical_object_init(&object), LUMBRICAL_OK);
+  object.mesh_file = "-";
+  CSession c;
+  expect_mistake(lumbrical_scene_load("-", &c.scene), "standard input");
+  c.create();
+  expect_mistake(lumbrical_scene_add_object(c.scene, &object), "object->mesh_file is not read from standard");
 }
 
 TEST(CApiMistakes, AMaterialThatMakesNoSenseIsRefusedOfAnObjectThatStandsStill) {

@@ -33,8 +33,15 @@ Fault take_vertices(const lumbrical_object& given, Mesh& mesh) {
   return {};
 }
 
+// Which may be the host program's own.
+Fault refuse_standard_input(const char* path, const char* what) {
+  if (std::string_view(path) != "-") return {};
+  return bad_argument(std::string(what) + " is not read from standard input here; give a path");
+}
+
 Fault take_mesh(const lumbrical_object& given, Convention convention, Mesh& mesh) {
   if (given.mesh_file != nullptr) {
+    if (Fault fault = refuse_standard_input(given.mesh_file, "object->mesh_file")) return fault;
     if (given.vertices != nullptr || given.float_vertices != nullptr)
       return bad_argument("the object has a mesh_file and vertices; give one of the two");
     Unit unit{};
@@ -95,11 +102,21 @@ Fault take_texture(const lumbrical_texture& given, Texture& texture) {
   return {};
 }
 
+// A file has the triangles that it has: the caller's array ends where the caller says.
+Fault check_factor_count(const lumbrical_object& given, const Mesh& mesh) {
+  if (given.triangle_count == mesh.triangles.size()) return {};
+  return bad_argument("object->triangle_count is " + std::to_string(given.triangle_count) +
+                      " friction_factors, but the mesh_file has " + std::to_string(mesh.triangles.size()) +
+                      " triangles; give one for each");
+}
+
 Fault take_surface(const lumbrical_object& given, SceneObject& object) {
   Surface& surface = object.surface;
   surface.crease_angle = given.crease_angle;
-  if (const double* const factors = given.friction_factors)
-    surface.friction_factor.assign(factors, factors + object.mesh.triangles.size());
+  if (const double* const factors = given.friction_factors) {
+    if (Fault fault = check_factor_count(given, object.mesh)) return fault;
+    surface.friction_factor.assign(factors, factors + given.triangle_count);
+  }
   if (Fault fault = take_texture(given.grip, surface.grip)) return fault;
   return take_texture(given.bumps, surface.bumps);
 }
@@ -263,8 +280,7 @@ int lumbrical_scene_load(const char* path, lumbrical_scene** scene) {
   return call(__func__, [&]() -> Fault {
     if (Fault fault = check_pointer(path, "path")) return fault;
     if (Fault fault = check_pointer(scene, "scene")) return fault;
-    if (std::string_view(path) == "-")
-      return bad_argument("a scene is not read from standard input here; give a path");
+    if (Fault fault = refuse_standard_input(path, "a scene")) return fault;
     SceneFile file;
     if (Fault fault = load_scene_file(path, file)) return fault;
     if (Fault fault = check_plain(file)) return fault;
