@@ -16,6 +16,7 @@ class Session : public Bound {
     scratch.hash_stages = false;
   }
   [[nodiscard]] const Model& model() const { return model_->model; }
+  [[nodiscard]] const State& start() const { return model_->start; }
   void check_ticked() const {
     if (!ticked) throw std::runtime_error("the session has not been ticked yet");
   }
@@ -145,8 +146,8 @@ py::tuple jacobians(Session& self, std::uint32_t segments) {
 void record(Session& self, const Path& path, std::uint32_t force_interval) {
   const Busy busy(self.busy);
   if (self.recorder) throw std::runtime_error("the session is recorded already");
-  if (hash_state(self.state) != hash_state(make_state(self.model())))
-    throw std::runtime_error("a recording begins with a session's first tick; make a new session");
+  if (Status status = check_recording_start(self.model(), self.start(), self.state); !status.ok())
+    throw std::runtime_error(status.message());
   auto recorder = std::make_unique<Recorder>();
   RecorderOptions options;
   options.force_interval = force_interval;

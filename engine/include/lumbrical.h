@@ -312,7 +312,8 @@ typedef struct lumbrical_replay_result {
   uint64_t ticks;    /* compared */
   uint64_t tick;
   char stage[32], field[64], recorded[64], replayed[64];
-  char damage[256]; /* what is wrong with the file, whatever the replay found; empty: nothing */
+  char damage[256]; /* what is wrong with the file, whatever the replay found, without the middle of a long
+                       text; empty: nothing */
 } lumbrical_replay_result;
 
 /* ---- Everywhere

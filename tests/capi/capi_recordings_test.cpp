@@ -81,6 +81,45 @@ TEST(CApiRecordings, ReplayIdenticalAndCanBeReadAgain) {
   lumbrical_reader_close(reader);
 }
 
+TEST(CApiRecordings, ASessionThatGoesOnFromAPartIsNotRecorded) {
+  const std::string whole = (own_folder() / "whole.mcap").string(),
+                    part = (own_folder() / "part.mcap").string();
+  CSession c(MeshObject(ball_scene().objects[0].mesh).object);
+  ASSERT_EQ(lumbrical_session_record(c.session, whole.c_str(), nullptr), LUMBRICAL_OK) << lumbrical_message();
+  for (std::size_t i = 0; i < 40; ++i) c.step(i);
+  ASSERT_EQ(lumbrical_session_stop_recording(c.session, nullptr), LUMBRICAL_OK) << lumbrical_message();
+  CopyOptions options;
+  options.from = 20;
+  CopyResult result;
+  ASSERT_TRUE(copy_recordings({whole}, part, options, result).ok());
+  CSession on;
+  ASSERT_EQ(lumbrical_reader_model(opened(part).get(), nullptr, nullptr, &on.model), LUMBRICAL_OK);
+  ASSERT_EQ(lumbrical_session_create(on.model, &on.session), LUMBRICAL_OK);
+  EXPECT_EQ(lumbrical_session_record(on.session, (part + ".again").c_str(), nullptr), LUMBRICAL_BAD_ARGUMENT);
+  EXPECT_NE(std::string(lumbrical_message()).find("a part of a recording"), std::string::npos)
+      << lumbrical_message();
+}
+
+// What is wrong stands at the text's end, behind the path.
+TEST(CApiRecordings, DamageIsToldHoweverLongThePathIs) {
+  const fs::path folder = own_folder() / std::string(150, 'a') / std::string(150, 'b');
+  fs::create_directories(folder);
+  const std::string path = (folder / "touch.mcap").string();
+  CSession c(MeshObject(ball_scene().objects[0].mesh).object);
+  ASSERT_EQ(lumbrical_session_record(c.session, path.c_str(), nullptr), LUMBRICAL_OK) << lumbrical_message();
+  for (std::size_t i = 0; i < 40; ++i) c.step(i);
+  ASSERT_EQ(lumbrical_session_stop_recording(c.session, nullptr), LUMBRICAL_OK) << lumbrical_message();
+  fs::resize_file(path, fs::file_size(path) - 200);
+  auto result = sized<lumbrical_replay_result>();
+  ASSERT_EQ(lumbrical_replay(path.c_str(), nullptr, nullptr, &result), LUMBRICAL_OK) << lumbrical_message();
+  RecordingInfo info;
+  const std::string damage = verify_recording(path, info).message();
+  ASSERT_GT(damage.size(), sizeof result.damage);
+  EXPECT_EQ(std::string(result.damage).size(), sizeof result.damage - 1);
+  EXPECT_TRUE(damage.ends_with(std::string(result.damage).substr(sizeof result.damage / 2 + 5)))
+      << result.damage;
+}
+
 /// A hand of each side over the ball, for a few ticks.
 void record_two_hands(const std::string& path) {
   const Scene scene = ball_scene();

@@ -51,6 +51,10 @@ void take_input(const DeviceFrame& frame, std::span<const ObjectFrame> given, Ti
 /// left. The stages have hashes where Scratch::hash_stages was on.
 void take_results(const State& after, const Scratch& scratch, TickRecord& record);
 
+/// Refuses to record from amid a session on: a replay begins with the model's first state. `start` is the
+/// session's own, which of a part of a recording is what the tick before the part left.
+Status check_recording_start(const Model& model, const State& start, const State& state);
+
 enum class Compression : std::uint8_t { none, lz4, zstd };
 
 struct RecorderOptions {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstring>
 #include <exception>
 #include <new>
 #include <string_view>
@@ -15,20 +14,23 @@ namespace {
 constexpr std::size_t kRoom = 1024;
 thread_local char last_message[kRoom] = "";
 
-// Where there is no room for all: a text begins with the place, which may be long, and ends with the remedy.
-void put_end(const char* text) {
-  constexpr std::string_view kGap = " ... ";
-  char* const middle = last_message + kRoom / 2;
-  char* const end = std::copy(kGap.begin(), kGap.end(), middle);
-  const std::size_t left = kRoom / 2 - kGap.size() - 1;
-  std::strcpy(end, text + std::strlen(text) - left);
-}
-
 }  // namespace
 
+void copy_text(std::string_view text, std::span<char> out) noexcept {
+  constexpr std::string_view kGap = " ... ";
+  const std::size_t room = out.size() - 1;
+  auto end = out.begin();
+  if (text.size() > room) {
+    end = std::copy_n(text.begin(), room / 2 - kGap.size(), end);
+    end = std::copy(kGap.begin(), kGap.end(), end);
+    text.remove_prefix(text.size() - (room - room / 2));
+  }
+  *std::copy(text.begin(), text.end(), end) = '\0';
+}
+
 int tell(const char* function, int status, const char* text) noexcept {
-  const int length = std::snprintf(last_message, kRoom, "%s: %s", function, text);
-  if (length >= static_cast<int>(kRoom)) put_end(text);
+  const int begun = std::snprintf(last_message, kRoom, "%s: ", function);
+  copy_text(text, std::span(last_message).subspan(static_cast<std::size_t>(begun)));
   return status;
 }
 

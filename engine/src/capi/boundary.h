@@ -4,7 +4,9 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -29,6 +31,10 @@ struct [[nodiscard]] Fault {
 };
 
 inline Fault bad_argument(std::string text) { return {LUMBRICAL_BAD_ARGUMENT, std::move(text)}; }
+
+/// With a 0 behind it. Where there is no room for all its middle is left out: a text begins with the place,
+/// which may be long, and ends with the remedy.
+void copy_text(std::string_view text, std::span<char> out) noexcept;
 
 /// Keeps the text for lumbrical_message and gives the status back.
 int tell(const char* function, int status, const char* text) noexcept;

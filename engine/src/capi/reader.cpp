@@ -1,5 +1,4 @@
 // lumbrical.h: recordings, read and replayed.
-#include <cstdio>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,11 +12,6 @@ using namespace lumbrical;
 using namespace lumbrical::capi;
 
 namespace {
-
-template <std::size_t kSize>
-void copy_text(const std::string& text, char (&out)[kSize]) {
-  std::snprintf(out, kSize, "%s", text.c_str());
-}
 
 std::string text_or_empty(const char* text) { return text == nullptr ? "" : text; }
 

@@ -210,8 +210,8 @@ int lumbrical_session_record(lumbrical_session* session, const char* path,
     }
     if (session->recorder) return bad_argument("the session is recorded already");
     const Model& model = session->built->model;
-    if (hash_state(session->state) != hash_state(make_state(model)))
-      return bad_argument("a recording begins with a session's first tick; make a new session");
+    const Status first = check_recording_start(model, session->built->start, session->state);
+    if (!first.ok()) return {first, LUMBRICAL_BAD_ARGUMENT};
     auto recorder = std::make_unique<Recorder>();
     if (Fault fault = recorder->open(path, scene_of(model), how)) return fault;
     session->recorder = std::move(recorder);

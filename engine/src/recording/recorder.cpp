@@ -477,6 +477,17 @@ void Recorder::discard() {
   writer_.reset();
 }
 
+Status check_recording_start(const Model& model, const State& start, const State& state) {
+  const std::uint64_t first = hash_state(make_state(model));
+  if (hash_state(start) != first)
+    return Status::error(
+        "a recording begins with a session's first tick, and this one goes on from a part of a "
+        "recording; begin with the whole recording");
+  if (hash_state(state) != first)
+    return Status::error("a recording begins with a session's first tick; make a new session");
+  return {};
+}
+
 Status session_message(const Scene& scene, std::vector<std::uint8_t>& bytes,
                        const std::optional<Hand>& second) {
   return encode_session(scene, bytes, second);
