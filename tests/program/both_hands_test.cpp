@@ -97,6 +97,23 @@ TEST(BothHands, AreComparedNameTheHandThatDiffers) {
   EXPECT_EQ(diff.output.find("The left hand:"), 0u) << diff.output;
 }
 
+// A cup that the right hand, which comes first, does not reach.
+TEST(BothHands, AreIdenticalOnlyWhereEachIsAndTicksAreThoseOfBoth) {
+  const fs::path folder = folder_with_both();
+  nlohmann::json scene = nlohmann::json::parse(read_file(folder / "scene.json"));
+  scene["objects"][0]["position"] = {-0.03, 0, 0};
+  std::ofstream(folder / "moved.json") << scene;
+  ASSERT_EQ(lumbrical("run moved.json --ticks 600 --record a.mcap", folder).exit_code, 0);
+  const nlohmann::json what_if = lumbrical("replay a.mcap --stiffness 1e7 --json", folder).json();
+  EXPECT_EQ(what_if["hands"][0]["identical"], true);
+  EXPECT_EQ(what_if["hands"][1]["identical"], false);
+  EXPECT_EQ(what_if["identical"], false);
+  EXPECT_EQ(what_if["first_divergence"], what_if["hands"][1]["first_divergence"]);
+  EXPECT_EQ(what_if["ticks"], 600 + what_if["hands"][1]["ticks"].get<int>());
+  EXPECT_EQ(lumbrical("replay a.mcap --json", folder).json()["ticks"], 1200);
+  EXPECT_EQ(lumbrical("diff a.mcap a.mcap --json", folder).json()["ticks"], 1200);
+}
+
 TEST(BothHands, WhatIsNotSupportedIsRefusedWithAWayOut) {
   const fs::path folder = folder_with_both();
   std::ofstream(folder / "grasp.json") << R"({"objects": [{"sphere": {}}], "motion": {"grasp": {}}})";

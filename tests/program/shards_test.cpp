@@ -140,6 +140,13 @@ TEST(Shards, MergedCountAllTicksThatAWhatIfRan) {
   EXPECT_EQ(shell("lumbrical merge-results results", folder).json()["ticks"], 50);
 }
 
+TEST(Shards, MergedCountTheTicksOfBothHands) {
+  const fs::path folder = fresh_folder();
+  std::ofstream(folder / "results") << R"({"recording": "a", "identical": false, "ticks": 3, "hands": [)"
+                                    << R"({"ticks": 7}, {"ticks": 3, "what_if": {"ticks": 50}}]})" << '\n';
+  EXPECT_EQ(shell("lumbrical merge-results results", folder).json()["ticks"], 57);
+}
+
 TEST(Shards, AnswerForTheWholeShareHoweverOftenTheyAreRun) {
   const fs::path folder = folder_with_demo();
   std::ofstream(folder / "list") << "gone.mcap\n";

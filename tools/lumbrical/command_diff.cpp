@@ -26,7 +26,10 @@ int diff(const DiffOptions& options) {
   ReplayResult result;
   std::string side;  // of two hands, whose ticks differ
   for (std::size_t hand = 0; hand < a.size() && !result.first_divergence; ++hand) {
-    if (Status status = diff_recordings(a[hand], b[hand], result); !status.ok()) return fail(status);
+    ReplayResult one;
+    if (Status status = diff_recordings(a[hand], b[hand], one); !status.ok()) return fail(status);
+    one.ticks += result.ticks;
+    result = std::move(one);
     if (a.size() > 1 && result.first_divergence) side = side_name(a[hand].scene().hand.side);
   }
   Json json = divergence_json(result);

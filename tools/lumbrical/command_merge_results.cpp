@@ -42,8 +42,13 @@ std::vector<std::string> missing_of(const std::vector<std::string>& list, const 
   return missing;
 }
 
-// A what-if goes on where the comparison of bits has ended, at the first difference.
+// Of all hands. A what-if goes on where the comparison of bits has ended, at the first difference.
 std::uint64_t ticks_of(const Json& result) {
+  if (result.contains("hands") && !result.contains("scene")) {
+    std::uint64_t ticks = 0;
+    for (const Json& hand : result["hands"]) ticks += ticks_of(hand);
+    return ticks;
+  }
   const Json& of =
       result.contains("what_if") && result["what_if"].contains("ticks") ? result["what_if"] : result;
   return of.value("ticks", std::uint64_t{0});

@@ -134,7 +134,8 @@ Status replay_hand(RecordingReader& reader, const std::string& path, const Repla
   return {};
 }
 
-// Of two hands both, one after the other: what each gave, and the first difference of either.
+// Of two hands both, one after the other: the ticks of both, the first difference of either, and what each
+// gave.
 Status replay_one(const std::string& path, const ReplaySwitches& switches, const ReplayOptions& options,
                   Replayed& replayed) {
   std::vector<RecordingReader> readers;
@@ -144,17 +145,21 @@ Status replay_one(const std::string& path, const ReplaySwitches& switches, const
     return Status::error(path + ": holds two hands, and " +
                          (switches.trace.empty() ? "--record" : "--trace") +
                          " takes one; choose it by --side");
+  std::uint64_t ticks = 0;
   for (RecordingReader& reader : readers) {
     Replayed one;
     if (Status status = replay_hand(reader, path, switches, options, one); !status.ok()) return status;
     const std::string side(side_name(reader.scene().hand.side));
     replayed.text += (replayed.text.empty() ? "" : "\n") + ("The " + side + " hand:\n") + one.text;
-    if (replayed.json.is_null() || (one.diverged && !replayed.diverged)) replayed.json = one.json;
+    ticks += one.json["ticks"].get<std::uint64_t>();
+    if (replayed.json.is_null() || (replayed.json["identical"] && !one.json["identical"]))
+      replayed.json = one.json;
     replayed.diverged |= one.diverged;
     replayed.damaged |= one.damaged;
     one.json["side"] = side;
     replayed.hands.push_back(std::move(one.json));
   }
+  replayed.json["ticks"] = ticks;
   replayed.json["hands"] = std::move(replayed.hands);
   return {};
 }
