@@ -137,5 +137,24 @@ TEST_P(ReplayTrace, TracesTheSameTextHoweverItIsComputed) {
   EXPECT_NE(status.message().find("nothing was traced"), std::string::npos) << status.message();
 }
 
+// All that this machine computes there; what was recorded is compared up to the difference.
+TEST_P(ReplayTrace, TracesATickBehindTheFirstDifferenceToo) {
+  ReplayOptions options;
+  options.stiffness = 3e7;
+  ReplayResult result;
+  ASSERT_TRUE(replay_file(path_, result, options).ok());
+  ASSERT_TRUE(result.first_divergence.has_value());
+  const std::uint64_t parted = result.first_divergence->tick;
+  options.trace = temporary_path("later.txt");
+  options.trace_tick = parted + 20;
+  ASSERT_TRUE(replay_file(path_, result, options).ok());
+  ASSERT_TRUE(result.first_divergence.has_value());
+  EXPECT_EQ(result.first_divergence->tick, parted);
+  EXPECT_EQ(result.ticks, parted + 1);
+  const std::string text = without_comments(options.trace), tick = std::to_string(parted + 20);
+  for (const char* const part : {" input base.position.x ", " limits flags ", " state tick "})
+    EXPECT_NE(text.find(tick + part), std::string::npos) << part;
+}
+
 }  // namespace
 }  // namespace lumbrical::test

@@ -97,40 +97,60 @@ struct Run {
   Model model;
   State state;
   Scratch scratch;
-  bool traced = false;
+  bool traced = false, has_altered_input = false;
 
   Status tick_of(const TickRecord& recorded);
+  Status compare(const TickRecord& recorded, const TickRecord& replayed, const State& before,
+                 const TickRun& run);
+  Status trace(const TickRun& run);
+  [[nodiscard]] bool awaits_trace() const { return !options.trace.empty() && options.trace_tick && !traced; }
 };
 
-// Compares one tick; what differs is named in the result, and traced where that was asked for.
+// What differs is named in the result.
+Status Run::compare(const TickRecord& recorded, const TickRecord& replayed, const State& before,
+                    const TickRun& run) {
+  result.first_divergence = compare_results(recorded, replayed);
+  if (!result.first_divergence) return {};
+  return name_difference(reader.scene(), before, recorded, run, *result.first_divergence);
+}
+
+Status Run::trace(const TickRun& run) {
+  const bool is_asked_for = options.trace_tick.has_value();
+  const bool wanted =
+      is_asked_for ? *options.trace_tick == run.output.tick : result.first_divergence.has_value();
+  if (options.trace.empty() || !wanted) return {};
+  traced = true;
+  const std::string stage = options.trace_stage ? std::string(stage_name(*options.trace_stage))
+                            : is_asked_for      ? std::string()
+                                                : result.first_divergence->stage;
+  return write_trace(options.trace, run, stage);
+}
+
+// Compares one tick, unless an earlier one has differed, and traces it where that was asked for.
 Status Run::tick_of(const TickRecord& recorded) {
   // An altered input is named as such, before its consequences: a changed tick number, for one, looks like
   // a gap.
-  std::optional<Divergence>& divergence = result.first_divergence;
-  divergence = reader.altered_input();
-  if (divergence) return {};
+  const bool compares = !result.first_divergence;
+  if (compares) {
+    ++result.ticks;
+    result.first_divergence = reader.altered_input();
+    has_altered_input = result.first_divergence.has_value();
+    if (has_altered_input) return {};
+  }
   if (recorded.output.tick != state.tick) return missing_tick(reader, state.tick, recorded.output.tick);
   const State before = state;
   TickRecord replayed;
   take_input(recorded.device, given_of(recorded), replayed);
   const auto start = std::chrono::steady_clock::now();
   run_tick(model, state, scratch, replayed);
-  result.replayed_time += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  result.recorded_time += 1e-9 * recorded.duration_ns;
-  divergence = compare_results(recorded, replayed);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const TickRun run{model.execution, state, scratch, replayed.device, given_of(replayed), replayed.output};
-  if (divergence)
-    if (Status status = name_difference(reader.scene(), before, recorded, run, *divergence); !status.ok())
-      return status;
-  const bool wanted =
-      options.trace_tick ? *options.trace_tick == recorded.output.tick : divergence.has_value();
-  if (options.trace.empty() || !wanted) return {};
-  traced = true;
-  const bool whole = options.trace_tick.has_value();
-  const std::string stage = options.trace_stage ? std::string(stage_name(*options.trace_stage))
-                            : whole             ? std::string()
-                                                : divergence->stage;
-  return write_trace(options.trace, run, stage);
+  if (compares) {
+    result.replayed_time += seconds;
+    result.recorded_time += 1e-9 * recorded.duration_ns;
+    if (Status status = compare(recorded, replayed, before, run); !status.ok()) return status;
+  }
+  return trace(run);
 }
 
 Status replay_ticks(RecordingReader& reader, const ReplayOptions& options, ReplayResult& result) {
@@ -148,27 +168,26 @@ Status replay_ticks(RecordingReader& reader, const ReplayOptions& options, Repla
   run.state = reader.initial_state(run.model);
   run.scratch = make_scratch(run.model);
   TickRecord recorded;
-  for (;;) {
+  while (!result.first_divergence || (run.awaits_trace() && !run.has_altered_input)) {
     bool end = false;
     if (status = reader.next(recorded, end); !status.ok()) return status;
     if (end) break;
-    ++result.ticks;
     if (status = run.tick_of(recorded); !status.ok()) return status;
-    if (result.first_divergence) {
-      name_builds(reader, *result.first_divergence);
-      return {};
-    }
     if (options.progress && result.ticks % kProgressInterval == 0)
       options.progress(result.ticks, reader.info().ticks);
   }
-  if (result.ticks != reader.info().ticks)
+  if (result.first_divergence) {
+    name_builds(reader, *result.first_divergence);
+  } else if (result.ticks != reader.info().ticks) {
     return broken(reader, "the recording declares " + std::to_string(reader.info().ticks) +
                               " ticks but holds " + std::to_string(result.ticks) +
                               "; the file is damaged, run recover");
-  if (!options.trace.empty() && options.trace_tick && !run.traced)
-    return broken(reader,
-                  "tick " + std::to_string(*options.trace_tick) + " is not in it; nothing was traced");
-  return {};
+  }
+  if (!run.awaits_trace()) return {};
+  return broken(reader,
+                "tick " + std::to_string(*options.trace_tick) +
+                    (run.has_altered_input ? " comes after one whose input was altered" : " is not in it") +
+                    "; nothing was traced");
 }
 
 // Ticks that come out as recorded say nothing about the rest of the file.
