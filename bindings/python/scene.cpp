@@ -157,12 +157,13 @@ void fit_hand_to(PyScene& self, const py::object& given, const py::object& radii
 py::array motion_frames(const PyScene& self) {
   if (self.motion.samples.empty()) throw py::value_error("the scene has no motion; only one from a file has");
   const double rate = self.scene.settings.rate;
-  std::vector<DeviceFrame> frames;
-  const auto count = static_cast<std::size_t>(self.seconds * rate);
-  const bool still = self.motion.samples.size() == 1;
-  for (std::size_t i = 0; i < std::max<std::size_t>(count, 1); ++i)
-    frames.push_back(
-        resample(self.motion, still ? self.motion.samples[0].time : static_cast<double>(i) / rate));
+  if (!(rate >= 1 && rate <= 100000)) throw py::value_error("rate is out of range: give 1 to 100000 Hz");
+  std::vector<DeviceFrame> frames(tick_count(self.seconds, rate));
+  {
+    const py::gil_scoped_release release;
+    for (std::size_t i = 0; i < frames.size(); ++i)
+      frames[i] = resample(self.motion, static_cast<double>(i) / rate);
+  }
   return array_of(std::move(frames));
 }
 

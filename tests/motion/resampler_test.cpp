@@ -259,6 +259,14 @@ TEST(Duration, IsThatOfTheSamples) {
   EXPECT_EQ(duration(two_samples(0.25)), 0.25);
 }
 
+TEST(Duration, HasTheTicksThatBeginBeforeItsEnd) {
+  EXPECT_EQ(tick_count(2.01, 1000), 2010u) << "which is 2009.9999999999998 ticks";
+  EXPECT_EQ(tick_count(0.0105, 1000), 11u);
+  EXPECT_EQ(tick_count(0, 1000), 1u);
+  for (std::uint64_t ticks = 1; ticks < 5000; ++ticks)
+    EXPECT_EQ(tick_count(static_cast<double>(ticks) / 300, 300), ticks);
+}
+
 TEST(PlaceMotion, ScalesTheJointsAndThenMovesTheBase) {
   Motion motion = two_samples(0.02);
   motion.radius[kIndexTip] = 0.006;

@@ -180,8 +180,7 @@ Status open_session(const RunOptions& options, Session& session) {
   if (!status.ok()) return Status::error(options.scene + ": " + status.message());
   hands.push_back({models[0], scene_file.motion});
   if (scene_file.second) hands.push_back({models[1], scene_file.second->motion});
-  const double planned = std::ceil(scene_file.seconds * models[0].settings.rate - 1e-6);
-  ticks = options.ticks.value_or(static_cast<std::uint64_t>(std::max(planned, 1.0)));
+  ticks = options.ticks.value_or(tick_count(scene_file.seconds, models[0].settings.rate));
   return {};
 }
 

@@ -179,7 +179,7 @@ Status compare_precision(const Scene& scene, const Execution& execution, const M
     if (Status status = make_rung(scene, settings, execution, rungs[i]); !status.ok()) return status;
   }
   const double rate = scene.settings.rate;
-  const auto ticks = static_cast<std::uint64_t>(std::max(1.0, seconds * rate));
+  const std::uint64_t ticks = tick_count(seconds, rate);
   if (remembers(rungs[0].model)) {
     Rung session;
     if (Status status = make_rung(scene, without_limits(scene.settings), execution, session); !status.ok())

@@ -61,7 +61,6 @@ void add_evaluations(const TickRecord& record, RunStatistics& statistics) {
 // What a hand carries from tick to tick.
 struct MovingHand {
   const SessionHand& hand;
-  bool still;  // a single pose is held for the whole session
   State state;
   Scratch scratch;
   TickRecord record;
@@ -70,8 +69,8 @@ struct MovingHand {
 std::vector<MovingHand> moving(const std::vector<SessionHand>& hands, bool recorded) {
   std::vector<MovingHand> result;
   for (const SessionHand& hand : hands) {
-    MovingHand& added = result.emplace_back(MovingHand{
-        hand, hand.motion.samples.size() == 1, make_state(hand.model), make_scratch(hand.model), {}});
+    MovingHand& added =
+        result.emplace_back(MovingHand{hand, make_state(hand.model), make_scratch(hand.model), {}});
     added.scratch.hash_stages = recorded;
     added.record.hand = static_cast<std::uint8_t>(result.size() - 1);
   }
@@ -81,11 +80,6 @@ std::vector<MovingHand> moving(const std::vector<SessionHand>& hands, bool recor
 std::span<const ObjectFrame> given_to(const SessionParts& parts) {
   if (parts.given == nullptr) return {};
   return parts.given->frames;
-}
-
-DeviceFrame frame_at(double time, const MovingHand& moving) {
-  const Motion& motion = moving.hand.motion;
-  return resample(motion, moving.still ? motion.samples[0].time : time);
 }
 
 // One tick of one hand, its time included.
@@ -102,7 +96,8 @@ void tick_hand(const DeviceFrame& frame, const SessionParts& parts, WorldPager& 
 // One tick of each hand, that of the device in a step of its loop. False: the session shall end.
 bool tick_hands(double time, const SessionParts& parts, WorldPager& pager, std::vector<MovingHand>& all) {
   const auto tick_others = [&](std::size_t from, std::size_t end) {
-    for (std::size_t i = from; i < end; ++i) tick_hand(frame_at(time, all[i]), parts, pager, all[i]);
+    for (std::size_t i = from; i < end; ++i)
+      tick_hand(resample(all[i].hand.motion, time), parts, pager, all[i]);
   };
   if (parts.device == nullptr) {
     tick_others(0, all.size());
@@ -117,7 +112,7 @@ bool tick_hands(double time, const SessionParts& parts, WorldPager& pager, std::
     return !pager.changed();
   };
   LoopStep step;
-  step.frame = frame_at(time, driven);
+  step.frame = resample(driven.hand.motion, time);
   const bool goes_on = parts.device->loop().step(driven.hand.model, driven.scratch, feel, step);
   parts.device->note(step);
   driven.record.sent_count = step.sent_count;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -111,12 +112,17 @@ struct ResamplerOptions {
 /// speed is continuous), orientations the normalised linear blend along the shorter arc; a joint is valid
 /// where both neighbours have it, and flags are those of both, with kTrackingLost where the two are more than
 /// max_gap apart. Before the first and after the last sample the nearest is held: kExtrapolated, and
-/// kTrackingLost beyond max_gap or where `time` is not a number. A pure function of its arguments: the same
-/// bits everywhere. `motion` must have at least one sample.
+/// kTrackingLost beyond max_gap or where `time` is not a number; but a single sample, a still pose, is that
+/// sample at any time. A pure function of its arguments: the same bits everywhere. `motion` must have at
+/// least one sample.
 DeviceFrame resample(const Motion& motion, double time, const ResamplerOptions& options = {});
 
 /// Duration of the samples [s].
 double duration(const Motion& motion);
+
+/// Of a session of `seconds`, `rate` a second: those that begin before its end, but for rounding, and at
+/// least one.
+std::uint64_t tick_count(double seconds, double rate);
 
 /// The demo's motion in joint angles at 100 Hz: a minimum-jerk reach from the -x side, grasp, stroke up and
 /// down with changing squeeze, release and withdrawal, round an upright object of `radius` [m] standing on z

@@ -182,6 +182,10 @@ Pose resample(const ObjectPath& path, double time) {
   return at.fraction == 0 ? at.left->pose : blend_pose(at);
 }
 
+std::uint64_t tick_count(double seconds, double rate) {
+  return static_cast<std::uint64_t>(max(1, std::ceil(seconds * rate - 1e-6)));
+}
+
 double duration(const Motion& motion) {
   return motion.samples.empty() ? 0 : motion.samples.back().time - motion.samples.front().time;
 }
