@@ -95,6 +95,12 @@ inline py::str text_of(const std::string& bytes) {
   return py::reinterpret_steal<py::str>(made);
 }
 
+/// The path of a file to read. "-" is none: standard input is the program's own.
+inline const std::string& file_of(const Path& path) {
+  if (path.text == "-") throw py::value_error("nothing is read from standard input here; give a path");
+  return path.text;
+}
+
 /// Throws ValueError with the message.
 [[noreturn]] inline void refuse(const std::string& message) {
   PyErr_SetObject(PyExc_ValueError, text_of(message).ptr());

@@ -348,11 +348,12 @@ void bind_meshes(py::module_& module) {
       "load_mesh",
       [](const Path& path, const std::string& unit) {
         const Unit which = parsed(parse_unit(unit), unit, "unit: give m, cm or mm");
+        const std::string& name = file_of(path);
         Mesh mesh;
         Status status;
         {
           const py::gil_scoped_release release;
-          status = load_mesh(path.text, which, mesh);
+          status = load_mesh(name, which, mesh);
         }
         check(status);
         return arrays_of(std::move(mesh));

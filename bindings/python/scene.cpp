@@ -21,11 +21,12 @@ std::unique_ptr<PyScene> new_scene(const std::string& side, double hand_length) 
 }
 
 std::unique_ptr<PyScene> load(const Path& path) {
+  const std::string& name = file_of(path);
   SceneFile file;
   Status status;
   {
     const py::gil_scoped_release release;
-    status = load_scene_file(path.text, file);
+    status = load_scene_file(name, file);
     if (status.ok()) status = check_plain(file);
   }
   check(status);
@@ -188,7 +189,13 @@ std::shared_ptr<PyModel> build(const PyScene& self, std::optional<std::uint32_t>
 
 std::shared_ptr<PyModel> share(const PyModel& world, const PyScene& scene) {
   auto built = std::make_shared<PyModel>();
-  check(share_world(world.model, scene.scene.hand, built->model));
+  const Hand hand = scene.scene.hand;  // nobody changes it meanwhile
+  Status status;
+  {
+    const py::gil_scoped_release release;
+    status = share_world(world.model, hand, built->model);
+  }
+  check(status);
   built->start = make_state(built->model);
   return built;
 }

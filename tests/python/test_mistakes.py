@@ -240,6 +240,20 @@ def test_questions_before_the_first_tick_are_refused(session):
             ask()
 
 
+def test_nothing_is_read_from_standard_input():
+    for read in (lum.Scene.load, lambda path: lum.load_mesh(path, "m")):
+        with pytest.raises(ValueError, match="standard input"):
+            read("-")
+
+
+@pytest.mark.parametrize("rate", [float("inf"), float("nan"), -1.0, 1e9])
+def test_frames_at_a_rate_out_of_range_are_refused(rate):
+    scene = lum.Scene.load(os.path.join(os.environ["LUMBRICAL_SOURCE_DIR"], "examples/demo.json"))
+    scene.rate = rate
+    with pytest.raises(ValueError, match="rate is out of range"):
+        scene.frames()
+
+
 def test_a_recording_begins_with_the_first_tick(tmp_path, session):
     session.run(touching_frames(3))
     with pytest.raises(RuntimeError, match="first tick"):
