@@ -50,6 +50,12 @@ TEST(CommandLine, MistakesInItExitWith2AndNameTheSwitch) {
       {"run '" + kDemo + "' --isa avx3", "--isa"},
       {"run '" + kDemo + "' --sink tcp://there", "--sink"},
       {"run '" + kDemo + "' --sideways", "--sideways"},
+      {"run '" + kDemo + "' --motion ''", "--motion"},
+      {"replay a.mcap --world ''", "--world"},
+      {"replay a.mcap --trace ''", "--trace"},
+      {"replay --list ''", "--list"},
+      {"trim a.mcap -o b.mcap --world ''", "--world"},
+      {"merge-results r.jsonl --list ''", "--list"},
   };
   for (const auto& [arguments, named] : mistakes) {
     const Outcome outcome = shell("lumbrical " + arguments, folder);

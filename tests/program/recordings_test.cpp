@@ -360,6 +360,11 @@ TEST(CommandLine, ReplayTracesAndWeighsAChange) {
   EXPECT_NE(read_file((folder / "t.txt").string()).find(" contact_force segment"), std::string::npos);
   EXPECT_EQ(shell("lumbrical replay a.mcap --mesh bowl=x.obj", folder).exit_code, 2);
   EXPECT_EQ(shell("lumbrical replay a.mcap --mesh x.obj", folder).exit_code, 2);
+  for (const char* const value : {"replay --mesh bowl=x.obj a.mcap", "export --columns force a.mcap -o -",
+                                  "export --segments palm a.mcap -o -"}) {
+    const Outcome behind = shell(std::string("lumbrical ") + value, folder);
+    EXPECT_EQ(behind.error.find("recording"), std::string::npos) << "is behind the value: " << behind.error;
+  }
 }
 
 TEST(CommandLine, WhatIfIsKeptAsARecordingOfItsOwn) {

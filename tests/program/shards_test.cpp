@@ -90,7 +90,7 @@ TEST(Shards, ShareOutAListEachEntryOnceAndGoOnWhereTheyEnded) {
 
 TEST(Shards, SayWhatIsWrongWithThem) {
   const fs::path folder = folder_with_demo();
-  for (const char* const shard : {"0/3", "4/3", "1", "1/", "/3", "a/b", "1/3x"}) {
+  for (const char* const shard : {"0/3", "4/3", "1", "1/", "/3", "a/b", "1/3x", "''"}) {
     const Outcome wrong = shell("lumbrical replay a.mcap --shard " + std::string(shard), folder);
     EXPECT_EQ(wrong.exit_code, 2) << shard;
     EXPECT_NE(wrong.error.find("--shard"), std::string::npos) << wrong.error;

@@ -164,7 +164,7 @@ Option* add_recordings(Command* command, const std::shared_ptr<CopySwitches>& sw
 }
 
 void add_world(Command* command, const std::shared_ptr<CopySwitches>& switches) {
-  command->add_option("--world", switches->world, kWorldHelp)->type_name("FILE");
+  command->add_option("--world", switches->world, kWorldHelp)->check(is_path())->type_name("FILE");
 }
 
 }  // namespace

@@ -86,12 +86,13 @@ Option* Option::expected(int count) {
 }
 
 Option* Option::repeatable() {
-  option_->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  option_->expected(1)->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   return this;
 }
 
 Option* Option::list() {
-  option_->expected(1)->delimiter(',')->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  repeatable();
+  option_->delimiter(',');
   return this;
 }
 

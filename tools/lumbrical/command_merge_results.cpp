@@ -99,6 +99,7 @@ void add_merge_results(Command& app, int& exit_code) {
       ->required()
       ->type_name("RESULTS.jsonl");
   command->add_option("--list", switches->list, "The list that the shards are of, to tell what is missing")
+      ->check(is_path())
       ->type_name("LIST");
   command
       ->add_option(

@@ -272,6 +272,7 @@ void add_replay(Command& app, int& exit_code) {
       ->check(is_precision());
   command->add_option("--stiffness", switches->stiffness, "What if: K_s [N/m^3]")->check(is_stiffness());
   command->add_option("--mesh", switches->meshes, "What if: another mesh, placed in the world, for an object")
+      ->repeatable()
       ->type_name("NAME=FILE");
   command->add_option("--unit", switches->unit, "Of the meshes' numbers")
       ->check(is_unit())
@@ -288,7 +289,7 @@ void add_replay(Command& app, int& exit_code) {
       ->check(is_broadphase());
   command->add_option("--side", switches->side, "Only this hand, of a session of two")
       ->check(one_of({"left", "right"}));
-  command->add_option("--world", switches->world, kWorldHelp)->type_name("FILE");
+  command->add_option("--world", switches->world, kWorldHelp)->check(is_path())->type_name("FILE");
   command->add_option("--voxel-cache", switches->voxel_cache, kVoxelCacheHelp)->type_name("FOLDER");
   command->add_option("--isa", switches->isa, "Instruction set; never changes a result")->check(is_isa());
   command
@@ -299,6 +300,7 @@ void add_replay(Command& app, int& exit_code) {
   command
       ->add_option("--trace", switches->trace,
                    "Write all intermediate values of the first tick and stage that differ, as text")
+      ->check(is_path())
       ->type_name("FILE|-");
   command->add_option("--trace-tick", switches->trace_tick, "Of this tick instead, whether it differs or not")
       ->check(whole_number_in(0, kLatestTick))

@@ -260,6 +260,7 @@ int run(const RunOptions& options) {
 void add_scene_switches(RunOptions& options, Command& command) {
   command.add_option("scene", options.scene, "Scene file (JSON, see schemas/scene.fbs)");
   command.add_option("--motion", options.motion, "Hand motion in the place of the scene's")
+      ->check(is_path())
       ->type_name("FILE");
   command.add_option("--motion-rate", options.motion_rate, "Of motion files without time stamps [Hz]")
       ->check(number_in(1e-3, 1e6));

@@ -52,7 +52,7 @@ inline Check whole_number_in(std::uint64_t low, std::uint64_t high) {
 /// Of ticks that a switch names: far beyond any session, and exact as a double.
 inline constexpr std::uint64_t kLatestTick = 1000000000000;
 
-/// The name of a file to write: an empty one, as of a variable that is not set, must not pass for none.
+/// The name of a file: an empty one, as of a variable that is not set, must not pass for none.
 inline Check is_path() {
   return {[](std::string& text) -> std::string { return text.empty() ? "is empty; name a file" : ""; },
           "FILE"};

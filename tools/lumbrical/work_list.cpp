@@ -28,6 +28,15 @@ bool parse_shard(const std::string& text, Shard& shard) {
          shard.count <= 1000000;
 }
 
+Check is_shard() {
+  return {[](std::string& text) -> std::string {
+            Shard shard;
+            if (parse_shard(text, shard)) return {};
+            return "\"" + text + "\" is not I/N with 1 <= I <= N, 3/100 say";
+          },
+          "I/N"};
+}
+
 // Results could not keep them apart.
 Status check_told_apart(const std::vector<std::string>& entries) {
   std::map<std::string, std::string> named;
@@ -55,7 +64,7 @@ void add_work_switches(const std::string& entry, const std::string& beside, Work
       ->check(is_path())
       ->type_name("LIST|-");
   command.add_option("--shard", switches.shard, "Of all these only the Ith, I+Nth, ...: for many machines")
-      ->type_name("I/N");
+      ->check(is_shard());
   command
       .add_option("--results", switches.results,
                   "Write a line of JSON per " + entry + ", and leave out those that have one there already")
@@ -81,8 +90,7 @@ Status choose_entries(const WorkSwitches& switches, std::vector<std::string>& en
     if (Status status = read_list(switches.list, entries); !status.ok()) return status;
   if (Status status = check_told_apart(entries); !status.ok()) return status;
   Shard shard;
-  if (!switches.shard.empty() && !parse_shard(switches.shard, shard))
-    return Status::error("--shard: \"" + switches.shard + "\" is not I/N with 1 <= I <= N, 3/100 say");
+  if (!switches.shard.empty()) parse_shard(switches.shard, shard);
   entries = share_of(entries, shard);
   return {};
 }
