@@ -113,13 +113,36 @@ TEST_F(Device, OfTwoHandsTheOneThatItDroveHasTheHistory) {
 
 TEST_F(Device, EventsAreExportedOneALine) {
   const std::string csv = temporary_path("events.csv"), json = temporary_path("events.json");
-  ASSERT_TRUE(export_device_events({&reader_, 1}, ExportFormat::csv, csv).ok());
+  ASSERT_TRUE(export_device_events({&reader_, 1}, {}, csv).ok());
   const std::string text = read_file(csv);
   EXPECT_EQ(text.find("tick,time [s],kind,text\n0,0,state,\"idle\"\n"), 0u) << text;
   EXPECT_NE(text.find("\n6,0.006,commands,\"command 7 not acknowledged\"\n"), std::string::npos) << text;
-  ASSERT_TRUE(export_device_events({&reader_, 1}, ExportFormat::json, json).ok());
+  ExportOptions as_json;
+  as_json.format = ExportFormat::json;
+  ASSERT_TRUE(export_device_events({&reader_, 1}, as_json, json).ok());
   EXPECT_NE(read_file(json).find(R"({"tick":3,"time":0.003,"kind":"state","text":"idle -> armed"})"),
             std::string::npos);
+}
+
+TEST_F(Device, OfEventsTicksCanBeChosenAndNothingElse) {
+  const std::string csv = temporary_path("events.csv");
+  ExportOptions options;
+  options.first = 3;
+  options.last = 5;
+  options.step = 2;
+  ASSERT_TRUE(export_device_events({&reader_, 1}, options, csv).ok());
+  const std::string text = read_file(csv);
+  EXPECT_NE(text.find("\n3,0.003,state,\"idle -> armed\"\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("\n5,0.005,flags,\"command clamped\"\n"), std::string::npos) << text;
+  for (const char* const other : {"\n0,", "\n4,", "\n6,", "\n11,"})
+    EXPECT_EQ(text.find(other), std::string::npos) << other;
+  ExportOptions columns, segments, exact;
+  columns.columns = {"force"};
+  segments.segments = {2};
+  exact.exact = true;
+  for (const ExportOptions& refused : {columns, segments, exact})
+    EXPECT_NE(export_device_events({&reader_, 1}, refused, csv).message().find("of events"),
+              std::string::npos);
 }
 
 }  // namespace

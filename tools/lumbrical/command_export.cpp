@@ -75,7 +75,7 @@ int export_as_table(const ExportSwitches& switches) {
     const Status status = export_views(readers, kind, wanted, switches.output);
     return status.ok() ? kDone : fail(status);
   }
-  const Status status = switches.events ? export_device_events(readers, wanted.format, switches.output)
+  const Status status = switches.events ? export_device_events(readers, wanted, switches.output)
                                         : export_recording(readers, wanted, switches.output);
   return status.ok() ? kDone : fail(status);
 }

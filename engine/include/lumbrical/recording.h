@@ -412,8 +412,9 @@ struct ContactPoint {
 Status export_views(std::span<RecordingReader> readers, MessageKind kind, const ExportOptions& options,
                     const std::string& output);
 
-/// Likewise one line per DeviceEvent: csv (tick, time [s], kind, text) or json. No npz.
-Status export_device_events(std::span<RecordingReader> readers, ExportFormat format,
+/// Likewise one line per DeviceEvent of the chosen ticks: csv (tick, time [s], kind, text) or json. No npz,
+/// and nothing else can be chosen.
+Status export_device_events(std::span<RecordingReader> readers, const ExportOptions& options,
                             const std::string& output);
 
 /// The messages a recording would hold, for whoever passes them on while a session runs. `bytes` is replaced.

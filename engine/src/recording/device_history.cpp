@@ -8,6 +8,7 @@
 
 #include "files/text_output.h"
 #include "lumbrical/recording.h"
+#include "recording/chosen_ticks.h"
 #include "recording/json_line.h"
 #include "recording/record_fields.h"
 
@@ -148,12 +149,14 @@ RecordingReader& driven_hand(std::span<RecordingReader> readers) {
   return readers.back();
 }
 
-Status write_events(std::span<RecordingReader> readers, ExportFormat format, TextOutput& out) {
+Status write_events(std::span<RecordingReader> readers, const ExportOptions& options, TextOutput& out) {
+  const ExportFormat format = options.format;
   if (format == ExportFormat::csv)
     if (Status status = out.line("tick,time [s],kind,text"); !status.ok()) return status;
   DeviceHistory history;
-  return read_device_history(readers, history,
-                             [&](const DeviceEvent& event) { return out.line(event_line(event, format)); });
+  return read_device_history(readers, history, [&](const DeviceEvent& event) {
+    return is_chosen(options, event.tick) ? out.line(event_line(event, format)) : Status();
+  });
 }
 
 }  // namespace
@@ -165,11 +168,15 @@ Status read_device_history(std::span<RecordingReader> readers, DeviceHistory& hi
   return Status::error(readers[0].info().path + ": not enough memory to read the events");
 }
 
-Status export_device_events(std::span<RecordingReader> readers, ExportFormat format,
+Status export_device_events(std::span<RecordingReader> readers, const ExportOptions& options,
                             const std::string& output) try {
-  if (format == ExportFormat::npz)
+  if (options.step == 0) return Status::error("ticks: a step of 0 leads nowhere; 1 is every tick");
+  if (options.format == ExportFormat::npz)
     return Status::error("events are no table of numbers; export them as csv or json");
-  return write_whole<TextOutput>(output, [&](TextOutput& out) { return write_events(readers, format, out); });
+  if (!options.columns.empty() || !options.segments.empty() || options.exact)
+    return Status::error("neither columns nor segments can be chosen of events, nor how exact they are");
+  return write_whole<TextOutput>(output,
+                                 [&](TextOutput& out) { return write_events(readers, options, out); });
 } catch (const std::bad_alloc&) {
   return Status::error(output + ": not enough memory to export the events");
 }
