@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <fstream>
 #include <map>
+#include <new>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 
 #include "scenes.h"
+#include "work_list.h"
 
 namespace lumbrical::test {
 namespace {
@@ -179,6 +182,25 @@ TEST(Shards, SayWhyResultsCannotBeWritten) {
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.error.find("nowhere/r: can't be written: No such file"), std::string::npos)
       << refused.error;
+}
+
+// What the second entry would read is still there.
+TEST(Shards, DoNothingMoreWhereResultsCanNoLongerBeWritten) {
+  const fs::path folder = folder_with_demo();
+  std::ofstream(folder / "list") << "gone.json\n-\n";
+  const Outcome full = shell(
+      "{ (ulimit -f 0; lumbrical run --list list --results r --threads 1 2>&1) | cat >&2; cat; } <demo.json",
+      folder);
+  EXPECT_NE(full.error.find("r: can't be written: File too large"), std::string::npos) << full.error;
+  EXPECT_EQ(full.output, read_file((folder / "demo.json").string()));
+}
+
+TEST(Shards, AnEntryThatTakesMoreMemoryThanThereIsEndsByItself) {
+  const auto none = []() -> Status { throw std::bad_alloc(); };
+  const auto other = []() -> Status { throw std::runtime_error("no such thing"); };
+  EXPECT_EQ(tool::by_itself("a.mcap", none).message(), "a.mcap: there is not enough memory for it");
+  EXPECT_EQ(tool::by_itself("a.mcap", other).message(), "a.mcap: no such thing");
+  EXPECT_TRUE(tool::by_itself("a.mcap", [] { return Status(); }).ok());
 }
 
 TEST(Shards, MergedTakeThePlaceOfResultsOnly) {

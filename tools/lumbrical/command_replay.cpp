@@ -190,7 +190,8 @@ int replay_batch(const ReplaySwitches& switches, const ReplayOptions& options) {
     std::mutex mutex;
     std::uint64_t done = 0;
     run_jobs(paths.size(), jobs_of(switches), [&](std::size_t i) {
-      replayed[i].error = replay_one(paths[i], switches, options, replayed[i]);
+      replayed[i].error =
+          by_itself(paths[i], [&] { return replay_one(paths[i], switches, options, replayed[i]); });
       const std::lock_guard lock(mutex);
       progress.update(++done, paths.size());
     });
@@ -219,7 +220,7 @@ int replay_batch(const ReplaySwitches& switches, const ReplayOptions& options) {
 int replay_share(const ReplaySwitches& switches, const ReplayOptions& options) {
   const auto work = [&](const std::string& path) {
     Replayed one;
-    one.error = replay_one(path, switches, options, one);
+    one.error = by_itself(path, [&] { return replay_one(path, switches, options, one); });
     if (!one.error.ok()) one.json = {{"recording", path}, {"error", one.error.message()}};
     return WorkResult{std::move(one.json), one.diverged, !one.error.ok() || one.damaged};
   };

@@ -319,7 +319,7 @@ int run_list(RunOptions options) {
   options.threads = 1;
   const auto work = [&options](const std::string& line) {
     Json json = {{"scene", line}};
-    const Status status = run_line(line, options, json);
+    const Status status = by_itself(line, [&] { return run_line(line, options, json); });
     if (!status.ok()) json["error"] = status.message();
     return WorkResult{std::move(json), false, !status.ok()};
   };

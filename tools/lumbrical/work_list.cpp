@@ -113,7 +113,12 @@ Status work_through(const std::vector<std::string>& entries, const std::string& 
   Progress progress(doing);
   std::mutex mutex;
   Status written;
+  const auto can_be_kept = [&] {
+    const std::lock_guard lock(mutex);
+    return written.ok();
+  };
   run_jobs(left.size(), jobs, [&](std::size_t i) {
+    if (!can_be_kept()) return;
     const WorkResult result = work(left[i]);
     Status status = lines.add(result.json);
     const std::lock_guard lock(mutex);

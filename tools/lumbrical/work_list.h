@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <functional>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -28,6 +30,19 @@ Status read_list(const std::string& file, std::vector<std::string>& entries);
 /// Adds those of the list to the entries that are there already, and leaves the shard's of them all.
 Status choose_entries(const WorkSwitches& switches, std::vector<std::string>& entries);
 
+/// What the work on an entry ends with, if need be the exception that ended it: one that takes more memory
+/// than there is must not end the others.
+template <class Work>
+Status by_itself(const std::string& entry, const Work& work) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    return Status::error(entry + ": there is not enough memory for it");
+  } catch (const std::exception& error) {
+    return Status::error(entry + ": " + error.what());
+  }
+}
+
 /// What came of one entry: a line of the results.
 struct WorkResult {
   Json json;
@@ -41,7 +56,8 @@ struct WorkDone {
 };
 
 /// Does, `jobs` at a time, what has no line among the results yet, and adds one for each as soon as it is
-/// there. `doing` is what Progress shows. An error: the results can't be read or written.
+/// there. `doing` is what Progress shows. An error: the results can't be read or written, and what was still
+/// to do is left.
 Status work_through(const std::vector<std::string>& entries, const std::string& results, std::uint32_t jobs,
                     const std::string& doing, const std::function<WorkResult(const std::string&)>& work,
                     WorkDone& done);
