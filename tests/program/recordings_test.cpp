@@ -266,6 +266,9 @@ TEST(CommandLine, PartsOfARecordingReplayAndMakeTheWhole) {
   ASSERT_EQ(shell("lumbrical split a.mcap --ticks 400 -o p.mcap", folder).exit_code, 0);
   ASSERT_EQ(shell("lumbrical merge p.001.mcap p.002.mcap p.003.mcap -o m.mcap", folder).exit_code, 0);
   EXPECT_EQ(shell("cmp a.mcap m.mcap", folder).exit_code, 0);
+  const std::string gap = shell("lumbrical merge p.001.mcap p.003.mcap -o gap.mcap", folder).output;
+  EXPECT_NE(gap.find("Not all of them can be replayed"), std::string::npos) << gap;
+  EXPECT_EQ(gap.find("--world"), std::string::npos) << "which merge does not have: " << gap;
   ASSERT_EQ(shell("lumbrical compress a.mcap -o z.mcap", folder).exit_code, 0);
   ASSERT_EQ(shell("lumbrical compress z.mcap --with lz4 -o b.mcap", folder).exit_code, 0);
   EXPECT_EQ(shell("cmp a.mcap b.mcap", folder).exit_code, 0);

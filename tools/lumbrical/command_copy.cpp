@@ -38,21 +38,25 @@ Json copied_json(const std::string& output, const CopyResult& result) {
   return {{"output", output}, {"ticks", result.ticks}, {"replayable", result.replayable}};
 }
 
-std::string copied_text(const std::string& output, const CopyResult& result) {
-  return grouped(result.ticks) + " ticks to " + output +
-         (result.replayable
-              ? ".\n"
-              : ". Not all of them can be replayed: ticks are missing, or the state before "
-                "them is unknown (a gap, a build that computes otherwise, or a world file that is not "
-                "beside the recording: --world FILE).\n");
+// Of a part the state before it is computed, for which there may be more missing than in what it is of.
+constexpr const char* kWhyParts =
+    " (a gap, a build that computes otherwise, or a world file that is not beside the recording: --world "
+    "FILE)";
+constexpr const char* kWhyWholes = ", as in what was copied";
+
+std::string copied_text(const std::string& output, const CopyResult& result, const std::string& why) {
+  const std::string text = grouped(result.ticks) + " ticks to " + output + ".";
+  if (result.replayable) return text + "\n";
+  return text + " Not all of them can be replayed: ticks are missing, or the state before them is unknown" +
+         why + ".\n";
 }
 
-int copy(const CopySwitches& switches, const CopyOptions& options) {
+int copy(const CopySwitches& switches, const CopyOptions& options, const char* why = kWhyWholes) {
   CopyResult result;
   const Status status = copy_recordings(switches.recordings, switches.output, options, result);
   if (!status.ok()) return fail(status);
   return switches.json ? print_json(copied_json(switches.output, result))
-                       : print_text(copied_text(switches.output, result));
+                       : print_text(copied_text(switches.output, result, why));
 }
 
 std::uint64_t tick_at(double second, const RecordingReader& reader) {
@@ -73,7 +77,7 @@ int trim(const CopySwitches& switches) {
       options.from >= options.to)
     return fail(info.path + ": no tick is in that range; it holds " + std::to_string(info.first_tick) +
                 " to " + std::to_string(info.last_tick));
-  return copy(switches, options);
+  return copy(switches, options, kWhyParts);
 }
 
 /// The first tick of either hand that is not below `from`, if there is one.
@@ -129,7 +133,7 @@ int split(const CopySwitches& switches) {
     if (Status status = copy_recordings(switches.recordings, output, part, result); !status.ok())
       return fail(status);
     parts.push_back(copied_json(output, result));
-    text += copied_text(output, result);
+    text += copied_text(output, result, kWhyParts);
   }
   return switches.json ? print_json({{"parts", parts}}) : print_text(text);
 }
