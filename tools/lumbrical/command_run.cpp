@@ -247,7 +247,9 @@ int run(const RunOptions& options) {
   }
   if (!statistics.world_error.ok()) return fail(statistics.world_error);
   explain_untouched(scene_file, statistics);
-  const LateReport late = study(statistics.late, felt_scene(scene_file), models);
+  LateReport late;
+  if (statistics.late.slowest.kept > 0)
+    late = study(statistics.late, felt_scene(scene_file), models, with_device);
   const EffortReport effort = study_effort(statistics.slowest_by_samples, models[0].settings.rate, models);
   const RunSummary summary{scene_file, models, statistics, late, effort, shown, paced, options.record};
   const int printed = options.json ? print_json(run_json(summary)) : print_text(run_text(summary));

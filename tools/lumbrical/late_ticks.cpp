@@ -192,15 +192,16 @@ void LateTicks::add(const LateTime& time, const TickStart& start) {
   if (most == owed_.begin() + 1) slowest.add(time.tick, start);
 }
 
-LateReport study(const LateTicks& late, const Scene& scene, const std::vector<Model>& models) {
+LateReport study(const LateTicks& late, const Scene& scene, const std::vector<Model>& models,
+                 bool with_device) {
   LateReport report;
   const std::span ticks = std::span(late.slowest.start).first(late.slowest.kept);
-  if (ticks.empty()) return report;
   report.microseconds = time_of(models, ticks);
   report.stage_share = stage_shares(models, ticks);
   const Execution& execution = models[0].execution;
   for (const auto& trial :
-       {coarser(scene, execution), on_more_threads(scene, execution), of_fewer_triangles(scene, execution)}) {
+       {coarser(scene, execution), with_device ? std::nullopt : on_more_threads(scene, execution),
+        of_fewer_triangles(scene, execution)}) {
     if (!trial) continue;
     const std::vector<Model> changed = changed_models(*trial, models);
     if (changed.empty()) continue;
@@ -233,6 +234,7 @@ std::optional<double> effort_within(double microseconds, std::span<const EffortT
 
 EffortReport study_effort(const SlowTicks& slowest, double rate, const std::vector<Model>& models) {
   EffortReport report;
+  if (slowest.kept == 0) return report;
   const std::vector<Model> free = models_with_effort(0, models), least = models_with_effort(1, models);
   if (free.empty() || least.empty()) return report;
   std::vector<Scratch> scratches = fresh_scratches(free), least_scratches = fresh_scratches(least);

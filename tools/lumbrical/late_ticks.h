@@ -69,9 +69,11 @@ struct LateReport {
   std::vector<Remedy> remedies;                   ///< those that help, best first
 };
 
-/// Nothing where no tick was slow. Builds the scene once more for each remedy that is tried.
-/// `models`: of the session's hands, which `scene` is felt by.
-LateReport study(const LateTicks& late, const Scene& scene, const std::vector<Model>& models);
+/// Of a session in which a tick was slow. Builds the scene once more for each remedy that is tried.
+/// `models`: of the session's hands, which `scene` is felt by. With a device more threads are no remedy:
+/// helpers have no real-time priority.
+LateReport study(const LateTicks& late, const Scene& scene, const std::vector<Model>& models,
+                 bool with_device);
 
 /// A tick with no bound on its effort, and with the least effort there is.
 struct EffortTimes {
