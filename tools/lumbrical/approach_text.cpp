@@ -36,6 +36,12 @@ std::string name_of(const Scene& scene, std::size_t object) {
   return object < scene.objects.size() ? scene.objects[object].name : "world";
 }
 
+// Null where the hand was not measured against the object.
+const Approach* approach_to(const Clearance& clearance, std::size_t object) {
+  if (object >= clearance.approach.size() || !(clearance.approach[object].distance < 1e300)) return nullptr;
+  return &clearance.approach[object];
+}
+
 // [m] More is no rounding and no resting.
 constexpr double kSunk = 1e-3;
 
@@ -106,13 +112,12 @@ Json to_json(const Clearance& clearance, const Scene& scene) {
     Json object = {{"name", name_of(scene, i)}, {"box", span_json(clearance.object[i])}};
     if (!is_empty(clearance.object[i])) object["likely_unit"] = likely_unit(extent_of(clearance.object[i]));
     if (const double sunk = sunk_by(scene, i); sunk > kSunk) object["below_ground"] = sunk;
-    if (i < clearance.approach.size() && clearance.approach[i].distance < 1e300) {
-      const Approach& approach = clearance.approach[i];
-      object["distance"] = approach.distance;
-      object["time"] = approach.time;
-      object["segment"] = segment_name(approach.segment);
-      object["hand"] = to_json(approach.hand);
-      object["surface"] = to_json(approach.object);
+    if (const Approach* const approach = approach_to(clearance, i)) {
+      object["distance"] = approach->distance;
+      object["time"] = approach->time;
+      object["segment"] = segment_name(approach->segment);
+      object["hand"] = to_json(approach->hand);
+      object["surface"] = to_json(approach->object);
     }
     json["objects"].push_back(std::move(object));
   }
@@ -135,12 +140,12 @@ std::vector<std::string> approach_sentences(const Clearance& clearance, const Sc
       sentences.push_back(name + " is " + length_text(extent_of(box)) + " large: " + unit + "?");
     if (const double sunk = sunk_by(scene, i); sunk > kSunk)
       sentences.push_back(name + " begins " + length_text(sunk) + " below the ground, out of which it rises");
-    if (i >= clearance.approach.size()) continue;
-    const Approach& approach = clearance.approach[i];
+    const Approach* const approach = approach_to(clearance, i);
+    if (approach == nullptr) continue;
     const std::string where =
-        std::string(segment_name(approach.segment)) + ", at " + brief(approach.time) + " s";
-    sentences.push_back(approach.distance > 0
-                            ? name + ": nearest " + length_text(approach.distance) + ", " + where
+        std::string(segment_name(approach->segment)) + ", at " + brief(approach->time) + " s";
+    sentences.push_back(approach->distance > 0
+                            ? name + ": nearest " + length_text(approach->distance) + ", " + where
                             : name + ": touched, first by the " + where);
   }
   return sentences;
