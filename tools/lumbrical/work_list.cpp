@@ -64,7 +64,8 @@ void add_work_switches(const std::string& entry, const std::string& beside, Work
       ->check(is_path())
       ->type_name("LIST|-");
   command.add_option("--shard", switches.shard, "Of all these only the Ith, I+Nth, ...: for many machines")
-      ->check(is_shard());
+      ->check(is_shard())
+      ->type_name("I/N");
   command
       .add_option("--results", switches.results,
                   "Write a line of JSON per " + entry + ", and leave out those that have one there already")
