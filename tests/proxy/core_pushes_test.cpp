@@ -152,7 +152,7 @@ TEST(CorePushes, PassFromSegmentToSegmentAsAJointSlidesOverAnEdge) {
       before = now;
     }
     EXPECT_GT(most, 15) << bend;
-    EXPECT_LT(of_segment, of_finger + 0.2) << bend;
+    EXPECT_LT(of_segment, of_finger + 0.25) << bend;
   }
 }
 
@@ -161,7 +161,7 @@ TEST(CorePushes, PassFromSegmentToSegmentAsAJointSlidesOverAnEdge) {
 /// The index finger's pushes in one tick, and what its segments feel of them.
 struct HandedOn {
   Primitives hand;
-  std::array<Vec3, kPhalanxCount> carried{};
+  ProxyState kept;
   HandForces felt;
 
   explicit HandedOn(const Joints& finger) {
@@ -181,7 +181,7 @@ struct HandedOn {
     felt = {};
     add_pushes(pushing, hand, felt);
     const auto torques = felt.joint_torque;
-    hand_on(pushing, hand, 1000, anew, carried, felt);
+    hand_on(pushing, hand, 1000, anew, kept, felt);
     sum_joint_torques(hand, felt);
     for (std::size_t i = 0; i < kSegmentCount; ++i)
       EXPECT_NEAR(norm(felt.joint_torque[i] - torques[i]), 0, 1e-14) << i;

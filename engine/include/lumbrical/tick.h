@@ -41,9 +41,9 @@ struct ProxyState {
   double valid = 0;     ///< a whole number with a bit for each joint it knows a place of; 0: it starts anew
   double balanced = 0;  ///< share of what holds it back that the rest of the hand answers, 0 .. 1
   std::array<Vec3, kJointCount> tracked{};  ///< [m] W, where those joints of the tracked hand were
-  /// [N] W, of what holds the cores: what each phalanx' base joint carries, as its segments are made to feel
-  /// it
-  std::array<Vec3, kPhalanxCount> carried{};
+  /// [N] W, of what holds the cores: what each phalanx' base joint carries, and how much more than that its
+  /// segments are made to feel, where it has hopped from one to another
+  std::array<Vec3, kPhalanxCount> carried{}, late{};
 };
 
 /// Where segments were, and how fast they go. No padding: hashed as it stands.

@@ -239,7 +239,9 @@ Status WorldWriter::Build::append(const Mesh& mesh, const std::vector<bool>& tur
 // Once it is in the arrays.
 void WorldWriter::Build::count(const SceneObject& added) {
   const Mesh& mesh = added.mesh;
-  for (const Vec3& p : mesh.vertices) extend(extent, p);
+  for (const Triangle& triangle : mesh.triangles) {
+    for (const std::uint32_t corner : triangle) extend(extent, mesh.vertices[corner]);
+  }
   WorldObject object;
   object.first_triangle = static_cast<std::uint32_t>(end.triangles);
   object.triangle_count = static_cast<std::uint32_t>(mesh.triangles.size());

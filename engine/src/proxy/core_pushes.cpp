@@ -43,11 +43,9 @@ Gap part_of(const Gap& gap, double part, std::size_t segment, Vec3 point) {
 // [s] In which what hopped from one segment to another follows.
 constexpr double kHopTime = 0.02;
 
-using Carried = std::array<Vec3, kPhalanxCount>;
-
 // What pushes make each joint carry; and of each finger what all its pushes come to.
 struct Pushed {
-  Carried carried{};
+  std::array<Vec3, kPhalanxCount> carried{};
   std::array<double, kPhalanxCount / 3> size{};  // [N]
 };
 Pushed pushed_by(const PushList& pushing) {
@@ -61,10 +59,15 @@ Pushed pushed_by(const PushList& pushing) {
   return pushed;
 }
 
-// As much of the way as `most`.
-Vec3 towards(Vec3 from, Vec3 to, double share, double most) {
-  const double way = norm(to - from);
-  return way > 0 ? from + min(1, share + most / way) * (to - from) : to;
+// Of what a joint carries, what has come from or gone to another segment, and not with the finger's whole.
+Vec3 hopped(Vec3 change, Vec3 change_of_whole) {
+  const double size = norm(change), explained = norm(change_of_whole);
+  return size > explained ? (1 - explained / size) * change : Vec3{};
+}
+
+Vec3 shortened(Vec3 v, double most) {
+  const double length = norm(v);
+  return length > most ? most / length * v : v;
 }
 
 bool is_felt(const Primitives& hand, std::size_t first) {
@@ -88,22 +91,24 @@ void list_pushes(const Hand& hand, const Joints& proxy, std::span<const Gap> gap
   }
 }
 
-void hand_on(const PushList& pushing, const Primitives& hand, double rate, bool anew, Carried& carried,
+void hand_on(const PushList& pushing, const Primitives& hand, double rate, bool anew, ProxyState& kept,
              HandForces& forces) {
   const auto [now, size] = pushed_by(pushing);
+  const double left = 1 - min(1, 1 / (rate * kHopTime));
   for (std::size_t first = 0; first < kPhalanxCount; first += 3) {
-    const double changed = norm(now[first] - carried[first]);
     const bool settled = anew || !(size[first / 3] > 0) || !is_felt(hand, first);
-    carried[first] = now[first];
+    const Vec3 whole = now[first] - kept.carried[first];
     for (std::size_t i = first + 1; i < first + 3; ++i) {
-      carried[i] = settled ? now[i] : towards(carried[i], now[i], min(1, 1 / (rate * kHopTime)), changed);
+      Vec3& late = kept.late[i];
+      late = settled ? Vec3{} : left * (late - hopped(now[i] - kept.carried[i], whole));
+      late = shortened(late, size[first / 3]);
       if (settled) continue;
-      const Vec3 late = carried[i] - now[i];
       forces.segment[i].force += late;
       forces.segment[i - 1].force -= late;
       forces.segment[i - 1].torque -= cross(hand.base_joint[i] - hand.base_joint[i - 1], late);
     }
   }
+  kept.carried = now;
 }
 
 }  // namespace lumbrical

@@ -26,10 +26,10 @@ using PushList = FixedList<Gap, 2 * kMostGapsPerSegment * kSegmentCount>;
 /// Lists what `gaps` push the segments with, measured at these joints [W] of the proxy.
 void list_pushes(const Hand& hand, const Joints& proxy, std::span<const Gap> gaps, PushList& pushing);
 
-/// Once `forces` have all pushes: moves them between a finger's segments, where more has gone from one to
-/// another than the finger's whole has changed by. No joint's torque changes, nor the finger's force. `anew`:
+/// Once `forces` have all pushes: what more has gone from one segment of a finger to another than the
+/// finger's whole has changed by follows in time. No joint's torque changes, nor the finger's force. `anew`:
 /// forces are of another hand than in the last tick.
-void hand_on(const PushList& pushing, const Primitives& hand, double rate, bool anew,
-             std::array<Vec3, kPhalanxCount>& carried, HandForces& forces);
+void hand_on(const PushList& pushing, const Primitives& hand, double rate, bool anew, ProxyState& kept,
+             HandForces& forces);
 
 }  // namespace lumbrical

@@ -86,6 +86,7 @@ constexpr void list_fields(Is<ProxyState> auto& proxy, auto&& field) {
   field("balanced", "", proxy.balanced);
   field("tracked", "m", proxy.tracked);
   field("carried", "N", proxy.carried);
+  field("late", "N", proxy.late);
 }
 
 constexpr void list_fields(Is<Twist> auto& twist, auto&& field) {

@@ -132,7 +132,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   if (apart) feel_objects({model, hand, speeds, is_trusted(flags)}, state, scratch, forces, findings, flags);
   if (scratch.proxy) {
     balance_pushes(scratch.proxy->pushing, forces, model.settings.rate, *state.proxy);
-    hand_on(scratch.proxy->pushing, hand, model.settings.rate, anew, state.proxy->carried, forces);
+    hand_on(scratch.proxy->pushing, hand, model.settings.rate, anew, *state.proxy, forces);
   }
   tell(scratch.watch, Stage::contact_force);
 
