@@ -332,7 +332,8 @@ TEST(HostileFile, ADeviceOfThousandsOfSensorsIsRefusedWithinASecondOfProcessorTi
   DeviceProfile profile;
   const Status status = load_device_profile(path, profile);
   EXPECT_LT(processor_seconds() - before, 1);
-  EXPECT_NE(status.message().find("sensors[1].joint is measured twice"), std::string::npos) << status.message();
+  EXPECT_NE(status.message().find("sensors[1].joint is measured twice"), std::string::npos)
+      << status.message();
   fs::remove_all(fs::path(path).parent_path());
 }
 
