@@ -100,6 +100,9 @@ TEST_F(FeedbackCheck, AnAngleThatTorquesDoNotMoveIsStuckUntilItMoves) {
   EXPECT_FALSE(believed());
   EXPECT_GE(first, 250);
   EXPECT_LE(first, 350);
+  feedback.acted[3] = 0;
+  for (int i = 0; i < 2000; ++i) look();
+  EXPECT_EQ(feedback.flags, kAngleStuck) << "torques end with the doubt";
   feedback.angle[kIndex] = 0.7005f;
   EXPECT_EQ(look(), 0u);
   EXPECT_TRUE(believed());

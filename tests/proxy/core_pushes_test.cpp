@@ -229,13 +229,29 @@ TEST(CorePushes, OfAnotherHandAreHandedOnAtOnce) {
   EXPECT_EQ(norm(finger.on(kFirst + 1)) + norm(finger.on(kFirst + 2)), 0);
 }
 
-TEST(CorePushes, AreHandedToNoSegmentThatTrackingHasLost) {
-  Joints joints = index_finger({0.1, 0.2, 0.3}, 0.7);
-  HandedOn finger(joints);
-  finger.feel(kFirst + 2, kUpwards);
+TEST(CorePushes, AreHandedToNoSegmentThatTrackingHasLostButOnByTheOthers) {
+  HandedOn finger(index_finger({0.1, 0.2, 0.3}, 0.7));
   finger.hand.present[kFirst + 2] = false;
+  finger.feel(kFirst + 1, kUpwards);
   finger.feel(kFirst, kUpwards);
+  EXPECT_NEAR(finger.on(kFirst + 1).z, 0.95 * kPush, 1e-9);
   EXPECT_EQ(norm(finger.on(kFirst + 2)), 0);
+}
+
+TEST(CorePushes, ThatPadsLetLittleOfThroughLeaveNoMoreBehind) {
+  HandedOn finger(index_finger({0.1, 0.2, 0.3}, 0.7));
+  finger.feel(kFirst + 2, kUpwards);
+  Gap gap;
+  gap.segment = kFirst;
+  gap.normal = {0, 0, 1};
+  gap.push = kPush;
+  PushList pushing;
+  pushing.push_back(gap);
+  HandForces damped;
+  damped.segment[kFirst].force = 0.3 * kUpwards;
+  hand_on(pushing, finger.hand, 1000, false, finger.kept, damped);
+  EXPECT_NEAR(damped.segment[kFirst].force.z, 0, 1e-12);
+  EXPECT_NEAR(damped.segment[kFirst + 2].force.z, 0.3 * kPush, 1e-12);
 }
 
 }  // namespace

@@ -159,10 +159,9 @@ TEST(Proxy, BeginsAnewAfterATickInWhichTooMuchWasNear) {
   scene.objects.push_back({"table", make_plane(4, 1)});
   place_mesh({{2.5, 0, 0}, {}}, scene.objects[1].mesh);
   Session run(scene);
-  feel(run, fingertip_at({0, 0, 0.03}));
-  ASSERT_EQ(run.output.flags & kCandidateOverflow, 0u);
-  for (int i = 0; i < 10; ++i) feel(run, fingertip_at({0, 0, 0.0065}));
+  for (int i = 0; i < 50; ++i) feel(run, fingertip_at({0, 0, 0.03 - 0.0005 * min(i, 47)}));
   EXPECT_NE(run.output.flags & kCandidateOverflow, 0u);
+  for (int i = 0; i <= 25; ++i) feel(run, fingertip_at({0.1 * i, 0, 0.03}));
   for (int i = 0; i < 3; ++i) feel(run, fingertip_at({2.5, 0, 0.03}));
   EXPECT_EQ(run.output.flags & kCandidateOverflow, 0u);
   EXPECT_GT(run.state.proxy->valid, 0);

@@ -136,6 +136,9 @@ TEST_F(Device, OfEventsTicksCanBeChosenAndNothingElse) {
   EXPECT_NE(text.find("\n5,0.005,flags,\"command clamped\"\n"), std::string::npos) << text;
   for (const char* const other : {"\n0,", "\n4,", "\n6,", "\n11,"})
     EXPECT_EQ(text.find(other), std::string::npos) << other;
+  options.first = options.last = 1000000;
+  EXPECT_NE(export_device_events({&reader_, 1}, options, csv).message().find("no tick is in that range"),
+            std::string::npos);
   ExportOptions columns, segments, exact;
   columns.columns = {"force"};
   segments.segments = {2};

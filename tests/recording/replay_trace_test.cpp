@@ -154,6 +154,11 @@ TEST_P(ReplayTrace, TracesATickBehindTheFirstDifferenceToo) {
   const std::string text = without_comments(options.trace), tick = std::to_string(parted + 20);
   for (const char* const part : {" input base.position.x ", " limits flags ", " state tick "})
     EXPECT_NE(text.find(tick + part), std::string::npos) << part;
+
+  options.trace_tick = kTicks;
+  ASSERT_TRUE(replay_file(path_, result, options).ok());
+  EXPECT_TRUE(result.first_divergence.has_value()) << "which stands, whatever can't be traced";
+  EXPECT_NE(result.not_traced.find("is not behind it"), std::string::npos) << result.not_traced;
 }
 
 }  // namespace

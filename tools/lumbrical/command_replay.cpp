@@ -107,6 +107,7 @@ Status replay_hand(RecordingReader& reader, const std::string& path, const Repla
   json["complete"] = reader.info().complete;
   json["diverged"] = replayed.diverged;
   json["damage"] = result.damage.empty() ? Json(nullptr) : Json(result.damage);
+  if (!result.not_traced.empty()) json["not_traced"] = result.not_traced;
   json["isa"] = isa_name(options.execution.isa == Isa::automatic ? widest_isa() : options.execution.isa);
   json["threads"] = options.execution.threads;
   json["broadphase"] = broadphase_name(result.broadphase);
@@ -130,6 +131,7 @@ Status replay_hand(RecordingReader& reader, const std::string& path, const Repla
     text += std::string("The recording has no end (") +
             (reader.info().growing ? "it is still being recorded" : "its writer was killed") +
             "): all whole ticks were replayed.\n";
+  if (!result.not_traced.empty()) text += "Nothing was traced: " + result.not_traced + "\n";
   if (replayed.damaged) text += "But the file is not whole: " + result.damage + "\n";
   return {};
 }

@@ -233,7 +233,7 @@ struct World {
   std::string path;           ///< of the file, as it was opened
   std::uint64_t content = 0;  ///< hash of what is in it
   Triangles triangles;
-  Box extent;  ///< [m] in W: of all vertices
+  Box extent;  ///< [m] in W: of all triangles
   SphereGrid grid;
   std::vector<Object> objects;
   double cell_size = 0;  ///< of the Execution it was built with, as are these
@@ -272,7 +272,7 @@ struct Model {
   Settings settings;
   Execution execution;
   Triangles triangles;
-  Box extent;                                ///< [m] in W: of all vertices
+  Box extent;                                ///< [m] in W: of all triangles
   SphereTree tree;                           ///< empty unless Broadphase::tree
   SphereGrid grid;                           ///< empty unless Broadphase::grid
   std::shared_ptr<const VoxelIndex> voxels;  ///< null unless Broadphase::voxel

@@ -299,6 +299,7 @@ struct ReplayResult {
   /// What verify_recording says of the file, whatever the replay found; empty where it is whole, still
   /// growing, or no engine runs.
   std::string damage;
+  std::string not_traced;    ///< why ReplayOptions::trace_tick was not, behind a divergence; else empty
   double recorded_time = 0;  ///< [s] of all those ticks, as recorded on whatever machine that was
   double replayed_time = 0;  ///< [s] of all those ticks here; 0 where no engine runs
   Broadphase broadphase = Broadphase::automatic;  ///< that was used; automatic where no engine runs

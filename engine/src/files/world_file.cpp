@@ -21,8 +21,6 @@
 namespace lumbrical {
 namespace {
 
-constexpr double Vec3::*kAxis[] = {&Vec3::x, &Vec3::y, &Vec3::z};
-
 /// The one pass over a file. What lies within the bytes seen so far is checked as they are seen, so that no
 /// page is needed twice.
 class Check {

@@ -110,9 +110,9 @@ inline void extend(double& low, double& high, double number) {
   if (number < low) low = number;
   if (!(number < high)) high = number;
 }
+inline constexpr std::array<double Vec3::*, 3> kAxis = {&Vec3::x, &Vec3::y, &Vec3::z};
 inline void extend(Box& box, Vec3 p) {
-  for (double Vec3::*const axis : {&Vec3::x, &Vec3::y, &Vec3::z})
-    extend(box.lower.*axis, box.upper.*axis, p.*axis);
+  for (double Vec3::*const axis : kAxis) extend(box.lower.*axis, box.upper.*axis, p.*axis);
 }
 
 /// An array in a mapped file.

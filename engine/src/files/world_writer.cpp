@@ -218,7 +218,6 @@ Status WorldWriter::Build::add(const SceneObject& added, WindingReport& report) 
 
 // To the arrays, one after the other.
 Status WorldWriter::Build::append(const Mesh& mesh, const std::vector<bool>& turned) {
-  constexpr std::array<double Vec3::*, 3> kAxis = {&Vec3::x, &Vec3::y, &Vec3::z};
   std::vector<double> numbers(mesh.vertices.size());
   std::vector<std::uint32_t> corners(mesh.triangles.size());
   for (std::size_t k = 0; k < 3; ++k) {
@@ -334,7 +333,6 @@ Status WorldWriter::Build::write_rest() {
   if (Status status = file.fill_page(); !status.ok()) return status;
   if (Status status = file.end_piece(); !status.ok()) return status;
   const std::vector<std::uint64_t> hashes = file.hashes();
-  constexpr std::array<double Vec3::*, 3> kAxis = {&Vec3::x, &Vec3::y, &Vec3::z};
   for (std::size_t k = 0; k < 3; ++k) {
     end.lower[k] = extent.lower.*kAxis[k];
     end.upper[k] = extent.upper.*kAxis[k];

@@ -42,6 +42,7 @@ Gap part_of(const Gap& gap, double part, std::size_t segment, Vec3 point) {
 
 // [s] In which what hopped from one segment to another follows.
 constexpr double kHopTime = 0.02;
+constexpr double kNothingLeft = 1e-9;  // [N] as good as nothing
 
 // What pushes make each joint carry; and of each finger what all its pushes come to.
 struct Pushed {
@@ -70,8 +71,11 @@ Vec3 shortened(Vec3 v, double most) {
   return length > most ? most / length * v : v;
 }
 
-bool is_felt(const Primitives& hand, std::size_t first) {
-  return hand.present[first] && hand.present[first + 1] && hand.present[first + 2];
+// [N] What the pads let through of a finger's pushes is no more than it feels.
+double felt_by(const HandForces& forces, std::size_t first) {
+  double sum = 0;
+  for (std::size_t i = first; i < first + 3; ++i) sum += norm(forces.segment[i].force);
+  return sum;
 }
 
 }  // namespace
@@ -96,13 +100,16 @@ void hand_on(const PushList& pushing, const Primitives& hand, double rate, bool 
   const auto [now, size] = pushed_by(pushing);
   const double left = 1 - min(1, 1 / (rate * kHopTime));
   for (std::size_t first = 0; first < kPhalanxCount; first += 3) {
-    const bool settled = anew || !(size[first / 3] > 0) || !is_felt(hand, first);
+    const double most = min(size[first / 3], felt_by(forces, first));
     const Vec3 whole = now[first] - kept.carried[first];
     for (std::size_t i = first + 1; i < first + 3; ++i) {
+      const Vec3 hop = hopped(now[i] - kept.carried[i], whole);
       Vec3& late = kept.late[i];
-      late = settled ? Vec3{} : left * (late - hopped(now[i] - kept.carried[i], whole));
-      late = shortened(late, size[first / 3]);
-      if (settled) continue;
+      late = shortened(left * (late - hop), most);
+      if (anew || norm(late) < kNothingLeft || !hand.present[i] || !hand.present[i - 1]) {
+        late = {};
+        continue;
+      }
       forces.segment[i].force += late;
       forces.segment[i - 1].force -= late;
       forces.segment[i - 1].torque -= cross(hand.base_joint[i] - hand.base_joint[i - 1], late);

@@ -227,7 +227,7 @@ bool find_gaps(const Model& model, const State& state, const Joints& proxy, doub
   return true;
 }
 
-enum class Advance : std::uint8_t { done, crossed, overflow };
+enum class Advance : std::uint8_t { done, crossed, overflow, overflow_at_once };
 
 // Does a surface lie across an axis, or an axis in a solid? No step of the proxy's own brings one there.
 bool is_crossed(const CoreGaps& gaps) {
@@ -235,7 +235,7 @@ bool is_crossed(const CoreGaps& gaps) {
 }
 
 // Takes the proxy as far as it gets in a tick, and lists what holds it. Done, unless something has come to
-// lie across an axis or there are too many candidates.
+// lie across an axis or there are too many candidates; at once: where it is already.
 Advance advance(const Model& model, const State& state, const Joints& tracked, Scratch& scratch,
                 Joints& proxy) {
   PushList& pushing = scratch.proxy->pushing;
@@ -243,7 +243,8 @@ Advance advance(const Model& model, const State& state, const Joints& tracked, S
   std::size_t pairs = 0;
   for (int step = 0; step < kMostSteps && pairs < kMostPairs; ++step) {
     CoreGaps gaps;
-    if (!find_gaps(model, state, proxy, longest, scratch, gaps)) return Advance::overflow;
+    if (!find_gaps(model, state, proxy, longest, scratch, gaps))
+      return step == 0 ? Advance::overflow_at_once : Advance::overflow;
     if (is_crossed(gaps)) return Advance::crossed;
     pairs += gaps.pairs;
     const std::span<Gap> all{gaps.gap.begin(), gaps.gap.size()};
@@ -315,9 +316,9 @@ std::uint32_t follow_hand(const Model& model, bool trusted, State& state, Scratc
     proxy = joined(known, all);
     advanced = advance(model, state, all, scratch, proxy);
   }
-  if (advanced == Advance::overflow) {  // where it is no tick could tell more: it begins anew
+  if (advanced == Advance::overflow || advanced == Advance::overflow_at_once) {
     scratch.proxy->pushing.clear();
-    kept = {};
+    if (advanced == Advance::overflow_at_once) kept = {};  // the next tick would ask the same
     return kCandidateOverflow;
   }
   if (advanced == Advance::crossed) {  // on which side it is no one can say

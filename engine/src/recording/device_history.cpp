@@ -1,4 +1,5 @@
 // What happened between a session and its device, told from the commands in its ticks.
+#include <algorithm>
 #include <cassert>
 #include <functional>
 #include <new>
@@ -149,6 +150,14 @@ RecordingReader& driven_hand(std::span<RecordingReader> readers) {
   return readers.back();
 }
 
+// Of ticks, not of events: there may be none of those.
+Status check_ticks(const RecordingInfo& info, const ExportOptions& options) {
+  std::uint64_t first = options.first;
+  if (first < info.first_tick)
+    first += (info.first_tick - first + options.step - 1) / options.step * options.step;
+  return check_choice(info, first <= std::min(options.last, info.last_tick) ? 1 : 0);
+}
+
 Status write_events(std::span<RecordingReader> readers, const ExportOptions& options, TextOutput& out) {
   const ExportFormat format = options.format;
   if (format == ExportFormat::csv)
@@ -175,6 +184,7 @@ Status export_device_events(std::span<RecordingReader> readers, const ExportOpti
     return Status::error("events are no table of numbers; export them as csv or json");
   if (!options.columns.empty() || !options.segments.empty() || options.exact)
     return Status::error("neither columns nor segments can be chosen of events, nor how exact they are");
+  if (Status status = check_ticks(readers[0].info(), options); !status.ok()) return status;
   return write_whole<TextOutput>(output,
                                  [&](TextOutput& out) { return write_events(readers, options, out); });
 } catch (const std::bad_alloc&) {

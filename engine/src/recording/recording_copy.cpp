@@ -109,7 +109,7 @@ Status find_state(RecordingReader& reader, const std::string& world, std::uint64
   Model model;
   found = false;
   if (Status status = reader.find_world(world); !status.ok()) return world.empty() ? Status() : status;
-  if (!build_model(reader.scene(), {}, model).ok()) return {};       // nor can it be replayed
+  if (!build_model(reader.scene(), {}, model).ok()) return {};       // nor can it be replayed here
   if (!model.apart.empty() || model.settings.proxy_stiffness > 0) {  // else none is kept (recorder.cpp)
     if (Status status = find_from_kept(reader, model, tick_number, state, found); !status.ok() || found)
       return status;

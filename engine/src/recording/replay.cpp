@@ -89,6 +89,8 @@ Status missing_tick(const RecordingReader& reader, std::uint64_t expected, std::
 
 namespace {
 
+Status input_was_altered() { return Status::error("an input up to it was altered"); }
+
 /// One replay: what stays the same from tick to tick.
 struct Run {
   RecordingReader& reader;
@@ -97,12 +99,13 @@ struct Run {
   Model model;
   State state;
   Scratch scratch;
-  bool traced = false, has_altered_input = false;
+  bool traced = false;
 
   Status tick_of(const TickRecord& recorded);
   Status compare(const TickRecord& recorded, const TickRecord& replayed, const State& before,
                  const TickRun& run);
   Status trace(const TickRun& run);
+  Status trace_behind();
   [[nodiscard]] bool awaits_trace() const { return !options.trace.empty() && options.trace_tick && !traced; }
 };
 
@@ -131,11 +134,11 @@ Status Run::tick_of(const TickRecord& recorded) {
   // An altered input is named as such, before its consequences: a changed tick number, for one, looks like
   // a gap.
   const bool compares = !result.first_divergence;
-  if (compares) {
-    ++result.ticks;
-    result.first_divergence = reader.altered_input();
-    has_altered_input = result.first_divergence.has_value();
-    if (has_altered_input) return {};
+  if (compares) ++result.ticks;
+  if (const std::optional<Divergence> altered = reader.altered_input()) {
+    if (!compares) return input_was_altered();
+    result.first_divergence = altered;
+    return {};
   }
   if (recorded.output.tick != state.tick) return missing_tick(reader, state.tick, recorded.output.tick);
   const State before = state;
@@ -153,6 +156,19 @@ Status Run::tick_of(const TickRecord& recorded) {
   return trace(run);
 }
 
+// A tick behind the first difference, which stands whatever becomes of this.
+Status Run::trace_behind() {
+  const bool has_run = state.tick > result.first_divergence->tick;
+  if (awaits_trace() && !has_run) return input_was_altered();
+  for (TickRecord recorded; awaits_trace();) {
+    bool end = false;
+    if (Status status = reader.next(recorded, end); !status.ok()) return status;
+    if (end) return Status::error("tick " + std::to_string(*options.trace_tick) + " is not behind it");
+    if (Status status = tick_of(recorded); !status.ok()) return status;
+  }
+  return {};
+}
+
 Status replay_ticks(RecordingReader& reader, const ReplayOptions& options, ReplayResult& result) {
   Run run{reader, options, result, {}, {}, {}};
   Scene scene;
@@ -168,7 +184,7 @@ Status replay_ticks(RecordingReader& reader, const ReplayOptions& options, Repla
   run.state = reader.initial_state(run.model);
   run.scratch = make_scratch(run.model);
   TickRecord recorded;
-  while (!result.first_divergence || (run.awaits_trace() && !run.has_altered_input)) {
+  while (!result.first_divergence) {
     bool end = false;
     if (status = reader.next(recorded, end); !status.ok()) return status;
     if (end) break;
@@ -178,16 +194,17 @@ Status replay_ticks(RecordingReader& reader, const ReplayOptions& options, Repla
   }
   if (result.first_divergence) {
     name_builds(reader, *result.first_divergence);
-  } else if (result.ticks != reader.info().ticks) {
+    if (status = run.trace_behind(); !status.ok()) result.not_traced = status.message();
+    return {};
+  }
+  if (result.ticks != reader.info().ticks)
     return broken(reader, "the recording declares " + std::to_string(reader.info().ticks) +
                               " ticks but holds " + std::to_string(result.ticks) +
                               "; the file is damaged, run recover");
-  }
-  if (!run.awaits_trace()) return {};
-  return broken(reader,
-                "tick " + std::to_string(*options.trace_tick) +
-                    (run.has_altered_input ? " comes after one whose input was altered" : " is not in it") +
-                    "; nothing was traced");
+  if (run.awaits_trace())
+    return broken(reader,
+                  "tick " + std::to_string(*options.trace_tick) + " is not in it; nothing was traced");
+  return {};
 }
 
 // Ticks that come out as recorded say nothing about the rest of the file.

@@ -49,7 +49,17 @@ bool take_place(const Joints& joints, double rate, State& state, std::uint32_t& 
   const bool jumped = has_jumped(joints, rate, state);
   if (jumped) flags |= kHandJumped;
   if (jumped && state.proxy) *state.proxy = {};
+  if (jumped) state.motion.reset();
   return std::exchange(state.joints, joints.valid) != joints.valid || jumped;
+}
+
+// What of a proxy goes elsewhere at once goes no way.
+std::uint32_t follow(const Model& model, bool trusted, State& state, Scratch& scratch, bool& anew) {
+  bool elsewhere = false;
+  const std::uint32_t flags = follow_hand(model, trusted, state, scratch, *scratch.primitives, elsewhere);
+  if (elsewhere) state.motion.reset();
+  anew = anew || elsewhere;
+  return flags;
 }
 
 // Of memory that is not the model's nothing is read: it ends anywhere.
@@ -121,7 +131,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
   const bool apart = !model.apart.empty();
   if (apart) flags |= move_given(model, given, state, anew);
   if (!scratch.proxy) state.proxy.reset();
-  if (scratch.proxy) flags |= follow_hand(model, is_trusted(flags), state, scratch, hand, anew);
+  if (scratch.proxy) flags |= follow(model, is_trusted(flags), state, scratch, anew);
   HandForces& forces = scratch.forces =
       placed ? feel(model, scratch, 0, flags) : feel_nothing(model, scratch);
   add_layers(model, scratch, 0, flags, forces);
