@@ -51,8 +51,8 @@ class OneFailure {
 
  private:
   static std::atomic<std::int64_t>& left() {
-    static std::atomic<std::int64_t> left;
-    return left;
+    static std::atomic<std::int64_t> allocations;
+    return allocations;
   }
 };
 
