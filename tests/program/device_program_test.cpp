@@ -417,9 +417,9 @@ TEST(DeviceProgram, ClosedStandardStreamsLeaveTheRecordingWhole) {
   for (const std::string closed : {"2>&-", ">&-", "<&-"}) {
     const auto folder = fresh_folder();
     write_inputs(folder);
-    const Outcome run =
-        shell("lumbrical run scene.json --ticks 20 --record a.mcap " + sink_at("udp://127.0.0.1:9") + closed,
-              folder);
+    const Outcome run = shell("lumbrical run scene.json --rate 1000 --ticks 200 --record a.mcap " +
+                                  sink_at("udp://127.0.0.1:9") + closed,
+                              folder);
     EXPECT_EQ(run.exit_code, closed == ">&-" ? 2 : 4) << closed << run.error;
     const Outcome verify = shell("lumbrical verify a.mcap", folder);
     EXPECT_EQ(verify.exit_code, 0) << closed << verify.error;
@@ -435,7 +435,7 @@ TEST(DeviceProgram, ADeviceIsLookedForAtEveryAddressOfItsName) {
   if (shell(names + "getent ahosts device'", folder).output.find("::1") != 0)
     GTEST_SKIP() << "no permission to name hosts";
   const Outcome run = shell(
-      names + "lumbrical run scene.json --rate 100 --ticks 100 " + sink_at("udp://device:9") + "'", folder);
+      names + "lumbrical run scene.json --rate 1000 --ticks 1000 " + sink_at("udp://device:9") + "'", folder);
   for (const char* const address : {"(::1)", "(127.0.0.1)"})
     EXPECT_NE(run.error.find(std::string("nothing listens at device:9 ") + address), std::string::npos)
         << run.error;
