@@ -156,7 +156,8 @@ Status Check::check_vertices(WorldSection section, std::uint64_t first, std::uin
     if (!(std::fabs(number) <= kWorldReach))
       return damaged(layout_.offset[section] + 8 * i,
                      "vertex " + std::to_string(i) + " is not finite or farther than 1e8 m from the origin");
-    extend(low, high, number);
+    low = min(low, number);
+    high = max(high, number);
   }
   return {};
 }

@@ -105,15 +105,7 @@ inline std::uint64_t content_of(WorldEnd end, const std::uint64_t* hashes, std::
   return hasher.digest();
 }
 
-/// Of the vertices' box, whose numbers are added one by one in their order.
-inline void extend(double& low, double& high, double number) {
-  if (number < low) low = number;
-  if (!(number < high)) high = number;
-}
 inline constexpr std::array<double Vec3::*, 3> kAxis = {&Vec3::x, &Vec3::y, &Vec3::z};
-inline void extend(Box& box, Vec3 p) {
-  for (double Vec3::*const axis : kAxis) extend(box.lower.*axis, box.upper.*axis, p.*axis);
-}
 
 /// An array in a mapped file.
 template <class T>

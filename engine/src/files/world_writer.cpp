@@ -239,7 +239,7 @@ Status WorldWriter::Build::append(const Mesh& mesh, const std::vector<bool>& tur
 void WorldWriter::Build::count(const SceneObject& added) {
   const Mesh& mesh = added.mesh;
   for (const Triangle& triangle : mesh.triangles) {
-    for (const std::uint32_t corner : triangle) extend(extent, mesh.vertices[corner]);
+    for (const std::uint32_t corner : triangle) extent.add(mesh.vertices[corner]);
   }
   WorldObject object;
   object.first_triangle = static_cast<std::uint32_t>(end.triangles);

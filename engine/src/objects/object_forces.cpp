@@ -33,22 +33,21 @@ Twist told_speed(const Twist& mean, const Pose& from, const Pose& pose, Vec3 cen
 std::uint32_t take_frame(const ObjectFrame* frame, const Settings& settings, Vec3 centre, ObjectState& state,
                          bool& anew) {
   const Twist mean{state.velocity, state.angular_velocity};
-  state.velocity = state.angular_velocity = {};
+  const auto set_speed = [&state](const Twist& speed) {
+    state.velocity = speed.velocity;
+    state.angular_velocity = speed.angular_velocity;
+  };
+  set_speed({});
   if (frame == nullptr) {  // as one that is told the same again: some are told in every other tick only
-    const auto [velocity, turn] = steadied(mean, {}, settings.rate);
-    state.velocity = velocity;
-    state.angular_velocity = turn;
+    set_speed(steadied(mean, {}, settings.rate));
     return kObjectMissing;
   }
   if (!is_pose(frame->pose)) return kObjectImplausible;
   const Pose pose{frame->pose.position, normalized(frame->pose.orientation)};
   const bool jumped = is_jump(state.pose, pose);
   const bool first = !(state.told > 0);
-  if (settings.pad.damping > 0 && !first && !jumped) {
-    const auto [velocity, turn] = told_speed(mean, state.pose, pose, centre, settings.rate);
-    state.velocity = velocity;
-    state.angular_velocity = turn;
-  }
+  if (settings.pad.damping > 0 && !first && !jumped)
+    set_speed(told_speed(mean, state.pose, pose, centre, settings.rate));
   anew = anew || first;
   state.pose = pose;
   state.told = 1;

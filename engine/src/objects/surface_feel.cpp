@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/shortened.h"
 #include "model/corners.h"
 #include "stages/broadphase.h"
 #include "stages/exact_overlaps.h"
@@ -21,11 +22,6 @@ constexpr double kLeastField = 0.05;
 
 // [m] Skin feels no slope over less than half a millimetre, however light its touch.
 constexpr double kFinestRadius = 5e-4;
-
-Vec3 at_most(double most, Vec3 v) {
-  const double length = norm(v);
-  return length > most ? (most / length) * v : v;
-}
 
 double area_of(Vec3 a, Vec3 b, Vec3 c, Vec3 normal) { return dot(cross(b - a, c - a), normal); }
 
@@ -50,7 +46,7 @@ double field_of(const SurfacePart& part, const ContactPatch& patch) {
 
 Vec3 shaded(const SurfacePart& part, const ContactPatch& patch) {
   if (part.turn == Vec3{}) return patch.normal;  // to the bit
-  const Vec3 normal = patch.normal + at_most(kMostTurn, part.turn / field_of(part, patch));
+  const Vec3 normal = patch.normal + shortened(part.turn / field_of(part, patch), kMostTurn);
   return normal / norm(normal);
 }
 

@@ -1,5 +1,7 @@
 #include "proxy/core_pushes.h"
 
+#include "base/shortened.h"
+
 namespace lumbrical {
 namespace {
 
@@ -47,7 +49,7 @@ constexpr double kNothingLeft = 1e-9;  // [N] as good as nothing
 // What pushes make each joint carry; and of each finger what all its pushes come to.
 struct Pushed {
   std::array<Vec3, kPhalanxCount> carried{};
-  std::array<double, kPhalanxCount / 3> size{};  // [N]
+  std::array<double, kFingerCount> size{};  // [N]
 };
 Pushed pushed_by(const PushList& pushing) {
   Pushed pushed;
@@ -64,11 +66,6 @@ Pushed pushed_by(const PushList& pushing) {
 Vec3 hopped(Vec3 change, Vec3 change_of_whole) {
   const double size = norm(change), explained = norm(change_of_whole);
   return size > explained ? (1 - explained / size) * change : Vec3{};
-}
-
-Vec3 shortened(Vec3 v, double most) {
-  const double length = norm(v);
-  return length > most ? most / length * v : v;
 }
 
 // [N] What the pads let through of a finger's pushes is no more than it feels.

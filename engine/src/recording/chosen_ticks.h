@@ -12,6 +12,10 @@ inline bool is_chosen(const ExportOptions& options, std::uint64_t tick) {
   return tick >= options.first && tick <= options.last && (tick - options.first) % options.step == 0;
 }
 
+inline Status check_step(const ExportOptions& options) {
+  return options.step > 0 ? Status() : Status::error("ticks: a step of 0 leads nowhere; 1 is every tick");
+}
+
 /// Refuses a choice that `found` none of the ticks that the recording holds.
 inline Status check_choice(const RecordingInfo& info, std::uint64_t found) {
   if (found > 0 || info.ticks == 0) return {};

@@ -179,7 +179,7 @@ Status read_device_history(std::span<RecordingReader> readers, DeviceHistory& hi
 
 Status export_device_events(std::span<RecordingReader> readers, const ExportOptions& options,
                             const std::string& output) try {
-  if (options.step == 0) return Status::error("ticks: a step of 0 leads nowhere; 1 is every tick");
+  if (Status status = check_step(options); !status.ok()) return status;
   if (options.format == ExportFormat::npz)
     return Status::error("events are no table of numbers; export them as csv or json");
   if (!options.columns.empty() || !options.segments.empty() || options.exact)

@@ -211,7 +211,7 @@ Status export_views(Readers readers, MessageKind kind, const ExportOptions& opti
   assert(!readers.empty());
   const bool poses = kind == MessageKind::pose;
   const RecordingInfo& info = readers[0].info();
-  if (options.step == 0) return Status::error("ticks: a step of 0 leads nowhere; 1 is every tick");
+  if (Status status = check_step(options); !status.ok()) return status;
   if (!options.columns.empty() || (poses && !options.segments.empty()))
     return Status::error(std::string("columns can't be chosen of ") +
                          (poses ? "posed hands, nor segments" : "contact points"));

@@ -217,7 +217,7 @@ Status write_json(Readers readers, const ExportOptions& options, TextOutput& out
 Status export_recording(std::span<RecordingReader> readers, const ExportOptions& options,
                         const std::string& output) try {
   assert(!readers.empty() && readers.size() <= kMostHands);
-  if (options.step == 0) return Status::error("ticks: a step of 0 leads nowhere; 1 is every tick");
+  if (Status status = check_step(options); !status.ok()) return status;
   std::vector<ExportColumn> columns;
   std::uint64_t rows = 0;
   if (options.format != ExportFormat::json)

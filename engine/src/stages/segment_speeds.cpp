@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "base/shortened.h"
 #include "base/small_turn.h"
 #include "lumbrical/math.h"
 
@@ -36,11 +37,6 @@ bool goes_on(const Twist& speed, double rate) {
          norm(speed.angular_velocity) <= max(kFastestTurn, rate * kLongestTurn);
 }
 
-Vec3 no_faster(double fastest, Vec3 speed) {
-  const double size = norm(speed);
-  return size > fastest ? (fastest / size) * speed : speed;
-}
-
 }  // namespace
 
 Twist speed_between(const Pose& from, const Pose& to, double rate) {
@@ -50,8 +46,8 @@ Twist speed_between(const Pose& from, const Pose& to, double rate) {
 Twist steadied(const Twist& mean, const Twist& now, double rate) {
   if (!goes_on(now, rate)) return {};
   const double share = min(1, 1 / (rate * kSteady));
-  const Vec3 velocity = no_faster(kFastest, now.velocity),
-             turn = no_faster(kFastestTurn, now.angular_velocity);
+  const Vec3 velocity = shortened(now.velocity, kFastest),
+             turn = shortened(now.angular_velocity, kFastestTurn);
   return {mean.velocity + share * (velocity - mean.velocity),
           mean.angular_velocity + share * (turn - mean.angular_velocity)};
 }
