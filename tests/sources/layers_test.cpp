@@ -167,7 +167,7 @@ const Outside kOutside[] = {
     {"(gtest|boost)/.*", "tests/.*"},
     {"benchmark/.*", "bench/.*"},
     {"(btBulletCollisionCommon[.]h|fcl/.*|ode/ode[.]h|embree3/.*)", "bench/peer_\\w+[.]cpp"},
-    {"(btBulletDynamicsCommon[.]h|BulletCollision/.*|LinearMath/.*)",
+    {"(btBulletDynamicsCommon[.]h|Bullet(Collision|Dynamics)/.*|LinearMath/.*)",
      "engine/src/bullet/.*|bench/hold_bullet[.]cpp"},
     {"mujoco/mujoco[.]h", "bench/hold_mujoco[.]cpp"},
 };

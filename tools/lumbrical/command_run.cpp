@@ -117,7 +117,7 @@ Status compare_hand(const SceneFile& scene_file, const Hand& hand, const Motion&
   const auto given_at = [&](double time, const Model& felt, Scratch* last) -> std::span<const ObjectFrame> {
     if (last != nullptr) {
       push_given(felt, *last, given);
-      move_given(time, 1 / scene.settings.rate, given);
+      move_given(time, felt, given);
     }
     return given.frames;
   };

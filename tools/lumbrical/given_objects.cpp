@@ -52,13 +52,13 @@ Status start_given(const SceneFile& scene_file, const Model& model, GivenObjects
 }
 
 void push_given(const Model& model, Scratch& scratch, GivenObjects& given) {
-  if (given.physics.bodies) push_bodies(given.physics, scratch.object_output);
+  if (given.physics.bodies) push_bodies(given.physics, model, scratch);
   push_objects(given.shared, model, scratch);
 }
 
-void move_given(double time, double dt, GivenObjects& given) {
+void move_given(double time, const Model& model, GivenObjects& given) {
   follow_paths(time, given);
-  if (given.physics.bodies) move_bodies(given.physics, dt, given.frames);
+  if (given.physics.bodies) move_bodies(given.physics, model, given.frames);
   move_objects(given.shared, given.frames);
 }
 

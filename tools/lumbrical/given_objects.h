@@ -24,8 +24,9 @@ Scene felt_scene(const SceneFile& scene_file);
 /// this build has not.
 Status start_given(const SceneFile& scene_file, const Model& model, GivenObjects& given);
 
-/// Moves them on to `time` [s], `dt` after the last tick. Before that, push_given what each hand has done.
+/// Moves them on to `time` [s], a tick of `model` after the last one, which is one hand's. Before that,
+/// push_given what each hand has done.
 void push_given(const Model& model, Scratch& scratch, GivenObjects& given);
-void move_given(double time, double dt, GivenObjects& given);
+void move_given(double time, const Model& model, GivenObjects& given);
 
 }  // namespace lumbrical::tool

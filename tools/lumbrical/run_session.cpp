@@ -243,10 +243,11 @@ bool keep_results(RunningSession& session) {
 }
 
 // What is given to the next tick.
-void move_given_objects(std::uint64_t next, double rate, RunningSession& session) {
+void move_given_objects(std::uint64_t next, RunningSession& session) {
   if (session.parts.given == nullptr) return;
   for (MovingHand& hand : session.hands) push_given(hand.hand.model, hand.scratch, *session.parts.given);
-  move_given(static_cast<double>(next) / rate, 1 / rate, *session.parts.given);
+  const Model& model = session.hands.front().hand.model;
+  move_given(static_cast<double>(next) / model.settings.rate, model, *session.parts.given);
 }
 
 }  // namespace
@@ -286,7 +287,7 @@ RunStatistics run_session(const std::vector<SessionHand>& hands, std::uint64_t t
       statistics.world_error = session.pager.failure();
       break;
     }
-    move_given_objects(i + 1, rate, session);
+    move_given_objects(i + 1, session);
     note_times(i, at, session);
     if (!keep_results(session)) break;
     if (progress) progress->update(i + 1, ticks);

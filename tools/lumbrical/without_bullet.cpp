@@ -8,7 +8,7 @@ Status make_bullet_world(const Model&, const BulletOptions&, BulletWorld&) {
       "the scene's bodies are moved by Bullet, which this build has not; install libbullet-dev and build "
       "again");
 }
-void push_bodies(BulletWorld&, std::span<const ObjectOutput>) {}
-void move_bodies(BulletWorld&, double, std::span<ObjectFrame>) {}
+void push_bodies(BulletWorld&, const Model&, Scratch&) {}
+void move_bodies(BulletWorld&, const Model&, std::span<ObjectFrame>) {}
 
 }  // namespace lumbrical

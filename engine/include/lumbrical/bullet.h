@@ -7,17 +7,19 @@
 //   std::vector<ObjectFrame> given = start_frames(model);  // shared_objects.h
 //   for every tick:
 //     output = tick(model, state, scratch, frame, given);
-//     push_bodies(world, scratch.object_output);
-//     move_bodies(world, 1 / model.settings.rate, given);
+//     push_bodies(world, model, scratch);
+//     move_bodies(world, model, given);
 //
-// The last two functions are the whole seam: whoever has another engine writes these two for it. Poses are
-// input of a tick and recorded with it, so a replay needs no physics engine.
+// The last two functions are the whole seam: whoever has another engine writes these two for it, in the
+// simplest case with the wrenches of Scratch::object_output. Poses are input of a tick and recorded with it,
+// so a replay needs no physics engine.
 #pragma once
 
 #include <memory>
 #include <span>
 
 #include "lumbrical/model.h"
+#include "lumbrical/tick.h"
 
 namespace lumbrical {
 
@@ -39,13 +41,15 @@ struct BulletWorld {
 /// Refuses options out of range, a world in a file, and a part of a mesh with a mass that is flat.
 Status make_bullet_world(const Model& model, const BulletOptions& options, BulletWorld& world);
 
-/// Pushes the bodies in the next step by what a hand has done to them in a tick: `outputs` is its
-/// Scratch::object_output. Once for each hand; pushes add up.
-void push_bodies(BulletWorld& world, std::span<const ObjectOutput> outputs);
+/// Pushes the bodies in the next step by what a hand has done to them in a tick of `model`, which has the
+/// world's objects: once for each hand, in the same order every time.
+void push_bodies(BulletWorld& world, const Model& model, Scratch& scratch);
 
-/// Moves everything by `dt` [s]. `given` has the poses for the next tick, of the given objects in their
-/// order: it tells where those without a mass are to be, and is told where the others are. What Bullet has
-/// lost is told as it is, not finite: tick flags it and lets forces fade.
-void move_bodies(BulletWorld& world, double dt, std::span<ObjectFrame> given);
+/// Moves everything by a tick of the world's model. Touches give way like springs within Bullet's own step,
+/// so light things in a firm grip are stable; hands feel that a tick later. `given` has the poses for the
+/// next tick, of the given objects in their order: it tells where those without a mass are to be, and is told
+/// where the others are. What Bullet has lost is told as it is, not finite: tick flags it and lets forces
+/// fade.
+void move_bodies(BulletWorld& world, const Model& model, std::span<ObjectFrame> given);
 
 }  // namespace lumbrical

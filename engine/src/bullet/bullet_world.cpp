@@ -7,6 +7,9 @@
 #include <cmath>
 
 #include "bullet/hull_shape.h"
+#include "bullet/skin_springs.h"
+#include "objects/move_on.h"
+#include "objects/pushing_hands.h"
 #include "objects/told_pose.h"
 
 namespace lumbrical {
@@ -16,12 +19,14 @@ struct BulletBodies {
   struct Given {
     HullShape shape;
     std::unique_ptr<btRigidBody> body;
-    btTransform X_OC;       ///< its centre of mass and main axes in O, in Bullet's units
-    std::size_t place = 0;  ///< in Model::apart
+    std::unique_ptr<SkinSprings> skin;  ///< of one that is moved here
+    btTransform X_OC;                   ///< its centre of mass and main axes in O, in Bullet's units
+    std::size_t place = 0;              ///< in Model::apart
     bool moved_here = false;
     bool told = false;  ///< where it is, of one that goes where it is told
   };
   std::vector<Given> given;
+  PushingHands hands;
   /// Triangles that stand still: the world's, or those of an object apart.
   struct StillMesh {
     std::vector<btScalar> points;
@@ -35,7 +40,7 @@ struct BulletBodies {
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
-  btSequentialImpulseConstraintSolver solver;
+  SoftSolver solver;
   btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
 };
 
@@ -90,6 +95,7 @@ Status add_given(const ApartObject& object, std::size_t place, double friction, 
   // Friction that stops speeds only lets what rests on each other creep, by 0.1 mm a second at 500 Hz.
   added.body->setCollisionFlags(added.body->getCollisionFlags() | btCollisionObject::CF_HAS_FRICTION_ANCHOR);
   added.body->setActivationState(DISABLE_DEACTIVATION);  // a finger may push at any time
+  if (added.moved_here) added.skin = std::make_unique<SkinSprings>(*added.body);
   return {};
 }
 
@@ -138,6 +144,39 @@ void tell(const Pose& pose, BulletBodies::Given& given) {
   given.told = true;
 }
 
+Pose pose_of(const BulletBodies::Given& given) {
+  return from_bullet(given.body->getWorldTransform() * given.X_OC.inverse());
+}
+
+Twist speed_of(const btRigidBody& body) {
+  return {from_bullet(body.getLinearVelocity(), 1 / kUnitsPerMetre),
+          from_bullet(body.getAngularVelocity(), 1)};
+}
+
+// By what hands do as the step begins, and by how that changes as the body gives way: at the speed that it
+// has, here, and as that changes, by springs. How soft skin is where it slips or lifts off tells the step
+// that the body would take with nothing else about.
+void push(const Model& model, std::span<Touch> touches, BulletBodies::Given& given) {
+  given.skin->clear();
+  if (touches.empty()) return;
+  const ApartObject& object = model.apart[given.place];
+  const double dt = 1 / model.settings.rate;
+  const Pose pose = pose_of(given);
+  const Twist speed = speed_of(*given.body);
+  Wrench wrench = wrench_on_object(touches, transform(pose, object.mechanism.body.centre));
+  ObjectState alone{pose, speed.velocity, speed.angular_velocity};
+  move_on(model, object, alone, touches, alone);
+  Matrix6 stiffness{};
+  for (const Touch& touch : touches) {
+    const Wrench change = change_of(touch.spring, speed, dt);
+    wrench = wrench + about(touch.spring.arm, change);
+    add_spring(touch.spring, 1, stiffness);
+  }
+  given.body->applyCentralForce(to_bullet(wrench.force, kUnitsPerMetre));
+  given.body->applyTorque(to_bullet(wrench.torque, kSquare));
+  given.skin->set(stiffness, dt);
+}
+
 }  // namespace
 
 Status make_bullet_world(const Model& model, const BulletOptions& options, BulletWorld& world) {
@@ -157,32 +196,33 @@ Status make_bullet_world(const Model& model, const BulletOptions& options, Bulle
   if (model.ground) add_ground(*model.ground, friction, *bodies);
   bodies->world.getSolverInfo().m_numIterations = kIterations;
   bodies->world.setGravity(to_bullet(model.gravity, kUnitsPerMetre));
-  for (const BulletBodies::Given& body : bodies->given) bodies->world.addRigidBody(body.body.get());
+  bodies->hands.touches = std::vector<PushingHands::OfAll>(model.apart.size());
+  for (const BulletBodies::Given& body : bodies->given) {
+    bodies->world.addRigidBody(body.body.get());
+    if (body.skin) bodies->world.addConstraint(body.skin.get());
+  }
   for (const auto& body : bodies->still) bodies->world.addRigidBody(body.get());
   world.bodies = std::move(bodies);
   return {};
 }
 
-void push_bodies(BulletWorld& world, std::span<const ObjectOutput> outputs) {
-  for (BulletBodies::Given& body : world.bodies->given) {
-    assert(body.place < outputs.size() && "of a tick of the world's own model");
-    const ObjectOutput& out = outputs[body.place];
-    if (!body.moved_here) continue;
-    const Vec3 centre = from_bullet(body.body->getWorldTransform().getOrigin(), 1 / kUnitsPerMetre);
-    const Vec3 torque = out.wrench.torque - cross(centre - out.pose.position, out.wrench.force);
-    body.body->applyCentralForce(to_bullet(out.wrench.force, kUnitsPerMetre));
-    body.body->applyTorque(to_bullet(torque, kSquare));
-  }
+void push_bodies(BulletWorld& world, const Model& model, Scratch& scratch) {
+  if (scratch.touches) add_hand(model, model, scratch, world.bodies->hands);
 }
 
-void move_bodies(BulletWorld& world, double dt, std::span<ObjectFrame> given) {
+void move_bodies(BulletWorld& world, const Model& model, std::span<ObjectFrame> given) {
+  const double dt = 1 / model.settings.rate;
   std::vector<BulletBodies::Given>& bodies = world.bodies->given;
-  for (std::size_t i = 0; i < bodies.size() && i < given.size(); ++i)
-    if (!bodies[i].moved_here) tell(given[i].pose, bodies[i]);
+  for (std::size_t i = 0; i < bodies.size() && i < given.size(); ++i) {
+    if (!bodies[i].moved_here)
+      tell(given[i].pose, bodies[i]);
+    else
+      push(model, world.bodies->hands.touches[bodies[i].place], bodies[i]);
+  }
+  forget_hands(world.bodies->hands);
   world.bodies->world.stepSimulation(dt, 0);
   for (std::size_t i = 0; i < bodies.size() && i < given.size(); ++i)
-    if (bodies[i].moved_here)
-      given[i].pose = from_bullet(bodies[i].body->getWorldTransform() * bodies[i].X_OC.inverse());
+    if (bodies[i].moved_here) given[i].pose = pose_of(bodies[i]);
 }
 
 }  // namespace lumbrical

@@ -44,16 +44,6 @@ std::array<Vec3, 3> axes_with(Vec3 normal) {
   return {normal, first, cross(normal, first)};
 }
 
-void add_spring(const Spring& spring, double scale, Matrix6& to) {
-  const auto [normal, first, second] = axes_with(spring.normal);
-  add_square(scale * spring.along, along(normal, spring.arm), to);
-  add_square(scale * spring.across, along(first, spring.arm), to);
-  add_square(scale * spring.across, along(second, spring.arm), to);
-  add_square(scale * spring.about, vector_of({}, normal), to);
-  add_square(scale * spring.tilt, vector_of({}, first), to);
-  add_square(scale * spring.tilt, vector_of({}, second), to);
-}
-
 Vec3 turned_inertia(const std::array<double, 6>& inertia, Quat orientation, Vec3 spin) {
   const auto& [xx, yy, zz, xy, yz, zx] = inertia;
   const Vec3 w = rotate(conjugate(orientation), spin);
@@ -285,6 +275,16 @@ Wrench change_of(const Spring& spring, const Twist& speed, double dt) {
   const double normal = dot(spring.normal, point), spin = dot(spring.normal, turning);
   return {(-dt * spring.across) * point - (dt * (spring.along - spring.across) * normal) * spring.normal,
           (-dt * spring.tilt) * turning - (dt * (spring.about - spring.tilt) * spin) * spring.normal};
+}
+
+void add_spring(const Spring& spring, double scale, Matrix6& to) {
+  const auto [normal, first, second] = axes_with(spring.normal);
+  add_square(scale * spring.along, along(normal, spring.arm), to);
+  add_square(scale * spring.across, along(first, spring.arm), to);
+  add_square(scale * spring.across, along(second, spring.arm), to);
+  add_square(scale * spring.about, vector_of({}, normal), to);
+  add_square(scale * spring.tilt, vector_of({}, first), to);
+  add_square(scale * spring.tilt, vector_of({}, second), to);
 }
 
 Twist advance_body(const Mechanism& mechanism, const Pose& start, std::span<const Spring> springs,

@@ -41,6 +41,9 @@ Twist advance_body(const Mechanism& mechanism, const Pose& start, std::span<cons
 /// end.
 Wrench change_of(const Spring& spring, const Twist& speed, double dt);
 
+/// Adds its stiffness about the centre of mass, `scale` times.
+void add_spring(const Spring& spring, double scale, Matrix6& to);
+
 /// Whether ticks may have left an object of that mobility so, but for rounding: one that stands still is at
 /// its start, what a joint holds where the joint lets it be.
 bool may_be_at(const Mechanism& mechanism, const Pose& start, const ObjectState& state);

@@ -63,12 +63,8 @@ bool has_jumped(const Joints& joints, double rate, HandState& state) {
   return jumped;
 }
 
-SegmentSpeeds speeds_of(const Model& model, bool trusted, const Primitives& hand,
+SegmentSpeeds speeds_of(double rate, bool trusted, const Primitives& hand,
                         std::optional<MotionState>& motion) {
-  if (!some_object_moves(model) && !(model.settings.pad.damping > 0)) {
-    motion.reset();
-    return {};
-  }
   if (!motion || !trusted) motion = MotionState{};
   if (!trusted) return {};
   const std::uint32_t known = hand.joints.valid & static_cast<std::uint32_t>(motion->valid);
@@ -77,12 +73,19 @@ SegmentSpeeds speeds_of(const Model& model, bool trusted, const Primitives& hand
     Pose& was = motion->segment[i];
     Twist& speed = motion->speed[i];
     const bool known_before = (known >> base_joint_of(i) & 1u) != 0;
-    const double rate = model.settings.rate;
     speed = known_before ? steadied(speed, speed_between(was, X_WS, rate), rate) : Twist{};
     was = X_WS;
   }
   motion->valid = hand.joints.valid;
   return motion->speed;
+}
+
+SegmentSpeeds speeds_asked_for(const Model& model, bool trusted, const Primitives& hand,
+                               std::optional<MotionState>& motion) {
+  if (model.settings.pad.damping > 0 || some_object_moves(model))
+    return speeds_of(model.settings.rate, trusted, hand, motion);
+  motion.reset();
+  return {};
 }
 
 }  // namespace lumbrical

@@ -30,9 +30,13 @@ Twist steadied(const Twist& mean, const Twist& now, double rate);
 /// something else for it, or someone moved the frame that it counts in. Keeps where they are.
 bool has_jumped(const Joints& joints, double rate, HandState& state);
 
-/// Of the placed hand; keeps where it is. All 0 where the model has no use for them (damping, objects that
-/// move), and where there was no tick before that could be trusted.
-SegmentSpeeds speeds_of(const Model& model, bool trusted, const Primitives& hand,
+/// Of the placed hand; keeps where it is. All 0 where there was no tick before that could be trusted.
+SegmentSpeeds speeds_of(double rate, bool trusted, const Primitives& hand,
                         std::optional<MotionState>& motion);
+
+/// As a tick of the model asks for them: all 0, and nothing is kept, where it has no use for them (damping,
+/// objects that move).
+SegmentSpeeds speeds_asked_for(const Model& model, bool trusted, const Primitives& hand,
+                               std::optional<MotionState>& motion);
 
 }  // namespace lumbrical

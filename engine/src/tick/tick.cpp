@@ -136,7 +136,7 @@ ActuatorFrame tick(const Model& model, State& state, Scratch& scratch, const Dev
       placed ? feel(model, scratch, 0, flags) : feel_nothing(model, scratch);
   add_layers(model, scratch, 0, flags, forces);
   if (scratch.proxy) add_pushes(scratch.proxy->pushing, hand, forces);
-  const SegmentSpeeds speeds = speeds_of(model, is_trusted(flags), hand, state.motion);
+  const SegmentSpeeds speeds = speeds_asked_for(model, is_trusted(flags), hand, state.motion);
   damp_pads(model.settings.pad, speeds, hand, forces);
   Findings findings = findings_of(model, scratch);
   if (apart) feel_objects({model, hand, speeds, is_trusted(flags)}, state, scratch, forces, findings, flags);
