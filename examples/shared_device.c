@@ -1,7 +1,7 @@
 // The other end of lumbrical/shared_memory_wire.h: a device without inertia, whose fingers close and open
-// once a second. A real one would write the values to its motors. C99 and POSIX, nothing else of Lumbrical.
+// once a second. A real one would write the values to its motors. C99 and Linux, nothing else of Lumbrical.
 //   shared_device /NAME SECONDS
-#define _POSIX_C_SOURCE 200809L
+#define _GNU_SOURCE
 #include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
@@ -12,9 +12,10 @@
 
 #include "lumbrical/shared_device.h"
 
+// It goes on while the machine is asleep, so that the watchdog has run out when it wakes.
 static double now(void) {
   struct timespec time;
-  clock_gettime(CLOCK_MONOTONIC, &time);
+  clock_gettime(CLOCK_BOOTTIME, &time);
   return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
 }
 

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "recording_fixture.h"
+#include "sanitized.h"
 
 namespace lumbrical {
 namespace {
@@ -17,6 +18,7 @@ using test::cleared;
 using test::random_records;
 using test::read_bytes;
 using test::read_records;
+using test::sanitized_step;
 using test::small_scene;
 using test::temporary_path;
 using test::write_bytes;
@@ -76,13 +78,8 @@ class DamagedRecording : public ::testing::Test {
     }
   }
 
-  // Reading and verifying meet every byte, under sanitizers every eleventh; recovery, which writes a file
-  // each time, fewer.
-#ifdef LUMBRICAL_SANITIZED
-  static constexpr std::size_t kEvery = 11;
-#else
-  static constexpr std::size_t kEvery = 1;
-#endif
+  // Recovery, which writes a file each time, meets fewer bytes than reading and verifying.
+  static constexpr std::size_t kEvery = sanitized_step(37);
   static constexpr std::size_t kRecoverEvery = 29;
   std::string good_path_ = temporary_path("good.mcap"), path_ = temporary_path("damaged.mcap"),
               output_ = temporary_path("output.mcap");
