@@ -5,7 +5,7 @@ import { execFileSync } from "node:child_process";
 import { writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { before, test } from "node:test";
-import { complaints, details, file, kPatience, message, open, openNew, page, program, scene, serve, shot, workerWatch } from "./browser.mjs";
+import { complaints, details, file, kPatience, message, open, openNew, page, program, scene, serve, settled, shot, workerWatch } from "./browser.mjs";
 import { capture, headset, wristAt } from "./headset.mjs";
 
 let lab;
@@ -71,6 +71,22 @@ test("Without a recording the page is a lab, and what was felt in it replays nat
   await shot("lab mesh");
   await contacts();
   await replays("felt mesh.mcap");
+});
+
+test("The camera stays where it was turned to when a setting is changed", async () => {
+  const picture = () => page.locator("#canvas").evaluate((canvas) => canvas.toDataURL());
+  const pictureWith = async (...setting) => {
+    await felt(50);
+    await choose(...setting);
+    await page.waitForFunction(() => Number(document.body.dataset.tick) < 50, null, kPatience);
+    await felt(5);
+    return settled(picture);
+  };
+  await open(lab);
+  for (let i = 0; i < 5; ++i) await page.keyboard.press("d");
+  const before = await settled(picture);
+  assert.ok((await pictureWith("Precision", "1e-2")) === before);
+  assert.ok((await pictureWith("Object", "sphere")) !== before);
 });
 
 test("A motion file that is dropped moves the hand, and what was felt replays natively, bit for bit", async () => {

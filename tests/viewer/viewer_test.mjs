@@ -49,9 +49,7 @@ test("Ticks whose forces the file leaves out are computed in the page", async ()
 test("An object that moves is drawn where it is felt, and tells where that is when clicked", async () => {
   await open(await serve("view", file("lift.mcap"), "--no-browser"));
   await atTick(0);
-  const picture = await page.locator("#scene").boundingBox();
-  await page.mouse.click(picture.x + picture.width / 2, picture.y + picture.height / 2);
-  await page.waitForFunction(() => /stands at/.test(document.querySelector("#details").innerText), null, kPatience);
+  assert.ok(await clickUntil(/stands at/), "no pixel of the mug");
   assert.match(await details(), /object\s+mug\s+stands at\s+0, 0, 0 mm/);
   const line = await page.locator("#timeline").boundingBox();
   await page.mouse.click(line.x + 0.55 * line.width, line.y + 30);
@@ -64,6 +62,39 @@ test("An object that moves is drawn where it is felt, and tells where that is wh
   assert.match(await details(), /triangle\s+\d+\s+(touched by|contact\s+none)/);
   assert.match(await details(), /replayed here\s+the same bits/);
   await shot("lifted");
+});
+
+/** Whether the pointer finds such a thing about the middle of the scene. */
+async function isInTheMiddle(thing) {
+  await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+  const box = await page.locator("#canvas").boundingBox();
+  for (const x of [0.42, 0.5, 0.58])
+    for (const y of [0.4, 0.5, 0.6]) {
+      await page.mouse.move(box.x + x * box.width, box.y + y * box.height);
+      if (thing.test(await page.locator("#tip").evaluate((tip) => (tip.hidden ? "" : tip.innerText)))) return true;
+    }
+  return false;
+}
+const kHeld = /^(mug|thumb|index|middle|ring|little|palm)/;
+
+test("The camera begins, and by its key comes back, before the hand and what it holds, wherever these are in a large world", async () => {
+  const lift = JSON.parse(readFileSync(join(dirname(scene), "mug.json"), "utf8"));
+  lift.objects.push({ name: "table", plane: { extent: 1.6, cells: 8 }, position: [0.7, 0, -0.001] });
+  writeFileSync(file("large.json"), JSON.stringify(lift));
+  execFileSync(program, ["run", file("large.json"), "--ticks", "5600", "--record", file("large.mcap")]);
+  for (const [name, wanted] of [["lift", 5500], ["large", 5500], ["large", 2500]]) {
+    const address = await serve("view", file(`${name}.mcap`), "--no-browser");
+    await open(at(address, wanted));
+    await atTick(wanted);
+    assert.ok(await isInTheMiddle(kHeld), `${name}, tick ${wanted}`);
+    await shot(`framed ${name} ${wanted}`);
+    if (name === "lift") continue;
+    await open(`${at(address, wanted)}&camera=0.5,-0.9,0.5,0,0,0`);
+    await atTick(wanted);
+    assert.equal(await isInTheMiddle(kHeld), false, "a link's own camera");
+    await page.keyboard.press("f");
+    assert.ok(await isInTheMiddle(kHeld), `by the key, tick ${wanted}`);
+  }
 });
 
 test("A world that is a file of its own is not drawn, but hand and forces are, where they were", async () => {
@@ -274,7 +305,7 @@ test("What both hands touch tells of both, wherever it is clicked", async () => 
   const block = { name: "block", box: { size: [0.07, 0.07, 0.12], cells: 2 }, friction: 0.5 };
   writeFileSync(file("block.json"), JSON.stringify({ objects: [block], motion: { file: "hold.json", side: "both" } }));
   execFileSync(program, ["run", file("block.json"), "--record", file("block.mcap")]);
-  await open(at(await serve("view", file("block.mcap"), "--no-browser"), 1100));
+  await open(`${at(await serve("view", file("block.mcap"), "--no-browser"), 1100)}&camera=0.2,-0.27,0.17,0,0,0`);
   await atTick(1100);
   for (let i = 0; i < 15; ++i) await page.keyboard.press("a");  // to the left hand's side
   assert.ok(await clickUntil(/touched by\s+left/), "no triangle that the left hand touches");

@@ -56,7 +56,7 @@ const commands: Command[] = [
   { keys: ["d"], text: "camera to the right", run: () => turn(0.1, 0) },
   { keys: ["w"], text: "camera up", run: () => turn(0, -0.1) },
   { keys: ["s"], text: "camera down", run: () => turn(0, 0.1) },
-  { keys: ["f"], text: "camera to where it began", run: () => view.frameAll() },
+  { keys: ["f"], text: "camera to the hand and what is near it", run: () => view.frameAll() },
   { keys: ["c"], text: "two recordings side by side, or one over the other", run: toggleBeside },
   { keys: ["o"], text: "open a recording", run: () => element("open").click() },
   { keys: ["t"], text: "light or dark", run: toggleTheme },

@@ -2,7 +2,7 @@
 import { makeLab, type Lab } from "./lab";
 import { open } from "./opening";
 import { client, element, rate, say, state, view } from "./page";
-import { take } from "./playing";
+import { frameOpened, take } from "./playing";
 import { setRange } from "./range";
 import { makeColumns, pushRow } from "./series";
 import type { Shown } from "./worker";
@@ -32,6 +32,7 @@ export async function follow() {
   following = true;
   try {
     (await client.newest()).forEach((shown, hand) => feel(hand, shown));
+    if (state.sides.every((side) => side.frame)) frameOpened();
   } catch (error) {
     state.running = false;
     say((error as Error).message, true);

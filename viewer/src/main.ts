@@ -84,8 +84,11 @@ async function openLink(hash: string) {
     view.camera.position.fromArray(given.camera);
     view.controls.target.fromArray(given.camera, 3);
     view.controls.update();
+    state.unframed = false;
+  } else if (!state.live) {
+    state.unframed = true;
   }
-  if (given.tick !== undefined) seek(given.tick);
+  seek(given.tick ?? state.wanted);
   document.body.dataset.ready = "true";
 }
 

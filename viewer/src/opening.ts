@@ -1,7 +1,7 @@
 // Opens recordings and sessions: one, a second beside it, both hands of one, a live one, the lab's.
 import type { Comparison, Divergence } from "./difference";
 import { leaveLab } from "./feeling";
-import { readWorld } from "./frame";
+import { hasSameObjects, readWorld } from "./frame";
 import { client, element, redraw, renew, say, state, view, type Side } from "./page";
 import { seek, setPlaying, show } from "./playing";
 import { makePlots } from "./plots";
@@ -28,6 +28,7 @@ async function openNow(place: number, source: Source, link: string): Promise<Sid
   try {
     const opened = await client.open(place, source);
     const side = sideOf(opened, link);
+    const staysInLab = "lab" in source && state.sides[0]?.opened.name === "lab" && hasSameObjects(state.sides[0].world, side.world);
     if (place === 0) setPlaying(false);
     state.sides = place === 0 ? [side] : [state.sides[0], side];
     state.compared = "not yet";
@@ -39,7 +40,7 @@ async function openNow(place: number, source: Source, link: string): Promise<Sid
     state.pick = undefined;
     view.select(undefined);
     view.setWorld(place, side.world);
-    if (place === 0) beginWith(side);
+    if (place === 0) beginWith(side, !staysInLab);
     if (place === 0 && opened.sides.length > 1) await openSecondHand(source, opened);
     document.body.classList.remove("empty");
     element("name").textContent = state.together ? opened.name : state.sides.map((side) => side.opened.name).join("  and  ");
@@ -72,10 +73,11 @@ async function openSecondHand(source: Source, one: Opened) {
   together(true);
 }
 
-function beginWith({ opened }: Side) {
-  view.setFrame(1, undefined, scales(), 1);
+function beginWith({ opened }: Side, anew: boolean) {
+  for (const place of anew ? [0, 1] : [1]) view.setFrame(place, undefined, scales(), 1);
   state.most = { force: 1, torque: 0.1, pressure: 1000 };
-  view.frameAll();
+  if (anew) view.frameAll();
+  state.unframed = !state.lab;
   state.tick = state.wanted = opened.first;
   state.plots?.destroy();
   state.plots = makePlots(element("plots"), opened.rate, (from, to) => setRange(from * opened.rate, to * opened.rate), (time) => seek(time * opened.rate));

@@ -44,6 +44,7 @@ export const state = {
   plots: undefined as Plots | undefined,
   dirty: true,  // the picture is not that of what is said here
   told: NaN,  // tick that the details are of
+  unframed: false,  // the camera goes to the hands with the next tick
 };
 
 /** The picture is drawn anew. */

@@ -1,6 +1,6 @@
 // Time: which tick is shown, and how the page gets to another.
 import { readFrame } from "./frame";
-import { client, element, first, last, marks, rate, say, state, type Side } from "./page";
+import { client, element, first, last, marks, rate, say, state, view, type Side } from "./page";
 import { pressureOf } from "./pressure";
 import { kArcCount, notice, setFrame } from "./scales";
 import { kMarks } from "./timeline";
@@ -18,7 +18,9 @@ export async function show(tick: number) {
     while (!state.live && (shown !== Math.floor(state.wanted) || sides !== state.sides)) {
       [shown, sides] = [Math.floor(state.wanted), state.sides];
       const ticks = await Promise.all(sides.map((_, place) => client.show(place, shown)));
-      if (sides === state.sides) ticks.forEach((one, place) => take(place, one, shown));
+      if (sides !== state.sides) continue;
+      ticks.forEach((one, place) => take(place, one, shown));
+      frameOpened();
     }
   } catch (error) {
     setPlaying(false);
@@ -40,6 +42,12 @@ export function take(place: number, shown: Shown | undefined, tick: number) {
   notice("torque", jointTorques.slice(0, kArcCount).map((torque) => torque.length()));
   notice("pressure", contacts.map((contact) => pressureOf(contact, side.world)));
   setFrame(place);
+}
+
+/** Of what was opened, once: later the camera is the person's. */
+export function frameOpened() {
+  if (state.unframed) view.frameAll();
+  state.unframed = false;
 }
 
 export function seek(tick: number) {

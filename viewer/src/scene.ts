@@ -27,6 +27,7 @@ export interface View {
   setTogether(together: boolean): void;
   pick(x: number, y: number): Pick | undefined;
   select(pick: Pick | undefined): void;
+  /** The camera before the hands that are shown and what is near them; without hands before the objects. */
   frameAll(): void;
   /** Moves a point in the picture's plane with the pointer [CSS pixels]. */
   drag(point: Vector3, right: number, down: number): void;
@@ -39,6 +40,7 @@ export interface View {
 }
 
 const kSkins = ["#d9a066", "#4f7cac"];
+const kNear = 0.1;  // [m] from a hand
 
 function meshOf(metres: Float64Array, origin: Vector3): Mesh {
   const positions = new Float32Array(metres.length);
@@ -185,10 +187,17 @@ export function makeView(canvas: HTMLCanvasElement, redraw: () => void): View {
       outline.geometry.computeVertexNormals();
     },
     frameAll() {
-      const box = new Box3().setFromObject(things);
-      const radius = Math.min(Math.max(box.isEmpty() ? 0.1 : box.getBoundingSphere(new Sphere()).radius, 0.08), 0.25);
-      controls.target.set(0, 0, 0);
-      camera.position.set(2.2, -2.9, 1.9).multiplyScalar(radius * 1.15);
+      const box = new Box3();
+      const skins = hands.flatMap((hand, place) => (shown[place] ? hand.skins.filter((skin) => skin.visible) : []));
+      for (const { geometry } of skins) box.union(geometry.boundingSphere!.getBoundingBox(new Box3()));
+      const room = box.isEmpty() ? 1.15 : 0.8;
+      const near = box.clone().expandByScalar(kNear);
+      standAs(front());
+      if (box.isEmpty()) box.setFromObject(things);
+      else for (const thing of things.children) box.union(new Box3().setFromObject(thing).intersect(near));
+      const { center, radius } = box.isEmpty() ? new Sphere(new Vector3(), 0.1) : box.getBoundingSphere(new Sphere());
+      controls.target.copy(center);
+      camera.position.set(2.2, -2.9, 1.9).multiplyScalar(Math.min(Math.max(radius, 0.08), 0.25) * room).add(center);
       controls.update();
     },
     drag(point, right, down) {
