@@ -387,6 +387,22 @@ test("Dark, and on a phone: nothing is cut off and no text is small", async () =
   }
 });
 
+test("In a small window the legend leaves the scene to be seen", async () => {
+  for (const [width, height] of [[480, 400], [390, 844], [844, 390]]) {
+    await openNew(at(one, 3980), { viewport: { width, height } });
+    await atTick(3980);
+    await shot(`small ${width}`);
+    const [scene, legend] = await page.evaluate(() => ["canvas", "legend"].map((id) => document.getElementById(id).getBoundingClientRect().toJSON()));
+    const across = Math.max(0, Math.min(scene.right, legend.right) - Math.max(scene.left, legend.left));
+    const down = Math.max(0, Math.min(scene.bottom, legend.bottom) - Math.max(scene.top, legend.top));
+    const covered = (across * down) / (scene.width * scene.height);
+    assert.ok(covered < 0.1, `${width} x ${height}: ${covered} of it is covered`);
+    const { bottom } = await page.locator("main").evaluate((main) => main.getBoundingClientRect().toJSON());
+    assert.ok(scene.bottom <= bottom, `${width} x ${height}: the scene is cut off`);
+    assert.match(await page.locator("#legend").innerText(), /Pa$/m);
+  }
+});
+
 /** In the page, before its own scripts: counts what has to be given back. */
 function countKept() {
   window.kept = { buffers: 0, observed: 0, listeners: 0 };
