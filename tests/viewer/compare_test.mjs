@@ -24,6 +24,44 @@ before(() => {
   execFileSync(program, ["replay", file("first.mcap"), "--stiffness", "1.9e7", "--record", file("second.mcap")]);
 });
 
+/** The recording as if other arithmetic had made it. */
+function asOfOtherArithmetic(name) {
+  const bytes = readFileSync(file(name));
+  const [, here] = /arithmetic (\S+)/.exec(execFileSync(program, ["--version"]));
+  bytes.write("0badbeef", bytes.indexOf(here));
+  return { bytes, here };
+}
+
+test("Where a recording of other arithmetic parts, it is said that the same bits are not promised", async () => {
+  const { bytes, here } = asOfOtherArithmetic("second.mcap");
+  writeFileSync(file("elsewhere.mcap"), bytes);
+  const why = (where) => `. Recorded by other arithmetic (0badbeef, ${where} ${here}): the same bits are not promised.`;
+  await both("first.mcap", "elsewhere.mcap");
+  const { tick, stage, field } = parting("first.mcap", "second.mcap");
+  await atTick(tick);
+  const compared = await details();
+  assert.ok(compared.includes(`They part at tick ${tick}, stage "${stage}", ${field}`) && compared.includes(why("the first")), compared);
+
+  // Its session tells of another stiffness than its ticks are of. An attachment ends with its check sum, 0 for none.
+  const [name, stiffness] = [Buffer.from("\x07\0\0\0session"), Buffer.alloc(8)];
+  stiffness.writeDoubleLE(1.9e7);
+  const start = bytes.indexOf(name) - 16;
+  const end = start + Number(bytes.readBigUInt64LE(start - 8)) - 4;
+  bytes.writeDoubleLE(2e7, bytes.indexOf(stiffness, start));
+  bytes.writeUInt32LE(0, end);
+  writeFileSync(file("elsewhere.mcap"), bytes);
+  await open(`${await serve("view", file("elsewhere.mcap"), "--no-browser")}&tick=${tick}`);
+  await atTick(tick);
+  const replayed = await details();
+  assert.ok(/replayed here\s+parts from the file/.test(replayed) && replayed.includes(why("here")), replayed);
+  bytes.write(here, bytes.indexOf("0badbeef"));
+  writeFileSync(file("elsewhere.mcap"), bytes);
+  await open(`${await serve("view", file("elsewhere.mcap"), "--no-browser")}&tick=${tick}`);
+  await atTick(tick);
+  assert.match(await details(), /replayed here\s+parts from the file/);
+  assert.doesNotMatch(await details(), /arithmetic/);
+});
+
 /** [kPa] Side by side, what both recordings tell of one segment that touches something. */
 async function pressures() {
   const box = await page.locator("#canvas").boundingBox();

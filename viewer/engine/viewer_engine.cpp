@@ -347,6 +347,9 @@ PAGE_MAY_CALL(show) bool show_tick(std::uint32_t size) {
   return true;
 }
 
+/// Answers which results ticks have here.
+PAGE_MAY_CALL(arithmetic) void answer_arithmetic() { answer_text(arithmetic_version()); }
+
 // ---- The lab: a session made in the page
 // --------------------------------------------------------------------------
 

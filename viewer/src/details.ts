@@ -4,7 +4,8 @@ import type { Frame, World } from "./frame";
 import { largest } from "./largest";
 import { pressureOf } from "./pressure";
 import type { Pick } from "./scene";
-import { brief, jointOf, kDeviceStates, kSegments, kTickFlags } from "./words";
+import type { Opened } from "./worker";
+import { arithmeticText, brief, jointOf, kDeviceStates, kSegments, kTickFlags } from "./words";
 
 type Rows = [term: string, text: string][];
 
@@ -36,7 +37,7 @@ function countText({ contacts, knowsObjects }: Frame, noContacts: string): strin
   return knowsObjects ? `${contacts.length} triangles of objects that move or rub; ` : "";
 }
 
-export function tickRows(frame: Frame, milliseconds: number, world: World, noContacts: string, live: boolean): Rows {
+export function tickRows(frame: Frame, milliseconds: number, world: World, { noContacts, metadata, arithmetic }: Opened, live: boolean): Rows {
   const total = frame.forces.reduce((sum, force) => sum.add(force), new Vector3());
   const rows: Rows = [
     ["tick", `${frame.tick} at ${(frame.tick / world.rate).toFixed(3)} s`],
@@ -55,7 +56,10 @@ export function tickRows(frame: Frame, milliseconds: number, world: World, noCon
   }
   if (frame.leftOut) rows.push(["forces", noContacts ? "not in the file" : "not in the file; computed here"]);
   if (noContacts) rows.push(["contacts", noContacts]);
-  else if (frame.differs !== undefined && !live) rows.push(["replayed here", frame.differs ? `parts from the file at stage "${frame.differs}"` : "the same bits"]);
+  else if (frame.differs !== undefined && !live) {
+    const parts = `parts from the file at stage "${frame.differs}"${arithmeticText(metadata.get("arithmetic"), "here", arithmetic)}`;
+    rows.push(["replayed here", frame.differs ? parts : "the same bits"]);
+  }
   return rows;
 }
 

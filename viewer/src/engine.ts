@@ -10,6 +10,8 @@ export interface Engine {
   pass(message: Uint8Array): boolean;
   /** Computes a tick and returns a TickView. */
   show(message: Uint8Array): Uint8Array;
+  /** Which results ticks have here, as a recording's metadata "arithmetic" tells it. */
+  arithmetic(): string;
   /** A session of the lab: its message. A motion in its options moves the hand from then on. */
   makeSession(options: LabOptions): Uint8Array;
   /** Of tick messages, in binary. */
@@ -49,6 +51,7 @@ interface Exports {
   pass(size: number): number;
   is_recorded_state(): number;
   show(size: number): number;
+  arithmetic(): void;
   read_motion(size: number, side: number, unit: number): number;
   make_session(object: number, size: number, metres: number, law: number, precision: number, stiffness: number, rate: number): number;
   schema(): void;
@@ -110,6 +113,10 @@ export async function loadEngine(wasm: BufferSource): Promise<Engine> {
       put(message);
       must(exports.show(message.length));
       return answer();
+    },
+    arithmetic() {
+      exports.arithmetic();
+      return answerText();
     },
     makeSession({ object, mesh, motion, law, precision, stiffness, rate }) {
       if (motion) must(exports.read_motion(putFile(motion), motion.side, motion.unit));

@@ -29,7 +29,7 @@ function drawTick() {
   const place = state.together ? pick?.place ?? 0 : 0;  // of two recordings the first
   const { frame, missing, world, milliseconds, opened } = state.sides[place] ?? side;
   if (frame) {
-    const rows = tickRows(frame, milliseconds, world, opened.noContacts, state.live);
+    const rows = tickRows(frame, milliseconds, world, opened, state.live);
     if (state.together) rows.unshift(["hand", opened.sides[place]]);
     else if (state.sides.length > 1) rows.push(["compared", state.compared]);
     if (view.hasOtherObjects(1) && state.sides.length > 1) rows.push(["the second", "has other objects: these and contacts with them are not drawn"]);

@@ -8,7 +8,7 @@ import { makePlots } from "./plots";
 import { fillPlots, setRange, showsWindow } from "./range";
 import { kArcCount, notice, scales, whole } from "./scales";
 import { kForce, kTorque } from "./series";
-import { kSegmentCount } from "./words";
+import { arithmeticText, kSegmentCount } from "./words";
 import type { Opened, Source } from "./worker";
 
 let openings: Promise<unknown> = Promise.resolve();
@@ -101,7 +101,9 @@ async function compareWith(side: Side) {
 }
 
 function divergenceText({ hand, tick, stage, field, a, b }: Divergence): string {
-  return `They part at tick ${tick}${hand && ` of the ${hand} hand`}, stage "${stage}", ${field}${a || b ? `: ${a} and ${b}` : ""}`;
+  const [first, second] = state.sides.map(({ opened }) => opened.metadata.get("arithmetic"));
+  const why = stage === "input" ? "" : arithmeticText(second, "the first", first);
+  return `They part at tick ${tick}${hand && ` of the ${hand} hand`}, stage "${stage}", ${field}${a || b ? `: ${a} and ${b}` : ""}${why}`;
 }
 
 function samenessText({ hands, ticks, missing }: Comparison): string {

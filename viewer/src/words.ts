@@ -26,6 +26,12 @@ export const kTickFlags = [
 export const kDeviceStates = ["disconnected", "idle", "armed", "active", "fault"];
 export const kFault = 4;
 
+/** Why other bits are no fault, in the words of `lumbrical replay`; empty: it is one, or that is not known. */
+export function arithmeticText(recorded: string | undefined, where: string, other: string | undefined): string {
+  if (!recorded || !other || recorded === other) return "";
+  return `. Recorded by other arithmetic (${recorded}, ${where} ${other}): the same bits are not promised.`;
+}
+
 /** 1234.5678 as "1235", 0.00012345 as "0.000123": three digits that matter. */
 export function brief(value: number): string {
   if (!Number.isFinite(value)) return "-";

@@ -22,6 +22,7 @@ export interface Opened {
   last: number;
   metadata: ReadonlyMap<string, string>;
   noContacts: string;  // why there are none, but where a frame knows those with objects; empty: there are
+  arithmetic?: string;  // by which it is replayed
 }
 
 export interface Shown {
@@ -107,10 +108,11 @@ async function open(place: number, source: Source): Promise<Opened> {
   const recording = await openRecording(bytes, source.hand);
   const isOther = place === 1 && source.hand === undefined;  // not the first one's second hand
   const opened: Place = { bytes, recording, other: isOther ? places[0]?.recording : undefined };
-  let noContacts = "";
+  let noContacts = "", arithmetic: string | undefined;
   try {
     const engine = await loadEngine(wasm);
     noContacts = engine.open(recording.session, recording.state, recording.hand);
+    arithmetic = engine.arithmetic();
     opened.show = makeReplay(engine, recording);
   } catch (error) {
     if (error instanceof Refusal) throw new Error(`${bytes.name}: ${error.message}`);
@@ -125,7 +127,7 @@ async function open(place: number, source: Source): Promise<Opened> {
   });
   setTimeout(overview, kBeforeScan);
   const { name, sides, bytes: size, session, rate, first, last, metadata } = recording;
-  return { name, sides, bytes: size, session, rate, first, last, metadata, noContacts };
+  return { name, sides, bytes: size, session, rate, first, last, metadata, noContacts, arithmetic };
 }
 
 async function show({ recording, show }: Place, tick: number): Promise<Shown | undefined> {
