@@ -170,6 +170,34 @@ TEST(BothHands, PrecisionsAreComparedHandByHand) {
   EXPECT_NE(text.find("\n1e-4 "), std::string::npos) << text;
 }
 
+// By one hand alone it would be knocked away.
+TEST(BothHands, PrecisionsAreComparedWhereBothHoldWhatMoves) {
+  const fs::path folder = folder_with_both();
+  nlohmann::json scene = nlohmann::json::parse(read_file(folder / "scene.json"));
+  scene["objects"][0].update({{"moves", "free"}, {"mass", 0.2}, {"friction", 0.8}});
+  std::ofstream(folder / "free.json") << scene;
+  ASSERT_EQ(lumbrical("run free.json --ticks 2000 --record free.mcap", folder).exit_code, 0);
+  const nlohmann::json both =
+      lumbrical("run free.json --compare-precision --ticks 2000 --json", folder).json()["hands"];
+  ASSERT_EQ(both.size(), 2u);
+  for (const nlohmann::json& hand : both) {
+    const std::string side = hand["side"];
+    const Outcome ticks = lumbrical("export free.mcap --format json --side " + side, folder);
+    std::istringstream lines(ticks.output);
+    int felt = 0;
+    for (std::string line; std::getline(lines, line);) {
+      double force = 0;
+      const nlohmann::json record = nlohmann::json::parse(line);
+      for (const nlohmann::json& segment : record["output"]["segment"]) {
+        const std::array<double, 3> its = segment["force"];
+        force += norm(Vec3{its[0], its[1], its[2]});
+      }
+      felt += force > 0.05 ? 1 : 0;
+    }
+    EXPECT_NEAR(hand["ticks"], felt, 0.02 * felt) << side;
+  }
+}
+
 TEST(BothHands, AreFeltOnAWorldFileAsOnItsObjects) {
   const fs::path folder = folder_with_both();
   ASSERT_EQ(lumbrical("world scene.json -o cup.world", folder).exit_code, 0);

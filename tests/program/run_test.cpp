@@ -287,6 +287,25 @@ TEST(CommandLine, PrecisionsOfMixedLawsAreComparedWithWhatFeelsTheSame) {
   EXPECT_EQ(shell(exactly, folder).json()["advised"], 0) << "no precision changes anything";
 }
 
+// The thumb and the fingers that a grasp of something thin brings together.
+TEST(CommandLine, ExactIsComparedAsTheSceneWouldFeelItToo) {
+  const fs::path folder = fresh_folder();
+  const auto compared = [&](const std::string& settings, const std::string& form) {
+    std::ofstream(folder / "thin.json") << R"({"objects": [{"mug": {"radius": 0.02}}],
+    "motion": {"grasp": {"seconds": 2, "radius": 0.02}}, "settings": {)"
+                                        << settings << "}}";
+    return shell("lumbrical run thin.json --compare-precision --ticks 2000" + form, folder);
+  };
+  const nlohmann::json usual = compared("", " --json").json();
+  ASSERT_TRUE(usual.contains("exact_for_each")) << usual;
+  EXPECT_GT(usual["exact_for_each"]["hand_error"]["max"], 1e-3);
+  EXPECT_EQ(usual["rungs"][0]["hand_error"]["max"], 0);
+  EXPECT_FALSE(compared(R"("felt_once": "always")", " --json").json().contains("exact_for_each"));
+  const std::string text = compared(R"("precision": 0)", "").output;
+  EXPECT_NE(text.find("--precision exact and \"felt_once\": \"always\" in the scene"), std::string::npos)
+      << text;
+}
+
 TEST(CommandLine, AdviceOfAPrecisionForASceneThatMixesThemSaysThatItIsForAllSegments) {
   const fs::path folder = fresh_folder();
   const auto advice = [&](const std::string& settings) {

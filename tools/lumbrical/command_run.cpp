@@ -104,40 +104,63 @@ std::string execution_text(const Execution& execution) {
          ", " + std::to_string(execution.threads) + " thread(s)";
 }
 
-// One hand of a session, and objects that move as they do in one.
-Status compare_hand(const SceneFile& scene_file, const Hand& hand, const Motion& motion, double seconds,
-                    PrecisionComparison& comparison) {
+/// A hand that moves objects, too, while another one is compared.
+struct HandBeside {
+  Motion motion;
+  Model model;
+  Scratch scratch;
+  State state;
+};
+
+Status set_beside(const Model& world, const SecondHand& hand, std::optional<HandBeside>& beside) {
+  HandBeside& made = beside.emplace();
+  made.motion = hand.motion;
+  if (Status status = share_world(world, hand.hand, made.model); !status.ok()) return status;
+  made.scratch = make_scratch(made.model);
+  made.state = make_state(made.model);
+  return {};
+}
+
+// One hand of a session, and objects that move as they do in one, by the other hand, too.
+Status compare_hand(const SceneFile& scene_file, const SecondHand& compared, const SecondHand* other,
+                    double seconds, PrecisionComparison& comparison) {
   Scene scene = felt_scene(scene_file);
-  scene.hand = hand;
+  scene.hand = compared.hand;
   Model model;
   GivenObjects given;
+  std::optional<HandBeside> beside;
   Status status = build_model(scene, scene_file.execution, model);
   if (status.ok()) status = start_given(scene_file, model, given);
+  if (status.ok() && other != nullptr) status = set_beside(model, *other, beside);
   if (!status.ok()) return status;
   const auto given_at = [&](double time, const Model& felt, Scratch* last) -> std::span<const ObjectFrame> {
     if (last != nullptr) {
       push_given(felt, *last, given);
+      if (beside) push_given(beside->model, beside->scratch, given);
       move_given(time, felt, given);
     }
+    if (beside)
+      tick(beside->model, beside->state, beside->scratch, resample(beside->motion, time), given.frames);
     return given.frames;
   };
-  return compare_precision(scene, scene_file.execution, motion, seconds, given_at, comparison);
+  return compare_precision(scene, scene_file.execution, compared.motion, seconds, given_at, comparison);
 }
 
-// Of two hands each by itself: what one touches costs the other nothing.
 int run_comparison(const RunOptions& options, const SceneFile& scene_file) {
   if (options.view || !options.record.empty() || options.sink != "null")
     return fail("--compare-precision: runs no session; leave out --record, --sink and --view");
   double seconds = scene_file.seconds;
   if (options.ticks) seconds = static_cast<double>(*options.ticks) / scene_file.scene.settings.rate;
   std::vector<HandComparison> hands;
-  const auto compare = [&](const Hand& hand, const Motion& motion) {
+  const auto compare = [&](const SecondHand& hand, const SecondHand* other) {
     HandComparison& added = hands.emplace_back();
-    added.side = hand.side;
-    return compare_hand(scene_file, hand, motion, seconds, added.comparison);
+    added.side = hand.hand.side;
+    return compare_hand(scene_file, hand, other, seconds, added.comparison);
   };
-  Status status = compare(scene_file.scene.hand, scene_file.motion);
-  if (status.ok() && scene_file.second) status = compare(scene_file.second->hand, scene_file.second->motion);
+  const SecondHand first{scene_file.scene.hand, scene_file.motion};
+  const SecondHand* const second = scene_file.second ? &*scene_file.second : nullptr;
+  Status status = compare(first, second);
+  if (status.ok() && second != nullptr) status = compare(*second, &first);
   return status.ok() ? print_comparison(hands, options.json) : fail(options.scene + ": " + status.message());
 }
 

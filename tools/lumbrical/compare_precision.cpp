@@ -96,16 +96,26 @@ Settings without_limits(Settings settings) {
   return settings;
 }
 
-// Of the exact rung too what the others feel once is felt once, or it would not be what they are held
-// against. Where laws are mixed it can't be, and no rung does.
-Settings settings_of(const Settings& given, double precision) {
+Settings at_precision(const Settings& given, double precision) {
   Settings settings = without_limits(given);
   settings.precision.fill(precision);
-  const bool by_field =
-      std::all_of(given.law.begin(), given.law.end(), [](Law law) { return law == Law::field; });
-  if (given.felt_once == FeltOnce::by_samples && !by_field)
+  return settings;
+}
+
+// Where laws are mixed nothing can be felt once, and by no rung is.
+bool feels_once_by_samples(const Settings& settings) {
+  return settings.felt_once == FeltOnce::by_samples &&
+         std::all_of(settings.law.begin(), settings.law.end(), [](Law law) { return law == Law::field; });
+}
+
+// Of the exact rung too what the others feel once is felt once, or it would not be what they are held
+// against.
+Settings settings_of(const Settings& given, double precision) {
+  Settings settings = at_precision(given, precision);
+  if (given.felt_once != FeltOnce::by_samples) return settings;
+  if (!feels_once_by_samples(given))
     settings.felt_once = FeltOnce::never;
-  else if (given.felt_once == FeltOnce::by_samples && precision == 0)
+  else if (precision == 0)
     settings.felt_once = FeltOnce::always;
   return settings;
 }
@@ -124,11 +134,11 @@ bool remembers(const Model& model) {
   return !model.apart.empty() || model.settings.proxy_stiffness > 0 || model.settings.pad.damping > 0;
 }
 
-using Rungs = std::array<Rung, kRungs.size()>;
+using Rungs = std::vector<Rung>;
 
 void compare_at(const DeviceFrame& frame, std::span<const ObjectFrame> given, Rungs& rungs,
                 PrecisionComparison& comparison) {
-  std::array<double, kRungs.size()> microseconds;
+  std::vector<double> microseconds(rungs.size());
   for (std::size_t i = 0; i < rungs.size(); ++i) microseconds[i] = time_tick(frame, given, rungs[i]);
   if (!(force_size(rungs[0].output) > kLeastForce)) return;
   ++comparison.ticks;
@@ -173,11 +183,13 @@ void compare_session(const Motion& motion, double rate, std::uint64_t ticks, con
 
 Status compare_precision(const Scene& scene, const Execution& execution, const Motion& motion, double seconds,
                          const GivenAt& given_at, PrecisionComparison& comparison) {
-  Rungs rungs;
-  for (std::size_t i = 0; i < kRungs.size(); ++i) {
-    const Settings settings = settings_of(scene.settings, kRungs[i]);
-    if (Status status = make_rung(scene, settings, execution, rungs[i]); !status.ok()) return status;
-  }
+  std::vector<Settings> settings;
+  for (const double precision : kRungs) settings.push_back(settings_of(scene.settings, precision));
+  const bool for_each_too = feels_once_by_samples(scene.settings);
+  if (for_each_too) settings.push_back(at_precision(scene.settings, 0));
+  Rungs rungs(settings.size());
+  for (std::size_t i = 0; i < rungs.size(); ++i)
+    if (Status status = make_rung(scene, settings[i], execution, rungs[i]); !status.ok()) return status;
   const double rate = scene.settings.rate;
   const std::uint64_t ticks = tick_count(seconds, rate);
   if (remembers(rungs[0].model)) {
@@ -189,7 +201,9 @@ Status compare_precision(const Scene& scene, const Execution& execution, const M
     compare_moments(motion, rate, ticks, rungs, comparison);
   }
   comparison.contacts /= std::max<double>(1, static_cast<double>(comparison.ticks));
-  for (std::size_t i = 0; i < rungs.size(); ++i) comparison.rungs.push_back(figures_of(kRungs[i], rungs[i]));
+  for (std::size_t i = 0; i < kRungs.size(); ++i) comparison.rungs.push_back(figures_of(kRungs[i], rungs[i]));
+  if (for_each_too) comparison.exact_for_each = figures_of(0, rungs.back());
+  if (for_each_too && !(comparison.exact_for_each->worst_hand_error > 0)) comparison.exact_for_each.reset();
   comparison.advised = advised_rung(comparison.rungs, precision_wanted(scene.settings));
   const auto& precision = scene.settings.precision;
   comparison.mixed = std::any_of(precision.begin(), precision.end(),

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,6 +26,9 @@ struct PrecisionComparison {
   std::uint64_t ticks = 0;              ///< in which the hand felt more than kLeastForce
   double contacts = 0;                  ///< of those ticks, mean
   std::vector<PrecisionFigures> rungs;  ///< exact first, then finer to coarser
+  /// Exact as the scene has it, where that feels for each part what several hold together: the exact rung,
+  /// which others are held against, feels it once (FeltOnce::always).
+  std::optional<PrecisionFigures> exact_for_each;
   /// The quickest rung that keeps the precision the scene asks for: the finest of its segments by samples.
   std::size_t advised = 0;
   bool mixed = false;  ///< the scene asks for several, in the place of which the advised one is for all

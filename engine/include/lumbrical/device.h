@@ -98,7 +98,8 @@ struct ActuatorFrame : HandForces {
   std::uint32_t contact_count = 0;
   std::uint64_t evaluations = 0;  ///< of a field, by samples: what Settings::effort bounds
   /// [N] About what samples may be off, all sampled segments together, before limits: measured, no bound. 98
-  /// % of ticks stay below it, the worst seen were ten times as far off (docs/mechanics.md).
+  /// % of ticks stay below it, 90 % where a bound on effort takes some of their levels, by up to twice; the
+  /// worst seen were ten times as far off (docs/mechanics.md).
   double error_estimate = 0;
   /// [N] Bound of what the integrals behind all forces together may be off, before limits. Positions are
   /// rounded besides, which is more from a kilometre off the origin on.
